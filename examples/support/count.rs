@@ -1,0 +1,95 @@
+//! Counts executed instructions on QEMU's netduinoplus2, to the instruction.
+//!
+//! Under `-icount shift=8` every instruction takes 2⁸ ns of the emulated time. `SysTick` runs there
+//! from its reference clock, an eighth of 168 MHz:
+//!
+//! ```text
+//! ticks an instruction = 256 ns · 21 MHz = 5.376 = 672 / 125
+//! ```
+//!
+//! More than one tick an instruction, so rounding the ticks gives the exact count. The 24-bit
+//! counter wraps after 3.1 million instructions; a batch that long panics instead of misleading.
+//! These are instructions, not cycles: a Cortex-M4F takes a little longer for loads, branches and
+//! divisions.
+
+/// The `SysTick` as an instruction counter.
+pub struct Counter {
+    #[cfg(target_os = "none")]
+    timer: cortex_m::peripheral::SYST,
+}
+
+#[cfg(not(target_os = "none"))]
+impl Counter {
+    /// The host has no such counter.
+    pub const fn new() -> Option<Self> {
+        None
+    }
+
+    /// Never reached: the host gets no counter.
+    pub fn instructions_per_call(&mut self, _calls: u32, _kernel: impl FnMut(u32)) -> u32 {
+        0
+    }
+}
+
+#[cfg(target_os = "none")]
+mod on_target {
+    use core::hint::black_box;
+
+    use cortex_m::asm;
+    use cortex_m::peripheral::{Peripherals, SYST, syst::SystClkSource};
+
+    use super::Counter;
+
+    const LAST: u32 = 0x00ff_ffff;
+
+    impl Counter {
+        /// The counter; there is one. It first counts a stretch whose length is known, because an
+        /// emulator that clocks its `SysTick` otherwise would give plausible, wrong figures.
+        pub fn new() -> Option<Self> {
+            let mut timer = Peripherals::take()?.SYST;
+            timer.set_clock_source(SystClkSource::External);
+            timer.set_reload(LAST);
+            let mut counter = Self { timer };
+            let four = counter.instructions_per_call(100, |_| {
+                asm::nop();
+                asm::nop();
+                asm::nop();
+                asm::nop();
+            });
+            assert_eq!(four, 4, "not the SysTick clock this counter was made for");
+            Some(counter)
+        }
+
+        /// Instructions of one `kernel(k)`, averaged over k = 0 … `calls` − 1 and rounded; the
+        /// loop around it is measured empty and subtracted. What goes into the kernel and what it
+        /// gives must pass through `black_box`, or the optimiser removes the work.
+        pub fn instructions_per_call(&mut self, calls: u32, mut kernel: impl FnMut(u32)) -> u32 {
+            let empty = self.batch(calls, |k| {
+                black_box(k);
+            });
+            let full = self.batch(calls, |k| kernel(black_box(k)));
+            (full.saturating_sub(empty) + calls / 2) / calls
+        }
+
+        /// Not inlined, so that every kernel gets the same loop and the same two readings.
+        #[inline(never)]
+        fn batch(&mut self, calls: u32, mut kernel: impl FnMut(u32)) -> u32 {
+            self.timer.clear_current();
+            self.timer.enable_counter();
+            let start = SYST::get_current();
+            for k in 0..calls {
+                kernel(k);
+            }
+            let end = SYST::get_current();
+            assert!(!self.timer.has_wrapped(), "too many calls for the 24-bit counter");
+            self.timer.disable_counter();
+            instructions(start.wrapping_sub(end) & LAST)
+        }
+    }
+
+    /// Ticks to instructions, 125/672 of them, rounded.
+    const fn instructions(ticks: u32) -> u32 {
+        // In parts, since ticks · 125 overflows; 672 ticks are exactly 125 instructions.
+        ticks / 672 * 125 + (ticks % 672 * 125 + 336) / 672
+    }
+}

@@ -1,0 +1,38 @@
+//! What the examples share: one source that runs on the drive's chip and on the host.
+//!
+//! An example declares `#[macro_use] mod support;`, ends in `main!(run);` and prints with `say!`.
+//! On the host that is a plain `main` and `println!`; on the target it is the reset handler and
+//! semihosting, which a debug probe and QEMU both understand. This is a folder without a `main.rs`,
+//! so that cargo does not take it for an example of its own.
+
+#[allow(dead_code, reason = "only `measure` counts instructions")]
+pub mod count;
+#[cfg(target_os = "none")]
+pub mod target;
+
+/// The program's entry: runs the function, and on the target then ends the semihosting session.
+macro_rules! main {
+    ($run:path) => {
+        #[cfg(not(target_os = "none"))]
+        fn main() {
+            $run();
+        }
+
+        #[cfg(target_os = "none")]
+        #[cortex_m_rt::entry]
+        fn main() -> ! {
+            $run();
+            $crate::support::target::succeed()
+        }
+    };
+}
+
+/// Prints one line; formats like `println!`.
+macro_rules! say {
+    ($($words:tt)*) => {{
+        #[cfg(not(target_os = "none"))]
+        println!($($words)*);
+        #[cfg(target_os = "none")]
+        $crate::support::target::say(format_args!($($words)*));
+    }};
+}

@@ -1,0 +1,62 @@
+//! Batch identification against the open reference set: estimates of an independent program on simulated traces.
+
+use std::path::Path;
+
+use host_tests::{data, table};
+use workbench::identify::{Method, Order, Structure, estimate};
+use workbench::trace::{Channels, Trace, read, stem};
+
+fn traces(folder: &Path, input: &str) -> Vec<Trace> {
+    let u1 = if input == "err" { "velocity_ref_rad_s-velocity_rad_s" } else { "velocity_ref_rad_s" };
+    let channels = Channels { y: "current_a".into(), u1: u1.into(), u2: "load_torque_nm".into() };
+    read(&[folder.to_path_buf()], &channels).expect("readable traces")
+}
+
+/// Largest deviation of parameters, relative to the reference, and of the fit in percent points.
+fn deviation(method: Method, input: &str, order: Order) -> Option<(f64, f64)> {
+    let folder = data("dc_motor_reference")?;
+    let name = if method == Method::Ls { "ls" } else { "iv4" };
+    let digits: String = order.to_array().iter().map(ToString::to_string).collect();
+    let (_, reference) = table(&folder.join(format!("{name}_{input}_{digits}.csv")));
+    let traces = traces(&folder, input);
+    assert_eq!((traces.len(), reference.len()), (12, 12));
+    let structure = Structure { order, offset: false };
+    let mut worst = (0.0_f64, 0.0_f64);
+    for (id, row) in reference {
+        let trace = traces.iter().find(|t| stem(&t.id) == stem(&id)).expect("trace of the reference");
+        let got = estimate(trace, structure, method).expect("well posed");
+        let (fit, theta) = row.split_last().expect("a fit in the last column");
+        for (got, want) in got.theta.iter().zip(theta) {
+            worst.0 = worst.0.max((got - want).abs() / want.abs());
+        }
+        worst.1 = worst.1.max((got.fit_percent - fit).abs());
+    }
+    println!("{name} {input} {digits}: parameters {:.1e} relative, fit {:.1e} points", worst.0, worst.1);
+    Some(worst)
+}
+
+const CASES: [(&str, Order); 4] = [
+    ("ref", Order::new(2, 1, 2, 1, 1)),
+    ("ref", Order::new(3, 1, 2, 1, 1)),
+    ("err", Order::new(2, 2, 2, 1, 1)),
+    ("err", Order::new(3, 3, 3, 1, 1)),
+];
+
+#[test]
+fn least_squares_matches_the_reference() {
+    for (input, order) in CASES {
+        let Some((theta, fit)) = deviation(Method::Ls, input, order) else { return };
+        // The references carry 12 digits; exact agreement of more than that would be a comparison with ourselves.
+        assert!(theta <= 1e-6 && theta > 0.0, "{theta}");
+        assert!(fit <= 1e-6, "{fit}");
+    }
+}
+
+#[test]
+fn iv4_matches_the_reference() {
+    for (input, order) in CASES {
+        let Some((theta, fit)) = deviation(Method::Iv4, input, order) else { return };
+        assert!(theta <= 1e-5 && theta > 0.0, "{theta}");
+        assert!(fit <= 1e-4, "{fit}");
+    }
+}

@@ -1,0 +1,44 @@
+//! First wing: signals of the drive → clean samples.
+//!
+//! [`FrontEnd`] is the face of the wing: phase currents and shaft angle in, direct and quadrature current out.
+
+pub mod angle;
+pub mod decimate;
+pub mod frame;
+
+pub use angle::{Angle, SinCos};
+pub use decimate::BlockMean;
+pub use frame::{Abc, AlphaBeta, Dq0, Park};
+
+/// Phase currents and mechanical shaft angle → currents in the rotor frame.
+///
+/// The electrical angle is `pole_pairs · shaft + electrical_offset`, in wrapping integers, so it never drifts
+/// however long the drive runs. Integrating a velocity instead would: the transform is extremely sensitive to the
+/// angle (thesis Fig. 5.35).
+///
+/// ```
+/// use bearing_watch::{Abc, Angle, FrontEnd, Park};
+/// let front = FrontEnd { pole_pairs: 6, electrical_offset: Angle::ZERO, park: Park::Standard };
+/// // A current vector 90° (electrical) ahead of the magnet axis is all quadrature current.
+/// let dq = front.transform(Abc::from_two(0.0, 8.660_254), Angle::ZERO);
+/// assert!((dq.q - 10.0).abs() < 1e-5 && dq.d.abs() < 1e-5);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrontEnd {
+    /// Pole pairs of the motor (electrical turns a mechanical turn).
+    pub pole_pairs: u32,
+    /// Electrical angle of the magnet axis when the shaft angle reads zero.
+    pub electrical_offset: Angle,
+    /// Sign convention of the quadrature axis.
+    pub park: Park,
+}
+
+impl FrontEnd {
+    /// Transforms one set of phase currents sampled at shaft angle `shaft`.
+    #[inline]
+    #[must_use]
+    pub fn transform(&self, currents: Abc, shaft: Angle) -> Dq0 {
+        let electrical = shaft.times(self.pole_pairs).plus(self.electrical_offset);
+        self.park.forward(currents.clarke(), electrical.sin_cos())
+    }
+}

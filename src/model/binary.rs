@@ -1,0 +1,281 @@
+//! The model as bytes, for drives that load it at run time, and for files.
+//!
+//! ```text
+//! "BWMD"  version u16  flags u16  payload length u32  notes length u32  payload  notes  CRC-32 u32
+//! ```
+//!
+//! Little-endian. The CRC (ISO-HDLC, the one of zip and Ethernet) covers everything before it, and every burst of up
+//! to 32 bits changes it, so each corrupted byte is found. The payload holds only what is in use, so a detector of
+//! any sufficient capacity reads it. The notes are text for people and tools (channels, training set); the firmware
+//! ignores them.
+
+use super::{Label, Model, ModelError, Sampling};
+use crate::decide::{Classifier, Discriminant, Features, Kind, Projection};
+use crate::estimate::{Order, Regression};
+
+const MAGIC: [u8; 4] = *b"BWMD";
+pub(super) const VERSION: u16 = 1;
+const HEADER: usize = 16;
+/// No model file is longer than this; a length field beyond it is corruption.
+pub const MAX_BYTES: usize = 1 << 20;
+
+/// CRC-32/ISO-HDLC, bit by bit: 8 instructions a bit, no table in flash.
+fn crc32(bytes: &[u8]) -> u32 {
+    let mut crc = u32::MAX;
+    for &byte in bytes {
+        crc ^= u32::from(byte);
+        for _ in 0..8 {
+            crc = (crc >> 1) ^ (0xEDB8_8320 & 0_u32.wrapping_sub(crc & 1));
+        }
+    }
+    !crc
+}
+
+/// The notes of a model file.
+///
+/// # Errors
+/// As [`Model::from_bytes`], for what concerns the file as a whole.
+pub fn notes(bytes: &[u8]) -> Result<&str, ModelError> {
+    let (_, notes) = open(bytes)?;
+    core::str::from_utf8(notes).map_err(|_| ModelError::Value("notes"))
+}
+
+/// Checks the frame; gives payload and notes.
+fn open(bytes: &[u8]) -> Result<(&[u8], &[u8]), ModelError> {
+    let mut header = Reader(bytes);
+    if header.array::<4>().map_err(|_| ModelError::Magic)? != MAGIC {
+        return Err(ModelError::Magic);
+    }
+    let version = header.u16()?;
+    if version != VERSION {
+        return Err(ModelError::Version(version));
+    }
+    let _flags = header.u16()?;
+    let (payload, notes) = (header.u32()? as usize, header.u32()? as usize);
+    if payload > MAX_BYTES || notes > MAX_BYTES || bytes.len() != HEADER + payload + notes + 4 {
+        return Err(ModelError::Length);
+    }
+    let (content, check) = bytes.split_at_checked(bytes.len() - 4).ok_or(ModelError::Length)?;
+    if Reader(check).u32()? != crc32(content) {
+        return Err(ModelError::Checksum);
+    }
+    let content = content.get(HEADER..).ok_or(ModelError::Length)?;
+    content.split_at_checked(payload).ok_or(ModelError::Length)
+}
+
+struct Reader<'a>(&'a [u8]);
+
+impl Reader<'_> {
+    fn array<const N: usize>(&mut self) -> Result<[u8; N], ModelError> {
+        let (head, rest) = self.0.split_first_chunk().ok_or(ModelError::Length)?;
+        self.0 = rest;
+        Ok(*head)
+    }
+
+    fn u8(&mut self) -> Result<u8, ModelError> {
+        self.array().map(u8::from_le_bytes)
+    }
+
+    fn u16(&mut self) -> Result<u16, ModelError> {
+        self.array().map(u16::from_le_bytes)
+    }
+
+    fn u32(&mut self) -> Result<u32, ModelError> {
+        self.array().map(u32::from_le_bytes)
+    }
+
+    fn f32(&mut self) -> Result<f32, ModelError> {
+        self.array().map(f32::from_le_bytes)
+    }
+
+    /// Fills the first `count` cells.
+    fn fill(&mut self, cells: &mut [f32], count: usize) -> Result<(), ModelError> {
+        for cell in cells.iter_mut().take(count) {
+            *cell = self.f32()?;
+        }
+        Ok(())
+    }
+
+    /// A size with its capacity.
+    fn size(&mut self, capacity: usize, what: &'static str) -> Result<u8, ModelError> {
+        let size = self.u8()?;
+        if size as usize > capacity { Err(ModelError::Capacity(what)) } else { Ok(size) }
+    }
+}
+
+struct Writer<'a> {
+    free: &'a mut [u8],
+    written: usize,
+}
+
+impl Writer<'_> {
+    fn bytes(&mut self, bytes: &[u8]) -> Result<(), ModelError> {
+        let cells = self.free.get_mut(self.written..self.written + bytes.len()).ok_or(ModelError::Buffer)?;
+        cells.copy_from_slice(bytes);
+        self.written += bytes.len();
+        Ok(())
+    }
+
+    fn floats<'f>(&mut self, values: impl IntoIterator<Item = &'f f32>) -> Result<(), ModelError> {
+        values.into_iter().try_for_each(|x| self.bytes(&x.to_le_bytes()))
+    }
+}
+
+impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F, Z, C> {
+    /// Reads a model from its binary form and validates it.
+    ///
+    /// # Errors
+    /// A [`ModelError`]: not a model, another version, truncated, corrupted, too large for these capacities, or with
+    /// a value out of range.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, ModelError> {
+        let (payload, _) = open(bytes)?;
+        let mut reader = Reader(payload);
+        let model = Self::read(&mut reader)?;
+        if !reader.0.is_empty() {
+            return Err(ModelError::Length);
+        }
+        model.validate()?;
+        Ok(model)
+    }
+
+    fn read(reader: &mut Reader<'_>) -> Result<Self, ModelError> {
+        let sampling =
+            Sampling { interval_s: reader.f32()?, block_mean: reader.u16()?, segment_samples: reader.u32()? };
+        let order = Order::from_array(reader.array()?);
+        let offset = flag(reader.u8()?, "offset flag")?;
+        let mut regression = Regression { order, offset, scale: [1.0; M], limit: [0.0; 3] };
+        if regression.columns() > M {
+            return Err(ModelError::Capacity("regressor columns"));
+        }
+        reader.fill(&mut regression.limit, 3)?;
+        let columns = regression.columns();
+        reader.fill(&mut regression.scale, columns)?;
+
+        let count = reader.size(F, "features")?;
+        let mut features = Features { index: [0; F], count };
+        for index in features.index.iter_mut().take(count as usize) {
+            *index = reader.u8()?;
+        }
+        let z = reader.size(Z, "projected coordinates")?;
+        let mut projection = Projection { matrix: [[0.0; F]; Z], mean: [0.0; F], count: z };
+        reader.fill(&mut projection.mean, count as usize)?;
+        for row in projection.matrix.iter_mut().take(z as usize) {
+            reader.fill(row, count as usize)?;
+        }
+        let (discriminant, labels) = Self::read_discriminant(reader, z as usize)?;
+        Ok(Self { sampling, regression, classifier: Classifier { features, projection, discriminant }, labels })
+    }
+
+    fn read_discriminant(reader: &mut Reader<'_>, z: usize) -> Result<(Discriminant<Z, C>, [Label; C]), ModelError> {
+        let classes = reader.size(C, "classes")?;
+        let used = classes as usize;
+        let kind = if flag(reader.u8()?, "discriminant kind")? { Kind::Quadratic } else { Kind::Linear };
+        let mut discriminant = Discriminant {
+            kind,
+            classes,
+            mean: [[0.0; Z]; C],
+            whitening: [[[0.0; Z]; Z]; C],
+            log_normaliser: [f32::NEG_INFINITY; C],
+            log_prior: [f32::NEG_INFINITY; C],
+            cost: [[0.0; C]; C],
+        };
+        for row in discriminant.mean.iter_mut().take(used) {
+            reader.fill(row, z)?;
+        }
+        for u in discriminant.whitening.iter_mut().take(covariances(kind, used)) {
+            for (i, row) in u.iter_mut().enumerate().take(z) {
+                reader.fill(row, i + 1)?;
+            }
+        }
+        reader.fill(&mut discriminant.log_normaliser, used)?;
+        reader.fill(&mut discriminant.log_prior, used)?;
+        for row in discriminant.cost.iter_mut().take(used) {
+            reader.fill(row, used)?;
+        }
+        let mut labels = [Label::EMPTY; C];
+        for label in labels.iter_mut().take(used) {
+            *label = Label::from_bytes(reader.array()?).ok_or(ModelError::Value("label"))?;
+        }
+        Ok((discriminant, labels))
+    }
+
+    /// Writes the binary form with `notes` into `buffer`; gives its length.
+    ///
+    /// # Errors
+    /// [`ModelError::Buffer`] where the buffer is too small; any error of [`Model::validate`].
+    pub fn to_bytes(&self, notes: &str, buffer: &mut [u8]) -> Result<usize, ModelError> {
+        self.validate()?;
+        let mut writer = Writer { free: buffer, written: HEADER };
+        self.write(&mut writer)?;
+        let payload = writer.written - HEADER;
+        writer.bytes(notes.as_bytes())?;
+        let end = writer.written;
+        let length = |n: usize| u32::try_from(n).map_err(|_| ModelError::Length);
+        writer.written = 0;
+        writer.bytes(&MAGIC)?;
+        writer.bytes(&VERSION.to_le_bytes())?;
+        writer.bytes(&0_u16.to_le_bytes())?;
+        writer.bytes(&length(payload)?.to_le_bytes())?;
+        writer.bytes(&length(notes.len())?.to_le_bytes())?;
+        writer.written = end;
+        let check = crc32(writer.free.get(..end).ok_or(ModelError::Buffer)?);
+        writer.bytes(&check.to_le_bytes())?;
+        Ok(writer.written)
+    }
+
+    fn write(&self, writer: &mut Writer<'_>) -> Result<(), ModelError> {
+        let (sampling, regression) = (&self.sampling, &self.regression);
+        writer.floats([&sampling.interval_s])?;
+        writer.bytes(&sampling.block_mean.to_le_bytes())?;
+        writer.bytes(&sampling.segment_samples.to_le_bytes())?;
+        writer.bytes(&regression.order.to_array())?;
+        writer.bytes(&[u8::from(regression.offset)])?;
+        writer.floats(&regression.limit)?;
+        writer.floats(regression.scale.iter().take(regression.columns()))?;
+
+        let Classifier { features, projection, discriminant } = &self.classifier;
+        let (f, z) = (features.count as usize, projection.count as usize);
+        writer.bytes(&[features.count])?;
+        writer.bytes(features.index.get(..f).ok_or(ModelError::Capacity("features"))?)?;
+        writer.bytes(&[projection.count])?;
+        writer.floats(projection.mean.iter().take(f))?;
+        writer.floats(projection.matrix.iter().take(z).flat_map(|row| row.iter().take(f)))?;
+
+        let used = discriminant.classes as usize;
+        writer.bytes(&[discriminant.classes, u8::from(discriminant.kind == Kind::Quadratic)])?;
+        writer.floats(discriminant.mean.iter().take(used).flat_map(|row| row.iter().take(z)))?;
+        for u in discriminant.whitening.iter().take(covariances(discriminant.kind, used)) {
+            writer.floats(u.iter().take(z).enumerate().flat_map(|(i, row)| row.iter().take(i + 1)))?;
+        }
+        writer.floats(discriminant.log_normaliser.iter().take(used))?;
+        writer.floats(discriminant.log_prior.iter().take(used))?;
+        writer.floats(discriminant.cost.iter().take(used).flat_map(|row| row.iter().take(used)))?;
+        self.labels.iter().take(used).try_for_each(|label| writer.bytes(&label.to_bytes()))
+    }
+}
+
+/// How many whitening matrices there are.
+fn covariances(kind: Kind, classes: usize) -> usize {
+    match kind {
+        Kind::Linear => 1,
+        Kind::Quadratic => classes,
+    }
+}
+
+fn flag(byte: u8, what: &'static str) -> Result<bool, ModelError> {
+    match byte {
+        0 => Ok(false),
+        1 => Ok(true),
+        _ => Err(ModelError::Value(what)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn crc_check_value() {
+        assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
+    }
+}

@@ -1,0 +1,193 @@
+//! The trained constants, immutable: in flash as a `const`, or read from a checked binary blob.
+
+mod binary;
+
+pub use binary::{MAX_BYTES, notes};
+
+use crate::decide::Classifier;
+use crate::estimate::Regression;
+
+/// Longest bounded segment at λ = 1 in single precision (see [`crate::estimate::triangle`]).
+pub const MAX_SEGMENT_SAMPLES: u32 = 100_000;
+
+/// When samples are taken and how many make a segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sampling {
+    /// Interval of the samples fed to [`Detector::step`](crate::Detector::step), s; informative, 0 where unknown.
+    pub interval_s: f32,
+    /// Samples averaged into one before identification; 1 for none.
+    pub block_mean: u16,
+    /// Samples a segment, after averaging; at most [`MAX_SEGMENT_SAMPLES`].
+    pub segment_samples: u32,
+}
+
+/// Name of a class: at most 16 bytes of UTF-8.
+///
+/// ```
+/// use bearing_watch::Label;
+/// const HEALTHY: Label = match Label::new("healthy") { Some(label) => label, None => Label::EMPTY };
+/// assert_eq!(HEALTHY.as_str(), "healthy");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Label([u8; 16]);
+
+impl Label {
+    /// The label of a class that is not in use.
+    pub const EMPTY: Self = Self([0; 16]);
+
+    /// From a name; nothing where it is longer than 16 bytes or holds a zero byte.
+    #[must_use]
+    pub const fn new(name: &str) -> Option<Self> {
+        let mut bytes = [0; 16];
+        let mut from = name.as_bytes();
+        let mut to = bytes.as_mut_slice();
+        while let Some((byte, rest)) = from.split_first() {
+            if *byte == 0 {
+                return None;
+            }
+            let Some((cell, next)) = to.split_first_mut() else { return None };
+            *cell = *byte;
+            from = rest;
+            to = next;
+        }
+        Some(Self(bytes))
+    }
+
+    /// From the zero-padded bytes of a binary model; nothing where they are no such name.
+    #[must_use]
+    pub fn from_bytes(bytes: [u8; 16]) -> Option<Self> {
+        let label = Self(bytes);
+        let name = label.name_bytes();
+        let padding = bytes.get(name.len()..).unwrap_or(&[]);
+        (core::str::from_utf8(name).is_ok() && padding.iter().all(|&b| b == 0)).then_some(label)
+    }
+
+    /// The bytes, padded with zeros.
+    #[must_use]
+    pub const fn to_bytes(self) -> [u8; 16] {
+        self.0
+    }
+
+    fn name_bytes(&self) -> &[u8] {
+        self.0.split(|&b| b == 0).next().unwrap_or(&[])
+    }
+
+    /// The name.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        core::str::from_utf8(self.name_bytes()).unwrap_or("")
+    }
+}
+
+/// Everything that was trained. Capacities: `M` columns, `F` features, `Z` coordinates, `C` classes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Model<const M: usize, const F: usize, const Z: usize, const C: usize> {
+    /// Rate and segment length.
+    pub sampling: Sampling,
+    /// Structure, scales and limits of the regression.
+    pub regression: Regression<M>,
+    /// Features, projection and discriminant.
+    pub classifier: Classifier<F, Z, C>,
+    /// Class names.
+    pub labels: [Label; C],
+}
+
+/// Why a model is refused. The payload names the field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// A size exceeds the capacity of the type that should hold it.
+    Capacity(&'static str),
+    /// A value is out of its range, or not finite.
+    Value(&'static str),
+    /// Not a model file at all.
+    Magic,
+    /// A model file of another version of the format.
+    Version(u16),
+    /// The file is shorter or longer than it says.
+    Length,
+    /// The checksum does not fit: the file was altered.
+    Checksum,
+    /// The buffer to write to is too small.
+    Buffer,
+}
+
+impl core::fmt::Display for ModelError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Capacity(what) => write!(f, "the model has more {what} than this detector can hold"),
+            Self::Value(what) => write!(f, "the model's {what} is out of range"),
+            Self::Magic => f.write_str("not a bearing-watch model"),
+            Self::Version(found) => {
+                write!(f, "model format version {found}, but this build reads version {}", binary::VERSION)
+            }
+            Self::Length => f.write_str("the model is truncated or has trailing bytes"),
+            Self::Checksum => f.write_str("the model's checksum does not fit its content: it is corrupted"),
+            Self::Buffer => f.write_str("the buffer is too small for the model"),
+        }
+    }
+}
+
+impl core::error::Error for ModelError {}
+
+impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F, Z, C> {
+    /// Name of a class, empty where there is no such class.
+    #[must_use]
+    pub fn label(&self, class: u8) -> &str {
+        self.labels.get(class as usize).map_or("", Label::as_str)
+    }
+
+    /// Checks every size against the capacities and every number against its range.
+    ///
+    /// # Errors
+    /// The first thing that does not fit.
+    pub fn validate(&self) -> Result<(), ModelError> {
+        use ModelError::{Capacity, Value};
+        let (sampling, regression) = (&self.sampling, &self.regression);
+        let classifier = &self.classifier;
+        let discriminant = &classifier.discriminant;
+        if regression.order.parameters() == 0 {
+            return Err(Value("order"));
+        }
+        if regression.columns() > M {
+            return Err(Capacity("regressor columns"));
+        }
+        let check = |good: bool, what| if good { Ok(()) } else { Err(Value(what)) };
+        check(sampling.interval_s.is_finite() && sampling.interval_s >= 0.0, "sampling interval")?;
+        check(sampling.block_mean >= 1, "block mean")?;
+        check((1..=MAX_SEGMENT_SAMPLES).contains(&sampling.segment_samples), "segment length")?;
+        check(regression.limit.iter().all(|x| x.is_finite() && *x > 0.0), "signal limit")?;
+        check(regression.scale.iter().take(regression.columns()).all(|x| is_power_of_two(*x)), "column scale")?;
+
+        let features = &classifier.features;
+        let used = |count: u8, capacity: usize, what| {
+            if count as usize > capacity { Err(Capacity(what)) } else { check(count > 0, what) }
+        };
+        used(features.count, F, "features")?;
+        used(classifier.projection.count, Z, "projected coordinates")?;
+        used(discriminant.classes, C, "classes")?;
+        // Places 0 … n−1 are parameters, n is ln σ².
+        let in_range = |index: &u8| (*index as usize) < regression.columns();
+        check(features.index.iter().take(features.count as usize).all(in_range), "feature index")?;
+
+        let finite = |rows: &[f32]| rows.iter().all(|x| x.is_finite());
+        check(
+            finite(&classifier.projection.mean) && classifier.projection.matrix.iter().all(|row| finite(row)),
+            "projection",
+        )?;
+        let whitening_is_finite = discriminant.whitening.iter().flatten().all(|row| finite(row));
+        check(whitening_is_finite && discriminant.mean.iter().all(|row| finite(row)), "class density")?;
+        check(discriminant.cost.iter().all(|row| finite(row)), "cost")?;
+        let in_use = discriminant.classes as usize;
+        let finite_in_use = |values: &[f32; C]| {
+            values.iter().take(in_use).all(|x| x.is_finite())
+                && values.iter().skip(in_use).all(|x| *x == f32::NEG_INFINITY)
+        };
+        check(finite_in_use(&discriminant.log_normaliser), "class normaliser")?;
+        check(finite_in_use(&discriminant.log_prior), "prior")
+    }
+}
+
+fn is_power_of_two(x: f32) -> bool {
+    x.is_normal() && x > 0.0 && x.to_bits() & 0x007F_FFFF == 0
+}

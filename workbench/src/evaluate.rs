@@ -1,0 +1,229 @@
+//! What a model is worth on traces it has not seen, by running the core over them.
+
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+use crate::Error;
+use crate::embedded::{Embedded, Segment};
+use crate::trace::labels::LabelledTrace;
+
+/// Decisions counted: a row a true class, a column a decided class, then one column of undetermined ones.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Confusion {
+    /// Class names.
+    pub classes: Vec<String>,
+    /// `counts[true][decided]`; the last column counts undetermined ones.
+    pub counts: Vec<Vec<usize>>,
+}
+
+/// A rate with its 95 % interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rate {
+    /// The observed rate.
+    pub value: f64,
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+impl Rate {
+    /// `k` of `n`, with Wilson's score interval. Nothing observed gives [0, 1].
+    #[must_use]
+    pub fn wilson(k: usize, n: usize) -> Self {
+        /// 97.5 % quantile of the normal distribution.
+        const Q: f64 = 1.959_963_984_540_054;
+        if n == 0 {
+            return Self { value: f64::NAN, low: 0.0, high: 1.0 };
+        }
+        let (k, n) = (k as f64, n as f64);
+        let p = k / n;
+        let centre = (p + Q * Q / (2.0 * n)) / (1.0 + Q * Q / n);
+        let half = Q / (1.0 + Q * Q / n) * (p * (1.0 - p) / n + Q * Q / (4.0 * n * n)).sqrt();
+        // At 0 and n the interval touches the end exactly; rounding must not push it past.
+        Self { value: p, low: (centre - half).clamp(0.0, p), high: (centre + half).clamp(p, 1.0) }
+    }
+
+    /// Mean of independent rates; the interval by recovering their variances from their own intervals (MOVER,
+    /// Zou and Donner 2008), which stays sound at 0 and 100 %.
+    #[must_use]
+    pub fn mean(rates: &[Self]) -> Self {
+        let n = rates.len() as f64;
+        let value = rates.iter().map(|r| r.value).sum::<f64>() / n;
+        let spread = |end: fn(&Self) -> f64| rates.iter().map(|r| (end(r) - r.value).powi(2)).sum::<f64>().sqrt() / n;
+        Self { value, low: (value - spread(|r| r.low)).max(0.0), high: (value + spread(|r| r.high)).min(1.0) }
+    }
+
+    fn to_json(self) -> Value {
+        json!({ "value": self.value, "low": self.low, "high": self.high })
+    }
+}
+
+impl std::fmt::Display for Rate {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:.1} % [{:.1}, {:.1}]", 100.0 * self.value, 100.0 * self.low, 100.0 * self.high)
+    }
+}
+
+impl Confusion {
+    /// No decisions yet.
+    #[must_use]
+    pub fn new(classes: &[String]) -> Self {
+        Self { classes: classes.to_vec(), counts: vec![vec![0; classes.len() + 1]; classes.len()] }
+    }
+
+    /// Counts one decision.
+    pub fn add(&mut self, truth: usize, decided: Option<usize>) {
+        let undetermined = self.classes.len();
+        self.counts[truth][decided.unwrap_or(undetermined)] += 1;
+    }
+
+    /// All decisions.
+    #[must_use]
+    pub fn total(&self) -> usize {
+        self.counts.iter().flatten().sum()
+    }
+
+    /// Decisions that are wrong or undetermined.
+    #[must_use]
+    pub fn wrong(&self) -> usize {
+        self.total() - (0..self.classes.len()).map(|k| self.counts[k][k]).sum::<usize>()
+    }
+
+    /// Part of decisions that are wrong or undetermined.
+    #[must_use]
+    pub fn error_rate(&self) -> Rate {
+        Rate::wilson(self.wrong(), self.total())
+    }
+
+    /// Part of each class decided right; nothing for classes that did not occur.
+    #[must_use]
+    pub fn recalls(&self) -> Vec<Option<Rate>> {
+        let rows = self.counts.iter().enumerate();
+        rows.map(|(k, row)| {
+            let n: usize = row.iter().sum();
+            (n > 0).then(|| Rate::wilson(row[k], n))
+        })
+        .collect()
+    }
+
+    /// Mean of the recalls of the classes that occurred.
+    #[must_use]
+    pub fn balanced_accuracy(&self) -> Rate {
+        Rate::mean(&self.recalls().into_iter().flatten().collect::<Vec<_>>())
+    }
+
+    /// Keys `classes`, `confusion`, `error_rate`, `balanced_accuracy`.
+    #[must_use]
+    pub fn to_json(&self) -> Value {
+        let n = self.classes.len();
+        json!({
+            "classes": self.classes,
+            "confusion": self.counts.iter().map(|row| &row[..n]).collect::<Vec<_>>(),
+            "undetermined": self.counts.iter().map(|row| row[n]).collect::<Vec<_>>(),
+            "error_rate": self.error_rate().to_json(),
+            "balanced_accuracy": self.balanced_accuracy().to_json(),
+        })
+    }
+}
+
+impl std::fmt::Display for Confusion {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let n = self.classes.len();
+        let undetermined = self.counts.iter().any(|row| row[n] > 0);
+        let names = self.classes.iter().map(String::as_str).chain(undetermined.then_some("undetermined"));
+        let names: Vec<&str> = names.collect();
+        let first = self.classes.iter().map(String::len).max().unwrap_or(0).max("true \\ decided".len());
+        write!(f, "{:first$}", "true \\ decided")?;
+        names.iter().try_for_each(|name| write!(f, "  {name:>5}"))?;
+        writeln!(f, "  right [95 %]")?;
+        for ((class, row), recall) in self.classes.iter().zip(&self.counts).zip(self.recalls()) {
+            write!(f, "{class:first$}")?;
+            for (count, name) in row.iter().zip(&names) {
+                write!(f, "  {count:>width$}", width = name.len().max(5))?;
+            }
+            writeln!(f, "  {}", recall.map_or_else(|| "none seen".into(), |rate| rate.to_string()))?;
+        }
+        let (error, balanced) = (self.error_rate(), self.balanced_accuracy());
+        write!(f, "error rate {error} of {}, balanced accuracy {balanced}", self.total())
+    }
+}
+
+/// Segments of one labelled trace.
+#[derive(Clone, Debug)]
+pub struct TraceVerdict {
+    /// Trace id.
+    pub id: String,
+    /// True class.
+    pub class: usize,
+    /// Verdict over the whole trace.
+    pub decided: Option<usize>,
+    /// Posteriors over the whole trace; empty where undetermined.
+    pub posteriors: Vec<f32>,
+    /// Its segments.
+    pub segments: Vec<Segment>,
+}
+
+/// Runs traces through the core; `done` is called once a trace.
+///
+/// # Errors
+/// Where the core refuses the model.
+pub fn run(model: &Embedded, traces: &[LabelledTrace], done: impl Fn() + Sync) -> Result<Vec<TraceVerdict>, Error> {
+    let each = |labelled: &LabelledTrace| {
+        let segments = model.run(&labelled.trace).map_err(|e| Error::Usage(e.to_string()))?;
+        let (decided, posteriors) = model.combine(&segments).unzip();
+        done();
+        Ok(TraceVerdict {
+            id: labelled.trace.id.clone(),
+            class: labelled.class,
+            decided,
+            posteriors: posteriors.unwrap_or_default(),
+            segments,
+        })
+    };
+    traces.par_iter().map(each).collect()
+}
+
+/// Counts verdicts by trace, or by segment.
+#[must_use]
+pub fn count(classes: &[String], verdicts: &[TraceVerdict], per_segment: bool) -> Confusion {
+    let mut confusion = Confusion::new(classes);
+    for verdict in verdicts {
+        if per_segment {
+            for segment in &verdict.segments {
+                confusion.add(verdict.class, segment.verdict.clone().ok());
+            }
+        } else {
+            confusion.add(verdict.class, verdict.decided);
+        }
+    }
+    confusion
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wilson_interval_against_tabulated_values() {
+        // Newcombe 1998, table I: 81/263 → 0.2553 … 0.3662; 0/20 → 0 … 0.1611.
+        let r = Rate::wilson(81, 263);
+        assert!((r.low - 0.2553).abs() < 5e-5 && (r.high - 0.3662).abs() < 5e-5, "{r:?}");
+        let r = Rate::wilson(0, 20);
+        assert!(r.low == 0.0 && (r.high - 0.1611).abs() < 5e-5, "{r:?}");
+    }
+
+    #[test]
+    fn balanced_accuracy_weighs_classes_alike() {
+        let mut confusion = Confusion::new(&["a".into(), "b".into()]);
+        for _ in 0..98 {
+            confusion.add(0, Some(0));
+        }
+        confusion.add(1, Some(0));
+        confusion.add(1, None);
+        assert_eq!((confusion.wrong(), confusion.total()), (2, 100));
+        let balanced = confusion.balanced_accuracy();
+        assert!((balanced.value - 0.5).abs() < 1e-12 && balanced.low < 0.5 && balanced.high > 0.7, "{balanced:?}");
+        assert!(confusion.to_string().contains("undetermined"));
+    }
+}

@@ -1,0 +1,133 @@
+//! Which numbers of an estimate are features, and how they hang together with the core's δ-parameters.
+//!
+//! ```text
+//! raw = T δ + k,   δ = [δ-parameters, ln σ²],   raw = [a, b, c, constant, ln σ²]            (1)
+//! ```
+//!
+//! The workbench chooses and projects raw features; the core extracts δ and applies the composed map.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::Error;
+use crate::identify::{Estimate, Structure};
+
+/// Raw features of a structure: every parameter's name, then `log_variance`.
+#[must_use]
+pub fn all_names(structure: Structure) -> Vec<String> {
+    let mut names = structure.names();
+    names.push("log_variance".into());
+    names
+}
+
+/// Every raw feature of an estimate, in the order of [`all_names`].
+#[must_use]
+pub fn vector(estimate: &Estimate) -> DVector<f64> {
+    // A noise-free simulated record can leave no residual at all.
+    let log_variance = estimate.variance.max(f64::from(f32::MIN_POSITIVE)).ln();
+    DVector::from_iterator(estimate.theta.len() + 1, estimate.theta.iter().copied().chain([log_variance]))
+}
+
+/// Places in [`all_names`] of a choice such as `a,b,log_variance` or `a1,c2`; without one, every parameter.
+///
+/// # Errors
+/// An unknown name, or one that comes twice.
+pub fn choose(structure: Structure, asked: &[String]) -> Result<Vec<usize>, Error> {
+    let names = all_names(structure);
+    if asked.is_empty() {
+        return Ok((0..structure.parameters()).collect());
+    }
+    let mut chosen = Vec::new();
+    for name in asked {
+        let of_group = |full: &String| {
+            full == name
+                || matches!(name.as_str(), "a" | "b" | "c")
+                    && full[1..].parse::<u8>().is_ok()
+                    && full.starts_with(name.as_str())
+        };
+        let places: Vec<usize> = (0..names.len()).filter(|&k| of_group(&names[k])).collect();
+        if places.is_empty() {
+            return Err(Error::Usage(format!(
+                "--features: no {name} in this model; there are {} (a, b, c stand for whole groups)",
+                names.join(", ")
+            )));
+        }
+        if places.iter().any(|place| chosen.contains(place)) {
+            return Err(Error::Usage(format!("--features: {name} is named twice")));
+        }
+        chosen.extend(places);
+    }
+    Ok(chosen)
+}
+
+/// T of (1).
+#[must_use]
+pub fn raw_from_delta(structure: Structure) -> DMatrix<f64> {
+    let n = structure.parameters() + 1;
+    let mut map = DMatrix::identity(n, n);
+    let (na, nb, nc) = (structure.order.na as usize, structure.order.nb as usize, structure.order.nc as usize);
+    for k in 0..na {
+        // a₁ = −1 − t₀ − t₁, a_k = t_{k−1} − t_k
+        map[(k, k)] = if k == 0 { -1.0 } else { 1.0 };
+        if k + 1 < na {
+            map[(k, k + 1)] = -1.0;
+        }
+    }
+    for (start, count) in [(na, nb), (na + nb, nc)] {
+        for k in 0..count {
+            // b₁ = β₀ + β₁, b_k = β_k − β_{k−1}
+            map[(start + k, start + k)] = if k == 0 { 1.0 } else { -1.0 };
+            if k + 1 < count {
+                map[(start + k, start + k + 1)] = 1.0;
+            }
+        }
+    }
+    map
+}
+
+/// δ of a raw vector, by the defining sums t₀ = −(1 + Σa), t_k = Σ_{i>k} aᵢ, β₀ = Σb, β_k = −Σ_{j>k} b_j.
+#[must_use]
+pub fn delta_from_raw(structure: Structure, raw: &DVector<f64>) -> DVector<f64> {
+    let (na, nb, nc) = (structure.order.na as usize, structure.order.nb as usize, structure.order.nc as usize);
+    let mut delta = raw.clone();
+    for k in 0..na {
+        let later: f64 = (k..na).map(|i| raw[i]).sum();
+        delta[k] = if k == 0 { -(1.0 + later) } else { later };
+    }
+    for (start, count) in [(na, nb), (na + nb, nc)] {
+        for k in 0..count {
+            let later: f64 = (k..count).map(|j| raw[start + j]).sum();
+            delta[start + k] = if k == 0 { later } else { -later };
+        }
+    }
+    delta
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::Order;
+
+    #[test]
+    fn the_two_maps_are_inverse() {
+        for order in [Order::new(2, 1, 2, 1, 1), Order::new(3, 3, 3, 1, 1), Order::new(0, 2, 0, 1, 1)] {
+            let structure = Structure { order, offset: true };
+            let n = structure.parameters() + 1;
+            let raw = DVector::from_fn(n, |k, _| 0.3 * (k as f64) - 0.7);
+            let mut back = raw_from_delta(structure) * delta_from_raw(structure, &raw);
+            if order.na > 0 {
+                back[0] -= 1.0;
+            }
+            assert!((back - raw).amax() < 1e-14); // sums of a few numbers near one
+        }
+    }
+
+    #[test]
+    fn choices_by_group_and_name() {
+        let structure = Structure { order: Order::new(2, 1, 1, 1, 1), offset: true };
+        let pick = |names: &[&str]| choose(structure, &names.iter().map(ToString::to_string).collect::<Vec<_>>());
+        assert_eq!(pick(&[]).expect("default"), [0, 1, 2, 3, 4]);
+        assert_eq!(pick(&["a", "log_variance"]).expect("group"), [0, 1, 5]);
+        assert_eq!(pick(&["c1", "offset"]).expect("names"), [3, 4]);
+        assert!(pick(&["d"]).is_err() && pick(&["a", "a2"]).is_err());
+    }
+}

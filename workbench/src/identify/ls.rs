@@ -1,0 +1,71 @@
+//! Least squares (thesis Eq. 2.17–2.19) by orthogonal triangularisation; no normal equations.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::{Estimate, Structure, fit_percent, regressors, simulate, unexcited};
+use crate::Error;
+use crate::trace::Trace;
+
+/// Diagonal of R, relative to its column's norm, below which a column is dependent: double rounding leaves 1e-15.
+const DEPENDENT: f64 = 1e-11;
+
+/// Minimises Σ e² over rows t₀ … N−1.
+///
+/// # Errors
+/// Fewer rows than parameters, or columns that the signals do not excite.
+pub fn least_squares(trace: &Trace, structure: Structure) -> Result<Estimate, Error> {
+    let t0 = structure.first_row(trace)?;
+    let x = regressors(structure, t0, &trace.y, &trace.u1, &trace.u2);
+    let target = DVector::from_column_slice(&trace.y[t0..]);
+    let solution = solve(x, target).map_err(|column| unexcited(structure, trace, column))?;
+    let rows = trace.y.len() - t0;
+    let variance = solution.residual_sum / (rows - structure.parameters()) as f64;
+    let fit = fit_percent(&trace.y, &simulate(trace, structure, solution.theta.as_slice()));
+    Ok(Estimate {
+        structure,
+        covariance: solution.inverse * variance,
+        theta: solution.theta,
+        variance,
+        rows,
+        fit_percent: fit,
+    })
+}
+
+pub(super) struct Solution {
+    pub theta: DVector<f64>,
+    /// (XᵀX)⁻¹
+    pub inverse: DMatrix<f64>,
+    pub residual_sum: f64,
+}
+
+/// Solves min ‖target − Xθ‖; the error is the first dependent column.
+pub(super) fn solve(mut x: DMatrix<f64>, target: DVector<f64>) -> Result<Solution, usize> {
+    let n = x.ncols();
+    // Columns of unit norm, so that the diagonal of R measures dependence and not units.
+    let norms: Vec<f64> = x.column_iter().map(|column| column.norm()).collect();
+    for (mut column, &norm) in x.column_iter_mut().zip(&norms) {
+        if norm > 0.0 {
+            column /= norm;
+        }
+    }
+    let scaled = x.clone();
+    let qr = x.qr();
+    let r = qr.r();
+    if let Some(dependent) = (0..n).find(|&k| r[(k, k)].abs() < DEPENDENT || norms[k] == 0.0) {
+        return Err(dependent);
+    }
+    let mut rotated = target.clone();
+    qr.q_tr_mul(&mut rotated);
+    let scaled_theta = r.solve_upper_triangular(&rotated.rows(0, n).into_owned()).ok_or(n - 1)?;
+    let residual_sum = (target - scaled * &scaled_theta).norm_squared();
+    let inverse_r = r.solve_upper_triangular(&DMatrix::identity(n, n)).ok_or(n - 1)?;
+    let mut inverse = &inverse_r * inverse_r.transpose();
+    let mut theta = scaled_theta;
+    for i in 0..n {
+        theta[i] /= norms[i];
+        for j in 0..n {
+            inverse[(i, j)] /= norms[i] * norms[j];
+        }
+    }
+    Ok(Solution { theta, inverse, residual_sum })
+}

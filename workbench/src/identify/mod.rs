@@ -1,0 +1,154 @@
+//! Batch identification of `A(q) y = B(q) u1 + C(q) u2 [+ constant] + e` in double precision.
+//!
+//! Parameters are ordered a₁…, b₁…, c₁…, constant; `a` stands with + on the left (thesis Eq. 2.4). Sums start at
+//! t₀ = [`Order::depth`], where the first complete regressor is.
+
+mod iv;
+mod ls;
+mod simulate;
+
+pub use bearing_watch::Order;
+use nalgebra::{DMatrix, DVector};
+
+use crate::Error;
+use crate::trace::Trace;
+
+pub use iv::iv4;
+pub use ls::least_squares;
+pub use simulate::{fit_percent, poles, reflect_unstable, simulate};
+
+/// Order vector and constant term.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Structure {
+    /// `[na nb nc nkb nkc]`.
+    pub order: Order,
+    /// Whether a constant term is estimated.
+    pub offset: bool,
+}
+
+/// Parameters with what is known about them.
+#[derive(Clone, Debug)]
+pub struct Estimate {
+    /// Structure of `theta`.
+    pub structure: Structure,
+    /// a₁…, b₁…, c₁…, constant.
+    pub theta: DVector<f64>,
+    /// Covariance of `theta`: Eq. 2.19 for least squares, the sandwich form for instrumental variables.
+    pub covariance: DMatrix<f64>,
+    /// Residual variance σ² with N − n degrees of freedom (Eq. 2.18).
+    pub variance: f64,
+    /// Rows of the regression.
+    pub rows: usize,
+    /// Eq. 3.2 on the simulated output.
+    pub fit_percent: f64,
+}
+
+/// How parameters are estimated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Method {
+    /// Least squares (Eq. 2.17).
+    Ls,
+    /// The four-stage instrumental-variable method of the source.
+    Iv4,
+}
+
+/// Estimates one trace.
+///
+/// # Errors
+/// Fewer rows than parameters, or columns that the signals do not excite.
+pub fn estimate(trace: &Trace, structure: Structure, method: Method) -> Result<Estimate, Error> {
+    match method {
+        Method::Ls => least_squares(trace, structure),
+        Method::Iv4 => iv4(trace, structure),
+    }
+}
+
+impl Structure {
+    /// Parameters, the constant included.
+    #[must_use]
+    pub fn parameters(&self) -> usize {
+        self.order.columns(self.offset) - 1
+    }
+
+    /// Names of the parameters: a1…, b1…, c1…, offset.
+    #[must_use]
+    pub fn names(&self) -> Vec<String> {
+        let group = |letter: char, count: u8| (1..=count).map(move |k| format!("{letter}{k}"));
+        let Order { na, nb, nc, .. } = self.order;
+        let offset = self.offset.then(|| "offset".to_string());
+        group('a', na).chain(group('b', nb)).chain(group('c', nc)).chain(offset).collect()
+    }
+
+    /// A, B, C of a parameter vector: A monic from q⁰, B and C with their delays as leading zeros; and the constant.
+    #[must_use]
+    pub fn polynomials(&self, theta: &[f64]) -> ([Vec<f64>; 3], f64) {
+        let Order { na, nb, nc, nkb, nkc } = self.order;
+        let (a, rest) = theta.split_at(na as usize);
+        let (b, rest) = rest.split_at(nb as usize);
+        let (c, rest) = rest.split_at(nc as usize);
+        let delayed = |delay: u8, terms: &[f64]| [vec![0.0; delay as usize], terms.to_vec()].concat();
+        ([[&[1.0], a].concat(), delayed(nkb, b), delayed(nkc, c)], rest.first().copied().unwrap_or(0.0))
+    }
+
+    /// First usable row t₀ of a record of `samples`, if there are more rows than parameters.
+    fn first_row(&self, trace: &Trace) -> Result<usize, Error> {
+        let (t0, n, samples) = (self.order.depth(), self.parameters(), trace.y.len());
+        if self.order.parameters() == 0 {
+            return Err(Error::Usage("--order has no terms; give at least one of na, nb, nc".into()));
+        }
+        if samples <= t0 + n {
+            let problem =
+                format!("{samples} samples for {n} parameters from sample {t0} on; record more or reduce the order");
+            return Err(Error::trace(&trace.id, problem));
+        }
+        Ok(t0)
+    }
+}
+
+/// Regressor rows t₀ … N−1 with `output` in the place of y: −y(t−1)…, u1(t−nkb)…, u2(t−nkc)…, 1.
+fn regressors(structure: Structure, t0: usize, output: &[f64], u1: &[f64], u2: &[f64]) -> DMatrix<f64> {
+    let Order { na, nb, nc, nkb, nkc } = structure.order;
+    let (na, nb, nc) = (na as usize, nb as usize, nc as usize);
+    DMatrix::from_fn(output.len() - t0, structure.parameters(), |row, column| {
+        let t = t0 + row;
+        if column < na {
+            -output[t - 1 - column]
+        } else if column < na + nb {
+            u1[t - nkb as usize - (column - na)]
+        } else if column < na + nb + nc {
+            u2[t - nkc as usize - (column - na - nb)]
+        } else {
+            1.0
+        }
+    })
+}
+
+/// The parameter whose column is, to rounding, a combination of those before it.
+fn unexcited(structure: Structure, trace: &Trace, column: usize) -> Error {
+    let problem = format!(
+        "the signals do not excite parameter {} (its column is constant or depends on the earlier ones); \
+         use a richer command, a lower order, or leave out --offset",
+        structure.names()[column]
+    );
+    Error::trace(&trace.id, problem)
+}
+
+/// Parses `2,2,2,1,1`.
+///
+/// # Errors
+/// Says what an order looks like.
+pub fn parse_order(text: &str) -> Result<Order, String> {
+    let wrong = || format!("\"{text}\" is no order; write na,nb,nc,nkb,nkc, e.g. 2,2,2,1,1");
+    let trimmed = text.trim().trim_start_matches('[').trim_end_matches(']');
+    let numbers = trimmed.split([',', ' ']).filter(|part| !part.is_empty()).map(str::parse::<u8>);
+    let numbers: Vec<u8> = numbers.collect::<Result<_, _>>().map_err(|_| wrong())?;
+    let numbers: [u8; 5] = numbers.try_into().map_err(|_| wrong())?;
+    let order = Order::from_array(numbers);
+    if order.parameters() == 0 {
+        return Err(format!("order {text} has no terms; give at least one of na, nb, nc"));
+    }
+    if numbers.iter().any(|&x| x > 32) {
+        return Err(format!("order {text} has a number above 32; the detector cannot hold it"));
+    }
+    Ok(order)
+}

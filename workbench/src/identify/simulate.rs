@@ -1,0 +1,89 @@
+//! Free-run simulation and its fit.
+
+use nalgebra::{Complex, DMatrix};
+
+use super::Structure;
+use crate::trace::Trace;
+
+/// Output of the model from the inputs alone, unstable poles reflected into the unit circle. Starts from zero, or,
+/// where a constant term is estimated and zero is no operating point, from the first t₀ measured outputs.
+#[must_use]
+pub fn simulate(trace: &Trace, structure: Structure, theta: &[f64]) -> Vec<f64> {
+    let ([a, b, c], constant) = structure.polynomials(theta);
+    let a = reflect_unstable(&a);
+    let known = if structure.offset { structure.order.depth().min(trace.y.len()) } else { 0 };
+    let mut output = trace.y[..known].to_vec();
+    for t in known..trace.y.len() {
+        let sum = |terms: &[f64], x: &[f64]| -> f64 {
+            terms.iter().enumerate().take(t + 1).map(|(k, term)| term * x[t - k]).sum()
+        };
+        let past: f64 = a.iter().enumerate().skip(1).take(t).map(|(k, a)| a * output[t - k]).sum();
+        output.push(constant + sum(&b, &trace.u1) + sum(&c, &trace.u2) - past);
+    }
+    output
+}
+
+/// Thesis Eq. 3.2: 100 (1 − ‖ŷ − y‖/‖y − mean y‖).
+#[must_use]
+pub fn fit_percent(measured: &[f64], simulated: &[f64]) -> f64 {
+    let mean = measured.iter().sum::<f64>() / measured.len() as f64;
+    let error: f64 = measured.iter().zip(simulated).map(|(y, s)| (s - y).powi(2)).sum();
+    let spread: f64 = measured.iter().map(|y| (y - mean).powi(2)).sum();
+    100.0 * (1.0 - (error / spread).sqrt())
+}
+
+/// Roots in z of `1 + a₁ z⁻¹ + …`, by the eigenvalues of the companion matrix.
+#[must_use]
+pub fn poles(a: &[f64]) -> Vec<Complex<f64>> {
+    let n = a.len() - 1;
+    if n == 0 {
+        return vec![];
+    }
+    let companion = DMatrix::from_fn(n, n, |i, j| match i {
+        0 => -a[j + 1],
+        _ => f64::from(u8::from(j + 1 == i)),
+    });
+    companion.complex_eigenvalues().iter().copied().collect()
+}
+
+/// `1 + a₁ z⁻¹ + …` with every pole outside the unit circle replaced by its mirror image 1/p̄.
+#[must_use]
+pub fn reflect_unstable(a: &[f64]) -> Vec<f64> {
+    let poles = poles(a);
+    if poles.iter().all(|p| p.norm() <= 1.0) || poles.iter().any(|p| !p.re.is_finite() || !p.im.is_finite()) {
+        return a.to_vec();
+    }
+    let mut polynomial = vec![Complex::new(1.0, 0.0)];
+    for pole in poles {
+        let pole = if pole.norm() > 1.0 { pole.conj().inv() } else { pole };
+        polynomial.push(Complex::new(0.0, 0.0));
+        for k in (1..polynomial.len()).rev() {
+            let shifted = polynomial[k - 1] * pole;
+            polynomial[k] -= shifted;
+        }
+    }
+    polynomial.iter().map(|c| c.re).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reflection_mirrors_only_what_is_outside() {
+        // Poles 2 and 0.5·(±j): (1 − 2z⁻¹)(1 + 0.25z⁻²) → (1 − 0.5z⁻¹)(1 + 0.25z⁻²)
+        let reflected = reflect_unstable(&[1.0, -2.0, 0.25, -0.5]);
+        for (got, want) in reflected.iter().zip([1.0, -0.5, 0.25, -0.125]) {
+            assert!((got - want).abs() < 1e-12, "{reflected:?}"); // eigenvalues of a 3×3 to rounding
+        }
+        let stable = [1.0, -0.5];
+        assert_eq!(reflect_unstable(&stable), stable, "stable polynomials pass bit for bit");
+    }
+
+    #[test]
+    fn fit_of_truth_and_of_the_mean() {
+        let y = [1.0, 2.0, 3.0];
+        assert_eq!(fit_percent(&y, &y), 100.0);
+        assert_eq!(fit_percent(&y, &[2.0; 3]), 0.0);
+    }
+}

@@ -1,0 +1,15 @@
+//! The host half of `bearing-watch`: simulated rigs, identification, training, evaluation, reports.
+//!
+//! Traces are identified in double precision; models are *evaluated* by running the very code that firmware runs,
+//! the core crate in single precision.
+
+pub mod embedded;
+pub mod error;
+pub mod evaluate;
+pub mod features;
+pub mod identify;
+pub mod rig;
+pub mod trace;
+pub mod train;
+
+pub use error::Error;

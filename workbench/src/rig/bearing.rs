@@ -1,0 +1,268 @@
+//! The bearing: characteristic orders and the torque of a defect.
+//!
+//! Orders are events per shaft turn, with `r = (BD/PD) cos δ` and n balls (thesis Eq. 1.1, 2.52):
+//!
+//! ```text
+//! outer race  O  = (n/2)(1 − r)        (1)
+//! inner race  Oi = (n/2)(1 + r)        (2)
+//! cage        Oc = ½(1 − r)            (3)
+//! ball        Ob = (PD/2BD)(1 − r²)    (4)
+//! ```
+//!
+//! A defect is a torque that opposes rotation, a function of shaft angle θ, velocity ω and
+//! current i. `tanh(ω/ω₀)`, ω₀ = 1 rad/s, stands for the sign of ω without its jump.
+//!
+//! ```text
+//! spall      Td tanh(ω/ω₀) p(x)
+//!            − ε Kt i [cos((O+1)θ) + cos((O−1)θ) + ½cos((2O+1)θ) + ½cos((2O−1)θ)]   (5)
+//!            p(x) = ½(1 − cos(2πx/d)) for x < d, else 0;   x = frac(Oθ/2π)
+//! roughness  ΔB ω                                                                   (6)
+//! coulomb    Tc tanh(ω/ω₀),   Tc = Td d/2, the mean of the spall's pulses           (7)
+//! ```
+//!
+//! The spall's second line is a ripple of the torque constant (`Kt (1 + ε[…]) i` drives the
+//! shaft): the rotor moves off centre when a ball meets the spall, and that modulates the air
+//! gap. Coulomb roughness is no bearing defect of the thesis but the control for isolation: an
+//! estimator that calls it a spall has found mean drag, not a spall. Severity scales Td and ε
+//! (spall), ΔB (roughness) and Tc (coulomb).
+
+use core::f64::consts::TAU;
+
+use super::{PlantState, RigError, finite, not_negative, positive};
+
+/// Width ω₀ of the smoothed sign of ω.
+const REVERSAL_RAD_S: f64 = 1.0;
+/// Td at severity 1.
+const PULSE_NM: f64 = 0.06;
+/// d, the part of a defect period in which the ball is on the spall.
+const PULSE_DUTY: f64 = 0.15;
+/// ε at severity 1.
+const TORQUE_RIPPLE: f64 = 0.03;
+/// ΔB at severity 1. Smaller values hardly move the a-parameters of the thesis' models.
+const ADDED_FRICTION_NM_S_PER_RAD: f64 = 2e-3;
+
+/// Dimensions of a ball bearing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BearingGeometry {
+    /// Number of balls n.
+    pub balls: u16,
+    /// Ball diameter BD.
+    pub ball_diameter_mm: f64,
+    /// Pitch (not outer) diameter PD.
+    pub pitch_diameter_mm: f64,
+    /// Contact angle δ.
+    pub contact_angle_rad: f64,
+}
+
+/// Characteristic orders, events per shaft turn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BearingOrders {
+    /// Ball passes over a point of the outer race (1).
+    pub outer: f64,
+    /// Ball passes over a point of the inner race (2).
+    pub inner: f64,
+    /// Turns of the cage (3).
+    pub cage: f64,
+    /// Spins of a ball (4).
+    pub ball: f64,
+}
+
+impl BearingGeometry {
+    /// The bearing of the thesis: 9 balls of 3 mm on a 17 mm pitch circle, contact angle 10°.
+    pub const THESIS: Self =
+        Self { balls: 9, ball_diameter_mm: 3.0, pitch_diameter_mm: 17.0, contact_angle_rad: 0.1745 };
+
+    /// Refuses what no bearing can be.
+    pub fn validate(&self) -> Result<(), RigError> {
+        positive("bearing.balls", f64::from(self.balls))?;
+        positive("bearing.ball_diameter_mm", self.ball_diameter_mm)?;
+        positive("bearing.pitch_diameter_mm", self.pitch_diameter_mm)?;
+        finite("bearing.contact_angle_rad", self.contact_angle_rad)?;
+        Ok(())
+    }
+
+    /// Equations (1)–(4).
+    #[must_use]
+    pub fn orders(&self) -> BearingOrders {
+        let n = f64::from(self.balls);
+        let r = self.ball_diameter_mm / self.pitch_diameter_mm * libm::cos(self.contact_angle_rad);
+        BearingOrders {
+            outer: 0.5 * n * (1.0 - r),                                                 // (1)
+            inner: 0.5 * n * (1.0 + r),                                                 // (2)
+            cage: 0.5 * (1.0 - r),                                                      // (3)
+            ball: 0.5 * self.pitch_diameter_mm / self.ball_diameter_mm * (1.0 - r * r), // (4)
+        }
+    }
+}
+
+/// What is wrong with the bearing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum DefectKind {
+    /// Nothing.
+    Healthy,
+    /// Defect A: single-point spall of the outer race.
+    Spall,
+    /// Defect B: generalised roughness, felt as viscous friction.
+    Roughness,
+    /// Isolation control: Coulomb friction of the same mean torque as the spall.
+    Coulomb,
+}
+
+impl DefectKind {
+    /// Every kind, in the order of the class tables.
+    pub const ALL: [Self; 4] = [Self::Healthy, Self::Spall, Self::Roughness, Self::Coulomb];
+
+    /// Class name used in labels and reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Healthy => "healthy",
+            Self::Spall => "spall",
+            Self::Roughness => "roughness",
+            Self::Coulomb => "coulomb",
+        }
+    }
+}
+
+/// A defect and its size; severity 1 is full size, 0 is none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Defect {
+    /// What is wrong.
+    pub kind: DefectKind,
+    /// Size relative to the standard rig's.
+    pub severity: f64,
+}
+
+impl Defect {
+    /// A sound bearing.
+    pub const HEALTHY: Self = Self::full(DefectKind::Healthy);
+
+    /// A defect at full size.
+    #[must_use]
+    pub const fn full(kind: DefectKind) -> Self {
+        Self { kind, severity: 1.0 }
+    }
+
+    /// The torque law on a motor of torque constant `kt_nm_per_a` with this bearing.
+    pub fn torque(&self, kt_nm_per_a: f64, geometry: &BearingGeometry) -> Result<DefectTorque, RigError> {
+        let severity = not_negative("defect.severity", self.severity)?;
+        Ok(match self.kind {
+            DefectKind::Healthy => DefectTorque::None,
+            DefectKind::Spall => DefectTorque::Spall {
+                pulse_nm: PULSE_NM * severity,
+                ripple_nm_per_a: TORQUE_RIPPLE * severity * kt_nm_per_a,
+                outer_order: geometry.orders().outer,
+            },
+            DefectKind::Roughness => {
+                DefectTorque::Viscous { friction_nm_s_per_rad: ADDED_FRICTION_NM_S_PER_RAD * severity }
+            }
+            DefectKind::Coulomb => DefectTorque::Coulomb { torque_nm: 0.5 * PULSE_DUTY * PULSE_NM * severity },
+        })
+    }
+}
+
+/// The torque law of one defect, ready to be evaluated at every step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum DefectTorque {
+    /// No torque.
+    None,
+    /// Equation (5).
+    Spall {
+        /// Td.
+        pulse_nm: f64,
+        /// ε Kt.
+        ripple_nm_per_a: f64,
+        /// O.
+        outer_order: f64,
+    },
+    /// Equation (6).
+    Viscous {
+        /// ΔB.
+        friction_nm_s_per_rad: f64,
+    },
+    /// Equation (7).
+    Coulomb {
+        /// Tc.
+        torque_nm: f64,
+    },
+}
+
+impl DefectTorque {
+    /// The torque in N·m that opposes positive rotation in this state.
+    #[must_use]
+    pub fn at(&self, state: &PlantState) -> f64 {
+        let omega = state.velocity_rad_s;
+        match *self {
+            Self::None => 0.0,
+            Self::Spall { pulse_nm, ripple_nm_per_a, outer_order } => {
+                let drag = pulse_nm * direction(omega) * pulse(outer_order * state.angle_rad / TAU);
+                let ripple = ripple(outer_order, state.angle_rad);
+                drag - ripple_nm_per_a * state.current_a * ripple // (5)
+            }
+            Self::Viscous { friction_nm_s_per_rad } => friction_nm_s_per_rad * omega, // (6)
+            Self::Coulomb { torque_nm } => torque_nm * direction(omega),              // (7)
+        }
+    }
+}
+
+fn direction(omega: f64) -> f64 {
+    libm::tanh(omega / REVERSAL_RAD_S)
+}
+
+/// p of (5) at a phase counted in defect periods.
+fn pulse(periods: f64) -> f64 {
+    let x = periods - periods.floor();
+    if x < PULSE_DUTY { 0.5 * (1.0 - libm::cos(TAU * x / PULSE_DUTY)) } else { 0.0 }
+}
+
+/// The bracket of (5): the defect order and its double, each split by the shaft's turn.
+fn ripple(order: f64, theta: f64) -> f64 {
+    let pair = |m: f64| libm::cos((m + 1.0) * theta) + libm::cos((m - 1.0) * theta);
+    pair(order) + 0.5 * pair(2.0 * order)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn torque(kind: DefectKind, severity: f64, state: PlantState) -> f64 {
+        let law = Defect { kind, severity }.torque(0.05, &BearingGeometry::THESIS).expect("valid");
+        law.at(&state)
+    }
+
+    #[test]
+    fn at_angle_zero_a_spall_is_only_ripple() {
+        // p(0) = 0 and all four cosines are 1: −0.03 · 0.05 · 2 A · (1 + 1 + ½ + ½).
+        let state = PlantState { current_a: 2.0, velocity_rad_s: 30.0, angle_rad: 0.0 };
+        // Rounding of a handful of operations on a value near 1e-2.
+        assert!((torque(DefectKind::Spall, 1.0, state) + 0.009).abs() < 1e-15);
+    }
+
+    #[test]
+    fn coulomb_has_the_mean_torque_of_the_pulses() {
+        let order = BearingGeometry::THESIS.orders().outer;
+        let points = 100_000;
+        let at = |angle_rad: f64| PlantState { current_a: 0.0, velocity_rad_s: 50.0, angle_rad };
+        let mean = (0..points)
+            .map(|k| f64::from(k) / f64::from(points) * TAU / order)
+            .map(|angle| torque(DefectKind::Spall, 0.7, at(angle)))
+            .sum::<f64>()
+            / f64::from(points);
+        // A rectangle sum over the full period of a function with a continuous slope: O(1/n²).
+        assert!((mean / torque(DefectKind::Coulomb, 0.7, at(0.0)) - 1.0).abs() < 1e-8);
+    }
+
+    #[test]
+    fn severity_scales_and_reversal_flips_the_drag() {
+        let at = |velocity_rad_s: f64| PlantState { velocity_rad_s, angle_rad: 0.05, current_a: 0.0 };
+        for kind in DefectKind::ALL {
+            let full = torque(kind, 1.0, at(20.0));
+            // Rounding only: each law is linear in severity and odd in ω at i = 0.
+            assert!((torque(kind, 0.25, at(20.0)) - 0.25 * full).abs() < 1e-15);
+            assert!((torque(kind, 1.0, at(-20.0)) + full).abs() < 1e-15);
+            assert_eq!(full > 1e-3, kind != DefectKind::Healthy);
+        }
+        let negative = Defect { kind: DefectKind::Spall, severity: -0.5 };
+        assert!(negative.torque(0.05, &BearingGeometry::THESIS).is_err());
+    }
+}

@@ -1,0 +1,198 @@
+//! Everything random, and the current measurement.
+//!
+//! One `u64` seed feeds several [`Stream`]s, each its own `ChaCha` stream of the same key. Streams
+//! never share draws: changing one noise level, or leaving one source out, does not shift another.
+//!
+//! Load fluctuation, an AR(1) process at the sampling interval with stationary deviation σ:
+//!
+//! ```text
+//! f(0) = σ g(0),   f(k) = p f(k−1) + σ √(1 − p²) g(k),   g ~ N(0, 1)      (1)
+//! ```
+//!
+//! Current measurement: a second-order Butterworth low-pass, two integrators advanced one after
+//! the other (semi-implicit Euler) at the inner step `h`, `w = 2π·140 Hz`:
+//!
+//! ```text
+//! s ← s + h (w² (i − y) − √2 w s),   y ← y + h s                          (2)
+//! ```
+//!
+//! The gain at `w` is −3 dB but for terms of order `w h` (0.09 at 100 µs).
+//!
+//! Gaussian draws use the ziggurat of `rand_distr`, whose rare tail draws take a logarithm from
+//! the platform: across platforms they may differ in the last bit.
+
+use core::f64::consts::{SQRT_2, TAU};
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+
+/// Cut-off of the current measurement.
+const CURRENT_FILTER_HZ: f64 = 140.0;
+
+/// What a stream of random numbers is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stream {
+    /// Shaft angle at the start.
+    StartAngle,
+    /// Fluctuation of the load torque.
+    LoadFluctuation,
+    /// Noise of the current measurement.
+    CurrentNoise,
+    /// Noise of the velocity measurement.
+    VelocityNoise,
+    /// Operating conditions of a trace.
+    Conditions,
+}
+
+impl Stream {
+    /// Fixed numbers, so that a new stream never renumbers the old ones.
+    const fn number(self) -> u64 {
+        match self {
+            Self::StartAngle => 1,
+            Self::LoadFluctuation => 2,
+            Self::CurrentNoise => 3,
+            Self::VelocityNoise => 4,
+            Self::Conditions => 5,
+        }
+    }
+}
+
+/// One seeded stream of random numbers.
+#[derive(Debug, Clone)]
+pub struct NoiseSource {
+    rng: ChaCha8Rng,
+}
+
+impl NoiseSource {
+    /// The stream for one purpose under one seed.
+    #[must_use]
+    pub fn new(seed: u64, stream: Stream) -> Self {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(stream.number());
+        Self { rng }
+    }
+
+    /// A draw from N(0, 1).
+    pub fn gaussian(&mut self) -> f64 {
+        self.rng.sample(StandardNormal)
+    }
+
+    /// A draw from the uniform distribution over `[from, to)`.
+    pub fn uniform(&mut self, from: f64, to: f64) -> f64 {
+        from + (to - from) * self.rng.random::<f64>()
+    }
+}
+
+/// Equation (1).
+#[derive(Debug, Clone)]
+pub struct LoadFluctuation {
+    source: NoiseSource,
+    pole: f64,
+    drive_nm: f64,
+    value_nm: f64,
+}
+
+impl LoadFluctuation {
+    /// A stationary process of deviation `rms_nm` and pole `pole`, |pole| < 1.
+    #[must_use]
+    pub fn new(mut source: NoiseSource, rms_nm: f64, pole: f64) -> Self {
+        let value_nm = rms_nm * source.gaussian();
+        Self { source, pole, drive_nm: rms_nm * (1.0 - pole * pole).sqrt(), value_nm }
+    }
+
+    /// The present value, and one sample onward.
+    pub fn draw(&mut self) -> f64 {
+        let now = self.value_nm;
+        self.value_nm = self.pole * now + self.drive_nm * self.source.gaussian(); // (1)
+        now
+    }
+}
+
+/// The current measurement's low-pass (2).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurrentFilter {
+    step_s: f64,
+    slope: f64,
+    output_a: f64,
+}
+
+impl CurrentFilter {
+    /// A filter at rest, run every `step_s`; stable for `w h < 1.03`, thus below 1.1 ms.
+    #[must_use]
+    pub const fn new(step_s: f64) -> Self {
+        Self { step_s, slope: 0.0, output_a: 0.0 }
+    }
+
+    /// Takes one current, gives the filtered one.
+    pub fn update(&mut self, current_a: f64) -> f64 {
+        let w = TAU * CURRENT_FILTER_HZ;
+        let bend = w * w * (current_a - self.output_a) - SQRT_2 * w * self.slope;
+        self.slope += self.step_s * bend; // (2)
+        self.output_a += self.step_s * self.slope;
+        self.output_a
+    }
+
+    /// The filtered current.
+    #[must_use]
+    pub const fn output_a(&self) -> f64 {
+        self.output_a
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn amplitude_after_filter(frequency_hz: f64) -> f64 {
+        let h = 1e-4;
+        let mut filter = CurrentFilter::new(h);
+        let mut peak = 0.0_f64;
+        for k in 0..20_000 {
+            let y = filter.update(libm::sin(TAU * frequency_hz * h * f64::from(k)));
+            if k > 10_000 {
+                peak = peak.max(y.abs());
+            }
+        }
+        peak
+    }
+
+    #[test]
+    fn filter_passes_slow_currents_and_halves_power_at_its_cutoff() {
+        // 5 Hz: |H| = 1 − ½(5/140)⁴ ≈ 1 − 1e-6; a wrong gain would be far off.
+        assert!((amplitude_after_filter(5.0) - 1.0).abs() < 1e-3);
+        // −3 dB, off by terms of order w h = 0.09 (semi-implicit Euler), bracketed both ways.
+        let at_cutoff = amplitude_after_filter(140.0);
+        assert!((0.70..0.78).contains(&at_cutoff), "{at_cutoff}");
+        // Two poles: a quarter at twice the cut-off, not the half of one pole.
+        let above = amplitude_after_filter(280.0);
+        assert!((0.22..0.28).contains(&above), "{above}");
+    }
+
+    #[test]
+    fn streams_of_one_seed_differ_and_repeat() {
+        let first = |seed, stream| NoiseSource::new(seed, stream).gaussian();
+        assert_ne!(first(1, Stream::CurrentNoise), first(1, Stream::VelocityNoise));
+        assert_ne!(first(1, Stream::CurrentNoise), first(2, Stream::CurrentNoise));
+        assert_eq!(first(1, Stream::CurrentNoise), first(1, Stream::CurrentNoise));
+    }
+
+    #[test]
+    fn fluctuation_keeps_its_rms_whatever_its_pole() {
+        for pole in [-0.5, 0.0, 0.9] {
+            let mut fluctuation = LoadFluctuation::new(NoiseSource::new(8, Stream::LoadFluctuation), 0.06, pole);
+            let square: f64 = (0..20_000).map(|_| fluctuation.draw().powi(2)).sum::<f64>() / 20_000.0;
+            // Scatter of the rms: √((1 + p²)/(1 − p²)/2n) = 1.5 % at p = 0.9; four of them.
+            assert!((square.sqrt() / 0.06 - 1.0).abs() < 0.062, "{pole}: {}", square.sqrt());
+        }
+    }
+
+    #[test]
+    fn uniform_stays_within_its_bounds() {
+        let mut source = NoiseSource::new(3, Stream::Conditions);
+        let draws: Vec<f64> = (0..1000).map(|_| source.uniform(0.6, 1.5)).collect();
+        assert!(draws.iter().all(|x| (0.6..1.5).contains(x)));
+        // The extremes of 1000 draws lie within 0.01 of the bounds but for a chance of 2e-5.
+        assert!(draws.iter().any(|x| *x < 0.61) && draws.iter().any(|x| *x > 1.49));
+    }
+}

@@ -1,0 +1,226 @@
+//! Traces in CSV: one file a trace, or a tidy table with a `trace` column.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use super::{Channels, Trace};
+use crate::Error;
+
+/// Where one signal comes from in a record: `plus`, less `minus` for a difference.
+#[derive(Clone, Copy)]
+struct Source {
+    plus: usize,
+    minus: Option<usize>,
+}
+
+struct Header {
+    names: Vec<String>,
+    trace: Option<usize>,
+    time: Option<usize>,
+}
+
+impl Header {
+    fn new(record: &csv::StringRecord) -> Self {
+        let names: Vec<String> = record.iter().map(|name| name.trim().trim_start_matches('\u{feff}').into()).collect();
+        let find = |wanted: &str| names.iter().position(|name| name == wanted);
+        Self { trace: find("trace"), time: find("t_s"), names }
+    }
+
+    fn place(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|column| column == name)
+    }
+
+    /// A whole column name wins over a difference, since names may hold a dash themselves.
+    fn source(&self, channel: &str) -> Option<Source> {
+        if let Some(plus) = self.place(channel) {
+            return Some(Source { plus, minus: None });
+        }
+        channel.match_indices('-').find_map(|(at, _)| {
+            let (plus, minus) = (self.place(channel[..at].trim())?, self.place(channel[at + 1..].trim())?);
+            Some(Source { plus, minus: Some(minus) })
+        })
+    }
+
+    fn sources(&self, channels: &Channels) -> Result<[Source; 3], String> {
+        let find = |channel: &str| self.source(channel).ok_or_else(|| channel.to_string());
+        Ok([find(&channels.y)?, find(&channels.u1)?, find(&channels.u2)?])
+    }
+}
+
+fn open(path: &Path) -> Result<csv::Reader<std::fs::File>, Error> {
+    let file = std::fs::File::open(path).map_err(Error::io(path))?;
+    Ok(csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_reader(file))
+}
+
+fn csv_error(path: &Path, error: &csv::Error) -> Error {
+    let line = error.position().map_or_else(|| "content".into(), |p| format!("line {}", p.line()));
+    Error::content(path, line, format!("not readable as CSV: {}", describe(error)))
+}
+
+fn describe(error: &csv::Error) -> String {
+    match error.kind() {
+        csv::ErrorKind::Utf8 { .. } => "the text is not UTF-8".into(),
+        csv::ErrorKind::Io(io) => io.to_string(),
+        _ => error.to_string(),
+    }
+}
+
+fn header(path: &Path, reader: &mut csv::Reader<std::fs::File>) -> Result<Header, Error> {
+    Ok(Header::new(reader.headers().map_err(|e| csv_error(path, &e))?))
+}
+
+/// Whether the file's header has every wanted column.
+pub(super) fn has_columns(path: &Path, channels: &Channels) -> Result<bool, Error> {
+    Ok(header(path, &mut open(path)?)?.sources(channels).is_ok())
+}
+
+/// Reads all traces of one file; only the wanted columns need be numbers.
+pub(super) fn read(path: &Path, channels: &Channels) -> Result<Vec<Trace>, Error> {
+    let mut reader = open(path)?;
+    let header = header(path, &mut reader)?;
+    let sources = header.sources(channels).map_err(|missing| {
+        let problem = format!("no column (or difference of columns) {missing}; there are {}", header.names.join(", "));
+        Error::content(path, "header", problem)
+    })?;
+    let mut collector = Collector::new(path);
+    for record in reader.records() {
+        let record = record.map_err(|e| csv_error(path, &e))?;
+        let row = Row { path, header: &header, record: &record };
+        row.check_width()?;
+        let id = header.trace.map(|column| &record[column]);
+        let time = header.time.map(|column| row.number(column)).transpose()?;
+        let mut values = [0.0; 3];
+        for (value, source) in values.iter_mut().zip(sources) {
+            *value = row.number(source.plus)?;
+            if let Some(minus) = source.minus {
+                *value -= row.number(minus)?;
+            }
+        }
+        collector.push(id, time, values);
+    }
+    let traces = collector.finish();
+    if traces.is_empty() {
+        return Err(Error::content(path, "line 2", "no rows after the header; record the trace again"));
+    }
+    Ok(traces)
+}
+
+struct Row<'a> {
+    path: &'a Path,
+    header: &'a Header,
+    record: &'a csv::StringRecord,
+}
+
+impl Row<'_> {
+    fn line(&self) -> u64 {
+        self.record.position().map_or(0, csv::Position::line)
+    }
+
+    fn check_width(&self) -> Result<(), Error> {
+        let (found, wanted) = (self.record.len(), self.header.names.len());
+        if found == wanted {
+            return Ok(());
+        }
+        let problem = format!("{found} cells where the header has {wanted}; complete the row or remove it");
+        Err(Error::content(self.path, format!("line {}", self.line()), problem))
+    }
+
+    fn number(&self, column: usize) -> Result<f64, Error> {
+        let (cell, name) = (&self.record[column], &self.header.names[column]);
+        let wrong =
+            |problem: String| Error::content(self.path, format!("line {}, column {name}", self.line()), problem);
+        match cell.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(value),
+            Ok(_) => Err(wrong(format!("{cell} is not a finite number; cut the trace there or repair the sample"))),
+            Err(_) if cell.is_empty() => Err(wrong("empty cell; cut the trace there or repair the sample".into())),
+            Err(_) => Err(wrong(format!("\"{cell}\" is not a number (write decimals with a point)"))),
+        }
+    }
+}
+
+/// Gathers rows by trace id, in the order the ids first appear.
+struct Collector {
+    file_id: String,
+    places: HashMap<String, usize>,
+    traces: Vec<(Trace, Vec<f64>)>,
+}
+
+impl Collector {
+    fn new(path: &Path) -> Self {
+        let file_id = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        Self { file_id, places: HashMap::new(), traces: Vec::new() }
+    }
+
+    fn push(&mut self, id: Option<&str>, time: Option<f64>, [y, u1, u2]: [f64; 3]) {
+        let id = id.unwrap_or(&self.file_id);
+        let place = self.places.get(id).copied().unwrap_or_else(|| {
+            let trace = Trace { id: id.into(), interval_s: None, y: vec![], u1: vec![], u2: vec![] };
+            self.traces.push((trace, vec![]));
+            self.places.insert(id.into(), self.traces.len() - 1);
+            self.traces.len() - 1
+        });
+        let (trace, times) = &mut self.traces[place];
+        trace.y.push(y);
+        trace.u1.push(u1);
+        trace.u2.push(u2);
+        times.extend(time);
+    }
+
+    fn finish(self) -> Vec<Trace> {
+        let finish = |(mut trace, times): (Trace, Vec<f64>)| {
+            let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+            steps.sort_by(f64::total_cmp);
+            trace.interval_s = steps.get(steps.len() / 2).copied().filter(|step| *step > 0.0);
+            trace
+        };
+        self.traces.into_iter().map(finish).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn channels() -> Channels {
+        Channels { y: "i".into(), u1: "ref-v".into(), u2: "load-cell".into() }
+    }
+
+    fn file(content: &str) -> tempfile::NamedTempFile {
+        let file = tempfile::Builder::new().suffix(".csv").tempfile().expect("temporary file");
+        std::fs::write(file.path(), content).expect("writable");
+        file
+    }
+
+    fn message(content: &str) -> String {
+        read(file(content).path(), &channels()).expect_err("bad input").to_string()
+    }
+
+    #[test]
+    fn single_file_with_difference_and_dashed_name() {
+        let f = file("t_s,i,ref,v,load-cell,comment\n0,1,10,4,7,start\n0.5,2,11,4,8,\n");
+        let traces = read(f.path(), &channels()).expect("good file");
+        assert_eq!(traces.len(), 1);
+        assert_eq!((traces[0].y.clone(), traces[0].u1.clone()), (vec![1.0, 2.0], vec![6.0, 7.0]));
+        assert_eq!((traces[0].u2.clone(), traces[0].interval_s), (vec![7.0, 8.0], Some(0.5)));
+    }
+
+    #[test]
+    fn tidy_table_keeps_first_appearance_order() {
+        let f = file("trace,i,ref,v,load-cell\nb,1,0,0,0\na,2,0,0,0\nb,3,0,0,0\n");
+        let traces = read(f.path(), &channels()).expect("good file");
+        let ids: Vec<_> = traces.iter().map(|t| t.id.as_str()).collect();
+        assert_eq!((ids, traces[0].y.clone()), (vec!["b", "a"], vec![1.0, 3.0]));
+    }
+
+    #[test]
+    fn bad_content_names_line_and_column() {
+        let good = "t_s,i,ref,v,load-cell\n0,1,2,3,4\n";
+        assert!(message("t_s,i,ref,v\n0,1,2,3\n").contains("header: no column (or difference of columns) load-cell"));
+        assert!(message(&format!("{good}0,1,2\n")).contains("line 3: 3 cells where the header has 5"));
+        assert!(message(&format!("{good}0,x,2,3,4\n")).contains("line 3, column i: \"x\" is not a number"));
+        assert!(message(&format!("{good}0,1,NaN,3,4\n")).contains("line 3, column ref: NaN is not a finite"));
+        assert!(message(&format!("{good}0,1,2,inf,4\n")).contains("column v: inf is not a finite"));
+        assert!(message(&format!("{good}0,1,2,,4\n")).contains("column v: empty cell"));
+        assert!(message("t_s,i,ref,v,load-cell\n").contains("no rows"));
+    }
+}

@@ -1,0 +1,213 @@
+//! Which class each trace belongs to, and which traces take part.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use super::{Trace, stem};
+use crate::Error;
+
+/// A condition on a column of the labels: `load_kgf=20`, `run<=4`, `class_name!=backlash1`.
+///
+/// Compared as numbers where both sides are numbers, else as text (`=` and `!=` only).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Condition {
+    column: String,
+    operator: &'static str,
+    value: String,
+}
+
+impl std::str::FromStr for Condition {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        // The longer operators first, so that `<=` is not taken for `<`.
+        for operator in ["<=", ">=", "!=", "=", "<", ">"] {
+            if let Some((column, value)) = text.split_once(operator) {
+                let (column, value) = (column.trim().to_string(), value.trim().to_string());
+                if column.is_empty() || value.is_empty() {
+                    break;
+                }
+                return Ok(Self { column, operator, value });
+            }
+        }
+        Err(format!("\"{text}\" is no condition; write column, one of = != <= >= < >, value, e.g. 'run<=4'"))
+    }
+}
+
+impl std::fmt::Display for Condition {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}{}{}", self.column, self.operator, self.value)
+    }
+}
+
+impl Condition {
+    fn holds(&self, cell: &str) -> Result<bool, String> {
+        use std::cmp::Ordering::{Equal, Greater, Less};
+        let ordering = match (cell.parse::<f64>(), self.value.parse::<f64>()) {
+            (Ok(cell), Ok(value)) => cell.partial_cmp(&value),
+            _ if matches!(self.operator, "=" | "!=") => Some(cell.cmp(self.value.as_str())),
+            _ => None,
+        };
+        let ordering = ordering
+            .ok_or_else(|| format!("\"{cell}\" {} \"{}\" compares text; use = or !=", self.operator, self.value))?;
+        Ok(match self.operator {
+            "=" => ordering == Equal,
+            "!=" => ordering != Equal,
+            "<=" => ordering != Greater,
+            ">=" => ordering != Less,
+            "<" => ordering == Less,
+            _ => ordering == Greater,
+        })
+    }
+}
+
+/// The rows of `labels.csv`: `trace,class_name` and any further columns.
+#[derive(Clone, Debug)]
+pub struct Labels {
+    path: PathBuf,
+    columns: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+/// A trace with the index of its class.
+#[derive(Clone, Debug)]
+pub struct LabelledTrace {
+    /// Its signals.
+    pub trace: Trace,
+    /// Index into the class names.
+    pub class: usize,
+}
+
+impl Labels {
+    /// Reads a labels file.
+    ///
+    /// # Errors
+    /// Unreadable file, missing `trace` or `class_name`, ragged rows, a trace that comes twice.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let file = std::fs::File::open(path).map_err(Error::io(path))?;
+        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
+        let problem = |error: csv::Error| {
+            let line = error.position().map_or_else(|| "content".into(), |p| format!("line {}", p.line()));
+            Error::content(path, line, "not as many cells as the header has; complete the row")
+        };
+        let columns: Vec<String> = reader.headers().map_err(problem)?.iter().map(String::from).collect();
+        let rows = reader.records().map(|r| Ok(r.map_err(problem)?.iter().map(String::from).collect()));
+        let labels = Self { path: path.into(), columns, rows: rows.collect::<Result<_, Error>>()? };
+        let trace = labels.column("trace")?;
+        labels.column("class_name")?;
+        let mut seen = HashMap::new();
+        for (k, row) in labels.rows.iter().enumerate() {
+            if let Some(first) = seen.insert(stem(&row[trace]), k) {
+                let problem = format!("{} is labelled already in line {}", row[trace], first + 2);
+                return Err(Error::content(path, format!("line {}", k + 2), problem));
+            }
+        }
+        Ok(labels)
+    }
+
+    fn column(&self, name: &str) -> Result<usize, Error> {
+        self.columns.iter().position(|column| column == name).ok_or_else(|| {
+            Error::content(&self.path, "header", format!("no column {name}; there are {}", self.columns.join(", ")))
+        })
+    }
+
+    /// Ids (without `.csv`) and class names of the rows that meet every condition.
+    ///
+    /// # Errors
+    /// An unknown column, an order comparison of text, or no row left.
+    pub fn select(&self, conditions: &[Condition]) -> Result<Vec<(String, String)>, Error> {
+        let (trace, class) = (self.column("trace")?, self.column("class_name")?);
+        let columns = conditions.iter().map(|c| self.column(&c.column)).collect::<Result<Vec<_>, _>>()?;
+        let mut chosen = Vec::new();
+        for (k, row) in self.rows.iter().enumerate() {
+            let mut all = true;
+            for (condition, &column) in conditions.iter().zip(&columns) {
+                let place = || format!("line {}, column {}", k + 2, condition.column);
+                all &= condition.holds(&row[column]).map_err(|p| Error::content(&self.path, place(), p))?;
+            }
+            if all {
+                chosen.push((stem(&row[trace]).to_string(), row[class].clone()));
+            }
+        }
+        if chosen.is_empty() {
+            let asked: Vec<_> = conditions.iter().map(ToString::to_string).collect();
+            let problem = if asked.is_empty() { "no rows".into() } else { format!("no row with {}", asked.join(", ")) };
+            return Err(Error::content(&self.path, "selection", problem));
+        }
+        Ok(chosen)
+    }
+
+    /// The class names of a selection: as asked for, in that order, or all in order of first appearance.
+    ///
+    /// # Errors
+    /// A class asked for that no selected row has.
+    pub fn classes(&self, chosen: &[(String, String)], asked: &[String]) -> Result<Vec<String>, Error> {
+        let mut present: Vec<String> = Vec::new();
+        for (_, class) in chosen {
+            if !present.contains(class) {
+                present.push(class.clone());
+            }
+        }
+        for class in asked {
+            if !present.contains(class) {
+                let problem = format!("unknown class {class} in this selection; there are {}", present.join(", "));
+                return Err(Error::content(&self.path, "column class_name", problem));
+            }
+        }
+        Ok(if asked.is_empty() { present } else { asked.to_vec() })
+    }
+
+    /// Joins a selection with its traces; rows of other classes than `classes` are left out.
+    ///
+    /// # Errors
+    /// A labelled trace that is not among `traces`.
+    pub fn join(
+        &self,
+        chosen: &[(String, String)],
+        classes: &[String],
+        traces: &[Trace],
+    ) -> Result<Vec<LabelledTrace>, Error> {
+        let by_id: HashMap<&str, &Trace> = traces.iter().map(|trace| (stem(&trace.id), trace)).collect();
+        let wanted = chosen.iter().filter_map(|(id, name)| Some((id, classes.iter().position(|c| c == name)?)));
+        wanted
+            .map(|(id, class)| {
+                let trace = by_id.get(id.as_str()).ok_or_else(|| {
+                    let problem = format!("{id} is labelled, but there is no such trace; give its file or folder");
+                    Error::content(&self.path, "column trace", problem)
+                })?;
+                Ok(LabelledTrace { trace: (*trace).clone(), class })
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn conditions_compare_numbers_as_numbers() {
+        let c: Condition = "run<=4".parse().expect("condition");
+        assert!(c.holds("4").expect("numbers") && !c.holds("10").expect("numbers"));
+        let c: Condition = "load_kgf=20".parse().expect("condition");
+        assert!(c.holds("20.0").expect("numbers") && !c.holds("-20").expect("numbers"));
+        let c: Condition = "class_name!=normal".parse().expect("condition");
+        assert!(!c.holds("normal").expect("text"));
+        assert!("run<4".parse::<Condition>().expect("condition").holds("x").is_err());
+        assert!("run".parse::<Condition>().is_err() && "=4".parse::<Condition>().is_err());
+    }
+
+    #[test]
+    fn unknown_classes_and_duplicates_are_refused() {
+        let file = tempfile::NamedTempFile::new().expect("temporary file");
+        std::fs::write(file.path(), "trace,class_name\nx.csv,a\ny,b\n").expect("writable");
+        let labels = Labels::read(file.path()).expect("good labels");
+        let chosen = labels.select(&[]).expect("rows");
+        assert_eq!(chosen[0], ("x".to_string(), "a".to_string()));
+        assert_eq!(labels.classes(&chosen, &[]).expect("classes"), ["a", "b"]);
+        let error = labels.classes(&chosen, &["c".into()]).expect_err("unknown").to_string();
+        assert!(error.contains("unknown class c") && error.contains("a, b"), "{error}");
+        std::fs::write(file.path(), "trace,class_name\nx.csv,a\nx,b\n").expect("writable");
+        assert!(Labels::read(file.path()).expect_err("twice").to_string().contains("line 3: x is labelled already"));
+    }
+}

@@ -1,0 +1,149 @@
+//! From the recorded rate to the rate of identification: block means, then decimation.
+
+use super::Trace;
+use crate::Error;
+
+/// What is done to a trace before identification.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Preparation {
+    /// Non-overlapping means of this many samples first; 1 for none.
+    pub block_mean: usize,
+    /// Then every n-th sample behind a zero-phase anti-alias filter; 1 for none.
+    pub decimate: usize,
+}
+
+impl Preparation {
+    /// Signals as recorded.
+    pub const NONE: Self = Self { block_mean: 1, decimate: 1 };
+
+    /// Prepares a trace.
+    ///
+    /// # Errors
+    /// A factor of zero, or a trace too short for one prepared sample.
+    pub fn apply(&self, trace: &Trace) -> Result<Trace, Error> {
+        let factor = self.block_mean * self.decimate;
+        if factor == 0 {
+            return Err(Error::Usage("--block-mean and --decimate take whole numbers from 1".into()));
+        }
+        if trace.y.len() < factor {
+            let problem = format!("{} samples are fewer than one block of {factor}", trace.y.len());
+            return Err(Error::trace(&trace.id, problem));
+        }
+        let prepare = |x: &[f64]| decimate(&block_mean(x, self.block_mean), self.decimate);
+        Ok(Trace {
+            id: trace.id.clone(),
+            interval_s: trace.interval_s.map(|step| step * factor as f64),
+            y: prepare(&trace.y),
+            u1: prepare(&trace.u1),
+            u2: prepare(&trace.u2),
+        })
+    }
+}
+
+/// Means of whole blocks; a last partial block is dropped, as the embedded form does.
+fn block_mean(x: &[f64], block: usize) -> Vec<f64> {
+    x.chunks_exact(block).map(|chunk| chunk.iter().sum::<f64>() / block as f64).collect()
+}
+
+/// Every `factor`-th sample behind a linear-phase FIR with its delay taken out. Ends are extended by point
+/// reflection, so that a ramp stays a ramp.
+fn decimate(x: &[f64], factor: usize) -> Vec<f64> {
+    if factor == 1 {
+        return x.to_vec();
+    }
+    let taps = anti_alias(factor);
+    let half = (taps.len() / 2) as isize;
+    let last = x.len() as isize - 1;
+    let at = |k: isize| -> f64 {
+        if k < 0 {
+            2.0 * x[0] - x[(-k).min(last) as usize]
+        } else if k > last {
+            2.0 * x[last as usize] - x[(2 * last - k).max(0) as usize]
+        } else {
+            x[k as usize]
+        }
+    };
+    let centres = (0..=last).step_by(factor);
+    centres.map(|centre| taps.iter().enumerate().map(|(k, tap)| tap * at(centre + k as isize - half)).sum()).collect()
+}
+
+/// Kaiser-windowed sinc: pass band to 0.8 of the new Nyquist frequency, at least 60 dB down from that frequency on.
+fn anti_alias(factor: usize) -> Vec<f64> {
+    const ATTENUATION_DB: f64 = 70.0;
+    let nyquist = 0.5 / factor as f64;
+    let transition = 0.2 * nyquist;
+    // Kaiser's formulas for window shape and length.
+    let beta = 0.1102 * (ATTENUATION_DB - 8.7);
+    let half = ((ATTENUATION_DB - 7.95) / (14.36 * transition) / 2.0).ceil() as i32;
+    let cutoff = nyquist - transition / 2.0;
+    let mut taps: Vec<f64> = (-half..=half)
+        .map(|k| {
+            let (k, half) = (f64::from(k), f64::from(half));
+            let sinc = if k == 0.0 {
+                2.0 * cutoff
+            } else {
+                (std::f64::consts::TAU * cutoff * k).sin() / (std::f64::consts::PI * k)
+            };
+            sinc * bessel_i0(beta * (1.0 - (k / half).powi(2)).max(0.0).sqrt()) / bessel_i0(beta)
+        })
+        .collect();
+    let sum: f64 = taps.iter().sum();
+    taps.iter_mut().for_each(|tap| *tap /= sum);
+    taps
+}
+
+/// Modified Bessel function I₀ by its power series, which converges for every argument a window needs.
+fn bessel_i0(x: f64) -> f64 {
+    let mut term = 1.0;
+    let mut sum = 1.0;
+    for k in 1..60 {
+        term *= (x / (2.0 * f64::from(k))).powi(2);
+        sum += term;
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tone(frequency: f64, count: usize) -> Vec<f64> {
+        (0..count).map(|k| (std::f64::consts::TAU * frequency * k as f64).cos()).collect()
+    }
+
+    fn rms(x: &[f64]) -> f64 {
+        (x.iter().map(|v| v * v).sum::<f64>() / x.len() as f64).sqrt()
+    }
+
+    #[test]
+    fn stop_band_is_sixty_decibels_down_and_pass_band_is_flat() {
+        for factor in [2, 3, 5, 10] {
+            let nyquist = 0.5 / factor as f64;
+            let inner = |x: Vec<f64>| x[40..x.len() - 40].to_vec();
+            for above in [1.001, 1.1, 1.5, 1.9] {
+                let gain = rms(&inner(decimate(&tone(nyquist * above, 4000), factor))) * 2f64.sqrt();
+                assert!(gain < 1e-3, "factor {factor}, {above} of Nyquist: {gain}");
+            }
+            let slow = inner(decimate(&tone(0.7 * nyquist, 4000), factor));
+            assert!((rms(&slow) * 2f64.sqrt() - 1.0).abs() < 0.01, "pass band");
+        }
+    }
+
+    #[test]
+    fn ramp_stays_a_ramp_up_to_its_ends() {
+        let ramp: Vec<f64> = (0..500).map(f64::from).collect();
+        for (k, value) in decimate(&ramp, 5).into_iter().enumerate() {
+            assert!((value - 5.0 * k as f64).abs() < 1e-9, "{k}: {value}"); // symmetric taps: rounding only
+        }
+    }
+
+    #[test]
+    fn block_mean_drops_the_partial_block() {
+        let trace =
+            Trace { id: "x".into(), interval_s: Some(0.1), y: vec![1.0, 3.0, 5.0], u1: vec![0.0; 3], u2: vec![1.0; 3] };
+        let out = Preparation { block_mean: 2, decimate: 1 }.apply(&trace).expect("long enough");
+        assert_eq!((out.y, out.interval_s), (vec![2.0], Some(0.2)));
+        assert!(Preparation { block_mean: 4, decimate: 1 }.apply(&trace).is_err());
+        assert!(Preparation { block_mean: 1, decimate: 0 }.apply(&trace).is_err());
+    }
+}

@@ -1,0 +1,220 @@
+//! Labelled traces → a trained model.
+//!
+//! Features by batch least squares in double precision, their projection, the discriminant; then everything is
+//! brought into the form the core runs ([`Trained`]). What the model is worth is measured by running the core on
+//! other traces ([`crate::evaluate`]), never here.
+
+mod discriminant;
+mod projection;
+mod statistics;
+
+use bearing_watch::decide::Kind;
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+use crate::Error;
+use crate::features;
+use crate::identify::{Estimate, Structure, least_squares};
+use crate::trace::Trace;
+use crate::trace::labels::LabelledTrace;
+
+pub use discriminant::GaussianClasses;
+pub use projection::{AffineMap, ProjectionKind};
+pub use statistics::ClassStatistics;
+
+/// What is trained, apart from the traces.
+#[derive(Clone, Debug)]
+pub struct Recipe {
+    /// Model structure.
+    pub structure: Structure,
+    /// Feature names or groups; none means every parameter.
+    pub features: Vec<String>,
+    /// Projection of the features.
+    pub projection: ProjectionKind,
+    /// Shared or own covariances.
+    pub discriminant: Kind,
+    /// Prior of each class; equal where empty.
+    pub priors: Vec<f64>,
+    /// `cost[i][k]`: what deciding i costs when k is true; 0/1 where empty.
+    pub cost: Vec<Vec<f64>>,
+}
+
+impl Recipe {
+    /// Every parameter as feature, no projection, linear discriminant, equal priors, 0/1 costs.
+    #[must_use]
+    pub fn new(structure: Structure) -> Self {
+        Self {
+            structure,
+            features: vec![],
+            projection: ProjectionKind::None,
+            discriminant: Kind::Linear,
+            priors: vec![],
+            cost: vec![],
+        }
+    }
+}
+
+/// Raw features of training traces with their classes.
+#[derive(Clone, Debug)]
+pub struct FeatureTable {
+    /// A row a trace: every raw feature ([`features::all_names`]).
+    pub rows: Vec<DVector<f64>>,
+    /// Class of each row.
+    pub classes: Vec<usize>,
+    /// Class names.
+    pub names: Vec<String>,
+}
+
+impl FeatureTable {
+    /// From estimates in the order of the traces.
+    #[must_use]
+    pub fn new(estimates: &[Estimate], classes: Vec<usize>, names: Vec<String>) -> Self {
+        Self { rows: estimates.iter().map(features::vector).collect(), classes, names }
+    }
+
+    /// Only the given features.
+    fn select(&self, places: &[usize]) -> Self {
+        let pick = |row: &DVector<f64>| DVector::from_iterator(places.len(), places.iter().map(|&k| row[k]));
+        Self { rows: self.rows.iter().map(pick).collect(), classes: self.classes.clone(), names: self.names.clone() }
+    }
+
+    fn map(&self, map: &AffineMap) -> Self {
+        Self { rows: self.rows.iter().map(|row| map.apply(row)).collect(), ..self.clone() }
+    }
+}
+
+/// A trained model in double precision, in the shape of the core's [`bearing_watch::Model`].
+#[derive(Clone, Debug)]
+pub struct Trained {
+    /// What was asked for.
+    pub recipe: Recipe,
+    /// Class names.
+    pub classes: Vec<String>,
+    /// Names of the raw features in use.
+    pub feature_names: Vec<String>,
+    /// Raw chosen features → coordinates.
+    pub projection: AffineMap,
+    /// Class densities over the coordinates.
+    pub densities: GaussianClasses,
+    /// Places in the core's feature list.
+    pub core_features: Vec<usize>,
+    /// Core features → coordinates.
+    pub core_projection: AffineMap,
+    /// Powers of two, a regressor column each, target last.
+    pub scale: Vec<f64>,
+    /// Largest believable magnitude of y, u1, u2.
+    pub limit: [f64; 3],
+    /// Samples a segment at the identification rate.
+    pub segment_samples: usize,
+    /// Sample interval at the rate the detector is fed with, s; 0 where unknown.
+    pub interval_s: f64,
+    /// Block mean inside the detector.
+    pub block_mean: usize,
+}
+
+/// Trains on prepared traces.
+///
+/// # Errors
+/// Estimation errors of any trace; fewer than two classes, or a class without traces; features that are constant or
+/// collinear within classes; priors or costs that do not match the classes.
+pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> Result<Trained, Error> {
+    check_classes(traces, classes)?;
+    let estimates: Vec<Estimate> =
+        traces.par_iter().map(|t| least_squares(&t.trace, recipe.structure)).collect::<Result<_, _>>()?;
+    let table = FeatureTable::new(&estimates, traces.iter().map(|t| t.class).collect(), classes.to_vec());
+    let chosen = features::choose(recipe.structure, &recipe.features)?;
+    let names = features::all_names(recipe.structure);
+    let feature_names: Vec<String> = chosen.iter().map(|&k| names[k].clone()).collect();
+
+    let raw = table.select(&chosen);
+    let projection = projection::train(&raw, &feature_names, recipe.projection)?;
+    let densities = discriminant::train(&raw.map(&projection), recipe)?;
+    let (core_features, core_projection) = compose(&table, &chosen, recipe.structure, &projection);
+    let longest = traces.iter().map(|t| t.trace.y.len()).max().unwrap_or(0);
+    Ok(Trained {
+        recipe: recipe.clone(),
+        classes: classes.to_vec(),
+        feature_names,
+        projection,
+        densities,
+        core_features,
+        core_projection,
+        scale: column_scales(traces, recipe.structure),
+        limit: limits(traces),
+        segment_samples: longest.min(bearing_watch::model::MAX_SEGMENT_SAMPLES as usize),
+        interval_s: traces.iter().find_map(|t| t.trace.interval_s).unwrap_or(0.0),
+        block_mean: 1,
+    })
+}
+
+fn check_classes(traces: &[LabelledTrace], classes: &[String]) -> Result<(), Error> {
+    if traces.is_empty() {
+        return Err(Error::Training("the training set is empty; give labelled traces or a wider selection".into()));
+    }
+    if classes.len() < 2 {
+        let only = classes.join(", ");
+        return Err(Error::Training(format!(
+            "training needs at least two classes, but there is only {only}; widen the selection"
+        )));
+    }
+    for (class, name) in classes.iter().enumerate() {
+        if name.len() > 16 {
+            return Err(Error::Training(format!(
+                "class name {name} is longer than 16 bytes; shorten it in the labels"
+            )));
+        }
+        if !traces.iter().any(|t| t.class == class) {
+            return Err(Error::Training(format!(
+                "class {name} has no training traces; widen the selection or leave it out"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// The map from the core's δ-features: z = W (raw − m) = W T_S (δ − δ_m), with δ_m the training mean of δ.
+fn compose(
+    table: &FeatureTable,
+    chosen: &[usize],
+    structure: Structure,
+    projection: &AffineMap,
+) -> (Vec<usize>, AffineMap) {
+    let map = features::raw_from_delta(structure).select_rows(chosen);
+    let used: Vec<usize> = (0..map.ncols()).filter(|&k| map.column(k).amax() > 0.0).collect();
+    let deltas: Vec<_> = table.rows.iter().map(|row| features::delta_from_raw(structure, row)).collect();
+    let mean = statistics::mean(&deltas);
+    // The projection's own centre is the mean of the same rows, so both centres are the same point.
+    let matrix = &projection.matrix * map.select_columns(&used);
+    let centre = DVector::from_iterator(used.len(), used.iter().map(|&k| mean[k]));
+    (used, AffineMap { matrix, mean: centre })
+}
+
+/// Power of two that brings each δ-form column, pooled over the training set, to rms ≈ 1.
+fn column_scales(traces: &[LabelledTrace], structure: Structure) -> Vec<f64> {
+    let scale = |pick: Signal, difference: bool| {
+        let pooled = traces.iter().flat_map(|t| {
+            let x = pick(&t.trace);
+            let before = [&[0.0], x].concat();
+            let lag = move |k: usize| if difference { before[k] } else { 0.0 };
+            x.iter().enumerate().skip(usize::from(difference)).map(move |(k, x)| x - lag(k))
+        });
+        let (sum, count) = pooled.fold((0.0, 0.0_f64), |(sum, count), x| (sum + x * x, count + 1.0));
+        let rms = (sum / count.max(1.0)).sqrt();
+        if rms > 0.0 { (-rms.log2().round()).clamp(-60.0, 60.0).exp2() } else { 1.0 }
+    };
+    let order = structure.order;
+    let signals: [(Signal, u8); 3] = [(|t| &t.y, order.na), (|t| &t.u1, order.nb), (|t| &t.u2, order.nc)];
+    let mut scales: Vec<f64> =
+        signals.iter().flat_map(|&(pick, terms)| (0..terms).map(move |term| scale(pick, term > 0))).collect();
+    scales.extend(structure.offset.then_some(1.0));
+    scales.push(scale(|t| &t.y, order.na > 0));
+    scales
+}
+
+type Signal = fn(&Trace) -> &[f64];
+
+/// Ten times the largest training magnitude: room for other conditions, and no room for nonsense.
+fn limits(traces: &[LabelledTrace]) -> [f64; 3] {
+    let largest = |pick: Signal| traces.iter().flat_map(|t| pick(&t.trace)).fold(0.0_f64, |most, x| most.max(x.abs()));
+    [largest(|t| &t.y), largest(|t| &t.u1), largest(|t| &t.u2)].map(|x| if x > 0.0 { 10.0 * x } else { 1.0 })
+}

@@ -1,0 +1,103 @@
+//! Means and covariances of labelled rows.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::FeatureTable;
+use crate::Error;
+
+/// Mean of rows of equal length.
+pub(super) fn mean(rows: &[DVector<f64>]) -> DVector<f64> {
+    let mut sum = DVector::zeros(rows.first().map_or(0, DVector::len));
+    for row in rows {
+        sum += row;
+    }
+    sum / rows.len().max(1) as f64
+}
+
+/// Scatter Σ (x − m)(x − m)ᵀ.
+fn scatter<'a>(rows: impl Iterator<Item = &'a DVector<f64>>, mean: &DVector<f64>) -> DMatrix<f64> {
+    let mut sum = DMatrix::zeros(mean.len(), mean.len());
+    for row in rows {
+        let centred = row - mean;
+        sum += &centred * centred.transpose();
+    }
+    sum
+}
+
+/// First and second moments of a labelled table.
+#[derive(Clone, Debug)]
+pub struct ClassStatistics {
+    /// Mean of all rows.
+    pub total_mean: DVector<f64>,
+    /// Covariance of all rows, divisor N − 1.
+    pub total: DMatrix<f64>,
+    /// Mean of each class.
+    pub means: Vec<DVector<f64>>,
+    /// Covariance of each class, divisor N_k − 1.
+    pub covariances: Vec<DMatrix<f64>>,
+    /// Rows of each class.
+    pub counts: Vec<usize>,
+    /// Pooled within-class covariance, divisor N − C.
+    pub pooled: DMatrix<f64>,
+}
+
+impl ClassStatistics {
+    /// Of a table whose every class has rows.
+    #[must_use]
+    pub fn new(table: &FeatureTable) -> Self {
+        let total_mean = mean(&table.rows);
+        let divide = |scatter: DMatrix<f64>, degrees: usize| scatter / degrees.max(1) as f64;
+        let total = divide(scatter(table.rows.iter(), &total_mean), table.rows.len() - 1);
+        let of_class = |class: usize| {
+            let rows = table.rows.iter().zip(&table.classes);
+            rows.filter(move |(_, c)| **c == class).map(|(row, _)| row.clone()).collect::<Vec<_>>()
+        };
+        let (mut means, mut covariances, mut counts) = (vec![], vec![], vec![]);
+        let mut within = DMatrix::zeros(total_mean.len(), total_mean.len());
+        for class in 0..table.names.len() {
+            let rows = of_class(class);
+            let centre = mean(&rows);
+            let scatter = scatter(rows.iter(), &centre);
+            within += &scatter;
+            covariances.push(divide(scatter, rows.len() - 1));
+            means.push(centre);
+            counts.push(rows.len());
+        }
+        let pooled = divide(within, table.rows.len().saturating_sub(table.names.len()));
+        Self { total_mean, total, means, covariances, counts, pooled }
+    }
+}
+
+/// Inverse of the Cholesky factor, U with UᵀU = Σ⁻¹, and ln |Σ|.
+///
+/// Done on the correlation matrix, so that units do not matter to the rank test.
+pub(super) fn whitening(covariance: &DMatrix<f64>) -> Option<(DMatrix<f64>, f64)> {
+    /// Smallest pivot of a correlation matrix that is not rounding: below it a feature is a combination of others.
+    const SINGULAR: f64 = 1e-10;
+    let n = covariance.nrows();
+    let deviation = covariance.diagonal().map(f64::sqrt);
+    if deviation.iter().any(|&d| d.is_nan() || d <= 0.0) {
+        return None;
+    }
+    let correlation = DMatrix::from_fn(n, n, |i, j| covariance[(i, j)] / (deviation[i] * deviation[j]));
+    let factor = correlation.cholesky()?.l();
+    if factor.diagonal().iter().any(|pivot| pivot * pivot < SINGULAR) {
+        return None;
+    }
+    let log_determinant = 2.0 * factor.diagonal().iter().zip(deviation.iter()).map(|(l, d)| (l * d).ln()).sum::<f64>();
+    let mut inverse = factor.solve_lower_triangular(&DMatrix::identity(n, n))?;
+    for (mut column, d) in inverse.column_iter_mut().zip(deviation.iter()) {
+        column /= *d;
+    }
+    Some((inverse, log_determinant))
+}
+
+/// The error for a covariance without inverse.
+pub(super) fn singular(what: &str, rows: usize, features: usize) -> Error {
+    let reason = if rows <= features {
+        format!("{rows} traces cannot span {features} features; give at least {} or use fewer features", features + 1)
+    } else {
+        "a feature is constant or a combination of others; leave it out".into()
+    };
+    Error::Training(format!("the covariance of {what} is singular: {reason}, or project (--projection fisher or pca)"))
+}

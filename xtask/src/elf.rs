@@ -1,0 +1,63 @@
+//! What an ELF file takes of the chip: bytes of flash and of static RAM.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use object::Object as _;
+use object::read::elf::{ElfFile32, SectionHeader};
+use object::{Endianness, ObjectSection, elf};
+
+/// Where RAM starts on every Cortex-M; code lies below.
+const RAM: u32 = 0x2000_0000;
+
+/// Bytes of the linked program. The stack is not in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Sizes {
+    /// Everything stored: vector table, code, constants, and the start values of `.data`.
+    pub flash: u64,
+    /// Statics: `.data`, `.bss`, `.uninit`.
+    pub ram: u64,
+}
+
+/// Adds up the sections that the chip holds.
+pub fn sizes(path: &Path) -> Result<Sizes> {
+    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let file =
+        ElfFile32::<Endianness>::parse(&*bytes).with_context(|| format!("{} is not firmware", path.display()))?;
+    let endian = file.endian();
+    let mut sizes = Sizes::default();
+    for section in file.sections() {
+        let header = section.elf_section_header();
+        if !header.sh_flags(endian).contains(elf::SHF_ALLOC) {
+            continue;
+        }
+        sizes.add(header.sh_addr(endian), section.size(), header.sh_type(endian) != elf::SHT_NOBITS);
+    }
+    Ok(sizes)
+}
+
+impl Sizes {
+    const fn add(&mut self, address: u32, size: u64, stored: bool) {
+        if stored {
+            self.flash += size;
+        }
+        if address >= RAM {
+            self.ram += size;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn initialised_data_count_twice() {
+        let mut sizes = Sizes::default();
+        sizes.add(0x0800_0000, 1024, true); // .vector_table
+        sizes.add(0x2000_0000, 8, true); // .data
+        sizes.add(0x2000_0008, 100, false); // .bss
+        assert_eq!(sizes, Sizes { flash: 1032, ram: 108 });
+    }
+}

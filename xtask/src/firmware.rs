@@ -1,0 +1,73 @@
+//! Builds an example for the drive's chip, either way.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use anyhow::{Context, Result, bail};
+
+use crate::toolchain::{TARGET, Way};
+use crate::{child, setup, workspace};
+
+/// The linker of the package `lld-19`.
+const LINKER: &str = "ld.lld-19";
+
+/// Builds one example in release and returns its ELF file.
+pub fn build(way: Way, example: &str) -> Result<PathBuf> {
+    let (mut cargo, folder) = match way {
+        Way::Rustup => rustup(),
+        Way::Debian => debian(),
+    };
+    // By package, so that features which only host packages want do not leak in.
+    cargo.args(["build", "--release", "--target", TARGET]).args(["--package", "bearing-watch", "--example", example]);
+    // Flags from the environment would replace those of the configuration, which name the linker
+    // script; the result would be an empty program.
+    cargo.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
+    child::succeed(&mut cargo)?;
+
+    let elf = folder.join(TARGET).join("release/examples").join(example);
+    if !elf.is_file() {
+        bail!("cargo succeeded, but there is no {}", elf.display());
+    }
+    Ok(elf)
+}
+
+/// The names of all examples, sorted.
+pub fn examples() -> Result<Vec<String>> {
+    let folder = workspace::root().join("examples");
+    let mut names = Vec::new();
+    for entry in folder.read_dir().context("no folder `examples`")? {
+        let path = entry?.path();
+        if path.extension().is_some_and(|extension| extension == "rs")
+            && let Some(name) = path.file_stem()
+        {
+            names.push(name.to_string_lossy().into_owned());
+        }
+    }
+    names.sort();
+    Ok(names)
+}
+
+fn rustup() -> (Command, PathBuf) {
+    (workspace::cargo(&[]), workspace::target_dir())
+}
+
+/// Debian has no library for the target: core is built from its source, which wants the nightly
+/// option `build-std`, and that in turn the variable that lets a stable compiler take it.
+fn debian() -> (Command, PathBuf) {
+    // A folder of its own: two compilers in one would take turns rebuilding.
+    let folder = workspace::target_dir().join("fw");
+    let mut cargo = Command::new(setup::debian_program("cargo"));
+    cargo
+        .current_dir(workspace::root())
+        .env("RUSTC", setup::debian_program("rustc"))
+        .env("RUSTDOC", setup::debian_program("rustdoc"))
+        .env("RUSTC_BOOTSTRAP", "1")
+        .env("CARGO_TARGET_DIR", &folder)
+        .env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", LINKER)
+        // What the cargo that started us leaves behind points at its own compiler's libraries.
+        .env_remove("CARGO")
+        .env_remove("RUSTUP_TOOLCHAIN")
+        .env_remove("LD_LIBRARY_PATH")
+        .args(["-Z", "build-std=core"]);
+    (cargo, folder)
+}

@@ -1,0 +1,91 @@
+//! What the repository's own commands do: `cargo xtask test | firmware | measure | setup`.
+
+mod bounds;
+mod child;
+mod elf;
+mod firmware;
+mod measure;
+mod qemu;
+mod setup;
+mod tally;
+mod target;
+mod test;
+mod toolchain;
+mod workspace;
+
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+
+use toolchain::Way;
+
+/// Set-up, tests, firmware builds, emulator runs, instruction and size tables.
+#[derive(Parser, Debug)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask")]
+struct Arguments {
+    /// How to build firmware; without it the environment variable `BEARING_WATCH_FIRMWARE` decides,
+    /// and without that what is installed.
+    #[arg(long, global = true, value_enum)]
+    way: Option<Way>,
+
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand, Debug)]
+enum Command {
+    /// Every check of the repository: format, lints, documentation, host and target tests.
+    Test,
+    /// Builds an example for the drive's chip and runs it in the emulator.
+    Firmware {
+        /// The example's name.
+        #[arg(long, default_value = "monitor")]
+        example: String,
+    },
+    /// Counts the kernels' instructions and bytes on the emulated chip.
+    Measure {
+        /// A JSON list instead of a table.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Installs what firmware builds and emulator runs need, where the system allows it.
+    Setup,
+}
+
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Whether everything that was asked for succeeded.
+fn run(arguments: &Arguments) -> Result<bool> {
+    if matches!(arguments.command, Command::Test) {
+        return Ok(test::run(arguments.way));
+    }
+    let way = toolchain::choose(arguments.way)?;
+    setup::ensure(way)?;
+    match &arguments.command {
+        Command::Firmware { example } => {
+            let elf = firmware::build(way, example)?;
+            qemu::run(&elf, qemu::DRIVE, qemu::Echo::On)?;
+        }
+        Command::Measure { json } => {
+            let figures = measure::figures(way)?;
+            if *json {
+                println!("{}", measure::json(&figures));
+            } else {
+                print!("{}", measure::table(&figures));
+            }
+        }
+        Command::Setup => println!("ready: firmware the {way} way, emulator {}", qemu::PROGRAM),
+        Command::Test => {}
+    }
+    Ok(true)
+}

@@ -1,0 +1,99 @@
+//! `cargo xtask measure`: the kernels' instructions and bytes, counted on the emulated chip.
+
+use std::fmt::Write as _;
+
+use anyhow::{Context, Result, ensure};
+use serde_json::{Value, json};
+
+use crate::toolchain::Way;
+use crate::{elf, firmware, qemu};
+
+/// One measured kernel, or a size of the whole monitor.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Figure {
+    pub name: String,
+    /// The kernel's size, where it has one.
+    pub n: Option<u64>,
+    /// A call, averaged.
+    pub instructions: Option<u64>,
+    /// State of a kernel, or flash or RAM of a program.
+    pub bytes: Option<u64>,
+}
+
+/// Builds and runs the example `measure`, and adds what the example `monitor` takes of the chip.
+pub fn figures(way: Way) -> Result<Vec<Figure>> {
+    let mut figures = kernels(way)?;
+    let sizes = elf::sizes(&firmware::build(way, "monitor")?)?;
+    for (name, bytes) in [("monitor flash", sizes.flash), ("monitor RAM", sizes.ram)] {
+        figures.push(Figure { name: name.to_owned(), n: None, instructions: None, bytes: Some(bytes) });
+    }
+    Ok(figures)
+}
+
+/// Only what the example `measure` prints.
+pub fn kernels(way: Way) -> Result<Vec<Figure>> {
+    let elf = firmware::build(way, "measure")?;
+    let lines = qemu::run(&elf, qemu::DRIVE, qemu::Echo::Off)?;
+    ensure!(!lines.is_empty(), "the example `measure` printed nothing");
+    lines.iter().map(|line| figure(line)).collect()
+}
+
+fn figure(line: &str) -> Result<Figure> {
+    let value: Value =
+        serde_json::from_str(line).with_context(|| format!("the example `measure` printed no JSON object: {line}"))?;
+    let name = value["name"].as_str().with_context(|| format!("a figure without a name: {line}"))?;
+    Ok(Figure {
+        name: name.to_owned(),
+        n: value["n"].as_u64(),
+        instructions: value["instructions"].as_u64(),
+        bytes: value["bytes"].as_u64(),
+    })
+}
+
+/// A JSON list, one object a line.
+pub fn json(figures: &[Figure]) -> String {
+    let objects: Vec<String> = figures
+        .iter()
+        .map(|f| {
+            let object = json!({
+                "name": f.name, "n": f.n, "instructions": f.instructions, "bytes": f.bytes
+            });
+            format!("  {object}")
+        })
+        .collect();
+    format!("[\n{}\n]", objects.join(",\n"))
+}
+
+/// The same for people.
+pub fn table(figures: &[Figure]) -> String {
+    let cell = |value: Option<u64>| value.map_or_else(|| "–".to_owned(), |v| v.to_string());
+    let width = figures.iter().map(|f| f.name.chars().count()).max();
+    let width = width.unwrap_or(0).max("kernel".len());
+    let mut text = format!("{:width$}  {:>4}  {:>12}  {:>8}\n", "kernel", "n", "instructions", "bytes");
+    for f in figures {
+        let (n, instructions, bytes) = (cell(f.n), cell(f.instructions), cell(f.bytes));
+        let _string_grows = writeln!(text, "{:width$}  {n:>4}  {instructions:>12}  {bytes:>8}", f.name);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_of_the_firmware_becomes_a_figure_and_json_again() -> Result<()> {
+        let line = r#"{"name":"dot product","n":8,"instructions":29,"bytes":null}"#;
+        let read = figure(line)?;
+        assert_eq!((read.n, read.instructions, read.bytes), (Some(8), Some(29), None));
+        let list: Value = serde_json::from_str(&json(&[read]))?;
+        assert_eq!(list, json!([serde_json::from_str::<Value>(line)?]));
+        Ok(())
+    }
+
+    #[test]
+    fn other_lines_are_refused() {
+        assert!(figure("hello").is_err());
+        assert!(figure(r#"{"n":8}"#).is_err());
+    }
+}

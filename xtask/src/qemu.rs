@@ -1,0 +1,118 @@
+//! Runs firmware in the emulator: output by semihosting, repeatable time, and an end in any case.
+
+use std::path::Path;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::mpsc;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+
+use crate::child;
+
+/// The emulator.
+pub const PROGRAM: &str = "qemu-system-arm";
+
+/// An STM32F405: the memory map of `memory.x`, a Cortex-M4F.
+pub const DRIVE: &str = "netduinoplus2";
+
+/// Far above what any example takes; firmware for another core hangs without a word.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Whether the firmware's lines also go to standard output as they come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Echo {
+    On,
+    Off,
+}
+
+/// Runs an ELF file on a machine and returns its lines. Fails when it does not end by itself, or
+/// ends with a failing status.
+pub fn run(elf: &Path, machine: &str, echo: Echo) -> Result<Vec<String>> {
+    let mut emulator = Command::new(PROGRAM);
+    emulator
+        .args(["-machine", machine, "-nographic"])
+        .args(["-semihosting-config", "enable=on,target=native"])
+        // Every instruction takes 2⁸ ns of emulated time: the count of instructions is exact.
+        .args(["-icount", "shift=8"])
+        .arg("-kernel")
+        .arg(elf);
+    let what = elf.file_stem().unwrap_or_default().to_string_lossy();
+    within(&mut emulator, PATIENCE, echo).with_context(|| format!("{what} on {machine}"))
+}
+
+fn within(command: &mut Command, patience: Duration, echo: Echo) -> Result<Vec<String>> {
+    let mut child = command.stdin(Stdio::null()).stdout(Stdio::piped()).spawn().context("cannot start the emulator")?;
+    let output = child.stdout.take().context("the emulator has no output")?;
+    let (sender, receiver) = mpsc::channel();
+    // The reader must not hold up the clock below; it ends with the emulator.
+    let reader = thread::spawn(move || {
+        child::split(output, |line| {
+            if echo == Echo::On {
+                println!("{line}");
+            }
+            let _receiver_gone = sender.send(line.to_owned());
+        })
+    });
+    let status = wait(&mut child, patience);
+    if status.is_ok() {
+        reader.join().ok().context("the reader panicked")??;
+    }
+    let lines: Vec<String> = receiver.try_iter().collect();
+    let last = || match lines.last() {
+        Some(line) => format!("its last line: {line}"),
+        None => "it printed nothing".to_owned(),
+    };
+    let status = status.with_context(last)?;
+    if !status.success() {
+        bail!("the firmware failed ({status}); {}", last());
+    }
+    Ok(lines)
+}
+
+fn wait(child: &mut Child, patience: Duration) -> Result<ExitStatus> {
+    let start = Instant::now();
+    loop {
+        if let Some(status) = child.try_wait()? {
+            return Ok(status);
+        }
+        if start.elapsed() > patience {
+            child.kill()?;
+            child.wait()?;
+            bail!("no end after {} s: stopped", patience.as_secs_f32());
+        }
+        thread::sleep(Duration::from_millis(5));
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    fn shell(script: &str, patience: Duration) -> Result<Vec<String>> {
+        within(Command::new("sh").args(["-c", script]), patience, Echo::Off)
+    }
+
+    #[test]
+    fn lines_of_a_good_run_come_back() {
+        let lines = shell("echo a; printf b", Duration::from_secs(20)).unwrap_or_default();
+        assert_eq!(lines, ["a", "b"]);
+    }
+
+    #[test]
+    fn a_failing_status_is_an_error() {
+        let text = shell("echo bad; exit 1", Duration::from_secs(20)).err();
+        assert!(text.is_some_and(|e| format!("{e:#}").contains("its last line: bad")));
+    }
+
+    #[test]
+    fn a_run_without_end_is_stopped() {
+        let start = Instant::now();
+        let text = shell("echo before; exec sleep 30", Duration::from_millis(300)).err();
+        assert!(start.elapsed() < Duration::from_secs(20));
+        assert!(text.is_some_and(|e| {
+            let text = format!("{e:#}");
+            text.contains("no end after 0.3 s") && text.contains("before")
+        }));
+    }
+}

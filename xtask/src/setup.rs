@@ -1,0 +1,112 @@
+//! Makes the machine ready for firmware: installs Debian packages where it may, and otherwise
+//! tells the exact command.
+
+use std::path::Path;
+use std::process::Command;
+
+use anyhow::{Context, Result, bail};
+
+use crate::toolchain::{self, Way};
+use crate::{child, qemu};
+
+/// Compiler, cargo, library source and linker of the Debian way. `rustc-web` is Debian's own
+/// newer compiler; the one named `rustc` is too old.
+const COMPILER: [&str; 4] = ["rustc-web", "cargo-web", "rust-web-src", "lld-19"];
+
+const EMULATOR: &str = "qemu-system-arm";
+
+/// Returns when everything is there that building and running this way need.
+pub fn ensure(way: Way) -> Result<()> {
+    if way == Way::Rustup && !toolchain::rustup_target_installed() {
+        // Left to the user: it changes their toolchain.
+        bail!("the target {} is not installed; run\n    {}", toolchain::TARGET, toolchain::rustup_command());
+    }
+    let mut wanted = Vec::new();
+    if way == Way::Debian {
+        wanted.extend(COMPILER.into_iter().filter(|package| !installed(package)));
+    }
+    if !child::on_path(qemu::PROGRAM) {
+        wanted.push(EMULATOR);
+    }
+    if wanted.is_empty() { Ok(()) } else { install(&wanted).with_context(|| missing(way, &wanted)) }
+}
+
+/// Whether the Debian way is there or can be installed.
+pub fn debian_possible() -> bool {
+    child::on_path("apt-get") || COMPILER.iter().all(|package| installed(package))
+}
+
+fn installed(package: &str) -> bool {
+    child::output(Command::new("dpkg-query").args(["-W", "-f=${db:Status-Status}", package]))
+        .is_some_and(|status| status == "installed")
+}
+
+/// What the user is told when installing fails or is not allowed.
+fn missing(way: Way, wanted: &[&str]) -> String {
+    let list = wanted.join(" ");
+    let mut text = format!("missing: {list}; install by\n    ");
+    text += &if child::on_path("apt-get") {
+        format!("sudo apt-get update && sudo apt-get install --yes {list}")
+    } else if way == Way::Debian {
+        format!("{} (and choose the other way: --way rustup)", toolchain::rustup_command())
+    } else if child::on_path("brew") {
+        "brew install qemu".to_owned()
+    } else {
+        format!("your system's package manager: QEMU with the program {}", qemu::PROGRAM)
+    };
+    if way == Way::Debian && child::on_path("rustup") {
+        text += &format!("\nor do without Debian's compiler:\n    {}", toolchain::rustup_command());
+    }
+    text + "\nreason"
+}
+
+fn install(packages: &[&str]) -> Result<()> {
+    if !child::on_path("apt-get") {
+        bail!("no apt-get on this machine");
+    }
+    let Some(rights) = rights() else {
+        bail!("neither root nor sudo without a password");
+    };
+    eprintln!("installing {}", packages.join(" "));
+    // An old list names package versions that the mirror no longer has.
+    child::succeed(apt(rights).arg("update"))?;
+    // Never at the price of another package: Debian's compilers exclude each other, and so do some
+    // of the packages that the emulator merely recommends.
+    child::succeed(apt(rights).args(["install", "--yes", "--no-install-recommends", "--no-remove"]).args(packages))
+}
+
+/// How this process may install.
+#[derive(Clone, Copy)]
+enum Rights {
+    Root,
+    Sudo,
+}
+
+fn rights() -> Option<Rights> {
+    if child::output(Command::new("id").arg("-u")).is_some_and(|id| id == "0") {
+        Some(Rights::Root)
+    } else if child::works(Command::new("sudo").args(["-n", "true"])) {
+        Some(Rights::Sudo)
+    } else {
+        None
+    }
+}
+
+/// `apt-get` that asks nothing.
+fn apt(rights: Rights) -> Command {
+    let mut command = match rights {
+        Rights::Root => Command::new("env"),
+        Rights::Sudo => Command::new("sudo"),
+    };
+    if matches!(rights, Rights::Sudo) {
+        command.args(["-n", "env"]);
+    }
+    command.args(["DEBIAN_FRONTEND=noninteractive", "apt-get", "--quiet"]);
+    command
+}
+
+/// Debian's compiler, cargo and documentation tool, by their place: rustup's come first on most
+/// search paths.
+pub fn debian_program(name: &str) -> std::path::PathBuf {
+    Path::new("/usr/bin").join(name)
+}

@@ -1,0 +1,146 @@
+//! Counting what passed, and the table at the end.
+
+use std::fmt::{self, Write as _};
+use std::time::{Duration, Instant};
+
+/// How many checks ended how.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    pub passed: u64,
+    pub failed: u64,
+    pub skipped: u64,
+}
+
+impl Tally {
+    /// One check's outcome, said aloud.
+    pub fn check<T: fmt::Display, E: fmt::Display>(&mut self, what: &str, outcome: Result<T, E>) {
+        match outcome {
+            Ok(detail) => {
+                self.passed += 1;
+                println!("pass  {what}{}", Detail(detail));
+            }
+            Err(detail) => {
+                self.failed += 1;
+                println!("FAIL  {what}{}", Detail(detail));
+            }
+        }
+    }
+
+    /// A check that cannot be made here, said aloud.
+    pub fn skip(&mut self, what: &str, reason: &str) {
+        self.skipped += 1;
+        println!("skip  {what}: {reason}");
+    }
+
+    /// Adds a line such as `test result: ok. 5 passed; 0 failed; 2 ignored; 0 measured; …`.
+    pub fn add_libtest(&mut self, line: &str) {
+        if !line.starts_with("test result: ") {
+            return;
+        }
+        let mut number = 0;
+        for word in line.split([' ', ';']) {
+            match word {
+                "passed" => self.passed += number,
+                "failed" => self.failed += number,
+                "ignored" => self.skipped += number,
+                other => number = other.parse().unwrap_or(0),
+            }
+        }
+    }
+
+    fn add(&mut self, other: Self) {
+        self.passed += other.passed;
+        self.failed += other.failed;
+        self.skipped += other.skipped;
+    }
+}
+
+/// A colon and the text, or nothing where there is none.
+struct Detail<T>(T);
+
+impl<T: fmt::Display> fmt::Display for Detail<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let text = self.0.to_string();
+        if text.is_empty() { Ok(()) } else { write!(f, ": {text}") }
+    }
+}
+
+/// The last line of a run; scripts read it.
+impl fmt::Display for Tally {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { passed, failed, skipped } = self;
+        write!(f, "{passed} passed, {failed} failed, {skipped} skipped")
+    }
+}
+
+/// The stages of a run.
+#[derive(Debug, Default)]
+pub struct Stages {
+    done: Vec<(String, Tally, Duration)>,
+}
+
+impl Stages {
+    /// Runs a stage: a heading, its checks, its time.
+    pub fn stage<T>(&mut self, title: &str, work: impl FnOnce(&mut Tally) -> T) -> T {
+        println!("\n== {title}");
+        let start = Instant::now();
+        let mut tally = Tally::default();
+        let result = work(&mut tally);
+        self.done.push((title.to_owned(), tally, start.elapsed()));
+        result
+    }
+
+    /// All stages together.
+    pub fn total(&self) -> Tally {
+        let mut total = Tally::default();
+        for (_, tally, _) in &self.done {
+            total.add(*tally);
+        }
+        total
+    }
+
+    /// The table of stages.
+    pub fn table(&self) -> String {
+        let mut text = format!("{:22} {:>6} {:>6} {:>7} {:>8}\n", "stage", "passed", "failed", "skipped", "time");
+        for (title, tally, time) in &self.done {
+            let verdict = if tally.failed > 0 { "  FAIL" } else { "" };
+            let _string_grows = writeln!(
+                text,
+                "{title:22} {:>6} {:>6} {:>7} {:>6.1} s{verdict}",
+                tally.passed,
+                tally.failed,
+                tally.skipped,
+                time.as_secs_f32()
+            );
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn libtest_lines_add_up() {
+        let mut tally = Tally::default();
+        tally.add_libtest(
+            "test result: ok. 5 passed; 0 failed; 2 ignored; 0 measured; 1 filtered out; finished in 0.00s",
+        );
+        tally.add_libtest(
+            "test result: FAILED. 1 passed; 3 failed; 0 ignored; 0 measured; 0 filtered out; finished in 1.20s",
+        );
+        tally.add_libtest("test passed ... ok");
+        assert_eq!(tally.to_string(), "6 passed, 3 failed, 2 skipped");
+    }
+
+    #[test]
+    fn the_total_is_the_sum_of_the_stages() {
+        let mut stages = Stages::default();
+        stages.stage("one", |tally| tally.check::<_, &str>("a", Ok("")));
+        stages.stage("two", |tally| tally.check::<&str, _>("b", Err("broken")));
+        stages.stage("three", |tally| tally.skip("c", "not here"));
+        assert_eq!(stages.total().to_string(), "1 passed, 1 failed, 1 skipped");
+        assert!(stages.table().contains("two"));
+    }
+}

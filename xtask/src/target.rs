@@ -1,0 +1,92 @@
+//! The checks on the emulated chip.
+
+use anyhow::{Context, Result, bail, ensure};
+
+use crate::bounds::BOUNDS;
+use crate::tally::Tally;
+use crate::toolchain::Way;
+use crate::{child, firmware, measure, qemu, workspace};
+
+/// Examples that must print the same lines, bit for bit, on the host and on the target.
+const TWINS: [&str; 2] = ["monitor", "kernels"];
+
+const NO_TOOLS: &str = "no firmware tools, see set-up";
+
+/// Every example builds for the chip.
+pub fn builds(tally: &mut Tally, way: Option<Way>) {
+    let names = match firmware::examples() {
+        Ok(names) => names,
+        Err(error) => return tally.check::<&str, _>("examples", Err(error)),
+    };
+    for name in names {
+        match way {
+            Some(way) => tally.check(&name, brief(firmware::build(way, &name).map(|_| ""))),
+            None => tally.skip(&name, NO_TOOLS),
+        }
+    }
+}
+
+/// The same source gives the same bits.
+pub fn same_lines(tally: &mut Tally, way: Option<Way>) {
+    for name in TWINS {
+        match way {
+            Some(way) => tally.check(name, brief(compare(way, name))),
+            None => tally.skip(name, NO_TOOLS),
+        }
+    }
+}
+
+/// Two runs count the same instructions, and no more than promised.
+pub fn bounds(tally: &mut Tally, way: Option<Way>) {
+    const REPEATABLE: &str = "two runs count alike";
+    let Some(way) = way else {
+        tally.skip(REPEATABLE, NO_TOOLS);
+        for bound in BOUNDS {
+            tally.skip(&bound.title(), NO_TOOLS);
+        }
+        return;
+    };
+    let runs = measure::kernels(way).and_then(|one| Ok((one, measure::kernels(way)?)));
+    let figures = match runs {
+        Ok((one, two)) => {
+            let alike = (one == two).then_some("").context("the counts differ");
+            tally.check(REPEATABLE, alike);
+            one
+        }
+        Err(error) => {
+            tally.check::<&str, _>(REPEATABLE, brief(Err(error)));
+            Vec::new()
+        }
+    };
+    print!("{}", measure::table(&figures));
+    for bound in BOUNDS {
+        tally.check(&bound.title(), bound.check(&figures));
+    }
+}
+
+fn compare(way: Way, example: &str) -> Result<String> {
+    let target = qemu::run(&firmware::build(way, example)?, qemu::DRIVE, qemu::Echo::Off)?;
+    let host = on_host(example)?;
+    for (number, (host, target)) in host.iter().zip(&target).enumerate() {
+        if host != target {
+            bail!("line {}: host `{host}`, target `{target}`", number + 1);
+        }
+    }
+    ensure!(host.len() == target.len(), "{} lines on the host, {} on the target", host.len(), target.len());
+    ensure!(!host.is_empty(), "neither printed anything");
+    Ok(format!("{} lines", host.len()))
+}
+
+fn on_host(example: &str) -> Result<Vec<String>> {
+    // Not by package: the core runs here with the features that it has inside the workbench.
+    let mut cargo = workspace::cargo(&["run", "--quiet", "--release", "--example", example]);
+    let mut lines = Vec::new();
+    let status = child::lines(&mut cargo, |line| lines.push(line.to_owned()))?;
+    ensure!(status.success(), "on the host: {status}");
+    Ok(lines)
+}
+
+/// The whole chain of causes in one text.
+fn brief<T>(outcome: Result<T>) -> Result<T, String> {
+    outcome.map_err(|error| format!("{error:#}"))
+}

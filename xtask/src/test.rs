@@ -1,0 +1,108 @@
+//! `cargo xtask test`: every check of the repository, in one run with one count.
+
+use std::env;
+use std::process::Command;
+
+use anyhow::{Result, bail};
+
+use crate::tally::{Stages, Tally};
+use crate::toolchain::{self, Way};
+use crate::{child, setup, target, workspace};
+
+/// Runs all stages, prints the table and the count; whether nothing failed. A failing stage does
+/// not keep later ones from running, unless they need it.
+pub fn run(asked: Option<Way>) -> bool {
+    let mut stages = Stages::default();
+    let way = stages.stage("set-up", |tally| set_up(tally, asked));
+    stages.stage("format", format);
+    stages.stage("lints", lints);
+    stages.stage("documentation", documentation);
+    stages.stage("host tests", host_tests);
+    stages.stage("firmware builds", |tally| target::builds(tally, way));
+    stages.stage("host = target", |tally| target::same_lines(tally, way));
+    stages.stage("instruction bounds", |tally| target::bounds(tally, way));
+    stages.stage("dependencies", dependencies);
+
+    let total = stages.total();
+    println!("\n{}\n{total}", stages.table());
+    total.failed == 0
+}
+
+/// The way to build firmware, once everything for it is there.
+fn set_up(tally: &mut Tally, asked: Option<Way>) -> Option<Way> {
+    let ready = toolchain::choose(asked).and_then(|way| setup::ensure(way).map(|()| way));
+    let way = ready.as_ref().ok().copied();
+    let outcome = ready.map(|way| format!("the {way} way"));
+    tally.check("firmware tools", outcome.map_err(|e| format!("{e:#}")));
+    way
+}
+
+fn format(tally: &mut Tally) {
+    if component(tally, "fmt", "rustfmt") {
+        let mut cargo = workspace::cargo(&["fmt", "--all", "--check"]);
+        tally.check("cargo fmt", silent(&mut cargo));
+    }
+}
+
+fn lints(tally: &mut Tally) {
+    if component(tally, "clippy", "clippy") {
+        let mut cargo = workspace::cargo(&["clippy", "--workspace", "--all-targets"]);
+        cargo.args(["--", "--deny", "warnings"]);
+        tally.check("cargo clippy", silent(&mut cargo));
+    }
+}
+
+fn documentation(tally: &mut Tally) {
+    let mut cargo = workspace::cargo(&["doc", "--workspace", "--no-deps"]);
+    let flags = env::var("RUSTDOCFLAGS").unwrap_or_default();
+    cargo.env("RUSTDOCFLAGS", format!("{flags} -Dwarnings"));
+    tally.check("cargo doc", silent(&mut cargo));
+}
+
+/// In release: the numeric tests simulate minutes of drive time. Documentation examples are among
+/// the tests.
+fn host_tests(tally: &mut Tally) {
+    let mut cargo = workspace::cargo(&["test", "--release", "--workspace", "--no-fail-fast"]);
+    let status = child::lines(&mut cargo, |line| {
+        println!("{line}");
+        tally.add_libtest(line);
+    });
+    match status {
+        Ok(status) if status.success() => {}
+        // The tests that failed are counted already.
+        Ok(_) if tally.failed > 0 => {}
+        Ok(status) => tally.check::<&str, _>("cargo test", Err(status)),
+        Err(error) => tally.check::<&str, _>("cargo test", Err(format!("{error:#}"))),
+    }
+}
+
+/// Licences, sources and doubled versions. Advisories are left out: they need a database that
+/// changes from day to day.
+fn dependencies(tally: &mut Tally) {
+    const WHAT: &str = "cargo deny";
+    if child::works(&mut workspace::cargo(&["deny", "--version"])) {
+        let mut cargo = workspace::cargo(&["deny", "check", "bans", "licenses", "sources"]);
+        tally.check(WHAT, silent(&mut cargo));
+    } else {
+        tally.skip(WHAT, "not installed (cargo install cargo-deny)");
+    }
+}
+
+/// Whether a part of the toolchain is there; a small rustup installation lacks some.
+fn component(tally: &mut Tally, command: &str, name: &str) -> bool {
+    let there = child::works(&mut workspace::cargo(&[command, "--version"]));
+    if !there {
+        let way_out = format!("not installed (rustup component add {name})");
+        tally.skip(&format!("cargo {command}"), &way_out);
+    }
+    there
+}
+
+/// Success without a word of praise, since the program has printed its own.
+fn silent(command: &mut Command) -> Result<&'static str> {
+    let status = child::lines(command, |line| println!("{line}"))?;
+    if !status.success() {
+        bail!("{status}");
+    }
+    Ok("")
+}
