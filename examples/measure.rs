@@ -6,10 +6,14 @@ mod support;
 
 use core::hint::black_box;
 
+use bearing_watch::decide::{Discriminant, Kind, Projection};
+use bearing_watch::estimate::{Forgetting, Triangle};
+use bearing_watch::{AlphaBeta, Angle, Estimator, FrontEnd, Order, Park, Regression, Sample};
+
 use support::count::Counter;
 
 /// Calls a kernel is averaged over.
-const CALLS: u32 = 1000;
+const CALLS: u32 = 200;
 
 main!(run);
 
@@ -18,16 +22,121 @@ fn run() {
         say!("instructions are counted on the target only: cargo xtask measure");
         return;
     };
-    dot_product(&mut counter);
+    front_end(&mut counter);
+    updates::<6, 15>(&mut counter);
+    updates::<9, 36>(&mut counter);
+    updates::<13, 78>(&mut counter);
+    updates::<16, 120>(&mut counter);
+    estimator(&mut counter);
+    decision(&mut counter);
 }
 
-fn dot_product(counter: &mut Counter) {
-    let (a, b) = ([0.5_f32; 8], [0.25_f32; 8]);
-    let count = counter.instructions_per_call(CALLS, |_| {
-        let (a, b) = (black_box(&a), black_box(&b));
-        black_box(a.iter().zip(b).map(|(a, b)| a * b).sum::<f32>());
+/// A row with varying content, so that no operation is spared.
+fn row<const M: usize>(k: u32) -> [f32; M] {
+    let mut state = k.wrapping_mul(2_654_435_761);
+    core::array::from_fn(|_| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / 8_388_608.0 - 1.0
+    })
+}
+
+fn front_end(counter: &mut Counter) {
+    let angle = counter.instructions_per_call(CALLS, |k| {
+        black_box(Angle::from_bits(black_box(k.wrapping_mul(0x1234_5678))).sin_cos());
     });
-    report("dot product", 8, count, size_of_val(&a));
+    report("sin_cos", None, angle, 0);
+    let sc = Angle::from_bits(0x2345_6789).sin_cos();
+    let given = counter.instructions_per_call(CALLS, |_| {
+        let (a, b) = black_box((1.5_f32, -0.25_f32));
+        black_box(Park::Standard.forward(AlphaBeta::from_two(a, b), black_box(sc)));
+    });
+    report("Clarke + Park, sin_cos given", None, given, 0);
+    let front = FrontEnd { pole_pairs: 6, electrical_offset: Angle::ZERO, park: Park::Standard };
+    let whole = counter.instructions_per_call(CALLS, |k| {
+        let (a, b) = black_box((1.5_f32, -0.25_f32));
+        let shaft = Angle::from_bits(black_box(k.wrapping_mul(0x1234_5678)));
+        black_box(front.transform(AlphaBeta::from_two(a, b), shaft));
+    });
+    report("sin_cos + Clarke + Park", None, whole, size_of_val(&front));
+}
+
+fn updates<const M: usize, const P: usize>(counter: &mut Counter) {
+    let rows: [[f32; M]; 8] = core::array::from_fn(|k| row(k as u32));
+    let mut triangle = Triangle::<M, P>::new(M);
+    let mut next = rows.iter().cycle();
+    // The row source is not part of the kernel: count it alone and take it off.
+    let mut source = rows.iter().cycle();
+    let overhead = counter.instructions_per_call(CALLS, |_| {
+        black_box(source.next());
+    });
+    let forgetting = black_box(Forgetting { lambda: 0.9999, floor: 100.0 });
+    let with = counter.instructions_per_call(CALLS, |_| {
+        if let Some(row) = black_box(next.next()) {
+            triangle.update_forgetting(row, forgetting);
+        }
+        black_box(&mut triangle);
+    });
+    report("LS update", M - 1, with - overhead, size_of_val(&triangle));
+    let plain = counter.instructions_per_call(CALLS, |_| {
+        if let Some(row) = black_box(next.next()) {
+            triangle.update(row);
+        }
+        black_box(&mut triangle);
+    });
+    report("LS update, lambda 1", M - 1, plain - overhead, size_of_val(&triangle));
+}
+
+/// The estimator around the kernel: guard, lags, regressor, update; and the solve at the end of a segment.
+fn estimator(counter: &mut Counter) {
+    let regression =
+        Regression::<9> { order: Order::new(2, 3, 3, 1, 1), offset: false, scale: [1.0; 9], limit: [100.0; 3] };
+    let mut estimator = Estimator::<9, 36, 4>::new(black_box(&regression));
+    for k in 0..100 {
+        let [y, u1, u2] = row(k);
+        estimator.step(&Sample { y, u1, u2 });
+    }
+    let sample = Sample { y: 0.5, u1: -0.25, u2: 0.75 };
+    let step = counter.instructions_per_call(CALLS, |_| {
+        black_box(&mut estimator).step(black_box(&sample));
+    });
+    report("LS sample: guard, lags, row, update", 8, step, size_of_val(&estimator));
+    estimator.restart();
+    for k in 0..100 {
+        let [y, u1, u2] = row(k);
+        estimator.step(&Sample { y, u1, u2 });
+    }
+    let solve = counter.instructions_per_call(20, |_| {
+        let _ = black_box(black_box(&estimator).estimate());
+    });
+    report("segment solve + covariance", 8, solve, 0);
+}
+
+fn decision(counter: &mut Counter) {
+    let projection = Projection::<9, 3> { matrix: core::array::from_fn(|k| row(k as u32)), mean: row(3), count: 3 };
+    let discriminant = Discriminant::<3, 3> {
+        kind: Kind::Quadratic,
+        classes: 3,
+        mean: core::array::from_fn(|k| row(k as u32 + 10)),
+        whitening: core::array::from_fn(|k| core::array::from_fn(|i| row((3 * k + i) as u32 + 20))),
+        log_normaliser: [0.0; 3],
+        log_prior: [-1.098_612_3; 3],
+        cost: [[0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]],
+    };
+    let features: [f32; 9] = row(7);
+    let project = counter.instructions_per_call(CALLS, |_| {
+        black_box(black_box(&projection).project(black_box(&features)));
+    });
+    report("projection 9 to 3", None, project, size_of_val(&projection));
+    let both = counter.instructions_per_call(CALLS, |_| {
+        let z = black_box(&projection).project(black_box(&features));
+        black_box(black_box(&discriminant).log_likelihoods(&z));
+    });
+    report("projection 9 to 3 + quadratic discriminant 3 classes", None, both, size_of_val(&discriminant));
+    let z = projection.project(&features);
+    let posteriors = counter.instructions_per_call(CALLS, |_| {
+        black_box(black_box(&discriminant).decide(black_box(&z)));
+    });
+    report("quadratic discriminant with posteriors and costs", None, posteriors, 0);
 }
 
 /// One line: the kernel, its size n where it has one, instructions a call, bytes of state.

@@ -64,13 +64,6 @@ pub enum Park {
 }
 
 impl Abc {
-    /// From two sensors, the third phase by `a + b + c = 0` (star connection, no leakage).
-    #[inline]
-    #[must_use]
-    pub fn from_two(a: f32, b: f32) -> Self {
-        Self { a, b, c: -(a + b) }
-    }
-
     /// Clarke transform (1).
     #[inline]
     #[must_use]
@@ -177,7 +170,7 @@ mod tests {
             }
         }
         let two = AlphaBeta::from_two(2.0, -5.0);
-        let three = Abc::from_two(2.0, -5.0).clarke();
+        let three = Abc { a: 2.0, b: -5.0, c: 3.0 }.clarke();
         assert!(close(two.alpha, three.alpha) && close(two.beta, three.beta) && close(three.zero, 0.0));
     }
 }

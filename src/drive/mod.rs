@@ -1,6 +1,6 @@
 //! First wing: signals of the drive → clean samples.
 //!
-//! [`FrontEnd`] is the face of the wing: phase currents and shaft angle in, direct and quadrature current out.
+//! [`FrontEnd`] is the face of the wing: stator currents and shaft angle in, direct and quadrature current out.
 
 pub mod angle;
 pub mod decimate;
@@ -10,18 +10,20 @@ pub use angle::{Angle, SinCos};
 pub use decimate::BlockMean;
 pub use frame::{Abc, AlphaBeta, Dq0, Park};
 
-/// Phase currents and mechanical shaft angle → currents in the rotor frame.
+/// Stator currents and mechanical shaft angle → currents in the rotor frame.
 ///
 /// The electrical angle is `pole_pairs · shaft + electrical_offset`, in wrapping integers, so it never drifts
 /// however long the drive runs. Integrating a velocity instead would: the transform is extremely sensitive to the
 /// angle (thesis Fig. 5.35).
 ///
 /// ```
-/// use bearing_watch::{Abc, Angle, FrontEnd, Park};
+/// use bearing_watch::{Abc, AlphaBeta, Angle, FrontEnd, Park};
 /// let front = FrontEnd { pole_pairs: 6, electrical_offset: Angle::ZERO, park: Park::Standard };
 /// // A current vector 90° (electrical) ahead of the magnet axis is all quadrature current.
-/// let dq = front.transform(Abc::from_two(0.0, 8.660_254), Angle::ZERO);
+/// let dq = front.transform(AlphaBeta::from_two(0.0, 8.660_254), Angle::ZERO); // two current sensors
 /// assert!((dq.q - 10.0).abs() < 1e-5 && dq.d.abs() < 1e-5);
+/// let three = Abc { a: 0.0, b: 8.660_254, c: -8.660_254 };
+/// assert!((front.transform(three.clarke(), Angle::ZERO).q - 10.0).abs() < 1e-5); // three of them
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrontEnd {
@@ -34,11 +36,11 @@ pub struct FrontEnd {
 }
 
 impl FrontEnd {
-    /// Transforms one set of phase currents sampled at shaft angle `shaft`.
+    /// Transforms the stator currents sampled at shaft angle `shaft`.
     #[inline]
     #[must_use]
-    pub fn transform(&self, currents: Abc, shaft: Angle) -> Dq0 {
+    pub fn transform(&self, currents: AlphaBeta, shaft: Angle) -> Dq0 {
         let electrical = shaft.times(self.pole_pairs).plus(self.electrical_offset);
-        self.park.forward(currents.clarke(), electrical.sin_cos())
+        self.park.forward(currents, electrical.sin_cos())
     }
 }

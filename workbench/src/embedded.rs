@@ -74,6 +74,14 @@ macro_rules! capacities {
                 }
             }
 
+            fn previews(&self, trace: &Trace, every: usize) -> Result<Vec<Segment>, ModelError> {
+                match self {
+                    $(Self::$name(model) => {
+                        previews(Detector::<$m, { $m * ($m - 1) / 2 }, $l, $f, $z, $c>::new(model)?, model, trace, every)
+                    })+
+                }
+            }
+
             fn rates(&self) -> Sampling {
                 match self {
                     $(Self::$name(model) => model.sampling,)+
@@ -127,8 +135,8 @@ fn run<const M: usize, const P: usize, const L: usize, const F: usize, const Z: 
     let classes = model.classifier.discriminant.classes as usize;
     let mut segments = Vec::new();
     let mut start = 0;
-    for (k, ((y, u1), u2)) in trace.y.iter().zip(&trace.u1).zip(&trace.u2).enumerate() {
-        if let Some(report) = detector.step(Sample { y: *y as f32, u1: *u1 as f32, u2: *u2 as f32 }) {
+    for (k, sample) in samples(trace).enumerate() {
+        if let Some(report) = detector.step(sample) {
             segments.push(Segment { start, length: k + 1 - start, ..segment(&report, classes) });
             start = k + 1;
         }
@@ -139,6 +147,32 @@ fn run<const M: usize, const P: usize, const L: usize, const F: usize, const Z: 
         segments.push(Segment { start, length: trace.y.len() - start, ..segment(&detector.finish(), classes) });
     }
     Ok(segments)
+}
+
+fn previews<const M: usize, const P: usize, const L: usize, const F: usize, const Z: usize, const C: usize>(
+    mut detector: Detector<'_, M, P, L, F, Z, C>,
+    model: &Model<M, F, Z, C>,
+    trace: &Trace,
+    every: usize,
+) -> Result<Vec<Segment>, ModelError> {
+    let classes = model.classifier.discriminant.classes as usize;
+    let mut previews = Vec::new();
+    for (k, sample) in samples(trace).enumerate() {
+        let closed = detector.step(sample);
+        if (k + 1).is_multiple_of(every) {
+            let report = closed.unwrap_or_else(|| detector.preview());
+            previews.push(Segment { length: k + 1, ..segment(&report, classes) });
+        }
+        if closed.is_some() {
+            break;
+        }
+    }
+    Ok(previews)
+}
+
+fn samples(trace: &Trace) -> impl Iterator<Item = Sample> {
+    let rows = trace.y.iter().zip(&trace.u1).zip(&trace.u2);
+    rows.map(|((y, u1), u2)| Sample { y: *y as f32, u1: *u1 as f32, u2: *u2 as f32 })
 }
 
 fn segment<const M: usize, const P: usize, const C: usize>(report: &Report<M, P, C>, classes: usize) -> Segment {
@@ -180,6 +214,14 @@ impl Embedded {
     /// Where the detector refuses the model.
     pub fn run(&self, trace: &Trace) -> Result<Vec<Segment>, ModelError> {
         self.model.run(trace)
+    }
+
+    /// What the first segment would say if it ended after each multiple of `every` samples.
+    ///
+    /// # Errors
+    /// Where the detector refuses the model.
+    pub fn previews(&self, trace: &Trace, every: usize) -> Result<Vec<Segment>, ModelError> {
+        self.model.previews(trace, every)
     }
 
     /// Rates and segment length.

@@ -3,11 +3,17 @@
 //! Traces are identified in double precision; models are *evaluated* by running the very code that firmware runs,
 //! the core crate in single precision.
 
+pub mod commands;
+pub mod demo;
 pub mod embedded;
 pub mod error;
 pub mod evaluate;
+pub mod export;
 pub mod features;
 pub mod identify;
+pub mod literal;
+pub mod pages;
+pub mod report;
 pub mod rig;
 pub mod trace;
 pub mod train;

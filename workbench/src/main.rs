@@ -1,1 +1,5 @@
-fn main() {}
+//! The `bearing-watch` command.
+
+fn main() -> std::process::ExitCode {
+    workbench::commands::run()
+}

@@ -88,6 +88,20 @@ pub enum RigError {
     },
 }
 
+/// The seed of trace `k` of one class in the set of seed `set`. Injective, so that sets of different seeds, and
+/// classes of one set, never share a trace.
+#[must_use]
+pub const fn trace_seed(set: u32, kind: DefectKind, k: u32) -> u64 {
+    let class = match kind {
+        DefectKind::Healthy => 0,
+        DefectKind::Spall => 1,
+        DefectKind::Roughness => 2,
+        DefectKind::Coulomb => 3,
+    };
+    // Two bits of class, thirty of count.
+    ((set as u64) << 32) | (class << 30) | (k as u64 & 0x3fff_ffff)
+}
+
 /// `value`, if it is a finite number.
 pub(crate) fn finite(name: &'static str, value: f64) -> Result<f64, RigError> {
     if value.is_finite() { Ok(value) } else { Err(RigError::NotFinite { name, value }) }

@@ -38,7 +38,7 @@ impl GaussianClasses {
     }
 }
 
-pub(super) fn train(table: &FeatureTable, recipe: &Recipe) -> Result<GaussianClasses, Error> {
+pub(crate) fn train(table: &FeatureTable, recipe: &Recipe) -> Result<GaussianClasses, Error> {
     let statistics = ClassStatistics::new(table);
     let (classes, features) = (table.names.len(), statistics.total_mean.len());
     let factors = match recipe.discriminant {

@@ -4,9 +4,9 @@
 //! brought into the form the core runs ([`Trained`]). What the model is worth is measured by running the core on
 //! other traces ([`crate::evaluate`]), never here.
 
-mod discriminant;
-mod projection;
-mod statistics;
+pub(crate) mod discriminant;
+pub(crate) mod projection;
+pub(crate) mod statistics;
 
 use bearing_watch::decide::Kind;
 use nalgebra::DVector;
@@ -19,7 +19,7 @@ use crate::trace::Trace;
 use crate::trace::labels::LabelledTrace;
 
 pub use discriminant::GaussianClasses;
-pub use projection::{AffineMap, ProjectionKind};
+pub use projection::{AffineMap, Keep, ProjectionKind};
 pub use statistics::ClassStatistics;
 
 /// What is trained, apart from the traces.
@@ -73,12 +73,15 @@ impl FeatureTable {
     }
 
     /// Only the given features.
-    fn select(&self, places: &[usize]) -> Self {
+    #[must_use]
+    pub fn select(&self, places: &[usize]) -> Self {
         let pick = |row: &DVector<f64>| DVector::from_iterator(places.len(), places.iter().map(|&k| row[k]));
         Self { rows: self.rows.iter().map(pick).collect(), classes: self.classes.clone(), names: self.names.clone() }
     }
 
-    fn map(&self, map: &AffineMap) -> Self {
+    /// Every row mapped.
+    #[must_use]
+    pub fn map(&self, map: &AffineMap) -> Self {
         Self { rows: self.rows.iter().map(|row| map.apply(row)).collect(), ..self.clone() }
     }
 }
@@ -94,6 +97,8 @@ pub struct Trained {
     pub feature_names: Vec<String>,
     /// Raw chosen features → coordinates.
     pub projection: AffineMap,
+    /// Training traces in projected coordinates.
+    pub coordinates: FeatureTable,
     /// Class densities over the coordinates.
     pub densities: GaussianClasses,
     /// Places in the core's feature list.
@@ -128,7 +133,8 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
 
     let raw = table.select(&chosen);
     let projection = projection::train(&raw, &feature_names, recipe.projection)?;
-    let densities = discriminant::train(&raw.map(&projection), recipe)?;
+    let coordinates = raw.map(&projection);
+    let densities = discriminant::train(&coordinates, recipe)?;
     let (core_features, core_projection) = compose(&table, &chosen, recipe.structure, &projection);
     let longest = traces.iter().map(|t| t.trace.y.len()).max().unwrap_or(0);
     Ok(Trained {
@@ -136,6 +142,7 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
         classes: classes.to_vec(),
         feature_names,
         projection,
+        coordinates,
         densities,
         core_features,
         core_projection,

@@ -51,7 +51,7 @@ pub enum Keep {
     Variance(f64),
 }
 
-pub(super) fn train(table: &FeatureTable, names: &[String], kind: ProjectionKind) -> Result<AffineMap, Error> {
+pub(crate) fn train(table: &FeatureTable, names: &[String], kind: ProjectionKind) -> Result<AffineMap, Error> {
     let statistics = ClassStatistics::new(table);
     let matrix = match kind {
         ProjectionKind::None => scaling(&statistics.pooled, names)?,

@@ -6,7 +6,7 @@ use super::FeatureTable;
 use crate::Error;
 
 /// Mean of rows of equal length.
-pub(super) fn mean(rows: &[DVector<f64>]) -> DVector<f64> {
+pub(crate) fn mean(rows: &[DVector<f64>]) -> DVector<f64> {
     let mut sum = DVector::zeros(rows.first().map_or(0, DVector::len));
     for row in rows {
         sum += row;
@@ -71,7 +71,7 @@ impl ClassStatistics {
 /// Inverse of the Cholesky factor, U with UᵀU = Σ⁻¹, and ln |Σ|.
 ///
 /// Done on the correlation matrix, so that units do not matter to the rank test.
-pub(super) fn whitening(covariance: &DMatrix<f64>) -> Option<(DMatrix<f64>, f64)> {
+pub(crate) fn whitening(covariance: &DMatrix<f64>) -> Option<(DMatrix<f64>, f64)> {
     /// Smallest pivot of a correlation matrix that is not rounding: below it a feature is a combination of others.
     const SINGULAR: f64 = 1e-10;
     let n = covariance.nrows();
@@ -93,7 +93,7 @@ pub(super) fn whitening(covariance: &DMatrix<f64>) -> Option<(DMatrix<f64>, f64)
 }
 
 /// The error for a covariance without inverse.
-pub(super) fn singular(what: &str, rows: usize, features: usize) -> Error {
+pub(crate) fn singular(what: &str, rows: usize, features: usize) -> Error {
     let reason = if rows <= features {
         format!("{rows} traces cannot span {features} features; give at least {} or use fewer features", features + 1)
     } else {

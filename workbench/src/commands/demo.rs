@@ -1,0 +1,209 @@
+//! `bearing-watch demo`
+
+use std::path::PathBuf;
+
+use serde_json::json;
+
+use super::output;
+use crate::Error;
+use crate::demo::{self, Draw, Repetition, Settings};
+use crate::report::Page;
+use crate::report::page::{or_reason, paragraph};
+use crate::report::plot::{self, Panel, Series};
+use crate::report::table::table;
+use crate::report::{Class, Color};
+use crate::{export, pages};
+
+/// The whole chain on the simulated standard rig: traces, training, verdicts of the embedded detector, plots
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  bearing-watch demo --out demo.html")]
+pub(super) struct Args {
+    /// The page with the plots
+    #[arg(long, value_name = "FILE", default_value = "bearing-watch-demo.html")]
+    out: PathBuf,
+    /// Draws of training and validation sets
+    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    repetitions: u32,
+    /// Traces a class, in training and again in validation
+    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(8..=1000))]
+    traces: u32,
+    /// Seed
+    #[arg(long, default_value_t = 1)]
+    seed: u16,
+    /// Also write the model of the first draw, as model.bwm and model.rs, into this folder
+    #[arg(long, value_name = "DIR")]
+    model: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// A method with its errors over the repetitions.
+struct Row {
+    name: &'static str,
+    published: &'static str,
+    mean: f64,
+    sd: f64,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Error> {
+    let settings = Settings { repetitions: args.repetitions, traces: args.traces, seed: u32::from(args.seed) };
+    let count = settings.repetitions * settings.traces * 2 * demo::CLASSES.len() as u32;
+    let bar = output::progress("simulating", count as usize);
+    let first = demo::draw(&settings, 0, || bar.inc(1))?;
+    let mut repetitions = vec![first.repetition.clone()];
+    for k in 1..settings.repetitions {
+        repetitions.push(demo::draw(&settings, k, || bar.inc(1))?.repetition);
+    }
+    bar.finish_and_clear();
+    let rows = rows(&repetitions);
+    output::write(&args.out, page(&settings, &first, &rows)?)?;
+    if let Some(folder) = &args.model {
+        std::fs::create_dir_all(folder).map_err(Error::io(folder))?;
+        let notes = ["Standard DC-motor rig: y = current, u1 = velocity reference, u2 = load torque.".to_string()];
+        output::write(&folder.join("model.rs"), export::rust_source(&first.trained, &notes)?)?;
+        let notes = super::options::Notes::new(
+            &channels(),
+            crate::trace::Preparation::NONE,
+            &first.trained.feature_names,
+            &first.training,
+        );
+        output::write(&folder.join("model.bwm"), first.trained.to_bytes(&notes.to_text())?)?;
+    }
+    if args.json {
+        print_json(&first, &rows);
+    } else {
+        print(&settings, &first, &rows, args);
+    }
+    Ok(())
+}
+
+fn channels() -> crate::trace::Channels {
+    crate::trace::Channels { y: "current_a".into(), u1: "velocity_ref_rad_s".into(), u2: "load_torque_nm".into() }
+}
+
+fn rows(repetitions: &[Repetition]) -> Vec<Row> {
+    let row = |name, published, error: fn(&Repetition) -> f64| {
+        let (mean, sd) = demo::mean_sd_percent(&repetitions.iter().map(error).collect::<Vec<_>>());
+        Row { name, published, mean, sd }
+    };
+    vec![
+        row("embedded: LS, all of a b c, LDA", "–", |r| r.all_parameters.error_rate().value),
+        row("embedded: LS, a only, PCA 2, LDA", "–", |r| r.a_only.error_rate().value),
+        row("source: iv4, a only, PCA 2, LDA of 3 classes", "–", |r| r.literal.all_classes.error_rate().value),
+        row("source: the same, two binary LDAs", "28.3 (Table 4.1)", |r| r.literal.binary_error()),
+    ]
+}
+
+fn print(settings: &Settings, first: &Draw, rows: &[Row], args: &Args) {
+    let Settings { repetitions, traces, .. } = *settings;
+    output::say(format!(
+        "Standard DC-motor rig, y = current, u1 = velocity reference, u2 = load torque, order 2,1,2,1,1;\n\
+         {traces} + {traces} traces a class (training + validation), every trace simulated from its own seed.\n"
+    ));
+    output::say("First draw, validation traces through the embedded detector (LS, all of a b c, LDA):");
+    output::say(format!("{}\n", first.repetition.all_parameters));
+    output::say(format!(
+        "The same traces by the source's method (iv4, a only, PCA 2, LDA; healthy fit {:.1} %, published 86.58 %):",
+        first.repetition.literal.fit_percent
+    ));
+    output::say(format!("{}\n", first.repetition.literal.all_classes));
+    output::say(format!("Validation error over {repetitions} draws, %:            mean ± sd   published"));
+    for row in rows {
+        output::say(format!("  {:46} {:5.1} ± {:4.1}   {}", row.name, row.mean, row.sd, row.published));
+    }
+    output::say("With na = 2 a PCA to two components is an invertible map, which cannot change a linear discriminant.");
+    output::say(format!("\nPlots: {}", args.out.display()));
+}
+
+fn print_json(first: &Draw, rows: &[Row]) {
+    let methods: Vec<_> = rows
+        .iter()
+        .map(|row| json!({ "method": row.name, "error_percent_mean": row.mean, "error_percent_sd": row.sd }))
+        .collect();
+    output::json(&json!({
+        "first_draw": first.repetition.all_parameters.to_json(),
+        "first_draw_literal": first.repetition.literal.all_classes.to_json(),
+        "methods": methods,
+    }));
+}
+
+fn page(settings: &Settings, first: &Draw, rows: &[Row]) -> Result<String, Error> {
+    let classes = demo::class_names();
+    let Settings { repetitions, traces, seed } = *settings;
+    let header = ["method", "error %, mean ± sd", "published %"];
+    let cells: Vec<Vec<String>> = rows
+        .iter()
+        .map(|row| vec![row.name.into(), format!("{:.1} ± {:.1}", row.mean, row.sd), row.published.into()])
+        .collect();
+    let methods = paragraph(&format!("Validation error over {repetitions} draws of training and validation sets."))
+        + &table(&header, &cells)
+        + &paragraph(
+            "With na = 2 a projection to two components is an invertible map, which cannot change a linear discriminant: the source's method and ours differ in what they keep (a only, or all of a, b, c) and in the estimator.",
+        );
+    let examples: Vec<_> = (0..classes.len())
+        .filter_map(|k| first.validation.iter().find(|t| t.class == k).map(|t| (&t.trace, k)))
+        .collect();
+    let page = Page::new("bearing-watch: demonstration on the standard rig")
+        .lead(format!(
+            "DC motor under velocity control; y = current, u1 = velocity reference, u2 = load torque; order [2 1 2 1 1]. \
+             {traces} + {traces} traces a class, seeds from {seed}; every verdict is the embedded detector's."
+        ))
+        .section("Result of the first draw", &pages::confusion_html(&first.repetition.all_parameters))
+        .section("The source's method on the same traces", &pages::confusion_html(&first.repetition.literal.all_classes))
+        .section("All draws", &methods)
+        .section("Signals of each class", &signals(&classes, &examples))
+        .section("Features and decision regions", &pages::scatter(&first.trained, &first.verdicts)?)
+        .section("Posteriors over time: one held-out trace after another", &pages::posteriors_by_trace(&classes, &first.verdicts))
+        .section("Posteriors over time: while a segment fills", &filling(first, &examples)?);
+    Ok(page.render())
+}
+
+fn signals(classes: &[String], examples: &[(&crate::trace::Trace, usize)]) -> String {
+    let points = |trace: &crate::trace::Trace, pick: fn(&crate::trace::Trace) -> &[f64]| {
+        let step = trace.interval_s.unwrap_or(1.0);
+        pick(trace).iter().enumerate().map(|(k, x)| (k as f64 * step, *x)).collect::<Vec<_>>()
+    };
+    let mut panels: Vec<Panel> = examples
+        .iter()
+        .map(|&(trace, k)| {
+            let series = Series::new(classes[k].clone(), Color::of(k), points(trace, |t| &t.y));
+            Panel::new(format!("current, {} / A", classes[k]), vec![series])
+        })
+        .collect();
+    if let Some((trace, _)) = examples.first() {
+        let neutral = Color::of(classes.len());
+        panels.push(Panel::new(
+            "velocity reference / rad/s",
+            vec![Series::new("reference", neutral, points(trace, |t| &t.u1))],
+        ));
+        panels.push(Panel::new("load torque / N·m", vec![Series::new("load", neutral, points(trace, |t| &t.u2))]));
+    }
+    or_reason(plot::signals("One held-out trace of each class", &panels))
+}
+
+/// The posterior the detector would give if the segment ended at each time.
+fn filling(first: &Draw, examples: &[(&crate::trace::Trace, usize)]) -> Result<String, Error> {
+    const STEP: usize = 50;
+    let classes = Class::all(&demo::class_names());
+    let mut html = paragraph(
+        "Preview of the open segment every 0.1 s; the model is trained on whole segments of 10 s, so early posteriors are overconfident.",
+    );
+    for &(trace, truth) in examples {
+        let step = trace.interval_s.unwrap_or(1.0);
+        let previews = first.model.previews(trace, STEP).map_err(|e| Error::Usage(e.to_string()))?;
+        let segments: Vec<plot::Segment> = previews
+            .into_iter()
+            .map(|preview| plot::Segment {
+                start: (preview.length - STEP) as f64 * step,
+                end: preview.length as f64 * step,
+                truth: Some(truth),
+                decided: preview.verdict.ok(),
+                posteriors: preview.posteriors.iter().map(|p| f64::from(*p)).collect(),
+            })
+            .collect();
+        let title = format!("A {} trace", classes[truth].name);
+        html += &or_reason(plot::posteriors(&title, "time / s", &classes, &segments));
+    }
+    Ok(html)
+}

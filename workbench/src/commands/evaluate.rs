@@ -1,0 +1,84 @@
+//! `bearing-watch evaluate`
+
+use std::path::PathBuf;
+
+use super::options::{SelectionArgs, prepare, read_model};
+use super::output;
+use crate::Error;
+use crate::evaluate::{self, TraceVerdict};
+use crate::trace::{Condition, stem};
+
+/// Classify labelled traces by the embedded detector: confusion matrix and rates with 95 % intervals
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  bearing-watch evaluate --model model.bwm --labels held-out/labels.csv --json")]
+pub(super) struct Args {
+    /// The binary model; it knows its channels and preparation
+    #[arg(long, value_name = "FILE")]
+    model: PathBuf,
+    #[command(flatten)]
+    selection: SelectionArgs,
+    /// Only the rows with this, e.g. 'run>4'; may be repeated, all must hold
+    #[arg(long, value_name = "CONDITION")]
+    test_where: Vec<Condition>,
+    /// Count segments instead of traces
+    #[arg(long)]
+    per_segment: bool,
+    /// Write every verdict to this CSV
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Print JSON: classes, confusion, error_rate, balanced_accuracy, each rate with its interval
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Error> {
+    let (model, notes) = read_model(&args.model)?;
+    let selection = args.selection.read(&notes.channels())?;
+    let (names, mut traces) = selection.rows(&args.test_where)?;
+    for labelled in &mut traces {
+        let name = &names[labelled.class];
+        labelled.class = model.classes.iter().position(|class| class == name).ok_or_else(|| {
+            let known = model.classes.join(", ");
+            Error::trace(
+                &labelled.trace.id,
+                format!("unknown class {name}: the model has {known}; select with --classes"),
+            )
+        })?;
+    }
+    let seen = traces.iter().filter(|t| notes.trained_on.iter().any(|id| id == stem(&t.trace.id))).count();
+    if seen > 0 {
+        eprintln!("warning: {seen} of {} traces were trained on: the rates flatter the model", traces.len());
+    }
+    let bar = output::progress("evaluating", traces.len());
+    let verdicts = evaluate::run(&model, &prepare(&traces, notes.preparation())?, || bar.inc(1))?;
+    bar.finish_and_clear();
+    let confusion = evaluate::count(&model.classes, &verdicts, args.per_segment);
+    if let Some(path) = &args.out {
+        output::write(path, csv(&model.classes, &verdicts))?;
+    }
+    if args.json {
+        let mut value = confusion.to_json();
+        value["trained_on"] = seen.into();
+        output::json(&value);
+    } else {
+        output::say(confusion.to_string());
+    }
+    Ok(())
+}
+
+/// A row a segment.
+fn csv(classes: &[String], verdicts: &[TraceVerdict]) -> String {
+    let posteriors: Vec<String> = classes.iter().map(|class| format!("p_{class}")).collect();
+    let mut out = format!("trace,segment,true_class,decided,{},rows,rejected\n", posteriors.join(","));
+    for verdict in verdicts {
+        for (k, segment) in verdict.segments.iter().enumerate() {
+            let decided = segment.verdict.as_ref().map_or("undetermined", |&class| classes[class].as_str());
+            let posterior = |k: usize| segment.posteriors.get(k).map_or_else(String::new, ToString::to_string);
+            let posteriors: Vec<String> = (0..classes.len()).map(posterior).collect();
+            let (id, truth) = (&verdict.id, &classes[verdict.class]);
+            let posteriors = posteriors.join(",");
+            out.push_str(&format!("{id},{k},{truth},{decided},{posteriors},{},{}\n", segment.rows, segment.rejected));
+        }
+    }
+    out
+}

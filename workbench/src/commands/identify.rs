@@ -1,0 +1,104 @@
+//! `bearing-watch identify`
+
+use std::path::PathBuf;
+
+use rayon::prelude::*;
+use serde_json::json;
+
+use super::options::{ChannelArgs, PreparationArgs};
+use super::output;
+use crate::Error;
+use crate::identify::{Estimate, Method, Order, Structure, estimate, parse_order};
+use crate::trace;
+
+/// Estimate the difference model of each trace
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example:\n  bearing-watch identify traces --y current_a --u1 velocity_ref_rad_s-velocity_rad_s \
+--u2 load_torque_nm --order 2,2,2,1,1 --out params.csv"
+)]
+pub(super) struct Args {
+    /// Trace files or folders
+    #[arg(value_name = "TRACES", required = true)]
+    traces: Vec<PathBuf>,
+    #[command(flatten)]
+    channels: ChannelArgs,
+    /// na,nb,nc,nkb,nkc
+    #[arg(long, value_parser = parse_order, value_name = "ORDER")]
+    order: Order,
+    /// Estimate a constant term too
+    #[arg(long)]
+    offset: bool,
+    /// Estimator
+    #[arg(long, value_enum, default_value = "ls")]
+    method: Method,
+    #[command(flatten)]
+    preparation: PreparationArgs,
+    /// Write the table here instead of to standard output
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Print JSON instead of CSV
+    #[arg(long, conflicts_with = "out")]
+    json: bool,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Error> {
+    let preparation = args.preparation.preparation()?;
+    let traces = trace::read(&args.traces, &args.channels.channels())?;
+    let structure = Structure { order: args.order, offset: args.offset };
+    let bar = output::progress("estimating", traces.len());
+    let estimates = traces
+        .par_iter()
+        .map(|trace| {
+            let estimate = estimate(&preparation.apply(trace)?, structure, args.method)?;
+            bar.inc(1);
+            Ok((trace.id.as_str(), estimate))
+        })
+        .collect::<Result<Vec<_>, Error>>()?;
+    bar.finish_and_clear();
+    if args.json {
+        let rows: Vec<_> = estimates.iter().map(|(id, estimate)| row_json(id, estimate)).collect();
+        output::json(&json!(rows));
+        return Ok(());
+    }
+    let table = csv(structure, &estimates);
+    match &args.out {
+        Some(path) => {
+            output::write(path, table)?;
+            output::say(format!("{} estimates in {}", estimates.len(), path.display()));
+        }
+        None => output::say(table.trim_end()),
+    }
+    Ok(())
+}
+
+fn deviations(estimate: &Estimate) -> Vec<f64> {
+    estimate.covariance.diagonal().iter().map(|v| v.sqrt()).collect()
+}
+
+fn row_json(id: &str, estimate: &Estimate) -> serde_json::Value {
+    let names = estimate.structure.names();
+    let named = |values: &[f64]| -> serde_json::Map<String, serde_json::Value> {
+        names.iter().cloned().zip(values.iter().map(|v| json!(v))).collect()
+    };
+    json!({
+        "trace": id,
+        "parameters": named(estimate.theta.as_slice()),
+        "sd": named(&deviations(estimate)),
+        "variance": estimate.variance,
+        "rows": estimate.rows,
+        "fit_percent": estimate.fit_percent,
+    })
+}
+
+fn csv(structure: Structure, estimates: &[(&str, Estimate)]) -> String {
+    let names = structure.names();
+    let deviation_names: Vec<String> = names.iter().map(|name| format!("sd_{name}")).collect();
+    let mut out = format!("trace,{},fit_percent,{}\n", names.join(","), deviation_names.join(","));
+    for (id, estimate) in estimates {
+        let numbers = estimate.theta.iter().copied().chain([estimate.fit_percent]).chain(deviations(estimate));
+        let cells: Vec<String> = numbers.map(|x| x.to_string()).collect();
+        out.push_str(&format!("{id},{}\n", cells.join(",")));
+    }
+    out
+}

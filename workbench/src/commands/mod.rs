@@ -1,0 +1,52 @@
+//! The command line: `bearing-watch COMMAND`.
+
+mod demo;
+mod evaluate;
+mod identify;
+mod options;
+mod output;
+mod replay;
+mod simulate;
+mod train;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Bearing-fault detection for motor drives: simulate, identify, train, evaluate, and export to firmware.
+#[derive(Debug, Parser)]
+#[command(name = "bearing-watch", version, max_term_width = 110)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Demo(demo::Args),
+    Simulate(simulate::Args),
+    Identify(identify::Args),
+    Train(train::Args),
+    Evaluate(evaluate::Args),
+    Replay(replay::Args),
+}
+
+/// Runs the command line of this process; 0 on success, 2 on bad input with one line that says what and where.
+#[must_use]
+pub fn run() -> ExitCode {
+    let outcome = match Cli::parse().command {
+        Command::Demo(args) => demo::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
+        Command::Identify(args) => identify::run(&args),
+        Command::Train(args) => train::run(&args),
+        Command::Evaluate(args) => evaluate::run(&args),
+        Command::Replay(args) => replay::run(&args),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {}", error.to_string().replace('\n', " "));
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! Options that several commands share.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+use crate::trace::labels::LabelledTrace;
+use crate::trace::{self, Channels, Condition, Labels, Preparation, Trace};
+
+/// Which columns are the three signals.
+#[derive(Clone, Debug, Args)]
+pub(super) struct ChannelArgs {
+    /// Output: a column, or a difference a-b of two (as a rule the quadrature current)
+    #[arg(long, value_name = "CHANNEL")]
+    y: String,
+    /// First input (reference, or reference-measured, of the controlled variable)
+    #[arg(long, value_name = "CHANNEL")]
+    u1: String,
+    /// Second input (load)
+    #[arg(long, value_name = "CHANNEL")]
+    u2: String,
+}
+
+impl ChannelArgs {
+    pub(super) fn channels(&self) -> Channels {
+        Channels { y: self.y.clone(), u1: self.u1.clone(), u2: self.u2.clone() }
+    }
+}
+
+/// What is done to traces before identification.
+#[derive(Clone, Copy, Debug, Args)]
+pub(super) struct PreparationArgs {
+    /// Average blocks of N samples first
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    block_mean: usize,
+    /// Then keep every N-th sample behind an anti-alias filter
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    decimate: usize,
+}
+
+impl PreparationArgs {
+    pub(super) fn preparation(self) -> Result<Preparation, Error> {
+        if self.block_mean == 0 || self.decimate == 0 {
+            return Err(Error::Usage("--block-mean and --decimate take whole numbers from 1".into()));
+        }
+        Ok(Preparation { block_mean: self.block_mean, decimate: self.decimate })
+    }
+}
+
+/// Which labelled traces take part.
+#[derive(Clone, Debug, Args)]
+pub(super) struct SelectionArgs {
+    /// Trace files or folders; without any, the folder of the labels
+    #[arg(value_name = "TRACES")]
+    traces: Vec<PathBuf>,
+    /// CSV with columns trace,class_name and any further ones to select by
+    #[arg(long, value_name = "FILE")]
+    pub(super) labels: PathBuf,
+    /// Only rows with this, e.g. load_kgf=20; may be repeated, all must hold
+    #[arg(long = "where", value_name = "CONDITION")]
+    conditions: Vec<Condition>,
+    /// Only these classes, in this order
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    classes: Vec<String>,
+}
+
+/// Labels and the traces they name.
+#[derive(Debug)]
+pub(super) struct Selection {
+    labels: Labels,
+    traces: Vec<Trace>,
+    conditions: Vec<Condition>,
+    asked: Vec<String>,
+}
+
+impl SelectionArgs {
+    pub(super) fn read(&self, channels: &Channels) -> Result<Selection, Error> {
+        let labels = Labels::read(&self.labels)?;
+        let folder = self.labels.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let paths = if self.traces.is_empty() { vec![folder.to_path_buf()] } else { self.traces.clone() };
+        let traces = trace::read(&paths, channels)?;
+        Ok(Selection { labels, traces, conditions: self.conditions.clone(), asked: self.classes.clone() })
+    }
+}
+
+impl Selection {
+    /// The rows that meet the common and these further conditions: class names and traces.
+    pub(super) fn rows(&self, further: &[Condition]) -> Result<(Vec<String>, Vec<LabelledTrace>), Error> {
+        let conditions = [&self.conditions, further].concat();
+        let chosen = self.labels.select(&conditions)?;
+        let classes = self.labels.classes(&chosen, &self.asked)?;
+        let traces = self.labels.join(&chosen, &classes, &self.traces)?;
+        Ok((classes, traces))
+    }
+}
+
+/// Prepares every trace.
+pub(super) fn prepare(traces: &[LabelledTrace], preparation: Preparation) -> Result<Vec<LabelledTrace>, Error> {
+    let each = |t: &LabelledTrace| Ok(LabelledTrace { trace: preparation.apply(&t.trace)?, class: t.class });
+    traces.iter().map(each).collect()
+}
+
+/// What a model file says of itself to the workbench; the firmware ignores it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Notes {
+    y: String,
+    u1: String,
+    u2: String,
+    /// Preparation outside the detector.
+    host_block_mean: usize,
+    decimate: usize,
+    /// Names of the features.
+    pub(super) features: Vec<String>,
+    /// Ids of the training traces, to warn of evaluating on them.
+    pub(super) trained_on: Vec<String>,
+}
+
+impl Notes {
+    pub(super) fn new(channels: &Channels, host: Preparation, features: &[String], training: &[LabelledTrace]) -> Self {
+        let Channels { y, u1, u2 } = channels.clone();
+        Self {
+            y,
+            u1,
+            u2,
+            host_block_mean: host.block_mean,
+            decimate: host.decimate,
+            features: features.to_vec(),
+            trained_on: training.iter().map(|t| trace::stem(&t.trace.id).to_string()).collect(),
+        }
+    }
+
+    pub(super) fn channels(&self) -> Channels {
+        Channels { y: self.y.clone(), u1: self.u1.clone(), u2: self.u2.clone() }
+    }
+
+    pub(super) fn preparation(&self) -> Preparation {
+        Preparation { block_mean: self.host_block_mean.max(1), decimate: self.decimate.max(1) }
+    }
+
+    pub(super) fn to_text(&self) -> String {
+        serde_json::to_string(self).unwrap_or_default()
+    }
+}
+
+/// Reads a model file.
+pub(super) fn read_model(path: &Path) -> Result<(crate::embedded::Embedded, Notes), Error> {
+    let bytes = std::fs::read(path).map_err(Error::io(path))?;
+    let wrong = |problem: bearing_watch::ModelError| {
+        Error::content(path, "model", format!("{problem}; train it again with `bearing-watch train`"))
+    };
+    let model = crate::embedded::Embedded::from_bytes(&bytes).map_err(wrong)?;
+    let notes = bearing_watch::model::notes(&bytes).map_err(wrong)?;
+    let notes = serde_json::from_str(notes).map_err(|_| {
+        Error::content(path, "notes", "no channel names in this model; train it again with `bearing-watch train`")
+    })?;
+    Ok((model, notes))
+}

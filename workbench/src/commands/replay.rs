@@ -1,0 +1,90 @@
+//! `bearing-watch replay`
+
+use std::path::PathBuf;
+
+use serde_json::json;
+
+use super::options::read_model;
+use super::output;
+use crate::Error;
+use crate::embedded::Segment;
+use crate::trace::{self, Trace};
+
+/// Run traces through the embedded detector and print its verdict on every segment
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  bearing-watch replay --model model.bwm traces/spall_2_000.csv")]
+pub(super) struct Args {
+    /// The binary model; it knows its channels and preparation
+    #[arg(long, value_name = "FILE")]
+    model: PathBuf,
+    /// Trace files or folders
+    #[arg(value_name = "TRACE", required = true)]
+    traces: Vec<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Error> {
+    let (model, notes) = read_model(&args.model)?;
+    let mut values = Vec::new();
+    for trace in trace::read(&args.traces, &notes.channels())? {
+        let prepared = notes.preparation().apply(&trace)?;
+        let segments = model.run(&prepared).map_err(|e| Error::Usage(e.to_string()))?;
+        for (k, segment) in segments.iter().enumerate() {
+            if args.json {
+                values.push(value(&model.classes, &prepared, k, segment));
+            } else {
+                output::say(line(&model.classes, &prepared, segment));
+            }
+        }
+    }
+    if args.json {
+        output::json(&json!(values));
+    }
+    Ok(())
+}
+
+/// Where the segment lies: in seconds where the trace has a time, else in samples.
+fn place(trace: &Trace, segment: &Segment) -> String {
+    let (from, to) = (segment.start, segment.start + segment.length);
+    match trace.interval_s {
+        Some(step) => format!("{:.3}–{:.3} s", from as f64 * step, to as f64 * step),
+        None => format!("samples {from}–{to}"),
+    }
+}
+
+fn line(classes: &[String], trace: &Trace, segment: &Segment) -> String {
+    let verdict = match &segment.verdict {
+        Ok(class) => classes[*class].clone(),
+        Err(reason) => format!("undetermined: {reason}"),
+    };
+    let posteriors: Vec<String> =
+        classes.iter().zip(&segment.posteriors).map(|(class, p)| format!("{class} {p:.3}")).collect();
+    let place = place(trace, segment);
+    let mut line = format!("{}  {place}  {verdict}  [{}]  {} rows", trace.id, posteriors.join(", "), segment.rows);
+    if segment.rejected > 0 {
+        line.push_str(&format!(", {} samples rejected", segment.rejected));
+    }
+    line
+}
+
+fn value(classes: &[String], trace: &Trace, number: usize, segment: &Segment) -> serde_json::Value {
+    let named = |values: &[f32]| -> serde_json::Map<String, serde_json::Value> {
+        classes.iter().cloned().zip(values.iter().map(|v| json!(v))).collect()
+    };
+    json!({
+        "trace": trace.id,
+        "segment": number,
+        "start": segment.start,
+        "length": segment.length,
+        "class": segment.verdict.as_ref().ok().map(|&class| &classes[class]),
+        "undetermined": segment.verdict.as_ref().err(),
+        "posteriors": named(&segment.posteriors),
+        "log_likelihoods": named(&segment.log_likelihoods),
+        "parameters": segment.raw,
+        "variance": segment.variance,
+        "rows": segment.rows,
+        "rejected": segment.rejected,
+    })
+}

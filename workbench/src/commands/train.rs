@@ -1,0 +1,291 @@
+//! `bearing-watch train`
+
+use std::path::PathBuf;
+
+use bearing_watch::decide::Kind;
+use bearing_watch::model::MAX_SEGMENT_SAMPLES;
+use clap::ValueEnum;
+use serde_json::json;
+
+use super::options::{ChannelArgs, Notes, PreparationArgs, Selection, SelectionArgs, prepare};
+use super::output;
+use crate::evaluate::{self, Confusion};
+use crate::identify::{Order, Structure, parse_order};
+use crate::trace::labels::LabelledTrace;
+use crate::trace::{Condition, Preparation};
+use crate::train::{Keep, ProjectionKind, Recipe, Trained};
+use crate::{Error, export};
+
+/// Train a model from labelled traces, for the detector in firmware
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example:\n  bearing-watch train --labels traces/labels.csv --y current_a --u1 velocity_ref_rad_s \
+--u2 load_torque_nm --order 2,1,2,1,1 --model model.bwm --rust model.rs"
+)]
+pub(super) struct Args {
+    #[command(flatten)]
+    selection: SelectionArgs,
+    #[command(flatten)]
+    channels: ChannelArgs,
+    /// na,nb,nc,nkb,nkc
+    #[arg(long, value_parser = parse_order, value_name = "ORDER")]
+    order: Order,
+    /// Estimate a constant term too (recorded signals have operating points)
+    #[arg(long)]
+    offset: bool,
+    #[command(flatten)]
+    preparation: PreparationArgs,
+    /// Train on the rows with this, e.g. 'run<=4'; may be repeated, all must hold
+    #[arg(long, value_name = "CONDITION")]
+    train_where: Vec<Condition>,
+    /// Then evaluate on the rows with this, e.g. 'run>4'
+    #[arg(long, value_name = "CONDITION")]
+    test_where: Vec<Condition>,
+    /// a, b, c, offset, log_variance, or single ones such as a1; every parameter if not given
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    features: Vec<String>,
+    /// Projection of the features
+    #[arg(long, value_enum, default_value = "none")]
+    projection: Projection,
+    /// Components to keep (pca, pca-raw, fisher)
+    #[arg(long, value_name = "N")]
+    components: Option<usize>,
+    /// Part of the variance to keep, where --components is not given (pca, pca-raw)
+    #[arg(long, value_name = "PART", default_value_t = 0.99)]
+    variance: f64,
+    /// Shared or own class covariances
+    #[arg(long, value_enum, default_value = "linear")]
+    discriminant: DiscriminantKind,
+    /// Priors, e.g. healthy=0.98,spall=0.01,roughness=0.01; equal if not given
+    #[arg(long, value_name = "CLASS=P", value_delimiter = ',')]
+    priors: Vec<String>,
+    /// Cost of deciding a class when another is true, e.g. healthy:spall=50; 1 where not given
+    #[arg(long, value_name = "DECIDED:TRUE=COST", value_delimiter = ',')]
+    cost: Vec<String>,
+    /// Samples a segment (after averaging and decimation); the longest training trace if not given
+    #[arg(long, value_name = "N")]
+    segment: Option<usize>,
+    /// The binary model
+    #[arg(long, value_name = "FILE")]
+    model: PathBuf,
+    /// The model as Rust constants
+    #[arg(long, value_name = "FILE")]
+    rust: Option<PathBuf>,
+    /// A page with the features, the decision regions and the held-out result
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Projection {
+    /// Every feature, scaled
+    None,
+    /// Principal components of the standardised features
+    Pca,
+    /// Principal components of the centred features, as in the source
+    PcaRaw,
+    /// Fisher's directions: most spread between classes against that within
+    Fisher,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum DiscriminantKind {
+    /// One covariance for all classes
+    Linear,
+    /// A covariance each
+    Quadratic,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Error> {
+    let channels = args.channels.channels();
+    let preparation = args.preparation.preparation()?;
+    if args.variance.is_nan() || args.variance <= 0.0 || args.variance > 1.0 {
+        return Err(Error::Usage("--variance is a part of the whole: above 0, at most 1".into()));
+    }
+    let selection = args.selection.read(&channels)?;
+    let (classes, training) = selection.rows(&args.train_where)?;
+    let recipe = args.recipe(&classes)?;
+    let mut trained = crate::train::train(&prepare(&training, preparation)?, &classes, &recipe)?;
+    let host = embed_block_mean(&mut trained, preparation, &training);
+    if let Some(segment) = args.segment {
+        if segment == 0 || segment > MAX_SEGMENT_SAMPLES as usize {
+            return Err(Error::Usage(format!("--segment is 1 to {MAX_SEGMENT_SAMPLES}: longer sums lose precision")));
+        }
+        trained.segment_samples = segment;
+    }
+    let notes = Notes::new(&channels, host, &trained.feature_names, &training);
+    let bytes = trained.to_bytes(&notes.to_text())?;
+    let rust = args.rust.as_ref().map(|_| export::rust_source(&trained, &description(&trained, &channels)));
+    let rust = rust.transpose()?;
+
+    let held_out = args.evaluate(&selection, &trained, &training, &classes, host)?;
+    if let Some(path) = &args.report {
+        let prepared = prepare(&training, preparation)?;
+        let examples: Vec<_> =
+            (0..classes.len()).filter_map(|k| prepared.iter().find(|t| t.class == k).map(|t| (&t.trace, k))).collect();
+        let results = held_out.as_ref().map(|h| (&h.confusion, h.verdicts.as_slice()));
+        output::write(path, crate::pages::training(&trained, &examples, results)?)?;
+    }
+    output::write(&args.model, &bytes)?;
+    if let (Some(path), Some(source)) = (&args.rust, rust) {
+        output::write(path, source)?;
+    }
+    args.print(&trained, &training, bytes.len(), held_out.as_ref().map(|h| &h.confusion));
+    Ok(())
+}
+
+impl Args {
+    fn recipe(&self, classes: &[String]) -> Result<Recipe, Error> {
+        let keep = self.components.map_or(Keep::Variance(self.variance), Keep::Components);
+        let projection = match self.projection {
+            Projection::None if self.components.is_some() => {
+                return Err(Error::Usage("--components goes with --projection pca, pca-raw or fisher".into()));
+            }
+            Projection::None => ProjectionKind::None,
+            Projection::Pca => ProjectionKind::Pca { keep, standardised: true },
+            Projection::PcaRaw => ProjectionKind::Pca { keep, standardised: false },
+            Projection::Fisher => ProjectionKind::Fisher { components: self.components },
+        };
+        Ok(Recipe {
+            structure: Structure { order: self.order, offset: self.offset },
+            features: self.features.clone(),
+            projection,
+            discriminant: match self.discriminant {
+                DiscriminantKind::Linear => Kind::Linear,
+                DiscriminantKind::Quadratic => Kind::Quadratic,
+            },
+            priors: priors(&self.priors, classes)?,
+            cost: costs(&self.cost, classes)?,
+        })
+    }
+
+    fn evaluate(
+        &self,
+        selection: &Selection,
+        trained: &Trained,
+        training: &[LabelledTrace],
+        classes: &[String],
+        host: Preparation,
+    ) -> Result<Option<HeldOut>, Error> {
+        if self.test_where.is_empty() {
+            return Ok(None);
+        }
+        let (names, mut traces) = selection.rows(&self.test_where)?;
+        for held_out in &mut traces {
+            let name = &names[held_out.class];
+            held_out.class = classes.iter().position(|class| class == name).ok_or_else(|| {
+                Error::Usage(format!("--test-where selects class {name}, which has no training traces"))
+            })?;
+        }
+        if let Some(both) = traces.iter().find(|t| training.iter().any(|s| s.trace.id == t.trace.id)) {
+            let id = &both.trace.id;
+            return Err(Error::Usage(format!(
+                "trace {id} is in both --train-where and --test-where; make them disjoint"
+            )));
+        }
+        let bar = output::progress("evaluating", traces.len());
+        let verdicts = evaluate::run(&trained.embed()?, &prepare(&traces, host)?, || bar.inc(1))?;
+        bar.finish_and_clear();
+        Ok(Some(HeldOut { confusion: evaluate::count(classes, &verdicts, false), verdicts }))
+    }
+
+    fn print(&self, trained: &Trained, training: &[LabelledTrace], bytes: usize, held_out: Option<&Confusion>) {
+        let counts: Vec<usize> =
+            (0..trained.classes.len()).map(|k| training.iter().filter(|t| t.class == k).count()).collect();
+        if self.json {
+            output::json(&json!({
+                "model": self.model,
+                "bytes": bytes,
+                "classes": trained.classes,
+                "training_traces": counts,
+                "features": trained.feature_names,
+                "segment_samples": trained.segment_samples,
+                "held_out": held_out.map(Confusion::to_json),
+            }));
+            return;
+        }
+        let traces: Vec<String> = trained.classes.iter().zip(counts).map(|(name, n)| format!("{n} {name}")).collect();
+        output::say(format!("trained on {} traces; features {}", traces.join(", "), trained.feature_names.join(", ")));
+        output::say(format!(
+            "{} discriminant over {} coordinates, segments of {} samples; {} bytes in {}",
+            trained.kind_name(),
+            trained.core_projection.matrix.nrows(),
+            trained.segment_samples,
+            bytes,
+            self.model.display()
+        ));
+        if let Some(confusion) = held_out {
+            output::say(format!("held-out traces, through the embedded detector:\n{confusion}"));
+        }
+    }
+}
+
+/// Traces that were not trained on, with their verdicts.
+struct HeldOut {
+    confusion: Confusion,
+    verdicts: Vec<evaluate::TraceVerdict>,
+}
+
+/// Lets the detector form the block means itself where nothing follows them; gives what is left to the host.
+fn embed_block_mean(trained: &mut Trained, preparation: Preparation, training: &[LabelledTrace]) -> Preparation {
+    if preparation.decimate > 1 || preparation.block_mean > usize::from(u16::MAX) {
+        return preparation;
+    }
+    trained.block_mean = preparation.block_mean;
+    trained.interval_s = training.iter().find_map(|t| t.trace.interval_s).unwrap_or(0.0);
+    Preparation::NONE
+}
+
+fn description(trained: &Trained, channels: &crate::trace::Channels) -> Vec<String> {
+    let crate::trace::Channels { y, u1, u2 } = channels;
+    vec![
+        format!("y = {y}, u1 = {u1}, u2 = {u2}; classes {}.", trained.classes.join(", ")),
+        format!("Features {}; {} discriminant.", trained.feature_names.join(", "), trained.kind_name()),
+    ]
+}
+
+fn priors(asked: &[String], classes: &[String]) -> Result<Vec<f64>, Error> {
+    if asked.is_empty() {
+        return Ok(vec![]);
+    }
+    let mut priors = vec![f64::NAN; classes.len()];
+    for item in asked {
+        let (name, value) = item.split_once('=').unwrap_or((item, ""));
+        priors[class(classes, name, "--priors")?] = number(value, "--priors", item)?;
+    }
+    if let Some(k) = priors.iter().position(|p| p.is_nan()) {
+        return Err(Error::Usage(format!("--priors says nothing of class {}", classes[k])));
+    }
+    Ok(priors)
+}
+
+fn costs(asked: &[String], classes: &[String]) -> Result<Vec<Vec<f64>>, Error> {
+    if asked.is_empty() {
+        return Ok(vec![]);
+    }
+    let n = classes.len();
+    let mut costs: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|k| f64::from(u8::from(i != k))).collect()).collect();
+    for item in asked {
+        let (pair, value) = item.split_once('=').unwrap_or((item, ""));
+        let (decided, truth) = pair.split_once(':').ok_or_else(|| {
+            Error::Usage(format!("--cost \"{item}\": write DECIDED:TRUE=COST, e.g. healthy:spall=50"))
+        })?;
+        costs[class(classes, decided, "--cost")?][class(classes, truth, "--cost")?] = number(value, "--cost", item)?;
+    }
+    Ok(costs)
+}
+
+fn class(classes: &[String], name: &str, option: &str) -> Result<usize, Error> {
+    classes
+        .iter()
+        .position(|class| class == name.trim())
+        .ok_or_else(|| Error::Usage(format!("{option}: unknown class {name}; there are {}", classes.join(", "))))
+}
+
+fn number(text: &str, option: &str, item: &str) -> Result<f64, Error> {
+    let value = text.trim().parse().ok().filter(|x: &f64| x.is_finite() && *x >= 0.0);
+    value.ok_or_else(|| Error::Usage(format!("{option} \"{item}\": after = comes a number that is not negative")))
+}

@@ -1,0 +1,169 @@
+//! The whole chain on the standard rig: simulate, train, evaluate held-out traces through the embedded detector,
+//! and compare with the source's own method on the same traces.
+
+use rayon::prelude::*;
+
+use crate::Error;
+use crate::embedded::Embedded;
+use crate::evaluate::{self, Confusion, TraceVerdict};
+use crate::identify::{Order, Structure};
+use crate::literal;
+use crate::rig::{Defect, DefectKind, RigTrace, Scenario, simulate, trace_seed};
+use crate::trace::Trace;
+use crate::trace::labels::LabelledTrace;
+use crate::train::{Keep, ProjectionKind, Recipe, Trained, train};
+
+/// Class names of the standard rig, healthy first.
+pub const CLASSES: [DefectKind; 3] = [DefectKind::Healthy, DefectKind::Spall, DefectKind::Roughness];
+
+/// Reference in, current out: thesis Table 4.1.
+pub const REFERENCE_ORDER: Order = Order::new(2, 1, 2, 1, 1);
+
+/// What the first input of a trace is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FirstInput {
+    /// Velocity reference.
+    Reference,
+    /// Velocity reference − measured velocity.
+    Error,
+}
+
+/// How large the demonstration is.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    /// Draws of training and validation sets.
+    pub repetitions: u32,
+    /// Traces a class, in training and again in validation.
+    pub traces: u32,
+    /// Seed; repetition r trains on set `seed` + 2r and validates on set `seed` + 2r + 1.
+    pub seed: u32,
+}
+
+impl Settings {
+    /// Seeds of the training and the validation set of one repetition: never the same, never shared between
+    /// repetitions.
+    #[must_use]
+    pub const fn sets(&self, repetition: u32) -> (u32, u32) {
+        (self.seed + 2 * repetition, self.seed + 2 * repetition + 1)
+    }
+}
+
+/// What one repetition gave.
+#[derive(Clone, Debug)]
+pub struct Repetition {
+    /// Least squares, all parameters, no projection, linear discriminant; through the core.
+    pub all_parameters: Confusion,
+    /// Least squares, a-parameters, PCA to two components, linear discriminant; through the core.
+    pub a_only: Confusion,
+    /// The source's method in double precision.
+    pub literal: literal::Outcome,
+}
+
+/// One draw with everything a report shows.
+#[derive(Clone, Debug)]
+pub struct Draw {
+    /// Training traces.
+    pub training: Vec<LabelledTrace>,
+    /// Validation traces.
+    pub validation: Vec<LabelledTrace>,
+    /// Trained on all parameters.
+    pub trained: Trained,
+    /// The same, as the core runs it.
+    pub model: Embedded,
+    /// What the validation traces gave.
+    pub verdicts: Vec<TraceVerdict>,
+    /// Rates of the three methods.
+    pub repetition: Repetition,
+}
+
+/// Names of [`CLASSES`].
+#[must_use]
+pub fn class_names() -> Vec<String> {
+    CLASSES.iter().map(|kind| kind.name().to_string()).collect()
+}
+
+/// `count` traces a class of one scenario, set `set`; `done` is called once a trace.
+///
+/// # Errors
+/// Where the rig refuses the scenario.
+pub fn traces(
+    scenario: &Scenario,
+    input: FirstInput,
+    (set, count): (u32, u32),
+    done: impl Fn() + Sync,
+) -> Result<Vec<LabelledTrace>, Error> {
+    let jobs: Vec<(usize, u32)> = (0..CLASSES.len()).flat_map(|class| (0..count).map(move |k| (class, k))).collect();
+    let each = |&(class, k): &(usize, u32)| {
+        let kind = CLASSES[class];
+        let recorded = simulate(&scenario.with_defect(Defect::full(kind)), trace_seed(set, kind, k))?;
+        done();
+        Ok(LabelledTrace { trace: trace(format!("{}_{set}_{k:03}", kind.name()), recorded, input), class })
+    };
+    jobs.par_iter().map(each).collect()
+}
+
+fn trace(id: String, recorded: RigTrace, input: FirstInput) -> Trace {
+    let u1 = match input {
+        FirstInput::Reference => recorded.velocity_ref_rad_s,
+        FirstInput::Error => {
+            let pairs = recorded.velocity_ref_rad_s.iter().zip(&recorded.velocity_rad_s);
+            pairs.map(|(reference, measured)| reference - measured).collect()
+        }
+    };
+    let interval_s = recorded.t_s.windows(2).next().map(|pair| pair[1] - pair[0]);
+    Trace { id, interval_s, y: recorded.current_a, u1, u2: recorded.load_torque_nm }
+}
+
+/// Least squares, all of a, b, c, no projection, linear discriminant.
+#[must_use]
+pub fn all_parameters() -> Recipe {
+    Recipe::new(Structure { order: REFERENCE_ORDER, offset: false })
+}
+
+/// Least squares, the a-parameters only, PCA to two components, linear discriminant.
+#[must_use]
+pub fn a_only() -> Recipe {
+    let projection = ProjectionKind::Pca { keep: Keep::Components(2), standardised: false };
+    Recipe { features: vec!["a".into()], projection, ..all_parameters() }
+}
+
+/// Trains a recipe and counts what the core decides on the validation set.
+///
+/// # Errors
+/// Where training or embedding fails.
+pub fn validate(
+    recipe: &Recipe,
+    training: &[LabelledTrace],
+    validation: &[LabelledTrace],
+) -> Result<(Trained, Embedded, Vec<TraceVerdict>, Confusion), Error> {
+    let classes = class_names();
+    let trained = train(training, &classes, recipe)?;
+    let model = trained.embed()?;
+    let verdicts = evaluate::run(&model, validation, || ())?;
+    let confusion = evaluate::count(&classes, &verdicts, false);
+    Ok((trained, model, verdicts, confusion))
+}
+
+/// One repetition; `done` is called once a simulated trace.
+///
+/// # Errors
+/// Where any step of the chain fails.
+pub fn draw(settings: &Settings, repetition: u32, done: impl Fn() + Sync) -> Result<Draw, Error> {
+    let (train_set, validation_set) = settings.sets(repetition);
+    let set = |set| traces(&Scenario::STANDARD, FirstInput::Reference, (set, settings.traces), &done);
+    let (training, validation) = (set(train_set)?, set(validation_set)?);
+    let (trained, model, verdicts, confusion) = validate(&all_parameters(), &training, &validation)?;
+    let (_, _, _, a_only) = validate(&a_only(), &training, &validation)?;
+    let literal = literal::validate(&training, &validation, &class_names(), REFERENCE_ORDER)?;
+    let repetition = Repetition { all_parameters: confusion, a_only, literal };
+    Ok(Draw { training, validation, trained, model, verdicts, repetition })
+}
+
+/// Mean and standard deviation in percent.
+#[must_use]
+pub fn mean_sd_percent(rates: &[f64]) -> (f64, f64) {
+    let n = rates.len() as f64;
+    let mean = rates.iter().sum::<f64>() / n;
+    let variance = rates.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+    (100.0 * mean, 100.0 * variance.sqrt())
+}

@@ -1,0 +1,215 @@
+//! The parts of a report that speak of a trained model.
+
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+use crate::Error;
+use crate::embedded::{Embedded, Segment};
+use crate::evaluate::{Confusion, TraceVerdict};
+use crate::features;
+use crate::report::page::or_reason;
+use crate::report::plot::{self, Panel, ScatterClass, Series};
+use crate::report::table::{ConfusionRow, confusion_table, table};
+use crate::report::{Class, Color, Page};
+use crate::trace::Trace;
+use crate::train::statistics::whitening;
+use crate::train::{ClassStatistics, Trained};
+
+/// Page of one training: signals, features with decision regions, and what held-out traces gave.
+///
+/// # Errors
+/// Where the model does not embed.
+pub fn training(
+    trained: &Trained,
+    examples: &[(&Trace, usize)],
+    held_out: Option<(&Confusion, &[TraceVerdict])>,
+) -> Result<String, Error> {
+    let verdicts = held_out.map_or(&[][..], |(_, verdicts)| verdicts);
+    let mut page = Page::new("bearing-watch: training report").lead(format!(
+        "{} training traces of {}; features {}; {} discriminant over {} coordinates.",
+        trained.coordinates.rows.len(),
+        trained.classes.join(", "),
+        trained.feature_names.join(", "),
+        trained.kind_name(),
+        trained.core_projection.matrix.nrows()
+    ));
+    page = page.section("Signals, one trace of each class", &signals(trained, examples));
+    page = page.section("Features and decision regions", &scatter(trained, verdicts)?);
+    if let Some((confusion, verdicts)) = held_out {
+        page = page.section("Held-out traces, through the embedded detector", &confusion_html(confusion));
+        page = page.section("Posteriors, trace after trace", &posteriors_by_trace(&trained.classes, verdicts));
+    }
+    Ok(page.section("Parameters of the training traces", &parameter_table(trained)).render())
+}
+
+/// Output and inputs of one trace of each class.
+#[must_use]
+pub fn signals(trained: &Trained, examples: &[(&Trace, usize)]) -> String {
+    let panel = |label: &str, pick: fn(&Trace) -> &[f64]| {
+        let series = examples.iter().map(|(trace, class)| {
+            let step = trace.interval_s.unwrap_or(1.0);
+            let points = pick(trace).iter().enumerate().map(move |(k, x)| (k as f64 * step, *x));
+            Series::new(trained.classes[*class].clone(), Color::of(*class), points)
+        });
+        Panel::new(label, series.collect())
+    };
+    let panels = [panel("y", |t| &t.y), panel("u1", |t| &t.u1), panel("u2", |t| &t.u2)];
+    or_reason(plot::signals("Signals as identified", &panels))
+}
+
+/// Training and held-out traces in the plane in which the classes lie furthest apart, over the decisions there.
+///
+/// # Errors
+/// Where the model does not embed.
+pub fn scatter(trained: &Trained, held_out: &[TraceVerdict]) -> Result<String, Error> {
+    let model = trained.embed()?;
+    let Some(plane) = Plane::new(trained) else {
+        return Ok(crate::report::page::paragraph("One coordinate only: there is no plane to draw."));
+    };
+    let classes = Class::all(&trained.classes);
+    let of_class = |k: usize| {
+        let table = &trained.coordinates;
+        let training = table.rows.iter().zip(&table.classes).filter(|(_, c)| **c == k).map(|(z, _)| plane.point(z));
+        let segments = held_out.iter().filter(|v| v.class == k).flat_map(|v| &v.segments);
+        let held_out = segments.filter(|s| s.verdict.is_ok()).map(|s| plane.point(&coordinates(trained, s)));
+        ScatterClass { class: classes[k].clone(), training: training.collect(), held_out: held_out.collect() }
+    };
+    let scattered: Vec<ScatterClass> = (0..classes.len()).map(of_class).collect();
+    let decide = |x, y| decide(&model, &plane, x, y, classes.len());
+    let title = "Features in the plane that separates the classes best";
+    Ok(or_reason(plot::scatter_regions(
+        title,
+        "first direction / sd within",
+        "second direction / sd within",
+        &scattered,
+        decide,
+    )))
+}
+
+fn decide(model: &Embedded, plane: &Plane, x: f64, y: f64, undetermined: usize) -> usize {
+    let z: Vec<f32> = plane.lift(x, y).iter().map(|z| *z as f32).collect();
+    model.decide_at(&z).unwrap_or(undetermined)
+}
+
+/// Projected coordinates of what the detector estimated.
+fn coordinates(trained: &Trained, segment: &Segment) -> DVector<f64> {
+    let variance = f64::from(segment.variance.max(f32::MIN_POSITIVE));
+    let raw: Vec<f64> = segment.raw.iter().map(|x| f64::from(*x)).chain([variance.ln()]).collect();
+    let names = features::all_names(trained.recipe.structure);
+    let chosen = trained.feature_names.iter().filter_map(|name| names.iter().position(|n| n == name));
+    let chosen: Vec<f64> = chosen.map(|k| raw[k]).collect();
+    trained.projection.apply(&DVector::from_vec(chosen))
+}
+
+/// Counts and rates.
+#[must_use]
+pub fn confusion_html(confusion: &Confusion) -> String {
+    let n = confusion.classes.len();
+    let any = confusion.counts.iter().any(|row| row[n] > 0);
+    let rows = confusion.counts.iter().zip(confusion.recalls()).map(|(row, correct)| ConfusionRow {
+        counts: row[..n].iter().map(|&count| count as u64).collect(),
+        undetermined: any.then_some(row[n] as u64),
+        correct,
+    });
+    let rows: Vec<ConfusionRow> = rows.collect();
+    let (error, balanced) = (confusion.error_rate(), confusion.balanced_accuracy());
+    let summary = format!(
+        "Error rate {error} of {} decisions; balanced accuracy {balanced} (95 % intervals).",
+        confusion.total()
+    );
+    or_reason(confusion_table(&confusion.classes, &rows)) + &crate::report::page::paragraph(&summary)
+}
+
+/// Posterior of every segment, the traces laid one after the other.
+#[must_use]
+pub fn posteriors_by_trace(classes: &[String], verdicts: &[TraceVerdict]) -> String {
+    let mut segments = Vec::new();
+    for verdict in verdicts {
+        for segment in &verdict.segments {
+            let start = segments.len() as f64;
+            segments.push(plot::Segment {
+                start,
+                end: start + 1.0,
+                truth: Some(verdict.class),
+                decided: segment.verdict.clone().ok(),
+                posteriors: segment.posteriors.iter().map(|p| f64::from(*p)).collect(),
+            });
+        }
+    }
+    or_reason(plot::posteriors("Posterior of each segment", "segment", &Class::all(classes), &segments))
+}
+
+fn parameter_table(trained: &Trained) -> String {
+    let statistics = ClassStatistics::new(&trained.coordinates);
+    let header: Vec<String> = [vec!["class".into(), "traces".into()], coordinate_names(trained)].concat();
+    let rows: Vec<Vec<String>> = (0..trained.classes.len())
+        .map(|k| {
+            let variances = statistics.covariances[k].diagonal();
+            let cells = statistics.means[k].iter().zip(variances.iter());
+            let cells = cells.map(|(mean, variance)| format!("{mean:.2} ± {:.2}", variance.sqrt())).collect();
+            [vec![trained.classes[k].clone(), statistics.counts[k].to_string()], cells].concat()
+        })
+        .collect();
+    crate::report::page::paragraph("Projected coordinates, mean ± standard deviation over the traces of a class.")
+        + &table(&header, &rows)
+}
+
+fn coordinate_names(trained: &Trained) -> Vec<String> {
+    match trained.recipe.projection {
+        crate::train::ProjectionKind::None => trained.feature_names.clone(),
+        _ => (1..=trained.core_projection.matrix.nrows()).map(|k| format!("z{k}")).collect(),
+    }
+}
+
+/// The plane through the grand mean, in whitened coordinates, along the directions that separate the class means
+/// most; where there are only two classes, the second direction is that of the largest spread across the first.
+///
+/// Points off the plane are taken to their conditional mean, so for a linear discriminant of up to three classes the
+/// regions drawn are exactly those decided by.
+#[derive(Clone, Debug)]
+struct Plane {
+    centre: DVector<f64>,
+    /// 2 × Z
+    to: DMatrix<f64>,
+    /// Z × 2
+    back: DMatrix<f64>,
+}
+
+impl Plane {
+    fn new(trained: &Trained) -> Option<Self> {
+        let statistics = ClassStatistics::new(&trained.coordinates);
+        let z = statistics.total_mean.len();
+        if z < 2 {
+            return None;
+        }
+        let (white, _) = whitening(&statistics.pooled)?;
+        let mut between = DMatrix::zeros(z, z);
+        for mean in &statistics.means {
+            let away = &white * (mean - &statistics.total_mean);
+            between += &away * away.transpose();
+        }
+        let first = leading(&between);
+        let across = DMatrix::identity(z, z) - &first * first.transpose();
+        let remaining =
+            if statistics.means.len() > 2 { between } else { &white * &statistics.total * white.transpose() };
+        let second = leading(&(&across * remaining * &across));
+        let directions = DMatrix::from_columns(&[first, second]);
+        let back = white.solve_lower_triangular(&directions)?;
+        Some(Self { centre: statistics.total_mean, to: directions.transpose() * white, back })
+    }
+
+    fn point(&self, z: &DVector<f64>) -> (f64, f64) {
+        let p = &self.to * (z - &self.centre);
+        (p[0], p[1])
+    }
+
+    fn lift(&self, x: f64, y: f64) -> DVector<f64> {
+        &self.centre + &self.back * DVector::from_vec(vec![x, y])
+    }
+}
+
+fn leading(matrix: &DMatrix<f64>) -> DVector<f64> {
+    let eigen = SymmetricEigen::new(matrix.clone());
+    let vector = eigen.eigenvectors.column(eigen.eigenvalues.imax()).into_owned();
+    // A fixed sign, so that a retrained model is drawn the same way round.
+    if vector[vector.iamax()] < 0.0 { -vector } else { vector }
+}

@@ -1,0 +1,119 @@
+//! Titled sections of HTML enter, one self-contained page leaves.
+
+use std::fmt::Write as _;
+
+use super::ReportError;
+use super::escape::escape;
+
+/// The style sheet, kept as a file of its own so that editors treat it as one.
+const STYLE: &str = include_str!("style.css");
+
+/// From this number of sections on, the page begins with links to them.
+const LINKS_FROM: usize = 4;
+
+/// A page under construction.
+///
+/// ```
+/// use workbench::report::page::{Page, paragraph};
+/// let html = Page::new("Run 12").section("Result", &paragraph("Nothing found.")).render();
+/// assert!(html.starts_with("<!DOCTYPE html>"));
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Page {
+    title: String,
+    lead: String,
+    sections: Vec<(String, String)>,
+}
+
+impl Page {
+    /// An empty page.
+    #[must_use]
+    pub fn new(title: impl Into<String>) -> Self {
+        Self { title: title.into(), lead: String::new(), sections: Vec::new() }
+    }
+
+    /// A sentence below the title: what was tested, when, with which data.
+    #[must_use]
+    pub fn lead(mut self, text: impl Into<String>) -> Self {
+        self.lead = text.into();
+        self
+    }
+
+    /// Adds a section. The heading is text; the body is HTML from the functions of this room.
+    #[must_use]
+    pub fn section(mut self, heading: impl Into<String>, html: &str) -> Self {
+        self.sections.push((heading.into(), html.to_owned()));
+        self
+    }
+
+    /// The page as one HTML document.
+    #[must_use]
+    pub fn render(&self) -> String {
+        let title = escape(&self.title);
+        let mut out = format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <meta name=\"color-scheme\" content=\"light dark\">\n\
+             <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n<header><h1>{title}</h1>"
+        );
+        if !self.lead.is_empty() {
+            out.push_str(&paragraph(&self.lead));
+        }
+        out.push_str("</header>\n");
+        if self.sections.len() >= LINKS_FROM {
+            out.push_str("<nav><ul>");
+            for (number, (heading, _)) in self.sections.iter().enumerate() {
+                let _ = write!(out, "<li><a href=\"#s{number}\">{}</a></li>", escape(heading));
+            }
+            out.push_str("</ul></nav>\n");
+        }
+        for (number, (heading, html)) in self.sections.iter().enumerate() {
+            let _ = writeln!(out, "<section id=\"s{number}\"><h2>{}</h2>{html}</section>", escape(heading));
+        }
+        out.push_str("</main>\n</body>\n</html>\n");
+        out
+    }
+}
+
+/// Running text; a blank line starts a new paragraph.
+#[must_use]
+pub fn paragraph(text: &str) -> String {
+    text.split("\n\n").filter(|part| !part.trim().is_empty()).map(|part| format!("<p>{}</p>", escape(part))).collect()
+}
+
+/// The plot or table, or in its place a line that says why it is missing, so that one empty plot does not
+/// cost the whole report.
+#[must_use]
+pub fn or_reason(html: Result<String, ReportError>) -> String {
+    html.unwrap_or_else(|error| format!("<p class=\"note\">Not drawn: {}.</p>", escape(&error.to_string())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::well_formed::check;
+    use super::*;
+
+    #[test]
+    fn page_is_well_formed_and_self_contained() {
+        let mut page = Page::new("a <b> & \"c\"").lead("x < y");
+        for i in 0..5 {
+            page = page.section(format!("<{i}>"), &paragraph("first\n\nsecond & third"));
+        }
+        let html = page.render();
+        assert_eq!(check(&html), Ok(()));
+        assert!(html.contains("<title>a &lt;b&gt; &amp; &quot;c&quot;</title>") && html.contains("x &lt; y"));
+        assert_eq!(html.matches("<p>first</p><p>second &amp; third</p>").count(), 5);
+        assert!(!html.contains("http") && !html.contains("<script") && !html.contains("url("));
+    }
+
+    #[test]
+    fn empty_page_is_valid() {
+        assert_eq!(check(&Page::new("").render()), Ok(()));
+    }
+
+    #[test]
+    fn a_missing_plot_says_why() {
+        let html = or_reason(Err(ReportError::Empty { title: "<t>".into() }));
+        assert_eq!(html, "<p class=\"note\">Not drawn: “&lt;t&gt;” has no finite data to draw.</p>");
+    }
+}

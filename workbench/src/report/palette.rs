@@ -1,0 +1,159 @@
+//! A class index enters, the colour and marker shape that class has in every plot leave.
+//!
+//! Colours are those of Okabe and Ito, which stay apart under the common forms of colour blindness. The order
+//! puts the pairs with the largest difference in lightness first; yellow comes last because thin yellow lines
+//! vanish on white paper, and black is a mid grey so that it shows on a dark page too. Classes also differ by
+//! marker shape, which is what remains of a plot printed in grey.
+
+use std::fmt;
+
+/// An opaque sRGB colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Color {
+    /// Red, 0–255.
+    pub red: u8,
+    /// Green, 0–255.
+    pub green: u8,
+    /// Blue, 0–255.
+    pub blue: u8,
+}
+
+const OKABE_ITO: [Color; 8] = [
+    Color::rgb(0x00, 0x72, 0xB2),
+    Color::rgb(0xD5, 0x5E, 0x00),
+    Color::rgb(0x00, 0x9E, 0x73),
+    Color::rgb(0xCC, 0x79, 0xA7),
+    Color::rgb(0xE6, 0x9F, 0x00),
+    Color::rgb(0x56, 0xB4, 0xE9),
+    Color::rgb(0x7A, 0x7A, 0x7A),
+    Color::rgb(0xE0, 0xD2, 0x30),
+];
+
+impl Color {
+    /// A colour from its three components.
+    #[must_use]
+    pub const fn rgb(red: u8, green: u8, blue: u8) -> Self {
+        Self { red, green, blue }
+    }
+
+    /// The colour of class or series `index`; repeats after eight.
+    #[must_use]
+    pub const fn of(index: usize) -> Self {
+        OKABE_ITO[index % OKABE_ITO.len()]
+    }
+
+    /// Black or white, whichever reads better on this colour (ITU-R BT.601 luma).
+    #[must_use]
+    pub fn text_on(self) -> Self {
+        let luma = 0.299 * f64::from(self.red) + 0.587 * f64::from(self.green) + 0.114 * f64::from(self.blue);
+        if luma > 100.0 { Self::rgb(0, 0, 0) } else { Self::rgb(255, 255, 255) }
+    }
+}
+
+/// Writes the CSS form, `#0072B2`.
+impl fmt::Display for Color {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "#{:02X}{:02X}{:02X}", self.red, self.green, self.blue)
+    }
+}
+
+/// A closed marker outline, so that it can be drawn open or filled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Marker {
+    /// ○
+    Circle,
+    /// □
+    Square,
+    /// △
+    TriangleUp,
+    /// ◇
+    Diamond,
+    /// ▽
+    TriangleDown,
+    /// ⬠
+    Pentagon,
+    /// A four-pointed star.
+    Star,
+}
+
+const MARKERS: [Marker; 7] = [
+    Marker::Circle,
+    Marker::Square,
+    Marker::TriangleUp,
+    Marker::Diamond,
+    Marker::TriangleDown,
+    Marker::Pentagon,
+    Marker::Star,
+];
+
+impl Marker {
+    /// The marker of class or series `index`. Seven shapes against eight colours: the pair repeats after 56.
+    #[must_use]
+    pub const fn of(index: usize) -> Self {
+        MARKERS[index % MARKERS.len()]
+    }
+
+    /// The outline as SVG path steps relative to the centre, for a marker about as large as a circle of radius 4.
+    #[must_use]
+    pub(super) const fn steps(self) -> &'static str {
+        match self {
+            Self::Circle => "m-4 0a4 4 0 1 0 8 0a4 4 0 1 0-8 0z",
+            Self::Square => "m-3.6-3.6h7.2v7.2h-7.2z",
+            Self::TriangleUp => "m0-5l4.5 8h-9z",
+            Self::Diamond => "m0-5.2l4.4 5.2-4.4 5.2-4.4-5.2z",
+            Self::TriangleDown => "m0 5l4.5-8h-9z",
+            Self::Pentagon => "m0-4.6l4.4 3.2-1.7 5.1h-5.4l-1.7-5.1z",
+            Self::Star => "m0-5.8l1.5 4.3 4.3 1.5-4.3 1.5-1.5 4.3-1.5-4.3-4.3-1.5 4.3-1.5z",
+        }
+    }
+}
+
+/// Name and appearance of one class, the same in every plot of a report.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Class {
+    /// Name as the user wrote it; escaped where it is drawn.
+    pub name: String,
+    /// Colour of regions, areas and markers.
+    pub color: Color,
+    /// Shape of its points.
+    pub marker: Marker,
+}
+
+impl Class {
+    /// Class number `index` with the palette's colour and marker.
+    #[must_use]
+    pub fn new(index: usize, name: impl Into<String>) -> Self {
+        Self { name: name.into(), color: Color::of(index), marker: Marker::of(index) }
+    }
+
+    /// One class per name, in order.
+    #[must_use]
+    pub fn all<S: AsRef<str>>(names: &[S]) -> Vec<Self> {
+        names.iter().enumerate().map(|(index, name)| Self::new(index, name.as_ref())).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colour_writes_as_css() {
+        assert_eq!(Color::of(0).to_string(), "#0072B2");
+        assert_eq!(Color::of(8), Color::of(0));
+    }
+
+    #[test]
+    fn colour_and_marker_pairs_stay_apart() {
+        let classes: Vec<Class> = (0..56).map(|index| Class::new(index, "same")).collect();
+        for (i, a) in classes.iter().enumerate() {
+            assert!(classes[i + 1..].iter().all(|b| a != b), "class {i} repeats");
+        }
+    }
+
+    #[test]
+    fn text_contrasts_with_its_ground() {
+        assert_eq!(Color::of(0).text_on(), Color::rgb(255, 255, 255));
+        assert_eq!(Color::of(2).text_on(), Color::rgb(0, 0, 0));
+    }
+}

@@ -1,0 +1,22 @@
+//! Plots: data enters, a `<figure>` with a title, a legend and inline SVG leaves.
+//!
+//! Titles, axis titles and legends are HTML, so that they wrap and keep their size on a phone; the SVG holds only
+//! what has a position. The SVG is written here rather than by a plotting crate: the figures need style-sheet
+//! classes (dark page, print, larger text on a phone), fractions of a unit, hatching and whole series in one path.
+
+mod axis;
+mod decimate;
+mod frame;
+mod lines;
+mod posteriors;
+mod regions;
+mod scatter;
+mod series;
+mod signals;
+mod svg;
+
+pub use lines::lines;
+pub use posteriors::{Segment, posteriors};
+pub use scatter::{ScatterClass, scatter_regions};
+pub use series::Series;
+pub use signals::{Panel, signals};

@@ -1,0 +1,109 @@
+//! Recorded signals enter, panels stacked over one time axis leave.
+
+use super::super::ReportError;
+use super::axis::{Axis, Range};
+use super::frame::{Area, BOTTOM, TOP, WIDTH, figure, gap_note, grid, panel_head, x_title};
+use super::series::{Series, x_range, y_range};
+use super::svg::{Anchor, Svg};
+
+/// Height of a panel alone and of one among several.
+const HEIGHT_SINGLE: f64 = 260.0;
+const HEIGHT_STACKED: f64 = 125.0;
+
+/// Signals that share a vertical axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panel {
+    /// Title of the vertical axis with its unit, as in `phase current / A`.
+    pub label: String,
+    /// The signals, with points (time in seconds, value).
+    pub series: Vec<Series>,
+}
+
+impl Panel {
+    /// A panel of several signals.
+    #[must_use]
+    pub fn new(label: impl Into<String>, series: Vec<Series>) -> Self {
+        Self { label: label.into(), series }
+    }
+}
+
+/// Stacked panels over the time in seconds, from the first to the last finite sample of any signal.
+///
+/// A panel in which nothing is finite stays, and says so: a dead channel is a finding.
+///
+/// # Errors
+/// [`ReportError::Empty`] when no panel has a finite point.
+pub fn signals(title: &str, panels: &[Panel]) -> Result<String, ReportError> {
+    let empty = || ReportError::Empty { title: title.to_owned() };
+    let all = panels.iter().flat_map(|panel| &panel.series);
+    let time = x_range(all.clone()).ok_or_else(empty)?.padded(0.0);
+    let height = if panels.len() == 1 { HEIGHT_SINGLE } else { HEIGHT_STACKED };
+    let area = Area::new(0.0, height);
+    let vertical = |panel: &Panel| {
+        let axis = |range: Range| Axis::vertical(range.padded(0.06), area.top, area.bottom);
+        y_range(&panel.series).map_or_else(|| axis(Range { lo: 0.0, hi: 0.0 }).without_ticks(), axis)
+    };
+    let axes: Vec<Axis> = panels.iter().map(vertical).collect();
+    // One left margin for all panels keeps their time axes aligned.
+    let area = Area::new(axes.iter().map(Axis::label_width).fold(0.0, f64::max), height);
+    let x = Axis::horizontal(time, area.left, area.right);
+
+    let mut body = String::new();
+    for (index, (panel, y)) in panels.iter().zip(&axes).enumerate() {
+        let last = index + 1 == panels.len();
+        body.push_str(&draw_panel(panel, area, &x, y, last));
+    }
+    body.push_str(&x_title(&x.title("time / s")));
+    Ok(figure(title, &body, &gap_note(all.map(Series::missing).sum())))
+}
+
+fn draw_panel(panel: &Panel, area: Area, x: &Axis, y: &Axis, last: bool) -> String {
+    let mut svg = Svg::new();
+    grid(&mut svg, area, x, y, last);
+    for series in &panel.series {
+        series.draw(&mut svg, area, x, y);
+    }
+    if y.ticks.is_empty() {
+        let (x, y) = (0.5 * (area.left + area.right), 0.5 * (area.top + area.bottom));
+        svg.text("class=\"tick\"", Anchor::Middle, x, y, "no finite value");
+    }
+    let keys: Vec<_> = panel.series.iter().map(Series::key).collect();
+    let below = if last { BOTTOM } else { TOP };
+    panel_head(&y.title(&panel.label), &keys) + &svg.finish(&panel.label, WIDTH, area.bottom + below)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::palette::Color;
+    use super::super::super::well_formed::check;
+    use super::*;
+
+    fn series(values: &[f64]) -> Series {
+        Series::new("a", Color::of(0), (0u32..).map(|i| f64::from(i) * 1e-3).zip(values.iter().copied()))
+    }
+
+    #[test]
+    fn long_series_stay_small() {
+        let values: Vec<f64> = (0..5000).map(|i| (f64::from(i) * 0.7).sin() * 40.0).collect();
+        let html = signals("t", &[Panel::new("current / A", vec![series(&values)])]).expect("finite");
+        assert!(html.len() < 20_000, "{} bytes", html.len());
+        assert_eq!(check(&html), Ok(()));
+    }
+
+    #[test]
+    fn degenerate_signals_give_a_valid_plot() {
+        for values in [&[1.0][..], &[2.0; 9], &[f64::NAN, 1.0, f64::NAN, 3.0]] {
+            let panels = [Panel::new("x", vec![series(values)]), Panel::new("dead", vec![series(&[f64::NAN])])];
+            let html = signals("t", &panels).expect("one finite point");
+            assert_eq!(check(&html), Ok(()));
+            assert!(html.contains("no finite value"));
+        }
+    }
+
+    #[test]
+    fn nothing_finite_is_an_error() {
+        assert!(signals("t", &[]).is_err());
+        assert!(signals("t", &[Panel::new("x", vec![])]).is_err());
+        assert!(signals("t", &[Panel::new("x", vec![series(&[f64::NAN; 5])])]).is_err());
+    }
+}
