@@ -1,14 +1,127 @@
-//! Placeholder of the kernels on the target: prints their results as bits.
+//! Hashes of every kernel's results: equal lines on host and target mean equal bits. Run by `cargo xtask test`.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[macro_use]
 mod support;
 
+use bearing_watch::decide::{Discriminant, Features, Kind, Projection};
+use bearing_watch::estimate::{Forgetting, Triangle};
+use bearing_watch::{AlphaBeta, Angle, BlockMean, Estimator, FrontEnd, Order, Park, Regression, Sample};
+
+use support::numbers::Numbers;
+
 main!(run);
 
-fn run() {
-    for x in [0.1_f32, 2.0, 1e-30, 1e30] {
-        say!("ln {:08x} {:08x}", x.to_bits(), libm::logf(x).to_bits());
-        say!("sqrt {:08x} {:08x}", x.to_bits(), libm::sqrtf(x).to_bits());
+/// FNV-1a over the bits of results.
+struct Hash(u32);
+
+impl Hash {
+    const fn new() -> Self {
+        Self(0x811c_9dc5)
     }
+
+    fn add(&mut self, values: &[f32]) {
+        for byte in values.iter().flat_map(|x| x.to_bits().to_le_bytes()) {
+            self.0 = (self.0 ^ u32::from(byte)).wrapping_mul(0x0100_0193);
+        }
+    }
+}
+
+fn run() {
+    front_end();
+    macro_rules! sizes { ($($m:literal)+) => { $(triangle::<$m, { $m * ($m - 1) / 2 }>();)+ }; }
+    sizes!(2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21);
+    estimator();
+    decision();
+}
+
+fn front_end() {
+    let mut hash = Hash::new();
+    let front = FrontEnd { pole_pairs: 6, electrical_offset: Angle::from_bits(12_345), park: Park::Standard };
+    let mut numbers = Numbers(1);
+    let mut mean = BlockMean::new();
+    for k in 0..20_000_u32 {
+        let angle = Angle::from_bits(k.wrapping_mul(0x9E37_79B9));
+        let sc = angle.sin_cos();
+        let dq = front.transform(AlphaBeta::from_two(numbers.next(), numbers.next()), angle);
+        let back = Park::Thesis.inverse(dq, sc).inverse_clarke();
+        hash.add(&[sc.sin, sc.cos, dq.d, dq.q, back.a, back.b, back.c, angle.radians()]);
+        if let Some(mean) = mean.push([dq.d, dq.q], 7) {
+            hash.add(&mean);
+        }
+    }
+    say!("front end {:08x}", hash.0);
+}
+
+fn triangle<const M: usize, const P: usize>() {
+    let mut hash = Hash::new();
+    let mut numbers = Numbers(3);
+    let mut plain = Triangle::<M, P>::new(M);
+    let mut forgetting = Triangle::<M, P>::new(M);
+    for _ in 0..200 {
+        let row: [f32; M] = numbers.array();
+        plain.update(&row);
+        forgetting.update_forgetting(&row, Forgetting { lambda: 0.98, floor: 0.5 });
+    }
+    for triangle in [&plain, &forgetting] {
+        hash.add(&triangle.solve());
+        hash.add(&triangle.inverse());
+        hash.add(&[triangle.residual_sum()]);
+    }
+    say!("triangle {M:2} {:08x}", hash.0);
+}
+
+fn estimator() {
+    let scale = [1.0, 4.0, 0.5, 1.0, 2.0, 1.0, 8.0];
+    let regression = Regression { order: Order::new(2, 1, 2, 1, 2), offset: true, scale, limit: [4.0; 3] };
+    let mut estimator = Estimator::<7, 21, 4>::new(&regression);
+    let (mut numbers, mut y) = (Numbers(7), [0.0_f32; 2]);
+    for k in 0..3000 {
+        let [u1, u2, e] = numbers.array();
+        let next = 1.5 * y[0] - 0.7 * y[1] + 0.5 * u1 - 0.25 * u2 + 0.1 * e + 0.02;
+        y = [next, y[0]];
+        let measured = if k % 701 == 700 { f32::NAN } else { next };
+        estimator.step(&Sample { y: measured, u1, u2 });
+    }
+    match estimator.estimate() {
+        Ok(estimate) => {
+            let mut hash = Hash::new();
+            hash.add(&estimate.delta);
+            hash.add(&estimate.raw());
+            hash.add(&estimate.covariance);
+            hash.add(&[estimate.variance]);
+            hash.add(&Features { index: [5, 0, 6, 2], count: 4 }.extract(&estimate));
+            say!("estimator {:08x}, {} rows, {} rejected", hash.0, estimate.rows, estimate.rejected);
+        }
+        Err(reason) => say!("estimator: {reason}"),
+    }
+}
+
+fn decision() {
+    let (mut hash, mut numbers) = (Hash::new(), Numbers(11));
+    for kind in [Kind::Linear, Kind::Quadratic] {
+        for _ in 0..100 {
+            let projection = Projection::<9, 3> {
+                matrix: core::array::from_fn(|_| numbers.array()),
+                mean: numbers.array(),
+                count: 3,
+            };
+            let discriminant = Discriminant::<3, 3> {
+                kind,
+                classes: 3,
+                mean: core::array::from_fn(|_| numbers.array()),
+                whitening: core::array::from_fn(|_| core::array::from_fn(|_| numbers.array())),
+                log_normaliser: numbers.array(),
+                log_prior: [-1.098_612_3; 3],
+                cost: [[0.0, 50.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]],
+            };
+            if let Some(decision) = discriminant.decide(&projection.project(&numbers.array())) {
+                hash.add(&decision.log_likelihoods);
+                hash.add(&decision.posteriors);
+                hash.add(&decision.expected_costs);
+                hash.add(&[f32::from(decision.class)]);
+            }
+        }
+    }
+    say!("decision {:08x}", hash.0);
 }

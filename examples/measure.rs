@@ -11,6 +11,7 @@ use bearing_watch::estimate::{Forgetting, Triangle};
 use bearing_watch::{AlphaBeta, Angle, Estimator, FrontEnd, Order, Park, Regression, Sample};
 
 use support::count::Counter;
+use support::numbers::Numbers;
 
 /// Calls a kernel is averaged over.
 const CALLS: u32 = 200;
@@ -29,15 +30,6 @@ fn run() {
     updates::<16, 120>(&mut counter);
     estimator(&mut counter);
     decision(&mut counter);
-}
-
-/// A row with varying content, so that no operation is spared.
-fn row<const M: usize>(k: u32) -> [f32; M] {
-    let mut state = k.wrapping_mul(2_654_435_761);
-    core::array::from_fn(|_| {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 8) as f32 / 8_388_608.0 - 1.0
-    })
 }
 
 fn front_end(counter: &mut Counter) {
@@ -61,7 +53,8 @@ fn front_end(counter: &mut Counter) {
 }
 
 fn updates<const M: usize, const P: usize>(counter: &mut Counter) {
-    let rows: [[f32; M]; 8] = core::array::from_fn(|k| row(k as u32));
+    let mut numbers = Numbers(1);
+    let rows: [[f32; M]; 8] = core::array::from_fn(|_| numbers.array());
     let mut triangle = Triangle::<M, P>::new(M);
     let mut next = rows.iter().cycle();
     // The row source is not part of the kernel: count it alone and take it off.
@@ -90,9 +83,10 @@ fn updates<const M: usize, const P: usize>(counter: &mut Counter) {
 fn estimator(counter: &mut Counter) {
     let regression =
         Regression::<9> { order: Order::new(2, 3, 3, 1, 1), offset: false, scale: [1.0; 9], limit: [100.0; 3] };
+    let mut numbers = Numbers(2);
     let mut estimator = Estimator::<9, 36, 4>::new(black_box(&regression));
-    for k in 0..100 {
-        let [y, u1, u2] = row(k);
+    for _ in 0..100 {
+        let [y, u1, u2] = numbers.array();
         estimator.step(&Sample { y, u1, u2 });
     }
     let sample = Sample { y: 0.5, u1: -0.25, u2: 0.75 };
@@ -101,8 +95,8 @@ fn estimator(counter: &mut Counter) {
     });
     report("LS sample: guard, lags, row, update", 8, step, size_of_val(&estimator));
     estimator.restart();
-    for k in 0..100 {
-        let [y, u1, u2] = row(k);
+    for _ in 0..100 {
+        let [y, u1, u2] = numbers.array();
         estimator.step(&Sample { y, u1, u2 });
     }
     let solve = counter.instructions_per_call(20, |_| {
@@ -112,17 +106,19 @@ fn estimator(counter: &mut Counter) {
 }
 
 fn decision(counter: &mut Counter) {
-    let projection = Projection::<9, 3> { matrix: core::array::from_fn(|k| row(k as u32)), mean: row(3), count: 3 };
+    let mut numbers = Numbers(3);
+    let projection =
+        Projection::<9, 3> { matrix: core::array::from_fn(|_| numbers.array()), mean: numbers.array(), count: 3 };
     let discriminant = Discriminant::<3, 3> {
         kind: Kind::Quadratic,
         classes: 3,
-        mean: core::array::from_fn(|k| row(k as u32 + 10)),
-        whitening: core::array::from_fn(|k| core::array::from_fn(|i| row((3 * k + i) as u32 + 20))),
+        mean: core::array::from_fn(|_| numbers.array()),
+        whitening: core::array::from_fn(|_| core::array::from_fn(|_| numbers.array())),
         log_normaliser: [0.0; 3],
         log_prior: [-1.098_612_3; 3],
         cost: [[0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]],
     };
-    let features: [f32; 9] = row(7);
+    let features: [f32; 9] = numbers.array();
     let project = counter.instructions_per_call(CALLS, |_| {
         black_box(black_box(&projection).project(black_box(&features)));
     });

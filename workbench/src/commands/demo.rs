@@ -1,9 +1,10 @@
 //! `bearing-watch demo`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
+use super::options::Notes;
 use super::output;
 use crate::Error;
 use crate::demo::{self, Draw, Repetition, Settings};
@@ -12,6 +13,7 @@ use crate::report::page::{or_reason, paragraph};
 use crate::report::plot::{self, Panel, Series};
 use crate::report::table::table;
 use crate::report::{Class, Color};
+use crate::trace::{Channels, Preparation, Trace};
 use crate::{export, pages};
 
 /// The whole chain on the simulated standard rig: traces, training, verdicts of the embedded detector, plots
@@ -30,7 +32,8 @@ pub(super) struct Args {
     /// Seed
     #[arg(long, default_value_t = 1)]
     seed: u16,
-    /// Also write the model of the first draw, as model.bwm and model.rs, into this folder
+    /// Also write the model of the first draw (model.bwm, model.rs) and one held-out trace of each class as converter
+    /// counts (held_out.bin, for the firmware example) into this folder
     #[arg(long, value_name = "DIR")]
     model: Option<PathBuf>,
     /// Print JSON
@@ -59,16 +62,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let rows = rows(&repetitions);
     output::write(&args.out, page(&settings, &first, &rows)?)?;
     if let Some(folder) = &args.model {
-        std::fs::create_dir_all(folder).map_err(Error::io(folder))?;
-        let notes = ["Standard DC-motor rig: y = current, u1 = velocity reference, u2 = load torque.".to_string()];
-        output::write(&folder.join("model.rs"), export::rust_source(&first.trained, &notes)?)?;
-        let notes = super::options::Notes::new(
-            &channels(),
-            crate::trace::Preparation::NONE,
-            &first.trained.feature_names,
-            &first.training,
-        );
-        output::write(&folder.join("model.bwm"), first.trained.to_bytes(&notes.to_text())?)?;
+        write_model(folder, &first)?;
     }
     if args.json {
         print_json(&first, &rows);
@@ -78,8 +72,34 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     Ok(())
 }
 
-fn channels() -> crate::trace::Channels {
-    crate::trace::Channels { y: "current_a".into(), u1: "velocity_ref_rad_s".into(), u2: "load_torque_nm".into() }
+fn write_model(folder: &Path, first: &Draw) -> Result<(), Error> {
+    std::fs::create_dir_all(folder).map_err(Error::io(folder))?;
+    let lines = ["Standard DC-motor rig: y = current, u1 = velocity reference, u2 = load torque.".to_string()];
+    output::write(&folder.join("model.rs"), export::rust_source(&first.trained, &lines)?)?;
+    let notes = Notes::new(&channels(), Preparation::NONE, &first.trained.feature_names, &first.training);
+    output::write(&folder.join("model.bwm"), first.trained.to_bytes(&notes.to_text())?)?;
+    output::write(&folder.join("held_out.bin"), converter_counts(first))
+}
+
+/// One held-out trace of each class as a converter over the model's range would give it: y, u1, u2 as `i16`,
+/// little-endian, limit · count / 2¹⁵.
+fn converter_counts(first: &Draw) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for class in 0..demo::CLASSES.len() {
+        let Some(held_out) = first.validation.iter().find(|t| t.class == class) else { continue };
+        let trace = &held_out.trace;
+        for k in 0..trace.y.len() {
+            for (x, limit) in [trace.y[k], trace.u1[k], trace.u2[k]].into_iter().zip(first.trained.limit) {
+                let count = (x / f64::from(limit as f32) * 32_768.0).round() as i16;
+                bytes.extend(count.to_le_bytes());
+            }
+        }
+    }
+    bytes
+}
+
+fn channels() -> Channels {
+    Channels { y: "current_a".into(), u1: "velocity_ref_rad_s".into(), u2: "load_torque_nm".into() }
 }
 
 fn rows(repetitions: &[Repetition]) -> Vec<Row> {
@@ -159,8 +179,8 @@ fn page(settings: &Settings, first: &Draw, rows: &[Row]) -> Result<String, Error
     Ok(page.render())
 }
 
-fn signals(classes: &[String], examples: &[(&crate::trace::Trace, usize)]) -> String {
-    let points = |trace: &crate::trace::Trace, pick: fn(&crate::trace::Trace) -> &[f64]| {
+fn signals(classes: &[String], examples: &[(&Trace, usize)]) -> String {
+    let points = |trace: &Trace, pick: fn(&Trace) -> &[f64]| {
         let step = trace.interval_s.unwrap_or(1.0);
         pick(trace).iter().enumerate().map(|(k, x)| (k as f64 * step, *x)).collect::<Vec<_>>()
     };
@@ -183,7 +203,7 @@ fn signals(classes: &[String], examples: &[(&crate::trace::Trace, usize)]) -> St
 }
 
 /// The posterior the detector would give if the segment ended at each time.
-fn filling(first: &Draw, examples: &[(&crate::trace::Trace, usize)]) -> Result<String, Error> {
+fn filling(first: &Draw, examples: &[(&Trace, usize)]) -> Result<String, Error> {
     const STEP: usize = 50;
     let classes = Class::all(&demo::class_names());
     let mut html = paragraph(

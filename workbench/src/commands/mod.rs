@@ -26,7 +26,7 @@ enum Command {
     Demo(demo::Args),
     Simulate(simulate::Args),
     Identify(identify::Args),
-    Train(train::Args),
+    Train(Box<train::Args>),
     Evaluate(evaluate::Args),
     Replay(replay::Args),
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Error;
 use crate::trace::labels::LabelledTrace;
-use crate::trace::{self, Channels, Condition, Labels, Preparation, Trace};
+use crate::trace::{self, Channels, Condition, Labels, Preparation};
 
 /// Which columns are the three signals.
 #[derive(Clone, Debug, Args)]
@@ -66,22 +66,26 @@ pub(super) struct SelectionArgs {
     classes: Vec<String>,
 }
 
-/// Labels and the traces they name.
+/// Labels, and where their traces are.
 #[derive(Debug)]
 pub(super) struct Selection {
     labels: Labels,
-    traces: Vec<Trace>,
+    paths: Vec<PathBuf>,
+    channels: Channels,
     conditions: Vec<Condition>,
     asked: Vec<String>,
 }
 
 impl SelectionArgs {
     pub(super) fn read(&self, channels: &Channels) -> Result<Selection, Error> {
-        let labels = Labels::read(&self.labels)?;
         let folder = self.labels.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let paths = if self.traces.is_empty() { vec![folder.to_path_buf()] } else { self.traces.clone() };
-        let traces = trace::read(&paths, channels)?;
-        Ok(Selection { labels, traces, conditions: self.conditions.clone(), asked: self.classes.clone() })
+        Ok(Selection {
+            labels: Labels::read(&self.labels)?,
+            paths: if self.traces.is_empty() { vec![folder.to_path_buf()] } else { self.traces.clone() },
+            channels: channels.clone(),
+            conditions: self.conditions.clone(),
+            asked: self.classes.clone(),
+        })
     }
 }
 
@@ -91,7 +95,10 @@ impl Selection {
         let conditions = [&self.conditions, further].concat();
         let chosen = self.labels.select(&conditions)?;
         let classes = self.labels.classes(&chosen, &self.asked)?;
-        let traces = self.labels.join(&chosen, &classes, &self.traces)?;
+        let wanted: std::collections::HashSet<&str> =
+            chosen.iter().filter(|(_, name)| classes.contains(name)).map(|(id, _)| id.as_str()).collect();
+        let traces = trace::read_wanted(&self.paths, &self.channels, &|id| wanted.contains(id))?;
+        let traces = self.labels.join(&chosen, &classes, &traces)?;
         Ok((classes, traces))
     }
 }

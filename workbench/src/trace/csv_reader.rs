@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use super::{Channels, Trace};
+use super::{Channels, Trace, stem};
 use crate::Error;
 
 /// Where one signal comes from in a record: `plus`, less `minus` for a difference.
@@ -74,20 +74,28 @@ pub(super) fn has_columns(path: &Path, channels: &Channels) -> Result<bool, Erro
     Ok(header(path, &mut open(path)?)?.sources(channels).is_ok())
 }
 
-/// Reads all traces of one file; only the wanted columns need be numbers.
-pub(super) fn read(path: &Path, channels: &Channels) -> Result<Vec<Trace>, Error> {
+/// Reads the wanted traces of one file; only the wanted columns need be numbers.
+pub(super) fn read(path: &Path, channels: &Channels, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Trace>, Error> {
     let mut reader = open(path)?;
     let header = header(path, &mut reader)?;
+    let mut collector = Collector::new(path);
+    if header.trace.is_none() && !wanted(stem(&collector.file_id)) {
+        return Ok(vec![]);
+    }
     let sources = header.sources(channels).map_err(|missing| {
         let problem = format!("no column (or difference of columns) {missing}; there are {}", header.names.join(", "));
         Error::content(path, "header", problem)
     })?;
-    let mut collector = Collector::new(path);
+    let mut rows = 0;
     for record in reader.records() {
         let record = record.map_err(|e| csv_error(path, &e))?;
         let row = Row { path, header: &header, record: &record };
         row.check_width()?;
+        rows += 1;
         let id = header.trace.map(|column| &record[column]);
+        if id.is_some_and(|id| !wanted(stem(id))) {
+            continue;
+        }
         let time = header.time.map(|column| row.number(column)).transpose()?;
         let mut values = [0.0; 3];
         for (value, source) in values.iter_mut().zip(sources) {
@@ -98,11 +106,10 @@ pub(super) fn read(path: &Path, channels: &Channels) -> Result<Vec<Trace>, Error
         }
         collector.push(id, time, values);
     }
-    let traces = collector.finish();
-    if traces.is_empty() {
+    if rows == 0 {
         return Err(Error::content(path, "line 2", "no rows after the header; record the trace again"));
     }
-    Ok(traces)
+    Ok(collector.finish())
 }
 
 struct Row<'a> {
@@ -192,13 +199,13 @@ mod tests {
     }
 
     fn message(content: &str) -> String {
-        read(file(content).path(), &channels()).expect_err("bad input").to_string()
+        read(file(content).path(), &channels(), &|_| true).expect_err("bad input").to_string()
     }
 
     #[test]
     fn single_file_with_difference_and_dashed_name() {
         let f = file("t_s,i,ref,v,load-cell,comment\n0,1,10,4,7,start\n0.5,2,11,4,8,\n");
-        let traces = read(f.path(), &channels()).expect("good file");
+        let traces = read(f.path(), &channels(), &|_| true).expect("good file");
         assert_eq!(traces.len(), 1);
         assert_eq!((traces[0].y.clone(), traces[0].u1.clone()), (vec![1.0, 2.0], vec![6.0, 7.0]));
         assert_eq!((traces[0].u2.clone(), traces[0].interval_s), (vec![7.0, 8.0], Some(0.5)));
@@ -207,7 +214,7 @@ mod tests {
     #[test]
     fn tidy_table_keeps_first_appearance_order() {
         let f = file("trace,i,ref,v,load-cell\nb,1,0,0,0\na,2,0,0,0\nb,3,0,0,0\n");
-        let traces = read(f.path(), &channels()).expect("good file");
+        let traces = read(f.path(), &channels(), &|_| true).expect("good file");
         let ids: Vec<_> = traces.iter().map(|t| t.id.as_str()).collect();
         assert_eq!((ids, traces[0].y.clone()), (vec!["b", "a"], vec![1.0, 3.0]));
     }

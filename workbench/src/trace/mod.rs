@@ -4,7 +4,7 @@ mod csv_reader;
 pub mod labels;
 pub mod prepare;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::Error;
 
@@ -51,16 +51,46 @@ pub fn stem(id: &str) -> &str {
 /// # Errors
 /// Unreadable files; missing columns; ragged, non-numeric or non-finite cells; an id that comes twice; no trace.
 pub fn read(paths: &[PathBuf], channels: &Channels) -> Result<Vec<Trace>, Error> {
+    read_files(paths, channels, None)
+}
+
+/// Reads the traces whose id (without `.csv`) is wanted; others are passed over unread, whatever they hold. A wanted
+/// trace must hold the columns.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_wanted(paths: &[PathBuf], channels: &Channels, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Trace>, Error> {
+    read_files(paths, channels, Some(wanted))
+}
+
+fn read_files(
+    paths: &[PathBuf],
+    channels: &Channels,
+    wanted: Option<&dyn Fn(&str) -> bool>,
+) -> Result<Vec<Trace>, Error> {
+    let asked_for = |file: &Path| {
+        let name = file.file_name().map(|name| name.to_string_lossy());
+        wanted.zip(name).is_some_and(|(wanted, name)| wanted(stem(&name)))
+    };
     let mut traces: Vec<Trace> = Vec::new();
     let mut origin = std::collections::HashMap::new();
     for path in paths {
-        let found = if path.is_dir() { read_folder(path, channels)? } else { csv_reader::read(path, channels)? };
-        for trace in found {
-            if let Some(first) = origin.insert(stem(&trace.id).to_string(), path.clone()) {
-                let problem = format!("comes twice, in {} and {}; give each id once", first.display(), path.display());
-                return Err(Error::trace(&trace.id, problem));
+        let mut files = vec![path.clone()];
+        if path.is_dir() {
+            files = csv_files(path)?;
+            let usable = files.iter().map(|file| Ok(asked_for(file) || csv_reader::has_columns(file, channels)?));
+            let usable = usable.collect::<Result<Vec<bool>, Error>>()?;
+            files = files.into_iter().zip(usable).filter_map(|(file, usable)| usable.then_some(file)).collect();
+        }
+        for file in files {
+            for trace in csv_reader::read(&file, channels, wanted.unwrap_or(&|_| true))? {
+                if let Some(first) = origin.insert(stem(&trace.id).to_string(), file.clone()) {
+                    let (first, second) = (first.display(), file.display());
+                    let problem = format!("comes twice, in {first} and {second}; give each id once");
+                    return Err(Error::trace(&trace.id, problem));
+                }
+                traces.push(trace);
             }
-            traces.push(trace);
         }
     }
     if traces.is_empty() {
@@ -74,16 +104,10 @@ pub fn read(paths: &[PathBuf], channels: &Channels) -> Result<Vec<Trace>, Error>
     Ok(traces)
 }
 
-fn read_folder(folder: &PathBuf, channels: &Channels) -> Result<Vec<Trace>, Error> {
+fn csv_files(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let entries = std::fs::read_dir(folder).map_err(Error::io(folder))?;
     let mut files: Vec<PathBuf> = entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
     files.retain(|file| file.extension().is_some_and(|e| e == "csv"));
     files.sort();
-    let mut traces = Vec::new();
-    for file in files {
-        if csv_reader::has_columns(&file, channels)? {
-            traces.extend(csv_reader::read(&file, channels)?);
-        }
-    }
-    Ok(traces)
+    Ok(files)
 }

@@ -1,0 +1,133 @@
+//! The binary model: what is written is read back, and nothing altered passes.
+
+use bearing_watch::{Detector, Model, ModelError, Sample};
+use proptest::prelude::*;
+
+#[path = "../../examples/support/standard_rig/model.rs"]
+mod exported;
+
+type Exact = Model<6, 5, 5, 3>;
+
+static FILE: &[u8] = include_bytes!("../../examples/support/standard_rig/model.bwm");
+
+#[test]
+fn binary_and_rust_exports_are_the_same_model() {
+    let read = Exact::from_bytes(FILE).expect("good model");
+    assert_eq!(read, exported::MODEL);
+    assert!(exported::Monitor::new(&exported::MODEL).is_ok());
+    let notes = bearing_watch::model::notes(FILE).expect("notes");
+    assert!(notes.contains("velocity_ref_rad_s"), "{notes}");
+    let mut buffer = vec![0; FILE.len()];
+    let length = read.to_bytes(notes, &mut buffer).expect("fits");
+    assert_eq!(&buffer[..length], FILE);
+    assert_eq!(read.to_bytes(notes, &mut buffer[..FILE.len() - 1]), Err(ModelError::Buffer));
+}
+
+#[test]
+fn every_corrupted_byte_is_found() {
+    for place in 0..FILE.len() {
+        for change in (0..8).map(|bit| 1 << bit).chain([0xFF, 0x55]) {
+            let mut bytes = FILE.to_vec();
+            bytes[place] ^= change;
+            assert!(Exact::from_bytes(&bytes).is_err(), "byte {place} ^ {change:#x}");
+        }
+    }
+}
+
+#[test]
+fn truncation_extension_other_versions_and_other_files_are_told_apart() {
+    for length in 0..FILE.len() {
+        assert!(Exact::from_bytes(&FILE[..length]).is_err(), "{length} bytes");
+    }
+    let longer = [FILE, &[0]].concat();
+    assert_eq!(Exact::from_bytes(&longer), Err(ModelError::Length));
+    let mut newer = FILE.to_vec();
+    newer[4] = 2;
+    assert_eq!(Exact::from_bytes(&newer), Err(ModelError::Version(2)));
+    assert_eq!(Exact::from_bytes(b"PK\x03\x04 not a model"), Err(ModelError::Magic));
+    assert_eq!(Exact::from_bytes(&[]), Err(ModelError::Magic));
+}
+
+#[test]
+fn a_model_too_large_for_its_detector_is_refused_with_the_reason() {
+    assert_eq!(Model::<5, 5, 5, 3>::from_bytes(FILE), Err(ModelError::Capacity("regressor columns")));
+    assert_eq!(Model::<6, 4, 5, 3>::from_bytes(FILE), Err(ModelError::Capacity("features")));
+    assert_eq!(Model::<6, 5, 4, 3>::from_bytes(FILE), Err(ModelError::Capacity("projected coordinates")));
+    assert_eq!(Model::<6, 5, 5, 2>::from_bytes(FILE), Err(ModelError::Capacity("classes")));
+    let model = Exact::from_bytes(FILE).expect("good model");
+    let small = Detector::<'_, 6, 15, 2, 5, 5, 3>::new(&model);
+    assert_eq!(small.err(), Some(ModelError::Capacity("lags")));
+}
+
+#[test]
+fn values_out_of_range_are_named() {
+    let refused = |change: fn(&mut Exact)| {
+        let mut model = exported::MODEL;
+        change(&mut model);
+        model.validate().expect_err("out of range")
+    };
+    use bearing_watch::Order;
+    assert_eq!(refused(|m| m.regression.order = Order::new(0, 0, 0, 1, 1)), ModelError::Value("order"));
+    assert_eq!(refused(|m| m.sampling.segment_samples = 0), ModelError::Value("segment length"));
+    assert_eq!(refused(|m| m.sampling.segment_samples = 100_001), ModelError::Value("segment length"));
+    assert_eq!(refused(|m| m.sampling.block_mean = 0), ModelError::Value("block mean"));
+    assert_eq!(refused(|m| m.regression.scale[0] = 3.0), ModelError::Value("column scale"));
+    assert_eq!(refused(|m| m.regression.limit[1] = f32::NAN), ModelError::Value("signal limit"));
+    assert_eq!(refused(|m| m.classifier.features.index[0] = 6), ModelError::Value("feature index"));
+    assert_eq!(refused(|m| m.classifier.projection.mean[0] = f32::INFINITY), ModelError::Value("projection"));
+    assert_eq!(
+        refused(|m| m.classifier.discriminant.whitening[0][0][0] = f32::NAN),
+        ModelError::Value("class density")
+    );
+    assert_eq!(refused(|m| m.classifier.discriminant.log_prior[0] = f32::NEG_INFINITY), ModelError::Value("prior"));
+    assert_eq!(refused(|m| m.classifier.discriminant.classes = 4), ModelError::Capacity("classes"));
+    assert_eq!(refused(|m| m.classifier.discriminant.classes = 0), ModelError::Value("classes"));
+}
+
+/// CRC-32/ISO-HDLC by its defining polynomial division, apart from the core's.
+fn crc(bytes: &[u8]) -> u32 {
+    let mut remainder = 0xFFFF_FFFF_u32;
+    for byte in bytes {
+        for bit in 0..8 {
+            let next = (remainder & 1) ^ u32::from((byte >> bit) & 1);
+            remainder = (remainder >> 1) ^ if next == 1 { 0xEDB8_8320 } else { 0 };
+        }
+    }
+    !remainder
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        rng_seed: proptest::test_runner::RngSeed::Fixed(1),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
+
+    /// Whatever a payload says under a good checksum, reading it and running what was read never panics.
+    #[test]
+    fn a_forged_payload_is_refused_or_runs(
+        changes in prop::collection::vec((16..FILE.len() - 4, any::<u8>()), 1..6),
+        samples in prop::collection::vec(any::<(u32, u32, u32)>(), 0..40),
+    ) {
+        let mut bytes = FILE.to_vec();
+        for (place, value) in changes {
+            bytes[place] = value;
+        }
+        let end = bytes.len() - 4;
+        let check = crc(&bytes[..end]).to_le_bytes();
+        bytes[end..].copy_from_slice(&check);
+        if let Ok(model) = Exact::from_bytes(&bytes)
+            && let Ok(mut detector) = Detector::<'_, 6, 15, 8, 5, 5, 3>::new(&model)
+        {
+            for (y, u1, u2) in samples {
+                let _ = detector.step(Sample { y: f32::from_bits(y), u1: f32::from_bits(u1), u2: f32::from_bits(u2) });
+            }
+            let _ = detector.finish();
+        }
+    }
+
+    #[test]
+    fn any_bytes_are_read_without_panic(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+        prop_assert!(Exact::from_bytes(&bytes).is_err());
+    }
+}
