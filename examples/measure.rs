@@ -4,6 +4,9 @@
 #[macro_use]
 mod support;
 
+#[path = "support/standard_rig/model.rs"]
+mod model;
+
 use core::hint::black_box;
 
 use bearing_watch::decide::{Discriminant, Kind, Projection};
@@ -30,6 +33,7 @@ fn run() {
     updates::<16, 120>(&mut counter);
     estimator(&mut counter);
     decision(&mut counter);
+    monitor(&mut counter);
 }
 
 fn front_end(counter: &mut Counter) {
@@ -133,6 +137,29 @@ fn decision(counter: &mut Counter) {
         black_box(black_box(&discriminant).decide(black_box(&z)));
     });
     report("quadratic discriminant with posteriors and costs", None, posteriors, 0);
+}
+
+/// The detector of the example `monitor`: a sample inside a segment, and what closing a segment adds.
+fn monitor(counter: &mut Counter) {
+    let Ok(mut monitor) = model::Monitor::new(black_box(&model::MODEL)) else {
+        say!("the model is refused");
+        return;
+    };
+    let mut numbers = Numbers(4);
+    for _ in 0..100 {
+        let [y, u1, u2] = numbers.array();
+        let _ = monitor.step(Sample { y, u1, u2 });
+    }
+    let close = counter.instructions_per_call(20, |_| {
+        black_box(black_box(&monitor).preview());
+    });
+    let sample = Sample { y: 0.5, u1: -0.25, u2: 0.75 };
+    let step = counter.instructions_per_call(CALLS, |_| {
+        black_box(black_box(&mut monitor).step(black_box(sample)));
+    });
+    let n = model::MODEL.regression.columns() - 1;
+    report("detector sample, monitor", n, step, size_of_val(&monitor));
+    report("detector segment end, monitor", n, close, 0);
 }
 
 /// One line: the kernel, its size n where it has one, instructions a call, bytes of state.

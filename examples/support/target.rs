@@ -22,7 +22,7 @@ impl Line {
     }
 
     fn send(&mut self) -> fmt::Result {
-        let (line, _) = self.bytes.split_at(self.used);
+        let line = self.bytes.get(..self.used).unwrap_or_default();
         self.used = 0;
         self.host.write_all(line).map_err(|()| fmt::Error)
     }

@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use object::Object as _;
 use object::read::elf::{ElfFile32, SectionHeader};
-use object::{Endianness, ObjectSection, elf};
+use object::{Endianness, ObjectSection, ObjectSymbol, elf};
 
 /// Where RAM starts on every Cortex-M; code lies below.
 const RAM: u32 = 0x2000_0000;
@@ -35,6 +35,17 @@ pub fn sizes(path: &Path) -> Result<Sizes> {
         sizes.add(header.sh_addr(endian), section.size(), header.sh_type(endian) != elf::SHT_NOBITS);
     }
     Ok(sizes)
+}
+
+/// Names of the linked symbols that hold a piece of text; linking has dropped what is not called.
+pub fn symbols_with(path: &Path, piece: &str) -> Result<Vec<String>> {
+    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let file =
+        ElfFile32::<Endianness>::parse(&*bytes).with_context(|| format!("{} is not firmware", path.display()))?;
+    let names: Vec<&str> = file.symbols().filter_map(|symbol| symbol.name().ok()).collect();
+    // An ELF file without its symbols would pass any such check.
+    ensure!(names.contains(&"main"), "{} has no symbols", path.display());
+    Ok(names.into_iter().filter(|name| name.contains(piece)).map(ToOwned::to_owned).collect())
 }
 
 impl Sizes {

@@ -5,7 +5,7 @@ use anyhow::{Context, Result, bail, ensure};
 use crate::bounds::BOUNDS;
 use crate::tally::Tally;
 use crate::toolchain::Way;
-use crate::{child, firmware, measure, qemu, workspace};
+use crate::{child, elf, firmware, measure, qemu, workspace};
 
 /// Examples that must print the same lines, bit for bit, on the host and on the target.
 const TWINS: [&str; 2] = ["monitor", "kernels"];
@@ -34,6 +34,21 @@ pub fn same_lines(tally: &mut Tally, way: Option<Way>) {
             None => tally.skip(name, NO_TOOLS),
         }
     }
+}
+
+/// The linked monitor holds no call of the panic machinery, so nothing in it can panic.
+pub fn no_panic(tally: &mut Tally, way: Option<Way>) {
+    const WHAT: &str = "monitor links without a panic";
+    match way {
+        Some(way) => tally.check(WHAT, brief(panic_free(way))),
+        None => tally.skip(WHAT, NO_TOOLS),
+    }
+}
+
+fn panic_free(way: Way) -> Result<&'static str> {
+    let found = elf::symbols_with(&firmware::build(way, "monitor")?, "core9panicking")?;
+    ensure!(found.is_empty(), "it calls {}", found.join(", "));
+    Ok("")
 }
 
 /// Two runs count the same instructions, and no more than promised.
@@ -79,7 +94,7 @@ fn compare(way: Way, example: &str) -> Result<String> {
 
 fn on_host(example: &str) -> Result<Vec<String>> {
     // Not by package: the core runs here with the features that it has inside the workbench.
-    let mut cargo = workspace::cargo(&["run", "--quiet", "--release", "--example", example]);
+    let mut cargo = workspace::cargo(&["run", "--quiet", "--example", example]);
     let mut lines = Vec::new();
     let status = child::lines(&mut cargo, |line| lines.push(line.to_owned()))?;
     ensure!(status.success(), "on the host: {status}");

@@ -20,6 +20,7 @@ pub fn run(asked: Option<Way>) -> bool {
     stages.stage("host tests", host_tests);
     stages.stage("firmware builds", |tally| target::builds(tally, way));
     stages.stage("host = target", |tally| target::same_lines(tally, way));
+    stages.stage("no panic", |tally| target::no_panic(tally, way));
     stages.stage("instruction bounds", |tally| target::bounds(tally, way));
     stages.stage("dependencies", dependencies);
 
@@ -59,10 +60,10 @@ fn documentation(tally: &mut Tally) {
     tally.check("cargo doc", silent(&mut cargo));
 }
 
-/// In release: the numeric tests simulate minutes of drive time. Documentation examples are among
-/// the tests.
+/// With overflow and debug checks on; the development profile is optimised, since the numeric tests simulate minutes
+/// of drive time. Documentation examples are among the tests.
 fn host_tests(tally: &mut Tally) {
-    let mut cargo = workspace::cargo(&["test", "--release", "--workspace", "--no-fail-fast"]);
+    let mut cargo = workspace::cargo(&["test", "--workspace", "--no-fail-fast"]);
     let status = child::lines(&mut cargo, |line| {
         println!("{line}");
         tally.add_libtest(line);
