@@ -155,7 +155,7 @@ fn monitor(counter: &mut Counter) {
     });
     let sample = Sample { y: 0.5, u1: -0.25, u2: 0.75 };
     let step = counter.instructions_per_call(CALLS, |_| {
-        black_box(black_box(&mut monitor).step(black_box(sample)));
+        black_box(black_box(&mut monitor).step(black_box(sample)).is_some());
     });
     let n = model::MODEL.regression.columns() - 1;
     report("detector sample, monitor", n, step, size_of_val(&monitor));

@@ -44,7 +44,7 @@ pub struct Report<const M: usize, const P: usize, const C: usize> {
     pub estimate: Estimate<M, P>,
 }
 
-/// Running state beside the current loop. Capacities: `M` columns, `P` = M(M−1)/2, `L` lags, `F` features, `Z`
+/// Running state beside the current loop. Capacities: `M` columns, `P` = M(M−1)/2, `L` delays, `F` features, `Z`
 /// coordinates, `C` classes. Exported models bring a type alias with all of them set.
 ///
 /// ```
@@ -79,8 +79,8 @@ impl<'m, const M: usize, const P: usize, const L: usize, const F: usize, const Z
     /// A [`ModelError`] naming what does not fit.
     pub fn new(model: &'m Model<M, F, Z, C>) -> Result<Self, ModelError> {
         model.validate()?;
-        if model.regression.order.depth() >= L {
-            return Err(ModelError::Capacity("lags"));
+        if model.regression.order.largest_delay() > L {
+            return Err(ModelError::Capacity("delays"));
         }
         Ok(Self { model, block: BlockMean::new(), estimator: Estimator::new(&model.regression), samples: 0 })
     }

@@ -55,8 +55,8 @@ fn a_model_too_large_for_its_detector_is_refused_with_the_reason() {
     assert_eq!(Model::<6, 5, 4, 3>::from_bytes(FILE), Err(ModelError::Capacity("projected coordinates")));
     assert_eq!(Model::<6, 5, 5, 2>::from_bytes(FILE), Err(ModelError::Capacity("classes")));
     let model = Exact::from_bytes(FILE).expect("good model");
-    let small = Detector::<'_, 6, 15, 2, 5, 5, 3>::new(&model);
-    assert_eq!(small.err(), Some(ModelError::Capacity("lags")));
+    let small = Detector::<'_, 6, 15, 0, 5, 5, 3>::new(&model);
+    assert_eq!(small.err(), Some(ModelError::Capacity("delays")));
 }
 
 #[test]
@@ -72,6 +72,11 @@ fn values_out_of_range_are_named() {
     assert_eq!(refused(|m| m.sampling.segment_samples = 100_001), ModelError::Value("segment length"));
     assert_eq!(refused(|m| m.sampling.block_mean = 0), ModelError::Value("block mean"));
     assert_eq!(refused(|m| m.regression.scale[0] = 3.0), ModelError::Value("column scale"));
+    let three_terms = |m: &mut Exact| {
+        m.regression.order = Order::new(3, 1, 1, 1, 1);
+        m.regression.scale = [1.0, 2.0, 4.0, 1.0, 1.0, 1.0];
+    };
+    assert_eq!(refused(three_terms), ModelError::Value("column scale"));
     assert_eq!(refused(|m| m.regression.limit[1] = f32::NAN), ModelError::Value("signal limit"));
     assert_eq!(refused(|m| m.classifier.features.index[0] = 6), ModelError::Value("feature index"));
     assert_eq!(refused(|m| m.classifier.projection.mean[0] = f32::INFINITY), ModelError::Value("projection"));

@@ -117,11 +117,11 @@ fn input_terms(beta: &mut [f32]) {
     }
 }
 
-/// Least squares over one segment: running state. `L` is the capacity in lags, at least `order.depth() + 1`.
+/// Least squares over one segment: running state. `L` is the capacity in delays, at least the larger of nkb and nkc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimator<'m, const M: usize, const P: usize, const L: usize> {
     regression: &'m Regression<M>,
-    regressor: Regressor<L>,
+    regressor: Regressor<M, L>,
     triangle: Triangle<M, P>,
     rows: u32,
     rejected: u32,
@@ -148,9 +148,8 @@ impl<'m, const M: usize, const P: usize, const L: usize> Estimator<'m, M, P, L> 
             self.regressor.flush();
             return;
         }
-        self.regressor.push(sample);
-        if let Some(row) = self.regressor.row(self.regression) {
-            self.triangle.update(&row);
+        if let Some(row) = self.regressor.push(self.regression, sample) {
+            self.triangle.update(row);
             self.rows = self.rows.saturating_add(1);
         }
     }
@@ -227,7 +226,7 @@ mod tests {
         limit: [1e3; 3],
     };
 
-    type Small<'m> = Estimator<'m, 6, 15, 3>;
+    type Small<'m> = Estimator<'m, 6, 15, 1>;
 
     /// y = 1.2 y₁ − 0.4 y₂ + 0.5 u1₁ − 0.25 u2₁ + 0.1 with two square waves.
     fn feed(estimator: &mut Small<'_>, count: u32) {

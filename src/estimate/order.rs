@@ -63,6 +63,12 @@ impl Order {
         depth
     }
 
+    /// The larger of the two input delays.
+    #[must_use]
+    pub const fn largest_delay(self) -> usize {
+        if self.nkb > self.nkc { self.nkb as usize } else { self.nkc as usize }
+    }
+
     /// The five numbers as an array.
     #[must_use]
     pub const fn to_array(self) -> [u8; 5] {

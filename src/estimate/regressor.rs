@@ -27,7 +27,7 @@ pub struct Regression<const M: usize> {
     pub order: Order,
     /// Whether a constant term is estimated (recorded signals have operating points).
     pub offset: bool,
-    /// Power-of-two factor of each column of (1), the target's last.
+    /// Power-of-two factor of each column of (1), the target's last; the differences of one signal share theirs.
     pub scale: [f32; M],
     /// Largest believable magnitude of y, u1, u2, in their own units.
     pub limit: [f32; 3],
@@ -46,6 +46,19 @@ impl<const M: usize> Regression<M> {
         self.scale.get(self.columns() - 1).copied().unwrap_or(1.0)
     }
 
+    /// Whether all difference columns of each signal have one scale.
+    #[must_use]
+    pub fn differences_share_scales(&self) -> bool {
+        let Order { na, nb, nc, .. } = self.order;
+        let mut scales = self.scale.iter();
+        [na, nb, nc].into_iter().all(|terms| {
+            let mut differences = scales.by_ref().take(terms as usize).skip(1);
+            let first = differences.next().map(|x| x.to_bits());
+            // Not short of the end, so that the next signal starts at its own first column.
+            differences.fold(true, |alike, x| alike & (Some(x.to_bits()) == first))
+        })
+    }
+
     /// Whether every signal of the sample is finite and within its limit.
     #[inline]
     #[must_use]
@@ -56,21 +69,26 @@ impl<const M: usize> Regression<M> {
     }
 }
 
-/// The lags, newest first: the running state behind (1). `L` is the capacity, at least `order.depth() + 1`.
+/// The running state behind (1). `L` is the capacity in delays, at least the larger of nkb and nkc.
+///
+/// A column of differences moves on by one place a sample, so only two cells a signal are computed anew.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Regressor<const L: usize> {
-    y: [f32; L],
-    u1: [f32; L],
-    u2: [f32; L],
+pub struct Regressor<const M: usize, const L: usize> {
+    row: [f32; M],
+    /// y(t−1), the value before it in the row, and the same for u1 and u2.
+    newest_y: f32,
+    level: [f32; 3],
+    u1: Delay<L>,
+    u2: Delay<L>,
     /// Accepted samples in an unbroken run, saturating.
     clean: u32,
 }
 
-impl<const L: usize> Regressor<L> {
+impl<const M: usize, const L: usize> Regressor<M, L> {
     /// No samples yet.
     #[must_use]
     pub const fn new() -> Self {
-        Self { y: [0.0; L], u1: [0.0; L], u2: [0.0; L], clean: 0 }
+        Self { row: [0.0; M], newest_y: 0.0, level: [0.0; 3], u1: Delay::new(), u2: Delay::new(), clean: 0 }
     }
 
     /// Forgets every lag: the next row needs a clean run of `depth + 1` samples.
@@ -78,64 +96,89 @@ impl<const L: usize> Regressor<L> {
         self.clean = 0;
     }
 
-    /// Takes an accepted sample.
+    /// Takes an accepted sample; gives the row (1) of that sample, or nothing while a lag is missing.
     #[inline]
-    pub fn push(&mut self, sample: &Sample) {
-        shift_in(&mut self.y, sample.y);
-        shift_in(&mut self.u1, sample.u1);
-        shift_in(&mut self.u2, sample.u2);
-        self.clean = self.clean.saturating_add(1);
-    }
-
-    /// The row (1) of the newest sample, or nothing while a lag is missing.
-    #[inline]
-    #[must_use]
-    pub fn row<const M: usize>(&self, regression: &Regression<M>) -> Option<[f32; M]> {
-        let order = regression.order;
-        if (self.clean as usize) <= order.depth() {
-            return None;
-        }
-        let mut row = [0.0; M];
-        let mut cells = row.iter_mut().zip(&regression.scale);
-        let (newest, past) = self.y.split_first()?;
-        differences(past, order.na, &mut cells);
-        differences(self.u1.get(order.nkb as usize..).unwrap_or(&[]), order.nb, &mut cells);
-        differences(self.u2.get(order.nkc as usize..).unwrap_or(&[]), order.nc, &mut cells);
+    pub fn push(&mut self, regression: &Regression<M>, sample: &Sample) -> Option<&[f32; M]> {
+        let Order { na, nb, nc, nkb, nkc } = regression.order;
+        let [level_y, level_u1, level_u2] = &mut self.level;
+        let (cells, scale) = (&mut self.row[..], &regression.scale[..]);
+        let (cells, scale) = shift_in(cells, scale, na, level_y, self.newest_y);
+        let (cells, scale) = shift_in(cells, scale, nb, level_u1, self.u1.push(sample.u1, nkb));
+        let (cells, scale) = shift_in(cells, scale, nc, level_u2, self.u2.push(sample.u2, nkc));
+        let mut rest = cells.iter_mut().zip(scale);
         if regression.offset
-            && let Some((cell, scale)) = cells.next()
+            && let Some((cell, scale)) = rest.next()
         {
             *cell = *scale;
         }
-        let (target, scale) = cells.next()?;
-        let base = if order.na == 0 { 0.0 } else { past.first().copied().unwrap_or(0.0) };
-        *target = (newest - base) * scale;
-        Some(row)
+        if let Some((target, scale)) = rest.next() {
+            *target = (if na == 0 { sample.y } else { sample.y - self.newest_y }) * scale;
+        }
+        self.newest_y = sample.y;
+        self.clean = self.clean.saturating_add(1);
+        (self.clean as usize > regression.order.depth()).then_some(&self.row)
     }
 }
 
-impl<const L: usize> Default for Regressor<L> {
+impl<const M: usize, const L: usize> Default for Regressor<M, L> {
     fn default() -> Self {
         Self::new()
     }
 }
 
+/// Puts a new level in front of `x₁, x₁−x₂, x₂−x₃, …` (`terms` columns); gives the columns behind them.
 #[inline]
-fn shift_in<const L: usize>(lags: &mut [f32; L], newest: f32) {
-    let mut carried = newest;
-    for lag in lags {
-        carried = core::mem::replace(lag, carried);
+fn shift_in<'c, 's>(
+    cells: &'c mut [f32],
+    scale: &'s [f32],
+    terms: u8,
+    level: &mut f32,
+    newest: f32,
+) -> (&'c mut [f32], &'s [f32]) {
+    let terms = terms as usize;
+    let (Some((own, cells)), Some((own_scale, scale))) =
+        (cells.split_at_mut_checked(terms), scale.split_at_checked(terms))
+    else {
+        return (&mut [], &[]);
+    };
+    if let ([first, differences @ ..], [first_scale, scales @ ..]) = (own, own_scale) {
+        *first = newest * first_scale;
+        if let Some(scale) = scales.first() {
+            // Differences share one scale (`Model::validate`), so they move on as they are.
+            let mut carried = (newest - *level) * scale;
+            for cell in differences {
+                carried = core::mem::replace(cell, carried);
+            }
+        }
+        *level = newest;
     }
+    (cells, scale)
 }
 
-/// Writes `x₁, x₁−x₂, x₂−x₃, …` (`terms` of them), each times the scale of its column.
-#[inline]
-fn differences<'a>(lags: &[f32], terms: u8, cells: &mut impl Iterator<Item = (&'a mut f32, &'a f32)>) {
-    let mut newer = 0.0;
-    for (k, &lag) in lags.iter().enumerate().take(terms as usize) {
-        if let Some((cell, scale)) = cells.next() {
-            *cell = scale * if k == 0 { lag } else { newer - lag };
+/// A signal as it was `delay` samples ago.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Delay<const L: usize> {
+    ring: [f32; L],
+    place: usize,
+}
+
+impl<const L: usize> Delay<L> {
+    const fn new() -> Self {
+        Self { ring: [0.0; L], place: 0 }
+    }
+
+    #[inline]
+    fn push(&mut self, newest: f32, delay: u8) -> f32 {
+        let delay = delay as usize;
+        let Some(cell) = self.ring.get_mut(self.place) else { return newest };
+        if delay == 0 {
+            return newest;
         }
-        newer = lag;
+        self.place += 1;
+        if self.place >= delay {
+            self.place = 0;
+        }
+        core::mem::replace(cell, newest)
     }
 }
 
@@ -155,35 +198,61 @@ mod tests {
     fn row_by_hand() {
         let mut regression = regression::<7>(Order::new(2, 2, 1, 1, 0), true);
         regression.scale = [1.0, 2.0, 1.0, 1.0, 4.0, 1.0, 8.0];
-        let mut lags = Regressor::<3>::new();
-        lags.push(&sample(1.0, 10.0, -1.0));
-        lags.push(&sample(2.0, 20.0, -2.0));
-        assert_eq!(lags.row(&regression), None, "t₀ = 2");
-        lags.push(&sample(4.0, 40.0, -3.0));
+        let mut lags = Regressor::<7, 1>::new();
+        assert_eq!(lags.push(&regression, &sample(1.0, 10.0, -1.0)), None);
+        assert_eq!(lags.push(&regression, &sample(2.0, 20.0, -2.0)), None, "t₀ = 2");
         // y₁ = 2, y₁−y₂ = 1 (×2), u₁ = 20, u₁−u₂ = 10, w₁ = −3 (×4), 1, target 4 − 2 (×8)
-        assert_eq!(lags.row(&regression), Some([2.0, 2.0, 20.0, 10.0, -12.0, 1.0, 16.0]));
+        let row = lags.push(&regression, &sample(4.0, 40.0, -3.0));
+        assert_eq!(row, Some(&[2.0, 2.0, 20.0, 10.0, -12.0, 1.0, 16.0]));
     }
 
     #[test]
     fn moving_average_model_has_the_output_itself_as_target() {
-        let mut lags = Regressor::<2>::new();
-        lags.push(&sample(1.0, 10.0, 0.0));
-        lags.push(&sample(2.0, 20.0, 0.0));
-        assert_eq!(lags.row(&regression::<2>(Order::new(0, 1, 0, 1, 0), false)), Some([10.0, 2.0]));
+        let regression = regression::<2>(Order::new(0, 1, 0, 1, 0), false);
+        let mut lags = Regressor::<2, 1>::new();
+        assert_eq!(lags.push(&regression, &sample(1.0, 10.0, 0.0)), None);
+        assert_eq!(lags.push(&regression, &sample(2.0, 20.0, 0.0)), Some(&[10.0, 2.0]));
+    }
+
+    #[test]
+    fn every_cell_is_the_lag_it_should_be() {
+        // Signals whose sample t tells t: y = t, u1 = 1000 + t², u2 = 0.5 t, with long delays and many terms.
+        let regression = regression::<9>(Order::new(3, 3, 2, 4, 2), false);
+        let signal = |t: i16| {
+            let t = f32::from(t);
+            sample(t * t * t, 1000.0 + t * t, 0.5 * t)
+        };
+        let mut lags = Regressor::<9, 4>::new();
+        for t in 0..30_i16 {
+            let row = lags.push(&regression, &signal(t)).copied();
+            assert_eq!(row.is_some(), t >= 6, "t₀ = 4 + 3 − 1");
+            let Some(row) = row else { continue };
+            let (y, u1, u2) = (|k| signal(t - k).y, |k| signal(t - k).u1, |k| signal(t - k).u2);
+            let expected = [
+                y(1),
+                y(1) - y(2),
+                y(2) - y(3),
+                u1(4),
+                u1(4) - u1(5),
+                u1(5) - u1(6),
+                u2(2),
+                u2(2) - u2(3),
+                y(0) - y(1),
+            ];
+            assert_eq!(row, expected, "t = {t}");
+        }
     }
 
     #[test]
     fn flush_withholds_rows_until_every_lag_is_clean() {
-        let regression = regression::<4>(Order::new(1, 1, 1, 1, 1), false);
-        let mut lags = Regressor::<2>::new();
-        lags.push(&sample(1.0, 1.0, 1.0));
-        lags.push(&sample(1.0, 1.0, 1.0));
-        assert!(lags.row(&regression).is_some());
+        let regression = regression::<5>(Order::new(1, 2, 1, 1, 1), false);
+        let mut lags = Regressor::<5, 1>::new();
+        let push = |lags: &mut Regressor<5, 1>, x: f32| lags.push(&regression, &sample(x, 10.0 * x, x)).copied();
+        assert_eq!((push(&mut lags, 1.0), push(&mut lags, 2.0)), (None, None));
+        assert_eq!(push(&mut lags, 3.0), Some([2.0, 20.0, 10.0, 2.0, 1.0]));
         lags.flush();
-        lags.push(&sample(1.0, 1.0, 1.0));
-        assert!(lags.row(&regression).is_none());
-        lags.push(&sample(1.0, 1.0, 1.0));
-        assert!(lags.row(&regression).is_some());
+        assert_eq!((push(&mut lags, 7.0), push(&mut lags, 9.0)), (None, None));
+        assert_eq!(push(&mut lags, 12.0), Some([9.0, 90.0, 20.0, 9.0, 3.0]), "nothing from before the gap");
     }
 
     #[test]

@@ -158,6 +158,7 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
         check((1..=MAX_SEGMENT_SAMPLES).contains(&sampling.segment_samples), "segment length")?;
         check(regression.limit.iter().all(|x| x.is_finite() && *x > 0.0), "signal limit")?;
         check(regression.scale.iter().take(regression.columns()).all(|x| is_power_of_two(*x)), "column scale")?;
+        check(regression.differences_share_scales(), "column scale")?;
 
         let features = &classifier.features;
         let used = |count: u8, capacity: usize, what| {

@@ -43,7 +43,7 @@ pub struct Embedded {
     pub classes: Vec<String>,
 }
 
-/// Capacities that the workbench instantiates: columns, packed length, lags, features, coordinates, classes.
+/// Capacities that the workbench instantiates: columns, delays, features, coordinates, classes.
 macro_rules! capacities {
     ($($name:ident: $m:literal $l:literal $f:literal $z:literal $c:literal;)+) => {
         #[derive(Clone, Debug)]
@@ -55,7 +55,7 @@ macro_rules! capacities {
             fn from_bytes(bytes: &[u8]) -> Result<Self, ModelError> {
                 $(
                     match Model::<$m, $f, $z, $c>::from_bytes(bytes) {
-                        // Lags are the detector's capacity, so ask it too.
+                        // Delays are the detector's capacity, so ask it too.
                         Ok(model) if Detector::<$m, { $m * ($m - 1) / 2 }, $l, $f, $z, $c>::new(&model).is_ok() => {
                             return Ok(Self::$name(Box::new(model)));
                         }
@@ -63,7 +63,7 @@ macro_rules! capacities {
                         Err(error) => return Err(error),
                     }
                 )+
-                Err(ModelError::Capacity("columns, lags, features or classes"))
+                Err(ModelError::Capacity("columns, delays, features or classes"))
             }
 
             fn run(&self, trace: &Trace) -> Result<Vec<Segment>, ModelError> {
@@ -122,9 +122,9 @@ macro_rules! capacities {
 }
 
 capacities! {
-    Small: 10 8 10 10 4;
-    Medium: 20 16 20 20 8;
-    Large: 100 66 100 100 8;
+    Small: 10 4 10 10 4;
+    Medium: 20 8 20 20 8;
+    Large: 100 32 100 100 8;
 }
 
 fn run<const M: usize, const P: usize, const L: usize, const F: usize, const Z: usize, const C: usize>(

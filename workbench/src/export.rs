@@ -16,7 +16,7 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     // The checks of the core, in a capacity that certainly holds it.
     trained.embed()?;
     let structure = trained.recipe.structure;
-    let (m, lags) = (structure.order.columns(structure.offset), structure.order.depth() + 1);
+    let (m, delays) = (structure.order.columns(structure.offset), structure.order.largest_delay().max(1));
     let (f, z, c) = (trained.core_features.len(), trained.core_projection.matrix.nrows(), trained.classes.len());
     let densities = &trained.densities;
     let covariances: Vec<String> = (0..c)
@@ -47,7 +47,7 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     line("use bearing_watch::{Detector, Label, Model, Order, Regression, Sampling};");
     line("");
     line("/// The detector of exactly this model's size.");
-    line(&format!("pub type Monitor = Detector<'static, {m}, {}, {lags}, {f}, {z}, {c}>;", m * (m - 1) / 2));
+    line(&format!("pub type Monitor = Detector<'static, {m}, {}, {delays}, {f}, {z}, {c}>;", m * (m - 1) / 2));
     line("");
     line("const fn label(name: &str) -> Label {");
     line("    match Label::new(name) {");

@@ -51,7 +51,7 @@ fn the_main_job_from_files_to_files() {
     let said = succeed(dir, &format!("{train} --rust m.rs --report m.html"));
     assert!(said.contains("8 healthy, 8 spall, 8 roughness"), "{said}");
     let source = std::fs::read_to_string(dir.join("m.rs")).expect("source");
-    assert!(source.contains("pub type Monitor = Detector<'static, 6, 15, 3, 5, 5, 3>;"), "{source}");
+    assert!(source.contains("pub type Monitor = Detector<'static, 6, 15, 1, 5, 5, 3>;"), "{source}");
     let page = std::fs::read_to_string(dir.join("m.html")).expect("page");
     assert!(page.contains("<svg") && !page.contains("http://") | page.contains("w3.org"), "self-contained");
 

@@ -7,7 +7,7 @@ use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Projection
 use bearing_watch::{Detector, Label, Model, Order, Regression, Sampling};
 
 /// The detector of exactly this model's size.
-pub type Monitor = Detector<'static, 6, 15, 3, 5, 5, 3>;
+pub type Monitor = Detector<'static, 6, 15, 1, 5, 5, 3>;
 
 const fn label(name: &str) -> Label {
     match Label::new(name) {
