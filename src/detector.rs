@@ -27,7 +27,8 @@ pub struct Sample {
 /// What a segment says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Index of a class in [`Model::labels`].
+    /// Index of a class in [`Model::labels`]. The most plausible of the *trained* classes: posteriors are relative to
+    /// each other, so a state unlike all of them (standstill, another load) still names one.
     Class(u8),
     /// No verdict, and why.
     Undetermined(Reason),
@@ -60,7 +61,7 @@ pub struct Report<const M: usize, const P: usize, const C: usize> {
 /// }
 /// # }
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Detector<'m, const M: usize, const P: usize, const L: usize, const F: usize, const Z: usize, const C: usize>
 {
     model: &'m Model<M, F, Z, C>,
@@ -85,17 +86,26 @@ impl<'m, const M: usize, const P: usize, const L: usize, const F: usize, const Z
         Ok(Self { model, block: BlockMean::new(), estimator: Estimator::new(&model.regression), samples: 0 })
     }
 
-    /// Takes one sample; the sample that closes a segment brings its report.
+    /// Takes one sample; the sample that closes a segment brings its report. A segment of which less than half was
+    /// usable has no verdict.
     #[inline]
     pub fn step(&mut self, sample: Sample) -> Option<Report<M, P, C>> {
-        let Sample { y, u1, u2 } = sample;
-        let [y, u1, u2] = self.block.push([y, u1, u2], self.model.sampling.block_mean)?;
+        let block = self.model.sampling.block_mean;
+        // A mean would hide one wild sample; so it spoils its block instead, which the estimator then rejects.
+        let wild = block > 1 && !self.model.regression.accepts(&sample);
+        let y = if wild { f32::NAN } else { sample.y };
+        let [y, u1, u2] = self.block.push([y, sample.u1, sample.u2], block)?;
         self.estimator.step(&Sample { y, u1, u2 });
         self.samples = self.samples.saturating_add(1);
         if self.samples < self.model.sampling.segment_samples {
             return None;
         }
-        let report = self.preview();
+        let mut report = self.preview();
+        // The model knows the spread of whole segments only.
+        if report.estimate.rows < self.model.sampling.segment_samples / 2 {
+            report.verdict = Verdict::Undetermined(Reason::TooFewRows);
+            report.decision = None;
+        }
         self.samples = 0;
         self.estimator.next_segment();
         Some(report)
@@ -121,7 +131,8 @@ impl<'m, const M: usize, const P: usize, const L: usize, const F: usize, const Z
         self.samples
     }
 
-    /// Closes the open segment at the end of a trace, reports it, and starts afresh.
+    /// Closes the open segment at the end of a trace, reports it, and starts afresh. The caller decides whether a part
+    /// of a segment is enough: see [`Detector::pending`].
     pub fn finish(&mut self) -> Report<M, P, C> {
         let report = self.preview();
         self.restart();

@@ -81,6 +81,31 @@ fn bursts_of_nonsense_cost_their_rows_and_nothing_else() {
     }
 }
 
+#[test]
+fn a_segment_that_was_mostly_rejected_has_no_verdict() {
+    let mut samples = recording();
+    samples.iter_mut().take(2600).for_each(|s| s.y = f32::NAN);
+    let mut monitor = Monitor::new(&MODEL).expect("good model");
+    let report = samples.iter().filter_map(|s| monitor.step(*s)).next().expect("a full segment");
+    assert_eq!((report.verdict, report.estimate.rejected), (Verdict::Undetermined(Reason::TooFewRows), 2600));
+    assert_eq!(report.decision, None);
+}
+
+#[test]
+fn a_wild_sample_does_not_hide_in_a_block_mean() {
+    let mut model = MODEL;
+    model.sampling.block_mean = 10;
+    model.sampling.segment_samples = 500;
+    let run = |y: f32| {
+        let mut monitor = bearing_watch::Detector::<'_, 6, 15, 1, 5, 5, 3>::new(&model).expect("good model");
+        let mut samples = recording();
+        samples[1234].y = y;
+        samples.iter().filter_map(|s| monitor.step(*s)).next().expect("a full segment").estimate
+    };
+    // The limit is 62.7: a tenth of 600 would pass.
+    assert_eq!((run(600.0).rejected, run(1.0).rejected), (1, 0));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig {
         rng_seed: proptest::test_runner::RngSeed::Fixed(1),

@@ -44,6 +44,9 @@ fn truncation_extension_other_versions_and_other_files_are_told_apart() {
     let mut newer = FILE.to_vec();
     newer[4] = 2;
     assert_eq!(Exact::from_bytes(&newer), Err(ModelError::Version(2)));
+    let mut flagged = FILE.to_vec();
+    flagged[6] = 1;
+    assert_eq!(Exact::from_bytes(&flagged), Err(ModelError::Value("flags")));
     assert_eq!(Exact::from_bytes(b"PK\x03\x04 not a model"), Err(ModelError::Magic));
     assert_eq!(Exact::from_bytes(&[]), Err(ModelError::Magic));
 }
@@ -71,6 +74,13 @@ fn values_out_of_range_are_named() {
     assert_eq!(refused(|m| m.sampling.segment_samples = 0), ModelError::Value("segment length"));
     assert_eq!(refused(|m| m.sampling.segment_samples = 100_001), ModelError::Value("segment length"));
     assert_eq!(refused(|m| m.sampling.block_mean = 0), ModelError::Value("block mean"));
+    assert_eq!(refused(|m| m.sampling.segment_samples = 8), ModelError::Value("segment length"));
+    assert_eq!(refused(|m| m.sampling.block_mean = 1001), ModelError::Value("block mean"));
+    assert_eq!(refused(|m| m.regression.scale[0] = 2.0_f32.powi(61)), ModelError::Value("column scale"));
+    assert_eq!(refused(|m| m.classifier.discriminant.cost[0][1] = -1.0), ModelError::Value("cost"));
+    // What a narrower model leaves unused must be neutral, or a wider detector would decide otherwise.
+    assert_eq!(refused(|m| m.classifier.features.count = 4), ModelError::Value("projection"));
+    assert_eq!(refused(|m| m.classifier.projection.count = 4), ModelError::Value("projection"));
     assert_eq!(refused(|m| m.regression.scale[0] = 3.0), ModelError::Value("column scale"));
     let three_terms = |m: &mut Exact| {
         m.regression.order = Order::new(3, 1, 1, 1, 1);

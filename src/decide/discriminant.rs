@@ -41,7 +41,8 @@ pub struct Discriminant<const Z: usize, const C: usize> {
     pub cost: [[f32; C]; C],
 }
 
-/// The outcome of one classification; places beyond the classes in use are zero (−∞ for log-likelihoods).
+/// The outcome of one classification. Places beyond the classes in use hold what never wins: log-likelihood −∞,
+/// posterior 0, expected cost +∞.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decision<const C: usize> {
     /// Index of the class of least expected cost (3).
@@ -101,18 +102,19 @@ impl<const Z: usize, const C: usize> Discriminant<Z, C> {
         for posterior in &mut posteriors {
             *posterior /= total; // (2)
         }
-        let mut expected_costs = [0.0; C];
-        for (expected, costs) in expected_costs.iter_mut().zip(&self.cost) {
+        let mut expected_costs = [f32::INFINITY; C];
+        let in_use = self.classes as usize;
+        for (expected, costs) in expected_costs.iter_mut().zip(&self.cost).take(in_use) {
             *expected = costs.iter().zip(&posteriors).fold(0.0, |sum, (cost, posterior)| sum + cost * posterior);
         }
         let mut class = 0;
         let mut least = f32::INFINITY;
-        for (k, &expected) in (0_u8..).zip(expected_costs.iter().take(self.classes as usize)) {
+        for (k, &expected) in (0..self.classes).zip(&expected_costs) {
             if expected < least {
                 (class, least) = (k, expected); // (3)
             }
         }
-        Some(Decision { class, log_likelihoods, posteriors, expected_costs })
+        (least < f32::INFINITY).then_some(Decision { class, log_likelihoods, posteriors, expected_costs })
     }
 }
 
@@ -201,5 +203,7 @@ mod tests {
         assert_eq!(a.class, b.class);
         assert_eq!(a.posteriors, b.posteriors[..2]);
         assert_eq!(a.log_likelihoods, b.log_likelihoods[..2]);
+        assert_eq!(a.expected_costs, b.expected_costs[..2]);
+        assert!(b.expected_costs[2..].iter().all(|cost| *cost == f32::INFINITY));
     }
 }

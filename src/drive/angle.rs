@@ -93,7 +93,7 @@ impl Angle {
         self.0
     }
 
-    /// Radians in [−π, π).
+    /// Radians in [−π, π], the upper end by rounding only.
     #[must_use]
     pub fn radians(self) -> f32 {
         self.0.cast_signed() as f32 * RAD
@@ -105,13 +105,19 @@ impl Angle {
         Self(self.0.wrapping_mul(pole_pairs))
     }
 
+    /// The same angle the other way round, for a sensor that counts against the order of the phases.
+    #[must_use]
+    pub const fn negated(self) -> Self {
+        Self(self.0.wrapping_neg())
+    }
+
     /// Sum, wrapped to one turn.
     #[must_use]
     pub const fn plus(self, other: Self) -> Self {
         Self(self.0.wrapping_add(other.0))
     }
 
-    /// The way from `earlier` to `self`, the shorter way round, in 2³² a turn: negative is backwards.
+    /// The way from `earlier` to `self`, the shorter way round, in counts of 2⁻³² turn: negative is backwards.
     #[must_use]
     pub const fn since(self, earlier: Self) -> i32 {
         self.0.wrapping_sub(earlier.0).cast_signed()
@@ -148,7 +154,7 @@ mod tests {
 
     #[test]
     fn sin_cos_is_within_2e_7_everywhere() {
-        // An odd stride visits 2²² angles of every octant; octant edges and their neighbours are added.
+        // An odd stride spreads 2²² angles over the circle; octant edges and their neighbours are added.
         let sampled = (0..1_u32 << 22).map(|k| k.wrapping_mul(1021)).map(error);
         let edges =
             (0..8_u32).flat_map(|octant| (-64_i32..=64).map(move |k| (octant << 29).wrapping_add_signed(k))).map(error);
@@ -169,6 +175,7 @@ mod tests {
         let after = Angle::from_counts(1, 14);
         assert_eq!(after.since(before), 2 << 18);
         assert_eq!(before.since(after), -(2 << 18));
+        assert_eq!(after.plus(after.negated()), Angle::ZERO);
     }
 
     #[test]

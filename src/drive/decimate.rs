@@ -7,7 +7,7 @@
 //! ```
 //!
 //! A block mean is the shortest anti-alias filter: first zero at the new sampling rate, about 13 dB at the first
-//! side lobe. A sample that is not finite makes its whole block not finite, which the regressor's guard then skips.
+//! side lobe. Plain single-precision sums: a block of 1000 equal samples is right to 1e-5. A sample that is not finite makes its whole block not finite, which the regressor's guard then skips.
 
 /// Running block mean (1) of `CH` channels.
 ///
@@ -16,7 +16,7 @@
 /// assert_eq!(mean.push([1.0, 10.0], 2), None);
 /// assert_eq!(mean.push([3.0, 30.0], 2), Some([2.0, 20.0]));
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct BlockMean<const CH: usize> {
     sum: [f32; CH],
     count: u16,

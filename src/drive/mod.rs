@@ -36,7 +36,8 @@ pub struct FrontEnd {
 }
 
 impl FrontEnd {
-    /// Transforms the stator currents sampled at shaft angle `shaft`.
+    /// Transforms the stator currents sampled at shaft angle `shaft`, which grows in the order of the phases
+    /// ([`Angle::negated`] turns one that does not).
     #[inline]
     #[must_use]
     pub fn transform(&self, currents: AlphaBeta, shaft: Angle) -> Dq0 {

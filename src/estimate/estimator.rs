@@ -18,25 +18,29 @@ use nalgebra::SMatrix;
 
 use super::{Order, Regression, Regressor, Triangle};
 use crate::detector::Sample;
+use crate::model::MAX_SEGMENT_SAMPLES;
 
 /// Why a segment has no verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Reason {
-    /// No more rows than parameters.
+    /// No more rows than parameters, or most of a segment's samples were rejected.
     TooFewRows,
-    /// The data do not excite this parameter (a constant or dependent signal): place in [`Estimate::delta`].
+    /// The data do not excite this parameter: place in [`Estimate::delta`]. A signal that is constant over the whole
+    /// segment (a load at rest, a held reference) ends here, so a drive at standstill gets no verdict.
     NotExcited(u8),
-    /// A parameter, variance or likelihood is not a finite number.
+    /// An estimate is not a finite number, or no class has a likelihood above zero.
     NotFinite,
 }
 
 impl core::fmt::Display for Reason {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::TooFewRows => f.write_str("no more rows than parameters"),
-            Self::NotExcited(k) => write!(f, "the signals do not excite parameter {}", u16::from(*k) + 1),
-            Self::NotFinite => f.write_str("an estimate is not finite"),
+            Self::TooFewRows => f.write_str("too few usable samples"),
+            Self::NotExcited(k) => {
+                write!(f, "the signals do not excite parameter {} of t, β, γ, constant", u16::from(*k) + 1)
+            }
+            Self::NotFinite => f.write_str("an estimate or every likelihood is out of range"),
         }
     }
 }
@@ -57,7 +61,7 @@ pub struct Estimate<const M: usize, const P: usize> {
     pub variance: f32,
     /// Rows the estimate rests on.
     pub rows: u32,
-    /// Samples refused by the range guard.
+    /// Samples (means, where the detector averages) refused by the range guard.
     pub rejected: u32,
 }
 
@@ -89,14 +93,57 @@ impl<const M: usize, const P: usize> Estimate<M, P> {
         raw
     }
 
+    /// Brings the constant back from levels that were taken from an origin,
+    ///
+    /// ```text
+    /// k = k' + gᵀ θ,   g = −y₀ at t₀ (+y₀ apart where na = 0), −u1₀ at β₀, −u2₀ at γ₀,   cov k = … by the same sum
+    /// ```
+    fn uncentre(&mut self, [y, u1, u2]: [f32; 3]) {
+        if !self.offset {
+            return;
+        }
+        let Order { na, nb, nc, .. } = self.order;
+        let (na, nb) = (na as usize, nb as usize);
+        let constant = self.parameters() - 1;
+        let terms = [(na > 0, 0, -y), (nb > 0, na, -u1), (nc > 0, na + nb, -u2)];
+        let mut k = if na == 0 { y } else { 0.0 };
+        let mut covariances = [0.0_f32; M];
+        for (j, covariance) in covariances.iter_mut().enumerate().take(constant + 1) {
+            *covariance = self.covariance_of(constant, j);
+        }
+        for (_, place, g) in terms.into_iter().filter(|term| term.0) {
+            k += g * self.delta.get(place).copied().unwrap_or(0.0);
+            for (j, covariance) in covariances.iter_mut().enumerate().take(constant + 1) {
+                *covariance += g * self.covariance_of(place, j);
+            }
+        }
+        // The corner: covariance of the new constant with itself.
+        let mut corner = covariances.get(constant).copied().unwrap_or(0.0);
+        for (_, place, g) in terms.into_iter().filter(|term| term.0) {
+            corner += g * covariances.get(place).copied().unwrap_or(0.0);
+        }
+        if let Some(cell) = covariances.get_mut(constant) {
+            *cell = corner;
+        }
+        if let Some(delta) = self.delta.get_mut(constant) {
+            *delta += k;
+        }
+        let start = constant * (constant + 1) / 2;
+        let cells = self.covariance.iter_mut().skip(start).take(constant + 1);
+        cells.zip(covariances).for_each(|(cell, covariance)| *cell = covariance);
+    }
+
+    /// Element (i, j) of the symmetric covariance.
+    fn covariance_of(&self, i: usize, j: usize) -> f32 {
+        let (row, column) = if i >= j { (i, j) } else { (j, i) };
+        self.covariance.get(row * (row + 1) / 2 + column).copied().unwrap_or(0.0)
+    }
+
     /// Covariance of the δ-parameters as a matrix; places beyond [`Estimate::parameters`] are zero.
     #[must_use]
     pub fn covariance_matrix(&self) -> SMatrix<f32, M, M> {
         let n = self.parameters();
-        SMatrix::from_fn(|i, j| {
-            let (row, column) = if i >= j { (i, j) } else { (j, i) };
-            if row >= n { 0.0 } else { self.covariance.get(row * (row + 1) / 2 + column).copied().unwrap_or(0.0) }
-        })
+        SMatrix::from_fn(|i, j| if i.max(j) >= n { 0.0 } else { self.covariance_of(i, j) })
     }
 }
 
@@ -118,7 +165,9 @@ fn input_terms(beta: &mut [f32]) {
 }
 
 /// Least squares over one segment: running state. `L` is the capacity in delays, at least the larger of nkb and nkc.
-#[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// Not `Copy`, so that no step goes to a copy by accident.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Estimator<'m, const M: usize, const P: usize, const L: usize> {
     regression: &'m Regression<M>,
     regressor: Regressor<M, L>,
@@ -133,14 +182,15 @@ impl<'m, const M: usize, const P: usize, const L: usize> Estimator<'m, M, P, L> 
     pub const fn new(regression: &'m Regression<M>) -> Self {
         Self {
             regression,
-            regressor: Regressor::new(),
+            regressor: Regressor::new(regression),
             triangle: Triangle::new(regression.columns()),
             rows: 0,
             rejected: 0,
         }
     }
 
-    /// Takes one sample at the identification rate. A sample outside the limits is counted and flushes the lags.
+    /// Takes one sample at the identification rate. A sample outside the limits is counted and flushes the lags;
+    /// after [`MAX_SEGMENT_SAMPLES`] rows nothing is added until the next segment, since λ = 1 needs a bound.
     #[inline]
     pub fn step(&mut self, sample: &Sample) {
         if !self.regression.accepts(sample) {
@@ -148,7 +198,12 @@ impl<'m, const M: usize, const P: usize, const L: usize> Estimator<'m, M, P, L> 
             self.regressor.flush();
             return;
         }
-        if let Some(row) = self.regressor.push(self.regression, sample) {
+        if self.rows == 0 && self.regression.offset {
+            self.regressor.recentre(sample);
+        }
+        if let Some(row) = self.regressor.push(self.regression, sample)
+            && self.rows < MAX_SEGMENT_SAMPLES
+        {
             self.triangle.update(row);
             self.rows = self.rows.saturating_add(1);
         }
@@ -170,7 +225,8 @@ impl<'m, const M: usize, const P: usize, const L: usize> Estimator<'m, M, P, L> 
         let scale = self.regression.scale.map(|scale| scale / target);
         let theta = self.triangle.solve();
         let scaled_variance = self.triangle.residual_sum() / degrees as f32; // (2)
-        estimate.variance = scaled_variance / (target * target);
+        // One division after the other: the square of a scale could leave the range of f32.
+        estimate.variance = scaled_variance / target / target;
         for ((delta, theta), scale) in estimate.delta.iter_mut().zip(theta).zip(scale).take(n) {
             *delta = theta * scale;
         }
@@ -183,7 +239,9 @@ impl<'m, const M: usize, const P: usize, const L: usize> Estimator<'m, M, P, L> 
                 }
             }
         }
-        let finite = estimate.variance.is_finite() && estimate.delta.iter().all(|x| x.is_finite());
+        estimate.uncentre(self.regressor.origin());
+        let mut numbers = estimate.delta.iter().chain(&estimate.covariance);
+        let finite = estimate.variance.is_finite() && numbers.all(|x| x.is_finite());
         if finite { Ok(estimate) } else { Err(Reason::NotFinite) }
     }
 
@@ -266,7 +324,7 @@ mod tests {
         for _ in 0..100 {
             estimator.step(&Sample { y: 1.0, u1: 2.0, u2: 3.0 });
         }
-        assert_eq!(estimator.estimate(), Err(Reason::NotExcited(1)));
+        assert_eq!(estimator.estimate(), Err(Reason::NotExcited(0)));
         estimator.restart();
         for _ in 0..10 {
             estimator.step(&Sample { y: f32::NAN, u1: 0.0, u2: 0.0 });
@@ -286,6 +344,37 @@ mod tests {
         estimator.restart();
         feed(&mut estimator, 50);
         assert_eq!(estimator.empty_estimate().rows, 48);
+    }
+
+    #[test]
+    fn a_level_far_from_zero_costs_no_digits() {
+        // The model of `feed`, seen from an operating point of y + 900, u1 + 500, u2 − 300.
+        let run = |shift: [f32; 3]| {
+            let mut estimator = Small::new(&REGRESSION);
+            let [mut y1, mut y2, mut u1, mut u2] = [0.0_f32; 4];
+            for t in 0..2000_u32 {
+                let noise = if t % 5 < 2 { 0.015_625 } else { -0.015_625 };
+                let y = 1.25 * y1 - 0.5 * y2 + 0.5 * u1 - 0.25 * u2 + noise;
+                (u1, u2) = (if t % 7 < 3 { 1.0 } else { -1.0 }, if t % 11 < 5 { 2.0 } else { 0.0 });
+                estimator.step(&Sample { y: y + shift[0], u1: u1 + shift[1], u2: u2 + shift[2] });
+                (y2, y1) = (y1, y);
+            }
+            estimator.estimate().unwrap()
+        };
+        let (near, far) = (run([0.0; 3]), run([900.0, 500.0, -300.0]));
+        for k in 0..4 {
+            let sd = near.covariance_matrix()[(k, k)].sqrt();
+            // Samples near 900 carry 6e-5 each, a two-hundredth of the noise.
+            assert!((near.delta[k] - far.delta[k]).abs() < 0.1 * sd, "{k}: {} {}", near.delta[k], far.delta[k]);
+            assert!((far.covariance_matrix()[(k, k)].sqrt() / sd - 1.0).abs() < 0.01);
+        }
+        // k = k₀ − t₀ y₀ − β₀ u1₀ − γ₀ u2₀ of the shifted signals.
+        let expected = near.delta[4] - near.delta[0] * 900.0 - near.delta[2] * 500.0 + near.delta[3] * 300.0;
+        let sd = far.covariance_matrix()[(4, 4)].sqrt();
+        assert!((far.delta[4] - expected).abs() < 0.1 * sd, "{} {expected} {sd}", far.delta[4]);
+        let g = nalgebra::SVector::from([-900.0, 0.0, -500.0, 300.0, 1.0, 0.0]);
+        let transformed = (g.transpose() * near.covariance_matrix() * g)[0].sqrt();
+        assert!((sd / transformed - 1.0).abs() < 0.01, "{sd} {transformed}");
     }
 
     #[test]

@@ -12,6 +12,10 @@
 //! neighbouring lags, scaled by powers of two to rms ≈ 1, cut the condition number of slow models from 1e3–1e6 to
 //! 5–2e3: two to five decades of error in `f32`, for a few subtractions. Scaling by powers of two is exact.
 //!
+//! With a constant term the levels y₁, u₁, w₁ are taken from an origin, the first sample of the segment, and the
+//! constant is brought back when the segment is solved: a level far from zero is nearly the constant column, and would
+//! cost the estimate its digits.
+//!
 //! Validity: a sample is accepted only if |v| ≤ limit for each signal: one comparison that NaN and infinity fail
 //! too. After a rejected sample rows are withheld until every lag is clean again.
 
@@ -72,9 +76,13 @@ impl<const M: usize> Regression<M> {
 /// The running state behind (1). `L` is the capacity in delays, at least the larger of nkb and nkc.
 ///
 /// A column of differences moves on by one place a sample, so only two cells a signal are computed anew.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Regressor<const M: usize, const L: usize> {
     row: [f32; M],
+    /// What the levels of y, u1, u2 are taken from.
+    origin: [f32; 3],
+    /// Accepted samples that a row needs before its own.
+    depth: usize,
     /// y(t−1), the value before it in the row, and the same for u1 and u2.
     newest_y: f32,
     level: [f32; 3],
@@ -85,10 +93,31 @@ pub struct Regressor<const M: usize, const L: usize> {
 }
 
 impl<const M: usize, const L: usize> Regressor<M, L> {
-    /// No samples yet.
+    /// No samples yet. A regression that does not fit the capacities never gives a row.
     #[must_use]
-    pub const fn new() -> Self {
-        Self { row: [0.0; M], newest_y: 0.0, level: [0.0; 3], u1: Delay::new(), u2: Delay::new(), clean: 0 }
+    pub const fn new(regression: &Regression<M>) -> Self {
+        let fits = regression.columns() <= M && regression.order.largest_delay() <= L;
+        Self {
+            row: [0.0; M],
+            origin: [0.0; 3],
+            depth: if fits { regression.order.depth() } else { usize::MAX },
+            newest_y: 0.0,
+            level: [0.0; 3],
+            u1: Delay::new(),
+            u2: Delay::new(),
+            clean: 0,
+        }
+    }
+
+    /// Takes the levels of the following rows from this sample.
+    pub const fn recentre(&mut self, sample: &Sample) {
+        self.origin = [sample.y, sample.u1, sample.u2];
+    }
+
+    /// What the levels of y, u1, u2 are taken from; zero unless [`Regressor::recentre`] was called.
+    #[must_use]
+    pub const fn origin(&self) -> [f32; 3] {
+        self.origin
     }
 
     /// Forgets every lag: the next row needs a clean run of `depth + 1` samples.
@@ -101,10 +130,12 @@ impl<const M: usize, const L: usize> Regressor<M, L> {
     pub fn push(&mut self, regression: &Regression<M>, sample: &Sample) -> Option<&[f32; M]> {
         let Order { na, nb, nc, nkb, nkc } = regression.order;
         let [level_y, level_u1, level_u2] = &mut self.level;
+        let [y0, u1_0, u2_0] = self.origin;
+        let (u1, u2) = (self.u1.push(sample.u1, nkb), self.u2.push(sample.u2, nkc));
         let (cells, scale) = (&mut self.row[..], &regression.scale[..]);
-        let (cells, scale) = shift_in(cells, scale, na, level_y, self.newest_y);
-        let (cells, scale) = shift_in(cells, scale, nb, level_u1, self.u1.push(sample.u1, nkb));
-        let (cells, scale) = shift_in(cells, scale, nc, level_u2, self.u2.push(sample.u2, nkc));
+        let (cells, scale) = shift_in(cells, scale, na, level_y, (self.newest_y, y0));
+        let (cells, scale) = shift_in(cells, scale, nb, level_u1, (u1, u1_0));
+        let (cells, scale) = shift_in(cells, scale, nc, level_u2, (u2, u2_0));
         let mut rest = cells.iter_mut().zip(scale);
         if regression.offset
             && let Some((cell, scale)) = rest.next()
@@ -112,28 +143,22 @@ impl<const M: usize, const L: usize> Regressor<M, L> {
             *cell = *scale;
         }
         if let Some((target, scale)) = rest.next() {
-            *target = (if na == 0 { sample.y } else { sample.y - self.newest_y }) * scale;
+            *target = (sample.y - if na == 0 { y0 } else { self.newest_y }) * scale;
         }
         self.newest_y = sample.y;
         self.clean = self.clean.saturating_add(1);
-        (self.clean as usize > regression.order.depth()).then_some(&self.row)
+        (self.clean as usize > self.depth).then_some(&self.row)
     }
 }
 
-impl<const M: usize, const L: usize> Default for Regressor<M, L> {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-/// Puts a new level in front of `x₁, x₁−x₂, x₂−x₃, …` (`terms` columns); gives the columns behind them.
+/// Puts a new level, less its origin, in front of `x₁, x₁−x₂, x₂−x₃, …` (`terms` columns); gives the columns behind them.
 #[inline]
 fn shift_in<'c, 's>(
     cells: &'c mut [f32],
     scale: &'s [f32],
     terms: u8,
     level: &mut f32,
-    newest: f32,
+    (newest, origin): (f32, f32),
 ) -> (&'c mut [f32], &'s [f32]) {
     let terms = terms as usize;
     let (Some((own, cells)), Some((own_scale, scale))) =
@@ -142,7 +167,7 @@ fn shift_in<'c, 's>(
         return (&mut [], &[]);
     };
     if let ([first, differences @ ..], [first_scale, scales @ ..]) = (own, own_scale) {
-        *first = newest * first_scale;
+        *first = (newest - origin) * first_scale;
         if let Some(scale) = scales.first() {
             // Differences share one scale (`Model::validate`), so they move on as they are.
             let mut carried = (newest - *level) * scale;
@@ -156,7 +181,7 @@ fn shift_in<'c, 's>(
 }
 
 /// A signal as it was `delay` samples ago.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 struct Delay<const L: usize> {
     ring: [f32; L],
     place: usize,
@@ -198,7 +223,7 @@ mod tests {
     fn row_by_hand() {
         let mut regression = regression::<7>(Order::new(2, 2, 1, 1, 0), true);
         regression.scale = [1.0, 2.0, 1.0, 1.0, 4.0, 1.0, 8.0];
-        let mut lags = Regressor::<7, 1>::new();
+        let mut lags = Regressor::<7, 1>::new(&regression);
         assert_eq!(lags.push(&regression, &sample(1.0, 10.0, -1.0)), None);
         assert_eq!(lags.push(&regression, &sample(2.0, 20.0, -2.0)), None, "t₀ = 2");
         // y₁ = 2, y₁−y₂ = 1 (×2), u₁ = 20, u₁−u₂ = 10, w₁ = −3 (×4), 1, target 4 − 2 (×8)
@@ -209,7 +234,7 @@ mod tests {
     #[test]
     fn moving_average_model_has_the_output_itself_as_target() {
         let regression = regression::<2>(Order::new(0, 1, 0, 1, 0), false);
-        let mut lags = Regressor::<2, 1>::new();
+        let mut lags = Regressor::<2, 1>::new(&regression);
         assert_eq!(lags.push(&regression, &sample(1.0, 10.0, 0.0)), None);
         assert_eq!(lags.push(&regression, &sample(2.0, 20.0, 0.0)), Some(&[10.0, 2.0]));
     }
@@ -222,7 +247,7 @@ mod tests {
             let t = f32::from(t);
             sample(t * t * t, 1000.0 + t * t, 0.5 * t)
         };
-        let mut lags = Regressor::<9, 4>::new();
+        let mut lags = Regressor::<9, 4>::new(&regression);
         for t in 0..30_i16 {
             let row = lags.push(&regression, &signal(t)).copied();
             assert_eq!(row.is_some(), t >= 6, "t₀ = 4 + 3 − 1");
@@ -246,13 +271,23 @@ mod tests {
     #[test]
     fn flush_withholds_rows_until_every_lag_is_clean() {
         let regression = regression::<5>(Order::new(1, 2, 1, 1, 1), false);
-        let mut lags = Regressor::<5, 1>::new();
+        let mut lags = Regressor::<5, 1>::new(&regression);
         let push = |lags: &mut Regressor<5, 1>, x: f32| lags.push(&regression, &sample(x, 10.0 * x, x)).copied();
         assert_eq!((push(&mut lags, 1.0), push(&mut lags, 2.0)), (None, None));
         assert_eq!(push(&mut lags, 3.0), Some([2.0, 20.0, 10.0, 2.0, 1.0]));
         lags.flush();
         assert_eq!((push(&mut lags, 7.0), push(&mut lags, 9.0)), (None, None));
         assert_eq!(push(&mut lags, 12.0), Some([9.0, 90.0, 20.0, 9.0, 3.0]), "nothing from before the gap");
+    }
+
+    #[test]
+    fn a_regression_too_large_gives_no_rows() {
+        let mut narrow = Regressor::<3, 9>::new(&regression::<3>(Order::new(1, 1, 1, 1, 1), false));
+        let mut short = Regressor::<4, 1>::new(&regression::<4>(Order::new(1, 1, 1, 2, 1), false));
+        for _ in 0..20 {
+            assert_eq!(narrow.push(&regression(Order::new(1, 1, 1, 1, 1), false), &sample(1.0, 2.0, 3.0)), None);
+            assert_eq!(short.push(&regression(Order::new(1, 1, 1, 2, 1), false), &sample(1.0, 2.0, 3.0)), None);
+        }
     }
 
     #[test]

@@ -16,7 +16,7 @@ use crate::estimate::{Order, Regression};
 const MAGIC: [u8; 4] = *b"BWMD";
 pub(super) const VERSION: u16 = 1;
 const HEADER: usize = 16;
-/// No model file is longer than this; a length field beyond it is corruption.
+/// No payload and no notes are longer than this; a length field beyond it is corruption.
 pub const MAX_BYTES: usize = 1 << 20;
 
 /// CRC-32/ISO-HDLC, bit by bit: 8 instructions a bit, no table in flash.
@@ -50,7 +50,10 @@ fn open(bytes: &[u8]) -> Result<(&[u8], &[u8]), ModelError> {
     if version != VERSION {
         return Err(ModelError::Version(version));
     }
-    let _flags = header.u16()?;
+    // Reserved: a later version may give them a meaning that this one must not ignore.
+    if header.u16()? != 0 {
+        return Err(ModelError::Value("flags"));
+    }
     let (payload, notes) = (header.u32()? as usize, header.u32()? as usize);
     if payload > MAX_BYTES || notes > MAX_BYTES || bytes.len() != HEADER + payload + notes + 4 {
         return Err(ModelError::Length);
@@ -210,6 +213,9 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
         let payload = writer.written - HEADER;
         writer.bytes(notes.as_bytes())?;
         let end = writer.written;
+        if payload > MAX_BYTES || notes.len() > MAX_BYTES {
+            return Err(ModelError::Length);
+        }
         let length = |n: usize| u32::try_from(n).map_err(|_| ModelError::Length);
         writer.written = 0;
         writer.bytes(&MAGIC)?;

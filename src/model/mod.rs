@@ -7,15 +7,18 @@ pub use binary::{MAX_BYTES, notes};
 use crate::decide::Classifier;
 use crate::estimate::Regression;
 
-/// Longest bounded segment at λ = 1 in single precision (see [`crate::estimate::triangle`]).
+/// Longest segment: single-precision sums without forgetting need a bound (see [`crate::estimate::triangle`]).
 pub const MAX_SEGMENT_SAMPLES: u32 = 100_000;
+
+/// Longest block mean: plain sums of more samples lose digits.
+pub const MAX_BLOCK_MEAN: u16 = 1000;
 
 /// When samples are taken and how many make a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampling {
     /// Interval of the samples fed to [`Detector::step`](crate::Detector::step), s; informative, 0 where unknown.
     pub interval_s: f32,
-    /// Samples averaged into one before identification; 1 for none.
+    /// Samples averaged into one before identification; 1 for none, at most [`MAX_BLOCK_MEAN`].
     pub block_mean: u16,
     /// Samples a segment, after averaging; at most [`MAX_SEGMENT_SAMPLES`].
     pub segment_samples: u32,
@@ -149,13 +152,16 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
         if regression.order.parameters() == 0 {
             return Err(Value("order"));
         }
-        if regression.columns() > M {
+        // Places of columns are bytes.
+        if regression.columns() > M.min(255) {
             return Err(Capacity("regressor columns"));
         }
         let check = |good: bool, what| if good { Ok(()) } else { Err(Value(what)) };
         check(sampling.interval_s.is_finite() && sampling.interval_s >= 0.0, "sampling interval")?;
-        check(sampling.block_mean >= 1, "block mean")?;
-        check((1..=MAX_SEGMENT_SAMPLES).contains(&sampling.segment_samples), "segment length")?;
+        check((1..=MAX_BLOCK_MEAN).contains(&sampling.block_mean), "block mean")?;
+        let least = regression.columns() + regression.order.depth();
+        let long_enough = sampling.segment_samples as usize > least;
+        check(long_enough && sampling.segment_samples <= MAX_SEGMENT_SAMPLES, "segment length")?;
         check(regression.limit.iter().all(|x| x.is_finite() && *x > 0.0), "signal limit")?;
         check(regression.scale.iter().take(regression.columns()).all(|x| is_power_of_two(*x)), "column scale")?;
         check(regression.differences_share_scales(), "column scale")?;
@@ -171,15 +177,14 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
         let in_range = |index: &u8| (*index as usize) < regression.columns();
         check(features.index.iter().take(features.count as usize).all(in_range), "feature index")?;
 
-        let finite = |rows: &[f32]| rows.iter().all(|x| x.is_finite());
-        check(
-            finite(&classifier.projection.mean) && classifier.projection.matrix.iter().all(|row| finite(row)),
-            "projection",
-        )?;
-        let whitening_is_finite = discriminant.whitening.iter().flatten().all(|row| finite(row));
-        check(whitening_is_finite && discriminant.mean.iter().all(|row| finite(row)), "class density")?;
-        check(discriminant.cost.iter().all(|row| finite(row)), "cost")?;
+        let (f, z) = (features.count as usize, classifier.projection.count as usize);
         let in_use = discriminant.classes as usize;
+        let projection = &classifier.projection;
+        check(neutral(&projection.mean, f) && neutral_rows(&projection.matrix, z, f), "projection")?;
+        let covariances = discriminant.whitening.iter().all(|u| neutral_rows(u, z, z));
+        check(covariances && neutral_rows(&discriminant.mean, in_use, z), "class density")?;
+        let costs = discriminant.cost.iter().take(in_use).flat_map(|row| row.iter().take(in_use));
+        check(costs.into_iter().all(|cost| (0.0..=1e6).contains(cost)), "cost")?;
         let finite_in_use = |values: &[f32; C]| {
             values.iter().take(in_use).all(|x| x.is_finite())
                 && values.iter().skip(in_use).all(|x| *x == f32::NEG_INFINITY)
@@ -189,6 +194,16 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
     }
 }
 
+/// Within 2^±60, so that sums of squares stay far inside the range of `f32`.
 fn is_power_of_two(x: f32) -> bool {
-    x.is_normal() && x > 0.0 && x.to_bits() & 0x007F_FFFF == 0
+    (8.67e-19..=1.16e18).contains(&x) && x.to_bits() & 0x007F_FFFF == 0
+}
+
+/// Finite where in use and zero elsewhere: what a wider capacity adds must not count.
+fn neutral(values: &[f32], in_use: usize) -> bool {
+    values.iter().take(in_use).all(|x| x.is_finite()) && values.iter().skip(in_use).all(|x| x.to_bits() == 0)
+}
+
+fn neutral_rows<const N: usize>(rows: &[[f32; N]], rows_in_use: usize, in_use: usize) -> bool {
+    rows.iter().enumerate().all(|(k, row)| neutral(row, if k < rows_in_use { in_use } else { 0 }))
 }

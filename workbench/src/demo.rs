@@ -111,7 +111,7 @@ fn trace(id: String, recorded: RigTrace, input: FirstInput) -> Trace {
         }
     };
     let interval_s = recorded.t_s.windows(2).next().map(|pair| pair[1] - pair[0]);
-    Trace { id, interval_s, y: recorded.current_a, u1, u2: recorded.load_torque_nm }
+    Trace { id, interval_s, irregular_steps: 0, y: recorded.current_a, u1, u2: recorded.load_torque_nm }
 }
 
 /// Least squares, all of a, b, c, no projection, linear discriminant.

@@ -3,10 +3,11 @@
 
 use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Projection};
 use bearing_watch::model::MAX_BYTES;
-use bearing_watch::{Detector, Label, Model, ModelError, Regression, Report, Sample, Sampling, Verdict};
+use bearing_watch::{Detector, Label, Model, ModelError, Reason, Regression, Report, Sample, Sampling, Verdict};
 use nalgebra::DMatrix;
 
 use crate::Error;
+use crate::identify::Structure;
 use crate::trace::Trace;
 use crate::train::Trained;
 
@@ -88,6 +89,14 @@ macro_rules! capacities {
                 }
             }
 
+            fn structure(&self) -> Structure {
+                match self {
+                    $(Self::$name(model) => {
+                        Structure { order: model.regression.order, offset: model.regression.offset }
+                    })+
+                }
+            }
+
             fn decide(&self, log_likelihoods: &[f32]) -> Option<(usize, Vec<f32>)> {
                 match self {
                     $(Self::$name(model) => {
@@ -141,10 +150,14 @@ fn run<const M: usize, const P: usize, const L: usize, const F: usize, const Z: 
             start = k + 1;
         }
     }
-    // What is left counts only where it is at least half a segment, or all there is.
-    let half = model.sampling.segment_samples / 2;
-    if segments.is_empty() || detector.pending() > half {
-        segments.push(Segment { start, length: trace.y.len() - start, ..segment(&detector.finish(), classes) });
+    // What is left counts only where it is more than half a segment: the model knows the spread of whole ones.
+    let (pending, whole) = (detector.pending(), model.sampling.segment_samples);
+    if pending > whole / 2 || segments.is_empty() {
+        let mut rest = Segment { start, length: trace.y.len() - start, ..segment(&detector.finish(), classes) };
+        if pending <= whole / 2 {
+            rest = rest.undetermined(format!("{pending} samples are no more than half a segment of {whole}"));
+        }
+        segments.push(rest);
     }
     Ok(segments)
 }
@@ -183,7 +196,7 @@ fn segment<const M: usize, const P: usize, const C: usize>(report: &Report<M, P,
     Segment {
         verdict: match report.verdict {
             Verdict::Class(class) => Ok(class as usize),
-            Verdict::Undetermined(reason) => Err(reason.to_string()),
+            Verdict::Undetermined(reason) => Err(explain(reason, report)),
         },
         posteriors: decided(|d| d.posteriors),
         log_likelihoods: decided(|d| d.log_likelihoods),
@@ -197,6 +210,29 @@ fn segment<const M: usize, const P: usize, const C: usize>(report: &Report<M, P,
     }
 }
 
+/// The reason with what it means in this model.
+fn explain<const M: usize, const P: usize, const C: usize>(reason: Reason, report: &Report<M, P, C>) -> String {
+    let estimate = &report.estimate;
+    match reason {
+        Reason::TooFewRows if estimate.rejected > 0 => {
+            format!("{reason}: {} samples lie outside the model's limits", estimate.rejected)
+        }
+        Reason::NotExcited(place) => {
+            let names = Structure { order: estimate.order, offset: estimate.offset }.names();
+            names.get(place as usize).map_or(reason.to_string(), |name| {
+                format!("the signals do not excite parameter {name} (constant, or depending on the ones before)")
+            })
+        }
+        _ => reason.to_string(),
+    }
+}
+
+impl Segment {
+    fn undetermined(self, reason: String) -> Self {
+        Self { verdict: Err(reason), posteriors: vec![], log_likelihoods: vec![], ..self }
+    }
+}
+
 impl Embedded {
     /// Reads a binary model into the smallest capacity that holds it.
     ///
@@ -207,13 +243,18 @@ impl Embedded {
         Ok(Self { classes: model.label_names(), model })
     }
 
-    /// Runs one trace through the detector; a partial last segment counts where it is more than half a segment or
-    /// all there is.
+    /// Runs one trace through the detector; a partial last segment counts where it is more than half a segment.
     ///
     /// # Errors
     /// Where the detector refuses the model.
     pub fn run(&self, trace: &Trace) -> Result<Vec<Segment>, ModelError> {
         self.model.run(trace)
+    }
+
+    /// Order and constant of the regression.
+    #[must_use]
+    pub fn structure(&self) -> Structure {
+        self.model.structure()
     }
 
     /// What the first segment would say if it ended after each multiple of `every` samples.

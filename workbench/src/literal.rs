@@ -56,14 +56,15 @@ pub fn validate(
     let (raw, held_out) = (raw.map(&map), held_out.map(&map));
 
     let recipe = Recipe { discriminant: Kind::Linear, ..Recipe::new(structure) };
-    let all = discriminant::train(&raw, &recipe)?;
+    let coordinates: Vec<String> = (1..=map.matrix.nrows()).map(|k| format!("z{k}")).collect();
+    let all = discriminant::train(&raw, &coordinates, &recipe)?;
     let mut all_classes = Confusion::new(classes);
     for (row, &truth) in held_out.rows.iter().zip(&held_out.classes) {
         all_classes.add(truth, Some(most_likely(&all, row)));
     }
     let (mut binary_wrong, mut binary_total) = (0, 0);
     for defect in 1..classes.len() {
-        let pair = discriminant::train(&two_classes(&raw, defect), &recipe)?;
+        let pair = discriminant::train(&two_classes(&raw, defect), &coordinates, &recipe)?;
         let test = two_classes(&held_out, defect);
         binary_total += test.rows.len();
         binary_wrong +=

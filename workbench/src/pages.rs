@@ -6,11 +6,11 @@ use crate::Error;
 use crate::embedded::{Embedded, Segment};
 use crate::evaluate::{Confusion, TraceVerdict};
 use crate::features;
-use crate::report::page::or_reason;
+use crate::report::page::{or_reason, paragraph};
 use crate::report::plot::{self, Panel, ScatterClass, Series};
 use crate::report::table::{ConfusionRow, confusion_table, table};
 use crate::report::{Class, Color, Page};
-use crate::trace::Trace;
+use crate::trace::{Channels, Trace};
 use crate::train::statistics::whitening;
 use crate::train::{ClassStatistics, Trained};
 
@@ -20,40 +20,44 @@ use crate::train::{ClassStatistics, Trained};
 /// Where the model does not embed.
 pub fn training(
     trained: &Trained,
+    channels: &Channels,
     examples: &[(&Trace, usize)],
     held_out: Option<(&Confusion, &[TraceVerdict])>,
 ) -> Result<String, Error> {
     let verdicts = held_out.map_or(&[][..], |(_, verdicts)| verdicts);
+    let coordinates = trained.core_projection.matrix.nrows();
     let mut page = Page::new("bearing-watch: training report").lead(format!(
-        "{} training traces of {}; features {}; {} discriminant over {} coordinates.",
+        "{} training segments of {}; features {}; {} discriminant over {coordinates} {}.",
         trained.coordinates.rows.len(),
         trained.classes.join(", "),
         trained.feature_names.join(", "),
         trained.kind_name(),
-        trained.core_projection.matrix.nrows()
+        if coordinates == 1 { "coordinate" } else { "coordinates" },
     ));
-    page = page.section("Signals, one trace of each class", &signals(trained, examples));
+    page = page.section("Signals, one trace of each class", &signals(trained, channels, examples));
     page = page.section("Features and decision regions", &scatter(trained, verdicts)?);
     if let Some((confusion, verdicts)) = held_out {
         page = page.section("Held-out traces, through the embedded detector", &confusion_html(confusion));
-        page = page.section("Posteriors, trace after trace", &posteriors_by_trace(&trained.classes, verdicts));
+        page = page.section("Posteriors, segment after segment", &posteriors_by_trace(&trained.classes, verdicts));
     }
-    Ok(page.section("Parameters of the training traces", &parameter_table(trained)).render())
+    Ok(page.section("Features of the training segments", &feature_table(trained)).render())
 }
 
 /// Output and inputs of one trace of each class.
 #[must_use]
-pub fn signals(trained: &Trained, examples: &[(&Trace, usize)]) -> String {
-    let panel = |label: &str, pick: fn(&Trace) -> &[f64]| {
+pub fn signals(trained: &Trained, channels: &Channels, examples: &[(&Trace, usize)]) -> String {
+    let panel = |label: &str, channel: &str, pick: fn(&Trace) -> &[f64]| {
         let series = examples.iter().map(|(trace, class)| {
             let step = trace.interval_s.unwrap_or(1.0);
             let points = pick(trace).iter().enumerate().map(move |(k, x)| (k as f64 * step, *x));
             Series::new(trained.classes[*class].clone(), Color::of(*class), points)
         });
-        Panel::new(label, series.collect())
+        Panel::new(format!("{label} = {channel}"), series.collect())
     };
-    let panels = [panel("y", |t| &t.y), panel("u1", |t| &t.u1), panel("u2", |t| &t.u2)];
-    or_reason(plot::signals("Signals as identified", &panels))
+    let panels =
+        [panel("y", &channels.y, |t| &t.y), panel("u1", &channels.u1, |t| &t.u1), panel("u2", &channels.u2, |t| &t.u2)];
+    let timed = examples.iter().all(|(trace, _)| trace.interval_s.is_some());
+    or_reason(plot::signals("Signals as identified", if timed { "time / s" } else { "sample" }, &panels))
 }
 
 /// Training and held-out traces in the plane in which the classes lie furthest apart, over the decisions there.
@@ -63,26 +67,31 @@ pub fn signals(trained: &Trained, examples: &[(&Trace, usize)]) -> String {
 pub fn scatter(trained: &Trained, held_out: &[TraceVerdict]) -> Result<String, Error> {
     let model = trained.embed()?;
     let Some(plane) = Plane::new(trained) else {
-        return Ok(crate::report::page::paragraph("One coordinate only: there is no plane to draw."));
+        return Ok(paragraph("The features of the training set do not span a plane."));
     };
     let classes = Class::all(&trained.classes);
     let of_class = |k: usize| {
         let table = &trained.coordinates;
-        let training = table.rows.iter().zip(&table.classes).filter(|(_, c)| **c == k).map(|(z, _)| plane.point(z));
+        let training = table.rows.iter().zip(&table.classes).filter(|(_, c)| **c == k).map(|(z, _)| z.clone());
         let segments = held_out.iter().filter(|v| v.class == k).flat_map(|v| &v.segments);
-        let held_out = segments.filter(|s| s.verdict.is_ok()).map(|s| plane.point(&coordinates(trained, s)));
-        ScatterClass { class: classes[k].clone(), training: training.collect(), held_out: held_out.collect() }
+        let held_out = segments.filter(|s| s.verdict.is_ok()).map(|s| coordinates(trained, s));
+        ScatterClass { class: classes[k].clone(), training: plane.points(training), held_out: plane.points(held_out) }
     };
     let scattered: Vec<ScatterClass> = (0..classes.len()).map(of_class).collect();
     let decide = |x, y| decide(&model, &plane, x, y, classes.len());
-    let title = "Features in the plane that separates the classes best";
-    Ok(or_reason(plot::scatter_regions(
-        title,
-        "first direction / sd within",
-        "second direction / sd within",
-        &scattered,
-        decide,
-    )))
+    let dimensions = trained.coordinates.rows.first().map_or(0, DVector::len);
+    let (title, second) = match dimensions {
+        1 => ("The feature, and the decision at each value", "segment of its class (held out and training)"),
+        _ => ("Features in the plane that separates the classes best", "second direction / sd within"),
+    };
+    let plot = or_reason(plot::scatter_regions(title, "first direction / sd within", second, &scattered, decide));
+    let mut note = "Points are segments; the rates of the tables may count whole traces.".to_string();
+    if dimensions > 2 {
+        note += &format!(
+            " The plane is a section through {dimensions} dimensions: a point off it may lie in the colour of another class than the one decided."
+        );
+    }
+    Ok(plot + &paragraph(&note))
 }
 
 fn decide(model: &Embedded, plane: &Plane, x: f64, y: f64, undetermined: usize) -> usize {
@@ -116,7 +125,7 @@ pub fn confusion_html(confusion: &Confusion) -> String {
         "Error rate {error} of {} decisions; balanced accuracy {balanced} (95 % intervals).",
         confusion.total()
     );
-    or_reason(confusion_table(&confusion.classes, &rows)) + &crate::report::page::paragraph(&summary)
+    or_reason(confusion_table(&confusion.classes, &rows)) + &paragraph(&summary)
 }
 
 /// Posterior of every segment, the traces laid one after the other.
@@ -138,33 +147,27 @@ pub fn posteriors_by_trace(classes: &[String], verdicts: &[TraceVerdict]) -> Str
     or_reason(plot::posteriors("Posterior of each segment", "segment", &Class::all(classes), &segments))
 }
 
-fn parameter_table(trained: &Trained) -> String {
-    let statistics = ClassStatistics::new(&trained.coordinates);
-    let header: Vec<String> = [vec!["class".into(), "traces".into()], coordinate_names(trained)].concat();
+fn feature_table(trained: &Trained) -> String {
+    let statistics = ClassStatistics::new(&trained.raw);
+    let header: Vec<String> = [vec!["class".into(), "segments".into()], trained.feature_names.clone()].concat();
     let rows: Vec<Vec<String>> = (0..trained.classes.len())
         .map(|k| {
             let variances = statistics.covariances[k].diagonal();
             let cells = statistics.means[k].iter().zip(variances.iter());
-            let cells = cells.map(|(mean, variance)| format!("{mean:.2} ± {:.2}", variance.sqrt())).collect();
+            // No-break spaces keep mean and deviation on one line.
+            let cells =
+                cells.map(|(mean, variance)| format!("{mean:.4e}\u{a0}±\u{a0}{:.1e}", variance.sqrt())).collect();
             [vec![trained.classes[k].clone(), statistics.counts[k].to_string()], cells].concat()
         })
         .collect();
-    crate::report::page::paragraph("Projected coordinates, mean ± standard deviation over the traces of a class.")
-        + &table(&header, &rows)
-}
-
-fn coordinate_names(trained: &Trained) -> Vec<String> {
-    match trained.recipe.projection {
-        crate::train::ProjectionKind::None => trained.feature_names.clone(),
-        _ => (1..=trained.core_projection.matrix.nrows()).map(|k| format!("z{k}")).collect(),
-    }
+    paragraph("Mean ± standard deviation over the training segments of a class.") + &table(&header, &rows)
 }
 
 /// The plane through the grand mean, in whitened coordinates, along the directions that separate the class means
 /// most; where there are only two classes, the second direction is that of the largest spread across the first.
 ///
 /// Points off the plane are taken to their conditional mean, so for a linear discriminant of up to three classes the
-/// regions drawn are exactly those decided by.
+/// regions drawn are exactly those decided by. With one coordinate the second axis only spreads the points out.
 #[derive(Clone, Debug)]
 struct Plane {
     centre: DVector<f64>,
@@ -178,32 +181,35 @@ impl Plane {
     fn new(trained: &Trained) -> Option<Self> {
         let statistics = ClassStatistics::new(&trained.coordinates);
         let z = statistics.total_mean.len();
-        if z < 2 {
-            return None;
-        }
-        let (white, _) = whitening(&statistics.pooled)?;
+        let (white, _) = whitening(&statistics.pooled).ok()?;
         let mut between = DMatrix::zeros(z, z);
         for mean in &statistics.means {
             let away = &white * (mean - &statistics.total_mean);
             between += &away * away.transpose();
         }
         let first = leading(&between);
-        let across = DMatrix::identity(z, z) - &first * first.transpose();
-        let remaining =
-            if statistics.means.len() > 2 { between } else { &white * &statistics.total * white.transpose() };
-        let second = leading(&(&across * remaining * &across));
-        let directions = DMatrix::from_columns(&[first, second]);
+        let mut directions = DMatrix::from_columns(std::slice::from_ref(&first));
+        if z > 1 {
+            let across = DMatrix::identity(z, z) - &first * first.transpose();
+            let total = &white * &statistics.total * white.transpose();
+            let remaining = if statistics.means.len() > 2 { between } else { total };
+            directions = DMatrix::from_columns(&[first, leading(&(&across * remaining * &across))]);
+        }
         let back = white.solve_lower_triangular(&directions)?;
         Some(Self { centre: statistics.total_mean, to: directions.transpose() * white, back })
     }
 
-    fn point(&self, z: &DVector<f64>) -> (f64, f64) {
-        let p = &self.to * (z - &self.centre);
-        (p[0], p[1])
+    fn points(&self, coordinates: impl Iterator<Item = DVector<f64>>) -> Vec<(f64, f64)> {
+        let point = |(k, z): (usize, DVector<f64>)| {
+            let p = &self.to * (z - &self.centre);
+            (p[0], if p.len() > 1 { p[1] } else { k as f64 })
+        };
+        coordinates.enumerate().map(point).collect()
     }
 
     fn lift(&self, x: f64, y: f64) -> DVector<f64> {
-        &self.centre + &self.back * DVector::from_vec(vec![x, y])
+        let p = DVector::from_vec(if self.back.ncols() > 1 { vec![x, y] } else { vec![x] });
+        &self.centre + &self.back * p
     }
 }
 

@@ -96,6 +96,12 @@ fn segments_projections_priors_and_costs() {
         succeed(dir, &format!("{train} {options}"));
         succeed(dir, "replay --model m.bwm t/healthy_3_000.csv --json");
     }
+    succeed(dir, &format!("{train} --segment 1250"));
+    let json: serde_json::Value =
+        serde_json::from_str(&succeed(dir, "evaluate --model m.bwm --labels t/labels.csv --per-segment --json"))
+            .expect("JSON");
+    // Trained on segments of the same length; trained on whole traces a quarter of them would be wrong.
+    assert!(json["error_rate"]["value"].as_f64().is_some_and(|error| error < 0.02), "{json}");
     succeed(dir, &format!("{train} --segment 2500"));
     let by_segment = succeed(dir, "evaluate --model m.bwm --labels t/labels.csv --per-segment");
     assert!(by_segment.contains("of 60,"), "two segments of each of thirty traces\n{by_segment}");
@@ -159,6 +165,10 @@ fn bad_input_is_one_line_with_file_place_and_remedy() {
     write("header.csv", "y,u1,u2\n");
     write("short.csv", "y,u1,u2\n1,2,3\n4,5,6\n");
     write("flat.csv", &format!("y,u1,u2\n{}", "1,2,3\n".repeat(50)));
+    write("steady.csv", &format!("y,u1,u2\n{}", "1,2,3\n2,2,3\n4,2,3\n".repeat(20)));
+    write("semicolons.csv", "y;u1;u2\n1;2;3\n");
+    write("huge.csv", "y,u1,u2\n1,2,1e300\n");
+    write("backwards.csv", "t_s,y,u1,u2\n0,1,2,3\n-1,1,2,3\n");
     write("columns.csv", "y,u1\n1,2\n");
     let signals = "--y y --u1 u1 --u2 u2";
     let identify = |file: &str| format!("identify {file} {signals} --order 1,1,1,1,1 --out out.csv");
@@ -170,7 +180,14 @@ fn bad_input_is_one_line_with_file_place_and_remedy() {
     refuse(dir, &identify("empty.csv"), &["empty.csv, header"]);
     refuse(dir, &identify("header.csv"), &["header.csv", "no rows"]);
     refuse(dir, &identify("short.csv"), &["short.csv", "2 samples for 3 parameters", "record more"]);
-    refuse(dir, &identify("flat.csv"), &["flat.csv", "do not excite parameter b1", "richer command"]);
+    refuse(dir, &identify("flat.csv"), &["flat.csv", "the output is constant", "check --y"]);
+    refuse(dir, &identify("steady.csv"), &["steady.csv", "do not excite parameter c1", "richer command"]);
+    refuse(dir, &identify("semicolons.csv"), &["semicolons.csv, header", "separated by semicolons"]);
+    refuse(dir, &identify("huge.csv"), &["huge.csv, line 2, column u2", "no measured value"]);
+    refuse(dir, &identify("backwards.csv"), &["backwards.csv, line 3, column t_s", "time runs backwards"]);
+    refuse(dir, &identify("t0.csv").replace("out.csv", "t0.csv"), &["t0.csv is an input"]);
+    refuse(dir, &identify("t0.csv").replace("out.csv", "no/out.csv"), &["there is no folder no"]);
+    refuse(dir, &identify("t0.csv").replace("out.csv", "."), &["is a folder"]);
     refuse(dir, &identify("absent.csv"), &["absent.csv"]);
     refuse(dir, &identify("t0.csv t0.csv"), &["t0.csv", "comes twice"]);
     refuse(dir, &format!("identify t0.csv {signals} --order 1,1,1,1,1 --block-mean 0"), &["--block-mean"]);
@@ -178,13 +195,23 @@ fn bad_input_is_one_line_with_file_place_and_remedy() {
     let train = format!("train --labels labels.csv {signals} --order 1,1,1,1,1 --model m.bwm --rust m.rs");
     refuse(dir, &format!("{train} --where run>10"), &["labels.csv, selection", "no row with run>10"]);
     refuse(dir, &format!("{train} --where run<3"), &["at least two classes", "only good"]);
+    refuse(dir, &format!("{train} --where run<4"), &["class bad has 1 training trace"]);
     refuse(dir, &format!("{train} --classes good,worse"), &["unknown class worse", "there are good, bad"]);
     refuse(dir, &format!("{train} --where speed=1"), &["labels.csv, header", "no column speed"]);
-    refuse(dir, &format!("{train} --discriminant quadratic"), &["class good is singular", "3 traces", "at least 4"]);
+    refuse(
+        dir,
+        &format!("{train} --discriminant quadratic"),
+        &["class good is singular", "3 traces are too few for 3 features", "at least 4"],
+    );
     refuse(dir, &format!("{train} --features d"), &["no d in this model", "log_variance"]);
     refuse(dir, &format!("{train} --priors good=1"), &["says nothing of class bad"]);
     refuse(dir, &format!("{train} --cost good:worse=3"), &["unknown class worse"]);
-    refuse(dir, &format!("{train} --segment 0"), &["--segment"]);
+    refuse(dir, &format!("{train} --segment 4"), &["--segment 4", "5 to 100000"]);
+    refuse(dir, &format!("{train} --cost good:good=3"), &["a right decision costs nothing"]);
+    refuse(dir, &format!("{train} --priors good=1,good=2,bad=1"), &["names good twice"]);
+    refuse(dir, &format!("{train} --classes good,good"), &["names good twice"]);
+    refuse(dir, &train.replace("m.rs", "m.bwm"), &["m.bwm is named for two outputs"]);
+    refuse(dir, &train.replace("m.rs", "labels.csv"), &["labels.csv is an input"]);
     refuse(dir, &format!("{train} --train-where run<5 --test-where run>3"), &["t4", "make them disjoint"]);
     write("missing.csv", "trace,class_name\nt0,good\nt9,bad\n");
     refuse(dir, &train.replace("labels.csv", "missing.csv"), &["t9 is labelled, but there is no such trace"]);
@@ -193,12 +220,14 @@ fn bad_input_is_one_line_with_file_place_and_remedy() {
     write("nolabel.csv", "trace,class\nt0,good\n");
     refuse(dir, &train.replace("labels.csv", "nolabel.csv"), &["nolabel.csv, header", "no column class_name"]);
 
-    // Orders are refused by the argument parser, which prints its own usage below the error.
     for (order, words) in [("0,0,0,1,1", "no terms"), ("1,1,1", "no order"), ("1,1,99,1,1", "above 32")] {
-        let output = run(dir, &format!("identify t0.csv {signals} --order {order}"));
-        let error = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(output.status.code() == Some(2) && error.contains(words), "{error}");
+        refuse(dir, &format!("identify t0.csv {signals} --order {order}"), &["--order", words]);
     }
+    refuse(dir, "identify t0.csv --order 1,1,1,1,1", &["required arguments", "--y", "--help"]);
+    refuse(dir, "", &["a command is missing"]);
+    refuse(dir, "simulate --class healthy,healthy --out s", &["names healthy twice"]);
+    refuse(dir, "simulate --class spall --severity -1 --out s", &["severity", "negative"]);
+    refuse(dir, "simulate --class spall --severity nan --out s", &["severity", "finite"]);
 }
 
 #[test]
@@ -226,4 +255,20 @@ fn bad_models_are_refused() {
     refuse(dir, &evaluate("absent.bwm"), &["absent.bwm"]);
     let other = "evaluate --model m.bwm --labels other.csv --out v.csv";
     refuse(dir, other, &["t0", "unknown class worn", "good, bad"]);
+}
+
+#[test]
+fn another_sampling_rate_is_refused() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy,spall --count 4 --seed 5 --out t");
+    let train = format!("train --labels t/labels.csv {SIGNALS} --order 1,1,1,1,1 --model m.bwm");
+    succeed(dir, &train);
+    let recorded = std::fs::read_to_string(dir.join("t/spall_5_001.csv")).expect("trace");
+    let mut slower: Vec<&str> = recorded.lines().skip(1).step_by(5).collect();
+    slower.insert(0, recorded.lines().next().expect("header"));
+    std::fs::write(dir.join("slow.csv"), slower.join("\n")).expect("writable");
+    refuse(dir, "replay --model m.bwm slow.csv", &["slow.csv", "every 0.01 s", "the model wants 0.002"]);
+    std::fs::write(dir.join("t/spall_5_001.csv"), slower.join("\n")).expect("writable");
+    refuse(dir, &train, &["spall_5_001.csv", "every 0.01 s", "train on one rate"]);
 }

@@ -46,11 +46,28 @@ struct Row {
     name: &'static str,
     published: &'static str,
     mean: f64,
-    sd: f64,
+    /// Nothing from one draw.
+    sd: Option<f64>,
+}
+
+impl Row {
+    fn error(&self) -> String {
+        match self.sd {
+            Some(sd) => format!("{:.1} ± {sd:.1}", self.mean),
+            None => format!("{:.1}", self.mean),
+        }
+    }
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
     let settings = Settings { repetitions: args.repetitions, traces: args.traces, seed: u32::from(args.seed) };
+    let model_files =
+        args.model.as_ref().map(|folder| ["model.rs", "model.bwm", "held_out.bin"].map(|f| folder.join(f)));
+    if let Some(folder) = &args.model {
+        std::fs::create_dir_all(folder).map_err(Error::io(folder))?;
+    }
+    let outputs: Vec<&Path> = model_files.iter().flatten().map(PathBuf::as_path).chain([args.out.as_path()]).collect();
+    output::plan(&outputs, &[])?;
     let count = settings.repetitions * settings.traces * 2 * demo::CLASSES.len() as u32;
     let bar = output::progress("simulating", count as usize);
     let first = demo::draw(&settings, 0, || bar.inc(1))?;
@@ -60,25 +77,23 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     }
     bar.finish_and_clear();
     let rows = rows(&repetitions);
-    output::write(&args.out, page(&settings, &first, &rows)?)?;
-    if let Some(folder) = &args.model {
-        write_model(folder, &first)?;
-    }
-    if args.json {
-        print_json(&first, &rows);
-    } else {
-        print(&settings, &first, &rows, args);
-    }
-    Ok(())
+    let page = page(&settings, &first, &rows)?;
+    let contents = model_contents(&first)?;
+    let mut files = vec![(args.out.as_path(), page.as_bytes())];
+    files.extend(model_files.iter().flatten().map(PathBuf::as_path).zip(contents.iter().map(Vec::as_slice)));
+    output::write_all(&files)?;
+    if args.json { print_json(&first, &rows) } else { print(&settings, &first, &rows, args) }
 }
 
-fn write_model(folder: &Path, first: &Draw) -> Result<(), Error> {
-    std::fs::create_dir_all(folder).map_err(Error::io(folder))?;
+/// The model as Rust and binary, and its recording.
+fn model_contents(first: &Draw) -> Result<[Vec<u8>; 3], Error> {
     let lines = ["Standard DC-motor rig: y = current, u1 = velocity reference, u2 = load torque.".to_string()];
-    output::write(&folder.join("model.rs"), export::rust_source(&first.trained, &lines)?)?;
     let notes = Notes::new(&channels(), Preparation::NONE, &first.trained.feature_names, &first.training);
-    output::write(&folder.join("model.bwm"), first.trained.to_bytes(&notes.to_text())?)?;
-    output::write(&folder.join("held_out.bin"), converter_counts(first))
+    Ok([
+        export::rust_source(&first.trained, &lines)?.into_bytes(),
+        first.trained.to_bytes(&notes.to_text())?,
+        converter_counts(first),
+    ])
 }
 
 /// One held-out trace of each class as a converter over the model's range would give it: y, u1, u2 as `i16`,
@@ -105,7 +120,7 @@ fn channels() -> Channels {
 fn rows(repetitions: &[Repetition]) -> Vec<Row> {
     let row = |name, published, error: fn(&Repetition) -> f64| {
         let (mean, sd) = demo::mean_sd_percent(&repetitions.iter().map(error).collect::<Vec<_>>());
-        Row { name, published, mean, sd }
+        Row { name, published, mean, sd: (repetitions.len() > 1).then_some(sd) }
     };
     vec![
         row("embedded: LS, all of a b c, LDA", "–", |r| r.all_parameters.error_rate().value),
@@ -115,28 +130,30 @@ fn rows(repetitions: &[Repetition]) -> Vec<Row> {
     ]
 }
 
-fn print(settings: &Settings, first: &Draw, rows: &[Row], args: &Args) {
+fn print(settings: &Settings, first: &Draw, rows: &[Row], args: &Args) -> Result<(), Error> {
     let Settings { repetitions, traces, .. } = *settings;
     output::say(format!(
         "Standard DC-motor rig, y = current, u1 = velocity reference, u2 = load torque, order 2,1,2,1,1;\n\
          {traces} + {traces} traces a class (training + validation), every trace simulated from its own seed.\n"
-    ));
-    output::say("First draw, validation traces through the embedded detector (LS, all of a b c, LDA):");
-    output::say(format!("{}\n", first.repetition.all_parameters));
+    ))?;
+    output::say("First draw, validation traces through the embedded detector (LS, all of a b c, LDA):")?;
+    output::say(format!("{}\n", first.repetition.all_parameters))?;
     output::say(format!(
         "The same traces by the source's method (iv4, a only, PCA 2, LDA; healthy fit {:.1} %, published 86.58 %):",
         first.repetition.literal.fit_percent
-    ));
-    output::say(format!("{}\n", first.repetition.literal.all_classes));
-    output::say(format!("Validation error over {repetitions} draws, %:            mean ± sd   published"));
+    ))?;
+    output::say(format!("{}\n", first.repetition.literal.all_classes))?;
+    output::say(format!("Validation error over {repetitions} draws, %:            mean ± sd   published"))?;
     for row in rows {
-        output::say(format!("  {:46} {:5.1} ± {:4.1}   {}", row.name, row.mean, row.sd, row.published));
+        output::say(format!("  {:46} {:>12}   {}", row.name, row.error(), row.published))?;
     }
-    output::say("With na = 2 a PCA to two components is an invertible map, which cannot change a linear discriminant.");
-    output::say(format!("\nPlots: {}", args.out.display()));
+    output::say(
+        "With na = 2 a PCA to two components is an invertible map, which cannot change a linear discriminant.",
+    )?;
+    output::say(format!("\nPlots: {}", args.out.display()))
 }
 
-fn print_json(first: &Draw, rows: &[Row]) {
+fn print_json(first: &Draw, rows: &[Row]) -> Result<(), Error> {
     let methods: Vec<_> = rows
         .iter()
         .map(|row| json!({ "method": row.name, "error_percent_mean": row.mean, "error_percent_sd": row.sd }))
@@ -145,17 +162,15 @@ fn print_json(first: &Draw, rows: &[Row]) {
         "first_draw": first.repetition.all_parameters.to_json(),
         "first_draw_literal": first.repetition.literal.all_classes.to_json(),
         "methods": methods,
-    }));
+    }))
 }
 
 fn page(settings: &Settings, first: &Draw, rows: &[Row]) -> Result<String, Error> {
     let classes = demo::class_names();
     let Settings { repetitions, traces, seed } = *settings;
     let header = ["method", "error %, mean ± sd", "published %"];
-    let cells: Vec<Vec<String>> = rows
-        .iter()
-        .map(|row| vec![row.name.into(), format!("{:.1} ± {:.1}", row.mean, row.sd), row.published.into()])
-        .collect();
+    let cells: Vec<Vec<String>> =
+        rows.iter().map(|row| vec![row.name.into(), row.error(), row.published.into()]).collect();
     let methods = paragraph(&format!("Validation error over {repetitions} draws of training and validation sets."))
         + &table(&header, &cells)
         + &paragraph(
@@ -199,7 +214,7 @@ fn signals(classes: &[String], examples: &[(&Trace, usize)]) -> String {
         ));
         panels.push(Panel::new("load torque / N·m", vec![Series::new("load", neutral, points(trace, |t| &t.u2))]));
     }
-    or_reason(plot::signals("One held-out trace of each class", &panels))
+    or_reason(plot::signals("One held-out trace of each class", "time / s", &panels))
 }
 
 /// The posterior the detector would give if the segment ended at each time.

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::options::{SelectionArgs, prepare, read_model};
+use super::options::{SelectionArgs, check_rate, prepare, read_model, warn_irregular};
 use super::output;
 use crate::Error;
 use crate::evaluate::{self, TraceVerdict};
@@ -34,6 +34,8 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> Result<(), Error> {
     let (model, notes) = read_model(&args.model)?;
     let selection = args.selection.read(&notes.channels())?;
+    let inputs = [selection.inputs(&args.selection.labels), vec![args.model.clone()]].concat();
+    output::plan(&args.out.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &inputs)?;
     let (names, mut traces) = selection.rows(&args.test_where)?;
     for labelled in &mut traces {
         let name = &names[labelled.class];
@@ -47,38 +49,40 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     }
     let seen = traces.iter().filter(|t| notes.trained_on.iter().any(|id| id == stem(&t.trace.id))).count();
     if seen > 0 {
-        eprintln!("warning: {seen} of {} traces were trained on: the rates flatter the model", traces.len());
+        output::warn(format!("{seen} of {} traces were trained on: the rates flatter the model", traces.len()));
     }
+    warn_irregular(traces.iter().map(|t| &t.trace));
+    check_rate(&model, notes.preparation(), traces.iter().map(|t| &t.trace))?;
     let bar = output::progress("evaluating", traces.len());
     let verdicts = evaluate::run(&model, &prepare(&traces, notes.preparation())?, || bar.inc(1))?;
     bar.finish_and_clear();
     let confusion = evaluate::count(&model.classes, &verdicts, args.per_segment);
     if let Some(path) = &args.out {
-        output::write(path, csv(&model.classes, &verdicts))?;
+        output::write(path, csv(&model.classes, &verdicts)?)?;
     }
     if args.json {
         let mut value = confusion.to_json();
         value["trained_on"] = seen.into();
-        output::json(&value);
+        output::json(&value)
     } else {
-        output::say(confusion.to_string());
+        output::say(confusion.to_string())
     }
-    Ok(())
 }
 
 /// A row a segment.
-fn csv(classes: &[String], verdicts: &[TraceVerdict]) -> String {
-    let posteriors: Vec<String> = classes.iter().map(|class| format!("p_{class}")).collect();
-    let mut out = format!("trace,segment,true_class,decided,{},rows,rejected\n", posteriors.join(","));
+fn csv(classes: &[String], verdicts: &[TraceVerdict]) -> Result<String, Error> {
+    let texts = |cells: &[&str]| cells.iter().map(ToString::to_string).collect::<Vec<_>>();
+    let posteriors = classes.iter().map(|class| format!("p_{class}")).collect();
+    let header = [texts(&["trace", "segment", "true_class", "decided"]), posteriors, texts(&["rows", "rejected"])];
+    let mut rows = vec![header.concat()];
     for verdict in verdicts {
         for (k, segment) in verdict.segments.iter().enumerate() {
             let decided = segment.verdict.as_ref().map_or("undetermined", |&class| classes[class].as_str());
             let posterior = |k: usize| segment.posteriors.get(k).map_or_else(String::new, ToString::to_string);
-            let posteriors: Vec<String> = (0..classes.len()).map(posterior).collect();
-            let (id, truth) = (&verdict.id, &classes[verdict.class]);
-            let posteriors = posteriors.join(",");
-            out.push_str(&format!("{id},{k},{truth},{decided},{posteriors},{},{}\n", segment.rows, segment.rejected));
+            let numbers = [segment.rows.to_string(), segment.rejected.to_string()].to_vec();
+            let place = texts(&[&verdict.id, &k.to_string(), &classes[verdict.class], decided]);
+            rows.push([place, (0..classes.len()).map(posterior).collect(), numbers].concat());
         }
     }
-    out
+    output::csv(&rows)
 }

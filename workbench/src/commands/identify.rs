@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::options::{ChannelArgs, PreparationArgs};
+use super::options::{ChannelArgs, PreparationArgs, warn_irregular};
 use super::output;
 use crate::Error;
 use crate::identify::{Estimate, Method, Order, Structure, estimate, parse_order};
@@ -44,7 +44,9 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
     let preparation = args.preparation.preparation()?;
+    output::plan(&args.out.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &args.traces)?;
     let traces = trace::read(&args.traces, &args.channels.channels())?;
+    warn_irregular(traces.iter());
     let structure = Structure { order: args.order, offset: args.offset };
     let bar = output::progress("estimating", traces.len());
     let estimates = traces
@@ -54,22 +56,29 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
             bar.inc(1);
             Ok((trace.id.as_str(), estimate))
         })
-        .collect::<Result<Vec<_>, Error>>()?;
+        .collect::<Vec<_>>();
     bar.finish_and_clear();
+    // Collected first, so that the error reported is that of the first bad trace in every run.
+    let estimates = estimates.into_iter().collect::<Result<Vec<_>, Error>>()?;
+    let unstable = estimates.iter().filter(|(_, estimate)| !estimate.is_stable()).count();
+    if unstable > 0 {
+        output::warn(format!(
+            "{unstable} of {} models are unstable; their fit is that of a simulation with the poles reflected",
+            estimates.len()
+        ));
+    }
     if args.json {
         let rows: Vec<_> = estimates.iter().map(|(id, estimate)| row_json(id, estimate)).collect();
-        output::json(&json!(rows));
-        return Ok(());
+        return output::json(&json!(rows));
     }
-    let table = csv(structure, &estimates);
+    let table = csv(structure, &estimates)?;
     match &args.out {
         Some(path) => {
             output::write(path, table)?;
-            output::say(format!("{} estimates in {}", estimates.len(), path.display()));
+            output::say(format!("{} estimates in {}", estimates.len(), path.display()))
         }
         None => output::say(table.trim_end()),
     }
-    Ok(())
 }
 
 fn deviations(estimate: &Estimate) -> Vec<f64> {
@@ -85,20 +94,22 @@ fn row_json(id: &str, estimate: &Estimate) -> serde_json::Value {
         "trace": id,
         "parameters": named(estimate.theta.as_slice()),
         "sd": named(&deviations(estimate)),
+        "covariance": estimate.covariance.row_iter().map(|row| row.iter().copied().collect()).collect::<Vec<Vec<f64>>>(),
         "variance": estimate.variance,
         "rows": estimate.rows,
         "fit_percent": estimate.fit_percent,
     })
 }
 
-fn csv(structure: Structure, estimates: &[(&str, Estimate)]) -> String {
+fn csv(structure: Structure, estimates: &[(&str, Estimate)]) -> Result<String, Error> {
     let names = structure.names();
-    let deviation_names: Vec<String> = names.iter().map(|name| format!("sd_{name}")).collect();
-    let mut out = format!("trace,{},fit_percent,{}\n", names.join(","), deviation_names.join(","));
+    let deviation_names = names.iter().map(|name| format!("sd_{name}"));
+    let fixed = |name: &str| std::iter::once(name.to_string());
+    let header = fixed("trace").chain(names.iter().cloned()).chain(fixed("fit_percent")).chain(deviation_names);
+    let mut rows = vec![header.collect::<Vec<_>>()];
     for (id, estimate) in estimates {
         let numbers = estimate.theta.iter().copied().chain([estimate.fit_percent]).chain(deviations(estimate));
-        let cells: Vec<String> = numbers.map(|x| x.to_string()).collect();
-        out.push_str(&format!("{id},{}\n", cells.join(",")));
+        rows.push(fixed(id).chain(numbers.map(|x| x.to_string())).collect());
     }
-    out
+    output::csv(&rows)
 }

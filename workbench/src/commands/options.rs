@@ -5,9 +5,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
+use super::output;
 use crate::Error;
+use crate::embedded::Embedded;
 use crate::trace::labels::LabelledTrace;
-use crate::trace::{self, Channels, Condition, Labels, Preparation};
+use crate::trace::{self, Channels, Condition, Labels, Preparation, Trace, same_interval};
 
 /// Which columns are the three signals.
 #[derive(Clone, Debug, Args)]
@@ -42,10 +44,8 @@ pub(super) struct PreparationArgs {
 
 impl PreparationArgs {
     pub(super) fn preparation(self) -> Result<Preparation, Error> {
-        if self.block_mean == 0 || self.decimate == 0 {
-            return Err(Error::Usage("--block-mean and --decimate take whole numbers from 1".into()));
-        }
-        Ok(Preparation { block_mean: self.block_mean, decimate: self.decimate })
+        let preparation = Preparation { block_mean: self.block_mean, decimate: self.decimate };
+        preparation.factor().map(|_| preparation)
     }
 }
 
@@ -62,8 +62,12 @@ pub(super) struct SelectionArgs {
     #[arg(long = "where", value_name = "CONDITION")]
     conditions: Vec<Condition>,
     /// Only these classes, in this order
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = trimmed)]
     classes: Vec<String>,
+}
+
+fn trimmed(text: &str) -> Result<String, std::convert::Infallible> {
+    Ok(text.trim().into())
 }
 
 /// Labels, and where their traces are.
@@ -90,6 +94,11 @@ impl SelectionArgs {
 }
 
 impl Selection {
+    /// Files that are read: no output may replace them.
+    pub(super) fn inputs(&self, labels: &Path) -> Vec<PathBuf> {
+        [&self.paths[..], &[labels.to_path_buf()]].concat()
+    }
+
     /// The rows that meet the common and these further conditions: class names and traces.
     pub(super) fn rows(&self, further: &[Condition]) -> Result<(Vec<String>, Vec<LabelledTrace>), Error> {
         let conditions = [&self.conditions, further].concat();
@@ -101,6 +110,39 @@ impl Selection {
         let traces = self.labels.join(&chosen, &classes, &traces)?;
         Ok((classes, traces))
     }
+}
+
+/// Warns of traces whose samples do not come at a constant rate.
+pub(super) fn warn_irregular<'a>(traces: impl Iterator<Item = &'a Trace> + Clone) {
+    let irregular = traces.clone().filter(|trace| 50 * trace.irregular_steps > trace.y.len());
+    let count = irregular.clone().count();
+    if let Some(first) = irregular.clone().next() {
+        output::warn(format!(
+            "{count} of {} traces are sampled irregularly (more than 2 % of the steps off by a tenth), first {}; resample them",
+            traces.count(),
+            first.id
+        ));
+    }
+}
+
+/// Refuses traces of another rate than the model's. What an interval in the model means is after the preparation on
+/// the host.
+pub(super) fn check_rate<'a>(
+    model: &Embedded,
+    host: Preparation,
+    traces: impl Iterator<Item = &'a Trace>,
+) -> Result<(), Error> {
+    let fed = f64::from(model.sampling().interval_s);
+    let recorded = fed / host.factor()? as f64;
+    for trace in traces {
+        if let Some(step) = trace.interval_s.filter(|step| fed > 0.0 && !same_interval(*step, recorded)) {
+            // Single precision prints without the digits that rounding has made.
+            let (step, recorded) = (step as f32, recorded as f32);
+            let problem = format!("sampled every {step} s, but the model wants {recorded} s; resample or train again");
+            return Err(Error::trace(&trace.id, problem));
+        }
+    }
+    Ok(())
 }
 
 /// Prepares every trace.
@@ -152,12 +194,12 @@ impl Notes {
 }
 
 /// Reads a model file.
-pub(super) fn read_model(path: &Path) -> Result<(crate::embedded::Embedded, Notes), Error> {
+pub(super) fn read_model(path: &Path) -> Result<(Embedded, Notes), Error> {
     let bytes = std::fs::read(path).map_err(Error::io(path))?;
     let wrong = |problem: bearing_watch::ModelError| {
         Error::content(path, "model", format!("{problem}; train it again with `bearing-watch train`"))
     };
-    let model = crate::embedded::Embedded::from_bytes(&bytes).map_err(wrong)?;
+    let model = Embedded::from_bytes(&bytes).map_err(wrong)?;
     let notes = bearing_watch::model::notes(&bytes).map_err(wrong)?;
     let notes = serde_json::from_str(notes).map_err(|_| {
         Error::content(path, "notes", "no channel names in this model; train it again with `bearing-watch train`")

@@ -1,20 +1,61 @@
 //! Files that are whole or absent, lines on standard output, and progress.
 
 use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use tempfile::NamedTempFile;
 
 use crate::Error;
 
-/// Writes a file beside its place and moves it there when complete.
-pub(super) fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Error> {
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
+/// Refuses, before any work is done, outputs that could not be written or that would overwrite an input or each other.
+pub(super) fn plan(outputs: &[&Path], inputs: &[PathBuf]) -> Result<(), Error> {
+    let whole = |path: &Path| match (folder_of(path).canonicalize(), path.file_name()) {
+        (Ok(folder), Some(name)) => folder.join(name),
+        _ => path.to_path_buf(),
     };
-    let mut file = tempfile::Builder::new().prefix(".bearing-watch").tempfile_in(folder).map_err(Error::io(path))?;
-    file.write_all(content.as_ref()).map_err(Error::io(path))?;
+    let inputs: Vec<PathBuf> = inputs.iter().map(|input| whole(input)).collect();
+    for (k, output) in outputs.iter().enumerate() {
+        let (shown, folder) = (output.display(), folder_of(output));
+        if !folder.is_dir() {
+            return Err(Error::Usage(format!("{shown}: there is no folder {}; make it first", folder.display())));
+        }
+        if output.is_dir() {
+            return Err(Error::Usage(format!("{shown} is a folder; give the name of a file in it")));
+        }
+        if inputs.contains(&whole(output)) {
+            return Err(Error::Usage(format!("{shown} is an input and would be overwritten; choose another name")));
+        }
+        if outputs[..k].iter().any(|other| whole(other) == whole(output)) {
+            return Err(Error::Usage(format!("{shown} is named for two outputs; choose different names")));
+        }
+    }
+    Ok(())
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Writes files beside their places, and moves them there when all are complete.
+pub(super) fn write_all(files: &[(&Path, &[u8])]) -> Result<(), Error> {
+    let staged = files.iter().map(|(path, content)| stage(path, content)).collect::<Result<Vec<_>, Error>>()?;
+    for (file, (path, _)) in staged.into_iter().zip(files) {
+        file.persist(path).map_err(|e| Error::Io { path: path.to_path_buf(), source: e.error })?;
+    }
+    Ok(())
+}
+
+/// Writes one file, whole or not at all.
+pub(super) fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Error> {
+    write_all(&[(path, content.as_ref())])
+}
+
+fn stage(path: &Path, content: &[u8]) -> Result<NamedTempFile, Error> {
+    // The error names the file that was asked for, not its temporary stand-in.
+    let named = |error: std::io::Error| Error::Io { path: path.into(), source: error.kind().into() };
+    let mut file = tempfile::Builder::new().prefix(".bearing-watch").tempfile_in(folder_of(path)).map_err(named)?;
+    file.write_all(content).map_err(Error::io(path))?;
     #[cfg(unix)]
     {
         // Temporary files are private; an output is an ordinary file.
@@ -22,13 +63,30 @@ pub(super) fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Error>
         let ordinary = std::fs::Permissions::from_mode(0o644);
         file.as_file().set_permissions(ordinary).map_err(Error::io(path))?;
     }
-    file.persist(path).map_err(|e| Error::Io { path: path.into(), source: e.error })?;
-    Ok(())
+    Ok(file)
 }
 
 /// Prints a line; a reader that has gone away (`| head`) is no error.
-pub(super) fn say(text: impl AsRef<str>) {
-    let _ = writeln!(std::io::stdout(), "{}", text.as_ref());
+pub(super) fn say(text: impl AsRef<str>) -> Result<(), Error> {
+    match writeln!(std::io::stdout(), "{}", text.as_ref()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::io("standard output")(error)),
+        _ => Ok(()),
+    }
+}
+
+/// A warning on standard error.
+pub(super) fn warn(text: impl AsRef<str>) {
+    eprintln!("warning: {}", text.as_ref());
+}
+
+/// Rows as CSV, quoted where needed.
+pub(super) fn csv(rows: &[Vec<String>]) -> Result<String, Error> {
+    let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
+    for row in rows {
+        writer.write_record(row).map_err(|e| Error::Usage(e.to_string()))?;
+    }
+    let bytes = writer.into_inner().map_err(|e| Error::Usage(e.to_string()))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
 /// A bar on a terminal, nothing elsewhere.
@@ -42,6 +100,6 @@ pub(super) fn progress(what: &'static str, count: usize) -> ProgressBar {
 }
 
 /// A JSON value on standard output.
-pub(super) fn json(value: &serde_json::Value) {
-    say(format!("{value:#}"));
+pub(super) fn json(value: &serde_json::Value) -> Result<(), Error> {
+    say(format!("{value:#}"))
 }

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use serde_json::json;
 
-use super::options::read_model;
+use super::options::{check_rate, read_model, warn_irregular};
 use super::output;
 use crate::Error;
-use crate::embedded::Segment;
+use crate::embedded::{Embedded, Segment};
 use crate::trace::{self, Trace};
 
 /// Run traces through the embedded detector and print its verdict on every segment
@@ -28,19 +28,22 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> Result<(), Error> {
     let (model, notes) = read_model(&args.model)?;
     let mut values = Vec::new();
-    for trace in trace::read(&args.traces, &notes.channels())? {
+    let traces = trace::read(&args.traces, &notes.channels())?;
+    warn_irregular(traces.iter());
+    check_rate(&model, notes.preparation(), traces.iter())?;
+    for trace in traces {
         let prepared = notes.preparation().apply(&trace)?;
         let segments = model.run(&prepared).map_err(|e| Error::Usage(e.to_string()))?;
         for (k, segment) in segments.iter().enumerate() {
             if args.json {
-                values.push(value(&model.classes, &prepared, k, segment));
+                values.push(value(&model, &prepared, k, segment));
             } else {
-                output::say(line(&model.classes, &prepared, segment));
+                output::say(line(&model.classes, &prepared, segment))?;
             }
         }
     }
     if args.json {
-        output::json(&json!(values));
+        output::json(&json!(values))?;
     }
     Ok(())
 }
@@ -69,10 +72,14 @@ fn line(classes: &[String], trace: &Trace, segment: &Segment) -> String {
     line
 }
 
-fn value(classes: &[String], trace: &Trace, number: usize, segment: &Segment) -> serde_json::Value {
-    let named = |values: &[f32]| -> serde_json::Map<String, serde_json::Value> {
-        classes.iter().cloned().zip(values.iter().map(|v| json!(v))).collect()
+fn value(model: &Embedded, trace: &Trace, number: usize, segment: &Segment) -> serde_json::Value {
+    let named_by = |names: &[String], values: &[f32]| -> serde_json::Map<String, serde_json::Value> {
+        names.iter().cloned().zip(values.iter().map(|v| json!(v))).collect()
     };
+    let classes = &model.classes;
+    let named = |values: &[f32]| named_by(classes, values);
+    // Without an estimate the parameters are zeros that mean nothing.
+    let estimated = segment.variance > 0.0 || segment.raw.iter().any(|x| *x != 0.0);
     json!({
         "trace": trace.id,
         "segment": number,
@@ -82,8 +89,8 @@ fn value(classes: &[String], trace: &Trace, number: usize, segment: &Segment) ->
         "undetermined": segment.verdict.as_ref().err(),
         "posteriors": named(&segment.posteriors),
         "log_likelihoods": named(&segment.log_likelihoods),
-        "parameters": segment.raw,
-        "variance": segment.variance,
+        "parameters": estimated.then(|| named_by(&model.structure().names(), &segment.raw)),
+        "variance": estimated.then_some(segment.variance),
         "rows": segment.rows,
         "rejected": segment.rejected,
     })

@@ -28,7 +28,7 @@ pub(super) struct Args {
     #[arg(long, default_value_t = 1)]
     seed: u32,
     /// Size of the defect, 1 for full size
-    #[arg(long, default_value_t = 1.0)]
+    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
     severity: f64,
     /// Draw reference, load, resistance and inertia anew for each trace
     #[arg(long)]
@@ -74,6 +74,14 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     if jobs.is_empty() {
         return Err(Error::Usage("--count 0 makes no traces; give at least 1".into()));
     }
+    for (k, class) in args.class.iter().enumerate() {
+        if args.class[..k].iter().any(|other| other.kind() == class.kind()) {
+            return Err(Error::Usage(format!("--class names {} twice", class.kind().name())));
+        }
+        args.scenario(*class).validate()?;
+    }
+    let labels = args.out.join("labels.csv");
+    let old = old_labels(&labels)?;
     std::fs::create_dir_all(&args.out).map_err(Error::io(&args.out))?;
     let bar = output::progress("simulating", jobs.len());
     let rows = jobs
@@ -81,7 +89,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         .map(|&(class, k)| {
             let kind = class.kind();
             let seed = trace_seed(args.seed, kind, k);
-            let scenario = Scenario::STANDARD.with_defect(Defect { kind, severity: args.severity });
+            let scenario = args.scenario(class);
             let scenario = if args.mix { scenario.mixed(seed) } else { scenario };
             let name = format!("{}_{}_{k:03}.csv", kind.name(), args.seed);
             output::write(&args.out.join(&name), csv(&simulate(&scenario, seed)?))?;
@@ -91,9 +99,14 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         })
         .collect::<Result<Vec<_>, Error>>()?;
     bar.finish_and_clear();
-    write_labels(&args.out.join("labels.csv"), &rows)?;
-    output::say(format!("{} traces and labels.csv in {}", rows.len(), args.out.display()));
-    Ok(())
+    write_labels(&labels, &old, &rows)?;
+    output::say(format!("{} traces and labels.csv in {}", rows.len(), args.out.display()))
+}
+
+impl Args {
+    fn scenario(&self, class: Class) -> Scenario {
+        Scenario::STANDARD.with_defect(Defect { kind: class.kind(), severity: self.severity })
+    }
 }
 
 /// Nine significant digits: far below the noise, and small files.
@@ -120,19 +133,24 @@ fn csv(trace: &RigTrace) -> String {
 
 const HEADER: &str = "trace,class_name,severity,seed";
 
-/// Adds rows to the labels of a folder; rows of the same traces are replaced.
-fn write_labels(path: &Path, rows: &[[String; 4]]) -> Result<(), Error> {
-    let mut lines = vec![HEADER.to_string()];
-    if path.exists() {
-        let text = std::fs::read_to_string(path).map_err(Error::io(path))?;
-        let mut old = text.lines();
-        if old.next() != Some(HEADER) {
-            let problem = "not labels of simulated traces; choose another --out";
-            return Err(Error::content(path, "line 1", problem));
-        }
-        let replaced = |line: &str| rows.iter().any(|row| line.split(',').next() == Some(row[0].as_str()));
-        lines.extend(old.filter(|line| !line.is_empty() && !replaced(line)).map(String::from));
+/// Rows of the labels that are there already.
+fn old_labels(path: &Path) -> Result<Vec<String>, Error> {
+    if !path.exists() {
+        return Ok(vec![]);
     }
-    lines.extend(rows.iter().map(|row| row.join(",")));
+    let text = std::fs::read_to_string(path).map_err(Error::io(path))?;
+    let mut lines = text.lines();
+    if lines.next() != Some(HEADER) {
+        return Err(Error::content(path, "line 1", "not labels of simulated traces; choose another --out"));
+    }
+    Ok(lines.filter(|line| !line.is_empty()).map(String::from).collect())
+}
+
+/// Writes the labels of a folder; old rows of the same traces are replaced.
+fn write_labels(path: &Path, old: &[String], rows: &[[String; 4]]) -> Result<(), Error> {
+    let replaced = |line: &str| rows.iter().any(|row| line.split(',').next() == Some(row[0].as_str()));
+    let kept = old.iter().filter(|line| !replaced(line)).cloned();
+    let lines: Vec<String> =
+        std::iter::once(HEADER.to_string()).chain(kept).chain(rows.iter().map(|row| row.join(","))).collect();
     output::write(path, lines.join("\n") + "\n")
 }

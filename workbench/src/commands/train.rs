@@ -3,11 +3,13 @@
 use std::path::PathBuf;
 
 use bearing_watch::decide::Kind;
-use bearing_watch::model::MAX_SEGMENT_SAMPLES;
+use bearing_watch::model::{MAX_BLOCK_MEAN, MAX_SEGMENT_SAMPLES};
 use clap::ValueEnum;
 use serde_json::json;
 
-use super::options::{ChannelArgs, Notes, PreparationArgs, Selection, SelectionArgs, prepare};
+use super::options::{
+    ChannelArgs, Notes, PreparationArgs, Selection, SelectionArgs, check_rate, prepare, warn_irregular,
+};
 use super::output;
 use crate::evaluate::{self, Confusion};
 use crate::identify::{Order, Structure, parse_order};
@@ -106,35 +108,45 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         return Err(Error::Usage("--variance is a part of the whole: above 0, at most 1".into()));
     }
     let selection = args.selection.read(&channels)?;
+    let files = [Some(args.model.as_path()), args.rust.as_deref(), args.report.as_deref()];
+    output::plan(&files.into_iter().flatten().collect::<Vec<_>>(), &selection.inputs(&args.selection.labels))?;
     let (classes, training) = selection.rows(&args.train_where)?;
+    warn_irregular(training.iter().map(|t| &t.trace));
     let recipe = args.recipe(&classes)?;
-    let mut trained = crate::train::train(&prepare(&training, preparation)?, &classes, &recipe)?;
-    let host = embed_block_mean(&mut trained, preparation, &training);
+    let mut prepared = prepare(&training, preparation)?;
     if let Some(segment) = args.segment {
-        if segment == 0 || segment > MAX_SEGMENT_SAMPLES as usize {
-            return Err(Error::Usage(format!("--segment is 1 to {MAX_SEGMENT_SAMPLES}: longer sums lose precision")));
+        let least = recipe.structure.order.depth() + recipe.structure.parameters() + 1;
+        if segment < least || segment > MAX_SEGMENT_SAMPLES as usize {
+            let problem = format!("--segment {segment}: at this order it is {least} to {MAX_SEGMENT_SAMPLES}");
+            return Err(Error::Usage(problem));
         }
-        trained.segment_samples = segment;
+        // The spread of the features belongs to a length: train on segments as the detector will see them.
+        prepared = crate::train::cut(&prepared, segment);
+    }
+    let mut trained = crate::train::train(&prepared, &classes, &recipe)?;
+    trained.segment_samples = args.segment.unwrap_or(trained.segment_samples);
+    let host = embed_block_mean(&mut trained, preparation, &training);
+    let description = description(&trained, &channels, host);
+    if host != Preparation::NONE {
+        output::warn(format!("the detector does not decimate: {}", description[2]));
     }
     let notes = Notes::new(&channels, host, &trained.feature_names, &training);
     let bytes = trained.to_bytes(&notes.to_text())?;
-    let rust = args.rust.as_ref().map(|_| export::rust_source(&trained, &description(&trained, &channels)));
+    let rust = args.rust.as_ref().map(|_| export::rust_source(&trained, &description));
     let rust = rust.transpose()?;
 
     let held_out = args.evaluate(&selection, &trained, &training, &classes, host)?;
-    if let Some(path) = &args.report {
-        let prepared = prepare(&training, preparation)?;
+    let report = args.report.as_ref().map(|_| {
         let examples: Vec<_> =
             (0..classes.len()).filter_map(|k| prepared.iter().find(|t| t.class == k).map(|t| (&t.trace, k))).collect();
         let results = held_out.as_ref().map(|h| (&h.confusion, h.verdicts.as_slice()));
-        output::write(path, crate::pages::training(&trained, &examples, results)?)?;
-    }
-    output::write(&args.model, &bytes)?;
-    if let (Some(path), Some(source)) = (&args.rust, rust) {
-        output::write(path, source)?;
-    }
-    args.print(&trained, &training, bytes.len(), held_out.as_ref().map(|h| &h.confusion));
-    Ok(())
+        crate::pages::training(&trained, &channels, &examples, results)
+    });
+    let report = report.transpose()?;
+    let texts = [(&args.rust, &rust), (&args.report, &report)];
+    let texts = texts.into_iter().filter_map(|(path, text)| Some((path.as_deref()?, text.as_ref()?.as_bytes())));
+    output::write_all(&texts.chain([(args.model.as_path(), bytes.as_slice())]).collect::<Vec<_>>())?;
+    args.print(&trained, &training, bytes.len(), held_out.as_ref().map(|h| &h.confusion))
 }
 
 impl Args {
@@ -186,17 +198,25 @@ impl Args {
                 "trace {id} is in both --train-where and --test-where; make them disjoint"
             )));
         }
+        let model = trained.embed()?;
+        check_rate(&model, host, traces.iter().map(|t| &t.trace))?;
         let bar = output::progress("evaluating", traces.len());
-        let verdicts = evaluate::run(&trained.embed()?, &prepare(&traces, host)?, || bar.inc(1))?;
+        let verdicts = evaluate::run(&model, &prepare(&traces, host)?, || bar.inc(1))?;
         bar.finish_and_clear();
         Ok(Some(HeldOut { confusion: evaluate::count(classes, &verdicts, false), verdicts }))
     }
 
-    fn print(&self, trained: &Trained, training: &[LabelledTrace], bytes: usize, held_out: Option<&Confusion>) {
+    fn print(
+        &self,
+        trained: &Trained,
+        training: &[LabelledTrace],
+        bytes: usize,
+        held_out: Option<&Confusion>,
+    ) -> Result<(), Error> {
         let counts: Vec<usize> =
             (0..trained.classes.len()).map(|k| training.iter().filter(|t| t.class == k).count()).collect();
         if self.json {
-            output::json(&json!({
+            return output::json(&json!({
                 "model": self.model,
                 "bytes": bytes,
                 "classes": trained.classes,
@@ -205,10 +225,9 @@ impl Args {
                 "segment_samples": trained.segment_samples,
                 "held_out": held_out.map(Confusion::to_json),
             }));
-            return;
         }
         let traces: Vec<String> = trained.classes.iter().zip(counts).map(|(name, n)| format!("{n} {name}")).collect();
-        output::say(format!("trained on {} traces; features {}", traces.join(", "), trained.feature_names.join(", ")));
+        output::say(format!("trained on {} traces; features {}", traces.join(", "), trained.feature_names.join(", ")))?;
         output::say(format!(
             "{} discriminant over {} coordinates, segments of {} samples; {} bytes in {}",
             trained.kind_name(),
@@ -216,9 +235,10 @@ impl Args {
             trained.segment_samples,
             bytes,
             self.model.display()
-        ));
-        if let Some(confusion) = held_out {
-            output::say(format!("held-out traces, through the embedded detector:\n{confusion}"));
+        ))?;
+        match held_out {
+            Some(confusion) => output::say(format!("held-out traces, through the embedded detector:\n{confusion}")),
+            None => Ok(()),
         }
     }
 }
@@ -231,7 +251,7 @@ struct HeldOut {
 
 /// Lets the detector form the block means itself where nothing follows them; gives what is left to the host.
 fn embed_block_mean(trained: &mut Trained, preparation: Preparation, training: &[LabelledTrace]) -> Preparation {
-    if preparation.decimate > 1 || preparation.block_mean > usize::from(u16::MAX) {
+    if preparation.decimate > 1 || preparation.block_mean > usize::from(MAX_BLOCK_MEAN) {
         return preparation;
     }
     trained.block_mean = preparation.block_mean;
@@ -239,11 +259,22 @@ fn embed_block_mean(trained: &mut Trained, preparation: Preparation, training: &
     Preparation::NONE
 }
 
-fn description(trained: &Trained, channels: &crate::trace::Channels) -> Vec<String> {
+/// What a reader of the exported constants must know: channels, features, and what is fed.
+fn description(trained: &Trained, channels: &crate::trace::Channels, host: Preparation) -> Vec<String> {
+    let Preparation { block_mean, decimate } = host;
+    let step_s = trained.interval_s;
+    let mut fed = match (block_mean, decimate) {
+        (1, 1) => "Feed every sample as recorded".to_string(),
+        (_, 1) => format!("Feed means of {block_mean} recorded samples"),
+        (1, _) => format!("Feed every {decimate}-th recorded sample behind an anti-alias filter"),
+        _ => format!("Feed every {decimate}-th mean of {block_mean} recorded samples behind an anti-alias filter"),
+    };
+    fed += &if step_s > 0.0 { format!(", one every {step_s} s.") } else { ".".into() };
     let crate::trace::Channels { y, u1, u2 } = channels;
     vec![
         format!("y = {y}, u1 = {u1}, u2 = {u2}; classes {}.", trained.classes.join(", ")),
         format!("Features {}; {} discriminant.", trained.feature_names.join(", "), trained.kind_name()),
+        fed,
     ]
 }
 
@@ -254,7 +285,11 @@ fn priors(asked: &[String], classes: &[String]) -> Result<Vec<f64>, Error> {
     let mut priors = vec![f64::NAN; classes.len()];
     for item in asked {
         let (name, value) = item.split_once('=').unwrap_or((item, ""));
-        priors[class(classes, name, "--priors")?] = number(value, "--priors", item)?;
+        let prior = &mut priors[class(classes, name, "--priors")?];
+        if !prior.is_nan() {
+            return Err(Error::Usage(format!("--priors names {name} twice")));
+        }
+        *prior = number(value, "--priors", item)?;
     }
     if let Some(k) = priors.iter().position(|p| p.is_nan()) {
         return Err(Error::Usage(format!("--priors says nothing of class {}", classes[k])));
@@ -273,7 +308,11 @@ fn costs(asked: &[String], classes: &[String]) -> Result<Vec<Vec<f64>>, Error> {
         let (decided, truth) = pair.split_once(':').ok_or_else(|| {
             Error::Usage(format!("--cost \"{item}\": write DECIDED:TRUE=COST, e.g. healthy:spall=50"))
         })?;
-        costs[class(classes, decided, "--cost")?][class(classes, truth, "--cost")?] = number(value, "--cost", item)?;
+        let (decided, truth) = (class(classes, decided, "--cost")?, class(classes, truth, "--cost")?);
+        if decided == truth {
+            return Err(Error::Usage(format!("--cost \"{item}\": a right decision costs nothing")));
+        }
+        costs[decided][truth] = number(value, "--cost", item)?;
     }
     Ok(costs)
 }

@@ -5,7 +5,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Estimate, Structure, fit_percent, least_squares, ls, regressors, simulate, unexcited};
+use super::{Estimate, Structure, fit_percent, least_squares, ls, regressors, simulate};
 use crate::Error;
 use crate::trace::Trace;
 
@@ -27,8 +27,10 @@ pub fn iv4(trace: &Trace, structure: Structure) -> Result<Estimate, Error> {
     let second = signals.solve(structure, t0, &instruments).ok_or_else(lost)?;
 
     let noise = residuals(trace, structure, t0, second.theta.as_slice());
-    let shaping =
-        autoregression(&noise, structure.parameters()).map_err(|column| unexcited(structure, trace, column))?;
+    let shaping = autoregression(&noise, structure.parameters()).ok_or_else(|| {
+        let problem = "the residuals are too few or too regular for a noise model; record more, or use --method ls";
+        Error::trace(&trace.id, problem)
+    })?;
     let filter = |x: &[f64]| fir(&shaping, x);
     let (y, u1, u2) = (filter(&trace.y), filter(&trace.u1), filter(&trace.u2));
     let instruments = filter(&simulate(trace, structure, second.theta.as_slice()));
@@ -95,13 +97,13 @@ fn residuals(trace: &Trace, structure: Structure, t0: usize, theta: &[f64]) -> V
 }
 
 /// `1 + l₁ q⁻¹ + … + l_n q⁻ⁿ` that whitens `w`, by least squares from its n-th sample on.
-fn autoregression(w: &[f64], n: usize) -> Result<Vec<f64>, usize> {
+fn autoregression(w: &[f64], n: usize) -> Option<Vec<f64>> {
     if w.len() <= 2 * n {
-        return Err(0);
+        return None;
     }
     let x = DMatrix::from_fn(w.len() - n, n, |row, column| -w[n + row - 1 - column]);
-    let solution = ls::solve(x, DVector::from_column_slice(&w[n..]))?;
-    Ok([&[1.0], solution.theta.as_slice()].concat())
+    let solution = ls::solve(x, DVector::from_column_slice(&w[n..])).ok()?;
+    Some([&[1.0], solution.theta.as_slice()].concat())
 }
 
 /// Filters with zeros before the first sample.

@@ -63,6 +63,16 @@ pub fn estimate(trace: &Trace, structure: Structure, method: Method) -> Result<E
     }
 }
 
+impl Estimate {
+    /// Whether every pole lies inside or on the unit circle.
+    #[must_use]
+    pub fn is_stable(&self) -> bool {
+        let ([a, _, _], _) = self.structure.polynomials(self.theta.as_slice());
+        // A double pole on the circle is found this far off it.
+        poles(&a).iter().all(|pole| pole.norm() <= 1.0 + 1e-6)
+    }
+}
+
 impl Structure {
     /// Parameters, the constant included.
     #[must_use]
@@ -100,6 +110,9 @@ impl Structure {
             let problem =
                 format!("{samples} samples for {n} parameters from sample {t0} on; record more or reduce the order");
             return Err(Error::trace(&trace.id, problem));
+        }
+        if trace.y.iter().all(|y| *y == trace.y[0]) {
+            return Err(Error::trace(&trace.id, "the output is constant: there is nothing to model; check --y"));
         }
         Ok(t0)
     }

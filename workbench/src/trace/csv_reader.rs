@@ -30,6 +30,28 @@ impl Header {
         self.names.iter().position(|column| column == name)
     }
 
+    /// Why the header does not have a channel.
+    fn lacks(&self, channel: &str) -> String {
+        let wrong_separator = self.names.iter().find_map(|name| name.chars().find(|c| matches!(c, ';' | '\t')));
+        match wrong_separator {
+            _ if self.names.iter().all(String::is_empty) => "the file is empty".into(),
+            Some(';') => "cells are separated by semicolons; write commas, and decimals with a point".into(),
+            Some(_) => "cells are separated by tabs; write commas".into(),
+            None => {
+                format!("no column (or difference of columns) {channel}; there are {}", self.names.join(", "))
+            }
+        }
+    }
+
+    /// A wanted column that stands twice.
+    fn doubled(&self, sources: &[Source; 3]) -> Option<&str> {
+        let wanted = sources.iter().flat_map(|source| [Some(source.plus), source.minus]).flatten();
+        let wanted = wanted.chain(self.trace).chain(self.time);
+        let name_of = wanted.map(|place| self.names[place].as_str());
+        let count = |name: &str| self.names.iter().filter(|other| *other == name).count();
+        name_of.into_iter().find(|name| count(name) > 1)
+    }
+
     /// A whole column name wins over a difference, since names may hold a dash themselves.
     fn source(&self, channel: &str) -> Option<Source> {
         if let Some(plus) = self.place(channel) {
@@ -52,12 +74,12 @@ fn open(path: &Path) -> Result<csv::Reader<std::fs::File>, Error> {
     Ok(csv::ReaderBuilder::new().flexible(true).trim(csv::Trim::All).from_reader(file))
 }
 
-fn csv_error(path: &Path, error: &csv::Error) -> Error {
+pub(super) fn csv_error(path: &Path, error: &csv::Error) -> Error {
     let line = error.position().map_or_else(|| "content".into(), |p| format!("line {}", p.line()));
     Error::content(path, line, format!("not readable as CSV: {}", describe(error)))
 }
 
-fn describe(error: &csv::Error) -> String {
+pub(super) fn describe(error: &csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::Utf8 { .. } => "the text is not UTF-8".into(),
         csv::ErrorKind::Io(io) => io.to_string(),
@@ -69,9 +91,10 @@ fn header(path: &Path, reader: &mut csv::Reader<std::fs::File>) -> Result<Header
     Ok(Header::new(reader.headers().map_err(|e| csv_error(path, &e))?))
 }
 
-/// Whether the file's header has every wanted column.
-pub(super) fn has_columns(path: &Path, channels: &Channels) -> Result<bool, Error> {
-    Ok(header(path, &mut open(path)?)?.sources(channels).is_ok())
+/// Whether the file can be read and its header has every wanted column.
+pub(super) fn has_columns(path: &Path, channels: &Channels) -> bool {
+    let header = open(path).and_then(|mut reader| header(path, &mut reader));
+    header.is_ok_and(|header| header.sources(channels).is_ok())
 }
 
 /// Reads the wanted traces of one file; only the wanted columns need be numbers.
@@ -82,10 +105,10 @@ pub(super) fn read(path: &Path, channels: &Channels, wanted: &dyn Fn(&str) -> bo
     if header.trace.is_none() && !wanted(stem(&collector.file_id)) {
         return Ok(vec![]);
     }
-    let sources = header.sources(channels).map_err(|missing| {
-        let problem = format!("no column (or difference of columns) {missing}; there are {}", header.names.join(", "));
-        Error::content(path, "header", problem)
-    })?;
+    let sources = header.sources(channels).map_err(|missing| Error::content(path, "header", header.lacks(&missing)))?;
+    if let Some(name) = header.doubled(&sources) {
+        return Err(Error::content(path, "header", format!("column {name} comes twice; rename or remove one")));
+    }
     let mut rows = 0;
     for record in reader.records() {
         let record = record.map_err(|e| csv_error(path, &e))?;
@@ -104,13 +127,23 @@ pub(super) fn read(path: &Path, channels: &Channels, wanted: &dyn Fn(&str) -> bo
                 *value -= row.number(minus)?;
             }
         }
-        collector.push(id, time, values);
+        if id.is_some_and(str::is_empty) {
+            let place = format!("line {}, column trace", row.line());
+            return Err(Error::content(path, place, "no trace id; fill it in or remove the row"));
+        }
+        if !collector.push(id, time, values) {
+            let place = format!("line {}, column t_s", row.line());
+            return Err(Error::content(path, place, "time runs backwards; sort the rows or split the trace there"));
+        }
     }
     if rows == 0 {
         return Err(Error::content(path, "line 2", "no rows after the header; record the trace again"));
     }
     Ok(collector.finish())
 }
+
+/// Beyond this no sensor measures in any unit; squares and products of it would leave single precision.
+const LARGEST: f64 = 1e15;
 
 struct Row<'a> {
     path: &'a Path,
@@ -128,7 +161,9 @@ impl Row<'_> {
         if found == wanted {
             return Ok(());
         }
-        let problem = format!("{found} cells where the header has {wanted}; complete the row or remove it");
+        let problem = format!(
+            "{found} cells where the header has {wanted}; complete the row or remove it (decimals take a point)"
+        );
         Err(Error::content(self.path, format!("line {}", self.line()), problem))
     }
 
@@ -137,7 +172,8 @@ impl Row<'_> {
         let wrong =
             |problem: String| Error::content(self.path, format!("line {}, column {name}", self.line()), problem);
         match cell.parse::<f64>() {
-            Ok(value) if value.is_finite() => Ok(value),
+            Ok(value) if value.abs() <= LARGEST => Ok(value),
+            Ok(value) if value.is_finite() => Err(wrong(format!("{cell} is no measured value; repair the sample"))),
             Ok(_) => Err(wrong(format!("{cell} is not a finite number; cut the trace there or repair the sample"))),
             Err(_) if cell.is_empty() => Err(wrong("empty cell; cut the trace there or repair the sample".into())),
             Err(_) => Err(wrong(format!("\"{cell}\" is not a number (write decimals with a point)"))),
@@ -158,10 +194,12 @@ impl Collector {
         Self { file_id, places: HashMap::new(), traces: Vec::new() }
     }
 
-    fn push(&mut self, id: Option<&str>, time: Option<f64>, [y, u1, u2]: [f64; 3]) {
+    /// Takes a row; `false` where its time lies before the row before.
+    fn push(&mut self, id: Option<&str>, time: Option<f64>, [y, u1, u2]: [f64; 3]) -> bool {
         let id = id.unwrap_or(&self.file_id);
         let place = self.places.get(id).copied().unwrap_or_else(|| {
-            let trace = Trace { id: id.into(), interval_s: None, y: vec![], u1: vec![], u2: vec![] };
+            let id_of = id.into();
+            let trace = Trace { id: id_of, interval_s: None, irregular_steps: 0, y: vec![], u1: vec![], u2: vec![] };
             self.traces.push((trace, vec![]));
             self.places.insert(id.into(), self.traces.len() - 1);
             self.traces.len() - 1
@@ -170,7 +208,9 @@ impl Collector {
         trace.y.push(y);
         trace.u1.push(u1);
         trace.u2.push(u2);
+        let forward = times.last().zip(time).is_none_or(|(before, now)| now >= *before);
         times.extend(time);
+        forward
     }
 
     fn finish(self) -> Vec<Trace> {
@@ -178,6 +218,8 @@ impl Collector {
             let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
             steps.sort_by(f64::total_cmp);
             trace.interval_s = steps.get(steps.len() / 2).copied().filter(|step| *step > 0.0);
+            let median = trace.interval_s.unwrap_or(0.0);
+            trace.irregular_steps = steps.iter().filter(|step| (*step - median).abs() > 0.1 * median).count();
             trace
         };
         self.traces.into_iter().map(finish).collect()
@@ -229,5 +271,11 @@ mod tests {
         assert!(message(&format!("{good}0,1,2,inf,4\n")).contains("column v: inf is not a finite"));
         assert!(message(&format!("{good}0,1,2,,4\n")).contains("column v: empty cell"));
         assert!(message("t_s,i,ref,v,load-cell\n").contains("no rows"));
+        assert!(message(&format!("{good}0,1e300,2,3,4\n")).contains("column i: 1e300 is no measured value"));
+        assert!(message(&format!("{good}-1,1,2,3,4\n")).contains("line 3, column t_s: time runs backwards"));
+        assert!(message("t_s;i;ref;v;load-cell\n0;1;2;3;4\n").contains("separated by semicolons"));
+        assert!(message("i,ref,v,load-cell,i\n1,2,3,4,5\n").contains("column i comes twice"));
+        assert!(message("").contains("the file is empty"));
+        assert!(message("trace,i,ref,v,load-cell\n,1,2,3,4\n").contains("line 2, column trace: no trace id"));
     }
 }

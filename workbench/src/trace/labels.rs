@@ -23,7 +23,8 @@ impl std::str::FromStr for Condition {
         // The longer operators first, so that `<=` is not taken for `<`.
         for operator in ["<=", ">=", "!=", "=", "<", ">"] {
             if let Some((column, value)) = text.split_once(operator) {
-                let (column, value) = (column.trim().to_string(), value.trim().to_string());
+                let (column, value) = (column.trim().to_string(), value.trim());
+                let value = if column == "trace" { stem(value) } else { value }.to_string();
                 if column.is_empty() || value.is_empty() {
                     break;
                 }
@@ -86,20 +87,28 @@ impl Labels {
     pub fn read(path: &Path) -> Result<Self, Error> {
         let file = std::fs::File::open(path).map_err(Error::io(path))?;
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
-        let problem = |error: csv::Error| {
-            let line = error.position().map_or_else(|| "content".into(), |p| format!("line {}", p.line()));
-            Error::content(path, line, "not as many cells as the header has; complete the row")
+        let problem = |error: csv::Error| match error.kind() {
+            csv::ErrorKind::UnequalLengths { pos, len, expected_len } => {
+                let line = pos.as_ref().map_or_else(|| "content".into(), |p| format!("line {}", p.line()));
+                Error::content(path, line, format!("{len} cells where the header has {expected_len}; complete the row"))
+            }
+            _ => super::csv_reader::csv_error(path, &error),
         };
         let columns: Vec<String> = reader.headers().map_err(problem)?.iter().map(String::from).collect();
         let rows = reader.records().map(|r| Ok(r.map_err(problem)?.iter().map(String::from).collect()));
         let labels = Self { path: path.into(), columns, rows: rows.collect::<Result<_, Error>>()? };
         let trace = labels.column("trace")?;
-        labels.column("class_name")?;
+        let class = labels.column("class_name")?;
         let mut seen = HashMap::new();
         for (k, row) in labels.rows.iter().enumerate() {
             if let Some(first) = seen.insert(stem(&row[trace]), k) {
                 let problem = format!("{} is labelled already in line {}", row[trace], first + 2);
                 return Err(Error::content(path, format!("line {}", k + 2), problem));
+            }
+            let name = &row[class];
+            if name.is_empty() || name == "undetermined" || name.contains(char::is_control) {
+                let problem = format!("\"{}\" is no class name; choose another", name.escape_debug());
+                return Err(Error::content(path, format!("line {}, column class_name", k + 2), problem));
             }
         }
         Ok(labels)
@@ -123,7 +132,9 @@ impl Labels {
             let mut all = true;
             for (condition, &column) in conditions.iter().zip(&columns) {
                 let place = || format!("line {}, column {}", k + 2, condition.column);
-                all &= condition.holds(&row[column]).map_err(|p| Error::content(&self.path, place(), p))?;
+                // Traces are named with or without the ending of their file.
+                let cell = if condition.column == "trace" { stem(&row[column]) } else { &row[column] };
+                all &= condition.holds(cell).map_err(|p| Error::content(&self.path, place(), p))?;
             }
             if all {
                 chosen.push((stem(&row[trace]).to_string(), row[class].clone()));
@@ -148,7 +159,10 @@ impl Labels {
                 present.push(class.clone());
             }
         }
-        for class in asked {
+        for (k, class) in asked.iter().enumerate() {
+            if asked[..k].contains(class) {
+                return Err(Error::Usage(format!("--classes names {class} twice")));
+            }
             if !present.contains(class) {
                 let problem = format!("unknown class {class} in this selection; there are {}", present.join(", "));
                 return Err(Error::content(&self.path, "column class_name", problem));

@@ -18,6 +18,8 @@ pub struct Trace {
     pub id: String,
     /// Median step of the `t_s` column, s, where there is one.
     pub interval_s: Option<f64>,
+    /// Steps of `t_s` that differ from the median by more than a tenth of it.
+    pub irregular_steps: usize,
     /// Output.
     pub y: Vec<f64>,
     /// First input.
@@ -40,7 +42,13 @@ pub struct Channels {
 /// The id of a trace without the `.csv` of its file, for comparing.
 #[must_use]
 pub fn stem(id: &str) -> &str {
-    id.strip_suffix(".csv").unwrap_or(id)
+    id.strip_suffix(".csv").or_else(|| id.strip_suffix(".CSV")).unwrap_or(id)
+}
+
+/// Whether two sample intervals are the same but for rounding of the recorded times.
+#[must_use]
+pub fn same_interval(one_s: f64, other_s: f64) -> bool {
+    (one_s - other_s).abs() <= 0.02 * one_s.abs().max(other_s.abs())
 }
 
 /// Reads every trace of the given files and folders.
@@ -78,9 +86,7 @@ fn read_files(
         let mut files = vec![path.clone()];
         if path.is_dir() {
             files = csv_files(path)?;
-            let usable = files.iter().map(|file| Ok(asked_for(file) || csv_reader::has_columns(file, channels)?));
-            let usable = usable.collect::<Result<Vec<bool>, Error>>()?;
-            files = files.into_iter().zip(usable).filter_map(|(file, usable)| usable.then_some(file)).collect();
+            files.retain(|file| asked_for(file) || csv_reader::has_columns(file, channels));
         }
         for file in files {
             for trace in csv_reader::read(&file, channels, wanted.unwrap_or(&|_| true))? {
@@ -107,7 +113,7 @@ fn read_files(
 fn csv_files(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let entries = std::fs::read_dir(folder).map_err(Error::io(folder))?;
     let mut files: Vec<PathBuf> = entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
-    files.retain(|file| file.extension().is_some_and(|e| e == "csv"));
+    files.retain(|file| file.is_file() && file.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")));
     files.sort();
     Ok(files)
 }

@@ -16,15 +16,26 @@ impl Preparation {
     /// Signals as recorded.
     pub const NONE: Self = Self { block_mean: 1, decimate: 1 };
 
+    /// Recorded samples a prepared one.
+    ///
+    /// # Errors
+    /// A factor of zero, or one that no record has samples for.
+    pub fn factor(&self) -> Result<usize, Error> {
+        let factor = self.block_mean.checked_mul(self.decimate).filter(|&factor| factor <= 1_000_000);
+        match factor {
+            Some(factor @ 1..) => Ok(factor),
+            _ => Err(Error::Usage(
+                "--block-mean and --decimate take whole numbers from 1, together up to 1000000".into(),
+            )),
+        }
+    }
+
     /// Prepares a trace.
     ///
     /// # Errors
     /// A factor of zero, or a trace too short for one prepared sample.
     pub fn apply(&self, trace: &Trace) -> Result<Trace, Error> {
-        let factor = self.block_mean * self.decimate;
-        if factor == 0 {
-            return Err(Error::Usage("--block-mean and --decimate take whole numbers from 1".into()));
-        }
+        let factor = self.factor()?;
         if trace.y.len() < factor {
             let problem = format!("{} samples are fewer than one block of {factor}", trace.y.len());
             return Err(Error::trace(&trace.id, problem));
@@ -33,6 +44,7 @@ impl Preparation {
         Ok(Trace {
             id: trace.id.clone(),
             interval_s: trace.interval_s.map(|step| step * factor as f64),
+            irregular_steps: trace.irregular_steps,
             y: prepare(&trace.y),
             u1: prepare(&trace.u1),
             u2: prepare(&trace.u2),
@@ -139,11 +151,18 @@ mod tests {
 
     #[test]
     fn block_mean_drops_the_partial_block() {
-        let trace =
-            Trace { id: "x".into(), interval_s: Some(0.1), y: vec![1.0, 3.0, 5.0], u1: vec![0.0; 3], u2: vec![1.0; 3] };
+        let trace = Trace {
+            id: "x".into(),
+            interval_s: Some(0.1),
+            irregular_steps: 0,
+            y: vec![1.0, 3.0, 5.0],
+            u1: vec![0.0; 3],
+            u2: vec![1.0; 3],
+        };
         let out = Preparation { block_mean: 2, decimate: 1 }.apply(&trace).expect("long enough");
         assert_eq!((out.y, out.interval_s), (vec![2.0], Some(0.2)));
         assert!(Preparation { block_mean: 4, decimate: 1 }.apply(&trace).is_err());
         assert!(Preparation { block_mean: 1, decimate: 0 }.apply(&trace).is_err());
+        assert!(Preparation { block_mean: usize::MAX / 2, decimate: 3 }.apply(&trace).is_err(), "an overflow");
     }
 }

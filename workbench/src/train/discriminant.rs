@@ -38,18 +38,20 @@ impl GaussianClasses {
     }
 }
 
-pub(crate) fn train(table: &FeatureTable, recipe: &Recipe) -> Result<GaussianClasses, Error> {
+/// Densities of the coordinates of `table`, which are called `names`.
+pub(crate) fn train(table: &FeatureTable, names: &[String], recipe: &Recipe) -> Result<GaussianClasses, Error> {
     let statistics = ClassStatistics::new(table);
     let (classes, features) = (table.names.len(), statistics.total_mean.len());
     let factors = match recipe.discriminant {
         Kind::Linear => {
-            let free = table.rows.len().saturating_sub(classes - 1);
-            vec![whitening(&statistics.pooled).ok_or_else(|| singular("the pooled classes", free, features))?]
+            let refuse = |dependent| singular("the pooled classes", table.rows.len(), classes, names, dependent);
+            vec![whitening(&statistics.pooled).map_err(refuse)?]
         }
         Kind::Quadratic => {
             let each = statistics.covariances.iter().zip(&table.names).zip(&statistics.counts);
-            each.map(|((covariance, name), &rows)| {
-                whitening(covariance).ok_or_else(|| singular(&format!("class {name}"), rows, features))
+            each.map(|((covariance, class), &rows)| {
+                whitening(covariance)
+                    .map_err(|dependent| singular(&format!("class {class}"), rows, 1, names, dependent))
             })
             .collect::<Result<_, _>>()?
         }

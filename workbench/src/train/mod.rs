@@ -15,8 +15,8 @@ use rayon::prelude::*;
 use crate::Error;
 use crate::features;
 use crate::identify::{Estimate, Structure, least_squares};
-use crate::trace::Trace;
 use crate::trace::labels::LabelledTrace;
+use crate::trace::{Trace, same_interval};
 
 pub use discriminant::GaussianClasses;
 pub use projection::{AffineMap, Keep, ProjectionKind};
@@ -97,8 +97,12 @@ pub struct Trained {
     pub feature_names: Vec<String>,
     /// Raw chosen features → coordinates.
     pub projection: AffineMap,
+    /// Training traces, the chosen raw features.
+    pub raw: FeatureTable,
     /// Training traces in projected coordinates.
     pub coordinates: FeatureTable,
+    /// Names of the coordinates: those of the features where nothing is projected.
+    pub coordinate_names: Vec<String>,
     /// Class densities over the coordinates.
     pub densities: GaussianClasses,
     /// Places in the core's feature list.
@@ -124,8 +128,10 @@ pub struct Trained {
 /// collinear within classes; priors or costs that do not match the classes.
 pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> Result<Trained, Error> {
     check_classes(traces, classes)?;
-    let estimates: Vec<Estimate> =
-        traces.par_iter().map(|t| least_squares(&t.trace, recipe.structure)).collect::<Result<_, _>>()?;
+    check_intervals(traces)?;
+    // Collected first, so that the error reported is that of the first bad trace in every run.
+    let estimates: Vec<_> = traces.par_iter().map(|t| least_squares(&t.trace, recipe.structure)).collect();
+    let estimates: Vec<Estimate> = estimates.into_iter().collect::<Result<_, _>>()?;
     let table = FeatureTable::new(&estimates, traces.iter().map(|t| t.class).collect(), classes.to_vec());
     let chosen = features::choose(recipe.structure, &recipe.features)?;
     let names = features::all_names(recipe.structure);
@@ -134,7 +140,8 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
     let raw = table.select(&chosen);
     let projection = projection::train(&raw, &feature_names, recipe.projection)?;
     let coordinates = raw.map(&projection);
-    let densities = discriminant::train(&coordinates, recipe)?;
+    let coordinate_names = coordinate_names(recipe.projection, &feature_names, projection.matrix.nrows());
+    let densities = discriminant::train(&coordinates, &coordinate_names, recipe)?;
     let (core_features, core_projection) = compose(&table, &chosen, recipe.structure, &projection);
     let longest = traces.iter().map(|t| t.trace.y.len()).max().unwrap_or(0);
     Ok(Trained {
@@ -142,7 +149,9 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
         classes: classes.to_vec(),
         feature_names,
         projection,
+        raw,
         coordinates,
+        coordinate_names,
         densities,
         core_features,
         core_projection,
@@ -170,13 +179,59 @@ fn check_classes(traces: &[LabelledTrace], classes: &[String]) -> Result<(), Err
                 "class name {name} is longer than 16 bytes; shorten it in the labels"
             )));
         }
-        if !traces.iter().any(|t| t.class == class) {
+        let count = traces.iter().filter(|t| t.class == class).count();
+        if count < 2 {
             return Err(Error::Training(format!(
-                "class {name} has no training traces; widen the selection or leave it out"
+                "class {name} has {count} training trace(s), too few for a spread; give more or leave it out"
             )));
         }
     }
     Ok(())
+}
+
+fn coordinate_names(projection: ProjectionKind, features: &[String], coordinates: usize) -> Vec<String> {
+    match projection {
+        ProjectionKind::None => features.to_vec(),
+        _ => (1..=coordinates).map(|k| format!("z{k}")).collect(),
+    }
+}
+
+/// All sample intervals of a training set are one: a model says nothing about another rate.
+fn check_intervals(traces: &[LabelledTrace]) -> Result<(), Error> {
+    let mut known = traces.iter().filter_map(|t| t.trace.interval_s.map(|step| (t.trace.id.as_str(), step)));
+    let Some((first, interval)) = known.next() else { return Ok(()) };
+    known.try_for_each(|(id, step)| {
+        if same_interval(step, interval) {
+            return Ok(());
+        }
+        // Single precision prints without the digits that rounding has made.
+        let (step, interval) = (step as f32, interval as f32);
+        let problem = format!("sampled every {step} s, but {first} every {interval} s; train on one rate");
+        Err(Error::trace(id, problem))
+    })
+}
+
+/// Cuts traces into segments of `samples`, as the detector will see them. A remainder counts where it is more than
+/// half a segment.
+#[must_use]
+pub fn cut(traces: &[LabelledTrace], samples: usize) -> Vec<LabelledTrace> {
+    let pieces = traces.iter().flat_map(|labelled| {
+        let trace = &labelled.trace;
+        let starts = (0..trace.y.len()).step_by(samples.max(1));
+        let ends = starts.map(move |start| (start, (start + samples).min(trace.y.len())));
+        let whole = ends.filter(move |(start, end)| 2 * (end - start) > samples);
+        whole.map(|(start, end)| {
+            let piece = Trace {
+                id: format!("{}[{start}..{end}]", trace.id),
+                y: trace.y[start..end].to_vec(),
+                u1: trace.u1[start..end].to_vec(),
+                u2: trace.u2[start..end].to_vec(),
+                ..*trace
+            };
+            LabelledTrace { trace: piece, class: labelled.class }
+        })
+    });
+    pieces.collect()
 }
 
 /// The map from the core's δ-features: z = W (raw − m) = W T_S (δ − δ_m), with δ_m the training mean of δ.

@@ -56,7 +56,7 @@ pub(crate) fn train(table: &FeatureTable, names: &[String], kind: ProjectionKind
     let matrix = match kind {
         ProjectionKind::None => scaling(&statistics.pooled, names)?,
         ProjectionKind::Pca { keep, standardised } => principal(&statistics.total, names, keep, standardised)?,
-        ProjectionKind::Fisher { components } => fisher(&statistics, components)?,
+        ProjectionKind::Fisher { components } => fisher(&statistics, names, components)?,
     };
     Ok(AffineMap { matrix, mean: statistics.total_mean })
 }
@@ -97,7 +97,7 @@ fn principal(total: &DMatrix<f64>, names: &[String], keep: Keep, standardised: b
     Ok(vectors.columns(0, count).transpose() * scale)
 }
 
-fn fisher(statistics: &ClassStatistics, components: Option<usize>) -> Result<DMatrix<f64>, Error> {
+fn fisher(statistics: &ClassStatistics, names: &[String], components: Option<usize>) -> Result<DMatrix<f64>, Error> {
     let features = statistics.total_mean.len();
     let most = (statistics.means.len() - 1).min(features);
     let count = components.unwrap_or(most);
@@ -110,7 +110,7 @@ fn fisher(statistics: &ClassStatistics, components: Option<usize>) -> Result<DMa
     }
     let rows: usize = statistics.counts.iter().sum();
     let (white, _) = whitening(&statistics.pooled)
-        .ok_or_else(|| singular("the pooled classes", rows.saturating_sub(statistics.means.len() - 1), features))?;
+        .map_err(|dependent| singular("the pooled classes", rows, statistics.means.len(), names, dependent))?;
     // In whitened coordinates the within-class covariance is I, so the directions are those of the means.
     let mut between = DMatrix::zeros(features, features);
     for (mean, &rows) in statistics.means.iter().zip(&statistics.counts) {

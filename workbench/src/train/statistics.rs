@@ -68,36 +68,39 @@ impl ClassStatistics {
     }
 }
 
-/// Inverse of the Cholesky factor, U with UᵀU = Σ⁻¹, and ln |Σ|.
+/// Inverse of the Cholesky factor, U with UᵀU = Σ⁻¹, and ln |Σ|; the error is the first feature that is constant or a
+/// combination of those before it.
 ///
 /// Done on the correlation matrix, so that units do not matter to the rank test.
-pub(crate) fn whitening(covariance: &DMatrix<f64>) -> Option<(DMatrix<f64>, f64)> {
+pub(crate) fn whitening(covariance: &DMatrix<f64>) -> Result<(DMatrix<f64>, f64), usize> {
     /// Smallest pivot of a correlation matrix that is not rounding: below it a feature is a combination of others.
     const SINGULAR: f64 = 1e-10;
     let n = covariance.nrows();
     let deviation = covariance.diagonal().map(f64::sqrt);
-    if deviation.iter().any(|&d| d.is_nan() || d <= 0.0) {
-        return None;
+    if let Some(constant) = deviation.iter().position(|&d| d.is_nan() || d <= 0.0) {
+        return Err(constant);
     }
     let correlation = DMatrix::from_fn(n, n, |i, j| covariance[(i, j)] / (deviation[i] * deviation[j]));
-    let factor = correlation.cholesky()?.l();
-    if factor.diagonal().iter().any(|pivot| pivot * pivot < SINGULAR) {
-        return None;
-    }
+    let regular = |size: usize| {
+        let factor = correlation.view((0, 0), (size, size)).into_owned().cholesky()?.l();
+        factor.diagonal().iter().all(|pivot| pivot * pivot >= SINGULAR).then_some(factor)
+    };
+    let factor = regular(n).ok_or_else(|| (1..n).find(|&size| regular(size + 1).is_none()).unwrap_or(0))?;
     let log_determinant = 2.0 * factor.diagonal().iter().zip(deviation.iter()).map(|(l, d)| (l * d).ln()).sum::<f64>();
-    let mut inverse = factor.solve_lower_triangular(&DMatrix::identity(n, n))?;
+    let mut inverse = factor.solve_lower_triangular(&DMatrix::identity(n, n)).ok_or(n - 1)?;
     for (mut column, d) in inverse.column_iter_mut().zip(deviation.iter()) {
         column /= *d;
     }
-    Some((inverse, log_determinant))
+    Ok((inverse, log_determinant))
 }
 
-/// The error for a covariance without inverse.
-pub(crate) fn singular(what: &str, rows: usize, features: usize) -> Error {
-    let reason = if rows <= features {
-        format!("{rows} traces cannot span {features} features; give at least {} or use fewer features", features + 1)
+/// The error for a covariance without inverse: `traces` in `classes` means, and the first dependent feature.
+pub(crate) fn singular(what: &str, traces: usize, classes: usize, names: &[String], dependent: usize) -> Error {
+    let (features, needed) = (names.len(), names.len() + classes);
+    let reason = if traces < needed {
+        format!("{traces} traces are too few for {features} features; give at least {needed}, or use fewer features")
     } else {
-        "a feature is constant or a combination of others; leave it out".into()
+        format!("feature {} is constant or a combination of those before it; leave it out", names[dependent])
     };
-    Error::Training(format!("the covariance of {what} is singular: {reason}, or project (--projection fisher or pca)"))
+    Error::Training(format!("the covariance of {what} is singular: {reason}"))
 }

@@ -95,7 +95,9 @@ impl Axis {
     pub(super) fn vertical(range: Range, top: f64, bottom: f64) -> Self {
         let fits = ((bottom - top) / (1.3 * LABEL_HEIGHT)).floor();
         let count = (2..=8u8).rev().find(|&n| f64::from(n) <= fits).unwrap_or(2);
-        Self::new(range, bottom, top, count)
+        // A low panel may fall between two round steps and show one tick only: then rather a tight scale than none.
+        let finer = (count..=count + 3).map(|count| Self::new(range, bottom, top, count));
+        finer.into_iter().find(|axis| axis.ticks.len() > 1).unwrap_or_else(|| Self::new(range, bottom, top, count))
     }
 
     fn new(range: Range, from: f64, to: f64, count: u8) -> Self {

@@ -27,13 +27,14 @@ impl Panel {
     }
 }
 
-/// Stacked panels over the time in seconds, from the first to the last finite sample of any signal.
+/// Stacked panels over one axis (`x_label`, as a rule the time in seconds), from the first to the last finite sample
+/// of any signal.
 ///
 /// A panel in which nothing is finite stays, and says so: a dead channel is a finding.
 ///
 /// # Errors
 /// [`ReportError::Empty`] when no panel has a finite point.
-pub fn signals(title: &str, panels: &[Panel]) -> Result<String, ReportError> {
+pub fn signals(title: &str, x_label: &str, panels: &[Panel]) -> Result<String, ReportError> {
     let empty = || ReportError::Empty { title: title.to_owned() };
     let all = panels.iter().flat_map(|panel| &panel.series);
     let time = x_range(all.clone()).ok_or_else(empty)?.padded(0.0);
@@ -53,7 +54,7 @@ pub fn signals(title: &str, panels: &[Panel]) -> Result<String, ReportError> {
         let last = index + 1 == panels.len();
         body.push_str(&draw_panel(panel, area, &x, y, last));
     }
-    body.push_str(&x_title(&x.title("time / s")));
+    body.push_str(&x_title(&x.title(x_label)));
     Ok(figure(title, &body, &gap_note(all.map(Series::missing).sum())))
 }
 
@@ -85,7 +86,7 @@ mod tests {
     #[test]
     fn long_series_stay_small() {
         let values: Vec<f64> = (0..5000).map(|i| (f64::from(i) * 0.7).sin() * 40.0).collect();
-        let html = signals("t", &[Panel::new("current / A", vec![series(&values)])]).expect("finite");
+        let html = signals("t", "time / s", &[Panel::new("current / A", vec![series(&values)])]).expect("finite");
         assert!(html.len() < 20_000, "{} bytes", html.len());
         assert_eq!(check(&html), Ok(()));
     }
@@ -94,7 +95,7 @@ mod tests {
     fn degenerate_signals_give_a_valid_plot() {
         for values in [&[1.0][..], &[2.0; 9], &[f64::NAN, 1.0, f64::NAN, 3.0]] {
             let panels = [Panel::new("x", vec![series(values)]), Panel::new("dead", vec![series(&[f64::NAN])])];
-            let html = signals("t", &panels).expect("one finite point");
+            let html = signals("t", "time / s", &panels).expect("one finite point");
             assert_eq!(check(&html), Ok(()));
             assert!(html.contains("no finite value"));
         }
@@ -102,8 +103,8 @@ mod tests {
 
     #[test]
     fn nothing_finite_is_an_error() {
-        assert!(signals("t", &[]).is_err());
-        assert!(signals("t", &[Panel::new("x", vec![])]).is_err());
-        assert!(signals("t", &[Panel::new("x", vec![series(&[f64::NAN; 5])])]).is_err());
+        assert!(signals("t", "time / s", &[]).is_err());
+        assert!(signals("t", "time / s", &[Panel::new("x", vec![])]).is_err());
+        assert!(signals("t", "time / s", &[Panel::new("x", vec![series(&[f64::NAN; 5])])]).is_err());
     }
 }
