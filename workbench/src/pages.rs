@@ -149,18 +149,29 @@ pub fn posteriors_by_trace(classes: &[String], verdicts: &[TraceVerdict]) -> Str
 
 fn feature_table(trained: &Trained) -> String {
     let statistics = ClassStatistics::new(&trained.raw);
-    let header: Vec<String> = [vec!["class".into(), "segments".into()], trained.feature_names.clone()].concat();
-    let rows: Vec<Vec<String>> = (0..trained.classes.len())
-        .map(|k| {
-            let variances = statistics.covariances[k].diagonal();
-            let cells = statistics.means[k].iter().zip(variances.iter());
-            // No-break spaces keep mean and deviation on one line.
-            let cells =
-                cells.map(|(mean, variance)| format!("{mean:.4e}\u{a0}±\u{a0}{:.1e}", variance.sqrt())).collect();
-            [vec![trained.classes[k].clone(), statistics.counts[k].to_string()], cells].concat()
-        })
-        .collect();
-    paragraph("Mean ± standard deviation over the training segments of a class.") + &table(&header, &rows)
+    let classes = trained.classes.iter().zip(&statistics.counts).map(|(class, count)| format!("{class} ({count})"));
+    let header: Vec<String> = std::iter::once("feature".to_string()).chain(classes).collect();
+    let row = |(place, name): (usize, &String)| {
+        let cells = statistics.means.iter().zip(&statistics.covariances);
+        let cells = cells.map(|(mean, covariance)| mean_sd(mean[place], covariance[(place, place)].sqrt()));
+        std::iter::once(name.clone()).chain(cells).collect()
+    };
+    let rows: Vec<Vec<String>> = trained.feature_names.iter().enumerate().map(row).collect();
+    paragraph("Mean ± standard deviation over the training segments of each class (their number).")
+        + &table(&header, &rows)
+}
+
+/// Two digits of the deviation, and the mean to the same place.
+fn mean_sd(mean: f64, sd: f64) -> String {
+    let place = sd.log10().floor();
+    let text = if (-6.0..5.0).contains(&place) {
+        let decimals = (1.0 - place).max(0.0) as usize;
+        format!("{mean:.decimals$} ± {sd:.decimals$}")
+    } else {
+        format!("{mean:.4e} ± {sd:.1e}")
+    };
+    // A minus sign and no-break spaces keep the cell on one line.
+    text.replace('-', "−").replace(' ', "\u{a0}")
 }
 
 /// The plane through the grand mean, in whitened coordinates, along the directions that separate the class means

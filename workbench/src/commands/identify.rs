@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::options::{ChannelArgs, PreparationArgs, warn_irregular};
+use super::options::{ChannelArgs, PreparationArgs, StructureArgs, warn_irregular};
 use super::output;
 use crate::Error;
-use crate::identify::{Estimate, Method, Order, Structure, estimate, parse_order};
+use crate::identify::{Estimate, Method, Structure, estimate};
 use crate::trace;
 
 /// Estimate the difference model of each trace
@@ -23,12 +23,8 @@ pub(super) struct Args {
     traces: Vec<PathBuf>,
     #[command(flatten)]
     channels: ChannelArgs,
-    /// na,nb,nc,nkb,nkc
-    #[arg(long, value_parser = parse_order, value_name = "ORDER")]
-    order: Order,
-    /// Estimate a constant term too
-    #[arg(long)]
-    offset: bool,
+    #[command(flatten)]
+    structure: StructureArgs,
     /// Estimator
     #[arg(long, value_enum, default_value = "ls")]
     method: Method,
@@ -47,7 +43,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     output::plan(&args.out.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &args.traces)?;
     let traces = trace::read(&args.traces, &args.channels.channels())?;
     warn_irregular(traces.iter());
-    let structure = Structure { order: args.order, offset: args.offset };
+    let structure = args.structure.structure();
     let bar = output::progress("estimating", traces.len());
     let estimates = traces
         .par_iter()

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::output;
 use crate::Error;
 use crate::embedded::Embedded;
+use crate::identify::{Order, Structure, parse_order};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{self, Channels, Condition, Labels, Preparation, Trace, same_interval};
 
@@ -28,6 +29,23 @@ pub(super) struct ChannelArgs {
 impl ChannelArgs {
     pub(super) fn channels(&self) -> Channels {
         Channels { y: self.y.clone(), u1: self.u1.clone(), u2: self.u2.clone() }
+    }
+}
+
+/// The model structure.
+#[derive(Clone, Copy, Debug, Args)]
+pub(super) struct StructureArgs {
+    /// na,nb,nc,nkb,nkc
+    #[arg(long, value_parser = parse_order, value_name = "ORDER")]
+    order: Order,
+    /// Estimate a constant term too (recorded signals have operating points)
+    #[arg(long)]
+    offset: bool,
+}
+
+impl StructureArgs {
+    pub(super) fn structure(self) -> Structure {
+        Structure { order: self.order, offset: self.offset }
     }
 }
 

@@ -8,11 +8,10 @@ use clap::ValueEnum;
 use serde_json::json;
 
 use super::options::{
-    ChannelArgs, Notes, PreparationArgs, Selection, SelectionArgs, check_rate, prepare, warn_irregular,
+    ChannelArgs, Notes, PreparationArgs, Selection, SelectionArgs, StructureArgs, check_rate, prepare, warn_irregular,
 };
 use super::output;
 use crate::evaluate::{self, Confusion};
-use crate::identify::{Order, Structure, parse_order};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Condition, Preparation};
 use crate::train::{Keep, ProjectionKind, Recipe, Trained};
@@ -29,12 +28,8 @@ pub(super) struct Args {
     selection: SelectionArgs,
     #[command(flatten)]
     channels: ChannelArgs,
-    /// na,nb,nc,nkb,nkc
-    #[arg(long, value_parser = parse_order, value_name = "ORDER")]
-    order: Order,
-    /// Estimate a constant term too (recorded signals have operating points)
-    #[arg(long)]
-    offset: bool,
+    #[command(flatten)]
+    structure: StructureArgs,
     #[command(flatten)]
     preparation: PreparationArgs,
     /// Train on the rows with this, e.g. 'run<=4'; may be repeated, all must hold
@@ -162,7 +157,7 @@ impl Args {
             Projection::Fisher => ProjectionKind::Fisher { components: self.components },
         };
         Ok(Recipe {
-            structure: Structure { order: self.order, offset: self.offset },
+            structure: self.structure.structure(),
             features: self.features.clone(),
             projection,
             discriminant: match self.discriminant {
@@ -229,7 +224,7 @@ impl Args {
         let traces: Vec<String> = trained.classes.iter().zip(counts).map(|(name, n)| format!("{n} {name}")).collect();
         output::say(format!("trained on {} traces; features {}", traces.join(", "), trained.feature_names.join(", ")))?;
         output::say(format!(
-            "{} discriminant over {} coordinates, segments of {} samples; {} bytes in {}",
+            "{} discriminant, coordinates: {}, segments of {} samples; {} bytes in {}",
             trained.kind_name(),
             trained.core_projection.matrix.nrows(),
             trained.segment_samples,
@@ -262,7 +257,7 @@ fn embed_block_mean(trained: &mut Trained, preparation: Preparation, training: &
 /// What a reader of the exported constants must know: channels, features, and what is fed.
 fn description(trained: &Trained, channels: &crate::trace::Channels, host: Preparation) -> Vec<String> {
     let Preparation { block_mean, decimate } = host;
-    let step_s = trained.interval_s;
+    let step_s = trained.interval_s as f32;
     let mut fed = match (block_mean, decimate) {
         (1, 1) => "Feed every sample as recorded".to_string(),
         (_, 1) => format!("Feed means of {block_mean} recorded samples"),

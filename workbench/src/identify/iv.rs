@@ -5,7 +5,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Estimate, Structure, fit_percent, least_squares, ls, regressors, simulate};
+use super::{Estimate, Structure, least_squares, ls, regressors, simulate};
 use crate::Error;
 use crate::trace::Trace;
 
@@ -37,17 +37,7 @@ pub fn iv4(trace: &Trace, structure: Structure) -> Result<Estimate, Error> {
     let filtered = Signals { y: &y, u1: &u1, u2: &u2, constant: shaping.iter().sum() };
     let last = filtered.solve(structure, t0, &instruments).ok_or_else(lost)?;
 
-    let rows = trace.y.len() - t0;
-    let variance = last.residual_sum / (rows - structure.parameters()) as f64;
-    let fit = fit_percent(&trace.y, &simulate(trace, structure, last.theta.as_slice()));
-    Ok(Estimate {
-        structure,
-        covariance: last.sandwich * variance,
-        theta: last.theta,
-        variance,
-        rows,
-        fit_percent: fit,
-    })
+    Ok(last.estimate(trace, structure))
 }
 
 struct Signals<'a> {
@@ -58,16 +48,9 @@ struct Signals<'a> {
     constant: f64,
 }
 
-struct Solution {
-    theta: DVector<f64>,
-    /// (ZᵀX)⁻¹ ZᵀZ (XᵀZ)⁻¹
-    sandwich: DMatrix<f64>,
-    residual_sum: f64,
-}
-
 impl Signals<'_> {
-    /// θ = (ZᵀX)⁻¹ ZᵀY with Z the regressors of the instruments; with Z = QR it is (QᵀX)⁻¹ QᵀY.
-    fn solve(&self, structure: Structure, t0: usize, instruments: &[f64]) -> Option<Solution> {
+    /// θ = (ZᵀX)⁻¹ ZᵀY, cofactor (ZᵀX)⁻¹ ZᵀZ (XᵀZ)⁻¹, with Z the regressors of the instruments; with Z = QR it is (QᵀX)⁻¹ QᵀY.
+    fn solve(&self, structure: Structure, t0: usize, instruments: &[f64]) -> Option<ls::Solution> {
         let mut x = regressors(structure, t0, self.y, self.u1, self.u2);
         let mut z = regressors(structure, t0, instruments, self.u1, self.u2);
         if structure.offset {
@@ -81,8 +64,8 @@ impl Signals<'_> {
         let theta = system.solve(&(q.transpose() * &y))?;
         let inverse = system.try_inverse()?;
         let residual_sum = (y - x * &theta).norm_squared();
-        theta.iter().all(|p| p.is_finite()).then(|| Solution {
-            sandwich: &inverse * inverse.transpose(),
+        theta.iter().all(|p| p.is_finite()).then(|| ls::Solution {
+            cofactor: &inverse * inverse.transpose(),
             theta,
             residual_sum,
         })

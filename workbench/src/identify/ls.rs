@@ -18,24 +18,26 @@ pub fn least_squares(trace: &Trace, structure: Structure) -> Result<Estimate, Er
     let x = regressors(structure, t0, &trace.y, &trace.u1, &trace.u2);
     let target = DVector::from_column_slice(&trace.y[t0..]);
     let solution = solve(x, target).map_err(|column| unexcited(structure, trace, column))?;
-    let rows = trace.y.len() - t0;
-    let variance = solution.residual_sum / (rows - structure.parameters()) as f64;
-    let fit = fit_percent(&trace.y, &simulate(trace, structure, solution.theta.as_slice()));
-    Ok(Estimate {
-        structure,
-        covariance: solution.inverse * variance,
-        theta: solution.theta,
-        variance,
-        rows,
-        fit_percent: fit,
-    })
+    Ok(solution.estimate(trace, structure))
 }
 
+/// Parameters before they are an [`Estimate`].
 pub(super) struct Solution {
     pub theta: DVector<f64>,
-    /// (XᵀX)⁻¹
-    pub inverse: DMatrix<f64>,
+    /// Covariance without σ²: (XᵀX)⁻¹, or the sandwich form of instrumental variables.
+    pub cofactor: DMatrix<f64>,
     pub residual_sum: f64,
+}
+
+impl Solution {
+    /// With σ² (Eq. 2.18) and the fit of the simulated output.
+    pub(super) fn estimate(self, trace: &Trace, structure: Structure) -> Estimate {
+        let rows = trace.y.len() - structure.order.depth();
+        let variance = self.residual_sum / (rows - structure.parameters()) as f64;
+        let fit_percent = fit_percent(&trace.y, &simulate(trace, structure, self.theta.as_slice()));
+        let (theta, covariance) = (self.theta, self.cofactor * variance);
+        Estimate { structure, theta, covariance, variance, rows, fit_percent }
+    }
 }
 
 /// Solves min ‖target − Xθ‖; the error is the first dependent column.
@@ -67,5 +69,5 @@ pub(super) fn solve(mut x: DMatrix<f64>, target: DVector<f64>) -> Result<Solutio
             inverse[(i, j)] /= norms[i] * norms[j];
         }
     }
-    Ok(Solution { theta, inverse, residual_sum })
+    Ok(Solution { theta, cofactor: inverse, residual_sum })
 }
