@@ -33,3 +33,34 @@ pub fn table(path: &std::path::Path) -> (Vec<String>, Vec<(String, Vec<f64>)>) {
     });
     (header, rows.collect())
 }
+
+/// The numbers of a CSV file by column, its first `labels` columns left out.
+///
+/// # Panics
+/// Where the file is not such a table; it is part of a test set.
+#[must_use]
+pub fn columns(path: &std::path::Path, labels: usize) -> Vec<Vec<f64>> {
+    let text = std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    for line in text.lines().skip(1) {
+        for (place, cell) in line.split(',').skip(labels).enumerate() {
+            if columns.len() <= place {
+                columns.push(Vec::new());
+            }
+            columns[place].push(cell.trim().parse().unwrap_or_else(|_| panic!("{cell} in {line}")));
+        }
+    }
+    columns
+}
+
+/// `x − y`, sample by sample.
+#[must_use]
+pub fn difference(x: &[f64], y: &[f64]) -> Vec<f64> {
+    x.iter().zip(y).map(|(a, b)| a - b).collect()
+}
+
+/// Largest magnitude.
+#[must_use]
+pub fn peak(x: impl IntoIterator<Item = f64>) -> f64 {
+    x.into_iter().fold(0.0, |most, v| v.abs().max(most))
+}
