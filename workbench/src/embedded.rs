@@ -1,15 +1,9 @@
-//! The bridge to the core: a trained model in the core's single-precision form, and traces run through its
-//! [`Detector`], the code that firmware runs.
+//! The bridge to the core: traces run through its [`Detector`], the code that firmware runs.
 
-use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Projection};
-use bearing_watch::model::MAX_BYTES;
-use bearing_watch::{Detector, Label, Model, ModelError, Reason, Regression, Report, Sample, Sampling, Verdict};
-use nalgebra::DMatrix;
+use bearing_watch::{Detector, Model, ModelError, Reason, Report, Sample, Sampling, Verdict};
 
-use crate::Error;
 use crate::identify::Structure;
 use crate::trace::Trace;
-use crate::train::Trained;
 
 /// What one segment of a trace gave, free of capacities.
 #[derive(Clone, Debug, PartialEq)]
@@ -287,124 +281,5 @@ impl Embedded {
     #[must_use]
     pub fn decide_at(&self, coordinates: &[f32]) -> Option<usize> {
         self.model.decide_at(coordinates)
-    }
-}
-
-impl Trained {
-    /// The core's form. Capacities beyond what is in use hold neutral values.
-    ///
-    /// # Errors
-    /// What does not fit the capacities, or lies out of the range of single precision.
-    pub fn to_core<const M: usize, const F: usize, const Z: usize, const C: usize>(
-        &self,
-    ) -> Result<Model<M, F, Z, C>, Error> {
-        let densities = &self.densities;
-        let mut labels = [Label::EMPTY; C];
-        for (label, name) in labels.iter_mut().zip(&self.classes) {
-            *label = Label::new(name)
-                .ok_or_else(|| Error::Training(format!("class name {name} is longer than 16 bytes; shorten it")))?;
-        }
-        let mut discriminant = Discriminant {
-            kind: densities.kind,
-            classes: count(self.classes.len(), C, "classes")?,
-            mean: [[0.0; Z]; C],
-            whitening: [[[0.0; Z]; Z]; C],
-            log_normaliser: [f32::NEG_INFINITY; C],
-            log_prior: [f32::NEG_INFINITY; C],
-            cost: [[0.0; C]; C],
-        };
-        for (row, mean) in discriminant.mean.iter_mut().zip(&densities.means) {
-            row.iter_mut().zip(mean.iter()).for_each(|(cell, x)| *cell = *x as f32);
-        }
-        for (rows, u) in discriminant.whitening.iter_mut().zip(&densities.whitening) {
-            fill(rows, u);
-        }
-        narrow(&mut discriminant.log_normaliser, &densities.log_normaliser);
-        narrow(&mut discriminant.log_prior, &densities.priors.iter().map(|p| p.ln()).collect::<Vec<_>>());
-        for (row, cost) in discriminant.cost.iter_mut().zip(&densities.cost) {
-            narrow(row, cost);
-        }
-
-        let used = &self.core_features;
-        let mut features = Features { index: [0; F], count: count(used.len(), F, "features")? };
-        for (cell, &index) in features.index.iter_mut().zip(used) {
-            *cell = count(index, 255, "features")?;
-        }
-        let z = count(self.core_projection.matrix.nrows(), Z, "coordinates")?;
-        let mut projection = Projection { matrix: [[0.0; F]; Z], mean: [0.0; F], count: z };
-        fill(&mut projection.matrix, &self.core_projection.matrix);
-        narrow(&mut projection.mean, self.core_projection.mean.as_slice());
-
-        let structure = self.recipe.structure;
-        let mut scale = [1.0; M];
-        narrow(&mut scale, &self.scale);
-        let model = Model {
-            sampling: Sampling {
-                interval_s: self.interval_s as f32,
-                block_mean: u16::try_from(self.block_mean)
-                    .map_err(|_| Error::Usage("--block-mean is at most 65535".into()))?,
-                segment_samples: u32::try_from(self.segment_samples)
-                    .map_err(|_| Error::Usage("a segment has at most 100000 samples".into()))?,
-            },
-            regression: Regression {
-                order: structure.order,
-                offset: structure.offset,
-                scale,
-                limit: self.limit.map(|x| x as f32),
-            },
-            classifier: Classifier { features, projection, discriminant },
-            labels,
-        };
-        model.validate().map_err(|e| Error::Training(format!("the trained model cannot be embedded: {e}")))?;
-        Ok(model)
-    }
-
-    /// The binary form, with notes.
-    ///
-    /// # Errors
-    /// As [`Trained::to_core`].
-    pub fn to_bytes(&self, notes: &str) -> Result<Vec<u8>, Error> {
-        let model: Box<Model<100, 100, 100, 8>> = Box::new(self.to_core()?);
-        let mut buffer = vec![0; MAX_BYTES];
-        let length = model
-            .to_bytes(notes, &mut buffer)
-            .map_err(|e| Error::Training(format!("the trained model cannot be embedded: {e}")))?;
-        buffer.truncate(length);
-        Ok(buffer)
-    }
-
-    /// The model ready to run.
-    ///
-    /// # Errors
-    /// As [`Trained::to_core`].
-    pub fn embed(&self) -> Result<Embedded, Error> {
-        let bytes = self.to_bytes("")?;
-        Embedded::from_bytes(&bytes).map_err(|e| Error::Training(format!("the trained model cannot be embedded: {e}")))
-    }
-
-    /// Whether covariances are shared, as a word.
-    #[must_use]
-    pub fn kind_name(&self) -> &'static str {
-        match self.densities.kind {
-            Kind::Linear => "linear",
-            Kind::Quadratic => "quadratic",
-        }
-    }
-}
-
-fn count(value: usize, capacity: usize, what: &str) -> Result<u8, Error> {
-    match u8::try_from(value) {
-        Ok(count) if value <= capacity => Ok(count),
-        _ => Err(Error::Training(format!("{value} {what} are more than the detector's {capacity}"))),
-    }
-}
-
-fn narrow(cells: &mut [f32], values: &[f64]) {
-    cells.iter_mut().zip(values).for_each(|(cell, value)| *cell = *value as f32);
-}
-
-fn fill<const COLUMNS: usize>(rows: &mut [[f32; COLUMNS]], matrix: &DMatrix<f64>) {
-    for (cells, row) in rows.iter_mut().zip(matrix.row_iter()) {
-        cells.iter_mut().zip(row.iter()).for_each(|(cell, value)| *cell = *value as f32);
     }
 }

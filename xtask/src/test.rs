@@ -61,9 +61,10 @@ fn documentation(tally: &mut Tally) {
 }
 
 /// With overflow and debug checks on; the development profile is optimised, since the numeric tests simulate minutes
-/// of drive time. Documentation examples are among the tests.
+/// of drive time. Documentation examples are among the tests. What passing tests print is shown: their figures, and
+/// which data they had to do without.
 fn host_tests(tally: &mut Tally) {
-    let mut cargo = workspace::cargo(&["test", "--workspace", "--no-fail-fast"]);
+    let mut cargo = workspace::cargo(&["test", "--workspace", "--no-fail-fast", "--", "--show-output"]);
     let status = child::lines(&mut cargo, |line| {
         println!("{line}");
         tally.add_libtest(line);

@@ -4,6 +4,7 @@
 //! brought into the form the core runs ([`Trained`]). What the model is worth is measured by running the core on
 //! other traces ([`crate::evaluate`]), never here.
 
+mod core_form;
 pub(crate) mod discriminant;
 pub(crate) mod projection;
 pub(crate) mod statistics;
