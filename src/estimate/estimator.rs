@@ -93,10 +93,11 @@ impl<const M: usize, const P: usize> Estimate<M, P> {
         raw
     }
 
-    /// Brings the constant back from levels that were taken from an origin,
+    /// Brings the constant back from levels that were taken from an origin:
     ///
     /// ```text
-    /// k = k' + gᵀ θ,   g = −y₀ at t₀ (+y₀ apart where na = 0), −u1₀ at β₀, −u2₀ at γ₀,   cov k = … by the same sum
+    /// k = k' + gᵀ θ (+ y₀ where na = 0),   g = −y₀ at t₀, −u1₀ at β₀, −u2₀ at γ₀, 1 at k'
+    /// row k of the covariance = gᵀ V,   its corner gᵀ V g
     /// ```
     fn uncentre(&mut self, [y, u1, u2]: [f32; 3]) {
         if !self.offset {
@@ -151,7 +152,7 @@ fn output_terms(t: &mut [f32]) {
     for k in 0..t.len() {
         let next = t.get(k + 1).copied().unwrap_or(0.0);
         let Some(cell) = t.get_mut(k) else { return };
-        // t_{k−1} was overwritten by a_{k−1}, so each cell takes its own old value as t_{k−1}.
+        // In place: a_{k+1} = t_k − t_{k+1} needs only what has not been overwritten yet.
         *cell = if k == 0 { -1.0 - *cell - next } else { *cell - next };
     }
 }
