@@ -2,12 +2,14 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Estimate, Structure, fit_percent, regressors, simulate, unexcited};
+use super::filters::regressors;
+use super::result::{Finding, Noise};
+use super::{Estimate, Structure, unexcited};
 use crate::Error;
 use crate::trace::Trace;
 
 /// Diagonal of R, relative to its column's norm, below which a column is dependent: double rounding leaves 1e-15.
-const DEPENDENT: f64 = 1e-11;
+pub(super) const DEPENDENT: f64 = 1e-11;
 
 /// Minimises Σ e² over rows t₀ … N−1.
 ///
@@ -18,26 +20,18 @@ pub fn least_squares(trace: &Trace, structure: Structure) -> Result<Estimate, Er
     let x = regressors(structure, t0, &trace.y, &trace.u1, &trace.u2);
     let target = DVector::from_column_slice(&trace.y[t0..]);
     let solution = solve(x, target).map_err(|column| unexcited(structure, trace, column))?;
-    Ok(solution.estimate(trace, structure))
+    let Solution { theta, cofactor, residuals } = solution;
+    let noise = Noise::Equation;
+    let finding = Finding { theta, cofactor, residuals, noise, converged: true, iterations: 1, reflected: 0 };
+    Ok(finding.estimate(trace, structure))
 }
 
-/// Parameters before they are an [`Estimate`].
+/// Parameters of one regression.
 pub(super) struct Solution {
     pub theta: DVector<f64>,
     /// Covariance without σ²: (XᵀX)⁻¹, or the sandwich form of instrumental variables.
     pub cofactor: DMatrix<f64>,
-    pub residual_sum: f64,
-}
-
-impl Solution {
-    /// With σ² (Eq. 2.18) and the fit of the simulated output.
-    pub(super) fn estimate(self, trace: &Trace, structure: Structure) -> Estimate {
-        let rows = trace.y.len() - structure.order.depth();
-        let variance = self.residual_sum / (rows - structure.parameters()) as f64;
-        let fit_percent = fit_percent(&trace.y, &simulate(trace, structure, self.theta.as_slice()));
-        let (theta, covariance) = (self.theta, self.cofactor * variance);
-        Estimate { structure, theta, covariance, variance, rows, fit_percent }
-    }
+    pub residuals: DVector<f64>,
 }
 
 /// Solves min ‖target − Xθ‖; the error is the first dependent column.
@@ -59,7 +53,7 @@ pub(super) fn solve(mut x: DMatrix<f64>, target: DVector<f64>) -> Result<Solutio
     let mut rotated = target.clone();
     qr.q_tr_mul(&mut rotated);
     let scaled_theta = r.solve_upper_triangular(&rotated.rows(0, n).into_owned()).ok_or(n - 1)?;
-    let residual_sum = (target - scaled * &scaled_theta).norm_squared();
+    let residuals = target - scaled * &scaled_theta;
     let inverse_r = r.solve_upper_triangular(&DMatrix::identity(n, n)).ok_or(n - 1)?;
     let mut inverse = &inverse_r * inverse_r.transpose();
     let mut theta = scaled_theta;
@@ -69,5 +63,10 @@ pub(super) fn solve(mut x: DMatrix<f64>, target: DVector<f64>) -> Result<Solutio
             inverse[(i, j)] /= norms[i] * norms[j];
         }
     }
-    Ok(Solution { theta, cofactor: inverse, residual_sum })
+    Ok(Solution { theta, cofactor: inverse, residuals })
+}
+
+/// The cofactor of parameters that the data do not determine.
+pub(super) fn unknown(n: usize) -> DMatrix<f64> {
+    DMatrix::from_diagonal_element(n, n, f64::INFINITY)
 }

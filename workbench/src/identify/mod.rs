@@ -3,19 +3,29 @@
 //! Parameters are ordered a₁…, b₁…, c₁…, constant; `a` stands with + on the left (thesis Eq. 2.4). Sums start at
 //! t₀ = [`Order::depth`], where the first complete regressor is.
 
+mod armax;
+mod filters;
+mod gauss_newton;
 mod iv;
 mod ls;
+mod output_error;
+mod result;
 mod simulate;
-
-pub use bearing_watch::Order;
-use nalgebra::{DMatrix, DVector};
+mod sriv;
+mod steiglitz_mcbride;
 
 use crate::Error;
 use crate::trace::Trace;
+pub use bearing_watch::Order;
 
-pub use iv::iv4;
+pub use armax::armax;
+pub use iv::{instrumental_variables, iv4};
 pub use ls::least_squares;
+pub use output_error::output_error;
+pub use result::{Convergence, Estimate, Noise};
 pub use simulate::{fit_percent, poles, reflect_unstable, simulate};
+pub use sriv::sriv;
+pub use steiglitz_mcbride::steiglitz_mcbride;
 
 /// Order vector and constant term.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,50 +36,62 @@ pub struct Structure {
     pub offset: bool,
 }
 
-/// Parameters with what is known about them.
-#[derive(Clone, Debug)]
-pub struct Estimate {
-    /// Structure of `theta`.
-    pub structure: Structure,
-    /// a₁…, b₁…, c₁…, constant.
-    pub theta: DVector<f64>,
-    /// Covariance of `theta`: Eq. 2.19 for least squares, the sandwich form for instrumental variables.
-    pub covariance: DMatrix<f64>,
-    /// Residual variance σ² with N − n degrees of freedom (Eq. 2.18).
-    pub variance: f64,
-    /// Rows of the regression.
-    pub rows: usize,
-    /// Eq. 3.2 on the simulated output.
-    pub fit_percent: f64,
-}
-
-/// How parameters are estimated.
+/// How parameters are estimated. What the noise is taken to be decides whether a method is consistent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Method {
-    /// Least squares (Eq. 2.17).
+    /// Least squares (Eq. 2.17): white equation error
     Ls,
-    /// The four-stage instrumental-variable method of the source.
+    /// Basic instrumental variables (Eq. 2.22): any noise, not efficient
+    Iv,
+    /// The four-stage instrumental-variable method of the source: autoregressive equation error
     Iv4,
+    /// Refined instrumental variables (Young): white output noise
+    Sriv,
+    /// Steiglitz-McBride, the source's output-error method (B.3): white output noise
+    Sm,
+    /// Least output error by Gauss-Newton, from sm: white output noise
+    Oe,
+    /// Multi-stage least squares, then Gauss-Newton on the prediction error: moving-average equation error
+    Armax,
+}
+
+/// What only some methods ask for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Passes of basic instrumental variables.
+    pub passes: usize,
+    /// Terms of ARMAX's noise polynomial; nothing means na, at least one.
+    pub noise_order: Option<usize>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { passes: 3, noise_order: None }
+    }
+}
+
+/// Estimates one trace with default [`Options`].
+///
+/// # Errors
+/// Fewer rows than parameters, or columns that the signals do not excite. An iteration that does not converge is no
+/// error: see [`Convergence`].
+pub fn estimate(trace: &Trace, structure: Structure, method: Method) -> Result<Estimate, Error> {
+    estimate_with(trace, structure, method, Options::default())
 }
 
 /// Estimates one trace.
 ///
 /// # Errors
-/// Fewer rows than parameters, or columns that the signals do not excite.
-pub fn estimate(trace: &Trace, structure: Structure, method: Method) -> Result<Estimate, Error> {
+/// As [`estimate`].
+pub fn estimate_with(trace: &Trace, structure: Structure, method: Method, options: Options) -> Result<Estimate, Error> {
     match method {
         Method::Ls => least_squares(trace, structure),
+        Method::Iv => instrumental_variables(trace, structure, options.passes),
         Method::Iv4 => iv4(trace, structure),
-    }
-}
-
-impl Estimate {
-    /// Whether every pole lies inside or on the unit circle.
-    #[must_use]
-    pub fn is_stable(&self) -> bool {
-        let ([a, _, _], _) = self.structure.polynomials(self.theta.as_slice());
-        // A double pole on the circle is found this far off it.
-        poles(&a).iter().all(|pole| pole.norm() <= 1.0 + 1e-6)
+        Method::Sriv => sriv(trace, structure),
+        Method::Sm => steiglitz_mcbride(trace, structure),
+        Method::Oe => output_error(trace, structure),
+        Method::Armax => armax(trace, structure, options.noise_order),
     }
 }
 
@@ -116,24 +138,6 @@ impl Structure {
         }
         Ok(t0)
     }
-}
-
-/// Regressor rows t₀ … N−1 with `output` in the place of y: −y(t−1)…, u1(t−nkb)…, u2(t−nkc)…, 1.
-fn regressors(structure: Structure, t0: usize, output: &[f64], u1: &[f64], u2: &[f64]) -> DMatrix<f64> {
-    let Order { na, nb, nc, nkb, nkc } = structure.order;
-    let (na, nb, nc) = (na as usize, nb as usize, nc as usize);
-    DMatrix::from_fn(output.len() - t0, structure.parameters(), |row, column| {
-        let t = t0 + row;
-        if column < na {
-            -output[t - 1 - column]
-        } else if column < na + nb {
-            u1[t - nkb as usize - (column - na)]
-        } else if column < na + nb + nc {
-            u2[t - nkc as usize - (column - na - nb)]
-        } else {
-            1.0
-        }
-    })
 }
 
 /// The parameter whose column is, to rounding, a combination of those before it.

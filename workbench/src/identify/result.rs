@@ -1,0 +1,146 @@
+//! What every estimator hands on: parameters with their covariance, residuals, two fits kept apart, convergence.
+//!
+//! ```text
+//! σ² = Σ ε²/(rows − n)                          (1)  thesis Eq. 2.18; n counts the noise terms of ARMAX too
+//! simulation fit: ŷ from the inputs alone       (2)  thesis Eq. 3.2, what "focus = simulation" judges
+//! prediction fit: ŷ = y − ε, one step ahead     (3)  flatters: a slow output predicts itself
+//! ```
+//!
+//! ε are the one-step prediction errors of the noise model that the method assumes ([`Noise`]). Other tools report (3)
+//! by default, which is why the two are never called just "fit" here.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::{Structure, fit_percent, poles, simulate};
+use crate::trace::Trace;
+
+/// Parameters with what is known about them.
+#[derive(Clone, Debug)]
+pub struct Estimate {
+    /// Structure of `theta`.
+    pub structure: Structure,
+    /// a₁…, b₁…, c₁…, constant.
+    pub theta: DVector<f64>,
+    /// Covariance of `theta` under the noise that the method assumes. Exact in the limit of long records only, for
+    /// every method; each estimator's page has its formula.
+    pub covariance: DMatrix<f64>,
+    /// Residual variance σ² with N − n degrees of freedom (Eq. 2.18).
+    pub variance: f64,
+    /// Rows of the regression.
+    pub rows: usize,
+    /// Eq. 3.2 on the simulated output (2).
+    pub fit_percent: f64,
+    /// One-step prediction errors ε from t₀ on, under `noise`.
+    pub residuals: Vec<f64>,
+    /// Eq. 3.2 on the one-step prediction (3), rows t₀ on.
+    pub prediction_fit_percent: f64,
+    /// How the method takes the noise to enter.
+    pub noise: Noise,
+    /// Whether and how the iteration ended.
+    pub convergence: Convergence,
+}
+
+/// Where white ε enters `A y = B u1 + C u2 [+ constant] + …`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Noise {
+    /// `… + ε`: white equation error (ls, iv).
+    Equation,
+    /// `… + ε/L`: autoregressive equation error (iv4); L from its leading 1.
+    Autoregressive(Vec<f64>),
+    /// `… + A ε`: white output noise (sriv, sm, oe). Simulation and prediction are then the same.
+    Output,
+    /// `… + D ε`: moving-average equation error (armax); D from its leading 1, with the standard deviations of d₁….
+    MovingAverage {
+        /// 1, d₁, ….
+        terms: Vec<f64>,
+        /// Standard deviations of d₁….
+        deviations: Vec<f64>,
+    },
+}
+
+/// How an iteration ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Convergence {
+    /// Whether the last step was negligible against the standard deviations; methods of a fixed number of passes
+    /// say true when every pass could be solved. Where false, `theta` is the last good iterate.
+    pub converged: bool,
+    /// Passes or steps made.
+    pub iterations: usize,
+    /// Passes whose auxiliary model was unstable, so that its poles were reflected into the unit circle.
+    pub reflected: usize,
+    /// Whether the estimated model itself is stable.
+    pub stable: bool,
+}
+
+/// What an estimator found, before it is an [`Estimate`].
+pub(super) struct Finding {
+    pub theta: DVector<f64>,
+    /// Covariance without σ².
+    pub cofactor: DMatrix<f64>,
+    /// ε of rows t₀ ….
+    pub residuals: DVector<f64>,
+    pub noise: Noise,
+    pub converged: bool,
+    pub iterations: usize,
+    pub reflected: usize,
+}
+
+impl Finding {
+    /// With σ² (1) and the fits (2), (3).
+    pub(super) fn estimate(self, trace: &Trace, structure: Structure) -> Estimate {
+        let Self { theta, cofactor, residuals, mut noise, converged, iterations, reflected } = self;
+        let rows = residuals.len();
+        let noise_terms = match &noise {
+            Noise::MovingAverage { deviations, .. } => deviations.len(),
+            _ => 0,
+        };
+        let freedom = rows.saturating_sub(structure.parameters() + noise_terms).max(1);
+        let variance = residuals.norm_squared() / freedom as f64; // (1)
+        if let Noise::MovingAverage { deviations, .. } = &mut noise {
+            deviations.iter_mut().for_each(|deviation| *deviation *= variance.sqrt());
+        }
+        let measured = &trace.y[trace.y.len() - rows..];
+        let predicted: Vec<f64> = measured.iter().zip(residuals.iter()).map(|(y, e)| y - e).collect();
+        let mut estimate = Estimate {
+            structure,
+            covariance: cofactor * variance,
+            variance,
+            rows,
+            fit_percent: fit_percent(&trace.y, &simulate(trace, structure, theta.as_slice())), // (2)
+            prediction_fit_percent: fit_percent(measured, &predicted),                         // (3)
+            residuals: residuals.as_slice().to_vec(),
+            noise,
+            convergence: Convergence { converged, iterations, reflected, stable: true },
+            theta,
+        };
+        estimate.convergence.stable = estimate.is_stable();
+        estimate
+    }
+}
+
+impl Estimate {
+    /// Whether every pole lies inside or on the unit circle.
+    #[must_use]
+    pub fn is_stable(&self) -> bool {
+        let ([a, _, _], _) = self.structure.polynomials(self.theta.as_slice());
+        stable(&a)
+    }
+
+    /// Standard deviations of `theta`.
+    #[must_use]
+    pub fn deviations(&self) -> Vec<f64> {
+        self.covariance.diagonal().iter().map(|v| v.sqrt()).collect()
+    }
+}
+
+/// Whether `1 + a₁ z⁻¹ + …` has no root outside the unit circle.
+pub(super) fn stable(a: &[f64]) -> bool {
+    // A double pole on the circle is found this far off it.
+    poles(a).iter().all(|pole| pole.norm() <= 1.0 + 1e-6)
+}
+
+/// Whether a step is lost in the uncertainty, or in rounding where there is none.
+pub(super) fn negligible(step: &DVector<f64>, deviations: &DVector<f64>, theta: &DVector<f64>) -> bool {
+    let rounding = 1e-11 * theta.norm();
+    step.iter().zip(deviations).all(|(step, deviation)| step.abs() <= 1e-7 * deviation + rounding)
+}

@@ -1,0 +1,114 @@
+//! Simplified refined instrumental variables (Young), optimal for white output noise.
+//!
+//! In every pass y, u1, u2 and the output simulated by the last model are filtered by 1/A of that model; IV on the
+//! filtered signals gives the next.
+//!
+//! ```text
+//! Φ: rows of the filtered y, Ψ: rows of the filtered simulated output
+//! step  d = (ΨᵀΦ)⁻¹ Ψᵀ (y − ŷ),   θ ← θ + μ d                (1)
+//! cov θ = σ² (ΨᵀΦ)⁻¹ ΨᵀΨ (ΦᵀΨ)⁻¹                             (2)  white output noise, long records
+//! ```
+//!
+//! Ψ is the gradient of ŷ, so at rest Ψᵀ(y − ŷ) = 0: a converged estimate is stationary for the output error. That
+//! gives the step its guard: μ is halved until the model is stable and the output error does not rise. Where no
+//! μ serves, the iteration stops at the last good iterate and says so.
+
+use nalgebra::DVector;
+
+use super::filters::{Prefiltered, prefilter};
+use super::result::{Finding, Noise, negligible, stable};
+use super::{Estimate, Structure, iv, least_squares, ls, reflect_unstable, steiglitz_mcbride};
+use crate::Error;
+use crate::trace::Trace;
+
+const PASSES: usize = 100;
+/// Halvings of μ in one pass.
+const HALVINGS: i32 = 30;
+
+/// Estimates by SRIV, starting from least squares or one pass of IV, whichever simulates the output better; where that
+/// does not converge, from Steiglitz–McBride.
+///
+/// # Errors
+/// As [`least_squares`].
+pub fn sriv(trace: &Trace, structure: Structure) -> Result<Estimate, Error> {
+    let first = least_squares(trace, structure)?.theta;
+    let second = iv::next_pass(trace, structure, &first);
+    let mut reflected = 0;
+    let mut prepared = |mut theta: DVector<f64>| {
+        reflected += usize::from(reflect(structure, &mut theta));
+        let data = prefilter(trace, structure, theta.as_slice());
+        Iterate { theta, data, iterations: 0, converged: false }
+    };
+    let mut start = prepared(first);
+    // Instruments that fail here leave least squares to start from.
+    if let Some(second) = second.map(&mut prepared).filter(|second| second.loss() < start.loss()) {
+        start = second;
+    }
+    let mut end = refine(trace, structure, start);
+    if !end.converged {
+        let other = refine(trace, structure, prepared(steiglitz_mcbride(trace, structure)?.theta));
+        if other.converged || other.loss() < end.loss() {
+            end = other;
+        }
+    }
+    let Iterate { theta, data, iterations, converged } = end;
+    let Prefiltered { measured, simulated, output_error: residuals, .. } = data;
+    let cofactor = iv::sandwich(&measured, simulated).unwrap_or_else(|| ls::unknown(theta.len())); // (2)
+    let noise = Noise::Output;
+    Ok(Finding { theta, cofactor, residuals, noise, converged, iterations, reflected }.estimate(trace, structure))
+}
+
+struct Iterate {
+    theta: DVector<f64>,
+    data: Prefiltered,
+    iterations: usize,
+    converged: bool,
+}
+
+impl Iterate {
+    fn loss(&self) -> f64 {
+        loss(&self.data)
+    }
+}
+
+/// Passes from a stable start until they rest, or none leads on.
+fn refine(trace: &Trace, structure: Structure, mut now: Iterate) -> Iterate {
+    let (mut share, mut before) = (1.0, DVector::zeros(now.theta.len()));
+    while !now.converged && now.iterations < PASSES {
+        let Iterate { theta, data, .. } = &now;
+        let Ok(pass) = iv::solve(&data.measured, data.simulated.clone(), &data.target) else { break };
+        let step = &pass.theta - theta; // (1)
+        let variance = now.loss() / data.output_error.len() as f64;
+        let deviations = pass.cofactor.diagonal().map(|q| (q * variance).sqrt());
+        let converged = negligible(&step, &deviations, theta);
+        let scaled = step.component_div(&deviations);
+        // Passes that overshoot alternate in sign; without this they may go to and fro for ever.
+        share = if scaled.dot(&before) < 0.0 { 0.5 * share } else { f64::min(1.0, 1.5 * share) };
+        before = scaled;
+        // Rounding alone may lift the output error by this share.
+        let limit = now.loss() * (1.0 + 1e-12);
+        let tried = (0..HALVINGS).find_map(|halving| {
+            let theta = theta + &step * (share * 0.5_f64.powi(halving));
+            let inside = stable(&structure.polynomials(theta.as_slice()).0[0]);
+            let data = inside.then(|| prefilter(trace, structure, theta.as_slice()))?;
+            (loss(&data) <= limit).then_some((theta, data))
+        });
+        now.converged = converged;
+        let Some((theta, data)) = tried else { break };
+        now = Iterate { theta, data, iterations: now.iterations + 1, converged };
+    }
+    now
+}
+
+fn loss(data: &Prefiltered) -> f64 {
+    let loss = data.output_error.norm_squared();
+    if loss.is_finite() { loss } else { f64::INFINITY }
+}
+
+/// Mirrors unstable poles of a start into the unit circle; whether there were any.
+pub(super) fn reflect(structure: Structure, theta: &mut DVector<f64>) -> bool {
+    let ([a, _, _], _) = structure.polynomials(theta.as_slice());
+    let mirrored = reflect_unstable(&a);
+    theta.iter_mut().zip(&mirrored[1..]).for_each(|(theta, a)| *theta = *a);
+    mirrored != a
+}

@@ -1,0 +1,65 @@
+//! The Steiglitz–McBride method, the source's output-error estimator (thesis Eq. 2.10, B.3; the printed program sums
+//! with a stale index).
+//!
+//! Least squares → y, u1, u2 filtered by 1/A of the last pass → least squares, until nothing changes.
+//!
+//! ```text
+//! Φ: rows of the filtered y, Ψ: rows of the filtered simulated output
+//! at rest   Φᵀ (y − ŷ) = 0                       (1)
+//! cov θ = σ² (ΦᵀΨ)⁻¹ ΦᵀΦ (ΨᵀΦ)⁻¹                 (2)  white output noise, long records
+//! ```
+//!
+//! (1) is no minimum of the output error: on noisy traces the two differ (see [`output_error`](super::output_error)).
+//! In the least-squares covariance of the last pass the noise in Φ would pass for excitation; (2) discounts it.
+
+use nalgebra::DVector;
+
+use super::filters::{Prefiltered, prefilter};
+use super::result::{Finding, Noise, negligible, stable};
+use super::{Estimate, Structure, iv, least_squares, ls};
+use crate::Error;
+use crate::trace::Trace;
+
+/// Passes before giving up; convergence is geometric, at 20 dB about a digit a pass.
+const PASSES: usize = 200;
+/// Passes after which steps are halved: a cycle between two models then settles.
+const PATIENCE: usize = 25;
+
+/// Estimates by Steiglitz–McBride. Where the passes do not settle, the one of least output error is returned, flagged.
+///
+/// # Errors
+/// As [`least_squares`].
+pub fn steiglitz_mcbride(trace: &Trace, structure: Structure) -> Result<Estimate, Error> {
+    let mut theta = least_squares(trace, structure)?.theta;
+    let (mut iterations, mut reflected) = (0, 0);
+    let mut best: Option<(f64, DVector<f64>)> = None;
+    let mut converged = false;
+    while !converged && iterations < PASSES {
+        let data = prefilter(trace, structure, theta.as_slice());
+        reflected += usize::from(data.reflected);
+        let loss = data.output_error.norm_squared();
+        if loss.is_finite() && best.as_ref().is_none_or(|(least, _)| loss < *least) {
+            best = Some((loss, theta.clone()));
+        }
+        let Ok(pass) = ls::solve(data.measured, data.target) else { break };
+        let step = &pass.theta - &theta;
+        if step.iter().any(|s| !s.is_finite()) {
+            break;
+        }
+        iterations += 1;
+        let variance = pass.residuals.norm_squared() / pass.residuals.len() as f64;
+        let deviations = pass.cofactor.diagonal().map(|q| (q * variance).sqrt());
+        converged = negligible(&step, &deviations, &theta);
+        theta += step * if iterations > PATIENCE { 0.5 } else { 1.0 };
+    }
+    // A fixed point with mirrored poles is none of the model itself.
+    converged &= stable(&structure.polynomials(theta.as_slice()).0[0]);
+    if let (false, Some((_, best))) = (converged, best) {
+        theta = best;
+    }
+    let Prefiltered { measured, simulated, output_error: residuals, .. } =
+        prefilter(trace, structure, theta.as_slice());
+    let cofactor = iv::sandwich(&simulated, measured).unwrap_or_else(|| ls::unknown(theta.len())); // (2)
+    let noise = Noise::Output;
+    Ok(Finding { theta, cofactor, residuals, noise, converged, iterations, reflected }.estimate(trace, structure))
+}
