@@ -15,6 +15,7 @@ pub mod literal;
 pub mod pages;
 pub mod report;
 pub mod rig;
+pub mod structure;
 pub mod trace;
 pub mod train;
 

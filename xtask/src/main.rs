@@ -1,10 +1,11 @@
-//! What the repository's own commands do: `cargo xtask test | firmware | measure | setup`.
+//! What the repository's own commands do: `cargo xtask test | firmware | measure | peers | setup`.
 
 mod bounds;
 mod child;
 mod elf;
 mod firmware;
 mod measure;
+mod peers;
 mod qemu;
 mod setup;
 mod tally;
@@ -49,6 +50,8 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Times the workbench and other identification programs on the same traces; installs them in a virtual environment.
+    Peers,
     /// Installs what firmware builds and emulator runs need, where the system allows it.
     Setup,
 }
@@ -69,6 +72,9 @@ fn run(arguments: &Arguments) -> Result<bool> {
     if matches!(arguments.command, Command::Test) {
         return Ok(test::run(arguments.way));
     }
+    if matches!(arguments.command, Command::Peers) {
+        return peers::run();
+    }
     let way = toolchain::choose(arguments.way)?;
     setup::ensure(way)?;
     match &arguments.command {
@@ -85,7 +91,7 @@ fn run(arguments: &Arguments) -> Result<bool> {
             }
         }
         Command::Setup => println!("ready: firmware the {way} way, emulator {}", qemu::PROGRAM),
-        Command::Test => {}
+        Command::Test | Command::Peers => {}
     }
     Ok(true)
 }

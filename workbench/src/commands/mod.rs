@@ -7,6 +7,7 @@ mod options;
 mod output;
 mod replay;
 mod simulate;
+mod structure;
 mod train;
 
 use std::process::ExitCode;
@@ -26,6 +27,7 @@ enum Command {
     Demo(demo::Args),
     Simulate(simulate::Args),
     Identify(identify::Args),
+    Structure(structure::Args),
     Train(Box<train::Args>),
     Evaluate(evaluate::Args),
     Replay(replay::Args),
@@ -42,6 +44,7 @@ pub fn run() -> ExitCode {
         Command::Demo(args) => demo::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Identify(args) => identify::run(&args),
+        Command::Structure(args) => structure::run(&args),
         Command::Train(args) => train::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Replay(args) => replay::run(&args),

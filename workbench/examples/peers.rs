@@ -1,0 +1,99 @@
+//! The workbench's half of `cargo xtask peers`: times what other programs are timed on.
+//!
+//! `peers write DIR` writes a training and a validation trace, `peers time DIR` reads them back and prints one JSON
+//! object: medians in seconds, the estimates that accuracy is judged by, and the winning structures.
+
+use std::error::Error;
+use std::hint::black_box;
+use std::path::Path;
+use std::time::Instant;
+
+use serde_json::{Value, json};
+use workbench::identify::{self, Order, Structure};
+use workbench::rig::{Scenario, simulate};
+use workbench::structure::{Estimator, Grid, estimate_all, search};
+use workbench::trace::{Channels, Trace, read};
+
+/// The single estimates are of this structure.
+const SINGLE: Structure = Structure { order: Order::new(2, 2, 2, 1, 1), offset: false };
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["write", folder] => write(Path::new(folder)),
+        ["time", folder] => {
+            println!("{}", time(Path::new(folder))?);
+            Ok(())
+        }
+        _ => Err("usage: peers write DIR | peers time DIR".into()),
+    }
+}
+
+/// Two healthy traces of the standard rig, all digits.
+fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
+    for (name, seed) in [("train", 1), ("validate", 2)] {
+        let trace = simulate(&Scenario::STANDARD, seed)?;
+        let mut text = String::from("current_a,velocity_error_rad_s,load_torque_nm\n");
+        for k in 0..trace.current_a.len() {
+            let error = trace.velocity_ref_rad_s[k] - trace.velocity_rad_s[k];
+            text += &format!("{},{error},{}\n", trace.current_a[k], trace.load_torque_nm[k]);
+        }
+        std::fs::write(folder.join(name).with_extension("csv"), text)?;
+    }
+    Ok(())
+}
+
+fn time(folder: &Path) -> Result<Value, Box<dyn Error>> {
+    let load = |name: &str| -> Result<Vec<Trace>, workbench::Error> {
+        let channels =
+            Channels { y: "current_a".into(), u1: "velocity_error_rad_s".into(), u2: "load_torque_nm".into() };
+        read(&[folder.join(name)], &channels)
+    };
+    let (train, validate) = (load("train.csv")?, load("validate.csv")?);
+    let structures = Grid::up_to(Order::new(4, 4, 4, 4, 4), false).structures()?;
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    let mut result = json!({ "samples": train[0].y.len(), "threads": rayon::current_num_threads() });
+    for (name, estimator, runs) in [("ls", Estimator::Ls, 15), ("iv4", Estimator::Iv4, 5)] {
+        let estimation = || estimate_all(&train, &structures, estimator);
+        let scored = || search(&train, &validate, &structures, estimator);
+        let found = scored()?;
+        let fits: Vec<Value> = found
+            .candidates
+            .iter()
+            .map(|c| json!([c.fitted.structure.order.to_array(), c.fit_percent, c.fitted.theta]))
+            .collect();
+        result[name] = json!({
+            "estimate_s": median(runs, estimation),
+            "score_s": median(runs, scored),
+            "estimate_one_thread_s": one_thread.install(|| median(runs, estimation)),
+            "score_one_thread_s": one_thread.install(|| median(runs, scored)),
+            "structures": fits,
+        });
+    }
+    let single = std::slice::from_ref(&SINGLE);
+    let lone = estimate_all(&train, single, Estimator::Ls)?.remove(0)?;
+    result["one_ls"] = json!({
+        "lone_s": median(101, || estimate_all(&train, single, Estimator::Ls)),
+        "identify_s": median(101, || identify::least_squares(&train[0], SINGLE)),
+        "theta": lone.theta,
+        "identify_theta": identify::least_squares(&train[0], SINGLE)?.theta.as_slice(),
+    });
+    result["one_iv4"] = json!({
+        "lone_s": median(51, || estimate_all(&train, single, Estimator::Iv4)),
+        "identify_s": median(51, || identify::iv4(&train[0], SINGLE)),
+    });
+    Ok(result)
+}
+
+/// Median time of a call, s.
+fn median<T>(runs: usize, call: impl Fn() -> T) -> f64 {
+    let mut times: Vec<f64> = (0..runs)
+        .map(|_| {
+            let start = Instant::now();
+            black_box(call());
+            start.elapsed().as_secs_f64()
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    times[runs / 2]
+}

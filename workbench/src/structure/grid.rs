@@ -1,0 +1,122 @@
+//! Which structures are searched, and whether the traces can carry them.
+
+use crate::Error;
+use crate::identify::{Order, Structure};
+use crate::trace::Trace;
+
+/// More structures than this are a slip of the fingers rather than a search.
+const MOST: usize = 200_000;
+
+/// Every structure between two order vectors, both included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Grid {
+    /// Least numbers of terms (from 1) and delays (from 0).
+    pub min: Order,
+    /// Greatest.
+    pub max: Order,
+    /// Whether a constant term is estimated.
+    pub offset: bool,
+}
+
+impl Grid {
+    /// Terms and delays from 1 to these maxima: `4,4,4,4,4` is 1024 structures.
+    #[must_use]
+    pub const fn up_to(max: Order, offset: bool) -> Self {
+        Self { min: Order::new(1, 1, 1, 1, 1), max, offset }
+    }
+
+    /// The structures, last number running fastest.
+    ///
+    /// # Errors
+    /// A range that is empty, a number of terms below 1, or more structures than anyone waits for.
+    pub fn structures(&self) -> Result<Vec<Structure>, Error> {
+        let (min, max) = (self.min.to_array(), self.max.to_array());
+        for (k, name) in ["na", "nb", "nc", "nkb", "nkc"].into_iter().enumerate() {
+            if k < 3 && min[k] == 0 {
+                return Err(Error::Usage(format!(
+                    "--min starts {name} at 0; every signal needs a term, give 1 or more"
+                )));
+            }
+            if min[k] > max[k] {
+                let (low, high) = (min[k], max[k]);
+                let problem = format!("no {name} from {low} to {high}: raise it in --max, or lower it in --min");
+                return Err(Error::Usage(problem));
+            }
+        }
+        let count: usize = min.iter().zip(max).map(|(low, high)| usize::from(high - low) + 1).product();
+        if count > MOST {
+            return Err(Error::Usage(format!("{count} structures are more than {MOST}; lower --max or raise --min")));
+        }
+        let mut structures = Vec::with_capacity(count);
+        for index in 0..count {
+            let mut rest = index;
+            let mut numbers = [0; 5];
+            for k in (0..5).rev() {
+                let values = usize::from(max[k] - min[k]) + 1;
+                numbers[k] = min[k] + (rest % values) as u8;
+                rest /= values;
+            }
+            structures.push(Structure { order: Order::from_array(numbers), offset: self.offset });
+        }
+        Ok(structures)
+    }
+}
+
+/// Refuses traces that cannot carry the deepest of the structures.
+pub(super) fn check(train: &[Trace], validate: &[Trace], structures: &[Structure]) -> Result<(), Error> {
+    let deepest = structures.iter().map(|s| s.order.depth()).max();
+    let (Some(deepest), false, false) = (deepest, train.is_empty(), validate.is_empty()) else {
+        return Err(Error::Usage("a search needs a structure, a training and a validation trace".into()));
+    };
+    if let Some(empty) = structures.iter().find(|s| s.order.parameters() == 0) {
+        return Err(Error::Usage(format!("order {:?} has no terms", empty.order.to_array())));
+    }
+    let most = structures.iter().map(Structure::parameters).max().unwrap_or(0);
+    for (traces, least) in [(train, deepest + most + 1), (validate, deepest + 1)] {
+        for trace in traces {
+            let samples = trace.y.len();
+            if samples < least {
+                let problem = format!(
+                    "{samples} samples, but lags back to {deepest} and {most} parameters need {least}; \
+                     record more or lower --max"
+                );
+                return Err(Error::trace(&trace.id, problem));
+            }
+            for (signal, name) in [(&trace.y, "y"), (&trace.u1, "u1"), (&trace.u2, "u2")] {
+                if signal.iter().all(|x| *x == signal[0]) {
+                    let problem = format!("{name} is constant: nothing can be told of a structure; check --{name}");
+                    return Err(Error::trace(&trace.id, problem));
+                }
+                if signal.iter().any(|x| !x.is_finite()) {
+                    return Err(Error::trace(&trace.id, format!("{name} has values that are not finite")));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_grid_is_every_structure_once() {
+        let all = Grid::up_to(Order::new(4, 4, 4, 4, 4), false).structures().expect("a grid");
+        assert_eq!(all.len(), 1024);
+        assert_eq!(all[1].order, Order::new(1, 1, 1, 1, 2));
+        let distinct: std::collections::HashSet<_> = all.iter().map(|s| s.order.to_array()).collect();
+        assert_eq!(distinct.len(), 1024);
+        let narrow = Grid { min: Order::new(2, 1, 1, 0, 3), max: Order::new(2, 2, 1, 1, 3), offset: true };
+        let orders: Vec<_> = narrow.structures().expect("a grid").iter().map(|s| s.order.to_array()).collect();
+        assert_eq!(orders, [[2, 1, 1, 0, 3], [2, 1, 1, 1, 3], [2, 2, 1, 0, 3], [2, 2, 1, 1, 3]]);
+    }
+
+    #[test]
+    fn empty_ranges_are_refused() {
+        let refused = |max| Grid::up_to(max, false).structures().expect_err("no grid").to_string();
+        assert_eq!(refused(Order::new(4, 4, 4, 0, 3)), "no nkb from 1 to 0: raise it in --max, or lower it in --min");
+        assert!(refused(Order::new(0, 4, 4, 1, 3)).contains("no na from 1 to 0"));
+        assert!(refused(Order::new(32, 32, 32, 32, 32)).contains("33554432 structures"));
+    }
+}
