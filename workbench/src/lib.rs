@@ -17,5 +17,6 @@ pub mod report;
 pub mod rig;
 pub mod trace;
 pub mod train;
+pub mod validate;
 
 pub use error::Error;
