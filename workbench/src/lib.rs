@@ -18,5 +18,6 @@ pub mod rig;
 pub mod structure;
 pub mod trace;
 pub mod train;
+pub mod validate;
 
 pub use error::Error;

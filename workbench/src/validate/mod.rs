@@ -1,0 +1,109 @@
+//! An estimate and a trace enter; what speaks for and against the model leaves.
+//!
+//! ```text
+//! Trace, Estimate ─► linearised ─► correlation ─► whiteness, independence, feedback: counts and verdicts
+//!                         noise ──┘
+//!        Estimate ─► roots ─► poles and zeros with 3σ regions, near-cancellations
+//!        Estimate ─► response ─► step and frequency response with bounds
+//! ```
+//!
+//! The **independence** test is the one that a model must pass: residuals that still correlate with past inputs hold
+//! dynamics that the model lacks. **Whiteness** must hold for least squares, which is biased otherwise; instrumental
+//! variables and output error allow coloured residuals. Correlation with *future* inputs (negative lags; also lag 0, if the
+//! input acts at least one sample later) tells of feedback from the output to the input and not of a wrong model, so it
+//! is counted apart.
+//!
+//! All bounds and regions are those of the estimator's covariance. They mean what they say on the trace that the model
+//! was estimated on, and if the model's structure holds the truth.
+
+pub mod correlation;
+pub mod linearised;
+pub mod noise;
+pub mod response;
+pub mod roots;
+
+pub use correlation::{Correlation, Test};
+pub use linearised::Errors;
+pub use roots::PoleZeroMap;
+
+use linearised::Linearised;
+
+use crate::Error;
+use crate::identify::{Estimate, fit_percent, simulate};
+use crate::trace::Trace;
+
+/// Standard deviations of the regions of poles and zeros.
+pub const REGION_SIGMAS: f64 = 3.0;
+
+/// Everything about one model on the trace that it was estimated on.
+#[derive(Clone, Debug)]
+pub struct Validation {
+    /// Which residuals were judged.
+    pub errors: Errors,
+    /// Their autocorrelation over 1 … lags.
+    pub autocorrelation: Correlation,
+    /// Their cross-correlation with u1 and u2 over −lags … lags.
+    pub cross_correlation: [Correlation; 2],
+    /// Of the autocorrelation.
+    pub whiteness: Test,
+    /// Of both cross-correlations over 1 … lags, and at lag 0 where the input acts without delay.
+    pub independence: Test,
+    /// Of both cross-correlations over the other lags.
+    pub feedback: Test,
+    /// Poles and zeros with 3σ regions.
+    pub map: PoleZeroMap,
+    /// Output of the model from the inputs alone.
+    pub simulated: Vec<f64>,
+    /// Eq. 3.2 of `simulated`.
+    pub simulation_fit_percent: f64,
+    /// Eq. 3.2 of the one-step predictions from *measured* past outputs: as a rule higher, and no test of a model.
+    pub prediction_fit_percent: f64,
+}
+
+/// Validates an estimate on the trace that it was estimated on.
+///
+/// # Errors
+/// A trace too short for the lags, or signals that do not determine the parameters.
+pub fn validate(trace: &Trace, estimate: &Estimate, errors: Errors, lags: usize) -> Result<Validation, Error> {
+    let (samples, structure) = (trace.y.len(), estimate.structure);
+    let needed = structure.order.depth() + structure.parameters() + 4 * lags.max(1);
+    if lags == 0 || samples <= needed {
+        let problem = format!(
+            "{samples} samples are too few for a residual test over {lags} lags; use --lags N, N from 1 to a quarter of the samples"
+        );
+        return Err(Error::trace(&trace.id, problem));
+    }
+    let linear = Linearised::new(trace, estimate, errors)?;
+    let autocorrelation = correlation::auto(&linear, lags);
+    let cross_correlation =
+        [&trace.u1, &trace.u2].map(|input| correlation::cross(&linear, input, structure.offset, lags));
+    let span = lags as i64;
+    let [of_u1, of_u2] = &cross_correlation;
+    // Sampled feedback may carry the residual of this very sample into an input that acts later.
+    let starts = [structure.order.nkb, structure.order.nkc].map(|delay| i64::from(delay.min(1)));
+    let simulated = simulate(trace, structure, estimate.theta.as_slice());
+    Ok(Validation {
+        errors,
+        whiteness: correlation::test(&[(&autocorrelation, 1..=span)]),
+        independence: correlation::test(&[(of_u1, starts[0]..=span), (of_u2, starts[1]..=span)]),
+        feedback: correlation::test(&[(of_u1, -span..=starts[0] - 1), (of_u2, -span..=starts[1] - 1)]),
+        map: PoleZeroMap::new(estimate, REGION_SIGMAS),
+        simulation_fit_percent: fit_percent(&trace.y, &simulated),
+        prediction_fit_percent: prediction_fit(trace, estimate),
+        autocorrelation,
+        cross_correlation,
+        simulated,
+    })
+}
+
+/// Eq. 3.2 of ŷ(t | t−1) = φᵀ(t) θ from t₀ on.
+fn prediction_fit(trace: &Trace, estimate: &Estimate) -> f64 {
+    let ([a, b, c], constant) = estimate.structure.polynomials(estimate.theta.as_slice());
+    let sum =
+        |terms: &[f64], x: &[f64], t: usize| terms.iter().enumerate().map(|(k, term)| term * x[t - k]).sum::<f64>();
+    let predict =
+        |t: usize| constant + sum(&b, &trace.u1, t) + sum(&c, &trace.u2, t) - (sum(&a, &trace.y, t) - trace.y[t]);
+    let first = estimate.structure.order.depth();
+    let predicted: Vec<f64> = (first..trace.y.len()).map(predict).collect();
+    fit_percent(&trace.y[first..], &predicted)
+}
