@@ -2,6 +2,7 @@
 
 mod demo;
 mod evaluate;
+mod grey_box;
 mod identify;
 mod options;
 mod output;
@@ -26,6 +27,7 @@ enum Command {
     Demo(demo::Args),
     Simulate(simulate::Args),
     Identify(identify::Args),
+    GreyBox(grey_box::Args),
     Train(Box<train::Args>),
     Evaluate(evaluate::Args),
     Replay(replay::Args),
@@ -42,6 +44,7 @@ pub fn run() -> ExitCode {
         Command::Demo(args) => demo::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Identify(args) => identify::run(&args),
+        Command::GreyBox(args) => grey_box::run(&args),
         Command::Train(args) => train::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Replay(args) => replay::run(&args),
