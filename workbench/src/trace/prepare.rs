@@ -116,7 +116,10 @@ pub fn resample(times_s: &[f64], values: &[f64], rate_hz: f64) -> Result<Vec<f64
 }
 
 /// Kaiser-windowed sinc: pass band to 0.8 of the new Nyquist frequency, at least 60 dB down from that frequency on.
-fn anti_alias(factor: usize) -> Vec<f64> {
+/// About 43 taps a unit of `factor`, symmetric, sum one: cast to single precision they are the table that
+/// [`bearing_watch::FirDecimator`] takes.
+#[must_use]
+pub fn anti_alias(factor: usize) -> Vec<f64> {
     const ATTENUATION_DB: f64 = 70.0;
     let nyquist = 0.5 / factor as f64;
     let transition = 0.2 * nyquist;
