@@ -10,6 +10,7 @@ pub mod error;
 pub mod evaluate;
 pub mod export;
 pub mod features;
+pub mod grey_box;
 pub mod identify;
 pub mod literal;
 pub mod pages;

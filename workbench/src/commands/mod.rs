@@ -2,6 +2,7 @@
 
 mod demo;
 mod evaluate;
+mod grey_box;
 mod identify;
 mod options;
 mod output;
@@ -28,6 +29,7 @@ enum Command {
     Simulate(simulate::Args),
     Identify(identify::Args),
     Structure(structure::Args),
+    GreyBox(grey_box::Args),
     Train(Box<train::Args>),
     Evaluate(evaluate::Args),
     Replay(replay::Args),
@@ -45,6 +47,7 @@ pub fn run() -> ExitCode {
         Command::Simulate(args) => simulate::run(&args),
         Command::Identify(args) => identify::run(&args),
         Command::Structure(args) => structure::run(&args),
+        Command::GreyBox(args) => grey_box::run(&args),
         Command::Train(args) => train::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Replay(args) => replay::run(&args),

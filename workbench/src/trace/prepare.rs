@@ -1,4 +1,5 @@
-//! From the recorded rate to the rate of identification: block means, then decimation.
+//! From the recorded rate to the rate of identification: block means, then decimation; and from irregular to regular
+//! times.
 
 use super::Trace;
 use crate::Error;
@@ -79,8 +80,46 @@ fn decimate(x: &[f64], factor: usize) -> Vec<f64> {
     centres.map(|centre| taps.iter().enumerate().map(|(k, tap)| tap * at(centre + k as isize - half)).sum()).collect()
 }
 
+/// Linear interpolation of samples at irregular times to a constant rate from the first time on.
+///
+/// Interpolation does not limit the band: choose a rate near the recorded one and decimate afterwards.
+///
+/// # Errors
+/// Times and values of different counts, times that do not grow, or a rate that gives fewer than two samples.
+pub fn resample(times_s: &[f64], values: &[f64], rate_hz: f64) -> Result<Vec<f64>, Error> {
+    let (Some(first), Some(last)) = (times_s.first(), times_s.last()) else {
+        return Err(Error::Usage("no samples to resample".into()));
+    };
+    if times_s.len() != values.len() {
+        let (times, values) = (times_s.len(), values.len());
+        return Err(Error::Usage(format!("{times} times for {values} values; give one time a value")));
+    }
+    if let Some(k) = times_s.windows(2).position(|pair| !(pair[1] > pair[0])) {
+        let place = k + 1;
+        return Err(Error::Usage(format!("time {} s at sample {place} does not grow; remove it", times_s[place])));
+    }
+    // A whole number of intervals must not lose its last sample to rounding.
+    let count = ((last - first) * rate_hz + 1e-9).floor() + 1.0;
+    if !(2.0..=1e9).contains(&count) {
+        return Err(Error::Usage(format!("{rate_hz} Hz over {} s gives no usable record", last - first)));
+    }
+    let mut segment = 0;
+    let at = |k: usize| {
+        let t = (first + k as f64 / rate_hz).min(*last);
+        while segment + 2 < times_s.len() && times_s[segment + 1] < t {
+            segment += 1;
+        }
+        let part = (t - times_s[segment]) / (times_s[segment + 1] - times_s[segment]);
+        values[segment] + part * (values[segment + 1] - values[segment])
+    };
+    Ok((0..count as usize).map(at).collect())
+}
+
 /// Kaiser-windowed sinc: pass band to 0.8 of the new Nyquist frequency, at least 60 dB down from that frequency on.
-fn anti_alias(factor: usize) -> Vec<f64> {
+/// About 43 taps a unit of `factor`, symmetric, sum one: cast to single precision they are the table that
+/// [`bearing_watch::FirDecimator`] takes.
+#[must_use]
+pub fn anti_alias(factor: usize) -> Vec<f64> {
     const ATTENUATION_DB: f64 = 70.0;
     let nyquist = 0.5 / factor as f64;
     let transition = 0.2 * nyquist;
@@ -147,6 +186,22 @@ mod tests {
         for (k, value) in decimate(&ramp, 5).into_iter().enumerate() {
             assert!((value - 5.0 * k as f64).abs() < 1e-9, "{k}: {value}"); // symmetric taps: rounding only
         }
+    }
+
+    #[test]
+    fn resampling_keeps_lines_and_refuses_disorder() {
+        let times = [0.0, 0.3, 0.4, 1.1, 2.0];
+        let line: Vec<f64> = times.iter().map(|t| 5.0 - 2.0 * t).collect();
+        let even = resample(&times, &line, 10.0).expect("ordered");
+        assert_eq!(even.len(), 21, "the last time is one of them");
+        for (k, value) in even.iter().enumerate() {
+            assert!((value - (5.0 - 0.2 * k as f64)).abs() < 1e-12, "{k}: {value}"); // rounding
+        }
+        let kink = resample(&[1.0, 2.0, 3.0], &[0.0, 1.0, 0.0], 2.0).expect("ordered");
+        assert_eq!(kink, [0.0, 0.5, 1.0, 0.5, 0.0]);
+        assert!(resample(&[0.0, 1.0, 1.0], &[0.0; 3], 2.0).expect_err("stands").to_string().contains("sample 2"));
+        assert!(resample(&[0.0, 1.0], &[0.0; 3], 2.0).is_err() && resample(&[], &[], 2.0).is_err());
+        assert!(resample(&[0.0, 1.0], &[0.0; 2], 0.5).is_err() && resample(&[0.0, 1.0], &[0.0; 2], f64::NAN).is_err());
     }
 
     #[test]

@@ -1,0 +1,192 @@
+//! Inertia, friction and torque constant of a motor from the torque balance.
+//!
+//! Enters: current, velocity, velocity reference and load torque at a constant rate. Leaves: J, B, Tc, Kt, and how
+//! far the measured current lags.
+//!
+//! ```text
+//! Kt i = J dω/dt + B ω + Tc sign ω + T_load                                                  (1)
+//! i = θ₁ dω/dt + θ₂ ω + θ₃ tanh(ref/ω₀) + θ₄ dT_load/dt + θ₅ T_load                          (2)
+//! Kt = 1/θ₅,  J = θ₁/θ₅,  B = θ₂/θ₅,  Tc = θ₃/θ₅,  lag = −θ₄/θ₅                              (3)
+//! ```
+//!
+//! The load torque sets the scale, so it must be measured. A filter of the current measurement (or of the
+//! load's, then negative) delays one against the other; left out, that delay would count as noise. Every signal of (2) passes one second-order Butterworth
+//! filter, whose state also gives the derivative; nothing noisy is differenced. The velocity is noisy and in a loop:
+//! (2) is solved by instrumental variables, with dω/dt and ω replaced by those of the *reference*. The direction of
+//! motion is taken from the reference too, so the drive must follow it. Standard deviations go through (3) by its
+//! Jacobian.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::filter::LowPass;
+use super::{GreyBox, regression};
+use crate::Error;
+
+/// Signals of a motor under velocity control.
+#[derive(Clone, Copy, Debug)]
+pub struct MotorRecord<'a> {
+    /// Name of the trace, for messages.
+    pub id: &'a str,
+    /// Sampling interval.
+    pub interval_s: f64,
+    /// Torque-making current.
+    pub current_a: &'a [f64],
+    /// Measured velocity.
+    pub velocity_rad_s: &'a [f64],
+    /// Its reference.
+    pub velocity_ref_rad_s: &'a [f64],
+    /// Measured load torque, opposing positive rotation.
+    pub load_torque_nm: &'a [f64],
+}
+
+/// How the signals are filtered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotorSettings {
+    /// Cut-off of the state-variable filter.
+    pub cutoff_hz: f64,
+    /// ω₀ of (2): below it the direction fades.
+    pub direction_rad_s: f64,
+}
+
+impl Default for MotorSettings {
+    fn default() -> Self {
+        Self { cutoff_hz: 8.0, direction_rad_s: 2.0 }
+    }
+}
+
+/// Time dropped at the start, in periods of the cut-off: the filter has forgotten it to e⁻⁷.
+const DROPPED_PERIODS: f64 = 1.6;
+
+const NAMES: [(&str, &str); 5] = [("J", "kg·m²"), ("B", "N·m·s/rad"), ("Tc", "N·m"), ("lag", "s"), ("Kt", "N·m/A")];
+
+/// Estimates (1).
+///
+/// # Errors
+/// A cut-off that means nothing at the record's rate; too few samples; signals that do not determine a constant.
+pub fn estimate(record: &MotorRecord, settings: &MotorSettings) -> Result<GreyBox, Error> {
+    let cutoff = settings.cutoff_hz * record.interval_s;
+    if !(cutoff > 0.0 && cutoff < 0.5 && settings.direction_rad_s > 0.0) {
+        let half_rate_hz = 0.5 / record.interval_s;
+        return Err(Error::Usage(format!(
+            "the filter needs a cut-off between 0 and {half_rate_hz} Hz (half the sampling rate), and the direction a \
+             positive velocity"
+        )));
+    }
+    let dropped = (DROPPED_PERIODS / cutoff).ceil() as usize;
+    let samples = [record.current_a, record.velocity_rad_s, record.velocity_ref_rad_s, record.load_torque_nm];
+    let count = samples.iter().map(|x| x.len()).min().unwrap_or(0);
+    if count < 4 * dropped + 16 {
+        let problem = format!("{count} samples are too few for a filter of {} Hz; record more", settings.cutoff_hz);
+        return Err(Error::trace(record.id, problem));
+    }
+    let [current, velocity, reference, load] = samples.map(|x| &x[..count]);
+    let filter = LowPass::butterworth(1, cutoff);
+    let smooth = |x: &[f64]| filter.forward(x)[dropped..].to_vec();
+    let slope =
+        |x: &[f64]| -> Vec<f64> { filter.derivative(x)[dropped..].iter().map(|d| d / record.interval_s).collect() };
+    let direction: Vec<f64> = reference.iter().map(|r| (r / settings.direction_rad_s).tanh()).collect();
+    let (direction, load_slope, load) = (smooth(&direction), slope(load), smooth(load));
+    let matrix = |speed: &[f64]| {
+        let columns = [slope(speed), smooth(speed), direction.clone(), load_slope.clone(), load.clone()];
+        DMatrix::from_columns(&columns.map(DVector::from_vec))
+    };
+    let (x, z) = (matrix(velocity), matrix(reference));
+    // The filter's memory, over which residuals hang together.
+    let lags = dropped;
+    let solution = regression::solve(&x, &z, &DVector::from_vec(smooth(current)), lags).map_err(|column| {
+        let problem = format!(
+            "the signals do not determine {}; the load torque must be measured and vary, the motor run both ways",
+            if column < 3 { NAMES[column].0 } else { "Kt" }
+        );
+        Error::trace(record.id, problem)
+    })?;
+    let theta = &solution.theta;
+    let scale = theta[4];
+    if scale <= 0.0 {
+        let problem = "the current falls as the load grows; check the sign of the load torque (it opposes rotation)";
+        return Err(Error::trace(record.id, problem));
+    }
+    // (3)
+    let values = [theta[0] / scale, theta[1] / scale, theta[2] / scale, -theta[3] / scale, 1.0 / scale];
+    let jacobian = DMatrix::from_fn(5, 5, |row, column| match (row, column) {
+        (_, 4) => -values[row] / scale,
+        (3, 3) => -1.0 / scale,
+        (row, column) if row == column => 1.0 / scale,
+        _ => 0.0,
+    });
+    let covariance = &jacobian * solution.covariance * jacobian.transpose();
+    let mut grey_box = GreyBox::new(&NAMES, &values, covariance, (solution.relative_error, x.nrows()));
+    grey_box.note_undetermined();
+    Ok(grey_box)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rig::{Defect, DefectKind, RigTrace, Scenario, simulate, trace_seed};
+
+    fn found(trace: &RigTrace) -> GreyBox {
+        let record = MotorRecord {
+            id: "x",
+            interval_s: 0.002,
+            current_a: &trace.current_a,
+            velocity_rad_s: &trace.velocity_rad_s,
+            velocity_ref_rad_s: &trace.velocity_ref_rad_s,
+            load_torque_nm: &trace.load_torque_nm,
+        };
+        estimate(&record, &MotorSettings::default()).expect("rich signals")
+    }
+
+    fn mean_and_sd(x: &[f64]) -> (f64, f64) {
+        let mean = x.iter().sum::<f64>() / x.len() as f64;
+        (mean, (x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (x.len() - 1) as f64).sqrt())
+    }
+
+    #[test]
+    fn constants_of_the_rig_come_back_with_honest_deviations() {
+        let runs: Vec<GreyBox> = (0..60)
+            .map(|k| {
+                let seed = trace_seed(11, DefectKind::Healthy, k);
+                found(&simulate(&Scenario::STANDARD, seed).expect("valid"))
+            })
+            .collect();
+        // The lag is that of the rig's current filter, √2/(2π·140 Hz) = 1.6 ms, but for parts of a sample of 2 ms.
+        for (name, truth, tolerance) in
+            [("J", 2.5e-4, 0.02), ("B", 1e-4, 0.1), ("Kt", 0.05, 0.01), ("Tc", 0.0, 0.0), ("lag", 1.3e-3, 0.5)]
+        {
+            let all: Vec<_> = runs.iter().map(|run| run.get(name).expect("named")).collect();
+            let (mean, scatter) = mean_and_sd(&all.iter().map(|q| q.value).collect::<Vec<_>>());
+            let (told, _) = mean_and_sd(&all.iter().map(|q| q.sd).collect::<Vec<_>>());
+            println!("{name}: {mean:.4e} (truth {truth:.4e}), scatter {scatter:.2e}, told {told:.2e}");
+            assert!((mean - truth).abs() <= tolerance * truth + scatter, "{name}: {mean}");
+            // 60 runs tell a scatter to 9 %; Bartlett's weights lose some more.
+            assert!((0.7..1.4).contains(&(told / scatter)), "{name}: told {told}, scatter {scatter}");
+        }
+    }
+
+    #[test]
+    fn roughness_shows_in_the_viscous_friction_alone() {
+        let rough = Scenario::STANDARD.with_defect(Defect::full(DefectKind::Roughness));
+        let run = found(&simulate(&rough, trace_seed(12, DefectKind::Roughness, 0)).expect("valid"));
+        let b = run.get("B").expect("named");
+        assert!((b.value - 2.1e-3).abs() < 4.0 * b.sd + 2e-5 && b.sd < 1e-4, "{b:?}");
+        let kt = run.get("Kt").expect("named");
+        assert!((kt.value - 0.05).abs() < 1e-3, "{kt:?}");
+    }
+
+    #[test]
+    fn a_motor_without_load_has_no_scale() {
+        let mut trace = simulate(&Scenario::STANDARD, 5).expect("valid");
+        trace.load_torque_nm.fill(0.0);
+        let record = MotorRecord {
+            id: "x",
+            interval_s: 0.002,
+            current_a: &trace.current_a,
+            velocity_rad_s: &trace.velocity_rad_s,
+            velocity_ref_rad_s: &trace.velocity_ref_rad_s,
+            load_torque_nm: &trace.load_torque_nm,
+        };
+        let message = estimate(&record, &MotorSettings::default()).expect_err("no load").to_string();
+        assert!(message.contains("do not determine Kt"), "{message}");
+    }
+}
