@@ -8,6 +8,7 @@ mod output;
 mod replay;
 mod simulate;
 mod train;
+mod validate;
 
 use std::process::ExitCode;
 
@@ -26,6 +27,7 @@ enum Command {
     Demo(demo::Args),
     Simulate(simulate::Args),
     Identify(identify::Args),
+    Validate(validate::Args),
     Train(Box<train::Args>),
     Evaluate(evaluate::Args),
     Replay(replay::Args),
@@ -42,6 +44,7 @@ pub fn run() -> ExitCode {
         Command::Demo(args) => demo::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Identify(args) => identify::run(&args),
+        Command::Validate(args) => validate::run(&args),
         Command::Train(args) => train::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Replay(args) => replay::run(&args),
