@@ -105,7 +105,8 @@ pub fn cancellation(found: &Validation) -> String {
     let map = &found.map;
     let named = |pole: usize| place(&map.poles[pole]);
     if !map.removable.is_empty() {
-        let poles: Vec<String> = map.removable.iter().map(|&pole| named(pole)).collect();
+        let upper = map.removable.iter().filter(|&&pole| map.poles[pole].at.im >= 0.0);
+        let poles: Vec<String> = upper.map(|&pole| named(pole)).collect();
         return format!(
             "Near-cancellation from every input: the region of pole {} meets that of a zero of each input; try an order \
              with one a, b and c fewer.",
@@ -115,8 +116,12 @@ pub fn cancellation(found: &Validation) -> String {
     if map.overlaps.is_empty() {
         return "No region of a pole meets that of a zero: nothing cancels.".into();
     }
-    let pairs: Vec<String> =
-        map.overlaps.iter().map(|pair| format!("pole {} from u{}", named(pair.pole), pair.input + 1)).collect();
+    let pairs: Vec<String> = map
+        .overlaps
+        .iter()
+        .filter(|pair| map.poles[pair.pole].at.im >= 0.0)
+        .map(|pair| format!("pole {} from u{}", named(pair.pole), pair.input + 1))
+        .collect();
     format!("Near-cancellation from one input only, which the other needs: {}.", pairs.join("; "))
 }
 
@@ -124,7 +129,7 @@ fn place(root: &Root) -> String {
     let text = if root.is_real() {
         format!("{:.4}", root.at.re)
     } else {
-        format!("{:.4} {} {:.4}i", root.at.re, if root.at.im < 0.0 { '−' } else { '+' }, root.at.im.abs())
+        format!("{:.4} ± {:.4}i", root.at.re, root.at.im.abs())
     };
     text.replace('-', "−")
 }
@@ -144,8 +149,13 @@ fn roots_table(found: &Validation) -> String {
     if rows.is_empty() {
         return String::new();
     }
-    let close: Vec<String> =
-        map.poles.iter().chain(map.zeros.iter().flatten()).filter(|r| !r.separated).map(place).collect();
+    let close: Vec<String> = map
+        .poles
+        .iter()
+        .chain(map.zeros.iter().flatten())
+        .filter(|r| !r.separated && r.at.im >= 0.0)
+        .map(place)
+        .collect();
     let warning = match close.len() {
         0 => String::new(),
         _ => paragraph(&format!(
@@ -154,7 +164,7 @@ fn roots_table(found: &Validation) -> String {
             close.join(", ")
         )),
     };
-    table(&["", "place (one of a pair)", "radius", "sd, real", "sd, imaginary"], &rows) + &warning
+    table(&["", "place", "radius", "sd, real", "sd, imaginary"], &rows) + &warning
 }
 
 fn interval(trace: &Trace) -> (f64, &'static str) {
