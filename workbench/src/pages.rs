@@ -7,7 +7,7 @@ use crate::embedded::{Embedded, Segment};
 use crate::evaluate::{Confusion, TraceVerdict};
 use crate::features;
 use crate::report::page::{or_reason, paragraph};
-use crate::report::plot::{self, Panel, ScatterClass, Series};
+use crate::report::plot::{self, Density, Panel, ScatterClass, Series};
 use crate::report::table::{ConfusionRow, confusion_table, table};
 use crate::report::{Class, Color, Page};
 use crate::trace::{Channels, Trace};
@@ -36,6 +36,7 @@ pub fn training(
     ));
     page = page.section("Signals, one trace of each class", &signals(trained, channels, examples));
     page = page.section("Features and decision regions", &scatter(trained, verdicts)?);
+    page = page.section("Distribution of each feature", &distributions(trained));
     if let Some((confusion, verdicts)) = held_out {
         page = page.section("Held-out traces, through the embedded detector", &confusion_html(confusion));
         page = page.section("Posteriors, segment after segment", &posteriors_by_trace(&trained.classes, verdicts));
@@ -92,6 +93,22 @@ pub fn scatter(trained: &Trained, held_out: &[TraceVerdict]) -> Result<String, E
         );
     }
     Ok(plot + &paragraph(&note))
+}
+
+/// Each feature's normal density in every class, from the training segments.
+#[must_use]
+pub fn distributions(trained: &Trained) -> String {
+    let classes = Class::all(&trained.classes);
+    let of_feature = |(feature, name): (usize, &String)| {
+        let samples = |k: usize| {
+            let rows = trained.raw.rows.iter().zip(&trained.raw.classes);
+            rows.filter(|(_, class)| **class == k).map(|(row, _)| row[feature]).collect()
+        };
+        let one = |(k, class): (usize, &Class)| Density { class: class.clone(), samples: samples(k) };
+        let densities: Vec<Density> = classes.iter().enumerate().map(one).collect();
+        or_reason(plot::densities(&format!("Distribution of {name}"), name, &densities))
+    };
+    trained.feature_names.iter().enumerate().map(of_feature).collect()
 }
 
 fn decide(model: &Embedded, plane: &Plane, x: f64, y: f64, undetermined: usize) -> usize {

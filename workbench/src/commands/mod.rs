@@ -10,6 +10,7 @@ mod replay;
 mod simulate;
 mod structure;
 mod train;
+mod validate;
 
 use std::process::ExitCode;
 
@@ -30,6 +31,7 @@ enum Command {
     Identify(identify::Args),
     Structure(structure::Args),
     GreyBox(grey_box::Args),
+    Validate(validate::Args),
     Train(Box<train::Args>),
     Evaluate(evaluate::Args),
     Replay(replay::Args),
@@ -48,6 +50,7 @@ pub fn run() -> ExitCode {
         Command::Identify(args) => identify::run(&args),
         Command::Structure(args) => structure::run(&args),
         Command::GreyBox(args) => grey_box::run(&args),
+        Command::Validate(args) => validate::run(&args),
         Command::Train(args) => train::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Replay(args) => replay::run(&args),

@@ -19,6 +19,7 @@
 pub mod correlation;
 pub mod linearised;
 pub mod noise;
+pub mod page;
 pub mod response;
 pub mod roots;
 

@@ -75,9 +75,21 @@ pub(super) struct Axis {
     pub(super) ticks: Vec<f64>,
     exponent: i32,
     decimals: usize,
+    /// Values are decimal logarithms of what the labels say.
+    logarithmic: bool,
 }
 
 impl Axis {
+    /// A horizontal axis whose values are decimal logarithms, with the powers of ten labelled, over few decades also
+    /// their doubles and fivefolds.
+    pub(super) fn decades(range: Range, left: f64, right: f64) -> Self {
+        let steps: &[f64] = if range.hi - range.lo > 2.5 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+        let (first, last) = (floor_to_i32(range.lo), floor_to_i32(range.hi));
+        let all = (first..=last).flat_map(|power| steps.iter().map(move |step| f64::from(power) + step.log10()));
+        let ticks: Vec<f64> = all.filter(|&tick| range.contains(tick)).collect();
+        Self { range, from: left, to: right, ticks, exponent: 0, decimals: 0, logarithmic: true }
+    }
+
     /// A horizontal axis: as many ticks as labels fit side by side.
     pub(super) fn horizontal(range: Range, left: f64, right: f64) -> Self {
         let room = |axis: &Self| {
@@ -113,7 +125,13 @@ impl Axis {
         let exponent =
             if largest > 0.0 && !(1e-2..1e5).contains(&largest) { floor_to_i32(largest.log10() / 3.0) * 3 } else { 0 };
         let decimals = (exponent - floor_to_i32(step.log10() + 1e-9)).clamp(0, 15);
-        Self { range, from, to, ticks, exponent, decimals: usize::try_from(decimals).unwrap_or(0) }
+        Self { range, from, to, ticks, exponent, decimals: usize::try_from(decimals).unwrap_or(0), logarithmic: false }
+    }
+
+    /// The same without ticks below zero, where something else than values is drawn.
+    pub(super) fn above_zero(mut self) -> Self {
+        self.ticks.retain(|&tick| tick >= 0.0);
+        self
     }
 
     /// The same range without ticks, for a panel without data.
@@ -140,6 +158,13 @@ impl Axis {
 
     /// The text beside a tick, with a true minus sign.
     pub(super) fn label(&self, tick: f64) -> String {
+        if self.logarithmic {
+            // Two digits tell 1, 2 and 5 times a power of ten.
+            let decimals = usize::try_from(1 - floor_to_i32(tick + 1e-9)).unwrap_or(0);
+            let text = format!("{:.decimals$}", 10f64.powf(tick));
+            let short = text.trim_end_matches('0').trim_end_matches('.');
+            return if text.contains('.') { short.to_owned() } else { text };
+        }
         let scaled = tick / 10f64.powi(self.exponent);
         let text = format!("{scaled:.*}", self.decimals);
         match text.strip_prefix('-') {
@@ -240,5 +265,15 @@ mod tests {
         let axis = Axis::vertical(Range { lo: -2.0, hi: 6.0 }, 10.0, 210.0);
         assert!((axis.value(axis.at(1.25)) - 1.25).abs() < 1e-12);
         assert!(axis.at(6.0) < axis.at(-2.0), "up the page is up in value");
+    }
+
+    #[test]
+    fn decades_say_what_their_logarithms_mean() {
+        let labels = |lo: f64, hi: f64| {
+            let axis = Axis::decades(Range { lo, hi }, 0.0, 100.0);
+            axis.ticks.iter().map(|&t| axis.label(t)).collect::<Vec<_>>()
+        };
+        assert_eq!(labels(-2.0, 2.3), ["0.01", "0.1", "1", "10", "100"]);
+        assert_eq!(labels(0.5, 2.4), ["5", "10", "20", "50", "100", "200"]);
     }
 }

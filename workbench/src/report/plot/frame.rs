@@ -75,6 +75,14 @@ pub(super) enum Key {
     /// A filled marker on the tint of its region.
     Region(Color, Marker),
     Area(Color),
+    /// The band of a correlation.
+    Limits,
+    /// A lag outside of it.
+    Out,
+    /// A pole.
+    Cross(Color),
+    /// A zero.
+    Zero(Color),
     Open,
     Filled,
     Ring {
@@ -100,6 +108,12 @@ impl Key {
                 svg.path(&format!("class=\"dot\" fill=\"{color}\""), &markers(marker, AT));
             }
             Self::Area(color) => svg.rect(&format!("class=\"area\" fill=\"{color}\""), 0.0, 1.0, 26.0, 14.0),
+            Self::Limits => svg.rect("class=\"limits\"", 0.0, 1.0, 26.0, 14.0),
+            Self::Out => svg.path("class=\"stem out\"", "M13 1V15"),
+            Self::Cross(color) => svg.path(&format!("class=\"mark\" stroke=\"{color}\""), "M8 3l10 10m0-10l-10 10"),
+            Self::Zero(color) => {
+                svg.path(&format!("class=\"mark\" stroke=\"{color}\""), "M8 8a5 5 0 1 0 10 0a5 5 0 1 0-10 0");
+            }
             Self::Open => svg.path("class=\"open key-ink\"", &markers(Marker::Circle, AT)),
             Self::Filled => svg.path("class=\"dot key-fill\"", &markers(Marker::Circle, AT)),
             Self::Ring { dashed } => svg.path(ring_class(dashed), RING_AT_KEY),

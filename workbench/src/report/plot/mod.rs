@@ -5,9 +5,12 @@
 //! classes (dark page, print, larger text on a phone), fractions of a unit, hatching and whole series in one path.
 
 mod axis;
+mod correlations;
 mod decimate;
+mod densities;
 mod frame;
 mod lines;
+mod pole_zero;
 mod posteriors;
 mod regions;
 mod scatter;
@@ -15,8 +18,11 @@ mod series;
 mod signals;
 mod svg;
 
+pub use correlations::{CorrelationPanel, Lag, correlations};
+pub use densities::{Density, densities};
 pub use lines::lines;
+pub use pole_zero::{MapGroup, MapPoint, pole_zero};
 pub use posteriors::{Segment, posteriors};
 pub use scatter::{ScatterClass, scatter_regions};
 pub use series::Series;
-pub use signals::{Panel, signals};
+pub use signals::{Panel, signals, sweeps};

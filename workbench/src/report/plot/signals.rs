@@ -35,6 +35,29 @@ impl Panel {
 /// # Errors
 /// [`ReportError::Empty`] when no panel has a finite point.
 pub fn signals(title: &str, x_label: &str, panels: &[Panel]) -> Result<String, ReportError> {
+    stacked(title, x_label, panels, Axis::horizontal)
+}
+
+/// The same over a logarithmic axis, such as the frequency of a Bode plot; points at x ≤ 0 are left out.
+///
+/// # Errors
+/// [`ReportError::Empty`] when no panel has a finite point.
+pub fn sweeps(title: &str, x_label: &str, panels: &[Panel]) -> Result<String, ReportError> {
+    let logarithmic = |series: &Series| {
+        let points = series.points.iter().filter(|p| p.0 > 0.0).map(|&(x, y)| (x.log10(), y)).collect();
+        let band = series.band.iter().filter(|p| p.0 > 0.0).map(|&(x, low, high)| (x.log10(), low, high)).collect();
+        Series { points, band, ..series.clone() }
+    };
+    let panel = |panel: &Panel| Panel::new(panel.label.clone(), panel.series.iter().map(logarithmic).collect());
+    stacked(title, x_label, &panels.iter().map(panel).collect::<Vec<_>>(), Axis::decades)
+}
+
+fn stacked(
+    title: &str,
+    x_label: &str,
+    panels: &[Panel],
+    horizontal: fn(Range, f64, f64) -> Axis,
+) -> Result<String, ReportError> {
     let empty = || ReportError::Empty { title: title.to_owned() };
     let all = panels.iter().flat_map(|panel| &panel.series);
     let time = x_range(all.clone()).ok_or_else(empty)?.padded(0.0);
@@ -47,7 +70,7 @@ pub fn signals(title: &str, x_label: &str, panels: &[Panel]) -> Result<String, R
     let axes: Vec<Axis> = panels.iter().map(vertical).collect();
     // One left margin for all panels keeps their time axes aligned.
     let area = Area::new(axes.iter().map(Axis::label_width).fold(0.0, f64::max), height);
-    let x = Axis::horizontal(time, area.left, area.right);
+    let x = horizontal(time, area.left, area.right);
 
     let mut body = String::new();
     for (index, (panel, y)) in panels.iter().zip(&axes).enumerate() {

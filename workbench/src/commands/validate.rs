@@ -1,0 +1,196 @@
+//! `bearing-watch validate`
+
+use std::path::PathBuf;
+
+use clap::ValueEnum as _;
+use rayon::prelude::*;
+use serde_json::json;
+
+use super::options::{ChannelArgs, PreparationArgs, StructureArgs, warn_irregular};
+use super::output;
+use crate::Error;
+use crate::identify::{Estimate, Method, estimate};
+use crate::report::Page;
+use crate::report::page::paragraph;
+use crate::report::table::table;
+use crate::trace::{self, Trace};
+use crate::validate::page::{cancellation, sections};
+use crate::validate::roots::Root;
+use crate::validate::{Correlation, Errors, Test, Validation, validate};
+
+/// Test the model of each trace: residuals, poles and zeros with 3σ regions, fit, step and frequency response
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example:\n  bearing-watch validate trace.csv --y current_a --u1 velocity_ref_rad_s-velocity_rad_s \
+--u2 load_torque_nm --order 2,2,2,1,1 --report model.html"
+)]
+pub(super) struct Args {
+    /// Trace files or folders
+    #[arg(value_name = "TRACES", required = true)]
+    traces: Vec<PathBuf>,
+    #[command(flatten)]
+    channels: ChannelArgs,
+    #[command(flatten)]
+    structure: StructureArgs,
+    /// Estimator
+    #[arg(long, value_enum, default_value = "ls")]
+    method: Method,
+    #[command(flatten)]
+    preparation: PreparationArgs,
+    /// Correlations over this many lags, to either side
+    #[arg(long, default_value_t = 25, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=500))]
+    lags: u16,
+    /// Write a page with all plots; details are those of the first trace
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+struct Outcome {
+    trace: Trace,
+    estimate: Estimate,
+    found: Validation,
+}
+
+/// The residuals that the estimator makes small.
+fn errors_of(method: Method) -> Errors {
+    if method == Method::Ls {
+        Errors::LeastSquares
+    } else if method == Method::Iv4 {
+        Errors::Instruments
+    } else {
+        Errors::Simulation
+    }
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Error> {
+    let preparation = args.preparation.preparation()?;
+    output::plan(&args.report.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &args.traces)?;
+    let traces = trace::read(&args.traces, &args.channels.channels())?;
+    warn_irregular(traces.iter());
+    let bar = output::progress("validating", traces.len());
+    let one = |trace: &Trace| {
+        let trace = preparation.apply(trace)?;
+        let estimate = estimate(&trace, args.structure.structure(), args.method)?;
+        let found = validate(&trace, &estimate, errors_of(args.method), usize::from(args.lags))?;
+        bar.inc(1);
+        Ok(Outcome { trace, estimate, found })
+    };
+    let outcomes: Vec<Result<Outcome, Error>> = traces.par_iter().map(one).collect();
+    bar.finish_and_clear();
+    // Collected first, so that the error reported is that of the first bad trace in every run.
+    let outcomes = outcomes.into_iter().collect::<Result<Vec<_>, Error>>()?;
+    let unstable = outcomes.iter().filter(|outcome| !outcome.estimate.is_stable()).count();
+    if unstable > 0 {
+        output::warn(format!(
+            "{unstable} of {} models are unstable; their simulation is one with the poles reflected",
+            outcomes.len()
+        ));
+    }
+    if let Some(path) = &args.report {
+        output::write(path, page(args, &outcomes))?;
+    }
+    if args.json {
+        return output::json(&json!(outcomes.iter().map(to_json).collect::<Vec<_>>()));
+    }
+    for outcome in &outcomes {
+        print(outcome)?;
+    }
+    let passed = outcomes.iter().filter(|outcome| outcome.found.independence.passed()).count();
+    if outcomes.len() > 1 {
+        output::say(format!("{passed} of {} models pass the independence test", outcomes.len()))?;
+    }
+    Ok(())
+}
+
+fn count(test: &Test) -> String {
+    let Test { tested, outside, allowed, largest, limit } = test;
+    format!("{outside} of {tested} lags outside, {allowed} allowed; largest {largest:.1} sd, {limit:.1} allowed")
+}
+
+fn print(outcome: &Outcome) -> Result<(), Error> {
+    let found = &outcome.found;
+    let verdict = |test: &Test| if test.passed() { "pass" } else { "FAIL" };
+    let feedback = if found.feedback.passed() { "not seen," } else { "seen,    " };
+    output::say(&outcome.trace.id)?;
+    output::say(format!("  independence  {}  {}", verdict(&found.independence), count(&found.independence)))?;
+    output::say(format!("  whiteness     {}  {}", verdict(&found.whiteness), count(&found.whiteness)))?;
+    output::say(format!("  feedback      {feedback} {}", count(&found.feedback)))?;
+    output::say(format!(
+        "  fit           simulation {:.2} %, one-step prediction {:.2} %",
+        found.simulation_fit_percent, found.prediction_fit_percent
+    ))?;
+    output::say(format!("  poles, zeros  {}", cancellation(found)))
+}
+
+fn to_json(outcome: &Outcome) -> serde_json::Value {
+    let Outcome { trace, found, .. } = outcome;
+    let test = |test: &Test| {
+        json!({
+            "passed": test.passed(), "tested": test.tested, "outside": test.outside, "allowed": test.allowed,
+            "largest_sd": test.largest, "largest_allowed_sd": test.limit,
+        })
+    };
+    let correlation = |one: &Correlation| json!({ "lag": one.lags, "value": one.value, "bound_99": one.bound });
+    let roots = |roots: &[Root]| {
+        let one = |root: &Root| {
+            let c = root.covariance;
+            json!({
+                "re": root.at.re, "im": root.at.im, "separated": root.separated,
+                "covariance": [[c[(0, 0)], c[(0, 1)]], [c[(1, 0)], c[(1, 1)]]],
+            })
+        };
+        roots.iter().map(one).collect::<Vec<_>>()
+    };
+    let map = &found.map;
+    json!({
+        "trace": trace.id,
+        "independence": test(&found.independence),
+        "whiteness": test(&found.whiteness),
+        "feedback": test(&found.feedback),
+        "simulation_fit_percent": found.simulation_fit_percent,
+        "prediction_fit_percent": found.prediction_fit_percent,
+        "poles": roots(&map.poles),
+        "zeros_u1": roots(&map.zeros[0]),
+        "zeros_u2": roots(&map.zeros[1]),
+        "removable_poles": map.removable,
+        "autocorrelation": correlation(&found.autocorrelation),
+        "cross_correlation_u1": correlation(&found.cross_correlation[0]),
+        "cross_correlation_u2": correlation(&found.cross_correlation[1]),
+    })
+}
+
+fn page(args: &Args, outcomes: &[Outcome]) -> String {
+    let first = &outcomes[0];
+    let channels = args.channels.channels();
+    let order = args.structure.structure().order.to_array();
+    let mut page = Page::new(format!("Model of {}", first.trace.id)).lead(format!(
+        "y = {}, u1 = {}, u2 = {}; order {order:?}{}, estimated by {} from {} samples.",
+        channels.y,
+        channels.u1,
+        channels.u2,
+        if args.structure.structure().offset { " with a constant" } else { "" },
+        args.method.to_possible_value().map_or_else(String::new, |method| method.get_name().to_string()),
+        first.trace.y.len()
+    ));
+    if outcomes.len() > 1 {
+        let short = |test: &Test| {
+            format!("{}, {} of {}", if test.passed() { "pass" } else { "FAIL" }, test.outside, test.tested)
+        };
+        let row = |o: &Outcome| {
+            let fits = [o.found.simulation_fit_percent, o.found.prediction_fit_percent].map(|f| format!("{f:.1}"));
+            [vec![o.trace.id.clone(), short(&o.found.independence), short(&o.found.whiteness)], fits.to_vec()].concat()
+        };
+        let header =
+            ["trace", "independence, lags outside", "whiteness, lags outside", "simulation fit %", "one-step fit %"];
+        let rows: Vec<_> = outcomes.iter().map(row).collect();
+        let html = table(&header, &rows) + &paragraph("What follows is the first trace.");
+        page = page.section("All traces", &html);
+    }
+    for (heading, html) in sections(&first.trace, &first.estimate, &first.found) {
+        page = page.section(heading, &html);
+    }
+    page.render()
+}

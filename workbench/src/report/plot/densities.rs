@@ -1,0 +1,116 @@
+//! The spread of one feature in each class enters, normal densities with the samples below leave.
+//!
+//! ```text
+//! p(x) = exp(−(x − μ)²/2σ²) / (σ √2π)        σ: the *standard deviation* of the samples, N − 1
+//! ```
+
+use std::f64::consts::TAU;
+
+use super::super::ReportError;
+use super::super::palette::Class;
+use super::axis::{Axis, Range, usable};
+use super::frame::{Area, BOTTOM, WIDTH, figure, gap_note, grid, panel_head, x_title};
+use super::series::Series;
+use super::svg::{Svg, markers};
+
+const HEIGHT: f64 = 280.0;
+
+/// A class with its samples of the feature.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Density {
+    /// Name, colour and marker.
+    pub class: Class,
+    /// Values of the feature.
+    pub samples: Vec<f64>,
+}
+
+impl Density {
+    /// Mean and standard deviation of the finite samples; nothing below two, or where all are equal.
+    #[must_use]
+    pub fn moments(&self) -> Option<(f64, f64)> {
+        let finite: Vec<f64> = self.samples.iter().copied().filter(|&x| usable(x)).collect();
+        let n = finite.len() as f64;
+        let mean = finite.iter().sum::<f64>() / n;
+        let sd = (finite.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
+        (sd > 0.0 && sd.is_finite()).then_some((mean, sd))
+    }
+}
+
+/// Normal densities over ± 3.5 standard deviations, each with its samples as marks below the axis.
+///
+/// # Errors
+/// [`ReportError::Empty`] where no class has two different finite samples.
+pub fn densities(title: &str, feature: &str, classes: &[Density]) -> Result<String, ReportError> {
+    const POINTS: i32 = 100;
+    let known: Vec<(&Density, f64, f64)> =
+        classes.iter().filter_map(|one| one.moments().map(|(mean, sd)| (one, mean, sd))).collect();
+    let peak = known.iter().map(|(_, _, sd)| 1.0 / (sd * TAU.sqrt())).fold(0.0, f64::max);
+    let mut series = Vec::new();
+    for &(one, mean, sd) in &known {
+        let curve = (0..=POINTS).map(|k| {
+            let deviations = 3.5 * (2.0 * f64::from(k) / f64::from(POINTS) - 1.0);
+            (mean + deviations * sd, (-0.5 * deviations * deviations).exp() / (sd * TAU.sqrt()))
+        });
+        let curve: Vec<(f64, f64)> = curve.collect();
+        let band = curve.iter().map(|&(x, p)| (x, 0.0, p)).collect::<Vec<_>>();
+        let name = format!("{}: {}", one.class.name, with_sd(mean, sd));
+        series.push(Series::new(name, one.class.color, curve).with_band(band));
+    }
+    let samples = known.iter().flat_map(|(one, _, _)| one.samples.iter().copied());
+    let across = Range::of(samples.clone().chain(series.iter().flat_map(|s| s.points.iter().map(|p| p.0))));
+    let across = across.filter(|_| peak > 0.0).ok_or_else(|| ReportError::Empty { title: title.to_owned() })?;
+    // Samples lie below zero, a row a class.
+    let row = 0.07 * peak;
+    let up = Range { lo: -row * (known.len() as f64 + 0.5), hi: 1.05 * peak };
+    let area = Area::new(0.0, HEIGHT);
+    let y = Axis::vertical(up, area.top, area.bottom);
+    let area = Area::new(y.label_width(), HEIGHT);
+    let y = y.above_zero();
+    let x = Axis::horizontal(across.padded(0.02), area.left, area.right);
+    let mut svg = Svg::new();
+    grid(&mut svg, area, &x, &y, true);
+    for (number, ((one, _, _), series)) in known.iter().zip(&series).enumerate() {
+        series.draw(&mut svg, area, &x, &y);
+        let at = y.at(-row * (number as f64 + 1.0));
+        let points = one.samples.iter().filter(|&&v| usable(v)).map(|&v| (x.at(v), at));
+        svg.path(&format!("class=\"open\" stroke=\"{}\"", one.class.color), &markers(one.class.marker, points));
+    }
+    let missing = classes.iter().flat_map(|one| &one.samples).filter(|&&v| !usable(v)).count();
+    let keys: Vec<_> = series.iter().map(Series::key).collect();
+    let head = panel_head(&y.title("probability density"), &keys);
+    let drawing = svg.finish(title, WIDTH, area.bottom + BOTTOM);
+    Ok(figure(title, &format!("{head}{drawing}{}", x_title(&x.title(feature))), &gap_note(missing)))
+}
+
+/// Mean and standard deviation to two digits of the latter.
+fn with_sd(mean: f64, sd: f64) -> String {
+    let magnitude = sd.log10().floor();
+    let decimals = (0..=12).find(|&d| f64::from(d) >= 1.0 - magnitude).unwrap_or(12);
+    let decimals = usize::try_from(decimals).unwrap_or(0);
+    format!("{mean:.decimals$} ± {sd:.decimals$} (sd)").replace('-', "−")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::well_formed::check;
+    use super::*;
+
+    #[test]
+    fn the_spread_is_the_standard_deviation() {
+        // Deviations −2, 0, 2: variance 8/2 = 4, standard deviation 2.
+        let one = Density { class: Class::new(0, "<a>"), samples: vec![8.0, 10.0, 12.0] };
+        assert_eq!(one.moments(), Some((10.0, 2.0)));
+        let html = densities("t", "a1", &[one]).expect("two samples");
+        assert_eq!(check(&html), Ok(()));
+        // ± 3.5 sd: from 3 to 17; a variance in its place would reach from −4 to 24.
+        assert!(
+            html.contains("&lt;a&gt;: 10.0 ± 2.0 (sd)") && html.contains(">16</text>") && !html.contains(">18</text>")
+        );
+    }
+
+    #[test]
+    fn classes_without_spread_are_left_out() {
+        let constant = Density { class: Class::new(0, "a"), samples: vec![1.0; 5] };
+        assert!(densities("t", "a1", &[constant]).is_err());
+    }
+}
