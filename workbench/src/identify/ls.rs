@@ -19,7 +19,10 @@ pub fn least_squares(trace: &Trace, structure: Structure) -> Result<Estimate, Er
     let t0 = structure.first_row(trace)?;
     let x = regressors(structure, t0, &trace.y, &trace.u1, &trace.u2);
     let target = DVector::from_column_slice(&trace.y[t0..]);
-    let solution = solve(x, target).map_err(|column| unexcited(structure, trace, column))?;
+    let solution = solve(x, target).map_err(|column| {
+        let x = regressors(structure, t0, &trace.y, &trace.u1, &trace.u2);
+        unexcited(structure, trace, column, &partners(x, column))
+    })?;
     let Solution { theta, cofactor, residuals } = solution;
     let noise = Noise::Equation;
     let finding = Finding { theta, cofactor, residuals, noise, converged: true, iterations: 1, reflected: 0 };
@@ -64,6 +67,17 @@ pub(super) fn solve(mut x: DMatrix<f64>, target: DVector<f64>) -> Result<Solutio
         }
     }
     Ok(Solution { theta, cofactor: inverse, residuals })
+}
+
+/// The earlier columns of which a dependent column is made.
+fn partners(x: DMatrix<f64>, dependent: usize) -> Vec<usize> {
+    let norms: Vec<f64> = x.column_iter().map(|column| column.norm()).collect();
+    let r = x.qr().unpack_r();
+    let (before, column) = (r.view((0, 0), (dependent, dependent)), r.view((0, dependent), (dependent, 1)));
+    let Some(shares) = before.solve_upper_triangular(&column) else { return vec![] };
+    let parts: Vec<f64> = shares.iter().zip(&norms).map(|(share, norm)| (share * norm).abs()).collect();
+    // A share of rounding, amplified by near-dependence among the earlier columns, stays below this.
+    (0..dependent).filter(|&k| parts[k] > 1e-6 * norms[dependent]).collect()
 }
 
 /// The cofactor of parameters that the data do not determine.

@@ -140,12 +140,17 @@ impl Structure {
     }
 }
 
-/// The parameter whose column is, to rounding, a combination of those before it.
-fn unexcited(structure: Structure, trace: &Trace, column: usize) -> Error {
+/// The parameter whose column is, to rounding, a combination of the `partners` before it, or zero.
+fn unexcited(structure: Structure, trace: &Trace, column: usize, partners: &[usize]) -> Error {
+    let names = structure.names();
+    let reason = match partners {
+        [] => "its column is zero".to_string(),
+        some => format!("its column depends on {}", some.iter().map(|&k| &names[k][..]).collect::<Vec<_>>().join(", ")),
+    };
+    let offset = if structure.offset { ", or leave out --offset" } else { "" };
+    let column = &names[column];
     let problem = format!(
-        "the signals do not excite parameter {} (its column is constant or depends on the earlier ones); \
-         use a richer command, a lower order, or leave out --offset",
-        structure.names()[column]
+        "the signals do not excite parameter {column} ({reason}); use a richer command or a lower order{offset}"
     );
     Error::trace(&trace.id, problem)
 }

@@ -1,6 +1,6 @@
 //! Free-run simulation and its fit.
 
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, Schur};
 
 use super::Structure;
 use crate::trace::Trace;
@@ -32,18 +32,48 @@ pub fn fit_percent(measured: &[f64], simulated: &[f64]) -> f64 {
     100.0 * (1.0 - (error / spread).sqrt())
 }
 
-/// Roots in z of `1 + a₁ z⁻¹ + …`, by the eigenvalues of the companion matrix.
+/// Roots in z of `1 + a₁ z⁻¹ + …`, by the eigenvalues of the companion matrix; not a number where `a` is none.
 #[must_use]
 pub fn poles(a: &[f64]) -> Vec<Complex<f64>> {
     let n = a.len() - 1;
-    if n == 0 {
-        return vec![];
+    if a.iter().any(|a| !a.is_finite()) {
+        return vec![Complex::new(f64::NAN, f64::NAN); n];
     }
-    let companion = DMatrix::from_fn(n, n, |i, j| match i {
-        0 => -a[j + 1],
-        _ => f64::from(u8::from(j + 1 == i)),
-    });
-    companion.complex_eigenvalues().iter().copied().collect()
+    // Vanishing last terms are roots at zero, on which the eigenvalue iteration can go round for ever.
+    let zeros = a[1..].iter().rev().take_while(|a| **a == 0.0).count();
+    let a = &a[..a.len() - zeros];
+    let mut roots = vec![Complex::new(0.0, 0.0); zeros];
+    if n > zeros {
+        let n = n - zeros;
+        let companion = DMatrix::from_fn(n, n, |i, j| match i {
+            0 => -a[j + 1],
+            _ => f64::from(u8::from(j + 1 == i)),
+        });
+        match Schur::try_new(companion, f64::EPSILON, EIGENVALUE_SWEEPS * n) {
+            Some(schur) => roots.extend(schur.complex_eigenvalues().iter()),
+            None => roots.extend(simultaneous_roots(a)),
+        }
+    }
+    roots
+}
+
+/// Sweeps a root that the eigenvalue iteration may take; it has no exceptional shifts and can cycle.
+const EIGENVALUE_SWEEPS: usize = 60;
+
+/// Roots by Weierstrass' simultaneous iteration, from points off every symmetry.
+fn simultaneous_roots(a: &[f64]) -> Vec<Complex<f64>> {
+    let bound = 1.0 + a[1..].iter().fold(0.0_f64, |most, a| most.max(a.abs()));
+    let mut roots: Vec<Complex<f64>> =
+        (0..a.len() - 1).map(|k| Complex::from_polar(0.5 * bound, 0.4 + 2.39996 * k as f64)).collect();
+    for _ in 0..500 {
+        for k in 0..roots.len() {
+            let value = a.iter().fold(Complex::new(0.0, 0.0), |sum, a| sum * roots[k] + a);
+            let others = (0..roots.len()).filter(|&j| j != k).map(|j| roots[k] - roots[j]);
+            let step = value / others.fold(Complex::new(1.0, 0.0), |product, gap| product * gap);
+            roots[k] -= step;
+        }
+    }
+    roots
 }
 
 /// `1 + a₁ z⁻¹ + …` with every pole outside the unit circle replaced by its mirror image 1/p̄.
@@ -78,6 +108,16 @@ mod tests {
         }
         let stable = [1.0, -0.5];
         assert_eq!(reflect_unstable(&stable), stable, "stable polynomials pass bit for bit");
+    }
+
+    #[test]
+    fn poles_of_difficult_polynomials() {
+        assert_eq!(poles(&[1.0, 0.0, 0.0, 0.0]), [Complex::new(0.0, 0.0); 3]);
+        assert!(poles(&[1.0, f64::NAN, 0.1]).iter().all(|p| p.re.is_nan()));
+        // z³ + 0.5: three roots of one size.
+        for roots in [poles(&[1.0, 0.0, 0.0, 0.5]), simultaneous_roots(&[1.0, 0.0, 0.0, 0.5])] {
+            assert!(roots.iter().all(|p| (p.powu(3) + 0.5).norm() < 1e-12), "{roots:?}"); // rounding
+        }
     }
 
     #[test]
