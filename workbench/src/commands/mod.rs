@@ -6,6 +6,7 @@ mod grey_box;
 mod identify;
 mod options;
 mod output;
+mod piecewise;
 mod replay;
 mod simulate;
 mod train;
@@ -28,6 +29,7 @@ enum Command {
     Simulate(simulate::Args),
     Identify(identify::Args),
     GreyBox(grey_box::Args),
+    Piecewise(piecewise::Args),
     Train(Box<train::Args>),
     Evaluate(evaluate::Args),
     Replay(replay::Args),
@@ -45,6 +47,7 @@ pub fn run() -> ExitCode {
         Command::Simulate(args) => simulate::run(&args),
         Command::Identify(args) => identify::run(&args),
         Command::GreyBox(args) => grey_box::run(&args),
+        Command::Piecewise(args) => piecewise::run(&args),
         Command::Train(args) => train::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Replay(args) => replay::run(&args),
