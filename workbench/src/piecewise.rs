@@ -218,7 +218,7 @@ mod tests {
         for threshold in [0.8, 0.5, 0.3] {
             let cutting = Cutting { threshold, min_samples: 100, cutoff_ratio: 3.0 };
             let runs = straight_runs(&y, 0.001, &cutting);
-            let wanted = (threshold as f64).acos() / TAU * 2.0 / 0.001; // half turn of slope above the threshold
+            let wanted = f64::acos(threshold) / TAU * 2.0 / 0.001; // half turn of slope above the threshold
             let inner = &runs[1..runs.len() - 1];
             assert_eq!(inner.len(), 11, "slopes between the ends"); // 12 half periods, the first and last cut in two
             for run in inner {

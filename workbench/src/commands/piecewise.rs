@@ -51,7 +51,8 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     for trace in &traces {
         let pieces = estimate(&preparation.apply(trace)?, &cutting)?;
         let numbers = |theta: &[f64; 3]| theta.map(|parameter| parameter.to_string());
-        let mut row = |cells: &[String], theta| rows.push([&[trace.id.clone()], cells, &numbers(theta)].concat());
+        let mut row =
+            |cells: &[String], theta| rows.push([std::slice::from_ref(&trace.id), cells, &numbers(theta)].concat());
         if args.runs {
             for (run, theta) in pieces.runs.iter().zip(&pieces.theta) {
                 row(&[run.start.to_string(), run.len().to_string()], theta);
