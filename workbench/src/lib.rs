@@ -14,6 +14,7 @@ pub mod grey_box;
 pub mod identify;
 pub mod literal;
 pub mod pages;
+pub mod piecewise;
 pub mod report;
 pub mod rig;
 pub mod structure;

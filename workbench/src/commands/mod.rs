@@ -6,6 +6,7 @@ mod grey_box;
 mod identify;
 mod options;
 mod output;
+mod piecewise;
 mod replay;
 mod simulate;
 mod structure;
@@ -32,6 +33,7 @@ enum Command {
     Structure(structure::Args),
     GreyBox(grey_box::Args),
     Validate(validate::Args),
+    Piecewise(piecewise::Args),
     Train(Box<train::Args>),
     Evaluate(evaluate::Args),
     Replay(replay::Args),
@@ -51,6 +53,7 @@ pub fn run() -> ExitCode {
         Command::Structure(args) => structure::run(&args),
         Command::GreyBox(args) => grey_box::run(&args),
         Command::Validate(args) => validate::run(&args),
+        Command::Piecewise(args) => piecewise::run(&args),
         Command::Train(args) => train::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Replay(args) => replay::run(&args),

@@ -74,7 +74,7 @@ impl GreyBox {
 
     /// Notes the quantities whose standard deviation exceeds a third of their value.
     fn note_undetermined(&mut self) {
-        let loose = self.quantities.iter().filter(|q| !(q.relative_sd() <= 1.0 / 3.0));
+        let loose = self.quantities.iter().filter(|q| q.relative_sd() > 1.0 / 3.0 || q.relative_sd().is_nan());
         let loose: Vec<String> = loose.map(|q| format!("{} ± {:.0} %", q.name, 100.0 * q.relative_sd())).collect();
         if !loose.is_empty() {
             let said = loose.join(", ");

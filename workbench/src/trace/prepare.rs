@@ -94,7 +94,9 @@ pub fn resample(times_s: &[f64], values: &[f64], rate_hz: f64) -> Result<Vec<f64
         let (times, values) = (times_s.len(), values.len());
         return Err(Error::Usage(format!("{times} times for {values} values; give one time a value")));
     }
-    if let Some(k) = times_s.windows(2).position(|pair| !(pair[1] > pair[0])) {
+    if let Some(k) =
+        times_s.windows(2).position(|pair| pair[1].partial_cmp(&pair[0]) != Some(std::cmp::Ordering::Greater))
+    {
         let place = k + 1;
         return Err(Error::Usage(format!("time {} s at sample {place} does not grow; remove it", times_s[place])));
     }
