@@ -29,14 +29,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 }
 
+/// Of one input, for programs that take no second.
+const ONE_INPUT: Structure = Structure { order: Order::new(2, 2, 0, 1, 1), offset: false };
+
 /// Two healthy traces of the standard rig, all digits.
 fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
     for (name, seed) in [("train", 1), ("validate", 2)] {
         let trace = simulate(&Scenario::STANDARD, seed)?;
-        let mut text = String::from("current_a,velocity_error_rad_s,load_torque_nm\n");
+        let mut text = String::from("current_a,velocity_error_rad_s,load_torque_nm,velocity_ref_rad_s\n");
         for k in 0..trace.current_a.len() {
             let error = trace.velocity_ref_rad_s[k] - trace.velocity_rad_s[k];
-            text += &format!("{},{error},{}\n", trace.current_a[k], trace.load_torque_nm[k]);
+            let (y, u2, reference) = (trace.current_a[k], trace.load_torque_nm[k], trace.velocity_ref_rad_s[k]);
+            text += &format!("{y},{error},{u2},{reference}\n");
         }
         std::fs::write(folder.join(name).with_extension("csv"), text)?;
     }
@@ -44,12 +48,11 @@ fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
 }
 
 fn time(folder: &Path) -> Result<Value, Box<dyn Error>> {
-    let load = |name: &str| -> Result<Vec<Trace>, workbench::Error> {
-        let channels =
-            Channels { y: "current_a".into(), u1: "velocity_error_rad_s".into(), u2: "load_torque_nm".into() };
+    let load = |name: &str, u1: &str| -> Result<Vec<Trace>, workbench::Error> {
+        let channels = Channels { y: "current_a".into(), u1: u1.into(), u2: "load_torque_nm".into() };
         read(&[folder.join(name)], &channels)
     };
-    let (train, validate) = (load("train.csv")?, load("validate.csv")?);
+    let (train, validate) = (load("train.csv", "velocity_error_rad_s")?, load("validate.csv", "velocity_error_rad_s")?);
     let structures = Grid::up_to(Order::new(4, 4, 4, 4, 4), false).structures()?;
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let mut result = json!({ "samples": train[0].y.len(), "threads": rayon::current_num_threads() });
@@ -82,6 +85,14 @@ fn time(folder: &Path) -> Result<Value, Box<dyn Error>> {
         "lone_s": median(51, || estimate_all(&train, single, Estimator::Iv4)),
         "identify_s": median(51, || identify::iv4(&train[0], SINGLE)),
     });
+    for (name, u1) in [("error", "velocity_error_rad_s"), ("reference", "velocity_ref_rad_s")] {
+        let train = load("train.csv", u1)?;
+        let one = |estimator| estimate_all(&train, std::slice::from_ref(&ONE_INPUT), estimator);
+        for (method, estimator) in [("ls", Estimator::Ls), ("iv4", Estimator::Iv4)] {
+            let theta = one(estimator)?.remove(0)?.theta;
+            result["one_input"][name][method] = json!({ "s": median(201, || one(estimator)), "theta": theta });
+        }
+    }
     Ok(result)
 }
 

@@ -1,9 +1,9 @@
 """What other programs need for the work that `workbench/examples/peers.rs` times, and the table of both.
 
-    python peers.py DIR RUST_JSON     table on standard output
-    python peers.py --numpy DIR       (itself, with the number of BLAS threads set) JSON on standard output
+    python peers.py DIR RUST_JSON OXICTL_JSON     table on standard output
+    python peers.py --numpy DIR                   (itself, with the number of BLAS threads set) JSON on standard output
 
-DIR holds train.csv and validate.csv: y, u1, u2. The naive search is what a user of numpy and scipy writes: a regressor
+DIR holds train.csv and validate.csv: y, u1, u2 and the velocity reference. The naive search is what a user of numpy and scipy writes: a regressor
 matrix and `lstsq` for every structure, `lfilter` for every simulation.
 """
 
@@ -28,6 +28,11 @@ GRID = list(itertools.product(range(1, 5), repeat=5))
 
 def load(folder):
     """(y, u1, u2) of the training and the validation trace."""
+    return [signals[:3] for signals in load_all(folder)]
+
+
+def load_all(folder):
+    """(y, u1, u2, reference) of both."""
     return [np.loadtxt(Path(folder) / name, delimiter=",", skiprows=1).T.copy() for name in ("train.csv", "validate.csv")]
 
 
@@ -127,10 +132,10 @@ def sippy_arx(train):
     return seconds, np.array(theta)
 
 
-def extended_precision(train):
-    """The least-squares parameters with the 64-bit mantissa of `longdouble`."""
-    y, u1, u2 = [np.asarray(x, np.longdouble) for x in train]
-    x, target = regressors(SINGLE, y, u1, u2), y[depth(SINGLE) :]
+def extended_precision(order, signals, start):
+    """The least-squares parameters of the sums from `start` on, with the 64-bit mantissa of `longdouble`."""
+    y, u1, u2 = [np.asarray(x, np.longdouble) for x in signals]
+    x, target = regressors(order, y, u1, u2)[start - depth(order) :], y[start:]
     # Gram–Schmidt, twice: orthogonal to the last bit.
     q, r = x.copy(), np.eye(x.shape[1], dtype=np.longdouble)
     for _ in range(2):
@@ -146,6 +151,40 @@ def extended_precision(train):
     for k in reversed(range(len(theta))):
         theta[k] = (theta[k] - (r[k, k + 1 :] * theta[k + 1 :]).sum()) / r[k, k]
     return theta
+
+
+def relative(theta, exact):
+    return float((np.abs(np.array(theta, np.longdouble) - exact) / np.abs(exact)).max())
+
+
+def one_input(folder, rust, oxictl):
+    """Time, accuracy and free-run fit beside oxictl, which takes one input; whether it is beaten."""
+    order = (2, 2, 0, 1, 1)
+    traces = load_all(folder)
+    beaten = True
+    print("\nOne input, two terms of y and u1, delay 1, against oxictl 0.1.1 (least squares by normal equations; its")
+    print("instrumental variables use 4096 samples):\n")
+    print("| u1 | program | method | time | error against extended precision | free-run fit, validation |\n|---|---|---|---|---|---|")
+    for name, column in (("error", 1), ("reference", 3)):
+        # oxictl's sums start a sample later; each is held against the exact solution of its own sums.
+        signals = [(y, u[column], u[2]) for u in traces for y in (u[0],)]
+        errors = {}
+        for program, found, start in (("ours", rust["one_input"][name], 2), ("oxictl", oxictl[name], 3)):
+            for method, outcome in found.items():
+                if "failed" in outcome:
+                    print(f"| {name} | {program} | {method} | {milliseconds(outcome['s'])} | – | {outcome['failed']} |")
+                    continue
+                theta = np.array(outcome["theta"])
+                error = "–"
+                if method == "ls":
+                    errors[program] = relative(theta, extended_precision(order, signals[0], start))
+                    error = f"{errors[program]:.1e}"
+                y, u1, u2 = signals[1]
+                score = f"{fit(y, simulate(order, theta, u1, u2)):.2f} %"
+                print(f"| {name} | {program} | {method} | {milliseconds(outcome['s'])} | {error} | {score} |")
+        beaten &= errors["ours"] < errors["oxictl"] and rust["one_input"][name]["ls"]["s"] < oxictl[name]["ls"]["s"]
+    print()
+    return beaten
 
 
 def milliseconds(seconds):
@@ -178,7 +217,7 @@ def agreement(name, ours, theirs):
     return verdict == "agree"
 
 
-def table(folder, rust, peers):
+def table(folder, rust, oxictl, peers):
     train, _ = load(folder)
     best = lambda *keys: min(peer[keys[0]][keys[1]] for peer in peers)
     rows = []
@@ -207,18 +246,18 @@ def table(folder, rust, peers):
         met &= not asked or ratio >= float(asked[2:])
         print(f"| {work} | {milliseconds(ours)} | {peer} | {milliseconds(theirs)} | {ratio:.3g} | {asked} |")
     print()
-    exact = extended_precision(train)
-    error = lambda theta: float((np.abs(np.array(theta, np.longdouble) - exact) / np.abs(exact)).max())
+    exact = extended_precision(SINGLE, train, depth(SINGLE))
     for name, theta in (
         ("ours, `structure`", rust["one_ls"]["theta"]),
         ("ours, `identify`", rust["one_ls"]["identify_theta"]),
         ("numpy lstsq", peers[0]["one_ls"]["theta"]),
         ("sippy_unipi ARX", arx),
     ):
-        print(f"* ls {list(SINGLE)} against extended precision, {name}: {error(theta):.1e} relative.")
+        print(f"* ls {list(SINGLE)} against extended precision, {name}: {relative(theta, exact):.1e} relative.")
     for name in ("ls", "iv4"):
         met &= agreement(name, rust[name], peers[0][name])
-    print("\nEvery ratio asked for is met." if met else "\nNOT every ratio or agreement asked for is met.")
+    met &= one_input(folder, rust, oxictl)
+    print("Every ratio and agreement asked for is met." if met else "NOT every ratio and agreement asked for is met.")
     return met
 
 
@@ -226,14 +265,14 @@ def main():
     if sys.argv[1] == "--numpy":
         json.dump(numpy_half(sys.argv[2]), sys.stdout)
         return True
-    folder, rust = sys.argv[1], json.loads(Path(sys.argv[2]).read_text())
+    folder, rust, oxictl = sys.argv[1], *[json.loads(Path(name).read_text()) for name in sys.argv[2:4]]
     peers = []
     for threads in ("1", "2"):
         names = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
         environment = os.environ | dict.fromkeys(names, threads)
         command = [sys.executable, __file__, "--numpy", folder]
         peers.append(json.loads(subprocess.run(command, env=environment, check=True, stdout=subprocess.PIPE).stdout))
-    return table(folder, rust, peers)
+    return table(folder, rust, oxictl, peers)
 
 
 if __name__ == "__main__":

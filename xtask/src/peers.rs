@@ -1,8 +1,10 @@
 //! `cargo xtask peers`: the workbench and other programs on the same traces, in one run, one table.
 //!
-//! The others live in a virtual environment in the target directory; `peers/requirements.txt` pins them.
+//! Python's live in a virtual environment in the target directory, pinned by `peers/requirements.txt`; oxictl is built
+//! there as a program of its own.
 
 use std::fs;
+use std::path::Path;
 use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
@@ -29,10 +31,22 @@ pub fn run() -> Result<bool> {
         cargo
     };
     child::succeed(&mut ours("write"))?;
-    let figures = child::output(&mut ours("time")).context("the workbench's half failed")?;
     let rust = folder.join("rust.json");
-    fs::write(&rust, figures).with_context(|| format!("cannot write {}", rust.display()))?;
+    keep(&mut ours("time"), &rust)?;
+    let manifest = scripts.join("oxictl/Cargo.toml");
+    let mut cargo = workspace::cargo(&["run", "--release", "--quiet", "--manifest-path"]);
+    cargo.arg(manifest).arg("--target-dir").arg(folder.join("oxictl")).arg("--").arg(&data);
+    let oxictl = folder.join("oxictl.json");
+    keep(&mut cargo, &oxictl)?;
     let mut script = Command::new(&python);
-    script.arg(scripts.join("peers.py")).arg(&data).arg(&rust);
+    script.arg(scripts.join("peers.py")).arg(&data).args([&rust, &oxictl]);
     Ok(child::lines(&mut script, |line| println!("{line}"))?.success())
+}
+
+/// Puts what a program prints into a file.
+fn keep(command: &mut Command, path: &Path) -> Result<()> {
+    let mut text = String::new();
+    let status = child::lines(command, |line| text += line)?;
+    ensure!(status.success(), "the program for {} failed ({status})", path.display());
+    fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
 }

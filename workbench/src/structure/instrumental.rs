@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::free_run::{FreeRun, add_filtered};
 use super::shared::Solution;
-use super::triangle::{BLOCK, Triangle, solve_staircase};
+use super::triangle::{Triangle, block_rows, solve_staircase};
 use crate::identify::{Order, Structure};
 use crate::trace::Trace;
 
@@ -106,10 +106,11 @@ fn solve(
     let (t0, n) = (structure.order.depth(), structure.parameters());
     let Scratch { triangle, block, instruments, .. } = scratch;
     triangle.reset(n, n + na + 1);
-    block.resize((n + na + 1) * BLOCK, 0.0);
+    let rows = block_rows(n + na + 1);
+    block.resize((n + na + 1) * rows, 0.0);
     for (trace, instruments) in traces.iter().zip(instruments.iter()) {
-        for t in (t0..trace.y.len()).step_by(BLOCK) {
-            let height = BLOCK.min(trace.y.len() - t);
+        for t in (t0..trace.y.len()).step_by(rows) {
+            let height = rows.min(trace.y.len() - t);
             let mut columns = block.chunks_exact_mut(height);
             let mut lags = |x: &[f64], first: usize, count: usize| {
                 for (lag, column) in (first..first + count).zip(&mut columns) {
@@ -160,13 +161,14 @@ fn residuals(trace: &Trace, structure: Structure, theta: &[f64], constant: f64, 
 fn autoregression(n: usize, scratch: &mut Scratch) -> Result<Vec<f64>, &'static str> {
     let Scratch { triangle, block, noise, .. } = scratch;
     triangle.reset(n + 1, n + 1);
-    block.resize((n + 1) * BLOCK, 0.0);
+    let rows = block_rows(n + 1);
+    block.resize((n + 1) * rows, 0.0);
     for w in noise.iter() {
         if w.len() <= 2 * n {
             return Err(REGULAR);
         }
-        for t in (n..w.len()).step_by(BLOCK) {
-            let height = BLOCK.min(w.len() - t);
+        for t in (n..w.len()).step_by(rows) {
+            let height = rows.min(w.len() - t);
             for (k, column) in block.chunks_exact_mut(height).take(n + 1).enumerate() {
                 // The target is the column after the lags 1 … n.
                 let lag = (k + 1) % (n + 1);

@@ -222,6 +222,10 @@ fn each<T: Send>(
         let Solution { theta, residual_sum, rows } = solution;
         Ok(then(Fitted { structure, theta, residual_sum, rows }, output))
     };
+    if let [structure] = structures {
+        // Waking other threads would take as long as the work.
+        return vec![one(&mut memory(), structure)];
+    }
     structures.par_iter().map_init(memory, one).collect()
 }
 

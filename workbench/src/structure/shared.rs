@@ -9,7 +9,7 @@
 //! choice of columns of (2), so that its sums start at its own t₀ as in [`crate::identify`]. A lag that reaches before
 //! the record in (2) is set to zero; no structure of that t₀ has it. Several traces are stacked: one θ for all.
 
-use super::triangle::{BLOCK, Triangle, solve_staircase};
+use super::triangle::{Triangle, block_rows, solve_staircase};
 use crate::identify::{Order, Structure};
 use crate::trace::Trace;
 
@@ -114,10 +114,11 @@ impl Shared {
         let shallowest = depths.min().unwrap_or(0);
         let columns = layout.columns();
         let mut triangle = Triangle::new(columns, columns);
-        let mut block = vec![0.0; columns * BLOCK];
+        let rows = block_rows(columns);
+        let mut block = vec![0.0; columns * rows];
         for trace in traces {
-            for t in (deepest..trace.y.len()).step_by(BLOCK) {
-                let height = BLOCK.min(trace.y.len() - t);
+            for t in (deepest..trace.y.len()).step_by(rows) {
+                let height = rows.min(trace.y.len() - t);
                 layout.fill(trace, t, height, &mut block);
                 triangle.absorb(&mut block, height);
             }

@@ -7,8 +7,10 @@
 //! Only the first `eliminated` columns are reduced; the others are carried along, so that their leading rows are
 //! Qᵀ times them. R and blocks are column-major. Cost: 4 flops an entry of the block and eliminated column.
 
-/// Rows of a block: with twenty columns it stays in the first-level cache.
-pub(super) const BLOCK: usize = 128;
+/// Rows of a block of so many columns: it stays in the first-level cache.
+pub(super) fn block_rows(columns: usize) -> usize {
+    (2560 / columns.max(1)).clamp(64, 512) & !7
+}
 
 /// R of (1), `eliminated` × `columns`.
 #[derive(Clone, Debug)]
