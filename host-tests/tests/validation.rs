@@ -5,7 +5,7 @@ use nalgebra::Complex;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use workbench::identify::{Estimate, Method, Order, Structure, estimate, poles, simulate};
+use workbench::identify::{Estimate, Method, Options, Order, Structure, estimate, estimate_with, poles, simulate};
 use workbench::rig::{Scenario, simulate as record};
 use workbench::trace::Trace;
 use workbench::validate::correlation::Correlation;
@@ -30,18 +30,17 @@ impl System {
     /// The system as if it had been estimated without error.
     fn truth(self) -> Estimate {
         let n = self.theta.len();
-        Estimate {
-            structure: self.structure(),
-            theta: nalgebra::DVector::from_column_slice(self.theta),
-            covariance: nalgebra::DMatrix::zeros(n, n),
-            variance: 0.0,
-            rows: 0,
-            fit_percent: 100.0,
-        }
+        let theta = nalgebra::DVector::from_column_slice(self.theta);
+        Estimate::given(self.structure(), theta, nalgebra::DMatrix::zeros(n, n))
     }
 
     /// Inputs of first-order colour 0.8 and 0.5; A y = B u1 + C u2 + e, or with `color` output noise of that pole.
     fn record(self, samples: usize, seed: u64, noise: f64, color: Option<f64>) -> Trace {
+        self.record_with(samples, seed, noise, color, &[1.0])
+    }
+
+    /// The same with e replaced by D e.
+    fn record_with(self, samples: usize, seed: u64, noise: f64, color: Option<f64>, d: &[f64]) -> Trace {
         const SETTLE: usize = 200;
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let n = samples + SETTLE;
@@ -62,7 +61,7 @@ impl System {
         for t in 5..n {
             let sum = |terms: &[f64], x: &[f64]| terms.iter().enumerate().map(|(k, p)| p * x[t - k]).sum::<f64>();
             let past: f64 = (1..a.len()).map(|k| a[k] * y[t - k]).sum();
-            y[t] = sum(&b, &u1) + sum(&c, &u2) - past + if color.is_none() { v[t] } else { 0.0 };
+            y[t] = sum(&b, &u1) + sum(&c, &u2) - past + if color.is_none() { sum(d, &v) } else { 0.0 };
         }
         if color.is_some() {
             y.iter_mut().zip(&v).for_each(|(y, v)| *y += v);
@@ -172,6 +171,22 @@ fn simulation_errors_of_a_true_model_keep_the_level() {
     }
     let (lags, records) = cross.rates("output error, noise pole 0.7, cross-correlation");
     assert!((0.5..=1.5).contains(&lags) && records <= 3.0, "{lags} % of lags, {records} % of records");
+}
+
+#[test]
+fn prediction_errors_of_a_true_armax_model_keep_the_level() {
+    let (mut cross, mut auto) = (Tally::default(), Tally::default());
+    for seed in 0..300 {
+        let trace = REAL.record_with(1500, seed, 0.3, None, &[1.0, 0.6]);
+        let options = Options { noise_order: Some(1), ..Options::default() };
+        let estimate = estimate_with(&trace, REAL.structure(), Method::Armax, options).expect("well posed");
+        let found = validate(&trace, &estimate, Errors::Prediction, 25).expect("long enough");
+        cross.add(&[&found.cross_correlation[0], &found.cross_correlation[1]], found.independence.passed());
+        auto.add(&[&found.autocorrelation], found.whiteness.passed());
+    }
+    for (lags, records) in [cross.rates("armax, cross-correlation"), auto.rates("armax, autocorrelation")] {
+        assert!((0.5..=1.5).contains(&lags) && records <= 3.0, "{lags} % of lags, {records} % of records");
+    }
 }
 
 #[test]

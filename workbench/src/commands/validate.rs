@@ -56,12 +56,11 @@ struct Outcome {
 
 /// The residuals that the estimator makes small.
 fn errors_of(method: Method) -> Errors {
-    if method == Method::Ls {
-        Errors::LeastSquares
-    } else if method == Method::Iv4 {
-        Errors::Instruments
-    } else {
-        Errors::Simulation
+    match method {
+        Method::Ls => Errors::LeastSquares,
+        Method::Iv | Method::Iv4 => Errors::Instruments,
+        Method::Armax => Errors::Prediction,
+        Method::Sriv | Method::Sm | Method::Oe => Errors::Simulation,
     }
 }
 

@@ -119,6 +119,26 @@ impl Finding {
 }
 
 impl Estimate {
+    /// A model known from elsewhere, with its uncertainty; it has no rows, residuals or fits.
+    #[must_use]
+    pub fn given(structure: Structure, theta: DVector<f64>, covariance: DMatrix<f64>) -> Self {
+        let convergence = Convergence { converged: true, iterations: 0, reflected: 0, stable: true };
+        let mut estimate = Self {
+            structure,
+            theta,
+            covariance,
+            variance: 0.0,
+            rows: 0,
+            fit_percent: f64::NAN,
+            residuals: vec![],
+            prediction_fit_percent: f64::NAN,
+            noise: Noise::Equation,
+            convergence,
+        };
+        estimate.convergence.stable = estimate.is_stable();
+        estimate
+    }
+
     /// Whether every pole lies inside or on the unit circle.
     #[must_use]
     pub fn is_stable(&self) -> bool {

@@ -12,6 +12,7 @@
 //! |---|---|---|
 //! | equation errors of least squares | regressors X | X (XᵀX)⁻¹ |
 //! | equation errors of iv4 | X | L*Z (X_LᵀZ)⁻¹, instruments Z and regressors X_L filtered by L, L* = L backwards in time |
+//! | prediction errors of armax | 1/D-filtered X and delayed ε, for the terms of D are estimated too | S (SᵀS)⁻¹ |
 //! | simulation errors (oe; sriv and sm asymptotically) | 1/A-filtered regressors Ψ of the simulated output | Ψ (ΨᵀΨ)⁻¹ |
 //!
 //! (3) is why the parameters that were estimated narrow the bounds of some lags: for least squares w vanishes where u
@@ -21,7 +22,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::noise::Noise;
 use crate::Error;
-use crate::identify::{Estimate, Order, Structure, reflect_unstable, simulate};
+use crate::identify::{Estimate, Noise as NoiseModel, Order, Structure, reflect_unstable, simulate};
 use crate::trace::Trace;
 
 /// Which errors are judged, and by which estimator the parameters came; see the table of this room.
@@ -33,6 +34,8 @@ pub enum Errors {
     Instruments,
     /// y minus the simulated output, parameters by an output-error method; they may be coloured.
     Simulation,
+    /// (A y − B u1 − C u2 − constant)/D with the noise polynomial D of armax: one-step prediction errors.
+    Prediction,
 }
 
 /// Residuals with (1) and (2).
@@ -75,6 +78,11 @@ impl Linearised {
                     |output: &[f64]| from_first(&regressors(structure, &filtered(output), &u1, &u2, constant));
                 let gain = instrumental(&rows_of(&trace.y), rows_of(&simulated), &noise);
                 (equation, from_first(&x), gain)
+            }
+            Errors::Prediction => {
+                let (residuals, slopes) = prediction_slopes(x, of_equation, &estimate.noise);
+                let slopes = from_first(&slopes);
+                (residuals.rows(first, rows).into_owned(), slopes.clone(), pseudo_inverse(&slopes))
             }
             Errors::Simulation => {
                 let slopes = from_first(&output_slopes(trace, structure, theta, &simulated));
@@ -139,6 +147,37 @@ fn regressors(structure: Structure, y: &[f64], u1: &[f64], u2: &[f64], constant:
             constant
         }
     })
+}
+
+/// ε = (equation error)/D from the start of the record, and −∂ε/∂(θ, d): the regressors and ε(t−1)…, filtered by 1/D.
+fn prediction_slopes(x: DMatrix<f64>, equation: DVector<f64>, noise: &NoiseModel) -> (DVector<f64>, DMatrix<f64>) {
+    let white = [1.0];
+    let d = match noise {
+        NoiseModel::MovingAverage { terms, .. } => terms.as_slice(),
+        _ => &white,
+    };
+    let residuals = DVector::from_vec(all_pole(d, equation.as_slice()));
+    let (n, terms) = (x.ncols(), d.len() - 1);
+    let delayed = |t: usize, age: usize| t.checked_sub(age).map_or(0.0, |place| residuals[place]);
+    let mut slopes = x.resize_horizontally(n + terms, 0.0);
+    for k in 0..terms {
+        (0..residuals.len()).for_each(|t| slopes[(t, n + k)] = delayed(t, k + 1));
+    }
+    for mut column in slopes.column_iter_mut() {
+        let filtered = all_pole(d, column.as_slice());
+        column.copy_from_slice(&filtered);
+    }
+    (residuals, slopes)
+}
+
+/// x/D from a zero start.
+fn all_pole(d: &[f64], x: &[f64]) -> Vec<f64> {
+    let mut out: Vec<f64> = Vec::with_capacity(x.len());
+    for (t, x) in x.iter().enumerate() {
+        let past: f64 = d.iter().enumerate().skip(1).take(t).map(|(k, d)| d * out[t - k]).sum();
+        out.push(x - past);
+    }
+    out
 }
 
 /// ∂ŷ/∂θ: the regressors of the simulated output, filtered by 1/A from where the simulation starts.

@@ -90,21 +90,9 @@ pub fn validate(trace: &Trace, estimate: &Estimate, errors: Errors, lags: usize)
         feedback: correlation::test(&[(of_u1, -span..=starts[0] - 1), (of_u2, -span..=starts[1] - 1)]),
         map: PoleZeroMap::new(estimate, REGION_SIGMAS),
         simulation_fit_percent: fit_percent(&trace.y, &simulated),
-        prediction_fit_percent: prediction_fit(trace, estimate),
+        prediction_fit_percent: estimate.prediction_fit_percent,
         autocorrelation,
         cross_correlation,
         simulated,
     })
-}
-
-/// Eq. 3.2 of ŷ(t | t−1) = φᵀ(t) θ from t₀ on.
-fn prediction_fit(trace: &Trace, estimate: &Estimate) -> f64 {
-    let ([a, b, c], constant) = estimate.structure.polynomials(estimate.theta.as_slice());
-    let sum =
-        |terms: &[f64], x: &[f64], t: usize| terms.iter().enumerate().map(|(k, term)| term * x[t - k]).sum::<f64>();
-    let predict =
-        |t: usize| constant + sum(&b, &trace.u1, t) + sum(&c, &trace.u2, t) - (sum(&a, &trace.y, t) - trace.y[t]);
-    let first = estimate.structure.order.depth();
-    let predicted: Vec<f64> = (first..trace.y.len()).map(predict).collect();
-    fit_percent(&trace.y[first..], &predicted)
 }

@@ -155,14 +155,11 @@ mod tests {
     use crate::identify::{Order, Structure};
 
     fn first_order() -> Estimate {
-        Estimate {
-            structure: Structure { order: Order::new(1, 1, 0, 1, 1), offset: false },
-            theta: DVector::from_vec(vec![-0.5, 2.0]),
-            covariance: DMatrix::from_diagonal(&DVector::from_vec(vec![1e-4, 4e-4])),
-            variance: 1.0,
-            rows: 100,
-            fit_percent: 90.0,
-        }
+        Estimate::given(
+            Structure { order: Order::new(1, 1, 0, 1, 1), offset: false },
+            DVector::from_vec(vec![-0.5, 2.0]),
+            DMatrix::from_diagonal(&DVector::from_vec(vec![1e-4, 4e-4])),
+        )
     }
 
     #[test]
