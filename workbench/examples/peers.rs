@@ -8,6 +8,9 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
 
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
 use serde_json::{Value, json};
 use workbench::identify::{self, Order, Structure};
 use workbench::rig::{Scenario, simulate};
@@ -44,7 +47,27 @@ fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
         }
         std::fs::write(folder.join(name).with_extension("csv"), text)?;
     }
-    Ok(())
+    write_armax(folder)
+}
+
+/// The truth of the ARMAX record: a₁ a₂ b₁ b₂ c₁ c₂ of [`SINGLE`], and d₁.
+const ARMAX: ([f64; 6], f64) = ([-1.2, 0.4, 0.5, 0.3, -0.4, 0.2], 0.7);
+
+/// A true ARMAX system under white inputs, for the accuracy of estimates against the truth.
+fn write_armax(folder: &Path) -> Result<(), Box<dyn Error>> {
+    let ([a1, a2, b1, b2, c1, c2], d1) = ARMAX;
+    let mut rng = ChaCha8Rng::seed_from_u64(3);
+    let mut draw = || -> f64 { rng.sample(StandardNormal) };
+    let mut text = String::from("current_a,velocity_error_rad_s,load_torque_nm,velocity_ref_rad_s\n");
+    let (mut y, mut u, mut w, mut e) = ([0.0; 2], [0.0; 2], [0.0; 2], 0.0);
+    for _ in 0..5000 {
+        let new = 0.5 * draw();
+        let output = b1 * u[0] + b2 * u[1] + c1 * w[0] + c2 * w[1] - a1 * y[0] - a2 * y[1] + new + d1 * e;
+        let (next_u, next_w) = (draw(), draw());
+        text += &format!("{output},{next_u},{next_w},0\n");
+        (y, u, w, e) = ([output, y[0]], [next_u, u[0]], [next_w, w[0]], new);
+    }
+    Ok(std::fs::write(folder.join("armax.csv"), text)?)
 }
 
 fn time(folder: &Path) -> Result<Value, Box<dyn Error>> {
@@ -84,6 +107,14 @@ fn time(folder: &Path) -> Result<Value, Box<dyn Error>> {
     result["one_iv4"] = json!({
         "lone_s": median(51, || estimate_all(&train, single, Estimator::Iv4)),
         "identify_s": median(51, || identify::iv4(&train[0], SINGLE)),
+    });
+    let armax = load("armax.csv", "velocity_error_rad_s")?.remove(0);
+    let estimated = identify::armax(&armax, SINGLE, Some(1))?;
+    result["armax"] = json!({
+        "s": median(21, || identify::armax(&armax, SINGLE, Some(1))),
+        "theta": estimated.theta.as_slice(),
+        "truth": ARMAX.0,
+        "sd": estimated.deviations(),
     });
     for (name, u1) in [("error", "velocity_error_rad_s"), ("reference", "velocity_ref_rad_s")] {
         let train = load("train.csv", u1)?;

@@ -132,6 +132,21 @@ def sippy_arx(train):
     return seconds, np.array(theta)
 
 
+def sippy_armax(folder):
+    """Time and parameters of SINGLE with one noise term."""
+    from sippy_unipi import system_identification
+
+    y, u1, u2, _ = np.loadtxt(Path(folder) / "armax.csv", delimiter=",", skiprows=1).T.copy()
+    na, nb, nc, nkb, nkc = SINGLE
+    orders = [[na], [[nb, nc]], [1], [[nkb - 1, nkc - 1]]]
+    inputs = np.vstack([u1, u2])
+    call = lambda: system_identification(y, inputs, "ARMAX", ARMAX_orders=orders, ARMAX_max_iterations=100)
+    seconds, model = clock(3, call)
+    numerator, denominator = model.NUMERATOR[0], model.DENOMINATOR[0]
+    theta = denominator[0][1 : na + 1] + numerator[0][nkb - 1 :][:nb] + numerator[1][nkc - 1 :][:nc]
+    return seconds, np.array(theta)
+
+
 def extended_precision(order, signals, start):
     """The least-squares parameters of the sums from `start` on, with the 64-bit mantissa of `longdouble`."""
     y, u1, u2 = [np.asarray(x, np.longdouble) for x in signals]
@@ -236,7 +251,9 @@ def table(folder, rust, oxictl, peers):
     with warnings.catch_warnings(), redirect_stdout(io.StringIO()):
         warnings.simplefilter("ignore")
         arx_s, arx = sippy_arx(train)
+        armax_s, armax = sippy_armax(folder)
     rows.append(("one ls estimate", rust["one_ls"]["lone_s"], "sippy_unipi ARX", arx_s, "≥ 1"))
+    rows.append(("one armax estimate, one noise term", rust["armax"]["s"], "sippy_unipi ARMAX", armax_s, "≥ 1"))
     print(f"N = {rust['samples']}, y = current, u1 = velocity error, u2 = load torque. Medians; the better of one and")
     print("two BLAS threads for numpy.\n")
     print("| work | ours | peer | theirs | ratio | asked |\n|---|---|---|---|---|---|")
@@ -254,6 +271,11 @@ def table(folder, rust, oxictl, peers):
         ("sippy_unipi ARX", arx),
     ):
         print(f"* ls {list(SINGLE)} against extended precision, {name}: {relative(theta, exact):.1e} relative.")
+    truth, sd = np.array(rust["armax"]["truth"]), np.array(rust["armax"]["sd"])
+    errors = [np.sqrt(np.mean(((np.array(t) - truth) / sd) ** 2)) for t in (rust["armax"]["theta"], armax)]
+    print("* armax on a true ARMAX system, rms error of the parameters in their standard deviations: "
+          f"ours {errors[0]:.2f}, sippy_unipi {errors[1]:.2f}.")
+    met &= bool(errors[0] <= errors[1])
     for name in ("ls", "iv4"):
         met &= agreement(name, rust[name], peers[0][name])
     met &= one_input(folder, rust, oxictl)

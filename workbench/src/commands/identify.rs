@@ -55,14 +55,27 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let estimates = traces
         .par_iter()
         .map(|trace| {
-            let estimate = estimate_with(&preparation.apply(trace)?, structure, args.method, options)?;
+            let prepared = preparation.apply(trace)?;
+            let estimate = estimate_with(&prepared, structure, args.method, options)?;
             bar.inc(1);
-            Ok((trace.id.as_str(), estimate))
+            let undetermined = estimate.undetermined(&prepared);
+            Ok((trace.id.as_str(), estimate, undetermined))
         })
         .collect::<Vec<_>>();
     bar.finish_and_clear();
     // Collected first, so that the error reported is that of the first bad trace in every run.
     let estimates = estimates.into_iter().collect::<Result<Vec<_>, Error>>()?;
+    let unsure = estimates.iter().filter(|(_, _, undetermined)| !undetermined.is_empty());
+    if let Some((id, _, undetermined)) = unsure.clone().next() {
+        output::warn(format!(
+            "the signals hardly determine some parameters of {} of {} models, first {id}: {}; \
+             use a richer command than a sine, or fewer terms",
+            unsure.count(),
+            estimates.len(),
+            undetermined.join(", ")
+        ));
+    }
+    let estimates: Vec<(&str, Estimate)> = estimates.into_iter().map(|(id, estimate, _)| (id, estimate)).collect();
     warn_of_trouble(&estimates);
     if args.json {
         let rows: Vec<_> = estimates.iter().map(|(id, estimate)| row_json(id, estimate)).collect();

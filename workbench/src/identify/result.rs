@@ -11,7 +11,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Structure, fit_percent, poles, simulate};
+use super::{Order, Structure, fit_percent, poles, simulate};
 use crate::trace::Trace;
 
 /// Parameters with what is known about them.
@@ -144,6 +144,20 @@ impl Estimate {
     pub fn is_stable(&self) -> bool {
         let ([a, _, _], _) = self.structure.polynomials(self.theta.as_slice());
         stable(&a)
+    }
+
+    /// Names of the parameters that the signals hardly determine: one standard deviation of such a parameter moves the
+    /// predicted output by more than the output itself moves. Rounding of recorded signals can hide an exact
+    /// dependence, such as that of three lags of one sine, from every test of rank; it cannot hide this.
+    #[must_use]
+    pub fn undetermined(&self, trace: &Trace) -> Vec<String> {
+        let rms = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64).sqrt();
+        let Order { na, nb, nc, .. } = self.structure.order;
+        let signals = [(&trace.y, na), (&trace.u1, nb), (&trace.u2, nc)];
+        let sizes = signals.into_iter().flat_map(|(x, terms)| std::iter::repeat_n(rms(x), terms as usize)).chain([1.0]);
+        let output = rms(&trace.y);
+        let named = self.structure.names().into_iter().zip(self.deviations()).zip(sizes);
+        named.filter(|((_, sd), size)| sd * size > output).map(|((name, _), _)| name).collect()
     }
 
     /// Standard deviations of `theta`.
