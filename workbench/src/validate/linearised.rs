@@ -80,9 +80,9 @@ impl Linearised {
                 (equation, from_first(&x), gain)
             }
             Errors::Prediction => {
-                let (residuals, slopes) = prediction_slopes(x, of_equation, &estimate.noise);
-                let slopes = from_first(&slopes);
-                (residuals.rows(first, rows).into_owned(), slopes.clone(), pseudo_inverse(&slopes))
+                let (residuals, slopes) = prediction_slopes(from_first(&x), equation, &estimate.noise);
+                let gain = pseudo_inverse(&slopes);
+                (residuals, slopes, gain)
             }
             Errors::Simulation => {
                 let slopes = from_first(&output_slopes(trace, structure, theta, &simulated));
@@ -149,7 +149,8 @@ fn regressors(structure: Structure, y: &[f64], u1: &[f64], u2: &[f64], constant:
     })
 }
 
-/// ε = (equation error)/D from the start of the record, and −∂ε/∂(θ, d): the regressors and ε(t−1)…, filtered by 1/D.
+/// ε = (equation error)/D from t₀ on with nothing before, as armax has it, and −∂ε/∂(θ, d): the regressors and ε(t−1)…,
+/// filtered by 1/D.
 fn prediction_slopes(x: DMatrix<f64>, equation: DVector<f64>, noise: &NoiseModel) -> (DVector<f64>, DMatrix<f64>) {
     let white = [1.0];
     let d = match noise {
