@@ -140,7 +140,7 @@ def sippy_armax(folder):
     na, nb, nc, nkb, nkc = SINGLE
     orders = [[na], [[nb, nc]], [1], [[nkb - 1, nkc - 1]]]
     inputs = np.vstack([u1, u2])
-    call = lambda: system_identification(y, inputs, "ARMAX", ARMAX_orders=orders, ARMAX_max_iterations=100)
+    call = lambda: system_identification(y, inputs, "ARMAX", ARMAX_orders=orders, max_iterations=100)
     seconds, model = clock(3, call)
     numerator, denominator = model.NUMERATOR[0], model.DENOMINATOR[0]
     theta = denominator[0][1 : na + 1] + numerator[0][nkb - 1 :][:nb] + numerator[1][nkc - 1 :][:nc]

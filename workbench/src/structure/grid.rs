@@ -72,7 +72,9 @@ pub(super) fn check(train: &[Trace], validate: &[Trace], structures: &[Structure
         return Err(Error::Usage(format!("order {:?} has no terms", empty.order.to_array())));
     }
     let most = structures.iter().map(Structure::parameters).max().unwrap_or(0);
-    for (traces, least) in [(train, deepest + most + 1), (validate, deepest + 1)] {
+    // Estimation without scoring hands its traces over twice; reading them once more would take half its time.
+    let other = if std::ptr::eq(train, validate) { &[] } else { validate };
+    for (traces, least) in [(train, deepest + most + 1), (other, deepest + 1)] {
         for trace in traces {
             let samples = trace.y.len();
             if samples < least {

@@ -82,14 +82,15 @@ fn rotate_avx2(triangle: &mut Triangle, block: &mut [f64], height: usize) {
     triangle.rotate(block, height);
 }
 
-/// Sum of products, in eight partial sums so that it runs at the speed of the multipliers.
+/// Sum of products, in sixteen partial sums so that additions wait neither for the multipliers nor for each other.
 #[inline(always)]
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 8];
-    let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
-    let tail: f64 = a8.remainder().iter().zip(b8.remainder()).map(|(x, y)| x * y).sum();
-    for (x, y) in a8.zip(b8) {
-        for k in 0..8 {
+    const WIDE: usize = 16;
+    let mut sums = [0.0; WIDE];
+    let (wide_a, wide_b) = (a.chunks_exact(WIDE), b.chunks_exact(WIDE));
+    let tail: f64 = wide_a.remainder().iter().zip(wide_b.remainder()).map(|(x, y)| x * y).sum();
+    for (x, y) in wide_a.zip(wide_b) {
+        for k in 0..WIDE {
             sums[k] += x[k] * y[k];
         }
     }
