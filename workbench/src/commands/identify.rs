@@ -5,11 +5,10 @@ use std::path::PathBuf;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::options::{ChannelArgs, PreparationArgs, StructureArgs, warn_irregular};
+use super::options::{PreparationArgs, StructureArgs, TraceArgs};
 use super::output;
 use crate::Error;
 use crate::identify::{Estimate, Method, Noise, Options, Structure, estimate_with};
-use crate::trace;
 
 /// Estimate the difference model of each trace
 #[derive(Debug, clap::Args)]
@@ -18,11 +17,8 @@ use crate::trace;
 --u2 load_torque_nm --order 2,2,2,1,1 --out params.csv"
 )]
 pub(super) struct Args {
-    /// Trace files or folders
-    #[arg(value_name = "TRACES", required = true)]
-    traces: Vec<PathBuf>,
     #[command(flatten)]
-    channels: ChannelArgs,
+    input: TraceArgs,
     #[command(flatten)]
     structure: StructureArgs,
     /// Estimator
@@ -46,9 +42,8 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
     let preparation = args.preparation.preparation()?;
-    output::plan(&args.out.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &args.traces)?;
-    let traces = trace::read(&args.traces, &args.channels.channels())?;
-    warn_irregular(traces.iter());
+    output::plan(&args.out.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &args.input.traces)?;
+    let traces = args.input.read()?;
     let structure = args.structure.structure();
     let options = Options { passes: args.passes.into(), noise_order: args.noise_order.map(usize::from) };
     let bar = output::progress("estimating", traces.len());

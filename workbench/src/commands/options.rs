@@ -32,6 +32,25 @@ impl ChannelArgs {
     }
 }
 
+/// Traces, and which of their columns are the three signals.
+#[derive(Clone, Debug, Args)]
+pub(super) struct TraceArgs {
+    /// Trace files or folders
+    #[arg(value_name = "TRACES", required = true)]
+    pub(super) traces: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(super) channels: ChannelArgs,
+}
+
+impl TraceArgs {
+    /// Reads them, and warns of those that are sampled irregularly.
+    pub(super) fn read(&self) -> Result<Vec<Trace>, Error> {
+        let traces = trace::read(&self.traces, &self.channels.channels())?;
+        warn_irregular(traces.iter());
+        Ok(traces)
+    }
+}
+
 /// The model structure.
 #[derive(Clone, Copy, Debug, Args)]
 pub(super) struct StructureArgs {

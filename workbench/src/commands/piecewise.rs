@@ -2,11 +2,10 @@
 
 use std::path::PathBuf;
 
-use super::options::{ChannelArgs, PreparationArgs, warn_irregular};
+use super::options::{PreparationArgs, TraceArgs};
 use super::output;
 use crate::Error;
 use crate::piecewise::{Cutting, estimate};
-use crate::trace;
 
 /// First-order models of the straight runs of each trace, their medians as a table
 #[derive(Debug, clap::Args)]
@@ -15,11 +14,8 @@ use crate::trace;
 --threshold 0.5 --min-run 150 --out pieces.csv"
 )]
 pub(super) struct Args {
-    /// Trace files or folders
-    #[arg(value_name = "TRACES", required = true)]
-    traces: Vec<PathBuf>,
     #[command(flatten)]
-    channels: ChannelArgs,
+    input: TraceArgs,
     #[command(flatten)]
     preparation: PreparationArgs,
     /// Part of the steepest slope of a stroke that a straight run keeps to
@@ -41,9 +37,8 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
     let preparation = args.preparation.preparation()?;
-    output::plan(&args.out.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &args.traces)?;
-    let traces = trace::read(&args.traces, &args.channels.channels())?;
-    warn_irregular(traces.iter());
+    output::plan(&args.out.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &args.input.traces)?;
+    let traces = args.input.read()?;
     let Args { threshold, min_run: min_samples, cutoff_ratio, .. } = *args;
     let cutting = Cutting { threshold, min_samples, cutoff_ratio };
     let header: &[&str] = if args.runs { &["trace", "first", "samples"] } else { &["trace", "runs"] };

@@ -6,14 +6,14 @@ use clap::ValueEnum as _;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::options::{ChannelArgs, PreparationArgs, StructureArgs, warn_irregular};
+use super::options::{PreparationArgs, StructureArgs, TraceArgs};
 use super::output;
 use crate::Error;
 use crate::identify::{Estimate, Method, estimate};
 use crate::report::Page;
 use crate::report::page::paragraph;
 use crate::report::table::table;
-use crate::trace::{self, Trace};
+use crate::trace::Trace;
 use crate::validate::page::{cancellation, sections};
 use crate::validate::roots::Root;
 use crate::validate::{Correlation, Errors, Test, Validation, validate};
@@ -25,11 +25,8 @@ use crate::validate::{Correlation, Errors, Test, Validation, validate};
 --u2 load_torque_nm --order 2,2,2,1,1 --report model.html"
 )]
 pub(super) struct Args {
-    /// Trace files or folders
-    #[arg(value_name = "TRACES", required = true)]
-    traces: Vec<PathBuf>,
     #[command(flatten)]
-    channels: ChannelArgs,
+    input: TraceArgs,
     #[command(flatten)]
     structure: StructureArgs,
     /// Estimator
@@ -66,9 +63,8 @@ fn errors_of(method: Method) -> Errors {
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
     let preparation = args.preparation.preparation()?;
-    output::plan(&args.report.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &args.traces)?;
-    let traces = trace::read(&args.traces, &args.channels.channels())?;
-    warn_irregular(traces.iter());
+    output::plan(&args.report.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &args.input.traces)?;
+    let traces = args.input.read()?;
     let bar = output::progress("validating", traces.len());
     let one = |trace: &Trace| {
         let trace = preparation.apply(trace)?;
@@ -163,7 +159,7 @@ fn to_json(outcome: &Outcome) -> serde_json::Value {
 
 fn page(args: &Args, outcomes: &[Outcome]) -> String {
     let first = &outcomes[0];
-    let channels = args.channels.channels();
+    let channels = args.input.channels.channels();
     let order = args.structure.structure().order.to_array();
     let mut page = Page::new(format!("Model of {}", first.trace.id)).lead(format!(
         "y = {}, u1 = {}, u2 = {}; order {order:?}{}, estimated by {} from {} samples.",

@@ -125,16 +125,19 @@ mod tests {
     use super::*;
     use crate::rig::{Defect, DefectKind, RigTrace, Scenario, simulate, trace_seed};
 
-    fn found(trace: &RigTrace) -> GreyBox {
-        let record = MotorRecord {
+    fn record(trace: &RigTrace) -> MotorRecord<'_> {
+        MotorRecord {
             id: "x",
             interval_s: 0.002,
             current_a: &trace.current_a,
             velocity_rad_s: &trace.velocity_rad_s,
             velocity_ref_rad_s: &trace.velocity_ref_rad_s,
             load_torque_nm: &trace.load_torque_nm,
-        };
-        estimate(&record, &MotorSettings::default()).expect("rich signals")
+        }
+    }
+
+    fn found(trace: &RigTrace) -> GreyBox {
+        estimate(&record(trace), &MotorSettings::default()).expect("rich signals")
     }
 
     fn mean_and_sd(x: &[f64]) -> (f64, f64) {
@@ -178,15 +181,7 @@ mod tests {
     fn a_motor_without_load_has_no_scale() {
         let mut trace = simulate(&Scenario::STANDARD, 5).expect("valid");
         trace.load_torque_nm.fill(0.0);
-        let record = MotorRecord {
-            id: "x",
-            interval_s: 0.002,
-            current_a: &trace.current_a,
-            velocity_rad_s: &trace.velocity_rad_s,
-            velocity_ref_rad_s: &trace.velocity_ref_rad_s,
-            load_torque_nm: &trace.load_torque_nm,
-        };
-        let message = estimate(&record, &MotorSettings::default()).expect_err("no load").to_string();
+        let message = estimate(&record(&trace), &MotorSettings::default()).expect_err("no load").to_string();
         assert!(message.contains("do not determine Kt"), "{message}");
     }
 }

@@ -68,7 +68,7 @@ pub(super) fn prefilter(trace: &Trace, structure: Structure, theta: &[f64]) -> P
 }
 
 /// Filters in place by 1/A, `A = 1 + a₁ q⁻¹ + …`.
-pub(super) fn all_pole(a: &[f64], x: &mut [f64]) {
+pub(crate) fn all_pole(a: &[f64], x: &mut [f64]) {
     for t in 0..x.len() {
         let past: f64 = a.iter().enumerate().skip(1).take(t).map(|(k, a)| a * x[t - k]).sum();
         x[t] -= past;

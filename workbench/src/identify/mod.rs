@@ -4,7 +4,7 @@
 //! t₀ = [`Order::depth`], where the first complete regressor is.
 
 mod armax;
-mod filters;
+pub(crate) mod filters;
 mod gauss_newton;
 mod iv;
 mod ls;

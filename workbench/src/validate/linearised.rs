@@ -22,6 +22,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::noise::Noise;
 use crate::Error;
+use crate::identify::filters::all_pole;
 use crate::identify::{Estimate, Noise as NoiseModel, Order, Structure, reflect_unstable, simulate};
 use crate::trace::Trace;
 
@@ -157,28 +158,16 @@ fn prediction_slopes(x: DMatrix<f64>, equation: DVector<f64>, noise: &NoiseModel
         NoiseModel::MovingAverage { terms, .. } => terms.as_slice(),
         _ => &white,
     };
-    let residuals = DVector::from_vec(all_pole(d, equation.as_slice()));
+    let mut residuals = equation;
+    all_pole(d, residuals.as_mut_slice());
     let (n, terms) = (x.ncols(), d.len() - 1);
     let delayed = |t: usize, age: usize| t.checked_sub(age).map_or(0.0, |place| residuals[place]);
     let mut slopes = x.resize_horizontally(n + terms, 0.0);
     for k in 0..terms {
         (0..residuals.len()).for_each(|t| slopes[(t, n + k)] = delayed(t, k + 1));
     }
-    for mut column in slopes.column_iter_mut() {
-        let filtered = all_pole(d, column.as_slice());
-        column.copy_from_slice(&filtered);
-    }
+    slopes.column_iter_mut().for_each(|mut column| all_pole(d, column.as_mut_slice()));
     (residuals, slopes)
-}
-
-/// x/D from a zero start.
-fn all_pole(d: &[f64], x: &[f64]) -> Vec<f64> {
-    let mut out: Vec<f64> = Vec::with_capacity(x.len());
-    for (t, x) in x.iter().enumerate() {
-        let past: f64 = d.iter().enumerate().skip(1).take(t).map(|(k, d)| d * out[t - k]).sum();
-        out.push(x - past);
-    }
-    out
 }
 
 /// ∂ŷ/∂θ: the regressors of the simulated output, filtered by 1/A from where the simulation starts.
@@ -187,12 +176,8 @@ fn output_slopes(trace: &Trace, structure: Structure, theta: &[f64], simulated: 
     let a = reflect_unstable(&a);
     let known = if structure.offset { structure.order.depth() } else { 0 };
     let mut slopes = regressors(structure, simulated, &trace.u1, &trace.u2, 1.0);
-    for mut column in slopes.column_iter_mut() {
-        for t in 0..column.len() {
-            let past: f64 = a.iter().enumerate().skip(1).take(t).map(|(k, a)| a * column[t - k]).sum();
-            column[t] = if t < known { 0.0 } else { column[t] - past };
-        }
-    }
+    slopes.rows_mut(0, known).fill(0.0);
+    slopes.column_iter_mut().for_each(|mut column| all_pole(&a, column.as_mut_slice()));
     slopes
 }
 
