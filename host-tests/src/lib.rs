@@ -2,6 +2,7 @@
 
 pub mod oracle;
 pub mod plants;
+pub mod streams;
 
 use std::path::PathBuf;
 

@@ -172,7 +172,7 @@ pub fn conditions(record: &Record, order: Order, rows: Range<usize>) -> [f64; 2]
 }
 
 /// The model that holds at each sample.
-fn holding<'a>(auxiliaries: &'a [Auxiliary], t: usize) -> &'a [f64] {
+fn holding(auxiliaries: &[Auxiliary], t: usize) -> &[f64] {
     let from = auxiliaries.partition_point(|(start, _)| *start <= t);
     &auxiliaries[from - 1].1
 }
@@ -211,9 +211,9 @@ fn lag(x: &[f64], t: usize, lag: usize) -> f64 {
 fn regressors(order: Order, [y, u1, u2]: [&[f64]; 3], rows: &Range<usize>) -> DMatrix<f64> {
     let Order { na, nb, nc, nkb, nkc } = order;
     let columns = [(y, -1.0, 1, na), (u1, 1.0, nkb, nb), (u2, 1.0, nkc, nc)];
-    let columns = columns.into_iter().flat_map(|(x, sign, delay, count)| {
-        (0..count).map(move |k| (x, sign, usize::from(delay) + usize::from(k)))
-    });
+    let columns = columns
+        .into_iter()
+        .flat_map(|(x, sign, delay, count)| (0..count).map(move |k| (x, sign, usize::from(delay) + usize::from(k))));
     let columns: Vec<DVector<f64>> = columns
         .map(|(x, sign, delay)| DVector::from_iterator(rows.len(), rows.clone().map(|t| sign * lag(x, t, delay))))
         .collect();

@@ -1,7 +1,7 @@
 //! Linear plants with two inputs whose parameters are known in closed form, and records of them.
 //!
 //! ```text
-//! x(t) = −Σ aₖ x(t−k) + Σ bₖ u1(t−k) + Σ cₖ u2(t−k),   y = x + e,   e white
+//! x(t) = −Σ aₖ x(t−k) + Σ bₖ u1(t−k) + Σ cₖ u2(t−k) [+ d],   y = x + e,   e, d white
 //! A(q) = Π (1 − p q⁻¹),   p = exp(−T/τ) or a pair of a resonance,   B(1)/A(1), C(1)/A(1) given
 //! ```
 //!
@@ -43,6 +43,8 @@ pub struct Plant {
     pub control: Option<[f64; 2]>,
     /// Time constants of the coloured noises behind u1 (or the reference) and u2, s.
     pub colour_s: [f64; 2],
+    /// Whether they go through their low-pass once more, so that their differences are smooth too.
+    pub smooth: bool,
 }
 
 impl Plant {
@@ -91,9 +93,11 @@ impl Plant {
             a: a[1..].to_vec(),
             control: self.control.map(|[kp, ki]| [kp, ki / self.rate_hz]),
             colour: self.colour_s.map(|tau| (-1.0 / (tau * self.rate_hz)).exp()),
-            signals: [0.0; 2],
+            signals: [[0.0; 2]; 2],
+            smooth: self.smooth,
             integral: 0.0,
             noise,
+            disturbance: 0.0,
             generator: ChaCha8Rng::seed_from_u64(seed),
         }
     }
@@ -149,11 +153,22 @@ pub struct Source {
     /// Kp and Ki T.
     control: Option<[f64; 2]>,
     colour: [f64; 2],
-    /// u1 or the reference, and u2.
-    signals: [f64; 2],
+    /// u1 or the reference, and u2: after one low-pass, and after two.
+    signals: [[f64; 2]; 2],
+    smooth: bool,
     integral: f64,
     noise: f64,
+    disturbance: f64,
     generator: ChaCha8Rng,
+}
+
+impl Source {
+    /// With a disturbance of this standard deviation inside the plant: white equation error.
+    #[must_use]
+    pub const fn disturbed(mut self, deviation: f64) -> Self {
+        self.disturbance = deviation;
+        self
+    }
 }
 
 impl Iterator for Source {
@@ -161,13 +176,18 @@ impl Iterator for Source {
 
     fn next(&mut self) -> Option<Sample> {
         let [xs, u1s, u2s] = &self.past;
-        let x = u1s.dot(&self.b, self.delays[0]) + u2s.dot(&self.c, self.delays[1]) - xs.dot(&self.a, 1);
+        let mut x = u1s.dot(&self.b, self.delays[0]) + u2s.dot(&self.c, self.delays[1]) - xs.dot(&self.a, 1);
+        if self.disturbance > 0.0 {
+            let d: f64 = StandardNormal.sample(&mut self.generator);
+            x += self.disturbance * d;
+        }
         let [n1, n2, e]: [f64; 3] = std::array::from_fn(|_| StandardNormal.sample(&mut self.generator));
         let y = x + self.noise * e;
-        for ((signal, pole), white) in self.signals.iter_mut().zip(self.colour).zip([n1, n2]) {
-            *signal = pole * *signal + (1.0 - pole * pole).sqrt() * white;
+        for (([once, twice], pole), white) in self.signals.iter_mut().zip(self.colour).zip([n1, n2]) {
+            *once = pole * *once + (1.0 - pole * pole).sqrt() * white;
+            *twice += (1.0 - pole) * (*once - *twice);
         }
-        let [first, u2] = self.signals;
+        let [first, u2] = self.signals.map(|[once, twice]| if self.smooth { twice } else { once });
         let u1 = self.control.map_or(first, |[kp, ki]| {
             self.integral += ki * (first - y);
             kp * (first - y) + self.integral
@@ -186,6 +206,7 @@ const MOTOR: Plant = Plant {
     delays: [1, 1],
     control: None,
     colour_s: [0.01, 0.005],
+    smooth: false,
 };
 
 /// Open and closed loop at 1 kHz and 10 kHz, one to three poles; at 10 kHz few taps. The slowest pole is a motor's
