@@ -2,7 +2,7 @@
 //! estimators are measured against.
 //!
 //! ```text
-//! f = (1 + Σâ)/Â · in   for y, u1, u2;   x̂_f = B̂/Â u1_f + Ĉ/Â u2_f,   both from rest           (1)
+//! f = (1 + Σâ)/Â · in   for y, u1, u2;   x̂_f = B̂/Â u1_f + Ĉ/Â u2_f                            (1)
 //! Z = Q R by Householder,   θ = (QᵀX)⁻¹ Qᵀ y = (ZᵀX)⁻¹ Zᵀ y                                   (2)
 //! cov θ = σ² (QᵀX)⁻¹ (QᵀX)⁻ᵀ = σ² (ZᵀX)⁻¹ ZᵀZ (XᵀZ)⁻¹,   σ² = Σ(y − Xθ)²/(N − n)               (3)
 //! ```
@@ -87,15 +87,39 @@ pub fn delta_map(order: Order) -> (DMatrix<f64>, DVector<f64>) {
     (map, shift)
 }
 
-/// The auxiliary model (a, b, c) that holds from a sample on, until the next one's.
-pub type Auxiliary = (usize, Vec<f64>);
+/// What filters and instruments ran with since the record's beginning. Their states go on where the model changes.
+#[derive(Clone, Debug)]
+pub struct Course {
+    /// The auxiliary models (a, b, c), each with the sample from which it holds.
+    pub auxiliaries: Vec<(usize, Vec<f64>)>,
+    /// Sample on which the filters start, as if the signals had rested on its values and the simulated output on the
+    /// measured one; without it everything is zero before the record.
+    pub rest_on: Option<usize>,
+}
 
-/// One pass of simplified refined IV over `rows`, with filters and instruments that run from the record's beginning.
+impl Course {
+    /// One model from the record's beginning, from zero.
+    #[must_use]
+    pub fn fixed(auxiliary: &[f64]) -> Self {
+        Self { auxiliaries: vec![(0, auxiliary.to_vec())], rest_on: None }
+    }
+
+    /// The model that holds at a sample.
+    fn at(&self, t: usize) -> &[f64] {
+        let from = self.auxiliaries.partition_point(|(start, _)| *start <= t);
+        &self.auxiliaries[from - 1].1
+    }
+}
+
+/// One pass of simplified refined IV over `rows`.
 #[must_use]
-pub fn one_pass(record: &Record, order: Order, auxiliaries: &[Auxiliary], rows: Range<usize>) -> Fit {
-    let end = rows.end;
-    let [y, u1, u2] = record.signals.each_ref().map(|signal| filtered(&signal[..end], order, auxiliaries));
-    let simulated = simulated([&u1, &u2], order, auxiliaries);
+pub fn one_pass(record: &Record, order: Order, course: &Course, rows: Range<usize>) -> Fit {
+    let delays = [0, order.nkb, order.nkc];
+    let delayed: Vec<Vec<f64>> = record.signals.iter().zip(delays).map(|(x, by)| delayed(&x[..rows.end], by)).collect();
+    let [y, u1, u2] = [0, 1, 2].map(|k| filtered(&delayed[k], order, course));
+    let simulated = simulated([&u1, &u2], order, course, course.rest_on.map_or(0.0, |on| y[on]));
+    // The delays are in the signals already.
+    let order = Order { nkb: 0, nkc: 0, ..order };
     let x = regressors(order, [&y, &u1, &u2], &rows);
     let z = regressors(order, [&simulated, &u1, &u2], &rows);
     solve(x, z, &DVector::from_column_slice(&y[rows]))
@@ -107,7 +131,7 @@ pub fn one_pass(record: &Record, order: Order, auxiliaries: &[Auxiliary], rows: 
 pub fn batch(record: &Record, order: Order, start: &[f64], rows: Range<usize>) -> Option<(Fit, usize)> {
     let mut theta = DVector::from_column_slice(start);
     for pass in 1..=200 {
-        let fit = one_pass(record, order, &[(0, theta.as_slice().to_vec())], rows.clone());
+        let fit = one_pass(record, order, &Course::fixed(theta.as_slice()), rows.clone());
         let step = &fit.theta - &theta;
         if step.iter().any(|step| !step.is_finite()) {
             return None;
@@ -123,9 +147,10 @@ pub fn batch(record: &Record, order: Order, start: &[f64], rows: Range<usize>) -
 
 /// IV without filters: instruments are the output simulated by the auxiliary model.
 #[must_use]
-pub fn instrumental(record: &Record, order: Order, auxiliaries: &[Auxiliary], rows: Range<usize>) -> Fit {
+pub fn instrumental(record: &Record, order: Order, auxiliary: &[f64], rows: Range<usize>) -> Fit {
     let [y, u1, u2] = record.signals.each_ref().map(|signal| &signal[..rows.end]);
-    let simulated = simulated([u1, u2], order, auxiliaries);
+    let (d1, d2) = (delayed(u1, order.nkb), delayed(u2, order.nkc));
+    let simulated = simulated([&d1, &d2], order, &Course::fixed(auxiliary), 0.0);
     let x = regressors(order, [y, u1, u2], &rows);
     let z = regressors(order, [&simulated, u1, u2], &rows);
     solve(x, z, &DVector::from_column_slice(&y[rows]))
@@ -171,36 +196,41 @@ pub fn conditions(record: &Record, order: Order, rows: Range<usize>) -> [f64; 2]
     })
 }
 
-/// The model that holds at each sample.
-fn holding(auxiliaries: &[Auxiliary], t: usize) -> &[f64] {
-    let from = auxiliaries.partition_point(|(start, _)| *start <= t);
-    &auxiliaries[from - 1].1
+/// The signal so many samples later; zeros before.
+fn delayed(x: &[f64], by: u8) -> Vec<f64> {
+    (0..x.len()).map(|t| lag(x, t, by as usize)).collect()
 }
 
-/// (1) from rest, with the states going on where the model changes.
-fn filtered(x: &[f64], order: Order, auxiliaries: &[Auxiliary]) -> Vec<f64> {
-    let mut f: Vec<f64> = Vec::with_capacity(x.len());
-    for (t, x) in x.iter().enumerate() {
-        let a = &holding(auxiliaries, t)[..order.na as usize];
-        let past: f64 = a.iter().enumerate().map(|(k, a)| a * lag(&f, t, k + 1)).sum();
-        f.push((1.0 + a.iter().sum::<f64>()) * x - past);
+/// (1), first part.
+fn filtered(x: &[f64], order: Order, course: &Course) -> Vec<f64> {
+    let mut f: Vec<f64> = course.rest_on.map_or_else(Vec::new, |on| vec![x[on]; on + 1]);
+    for t in f.len()..x.len() {
+        let a = &course.at(t)[..order.na as usize];
+        let past: f64 = a.iter().enumerate().map(|(k, a)| a * before(&f, t, k + 1, course)).sum();
+        f.push((1.0 + a.iter().sum::<f64>()) * x[t] - past);
     }
     f
 }
 
-/// Output of the auxiliary model from rest.
-fn simulated([u1, u2]: [&[f64]; 2], order: Order, auxiliaries: &[Auxiliary]) -> Vec<f64> {
+/// (1), second part, from inputs that carry their delays.
+fn simulated([u1, u2]: [&[f64]; 2], order: Order, course: &Course, rest: f64) -> Vec<f64> {
     let (na, nb) = (order.na as usize, order.nb as usize);
-    let mut x: Vec<f64> = Vec::with_capacity(u1.len());
-    for t in 0..u1.len() {
-        let (a, rest) = holding(auxiliaries, t).split_at(na);
+    let mut x: Vec<f64> = course.rest_on.map_or_else(Vec::new, |on| vec![rest; on + 1]);
+    for t in x.len()..u1.len() {
+        let (a, rest) = course.at(t).split_at(na);
         let (b, c) = rest.split_at(nb);
-        let sum = |terms: &[f64], x: &[f64], delay: usize| -> f64 {
-            terms.iter().enumerate().map(|(k, term)| term * lag(x, t, k + delay)).sum()
+        let sum = |terms: &[f64], x: &[f64], first: usize| -> f64 {
+            terms.iter().enumerate().map(|(k, term)| term * before(x, t, k + first, course)).sum()
         };
-        x.push(sum(b, u1, order.nkb as usize) + sum(c, u2, order.nkc as usize) - sum(a, &x, 1));
+        x.push(sum(b, u1, 0) + sum(c, u2, 0) - sum(a, &x, 1));
     }
     x
+}
+
+/// A value of a filtered signal, at rest before the filters start.
+fn before(x: &[f64], t: usize, lag: usize, course: &Course) -> f64 {
+    let rest = if course.rest_on.is_some() { x[0] } else { 0.0 };
+    if t >= lag { x[t - lag] } else { rest }
 }
 
 fn lag(x: &[f64], t: usize, lag: usize) -> f64 {
