@@ -87,6 +87,22 @@ pub fn delta_map(order: Order) -> (DMatrix<f64>, DVector<f64>) {
     (map, shift)
 }
 
+/// The parameters a, b, c of a δ-form.
+#[must_use]
+pub fn raw(order: Order, delta: &[f32]) -> Vec<f64> {
+    let (map, shift) = delta_map(order);
+    let delta = DVector::from_iterator(shift.len(), delta.iter().map(|x| f64::from(*x)).take(shift.len()));
+    let raw = map.try_inverse().expect("triangular") * (delta - shift);
+    raw.as_slice().to_vec()
+}
+
+/// The δ-form of parameters a, b, c.
+#[must_use]
+pub fn delta(order: Order, raw: &[f64]) -> DVector<f64> {
+    let (map, shift) = delta_map(order);
+    map * DVector::from_column_slice(raw) + shift
+}
+
 /// What filters and instruments ran with since the record's beginning. Their states go on where the model changes.
 #[derive(Clone, Debug)]
 pub struct Course {
@@ -258,4 +274,19 @@ fn solve(x: DMatrix<f64>, z: DMatrix<f64>, target: &DVector<f64>) -> Fit {
     let theta = &inverse * (q.transpose() * target);
     let variance = (target - x * &theta).norm_squared() / (rows - n) as f64;
     Fit { covariance: &inverse * inverse.transpose() * variance, theta, variance, rows }
+}
+
+/// How one pass over `rows` answers to its auxiliary model: ∂θ̂/∂θ_aux at a fit, in δ-form, by central differences of a
+/// twentieth of σ. Without noise it vanishes: the estimate is then the truth whatever the auxiliary model.
+#[must_use]
+pub fn sensitivity(record: &Record, order: Order, at: &Fit, rows: &Range<usize>) -> DMatrix<f64> {
+    let back = delta_map(order).0.try_inverse().expect("triangular");
+    let columns = at.delta(order).deviations().into_iter().enumerate().map(|(k, sd)| {
+        let moved = |step: f64| {
+            let auxiliary = &at.theta + back.column(k) * step;
+            one_pass(record, order, &Course::fixed(auxiliary.as_slice()), rows.clone()).delta(order).theta
+        };
+        (moved(0.05 * sd) - moved(-0.05 * sd)) / (0.1 * sd)
+    });
+    DMatrix::from_columns(&columns.collect::<Vec<_>>())
 }

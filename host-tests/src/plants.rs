@@ -59,10 +59,15 @@ impl Plant {
     /// 1, a₁, ….
     #[must_use]
     pub fn denominator(&self) -> Vec<f64> {
+        self.slowed(1.0)
+    }
+
+    /// The same with all times longer by a factor.
+    fn slowed(&self, by: f64) -> Vec<f64> {
         self.modes.iter().fold(vec![1.0], |a, mode| match *mode {
-            Mode::Lag(tau) => product(&a, &[1.0, -(-1.0 / (tau * self.rate_hz)).exp()]),
+            Mode::Lag(tau) => product(&a, &[1.0, -(-1.0 / (by * tau * self.rate_hz)).exp()]),
             Mode::Resonance(f, damping) => {
-                let w = TAU * f / self.rate_hz;
+                let w = TAU * f / self.rate_hz / by;
                 let radius = (-damping * w).exp();
                 product(&a, &[1.0, -2.0 * radius * (w * (1.0 - damping * damping).sqrt()).cos(), radius * radius])
             }
@@ -72,8 +77,18 @@ impl Plant {
     /// a₁…, b₁…, c₁….
     #[must_use]
     pub fn truth(&self) -> Vec<f64> {
-        let a = self.denominator();
-        let unit: f64 = a.iter().sum();
+        self.model(1.0, 1.0)
+    }
+
+    /// What a data sheet might say: all times a fifth too long, gains a fifth too small.
+    #[must_use]
+    pub fn nominal(&self) -> Vec<f64> {
+        self.model(1.2, 0.8)
+    }
+
+    fn model(&self, slower: f64, stronger: f64) -> Vec<f64> {
+        let a = self.slowed(slower);
+        let unit: f64 = a.iter().sum::<f64>() * stronger;
         let taps = |(shares, gain): (&[f64], f64)| shares.iter().map(|share| share * gain * unit).collect::<Vec<_>>();
         [&a[1..], &taps(self.b), &taps(self.c)].concat()
     }

@@ -1,0 +1,144 @@
+//! What happens to the core's estimators when samples go wrong: nothing that is not finite, and the next segment's error
+//! is no more than twice the undisturbed one.
+//!
+//! Error: distance from the truth in units of the stated standard deviations, rms over parameters and runs; 1 is what
+//! chance alone gives. Least squares, biased by output noise, is judged by where a long undisturbed record takes it.
+
+use bearing_watch::estimate::{Accumulator, Fading, Instruments, Nominal, Regressor, Rows, Triangle};
+use bearing_watch::{Estimate, Estimator, Reason, Regression, Sample};
+use host_tests::oracle::{self, Fit, Record};
+use host_tests::plants::PLANTS;
+use host_tests::streams::{L, M, P, fading, refined, regression, rho};
+use rayon::prelude::*;
+
+const RUNS: u64 = 8;
+const SEGMENT: usize = 10_000;
+/// Segments of a run; the third goes wrong, the fourth is judged.
+const SEGMENTS: usize = 4;
+/// Samples of standstill: a hundred segments.
+const STANDSTILL: usize = 1_000_000;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Fault {
+    None,
+    /// All signals rest on their values.
+    Constant,
+    /// The same, but the output carries its noise: nothing but noise excites.
+    Noise,
+    /// All signals jump by five times their rms for a tenth of a second.
+    Jump,
+    /// Bursts of one value in one signal after the other.
+    Burst(f32),
+}
+
+const FAULTS: [Fault; 8] = [
+    Fault::Constant,
+    Fault::Noise,
+    Fault::Jump,
+    Fault::Burst(f32::NAN),
+    Fault::Burst(f32::INFINITY),
+    Fault::Burst(f32::NEG_INFINITY),
+    Fault::Burst(1e30),
+    Fault::Burst(1e3),
+];
+
+/// The samples with the fault in the middle of the third segment. Whole segments may come in between.
+fn disturb(mut samples: Vec<Sample>, fault: Fault, noise: f32) -> Vec<Sample> {
+    let middle = 2 * SEGMENT + SEGMENT / 2;
+    let rest = samples[middle - 1];
+    match fault {
+        Fault::None => {}
+        Fault::Constant => drop(samples.splice(middle..middle, std::iter::repeat_n(rest, STANDSTILL))),
+        Fault::Noise => {
+            let sign = |k: usize| if k.wrapping_mul(2_654_435_761) & 0x8000 == 0 { noise } else { -noise };
+            let noisy: Vec<_> = (0..STANDSTILL).map(|k| Sample { y: rest.y + sign(k), ..rest }).collect();
+            drop(samples.splice(middle..middle, noisy));
+        }
+        Fault::Jump => {
+            for sample in &mut samples[middle..middle + 100] {
+                *sample = Sample { y: sample.y + 5.0, u1: sample.u1 + 5.0, u2: sample.u2 + 5.0 };
+            }
+        }
+        Fault::Burst(value) => {
+            for (place, sample) in samples[middle..middle + 300].iter_mut().enumerate() {
+                match (place / 10) % 10 {
+                    0 => sample.y = value,
+                    3 => sample.u1 = value,
+                    6 => sample.u2 = value,
+                    _ => {}
+                }
+            }
+        }
+    }
+    samples
+}
+
+fn finite(result: &Result<Estimate<M, P>, Reason>) -> bool {
+    result.as_ref().map_or(true, |estimate| {
+        estimate.variance.is_finite() && estimate.delta.iter().chain(&estimate.covariance).all(|x| x.is_finite())
+    })
+}
+
+/// The last segment's estimate; looks at the open segment now and then.
+fn last<R: Rows<M>, A: Accumulator<M, P>>(regression: &Regression<M>, samples: &[Sample]) -> Estimate<M, P> {
+    assert!(Estimator::<M, P, L, R, A>::fits(regression));
+    let mut estimator = Estimator::<M, P, L, R, A>::new(regression);
+    let mut result = Err(Reason::TooFewRows);
+    for segment in samples.chunks_exact(SEGMENT) {
+        for (place, sample) in segment.iter().enumerate() {
+            estimator.step(sample);
+            assert!(place % 997 != 0 || finite(&estimator.estimate()), "{place}");
+        }
+        result = estimator.close();
+        assert!(finite(&result));
+    }
+    result.expect("an estimate of the last segment")
+}
+
+type Method = fn(&Regression<M>, &[Sample]) -> Estimate<M, P>;
+
+#[test]
+fn every_mode_stays_finite_and_recovers_within_a_segment() {
+    let plant = &PLANTS[4];
+    let (order, noise) = (plant.order(), plant.noise(20.0));
+    let long: Vec<_> = plant.source(noise, 77).take(200_000).collect();
+    let record = Record::new(&long);
+    // Spikes of a thousand pass the range guard and meet the weights.
+    let guard = bearing_watch::estimate::Guard { huber: 6.0, ..bearing_watch::estimate::Guard::within([1e4; 3]) };
+    let settled = oracle::least_squares(&record, order, order.depth()..long.len(), 1.0).delta(order);
+    let mut delta = [0.0; M];
+    delta.iter_mut().zip(&settled.theta).for_each(|(cell, x)| *cell = *x as f32);
+    let nominal = Nominal { delta, deviation: settled.variance.sqrt() as f32 };
+    let least = Regression { nominal, guard, ..regression(order, &long) };
+    let refined = refined(plant, &long);
+    let refined = Regression { nominal: Nominal { deviation: noise as f32, ..refined.nominal }, guard, ..refined };
+    let truth = oracle::delta(order, &plant.truth());
+    // Moving inputs have a mean motion near two.
+    let methods: [(&str, Method, Regression<M>, &nalgebra::DVector<f64>); 4] = [
+        ("least squares", last::<Regressor<M, L>, Triangle<M, P>>, least, &settled.theta),
+        ("refined", last::<Instruments<M, L>, Triangle<M, P>>, refined, &truth),
+        ("fading", last::<Regressor<M, L>, Fading<M, P>>, fading(least, 1e-3, 0.2), &settled.theta),
+        ("fading refined", last::<Instruments<M, L>, Fading<M, P>>, fading(refined, 1e-3, 0.02), &truth),
+    ];
+    println!("error after one segment, in standard deviations (and times the undisturbed)");
+    for (name, method, regression, aim) in methods {
+        let error = |fault: Fault| {
+            let squares = (0..RUNS).into_par_iter().map(|seed| {
+                let samples: Vec<_> = plant.source(noise, 500 + seed).take(SEGMENTS * SEGMENT).collect();
+                let estimate = method(&regression, &disturb(samples, fault, noise as f32));
+                let n = estimate.parameters();
+                let covariance = estimate.covariance_matrix().view((0, 0), (n, n)).map(f64::from);
+                let fit = Fit { theta: aim.clone(), covariance, variance: 0.0, rows: 0 };
+                rho(&estimate.delta, &fit).powi(2)
+            });
+            (squares.sum::<f64>() / RUNS as f64).sqrt()
+        };
+        let undisturbed = error(Fault::None);
+        println!("{name:16}{undisturbed:6.2}");
+        for fault in FAULTS {
+            let found = error(fault);
+            println!("{name:16}{found:6.2} ({:.2})  {fault:?}", found / undisturbed);
+            if found > 2.0 * undisturbed { println!("BAD"); }
+        }
+    }
+}
