@@ -6,7 +6,7 @@ mod support;
 
 use bearing_watch::decide::{Discriminant, Features, Kind, Projection};
 use bearing_watch::estimate::{Forgetting, Triangle};
-use bearing_watch::{AlphaBeta, Angle, BlockMean, Estimator, FrontEnd, Order, Park, Regression, Sample};
+use bearing_watch::{AlphaBeta, Angle, BlockMean, Estimator, FrontEnd, Guard, Order, Park, Regression, Sample};
 
 use support::numbers::Numbers;
 
@@ -61,7 +61,7 @@ fn triangle<const M: usize, const P: usize>() {
     for _ in 0..200 {
         let row: [f32; M] = numbers.array();
         plain.update(&row);
-        forgetting.update_forgetting(&row, Forgetting { lambda: 0.98, floor: 0.5 });
+        forgetting.update_forgetting(&row, 1.0, Forgetting { lambda: 0.98, floor: 0.5 });
     }
     for triangle in [&plain, &forgetting] {
         hash.add(&triangle.solve());
@@ -73,7 +73,8 @@ fn triangle<const M: usize, const P: usize>() {
 
 fn estimator() {
     let scale = [1.0, 4.0, 0.5, 1.0, 2.0, 1.0, 8.0];
-    let regression = Regression { order: Order::new(2, 1, 2, 1, 2), offset: true, scale, limit: [4.0; 3] };
+    let base = Regression::new(Order::new(2, 1, 2, 1, 2), true);
+    let regression = Regression { scale, guard: Guard::within([4.0; 3]), ..base };
     let mut estimator = Estimator::<7, 21, 4>::new(&regression);
     let (mut numbers, mut y) = (Numbers(7), [0.0_f32; 2]);
     for k in 0..3000 {
@@ -91,7 +92,7 @@ fn estimator() {
             hash.add(&estimate.covariance);
             hash.add(&[estimate.variance]);
             hash.add(&Features { index: [5, 0, 6, 2], count: 4 }.extract(&estimate));
-            say!("estimator {:08x}, {} rows, {} rejected", hash.0, estimate.rows, estimate.rejected);
+            say!("estimator {:08x}, {} rows, {} rejected", hash.0, estimate.rows, estimate.counts.rejected);
         }
         Err(reason) => say!("estimator: {reason}"),
     }

@@ -11,7 +11,7 @@ use core::hint::black_box;
 
 use bearing_watch::decide::{Discriminant, Kind, Projection};
 use bearing_watch::estimate::{Forgetting, Triangle};
-use bearing_watch::{AlphaBeta, Angle, Estimator, FrontEnd, Order, Park, Regression, Sample};
+use bearing_watch::{AlphaBeta, Angle, Estimator, FrontEnd, Guard, Order, Park, Regression, Sample};
 
 use support::count::Counter;
 use support::numbers::Numbers;
@@ -69,7 +69,7 @@ fn updates<const M: usize, const P: usize>(counter: &mut Counter) {
     let forgetting = black_box(Forgetting { lambda: 0.9999, floor: 100.0 });
     let with = counter.instructions_per_call(CALLS, |_| {
         if let Some(row) = black_box(next.next()) {
-            triangle.update_forgetting(row, forgetting);
+            triangle.update_forgetting(row, 1.0, forgetting);
         }
         black_box(&mut triangle);
     });
@@ -85,8 +85,8 @@ fn updates<const M: usize, const P: usize>(counter: &mut Counter) {
 
 /// The estimator around the kernel: guard, lags, regressor, update; and the solve at the end of a segment.
 fn estimator(counter: &mut Counter) {
-    let regression =
-        Regression::<9> { order: Order::new(2, 3, 3, 1, 1), offset: false, scale: [1.0; 9], limit: [100.0; 3] };
+    let base = Regression::<9>::new(Order::new(2, 3, 3, 1, 1), false);
+    let regression = Regression { guard: Guard::within([100.0; 3]), ..base };
     let mut numbers = Numbers(2);
     let mut estimator = Estimator::<9, 36, 4>::new(black_box(&regression));
     for _ in 0..100 {

@@ -60,7 +60,7 @@ fn run() {
 /// Counts of the converter, which spans the model's limits, as physical values.
 fn measured(sample: &[u8]) -> Sample {
     let mut values = [0.0; 3];
-    for ((value, count), limit) in values.iter_mut().zip(sample.chunks_exact(2)).zip(MODEL.regression.limit) {
+    for ((value, count), limit) in values.iter_mut().zip(sample.chunks_exact(2)).zip(MODEL.regression.guard.limit) {
         if let [low, high] = count {
             *value = f32::from(i16::from_le_bytes([*low, *high])) * (limit / 32_768.0);
         }

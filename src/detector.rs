@@ -1,16 +1,18 @@
 //! The corridor: samples in, one [`Report`] a segment out.
 //!
 //! ```text
-//! Sample ─► block mean ─► Estimator ─┬─ segment full, or finish() ─► Classifier ─► Report
-//!                                    └─ else nothing
+//! Sample ─► gate ─► block mean ─► Estimator ─┬─ segment full, or finish() ─► solve ─► Classifier ─► Report
+//!                                            └─ else nothing
 //! ```
 //!
 //! The cost of [`Detector::step`] is constant but for the sample that closes a segment, which adds one solve and one
-//! classification. State: a few hundred bytes; the constants stay in the [`Model`].
+//! classification. Where the interrupt has no time for them, [`Detector::collect`] hands out the closed segment's sums,
+//! [`Model::conclude`] makes the report from them in the main loop, and [`Detector::adopt`] brings it back.
+//! State: a few hundred bytes; the constants stay in the [`Model`].
 
 use crate::decide::Decision;
 use crate::drive::BlockMean;
-use crate::estimate::{Estimate, Estimator, Reason};
+use crate::estimate::{Accumulator, Counts, Estimate, Estimator, Reason, Regressor, Rows, Segment, Solver, Triangle};
 use crate::model::{Model, ModelError};
 
 /// One sample of the three signals, in the units the model was trained with.
@@ -41,12 +43,59 @@ pub struct Report<const M: usize, const P: usize, const C: usize> {
     pub verdict: Verdict,
     /// Likelihoods, posteriors and costs; present where the verdict is a class.
     pub decision: Option<Decision<C>>,
-    /// The estimate; zero parameters where the verdict comes from the estimator's [`Reason`].
+    /// Whether the estimate stands, and serves as auxiliary model and reference for what follows.
+    pub accepted: bool,
+    /// The estimate; zero parameters where it does not stand. Its counts say what the segment was denied.
     pub estimate: Estimate<M, P>,
 }
 
+impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F, Z, C> {
+    /// The report of a detached segment: solve and classification, in whatever thread has the time.
+    #[must_use]
+    pub fn conclude<const P: usize>(&self, segment: Segment<M, P>) -> Report<M, P, C> {
+        let (rows, counts) = (segment.rows(), segment.counts());
+        self.report(rows, counts, Solver::new(&self.regression, segment).finish())
+    }
+
+    /// The report of a whole segment of so many rows from its solved estimate, for who advances a [`Solver`] by hand.
+    #[must_use]
+    pub fn report<const P: usize>(
+        &self,
+        rows: u32,
+        counts: Counts,
+        result: Result<Estimate<M, P>, Reason>,
+    ) -> Report<M, P, C> {
+        let mut report = self.classified(rows, counts, result);
+        // The model knows the spread of whole segments only.
+        if rows < self.sampling.segment_samples / 2 && !matches!(report.verdict, Verdict::Undetermined(_)) {
+            report.verdict = Verdict::Undetermined(Reason::TooFewRows);
+            report.decision = None;
+        }
+        report
+    }
+
+    fn classified<const P: usize>(
+        &self,
+        rows: u32,
+        counts: Counts,
+        result: Result<Estimate<M, P>, Reason>,
+    ) -> Report<M, P, C> {
+        let regression = &self.regression;
+        let (estimate, accepted, decision) = match result {
+            Ok(estimate) => (estimate, true, self.classifier.classify(&estimate)),
+            Err(reason) => (Estimate::empty(regression.order, regression.offset, rows, counts), false, Err(reason)),
+        };
+        let verdict = match &decision {
+            Ok(decision) => Verdict::Class(decision.class),
+            Err(reason) => Verdict::Undetermined(*reason),
+        };
+        Report { verdict, decision: decision.ok(), accepted, estimate }
+    }
+}
+
 /// Running state beside the current loop. Capacities: `M` columns, `P` = M(M−1)/2, `L` delays, `F` features, `Z`
-/// coordinates, `C` classes. Exported models bring a type alias with all of them set.
+/// coordinates, `C` classes; `R` makes the rows,
+/// `A` sums them. Exported models bring a type alias with all of them set.
 ///
 /// ```
 /// # use bearing_watch::*;
@@ -62,17 +111,31 @@ pub struct Report<const M: usize, const P: usize, const C: usize> {
 /// # }
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct Detector<'m, const M: usize, const P: usize, const L: usize, const F: usize, const Z: usize, const C: usize>
-{
+pub struct Detector<
+    'm,
+    const M: usize,
+    const P: usize,
+    const L: usize,
+    const F: usize,
+    const Z: usize,
+    const C: usize,
+    R = Regressor<M, L>,
+    A = Triangle<M, P>,
+> {
     model: &'m Model<M, F, Z, C>,
     block: BlockMean<3>,
-    estimator: Estimator<'m, M, P, L>,
+    /// Whether a sample of the open block was refused.
+    spoiled: bool,
+    estimator: Estimator<'m, M, P, L, R, A>,
     /// Samples of the open segment, at the identification rate.
     samples: u32,
 }
 
-impl<'m, const M: usize, const P: usize, const L: usize, const F: usize, const Z: usize, const C: usize>
-    Detector<'m, M, P, L, F, Z, C>
+impl<'m, const M: usize, const P: usize, const L: usize, const F: usize, const Z: usize, const C: usize, R, A>
+    Detector<'m, M, P, L, F, Z, C, R, A>
+where
+    R: Rows<M>,
+    A: Accumulator<M, P>,
 {
     /// Checks the model against the capacities, once.
     ///
@@ -80,49 +143,83 @@ impl<'m, const M: usize, const P: usize, const L: usize, const F: usize, const Z
     /// A [`ModelError`] naming what does not fit.
     pub fn new(model: &'m Model<M, F, Z, C>) -> Result<Self, ModelError> {
         model.validate()?;
-        if model.regression.order.largest_delay() > L {
+        let regression = &model.regression;
+        if regression.order.largest_delay() > L {
             return Err(ModelError::Capacity("delays"));
         }
-        Ok(Self { model, block: BlockMean::new(), estimator: Estimator::new(&model.regression), samples: 0 })
+        if !R::fits(regression) {
+            return Err(ModelError::Value("method or structure, which this detector was not compiled for,"));
+        }
+        if !A::fits(regression) {
+            return Err(ModelError::Value("memory, which this detector was not compiled for,"));
+        }
+        if model.sampling.segment_samples > A::LONGEST {
+            return Err(ModelError::Value("segment length"));
+        }
+        Ok(Self { model, block: BlockMean::new(), spoiled: false, estimator: Estimator::new(regression), samples: 0 })
     }
 
     /// Takes one sample; the sample that closes a segment brings its report. A segment of which less than half was
     /// usable has no verdict.
     #[inline]
     pub fn step(&mut self, sample: Sample) -> Option<Report<M, P, C>> {
-        let block = self.model.sampling.block_mean;
-        // A mean would hide one wild sample; so it spoils its block instead, which the estimator then rejects.
-        let wild = block > 1 && !self.model.regression.accepts(&sample);
-        let y = if wild { f32::NAN } else { sample.y };
-        let [y, u1, u2] = self.block.push([y, sample.u1, sample.u2], block)?;
-        self.estimator.step(&Sample { y, u1, u2 });
-        self.samples = self.samples.saturating_add(1);
-        if self.samples < self.model.sampling.segment_samples {
-            return None;
-        }
-        let mut report = self.preview();
-        // The model knows the spread of whole segments only.
-        if report.estimate.rows < self.model.sampling.segment_samples / 2 {
-            report.verdict = Verdict::Undetermined(Reason::TooFewRows);
-            report.decision = None;
-        }
-        self.samples = 0;
-        self.estimator.next_segment();
-        Some(report)
+        if self.take(&sample) { Some(self.close()) } else { None }
     }
 
-    /// The report the open segment would give now, leaving it open.
+    /// Takes one sample, for the interrupt that has no time to solve; the sample that closes a segment brings the sums
+    /// of it, for [`Model::conclude`]. Hand its report back to [`Detector::adopt`].
+    #[inline]
+    pub fn collect(&mut self, sample: Sample) -> Option<Segment<M, P>> {
+        if !self.take(&sample) {
+            return None;
+        }
+        self.samples = 0;
+        Some(self.estimator.detach())
+    }
+
+    /// Lets the estimate of a concluded segment take over at the handover. `false`, and nothing done, if that is past
+    /// or the estimate does not stand.
+    pub fn adopt(&mut self, report: &Report<M, P, C>) -> bool {
+        report.accepted && self.estimator.adopt(&report.estimate)
+    }
+
+    /// Takes one sample; whether the segment is full.
+    #[inline]
+    fn take(&mut self, sample: &Sample) -> bool {
+        let good = self.estimator.admit(sample);
+        let block = self.model.sampling.block_mean;
+        if block <= 1 {
+            if good {
+                self.estimator.take(sample);
+            } else {
+                self.estimator.skip();
+            }
+        } else {
+            // A mean would hide one refused sample, so it spoils its block.
+            self.spoiled |= !good;
+            let Some([y, u1, u2]) = self.block.push([sample.y, sample.u1, sample.u2], block) else { return false };
+            if core::mem::take(&mut self.spoiled) {
+                self.estimator.skip();
+            } else {
+                self.estimator.take(&Sample { y, u1, u2 });
+            }
+        }
+        self.samples = self.samples.saturating_add(1);
+        self.samples >= self.model.sampling.segment_samples
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn close(&mut self) -> Report<M, P, C> {
+        self.samples = 0;
+        let (rows, counts) = (self.estimator.rows(), self.estimator.counts());
+        self.model.report(rows, counts, self.estimator.close())
+    }
+
+    /// The report the open segment would give now, leaving it open. With fading memory that is the state of things.
     #[must_use]
     pub fn preview(&self) -> Report<M, P, C> {
-        let undetermined =
-            |reason, estimate| Report { verdict: Verdict::Undetermined(reason), decision: None, estimate };
-        match self.estimator.estimate() {
-            Err(reason) => undetermined(reason, self.estimator.empty_estimate()),
-            Ok(estimate) => match self.model.classifier.classify(&estimate) {
-                Err(reason) => undetermined(reason, estimate),
-                Ok(decision) => Report { verdict: Verdict::Class(decision.class), decision: Some(decision), estimate },
-            },
-        }
+        self.model.classified(self.estimator.rows(), self.estimator.counts(), self.estimator.estimate())
     }
 
     /// Samples at the identification rate in the open segment.
@@ -139,10 +236,12 @@ impl<'m, const M: usize, const P: usize, const L: usize, const F: usize, const Z
         report
     }
 
-    /// Starts afresh without a report, for a stream that does not go on from the last sample.
+    /// Starts afresh without a report, for a stream that does not go on from the last sample: lags, sums and auxiliary
+    /// model.
     pub fn restart(&mut self) {
         self.samples = 0;
         self.block.reset();
+        self.spoiled = false;
         self.estimator.restart();
     }
 }

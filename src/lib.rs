@@ -40,5 +40,5 @@ pub mod model;
 pub use decide::{Classifier, Decision};
 pub use detector::{Detector, Report, Sample, Verdict};
 pub use drive::{Abc, AlphaBeta, Angle, BlockMean, Dq0, FirDecimator, FrontEnd, Park, SinCos};
-pub use estimate::{Estimate, Estimator, Order, Reason, Regression};
+pub use estimate::{Counts, Estimate, Estimator, Guard, Instruments, Order, Reason, Regression, Regressor, Segment};
 pub use model::{Label, Model, ModelError, Sampling};

@@ -27,7 +27,7 @@ fn a_report_comes_with_the_last_sample_of_a_segment_and_only_then() {
     let (last, rest) = recording.split_last().expect("samples");
     assert!(rest.iter().all(|s| monitor.step(*s).is_none()));
     let report = monitor.step(*last).expect("a full segment");
-    assert_eq!((report.verdict, report.estimate.rows, report.estimate.rejected), (spall(), 4998, 0));
+    assert_eq!((report.verdict, report.estimate.rows, report.estimate.counts.rejected), (spall(), 4998, 0));
     let decision = report.decision.expect("decided");
     let total: f32 = decision.posteriors.iter().sum();
     assert!((total - 1.0).abs() < 1e-6); // three roundings of numbers up to one
@@ -70,7 +70,7 @@ fn bursts_of_nonsense_cost_their_rows_and_nothing_else() {
         samples[3500].u2 = nonsense;
         let mut monitor = Monitor::new(&MODEL).expect("good model");
         let report = samples.iter().filter_map(|s| monitor.step(*s)).next().expect("a full segment");
-        assert_eq!((report.verdict, report.estimate.rejected), (spall(), 7), "{nonsense}");
+        assert_eq!((report.verdict, report.estimate.counts.rejected), (spall(), 7), "{nonsense}");
         // Three gaps of one sample lose three rows each, the one of three loses five, and the last one meets the end.
         assert_eq!(report.estimate.rows, 4998 - 3 * 3 - 5 - 2, "{nonsense}");
         for (k, (got, want)) in report.estimate.delta.iter().zip(clean.estimate.delta).enumerate().take(5) {
@@ -87,7 +87,7 @@ fn a_segment_that_was_mostly_rejected_has_no_verdict() {
     samples.iter_mut().take(2600).for_each(|s| s.y = f32::NAN);
     let mut monitor = Monitor::new(&MODEL).expect("good model");
     let report = samples.iter().filter_map(|s| monitor.step(*s)).next().expect("a full segment");
-    assert_eq!((report.verdict, report.estimate.rejected), (Verdict::Undetermined(Reason::TooFewRows), 2600));
+    assert_eq!((report.verdict, report.estimate.counts.rejected), (Verdict::Undetermined(Reason::TooFewRows), 2600));
     assert_eq!(report.decision, None);
 }
 
@@ -103,7 +103,7 @@ fn a_wild_sample_does_not_hide_in_a_block_mean() {
         samples.iter().filter_map(|s| monitor.step(*s)).next().expect("a full segment").estimate
     };
     // The limit is 62.7: a tenth of 600 would pass.
-    assert_eq!((run(600.0).rejected, run(1.0).rejected), (1, 0));
+    assert_eq!((run(600.0).counts.rejected, run(1.0).counts.rejected), (1, 0));
 }
 
 proptest! {
@@ -138,7 +138,7 @@ proptest! {
             let _ = monitor.step(Sample { y, u1, u2 });
         }
         let report = monitor.finish();
-        prop_assert_eq!(report.estimate.rejected, 0);
+        prop_assert_eq!(report.estimate.counts.rejected, 0);
         prop_assert!(report.estimate.delta.iter().all(|x| x.is_finite()));
         prop_assert!(report.estimate.variance.is_finite() && report.estimate.variance >= 0.0);
     }

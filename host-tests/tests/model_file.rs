@@ -1,5 +1,6 @@
 //! The binary model: what is written is read back, and nothing altered passes.
 
+use bearing_watch::estimate::{Fading, Forgetting, Instruments, Memory, Method, Nominal, Regressor, TwoLevel};
 use bearing_watch::{Detector, Model, ModelError, Sample};
 use proptest::prelude::*;
 
@@ -42,8 +43,8 @@ fn truncation_extension_other_versions_and_other_files_are_told_apart() {
     let longer = [FILE, &[0]].concat();
     assert_eq!(Exact::from_bytes(&longer), Err(ModelError::Length));
     let mut newer = FILE.to_vec();
-    newer[4] = 2;
-    assert_eq!(Exact::from_bytes(&newer), Err(ModelError::Version(2)));
+    newer[4] = 3;
+    assert_eq!(Exact::from_bytes(&newer), Err(ModelError::Version(3)));
     let mut flagged = FILE.to_vec();
     flagged[6] = 1;
     assert_eq!(Exact::from_bytes(&flagged), Err(ModelError::Value("flags")));
@@ -72,7 +73,7 @@ fn values_out_of_range_are_named() {
     use bearing_watch::Order;
     assert_eq!(refused(|m| m.regression.order = Order::new(0, 0, 0, 1, 1)), ModelError::Value("order"));
     assert_eq!(refused(|m| m.sampling.segment_samples = 0), ModelError::Value("segment length"));
-    assert_eq!(refused(|m| m.sampling.segment_samples = 100_001), ModelError::Value("segment length"));
+    assert_eq!(refused(|m| m.sampling.segment_samples = 1_000_001), ModelError::Value("segment length"));
     assert_eq!(refused(|m| m.sampling.block_mean = 0), ModelError::Value("block mean"));
     assert_eq!(refused(|m| m.sampling.segment_samples = 8), ModelError::Value("segment length"));
     assert_eq!(refused(|m| m.sampling.block_mean = 1001), ModelError::Value("block mean"));
@@ -87,7 +88,22 @@ fn values_out_of_range_are_named() {
         m.regression.scale = [1.0, 2.0, 4.0, 1.0, 1.0, 1.0];
     };
     assert_eq!(refused(three_terms), ModelError::Value("column scale"));
-    assert_eq!(refused(|m| m.regression.limit[1] = f32::NAN), ModelError::Value("signal limit"));
+    assert_eq!(refused(|m| m.regression.guard.limit[1] = f32::NAN), ModelError::Value("signal limit"));
+    assert_eq!(refused(|m| m.regression.guard.saturation[0] = 1e9), ModelError::Value("saturation"));
+    assert_eq!(refused(|m| m.regression.guard.stuck_samples[0] = 1), ModelError::Value("stuck samples"));
+    assert_eq!(refused(|m| m.regression.guard.huber = f32::NAN), ModelError::Value("outlier threshold"));
+    assert_eq!(refused(|m| m.regression.nominal.deviation = -1.0), ModelError::Value("nominal model"));
+    let out_of_reach = |m: &mut Exact| {
+        m.regression.guard.limit[0] = 1e18;
+        m.regression.guard.saturation[0] = 1e18;
+    };
+    assert_eq!(refused(out_of_reach), ModelError::Value("signal limit beside the column scale"));
+    fn fading(m: &mut Exact, lambda: f32, floor: f32) {
+        m.regression.memory = Memory::Fading { forgetting: Forgetting { lambda, floor }, still: 0.0 };
+    }
+    assert_eq!(refused(|m| fading(m, 1.0, 1.0)), ModelError::Value("forgetting factor"));
+    assert_eq!(refused(|m| fading(m, 0.99995, 1.0)), ModelError::Value("forgetting factor"));
+    assert_eq!(refused(|m| fading(m, 0.999, 0.0)), ModelError::Value("forgetting floor"));
     assert_eq!(refused(|m| m.classifier.features.index[0] = 6), ModelError::Value("feature index"));
     assert_eq!(refused(|m| m.classifier.projection.mean[0] = f32::INFINITY), ModelError::Value("projection"));
     assert_eq!(
@@ -97,6 +113,39 @@ fn values_out_of_range_are_named() {
     assert_eq!(refused(|m| m.classifier.discriminant.log_prior[0] = f32::NEG_INFINITY), ModelError::Value("prior"));
     assert_eq!(refused(|m| m.classifier.discriminant.classes = 4), ModelError::Capacity("classes"));
     assert_eq!(refused(|m| m.classifier.discriminant.classes = 0), ModelError::Value("classes"));
+}
+
+#[test]
+fn sums_that_would_degrade_are_refused() {
+    type Segments<'m> = Detector<'m, 6, 15, 1, 5, 5, 3>;
+    type Long<'m> = Detector<'m, 6, 15, 1, 5, 5, 3, Regressor<6, 1>, TwoLevel<6, 15>>;
+    type Endless<'m> = Detector<'m, 6, 15, 1, 5, 5, 3, Regressor<6, 1>, Fading<6, 15>>;
+    let mut model = exported::MODEL;
+    model.sampling.segment_samples = 100_001;
+    assert_eq!(Segments::new(&model).err(), Some(ModelError::Value("segment length")));
+    assert!(Long::new(&model).is_ok());
+    assert!(Endless::new(&model).is_err(), "its segments do not fade");
+    let forgetting = Forgetting { lambda: 0.999, floor: 10.0 };
+    model.regression.memory = Memory::Fading { forgetting, still: 1e-4 };
+    assert!(Segments::new(&model).is_err() && Long::new(&model).is_err() && Endless::new(&model).is_ok());
+}
+
+#[test]
+fn instruments_need_a_stable_nominal_model_and_the_columns() {
+    type Wide = Model<8, 5, 5, 3>;
+    let mut model = Wide::from_bytes(FILE).expect("good model");
+    model.regression.method = Method::Instruments;
+    assert_eq!(model.validate(), Err(ModelError::Value("nominal model, which must be stable,")));
+    model.regression.nominal = Nominal { delta: [-0.1, 0.2, 0.1, 0.1, 0.1, 0.0, 0.0, 0.0], deviation: 0.5 };
+    assert_eq!(model.validate(), Ok(()));
+    assert!(Detector::<'_, 8, 28, 1, 5, 5, 3, Instruments<8, 1>>::new(&model).is_ok());
+    assert!(Detector::<'_, 8, 28, 1, 5, 5, 3>::new(&model).is_err(), "rows of least squares");
+    let mut buffer = [0; 4096];
+    let length = model.to_bytes("", &mut buffer).expect("fits");
+    assert_eq!(Wide::from_bytes(&buffer[..length]), Ok(model));
+    assert_eq!(Model::<7, 5, 5, 3>::from_bytes(&buffer[..length]), Err(ModelError::Capacity("regressor columns")));
+    model.sampling.segment_samples = 399;
+    assert_eq!(model.validate(), Err(ModelError::Value("segment length beside settling and handover")));
 }
 
 /// CRC-32/ISO-HDLC by its defining polynomial division, apart from the core's.

@@ -42,7 +42,7 @@ impl<const F: usize> Features<F> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::Order;
+    use crate::estimate::{Counts, Order};
 
     #[test]
     fn picks_parameters_and_log_variance_in_any_order() {
@@ -53,7 +53,7 @@ mod tests {
             covariance: [0.0; 6],
             variance: 1.0,
             rows: 10,
-            rejected: 0,
+            counts: Counts::default(),
         };
         let features = Features { index: [2, 3, 0, 0], count: 3 };
         assert_eq!(features.extract(&estimate), [3.0, 0.0, 0.5, 0.0]);

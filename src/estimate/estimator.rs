@@ -1,288 +1,255 @@
-//! Samples → one [`Estimate`] a segment, by least squares.
+//! Samples → one [`Estimate`] a segment.
 //!
 //! Enters: (y, u1, u2) a sample at a time. Leaves: δ-parameters θ, their covariance, the residual variance.
 //!
 //! ```text
-//! θ = (XᵀX)⁻¹ Xᵀ Y                                       (1)  thesis Eq. 2.17, by the triangle
-//! σ² = RSS/(N − n),   cov θ = σ² (XᵀX)⁻¹                 (2)  thesis Eq. 2.18, 2.19
+//! sample ─► gate ─► rows: Regressor or Instruments ─► accumulator: Triangle, TwoLevel or Fading
+//!                      ▲ auxiliary model, reference              │ segment closed
+//!                      └───────────── Estimate ◄───── solve ◄────┘ at once, or from a copy elsewhere
+//!
+//! least squares   θ = (XᵀX)⁻¹ Xᵀ Y,   cov θ = σ² (XᵀX)⁻¹                         (1)  thesis Eq. 2.17–2.19
+//! instruments     θ = (ZᵀX)⁻¹ Zᵀ Y,   cov θ = σ² (ZᵀX)⁻¹ ZᵀZ (XᵀZ)⁻¹             (2)
 //! ```
 //!
-//! N counts rows (start-up lags and rejected samples are none), n parameters with the constant. The parameters are
-//! those of the δ-form: the raw a₁ ≈ −1.9 of a slow pole would hide what tells a fault in its last digits.
-//! [`Estimate::raw`] gives a, b, c.
+//! The parameters are those of the δ-form: the raw a₁ ≈ −1.9 of a slow pole would hide what tells a fault in its last
+//! digits. [`Estimate::raw`] gives a, b, c.
 //!
-//! Cost: one regressor row and one triangle update a sample; one back-substitution and one triangular inverse a
-//! segment. λ is 1, so a segment must be bounded: [`Sampling::segment_samples`](crate::Sampling) ≤ 1e5.
+//! Cost: one row and one triangle update a sample; the solve once a segment. [`Estimator::close`] solves on the spot.
+//! [`Estimator::detach`] instead hands out a copy of the sums, for a [`Solver`] in another thread or spread over
+//! samples; [`Estimator::adopt`] brings its estimate back. Both give the same bits if the estimate is back before
+//! [`Regression::handover`].
 
-use nalgebra::SMatrix;
-
-use super::{Order, Regression, Regressor, Triangle};
+use super::accumulator::Accumulator;
+use super::gate::Gate;
+use super::rows::Rows;
+use super::solve::{Head, Solution};
+use super::{Counts, Estimate, Reason, Regression, Regressor, Triangle};
 use crate::detector::Sample;
-use crate::model::MAX_SEGMENT_SAMPLES;
 
-/// Why a segment has no verdict.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Reason {
-    /// No more rows than parameters, or most of a segment's samples were rejected.
-    TooFewRows,
-    /// The data do not excite this parameter: place in [`Estimate::delta`]. A signal that is constant over the whole
-    /// segment (a load at rest, a held reference) ends here, so a drive at standstill gets no verdict.
-    NotExcited(u8),
-    /// An estimate is not a finite number, or no class has a likelihood above zero.
-    NotFinite,
-}
-
-impl core::fmt::Display for Reason {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::TooFewRows => f.write_str("too few usable samples"),
-            Self::NotExcited(k) => {
-                write!(f, "the signals do not excite parameter {} of t, β, γ, constant", u16::from(*k) + 1)
-            }
-            Self::NotFinite => f.write_str("an estimate or every likelihood is out of range"),
-        }
-    }
-}
-
-/// What one segment says about the plant. `M` is the capacity in columns, `P` = M(M−1)/2.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Estimate<const M: usize, const P: usize> {
-    /// Structure of the parameters.
-    pub order: Order,
-    /// Whether the last parameter is a constant term.
-    pub offset: bool,
-    /// δ-parameters t, β, γ, then the constant; in units of y over units of the signal. The first
-    /// [`Estimate::parameters`] places are used.
-    pub delta: [f32; M],
-    /// Covariance of `delta`, lower triangle packed by rows: element (i, j ≤ i) at i(i+1)/2 + j.
-    pub covariance: [f32; P],
-    /// Residual variance σ², in units of y².
-    pub variance: f32,
-    /// Rows the estimate rests on.
-    pub rows: u32,
-    /// Samples (means, where the detector averages) refused by the range guard.
-    pub rejected: u32,
-}
-
-impl<const M: usize, const P: usize> Estimate<M, P> {
-    /// Number of parameters, the constant included.
-    #[must_use]
-    pub const fn parameters(&self) -> usize {
-        self.order.columns(self.offset) - 1
-    }
-
-    /// The parameters a₁…, b₁…, c₁…, then the constant, from the δ-form:
-    ///
-    /// ```text
-    /// a₁ = −1 − t₀ − t₁,   a_k = t_{k−1} − t_k,   b₁ = β₀ + β₁,   b_k = β_k − β_{k−1}
-    /// ```
-    #[must_use]
-    pub fn raw(&self) -> [f32; M] {
-        let (na, nb, nc) = (self.order.na as usize, self.order.nb as usize, self.order.nc as usize);
-        let mut raw = self.delta;
-        let sections = raw
-            .split_at_mut_checked(na)
-            .and_then(|(a, rest)| rest.split_at_mut_checked(nb).map(|(b, rest)| (a, b, rest)))
-            .and_then(|(a, b, rest)| rest.split_at_mut_checked(nc).map(|(c, _)| (a, b, c)));
-        if let Some((a, b, c)) = sections {
-            output_terms(a);
-            input_terms(b);
-            input_terms(c);
-        }
-        raw
-    }
-
-    /// Brings the constant back from levels that were taken from an origin:
-    ///
-    /// ```text
-    /// k = k' + gᵀ θ (+ y₀ where na = 0),   g = −y₀ at t₀, −u1₀ at β₀, −u2₀ at γ₀, 1 at k'
-    /// row k of the covariance = gᵀ V,   its corner gᵀ V g
-    /// ```
-    fn uncentre(&mut self, [y, u1, u2]: [f32; 3]) {
-        if !self.offset {
-            return;
-        }
-        let Order { na, nb, nc, .. } = self.order;
-        let (na, nb) = (na as usize, nb as usize);
-        let constant = self.parameters() - 1;
-        let terms = [(na > 0, 0, -y), (nb > 0, na, -u1), (nc > 0, na + nb, -u2)];
-        let mut k = if na == 0 { y } else { 0.0 };
-        let mut covariances = [0.0_f32; M];
-        for (j, covariance) in covariances.iter_mut().enumerate().take(constant + 1) {
-            *covariance = self.covariance_of(constant, j);
-        }
-        for (_, place, g) in terms.into_iter().filter(|term| term.0) {
-            k += g * self.delta.get(place).copied().unwrap_or(0.0);
-            for (j, covariance) in covariances.iter_mut().enumerate().take(constant + 1) {
-                *covariance += g * self.covariance_of(place, j);
-            }
-        }
-        // The corner: covariance of the new constant with itself.
-        let mut corner = covariances.get(constant).copied().unwrap_or(0.0);
-        for (_, place, g) in terms.into_iter().filter(|term| term.0) {
-            corner += g * covariances.get(place).copied().unwrap_or(0.0);
-        }
-        if let Some(cell) = covariances.get_mut(constant) {
-            *cell = corner;
-        }
-        if let Some(delta) = self.delta.get_mut(constant) {
-            *delta += k;
-        }
-        let start = constant * (constant + 1) / 2;
-        let cells = self.covariance.iter_mut().skip(start).take(constant + 1);
-        cells.zip(covariances).for_each(|(cell, covariance)| *cell = covariance);
-    }
-
-    /// Element (i, j) of the symmetric covariance.
-    fn covariance_of(&self, i: usize, j: usize) -> f32 {
-        let (row, column) = if i >= j { (i, j) } else { (j, i) };
-        self.covariance.get(row * (row + 1) / 2 + column).copied().unwrap_or(0.0)
-    }
-
-    /// Covariance of the δ-parameters as a matrix; places beyond [`Estimate::parameters`] are zero.
-    #[must_use]
-    pub fn covariance_matrix(&self) -> SMatrix<f32, M, M> {
-        let n = self.parameters();
-        SMatrix::from_fn(|i, j| if i.max(j) >= n { 0.0 } else { self.covariance_of(i, j) })
-    }
-}
-
-fn output_terms(t: &mut [f32]) {
-    for k in 0..t.len() {
-        let next = t.get(k + 1).copied().unwrap_or(0.0);
-        let Some(cell) = t.get_mut(k) else { return };
-        // In place: a_{k+1} = t_k − t_{k+1} needs only what has not been overwritten yet.
-        *cell = if k == 0 { -1.0 - *cell - next } else { *cell - next };
-    }
-}
-
-fn input_terms(beta: &mut [f32]) {
-    for k in 0..beta.len() {
-        let next = beta.get(k + 1).copied().unwrap_or(0.0);
-        let Some(cell) = beta.get_mut(k) else { return };
-        *cell = if k == 0 { *cell + next } else { next - *cell };
-    }
-}
-
-/// Least squares over one segment: running state. `L` is the capacity in delays, at least the larger of nkb and nkc.
+/// Running state of an estimate. Capacities: `M` columns, `P` = M(M−1)/2, `L` delays. `R` makes the rows, `A` sums them.
 ///
 /// Not `Copy`, so that no step goes to a copy by accident.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Estimator<'m, const M: usize, const P: usize, const L: usize> {
+pub struct Estimator<'m, const M: usize, const P: usize, const L: usize, R = Regressor<M, L>, A = Triangle<M, P>> {
     regression: &'m Regression<M>,
-    regressor: Regressor<M, L>,
-    triangle: Triangle<M, P>,
+    gate: Gate,
+    source: R,
+    sums: A,
     rows: u32,
-    rejected: u32,
 }
 
-impl<'m, const M: usize, const P: usize, const L: usize> Estimator<'m, M, P, L> {
-    /// An empty segment of the given regression.
+impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumulator<M, P>>
+    Estimator<'m, M, P, L, R, A>
+{
+    /// An empty segment of the given regression. One that does not fit ([`Estimator::fits`]) never gives a row.
     #[must_use]
-    pub const fn new(regression: &'m Regression<M>) -> Self {
-        Self {
-            regression,
-            regressor: Regressor::new(regression),
-            triangle: Triangle::new(regression.columns()),
-            rows: 0,
-            rejected: 0,
+    pub fn new(regression: &'m Regression<M>) -> Self {
+        Self { regression, gate: Gate::new(), source: R::new(regression), sums: A::new(regression.columns()), rows: 0 }
+    }
+
+    /// Whether rows and sums of this type are what the regression asks for, within their capacities.
+    #[must_use]
+    pub fn fits(regression: &Regression<M>) -> bool {
+        R::fits(regression) && A::fits(regression)
+    }
+
+    /// Takes one sample at the identification rate. One that the gate refuses is counted and flushes the lags. After
+    /// [`Accumulator::LONGEST`] rows nothing is added until the next segment, since sums that do not fade need a bound.
+    #[inline]
+    pub fn step(&mut self, sample: &Sample) {
+        if self.admit(sample) {
+            self.take(sample);
+        } else {
+            self.skip();
         }
     }
 
-    /// Takes one sample at the identification rate. A sample outside the limits is counted and flushes the lags;
-    /// after [`MAX_SEGMENT_SAMPLES`] rows nothing is added until the next segment, since λ = 1 needs a bound.
+    /// The gate alone: whether the sample may be used, counted where not. For means, every sample of the block passes
+    /// here before the mean goes to [`Estimator::take`].
     #[inline]
-    pub fn step(&mut self, sample: &Sample) {
-        if !self.regression.accepts(sample) {
-            self.rejected = self.rejected.saturating_add(1);
-            self.regressor.flush();
+    pub fn admit(&mut self, sample: &Sample) -> bool {
+        self.gate.admits(&self.regression.guard, sample)
+    }
+
+    /// Takes a sample that has passed the gate.
+    #[inline]
+    pub fn take(&mut self, sample: &Sample) {
+        let Some(row) = self.source.push(self.regression, sample) else { return };
+        if self.rows >= A::LONGEST {
             return;
         }
-        if self.rows == 0 && self.regression.offset {
-            self.regressor.recentre(sample);
+        if row.weight < 1.0 {
+            self.gate.counts.downweighted = self.gate.counts.downweighted.saturating_add(1);
         }
-        if let Some(row) = self.regressor.push(self.regression, sample)
-            && self.rows < MAX_SEGMENT_SAMPLES
-        {
-            self.triangle.update(row);
+        if self.sums.add(self.regression, &row) {
             self.rows = self.rows.saturating_add(1);
+        } else {
+            self.gate.counts.still = self.gate.counts.still.saturating_add(1);
         }
+    }
+
+    /// Stands in for a sample that is missing or was refused: the lags start anew.
+    pub fn skip(&mut self) {
+        self.source.flush(self.regression);
+    }
+
+    /// Rows of the open segment.
+    #[must_use]
+    pub const fn rows(&self) -> u32 {
+        self.rows
+    }
+
+    /// What the open segment was denied.
+    #[must_use]
+    pub fn counts(&self) -> Counts {
+        Counts { refused: self.source.refused(), ..self.gate.counts }
     }
 
     /// The estimate from the rows so far, leaving the segment open.
     ///
     /// # Errors
-    /// A [`Reason`] where the rows are too few, do not excite a parameter, or the result is not finite.
+    /// A [`Reason`] where the rows are too few or do not excite a parameter, a sensor was stuck, or the result does
+    /// not serve.
     pub fn estimate(&self) -> Result<Estimate<M, P>, Reason> {
-        let n = self.regression.columns() - 1;
-        let mut estimate = self.empty_estimate();
-        let degrees = (self.rows as usize).checked_sub(n).filter(|&free| free > 0).ok_or(Reason::TooFewRows)?;
-        if let Some(column) = self.triangle.dependent_column() {
-            return Err(Reason::NotExcited(u8::try_from(column).unwrap_or(u8::MAX)));
-        }
-        // Scaled problem: (y s_y) = (φ s) θ', so θ = θ' s/s_y, and RSS carries s_y².
-        let target = self.regression.target_scale();
-        let scale = self.regression.scale.map(|scale| scale / target);
-        let theta = self.triangle.solve();
-        let scaled_variance = self.triangle.residual_sum() / degrees as f32; // (2)
-        // One division after the other: the square of a scale could leave the range of f32.
-        estimate.variance = scaled_variance / target / target;
-        for ((delta, theta), scale) in estimate.delta.iter_mut().zip(theta).zip(scale).take(n) {
-            *delta = theta * scale;
-        }
-        let inverse = self.triangle.inverse();
-        let mut cells = estimate.covariance.iter_mut().zip(inverse);
-        for (i, row) in scale.iter().enumerate().take(n) {
-            for column in scale.iter().take(i + 1) {
-                if let Some((cell, inverse)) = cells.next() {
-                    *cell = scaled_variance * inverse * row * column;
-                }
-            }
-        }
-        estimate.uncentre(self.regressor.origin());
-        let mut numbers = estimate.delta.iter().chain(&estimate.covariance);
-        let finite = estimate.variance.is_finite() && numbers.all(|x| x.is_finite());
-        if finite { Ok(estimate) } else { Err(Reason::NotFinite) }
+        let head = self.head();
+        self.sums.total(|sums| Solution::new(self.regression, &head).finish(self.regression, &head, sums))
     }
 
     /// An estimate that says nothing but how many rows and rejections there were.
     #[must_use]
     pub fn empty_estimate(&self) -> Estimate<M, P> {
-        Estimate {
-            order: self.regression.order,
-            offset: self.regression.offset,
-            delta: [0.0; M],
-            covariance: [0.0; P],
-            variance: 0.0,
-            rows: self.rows,
-            rejected: self.rejected,
+        Estimate::empty(self.regression.order, self.regression.offset, self.rows, self.counts())
+    }
+
+    fn head(&self) -> Head {
+        Head {
+            mass: self.sums.mass(self.regression, self.rows),
+            origin: self.source.origin(),
+            gain: self.source.gain(),
+            counts: self.counts(),
         }
     }
 
-    /// Starts the next segment of the same stream: the lags stay.
-    pub fn next_segment(&mut self) {
-        self.triangle.reset();
-        self.rows = 0;
-        self.rejected = 0;
+    /// Closes the segment: its estimate, which takes over as auxiliary model and reference at the handover. The lags
+    /// stay.
+    ///
+    /// # Errors
+    /// As [`Estimator::estimate`]; the auxiliary model then stays, and after three such segments the nominal one
+    /// returns.
+    pub fn close(&mut self) -> Result<Estimate<M, P>, Reason> {
+        let result = self.estimate();
+        match &result {
+            Ok(estimate) => self.source.adopt(self.regression, estimate),
+            // Cannot come from samples that passed the guard; but what fades must not keep it for ever.
+            Err(Reason::NotFinite) => self.sums.restart(),
+            Err(_) => {}
+        }
+        self.next_segment();
+        result
     }
 
-    /// Starts afresh, for a stream that does not go on from the last sample.
-    pub fn restart(&mut self) {
+    /// Closes the segment without solving it, in time that does not depend on the data: hands out what a [`Solver`]
+    /// needs. Bring its estimate back by [`Estimator::adopt`].
+    pub fn detach(&mut self) -> Segment<M, P> {
+        let segment = Segment { head: self.head(), sums: self.sums.total(Triangle::clone), rows: self.rows };
         self.next_segment();
-        self.regressor.flush();
+        segment
+    }
+
+    /// Lets the estimate of a detached segment take over at the handover; `false`, and nothing done, if that is past.
+    pub fn adopt(&mut self, estimate: &Estimate<M, P>) -> bool {
+        let in_time = self.source.awaits();
+        if in_time {
+            self.source.adopt(self.regression, estimate);
+        }
+        in_time
+    }
+
+    fn next_segment(&mut self) {
+        self.sums.next_segment();
+        self.source.next_segment(self.regression);
+        self.gate.next_segment();
+        self.rows = 0;
+    }
+
+    /// Starts afresh, for a stream that does not go on from the last sample: lags, sums and auxiliary model.
+    pub fn restart(&mut self) {
+        *self = Self::new(self.regression);
+    }
+}
+
+/// A closed segment's sums, apart from the estimator that goes on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Segment<const M: usize, const P: usize> {
+    head: Head,
+    sums: Triangle<M, P>,
+    rows: u32,
+}
+
+impl<const M: usize, const P: usize> Segment<M, P> {
+    /// Rows of the segment.
+    #[must_use]
+    pub const fn rows(&self) -> u32 {
+        self.rows
+    }
+
+    /// What the segment was denied.
+    #[must_use]
+    pub const fn counts(&self) -> Counts {
+        self.head.counts
+    }
+}
+
+/// The solve of a detached segment, a bounded piece a call.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solver<'m, const M: usize, const P: usize> {
+    regression: &'m Regression<M>,
+    segment: Segment<M, P>,
+    solution: Solution<M, P>,
+}
+
+impl<'m, const M: usize, const P: usize> Solver<'m, M, P> {
+    /// Nothing solved yet.
+    #[must_use]
+    pub fn new(regression: &'m Regression<M>, segment: Segment<M, P>) -> Self {
+        let solution = Solution::new(regression, &segment.head);
+        Self { regression, segment, solution }
+    }
+
+    /// The segment under way.
+    #[must_use]
+    pub const fn segment(&self) -> &Segment<M, P> {
+        &self.segment
+    }
+
+    /// The next piece, of which there are as many as parameters, and three; the last brings the result. Not to be
+    /// called after that.
+    pub fn advance(&mut self) -> Option<Result<Estimate<M, P>, Reason>> {
+        match self.solution.advance(self.regression, &self.segment.head, &self.segment.sums) {
+            Ok(false) => None,
+            Ok(true) => Some(Ok(*self.solution.estimate())),
+            Err(reason) => Some(Err(reason)),
+        }
+    }
+
+    /// All that is left, at once.
+    ///
+    /// # Errors
+    /// As [`Estimator::estimate`].
+    pub fn finish(self) -> Result<Estimate<M, P>, Reason> {
+        self.solution.finish(self.regression, &self.segment.head, &self.segment.sums)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::{Guard, Order};
 
     const REGRESSION: Regression<6> = Regression {
-        order: Order::new(2, 1, 1, 1, 1),
-        offset: true,
         scale: [1.0, 4.0, 1.0, 0.5, 1.0, 2.0],
-        limit: [1e3; 3],
+        guard: Guard::within([1e3; 3]),
+        ..Regression::new(Order::new(2, 1, 1, 1, 1), true)
     };
 
     type Small<'m> = Estimator<'m, 6, 15, 1>;
@@ -330,7 +297,7 @@ mod tests {
         for _ in 0..10 {
             estimator.step(&Sample { y: f32::NAN, u1: 0.0, u2: 0.0 });
         }
-        assert_eq!(estimator.empty_estimate().rejected, 10);
+        assert_eq!(estimator.counts().rejected, 10);
         feed(&mut estimator, 300);
         assert_eq!(estimator.estimate().unwrap().rows, 298, "back to work after the burst");
     }
@@ -376,17 +343,5 @@ mod tests {
         let g = nalgebra::SVector::from([-900.0, 0.0, -500.0, 300.0, 1.0, 0.0]);
         let transformed = (g.transpose() * near.covariance_matrix() * g)[0].sqrt();
         assert!((sd / transformed - 1.0).abs() < 0.01, "{sd} {transformed}");
-    }
-
-    #[test]
-    fn raw_form_of_three_terms() {
-        let mut estimate = Small::new(&REGRESSION).empty_estimate();
-        // a = [−1.5, 0.7, −0.1], b = [0.5, 0.25, −0.125]: t = [−0.1, 0.6, −0.1], β = [0.625, −0.125, 0.125]
-        (estimate.order, estimate.offset) = (Order::new(3, 3, 0, 1, 1), false);
-        estimate.delta = [-0.1, 0.6, -0.1, 0.625, -0.125, 0.125];
-        let expected = [-1.5, 0.7, -0.1, 0.5, 0.25, -0.125];
-        for (got, want) in estimate.raw().into_iter().zip(expected) {
-            assert!((got - want).abs() < 1e-6, "{got} {want}"); // rounding of numbers near one
-        }
     }
 }

@@ -3,7 +3,7 @@
 //! Enters: rows `x` of `m` columns, target last. Leaves: the factor of `XᵀX = Rᵀ D R` (R unit upper triangular), and
 //! from it parameters, residual sum of squares and covariance.
 //!
-//! One row, weight w = 1, for i = 0 … m−1 (Gentleman's Givens rotation without square roots, innovation form):
+//! One row x of weight w, for i = 0 … m−1 (Gentleman's Givens rotation without square roots, innovation form):
 //!
 //! ```text
 //! l = λ dᵢ;   q = w xᵢ;   d = max(l + q xᵢ, δ) (δ = 0 in the last row);   s = q/d;   w ← w l/d;   dᵢ ← d              (1)
@@ -20,6 +20,8 @@
 //! Where the columns in use equal the capacity `M` ≤ 20, the row update is straight-line code made by a macro;
 //! otherwise a loop with the same operations in the same order, hence the same bits, runs.
 
+use super::kernels;
+
 /// Weight of the diagonal before the first row: so small that it biases nothing on data scaled to rms ≈ 1.
 const PRIOR: f32 = 1e-16;
 /// A pivot smaller than this part of its column's sum of squares is rounding, not excitation: rounding of exactly
@@ -28,6 +30,7 @@ const DEPENDENT: f32 = 1e-9;
 
 /// Forgetting for endless streams: factor λ < 1 a row, and the floor δ of the diagonal in (1).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Forgetting {
     /// Factor λ a row.
     pub lambda: f32,
@@ -72,33 +75,69 @@ impl<const M: usize, const P: usize> Triangle<M, P> {
     /// Rotates in one row with λ = 1.
     #[inline]
     pub fn update(&mut self, row: &[f32; M]) {
-        self.rotate::<false>(row, Forgetting { lambda: 1.0, floor: 0.0 });
+        self.update_weighted(row, 1.0);
     }
 
-    /// Rotates in one row, forgetting the earlier ones.
+    /// Rotates in one row of a weight w in 0 … 1 with λ = 1: it counts as w rows.
     #[inline]
-    pub fn update_forgetting(&mut self, row: &[f32; M], forgetting: Forgetting) {
-        self.rotate::<true>(row, forgetting);
+    pub fn update_weighted(&mut self, row: &[f32; M], weight: f32) {
+        self.rotate::<false>(row, weight, Forgetting { lambda: 1.0, floor: 0.0 });
+    }
+
+    /// Rotates in one row of a weight in 0 … 1, forgetting the earlier ones.
+    #[inline]
+    pub fn update_forgetting(&mut self, row: &[f32; M], weight: f32, forgetting: Forgetting) {
+        self.rotate::<true>(row, weight, forgetting);
     }
 
     #[inline]
-    fn rotate<const FORGET: bool>(&mut self, row: &[f32; M], forgetting: Forgetting) {
-        if self.columns != M || !kernels::rotate::<M, P, FORGET>(&mut self.d, &mut self.r, row, forgetting) {
+    fn rotate<const FORGET: bool>(&mut self, row: &[f32; M], weight: f32, forgetting: Forgetting) {
+        if self.columns != M || !kernels::rotate::<M, P, FORGET>(&mut self.d, &mut self.r, row, weight, forgetting) {
             let (d, mut x) = (self.d.get_mut(..self.columns).unwrap_or_default(), *row);
             let x = x.get_mut(..d.len()).unwrap_or_default();
-            rotate_any::<FORGET>(d, &mut self.r, x, forgetting);
+            rotate_any::<FORGET>(d, &mut self.r, x, weight, forgetting);
         }
     }
 
-    /// Row i of R right of its diagonal, with d(i), for each column in use.
-    fn rows(&self) -> impl DoubleEndedIterator<Item = (usize, f32, &[f32])> + ExactSizeIterator {
-        (0..self.columns).map(|i| {
-            let length = self.columns - 1 - i;
-            // Rows 0 … i−1 hold (m−1) + (m−2) + … = i(2m − i − 1)/2 cells.
-            let start = i * (2 * self.columns - i - 1) / 2;
-            let cells = self.r.get(start..start + length).unwrap_or(&[]);
-            (i, self.d.get(i).copied().unwrap_or(PRIOR), cells)
-        })
+    /// Takes row `i` of another factor out of it and rotates it in here; between them nothing is lost. Handing up
+    /// rows 0 … m−1, at any time and with new rows in between, hands up what the other had summed.
+    pub(super) fn take_row(&mut self, other: &mut Self, i: usize) {
+        let (start, length) = self.place(i);
+        let mut x = [0.0; M];
+        let (Some(weight), Some(row)) = (other.d.get_mut(i), other.r.get_mut(start..start + length)) else { return };
+        let weight = core::mem::replace(weight, PRIOR);
+        if let Some((diagonal, cells)) = x.get_mut(i..self.columns).and_then(|x| x.split_first_mut()) {
+            *diagonal = 1.0;
+            cells.iter_mut().zip(row).for_each(|(cell, r)| *cell = core::mem::replace(r, 0.0));
+        }
+        let (d, r) = (self.d.get_mut(i..self.columns), self.r.get_mut(start..));
+        if let (Some(d), Some(r), Some(x)) = (d, r, x.get_mut(i..self.columns)) {
+            rotate_any::<false>(d, r, x, weight, Forgetting { lambda: 1.0, floor: 0.0 });
+        }
+    }
+
+    /// Columns in use.
+    pub(super) const fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// The diagonal in use.
+    pub(super) fn diagonal(&self) -> &[f32] {
+        self.d.get(..self.columns).unwrap_or(&self.d)
+    }
+
+    /// Where row i of R lies in its packed form, right of the diagonal.
+    #[inline]
+    const fn place(&self, i: usize) -> (usize, usize) {
+        // Rows 0 … i−1 hold (m−1) + (m−2) + … = i(2m − i − 1)/2 cells.
+        (i * (2 * self.columns - i - 1) / 2, self.columns - 1 - i)
+    }
+
+    /// Row i of R right of its diagonal.
+    #[inline]
+    pub(super) fn row(&self, i: usize) -> &[f32] {
+        let (start, length) = self.place(i);
+        self.r.get(start..start + length).unwrap_or(&[])
     }
 
     /// Parameters by back-substitution (3), in the first `columns − 1` places. With forgetting they may be read
@@ -106,15 +145,22 @@ impl<const M: usize, const P: usize> Triangle<M, P> {
     #[must_use]
     pub fn solve(&self) -> [f32; M] {
         let mut theta = [0.0_f32; M];
-        for (i, _, r) in self.rows().rev().skip(1) {
-            let Some((known, target)) = r.split_last().map(|(target, known)| (known, *target)) else { continue };
-            let later = theta.get(i + 1..).unwrap_or(&[]);
-            let value = known.iter().zip(later).fold(target, |sum, (r, theta)| sum - r * theta);
-            if let Some(cell) = theta.get_mut(i) {
-                *cell = value;
+        let n = self.columns.saturating_sub(1);
+        for (i, cell) in theta.iter_mut().enumerate().take(n) {
+            *cell = self.row(i).last().copied().unwrap_or(0.0);
+        }
+        self.back_substitute(theta.get_mut(..n).unwrap_or_default());
+        theta
+    }
+
+    /// x ← R⁻¹ x with the leading rows and columns of R, as many as x has.
+    pub(super) fn back_substitute(&self, x: &mut [f32]) {
+        for i in (0..x.len()).rev() {
+            let Some((head, later)) = x.split_at_mut_checked(i + 1) else { continue };
+            if let Some(cell) = head.last_mut() {
+                *cell = self.row(i).iter().zip(later).fold(*cell, |sum, (r, x)| sum - r * *x);
             }
         }
-        theta
     }
 
     /// Residual sum of squares of the scaled target; with forgetting over an effective 1/(1−λ) rows.
@@ -128,53 +174,54 @@ impl<const M: usize, const P: usize> Triangle<M, P> {
     #[must_use]
     pub fn inverse(&self) -> [f32; P] {
         let n = self.columns.saturating_sub(1);
-        let mut v = [0.0_f32; P];
-        // Column k of V = R⁻¹ by back-substitution: v(k) = 1, v(i) = −Σ_{i<j≤k} r(i,j) v(j); then
-        // (R⁻¹ D⁻¹ R⁻ᵀ)(i,j) = Σ_k v(i,k) v(j,k) / d(k).
-        for k in 0..n {
+        let mut inverse = [0.0_f32; P];
+        // Column k of R⁻¹ is v with R v = e(k); then (R⁻¹ D⁻¹ R⁻ᵀ)(i, j) = Σ_k v(i) v(j) / d(k).
+        for (k, d) in self.d.iter().enumerate().take(n) {
             let mut column = [0.0_f32; M];
-            if let Some(cell) = column.get_mut(k) {
-                *cell = 1.0;
-            }
-            for (i, _, r) in self.rows().take(k).rev() {
-                let later = column.get(i + 1..=k).unwrap_or(&[]);
-                let value = -r.iter().zip(later).fold(0.0, |sum, (r, v)| sum + r * v);
-                if let Some(cell) = column.get_mut(i) {
-                    *cell = value;
-                }
-            }
-            let weight = 1.0 / self.d.get(k).copied().unwrap_or(PRIOR);
-            let mut packed = v.iter_mut();
-            for (i, &vi) in column.iter().enumerate().take(k + 1) {
-                for (&vj, cell) in column.iter().take(i + 1).zip(&mut packed) {
-                    *cell += vi * vj * weight;
-                }
-            }
+            let Some(v) = column.get_mut(..=k) else { continue };
+            v.iter_mut().last().into_iter().for_each(|own| *own = 1.0);
+            self.back_substitute(v);
+            add_outer(&mut inverse, v, 1.0 / d);
         }
-        v
+        inverse
     }
 
     /// The first parameter whose column is, to rounding, a combination of the columns before it (or zero):
     /// the data do not excite it. With forgetting the floor hides this.
     #[must_use]
     pub fn dependent_column(&self) -> Option<usize> {
-        (0..self.columns.saturating_sub(1)).find(|&j| {
-            // Σx² of column j is d(j) + Σ_{i<j} d(i) r(i,j)².
-            let above = self.rows().take(j).fold(0.0, |sum, (i, d, r)| {
-                let r = r.get(j - i - 1).copied().unwrap_or(0.0);
-                sum + d * r * r
-            });
-            let own = self.d.get(j).copied().unwrap_or(PRIOR);
-            // Written so that NaN counts as dependent.
-            !(own > DEPENDENT * above && own > 4.0 * PRIOR)
-        })
+        self.dependent_among(self.columns.saturating_sub(1))
+    }
+
+    /// The same among the first `count` columns.
+    pub(super) fn dependent_among(&self, count: usize) -> Option<usize> {
+        // Σx² of column j is d(j) + Σ_{i<j} d(i) r(i,j)².
+        let mut above = [0.0_f32; M];
+        for (i, d) in self.d.iter().enumerate().take(count) {
+            let later = above.iter_mut().skip(i + 1);
+            later.zip(self.row(i)).for_each(|(sum, r)| *sum += d * r * r);
+        }
+        // Written so that NaN counts as dependent.
+        let pivots = self.d.iter().zip(above).take(count);
+        pivots.map(|(own, above)| *own > DEPENDENT * above && *own > 4.0 * PRIOR).position(|excited| !excited)
+    }
+}
+
+/// C ← C + weight · v vᵀ on the lower triangle packed by rows, for the leading places that v has.
+pub(super) fn add_outer(packed: &mut [f32], v: &[f32], weight: f32) {
+    let mut rest = packed;
+    for (i, vi) in v.iter().enumerate() {
+        let Some((row, below)) = rest.split_at_mut_checked(i + 1) else { return };
+        let scaled = vi * weight;
+        row.iter_mut().zip(v).for_each(|(cell, vj)| *cell += scaled * vj);
+        rest = below;
     }
 }
 
 /// (1) and (2) for any number of columns: the oracle of the straight-line kernels, and what runs where a model is
 /// narrower than the capacity.
-fn rotate_any<const FORGET: bool>(d: &mut [f32], r: &mut [f32], x: &mut [f32], forgetting: Forgetting) {
-    let (mut x, mut r, mut w) = (x, r, 1.0_f32);
+fn rotate_any<const FORGET: bool>(d: &mut [f32], r: &mut [f32], x: &mut [f32], weight: f32, forgetting: Forgetting) {
+    let (mut x, mut r, mut w) = (x, r, weight);
     for di in d {
         let Some((xi, later)) = x.split_first_mut() else { return };
         let Some((ri, below)) = r.split_at_mut_checked(later.len()) else { return };
@@ -186,111 +233,6 @@ fn rotate_any<const FORGET: bool>(d: &mut [f32], r: &mut [f32], x: &mut [f32], f
             *rij += pivot * *xj;
         }
         (x, r) = (later, below);
-    }
-}
-
-/// Straight-line code for the sizes a model uses: LLVM stops unrolling the plain loops at nine columns, and they
-/// then cost about twice as much.
-mod kernels {
-    use super::Forgetting;
-
-    /// (1): updates d(i) and w, gives s.
-    #[inline(always)]
-    pub(super) fn pivot<const FORGET: bool>(di: &mut f32, xi: f32, w: &mut f32, forgetting: Forgetting) -> f32 {
-        let l = if FORGET { forgetting.lambda * *di } else { *di };
-        let q = *w * xi;
-        let mut d = l + q * xi;
-        if FORGET && d < forgetting.floor {
-            d = forgetting.floor;
-        }
-        *di = d;
-        *w = *w * l / d;
-        q / d
-    }
-
-    /// Place of R(i, j), j > i, in the packed rows.
-    const fn packed(m: usize, i: usize, j: usize) -> usize {
-        i * (2 * m - i - 1) / 2 + j - i - 1
-    }
-
-    /// One kernel a size, every index a constant below its array's length. `pivots!` walks the column list: the head is i, the tail all j > i.
-    macro_rules! straight_line {
-        ($($name:ident $m:literal: $($i:literal)+;)+) => {
-            $(
-                #[inline]
-                fn $name<const FORGET: bool>(
-                    d: &mut [f32; $m],
-                    r: &mut [f32; $m * ($m - 1) / 2],
-                    row: &[f32; $m],
-                    forgetting: Forgetting,
-                ) {
-                    let mut x = *row;
-                    let mut w = 1.0_f32;
-                    pivots!($m d r x w forgetting; $($i)+);
-                }
-            )+
-
-            /// Runs the kernel of size `M`; `false` if there is none.
-            #[inline(always)]
-            pub(super) fn rotate<const M: usize, const P: usize, const FORGET: bool>(
-                d: &mut [f32; M],
-                r: &mut [f32; P],
-                row: &[f32; M],
-                forgetting: Forgetting,
-            ) -> bool {
-                match M {
-                    $($m => {
-                        // The conversions cannot fail where M is $m; they compile to nothing.
-                        let (Ok(d), Ok(r), Ok(row)) =
-                            (d.as_mut_slice().try_into(), r.as_mut_slice().try_into(), row.as_slice().try_into())
-                        else {
-                            return false;
-                        };
-                        $name::<FORGET>(d, r, row, forgetting);
-                        true
-                    })+
-                    _ => false,
-                }
-            }
-        };
-    }
-
-    macro_rules! pivots {
-        ($m:literal $d:ident $r:ident $x:ident $w:ident $f:ident; $i:literal) => {
-            // The last row only accumulates the residual sum of squares: it divides nothing and needs no floor.
-            pivot::<FORGET>(&mut $d[$i], $x[$i], &mut $w, Forgetting { floor: 0.0, ..$f });
-        };
-        ($m:literal $d:ident $r:ident $x:ident $w:ident $f:ident; $i:literal $($j:literal)+) => {
-            let xi = $x[$i];
-            let s = pivot::<FORGET>(&mut $d[$i], xi, &mut $w, $f);
-            $(
-                $x[$j] -= xi * $r[const { packed($m, $i, $j) }];
-                $r[const { packed($m, $i, $j) }] += s * $x[$j];
-            )+
-            pivots!($m $d $r $x $w $f; $($j)+);
-        };
-    }
-
-    straight_line! {
-        rotate_2 2: 0 1;
-        rotate_3 3: 0 1 2;
-        rotate_4 4: 0 1 2 3;
-        rotate_5 5: 0 1 2 3 4;
-        rotate_6 6: 0 1 2 3 4 5;
-        rotate_7 7: 0 1 2 3 4 5 6;
-        rotate_8 8: 0 1 2 3 4 5 6 7;
-        rotate_9 9: 0 1 2 3 4 5 6 7 8;
-        rotate_10 10: 0 1 2 3 4 5 6 7 8 9;
-        rotate_11 11: 0 1 2 3 4 5 6 7 8 9 10;
-        rotate_12 12: 0 1 2 3 4 5 6 7 8 9 10 11;
-        rotate_13 13: 0 1 2 3 4 5 6 7 8 9 10 11 12;
-        rotate_14 14: 0 1 2 3 4 5 6 7 8 9 10 11 12 13;
-        rotate_15 15: 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14;
-        rotate_16 16: 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15;
-        rotate_17 17: 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16;
-        rotate_18 18: 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17;
-        rotate_19 19: 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18;
-        rotate_20 20: 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19;
     }
 }
 
@@ -333,9 +275,9 @@ mod tests {
         let mut wide = Triangle::<24, 276>::new(M);
         for row in rows::<M>(50) {
             fast.update(&row);
-            fast_forget.update_forgetting(&row, forgetting);
-            rotate_any::<false>(&mut d, &mut r, &mut row.clone(), forgetting);
-            rotate_any::<true>(&mut d_forget, &mut r_forget, &mut row.clone(), forgetting);
+            fast_forget.update_forgetting(&row, 1.0, forgetting);
+            rotate_any::<false>(&mut d, &mut r, &mut row.clone(), 1.0, forgetting);
+            rotate_any::<true>(&mut d_forget, &mut r_forget, &mut row.clone(), 1.0, forgetting);
             let mut wide_row = [f32::NAN; 24];
             wide_row[..M].copy_from_slice(&row);
             wide.update(&wide_row);
@@ -359,13 +301,13 @@ mod tests {
         let mut triangle = Triangle::<2, 1>::new(2);
         for [x, e] in rows::<2>(100_000) {
             let y = 2.0 * x + 1e-3 * e;
-            triangle.update_forgetting(&[x, y], Forgetting { lambda: 0.999, floor: 10.0 });
+            triangle.update_forgetting(&[x, y], 1.0, Forgetting { lambda: 0.999, floor: 10.0 });
         }
         // A thousand effective rows of variance (1e-3)²/3.
         let variance = triangle.residual_sum() / 1000.0;
         assert!((variance / 3.3e-7 - 1.0).abs() < 0.2, "{variance}"); // χ² of a thousand: sd 4.5 %
         for _ in 0..100_000 {
-            triangle.update_forgetting(&[0.0, 0.0], Forgetting { lambda: 0.999, floor: 10.0 });
+            triangle.update_forgetting(&[0.0, 0.0], 1.0, Forgetting { lambda: 0.999, floor: 10.0 });
         }
         assert!(triangle.d[0] == 10.0 && (triangle.solve()[0] - 2.0).abs() < 1e-3);
     }

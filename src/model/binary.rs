@@ -11,10 +11,10 @@
 
 use super::{Label, Model, ModelError, Sampling};
 use crate::decide::{Classifier, Discriminant, Features, Kind, Projection};
-use crate::estimate::{Order, Regression};
+use crate::estimate::{Forgetting, Memory, Method, Order, Regression};
 
 const MAGIC: [u8; 4] = *b"BWMD";
-pub(super) const VERSION: u16 = 1;
+pub(super) const VERSION: u16 = 2;
 const HEADER: usize = 16;
 /// No payload and no notes are longer than this; a length field beyond it is corruption.
 pub const MAX_BYTES: usize = 1 << 20;
@@ -144,15 +144,7 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
     fn read(reader: &mut Reader<'_>) -> Result<Self, ModelError> {
         let sampling =
             Sampling { interval_s: reader.f32()?, block_mean: reader.u16()?, segment_samples: reader.u32()? };
-        let order = Order::from_array(reader.array()?);
-        let offset = flag(reader.u8()?, "offset flag")?;
-        let mut regression = Regression { order, offset, scale: [1.0; M], limit: [0.0; 3] };
-        if regression.columns() > M {
-            return Err(ModelError::Capacity("regressor columns"));
-        }
-        reader.fill(&mut regression.limit, 3)?;
-        let columns = regression.columns();
-        reader.fill(&mut regression.scale, columns)?;
+        let regression = read_regression(reader)?;
 
         let count = reader.size(F, "features")?;
         let mut features = Features { index: [0; F], count };
@@ -234,10 +226,7 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
         writer.floats([&sampling.interval_s])?;
         writer.bytes(&sampling.block_mean.to_le_bytes())?;
         writer.bytes(&sampling.segment_samples.to_le_bytes())?;
-        writer.bytes(&regression.order.to_array())?;
-        writer.bytes(&[u8::from(regression.offset)])?;
-        writer.floats(&regression.limit)?;
-        writer.floats(regression.scale.iter().take(regression.columns()))?;
+        write_regression(writer, regression)?;
 
         let Classifier { features, projection, discriminant } = &self.classifier;
         let (f, z) = (features.count as usize, projection.count as usize);
@@ -258,6 +247,50 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
         writer.floats(discriminant.cost.iter().take(used).flat_map(|row| row.iter().take(used)))?;
         self.labels.iter().take(used).try_for_each(|label| writer.bytes(&label.to_bytes()))
     }
+}
+
+fn read_regression<const M: usize>(reader: &mut Reader<'_>) -> Result<Regression<M>, ModelError> {
+    let order = Order::from_array(reader.array()?);
+    let mut regression = Regression::new(order, flag(reader.u8()?, "offset flag")?);
+    regression.method = if flag(reader.u8()?, "method")? { Method::Instruments } else { Method::LeastSquares };
+    if regression.columns() > M {
+        return Err(ModelError::Capacity("regressor columns"));
+    }
+    if flag(reader.u8()?, "memory")? {
+        let forgetting = Forgetting { lambda: reader.f32()?, floor: reader.f32()? };
+        regression.memory = Memory::Fading { forgetting, still: reader.f32()? };
+    }
+    let guard = &mut regression.guard;
+    reader.fill(&mut guard.limit, 3)?;
+    reader.fill(&mut guard.saturation, 3)?;
+    for samples in &mut guard.stuck_samples {
+        *samples = reader.u16()?;
+    }
+    guard.huber = reader.f32()?;
+    (regression.settle, regression.handover) = (reader.u16()?, reader.u16()?);
+    let n = regression.parameters();
+    reader.fill(&mut regression.scale, n + 1)?;
+    reader.fill(&mut regression.nominal.delta, n)?;
+    regression.nominal.deviation = reader.f32()?;
+    Ok(regression)
+}
+
+fn write_regression<const M: usize>(writer: &mut Writer<'_>, regression: &Regression<M>) -> Result<(), ModelError> {
+    writer.bytes(&regression.order.to_array())?;
+    let (instruments, fading) = (regression.method == Method::Instruments, regression.memory != Memory::Segment);
+    writer.bytes(&[u8::from(regression.offset), u8::from(instruments), u8::from(fading)])?;
+    if let Memory::Fading { forgetting, still } = &regression.memory {
+        writer.floats([&forgetting.lambda, &forgetting.floor, still])?;
+    }
+    let guard = &regression.guard;
+    writer.floats(guard.limit.iter().chain(&guard.saturation))?;
+    guard.stuck_samples.iter().try_for_each(|samples| writer.bytes(&samples.to_le_bytes()))?;
+    writer.floats([&guard.huber])?;
+    writer.bytes(&regression.settle.to_le_bytes())?;
+    writer.bytes(&regression.handover.to_le_bytes())?;
+    let n = regression.parameters();
+    writer.floats(regression.scale.iter().take(n + 1))?;
+    writer.floats(regression.nominal.delta.iter().take(n).chain([&regression.nominal.deviation]))
 }
 
 /// How many whitening matrices there are.

@@ -5,10 +5,9 @@ mod binary;
 pub use binary::{MAX_BYTES, notes};
 
 use crate::decide::Classifier;
-use crate::estimate::Regression;
-
-/// Longest segment: single-precision sums without forgetting need a bound (see [`crate::estimate::triangle`]).
-pub const MAX_SEGMENT_SAMPLES: u32 = 100_000;
+use crate::estimate::{
+    Guard, MAX_LAMBDA, MAX_LONG_SEGMENT_SAMPLES, MAX_OUTPUT_TERMS, Memory, Method, Regression, is_stable,
+};
 
 /// Longest block mean: plain sums of more samples lose digits.
 pub const MAX_BLOCK_MEAN: u16 = 1000;
@@ -20,7 +19,8 @@ pub struct Sampling {
     pub interval_s: f32,
     /// Samples averaged into one before identification; 1 for none, at most [`MAX_BLOCK_MEAN`].
     pub block_mean: u16,
-    /// Samples a segment, after averaging; at most [`MAX_SEGMENT_SAMPLES`].
+    /// Samples a segment, after averaging; at most [`MAX_SEGMENT_SAMPLES`](crate::estimate::MAX_SEGMENT_SAMPLES), or what
+    /// another [`Accumulator`](crate::estimate::Accumulator) takes.
     pub segment_samples: u32,
 }
 
@@ -156,15 +156,12 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
         if regression.columns() > M.min(255) {
             return Err(Capacity("regressor columns"));
         }
-        let check = |good: bool, what| if good { Ok(()) } else { Err(Value(what)) };
         check(sampling.interval_s.is_finite() && sampling.interval_s >= 0.0, "sampling interval")?;
         check((1..=MAX_BLOCK_MEAN).contains(&sampling.block_mean), "block mean")?;
         let least = regression.columns() + regression.order.depth();
         let long_enough = sampling.segment_samples as usize > least;
-        check(long_enough && sampling.segment_samples <= MAX_SEGMENT_SAMPLES, "segment length")?;
-        check(regression.limit.iter().all(|x| x.is_finite() && *x > 0.0), "signal limit")?;
-        check(regression.scale.iter().take(regression.columns()).all(|x| is_power_of_two(*x)), "column scale")?;
-        check(regression.differences_share_scales(), "column scale")?;
+        check(long_enough && sampling.segment_samples <= MAX_LONG_SEGMENT_SAMPLES, "segment length")?;
+        validate_regression(regression, sampling.segment_samples)?;
 
         let features = &classifier.features;
         let used = |count: u8, capacity: usize, what| {
@@ -174,7 +171,7 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
         used(classifier.projection.count, Z, "projected coordinates")?;
         used(discriminant.classes, C, "classes")?;
         // Places 0 … n−1 are parameters, n is ln σ².
-        let in_range = |index: &u8| (*index as usize) < regression.columns();
+        let in_range = |index: &u8| (*index as usize) <= regression.parameters();
         check(features.index.iter().take(features.count as usize).all(in_range), "feature index")?;
 
         let (f, z) = (features.count as usize, classifier.projection.count as usize);
@@ -192,6 +189,48 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
         check(finite_in_use(&discriminant.log_normaliser), "class normaliser")?;
         check(finite_in_use(&discriminant.log_prior), "prior")
     }
+}
+
+fn check(good: bool, what: &'static str) -> Result<(), ModelError> {
+    if good { Ok(()) } else { Err(ModelError::Value(what)) }
+}
+
+/// Scales, guard, method and memory of the estimation.
+fn validate_regression<const M: usize>(regression: &Regression<M>, segment_samples: u32) -> Result<(), ModelError> {
+    let Regression { order, method, memory, guard, nominal, settle, handover, .. } = regression;
+    let n = regression.parameters();
+    let Guard { limit, saturation, stuck_samples, huber } = guard;
+    let finite = |x: &f32| x.is_finite();
+    check(limit.iter().all(|x| finite(x) && *x > 0.0), "signal limit")?;
+    let ordered = saturation.iter().zip(limit).all(|(most, limit)| *most > 0.0 && most <= limit);
+    check(ordered, "saturation")?;
+    // One equal sample is no run.
+    check(stuck_samples.iter().all(|count| *count != 1), "stuck samples")?;
+    check(finite(huber) && *huber >= 0.0, "outlier threshold")?;
+    check(regression.scale.iter().take(n + 1).all(|x| is_power_of_two(*x)), "column scale")?;
+    check(regression.differences_share_scales(), "column scale")?;
+    // Beyond that, sums of squares over a segment could leave the range of f32.
+    let places = [(order.na, 0), (order.nb, order.na as usize), (order.nc, order.na as usize + order.nb as usize)];
+    let bounded = places.into_iter().zip(limit).filter(|((terms, _), _)| *terms > 0).all(|((_, place), limit)| {
+        let reach = regression.scale.iter().skip(place).take(2).fold(0.0_f32, |most, scale| most.max(*scale));
+        limit * reach <= 1e14
+    });
+    check(bounded, "signal limit beside the column scale")?;
+    let delta = nominal.delta.iter().take(n);
+    check(delta.clone().all(finite) && finite(&nominal.deviation) && nominal.deviation >= 0.0, "nominal model")?;
+    if *method == Method::Instruments {
+        let terms = order.na as usize;
+        check((1..=MAX_OUTPUT_TERMS).contains(&terms), "number of output terms for instruments")?;
+        check(is_stable(nominal.delta.get(..terms).unwrap_or(&[])), "nominal model, which must be stable,")?;
+        let lost = u32::from(*settle) + u32::from(*handover);
+        check(segment_samples / 4 >= lost, "segment length beside settling and handover")?;
+    }
+    if let Memory::Fading { forgetting, still } = memory {
+        check((0.5..=MAX_LAMBDA).contains(&forgetting.lambda), "forgetting factor")?;
+        check(finite(&forgetting.floor) && forgetting.floor > 0.0, "forgetting floor")?;
+        check(finite(still) && *still >= 0.0, "excitation threshold")?;
+    }
+    Ok(())
 }
 
 /// Within 2^±60, so that sums of squares stay far inside the range of `f32`.

@@ -198,7 +198,7 @@ fn segment<const M: usize, const P: usize, const C: usize>(report: &Report<M, P,
         raw: report.estimate.raw()[..n].to_vec(),
         variance: report.estimate.variance,
         rows: report.estimate.rows,
-        rejected: report.estimate.rejected,
+        rejected: report.estimate.counts.rejected,
         start: 0,
         length: 0,
     }
@@ -208,8 +208,8 @@ fn segment<const M: usize, const P: usize, const C: usize>(report: &Report<M, P,
 fn explain<const M: usize, const P: usize, const C: usize>(reason: Reason, report: &Report<M, P, C>) -> String {
     let estimate = &report.estimate;
     match reason {
-        Reason::TooFewRows if estimate.rejected > 0 => {
-            format!("{reason}: {} samples lie outside the model's limits", estimate.rejected)
+        Reason::TooFewRows if estimate.counts.rejected > 0 => {
+            format!("{reason}: {} samples lie outside the model's limits", estimate.counts.rejected)
         }
         Reason::NotExcited(place) => {
             let names = Structure { order: estimate.order, offset: estimate.offset }.names();

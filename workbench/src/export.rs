@@ -44,10 +44,22 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     line("#![allow(clippy::all, clippy::pedantic, clippy::unreadable_literal)]");
     line("");
     line("use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Projection};");
-    line("use bearing_watch::{Detector, Label, Model, Order, Regression, Sampling};");
+    line("use bearing_watch::estimate::Shape;");
+    line("use bearing_watch::{Detector, Guard, Label, Model, Order, Regression, Regressor, Sampling};");
+    line("");
+    line("/// The order, known when compiling.");
+    line("#[derive(Clone, Copy, Debug, PartialEq)]");
+    line("pub struct Structure;");
+    line("");
+    line("impl Shape for Structure {");
+    let order: Vec<String> = structure.order.to_array().iter().map(ToString::to_string).collect();
+    let fixed = format!("Order::new({}), {}", order.join(", "), structure.offset);
+    line(&format!("    const FIXED: Option<(Order, bool)> = Some(({fixed}));"));
+    line("}");
     line("");
     line("/// The detector of exactly this model's size.");
-    line(&format!("pub type Monitor = Detector<'static, {m}, {}, {delays}, {f}, {z}, {c}>;", m * (m - 1) / 2));
+    let sizes = format!("{m}, {}, {delays}, {f}, {z}, {c}", m * (m - 1) / 2);
+    line(&format!("pub type Monitor = Detector<'static, {sizes}, Regressor<{m}, {delays}, Structure>>;"));
     line("");
     line("const fn label(name: &str) -> Label {");
     line("    match Label::new(name) {");
@@ -66,11 +78,9 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
         trained.segment_samples
     ));
     line("    regression: Regression {");
-    let order: Vec<String> = structure.order.to_array().iter().map(ToString::to_string).collect();
-    line(&format!("        order: Order::new({}),", order.join(", ")));
-    line(&format!("        offset: {},", structure.offset));
     line(&format!("        scale: {},", numbers(&trained.scale)));
-    line(&format!("        limit: {},", numbers(&trained.limit)));
+    line(&format!("        guard: Guard::within({}),", numbers(&trained.limit)));
+    line(&format!("        ..Regression::new({fixed})"));
     line("    },");
     line("    classifier: Classifier {");
     line(&format!("        features: Features {{ index: {:?}, count: {f} }},", trained.core_features));

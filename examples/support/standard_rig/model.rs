@@ -4,10 +4,19 @@
 #![allow(clippy::all, clippy::pedantic, clippy::unreadable_literal)]
 
 use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Projection};
-use bearing_watch::{Detector, Label, Model, Order, Regression, Sampling};
+use bearing_watch::estimate::Shape;
+use bearing_watch::{Detector, Guard, Label, Model, Order, Regression, Regressor, Sampling};
+
+/// The order, known when compiling.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Structure;
+
+impl Shape for Structure {
+    const FIXED: Option<(Order, bool)> = Some((Order::new(2, 1, 2, 1, 1), false));
+}
 
 /// The detector of exactly this model's size.
-pub type Monitor = Detector<'static, 6, 15, 1, 5, 5, 3>;
+pub type Monitor = Detector<'static, 6, 15, 1, 5, 5, 3, Regressor<6, 1, Structure>>;
 
 const fn label(name: &str) -> Label {
     match Label::new(name) {
@@ -21,10 +30,9 @@ const fn label(name: &str) -> Label {
 pub static MODEL: Model<6, 5, 5, 3> = Model {
     sampling: Sampling { interval_s: 0.002, block_mean: 1, segment_samples: 5000 },
     regression: Regression {
-        order: Order::new(2, 1, 2, 1, 1),
-        offset: false,
         scale: [0.5, 2.0, 0.03125, 8.0, 16.0, 2.0],
-        limit: [62.723488, 400.0, 4.126983],
+        guard: Guard::within([62.723488, 400.0, 4.126983]),
+        ..Regression::new(Order::new(2, 1, 2, 1, 1), false)
     },
     classifier: Classifier {
         features: Features { index: [0, 1, 2, 3, 4], count: 5 },

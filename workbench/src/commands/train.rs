@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 
 use bearing_watch::decide::Kind;
-use bearing_watch::model::{MAX_BLOCK_MEAN, MAX_SEGMENT_SAMPLES};
+use bearing_watch::estimate::MAX_SEGMENT_SAMPLES;
+use bearing_watch::model::MAX_BLOCK_MEAN;
 use clap::ValueEnum;
 use serde_json::json;
 

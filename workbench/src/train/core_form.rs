@@ -2,7 +2,7 @@
 
 use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Projection};
 use bearing_watch::model::MAX_BYTES;
-use bearing_watch::{Label, Model, Regression, Sampling};
+use bearing_watch::{Guard, Label, Model, Regression, Sampling};
 use nalgebra::DMatrix;
 
 use super::Trained;
@@ -66,10 +66,9 @@ impl Trained {
                     .map_err(|_| Error::Usage("a segment has at most 100000 samples".into()))?,
             },
             regression: Regression {
-                order: structure.order,
-                offset: structure.offset,
                 scale,
-                limit: self.limit.map(|x| x as f32),
+                guard: Guard::within(self.limit.map(|x| x as f32)),
+                ..Regression::new(structure.order, structure.offset)
             },
             classifier: Classifier { features, projection, discriminant },
             labels,

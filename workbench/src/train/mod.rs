@@ -158,7 +158,7 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
         core_projection,
         scale: column_scales(traces, recipe.structure),
         limit: limits(traces),
-        segment_samples: longest.min(bearing_watch::model::MAX_SEGMENT_SAMPLES as usize),
+        segment_samples: longest.min(bearing_watch::estimate::MAX_SEGMENT_SAMPLES as usize),
         interval_s: traces.iter().find_map(|t| t.trace.interval_s).unwrap_or(0.0),
         block_mean: 1,
     })

@@ -1,0 +1,423 @@
+//! Streaming simplified refined instrumental variables: samples → one row of instruments and regressors, in δ-form.
+//!
+//! The auxiliary model t, β, γ, k is that of the last accepted segment. Every signal is kept as its level and its
+//! first differences; with `in` a new sample, one step of each is
+//!
+//! ```text
+//! Δf = t₀ (f − in) + Σ_{k≥1} t_k Δf_k,   f ← f + Δf           prefilter A(1)/A of y, u1, u2 (unit gain at rest)  (1)
+//! Δx̂ = t₀ x̂ + Σ_{k≥1} t_k Δx̂_k + Σ β_j u_j + Σ γ_j w_j + k    simulated output, from the filtered inputs u, w   (2)
+//! ```
+//!
+//! Filtering the simulated output is simulating from filtered inputs, which saves a filter. The row is
+//!
+//! ```text
+//! [ u₁, u₁−u₂, …, w₁, w₁−w₂, …, (1) | x̂₁, x̂₁−x̂₂, … | y₁, y₁−y₂, … | Δy ]     na + n + 1 columns, all filtered    (3)
+//! ```
+//!
+//! The prefilter decides: without it recursive instrumental variables are useless at high sampling rates. Source:
+//! Young, *Recursive Estimation and Time-Series Analysis*, simplified refined IV, a segment a pass.
+//!
+//! Filters and simulation go on over segments; only the parameters change, after which rows are withheld until
+//! transients have died out ([`Regression::settle`]). A rejected sample restarts all of them, at rest on the next good
+//! one. The simulated output is bounded: beyond a hundred times the output's limit it starts anew.
+//!
+//! Cost: 3 na + n multiply-adds more than least squares, and the larger triangle.
+
+use super::reference::{self, Candidate, Reference};
+use super::regression::MAX_OUTPUT_TERMS;
+use super::rows::{AnyShape, Delay, Row, Rows, Shape};
+use super::{Estimate, Method, Order, Regression};
+use crate::detector::Sample;
+
+/// The simulated output may exceed the limit of the measured one by this factor.
+const BOUND: f32 = 100.0;
+
+/// Rows of instrumental variables. `L` is the capacity in delays, at least the larger of nkb and nkc; `S` the
+/// structure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Instruments<const M: usize, const L: usize, S = AnyShape> {
+    /// Auxiliary model, with its constant as seen from zero.
+    reference: Reference<M>,
+    /// That constant as seen from the origin.
+    constant: f32,
+    /// What levels are taken from where there is a constant; else zero.
+    origin: [f32; 3],
+    y: [f32; MAX_OUTPUT_TERMS],
+    x: [f32; MAX_OUTPUT_TERMS],
+    /// Level and differences of filtered u1, then of u2; each as many as the filter or the row needs.
+    inputs: [f32; M],
+    u1: Delay<L>,
+    u2: Delay<L>,
+    /// Samples until the filters start: the delayed inputs must be clean.
+    filling: u16,
+    /// Samples until rows are given.
+    settling: u32,
+    shape: core::marker::PhantomData<S>,
+}
+
+impl<const M: usize, const L: usize, S: Shape> Rows<M> for Instruments<M, L, S> {
+    fn new(regression: &Regression<M>) -> Self {
+        Self {
+            reference: Reference::new(nominal(regression)),
+            constant: 0.0,
+            origin: [0.0; 3],
+            y: [0.0; MAX_OUTPUT_TERMS],
+            x: [0.0; MAX_OUTPUT_TERMS],
+            inputs: [0.0; M],
+            u1: Delay::new(),
+            u2: Delay::new(),
+            filling: filling(regression),
+            settling: 0,
+            shape: core::marker::PhantomData,
+        }
+    }
+
+    fn fits(regression: &Regression<M>) -> bool {
+        regression.method == Method::Instruments
+            && (1..=MAX_OUTPUT_TERMS).contains(&(regression.order.na as usize))
+            && regression.columns() <= M
+            && regression.order.largest_delay() <= L
+            && S::fits(regression)
+    }
+
+    #[inline]
+    fn push(&mut self, regression: &Regression<M>, sample: &Sample) -> Option<Row<M>> {
+        let (order, offset) = S::of(regression);
+        let Order { na, nb, nc, nkb, nkc } = order;
+        let (na, nb, nc) = (na as usize, nb as usize, nc as usize);
+        if self.reference.tick(|| nominal(regression)) {
+            self.take_over(regression);
+        }
+        let (u1, u2) = (self.u1.push(sample.u1, nkb), self.u2.push(sample.u2, nkc));
+        if self.filling > 0 {
+            self.fill(regression, [sample.y, u1, u2]);
+            return None;
+        }
+        let [y0, u1_0, u2_0] = self.origin;
+        let (t, gains) = self.reference.now.split_at_checked(na)?;
+        let (u1_cells, rest) = self.inputs.split_at_mut_checked(second_input(&order))?;
+        let u2_cells = rest.get_mut(..if nc > 0 { nc.max(na) } else { 0 })?;
+        let (du1, du2) = (increment(u1_cells, t, u1 - u1_0), increment(u2_cells, t, u2 - u2_0)); // (1)
+        advance(u1_cells, du1);
+        advance(u2_cells, du2);
+
+        let (y, x) = (self.y.get_mut(..na)?, self.x.get_mut(..na)?);
+        let dy = increment(y, t, sample.y - y0);
+        let (u1_used, u2_used) = (u1_cells.get(..nb)?, u2_cells.get(..nc)?);
+        let (beta, gamma) = gains.split_at_checked(nb)?;
+        let driven = dot(dot(self.constant, u1_used, beta), u2_used, gamma);
+        let (dx, expected) = (dot(driven, x, t), dot(driven, y, t)); // (2)
+
+        let mut row = Row { cells: [0.0; M], weight: 1.0, motion: 0.0 };
+        let (own, scale) = regression.scale.split_at_checked(na)?;
+        let (u1_scale, scale) = scale.split_at_checked(nb)?;
+        let (u2_scale, scale) = scale.split_at_checked(nc)?;
+        let mut cells = put(&mut row.cells, u1_used, u1_scale); // (3)
+        cells = put(cells, u2_used, u2_scale);
+        let scale = match (offset, scale) {
+            (true, [constant, rest @ ..]) => {
+                cells = put(cells, &[1.0], &[*constant]);
+                rest
+            }
+            _ => scale,
+        };
+        cells = put(put(cells, x, own), y, own);
+        put(cells, &[dy], scale);
+        row.weight = reference::weight(dy - expected, self.reference.threshold);
+        let moved = |change: f32, scale: &[f32]| scale.first().map_or(0.0, |scale| change * scale);
+        let (du1, du2) = (moved(du1, u1_scale), moved(du2, u2_scale));
+        row.motion = du1 * du1 + du2 * du2;
+
+        advance(y, dy);
+        advance(x, dx);
+        // Written so that NaN starts anew too.
+        let bounded = self.x.iter().take(1).all(|x| x.abs() <= BOUND * regression.guard.limit[0]);
+        if !bounded {
+            self.filling = 1;
+        }
+        if self.settling > 0 {
+            self.settling -= 1;
+            return None;
+        }
+        Some(row)
+    }
+
+    fn flush(&mut self, regression: &Regression<M>) {
+        self.filling = filling(regression);
+    }
+
+    fn next_segment(&mut self, regression: &Regression<M>) {
+        self.settling = u32::from(regression.handover) + u32::from(regression.settle);
+        if self.reference.next_segment(regression.handover, || nominal(regression)) {
+            self.take_over(regression);
+        }
+    }
+
+    fn adopt<const P: usize>(&mut self, regression: &Regression<M>, estimate: &Estimate<M, P>) {
+        self.reference.offer(candidate(regression, &estimate.delta, libm::sqrtf(estimate.variance)));
+    }
+
+    fn awaits(&self) -> bool {
+        self.reference.awaits()
+    }
+
+    fn origin(&self) -> [f32; 3] {
+        self.origin
+    }
+
+    fn gain(&self) -> f32 {
+        self.reference.now.first().map_or(0.0, |t| t.abs())
+    }
+
+    fn refused(&self) -> u8 {
+        self.reference.refused
+    }
+}
+
+impl<const M: usize, const L: usize, S: Shape> Instruments<M, L, S> {
+    /// Counts a sample that only fills the delays; with the last of them all filters start, at rest on it.
+    #[cold]
+    fn fill(&mut self, regression: &Regression<M>, levels: [f32; 3]) {
+        self.filling -= 1;
+        if self.filling > 0 {
+            return;
+        }
+        self.settling = self.settling.max(u32::from(regression.settle));
+        (self.y, self.x) = ([0.0; MAX_OUTPUT_TERMS], [0.0; MAX_OUTPUT_TERMS]);
+        self.inputs = [0.0; M];
+        if regression.offset {
+            self.origin = levels;
+            self.recentre(regression);
+            return;
+        }
+        let [y, u1, u2] = levels;
+        let [y_level, x_level] = [self.y.first_mut(), self.x.first_mut()];
+        y_level.into_iter().chain(x_level).for_each(|level| *level = y);
+        // An input that is not used has no cells; its level would be the other's.
+        let Order { nb, nc, .. } = regression.order;
+        let second = second_input(&regression.order);
+        for (used, place, value) in [(nb > 0, 0, u1), (nc > 0, second, u2)] {
+            if let (true, Some(level)) = (used, self.inputs.get_mut(place)) {
+                *level = value;
+            }
+        }
+    }
+
+    /// Another auxiliary model runs from here on; levels are taken from where the signals are now.
+    #[cold]
+    fn take_over(&mut self, regression: &Regression<M>) {
+        if regression.offset && self.filling == 0 {
+            self.recentre(regression);
+        }
+    }
+
+    /// Moves the origin to the present levels: with unit gain at rest, filtering and moving commute.
+    fn recentre(&mut self, regression: &Regression<M>) {
+        let Order { na, nb, nc, .. } = regression.order;
+        let (na, nb, nc) = (na as usize, nb as usize, nc as usize);
+        let second = second_input(&regression.order);
+        let y_level = self.y.first().copied().unwrap_or(0.0);
+        if let Some(x_level) = self.x.first_mut() {
+            *x_level -= y_level;
+        }
+        let [y0, u1_0, u2_0] = &mut self.origin;
+        let mut constant = self.reference.now.get(na + nb + nc).copied().unwrap_or(0.0);
+        let mut shift = |used: bool, origin: &mut f32, level: Option<&mut f32>, gain: Option<&f32>| {
+            if let (true, Some(level), Some(gain)) = (used, level, gain) {
+                *origin += core::mem::take(level);
+                constant += gain * *origin;
+            }
+        };
+        let gains = &self.reference.now;
+        shift(true, y0, self.y.first_mut(), gains.first());
+        shift(nb > 0, u1_0, self.inputs.first_mut(), gains.get(na));
+        shift(nc > 0, u2_0, self.inputs.get_mut(second), gains.get(na + nb));
+        self.constant = constant;
+    }
+}
+
+/// Where the cells of the second input begin.
+const fn second_input(order: &Order) -> usize {
+    if order.nb == 0 {
+        0
+    } else if order.nb > order.na {
+        order.nb as usize
+    } else {
+        order.na as usize
+    }
+}
+
+/// Samples until every delayed input is clean, and the one that starts the filters.
+fn filling<const M: usize>(regression: &Regression<M>) -> u16 {
+    regression.order.largest_delay() as u16 + 1
+}
+
+fn nominal<const M: usize>(regression: &Regression<M>) -> Candidate<M> {
+    candidate(regression, &regression.nominal.delta, regression.nominal.deviation)
+}
+
+/// The output error becomes the row's residual through the gain |A(1)| = |t₀|.
+fn candidate<const M: usize>(regression: &Regression<M>, delta: &[f32; M], deviation: f32) -> Candidate<M> {
+    let gain = delta.first().map_or(0.0, |t| t.abs());
+    (*delta, reference::threshold(regression, deviation * gain))
+}
+
+/// Δf of (1) for the filter whose level and differences these are.
+#[inline]
+fn increment(cells: &[f32], t: &[f32], input: f32) -> f32 {
+    let (Some((level, differences)), Some((t0, later))) = (cells.split_first(), t.split_first()) else { return 0.0 };
+    dot(t0 * (level - input), differences, later)
+}
+
+/// Moves level and differences on by Δf.
+#[inline]
+fn advance(cells: &mut [f32], change: f32) {
+    if let Some((level, differences)) = cells.split_first_mut() {
+        let mut carried = change;
+        for cell in differences {
+            carried = core::mem::replace(cell, carried);
+        }
+        *level += change;
+    }
+}
+
+#[inline]
+fn dot(start: f32, values: &[f32], gains: &[f32]) -> f32 {
+    values.iter().zip(gains).fold(start, |sum, (value, gain)| sum + gain * value)
+}
+
+/// Writes scaled values into the first cells; gives the cells behind them.
+#[inline]
+fn put<'c>(cells: &'c mut [f32], values: &[f32], scale: &[f32]) -> &'c mut [f32] {
+    let Some((own, rest)) = cells.split_at_mut_checked(values.len()) else { return &mut [] };
+    for (cell, (value, scale)) in own.iter_mut().zip(values.iter().zip(scale)) {
+        *cell = value * scale;
+    }
+    rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::{Estimator, Guard, Nominal};
+
+    /// y = 1.5 y₁ − 0.56 y₂ + 0.04 u₁ + 0.02 u₂ − 0.1 w₁: poles 0.8 and 0.7. t = [−0.06, 0.56], β = [0.06, −0.02].
+    const TRUTH: [f32; 5] = [-0.06, 0.56, 0.06, -0.02, -0.1];
+
+    fn regression(start: f32) -> Regression<8> {
+        Regression {
+            method: Method::Instruments,
+            nominal: Nominal { delta: core::array::from_fn(|k| start * TRUTH.get(k).unwrap_or(&0.0)), deviation: 0.0 },
+            guard: Guard::within([100.0; 3]),
+            ..Regression::new(Order::new(2, 2, 1, 1, 2), false)
+        }
+    }
+
+    /// Two inputs held for a few samples, and the output with white noise of that deviation.
+    fn samples(count: u32, noise: f32, level: [f32; 3]) -> impl Iterator<Item = Sample> {
+        let mut state = 7_u32;
+        let mut uniform = move || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f32::from((state >> 16) as i16) / 32_768.0
+        };
+        let [mut y1, mut y2, mut u1, mut u2, mut w1, mut w2] = [0.0_f32; 6];
+        let (mut u, mut w) = (0.0, 0.0);
+        (0..count).map(move |t| {
+            let y = 1.5 * y1 - 0.56 * y2 + 0.04 * u1 + 0.02 * u2 - 0.1 * w2;
+            u = if t % 5 == 0 { uniform() } else { u };
+            w = if t % 3 == 0 { uniform() } else { w };
+            (y2, y1, u2, u1, w2, w1) = (y1, y, u1, u, w1, w);
+            let e = noise * (uniform() + uniform() + uniform()); // deviation 1 of three uniforms
+            Sample { y: y + e + level[0], u1: u + level[1], u2: w + level[2] }
+        })
+    }
+
+    #[test]
+    fn exact_data_give_the_exact_model_from_a_wrong_start() {
+        let regression = regression(0.7);
+        let mut estimator = Estimator::<8, 28, 2, Instruments<8, 2>>::new(&regression);
+        samples(2000, 0.0, [0.0; 3]).for_each(|sample| estimator.step(&sample));
+        let estimate = estimator.close().unwrap();
+        assert_eq!(estimate.rows, 2000 - 3 - 100, "delays, start, settling");
+        for (got, want) in estimate.delta.iter().zip(TRUTH) {
+            assert!((got - want).abs() < 2e-5, "{got} {want}"); // a few hundred roundings
+        }
+    }
+
+    #[test]
+    fn noise_biases_least_squares_and_not_instruments() {
+        let start = regression(1.2);
+        let plain = Regression { method: Method::LeastSquares, ..start };
+        let mut by_rows = Estimator::<8, 28, 2, Instruments<8, 2>>::new(&start);
+        let mut by_squares = Estimator::<8, 28, 2>::new(&plain);
+        for sample in samples(60_000, 0.05, [0.0; 3]) {
+            by_rows.step(&sample);
+            by_squares.step(&sample);
+            if by_rows.rows() == 20_000 {
+                by_rows.close().unwrap();
+            }
+        }
+        let (iv, ls) = (by_rows.close().unwrap(), by_squares.close().unwrap());
+        for k in 0..5 {
+            let sd = iv.covariance_matrix()[(k, k)].sqrt();
+            assert!((iv.delta[k] - TRUTH[k]).abs() < 4.0 * sd, "{k}: {} {} {sd}", iv.delta[k], TRUTH[k]);
+            assert!(sd < 0.03 * TRUTH[k].abs() + 1e-3, "{k}: {sd}");
+        }
+        assert!((iv.variance.sqrt() / 0.05 - 1.0).abs() < 0.02, "{}", iv.variance.sqrt());
+        let sd = iv.covariance_matrix()[(0, 0)].sqrt();
+        assert!((ls.delta[0] - TRUTH[0]).abs() > 10.0 * sd, "{} {sd}", ls.delta[0]);
+    }
+
+    #[test]
+    fn an_operating_point_moves_the_constant_only() {
+        const FAR: Regression<9> = Regression {
+            method: Method::Instruments,
+            nominal: Nominal { delta: [-0.05, 0.5, 0.05, -0.02, -0.1, 0.0, 0.0, 0.0, 0.0], deviation: 0.0 },
+            ..Regression::new(Order::new(2, 2, 1, 1, 2), true)
+        };
+        let near = regression(0.9);
+        let mut plain = Estimator::<8, 28, 2, Instruments<8, 2>>::new(&near);
+        let mut lifted = Estimator::<9, 36, 2, Instruments<9, 2>>::new(&FAR);
+        let mut last = None;
+        for segment in 0..3 {
+            let range = samples(9000, 0.01, [0.0; 3]).skip(3000 * segment).take(3000);
+            range.for_each(|sample| plain.step(&sample));
+            let range = samples(9000, 0.01, [500.0, 300.0, -200.0]).skip(3000 * segment).take(3000);
+            range.for_each(|sample| lifted.step(&sample));
+            last = Some((plain.close().unwrap(), lifted.close().unwrap()));
+        }
+        let (plain, lifted) = last.unwrap();
+        for k in 0..5 {
+            let sd = plain.covariance_matrix()[(k, k)].sqrt();
+            // Samples near 500 carry 3e-5 each, the noise is 0.01; the constant costs the estimate one degree.
+            assert!((lifted.delta[k] - plain.delta[k]).abs() < 0.3 * sd, "{k}: {} {}", lifted.delta[k], plain.delta[k]);
+        }
+        let expected = -lifted.delta[0] * 500.0 - lifted.delta[2] * 300.0 + lifted.delta[4] * 200.0;
+        let sd = lifted.covariance_matrix()[(5, 5)].sqrt();
+        assert!((lifted.delta[5] - expected).abs() < 0.5 * sd, "{} {expected} {sd}", lifted.delta[5]);
+    }
+
+    #[test]
+    fn a_bad_sample_restarts_the_filters() {
+        let regression = regression(1.0);
+        let mut rows = Instruments::<8, 2>::new(&regression);
+        let mut given = 0;
+        for (t, sample) in samples(500, 0.0, [0.0; 3]).enumerate() {
+            if t == 250 {
+                rows.flush(&regression);
+            }
+            given += usize::from(rows.push(&regression, &sample).is_some());
+        }
+        assert_eq!(given, 500 - 2 * 103);
+    }
+
+    #[test]
+    fn a_regression_that_does_not_fit_gives_no_rows() {
+        let wide = Regression { order: Order::new(2, 2, 2, 1, 1), ..regression(1.0) };
+        let plain = Regression { method: Method::LeastSquares, ..regression(1.0) };
+        for wrong in [wide, plain] {
+            assert!(!Instruments::<8, 2>::fits(&wrong));
+        }
+        assert!(!Instruments::<8, 1>::fits(&regression(1.0)), "delays");
+    }
+}

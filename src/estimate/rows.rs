@@ -1,0 +1,112 @@
+//! What the two sources of rows, [`Regressor`](super::Regressor) and [`Instruments`](super::Instruments), have in
+//! common.
+
+use super::{Estimate, Order, Regression};
+use crate::detector::Sample;
+
+/// One row for the triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row<const M: usize> {
+    /// Scaled columns, target last.
+    pub cells: [f32; M],
+    /// Weight in 0 … 1: below one for an outlier.
+    pub weight: f32,
+    /// (Δu1)² + (Δu2)², scaled: how much the inputs move.
+    pub motion: f32,
+}
+
+/// Samples → rows: the regressor of least squares, or that and the instruments.
+pub trait Rows<const M: usize>: Clone + core::fmt::Debug + PartialEq {
+    /// Nothing sampled yet.
+    fn new(regression: &Regression<M>) -> Self;
+
+    /// Whether this source makes the rows of that regression, and holds its delays.
+    fn fits(regression: &Regression<M>) -> bool;
+
+    /// Takes an accepted sample; gives its row, or nothing while a lag is missing or a filter settles.
+    fn push(&mut self, regression: &Regression<M>, sample: &Sample) -> Option<Row<M>>;
+
+    /// Forgets every lag.
+    fn flush(&mut self, regression: &Regression<M>);
+
+    /// A segment is closed; a new one starts with the next sample.
+    fn next_segment(&mut self, regression: &Regression<M>);
+
+    /// Lets an estimate take over as reference (and auxiliary model) at the next handover.
+    fn adopt<const P: usize>(&mut self, regression: &Regression<M>, estimate: &Estimate<M, P>);
+
+    /// Whether the handover of the open segment is still ahead.
+    fn awaits(&self) -> bool;
+
+    /// What the levels of y, u1, u2 are taken from.
+    fn origin(&self) -> [f32; 3];
+
+    /// Steady-state gain of the prefilter's denominator |A(1)|, by which output error becomes the row's residual; 1 by
+    /// least squares.
+    fn gain(&self) -> f32;
+
+    /// Segments in a row whose model did not take over.
+    fn refused(&self) -> u8;
+}
+
+/// The structure of the rows, if it is known when compiling: loops over terms are then straight-line code.
+///
+/// ```
+/// use bearing_watch::estimate::{Order, Shape};
+/// /// Two output terms, one of each input, no constant.
+/// #[derive(Clone, Copy, Debug, PartialEq)]
+/// struct Mine;
+/// impl Shape for Mine {
+///     const FIXED: Option<(Order, bool)> = Some((Order::new(2, 1, 1, 1, 1), false));
+/// }
+/// type Estimator<'m> = bearing_watch::Estimator<'m, 5, 10, 1, bearing_watch::estimate::Regressor<5, 1, Mine>>;
+/// ```
+pub trait Shape: Clone + Copy + core::fmt::Debug + PartialEq {
+    /// Order and whether there is a constant; nothing where the regression tells at run time.
+    const FIXED: Option<(Order, bool)>;
+
+    /// The structure to run with.
+    #[inline]
+    fn of<const M: usize>(regression: &Regression<M>) -> (Order, bool) {
+        match Self::FIXED {
+            Some(fixed) => fixed,
+            None => (regression.order, regression.offset),
+        }
+    }
+
+    /// Whether the regression has this structure.
+    fn fits<const M: usize>(regression: &Regression<M>) -> bool {
+        Self::of(regression) == (regression.order, regression.offset)
+    }
+}
+
+/// Any structure: what a program needs that learns the order when it runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AnyShape;
+
+impl Shape for AnyShape {
+    const FIXED: Option<(Order, bool)> = None;
+}
+
+/// A signal as it was `delay` samples ago.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Delay<const L: usize> {
+    ring: [f32; L],
+    place: u8,
+}
+
+impl<const L: usize> Delay<L> {
+    pub(super) const fn new() -> Self {
+        Self { ring: [0.0; L], place: 0 }
+    }
+
+    #[inline]
+    pub(super) fn push(&mut self, newest: f32, delay: u8) -> f32 {
+        let Some(cell) = self.ring.get_mut(self.place as usize) else { return newest };
+        if delay == 0 {
+            return newest;
+        }
+        self.place = if self.place + 1 >= delay { 0 } else { self.place + 1 };
+        core::mem::replace(cell, newest)
+    }
+}

@@ -1,0 +1,110 @@
+//! Whether all poles of a model of up to four output terms lie inside the unit circle, told from its δ-form.
+//!
+//! ```text
+//! z = (1 + w)/(1 − w) takes the unit circle's inside to Re w < 0;  A(z) (1 − w)ⁿ becomes
+//! p(w) = 2w (1 + w)ⁿ⁻¹ − t₀ (1 + w)ⁿ⁻¹ (1 − w) − Σ_{k=1}^{n−1} t_k 2w (1 + w)ⁿ⁻¹⁻ᵏ (1 − w)ᵏ           (1)
+//! ```
+//!
+//! The Routh–Hurwitz conditions of p are Jury's of A. In this form nothing cancels near z = 1: the constant of p is
+//! −t₀ = 1 + Σa itself, where Jury's table would take the difference of numbers near one.
+
+use super::regression::MAX_OUTPUT_TERMS;
+
+const SIZE: usize = MAX_OUTPUT_TERMS + 1;
+
+/// Whether the model with these t₀ … t_{n−1} is stable; `false` for more than [`MAX_OUTPUT_TERMS`] and for NaN.
+#[must_use]
+pub fn is_stable(t: &[f32]) -> bool {
+    if t.len() > MAX_OUTPUT_TERMS {
+        return false;
+    }
+    let mut p = [0.0_f32; SIZE];
+    let n = t.len();
+    if n == 0 {
+        return true;
+    }
+    add(&mut p, 2.0, (n - 1, 0), 1); // (1), its first term
+    for (k, t) in t.iter().enumerate() {
+        match k {
+            0 => add(&mut p, -t, (n - 1, 1), 0),
+            _ => add(&mut p, -2.0 * t, (n - 1 - k, k), 1),
+        }
+    }
+    let [c0, c1, c2, c3, c4] = p;
+    let positive = p.iter().take(n + 1).all(|c| *c > 0.0);
+    // Terms of higher degree than n are zero, so one condition serves three and four.
+    positive
+        && match n {
+            1 | 2 => true,
+            3 => c1 * c2 > c0 * c3,
+            _ => c3 * (c1 * c2 - c0 * c3) > c4 * c1 * c1,
+        }
+}
+
+/// p ← p + factor · wˢ (1 + w)^plus (1 − w)^minus.
+fn add(p: &mut [f32; SIZE], factor: f32, (plus, minus): (usize, usize), shift: usize) {
+    let mut product = [0.0_f32; SIZE];
+    if let Some(cell) = product.get_mut(shift) {
+        *cell = factor;
+    }
+    for sign in core::iter::repeat_n(1.0, plus).chain(core::iter::repeat_n(-1.0, minus)) {
+        let mut lower = 0.0;
+        for cell in &mut product {
+            let old = *cell;
+            *cell += sign * lower;
+            lower = old;
+        }
+    }
+    p.iter_mut().zip(product).for_each(|(p, term)| *p += term);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec::Vec;
+
+    /// t of the polynomial with these poles, real or in conjugate pairs (radius, angle).
+    fn delta(real: &[f64], pairs: &[(f64, f64)]) -> Vec<f32> {
+        let mut a = std::vec![1.0_f64];
+        let mut times = |factor: &[f64]| {
+            let mut product = std::vec![0.0; a.len() + factor.len() - 1];
+            for (i, x) in a.iter().enumerate() {
+                factor.iter().enumerate().for_each(|(j, f)| product[i + j] += x * f);
+            }
+            a = product;
+        };
+        real.iter().for_each(|pole| times(&[1.0, -pole]));
+        pairs.iter().for_each(|(r, angle)| times(&[1.0, -2.0 * r * angle.cos(), r * r]));
+        (0..a.len() - 1).map(|k| if k == 0 { -a.iter().sum::<f64>() } else { a[k + 1..].iter().sum() } as f32).collect()
+    }
+
+    #[test]
+    fn poles_on_either_side_of_the_circle() {
+        let mut checked = 0;
+        for r in [0.2, 0.9, 0.999, 0.9999, 1.0001, 1.001, 1.1, 3.0] {
+            let stable = r < 1.0;
+            for other in [-0.95, -0.3, 0.0, 0.5, 0.999] {
+                for sign in [1.0, -1.0] {
+                    assert_eq!(is_stable(&delta(&[sign * r], &[])), stable, "{r}");
+                    assert_eq!(is_stable(&delta(&[sign * r, other], &[])), stable, "{r} {other}");
+                    assert_eq!(is_stable(&delta(&[sign * r, other, 0.7], &[])), stable, "{r} {other} 0.7");
+                    assert_eq!(is_stable(&delta(&[sign * r, other, -0.2, 0.4], &[])), stable, "{r} {other} four");
+                }
+                for angle in [0.3, 1.0, 2.0, 3.0] {
+                    assert_eq!(is_stable(&delta(&[], &[(r, angle)])), stable, "{r} {angle}");
+                    assert_eq!(is_stable(&delta(&[other], &[(r, angle)])), stable, "{r} {angle} {other}");
+                    assert_eq!(is_stable(&delta(&[other, 0.1], &[(r, angle)])), stable, "{r} {angle} {other} four");
+                    assert_eq!(is_stable(&delta(&[], &[(r, angle), (0.8, 1.5)])), stable, "two pairs {r} {angle}");
+                    checked += 1;
+                }
+            }
+        }
+        assert_eq!(checked, 160);
+    }
+
+    #[test]
+    fn nan_and_too_many_terms_are_not_stable() {
+        assert!(!is_stable(&[f32::NAN]) && !is_stable(&[-0.1, f32::NAN]) && !is_stable(&[-0.1; 5]));
+        assert!(is_stable(&[]));
+    }
+}
