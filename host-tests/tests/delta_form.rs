@@ -4,15 +4,11 @@
 //! ρ is the numerical error in units of the estimate's own standard deviation, √(Δᵀ cov⁻¹ Δ / n). The raw regressors
 //! of these cases have condition numbers from 1.8e3 to 2.6e6.
 
-use bearing_watch::estimate::{Estimate, Estimator, Forgetting, Regression, Regressor, Triangle};
+use bearing_watch::estimate::{Forgetting, Regressor, Rows, Triangle};
 use bearing_watch::{Order, Sample};
 use host_tests::oracle::{self, Record};
 use host_tests::plants::{Mode, PLANTS, Plant};
-use host_tests::streams::{regression, rho};
-
-/// Capacities for three terms of each signal.
-const M: usize = 10;
-const P: usize = 45;
+use host_tests::streams::{L, LeastSquares, M, P, regression, rho};
 
 struct Case {
     name: &'static str,
@@ -78,10 +74,10 @@ fn segments() {
         // The core's page promises 0.05 at 1e5 rows.
         for (count, limit) in [(5_000, 0.02), (20_000, 0.02), (100_000, 0.05)] {
             let (order, samples) = samples(case, 2, count);
-            let regression = regression::<M>(order, &samples);
-            let mut estimator = Estimator::<M, P, 1>::new(&regression);
+            let regression = regression(order, &samples);
+            let mut estimator = LeastSquares::new(&regression);
             samples.iter().for_each(|sample| estimator.step(sample));
-            let estimate: Estimate<M, P> = estimator.estimate().expect("excited");
+            let estimate = estimator.estimate().expect("excited");
             let batch = oracle::least_squares(&Record::new(&samples), order, order.depth()..count, 1.0).delta(order);
             assert_eq!(estimate.rows as usize, batch.rows);
             check(case.name, &format!("{count} rows"), rho(&estimate.delta, &batch), limit);
@@ -95,14 +91,14 @@ fn forgetting() {
     let count = 400_000;
     for case in &CASES {
         let (order, samples) = samples(case, 3, count);
-        let regression: Regression<M> = regression(order, &samples);
-        let mut lags = Regressor::<M, 1>::new(&regression);
+        let regression = regression(order, &samples);
+        let mut lags = <Regressor<M, L> as Rows<M>>::new(&regression);
         let mut triangle = Triangle::<M, P>::new(regression.columns());
         // Persistent excitation needs no floor; this one never acts.
         let forgetting = Forgetting { lambda: 0.9999, floor: 1e-9 };
         for sample in &samples {
             if let Some(row) = lags.push(&regression, sample) {
-                triangle.update_forgetting(row, forgetting);
+                triangle.update_forgetting(&row.cells, row.weight, forgetting);
             }
         }
         let target = regression.target_scale();

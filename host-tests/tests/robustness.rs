@@ -138,7 +138,9 @@ fn every_mode_stays_finite_and_recovers_within_a_segment() {
         for fault in FAULTS {
             let found = error(fault);
             println!("{name:16}{found:6.2} ({:.2})  {fault:?}", found / undisturbed);
-            if found > 2.0 * undisturbed { println!("BAD"); }
+            if found > 2.0 * undisturbed {
+                println!("BAD");
+            }
         }
     }
 }

@@ -16,18 +16,8 @@ const RUNS: u64 = 1600;
 const PLAIN_RUNS: u64 = 100;
 
 /// Places in [`PLANTS`] and ratios of signal to noise, dB.
-const CASES: [(usize, f64); 10] = [
-    (0, 10.0),
-    (1, 20.0),
-    (2, 25.0),
-    (3, 10.0),
-    (4, 20.0),
-    (5, 25.0),
-    (7, 20.0),
-    (8, 25.0),
-    (10, 20.0),
-    (11, 25.0),
-];
+const CASES: [(usize, f64); 10] =
+    [(0, 10.0), (1, 20.0), (2, 25.0), (3, 10.0), (4, 20.0), (5, 25.0), (7, 20.0), (8, 25.0), (10, 20.0), (11, 25.0)];
 
 /// Deviations from the truth of one method, with the standard deviations it states.
 struct Errors(Vec<(Vec<f64>, Vec<f64>)>);
@@ -96,14 +86,17 @@ fn the_stream_is_unbiased_where_simpler_methods_fail() {
         for k in 0..n {
             let (mean, spread, coverage) = streamed.of(k);
             let (score, bias) = (mean / spread * (RUNS as f64).sqrt(), mean / spread);
-            let line = format!("  parameter {k}: score {score:6.2}, bias/sd {bias:7.3}, coverage {:.1} %", 100.0 * coverage);
+            let line =
+                format!("  parameter {k}: score {score:6.2}, bias/sd {bias:7.3}, coverage {:.1} %", 100.0 * coverage);
             println!("{line}");
             if score.abs() > limit || bias.abs() > 0.1 || !(0.93..=0.97).contains(&coverage) {
                 failures.push(format!("{} {line}", plant.name));
             }
         }
         let ((ls_bias, _), (iv_bias, iv_wide)) = (least.worst(&streamed, n), plain.worst(&streamed, n));
-        println!("  least squares: bias to {ls_bias:.0} sd; no prefilter: bias to {iv_bias:.2} sd, sd to {iv_wide:.1} times");
+        println!(
+            "  least squares: bias to {ls_bias:.0} sd; no prefilter: bias to {iv_bias:.2} sd, sd to {iv_wide:.1} times"
+        );
         // Least squares is far off everywhere; without the prefilter variance or, in closed loop, bias is many times ours.
         assert!(ls_bias > 4.0 && iv_wide > 4.0, "{}: the data are too easy", plant.name);
         assert!(plant.control.is_none() || iv_bias > 2.0, "{}: the loop carries no noise", plant.name);

@@ -27,9 +27,11 @@ const WEAK: f32 = 1e-5;
 
 /// What a solve needs besides the factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Head {
+pub(super) struct Head<const M: usize> {
     pub(super) mass: Mass,
     pub(super) origin: [f32; 3],
+    /// What the target was predicted with; zeros where it was not.
+    pub(super) base: [f32; M],
     /// |A(1)| of the prefilter.
     pub(super) gain: f32,
     pub(super) counts: Counts,
@@ -48,7 +50,7 @@ pub(super) struct Solution<const M: usize, const P: usize> {
 }
 
 impl<const M: usize, const P: usize> Solution<M, P> {
-    pub(super) fn new(regression: &Regression<M>, head: &Head) -> Self {
+    pub(super) fn new(regression: &Regression<M>, head: &Head<M>) -> Self {
         let rows = head.mass.rows as u32;
         let estimate = Estimate::empty(regression.order, regression.offset, rows, head.counts);
         Self { estimate, variance: 0.0, inverse: [[0.0; MAX_OUTPUT_TERMS]; MAX_OUTPUT_TERMS], done: 0 }
@@ -58,7 +60,7 @@ impl<const M: usize, const P: usize> Solution<M, P> {
     pub(super) fn finish(
         mut self,
         regression: &Regression<M>,
-        head: &Head,
+        head: &Head<M>,
         triangle: &Triangle<M, P>,
     ) -> Result<Estimate<M, P>, Reason> {
         // As many pieces as there are parameters, and three.
@@ -76,7 +78,7 @@ impl<const M: usize, const P: usize> Solution<M, P> {
     pub(super) fn advance(
         &mut self,
         regression: &Regression<M>,
-        head: &Head,
+        head: &Head<M>,
         triangle: &Triangle<M, P>,
     ) -> Result<bool, Reason> {
         let n = regression.parameters();
@@ -102,7 +104,7 @@ impl<const M: usize, const P: usize> Solution<M, P> {
         &mut self,
         Sizes { n, inputs }: Sizes,
         regression: &Regression<M>,
-        head: &Head,
+        head: &Head<M>,
         triangle: &Triangle<M, P>,
     ) -> Result<(), Reason> {
         let outputs = n - inputs;
@@ -146,8 +148,9 @@ impl<const M: usize, const P: usize> Solution<M, P> {
         // One division after the other: the square of a scale could leave the range of f32.
         self.estimate.variance = self.variance / scale / scale / head.gain / head.gain;
         let ordered = theta.iter().take(n).skip(inputs).chain(theta.iter().take(inputs));
-        for ((cell, theta), factor) in self.estimate.delta.iter_mut().zip(ordered).zip(&regression.scale) {
-            *cell = theta * factor / scale;
+        let cells = self.estimate.delta.iter_mut().zip(ordered).zip(&regression.scale).zip(&head.base);
+        for (((cell, theta), factor), base) in cells {
+            *cell = base + theta * factor / scale;
         }
         self.variance *= head.mass.spread;
         Ok(())
@@ -187,7 +190,7 @@ impl<const M: usize, const P: usize> Solution<M, P> {
     }
 
     /// The checks of the result.
-    fn accept(&mut self, regression: &Regression<M>, head: &Head) -> Result<(), Reason> {
+    fn accept(&mut self, regression: &Regression<M>, head: &Head<M>) -> Result<(), Reason> {
         self.estimate.uncentre(head.origin);
         let mut numbers = self.estimate.delta.iter().chain(&self.estimate.covariance);
         if !self.estimate.variance.is_finite() || numbers.any(|x| !x.is_finite()) {
@@ -215,7 +218,7 @@ fn outputs<const M: usize>(regression: &Regression<M>) -> usize {
 
 fn check<const M: usize, const P: usize>(
     Sizes { n, inputs }: Sizes,
-    head: &Head,
+    head: &Head<M>,
     triangle: &Triangle<M, P>,
 ) -> Result<(), Reason> {
     if let Some(signal) = head.counts.stuck.iter().position(|stuck| *stuck) {
