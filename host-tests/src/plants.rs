@@ -113,6 +113,7 @@ impl Plant {
             integral: 0.0,
             noise,
             disturbance: 0.0,
+            held: false,
             generator: ChaCha8Rng::seed_from_u64(seed),
         }
     }
@@ -174,10 +175,17 @@ pub struct Source {
     integral: f64,
     noise: f64,
     disturbance: f64,
+    /// Whether reference (or u1) and u2 rest.
+    held: bool,
     generator: ChaCha8Rng,
 }
 
 impl Source {
+    /// From here on reference (or u1) and u2 rest on their values, and the noise is another; or all is as it was.
+    pub const fn hold(&mut self, held: bool, noise: f64) {
+        (self.held, self.noise) = (held, noise);
+    }
+
     /// With a disturbance of this standard deviation inside the plant: white equation error.
     #[must_use]
     pub const fn disturbed(mut self, deviation: f64) -> Self {
@@ -199,6 +207,9 @@ impl Iterator for Source {
         let [n1, n2, e]: [f64; 3] = std::array::from_fn(|_| StandardNormal.sample(&mut self.generator));
         let y = x + self.noise * e;
         for (([once, twice], pole), white) in self.signals.iter_mut().zip(self.colour).zip([n1, n2]) {
+            if self.held {
+                break;
+            }
             *once = pole * *once + (1.0 - pole * pole).sqrt() * white;
             *twice += (1.0 - pole) * (*once - *twice);
         }

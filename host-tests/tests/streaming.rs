@@ -64,8 +64,20 @@ fn follows_double_precision_within_a_small_part_of_sigma() {
     let cases: Vec<_> = PLANTS.iter().flat_map(|plant| [25.0, 20.0, 10.0].map(|ratio_db| (plant, ratio_db))).collect();
     let found: Vec<_> = cases.par_iter().map(|(plant, ratio_db)| readings(plant, *ratio_db)).collect();
     println!("{:20}{:>4}{:>12}{:>12}{:>8}{:>8}", "in units of σ", "dB", "arithmetic", "statistics", "left", "|K|");
+    let (mut within, mut failures) = (0, vec![]);
     for ((plant, ratio_db), found) in cases.into_iter().zip(found) {
         let Readings { arithmetic, statistics, left, gain } = found;
-        println!("{:20}{ratio_db:>4}{arithmetic:>12.1e}{statistics:>12.3}{left:>8.3}{gain:>8.3}", plant.name);
+        let line = format!("{:20}{ratio_db:>4}{arithmetic:>12.1e}{statistics:>12.3}{left:>8.3}{gain:>8.3}", plant.name);
+        println!("{line}");
+        let limit = if ratio_db < 15.0 { 0.1 } else { 0.05 };
+        within += u32::from(statistics <= limit);
+        // Ten times the largest found; no f32 comes closer than a millionth. What (1) leaves is of second order in the
+        // auxiliary model's error.
+        if !(1e-6..=0.006).contains(&arithmetic) || left > limit || (statistics > limit && statistics > 8.0 * gain) {
+            failures.push(line);
+        }
     }
+    println!("{within} of 36 within 0.05 (0.1 at 10 dB) of the iterated batch");
+    assert!(failures.is_empty(), "{failures:#?}");
+    assert!((26..=30).contains(&within), "27 when this was written");
 }
