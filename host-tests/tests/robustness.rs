@@ -44,7 +44,7 @@ const FAULTS: [Fault; 10] = [
     Fault::Burst(f32::NEG_INFINITY),
     Fault::Burst(1e30),
     Fault::Burst(1e3),
-    Fault::Burst(40.0),
+    Fault::Burst(15.0),
 ];
 
 /// A run with the fault in the middle of the third segment. Whole segments may come in between.
@@ -109,8 +109,8 @@ fn every_mode_stays_finite_and_recovers_within_a_segment() {
     let (order, noise) = (plant.order(), plant.noise(20.0));
     let long: Vec<_> = plant.source(noise, 77).take(200_000).collect();
     let long_record = Record::new(&long);
-    // Signals have an rms of one or two; spikes of forty pass the range guard and meet the weights.
-    let guard = Guard { huber: 6.0, stuck_samples: [50; 3], ..Guard::within([50.0; 3]) };
+    // Signals have an rms of one or two; spikes of fifteen pass the range guard and meet the weights.
+    let guard = Guard { huber: 6.0, stuck_samples: [50, 0, 0], ..Guard::within([20.0; 3]) };
     let settled = oracle::least_squares(&long_record, order, order.depth()..long.len(), 1.0).delta(order);
     let mut delta = [0.0; M];
     delta.iter_mut().zip(&settled.theta).for_each(|(cell, x)| *cell = *x as f32);
@@ -119,12 +119,12 @@ fn every_mode_stays_finite_and_recovers_within_a_segment() {
     let refined = refined(plant, &long);
     let refined = Regression { nominal: Nominal { deviation: noise as f32, ..refined.nominal }, guard, ..refined };
     let truth = oracle::delta(order, &plant.truth());
-    // Moving inputs have a mean motion near two.
+    // Mean motions are near 0.5 unfiltered and 4e-4 filtered.
     let methods: [(&str, Method, Regression<M>, &nalgebra::DVector<f64>); 4] = [
         ("least squares", last::<Regressor<M, L>, Triangle<M, P>>, least, &settled.theta),
         ("refined", last::<Instruments<M, L>, Triangle<M, P>>, refined, &truth),
         ("fading", last::<Regressor<M, L>, Fading<M, P>>, fading(least, 1e-3, 0.2), &settled.theta),
-        ("fading refined", last::<Instruments<M, L>, Fading<M, P>>, fading(refined, 1e-3, 1e-5), &truth),
+        ("fading refined", last::<Instruments<M, L>, Fading<M, P>>, fading(refined, 1e-3, 5e-5), &truth),
     ];
     println!("error after one segment, in standard deviations (and times the undisturbed)");
     for (name, method, regression, aim) in methods {
@@ -142,10 +142,52 @@ fn every_mode_stays_finite_and_recovers_within_a_segment() {
         println!("{name:16}{undisturbed:6.2}");
         for fault in FAULTS {
             let found = error(fault);
-            println!("{name:16}{found:6.2} ({:.2})  {fault:?}", found / undisturbed);
-            if found > 2.0 * undisturbed {
-                println!("BAD");
-            }
+            let times = found / undisturbed;
+            println!("{name:16}{found:6.2} ({times:.2})  {fault:?}");
+            // Half of it would mean that the fault teaches something.
+            assert!((0.5..=2.0).contains(&times), "{name}, {fault:?}: {found} after {undisturbed}");
         }
+        // Chance alone gives 1, of eight runs of five parameters to a fifth or so; fading memory weighs few rows.
+        assert!((0.5..1.5).contains(&undisturbed), "{name}: {undisturbed}");
+    }
+}
+
+#[test]
+fn a_constant_term_survives_rejected_samples() {
+    let plant = &PLANTS[4];
+    let (order, noise) = (plant.order(), plant.noise(20.0));
+    let truth = oracle::delta(order, &plant.truth());
+    let shifted = |sample: Sample| Sample { y: sample.y + 30.0, u1: sample.u1 - 20.0, u2: sample.u2 + 10.0 };
+    let long: Vec<_> = plant.source(noise, 77).take(200_000).map(shifted).collect();
+    let mut segments = refined(plant, &long);
+    segments.offset = true;
+    // The target's scale moves one place on behind the constant's; the nominal constant is that of the shift.
+    let n = order.parameters();
+    (segments.scale[n + 1], segments.scale[n]) = (segments.scale[n], 1.0);
+    let level = |k: usize| f64::from(segments.nominal.delta[k]);
+    let (t0, beta, gamma) = (level(0), level(order.na.into()), level((order.na + order.nb).into()));
+    segments.nominal.delta[n] = (-(t0 * 30.0) + beta * 20.0 - gamma * 10.0) as f32;
+    let methods: [(&str, Method, Regression<M>); 2] = [
+        ("refined", last::<Instruments<M, L>, Triangle<M, P>>, segments),
+        ("fading refined", last::<Instruments<M, L>, Fading<M, P>>, fading(segments, 1e-3, 5e-8)),
+    ];
+    println!("with a constant term: error without and with a rejected sample every 2500, in standard deviations");
+    for (name, method, regression) in methods {
+        let error = |holes: bool| {
+            let squares = (0..RUNS).into_par_iter().map(|seed| {
+                let samples = plant.source(noise, 900 + seed).take(SEGMENTS * SEGMENT).map(shifted);
+                let punched = |(place, sample): (usize, Sample)| {
+                    if holes && place % 2500 == 0 { Sample { y: f32::NAN, ..sample } } else { sample }
+                };
+                let samples: Vec<_> = samples.enumerate().map(punched).collect();
+                let estimate = method(&regression, &samples);
+                let covariance = estimate.covariance_matrix().view((0, 0), (n, n)).map(f64::from);
+                let fit = Fit { theta: truth.clone(), covariance, variance: 0.0, rows: 0 };
+                rho(&estimate.delta, &fit).powi(2)
+            });
+            (squares.sum::<f64>() / RUNS as f64).sqrt()
+        };
+        let found = [error(false), error(true)];
+        println!("{name:16}{:6.2} {:6.2}", found[0], found[1]);
     }
 }

@@ -46,6 +46,8 @@ pub struct Instruments<const M: usize, const L: usize, S = AnyShape> {
     constant: f32,
     /// What levels are taken from where there is a constant; else zero.
     origin: [f32; 3],
+    /// Whether the origin has been taken: it moves where the sums are empty, never with a sample that restarts filters.
+    placed: bool,
     y: [f32; MAX_OUTPUT_TERMS],
     x: [f32; MAX_OUTPUT_TERMS],
     /// Level and differences of filtered u1, then of u2; each as many as the filter or the row needs.
@@ -65,6 +67,7 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Instruments<M, L, S> 
             reference: Reference::new(nominal(regression)),
             constant: 0.0,
             origin: [0.0; 3],
+            placed: false,
             y: [0.0; MAX_OUTPUT_TERMS],
             x: [0.0; MAX_OUTPUT_TERMS],
             inputs: [0.0; M],
@@ -193,7 +196,7 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Instruments<M, L, S> 
 impl<const M: usize, const L: usize, S: Shape> Instruments<M, L, S> {
     /// Counts a sample that only fills the delays; with the last of them all filters start, at rest on it.
     #[cold]
-    fn fill(&mut self, regression: &Regression<M>, levels: [f32; 3]) {
+    fn fill(&mut self, regression: &Regression<M>, [y, u1, u2]: [f32; 3]) {
         self.filling -= 1;
         if self.filling > 0 {
             return;
@@ -201,12 +204,12 @@ impl<const M: usize, const L: usize, S: Shape> Instruments<M, L, S> {
         self.settling = self.settling.max(u32::from(regression.settle));
         (self.y, self.x) = ([0.0; MAX_OUTPUT_TERMS], [0.0; MAX_OUTPUT_TERMS]);
         self.inputs = [0.0; M];
-        if regression.offset {
-            self.origin = levels;
-            self.recentre(regression);
-            return;
+        if regression.offset && !self.placed {
+            (self.origin, self.placed) = ([y, u1, u2], true);
         }
-        let [y, u1, u2] = levels;
+        self.refer(regression);
+        let [y0, u1_0, u2_0] = self.origin;
+        let [y, u1, u2] = [y - y0, u1 - u1_0, u2 - u2_0];
         let [y_level, x_level] = [self.y.first_mut(), self.x.first_mut()];
         y_level.into_iter().chain(x_level).for_each(|level| *level = y);
         // An input that is not used has no cells; its level would be the other's.
@@ -219,36 +222,44 @@ impl<const M: usize, const L: usize, S: Shape> Instruments<M, L, S> {
         }
     }
 
-    /// Another auxiliary model runs from here on; levels are taken from where the signals are now.
+    /// Another auxiliary model runs from here on; levels are taken from where the signals are now, unless there are rows
+    /// that are taken from elsewhere.
     #[cold]
     fn take_over(&mut self, regression: &Regression<M>) {
-        if regression.offset && self.filling == 0 {
+        if regression.offset && self.filling == 0 && regression.memory == Memory::Segment {
             self.recentre(regression);
         }
+        self.refer(regression);
+    }
+
+    /// The auxiliary model's constant as seen from the origin.
+    fn refer(&mut self, regression: &Regression<M>) {
+        let Order { na, nb, nc, .. } = regression.order;
+        let (na, nb, nc) = (na as usize, nb as usize, nc as usize);
+        let gain =
+            |used: bool, place: usize| if used { self.reference.now.get(place).copied().unwrap_or(0.0) } else { 0.0 };
+        let [y0, u1_0, u2_0] = self.origin;
+        let constant = gain(regression.offset, na + nb + nc);
+        self.constant = constant + gain(true, 0) * y0 + gain(nb > 0, na) * u1_0 + gain(nc > 0, na + nb) * u2_0;
     }
 
     /// Moves the origin to the present levels: with unit gain at rest, filtering and moving commute.
     fn recentre(&mut self, regression: &Regression<M>) {
-        let Order { na, nb, nc, .. } = regression.order;
-        let (na, nb, nc) = (na as usize, nb as usize, nc as usize);
+        let Order { nb, nc, .. } = regression.order;
         let second = second_input(&regression.order);
         let y_level = self.y.first().copied().unwrap_or(0.0);
         if let Some(x_level) = self.x.first_mut() {
             *x_level -= y_level;
         }
-        let [y0, u1_0, u2_0] = &mut self.origin;
-        let mut constant = self.reference.now.get(na + nb + nc).copied().unwrap_or(0.0);
-        let mut shift = |used: bool, origin: &mut f32, level: Option<&mut f32>, gain: Option<&f32>| {
-            if let (true, Some(level), Some(gain)) = (used, level, gain) {
+        let shift = |used: bool, origin: &mut f32, level: Option<&mut f32>| {
+            if let (true, Some(level)) = (used, level) {
                 *origin += core::mem::take(level);
-                constant += gain * *origin;
             }
         };
-        let gains = &self.reference.now;
-        shift(true, y0, self.y.first_mut(), gains.first());
-        shift(nb > 0, u1_0, self.inputs.first_mut(), gains.get(na));
-        shift(nc > 0, u2_0, self.inputs.get_mut(second), gains.get(na + nb));
-        self.constant = constant;
+        let [y0, u1_0, u2_0] = &mut self.origin;
+        shift(true, y0, self.y.first_mut());
+        shift(nb > 0, u1_0, self.inputs.first_mut());
+        shift(nc > 0, u2_0, self.inputs.get_mut(second));
     }
 }
 
