@@ -25,7 +25,7 @@
 
 use super::reference::{self, Candidate, Reference};
 use super::regression::MAX_OUTPUT_TERMS;
-use super::rows::{AnyShape, Delay, Row, Rows, Shape};
+use super::rows::{AnyShape, Delays, Row, Rows, Shape};
 use super::{Estimate, Method, Order, Regression};
 use crate::detector::Sample;
 
@@ -43,29 +43,27 @@ pub struct Instruments<const M: usize, const L: usize, S = AnyShape> {
     /// What levels are taken from where there is a constant; else zero.
     origin: [f32; 3],
     y: [f32; MAX_OUTPUT_TERMS],
-    x: [f32; MAX_OUTPUT_TERMS],
-    /// Level and differences of filtered u1, then of u2; each as many as the filter or the row needs.
-    inputs: [f32; M],
-    u1: Delay<L>,
-    u2: Delay<L>,
+    /// Level and differences of the simulated output, of filtered u1, of filtered u2; as many as filter and row need.
+    cells: [f32; M],
+    delays: Delays<L>,
     /// Samples until the filters start: the delayed inputs must be clean.
     filling: u16,
     /// Samples until rows are given.
-    settling: u32,
+    settling: u16,
     shape: core::marker::PhantomData<S>,
 }
 
 impl<const M: usize, const L: usize, S: Shape> Rows<M> for Instruments<M, L, S> {
+    type Shape = S;
+
     fn new(regression: &Regression<M>) -> Self {
         Self {
             reference: Reference::new(nominal(regression)),
             constant: 0.0,
             origin: [0.0; 3],
             y: [0.0; MAX_OUTPUT_TERMS],
-            x: [0.0; MAX_OUTPUT_TERMS],
-            inputs: [0.0; M],
-            u1: Delay::new(),
-            u2: Delay::new(),
+            cells: [0.0; M],
+            delays: Delays::new(),
             filling: filling(regression),
             settling: 0,
             shape: core::marker::PhantomData,
@@ -76,6 +74,7 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Instruments<M, L, S> 
         regression.method == Method::Instruments
             && (1..=MAX_OUTPUT_TERMS).contains(&(regression.order.na as usize))
             && regression.columns() <= M
+            && cells(&regression.order) <= M
             && regression.order.largest_delay() <= L
             && S::fits(regression)
     }
@@ -88,20 +87,21 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Instruments<M, L, S> 
         if self.reference.tick(|| nominal(regression)) {
             self.take_over(regression);
         }
-        let (u1, u2) = (self.u1.push(sample.u1, nkb), self.u2.push(sample.u2, nkc));
+        let [u1, u2] = self.delays.push([sample.u1, sample.u2], [nkb, nkc]);
         if self.filling > 0 {
             self.fill(regression, [sample.y, u1, u2]);
             return None;
         }
         let [y0, u1_0, u2_0] = self.origin;
         let (t, gains) = self.reference.now.split_at_checked(na)?;
-        let (u1_cells, rest) = self.inputs.split_at_mut_checked(second_input(&order))?;
-        let u2_cells = rest.get_mut(..if nc > 0 { nc.max(na) } else { 0 })?;
+        let (x, rest) = self.cells.split_at_mut_checked(na)?;
+        let (u1_cells, rest) = rest.split_at_mut_checked(used(order.nb, order.na))?;
+        let u2_cells = rest.get_mut(..used(order.nc, order.na))?;
         let (du1, du2) = (increment(u1_cells, t, u1 - u1_0), increment(u2_cells, t, u2 - u2_0)); // (1)
         advance(u1_cells, du1);
         advance(u2_cells, du2);
 
-        let (y, x) = (self.y.get_mut(..na)?, self.x.get_mut(..na)?);
+        let y = self.y.get_mut(..na)?;
         let dy = increment(y, t, sample.y - y0);
         let (u1_used, u2_used) = (u1_cells.get(..nb)?, u2_cells.get(..nc)?);
         let (beta, gamma) = gains.split_at_checked(nb)?;
@@ -131,7 +131,7 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Instruments<M, L, S> 
         advance(y, dy);
         advance(x, dx);
         // Written so that NaN starts anew too.
-        let bounded = self.x.iter().take(1).all(|x| x.abs() <= BOUND * regression.guard.limit[0]);
+        let bounded = self.cells.iter().take(1).all(|x| x.abs() <= BOUND * regression.guard.limit[0]);
         if !bounded {
             self.filling = 1;
         }
@@ -147,7 +147,7 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Instruments<M, L, S> 
     }
 
     fn next_segment(&mut self, regression: &Regression<M>) {
-        self.settling = u32::from(regression.handover) + u32::from(regression.settle);
+        self.settling = regression.handover.saturating_add(regression.settle);
         if self.reference.next_segment(regression.handover, || nominal(regression)) {
             self.take_over(regression);
         }
@@ -182,24 +182,19 @@ impl<const M: usize, const L: usize, S: Shape> Instruments<M, L, S> {
         if self.filling > 0 {
             return;
         }
-        self.settling = self.settling.max(u32::from(regression.settle));
-        (self.y, self.x) = ([0.0; MAX_OUTPUT_TERMS], [0.0; MAX_OUTPUT_TERMS]);
-        self.inputs = [0.0; M];
-        if regression.offset {
-            self.origin = levels;
-            self.recentre(regression);
-            return;
-        }
+        self.settling = self.settling.max(regression.settle);
+        (self.y, self.cells) = ([0.0; MAX_OUTPUT_TERMS], [0.0; M]);
         let [y, u1, u2] = levels;
-        let [y_level, x_level] = [self.y.first_mut(), self.x.first_mut()];
-        y_level.into_iter().chain(x_level).for_each(|level| *level = y);
-        // An input that is not used has no cells; its level would be the other's.
-        let Order { nb, nc, .. } = regression.order;
-        let second = second_input(&regression.order);
-        for (used, place, value) in [(nb > 0, 0, u1), (nc > 0, second, u2)] {
-            if let (true, Some(level)) = (used, self.inputs.get_mut(place)) {
+        let [x_level, u1_level, u2_level] = levels_of(&regression.order);
+        self.y.first_mut().into_iter().for_each(|level| *level = y);
+        for (place, value) in [(x_level, y), (u1_level, u1), (u2_level, u2)] {
+            if let Some(level) = place.and_then(|place| self.cells.get_mut(place)) {
                 *level = value;
             }
+        }
+        if regression.offset {
+            self.origin = [0.0; 3];
+            self.recentre(regression);
         }
     }
 
@@ -215,41 +210,50 @@ impl<const M: usize, const L: usize, S: Shape> Instruments<M, L, S> {
     fn recentre(&mut self, regression: &Regression<M>) {
         let Order { na, nb, nc, .. } = regression.order;
         let (na, nb, nc) = (na as usize, nb as usize, nc as usize);
-        let second = second_input(&regression.order);
-        let y_level = self.y.first().copied().unwrap_or(0.0);
-        if let Some(x_level) = self.x.first_mut() {
-            *x_level -= y_level;
-        }
-        let [y0, u1_0, u2_0] = &mut self.origin;
-        let mut constant = self.reference.now.get(na + nb + nc).copied().unwrap_or(0.0);
-        let mut shift = |used: bool, origin: &mut f32, level: Option<&mut f32>, gain: Option<&f32>| {
-            if let (true, Some(level), Some(gain)) = (used, level, gain) {
-                *origin += core::mem::take(level);
-                constant += gain * *origin;
-            }
-        };
         let gains = &self.reference.now;
-        shift(true, y0, self.y.first_mut(), gains.first());
-        shift(nb > 0, u1_0, self.inputs.first_mut(), gains.get(na));
-        shift(nc > 0, u2_0, self.inputs.get_mut(second), gains.get(na + nb));
-        self.constant = constant;
+        let [x_level, u1_level, u2_level] = levels_of(&regression.order);
+        let [y0, u1_0, u2_0] = &mut self.origin;
+        let level = self.y.first_mut().map_or(0.0, core::mem::take);
+        *y0 += level;
+        if let Some(x) = x_level.and_then(|place| self.cells.get_mut(place)) {
+            *x -= level;
+        }
+        let constant = gains.get(na + nb + nc).copied().unwrap_or(0.0);
+        self.constant = constant + gains.first().map_or(0.0, |t| t * *y0);
+        for (place, origin, gain) in [(u1_level, u1_0, gains.get(na)), (u2_level, u2_0, gains.get(na + nb))] {
+            if let (Some(level), Some(gain)) = (place.and_then(|place| self.cells.get_mut(place)), gain) {
+                *origin += core::mem::take(level);
+                self.constant += gain * *origin;
+            }
+        }
     }
 }
 
-/// Where the cells of the second input begin.
-const fn second_input(order: &Order) -> usize {
-    if order.nb == 0 {
+/// Level and differences an input needs: for its terms in the row and for the filter's memory.
+const fn used(terms: u8, na: u8) -> usize {
+    if terms == 0 {
         0
-    } else if order.nb > order.na {
-        order.nb as usize
+    } else if terms > na {
+        terms as usize
     } else {
-        order.na as usize
+        na as usize
     }
+}
+
+/// Cells of the simulated output and both inputs.
+const fn cells(order: &Order) -> usize {
+    order.na as usize + used(order.nb, order.na) + used(order.nc, order.na)
+}
+
+/// Places of the levels of x̂, u1, u2; nothing for an input without terms.
+fn levels_of(&Order { na, nb, nc, .. }: &Order) -> [Option<usize>; 3] {
+    let first = na as usize;
+    [Some(0), (nb > 0).then_some(first), (nc > 0).then_some(first + used(nb, na))]
 }
 
 /// Samples until every delayed input is clean, and the one that starts the filters.
 fn filling<const M: usize>(regression: &Regression<M>) -> u16 {
-    regression.order.largest_delay() as u16 + 1
+    u16::from(regression.order.nkb.max(regression.order.nkc)) + 1
 }
 
 fn nominal<const M: usize>(regression: &Regression<M>) -> Candidate<M> {

@@ -17,6 +17,9 @@ pub struct Row<const M: usize> {
 
 /// Samples → rows: the regressor of least squares, or that and the instruments.
 pub trait Rows<const M: usize>: Clone + core::fmt::Debug + PartialEq {
+    /// The structure, if it is known when compiling.
+    type Shape: Shape;
+
     /// Nothing sampled yet.
     fn new(regression: &Regression<M>) -> Self;
 
@@ -88,25 +91,31 @@ impl Shape for AnyShape {
     const FIXED: Option<(Order, bool)> = None;
 }
 
-/// A signal as it was `delay` samples ago.
+/// Two signals as they were some samples ago.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Delay<const L: usize> {
-    ring: [f32; L],
-    place: u8,
+pub(super) struct Delays<const L: usize> {
+    rings: [[f32; L]; 2],
+    places: [u8; 2],
 }
 
-impl<const L: usize> Delay<L> {
+impl<const L: usize> Delays<L> {
     pub(super) const fn new() -> Self {
-        Self { ring: [0.0; L], place: 0 }
+        Self { rings: [[0.0; L]; 2], places: [0; 2] }
     }
 
     #[inline]
-    pub(super) fn push(&mut self, newest: f32, delay: u8) -> f32 {
-        let Some(cell) = self.ring.get_mut(self.place as usize) else { return newest };
-        if delay == 0 {
-            return newest;
-        }
-        self.place = if self.place + 1 >= delay { 0 } else { self.place + 1 };
-        core::mem::replace(cell, newest)
+    pub(super) fn push(&mut self, [u1, u2]: [f32; 2], [nkb, nkc]: [u8; 2]) -> [f32; 2] {
+        let ([first, second], [place_1, place_2]) = (&mut self.rings, &mut self.places);
+        [exchange(first, place_1, u1, nkb), exchange(second, place_2, u2, nkc)]
     }
+}
+
+#[inline]
+fn exchange(ring: &mut [f32], place: &mut u8, newest: f32, delay: u8) -> f32 {
+    let Some(cell) = ring.get_mut(*place as usize) else { return newest };
+    if delay == 0 {
+        return newest;
+    }
+    *place = if *place + 1 >= delay { 0 } else { *place + 1 };
+    core::mem::replace(cell, newest)
 }

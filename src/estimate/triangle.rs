@@ -117,7 +117,8 @@ impl<const M: usize, const P: usize> Triangle<M, P> {
     }
 
     /// Columns in use.
-    pub(super) const fn columns(&self) -> usize {
+    #[must_use]
+    pub const fn columns(&self) -> usize {
         self.columns
     }
 
@@ -175,15 +176,72 @@ impl<const M: usize, const P: usize> Triangle<M, P> {
     pub fn inverse(&self) -> [f32; P] {
         let n = self.columns.saturating_sub(1);
         let mut inverse = [0.0_f32; P];
-        // Column k of R⁻¹ is v with R v = e(k); then (R⁻¹ D⁻¹ R⁻ᵀ)(i, j) = Σ_k v(i) v(j) / d(k).
-        for (k, d) in self.d.iter().enumerate().take(n) {
-            let mut column = [0.0_f32; M];
-            let Some(v) = column.get_mut(..=k) else { continue };
-            v.iter_mut().last().into_iter().for_each(|own| *own = 1.0);
-            self.back_substitute(v);
-            add_outer(&mut inverse, v, 1.0 / d);
-        }
+        (0..n).for_each(|k| self.add_inverse_column(k, &mut inverse));
         inverse
+    }
+
+    /// Adds what column k of R⁻¹ gives to the inverse: v with R v = e(k), then (R⁻¹ D⁻¹ R⁻ᵀ)(i, j) = Σ_k v(i) v(j) / d(k).
+    pub(super) fn add_inverse_column(&self, k: usize, inverse: &mut [f32; P]) {
+        let mut column = [0.0_f32; M];
+        let (Some(v), Some(d)) = (column.get_mut(..=k), self.d.get(k)) else { return };
+        v.iter_mut().last().into_iter().for_each(|own| *own = 1.0);
+        self.back_substitute(v);
+        let weight = 1.0 / d;
+        let mut rest = inverse.as_mut_slice();
+        for (i, vi) in v.iter().enumerate() {
+            let Some((row, below)) = rest.split_at_mut_checked(i + 1) else { return };
+            let scaled = vi * weight;
+            row.iter_mut().zip(&*v).for_each(|(cell, vj)| *cell += scaled * vj);
+            rest = below;
+        }
+    }
+
+    /// The same in straight-line code, for `n` parameters known when compiling.
+    #[inline(always)]
+    pub(super) fn add_inverse_column_of(&self, n: usize, k: usize, inverse: &mut [f32; P]) {
+        if n + 1 != self.columns || !kernels::add_inverse_column(n, k, &self.d, &self.r, inverse) {
+            self.add_inverse_column(k, inverse);
+        }
+    }
+
+    /// The factor of the regression alone, from that of `inputs` input columns, then `outputs` instruments, as many
+    /// output columns, and the target:
+    ///
+    /// ```text
+    /// T = [ R_uu  R_uy  r_u ; 0  G  r_x ],   weights D        T θ = r  ⇔  (ZᵀX) θ = Zᵀ y                  (4)
+    /// ```
+    ///
+    /// The rows of G are rotated into a triangle like any other rows, so that what follows is least squares:
+    /// Tᵀ D T = Rᵀ D R of the new factor is (XᵀZ)(ZᵀZ)⁻¹(ZᵀX). Beside it, how well the instruments follow the
+    /// output: det² G over the squares of its row norms, 1 for orthogonal rows.
+    pub(super) fn without_instruments(&self, inputs: usize, outputs: usize) -> (Self, f32) {
+        let mut new = Self::new(inputs + outputs + 1);
+        // Output columns and target are the last of every row.
+        let tail = |i: usize| {
+            let row = self.row(i);
+            (row, row.get(row.len().saturating_sub(outputs + 1)..).unwrap_or(&[]))
+        };
+        for i in 0..inputs {
+            let ((start, length), (row, tail)) = (new.place(i), tail(i));
+            let cells = new.r.get_mut(start..start + length).unwrap_or_default();
+            let (head, end) = cells.split_at_mut_checked(inputs - 1 - i).unwrap_or_default();
+            head.iter_mut().zip(row).for_each(|(to, from)| *to = *from);
+            end.iter_mut().zip(tail).for_each(|(to, from)| *to = *from);
+        }
+        new.d.iter_mut().zip(&self.d).take(inputs).for_each(|(to, from)| *to = *from);
+        let start = new.place(inputs).0;
+        let mut strength = 1.0;
+        for (i, weight) in self.d.iter().enumerate().skip(inputs).take(outputs) {
+            let mut x = [0.0; M];
+            let x = x.get_mut(..outputs + 1).unwrap_or_default();
+            x.iter_mut().zip(tail(i).1).for_each(|(to, from)| *to = *from);
+            strength /= weight * x.iter().take(outputs).fold(0.0, |sum, x| sum + x * x);
+            if let (Some(d), Some(r)) = (new.d.get_mut(inputs..new.columns), new.r.get_mut(start..)) {
+                rotate_any::<false>(d, r, x, *weight, Forgetting { lambda: 1.0, floor: 0.0 });
+            }
+        }
+        new.d.iter().skip(inputs).take(outputs).for_each(|d| strength *= d);
+        (new, strength)
     }
 
     /// The first parameter whose column is, to rounding, a combination of the columns before it (or zero):
@@ -204,17 +262,6 @@ impl<const M: usize, const P: usize> Triangle<M, P> {
         // Written so that NaN counts as dependent.
         let pivots = self.d.iter().zip(above).take(count);
         pivots.map(|(own, above)| *own > DEPENDENT * above && *own > 4.0 * PRIOR).position(|excited| !excited)
-    }
-}
-
-/// C ← C + weight · v vᵀ on the lower triangle packed by rows, for the leading places that v has.
-pub(super) fn add_outer(packed: &mut [f32], v: &[f32], weight: f32) {
-    let mut rest = packed;
-    for (i, vi) in v.iter().enumerate() {
-        let Some((row, below)) = rest.split_at_mut_checked(i + 1) else { return };
-        let scaled = vi * weight;
-        row.iter_mut().zip(v).for_each(|(cell, vj)| *cell += scaled * vj);
-        rest = below;
     }
 }
 
