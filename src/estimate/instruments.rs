@@ -25,7 +25,7 @@
 
 use super::reference::{self, Candidate, Reference};
 use super::regression::MAX_OUTPUT_TERMS;
-use super::rows::{AnyShape, Delays, Row, Rows, Shape};
+use super::rows::{AnyShape, Delays, Form, Row, Rows, Shape};
 use super::{Estimate, Method, Order, Regression};
 use crate::detector::Sample;
 
@@ -81,7 +81,7 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Instruments<M, L, S> 
 
     #[inline]
     fn push(&mut self, regression: &Regression<M>, sample: &Sample) -> Option<Row<M>> {
-        let (order, offset) = S::of(regression);
+        let Form { order, offset, .. } = S::of(regression);
         let Order { na, nb, nc, nkb, nkc } = order;
         let (na, nb, nc) = (na as usize, nb as usize, nc as usize);
         if self.reference.tick(|| nominal(regression)) {

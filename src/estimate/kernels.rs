@@ -1,4 +1,4 @@
-//! Straight-line code for the sizes a model uses: LLVM stops unrolling the plain loops at nine columns, and they
+//! Straight-line code of the row update for the sizes a model uses: LLVM stops unrolling the plain loops at nine columns, and they
 //! then cost about twice as much.
 
 use super::Forgetting;
@@ -17,8 +17,8 @@ pub(super) fn pivot<const FORGET: bool>(di: &mut f32, xi: f32, w: &mut f32, forg
     q / d
 }
 
-/// Place of R(i, j), j > i, in the packed rows.
-const fn packed(m: usize, i: usize, j: usize) -> usize {
+/// Place of R(i, j), j > i, in the packed rows of m columns.
+pub(super) const fn packed(m: usize, i: usize, j: usize) -> usize {
     i * (2 * m - i - 1) / 2 + j - i - 1
 }
 
@@ -102,86 +102,4 @@ straight_line! {
     rotate_18 18: 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17;
     rotate_19 19: 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18;
     rotate_20 20: 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19;
-}
-
-/// A branch for each column k, walking the list: the columns before it ascending, and descending.
-macro_rules! columns {
-    ($n:literal $k:ident $d:ident $r:ident $c:ident; [$($seen:literal)*] [$($reversed:literal)*]) => {};
-    ($n:literal $k:ident $d:ident $r:ident $c:ident; [$($seen:literal)*] [$($reversed:literal)*] $head:literal $($rest:literal)*) => {
-        if $k == $head {
-            let mut x = [0.0_f32; $n];
-            x[$head] = 1.0;
-            back!($n $r x; [$head] $($reversed)*);
-            let weight = 1.0 / $d[$head];
-            outer!($c x weight; [] $($seen)* $head);
-        }
-        columns!($n $k $d $r $c; [$($seen)* $head] [$head $($reversed)*] $($rest)*);
-    };
-}
-
-/// x(i) = −Σ_{j>i} R(i, j) x(j), i descending.
-macro_rules! back {
-    ($n:literal $r:ident $x:ident; [$($later:literal)+]) => {};
-    ($n:literal $r:ident $x:ident; [$($later:literal)+] $i:literal $($rest:literal)*) => {
-        $($x[$i] -= $r[const { packed($n + 1, $i, $later) }] * $x[$later];)+
-        back!($n $r $x; [$i $($later)+] $($rest)*);
-    };
-}
-
-/// C(i, j) += w x(i) x(j), j ≤ i.
-macro_rules! outer {
-    ($c:ident $x:ident $w:ident; [$($seen:literal)*]) => {};
-    ($c:ident $x:ident $w:ident; [$($seen:literal)*] $i:literal $($rest:literal)*) => {
-        let scaled = $x[$i] * $w;
-        $($c[const { lower($i, $seen) }] += scaled * $x[$seen];)*
-        $c[const { lower($i, $i) }] += scaled * $x[$i];
-        outer!($c $x $w; [$($seen)* $i] $($rest)*);
-    };
-}
-
-/// One column of `R⁻¹`, and its share of `R⁻¹ D⁻¹ R⁻ᵀ` added to the packed lower triangle, for `n` parameters; `false`
-/// if there is no such kernel. Worth calling only where `n` is known when compiling, or every size is linked.
-#[inline(always)]
-pub(super) fn add_inverse_column(n: usize, k: usize, d: &[f32], r: &[f32], inverse: &mut [f32]) -> bool {
-    macro_rules! sizes {
-        ($($n:literal: $($k:literal)+;)+) => {
-            match n {
-                $($n => {
-                    let (Some(d), Some(r), Some(inverse)) = (
-                        d.first_chunk::<$n>(),
-                        r.first_chunk::<{ $n * ($n + 1) / 2 }>(),
-                        inverse.first_chunk_mut::<{ $n * ($n + 1) / 2 }>(),
-                    ) else {
-                        return false;
-                    };
-                    columns!($n k d r inverse; [] [] $($k)+);
-                    true
-                })+
-                _ => false,
-            }
-        };
-    }
-    sizes! {
-        1: 0;
-        2: 0 1;
-        3: 0 1 2;
-        4: 0 1 2 3;
-        5: 0 1 2 3 4;
-        6: 0 1 2 3 4 5;
-        7: 0 1 2 3 4 5 6;
-        8: 0 1 2 3 4 5 6 7;
-        9: 0 1 2 3 4 5 6 7 8;
-        10: 0 1 2 3 4 5 6 7 8 9;
-        11: 0 1 2 3 4 5 6 7 8 9 10;
-        12: 0 1 2 3 4 5 6 7 8 9 10 11;
-        13: 0 1 2 3 4 5 6 7 8 9 10 11 12;
-        14: 0 1 2 3 4 5 6 7 8 9 10 11 12 13;
-        15: 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14;
-        16: 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15;
-    }
-}
-
-/// Place of element (i, j ≤ i) of a symmetric matrix, lower triangle packed by rows.
-const fn lower(i: usize, j: usize) -> usize {
-    i * (i + 1) / 2 + j
 }

@@ -11,7 +11,7 @@
 //! accepted model exceeds the threshold κσ weighs κσ/|e|.
 
 use super::reference::{self, Candidate, Reference};
-use super::rows::{AnyShape, Delays, Row, Rows, Shape};
+use super::rows::{AnyShape, Delays, Form, Row, Rows, Shape};
 use super::{Estimate, Method, Order, Regression};
 use crate::detector::Sample;
 
@@ -65,7 +65,7 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Regressor<M, L, S> {
 
     #[inline]
     fn push(&mut self, regression: &Regression<M>, sample: &Sample) -> Option<Row<M>> {
-        let (order, offset) = S::of(regression);
+        let Form { order, offset, .. } = S::of(regression);
         let Order { na, nb, nc, nkb, nkc } = order;
         let swapped = self.reference.tick(|| nominal(regression));
         if offset && (self.first || swapped) {

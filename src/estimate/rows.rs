@@ -1,7 +1,7 @@
 //! What the two sources of rows, [`Regressor`](super::Regressor) and [`Instruments`](super::Instruments), have in
 //! common.
 
-use super::{Estimate, Order, Regression};
+use super::{Estimate, Method, Order, Regression};
 use crate::detector::Sample;
 
 /// One row for the triangle.
@@ -52,43 +52,69 @@ pub trait Rows<const M: usize>: Clone + core::fmt::Debug + PartialEq {
     fn refused(&self) -> u8;
 }
 
-/// The structure of the rows, if it is known when compiling: loops over terms are then straight-line code.
+/// What the rows look like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Form {
+    /// Terms and delays.
+    pub order: Order,
+    /// Whether there is a constant.
+    pub offset: bool,
+    /// Least squares or instrumental variables.
+    pub method: Method,
+}
+
+impl Form {
+    /// Parameters with their own column as instrument, and those with an instrument apart.
+    #[inline(always)]
+    pub(super) const fn split(self) -> (usize, usize) {
+        let n = self.order.columns(self.offset) - 1;
+        let outputs = match self.method {
+            Method::LeastSquares => 0,
+            Method::Instruments => self.order.na as usize,
+        };
+        (n - outputs, outputs)
+    }
+}
+
+/// The form of the rows, if it is known when compiling: loops over terms are then straight-line code.
 ///
 /// ```
-/// use bearing_watch::estimate::{Order, Shape};
+/// use bearing_watch::estimate::{Form, Method, Order, Shape};
 /// /// Two output terms, one of each input, no constant.
 /// #[derive(Clone, Copy, Debug, PartialEq)]
 /// struct Mine;
 /// impl Shape for Mine {
-///     const FIXED: Option<(Order, bool)> = Some((Order::new(2, 1, 1, 1, 1), false));
+///     const FIXED: Option<Form> =
+///         Some(Form { order: Order::new(2, 1, 1, 1, 1), offset: false, method: Method::LeastSquares });
 /// }
 /// type Estimator<'m> = bearing_watch::Estimator<'m, 5, 10, 1, bearing_watch::estimate::Regressor<5, 1, Mine>>;
 /// ```
 pub trait Shape: Clone + Copy + core::fmt::Debug + PartialEq {
-    /// Order and whether there is a constant; nothing where the regression tells at run time.
-    const FIXED: Option<(Order, bool)>;
+    /// The form; nothing where the regression tells at run time.
+    const FIXED: Option<Form>;
 
-    /// The structure to run with.
-    #[inline]
-    fn of<const M: usize>(regression: &Regression<M>) -> (Order, bool) {
+    /// The form to run with.
+    #[inline(always)]
+    fn of<const M: usize>(regression: &Regression<M>) -> Form {
         match Self::FIXED {
             Some(fixed) => fixed,
-            None => (regression.order, regression.offset),
+            None => regression.form(),
         }
     }
 
-    /// Whether the regression has this structure.
+    /// Whether the regression has this form.
     fn fits<const M: usize>(regression: &Regression<M>) -> bool {
-        Self::of(regression) == (regression.order, regression.offset)
+        Self::of(regression) == regression.form()
     }
 }
 
-/// Any structure: what a program needs that learns the order when it runs.
+/// Any form: what a program needs that learns the order when it runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AnyShape;
 
 impl Shape for AnyShape {
-    const FIXED: Option<(Order, bool)> = None;
+    const FIXED: Option<Form> = None;
 }
 
 /// Two signals as they were some samples ago.
