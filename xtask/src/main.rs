@@ -1,5 +1,6 @@
 //! What the repository's own commands do: `cargo xtask test | firmware | measure | peers | setup`.
 
+mod board;
 mod bounds;
 mod child;
 mod elf;
@@ -19,6 +20,7 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 
+use board::DRIVE;
 use toolchain::Way;
 
 /// Set-up, tests, firmware builds, emulator runs, instruction and size tables.
@@ -79,8 +81,8 @@ fn run(arguments: &Arguments) -> Result<bool> {
     setup::ensure(way)?;
     match &arguments.command {
         Command::Firmware { example } => {
-            let elf = firmware::build(way, example)?;
-            qemu::run(&elf, qemu::DRIVE, qemu::Echo::On)?;
+            let elf = firmware::build(way, DRIVE, example)?;
+            qemu::run(&elf, DRIVE.machine, qemu::Echo::On)?;
         }
         Command::Measure { json } => {
             let figures = measure::figures(way)?;

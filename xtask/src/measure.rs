@@ -6,6 +6,7 @@ use std::fs;
 use anyhow::{Context, Result, ensure};
 use serde_json::{Value, json};
 
+use crate::board::DRIVE;
 use crate::toolchain::Way;
 use crate::{elf, firmware, qemu, workspace};
 
@@ -24,7 +25,7 @@ pub struct Figure {
 /// Builds and runs the example `measure`, and adds what the example `monitor` takes of the chip.
 pub fn figures(way: Way) -> Result<Vec<Figure>> {
     let mut figures = kernels(way)?;
-    let sizes = elf::sizes(&firmware::build(way, "monitor")?)?;
+    let sizes = elf::sizes(&firmware::build(way, DRIVE, "monitor")?)?;
     let recording = workspace::root().join("examples/support/standard_rig/held_out.bin");
     let recording = fs::metadata(&recording).with_context(|| format!("no {}", recording.display()))?.len();
     let rows = [
@@ -40,8 +41,8 @@ pub fn figures(way: Way) -> Result<Vec<Figure>> {
 
 /// Only what the example `measure` prints.
 pub fn kernels(way: Way) -> Result<Vec<Figure>> {
-    let elf = firmware::build(way, "measure")?;
-    let lines = qemu::run(&elf, qemu::DRIVE, qemu::Echo::Off)?;
+    let elf = firmware::build(way, DRIVE, "measure")?;
+    let lines = qemu::run(&elf, DRIVE.machine, qemu::Echo::Off)?;
     ensure!(!lines.is_empty(), "the example `measure` printed nothing");
     lines.iter().map(|line| figure(line)).collect()
 }

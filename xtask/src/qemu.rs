@@ -13,9 +13,6 @@ use crate::child;
 /// The emulator.
 pub const PROGRAM: &str = "qemu-system-arm";
 
-/// An STM32F405: the memory map of `memory.x`, a Cortex-M4F.
-pub const DRIVE: &str = "netduinoplus2";
-
 /// Far above what any example takes; firmware for another core hangs without a word.
 const PATIENCE: Duration = Duration::from_secs(60);
 

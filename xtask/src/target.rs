@@ -2,13 +2,17 @@
 
 use anyhow::{Context, Result, bail, ensure};
 
+use crate::board::{Board, DRIVE, OTHERS};
 use crate::bounds::BOUNDS;
 use crate::tally::Tally;
-use crate::toolchain::Way;
+use crate::toolchain::{self, Way};
 use crate::{child, elf, firmware, measure, qemu, workspace};
 
 /// Examples that must print the same lines, bit for bit, on the host and on the target.
 const TWINS: [&str; 2] = ["monitor", "kernels"];
+
+/// Of these, the ones for which that holds on every board.
+const EVERYWHERE: [&str; 1] = ["kernels"];
 
 const NO_TOOLS: &str = "no firmware tools, see set-up";
 
@@ -20,19 +24,30 @@ pub fn builds(tally: &mut Tally, way: Option<Way>) {
     };
     for name in names {
         match way {
-            Some(way) => tally.check(&name, brief(firmware::build(way, &name).map(|_| ""))),
+            Some(way) => tally.check(&name, brief(firmware::build(way, DRIVE, &name).map(|_| ""))),
             None => tally.skip(&name, NO_TOOLS),
         }
     }
 }
 
-/// The same source gives the same bits.
+/// The same source gives the same bits, on the drive's chip and on other processors.
 pub fn same_lines(tally: &mut Tally, way: Option<Way>) {
     for name in TWINS {
-        match way {
-            Some(way) => tally.check(name, brief(compare(way, name))),
-            None => tally.skip(name, NO_TOOLS),
+        same_on(tally, way, DRIVE, name);
+    }
+    for board in OTHERS {
+        for name in EVERYWHERE {
+            same_on(tally, way, board, name);
         }
+    }
+}
+
+fn same_on(tally: &mut Tally, way: Option<Way>, board: Board, example: &str) {
+    let title = format!("{example} on {} ({})", board.machine, board.core);
+    let Some(way) = way else { return tally.skip(&title, NO_TOOLS) };
+    match toolchain::hindrance(way, board.target) {
+        Some(hindrance) => tally.skip(&title, &hindrance),
+        None => tally.check(&title, brief(compare(way, board, example))),
     }
 }
 
@@ -46,7 +61,7 @@ pub fn no_panic(tally: &mut Tally, way: Option<Way>) {
 }
 
 fn panic_free(way: Way) -> Result<&'static str> {
-    let found = elf::symbols_with(&firmware::build(way, "monitor")?, "core9panicking")?;
+    let found = elf::symbols_with(&firmware::build(way, DRIVE, "monitor")?, "core9panicking")?;
     ensure!(found.is_empty(), "it calls {}", found.join(", "));
     Ok("")
 }
@@ -79,8 +94,8 @@ pub fn bounds(tally: &mut Tally, way: Option<Way>) {
     }
 }
 
-fn compare(way: Way, example: &str) -> Result<String> {
-    let target = qemu::run(&firmware::build(way, example)?, qemu::DRIVE, qemu::Echo::Off)?;
+fn compare(way: Way, board: Board, example: &str) -> Result<String> {
+    let target = qemu::run(&firmware::build(way, board, example)?, board.machine, qemu::Echo::Off)?;
     let host = on_host(example)?;
     for (number, (host, target)) in host.iter().zip(&target).enumerate() {
         if host != target {
