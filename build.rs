@@ -1,4 +1,5 @@
-//! Gives the examples for bare chips the memory map of a board; crates that use this one get nothing from it.
+//! Gives the examples for bare chips the memory map of a board, and with the feature `defmt` its linker script. Crates
+//! that use this one get nothing from it.
 
 use std::env;
 use std::path::Path;
@@ -12,6 +13,9 @@ fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
         return;
+    }
+    if env::var_os("CARGO_FEATURE_DEFMT").is_some() {
+        println!("cargo::rustc-link-arg-examples=-Tdefmt.x");
     }
     println!("cargo::rerun-if-env-changed={VARIABLE}");
     let board = env::var(VARIABLE).unwrap_or_else(|_| USUAL.to_owned());

@@ -21,7 +21,8 @@ pub fn build(way: Way, board: Board, example: &str) -> Result<PathBuf> {
     };
     // By package, so that features which only host packages want do not leak in.
     cargo.args(["build", "--release", "--target", board.target]);
-    cargo.args(["--package", "bearing-watch", "--example", example]).env("BEARING_WATCH_BOARD", board.memory);
+    cargo.args(["--package", "bearing-watch", "--example", example]).args(features(example));
+    cargo.env("BEARING_WATCH_BOARD", board.memory);
     // Flags from the environment would replace those of the configuration, which name the linker
     // script; the result would be an empty program.
     cargo.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
@@ -32,6 +33,11 @@ pub fn build(way: Way, board: Board, example: &str) -> Result<PathBuf> {
         bail!("cargo succeeded, but there is no {}", elf.display());
     }
     Ok(elf)
+}
+
+/// The features that an example asks for in `Cargo.toml`.
+fn features(example: &str) -> &'static [&'static str] {
+    if example == "logging" { &["--features", "defmt"] } else { &[] }
 }
 
 /// The names of all examples, sorted.

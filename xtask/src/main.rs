@@ -5,6 +5,7 @@ mod bounds;
 mod child;
 mod elf;
 mod firmware;
+mod log;
 mod measure;
 mod peers;
 mod qemu;
@@ -43,7 +44,7 @@ enum Command {
     /// Builds an example for the drive's chip and runs it in the emulator.
     Firmware {
         /// The example's name.
-        #[arg(long, default_value = "monitor")]
+        #[arg(default_value = "monitor")]
         example: String,
     },
     /// Counts the kernels' instructions and bytes on the emulated chip.

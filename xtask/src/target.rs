@@ -6,7 +6,7 @@ use crate::board::{Board, DRIVE, OTHERS};
 use crate::bounds::BOUNDS;
 use crate::tally::Tally;
 use crate::toolchain::{self, Way};
-use crate::{child, elf, firmware, measure, qemu, workspace};
+use crate::{child, elf, firmware, log, measure, qemu, workspace};
 
 /// Examples that must print the same lines, bit for bit, on the host and on the target.
 const TWINS: [&str; 2] = ["monitor", "kernels"];
@@ -49,6 +49,24 @@ fn same_on(tally: &mut Tally, way: Option<Way>, board: Board, example: &str) {
         Some(hindrance) => tally.skip(&title, &hindrance),
         None => tally.check(&title, brief(compare(way, board, example))),
     }
+}
+
+/// What the firmware logs by `defmt` decodes to the verdicts that the host's monitor prints.
+pub fn logging(tally: &mut Tally, way: Option<Way>) {
+    const WHAT: &str = "decoded verdicts are the host's";
+    match way {
+        Some(way) => tally.check(WHAT, brief(same_verdicts(way))),
+        None => tally.skip(WHAT, NO_TOOLS),
+    }
+}
+
+fn same_verdicts(way: Way) -> Result<String> {
+    let logged = qemu::run(&firmware::build(way, DRIVE, "logging")?, DRIVE.machine, qemu::Echo::On)?;
+    let printed = on_host("monitor")?;
+    let (logged, printed) = (log::verdicts(&logged), log::verdicts(&printed));
+    ensure!(logged == printed, "host {printed:?}, log {logged:?}");
+    ensure!(!logged.is_empty(), "neither has a verdict");
+    Ok(logged.join(", "))
 }
 
 /// The linked monitor holds no call of the panic machinery, so nothing in it can panic.
