@@ -8,6 +8,7 @@ mod firmware;
 mod log;
 mod measure;
 mod peers;
+mod public;
 mod qemu;
 mod setup;
 mod tally;

@@ -6,7 +6,7 @@ use crate::board::{Board, DRIVE, OTHERS};
 use crate::bounds::BOUNDS;
 use crate::tally::Tally;
 use crate::toolchain::{self, Way};
-use crate::{child, elf, firmware, log, measure, qemu, workspace};
+use crate::{child, elf, firmware, log, measure, public, qemu, workspace};
 
 /// Examples that must print the same lines, bit for bit, on the host and on the target.
 const TWINS: [&str; 2] = ["monitor", "kernels"];
@@ -69,13 +69,25 @@ fn same_verdicts(way: Way) -> Result<String> {
     Ok(logged.join(", "))
 }
 
-/// The linked monitor holds no call of the panic machinery, so nothing in it can panic.
+/// Nothing in the core can panic: the example that calls all of it links without a panic handler, and the monitor with
+/// all that an application adds holds no call of the panic machinery.
 pub fn no_panic(tally: &mut Tally, way: Option<Way>) {
-    const WHAT: &str = "monitor links without a panic";
-    match way {
-        Some(way) => tally.check(WHAT, brief(panic_free(way))),
-        None => tally.skip(WHAT, NO_TOOLS),
-    }
+    const ALL: &str = "every public function is called in panic_free";
+    const LINKS: &str = "panic_free links and runs";
+    const MONITOR: &str = "monitor links without a panic";
+    let forgotten = brief(public::forgotten()).and_then(|names| match names.len() {
+        0 => Ok(""),
+        _ => Err(format!("missing: {}", names.join(", "))),
+    });
+    tally.check(ALL, forgotten);
+    let Some(way) = way else {
+        tally.skip(LINKS, NO_TOOLS);
+        return tally.skip(MONITOR, NO_TOOLS);
+    };
+    let runs =
+        firmware::build(way, DRIVE, "panic_free").and_then(|elf| qemu::run(&elf, DRIVE.machine, qemu::Echo::Off));
+    tally.check(LINKS, brief(runs.map(|_| "")));
+    tally.check(MONITOR, brief(panic_free(way)));
 }
 
 fn panic_free(way: Way) -> Result<&'static str> {
