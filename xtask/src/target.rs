@@ -96,7 +96,7 @@ fn panic_free(way: Way) -> Result<&'static str> {
     Ok("")
 }
 
-/// Two runs count the same instructions, and no more than promised.
+/// Two runs count the same instructions and bytes, and no more than promised.
 pub fn bounds(tally: &mut Tally, way: Option<Way>) {
     const REPEATABLE: &str = "two runs count alike";
     let Some(way) = way else {

@@ -22,7 +22,7 @@ pub fn run(asked: Option<Way>) -> bool {
     stages.stage("host = target", |tally| target::same_lines(tally, way));
     stages.stage("logging", |tally| target::logging(tally, way));
     stages.stage("no panic", |tally| target::no_panic(tally, way));
-    stages.stage("instruction bounds", |tally| target::bounds(tally, way));
+    stages.stage("instructions, stack", |tally| target::bounds(tally, way));
     stages.stage("dependencies", dependencies);
 
     let total = stages.total();
