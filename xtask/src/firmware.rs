@@ -15,24 +15,35 @@ const LINKER: &str = r#"target.'cfg(all(target_arch = "arm", target_os = "none")
 /// Builds one example in release and returns its ELF file. Boards of one target share the place of that file: use it
 /// before building for another.
 pub fn build(way: Way, board: Board, example: &str) -> Result<PathBuf> {
-    let (mut cargo, folder) = match way {
-        Way::Rustup => rustup(),
-        Way::Debian => debian(),
-    };
-    // By package, so that features which only host packages want do not leak in.
-    cargo.args(["build", "--release", "--target", board.target]);
-    cargo.args(["--package", "bearing-watch", "--example", example]).args(features(example));
-    cargo.env("BEARING_WATCH_BOARD", board.memory);
-    // Flags from the environment would replace those of the configuration, which name the linker
-    // script; the result would be an empty program.
-    cargo.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
-    child::succeed(&mut cargo)?;
+    let (mut cargo, folder) = cargo(way, board);
+    child::succeed(cargo.args(["--example", example]).args(features(example)))?;
 
     let elf = folder.join(board.target).join("release/examples").join(example);
     if !elf.is_file() {
         bail!("cargo succeeded, but there is no {}", elf.display());
     }
     Ok(elf)
+}
+
+/// Builds every example with every feature of the core.
+pub fn build_all_features(way: Way, board: Board) -> Result<()> {
+    let (mut cargo, _) = cargo(way, board);
+    child::succeed(cargo.args(["--examples", "--all-features"]))
+}
+
+/// The build command up to what is built, and cargo's target directory.
+fn cargo(way: Way, board: Board) -> (Command, PathBuf) {
+    let (mut cargo, folder) = match way {
+        Way::Rustup => rustup(),
+        Way::Debian => debian(),
+    };
+    // By package, so that features which only host packages want do not leak in.
+    cargo.args(["build", "--release", "--target", board.target, "--package", "bearing-watch"]);
+    cargo.env("BEARING_WATCH_BOARD", board.memory);
+    // Flags from the environment would replace those of the configuration, which name the linker
+    // script; the result would be an empty program.
+    cargo.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
+    (cargo, folder)
 }
 
 /// The features that an example asks for in `Cargo.toml`.

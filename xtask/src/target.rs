@@ -16,18 +16,21 @@ const EVERYWHERE: [&str; 1] = ["kernels"];
 
 const NO_TOOLS: &str = "no firmware tools, see set-up";
 
-/// Every example builds for the chip.
+/// Every example builds for the chip, also with all features.
 pub fn builds(tally: &mut Tally, way: Option<Way>) {
+    const ALL_FEATURES: &str = "all examples, all features";
     let names = match firmware::examples() {
         Ok(names) => names,
         Err(error) => return tally.check::<&str, _>("examples", Err(error)),
     };
+    let Some(way) = way else {
+        names.iter().for_each(|name| tally.skip(name, NO_TOOLS));
+        return tally.skip(ALL_FEATURES, NO_TOOLS);
+    };
     for name in names {
-        match way {
-            Some(way) => tally.check(&name, brief(firmware::build(way, DRIVE, &name).map(|_| ""))),
-            None => tally.skip(&name, NO_TOOLS),
-        }
+        tally.check(&name, brief(firmware::build(way, DRIVE, &name).map(|_| "")));
     }
+    tally.check(ALL_FEATURES, brief(firmware::build_all_features(way, DRIVE).map(|()| "")));
 }
 
 /// The same source gives the same bits, on the drive's chip and on other processors.
