@@ -23,6 +23,7 @@
 /// assert_eq!(mean.push([3.0, 30.0], 2), Some([2.0, 20.0]));
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BlockMean<const CH: usize> {
     sum: [f32; CH],
     count: u16,
@@ -78,6 +79,7 @@ impl<const CH: usize> Default for BlockMean<CH> {
 /// assert_eq!(out, [None, None, None, Some([3.0])]); // a ramp, one sample late
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FirDecimator<const CH: usize, const TAPS: usize, const FACTOR: usize, const SLOTS: usize> {
     /// Outputs under way, the next one first.
     slots: [[f32; CH]; SLOTS],

@@ -1,11 +1,14 @@
 //! What the repository's own commands do: `cargo xtask test | firmware | measure | peers | setup`.
 
+mod board;
 mod bounds;
 mod child;
 mod elf;
 mod firmware;
+mod log;
 mod measure;
 mod peers;
+mod public;
 mod qemu;
 mod setup;
 mod tally;
@@ -19,6 +22,7 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 
+use board::DRIVE;
 use toolchain::Way;
 
 /// Set-up, tests, firmware builds, emulator runs, instruction and size tables.
@@ -41,7 +45,7 @@ enum Command {
     /// Builds an example for the drive's chip and runs it in the emulator.
     Firmware {
         /// The example's name.
-        #[arg(long, default_value = "monitor")]
+        #[arg(default_value = "monitor")]
         example: String,
     },
     /// Counts the kernels' instructions and bytes on the emulated chip.
@@ -79,8 +83,8 @@ fn run(arguments: &Arguments) -> Result<bool> {
     setup::ensure(way)?;
     match &arguments.command {
         Command::Firmware { example } => {
-            let elf = firmware::build(way, example)?;
-            qemu::run(&elf, qemu::DRIVE, qemu::Echo::On)?;
+            let elf = firmware::build(way, DRIVE, example)?;
+            qemu::run(&elf, DRIVE.machine, qemu::Echo::On)?;
         }
         Command::Measure { json } => {
             let figures = measure::figures(way)?;
