@@ -1,6 +1,6 @@
 //! Builds an example for the drive's chip, either way.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, bail};
@@ -13,18 +13,37 @@ const LINKER: &str = "ld.lld-19";
 
 /// Builds one example in release and returns its ELF file.
 pub fn build(way: Way, example: &str) -> Result<PathBuf> {
+    // By package, so that features which only host packages want do not leak in.
+    let folder = compile(way, |cargo| {
+        cargo.args(["--package", "bearing-watch", "--example", example]);
+    })?;
+    existing(folder.join("examples").join(example))
+}
+
+/// Builds the chip's program of the peers, a workspace of its own, against CMSIS-DSP's sources, and returns its ELF file.
+pub fn build_peers(way: Way, cmsis: &Path) -> Result<PathBuf> {
+    let folder = compile(way, |cargo| {
+        cargo.args(["--manifest-path", "xtask/peers/chip/Cargo.toml"]).env("CMSIS_DSP", cmsis);
+    })?;
+    existing(folder.join("peers-chip"))
+}
+
+/// Builds in release what `select` names; the folder that then holds it.
+fn compile(way: Way, select: impl FnOnce(&mut Command)) -> Result<PathBuf> {
     let (mut cargo, folder) = match way {
         Way::Rustup => rustup(),
         Way::Debian => debian(),
     };
-    // By package, so that features which only host packages want do not leak in.
-    cargo.args(["build", "--release", "--target", TARGET]).args(["--package", "bearing-watch", "--example", example]);
+    cargo.args(["build", "--release", "--target", TARGET]);
+    select(&mut cargo);
     // Flags from the environment would replace those of the configuration, which name the linker
     // script; the result would be an empty program.
     cargo.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
     child::succeed(&mut cargo)?;
+    Ok(folder.join(TARGET).join("release"))
+}
 
-    let elf = folder.join(TARGET).join("release/examples").join(example);
+fn existing(elf: PathBuf) -> Result<PathBuf> {
     if !elf.is_file() {
         bail!("cargo succeeded, but there is no {}", elf.display());
     }
@@ -48,7 +67,11 @@ pub fn examples() -> Result<Vec<String>> {
 }
 
 fn rustup() -> (Command, PathBuf) {
-    (workspace::cargo(&[]), workspace::target_dir())
+    let folder = workspace::target_dir();
+    let mut cargo = workspace::cargo(&[]);
+    // Said, because a workspace of its own would else have a folder of its own.
+    cargo.env("CARGO_TARGET_DIR", &folder);
+    (cargo, folder)
 }
 
 /// Debian has no library for the target: core is built from its source, which wants the nightly
