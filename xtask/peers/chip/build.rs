@@ -4,12 +4,11 @@ use std::env;
 use std::path::PathBuf;
 
 /// What the C rivals call, below `Source`.
-const KERNELS: [&str; 10] = [
+const KERNELS: [&str; 9] = [
     "BasicMathFunctions/arm_add_f32.c",
     "BasicMathFunctions/arm_dot_prod_f32.c",
     "BasicMathFunctions/arm_scale_f32.c",
     "FilteringFunctions/arm_fir_decimate_f32.c",
-    "FilteringFunctions/arm_fir_decimate_init_f32.c",
     "MatrixFunctions/arm_mat_init_f32.c",
     "MatrixFunctions/arm_mat_mult_f32.c",
     "MatrixFunctions/arm_mat_scale_f32.c",

@@ -34,3 +34,12 @@ void cmsis_clarke_park(float ia, float ib, float sine, float cosine, float *d, f
     arm_clarke_f32(ia, ib, &alpha, &beta);
     arm_park_f32(alpha, beta, d, q, sine, cosine);
 }
+
+/* One block of `factor` samples gives one output. The instance is not set up anew, which would clear the history. */
+float cmsis_decimate(const float *taps, uint16_t count, float *history, uint8_t factor, const float *block)
+{
+    arm_fir_decimate_instance_f32 filter = {.M = factor, .numTaps = count, .pCoeffs = taps, .pState = history};
+    float output;
+    arm_fir_decimate_f32(&filter, block, &output, factor);
+    return output;
+}

@@ -4,6 +4,9 @@
 
 #[path = "../../../../examples/support/count.rs"]
 mod count;
+#[allow(dead_code, reason = "only its count of single samples is needed")]
+#[path = "../../../../examples/support/decimation.rs"]
+mod decimation;
 #[path = "../../../../examples/support/numbers.rs"]
 mod numbers;
 #[path = "../../../../examples/support/target.rs"]
@@ -14,6 +17,7 @@ macro_rules! say {
     ($($words:tt)*) => { crate::target::say(format_args!($($words)*)) };
 }
 
+mod decimators;
 mod rls;
 mod transforms;
 
@@ -28,6 +32,7 @@ fn main() -> ! {
         updates::<8, 9, 36>(&mut counter);
         updates::<15, 16, 120>(&mut counter);
         transforms::run(&mut counter);
+        decimators::run(&mut counter);
     }
     target::succeed()
 }
