@@ -20,15 +20,14 @@ pub struct Spread {
     pub worst: u32,
 }
 
-/// Counts the samples one by one: `push(k)` takes the k-th.
-pub fn spread(counter: &mut Counter, samples: u32, mut push: impl FnMut(u32)) -> Spread {
-    let (mut sum, mut worst) = (0, 0);
-    for k in 0..samples {
-        let one = counter.instructions_per_call(1, |_| push(k));
-        sum += one;
-        worst = worst.max(one);
+/// Counts one by one the samples of eight outputs.
+pub fn spread(counter: &mut Counter, factor: usize, mut push: impl FnMut()) -> Spread {
+    let (mut sum, mut samples, mut worst) = (0, 0, 0);
+    for _ in 0..8 * factor {
+        let one = counter.instructions_per_call(1, |_| push());
+        (sum, samples, worst) = (sum + one, samples + 1, worst.max(one));
     }
-    Spread { mean: (sum + samples / 2) / samples, worst }
+    Spread { mean: (sum + samples / 2) / samples.max(1), worst }
 }
 
 /// Three channels by 8 and by 16, and the long filter of the same bands (Kaiser window, 25.1 taps a unit of the
@@ -43,7 +42,7 @@ pub fn measure(counter: &mut Counter, report: impl Fn(&str, usize, u32, usize)) 
 fn half_band<const EARLY: usize>(counter: &mut Counter, report: impl Fn(&str, usize, u32, usize)) {
     let (mut decimator, factor) = (HalfBand::<EARLY>::new(), HalfBand::<EARLY>::FACTOR);
     let taps = black_box(&HalfBandTaps::SHARP);
-    let Spread { mean, worst } = spread(counter, 8 * factor as u32, |_| {
+    let Spread { mean, worst } = spread(counter, factor, || {
         black_box(decimator.push(taps, black_box([0.5; CHANNELS])));
     });
     report("half-band decimation, 3 channels, mean sample", factor, mean, size_of_val(&decimator));
@@ -56,7 +55,7 @@ fn fir<const TAPS: usize, const FACTOR: usize, const SLOTS: usize>(
 ) {
     let taps: [f32; TAPS] = Numbers(1).array();
     let mut decimator = FirDecimator::<CHANNELS, TAPS, FACTOR, SLOTS>::new();
-    let Spread { mean, worst } = spread(counter, 8 * FACTOR as u32, |_| {
+    let Spread { mean, worst } = spread(counter, FACTOR, || {
         black_box(decimator.push(black_box(&taps), black_box([0.5; CHANNELS])));
     });
     report("FIR decimation, 3 channels, mean sample", FACTOR, mean, size_of_val(&decimator));

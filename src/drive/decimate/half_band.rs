@@ -117,24 +117,13 @@ impl<const CH: usize, const EARLY: usize, const SHORT: usize, const LONG: usize>
         self.filling = self.filling.saturating_sub(1);
         self.turn = self.turn.wrapping_add(1);
         let whose = self.turn.trailing_zeros() as usize;
-        let waiting = self.early.first_mut().map_or(&mut self.last.waiting, |stage| &mut stage.waiting);
-        if whose == 0 {
-            waiting.second = sample
-        } else {
-            waiting.first = sample
-        }
-
+        self.waiting(0).put(whose != 0, sample);
         if let Some(stage) = self.early.get_mut(whose) {
             let carry = stage.later_half(&taps.early);
             let output = stage.sooner_half(&taps.early, carry);
-            // Its outputs come 2^(whose + 1) samples apart, the first of a pair at the odd multiples.
+            // Its turns come 2^(whose + 1) samples apart; the first output of a pair is made at the odd ones.
             let is_first = (self.turn >> (whose + 1)) & 1 == 1;
-            let waiting = self.early.get_mut(whose + 1).map_or(&mut self.last.waiting, |stage| &mut stage.waiting);
-            if is_first {
-                waiting.first = output
-            } else {
-                waiting.second = output
-            }
+            self.waiting(whose + 1).put(is_first, output);
             None
         } else if whose == EARLY {
             let carry = self.last.carry(&taps.last);
@@ -144,6 +133,12 @@ impl<const CH: usize, const EARLY: usize, const SHORT: usize, const LONG: usize>
             let _in_time_for_the_next_output = self.last.later_half(&taps.last);
             None
         }
+    }
+
+    /// What waits before a stage, counted from the input.
+    #[inline]
+    fn waiting(&mut self, stage: usize) -> &mut Waiting<CH> {
+        self.early.get_mut(stage).map_or(&mut self.last.waiting, |stage| &mut stage.waiting)
     }
 
     /// Forgets every sample.
@@ -165,6 +160,17 @@ impl<const CH: usize, const EARLY: usize, const SHORT: usize, const LONG: usize>
 struct Waiting<const CH: usize> {
     first: [f32; CH],
     second: [f32; CH],
+}
+
+impl<const CH: usize> Waiting<CH> {
+    #[inline]
+    fn put(&mut self, is_first: bool, sample: [f32; CH]) {
+        if is_first {
+            self.first = sample;
+        } else {
+            self.second = sample;
+        }
+    }
 }
 
 /// One filter (3): the sums of the next 2K outputs, the next one first.

@@ -45,7 +45,7 @@ fn race(
     late: usize,
     mut push: impl FnMut([f32; CHANNELS]) -> Option<[f32; CHANNELS]>,
 ) {
-    let Spread { mean, worst } = spread(counter, 8 * FACTOR as u32, |_| {
+    let Spread { mean, worst } = spread(counter, FACTOR, || {
         black_box(push(black_box([0.5; CHANNELS])));
     });
     let mut error = 0.0_f64;
