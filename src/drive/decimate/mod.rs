@@ -25,6 +25,7 @@
 pub mod block_mean;
 pub mod fir;
 pub mod half_band;
+mod stage;
 
 pub use block_mean::BlockMean;
 pub use fir::FirDecimator;
