@@ -7,6 +7,8 @@
 
 #[allow(dead_code, reason = "only `measure` counts instructions")]
 pub mod count;
+#[allow(dead_code, reason = "not every example decimates")]
+pub mod decimation;
 #[allow(dead_code, reason = "`monitor` has a recording instead")]
 pub mod numbers;
 #[allow(dead_code, reason = "`logging` prints no text of its own")]

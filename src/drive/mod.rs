@@ -7,7 +7,7 @@ pub mod decimate;
 pub mod frame;
 
 pub use angle::{Angle, SinCos};
-pub use decimate::{BlockMean, FirDecimator};
+pub use decimate::{BlockMean, FirDecimator, HalfBandDecimator, HalfBandTaps};
 pub use frame::{Abc, AlphaBeta, Dq0, Park};
 
 /// Stator currents and mechanical shaft angle → currents in the rotor frame.

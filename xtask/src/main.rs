@@ -10,6 +10,7 @@ mod measure;
 mod peers;
 mod public;
 mod qemu;
+mod rivals;
 mod setup;
 mod tally;
 mod target;
@@ -51,8 +52,11 @@ enum Command {
     /// Counts the kernels' instructions and bytes on the emulated chip.
     Measure {
         /// A JSON list instead of a table.
-        #[arg(long)]
+        #[arg(long, conflicts_with = "peers")]
         json: bool,
+        /// Instead, the core's kernels beside those of CMSIS-DSP, nalgebra, oxictl and C by hand on the same data.
+        #[arg(long)]
+        peers: bool,
     },
     /// Times the workbench and other identification programs on the same traces; installs them in a virtual environment.
     Peers,
@@ -86,7 +90,8 @@ fn run(arguments: &Arguments) -> Result<bool> {
             let elf = firmware::build(way, DRIVE, example)?;
             qemu::run(&elf, DRIVE.machine, qemu::Echo::On)?;
         }
-        Command::Measure { json } => {
+        Command::Measure { peers: true, .. } => rivals::run(way)?,
+        Command::Measure { json, .. } => {
             let figures = measure::figures(way)?;
             if *json {
                 println!("{}", measure::json(&figures));
