@@ -10,8 +10,10 @@ mod model;
 use core::hint::black_box;
 
 use bearing_watch::decide::{Discriminant, Kind, Projection};
-use bearing_watch::estimate::{Forgetting, Triangle};
-use bearing_watch::{AlphaBeta, Angle, Estimator, FrontEnd, Guard, Order, Park, Regression, Sample};
+use bearing_watch::estimate::{Forgetting, Form, Method, Nominal, Rows, Shape, Triangle};
+use bearing_watch::{
+    AlphaBeta, Angle, Estimator, FrontEnd, Guard, Instruments, Order, Park, Regression, Regressor, Sample, Segment,
+};
 
 use support::count::Counter;
 use support::numbers::Numbers;
@@ -31,7 +33,9 @@ fn run() {
     updates::<9, 36>(&mut counter);
     updates::<13, 78>(&mut counter);
     updates::<16, 120>(&mut counter);
-    estimator(&mut counter);
+    updates::<11, 55>(&mut counter);
+    updates::<19, 171>(&mut counter);
+    estimators(&mut counter);
     decision(&mut counter);
     monitor(&mut counter);
 }
@@ -83,30 +87,84 @@ fn updates<const M: usize, const P: usize>(counter: &mut Counter) {
     report("LS update, lambda 1", M - 1, plain - overhead, size_of_val(&triangle));
 }
 
-/// The estimator around the kernel: guard, lags, regressor, update; and the solve at the end of a segment.
-fn estimator(counter: &mut Counter) {
-    let base = Regression::<9>::new(Order::new(2, 3, 3, 1, 1), false);
-    let regression = Regression { guard: Guard::within([100.0; 3]), ..base };
+/// Two output terms and three of each input, known when compiling, by least squares.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Squares;
+
+/// The same by instrumental variables.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Refined;
+
+const EIGHT: Form = Form { order: Order::new(2, 3, 3, 1, 1), offset: false, method: Method::LeastSquares };
+
+impl Shape for Squares {
+    const FIXED: Option<Form> = Some(EIGHT);
+}
+
+impl Shape for Refined {
+    const FIXED: Option<Form> = Some(Form { method: Method::Instruments, ..EIGHT });
+}
+
+/// Estimators around the kernel: gate, lags, row, update; and the solve at the end of a segment.
+fn estimators(counter: &mut Counter) {
+    let guard = Guard { stuck_samples: [1000, 0, 0], huber: 6.0, ..Guard::within([100.0; 3]) };
+    let least = Regression::<9> { guard, settle: 20, ..Regression::new(Order::new(2, 3, 3, 1, 1), false) };
+    let plain = Regression::<9> { guard: Guard::within([100.0; 3]), ..least };
+    estimator::<9, 36, Regressor<9, 1>>(counter, "LS sample, order at run time", &plain);
+    estimator::<9, 36, Regressor<9, 1, Squares>>(counter, "LS sample", &plain);
+    estimator::<9, 36, Regressor<9, 1, Squares>>(counter, "LS sample, stuck sensor and outliers told", &least);
+    let nominal = Nominal { delta: [-0.1, 0.4, 0.1, 0.05, -0.02, 0.1, 0.05, -0.02, 0.0, 0.0, 0.0], deviation: 0.5 };
+    let base = Regression::<11>::new(Order::new(2, 3, 3, 1, 1), false);
+    let instruments = Regression { guard, nominal, settle: 20, method: Method::Instruments, ..base };
+    let plain = Regression { guard: Guard::within([100.0; 3]), ..instruments };
+    estimator::<11, 55, Instruments<11, 1>>(counter, "SRIV sample, order at run time", &plain);
+    estimator::<11, 55, Instruments<11, 1, Refined>>(counter, "SRIV sample", &plain);
+    estimator::<11, 55, Instruments<11, 1, Refined>>(
+        counter,
+        "SRIV sample, stuck sensor and outliers told",
+        &instruments,
+    );
+}
+
+fn estimator<const M: usize, const P: usize, R: Rows<M>>(
+    counter: &mut Counter,
+    name: &str,
+    regression: &Regression<M>,
+) {
     let mut numbers = Numbers(2);
-    let mut estimator = Estimator::<9, 36, 4>::new(black_box(&regression));
-    for _ in 0..100 {
+    let mut estimator = Estimator::<M, P, 1, R>::new(black_box(regression));
+    let samples: [Sample; 64] = core::array::from_fn(|_| {
         let [y, u1, u2] = numbers.array();
-        estimator.step(&Sample { y, u1, u2 });
+        Sample { y, u1, u2 }
+    });
+    for sample in samples.iter().cycle().take(300) {
+        estimator.step(sample);
+    }
+    let mut next = samples.iter().cycle();
+    let mut worst = 0;
+    for _ in 0..64 {
+        let sample = next.next().copied().unwrap_or_default();
+        let one = counter.instructions_per_call(1, |_| black_box(&mut estimator).step(black_box(&sample)));
+        worst = one.max(worst);
     }
     let sample = Sample { y: 0.5, u1: -0.25, u2: 0.75 };
-    let step = counter.instructions_per_call(CALLS, |_| {
-        black_box(&mut estimator).step(black_box(&sample));
-    });
-    report("LS sample: guard, lags, row, update", 8, step, size_of_val(&estimator));
-    estimator.restart();
-    for _ in 0..100 {
-        let [y, u1, u2] = numbers.array();
-        estimator.step(&Sample { y, u1, u2 });
+    let step = counter.instructions_per_call(CALLS, |_| black_box(&mut estimator).step(black_box(&sample)));
+    report(name, regression.parameters(), step, size_of_val(&estimator));
+    say!(r#"{{"name":"{name}, worst of 64","n":{},"instructions":{worst},"bytes":null}}"#, regression.parameters());
+    if !name.ends_with("told") {
+        return;
     }
     let solve = counter.instructions_per_call(20, |_| {
         let _ = black_box(black_box(&estimator).estimate());
     });
-    report("segment solve + covariance", 8, solve, 0);
+    let name = match regression.method {
+        Method::LeastSquares => "LS solve + covariance",
+        Method::Instruments => "SRIV solve + covariance",
+    };
+    report(name, regression.parameters(), solve, size_of::<Segment<M, P>>());
+    if let Err(reason) = estimator.estimate() {
+        say!("no estimate: {reason}");
+    }
 }
 
 fn decision(counter: &mut Counter) {

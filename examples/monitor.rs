@@ -3,21 +3,18 @@
 //!
 //! The same file runs on a board, in QEMU (`cargo xtask firmware`) and on the host (`cargo run --example monitor`),
 //! and prints the same lines everywhere, down to the last bit of every estimate. `cargo demo --model DIR` makes the
-//! two files it includes.
+//! two files of `support/standard_rig`.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[macro_use]
 mod support;
 
-#[path = "support/standard_rig/model.rs"]
-mod model;
+#[path = "support/standard_rig/mod.rs"]
+mod standard_rig;
 
-use bearing_watch::{Sample, Verdict};
+use bearing_watch::Verdict;
 
-use model::{MODEL, Monitor};
-
-/// Three traces of 5000 samples, held out from training; three 16-bit counts a sample.
-static RECORDING: &[u8] = include_bytes!("support/standard_rig/held_out.bin");
+use standard_rig::model::{MODEL, Monitor};
 
 main!(run);
 
@@ -29,8 +26,8 @@ fn run() {
             return;
         }
     };
-    for (number, sample) in RECORDING.chunks_exact(6).enumerate() {
-        if let Some(report) = monitor.step(measured(sample)) {
+    for (number, sample) in standard_rig::samples().enumerate() {
+        if let Some(report) = monitor.step(sample) {
             say!("segment ending at sample {}", number + 1);
             for (k, x) in report.estimate.delta.iter().take(report.estimate.parameters()).enumerate() {
                 say!("  parameter {k}  {:08x}", x.to_bits());
@@ -55,16 +52,4 @@ fn run() {
             monitor.restart();
         }
     }
-}
-
-/// Counts of the converter, which spans the model's limits, as physical values.
-fn measured(sample: &[u8]) -> Sample {
-    let mut values = [0.0; 3];
-    for ((value, count), limit) in values.iter_mut().zip(sample.chunks_exact(2)).zip(MODEL.regression.guard.limit) {
-        if let [low, high] = count {
-            *value = f32::from(i16::from_le_bytes([*low, *high])) * (limit / 32_768.0);
-        }
-    }
-    let [y, u1, u2] = values;
-    Sample { y, u1, u2 }
 }

@@ -12,7 +12,9 @@
 
 use crate::decide::Decision;
 use crate::drive::BlockMean;
-use crate::estimate::{Accumulator, Counts, Estimate, Estimator, Reason, Regressor, Rows, Segment, Solver, Triangle};
+use crate::estimate::{
+    Accumulator, Counts, Estimate, Estimator, Reason, Regressor, Rows, Segment, Shape, Solver, Triangle,
+};
 use crate::model::{Model, ModelError};
 
 /// One sample of the three signals, in the units the model was trained with.
@@ -52,7 +54,7 @@ pub struct Report<const M: usize, const P: usize, const C: usize> {
 impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F, Z, C> {
     /// The report of a detached segment: solve and classification, in whatever thread has the time.
     #[must_use]
-    pub fn conclude<const P: usize>(&self, segment: Segment<M, P>) -> Report<M, P, C> {
+    pub fn conclude<const P: usize, S: Shape>(&self, segment: Segment<M, P, S>) -> Report<M, P, C> {
         let (rows, counts) = (segment.rows(), segment.counts());
         self.report(rows, counts, Solver::new(&self.regression, segment).finish())
     }
@@ -169,7 +171,7 @@ where
     /// Takes one sample, for the interrupt that has no time to solve; the sample that closes a segment brings the sums
     /// of it, for [`Model::conclude`]. Hand its report back to [`Detector::adopt`].
     #[inline]
-    pub fn collect(&mut self, sample: Sample) -> Option<Segment<M, P>> {
+    pub fn collect(&mut self, sample: Sample) -> Option<Segment<M, P, R::Shape>> {
         if !self.take(&sample) {
             return None;
         }

@@ -39,6 +39,7 @@ pub mod model;
 
 pub use decide::{Classifier, Decision};
 pub use detector::{Detector, Report, Sample, Verdict};
-pub use drive::{Abc, AlphaBeta, Angle, BlockMean, Dq0, FirDecimator, FrontEnd, Park, SinCos};
+pub use drive::{Abc, AlphaBeta, Angle, BlockMean, Dq0, FirDecimator, FrontEnd, HalfBandDecimator, HalfBandTaps};
+pub use drive::{Park, SinCos};
 pub use estimate::{Counts, Estimate, Estimator, Guard, Instruments, Order, Reason, Regression, Regressor, Segment};
 pub use model::{Label, Model, ModelError, Sampling};

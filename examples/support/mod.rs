@@ -7,8 +7,11 @@
 
 #[allow(dead_code, reason = "only `measure` counts instructions")]
 pub mod count;
+#[allow(dead_code, reason = "not every example decimates")]
+pub mod decimation;
 #[allow(dead_code, reason = "`monitor` has a recording instead")]
 pub mod numbers;
+#[allow(dead_code, reason = "`logging` prints no text of its own")]
 #[cfg(target_os = "none")]
 pub mod target;
 
@@ -30,6 +33,7 @@ macro_rules! main {
 }
 
 /// Prints one line; formats like `println!`.
+#[allow(unused_macros, reason = "`logging` prints nothing on the target")]
 macro_rules! say {
     ($($words:tt)*) => {{
         #[cfg(not(target_os = "none"))]

@@ -4,6 +4,9 @@ use core::fmt::{self, Write};
 use core::panic::PanicInfo;
 
 use cortex_m_semihosting::{debug, hio};
+// Its linker script, which all examples get with the feature, wants a logger in each.
+#[cfg(feature = "defmt")]
+use defmt_semihosting as _;
 
 /// The longest line that goes out in one host call; a longer one takes several.
 const LINE: usize = 256;

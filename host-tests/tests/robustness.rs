@@ -167,7 +167,8 @@ fn a_constant_term_survives_rejected_samples() {
     let level = |k: usize| f64::from(segments.nominal.delta[k]);
     let (t0, beta, gamma) = (level(0), level(order.na.into()), level((order.na + order.nb).into()));
     segments.nominal.delta[n] = (-(t0 * 30.0) + beta * 20.0 - gamma * 10.0) as f32;
-    let methods: [(&str, Method, Regression<M>); 2] = [
+    let methods: [(&str, Method, Regression<M>); 3] = [
+        ("refined 300", last::<Instruments<M, L>, Triangle<M, P>>, Regression { settle: 300, ..segments }),
         ("refined", last::<Instruments<M, L>, Triangle<M, P>>, segments),
         ("fading refined", last::<Instruments<M, L>, Fading<M, P>>, fading(segments, 1e-3, 5e-8)),
     ];

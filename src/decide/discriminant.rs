@@ -14,6 +14,7 @@
 
 /// Whether classes share their covariance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Kind {
     /// One covariance for all: `whitening[0]`.
     Linear,
@@ -24,6 +25,7 @@ pub enum Kind {
 /// Gaussian class densities with priors and costs. Classes and coordinates beyond those in use are neutral: zero
 /// rows, a normaliser and log prior of −∞.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Discriminant<const Z: usize, const C: usize> {
     /// Linear or quadratic.
     pub kind: Kind,
@@ -44,6 +46,7 @@ pub struct Discriminant<const Z: usize, const C: usize> {
 /// The outcome of one classification. Places beyond the classes in use hold what never wins: log-likelihood −∞,
 /// posterior 0, expected cost +∞.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Decision<const C: usize> {
     /// Index of the class of least expected cost (3).
     pub class: u8,

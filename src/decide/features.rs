@@ -13,6 +13,7 @@ use crate::estimate::Estimate;
 
 /// Places in (1) of the features in use, the first `count` of `index`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Features<const F: usize> {
     /// Places in (1); n means ln σ².
     pub index: [u8; F],

@@ -18,6 +18,7 @@ use crate::estimate::{Estimate, Reason};
 /// Places beyond those in use hold neutral values (zero rows, zero weights, a likelihood of zero), so that a wider
 /// capacity gives the same bits.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Classifier<const F: usize, const Z: usize, const C: usize> {
     /// Which numbers of the estimate are used.
     pub features: Features<F>,

@@ -19,6 +19,7 @@ use nalgebra::{SMatrix, SVector};
 /// assert_eq!(sum.project(&[3.0, 4.0]), [6.0]);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Projection<const F: usize, const Z: usize> {
     /// W, one row a coordinate.
     pub matrix: [[f32; F]; Z],

@@ -27,10 +27,12 @@ use core::f32::consts::PI;
 /// assert!((sc.sin - 1.0).abs() < 2e-7 && sc.cos.abs() < 2e-7);
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Angle(u32);
 
 /// Sine and cosine of one angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SinCos {
     /// Sine.
     pub sin: f32,

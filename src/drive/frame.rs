@@ -23,6 +23,7 @@ const HALF_SQRT_3: f32 = 0.866_025_4;
 
 /// Three phase quantities.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Abc {
     /// Phase a.
     pub a: f32,
@@ -34,6 +35,7 @@ pub struct Abc {
 
 /// The stator frame, with the zero sequence.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AlphaBeta {
     /// Along phase a.
     pub alpha: f32,
@@ -45,6 +47,7 @@ pub struct AlphaBeta {
 
 /// The rotor frame, with the zero sequence.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Dq0 {
     /// Direct axis.
     pub d: f32,
@@ -56,6 +59,7 @@ pub struct Dq0 {
 
 /// Sign convention of the quadrature axis: there is no silent default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Park {
     /// Equation (3): most drives. With θ on the magnet axis a positive q current drives forward.
     Standard,

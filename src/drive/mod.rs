@@ -7,7 +7,7 @@ pub mod decimate;
 pub mod frame;
 
 pub use angle::{Angle, SinCos};
-pub use decimate::{BlockMean, FirDecimator};
+pub use decimate::{BlockMean, FirDecimator, HalfBandDecimator, HalfBandTaps};
 pub use frame::{Abc, AlphaBeta, Dq0, Park};
 
 /// Stator currents and mechanical shaft angle → currents in the rotor frame.
@@ -26,6 +26,7 @@ pub use frame::{Abc, AlphaBeta, Dq0, Park};
 /// assert!((front.transform(three.clarke(), Angle::ZERO).q - 10.0).abs() < 1e-5); // three of them
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FrontEnd {
     /// Pole pairs of the motor (electrical turns a mechanical turn).
     pub pole_pairs: u32,

@@ -21,7 +21,7 @@
 
 use super::accumulator::Accumulator;
 use super::gate::Gate;
-use super::rows::Rows;
+use super::rows::{AnyShape, Rows, Shape};
 use super::solve::{Head, Solution};
 use super::{Counts, Estimate, Reason, Regression, Regressor, Triangle};
 use crate::detector::Sample;
@@ -112,7 +112,7 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
     /// not serve.
     pub fn estimate(&self) -> Result<Estimate<M, P>, Reason> {
         let head = self.head();
-        self.sums.total(|sums| Solution::new(self.regression, &head).finish(self.regression, &head, sums))
+        self.sums.total(|sums| Solution::new(self.regression, &head).finish::<R::Shape>(self.regression, &head, sums))
     }
 
     /// An estimate that says nothing but how many rows and rejections there were.
@@ -151,8 +151,9 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
 
     /// Closes the segment without solving it, in time that does not depend on the data: hands out what a [`Solver`]
     /// needs. Bring its estimate back by [`Estimator::adopt`].
-    pub fn detach(&mut self) -> Segment<M, P> {
-        let segment = Segment { head: self.head(), sums: self.sums.total(Triangle::clone), rows: self.rows };
+    pub fn detach(&mut self) -> Segment<M, P, R::Shape> {
+        let (head, sums) = (self.head(), self.sums.total(Triangle::clone));
+        let segment = Segment { head, sums, rows: self.rows, shape: core::marker::PhantomData };
         self.next_segment();
         segment
     }
@@ -181,13 +182,14 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
 
 /// A closed segment's sums, apart from the estimator that goes on.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Segment<const M: usize, const P: usize> {
+pub struct Segment<const M: usize, const P: usize, S = AnyShape> {
     head: Head<M>,
     sums: Triangle<M, P>,
     rows: u32,
+    shape: core::marker::PhantomData<S>,
 }
 
-impl<const M: usize, const P: usize> Segment<M, P> {
+impl<const M: usize, const P: usize, S: Shape> Segment<M, P, S> {
     /// Rows of the segment.
     #[must_use]
     pub const fn rows(&self) -> u32 {
@@ -203,30 +205,30 @@ impl<const M: usize, const P: usize> Segment<M, P> {
 
 /// The solve of a detached segment, a bounded piece a call.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Solver<'m, const M: usize, const P: usize> {
+pub struct Solver<'m, const M: usize, const P: usize, S = AnyShape> {
     regression: &'m Regression<M>,
-    segment: Segment<M, P>,
+    segment: Segment<M, P, S>,
     solution: Solution<M, P>,
 }
 
-impl<'m, const M: usize, const P: usize> Solver<'m, M, P> {
+impl<'m, const M: usize, const P: usize, S: Shape> Solver<'m, M, P, S> {
     /// Nothing solved yet.
     #[must_use]
-    pub fn new(regression: &'m Regression<M>, segment: Segment<M, P>) -> Self {
+    pub fn new(regression: &'m Regression<M>, segment: Segment<M, P, S>) -> Self {
         let solution = Solution::new(regression, &segment.head);
         Self { regression, segment, solution }
     }
 
     /// The segment under way.
     #[must_use]
-    pub const fn segment(&self) -> &Segment<M, P> {
+    pub const fn segment(&self) -> &Segment<M, P, S> {
         &self.segment
     }
 
     /// The next piece, of which there are as many as parameters, and three; the last brings the result. Not to be
     /// called after that.
     pub fn advance(&mut self) -> Option<Result<Estimate<M, P>, Reason>> {
-        match self.solution.advance(self.regression, &self.segment.head, &self.segment.sums) {
+        match self.solution.advance::<S>(self.regression, &self.segment.head, &self.segment.sums) {
             Ok(false) => None,
             Ok(true) => Some(Ok(*self.solution.estimate())),
             Err(reason) => Some(Err(reason)),
@@ -238,7 +240,7 @@ impl<'m, const M: usize, const P: usize> Solver<'m, M, P> {
     /// # Errors
     /// As [`Estimator::estimate`].
     pub fn finish(self) -> Result<Estimate<M, P>, Reason> {
-        self.solution.finish(self.regression, &self.segment.head, &self.segment.sums)
+        self.solution.finish::<S>(self.regression, &self.segment.head, &self.segment.sums)
     }
 }
 

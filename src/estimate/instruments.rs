@@ -15,21 +15,22 @@
 //! ```
 //!
 //! Δŷ is what the auxiliary model expects of Δy, so that a segment estimates the *difference* from it: at 10 kHz the
-//! filtered residual is a ten-thousandth of Δy, and the target itself would cost the estimate these digits (0.9 of its
+//! filtered residual is a ten-thousandth of Δy, and Δy itself as target costs the estimate these digits (0.9 of its
 //! standard deviation with three poles, instead of 0.001). Fading memory sees many auxiliary models and has Δy itself.
 //!
 //! The prefilter decides: without it recursive instrumental variables are useless at high sampling rates. Source:
 //! Young, *Recursive Estimation and Time-Series Analysis*, simplified refined IV, a segment a pass.
 //!
 //! Filters and simulation go on over segments; only the parameters change, after which rows are withheld until
-//! transients have died out ([`Regression::settle`]). A rejected sample restarts all of them, at rest on the next good
+//! transients have died out ([`Regression::settle`]: three times the slowest time constant after an exchange, six after a
+//! restart, whose transient is as large as the signal). A rejected sample restarts all of them, at rest on the next good
 //! one. The simulated output is bounded: beyond a hundred times the output's limit it starts anew.
 //!
 //! Cost: 3 na + n multiply-adds more than least squares, and the larger triangle.
 
 use super::reference::{self, Candidate, Reference};
 use super::regression::MAX_OUTPUT_TERMS;
-use super::rows::{AnyShape, Delay, Row, Rows, Shape};
+use super::rows::{AnyShape, Delays, Form, Row, Rows, Shape};
 use super::{Estimate, Memory, Method, Order, Regression};
 use crate::detector::Sample;
 
@@ -49,19 +50,19 @@ pub struct Instruments<const M: usize, const L: usize, S = AnyShape> {
     /// Whether the origin has been taken: it moves where the sums are empty, never with a sample that restarts filters.
     placed: bool,
     y: [f32; MAX_OUTPUT_TERMS],
-    x: [f32; MAX_OUTPUT_TERMS],
-    /// Level and differences of filtered u1, then of u2; each as many as the filter or the row needs.
-    inputs: [f32; M],
-    u1: Delay<L>,
-    u2: Delay<L>,
+    /// Level and differences of the simulated output, of filtered u1, of filtered u2; as many as filter and row need.
+    cells: [f32; M],
+    delays: Delays<L>,
     /// Samples until the filters start: the delayed inputs must be clean.
     filling: u16,
     /// Samples until rows are given.
-    settling: u32,
+    settling: u16,
     shape: core::marker::PhantomData<S>,
 }
 
 impl<const M: usize, const L: usize, S: Shape> Rows<M> for Instruments<M, L, S> {
+    type Shape = S;
+
     fn new(regression: &Regression<M>) -> Self {
         Self {
             reference: Reference::new(nominal(regression)),
@@ -69,10 +70,8 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Instruments<M, L, S> 
             origin: [0.0; 3],
             placed: false,
             y: [0.0; MAX_OUTPUT_TERMS],
-            x: [0.0; MAX_OUTPUT_TERMS],
-            inputs: [0.0; M],
-            u1: Delay::new(),
-            u2: Delay::new(),
+            cells: [0.0; M],
+            delays: Delays::new(),
             filling: filling(regression),
             settling: 0,
             shape: core::marker::PhantomData,
@@ -83,32 +82,34 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Instruments<M, L, S> 
         regression.method == Method::Instruments
             && (1..=MAX_OUTPUT_TERMS).contains(&(regression.order.na as usize))
             && regression.columns() <= M
+            && cells(&regression.order) <= M
             && regression.order.largest_delay() <= L
             && S::fits(regression)
     }
 
     #[inline]
     fn push(&mut self, regression: &Regression<M>, sample: &Sample) -> Option<Row<M>> {
-        let (order, offset) = S::of(regression);
+        let Form { order, offset, .. } = S::of(regression);
         let Order { na, nb, nc, nkb, nkc } = order;
         let (na, nb, nc) = (na as usize, nb as usize, nc as usize);
         if self.reference.tick(|| nominal(regression)) {
             self.take_over(regression);
         }
-        let (u1, u2) = (self.u1.push(sample.u1, nkb), self.u2.push(sample.u2, nkc));
+        let [u1, u2] = self.delays.push([sample.u1, sample.u2], [nkb, nkc]);
         if self.filling > 0 {
             self.fill(regression, [sample.y, u1, u2]);
             return None;
         }
         let [y0, u1_0, u2_0] = self.origin;
         let (t, gains) = self.reference.now.split_at_checked(na)?;
-        let (u1_cells, rest) = self.inputs.split_at_mut_checked(second_input(&order))?;
-        let u2_cells = rest.get_mut(..if nc > 0 { nc.max(na) } else { 0 })?;
+        let (x, rest) = self.cells.split_at_mut_checked(na)?;
+        let (u1_cells, rest) = rest.split_at_mut_checked(used(order.nb, order.na))?;
+        let u2_cells = rest.get_mut(..used(order.nc, order.na))?;
         let (du1, du2) = (increment(u1_cells, t, u1 - u1_0), increment(u2_cells, t, u2 - u2_0)); // (1)
         advance(u1_cells, du1);
         advance(u2_cells, du2);
 
-        let (y, x) = (self.y.get_mut(..na)?, self.x.get_mut(..na)?);
+        let y = self.y.get_mut(..na)?;
         let dy = increment(y, t, sample.y - y0);
         let (u1_used, u2_used) = (u1_cells.get(..nb)?, u2_cells.get(..nc)?);
         let (beta, gamma) = gains.split_at_checked(nb)?;
@@ -139,7 +140,7 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Instruments<M, L, S> 
         advance(y, dy);
         advance(x, dx);
         // Written so that NaN starts anew too.
-        let bounded = self.x.iter().take(1).all(|x| x.abs() <= BOUND * regression.guard.limit[0]);
+        let bounded = self.cells.iter().take(1).all(|x| x.abs() <= BOUND * regression.guard.limit[0]);
         if !bounded {
             self.filling = 1;
         }
@@ -155,7 +156,7 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Instruments<M, L, S> 
     }
 
     fn next_segment(&mut self, regression: &Regression<M>) {
-        self.settling = u32::from(regression.handover) + u32::from(regression.settle);
+        self.settling = regression.handover.saturating_add(regression.settle);
         if self.reference.next_segment(regression.handover, || nominal(regression)) {
             self.take_over(regression);
         }
@@ -182,7 +183,6 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Instruments<M, L, S> 
             return [0.0; M];
         }
         let mut base = self.reference.now;
-        // The constant's own place is the last; without one there is nothing behind the parameters.
         let constant = base.iter_mut().skip(regression.order.parameters()).take(usize::from(regression.offset));
         constant.for_each(|cell| *cell = self.constant);
         base
@@ -201,22 +201,18 @@ impl<const M: usize, const L: usize, S: Shape> Instruments<M, L, S> {
         if self.filling > 0 {
             return;
         }
-        self.settling = self.settling.max(u32::from(regression.settle));
-        (self.y, self.x) = ([0.0; MAX_OUTPUT_TERMS], [0.0; MAX_OUTPUT_TERMS]);
-        self.inputs = [0.0; M];
+        self.settling = self.settling.max(regression.settle);
+        (self.y, self.cells) = ([0.0; MAX_OUTPUT_TERMS], [0.0; M]);
         if regression.offset && !self.placed {
             (self.origin, self.placed) = ([y, u1, u2], true);
         }
         self.refer(regression);
         let [y0, u1_0, u2_0] = self.origin;
         let [y, u1, u2] = [y - y0, u1 - u1_0, u2 - u2_0];
-        let [y_level, x_level] = [self.y.first_mut(), self.x.first_mut()];
-        y_level.into_iter().chain(x_level).for_each(|level| *level = y);
-        // An input that is not used has no cells; its level would be the other's.
-        let Order { nb, nc, .. } = regression.order;
-        let second = second_input(&regression.order);
-        for (used, place, value) in [(nb > 0, 0, u1), (nc > 0, second, u2)] {
-            if let (true, Some(level)) = (used, self.inputs.get_mut(place)) {
+        let [x_level, u1_level, u2_level] = levels_of(&regression.order);
+        self.y.first_mut().into_iter().for_each(|level| *level = y);
+        for (place, value) in [(x_level, y), (u1_level, u1), (u2_level, u2)] {
+            if let Some(level) = place.and_then(|place| self.cells.get_mut(place)) {
                 *level = value;
             }
         }
@@ -232,56 +228,66 @@ impl<const M: usize, const L: usize, S: Shape> Instruments<M, L, S> {
         self.refer(regression);
     }
 
-    /// The auxiliary model's constant as seen from the origin.
+    /// The auxiliary model's constant as seen from the origin, which is zero without a constant.
     fn refer(&mut self, regression: &Regression<M>) {
         let Order { na, nb, nc, .. } = regression.order;
         let (na, nb, nc) = (na as usize, nb as usize, nc as usize);
-        let gain =
-            |used: bool, place: usize| if used { self.reference.now.get(place).copied().unwrap_or(0.0) } else { 0.0 };
-        let [y0, u1_0, u2_0] = self.origin;
-        let constant = gain(regression.offset, na + nb + nc);
-        self.constant = constant + gain(true, 0) * y0 + gain(nb > 0, na) * u1_0 + gain(nc > 0, na + nb) * u2_0;
+        let places = [(true, 0), (nb > 0, na), (nc > 0, na + nb)];
+        let known = self.reference.now.get(na + nb + nc).filter(|_| regression.offset).copied().unwrap_or(0.0);
+        self.constant = places.into_iter().zip(self.origin).fold(known, |sum, ((used, place), origin)| {
+            let gain = self.reference.now.get(place).filter(|_| used).copied().unwrap_or(0.0);
+            sum + gain * origin
+        });
     }
 
     /// Moves the origin to the present levels: with unit gain at rest, filtering and moving commute.
     fn recentre(&mut self, regression: &Regression<M>) {
-        let Order { nb, nc, .. } = regression.order;
-        let second = second_input(&regression.order);
-        let y_level = self.y.first().copied().unwrap_or(0.0);
-        if let Some(x_level) = self.x.first_mut() {
-            *x_level -= y_level;
+        let [x_level, u1_level, u2_level] = levels_of(&regression.order);
+        let [y0, u1_0, u2_0] = &mut self.origin;
+        let level = self.y.first_mut().map_or(0.0, core::mem::take);
+        *y0 += level;
+        if let Some(x) = x_level.and_then(|place| self.cells.get_mut(place)) {
+            *x -= level;
         }
-        let shift = |used: bool, origin: &mut f32, level: Option<&mut f32>| {
-            if let (true, Some(level)) = (used, level) {
+        for (place, origin) in [(u1_level, u1_0), (u2_level, u2_0)] {
+            if let Some(level) = place.and_then(|place| self.cells.get_mut(place)) {
                 *origin += core::mem::take(level);
             }
-        };
-        let [y0, u1_0, u2_0] = &mut self.origin;
-        shift(true, y0, self.y.first_mut());
-        shift(nb > 0, u1_0, self.inputs.first_mut());
-        shift(nc > 0, u2_0, self.inputs.get_mut(second));
+        }
     }
 }
 
 /// Whether the target is the auxiliary model's prediction error: that model must be one and the same for all rows.
+#[inline]
 fn predicts<const M: usize>(regression: &Regression<M>) -> bool {
     regression.memory == Memory::Segment
 }
 
-/// Where the cells of the second input begin.
-const fn second_input(order: &Order) -> usize {
-    if order.nb == 0 {
+/// Level and differences an input needs: for its terms in the row and for the filter's memory.
+const fn used(terms: u8, na: u8) -> usize {
+    if terms == 0 {
         0
-    } else if order.nb > order.na {
-        order.nb as usize
+    } else if terms > na {
+        terms as usize
     } else {
-        order.na as usize
+        na as usize
     }
+}
+
+/// Cells of the simulated output and both inputs.
+const fn cells(order: &Order) -> usize {
+    order.na as usize + used(order.nb, order.na) + used(order.nc, order.na)
+}
+
+/// Places of the levels of x̂, u1, u2; nothing for an input without terms.
+fn levels_of(&Order { na, nb, nc, .. }: &Order) -> [Option<usize>; 3] {
+    let first = na as usize;
+    [Some(0), (nb > 0).then_some(first), (nc > 0).then_some(first + used(nb, na))]
 }
 
 /// Samples until every delayed input is clean, and the one that starts the filters.
 fn filling<const M: usize>(regression: &Regression<M>) -> u16 {
-    regression.order.largest_delay() as u16 + 1
+    u16::from(regression.order.nkb.max(regression.order.nkc)) + 1
 }
 
 fn nominal<const M: usize>(regression: &Regression<M>) -> Candidate<M> {

@@ -1,4 +1,4 @@
-//! Straight-line code for the sizes a model uses: LLVM stops unrolling the plain loops at nine columns, and they
+//! Straight-line code of the row update for the sizes a model uses: LLVM stops unrolling the plain loops at nine columns, and they
 //! then cost about twice as much.
 
 use super::Forgetting;
@@ -17,8 +17,8 @@ pub(super) fn pivot<const FORGET: bool>(di: &mut f32, xi: f32, w: &mut f32, forg
     q / d
 }
 
-/// Place of R(i, j), j > i, in the packed rows.
-const fn packed(m: usize, i: usize, j: usize) -> usize {
+/// Place of R(i, j), j > i, in the packed rows of m columns.
+pub(super) const fn packed(m: usize, i: usize, j: usize) -> usize {
     i * (2 * m - i - 1) / 2 + j - i - 1
 }
 

@@ -5,6 +5,7 @@
 
 pub mod accumulator;
 pub mod estimator;
+mod factor;
 pub mod gate;
 pub mod instruments;
 mod kernels;
@@ -26,6 +27,6 @@ pub use order::Order;
 pub use regression::{Guard, MAX_OUTPUT_TERMS, Memory, Method, Nominal, Regression};
 pub use regressor::Regressor;
 pub use result::{Estimate, Reason};
-pub use rows::{AnyShape, Row, Rows, Shape};
+pub use rows::{AnyShape, Form, Row, Rows, Shape};
 pub use stability::is_stable;
 pub use triangle::{Forgetting, Triangle};

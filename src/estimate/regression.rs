@@ -10,7 +10,7 @@
 //! neighbouring lags, scaled by powers of two to rms ≈ 1, cut the condition number of slow models from 1e3–1e6 to
 //! 5–2e3: two to five decades of error in `f32`, for a few subtractions. Scaling by powers of two is exact.
 
-use super::{Forgetting, Order};
+use super::{Forgetting, Form, Order};
 use crate::detector::Sample;
 
 /// Most output terms of a model with instrumental variables.
@@ -115,6 +115,12 @@ impl<const M: usize> Regression<M> {
             settle: 100,
             handover: 0,
         }
+    }
+
+    /// What its rows look like.
+    #[must_use]
+    pub const fn form(&self) -> Form {
+        Form { order: self.order, offset: self.offset, method: self.method }
     }
 
     /// Parameters a, b, c and the constant.

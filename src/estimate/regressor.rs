@@ -11,7 +11,7 @@
 //! accepted model exceeds the threshold κσ weighs κσ/|e|.
 
 use super::reference::{self, Candidate, Reference};
-use super::rows::{AnyShape, Delay, Row, Rows, Shape};
+use super::rows::{AnyShape, Delays, Form, Row, Rows, Shape};
 use super::{Estimate, Method, Order, Regression};
 use crate::detector::Sample;
 
@@ -26,8 +26,7 @@ pub struct Regressor<const M: usize, const L: usize, S = AnyShape> {
     /// y(t−1), the value before it in the row, and the same for u1 and u2.
     newest_y: f32,
     level: [f32; 3],
-    u1: Delay<L>,
-    u2: Delay<L>,
+    delays: Delays<L>,
     /// Accepted samples in an unbroken run, saturating; `None` where the regression does not fit.
     clean: Option<u16>,
     /// Whether the next row starts a segment.
@@ -40,14 +39,15 @@ pub struct Regressor<const M: usize, const L: usize, S = AnyShape> {
 }
 
 impl<const M: usize, const L: usize, S: Shape> Rows<M> for Regressor<M, L, S> {
+    type Shape = S;
+
     fn new(regression: &Regression<M>) -> Self {
         Self {
             row: [0.0; M],
             origin: [0.0; 3],
             newest_y: 0.0,
             level: [0.0; 3],
-            u1: Delay::new(),
-            u2: Delay::new(),
+            delays: Delays::new(),
             clean: Self::fits(regression).then_some(0),
             first: true,
             reference: Reference::new(nominal(regression)),
@@ -65,7 +65,7 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Regressor<M, L, S> {
 
     #[inline]
     fn push(&mut self, regression: &Regression<M>, sample: &Sample) -> Option<Row<M>> {
-        let (order, offset) = S::of(regression);
+        let Form { order, offset, .. } = S::of(regression);
         let Order { na, nb, nc, nkb, nkc } = order;
         let swapped = self.reference.tick(|| nominal(regression));
         if offset && (self.first || swapped) {
@@ -73,7 +73,7 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Regressor<M, L, S> {
         }
         let [level_y, level_u1, level_u2] = &mut self.level;
         let [y0, u1_0, u2_0] = self.origin;
-        let (u1, u2) = (self.u1.push(sample.u1, nkb), self.u2.push(sample.u2, nkc));
+        let [u1, u2] = self.delays.push([sample.u1, sample.u2], [nkb, nkc]);
         let (cells, scale) = (&mut self.row[..], &regression.scale[..]);
         let (cells, scale, _) = shift_in(cells, scale, na, level_y, (self.newest_y, y0));
         let (cells, scale, du1) = shift_in(cells, scale, nb, level_u1, (u1, u1_0));

@@ -8,54 +8,32 @@
 //! The Routh–Hurwitz conditions of p are Jury's of A. In this form nothing cancels near z = 1: the constant of p is
 //! −t₀ = 1 + Σa itself, where Jury's table would take the difference of numbers near one.
 
-use super::regression::MAX_OUTPUT_TERMS;
-
-const SIZE: usize = MAX_OUTPUT_TERMS + 1;
-
-/// Whether the model with these t₀ … t_{n−1} is stable; `false` for more than [`MAX_OUTPUT_TERMS`] and for NaN.
+/// Whether the model with these t₀ … t_{n−1} is stable; `false` for more than four and for NaN.
 #[must_use]
 pub fn is_stable(t: &[f32]) -> bool {
-    if t.len() > MAX_OUTPUT_TERMS {
-        return false;
-    }
-    let mut p = [0.0_f32; SIZE];
-    let n = t.len();
-    if n == 0 {
-        return true;
-    }
-    add(&mut p, 2.0, (n - 1, 0), 1); // (1), its first term
-    for (k, t) in t.iter().enumerate() {
-        match k {
-            0 => add(&mut p, -t, (n - 1, 1), 0),
-            _ => add(&mut p, -2.0 * t, (n - 1 - k, k), 1),
+    // The coefficients of (1), the constant first.
+    match *t {
+        [] => true,
+        [t0] => -t0 > 0.0 && 2.0 + t0 > 0.0,
+        [t0, t1] => -t0 > 0.0 && 1.0 - t1 > 0.0 && 2.0 + t0 + 2.0 * t1 > 0.0,
+        [t0, t1, t2] => {
+            let c0 = -t0;
+            let c1 = 2.0 - t0 - 2.0 * (t1 + t2);
+            let c2 = 4.0 + t0 + 4.0 * t2;
+            let c3 = 2.0 + t0 + 2.0 * (t1 - t2);
+            c0 > 0.0 && c1 > 0.0 && c2 > 0.0 && c3 > 0.0 && c1 * c2 > c0 * c3
         }
-    }
-    let [c0, c1, c2, c3, c4] = p;
-    let positive = p.iter().take(n + 1).all(|c| *c > 0.0);
-    // Terms of higher degree than n are zero, so one condition serves three and four.
-    positive
-        && match n {
-            1 | 2 => true,
-            3 => c1 * c2 > c0 * c3,
-            _ => c3 * (c1 * c2 - c0 * c3) > c4 * c1 * c1,
+        [t0, t1, t2, t3] => {
+            let c0 = -t0;
+            let c1 = 2.0 * (1.0 - t0 - t1 - t2 - t3);
+            let c2 = 2.0 * (3.0 - t1 + t2 + 3.0 * t3);
+            let c3 = 2.0 * (3.0 + t0 + t1 + t2 - 3.0 * t3);
+            let c4 = 2.0 + t0 + 2.0 * (t1 - t2 + t3);
+            let positive = c0 > 0.0 && c1 > 0.0 && c2 > 0.0 && c3 > 0.0 && c4 > 0.0;
+            positive && c3 * (c1 * c2 - c0 * c3) > c4 * c1 * c1
         }
-}
-
-/// p ← p + factor · wˢ (1 + w)^plus (1 − w)^minus.
-fn add(p: &mut [f32; SIZE], factor: f32, (plus, minus): (usize, usize), shift: usize) {
-    let mut product = [0.0_f32; SIZE];
-    if let Some(cell) = product.get_mut(shift) {
-        *cell = factor;
+        _ => false,
     }
-    for sign in core::iter::repeat_n(1.0, plus).chain(core::iter::repeat_n(-1.0, minus)) {
-        let mut lower = 0.0;
-        for cell in &mut product {
-            let old = *cell;
-            *cell += sign * lower;
-            lower = old;
-        }
-    }
-    p.iter_mut().zip(product).for_each(|(p, term)| *p += term);
 }
 
 #[cfg(test)]

@@ -20,13 +20,16 @@
 //! Where the columns in use equal the capacity `M` ≤ 20, the row update is straight-line code made by a macro;
 //! otherwise a loop with the same operations in the same order, hence the same bits, runs.
 
+use super::factor::{Factor, Outputs, unrolled};
 use super::kernels;
 
+/// Nothing is forgotten.
+pub(super) const NEVER: Forgetting = Forgetting { lambda: 1.0, floor: 0.0 };
 /// Weight of the diagonal before the first row: so small that it biases nothing on data scaled to rms ≈ 1.
-const PRIOR: f32 = 1e-16;
+pub(super) const PRIOR: f32 = 1e-16;
 /// A pivot smaller than this part of its column's sum of squares is rounding, not excitation: rounding of exactly
 /// dependent columns leaves 1e-13 to 4e-10, a δ-form regression of condition 2.4e3 has 1.7e-7.
-const DEPENDENT: f32 = 1e-9;
+pub(super) const DEPENDENT: f32 = 1e-9;
 
 /// Forgetting for endless streams: factor λ < 1 a row, and the floor δ of the diagonal in (1).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,7 +84,7 @@ impl<const M: usize, const P: usize> Triangle<M, P> {
     /// Rotates in one row of a weight w in 0 … 1 with λ = 1: it counts as w rows.
     #[inline]
     pub fn update_weighted(&mut self, row: &[f32; M], weight: f32) {
-        self.rotate::<false>(row, weight, Forgetting { lambda: 1.0, floor: 0.0 });
+        self.rotate::<false>(row, weight, NEVER);
     }
 
     /// Rotates in one row of a weight in 0 … 1, forgetting the earlier ones.
@@ -112,18 +115,19 @@ impl<const M: usize, const P: usize> Triangle<M, P> {
         }
         let (d, r) = (self.d.get_mut(i..self.columns), self.r.get_mut(start..));
         if let (Some(d), Some(r), Some(x)) = (d, r, x.get_mut(i..self.columns)) {
-            rotate_any::<false>(d, r, x, weight, Forgetting { lambda: 1.0, floor: 0.0 });
+            rotate_any::<false>(d, r, x, weight, NEVER);
         }
     }
 
     /// Columns in use.
-    pub(super) const fn columns(&self) -> usize {
+    #[must_use]
+    pub const fn columns(&self) -> usize {
         self.columns
     }
 
-    /// The diagonal in use.
-    pub(super) fn diagonal(&self) -> &[f32] {
-        self.d.get(..self.columns).unwrap_or(&self.d)
+    /// The diagonal, and R packed by rows.
+    pub(super) const fn parts(&self) -> (&[f32; M], &[f32; P]) {
+        (&self.d, &self.r)
     }
 
     /// Where row i of R lies in its packed form, right of the diagonal.
@@ -133,34 +137,22 @@ impl<const M: usize, const P: usize> Triangle<M, P> {
         (i * (2 * self.columns - i - 1) / 2, self.columns - 1 - i)
     }
 
-    /// Row i of R right of its diagonal.
-    #[inline]
-    pub(super) fn row(&self, i: usize) -> &[f32] {
-        let (start, length) = self.place(i);
-        self.r.get(start..start + length).unwrap_or(&[])
-    }
-
     /// Parameters by back-substitution (3), in the first `columns − 1` places. With forgetting they may be read
     /// after any row. Meaningless where [`Triangle::dependent_column`] finds one.
     #[must_use]
     pub fn solve(&self) -> [f32; M] {
         let mut theta = [0.0_f32; M];
-        let n = self.columns.saturating_sub(1);
-        for (i, cell) in theta.iter_mut().enumerate().take(n) {
-            *cell = self.row(i).last().copied().unwrap_or(0.0);
+        // Where the capacity is used up, the size is known when compiling.
+        if self.columns != M || !unrolled::solve(&self.factor(M - 1), &mut theta) {
+            self.factor(self.columns.saturating_sub(1)).solve(&mut theta);
         }
-        self.back_substitute(theta.get_mut(..n).unwrap_or_default());
         theta
     }
 
-    /// x ← R⁻¹ x with the leading rows and columns of R, as many as x has.
-    pub(super) fn back_substitute(&self, x: &mut [f32]) {
-        for i in (0..x.len()).rev() {
-            let Some((head, later)) = x.split_at_mut_checked(i + 1) else { continue };
-            if let Some(cell) = head.last_mut() {
-                *cell = self.row(i).iter().zip(later).fold(*cell, |sum, (r, x)| sum - r * *x);
-            }
-        }
+    /// The factor as that of `n` parameters by least squares.
+    #[inline(always)]
+    fn factor(&self, n: usize) -> Factor<'_> {
+        Factor { d: &self.d, r: &self.r, columns: self.columns, inputs: n, outputs: 0, rotated: &Outputs::NONE }
     }
 
     /// Residual sum of squares of the scaled target; with forgetting over an effective 1/(1−λ) rows.
@@ -175,14 +167,7 @@ impl<const M: usize, const P: usize> Triangle<M, P> {
     pub fn inverse(&self) -> [f32; P] {
         let n = self.columns.saturating_sub(1);
         let mut inverse = [0.0_f32; P];
-        // Column k of R⁻¹ is v with R v = e(k); then (R⁻¹ D⁻¹ R⁻ᵀ)(i, j) = Σ_k v(i) v(j) / d(k).
-        for (k, d) in self.d.iter().enumerate().take(n) {
-            let mut column = [0.0_f32; M];
-            let Some(v) = column.get_mut(..=k) else { continue };
-            v.iter_mut().last().into_iter().for_each(|own| *own = 1.0);
-            self.back_substitute(v);
-            add_outer(&mut inverse, v, 1.0 / d);
-        }
+        (0..n).for_each(|k| self.factor(n).add_inverse_column(k, &mut [0.0; M], &mut inverse));
         inverse
     }
 
@@ -190,37 +175,19 @@ impl<const M: usize, const P: usize> Triangle<M, P> {
     /// the data do not excite it. With forgetting the floor hides this.
     #[must_use]
     pub fn dependent_column(&self) -> Option<usize> {
-        self.dependent_among(self.columns.saturating_sub(1))
-    }
-
-    /// The same among the first `count` columns.
-    pub(super) fn dependent_among(&self, count: usize) -> Option<usize> {
-        // Σx² of column j is d(j) + Σ_{i<j} d(i) r(i,j)².
-        let mut above = [0.0_f32; M];
-        for (i, d) in self.d.iter().enumerate().take(count) {
-            let later = above.iter_mut().skip(i + 1);
-            later.zip(self.row(i)).for_each(|(sum, r)| *sum += d * r * r);
-        }
-        // Written so that NaN counts as dependent.
-        let pivots = self.d.iter().zip(above).take(count);
-        pivots.map(|(own, above)| *own > DEPENDENT * above && *own > 4.0 * PRIOR).position(|excited| !excited)
-    }
-}
-
-/// C ← C + weight · v vᵀ on the lower triangle packed by rows, for the leading places that v has.
-pub(super) fn add_outer(packed: &mut [f32], v: &[f32], weight: f32) {
-    let mut rest = packed;
-    for (i, vi) in v.iter().enumerate() {
-        let Some((row, below)) = rest.split_at_mut_checked(i + 1) else { return };
-        let scaled = vi * weight;
-        row.iter_mut().zip(v).for_each(|(cell, vj)| *cell += scaled * vj);
-        rest = below;
+        self.factor(self.columns.saturating_sub(1)).dependent()
     }
 }
 
 /// (1) and (2) for any number of columns: the oracle of the straight-line kernels, and what runs where a model is
 /// narrower than the capacity.
-fn rotate_any<const FORGET: bool>(d: &mut [f32], r: &mut [f32], x: &mut [f32], weight: f32, forgetting: Forgetting) {
+pub(super) fn rotate_any<const FORGET: bool>(
+    d: &mut [f32],
+    r: &mut [f32],
+    x: &mut [f32],
+    weight: f32,
+    forgetting: Forgetting,
+) {
     let (mut x, mut r, mut w) = (x, r, weight);
     for di in d {
         let Some((xi, later)) = x.split_first_mut() else { return };

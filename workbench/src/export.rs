@@ -44,7 +44,7 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     line("#![allow(clippy::all, clippy::pedantic, clippy::unreadable_literal)]");
     line("");
     line("use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Projection};");
-    line("use bearing_watch::estimate::Shape;");
+    line("use bearing_watch::estimate::{Form, Method, Shape};");
     line("use bearing_watch::{Detector, Guard, Label, Model, Order, Regression, Regressor, Sampling};");
     line("");
     line("/// The order, known when compiling.");
@@ -53,8 +53,9 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     line("");
     line("impl Shape for Structure {");
     let order: Vec<String> = structure.order.to_array().iter().map(ToString::to_string).collect();
-    let fixed = format!("Order::new({}), {}", order.join(", "), structure.offset);
-    line(&format!("    const FIXED: Option<(Order, bool)> = Some(({fixed}));"));
+    let order = format!("Order::new({})", order.join(", "));
+    let form = format!("Form {{ order: {order}, offset: {}, method: Method::LeastSquares }}", structure.offset);
+    line(&format!("    const FIXED: Option<Form> = Some({form});"));
     line("}");
     line("");
     line("/// The detector of exactly this model's size.");
@@ -80,7 +81,7 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     line("    regression: Regression {");
     line(&format!("        scale: {},", numbers(&trained.scale)));
     line(&format!("        guard: Guard::within({}),", numbers(&trained.limit)));
-    line(&format!("        ..Regression::new({fixed})"));
+    line(&format!("        ..Regression::new({order}, {})", structure.offset));
     line("    },");
     line("    classifier: Classifier {");
     line(&format!("        features: Features {{ index: {:?}, count: {f} }},", trained.core_features));

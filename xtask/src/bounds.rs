@@ -1,28 +1,42 @@
-//! The instruction counts that the kernels must keep.
+//! The instruction counts and stack depths that must be kept.
 
 use crate::measure::Figure;
 
-/// One promise: a call takes at most so many instructions.
+/// What is bounded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    Instructions,
+    Bytes,
+}
+
+/// One promise: a call takes at most so much.
 #[derive(Clone, Copy, Debug)]
 pub struct Bound {
     pub name: &'static str,
     /// The size it holds for; none where the kernel has one size only.
     pub n: Option<u64>,
     pub most: u64,
+    pub unit: Unit,
 }
 
 /// What is promised.
-pub const BOUNDS: [Bound; 6] = [
+pub const BOUNDS: [Bound; 8] = [
     bound("LS update", Some(8), 285),
     bound("LS update", Some(15), 735),
     bound("LS update, lambda 1", Some(8), 245),
     bound("LS update, lambda 1", Some(15), 650),
     bound("sin_cos + Clarke + Park", None, 60),
     bound("projection 9 to 3 + quadratic discriminant 3 classes", None, 200),
+    stack("stack, detector sample", 1000),
+    stack("stack, detector segment end", 2000),
 ];
 
 const fn bound(name: &'static str, n: Option<u64>, most: u64) -> Bound {
-    Bound { name, n, most }
+    Bound { name, n, most, unit: Unit::Instructions }
+}
+
+const fn stack(name: &'static str, most: u64) -> Bound {
+    Bound { name, n: None, most, unit: Unit::Bytes }
 }
 
 impl Bound {
@@ -32,18 +46,25 @@ impl Bound {
         format!("{}{size} ≤ {}", self.name, self.most)
     }
 
-    /// The count that was measured, or why the bound does not hold. Less than half of it does not
-    /// hold either: then the optimiser has removed work that was to be measured.
+    /// What was measured, or why the bound does not hold. Less than half of it does not hold either: then the
+    /// optimiser has removed work that was to be measured, or the promise should be a better one.
     pub fn check(&self, figures: &[Figure]) -> Result<u64, String> {
         let counted = figures
             .iter()
             .find(|f| f.name == self.name && (self.n.is_none() || f.n == self.n))
-            .and_then(|f| f.instructions)
+            .and_then(|f| match self.unit {
+                Unit::Instructions => f.instructions,
+                Unit::Bytes => f.bytes,
+            })
             .ok_or_else(|| "not measured".to_owned())?;
+        let unit = match self.unit {
+            Unit::Instructions => "instructions",
+            Unit::Bytes => "bytes",
+        };
         if counted > self.most {
-            Err(format!("{counted} instructions"))
+            Err(format!("{counted} {unit}"))
         } else if counted < self.most / 2 {
-            Err(format!("{counted} instructions: was the work optimised away?"))
+            Err(format!("{counted} {unit}: was the work optimised away?"))
         } else {
             Ok(counted)
         }
@@ -63,6 +84,13 @@ mod tests {
     fn a_bound_has_two_sides() {
         assert!(holds(100) && holds(50));
         assert!(!holds(101) && !holds(49));
+    }
+
+    #[test]
+    fn stack_is_bounded_in_bytes() {
+        let figure = Figure { name: "a".to_owned(), n: Some(8), instructions: None, bytes: Some(90) };
+        assert_eq!(stack("a", 100).check(std::slice::from_ref(&figure)), Ok(90));
+        assert!(bound("a", None, 100).check(&[figure]).is_err());
     }
 
     #[test]

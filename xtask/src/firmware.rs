@@ -1,34 +1,63 @@
-//! Builds an example for the drive's chip, either way.
+//! Builds an example for a board, either way.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 
-use crate::toolchain::{TARGET, Way};
+use crate::board::{Board, DRIVE};
+use crate::toolchain::Way;
 use crate::{child, setup, workspace};
 
-/// The linker of the package `lld-19`.
-const LINKER: &str = "ld.lld-19";
+/// The linker of the package `lld-19`, for all bare Arm targets: cargo overlooks it under a target's name with a dot.
+const LINKER: &str = r#"target.'cfg(all(target_arch = "arm", target_os = "none"))'.linker = "ld.lld-19""#;
 
-/// Builds one example in release and returns its ELF file.
-pub fn build(way: Way, example: &str) -> Result<PathBuf> {
+/// Builds one example in release and returns its ELF file. Boards of one target share the place of that file: use it
+/// before building for another.
+pub fn build(way: Way, board: Board, example: &str) -> Result<PathBuf> {
+    let (mut cargo, folder) = cargo(way, board);
+    // By package, so that features which only host packages want do not leak in.
+    child::succeed(cargo.args(["--package", "bearing-watch", "--example", example]).args(features(example)))?;
+    existing(folder.join("examples").join(example))
+}
+
+/// Builds every example with every feature of the core.
+pub fn build_all_features(way: Way, board: Board) -> Result<()> {
+    let (mut cargo, _) = cargo(way, board);
+    child::succeed(cargo.args(["--package", "bearing-watch", "--examples", "--all-features"]))
+}
+
+/// Builds the chip's program of the peers, a workspace of its own, against CMSIS-DSP's sources, and returns its ELF file.
+pub fn build_peers(way: Way, cmsis: &Path) -> Result<PathBuf> {
+    let (mut cargo, folder) = cargo(way, DRIVE);
+    child::succeed(cargo.args(["--manifest-path", "xtask/peers/chip/Cargo.toml"]).env("CMSIS_DSP", cmsis))?;
+    existing(folder.join("peers-chip"))
+}
+
+/// The build command up to what is built, and the folder that then holds it.
+fn cargo(way: Way, board: Board) -> (Command, PathBuf) {
     let (mut cargo, folder) = match way {
         Way::Rustup => rustup(),
         Way::Debian => debian(),
     };
-    // By package, so that features which only host packages want do not leak in.
-    cargo.args(["build", "--release", "--target", TARGET]).args(["--package", "bearing-watch", "--example", example]);
+    cargo.args(["build", "--release", "--target", board.target]);
+    cargo.env("BEARING_WATCH_BOARD", board.memory);
     // Flags from the environment would replace those of the configuration, which name the linker
     // script; the result would be an empty program.
     cargo.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
-    child::succeed(&mut cargo)?;
+    (cargo, folder.join(board.target).join("release"))
+}
 
-    let elf = folder.join(TARGET).join("release/examples").join(example);
+fn existing(elf: PathBuf) -> Result<PathBuf> {
     if !elf.is_file() {
         bail!("cargo succeeded, but there is no {}", elf.display());
     }
     Ok(elf)
+}
+
+/// The features that an example asks for in `Cargo.toml`.
+fn features(example: &str) -> &'static [&'static str] {
+    if example == "logging" { &["--features", "defmt"] } else { &[] }
 }
 
 /// The names of all examples, sorted.
@@ -48,7 +77,11 @@ pub fn examples() -> Result<Vec<String>> {
 }
 
 fn rustup() -> (Command, PathBuf) {
-    (workspace::cargo(&[]), workspace::target_dir())
+    let folder = workspace::target_dir();
+    let mut cargo = workspace::cargo(&[]);
+    // Said, because a workspace of its own would else have a folder of its own.
+    cargo.env("CARGO_TARGET_DIR", &folder);
+    (cargo, folder)
 }
 
 /// Debian has no library for the target: core is built from its source, which wants the nightly
@@ -63,11 +96,10 @@ fn debian() -> (Command, PathBuf) {
         .env("RUSTDOC", setup::debian_program("rustdoc"))
         .env("RUSTC_BOOTSTRAP", "1")
         .env("CARGO_TARGET_DIR", &folder)
-        .env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_LINKER", LINKER)
         // What the cargo that started us leaves behind points at its own compiler's libraries.
         .env_remove("CARGO")
         .env_remove("RUSTUP_TOOLCHAIN")
         .env_remove("LD_LIBRARY_PATH")
-        .args(["-Z", "build-std=core"]);
+        .args(["-Z", "build-std=core", "--config", LINKER]);
     (cargo, folder)
 }

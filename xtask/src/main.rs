@@ -1,13 +1,17 @@
 //! What the repository's own commands do: `cargo xtask test | long | firmware | measure | peers | setup`.
 
+mod board;
 mod bounds;
 mod child;
 mod elf;
 mod firmware;
+mod log;
 mod long;
 mod measure;
 mod peers;
+mod public;
 mod qemu;
+mod rivals;
 mod setup;
 mod tally;
 mod target;
@@ -20,6 +24,7 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 
+use board::DRIVE;
 use toolchain::Way;
 
 /// Set-up, tests, firmware builds, emulator runs, instruction and size tables.
@@ -44,14 +49,17 @@ enum Command {
     /// Builds an example for the drive's chip and runs it in the emulator.
     Firmware {
         /// The example's name.
-        #[arg(long, default_value = "monitor")]
+        #[arg(default_value = "monitor")]
         example: String,
     },
     /// Counts the kernels' instructions and bytes on the emulated chip.
     Measure {
         /// A JSON list instead of a table.
-        #[arg(long)]
+        #[arg(long, conflicts_with = "peers")]
         json: bool,
+        /// Instead, the core's kernels beside those of CMSIS-DSP, nalgebra, oxictl and C by hand on the same data.
+        #[arg(long)]
+        peers: bool,
     },
     /// Times the workbench and other identification programs on the same traces; installs them in a virtual environment.
     Peers,
@@ -85,10 +93,11 @@ fn run(arguments: &Arguments) -> Result<bool> {
     setup::ensure(way)?;
     match &arguments.command {
         Command::Firmware { example } => {
-            let elf = firmware::build(way, example)?;
-            qemu::run(&elf, qemu::DRIVE, qemu::Echo::On)?;
+            let elf = firmware::build(way, DRIVE, example)?;
+            qemu::run(&elf, DRIVE.machine, qemu::Echo::On)?;
         }
-        Command::Measure { json } => {
+        Command::Measure { peers: true, .. } => rivals::run(way)?,
+        Command::Measure { json, .. } => {
             let figures = measure::figures(way)?;
             if *json {
                 println!("{}", measure::json(&figures));

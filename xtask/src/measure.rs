@@ -1,4 +1,4 @@
-//! `cargo xtask measure`: the kernels' instructions and bytes, counted on the emulated chip.
+//! `cargo xtask measure`: the kernels' instructions and bytes, counted on the emulated chip, and the stack they take.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -6,6 +6,7 @@ use std::fs;
 use anyhow::{Context, Result, ensure};
 use serde_json::{Value, json};
 
+use crate::board::DRIVE;
 use crate::toolchain::Way;
 use crate::{elf, firmware, qemu, workspace};
 
@@ -17,14 +18,14 @@ pub struct Figure {
     pub n: Option<u64>,
     /// A call, averaged.
     pub instructions: Option<u64>,
-    /// State of a kernel, or flash or RAM of a program.
+    /// State of a kernel, stack of a call, or flash or RAM of a program.
     pub bytes: Option<u64>,
 }
 
-/// Builds and runs the example `measure`, and adds what the example `monitor` takes of the chip.
+/// Builds and runs the examples `measure` and `stack`, and adds what the example `monitor` takes of the chip.
 pub fn figures(way: Way) -> Result<Vec<Figure>> {
     let mut figures = kernels(way)?;
-    let sizes = elf::sizes(&firmware::build(way, "monitor")?)?;
+    let sizes = elf::sizes(&firmware::build(way, DRIVE, "monitor")?)?;
     let recording = workspace::root().join("examples/support/standard_rig/held_out.bin");
     let recording = fs::metadata(&recording).with_context(|| format!("no {}", recording.display()))?.len();
     let rows = [
@@ -38,17 +39,21 @@ pub fn figures(way: Way) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// Only what the example `measure` prints.
+/// Only what the examples `measure` and `stack` print.
 pub fn kernels(way: Way) -> Result<Vec<Figure>> {
-    let elf = firmware::build(way, "measure")?;
-    let lines = qemu::run(&elf, qemu::DRIVE, qemu::Echo::Off)?;
-    ensure!(!lines.is_empty(), "the example `measure` printed nothing");
+    let mut lines = Vec::new();
+    for example in ["measure", "stack"] {
+        let elf = firmware::build(way, DRIVE, example)?;
+        let printed = qemu::run(&elf, DRIVE.machine, qemu::Echo::Off)?;
+        ensure!(!printed.is_empty(), "the example `{example}` printed nothing");
+        lines.extend(printed);
+    }
     lines.iter().map(|line| figure(line)).collect()
 }
 
 fn figure(line: &str) -> Result<Figure> {
     let value: Value =
-        serde_json::from_str(line).with_context(|| format!("the example `measure` printed no JSON object: {line}"))?;
+        serde_json::from_str(line).with_context(|| format!("the firmware printed no JSON object: {line}"))?;
     let name = value["name"].as_str().with_context(|| format!("a figure without a name: {line}"))?;
     Ok(Figure {
         name: name.to_owned(),

@@ -4,7 +4,7 @@
 //! there as a program of its own.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
@@ -13,14 +13,12 @@ use crate::{child, workspace};
 
 /// Installs, measures, prints; whether every ratio asked for is met.
 pub fn run() -> Result<bool> {
-    let folder = workspace::target_dir().join("peers");
-    let (venv, data) = (folder.join("venv"), folder.join("data"));
+    let folder = folder();
+    let data = folder.join("data");
     fs::create_dir_all(&data).with_context(|| format!("cannot make {}", data.display()))?;
     let scripts = workspace::root().join("xtask/peers");
-    let python = venv.join("bin/python");
+    let python = python()?;
     if !child::works(Command::new(&python).args(["-c", "import numpy, scipy, sippy_unipi"])) {
-        ensure!(child::on_path("python3"), "python3 is not installed");
-        child::succeed(Command::new("python3").args(["-m", "venv"]).arg(&venv))?;
         let install = ["-m", "pip", "install", "--quiet", "--requirement"];
         child::succeed(Command::new(&python).args(install).arg(scripts.join("requirements.txt")))?;
     }
@@ -41,6 +39,22 @@ pub fn run() -> Result<bool> {
     let mut script = Command::new(&python);
     script.arg(scripts.join("peers.py")).arg(&data).args([&rust, &oxictl]);
     Ok(child::lines(&mut script, |line| println!("{line}"))?.success())
+}
+
+/// Where peers are installed.
+pub fn folder() -> PathBuf {
+    workspace::target_dir().join("peers")
+}
+
+/// The Python of the peers' virtual environment, which is made where it lacks.
+pub fn python() -> Result<PathBuf> {
+    let venv = folder().join("venv");
+    let python = venv.join("bin/python");
+    if !child::works(Command::new(&python).args(["-m", "pip", "--version"])) {
+        ensure!(child::on_path("python3"), "python3 is not installed");
+        child::succeed(Command::new("python3").args(["-m", "venv"]).arg(&venv))?;
+    }
+    Ok(python)
 }
 
 /// Puts what a program prints into a file.

@@ -8,13 +8,12 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 
-use crate::child;
+use defmt_decoder::Table;
+
+use crate::{child, log};
 
 /// The emulator.
 pub const PROGRAM: &str = "qemu-system-arm";
-
-/// An STM32F405: the memory map of `memory.x`, a Cortex-M4F.
-pub const DRIVE: &str = "netduinoplus2";
 
 /// Far above what any example takes; firmware for another core hangs without a word.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -26,7 +25,7 @@ pub enum Echo {
     Off,
 }
 
-/// Runs an ELF file on a machine and returns its lines. Fails when it does not end by itself, or
+/// Runs an ELF file on a machine and returns its lines, decoded where it logs by `defmt`. Fails when it does not end by itself, or
 /// ends with a failing status.
 pub fn run(elf: &Path, machine: &str, echo: Echo) -> Result<Vec<String>> {
     let mut emulator = Command::new(PROGRAM);
@@ -38,21 +37,25 @@ pub fn run(elf: &Path, machine: &str, echo: Echo) -> Result<Vec<String>> {
         .arg("-kernel")
         .arg(elf);
     let what = elf.file_stem().unwrap_or_default().to_string_lossy();
-    within(&mut emulator, PATIENCE, echo).with_context(|| format!("{what} on {machine}"))
+    within(&mut emulator, PATIENCE, echo, log::table(elf)?).with_context(|| format!("{what} on {machine}"))
 }
 
-fn within(command: &mut Command, patience: Duration, echo: Echo) -> Result<Vec<String>> {
+fn within(command: &mut Command, patience: Duration, echo: Echo, table: Option<Table>) -> Result<Vec<String>> {
     let mut child = command.stdin(Stdio::null()).stdout(Stdio::piped()).spawn().context("cannot start the emulator")?;
     let output = child.stdout.take().context("the emulator has no output")?;
     let (sender, receiver) = mpsc::channel();
     // The reader must not hold up the clock below; it ends with the emulator.
     let reader = thread::spawn(move || {
-        child::split(output, |line| {
+        let each = |line: &str| {
             if echo == Echo::On {
                 println!("{line}");
             }
             let _receiver_gone = sender.send(line.to_owned());
-        })
+        };
+        match table {
+            Some(table) => log::split(output, &table, each),
+            None => child::split(output, each),
+        }
     });
     let status = wait(&mut child, patience);
     if status.is_ok() {
@@ -90,7 +93,7 @@ mod tests {
     use super::*;
 
     fn shell(script: &str, patience: Duration) -> Result<Vec<String>> {
-        within(Command::new("sh").args(["-c", script]), patience, Echo::Off)
+        within(Command::new("sh").args(["-c", script]), patience, Echo::Off, None)
     }
 
     #[test]

@@ -6,6 +6,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 
+use crate::board::DRIVE;
 use crate::toolchain::{self, Way};
 use crate::{child, qemu};
 
@@ -17,9 +18,9 @@ const EMULATOR: &str = "qemu-system-arm";
 
 /// Returns when everything is there that building and running this way need.
 pub fn ensure(way: Way) -> Result<()> {
-    if way == Way::Rustup && !toolchain::rustup_target_installed() {
+    if way == Way::Rustup && !toolchain::rustup_target_installed(DRIVE.target) {
         // Left to the user: it changes their toolchain.
-        bail!("the target {} is not installed; run\n    {}", toolchain::TARGET, toolchain::rustup_command());
+        bail!("the target {} is not installed; run\n    {}", DRIVE.target, toolchain::rustup_command(DRIVE.target));
     }
     let mut wanted = Vec::new();
     if way == Way::Debian {
@@ -48,14 +49,14 @@ fn missing(way: Way, wanted: &[&str]) -> String {
     text += &if child::on_path("apt-get") {
         format!("sudo apt-get update && sudo apt-get install --yes {list}")
     } else if way == Way::Debian {
-        format!("{} (and choose the other way: --way rustup)", toolchain::rustup_command())
+        format!("{} (and choose the other way: --way rustup)", toolchain::rustup_command(DRIVE.target))
     } else if child::on_path("brew") {
         "brew install qemu".to_owned()
     } else {
         format!("your system's package manager: QEMU with the program {}", qemu::PROGRAM)
     };
     if way == Way::Debian && child::on_path("rustup") {
-        text += &format!("\nor do without Debian's compiler:\n    {}", toolchain::rustup_command());
+        text += &format!("\nor do without Debian's compiler:\n    {}", toolchain::rustup_command(DRIVE.target));
     }
     text + "\nreason"
 }

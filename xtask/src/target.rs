@@ -2,56 +2,104 @@
 
 use anyhow::{Context, Result, bail, ensure};
 
+use crate::board::{Board, DRIVE, OTHERS};
 use crate::bounds::BOUNDS;
 use crate::tally::Tally;
-use crate::toolchain::Way;
-use crate::{child, elf, firmware, measure, qemu, workspace};
+use crate::toolchain::{self, Way};
+use crate::{child, elf, firmware, log, measure, public, qemu, workspace};
 
 /// Examples that must print the same lines, bit for bit, on the host and on the target.
 const TWINS: [&str; 2] = ["monitor", "kernels"];
 
+/// Of these, the ones for which that holds on every board.
+const EVERYWHERE: [&str; 1] = ["kernels"];
+
 const NO_TOOLS: &str = "no firmware tools, see set-up";
 
-/// Every example builds for the chip.
+/// Every example builds for the chip, also with all features.
 pub fn builds(tally: &mut Tally, way: Option<Way>) {
+    const ALL_FEATURES: &str = "all examples, all features";
     let names = match firmware::examples() {
         Ok(names) => names,
         Err(error) => return tally.check::<&str, _>("examples", Err(error)),
     };
+    let Some(way) = way else {
+        names.iter().for_each(|name| tally.skip(name, NO_TOOLS));
+        return tally.skip(ALL_FEATURES, NO_TOOLS);
+    };
     for name in names {
-        match way {
-            Some(way) => tally.check(&name, brief(firmware::build(way, &name).map(|_| ""))),
-            None => tally.skip(&name, NO_TOOLS),
-        }
+        tally.check(&name, brief(firmware::build(way, DRIVE, &name).map(|_| "")));
     }
+    tally.check(ALL_FEATURES, brief(firmware::build_all_features(way, DRIVE).map(|()| "")));
 }
 
-/// The same source gives the same bits.
+/// The same source gives the same bits, on the drive's chip and on other processors.
 pub fn same_lines(tally: &mut Tally, way: Option<Way>) {
     for name in TWINS {
-        match way {
-            Some(way) => tally.check(name, brief(compare(way, name))),
-            None => tally.skip(name, NO_TOOLS),
+        same_on(tally, way, DRIVE, name);
+    }
+    for board in OTHERS {
+        for name in EVERYWHERE {
+            same_on(tally, way, board, name);
         }
     }
 }
 
-/// The linked monitor holds no call of the panic machinery, so nothing in it can panic.
-pub fn no_panic(tally: &mut Tally, way: Option<Way>) {
-    const WHAT: &str = "monitor links without a panic";
+fn same_on(tally: &mut Tally, way: Option<Way>, board: Board, example: &str) {
+    let title = format!("{example} on {} ({})", board.machine, board.core);
+    let Some(way) = way else { return tally.skip(&title, NO_TOOLS) };
+    match toolchain::hindrance(way, board.target) {
+        Some(hindrance) => tally.skip(&title, &hindrance),
+        None => tally.check(&title, brief(compare(way, board, example))),
+    }
+}
+
+/// What the firmware logs by `defmt` decodes to the verdicts that the host's monitor prints.
+pub fn logging(tally: &mut Tally, way: Option<Way>) {
+    const WHAT: &str = "decoded verdicts are the host's";
     match way {
-        Some(way) => tally.check(WHAT, brief(panic_free(way))),
+        Some(way) => tally.check(WHAT, brief(same_verdicts(way))),
         None => tally.skip(WHAT, NO_TOOLS),
     }
 }
 
+fn same_verdicts(way: Way) -> Result<String> {
+    let logged = qemu::run(&firmware::build(way, DRIVE, "logging")?, DRIVE.machine, qemu::Echo::On)?;
+    let printed = on_host("monitor")?;
+    let (logged, printed) = (log::verdicts(&logged), log::verdicts(&printed));
+    ensure!(logged == printed, "host {printed:?}, log {logged:?}");
+    ensure!(!logged.is_empty(), "neither has a verdict");
+    Ok(logged.join(", "))
+}
+
+/// Nothing in the core can panic: the example that calls all of it links without a panic handler, and the monitor with
+/// all that an application adds holds no call of the panic machinery.
+pub fn no_panic(tally: &mut Tally, way: Option<Way>) {
+    const ALL: &str = "every public function is called in panic_free";
+    const LINKS: &str = "panic_free links and runs";
+    const MONITOR: &str = "monitor links without a panic";
+    let forgotten = brief(public::forgotten()).and_then(|names| match names.len() {
+        0 => Ok(""),
+        _ => Err(format!("missing: {}", names.join(", "))),
+    });
+    tally.check(ALL, forgotten);
+    let Some(way) = way else {
+        tally.skip(LINKS, NO_TOOLS);
+        return tally.skip(MONITOR, NO_TOOLS);
+    };
+    let runs =
+        firmware::build(way, DRIVE, "panic_free").and_then(|elf| qemu::run(&elf, DRIVE.machine, qemu::Echo::Off));
+    tally.check(LINKS, brief(runs.map(|_| "")));
+    tally.check(MONITOR, brief(panic_free(way)));
+}
+
 fn panic_free(way: Way) -> Result<&'static str> {
-    let found = elf::symbols_with(&firmware::build(way, "monitor")?, "core9panicking")?;
+    let found = elf::symbols_with(&firmware::build(way, DRIVE, "monitor")?, "core9panicking")?;
     ensure!(found.is_empty(), "it calls {}", found.join(", "));
     Ok("")
 }
 
-/// Two runs count the same instructions, and no more than promised.
+/// Two runs count the same instructions and bytes, and no more than promised.
 pub fn bounds(tally: &mut Tally, way: Option<Way>) {
     const REPEATABLE: &str = "two runs count alike";
     let Some(way) = way else {
@@ -79,8 +127,8 @@ pub fn bounds(tally: &mut Tally, way: Option<Way>) {
     }
 }
 
-fn compare(way: Way, example: &str) -> Result<String> {
-    let target = qemu::run(&firmware::build(way, example)?, qemu::DRIVE, qemu::Echo::Off)?;
+fn compare(way: Way, board: Board, example: &str) -> Result<String> {
+    let target = qemu::run(&firmware::build(way, board, example)?, board.machine, qemu::Echo::Off)?;
     let host = on_host(example)?;
     for (number, (host, target)) in host.iter().zip(&target).enumerate() {
         if host != target {

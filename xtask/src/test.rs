@@ -20,8 +20,9 @@ pub fn run(asked: Option<Way>) -> bool {
     stages.stage("host tests", host_tests);
     stages.stage("firmware builds", |tally| target::builds(tally, way));
     stages.stage("host = target", |tally| target::same_lines(tally, way));
+    stages.stage("logging", |tally| target::logging(tally, way));
     stages.stage("no panic", |tally| target::no_panic(tally, way));
-    stages.stage("instruction bounds", |tally| target::bounds(tally, way));
+    stages.stage("instructions, stack", |tally| target::bounds(tally, way));
     stages.stage("dependencies", dependencies);
 
     let total = stages.total();
@@ -47,7 +48,7 @@ fn format(tally: &mut Tally) {
 
 fn lints(tally: &mut Tally) {
     if component(tally, "clippy", "clippy") {
-        let mut cargo = workspace::cargo(&["clippy", "--workspace", "--all-targets"]);
+        let mut cargo = workspace::cargo(&["clippy", "--workspace", "--all-targets", "--all-features"]);
         cargo.args(["--", "--deny", "warnings"]);
         tally.check("cargo clippy", silent(&mut cargo));
     }

@@ -8,10 +8,8 @@ use std::process::Command;
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 
+use crate::board::DRIVE;
 use crate::{child, setup};
-
-/// Cortex-M4F and M7F.
-pub const TARGET: &str = "thumbv7em-none-eabihf";
 
 /// Names the way where no argument does.
 pub const VARIABLE: &str = "BEARING_WATCH_FIRMWARE";
@@ -43,7 +41,7 @@ pub fn choose(asked: Option<Way>) -> Result<Way> {
         (None, Some(name)) => Some(parse(&name)?),
         (None, None) => None,
     };
-    decide(forced, rustup_target_installed(), setup::debian_possible())
+    decide(forced, rustup_target_installed(DRIVE.target), setup::debian_possible())
 }
 
 fn parse(name: &str) -> Result<Way> {
@@ -58,21 +56,28 @@ fn decide(forced: Option<Way>, target_installed: bool, debian_possible: bool) ->
         (Some(way), _, _) => Ok(way),
         (None, true, _) => Ok(Way::Rustup),
         (None, false, true) => Ok(Way::Debian),
-        (None, false, false) => bail!("no compiler library for {TARGET}; install it by\n    {}", rustup_command()),
+        (None, false, false) => {
+            bail!("no compiler library for {}; install it by\n    {}", DRIVE.target, rustup_command(DRIVE.target))
+        }
     }
 }
 
-/// Whether the compiler at hand has the target's library. It is looked for in the file system,
+/// Whether the compiler at hand has a target's library. It is looked for in the file system,
 /// because rustup's own commands may start to download.
-pub fn rustup_target_installed() -> bool {
+pub fn rustup_target_installed(target: &str) -> bool {
     let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
     child::output(Command::new(rustc).args(["--print", "sysroot"]))
-        .is_some_and(|sysroot| Path::new(&sysroot).join("lib/rustlib").join(TARGET).join("lib").is_dir())
+        .is_some_and(|sysroot| Path::new(&sysroot).join("lib/rustlib").join(target).join("lib").is_dir())
 }
 
 /// What a user of rustup runs once.
-pub fn rustup_command() -> String {
-    format!("rustup target add {TARGET}")
+pub fn rustup_command(target: &str) -> String {
+    format!("rustup target add {target}")
+}
+
+/// Why this way can't build for a target at present; nothing where it can.
+pub fn hindrance(way: Way, target: &str) -> Option<String> {
+    (way == Way::Rustup && !rustup_target_installed(target)).then(|| format!("run {}", rustup_command(target)))
 }
 
 #[cfg(test)]
@@ -91,6 +96,13 @@ mod tests {
     fn without_a_way_the_error_tells_the_command() {
         let text = decide(None, false, false).err().map(|e| e.to_string());
         assert!(text.is_some_and(|t| t.contains("rustup target add thumbv7em-none-eabihf")));
+    }
+
+    #[test]
+    fn a_target_that_is_not_installed_hinders_rustup_only() {
+        let text = hindrance(Way::Rustup, "thumbv0-none-eabi");
+        assert_eq!(text.as_deref(), Some("run rustup target add thumbv0-none-eabi"));
+        assert_eq!(hindrance(Way::Debian, "thumbv0-none-eabi"), None);
     }
 
     #[test]

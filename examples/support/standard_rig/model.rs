@@ -4,7 +4,7 @@
 #![allow(clippy::all, clippy::pedantic, clippy::unreadable_literal)]
 
 use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Projection};
-use bearing_watch::estimate::Shape;
+use bearing_watch::estimate::{Form, Method, Shape};
 use bearing_watch::{Detector, Guard, Label, Model, Order, Regression, Regressor, Sampling};
 
 /// The order, known when compiling.
@@ -12,7 +12,8 @@ use bearing_watch::{Detector, Guard, Label, Model, Order, Regression, Regressor,
 pub struct Structure;
 
 impl Shape for Structure {
-    const FIXED: Option<(Order, bool)> = Some((Order::new(2, 1, 2, 1, 1), false));
+    const FIXED: Option<Form> =
+        Some(Form { order: Order::new(2, 1, 2, 1, 1), offset: false, method: Method::LeastSquares });
 }
 
 /// The detector of exactly this model's size.

@@ -1,6 +1,7 @@
 //! Recorded or simulated signals, from files to what identification takes.
 
 mod csv_reader;
+pub mod half_band;
 pub mod labels;
 pub mod prepare;
 

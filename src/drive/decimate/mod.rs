@@ -1,0 +1,32 @@
+//! From the rate of the signals to the rate of identification.
+//!
+//! Enters: samples of `CH` channels. Leaves: one sample of the same channels every `B`, `F` or 2ˢ samples.
+//!
+//! | decimator | factor | what folds into the band kept | instructions a sample of 3 channels, mean and worst |
+//! |---|---|---|---|
+//! | [`BlockMean`] | any | −13 dB and less | few; all but one add only |
+//! | [`HalfBandDecimator`] | 2ˢ | −80 dB, band up to 0.8 of the new Nyquist frequency | by 8: 148, 192; by 16: 142, 191 |
+//! | [`FirDecimator`] | any | what its taps let through | for the same bands, by 8: 430, 580; by 16: 420, 580 |
+//!
+//! All are causal with a constant delay, and hand on no start-up transient. An odd factor comes last:
+//!
+//! ```
+//! use bearing_watch::{FirDecimator, HalfBandDecimator, HalfBandTaps};
+//! // 20 kHz → 5 kHz → 1 kHz. The taps of 1/5 stand for a low-pass from `workbench::trace::prepare::anti_alias(5)`.
+//! let mut by_4 = HalfBandDecimator::<3, 1, 4, 4>::new();
+//! let mut by_5 = FirDecimator::<3, 5, 5, 1>::new();
+//! let mut push = |sample| by_4.push(&HalfBandTaps::GENTLE, sample).and_then(|x| by_5.push(&[0.2; 5], x));
+//! let outputs = (0..20_000).filter_map(|_| push([1.0, 2.0, 3.0])).count();
+//! assert_eq!(outputs, 997); // a second of signals, less the start
+//! ```
+//!
+//! The example `measure_decimate` counts on the emulated chip: `cargo xtask firmware --example measure_decimate`.
+
+pub mod block_mean;
+pub mod fir;
+pub mod half_band;
+mod stage;
+
+pub use block_mean::BlockMean;
+pub use fir::FirDecimator;
+pub use half_band::{HalfBandDecimator, HalfBandTaps};

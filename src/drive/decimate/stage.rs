@@ -1,0 +1,79 @@
+//! One half-band filter, equation (3) of [`super::half_band`], in transposed form.
+
+/// Two samples that a stage makes one of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Waiting<const CH: usize> {
+    pub(super) first: [f32; CH],
+    pub(super) second: [f32; CH],
+}
+
+impl<const CH: usize> Waiting<CH> {
+    #[inline]
+    pub(super) fn put(&mut self, is_first: bool, sample: [f32; CH]) {
+        if is_first {
+            self.first = sample;
+        } else {
+            self.second = sample;
+        }
+    }
+}
+
+/// One filter (3): the sums of the next 2K outputs, the next one first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Stage<const CH: usize, const PAIRS: usize> {
+    pub(super) waiting: Waiting<CH>,
+    pub(super) sooner: [[f32; CH]; PAIRS],
+    pub(super) later: [[f32; CH]; PAIRS],
+}
+
+impl<const CH: usize, const PAIRS: usize> Stage<CH, PAIRS> {
+    pub(super) const NEW: Self = Self {
+        waiting: Waiting { first: [0.0; CH], second: [0.0; CH] },
+        sooner: [[0.0; CH]; PAIRS],
+        later: [[0.0; CH]; PAIRS],
+    };
+
+    /// The sum that moves from the later half into the sooner one.
+    #[inline]
+    pub(super) fn carry(&self, taps: &[f32; PAIRS]) -> [f32; CH] {
+        let (Some(sum), Some(tap)) = (self.later.first(), taps.last()) else { return [0.0; CH] };
+        added(sum, *tap, &self.waiting.second)
+    }
+
+    /// Adds the sample to the later K sums and moves all up by one; the one that leaves is [`Self::carry`].
+    #[inline]
+    pub(super) fn later_half(&mut self, taps: &[f32; PAIRS]) -> [f32; CH] {
+        slide(self.later.iter_mut().rev().zip(taps), &self.waiting.second, [0.0; CH])
+    }
+
+    /// Adds both samples to the sooner K sums and moves all up by one; the one that leaves is the output.
+    #[inline]
+    pub(super) fn sooner_half(&mut self, taps: &[f32; PAIRS], carry: [f32; CH]) -> [f32; CH] {
+        if let Some(middle) = self.sooner.last_mut() {
+            *middle = added(middle, 0.5, &self.waiting.first);
+        }
+        slide(self.sooner.iter_mut().zip(taps).rev(), &self.waiting.second, carry)
+    }
+}
+
+/// From the last sum to the first: adds tap · x, puts what came from behind in its place, and takes it along.
+#[inline]
+fn slide<'a, const CH: usize>(
+    sums: impl Iterator<Item = (&'a mut [f32; CH], &'a f32)>,
+    x: &[f32; CH],
+    carry: [f32; CH],
+) -> [f32; CH] {
+    sums.fold(carry, |carry, (sum, tap)| added(&core::mem::replace(sum, carry), *tap, x))
+}
+
+/// sum + tap · x, channel by channel.
+#[inline]
+fn added<const CH: usize>(sum: &[f32; CH], tap: f32, x: &[f32; CH]) -> [f32; CH] {
+    let mut result = *sum;
+    for (sum, x) in result.iter_mut().zip(x) {
+        *sum += tap * x; // (3)
+    }
+    result
+}

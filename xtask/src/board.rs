@@ -1,0 +1,42 @@
+//! The emulated boards: which machine, which compiler target, which memory map.
+
+/// One machine of the emulator and what firmware for it is built with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Board {
+    /// The processor, for people.
+    pub core: &'static str,
+    /// The emulator's name of the machine.
+    pub machine: &'static str,
+    /// The compiler's name of the target.
+    pub target: &'static str,
+    /// The folder of `boards` that holds its `memory.x`.
+    pub memory: &'static str,
+}
+
+/// The chip of many motor drives, an STM32F405.
+pub const DRIVE: Board =
+    Board { core: "Cortex-M4F", machine: "netduinoplus2", target: "thumbv7em-none-eabihf", memory: "stm32f405" };
+
+/// Other processors that must compute the same bits.
+pub const OTHERS: [Board; 3] = [
+    Board { core: "Cortex-M7", machine: "mps2-an500", target: "thumbv7em-none-eabihf", memory: "mps2" },
+    Board { core: "Cortex-M33", machine: "mps2-an505", target: "thumbv8m.main-none-eabihf", memory: "mps2-an505" },
+    Board { core: "Cortex-M3", machine: "mps2-an385", target: "thumbv7m-none-eabi", memory: "mps2" },
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::workspace;
+
+    #[test]
+    fn every_board_has_its_memory_map_and_a_machine_of_its_own() {
+        let mut machines = Vec::new();
+        for board in OTHERS.iter().chain([&DRIVE]) {
+            let map = workspace::root().join("boards").join(board.memory).join("memory.x");
+            assert!(map.is_file(), "no {}", map.display());
+            assert!(!machines.contains(&board.machine), "{} twice", board.machine);
+            machines.push(board.machine);
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! Public functions of the core that the example `panic_free` forgets.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+
+use crate::workspace;
+
+/// Functions by their full names, `Type::name`, or `name` outside an `impl`.
+pub fn forgotten() -> Result<Vec<String>> {
+    let example = workspace::root().join("examples/panic_free.rs");
+    let calls = fs::read_to_string(&example).with_context(|| format!("cannot read {}", example.display()))?;
+    let calls = without_generics(&calls);
+    let mut names = Vec::new();
+    collect(&workspace::root().join("src"), &mut names)?;
+    names.retain(|name| !is_called(&calls, name));
+    Ok(names)
+}
+
+/// Functions of all Rust files below a folder.
+fn collect(folder: &Path, names: &mut Vec<String>) -> Result<()> {
+    for entry in folder.read_dir().with_context(|| format!("no folder {}", folder.display()))? {
+        let path = entry?.path();
+        if path.is_dir() {
+            collect(&path, names)?;
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            names.extend(public_functions(&fs::read_to_string(&path)?));
+        }
+    }
+    names.sort();
+    Ok(())
+}
+
+/// Reads formatted source: an `impl` at the margin owns what is indented below it, and the tests come last.
+fn public_functions(source: &str) -> Vec<String> {
+    let source = source.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
+    let mut names = Vec::new();
+    let mut owner = None;
+    let mut lines = source.lines();
+    while let Some(line) = lines.next() {
+        if line.starts_with("impl") {
+            let mut header = line.to_owned();
+            while !header.contains('{') {
+                let Some(next) = lines.next() else { break };
+                header += next;
+            }
+            owner = Some(type_of(&header));
+        } else if line.starts_with('}') {
+            owner = None;
+        }
+        let words = line.trim_start();
+        let function = ["pub fn ", "pub const fn "].iter().find_map(|start| words.strip_prefix(start));
+        if let Some(name) = function.and_then(|rest| rest.split(['(', '<']).next()) {
+            names.push(owner.as_ref().map_or_else(|| name.to_owned(), |owner| format!("{owner}::{name}")));
+        }
+    }
+    names
+}
+
+/// The type's name in `impl<…> Type<…> {`.
+fn type_of(header: &str) -> String {
+    without_generics(header).trim_start_matches("impl").trim().trim_end_matches(['{', ' ']).to_owned()
+}
+
+/// Drops what stands in angle brackets, and the `::` before them.
+fn without_generics(source: &str) -> String {
+    let mut text = String::new();
+    let (mut depth, mut before) = (0_usize, ' ');
+    for c in source.chars() {
+        match c {
+            // Arrows and comparisons are no brackets.
+            '<' if before != ' ' => {
+                if depth == 0 && text.ends_with("::") {
+                    text.truncate(text.len() - 2);
+                }
+                depth += 1;
+            }
+            '>' if depth > 0 && before != '-' => depth -= 1,
+            _ if depth == 0 => text.push(c),
+            _ => {}
+        }
+        before = c;
+    }
+    text
+}
+
+/// Whether a call by this name is there, and not by a longer one.
+fn is_called(calls: &str, name: &str) -> bool {
+    let call = format!("{name}(");
+    calls.match_indices(&call).any(|(at, _)| {
+        let before = calls.get(..at).and_then(|text| text.chars().next_back());
+        before.is_none_or(|c| !c.is_alphanumeric() && c != '_' && c != ':' && c != '.')
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SOURCE: &str = "\
+pub fn notes(bytes: &[u8]) -> bool {
+}
+impl<const M: usize>
+    Model<M>
+{
+    pub const fn new() -> Self {
+    }
+    fn own(&self) {}
+}
+#[cfg(test)]
+mod tests {
+    pub fn helper() {}
+}
+";
+
+    #[test]
+    fn functions_come_with_their_types_and_without_the_tests() {
+        assert_eq!(public_functions(SOURCE), ["notes", "Model::new"]);
+    }
+
+    #[test]
+    fn calls_are_found_by_full_names_only() {
+        let calls = without_generics("if a < b { Model::<6, { N - 1 }>::new(x); f::<u8>(); push_notes(); x.push() }");
+        assert!(is_called(&calls, "Model::new") && is_called(&calls, "f"));
+        assert!(!is_called(&calls, "new") && !is_called(&calls, "notes") && !is_called(&calls, "push"));
+    }
+
+    #[test]
+    fn the_core_has_functions_and_none_is_forgotten() -> Result<()> {
+        let mut names = Vec::new();
+        collect(&workspace::root().join("src"), &mut names)?;
+        assert!(names.contains(&"Detector::step".to_owned()), "{names:?}");
+        assert_eq!(forgotten()?, Vec::<String>::new());
+        Ok(())
+    }
+}
