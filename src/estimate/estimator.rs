@@ -121,10 +121,11 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
         Estimate::empty(self.regression.order, self.regression.offset, self.rows, self.counts())
     }
 
-    fn head(&self) -> Head {
+    fn head(&self) -> Head<M> {
         Head {
             mass: self.sums.mass(self.regression, self.rows),
             origin: self.source.origin(),
+            base: self.source.base(self.regression),
             gain: self.source.gain(),
             counts: self.counts(),
         }
@@ -182,7 +183,7 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
 /// A closed segment's sums, apart from the estimator that goes on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segment<const M: usize, const P: usize, S = AnyShape> {
-    head: Head,
+    head: Head<M>,
     sums: Triangle<M, P>,
     rows: u32,
     shape: core::marker::PhantomData<S>,

@@ -4,7 +4,8 @@
 //!
 //! A sample beyond its limit, NaN and infinity are *rejected*; one beyond the saturation of its sensor is not used
 //! either and counted apart. A signal that repeats the same bits for too long is *stuck*: what came before its
-//! detection is in the sums already, so the segment gets no verdict.
+//! detection is in the sums already, so the segment gets no verdict; what comes after it is not used, since fading memory
+//! would keep it beyond the segment.
 
 use super::regression::{Guard, within};
 use crate::detector::Sample;
@@ -41,20 +42,22 @@ impl Gate {
         Self { last: [f32::NAN; 3], equal: [0; 3], counts: Counts::default() }
     }
 
-    /// Whether the sample may be used; counts it where not.
+    /// Whether the sample may be used; counts it where it is out of range.
     #[inline]
     pub(crate) fn admits(&mut self, guard: &Guard, sample: &Sample) -> bool {
-        self.watch(guard, sample);
+        let stuck = self.watch(guard, sample);
         // One comparison a signal in the usual case: saturation is at most the limit.
         let good = within(sample, &guard.saturation);
         if !good {
             self.refuse(guard, sample);
         }
-        good
+        good && !stuck
     }
 
+    /// Whether a sensor is stuck now.
     #[inline]
-    fn watch(&mut self, guard: &Guard, sample: &Sample) {
+    fn watch(&mut self, guard: &Guard, sample: &Sample) -> bool {
+        let mut now = false;
         let signals = [sample.y, sample.u1, sample.u2];
         let state = self.last.iter_mut().zip(&mut self.equal).zip(&mut self.counts.stuck);
         for (((last, equal), stuck), (x, most)) in state.zip(signals.into_iter().zip(guard.stuck_samples)) {
@@ -63,8 +66,10 @@ impl Gate {
             }
             *equal = if x.to_bits() == last.to_bits() { equal.saturating_add(1) } else { 1 };
             *last = x;
+            now |= *equal >= most;
             *stuck |= *equal >= most;
         }
+        now
     }
 
     #[cold]

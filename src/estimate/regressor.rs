@@ -128,6 +128,10 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Regressor<M, L, S> {
         1.0
     }
 
+    fn base(&self, _regression: &Regression<M>) -> [f32; M] {
+        [0.0; M]
+    }
+
     fn refused(&self) -> u8 {
         self.reference.refused
     }

@@ -20,9 +20,11 @@ const WEAK: f32 = 1e-10;
 
 /// What a solve needs besides the factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Head {
+pub(super) struct Head<const M: usize> {
     pub(super) mass: Mass,
     pub(super) origin: [f32; 3],
+    /// What the target was predicted with; zeros where it was not.
+    pub(super) base: [f32; M],
     /// |A(1)| of the prefilter.
     pub(super) gain: f32,
     pub(super) counts: Counts,
@@ -41,7 +43,7 @@ pub(super) struct Solution<const M: usize, const P: usize> {
 }
 
 impl<const M: usize, const P: usize> Solution<M, P> {
-    pub(super) fn new(regression: &Regression<M>, head: &Head) -> Self {
+    pub(super) fn new(regression: &Regression<M>, head: &Head<M>) -> Self {
         let rows = head.mass.rows as u32;
         let estimate = Estimate::empty(regression.order, regression.offset, rows, head.counts);
         Self { estimate, rotated: Outputs::NONE, variance: 0.0, done: 0 }
@@ -51,7 +53,7 @@ impl<const M: usize, const P: usize> Solution<M, P> {
     pub(super) fn finish<S: Shape>(
         mut self,
         regression: &Regression<M>,
-        head: &Head,
+        head: &Head<M>,
         sums: &Triangle<M, P>,
     ) -> Result<Estimate<M, P>, Reason> {
         // As many pieces as there are parameters, and three.
@@ -70,7 +72,7 @@ impl<const M: usize, const P: usize> Solution<M, P> {
     pub(super) fn advance<S: Shape>(
         &mut self,
         regression: &Regression<M>,
-        head: &Head,
+        head: &Head<M>,
         sums: &Triangle<M, P>,
     ) -> Result<bool, Reason> {
         let (inputs, outputs) = S::of(regression).split();
@@ -101,7 +103,7 @@ impl<const M: usize, const P: usize> Solution<M, P> {
     fn check<S: Shape>(
         &mut self,
         regression: &Regression<M>,
-        head: &Head,
+        head: &Head<M>,
         sums: &Triangle<M, P>,
     ) -> Result<(), Reason> {
         let factor = factor::<S, M, P>(regression, sums, &Outputs::NONE);
@@ -130,7 +132,7 @@ impl<const M: usize, const P: usize> Solution<M, P> {
     }
 
     /// θ and σ² of (1).
-    fn parameters<S: Shape>(&mut self, regression: &Regression<M>, head: &Head, sums: &Triangle<M, P>) {
+    fn parameters<S: Shape>(&mut self, regression: &Regression<M>, head: &Head<M>, sums: &Triangle<M, P>) {
         let factor = factor::<S, M, P>(regression, sums, &self.rotated);
         let n = factor.inputs + factor.outputs;
         let mut theta = [0.0_f32; M];
@@ -146,8 +148,9 @@ impl<const M: usize, const P: usize> Solution<M, P> {
         let cell = |i: usize| {
             let place = factor.place(i);
             let to = self.estimate.delta.get_mut(place);
-            if let (Some(to), Some(theta), Some(scale)) = (to, theta.get(i), regression.scale.get(place)) {
-                *to = theta * scale * target;
+            let scales = (regression.scale.get(place), head.base.get(place));
+            if let (Some(to), Some(theta), (Some(scale), Some(base))) = (to, theta.get(i), scales) {
+                *to = base + theta * scale * target;
             }
         };
         each::<S>(n, cell);
@@ -155,7 +158,7 @@ impl<const M: usize, const P: usize> Solution<M, P> {
     }
 
     /// The covariance in its units, and whether the result serves.
-    fn scale<S: Shape>(&mut self, regression: &Regression<M>, head: &Head) -> Result<(), Reason> {
+    fn scale<S: Shape>(&mut self, regression: &Regression<M>, head: &Head<M>) -> Result<(), Reason> {
         let (inputs, outputs) = S::of(regression).split();
         let n = inputs + outputs;
         let target = 1.0 / regression.target_scale();
