@@ -334,7 +334,7 @@ fn put<'c>(cells: &'c mut [f32], values: &[f32], scale: &[f32]) -> &'c mut [f32]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::{Estimator, Guard, Nominal};
+    use crate::estimate::{Estimator, Guard, Nominal, Solver};
 
     /// y = 1.5 y₁ − 0.56 y₂ + 0.04 u₁ + 0.02 u₂ − 0.1 w₁: poles 0.8 and 0.7. t = [−0.06, 0.56], β = [0.06, −0.02].
     const TRUTH: [f32; 5] = [-0.06, 0.56, 0.06, -0.02, -0.1];
@@ -454,5 +454,80 @@ mod tests {
             assert!(!Instruments::<8, 2>::fits(&wrong));
         }
         assert!(!Instruments::<8, 1>::fits(&regression(1.0)), "delays");
+    }
+
+    const HANDOVER: u16 = 50;
+
+    /// Five segments of noisy data: closed on the spot, detached and solved whole, and by pieces between samples.
+    #[test]
+    fn a_deferred_solve_gives_the_same_bits() {
+        let regression = Regression { handover: HANDOVER, ..regression(1.2) };
+        type Refined<'m> = Estimator<'m, 8, 28, 2, Instruments<8, 2>>;
+        let mut inline = Refined::new(&regression);
+        let (mut whole, mut pieces) = (inline.clone(), inline.clone());
+        let (mut segment, mut solver) = (None, None);
+        let mut taken_over = 0;
+        for (t, sample) in samples(10_000, 0.05, [0.0; 3]).enumerate() {
+            for estimator in [&mut inline, &mut whole, &mut pieces] {
+                estimator.step(&sample);
+            }
+            if t % 2000 == 30 {
+                // The last moment is HANDOVER samples after the close.
+                let solved = segment.take().map(|closed| Solver::new(&regression, closed).finish().unwrap());
+                taken_over += u32::from(solved.is_some_and(|estimate| whole.adopt(&estimate)));
+            }
+            if let Some(Ok(estimate)) = solver.as_mut().and_then(Solver::advance) {
+                assert!(pieces.adopt(&estimate));
+                solver = None;
+            }
+            if t % 2000 == 1999 {
+                let estimate = inline.close().unwrap();
+                segment = Some(whole.detach());
+                solver = Some(Solver::new(&regression, pieces.detach()));
+                let other = Solver::new(&regression, segment.clone().unwrap()).finish().unwrap();
+                assert_eq!(estimate, other, "segment ending at {t}");
+            }
+        }
+        assert_eq!((taken_over, inline.rows()), (4, 0));
+        assert_eq!(whole, pieces);
+    }
+
+    #[test]
+    fn a_late_estimate_is_refused_and_three_missing_ones_bring_the_nominal_model_back() {
+        let regression = Regression { handover: HANDOVER, ..regression(1.2) };
+        let mut estimator = Estimator::<8, 28, 2, Instruments<8, 2>>::new(&regression);
+        let mut stream = samples(20_000, 0.05, [0.0; 3]);
+        let mut run = |estimator: &mut Estimator<'_, 8, 28, 2, Instruments<8, 2>>, count: usize| {
+            stream.by_ref().take(count).for_each(|sample| estimator.step(&sample));
+        };
+        run(&mut estimator, 2000);
+        let first = estimator.close().unwrap();
+        run(&mut estimator, 2000);
+        let second = Solver::new(&regression, estimator.detach()).finish().unwrap();
+        run(&mut estimator, usize::from(HANDOVER));
+        assert!(!estimator.adopt(&second), "one sample too late");
+        assert_eq!(estimator.counts().refused, 1);
+        let base = estimator.source().base(&regression);
+        assert_eq!(base[..5], first.delta[..5], "the first model stays");
+        for refused in [1, 2] {
+            run(&mut estimator, 2000);
+            assert_eq!(estimator.counts().refused, refused);
+            let _lost = estimator.detach();
+        }
+        run(&mut estimator, 2000);
+        assert_eq!(estimator.source().base(&regression)[..5], regression.nominal.delta[..5]);
+    }
+
+    #[test]
+    fn an_exploding_simulation_starts_anew() {
+        // Stable, but the gain of u1 is absurd: the simulated output leaves every bound.
+        let mut wild = regression(1.0);
+        wild.nominal.delta = [-0.06, 0.56, 1e30, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let mut rows = Instruments::<8, 2>::new(&wild);
+        for sample in samples(2000, 0.0, [0.0; 3]) {
+            let row = rows.push(&wild, &sample);
+            assert!(row.is_none_or(|row| row.cells.iter().all(|x| x.abs() < 1e5)));
+            assert!(rows.cells.iter().all(|x| x.is_finite()));
+        }
     }
 }
