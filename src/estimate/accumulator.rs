@@ -201,3 +201,77 @@ impl<const M: usize, const P: usize> Accumulator<M, P> for Fading<M, P> {
         *self = Self::new(self.triangle.columns());
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::Order;
+
+    /// Rows of y = 3 x₀ − 2 x₁ with some noise, by a small congruential generator.
+    fn rows(count: usize) -> impl Iterator<Item = Row<3>> {
+        let mut state = 5_u32;
+        let mut uniform = move || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f32::from((state >> 16) as i16) / 32_768.0
+        };
+        (0..count).map(move |_| {
+            let (a, b, e) = (uniform(), uniform(), uniform());
+            Row { cells: [a, b, 3.0 * a - 2.0 * b + 0.1 * e], weight: 1.0, motion: a * a }
+        })
+    }
+
+    const SEGMENT: Regression<3> = Regression::new(Order::new(0, 1, 1, 0, 0), false);
+    const FADING: Regression<3> = Regression {
+        memory: Memory::Fading { forgetting: Forgetting { lambda: 0.999, floor: 10.0 }, still: 0.01 },
+        ..SEGMENT
+    };
+
+    #[test]
+    fn two_levels_hold_what_one_holds() {
+        let (mut one, mut two) = (<Triangle<3, 3> as Accumulator<3, 3>>::new(3), TwoLevel::<3, 3>::new(3));
+        // Within the first block, at its end, in a later one, and while rows are handed up.
+        let mut added = 0;
+        for count in [7, 505, 512, 513, 514, 5000, 5121] {
+            for row in rows(count).skip(added) {
+                assert!(one.add(&SEGMENT, &row) && two.add(&SEGMENT, &row));
+            }
+            added = count;
+            two.total(|sum| {
+                let pairs = [(one.solve(), sum.solve()), (one.inverse(), sum.inverse())];
+                for (x, y) in pairs.iter().flat_map(|(x, y)| x.iter().zip(y)) {
+                    // Roundings of five thousand rows.
+                    assert!((x - y).abs() <= 1e-5 * x.abs(), "{count}: {x} {y}");
+                }
+                let (x, y) = (one.residual_sum(), sum.residual_sum());
+                assert!((x / y - 1.0).abs() < 1e-5, "{count}: {x} {y}");
+            });
+        }
+        two.next_segment();
+        assert_eq!(two, TwoLevel::new(3));
+    }
+
+    #[test]
+    fn nothing_moving_changes_nothing() {
+        let mut fading = Fading::<3, 3>::new(3);
+        let learnt = rows(5000).filter(|row| fading.add(&FADING, row)).count();
+        assert!(learnt > 4900, "{learnt}: all but the start");
+        let mass = fading.mass(&FADING, 0);
+        // Σλᵏ → 1/(1 − λ), Σλ²ᵏ/Σλᵏ → 1/(1 + λ), up to e⁻⁵.
+        assert!((mass.rows / 1000.0 - 1.0).abs() < 0.01 && (mass.spread / 0.5003 - 1.0).abs() < 0.02, "{mass:?}");
+        // The mean of the motion first runs out.
+        let mut at_rest = rows(100_000).map(|row| Row { motion: 0.0, ..row });
+        while fading.add(&FADING, &at_rest.next().unwrap()) {}
+        let frozen = fading.triangle.clone();
+        assert!(at_rest.all(|row| !fading.add(&FADING, &row)));
+        assert_eq!(fading.triangle, frozen);
+        let woken = rows(1000).filter(|row| fading.add(&FADING, row)).count();
+        assert!(woken > 900, "{woken}");
+    }
+
+    #[test]
+    fn each_memory_takes_its_own_regressions() {
+        assert!(<Triangle<3, 3> as Accumulator<3, 3>>::fits(&SEGMENT) && TwoLevel::<3, 3>::fits(&SEGMENT));
+        assert!(!Fading::<3, 3>::fits(&SEGMENT) && Fading::<3, 3>::fits(&FADING));
+        assert!(!<Triangle<3, 3> as Accumulator<3, 3>>::fits(&FADING) && !TwoLevel::<3, 3>::fits(&FADING));
+    }
+}

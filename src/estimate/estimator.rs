@@ -121,6 +121,12 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
         Estimate::empty(self.regression.order, self.regression.offset, self.rows, self.counts())
     }
 
+    /// Where the rows come from.
+    #[cfg(test)]
+    pub(super) const fn source(&self) -> &R {
+        &self.source
+    }
+
     fn head(&self) -> Head<M> {
         Head {
             mass: self.sums.mass(self.regression, self.rows),

@@ -15,15 +15,14 @@
 //! ```
 //!
 //! Δŷ is what the auxiliary model expects of Δy, so that a segment estimates the *difference* from it: at 10 kHz the
-//! filtered residual is a ten-thousandth of Δy, and Δy itself as target costs the estimate these digits (0.9 of its
+//! filtered residual is a ten-thousandth of Δy, and the target itself would cost the estimate these digits (0.9 of its
 //! standard deviation with three poles, instead of 0.001). Fading memory sees many auxiliary models and has Δy itself.
 //!
 //! The prefilter decides: without it recursive instrumental variables are useless at high sampling rates. Source:
 //! Young, *Recursive Estimation and Time-Series Analysis*, simplified refined IV, a segment a pass.
 //!
 //! Filters and simulation go on over segments; only the parameters change, after which rows are withheld until
-//! transients have died out ([`Regression::settle`]: three times the slowest time constant after an exchange, six after a
-//! restart, whose transient is as large as the signal). A rejected sample restarts all of them, at rest on the next good
+//! transients have died out ([`Regression::settle`]). A rejected sample restarts all of them, at rest on the next good
 //! one. The simulated output is bounded: beyond a hundred times the output's limit it starts anew.
 //!
 //! Cost: 3 na + n multiply-adds more than least squares, and the larger triangle.
@@ -183,6 +182,7 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Instruments<M, L, S> 
             return [0.0; M];
         }
         let mut base = self.reference.now;
+        // The constant's own place is the last; without one there is nothing behind the parameters.
         let constant = base.iter_mut().skip(regression.order.parameters()).take(usize::from(regression.offset));
         constant.for_each(|cell| *cell = self.constant);
         base
@@ -196,7 +196,7 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Instruments<M, L, S> 
 impl<const M: usize, const L: usize, S: Shape> Instruments<M, L, S> {
     /// Counts a sample that only fills the delays; with the last of them all filters start, at rest on it.
     #[cold]
-    fn fill(&mut self, regression: &Regression<M>, [y, u1, u2]: [f32; 3]) {
+    fn fill(&mut self, regression: &Regression<M>, levels: [f32; 3]) {
         self.filling -= 1;
         if self.filling > 0 {
             return;
@@ -204,14 +204,13 @@ impl<const M: usize, const L: usize, S: Shape> Instruments<M, L, S> {
         self.settling = self.settling.max(regression.settle);
         (self.y, self.cells) = ([0.0; MAX_OUTPUT_TERMS], [0.0; M]);
         if regression.offset && !self.placed {
-            (self.origin, self.placed) = ([y, u1, u2], true);
+            (self.origin, self.placed) = (levels, true);
         }
         self.refer(regression);
-        let [y0, u1_0, u2_0] = self.origin;
-        let [y, u1, u2] = [y - y0, u1 - u1_0, u2 - u2_0];
+        let ([y, u1, u2], [y0, u1_0, u2_0]) = (levels, self.origin);
         let [x_level, u1_level, u2_level] = levels_of(&regression.order);
-        self.y.first_mut().into_iter().for_each(|level| *level = y);
-        for (place, value) in [(x_level, y), (u1_level, u1), (u2_level, u2)] {
+        self.y.first_mut().into_iter().for_each(|level| *level = y - y0);
+        for (place, value) in [(x_level, y - y0), (u1_level, u1 - u1_0), (u2_level, u2 - u2_0)] {
             if let Some(level) = place.and_then(|place| self.cells.get_mut(place)) {
                 *level = value;
             }
@@ -228,16 +227,15 @@ impl<const M: usize, const L: usize, S: Shape> Instruments<M, L, S> {
         self.refer(regression);
     }
 
-    /// The auxiliary model's constant as seen from the origin, which is zero without a constant.
+    /// The auxiliary model's constant as seen from the origin.
     fn refer(&mut self, regression: &Regression<M>) {
         let Order { na, nb, nc, .. } = regression.order;
         let (na, nb, nc) = (na as usize, nb as usize, nc as usize);
-        let places = [(true, 0), (nb > 0, na), (nc > 0, na + nb)];
-        let known = self.reference.now.get(na + nb + nc).filter(|_| regression.offset).copied().unwrap_or(0.0);
-        self.constant = places.into_iter().zip(self.origin).fold(known, |sum, ((used, place), origin)| {
-            let gain = self.reference.now.get(place).filter(|_| used).copied().unwrap_or(0.0);
-            sum + gain * origin
-        });
+        let gain =
+            |used: bool, place: usize| if used { self.reference.now.get(place).copied().unwrap_or(0.0) } else { 0.0 };
+        let [y0, u1_0, u2_0] = self.origin;
+        let constant = gain(regression.offset, na + nb + nc);
+        self.constant = constant + gain(true, 0) * y0 + gain(nb > 0, na) * u1_0 + gain(nc > 0, na + nb) * u2_0;
     }
 
     /// Moves the origin to the present levels: with unit gain at rest, filtering and moving commute.
@@ -258,7 +256,6 @@ impl<const M: usize, const L: usize, S: Shape> Instruments<M, L, S> {
 }
 
 /// Whether the target is the auxiliary model's prediction error: that model must be one and the same for all rows.
-#[inline]
 fn predicts<const M: usize>(regression: &Regression<M>) -> bool {
     regression.memory == Memory::Segment
 }
@@ -335,127 +332,4 @@ fn put<'c>(cells: &'c mut [f32], values: &[f32], scale: &[f32]) -> &'c mut [f32]
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::estimate::{Estimator, Guard, Nominal};
-
-    /// y = 1.5 y₁ − 0.56 y₂ + 0.04 u₁ + 0.02 u₂ − 0.1 w₁: poles 0.8 and 0.7. t = [−0.06, 0.56], β = [0.06, −0.02].
-    const TRUTH: [f32; 5] = [-0.06, 0.56, 0.06, -0.02, -0.1];
-
-    fn regression(start: f32) -> Regression<8> {
-        Regression {
-            method: Method::Instruments,
-            nominal: Nominal { delta: core::array::from_fn(|k| start * TRUTH.get(k).unwrap_or(&0.0)), deviation: 0.0 },
-            guard: Guard::within([100.0; 3]),
-            ..Regression::new(Order::new(2, 2, 1, 1, 2), false)
-        }
-    }
-
-    /// Two inputs held for a few samples, and the output with white noise of that deviation.
-    fn samples(count: u32, noise: f32, level: [f32; 3]) -> impl Iterator<Item = Sample> {
-        let mut state = 7_u32;
-        let mut uniform = move || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f32::from((state >> 16) as i16) / 32_768.0
-        };
-        let [mut y1, mut y2, mut u1, mut u2, mut w1, mut w2] = [0.0_f32; 6];
-        let (mut u, mut w) = (0.0, 0.0);
-        (0..count).map(move |t| {
-            let y = 1.5 * y1 - 0.56 * y2 + 0.04 * u1 + 0.02 * u2 - 0.1 * w2;
-            u = if t % 5 == 0 { uniform() } else { u };
-            w = if t % 3 == 0 { uniform() } else { w };
-            (y2, y1, u2, u1, w2, w1) = (y1, y, u1, u, w1, w);
-            let e = noise * (uniform() + uniform() + uniform()); // deviation 1 of three uniforms
-            Sample { y: y + e + level[0], u1: u + level[1], u2: w + level[2] }
-        })
-    }
-
-    #[test]
-    fn exact_data_give_the_exact_model_from_a_wrong_start() {
-        let regression = regression(0.7);
-        let mut estimator = Estimator::<8, 28, 2, Instruments<8, 2>>::new(&regression);
-        samples(2000, 0.0, [0.0; 3]).for_each(|sample| estimator.step(&sample));
-        let estimate = estimator.close().unwrap();
-        assert_eq!(estimate.rows, 2000 - 3 - 100, "delays, start, settling");
-        for (got, want) in estimate.delta.iter().zip(TRUTH) {
-            assert!((got - want).abs() < 2e-5, "{got} {want}"); // a few hundred roundings
-        }
-    }
-
-    #[test]
-    fn noise_biases_least_squares_and_not_instruments() {
-        let start = regression(1.2);
-        let plain = Regression { method: Method::LeastSquares, ..start };
-        let mut by_rows = Estimator::<8, 28, 2, Instruments<8, 2>>::new(&start);
-        let mut by_squares = Estimator::<8, 28, 2>::new(&plain);
-        for sample in samples(60_000, 0.05, [0.0; 3]) {
-            by_rows.step(&sample);
-            by_squares.step(&sample);
-            if by_rows.rows() == 20_000 {
-                by_rows.close().unwrap();
-            }
-        }
-        let (iv, ls) = (by_rows.close().unwrap(), by_squares.close().unwrap());
-        for k in 0..5 {
-            let sd = iv.covariance_matrix()[(k, k)].sqrt();
-            assert!((iv.delta[k] - TRUTH[k]).abs() < 4.0 * sd, "{k}: {} {} {sd}", iv.delta[k], TRUTH[k]);
-            assert!(sd < 0.03 * TRUTH[k].abs() + 1e-3, "{k}: {sd}");
-        }
-        assert!((iv.variance.sqrt() / 0.05 - 1.0).abs() < 0.02, "{}", iv.variance.sqrt());
-        let sd = iv.covariance_matrix()[(0, 0)].sqrt();
-        assert!((ls.delta[0] - TRUTH[0]).abs() > 10.0 * sd, "{} {sd}", ls.delta[0]);
-    }
-
-    #[test]
-    fn an_operating_point_moves_the_constant_only() {
-        const FAR: Regression<9> = Regression {
-            method: Method::Instruments,
-            nominal: Nominal { delta: [-0.05, 0.5, 0.05, -0.02, -0.1, 0.0, 0.0, 0.0, 0.0], deviation: 0.0 },
-            ..Regression::new(Order::new(2, 2, 1, 1, 2), true)
-        };
-        let near = regression(0.9);
-        let mut plain = Estimator::<8, 28, 2, Instruments<8, 2>>::new(&near);
-        let mut lifted = Estimator::<9, 36, 2, Instruments<9, 2>>::new(&FAR);
-        let mut last = None;
-        for segment in 0..3 {
-            let range = samples(9000, 0.01, [0.0; 3]).skip(3000 * segment).take(3000);
-            range.for_each(|sample| plain.step(&sample));
-            let range = samples(9000, 0.01, [500.0, 300.0, -200.0]).skip(3000 * segment).take(3000);
-            range.for_each(|sample| lifted.step(&sample));
-            last = Some((plain.close().unwrap(), lifted.close().unwrap()));
-        }
-        let (plain, lifted) = last.unwrap();
-        for k in 0..5 {
-            let sd = plain.covariance_matrix()[(k, k)].sqrt();
-            // Samples near 500 carry 3e-5 each, the noise is 0.01; the constant costs the estimate one degree.
-            assert!((lifted.delta[k] - plain.delta[k]).abs() < 0.3 * sd, "{k}: {} {}", lifted.delta[k], plain.delta[k]);
-        }
-        let expected = -lifted.delta[0] * 500.0 - lifted.delta[2] * 300.0 + lifted.delta[4] * 200.0;
-        let sd = lifted.covariance_matrix()[(5, 5)].sqrt();
-        assert!((lifted.delta[5] - expected).abs() < 0.5 * sd, "{} {expected} {sd}", lifted.delta[5]);
-    }
-
-    #[test]
-    fn a_bad_sample_restarts_the_filters() {
-        let regression = regression(1.0);
-        let mut rows = Instruments::<8, 2>::new(&regression);
-        let mut given = 0;
-        for (t, sample) in samples(500, 0.0, [0.0; 3]).enumerate() {
-            if t == 250 {
-                rows.flush(&regression);
-            }
-            given += usize::from(rows.push(&regression, &sample).is_some());
-        }
-        assert_eq!(given, 500 - 2 * 103);
-    }
-
-    #[test]
-    fn a_regression_that_does_not_fit_gives_no_rows() {
-        let wide = Regression { order: Order::new(2, 2, 2, 1, 1), ..regression(1.0) };
-        let plain = Regression { method: Method::LeastSquares, ..regression(1.0) };
-        for wrong in [wide, plain] {
-            assert!(!Instruments::<8, 2>::fits(&wrong));
-        }
-        assert!(!Instruments::<8, 1>::fits(&regression(1.0)), "delays");
-    }
-}
+mod tests;

@@ -48,7 +48,7 @@ pub trait Rows<const M: usize>: Clone + core::fmt::Debug + PartialEq {
     /// least squares.
     fn gain(&self) -> f32;
 
-    /// The δ-parameters whose prediction error the target column holds, as seen from the origin; zeros where it holds Δy.
+    /// The δ-parameters whose prediction error the target column holds; zeros where it holds Δy itself.
     fn base(&self, regression: &Regression<M>) -> [f32; M];
 
     /// Segments in a row whose model did not take over.

@@ -148,8 +148,8 @@ impl<const M: usize, const P: usize> Solution<M, P> {
         let cell = |i: usize| {
             let place = factor.place(i);
             let to = self.estimate.delta.get_mut(place);
-            let known = (theta.get(i), regression.scale.get(place), head.base.get(place));
-            if let (Some(to), (Some(theta), Some(scale), Some(base))) = (to, known) {
+            let scales = (regression.scale.get(place), head.base.get(place));
+            if let (Some(to), Some(theta), (Some(scale), Some(base))) = (to, theta.get(i), scales) {
                 *to = base + theta * scale * target;
             }
         };
