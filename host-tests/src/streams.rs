@@ -43,11 +43,11 @@ pub fn refined(plant: &Plant, samples: &[Sample]) -> Regression<M> {
     Regression { method: Method::Instruments, nominal, settle, ..regression(order, samples) }
 }
 
-/// With fading memory of 1e4 rows, frozen while the inputs rest.
+/// With fading memory of 1e4 rows.
 #[must_use]
-pub fn fading(regression: Regression<M>, floor: f32, still: f32) -> Regression<M> {
+pub fn fading(regression: Regression<M>, floor: f32) -> Regression<M> {
     let forgetting = bearing_watch::estimate::Forgetting { lambda: 0.9999, floor };
-    Regression { memory: Memory::Fading { forgetting, still }, ..regression }
+    Regression { memory: Memory::Fading(forgetting), ..regression }
 }
 
 /// Powers of two that bring levels, differences and the target y − y₁ to an rms near one.

@@ -33,6 +33,8 @@ pub struct Mass {
 pub trait Accumulator<const M: usize, const P: usize>: Clone + core::fmt::Debug + PartialEq {
     /// Rows a segment may have.
     const LONGEST: u32;
+    /// Whether rows fade, and none is added at rest.
+    const FADES: bool;
 
     /// No rows yet, of so many columns.
     fn new(columns: usize) -> Self;
@@ -58,6 +60,7 @@ pub trait Accumulator<const M: usize, const P: usize>: Clone + core::fmt::Debug 
 
 impl<const M: usize, const P: usize> Accumulator<M, P> for Triangle<M, P> {
     const LONGEST: u32 = MAX_SEGMENT_SAMPLES;
+    const FADES: bool = false;
 
     fn new(columns: usize) -> Self {
         Self::new(columns)
@@ -101,6 +104,7 @@ pub struct TwoLevel<const M: usize, const P: usize> {
 
 impl<const M: usize, const P: usize> Accumulator<M, P> for TwoLevel<M, P> {
     const LONGEST: u32 = MAX_LONG_SEGMENT_SAMPLES;
+    const FADES: bool = false;
 
     fn new(columns: usize) -> Self {
         Self { block: Triangle::new(columns), sum: Triangle::new(columns), place: 0 }
@@ -158,6 +162,7 @@ pub struct Fading<const M: usize, const P: usize> {
 
 impl<const M: usize, const P: usize> Accumulator<M, P> for Fading<M, P> {
     const LONGEST: u32 = u32::MAX;
+    const FADES: bool = true;
 
     fn new(columns: usize) -> Self {
         Self { triangle: Triangle::new(columns), motion: 0.0, rows: 0.0 }
@@ -169,11 +174,11 @@ impl<const M: usize, const P: usize> Accumulator<M, P> for Fading<M, P> {
 
     #[inline]
     fn add(&mut self, regression: &Regression<M>, row: &Row<M>) -> bool {
-        let Memory::Fading { forgetting, still } = regression.memory else { return false };
+        let Memory::Fading(forgetting) = regression.memory else { return false };
         let Forgetting { lambda, .. } = forgetting;
         self.motion += 8.0 * (1.0 - lambda) * (row.motion - self.motion); // (1)
         // Written so that NaN freezes.
-        let moving = self.motion >= still;
+        let moving = self.motion >= regression.still;
         if moving {
             self.triangle.update_forgetting(&row.cells, row.weight, forgetting);
             self.rows = self.rows * lambda + 1.0;
@@ -187,7 +192,7 @@ impl<const M: usize, const P: usize> Accumulator<M, P> for Fading<M, P> {
 
     fn mass(&self, regression: &Regression<M>, _rows: u32) -> Mass {
         let lambda = match regression.memory {
-            Memory::Fading { forgetting, .. } => forgetting.lambda,
+            Memory::Fading(forgetting) => forgetting.lambda,
             Memory::Segment => 1.0,
         };
         // Σλᵏ = (1 − λⁿ)/(1 − λ) and Σλ²ᵏ = (1 − λ²ⁿ)/(1 − λ²), so their ratio is (1 + λⁿ)/(1 + λ).
@@ -221,10 +226,8 @@ mod tests {
     }
 
     const SEGMENT: Regression<3> = Regression::new(Order::new(0, 1, 1, 0, 0), false);
-    const FADING: Regression<3> = Regression {
-        memory: Memory::Fading { forgetting: Forgetting { lambda: 0.999, floor: 10.0 }, still: 0.01 },
-        ..SEGMENT
-    };
+    const FADING: Regression<3> =
+        Regression { memory: Memory::Fading(Forgetting { lambda: 0.999, floor: 10.0 }), still: 0.01, ..SEGMENT };
 
     #[test]
     fn two_levels_hold_what_one_holds() {
