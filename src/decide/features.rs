@@ -55,6 +55,7 @@ mod tests {
             variance: 1.0,
             rows: 10,
             counts: Counts::default(),
+            segment: 0,
         };
         let features = Features { index: [2, 3, 0, 0], count: 3 };
         assert_eq!(features.extract(&estimate), [3.0, 0.0, 0.5, 0.0]);

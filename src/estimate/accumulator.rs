@@ -8,6 +8,7 @@
 //!
 //! Sums that neither fade nor end are not offered: single precision would lose them.
 
+use super::triangle::PRIOR;
 use super::{Forgetting, Memory, Regression, Row, Triangle};
 
 /// Longest segment of a single factor (see [`super::triangle`]).
@@ -17,15 +18,18 @@ pub const MAX_LONG_SEGMENT_SAMPLES: u32 = 1_000_000;
 /// Largest λ: a memory of 1e4 rows.
 pub const MAX_LAMBDA: f32 = 0.9999;
 
+/// Part of its final mass from which a fading memory counts as filled.
+const FILLED: f32 = 0.9;
+
 /// Rows summed on the lower of two levels before they are handed up.
 const BLOCK: u16 = 512;
 
 /// How much the rows in a factor weigh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mass {
-    /// Σw: the equivalent number of rows of weight one.
+    /// Σλᵏ: the equivalent number of rows that have not faded. Weights of outliers are not in it.
     pub rows: f32,
-    /// Σw²/Σw: by what unequal weights change a covariance.
+    /// Σλ²ᵏ/Σλᵏ: by what fading changes a covariance.
     pub spread: f32,
 }
 
@@ -156,7 +160,7 @@ pub struct Fading<const M: usize, const P: usize> {
     triangle: Triangle<M, P>,
     /// Mean motion of the inputs (1).
     motion: f32,
-    /// Σw.
+    /// Σλᵏ.
     rows: f32,
 }
 
@@ -176,11 +180,13 @@ impl<const M: usize, const P: usize> Accumulator<M, P> for Fading<M, P> {
     fn add(&mut self, regression: &Regression<M>, row: &Row<M>) -> bool {
         let Memory::Fading(forgetting) = regression.memory else { return false };
         let Forgetting { lambda, .. } = forgetting;
-        self.motion += 8.0 * (1.0 - lambda) * (row.motion - self.motion); // (1)
+        self.motion += f32::min(8.0 * (1.0 - lambda), 1.0) * (row.motion - self.motion); // (1)
         // Written so that NaN freezes.
         let moving = self.motion >= regression.still;
         if moving {
-            self.triangle.update_forgetting(&row.cells, row.weight, forgetting);
+            // While the memory fills, the floor would be a prior that outweighs the rows.
+            let floor = if self.rows * (1.0 - lambda) < FILLED { PRIOR } else { forgetting.floor };
+            self.triangle.update_forgetting(&row.cells, row.weight, Forgetting { floor, ..forgetting });
             self.rows = self.rows * lambda + 1.0;
         }
         moving
@@ -200,7 +206,12 @@ impl<const M: usize, const P: usize> Accumulator<M, P> for Fading<M, P> {
         Mass { rows: self.rows, spread: (1.0 + left) / (1.0 + lambda) }
     }
 
-    fn next_segment(&mut self) {}
+    fn next_segment(&mut self) {
+        // Cannot come from samples that passed a validated guard; but what fades must not keep it for ever.
+        if !self.triangle.parts().0.iter().all(|d| d.is_finite()) {
+            self.restart();
+        }
+    }
 
     fn restart(&mut self) {
         *self = Self::new(self.triangle.columns());

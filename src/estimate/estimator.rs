@@ -48,7 +48,7 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
     pub fn new(regression: &'m Regression<M>) -> Self {
         Self {
             regression,
-            gate: Gate::new(),
+            gate: Gate::new(Self::fits(regression)),
             source: R::new(regression),
             sums: A::new(regression.columns()),
             rows: 0,
@@ -84,7 +84,7 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
     #[inline]
     pub fn take(&mut self, sample: &Sample) {
         let Some(row) = self.source.push(self.regression, sample) else { return };
-        if self.rows >= A::LONGEST {
+        if !self.gate.open || (self.rows >= A::LONGEST && !A::FADES) {
             return;
         }
         if row.weight < 1.0 {
@@ -128,7 +128,8 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
     /// An estimate that says nothing but how many rows and rejections there were.
     #[must_use]
     pub fn empty_estimate(&self) -> Estimate<M, P> {
-        Estimate::empty(self.regression.order, self.regression.offset, self.rows, self.counts())
+        let form = (self.regression.order, self.regression.offset);
+        Estimate { segment: self.gate.segment, ..Estimate::empty(form.0, form.1, self.rows, self.counts()) }
     }
 
     /// Where the rows come from.
@@ -147,6 +148,7 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
             gain: self.source.gain(),
             counts: self.counts(),
             at_rest,
+            segment: self.gate.segment,
         }
     }
 
@@ -158,11 +160,8 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
     /// returns.
     pub fn close(&mut self) -> Result<Estimate<M, P>, Reason> {
         let result = self.estimate();
-        match &result {
-            Ok(estimate) => self.source.adopt(self.regression, estimate),
-            // Cannot come from samples that passed the guard; but what fades must not keep it for ever.
-            Err(Reason::NotFinite) => self.sums.restart(),
-            Err(_) => {}
+        if let Ok(estimate) = &result {
+            self.source.adopt(self.regression, estimate);
         }
         self.next_segment();
         result
@@ -177,9 +176,10 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
         segment
     }
 
-    /// Lets the estimate of a detached segment take over at the handover; `false`, and nothing done, if that is past.
+    /// Lets the estimate of the segment that was detached last take over at the handover; `false`, and nothing done, if
+    /// that is past, or if it is the estimate of another segment.
     pub fn adopt(&mut self, estimate: &Estimate<M, P>) -> bool {
-        let in_time = self.source.awaits();
+        let in_time = self.source.awaits() && estimate.segment.wrapping_add(1) == self.gate.segment;
         if in_time {
             self.source.adopt(self.regression, estimate);
         }

@@ -17,6 +17,11 @@ use super::kernels::{self, packed};
 use super::regression::MAX_OUTPUT_TERMS;
 use super::triangle::{DEPENDENT, NEVER, PRIOR};
 
+/// det² G beside its row norms, below which instruments are weak: a determinant of 1e-5.
+const WEAK: f32 = 1e-10;
+/// F of a first stage below which instruments count as weak, by Staiger and Stock's rule.
+const CHANCE: f32 = 10.0;
+
 /// The rotated rows of G, target last.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Outputs {
@@ -101,9 +106,11 @@ impl Factor<'_> {
         }
     }
 
-    /// Rotates the rows of G; gives them, and det² G over the squares of its row norms: 1 for orthogonal rows.
+    /// Rotates the rows of G; gives them, and whether the instruments follow the output: det² G over the squares of its
+    /// row norms is not too small (it is 1 for orthogonal rows), and of each output column they explain more than chance
+    /// would, F > 10 over so many rows.
     #[inline(always)]
-    pub(super) fn rotate_outputs(&self) -> (Outputs, f32) {
+    pub(super) fn rotate_outputs(&self, rows: f32) -> (Outputs, bool) {
         let mut rotated = Outputs::NONE;
         let mut strength = 1.0;
         for i in 0..self.outputs {
@@ -118,7 +125,19 @@ impl Factor<'_> {
             rotated.rotate(self.outputs + 1, row, weight);
         }
         rotated.d.iter().take(self.outputs).for_each(|d| strength *= d);
-        (rotated, strength)
+        let n = self.parameters();
+        let own = |i: usize| self.d.get(n + i).copied().unwrap_or(0.0);
+        // Written so that NaN is weak.
+        let mut strong = strength > WEAK;
+        for j in 0..self.outputs {
+            let unexplained = (0..j).fold(own(j), |sum, i| {
+                let r = self.r.get(packed(self.columns, n + i, n + j)).copied().unwrap_or(0.0);
+                sum + own(i) * r * r
+            });
+            let explained = rotated.d.get(j).copied().unwrap_or(0.0);
+            strong &= explained * rows > CHANCE * unexplained && explained > 4.0 * PRIOR;
+        }
+        (rotated, strong)
     }
 
     /// Whether column j is, to rounding, no combination of the columns before it (nor zero), from Σ_{i<j} d(i) R(i, j)².

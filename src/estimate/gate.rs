@@ -34,12 +34,16 @@ pub(crate) struct Gate {
     last: [f32; 3],
     equal: [u16; 3],
     pub(crate) counts: Counts,
+    /// Number of the segment, wrapping.
+    pub(crate) segment: u8,
+    /// Closed for a regression that the estimator's types do not fit.
+    pub(crate) open: bool,
 }
 
 impl Gate {
-    pub(crate) fn new() -> Self {
+    pub(crate) fn new(open: bool) -> Self {
         // Runs of length zero: whatever comes first makes them one long.
-        Self { last: [0.0; 3], equal: [0; 3], counts: Counts::default() }
+        Self { last: [0.0; 3], equal: [0; 3], counts: Counts::default(), segment: 0, open }
     }
 
     /// Whether the sample may be used; counts it where it is out of range.
@@ -82,6 +86,7 @@ impl Gate {
     pub(crate) fn next_segment(&mut self) {
         let refused = self.counts.refused;
         self.counts = Counts { refused, ..Counts::default() };
+        self.segment = self.segment.wrapping_add(1);
     }
 }
 
@@ -94,7 +99,7 @@ mod tests {
 
     #[test]
     fn saturated_and_rejected_are_counted_apart() {
-        let mut gate = Gate::new();
+        let mut gate = Gate::new(true);
         let mut fed = |y, u1| gate.admits(&GUARD, &Sample { y, u1, u2: 0.0 });
         assert!(fed(9.0, 10.0) && !fed(9.5, 0.0) && !fed(-11.0, 0.0) && !fed(9.5, f32::NAN));
         assert_eq!((gate.counts.saturated, gate.counts.rejected), (1, 2));
@@ -104,7 +109,7 @@ mod tests {
 
     #[test]
     fn three_equal_samples_are_stuck_where_that_is_asked() {
-        let mut gate = Gate::new();
+        let mut gate = Gate::new(true);
         let mut stuck = |y| {
             gate.admits(&GUARD, &Sample { y, u1: 1.0, u2: 1.0 });
             gate.counts.stuck

@@ -80,8 +80,7 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Instruments<M, L, S> 
     fn fits(regression: &Regression<M>) -> bool {
         regression.method == Method::Instruments
             && (1..=MAX_OUTPUT_TERMS).contains(&(regression.order.na as usize))
-            && regression.columns() <= M
-            && cells(&regression.order) <= M
+            && regression.capacity() <= M
             && regression.order.largest_delay() <= L
             && S::fits(regression)
     }
@@ -272,7 +271,7 @@ const fn used(terms: u8, na: u8) -> usize {
 }
 
 /// Cells of the simulated output and both inputs.
-const fn cells(order: &Order) -> usize {
+pub(super) const fn cells(order: &Order) -> usize {
     order.na as usize + used(order.nb, order.na) + used(order.nc, order.na)
 }
 

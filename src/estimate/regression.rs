@@ -78,17 +78,20 @@ pub struct Regression<const M: usize> {
     pub nominal: Nominal<M>,
     /// Believable samples.
     pub guard: Guard,
-    /// Mean of the scaled (Δu1)² + (Δu2)² of the rows ([`Row::motion`](super::Row::motion)) below which the drive counts
+    /// Mean of (Δu1)² + (Δu2)² of the rows ([`Row::motion`](super::Row::motion)), scaled as their levels are, with
+    /// instruments of the prefiltered inputs, below which the drive counts
     /// as at rest: a segment gets no verdict, fading memory learns and forgets nothing. 0 for never.
     pub still: f32,
-    /// Samples withheld after a change of the auxiliary model, until its filters have settled; about 100 as a rule.
+    /// Samples withheld after a change of the auxiliary model, until its filters have settled: three of its slowest time
+    /// constants, six where rejected samples are usual.
     pub settle: u16,
-    /// Samples into the next segment at which a segment's model takes over; until then a deferred solve may take.
+    /// Accepted samples into the next segment at which a segment's model takes over; until then a deferred solve may take.
     pub handover: u16,
 }
 
 impl Guard {
-    /// Accepts every finite number within `f32`'s better half, tells no outliers and no stuck sensor.
+    /// Accepts every finite number within `f32`'s better half, tells no outliers and no stuck sensor. Too wide for a
+    /// [`Model`](crate::Model), whose limits are beside its scales.
     pub const OPEN: Self = Self { limit: [1e18; 3], saturation: [1e18; 3], stuck_samples: [0; 3], huber: 0.0 };
 
     /// [`Guard::OPEN`] within limits.
@@ -137,6 +140,16 @@ impl<const M: usize> Regression<M> {
                 Method::LeastSquares => 0,
                 Method::Instruments => self.order.na as usize,
             }
+    }
+
+    /// Least capacity `M` in columns: that of the rows, and of the filters of the instruments, which need more where
+    /// an input has fewer terms than the output.
+    #[must_use]
+    pub fn capacity(&self) -> usize {
+        match self.method {
+            Method::LeastSquares => self.columns(),
+            Method::Instruments => self.columns().max(super::instruments::cells(&self.order)),
+        }
     }
 
     /// The scale of the target column.

@@ -12,7 +12,7 @@
 
 use super::reference::{self, Candidate, Reference};
 use super::rows::{AnyShape, Delays, Form, Row, Rows, Shape};
-use super::{Estimate, Method, Order, Regression};
+use super::{Estimate, Memory, Method, Order, Regression};
 use crate::detector::Sample;
 
 /// Rows of least squares. `L` is the capacity in delays, at least the larger of nkb and nkc; `S` the structure.
@@ -31,6 +31,8 @@ pub struct Regressor<const M: usize, const L: usize, S = AnyShape> {
     clean: Option<u16>,
     /// Whether the next row starts a segment.
     first: bool,
+    /// Whether the origin has been taken: it moves where the sums are empty only.
+    placed: bool,
     /// Scaled parameters, for the residual.
     reference: Reference<M>,
     /// Part of the scaled prediction that the origin has taken out of the levels.
@@ -50,6 +52,7 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Regressor<M, L, S> {
             delays: Delays::new(),
             clean: Self::fits(regression).then_some(0),
             first: true,
+            placed: false,
             reference: Reference::new(nominal(regression)),
             shift: 0.0,
             shape: core::marker::PhantomData,
@@ -91,6 +94,8 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Regressor<M, L, S> {
         if (*clean as usize) <= order.depth() {
             return None;
         }
+        // The level before the first row may be from before a gap.
+        let motion = if *clean as usize > order.depth() + 1 { du1 * du1 + du2 * du2 } else { 0.0 };
         self.first = false;
         let mut weight = 1.0;
         if regression.guard.huber > 0.0 {
@@ -100,7 +105,7 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Regressor<M, L, S> {
             let target = self.row.get(n).copied().unwrap_or(0.0);
             weight = reference::weight(target - prediction, self.reference.threshold);
         }
-        Some(Row { cells: self.row, weight, motion: du1 * du1 + du2 * du2 })
+        Some(Row { cells: self.row, weight, motion })
     }
 
     fn flush(&mut self, _regression: &Regression<M>) {
@@ -138,9 +143,10 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Regressor<M, L, S> {
 }
 
 impl<const M: usize, const L: usize, S: Shape> Regressor<M, L, S> {
-    /// Takes the levels of the following rows from this sample, if it starts a segment.
+    /// Takes the levels of the following rows from this sample, if it starts the sums.
     fn recentre(&mut self, regression: &Regression<M>, sample: &Sample) {
-        if self.first {
+        if self.first && (!self.placed || regression.memory == Memory::Segment) {
+            self.placed = true;
             self.origin = [sample.y, sample.u1, sample.u2];
         }
         let Order { na, nb, nc, .. } = regression.order;

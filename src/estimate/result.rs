@@ -14,9 +14,11 @@ pub enum Reason {
     /// The inputs hardly moved, see [`Regression::still`](super::Regression::still).
     AtRest,
     /// The data do not excite this parameter: place in [`Estimate::delta`]. A signal that is constant over the whole
-    /// segment (a load at rest, a held reference) ends here, so a drive at standstill gets no verdict.
+    /// segment (a load at rest, a held reference) ends here, so a drive at standstill gets no verdict. With fading memory
+    /// the floor hides this once the memory is full; there [`Reason::AtRest`] tells.
     NotExcited(u8),
-    /// The instruments hardly follow the output: the auxiliary model does not fit, or noise hides the output.
+    /// The instruments explain hardly more of the output than chance (F ≤ 10), or cannot be told apart: the auxiliary model
+    /// does not fit, or noise hides the output.
     WeakInstruments,
     /// The estimated model is not stable, so that it could not serve as the next auxiliary model.
     Unstable,
@@ -57,19 +59,22 @@ pub struct Estimate<const M: usize, const P: usize> {
     /// Covariance of `delta`, lower triangle packed by rows: element (i, j ≤ i) at i(i+1)/2 + j.
     pub covariance: [f32; P],
     /// Residual variance σ², in units of y²: of the equation error by least squares, of the output error by
-    /// instrumental variables.
+    /// instrumental variables. Rows that weighed less count with their weight. With fading memory and instruments it is
+    /// right once the rows of earlier auxiliary models have faded.
     pub variance: f32,
     /// Rows the estimate rests on; with fading memory the equivalent number of rows of full weight.
     pub rows: u32,
     /// What was refused or weighed less.
     pub counts: Counts,
+    /// Number of its segment in the stream, wrapping.
+    pub segment: u8,
 }
 
 impl<const M: usize, const P: usize> Estimate<M, P> {
     /// An estimate that says nothing.
     #[must_use]
     pub const fn empty(order: Order, offset: bool, rows: u32, counts: Counts) -> Self {
-        Self { order, offset, delta: [0.0; M], covariance: [0.0; P], variance: 0.0, rows, counts }
+        Self { order, offset, delta: [0.0; M], covariance: [0.0; P], variance: 0.0, rows, counts, segment: 0 }
     }
 
     /// Number of parameters, the constant included.

@@ -11,7 +11,7 @@ pub struct Row<const M: usize> {
     pub cells: [f32; M],
     /// Weight in 0 … 1: below one for an outlier.
     pub weight: f32,
-    /// (Δu1)² + (Δu2)², scaled: how much the inputs move.
+    /// (Δu1)² + (Δu2)², scaled as the levels are: how much the inputs move, with instruments the prefiltered ones.
     pub motion: f32,
 }
 

@@ -15,9 +15,6 @@ use super::rows::Shape;
 use super::stability::is_stable;
 use super::{Counts, Estimate, Reason, Regression, Triangle};
 
-/// det² G beside its row norms, below which instruments are weak: a determinant of 1e-5.
-const WEAK: f32 = 1e-10;
-
 /// What a solve needs besides the factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Head<const M: usize> {
@@ -29,6 +26,7 @@ pub(super) struct Head<const M: usize> {
     pub(super) gain: f32,
     pub(super) counts: Counts,
     pub(super) at_rest: bool,
+    pub(super) segment: u8,
 }
 
 /// A solve under way.
@@ -41,13 +39,15 @@ pub(super) struct Solution<const M: usize, const P: usize> {
     variance: f32,
     /// Pieces done.
     done: u16,
+    failed: Option<Reason>,
 }
 
 impl<const M: usize, const P: usize> Solution<M, P> {
     pub(super) fn new(regression: &Regression<M>, head: &Head<M>) -> Self {
         let rows = head.mass.rows as u32;
-        let estimate = Estimate::empty(regression.order, regression.offset, rows, head.counts);
-        Self { estimate, rotated: Outputs::NONE, variance: 0.0, done: 0 }
+        let empty = Estimate::empty(regression.order, regression.offset, rows, head.counts);
+        let estimate = Estimate { segment: head.segment, ..empty };
+        Self { estimate, rotated: Outputs::NONE, variance: 0.0, done: 0, failed: None }
     }
 
     /// All pieces. `S` is the structure of the regression, if it is known when compiling.
@@ -68,9 +68,21 @@ impl<const M: usize, const P: usize> Solution<M, P> {
         Err(Reason::NotFinite)
     }
 
-    /// The next piece; `true` where it was the last.
+    /// The next piece; `true` where it was the last. An error is given again by every further call.
     #[inline]
     pub(super) fn advance<S: Shape>(
+        &mut self,
+        regression: &Regression<M>,
+        head: &Head<M>,
+        sums: &Triangle<M, P>,
+    ) -> Result<bool, Reason> {
+        let result = self.failed.map_or_else(|| self.piece::<S>(regression, head, sums), Err);
+        self.failed = result.err();
+        result
+    }
+
+    #[inline]
+    fn piece<S: Shape>(
         &mut self,
         regression: &Regression<M>,
         head: &Head<M>,
@@ -129,10 +141,9 @@ impl<const M: usize, const P: usize> Solution<M, P> {
         if factor.outputs == 0 {
             return Ok(());
         }
-        let (rotated, strength) = factor.rotate_outputs();
+        let (rotated, strong) = factor.rotate_outputs(head.mass.rows);
         self.rotated = rotated;
-        // Written so that NaN is weak.
-        if strength > WEAK { Ok(()) } else { Err(Reason::WeakInstruments) }
+        if strong { Ok(()) } else { Err(Reason::WeakInstruments) }
     }
 
     /// θ and σ² of (1).
@@ -181,12 +192,16 @@ impl<const M: usize, const P: usize> Solution<M, P> {
             (0..n).for_each(|i| (0..=i).for_each(|j| cell(i, j)));
         }
         each::<S>(n, |i| sum += delta.get(i).copied().unwrap_or(0.0));
+        sum += self.estimate.variance;
+        if S::of(regression).offset {
+            self.estimate.uncentre(head.origin);
+            // The last parameter, and the last of its row.
+            sum += self.estimate.delta.get(n - 1).copied().unwrap_or(0.0);
+            sum += self.estimate.covariance.get(lower(n - 1, n - 1)).copied().unwrap_or(0.0);
+        }
         // Infinity and NaN are not lost in a sum.
         if !sum.is_finite() {
             return Err(Reason::NotFinite);
-        }
-        if S::of(regression).offset {
-            self.estimate.uncentre(head.origin);
         }
         let stable = is_stable(self.estimate.delta.get(..outputs).unwrap_or(&[]));
         if stable { Ok(()) } else { Err(Reason::Unstable) }

@@ -153,7 +153,7 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
             return Err(Value("order"));
         }
         // Places of columns are bytes.
-        if regression.columns() > M.min(255) {
+        if regression.capacity() > M.min(255) {
             return Err(Capacity("regressor columns"));
         }
         check(sampling.interval_s.is_finite() && sampling.interval_s >= 0.0, "sampling interval")?;
@@ -211,11 +211,12 @@ fn validate_regression<const M: usize>(regression: &Regression<M>, segment_sampl
     check(regression.differences_share_scales(), "column scale")?;
     // Beyond that, sums of squares over a segment could leave the range of f32.
     let places = [(order.na, 0), (order.nb, order.na as usize), (order.nc, order.na as usize + order.nb as usize)];
-    let bounded = places.into_iter().zip(limit).filter(|((terms, _), _)| *terms > 0).all(|((_, place), limit)| {
-        let reach = regression.scale.iter().skip(place).take(2).fold(0.0_f32, |most, scale| most.max(*scale));
-        limit * reach <= 1e14
+    let bounded = places.into_iter().zip(limit).filter(|((terms, _), _)| *terms > 0).all(|((terms, place), limit)| {
+        limit * largest(regression.scale.iter().skip(place).take(terms.min(2) as usize)) <= 1e14
     });
-    check(bounded, "signal limit beside the column scale")?;
+    // The constant, where there is one, and the target.
+    let rest = largest(regression.scale.iter().skip(order.parameters()).take(n + 1 - order.parameters()));
+    check(bounded && limit.first().is_some_and(|y| y.max(1.0) * rest <= 1e14), "signal limit beside the column scale")?;
     let delta = nominal.delta.iter().take(n);
     check(delta.clone().all(finite) && finite(&nominal.deviation) && nominal.deviation >= 0.0, "nominal model")?;
     if *method == Method::Instruments {
@@ -226,11 +227,20 @@ fn validate_regression<const M: usize>(regression: &Regression<M>, segment_sampl
         check(segment_samples / 4 >= lost, "segment length beside settling and handover")?;
     }
     check(finite(&regression.still) && regression.still >= 0.0, "excitation threshold")?;
+    check(u32::from(*handover) <= segment_samples / 2, "handover")?;
     if let Memory::Fading(forgetting) = memory {
-        check((0.5..=MAX_LAMBDA).contains(&forgetting.lambda), "forgetting factor")?;
+        // Forgetting without excitation would let noise take the place of knowledge; without inputs nothing moves.
+        check(regression.still > 0.0 && order.nb + order.nc > 0, "excitation threshold")?;
+        // A memory of n rows has nothing left to estimate a variance from.
+        let rows = 1.0 / (1.0 - forgetting.lambda);
+        check(forgetting.lambda <= MAX_LAMBDA && rows > 2.0 * n as f32, "forgetting factor")?;
         check(finite(&forgetting.floor) && forgetting.floor > 0.0, "forgetting floor")?;
     }
     Ok(())
+}
+
+fn largest<'a>(values: impl Iterator<Item = &'a f32>) -> f32 {
+    values.fold(0.0, |most, value| most.max(*value))
 }
 
 /// Within 2^±60, so that sums of squares stay far inside the range of `f32`.
