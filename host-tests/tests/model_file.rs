@@ -99,11 +99,18 @@ fn values_out_of_range_are_named() {
     };
     assert_eq!(refused(out_of_reach), ModelError::Value("signal limit beside the column scale"));
     fn fading(m: &mut Exact, lambda: f32, floor: f32) {
+        m.regression.still = 1e-4;
         m.regression.memory = Memory::Fading(Forgetting { lambda, floor });
     }
     assert_eq!(refused(|m| fading(m, 1.0, 1.0)), ModelError::Value("forgetting factor"));
     assert_eq!(refused(|m| fading(m, 0.99995, 1.0)), ModelError::Value("forgetting factor"));
     assert_eq!(refused(|m| fading(m, 0.999, 0.0)), ModelError::Value("forgetting floor"));
+    assert_eq!(
+        refused(|m| fading(m, 0.9, 1.0)),
+        ModelError::Value("forgetting factor"),
+        "ten rows for five parameters"
+    );
+    assert_eq!(refused(|m| m.regression.handover = 2501), ModelError::Value("handover"));
     assert_eq!(refused(|m| m.classifier.features.index[0] = 6), ModelError::Value("feature index"));
     assert_eq!(refused(|m| m.classifier.projection.mean[0] = f32::INFINITY), ModelError::Value("projection"));
     assert_eq!(
@@ -127,6 +134,8 @@ fn sums_that_would_degrade_are_refused() {
     assert!(Endless::new(&model).is_err(), "its segments do not fade");
     let forgetting = Forgetting { lambda: 0.999, floor: 10.0 };
     model.regression.memory = Memory::Fading(forgetting);
+    assert_eq!(model.validate(), Err(ModelError::Value("excitation threshold")), "it would forget at rest");
+    model.regression.still = 1e-4;
     assert!(Segments::new(&model).is_err() && Long::new(&model).is_err() && Endless::new(&model).is_ok());
 }
 
