@@ -3,9 +3,12 @@
 use std::fmt::Write as _;
 
 use bearing_watch::decide::Kind;
+use bearing_watch::estimate::{Forgetting, MAX_SEGMENT_SAMPLES, Memory, Method};
+use bearing_watch::{Guard, Order, Regression};
 use nalgebra::DMatrix;
 
 use crate::Error;
+use crate::identify::Structure;
 use crate::train::Trained;
 
 /// Rust source of the model; `notes` lines go into its module documentation.
@@ -15,8 +18,8 @@ use crate::train::Trained;
 pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error> {
     // The checks of the core, in a capacity that certainly holds it.
     trained.embed()?;
-    let structure = trained.recipe.structure;
-    let (m, delays) = (structure.order.columns(structure.offset), structure.order.largest_delay().max(1));
+    let regression = &trained.regression;
+    let (m, delays) = (columns(regression), regression.order.largest_delay().max(1));
     let (f, z, c) = (trained.core_features.len(), trained.core_projection.matrix.nrows(), trained.classes.len());
     let densities = &trained.densities;
     let covariances: Vec<String> = (0..c)
@@ -44,23 +47,29 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     line("#![allow(clippy::all, clippy::pedantic, clippy::unreadable_literal)]");
     line("");
     line("use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Projection};");
-    line("use bearing_watch::estimate::{Form, Method, Shape};");
-    line("use bearing_watch::{Detector, Guard, Label, Model, Order, Regression, Regressor, Sampling};");
+    let Types { rows, sums } = Types::of(trained);
+    let fading = if sums == "Fading" { ", Forgetting, Memory" } else { "" };
+    let sums_imported = if sums.is_empty() { String::new() } else { format!(", {sums}") };
+    line(&format!("use bearing_watch::estimate::{{Form, Method, Nominal, Shape{fading}{sums_imported}}};"));
+    line(&format!("use bearing_watch::{{Detector, Guard, Label, Model, Order, Regression, {rows}, Sampling}};"));
     line("");
     line("/// The order, known when compiling.");
     line("#[derive(Clone, Copy, Debug, PartialEq)]");
     line("pub struct Structure;");
     line("");
     line("impl Shape for Structure {");
-    let order: Vec<String> = structure.order.to_array().iter().map(ToString::to_string).collect();
+    let Structure { order, offset } = trained.recipe.structure;
+    let order: Vec<String> = order.to_array().iter().map(ToString::to_string).collect();
     let order = format!("Order::new({})", order.join(", "));
-    let form = format!("Form {{ order: {order}, offset: {}, method: Method::LeastSquares }}", structure.offset);
+    let form = format!("Form {{ order: {order}, offset: {offset}, method: Method::{:?} }}", regression.method);
     line(&format!("    const FIXED: Option<Form> = Some({form});"));
     line("}");
     line("");
     line("/// The detector of exactly this model's size.");
-    let sizes = format!("{m}, {}, {delays}, {f}, {z}, {c}", m * (m - 1) / 2);
-    line(&format!("pub type Monitor = Detector<'static, {sizes}, Regressor<{m}, {delays}, Structure>>;"));
+    let packed = m * (m - 1) / 2;
+    let sums = if sums.is_empty() { String::new() } else { format!(", {sums}<{m}, {packed}>") };
+    let types = format!("{m}, {packed}, {delays}, {f}, {z}, {c}, {rows}<{m}, {delays}, Structure>{sums}");
+    line(&format!("pub type Monitor = Detector<'static, {types}>;"));
     line("");
     line("const fn label(name: &str) -> Label {");
     line("    match Label::new(name) {");
@@ -79,9 +88,8 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
         trained.segment_samples
     ));
     line("    regression: Regression {");
-    line(&format!("        scale: {},", numbers(&trained.scale)));
-    line(&format!("        guard: Guard::within({}),", numbers(&trained.limit)));
-    line(&format!("        ..Regression::new({order}, {})", structure.offset));
+    constants(regression, m).iter().for_each(|text| line(&format!("        {text},")));
+    line(&format!("        ..Regression::new({order}, {offset})"));
     line("    },");
     line("    classifier: Classifier {");
     line(&format!("        features: Features {{ index: {:?}, count: {f} }},", trained.core_features));
@@ -103,6 +111,73 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     line(&format!("    labels: {},", list(&labels)));
     line("};");
     Ok(out)
+}
+
+/// Columns of the exported type: those of the rows, or as many as the filters of the instruments need.
+fn columns<const M: usize>(regression: &Regression<M>) -> usize {
+    let Order { na, nb, nc, .. } = regression.order;
+    let filter = |terms: u8| if terms > 0 { usize::from(terms.max(na)) } else { 0 };
+    match regression.method {
+        Method::LeastSquares => regression.columns(),
+        Method::Instruments => regression.columns().max(usize::from(na) + filter(nb) + filter(nc)),
+    }
+}
+
+/// Names of the types that make rows and sum them; the detector's own sums have none.
+struct Types {
+    rows: &'static str,
+    sums: &'static str,
+}
+
+impl Types {
+    fn of(trained: &Trained) -> Self {
+        let rows = match trained.regression.method {
+            Method::LeastSquares => "Regressor",
+            Method::Instruments => "Instruments",
+        };
+        let sums = match trained.regression.memory {
+            Memory::Fading { .. } => "Fading",
+            Memory::Segment if trained.segment_samples > MAX_SEGMENT_SAMPLES as usize => "TwoLevel",
+            Memory::Segment => "",
+        };
+        Self { rows, sums }
+    }
+}
+
+/// The fields in which a regression differs from `Regression::new`, for a type of `m` columns.
+fn constants<const M: usize>(regression: &Regression<M>, m: usize) -> Vec<String> {
+    let base = Regression::<M>::new(regression.order, regression.offset);
+    let array = |values: &[f32]| list(&values.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>());
+    let Regression { method, memory, scale, nominal, guard, settle, handover, .. } = regression;
+    let mut fields = Vec::new();
+    if *method != base.method {
+        fields.push(format!("method: Method::{method:?}"));
+    }
+    if let Memory::Fading { forgetting, still } = memory {
+        let Forgetting { lambda, floor } = forgetting;
+        let forgetting = format!("Forgetting {{ lambda: {lambda:?}, floor: {floor:?} }}");
+        fields.push(format!("memory: Memory::Fading {{ forgetting: {forgetting}, still: {still:?} }}"));
+    }
+    fields.push(format!("scale: {}", array(&scale[..m])));
+    let delta = array(&nominal.delta[..m]);
+    fields.push(format!("nominal: Nominal {{ delta: {delta}, deviation: {:?} }}", nominal.deviation));
+    let plain = Guard::within(guard.limit);
+    let within = format!("Guard::within({})", array(&guard.limit));
+    if *guard == plain {
+        fields.push(format!("guard: {within}"));
+    } else {
+        let Guard { saturation, stuck_samples, huber, .. } = guard;
+        fields.push(format!(
+            "guard: Guard {{ saturation: {}, stuck_samples: {stuck_samples:?}, huber: {huber:?}, ..{within} }}",
+            array(saturation)
+        ));
+    }
+    for (name, value, usual) in [("settle", *settle, base.settle), ("handover", *handover, base.handover)] {
+        if value != usual {
+            fields.push(format!("{name}: {value}"));
+        }
+    }
+    fields
 }
 
 /// The shortest decimal that reads back as the same `f32`.
