@@ -196,3 +196,22 @@ fn list(items: &[String]) -> String {
 fn matrix(matrix: &DMatrix<f64>) -> String {
     list(&matrix.row_iter().map(|row| numbers(&row.iter().copied().collect::<Vec<_>>())).collect::<Vec<_>>())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_for_rows_and_for_filters() {
+        let regression = |order, method| Regression::<20> { method, ..Regression::new(order, false) };
+        let columns = |order, method| columns(&regression(order, method));
+        assert_eq!(columns(Order::new(4, 1, 1, 1, 1), Method::LeastSquares), 7);
+        // Four poles filter each input, whatever its own terms.
+        assert_eq!(columns(Order::new(4, 1, 1, 1, 1), Method::Instruments), 12);
+        assert_eq!(columns(Order::new(2, 1, 0, 1, 1), Method::Instruments), 6);
+        type Rows<const M: usize> = bearing_watch::Instruments<M, 1>;
+        let tight: Regression<11> =
+            Regression { method: Method::Instruments, ..Regression::new(Order::new(4, 1, 1, 1, 1), false) };
+        assert!(!<Rows<11> as bearing_watch::estimate::Rows<11>>::fits(&tight));
+    }
+}

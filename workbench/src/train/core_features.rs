@@ -15,6 +15,8 @@ use crate::embedded::{Embedded, Segment};
 use crate::features;
 use crate::trace::labels::LabelledTrace;
 
+const REMEDY: &str = "; choose other channels or a lower order, or leave the trace out";
+
 /// A row a segment.
 pub(super) fn run(
     traces: &[LabelledTrace],
@@ -30,7 +32,7 @@ pub(super) fn run(
             Ok(_) => Ok(features::of_core(structure, &segment.delta, segment.variance)),
             Err(reason) => {
                 let (from, to) = (segment.start, segment.start + segment.length);
-                Err(Error::trace(&labelled.trace.id, format!("samples {from} to {to}: {reason}")))
+                Err(Error::trace(&labelled.trace.id, format!("samples {from} to {to}: {reason}{REMEDY}")))
             }
         };
         segments.iter().map(row).collect()

@@ -123,7 +123,7 @@ fn check(estimation: &Estimation, structure: Structure, segment: usize) -> Resul
     if *stuck == 1 {
         return refuse("--stuck 1: one sample is no run; give at least 2, or 0 for none".into());
     }
-    if let Some(lambda) = memory.filter(|lambda| !(0.5..=f64::from(MAX_LAMBDA) + 1e-9).contains(lambda)) {
+    if let Some(lambda) = memory.filter(|lambda| !(0.5..=MAX_LAMBDA).contains(&(*lambda as f32))) {
         return refuse(format!("--memory {lambda}: a factor from 0.5 to {MAX_LAMBDA}"));
     }
     if usize::from(*handover) > segment / 4 {
@@ -209,8 +209,8 @@ fn require_stable(regression: &Regression<MAX_COLUMNS>, class: &str) -> Result<(
 /// (2), within what the segment leaves.
 fn settle(denominator: &[f64], segment: usize, handover: u16) -> u16 {
     let slowest = poles(denominator).iter().map(|pole| pole.norm()).fold(0.0, f64::max);
-    let samples = if slowest > 0.0 { (-5.0 / slowest.ln()).ceil() } else { 0.0 };
-    // Poles within rounding of the circle give more than any segment has.
+    // Rounding may leave a pole on the circle.
+    let samples = (-5.0 / slowest.min(1.0 - 1e-9).ln()).ceil();
     let samples = samples.clamp(f64::from(LEAST_SETTLE), f64::from(u16::MAX)) as u16;
     let most = (segment / 4).saturating_sub(usize::from(handover));
     samples.min(u16::try_from(most).unwrap_or(u16::MAX))
@@ -283,6 +283,16 @@ mod tests {
         assert_eq!(settle(&[1.0, -0.5], 5000, 0), 100);
         assert_eq!(settle(&[1.0, -0.99], 1000, 50), 200, "a quarter of the segment, the handover included");
         assert_eq!(settle(&[1.0, -1.0], 1_000_000, 0), u16::MAX);
+    }
+
+    #[test]
+    fn an_unstable_nominal_model_is_refused() {
+        let mut regression = Regression::<MAX_COLUMNS>::new(crate::identify::Order::new(1, 1, 0, 1, 1), false);
+        regression.nominal.delta[0] = -0.1;
+        assert!(require_stable(&regression, "healthy").is_ok());
+        regression.nominal.delta[0] = 0.1;
+        let error = require_stable(&regression, "healthy").expect_err("a growing model").to_string();
+        assert!(error.contains("healthy, is not stable") && error.contains("--method ls"), "{error}");
     }
 
     #[test]
