@@ -48,15 +48,17 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     line("");
     line("use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Projection};");
     let Types { rows, sums } = Types::of(trained);
-    let fading = if sums == "Fading" { ", Forgetting, Memory" } else { "" };
-    let sums_imported = if sums.is_empty() { String::new() } else { format!(", {sums}") };
-    line(&format!("use bearing_watch::estimate::{{Form, Method, Nominal, Shape{fading}{sums_imported}}};"));
-    line(&format!("use bearing_watch::{{Detector, Guard, Label, Model, Order, Regression, {rows}, Sampling}};"));
+    let fading: &[&str] = if sums == "Fading" { &["Forgetting", "Memory"] } else { &[] };
+    let estimate = imports(&[&["Form", "Method", "Nominal", "Shape", sums], fading].concat());
+    line(&format!("use bearing_watch::estimate::{{{estimate}}};"));
+    let root = imports(&["Detector", "Guard", "Label", "Model", "Order", "Regression", "Sampling", rows]);
+    line(&format!("use bearing_watch::{{{root}}};"));
     line("");
     line("/// The order, known when compiling.");
     line("#[derive(Clone, Copy, Debug, PartialEq)]");
     line("pub struct Structure;");
     line("");
+    line("#[rustfmt::skip]");
     line("impl Shape for Structure {");
     let Structure { order, offset } = trained.recipe.structure;
     let order: Vec<String> = order.to_array().iter().map(ToString::to_string).collect();
@@ -69,6 +71,7 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     let packed = m * (m - 1) / 2;
     let sums = if sums.is_empty() { String::new() } else { format!(", {sums}<{m}, {packed}>") };
     let types = format!("{m}, {packed}, {delays}, {f}, {z}, {c}, {rows}<{m}, {delays}, Structure>{sums}");
+    line("#[rustfmt::skip]");
     line(&format!("pub type Monitor = Detector<'static, {types}>;"));
     line("");
     line("const fn label(name: &str) -> Label {");
@@ -142,6 +145,13 @@ impl Types {
         };
         Self { rows, sums }
     }
+}
+
+/// Names that are not empty, in the order of rustfmt.
+fn imports(names: &[&str]) -> String {
+    let mut names: Vec<&str> = names.iter().copied().filter(|name| !name.is_empty()).collect();
+    names.sort_unstable();
+    names.join(", ")
 }
 
 /// The fields in which a regression differs from `Regression::new`, for a type of `m` columns.

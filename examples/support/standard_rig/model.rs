@@ -12,7 +12,8 @@ use bearing_watch::{Detector, Guard, Label, Model, Order, Regression, Regressor,
 pub struct Structure;
 
 impl Shape for Structure {
-    const FIXED: Option<Form> = Some(Form { order: Order::new(2, 1, 2, 1, 1), offset: false, method: Method::LeastSquares });
+    const FIXED: Option<Form> =
+        Some(Form { order: Order::new(2, 1, 2, 1, 1), offset: false, method: Method::LeastSquares });
 }
 
 /// The detector of exactly this model's size.

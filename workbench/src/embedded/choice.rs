@@ -11,7 +11,6 @@ use bearing_watch::{Sample, Sampling};
 
 /// Rows of least squares or of instrumental variables.
 #[derive(Clone, Debug, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "one a detector, on the stack of one run")]
 pub(super) enum AnyRows<const M: usize, const L: usize> {
     Squares(Regressor<M, L>),
     Instruments(Instruments<M, L>),
@@ -85,7 +84,6 @@ impl<const M: usize, const L: usize> Rows<M> for AnyRows<M, L> {
 ///
 /// Length is a matter of [`Sampling`], which sums never see, hence the parameter.
 #[derive(Clone, Debug, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "one a detector, on the stack of one run")]
 pub(super) enum AnySums<const M: usize, const P: usize, const LONG: bool> {
     Segment(Triangle<M, P>),
     TwoLevel(TwoLevel<M, P>),

@@ -248,7 +248,7 @@ fn segment<const M: usize, const P: usize, const C: usize>(report: &Report<M, P,
 fn explain<const M: usize, const P: usize, const C: usize>(reason: Reason, report: &Report<M, P, C>) -> String {
     let estimate = &report.estimate;
     match reason {
-        Reason::TooFewRows if denied(&estimate.counts) != "" => format!("{reason}: {}", denied(&estimate.counts)),
+        Reason::TooFewRows if !denied(&estimate.counts).is_empty() => format!("{reason}: {}", denied(&estimate.counts)),
         Reason::NotExcited(place) => {
             let names = Structure { order: estimate.order, offset: estimate.offset }.names();
             names.get(place as usize).map_or(reason.to_string(), |name| {
