@@ -1,5 +1,9 @@
 //! What the tests of the core and the workbench share; the tests themselves live in `tests/`.
 
+pub mod oracle;
+pub mod plants;
+pub mod streams;
+
 use std::path::PathBuf;
 
 /// A folder of the recorded data, which is not part of the repository: `BEARING_WATCH_DATA` or `../shared/data`.

@@ -99,7 +99,7 @@ fn values_out_of_range_are_named() {
     };
     assert_eq!(refused(out_of_reach), ModelError::Value("signal limit beside the column scale"));
     fn fading(m: &mut Exact, lambda: f32, floor: f32) {
-        m.regression.memory = Memory::Fading { forgetting: Forgetting { lambda, floor }, still: 0.0 };
+        m.regression.memory = Memory::Fading(Forgetting { lambda, floor });
     }
     assert_eq!(refused(|m| fading(m, 1.0, 1.0)), ModelError::Value("forgetting factor"));
     assert_eq!(refused(|m| fading(m, 0.99995, 1.0)), ModelError::Value("forgetting factor"));
@@ -126,7 +126,7 @@ fn sums_that_would_degrade_are_refused() {
     assert!(Long::new(&model).is_ok());
     assert!(Endless::new(&model).is_err(), "its segments do not fade");
     let forgetting = Forgetting { lambda: 0.999, floor: 10.0 };
-    model.regression.memory = Memory::Fading { forgetting, still: 1e-4 };
+    model.regression.memory = Memory::Fading(forgetting);
     assert!(Segments::new(&model).is_err() && Long::new(&model).is_err() && Endless::new(&model).is_ok());
 }
 

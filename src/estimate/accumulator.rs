@@ -33,6 +33,8 @@ pub struct Mass {
 pub trait Accumulator<const M: usize, const P: usize>: Clone + core::fmt::Debug + PartialEq {
     /// Rows a segment may have.
     const LONGEST: u32;
+    /// Whether rows fade, and none is added at rest.
+    const FADES: bool;
 
     /// No rows yet, of so many columns.
     fn new(columns: usize) -> Self;
@@ -58,6 +60,7 @@ pub trait Accumulator<const M: usize, const P: usize>: Clone + core::fmt::Debug 
 
 impl<const M: usize, const P: usize> Accumulator<M, P> for Triangle<M, P> {
     const LONGEST: u32 = MAX_SEGMENT_SAMPLES;
+    const FADES: bool = false;
 
     fn new(columns: usize) -> Self {
         Self::new(columns)
@@ -101,6 +104,7 @@ pub struct TwoLevel<const M: usize, const P: usize> {
 
 impl<const M: usize, const P: usize> Accumulator<M, P> for TwoLevel<M, P> {
     const LONGEST: u32 = MAX_LONG_SEGMENT_SAMPLES;
+    const FADES: bool = false;
 
     fn new(columns: usize) -> Self {
         Self { block: Triangle::new(columns), sum: Triangle::new(columns), place: 0 }
@@ -158,6 +162,7 @@ pub struct Fading<const M: usize, const P: usize> {
 
 impl<const M: usize, const P: usize> Accumulator<M, P> for Fading<M, P> {
     const LONGEST: u32 = u32::MAX;
+    const FADES: bool = true;
 
     fn new(columns: usize) -> Self {
         Self { triangle: Triangle::new(columns), motion: 0.0, rows: 0.0 }
@@ -169,11 +174,11 @@ impl<const M: usize, const P: usize> Accumulator<M, P> for Fading<M, P> {
 
     #[inline]
     fn add(&mut self, regression: &Regression<M>, row: &Row<M>) -> bool {
-        let Memory::Fading { forgetting, still } = regression.memory else { return false };
+        let Memory::Fading(forgetting) = regression.memory else { return false };
         let Forgetting { lambda, .. } = forgetting;
         self.motion += 8.0 * (1.0 - lambda) * (row.motion - self.motion); // (1)
         // Written so that NaN freezes.
-        let moving = self.motion >= still;
+        let moving = self.motion >= regression.still;
         if moving {
             self.triangle.update_forgetting(&row.cells, row.weight, forgetting);
             self.rows = self.rows * lambda + 1.0;
@@ -187,7 +192,7 @@ impl<const M: usize, const P: usize> Accumulator<M, P> for Fading<M, P> {
 
     fn mass(&self, regression: &Regression<M>, _rows: u32) -> Mass {
         let lambda = match regression.memory {
-            Memory::Fading { forgetting, .. } => forgetting.lambda,
+            Memory::Fading(forgetting) => forgetting.lambda,
             Memory::Segment => 1.0,
         };
         // Σλᵏ = (1 − λⁿ)/(1 − λ) and Σλ²ᵏ = (1 − λ²ⁿ)/(1 − λ²), so their ratio is (1 + λⁿ)/(1 + λ).
@@ -199,5 +204,77 @@ impl<const M: usize, const P: usize> Accumulator<M, P> for Fading<M, P> {
 
     fn restart(&mut self) {
         *self = Self::new(self.triangle.columns());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::Order;
+
+    /// Rows of y = 3 x₀ − 2 x₁ with some noise, by a small congruential generator.
+    fn rows(count: usize) -> impl Iterator<Item = Row<3>> {
+        let mut state = 5_u32;
+        let mut uniform = move || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f32::from((state >> 16) as i16) / 32_768.0
+        };
+        (0..count).map(move |_| {
+            let (a, b, e) = (uniform(), uniform(), uniform());
+            Row { cells: [a, b, 3.0 * a - 2.0 * b + 0.1 * e], weight: 1.0, motion: a * a }
+        })
+    }
+
+    const SEGMENT: Regression<3> = Regression::new(Order::new(0, 1, 1, 0, 0), false);
+    const FADING: Regression<3> =
+        Regression { memory: Memory::Fading(Forgetting { lambda: 0.999, floor: 10.0 }), still: 0.01, ..SEGMENT };
+
+    #[test]
+    fn two_levels_hold_what_one_holds() {
+        let (mut one, mut two) = (<Triangle<3, 3> as Accumulator<3, 3>>::new(3), TwoLevel::<3, 3>::new(3));
+        // Within the first block, at its end, in a later one, and while rows are handed up.
+        let mut added = 0;
+        for count in [7, 505, 512, 513, 514, 5000, 5121] {
+            for row in rows(count).skip(added) {
+                assert!(one.add(&SEGMENT, &row) && two.add(&SEGMENT, &row));
+            }
+            added = count;
+            two.total(|sum| {
+                let pairs = [(one.solve(), sum.solve()), (one.inverse(), sum.inverse())];
+                for (x, y) in pairs.iter().flat_map(|(x, y)| x.iter().zip(y)) {
+                    // Roundings of five thousand rows.
+                    assert!((x - y).abs() <= 1e-5 * x.abs(), "{count}: {x} {y}");
+                }
+                let (x, y) = (one.residual_sum(), sum.residual_sum());
+                assert!((x / y - 1.0).abs() < 1e-5, "{count}: {x} {y}");
+            });
+        }
+        two.next_segment();
+        assert_eq!(two, TwoLevel::new(3));
+    }
+
+    #[test]
+    fn nothing_moving_changes_nothing() {
+        let mut fading = Fading::<3, 3>::new(3);
+        let learnt = rows(5000).filter(|row| fading.add(&FADING, row)).count();
+        assert!(learnt > 4900, "{learnt}: all but the start");
+        let mass = fading.mass(&FADING, 0);
+        // Σλᵏ → 1/(1 − λ), Σλ²ᵏ/Σλᵏ → 1/(1 + λ), up to e⁻⁵.
+        assert!((mass.rows / 1000.0 - 1.0).abs() < 0.01 && (mass.spread / 0.5003 - 1.0).abs() < 0.02, "{mass:?}");
+        // The mean of the motion first runs out.
+        let mut at_rest = rows(100_000).map(|row| Row { motion: 0.0, ..row });
+        while fading.add(&FADING, &at_rest.next().unwrap()) {}
+        let frozen = fading.triangle.clone();
+        assert!(at_rest.all(|row| !fading.add(&FADING, &row)));
+        assert_eq!(fading.triangle, frozen);
+        let woken = rows(1000).filter(|row| fading.add(&FADING, row)).count();
+        assert!(woken > 900, "{woken}");
+    }
+
+    #[test]
+    fn each_memory_takes_its_own_regressions() {
+        assert!(<Triangle<3, 3> as Accumulator<3, 3>>::fits(&SEGMENT) && TwoLevel::<3, 3>::fits(&SEGMENT));
+        assert!(!Fading::<3, 3>::fits(&SEGMENT) && Fading::<3, 3>::fits(&FADING));
+        assert!(!<Triangle<3, 3> as Accumulator<3, 3>>::fits(&FADING) && !TwoLevel::<3, 3>::fits(&FADING));
     }
 }

@@ -36,6 +36,8 @@ pub struct Estimator<'m, const M: usize, const P: usize, const L: usize, R = Reg
     source: R,
     sums: A,
     rows: u32,
+    /// Sum of the rows' motion.
+    motion: f32,
 }
 
 impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumulator<M, P>>
@@ -44,7 +46,14 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
     /// An empty segment of the given regression. One that does not fit ([`Estimator::fits`]) never gives a row.
     #[must_use]
     pub fn new(regression: &'m Regression<M>) -> Self {
-        Self { regression, gate: Gate::new(), source: R::new(regression), sums: A::new(regression.columns()), rows: 0 }
+        Self {
+            regression,
+            gate: Gate::new(),
+            source: R::new(regression),
+            sums: A::new(regression.columns()),
+            rows: 0,
+            motion: 0.0,
+        }
     }
 
     /// Whether rows and sums of this type are what the regression asks for, within their capacities.
@@ -83,6 +92,7 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
         }
         if self.sums.add(self.regression, &row) {
             self.rows = self.rows.saturating_add(1);
+            self.motion += row.motion;
         } else {
             self.gate.counts.still = self.gate.counts.still.saturating_add(1);
         }
@@ -121,13 +131,22 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
         Estimate::empty(self.regression.order, self.regression.offset, self.rows, self.counts())
     }
 
+    /// Where the rows come from.
+    #[cfg(test)]
+    pub(super) const fn source(&self) -> &R {
+        &self.source
+    }
+
     fn head(&self) -> Head<M> {
+        let still = self.gate.counts.still;
+        let at_rest = if A::FADES { still > self.rows } else { self.motion < self.regression.still * self.rows as f32 };
         Head {
             mass: self.sums.mass(self.regression, self.rows),
             origin: self.source.origin(),
             base: self.source.base(self.regression),
             gain: self.source.gain(),
             counts: self.counts(),
+            at_rest,
         }
     }
 
@@ -171,7 +190,7 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
         self.sums.next_segment();
         self.source.next_segment(self.regression);
         self.gate.next_segment();
-        self.rows = 0;
+        (self.rows, self.motion) = (0, 0.0);
     }
 
     /// Starts afresh, for a stream that does not go on from the last sample: lags, sums and auxiliary model.

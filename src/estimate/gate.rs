@@ -38,8 +38,8 @@ pub(crate) struct Gate {
 
 impl Gate {
     pub(crate) fn new() -> Self {
-        // NaN equals nothing, so the first sample starts a run.
-        Self { last: [f32::NAN; 3], equal: [0; 3], counts: Counts::default() }
+        // Runs of length zero: whatever comes first makes them one long.
+        Self { last: [0.0; 3], equal: [0; 3], counts: Counts::default() }
     }
 
     /// Whether the sample may be used; counts it where it is out of range.

@@ -33,12 +33,7 @@ pub enum Memory {
     /// Every segment starts empty and weighs its rows alike.
     Segment,
     /// Rows fade; the estimate goes on over segments and may be read at any sample.
-    Fading {
-        /// Factor and floor of the triangle.
-        forgetting: Forgetting,
-        /// Mean of the scaled (Δu1)² + (Δu2)² below which nothing is learnt and nothing forgotten.
-        still: f32,
-    },
+    Fading(Forgetting),
 }
 
 /// The model before anything has been estimated: from the data sheet, or the mean of healthy traces.
@@ -83,6 +78,9 @@ pub struct Regression<const M: usize> {
     pub nominal: Nominal<M>,
     /// Believable samples.
     pub guard: Guard,
+    /// Mean of the scaled (Δu1)² + (Δu2)² of the rows ([`Row::motion`](super::Row::motion)) below which the drive counts
+    /// as at rest: a segment gets no verdict, fading memory learns and forgets nothing. 0 for never.
+    pub still: f32,
     /// Samples withheld after a change of the auxiliary model, until its filters have settled; about 100 as a rule.
     pub settle: u16,
     /// Samples into the next segment at which a segment's model takes over; until then a deferred solve may take.
@@ -112,6 +110,7 @@ impl<const M: usize> Regression<M> {
             scale: [1.0; M],
             nominal: Nominal { delta: [0.0; M], deviation: 0.0 },
             guard: Guard::OPEN,
+            still: 0.0,
             settle: 100,
             handover: 0,
         }

@@ -11,6 +11,8 @@ use super::{Counts, Order};
 pub enum Reason {
     /// No more rows than parameters, or most of a segment's samples were rejected.
     TooFewRows,
+    /// The inputs hardly moved, see [`Regression::still`](super::Regression::still).
+    AtRest,
     /// The data do not excite this parameter: place in [`Estimate::delta`]. A signal that is constant over the whole
     /// segment (a load at rest, a held reference) ends here, so a drive at standstill gets no verdict.
     NotExcited(u8),
@@ -28,6 +30,7 @@ impl core::fmt::Display for Reason {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::TooFewRows => f.write_str("too few usable samples"),
+            Self::AtRest => f.write_str("the inputs are at rest"),
             Self::NotExcited(k) => {
                 write!(f, "the signals do not excite parameter {} of t, β, γ, constant", u16::from(*k) + 1)
             }

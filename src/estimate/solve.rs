@@ -28,6 +28,7 @@ pub(super) struct Head<const M: usize> {
     /// |A(1)| of the prefilter.
     pub(super) gain: f32,
     pub(super) counts: Counts,
+    pub(super) at_rest: bool,
 }
 
 /// A solve under way.
@@ -110,6 +111,9 @@ impl<const M: usize, const P: usize> Solution<M, P> {
         let n = factor.inputs + factor.outputs;
         if let Some(signal) = head.counts.stuck.iter().position(|stuck| *stuck) {
             return Err(Reason::Stuck(u8::try_from(signal).unwrap_or(u8::MAX)));
+        }
+        if head.at_rest {
+            return Err(Reason::AtRest);
         }
         // Written so that NaN is too few.
         let enough = head.mass.rows > n as f32;

@@ -258,7 +258,7 @@ fn read_regression<const M: usize>(reader: &mut Reader<'_>) -> Result<Regression
     }
     if flag(reader.u8()?, "memory")? {
         let forgetting = Forgetting { lambda: reader.f32()?, floor: reader.f32()? };
-        regression.memory = Memory::Fading { forgetting, still: reader.f32()? };
+        regression.memory = Memory::Fading(forgetting);
     }
     let guard = &mut regression.guard;
     reader.fill(&mut guard.limit, 3)?;
@@ -267,6 +267,7 @@ fn read_regression<const M: usize>(reader: &mut Reader<'_>) -> Result<Regression
         *samples = reader.u16()?;
     }
     guard.huber = reader.f32()?;
+    regression.still = reader.f32()?;
     (regression.settle, regression.handover) = (reader.u16()?, reader.u16()?);
     let n = regression.parameters();
     reader.fill(&mut regression.scale, n + 1)?;
@@ -279,13 +280,13 @@ fn write_regression<const M: usize>(writer: &mut Writer<'_>, regression: &Regres
     writer.bytes(&regression.order.to_array())?;
     let (instruments, fading) = (regression.method == Method::Instruments, regression.memory != Memory::Segment);
     writer.bytes(&[u8::from(regression.offset), u8::from(instruments), u8::from(fading)])?;
-    if let Memory::Fading { forgetting, still } = &regression.memory {
-        writer.floats([&forgetting.lambda, &forgetting.floor, still])?;
+    if let Memory::Fading(forgetting) = &regression.memory {
+        writer.floats([&forgetting.lambda, &forgetting.floor])?;
     }
     let guard = &regression.guard;
     writer.floats(guard.limit.iter().chain(&guard.saturation))?;
     guard.stuck_samples.iter().try_for_each(|samples| writer.bytes(&samples.to_le_bytes()))?;
-    writer.floats([&guard.huber])?;
+    writer.floats([&guard.huber, &regression.still])?;
     writer.bytes(&regression.settle.to_le_bytes())?;
     writer.bytes(&regression.handover.to_le_bytes())?;
     let n = regression.parameters();

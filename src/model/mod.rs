@@ -225,10 +225,10 @@ fn validate_regression<const M: usize>(regression: &Regression<M>, segment_sampl
         let lost = u32::from(*settle) + u32::from(*handover);
         check(segment_samples / 4 >= lost, "segment length beside settling and handover")?;
     }
-    if let Memory::Fading { forgetting, still } = memory {
+    check(finite(&regression.still) && regression.still >= 0.0, "excitation threshold")?;
+    if let Memory::Fading(forgetting) = memory {
         check((0.5..=MAX_LAMBDA).contains(&forgetting.lambda), "forgetting factor")?;
         check(finite(&forgetting.floor) && forgetting.floor > 0.0, "forgetting floor")?;
-        check(finite(still) && *still >= 0.0, "excitation threshold")?;
     }
     Ok(())
 }

@@ -139,7 +139,7 @@ impl Types {
             Method::Instruments => "Instruments",
         };
         let sums = match trained.regression.memory {
-            Memory::Fading { .. } => "Fading",
+            Memory::Fading(_) => "Fading",
             Memory::Segment if trained.segment_samples > MAX_SEGMENT_SAMPLES as usize => "TwoLevel",
             Memory::Segment => "",
         };
@@ -158,15 +158,16 @@ fn imports(names: &[&str]) -> String {
 fn constants<const M: usize>(regression: &Regression<M>, m: usize) -> Vec<String> {
     let base = Regression::<M>::new(regression.order, regression.offset);
     let array = |values: &[f32]| list(&values.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>());
-    let Regression { method, memory, scale, nominal, guard, settle, handover, .. } = regression;
+    let Regression { method, memory, scale, nominal, guard, settle, handover, still, .. } = regression;
     let mut fields = Vec::new();
     if *method != base.method {
         fields.push(format!("method: Method::{method:?}"));
     }
-    if let Memory::Fading { forgetting, still } = memory {
-        let Forgetting { lambda, floor } = forgetting;
-        let forgetting = format!("Forgetting {{ lambda: {lambda:?}, floor: {floor:?} }}");
-        fields.push(format!("memory: Memory::Fading {{ forgetting: {forgetting}, still: {still:?} }}"));
+    if let Memory::Fading(Forgetting { lambda, floor }) = memory {
+        fields.push(format!("memory: Memory::Fading(Forgetting {{ lambda: {lambda:?}, floor: {floor:?} }})"));
+    }
+    if *still > 0.0 {
+        fields.push(format!("still: {still:?}"));
     }
     fields.push(format!("scale: {}", array(&scale[..m])));
     let delta = array(&nominal.delta[..m]);

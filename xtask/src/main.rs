@@ -1,4 +1,4 @@
-//! What the repository's own commands do: `cargo xtask test | firmware | measure | peers | setup`.
+//! What the repository's own commands do: `cargo xtask test | long | firmware | measure | peers | setup`.
 
 mod board;
 mod bounds;
@@ -6,6 +6,7 @@ mod child;
 mod elf;
 mod firmware;
 mod log;
+mod long;
 mod measure;
 mod peers;
 mod public;
@@ -43,6 +44,8 @@ struct Arguments {
 enum Command {
     /// Every check of the repository: format, lints, documentation, host and target tests.
     Test,
+    /// The host tests that run for minutes, and their table.
+    Long,
     /// Builds an example for the drive's chip and runs it in the emulator.
     Firmware {
         /// The example's name.
@@ -83,6 +86,9 @@ fn run(arguments: &Arguments) -> Result<bool> {
     if matches!(arguments.command, Command::Peers) {
         return peers::run();
     }
+    if matches!(arguments.command, Command::Long) {
+        return long::run();
+    }
     let way = toolchain::choose(arguments.way)?;
     setup::ensure(way)?;
     match &arguments.command {
@@ -100,7 +106,7 @@ fn run(arguments: &Arguments) -> Result<bool> {
             }
         }
         Command::Setup => println!("ready: firmware the {way} way, emulator {}", qemu::PROGRAM),
-        Command::Test | Command::Peers => {}
+        Command::Test | Command::Long | Command::Peers => {}
     }
     Ok(true)
 }

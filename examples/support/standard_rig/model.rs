@@ -11,12 +11,13 @@ use bearing_watch::{Detector, Guard, Label, Model, Order, Regression, Regressor,
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Structure;
 
+#[rustfmt::skip]
 impl Shape for Structure {
-    const FIXED: Option<Form> =
-        Some(Form { order: Order::new(2, 1, 2, 1, 1), offset: false, method: Method::LeastSquares });
+    const FIXED: Option<Form> = Some(Form { order: Order::new(2, 1, 2, 1, 1), offset: false, method: Method::LeastSquares });
 }
 
 /// The detector of exactly this model's size.
+#[rustfmt::skip]
 pub type Monitor = Detector<'static, 6, 15, 1, 5, 5, 3, Regressor<6, 1, Structure>>;
 
 const fn label(name: &str) -> Label {

@@ -253,7 +253,7 @@ fn estimated_by(trained: &Trained) -> String {
     };
     match regression.memory {
         Memory::Segment => method,
-        Memory::Fading { forgetting, .. } => format!("{method}, forgetting by {} a sample", forgetting.lambda),
+        Memory::Fading(forgetting) => format!("{method}, forgetting by {} a sample", forgetting.lambda),
     }
 }
 

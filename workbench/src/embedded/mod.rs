@@ -2,9 +2,9 @@
 
 mod choice;
 
-use bearing_watch::estimate::Rows;
+use bearing_watch::estimate::{Accumulator, Fading, Rows, Triangle, TwoLevel};
 use bearing_watch::{Counts, Detector, Model, ModelError, Reason, Report, Sample, Sampling, Verdict};
-use choice::{AnyRows, AnySums, is_long};
+use choice::{AnyRows, Sums};
 
 use crate::identify::Structure;
 use crate::trace::Trace;
@@ -42,6 +42,18 @@ pub struct Embedded {
     pub classes: Vec<String>,
 }
 
+/// A function of these capacities with the sums of the model's memory.
+macro_rules! by_memory {
+    ($model:ident, [$m:literal $l:literal $f:literal $z:literal $c:literal], $run:ident, $($rest:expr),+) => {{
+        const P: usize = $m * ($m - 1) / 2;
+        match Sums::of(&$model.regression, &$model.sampling) {
+            Sums::Triangle => $run::<$m, P, $l, $f, $z, $c, Triangle<$m, P>>($model, $($rest),+),
+            Sums::TwoLevel => $run::<$m, P, $l, $f, $z, $c, TwoLevel<$m, P>>($model, $($rest),+),
+            Sums::Fading => $run::<$m, P, $l, $f, $z, $c, Fading<$m, P>>($model, $($rest),+),
+        }
+    }};
+}
+
 /// Capacities that the workbench instantiates: columns, delays, features, coordinates, classes.
 macro_rules! capacities {
     ($($name:ident: $m:literal $l:literal $f:literal $z:literal $c:literal;)+) => {
@@ -68,11 +80,7 @@ macro_rules! capacities {
             fn run(&self, trace: &Trace) -> Result<Vec<Segment>, ModelError> {
                 match self {
                     $(Self::$name(model) => {
-                        if is_long(&model.sampling) {
-                            run::<$m, { $m * ($m - 1) / 2 }, $l, $f, $z, $c, true>(model, trace)
-                        } else {
-                            run::<$m, { $m * ($m - 1) / 2 }, $l, $f, $z, $c, false>(model, trace)
-                        }
+                        by_memory!(model, [$m $l $f $z $c], run, trace)
                     })+
                 }
             }
@@ -80,11 +88,7 @@ macro_rules! capacities {
             fn previews(&self, trace: &Trace, every: usize) -> Result<Vec<Segment>, ModelError> {
                 match self {
                     $(Self::$name(model) => {
-                        if is_long(&model.sampling) {
-                            previews::<$m, { $m * ($m - 1) / 2 }, $l, $f, $z, $c, true>(model, trace, every)
-                        } else {
-                            previews::<$m, { $m * ($m - 1) / 2 }, $l, $f, $z, $c, false>(model, trace, every)
-                        }
+                        by_memory!(model, [$m $l $f $z $c], previews, trace, every)
                     })+
                 }
             }
@@ -142,18 +146,6 @@ capacities! {
     Large: 100 32 100 100 8;
 }
 
-/// The core's detector of these capacities, for models of every method and memory.
-type AnyDetector<
-    'm,
-    const M: usize,
-    const P: usize,
-    const L: usize,
-    const F: usize,
-    const Z: usize,
-    const C: usize,
-    const LONG: bool,
-> = Detector<'m, M, P, L, F, Z, C, AnyRows<M, L>, AnySums<M, P, LONG>>;
-
 fn run<
     const M: usize,
     const P: usize,
@@ -161,12 +153,12 @@ fn run<
     const F: usize,
     const Z: usize,
     const C: usize,
-    const LONG: bool,
+    A: Accumulator<M, P>,
 >(
     model: &Model<M, F, Z, C>,
     trace: &Trace,
 ) -> Result<Vec<Segment>, ModelError> {
-    let mut detector = AnyDetector::<M, P, L, F, Z, C, LONG>::new(model)?;
+    let mut detector = Detector::<'_, M, P, L, F, Z, C, AnyRows<M, L>, A>::new(model)?;
     let classes = model.classifier.discriminant.classes as usize;
     let mut segments = Vec::new();
     let mut start = 0;
@@ -195,13 +187,13 @@ fn previews<
     const F: usize,
     const Z: usize,
     const C: usize,
-    const LONG: bool,
+    A: Accumulator<M, P>,
 >(
     model: &Model<M, F, Z, C>,
     trace: &Trace,
     every: usize,
 ) -> Result<Vec<Segment>, ModelError> {
-    let mut detector = AnyDetector::<M, P, L, F, Z, C, LONG>::new(model)?;
+    let mut detector = Detector::<'_, M, P, L, F, Z, C, AnyRows<M, L>, A>::new(model)?;
     let classes = model.classifier.discriminant.classes as usize;
     let mut previews = Vec::new();
     for (k, sample) in samples(trace).enumerate() {

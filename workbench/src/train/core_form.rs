@@ -123,8 +123,8 @@ pub(super) fn bytes<const M: usize, const F: usize, const Z: usize, const C: usi
 /// The same constants with another number of places. What does not fit is left out, and the model then refused for its
 /// columns.
 fn at_capacity<const M: usize>(from: &Regression<MAX_COLUMNS>) -> Regression<M> {
-    let Regression { order, offset, method, memory, ref scale, ref nominal, guard, settle, handover } = *from;
-    let mut to = Regression { method, memory, guard, settle, handover, ..Regression::new(order, offset) };
+    let Regression { order, offset, method, memory, ref scale, ref nominal, guard, settle, handover, still } = *from;
+    let mut to = Regression { method, memory, guard, settle, handover, still, ..Regression::new(order, offset) };
     to.scale.iter_mut().zip(scale).for_each(|(cell, x)| *cell = *x);
     to.nominal.delta.iter_mut().zip(&nominal.delta).for_each(|(cell, x)| *cell = *x);
     to.nominal.deviation = nominal.deviation;

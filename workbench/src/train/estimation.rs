@@ -103,7 +103,8 @@ pub(super) fn regression(
     if let Some(lambda) = estimation.memory {
         let still = 1e-3 * mean_motion(&in_rows, structure, &scales); // (4)
         let forgetting = Forgetting { lambda: lambda as f32, floor: (0.01 / (1.0 - lambda)) as f32 }; // (3)
-        regression.memory = Memory::Fading { forgetting, still: still as f32 };
+        regression.memory = Memory::Fading(forgetting);
+        regression.still = still as f32;
     }
     Ok(regression)
 }

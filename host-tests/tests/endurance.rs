@@ -1,0 +1,174 @@
+//! Nothing wears out: fading least squares over 1e9 samples and refined instrumental variables over 1e5 segments, against
+//! double precision running beside, at ten checkpoints. The usual run makes a hundredth of it; `cargo xtask long` makes
+//! all, and its table is kept in docs/endurance.md.
+
+use bearing_watch::estimate::{Forgetting, Instruments, Regressor, Rows, Triangle};
+use bearing_watch::{Estimator, Sample};
+use host_tests::oracle::{self, Course, Record};
+use host_tests::plants::{Mode, PLANTS, Plant};
+use host_tests::streams::{L, M, P, Refined, refined, regression};
+use nalgebra::{DMatrix, DVector};
+
+const CHECKPOINTS: usize = 10;
+
+/// No reading above its limit, none that only f64 could give, and the last half no worse than the first.
+fn no_drift(what: &str, readings: &[f64], limit: f64) {
+    let half = |part: &[f64]| part.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let (early, late) = readings.split_at(readings.len() / 2);
+    assert!(readings.iter().all(|x| (1e-6..=limit).contains(x)), "{what}: {readings:?}");
+    // The readings scatter by a factor of a few; their rms over five by less.
+    assert!(half(late) <= 3.0 * half(early), "{what}: {readings:?}");
+}
+
+fn row(what: &str, step: &str, readings: &[f64]) {
+    let cells: Vec<_> = readings.iter().map(|x| format!("{x:.1e}")).collect();
+    println!("| {what} | {step} | {} |", cells.join(" | "));
+}
+
+/// XᵀX and Xᵀy that fade, of the core's own rows.
+struct Normal {
+    sums: DMatrix<f64>,
+    lambda: f64,
+}
+
+impl Normal {
+    fn update(&mut self, row: &[f32]) {
+        // Only the upper triangle.
+        for (j, xj) in row.iter().enumerate() {
+            for (i, xi) in row.iter().enumerate().take(j + 1) {
+                let cell = &mut self.sums[(i, j)];
+                *cell = *cell * self.lambda + f64::from(*xi) * f64::from(*xj);
+            }
+        }
+    }
+
+    /// √(Δᵀ XᵀX Δ / (n σ²)) of scaled parameters.
+    fn rho(&self, theta: &[f32]) -> f64 {
+        let n = self.sums.ncols() - 1;
+        let mut square = self.sums.clone();
+        square.fill_lower_triangle_with_upper_triangle();
+        let (gram, right) =
+            (square.view((0, 0), (n, n)).into_owned(), square.view((0, n), (n, 1)).column(0).into_owned());
+        let exact = gram.clone().cholesky().expect("positive definite").solve(&right);
+        let variance = (square[(n, n)] - right.dot(&exact)) * (1.0 - self.lambda);
+        let error = DVector::from_iterator(n, theta.iter().map(|x| f64::from(*x)).take(n)) - exact;
+        (error.dot(&(gram * &error)) / n as f64 / variance).sqrt()
+    }
+}
+
+/// λ = 0.9999 on the closed loops of `delta_form`: δ-form conditions 5 and 100.
+fn fading(samples: usize) {
+    let two: &[Mode] = &[Mode::Lag(0.05), Mode::Lag(0.003)];
+    let three: &[Mode] = &[Mode::Lag(0.05), Mode::Lag(0.003), Mode::Lag(0.001)];
+    let (short, long): (&[f64], &[f64]) = (&[0.6, 0.4], &[0.5, 0.3, 0.2]);
+    for (name, modes, taps, colour_s, smooth) in
+        [("mid", two, short, [0.03, 0.02], false), ("bad", three, long, [0.04, 0.04], true)]
+    {
+        let plant = Plant { modes, b: (taps, 1.0), c: (taps, -0.8), colour_s, smooth, ..PLANTS[9].clone() };
+        let mut source = plant.source(0.0, 21).disturbed(1e-4);
+        let start: Vec<Sample> = source.clone().take(100_000).collect();
+        let regression = regression(plant.order(), &start);
+        let mut lags = <Regressor<M, L> as Rows<M>>::new(&regression);
+        let columns = regression.columns();
+        let mut triangle = Triangle::<M, P>::new(columns);
+        let forgetting = Forgetting { lambda: 0.9999, floor: 1e-9 };
+        let mut normal = Normal { sums: DMatrix::zeros(columns, columns), lambda: f64::from(forgetting.lambda) };
+        let mut readings = vec![];
+        for _ in 0..CHECKPOINTS {
+            for sample in source.by_ref().take(samples / CHECKPOINTS) {
+                if let Some(row) = lags.push(&regression, &sample) {
+                    triangle.update_forgetting(&row.cells, row.weight, forgetting);
+                    normal.update(&row.cells[..columns]);
+                }
+            }
+            readings.push(normal.rho(&triangle.solve()));
+        }
+        row(
+            &format!("least squares, λ = 0.9999, {name}: ρ"),
+            &format!("{:.0e} samples", (samples / CHECKPOINTS) as f64),
+            &readings,
+        );
+        no_drift(name, &readings, 0.02);
+    }
+}
+
+/// Refined instrumental variables: at each checkpoint the arithmetic error of a segment in σ, and the mean deviation from
+/// the truth over all segments since the last one.
+fn segments(count: usize) {
+    const LENGTH: usize = 2_000;
+    let plant = &PLANTS[4];
+    let (order, noise) = (plant.order(), plant.noise(20.0));
+    let mut source = plant.source(noise, 22);
+    let start: Vec<Sample> = source.clone().take(100_000).collect();
+    let regression = refined(plant, &start);
+    let mut estimator: Refined = Estimator::<M, P, L, Instruments<M, L>>::new(&regression);
+    let truth = oracle::delta(order, &plant.truth());
+    let (mut readings, mut biases, mut refused) = (vec![], vec![], 0);
+    for _ in 0..CHECKPOINTS {
+        let block = count / CHECKPOINTS;
+        // The last segments of a block are kept for the oracle, whose filters then start long before the one compared.
+        let (mut tail, mut auxiliaries) = (vec![], vec![]);
+        let (mut sum, mut deviations, mut used) = (0.0, 0.0, 0.0);
+        for number in 0..block {
+            let keep = number + 6 >= block;
+            for sample in source.by_ref().take(LENGTH) {
+                estimator.step(&sample);
+                if keep {
+                    tail.push(sample);
+                }
+            }
+            let Ok(estimate) = estimator.close() else {
+                refused += 1;
+                continue;
+            };
+            if keep {
+                auxiliaries.push((tail.len(), oracle::raw(order, &estimate.delta)));
+            }
+            let sd = f64::from(estimate.covariance_matrix()[(0, 0)]).sqrt();
+            sum += (f64::from(estimate.delta[0]) - truth[0]) / sd;
+            deviations += 1.0;
+            used = f64::from(estimate.rows);
+            if number + 1 == block {
+                let (_, _) = auxiliaries.pop().expect("kept");
+                auxiliaries[0].0 = 0;
+                let course = Course { auxiliaries: auxiliaries.clone(), rest_on: None };
+                let rows = tail.len() - estimate.rows as usize..tail.len();
+                let exact = oracle::one_pass(&Record::new(&tail), order, &course, rows).delta(order);
+                readings.push(host_tests::streams::worst(&estimate.delta, &exact));
+            }
+        }
+        assert!(used > 1000.0);
+        biases.push(sum / deviations);
+    }
+    let step = format!("{} segments of {LENGTH}", count / CHECKPOINTS);
+    row("refined iv: f32 − f64, worst parameter in σ", &step, &readings);
+    row("refined iv: mean deviation of t₀ from the truth in σ", &step, &biases);
+    no_drift("refined", &readings, 0.05);
+    // The mean of a block scatters by 1/√(its segments), a tenth of a hundred and a hundredth of ten thousand; the rest
+    // is the bias of 2000 samples.
+    let scatter = 4.0 / ((count / CHECKPOINTS) as f64).sqrt() + 0.05;
+    assert!(biases.iter().all(|bias| bias.abs() < scatter), "{biases:?}");
+    assert_eq!(refused, 0, "of {count} segments");
+}
+
+#[test]
+fn fading_least_squares_short() {
+    fading(10_000_000);
+}
+
+#[test]
+fn refined_segments_short() {
+    segments(1_000);
+}
+
+#[test]
+#[ignore = "1e9 samples: minutes"]
+fn fading_least_squares_long() {
+    fading(1_000_000_000);
+}
+
+#[test]
+#[ignore = "1e5 segments: minutes"]
+fn refined_segments_long() {
+    segments(100_000);
+}

@@ -1,0 +1,24 @@
+//! `cargo xtask long`: the tests that run for minutes, which the usual run leaves out, and the table they print.
+
+use anyhow::{Result, ensure};
+
+use crate::tally::Tally;
+use crate::{child, workspace};
+
+/// Runs every ignored host test in release, passes on what it prints, and ends with the table's rows alone: the lines
+/// that start with `|`. Whether all tests passed.
+pub fn run() -> Result<bool> {
+    let mut cargo = workspace::cargo(&["test", "--release", "--package", "host-tests", "--no-fail-fast"]);
+    cargo.args(["--", "--ignored", "--show-output", "--test-threads", "1"]);
+    let (mut table, mut tally) = (Vec::new(), Tally::default());
+    let status = child::lines(&mut cargo, |line| {
+        println!("{line}");
+        tally.add_libtest(line);
+        if line.starts_with('|') {
+            table.push(line.to_owned());
+        }
+    })?;
+    ensure!(!table.is_empty(), "no ignored test of host-tests printed a table");
+    println!("\n{}\n\n{tally}", table.join("\n"));
+    Ok(status.success())
+}
