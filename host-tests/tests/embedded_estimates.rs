@@ -32,7 +32,7 @@ fn worst_rho(traces: &[LabelledTrace], classes: &[String], structure: Structure)
     let model = train(traces, classes, &recipe).expect("trains").embed().expect("embeds");
     traces.iter().fold(0.0, |worst, labelled| {
         let segments = model.run(&labelled.trace).expect("runs");
-        assert_eq!((segments.len(), segments[0].rejected), (1, 0));
+        assert_eq!((segments.len(), segments[0].counts.rejected), (1, 0));
         worst.max(rho(&labelled.trace, structure, &segments[0].delta))
     })
 }

@@ -144,6 +144,7 @@ fn instruments_need_a_stable_nominal_model_and_the_columns() {
     type Wide = Model<8, 5, 5, 3>;
     let mut model = Wide::from_bytes(FILE).expect("good model");
     model.regression.method = Method::Instruments;
+    model.regression.nominal.delta[0] = 0.1;
     assert_eq!(model.validate(), Err(ModelError::Value("nominal model, which must be stable,")));
     model.regression.nominal = Nominal { delta: [-0.1, 0.2, 0.1, 0.1, 0.1, 0.0, 0.0, 0.0], deviation: 0.5 };
     assert_eq!(model.validate(), Ok(()));

@@ -3,9 +3,12 @@
 use std::fmt::Write as _;
 
 use bearing_watch::decide::Kind;
+use bearing_watch::estimate::{Forgetting, MAX_SEGMENT_SAMPLES, Memory, Method};
+use bearing_watch::{Guard, Order, Regression};
 use nalgebra::DMatrix;
 
 use crate::Error;
+use crate::identify::Structure;
 use crate::train::Trained;
 
 /// Rust source of the model; `notes` lines go into its module documentation.
@@ -15,8 +18,8 @@ use crate::train::Trained;
 pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error> {
     // The checks of the core, in a capacity that certainly holds it.
     trained.embed()?;
-    let structure = trained.recipe.structure;
-    let (m, delays) = (structure.order.columns(structure.offset), structure.order.largest_delay().max(1));
+    let regression = &trained.regression;
+    let (m, delays) = (columns(regression), regression.order.largest_delay().max(1));
     let (f, z, c) = (trained.core_features.len(), trained.core_projection.matrix.nrows(), trained.classes.len());
     let densities = &trained.densities;
     let covariances: Vec<String> = (0..c)
@@ -44,23 +47,32 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     line("#![allow(clippy::all, clippy::pedantic, clippy::unreadable_literal)]");
     line("");
     line("use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Projection};");
-    line("use bearing_watch::estimate::{Form, Method, Shape};");
-    line("use bearing_watch::{Detector, Guard, Label, Model, Order, Regression, Regressor, Sampling};");
+    let Types { rows, sums } = Types::of(trained);
+    let fading: &[&str] = if sums == "Fading" { &["Forgetting", "Memory"] } else { &[] };
+    let estimate = imports(&[&["Form", "Method", "Nominal", "Shape", sums], fading].concat());
+    line(&format!("use bearing_watch::estimate::{{{estimate}}};"));
+    let root = imports(&["Detector", "Guard", "Label", "Model", "Order", "Regression", "Sampling", rows]);
+    line(&format!("use bearing_watch::{{{root}}};"));
     line("");
     line("/// The order, known when compiling.");
     line("#[derive(Clone, Copy, Debug, PartialEq)]");
     line("pub struct Structure;");
     line("");
+    line("#[rustfmt::skip]");
     line("impl Shape for Structure {");
-    let order: Vec<String> = structure.order.to_array().iter().map(ToString::to_string).collect();
+    let Structure { order, offset } = trained.recipe.structure;
+    let order: Vec<String> = order.to_array().iter().map(ToString::to_string).collect();
     let order = format!("Order::new({})", order.join(", "));
-    let form = format!("Form {{ order: {order}, offset: {}, method: Method::LeastSquares }}", structure.offset);
+    let form = format!("Form {{ order: {order}, offset: {offset}, method: Method::{:?} }}", regression.method);
     line(&format!("    const FIXED: Option<Form> = Some({form});"));
     line("}");
     line("");
     line("/// The detector of exactly this model's size.");
-    let sizes = format!("{m}, {}, {delays}, {f}, {z}, {c}", m * (m - 1) / 2);
-    line(&format!("pub type Monitor = Detector<'static, {sizes}, Regressor<{m}, {delays}, Structure>>;"));
+    let packed = m * (m - 1) / 2;
+    let sums = if sums.is_empty() { String::new() } else { format!(", {sums}<{m}, {packed}>") };
+    let types = format!("{m}, {packed}, {delays}, {f}, {z}, {c}, {rows}<{m}, {delays}, Structure>{sums}");
+    line("#[rustfmt::skip]");
+    line(&format!("pub type Monitor = Detector<'static, {types}>;"));
     line("");
     line("const fn label(name: &str) -> Label {");
     line("    match Label::new(name) {");
@@ -79,9 +91,8 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
         trained.segment_samples
     ));
     line("    regression: Regression {");
-    line(&format!("        scale: {},", numbers(&trained.scale)));
-    line(&format!("        guard: Guard::within({}),", numbers(&trained.limit)));
-    line(&format!("        ..Regression::new({order}, {})", structure.offset));
+    constants(regression, m).iter().for_each(|text| line(&format!("        {text},")));
+    line(&format!("        ..Regression::new({order}, {offset})"));
     line("    },");
     line("    classifier: Classifier {");
     line(&format!("        features: Features {{ index: {:?}, count: {f} }},", trained.core_features));
@@ -105,6 +116,81 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     Ok(out)
 }
 
+/// Columns of the exported type: those of the rows, or as many as the filters of the instruments need.
+fn columns<const M: usize>(regression: &Regression<M>) -> usize {
+    let Order { na, nb, nc, .. } = regression.order;
+    let filter = |terms: u8| if terms > 0 { usize::from(terms.max(na)) } else { 0 };
+    match regression.method {
+        Method::LeastSquares => regression.columns(),
+        Method::Instruments => regression.columns().max(usize::from(na) + filter(nb) + filter(nc)),
+    }
+}
+
+/// Names of the types that make rows and sum them; the detector's own sums have none.
+struct Types {
+    rows: &'static str,
+    sums: &'static str,
+}
+
+impl Types {
+    fn of(trained: &Trained) -> Self {
+        let rows = match trained.regression.method {
+            Method::LeastSquares => "Regressor",
+            Method::Instruments => "Instruments",
+        };
+        let sums = match trained.regression.memory {
+            Memory::Fading(_) => "Fading",
+            Memory::Segment if trained.segment_samples > MAX_SEGMENT_SAMPLES as usize => "TwoLevel",
+            Memory::Segment => "",
+        };
+        Self { rows, sums }
+    }
+}
+
+/// Names that are not empty, in the order of rustfmt.
+fn imports(names: &[&str]) -> String {
+    let mut names: Vec<&str> = names.iter().copied().filter(|name| !name.is_empty()).collect();
+    names.sort_unstable();
+    names.join(", ")
+}
+
+/// The fields in which a regression differs from `Regression::new`, for a type of `m` columns.
+fn constants<const M: usize>(regression: &Regression<M>, m: usize) -> Vec<String> {
+    let base = Regression::<M>::new(regression.order, regression.offset);
+    let array = |values: &[f32]| list(&values.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>());
+    let Regression { method, memory, scale, nominal, guard, settle, handover, still, .. } = regression;
+    let mut fields = Vec::new();
+    if *method != base.method {
+        fields.push(format!("method: Method::{method:?}"));
+    }
+    if let Memory::Fading(Forgetting { lambda, floor }) = memory {
+        fields.push(format!("memory: Memory::Fading(Forgetting {{ lambda: {lambda:?}, floor: {floor:?} }})"));
+    }
+    if *still > 0.0 {
+        fields.push(format!("still: {still:?}"));
+    }
+    fields.push(format!("scale: {}", array(&scale[..m])));
+    let delta = array(&nominal.delta[..m]);
+    fields.push(format!("nominal: Nominal {{ delta: {delta}, deviation: {:?} }}", nominal.deviation));
+    let plain = Guard::within(guard.limit);
+    let within = format!("Guard::within({})", array(&guard.limit));
+    if *guard == plain {
+        fields.push(format!("guard: {within}"));
+    } else {
+        let Guard { saturation, stuck_samples, huber, .. } = guard;
+        fields.push(format!(
+            "guard: Guard {{ saturation: {}, stuck_samples: {stuck_samples:?}, huber: {huber:?}, ..{within} }}",
+            array(saturation)
+        ));
+    }
+    for (name, value, usual) in [("settle", *settle, base.settle), ("handover", *handover, base.handover)] {
+        if value != usual {
+            fields.push(format!("{name}: {value}"));
+        }
+    }
+    fields
+}
+
 /// The shortest decimal that reads back as the same `f32`.
 fn number(x: f64) -> String {
     format!("{:?}", x as f32)
@@ -120,4 +206,23 @@ fn list(items: &[String]) -> String {
 
 fn matrix(matrix: &DMatrix<f64>) -> String {
     list(&matrix.row_iter().map(|row| numbers(&row.iter().copied().collect::<Vec<_>>())).collect::<Vec<_>>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_for_rows_and_for_filters() {
+        let regression = |order, method| Regression::<20> { method, ..Regression::new(order, false) };
+        let columns = |order, method| columns(&regression(order, method));
+        assert_eq!(columns(Order::new(4, 1, 1, 1, 1), Method::LeastSquares), 7);
+        // Four poles filter each input, whatever its own terms.
+        assert_eq!(columns(Order::new(4, 1, 1, 1, 1), Method::Instruments), 12);
+        assert_eq!(columns(Order::new(2, 1, 0, 1, 1), Method::Instruments), 6);
+        type Rows<const M: usize> = bearing_watch::Instruments<M, 1>;
+        let tight: Regression<11> =
+            Regression { method: Method::Instruments, ..Regression::new(Order::new(4, 1, 1, 1, 1), false) };
+        assert!(!<Rows<11> as bearing_watch::estimate::Rows<11>>::fits(&tight));
+    }
 }

@@ -27,6 +27,18 @@ pub fn vector(estimate: &Estimate) -> DVector<f64> {
     DVector::from_iterator(estimate.theta.len() + 1, estimate.theta.iter().copied().chain([log_variance]))
 }
 
+/// Every raw feature of an estimate of the core, in the order of [`all_names`].
+#[must_use]
+pub fn of_core(structure: Structure, delta: &[f32], variance: f32) -> DVector<f64> {
+    let log_variance = f64::from(variance.max(f32::MIN_POSITIVE)).ln();
+    let delta = delta.iter().map(|x| f64::from(*x)).chain([log_variance]);
+    let mut raw = raw_from_delta(structure) * DVector::from_iterator(structure.parameters() + 1, delta);
+    if structure.order.na > 0 {
+        raw[0] -= 1.0; // k of (1)
+    }
+    raw
+}
+
 /// Places in [`all_names`] of a choice such as `a,b,log_variance` or `a1,c2`; without one, every parameter.
 ///
 /// # Errors

@@ -104,8 +104,10 @@ fn converter_counts(first: &Draw) -> Vec<u8> {
         let Some(held_out) = first.validation.iter().find(|t| t.class == class) else { continue };
         let trace = &held_out.trace;
         for k in 0..trace.y.len() {
-            for (x, limit) in [trace.y[k], trace.u1[k], trace.u2[k]].into_iter().zip(first.trained.limit) {
-                let count = (x / f64::from(limit as f32) * 32_768.0).round() as i16;
+            for (x, limit) in
+                [trace.y[k], trace.u1[k], trace.u2[k]].into_iter().zip(first.trained.regression.guard.limit)
+            {
+                let count = (x / f64::from(limit) * 32_768.0).round() as i16;
                 bytes.extend(count.to_le_bytes());
             }
         }

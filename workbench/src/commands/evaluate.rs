@@ -2,9 +2,12 @@
 
 use std::path::PathBuf;
 
+use bearing_watch::Counts;
+
 use super::options::{SelectionArgs, check_rate, prepare, read_model, warn_irregular};
 use super::output;
 use crate::Error;
+use crate::embedded::stuck_signals;
 use crate::evaluate::{self, TraceVerdict};
 use crate::trace::{Condition, stem};
 
@@ -73,15 +76,18 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
 fn csv(classes: &[String], verdicts: &[TraceVerdict]) -> Result<String, Error> {
     let texts = |cells: &[&str]| cells.iter().map(ToString::to_string).collect::<Vec<_>>();
     let posteriors = classes.iter().map(|class| format!("p_{class}")).collect();
-    let header = [texts(&["trace", "segment", "true_class", "decided"]), posteriors, texts(&["rows", "rejected"])];
+    let denied = texts(&["rows", "rejected", "saturated", "downweighted", "still", "stuck"]);
+    let header = [texts(&["trace", "segment", "true_class", "decided"]), posteriors, denied];
     let mut rows = vec![header.concat()];
     for verdict in verdicts {
         for (k, segment) in verdict.segments.iter().enumerate() {
             let decided = segment.verdict.as_ref().map_or("undetermined", |&class| classes[class].as_str());
             let posterior = |k: usize| segment.posteriors.get(k).map_or_else(String::new, ToString::to_string);
-            let numbers = [segment.rows.to_string(), segment.rejected.to_string()].to_vec();
+            let Counts { rejected, saturated, downweighted, still, stuck, .. } = segment.counts;
+            let numbers = [segment.rows, rejected, saturated, downweighted, still].map(|count| count.to_string());
+            let denied = [&numbers[..], &[stuck_signals(stuck).join(" ")]].concat();
             let place = texts(&[&verdict.id, &k.to_string(), &classes[verdict.class], decided]);
-            rows.push([place, (0..classes.len()).map(posterior).collect(), numbers].concat());
+            rows.push([place, (0..classes.len()).map(posterior).collect(), denied].concat());
         }
     }
     output::csv(&rows)

@@ -1,6 +1,7 @@
 //! The command line: `bearing-watch COMMAND`.
 
 mod demo;
+mod estimation;
 mod evaluate;
 mod grey_box;
 mod identify;

@@ -7,7 +7,7 @@ use serde_json::json;
 use super::options::{check_rate, read_model, warn_irregular};
 use super::output;
 use crate::Error;
-use crate::embedded::{Embedded, Segment};
+use crate::embedded::{Embedded, Segment, denied, stuck_signals};
 use crate::trace::{self, Trace};
 
 /// Run traces through the embedded detector and print its verdict on every segment
@@ -66,8 +66,9 @@ fn line(classes: &[String], trace: &Trace, segment: &Segment) -> String {
         classes.iter().zip(&segment.posteriors).map(|(class, p)| format!("{class} {p:.3}")).collect();
     let place = place(trace, segment);
     let mut line = format!("{}  {place}  {verdict}  [{}]  {} rows", trace.id, posteriors.join(", "), segment.rows);
-    if segment.rejected > 0 {
-        line.push_str(&format!(", {} samples rejected", segment.rejected));
+    let denied = denied(&segment.counts);
+    if !denied.is_empty() {
+        line.push_str(&format!(", {denied}"));
     }
     line
 }
@@ -92,6 +93,10 @@ fn value(model: &Embedded, trace: &Trace, number: usize, segment: &Segment) -> s
         "parameters": estimated.then(|| named_by(&model.structure().names(), &segment.raw)),
         "variance": estimated.then_some(segment.variance),
         "rows": segment.rows,
-        "rejected": segment.rejected,
+        "rejected": segment.counts.rejected,
+        "saturated": segment.counts.saturated,
+        "downweighted": segment.counts.downweighted,
+        "still": segment.counts.still,
+        "stuck": stuck_signals(segment.counts.stuck),
     })
 }

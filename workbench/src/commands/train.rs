@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use bearing_watch::decide::Kind;
-use bearing_watch::estimate::MAX_SEGMENT_SAMPLES;
+use bearing_watch::estimate::{Memory, Method};
 use bearing_watch::model::MAX_BLOCK_MEAN;
 use clap::ValueEnum;
 use serde_json::json;
 
+use super::estimation::EstimationArgs;
 use super::options::{
     ChannelArgs, Notes, PreparationArgs, Selection, SelectionArgs, StructureArgs, check_rate, prepare, warn_irregular,
 };
@@ -31,6 +32,8 @@ pub(super) struct Args {
     channels: ChannelArgs,
     #[command(flatten)]
     structure: StructureArgs,
+    #[command(flatten)]
+    estimation: EstimationArgs,
     #[command(flatten)]
     preparation: PreparationArgs,
     /// Train on the rows with this, e.g. 'run<=4'; may be repeated, all must hold
@@ -60,9 +63,6 @@ pub(super) struct Args {
     /// Cost of deciding a class when another is true, e.g. healthy:spall=50; 1 where not given
     #[arg(long, value_name = "DECIDED:TRUE=COST", value_delimiter = ',')]
     cost: Vec<String>,
-    /// Samples a segment (after averaging and decimation); the longest training trace if not given
-    #[arg(long, value_name = "N")]
-    segment: Option<usize>,
     /// The binary model
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
@@ -109,22 +109,12 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let (classes, training) = selection.rows(&args.train_where)?;
     warn_irregular(training.iter().map(|t| &t.trace));
     let recipe = args.recipe(&classes)?;
-    let mut prepared = prepare(&training, preparation)?;
-    if let Some(segment) = args.segment {
-        let least = recipe.structure.order.depth() + recipe.structure.parameters() + 1;
-        if segment < least || segment > MAX_SEGMENT_SAMPLES as usize {
-            let problem = format!("--segment {segment}: at this order it is {least} to {MAX_SEGMENT_SAMPLES}");
-            return Err(Error::Usage(problem));
-        }
-        // The spread of the features belongs to a length: train on segments as the detector will see them.
-        prepared = crate::train::cut(&prepared, segment);
-    }
+    let prepared = prepare(&training, preparation)?;
     let mut trained = crate::train::train(&prepared, &classes, &recipe)?;
-    trained.segment_samples = args.segment.unwrap_or(trained.segment_samples);
     let host = embed_block_mean(&mut trained, preparation, &training);
     let description = description(&trained, &channels, host);
     if host != Preparation::NONE {
-        output::warn(format!("the detector does not decimate: {}", description[2]));
+        output::warn(format!("the detector does not decimate: {}", description[3]));
     }
     let notes = Notes::new(&channels, host, &trained.feature_names, &training);
     let bytes = trained.to_bytes(&notes.to_text())?;
@@ -157,8 +147,10 @@ impl Args {
             Projection::PcaRaw => ProjectionKind::Pca { keep, standardised: false },
             Projection::Fisher => ProjectionKind::Fisher { components: self.components },
         };
+        let structure = self.structure.structure();
         Ok(Recipe {
-            structure: self.structure.structure(),
+            structure,
+            estimation: self.estimation.estimation(structure, classes)?,
             features: self.features.clone(),
             projection,
             discriminant: match self.discriminant {
@@ -218,12 +210,15 @@ impl Args {
                 "classes": trained.classes,
                 "training_traces": counts,
                 "features": trained.feature_names,
+                "method": method_word(trained.regression.method),
+                "settle_samples": (trained.regression.method == Method::Instruments).then_some(trained.regression.settle),
                 "segment_samples": trained.segment_samples,
                 "held_out": held_out.map(Confusion::to_json),
             }));
         }
         let traces: Vec<String> = trained.classes.iter().zip(counts).map(|(name, n)| format!("{n} {name}")).collect();
         output::say(format!("trained on {} traces; features {}", traces.join(", "), trained.feature_names.join(", ")))?;
+        output::say(format!("estimated by {}", estimated_by(trained)))?;
         output::say(format!(
             "{} discriminant, coordinates: {}, segments of {} samples; {} bytes in {}",
             trained.kind_name(),
@@ -236,6 +231,29 @@ impl Args {
             Some(confusion) => output::say(format!("held-out traces, through the embedded detector:\n{confusion}")),
             None => Ok(()),
         }
+    }
+}
+
+const fn method_word(method: Method) -> &'static str {
+    match method {
+        Method::LeastSquares => "ls",
+        Method::Instruments => "instruments",
+    }
+}
+
+/// Method and memory in words.
+fn estimated_by(trained: &Trained) -> String {
+    let regression = &trained.regression;
+    let nominal = &trained.classes[trained.recipe.estimation.nominal];
+    let method = match regression.method {
+        Method::LeastSquares => "least squares".to_string(),
+        Method::Instruments => {
+            format!("instrumental variables from the mean of {nominal}, settling for {} samples", regression.settle)
+        }
+    };
+    match regression.memory {
+        Memory::Segment => method,
+        Memory::Fading(forgetting) => format!("{method}, forgetting by {} a sample", forgetting.lambda),
     }
 }
 
@@ -270,6 +288,7 @@ fn description(trained: &Trained, channels: &crate::trace::Channels, host: Prepa
     vec![
         format!("y = {y}, u1 = {u1}, u2 = {u2}; classes {}.", trained.classes.join(", ")),
         format!("Features {}; {} discriminant.", trained.feature_names.join(", "), trained.kind_name()),
+        format!("Estimated by {}.", estimated_by(trained)),
         fed,
     ]
 }

@@ -1,13 +1,17 @@
 //! A trained model in the core's single-precision form.
 
 use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Projection};
+use bearing_watch::estimate::MAX_LONG_SEGMENT_SAMPLES;
 use bearing_watch::model::MAX_BYTES;
-use bearing_watch::{Guard, Label, Model, Regression, Sampling};
+use bearing_watch::{Label, Model, ModelError, Regression, Sampling};
 use nalgebra::DMatrix;
 
 use super::Trained;
 use crate::Error;
 use crate::embedded::Embedded;
+
+/// Columns of the largest model there is.
+pub const MAX_COLUMNS: usize = 100;
 
 impl Trained {
     /// The core's form. Capacities beyond what is in use hold neutral values.
@@ -54,26 +58,18 @@ impl Trained {
         fill(&mut projection.matrix, &self.core_projection.matrix);
         narrow(&mut projection.mean, self.core_projection.mean.as_slice());
 
-        let structure = self.recipe.structure;
-        let mut scale = [1.0; M];
-        narrow(&mut scale, &self.scale);
         let model = Model {
             sampling: Sampling {
                 interval_s: self.interval_s as f32,
                 block_mean: u16::try_from(self.block_mean)
                     .map_err(|_| Error::Usage("--block-mean is at most 65535".into()))?,
-                segment_samples: u32::try_from(self.segment_samples)
-                    .map_err(|_| Error::Usage("a segment has at most 100000 samples".into()))?,
+                segment_samples: samples(self.segment_samples)?,
             },
-            regression: Regression {
-                scale,
-                guard: Guard::within(self.limit.map(|x| x as f32)),
-                ..Regression::new(structure.order, structure.offset)
-            },
+            regression: at_capacity(&self.regression),
             classifier: Classifier { features, projection, discriminant },
             labels,
         };
-        model.validate().map_err(|e| Error::Training(format!("the trained model cannot be embedded: {e}")))?;
+        model.validate().map_err(refused)?;
         Ok(model)
     }
 
@@ -82,13 +78,8 @@ impl Trained {
     /// # Errors
     /// As [`Trained::to_core`].
     pub fn to_bytes(&self, notes: &str) -> Result<Vec<u8>, Error> {
-        let model: Box<Model<100, 100, 100, 8>> = Box::new(self.to_core()?);
-        let mut buffer = vec![0; MAX_BYTES];
-        let length = model
-            .to_bytes(notes, &mut buffer)
-            .map_err(|e| Error::Training(format!("the trained model cannot be embedded: {e}")))?;
-        buffer.truncate(length);
-        Ok(buffer)
+        let model: Box<Model<MAX_COLUMNS, 100, 100, 8>> = Box::new(self.to_core()?);
+        bytes(&model, notes)
     }
 
     /// The model ready to run.
@@ -96,8 +87,7 @@ impl Trained {
     /// # Errors
     /// As [`Trained::to_core`].
     pub fn embed(&self) -> Result<Embedded, Error> {
-        let bytes = self.to_bytes("")?;
-        Embedded::from_bytes(&bytes).map_err(|e| Error::Training(format!("the trained model cannot be embedded: {e}")))
+        Embedded::from_bytes(&self.to_bytes("")?).map_err(refused)
     }
 
     /// Whether covariances are shared, as a word.
@@ -108,6 +98,37 @@ impl Trained {
             Kind::Quadratic => "quadratic",
         }
     }
+}
+
+pub(super) fn refused(error: ModelError) -> Error {
+    Error::Training(format!("the trained model cannot be embedded: {error}"))
+}
+
+pub(super) fn samples(segment: usize) -> Result<u32, Error> {
+    u32::try_from(segment)
+        .map_err(|_| Error::Usage(format!("a segment has at most {MAX_LONG_SEGMENT_SAMPLES} samples")))
+}
+
+/// The binary form of a model.
+pub(super) fn bytes<const M: usize, const F: usize, const Z: usize, const C: usize>(
+    model: &Model<M, F, Z, C>,
+    notes: &str,
+) -> Result<Vec<u8>, Error> {
+    let mut buffer = vec![0; MAX_BYTES];
+    let length = model.to_bytes(notes, &mut buffer).map_err(refused)?;
+    buffer.truncate(length);
+    Ok(buffer)
+}
+
+/// The same constants with another number of places. What does not fit is left out, and the model then refused for its
+/// columns.
+fn at_capacity<const M: usize>(from: &Regression<MAX_COLUMNS>) -> Regression<M> {
+    let Regression { order, offset, method, memory, ref scale, ref nominal, guard, settle, handover, still } = *from;
+    let mut to = Regression { method, memory, guard, settle, handover, still, ..Regression::new(order, offset) };
+    to.scale.iter_mut().zip(scale).for_each(|(cell, x)| *cell = *x);
+    to.nominal.delta.iter_mut().zip(&nominal.delta).for_each(|(cell, x)| *cell = *x);
+    to.nominal.deviation = nominal.deviation;
+    to
 }
 
 fn count(value: usize, capacity: usize, what: &str) -> Result<u8, Error> {

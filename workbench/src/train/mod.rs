@@ -1,15 +1,20 @@
 //! Labelled traces → a trained model.
 //!
-//! Features by batch least squares in double precision, their projection, the discriminant; then everything is
-//! brought into the form the core runs ([`Trained`]). What the model is worth is measured by running the core on
-//! other traces ([`crate::evaluate`]), never here.
+//! Features, their projection, the discriminant; then everything is brought into the form the core runs ([`Trained`]).
+//! Features are those of batch least squares in double precision where the core computes the same in single precision,
+//! else those that the core itself gives on the training traces. What the model is worth is measured by running the
+//! core on other traces ([`crate::evaluate`]), never here.
 
+mod core_features;
 mod core_form;
 pub(crate) mod discriminant;
+mod estimation;
 pub(crate) mod projection;
 pub(crate) mod statistics;
 
+use bearing_watch::Regression;
 use bearing_watch::decide::Kind;
+use bearing_watch::estimate::MAX_LONG_SEGMENT_SAMPLES;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -19,7 +24,9 @@ use crate::identify::{Estimate, Structure, least_squares};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Trace, same_interval};
 
+pub use core_form::MAX_COLUMNS;
 pub use discriminant::GaussianClasses;
+pub use estimation::Estimation;
 pub use projection::{AffineMap, Keep, ProjectionKind};
 pub use statistics::ClassStatistics;
 
@@ -28,6 +35,8 @@ pub use statistics::ClassStatistics;
 pub struct Recipe {
     /// Model structure.
     pub structure: Structure,
+    /// How the core estimates its parameters.
+    pub estimation: Estimation,
     /// Feature names or groups; none means every parameter.
     pub features: Vec<String>,
     /// Projection of the features.
@@ -41,11 +50,12 @@ pub struct Recipe {
 }
 
 impl Recipe {
-    /// Every parameter as feature, no projection, linear discriminant, equal priors, 0/1 costs.
+    /// Least squares on whole traces, every parameter as feature, no projection, linear discriminant, equal priors, 0/1 costs.
     #[must_use]
     pub fn new(structure: Structure) -> Self {
         Self {
             structure,
+            estimation: Estimation::default(),
             features: vec![],
             projection: ProjectionKind::None,
             discriminant: Kind::Linear,
@@ -110,10 +120,8 @@ pub struct Trained {
     pub core_features: Vec<usize>,
     /// Core features → coordinates.
     pub core_projection: AffineMap,
-    /// Powers of two, a regressor column each, target last.
-    pub scale: Vec<f64>,
-    /// Largest believable magnitude of y, u1, u2.
-    pub limit: [f64; 3],
+    /// What the core estimates with.
+    pub regression: Box<Regression<MAX_COLUMNS>>,
     /// Samples a segment at the identification rate.
     pub segment_samples: usize,
     /// Sample interval at the rate the detector is fed with, s; 0 where unknown.
@@ -128,12 +136,19 @@ pub struct Trained {
 /// Estimation errors of any trace; fewer than two classes, or a class without traces; features that are constant or
 /// collinear within classes; priors or costs that do not match the classes.
 pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> Result<Trained, Error> {
-    check_classes(traces, classes)?;
     check_intervals(traces)?;
-    // Collected first, so that the error reported is that of the first bad trace in every run.
-    let estimates: Vec<_> = traces.par_iter().map(|t| least_squares(&t.trace, recipe.structure)).collect();
-    let estimates: Vec<Estimate> = estimates.into_iter().collect::<Result<_, _>>()?;
-    let table = FeatureTable::new(&estimates, traces.iter().map(|t| t.class).collect(), classes.to_vec());
+    let longest = traces.iter().map(|t| t.trace.y.len()).max().unwrap_or(0);
+    let segment = recipe.estimation.segment.unwrap_or(longest.min(MAX_LONG_SEGMENT_SAMPLES as usize));
+    // The spread of the features belongs to a length: train on segments as the detector will see them.
+    let pieces = if recipe.estimation.segment.is_some() { cut(traces, segment) } else { traces.to_vec() };
+    check_classes(&pieces, classes)?;
+    let regression = estimation::regression(traces, classes, recipe.structure, (&recipe.estimation, segment))?;
+    let interval_s = traces.iter().find_map(|t| t.trace.interval_s).unwrap_or(0.0);
+    let table = if recipe.estimation.is_batch() {
+        batch_features(&pieces, classes, recipe.structure)?
+    } else {
+        core_features::run(traces, classes, &regression, segment)?
+    };
     let chosen = features::choose(recipe.structure, &recipe.features)?;
     let names = features::all_names(recipe.structure);
     let feature_names: Vec<String> = chosen.iter().map(|&k| names[k].clone()).collect();
@@ -144,7 +159,6 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
     let coordinate_names = coordinate_names(recipe.projection, &feature_names, projection.matrix.nrows());
     let densities = discriminant::train(&coordinates, &coordinate_names, recipe)?;
     let (core_features, core_projection) = compose(&table, &chosen, recipe.structure, &projection);
-    let longest = traces.iter().map(|t| t.trace.y.len()).max().unwrap_or(0);
     Ok(Trained {
         recipe: recipe.clone(),
         classes: classes.to_vec(),
@@ -156,12 +170,18 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
         densities,
         core_features,
         core_projection,
-        scale: column_scales(traces, recipe.structure),
-        limit: limits(traces),
-        segment_samples: longest.min(bearing_watch::estimate::MAX_SEGMENT_SAMPLES as usize),
-        interval_s: traces.iter().find_map(|t| t.trace.interval_s).unwrap_or(0.0),
+        regression,
+        segment_samples: segment,
+        interval_s,
         block_mean: 1,
     })
+}
+
+fn batch_features(pieces: &[LabelledTrace], classes: &[String], structure: Structure) -> Result<FeatureTable, Error> {
+    // Collected first, so that the error reported is that of the first bad trace in every run.
+    let estimates: Vec<_> = pieces.par_iter().map(|t| least_squares(&t.trace, structure)).collect();
+    let estimates: Vec<Estimate> = estimates.into_iter().collect::<Result<_, _>>()?;
+    Ok(FeatureTable::new(&estimates, pieces.iter().map(|t| t.class).collect(), classes.to_vec()))
 }
 
 fn check_classes(traces: &[LabelledTrace], classes: &[String]) -> Result<(), Error> {
@@ -250,34 +270,4 @@ fn compose(
     let matrix = &projection.matrix * map.select_columns(&used);
     let centre = DVector::from_iterator(used.len(), used.iter().map(|&k| mean[k]));
     (used, AffineMap { matrix, mean: centre })
-}
-
-/// Power of two that brings each δ-form column, pooled over the training set, to rms ≈ 1.
-fn column_scales(traces: &[LabelledTrace], structure: Structure) -> Vec<f64> {
-    let scale = |pick: Signal, difference: bool| {
-        let pooled = traces.iter().flat_map(|t| {
-            let x = pick(&t.trace);
-            let before = [&[0.0], x].concat();
-            let lag = move |k: usize| if difference { before[k] } else { 0.0 };
-            x.iter().enumerate().skip(usize::from(difference)).map(move |(k, x)| x - lag(k))
-        });
-        let (sum, count) = pooled.fold((0.0, 0.0_f64), |(sum, count), x| (sum + x * x, count + 1.0));
-        let rms = (sum / count.max(1.0)).sqrt();
-        if rms > 0.0 { (-rms.log2().round()).clamp(-60.0, 60.0).exp2() } else { 1.0 }
-    };
-    let order = structure.order;
-    let signals: [(Signal, u8); 3] = [(|t| &t.y, order.na), (|t| &t.u1, order.nb), (|t| &t.u2, order.nc)];
-    let mut scales: Vec<f64> =
-        signals.iter().flat_map(|&(pick, terms)| (0..terms).map(move |term| scale(pick, term > 0))).collect();
-    scales.extend(structure.offset.then_some(1.0));
-    scales.push(scale(|t| &t.y, order.na > 0));
-    scales
-}
-
-type Signal = fn(&Trace) -> &[f64];
-
-/// Ten times the largest training magnitude: room for other conditions, and no room for nonsense.
-fn limits(traces: &[LabelledTrace]) -> [f64; 3] {
-    let largest = |pick: Signal| traces.iter().flat_map(|t| pick(&t.trace)).fold(0.0_f64, |most, x| most.max(x.abs()));
-    [largest(|t| &t.y), largest(|t| &t.u1), largest(|t| &t.u2)].map(|x| if x > 0.0 { 10.0 * x } else { 1.0 })
 }

@@ -1,6 +1,10 @@
 //! The bridge to the core: traces run through its [`Detector`], the code that firmware runs.
 
-use bearing_watch::{Detector, Model, ModelError, Reason, Report, Sample, Sampling, Verdict};
+mod choice;
+
+use bearing_watch::estimate::{Accumulator, Fading, Rows, Triangle, TwoLevel};
+use bearing_watch::{Counts, Detector, Model, ModelError, Reason, Report, Sample, Sampling, Verdict};
+use choice::{AnyRows, Sums};
 
 use crate::identify::Structure;
 use crate::trace::Trace;
@@ -22,8 +26,8 @@ pub struct Segment {
     pub variance: f32,
     /// Rows of the regression.
     pub rows: u32,
-    /// Samples refused by the range guard.
-    pub rejected: u32,
+    /// What the segment was denied.
+    pub counts: Counts,
     /// Samples before the segment, as fed to the detector.
     pub start: usize,
     /// Samples of the segment, as fed to the detector.
@@ -38,6 +42,18 @@ pub struct Embedded {
     pub classes: Vec<String>,
 }
 
+/// A function of these capacities with the sums of the model's memory.
+macro_rules! by_memory {
+    ($model:ident, [$m:literal $l:literal $f:literal $z:literal $c:literal], $run:ident, $($rest:expr),+) => {{
+        const P: usize = $m * ($m - 1) / 2;
+        match Sums::of(&$model.regression, &$model.sampling) {
+            Sums::Triangle => $run::<$m, P, $l, $f, $z, $c, Triangle<$m, P>>($model, $($rest),+),
+            Sums::TwoLevel => $run::<$m, P, $l, $f, $z, $c, TwoLevel<$m, P>>($model, $($rest),+),
+            Sums::Fading => $run::<$m, P, $l, $f, $z, $c, Fading<$m, P>>($model, $($rest),+),
+        }
+    }};
+}
+
 /// Capacities that the workbench instantiates: columns, delays, features, coordinates, classes.
 macro_rules! capacities {
     ($($name:ident: $m:literal $l:literal $f:literal $z:literal $c:literal;)+) => {
@@ -50,8 +66,8 @@ macro_rules! capacities {
             fn from_bytes(bytes: &[u8]) -> Result<Self, ModelError> {
                 $(
                     match Model::<$m, $f, $z, $c>::from_bytes(bytes) {
-                        // Delays are the detector's capacity, so ask it too.
-                        Ok(model) if Detector::<$m, { $m * ($m - 1) / 2 }, $l, $f, $z, $c>::new(&model).is_ok() => {
+                        // Delays and filters are the detector's capacity, so ask it too.
+                        Ok(model) if AnyRows::<$m, $l>::fits(&model.regression) => {
                             return Ok(Self::$name(Box::new(model)));
                         }
                         Ok(_) | Err(ModelError::Capacity(_)) => {}
@@ -64,7 +80,7 @@ macro_rules! capacities {
             fn run(&self, trace: &Trace) -> Result<Vec<Segment>, ModelError> {
                 match self {
                     $(Self::$name(model) => {
-                        run(Detector::<$m, { $m * ($m - 1) / 2 }, $l, $f, $z, $c>::new(model)?, model, trace)
+                        by_memory!(model, [$m $l $f $z $c], run, trace)
                     })+
                 }
             }
@@ -72,7 +88,7 @@ macro_rules! capacities {
             fn previews(&self, trace: &Trace, every: usize) -> Result<Vec<Segment>, ModelError> {
                 match self {
                     $(Self::$name(model) => {
-                        previews(Detector::<$m, { $m * ($m - 1) / 2 }, $l, $f, $z, $c>::new(model)?, model, trace, every)
+                        by_memory!(model, [$m $l $f $z $c], previews, trace, every)
                     })+
                 }
             }
@@ -130,11 +146,19 @@ capacities! {
     Large: 100 32 100 100 8;
 }
 
-fn run<const M: usize, const P: usize, const L: usize, const F: usize, const Z: usize, const C: usize>(
-    mut detector: Detector<'_, M, P, L, F, Z, C>,
+fn run<
+    const M: usize,
+    const P: usize,
+    const L: usize,
+    const F: usize,
+    const Z: usize,
+    const C: usize,
+    A: Accumulator<M, P>,
+>(
     model: &Model<M, F, Z, C>,
     trace: &Trace,
 ) -> Result<Vec<Segment>, ModelError> {
+    let mut detector = Detector::<'_, M, P, L, F, Z, C, AnyRows<M, L>, A>::new(model)?;
     let classes = model.classifier.discriminant.classes as usize;
     let mut segments = Vec::new();
     let mut start = 0;
@@ -156,12 +180,20 @@ fn run<const M: usize, const P: usize, const L: usize, const F: usize, const Z: 
     Ok(segments)
 }
 
-fn previews<const M: usize, const P: usize, const L: usize, const F: usize, const Z: usize, const C: usize>(
-    mut detector: Detector<'_, M, P, L, F, Z, C>,
+fn previews<
+    const M: usize,
+    const P: usize,
+    const L: usize,
+    const F: usize,
+    const Z: usize,
+    const C: usize,
+    A: Accumulator<M, P>,
+>(
     model: &Model<M, F, Z, C>,
     trace: &Trace,
     every: usize,
 ) -> Result<Vec<Segment>, ModelError> {
+    let mut detector = Detector::<'_, M, P, L, F, Z, C, AnyRows<M, L>, A>::new(model)?;
     let classes = model.classifier.discriminant.classes as usize;
     let mut previews = Vec::new();
     for (k, sample) in samples(trace).enumerate() {
@@ -198,7 +230,7 @@ fn segment<const M: usize, const P: usize, const C: usize>(report: &Report<M, P,
         raw: report.estimate.raw()[..n].to_vec(),
         variance: report.estimate.variance,
         rows: report.estimate.rows,
-        rejected: report.estimate.counts.rejected,
+        counts: report.estimate.counts,
         start: 0,
         length: 0,
     }
@@ -208,9 +240,7 @@ fn segment<const M: usize, const P: usize, const C: usize>(report: &Report<M, P,
 fn explain<const M: usize, const P: usize, const C: usize>(reason: Reason, report: &Report<M, P, C>) -> String {
     let estimate = &report.estimate;
     match reason {
-        Reason::TooFewRows if estimate.counts.rejected > 0 => {
-            format!("{reason}: {} samples lie outside the model's limits", estimate.counts.rejected)
-        }
+        Reason::TooFewRows if !denied(&estimate.counts).is_empty() => format!("{reason}: {}", denied(&estimate.counts)),
         Reason::NotExcited(place) => {
             let names = Structure { order: estimate.order, offset: estimate.offset }.names();
             names.get(place as usize).map_or(reason.to_string(), |name| {
@@ -219,6 +249,28 @@ fn explain<const M: usize, const P: usize, const C: usize>(reason: Reason, repor
         }
         _ => reason.to_string(),
     }
+}
+
+/// What a segment was denied, in words; empty where nothing was.
+#[must_use]
+pub fn denied(counts: &Counts) -> String {
+    let Counts { rejected, saturated, downweighted, still, stuck, .. } = *counts;
+    let counted = [
+        (rejected, "samples rejected"),
+        (saturated, "samples saturated"),
+        (downweighted, "rows weighed less"),
+        (still, "rows still"),
+    ];
+    let mut parts: Vec<String> =
+        counted.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect();
+    parts.extend(stuck_signals(stuck).iter().map(|name| format!("{name} stuck")));
+    parts.join(", ")
+}
+
+/// Names of the signals whose sensor was stuck.
+#[must_use]
+pub fn stuck_signals(stuck: [bool; 3]) -> Vec<&'static str> {
+    ["y", "u1", "u2"].into_iter().zip(stuck).filter(|(_, stuck)| *stuck).map(|(name, _)| name).collect()
 }
 
 impl Segment {

@@ -1,0 +1,73 @@
+//! Features of training traces as the core itself estimates them.
+//!
+//! The classifier is still to be trained, so the detector runs with one of a single class: whatever it estimates is
+//! that class. Traces run whole, so that a segment starts from what its predecessor left, as it will in the drive.
+
+use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Projection};
+use bearing_watch::{Label, Model, Regression, Sampling};
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+use super::FeatureTable;
+use super::core_form::{MAX_COLUMNS, bytes, refused, samples};
+use crate::Error;
+use crate::embedded::{Embedded, Segment};
+use crate::features;
+use crate::trace::labels::LabelledTrace;
+
+const REMEDY: &str = "; choose other channels or a lower order, or leave the trace out";
+
+/// A row a segment.
+pub(super) fn run(
+    traces: &[LabelledTrace],
+    classes: &[String],
+    regression: &Regression<MAX_COLUMNS>,
+    segment: usize,
+) -> Result<FeatureTable, Error> {
+    let estimator = estimator(regression, segment)?;
+    let structure = estimator.structure();
+    let each = |labelled: &LabelledTrace| -> Result<Vec<DVector<f64>>, Error> {
+        let segments = estimator.run(&labelled.trace).map_err(refused)?;
+        let row = |segment: &Segment| match &segment.verdict {
+            Ok(_) => Ok(features::of_core(structure, &segment.delta, segment.variance)),
+            Err(reason) => {
+                let (from, to) = (segment.start, segment.start + segment.length);
+                Err(Error::trace(&labelled.trace.id, format!("samples {from} to {to}: {reason}{REMEDY}")))
+            }
+        };
+        segments.iter().map(row).collect()
+    };
+    // Collected first, so that the error reported is that of the first bad trace in every run.
+    let rows: Vec<_> = traces.par_iter().map(each).collect();
+    let mut table = FeatureTable { rows: vec![], classes: vec![], names: classes.to_vec() };
+    for (labelled, rows) in traces.iter().zip(rows) {
+        let rows = rows?;
+        table.classes.extend(rows.iter().map(|_| labelled.class));
+        table.rows.extend(rows);
+    }
+    Ok(table)
+}
+
+/// A detector that estimates and does not decide.
+fn estimator(regression: &Regression<MAX_COLUMNS>, segment: usize) -> Result<Embedded, Error> {
+    let model = Box::new(Model {
+        sampling: Sampling { interval_s: 0.0, block_mean: 1, segment_samples: samples(segment)? },
+        regression: *regression,
+        classifier: Classifier {
+            features: Features { index: [0], count: 1 },
+            projection: Projection { matrix: [[0.0]], mean: [0.0], count: 1 },
+            discriminant: Discriminant {
+                kind: Kind::Linear,
+                classes: 1,
+                mean: [[0.0]],
+                whitening: [[[1.0]]],
+                log_normaliser: [0.0],
+                log_prior: [0.0],
+                cost: [[0.0]],
+            },
+        },
+        labels: [Label::EMPTY],
+    });
+    model.validate().map_err(refused)?;
+    Embedded::from_bytes(&bytes(&model, "")?).map_err(refused)
+}

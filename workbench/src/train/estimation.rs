@@ -1,0 +1,314 @@
+//! The constants of the core's estimator: scales, limits, nominal model, memory.
+//!
+//! ```text
+//! scales      powers of two that bring each column of the rows, behind A(1)/A with instruments, to rms ≈ 1
+//! nominal     mean δ over the traces of one class, by least squares or by SRIV; deviation² their mean σ²        (1)
+//! settle      5/|ln|p||, p the slowest pole of the nominal model: transients have fallen below 1 %               (2)
+//! floor       0.01/(1 − λ): what one row in a hundred would hold of a column of rms 1                            (3)
+//! still       a thousandth of the training traces' mean motion                                                   (4)
+//! ```
+//!
+//! (4) is inputs at 3 % of their usual movement, too little to learn from. The mean of the core falls to that within
+//! 0.9 of its memory after the inputs have stopped.
+
+use std::borrow::Cow;
+
+use bearing_watch::estimate::{Forgetting, MAX_LAMBDA, MAX_OUTPUT_TERMS, Memory, Method, Nominal, is_stable};
+use bearing_watch::{Guard, Regression};
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+use super::core_form::MAX_COLUMNS;
+use super::statistics;
+use crate::Error;
+use crate::features;
+use crate::identify::{Estimate, Structure, least_squares, poles, sriv};
+use crate::trace::Trace;
+use crate::trace::labels::LabelledTrace;
+
+/// Samples to settle, whatever the poles.
+const LEAST_SETTLE: u32 = 100;
+
+/// How segments are estimated, apart from the traces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimation {
+    /// Least squares or instrumental variables.
+    pub method: Method,
+    /// The class whose mean is the nominal model.
+    pub nominal: usize,
+    /// Samples a segment; the longest trace where not given.
+    pub segment: Option<usize>,
+    /// Standard deviations beyond which a residual weighs less; 0 for never.
+    pub huber: f64,
+    /// Magnitudes of y, u1, u2 from which a sensor is saturated.
+    pub saturation: Option<[f64; 3]>,
+    /// Equal samples of y that mean a stuck sensor; 0 for any number.
+    pub stuck: u16,
+    /// Forgetting factor λ a row; segments stand alone without one.
+    pub memory: Option<f64>,
+    /// Samples into the next segment at which a segment's model takes over.
+    pub handover: u16,
+}
+
+impl Default for Estimation {
+    fn default() -> Self {
+        Self {
+            method: Method::LeastSquares,
+            nominal: 0,
+            segment: None,
+            huber: 0.0,
+            saturation: None,
+            stuck: 0,
+            memory: None,
+            handover: 0,
+        }
+    }
+}
+
+impl Estimation {
+    /// Whether batch least squares on each segment gives what the core does: it knows no instruments, no memory beyond
+    /// the segment, no weights and no sensors out of order.
+    pub(super) fn is_batch(&self) -> bool {
+        let Self { method, huber, saturation, stuck, memory, .. } = self;
+        *method == Method::LeastSquares && *huber <= 0.0 && saturation.is_none() && *stuck == 0 && memory.is_none()
+    }
+}
+
+/// What the core estimates with, at the largest capacity.
+pub(super) fn regression(
+    traces: &[LabelledTrace],
+    classes: &[String],
+    structure: Structure,
+    (estimation, segment): (&Estimation, usize),
+) -> Result<Box<Regression<MAX_COLUMNS>>, Error> {
+    check(estimation, structure, segment)?;
+    let nominal = nominal(traces, classes, structure, estimation)?;
+    let mut regression = Box::new(Regression {
+        method: estimation.method,
+        guard: guard(traces, estimation)?,
+        handover: estimation.handover,
+        ..Regression::new(structure.order, structure.offset)
+    });
+    regression.nominal.deviation = nominal.deviation as f32;
+    regression.nominal.delta.iter_mut().zip(nominal.delta.iter()).for_each(|(cell, x)| *cell = *x as f32);
+    let mut in_rows = Cow::Borrowed(traces);
+    if estimation.method == Method::Instruments {
+        require_stable(&regression, &classes[estimation.nominal])?;
+        let denominator = nominal.denominator(structure);
+        regression.settle = settle(&denominator, segment, estimation.handover);
+        in_rows = traces.par_iter().map(|trace| filtered(trace, &denominator)).collect::<Vec<_>>().into();
+    }
+    let scales = column_scales(&in_rows, structure);
+    regression.scale.iter_mut().zip(&scales).for_each(|(cell, x)| *cell = *x as f32);
+    if let Some(lambda) = estimation.memory {
+        let still = 1e-3 * mean_motion(&in_rows, structure, &scales); // (4)
+        let forgetting = Forgetting { lambda: lambda as f32, floor: (0.01 / (1.0 - lambda)) as f32 }; // (3)
+        regression.memory = Memory::Fading(forgetting);
+        regression.still = still as f32;
+    }
+    Ok(regression)
+}
+
+fn check(estimation: &Estimation, structure: Structure, segment: usize) -> Result<(), Error> {
+    let refuse = |problem: String| Err(Error::Usage(problem));
+    let Estimation { method, huber, stuck, memory, handover, .. } = estimation;
+    let na = structure.order.na as usize;
+    if *method == Method::Instruments && !(1..=MAX_OUTPUT_TERMS).contains(&na) {
+        return refuse(format!(
+            "--method instruments wants 1 to {MAX_OUTPUT_TERMS} output terms, but --order has {na}"
+        ));
+    }
+    if !(huber.is_finite() && *huber >= 0.0) {
+        return refuse(format!("--huber {huber}: a number of standard deviations, or 0 for none"));
+    }
+    if *stuck == 1 {
+        return refuse("--stuck 1: one sample is no run; give at least 2, or 0 for none".into());
+    }
+    if let Some(lambda) = memory.filter(|lambda| !(0.5..=MAX_LAMBDA).contains(&(*lambda as f32))) {
+        return refuse(format!("--memory {lambda}: a factor from 0.5 to {MAX_LAMBDA}"));
+    }
+    if usize::from(*handover) > segment / 4 {
+        return refuse(format!("--handover {handover}: at most a quarter of the segment of {segment} samples"));
+    }
+    Ok(())
+}
+
+/// Ten times the largest training magnitude: room for other conditions, and no room for nonsense.
+fn guard(traces: &[LabelledTrace], estimation: &Estimation) -> Result<Guard, Error> {
+    let mut guard = Guard::within(limits(traces).map(|x| x as f32));
+    if let Some(saturation) = estimation.saturation {
+        for (((cell, limit), asked), name) in
+            guard.saturation.iter_mut().zip(guard.limit).zip(saturation).zip(["Y", "U1", "U2"])
+        {
+            if !(asked.is_finite() && asked > 0.0) {
+                return Err(Error::Usage(format!("--saturation: {name} is {asked}, but must be above 0")));
+            }
+            *cell = (asked as f32).min(limit);
+        }
+    }
+    guard.stuck_samples[0] = estimation.stuck;
+    guard.huber = estimation.huber as f32;
+    Ok(guard)
+}
+
+fn limits(traces: &[LabelledTrace]) -> [f64; 3] {
+    let largest = |pick: Signal| traces.iter().flat_map(|t| pick(&t.trace)).fold(0.0_f64, |most, x| most.max(x.abs()));
+    [largest(|t| &t.y), largest(|t| &t.u1), largest(|t| &t.u2)].map(|x| if x > 0.0 { 10.0 * x } else { 1.0 })
+}
+
+/// The nominal model (1).
+struct Mean {
+    delta: DVector<f64>,
+    deviation: f64,
+}
+
+fn nominal(
+    traces: &[LabelledTrace],
+    classes: &[String],
+    structure: Structure,
+    estimation: &Estimation,
+) -> Result<Mean, Error> {
+    let estimate: fn(&Trace, Structure) -> Result<Estimate, Error> = match estimation.method {
+        Method::LeastSquares => least_squares,
+        Method::Instruments => sriv,
+    };
+    let own: Vec<&Trace> = traces.iter().filter(|t| t.class == estimation.nominal).map(|t| &t.trace).collect();
+    if own.is_empty() {
+        let place = estimation.nominal;
+        let name = classes.get(place).map_or_else(|| place.to_string(), Clone::clone);
+        return Err(Error::Training(format!("no training trace of class {name} for the nominal model")));
+    }
+    // Collected first, so that the error reported is that of the first bad trace in every run.
+    let estimates: Vec<_> = own.par_iter().map(|trace| estimate(trace, structure)).collect();
+    let estimates = estimates.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let deltas: Vec<_> = estimates.iter().map(|e| features::delta_from_raw(structure, &e.theta)).collect();
+    let variance = estimates.iter().map(|e| e.variance).sum::<f64>() / estimates.len() as f64;
+    Ok(Mean { delta: statistics::mean(&deltas), deviation: variance.max(0.0).sqrt() })
+}
+
+impl Mean {
+    /// 1, a₁, ….
+    fn denominator(&self, structure: Structure) -> Vec<f64> {
+        let na = structure.order.na as usize;
+        let t = |k: usize| if k < na { self.delta[k] } else { 0.0 };
+        let a = (0..na).map(|k| if k == 0 { -1.0 - t(0) - t(1) } else { t(k) - t(k + 1) });
+        std::iter::once(1.0).chain(a).collect()
+    }
+}
+
+fn require_stable(regression: &Regression<MAX_COLUMNS>, class: &str) -> Result<(), Error> {
+    let Nominal { delta, .. } = &regression.nominal;
+    if is_stable(&delta[..regression.order.na as usize]) {
+        return Ok(());
+    }
+    Err(Error::Training(format!(
+        "the nominal model, the mean of class {class}, is not stable, so it cannot make instruments; name another class \
+         by --nominal, lower the order, or use --method ls"
+    )))
+}
+
+/// (2), within what the segment leaves.
+fn settle(denominator: &[f64], segment: usize, handover: u16) -> u16 {
+    let slowest = poles(denominator).iter().map(|pole| pole.norm()).fold(0.0, f64::max);
+    // Rounding may leave a pole on the circle.
+    let samples = (-5.0 / slowest.min(1.0 - 1e-9).ln()).ceil();
+    let samples = samples.clamp(f64::from(LEAST_SETTLE), f64::from(u16::MAX)) as u16;
+    let most = (segment / 4).saturating_sub(usize::from(handover));
+    samples.min(u16::try_from(most).unwrap_or(u16::MAX))
+}
+
+/// The signals as rows of instrumental variables have them: behind A(1)/A, at rest on the first sample.
+fn filtered(labelled: &LabelledTrace, denominator: &[f64]) -> LabelledTrace {
+    let gain: f64 = denominator.iter().sum();
+    let filter = |signal: &[f64]| {
+        let mut past = vec![signal.first().copied().unwrap_or(0.0); denominator.len() - 1];
+        let each = |x: &f64| {
+            let feedback: f64 = denominator[1..].iter().zip(&past).map(|(a, x)| a * x).sum();
+            let now = gain * x - feedback;
+            past.rotate_right(1);
+            past[0] = now;
+            now
+        };
+        signal.iter().map(each).collect()
+    };
+    let Trace { y, u1, u2, .. } = &labelled.trace;
+    let trace = Trace { y: filter(y), u1: filter(u1), u2: filter(u2), ..labelled.trace.clone() };
+    LabelledTrace { trace, class: labelled.class }
+}
+
+/// Mean of the scaled (Δu1)² + (Δu2)².
+fn mean_motion(traces: &[LabelledTrace], structure: Structure, scales: &[f64]) -> f64 {
+    let order = structure.order;
+    let (na, nb) = (order.na as usize, order.nb as usize);
+    let motion = |signal: &[f64], terms: u8, place: usize| {
+        let scale = if terms > 0 { scales[place] } else { 0.0 };
+        signal.windows(2).map(|pair| ((pair[1] - pair[0]) * scale).powi(2)).sum::<f64>()
+    };
+    let of_trace = |t: &LabelledTrace| motion(&t.trace.u1, order.nb, na) + motion(&t.trace.u2, order.nc, na + nb);
+    let steps: usize = traces.iter().map(|t| t.trace.y.len().saturating_sub(1)).sum();
+    traces.iter().map(of_trace).sum::<f64>() / steps.max(1) as f64
+}
+
+/// Power of two that brings each δ-form column, pooled over the training set, to rms ≈ 1.
+fn column_scales(traces: &[LabelledTrace], structure: Structure) -> Vec<f64> {
+    let scale = |pick: Signal, difference: bool| {
+        let pooled = traces.iter().flat_map(|t| {
+            let x = pick(&t.trace);
+            let before = [&[0.0], x].concat();
+            let lag = move |k: usize| if difference { before[k] } else { 0.0 };
+            x.iter().enumerate().skip(usize::from(difference)).map(move |(k, x)| x - lag(k))
+        });
+        let (sum, count) = pooled.fold((0.0, 0.0_f64), |(sum, count), x| (sum + x * x, count + 1.0));
+        let rms = (sum / count.max(1.0)).sqrt();
+        if rms > 0.0 { (-rms.log2().round()).clamp(-60.0, 60.0).exp2() } else { 1.0 }
+    };
+    let order = structure.order;
+    let signals: [(Signal, u8); 3] = [(|t| &t.y, order.na), (|t| &t.u1, order.nb), (|t| &t.u2, order.nc)];
+    let mut scales: Vec<f64> =
+        signals.iter().flat_map(|&(pick, terms)| (0..terms).map(move |term| scale(pick, term > 0))).collect();
+    scales.extend(structure.offset.then_some(1.0));
+    scales.push(scale(|t| &t.y, order.na > 0));
+    scales
+}
+
+type Signal = fn(&Trace) -> &[f64];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settling_by_the_slowest_pole() {
+        // Poles 0.99 and 0.5: 5/0.01005 = 497.5; a pole at 0.5 alone settles within 8 samples.
+        assert_eq!(settle(&[1.0, -1.49, 0.495], 5000, 0), 498);
+        assert_eq!(settle(&[1.0, -0.5], 5000, 0), 100);
+        assert_eq!(settle(&[1.0, -0.99], 1000, 50), 200, "a quarter of the segment, the handover included");
+        assert_eq!(settle(&[1.0, -1.0], 1_000_000, 0), u16::MAX);
+    }
+
+    #[test]
+    fn an_unstable_nominal_model_is_refused() {
+        let mut regression = Regression::<MAX_COLUMNS>::new(crate::identify::Order::new(1, 1, 0, 1, 1), false);
+        regression.nominal.delta[0] = -0.1;
+        assert!(require_stable(&regression, "healthy").is_ok());
+        regression.nominal.delta[0] = 0.1;
+        let error = require_stable(&regression, "healthy").expect_err("a growing model").to_string();
+        assert!(error.contains("healthy, is not stable") && error.contains("--method ls"), "{error}");
+    }
+
+    #[test]
+    fn motion_by_hand() {
+        let order = crate::identify::Order::new(1, 1, 1, 1, 1);
+        let structure = Structure { order, offset: false };
+        let (u1, u2) = (vec![0.0, 1.0, 1.0], vec![0.0, 0.0, 2.0]);
+        let trace = Trace { id: "t".into(), interval_s: None, irregular_steps: 0, y: vec![0.0; 3], u1, u2 };
+        let traces = [LabelledTrace { trace, class: 0 }];
+        let scales = [1.0, 2.0, 0.5, 1.0];
+        // u1 moves by 1 · 2 once, u2 by 2 · 0.5 once, over two steps.
+        assert_eq!(mean_motion(&traces, structure, &scales), 2.5);
+        // Behind 0.5/(1 − 0.5 z⁻¹) u1 is 0, 0.5, 0.75 and u2 is 0, 0, 1.
+        let behind = filtered(&traces[0], &[1.0, -0.5]);
+        assert_eq!(behind.trace.u1, [0.0, 0.5, 0.75]);
+        assert_eq!(mean_motion(&[behind], structure, &scales), (1.0 + 0.25 + 0.25) / 2.0);
+    }
+}

@@ -1,0 +1,134 @@
+//! `train` by every method and memory, and what `replay` and `evaluate` then say.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn run(folder: &Path, arguments: &str) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_bearing-watch"));
+    command.current_dir(folder).args(arguments.split_whitespace()).output().expect("the command starts")
+}
+
+fn succeed(folder: &Path, arguments: &str) -> String {
+    let output = run(folder, arguments);
+    let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{arguments}\n{out}{err}");
+    out.into_owned()
+}
+
+/// One line of error with these words, and no model.
+fn refuse(folder: &Path, arguments: &str, expected: &[&str]) {
+    let output = run(folder, arguments);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{arguments}\n{error}");
+    assert_eq!(error.trim_end().lines().count(), 1, "{arguments}\n{error}");
+    assert!(expected.iter().all(|words| error.contains(words)), "{arguments}\n{error}");
+    assert!(!folder.join("none.bwm").exists(), "{arguments}");
+}
+
+fn signals(u1: &str, order: &str) -> String {
+    format!("--y current_a --u1 {u1} --u2 load_torque_nm --order {order}")
+}
+
+fn traces(dir: &Path) -> String {
+    succeed(dir, "simulate --class healthy,spall,roughness --count 5 --seed 5 --out t");
+    format!("train --labels t/labels.csv {} --features a,b,log_variance", signals("velocity_ref_rad_s", "2,1,2,1,1"))
+}
+
+#[test]
+fn methods_memories_and_guards() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    let train = format!("{} --model m.bwm --rust m.rs", traces(dir));
+    for (options, words) in [
+        ("--method ls", vec!["Regressor<6, 1, Structure>>;", "guard: Guard::within(", "nominal: Nominal { delta: [-"]),
+        ("--method instruments", vec!["Instruments<8, 1, Structure>>;", "method: Method::Instruments"]),
+        ("--method instruments --nominal roughness --segment 2500", vec!["segment_samples: 2500"]),
+        ("--memory 0.9995", vec!["Structure>, Fading<6, 15>>;", "lambda: 0.9995, floor: 20.0"]),
+        ("--memory 0.9999 --method instruments", vec!["Structure>, Fading<8, 28>>;", "lambda: 0.9999, floor: 100.0"]),
+        ("--huber 2 --handover 50", vec!["huber: 2.0", "handover: 50"]),
+    ] {
+        succeed(dir, &format!("{train} {options}"));
+        let source = std::fs::read_to_string(dir.join("m.rs")).expect("source");
+        assert!(words.iter().all(|word| source.contains(word)), "{options}\n{source}");
+        let json = succeed(dir, "evaluate --model m.bwm --labels t/labels.csv --json");
+        let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+        assert_eq!(json["error_rate"]["value"].as_f64(), Some(0.0), "{options}");
+    }
+    let line = succeed(dir, "replay --model m.bwm t/spall_5_000.csv");
+    assert!(line.contains("rows weighed less"), "{line}");
+    let json: serde_json::Value =
+        serde_json::from_str(&succeed(dir, &format!("{train} --method instruments --json"))).expect("JSON");
+    assert_eq!((&json["method"], &json["settle_samples"]), (&"instruments".into(), &100.into()));
+}
+
+#[test]
+fn what_a_segment_was_denied_is_told() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    let train = traces(dir);
+    succeed(dir, &format!("{train} --method instruments --saturation 12,100,5 --stuck 9 --model m.bwm"));
+    let text = std::fs::read_to_string(dir.join("t/healthy_5_000.csv")).expect("trace");
+    let place = text.lines().next().expect("header").split(',').position(|name| name == "current_a").expect("column");
+    // The current rests from row 1000 on, and is beyond its sensor's range from row 500 to 510.
+    let changed = text.lines().enumerate().map(|(k, line)| {
+        let mut cells: Vec<&str> = line.split(',').collect();
+        match k {
+            500..510 => cells[place] = "15",
+            1000..1100 => cells[place] = "0.25",
+            _ => {}
+        }
+        cells.join(",") + "\n"
+    });
+    std::fs::write(dir.join("stuck.csv"), changed.collect::<String>()).expect("writable");
+    std::fs::write(dir.join("stuck_labels.csv"), "trace,class_name\nstuck,healthy\n").expect("writable");
+    let line = succeed(dir, "replay --model m.bwm stuck.csv");
+    for words in ["undetermined: the output's sensor is stuck", "10 samples saturated", "y stuck"] {
+        assert!(line.contains(words), "{line}");
+    }
+    let json: serde_json::Value =
+        serde_json::from_str(&succeed(dir, "replay --model m.bwm stuck.csv --json")).expect("JSON");
+    assert_eq!((&json[0]["stuck"], &json[0]["saturated"]), (&serde_json::json!(["y"]), &10.into()));
+    succeed(dir, "evaluate --model m.bwm stuck.csv --labels stuck_labels.csv --out v.csv");
+    let table = std::fs::read_to_string(dir.join("v.csv")).expect("verdicts");
+    let mut lines = table.lines();
+    assert!(lines.next().is_some_and(|head| head.ends_with("rows,rejected,saturated,downweighted,still,stuck")));
+    assert!(lines.next().is_some_and(|row| row.ends_with(",0,10,0,0,y")), "{table}");
+    std::fs::write(dir.join("sick.csv"), "trace,class_name\nstuck,healthy\nhealthy_5_001,healthy\n").expect("writable");
+    let both = std::fs::read_to_string(dir.join("t/labels.csv")).expect("labels");
+    let others: Vec<&str> = both.lines().filter(|line| line.contains("spall")).collect();
+    let others: String = others.iter().map(|l| l.split(',').take(2).collect::<Vec<_>>().join(",") + "\n").collect();
+    let labels = std::fs::read_to_string(dir.join("sick.csv")).expect("labels") + &others;
+    std::fs::write(dir.join("sick.csv"), labels).expect("writable");
+    let sick = train.replace("--labels t/labels.csv", "stuck.csv t --labels sick.csv");
+    refuse(dir, &format!("{sick} --stuck 9 --model none.bwm"), &["trace stuck.csv", "sensor is stuck"]);
+}
+
+#[test]
+fn bad_options_are_one_line() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    let train = format!("{} --model none.bwm", traces(dir));
+    for (options, words) in [
+        ("--method iv", ["--method", "instruments"]),
+        ("--nominal worse", ["unknown class worse", "there are healthy"]),
+        ("--huber=-1", ["--huber -1", "0 for none"]),
+        ("--huber nan", ["--huber NaN", "0 for none"]),
+        ("--saturation 1,2", ["--saturation", "three magnitudes"]),
+        ("--saturation 1,0,2", ["--saturation", "U1 is 0"]),
+        ("--stuck 1", ["--stuck 1", "at least 2"]),
+        ("--stuck few", ["--stuck", "invalid"]),
+        ("--memory 1", ["--memory 1", "0.5 to 0.9999"]),
+        ("--memory 0.1", ["--memory 0.1", "0.5 to 0.9999"]),
+        ("--handover 1251", ["--handover 1251", "quarter of the segment of 5000"]),
+        ("--segment 1000001", ["--segment 1000001", "to 1000000"]),
+        ("--saturation 0.001,100,5", ["trace healthy_5_000.csv", "samples saturated"]),
+    ] {
+        refuse(dir, &format!("{train} {options}"), &words);
+    }
+    let other = |order: &str, u1: &str| train.replace(&signals("velocity_ref_rad_s", "2,1,2,1,1"), &signals(u1, order));
+    let moving_average = other("0,1,2,1,1", "velocity_ref_rad_s").replace("a,b,log", "b,log");
+    refuse(dir, &format!("{moving_average} --method instruments"), &["1 to 4 output terms"]);
+    // From its loop's error the current follows by an integrator: roughness brings the pole to within rounding of one.
+    let error = other("2,2,2,1,1", "velocity_ref_rad_s-velocity_rad_s");
+    refuse(dir, &format!("{error} --method instruments"), &["trace roughness_5_000.csv", "not stable", "lower order"]);
+}
