@@ -55,6 +55,7 @@ mod tests {
             variance: 1.0,
             rows: 10,
             counts: Counts::default(),
+            stable: true,
             segment: 0,
         };
         let features = Features { index: [2, 3, 0, 0], count: 3 };

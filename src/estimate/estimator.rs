@@ -160,7 +160,9 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
     /// returns.
     pub fn close(&mut self) -> Result<Estimate<M, P>, Reason> {
         let result = self.estimate();
-        if let Ok(estimate) = &result {
+        if let Ok(estimate) = &result
+            && estimate.stable
+        {
             self.source.adopt(self.regression, estimate);
         }
         self.next_segment();
@@ -177,9 +179,10 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
     }
 
     /// Lets the estimate of the segment that was detached last take over at the handover; `false`, and nothing done, if
-    /// that is past, or if it is the estimate of another segment.
+    /// that is past, if it is the estimate of another segment, or if its model is not stable.
     pub fn adopt(&mut self, estimate: &Estimate<M, P>) -> bool {
-        let in_time = self.source.awaits() && estimate.segment.wrapping_add(1) == self.gate.segment;
+        let own = estimate.stable && estimate.segment.wrapping_add(1) == self.gate.segment;
+        let in_time = own && self.source.awaits();
         if in_time {
             self.source.adopt(self.regression, estimate);
         }

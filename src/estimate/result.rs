@@ -20,8 +20,6 @@ pub enum Reason {
     /// The instruments explain hardly more of the output than chance (F ≤ 10), or cannot be told apart: the auxiliary model
     /// does not fit, or noise hides the output.
     WeakInstruments,
-    /// The estimated model is not stable, so that it could not serve as the next auxiliary model.
-    Unstable,
     /// Signal 0, 1 or 2 (y, u1, u2) repeated one value for too long.
     Stuck(u8),
     /// An estimate is not a finite number, or no class has a likelihood above zero.
@@ -37,7 +35,6 @@ impl core::fmt::Display for Reason {
                 write!(f, "the signals do not excite parameter {} of t, β, γ, constant", u16::from(*k) + 1)
             }
             Self::WeakInstruments => f.write_str("the auxiliary model hardly follows the output"),
-            Self::Unstable => f.write_str("the estimated model is not stable"),
             Self::Stuck(0) => f.write_str("the output's sensor is stuck"),
             Self::Stuck(1) => f.write_str("the first input's sensor is stuck"),
             Self::Stuck(_) => f.write_str("the second input's sensor is stuck"),
@@ -66,6 +63,9 @@ pub struct Estimate<const M: usize, const P: usize> {
     pub rows: u32,
     /// What was refused or weighed less.
     pub counts: Counts,
+    /// Whether the model is stable, and so can serve as the next auxiliary model; always by least squares. A pole next to
+    /// one may be found on either side of it by chance: such an estimate stands, but does not take over.
+    pub stable: bool,
     /// Number of its segment in the stream, wrapping.
     pub segment: u8,
 }
@@ -74,7 +74,17 @@ impl<const M: usize, const P: usize> Estimate<M, P> {
     /// An estimate that says nothing.
     #[must_use]
     pub const fn empty(order: Order, offset: bool, rows: u32, counts: Counts) -> Self {
-        Self { order, offset, delta: [0.0; M], covariance: [0.0; P], variance: 0.0, rows, counts, segment: 0 }
+        Self {
+            order,
+            offset,
+            delta: [0.0; M],
+            covariance: [0.0; P],
+            variance: 0.0,
+            rows,
+            counts,
+            stable: true,
+            segment: 0,
+        }
     }
 
     /// Number of parameters, the constant included.

@@ -128,7 +128,8 @@ fn bad_options_are_one_line() {
     let other = |order: &str, u1: &str| train.replace(&signals("velocity_ref_rad_s", "2,1,2,1,1"), &signals(u1, order));
     let moving_average = other("0,1,2,1,1", "velocity_ref_rad_s").replace("a,b,log", "b,log");
     refuse(dir, &format!("{moving_average} --method instruments"), &["1 to 4 output terms"]);
-    // From its loop's error the current follows by an integrator: roughness brings the pole to within rounding of one.
-    let error = other("2,2,2,1,1", "velocity_ref_rad_s-velocity_rad_s");
-    refuse(dir, &format!("{error} --method instruments"), &["trace roughness_5_000.csv", "not stable", "lower order"]);
+    // From its loop's error the current follows by an integrator, and roughness brings the pole to within chance of one:
+    // such estimates stand, on either side of it.
+    let error = other("2,2,2,1,1", "velocity_ref_rad_s-velocity_rad_s").replace("none.bwm", "m.bwm");
+    succeed(dir, &format!("{error} --method instruments"));
 }
