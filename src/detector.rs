@@ -19,6 +19,7 @@ use crate::model::{Model, ModelError};
 
 /// One sample of the three signals, in the units the model was trained with.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sample {
     /// Output of the model, as a rule the quadrature current.
     pub y: f32,
@@ -30,6 +31,7 @@ pub struct Sample {
 
 /// What a segment says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Verdict {
     /// Index of a class in [`Model::labels`]. The most plausible of the *trained* classes: posteriors are relative to
     /// each other, so a state unlike all of them (standstill, another load) still names one.
@@ -40,6 +42,7 @@ pub enum Verdict {
 
 /// Verdict of one segment with everything it rests on.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Report<const M: usize, const P: usize, const C: usize> {
     /// The class, or why there is none.
     pub verdict: Verdict,
@@ -73,7 +76,38 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
             report.verdict = Verdict::Undetermined(Reason::TooFewRows);
             report.decision = None;
         }
+        self.log(&report);
         report
+    }
+
+    /// The feature `defmt` tells of every closed segment, never of a sample. Only on a chip: host programs have no logger
+    /// to link with.
+    fn log<const P: usize>(&self, report: &Report<M, P, C>) {
+        #[cfg(all(feature = "defmt", target_os = "none"))]
+        {
+            let Estimate { rows, counts, .. } = &report.estimate;
+            match report.verdict {
+                Verdict::Class(class) => {
+                    if counts.rejected + counts.saturated > 0 {
+                        defmt::warn!(
+                            "samples refused: {=u32} rejected, {=u32} saturated",
+                            counts.rejected,
+                            counts.saturated
+                        );
+                    }
+                    defmt::info!(
+                        "{=u32} rows, {}, class {=u8}, verdict: {=str}",
+                        rows,
+                        counts,
+                        class,
+                        self.label(class)
+                    );
+                }
+                Verdict::Undetermined(reason) => defmt::warn!("{=u32} rows, {}, no verdict: {}", rows, counts, reason),
+            }
+        }
+        #[cfg(not(all(feature = "defmt", target_os = "none")))]
+        let _nobody_listens = report;
     }
 
     fn classified<const P: usize>(
@@ -113,6 +147,7 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
 /// # }
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Detector<
     'm,
     const M: usize,
@@ -234,6 +269,7 @@ where
     /// of a segment is enough: see [`Detector::pending`].
     pub fn finish(&mut self) -> Report<M, P, C> {
         let report = self.preview();
+        self.model.log(&report);
         self.restart();
         report
     }

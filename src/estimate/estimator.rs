@@ -30,6 +30,7 @@ use crate::detector::Sample;
 ///
 /// Not `Copy`, so that no step goes to a copy by accident.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Estimator<'m, const M: usize, const P: usize, const L: usize, R = Regressor<M, L>, A = Triangle<M, P>> {
     regression: &'m Regression<M>,
     gate: Gate,
@@ -182,6 +183,7 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
 
 /// A closed segment's sums, apart from the estimator that goes on.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Segment<const M: usize, const P: usize, S = AnyShape> {
     head: Head<M>,
     sums: Triangle<M, P>,
@@ -205,6 +207,7 @@ impl<const M: usize, const P: usize, S: Shape> Segment<M, P, S> {
 
 /// The solve of a detached segment, a bounded piece a call.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Solver<'m, const M: usize, const P: usize, S = AnyShape> {
     regression: &'m Regression<M>,
     segment: Segment<M, P, S>,

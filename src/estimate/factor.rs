@@ -19,6 +19,7 @@ use super::triangle::{DEPENDENT, NEVER, PRIOR};
 
 /// The rotated rows of G, target last.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Outputs {
     d: [f32; MAX_OUTPUT_TERMS + 1],
     r: [f32; MAX_OUTPUT_TERMS * (MAX_OUTPUT_TERMS + 1) / 2],
@@ -49,6 +50,7 @@ impl Outputs {
 
 /// Where the elements lie.
 #[derive(Clone, Copy)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Factor<'a> {
     pub(super) d: &'a [f32],
     pub(super) r: &'a [f32],

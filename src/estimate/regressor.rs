@@ -19,6 +19,7 @@ use crate::detector::Sample;
 ///
 /// A column of differences moves on by one place a sample, so only two cells a signal are computed anew.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Regressor<const M: usize, const L: usize, S = AnyShape> {
     row: [f32; M],
     /// What the levels of y, u1, u2 are taken from.

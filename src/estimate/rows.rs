@@ -6,6 +6,7 @@ use crate::detector::Sample;
 
 /// One row for the triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Row<const M: usize> {
     /// Scaled columns, target last.
     pub cells: [f32; M],
@@ -114,6 +115,7 @@ pub trait Shape: Clone + Copy + core::fmt::Debug + PartialEq {
 
 /// Any form: what a program needs that learns the order when it runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AnyShape;
 
 impl Shape for AnyShape {
@@ -122,6 +124,7 @@ impl Shape for AnyShape {
 
 /// Two signals as they were some samples ago.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Delays<const L: usize> {
     rings: [[f32; L]; 2],
     places: [u8; 2],

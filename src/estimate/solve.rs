@@ -20,6 +20,7 @@ const WEAK: f32 = 1e-10;
 
 /// What a solve needs besides the factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Head<const M: usize> {
     pub(super) mass: Mass,
     pub(super) origin: [f32; 3],
@@ -32,6 +33,7 @@ pub(super) struct Head<const M: usize> {
 
 /// A solve under way.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Solution<const M: usize, const P: usize> {
     /// The covariance holds R⁻¹ D⁻¹ R⁻ᵀ, in the order of the factor, until the last piece.
     estimate: Estimate<M, P>,
