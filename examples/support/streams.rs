@@ -84,7 +84,7 @@ fn outcomes<const M: usize, const P: usize, R: Rows<M>, S: Rows<M>>(form: Form) 
     let two_level = outcome::<M, P, S, TwoLevel<M, P>>(&regression, Way::Inline);
     assert_eq!(outcome::<M, P, R, TwoLevel<M, P>>(&regression, Way::Pieces), two_level, "two levels");
     let forgetting = Forgetting { lambda: 0.999, floor: 1.0 };
-    let regression = Regression { memory: Memory::Fading { forgetting, still: 0.01 }, ..regression };
+    let regression = Regression { memory: Memory::Fading { forgetting, still: 1e-4 }, ..regression };
     let fading = outcome::<M, P, S, Fading<M, P>>(&regression, Way::Inline);
     assert_eq!(outcome::<M, P, R, Fading<M, P>>(&regression, Way::Pieces), fading, "fading");
     Outcomes { plain, two_level, fading }
