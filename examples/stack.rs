@@ -122,7 +122,10 @@ fn refined() -> Depths {
     let (mut collect, mut closed) = (0, None);
     while closed.is_none() {
         let sample = black_box(plant.sample());
-        let bytes = stack_of(|| closed = black_box(monitor.collect(sample)));
+        let bytes = stack_of(|| {
+            closed = monitor.collect(sample);
+            black_box(&closed);
+        });
         collect = bytes.max(collect);
     }
     let mut segment = closed;

@@ -13,7 +13,7 @@
 use crate::decide::Decision;
 use crate::drive::BlockMean;
 use crate::estimate::{
-    Accumulator, Counts, Estimate, Estimator, Reason, Regressor, Rows, Segment, Shape, Solver, Triangle,
+    Accumulator, Counts, Estimate, Estimator, Reason, Regression, Regressor, Rows, Segment, Shape, Triangle,
 };
 use crate::model::{Model, ModelError};
 
@@ -58,11 +58,14 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
     /// The report of a detached segment: solve and classification, in whatever thread has the time.
     #[must_use]
     pub fn conclude<const P: usize, S: Shape>(&self, segment: Segment<M, P, S>) -> Report<M, P, C> {
-        let (rows, counts) = (segment.rows(), segment.counts());
-        self.report(rows, counts, Solver::new(&self.regression, segment).finish())
+        let mut report = self.empty_report();
+        let solved = segment.solve_into(&self.regression, &mut report.estimate);
+        self.judge(&mut report, segment.rows(), solved);
+        report
     }
 
-    /// The report of a whole segment of so many rows from its solved estimate, for who advances a [`Solver`] by hand.
+    /// The report of a whole segment of so many rows from its solved estimate, for who advances a
+    /// [`Solver`](crate::estimate::Solver) by hand.
     #[must_use]
     pub fn report<const P: usize>(
         &self,
@@ -70,14 +73,41 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
         counts: Counts,
         result: Result<Estimate<M, P>, Reason>,
     ) -> Report<M, P, C> {
-        let mut report = self.classified(rows, counts, result);
+        let mut report = self.empty_report();
+        (report.estimate.rows, report.estimate.counts) = (rows, counts);
+        let solved = result.map(|estimate| report.estimate = estimate);
+        self.judge(&mut report, rows, solved);
+        report
+    }
+
+    /// Completes the report of a whole segment that holds its estimate.
+    fn judge<const P: usize>(&self, report: &mut Report<M, P, C>, rows: u32, solved: Result<(), Reason>) {
+        self.classify(report, solved);
         // The model knows the spread of whole segments only.
         if rows < self.sampling.segment_samples / 2 && !matches!(report.verdict, Verdict::Undetermined(_)) {
             report.verdict = Verdict::Undetermined(Reason::TooFewRows);
             report.decision = None;
         }
-        self.log(&report);
-        report
+        self.log(report);
+    }
+
+    /// Completes the report that holds the estimate of any number of rows.
+    fn classify<const P: usize>(&self, report: &mut Report<M, P, C>, solved: Result<(), Reason>) {
+        report.accepted = solved.is_ok();
+        match solved.and_then(|()| self.classifier.classify(&report.estimate)) {
+            Ok(decision) => {
+                report.verdict = Verdict::Class(decision.class);
+                report.decision = Some(decision);
+            }
+            Err(reason) => report.verdict = Verdict::Undetermined(reason),
+        }
+    }
+
+    const fn empty_report<const P: usize>(&self) -> Report<M, P, C> {
+        let Regression { order, offset, .. } = self.regression;
+        let counts = Counts { rejected: 0, saturated: 0, downweighted: 0, still: 0, stuck: [false; 3], refused: 0 };
+        let estimate = Estimate::empty(order, offset, 0, counts);
+        Report { verdict: Verdict::Undetermined(Reason::TooFewRows), decision: None, accepted: false, estimate }
     }
 
     /// The feature `defmt` tells of every closed segment, never of a sample. Only on a chip: host programs have no logger
@@ -108,24 +138,6 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
         }
         #[cfg(not(all(feature = "defmt", target_os = "none")))]
         let _nobody_listens = report;
-    }
-
-    fn classified<const P: usize>(
-        &self,
-        rows: u32,
-        counts: Counts,
-        result: Result<Estimate<M, P>, Reason>,
-    ) -> Report<M, P, C> {
-        let regression = &self.regression;
-        let (estimate, accepted, decision) = match result {
-            Ok(estimate) => (estimate, true, self.classifier.classify(&estimate)),
-            Err(reason) => (Estimate::empty(regression.order, regression.offset, rows, counts), false, Err(reason)),
-        };
-        let verdict = match &decision {
-            Ok(decision) => Verdict::Class(decision.class),
-            Err(reason) => Verdict::Undetermined(*reason),
-        };
-        Report { verdict, decision: decision.ok(), accepted, estimate }
     }
 }
 
@@ -249,14 +261,20 @@ where
     #[inline(never)]
     fn close(&mut self) -> Report<M, P, C> {
         self.samples = 0;
-        let (rows, counts) = (self.estimator.rows(), self.estimator.counts());
-        self.model.report(rows, counts, self.estimator.close())
+        let rows = self.estimator.rows();
+        let mut report = self.model.empty_report();
+        let solved = self.estimator.close_into(&mut report.estimate);
+        self.model.judge(&mut report, rows, solved);
+        report
     }
 
     /// The report the open segment would give now, leaving it open. With fading memory that is the state of things.
     #[must_use]
     pub fn preview(&self) -> Report<M, P, C> {
-        self.model.classified(self.estimator.rows(), self.estimator.counts(), self.estimator.estimate())
+        let mut report = self.model.empty_report();
+        let solved = self.estimator.estimate_into(&mut report.estimate);
+        self.model.classify(&mut report, solved);
+        report
     }
 
     /// Samples at the identification rate in the open segment.
