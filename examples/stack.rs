@@ -119,16 +119,19 @@ fn refined() -> Depths {
         let deepest = if closes { &mut depths.end } else { &mut depths.inside };
         *deepest = bytes.max(*deepest);
     }
-    let (mut collect, mut closed) = (0, None);
-    while closed.is_none() {
+    let mut collect = 0;
+    for _ in 0..refined::MODEL.sampling.segment_samples {
         let sample = black_box(plant.sample());
         let bytes = stack_of(|| {
-            closed = monitor.collect(sample);
-            black_box(&closed);
+            let segment = monitor.collect(sample);
+            black_box(&segment);
         });
         collect = bytes.max(collect);
     }
-    let mut segment = closed;
+    let mut segment = None;
+    while segment.is_none() {
+        segment = monitor.collect(plant.sample());
+    }
     let conclude = stack_of(|| {
         if let Some(segment) = segment.take() {
             let report = refined::MODEL.conclude(segment);

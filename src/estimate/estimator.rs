@@ -170,6 +170,8 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
 
     /// Closes the segment without solving it, in time that does not depend on the data: hands out what a [`Solver`]
     /// needs. Bring its estimate back by [`Estimator::adopt`].
+    // Out of line, so that the usual sample has no room for it on the stack.
+    #[inline(never)]
     pub fn detach(&mut self) -> Segment<M, P, R::Shape> {
         let (head, sums) = (self.head(), self.sums.total(Triangle::clone));
         let segment = Segment { head, sums, rows: self.rows, shape: core::marker::PhantomData };

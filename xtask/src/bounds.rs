@@ -41,7 +41,7 @@ pub const BOUNDS: [Bound; 24] = [
     bytes("stack, detector segment end", None, 2000),
     bytes("stack, SRIV detector sample", None, 1000),
     bytes("stack, SRIV detector segment end", None, 2000),
-    bytes("stack, SRIV detector collect", None, 1200),
+    bytes("stack, SRIV detector collect", None, 1000),
     bytes("stack, SRIV detector conclude", None, 2000),
     bytes("flash of the whole detector, LS", Some(8), 8192),
     bytes("flash of the whole detector, SRIV", Some(8), 8192),
