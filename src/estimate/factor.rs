@@ -171,7 +171,7 @@ impl Factor<'_> {
     }
 
     /// What column k of R⁻¹ gives to the inverse, lower triangle packed by rows in the order of the estimate: v with R v = e(k), then
-    /// (R⁻¹ D⁻¹ R⁻ᵀ)(i, j) = Σ_k v(i) v(j) / d(k). `v` is room to work in.
+    /// (R⁻¹ D⁻¹ R⁻ᵀ)(i, j) = Σₖ v(i) v(j) / d(k). `v` is room to work in.
     pub(super) fn add_inverse_column(&self, k: usize, v: &mut [f32], inverse: &mut [f32]) {
         v.iter_mut().skip(k).take(1).for_each(|own| *own = 1.0);
         for i in (0..k).rev() {

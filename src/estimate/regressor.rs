@@ -162,7 +162,7 @@ fn nominal<const M: usize>(regression: &Regression<M>) -> Candidate<M> {
     candidate(regression, &regression.nominal.delta, regression.nominal.deviation)
 }
 
-/// Scaled problem: (y s_y) = (φ s) θ', so θ' = θ s_y/s.
+/// Scaled problem: `(y s_y) = (φ s) θ'`, so `θ' = θ s_y/s`.
 fn candidate<const M: usize>(regression: &Regression<M>, delta: &[f32; M], deviation: f32) -> Candidate<M> {
     let target = regression.target_scale();
     let mut theta = *delta;

@@ -100,6 +100,7 @@ pub trait Shape: Clone + Copy + core::fmt::Debug + PartialEq {
 
     /// The form to run with.
     #[inline(always)]
+    #[must_use]
     fn of<const M: usize>(regression: &Regression<M>) -> Form {
         match Self::FIXED {
             Some(fixed) => fixed,
@@ -108,6 +109,7 @@ pub trait Shape: Clone + Copy + core::fmt::Debug + PartialEq {
     }
 
     /// Whether the regression has this form.
+    #[must_use]
     fn fits<const M: usize>(regression: &Regression<M>) -> bool {
         Self::of(regression) == regression.form()
     }

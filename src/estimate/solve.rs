@@ -192,6 +192,11 @@ impl Solution {
 }
 
 /// What a solve starts with.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a number of rows, and `as` takes NaN and what is beyond the range to its ends"
+)]
 pub(super) const fn empty<const M: usize, const P: usize>(
     regression: &Regression<M>,
     head: &Head<M>,

@@ -68,7 +68,10 @@ mod tests {
         let refused = "WARN samples refused: 5 rejected, 5 saturated".to_owned();
         let stuck = "WARN 2800 rows, Counts { stuck: [true, false, false] }, no verdict: Stuck(0)".to_owned();
         assert!(refusals(&[refused.clone(), stuck.clone()]).is_ok());
-        assert!(refusals(&[refused.clone()]).is_err() && refusals(&[refused.replace("WARN", "INFO"), stuck]).is_err());
+        assert!(
+            refusals(std::slice::from_ref(&refused)).is_err()
+                && refusals(&[refused.replace("WARN", "INFO"), stuck]).is_err()
+        );
     }
 
     #[test]
