@@ -8,31 +8,27 @@ use bearing_watch::decide::{Discriminant, Features, Kind, Projection};
 use bearing_watch::estimate::{Forgetting, Triangle};
 use bearing_watch::{AlphaBeta, Angle, BlockMean, Estimator, FrontEnd, Guard, Order, Park, Regression, Sample};
 
+use support::hash::Hash;
 use support::numbers::Numbers;
+use support::{decimation, streams};
 
 main!(run);
-
-/// FNV-1a over the bits of results.
-struct Hash(u32);
-
-impl Hash {
-    const fn new() -> Self {
-        Self(0x811c_9dc5)
-    }
-
-    fn add(&mut self, values: &[f32]) {
-        for byte in values.iter().flat_map(|x| x.to_bits().to_le_bytes()) {
-            self.0 = (self.0 ^ u32::from(byte)).wrapping_mul(0x0100_0193);
-        }
-    }
-}
 
 fn run() {
     front_end();
     macro_rules! sizes { ($($m:literal)+) => { $(triangle::<$m, { $m * ($m - 1) / 2 }>();)+ }; }
     sizes!(2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21);
     estimator();
+    streams::run(|number, outcomes| {
+        let streams::Outcomes { plain, two_level, fading } = outcomes;
+        let solved = [plain, two_level, fading].map(|outcome| outcome.solved);
+        let (plain, two_level, fading) = (plain.bits, two_level.bits, fading.bits);
+        say!("stream {number} {plain:08x}, two levels {two_level:08x}, fading {fading:08x}, solved {solved:?}");
+    });
     decision();
+    let mut hash = Hash::new();
+    decimation::bits(|output| hash.add(output));
+    say!("decimation {:08x}", hash.bits());
 }
 
 fn front_end() {
@@ -50,7 +46,7 @@ fn front_end() {
             hash.add(&mean);
         }
     }
-    say!("front end {:08x}", hash.0);
+    say!("front end {:08x}", hash.bits());
 }
 
 fn triangle<const M: usize, const P: usize>() {
@@ -68,7 +64,7 @@ fn triangle<const M: usize, const P: usize>() {
         hash.add(&triangle.inverse());
         hash.add(&[triangle.residual_sum()]);
     }
-    say!("triangle {M:2} {:08x}", hash.0);
+    say!("triangle {M:2} {:08x}", hash.bits());
 }
 
 fn estimator() {
@@ -92,7 +88,7 @@ fn estimator() {
             hash.add(&estimate.covariance);
             hash.add(&[estimate.variance]);
             hash.add(&Features { index: [5, 0, 6, 2], count: 4 }.extract(&estimate));
-            say!("estimator {:08x}, {} rows, {} rejected", hash.0, estimate.rows, estimate.counts.rejected);
+            say!("estimator {:08x}, {} rows, {} rejected", hash.bits(), estimate.rows, estimate.counts.rejected);
         }
         Err(reason) => say!("estimator: {reason}"),
     }
@@ -124,5 +120,5 @@ fn decision() {
             }
         }
     }
-    say!("decision {:08x}", hash.0);
+    say!("decision {:08x}", hash.bits());
 }

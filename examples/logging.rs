@@ -1,5 +1,8 @@
-//! The monitor's verdicts as `defmt` logs them: texts stay in the ELF file, the wire carries a few bytes a line. Run by
-//! `cargo xtask firmware logging`, which decodes them.
+//! The core's own log by `defmt`: a line for every closed segment. Texts stay in the ELF file, the wire carries a few
+//! bytes a line. Run by `cargo xtask firmware logging`, which decodes them.
+//!
+//! First the recording as the example `monitor` has it, then its first trace again: with lost and saturated samples, and
+//! with a sensor that gets stuck.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[macro_use]
@@ -18,23 +21,48 @@ fn run() {
 
 #[cfg(target_os = "none")]
 fn run() {
-    use bearing_watch::Verdict;
+    use bearing_watch::{Guard, Model, Regression, Sample};
     use standard_rig::model::{MODEL, Monitor};
 
-    let mut monitor = match Monitor::new(&MODEL) {
-        Ok(monitor) => monitor,
-        Err(error) => return defmt::error!("the model is refused: {}", defmt::Display2Format(&error)),
+    static LIMIT: [f32; 3] = MODEL.regression.guard.limit;
+    /// The sensor saturates at half the limit, and no reading repeats itself for so long.
+    static GUARDED: Model<6, 5, 5, 3> = Model {
+        regression: Regression {
+            guard: Guard {
+                saturation: [0.5 * LIMIT[0], LIMIT[1], LIMIT[2]],
+                stuck_samples: [200, 0, 0],
+                ..MODEL.regression.guard
+            },
+            ..MODEL.regression
+        },
+        ..MODEL
     };
-    for (number, sample) in standard_rig::samples().enumerate() {
-        let Some(report) = monitor.step(sample) else { continue };
-        match report.verdict {
-            Verdict::Class(class) => defmt::info!("sample {}: verdict: {=str}", number + 1, MODEL.label(class)),
-            Verdict::Undetermined(reason) => defmt::warn!("undetermined: {}", defmt::Display2Format(&reason)),
+
+    /// A running drive would not restart; but the next trace does not go on from this one.
+    fn watch(monitor: &mut Monitor, samples: impl Iterator<Item = Sample>) {
+        for sample in samples {
+            if monitor.step(sample).is_some() {
+                monitor.restart();
+            }
         }
-        if let Some(decision) = report.decision {
-            defmt::info!("{}", decision);
-        }
-        // The next trace does not go on from this one. A running drive would not restart.
-        monitor.restart();
     }
+
+    let (mut plain, mut strict) = match (Monitor::new(&MODEL), Monitor::new(&GUARDED)) {
+        (Ok(plain), Ok(strict)) => (plain, strict),
+        (Err(error), _) | (_, Err(error)) => return defmt::error!("the model is refused: {}", error),
+    };
+    watch(&mut plain, standard_rig::samples());
+    let first = || standard_rig::samples().take(MODEL.sampling.segment_samples as usize).enumerate();
+    watch(
+        &mut strict,
+        first().map(|(number, sample)| match number % 1000 {
+            0 => Sample { y: f32::NAN, ..sample },
+            500 => Sample { y: 0.75 * LIMIT[0], ..sample },
+            _ => sample,
+        }),
+    );
+    watch(
+        &mut strict,
+        first().map(|(number, sample)| if number < 3000 { sample } else { Sample { y: 1.0, ..sample } }),
+    );
 }

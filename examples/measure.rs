@@ -16,6 +16,7 @@ use bearing_watch::{
 };
 
 use support::count::Counter;
+use support::decimation;
 use support::numbers::Numbers;
 
 /// Calls a kernel is averaged over.
@@ -29,15 +30,20 @@ fn run() {
         return;
     };
     front_end(&mut counter);
-    updates::<6, 15>(&mut counter);
-    updates::<9, 36>(&mut counter);
-    updates::<13, 78>(&mut counter);
-    updates::<16, 120>(&mut counter);
-    updates::<11, 55>(&mut counter);
-    updates::<19, 171>(&mut counter);
+    updates::<6, 15>(&mut counter, "LS update", 5);
+    updates::<9, 36>(&mut counter, "LS update", 8);
+    updates::<13, 78>(&mut counter, "LS update", 12);
+    updates::<16, 120>(&mut counter, "LS update", 15);
+    // With two and three output terms, each of which has a column for its instrument.
+    updates::<11, 55>(&mut counter, "IV update", 8);
+    updates::<19, 171>(&mut counter, "IV update", 15);
+    theta(&mut counter);
     estimators(&mut counter);
     decision(&mut counter);
     monitor(&mut counter);
+    decimation::measure(&mut counter, |name, factor, instructions, bytes| {
+        report(name, factor, instructions, bytes);
+    });
 }
 
 fn front_end(counter: &mut Counter) {
@@ -60,7 +66,7 @@ fn front_end(counter: &mut Counter) {
     report("sin_cos + Clarke + Park", None, whole, size_of_val(&front));
 }
 
-fn updates<const M: usize, const P: usize>(counter: &mut Counter) {
+fn updates<const M: usize, const P: usize>(counter: &mut Counter, name: &str, n: usize) {
     let mut numbers = Numbers(1);
     let rows: [[f32; M]; 8] = core::array::from_fn(|_| numbers.array());
     let mut triangle = Triangle::<M, P>::new(M);
@@ -77,14 +83,29 @@ fn updates<const M: usize, const P: usize>(counter: &mut Counter) {
         }
         black_box(&mut triangle);
     });
-    report("LS update", M - 1, with - overhead, size_of_val(&triangle));
+    report(name, n, with - overhead, size_of_val(&triangle));
     let plain = counter.instructions_per_call(CALLS, |_| {
         if let Some(row) = black_box(next.next()) {
             triangle.update(row);
         }
         black_box(&mut triangle);
     });
-    report("LS update, lambda 1", M - 1, plain - overhead, size_of_val(&triangle));
+    say!(
+        r#"{{"name":"{name}, lambda 1","n":{n},"instructions":{},"bytes":{}}}"#,
+        plain - overhead,
+        size_of_val(&triangle)
+    );
+}
+
+/// Parameters read from a factor whose capacity is used up, as fading memory allows after any row.
+fn theta(counter: &mut Counter) {
+    let mut numbers = Numbers(1);
+    let mut triangle = Triangle::<9, 36>::new(9);
+    (0..50).for_each(|_| triangle.update(&numbers.array()));
+    let solve = counter.instructions_per_call(CALLS, |_| {
+        black_box(black_box(&triangle).solve());
+    });
+    report("LS theta read", 8, solve, 0);
 }
 
 /// Two output terms and three of each input, known when compiling, by least squares.
@@ -149,8 +170,9 @@ fn estimator<const M: usize, const P: usize, R: Rows<M>>(
     }
     let sample = Sample { y: 0.5, u1: -0.25, u2: 0.75 };
     let step = counter.instructions_per_call(CALLS, |_| black_box(&mut estimator).step(black_box(&sample)));
-    report(name, regression.parameters(), step, size_of_val(&estimator));
-    say!(r#"{{"name":"{name}, worst of 64","n":{},"instructions":{worst},"bytes":null}}"#, regression.parameters());
+    let n = regression.parameters();
+    report(name, n, step, size_of_val(&estimator));
+    say!(r#"{{"name":"{name}, worst of 64","n":{n},"instructions":{worst},"bytes":null}}"#);
     if !name.ends_with("told") {
         return;
     }
@@ -161,7 +183,7 @@ fn estimator<const M: usize, const P: usize, R: Rows<M>>(
         Method::LeastSquares => "LS solve + covariance",
         Method::Instruments => "SRIV solve + covariance",
     };
-    report(name, regression.parameters(), solve, size_of::<Segment<M, P>>());
+    report(name, n, solve, size_of::<Segment<M, P>>());
     if let Err(reason) = estimator.estimate() {
         say!("no estimate: {reason}");
     }

@@ -5,33 +5,40 @@
 //! Left out: `Debug` and, with the feature `defmt`, the logger. Without optimisation nothing can be told.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
+#[allow(dead_code, reason = "its detector is spelt out here")]
 #[path = "support/standard_rig/model.rs"]
 mod model;
 #[allow(dead_code, reason = "only arrays of numbers are wanted here")]
 #[path = "support/numbers.rs"]
 mod numbers;
+#[allow(dead_code, reason = "the plant is not wanted here")]
+#[path = "support/refined.rs"]
+mod refined;
 
 use core::fmt::{self, Write};
 use core::hint::black_box as opaque;
 
 use bearing_watch::decide::{Discriminant, Features, Kind, Projection};
-use bearing_watch::estimate::{Forgetting, Regressor, Triangle};
+use bearing_watch::estimate::{
+    Accumulator, AnyShape, Fading, Forgetting, Memory, Method, Nominal, Row, Rows, Shape, Solver, Triangle, TwoLevel,
+    is_stable,
+};
 use bearing_watch::model::notes;
 use bearing_watch::*;
 
-use model::{MODEL, Monitor};
+use model::MODEL;
 use numbers::Numbers;
 
 fn run() {
     front_end();
     decimation();
-    order_and_regressor();
+    order_and_regression();
     macro_rules! sizes { ($($m:literal)+) => { $(triangle::<$m, { $m * ($m - 1) / 2 }>();)+ }; }
     sizes!(2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21);
-    estimator();
+    estimators();
     decision();
     names_and_bytes();
-    detector();
+    detectors();
 }
 
 fn front_end() {
@@ -63,26 +70,27 @@ fn decimation() {
         opaque(FirDecimator::push(&mut fir, &opaque(numbers.array()), opaque(numbers.array())));
     }
     FirDecimator::reset(opaque(&mut fir));
+    let mut chain = opaque(HalfBandDecimator::<2, 2, 4, 13>::new());
+    for _ in 0..opaque(300) {
+        opaque(HalfBandDecimator::push(&mut chain, opaque(&HalfBandTaps::SHARP), opaque(numbers.array())));
+    }
+    HalfBandDecimator::reset(opaque(&mut chain));
 }
 
-fn order_and_regressor() {
+fn order_and_regression() {
     let [na, nb, nc, nkb, nkc] = opaque([2, 1, 2, 1, 2]);
     let order = Order::from_array(Order::to_array(opaque(Order::new(na, nb, nc, nkb, nkc))));
     opaque([Order::parameters(order), Order::columns(order, opaque(true)), Order::depth(order)]);
     opaque(Order::largest_delay(order));
-
-    let regression = opaque(Regression::<7> { order, offset: opaque(true), scale: [1.0; 7], limit: [4.0; 3] });
-    opaque((Regression::columns(&regression), Regression::target_scale(&regression)));
-    opaque(Regression::differences_share_scales(&regression));
-    let sample = opaque(Sample { y: 0.5, u1: -0.25, u2: 0.75 });
-    opaque(Regression::accepts(&regression, &sample));
-    let mut regressor = opaque(Regressor::<7, 4>::new(&regression));
-    Regressor::recentre(&mut regressor, &sample);
-    opaque(Regressor::origin(&regressor));
-    for _ in 0..opaque(5) {
-        opaque(Regressor::push(&mut regressor, &regression, &sample));
+    let guard = Guard::within(opaque([4.0; 3]));
+    let plain = Regression::<7>::new(order, opaque(true));
+    let regression = opaque(Regression { guard, ..plain });
+    opaque((Regression::columns(&regression), Regression::parameters(&regression), Regression::form(&regression)));
+    opaque((Regression::target_scale(&regression), Regression::differences_share_scales(&regression)));
+    opaque(Regression::accepts(&regression, &opaque(Sample { y: 0.5, u1: -0.25, u2: 0.75 })));
+    for poles in 0..opaque(6) {
+        opaque(is_stable(opaque(&[-0.1, 0.5, 0.1, 0.0, 0.0]).get(..poles).unwrap_or_default()));
     }
-    Regressor::flush(opaque(&mut regressor));
 }
 
 fn triangle<const M: usize, const P: usize>() {
@@ -90,20 +98,99 @@ fn triangle<const M: usize, const P: usize>() {
     let mut triangle = opaque(Triangle::<M, P>::new(opaque(M)));
     Triangle::update(&mut triangle, &opaque(numbers.array()));
     let forgetting = opaque(Forgetting { lambda: 0.98, floor: 0.5 });
-    Triangle::update_forgetting(&mut triangle, &opaque(numbers.array()), forgetting);
+    Triangle::update_forgetting(&mut triangle, &opaque(numbers.array()), opaque(0.5), forgetting);
     opaque((Triangle::solve(&triangle), Triangle::inverse(&triangle), Triangle::residual_sum(&triangle)));
-    opaque(Triangle::dependent_column(&triangle));
+    Triangle::update_weighted(&mut triangle, &opaque(numbers.array()), opaque(0.5));
+    opaque((Triangle::dependent_column(&triangle), Triangle::columns(&triangle)));
     Triangle::reset(opaque(&mut triangle));
 }
 
-fn estimator() {
+/// Both sources of rows, of a form known when running and when compiling, and every memory.
+fn estimators() {
+    let fading = Memory::Fading { forgetting: Forgetting { lambda: 0.99, floor: 1.0 }, still: 0.01 };
+    let guard = Guard { stuck_samples: [9; 3], huber: 3.0, ..Guard::within([4.0; 3]) };
+    let least = Regression { guard, ..MODEL.regression };
+    estimator::<6, 15, 1, Regressor<6, 1>, Triangle<6, 15>>(&least);
+    estimator::<6, 15, 1, Regressor<6, 1, model::Structure>, TwoLevel<6, 15>>(&least);
+    estimator::<6, 15, 1, Regressor<6, 1>, Fading<6, 15>>(&Regression { memory: fading, ..least });
+    let instruments = refined::MODEL.regression;
+    estimator::<11, 55, 1, Instruments<11, 1, refined::Structure>, Triangle<11, 55>>(&instruments);
+    estimator::<11, 55, 1, Instruments<11, 1>, TwoLevel<11, 55>>(&instruments);
+    estimator::<11, 55, 1, Instruments<11, 1>, Fading<11, 55>>(&Regression { memory: fading, ..instruments });
+    let nominal = Nominal { delta: [-0.1; 21], deviation: 0.1 };
+    let any = Regression { nominal, method: Method::Instruments, ..Regression::new(Order::new(4, 4, 3, 7, 3), true) };
+    estimator::<21, 210, 7, Instruments<21, 7>, Triangle<21, 210>>(&any);
+}
+
+fn estimator<const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumulator<M, P>>(
+    regression: &Regression<M>,
+) {
+    let regression = opaque(regression);
+    opaque((<AnyShape as Shape>::fits(regression), <R::Shape as Shape>::of(regression)));
+    opaque(Estimator::<M, P, L, R, A>::fits(regression));
+    let mut estimator = opaque(Estimator::<M, P, L, R, A>::new(regression));
     let mut numbers = Numbers(5);
-    let mut estimator = opaque(Estimator::<6, 15, 4>::new(opaque(&MODEL.regression)));
+    let mut feed = |estimator: &mut Estimator<'_, M, P, L, R, A>| {
+        for _ in 0..opaque(50) {
+            let [y, u1, u2] = opaque(numbers.array());
+            let sample = Sample { y, u1, u2 };
+            Estimator::step(estimator, &sample);
+            if Estimator::admit(estimator, &sample) {
+                Estimator::take(estimator, &sample);
+            } else {
+                Estimator::skip(estimator);
+            }
+        }
+    };
+    feed(&mut estimator);
+    told(Estimator::estimate(opaque(&estimator)));
+    told(Estimator::close(opaque(&mut estimator)));
+    opaque((Estimator::rows(&estimator), Estimator::counts(&estimator), Estimator::empty_estimate(&estimator)));
+    feed(&mut estimator);
+    let segment = opaque(Estimator::detach(&mut estimator));
+    opaque((Segment::rows(&segment), Segment::counts(&segment)));
+    let mut solver = opaque(Solver::new(regression, segment));
+    opaque(Solver::segment(&solver).rows());
+    // Once more than there are pieces.
+    for _ in 0..opaque(M + 4) {
+        if let Some(result) = opaque(Solver::advance(opaque(&mut solver))) {
+            told(result);
+        }
+    }
+    if let Ok(estimate) = Solver::finish(opaque(solver)) {
+        opaque(Estimator::adopt(&mut estimator, &estimate));
+    }
+    Estimator::restart(opaque(&mut estimator));
+    parts::<M, P, R, A>(regression);
+}
+
+/// What an estimator is made of.
+fn parts<const M: usize, const P: usize, R: Rows<M>, A: Accumulator<M, P>>(regression: &Regression<M>) {
+    opaque((<R as Rows<M>>::fits(regression), <A as Accumulator<M, P>>::fits(regression)));
+    let mut source = opaque(<R as Rows<M>>::new(regression));
+    let mut numbers = Numbers(6);
     for _ in 0..opaque(50) {
         let [y, u1, u2] = opaque(numbers.array());
-        Estimator::step(&mut estimator, &Sample { y, u1, u2 });
+        opaque(<R as Rows<M>>::push(&mut source, regression, &Sample { y, u1, u2 }));
     }
-    match Estimator::estimate(opaque(&estimator)) {
+    let estimate = opaque(Estimate::<M, P>::empty(opaque(regression.order), opaque(true), 1, Counts::default()));
+    <R as Rows<M>>::adopt(&mut source, regression, &estimate);
+    <R as Rows<M>>::next_segment(opaque(&mut source), regression);
+    opaque((<R as Rows<M>>::awaits(&source), <R as Rows<M>>::refused(&source), <R as Rows<M>>::gain(&source)));
+    opaque((<R as Rows<M>>::origin(&source), <R as Rows<M>>::base(&source, regression)));
+    <R as Rows<M>>::flush(opaque(&mut source), regression);
+
+    let mut sums = opaque(<A as Accumulator<M, P>>::new(opaque(M)));
+    let row = opaque(Row { cells: numbers.array(), weight: 0.5, motion: 1.0 });
+    opaque(<A as Accumulator<M, P>>::add(&mut sums, regression, &row));
+    opaque(<A as Accumulator<M, P>>::mass(&sums, regression, opaque(7)));
+    opaque(<A as Accumulator<M, P>>::total(&sums, Triangle::residual_sum));
+    <A as Accumulator<M, P>>::next_segment(opaque(&mut sums));
+    <A as Accumulator<M, P>>::restart(opaque(&mut sums));
+}
+
+fn told<const M: usize, const P: usize>(result: Result<Estimate<M, P>, Reason>) {
+    match opaque(result) {
         Ok(estimate) => {
             opaque((Estimate::parameters(&estimate), Estimate::raw(&estimate)));
             opaque(Estimate::covariance_matrix(&estimate));
@@ -111,9 +198,6 @@ fn estimator() {
         }
         Err(reason) => show(reason),
     }
-    opaque(Estimator::empty_estimate(&estimator));
-    Estimator::next_segment(opaque(&mut estimator));
-    Estimator::restart(opaque(&mut estimator));
 }
 
 fn decision() {
@@ -125,8 +209,8 @@ fn decision() {
     });
     opaque(Projection::to_matrices(&projection));
     let features = opaque(Features::<9> { index: [8; 9], count: 9 });
-    let estimator = opaque(Estimator::<6, 15, 4>::new(opaque(&MODEL.regression)));
-    let features = Features::extract(&features, &opaque(Estimator::empty_estimate(&estimator)));
+    let estimate = Estimate::<6, 15>::empty(opaque(MODEL.regression.order), false, 0, Counts::default());
+    let features = Features::extract(&features, &opaque(estimate));
     let z = Projection::project(&projection, &opaque(features));
     for kind in [Kind::Linear, Kind::Quadratic] {
         let discriminant = opaque(Discriminant::<3, 4> {
@@ -165,24 +249,47 @@ fn names_and_bytes() {
     }
 }
 
-fn detector() {
-    let mut numbers = Numbers(9);
-    let created: Result<Monitor, ModelError> = Detector::new(opaque(&MODEL));
-    let mut monitor = match created {
-        Ok(monitor) => opaque(monitor),
+/// Whole detectors, of least squares and of instrumental variables.
+fn detectors() {
+    detector::<6, 15, 1, 5, 5, 3, Regressor<6, 1, model::Structure>, Triangle<6, 15>>(&MODEL);
+    detector::<11, 55, 1, 9, 3, 3, Instruments<11, 1, refined::Structure>, Triangle<11, 55>>(&refined::MODEL);
+    detector::<11, 55, 1, 9, 3, 3, Instruments<11, 1>, TwoLevel<11, 55>>(&refined::MODEL);
+}
+
+fn detector<
+    const M: usize,
+    const P: usize,
+    const L: usize,
+    const F: usize,
+    const Z: usize,
+    const C: usize,
+    R: Rows<M>,
+    A: Accumulator<M, P>,
+>(
+    model: &Model<M, F, Z, C>,
+) {
+    let model = opaque(model);
+    let mut detector = match Detector::<M, P, L, F, Z, C, R, A>::new(model) {
+        Ok(detector) => opaque(detector),
         Err(error) => return show(error),
     };
+    let mut numbers = Numbers(9);
     for _ in 0..opaque(50) {
         let [y, u1, u2] = opaque(numbers.array());
-        if let Some(report) = Detector::step(&mut monitor, Sample { y, u1, u2 })
+        if let Some(report) = Detector::step(&mut detector, Sample { y, u1, u2 })
             && let Verdict::Undetermined(reason) = opaque(report).verdict
         {
             show(reason);
         }
+        if let Some(segment) = opaque(Detector::collect(&mut detector, Sample { y, u1, u2 })) {
+            let report = Model::conclude(model, opaque(segment));
+            opaque(Detector::adopt(&mut detector, &report));
+            opaque(Model::report(model, opaque(3), report.estimate.counts, Ok(report.estimate)));
+        }
     }
-    opaque((Detector::pending(&monitor), Detector::preview(&monitor)));
-    opaque(Detector::finish(&mut monitor));
-    Detector::restart(opaque(&mut monitor));
+    opaque((Detector::pending(&detector), Detector::preview(&detector)));
+    opaque(Detector::finish(&mut detector));
+    Detector::restart(opaque(&mut detector));
 }
 
 /// The errors' texts.

@@ -13,12 +13,13 @@
 use crate::decide::Decision;
 use crate::drive::BlockMean;
 use crate::estimate::{
-    Accumulator, Counts, Estimate, Estimator, Reason, Regressor, Rows, Segment, Shape, Solver, Triangle,
+    Accumulator, Counts, Estimate, Estimator, Reason, Regression, Regressor, Rows, Segment, Shape, Triangle,
 };
 use crate::model::{Model, ModelError};
 
 /// One sample of the three signals, in the units the model was trained with.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sample {
     /// Output of the model, as a rule the quadrature current.
     pub y: f32,
@@ -30,6 +31,7 @@ pub struct Sample {
 
 /// What a segment says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Verdict {
     /// Index of a class in [`Model::labels`]. The most plausible of the *trained* classes: posteriors are relative to
     /// each other, so a state unlike all of them (standstill, another load) still names one.
@@ -40,6 +42,7 @@ pub enum Verdict {
 
 /// Verdict of one segment with everything it rests on.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Report<const M: usize, const P: usize, const C: usize> {
     /// The class, or why there is none.
     pub verdict: Verdict,
@@ -55,11 +58,14 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
     /// The report of a detached segment: solve and classification, in whatever thread has the time.
     #[must_use]
     pub fn conclude<const P: usize, S: Shape>(&self, segment: Segment<M, P, S>) -> Report<M, P, C> {
-        let (rows, counts) = (segment.rows(), segment.counts());
-        self.report(rows, counts, Solver::new(&self.regression, segment).finish())
+        let mut report = self.empty_report();
+        let solved = segment.solve_into(&self.regression, &mut report.estimate);
+        self.judge(&mut report, segment.rows(), solved);
+        report
     }
 
-    /// The report of a whole segment of so many rows from its solved estimate, for who advances a [`Solver`] by hand.
+    /// The report of a whole segment of so many rows from its solved estimate, for who advances a
+    /// [`Solver`](crate::estimate::Solver) by hand.
     #[must_use]
     pub fn report<const P: usize>(
         &self,
@@ -67,31 +73,71 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
         counts: Counts,
         result: Result<Estimate<M, P>, Reason>,
     ) -> Report<M, P, C> {
-        let mut report = self.classified(rows, counts, result);
+        let mut report = self.empty_report();
+        (report.estimate.rows, report.estimate.counts) = (rows, counts);
+        let solved = result.map(|estimate| report.estimate = estimate);
+        self.judge(&mut report, rows, solved);
+        report
+    }
+
+    /// Completes the report of a whole segment that holds its estimate.
+    fn judge<const P: usize>(&self, report: &mut Report<M, P, C>, rows: u32, solved: Result<(), Reason>) {
+        self.classify(report, solved);
         // The model knows the spread of whole segments only.
         if rows < self.sampling.segment_samples / 2 && !matches!(report.verdict, Verdict::Undetermined(_)) {
             report.verdict = Verdict::Undetermined(Reason::TooFewRows);
             report.decision = None;
         }
-        report
+        self.log(report);
     }
 
-    fn classified<const P: usize>(
-        &self,
-        rows: u32,
-        counts: Counts,
-        result: Result<Estimate<M, P>, Reason>,
-    ) -> Report<M, P, C> {
-        let regression = &self.regression;
-        let (estimate, accepted, decision) = match result {
-            Ok(estimate) => (estimate, true, self.classifier.classify(&estimate)),
-            Err(reason) => (Estimate::empty(regression.order, regression.offset, rows, counts), false, Err(reason)),
-        };
-        let verdict = match &decision {
-            Ok(decision) => Verdict::Class(decision.class),
-            Err(reason) => Verdict::Undetermined(*reason),
-        };
-        Report { verdict, decision: decision.ok(), accepted, estimate }
+    /// Completes the report that holds the estimate of any number of rows.
+    fn classify<const P: usize>(&self, report: &mut Report<M, P, C>, solved: Result<(), Reason>) {
+        report.accepted = solved.is_ok();
+        match solved.and_then(|()| self.classifier.classify(&report.estimate)) {
+            Ok(decision) => {
+                report.verdict = Verdict::Class(decision.class);
+                report.decision = Some(decision);
+            }
+            Err(reason) => report.verdict = Verdict::Undetermined(reason),
+        }
+    }
+
+    const fn empty_report<const P: usize>(&self) -> Report<M, P, C> {
+        let Regression { order, offset, .. } = self.regression;
+        let counts = Counts { rejected: 0, saturated: 0, downweighted: 0, still: 0, stuck: [false; 3], refused: 0 };
+        let estimate = Estimate::empty(order, offset, 0, counts);
+        Report { verdict: Verdict::Undetermined(Reason::TooFewRows), decision: None, accepted: false, estimate }
+    }
+
+    /// The feature `defmt` tells of every closed segment, never of a sample. Only on a chip: host programs have no logger
+    /// to link with.
+    fn log<const P: usize>(&self, report: &Report<M, P, C>) {
+        #[cfg(all(feature = "defmt", target_os = "none"))]
+        {
+            let Estimate { rows, counts, .. } = &report.estimate;
+            match report.verdict {
+                Verdict::Class(class) => {
+                    if counts.rejected + counts.saturated > 0 {
+                        defmt::warn!(
+                            "samples refused: {=u32} rejected, {=u32} saturated",
+                            counts.rejected,
+                            counts.saturated
+                        );
+                    }
+                    defmt::info!(
+                        "{=u32} rows, {}, class {=u8}, verdict: {=str}",
+                        rows,
+                        counts,
+                        class,
+                        self.label(class)
+                    );
+                }
+                Verdict::Undetermined(reason) => defmt::warn!("{=u32} rows, {}, no verdict: {}", rows, counts, reason),
+            }
+        }
+        #[cfg(not(all(feature = "defmt", target_os = "none")))]
+        let _nobody_listens = report;
     }
 }
 
@@ -113,6 +159,7 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
 /// # }
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Detector<
     'm,
     const M: usize,
@@ -214,14 +261,20 @@ where
     #[inline(never)]
     fn close(&mut self) -> Report<M, P, C> {
         self.samples = 0;
-        let (rows, counts) = (self.estimator.rows(), self.estimator.counts());
-        self.model.report(rows, counts, self.estimator.close())
+        let rows = self.estimator.rows();
+        let mut report = self.model.empty_report();
+        let solved = self.estimator.close_into(&mut report.estimate);
+        self.model.judge(&mut report, rows, solved);
+        report
     }
 
     /// The report the open segment would give now, leaving it open. With fading memory that is the state of things.
     #[must_use]
     pub fn preview(&self) -> Report<M, P, C> {
-        self.model.classified(self.estimator.rows(), self.estimator.counts(), self.estimator.estimate())
+        let mut report = self.model.empty_report();
+        let solved = self.estimator.estimate_into(&mut report.estimate);
+        self.model.classify(&mut report, solved);
+        report
     }
 
     /// Samples at the identification rate in the open segment.
@@ -234,6 +287,7 @@ where
     /// of a segment is enough: see [`Detector::pending`].
     pub fn finish(&mut self) -> Report<M, P, C> {
         let report = self.preview();
+        self.model.log(&report);
         self.restart();
         report
     }

@@ -9,8 +9,14 @@
 pub mod count;
 #[allow(dead_code, reason = "not every example decimates")]
 pub mod decimation;
+#[allow(dead_code, reason = "only two examples compare bits by hashes")]
+pub mod hash;
 #[allow(dead_code, reason = "`monitor` has a recording instead")]
 pub mod numbers;
+#[allow(dead_code, reason = "not every example estimates by instrumental variables")]
+pub mod refined;
+#[allow(dead_code, reason = "only `kernels` compares whole streams")]
+pub mod streams;
 #[allow(dead_code, reason = "`logging` prints no text of its own")]
 #[cfg(target_os = "none")]
 pub mod target;

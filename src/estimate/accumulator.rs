@@ -26,6 +26,7 @@ const BLOCK: u16 = 512;
 
 /// How much the rows in a factor weigh.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Mass {
     /// Σλᵏ: the equivalent number of rows that have not faded. Weights of outliers are not in it.
     pub rows: f32,
@@ -100,6 +101,7 @@ impl<const M: usize, const P: usize> Accumulator<M, P> for Triangle<M, P> {
 /// Blocks of rows are summed apart and handed up one row of their factor a sample, so that a long sum is one of
 /// sums of like size. A sample that hands up costs one rotation more, at most twice the usual.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TwoLevel<const M: usize, const P: usize> {
     block: Triangle<M, P>,
     sum: Triangle<M, P>,
@@ -156,6 +158,7 @@ impl<const M: usize, const P: usize> Accumulator<M, P> for TwoLevel<M, P> {
 /// m ← m + 8(1 − λ)(motion − m);   frozen while m < still                                    (1)
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Fading<const M: usize, const P: usize> {
     triangle: Triangle<M, P>,
     /// Mean motion of the inputs (1).

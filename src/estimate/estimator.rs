@@ -22,7 +22,7 @@
 use super::accumulator::Accumulator;
 use super::gate::Gate;
 use super::rows::{AnyShape, Rows, Shape};
-use super::solve::{Head, Solution};
+use super::solve::{Head, Solution, empty};
 use super::{Counts, Estimate, Reason, Regression, Regressor, Triangle};
 use crate::detector::Sample;
 
@@ -30,6 +30,7 @@ use crate::detector::Sample;
 ///
 /// Not `Copy`, so that no step goes to a copy by accident.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Estimator<'m, const M: usize, const P: usize, const L: usize, R = Regressor<M, L>, A = Triangle<M, P>> {
     regression: &'m Regression<M>,
     gate: Gate,
@@ -121,8 +122,20 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
     /// A [`Reason`] where the rows are too few or do not excite a parameter, a sensor was stuck, or the result does
     /// not serve.
     pub fn estimate(&self) -> Result<Estimate<M, P>, Reason> {
-        let head = self.head();
-        self.sums.total(|sums| Solution::new(self.regression, &head).finish::<R::Shape>(self.regression, &head, sums))
+        let mut estimate = self.empty_estimate();
+        self.estimate_into(&mut estimate).map(|()| estimate)
+    }
+
+    /// [`Estimator::estimate`] where it is to stay, so that it takes no stack on its way.
+    pub(crate) fn estimate_into(&self, estimate: &mut Estimate<M, P>) -> Result<(), Reason> {
+        let (regression, head) = (self.regression, self.head());
+        *estimate = empty(regression, &head);
+        let solve = |sums: &_| Solution::new().finish::<R::Shape, M, P>((regression, &head), sums, estimate);
+        let result = self.sums.total(solve);
+        if result.is_err() {
+            *estimate = self.empty_estimate();
+        }
+        result
     }
 
     /// An estimate that says nothing but how many rows and rejections there were.
@@ -159,10 +172,14 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
     /// As [`Estimator::estimate`]; the auxiliary model then stays, and after three such segments the nominal one
     /// returns.
     pub fn close(&mut self) -> Result<Estimate<M, P>, Reason> {
-        let result = self.estimate();
-        if let Ok(estimate) = &result
-            && estimate.stable
-        {
+        let mut estimate = self.empty_estimate();
+        self.close_into(&mut estimate).map(|()| estimate)
+    }
+
+    /// [`Estimator::close`], as [`Estimator::estimate_into`].
+    pub(crate) fn close_into(&mut self, estimate: &mut Estimate<M, P>) -> Result<(), Reason> {
+        let result = self.estimate_into(estimate);
+        if result.is_ok() && estimate.stable {
             self.source.adopt(self.regression, estimate);
         }
         self.next_segment();
@@ -171,6 +188,8 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
 
     /// Closes the segment without solving it, in time that does not depend on the data: hands out what a [`Solver`]
     /// needs. Bring its estimate back by [`Estimator::adopt`].
+    // Out of line, so that the usual sample has no room for it on the stack.
+    #[inline(never)]
     pub fn detach(&mut self) -> Segment<M, P, R::Shape> {
         let (head, sums) = (self.head(), self.sums.total(Triangle::clone));
         let segment = Segment { head, sums, rows: self.rows, shape: core::marker::PhantomData };
@@ -204,6 +223,7 @@ impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumula
 
 /// A closed segment's sums, apart from the estimator that goes on.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Segment<const M: usize, const P: usize, S = AnyShape> {
     head: Head<M>,
     sums: Triangle<M, P>,
@@ -223,22 +243,34 @@ impl<const M: usize, const P: usize, S: Shape> Segment<M, P, S> {
     pub const fn counts(&self) -> Counts {
         self.head.counts
     }
+
+    /// All of the solve, where the estimate is to stay.
+    pub(crate) fn solve_into(&self, regression: &Regression<M>, estimate: &mut Estimate<M, P>) -> Result<(), Reason> {
+        *estimate = empty(regression, &self.head);
+        let result = Solution::new().finish::<S, M, P>((regression, &self.head), &self.sums, estimate);
+        if result.is_err() {
+            *estimate = Estimate::empty(regression.order, regression.offset, self.rows, self.counts());
+        }
+        result
+    }
 }
 
 /// The solve of a detached segment, a bounded piece a call.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Solver<'m, const M: usize, const P: usize, S = AnyShape> {
     regression: &'m Regression<M>,
     segment: Segment<M, P, S>,
-    solution: Solution<M, P>,
+    solution: Solution,
+    estimate: Estimate<M, P>,
 }
 
 impl<'m, const M: usize, const P: usize, S: Shape> Solver<'m, M, P, S> {
     /// Nothing solved yet.
     #[must_use]
     pub fn new(regression: &'m Regression<M>, segment: Segment<M, P, S>) -> Self {
-        let solution = Solution::new(regression, &segment.head);
-        Self { regression, segment, solution }
+        let estimate = empty(regression, &segment.head);
+        Self { regression, segment, solution: Solution::new(), estimate }
     }
 
     /// The segment under way.
@@ -250,9 +282,10 @@ impl<'m, const M: usize, const P: usize, S: Shape> Solver<'m, M, P, S> {
     /// The next piece, of which there are as many as parameters, and three; the last brings the result. Not to be
     /// called after that.
     pub fn advance(&mut self) -> Option<Result<Estimate<M, P>, Reason>> {
-        match self.solution.advance::<S>(self.regression, &self.segment.head, &self.segment.sums) {
+        let Self { regression, segment, solution, estimate } = self;
+        match solution.advance::<S, M, P>((regression, &segment.head), &segment.sums, estimate) {
             Ok(false) => None,
-            Ok(true) => Some(Ok(*self.solution.estimate())),
+            Ok(true) => Some(Ok(*estimate)),
             Err(reason) => Some(Err(reason)),
         }
     }
@@ -262,7 +295,8 @@ impl<'m, const M: usize, const P: usize, S: Shape> Solver<'m, M, P, S> {
     /// # Errors
     /// As [`Estimator::estimate`].
     pub fn finish(self) -> Result<Estimate<M, P>, Reason> {
-        self.solution.finish::<S>(self.regression, &self.segment.head, &self.segment.sums)
+        let Self { regression, segment, mut solution, mut estimate } = self;
+        solution.finish::<S, M, P>((regression, &segment.head), &segment.sums, &mut estimate).map(|()| estimate)
     }
 }
 

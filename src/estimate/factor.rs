@@ -24,6 +24,7 @@ const CHANCE: f32 = 10.0;
 
 /// The rotated rows of G, target last.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Outputs {
     d: [f32; MAX_OUTPUT_TERMS + 1],
     r: [f32; MAX_OUTPUT_TERMS * (MAX_OUTPUT_TERMS + 1) / 2],
@@ -54,6 +55,7 @@ impl Outputs {
 
 /// Where the elements lie.
 #[derive(Clone, Copy)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Factor<'a> {
     pub(super) d: &'a [f32],
     pub(super) r: &'a [f32],
@@ -188,7 +190,7 @@ impl Factor<'_> {
     }
 
     /// What column k of R⁻¹ gives to the inverse, lower triangle packed by rows in the order of the estimate: v with R v = e(k), then
-    /// (R⁻¹ D⁻¹ R⁻ᵀ)(i, j) = Σ_k v(i) v(j) / d(k). `v` is room to work in.
+    /// (R⁻¹ D⁻¹ R⁻ᵀ)(i, j) = Σₖ v(i) v(j) / d(k). `v` is room to work in.
     pub(super) fn add_inverse_column(&self, k: usize, v: &mut [f32], inverse: &mut [f32]) {
         v.iter_mut().skip(k).take(1).for_each(|own| *own = 1.0);
         for i in (0..k).rev() {

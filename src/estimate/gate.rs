@@ -30,6 +30,7 @@ pub struct Counts {
 
 /// Running state of the gate.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(crate) struct Gate {
     last: [f32; 3],
     equal: [u16; 3],

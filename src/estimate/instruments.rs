@@ -39,6 +39,7 @@ const BOUND: f32 = 100.0;
 /// Rows of instrumental variables. `L` is the capacity in delays, at least the larger of nkb and nkc; `S` the
 /// structure.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Instruments<const M: usize, const L: usize, S = AnyShape> {
     /// Auxiliary model, with its constant as seen from zero.
     reference: Reference<M>,

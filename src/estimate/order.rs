@@ -16,6 +16,7 @@
 /// assert_eq!(ORDER.depth(), 2); // oldest sample that a row needs
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Order {
     /// Terms of the output.
     pub na: u8,

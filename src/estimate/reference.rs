@@ -11,6 +11,7 @@ const PATIENCE: u8 = 3;
 
 /// Parameters in the form the row source computes with.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Reference<const M: usize> {
     pub(super) now: [f32; M],
     next: [f32; M],

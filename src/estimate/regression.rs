@@ -40,6 +40,7 @@ pub enum Memory {
 ///
 /// It is the auxiliary model of the first segment, and the reference that outliers are told by.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Nominal<const M: usize> {
     /// δ-parameters t, β, γ, then the constant.
     pub delta: [f32; M],
@@ -63,6 +64,7 @@ pub struct Guard {
 
 /// The regression a model was trained for. `M` is the capacity in columns.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Regression<const M: usize> {
     /// Terms and delays.
     pub order: Order,

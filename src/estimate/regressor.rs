@@ -19,6 +19,7 @@ use crate::detector::Sample;
 ///
 /// A column of differences moves on by one place a sample, so only two cells a signal are computed anew.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Regressor<const M: usize, const L: usize, S = AnyShape> {
     row: [f32; M],
     /// What the levels of y, u1, u2 are taken from.
@@ -167,7 +168,7 @@ fn nominal<const M: usize>(regression: &Regression<M>) -> Candidate<M> {
     candidate(regression, &regression.nominal.delta, regression.nominal.deviation)
 }
 
-/// Scaled problem: (y s_y) = (φ s) θ', so θ' = θ s_y/s.
+/// Scaled problem: `(y s_y) = (φ s) θ'`, so `θ' = θ s_y/s`.
 fn candidate<const M: usize>(regression: &Regression<M>, delta: &[f32; M], deviation: f32) -> Candidate<M> {
     let target = regression.target_scale();
     let mut theta = *delta;

@@ -45,6 +45,7 @@ impl core::fmt::Display for Reason {
 
 /// What one segment says about the plant. `M` is the capacity in columns, `P` = M(M−1)/2.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Estimate<const M: usize, const P: usize> {
     /// Structure of the parameters.
     pub order: Order,

@@ -6,6 +6,7 @@ use crate::detector::Sample;
 
 /// One row for the triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Row<const M: usize> {
     /// Scaled columns, target last.
     pub cells: [f32; M],
@@ -99,6 +100,7 @@ pub trait Shape: Clone + Copy + core::fmt::Debug + PartialEq {
 
     /// The form to run with.
     #[inline(always)]
+    #[must_use]
     fn of<const M: usize>(regression: &Regression<M>) -> Form {
         match Self::FIXED {
             Some(fixed) => fixed,
@@ -107,6 +109,7 @@ pub trait Shape: Clone + Copy + core::fmt::Debug + PartialEq {
     }
 
     /// Whether the regression has this form.
+    #[must_use]
     fn fits<const M: usize>(regression: &Regression<M>) -> bool {
         Self::of(regression) == regression.form()
     }
@@ -114,6 +117,7 @@ pub trait Shape: Clone + Copy + core::fmt::Debug + PartialEq {
 
 /// Any form: what a program needs that learns the order when it runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct AnyShape;
 
 impl Shape for AnyShape {
@@ -122,6 +126,7 @@ impl Shape for AnyShape {
 
 /// Two signals as they were some samples ago.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Delays<const L: usize> {
     rings: [[f32; L]; 2],
     places: [u8; 2],

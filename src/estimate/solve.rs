@@ -17,6 +17,7 @@ use super::{Counts, Estimate, Reason, Regression, Triangle};
 
 /// What a solve needs besides the factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Head<const M: usize> {
     pub(super) mass: Mass,
     pub(super) origin: [f32; 3],
@@ -29,11 +30,10 @@ pub(super) struct Head<const M: usize> {
     pub(super) segment: u8,
 }
 
-/// A solve under way.
+/// A solve under way, beside the estimate that it fills: that is large, and made where it stays.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Solution<const M: usize, const P: usize> {
-    /// The covariance holds R⁻¹ D⁻¹ R⁻ᵀ, in the order of the factor, until the last piece.
-    estimate: Estimate<M, P>,
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Solution {
     rotated: Outputs,
     /// σ² of the scaled rows.
     variance: f32,
@@ -42,63 +42,63 @@ pub(super) struct Solution<const M: usize, const P: usize> {
     failed: Option<Reason>,
 }
 
-impl<const M: usize, const P: usize> Solution<M, P> {
-    pub(super) fn new(regression: &Regression<M>, head: &Head<M>) -> Self {
-        let rows = head.mass.rows as u32;
-        let empty = Estimate::empty(regression.order, regression.offset, rows, head.counts);
-        let estimate = Estimate { segment: head.segment, ..empty };
-        Self { estimate, rotated: Outputs::NONE, variance: 0.0, done: 0, failed: None }
+impl Solution {
+    pub(super) const fn new() -> Self {
+        Self { rotated: Outputs::NONE, variance: 0.0, done: 0, failed: None }
     }
 
-    /// All pieces. `S` is the structure of the regression, if it is known when compiling.
-    pub(super) fn finish<S: Shape>(
-        mut self,
-        regression: &Regression<M>,
-        head: &Head<M>,
+    /// All pieces, into an [`empty`] estimate; where there is a reason, what is left in it says nothing. `S` is the
+    /// structure of the regression, if it is known when compiling.
+    pub(super) fn finish<S: Shape, const M: usize, const P: usize>(
+        &mut self,
+        (regression, head): (&Regression<M>, &Head<M>),
         sums: &Triangle<M, P>,
-    ) -> Result<Estimate<M, P>, Reason> {
+        estimate: &mut Estimate<M, P>,
+    ) -> Result<(), Reason> {
         // As many pieces as there are parameters, and three.
         for _ in 0..M + 3 {
-            match self.advance::<S>(regression, head, sums) {
-                Ok(false) => {}
-                Ok(true) => return Ok(self.estimate),
-                Err(reason) => return Err(reason),
+            if self.advance::<S, M, P>((regression, head), sums, estimate)? {
+                return Ok(());
             }
         }
         Err(Reason::NotFinite)
     }
 
-    /// The next piece; `true` where it was the last. An error is given again by every further call.
+    /// The next piece; `true` where it was the last. Until then the covariance holds R⁻¹ D⁻¹ R⁻ᵀ. An error is given again by
+    /// every further call.
     #[inline]
-    pub(super) fn advance<S: Shape>(
+    pub(super) fn advance<S: Shape, const M: usize, const P: usize>(
         &mut self,
-        regression: &Regression<M>,
-        head: &Head<M>,
+        (regression, head): (&Regression<M>, &Head<M>),
         sums: &Triangle<M, P>,
+        estimate: &mut Estimate<M, P>,
     ) -> Result<bool, Reason> {
-        let result = self.failed.map_or_else(|| self.piece::<S>(regression, head, sums), Err);
+        let result = match self.failed {
+            Some(reason) => Err(reason),
+            None => self.piece::<S, M, P>((regression, head), sums, estimate),
+        };
         self.failed = result.err();
         result
     }
 
     #[inline]
-    fn piece<S: Shape>(
+    fn piece<S: Shape, const M: usize, const P: usize>(
         &mut self,
-        regression: &Regression<M>,
-        head: &Head<M>,
+        (regression, head): (&Regression<M>, &Head<M>),
         sums: &Triangle<M, P>,
+        estimate: &mut Estimate<M, P>,
     ) -> Result<bool, Reason> {
         let (inputs, outputs) = S::of(regression).split();
         let n = inputs + outputs;
         let piece = self.done as usize;
         self.done = self.done.saturating_add(1);
         match piece {
-            0 => self.check::<S>(regression, head, sums)?,
-            1 => self.parameters::<S>(regression, head, sums),
-            k if k >= n + 2 => return self.scale::<S>(regression, head).map(|()| true),
+            0 => self.check::<S, M, P>(regression, head, sums)?,
+            1 => self.parameters::<S, M, P>((regression, head), sums, estimate),
+            k if k >= n + 2 => return self.scale::<S, M, P>(regression, head, estimate).map(|()| true),
             k => {
                 let factor = factor::<S, M, P>(regression, sums, &self.rotated);
-                let inverse = &mut self.estimate.covariance;
+                let inverse = &mut estimate.covariance;
                 if S::FIXED.is_none() || !unrolled::add_inverse_column(&factor, k - 2, inverse) {
                     factor.add_inverse_column(k - 2, &mut [0.0; M], inverse);
                 }
@@ -107,13 +107,8 @@ impl<const M: usize, const P: usize> Solution<M, P> {
         Ok(false)
     }
 
-    /// The estimate, once the last piece is done.
-    pub(super) const fn estimate(&self) -> &Estimate<M, P> {
-        &self.estimate
-    }
-
     /// Whether there is anything to solve.
-    fn check<S: Shape>(
+    fn check<S: Shape, const M: usize, const P: usize>(
         &mut self,
         regression: &Regression<M>,
         head: &Head<M>,
@@ -147,7 +142,12 @@ impl<const M: usize, const P: usize> Solution<M, P> {
     }
 
     /// θ and σ² of (1).
-    fn parameters<S: Shape>(&mut self, regression: &Regression<M>, head: &Head<M>, sums: &Triangle<M, P>) {
+    fn parameters<S: Shape, const M: usize, const P: usize>(
+        &mut self,
+        (regression, head): (&Regression<M>, &Head<M>),
+        sums: &Triangle<M, P>,
+        estimate: &mut Estimate<M, P>,
+    ) {
         let factor = factor::<S, M, P>(regression, sums, &self.rotated);
         let n = factor.inputs + factor.outputs;
         let mut theta = [0.0_f32; M];
@@ -159,10 +159,10 @@ impl<const M: usize, const P: usize> Solution<M, P> {
         // Scaled problem: (y s_y) = (φ s) θ', so θ = θ' s/s_y, and the variance carries s_y². Scales are powers of two.
         let target = 1.0 / regression.target_scale();
         // One factor after the other: the square of a scale could leave the range of f32.
-        self.estimate.variance = variance * target * target / head.gain / head.gain;
+        estimate.variance = variance * target * target / head.gain / head.gain;
         let cell = |i: usize| {
             let place = factor.place(i);
-            let to = self.estimate.delta.get_mut(place);
+            let to = estimate.delta.get_mut(place);
             let scales = (regression.scale.get(place), head.base.get(place));
             if let (Some(to), Some(theta), (Some(scale), Some(base))) = (to, theta.get(i), scales) {
                 *to = base + theta * scale * target;
@@ -173,13 +173,18 @@ impl<const M: usize, const P: usize> Solution<M, P> {
     }
 
     /// The covariance in its units, and whether the result serves.
-    fn scale<S: Shape>(&mut self, regression: &Regression<M>, head: &Head<M>) -> Result<(), Reason> {
+    fn scale<S: Shape, const M: usize, const P: usize>(
+        &mut self,
+        regression: &Regression<M>,
+        head: &Head<M>,
+        estimate: &mut Estimate<M, P>,
+    ) -> Result<(), Reason> {
         let (inputs, outputs) = S::of(regression).split();
         let n = inputs + outputs;
         let target = 1.0 / regression.target_scale();
         let scale = regression.scale.map(|scale| scale * target);
         let variance = self.variance;
-        let Estimate { delta, covariance, .. } = &mut self.estimate;
+        let Estimate { delta, covariance, .. } = estimate;
         let mut sum = self.variance;
         let mut cell = |i: usize, j: usize| {
             let scales = (scale.get(i), scale.get(j));
@@ -192,20 +197,34 @@ impl<const M: usize, const P: usize> Solution<M, P> {
             (0..n).for_each(|i| (0..=i).for_each(|j| cell(i, j)));
         }
         each::<S>(n, |i| sum += delta.get(i).copied().unwrap_or(0.0));
-        sum += self.estimate.variance;
+        sum += estimate.variance;
         if S::of(regression).offset {
-            self.estimate.uncentre(head.origin);
+            estimate.uncentre(head.origin);
             // The last parameter, and the last of its row.
-            sum += self.estimate.delta.get(n - 1).copied().unwrap_or(0.0);
-            sum += self.estimate.covariance.get(lower(n - 1, n - 1)).copied().unwrap_or(0.0);
+            sum += estimate.delta.get(n - 1).copied().unwrap_or(0.0);
+            sum += estimate.covariance.get(lower(n - 1, n - 1)).copied().unwrap_or(0.0);
         }
         // Infinity and NaN are not lost in a sum.
         if !sum.is_finite() {
             return Err(Reason::NotFinite);
         }
-        self.estimate.stable = is_stable(self.estimate.delta.get(..outputs).unwrap_or(&[]));
+        estimate.stable = is_stable(estimate.delta.get(..outputs).unwrap_or(&[]));
         Ok(())
     }
+}
+
+/// What a solve starts with.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a number of rows, and `as` takes NaN and what is beyond the range to its ends"
+)]
+pub(super) const fn empty<const M: usize, const P: usize>(
+    regression: &Regression<M>,
+    head: &Head<M>,
+) -> Estimate<M, P> {
+    let empty = Estimate::empty(regression.order, regression.offset, head.mass.rows as u32, head.counts);
+    Estimate { segment: head.segment, ..empty }
 }
 
 /// Hands every place to `run`.

@@ -55,6 +55,7 @@ pub struct Forgetting {
 /// Rows must be finite: what is not stays in the factor until [`Triangle::reset`]. Not `Copy`, so that no row goes to a
 /// copy by accident.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Triangle<const M: usize, const P: usize> {
     d: [f32; M],
     r: [f32; P],

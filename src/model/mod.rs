@@ -14,6 +14,7 @@ pub const MAX_BLOCK_MEAN: u16 = 1000;
 
 /// When samples are taken and how many make a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sampling {
     /// Interval of the samples fed to [`Detector::step`](crate::Detector::step), s; informative, 0 where unknown.
     pub interval_s: f32,
@@ -32,6 +33,7 @@ pub struct Sampling {
 /// assert_eq!(HEALTHY.as_str(), "healthy");
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Label([u8; 16]);
 
 impl Label {
@@ -84,6 +86,7 @@ impl Label {
 
 /// Everything that was trained. Capacities: `M` columns, `F` features, `Z` coordinates, `C` classes.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Model<const M: usize, const F: usize, const Z: usize, const C: usize> {
     /// Rate and segment length.
     pub sampling: Sampling,
@@ -97,6 +100,7 @@ pub struct Model<const M: usize, const F: usize, const Z: usize, const C: usize>
 
 /// Why a model is refused. The payload names the field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ModelError {
     /// A size exceeds the capacity of the type that should hold it.

@@ -1,4 +1,4 @@
-//! The instruction counts and stack depths that must be kept.
+//! The instruction counts, stack depths and sizes that must be kept.
 
 use crate::measure::Figure;
 
@@ -20,23 +20,39 @@ pub struct Bound {
 }
 
 /// What is promised.
-pub const BOUNDS: [Bound; 8] = [
+pub const BOUNDS: [Bound; 24] = [
     bound("LS update", Some(8), 285),
     bound("LS update", Some(15), 735),
     bound("LS update, lambda 1", Some(8), 245),
     bound("LS update, lambda 1", Some(15), 650),
+    bound("IV update", Some(8), 395),
+    bound("IV update", Some(15), 985),
+    bound("LS sample, stuck sensor and outliers told", Some(8), 520),
+    bound("SRIV sample, stuck sensor and outliers told", Some(8), 560),
+    bound("SRIV sample, stuck sensor and outliers told, worst of 64", Some(8), 566),
+    bound("LS theta read", Some(8), 150),
+    bound("SRIV solve + covariance", Some(8), 2400),
+    bound("half-band decimation, 3 channels, mean sample", Some(8), 160),
+    bound("half-band decimation, 3 channels, worst sample", Some(8), 205),
     bound("sin_cos + Clarke + Park", None, 60),
     bound("projection 9 to 3 + quadratic discriminant 3 classes", None, 200),
-    stack("stack, detector sample", 1000),
-    stack("stack, detector segment end", 2000),
+    bytes("SRIV sample, stuck sensor and outliers told", Some(8), 512),
+    bytes("stack, detector sample", None, 800),
+    bytes("stack, detector segment end", None, 2000),
+    bytes("stack, SRIV detector sample", None, 1000),
+    bytes("stack, SRIV detector segment end", None, 2000),
+    bytes("stack, SRIV detector collect", None, 1000),
+    bytes("stack, SRIV detector conclude", None, 2000),
+    bytes("flash of the whole detector, LS", Some(8), 8192),
+    bytes("flash of the whole detector, SRIV", Some(8), 8192),
 ];
 
 const fn bound(name: &'static str, n: Option<u64>, most: u64) -> Bound {
     Bound { name, n, most, unit: Unit::Instructions }
 }
 
-const fn stack(name: &'static str, most: u64) -> Bound {
-    Bound { name, n: None, most, unit: Unit::Bytes }
+const fn bytes(name: &'static str, n: Option<u64>, most: u64) -> Bound {
+    Bound { name, n, most, unit: Unit::Bytes }
 }
 
 impl Bound {
@@ -87,9 +103,9 @@ mod tests {
     }
 
     #[test]
-    fn stack_is_bounded_in_bytes() {
+    fn size_is_bounded_in_bytes() {
         let figure = Figure { name: "a".to_owned(), n: Some(8), instructions: None, bytes: Some(90) };
-        assert_eq!(stack("a", 100).check(std::slice::from_ref(&figure)), Ok(90));
+        assert_eq!(bytes("a", None, 100).check(std::slice::from_ref(&figure)), Ok(90));
         assert!(bound("a", None, 100).check(&[figure]).is_err());
     }
 

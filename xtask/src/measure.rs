@@ -39,7 +39,7 @@ pub fn figures(way: Way) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// Only what the examples `measure` and `stack` print.
+/// What the examples `measure` and `stack` print, and what a detector adds to the smallest program.
 pub fn kernels(way: Way) -> Result<Vec<Figure>> {
     let mut lines = Vec::new();
     for example in ["measure", "stack"] {
@@ -48,7 +48,15 @@ pub fn kernels(way: Way) -> Result<Vec<Figure>> {
         ensure!(!printed.is_empty(), "the example `{example}` printed nothing");
         lines.extend(printed);
     }
-    lines.iter().map(|line| figure(line)).collect()
+    let mut figures = lines.iter().map(|line| figure(line)).collect::<Result<Vec<_>>>()?;
+    let flash = |example: &str| Ok::<_, anyhow::Error>(elf::sizes(&firmware::build(way, DRIVE, example)?)?.flash);
+    let without = flash("footprint_none")?;
+    for (name, example) in [("LS", "footprint_squares"), ("SRIV", "footprint_refined")] {
+        let name = format!("flash of the whole detector, {name}");
+        let bytes = Some(flash(example)?.saturating_sub(without));
+        figures.push(Figure { name, n: Some(8), instructions: None, bytes });
+    }
+    Ok(figures)
 }
 
 fn figure(line: &str) -> Result<Figure> {

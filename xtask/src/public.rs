@@ -7,6 +7,11 @@ use anyhow::{Context, Result};
 
 use crate::workspace;
 
+/// How a public function starts.
+const PUBLIC: &[&str] = &["pub fn ", "pub const fn "];
+/// How a function of a trait starts.
+const OF_TRAIT: &[&str] = &["fn "];
+
 /// Functions by their full names, `Type::name`, or `name` outside an `impl`.
 pub fn forgotten() -> Result<Vec<String>> {
     let example = workspace::root().join("examples/panic_free.rs");
@@ -32,11 +37,12 @@ fn collect(folder: &Path, names: &mut Vec<String>) -> Result<()> {
     Ok(())
 }
 
-/// Reads formatted source: an `impl` at the margin owns what is indented below it, and the tests come last.
+/// Reads formatted source: an `impl` or public trait at the margin owns what is indented below it, and the tests come
+/// last.
 fn public_functions(source: &str) -> Vec<String> {
     let source = source.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
     let mut names = Vec::new();
-    let mut owner = None;
+    let (mut owner, mut starts) = (None, PUBLIC);
     let mut lines = source.lines();
     while let Some(line) = lines.next() {
         if line.starts_with("impl") {
@@ -45,12 +51,14 @@ fn public_functions(source: &str) -> Vec<String> {
                 let Some(next) = lines.next() else { break };
                 header += next;
             }
-            owner = Some(type_of(&header));
+            (owner, starts) = (Some(type_of(&header)), PUBLIC);
+        } else if let Some(header) = line.strip_prefix("pub trait ") {
+            (owner, starts) = (header.split(['<', ':', ' ']).next().map(ToOwned::to_owned), OF_TRAIT);
         } else if line.starts_with('}') {
-            owner = None;
+            (owner, starts) = (None, PUBLIC);
         }
         let words = line.trim_start();
-        let function = ["pub fn ", "pub const fn "].iter().find_map(|start| words.strip_prefix(start));
+        let function = starts.iter().find_map(|start| words.strip_prefix(start));
         if let Some(name) = function.and_then(|rest| rest.split(['(', '<']).next()) {
             names.push(owner.as_ref().map_or_else(|| name.to_owned(), |owner| format!("{owner}::{name}")));
         }
@@ -60,24 +68,34 @@ fn public_functions(source: &str) -> Vec<String> {
 
 /// The type's name in `impl<…> Type<…> {`.
 fn type_of(header: &str) -> String {
-    without_generics(header).trim_start_matches("impl").trim().trim_end_matches(['{', ' ']).to_owned()
+    let header = without_generics(header);
+    let header = header.split("where").next().unwrap_or_default();
+    header.trim_start_matches("impl").trim().trim_end_matches(['{', ' ']).to_owned()
 }
 
-/// Drops what stands in angle brackets, and the `::` before them.
+/// Drops what stands in angle brackets, and the `::` before them; of `<Type as Trait>` the trait's name stays.
 fn without_generics(source: &str) -> String {
-    let mut text = String::new();
+    let (mut text, mut inside) = (String::new(), String::new());
     let (mut depth, mut before) = (0_usize, ' ');
-    for c in source.chars() {
+    let mut rest = source.chars().peekable();
+    while let Some(c) = rest.next() {
         match c {
-            // Arrows and comparisons are no brackets.
-            '<' if before != ' ' => {
+            // Arrows and comparisons are no brackets: the latter have spaces.
+            '<' if !matches!(rest.peek(), Some(' ' | '=' | '<')) => {
                 if depth == 0 && text.ends_with("::") {
                     text.truncate(text.len() - 2);
                 }
                 depth += 1;
             }
-            '>' if depth > 0 && before != '-' => depth -= 1,
+            '>' if depth > 0 && before != '-' => {
+                depth -= 1;
+                if depth == 0 {
+                    text.extend(inside.split_once(" as ").map(|(_, name)| name));
+                    inside.clear();
+                }
+            }
             _ if depth == 0 => text.push(c),
+            _ if depth == 1 => inside.push(c),
             _ => {}
         }
         before = c;
@@ -101,12 +119,17 @@ mod tests {
     const SOURCE: &str = "\
 pub fn notes(bytes: &[u8]) -> bool {
 }
-impl<const M: usize>
-    Model<M>
+impl<const M: usize, R>
+    Model<M, R>
+where
+    R: Rows<M>,
 {
     pub const fn new() -> Self {
     }
     fn own(&self) {}
+}
+pub trait Rows<const M: usize>: Clone {
+    fn push(&mut self);
 }
 #[cfg(test)]
 mod tests {
@@ -116,13 +139,14 @@ mod tests {
 
     #[test]
     fn functions_come_with_their_types_and_without_the_tests() {
-        assert_eq!(public_functions(SOURCE), ["notes", "Model::new"]);
+        assert_eq!(public_functions(SOURCE), ["notes", "Model::new", "Rows::push"]);
     }
 
     #[test]
     fn calls_are_found_by_full_names_only() {
         let calls = without_generics("if a < b { Model::<6, { N - 1 }>::new(x); f::<u8>(); push_notes(); x.push() }");
         assert!(is_called(&calls, "Model::new") && is_called(&calls, "f"));
+        assert!(is_called(&without_generics("x(<R as Rows<M>>::fits(y))"), "Rows::fits"));
         assert!(!is_called(&calls, "new") && !is_called(&calls, "notes") && !is_called(&calls, "push"));
     }
 

@@ -1,0 +1,18 @@
+//! The smallest program without a detector: `cargo xtask measure` takes its flash off that of the examples
+//! `footprint_squares` and `footprint_refined`.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[macro_use]
+#[path = "support/footprint.rs"]
+mod footprint;
+
+use bearing_watch::Verdict;
+
+program!(run);
+
+fn run() -> ! {
+    loop {
+        let inputs = footprint::sample();
+        footprint::tell(if inputs.y > inputs.u1 + inputs.u2 { Verdict::Class(0) } else { Verdict::Class(1) });
+    }
+}
