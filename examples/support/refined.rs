@@ -92,7 +92,7 @@ impl Plant {
         let [u1, u2, noise] = self.numbers.array();
         (self.y, self.u1, self.u2) = ([y, y1], [u1, b1, b2], [u2, c1, c2]);
         self.time = self.time.wrapping_add(1);
-        let lost = self.time % 701 == 0;
+        let lost = self.time.is_multiple_of(701);
         Sample { y: if lost { f32::NAN } else { y + 0.2 * noise }, u1, u2 }
     }
 }

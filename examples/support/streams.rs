@@ -183,8 +183,10 @@ impl Plant {
             history[0] = newest;
         }
         let [[u1, ..], [u2, ..]] = self.inputs;
-        let delayed = |k: usize| self.inputs[k][self.delays[k]];
-        let y = 1.5 * self.y[0] - 0.6 * self.y[1] + 0.3 * delayed(0) + 0.25 * delayed(1);
+        let [nkb, nkc] = self.delays;
+        let delayed = |history: &[f32; 6], delay: usize| history.get(delay).copied().unwrap_or(0.0);
+        let [first, second] = &self.inputs;
+        let y = 1.5 * self.y[0] - 0.6 * self.y[1] + 0.3 * delayed(first, nkb) + 0.25 * delayed(second, nkc);
         self.y = [y, self.y[0]];
         self.time += 1;
         let measured = match self.time % 1009 {
