@@ -85,7 +85,12 @@ fn order_and_regression() {
     let guard = Guard::within(opaque([4.0; 3]));
     let plain = Regression::<7>::new(order, opaque(true));
     let regression = opaque(Regression { guard, ..plain });
-    opaque((Regression::columns(&regression), Regression::parameters(&regression), Regression::form(&regression)));
+    opaque((
+        Regression::columns(&regression),
+        Regression::capacity(&regression),
+        Regression::parameters(&regression),
+        Regression::form(&regression),
+    ));
     opaque((Regression::target_scale(&regression), Regression::differences_share_scales(&regression)));
     opaque(Regression::accepts(&regression, &opaque(Sample { y: 0.5, u1: -0.25, u2: 0.75 })));
     for poles in 0..opaque(6) {
@@ -107,16 +112,20 @@ fn triangle<const M: usize, const P: usize>() {
 
 /// Both sources of rows, of a form known when running and when compiling, and every memory.
 fn estimators() {
-    let fading = Memory::Fading { forgetting: Forgetting { lambda: 0.99, floor: 1.0 }, still: 0.01 };
+    let fading = Memory::Fading(Forgetting { lambda: 0.99, floor: 1.0 });
     let guard = Guard { stuck_samples: [9; 3], huber: 3.0, ..Guard::within([4.0; 3]) };
     let least = Regression { guard, ..MODEL.regression };
     estimator::<6, 15, 1, Regressor<6, 1>, Triangle<6, 15>>(&least);
     estimator::<6, 15, 1, Regressor<6, 1, model::Structure>, TwoLevel<6, 15>>(&least);
-    estimator::<6, 15, 1, Regressor<6, 1>, Fading<6, 15>>(&Regression { memory: fading, ..least });
+    estimator::<6, 15, 1, Regressor<6, 1>, Fading<6, 15>>(&Regression { memory: fading, still: 0.01, ..least });
     let instruments = refined::MODEL.regression;
     estimator::<11, 55, 1, Instruments<11, 1, refined::Structure>, Triangle<11, 55>>(&instruments);
     estimator::<11, 55, 1, Instruments<11, 1>, TwoLevel<11, 55>>(&instruments);
-    estimator::<11, 55, 1, Instruments<11, 1>, Fading<11, 55>>(&Regression { memory: fading, ..instruments });
+    estimator::<11, 55, 1, Instruments<11, 1>, Fading<11, 55>>(&Regression {
+        memory: fading,
+        still: 0.01,
+        ..instruments
+    });
     let nominal = Nominal { delta: [-0.1; 21], deviation: 0.1 };
     let any = Regression { nominal, method: Method::Instruments, ..Regression::new(Order::new(4, 4, 3, 7, 3), true) };
     estimator::<21, 210, 7, Instruments<21, 7>, Triangle<21, 210>>(&any);

@@ -220,6 +220,7 @@ fn delayed(x: &[f64], by: u8) -> Vec<f64> {
 /// (1), first part.
 fn filtered(x: &[f64], order: Order, course: &Course) -> Vec<f64> {
     let mut f: Vec<f64> = course.rest_on.map_or_else(Vec::new, |on| vec![x[on]; on + 1]);
+    #[expect(clippy::needless_range_loop, reason = "the recurrence's own index")]
     for t in f.len()..x.len() {
         let a = &course.at(t)[..order.na as usize];
         let past: f64 = a.iter().enumerate().map(|(k, a)| a * before(&f, t, k + 1, course)).sum();

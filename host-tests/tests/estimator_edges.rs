@@ -54,10 +54,10 @@ fn fading_memory_keeps_its_origin_over_segments() {
     let whole = last(20_000);
     for length in [500, 1000] {
         let pieces = last(length);
-        for k in 0..5 {
+        for (k, truth) in TRUTH.iter().enumerate() {
             let sd = whole.covariance_matrix()[(k, k)].sqrt();
             // Three parameters in a hundred thousand leave four deviations; segments change nothing but the report.
-            assert!((whole.delta[k] - TRUTH[k]).abs() < 4.0 * sd, "{k}: {} {sd}", whole.delta[k]);
+            assert!((whole.delta[k] - truth).abs() < 4.0 * sd, "{k}: {} {sd}", whole.delta[k]);
             assert!(
                 (pieces.delta[k] - whole.delta[k]).abs() < 1e-3 * sd,
                 "{k}: {} {}",
