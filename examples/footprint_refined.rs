@@ -17,7 +17,11 @@ use refined::{MODEL, Monitor};
 program!(run);
 
 fn run() -> ! {
-    let Ok(mut monitor) = Monitor::new(&MODEL) else { loop {} };
+    let Ok(mut monitor) = Monitor::new(&MODEL) else {
+        loop {
+            core::hint::spin_loop();
+        }
+    };
     loop {
         if let Some(report) = monitor.step(footprint::sample()) {
             footprint::tell(report.verdict);

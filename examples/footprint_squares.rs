@@ -37,7 +37,11 @@ static MODEL: Model<9, 9, 3, 3> = Model {
 program!(run);
 
 fn run() -> ! {
-    let Ok(mut monitor) = Monitor::new(&MODEL) else { loop {} };
+    let Ok(mut monitor) = Monitor::new(&MODEL) else {
+        loop {
+            core::hint::spin_loop();
+        }
+    };
     loop {
         if let Some(report) = monitor.step(footprint::sample()) {
             footprint::tell(report.verdict);
