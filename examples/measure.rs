@@ -154,9 +154,13 @@ fn estimator<const M: usize, const P: usize, R: Rows<M>>(
 ) {
     let mut numbers = Numbers(2);
     let mut estimator = Estimator::<M, P, 1, R>::new(black_box(regression));
-    let samples: [Sample; 64] = core::array::from_fn(|_| {
-        let [y, u1, u2] = numbers.array();
-        Sample { y, u1, u2 }
+    // An output that follows its inputs, or instruments would be refused.
+    let (mut y1, mut y2, mut last) = (0.0, 0.0, [0.0; 2]);
+    let samples: [Sample; 256] = core::array::from_fn(|_| {
+        let [u1, u2, e] = numbers.array();
+        let y = 1.3 * y1 - 0.4 * y2 + 0.1 * last[0] + 0.1 * last[1];
+        (y2, y1, last) = (y1, y, [u1, u2]);
+        Sample { y: y + 0.01 * e, u1, u2 }
     });
     for sample in samples.iter().cycle().take(300) {
         estimator.step(sample);
