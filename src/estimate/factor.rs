@@ -66,6 +66,9 @@ pub(super) struct Factor<'a> {
     /// Parameters with an instrument of their own.
     pub(super) outputs: usize,
     pub(super) rotated: &'a Outputs,
+    /// What the inverse is brought to units with: a scale for each place of the estimate (none is 1), and for all.
+    pub(super) scale: &'a [f32],
+    pub(super) common: f32,
 }
 
 impl Factor<'_> {
@@ -97,6 +100,12 @@ impl Factor<'_> {
     #[inline(always)]
     pub(super) const fn place(&self, i: usize) -> usize {
         if i < self.inputs { self.outputs + i } else { i - self.inputs }
+    }
+
+    /// The scale of the parameter of column i.
+    #[inline(always)]
+    fn scale_of(&self, i: usize) -> f32 {
+        self.scale.get(self.place(i)).map_or(1.0, |scale| scale * self.common)
     }
 
     /// Adds to element (i, j) of the inverse, which is in the order of the estimate.
@@ -189,9 +198,10 @@ impl Factor<'_> {
         squares
     }
 
-    /// What column k of R⁻¹ gives to the inverse, lower triangle packed by rows in the order of the estimate: v with R v = e(k), then
-    /// (R⁻¹ D⁻¹ R⁻ᵀ)(i, j) = Σₖ v(i) v(j) / d(k). `v` is room to work in.
-    pub(super) fn add_inverse_column(&self, k: usize, v: &mut [f32], inverse: &mut [f32]) {
+    /// What column k of R⁻¹ gives to the covariance, lower triangle packed by rows in the order of the estimate: v with
+    /// R v = e(k) and S the scales, then σ² (S R⁻¹ D⁻¹ R⁻ᵀ S)(i, j) = Σₖ σ² s(i) v(i) s(j) v(j) / d(k). `v` is room to work
+    /// in.
+    pub(super) fn add_covariance(&self, k: usize, variance: f32, v: &mut [f32], inverse: &mut [f32]) {
         v.iter_mut().skip(k).take(1).for_each(|own| *own = 1.0);
         for i in (0..k).rev() {
             let mut value = 0.0;
@@ -200,7 +210,8 @@ impl Factor<'_> {
             }
             v.iter_mut().skip(i).take(1).for_each(|cell| *cell = value);
         }
-        let weight = 1.0 / self.diagonal(k);
+        v.iter_mut().enumerate().take(k + 1).for_each(|(i, v)| *v *= self.scale_of(i));
+        let weight = variance / self.diagonal(k);
         for (i, vi) in v.iter().enumerate().take(k + 1) {
             let scaled = vi * weight;
             for (j, vj) in v.iter().enumerate().take(i + 1) {
@@ -239,16 +250,18 @@ pub(super) mod unrolled {
 
     /// A branch for each column k, walking the list: the columns before it ascending, and descending.
     macro_rules! columns {
-        ($f:ident $n:literal $k:ident $c:ident; [$($seen:literal)*] [$($reversed:literal)*]) => {};
-        ($f:ident $n:literal $k:ident $c:ident; [$($seen:literal)*] [$($reversed:literal)*] $own:literal $($rest:literal)*) => {
+        ($f:ident $n:literal $k:ident $s:ident $c:ident; [$($seen:literal)*] [$($reversed:literal)*]) => {};
+        ($f:ident $n:literal $k:ident $s:ident $c:ident; [$($seen:literal)*] [$($reversed:literal)*] $own:literal $($rest:literal)*) => {
             if $k == $own {
                 let mut x = [0.0_f32; $n];
                 x[$own] = 1.0;
                 back!($f x; [$own] $($reversed)*);
-                let weight = 1.0 / $f.diagonal($own);
+                $(x[$seen] *= $f.scale_of($seen);)*
+                x[$own] *= $f.scale_of($own);
+                let weight = $s / $f.diagonal($own);
                 outer!($f $c x weight; [] $($seen)* $own);
             }
-            columns!($f $n $k $c; [$($seen)* $own] [$own $($reversed)*] $($rest)*);
+            columns!($f $n $k $s $c; [$($seen)* $own] [$own $($reversed)*] $($rest)*);
         };
     }
 
@@ -328,15 +341,15 @@ pub(super) mod unrolled {
         sizes!(run)
     }
 
-    /// As [`Factor::add_inverse_column`].
+    /// As [`Factor::add_covariance`].
     #[inline(always)]
-    pub(in super::super) fn add_inverse_column(f: &Factor<'_>, k: usize, inverse: &mut [f32]) -> bool {
+    pub(in super::super) fn add_covariance(f: &Factor<'_>, k: usize, variance: f32, inverse: &mut [f32]) -> bool {
         macro_rules! run {
             ($($n:literal: $($k:literal)+; $($r:literal)+,)+) => {
                 match f.parameters() {
                     $($n => {
                         let Some(c) = inverse.first_chunk_mut::<{ $n * ($n + 1) / 2 }>() else { return false };
-                        columns!(f $n k c; [] [] $($k)+);
+                        columns!(f $n k variance c; [] [] $($k)+);
                         true
                     })+
                     _ => false,
@@ -353,28 +366,6 @@ pub(super) mod unrolled {
             ($($n:literal: $($k:literal)+; $($r:literal)+,)+) => {
                 match n {
                     $($n => { $(each($k);)+ true })+
-                    _ => false,
-                }
-            };
-        }
-        sizes!(run)
-    }
-
-    /// Hands every (i, j ≤ i) to `each`, rows ascending.
-    #[inline(always)]
-    pub(in super::super) fn lower_triangle(n: usize, mut each: impl FnMut(usize, usize)) -> bool {
-        macro_rules! pairs {
-            ([$($seen:literal)*]) => {};
-            ([$($seen:literal)*] $i:literal $($rest:literal)*) => {
-                $(each($i, $seen);)*
-                each($i, $i);
-                pairs!([$($seen)* $i] $($rest)*);
-            };
-        }
-        macro_rules! run {
-            ($($n:literal: $($k:literal)+; $($r:literal)+,)+) => {
-                match n {
-                    $($n => { pairs!([] $($k)+); true })+
                     _ => false,
                 }
             };

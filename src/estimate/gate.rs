@@ -48,7 +48,8 @@ impl Gate {
     }
 
     /// Whether the sample may be used; counts it where it is out of range.
-    #[inline]
+    // Part of every sample: a call would cost as much as the comparisons.
+    #[inline(always)]
     pub(crate) fn admits(&mut self, guard: &Guard, sample: &Sample) -> bool {
         let stuck = self.watch(guard, sample);
         // One comparison a signal in the usual case: saturation is at most the limit.
@@ -60,7 +61,7 @@ impl Gate {
     }
 
     /// Whether a sensor is stuck now.
-    #[inline]
+    #[inline(always)]
     fn watch(&mut self, guard: &Guard, sample: &Sample) -> bool {
         // Signal by signal: as a loop it costs three times as much.
         let [last_y, last_u1, last_u2] = &mut self.last;
@@ -98,7 +99,7 @@ impl Gate {
 }
 
 /// Whether the value has come so many times in a row; never for zero times.
-#[inline]
+#[inline(always)]
 fn is_stuck(x: f32, last: &mut f32, equal: &mut u16, most: u16) -> bool {
     if most == 0 {
         return false;

@@ -54,7 +54,7 @@ pub struct Instruments<const M: usize, const L: usize, S = AnyShape> {
     cells: [f32; M],
     delays: Delays<L>,
     /// Samples until the filters start: the delayed inputs must be clean.
-    filling: u16,
+    filling: u8,
     /// Samples until rows are given.
     settling: u16,
     shape: core::marker::PhantomData<S>,
@@ -82,7 +82,7 @@ impl<const M: usize, const L: usize, S: Shape> Rows<M> for Instruments<M, L, S> 
         regression.method == Method::Instruments
             && (1..=MAX_OUTPUT_TERMS).contains(&(regression.order.na as usize))
             && regression.capacity() <= M
-            && regression.order.largest_delay() <= L
+            && regression.order.largest_delay() <= L.min(254)
             && S::fits(regression)
     }
 
@@ -283,8 +283,8 @@ fn levels_of(&Order { na, nb, nc, .. }: &Order) -> [Option<usize>; 3] {
 }
 
 /// Samples until every delayed input is clean, and the one that starts the filters.
-fn filling<const M: usize>(regression: &Regression<M>) -> u16 {
-    u16::from(regression.order.nkb.max(regression.order.nkc)) + 1
+fn filling<const M: usize>(regression: &Regression<M>) -> u8 {
+    regression.order.nkb.max(regression.order.nkc).saturating_add(1)
 }
 
 fn nominal<const M: usize>(regression: &Regression<M>) -> Candidate<M> {

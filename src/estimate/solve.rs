@@ -64,7 +64,7 @@ impl Solution {
         Err(Reason::NotFinite)
     }
 
-    /// The next piece; `true` where it was the last. Until then the covariance holds R⁻¹ D⁻¹ R⁻ᵀ. An error is given again by
+    /// The next piece; `true` where it was the last. An error is given again by
     /// every further call.
     #[inline]
     pub(super) fn advance<S: Shape, const M: usize, const P: usize>(
@@ -95,12 +95,12 @@ impl Solution {
         match piece {
             0 => self.check::<S, M, P>(regression, head, sums)?,
             1 => self.parameters::<S, M, P>((regression, head), sums, estimate),
-            k if k >= n + 2 => return self.scale::<S, M, P>(regression, head, estimate).map(|()| true),
+            k if k >= n + 2 => return self.accept::<S, M, P>(regression, head, estimate).map(|()| true),
             k => {
                 let factor = factor::<S, M, P>(regression, sums, &self.rotated);
-                let inverse = &mut estimate.covariance;
-                if S::FIXED.is_none() || !unrolled::add_inverse_column(&factor, k - 2, inverse) {
-                    factor.add_inverse_column(k - 2, &mut [0.0; M], inverse);
+                let covariance = &mut estimate.covariance;
+                if S::FIXED.is_none() || !unrolled::add_covariance(&factor, k - 2, self.variance, covariance) {
+                    factor.add_covariance(k - 2, self.variance, &mut [0.0; M], covariance);
                 }
             }
         }
@@ -172,38 +172,23 @@ impl Solution {
         self.variance = variance * head.mass.spread;
     }
 
-    /// The covariance in its units, and whether the result serves.
-    fn scale<S: Shape, const M: usize, const P: usize>(
+    /// The constant from its origin, and whether the result serves.
+    fn accept<S: Shape, const M: usize, const P: usize>(
         &mut self,
         regression: &Regression<M>,
         head: &Head<M>,
         estimate: &mut Estimate<M, P>,
     ) -> Result<(), Reason> {
         let (inputs, outputs) = S::of(regression).split();
-        let n = inputs + outputs;
-        let target = 1.0 / regression.target_scale();
-        let scale = regression.scale.map(|scale| scale * target);
-        let variance = self.variance;
-        let Estimate { delta, covariance, .. } = estimate;
-        let mut sum = self.variance;
-        let mut cell = |i: usize, j: usize| {
-            let scales = (scale.get(i), scale.get(j));
-            if let (Some(to), (Some(one), Some(other))) = (covariance.get_mut(lower(i, j)), scales) {
-                *to = *to * (variance * one) * other;
-                sum += *to;
-            }
-        };
-        if S::FIXED.is_none() || !unrolled::lower_triangle(n, &mut cell) {
-            (0..n).for_each(|i| (0..=i).for_each(|j| cell(i, j)));
-        }
-        each::<S>(n, |i| sum += delta.get(i).copied().unwrap_or(0.0));
-        sum += estimate.variance;
         if S::of(regression).offset {
             estimate.uncentre(head.origin);
-            // The last parameter, and the last of its row.
-            sum += estimate.delta.get(n - 1).copied().unwrap_or(0.0);
-            sum += estimate.covariance.get(lower(n - 1, n - 1)).copied().unwrap_or(0.0);
         }
+        // What is no number in a covariance is none on its diagonal.
+        let mut sum = estimate.variance;
+        let Estimate { delta, covariance, .. } = estimate;
+        each::<S>(inputs + outputs, |i| {
+            sum += delta.get(i).copied().unwrap_or(0.0) + covariance.get(lower(i, i)).copied().unwrap_or(0.0);
+        });
         // Infinity and NaN are not lost in a sum.
         if !sum.is_finite() {
             return Err(Reason::NotFinite);
@@ -238,11 +223,12 @@ fn each<S: Shape>(n: usize, mut run: impl FnMut(usize)) {
 /// The factor of the regression. Its sizes are constants where the form is.
 #[inline(always)]
 fn factor<'a, S: Shape, const M: usize, const P: usize>(
-    regression: &Regression<M>,
+    regression: &'a Regression<M>,
     sums: &'a Triangle<M, P>,
     rotated: &'a Outputs,
 ) -> Factor<'a> {
     let (inputs, outputs) = S::of(regression).split();
     let (d, r) = sums.parts();
-    Factor { d, r, columns: inputs + 2 * outputs + 1, inputs, outputs, rotated }
+    let (scale, common) = (&regression.scale, 1.0 / regression.target_scale());
+    Factor { d, r, columns: inputs + 2 * outputs + 1, inputs, outputs, rotated, scale, common }
 }

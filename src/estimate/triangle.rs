@@ -153,7 +153,16 @@ impl<const M: usize, const P: usize> Triangle<M, P> {
     /// The factor as that of `n` parameters by least squares.
     #[inline(always)]
     fn factor(&self, n: usize) -> Factor<'_> {
-        Factor { d: &self.d, r: &self.r, columns: self.columns, inputs: n, outputs: 0, rotated: &Outputs::NONE }
+        Factor {
+            d: &self.d,
+            r: &self.r,
+            columns: self.columns,
+            inputs: n,
+            outputs: 0,
+            rotated: &Outputs::NONE,
+            scale: &[],
+            common: 1.0,
+        }
     }
 
     /// Residual sum of squares of the scaled target; with forgetting over an effective 1/(1−λ) rows.
@@ -168,7 +177,7 @@ impl<const M: usize, const P: usize> Triangle<M, P> {
     pub fn inverse(&self) -> [f32; P] {
         let n = self.columns.saturating_sub(1);
         let mut inverse = [0.0_f32; P];
-        (0..n).for_each(|k| self.factor(n).add_inverse_column(k, &mut [0.0; M], &mut inverse));
+        (0..n).for_each(|k| self.factor(n).add_covariance(k, 1.0, &mut [0.0; M], &mut inverse));
         inverse
     }
 
