@@ -26,15 +26,12 @@ impl<const F: usize> Features<F> {
     #[must_use]
     pub fn extract<const M: usize, const P: usize>(&self, estimate: &Estimate<M, P>) -> [f32; F] {
         let n = estimate.parameters();
+        // A perfect fit has no logarithm; the smallest normal number stands for it.
+        let variance = libm::logf(estimate.variance.max(f32::MIN_POSITIVE));
         let mut out = [0.0; F];
         for (cell, &index) in out.iter_mut().zip(&self.index).take(self.count as usize) {
             let index = index as usize;
-            *cell = if index == n {
-                // A perfect fit has no logarithm; the smallest normal number stands for it.
-                libm::logf(estimate.variance.max(f32::MIN_POSITIVE))
-            } else {
-                estimate.delta.get(index).copied().unwrap_or(0.0)
-            };
+            *cell = if index == n { variance } else { estimate.delta.get(index).copied().unwrap_or(0.0) };
         }
         out
     }

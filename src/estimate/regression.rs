@@ -164,13 +164,12 @@ impl<const M: usize> Regression<M> {
     #[must_use]
     pub fn differences_share_scales(&self) -> bool {
         let Order { na, nb, nc, .. } = self.order;
-        let mut scales = self.scale.iter();
-        [na, nb, nc].into_iter().all(|terms| {
-            let mut differences = scales.by_ref().take(terms as usize).skip(1);
-            let first = differences.next().map(|x| x.to_bits());
-            // Not short of the end, so that the next signal starts at its own first column.
-            differences.fold(true, |alike, x| alike & (Some(x.to_bits()) == first))
-        })
+        let (na, nb, nc) = (na as usize, nb as usize, nc as usize);
+        let alike = |from: usize, terms: usize| {
+            let differences = self.scale.get(from + 1..from + terms).unwrap_or(&[]);
+            differences.windows(2).all(|pair| matches!(pair, [one, other] if one.to_bits() == other.to_bits()))
+        };
+        alike(0, na) && alike(na, nb) && alike(na + nb, nc)
     }
 
     /// Whether every signal of the sample is finite and within its limit.

@@ -184,11 +184,12 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
         check(neutral(&projection.mean, f) && neutral_rows(&projection.matrix, z, f), "projection")?;
         let covariances = discriminant.whitening.iter().all(|u| neutral_rows(u, z, z));
         check(covariances && neutral_rows(&discriminant.mean, in_use, z), "class density")?;
-        let costs = discriminant.cost.iter().take(in_use).flat_map(|row| row.iter().take(in_use));
-        check(costs.into_iter().all(|cost| (0.0..=1e6).contains(cost)), "cost")?;
-        let finite_in_use = |values: &[f32; C]| {
-            values.iter().take(in_use).all(|x| x.is_finite())
-                && values.iter().skip(in_use).all(|x| *x == f32::NEG_INFINITY)
+        let costs = discriminant.cost.iter().take(in_use);
+        check(costs.into_iter().all(|row| all_within(parted(row, in_use).0, 0.0, 1e6)), "cost")?;
+        let impossible = f32::NEG_INFINITY;
+        let finite_in_use = |values: &[f32]| {
+            let (used, unused) = parted(values, in_use);
+            all_within(used, f32::MIN, f32::MAX) && all_within(unused, impossible, impossible)
         };
         check(finite_in_use(&discriminant.log_normaliser), "class normaliser")?;
         check(finite_in_use(&discriminant.log_prior), "prior")
@@ -205,7 +206,7 @@ fn validate_regression<const M: usize>(regression: &Regression<M>, segment_sampl
     let n = regression.parameters();
     let Guard { limit, saturation, stuck_samples, huber } = guard;
     let finite = |x: &f32| x.is_finite();
-    check(limit.iter().all(|x| finite(x) && *x > 0.0), "signal limit")?;
+    check(all_within(limit, f32::MIN_POSITIVE, f32::MAX), "signal limit")?;
     let ordered = saturation.iter().zip(limit).all(|(most, limit)| *most > 0.0 && most <= limit);
     check(ordered, "saturation")?;
     // One equal sample is no run.
@@ -214,15 +215,17 @@ fn validate_regression<const M: usize>(regression: &Regression<M>, segment_sampl
     check(regression.scale.iter().take(n + 1).all(|x| is_power_of_two(*x)), "column scale")?;
     check(regression.differences_share_scales(), "column scale")?;
     // Beyond that, sums of squares over a segment could leave the range of f32.
-    let places = [(order.na, 0), (order.nb, order.na as usize), (order.nc, order.na as usize + order.nb as usize)];
-    let bounded = places.into_iter().zip(limit).filter(|((terms, _), _)| *terms > 0).all(|((terms, place), limit)| {
-        limit * largest(regression.scale.iter().skip(place).take(terms.min(2) as usize)) <= 1e14
-    });
-    // The constant, where there is one, and the target.
-    let rest = largest(regression.scale.iter().skip(order.parameters()).take(n + 1 - order.parameters()));
-    check(bounded && limit.first().is_some_and(|y| y.max(1.0) * rest <= 1e14), "signal limit beside the column scale")?;
-    let delta = nominal.delta.iter().take(n);
-    check(delta.clone().all(finite) && finite(&nominal.deviation) && nominal.deviation >= 0.0, "nominal model")?;
+    let [y, u1, u2] = *limit;
+    let (na, nb, nc) = (order.na as usize, order.nb as usize, order.nc as usize);
+    let bounded = |limit: f32, from: usize, columns: usize| {
+        all_within(regression.scale.get(from..from + columns).unwrap_or(&[]), 0.0, 1e14 / limit)
+    };
+    let inputs = bounded(u1, na, nb.min(2)) && bounded(u2, na + nb, nc.min(2));
+    // At the end the constant, where there is one, and the target.
+    let rest = bounded(y.max(1.0), na + nb + nc, n + 1 - (na + nb + nc));
+    check(bounded(y, 0, na.min(2)) && inputs && rest, "signal limit beside the column scale")?;
+    let known = all_within(parted(&nominal.delta, n).0, f32::MIN, f32::MAX);
+    check(known && finite(&nominal.deviation) && nominal.deviation >= 0.0, "nominal model")?;
     if *method == Method::Instruments {
         let terms = order.na as usize;
         check((1..=MAX_OUTPUT_TERMS).contains(&terms), "number of output terms for instruments")?;
@@ -243,8 +246,15 @@ fn validate_regression<const M: usize>(regression: &Regression<M>, segment_sampl
     Ok(())
 }
 
-fn largest<'a>(values: impl Iterator<Item = &'a f32>) -> f32 {
-    values.fold(0.0, |most, value| most.max(*value))
+/// One loop for all the arrays of a model: this runs once, and flash is dear. NaN lies nowhere.
+#[inline(never)]
+fn all_within(values: &[f32], least: f32, most: f32) -> bool {
+    values.iter().all(|x| (least..=most).contains(x))
+}
+
+/// What is in use, and what is not.
+fn parted(values: &[f32], in_use: usize) -> (&[f32], &[f32]) {
+    values.split_at_checked(in_use).unwrap_or((values, &[]))
 }
 
 /// Within 2^±60, so that sums of squares stay far inside the range of `f32`.
@@ -254,7 +264,8 @@ fn is_power_of_two(x: f32) -> bool {
 
 /// Finite where in use and zero elsewhere: what a wider capacity adds must not count.
 fn neutral(values: &[f32], in_use: usize) -> bool {
-    values.iter().take(in_use).all(|x| x.is_finite()) && values.iter().skip(in_use).all(|x| x.to_bits() == 0)
+    let (used, unused) = parted(values, in_use);
+    all_within(used, f32::MIN, f32::MAX) && all_within(unused, 0.0, 0.0)
 }
 
 fn neutral_rows<const N: usize>(rows: &[[f32; N]], rows_in_use: usize, in_use: usize) -> bool {
