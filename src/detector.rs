@@ -34,7 +34,7 @@ pub struct Sample {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Verdict {
     /// Index of a class in [`Model::labels`]. The most plausible of the *trained* classes: posteriors are relative to
-    /// each other, so a state unlike all of them (standstill, another load) still names one.
+    /// each other, so a state unlike all of them (another load) still names one.
     Class(u8),
     /// No verdict, and why.
     Undetermined(Reason),
@@ -48,7 +48,8 @@ pub struct Report<const M: usize, const P: usize, const C: usize> {
     pub verdict: Verdict,
     /// Likelihoods, posteriors and costs; present where the verdict is a class.
     pub decision: Option<Decision<C>>,
-    /// Whether the estimate stands, and serves as auxiliary model and reference for what follows.
+    /// Whether the estimate stands; if its model is stable too, it serves as auxiliary model and reference for what
+    /// follows.
     pub accepted: bool,
     /// The estimate; zero parameters where it does not stand. Its counts say what the segment was denied.
     pub estimate: Estimate<M, P>,

@@ -125,6 +125,8 @@ fn what_is_not_excited_is_said_by_both_halves() {
         |id: &str, [y, u1, u2]: [Vec<f64>; 3]| Trace { id: id.into(), interval_s: None, irregular_steps: 0, y, u1, u2 };
     let swinging = (0..5000).map(|k| f64::from(k).sin()).collect();
     let steady = trace("steady", [swinging, vec![2.0; 5000], vec![0.5; 5000]]);
+    let moving = (0..5000).map(|k| 30.0 * f64::from(k).cos()).collect();
+    let unloaded = trace("unloaded", [steady.y.clone(), moving, vec![0.0; 5000]]);
     let structure = Structure { order: Order::new(1, 1, 1, 1, 1), offset: false };
     let error = least_squares(&steady, structure).expect_err("constant inputs").to_string();
     assert!(error.contains("steady") && error.contains("do not excite parameter c1"), "{error}");
@@ -132,7 +134,8 @@ fn what_is_not_excited_is_said_by_both_halves() {
     let model =
         train(&training, &demo::class_names(), &Recipe::new(structure)).expect("trains").embed().expect("embeds");
     let verdict = |trace: &Trace| model.run(trace).expect("runs")[0].verdict.clone().expect_err("no class");
-    assert!(verdict(&steady).starts_with("the signals do not excite parameter c1"), "{}", verdict(&steady));
+    assert!(verdict(&unloaded).starts_with("the signals do not excite parameter c1"), "{}", verdict(&unloaded));
+    assert_eq!(verdict(&steady), "the inputs are at rest");
     let empty = trace("empty", [vec![], vec![], vec![]]);
     assert_eq!(verdict(&empty), "0 samples are no more than half a segment of 5000");
 }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use bearing_watch::decide::Kind;
 use bearing_watch::estimate::{Forgetting, MAX_SEGMENT_SAMPLES, Memory, Method};
-use bearing_watch::{Guard, Order, Regression};
+use bearing_watch::{Guard, Regression};
 use nalgebra::DMatrix;
 
 use crate::Error;
@@ -19,7 +19,7 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     // The checks of the core, in a capacity that certainly holds it.
     trained.embed()?;
     let regression = &trained.regression;
-    let (m, delays) = (columns(regression), regression.order.largest_delay().max(1));
+    let (m, delays) = (regression.capacity(), regression.order.largest_delay().max(1));
     let (f, z, c) = (trained.core_features.len(), trained.core_projection.matrix.nrows(), trained.classes.len());
     let densities = &trained.densities;
     let covariances: Vec<String> = (0..c)
@@ -116,16 +116,6 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     Ok(out)
 }
 
-/// Columns of the exported type: those of the rows, or as many as the filters of the instruments need.
-fn columns<const M: usize>(regression: &Regression<M>) -> usize {
-    let Order { na, nb, nc, .. } = regression.order;
-    let filter = |terms: u8| if terms > 0 { usize::from(terms.max(na)) } else { 0 };
-    match regression.method {
-        Method::LeastSquares => regression.columns(),
-        Method::Instruments => regression.columns().max(usize::from(na) + filter(nb) + filter(nc)),
-    }
-}
-
 /// Names of the types that make rows and sum them; the detector's own sums have none.
 struct Types {
     rows: &'static str,
@@ -211,11 +201,12 @@ fn matrix(matrix: &DMatrix<f64>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use bearing_watch::Order;
 
     #[test]
     fn columns_for_rows_and_for_filters() {
         let regression = |order, method| Regression::<20> { method, ..Regression::new(order, false) };
-        let columns = |order, method| columns(&regression(order, method));
+        let columns = |order, method| regression(order, method).capacity();
         assert_eq!(columns(Order::new(4, 1, 1, 1, 1), Method::LeastSquares), 7);
         // Four poles filter each input, whatever its own terms.
         assert_eq!(columns(Order::new(4, 1, 1, 1, 1), Method::Instruments), 12);

@@ -13,8 +13,7 @@ pub struct Structure;
 
 #[rustfmt::skip]
 impl Shape for Structure {
-    const FIXED: Option<Form> =
-        Some(Form { order: Order::new(2, 1, 2, 1, 1), offset: false, method: Method::LeastSquares });
+    const FIXED: Option<Form> = Some(Form { order: Order::new(2, 1, 2, 1, 1), offset: false, method: Method::LeastSquares });
 }
 
 /// The detector of exactly this model's size.
@@ -33,6 +32,7 @@ const fn label(name: &str) -> Label {
 pub static MODEL: Model<6, 5, 5, 3> = Model {
     sampling: Sampling { interval_s: 0.002, block_mean: 1, segment_samples: 5000 },
     regression: Regression {
+        still: 0.00036989263,
         scale: [0.5, 2.0, 0.03125, 8.0, 16.0, 2.0],
         nominal: Nominal { delta: [-0.23479089, -0.10691832, 0.0005428808, 4.6737494, -2.7820897, 0.0], deviation: 0.27767652 },
         guard: Guard::within([62.723488, 400.0, 4.126983]),

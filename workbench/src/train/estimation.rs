@@ -8,8 +8,8 @@
 //! still       a thousandth of the training traces' mean motion                                                   (4)
 //! ```
 //!
-//! (4) is inputs at 3 % of their usual movement, too little to learn from. The mean of the core falls to that within
-//! 0.9 of its memory after the inputs have stopped.
+//! (4) is inputs at 3 % of their usual movement, too little to learn from or to judge by. The mean of the core's fading
+//! memory falls to that within 0.9 of its length after the inputs have stopped.
 
 use std::borrow::Cow;
 
@@ -100,11 +100,10 @@ pub(super) fn regression(
     }
     let scales = column_scales(&in_rows, structure);
     regression.scale.iter_mut().zip(&scales).for_each(|(cell, x)| *cell = *x as f32);
+    regression.still = (1e-3 * mean_motion(&in_rows, structure, &scales)) as f32; // (4)
     if let Some(lambda) = estimation.memory {
-        let still = 1e-3 * mean_motion(&in_rows, structure, &scales); // (4)
         let forgetting = Forgetting { lambda: lambda as f32, floor: (0.01 / (1.0 - lambda)) as f32 }; // (3)
         regression.memory = Memory::Fading(forgetting);
-        regression.still = still as f32;
     }
     Ok(regression)
 }
@@ -124,8 +123,10 @@ fn check(estimation: &Estimation, structure: Structure, segment: usize) -> Resul
     if *stuck == 1 {
         return refuse("--stuck 1: one sample is no run; give at least 2, or 0 for none".into());
     }
-    if let Some(lambda) = memory.filter(|lambda| !(0.5..=MAX_LAMBDA).contains(&(*lambda as f32))) {
-        return refuse(format!("--memory {lambda}: a factor from 0.5 to {MAX_LAMBDA}"));
+    // Twice as many rows as parameters, or nothing is left to tell a variance from.
+    let least = 1.0 - 0.5 / structure.parameters() as f64;
+    if let Some(lambda) = memory.filter(|lambda| !(*lambda > least && (*lambda as f32) <= MAX_LAMBDA)) {
+        return refuse(format!("--memory {lambda}: at this order a factor above {least:.4}, at most {MAX_LAMBDA}"));
     }
     if usize::from(*handover) > segment / 4 {
         return refuse(format!("--handover {handover}: at most a quarter of the segment of {segment} samples"));
