@@ -15,6 +15,7 @@
 
 use super::kernels::{self, packed};
 use super::regression::MAX_OUTPUT_TERMS;
+use super::rows::Shape;
 use super::triangle::{DEPENDENT, NEVER, PRIOR};
 
 /// det² G beside its row norms, below which instruments are weak: a determinant of 1e-5.
@@ -226,9 +227,32 @@ pub(super) const fn lower(i: usize, j: usize) -> usize {
     i * (i + 1) / 2 + j
 }
 
-/// The same sums in straight-line code, for `n` parameters known when compiling: `None` or `false` where there is none.
+/// A number of parameters that is a constant of a type, so that only the code of that number is compiled.
+pub(super) trait Size {
+    /// The number; 0 where it is not known when compiling.
+    const N: usize;
+}
+
+/// Of a triangle whose capacity `M` is used up.
+pub(super) struct Full<const M: usize>;
+
+impl<const M: usize> Size for Full<M> {
+    const N: usize = M.saturating_sub(1);
+}
+
+/// Of a form.
+pub(super) struct Of<S>(core::marker::PhantomData<S>);
+
+impl<S: Shape> Size for Of<S> {
+    const N: usize = match S::FIXED {
+        Some(form) => form.order.columns(form.offset) - 1,
+        None => 0,
+    };
+}
+
+/// The same sums in straight-line code, for as many parameters as `T` says: `None` or `false` where there is none.
 pub(super) mod unrolled {
-    use super::Factor;
+    use super::{Factor, Size};
 
     /// Σ_{i<j} d(i) R(i, j)² for each j, ascending.
     macro_rules! dependent {
@@ -311,10 +335,10 @@ pub(super) mod unrolled {
 
     /// As [`Factor::dependent`].
     #[inline(always)]
-    pub(in super::super) fn dependent(f: &Factor<'_>) -> Option<Option<usize>> {
+    pub(in super::super) fn dependent<T: Size>(f: &Factor<'_>) -> Option<Option<usize>> {
         macro_rules! run {
             ($($n:literal: $($k:literal)+; $($r:literal)+,)+) => {
-                match f.parameters() {
+                match T::N {
                     $($n => Some(dependent!(f; [] $($k)+)),)+
                     _ => None,
                 }
@@ -325,10 +349,10 @@ pub(super) mod unrolled {
 
     /// As [`Factor::solve`].
     #[inline(always)]
-    pub(in super::super) fn solve(f: &Factor<'_>, theta: &mut [f32]) -> bool {
+    pub(in super::super) fn solve<T: Size>(f: &Factor<'_>, theta: &mut [f32]) -> bool {
         macro_rules! run {
             ($($n:literal: $($k:literal)+; $($r:literal)+,)+) => {
-                match f.parameters() {
+                match T::N {
                     $($n => {
                         let Some(x) = theta.first_chunk_mut::<$n>() else { return false };
                         solve!(f $n x; [] $($r)+);
@@ -343,10 +367,15 @@ pub(super) mod unrolled {
 
     /// As [`Factor::add_covariance`].
     #[inline(always)]
-    pub(in super::super) fn add_covariance(f: &Factor<'_>, k: usize, variance: f32, inverse: &mut [f32]) -> bool {
+    pub(in super::super) fn add_covariance<T: Size>(
+        f: &Factor<'_>,
+        k: usize,
+        variance: f32,
+        inverse: &mut [f32],
+    ) -> bool {
         macro_rules! run {
             ($($n:literal: $($k:literal)+; $($r:literal)+,)+) => {
-                match f.parameters() {
+                match T::N {
                     $($n => {
                         let Some(c) = inverse.first_chunk_mut::<{ $n * ($n + 1) / 2 }>() else { return false };
                         columns!(f $n k variance c; [] [] $($k)+);
@@ -361,10 +390,10 @@ pub(super) mod unrolled {
 
     /// Hands every i to `each`, ascending.
     #[inline(always)]
-    pub(in super::super) fn every(n: usize, mut each: impl FnMut(usize)) -> bool {
+    pub(in super::super) fn every<T: Size>(mut each: impl FnMut(usize)) -> bool {
         macro_rules! run {
             ($($n:literal: $($k:literal)+; $($r:literal)+,)+) => {
-                match n {
+                match T::N {
                     $($n => { $(each($k);)+ true })+
                     _ => false,
                 }

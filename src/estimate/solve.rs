@@ -10,7 +10,7 @@
 //! result. Pieces give the same bits as all at once, since that is how all at once is done.
 
 use super::accumulator::Mass;
-use super::factor::{Factor, Outputs, lower, unrolled};
+use super::factor::{Factor, Of, Outputs, lower, unrolled};
 use super::rows::Shape;
 use super::stability::is_stable;
 use super::{Counts, Estimate, Reason, Regression, Triangle};
@@ -99,7 +99,7 @@ impl Solution {
             k => {
                 let factor = factor::<S, M, P>(regression, sums, &self.rotated);
                 let covariance = &mut estimate.covariance;
-                if S::FIXED.is_none() || !unrolled::add_covariance(&factor, k - 2, self.variance, covariance) {
+                if !unrolled::add_covariance::<Of<S>>(&factor, k - 2, self.variance, covariance) {
                     factor.add_covariance(k - 2, self.variance, &mut [0.0; M], covariance);
                 }
             }
@@ -129,7 +129,7 @@ impl Solution {
         }
         // The columns that must be independent are those of the instruments, the first n.
         let own = Factor { inputs: n, outputs: 0, ..factor };
-        let known = if S::FIXED.is_some() { unrolled::dependent(&own) } else { None };
+        let known = unrolled::dependent::<Of<S>>(&own);
         if let Some(column) = known.unwrap_or_else(|| own.dependent()) {
             return Err(Reason::NotExcited(u8::try_from(factor.place(column)).unwrap_or(u8::MAX)));
         }
@@ -151,7 +151,7 @@ impl Solution {
         let factor = factor::<S, M, P>(regression, sums, &self.rotated);
         let n = factor.inputs + factor.outputs;
         let mut theta = [0.0_f32; M];
-        if S::FIXED.is_none() || !unrolled::solve(&factor, &mut theta) {
+        if !unrolled::solve::<Of<S>>(&factor, &mut theta) {
             factor.solve(&mut theta);
         }
         let squares = factor.residual_sum(&theta);
@@ -215,7 +215,7 @@ pub(super) const fn empty<const M: usize, const P: usize>(
 /// Hands every place to `run`.
 #[inline(always)]
 fn each<S: Shape>(n: usize, mut run: impl FnMut(usize)) {
-    if S::FIXED.is_none() || !unrolled::every(n, &mut run) {
+    if !unrolled::every::<Of<S>>(&mut run) {
         (0..n).for_each(run);
     }
 }

@@ -20,7 +20,7 @@
 //! Where the columns in use equal the capacity `M` ≤ 20, the row update is straight-line code made by a macro;
 //! otherwise a loop with the same operations in the same order, hence the same bits, runs.
 
-use super::factor::{Factor, Outputs, unrolled};
+use super::factor::{Factor, Full, Outputs, unrolled};
 use super::kernels;
 
 /// Nothing is forgotten.
@@ -144,7 +144,7 @@ impl<const M: usize, const P: usize> Triangle<M, P> {
     pub fn solve(&self) -> [f32; M] {
         let mut theta = [0.0_f32; M];
         // Where the capacity is used up, the size is known when compiling.
-        if self.columns != M || !unrolled::solve(&self.factor(M - 1), &mut theta) {
+        if self.columns != M || !unrolled::solve::<Full<M>>(&self.factor(M - 1), &mut theta) {
             self.factor(self.columns.saturating_sub(1)).solve(&mut theta);
         }
         theta
