@@ -81,13 +81,14 @@ fn dead_and_noisy_outputs_are_no_models() {
     let [mut weak, mut good] = [0; 2];
     for seed in 0..100 {
         let samples = stream(100 + seed, 3000, 0.0, 0.3);
-        let noise: Vec<f32> = stream(300 + seed, 3000, 0.0, 1.0).iter().map(|s| s.y).collect();
-        let drowned = result(&samples, &|t, sample| Sample { y: 3.0 * noise[t], ..sample });
+        let mut rng = ChaCha8Rng::seed_from_u64(300 + seed);
+        let noise: Vec<f32> = (0..3000).map(|_| rng.sample(StandardNormal)).collect();
+        let drowned = result(&samples, &|t, sample| Sample { y: noise[t], ..sample });
         weak += u32::from(matches!(drowned, Err(Reason::WeakInstruments)));
         good += u32::from(result(&samples, &|_, sample| sample).is_ok());
     }
     println!("noise refused {weak} of 100, data of a deviation of 0.3 accepted {good} of 100");
-    assert!((90..=100).contains(&weak) && good >= 99, "F > 10: noise passes in a few of a hundred");
+    assert!((90..=100).contains(&weak) && good >= 99, "F > 10 on prefiltered rows: white noise passes now and then");
 }
 
 #[test]

@@ -134,6 +134,7 @@ fn sums_that_would_degrade_are_refused() {
     assert!(Endless::new(&model).is_err(), "its segments do not fade");
     let forgetting = Forgetting { lambda: 0.999, floor: 10.0 };
     model.regression.memory = Memory::Fading(forgetting);
+    model.regression.still = 0.0;
     assert_eq!(model.validate(), Err(ModelError::Value("excitation threshold")), "it would forget at rest");
     model.regression.still = 1e-4;
     assert!(Segments::new(&model).is_err() && Long::new(&model).is_err() && Endless::new(&model).is_ok());

@@ -20,7 +20,8 @@ use super::triangle::{DEPENDENT, NEVER, PRIOR};
 
 /// det² G beside its row norms, below which instruments are weak: a determinant of 1e-5.
 const WEAK: f32 = 1e-10;
-/// F of a first stage below which instruments count as weak, by Staiger and Stock's rule.
+/// F of a first stage below which instruments count as weak, by Staiger and Stock's rule. Rows that are prefiltered or
+/// carry coloured noise are not independent, so that chance reaches it more often than the F distribution says.
 const CHANCE: f32 = 10.0;
 
 /// The rotated rows of G, target last.
