@@ -1,29 +1,10 @@
 //! `train` by every method and memory, and what `replay` and `evaluate` then say.
 
+mod common;
+
 use std::path::Path;
-use std::process::{Command, Output};
 
-fn run(folder: &Path, arguments: &str) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_bearing-watch"));
-    command.current_dir(folder).args(arguments.split_whitespace()).output().expect("the command starts")
-}
-
-fn succeed(folder: &Path, arguments: &str) -> String {
-    let output = run(folder, arguments);
-    let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
-    assert!(output.status.success(), "{arguments}\n{out}{err}");
-    out.into_owned()
-}
-
-/// One line of error with these words, and no model.
-fn refuse(folder: &Path, arguments: &str, expected: &[&str]) {
-    let output = run(folder, arguments);
-    let error = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{arguments}\n{error}");
-    assert_eq!(error.trim_end().lines().count(), 1, "{arguments}\n{error}");
-    assert!(expected.iter().all(|words| error.contains(words)), "{arguments}\n{error}");
-    assert!(!folder.join("none.bwm").exists(), "{arguments}");
-}
+use common::{refuse, succeed};
 
 fn signals(u1: &str, order: &str) -> String {
     format!("--y current_a --u1 {u1} --u2 load_torque_nm --order {order}")
