@@ -30,6 +30,7 @@ type Monitor = Detector<'static, 9, 36, 1, 9, 3, 3, Regressor<9, 1, Structure>>;
 static MODEL: Model<9, 9, 3, 3> = Model {
     sampling: refined::MODEL.sampling,
     regression: Regression { guard: refined::MODEL.regression.guard, ..Regression::new(FORM.order, FORM.offset) },
+    shaft: None,
     classifier: refined::MODEL.classifier,
     labels: refined::MODEL.labels,
 };

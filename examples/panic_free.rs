@@ -203,7 +203,8 @@ fn told<const M: usize, const P: usize>(result: Result<Estimate<M, P>, Reason>) 
         Ok(estimate) => {
             opaque((Estimate::parameters(&estimate), Estimate::raw(&estimate)));
             opaque(Estimate::covariance_matrix(&estimate));
-            let _tried = opaque(Classifier::classify(opaque(&MODEL.classifier), &estimate));
+            let _tried =
+                opaque(Classifier::classify(opaque(&MODEL.classifier), &estimate, opaque(None::<&ShaftEstimate<0>>)));
         }
         Err(reason) => show(reason),
     }
@@ -219,7 +220,8 @@ fn decision() {
     opaque(Projection::to_matrices(&projection));
     let features = opaque(Features::<9> { index: [8; 9], count: 9 });
     let estimate = Estimate::<6, 15>::empty(opaque(MODEL.regression.order), false, 0, Counts::default());
-    let features = Features::extract(&features, &opaque(estimate));
+    let features =
+        Features::extract(&features, &opaque(estimate), opaque(None::<&ShaftEstimate<0>>)).unwrap_or([0.0; 9]);
     let z = Projection::project(&projection, &opaque(features));
     for kind in [Kind::Linear, Kind::Quadratic] {
         let discriminant = opaque(Discriminant::<3, 4> {

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Sample ─► gate ─► block mean ─► Estimator ─┬─ segment full, or finish() ─► solve ─► Classifier ─► Report
-//!                                            └─ else nothing
+//!   Motion ─► Shaft ─► friction, orders ──────┘  └─ else nothing
 //! ```
 //!
 //! The cost of [`Detector::step`] is constant but for the sample that closes a segment, which adds one solve and one
@@ -13,7 +13,8 @@
 use crate::decide::Decision;
 use crate::drive::BlockMean;
 use crate::estimate::{
-    Accumulator, Counts, Estimate, Estimator, Reason, Regression, Regressor, Rows, Segment, Shape, Triangle,
+    Accumulator, Counts, Estimate, Estimator, Motion, NoShaft, Reason, Regression, Regressor, Rows, Segment,
+    ShaftEstimate, ShaftSums, Shape, Triangle, Watch,
 };
 use crate::model::{Model, ModelError};
 
@@ -43,7 +44,7 @@ pub enum Verdict {
 /// Verdict of one segment with everything it rests on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Report<const M: usize, const P: usize, const C: usize> {
+pub struct Report<const M: usize, const P: usize, const C: usize, const K: usize = 0> {
     /// The class, or why there is none.
     pub verdict: Verdict,
     /// Likelihoods, posteriors and costs; present where the verdict is a class.
@@ -53,13 +54,26 @@ pub struct Report<const M: usize, const P: usize, const C: usize> {
     pub accepted: bool,
     /// The estimate; zero parameters where it does not stand. Its counts say what the segment was denied.
     pub estimate: Estimate<M, P>,
+    /// Friction and bearing orders, where the shaft is watched.
+    pub shaft: Option<ShaftEstimate<K>>,
 }
 
-impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F, Z, C> {
+impl<const M: usize, const F: usize, const Z: usize, const C: usize, const K: usize> Model<M, F, Z, C, K> {
     /// The report of a detached segment: solve and classification, in whatever thread has the time.
     #[must_use]
-    pub fn conclude<const P: usize, S: Shape>(&self, segment: Segment<M, P, S>) -> Report<M, P, C> {
+    pub fn conclude<const P: usize, S: Shape>(&self, segment: Segment<M, P, S>) -> Report<M, P, C, K> {
+        self.conclude_with_shaft(segment, None)
+    }
+
+    /// [`Model::conclude`] with what [`Detector::collect_with_motion`] handed out.
+    #[must_use]
+    pub fn conclude_with_shaft<const P: usize, S: Shape>(
+        &self,
+        segment: Segment<M, P, S>,
+        shaft: Option<ShaftSums<K>>,
+    ) -> Report<M, P, C, K> {
         let mut report = self.empty_report();
+        report.shaft = self.conclude_shaft(shaft.as_ref());
         let solved = segment.solve_into(&self.regression, &mut report.estimate);
         self.judge(&mut report, segment.rows(), solved);
         report
@@ -73,7 +87,7 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
         rows: u32,
         counts: Counts,
         result: Result<Estimate<M, P>, Reason>,
-    ) -> Report<M, P, C> {
+    ) -> Report<M, P, C, K> {
         let mut report = self.empty_report();
         (report.estimate.rows, report.estimate.counts) = (rows, counts);
         let solved = result.map(|estimate| report.estimate = estimate);
@@ -81,8 +95,12 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
         report
     }
 
+    fn conclude_shaft(&self, sums: Option<&ShaftSums<K>>) -> Option<ShaftEstimate<K>> {
+        self.shaft.as_ref().zip(sums).map(|(shaft, sums)| shaft.conclude(sums))
+    }
+
     /// Completes the report of a whole segment that holds its estimate.
-    fn judge<const P: usize>(&self, report: &mut Report<M, P, C>, rows: u32, solved: Result<(), Reason>) {
+    fn judge<const P: usize>(&self, report: &mut Report<M, P, C, K>, rows: u32, solved: Result<(), Reason>) {
         self.classify(report, solved);
         // The model knows the spread of whole segments only.
         if rows < self.sampling.segment_samples / 2 && !matches!(report.verdict, Verdict::Undetermined(_)) {
@@ -93,9 +111,9 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
     }
 
     /// Completes the report that holds the estimate of any number of rows.
-    fn classify<const P: usize>(&self, report: &mut Report<M, P, C>, solved: Result<(), Reason>) {
+    fn classify<const P: usize>(&self, report: &mut Report<M, P, C, K>, solved: Result<(), Reason>) {
         report.accepted = solved.is_ok();
-        match solved.and_then(|()| self.classifier.classify(&report.estimate)) {
+        match solved.and_then(|()| self.classifier.classify(&report.estimate, report.shaft.as_ref())) {
             Ok(decision) => {
                 report.verdict = Verdict::Class(decision.class);
                 report.decision = Some(decision);
@@ -104,16 +122,22 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
         }
     }
 
-    const fn empty_report<const P: usize>(&self) -> Report<M, P, C> {
+    fn empty_report<const P: usize>(&self) -> Report<M, P, C, K> {
         let Regression { order, offset, .. } = self.regression;
         let counts = Counts { rejected: 0, saturated: 0, downweighted: 0, still: 0, stuck: [false; 3], refused: 0 };
         let estimate = Estimate::empty(order, offset, 0, counts);
-        Report { verdict: Verdict::Undetermined(Reason::TooFewRows), decision: None, accepted: false, estimate }
+        Report {
+            verdict: Verdict::Undetermined(Reason::TooFewRows),
+            decision: None,
+            accepted: false,
+            estimate,
+            shaft: None,
+        }
     }
 
     /// The feature `defmt` tells of every closed segment, never of a sample. Only on a chip: host programs have no logger
     /// to link with.
-    fn log<const P: usize>(&self, report: &Report<M, P, C>) {
+    fn log<const P: usize>(&self, report: &Report<M, P, C, K>) {
         #[cfg(all(feature = "defmt", target_os = "none"))]
         {
             let Estimate { rows, counts, .. } = &report.estimate;
@@ -144,7 +168,7 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
 
 /// Running state beside the current loop. Capacities: `M` columns, `P` = M(M−1)/2, `L` delays, `F` features, `Z`
 /// coordinates, `C` classes; `R` makes the rows,
-/// `A` sums them. Exported models bring a type alias with all of them set.
+/// `A` sums them; `W` watches the shaft with at most `K` bearing orders. Exported models bring a type alias with all of them set.
 ///
 /// ```
 /// # use bearing_watch::*;
@@ -171,27 +195,42 @@ pub struct Detector<
     const C: usize,
     R = Regressor<M, L>,
     A = Triangle<M, P>,
+    W = NoShaft,
+    const K: usize = 0,
 > {
-    model: &'m Model<M, F, Z, C>,
+    model: &'m Model<M, F, Z, C, K>,
     block: BlockMean<3>,
     /// Whether a sample of the open block was refused.
     spoiled: bool,
     estimator: Estimator<'m, M, P, L, R, A>,
+    shaft: W,
     /// Samples of the open segment, at the identification rate.
     samples: u32,
 }
 
-impl<'m, const M: usize, const P: usize, const L: usize, const F: usize, const Z: usize, const C: usize, R, A>
-    Detector<'m, M, P, L, F, Z, C, R, A>
+impl<
+    'm,
+    const M: usize,
+    const P: usize,
+    const L: usize,
+    const F: usize,
+    const Z: usize,
+    const C: usize,
+    R,
+    A,
+    W,
+    const K: usize,
+> Detector<'m, M, P, L, F, Z, C, R, A, W, K>
 where
     R: Rows<M>,
     A: Accumulator<M, P>,
+    W: Watch<K>,
 {
     /// Checks the model against the capacities, once.
     ///
     /// # Errors
     /// A [`ModelError`] naming what does not fit.
-    pub fn new(model: &'m Model<M, F, Z, C>) -> Result<Self, ModelError> {
+    pub fn new(model: &'m Model<M, F, Z, C, K>) -> Result<Self, ModelError> {
         model.validate()?;
         let regression = &model.regression;
         if regression.order.largest_delay() > L {
@@ -206,13 +245,23 @@ where
         if model.sampling.segment_samples > A::LONGEST {
             return Err(ModelError::Value("segment length"));
         }
-        Ok(Self { model, block: BlockMean::new(), spoiled: false, estimator: Estimator::new(regression), samples: 0 })
+        if !W::fits(model.shaft.as_ref()) {
+            return Err(ModelError::Value("shaft, which this detector was not compiled to watch,"));
+        }
+        Ok(Self {
+            model,
+            block: BlockMean::new(),
+            spoiled: false,
+            estimator: Estimator::new(regression),
+            shaft: W::new(model.shaft.as_ref()),
+            samples: 0,
+        })
     }
 
     /// Takes one sample; the sample that closes a segment brings its report. A segment of which less than half was
     /// usable has no verdict.
     #[inline]
-    pub fn step(&mut self, sample: Sample) -> Option<Report<M, P, C>> {
+    pub fn step(&mut self, sample: Sample) -> Option<Report<M, P, C, K>> {
         if self.take(&sample) { Some(self.close()) } else { None }
     }
 
@@ -227,9 +276,30 @@ where
         Some(self.estimator.detach())
     }
 
+    /// [`Detector::step`] for a model that watches the shaft: the same instant's sample and motion.
+    #[inline]
+    pub fn step_with_motion(&mut self, sample: Sample, motion: &Motion) -> Option<Report<M, P, C, K>> {
+        self.shaft.step(self.model.shaft.as_ref(), motion);
+        self.step(sample)
+    }
+
+    /// [`Detector::collect`] for a model that watches the shaft; both parts go to [`Model::conclude_with_shaft`].
+    #[inline]
+    pub fn collect_with_motion(
+        &mut self,
+        sample: Sample,
+        motion: &Motion,
+    ) -> Option<(Segment<M, P, R::Shape>, Option<ShaftSums<K>>)> {
+        self.shaft.step(self.model.shaft.as_ref(), motion);
+        let segment = self.collect(sample)?;
+        let sums = self.shaft.sums();
+        self.shaft.next_segment();
+        Some((segment, sums))
+    }
+
     /// Lets the estimate of a concluded segment take over at the handover. `false`, and nothing done, if that is past
     /// or the estimate does not stand.
-    pub fn adopt(&mut self, report: &Report<M, P, C>) -> bool {
+    pub fn adopt(&mut self, report: &Report<M, P, C, K>) -> bool {
         report.accepted && self.estimator.adopt(&report.estimate)
     }
 
@@ -260,20 +330,23 @@ where
 
     #[cold]
     #[inline(never)]
-    fn close(&mut self) -> Report<M, P, C> {
+    fn close(&mut self) -> Report<M, P, C, K> {
         self.samples = 0;
         let rows = self.estimator.rows();
         let mut report = self.model.empty_report();
         let solved = self.estimator.close_into(&mut report.estimate);
+        report.shaft = self.model.conclude_shaft(self.shaft.sums().as_ref());
+        self.shaft.next_segment();
         self.model.judge(&mut report, rows, solved);
         report
     }
 
     /// The report the open segment would give now, leaving it open. With fading memory that is the state of things.
     #[must_use]
-    pub fn preview(&self) -> Report<M, P, C> {
+    pub fn preview(&self) -> Report<M, P, C, K> {
         let mut report = self.model.empty_report();
         let solved = self.estimator.estimate_into(&mut report.estimate);
+        report.shaft = self.model.conclude_shaft(self.shaft.sums().as_ref());
         self.model.classify(&mut report, solved);
         report
     }
@@ -286,7 +359,7 @@ where
 
     /// Closes the open segment at the end of a trace, reports it, and starts afresh. The caller decides whether a part
     /// of a segment is enough: see [`Detector::pending`].
-    pub fn finish(&mut self) -> Report<M, P, C> {
+    pub fn finish(&mut self) -> Report<M, P, C, K> {
         let report = self.preview();
         self.model.log(&report);
         self.restart();
@@ -299,6 +372,7 @@ where
         self.samples = 0;
         self.block.reset();
         self.spoiled = false;
+        self.shaft = W::new(self.model.shaft.as_ref());
         self.estimator.restart();
     }
 }

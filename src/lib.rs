@@ -41,5 +41,6 @@ pub use decide::{Classifier, Decision};
 pub use detector::{Detector, Report, Sample, Verdict};
 pub use drive::{Abc, AlphaBeta, Angle, BlockMean, Dq0, FirDecimator, FrontEnd, HalfBandDecimator, HalfBandTaps};
 pub use drive::{Park, SinCos};
+pub use estimate::{Bearing, Friction, Motion, NoShaft, OrderStrength, Shaft, ShaftEstimate, ShaftModel};
 pub use estimate::{Counts, Estimate, Estimator, Guard, Instruments, Order, Reason, Regression, Regressor, Segment};
 pub use model::{Label, Model, ModelError, Sampling};

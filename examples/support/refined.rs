@@ -38,6 +38,7 @@ pub static MODEL: Model<11, 9, 3, 3> = Model {
         handover: 16,
         ..Regression::new(FORM.order, FORM.offset)
     },
+    shaft: None,
     classifier: Classifier {
         features: Features { index: [0, 1, 2, 3, 4, 5, 6, 7, 8], count: 9 },
         projection: Projection {

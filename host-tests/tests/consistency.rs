@@ -79,7 +79,7 @@ fn rms(x: &[f64]) -> f64 {
 fn draw(case: &Case, seed: u64) -> Trace {
     let mut generator = ChaCha8Rng::seed_from_u64(seed);
     let [u1, u2, e] = [(); 3].map(|()| white(&mut generator, case.samples));
-    let mut trace = Trace { id: format!("run {seed}"), interval_s: None, irregular_steps: 0, y: vec![], u1, u2 };
+    let mut trace = Trace { id: format!("run {seed}"), u1, u2, ..Trace::default() };
     trace.y = vec![0.0; case.samples];
     let clean = simulate(&trace, STRUCTURE, &THETA);
     let a = [1.0, THETA[0], THETA[1]];

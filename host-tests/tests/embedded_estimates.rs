@@ -57,7 +57,7 @@ fn open_reference_set() {
         ("velocity_ref_rad_s-velocity_rad_s", Order::new(2, 2, 2, 1, 1)),
         ("velocity_ref_rad_s-velocity_rad_s", Order::new(3, 3, 3, 1, 1)),
     ] {
-        let channels = Channels { y: "current_a".into(), u1: u1.into(), u2: "load_torque_nm".into() };
+        let channels = Channels::new("current_a", u1, "load_torque_nm");
         let traces = read(std::slice::from_ref(&folder), &channels).expect("traces");
         let traces = labels.join(&chosen, &classes, &traces).expect("labelled traces");
         assert_eq!(traces.len(), 12);
@@ -121,8 +121,15 @@ fn long_segments_small_residuals_and_far_operating_points() {
 
 #[test]
 fn what_is_not_excited_is_said_by_both_halves() {
-    let trace =
-        |id: &str, [y, u1, u2]: [Vec<f64>; 3]| Trace { id: id.into(), interval_s: None, irregular_steps: 0, y, u1, u2 };
+    let trace = |id: &str, [y, u1, u2]: [Vec<f64>; 3]| Trace {
+        id: id.into(),
+        interval_s: None,
+        irregular_steps: 0,
+        y,
+        u1,
+        u2,
+        motion: None,
+    };
     let swinging = (0..5000).map(|k| f64::from(k).sin()).collect();
     let steady = trace("steady", [swinging, vec![2.0; 5000], vec![0.5; 5000]]);
     let moving = (0..5000).map(|k| 30.0 * f64::from(k).cos()).collect();

@@ -24,7 +24,7 @@ fn plain(order: Order) -> Structure {
 fn simulated(structure: Structure, theta: &[f64], noise: f64, samples: usize, seed: u64) -> Trace {
     let mut generator = ChaCha8Rng::seed_from_u64(seed);
     let [u1, u2, e] = [(); 3].map(|()| white(&mut generator, samples));
-    let mut trace = Trace { id: format!("seed {seed}"), interval_s: None, irregular_steps: 0, y: vec![], u1, u2 };
+    let mut trace = Trace { id: format!("seed {seed}"), u1, u2, ..Trace::default() };
     trace.y = vec![0.0; samples];
     trace.y = simulate(&trace, structure, theta).iter().zip(&e).map(|(clean, e)| clean + noise * e).collect();
     trace
@@ -50,8 +50,8 @@ const SCIPY: [(f64, [f64; 6]); 12] = [
 #[test]
 fn output_error_reaches_the_least_minimum_that_scipy_found() {
     let Some(folder) = data("dc_motor_reference") else { return };
-    let u1 = "velocity_ref_rad_s-velocity_rad_s".into();
-    let channels = Channels { y: "current_a".into(), u1, u2: "load_torque_nm".into() };
+    let u1 = "velocity_ref_rad_s-velocity_rad_s";
+    let channels = Channels::new("current_a", u1, "load_torque_nm");
     let (mut worst, mut above) = (0.0_f64, 0.0_f64);
     for trace in read(&[folder], &channels).expect("readable traces") {
         let number: usize = stem(&trace.id).trim_start_matches("trace_").parse().expect("trace number");
@@ -269,7 +269,7 @@ fn what_does_not_converge_is_flagged_and_finite() {
     for seed in 0..40 {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         let [y, u1, u2] = [(); 3].map(|()| white(&mut generator, 60));
-        let trace = Trace { id: "noise".into(), interval_s: None, irregular_steps: 0, y, u1, u2 };
+        let trace = Trace { id: "noise".into(), interval_s: None, irregular_steps: 0, y, u1, u2, motion: None };
         for method in ALL {
             let Ok(found) = estimate(&trace, structure, method) else { continue };
             assert!(found.theta.iter().all(|p| p.is_finite()), "{method:?}, {seed}");

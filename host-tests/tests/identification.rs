@@ -8,7 +8,7 @@ use workbench::trace::{Channels, Trace, read, stem};
 
 fn traces(folder: &Path, input: &str) -> Vec<Trace> {
     let u1 = if input == "err" { "velocity_ref_rad_s-velocity_rad_s" } else { "velocity_ref_rad_s" };
-    let channels = Channels { y: "current_a".into(), u1: u1.into(), u2: "load_torque_nm".into() };
+    let channels = Channels::new("current_a", u1, "load_torque_nm");
     read(&[folder.to_path_buf()], &channels).expect("readable traces")
 }
 

@@ -14,7 +14,7 @@ fn agrees_with_the_workbench_in_open_loop() {
         let samples: Vec<_> = plant.source(plant.noise(20.0), 3).take(8000).collect();
         let record = Record::new(&samples);
         let [y, u1, u2] = record.signals.clone();
-        let trace = Trace { id: plant.name.into(), interval_s: None, irregular_steps: 0, y, u1, u2 };
+        let trace = Trace { id: plant.name.into(), interval_s: None, irregular_steps: 0, y, u1, u2, motion: None };
         let other = estimate(&trace, Structure { order, offset: false }, Method::Sriv).expect("well posed");
         let (own, passes) = oracle::batch(&record, order, &plant.truth(), order.depth()..8000).expect("converges");
         let gap = own.deviations().iter().enumerate().fold(0.0_f64, |most, (k, sd)| {

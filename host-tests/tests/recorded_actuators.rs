@@ -26,7 +26,7 @@ const BLOCK: usize = 4;
 
 fn recording(load: &str) -> Option<Recording> {
     let folder = data("cranfield_ema")?;
-    let channels = Channels { y: "current_a".into(), u1: "velocity_mm_s".into(), u2: "velocity_ref_mm_s".into() };
+    let channels = Channels::new("current_a", "velocity_mm_s", "velocity_ref_mm_s");
     let file: PathBuf = folder.join(format!("strokes_{load}kgf.csv"));
     let traces = read(&[file], &channels).expect("readable strokes");
     let preparation = Preparation { block_mean: BLOCK, decimate: 1 };

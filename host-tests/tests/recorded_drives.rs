@@ -78,6 +78,7 @@ fn first_order(folder: &Path, file: &str) -> Trace {
         y: velocity,
         u1: force,
         u2: direction,
+        motion: None,
     };
     Preparation { block_mean: 5, decimate: 1 }.apply(&trace).expect("long enough")
 }
@@ -115,6 +116,7 @@ fn dynamometer(folder: &Path, file: &str) -> [Trace; 2] {
         y: y[range.clone()].to_vec(),
         u1: u1[range.clone()].to_vec(),
         u2: u2[range].to_vec(),
+        motion: None,
     };
     [cut(0..half), cut(half..y.len())]
 }

@@ -67,7 +67,15 @@ impl System {
             y.iter_mut().zip(&v).for_each(|(y, v)| *y += v);
         }
         let kept = |x: Vec<f64>| x[SETTLE..].to_vec();
-        Trace { id: "made".into(), interval_s: None, irregular_steps: 0, y: kept(y), u1: kept(u1), u2: kept(u2) }
+        Trace {
+            id: "made".into(),
+            interval_s: None,
+            irregular_steps: 0,
+            y: kept(y),
+            u1: kept(u1),
+            u2: kept(u2),
+            motion: None,
+        }
     }
 }
 
@@ -220,6 +228,7 @@ fn rig_trace(seed: u64, error: bool) -> Trace {
         y: rig.current_a,
         u1,
         u2: rig.load_torque_nm,
+        motion: None,
     }
 }
 

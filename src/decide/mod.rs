@@ -7,10 +7,10 @@ pub mod features;
 pub mod projection;
 
 pub use discriminant::{Decision, Discriminant, Kind};
-pub use features::Features;
+pub use features::{Features, SHAFT_FEATURES};
 pub use projection::Projection;
 
-use crate::estimate::{Estimate, Reason};
+use crate::estimate::{Estimate, Reason, ShaftEstimate};
 
 /// Trained constants from estimate to decision: `F` features, `Z` projected coordinates, `C` classes, all
 /// capacities.
@@ -29,12 +29,17 @@ pub struct Classifier<const F: usize, const Z: usize, const C: usize> {
 }
 
 impl<const F: usize, const Z: usize, const C: usize> Classifier<F, Z, C> {
-    /// Classifies one estimate.
+    /// Classifies one estimate, with that of the shaft where features of it are asked for.
     ///
     /// # Errors
-    /// [`Reason::NotFinite`] where a likelihood is not a number.
-    pub fn classify<const M: usize, const P: usize>(&self, estimate: &Estimate<M, P>) -> Result<Decision<C>, Reason> {
-        let features = self.features.extract(estimate);
+    /// [`Reason::NotFinite`] where a likelihood is not a number; where the shaft's estimate says nothing but is asked for, its
+    /// reason, and [`Reason::TooFewRows`] where there is none.
+    pub fn classify<const M: usize, const P: usize, const K: usize>(
+        &self,
+        estimate: &Estimate<M, P>,
+        shaft: Option<&ShaftEstimate<K>>,
+    ) -> Result<Decision<C>, Reason> {
+        let features = self.features.extract(estimate, shaft)?;
         self.discriminant.decide(&self.projection.project(&features)).ok_or(Reason::NotFinite)
     }
 }

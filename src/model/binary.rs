@@ -11,10 +11,10 @@
 
 use super::{Label, Model, ModelError, Sampling};
 use crate::decide::{Classifier, Discriminant, Features, Kind, Projection};
-use crate::estimate::{Forgetting, Memory, Method, Order, Regression};
+use crate::estimate::{Forgetting, Guard, Memory, Method, Order, Regression};
 
 const MAGIC: [u8; 4] = *b"BWMD";
-pub(super) const VERSION: u16 = 2;
+pub(super) const VERSION: u16 = 3;
 const HEADER: usize = 16;
 /// No payload and no notes are longer than this; a length field beyond it is corruption.
 pub const MAX_BYTES: usize = 1 << 20;
@@ -66,7 +66,7 @@ fn open(bytes: &[u8]) -> Result<(&[u8], &[u8]), ModelError> {
     content.split_at_checked(payload).ok_or(ModelError::Length)
 }
 
-struct Reader<'a>(&'a [u8]);
+pub(super) struct Reader<'a>(&'a [u8]);
 
 impl Reader<'_> {
     fn array<const N: usize>(&mut self) -> Result<[u8; N], ModelError> {
@@ -75,24 +75,24 @@ impl Reader<'_> {
         Ok(*head)
     }
 
-    fn u8(&mut self) -> Result<u8, ModelError> {
+    pub(super) fn u8(&mut self) -> Result<u8, ModelError> {
         self.array().map(u8::from_le_bytes)
     }
 
-    fn u16(&mut self) -> Result<u16, ModelError> {
+    pub(super) fn u16(&mut self) -> Result<u16, ModelError> {
         self.array().map(u16::from_le_bytes)
     }
 
-    fn u32(&mut self) -> Result<u32, ModelError> {
+    pub(super) fn u32(&mut self) -> Result<u32, ModelError> {
         self.array().map(u32::from_le_bytes)
     }
 
-    fn f32(&mut self) -> Result<f32, ModelError> {
+    pub(super) fn f32(&mut self) -> Result<f32, ModelError> {
         self.array().map(f32::from_le_bytes)
     }
 
     /// Fills the first `count` cells.
-    fn fill(&mut self, cells: &mut [f32], count: usize) -> Result<(), ModelError> {
+    pub(super) fn fill(&mut self, cells: &mut [f32], count: usize) -> Result<(), ModelError> {
         for cell in cells.iter_mut().take(count) {
             *cell = self.f32()?;
         }
@@ -100,31 +100,31 @@ impl Reader<'_> {
     }
 
     /// A size with its capacity.
-    fn size(&mut self, capacity: usize, what: &'static str) -> Result<u8, ModelError> {
+    pub(super) fn size(&mut self, capacity: usize, what: &'static str) -> Result<u8, ModelError> {
         let size = self.u8()?;
         if size as usize > capacity { Err(ModelError::Capacity(what)) } else { Ok(size) }
     }
 }
 
-struct Writer<'a> {
+pub(super) struct Writer<'a> {
     free: &'a mut [u8],
     written: usize,
 }
 
 impl Writer<'_> {
-    fn bytes(&mut self, bytes: &[u8]) -> Result<(), ModelError> {
+    pub(super) fn bytes(&mut self, bytes: &[u8]) -> Result<(), ModelError> {
         let cells = self.free.get_mut(self.written..self.written + bytes.len()).ok_or(ModelError::Buffer)?;
         cells.copy_from_slice(bytes);
         self.written += bytes.len();
         Ok(())
     }
 
-    fn floats<'f>(&mut self, values: impl IntoIterator<Item = &'f f32>) -> Result<(), ModelError> {
+    pub(super) fn floats<'f>(&mut self, values: impl IntoIterator<Item = &'f f32>) -> Result<(), ModelError> {
         values.into_iter().try_for_each(|x| self.bytes(&x.to_le_bytes()))
     }
 }
 
-impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F, Z, C> {
+impl<const M: usize, const F: usize, const Z: usize, const C: usize, const K: usize> Model<M, F, Z, C, K> {
     /// Reads a model from its binary form and validates it.
     ///
     /// # Errors
@@ -158,7 +158,8 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
             reader.fill(row, count as usize)?;
         }
         let (discriminant, labels) = Self::read_discriminant(reader, z as usize)?;
-        Ok(Self { sampling, regression, classifier: Classifier { features, projection, discriminant }, labels })
+        let shaft = if flag(reader.u8()?, "shaft flag")? { Some(super::shaft::read(reader)?) } else { None };
+        Ok(Self { sampling, regression, shaft, classifier: Classifier { features, projection, discriminant }, labels })
     }
 
     fn read_discriminant(reader: &mut Reader<'_>, z: usize) -> Result<(Discriminant<Z, C>, [Label; C]), ModelError> {
@@ -245,7 +246,9 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
         writer.floats(discriminant.log_normaliser.iter().take(used))?;
         writer.floats(discriminant.log_prior.iter().take(used))?;
         writer.floats(discriminant.cost.iter().take(used).flat_map(|row| row.iter().take(used)))?;
-        self.labels.iter().take(used).try_for_each(|label| writer.bytes(&label.to_bytes()))
+        self.labels.iter().take(used).try_for_each(|label| writer.bytes(&label.to_bytes()))?;
+        writer.bytes(&[u8::from(self.shaft.is_some())])?;
+        self.shaft.as_ref().map_or(Ok(()), |shaft| super::shaft::write(writer, shaft))
     }
 }
 
@@ -260,13 +263,7 @@ fn read_regression<const M: usize>(reader: &mut Reader<'_>) -> Result<Regression
         let forgetting = Forgetting { lambda: reader.f32()?, floor: reader.f32()? };
         regression.memory = Memory::Fading(forgetting);
     }
-    let guard = &mut regression.guard;
-    reader.fill(&mut guard.limit, 3)?;
-    reader.fill(&mut guard.saturation, 3)?;
-    for samples in &mut guard.stuck_samples {
-        *samples = reader.u16()?;
-    }
-    guard.huber = reader.f32()?;
+    regression.guard = read_guard(reader)?;
     regression.still = reader.f32()?;
     (regression.settle, regression.handover) = (reader.u16()?, reader.u16()?);
     let n = regression.parameters();
@@ -283,15 +280,30 @@ fn write_regression<const M: usize>(writer: &mut Writer<'_>, regression: &Regres
     if let Memory::Fading(forgetting) = &regression.memory {
         writer.floats([&forgetting.lambda, &forgetting.floor])?;
     }
-    let guard = &regression.guard;
-    writer.floats(guard.limit.iter().chain(&guard.saturation))?;
-    guard.stuck_samples.iter().try_for_each(|samples| writer.bytes(&samples.to_le_bytes()))?;
-    writer.floats([&guard.huber, &regression.still])?;
+    write_guard(writer, &regression.guard)?;
+    writer.floats([&regression.still])?;
     writer.bytes(&regression.settle.to_le_bytes())?;
     writer.bytes(&regression.handover.to_le_bytes())?;
     let n = regression.parameters();
     writer.floats(regression.scale.iter().take(n + 1))?;
     writer.floats(regression.nominal.delta.iter().take(n).chain([&regression.nominal.deviation]))
+}
+
+pub(super) fn read_guard(reader: &mut Reader<'_>) -> Result<Guard, ModelError> {
+    let mut guard = Guard::OPEN;
+    reader.fill(&mut guard.limit, 3)?;
+    reader.fill(&mut guard.saturation, 3)?;
+    for samples in &mut guard.stuck_samples {
+        *samples = reader.u16()?;
+    }
+    guard.huber = reader.f32()?;
+    Ok(guard)
+}
+
+pub(super) fn write_guard(writer: &mut Writer<'_>, guard: &Guard) -> Result<(), ModelError> {
+    writer.floats(guard.limit.iter().chain(&guard.saturation))?;
+    guard.stuck_samples.iter().try_for_each(|samples| writer.bytes(&samples.to_le_bytes()))?;
+    writer.floats([&guard.huber])
 }
 
 /// How many whitening matrices there are.
@@ -302,7 +314,7 @@ fn covariances(kind: Kind, classes: usize) -> usize {
     }
 }
 
-fn flag(byte: u8, what: &'static str) -> Result<bool, ModelError> {
+pub(super) fn flag(byte: u8, what: &'static str) -> Result<bool, ModelError> {
     match byte {
         0 => Ok(false),
         1 => Ok(true),

@@ -1,12 +1,13 @@
 //! The trained constants, immutable: in flash as a `const`, or read from a checked binary blob.
 
 mod binary;
+mod shaft;
 
 pub use binary::{MAX_BYTES, notes};
 
-use crate::decide::Classifier;
+use crate::decide::{Classifier, features};
 use crate::estimate::{
-    Guard, MAX_LAMBDA, MAX_LONG_SEGMENT_SAMPLES, MAX_OUTPUT_TERMS, Memory, Method, Regression, is_stable,
+    Guard, MAX_LAMBDA, MAX_LONG_SEGMENT_SAMPLES, MAX_OUTPUT_TERMS, Memory, Method, Regression, ShaftModel, is_stable,
 };
 
 /// Longest block mean: plain sums of more samples lose digits.
@@ -84,14 +85,16 @@ impl Label {
     }
 }
 
-/// Everything that was trained. Capacities: `M` columns, `F` features, `Z` coordinates, `C` classes.
+/// Everything that was trained. Capacities: `M` columns, `F` features, `Z` coordinates, `C` classes, `K` bearing orders.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Model<const M: usize, const F: usize, const Z: usize, const C: usize> {
+pub struct Model<const M: usize, const F: usize, const Z: usize, const C: usize, const K: usize = 0> {
     /// Rate and segment length.
     pub sampling: Sampling,
     /// Structure, scales and limits of the regression.
     pub regression: Regression<M>,
+    /// Torque balance and bearing orders, where the shaft is watched.
+    pub shaft: Option<ShaftModel<K>>,
     /// Features, projection and discriminant.
     pub classifier: Classifier<F, Z, C>,
     /// Class names.
@@ -137,7 +140,7 @@ impl core::fmt::Display for ModelError {
 
 impl core::error::Error for ModelError {}
 
-impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F, Z, C> {
+impl<const M: usize, const F: usize, const Z: usize, const C: usize, const K: usize> Model<M, F, Z, C, K> {
     /// Name of a class, empty where there is no such class.
     #[must_use]
     pub fn label(&self, class: u8) -> &str {
@@ -174,8 +177,11 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize> Model<M, F,
         used(features.count, F, "features")?;
         used(classifier.projection.count, Z, "projected coordinates")?;
         used(discriminant.classes, C, "classes")?;
-        // Places 0 … n−1 are parameters, n is ln σ².
-        let in_range = |index: &u8| (*index as usize) <= regression.parameters();
+        if let Some(shaft) = &self.shaft {
+            shaft::validate(shaft)?;
+        }
+        let orders = self.shaft.as_ref().map(|shaft| shaft.tracking.count);
+        let in_range = |index: &u8| features::exists(*index, regression.parameters(), orders);
         check(features.index.iter().take(features.count as usize).all(in_range), "feature index")?;
 
         let (f, z) = (features.count as usize, classifier.projection.count as usize);

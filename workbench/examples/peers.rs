@@ -72,7 +72,7 @@ fn write_armax(folder: &Path) -> Result<(), Box<dyn Error>> {
 
 fn time(folder: &Path) -> Result<Value, Box<dyn Error>> {
     let load = |name: &str, u1: &str| -> Result<Vec<Trace>, workbench::Error> {
-        let channels = Channels { y: "current_a".into(), u1: u1.into(), u2: "load_torque_nm".into() };
+        let channels = Channels::new("current_a", u1, "load_torque_nm");
         read(&[folder.join(name)], &channels)
     };
     let (train, validate) = (load("train.csv", "velocity_error_rad_s")?, load("validate.csv", "velocity_error_rad_s")?);

@@ -9,8 +9,8 @@ use crate::evaluate::{self, Confusion, TraceVerdict};
 use crate::identify::{Order, Structure};
 use crate::literal;
 use crate::rig::{Defect, DefectKind, RigTrace, Scenario, simulate, trace_seed};
-use crate::trace::Trace;
 use crate::trace::labels::LabelledTrace;
+use crate::trace::{MotionTrace, Trace};
 use crate::train::{Keep, ProjectionKind, Recipe, Trained, train};
 
 /// Class names of the standard rig, healthy first.
@@ -102,7 +102,15 @@ pub fn traces(
     jobs.par_iter().map(each).collect()
 }
 
+/// A rig's recording with the shaft's channels.
 fn trace(id: String, recorded: RigTrace, input: FirstInput) -> Trace {
+    let motion = MotionTrace {
+        current_a: recorded.current_a.clone(),
+        velocity_rad_s: recorded.velocity_rad_s.clone(),
+        reference_rad_s: recorded.velocity_ref_rad_s.clone(),
+        load_nm: recorded.load_torque_nm.clone(),
+        angle_rad: recorded.angle_rad,
+    };
     let u1 = match input {
         FirstInput::Reference => recorded.velocity_ref_rad_s,
         FirstInput::Error => {
@@ -111,7 +119,15 @@ fn trace(id: String, recorded: RigTrace, input: FirstInput) -> Trace {
         }
     };
     let interval_s = recorded.t_s.windows(2).next().map(|pair| pair[1] - pair[0]);
-    Trace { id, interval_s, irregular_steps: 0, y: recorded.current_a, u1, u2: recorded.load_torque_nm }
+    Trace {
+        id,
+        interval_s,
+        irregular_steps: 0,
+        y: recorded.current_a,
+        u1,
+        u2: recorded.load_torque_nm,
+        motion: Some(motion),
+    }
 }
 
 /// Least squares, all of a, b, c, no projection, linear discriminant.

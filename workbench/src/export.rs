@@ -4,10 +4,11 @@ use std::fmt::Write as _;
 
 use bearing_watch::decide::Kind;
 use bearing_watch::estimate::{Forgetting, MAX_SEGMENT_SAMPLES, Memory, Method};
-use bearing_watch::{Guard, Regression};
+use bearing_watch::{Guard, Regression, ShaftModel};
 use nalgebra::DMatrix;
 
 use crate::Error;
+use crate::embedded::MAX_ORDERS;
 use crate::identify::Structure;
 use crate::train::Trained;
 
@@ -49,9 +50,16 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     line("use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Projection};");
     let Types { rows, sums } = Types::of(trained);
     let fading: &[&str] = if sums == "Fading" { &["Forgetting", "Memory"] } else { &[] };
-    let estimate = imports(&[&["Form", "Method", "Nominal", "Shape", sums], fading].concat());
+    let watch = trained.shaft.as_ref();
+    let plain = if watch.is_some() && sums.is_empty() { "Triangle" } else { sums };
+    let shaft: &[&str] = match watch {
+        Some(_) => &["Balance", "StateVariable", "TrackedOrder", "Tracking"],
+        None => &[],
+    };
+    let estimate = imports(&[&["Form", "Method", "Nominal", "Shape", plain], fading, shaft].concat());
     line(&format!("use bearing_watch::estimate::{{{estimate}}};"));
-    let root = imports(&["Detector", "Guard", "Label", "Model", "Order", "Regression", "Sampling", rows]);
+    let root = ["Detector", "Guard", "Label", "Model", "Order", "Regression", "Sampling", rows];
+    let root = imports(&[&root[..], if watch.is_some() { &["Shaft", "ShaftModel"] } else { &[] }].concat());
     line(&format!("use bearing_watch::{{{root}}};"));
     line("");
     line("/// The order, known when compiling.");
@@ -69,7 +77,9 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     line("");
     line("/// The detector of exactly this model's size.");
     let packed = m * (m - 1) / 2;
-    let sums = if sums.is_empty() { String::new() } else { format!(", {sums}<{m}, {packed}>") };
+    let sums = if plain.is_empty() { String::new() } else { format!(", {plain}<{m}, {packed}>") };
+    let orders = watch.map_or(0, |shaft| shaft.tracking.count);
+    let sums = if watch.is_some() { format!("{sums}, Shaft<{orders}>, {orders}") } else { sums };
     let types = format!("{m}, {packed}, {delays}, {f}, {z}, {c}, {rows}<{m}, {delays}, Structure>{sums}");
     line("#[rustfmt::skip]");
     line(&format!("pub type Monitor = Detector<'static, {types}>;"));
@@ -83,7 +93,8 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     line("");
     line("/// The trained constants.");
     line("#[rustfmt::skip]");
-    line(&format!("pub static MODEL: Model<{m}, {f}, {z}, {c}> = Model {{"));
+    let k = if watch.is_some() { format!(", {orders}") } else { String::new() };
+    line(&format!("pub static MODEL: Model<{m}, {f}, {z}, {c}{k}> = Model {{"));
     line(&format!(
         "    sampling: Sampling {{ interval_s: {}, block_mean: {}, segment_samples: {} }},",
         number(trained.interval_s),
@@ -94,6 +105,10 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     constants(regression, m).iter().for_each(|text| line(&format!("        {text},")));
     line(&format!("        ..Regression::new({order}, {offset})"));
     line("    },");
+    match watch {
+        Some(shaft) => shaft_constants(shaft).iter().for_each(|text| line(text)),
+        None => line("    shaft: None,"),
+    }
     line("    classifier: Classifier {");
     line(&format!("        features: Features {{ index: {:?}, count: {f} }},", trained.core_features));
     line("        projection: Projection {");
@@ -142,6 +157,35 @@ fn imports(names: &[&str]) -> String {
     let mut names: Vec<&str> = names.iter().copied().filter(|name| !name.is_empty()).collect();
     names.sort_unstable();
     names.join(", ")
+}
+
+/// The lines of the shaft's constants.
+fn shaft_constants(shaft: &ShaftModel<MAX_ORDERS>) -> Vec<String> {
+    let array = |values: &[f32]| list(&values.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>());
+    let ShaftModel { guard, current_delay, balance, tracking } = shaft;
+    let used = tracking.orders.iter().take(tracking.count as usize);
+    let orders: Vec<String> = used
+        .map(|order| format!("TrackedOrder {{ order_q16: {}, weights: {} }}", order.order_q16, array(&order.weights)))
+        .collect();
+    vec![
+        "    shaft: Some(ShaftModel {".into(),
+        format!("        guard: Guard::within({}),", array(&guard.limit)),
+        format!("        current_delay: {current_delay:?},"),
+        "        balance: Balance {".into(),
+        format!("            interval_s: {:?},", balance.interval_s),
+        format!("            filter: StateVariable::new({:?}, {:?}),", balance.filter.gain, balance.interval_s),
+        format!("            row_interval: {}, settle: {},", balance.row_interval, balance.settle),
+        format!("            sign_velocity_rad_s: {:?}, load: {},", balance.sign_velocity_rad_s, balance.load),
+        format!("            scale: {},", array(&balance.scale)),
+        format!("            nominal: {},", array(&balance.nominal)),
+        "        },".into(),
+        "        tracking: Tracking {".into(),
+        format!("            orders: {},", list(&orders)),
+        format!("            count: {}, harmonics: {},", tracking.count, tracking.harmonics),
+        format!("            still: {}, block_samples: {},", tracking.still, tracking.block_samples),
+        "        },".into(),
+        "    }),".into(),
+    ]
 }
 
 /// The fields in which a regression differs from `Regression::new`, for a type of `m` columns.

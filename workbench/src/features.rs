@@ -4,8 +4,10 @@
 //! raw = T δ + k,   δ = [δ-parameters, ln σ²],   raw = [a, b, c, constant, ln σ²]            (1)
 //! ```
 //!
-//! The workbench chooses and projects raw features; the core extracts δ and applies the composed map.
+//! The workbench chooses and projects raw features; the core extracts δ and applies the composed map. Features of the shaft follow
+//! and are the same in both: the torque balance's parameters, their scores, its residual, and two numbers an order.
 
+use bearing_watch::decide::SHAFT_FEATURES;
 use nalgebra::{DMatrix, DVector};
 
 use crate::Error;
@@ -39,12 +41,86 @@ pub fn of_core(structure: Structure, delta: &[f32], variance: f32) -> DVector<f6
     raw
 }
 
+/// Names of the torque balance's parameters, in the core's order: all in amperes by the unit of their signal.
+pub const FRICTION: [&str; 5] = ["inertia", "viscous", "coulomb", "inverse_kt", "torque_offset"];
+
+/// Every feature that a model may have.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Catalogue {
+    /// The regression's structure.
+    pub structure: Structure,
+    /// Names of the tracked orders, where the shaft is watched.
+    pub orders: Option<Vec<String>>,
+}
+
+impl Catalogue {
+    /// Names and core indices of the shaft's features.
+    #[must_use]
+    pub fn shaft(&self) -> Vec<(String, u8)> {
+        let Some(orders) = &self.orders else { return vec![] };
+        let mut all = Vec::new();
+        let mut place = |name: String, offset: usize| all.push((name, SHAFT_FEATURES + offset as u8));
+        FRICTION.iter().enumerate().for_each(|(k, name)| place((*name).into(), k));
+        FRICTION.iter().enumerate().for_each(|(k, name)| place(format!("{name}_score"), 8 + k));
+        place("balance_log_variance".into(), 16);
+        orders.iter().enumerate().for_each(|(k, name)| place(format!("order_{name}"), 32 + k));
+        orders.iter().enumerate().for_each(|(k, name)| place(format!("amplitude_{name}"), 64 + k));
+        all
+    }
+
+    /// Names of all features: those of the regression, then the shaft's.
+    #[must_use]
+    pub fn names(&self) -> Vec<String> {
+        all_names(self.structure).into_iter().chain(self.shaft().into_iter().map(|(name, _)| name)).collect()
+    }
+
+    /// Places of a choice; without one, every parameter of the regression.
+    ///
+    /// # Errors
+    /// As [`choose`].
+    pub fn choose(&self, asked: &[String]) -> Result<Vec<usize>, Error> {
+        choose_from(&self.names(), self.structure, asked)
+    }
+
+    /// The core's index of the feature at a place in δ and what follows.
+    #[must_use]
+    pub fn core_index(&self, place: usize) -> usize {
+        let own = self.structure.parameters() + 1;
+        match place.checked_sub(own) {
+            Some(k) => self.shaft().get(k).map_or(place, |(_, index)| *index as usize),
+            None => place,
+        }
+    }
+
+    /// T of (1), continued by ones.
+    #[must_use]
+    pub fn raw_from_delta(&self) -> DMatrix<f64> {
+        let own = raw_from_delta(self.structure);
+        let n = own.nrows() + self.shaft().len();
+        let mut map = DMatrix::identity(n, n);
+        map.view_mut((0, 0), own.shape()).copy_from(&own);
+        map
+    }
+
+    /// δ of a raw vector, and what follows it.
+    #[must_use]
+    pub fn delta_from_raw(&self, raw: &DVector<f64>) -> DVector<f64> {
+        let own = self.structure.parameters() + 1;
+        let mut delta = raw.clone();
+        delta.rows_mut(0, own).copy_from(&delta_from_raw(self.structure, &raw.rows(0, own).into_owned()));
+        delta
+    }
+}
+
 /// Places in [`all_names`] of a choice such as `a,b,log_variance` or `a1,c2`; without one, every parameter.
 ///
 /// # Errors
 /// An unknown name, or one that comes twice.
 pub fn choose(structure: Structure, asked: &[String]) -> Result<Vec<usize>, Error> {
-    let names = all_names(structure);
+    choose_from(&all_names(structure), structure, asked)
+}
+
+fn choose_from(names: &[String], structure: Structure, asked: &[String]) -> Result<Vec<usize>, Error> {
     if asked.is_empty() {
         return Ok((0..structure.parameters()).collect());
     }
@@ -52,14 +128,19 @@ pub fn choose(structure: Structure, asked: &[String]) -> Result<Vec<usize>, Erro
     for name in asked {
         let of_group = |full: &String| {
             full == name
-                || matches!(name.as_str(), "a" | "b" | "c")
-                    && full[1..].parse::<u8>().is_ok()
-                    && full.starts_with(name.as_str())
+                || match name.as_str() {
+                    "a" | "b" | "c" => full[1..].parse::<u8>().is_ok() && full.starts_with(name.as_str()),
+                    // The offset says something of the sensors, not of the bearing.
+                    "friction" => FRICTION[..4].contains(&full.as_str()),
+                    "friction_scores" => FRICTION[..4].iter().any(|own| full.strip_suffix("_score") == Some(own)),
+                    "orders" => full.starts_with("order_"),
+                    _ => false,
+                }
         };
         let places: Vec<usize> = (0..names.len()).filter(|&k| of_group(&names[k])).collect();
         if places.is_empty() {
             return Err(Error::Usage(format!(
-                "--features: no {name} in this model; there are {} (a, b, c stand for whole groups)",
+                "--features: no {name} in this model; there are {} (a, b, c, friction, friction_scores, orders stand for whole groups)",
                 names.join(", ")
             )));
         }

@@ -5,7 +5,6 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use crate::Error;
 use crate::embedded::{Embedded, Segment};
 use crate::evaluate::{Confusion, TraceVerdict};
-use crate::features;
 use crate::report::page::{or_reason, paragraph};
 use crate::report::plot::{self, Density, Panel, ScatterClass, Series};
 use crate::report::table::{ConfusionRow, confusion_table, table};
@@ -119,8 +118,9 @@ fn decide(model: &Embedded, plane: &Plane, x: f64, y: f64, undetermined: usize) 
 /// Projected coordinates of what the detector estimated.
 fn coordinates(trained: &Trained, segment: &Segment) -> DVector<f64> {
     let variance = f64::from(segment.variance.max(f32::MIN_POSITIVE));
-    let raw: Vec<f64> = segment.raw.iter().map(|x| f64::from(*x)).chain([variance.ln()]).collect();
-    let names = features::all_names(trained.recipe.structure);
+    let own = segment.raw.iter().map(|x| f64::from(*x)).chain([variance.ln()]);
+    let raw: Vec<f64> = own.chain(segment.shaft_features.iter().map(|x| f64::from(*x))).collect();
+    let names = trained.recipe.catalogue().names();
     let chosen = trained.feature_names.iter().filter_map(|name| names.iter().position(|n| n == name));
     let chosen: Vec<f64> = chosen.map(|k| raw[k]).collect();
     trained.projection.apply(&DVector::from_vec(chosen))

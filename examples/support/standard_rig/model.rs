@@ -38,6 +38,7 @@ pub static MODEL: Model<6, 5, 5, 3> = Model {
         guard: Guard::within([62.723488, 400.0, 4.126983]),
         ..Regression::new(Order::new(2, 1, 2, 1, 1), false)
     },
+    shaft: None,
     classifier: Classifier {
         features: Features { index: [0, 1, 2, 3, 4], count: 5 },
         projection: Projection {

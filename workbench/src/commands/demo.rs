@@ -116,7 +116,7 @@ fn converter_counts(first: &Draw) -> Vec<u8> {
 }
 
 fn channels() -> Channels {
-    Channels { y: "current_a".into(), u1: "velocity_ref_rad_s".into(), u2: "load_torque_nm".into() }
+    Channels::new("current_a", "velocity_ref_rad_s", "load_torque_nm")
 }
 
 fn rows(repetitions: &[Repetition]) -> Vec<Row> {

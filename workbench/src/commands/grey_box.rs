@@ -142,7 +142,7 @@ fn linear(args: &LinearArgs) -> Result<(), Error> {
     }
     let friction = if args.asymmetric { Friction::OneSided } else { Friction::Symmetric };
     let settings = LinearSettings { friction, cutoff_hz: args.cutoff, decimate: args.decimate };
-    let channels = Channels { y: args.position.clone(), u1: args.force.clone(), u2: args.force.clone() };
+    let channels = Channels::new(args.position.clone(), args.force.clone(), args.force.clone());
     let read = |paths: &[PathBuf]| -> Result<Vec<Trace>, Error> {
         let mut traces = trace::read(paths, &channels)?;
         traces.iter_mut().flat_map(|trace| &mut trace.u1).for_each(|force| *force *= args.force_gain);
@@ -170,7 +170,7 @@ fn linear_record<'a>(trace: &'a Trace, shown: &Shown) -> Result<LinearRecord<'a>
 
 /// Reads four channels as two readings of three: the first, the last, and each of the middle ones.
 fn read_four(paths: &[PathBuf], [y, first, second, u2]: [&String; 4]) -> Result<Vec<(Trace, Vec<f64>)>, Error> {
-    let read = |u1: &String| trace::read(paths, &Channels { y: y.clone(), u1: u1.clone(), u2: u2.clone() });
+    let read = |u1: &String| trace::read(paths, &Channels::new(y.clone(), u1, u2));
     let (traces, other) = (read(first)?, read(second)?);
     warn_irregular(traces.iter());
     // A folder's files without the one or the other column are passed over; the rest must pair.

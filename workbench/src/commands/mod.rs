@@ -9,6 +9,7 @@ mod options;
 mod output;
 mod piecewise;
 mod replay;
+mod shaft;
 mod simulate;
 mod structure;
 mod train;

@@ -10,7 +10,7 @@ use crate::Error;
 use crate::embedded::Embedded;
 use crate::identify::{Order, Structure, parse_order};
 use crate::trace::labels::LabelledTrace;
-use crate::trace::{self, Channels, Condition, Labels, Preparation, Trace, same_interval};
+use crate::trace::{self, Channels, Condition, Labels, Preparation, ShaftChannels, Trace, same_interval};
 
 /// Which columns are the three signals.
 #[derive(Clone, Debug, Args)]
@@ -28,7 +28,7 @@ pub(super) struct ChannelArgs {
 
 impl ChannelArgs {
     pub(super) fn channels(&self) -> Channels {
-        Channels { y: self.y.clone(), u1: self.u1.clone(), u2: self.u2.clone() }
+        Channels::new(&self.y, &self.u1, &self.u2)
     }
 }
 
@@ -194,6 +194,8 @@ pub(super) struct Notes {
     y: String,
     u1: String,
     u2: String,
+    #[serde(default)]
+    shaft: Option<ShaftChannels>,
     /// Preparation outside the detector.
     host_block_mean: usize,
     decimate: usize,
@@ -205,11 +207,12 @@ pub(super) struct Notes {
 
 impl Notes {
     pub(super) fn new(channels: &Channels, host: Preparation, features: &[String], training: &[LabelledTrace]) -> Self {
-        let Channels { y, u1, u2 } = channels.clone();
+        let Channels { y, u1, u2, shaft } = channels.clone();
         Self {
             y,
             u1,
             u2,
+            shaft,
             host_block_mean: host.block_mean,
             decimate: host.decimate,
             features: features.to_vec(),
@@ -218,7 +221,7 @@ impl Notes {
     }
 
     pub(super) fn channels(&self) -> Channels {
-        Channels { y: self.y.clone(), u1: self.u1.clone(), u2: self.u2.clone() }
+        Channels { shaft: self.shaft.clone(), ..Channels::new(&self.y, &self.u1, &self.u2) }
     }
 
     pub(super) fn preparation(&self) -> Preparation {

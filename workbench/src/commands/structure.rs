@@ -107,7 +107,7 @@ impl Args {
     }
 
     fn lead(&self, count: usize, train: &[Trace], validate: &[Trace]) -> String {
-        let crate::trace::Channels { y, u1, u2 } = self.channels.channels();
+        let crate::trace::Channels { y, u1, u2, .. } = self.channels.channels();
         let ids = |traces: &[Trace]| match traces {
             [one] => one.id.clone(),
             [first, ..] => format!("{} traces from {}", traces.len(), first.id),

@@ -13,10 +13,11 @@ use super::options::{
     ChannelArgs, Notes, PreparationArgs, Selection, SelectionArgs, StructureArgs, check_rate, prepare, warn_irregular,
 };
 use super::output;
+use super::shaft::ShaftArgs;
 use crate::evaluate::{self, Confusion};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Condition, Preparation};
-use crate::train::{Keep, ProjectionKind, Recipe, Trained};
+use crate::train::{Keep, ProjectionKind, Recipe, ShaftPlan, Trained};
 use crate::{Error, export};
 
 /// Train a model from labelled traces, for the detector in firmware
@@ -35,6 +36,8 @@ pub(super) struct Args {
     #[command(flatten)]
     estimation: EstimationArgs,
     #[command(flatten)]
+    shaft: ShaftArgs,
+    #[command(flatten)]
     preparation: PreparationArgs,
     /// Train on the rows with this, e.g. 'run<=4'; may be repeated, all must hold
     #[arg(long, value_name = "CONDITION")]
@@ -42,7 +45,8 @@ pub(super) struct Args {
     /// Then evaluate on the rows with this, e.g. 'run>4'
     #[arg(long, value_name = "CONDITION")]
     test_where: Vec<Condition>,
-    /// a, b, c, offset, log_variance, or single ones such as a1; every parameter if not given
+    /// a, b, c, offset, log_variance, friction, friction_scores, orders, or single ones such as a1, viscous_score or
+    /// order_outer; every parameter if not given
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     features: Vec<String>,
     /// Projection of the features
@@ -98,7 +102,9 @@ enum DiscriminantKind {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
-    let channels = args.channels.channels();
+    let mut channels = args.channels.channels();
+    let (shaft_channels, plan) = args.shaft.shaft(&channels.y)?.unzip();
+    channels.shaft = shaft_channels;
     let preparation = args.preparation.preparation()?;
     if args.variance.is_nan() || args.variance <= 0.0 || args.variance > 1.0 {
         return Err(Error::Usage("--variance is a part of the whole: above 0, at most 1".into()));
@@ -108,7 +114,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     output::plan(&files.into_iter().flatten().collect::<Vec<_>>(), &selection.inputs(&args.selection.labels))?;
     let (classes, training) = selection.rows(&args.train_where)?;
     warn_irregular(training.iter().map(|t| &t.trace));
-    let recipe = args.recipe(&classes)?;
+    let recipe = args.recipe(&classes, plan)?;
     let prepared = prepare(&training, preparation)?;
     let mut trained = crate::train::train(&prepared, &classes, &recipe)?;
     let host = embed_block_mean(&mut trained, preparation, &training);
@@ -136,7 +142,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
 }
 
 impl Args {
-    fn recipe(&self, classes: &[String]) -> Result<Recipe, Error> {
+    fn recipe(&self, classes: &[String], shaft: Option<ShaftPlan>) -> Result<Recipe, Error> {
         let keep = self.components.map_or(Keep::Variance(self.variance), Keep::Components);
         let projection = match self.projection {
             Projection::None if self.components.is_some() => {
@@ -150,6 +156,7 @@ impl Args {
         let structure = self.structure.structure();
         Ok(Recipe {
             structure,
+            shaft,
             estimation: self.estimation.estimation(structure, classes)?,
             features: self.features.clone(),
             projection,
@@ -284,7 +291,7 @@ fn description(trained: &Trained, channels: &crate::trace::Channels, host: Prepa
         _ => format!("Feed every {decimate}-th mean of {block_mean} recorded samples behind an anti-alias filter"),
     };
     fed += &if step_s > 0.0 { format!(", one every {step_s} s.") } else { ".".into() };
-    let crate::trace::Channels { y, u1, u2 } = channels;
+    let crate::trace::Channels { y, u1, u2, .. } = channels;
     vec![
         format!("y = {y}, u1 = {u1}, u2 = {u2}; classes {}.", trained.classes.join(", ")),
         format!("Features {}; {} discriminant.", trained.feature_names.join(", "), trained.kind_name()),

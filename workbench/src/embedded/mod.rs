@@ -2,12 +2,19 @@
 
 mod choice;
 
+use bearing_watch::decide::{Features, SHAFT_FEATURES};
 use bearing_watch::estimate::{Accumulator, Fading, Rows, Triangle, TwoLevel};
-use bearing_watch::{Counts, Detector, Model, ModelError, Reason, Report, Sample, Sampling, Verdict};
+use bearing_watch::{
+    Counts, Detector, Friction, Model, ModelError, Motion, OrderStrength, Reason, Report, Sample, Sampling, Shaft,
+    ShaftEstimate, ShaftModel, Verdict,
+};
 use choice::{AnyRows, Sums};
 
 use crate::identify::Structure;
-use crate::trace::Trace;
+use crate::trace::{MotionTrace, Trace};
+
+/// Bearing orders that the workbench can watch.
+pub const MAX_ORDERS: usize = 8;
 
 /// What one segment of a trace gave, free of capacities.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +31,12 @@ pub struct Segment {
     pub raw: Vec<f32>,
     /// Residual variance.
     pub variance: f32,
+    /// The torque balance, where the shaft is watched.
+    pub friction: Option<Friction>,
+    /// The bearing orders.
+    pub orders: Vec<OrderStrength>,
+    /// Features of the shaft ([`crate::features::Catalogue::shaft`]); empty where it says nothing.
+    pub shaft_features: Vec<f32>,
     /// Rows of the regression.
     pub rows: u32,
     /// What the segment was denied.
@@ -59,13 +72,13 @@ macro_rules! capacities {
     ($($name:ident: $m:literal $l:literal $f:literal $z:literal $c:literal;)+) => {
         #[derive(Clone, Debug)]
         enum Sized {
-            $($name(Box<Model<$m, $f, $z, $c>>),)+
+            $($name(Box<Model<$m, $f, $z, $c, MAX_ORDERS>>),)+
         }
 
         impl Sized {
             fn from_bytes(bytes: &[u8]) -> Result<Self, ModelError> {
                 $(
-                    match Model::<$m, $f, $z, $c>::from_bytes(bytes) {
+                    match Model::<$m, $f, $z, $c, MAX_ORDERS>::from_bytes(bytes) {
                         // Delays and filters are the detector's capacity, so ask it too.
                         Ok(model) if AnyRows::<$m, $l>::fits(&model.regression) => {
                             return Ok(Self::$name(Box::new(model)));
@@ -96,6 +109,12 @@ macro_rules! capacities {
             fn rates(&self) -> Sampling {
                 match self {
                     $(Self::$name(model) => model.sampling,)+
+                }
+            }
+
+            fn shaft(&self) -> Option<&ShaftModel<MAX_ORDERS>> {
+                match self {
+                    $(Self::$name(model) => model.shaft.as_ref(),)+
                 }
             }
 
@@ -155,23 +174,23 @@ fn run<
     const C: usize,
     A: Accumulator<M, P>,
 >(
-    model: &Model<M, F, Z, C>,
+    model: &Model<M, F, Z, C, MAX_ORDERS>,
     trace: &Trace,
 ) -> Result<Vec<Segment>, ModelError> {
-    let mut detector = Detector::<'_, M, P, L, F, Z, C, AnyRows<M, L>, A>::new(model)?;
-    let classes = model.classifier.discriminant.classes as usize;
+    let mut detector = Detector::<'_, M, P, L, F, Z, C, AnyRows<M, L>, A, Shaft<MAX_ORDERS>, MAX_ORDERS>::new(model)?;
+    let sizes = sizes(model);
     let mut segments = Vec::new();
     let mut start = 0;
-    for (k, sample) in samples(trace).enumerate() {
-        if let Some(report) = detector.step(sample) {
-            segments.push(Segment { start, length: k + 1 - start, ..segment(&report, classes) });
+    for (k, (sample, motion)) in samples(trace).enumerate() {
+        if let Some(report) = detector.step_with_motion(sample, &motion) {
+            segments.push(Segment { start, length: k + 1 - start, ..segment(&report, sizes) });
             start = k + 1;
         }
     }
     // What is left counts only where it is more than half a segment: the model knows the spread of whole ones.
     let (pending, whole) = (detector.pending(), model.sampling.segment_samples);
     if pending > whole / 2 || segments.is_empty() {
-        let mut rest = Segment { start, length: trace.y.len() - start, ..segment(&detector.finish(), classes) };
+        let mut rest = Segment { start, length: trace.y.len() - start, ..segment(&detector.finish(), sizes) };
         if pending <= whole / 2 {
             rest = rest.undetermined(format!("{pending} samples are no more than half a segment of {whole}"));
         }
@@ -189,18 +208,18 @@ fn previews<
     const C: usize,
     A: Accumulator<M, P>,
 >(
-    model: &Model<M, F, Z, C>,
+    model: &Model<M, F, Z, C, MAX_ORDERS>,
     trace: &Trace,
     every: usize,
 ) -> Result<Vec<Segment>, ModelError> {
-    let mut detector = Detector::<'_, M, P, L, F, Z, C, AnyRows<M, L>, A>::new(model)?;
-    let classes = model.classifier.discriminant.classes as usize;
+    let mut detector = Detector::<'_, M, P, L, F, Z, C, AnyRows<M, L>, A, Shaft<MAX_ORDERS>, MAX_ORDERS>::new(model)?;
+    let sizes = sizes(model);
     let mut previews = Vec::new();
-    for (k, sample) in samples(trace).enumerate() {
-        let closed = detector.step(sample);
+    for (k, (sample, motion)) in samples(trace).enumerate() {
+        let closed = detector.step_with_motion(sample, &motion);
         if (k + 1).is_multiple_of(every) {
             let report = closed.unwrap_or_else(|| detector.preview());
-            previews.push(Segment { length: k + 1, ..segment(&report, classes) });
+            previews.push(Segment { length: k + 1, ..segment(&report, sizes) });
         }
         if closed.is_some() {
             break;
@@ -209,12 +228,60 @@ fn previews<
     Ok(previews)
 }
 
-fn samples(trace: &Trace) -> impl Iterator<Item = Sample> {
-    let rows = trace.y.iter().zip(&trace.u1).zip(&trace.u2);
-    rows.map(|((y, u1), u2)| Sample { y: *y as f32, u1: *u1 as f32, u2: *u2 as f32 })
+/// Classes and bearing orders in use.
+fn sizes<const M: usize, const F: usize, const Z: usize, const C: usize>(
+    model: &Model<M, F, Z, C, MAX_ORDERS>,
+) -> (usize, usize) {
+    let orders = model.shaft.as_ref().map_or(0, |shaft| shaft.tracking.count as usize);
+    (model.classifier.discriminant.classes as usize, orders)
 }
 
-fn segment<const M: usize, const P: usize, const C: usize>(report: &Report<M, P, C>, classes: usize) -> Segment {
+/// Samples with the shaft's motion; at rest where the trace has none.
+fn samples(trace: &Trace) -> impl Iterator<Item = (Sample, Motion)> {
+    let rows = trace.y.iter().zip(&trace.u1).zip(&trace.u2);
+    let samples = rows.map(|((y, u1), u2)| Sample { y: *y as f32, u1: *u1 as f32, u2: *u2 as f32 });
+    let motions = (0..trace.y.len()).map(|k| trace.motion.as_ref().map_or_else(Motion::default, |m| m.at(k)));
+    samples.zip(motions)
+}
+
+impl MotionTrace {
+    /// One sample as the core takes it.
+    #[must_use]
+    pub fn at(&self, k: usize) -> Motion {
+        // The fraction of a turn survives single precision only if it is taken before.
+        let turns = self.angle_rad[k] / std::f64::consts::TAU;
+        let bits = ((turns - turns.floor()) * 4_294_967_296.0) as u64 as u32;
+        Motion {
+            current_a: self.current_a[k] as f32,
+            velocity_rad_s: self.velocity_rad_s[k] as f32,
+            reference_rad_s: self.reference_rad_s[k] as f32,
+            load_nm: self.load_nm[k] as f32,
+            angle: bearing_watch::Angle::from_bits(bits),
+        }
+    }
+}
+
+/// Every feature of the shaft that the core can extract, in the order of [`crate::features::Catalogue::shaft`].
+fn shaft_features<const M: usize, const P: usize, const C: usize>(
+    report: &Report<M, P, C, MAX_ORDERS>,
+    orders: usize,
+) -> Vec<f32> {
+    let Some(shaft) = report.shaft.filter(|shaft| shaft.reason.is_none()) else { return vec![] };
+    let place = |offset: usize| SHAFT_FEATURES + offset as u8;
+    let indices = (0..5).chain(8..13).chain([16]).chain(32..32 + orders).chain(64..64 + orders);
+    let mut features = Features { index: [0; 64], count: 0 };
+    for (cell, index) in features.index.iter_mut().zip(indices) {
+        *cell = place(index);
+        features.count += 1;
+    }
+    let values = features.extract(&report.estimate, Some(&shaft)).unwrap_or([0.0; 64]);
+    values[..features.count as usize].to_vec()
+}
+
+fn segment<const M: usize, const P: usize, const C: usize>(
+    report: &Report<M, P, C, MAX_ORDERS>,
+    (classes, orders): (usize, usize),
+) -> Segment {
     let n = report.estimate.parameters();
     let decided = |pick: fn(&bearing_watch::Decision<C>) -> [f32; C]| {
         report.decision.map_or_else(Vec::new, |decision| pick(&decision)[..classes].to_vec())
@@ -229,6 +296,9 @@ fn segment<const M: usize, const P: usize, const C: usize>(report: &Report<M, P,
         delta: report.estimate.delta[..n].to_vec(),
         raw: report.estimate.raw()[..n].to_vec(),
         variance: report.estimate.variance,
+        friction: report.shaft.map(|shaft| shaft.friction),
+        orders: report.shaft.map_or_else(Vec::new, |shaft| shaft.orders[..orders].to_vec()),
+        shaft_features: shaft_features(report, orders),
         rows: report.estimate.rows,
         counts: report.estimate.counts,
         start: 0,
@@ -237,7 +307,22 @@ fn segment<const M: usize, const P: usize, const C: usize>(report: &Report<M, P,
 }
 
 /// The reason with what it means in this model.
-fn explain<const M: usize, const P: usize, const C: usize>(reason: Reason, report: &Report<M, P, C>) -> String {
+fn explain<const M: usize, const P: usize, const C: usize>(
+    reason: Reason,
+    report: &Report<M, P, C, MAX_ORDERS>,
+) -> String {
+    if report.accepted
+        && let Some(ShaftEstimate { reason: Some(reason), counts, .. }) = &report.shaft
+    {
+        return match reason {
+            Reason::NotExcited(place) => {
+                let name = crate::features::FRICTION.get(*place as usize).unwrap_or(&"the torque balance");
+                format!("shaft: the motion does not excite {name} (constant, or depending on the ones before)")
+            }
+            _ if !denied(counts).is_empty() => format!("shaft: {reason}: {}", denied(counts)),
+            _ => format!("shaft: {reason}"),
+        };
+    }
     let estimate = &report.estimate;
     match reason {
         Reason::TooFewRows if !denied(&estimate.counts).is_empty() => format!("{reason}: {}", denied(&estimate.counts)),
@@ -295,6 +380,12 @@ impl Embedded {
     /// Where the detector refuses the model.
     pub fn run(&self, trace: &Trace) -> Result<Vec<Segment>, ModelError> {
         self.model.run(trace)
+    }
+
+    /// What is known of the shaft, where it is watched.
+    #[must_use]
+    pub fn shaft(&self) -> Option<&ShaftModel<MAX_ORDERS>> {
+        self.model.shaft()
     }
 
     /// Order and constant of the regression.

@@ -87,7 +87,15 @@ mod tests {
 
     fn trace() -> Trace {
         let wave = |f: f64| (0..40).map(|t| (f * t as f64).sin() + 0.3 * (2.7 * f * t as f64).cos()).collect();
-        Trace { id: "t".into(), interval_s: None, irregular_steps: 0, y: wave(0.9), u1: wave(0.5), u2: wave(0.23) }
+        Trace {
+            id: "t".into(),
+            interval_s: None,
+            irregular_steps: 0,
+            y: wave(0.9),
+            u1: wave(0.5),
+            u2: wave(0.23),
+            motion: None,
+        }
     }
 
     #[test]

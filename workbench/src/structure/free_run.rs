@@ -177,7 +177,15 @@ mod tests {
 
     fn trace(n: usize) -> Trace {
         let wave = |step: f64| (0..n).map(|t| (step * (t * t) as f64).sin()).collect::<Vec<f64>>();
-        Trace { id: "t".into(), interval_s: None, irregular_steps: 0, y: wave(0.3), u1: wave(0.7), u2: wave(1.1) }
+        Trace {
+            id: "t".into(),
+            interval_s: None,
+            irregular_steps: 0,
+            y: wave(0.3),
+            u1: wave(0.7),
+            u2: wave(1.1),
+            motion: None,
+        }
     }
 
     /// The plain loop of `identify` gives the same to rounding: every number of terms and delay, a constant term,

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use super::{Channels, Trace, stem};
+use super::{Channels, MotionTrace, ShaftChannels, Trace, stem};
 use crate::Error;
 
 /// Where one signal comes from in a record: `plus`, less `minus` for a difference.
@@ -44,7 +44,7 @@ impl Header {
     }
 
     /// A wanted column that stands twice.
-    fn doubled(&self, sources: &[Source; 3]) -> Option<&str> {
+    fn doubled(&self, sources: &[Source]) -> Option<&str> {
         let wanted = sources.iter().flat_map(|source| [Some(source.plus), source.minus]).flatten();
         let wanted = wanted.chain(self.trace).chain(self.time);
         let name_of = wanted.map(|place| self.names[place].as_str());
@@ -63,9 +63,14 @@ impl Header {
         })
     }
 
-    fn sources(&self, channels: &Channels) -> Result<[Source; 3], String> {
-        let find = |channel: &str| self.source(channel).ok_or_else(|| channel.to_string());
-        Ok([find(&channels.y)?, find(&channels.u1)?, find(&channels.u2)?])
+    /// Sources of y, u1, u2, and where the shaft is watched of current, velocity, reference, angle, and load if measured.
+    fn sources(&self, channels: &Channels) -> Result<Vec<Source>, String> {
+        let find = |channel: &String| self.source(channel).ok_or_else(|| channel.clone());
+        let shaft = channels.shaft.iter().flat_map(|shaft| {
+            let ShaftChannels { current, velocity, reference, load, angle } = shaft;
+            [current, velocity, reference, angle].into_iter().chain(load)
+        });
+        [&channels.y, &channels.u1, &channels.u2].into_iter().chain(shaft).map(find).collect()
     }
 }
 
@@ -120,8 +125,8 @@ pub(super) fn read(path: &Path, channels: &Channels, wanted: &dyn Fn(&str) -> bo
             continue;
         }
         let time = header.time.map(|column| row.number(column)).transpose()?;
-        let mut values = [0.0; 3];
-        for (value, source) in values.iter_mut().zip(sources) {
+        let mut values = vec![0.0; sources.len()];
+        for (value, source) in values.iter_mut().zip(&sources) {
             *value = row.number(source.plus)?;
             if let Some(minus) = source.minus {
                 *value -= row.number(minus)?;
@@ -131,7 +136,7 @@ pub(super) fn read(path: &Path, channels: &Channels, wanted: &dyn Fn(&str) -> bo
             let place = format!("line {}, column trace", row.line());
             return Err(Error::content(path, place, "no trace id; fill it in or remove the row"));
         }
-        if !collector.push(id, time, values) {
+        if !collector.push(id, time, &values) {
             let place = format!("line {}, column t_s", row.line());
             return Err(Error::content(path, place, "time runs backwards; sort the rows or split the trace there"));
         }
@@ -195,19 +200,28 @@ impl Collector {
     }
 
     /// Takes a row; `false` where its time lies before the row before.
-    fn push(&mut self, id: Option<&str>, time: Option<f64>, [y, u1, u2]: [f64; 3]) -> bool {
+    fn push(&mut self, id: Option<&str>, time: Option<f64>, values: &[f64]) -> bool {
         let id = id.unwrap_or(&self.file_id);
         let place = self.places.get(id).copied().unwrap_or_else(|| {
             let id_of = id.into();
-            let trace = Trace { id: id_of, interval_s: None, irregular_steps: 0, y: vec![], u1: vec![], u2: vec![] };
+            let trace = Trace { id: id_of, ..Trace::default() };
             self.traces.push((trace, vec![]));
             self.places.insert(id.into(), self.traces.len() - 1);
             self.traces.len() - 1
         });
         let (trace, times) = &mut self.traces[place];
-        trace.y.push(y);
-        trace.u1.push(u1);
-        trace.u2.push(u2);
+        let (signals, shaft) = values.split_at(3);
+        for (column, value) in [&mut trace.y, &mut trace.u1, &mut trace.u2].into_iter().zip(signals) {
+            column.push(*value);
+        }
+        if let [current, velocity, reference, angle, load @ ..] = shaft {
+            let motion = trace.motion.get_or_insert_with(MotionTrace::default);
+            motion.current_a.push(*current);
+            motion.velocity_rad_s.push(*velocity);
+            motion.reference_rad_s.push(*reference);
+            motion.angle_rad.push(*angle);
+            motion.load_nm.push(load.first().copied().unwrap_or(0.0));
+        }
         let forward = times.last().zip(time).is_none_or(|(before, now)| now >= *before);
         times.extend(time);
         forward
@@ -231,7 +245,7 @@ mod tests {
     use super::*;
 
     fn channels() -> Channels {
-        Channels { y: "i".into(), u1: "ref-v".into(), u2: "load-cell".into() }
+        Channels::new("i", "ref-v", "load-cell")
     }
 
     fn file(content: &str) -> tempfile::NamedTempFile {

@@ -12,8 +12,38 @@ use crate::Error;
 pub use labels::{Condition, Labels};
 pub use prepare::Preparation;
 
+/// What the drive knows of its shaft: columns as long as the trace.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MotionTrace {
+    /// Quadrature or armature current.
+    pub current_a: Vec<f64>,
+    /// Measured velocity.
+    pub velocity_rad_s: Vec<f64>,
+    /// Velocity reference.
+    pub reference_rad_s: Vec<f64>,
+    /// Load torque; zeros where it is not measured.
+    pub load_nm: Vec<f64>,
+    /// Angle of the shaft, wrapped or not.
+    pub angle_rad: Vec<f64>,
+}
+
+impl MotionTrace {
+    /// The same columns from `start` up to `end`.
+    #[must_use]
+    pub fn cut(&self, start: usize, end: usize) -> Self {
+        let part = |column: &[f64]| column[start..end].to_vec();
+        Self {
+            current_a: part(&self.current_a),
+            velocity_rad_s: part(&self.velocity_rad_s),
+            reference_rad_s: part(&self.reference_rad_s),
+            load_nm: part(&self.load_nm),
+            angle_rad: part(&self.angle_rad),
+        }
+    }
+}
+
 /// One record: output and two inputs at a constant rate.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trace {
     /// Name of its file, or the `trace` cell of a tidy table.
     pub id: String,
@@ -27,6 +57,8 @@ pub struct Trace {
     pub u1: Vec<f64>,
     /// Second input.
     pub u2: Vec<f64>,
+    /// The shaft, where its channels are wanted.
+    pub motion: Option<MotionTrace>,
 }
 
 /// Which columns the three signals come from: a column's name, or a difference `a-b` of two.
@@ -38,6 +70,45 @@ pub struct Channels {
     pub u1: String,
     /// Second input.
     pub u2: String,
+    /// The shaft's, where it is watched.
+    pub shaft: Option<ShaftChannels>,
+}
+
+/// Which columns the shaft's signals come from, likewise.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct ShaftChannels {
+    /// Current, A.
+    pub current: String,
+    /// Measured velocity, rad/s.
+    pub velocity: String,
+    /// Velocity reference, rad/s.
+    pub reference: String,
+    /// Load torque, N·m; nothing where it is not measured.
+    pub load: Option<String>,
+    /// Angle, rad.
+    pub angle: String,
+}
+
+impl ShaftChannels {
+    /// The columns of the DC-motor rig.
+    #[must_use]
+    pub fn rig() -> Self {
+        Self {
+            current: "current_a".into(),
+            velocity: "velocity_rad_s".into(),
+            reference: "velocity_ref_rad_s".into(),
+            load: Some("load_torque_nm".into()),
+            angle: "angle_rad".into(),
+        }
+    }
+}
+
+impl Channels {
+    /// Three signals, no shaft.
+    #[must_use]
+    pub fn new(y: impl Into<String>, u1: impl Into<String>, u2: impl Into<String>) -> Self {
+        Self { y: y.into(), u1: u1.into(), u2: u2.into(), shaft: None }
+    }
 }
 
 /// The id of a trace without the `.csv` of its file, for comparing.
@@ -102,7 +173,7 @@ fn read_files(
     }
     if traces.is_empty() {
         let names: Vec<_> = paths.iter().map(|path| path.display().to_string()).collect();
-        let Channels { y, u1, u2 } = channels;
+        let Channels { y, u1, u2, .. } = channels;
         return Err(Error::Usage(format!(
             "no trace with the columns of {y}, {u1}, {u2} in {}; check the path and --y, --u1, --u2",
             names.join(", ")

@@ -37,6 +37,11 @@ impl Preparation {
     /// A factor of zero, or a trace too short for one prepared sample.
     pub fn apply(&self, trace: &Trace) -> Result<Trace, Error> {
         let factor = self.factor()?;
+        if self.decimate > 1 && trace.motion.is_some() {
+            return Err(Error::Usage(
+                "--decimate does not go with the shaft's channels: an angle must not be filtered; record at the wanted rate".into(),
+            ));
+        }
         if trace.y.len() < factor {
             let problem = format!("{} samples are fewer than one block of {factor}", trace.y.len());
             return Err(Error::trace(&trace.id, problem));
@@ -49,6 +54,7 @@ impl Preparation {
             y: prepare(&trace.y),
             u1: prepare(&trace.u1),
             u2: prepare(&trace.u2),
+            motion: if factor == 1 { trace.motion.clone() } else { None },
         })
     }
 }
@@ -215,6 +221,7 @@ mod tests {
             y: vec![1.0, 3.0, 5.0],
             u1: vec![0.0; 3],
             u2: vec![1.0; 3],
+            motion: None,
         };
         let out = Preparation { block_mean: 2, decimate: 1 }.apply(&trace).expect("long enough");
         assert_eq!((out.y, out.interval_s), (vec![2.0], Some(0.2)));

@@ -3,15 +3,15 @@
 //! The classifier is still to be trained, so the detector runs with one of a single class: whatever it estimates is
 //! that class. Traces run whole, so that a segment starts from what its predecessor left, as it will in the drive.
 
-use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Projection};
-use bearing_watch::{Label, Model, Regression, Sampling};
+use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Projection, SHAFT_FEATURES};
+use bearing_watch::{Label, Model, Regression, Sampling, ShaftModel};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::FeatureTable;
 use super::core_form::{MAX_COLUMNS, bytes, refused, samples};
 use crate::Error;
-use crate::embedded::{Embedded, Segment};
+use crate::embedded::{Embedded, MAX_ORDERS, Segment};
 use crate::features;
 use crate::trace::labels::LabelledTrace;
 
@@ -21,15 +21,19 @@ const REMEDY: &str = "; choose other channels or a lower order, or leave the tra
 pub(super) fn run(
     traces: &[LabelledTrace],
     classes: &[String],
-    regression: &Regression<MAX_COLUMNS>,
+    (regression, shaft): (&Regression<MAX_COLUMNS>, Option<&ShaftModel<MAX_ORDERS>>),
     segment: usize,
 ) -> Result<FeatureTable, Error> {
-    let estimator = estimator(regression, segment)?;
+    let estimator = estimator(regression, shaft, segment)?;
     let structure = estimator.structure();
     let each = |labelled: &LabelledTrace| -> Result<Vec<DVector<f64>>, Error> {
         let segments = estimator.run(&labelled.trace).map_err(refused)?;
         let row = |segment: &Segment| match &segment.verdict {
-            Ok(_) => Ok(features::of_core(structure, &segment.delta, segment.variance)),
+            Ok(_) => {
+                let own = features::of_core(structure, &segment.delta, segment.variance);
+                let all = own.iter().copied().chain(segment.shaft_features.iter().map(|x| f64::from(*x)));
+                Ok(DVector::from_vec(all.collect()))
+            }
             Err(reason) => {
                 let (from, to) = (segment.start, segment.start + segment.length);
                 Err(Error::trace(&labelled.trace.id, format!("samples {from} to {to}: {reason}{REMEDY}")))
@@ -49,12 +53,18 @@ pub(super) fn run(
 }
 
 /// A detector that estimates and does not decide.
-fn estimator(regression: &Regression<MAX_COLUMNS>, segment: usize) -> Result<Embedded, Error> {
+fn estimator(
+    regression: &Regression<MAX_COLUMNS>,
+    shaft: Option<&ShaftModel<MAX_ORDERS>>,
+    segment: usize,
+) -> Result<Embedded, Error> {
     let model = Box::new(Model {
         sampling: Sampling { interval_s: 0.0, block_mean: 1, segment_samples: samples(segment)? },
         regression: *regression,
+        shaft: shaft.copied(),
         classifier: Classifier {
-            features: Features { index: [0], count: 1 },
+            // A feature of the shaft, so that one that says nothing is told.
+            features: Features { index: [if shaft.is_some() { SHAFT_FEATURES } else { 0 }], count: 1 },
             projection: Projection { matrix: [[0.0]], mean: [0.0], count: 1 },
             discriminant: Discriminant {
                 kind: Kind::Linear,

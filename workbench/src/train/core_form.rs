@@ -2,13 +2,14 @@
 
 use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Projection};
 use bearing_watch::estimate::MAX_LONG_SEGMENT_SAMPLES;
+use bearing_watch::estimate::{TrackedOrder, Tracking};
 use bearing_watch::model::MAX_BYTES;
-use bearing_watch::{Label, Model, ModelError, Regression, Sampling};
+use bearing_watch::{Label, Model, ModelError, Regression, Sampling, ShaftModel};
 use nalgebra::DMatrix;
 
 use super::Trained;
 use crate::Error;
-use crate::embedded::Embedded;
+use crate::embedded::{Embedded, MAX_ORDERS};
 
 /// Columns of the largest model there is.
 pub const MAX_COLUMNS: usize = 100;
@@ -18,9 +19,9 @@ impl Trained {
     ///
     /// # Errors
     /// What does not fit the capacities, or lies out of the range of single precision.
-    pub fn to_core<const M: usize, const F: usize, const Z: usize, const C: usize>(
+    pub fn to_core<const M: usize, const F: usize, const Z: usize, const C: usize, const K: usize>(
         &self,
-    ) -> Result<Model<M, F, Z, C>, Error> {
+    ) -> Result<Model<M, F, Z, C, K>, Error> {
         let densities = &self.densities;
         let mut labels = [Label::EMPTY; C];
         for (label, name) in labels.iter_mut().zip(&self.classes) {
@@ -66,6 +67,7 @@ impl Trained {
                 segment_samples: samples(self.segment_samples)?,
             },
             regression: at_capacity(&self.regression),
+            shaft: self.shaft.as_ref().map(orders_at_capacity),
             classifier: Classifier { features, projection, discriminant },
             labels,
         };
@@ -78,7 +80,7 @@ impl Trained {
     /// # Errors
     /// As [`Trained::to_core`].
     pub fn to_bytes(&self, notes: &str) -> Result<Vec<u8>, Error> {
-        let model: Box<Model<MAX_COLUMNS, 100, 100, 8>> = Box::new(self.to_core()?);
+        let model: Box<Model<MAX_COLUMNS, 100, 100, 8, MAX_ORDERS>> = Box::new(self.to_core()?);
         bytes(&model, notes)
     }
 
@@ -110,8 +112,8 @@ pub(super) fn samples(segment: usize) -> Result<u32, Error> {
 }
 
 /// The binary form of a model.
-pub(super) fn bytes<const M: usize, const F: usize, const Z: usize, const C: usize>(
-    model: &Model<M, F, Z, C>,
+pub(super) fn bytes<const M: usize, const F: usize, const Z: usize, const C: usize, const K: usize>(
+    model: &Model<M, F, Z, C, K>,
     notes: &str,
 ) -> Result<Vec<u8>, Error> {
     let mut buffer = vec![0; MAX_BYTES];
@@ -129,6 +131,15 @@ fn at_capacity<const M: usize>(from: &Regression<MAX_COLUMNS>) -> Regression<M> 
     to.nominal.delta.iter_mut().zip(&nominal.delta).for_each(|(cell, x)| *cell = *x);
     to.nominal.deviation = nominal.deviation;
     to
+}
+
+/// Likewise; orders that do not fit make the count too large, and the model is refused for them.
+fn orders_at_capacity<const K: usize>(from: &ShaftModel<MAX_ORDERS>) -> ShaftModel<K> {
+    let ShaftModel { guard, current_delay, balance, tracking } = *from;
+    let Tracking { orders, count, harmonics, still, block_samples } = tracking;
+    let mut to = Tracking { orders: [TrackedOrder::NONE; K], count, harmonics, still, block_samples };
+    to.orders.iter_mut().zip(orders).for_each(|(cell, order)| *cell = order);
+    ShaftModel { guard, current_delay, balance, tracking: to }
 }
 
 fn count(value: usize, capacity: usize, what: &str) -> Result<u8, Error> {

@@ -302,7 +302,8 @@ mod tests {
         let order = crate::identify::Order::new(1, 1, 1, 1, 1);
         let structure = Structure { order, offset: false };
         let (u1, u2) = (vec![0.0, 1.0, 1.0], vec![0.0, 0.0, 2.0]);
-        let trace = Trace { id: "t".into(), interval_s: None, irregular_steps: 0, y: vec![0.0; 3], u1, u2 };
+        let trace =
+            Trace { id: "t".into(), interval_s: None, irregular_steps: 0, y: vec![0.0; 3], u1, u2, motion: None };
         let traces = [LabelledTrace { trace, class: 0 }];
         let scales = [1.0, 2.0, 0.5, 1.0];
         // u1 moves by 1 · 2 once, u2 by 2 · 0.5 once, over two steps.

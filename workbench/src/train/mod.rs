@@ -10,16 +10,18 @@ mod core_form;
 pub(crate) mod discriminant;
 mod estimation;
 pub(crate) mod projection;
+mod shaft;
 pub(crate) mod statistics;
 
-use bearing_watch::Regression;
 use bearing_watch::decide::Kind;
 use bearing_watch::estimate::MAX_LONG_SEGMENT_SAMPLES;
+use bearing_watch::{Regression, ShaftModel};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
 use crate::Error;
-use crate::features;
+use crate::embedded::MAX_ORDERS;
+use crate::features::{self, Catalogue};
 use crate::identify::{Estimate, Structure, least_squares};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Trace, same_interval};
@@ -28,6 +30,7 @@ pub use core_form::MAX_COLUMNS;
 pub use discriminant::GaussianClasses;
 pub use estimation::Estimation;
 pub use projection::{AffineMap, Keep, ProjectionKind};
+pub use shaft::ShaftPlan;
 pub use statistics::ClassStatistics;
 
 /// What is trained, apart from the traces.
@@ -37,6 +40,8 @@ pub struct Recipe {
     pub structure: Structure,
     /// How the core estimates its parameters.
     pub estimation: Estimation,
+    /// What is watched of the shaft, if anything.
+    pub shaft: Option<ShaftPlan>,
     /// Feature names or groups; none means every parameter.
     pub features: Vec<String>,
     /// Projection of the features.
@@ -56,12 +61,19 @@ impl Recipe {
         Self {
             structure,
             estimation: Estimation::default(),
+            shaft: None,
             features: vec![],
             projection: ProjectionKind::None,
             discriminant: Kind::Linear,
             priors: vec![],
             cost: vec![],
         }
+    }
+
+    /// What features there are to choose from.
+    #[must_use]
+    pub fn catalogue(&self) -> Catalogue {
+        Catalogue { structure: self.structure, orders: self.shaft.as_ref().map(ShaftPlan::names) }
     }
 }
 
@@ -122,6 +134,8 @@ pub struct Trained {
     pub core_projection: AffineMap,
     /// What the core estimates with.
     pub regression: Box<Regression<MAX_COLUMNS>>,
+    /// What the core watches the shaft with.
+    pub shaft: Option<ShaftModel<MAX_ORDERS>>,
     /// Samples a segment at the identification rate.
     pub segment_samples: usize,
     /// Sample interval at the rate the detector is fed with, s; 0 where unknown.
@@ -144,13 +158,17 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
     check_classes(&pieces, classes)?;
     let regression = estimation::regression(traces, classes, recipe.structure, (&recipe.estimation, segment))?;
     let interval_s = traces.iter().find_map(|t| t.trace.interval_s).unwrap_or(0.0);
-    let table = if recipe.estimation.is_batch() {
+    let nominal = recipe.estimation.nominal;
+    let shaft = recipe.shaft.as_ref().map(|plan| shaft::model(traces, (nominal, segment, interval_s), plan));
+    let shaft = shaft.transpose()?;
+    let table = if recipe.estimation.is_batch() && shaft.is_none() {
         batch_features(&pieces, classes, recipe.structure)?
     } else {
-        core_features::run(traces, classes, &regression, segment)?
+        core_features::run(traces, classes, (&regression, shaft.as_ref()), segment)?
     };
-    let chosen = features::choose(recipe.structure, &recipe.features)?;
-    let names = features::all_names(recipe.structure);
+    let catalogue = recipe.catalogue();
+    let chosen = catalogue.choose(&recipe.features)?;
+    let names = catalogue.names();
     let feature_names: Vec<String> = chosen.iter().map(|&k| names[k].clone()).collect();
 
     let raw = table.select(&chosen);
@@ -158,7 +176,7 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
     let coordinates = raw.map(&projection);
     let coordinate_names = coordinate_names(recipe.projection, &feature_names, projection.matrix.nrows());
     let densities = discriminant::train(&coordinates, &coordinate_names, recipe)?;
-    let (core_features, core_projection) = compose(&table, &chosen, recipe.structure, &projection);
+    let (core_features, core_projection) = compose(&table, &chosen, &catalogue, &projection);
     Ok(Trained {
         recipe: recipe.clone(),
         classes: classes.to_vec(),
@@ -171,6 +189,7 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
         core_features,
         core_projection,
         regression,
+        shaft,
         segment_samples: segment,
         interval_s,
         block_mean: 1,
@@ -247,6 +266,7 @@ pub fn cut(traces: &[LabelledTrace], samples: usize) -> Vec<LabelledTrace> {
                 y: trace.y[start..end].to_vec(),
                 u1: trace.u1[start..end].to_vec(),
                 u2: trace.u2[start..end].to_vec(),
+                motion: trace.motion.as_ref().map(|motion| motion.cut(start, end)),
                 ..*trace
             };
             LabelledTrace { trace: piece, class: labelled.class }
@@ -259,15 +279,16 @@ pub fn cut(traces: &[LabelledTrace], samples: usize) -> Vec<LabelledTrace> {
 fn compose(
     table: &FeatureTable,
     chosen: &[usize],
-    structure: Structure,
+    catalogue: &Catalogue,
     projection: &AffineMap,
 ) -> (Vec<usize>, AffineMap) {
-    let map = features::raw_from_delta(structure).select_rows(chosen);
+    let map = catalogue.raw_from_delta().select_rows(chosen);
     let used: Vec<usize> = (0..map.ncols()).filter(|&k| map.column(k).amax() > 0.0).collect();
-    let deltas: Vec<_> = table.rows.iter().map(|row| features::delta_from_raw(structure, row)).collect();
+    let deltas: Vec<_> = table.rows.iter().map(|row| catalogue.delta_from_raw(row)).collect();
     let mean = statistics::mean(&deltas);
     // The projection's own centre is the mean of the same rows, so both centres are the same point.
     let matrix = &projection.matrix * map.select_columns(&used);
     let centre = DVector::from_iterator(used.len(), used.iter().map(|&k| mean[k]));
-    (used, AffineMap { matrix, mean: centre })
+    let indices = used.iter().map(|&place| catalogue.core_index(place)).collect();
+    (indices, AffineMap { matrix, mean: centre })
 }

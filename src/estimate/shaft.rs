@@ -1,0 +1,266 @@
+//! The shaft's side of the second wing: motion in, friction and bearing orders out.
+//!
+//! ```text
+//! Motion ─► gate ─► delay to the current's instant ─► friction: filters, rows ─────────────► Friction
+//!    └ angle ─► way turned ─► delay ───────┐             └─ residual ─► order tracking ─► OrderStrength
+//!                                          └──────────────────────────────▲
+//! ```
+//!
+//! A measured current lags behind velocity, load and angle by its filter and conversion; [`ShaftModel::current_delay`] says by how
+//! many samples. Unless the others are delayed alike, the lag times the rate of the load is taken for friction. State: 36 + 12 + 72 K
+//! words; [`Shaft`] is fed at every sample of the detector, block means or not.
+
+use super::friction::{FrictionState, FrictionSums, Torques};
+use super::gate::Gate;
+use super::order_tracking::OrderTracking;
+use super::{Balance, Counts, Friction, Guard, OrderStrength, Reason, Tracking};
+use crate::detector::Sample;
+use crate::drive::Angle;
+
+/// Longest delay that can be made up for, samples.
+pub const MAX_CURRENT_DELAY: f32 = 2.5;
+const RING: u8 = 4;
+
+/// One sample of the shaft, as the drive has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Motion {
+    /// Quadrature or armature current: positive drives forwards.
+    pub current_a: f32,
+    /// Measured velocity.
+    pub velocity_rad_s: f32,
+    /// Velocity reference.
+    pub reference_rad_s: f32,
+    /// Load torque against positive motion; 0 where it is not measured.
+    pub load_nm: f32,
+    /// Mechanical angle of the shaft.
+    pub angle: Angle,
+}
+
+/// Constants of the shaft's side, at most `K` orders.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ShaftModel<const K: usize> {
+    /// Believable samples, in the order current, velocity (and its reference), load.
+    pub guard: Guard,
+    /// By how many samples the measured current lags behind the rest, 0 … [`MAX_CURRENT_DELAY`].
+    pub current_delay: f32,
+    /// The torque balance.
+    pub balance: Balance,
+    /// The orders.
+    pub tracking: Tracking<K>,
+}
+
+/// What a segment says about the shaft.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ShaftEstimate<const K: usize> {
+    /// Torque balance; zeros where there is a reason.
+    pub friction: Friction,
+    /// Orders, in the order of [`Tracking::orders`], amplitudes in A; zeros where there is a reason.
+    pub orders: [OrderStrength; K],
+    /// Samples that were refused.
+    pub counts: Counts,
+    /// Why this says nothing, if so.
+    pub reason: Option<Reason>,
+}
+
+impl<const K: usize> ShaftEstimate<K> {
+    /// An estimate that says nothing, and why.
+    #[must_use]
+    pub fn empty(reason: Reason) -> Self {
+        let orders = [OrderStrength::default(); K];
+        Self { friction: Friction::default(), orders, counts: Counts::default(), reason: Some(reason) }
+    }
+}
+
+/// What a detector does with the shaft: watch it ([`Shaft`]), or nothing ([`NoShaft`]).
+pub trait Watch<const K: usize>: Clone + core::fmt::Debug + PartialEq {
+    /// Whether a model of this shape can be watched.
+    fn fits(model: Option<&ShaftModel<K>>) -> bool;
+    /// Nothing seen yet.
+    fn new(model: Option<&ShaftModel<K>>) -> Self;
+    /// Takes a sample.
+    fn step(&mut self, model: Option<&ShaftModel<K>>, motion: &Motion);
+    /// The sums so far; nothing where nothing is watched.
+    fn sums(&self) -> Option<ShaftSums<K>>;
+    /// Starts a segment.
+    fn next_segment(&mut self);
+}
+
+/// Watches nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct NoShaft;
+
+impl<const K: usize> Watch<K> for NoShaft {
+    fn fits(model: Option<&ShaftModel<K>>) -> bool {
+        model.is_none()
+    }
+
+    fn new(_model: Option<&ShaftModel<K>>) -> Self {
+        Self
+    }
+
+    fn step(&mut self, _model: Option<&ShaftModel<K>>, _motion: &Motion) {}
+
+    fn sums(&self) -> Option<ShaftSums<K>> {
+        None
+    }
+
+    fn next_segment(&mut self) {}
+}
+
+/// Running state of the shaft's side.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Shaft<const K: usize> {
+    gate: Gate,
+    /// Velocity, reference and load of the last samples, and the way turned to them.
+    ring: [([f32; 3], i32); RING as usize],
+    place: u8,
+    /// Samples until the ring is filled.
+    filling: u8,
+    /// The last angle, where there is one.
+    angle: Option<Angle>,
+    friction: FrictionState,
+    orders: OrderTracking<K>,
+    /// Whether a model is watched at all.
+    watching: bool,
+}
+
+/// A closed segment's sums of the shaft, apart from the state that goes on.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ShaftSums<const K: usize> {
+    friction: FrictionSums,
+    orders: OrderTracking<K>,
+    counts: Counts,
+}
+
+impl<const K: usize> ShaftModel<K> {
+    /// The estimate from a segment's sums.
+    #[must_use]
+    pub fn conclude(&self, sums: &ShaftSums<K>) -> ShaftEstimate<K> {
+        let solved = self.solve(sums);
+        let estimate = solved.unwrap_or_else(ShaftEstimate::empty);
+        ShaftEstimate { counts: sums.counts, ..estimate }
+    }
+
+    fn solve(&self, sums: &ShaftSums<K>) -> Result<ShaftEstimate<K>, Reason> {
+        if let Some(signal) = sums.counts.stuck.iter().position(|stuck| *stuck) {
+            return Err(Reason::Stuck(u8::try_from(signal).unwrap_or(u8::MAX)));
+        }
+        let friction = sums.friction.solve(&self.balance)?;
+        let orders = sums.orders.strengths(&self.tracking)?;
+        Ok(ShaftEstimate { friction, orders, counts: sums.counts, reason: None })
+    }
+
+    /// Whole samples and part of one that velocity, reference and load are delayed by.
+    #[inline(always)]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 … 2 in a validated model")]
+    fn delay(&self) -> (u8, f32) {
+        let whole = (self.current_delay as u8).min(2);
+        (whole, self.current_delay - f32::from(whole))
+    }
+
+    /// Whole samples that the angle is delayed by: (4) of the friction speaks of the middle of an interval.
+    #[inline(always)]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 … 3 in a validated model")]
+    fn angle_delay(&self) -> u8 {
+        ((self.current_delay + 1.0) as u8).min(3)
+    }
+}
+
+impl<const K: usize> Watch<K> for Shaft<K> {
+    fn fits(_model: Option<&ShaftModel<K>>) -> bool {
+        true
+    }
+
+    fn new(model: Option<&ShaftModel<K>>) -> Self {
+        const NOTHING: Balance = Balance {
+            interval_s: 1.0,
+            filter: super::StateVariable::new(0.1, 1.0),
+            row_interval: 1,
+            settle: 0,
+            sign_velocity_rad_s: 1.0,
+            load: true,
+            scale: [1.0; 4],
+            nominal: [0.0; 5],
+        };
+        Self {
+            gate: Gate::new(true),
+            ring: [([0.0; 3], 0); RING as usize],
+            place: 0,
+            filling: RING,
+            angle: None,
+            friction: FrictionState::new(model.map_or(&NOTHING, |model| &model.balance)),
+            orders: OrderTracking::new(),
+            watching: model.is_some(),
+        }
+    }
+
+    #[inline]
+    fn step(&mut self, model: Option<&ShaftModel<K>>, motion: &Motion) {
+        let Some(model) = model else { return };
+        let turned = self.angle.replace(motion.angle).map_or(0, |last| motion.angle.since(last));
+        let Motion { current_a, velocity_rad_s, reference_rad_s, load_nm, .. } = *motion;
+        let sample = Sample { y: current_a, u1: velocity_rad_s, u2: load_nm };
+        let [_, most, _] = model.guard.limit;
+        // The gate first: it counts.
+        let good = self.gate.admits(&model.guard, &sample) & (reference_rad_s.abs() <= most);
+        let levels = if good { [velocity_rad_s, reference_rad_s, load_nm] } else { [0.0; 3] };
+        self.place = (self.place + 1) % RING;
+        if let Some(cell) = self.ring.get_mut(self.place as usize) {
+            *cell = (levels, turned);
+        }
+        let ([newer, older], turned) = self.delayed(model);
+        if !good {
+            self.filling = RING;
+            self.friction.flush();
+        }
+        if self.filling > 0 {
+            self.filling -= 1;
+            self.orders.step(&model.tracking, turned, None);
+            return;
+        }
+        let (_, part) = model.delay();
+        let between = |newer: f32, older: f32| newer + part * (older - newer);
+        let ([w, r, t], [w_1, r_1, t_1]) = (newer, older);
+        let torques = Torques {
+            current_a,
+            velocity_rad_s: between(w, w_1),
+            reference_rad_s: between(r, r_1),
+            load_nm: between(t, t_1),
+        };
+        let residual = self.friction.step(&model.balance, &torques);
+        self.orders.step(&model.tracking, turned, residual);
+    }
+
+    fn sums(&self) -> Option<ShaftSums<K>> {
+        self.watching.then(|| ShaftSums {
+            friction: self.friction.sums(),
+            orders: self.orders.clone(),
+            counts: self.gate.counts,
+        })
+    }
+
+    fn next_segment(&mut self) {
+        self.gate.next_segment();
+        self.friction.next_segment();
+        self.orders.next_segment();
+    }
+}
+
+impl<const K: usize> Shaft<K> {
+    /// Levels of the two samples around the current's instant, and the way turned then.
+    #[inline(always)]
+    fn delayed(&self, model: &ShaftModel<K>) -> ([[f32; 3]; 2], i32) {
+        let back = |samples: u8| {
+            let place = self.place.wrapping_sub(samples) % RING;
+            self.ring.get(place as usize).copied().unwrap_or_default()
+        };
+        let (whole, _) = model.delay();
+        ([back(whole).0, back(whole + 1).0], back(model.angle_delay()).1)
+    }
+}
