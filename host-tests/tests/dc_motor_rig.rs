@@ -2,8 +2,8 @@
 
 use host_tests::{difference, peak};
 use workbench::rig::{
-    BearingGeometry, Defect, DefectKind, DefectTorque, Electrical, MotorParameters, Plant, PlantState, TABLE_2_1,
-    TABLE_2_3,
+    BearingGeometry, Defect, DefectKind, DefectTorque, Electrical, MotorParameters, Plant, PlantState, Scenario,
+    TABLE_2_1, TABLE_2_3, Waveform, simulate,
 };
 
 fn plant(motor: &MotorParameters, step_s: f64) -> Plant {
@@ -28,6 +28,52 @@ fn steady_state_balances_voltage_and_torque() {
         // 3 s are ≥ 60 time constants (e⁻⁶⁰ is nothing): the rest is rounding, 3e4 steps of 1e-16.
         assert!((plant.state().velocity_rad_s / omega - 1.0).abs() < 1e-11);
         assert!((plant.state().current_a / current - 1.0).abs() < 1e-11);
+    }
+}
+
+#[test]
+fn a_weak_magnet_turns_faster_unloaded_and_slower_loaded() {
+    // ω = (Kt v − R T)/(Kt Ke + R B), i = (B v + Ke T)/(Kt Ke + R B), with Kt and Ke of 0.05 (1 − 0.05 s).
+    for severity in [1.0, 0.25] {
+        let constant = 0.05 * (1.0 - 0.05 * severity);
+        let motor = Defect { kind: DefectKind::WeakMagnet, severity }.motor(&TABLE_2_3);
+        for load in [0.0, 0.25] {
+            let mut plant = plant(&motor, 1e-4);
+            for _ in 0..30_000 {
+                plant.step(3.0, |_| load);
+            }
+            let scale = constant * constant + 0.5 * 1e-4;
+            let omega = (constant * 3.0 - 0.5 * load) / scale;
+            let current = (1e-4 * 3.0 + constant * load) / scale;
+            let state = plant.state();
+            // 3 s are 57 time constants (e⁻⁵⁷ is nothing): the rest is rounding, 3e4 steps of 1e-16.
+            assert!(
+                (state.velocity_rad_s / omega - 1.0).abs() < 1e-11 && (state.current_a / current - 1.0).abs() < 1e-11
+            );
+            let sound = (0.05 * 3.0 - 0.5 * load) / (0.05 * 0.05 + 0.5 * 1e-4);
+            assert_eq!(state.velocity_rad_s > sound, load == 0.0);
+        }
+    }
+}
+
+#[test]
+fn a_drive_with_a_weak_magnet_needs_more_current_for_the_same_friction() {
+    // A square of no frequency is a constant reference; at rest of all else ω = ref and i = B ω/Kt.
+    let constant = Scenario {
+        reference_waveform: Waveform::Square,
+        reference_frequency_hz: 0.0,
+        load_amplitude_nm: 0.0,
+        load_fluctuation_nm: 0.0,
+        current_noise_a: 0.0,
+        velocity_noise_rad_s: 0.0,
+        samples: 10_000,
+        ..Scenario::STANDARD
+    };
+    for (kind, kt) in [(DefectKind::Healthy, 0.05), (DefectKind::WeakMagnet, 0.0475)] {
+        let trace = simulate(&constant.with_defect(Defect::full(kind)), 1).expect("valid scenario");
+        let (velocity, current) = (trace.velocity_rad_s[9999], trace.current_a[9999]);
+        // The integrator settles with Ki/(Kp + Ke) = 1.7 1/s: after 20 s e⁻³³ of 40 rad/s, of 40 A.
+        assert!((velocity - 40.0).abs() < 1e-10 && (current - 1e-4 * 40.0 / kt).abs() < 1e-10, "{velocity} {current}");
     }
 }
 

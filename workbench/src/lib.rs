@@ -3,6 +3,7 @@
 //! Traces are identified in double precision; models are *evaluated* by running the very code that firmware runs,
 //! the core crate in single precision.
 
+pub mod campaign;
 pub mod commands;
 pub mod demo;
 pub mod embedded;

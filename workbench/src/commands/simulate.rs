@@ -3,24 +3,29 @@
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use rayon::prelude::*;
 
 use super::output;
 use crate::Error;
-use crate::rig::{Defect, DefectKind, RigTrace, Scenario, simulate, trace_seed};
+use crate::rig::{Condition, Defect, DefectKind, RigTrace, Scenario, Waveform, simulate, trace_seed};
 
 /// Simulate traces of a rig: one CSV a trace, and labels.csv
 #[derive(Debug, clap::Args)]
-#[command(
-    after_help = "Example:\n  bearing-watch simulate --rig dc --class healthy,spall,roughness --count 20 --seed 1 --out traces"
-)]
+#[command(after_help = "Examples:
+  bearing-watch simulate --rig dc --class healthy,spall,roughness --count 20 --seed 1 --out traces
+  bearing-watch simulate --class spall,weak-magnet --severity 0.5 --condition frequency-2 --seed 2 --out other
+  bearing-watch simulate --class healthy --condition mix --waveform square --seed 3 --out traces
+
+Names of traces tell class, severity (unless 1), condition (unless standard), waveform (where it is not a sine) and \
+seed. The same seed draws the same noise under every condition; take another one for traces to validate on.")]
 pub(super) struct Args {
     /// Which rig
     #[arg(long, value_enum, default_value = "dc")]
     rig: Rig,
-    /// Condition of the bearing; several separated by commas
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', required = true)]
-    class: Vec<Class>,
+    /// What is wrong; several separated by commas
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', required = true, value_parser = classes())]
+    class: Vec<DefectKind>,
     /// Traces of each class
     #[arg(long, default_value_t = 20)]
     count: u32,
@@ -30,8 +35,14 @@ pub(super) struct Args {
     /// Size of the defect, 1 for full size
     #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
     severity: f64,
-    /// Draw reference, load, resistance and inertia anew for each trace
-    #[arg(long)]
+    /// What is other than on the standard rig
+    #[arg(long, value_name = "NAME", default_value = "standard", hide_default_value = true, value_parser = conditions())]
+    condition: Condition,
+    /// Shape of the velocity reference [default: sine, or that of the condition]
+    #[arg(long, value_name = "SHAPE", value_parser = waveforms())]
+    waveform: Option<Waveform>,
+    /// Short for --condition mix
+    #[arg(long, conflicts_with = "condition")]
     mix: bool,
     /// Folder for the traces; made if absent. Traces and labels of the same name are replaced, others stay
     #[arg(long, value_name = "DIR")]
@@ -44,41 +55,47 @@ enum Rig {
     Dc,
 }
 
-/// Names as the labels carry them.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Class {
-    Healthy,
-    /// Single-point defect of the outer race
-    Spall,
-    /// Raised viscous friction: lost lubrication
-    Roughness,
-    /// Coulomb friction of a spall's mean torque: the control for isolation
-    Coulomb,
+/// Takes the name of one of `choices`: name, note for the help, value.
+fn one_of<T>(choices: Vec<(&'static str, &'static str, T)>) -> impl TypedValueParser<Value = T>
+where
+    T: Copy + Send + Sync + 'static,
+{
+    let values = choices.iter().map(|(name, about, _)| PossibleValue::new(*name).help(*about));
+    PossibleValuesParser::new(values).try_map(move |given| {
+        let choice = choices.iter().find(|(name, _, _)| *name == given);
+        choice.map(|(_, _, value)| *value).ok_or_else(|| format!("no such choice: {given}"))
+    })
 }
 
-impl Class {
-    fn kind(self) -> DefectKind {
-        match self {
-            Self::Healthy => DefectKind::Healthy,
-            Self::Spall => DefectKind::Spall,
-            Self::Roughness => DefectKind::Roughness,
-            Self::Coulomb => DefectKind::Coulomb,
-        }
-    }
+fn classes() -> impl TypedValueParser<Value = DefectKind> {
+    one_of(DefectKind::ALL.map(|kind| (kind.name(), kind.about(), kind)).to_vec())
+}
+
+fn conditions() -> impl TypedValueParser<Value = Condition> {
+    one_of(Condition::all().map(|condition| (condition.name, condition.about, condition)).collect())
+}
+
+fn waveforms() -> impl TypedValueParser<Value = Waveform> {
+    one_of(Waveform::ALL.map(|shape| (shape.name(), shape.about(), shape)).to_vec())
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
     let Rig::Dc = args.rig;
-    let jobs: Vec<(Class, u32)> =
-        args.class.iter().flat_map(|&class| (0..args.count).map(move |k| (class, k))).collect();
+    let jobs: Vec<(DefectKind, u32)> =
+        args.class.iter().flat_map(|&kind| (0..args.count).map(move |k| (kind, k))).collect();
     if jobs.is_empty() {
         return Err(Error::Usage("--count 0 makes no traces; give at least 1".into()));
     }
-    for (k, class) in args.class.iter().enumerate() {
-        if args.class[..k].iter().any(|other| other.kind() == class.kind()) {
-            return Err(Error::Usage(format!("--class names {} twice", class.kind().name())));
+    let condition = args.condition();
+    if condition.reference_waveform.is_some() && args.waveform.is_some() {
+        let name = condition.name;
+        return Err(Error::Usage(format!("--condition {name} is a waveform already; leave out --waveform")));
+    }
+    for (k, kind) in args.class.iter().enumerate() {
+        if args.class[..k].contains(kind) {
+            return Err(Error::Usage(format!("--class names {} twice", kind.name())));
         }
-        args.scenario(*class).validate()?;
+        args.scenario(*kind, 0).validate()?;
     }
     let labels = args.out.join("labels.csv");
     let old = old_labels(&labels)?;
@@ -86,16 +103,16 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let bar = output::progress("simulating", jobs.len());
     let rows = jobs
         .par_iter()
-        .map(|&(class, k)| {
-            let kind = class.kind();
+        .map(|&(kind, k)| {
             let seed = trace_seed(args.seed, kind, k);
-            let scenario = args.scenario(class);
-            let scenario = if args.mix { scenario.mixed(seed) } else { scenario };
-            let name = format!("{}_{}_{k:03}.csv", kind.name(), args.seed);
+            let scenario = args.scenario(kind, seed);
+            let name = format!("{}_{}_{k:03}.csv", args.stem(kind), args.seed);
             output::write(&args.out.join(&name), csv(&simulate(&scenario, seed)?))?;
             bar.inc(1);
             let severity = if kind == DefectKind::Healthy { 0.0 } else { args.severity };
-            Ok([name, kind.name().into(), severity.to_string(), args.seed.to_string()])
+            let shape = scenario.reference_waveform.name();
+            let [severity, seed] = [severity.to_string(), args.seed.to_string()];
+            Ok([name, kind.name().into(), severity, seed, condition.name.into(), shape.into()])
         })
         .collect::<Result<Vec<_>, Error>>()?;
     bar.finish_and_clear();
@@ -104,8 +121,28 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
 }
 
 impl Args {
-    fn scenario(&self, class: Class) -> Scenario {
-        Scenario::STANDARD.with_defect(Defect { kind: class.kind(), severity: self.severity })
+    fn condition(&self) -> Condition {
+        if self.mix { Condition::MIX } else { self.condition }
+    }
+
+    fn scenario(&self, kind: DefectKind, seed: u64) -> Scenario {
+        let standard = Scenario::STANDARD.with_defect(Defect { kind, severity: self.severity });
+        let scenario = self.condition().apply(standard, seed);
+        Scenario { reference_waveform: self.waveform.unwrap_or(scenario.reference_waveform), ..scenario }
+    }
+
+    /// What traces of one class are called, without seed and number.
+    fn stem(&self, kind: DefectKind) -> String {
+        let mut parts = vec![kind.name().to_string()];
+        if kind != DefectKind::Healthy && self.severity != 1.0 {
+            parts.push(self.severity.to_string());
+        }
+        let condition = self.condition();
+        if condition != Condition::STANDARD {
+            parts.push(condition.name.into());
+        }
+        parts.extend(self.waveform.filter(|shape| *shape != Waveform::Sine).map(|shape| shape.name().into()));
+        parts.join("_")
     }
 }
 
@@ -131,7 +168,7 @@ fn csv(trace: &RigTrace) -> String {
     out
 }
 
-const HEADER: &str = "trace,class_name,severity,seed";
+const HEADER: &str = "trace,class_name,severity,seed,condition,waveform";
 
 /// Rows of the labels that are there already.
 fn old_labels(path: &Path) -> Result<Vec<String>, Error> {
@@ -147,7 +184,7 @@ fn old_labels(path: &Path) -> Result<Vec<String>, Error> {
 }
 
 /// Writes the labels of a folder; old rows of the same traces are replaced.
-fn write_labels(path: &Path, old: &[String], rows: &[[String; 4]]) -> Result<(), Error> {
+fn write_labels(path: &Path, old: &[String], rows: &[[String; 6]]) -> Result<(), Error> {
     let replaced = |line: &str| rows.iter().any(|row| line.split(',').next() == Some(row[0].as_str()));
     let kept = old.iter().filter(|line| !replaced(line)).cloned();
     let lines: Vec<String> =

@@ -1,4 +1,4 @@
-//! The bearing: characteristic orders and the torque of a defect.
+//! What can be wrong: characteristic orders, the torque of a bearing defect, a weakened magnet.
 //!
 //! Orders are events per shaft turn, with `r = (BD/PD) cos δ` and n balls (thesis Eq. 1.1, 2.52):
 //!
@@ -18,17 +18,25 @@
 //!            p(x) = ½(1 − cos(2πx/d)) for x < d, else 0;   x = frac(Oθ/2π)
 //! roughness  ΔB ω                                                                   (6)
 //! coulomb    Tc tanh(ω/ω₀),   Tc = Td d/2, the mean of the spall's pulses           (7)
+//! both       (5) + (6), each of the given severity
+//! ```
+//!
+//! A weak magnet leaves the bearing alone and changes the motor instead, severity s:
+//!
+//! ```text
+//! Kt ← Kt (1 − 0.05 s),   Ke ← Ke (1 − 0.05 s)                                      (8)
 //! ```
 //!
 //! The spall's second line is a ripple of the torque constant (`Kt (1 + ε[…]) i` drives the
 //! shaft): the rotor moves off centre when a ball meets the spall, and that modulates the air
 //! gap. Coulomb roughness is no bearing defect of the thesis but the control for isolation: an
 //! estimator that calls it a spall has found mean drag, not a spall. Severity scales Td and ε
-//! (spall), ΔB (roughness) and Tc (coulomb).
+//! (spall), ΔB (roughness) and Tc (coulomb). Both defects at once and the weak magnet are what a
+//! detector trained on single bearing defects has not seen and must not call healthy.
 
 use core::f64::consts::TAU;
 
-use super::{PlantState, RigError, finite, not_negative, positive};
+use super::{MotorParameters, PlantState, RigError, finite, not_negative, positive};
 
 /// Width ω₀ of the smoothed sign of ω.
 const REVERSAL_RAD_S: f64 = 1.0;
@@ -40,6 +48,8 @@ const PULSE_DUTY: f64 = 0.15;
 const TORQUE_RIPPLE: f64 = 0.03;
 /// ΔB at severity 1. Smaller values hardly move the a-parameters of the thesis' models.
 const ADDED_FRICTION_NM_S_PER_RAD: f64 = 2e-3;
+/// The part of Kt and Ke that a magnet has lost at severity 1.
+const MAGNET_LOSS: f64 = 0.05;
 
 /// Dimensions of a ball bearing.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,7 +105,7 @@ impl BearingGeometry {
     }
 }
 
-/// What is wrong with the bearing.
+/// What is wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum DefectKind {
     /// Nothing.
@@ -106,13 +116,18 @@ pub enum DefectKind {
     Roughness,
     /// Isolation control: Coulomb friction of the same mean torque as the spall.
     Coulomb,
+    /// Defects A and B at once.
+    SpallAndRoughness,
+    /// A magnet that has lost a part of its flux (8); the bearing is sound.
+    WeakMagnet,
 }
 
 impl DefectKind {
     /// Every kind, in the order of the class tables.
-    pub const ALL: [Self; 4] = [Self::Healthy, Self::Spall, Self::Roughness, Self::Coulomb];
+    pub const ALL: [Self; 6] =
+        [Self::Healthy, Self::Spall, Self::Roughness, Self::Coulomb, Self::SpallAndRoughness, Self::WeakMagnet];
 
-    /// Class name used in labels and reports.
+    /// Class name used on the command line, in labels and in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -120,6 +135,34 @@ impl DefectKind {
             Self::Spall => "spall",
             Self::Roughness => "roughness",
             Self::Coulomb => "coulomb",
+            Self::SpallAndRoughness => "spall-and-roughness",
+            Self::WeakMagnet => "weak-magnet",
+        }
+    }
+
+    /// What it is, in a few words.
+    #[must_use]
+    pub const fn about(self) -> &'static str {
+        match self {
+            Self::Healthy => "nothing is wrong",
+            Self::Spall => "single-point defect of the outer race",
+            Self::Roughness => "raised viscous friction: lost lubrication",
+            Self::Coulomb => "Coulomb friction of a spall's mean torque: the control for isolation",
+            Self::SpallAndRoughness => "both bearing defects at once",
+            Self::WeakMagnet => "torque and back-EMF constant 5 % low, bearing sound",
+        }
+    }
+
+    /// A number of its own, below 8, which no later kind changes: seeds are made of it.
+    #[must_use]
+    pub const fn number(self) -> u8 {
+        match self {
+            Self::Healthy => 0,
+            Self::Spall => 1,
+            Self::Roughness => 2,
+            Self::Coulomb => 3,
+            Self::SpallAndRoughness => 4,
+            Self::WeakMagnet => 5,
         }
     }
 }
@@ -146,18 +189,35 @@ impl Defect {
     /// The torque law on a motor of torque constant `kt_nm_per_a` with this bearing.
     pub fn torque(&self, kt_nm_per_a: f64, geometry: &BearingGeometry) -> Result<DefectTorque, RigError> {
         let severity = not_negative("defect.severity", self.severity)?;
+        let pulse_nm = PULSE_NM * severity;
+        let ripple_nm_per_a = TORQUE_RIPPLE * severity * kt_nm_per_a;
+        let outer_order = geometry.orders().outer;
+        let friction_nm_s_per_rad = ADDED_FRICTION_NM_S_PER_RAD * severity;
         Ok(match self.kind {
-            DefectKind::Healthy => DefectTorque::None,
-            DefectKind::Spall => DefectTorque::Spall {
-                pulse_nm: PULSE_NM * severity,
-                ripple_nm_per_a: TORQUE_RIPPLE * severity * kt_nm_per_a,
-                outer_order: geometry.orders().outer,
-            },
-            DefectKind::Roughness => {
-                DefectTorque::Viscous { friction_nm_s_per_rad: ADDED_FRICTION_NM_S_PER_RAD * severity }
-            }
+            DefectKind::Healthy | DefectKind::WeakMagnet => DefectTorque::None,
+            DefectKind::Spall => DefectTorque::Spall { pulse_nm, ripple_nm_per_a, outer_order },
+            DefectKind::Roughness => DefectTorque::Viscous { friction_nm_s_per_rad },
             DefectKind::Coulomb => DefectTorque::Coulomb { torque_nm: 0.5 * PULSE_DUTY * PULSE_NM * severity },
+            DefectKind::SpallAndRoughness => {
+                DefectTorque::SpallAndViscous { pulse_nm, ripple_nm_per_a, outer_order, friction_nm_s_per_rad }
+            }
         })
+    }
+
+    /// The motor that this defect makes of a sound one (8); bearing defects leave it as it is.
+    #[must_use]
+    pub fn motor(&self, sound: &MotorParameters) -> MotorParameters {
+        match self.kind {
+            DefectKind::WeakMagnet => {
+                let flux = 1.0 - MAGNET_LOSS * self.severity;
+                MotorParameters {
+                    kt_nm_per_a: flux * sound.kt_nm_per_a,
+                    ke_v_s_per_rad: flux * sound.ke_v_s_per_rad,
+                    ..*sound
+                }
+            }
+            _ => *sound,
+        }
     }
 }
 
@@ -185,6 +245,17 @@ pub enum DefectTorque {
         /// Tc.
         torque_nm: f64,
     },
+    /// Equations (5) and (6) at once.
+    SpallAndViscous {
+        /// Td.
+        pulse_nm: f64,
+        /// ε Kt.
+        ripple_nm_per_a: f64,
+        /// O.
+        outer_order: f64,
+        /// ΔB.
+        friction_nm_s_per_rad: f64,
+    },
 }
 
 impl DefectTorque {
@@ -195,14 +266,21 @@ impl DefectTorque {
         match *self {
             Self::None => 0.0,
             Self::Spall { pulse_nm, ripple_nm_per_a, outer_order } => {
-                let drag = pulse_nm * direction(omega) * pulse(outer_order * state.angle_rad / TAU);
-                let ripple = ripple(outer_order, state.angle_rad);
-                drag - ripple_nm_per_a * state.current_a * ripple // (5)
+                spall(state, pulse_nm, ripple_nm_per_a, outer_order)
             }
             Self::Viscous { friction_nm_s_per_rad } => friction_nm_s_per_rad * omega, // (6)
             Self::Coulomb { torque_nm } => torque_nm * direction(omega),              // (7)
+            Self::SpallAndViscous { pulse_nm, ripple_nm_per_a, outer_order, friction_nm_s_per_rad } => {
+                spall(state, pulse_nm, ripple_nm_per_a, outer_order) + friction_nm_s_per_rad * omega
+            }
         }
     }
+}
+
+/// Equation (5).
+fn spall(state: &PlantState, pulse_nm: f64, ripple_nm_per_a: f64, outer_order: f64) -> f64 {
+    let drag = pulse_nm * direction(state.velocity_rad_s) * pulse(outer_order * state.angle_rad / TAU);
+    drag - ripple_nm_per_a * state.current_a * ripple(outer_order, state.angle_rad)
 }
 
 fn direction(omega: f64) -> f64 {
@@ -260,9 +338,45 @@ mod tests {
             // Rounding only: each law is linear in severity and odd in ω at i = 0.
             assert!((torque(kind, 0.25, at(20.0)) - 0.25 * full).abs() < 1e-15);
             assert!((torque(kind, 1.0, at(-20.0)) + full).abs() < 1e-15);
-            assert_eq!(full > 1e-3, kind != DefectKind::Healthy);
+            let sound_bearing = matches!(kind, DefectKind::Healthy | DefectKind::WeakMagnet);
+            assert_eq!(full > 1e-3, !sound_bearing, "{kind:?}");
         }
         let negative = Defect { kind: DefectKind::Spall, severity: -0.5 };
         assert!(negative.torque(0.05, &BearingGeometry::THESIS).is_err());
+    }
+
+    #[test]
+    fn both_defects_are_the_sum_of_their_torques() {
+        for severity in [1.0, 0.3] {
+            for k in 0..1000 {
+                let x = f64::from(k);
+                let state = PlantState { current_a: 0.01 * x, velocity_rad_s: 40.0 - 0.08 * x, angle_rad: 0.037 * x };
+                let sum = torque(DefectKind::Spall, severity, state) + torque(DefectKind::Roughness, severity, state);
+                assert_eq!(torque(DefectKind::SpallAndRoughness, severity, state), sum);
+            }
+        }
+    }
+
+    #[test]
+    fn a_weak_magnet_is_the_motor_and_no_other_defect_is() {
+        let sound = crate::rig::TABLE_2_3;
+        for kind in DefectKind::ALL {
+            let motor = Defect { kind, severity: 0.5 }.motor(&sound);
+            assert_eq!(motor == sound, kind != DefectKind::WeakMagnet);
+        }
+        let weak = Defect { kind: DefectKind::WeakMagnet, severity: 0.5 }.motor(&sound);
+        // 0.975 × 0.05, to rounding.
+        assert!((weak.kt_nm_per_a - 0.04875).abs() < 1e-17 && (weak.ke_v_s_per_rad - 0.04875).abs() < 1e-17);
+        assert_eq!(MotorParameters { kt_nm_per_a: 0.05, ke_v_s_per_rad: 0.05, ..weak }, sound);
+    }
+
+    #[test]
+    fn numbers_and_names_are_distinct() {
+        for (k, kind) in DefectKind::ALL.into_iter().enumerate() {
+            assert!(kind.number() < 8);
+            for other in &DefectKind::ALL[..k] {
+                assert!(kind.number() != other.number() && kind.name() != other.name());
+            }
+        }
     }
 }

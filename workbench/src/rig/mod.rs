@@ -15,9 +15,12 @@
 //! | room | what it holds |
 //! |---|---|
 //! | [`dc_motor`] | the motor of thesis Eq. 2.24–2.25, with the current as a state or quasi-static |
-//! | [`bearing`] | the characteristic orders and the torque of each defect |
+//! | [`bearing`] | the characteristic orders, the torque of each defect, the weakened magnet |
+//! | [`waveform`] | sine, triangle and square velocity references |
 //! | [`noise`] | independent seeded streams, load fluctuation, current measurement filter |
 //! | [`scenario`] | the standard rig, the loop that joins the rooms, the recorded trace |
+//! | [`levels`] | how strong the signals are, and noise of a wanted signal-to-noise ratio |
+//! | [`conditions`] | named changes of a scenario: other excitation, load, motor or noise; severities |
 //!
 //! Everything is `f64`, and sines and hyperbolic tangents come from `libm`, so that a seed means
 //! the same trace on every machine. The rig has its own equations on purpose: it shares no code
@@ -37,14 +40,20 @@
 //! ```
 
 pub mod bearing;
+pub mod conditions;
 pub mod dc_motor;
+pub mod levels;
 pub mod noise;
 pub mod scenario;
+pub mod waveform;
 
 pub use bearing::{BearingGeometry, BearingOrders, Defect, DefectKind, DefectTorque};
+pub use conditions::{Condition, SEVERITIES};
 pub use dc_motor::{Electrical, MotorParameters, Plant, PlantState, TABLE_2_1, TABLE_2_3};
+pub use levels::SignalLevels;
 pub use noise::{CurrentFilter, LoadFluctuation, NoiseSource, Stream};
 pub use scenario::{RigTrace, Scenario, simulate};
+pub use waveform::Waveform;
 
 /// Why a rig cannot be built or run; each names the parameter at fault.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -88,18 +97,14 @@ pub enum RigError {
     },
 }
 
-/// The seed of trace `k` of one class in the set of seed `set`. Injective, so that sets of different seeds, and
-/// classes of one set, never share a trace.
+/// The seed of trace `k` of one class in the set of seed `set`. Injective for k < 2²⁹, so that sets of different
+/// seeds, and classes of one set, never share a trace.
 #[must_use]
 pub const fn trace_seed(set: u32, kind: DefectKind, k: u32) -> u64 {
-    let class = match kind {
-        DefectKind::Healthy => 0,
-        DefectKind::Spall => 1,
-        DefectKind::Roughness => 2,
-        DefectKind::Coulomb => 3,
-    };
-    // Two bits of class, thirty of count.
-    ((set as u64) << 32) | (class << 30) | (k as u64 & 0x3fff_ffff)
+    let class = kind.number() as u64;
+    // Three bits of class, the upper one last, and twenty-nine of count.
+    let class = ((class & 3) << 30) | ((class >> 2) << 29);
+    ((set as u64) << 32) | class | (k as u64 & 0x1fff_ffff)
 }
 
 /// `value`, if it is a finite number.

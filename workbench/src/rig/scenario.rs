@@ -19,7 +19,7 @@ use core::f64::consts::TAU;
 
 use super::{
     BearingGeometry, CurrentFilter, Defect, DefectTorque, LoadFluctuation, MotorParameters, NoiseSource, Plant,
-    PlantState, RigError, Stream, TABLE_2_3, finite, not_negative, positive,
+    PlantState, RigError, Stream, TABLE_2_3, Waveform, finite, not_negative, positive,
 };
 
 /// Longest integration step; a sampling interval is cut into equal steps no longer than this.
@@ -32,7 +32,9 @@ const START_ANGLE_RAD: f64 = 10.0 * TAU;
 /// One experiment on the DC-motor rig.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scenario {
-    /// Amplitude of the sine velocity reference.
+    /// Shape of the velocity reference.
+    pub reference_waveform: Waveform,
+    /// Amplitude (peak) of the velocity reference.
     pub reference_amplitude_rad_s: f64,
     /// Frequency of the velocity reference.
     pub reference_frequency_hz: f64,
@@ -52,7 +54,7 @@ pub struct Scenario {
     pub sample_time_s: f64,
     /// Rows of the trace.
     pub samples: usize,
-    /// The motor.
+    /// The sound motor; [`Defect::motor`] says what a defect makes of it.
     pub motor: MotorParameters,
     /// Standard deviation of the current noise, outside the loop, after the filter.
     pub current_noise_a: f64,
@@ -60,13 +62,14 @@ pub struct Scenario {
     pub velocity_noise_rad_s: f64,
     /// The bearing's dimensions.
     pub bearing: BearingGeometry,
-    /// What is wrong with the bearing.
+    /// What is wrong.
     pub defect: Defect,
 }
 
 impl Scenario {
     /// The standard rig, calibrated so that a healthy trace fits as well as the thesis reports.
     pub const STANDARD: Self = Self {
+        reference_waveform: Waveform::Sine,
         reference_amplitude_rad_s: 40.0,
         reference_frequency_hz: 0.2,
         load_amplitude_nm: 0.15,
@@ -122,16 +125,16 @@ impl Scenario {
         if self.samples == 0 {
             return Err(RigError::NoSamples);
         }
-        self.motor.validate()?;
+        not_negative("defect.severity", self.defect.severity)?;
+        self.defect.motor(&self.motor).validate()?;
         not_negative("current_noise_a", self.current_noise_a)?;
         not_negative("velocity_noise_rad_s", self.velocity_noise_rad_s)?;
         self.bearing.validate()?;
-        not_negative("defect.severity", self.defect.severity)?;
         Ok(())
     }
 
     fn reference_at(&self, t_s: f64) -> f64 {
-        self.reference_amplitude_rad_s * libm::sin(TAU * self.reference_frequency_hz * t_s)
+        self.reference_amplitude_rad_s * self.reference_waveform.at(self.reference_frequency_hz, t_s)
     }
 
     fn load_at(&self, t_s: f64) -> f64 {
@@ -218,16 +221,16 @@ impl Shaft {
     fn new(scenario: &Scenario, seed: u64) -> Result<Self, RigError> {
         let inner_steps = inner_steps(scenario.sample_time_s);
         let step_s = scenario.sample_time_s / f64::from(inner_steps);
-        let mut plant = Plant::new(&scenario.motor, step_s)?;
+        let motor = scenario.defect.motor(&scenario.motor);
+        let mut plant = Plant::new(&motor, step_s)?;
         plant.set_state(PlantState {
             angle_rad: NoiseSource::new(seed, Stream::StartAngle).uniform(0.0, START_ANGLE_RAD),
             ..PlantState::default()
         });
-        let kt = scenario.motor.kt_nm_per_a;
         Ok(Self {
             plant,
             filter: CurrentFilter::new(step_s),
-            defect: scenario.defect.torque(kt, &scenario.bearing)?,
+            defect: scenario.defect.torque(motor.kt_nm_per_a, &scenario.bearing)?,
             inner_steps,
         })
     }

@@ -1,0 +1,29 @@
+//! How many traces of the standard rig one core simulates in a second, by class.
+//!
+//! `cargo run --release -p bearing-watch-workbench --example rig_speed`
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use workbench::rig::{Defect, DefectKind, Scenario, simulate};
+
+/// Traces a batch; short, so that the fastest of many batches is undisturbed by other work of the machine.
+const TRACES: u32 = 5;
+const BATCHES: u64 = 40;
+
+fn main() -> Result<(), workbench::Error> {
+    println!("class, traces a second on one core ({} samples a trace)", Scenario::STANDARD.samples);
+    for kind in DefectKind::ALL {
+        let scenario = Scenario::STANDARD.with_defect(Defect::full(kind));
+        let mut fastest_s = f64::INFINITY;
+        for batch in 0..BATCHES {
+            let start = Instant::now();
+            for k in 0..u64::from(TRACES) {
+                black_box(simulate(&scenario, 1000 * batch + k)?);
+            }
+            fastest_s = fastest_s.min(start.elapsed().as_secs_f64());
+        }
+        println!("{}, {:.0}", kind.name(), f64::from(TRACES) / fastest_s);
+    }
+    Ok(())
+}

@@ -1,0 +1,127 @@
+//! `bearing-watch simulate`: classes, severities, conditions and waveforms, as a user runs it.
+
+mod common;
+
+use std::path::Path;
+
+use common::{refuse, run, succeed};
+
+/// Columns of a trace: time, reference, velocity, current, load, angle.
+fn trace(path: &Path) -> Vec<Vec<f64>> {
+    let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let mut columns = vec![Vec::new(); 6];
+    for line in text.lines().skip(1) {
+        for (column, cell) in columns.iter_mut().zip(line.split(',')) {
+            column.push(cell.parse().expect("number"));
+        }
+    }
+    columns
+}
+
+fn labels(folder: &Path) -> Vec<String> {
+    let text = std::fs::read_to_string(folder.join("labels.csv")).expect("labels");
+    text.lines().map(String::from).collect()
+}
+
+fn rms(x: &[f64]) -> f64 {
+    (x.iter().map(|v| v * v).sum::<f64>() / x.len() as f64).sqrt()
+}
+
+#[test]
+fn every_class_has_its_traces_and_labels() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    let classes = "healthy,spall,roughness,coulomb,spall-and-roughness,weak-magnet";
+    let said = succeed(dir, &format!("simulate --class {classes} --count 2 --seed 3 --out t"));
+    assert!(said.starts_with("12 traces"), "{said}");
+    let labels = labels(&dir.join("t"));
+    assert_eq!(labels[0], "trace,class_name,severity,seed,condition,waveform");
+    assert_eq!(labels[1], "healthy_3_000.csv,healthy,0,3,standard,sine");
+    assert_eq!(labels[10], "spall-and-roughness_3_001.csv,spall-and-roughness,1,3,standard,sine");
+    assert_eq!(labels[12], "weak-magnet_3_001.csv,weak-magnet,1,3,standard,sine");
+    // Each class has a seed of its own, so even the first load of each is another.
+    let firsts: Vec<f64> = labels[1..]
+        .iter()
+        .map(|line| trace(&dir.join("t").join(line.split(',').next().expect("name")))[4][0])
+        .collect();
+    assert!(firsts.iter().enumerate().all(|(k, load)| !firsts[..k].contains(load)), "{firsts:?}");
+}
+
+#[test]
+fn conditions_severities_and_waveforms_live_in_one_folder() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    for options in [
+        "--class healthy",
+        "--class spall --severity 0.125",
+        "--class spall --condition amplitude-2",
+        "--class healthy --condition square",
+        "--class healthy --mix --waveform triangle",
+        "--class healthy --condition noise-10-db",
+        "--class healthy --waveform sine",
+    ] {
+        succeed(dir, &format!("simulate {options} --count 1 --seed 9 --out t"));
+    }
+    let labels = labels(&dir.join("t"));
+    let expected = [
+        "trace,class_name,severity,seed,condition,waveform",
+        "spall_0.125_9_000.csv,spall,0.125,9,standard,sine",
+        "spall_amplitude-2_9_000.csv,spall,1,9,amplitude-2,sine",
+        "healthy_square_9_000.csv,healthy,0,9,square,square",
+        "healthy_mix_triangle_9_000.csv,healthy,0,9,mix,triangle",
+        "healthy_noise-10-db_9_000.csv,healthy,0,9,noise-10-db,sine",
+        // The last run is the first again, and takes its place.
+        "healthy_9_000.csv,healthy,0,9,standard,sine",
+    ];
+    assert_eq!(labels, expected);
+
+    let read = |name: &str| trace(&dir.join("t").join(name));
+    let standard = read("healthy_9_000.csv");
+    // Five hundred samples of 0.2 Hz are a fifth of a period; files carry nine digits.
+    assert!((standard[1][500] - 40.0 * (std::f64::consts::TAU * 0.2).sin()).abs() < 1e-6);
+    let square = read("healthy_square_9_000.csv");
+    assert!((0..5000).all(|k| square[1][k] == if (k / 1250) % 2 == 0 { 40.0 } else { -40.0 }));
+    assert_eq!(square[4], standard[4], "the same seed has the same load");
+    let double = read("spall_amplitude-2_9_000.csv");
+    assert!((double[1][500] - 2.0 * standard[1][500]).abs() < 1e-6);
+    // A triangle's corners: the only bends in its reference, wherever the drawn frequency puts them.
+    let triangle = &read("healthy_mix_triangle_9_000.csv")[1];
+    let bends = triangle.windows(3).filter(|w| (w[0] - 2.0 * w[1] + w[2]).abs() > 1e-6).count();
+    assert!((2..=16).contains(&bends), "{bends}");
+    // The error of the standard trace is 4 rad/s rms; 8.58 rad/s of noise (10 dB below 27.14) make it √(4² + 8.58²) = 9.5
+    // and, as the loop follows the noise, a little more.
+    let error = |t: &[Vec<f64>]| rms(&t[1].iter().zip(&t[2]).map(|(r, w)| r - w).collect::<Vec<_>>());
+    let (noisy, quiet) = (error(&read("healthy_noise-10-db_9_000.csv")), error(&standard));
+    assert!((9.0..10.8).contains(&noisy) && (3.5..4.7).contains(&quiet), "{noisy} {quiet}");
+}
+
+#[test]
+fn help_has_examples_and_every_name() {
+    let folder = tempfile::tempdir().expect("folder");
+    let help = succeed(folder.path(), "simulate --help");
+    for words in ["Examples:", "spall-and-roughness", "weak-magnet", "frequency-0.5", "noise-20-db", "triangle"] {
+        assert!(help.contains(words), "{words}\n{help}");
+    }
+}
+
+#[test]
+fn what_cannot_be_simulated_is_one_line() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    for (options, words) in [
+        ("--class rust --out s", ["'rust'", "weak-magnet"]),
+        ("--class healthy --condition warm --out s", ["'warm'", "resistance-1.1"]),
+        ("--class healthy --waveform saw --out s", ["'saw'", "triangle"]),
+        ("--class healthy --condition square --waveform sine --out s", ["--condition square", "--waveform"]),
+        ("--class healthy --condition square --mix --out s", ["--mix", "cannot be used"]),
+        ("--class weak-magnet --severity 20 --out s", ["kt_nm_per_a", "positive"]),
+        ("--class healthy --count 0 --out s", ["--count 0", "at least 1"]),
+    ] {
+        refuse(dir, &format!("simulate {options}"), &words);
+    }
+    std::fs::create_dir(dir.join("old")).expect("folder");
+    std::fs::write(dir.join("old/labels.csv"), "trace,class_name,severity,seed\n").expect("file");
+    let old = run(dir, "simulate --class healthy --count 1 --out old");
+    assert_eq!(old.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&old.stderr).contains("choose another --out"));
+}
