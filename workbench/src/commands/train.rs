@@ -10,13 +10,14 @@ use serde_json::json;
 
 use super::estimation::EstimationArgs;
 use super::options::{
-    ChannelArgs, Notes, PreparationArgs, Selection, SelectionArgs, StructureArgs, check_rate, prepare, warn_irregular,
+    ChannelArgs, Notes, PreparationArgs, Selection, SelectionArgs, StructureArgs, ValidationArgs, check_rate, prepare,
+    warn_irregular,
 };
 use super::output;
 use crate::evaluate::{self, Confusion};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Condition, Preparation};
-use crate::train::{Keep, ProjectionKind, Recipe, Trained};
+use crate::train::{Keep, ProjectionKind, Recipe, Shrink, Trained, Validation};
 use crate::{Error, export};
 
 /// Train a model from labelled traces, for the detector in firmware
@@ -54,7 +55,7 @@ pub(super) struct Args {
     /// Part of the variance to keep, where --components is not given (pca, pca-raw)
     #[arg(long, value_name = "PART", default_value_t = 0.99)]
     variance: f64,
-    /// Shared or own class covariances
+    /// Shared or own class covariances, or between them
     #[arg(long, value_enum, default_value = "linear")]
     discriminant: DiscriminantKind,
     /// Priors, e.g. healthy=0.98,spall=0.01,roughness=0.01; equal if not given
@@ -63,6 +64,11 @@ pub(super) struct Args {
     /// Cost of deciding a class when another is true, e.g. healthy:spall=50; 1 where not given
     #[arg(long, value_name = "DECIDED:TRUE=COST", value_delimiter = ',')]
     cost: Vec<String>,
+    #[command(flatten)]
+    validation: ValidationArgs,
+    /// Rank the features (those of --features, or all): Fisher ratios, cross-validated gains, and what to drop
+    #[arg(long)]
+    rank: bool,
     /// The binary model
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
@@ -95,6 +101,8 @@ enum DiscriminantKind {
     Linear,
     /// A covariance each
     Quadratic,
+    /// Between the two and a diagonal, by the best cross-validated log score
+    Shrunk,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
@@ -108,7 +116,8 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     output::plan(&files.into_iter().flatten().collect::<Vec<_>>(), &selection.inputs(&args.selection.labels))?;
     let (classes, training) = selection.rows(&args.train_where)?;
     warn_irregular(training.iter().map(|t| &t.trace));
-    let recipe = args.recipe(&classes)?;
+    let validation = args.validation.validation(&selection, &training)?;
+    let recipe = Recipe { validation, ..args.recipe(&classes)? };
     let prepared = prepare(&training, preparation)?;
     let mut trained = crate::train::train(&prepared, &classes, &recipe)?;
     let host = embed_block_mean(&mut trained, preparation, &training);
@@ -154,9 +163,14 @@ impl Args {
             features: self.features.clone(),
             projection,
             discriminant: match self.discriminant {
-                DiscriminantKind::Linear => Kind::Linear,
+                DiscriminantKind::Linear | DiscriminantKind::Shrunk => Kind::Linear,
                 DiscriminantKind::Quadratic => Kind::Quadratic,
             },
+            shrink: match self.discriminant {
+                DiscriminantKind::Shrunk => Shrink::Chosen,
+                DiscriminantKind::Linear | DiscriminantKind::Quadratic => Shrink::Not,
+            },
+            validation: Validation::default(),
             priors: priors(&self.priors, classes)?,
             cost: costs(&self.cost, classes)?,
         })
