@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 use super::fit::fit;
 use super::scores::Prediction;
-use super::{FeatureTable, Recipe};
+use super::{FeatureTable, Recipe, Scores, Trained};
 use crate::Error;
 
 /// How rows are split.
@@ -65,6 +65,11 @@ impl Candidates {
     pub fn select(&self, places: &[usize]) -> Self {
         let features = places.iter().map(|&k| self.features[k].clone()).collect();
         Self { table: self.table.select(places), features, groups: self.groups.clone() }
+    }
+
+    /// Places of features by name.
+    pub(crate) fn places(&self, names: &[String]) -> Vec<usize> {
+        names.iter().filter_map(|name| self.features.iter().position(|feature| feature == name)).collect()
     }
 
     /// What each row counts, of mean one: classes weigh as their priors, however many rows they have.
@@ -162,6 +167,19 @@ pub fn predict(candidates: &Candidates, recipe: &Recipe, folds: &Folds) -> Resul
     }
     all.sort_by_key(|(row, _)| *row);
     Ok(all.into_iter().map(|(_, prediction)| prediction).collect())
+}
+
+impl Trained {
+    /// Scores of the whole recipe by cross-validation on the training segments.
+    ///
+    /// # Errors
+    /// As [`Folds::new`] and [`predict`].
+    pub fn cross_validated(&self) -> Result<Scores, Error> {
+        let chosen = self.candidates.places(&self.feature_names);
+        let candidates = self.candidates.select(&chosen);
+        let folds = Folds::new(&candidates, &self.recipe.validation)?;
+        Ok(Scores::new(&predict(&candidates, &self.recipe, &folds)?, &self.densities.priors))
+    }
 }
 
 /// Every class has rows.

@@ -14,12 +14,13 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
+use serde_json::{Value, json};
 
 use super::cross_validation::{Candidates, Folds, check, predict};
 use super::fit::fit;
 use super::scores::{Prediction, Scores, log_score};
 use super::shrinkage::{self, Shrink};
-use super::{ClassStatistics, ProjectionKind, Recipe, discriminant};
+use super::{ClassStatistics, ProjectionKind, Recipe, Trained, discriminant};
 use crate::Error;
 
 /// Standard errors below which a gain is taken for chance.
@@ -81,6 +82,37 @@ impl Ranking {
         self.features.iter().filter(|f| f.kept).map(|f| f.name.as_str()).collect()
     }
 
+    /// Keys `folds`, `keep`, `drop`, `scores` and `features`.
+    #[must_use]
+    pub fn to_json(&self) -> Value {
+        let gain = |gain: &Gain| json!({ "log_score": gain.log, "standard_error": gain.standard_error, "error_rate": gain.error });
+        let pairs = (0..self.classes.len()).flat_map(|i| (i + 1..self.classes.len()).map(move |j| (i, j)));
+        let pairs: Vec<String> = pairs.map(|(i, j)| format!("{}:{}", self.classes[i], self.classes[j])).collect();
+        let feature = |f: &Ranked| {
+            let of_pairs = pairs.iter().cloned().zip(f.pairs.iter().map(|&ratio| Value::from(ratio)));
+            json!({
+                "name": f.name,
+                "fisher_ratio": f.fisher,
+                "fisher_ratio_of_pairs": of_pairs.collect::<serde_json::Map<_, _>>(),
+                "gain_among_all": f.among_all.as_ref().map(gain),
+                "gain_beside_chosen": f.beside_chosen.as_ref().map(gain),
+                "keep": f.kept,
+                "reason": f.reason,
+            })
+        };
+        json!({
+            "folds": self.folds,
+            "keep": self.names(),
+            "drop": self.features.iter().filter(|f| !f.kept).map(|f| f.name.as_str()).collect::<Vec<_>>(),
+            "scores": {
+                "all": self.all.as_ref().map(Scores::to_json),
+                "kept": self.kept.as_ref().map(Scores::to_json),
+                "chosen_in_each_fold": self.honest.as_ref().map(Scores::to_json),
+            },
+            "features": self.features.iter().map(feature).collect::<Vec<_>>(),
+        })
+    }
+
     /// In words: what is kept, what each way is worth.
     #[must_use]
     pub fn summary(&self) -> String {
@@ -104,6 +136,19 @@ impl Ranking {
             score(&self.kept),
             score(&self.honest)
         )
+    }
+}
+
+impl std::fmt::Display for Ranking {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let width = self.features.iter().map(|feature| feature.name.len()).max().unwrap_or(0).max("feature".len());
+        writeln!(f, "{:width$}  Fisher ratio  gain among all", "feature")?;
+        for Ranked { name, fisher, among_all, kept, reason, .. } in &self.features {
+            let among = among_all.map_or_else(|| "–".into(), |g| format!("{:.3} ± {:.3}", g.log, g.standard_error));
+            let advice = if *kept { "keep" } else { "drop" };
+            writeln!(f, "{name:width$}  {fisher:>12.3}  {among:>15}  {advice}: {reason}")?;
+        }
+        write!(f, "{}", self.summary())
     }
 }
 
@@ -153,6 +198,19 @@ pub fn rank(candidates: &Candidates, recipe: &Recipe) -> Result<Ranking, Error> 
         honest: honest.as_ref().map(scores),
         folds: judge.folds.count,
     })
+}
+
+impl Trained {
+    /// Ranks the features asked for, or every one there is where none were.
+    ///
+    /// # Errors
+    /// As [`rank`].
+    pub fn rank(&self) -> Result<Ranking, Error> {
+        if self.recipe.features.is_empty() {
+            return rank(&self.candidates, &self.recipe);
+        }
+        rank(&self.candidates.select(&self.candidates.places(&self.feature_names)), &self.recipe)
+    }
 }
 
 /// Scores of sets of features on one split.

@@ -137,37 +137,31 @@ impl Scores {
         Self::new(&verdicts.iter().flat_map(each).collect::<Vec<_>>(), priors)
     }
 
-    /// Keys `log_score`, `brier_score`, `expected_calibration_error`.
+    /// Adds the keys `log_score`, `brier_score`, `expected_calibration_error`.
+    pub fn add_to(&self, value: &mut Value) {
+        let Decomposition { reliability, resolution, uncertainty } = self.decomposition;
+        value["log_score"] = self.log.to_json();
+        value["brier_score"] = self.brier.to_json();
+        value["brier_score"]["reliability"] = reliability.into();
+        value["brier_score"]["resolution"] = resolution.into();
+        value["brier_score"]["uncertainty"] = uncertainty.into();
+        value["expected_calibration_error"] = self.calibration_error.into();
+    }
+
+    /// The error rate and [`Scores::add_to`].
     #[must_use]
     pub fn to_json(&self) -> Value {
-        let Decomposition { reliability, resolution, uncertainty } = self.decomposition;
-        let mut brier = self.brier.to_json();
-        brier["reliability"] = reliability.into();
-        brier["resolution"] = resolution.into();
-        brier["uncertainty"] = uncertainty.into();
-        json!({
-            "log_score": self.log.to_json(),
-            "brier_score": brier,
-            "expected_calibration_error": self.calibration_error,
-        })
+        let mut value = json!({ "rows": self.count, "error_rate": self.error });
+        self.add_to(&mut value);
+        value
     }
-}
 
-impl Score {
-    fn to_json(self) -> Value {
-        let half = Q * self.standard_error;
-        json!({ "value": self.value, "low": (self.value - half).max(0.0), "high": self.value + half, "prior": self.of_prior })
-    }
-}
-
-impl std::fmt::Display for Scores {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { error, log, brier, calibration_error, count, .. } = self;
-        write!(
-            f,
-            "error {:.1} % of {count}, log score {:.3} ± {:.3} (priors {:.3}), Brier score {:.3} ± {:.3} (priors {:.3}), \
-             calibration error {:.1} %",
-            100.0 * error,
+    /// Scores in words.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        let Self { log, brier, calibration_error, .. } = self;
+        format!(
+            "log score {:.3} ± {:.3} (priors {:.3}), Brier score {:.3} ± {:.3} (priors {:.3}), calibration error {:.1} %",
             log.value,
             log.standard_error,
             log.of_prior,
@@ -176,6 +170,13 @@ impl std::fmt::Display for Scores {
             brier.of_prior,
             100.0 * calibration_error
         )
+    }
+}
+
+impl Score {
+    fn to_json(self) -> Value {
+        let half = Q * self.standard_error;
+        json!({ "value": self.value, "low": (self.value - half).max(0.0), "high": self.value + half, "prior": self.of_prior })
     }
 }
 

@@ -12,6 +12,7 @@
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
+use serde_json::{Value, json};
 
 use super::cross_validation::{Candidates, Folds, check};
 use super::scores::{Prediction, Scores};
@@ -91,6 +92,20 @@ impl Shrinkage {
             towards_diagonal((own * weight + &statistics.pooled * pooled) / (weight + pooled)) // (1)
         })
         .collect()
+    }
+}
+
+impl Choice {
+    /// Keys `lambda`, `gamma`, `folds` and `grid`; a score is null where a covariance is singular.
+    #[must_use]
+    pub fn to_json(&self) -> Value {
+        let point = |p: &GridPoint| {
+            let score = p.log_score.is_finite().then_some((p.log_score, p.error)).unzip();
+            json!({ "lambda": p.shrinkage.lambda, "gamma": p.shrinkage.gamma, "log_score": score.0, "error_rate": score.1 })
+        };
+        let Shrinkage { lambda, gamma } = self.shrinkage;
+        let grid = self.grid.iter().map(point).collect::<Vec<_>>();
+        json!({ "lambda": lambda, "gamma": gamma, "folds": self.folds, "grid": grid })
     }
 }
 
