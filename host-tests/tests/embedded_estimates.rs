@@ -94,7 +94,7 @@ fn synthetic(seed: u64, count: usize, noise: f64, level: f64) -> Trace {
         u2.push(gauss());
     }
     let lift = |x: Vec<f64>| x.into_iter().map(|x| x + level).collect();
-    Trace { id: format!("s{seed}"), interval_s: None, irregular_steps: 0, y: lift(y), u1: lift(u1), u2: lift(u2) }
+    Trace { id: format!("s{seed}"), y: lift(y), u1: lift(u1), u2: lift(u2), ..Trace::default() }
 }
 
 #[test]

@@ -31,12 +31,16 @@ impl Rate {
     /// `k` of `n`, with Wilson's score interval. Nothing observed gives [0, 1].
     #[must_use]
     pub fn wilson(k: usize, n: usize) -> Self {
+        Self::wilson_of(k as f64, n as f64)
+    }
+
+    /// The same of numbers that need not be whole, as effective counts are.
+    pub(crate) fn wilson_of(k: f64, n: f64) -> Self {
         /// 97.5 % quantile of the normal distribution.
         const Q: f64 = 1.959_963_984_540_054;
-        if n == 0 {
+        if n <= 0.0 {
             return Self { value: f64::NAN, low: 0.0, high: 1.0 };
         }
-        let (k, n) = (k as f64, n as f64);
         let p = k / n;
         let centre = (p + Q * Q / (2.0 * n)) / (1.0 + Q * Q / n);
         let half = Q / (1.0 + Q * Q / n) * (p * (1.0 - p) / n + Q * Q / (4.0 * n * n)).sqrt();

@@ -1,5 +1,7 @@
 //! The parts of a report that speak of a trained model.
 
+pub mod worth;
+
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use crate::Error;
@@ -11,9 +13,20 @@ use crate::report::table::{ConfusionRow, confusion_table, table};
 use crate::report::{Class, Color, Page};
 use crate::trace::{Channels, Trace};
 use crate::train::statistics::whitening;
-use crate::train::{ClassStatistics, Trained};
+use crate::train::{ClassStatistics, Ranking, Scores, Trained};
 
-/// Page of one training: signals, features with decision regions, and what held-out traces gave.
+/// What is known of a model's worth.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Worth<'a> {
+    /// Held-out traces through the embedded detector.
+    pub held_out: Option<(&'a Confusion, &'a [TraceVerdict], &'a Scores)>,
+    /// Cross-validated on the training segments, or why not.
+    pub cross_validated: Option<Result<&'a Scores, &'a Error>>,
+    /// Of its features.
+    pub ranking: Option<&'a Ranking>,
+}
+
+/// Page of one training: signals, features with decision regions, and what the model is worth.
 ///
 /// # Errors
 /// Where the model does not embed.
@@ -21,9 +34,9 @@ pub fn training(
     trained: &Trained,
     channels: &Channels,
     examples: &[(&Trace, usize)],
-    held_out: Option<(&Confusion, &[TraceVerdict])>,
+    worth: Worth,
 ) -> Result<String, Error> {
-    let verdicts = held_out.map_or(&[][..], |(_, verdicts)| verdicts);
+    let verdicts = worth.held_out.map_or(&[][..], |(_, verdicts, _)| verdicts);
     let coordinates = trained.core_projection.matrix.nrows();
     let mut page = Page::new("bearing-watch: training report").lead(format!(
         "{} training segments of {}; features {}; {} discriminant over {coordinates} {}.",
@@ -36,9 +49,24 @@ pub fn training(
     page = page.section("Signals, one trace of each class", &signals(trained, channels, examples));
     page = page.section("Features and decision regions", &scatter(trained, verdicts)?);
     page = page.section("Distribution of each feature", &distributions(trained));
-    if let Some((confusion, verdicts)) = held_out {
+    if let Some((confusion, verdicts, scores)) = worth.held_out {
         page = page.section("Held-out traces, through the embedded detector", &confusion_html(confusion));
+        let calibration = worth::calibration(&trained.classes, scores, "held-out traces");
+        page = page.section("Calibration on the held-out traces", &calibration);
         page = page.section("Posteriors, segment after segment", &posteriors_by_trace(&trained.classes, verdicts));
+    }
+    if let Some(validated) = worth.cross_validated {
+        let html = match validated {
+            Ok(scores) => worth::calibration(&trained.classes, scores, "training segments"),
+            Err(reason) => paragraph(&format!("Not cross-validated: {reason}.")),
+        };
+        page = page.section("Calibration, cross-validated", &html);
+    }
+    if let Some(ranking) = worth.ranking {
+        page = page.section("Ranking of the features", &worth::ranking(ranking));
+    }
+    if let Some(choice) = &trained.choice {
+        page = page.section("Shrinkage of the covariances", &worth::shrinkage(choice));
     }
     Ok(page.section("Features of the training segments", &feature_table(trained)).render())
 }

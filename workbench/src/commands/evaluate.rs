@@ -10,6 +10,7 @@ use crate::Error;
 use crate::embedded::stuck_signals;
 use crate::evaluate::{self, TraceVerdict};
 use crate::trace::{Condition, stem};
+use crate::train::Scores;
 
 /// Classify labelled traces by the embedded detector: confusion matrix and rates with 95 % intervals
 #[derive(Debug, clap::Args)]
@@ -29,7 +30,7 @@ pub(super) struct Args {
     /// Write every verdict to this CSV
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Print JSON: classes, confusion, error_rate, balanced_accuracy, each rate with its interval
+    /// Print JSON: classes, confusion, error_rate, balanced_accuracy, log_score, brier_score, each with its interval
     #[arg(long)]
     json: bool,
 }
@@ -60,15 +61,17 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let verdicts = evaluate::run(&model, &prepare(&traces, notes.preparation())?, || bar.inc(1))?;
     bar.finish_and_clear();
     let confusion = evaluate::count(&model.classes, &verdicts, args.per_segment);
+    let scores = Scores::of_verdicts(&verdicts, &model.priors(), args.per_segment);
     if let Some(path) = &args.out {
         output::write(path, csv(&model.classes, &verdicts)?)?;
     }
     if args.json {
         let mut value = confusion.to_json();
         value["trained_on"] = seen.into();
+        scores.add_to(&mut value);
         output::json(&value)
     } else {
-        output::say(confusion.to_string())
+        output::say(format!("{confusion}\n{}", scores.summary()))
     }
 }
 

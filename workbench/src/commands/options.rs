@@ -11,6 +11,7 @@ use crate::embedded::Embedded;
 use crate::identify::{Order, Structure, parse_order};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{self, Channels, Condition, Labels, Preparation, ShaftChannels, Trace, same_interval};
+use crate::train::Validation;
 
 /// Which columns are the three signals.
 #[derive(Clone, Debug, Args)]
@@ -146,6 +147,31 @@ impl Selection {
         let traces = trace::read_wanted(&self.paths, &self.channels, &|id| wanted.contains(id))?;
         let traces = self.labels.join(&chosen, &classes, &traces)?;
         Ok((classes, traces))
+    }
+}
+
+/// How training judges itself.
+#[derive(Clone, Debug, Args)]
+pub(super) struct ValidationArgs {
+    /// Folds of the cross-validation
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    folds: usize,
+    /// Keep traces with the same value in this column of the labels in one fold, e.g. run
+    #[arg(long, value_name = "COLUMN")]
+    group: Option<String>,
+    /// Seed of the split into folds
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    fold_seed: u64,
+}
+
+impl ValidationArgs {
+    pub(super) fn validation(&self, selection: &Selection, traces: &[LabelledTrace]) -> Result<Validation, Error> {
+        if self.folds < 2 {
+            return Err(Error::Usage(format!("--folds {}: at least 2", self.folds)));
+        }
+        let ids = || traces.iter().map(|t| t.trace.id.as_str());
+        let groups = self.group.as_ref().map(|column| selection.labels.cells(column, ids()));
+        Ok(Validation { folds: self.folds, seed: self.fold_seed, groups: groups.transpose()?.unwrap_or_default() })
     }
 }
 

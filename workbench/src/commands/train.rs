@@ -10,14 +10,16 @@ use serde_json::json;
 
 use super::estimation::EstimationArgs;
 use super::options::{
-    ChannelArgs, Notes, PreparationArgs, Selection, SelectionArgs, StructureArgs, check_rate, prepare, warn_irregular,
+    ChannelArgs, Notes, PreparationArgs, Selection, SelectionArgs, StructureArgs, ValidationArgs, check_rate, prepare,
+    warn_irregular,
 };
 use super::output;
 use super::shaft::ShaftArgs;
 use crate::evaluate::{self, Confusion};
+use crate::pages::Worth;
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Condition, Preparation};
-use crate::train::{Keep, ProjectionKind, Recipe, ShaftPlan, Trained};
+use crate::train::{Choice, Keep, ProjectionKind, Ranking, Recipe, Scores, ShaftPlan, Shrink, Trained, Validation};
 use crate::{Error, export};
 
 /// Train a model from labelled traces, for the detector in firmware
@@ -58,7 +60,7 @@ pub(super) struct Args {
     /// Part of the variance to keep, where --components is not given (pca, pca-raw)
     #[arg(long, value_name = "PART", default_value_t = 0.99)]
     variance: f64,
-    /// Shared or own class covariances
+    /// Shared or own class covariances, or between them
     #[arg(long, value_enum, default_value = "linear")]
     discriminant: DiscriminantKind,
     /// Priors, e.g. healthy=0.98,spall=0.01,roughness=0.01; equal if not given
@@ -67,6 +69,11 @@ pub(super) struct Args {
     /// Cost of deciding a class when another is true, e.g. healthy:spall=50; 1 where not given
     #[arg(long, value_name = "DECIDED:TRUE=COST", value_delimiter = ',')]
     cost: Vec<String>,
+    #[command(flatten)]
+    validation: ValidationArgs,
+    /// Rank the features (those of --features, or all): Fisher ratios, cross-validated gains, and what to drop
+    #[arg(long)]
+    rank: bool,
     /// The binary model
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
@@ -99,6 +106,8 @@ enum DiscriminantKind {
     Linear,
     /// A covariance each
     Quadratic,
+    /// Between the two and a diagonal, by the best cross-validated log score
+    Shrunk,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
@@ -114,7 +123,8 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     output::plan(&files.into_iter().flatten().collect::<Vec<_>>(), &selection.inputs(&args.selection.labels))?;
     let (classes, training) = selection.rows(&args.train_where)?;
     warn_irregular(training.iter().map(|t| &t.trace));
-    let recipe = args.recipe(&classes, plan)?;
+    let validation = args.validation.validation(&selection, &training)?;
+    let recipe = Recipe { validation, ..args.recipe(&classes, plan)? };
     let prepared = prepare(&training, preparation)?;
     let mut trained = crate::train::train(&prepared, &classes, &recipe)?;
     let host = embed_block_mean(&mut trained, preparation, &training);
@@ -128,17 +138,21 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let rust = rust.transpose()?;
 
     let held_out = args.evaluate(&selection, &trained, &training, &classes, host)?;
+    let found = Found {
+        cross_validated: held_out.is_none().then(|| trained.cross_validated()),
+        ranking: args.rank.then(|| trained.rank()).transpose()?,
+        held_out,
+    };
     let report = args.report.as_ref().map(|_| {
         let examples: Vec<_> =
             (0..classes.len()).filter_map(|k| prepared.iter().find(|t| t.class == k).map(|t| (&t.trace, k))).collect();
-        let results = held_out.as_ref().map(|h| (&h.confusion, h.verdicts.as_slice()));
-        crate::pages::training(&trained, &channels, &examples, results)
+        crate::pages::training(&trained, &channels, &examples, found.worth())
     });
     let report = report.transpose()?;
     let texts = [(&args.rust, &rust), (&args.report, &report)];
     let texts = texts.into_iter().filter_map(|(path, text)| Some((path.as_deref()?, text.as_ref()?.as_bytes())));
     output::write_all(&texts.chain([(args.model.as_path(), bytes.as_slice())]).collect::<Vec<_>>())?;
-    args.print(&trained, &training, bytes.len(), held_out.as_ref().map(|h| &h.confusion))
+    args.print(&trained, &training, bytes.len(), &found)
 }
 
 impl Args {
@@ -161,9 +175,14 @@ impl Args {
             features: self.features.clone(),
             projection,
             discriminant: match self.discriminant {
-                DiscriminantKind::Linear => Kind::Linear,
+                DiscriminantKind::Linear | DiscriminantKind::Shrunk => Kind::Linear,
                 DiscriminantKind::Quadratic => Kind::Quadratic,
             },
+            shrink: match self.discriminant {
+                DiscriminantKind::Shrunk => Shrink::Chosen,
+                DiscriminantKind::Linear | DiscriminantKind::Quadratic => Shrink::Not,
+            },
+            validation: Validation::default(),
             priors: priors(&self.priors, classes)?,
             cost: costs(&self.cost, classes)?,
         })
@@ -198,16 +217,11 @@ impl Args {
         let bar = output::progress("evaluating", traces.len());
         let verdicts = evaluate::run(&model, &prepare(&traces, host)?, || bar.inc(1))?;
         bar.finish_and_clear();
-        Ok(Some(HeldOut { confusion: evaluate::count(classes, &verdicts, false), verdicts }))
+        let scores = Scores::of_verdicts(&verdicts, &model.priors(), false);
+        Ok(Some(HeldOut { confusion: evaluate::count(classes, &verdicts, false), verdicts, scores }))
     }
 
-    fn print(
-        &self,
-        trained: &Trained,
-        training: &[LabelledTrace],
-        bytes: usize,
-        held_out: Option<&Confusion>,
-    ) -> Result<(), Error> {
+    fn print(&self, trained: &Trained, training: &[LabelledTrace], bytes: usize, found: &Found) -> Result<(), Error> {
         let counts: Vec<usize> =
             (0..trained.classes.len()).map(|k| training.iter().filter(|t| t.class == k).count()).collect();
         if self.json {
@@ -220,7 +234,10 @@ impl Args {
                 "method": method_word(trained.regression.method),
                 "settle_samples": (trained.regression.method == Method::Instruments).then_some(trained.regression.settle),
                 "segment_samples": trained.segment_samples,
-                "held_out": held_out.map(Confusion::to_json),
+                "shrinkage": trained.choice.as_ref().map(Choice::to_json),
+                "held_out": found.held_out.as_ref().map(HeldOut::to_json),
+                "cross_validated": found.cross_validated.as_ref().and_then(|v| v.as_ref().ok()).map(Scores::to_json),
+                "ranking": found.ranking.as_ref().map(Ranking::to_json),
             }));
         }
         let traces: Vec<String> = trained.classes.iter().zip(counts).map(|(name, n)| format!("{n} {name}")).collect();
@@ -234,10 +251,19 @@ impl Args {
             bytes,
             self.model.display()
         ))?;
-        match held_out {
-            Some(confusion) => output::say(format!("held-out traces, through the embedded detector:\n{confusion}")),
-            None => Ok(()),
+        match &found.cross_validated {
+            Some(Ok(scores)) => {
+                let error = 100.0 * scores.error;
+                output::say(format!("cross-validated: error {error:.1} %, {}", scores.summary()))?;
+            }
+            Some(Err(reason)) => output::say(format!("not cross-validated: {reason}"))?,
+            None => {}
         }
+        if let Some(HeldOut { confusion, scores, .. }) = &found.held_out {
+            let scores = scores.summary();
+            output::say(format!("held-out traces, through the embedded detector:\n{confusion}\n{scores}"))?;
+        }
+        found.ranking.as_ref().map_or(Ok(()), |ranking| output::say(ranking.to_string()))
     }
 }
 
@@ -268,6 +294,33 @@ fn estimated_by(trained: &Trained) -> String {
 struct HeldOut {
     confusion: Confusion,
     verdicts: Vec<evaluate::TraceVerdict>,
+    scores: Scores,
+}
+
+impl HeldOut {
+    fn to_json(&self) -> serde_json::Value {
+        let mut value = self.confusion.to_json();
+        self.scores.add_to(&mut value);
+        value
+    }
+}
+
+/// What is known of the model's worth.
+struct Found {
+    held_out: Option<HeldOut>,
+    /// Where nothing was held out.
+    cross_validated: Option<Result<Scores, Error>>,
+    ranking: Option<Ranking>,
+}
+
+impl Found {
+    fn worth(&self) -> Worth<'_> {
+        Worth {
+            held_out: self.held_out.as_ref().map(|h| (&h.confusion, h.verdicts.as_slice(), &h.scores)),
+            cross_validated: self.cross_validated.as_ref().map(Result::as_ref),
+            ranking: self.ranking.as_ref(),
+        }
+    }
 }
 
 /// Lets the detector form the block means itself where nothing follows them; gives what is left to the host.

@@ -420,6 +420,13 @@ impl Embedded {
         self.model.decide(&sums)
     }
 
+    /// Prior of each class: the posteriors where every class is as likely.
+    #[must_use]
+    pub fn priors(&self) -> Vec<f64> {
+        let even = self.model.decide(&vec![0.0; self.classes.len()]);
+        even.map_or_else(Vec::new, |(_, posteriors)| posteriors.into_iter().map(f64::from).collect())
+    }
+
     /// The class decided at projected coordinates, for plots of decision regions.
     #[must_use]
     pub fn decide_at(&self, coordinates: &[f32]) -> Option<usize> {

@@ -148,6 +148,16 @@ impl Labels {
         Ok(chosen)
     }
 
+    /// The cell of a column for each of these traces; empty for one without a row.
+    ///
+    /// # Errors
+    /// An unknown column.
+    pub fn cells<'a>(&self, column: &str, ids: impl Iterator<Item = &'a str>) -> Result<Vec<String>, Error> {
+        let (trace, column) = (self.column("trace")?, self.column(column)?);
+        let by_id: HashMap<&str, &String> = self.rows.iter().map(|row| (stem(&row[trace]), &row[column])).collect();
+        Ok(ids.map(|id| by_id.get(stem(id)).map_or_else(String::new, ToString::to_string)).collect())
+    }
+
     /// The class names of a selection: as asked for, in that order, or all in order of first appearance.
     ///
     /// # Errors

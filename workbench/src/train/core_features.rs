@@ -17,13 +17,13 @@ use crate::trace::labels::LabelledTrace;
 
 const REMEDY: &str = "; choose other channels or a lower order, or leave the trace out";
 
-/// A row a segment.
+/// A row a segment, and the trace of each.
 pub(super) fn run(
     traces: &[LabelledTrace],
     classes: &[String],
     (regression, shaft): (&Regression<MAX_COLUMNS>, Option<&ShaftModel<MAX_ORDERS>>),
     segment: usize,
-) -> Result<FeatureTable, Error> {
+) -> Result<(FeatureTable, Vec<usize>), Error> {
     let estimator = estimator(regression, shaft, segment)?;
     let structure = estimator.structure();
     let each = |labelled: &LabelledTrace| -> Result<Vec<DVector<f64>>, Error> {
@@ -44,12 +44,14 @@ pub(super) fn run(
     // Collected first, so that the error reported is that of the first bad trace in every run.
     let rows: Vec<_> = traces.par_iter().map(each).collect();
     let mut table = FeatureTable { rows: vec![], classes: vec![], names: classes.to_vec() };
-    for (labelled, rows) in traces.iter().zip(rows) {
+    let mut origins = vec![];
+    for (trace, (labelled, rows)) in traces.iter().zip(rows).enumerate() {
         let rows = rows?;
+        origins.extend(rows.iter().map(|_| trace));
         table.classes.extend(rows.iter().map(|_| labelled.class));
         table.rows.extend(rows);
     }
-    Ok(table)
+    Ok((table, origins))
 }
 
 /// A detector that estimates and does not decide.

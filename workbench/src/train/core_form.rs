@@ -7,7 +7,7 @@ use bearing_watch::model::MAX_BYTES;
 use bearing_watch::{Label, Model, ModelError, Regression, Sampling, ShaftModel};
 use nalgebra::DMatrix;
 
-use super::Trained;
+use super::{Shrink, Shrinkage, Trained};
 use crate::Error;
 use crate::embedded::{Embedded, MAX_ORDERS};
 
@@ -92,13 +92,21 @@ impl Trained {
         Embedded::from_bytes(&self.to_bytes("")?).map_err(refused)
     }
 
-    /// Whether covariances are shared, as a word.
+    /// Whether covariances are shared, and how shrunk.
     #[must_use]
-    pub fn kind_name(&self) -> &'static str {
-        match self.densities.kind {
+    pub fn kind_name(&self) -> String {
+        let kind = match self.densities.kind {
             Kind::Linear => "linear",
             Kind::Quadratic => "quadratic",
-        }
+        };
+        let shrinkage = match (self.recipe.shrink, &self.choice) {
+            (Shrink::To(shrinkage), _) => Some(shrinkage),
+            (_, choice) => choice.as_ref().map(|choice| choice.shrinkage),
+        };
+        shrinkage.map_or_else(
+            || kind.into(),
+            |Shrinkage { lambda, gamma }| format!("{kind} (shrunk by λ = {lambda}, γ = {gamma})"),
+        )
     }
 }
 

@@ -3,6 +3,7 @@
 use bearing_watch::decide::Kind;
 use nalgebra::{DMatrix, DVector};
 
+use super::shrinkage::Shrinkage;
 use super::statistics::{singular, whitening};
 use super::{ClassStatistics, FeatureTable, Recipe};
 use crate::Error;
@@ -36,12 +37,28 @@ impl GaussianClasses {
             })
             .collect()
     }
+
+    /// ln P(k|z) of every class.
+    #[must_use]
+    pub fn log_posteriors(&self, z: &DVector<f64>) -> Vec<f64> {
+        let joint: Vec<f64> = self.log_likelihoods(z).iter().zip(&self.priors).map(|(l, p)| l + p.ln()).collect();
+        let largest = joint.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let total = largest + joint.iter().map(|x| (x - largest).exp()).sum::<f64>().ln();
+        joint.iter().map(|x| x - total).collect()
+    }
+
+    /// The class of least expected cost (thesis Eq. 2.65).
+    #[must_use]
+    pub fn decide(&self, log_posteriors: &[f64]) -> usize {
+        let expected = |i: &usize| -> f64 { self.cost[*i].iter().zip(log_posteriors).map(|(c, l)| c * l.exp()).sum() };
+        (0..self.cost.len()).min_by(|a, b| expected(a).total_cmp(&expected(b))).unwrap_or(0)
+    }
 }
 
 /// Densities of the coordinates of `table`, which are called `names`.
 pub(crate) fn train(table: &FeatureTable, names: &[String], recipe: &Recipe) -> Result<GaussianClasses, Error> {
     let statistics = ClassStatistics::new(table);
-    let (classes, features) = (table.names.len(), statistics.total_mean.len());
+    let classes = table.names.len();
     let factors = match recipe.discriminant {
         Kind::Linear => {
             let refuse = |dependent| singular("the pooled classes", table.rows.len(), classes, names, dependent);
@@ -56,11 +73,38 @@ pub(crate) fn train(table: &FeatureTable, names: &[String], recipe: &Recipe) -> 
             .collect::<Result<_, _>>()?
         }
     };
+    densities(&statistics, factors, recipe.discriminant, recipe)
+}
+
+/// The same with covariances between the classes' own and one diagonal.
+pub(crate) fn shrunk(
+    statistics: &ClassStatistics,
+    names: &[String],
+    recipe: &Recipe,
+    shrinkage: Shrinkage,
+) -> Result<GaussianClasses, Error> {
+    let (rows, classes) = (statistics.counts.iter().sum(), statistics.counts.len());
+    let refuse = |dependent| singular("the classes", rows, classes, names, dependent);
+    let covariances = shrinkage.covariances(statistics);
+    let factors = covariances.iter().map(|covariance| whitening(covariance).map_err(refuse));
+    let factors = factors.collect::<Result<_, _>>()?;
+    let kind = if shrinkage.is_shared() { Kind::Linear } else { Kind::Quadratic };
+    densities(statistics, factors, kind, recipe)
+}
+
+/// Densities of these means with whitening matrices and ln |Σ|: one, or one a class.
+fn densities(
+    statistics: &ClassStatistics,
+    factors: Vec<(DMatrix<f64>, f64)>,
+    kind: Kind,
+    recipe: &Recipe,
+) -> Result<GaussianClasses, Error> {
+    let (classes, features) = (statistics.means.len(), statistics.total_mean.len());
     let normaliser = |log_determinant: f64| -0.5 * (features as f64 * std::f64::consts::TAU.ln() + log_determinant);
     let log_normaliser = (0..classes).map(|k| normaliser(factors.get(k).unwrap_or(&factors[0]).1)).collect();
     Ok(GaussianClasses {
-        kind: recipe.discriminant,
-        means: statistics.means,
+        kind,
+        means: statistics.means.clone(),
         whitening: factors.into_iter().map(|(u, _)| u).collect(),
         log_normaliser,
         priors: priors(&recipe.priors, classes)?,
@@ -68,7 +112,8 @@ pub(crate) fn train(table: &FeatureTable, names: &[String], recipe: &Recipe) -> 
     })
 }
 
-fn priors(asked: &[f64], classes: usize) -> Result<Vec<f64>, Error> {
+/// The priors asked for, of sum one; equal ones where none are.
+pub(crate) fn priors(asked: &[f64], classes: usize) -> Result<Vec<f64>, Error> {
     if asked.is_empty() {
         return Ok(vec![1.0 / classes as f64; classes]);
     }

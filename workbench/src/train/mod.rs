@@ -7,10 +7,17 @@
 
 mod core_features;
 mod core_form;
+mod cross_validation;
 pub(crate) mod discriminant;
 mod estimation;
+mod fit;
 pub(crate) mod projection;
+mod ranking;
+#[cfg(test)]
+mod reference_values;
+mod scores;
 mod shaft;
+mod shrinkage;
 pub(crate) mod statistics;
 
 use bearing_watch::decide::Kind;
@@ -27,10 +34,14 @@ use crate::trace::labels::LabelledTrace;
 use crate::trace::{Trace, same_interval};
 
 pub use core_form::MAX_COLUMNS;
+pub use cross_validation::{Candidates, Folds, Validation, predict};
 pub use discriminant::GaussianClasses;
 pub use estimation::Estimation;
 pub use projection::{AffineMap, Keep, ProjectionKind};
+pub use ranking::{Gain, Ranked, Ranking, rank};
+pub use scores::{Bin, Decomposition, Prediction, Score, Scores};
 pub use shaft::ShaftPlan;
+pub use shrinkage::{Choice, GridPoint, Shrink, Shrinkage};
 pub use statistics::ClassStatistics;
 
 /// What is trained, apart from the traces.
@@ -46,8 +57,12 @@ pub struct Recipe {
     pub features: Vec<String>,
     /// Projection of the features.
     pub projection: ProjectionKind,
-    /// Shared or own covariances.
+    /// Shared or own covariances, where they are not shrunk.
     pub discriminant: Kind,
+    /// Covariances between the two.
+    pub shrink: Shrink,
+    /// How training splits its rows to judge by cross-validation.
+    pub validation: Validation,
     /// Prior of each class; equal where empty.
     pub priors: Vec<f64>,
     /// `cost[i][k]`: what deciding i costs when k is true; 0/1 where empty.
@@ -65,6 +80,8 @@ impl Recipe {
             features: vec![],
             projection: ProjectionKind::None,
             discriminant: Kind::Linear,
+            shrink: Shrink::Not,
+            validation: Validation::default(),
             priors: vec![],
             cost: vec![],
         }
@@ -128,6 +145,10 @@ pub struct Trained {
     pub coordinate_names: Vec<String>,
     /// Class densities over the coordinates.
     pub densities: GaussianClasses,
+    /// The shrinkage of their covariances, where it was chosen.
+    pub choice: Option<Choice>,
+    /// Every feature of the training segments, whether chosen or not.
+    pub candidates: Candidates,
     /// Places in the core's feature list.
     pub core_features: Vec<usize>,
     /// Core features → coordinates.
@@ -161,22 +182,24 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
     let nominal = recipe.estimation.nominal;
     let shaft = recipe.shaft.as_ref().map(|plan| shaft::model(traces, (nominal, segment, interval_s), plan));
     let shaft = shaft.transpose()?;
-    let table = if recipe.estimation.is_batch() && shaft.is_none() {
-        batch_features(&pieces, classes, recipe.structure)?
+    let (table, origins): (_, Vec<usize>) = if recipe.estimation.is_batch() && shaft.is_none() {
+        let of_trace = |(k, t): (usize, &LabelledTrace)| {
+            let pieces = recipe.estimation.segment.map_or(1, |samples| spans(t.trace.y.len(), samples).count());
+            std::iter::repeat_n(k, pieces)
+        };
+        (batch_features(&pieces, classes, recipe.structure)?, traces.iter().enumerate().flat_map(of_trace).collect())
     } else {
         core_features::run(traces, classes, (&regression, shaft.as_ref()), segment)?
     };
     let catalogue = recipe.catalogue();
+    let groups = groups(&recipe.validation.groups, traces.len())?;
+    let groups = origins.iter().map(|&trace| groups[trace]).collect();
+    let candidates = Candidates { table, features: catalogue.names(), groups };
     let chosen = catalogue.choose(&recipe.features)?;
-    let names = catalogue.names();
-    let feature_names: Vec<String> = chosen.iter().map(|&k| names[k].clone()).collect();
-
-    let raw = table.select(&chosen);
-    let projection = projection::train(&raw, &feature_names, recipe.projection)?;
-    let coordinates = raw.map(&projection);
-    let coordinate_names = coordinate_names(recipe.projection, &feature_names, projection.matrix.nrows());
-    let densities = discriminant::train(&coordinates, &coordinate_names, recipe)?;
-    let (core_features, core_projection) = compose(&table, &chosen, &catalogue, &projection);
+    let Candidates { table: raw, features: feature_names, .. } = candidates.select(&chosen);
+    let fit::Fitted { projection, coordinates, coordinate_names, densities, choice } =
+        fit::fit(&candidates.select(&chosen), recipe)?;
+    let (core_features, core_projection) = compose(&candidates.table, &chosen, &catalogue, &projection);
     Ok(Trained {
         recipe: recipe.clone(),
         classes: classes.to_vec(),
@@ -186,6 +209,8 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
         coordinates,
         coordinate_names,
         densities,
+        choice,
+        candidates,
         core_features,
         core_projection,
         regression,
@@ -229,11 +254,16 @@ fn check_classes(traces: &[LabelledTrace], classes: &[String]) -> Result<(), Err
     Ok(())
 }
 
-fn coordinate_names(projection: ProjectionKind, features: &[String], coordinates: usize) -> Vec<String> {
-    match projection {
-        ProjectionKind::None => features.to_vec(),
-        _ => (1..=coordinates).map(|k| format!("z{k}")).collect(),
+/// A number for the group of each trace.
+fn groups(names: &[String], traces: usize) -> Result<Vec<usize>, Error> {
+    if names.is_empty() {
+        return Ok((0..traces).collect());
     }
+    if names.len() != traces {
+        return Err(Error::Training(format!("{} groups for {traces} training traces; name one for each", names.len())));
+    }
+    let first = |name: &String| names.iter().position(|other| other == name).unwrap_or(0);
+    Ok(names.iter().map(first).collect())
 }
 
 /// All sample intervals of a training set are one: a model says nothing about another rate.
@@ -257,10 +287,7 @@ fn check_intervals(traces: &[LabelledTrace]) -> Result<(), Error> {
 pub fn cut(traces: &[LabelledTrace], samples: usize) -> Vec<LabelledTrace> {
     let pieces = traces.iter().flat_map(|labelled| {
         let trace = &labelled.trace;
-        let starts = (0..trace.y.len()).step_by(samples.max(1));
-        let ends = starts.map(move |start| (start, (start + samples).min(trace.y.len())));
-        let whole = ends.filter(move |(start, end)| 2 * (end - start) > samples);
-        whole.map(|(start, end)| {
+        spans(trace.y.len(), samples).map(|(start, end)| {
             let piece = Trace {
                 id: format!("{}[{start}..{end}]", trace.id),
                 y: trace.y[start..end].to_vec(),
@@ -273,6 +300,12 @@ pub fn cut(traces: &[LabelledTrace], samples: usize) -> Vec<LabelledTrace> {
         })
     });
     pieces.collect()
+}
+
+/// Where the pieces of so long a trace begin and end.
+fn spans(length: usize, samples: usize) -> impl Iterator<Item = (usize, usize)> {
+    let ends = (0..length).step_by(samples.max(1)).map(move |start| (start, (start + samples).min(length)));
+    ends.filter(move |(start, end)| 2 * (end - start) > samples)
 }
 
 /// The map from the core's δ-features: z = W (raw − m) = W T_S (δ − δ_m), with δ_m the training mean of δ.

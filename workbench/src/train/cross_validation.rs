@@ -1,0 +1,312 @@
+//! Cross-validation: what a way of training is worth on rows it has not seen.
+//!
+//! ```text
+//! fold f:  rows outside f ──► fit (projection, shrinkage, densities) ──► ln P(k|z) of the rows in f
+//! ```
+//!
+//! A fold repeats everything that looks at classes, by the same [`fit`] as the final training, so that nothing of a
+//! held-out row reaches its own posterior. Rows of one group (segments of a trace, strokes of a run) lie in one fold.
+
+use std::collections::BTreeMap;
+
+use nalgebra::DVector;
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use super::fit::fit;
+use super::scores::Prediction;
+use super::{FeatureTable, Recipe, Scores, Trained};
+use crate::Error;
+
+/// How rows are split.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Validation {
+    /// Folds; fewer where a class comes from fewer groups.
+    pub folds: usize,
+    /// Seed of the split.
+    pub seed: u64,
+    /// Group of each training trace; each its own where empty.
+    pub groups: Vec<String>,
+}
+
+impl Default for Validation {
+    fn default() -> Self {
+        Self { folds: 10, seed: 1, groups: vec![] }
+    }
+}
+
+/// Rows to learn from: features with their names, classes and groups.
+#[derive(Clone, Debug)]
+pub struct Candidates {
+    /// A row a segment, with its class.
+    pub table: FeatureTable,
+    /// Names of the features.
+    pub features: Vec<String>,
+    /// Group of each row.
+    pub groups: Vec<usize>,
+}
+
+impl Candidates {
+    /// The given rows only.
+    #[must_use]
+    pub fn rows(&self, places: &[usize]) -> Self {
+        let table = FeatureTable {
+            rows: places.iter().map(|&k| self.table.rows[k].clone()).collect(),
+            classes: places.iter().map(|&k| self.table.classes[k]).collect(),
+            names: self.table.names.clone(),
+        };
+        Self { table, features: self.features.clone(), groups: places.iter().map(|&k| self.groups[k]).collect() }
+    }
+
+    /// The given features only.
+    #[must_use]
+    pub fn select(&self, places: &[usize]) -> Self {
+        let features = places.iter().map(|&k| self.features[k].clone()).collect();
+        Self { table: self.table.select(places), features, groups: self.groups.clone() }
+    }
+
+    /// Places of features by name.
+    pub(crate) fn places(&self, names: &[String]) -> Vec<usize> {
+        names.iter().filter_map(|name| self.features.iter().position(|feature| feature == name)).collect()
+    }
+
+    /// What each row counts, of mean one: classes weigh as their priors, however many rows they have.
+    pub(crate) fn weights(&self, priors: &[f64]) -> Vec<f64> {
+        let classes = &self.table.classes;
+        let count = |class: usize| classes.iter().filter(|&&c| c == class).count() as f64;
+        let each: Vec<f64> = priors.iter().enumerate().map(|(k, p)| p * classes.len() as f64 / count(k)).collect();
+        classes.iter().map(|&class| each[class]).collect()
+    }
+}
+
+/// The fold of each row.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Folds {
+    /// The fold that holds a row out.
+    pub of_row: Vec<usize>,
+    /// Folds.
+    pub count: usize,
+}
+
+impl Folds {
+    /// Seeded and stratified: groups in random order, the large ones first, each to the fold that has least of its
+    /// classes.
+    ///
+    /// # Errors
+    /// A class whose rows are all of one group.
+    pub fn new(candidates: &Candidates, validation: &Validation) -> Result<Self, Error> {
+        let classes = candidates.table.names.len();
+        let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for (&group, &class) in candidates.groups.iter().zip(&candidates.table.classes) {
+            groups.entry(group).or_insert_with(|| vec![0; classes])[class] += 1;
+        }
+        let with = |class: usize| groups.values().filter(|counts| counts[class] > 0).count();
+        let scarce = (0..classes).min_by_key(|&class| with(class)).unwrap_or(0);
+        let count = validation.folds.min(with(scarce));
+        if count < 2 {
+            let name = &candidates.table.names[scarce];
+            let problem = if validation.folds < 2 {
+                "cross-validation needs at least 2 folds".into()
+            } else {
+                format!("all training traces of class {name} are of one group; cross-validation needs at least 2")
+            };
+            return Err(Error::Training(problem));
+        }
+        let mut order: Vec<(usize, Vec<usize>)> = groups.into_iter().collect();
+        order.shuffle(&mut ChaCha8Rng::seed_from_u64(validation.seed));
+        order.sort_by_key(|(_, counts)| std::cmp::Reverse(counts.iter().sum::<usize>()));
+        let mut held = vec![vec![0_usize; classes]; count];
+        let mut fold_of = BTreeMap::new();
+        for (group, counts) in order {
+            // Most of its classes there already first, then rows at all.
+            let burden = |fold: &usize| {
+                let shared: usize = held[*fold].iter().zip(&counts).map(|(there, here)| there * here).sum();
+                (shared, held[*fold].iter().sum::<usize>())
+            };
+            let fold = (0..count).min_by_key(burden).unwrap_or(0);
+            held[fold].iter_mut().zip(&counts).for_each(|(there, here)| *there += here);
+            fold_of.insert(group, fold);
+        }
+        Ok(Self { of_row: candidates.groups.iter().map(|group| fold_of[group]).collect(), count })
+    }
+
+    /// Rows to train on and rows held out.
+    #[must_use]
+    pub fn split(&self, fold: usize) -> (Vec<usize>, Vec<usize>) {
+        (0..self.of_row.len()).partition(|&row| self.of_row[row] != fold)
+    }
+}
+
+/// Posteriors of every row by the training that did not see its group, in the order of the rows.
+///
+/// # Errors
+/// A class without rows in the training part of a fold, and what `fit` refuses there.
+pub fn predict(candidates: &Candidates, recipe: &Recipe, folds: &Folds) -> Result<Vec<Prediction>, Error> {
+    let priors = super::discriminant::priors(&recipe.priors, candidates.table.names.len())?;
+    let weights = candidates.weights(&priors);
+    let one = |fold: usize| -> Result<Vec<(usize, Prediction)>, Error> {
+        let (seen, held_out) = folds.split(fold);
+        let seen = candidates.rows(&seen);
+        check(&seen)?;
+        let fitted = fit(&seen, recipe)?;
+        let predicted = held_out.into_iter().map(|row| {
+            let z: DVector<f64> = fitted.projection.apply(&candidates.table.rows[row]);
+            let log_posteriors = fitted.densities.log_posteriors(&z);
+            let decided = Some(fitted.densities.decide(&log_posteriors));
+            (row, Prediction { truth: candidates.table.classes[row], decided, log_posteriors, weight: weights[row] })
+        });
+        Ok(predicted.collect())
+    };
+    // Collected first, so that the error reported is that of the first bad fold in every run.
+    let parts: Vec<_> = (0..folds.count).into_par_iter().map(one).collect();
+    let mut all: Vec<(usize, Prediction)> = Vec::new();
+    for part in parts {
+        all.extend(part?);
+    }
+    all.sort_by_key(|(row, _)| *row);
+    Ok(all.into_iter().map(|(_, prediction)| prediction).collect())
+}
+
+impl Trained {
+    /// Scores of the whole recipe by cross-validation on the training segments.
+    ///
+    /// # Errors
+    /// As [`Folds::new`] and [`predict`].
+    pub fn cross_validated(&self) -> Result<Scores, Error> {
+        let chosen = self.candidates.places(&self.feature_names);
+        let candidates = self.candidates.select(&chosen);
+        let folds = Folds::new(&candidates, &self.recipe.validation)?;
+        Ok(Scores::new(&predict(&candidates, &self.recipe, &folds)?, &self.densities.priors))
+    }
+}
+
+/// Every class has rows.
+pub(crate) fn check(seen: &Candidates) -> Result<(), Error> {
+    let names = &seen.table.names;
+    match (0..names.len()).find(|class| !seen.table.classes.contains(class)) {
+        Some(class) => Err(Error::Training(format!(
+            "class {} is left without training traces in a fold of the cross-validation; use smaller groups",
+            names[class]
+        ))),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand_distr::{Distribution, StandardNormal};
+
+    use super::*;
+    use crate::identify::{Order, Structure};
+    use crate::train::{ProjectionKind, Scores, Shrink};
+
+    /// Pure noise in `features` features, labels at random.
+    fn noise(rows: usize, features: usize, seed: u64) -> Candidates {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut classes: Vec<usize> = (0..rows).map(|k| k % 3).collect();
+        classes.shuffle(&mut rng);
+        let row = |_| DVector::from_fn(features, |_, _| StandardNormal.sample(&mut rng));
+        let table = FeatureTable {
+            rows: (0..rows).map(row).collect(),
+            classes,
+            names: ["a", "b", "c"].map(String::from).into(),
+        };
+        Candidates { table, features: (0..features).map(|k| format!("f{k}")).collect(), groups: (0..rows).collect() }
+    }
+
+    fn recipe(projection: ProjectionKind, shrink: Shrink) -> Recipe {
+        let structure = Structure { order: Order::new(1, 1, 1, 1, 1), offset: false };
+        Recipe { projection, shrink, ..Recipe::new(structure) }
+    }
+
+    fn error(candidates: &Candidates, recipe: &Recipe) -> f64 {
+        let folds = Folds::new(candidates, &recipe.validation).expect("enough rows");
+        Scores::new(&predict(candidates, recipe, &folds).expect("regular"), &[1.0 / 3.0; 3]).error
+    }
+
+    #[test]
+    fn noise_with_random_labels_is_guessed() {
+        let candidates = noise(300, 40, 7);
+        // 300 guesses among three: sd √(2/9/300) = 2.7 %; three of them either way.
+        let chance = 0.585..0.749;
+        for (projection, shrink) in [
+            (ProjectionKind::None, Shrink::Not),
+            (ProjectionKind::Fisher { components: None }, Shrink::Not),
+            (ProjectionKind::Fisher { components: None }, Shrink::Chosen),
+            (ProjectionKind::None, Shrink::Chosen),
+        ] {
+            let found = error(&candidates, &recipe(projection, shrink));
+            assert!(chance.contains(&found), "{projection:?} {shrink:?}: {found}");
+        }
+        // The bracket catches a leak: directions that have seen the labels of the held-out rows.
+        let whole = recipe(ProjectionKind::Fisher { components: None }, Shrink::Not);
+        let leaked = fit(&candidates, &whole).expect("regular").coordinates;
+        let leaked = Candidates { table: leaked, features: vec!["z1".into(), "z2".into()], ..candidates };
+        let found = error(&leaked, &recipe(ProjectionKind::None, Shrink::Not));
+        assert!(found < chance.start, "{found}");
+    }
+
+    #[test]
+    fn groups_stay_together_and_classes_are_spread() {
+        let mut candidates = noise(60, 1, 3);
+        candidates.table.classes = (0..60).map(|k| k / 20).collect();
+        // Five rows a group, four groups a class.
+        candidates.groups = (0..60).map(|k| k / 5).collect();
+        let folds = Folds::new(&candidates, &Validation { folds: 10, ..Validation::default() }).expect("groups");
+        assert_eq!(folds.count, 4);
+        for group in 0..12 {
+            let of = &folds.of_row[5 * group..5 * group + 5];
+            assert!(of.iter().all(|fold| *fold == of[0]), "{group}: {of:?}");
+        }
+        for fold in 0..4 {
+            let (seen, held_out) = folds.split(fold);
+            assert_eq!((seen.len(), held_out.len()), (45, 15));
+            for class in 0..3 {
+                assert_eq!(held_out.iter().filter(|&&row| candidates.table.classes[row] == class).count(), 5);
+            }
+        }
+        // Runs that hold every class, as of a test rig: a run lies on one side.
+        candidates.groups = (0..60).map(|k| k % 5).collect();
+        let folds = Folds::new(&candidates, &Validation { folds: 3, ..Validation::default() }).expect("groups");
+        assert!((0..60).all(|row| folds.of_row[row] == folds.of_row[row % 5]));
+        candidates.groups = (0..60).map(|k| k / 20).collect();
+        let refused = Folds::new(&candidates, &Validation::default()).expect_err("a group a class").to_string();
+        assert!(refused.contains("class a are of one group"), "{refused}");
+    }
+
+    #[test]
+    fn a_seed_fixes_the_split() {
+        let candidates = noise(60, 1, 3);
+        let folds = |seed| Folds::new(&candidates, &Validation { seed, ..Validation::default() }).expect("rows");
+        assert_eq!(folds(4), folds(4));
+        assert_ne!(folds(4), folds(5));
+    }
+
+    #[test]
+    fn memorising_groups_does_not_help() {
+        // Ten rows of a group share a random offset far above their spread, and a group is of one class at random: a
+        // split by rows recognises the groups, one by groups must guess.
+        let mut rng = ChaCha8Rng::seed_from_u64(11);
+        let mut candidates = noise(240, 12, 5);
+        let offsets: Vec<DVector<f64>> = (0..24)
+            .map(|_| {
+                DVector::from_fn(12, |_, _| {
+                    let x: f64 = StandardNormal.sample(&mut rng);
+                    10.0 * x
+                })
+            })
+            .collect();
+        for (k, row) in candidates.table.rows.iter_mut().enumerate() {
+            *row += &offsets[k / 10];
+        }
+        candidates.table.classes = (0..240).map(|k| k / 10 % 3).collect();
+        let recipe = recipe(ProjectionKind::None, Shrink::Not);
+        let by_rows = error(&candidates, &recipe);
+        candidates.groups = (0..240).map(|k| k / 10).collect();
+        let by_groups = error(&candidates, &recipe);
+        // 24 groups guess among three: sd 9.6 %, two and a half of them either way.
+        assert!((0.42..0.91).contains(&by_groups) && by_rows < by_groups - 0.2, "{by_rows} {by_groups}");
+    }
+}

@@ -1,0 +1,465 @@
+//! What each feature is worth, and which to drop.
+//!
+//! ```text
+//! Fisher ratio   J = Σ_k P_k (μ_k − μ)² / σ²,   μ = Σ_k P_k μ_k, σ² pooled within classes      (1)
+//! of a pair      J_ij = (μ_i − μ_j)² / (σ_i² + σ_j²)                                          (2)
+//! gain           cross-validated log score without the feature − with it, on the same rows    (3)
+//! ```
+//!
+//! (1) and (2) look at one feature alone. (3) is taken beside others: without it from all ("drop one"), and added to
+//! those already chosen (forward selection, which stops when the best gain is below twice its standard error). Features
+//! are taken unprojected. What the selection itself is worth is told by repeating it within every fold, as its own
+//! path is chosen to look well on the rows it is scored on.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+use super::cross_validation::{Candidates, Folds, check, predict};
+use super::fit::fit;
+use super::scores::{Prediction, Scores, log_score};
+use super::shrinkage::{self, Shrink};
+use super::{ClassStatistics, ProjectionKind, Recipe, Trained, discriminant};
+use crate::Error;
+
+/// Standard errors below which a gain is taken for chance.
+const SURE: f64 = 2.0;
+/// Correlation within classes from which one feature is said to repeat another.
+const ALIKE: f64 = 0.8;
+
+/// What a change of features gains: scores before less scores after, so that more is better.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gain {
+    /// Of the log score, nats.
+    pub log: f64,
+    /// Its standard error, from the groups' own gains.
+    pub standard_error: f64,
+    /// Of the error rate.
+    pub error: f64,
+}
+
+/// One feature.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ranked {
+    /// Its name.
+    pub name: String,
+    /// J of (1); 0 where it has no spread.
+    pub fisher: f64,
+    /// J_ij of (2), for each pair of classes i < j in turn.
+    pub pairs: Vec<f64>,
+    /// What it gains beside all others; nothing where those or all together are singular.
+    pub among_all: Option<Gain>,
+    /// What it gained when it was chosen, or gains beside those that were.
+    pub beside_chosen: Option<Gain>,
+    /// Whether forward selection chose it.
+    pub kept: bool,
+    /// Why it is kept or would be dropped.
+    pub reason: String,
+}
+
+/// Features from the one to keep first to the one to drop first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ranking {
+    /// Class names.
+    pub classes: Vec<String>,
+    /// Chosen ones in the order of choice, then the others by Fisher ratio.
+    pub features: Vec<Ranked>,
+    /// Scores of all features together; nothing where they are singular.
+    pub all: Option<Scores>,
+    /// Scores of those kept, on the rows they were chosen on.
+    pub kept: Option<Scores>,
+    /// Scores of a choice made anew without each fold.
+    pub honest: Option<Scores>,
+    /// Folds.
+    pub folds: usize,
+}
+
+impl Ranking {
+    /// Names kept, best first.
+    #[must_use]
+    pub fn names(&self) -> Vec<&str> {
+        self.features.iter().filter(|f| f.kept).map(|f| f.name.as_str()).collect()
+    }
+
+    /// Keys `folds`, `keep`, `drop`, `scores` and `features`.
+    #[must_use]
+    pub fn to_json(&self) -> Value {
+        let gain = |gain: &Gain| json!({ "log_score": gain.log, "standard_error": gain.standard_error, "error_rate": gain.error });
+        let pairs = (0..self.classes.len()).flat_map(|i| (i + 1..self.classes.len()).map(move |j| (i, j)));
+        let pairs: Vec<String> = pairs.map(|(i, j)| format!("{}:{}", self.classes[i], self.classes[j])).collect();
+        let feature = |f: &Ranked| {
+            let of_pairs = pairs.iter().cloned().zip(f.pairs.iter().map(|&ratio| Value::from(ratio)));
+            json!({
+                "name": f.name,
+                "fisher_ratio": f.fisher,
+                "fisher_ratio_of_pairs": of_pairs.collect::<serde_json::Map<_, _>>(),
+                "gain_among_all": f.among_all.as_ref().map(gain),
+                "gain_beside_chosen": f.beside_chosen.as_ref().map(gain),
+                "keep": f.kept,
+                "reason": f.reason,
+            })
+        };
+        json!({
+            "folds": self.folds,
+            "keep": self.names(),
+            "drop": self.features.iter().filter(|f| !f.kept).map(|f| f.name.as_str()).collect::<Vec<_>>(),
+            "scores": {
+                "all": self.all.as_ref().map(Scores::to_json),
+                "kept": self.kept.as_ref().map(Scores::to_json),
+                "chosen_in_each_fold": self.honest.as_ref().map(Scores::to_json),
+            },
+            "features": self.features.iter().map(feature).collect::<Vec<_>>(),
+        })
+    }
+
+    /// In words: what is kept, what each way is worth.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        let score = |of: &Option<Scores>| {
+            let text = of.as_ref().map(|s| format!("log score {:.3}, error {:.1} %", s.log.value, 100.0 * s.error));
+            text.unwrap_or_else(|| "singular".into())
+        };
+        let dropped = self.features.iter().filter(|f| !f.kept).count();
+        let names = self.names();
+        let what = match (names.len(), dropped) {
+            (0, _) => "No feature tells these classes apart better than the priors do.".to_string(),
+            (_, 0) => "Every feature earns its place.".to_string(),
+            (_, dropped) => format!("Keep {}; drop the other {dropped}.", names.join(", ")),
+        };
+        format!(
+            "{what} Cross-validated in {} folds: all features {}; those kept {}; the choice made anew in every fold {}. \
+             Worth is for these classes, sizes and conditions: a fault too easy for all features to be needed makes \
+             most of them droppable.",
+            self.folds,
+            score(&self.all),
+            score(&self.kept),
+            score(&self.honest)
+        )
+    }
+}
+
+impl std::fmt::Display for Ranking {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let width = self.features.iter().map(|feature| feature.name.len()).max().unwrap_or(0).max("feature".len());
+        writeln!(f, "{:width$}  Fisher ratio  gain among all", "feature")?;
+        for Ranked { name, fisher, among_all, kept, reason, .. } in &self.features {
+            let among = among_all.map_or_else(|| "–".into(), |g| format!("{:.3} ± {:.3}", g.log, g.standard_error));
+            let advice = if *kept { "keep" } else { "drop" };
+            writeln!(f, "{name:width$}  {fisher:>12.3}  {among:>15}  {advice}: {reason}")?;
+        }
+        write!(f, "{}", self.summary())
+    }
+}
+
+/// Ranks the candidates for the recipe's discriminant, priors and costs; a shrinkage that is to be chosen is chosen once
+/// for all of them.
+///
+/// # Errors
+/// Too few groups for folds, and priors or costs that do not match the classes.
+pub fn rank(candidates: &Candidates, recipe: &Recipe) -> Result<Ranking, Error> {
+    let recipe = Recipe { projection: ProjectionKind::None, ..recipe.clone() };
+    let judge = Judge::new(candidates, &recipe)?;
+    let statistics = ClassStatistics::new(&candidates.table);
+    let everything: Vec<usize> = (0..candidates.features.len()).collect();
+    let all = judge.predict(&everything);
+    let path = judge.forward();
+    let among_all = |&feature: &usize| {
+        let others: Vec<usize> = everything.iter().copied().filter(|k| *k != feature).collect();
+        Some(judge.gain(&judge.predict(&others)?, all.as_ref()?))
+    };
+    let among_all: Vec<Option<Gain>> = everything.par_iter().map(among_all).collect();
+    let honest = judge.honest(&recipe);
+    let scores = |predictions: &Vec<Prediction>| Scores::new(predictions, &judge.priors);
+    let ranked = |&feature: &usize| {
+        let (fisher, pairs) = fisher(&statistics, &judge.priors, feature);
+        let kept = path.chosen.contains(&feature);
+        let beside_chosen = path.gains.get(&feature).copied();
+        let ranked = Ranked {
+            name: candidates.features[feature].clone(),
+            fisher,
+            pairs,
+            among_all: among_all[feature],
+            beside_chosen,
+            kept,
+            reason: String::new(),
+        };
+        let reason = judge.reason(&statistics, &path, feature, &ranked);
+        Ranked { reason, ..ranked }
+    };
+    let mut rest: Vec<usize> = everything.iter().copied().filter(|k| !path.chosen.contains(k)).collect();
+    let ratio = |k: usize| fisher(&statistics, &judge.priors, k).0;
+    rest.sort_by(|&a, &b| ratio(b).total_cmp(&ratio(a)));
+    Ok(Ranking {
+        classes: candidates.table.names.clone(),
+        features: path.chosen.iter().chain(&rest).map(ranked).collect(),
+        all: all.as_ref().map(scores),
+        kept: judge.predict(&path.chosen).as_ref().map(scores),
+        honest: honest.as_ref().map(scores),
+        folds: judge.folds.count,
+    })
+}
+
+impl Trained {
+    /// Ranks the features asked for, or every one there is where none were.
+    ///
+    /// # Errors
+    /// As [`rank`].
+    pub fn rank(&self) -> Result<Ranking, Error> {
+        if self.recipe.features.is_empty() {
+            return rank(&self.candidates, &self.recipe);
+        }
+        rank(&self.candidates.select(&self.candidates.places(&self.feature_names)), &self.recipe)
+    }
+}
+
+/// Scores of sets of features on one split.
+struct Judge<'a> {
+    candidates: &'a Candidates,
+    recipe: Recipe,
+    folds: Folds,
+    priors: Vec<f64>,
+    weights: Vec<f64>,
+}
+
+/// Forward selection.
+struct Path {
+    chosen: Vec<usize>,
+    /// At its choice, or beside all chosen.
+    gains: BTreeMap<usize, Gain>,
+}
+
+impl<'a> Judge<'a> {
+    fn new(candidates: &'a Candidates, recipe: &Recipe) -> Result<Self, Error> {
+        let folds = Folds::new(candidates, &recipe.validation)?;
+        let priors = discriminant::priors(&recipe.priors, candidates.table.names.len())?;
+        let weights = candidates.weights(&priors);
+        let shrink = match recipe.shrink {
+            Shrink::Chosen => Shrink::To(shrinkage::search(candidates, recipe)?.shrinkage),
+            given => given,
+        };
+        Ok(Self { candidates, recipe: Recipe { shrink, ..recipe.clone() }, folds, priors, weights })
+    }
+
+    /// Posteriors with these features only; those of the priors without any, nothing where they are singular.
+    fn predict(&self, features: &[usize]) -> Option<Vec<Prediction>> {
+        if features.is_empty() {
+            let log_posteriors: Vec<f64> = self.priors.iter().map(|p| p.ln()).collect();
+            let decided = (0..self.priors.len()).max_by(|&a, &b| self.priors[a].total_cmp(&self.priors[b]));
+            let rows = self.candidates.table.classes.iter().zip(&self.weights);
+            let prediction =
+                |(&truth, &weight)| Prediction { truth, decided, log_posteriors: log_posteriors.clone(), weight };
+            return Some(rows.map(prediction).collect());
+        }
+        predict(&self.candidates.select(features), &self.recipe, &self.folds).ok()
+    }
+
+    fn gain(&self, before: &[Prediction], after: &[Prediction]) -> Gain {
+        let wrong = |p: &Prediction| f64::from(u8::from(p.decided != Some(p.truth)));
+        let total: f64 = self.weights.iter().sum();
+        let mut of_group: BTreeMap<usize, f64> = BTreeMap::new();
+        let (mut log, mut error) = (0.0, 0.0);
+        for ((before, after), group) in before.iter().zip(after).zip(&self.candidates.groups) {
+            let score = |p: &Prediction| log_score(&p.log_posteriors, p.truth);
+            let gained = before.weight * (score(before) - score(after)) / total; // (3)
+            *of_group.entry(*group).or_default() += gained;
+            log += gained;
+            error += before.weight * (wrong(before) - wrong(after)) / total;
+        }
+        let n = of_group.len() as f64;
+        let squares: f64 = of_group.values().map(|sum| (sum - log / n).powi(2)).sum();
+        Gain { log, standard_error: (squares * n / (n - 1.0)).sqrt(), error }
+    }
+
+    fn forward(&self) -> Path {
+        let mut path = Path { chosen: vec![], gains: BTreeMap::new() };
+        let mut before = self.predict(&[]).unwrap_or_default();
+        loop {
+            let rest: Vec<usize> = (0..self.candidates.features.len()).filter(|k| !path.chosen.contains(k)).collect();
+            let tried = rest.par_iter().filter_map(|&feature| {
+                let after = self.predict(&[&path.chosen[..], &[feature]].concat())?;
+                Some((feature, self.gain(&before, &after), after))
+            });
+            let tried: Vec<_> = tried.collect();
+            // What is singular beside the chosen has no gain any more.
+            path.gains.retain(|feature, _| path.chosen.contains(feature));
+            path.gains.extend(tried.iter().map(|(feature, gain, _)| (*feature, *gain)));
+            let best = tried.into_iter().max_by(|(_, a, _), (_, b, _)| a.log.total_cmp(&b.log));
+            let Some((feature, _, after)) = best.filter(|(_, gain, _)| gain.log > SURE * gain.standard_error) else {
+                return path;
+            };
+            path.chosen.push(feature);
+            before = after;
+        }
+    }
+
+    /// The rows of each fold by a choice that has not seen them, of features as of the shrinkage.
+    fn honest(&self, recipe: &Recipe) -> Option<Vec<Prediction>> {
+        let one = |fold: usize| -> Option<Vec<(usize, Prediction)>> {
+            let (seen, held_out) = self.folds.split(fold);
+            let rows = self.candidates.rows(&seen);
+            check(&rows).ok()?;
+            let inner = Judge::new(&rows, recipe).ok()?;
+            let chosen = inner.forward().chosen;
+            if chosen.is_empty() {
+                let guessed = self.predict(&[])?;
+                return Some(held_out.into_iter().map(|row| (row, guessed[row].clone())).collect());
+            }
+            let candidates = self.candidates.select(&chosen);
+            let fitted = fit(&candidates.rows(&seen), &inner.recipe).ok()?;
+            let predicted = held_out.into_iter().map(|row| {
+                let z = fitted.projection.apply(&candidates.table.rows[row]);
+                let log_posteriors = fitted.densities.log_posteriors(&z);
+                let decided = Some(fitted.densities.decide(&log_posteriors));
+                let (truth, weight) = (candidates.table.classes[row], self.weights[row]);
+                (row, Prediction { truth, decided, log_posteriors, weight })
+            });
+            Some(predicted.collect())
+        };
+        let parts: Vec<Option<Vec<_>>> = (0..self.folds.count).into_par_iter().map(one).collect();
+        let mut all: Vec<(usize, Prediction)> = parts.into_iter().collect::<Option<Vec<_>>>()?.concat();
+        all.sort_by_key(|(row, _)| *row);
+        Some(all.into_iter().map(|(_, prediction)| prediction).collect())
+    }
+
+    fn reason(&self, statistics: &ClassStatistics, path: &Path, feature: usize, ranked: &Ranked) -> String {
+        let signed = |x: f64| format!("{}{:.3}", if x < 0.0 { "−" } else { "+" }, x.abs());
+        let gain = |gain: &Gain| format!("{} ± {:.3} of log score", signed(gain.log), gain.standard_error);
+        if ranked.kept {
+            let place = path.chosen.iter().position(|k| *k == feature).unwrap_or(0);
+            let beside = if place == 0 { "the priors" } else { "those above" };
+            return ranked.beside_chosen.map_or_else(String::new, |g| format!("gains {} over {beside}", gain(&g)));
+        }
+        if statistics.pooled[(feature, feature)] <= 0.0 {
+            return "is the same in all segments of a class".into();
+        }
+        let correlation = |other: usize| {
+            let pooled = &statistics.pooled;
+            pooled[(feature, other)] / (pooled[(feature, feature)] * pooled[(other, other)]).sqrt()
+        };
+        let mut parts = vec![];
+        // Of class means that are equal, N J is about χ² with C − 1 degrees of freedom: mean C − 1, sd √(2 (C − 1)).
+        let degrees = statistics.counts.len() as f64 - 1.0;
+        let rows: usize = statistics.counts.iter().sum();
+        if ranked.fisher * (rows as f64) < degrees + SURE * (2.0 * degrees).sqrt() {
+            parts.push("its class means differ no more than by chance".to_string());
+        }
+        let alike = path.chosen.iter().copied().max_by(|&a, &b| correlation(a).abs().total_cmp(&correlation(b).abs()));
+        if let Some(other) = alike.filter(|&other| correlation(other).abs() >= ALIKE) {
+            let (name, r) = (&self.candidates.features[other], correlation(other));
+            let sign = if r < 0.0 { "−" } else { "" };
+            parts.push(format!("goes with {name} (correlation {sign}{:.2} within classes)", r.abs()));
+        }
+        parts.push(match &ranked.beside_chosen {
+            None => "is a combination of those kept".into(),
+            Some(g) if g.log < -SURE * g.standard_error => format!("makes it worse: {}", gain(g)),
+            Some(g) => format!("adds nothing sure to those kept: {}", gain(g)),
+        });
+        parts.join("; ")
+    }
+}
+
+/// (1) and (2).
+fn fisher(statistics: &ClassStatistics, priors: &[f64], feature: usize) -> (f64, Vec<f64>) {
+    let means: Vec<f64> = statistics.means.iter().map(|mean| mean[feature]).collect();
+    let centre: f64 = means.iter().zip(priors).map(|(mean, p)| p * mean).sum();
+    let between: f64 = means.iter().zip(priors).map(|(mean, p)| p * (mean - centre).powi(2)).sum();
+    let ratio = |between: f64, within: f64| if within > 0.0 { between / within } else { 0.0 };
+    let variance = |class: usize| statistics.covariances[class][(feature, feature)];
+    let pairs = (0..means.len()).flat_map(|i| (i + 1..means.len()).map(move |j| (i, j)));
+    let pairs = pairs.map(|(i, j)| ratio((means[i] - means[j]).powi(2), variance(i) + variance(j))).collect();
+    (ratio(between, statistics.pooled[(feature, feature)]), pairs)
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DVector;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    use super::*;
+    use crate::identify::{Order, Structure};
+    use crate::train::FeatureTable;
+
+    /// Three classes. `shift` moves the second by 2, `other` the third by 3; `copy` is `shift` with a little noise,
+    /// `noise` is nothing, `mate` has no difference of means but shares the noise of `shift`.
+    fn candidates(rows: usize) -> Candidates {
+        let mut rng = ChaCha8Rng::seed_from_u64(23);
+        let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
+        let classes: Vec<usize> = (0..rows).map(|k| k % 3).collect();
+        let row = |class: &usize| {
+            let common = draw();
+            let shift = if *class == 1 { 2.0 } else { 0.0 } + 0.9 * common + 0.44 * draw();
+            let other = if *class == 2 { 3.0 } else { 0.0 } + draw();
+            DVector::from_vec(vec![draw(), shift + 0.3 * draw(), shift, common, other])
+        };
+        let table = FeatureTable {
+            rows: classes.iter().map(row).collect(),
+            classes,
+            names: ["a", "b", "c"].map(String::from).into(),
+        };
+        let features = ["noise", "copy", "shift", "mate", "other"].map(String::from).into();
+        Candidates { table, features, groups: (0..rows).collect() }
+    }
+
+    fn recipe() -> Recipe {
+        Recipe::new(Structure { order: Order::new(1, 1, 1, 1, 1), offset: false })
+    }
+
+    #[test]
+    fn what_helps_is_kept_and_the_rest_is_dropped_with_its_reason() {
+        let ranking = rank(&candidates(240), &recipe()).expect("regular");
+        let mut kept = ranking.names();
+        kept.sort_unstable();
+        assert_eq!(kept, ["mate", "other", "shift"], "{ranking:#?}");
+        let of = |name: &str| ranking.features.iter().find(|f| f.name == name).expect("ranked");
+        assert!(of("noise").reason.contains("no more than by chance") && of("noise").reason.contains("adds nothing"));
+        assert!(of("copy").reason.contains("goes with shift"), "{}", of("copy").reason);
+        // J = Σ (2/9, 2/9 of 2², 3²) over a variance of 1.0: 0.89 and 2; of the pairs 2 and 4.5, others 0.
+        for (name, whole, pairs) in [("shift", 8.0 / 9.0, [2.0, 0.0, 2.0]), ("other", 2.0, [0.0, 4.5, 4.5])] {
+            let found = of(name);
+            // 80 rows a class: a mean to 0.11, a variance to 16 %; half and a half more are three of these together.
+            assert!((0.6 * whole..1.5 * whole).contains(&found.fisher), "{found:?}");
+            for (found, expected) in found.pairs.iter().zip(pairs) {
+                assert!((0.6 * expected..1.5 * expected + 0.1).contains(found), "{found} {expected}");
+            }
+        }
+        // Alone "mate" is nothing, beside "shift" much: a ratio cannot see it.
+        assert!(of("mate").fisher < 0.1 && of("mate").among_all.expect("regular").log > 0.1);
+        assert!(of("noise").among_all.expect("regular").log < 0.02);
+        let (all, honest) = (ranking.all.expect("regular"), ranking.honest.expect("regular"));
+        // Two noise features cost little at 240 rows, and so does choosing.
+        assert!((honest.log.value - all.log.value).abs() < 0.05, "{honest:?} {all:?}");
+    }
+
+    #[test]
+    fn of_noise_nothing_is_kept() {
+        let mut candidates = candidates(90);
+        candidates.table.classes.rotate_left(1);
+        let mut rng = ChaCha8Rng::seed_from_u64(29);
+        for row in &mut candidates.table.rows {
+            *row = DVector::from_fn(5, |_, _| StandardNormal.sample(&mut rng));
+        }
+        let ranking = rank(&candidates, &recipe()).expect("regular");
+        assert!(ranking.names().is_empty() && ranking.summary().starts_with("No feature"), "{ranking:#?}");
+        let honest = ranking.honest.expect("guesses");
+        // 90 guesses among three: sd 5 %. Where a fold's choice fell for noise it is no better for it.
+        assert!((0.52..0.82).contains(&honest.error) && honest.log.value > 1.05, "{honest:?}");
+    }
+
+    #[test]
+    fn constants_and_combinations_are_named() {
+        let mut candidates = candidates(120);
+        for row in &mut candidates.table.rows {
+            row[0] = 4.0;
+            row[1] = 2.0 * row[2] + 1.0;
+        }
+        let ranking = rank(&candidates, &recipe()).expect("regular");
+        let of = |name: &str| ranking.features.iter().find(|f| f.name == name).expect("ranked");
+        assert_eq!(of("noise").reason, "is the same in all segments of a class");
+        let (first, second) = if of("shift").kept { ("copy", "shift") } else { ("shift", "copy") };
+        assert!(of(first).reason.contains("is a combination of those kept"), "{}", of(first).reason);
+        assert!(of(second).kept && ranking.all.is_none() && of("other").among_all.is_none());
+    }
+}
