@@ -11,6 +11,7 @@ mod piecewise;
 mod replay;
 mod simulate;
 mod structure;
+mod tables;
 mod train;
 mod validate;
 
@@ -38,6 +39,7 @@ enum Command {
     Train(Box<train::Args>),
     Evaluate(evaluate::Args),
     Replay(replay::Args),
+    Tables(tables::Args),
 }
 
 /// Runs the command line of this process; 0 on success, 2 on bad input with one line that says what and where.
@@ -58,6 +60,7 @@ pub fn run() -> ExitCode {
         Command::Train(args) => train::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Replay(args) => replay::run(&args),
+        Command::Tables(args) => tables::run(&args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
