@@ -19,6 +19,7 @@ pub mod piecewise;
 pub mod report;
 pub mod rig;
 pub mod structure;
+pub mod tables;
 pub mod trace;
 pub mod train;
 pub mod validate;

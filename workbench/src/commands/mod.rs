@@ -12,6 +12,7 @@ mod replay;
 mod shaft;
 mod simulate;
 mod structure;
+mod tables;
 mod train;
 mod validate;
 
@@ -39,6 +40,7 @@ enum Command {
     Train(Box<train::Args>),
     Evaluate(evaluate::Args),
     Replay(replay::Args),
+    Tables(tables::Args),
 }
 
 /// Runs the command line of this process; 0 on success, 2 on bad input with one line that says what and where.
@@ -59,6 +61,7 @@ pub fn run() -> ExitCode {
         Command::Train(args) => train::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Replay(args) => replay::run(&args),
+        Command::Tables(args) => tables::run(&args),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
