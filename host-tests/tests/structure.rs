@@ -16,7 +16,7 @@ fn rig(seed: u64, error: bool) -> Trace {
         trace.velocity_ref_rad_s
     };
     let (y, u2) = (trace.current_a, trace.load_torque_nm);
-    Trace { id: format!("rig {seed}"), interval_s: Some(0.002), irregular_steps: 0, y, u1, u2 }
+    Trace { id: format!("rig {seed}"), interval_s: Some(0.002), y, u1, u2, ..Trace::default() }
 }
 
 fn grid(max: Order, offset: bool) -> Vec<Structure> {
@@ -129,7 +129,7 @@ fn a_known_structure_is_found() {
                 + 0.8 * at(&u2, t, 1)
                 + 0.1 * e[t];
         }
-        Trace { id: format!("arx {seed}"), interval_s: None, irregular_steps: 0, y, u1, u2 }
+        Trace { id: format!("arx {seed}"), y, u1, u2, ..Trace::default() }
     };
     let truth = Order::new(2, 2, 1, 2, 1);
     let structures = grid(Order::new(4, 4, 3, 3, 3), false);

@@ -40,7 +40,7 @@ impl Recorded {
         };
         let interval_s = t_s.windows(2).next().map(|pair| pair[1] - pair[0]);
         let (id, y, u2) = (self.id.clone(), current_a.clone(), load_torque_nm.clone());
-        LabelledTrace { trace: Trace { id, interval_s, irregular_steps: 0, y, u1, u2 }, class: self.class }
+        LabelledTrace { trace: Trace { id, interval_s, y, u1, u2, ..Trace::default() }, class: self.class }
     }
 }
 
