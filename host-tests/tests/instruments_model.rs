@@ -74,7 +74,7 @@ fn exact<const M: usize, const P: usize, R: Rows<M>, A: Accumulator<M, P>>(
     trained: &Trained,
     trace: &Trace,
 ) -> Vec<Vec<u32>> {
-    let model = trained.to_core::<M, 5, 5, 3>().expect("fits");
+    let model = trained.to_core::<M, 5, 5, 3, 0>().expect("fits");
     let mut detector = Detector::<'_, M, P, 1, 5, 5, 3, R, A>::new(&model).expect("fits");
     let rows = trace.y.iter().zip(&trace.u1).zip(&trace.u2);
     let samples = rows.map(|((y, u1), u2)| Sample { y: *y as f32, u1: *u1 as f32, u2: *u2 as f32 });
