@@ -31,6 +31,7 @@ static MODEL: Model<9, 9, 3, 3> = Model {
     sampling: refined::MODEL.sampling,
     regression: Regression { guard: refined::MODEL.regression.guard, ..Regression::new(FORM.order, FORM.offset) },
     classifier: refined::MODEL.classifier,
+    evidence: refined::MODEL.evidence,
     labels: refined::MODEL.labels,
 };
 

@@ -111,6 +111,7 @@ fn decision() {
                 log_normaliser: numbers.array(),
                 log_prior: [-1.098_612_3; 3],
                 cost: [[0.0, 50.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]],
+                reject_cost: f32::INFINITY,
             };
             if let Some(decision) = discriminant.decide(&projection.project(&numbers.array())) {
                 hash.add(&decision.log_likelihoods);

@@ -8,6 +8,7 @@ use bearing_watch::model::MAX_BLOCK_MEAN;
 use clap::ValueEnum;
 use serde_json::json;
 
+use super::alarms::{self, AlarmArgs};
 use super::estimation::EstimationArgs;
 use super::options::{
     ChannelArgs, Notes, PreparationArgs, Selection, SelectionArgs, StructureArgs, check_rate, prepare, warn_irregular,
@@ -63,6 +64,8 @@ pub(super) struct Args {
     /// Cost of deciding a class when another is true, e.g. healthy:spall=50; 1 where not given
     #[arg(long, value_name = "DECIDED:TRUE=COST", value_delimiter = ',')]
     cost: Vec<String>,
+    #[command(flatten)]
+    alarms: AlarmArgs,
     /// The binary model
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
@@ -159,6 +162,7 @@ impl Args {
             },
             priors: priors(&self.priors, classes)?,
             cost: costs(&self.cost, classes)?,
+            alarms: self.alarms.alarms(classes)?,
         })
     }
 
@@ -191,7 +195,10 @@ impl Args {
         let bar = output::progress("evaluating", traces.len());
         let verdicts = evaluate::run(&model, &prepare(&traces, host)?, || bar.inc(1))?;
         bar.finish_and_clear();
-        Ok(Some(HeldOut { confusion: evaluate::count(classes, &verdicts, false), verdicts }))
+        Ok(Some(HeldOut {
+            confusion: Confusion { healthy: model.healthy(), ..evaluate::count(classes, &verdicts, false) },
+            verdicts,
+        }))
     }
 
     fn print(
@@ -203,6 +210,7 @@ impl Args {
     ) -> Result<(), Error> {
         let counts: Vec<usize> =
             (0..trained.classes.len()).map(|k| training.iter().filter(|t| t.class == k).count()).collect();
+        trained.watch.warning.iter().for_each(output::warn);
         if self.json {
             return output::json(&json!({
                 "model": self.model,
@@ -213,6 +221,7 @@ impl Args {
                 "method": method_word(trained.regression.method),
                 "settle_samples": (trained.regression.method == Method::Instruments).then_some(trained.regression.settle),
                 "segment_samples": trained.segment_samples,
+                "novelty": alarms::to_json(trained),
                 "held_out": held_out.map(Confusion::to_json),
             }));
         }
@@ -227,6 +236,7 @@ impl Args {
             bytes,
             self.model.display()
         ))?;
+        alarms::description(trained).map_or(Ok(()), output::say)?;
         match held_out {
             Some(confusion) => output::say(format!("held-out traces, through the embedded detector:\n{confusion}")),
             None => Ok(()),
@@ -291,6 +301,9 @@ fn description(trained: &Trained, channels: &crate::trace::Channels, host: Prepa
         format!("Estimated by {}.", estimated_by(trained)),
         fed,
     ]
+    .into_iter()
+    .chain(alarms::description(trained))
+    .collect()
 }
 
 fn priors(asked: &[String], classes: &[String]) -> Result<Vec<f64>, Error> {

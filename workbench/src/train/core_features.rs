@@ -3,7 +3,7 @@
 //! The classifier is still to be trained, so the detector runs with one of a single class: whatever it estimates is
 //! that class. Traces run whole, so that a segment starts from what its predecessor left, as it will in the drive.
 
-use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Projection};
+use bearing_watch::decide::{Classifier, Discriminant, EvidencePlan, Features, Kind, Novelty, Projection};
 use bearing_watch::{Label, Model, Regression, Sampling};
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -64,8 +64,11 @@ fn estimator(regression: &Regression<MAX_COLUMNS>, segment: usize) -> Result<Emb
                 log_normaliser: [0.0],
                 log_prior: [0.0],
                 cost: [[0.0]],
+                reject_cost: f32::INFINITY,
             },
+            novelty: Novelty::NONE,
         },
+        evidence: EvidencePlan::NONE,
         labels: [Label::EMPTY],
     });
     model.validate().map_err(refused)?;
