@@ -126,6 +126,8 @@ fn told(way: &str, number: usize, report: &Report) -> u32 {
     let (rows, bits) = (report.estimate.rows, hash.bits());
     match report.verdict {
         Verdict::Class(class) => say!("{way} {number}: {rows} rows, {bits:08x}, {}", MODEL.label(class)),
+        Verdict::Novel => say!("{way} {number}: {rows} rows, {bits:08x}, novel"),
+        Verdict::Ambiguous => say!("{way} {number}: {rows} rows, {bits:08x}, ambiguous"),
         Verdict::Undetermined(reason) => say!("{way} {number}: {rows} rows, {bits:08x}, {reason}"),
     }
     bits

@@ -32,6 +32,7 @@ static MODEL: Model<9, 9, 3, 3> = Model {
     regression: Regression { guard: refined::MODEL.regression.guard, ..Regression::new(FORM.order, FORM.offset) },
     shaft: None,
     classifier: refined::MODEL.classifier,
+    evidence: refined::MODEL.evidence,
     labels: refined::MODEL.labels,
 };
 

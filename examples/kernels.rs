@@ -6,7 +6,9 @@ mod support;
 
 use bearing_watch::decide::{Discriminant, Features, Kind, Projection};
 use bearing_watch::estimate::{Forgetting, Triangle};
-use bearing_watch::{AlphaBeta, Angle, BlockMean, Estimator, FrontEnd, Guard, Order, Park, Regression, Sample};
+use bearing_watch::{
+    AlphaBeta, Angle, BlockMean, Estimator, FrontEnd, Guard, Order, Park, Regression, Sample, ShaftEstimate,
+};
 
 use support::hash::Hash;
 use support::numbers::Numbers;
@@ -87,7 +89,8 @@ fn estimator() {
             hash.add(&estimate.raw());
             hash.add(&estimate.covariance);
             hash.add(&[estimate.variance]);
-            hash.add(&Features { index: [5, 0, 6, 2], count: 4 }.extract(&estimate));
+            let features = Features { index: [5, 0, 6, 2], count: 4 };
+            hash.add(&features.extract(&estimate, None::<&ShaftEstimate<0>>).unwrap_or([0.0; 4]));
             say!("estimator {:08x}, {} rows, {} rejected", hash.bits(), estimate.rows, estimate.counts.rejected);
         }
         Err(reason) => say!("estimator: {reason}"),
@@ -111,6 +114,7 @@ fn decision() {
                 log_normaliser: numbers.array(),
                 log_prior: [-1.098_612_3; 3],
                 cost: [[0.0, 50.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]],
+                reject_cost: f32::INFINITY,
             };
             if let Some(decision) = discriminant.decide(&projection.project(&numbers.array())) {
                 hash.add(&decision.log_likelihoods);

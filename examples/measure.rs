@@ -205,6 +205,7 @@ fn decision(counter: &mut Counter) {
         log_normaliser: [0.0; 3],
         log_prior: [-1.098_612_3; 3],
         cost: [[0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]],
+        reject_cost: f32::INFINITY,
     };
     let features: [f32; 9] = numbers.array();
     let project = counter.instructions_per_call(CALLS, |_| {

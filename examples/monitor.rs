@@ -46,6 +46,8 @@ fn run() {
             }
             match report.verdict {
                 Verdict::Class(class) => say!("verdict: {}", MODEL.label(class)),
+                Verdict::Novel => say!("verdict: novel"),
+                Verdict::Ambiguous => say!("verdict: ambiguous"),
                 Verdict::Undetermined(reason) => say!("undetermined: {reason}"),
             }
             // The next trace does not go on from this one. A running drive would not restart.

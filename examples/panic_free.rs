@@ -18,7 +18,7 @@ mod refined;
 use core::fmt::{self, Write};
 use core::hint::black_box as opaque;
 
-use bearing_watch::decide::{Discriminant, Features, Kind, Projection};
+use bearing_watch::decide::{Discriminant, Features, Kind, Novelty, Projection};
 use bearing_watch::estimate::{
     Accumulator, AnyShape, Fading, Forgetting, Memory, Method, Nominal, Row, Rows, Shape, Solver, Triangle, TwoLevel,
     is_stable,
@@ -232,11 +232,43 @@ fn decision() {
             log_normaliser: numbers.array(),
             log_prior: numbers.array(),
             cost: [[1.0; 4]; 4],
+            reject_cost: 0.5,
         });
         opaque(Discriminant::decide(&discriminant, &opaque(z)));
         let likelihoods = Discriminant::log_likelihoods(&discriminant, &opaque(z));
-        opaque(Discriminant::decide_from(&discriminant, opaque(likelihoods)));
+        if let Some(decision) = Discriminant::decide_from(&discriminant, opaque(likelihoods)) {
+            opaque(Decision::least_cost(&opaque(decision)));
+        }
+        watch(discriminant, &z);
     }
+}
+
+/// How far from healthy, and what many segments come to.
+fn watch(discriminant: Discriminant<3, 4>, z: &[f32; 3]) {
+    let mut numbers = Numbers(8);
+    let novelty = opaque(Novelty::<3> {
+        class: 0,
+        mean: numbers.array(),
+        whitening: core::array::from_fn(|_| numbers.array()),
+        knots: core::array::from_fn(|_| numbers.array()),
+        limit: 4.6,
+    });
+    opaque((Novelty::judge(&novelty, opaque(z)), Novelty::surprise(&novelty, opaque(3.0))));
+    let features = Features::<9> { index: [8; 9], count: 9 };
+    let projection = Projection::<9, 3> { matrix: [[1.0; 9]; 3], mean: [0.0; 9], count: 3 };
+    let classifier = opaque(Classifier { features, projection, discriminant, novelty });
+    let plan = opaque(EvidencePlan { bet: 0.2, limit: 10.0, cap: 5.0 });
+    let mut evidence = opaque(Evidence::new(plan, &classifier));
+    for _ in 0..opaque(9) {
+        let decision = opaque(Classifier::decide(&classifier, opaque(z)));
+        if let Some(decision) = &decision {
+            opaque(Classifier::finding(&classifier, decision));
+        }
+        opaque(Evidence::observe(&mut evidence, decision.as_ref()));
+    }
+    opaque((Evidence::alarm(&evidence), Evidence::score(&evidence), Evidence::segments(&evidence)));
+    opaque(Evidence::trend(&evidence));
+    Evidence::reset(opaque(&mut evidence));
 }
 
 fn names_and_bytes() {

@@ -10,7 +10,7 @@
 //! [`Model::conclude`] makes the report from them in the main loop, and [`Detector::adopt`] brings it back.
 //! State: a few hundred bytes; the constants stay in the [`Model`].
 
-use crate::decide::Decision;
+use crate::decide::{Decision, Finding};
 use crate::drive::BlockMean;
 use crate::estimate::{
     Accumulator, Counts, Estimate, Estimator, Motion, NoShaft, Reason, Regression, Regressor, Rows, Segment,
@@ -35,8 +35,13 @@ pub struct Sample {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Verdict {
     /// Index of a class in [`Model::labels`]. The most plausible of the *trained* classes: posteriors are relative to
-    /// each other, so a state unlike all of them (another load) still names one.
+    /// each other, so a state unlike all of them (another load) still names one, unless it would be the healthy one.
     Class(u8),
+    /// Nearest to healthy of all classes, but further off than healthy segments are: a small or unknown defect, or
+    /// conditions not trained.
+    Novel,
+    /// No class is plausible enough to be worth naming.
+    Ambiguous,
     /// No verdict, and why.
     Undetermined(Reason),
 }
@@ -47,7 +52,7 @@ pub enum Verdict {
 pub struct Report<const M: usize, const P: usize, const C: usize, const K: usize = 0> {
     /// The class, or why there is none.
     pub verdict: Verdict,
-    /// Likelihoods, posteriors and costs; present where the verdict is a class.
+    /// Likelihoods, posteriors, costs and distance from healthy; present where the verdict is not undetermined.
     pub decision: Option<Decision<C>>,
     /// Whether the estimate stands; if its model is stable too, it serves as auxiliary model and reference for what
     /// follows.
@@ -115,7 +120,11 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize, const K: us
         report.accepted = solved.is_ok();
         match solved.and_then(|()| self.classifier.classify(&report.estimate, report.shaft.as_ref())) {
             Ok(decision) => {
-                report.verdict = Verdict::Class(decision.class);
+                report.verdict = match self.classifier.finding(&decision) {
+                    Finding::Class(class) => Verdict::Class(class),
+                    Finding::Novel => Verdict::Novel,
+                    Finding::Ambiguous => Verdict::Ambiguous,
+                };
                 report.decision = Some(decision);
             }
             Err(reason) => report.verdict = Verdict::Undetermined(reason),
@@ -158,6 +167,8 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize, const K: us
                         self.label(class)
                     );
                 }
+                Verdict::Novel => defmt::warn!("{=u32} rows, {}, verdict: novel", rows, counts),
+                Verdict::Ambiguous => defmt::info!("{=u32} rows, {}, verdict: ambiguous", rows, counts),
                 Verdict::Undetermined(reason) => defmt::warn!("{=u32} rows, {}, no verdict: {}", rows, counts, reason),
             }
         }
@@ -178,6 +189,7 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize, const K: us
 /// if let Some(report) = detector.step(Sample { y: current_a, u1: error_rad_s, u2: load_nm }) {
 ///     match report.verdict {
 ///         Verdict::Class(class) => { let _name = model.label(class); }
+///         Verdict::Novel | Verdict::Ambiguous => {}
 ///         Verdict::Undetermined(_reason) => {}
 ///     }
 /// }

@@ -6,7 +6,10 @@
 //! estimate      ▼
 //!            δ-form regressor ─► square-root-free triangle ─► Estimate: parameters, covariance, σ²
 //! decide        ▼
-//!            features ─► projection ─► discriminant ─► Decision: posteriors, class
+//!            features ─► projection ─► discriminant, novelty ─► Decision: posteriors, class, distance from healthy
+//!               │ one a segment
+//!               ▼
+//!            evidence ─► Alarm, trend
 //! ```
 //!
 //! A [`Model`] holds trained constants (flash), a [`Detector`] holds running state (RAM). Call
@@ -37,7 +40,7 @@ pub mod drive;
 pub mod estimate;
 pub mod model;
 
-pub use decide::{Classifier, Decision};
+pub use decide::{Alarm, Classifier, Decision, Evidence, EvidencePlan};
 pub use detector::{Detector, Report, Sample, Verdict};
 pub use drive::{Abc, AlphaBeta, Angle, BlockMean, Dq0, FirDecimator, FrontEnd, HalfBandDecimator, HalfBandTaps};
 pub use drive::{Park, SinCos};

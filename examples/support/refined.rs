@@ -1,6 +1,6 @@
 //! A model of eight parameters by instrumental variables, and a plant for it.
 
-use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Projection};
+use bearing_watch::decide::{Classifier, Discriminant, EvidencePlan, Features, Kind, Novelty, Projection};
 use bearing_watch::estimate::{Form, Method, Nominal, Shape};
 use bearing_watch::{Detector, Guard, Instruments, Label, Model, Order, Regression, Sample, Sampling};
 
@@ -58,8 +58,11 @@ pub static MODEL: Model<11, 9, 3, 3> = Model {
             log_normaliser: [-2.756_815_6; 3],
             log_prior: [-1.098_612_3; 3],
             cost: [[0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]],
+            reject_cost: f32::INFINITY,
         },
+        novelty: Novelty::NONE,
     },
+    evidence: EvidencePlan::NONE,
     labels: [label("as built"), label("slack"), label("stiff")],
 };
 

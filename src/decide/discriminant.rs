@@ -6,6 +6,7 @@
 //! ln p(z|k) = g_k − ½ ‖U_k (z − μ_k)‖²,   U_kᵀ U_k = Σ_k⁻¹               (1)  thesis Eq. 2.67
 //! P(k|z) = P(k) p(z|k) / Σ_j P(j) p(z|j)                                 (2)  thesis Eq. 2.64
 //! class = argmin_i Σ_k C(i|k) P(k|z)                                     (3)  thesis Eq. 2.65
+//! reject where its Σ exceeds the cost of no decision                     (4)  Chow 1970
 //! ```
 //!
 //! U is lower triangular (the inverse of Σ's Cholesky factor). Linear discriminants share one U, quadratic ones
@@ -41,6 +42,8 @@ pub struct Discriminant<const Z: usize, const C: usize> {
     pub log_prior: [f32; C],
     /// `cost[i][k]` = C(i|k): what deciding i costs when k is true.
     pub cost: [[f32; C]; C],
+    /// What no decision costs (4); infinite where one is always wanted.
+    pub reject_cost: f32,
 }
 
 /// The outcome of one classification. Places beyond the classes in use hold what never wins: log-likelihood −∞,
@@ -56,6 +59,18 @@ pub struct Decision<const C: usize> {
     pub posteriors: [f32; C],
     /// The sums of (3).
     pub expected_costs: [f32; C],
+    /// Distance from the healthy class, in its standard deviations; 0 without a healthy class.
+    pub distance: f32,
+    /// −ln of the probability that a healthy segment lies at least so far, nats; 0 without a healthy class.
+    pub surprise: f32,
+}
+
+impl<const C: usize> Decision<C> {
+    /// What the decided class is expected to cost.
+    #[must_use]
+    pub fn least_cost(&self) -> f32 {
+        self.expected_costs.iter().copied().fold(f32::INFINITY, f32::min)
+    }
 }
 
 impl<const Z: usize, const C: usize> Discriminant<Z, C> {
@@ -80,7 +95,8 @@ impl<const Z: usize, const C: usize> Discriminant<Z, C> {
         out
     }
 
-    /// Log-likelihoods, posteriors and the class of least expected cost; nothing where no likelihood is finite.
+    /// Log-likelihoods, posteriors and the class of least expected cost; nothing where no likelihood is finite. Of the
+    /// distance from healthy it knows nothing: [`Classifier::decide`](super::Classifier::decide) does.
     #[must_use]
     pub fn decide(&self, z: &[f32; Z]) -> Option<Decision<C>> {
         self.decide_from(self.log_likelihoods(z))
@@ -117,13 +133,15 @@ impl<const Z: usize, const C: usize> Discriminant<Z, C> {
                 (class, least) = (k, expected); // (3)
             }
         }
-        (least < f32::INFINITY).then_some(Decision { class, log_likelihoods, posteriors, expected_costs })
+        let (distance, surprise) = (0.0, 0.0);
+        let decision = Decision { class, log_likelihoods, posteriors, expected_costs, distance, surprise };
+        (least < f32::INFINITY).then_some(decision)
     }
 }
 
 /// `U x` for lower-triangular U.
 #[inline]
-fn whiten<const Z: usize>(u: &[[f32; Z]; Z], x: &[f32; Z]) -> [f32; Z] {
+pub(super) fn whiten<const Z: usize>(u: &[[f32; Z]; Z], x: &[f32; Z]) -> [f32; Z] {
     let mut out = [0.0; Z];
     for (i, (out, row)) in out.iter_mut().zip(u).enumerate() {
         *out = row.iter().zip(x).take(i + 1).fold(0.0, |sum, (u, x)| sum + u * x);
@@ -147,6 +165,7 @@ mod tests {
             log_normaliser: [-ln_2pi, -ln_2pi + libm::logf(spread)],
             log_prior: [libm::logf(0.5); 2],
             cost: [[0.0, 1.0], [1.0, 0.0]],
+            reject_cost: f32::INFINITY,
         }
     }
 
@@ -201,6 +220,7 @@ mod tests {
             log_normaliser: [narrow.log_normaliser[0], narrow.log_normaliser[1], f32::NEG_INFINITY, f32::NEG_INFINITY],
             log_prior: [narrow.log_prior[0], narrow.log_prior[1], f32::NEG_INFINITY, f32::NEG_INFINITY],
             cost: [[0.0, 1.0, 1.0, 1.0], [1.0, 0.0, 1.0, 1.0], [1.0; 4], [1.0; 4]],
+            reject_cost: f32::INFINITY,
         };
         let (a, b) = (narrow.decide(&[0.7, -0.3]).unwrap(), wide.decide(&[0.7, -0.3, 0.0]).unwrap());
         assert_eq!(a.class, b.class);

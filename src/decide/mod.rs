@@ -1,14 +1,21 @@
 //! Third wing: [`Estimate`] → [`Decision`].
 //!
-//! [`Classifier`] holds the trained constants of the wing: which features, their projection, and the discriminant.
+//! [`Classifier`] holds the trained constants of the wing: which features, their projection, the discriminant, and how
+//! far from healthy is novel. [`Evidence`] gathers the decisions of many segments into an alarm.
 
 pub mod discriminant;
+pub mod evidence;
 pub mod features;
+pub mod novelty;
 pub mod projection;
+pub mod trend;
 
 pub use discriminant::{Decision, Discriminant, Kind};
+pub use evidence::{Alarm, Cause, Evidence, EvidencePlan};
 pub use features::{Features, SHAFT_FEATURES};
+pub use novelty::Novelty;
 pub use projection::Projection;
+pub use trend::Trend;
 
 use crate::estimate::{Estimate, Reason, ShaftEstimate};
 
@@ -26,6 +33,20 @@ pub struct Classifier<const F: usize, const Z: usize, const C: usize> {
     pub projection: Projection<F, Z>,
     /// Class densities, priors and costs.
     pub discriminant: Discriminant<Z, C>,
+    /// The healthy class by itself.
+    pub novelty: Novelty<Z>,
+}
+
+/// What a decision comes to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Finding {
+    /// The class of least expected cost.
+    Class(u8),
+    /// Healthy is the cheapest name, but too far from healthy to be called so.
+    Novel,
+    /// Even the cheapest name is too likely wrong.
+    Ambiguous,
 }
 
 impl<const F: usize, const Z: usize, const C: usize> Classifier<F, Z, C> {
@@ -39,7 +60,28 @@ impl<const F: usize, const Z: usize, const C: usize> Classifier<F, Z, C> {
         estimate: &Estimate<M, P>,
         shaft: Option<&ShaftEstimate<K>>,
     ) -> Result<Decision<C>, Reason> {
-        let features = self.features.extract(estimate, shaft)?;
-        self.discriminant.decide(&self.projection.project(&features)).ok_or(Reason::NotFinite)
+        let z = self.projection.project(&self.features.extract(estimate, shaft)?);
+        self.decide(&z).ok_or(Reason::NotFinite)
+    }
+
+    /// Decides at projected coordinates; nothing where no likelihood is finite.
+    #[must_use]
+    pub fn decide(&self, z: &[f32; Z]) -> Option<Decision<C>> {
+        let mut decision = self.discriminant.decide(z)?;
+        (decision.distance, decision.surprise) = self.novelty.judge(z);
+        Some(decision)
+    }
+
+    /// Holds a decision against the limits. An unknown or smaller defect is not called healthy; that comes before
+    /// ambiguity, so that the false-alarm rate is the set one.
+    #[must_use]
+    pub fn finding(&self, decision: &Decision<C>) -> Finding {
+        if decision.class == self.novelty.class && decision.surprise >= self.novelty.limit {
+            Finding::Novel
+        } else if decision.least_cost() > self.discriminant.reject_cost {
+            Finding::Ambiguous
+        } else {
+            Finding::Class(decision.class)
+        }
     }
 }

@@ -10,7 +10,8 @@
 //! ignores them.
 
 use super::{Label, Model, ModelError, Sampling};
-use crate::decide::{Classifier, Discriminant, Features, Kind, Projection};
+use crate::decide::novelty::NO_CLASS;
+use crate::decide::{Classifier, Discriminant, EvidencePlan, Features, Kind, Novelty, Projection};
 use crate::estimate::{Forgetting, Guard, Memory, Method, Order, Regression};
 
 const MAGIC: [u8; 4] = *b"BWMD";
@@ -99,6 +100,11 @@ impl Reader<'_> {
         Ok(())
     }
 
+    /// Fills the lower triangle of so many rows.
+    fn fill_lower<const Z: usize>(&mut self, rows: &mut [[f32; Z]; Z], count: usize) -> Result<(), ModelError> {
+        rows.iter_mut().take(count).enumerate().try_for_each(|(i, row)| self.fill(row, i + 1))
+    }
+
     /// A size with its capacity.
     pub(super) fn size(&mut self, capacity: usize, what: &'static str) -> Result<u8, ModelError> {
         let size = self.u8()?;
@@ -158,8 +164,11 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize, const K: us
             reader.fill(row, count as usize)?;
         }
         let (discriminant, labels) = Self::read_discriminant(reader, z as usize)?;
+        let novelty = read_novelty(reader, z as usize)?;
+        let evidence = EvidencePlan { bet: reader.f32()?, limit: reader.f32()?, cap: reader.f32()? };
         let shaft = if flag(reader.u8()?, "shaft flag")? { Some(super::shaft::read(reader)?) } else { None };
-        Ok(Self { sampling, regression, shaft, classifier: Classifier { features, projection, discriminant }, labels })
+        let classifier = Classifier { features, projection, discriminant, novelty };
+        Ok(Self { sampling, regression, shaft, classifier, evidence, labels })
     }
 
     fn read_discriminant(reader: &mut Reader<'_>, z: usize) -> Result<(Discriminant<Z, C>, [Label; C]), ModelError> {
@@ -174,20 +183,20 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize, const K: us
             log_normaliser: [f32::NEG_INFINITY; C],
             log_prior: [f32::NEG_INFINITY; C],
             cost: [[0.0; C]; C],
+            reject_cost: f32::INFINITY,
         };
         for row in discriminant.mean.iter_mut().take(used) {
             reader.fill(row, z)?;
         }
         for u in discriminant.whitening.iter_mut().take(covariances(kind, used)) {
-            for (i, row) in u.iter_mut().enumerate().take(z) {
-                reader.fill(row, i + 1)?;
-            }
+            reader.fill_lower(u, z)?;
         }
         reader.fill(&mut discriminant.log_normaliser, used)?;
         reader.fill(&mut discriminant.log_prior, used)?;
         for row in discriminant.cost.iter_mut().take(used) {
             reader.fill(row, used)?;
         }
+        discriminant.reject_cost = reader.f32()?;
         let mut labels = [Label::EMPTY; C];
         for label in labels.iter_mut().take(used) {
             *label = Label::from_bytes(reader.array()?).ok_or(ModelError::Value("label"))?;
@@ -229,7 +238,7 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize, const K: us
         writer.bytes(&sampling.segment_samples.to_le_bytes())?;
         write_regression(writer, regression)?;
 
-        let Classifier { features, projection, discriminant } = &self.classifier;
+        let Classifier { features, projection, discriminant, novelty } = &self.classifier;
         let (f, z) = (features.count as usize, projection.count as usize);
         writer.bytes(&[features.count])?;
         writer.bytes(features.index.get(..f).ok_or(ModelError::Capacity("features"))?)?;
@@ -241,12 +250,16 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize, const K: us
         writer.bytes(&[discriminant.classes, u8::from(discriminant.kind == Kind::Quadratic)])?;
         writer.floats(discriminant.mean.iter().take(used).flat_map(|row| row.iter().take(z)))?;
         for u in discriminant.whitening.iter().take(covariances(discriminant.kind, used)) {
-            writer.floats(u.iter().take(z).enumerate().flat_map(|(i, row)| row.iter().take(i + 1)))?;
+            writer.floats(lower(u, z))?;
         }
         writer.floats(discriminant.log_normaliser.iter().take(used))?;
         writer.floats(discriminant.log_prior.iter().take(used))?;
         writer.floats(discriminant.cost.iter().take(used).flat_map(|row| row.iter().take(used)))?;
+        writer.floats([&discriminant.reject_cost])?;
         self.labels.iter().take(used).try_for_each(|label| writer.bytes(&label.to_bytes()))?;
+        write_novelty(writer, novelty, z)?;
+        let EvidencePlan { bet, limit, cap } = &self.evidence;
+        writer.floats([bet, limit, cap])?;
         writer.bytes(&[u8::from(self.shaft.is_some())])?;
         self.shaft.as_ref().map_or(Ok(()), |shaft| super::shaft::write(writer, shaft))
     }
@@ -304,6 +317,36 @@ pub(super) fn write_guard(writer: &mut Writer<'_>, guard: &Guard) -> Result<(), 
     writer.floats(guard.limit.iter().chain(&guard.saturation))?;
     guard.stuck_samples.iter().try_for_each(|samples| writer.bytes(&samples.to_le_bytes()))?;
     writer.floats([&guard.huber])
+}
+
+/// The healthy class; nothing follows where there is none.
+fn read_novelty<const Z: usize>(reader: &mut Reader<'_>, z: usize) -> Result<Novelty<Z>, ModelError> {
+    let mut novelty = Novelty { class: reader.u8()?, ..Novelty::NONE };
+    if novelty.class != NO_CLASS {
+        reader.fill(&mut novelty.mean, z)?;
+        reader.fill_lower(&mut novelty.whitening, z)?;
+        for knot in &mut novelty.knots {
+            reader.fill(knot, 2)?;
+        }
+        novelty.limit = reader.f32()?;
+    }
+    Ok(novelty)
+}
+
+fn write_novelty<const Z: usize>(writer: &mut Writer<'_>, novelty: &Novelty<Z>, z: usize) -> Result<(), ModelError> {
+    writer.bytes(&[novelty.class])?;
+    if novelty.class != NO_CLASS {
+        writer.floats(novelty.mean.iter().take(z))?;
+        writer.floats(lower(&novelty.whitening, z))?;
+        writer.floats(novelty.knots.as_flattened())?;
+        writer.floats([&novelty.limit])?;
+    }
+    Ok(())
+}
+
+/// The lower triangle of so many rows.
+fn lower<const Z: usize>(rows: &[[f32; Z]; Z], count: usize) -> impl Iterator<Item = &f32> {
+    rows.iter().take(count).enumerate().flat_map(|(i, row)| row.iter().take(i + 1))
 }
 
 /// How many whitening matrices there are.

@@ -5,7 +5,8 @@ mod shaft;
 
 pub use binary::{MAX_BYTES, notes};
 
-use crate::decide::{Classifier, features};
+use crate::decide::novelty::NO_CLASS;
+use crate::decide::{Classifier, EvidencePlan, Novelty, features};
 use crate::estimate::{
     Guard, MAX_LAMBDA, MAX_LONG_SEGMENT_SAMPLES, MAX_OUTPUT_TERMS, Memory, Method, Regression, ShaftModel, is_stable,
 };
@@ -95,8 +96,10 @@ pub struct Model<const M: usize, const F: usize, const Z: usize, const C: usize,
     pub regression: Regression<M>,
     /// Torque balance and bearing orders, where the shaft is watched.
     pub shaft: Option<ShaftModel<K>>,
-    /// Features, projection and discriminant.
+    /// Features, projection, discriminant and novelty.
     pub classifier: Classifier<F, Z, C>,
+    /// Of the alarm over many segments, for [`Evidence`](crate::Evidence).
+    pub evidence: EvidencePlan,
     /// Class names.
     pub labels: [Label; C],
 }
@@ -198,7 +201,14 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize, const K: us
             all_within(used, f32::MIN, f32::MAX) && all_within(unused, impossible, impossible)
         };
         check(finite_in_use(&discriminant.log_normaliser), "class normaliser")?;
-        check(finite_in_use(&discriminant.log_prior), "prior")
+        check(finite_in_use(&discriminant.log_prior), "prior")?;
+        // Infinity is in range: never.
+        check(discriminant.reject_cost >= 0.0, "reject cost")?;
+        validate_novelty(&classifier.novelty, (in_use, z))?;
+        let EvidencePlan { bet, limit, cap } = self.evidence;
+        check(bet > 0.0 && bet < 1.0, "evidence bet")?;
+        check(limit > 0.0, "evidence limit")?;
+        check(cap > 0.0 && cap.is_finite(), "evidence cap")
     }
 }
 
@@ -250,6 +260,22 @@ fn validate_regression<const M: usize>(regression: &Regression<M>, segment_sampl
         check(finite(&forgetting.floor) && forgetting.floor > 0.0, "forgetting floor")?;
     }
     Ok(())
+}
+
+/// The healthy class of so many classes and coordinates.
+fn validate_novelty<const Z: usize>(novelty: &Novelty<Z>, (classes, z): (usize, usize)) -> Result<(), ModelError> {
+    let none = novelty.class == NO_CLASS;
+    check(none || (novelty.class as usize) < classes, "healthy class")?;
+    let z = if none { 0 } else { z };
+    check(neutral(&novelty.mean, z) && neutral_rows(&novelty.whitening, z, z), "healthy density")?;
+    let knots = novelty.knots.as_flattened();
+    if none {
+        check(all_within(knots, 0.0, 0.0), "surprise curve")?;
+        return check(novelty.limit.is_infinite(), "novelty limit");
+    }
+    let rising = novelty.knots.windows(2).all(|pair| matches!(pair, [[x0, s0], [x1, s1]] if x0 < x1 && s0 < s1));
+    check(rising && all_within(knots, 0.0, f32::MAX), "surprise curve")?;
+    check(novelty.limit > 0.0, "novelty limit")
 }
 
 /// One loop for all the arrays of a model: this runs once, and flash is dear. NaN lies nowhere.

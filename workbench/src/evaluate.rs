@@ -4,17 +4,23 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::Error;
-use crate::embedded::{Embedded, Segment};
+use crate::embedded::{Embedded, Finding, Segment};
 use crate::trace::labels::LabelledTrace;
 
-/// Decisions counted: a row a true class, a column a decided class, then one column of undetermined ones.
+/// Decisions counted: a row a true class, a column a decided class, then one column each of undetermined, novel and
+/// ambiguous ones.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Confusion {
     /// Class names.
     pub classes: Vec<String>,
-    /// `counts[true][decided]`; the last column counts undetermined ones.
+    /// `counts[true][decided]`; after the n classes, column n counts undetermined, n + 1 novel, n + 2 ambiguous ones.
     pub counts: Vec<Vec<usize>>,
+    /// Index of the healthy class, where one is known.
+    pub healthy: Option<usize>,
 }
+
+/// Names of the columns after the classes.
+const OTHERS: [&str; 3] = ["undetermined", "novel", "ambiguous"];
 
 /// A rate with its 95 % interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,7 +79,20 @@ impl Confusion {
     /// No decisions yet.
     #[must_use]
     pub fn new(classes: &[String]) -> Self {
-        Self { classes: classes.to_vec(), counts: vec![vec![0; classes.len() + 1]; classes.len()] }
+        let counts = vec![vec![0; classes.len() + OTHERS.len()]; classes.len()];
+        Self { classes: classes.to_vec(), counts, healthy: None }
+    }
+
+    /// Counts one finding, nothing where it is undetermined.
+    pub fn add_finding(&mut self, truth: usize, finding: Option<Finding>) {
+        let n = self.classes.len();
+        let column = match finding {
+            Some(Finding::Class(class)) => class,
+            None => n,
+            Some(Finding::Novel) => n + 1,
+            Some(Finding::Ambiguous) => n + 2,
+        };
+        self.counts[truth][column] += 1;
     }
 
     /// Counts one decision.
@@ -88,13 +107,23 @@ impl Confusion {
         self.counts.iter().flatten().sum()
     }
 
-    /// Decisions that are wrong or undetermined.
+    /// Decisions that are wrong, undetermined, novel or ambiguous.
     #[must_use]
     pub fn wrong(&self) -> usize {
         self.total() - (0..self.classes.len()).map(|k| self.counts[k][k]).sum::<usize>()
     }
 
-    /// Part of decisions that are wrong or undetermined.
+    /// Part of each defect called healthy; nothing for the healthy class and for those that did not occur.
+    #[must_use]
+    pub fn called_healthy(&self) -> Vec<Option<Rate>> {
+        let each = |(k, row): (usize, &Vec<usize>)| {
+            let (n, healthy) = (row.iter().sum(), self.healthy?);
+            (k != healthy && n > 0).then(|| Rate::wilson(row[healthy], n))
+        };
+        self.counts.iter().enumerate().map(each).collect()
+    }
+
+    /// Part of decisions that are wrong, undetermined, novel or ambiguous.
     #[must_use]
     pub fn error_rate(&self) -> Rate {
         Rate::wilson(self.wrong(), self.total())
@@ -117,14 +146,19 @@ impl Confusion {
         Rate::mean(&self.recalls().into_iter().flatten().collect::<Vec<_>>())
     }
 
-    /// Keys `classes`, `confusion`, `error_rate`, `balanced_accuracy`.
+    /// Keys `classes`, `confusion`, `undetermined`, `novel`, `ambiguous`, `called_healthy`, `error_rate`,
+    /// `balanced_accuracy`.
     #[must_use]
     pub fn to_json(&self) -> Value {
         let n = self.classes.len();
+        let column = |k: usize| self.counts.iter().map(|row| row[k]).collect::<Vec<_>>();
         json!({
             "classes": self.classes,
             "confusion": self.counts.iter().map(|row| &row[..n]).collect::<Vec<_>>(),
-            "undetermined": self.counts.iter().map(|row| row[n]).collect::<Vec<_>>(),
+            "undetermined": column(n),
+            "novel": column(n + 1),
+            "ambiguous": column(n + 2),
+            "called_healthy": self.called_healthy().iter().map(|rate| rate.map(Rate::to_json)).collect::<Vec<_>>(),
             "error_rate": self.error_rate().to_json(),
             "balanced_accuracy": self.balanced_accuracy().to_json(),
         })
@@ -134,19 +168,24 @@ impl Confusion {
 impl std::fmt::Display for Confusion {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let n = self.classes.len();
-        let undetermined = self.counts.iter().any(|row| row[n] > 0);
-        let names = self.classes.iter().map(String::as_str).chain(undetermined.then_some("undetermined"));
-        let names: Vec<&str> = names.collect();
+        let others = OTHERS.iter().zip(n..).filter(|(_, k)| self.counts.iter().any(|row| row[*k] > 0));
+        let names = self.classes.iter().map(String::as_str).zip(0..).chain(others.map(|(name, k)| (*name, k)));
+        let names: Vec<(&str, usize)> = names.collect();
         let first = self.classes.iter().map(String::len).max().unwrap_or(0).max("true \\ decided".len());
         write!(f, "{:first$}", "true \\ decided")?;
-        names.iter().try_for_each(|name| write!(f, "  {name:>5}"))?;
+        names.iter().try_for_each(|(name, _)| write!(f, "  {name:>5}"))?;
         writeln!(f, "  right [95 %]")?;
         for ((class, row), recall) in self.classes.iter().zip(&self.counts).zip(self.recalls()) {
             write!(f, "{class:first$}")?;
-            for (count, name) in row.iter().zip(&names) {
-                write!(f, "  {count:>width$}", width = name.len().max(5))?;
+            for (name, k) in &names {
+                write!(f, "  {count:>width$}", count = row[*k], width = name.len().max(5))?;
             }
             writeln!(f, "  {}", recall.map_or_else(|| "none seen".into(), |rate| rate.to_string()))?;
+        }
+        for (class, rate) in self.classes.iter().zip(self.called_healthy()) {
+            if let Some(rate) = rate {
+                writeln!(f, "{class:first$}  called healthy {rate}")?;
+            }
         }
         let (error, balanced) = (self.error_rate(), self.balanced_accuracy());
         write!(f, "error rate {error} of {}, balanced accuracy {balanced}", self.total())
@@ -161,7 +200,7 @@ pub struct TraceVerdict {
     /// True class.
     pub class: usize,
     /// Verdict over the whole trace.
-    pub decided: Option<usize>,
+    pub decided: Option<Finding>,
     /// Posteriors over the whole trace; empty where undetermined.
     pub posteriors: Vec<f32>,
     /// Its segments.
@@ -195,10 +234,10 @@ pub fn count(classes: &[String], verdicts: &[TraceVerdict], per_segment: bool) -
     for verdict in verdicts {
         if per_segment {
             for segment in &verdict.segments {
-                confusion.add(verdict.class, segment.verdict.clone().ok());
+                confusion.add_finding(verdict.class, segment.verdict.clone().ok());
             }
         } else {
-            confusion.add(verdict.class, verdict.decided);
+            confusion.add_finding(verdict.class, verdict.decided);
         }
     }
     confusion
@@ -225,9 +264,27 @@ mod tests {
         }
         confusion.add(1, Some(0));
         confusion.add(1, None);
+        assert!(!confusion.to_string().contains("novel"));
         assert_eq!((confusion.wrong(), confusion.total()), (2, 100));
         let balanced = confusion.balanced_accuracy();
         assert!((balanced.value - 0.5).abs() < 1e-12 && balanced.low < 0.5 && balanced.high > 0.7, "{balanced:?}");
         assert!(confusion.to_string().contains("undetermined"));
+    }
+
+    #[test]
+    fn novel_is_wrong_but_not_called_healthy() {
+        let mut confusion = Confusion { healthy: Some(0), ..Confusion::new(&["healthy".into(), "spall".into()]) };
+        for finding in [Finding::Class(1), Finding::Novel, Finding::Ambiguous, Finding::Class(0)] {
+            confusion.add_finding(1, Some(finding));
+        }
+        confusion.add_finding(0, Some(Finding::Novel));
+        let json = confusion.to_json();
+        assert_eq!((&json["novel"], &json["ambiguous"]), (&json!([1, 1]), &json!([0, 1])));
+        assert_eq!((confusion.wrong(), json["called_healthy"][1]["value"].as_f64()), (4, Some(0.25)));
+        let text = confusion.to_string();
+        assert!(
+            text.contains("novel") && text.contains("called healthy 25.0 %") && !text.contains("undeter"),
+            "{text}"
+        );
     }
 }

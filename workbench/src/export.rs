@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use bearing_watch::decide::Kind;
+use bearing_watch::decide::{EvidencePlan, Kind};
 use bearing_watch::estimate::{Forgetting, MAX_SEGMENT_SAMPLES, Memory, Method};
 use bearing_watch::{Guard, Regression, ShaftModel};
 use nalgebra::DMatrix;
@@ -47,7 +47,7 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     notes.iter().for_each(|note| line(&format!("//! {}", note.replace(['\r', '\n'], " "))));
     line("#![allow(clippy::all, clippy::pedantic, clippy::unreadable_literal)]");
     line("");
-    line("use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Projection};");
+    line("use bearing_watch::decide::{Classifier, Discriminant, EvidencePlan, Features, Kind, Novelty, Projection};");
     let Types { rows, sums } = Types::of(trained);
     let fading: &[&str] = if sums == "Fading" { &["Forgetting", "Memory"] } else { &[] };
     let watch = trained.shaft.as_ref();
@@ -124,11 +124,38 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     line(&format!("            log_normaliser: {},", numbers(&densities.log_normaliser)));
     line(&format!("            log_prior: {},", numbers(&ln_priors)));
     line(&format!("            cost: {},", list(&costs)));
+    line(&format!("            reject_cost: {},", number(trained.recipe.alarms.reject_cost)));
     line("        },");
+    novelty(trained).iter().for_each(|text| line(&format!("        {text}")));
     line("    },");
+    line(&format!("    evidence: {},", evidence(&trained.watch.evidence)));
     line(&format!("    labels: {},", list(&labels)));
     line("};");
     Ok(out)
+}
+
+/// The healthy class by itself.
+fn novelty(trained: &Trained) -> Vec<String> {
+    let Some(gate) = &trained.watch.gate else { return vec!["novelty: Novelty::NONE,".into()] };
+    let knots: Vec<String> = gate.knots.iter().map(|knot| numbers(knot)).collect();
+    vec![
+        "novelty: Novelty {".into(),
+        format!("    class: {},", gate.class),
+        format!("    mean: {},", numbers(gate.mean.as_slice())),
+        format!("    whitening: {},", matrix(&gate.whitening)),
+        format!("    knots: {},", list(&knots)),
+        format!("    limit: {},", number(gate.limit)),
+        "},".into(),
+    ]
+}
+
+fn evidence(plan: &EvidencePlan) -> String {
+    let EvidencePlan { bet, limit, cap } = *plan;
+    if *plan == EvidencePlan::NONE {
+        return "EvidencePlan::NONE".into();
+    }
+    let [bet, limit, cap] = [bet, limit, cap].map(|x| number(f64::from(x)));
+    format!("EvidencePlan {{ bet: {bet}, limit: {limit}, cap: {cap} }}")
 }
 
 /// Names of the types that make rows and sum them; the detector's own sums have none.
@@ -227,7 +254,10 @@ fn constants<const M: usize>(regression: &Regression<M>, m: usize) -> Vec<String
 
 /// The shortest decimal that reads back as the same `f32`.
 fn number(x: f64) -> String {
-    format!("{:?}", x as f32)
+    match x as f32 {
+        f32::INFINITY => "f32::INFINITY".into(),
+        x => format!("{x:?}"),
+    }
 }
 
 fn numbers(values: &[f64]) -> String {

@@ -5,7 +5,7 @@ pub mod worth;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use crate::Error;
-use crate::embedded::{Embedded, Segment};
+use crate::embedded::{Embedded, Finding, Segment};
 use crate::evaluate::{Confusion, TraceVerdict};
 use crate::report::page::{or_reason, paragraph};
 use crate::report::plot::{self, Density, Panel, ScatterClass, Series};
@@ -158,18 +158,23 @@ fn coordinates(trained: &Trained, segment: &Segment) -> DVector<f64> {
 #[must_use]
 pub fn confusion_html(confusion: &Confusion) -> String {
     let n = confusion.classes.len();
-    let any = confusion.counts.iter().any(|row| row[n] > 0);
+    let unnamed = |row: &[usize]| row[n..].iter().sum::<usize>();
+    let any = confusion.counts.iter().any(|row| unnamed(row) > 0);
     let rows = confusion.counts.iter().zip(confusion.recalls()).map(|(row, correct)| ConfusionRow {
         counts: row[..n].iter().map(|&count| count as u64).collect(),
-        undetermined: any.then_some(row[n] as u64),
+        undetermined: any.then_some(unnamed(row) as u64),
         correct,
     });
     let rows: Vec<ConfusionRow> = rows.collect();
     let (error, balanced) = (confusion.error_rate(), confusion.balanced_accuracy());
-    let summary = format!(
+    let mut summary = format!(
         "Error rate {error} of {} decisions; balanced accuracy {balanced} (95 % intervals).",
         confusion.total()
     );
+    let [novel, ambiguous] = [n + 1, n + 2].map(|k| confusion.counts.iter().map(|row| row[k]).sum::<usize>());
+    if novel + ambiguous > 0 {
+        summary += &format!(" Undetermined includes {novel} novel and {ambiguous} ambiguous.");
+    }
     or_reason(confusion_table(&confusion.classes, &rows)) + &paragraph(&summary)
 }
 
@@ -184,7 +189,7 @@ pub fn posteriors_by_trace(classes: &[String], verdicts: &[TraceVerdict]) -> Str
                 start,
                 end: start + 1.0,
                 truth: Some(verdict.class),
-                decided: segment.verdict.clone().ok(),
+                decided: segment.verdict.clone().ok().and_then(Finding::class),
                 posteriors: segment.posteriors.iter().map(|p| f64::from(*p)).collect(),
             });
         }

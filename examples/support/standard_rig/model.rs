@@ -3,7 +3,7 @@
 //! Standard DC-motor rig: y = current, u1 = velocity reference, u2 = load torque.
 #![allow(clippy::all, clippy::pedantic, clippy::unreadable_literal)]
 
-use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Projection};
+use bearing_watch::decide::{Classifier, Discriminant, EvidencePlan, Features, Kind, Novelty, Projection};
 use bearing_watch::estimate::{Form, Method, Nominal, Shape};
 use bearing_watch::{Detector, Guard, Label, Model, Order, Regression, Regressor, Sampling};
 
@@ -54,7 +54,10 @@ pub static MODEL: Model<6, 5, 5, 3> = Model {
             log_normaliser: [-0.5678143, -0.5678143, -0.5678143],
             log_prior: [-1.0986123, -1.0986123, -1.0986123],
             cost: [[0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]],
+            reject_cost: f32::INFINITY,
         },
+        novelty: Novelty::NONE,
     },
+    evidence: EvidencePlan::NONE,
     labels: [label("healthy"), label("spall"), label("roughness")],
 };

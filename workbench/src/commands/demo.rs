@@ -8,6 +8,7 @@ use super::options::Notes;
 use super::output;
 use crate::Error;
 use crate::demo::{self, Draw, Repetition, Settings};
+use crate::embedded::Finding;
 use crate::report::Page;
 use crate::report::page::{or_reason, paragraph};
 use crate::report::plot::{self, Panel, Series};
@@ -235,7 +236,7 @@ fn filling(first: &Draw, examples: &[(&Trace, usize)]) -> Result<String, Error> 
                 start: (preview.length - STEP) as f64 * step,
                 end: preview.length as f64 * step,
                 truth: Some(truth),
-                decided: preview.verdict.ok(),
+                decided: preview.verdict.ok().and_then(Finding::class),
                 posteriors: preview.posteriors.iter().map(|p| f64::from(*p)).collect(),
             })
             .collect();

@@ -8,7 +8,7 @@ use super::options::{SelectionArgs, check_rate, prepare, read_model, warn_irregu
 use super::output;
 use crate::Error;
 use crate::embedded::stuck_signals;
-use crate::evaluate::{self, TraceVerdict};
+use crate::evaluate::{self, Confusion, TraceVerdict};
 use crate::trace::{Condition, stem};
 use crate::train::Scores;
 
@@ -60,7 +60,8 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let bar = output::progress("evaluating", traces.len());
     let verdicts = evaluate::run(&model, &prepare(&traces, notes.preparation())?, || bar.inc(1))?;
     bar.finish_and_clear();
-    let confusion = evaluate::count(&model.classes, &verdicts, args.per_segment);
+    let confusion =
+        Confusion { healthy: model.healthy(), ..evaluate::count(&model.classes, &verdicts, args.per_segment) };
     let scores = Scores::of_verdicts(&verdicts, &model.priors(), args.per_segment);
     if let Some(path) = &args.out {
         output::write(path, csv(&model.classes, &verdicts)?)?;
@@ -78,19 +79,21 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
 /// A row a segment.
 fn csv(classes: &[String], verdicts: &[TraceVerdict]) -> Result<String, Error> {
     let texts = |cells: &[&str]| cells.iter().map(ToString::to_string).collect::<Vec<_>>();
-    let posteriors = classes.iter().map(|class| format!("p_{class}")).collect();
+    let posteriors = classes.iter().map(|class| format!("p_{class}"));
+    let odds: Vec<String> = posteriors.chain(texts(&["distance", "surprise"])).collect();
     let denied = texts(&["rows", "rejected", "saturated", "downweighted", "still", "stuck"]);
-    let header = [texts(&["trace", "segment", "true_class", "decided"]), posteriors, denied];
+    let header = [texts(&["trace", "segment", "true_class", "decided"]), odds, denied];
     let mut rows = vec![header.concat()];
     for verdict in verdicts {
         for (k, segment) in verdict.segments.iter().enumerate() {
-            let decided = segment.verdict.as_ref().map_or("undetermined", |&class| classes[class].as_str());
+            let decided = segment.verdict.as_ref().map_or("undetermined", |finding| finding.name(classes));
             let posterior = |k: usize| segment.posteriors.get(k).map_or_else(String::new, ToString::to_string);
             let Counts { rejected, saturated, downweighted, still, stuck, .. } = segment.counts;
             let numbers = [segment.rows, rejected, saturated, downweighted, still].map(|count| count.to_string());
             let denied = [&numbers[..], &[stuck_signals(stuck).join(" ")]].concat();
             let place = texts(&[&verdict.id, &k.to_string(), &classes[verdict.class], decided]);
-            rows.push([place, (0..classes.len()).map(posterior).collect(), denied].concat());
+            let far = [segment.distance, segment.surprise].map(|x| x.to_string());
+            rows.push([place, (0..classes.len()).map(posterior).chain(far).collect(), denied].concat());
         }
     }
     output::csv(&rows)

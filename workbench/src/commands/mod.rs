@@ -1,5 +1,6 @@
 //! The command line: `bearing-watch COMMAND`.
 
+mod alarms;
 mod demo;
 mod estimation;
 mod evaluate;

@@ -2,15 +2,18 @@
 
 use std::path::PathBuf;
 
+use bearing_watch::decide::Trend;
 use serde_json::json;
 
 use super::options::{check_rate, read_model, warn_irregular};
 use super::output;
 use crate::Error;
-use crate::embedded::{Embedded, Segment, denied, stuck_signals};
+use crate::embedded::{Embedded, Segment, Watched, denied, stuck_signals};
 use crate::trace::{self, Trace};
 
-/// Run traces through the embedded detector and print its verdict on every segment
+/// Run traces through the embedded detector and print its verdict on every segment, and the alarm
+///
+/// Each trace starts the detector afresh; the evidence for the alarm goes on from trace to trace, as records of one drive.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  bearing-watch replay --model model.bwm traces/spall_2_000.csv")]
 pub(super) struct Args {
@@ -31,21 +34,46 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let traces = trace::read(&args.traces, &notes.channels())?;
     warn_irregular(traces.iter());
     check_rate(&model, notes.preparation(), traces.iter())?;
+    let (mut history, mut raised, mut trend) = (Vec::new(), false, None);
     for trace in traces {
         let prepared = notes.preparation().apply(&trace)?;
         let segments = model.run(&prepared).map_err(|e| Error::Usage(e.to_string()))?;
-        for (k, segment) in segments.iter().enumerate() {
+        let before = history.len();
+        history.extend(segments);
+        // From the first segment on: a state of evidence belongs to all of them.
+        let watched = model.watch(&history);
+        for (k, (segment, watched)) in history.iter().zip(&watched).skip(before).enumerate() {
             if args.json {
-                values.push(value(&model, &prepared, k, segment));
-            } else {
-                output::say(line(&model.classes, &prepared, segment))?;
+                values.push(value(&model, (&prepared, k), segment, watched));
+                continue;
             }
+            let gated = model.healthy().is_some();
+            output::say(
+                line(&model.classes, &prepared, segment) + &if gated { far(segment, watched) } else { "".into() },
+            )?;
+            if let (Some(alarm), Some(cause), false) = (watched.alarm, watched.cause(&model.classes), raised) {
+                raised = true;
+                output::say(format!("ALARM at segment {}: {cause}", alarm.segment))?;
+            }
+            trend = watched.trend;
         }
     }
     if args.json {
         output::json(&json!(values))?;
+    } else if let Some(Trend { slope, low, high, segments, .. }) = trend.filter(|_| model.healthy().is_some()) {
+        output::say(format!("distance changes by {slope:.4} [{low:.4}, {high:.4}] a segment over {segments}"))?;
     }
     Ok(())
+}
+
+/// Distance from healthy, and the evidence so far.
+fn far(segment: &Segment, watched: &Watched) -> String {
+    let Segment { distance, surprise, .. } = segment;
+    let score = watched.score;
+    match segment.verdict {
+        Ok(_) => format!(", distance {distance:.2}, surprise {surprise:.1} nats, score {score:.1}"),
+        Err(_) => format!(", score {score:.1}"),
+    }
 }
 
 /// Where the segment lies: in seconds where the trace has a time, else in samples.
@@ -59,7 +87,7 @@ fn place(trace: &Trace, segment: &Segment) -> String {
 
 fn line(classes: &[String], trace: &Trace, segment: &Segment) -> String {
     let verdict = match &segment.verdict {
-        Ok(class) => classes[*class].clone(),
+        Ok(finding) => finding.name(classes).to_string(),
         Err(reason) => format!("undetermined: {reason}"),
     };
     let posteriors: Vec<String> =
@@ -73,7 +101,12 @@ fn line(classes: &[String], trace: &Trace, segment: &Segment) -> String {
     line
 }
 
-fn value(model: &Embedded, trace: &Trace, number: usize, segment: &Segment) -> serde_json::Value {
+fn value(
+    model: &Embedded,
+    (trace, number): (&Trace, usize),
+    segment: &Segment,
+    watched: &Watched,
+) -> serde_json::Value {
     let named_by = |names: &[String], values: &[f32]| -> serde_json::Map<String, serde_json::Value> {
         names.iter().cloned().zip(values.iter().map(|v| json!(v))).collect()
     };
@@ -86,10 +119,16 @@ fn value(model: &Embedded, trace: &Trace, number: usize, segment: &Segment) -> s
         "segment": number,
         "start": segment.start,
         "length": segment.length,
-        "class": segment.verdict.as_ref().ok().map(|&class| &classes[class]),
+        "class": segment.verdict.as_ref().ok().and_then(|finding| finding.class()).map(|class| &classes[class]),
+        "verdict": segment.verdict.as_ref().map_or("undetermined", |finding| finding.name(classes)),
         "undetermined": segment.verdict.as_ref().err(),
         "posteriors": named(&segment.posteriors),
         "log_likelihoods": named(&segment.log_likelihoods),
+        "distance": segment.distance,
+        "surprise": segment.surprise,
+        "score": watched.score,
+        "alarm": watched.alarm.map(|alarm| json!({ "segment": alarm.segment, "cause": watched.cause(classes) })),
+        "trend": watched.trend.map(|t| json!({ "value": t.slope, "low": t.low, "high": t.high })),
         "parameters": estimated.then(|| named_by(&model.structure().names(), &segment.raw)),
         "variance": estimated.then_some(segment.variance),
         "rows": segment.rows,

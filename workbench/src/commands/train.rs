@@ -8,6 +8,7 @@ use bearing_watch::model::MAX_BLOCK_MEAN;
 use clap::ValueEnum;
 use serde_json::json;
 
+use super::alarms::{self, AlarmArgs};
 use super::estimation::EstimationArgs;
 use super::options::{
     ChannelArgs, Notes, PreparationArgs, Selection, SelectionArgs, StructureArgs, ValidationArgs, check_rate, prepare,
@@ -74,6 +75,8 @@ pub(super) struct Args {
     /// Rank the features (those of --features, or all): Fisher ratios, cross-validated gains, and what to drop
     #[arg(long)]
     rank: bool,
+    #[command(flatten)]
+    alarms: AlarmArgs,
     /// The binary model
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
@@ -185,6 +188,7 @@ impl Args {
             validation: Validation::default(),
             priors: priors(&self.priors, classes)?,
             cost: costs(&self.cost, classes)?,
+            alarms: self.alarms.alarms(classes)?,
         })
     }
 
@@ -218,12 +222,14 @@ impl Args {
         let verdicts = evaluate::run(&model, &prepare(&traces, host)?, || bar.inc(1))?;
         bar.finish_and_clear();
         let scores = Scores::of_verdicts(&verdicts, &model.priors(), false);
-        Ok(Some(HeldOut { confusion: evaluate::count(classes, &verdicts, false), verdicts, scores }))
+        let confusion = Confusion { healthy: model.healthy(), ..evaluate::count(classes, &verdicts, false) };
+        Ok(Some(HeldOut { confusion, verdicts, scores }))
     }
 
     fn print(&self, trained: &Trained, training: &[LabelledTrace], bytes: usize, found: &Found) -> Result<(), Error> {
         let counts: Vec<usize> =
             (0..trained.classes.len()).map(|k| training.iter().filter(|t| t.class == k).count()).collect();
+        trained.watch.warning.iter().for_each(output::warn);
         if self.json {
             return output::json(&json!({
                 "model": self.model,
@@ -238,6 +244,7 @@ impl Args {
                 "held_out": found.held_out.as_ref().map(HeldOut::to_json),
                 "cross_validated": found.cross_validated.as_ref().and_then(|v| v.as_ref().ok()).map(Scores::to_json),
                 "ranking": found.ranking.as_ref().map(Ranking::to_json),
+                "novelty": alarms::to_json(trained),
             }));
         }
         let traces: Vec<String> = trained.classes.iter().zip(counts).map(|(name, n)| format!("{n} {name}")).collect();
@@ -251,6 +258,7 @@ impl Args {
             bytes,
             self.model.display()
         ))?;
+        alarms::description(trained).map_or(Ok(()), output::say)?;
         match &found.cross_validated {
             Some(Ok(scores)) => {
                 let error = 100.0 * scores.error;
@@ -351,6 +359,9 @@ fn description(trained: &Trained, channels: &crate::trace::Channels, host: Prepa
         format!("Estimated by {}.", estimated_by(trained)),
         fed,
     ]
+    .into_iter()
+    .chain(alarms::description(trained))
+    .collect()
 }
 
 fn priors(asked: &[String], classes: &[String]) -> Result<Vec<f64>, Error> {

@@ -1,14 +1,16 @@
 //! The bridge to the core: traces run through its [`Detector`], the code that firmware runs.
 
 mod choice;
+mod watch;
 
-use bearing_watch::decide::{Features, SHAFT_FEATURES};
+use bearing_watch::decide::{EvidencePlan, Features, SHAFT_FEATURES};
 use bearing_watch::estimate::{Accumulator, Fading, Rows, Triangle, TwoLevel};
 use bearing_watch::{
     Counts, Detector, Friction, Model, ModelError, Motion, OrderStrength, Reason, Report, Sample, Sampling, Shaft,
     ShaftEstimate, ShaftModel, Verdict,
 };
 use choice::{AnyRows, Sums};
+pub use watch::{Finding, Watched};
 
 use crate::identify::Structure;
 use crate::trace::{MotionTrace, Trace};
@@ -19,12 +21,16 @@ pub const MAX_ORDERS: usize = 8;
 /// What one segment of a trace gave, free of capacities.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Segment {
-    /// Index of the decided class, or why there is none.
-    pub verdict: Result<usize, String>,
+    /// What it was found to be, or why nothing can be said.
+    pub verdict: Result<Finding, String>,
     /// Posterior of each class; empty where there is no verdict.
     pub posteriors: Vec<f32>,
     /// Log-likelihood of each class; empty where there is no verdict.
     pub log_likelihoods: Vec<f32>,
+    /// Distance from the healthy class in its deviations; 0 where there is none or no verdict.
+    pub distance: f32,
+    /// −ln of the probability that a healthy segment lies so far, nats; 0 likewise.
+    pub surprise: f32,
     /// δ-parameters.
     pub delta: Vec<f32>,
     /// a₁…, b₁…, c₁…, constant.
@@ -126,13 +132,15 @@ macro_rules! capacities {
                 }
             }
 
-            fn decide(&self, log_likelihoods: &[f32]) -> Option<(usize, Vec<f32>)> {
+            fn decide(&self, log_likelihoods: &[f32], surprise: f32) -> Option<(Finding, Vec<f32>)> {
                 match self {
                     $(Self::$name(model) => {
                         let mut padded = [f32::NEG_INFINITY; $c];
                         padded.iter_mut().zip(log_likelihoods).for_each(|(cell, value)| *cell = *value);
-                        let decision = model.classifier.discriminant.decide_from(padded)?;
-                        Some((decision.class as usize, decision.posteriors[..log_likelihoods.len()].to_vec()))
+                        let mut decision = model.classifier.discriminant.decide_from(padded)?;
+                        decision.surprise = surprise;
+                        let finding = model.classifier.finding(&decision);
+                        Some((finding.into(), decision.posteriors[..log_likelihoods.len()].to_vec()))
                     })+
                 }
             }
@@ -144,6 +152,24 @@ macro_rules! capacities {
                         z.iter_mut().zip(coordinates).for_each(|(cell, value)| *cell = *value);
                         Some(model.classifier.discriminant.decide(&z)?.class as usize)
                     })+
+                }
+            }
+
+            fn healthy(&self) -> u8 {
+                match self {
+                    $(Self::$name(model) => model.classifier.novelty.class,)+
+                }
+            }
+
+            fn plan(&self) -> EvidencePlan {
+                match self {
+                    $(Self::$name(model) => model.evidence,)+
+                }
+            }
+
+            fn watch(&self, segments: &[Segment]) -> Vec<Watched> {
+                match self {
+                    $(Self::$name(model) => watch::watch(model, segments),)+
                 }
             }
 
@@ -288,11 +314,13 @@ fn segment<const M: usize, const P: usize, const C: usize>(
     };
     Segment {
         verdict: match report.verdict {
-            Verdict::Class(class) => Ok(class as usize),
             Verdict::Undetermined(reason) => Err(explain(reason, report)),
+            verdict => Finding::of(verdict).ok_or_else(String::new),
         },
         posteriors: decided(|d| d.posteriors),
         log_likelihoods: decided(|d| d.log_likelihoods),
+        distance: report.decision.map_or(0.0, |decision| decision.distance),
+        surprise: report.decision.map_or(0.0, |decision| decision.surprise),
         delta: report.estimate.delta[..n].to_vec(),
         raw: report.estimate.raw()[..n].to_vec(),
         variance: report.estimate.variance,
@@ -360,7 +388,8 @@ pub fn stuck_signals(stuck: [bool; 3]) -> Vec<&'static str> {
 
 impl Segment {
     fn undetermined(self, reason: String) -> Self {
-        Self { verdict: Err(reason), posteriors: vec![], log_likelihoods: vec![], ..self }
+        let (posteriors, log_likelihoods) = (vec![], vec![]);
+        Self { verdict: Err(reason), posteriors, log_likelihoods, distance: 0.0, surprise: 0.0, ..self }
     }
 }
 
@@ -408,22 +437,41 @@ impl Embedded {
         self.model.rates()
     }
 
-    /// Verdict over several independent segments: their log-likelihoods add up. Nothing where no segment has one.
+    /// Index of the healthy class, where the model knows one.
     #[must_use]
-    pub fn combine(&self, segments: &[Segment]) -> Option<(usize, Vec<f32>)> {
+    pub fn healthy(&self) -> Option<usize> {
+        Some(usize::from(self.model.healthy())).filter(|class| *class < self.classes.len())
+    }
+
+    /// Constants of the alarm.
+    #[must_use]
+    pub fn evidence_plan(&self) -> EvidencePlan {
+        self.model.plan()
+    }
+
+    /// State of the core's evidence after each of these segments, which may be of several traces of one drive.
+    #[must_use]
+    pub fn watch(&self, segments: &[Segment]) -> Vec<Watched> {
+        self.model.watch(segments)
+    }
+
+    /// Verdict over several independent segments: their log-likelihoods add up, and their surprises combine by Fisher's
+    /// method. Nothing where no segment has one.
+    #[must_use]
+    pub fn combine(&self, segments: &[Segment]) -> Option<(Finding, Vec<f32>)> {
         let mut sums = vec![0.0; self.classes.len()];
         let determined = segments.iter().filter(|s| s.verdict.is_ok());
         for segment in determined.clone() {
             sums.iter_mut().zip(&segment.log_likelihoods).for_each(|(sum, value)| *sum += value);
         }
-        determined.count().checked_sub(1)?;
-        self.model.decide(&sums)
+        determined.clone().count().checked_sub(1)?;
+        self.model.decide(&sums, watch::combined_surprise(determined.map(|s| s.surprise)))
     }
 
     /// Prior of each class: the posteriors where every class is as likely.
     #[must_use]
     pub fn priors(&self) -> Vec<f64> {
-        let even = self.model.decide(&vec![0.0; self.classes.len()]);
+        let even = self.model.decide(&vec![0.0; self.classes.len()], 0.0);
         even.map_or_else(Vec::new, |(_, posteriors)| posteriors.into_iter().map(f64::from).collect())
     }
 

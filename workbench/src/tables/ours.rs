@@ -3,6 +3,7 @@
 use super::draw::{Draw, Recorded, Selection};
 use crate::Error;
 use crate::demo::{FirstInput, all_parameters};
+use crate::embedded::Finding;
 use crate::evaluate;
 use crate::literal::Judged;
 use crate::train::train;
@@ -35,7 +36,7 @@ pub fn verdicts(
     };
     let model = train(&labelled(training), classes, &all_parameters())?.embed()?;
     let verdicts = evaluate::run(&model, &labelled(validation), || ())?;
-    Ok(verdicts.into_iter().map(|verdict| verdict.decided).collect())
+    Ok(verdicts.into_iter().map(|verdict| verdict.decided.and_then(Finding::class)).collect())
 }
 
 /// Our method judged as the source's is: among all classes, and by one binary classifier a defect.

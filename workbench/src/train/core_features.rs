@@ -3,7 +3,9 @@
 //! The classifier is still to be trained, so the detector runs with one of a single class: whatever it estimates is
 //! that class. Traces run whole, so that a segment starts from what its predecessor left, as it will in the drive.
 
-use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Projection, SHAFT_FEATURES};
+use bearing_watch::decide::{
+    Classifier, Discriminant, EvidencePlan, Features, Kind, Novelty, Projection, SHAFT_FEATURES,
+};
 use bearing_watch::{Label, Model, Regression, Sampling, ShaftModel};
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -76,8 +78,11 @@ fn estimator(
                 log_normaliser: [0.0],
                 log_prior: [0.0],
                 cost: [[0.0]],
+                reject_cost: f32::INFINITY,
             },
+            novelty: Novelty::NONE,
         },
+        evidence: EvidencePlan::NONE,
         labels: [Label::EMPTY],
     });
     model.validate().map_err(refused)?;

@@ -1,6 +1,6 @@
 //! A trained model in the core's single-precision form.
 
-use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Projection};
+use bearing_watch::decide::{Classifier, Discriminant, Features, Kind, Novelty, Projection};
 use bearing_watch::estimate::MAX_LONG_SEGMENT_SAMPLES;
 use bearing_watch::estimate::{TrackedOrder, Tracking};
 use bearing_watch::model::MAX_BYTES;
@@ -36,6 +36,7 @@ impl Trained {
             log_normaliser: [f32::NEG_INFINITY; C],
             log_prior: [f32::NEG_INFINITY; C],
             cost: [[0.0; C]; C],
+            reject_cost: self.recipe.alarms.reject_cost as f32,
         };
         for (row, mean) in discriminant.mean.iter_mut().zip(&densities.means) {
             row.iter_mut().zip(mean.iter()).for_each(|(cell, x)| *cell = *x as f32);
@@ -68,11 +69,24 @@ impl Trained {
             },
             regression: at_capacity(&self.regression),
             shaft: self.shaft.as_ref().map(orders_at_capacity),
-            classifier: Classifier { features, projection, discriminant },
+            classifier: Classifier { features, projection, discriminant, novelty: self.novelty()? },
+            evidence: self.watch.evidence,
             labels,
         };
         model.validate().map_err(refused)?;
         Ok(model)
+    }
+
+    pub(crate) fn novelty<const Z: usize>(&self) -> Result<Novelty<Z>, Error> {
+        let mut novelty = Novelty::NONE;
+        if let Some(gate) = &self.watch.gate {
+            novelty.class = count(gate.class, self.classes.len(), "classes")?;
+            narrow(&mut novelty.mean, gate.mean.as_slice());
+            fill(&mut novelty.whitening, &gate.whitening);
+            novelty.knots = gate.knots.map(|knot| knot.map(|x| x as f32));
+            novelty.limit = gate.limit as f32;
+        }
+        Ok(novelty)
     }
 
     /// The binary form, with notes.

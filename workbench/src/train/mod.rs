@@ -11,6 +11,7 @@ mod cross_validation;
 pub(crate) mod discriminant;
 mod estimation;
 mod fit;
+pub mod novelty;
 pub(crate) mod projection;
 mod ranking;
 #[cfg(test)]
@@ -37,6 +38,7 @@ pub use core_form::MAX_COLUMNS;
 pub use cross_validation::{Candidates, Folds, Validation, predict};
 pub use discriminant::GaussianClasses;
 pub use estimation::Estimation;
+pub use novelty::{AlarmInterval, Alarms, Watch};
 pub use projection::{AffineMap, Keep, ProjectionKind};
 pub use ranking::{Gain, Ranked, Ranking, rank};
 pub use scores::{Bin, Decomposition, Prediction, Score, Scores};
@@ -67,10 +69,13 @@ pub struct Recipe {
     pub priors: Vec<f64>,
     /// `cost[i][k]`: what deciding i costs when k is true; 0/1 where empty.
     pub cost: Vec<Vec<f64>>,
+    /// Novelty gate, reject option and alarm.
+    pub alarms: Alarms,
 }
 
 impl Recipe {
-    /// Least squares on whole traces, every parameter as feature, no projection, linear discriminant, equal priors, 0/1 costs.
+    /// Least squares on whole traces, every parameter as feature, no projection, linear discriminant, equal priors, 0/1
+    /// costs, no healthy class.
     #[must_use]
     pub fn new(structure: Structure) -> Self {
         Self {
@@ -84,6 +89,7 @@ impl Recipe {
             validation: Validation::default(),
             priors: vec![],
             cost: vec![],
+            alarms: Alarms::default(),
         }
     }
 
@@ -149,6 +155,8 @@ pub struct Trained {
     pub choice: Option<Choice>,
     /// Every feature of the training segments, whether chosen or not.
     pub candidates: Candidates,
+    /// Novelty gate and alarm.
+    pub watch: Watch,
     /// Places in the core's feature list.
     pub core_features: Vec<usize>,
     /// Core features → coordinates.
@@ -168,7 +176,7 @@ pub struct Trained {
 /// Trains on prepared traces.
 ///
 /// # Errors
-/// Estimation errors of any trace; fewer than two classes, or a class without traces; features that are constant or
+/// Estimation errors of any trace; fewer than two classes, unless the only one is the healthy one; a class without traces; features that are constant or
 /// collinear within classes; priors or costs that do not match the classes.
 pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> Result<Trained, Error> {
     check_intervals(traces)?;
@@ -176,7 +184,7 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
     let segment = recipe.estimation.segment.unwrap_or(longest.min(MAX_LONG_SEGMENT_SAMPLES as usize));
     // The spread of the features belongs to a length: train on segments as the detector will see them.
     let pieces = if recipe.estimation.segment.is_some() { cut(traces, segment) } else { traces.to_vec() };
-    check_classes(&pieces, classes)?;
+    check_classes(&pieces, classes, recipe.alarms.healthy)?;
     let regression = estimation::regression(traces, classes, recipe.structure, (&recipe.estimation, segment))?;
     let interval_s = traces.iter().find_map(|t| t.trace.interval_s).unwrap_or(0.0);
     let nominal = recipe.estimation.nominal;
@@ -200,6 +208,8 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
     let fit::Fitted { projection, coordinates, coordinate_names, densities, choice } =
         fit::fit(&candidates.select(&chosen), recipe)?;
     let (core_features, core_projection) = compose(&candidates.table, &chosen, &catalogue, &projection);
+    let segment_s = (interval_s > 0.0).then_some(segment as f64 * interval_s);
+    let watch = novelty::train(&coordinates, &coordinate_names, &recipe.alarms, segment_s)?;
     Ok(Trained {
         recipe: recipe.clone(),
         classes: classes.to_vec(),
@@ -211,6 +221,7 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
         densities,
         choice,
         candidates,
+        watch,
         core_features,
         core_projection,
         regression,
@@ -228,14 +239,14 @@ fn batch_features(pieces: &[LabelledTrace], classes: &[String], structure: Struc
     Ok(FeatureTable::new(&estimates, pieces.iter().map(|t| t.class).collect(), classes.to_vec()))
 }
 
-fn check_classes(traces: &[LabelledTrace], classes: &[String]) -> Result<(), Error> {
+fn check_classes(traces: &[LabelledTrace], classes: &[String], healthy: Option<usize>) -> Result<(), Error> {
     if traces.is_empty() {
         return Err(Error::Training("the training set is empty; give labelled traces or a wider selection".into()));
     }
-    if classes.len() < 2 {
+    if classes.len() < 2 && healthy.is_none() {
         let only = classes.join(", ");
         return Err(Error::Training(format!(
-            "training needs at least two classes, but there is only {only}; widen the selection"
+            "training needs at least two classes, but there is only {only}; widen the selection, or say that it is healthy"
         )));
     }
     for (class, name) in classes.iter().enumerate() {

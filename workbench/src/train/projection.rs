@@ -100,6 +100,11 @@ fn principal(total: &DMatrix<f64>, names: &[String], keep: Keep, standardised: b
 fn fisher(statistics: &ClassStatistics, names: &[String], components: Option<usize>) -> Result<DMatrix<f64>, Error> {
     let features = statistics.total_mean.len();
     let most = (statistics.means.len() - 1).min(features);
+    if most == 0 {
+        return Err(Error::Training(
+            "Fisher's projection needs two classes; choose another for healthy traces alone".into(),
+        ));
+    }
     let count = components.unwrap_or(most);
     if count == 0 || count > most {
         let problem = format!(

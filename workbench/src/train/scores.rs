@@ -14,6 +14,7 @@
 
 use serde_json::{Value, json};
 
+use crate::embedded::Finding;
 use crate::evaluate::{Rate, TraceVerdict};
 
 /// Bins of (3), of equal width.
@@ -129,9 +130,11 @@ impl Scores {
         let each = |v: &TraceVerdict| -> Vec<Prediction> {
             if per_segment {
                 let segments = v.segments.iter();
-                segments.map(|s| prediction(v.class, s.verdict.clone().ok(), &s.posteriors)).collect()
+                segments
+                    .map(|s| prediction(v.class, s.verdict.clone().ok().and_then(Finding::class), &s.posteriors))
+                    .collect()
             } else {
-                vec![prediction(v.class, v.decided, &v.posteriors)]
+                vec![prediction(v.class, v.decided.and_then(Finding::class), &v.posteriors)]
             }
         };
         Self::new(&verdicts.iter().flat_map(each).collect::<Vec<_>>(), priors)

@@ -1,0 +1,299 @@
+//! Novelty gate and evidence in the core's arithmetic: set false-alarm rates, alarms and trends.
+
+use bearing_watch::decide::novelty::KNOTS;
+use bearing_watch::decide::{
+    Cause, Classifier, Decision, Discriminant, Evidence, EvidencePlan, Features, Kind, Novelty, Projection,
+};
+use nalgebra::{DMatrix, DVector};
+use rand::{Rng, RngExt as _, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{ChiSquared, Distribution, StandardNormal};
+use rayon::prelude::*;
+use workbench::train::novelty::law::DistanceLaw;
+use workbench::train::novelty::{Gate, gate_of, spread};
+
+const DRAWS: u64 = 24;
+const HEALTHY: usize = 200;
+
+/// Rows of standard normal features, or of a multivariate t of so many degrees of freedom.
+fn row(p: usize, degrees: Option<f64>, random: &mut ChaCha8Rng) -> DVector<f64> {
+    let normal = DVector::from_fn(p, |_, _| -> f64 { StandardNormal.sample(random) });
+    match degrees {
+        None => normal,
+        Some(v) => normal * (v / ChiSquared::new(v).expect("law").sample(random)).sqrt(),
+    }
+}
+
+/// The core's form of a gate.
+fn core<const Z: usize>(gate: &Gate) -> Novelty<Z> {
+    let mut novelty = Novelty { class: 0, limit: gate.limit as f32, ..Novelty::NONE };
+    for (i, cells) in novelty.whitening.iter_mut().enumerate() {
+        novelty.mean[i] = gate.mean[i] as f32;
+        cells.iter_mut().enumerate().for_each(|(j, cell)| *cell = gate.whitening[(i, j)] as f32);
+    }
+    novelty.knots = gate.knots.map(|knot| knot.map(|x| x as f32));
+    novelty
+}
+
+/// True rates of single gates at the set rates, over training draws.
+fn rates<const Z: usize>(degrees: Option<f64>, tests: usize) -> Vec<[f64; 2]> {
+    let one = |draw: u64| {
+        let mut random = ChaCha8Rng::seed_from_u64(1000 * Z as u64 + draw);
+        // Features of different size that hang together.
+        let mix =
+            DMatrix::from_fn(Z, Z, |i, j| if j > i { 0.0 } else { 10_f64.powi(i as i32 - 2) / (1 + i - j) as f64 });
+        let mut rows = |count: usize| -> Vec<DVector<f64>> {
+            (0..count).map(|_| &mix * row(Z, degrees, &mut random) + DVector::repeat(Z, 3.0)).collect()
+        };
+        let healthy = rows(HEALTHY);
+        let gate = core::<Z>(&gate_of(&healthy, 1e-3).expect("a gate"));
+        let mut counts = [0_usize; 2];
+        for z in rows(tests) {
+            let (_, surprise) = gate.judge(&std::array::from_fn(|k| z[k] as f32));
+            for (count, rate) in counts.iter_mut().zip([1e-2_f32, 1e-3]) {
+                *count += usize::from(surprise >= -rate.ln());
+            }
+        }
+        counts.map(|count| count as f64 / tests as f64)
+    };
+    (0..DRAWS).into_par_iter().map(one).collect()
+}
+
+/// Mean over draws within a factor 1.5 of the set rate; the spread of single gates is printed.
+fn check(name: &str, found: &[[f64; 2]]) {
+    for (k, set) in [1e-2, 1e-3].into_iter().enumerate() {
+        let mut single: Vec<f64> = found.iter().map(|rates| rates[k]).collect();
+        single.sort_by(f64::total_cmp);
+        let mean = single.iter().sum::<f64>() / single.len() as f64;
+        let (low, high) = (single[single.len() / 20], single[single.len() - 1 - single.len() / 20]);
+        println!("{name}: set {set}, mean {mean:.5}, 5–95 % of single gates {low:.5}–{high:.5}");
+        assert!((set / 1.5..set * 1.5).contains(&mean), "{name}: set {set}, found {mean}");
+    }
+}
+
+// 24 × 20 000 rows: 480 alarms at the rarer rate, so the Monte Carlo error is 5 %.
+const TESTS: usize = 20_000;
+
+#[test]
+fn set_rates_hold_in_the_mean_for_gaussian_features() {
+    check("1 coordinate", &rates::<1>(None, TESTS));
+    check("3 coordinates", &rates::<3>(None, TESTS));
+    check("6 coordinates", &rates::<6>(None, TESTS));
+}
+
+#[test]
+fn set_rates_hold_in_the_mean_for_heavier_tails() {
+    check("3 coordinates, t with 8 degrees of freedom", &rates::<3>(Some(8.0), TESTS));
+    check("1 coordinate, t with 8 degrees of freedom", &rates::<1>(Some(8.0), TESTS));
+    // Were the law of Gaussian features kept, the rarer rate would be exceeded several times over.
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    let gaussian = DistanceLaw::gaussian(3, HEALTHY);
+    let far = |squared: f64| gaussian.surprise(squared) >= 1000_f64.ln();
+    // A t of 8 degrees has covariance 8/6.
+    let squared = |random: &mut ChaCha8Rng| row(3, Some(8.0), random).norm_squared() * 6.0 / 8.0;
+    let exceeded = (0..100_000).filter(|_| far(squared(&mut random))).count() as f64 / 1e5;
+    assert!(exceeded > 3e-3, "{exceeded}");
+}
+
+#[test]
+fn surprise_follows_the_law_in_single_precision() {
+    let mut random = ChaCha8Rng::seed_from_u64(6);
+    for n in [12, 30, 200] {
+        let healthy: Vec<_> = (0..n).map(|_| row(3, None, &mut random)).collect();
+        let gate = gate_of(&healthy, 0.01).expect("a gate");
+        let novelty = core::<3>(&gate);
+        for step in 1..=250 {
+            let surprise = 0.1 * f64::from(step);
+            let found = f64::from(novelty.surprise(gate.law.squared_at(surprise) as f32));
+            assert!((found - surprise).abs() < 0.02 * surprise.max(1.0), "{n}: {found} for {surprise}");
+        }
+        assert!((f64::from(novelty.surprise(gate.law.squared_at(gate.limit) as f32)) - gate.limit).abs() < 1e-4);
+    }
+}
+
+/// A healthy class and two defects of which only the likelihoods matter.
+fn three_classes() -> Classifier<1, 1, 3> {
+    Classifier {
+        features: Features { index: [0], count: 1 },
+        projection: Projection { matrix: [[1.0]], mean: [0.0], count: 1 },
+        discriminant: Discriminant {
+            kind: Kind::Linear,
+            classes: 3,
+            mean: [[0.0], [2.0], [-2.0]],
+            whitening: [[[1.0]]; 3],
+            log_normaliser: [-0.918_938_5; 3],
+            log_prior: [-1.098_612_3; 3],
+            cost: [[0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]],
+            reject_cost: f32::INFINITY,
+        },
+        novelty: chi_squared(),
+    }
+}
+
+/// The healthy class N(0, 1), known.
+fn chi_squared() -> Novelty<1> {
+    let law = DistanceLaw::gaussian(1, 1_000_000);
+    let mut novelty = Novelty { class: 0, mean: [0.0], whitening: [[1.0]], limit: 4.6, ..Novelty::NONE };
+    for (k, knot) in novelty.knots.iter_mut().enumerate() {
+        let surprise = 25.0 * (k as f64 / (KNOTS - 1) as f64).powi(2);
+        *knot = [law.squared_at(surprise) as f32, surprise as f32];
+    }
+    novelty
+}
+
+fn plan(segments: f64, scores: f64) -> EvidencePlan {
+    let limit = (segments * scores).ln() as f32;
+    EvidencePlan { bet: 0.2, limit, cap: 0.5 * limit }
+}
+
+/// Mean segments to the first alarm while healthy.
+fn run_length(runs: u64, alarm_after: impl Fn(&mut ChaCha8Rng) -> u64 + Sync) -> f64 {
+    let each = |run| alarm_after(&mut ChaCha8Rng::seed_from_u64(run));
+    (0..runs).into_par_iter().map(each).sum::<u64>() as f64 / runs as f64
+}
+
+#[test]
+fn false_alarms_are_at_least_as_rare_as_set() {
+    let healthy_only = Classifier::<1, 1, 1> {
+        features: Features { index: [0], count: 1 },
+        projection: Projection { matrix: [[1.0]], mean: [0.0], count: 1 },
+        discriminant: Discriminant {
+            kind: Kind::Linear,
+            classes: 1,
+            mean: [[0.0]],
+            whitening: [[[1.0]]],
+            log_normaliser: [0.0],
+            log_prior: [0.0],
+            cost: [[0.0]],
+            reject_cost: f32::INFINITY,
+        },
+        novelty: chi_squared(),
+    };
+    for set in [100.0, 1000.0] {
+        let uniform = run_length(400, |random| {
+            let mut evidence = Evidence::new(plan(set, 1.0), &healthy_only);
+            let mut length = 1;
+            let decision = |p: f32| Decision {
+                class: 0,
+                log_likelihoods: [0.0],
+                posteriors: [1.0],
+                expected_costs: [0.0],
+                distance: 1.0,
+                surprise: -p.ln(),
+            };
+            while evidence.observe(Some(&decision(1.0 - random.random::<f32>()))).is_none() {
+                length += 1;
+            }
+            length
+        });
+        let classifier = three_classes();
+        let classes = run_length(400, |random| {
+            let mut evidence = Evidence::new(plan(set, 3.0), &classifier);
+            let mut length = 1;
+            let z = |random: &mut ChaCha8Rng| -> f32 { StandardNormal.sample(random) };
+            while evidence.observe(classifier.decide(&[z(random)]).as_ref()).is_none() {
+                length += 1;
+            }
+            length
+        });
+        println!("set {set}: {uniform:.0} segments with uniform p, {classes:.0} with three classes");
+        // 400 runs of exponential length: a deviation of 5 %.
+        for found in [uniform, classes] {
+            assert!((set..30.0 * set).contains(&found), "set {set}, found {found}");
+        }
+    }
+}
+
+#[test]
+fn a_defect_alarms_within_three_segments_by_name_and_stays_until_reset() {
+    let classifier = three_classes();
+    let mut random = ChaCha8Rng::seed_from_u64(8);
+    // One in 360 000 segments: 1000 hours of 10 s.
+    for (centre, cause) in [(9.0, Cause::Class(1)), (-9.0, Cause::Class(2))] {
+        let mut evidence = Evidence::new(plan(360_000.0, 3.0), &classifier);
+        let mut observe = |evidence: &mut Evidence<3>, centre: f32| {
+            let noise: f32 = StandardNormal.sample(&mut random);
+            evidence.observe(classifier.decide(&[centre + noise]).as_ref())
+        };
+        for _ in 0..50 {
+            assert_eq!(observe(&mut evidence, 0.0), None);
+        }
+        let alarms: Vec<_> = (0..3).map(|_| observe(&mut evidence, centre)).collect();
+        let alarm = alarms[2].expect("within three segments");
+        assert!(alarms[0].is_none(), "one segment alone is no alarm");
+        assert_eq!(alarm.cause, cause);
+        for _ in 0..50 {
+            assert_eq!(observe(&mut evidence, 0.0), Some(alarm));
+        }
+        evidence.reset();
+        assert_eq!((evidence.alarm(), evidence.score(), evidence.trend()), (None, 0.0, None));
+        assert_eq!(observe(&mut evidence, 0.0), None);
+    }
+}
+
+fn at(distance: f32) -> Decision<3> {
+    let log_likelihoods = [0.0, -9.0, -9.0];
+    Decision { class: 0, log_likelihoods, posteriors: [0.0; 3], expected_costs: [0.0; 3], distance, surprise: 0.5 }
+}
+
+/// Slope and standard error by the usual sums in double precision, in two passes.
+fn regression(distances: &[f32]) -> (f64, f64) {
+    let n = distances.len() as f64;
+    let mean = distances.iter().map(|d| f64::from(*d)).sum::<f64>() / n;
+    let centred = || distances.iter().zip(0..).map(|(d, t)| (f64::from(t) - (n - 1.0) / 2.0, f64::from(*d) - mean));
+    let span: f64 = centred().map(|(t, _)| t * t).sum();
+    let slope = centred().map(|(t, d)| t * d).sum::<f64>() / span;
+    let left: f64 = centred().map(|(t, d)| (d - slope * t).powi(2)).sum();
+    (slope, (left / (n - 2.0) / span).sqrt())
+}
+
+fn distances(count: usize, slope: f64, random: &mut impl Rng) -> Vec<f32> {
+    let normal = |random: &mut _| -> f64 { StandardNormal.sample(random) };
+    (0..count).map(|t| (5.0 + slope * t as f64 + 0.4 * normal(random)) as f32).collect()
+}
+
+#[test]
+fn the_trend_is_that_of_a_regression() {
+    let mut random = ChaCha8Rng::seed_from_u64(9);
+    for (count, slope) in [(4, 0.1), (50, 0.01), (10_000, 1e-4), (1_000_000, 1e-6), (1_000_000, 0.0)] {
+        let distances = distances(count, slope, &mut random);
+        let mut evidence = Evidence::new(plan(1000.0, 3.0), &three_classes());
+        distances.iter().for_each(|d| {
+            evidence.observe(Some(&at(*d)));
+        });
+        let trend = evidence.trend().expect("enough segments");
+        let (slope, error) = regression(&distances);
+        // Rounding of a million sums in f32 against a standard error of the slope.
+        assert!((f64::from(trend.slope) - slope).abs() < 0.1 * error, "{count}: {trend:?} for {slope} ± {error}");
+        assert!((f64::from(trend.standard_error) / error - 1.0).abs() < 0.01, "{count}: {trend:?} for ± {error}");
+    }
+}
+
+#[test]
+fn the_trend_s_interval_covers() {
+    let mut random = ChaCha8Rng::seed_from_u64(10);
+    for count in [5, 8, 40] {
+        let covered = (0..4000).filter(|_| {
+            let mut evidence = Evidence::new(plan(1000.0, 3.0), &three_classes());
+            distances(count, 0.02, &mut random).iter().for_each(|d| {
+                evidence.observe(Some(&at(*d)));
+            });
+            let trend = evidence.trend().expect("enough segments");
+            (trend.low..trend.high).contains(&0.02)
+        });
+        let part = covered.count() as f64 / 4000.0;
+        // 4000 trials: a deviation of 0.35 points.
+        assert!((part - 0.95).abs() < 0.0125, "{count}: {part}");
+    }
+}
+
+#[test]
+fn how_many_healthy_segments_a_rate_needs() {
+    for p in [1, 3, 6] {
+        let needed = [1e-2, 1e-3].map(|rate| spread::rows_needed(p, rate));
+        println!("{p} coordinates: {} segments at 1e-2, {} at 1e-3", needed[0], needed[1]);
+        let rates = spread::gate_rates(p, 20, 1e-2, 400);
+        println!("  of 20 segments at 1e-2: 5–95 % of single gates {:.4}–{:.4}", rates[20], rates[379]);
+        assert!(needed[0] < needed[1] && needed[1] < 400, "{p}: {needed:?}");
+    }
+}

@@ -1,0 +1,79 @@
+//! The surprise as the few knots that the core interpolates between.
+
+use bearing_watch::decide::novelty::KNOTS;
+
+use super::law::DistanceLaw;
+
+/// Surprise up to which the knots follow the law, nats.
+pub const FOLLOWED: f64 = 25.0;
+/// Below it the error counts in nats, above it as a part.
+const SMALL: f64 = 1.0;
+const GRID: usize = 400;
+
+/// Knots (d², surprise) from (0, 0) to 25 nats and beyond, one of them at `limit`, where the gate is: the lines between
+/// leave out as much of the curve everywhere.
+#[must_use]
+pub fn knots(law: &DistanceLaw, limit: f64) -> [[f64; 2]; KNOTS] {
+    // Denser near zero, where the curve bends most.
+    let part = |k: usize| (k as f64 / GRID as f64).powi(2);
+    let mut surprises: Vec<f64> = (0..=GRID).map(|k| FOLLOWED * part(k)).collect();
+    let gate = surprises.iter().position(|s| *s >= limit).unwrap_or(GRID);
+    surprises[gate] = limit.min(FOLLOWED);
+    let curve: Vec<[f64; 2]> = surprises.iter().map(|s| [law.squared_at(*s), *s]).collect();
+    let (mut fine, mut coarse) = (1e-6_f64, 1.0_f64);
+    for _ in 0..40 {
+        let middle = (fine * coarse).sqrt();
+        if walk(&curve, gate, middle).len() <= KNOTS { coarse = middle } else { fine = middle }
+    }
+    let mut chosen = walk(&curve, gate, coarse);
+    let mut further = FOLLOWED;
+    while chosen.len() < KNOTS {
+        further += 1.0;
+        chosen.push([law.squared_at(further), further]);
+    }
+    std::array::from_fn(|k| chosen[k])
+}
+
+/// As few knots as keep every line within `error` of the curve.
+fn walk(curve: &[[f64; 2]], gate: usize, error: f64) -> Vec<[f64; 2]> {
+    let mut chosen = vec![curve[0]];
+    let mut at = 0;
+    while at + 1 < curve.len() {
+        let end = if at < gate { gate } else { curve.len() - 1 };
+        // Longer lines leave more out: the first that leaves too much ends the search.
+        let reach = (at + 2..=end).take_while(|&to| worst(&curve[at..=to]) <= error).last();
+        at = reach.unwrap_or(at + 1);
+        chosen.push(curve[at]);
+    }
+    chosen
+}
+
+/// Largest error of the line from the first to the last point.
+fn worst(points: &[[f64; 2]]) -> f64 {
+    let ([x0, s0], [x1, s1]) = (points[0], points[points.len() - 1]);
+    let each = |[x, s]: &[f64; 2]| (s0 + (x - x0) * (s1 - s0) / (x1 - x0) - s).abs() / s.max(SMALL);
+    points.iter().map(each).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_follow_the_curve_within_two_percent() {
+        for (p, n) in [(1, 5), (1, 20), (1, 1000), (3, 20), (6, 12), (6, 200), (20, 60), (60, 1000)] {
+            let law = DistanceLaw::gaussian(p, n);
+            let limit = 100_f64.ln();
+            let knots = knots(&law, limit);
+            assert!(knots.iter().any(|[_, s]| (s - limit).abs() < 1e-12));
+            for k in 1..500 {
+                let surprise = 0.05 * f64::from(k);
+                let squared = law.squared_at(surprise);
+                let to = knots.iter().position(|[x, _]| *x >= squared).expect("beyond the last");
+                let ([x0, s0], [x1, s1]) = (knots[to - 1], knots[to]);
+                let line = s0 + (squared - x0) * (s1 - s0) / (x1 - x0);
+                assert!((line - surprise).abs() < 0.02 * surprise.max(1.0), "{p} {n}: {surprise} {line}");
+            }
+        }
+    }
+}

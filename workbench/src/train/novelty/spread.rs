@@ -1,0 +1,148 @@
+//! The false-alarm rate of one gate, and how many healthy segments keep it near the set one.
+//!
+//! The gate has the set rate in the mean over training sets; a single one, made of n segments, has
+//!
+//! ```text
+//! P(Σ wᵢ (gᵢ + δᵢ)² > c),   w = 1/λ,   δ = Qᵀm,   S = Q Λ Qᵀ             (1)
+//! ```
+//!
+//! with g standard normal, m ~ N(0, I/n) and (n−1) S ~ Wishart(n−1), c the gate's d². Draws of m and S (Bartlett 1933)
+//! give the distribution of (1), each tail by the saddle point (Kuonen 1999), which is within 5 % of the tail's own
+//! size.
+
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{ChiSquared, Distribution, StandardNormal};
+use statrs::function::erf::erfc;
+
+use super::law::DistanceLaw;
+
+/// A single gate in twenty may exceed the set rate by this factor.
+pub const BOUND: f64 = 3.0;
+/// Beyond it the number needed is not looked for.
+const MOST: usize = 100_000;
+
+/// Rates of single gates made of `rows` Gaussian segments, over random training sets, from the smallest up.
+#[must_use]
+pub fn gate_rates(coordinates: usize, rows: usize, rate: f64, draws: usize) -> Vec<f64> {
+    let limit = DistanceLaw::gaussian(coordinates, rows).squared_at(-rate.ln());
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut rates: Vec<f64> = (0..draws).map(|_| single(coordinates, rows, limit, &mut random)).collect();
+    rates.sort_by(f64::total_cmp);
+    rates
+}
+
+/// The fewest healthy segments of which 95 % of the gates have at most [`BOUND`] times the set rate.
+#[must_use]
+pub fn rows_needed(coordinates: usize, rate: f64) -> usize {
+    let draws = (4000 / coordinates).clamp(60, 400);
+    let bounded = |rows: usize| {
+        let rates = gate_rates(coordinates, rows, rate, draws);
+        rates[(0.95 * draws as f64) as usize] <= BOUND * rate
+    };
+    // From above: the very fewest segments have nearly all gates far out and a few useless ones, which the 95 % pass by.
+    let mut enough = 1500 + 20 * coordinates;
+    while !bounded(enough) && enough < MOST {
+        enough *= 2;
+    }
+    loop {
+        let fewer = enough * 93 / 100;
+        if fewer <= coordinates + 1 || !bounded(fewer) {
+            return enough;
+        }
+        enough = fewer;
+    }
+}
+
+/// (1) for one random training set.
+fn single(coordinates: usize, rows: usize, limit: f64, random: &mut ChaCha8Rng) -> f64 {
+    let degrees = rows as f64 - 1.0;
+    let mut factor = DMatrix::zeros(coordinates, coordinates);
+    for i in 0..coordinates {
+        factor[(i, i)] = ChiSquared::new(degrees - i as f64).map_or(0.0, |law| law.sample(random)).sqrt();
+        (0..i).for_each(|j| factor[(i, j)] = StandardNormal.sample(random));
+    }
+    let normal = |random: &mut ChaCha8Rng| -> f64 { StandardNormal.sample(random) };
+    let mean = DVector::from_fn(coordinates, |_, _| normal(random) / (rows as f64).sqrt());
+    let eigen = SymmetricEigen::new(&factor * factor.transpose() / degrees);
+    let shift = eigen.eigenvectors.transpose() * mean;
+    let terms: Vec<(f64, f64)> =
+        eigen.eigenvalues.iter().zip(shift.iter()).map(|(value, shift)| (1.0 / value, shift * shift)).collect();
+    tail(&terms, limit)
+}
+
+/// P(Σ w (g + δ)² > c) of (w, δ²).
+fn tail(terms: &[(f64, f64)], limit: f64) -> f64 {
+    let beyond = |x: f64| 0.5 * erfc(x / std::f64::consts::SQRT_2);
+    if let [(w, shift)] = terms {
+        let (far, shift) = ((limit / w).sqrt(), shift.sqrt());
+        return beyond(far - shift) + beyond(far + shift);
+    }
+    let largest = terms.iter().map(|(w, _)| *w).fold(0.0, f64::max);
+    let cumulant = |t: f64| {
+        let each = |(w, shift): &(f64, f64)| {
+            let u = 1.0 - 2.0 * w * t;
+            (
+                -0.5 * u.ln() + w * shift * t / u,
+                w / u + w * shift / (u * u),
+                2.0 * w * w / (u * u) + 4.0 * w * w * shift / (u * u * u),
+            )
+        };
+        terms.iter().map(each).fold((0.0, 0.0, 0.0), |sum, term| (sum.0 + term.0, sum.1 + term.1, sum.2 + term.2))
+    };
+    // The slope rises from 0 at −∞ to +∞ at 1/(2 w).
+    let pole = 0.5 / largest;
+    let (mut low, mut high) = (-1e6 * pole, pole);
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        if cumulant(middle).1 < limit { low = middle } else { high = middle }
+    }
+    let t = low;
+    let (value, _, curvature) = cumulant(t);
+    let r = (2.0 * (t * limit - value)).max(0.0).sqrt().copysign(t);
+    if r.abs() < 1e-3 {
+        return 0.5;
+    }
+    let argument = r + (t * curvature.sqrt() / r).ln() / r;
+    beyond(argument)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use statrs::distribution::{ChiSquared as Exact, ContinuousCDF};
+
+    #[test]
+    fn saddle_points_are_near_exact_tails() {
+        for (p, limit) in [(1, 6.6), (2, 9.2), (3, 11.3), (6, 22.5), (20, 60.0)] {
+            let exact = Exact::new(f64::from(p)).expect("law").sf(limit);
+            let got = tail(&vec![(1.0, 0.0); p as usize], limit);
+            // The stated 5 %; one coordinate is exact.
+            assert!((got / exact - 1.0).abs() < 0.05, "{p}: {got} for {exact}");
+        }
+        // One shifted coordinate: two normal tails.
+        let exact = 0.5 * (erfc(2.0 / std::f64::consts::SQRT_2) + erfc(4.0 / std::f64::consts::SQRT_2));
+        assert!((tail(&[(2.0, 1.0)], 18.0) / exact - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn single_gates_scatter_about_the_set_rate() {
+        for (p, rows) in [(1, 30), (3, 30), (6, 100)] {
+            let rates = gate_rates(p, rows, 0.01, 2000);
+            let mean = rates.iter().sum::<f64>() / 2000.0;
+            // 2000 draws whose deviation is about their mean: 3 deviations are 7 %, and the saddle point's 5 %.
+            assert!((mean / 0.01 - 1.0).abs() < 0.12, "{p} {rows}: {mean}");
+        }
+    }
+
+    #[test]
+    fn rarer_alarms_need_more_segments() {
+        let needed = [(1, 1e-2), (1, 1e-3), (3, 1e-2), (3, 1e-3)].map(|(p, rate)| rows_needed(p, rate));
+        println!("{needed:?}");
+        assert!(needed[0] < needed[1] && needed[2] < needed[3], "{needed:?}");
+        // One coordinate: ln rate has deviation (z² + 1)/√(2n), z = 2.58, of which 1.645 are ln 3 at n = 65; fewer do, as
+        // few segments put the median gate further out.
+        assert!((30..65).contains(&needed[0]), "{needed:?}");
+    }
+}
