@@ -3,7 +3,7 @@
 //! ```text
 //! Fisher ratio   J = Σ_k P_k (μ_k − μ)² / σ²,   μ = Σ_k P_k μ_k, σ² pooled within classes      (1)
 //! of a pair      J_ij = (μ_i − μ_j)² / (σ_i² + σ_j²)                                          (2)
-//! gain           cross-validated log score without the feature − with it, on the same rows    (3)
+//! gain           cross-validated guarded log score without the feature − with it, same rows   (3)
 //! ```
 //!
 //! (1) and (2) look at one feature alone. (3) is taken beside others: without it from all ("drop one"), and added to
@@ -18,7 +18,7 @@ use serde_json::{Value, json};
 
 use super::cross_validation::{Candidates, Folds, check, predict};
 use super::fit::fit;
-use super::scores::{Prediction, Scores, log_score};
+use super::scores::{Prediction, Scores, guarded_score};
 use super::shrinkage::{self, Shrink};
 use super::{ClassStatistics, ProjectionKind, Recipe, Trained, discriminant};
 use crate::Error;
@@ -31,7 +31,7 @@ const ALIKE: f64 = 0.8;
 /// What a change of features gains: scores before less scores after, so that more is better.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gain {
-    /// Of the log score, nats.
+    /// Of the guarded log score, nats.
     pub log: f64,
     /// Its standard error, from the groups' own gains.
     pub standard_error: f64,
@@ -85,7 +85,7 @@ impl Ranking {
     /// Keys `folds`, `keep`, `drop`, `scores` and `features`.
     #[must_use]
     pub fn to_json(&self) -> Value {
-        let gain = |gain: &Gain| json!({ "log_score": gain.log, "standard_error": gain.standard_error, "error_rate": gain.error });
+        let gain = |gain: &Gain| json!({ "guarded_log_score": gain.log, "standard_error": gain.standard_error, "error_rate": gain.error });
         let pairs = (0..self.classes.len()).flat_map(|i| (i + 1..self.classes.len()).map(move |j| (i, j)));
         let pairs: Vec<String> = pairs.map(|(i, j)| format!("{}:{}", self.classes[i], self.classes[j])).collect();
         let feature = |f: &Ranked| {
@@ -117,7 +117,9 @@ impl Ranking {
     #[must_use]
     pub fn summary(&self) -> String {
         let score = |of: &Option<Scores>| {
-            let text = of.as_ref().map(|s| format!("log score {:.3}, error {:.1} %", s.log.value, 100.0 * s.error));
+            let text = of
+                .as_ref()
+                .map(|s| format!("guarded log score {:.3}, error {:.1} %", s.guarded.value, 100.0 * s.error));
             text.unwrap_or_else(|| "singular".into())
         };
         let dropped = self.features.iter().filter(|f| !f.kept).count();
@@ -144,7 +146,8 @@ impl std::fmt::Display for Ranking {
         let width = self.features.iter().map(|feature| feature.name.len()).max().unwrap_or(0).max("feature".len());
         writeln!(f, "{:width$}  Fisher ratio  gain among all", "feature")?;
         for Ranked { name, fisher, among_all, kept, reason, .. } in &self.features {
-            let among = among_all.map_or_else(|| "–".into(), |g| format!("{:.3} ± {:.3}", g.log, g.standard_error));
+            let among = |g: Gain| format!("{:.3} ± {:.3}", g.log, g.standard_error).replace('-', "−");
+            let among = among_all.map_or_else(|| "–".into(), among);
             let advice = if *kept { "keep" } else { "drop" };
             writeln!(f, "{name:width$}  {fisher:>12.3}  {among:>15}  {advice}: {reason}")?;
         }
@@ -260,7 +263,7 @@ impl<'a> Judge<'a> {
         let mut of_group: BTreeMap<usize, f64> = BTreeMap::new();
         let (mut log, mut error) = (0.0, 0.0);
         for ((before, after), group) in before.iter().zip(after).zip(&self.candidates.groups) {
-            let score = |p: &Prediction| log_score(&p.log_posteriors, p.truth);
+            let score = |p: &Prediction| guarded_score(&p.log_posteriors, p.truth, &self.priors);
             let gained = before.weight * (score(before) - score(after)) / total; // (3)
             *of_group.entry(*group).or_default() += gained;
             log += gained;
@@ -324,7 +327,7 @@ impl<'a> Judge<'a> {
 
     fn reason(&self, statistics: &ClassStatistics, path: &Path, feature: usize, ranked: &Ranked) -> String {
         let signed = |x: f64| format!("{}{:.3}", if x < 0.0 { "−" } else { "+" }, x.abs());
-        let gain = |gain: &Gain| format!("{} ± {:.3} of log score", signed(gain.log), gain.standard_error);
+        let gain = |gain: &Gain| format!("{} ± {:.3}", signed(gain.log), gain.standard_error);
         if ranked.kept {
             let place = path.chosen.iter().position(|k| *k == feature).unwrap_or(0);
             let beside = if place == 0 { "the priors" } else { "those above" };
@@ -352,6 +355,7 @@ impl<'a> Judge<'a> {
         }
         parts.push(match &ranked.beside_chosen {
             None => "is a combination of those kept".into(),
+            Some(g) if path.chosen.is_empty() => format!("gains nothing sure over the priors: {}", gain(g)),
             Some(g) if g.log < -SURE * g.standard_error => format!("makes it worse: {}", gain(g)),
             Some(g) => format!("adds nothing sure to those kept: {}", gain(g)),
         });
@@ -430,7 +434,7 @@ mod tests {
         assert!(of("noise").among_all.expect("regular").log < 0.02);
         let (all, honest) = (ranking.all.expect("regular"), ranking.honest.expect("regular"));
         // Two noise features cost little at 240 rows, and so does choosing.
-        assert!((honest.log.value - all.log.value).abs() < 0.05, "{honest:?} {all:?}");
+        assert!((honest.guarded.value - all.guarded.value).abs() < 0.05, "{honest:?} {all:?}");
     }
 
     #[test]
@@ -445,7 +449,7 @@ mod tests {
         assert!(ranking.names().is_empty() && ranking.summary().starts_with("No feature"), "{ranking:#?}");
         let honest = ranking.honest.expect("guesses");
         // 90 guesses among three: sd 5 %. Where a fold's choice fell for noise it is no better for it.
-        assert!((0.52..0.82).contains(&honest.error) && honest.log.value > 1.05, "{honest:?}");
+        assert!((0.52..0.82).contains(&honest.error) && honest.guarded.value > 1.05, "{honest:?}");
     }
 
     #[test]
