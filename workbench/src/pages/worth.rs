@@ -6,27 +6,34 @@ use crate::report::plot::{self, ReliabilityBin, ReliabilityClass};
 use crate::report::table::table;
 use crate::train::{Choice, Gain, Ranked, Ranking, Scores};
 
-/// A reliability plot and a table of scores beside those of the priors; `rows` says what is counted.
+/// A reliability plot and a table of scores beside those of the priors; `counted` says what is counted.
 #[must_use]
-pub fn calibration(classes: &[String], scores: &Scores, rows: &str) -> String {
+pub fn calibration(classes: &[String], scores: &Scores, counted: &str) -> String {
     let bins = |k: usize| {
         let bins = scores.bins[k].iter();
-        bins.map(|b| ReliabilityBin { posterior: b.posterior, observed: b.observed, count: b.count }).collect()
+        bins.map(|b| ReliabilityBin { middle: b.middle, posterior: b.posterior, observed: b.observed, count: b.count })
+            .collect()
     };
     let of_class = |(k, class)| ReliabilityClass { class, bins: bins(k) };
     let drawn: Vec<ReliabilityClass> = Class::all(classes).into_iter().enumerate().map(of_class).collect();
-    let plot = or_reason(plot::reliability("Posteriors beside what came true", rows, &drawn));
+    let plot = or_reason(plot::reliability("Posteriors beside what came true", counted, &drawn));
     let header = ["score", "posteriors", "priors alone", "gained"];
-    let gained =
-        |value: f64, of: f64| if of > 0.0 { format!("{:.1} %", 100.0 * (1.0 - value / of)) } else { "–".into() };
+    let gained = |value: f64, of: f64| {
+        if of > 0.0 { format!("{:.1} %", 100.0 * (1.0 - value / of)).replace('-', "−") } else { "–".into() }
+    };
     let row = |name: &str, score: crate::train::Score| {
         let value = format!("{:.4} ± {:.4}", score.value, score.standard_error).replace(' ', "\u{a0}");
         vec![name.to_string(), value, format!("{:.4}", score.of_prior), gained(score.value, score.of_prior)]
     };
-    let rows = [row("log score / nats", scores.log), row("Brier score", scores.brier)];
+    let rows = [
+        row("log score / nats", scores.log),
+        row("guarded log score / nats", scores.guarded),
+        row("Brier score", scores.brier),
+    ];
     let d = scores.decomposition;
     let note = format!(
-        "Mean ± standard error over {}; less is better, 0 is perfect. The Brier score is, within bins, reliability {:.4} \
+        "Mean ± standard error over {} {counted}; less is better, 0 is perfect. The guarded \
+         score takes a row in a hundred for an outlier, of which it knows the prior only. The Brier score is, within bins, reliability {:.4} \
          − resolution {:.4} + uncertainty {:.4}. Expected calibration error {:.2} %: the mean distance of the points \
          from the diagonal. A bin of few rows says little, as its interval shows.",
         scores.count,
@@ -50,19 +57,25 @@ pub fn ranking(ranking: &Ranking) -> String {
         vec![]
     };
     let header = ["feature", "Fisher ratio"].map(String::from).into_iter().chain(pairs.clone());
-    let header: Vec<String> = header.chain(["gain among all", "what to do"].map(String::from)).collect();
+    let header: Vec<String> = header.chain(["gain among all".to_string()]).collect();
     let row = |feature: &Ranked| {
         let ratios = std::iter::once(&feature.fisher).chain(feature.pairs.iter().take(pairs.len()));
         let ratios = ratios.map(|ratio| format!("{ratio:.2}"));
         let among = feature.among_all.as_ref().map_or_else(|| "–".into(), gain);
-        let advice = format!("{}: {}", if feature.kept { "keep" } else { "drop" }, feature.reason);
-        std::iter::once(feature.name.clone()).chain(ratios).chain([among, advice]).collect()
+        std::iter::once(feature.name.clone()).chain(ratios).chain([among]).collect()
     };
+    let advice = |feature: &Ranked| {
+        let what = if feature.kept { "keep" } else { "drop" };
+        vec![feature.name.clone(), what.to_string(), feature.reason.clone()]
+    };
+    let advices: Vec<Vec<String>> = ranking.features.iter().map(advice).collect();
     let rows: Vec<Vec<String>> = ranking.features.iter().map(row).collect();
-    let note = "Fisher ratio: variance of the class means over that within classes, also of each pair of classes. Gain: \
-                by how much the cross-validated log score rises where this feature alone is left out of all (± standard \
-                error); below twice its error it may be chance. What to do follows from adding features one by one.";
-    paragraph(&ranking.summary()) + &table(&header, &rows) + &paragraph(note)
+    let note = "Fisher ratio: variance of the class means over that within classes, also of each pair of classes. \
+                Gain: by how much the cross-validated guarded log score rises where this feature alone is left out of \
+                all (± standard error); below twice its error it may be chance. What to do follows from adding features \
+                one by one; the numbers there are gains beside those kept.";
+    let advices = table(&["feature", "what to do", "why"], &advices);
+    paragraph(&ranking.summary()) + &table(&header, &rows) + &advices + &paragraph(note)
 }
 
 fn gain(gain: &Gain) -> String {
@@ -86,7 +99,7 @@ pub fn shrinkage(choice: &Choice) -> String {
         let point = choice.grid.iter().find(|point| at(point.shrinkage));
         let mark = if at(choice.shrinkage) { " ←" } else { "" };
         match point {
-            Some(point) if point.log_score.is_finite() => format!("{:.4}{mark}", point.log_score),
+            Some(point) if point.score.is_finite() => format!("{:.4}{mark}", point.score),
             _ => "–".into(),
         }
     };
@@ -95,7 +108,7 @@ pub fn shrinkage(choice: &Choice) -> String {
         .map(|&l| std::iter::once(l.to_string()).chain(gammas.iter().map(|&g| cell(l, g))).collect())
         .collect();
     let note = format!(
-        "Log score, cross-validated in {} folds, of covariances between the classes' own (λ = 0, quadratic) and one for \
+        "Guarded log score, cross-validated in {} folds, of covariances between the classes' own (λ = 0, quadratic) and one for \
          all (λ = 1, linear), and from there to their diagonal (γ = 1); – where one is singular. Chosen: λ = {}, γ = {}.",
         choice.folds, choice.shrinkage.lambda, choice.shrinkage.gamma
     );

@@ -336,3 +336,29 @@ fn compose(
     let indices = used.iter().map(|&place| catalogue.core_index(place)).collect();
     (indices, AffineMap { matrix, mean: centre })
 }
+
+#[cfg(test)]
+mod tests {
+    use bearing_watch::estimate::Method;
+
+    use super::*;
+    use crate::demo::{self, FirstInput};
+    use crate::rig::Scenario;
+
+    #[test]
+    fn segments_of_a_trace_or_run_are_of_one_group() {
+        let traces = demo::traces(&Scenario::STANDARD, FirstInput::Reference, (905, 2), || ()).expect("simulates");
+        for method in [Method::LeastSquares, Method::Instruments] {
+            let mut recipe = demo::all_parameters();
+            recipe.estimation = Estimation { method, segment: Some(1000), ..Estimation::default() };
+            let trained = train(&traces, &demo::class_names(), &recipe).expect("regular");
+            // Six traces of five segments.
+            assert_eq!(trained.candidates.groups, (0..30).map(|row| row / 5).collect::<Vec<_>>(), "{method:?}");
+            recipe.validation.groups = ["x", "y", "x", "y", "x", "y"].map(String::from).to_vec();
+            let trained = train(&traces, &demo::class_names(), &recipe).expect("regular");
+            assert_eq!(trained.candidates.groups, (0..30).map(|row| row / 5 % 2).collect::<Vec<_>>(), "{method:?}");
+            recipe.validation.groups.pop();
+            assert!(train(&traces, &demo::class_names(), &recipe).is_err());
+        }
+    }
+}

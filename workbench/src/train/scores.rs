@@ -2,11 +2,15 @@
 //!
 //! ```text
 //! log score    −ln P(true class), nats                                   (1)  0 is perfect
+//! guarded      −ln (0.99 P(true class) + 0.01 prior of it)               (5)
 //! Brier score  Σ_k (P(k) − y_k)²,   y_k = 1 for the true class, else 0    (2)  0 is perfect, 2 the worst
 //! calibration  ō_b − p̄_b of the rows whose P(k) is in bin b               (3)
 //! Brier score ≈ Σ_kb w_b (p̄_b − ō_b)² − Σ_kb w_b (ō_b − ō_k)² + Σ_k ō_k (1 − ō_k)
 //!               reliability             resolution              uncertainty (4)  Murphy 1973
 //! ```
+//!
+//! (5) chooses between ways of training: it is (1) of one who takes a row in a hundred for an outlier and then knows the
+//! prior only. Gaussian densities are far too sure of a row far out, and one such row would outweigh all others in (1).
 //!
 //! p̄ is the mean posterior of a bin, ō the share in it that is of class k, w its share of the rows; (4) leaves out what
 //! posteriors vary within a bin. The expected calibration error is the mean of |(3)| over rows and classes. A score
@@ -49,6 +53,8 @@ pub struct Score {
 /// Rows whose posterior of a class is in one bin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bin {
+    /// Middle of the bin.
+    pub middle: f64,
     /// Mean posterior p̄.
     pub posterior: f64,
     /// Share of the class ō, with its binomial 95 % interval.
@@ -79,6 +85,8 @@ pub struct Scores {
     pub error: f64,
     /// (1).
     pub log: Score,
+    /// (5).
+    pub guarded: Score,
     /// (2).
     pub brier: Score,
     /// (4).
@@ -95,8 +103,8 @@ impl Scores {
     pub fn new(predictions: &[Prediction], priors: &[f64]) -> Self {
         let total: f64 = predictions.iter().map(|p| p.weight).sum();
         let mean = |of: &dyn Fn(&Prediction) -> f64| predictions.iter().map(|p| p.weight * of(p)).sum::<f64>() / total;
+        let log_priors: Vec<f64> = priors.iter().map(|p| p.ln()).collect();
         let score = |of: &dyn Fn(&[f64], usize) -> f64| {
-            let log_priors: Vec<f64> = priors.iter().map(|p| p.ln()).collect();
             let value = mean(&|p| of(&p.log_posteriors, p.truth));
             let squares = predictions.iter().map(|p| (p.weight * (of(&p.log_posteriors, p.truth) - value)).powi(2));
             let n = predictions.len() as f64;
@@ -109,6 +117,7 @@ impl Scores {
             count: predictions.len(),
             error: mean(&|p| f64::from(u8::from(p.decided != Some(p.truth)))),
             log: score(&log_score),
+            guarded: score(&|log_posteriors, truth| guarded_score(log_posteriors, truth, priors)),
             brier: score(&brier_score),
             decomposition: decompose(&bins, &(0..priors.len()).map(base).collect::<Vec<_>>()),
             calibration_error: bins.iter().flatten().map(|b| b.share * b.gap().abs()).sum::<f64>() / bins.len() as f64,
@@ -154,7 +163,8 @@ impl Scores {
     /// The error rate and [`Scores::add_to`].
     #[must_use]
     pub fn to_json(&self) -> Value {
-        let mut value = json!({ "rows": self.count, "error_rate": self.error });
+        let mut value =
+            json!({ "rows": self.count, "error_rate": self.error, "guarded_log_score": self.guarded.value });
         self.add_to(&mut value);
         value
     }
@@ -190,8 +200,14 @@ impl Bin {
 }
 
 /// (1).
-pub(crate) fn log_score(log_posteriors: &[f64], truth: usize) -> f64 {
+fn log_score(log_posteriors: &[f64], truth: usize) -> f64 {
     -log_posteriors[truth]
+}
+
+/// (5).
+pub(crate) fn guarded_score(log_posteriors: &[f64], truth: usize, priors: &[f64]) -> f64 {
+    const OUTLIERS: f64 = 0.01;
+    -((1.0 - OUTLIERS) * log_posteriors[truth].exp() + OUTLIERS * priors[truth]).ln()
 }
 
 /// (2).
@@ -206,20 +222,21 @@ fn bins(predictions: &[Prediction], class: usize, total: f64) -> Vec<Bin> {
         let posterior = prediction.log_posteriors[class].exp();
         bins[((posterior * BINS as f64) as usize).min(BINS - 1)].push((posterior, prediction));
     }
-    let bin = |rows: &Vec<(f64, &Prediction)>| {
+    let bin = |(place, rows): (usize, &Vec<(f64, &Prediction)>)| {
         let sum = |of: &dyn Fn(f64, &Prediction) -> f64| rows.iter().map(|(p, row)| of(*p, row)).sum::<f64>();
         let weight = sum(&|_, row| row.weight);
         let share = sum(&|_, row| if row.truth == class { row.weight } else { 0.0 }) / weight;
         // Of unequal weights, as many equal ones as have the same variance.
         let equal = weight * weight / sum(&|_, row| row.weight * row.weight);
         Bin {
+            middle: (place as f64 + 0.5) / BINS as f64,
             posterior: sum(&|p, row| p * row.weight) / weight,
             observed: Rate::wilson_of(share * equal, equal),
             count: rows.len(),
             share: weight / total,
         }
     };
-    bins.iter().filter(|rows| !rows.is_empty()).map(bin).collect()
+    bins.iter().enumerate().filter(|(_, rows)| !rows.is_empty()).map(bin).collect()
 }
 
 fn decompose(bins: &[Vec<Bin>], base: &[f64]) -> Decomposition {
@@ -251,6 +268,8 @@ mod tests {
         assert!((scores.log.value - 0.585_852).abs() < 1e-6, "{scores:?}");
         // 2 (2·0.04 + 0.64 + 0.0625)/4
         assert!((scores.brier.value - 0.391_25).abs() < 1e-12 && (scores.brier.of_prior - 0.5).abs() < 1e-12);
+        let guarded = Scores::new(&[two(1, 1.0, 1.0)], &[0.5, 0.5]);
+        assert!(guarded.log.value.is_infinite() && (guarded.guarded.value - 200_f64.ln()).abs() < 1e-12);
         assert!((scores.log.of_prior - 2_f64.ln()).abs() < 1e-12 && (scores.error - 0.25).abs() < 1e-12);
         // Bins of one value each: 2 of 3 at 0.8, 0 of 1 at 0.25; the same for the other class.
         let expected = 0.75 * (2.0 / 3.0 - 0.8_f64).abs() + 0.25 * 0.25;

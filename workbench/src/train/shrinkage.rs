@@ -35,7 +35,7 @@ pub enum Shrink {
     Not,
     /// By these numbers.
     To(Shrinkage),
-    /// By the numbers of the best cross-validated log score.
+    /// By the numbers of the best cross-validated guarded log score.
     Chosen,
 }
 
@@ -44,8 +44,8 @@ pub enum Shrink {
 pub struct GridPoint {
     /// λ and γ.
     pub shrinkage: Shrinkage,
-    /// Mean of −ln P(true class), nats; infinite where a covariance is singular in some fold.
-    pub log_score: f64,
+    /// Guarded log score, nats; infinite where a covariance is singular in some fold.
+    pub score: f64,
     /// Error rate.
     pub error: f64,
 }
@@ -100,8 +100,8 @@ impl Choice {
     #[must_use]
     pub fn to_json(&self) -> Value {
         let point = |p: &GridPoint| {
-            let score = p.log_score.is_finite().then_some((p.log_score, p.error)).unzip();
-            json!({ "lambda": p.shrinkage.lambda, "gamma": p.shrinkage.gamma, "log_score": score.0, "error_rate": score.1 })
+            let score = p.score.is_finite().then_some((p.score, p.error)).unzip();
+            json!({ "lambda": p.shrinkage.lambda, "gamma": p.shrinkage.gamma, "guarded_log_score": score.0, "error_rate": score.1 })
         };
         let Shrinkage { lambda, gamma } = self.shrinkage;
         let grid = self.grid.iter().map(point).collect::<Vec<_>>();
@@ -109,7 +109,7 @@ impl Choice {
     }
 }
 
-/// The point of the grid of least cross-validated log score; of equals the most shrunk. The projection is learnt anew in
+/// The point of the grid of least cross-validated guarded log score; of equals the most shrunk. The projection is learnt anew in
 /// every fold.
 pub(crate) fn search(candidates: &Candidates, recipe: &Recipe) -> Result<Choice, Error> {
     let folds = Folds::new(candidates, &recipe.validation)?;
@@ -124,16 +124,16 @@ pub(crate) fn search(candidates: &Candidates, recipe: &Recipe) -> Result<Choice,
         let mut predictions = Vec::new();
         for part in &parts {
             let Ok(densities) = discriminant::shrunk(&part.seen, &part.names, recipe, shrinkage) else {
-                return GridPoint { shrinkage, log_score: f64::INFINITY, error: 1.0 };
+                return GridPoint { shrinkage, score: f64::INFINITY, error: 1.0 };
             };
             predictions.extend(part.predict(&densities, &weights));
         }
         let scores = Scores::new(&predictions, &priors);
-        GridPoint { shrinkage, log_score: scores.log.value, error: scores.error }
+        GridPoint { shrinkage, score: scores.guarded.value, error: scores.error }
     };
     let grid: Vec<GridPoint> = points.par_iter().map(score).collect();
     // The first of equals; the grid begins with the most shrunk.
-    let best = grid.iter().min_by(|a, b| a.log_score.total_cmp(&b.log_score)).filter(|best| best.log_score.is_finite());
+    let best = grid.iter().min_by(|a, b| a.score.total_cmp(&b.score)).filter(|best| best.score.is_finite());
     let Some(best) = best else {
         let problem = "every shrunk covariance is singular: a feature is the same in every trace; leave it out";
         return Err(Error::Training(problem.into()));
@@ -228,14 +228,14 @@ mod tests {
             let at = |lambda: f64, gamma: f64| {
                 let point =
                     choice.grid.iter().find(|p| p.shrinkage == Shrinkage { lambda, gamma }).expect("in the grid");
-                point.log_score
+                point.score
             };
             let [linear, quadratic] = [at(1.0, 0.0), at(0.0, 0.0)];
-            let best = choice.grid.iter().map(|p| p.log_score).fold(f64::INFINITY, f64::min);
+            let best = choice.grid.iter().map(|p| p.score).fold(f64::INFINITY, f64::min);
             (choice.shrinkage, best, linear, quadratic)
         };
         // Few rows of one common covariance: near the shared end; the classes' own are poor.
-        let (shrinkage, best, linear, quadratic) = chosen(60, 6, (1.5, 1.0, 0.5));
+        let (shrinkage, best, linear, quadratic) = chosen(30, 6, (1.5, 1.0, 0.5));
         assert!(
             shrinkage.lambda >= 0.5 && best <= linear && quadratic > linear + 0.05,
             "{shrinkage:?} {linear} {quadratic}"

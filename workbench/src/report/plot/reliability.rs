@@ -4,6 +4,8 @@
 //! above   share of the class in a bin, with its 95 % interval, over the bin's mean posterior: honest ones lie on y = x
 //! below   rows in the bin, on a scale of powers of ten
 //! ```
+//!
+//! Classes are set a little beside one another, as near 0 and 1 they would hide each other.
 
 use std::fmt::Write as _;
 
@@ -16,14 +18,17 @@ use crate::evaluate::Rate;
 
 const HEIGHT: f64 = 340.0;
 const COUNTS_HEIGHT: f64 = 130.0;
-/// Width of one bar of the counts, in drawing units.
-const BAR: f64 = 14.0;
+/// Width of the bars of one bin, and of the points of one place, in drawing units.
+const BARS: f64 = 48.0;
+const POINTS: f64 = 20.0;
 /// Half the width of an interval's ends.
 const CAP: f64 = 4.0;
 
 /// Rows whose posterior of a class lies in one bin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReliabilityBin {
+    /// Middle of the bin.
+    pub middle: f64,
     /// Mean posterior.
     pub posterior: f64,
     /// Share that is of the class.
@@ -66,7 +71,7 @@ pub fn reliability(title: &str, rows: &str, classes: &[ReliabilityClass]) -> Res
         &format!("M{} {}L{} {}", num(x.at(0.0)), num(y.at(0.0)), num(x.at(1.0)), num(y.at(1.0))),
     );
     for (place, (class, bins)) in classes.iter().zip(&drawn).enumerate() {
-        let across = |bin: &ReliabilityBin| x.at(bin.posterior) + 0.5 * beside(place, classes.len());
+        let across = |bin: &ReliabilityBin| x.at(bin.posterior) + POINTS * beside(place, classes.len());
         intervals(&mut svg, class, bins, across, &y);
     }
     let keys: Vec<_> = classes.iter().map(|c| (key(&c.class), c.class.name.clone())).collect();
@@ -88,9 +93,9 @@ fn key(class: &Class) -> Key {
     Key::Line { color: class.color, dashed: false, marker: Some(class.marker) }
 }
 
-/// Where a class lies beside the others of a bin.
+/// Where a class lies beside the others of a bin, in parts of the width of all.
 fn beside(place: usize, classes: usize) -> f64 {
-    BAR * (place as f64 - 0.5 * (classes as f64 - 1.0))
+    (place as f64 + 0.5) / classes as f64 - 0.5
 }
 
 fn intervals(
@@ -127,11 +132,12 @@ fn counts(
     let area = Area { left: x.at(x.range.lo), ..area };
     let mut svg = Svg::new();
     grid(&mut svg, area, x, &y, true);
+    let half = 0.4 * BARS / classes.len() as f64;
     for (place, (class, bins)) in classes.iter().zip(drawn).enumerate() {
         let mut bars = String::new();
         for bin in bins {
-            let (at, top) = (x.at(bin.posterior) + beside(place, classes.len()), y.at((bin.count as f64).log10()));
-            bars += &block(at - 0.45 * BAR, top, at + 0.45 * BAR, area.bottom);
+            let (at, top) = (x.at(bin.middle) + BARS * beside(place, classes.len()), y.at((bin.count as f64).log10()));
+            bars += &block(at - half, top, at + half, area.bottom);
             svg.text("class=\"roomy\"", Anchor::Middle, at, top - 8.0, &bin.count.to_string());
         }
         svg.path(&format!("class=\"area\" fill=\"{}\"", class.class.color), &bars);
@@ -146,6 +152,7 @@ mod tests {
 
     fn class(bins: &[(f64, usize, usize)]) -> ReliabilityClass {
         let bin = |&(posterior, hits, count): &(f64, usize, usize)| ReliabilityBin {
+            middle: posterior,
             posterior,
             observed: Rate::wilson(hits, count),
             count,

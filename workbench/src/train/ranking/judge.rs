@@ -1,0 +1,177 @@
+//! Sets of features judged on one split, and forward selection.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use super::{Gain, Ranked};
+use crate::Error;
+use crate::train::cross_validation::{Candidates, Folds, check, predict};
+use crate::train::fit::fit;
+use crate::train::scores::{Prediction, guarded_score};
+use crate::train::shrinkage::{self, Shrink};
+use crate::train::{ClassStatistics, Recipe, discriminant};
+
+/// Standard errors below which a gain is taken for chance.
+const SURE: f64 = 2.0;
+/// Correlation within classes from which one feature is said to repeat another.
+const ALIKE: f64 = 0.8;
+
+/// Scores of sets of features on one split.
+pub(super) struct Judge<'a> {
+    candidates: &'a Candidates,
+    recipe: Recipe,
+    pub(super) folds: Folds,
+    pub(super) priors: Vec<f64>,
+    weights: Vec<f64>,
+}
+
+/// Forward selection.
+pub(super) struct Path {
+    pub(super) chosen: Vec<usize>,
+    /// At its choice, or beside all chosen.
+    pub(super) gains: BTreeMap<usize, Gain>,
+}
+
+impl<'a> Judge<'a> {
+    pub(super) fn new(candidates: &'a Candidates, recipe: &Recipe) -> Result<Self, Error> {
+        let folds = Folds::new(candidates, &recipe.validation)?;
+        let priors = discriminant::priors(&recipe.priors, candidates.table.names.len())?;
+        let weights = candidates.weights(&priors);
+        let shrink = match recipe.shrink {
+            Shrink::Chosen => Shrink::To(shrinkage::search(candidates, recipe)?.shrinkage),
+            given => given,
+        };
+        Ok(Self { candidates, recipe: Recipe { shrink, ..recipe.clone() }, folds, priors, weights })
+    }
+
+    /// Posteriors with these features only; those of the priors without any, nothing where they are singular.
+    pub(super) fn predict(&self, features: &[usize]) -> Option<Vec<Prediction>> {
+        if features.is_empty() {
+            let log_posteriors: Vec<f64> = self.priors.iter().map(|p| p.ln()).collect();
+            let decided = (0..self.priors.len()).max_by(|&a, &b| self.priors[a].total_cmp(&self.priors[b]));
+            let rows = self.candidates.table.classes.iter().zip(&self.weights);
+            let prediction =
+                |(&truth, &weight)| Prediction { truth, decided, log_posteriors: log_posteriors.clone(), weight };
+            return Some(rows.map(prediction).collect());
+        }
+        predict(&self.candidates.select(features), &self.recipe, &self.folds).ok()
+    }
+
+    pub(super) fn gain(&self, before: &[Prediction], after: &[Prediction]) -> Gain {
+        let wrong = |p: &Prediction| f64::from(u8::from(p.decided != Some(p.truth)));
+        let total: f64 = self.weights.iter().sum();
+        let mut of_group: BTreeMap<usize, f64> = BTreeMap::new();
+        let (mut log, mut error) = (0.0, 0.0);
+        for ((before, after), group) in before.iter().zip(after).zip(&self.candidates.groups) {
+            let score = |p: &Prediction| guarded_score(&p.log_posteriors, p.truth, &self.priors);
+            let gained = before.weight * (score(before) - score(after)) / total; // (3)
+            *of_group.entry(*group).or_default() += gained;
+            log += gained;
+            error += before.weight * (wrong(before) - wrong(after)) / total;
+        }
+        let n = of_group.len() as f64;
+        let squares: f64 = of_group.values().map(|sum| (sum - log / n).powi(2)).sum();
+        Gain { log, standard_error: (squares * n / (n - 1.0)).sqrt(), error }
+    }
+
+    pub(super) fn forward(&self) -> Path {
+        let mut path = Path { chosen: vec![], gains: BTreeMap::new() };
+        let mut before = self.predict(&[]).unwrap_or_default();
+        loop {
+            let rest: Vec<usize> = (0..self.candidates.features.len()).filter(|k| !path.chosen.contains(k)).collect();
+            let tried = rest.par_iter().filter_map(|&feature| {
+                let after = self.predict(&[&path.chosen[..], &[feature]].concat())?;
+                Some((feature, self.gain(&before, &after), after))
+            });
+            let tried: Vec<_> = tried.collect();
+            // What is singular beside the chosen has no gain any more.
+            path.gains.retain(|feature, _| path.chosen.contains(feature));
+            path.gains.extend(tried.iter().map(|(feature, gain, _)| (*feature, *gain)));
+            let best = tried.into_iter().max_by(|(_, a, _), (_, b, _)| a.log.total_cmp(&b.log));
+            let Some((feature, _, after)) = best.filter(|(_, gain, _)| gain.log > SURE * gain.standard_error) else {
+                return path;
+            };
+            path.chosen.push(feature);
+            before = after;
+        }
+    }
+
+    /// The rows of each fold by a choice that has not seen them, of features as of the shrinkage.
+    pub(super) fn honest(&self, recipe: &Recipe) -> Option<Vec<Prediction>> {
+        let one = |fold: usize| -> Option<Vec<(usize, Prediction)>> {
+            let (seen, held_out) = self.folds.split(fold);
+            let rows = self.candidates.rows(&seen);
+            check(&rows).ok()?;
+            let inner = Judge::new(&rows, recipe).ok()?;
+            let chosen = inner.forward().chosen;
+            if chosen.is_empty() {
+                let guessed = self.predict(&[])?;
+                return Some(held_out.into_iter().map(|row| (row, guessed[row].clone())).collect());
+            }
+            let candidates = self.candidates.select(&chosen);
+            let fitted = fit(&candidates.rows(&seen), &inner.recipe).ok()?;
+            let predicted = held_out.into_iter().map(|row| {
+                let z = fitted.projection.apply(&candidates.table.rows[row]);
+                let log_posteriors = fitted.densities.log_posteriors(&z);
+                let decided = Some(fitted.densities.decide(&log_posteriors));
+                let (truth, weight) = (candidates.table.classes[row], self.weights[row]);
+                (row, Prediction { truth, decided, log_posteriors, weight })
+            });
+            Some(predicted.collect())
+        };
+        let parts: Vec<Option<Vec<_>>> = (0..self.folds.count).into_par_iter().map(one).collect();
+        let mut all: Vec<(usize, Prediction)> = parts.into_iter().collect::<Option<Vec<_>>>()?.concat();
+        all.sort_by_key(|(row, _)| *row);
+        Some(all.into_iter().map(|(_, prediction)| prediction).collect())
+    }
+
+    pub(super) fn reason(&self, statistics: &ClassStatistics, path: &Path, feature: usize, ranked: &Ranked) -> String {
+        let signed = |x: f64| format!("{}{:.3}", if x < 0.0 { "−" } else { "+" }, x.abs());
+        let gain = |gain: &Gain| format!("{} ± {:.3}", signed(gain.log), gain.standard_error);
+        if ranked.kept {
+            let place = path.chosen.iter().position(|k| *k == feature).unwrap_or(0);
+            let beside = if place == 0 { "the priors" } else { "those above" };
+            return ranked.beside_chosen.map_or_else(String::new, |g| format!("gains {} over {beside}", gain(&g)));
+        }
+        if statistics.pooled[(feature, feature)] <= 0.0 {
+            return "is the same in all segments of a class".into();
+        }
+        let correlation = |other: usize| {
+            let pooled = &statistics.pooled;
+            pooled[(feature, other)] / (pooled[(feature, feature)] * pooled[(other, other)]).sqrt()
+        };
+        let mut parts = vec![];
+        // Of class means that are equal, N J is about χ² with C − 1 degrees of freedom: mean C − 1, sd √(2 (C − 1)).
+        let degrees = statistics.counts.len() as f64 - 1.0;
+        let rows: usize = statistics.counts.iter().sum();
+        if ranked.fisher * (rows as f64) < degrees + SURE * (2.0 * degrees).sqrt() {
+            parts.push("its class means differ no more than by chance".to_string());
+        }
+        let alike = path.chosen.iter().copied().max_by(|&a, &b| correlation(a).abs().total_cmp(&correlation(b).abs()));
+        if let Some(other) = alike.filter(|&other| correlation(other).abs() >= ALIKE) {
+            let (name, r) = (&self.candidates.features[other], correlation(other));
+            let sign = if r < 0.0 { "−" } else { "" };
+            parts.push(format!("goes with {name} (correlation {sign}{:.2} within classes)", r.abs()));
+        }
+        parts.push(match &ranked.beside_chosen {
+            None => "is a combination of those kept".into(),
+            Some(g) if path.chosen.is_empty() => format!("gains nothing sure over the priors: {}", gain(g)),
+            Some(g) if g.log < -SURE * g.standard_error => format!("makes it worse: {}", gain(g)),
+            Some(g) => format!("adds nothing sure to those kept: {}", gain(g)),
+        });
+        parts.join("; ")
+    }
+}
+
+/// (1) and (2).
+pub(super) fn fisher(statistics: &ClassStatistics, priors: &[f64], feature: usize) -> (f64, Vec<f64>) {
+    let means: Vec<f64> = statistics.means.iter().map(|mean| mean[feature]).collect();
+    let centre: f64 = means.iter().zip(priors).map(|(mean, p)| p * mean).sum();
+    let between: f64 = means.iter().zip(priors).map(|(mean, p)| p * (mean - centre).powi(2)).sum();
+    let ratio = |between: f64, within: f64| if within > 0.0 { between / within } else { 0.0 };
+    let variance = |class: usize| statistics.covariances[class][(feature, feature)];
+    let pairs = (0..means.len()).flat_map(|i| (i + 1..means.len()).map(move |j| (i, j)));
+    let pairs = pairs.map(|(i, j)| ratio((means[i] - means[j]).powi(2), variance(i) + variance(j))).collect();
+    (ratio(between, statistics.pooled[(feature, feature)]), pairs)
+}
