@@ -156,8 +156,7 @@ fn components(table: &Table) -> Option<Vec<String>> {
         ),
         "Why: on this rig the signals do not determine a third-order model with so many terms. Healthy traces with nearly \
          the same fit differ in their a-parameters by iv4 by 1 and more: a pole can lie anywhere, because B and C have \
-         terms enough to make up for it. Controller, noise and load of the source's simulation are not printed; they must \
-         have left its third pole less free."
+         terms enough to make up for it. Controller, noise and load of the source's simulation are not printed; they may have left its third pole less free."
             .to_string(),
     ];
     if last.iter().all(|(first, last)| last > first) {
@@ -228,10 +227,9 @@ fn pieces(table: &Table) -> Option<Vec<String>> {
             error("whole record, LS, a1 b1")?
         ),
         format!(
-            "Why: along a straight run of a few hundred samples the slow reference hardly moves otherwise than the output, \
-             so b is badly determined: over healthy traces b1 scatters by {} from run to run, by {} between whole \
+            "Why: a straight run of a few hundred samples holds little of the slow reference's movement, so b is badly determined: over healthy traces b1 scatters by {} from run to run, by {} between whole \
              records. Medians win part of it back, the more the more runs. The defect is in every sample, not only where \
-             the output is straight, so that cutting loses and gains nothing.",
+             the output is straight, so cutting only loses here.",
             of("the same cut, LS, each run", "sd of b1")?,
             of("whole record, LS, a1 b1", "sd of b1")?
         ),
