@@ -74,10 +74,10 @@ fn the_literal_method_and_ours_on_the_rig() {
     let (quadratic, pooled) =
         (mean(error_2, "the same, quadratic", "three classes"), mean(error_2, literal, "both pooled"));
     assert!(quadratic <= 2.7 && pooled <= 2.7, "{quadratic} {pooled}");
-    // 33.3 ± 4.4; healthy/roughness 47.5 ± 7.4.
+    // 33.3 ± 4.4; healthy / roughness 47.5 ± 7.4.
     let all = mean(error_3, literal, "three classes");
     assert!((26.0..=41.0).contains(&all), "{all}");
-    let roughness = mean(error_3, literal, "healthy/roughness");
+    let roughness = mean(error_3, literal, "healthy / roughness");
     assert!((35.0..=60.0).contains(&roughness), "{roughness}");
     // Fits are far steadier: 93.1 and 93.8 ± 0.1 over traces.
     for (table, fit) in [(error_2, 93.1), (error_3, 93.8)] {

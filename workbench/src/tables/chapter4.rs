@@ -15,7 +15,7 @@ use crate::train::{FeatureTable, ProjectionKind};
 
 /// Heads of the columns, in order.
 pub(super) const COLUMNS: [&str; 7] =
-    ["published", "three classes", "healthy/spall", "healthy/roughness", "both pooled", "traces", "healthy fit"];
+    ["published", "three classes", "healthy / spall", "healthy / roughness", "both pooled", "traces", "healthy fit"];
 
 /// The source's validation with PCA, the row that its conclusions rest on.
 pub(super) const LITERAL: &str = "validation, with PCA";

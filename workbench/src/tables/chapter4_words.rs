@@ -49,7 +49,7 @@ fn components(published: &Simulation, table: &Table) -> Option<String> {
 }
 
 fn defects(published: &Simulation, table: &Table) -> Option<String> {
-    let (spall, roughness) = (mean(table, LITERAL, "healthy/spall")?, mean(table, LITERAL, "healthy/roughness")?);
+    let (spall, roughness) = (mean(table, LITERAL, "healthy / spall")?, mean(table, LITERAL, "healthy / roughness")?);
     let (input, found, missed, agrees) = match published.input {
         FirstInput::Reference => ("reference", "A (spall)", "B (roughness)", spall < roughness),
         FirstInput::Error => ("error", "B (roughness)", "A (spall)", roughness < spall),
@@ -62,10 +62,10 @@ fn defects(published: &Simulation, table: &Table) -> Option<String> {
     };
     Some(format!(
         "Defects: with the {input} as input the source finds Defect {found} and not {missed} (§4.2). Here {verdict}: \
-         healthy/spall {} %, healthy/roughness {} %. Which defect shows in a depends on its size against the noise, \
+         healthy / spall {} %, healthy / roughness {} %. Which defect shows in a depends on its size against the noise, \
          and the source prints neither.",
-        shown(table, LITERAL, "healthy/spall")?,
-        shown(table, LITERAL, "healthy/roughness")?
+        shown(table, LITERAL, "healthy / spall")?,
+        shown(table, LITERAL, "healthy / roughness")?
     ))
 }
 

@@ -24,8 +24,8 @@ const COLUMNS: [(&str, Digits); 7] = [
     ("traces without", Digits::Fixed(1)),
     ("sd of b1", Digits::Power(1)),
     ("three classes", Digits::Fixed(1)),
-    ("healthy/spall", Digits::Fixed(1)),
-    ("healthy/roughness", Digits::Fixed(1)),
+    ("healthy / spall", Digits::Fixed(1)),
+    ("healthy / roughness", Digits::Fixed(1)),
     ("both pooled", Digits::Fixed(1)),
 ];
 

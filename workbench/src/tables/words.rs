@@ -33,7 +33,7 @@ pub fn intro(settings: &Settings) -> Vec<String> {
          classifier, both pooled, and traces: one is wrong where a classifier that sees it errs."
             .to_string(),
         "The source prints the motor's data, but neither controller gains nor noise nor defect sizes. The rig's were \
-         chosen so that healthy traces fit as well as published; the rates were not fitted."
+         chosen so that healthy traces fit as well as published."
             .to_string(),
         ours::DESCRIPTION.to_string(),
     ]
