@@ -23,52 +23,87 @@ const fn model(order: Order, method: Method) -> Model {
     Model { input: INPUT, order, method }
 }
 
+/// Heads of Table 3.1's columns.
+const COMPONENT_COLUMNS: [(&str, Digits); 6] = [
+    ("published eigenvalue", Digits::Power(2)),
+    ("published contribution, %", Digits::Fixed(2)),
+    ("eigenvalue", Digits::Power(2)),
+    ("contribution, %", Digits::Fixed(3)),
+    ("spall from healthy, sd", Digits::Fixed(2)),
+    ("traces used, %", Digits::Fixed(1)),
+];
+
+/// The least fit that the source accepts (§3.3), %.
+pub(super) const LEAST_FIT: f64 = 85.0;
+
 /// Table 3.1 of one repetition.
 ///
 /// # Errors
 /// Where a trace cannot be estimated.
 pub(super) fn components(draw: &Draw) -> Result<Table, Error> {
-    let model = model(ORDER_WITH_PCA, Method::Iv4);
-    let (names, places) = choose(model, &["a"])?;
-    let [training, _] = draw.estimates(model)?.tables(SELECTION, &places);
-    let rule = Rule::train(
-        &training,
-        &names,
-        ProjectionKind::Pca { keep: crate::train::Keep::Components(3), standardised: false },
-        Kind::Linear,
-    )?;
-    let mut values: Vec<f64> =
-        SymmetricEigen::new(ClassStatistics::new(&training).total).eigenvalues.iter().copied().collect();
-    values.sort_by(|x, y| y.total_cmp(x));
-    let total: f64 = values.iter().sum();
-    let z = training.map(&rule.projection);
-    let rows = TABLE_3_1.iter().zip(&values).enumerate().map(|(k, ((published, contribution), value))| Row {
-        name: format!("e{}", k + 1),
-        cells: vec![
-            Cell::Published(*published),
-            Cell::Published(*contribution),
-            Cell::one(*value),
-            Cell::one(100.0 * value / total),
-            Cell::one(separation::of_feature(&z, k, 1).abs()),
-        ],
-    });
-    let column = |(name, digits): (&str, Digits)| Column::new(name, digits);
-    let columns = [
-        ("published eigenvalue", Digits::Power(2)),
-        ("published contribution, %", Digits::Fixed(2)),
-        ("eigenvalue", Digits::Power(2)),
-        ("contribution, %", Digits::Fixed(3)),
-        ("spall from healthy, sd", Digits::Fixed(2)),
-    ];
+    let mut rows = Vec::new();
+    let mut figures = Vec::new();
+    for (suffix, method, least_fit) in [
+        ("", Method::Iv4, f64::NEG_INFINITY),
+        (", traces that fit", Method::Iv4, LEAST_FIT),
+        (", LS", Method::Ls, f64::NEG_INFINITY),
+    ] {
+        let model = model(ORDER_WITH_PCA, method);
+        let (_, places) = choose(model, &["a"])?;
+        let estimates = draw.estimates(model)?;
+        let picked = SELECTION.pick(&estimates.training, |e| e.class);
+        let fitting = picked.iter().filter(|e| e.fit_percent >= least_fit);
+        let (rows_used, classes) = fitting.map(|e| (e.features.clone(), e.class)).unzip();
+        let table = FeatureTable { rows: rows_used, classes, names: SELECTION.names() }.select(&places);
+        let used = 100.0 * table.rows.len() as f64 / picked.len() as f64;
+        let found = principal_components(&table);
+        for (k, (published, contribution)) in TABLE_3_1.iter().enumerate() {
+            let source = |value: f64| if suffix.is_empty() { Cell::Published(value) } else { Cell::Empty };
+            let [value, part, apart] = found.as_ref().map_or([const { Cell::Measured(vec![]) }; 3], |f| f.cells(k));
+            let cells = vec![source(*published), source(*contribution), value, part, apart, Cell::one(used)];
+            rows.push(Row { name: format!("e{}{suffix}", k + 1), cells });
+        }
+        if let (true, Some(found)) = (suffix.is_empty(), found) {
+            figures = spreads("principal component", &["z1", "z2", "z3"].map(String::from), &found.coordinates);
+        }
+    }
     Ok(Table {
         id: "3.1",
         title: format!("Table 3.1: principal components of a1, a2, a3; order {}, iv4", words::order(ORDER_WITH_PCA)),
         conditions: CONDITIONS.to_string(),
-        columns: columns.into_iter().map(column).collect(),
-        rows: rows.collect(),
+        columns: COMPONENT_COLUMNS.map(|(name, digits)| Column::new(name, digits)).to_vec(),
+        rows,
         words: vec![],
-        figures: spreads("principal component", &["z1", "z2", "z3"].map(String::from), &z),
+        figures,
     })
+}
+
+/// Eigenvalues of the covariance of all rows, largest first, and the rows along their vectors.
+struct Components {
+    values: Vec<f64>,
+    coordinates: FeatureTable,
+}
+
+/// Nothing where a class has too few rows for a spread.
+fn principal_components(table: &FeatureTable) -> Option<Components> {
+    let enough = (0..table.names.len()).all(|class| table.classes.iter().filter(|c| **c == class).count() > 2);
+    let total = enough.then(|| ClassStatistics::new(table).total)?;
+    let eigen = SymmetricEigen::new(total);
+    let mut places: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
+    places.sort_by(|&i, &j| eigen.eigenvalues[j].total_cmp(&eigen.eigenvalues[i]));
+    let vectors = eigen.eigenvectors.select_columns(&places).transpose();
+    let rows = table.rows.iter().map(|row| &vectors * row).collect();
+    let values = places.iter().map(|&k| eigen.eigenvalues[k]).collect();
+    Some(Components { values, coordinates: FeatureTable { rows, ..table.clone() } })
+}
+
+impl Components {
+    /// Eigenvalue, contribution and distance of the classes of one component.
+    fn cells(&self, k: usize) -> [Cell; 3] {
+        let total: f64 = self.values.iter().sum();
+        let apart = separation::of_feature(&self.coordinates, k, 1).abs();
+        [self.values[k], 100.0 * self.values[k] / total, apart].map(Cell::one)
+    }
 }
 
 fn spreads(what: &str, names: &[String], table: &FeatureTable) -> Vec<Figure> {
@@ -86,60 +121,69 @@ fn spreads(what: &str, names: &[String], table: &FeatureTable) -> Vec<Figure> {
     names.iter().enumerate().map(one).collect()
 }
 
+/// A row of Table 3.2.
+struct Case {
+    name: String,
+    published: Option<f64>,
+    model: Model,
+    features: &'static [&'static str],
+    projection: ProjectionKind,
+    kind: Kind,
+}
+
+impl Case {
+    /// Features as they are.
+    fn plain(name: &str, order: Order, method: Method, features: &'static [&'static str]) -> Self {
+        let name = format!("{}, {name}", words::order(order));
+        let projection = ProjectionKind::None;
+        Self { name, published: None, model: model(order, method), features, projection, kind: Kind::Linear }
+    }
+
+    /// Two principal components of the a-parameters.
+    fn projected(name: &str, order: Order, method: Method) -> Self {
+        Self { projection: principal(order.na.into()), ..Self::plain(name, order, method, &["a"]) }
+    }
+
+    fn published(self, rate: f64) -> Self {
+        Self { published: Some(rate), ..self }
+    }
+
+    fn quadratic(self) -> Self {
+        Self { kind: Kind::Quadratic, ..self }
+    }
+
+    fn row(self, draw: &Draw) -> Result<Row, Error> {
+        let (names, places) = choose(self.model, self.features)?;
+        let estimates = draw.estimates(self.model)?;
+        let [training, validation] = estimates.tables(SELECTION, &places);
+        let rule = Rule::train(&training, &names, self.projection, self.kind)?;
+        let error = |table| Cell::percent(rule.judge(table).all_error());
+        let published = self.published.map_or(Cell::Empty, Cell::Published);
+        let fit = Cell::one(estimates.healthy_fit(SELECTION));
+        Ok(Row { name: self.name, cells: vec![published, error(&training), error(&validation), fit] })
+    }
+}
+
 /// Table 3.2 of one repetition.
 ///
 /// # Errors
 /// Where a trace cannot be estimated or features are singular.
 pub(super) fn misclassified(draw: &Draw) -> Result<Table, Error> {
-    let two = |order| format!("{}, a1 a2", words::order(order));
-    let none = ProjectionKind::None;
+    const TWO: &[&str] = &["a1", "a2"];
     let (low, high) = (ORDER_WITHOUT_PCA, ORDER_WITH_PCA);
-    let pair: &[&str] = &["a1", "a2"];
-    let cases: [(String, Option<f64>, Model, &[&str], ProjectionKind, Kind); 8] = [
-        (two(low), Some(ERROR_WITHOUT_PCA), model(low, Method::Iv4), pair, none, Kind::Linear),
-        (
-            format!("{}, z1 z2", words::order(high)),
-            Some(ERROR_WITH_PCA),
-            model(high, Method::Iv4),
-            &["a"],
-            principal(3),
-            Kind::Linear,
-        ),
-        (format!("{}, quadratic", two(low)), None, model(low, Method::Iv4), pair, none, Kind::Quadratic),
-        (
-            format!("{}, z1 z2, quadratic", words::order(high)),
-            None,
-            model(high, Method::Iv4),
-            &["a"],
-            principal(3),
-            Kind::Quadratic,
-        ),
-        (two(high), None, model(high, Method::Iv4), pair, none, Kind::Linear),
-        (format!("{}, a1 a2 a3", words::order(high)), None, model(high, Method::Iv4), &["a"], none, Kind::Linear),
-        (
-            format!("{}, z1 z2 by LS", words::order(high)),
-            None,
-            model(high, Method::Ls),
-            &["a"],
-            principal(3),
-            Kind::Linear,
-        ),
-        (format!("{}, a b c by LS", words::order(low)), None, model(low, Method::Ls), &[], none, Kind::Linear),
+    let cases = [
+        Case::plain("a1 a2", low, Method::Iv4, TWO).published(ERROR_WITHOUT_PCA),
+        Case::projected("z1 z2", high, Method::Iv4).published(ERROR_WITH_PCA),
+        Case::plain("a1 a2, quadratic", low, Method::Iv4, TWO).quadratic(),
+        Case::projected("z1 z2, quadratic", high, Method::Iv4).quadratic(),
+        Case::plain("a1 a2", high, Method::Iv4, TWO),
+        Case::plain("a1 a2 a3", high, Method::Iv4, &["a"]),
+        Case::projected("z1 z2 by LS", high, Method::Ls),
+        Case::plain("a b c by LS", low, Method::Ls, &[]),
     ];
-    let mut rows = Vec::new();
-    for (name, published, model, asked, projection, kind) in cases {
-        let (names, places) = choose(model, asked)?;
-        let estimates = draw.estimates(model)?;
-        let [training, validation] = estimates.tables(SELECTION, &places);
-        let rule = Rule::train(&training, &names, projection, kind)?;
-        let error = |table| Cell::percent(rule.judge(table).all_error());
-        let published = published.map_or(Cell::Empty, Cell::Published);
-        let cells = vec![published, error(&training), error(&validation), Cell::one(estimates.healthy_fit(SELECTION))];
-        rows.push(Row { name, cells });
-    }
-    let ours = draw.ours(SELECTION)?;
-    let cells = vec![Cell::Empty, Cell::Empty, Cell::percent(ours.all_error()), Cell::Empty];
-    rows.push(Row { name: ours::NAME.to_string(), cells });
+    let mut rows = cases.into_iter().map(|case| case.row(draw)).collect::<Result<Vec<_>, _>>()?;
+    let ours = Cell::percent(draw.ours(SELECTION)?.all_error());
+    rows.push(Row { name: ours::NAME.to_string(), cells: vec![Cell::Empty, Cell::Empty, ours, Cell::Empty] });
     let columns = ["published", "training", "validation", "healthy fit"];
     Ok(Table {
         id: "3.2",

@@ -5,7 +5,7 @@ use bearing_watch::decide::Kind;
 use super::draw::{Draw, Model, Selection, choose};
 use super::ours;
 use super::published::Simulation;
-use super::result::{Cell, Column, Digits, Figure, Plane, Row, Table};
+use super::result::{Cell, Column, Digits, Figure, Plane, PlaneClass, Row, Table};
 use super::words;
 use crate::Error;
 use crate::demo::FirstInput;
@@ -15,7 +15,7 @@ use crate::train::{FeatureTable, ProjectionKind};
 
 /// Heads of the columns, in order.
 pub(super) const COLUMNS: [&str; 7] =
-    ["published", "three classes", "healthy/spall", "healthy/roughness", "both pooled", "traces", "healthy fit"];
+    ["published", "three classes", "healthy / spall", "healthy / roughness", "both pooled", "traces", "healthy fit"];
 
 /// The source's validation with PCA, the row that its conclusions rest on.
 pub(super) const LITERAL: &str = "validation, with PCA";
@@ -139,9 +139,12 @@ fn plane(published: &Simulation, a: &Chosen, rule: Rule) -> Figure {
         let rows = table.rows.iter().zip(&table.classes).filter(|(_, c)| **c == class);
         rows.map(|(row, _)| rule.projection.apply(row)).map(|z| (z[0], z[1])).collect()
     };
-    let classes = a.training.names.iter().enumerate();
-    let classes =
-        classes.map(|(class, name)| (name.clone(), points(&a.training, class), points(&a.validation, class))).collect();
+    let class = |(class, name): (usize, &String)| PlaneClass {
+        name: name.clone(),
+        training: points(&a.training, class),
+        held_out: points(&a.validation, class),
+    };
+    let classes = a.training.names.iter().enumerate().map(class).collect();
     let title = format!("Table {}: principal components of the a-parameters by iv4, first draw", published.number);
     Figure::Plane(Box::new(Plane { title, classes, rule }))
 }

@@ -44,10 +44,10 @@ pub(super) fn first_order(draw: &Draw) -> Result<Table, Error> {
         }
     }
     let columns = [
-        ("a", Digits::Fixed(4)),
+        ("a", Digits::Deviation(5)),
         ("σa²", Digits::Power(1)),
         ("σa² stated", Digits::Power(1)),
-        ("b", Digits::Fixed(4)),
+        ("b", Digits::Deviation(5)),
         ("σb²", Digits::Power(1)),
         ("σb² stated", Digits::Power(1)),
         ("fit, %", Digits::Fixed(2)),

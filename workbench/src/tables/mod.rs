@@ -11,9 +11,11 @@
 
 mod chapter3;
 mod chapter4;
+mod chapter4_words;
 mod distributions;
 pub mod draw;
 pub mod ours;
+mod overview;
 pub mod page;
 mod pieces;
 pub mod published;
@@ -102,7 +104,7 @@ pub fn run(settings: &Settings, done: impl Fn()) -> Result<Vec<Table>, Error> {
     for table in &mut all {
         table.words = words::of(table);
     }
-    Ok(all)
+    Ok(overview::of(&all).into_iter().chain(all).collect())
 }
 
 fn measure(id: Id, draw: &Draw) -> Result<Vec<Table>, Error> {

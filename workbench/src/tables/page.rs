@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use super::render::written;
-use super::result::{Figure, Plane, Spread};
+use super::result::{Figure, Plane, PlaneClass, Spread};
 use super::{Settings, Table};
 use crate::report::page::{Page, or_reason, paragraph};
 use crate::report::plot::{self, Density, ScatterClass};
@@ -33,8 +33,13 @@ fn section(one: &Table) -> String {
     paragraph(&one.conditions) + &table::table(&head, &rows) + &words + &figures
 }
 
-/// A minus sign and no-break spaces keep numbers on one line.
+/// A minus sign and no-break spaces keep numbers and order vectors on one line.
 fn cells(mut row: Vec<String>) -> Vec<String> {
+    if let Some((before, rest)) = row[0].split_once('[')
+        && let Some((order, after)) = rest.split_once(']')
+    {
+        row[0] = format!("{before}[{}]{after}", order.replace(' ', "\u{a0}"));
+    }
     for cell in row.iter_mut().skip(1) {
         *cell = cell.replace('-', "−").replace(' ', "\u{a0}");
     }
@@ -58,10 +63,10 @@ fn densities(spread: &Spread) -> Result<String, crate::report::ReportError> {
 }
 
 fn scatter(plane: &Plane) -> Result<String, crate::report::ReportError> {
-    let one = |(k, (name, training, held_out)): (usize, &(String, Vec<_>, Vec<_>))| ScatterClass {
-        class: Class::new(k, name.clone()),
-        training: training.clone(),
-        held_out: held_out.clone(),
+    let one = |(k, one): (usize, &PlaneClass)| ScatterClass {
+        class: Class::new(k, one.name.clone()),
+        training: one.training.clone(),
+        held_out: one.held_out.clone(),
     };
     let classes: Vec<ScatterClass> = plane.classes.iter().enumerate().map(one).collect();
     let decide = |x, y| plane.rule.decide(&DVector::from_vec(vec![x, y]));

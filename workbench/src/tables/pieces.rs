@@ -13,19 +13,20 @@ use crate::identify::{Method, iv4};
 use crate::literal::{Judged, Rule};
 use crate::piecewise::{Cutting, Pieces, STRUCTURE, estimate};
 use crate::trace::Trace;
-use crate::train::{FeatureTable, ProjectionKind};
+use crate::train::{ClassStatistics, FeatureTable, ProjectionKind};
 
 const SELECTION: Selection = Selection::CHAPTER_4;
 const INPUT: FirstInput = FirstInput::Reference;
 
 /// Heads of the columns, in order.
-const COLUMNS: [(&str, usize); 6] = [
-    ("runs a trace", 1),
-    ("traces without", 1),
-    ("three classes", 1),
-    ("healthy/spall", 1),
-    ("healthy/roughness", 1),
-    ("both pooled", 1),
+const COLUMNS: [(&str, Digits); 7] = [
+    ("runs a trace", Digits::Fixed(1)),
+    ("traces without", Digits::Fixed(1)),
+    ("sd of b1", Digits::Power(1)),
+    ("three classes", Digits::Fixed(1)),
+    ("healthy / spall", Digits::Fixed(1)),
+    ("healthy / roughness", Digits::Fixed(1)),
+    ("both pooled", Digits::Fixed(1)),
 ];
 
 /// The table of one repetition.
@@ -56,17 +57,18 @@ pub(super) fn measure(draw: &Draw) -> Result<Table, Error> {
         let (names, places) = choose(model, asked)?;
         let [training, validation] = draw.estimates(model)?.tables(SELECTION, &places);
         let rule = Rule::train(&training, &names, ProjectionKind::None, Kind::Linear)?;
-        rows.push(row(name, [Cell::Empty, Cell::Empty], &rule.judge(&validation)));
+        let cutting = [Cell::Empty, Cell::Empty, Cell::one(spread(&training))];
+        rows.push(row(name, cutting, &rule.judge(&validation)));
     }
-    rows.push(row(ours::NAME, [Cell::Empty, Cell::Empty], &draw.ours(SELECTION)?));
+    rows.push(row(ours::NAME, [const { Cell::Empty }; 3], &draw.ours(SELECTION)?));
     Ok(Table {
         id: "piecewise",
         title: "Piece-wise estimation (§6.2.1) against whole records: misclassified, %".to_string(),
         conditions: "u1 = velocity reference, y = current, u2 = load torque, order [1 1 1 1 1], linear discriminant; \
                      20 + 20 traces of each class; slope threshold and samples of the shortest run as named. The \
-                     source prints a scatter plot (Fig. 6.1) and no rates."
+                     source prints a scatter plot (Fig. 6.1) and no rates. sd of b1: over the healthy training rows."
             .to_string(),
-        columns: COLUMNS.map(|(name, places)| Column::new(name, Digits::Fixed(places))).to_vec(),
+        columns: COLUMNS.map(|(name, digits)| Column::new(name, digits)).to_vec(),
         rows,
         words: vec![],
         figures: vec![],
@@ -86,6 +88,12 @@ struct Piece {
     pieces: Option<Pieces>,
 }
 
+/// Verdicts on a validation set, and the spread of b₁ that they rest on.
+struct Found {
+    judged: Judged,
+    spread: f64,
+}
+
 /// Parameters of every run of a trace.
 type Runs<'a> = &'a (dyn Fn(&Trace, &Pieces) -> Vec<[f64; 3]> + Sync);
 
@@ -103,8 +111,8 @@ impl Cut {
     }
 
     /// A row a trace: medians over its runs. A validation trace without runs is undetermined.
-    fn by_median(&self, count: usize) -> Result<Judged, Error> {
-        let rule = train(&self.training, count, |p| p.pieces.iter().map(|p| p.median).collect())?;
+    fn by_median(&self, count: usize) -> Result<Found, Error> {
+        let (rule, spread) = train(&self.training, count, |p| p.pieces.iter().map(|p| p.median).collect())?;
         let mut judged = Judged::new(&SELECTION.names());
         for piece in &self.validation {
             match &piece.pieces {
@@ -112,23 +120,24 @@ impl Cut {
                 None => judged.add(piece.class, None, |_| None),
             }
         }
-        Ok(judged)
+        Ok(Found { judged, spread })
     }
 
     /// A row a run, as the source has it: what is counted are decisions on runs.
-    fn by_run(&self, runs: Runs<'_>) -> Result<Judged, Error> {
+    fn by_run(&self, runs: Runs<'_>) -> Result<Found, Error> {
         let of = |piece: &Piece| piece.pieces.as_ref().map_or_else(Vec::new, |p| runs(&piece.trace, p));
-        let rule = train(&self.training, 2, of)?;
+        let (rule, spread) = train(&self.training, 2, of)?;
         let held_out: Vec<_> = self.validation.par_iter().map(|piece| (piece.class, of(piece))).collect();
         let rows = held_out.into_iter().flat_map(|(class, runs)| runs.into_iter().map(move |theta| (class, theta)));
-        Ok(rule.judge(&table(rows, 2)))
+        Ok(Found { judged: rule.judge(&table(rows, 2)), spread })
     }
 
-    fn row(&self, name: &str, judged: &Judged) -> Row {
+    fn row(&self, name: &str, found: &Found) -> Row {
         let count = self.validation.len() as f64;
         let runs: usize = self.validation.iter().filter_map(|p| p.pieces.as_ref()).map(|p| p.runs.len()).sum();
         let without = self.validation.iter().filter(|p| p.pieces.is_none()).count();
-        row(name, [Cell::one(runs as f64 / count), Cell::percent(without as f64 / count)], judged)
+        let cutting = [Cell::one(runs as f64 / count), Cell::percent(without as f64 / count), Cell::one(found.spread)];
+        row(name, cutting, &found.judged)
     }
 }
 
@@ -143,7 +152,7 @@ fn literal_runs(trace: &Trace, pieces: &Pieces) -> Vec<[f64; 3]> {
     pieces.runs.iter().filter_map(of).collect()
 }
 
-fn train(set: &[Piece], count: usize, rows: impl Fn(&Piece) -> Vec<[f64; 3]> + Sync) -> Result<Rule, Error> {
+fn train(set: &[Piece], count: usize, rows: impl Fn(&Piece) -> Vec<[f64; 3]> + Sync) -> Result<(Rule, f64), Error> {
     let all: Vec<_> = set.par_iter().map(|piece| (piece.class, rows(piece))).collect();
     let table = table(all.into_iter().flat_map(|(class, rows)| rows.into_iter().map(move |row| (class, row))), count);
     for (class, name) in table.names.iter().enumerate() {
@@ -155,7 +164,13 @@ fn train(set: &[Piece], count: usize, rows: impl Fn(&Piece) -> Vec<[f64; 3]> + S
         }
     }
     let names = ["a1", "b1", "c1"].map(String::from);
-    Rule::train(&table, &names[..count], ProjectionKind::None, Kind::Linear)
+    let rule = Rule::train(&table, &names[..count], ProjectionKind::None, Kind::Linear)?;
+    Ok((rule, spread(&table)))
+}
+
+/// Standard deviation of the second feature, b₁, over the healthy rows.
+fn spread(table: &FeatureTable) -> f64 {
+    ClassStatistics::new(table).covariances[0][(1, 1)].sqrt()
 }
 
 fn table(rows: impl IntoIterator<Item = (usize, [f64; 3])>, count: usize) -> FeatureTable {
@@ -164,7 +179,7 @@ fn table(rows: impl IntoIterator<Item = (usize, [f64; 3])>, count: usize) -> Fea
     FeatureTable { rows, classes, names: SELECTION.names() }
 }
 
-fn row(name: &str, cutting: [Cell; 2], judged: &Judged) -> Row {
+fn row(name: &str, cutting: [Cell; 3], judged: &Judged) -> Row {
     let rates = [judged.all_error(), judged.pair_error(1), judged.pair_error(2), judged.pooled_error()];
     Row { name: name.to_string(), cells: cutting.into_iter().chain(rates.map(Cell::percent)).collect() }
 }

@@ -9,6 +9,8 @@ pub enum Digits {
     Fixed(usize),
     /// Mantissa with so many decimals, and a power of ten.
     Power(usize),
+    /// Two digits of the deviation, so many decimals without one.
+    Deviation(usize),
 }
 
 impl Digits {
@@ -16,9 +18,21 @@ impl Digits {
     #[must_use]
     pub fn write(self, value: f64) -> String {
         match self {
-            Self::Fixed(places) => format!("{value:.places$}"),
+            Self::Fixed(places) | Self::Deviation(places) => format!("{value:.places$}"),
             Self::Power(places) => format!("{value:.places$e}"),
         }
+    }
+
+    /// Mean and deviation as text.
+    fn write_both(self, mean: f64, sd: f64) -> String {
+        let digits = match self {
+            Self::Deviation(most) if sd > 0.0 => {
+                let place = 1.0 - sd.log10().floor();
+                Self::Fixed((0..=most + 4).find(|&k| k as f64 >= place).unwrap_or(most))
+            }
+            other => other,
+        };
+        format!("{} ± {}", digits.write(mean), digits.write(sd))
     }
 }
 
@@ -93,7 +107,7 @@ impl Cell {
             // The digits that the source printed.
             (Self::Published(value), _) if value.abs() < 1e-3 => format!("{value:e}"),
             (Self::Published(value), _) => value.to_string(),
-            (_, Some(Statistic { mean, sd: Some(sd), .. })) => format!("{} ± {}", digits.write(mean), digits.write(sd)),
+            (_, Some(Statistic { mean, sd: Some(sd), .. })) => digits.write_both(mean, sd),
             (_, Some(Statistic { mean, .. })) => digits.write(mean),
             _ => "–".to_string(),
         }
@@ -125,10 +139,21 @@ pub struct Spread {
 pub struct Plane {
     /// Title of the plot.
     pub title: String,
-    /// Class name, training points, validation points.
-    pub classes: Vec<(String, Vec<(f64, f64)>, Vec<(f64, f64)>)>,
+    /// The classes.
+    pub classes: Vec<PlaneClass>,
     /// Trained on the training points.
     pub rule: Rule,
+}
+
+/// Points of one class.
+#[derive(Clone, Debug)]
+pub struct PlaneClass {
+    /// Its name.
+    pub name: String,
+    /// Training points.
+    pub training: Vec<(f64, f64)>,
+    /// Validation points.
+    pub held_out: Vec<(f64, f64)>,
 }
 
 /// What is drawn of a table.
@@ -171,6 +196,12 @@ impl Table {
         }
     }
 
+    /// Statistic of the cell of a row and a column.
+    #[must_use]
+    pub fn statistic(&self, row: &str, column: &str) -> Option<Statistic> {
+        self.cell(row, column)?.statistic()
+    }
+
     /// The cell of a row and a column.
     #[must_use]
     pub fn cell(&self, row: &str, column: &str) -> Option<&Cell> {
@@ -209,6 +240,8 @@ mod tests {
         assert_eq!(found, Some(Statistic { mean: 4.0, sd: Some(2.0), count: 3 }));
         let written: Vec<_> = all.rows[0].cells.iter().map(|c| c.write(Digits::Fixed(1))).collect();
         assert_eq!(written, ["28.33", "4.0 ± 2.0", "–"]);
+        let close = Cell::Measured(vec![-0.85871, -0.85923]);
+        assert_eq!(close.write(Digits::Deviation(4)), "-0.85897 ± 0.00037"); // sd 0.00052/√2
         assert!(all.cell("r", "absent").is_none() && all.cell("absent", "ours").is_none());
     }
 }

@@ -1,0 +1,111 @@
+//! `bearing-watch tables` as a user runs it, and what the literal method and ours make of the rig.
+
+mod common;
+
+use common::{refuse, succeed};
+use serde_json::Value;
+use workbench::demo::{self, Settings as DemoSettings};
+use workbench::tables::{Id, Settings, Table, run};
+
+fn make(repetitions: u32, seed: u32, numbers: &[&str]) -> Vec<Table> {
+    let tables = numbers.iter().map(|n| Id::parse(n).expect("a table")).collect();
+    run(&Settings { repetitions, seed, tables }, || ()).expect("the standard rig")
+}
+
+fn mean(table: &Table, row: &str, column: &str) -> f64 {
+    table.statistic(row, column).unwrap_or_else(|| panic!("{row}, {column}")).mean
+}
+
+#[test]
+fn all_tables_as_text_json_csv_and_page() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    let said = succeed(dir, "tables --repetitions 2 --out t.csv --report t.html");
+    for id in Id::ALL.iter().filter(|id| **id != Id::parse("piecewise").expect("a table")) {
+        assert!(said.contains(&format!("\nTable {}:", id.name())), "{}\n{said}", id.name());
+    }
+    assert!(said.contains("Piece-wise") && said.contains("Why:") && said.contains(" ± "), "{said}");
+    // Every table says where and why; the overview only lists.
+    assert!(said.matches("Where: ").count() >= 8 && said.matches("\nWhy").count() >= 7, "{said}");
+    let page = std::fs::read_to_string(dir.join("t.html")).expect("page");
+    // Four first-order features, three components, four planes.
+    assert_eq!(page.matches("<figure>").count(), 11);
+    assert!(!page.contains("Not drawn") && !page.contains("<script") && !page.contains("url("));
+    let csv = std::fs::read_to_string(dir.join("t.csv")).expect("rows");
+    assert!(csv.starts_with("table,title,row,column,source,mean,sd,repetitions\n"), "{csv}");
+    assert!(csv.contains("\"validation, with PCA\",published,published,28.33,,") && !csv.contains("NaN"), "{csv}");
+
+    let one = "tables --repetitions 2 --only 4.1 --json";
+    let json: Value = serde_json::from_str(&succeed(dir, one)).expect("JSON");
+    let tables = json["tables"].as_array().expect("a list");
+    assert_eq!(tables.iter().map(|t| t["id"].as_str()).collect::<Vec<_>>(), [Some("overview"), Some("4.1")]);
+    let cells = &tables[1]["rows"][3]["cells"];
+    assert_eq!((cells[0]["published"].as_f64(), cells[1]["repetitions"].as_u64()), (Some(28.33), Some(2)));
+    // The same whether a table is made alone or with others, and in every run.
+    let error = cells[1]["mean"].as_f64().expect("a mean").to_string();
+    assert!(csv.contains(&format!("\"validation, with PCA\",three classes,measured,{error},")), "{error}\n{csv}");
+}
+
+#[test]
+fn bad_input_is_one_line() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    refuse(dir, "tables --only 4.9", &["no table \"4.9\"", "2.2, 3.1"]);
+    refuse(dir, "tables --only 4.1, --repetitions 1", &["no table \"\""]);
+    refuse(dir, "tables --repetitions 0", &["--repetitions"]);
+    refuse(dir, "tables --repetitions 1 --only 4.1 --out absent/t.csv", &["absent"]);
+    refuse(dir, "tables --repetitions 1 --only 4.1 --out t.x --report t.x", &["two outputs"]);
+}
+
+#[test]
+fn the_literal_method_and_ours_on_the_rig() {
+    let tables = make(6, 301, &["4.3", "4.4"]);
+    let [_, error_2, error_3] = &tables[..] else { panic!("an overview and two tables") };
+    let literal = "validation, with PCA";
+    let ours = workbench::tables::ours::NAME;
+    for table in [error_2, error_3] {
+        // 360 decisions; an error of 0.25 % or less is one at most.
+        assert!(mean(table, ours, "three classes") <= 0.3, "{}", table.id);
+        assert!(mean(table, "iv4, a b c, no projection", "three classes") <= 1.5, "{}", table.id);
+    }
+    // 20 repetitions from seed 1 gave 13.1 ± 6.4, 0.8 ± 1.1 and 1.0 ± 1.0: four sds of a mean of six either way.
+    let all = mean(error_2, literal, "three classes");
+    assert!((3.0..=24.0).contains(&all), "{all}");
+    let (quadratic, pooled) =
+        (mean(error_2, "the same, quadratic", "three classes"), mean(error_2, literal, "both pooled"));
+    assert!(quadratic <= 2.7 && pooled <= 2.7, "{quadratic} {pooled}");
+    // 33.3 ± 4.4; healthy / roughness 47.5 ± 7.4.
+    let all = mean(error_3, literal, "three classes");
+    assert!((26.0..=41.0).contains(&all), "{all}");
+    let roughness = mean(error_3, literal, "healthy / roughness");
+    assert!((35.0..=60.0).contains(&roughness), "{roughness}");
+    // Fits are far steadier: 93.1 and 93.8 ± 0.1 over traces.
+    for (table, fit) in [(error_2, 93.1), (error_3, 93.8)] {
+        let found = mean(table, literal, "healthy fit");
+        assert!((found - fit).abs() < 0.2, "{found}");
+    }
+    // Two components of two parameters change nothing, in any repetition.
+    for column in ["three classes", "both pooled", "traces"] {
+        let cell = |row: &str| error_2.cell(row, column).cloned();
+        assert_eq!(cell(literal), cell("validation, without PCA"));
+        assert_eq!(cell("training, with PCA"), cell("training, without PCA"));
+        assert_ne!(error_3.cell(literal, column), error_3.cell("validation, without PCA", column));
+    }
+}
+
+#[test]
+fn the_demonstration_and_the_tables_agree() {
+    let draw = demo::draw(&DemoSettings { repetitions: 1, traces: 20, seed: 7 }, 0, || ()).expect("the standard rig");
+    let tables = make(1, 7, &["3.2", "4.1"]);
+    let table = tables.iter().find(|t| t.id == "4.1").expect("table");
+    let literal = &draw.repetition.literal;
+    let close = |row: &str, column: &str, rate: f64| {
+        let found = mean(table, row, column);
+        assert!((found - 100.0 * rate).abs() < 1e-9, "{row}, {column}: {found} {rate}"); // the same counts
+    };
+    close("validation, with PCA", "three classes", literal.all_classes.error_rate().value);
+    close("validation, with PCA", "both pooled", literal.binary_error());
+    close("validation, with PCA", "healthy fit", literal.fit_percent / 100.0);
+    let ours = draw.repetition.all_parameters.error_rate().value;
+    close(workbench::tables::ours::NAME, "three classes", ours);
+}
