@@ -1,6 +1,7 @@
 //! The command line: `bearing-watch COMMAND`.
 
 mod alarms;
+mod campaign;
 mod demo;
 mod estimation;
 mod evaluate;
@@ -41,6 +42,7 @@ enum Command {
     Train(Box<train::Args>),
     Evaluate(evaluate::Args),
     Replay(replay::Args),
+    Campaign(campaign::Args),
     Tables(tables::Args),
 }
 
@@ -62,6 +64,7 @@ pub fn run() -> ExitCode {
         Command::Train(args) => train::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Replay(args) => replay::run(&args),
+        Command::Campaign(args) => campaign::run(&args),
         Command::Tables(args) => tables::run(&args),
     };
     match outcome {
