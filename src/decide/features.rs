@@ -6,7 +6,7 @@
 //! |---|---|
 //! | k < n | δ-parameter k of n |
 //! | n | ln σ² of the regression's residual |
-//! | 128 + k | parameter k of the torque balance: J/Kt, B/Kt, Tc/Kt, 1/Kt, offset ([`Friction`](crate::Friction)) |
+//! | 128 + k | parameter k of the torque balance: J/Kt, B/Kt, Tc/Kt, 1/Kt, offset, drag ([`Friction`](crate::Friction)) |
 //! | 136 + k | its score: distance from nominal in standard deviations of this segment |
 //! | 144 | ln of the balance's residual variance |
 //! | 160 + k | cube root of the prominence of order k ([`OrderStrength`](crate::OrderStrength)) |
@@ -133,8 +133,8 @@ mod tests {
         assert_eq!(features.extract(&ESTIMATE, Some(&silent)), Err(Reason::WeakInstruments));
         let shaft = ShaftEstimate {
             friction: Friction {
-                parameters: [1.0, 2.0, 3.0, 4.0, 5.0],
-                scores: [6.0, 7.0, 8.0, 9.0, 10.0],
+                parameters: [1.0, 2.0, 3.0, 4.0, 5.0, 0.0],
+                scores: [6.0, 7.0, 8.0, 9.0, 10.0, 0.0],
                 variance: 1.0,
                 ..Friction::default()
             },
@@ -146,8 +146,8 @@ mod tests {
         assert_eq!((viscous, coulomb, variance), (2.0, 8.0, 0.0));
         // A logarithm and an exponential near three, and the floor of the amplitude.
         assert!((prominence - 3.0).abs() < 1e-6 && (amplitude - (-13.815_511)).abs() < 1e-5);
-        assert!([0, 3, 128, 132, 136, 140, 144, 160, 161, 192].iter().all(|&k| exists(k, 3, Some(2))));
-        assert!([4, 127, 133, 141, 145, 162, 194, 255].iter().all(|&k| !exists(k, 3, Some(2))));
+        assert!([0, 3, 128, 133, 136, 141, 144, 160, 161, 192].iter().all(|&k| exists(k, 3, Some(2))));
+        assert!([4, 127, 134, 142, 145, 162, 194, 255].iter().all(|&k| !exists(k, 3, Some(2))));
         assert!(!exists(128, 3, None) && exists(3, 3, None) && !exists(130, 200, None));
     }
 }

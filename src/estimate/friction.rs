@@ -8,20 +8,26 @@
 //! p₀ = J/Kt,   p₁ = B/Kt,   p₂ = Tc/Kt,   p₃ = 1/Kt,   p₄: offsets                                   (2)
 //! instruments: ṙ for ω̇, r for ω; s, T and 1 for themselves                                            (3)
 //! ρ(k) = (e(k) + e(k−1))/2 − p₀ (ω(k) − ω(k−1))/Ts,   e = i − p₁ ω − p₂ s − p₃ T − p₄               (4)
+//! p₅ = p₂ + p₁ ω₀,   the drag at a usual velocity ω₀                                                  (5)
 //! ```
 //!
 //! All signals of (1) pass the same [`StateVariable`] filter, which gives ω̇ without differentiating noise, and every n-th filtered
 //! sample is a row of the triangle. The reference knows nothing of the velocity's noise, so (3) is consistent where least squares
 //! takes that noise for friction. The current is the output, since the load is as a rule what is known best; all parameters are so
 //! in amperes. The rows are those of instrumental variables, `[s T 1 | ṙ r | ω̇ ω | i]`: factor, solve and checks are shared with
-//! the estimator. (4) is (1) by the trapezoidal rule over one interval with the *nominal* parameters: it keeps every frequency.
+//! the estimator. A drive that knows but one speed cannot tell viscous from Coulomb friction; then a tenth of a row that holds the
+//! nominal p₁ decides, and (5) is what it can tell: p₁ and p₂ err against each other, p₅ does not. (4) is (1) by the trapezoidal rule over one interval with the *nominal* parameters: it keeps every frequency.
 
 use super::solve::{Head, Solution};
 use super::state_variable::{Cell, StateVariable};
 use super::{AnyShape, Counts, Estimate, Mass, Method, Order, Reason, Regression, Triangle};
 
-/// Parameters of (1).
-pub const FRICTION_PARAMETERS: usize = 5;
+/// Parameters of (1), and the drag (5).
+pub const FRICTION_PARAMETERS: usize = 6;
+/// Parameters that are estimated.
+const ESTIMATED: usize = 5;
+/// Rows of full excitation that the nominal viscous friction is worth.
+const PRIOR_ROWS: f32 = 0.1;
 const COLUMNS: usize = 8;
 const PACKED: usize = 28;
 
@@ -39,19 +45,21 @@ pub struct Balance {
     pub settle: u16,
     /// r₀ of (1).
     pub sign_velocity_rad_s: f32,
+    /// ω₀ of (5).
+    pub usual_velocity_rad_s: f32,
     /// Whether the load torque is measured; if not, p₃ is zero and the load must be in the residual.
     pub load: bool,
     /// Power-of-two factors of the columns ω̇, ω, T and i that bring them to rms ≈ 1.
     pub scale: [f32; 4],
     /// p of the healthy drive.
-    pub nominal: [f32; FRICTION_PARAMETERS],
+    pub nominal: [f32; ESTIMATED],
 }
 
 /// What a segment says about the torque balance. Parameters in the order of (2), all in amperes by the unit of their signal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Friction {
-    /// p₀ … p₄.
+    /// p₀ … p₅.
     pub parameters: [f32; FRICTION_PARAMETERS],
     /// Their standard deviations, as if the rows' residuals were independent.
     pub deviations: [f32; FRICTION_PARAMETERS],
@@ -67,7 +75,7 @@ impl Friction {
     /// Kt in N·m/A; infinite where no load is measured.
     #[must_use]
     pub fn torque_constant_nm_a(&self) -> f32 {
-        let [_, _, _, load, _] = self.parameters;
+        let [_, _, _, load, ..] = self.parameters;
         1.0 / load
     }
 
@@ -117,6 +125,17 @@ impl Balance {
             [acceleration, velocity, 1.0, 1.0, current, 1.0, 1.0, 1.0]
         };
         Regression { method: Method::Instruments, scale, ..Regression::new(self.order(), true) }
+    }
+
+    /// A row that holds the nominal p₁ and nothing else.
+    fn prior(&self) -> [f32; COLUMNS] {
+        let ([_, velocity, _, current], [_, viscous, ..]) = (self.scale, self.nominal);
+        let target = viscous * current / velocity;
+        if self.load {
+            [0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, target]
+        } else {
+            [0.0, 0.0, 0.0, 1.0, 0.0, 1.0, target, 0.0]
+        }
     }
 
     #[inline(always)]
@@ -248,11 +267,13 @@ impl FrictionSums {
             at_rest: false,
             segment: 0,
         };
+        let mut sums = self.sums.clone();
+        sums.update_weighted(&balance.prior(), PRIOR_ROWS);
         let mut estimate = Estimate::<COLUMNS, PACKED>::empty(regression.order, true, self.rows, counts);
-        Solution::new().finish::<AnyShape, COLUMNS, PACKED>((&regression, &head), &self.sums, &mut estimate)?;
+        Solution::new().finish::<AnyShape, COLUMNS, PACKED>((&regression, &head), &sums, &mut estimate)?;
         let mut friction = Friction { variance: estimate.variance, rows: self.rows, ..Friction::default() };
         // Without a load its place is left out.
-        let places = (0..FRICTION_PARAMETERS).filter(|&place| balance.load || place != 3);
+        let places = (0..ESTIMATED).filter(|&place| balance.load || place != 3);
         for (from, place) in places.enumerate() {
             let value = estimate.delta.get(from).copied().unwrap_or(0.0);
             let variance = estimate.covariance.get(from * (from + 3) / 2).copied().unwrap_or(0.0);
@@ -263,6 +284,15 @@ impl FrictionSums {
                 (*parameter, *own, *score) = (value, deviation, (value - nominal) / deviation);
             }
         }
+        // (5)
+        let ([_, p1, p2, ..], [_, n1, n2, ..], speed) =
+            (friction.parameters, balance.nominal, balance.usual_velocity_rad_s);
+        let [_, _, v11, _, v12, v22, ..] = estimate.covariance;
+        let deviation = libm::sqrtf((v22 + speed * (2.0 * v12 + speed * v11)).max(f32::MIN_POSITIVE));
+        let (drag, nominal) = (p2 + p1 * speed, n2 + n1 * speed);
+        let ([.., parameter], [.., own], [.., score]) =
+            (&mut friction.parameters, &mut friction.deviations, &mut friction.scores);
+        (*parameter, *own, *score) = (drag, deviation, (drag - nominal) / deviation);
         let sum: f32 = friction.scores.iter().sum();
         if sum.is_finite() { Ok(friction) } else { Err(Reason::NotFinite) }
     }

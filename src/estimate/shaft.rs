@@ -184,6 +184,7 @@ impl<const K: usize> Watch<K> for Shaft<K> {
             row_interval: 1,
             settle: 0,
             sign_velocity_rad_s: 1.0,
+            usual_velocity_rad_s: 1.0,
             load: true,
             scale: [1.0; 4],
             nominal: [0.0; 5],

@@ -24,7 +24,8 @@ pub(super) fn validate<const K: usize>(shaft: &ShaftModel<K>) -> Result<(), Mode
     let own = damping.to_bits() == expected.damping.to_bits() && rate_per_s.to_bits() == expected.rate_per_s.to_bits();
     check((1e-4..=10.0).contains(&gain) && own, "torque balance's filter")?;
     check(balance.row_interval > 0, "torque balance's row interval")?;
-    check((1e-6..=1e6).contains(&balance.sign_velocity_rad_s), "velocity of the Coulomb sign")?;
+    let velocities = [balance.sign_velocity_rad_s, balance.usual_velocity_rad_s];
+    check(all_within(&velocities, 1e-6, 1e6), "velocity of the Coulomb sign or the drag")?;
     // Beyond that, sums of squares over a segment could leave the range of f32.
     let [current, velocity, load] = *limit;
     let largest = [velocity * rate_per_s, velocity, load, current];
@@ -55,12 +56,22 @@ pub(super) fn read<const K: usize>(reader: &mut Reader<'_>) -> Result<ShaftModel
     let interval_s = reader.f32()?;
     let filter = StateVariable { gain: reader.f32()?, damping: reader.f32()?, rate_per_s: reader.f32()? };
     let (row_interval, settle) = (reader.u8()?, reader.u16()?);
-    let sign_velocity_rad_s = reader.f32()?;
+    let (sign_velocity_rad_s, usual_velocity_rad_s) = (reader.f32()?, reader.f32()?);
     let load = flag(reader.u8()?, "load flag")?;
     let (mut scale, mut nominal) = ([0.0; 4], [0.0; 5]);
     reader.fill(&mut scale, 4)?;
     reader.fill(&mut nominal, 5)?;
-    let balance = Balance { interval_s, filter, row_interval, settle, sign_velocity_rad_s, load, scale, nominal };
+    let balance = Balance {
+        interval_s,
+        filter,
+        row_interval,
+        settle,
+        sign_velocity_rad_s,
+        usual_velocity_rad_s,
+        load,
+        scale,
+        nominal,
+    };
     let count = reader.size(K, "bearing orders")?;
     let harmonics = reader.u8()?;
     let (still, block_samples) = (reader.u32()?, reader.u16()?);
@@ -79,7 +90,7 @@ pub(super) fn write<const K: usize>(writer: &mut Writer<'_>, shaft: &ShaftModel<
     writer.floats([current_delay, &balance.interval_s, gain, damping, rate_per_s])?;
     writer.bytes(&[balance.row_interval])?;
     writer.bytes(&balance.settle.to_le_bytes())?;
-    writer.floats([&balance.sign_velocity_rad_s])?;
+    writer.floats([&balance.sign_velocity_rad_s, &balance.usual_velocity_rad_s])?;
     writer.bytes(&[u8::from(balance.load)])?;
     writer.floats(balance.scale.iter().chain(&balance.nominal))?;
     writer.bytes(&[tracking.count, tracking.harmonics])?;

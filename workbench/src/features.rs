@@ -42,7 +42,7 @@ pub fn of_core(structure: Structure, delta: &[f32], variance: f32) -> DVector<f6
 }
 
 /// Names of the torque balance's parameters, in the core's order: all in amperes by the unit of their signal.
-pub const FRICTION: [&str; 5] = ["inertia", "viscous", "coulomb", "inverse_kt", "torque_offset"];
+pub const FRICTION: [&str; 6] = ["inertia", "viscous", "coulomb", "inverse_kt", "torque_offset", "drag"];
 
 /// Every feature that a model may have.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -24,7 +24,7 @@ pub fn ours(false_alarm: f64) -> Recipe {
     let outer = BearingGeometry::THESIS.orders().outer;
     Recipe {
         shaft: Some(ShaftPlan::new(vec![("outer".into(), outer)])),
-        features: ["viscous_score", "coulomb_score", "inverse_kt_score", "order_outer"].map(String::from).to_vec(),
+        features: ["drag_score", "inverse_kt_score", "order_outer"].map(String::from).to_vec(),
         discriminant: Kind::Quadratic,
         alarms: Alarms { healthy: Some(0), false_alarm, required: true, ..Alarms::default() },
         ..all_parameters()

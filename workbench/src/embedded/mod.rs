@@ -294,7 +294,7 @@ fn shaft_features<const M: usize, const P: usize, const C: usize>(
 ) -> Vec<f32> {
     let Some(shaft) = report.shaft.filter(|shaft| shaft.reason.is_none()) else { return vec![] };
     let place = |offset: usize| SHAFT_FEATURES + offset as u8;
-    let indices = (0..5).chain(8..13).chain([16]).chain(32..32 + orders).chain(64..64 + orders);
+    let indices = (0..6).chain(8..14).chain([16]).chain(32..32 + orders).chain(64..64 + orders);
     let mut features = Features { index: [0; 64], count: 0 };
     for (cell, index) in features.index.iter_mut().zip(indices) {
         *cell = place(index);

@@ -4,7 +4,7 @@
 //! scales     powers of two that bring ω̇, ω, T, i to rms ≈ 1
 //! nominal    mean p over the traces of the nominal class, estimated by the core itself                       (1)
 //! delay      the one whose torque balance leaves the least residual on those traces                         (2)
-//! still      7 % of the reference's rms, and r₀ likewise                                                     (3)
+//! still      7 % of the reference's rms, and r₀ likewise; ω₀ that rms                                         (3)
 //! block      a fiftieth of a segment: 50 noise estimates, 2 % as much noise as in the whole                  (4)
 //! ```
 //!
@@ -182,6 +182,7 @@ fn untrained(
             row_interval: (1.0 / (8.0 * cutoff)).round().clamp(1.0, 255.0) as u8,
             settle: (1.6 / cutoff).round().clamp(1.0, 60_000.0) as u16,
             sign_velocity_rad_s: still_rad_s as f32,
+            usual_velocity_rad_s: reference as f32,
             load: plan.load,
             scale: [acceleration, rms(|t| &t.velocity_rad_s), rms(|t| &t.load_nm), rms(|t| &t.current_a)]
                 .map(power_of_two),
