@@ -1,5 +1,6 @@
 //! The binary model: what is written is read back, and nothing altered passes.
 
+use bearing_watch::decide::{EvidencePlan, Novelty};
 use bearing_watch::estimate::{Fading, Forgetting, Instruments, Memory, Method, Nominal, Regressor, TwoLevel};
 use bearing_watch::{Detector, Model, ModelError, Sample};
 use proptest::prelude::*;
@@ -43,8 +44,8 @@ fn truncation_extension_other_versions_and_other_files_are_told_apart() {
     let longer = [FILE, &[0]].concat();
     assert_eq!(Exact::from_bytes(&longer), Err(ModelError::Length));
     let mut newer = FILE.to_vec();
-    newer[4] = 3;
-    assert_eq!(Exact::from_bytes(&newer), Err(ModelError::Version(3)));
+    newer[4] = 4;
+    assert_eq!(Exact::from_bytes(&newer), Err(ModelError::Version(4)));
     let mut flagged = FILE.to_vec();
     flagged[6] = 1;
     assert_eq!(Exact::from_bytes(&flagged), Err(ModelError::Value("flags")));
@@ -118,8 +119,74 @@ fn values_out_of_range_are_named() {
         ModelError::Value("class density")
     );
     assert_eq!(refused(|m| m.classifier.discriminant.log_prior[0] = f32::NEG_INFINITY), ModelError::Value("prior"));
+    assert_eq!(refused(|m| m.classifier.discriminant.reject_cost = -1.0), ModelError::Value("reject cost"));
+    assert_eq!(refused(|m| m.classifier.discriminant.reject_cost = f32::NAN), ModelError::Value("reject cost"));
     assert_eq!(refused(|m| m.classifier.discriminant.classes = 4), ModelError::Capacity("classes"));
     assert_eq!(refused(|m| m.classifier.discriminant.classes = 0), ModelError::Value("classes"));
+}
+
+/// The model with a gate on its first class, and an alarm.
+fn watched() -> Exact {
+    let mut model = exported::MODEL;
+    let knots = std::array::from_fn(|k| [2.0 * k as f32, k as f32]);
+    let whitening =
+        std::array::from_fn(|i| std::array::from_fn(|j| if j > i { 0.0 } else { 1.0 / (1 + i + j) as f32 }));
+    model.classifier.novelty = Novelty { class: 0, mean: [0.5, -1.0, 2.0, 0.0, 1.0], whitening, knots, limit: 4.6 };
+    model.classifier.discriminant.reject_cost = 0.25;
+    model.evidence = EvidencePlan { bet: 0.2, limit: 13.9, cap: 6.95 };
+    model
+}
+
+#[test]
+fn gate_and_alarm_are_read_back_by_any_capacity() {
+    let model = watched();
+    let mut buffer = vec![0; 4096];
+    let length = model.to_bytes("", &mut buffer).expect("fits");
+    assert_eq!(Exact::from_bytes(&buffer[..length]), Ok(model));
+    let wide = Model::<9, 8, 7, 4>::from_bytes(&buffer[..length]).expect("fits");
+    assert_eq!((wide.evidence, wide.classifier.discriminant.reject_cost), (model.evidence, 0.25));
+    let z = [0.3, -0.2, 1.0, 0.7, -1.5];
+    let padded = [z[0], z[1], z[2], z[3], z[4], 0.0, 0.0];
+    assert_eq!(wide.classifier.novelty.judge(&padded), model.classifier.novelty.judge(&z), "the same bits");
+    let mut again = vec![0; length];
+    assert_eq!(wide.to_bytes("", &mut again), Ok(length));
+    assert_eq!(again, buffer[..length]);
+}
+
+#[test]
+fn gates_and_alarms_out_of_range_are_named() {
+    let refused = |change: fn(&mut Exact)| {
+        let mut model = watched();
+        change(&mut model);
+        model.validate().expect_err("out of range")
+    };
+    for (what, change) in [
+        ("healthy class", (|m| m.classifier.novelty.class = 3) as fn(&mut Exact)),
+        ("healthy density", |m| m.classifier.novelty.mean[2] = f32::NAN),
+        ("healthy density", |m| m.classifier.novelty.whitening[4][0] = f32::INFINITY),
+        ("surprise curve", |m| m.classifier.novelty.knots[3][0] = 4.0),
+        ("surprise curve", |m| m.classifier.novelty.knots[3][1] = 2.0),
+        ("surprise curve", |m| m.classifier.novelty.knots[0][0] = -1.0),
+        ("surprise curve", |m| m.classifier.novelty.knots[23][1] = f32::NAN),
+        ("novelty limit", |m| m.classifier.novelty.limit = 0.0),
+        ("novelty limit", |m| m.classifier.novelty.limit = f32::NAN),
+        ("evidence bet", |m| m.evidence.bet = 1.0),
+        ("evidence bet", |m| m.evidence.bet = f32::NAN),
+        ("evidence limit", |m| m.evidence.limit = 0.0),
+        ("evidence cap", |m| m.evidence.cap = f32::INFINITY),
+        ("evidence cap", |m| m.evidence.cap = -1.0),
+        // Without a healthy class all else is neutral.
+        ("healthy density", |m| m.classifier.novelty.class = u8::MAX),
+        ("surprise curve", |m| {
+            m.classifier.novelty = Novelty { knots: m.classifier.novelty.knots, ..Novelty::NONE };
+        }),
+        ("novelty limit", |m| m.classifier.novelty = Novelty { limit: 4.6, ..Novelty::NONE }),
+    ] {
+        assert_eq!(refused(change), ModelError::Value(what));
+    }
+    let mut never = watched();
+    (never.classifier.novelty.limit, never.evidence.limit) = (f32::INFINITY, f32::INFINITY);
+    assert_eq!(never.validate(), Ok(()), "a distance without a gate, and no alarm");
 }
 
 #[test]

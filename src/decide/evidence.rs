@@ -5,12 +5,19 @@
 //! ```text
 //! novelty    ln e₀ = ln κ + (1 − κ) s                                    (1)  s: surprise, nats; 0 < κ < 1
 //! class k    ln e_k = ln p(z|k) − ln p(z|healthy)                        (2)
-//! scores     S_i ← max(0, S_i + min(ln e_i, cap))                        (3)
+//! capped     ln e₀ ← min(ln e₀, cap) − ln μ,   ln e_k ← min(ln e_k, cap) (3)  μ: mean of the capped e₀ while healthy
+//! scores     S_i ← max(0, S_i + ln e_i)
 //! alarm      where any S_i ≥ limit                                       (4)
 //! ```
 //!
 //! While the drive is healthy every e has mean at most 1: (1) since the surprise's probability e^−s is uniform, and
-//! ∫ κ p^(κ−1) dp = 1; (2) as a ratio of densities. Then the mean number of segments until `S_i` first reaches a limit h
+//! ∫ κ p^(κ−1) dp = 1, of which a cap leaves
+//!
+//! ```text
+//! μ = 1 − p*^κ + p* e^cap,   ln p* = (ln κ − cap)/(1 − κ)                (6)  p*: the probability at the cap
+//! ```
+//!
+//! and (3) takes that back; (2) as a ratio of densities. Then the mean number of segments until `S_i` first reaches a limit h
 //! is at least e^h, for any h and however small the defect (Lorden 1971; Shin, Ramdas and Rinaldo, e-detectors, 2023).
 //! K scores watch together (the novelty's and one for each trained defect), and their false alarms at most add up: each
 //! gets a K-th part of the rate,
@@ -153,7 +160,7 @@ impl<const C: usize> Evidence<C> {
         self.drift.add(decision.distance);
         let EvidencePlan { bet, limit, cap } = self.plan;
         let novelty = libm::logf(bet) + (1.0 - bet) * decision.surprise; // (1)
-        self.novelty = raised(self.novelty, novelty, cap);
+        self.novelty = raised(self.novelty, novelty.min(cap) - ln_capped_mean(bet, cap)); // (3)
         self.weigh_defects(&decision.log_likelihoods);
         if self.alarm.is_none() && self.score() >= limit {
             let conclusive = self.defects.iter().any(|score| *score >= limit); // (4)
@@ -174,7 +181,8 @@ impl<const C: usize> Evidence<C> {
         let states = self.defects.iter_mut().zip(&mut self.support).zip(log_likelihoods);
         for (k, ((score, support), own)) in states.enumerate() {
             if in_use(k) {
-                *score = raised(*score, own - healthy, cap);
+                let ratio = own - healthy; // (2)
+                *score = raised(*score, if ratio.is_nan() { 0.0 } else { ratio.min(cap) });
                 let beside = own - largest;
                 // A cap on this too: one wild segment shall not outvote the rest.
                 *support += if beside.is_nan() { 0.0 } else { beside.max(-cap) };
@@ -225,9 +233,15 @@ impl<const C: usize> Evidence<C> {
     }
 }
 
-/// (3); what is not a number brings nothing.
-fn raised(score: f32, log_e: f32, cap: f32) -> f32 {
-    if log_e.is_nan() { score } else { (score + log_e.min(cap)).max(0.0) }
+/// A score never falls below zero.
+fn raised(score: f32, log_e: f32) -> f32 {
+    (score + log_e).max(0.0)
+}
+
+/// ln μ of (6).
+fn ln_capped_mean(bet: f32, cap: f32) -> f32 {
+    let ln_p = (libm::logf(bet) - cap) / (1.0 - bet);
+    libm::logf(1.0 - libm::expf(bet * ln_p) + libm::expf(cap + ln_p))
 }
 
 #[cfg(test)]
@@ -250,11 +264,12 @@ mod tests {
     #[test]
     fn scores_by_hand() {
         let mut evidence = Evidence::<3>::of(PLAN, 0, 3);
-        // ln 0.2 = −1.609438: 4 nats bring 1.590562, then 1 nat takes 0.809438, and 0 nats all the rest.
+        // ln 0.2 = −1.609438 and, with ln p* = −8.261798, ln μ = −0.166382: 4 nats bring 1.756944, then 1 nat takes
+        // 0.643056, and 0 nats all the rest.
         assert_eq!(evidence.observe(Some(&decision(4.0, [0.0, -9.0, -9.0]))), None);
-        assert!((evidence.score() - 1.590_562).abs() < 1e-5);
+        assert!((evidence.score() - 1.756_944).abs() < 1e-5);
         evidence.observe(Some(&decision(1.0, [0.0, -9.0, -9.0])));
-        assert!((evidence.score() - 0.781_124).abs() < 1e-5);
+        assert!((evidence.score() - 1.113_888).abs() < 1e-5);
         evidence.observe(Some(&decision(0.0, [0.0, -9.0, -9.0])));
         assert_eq!(evidence.score(), 0.0);
     }

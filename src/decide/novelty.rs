@@ -102,7 +102,7 @@ mod tests {
     fn curve() -> Novelty<2> {
         let mut novelty =
             Novelty { class: 0, mean: [1.0, -1.0], whitening: [[0.5, 0.0], [0.25, 2.0]], ..Novelty::NONE };
-        for (k, knot) in (0_u8..).zip(&mut novelty.knots) {
+        for (k, knot) in (0_u16..).zip(&mut novelty.knots) {
             *knot = [f32::from(k * k), f32::from(k)];
         }
         novelty

@@ -183,7 +183,7 @@ fn bad_input_is_one_line_with_file_place_and_remedy() {
 
     let train = format!("train --labels labels.csv {signals} --order 1,1,1,1,1 --model m.bwm --rust m.rs");
     refuse(dir, &format!("{train} --where run>10"), &["labels.csv, selection", "no row with run>10"]);
-    refuse(dir, &format!("{train} --where run<3"), &["at least two classes", "only good"]);
+    refuse(dir, &format!("{train} --where run<3"), &["3 traces are too few for 3 features"]);
     refuse(dir, &format!("{train} --where run<4"), &["class bad has 1 training trace"]);
     refuse(dir, &format!("{train} --classes good,worse"), &["unknown class worse", "there are good, bad"]);
     refuse(dir, &format!("{train} --where speed=1"), &["labels.csv, header", "no column speed"]);

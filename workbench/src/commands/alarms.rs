@@ -60,18 +60,14 @@ impl AlarmArgs {
 /// Gate and alarm in words.
 pub(super) fn description(trained: &Trained) -> Option<String> {
     let gate = trained.watch.gate.as_ref()?;
-    let law = if gate.gaussian {
-        "the law of Gaussian features".to_string()
-    } else {
-        format!("a heavier tail than Gaussian ({:.1} degrees of freedom)", gate.law.degrees)
-    };
     Some(format!(
-        "Novel beyond distance {:.2} from {}: false-alarm rate {} a segment by {law} on {} segments; false alarms every \
+        "Novel beyond distance {:.2} from {}: false-alarm rate {} a segment by {} segments (Gaussian with probability {:.2}, else heavier tails); false alarms every \
          {:.3e} segments.",
         gate.law.squared_at(gate.limit).sqrt(),
         trained.classes[gate.class],
         trained.recipe.alarms.false_alarm,
         gate.rows,
+        gate.law.gaussian_probability(),
         trained.watch.segments,
     ))
 }
@@ -82,8 +78,7 @@ pub(super) fn to_json(trained: &Trained) -> Value {
         "healthy": trained.classes[gate.class],
         "false_alarm": trained.recipe.alarms.false_alarm,
         "distance": gate.law.squared_at(gate.limit).sqrt(),
-        "law": if gate.gaussian { "gaussian" } else { "heavier" },
-        "degrees_of_freedom": gate.law.degrees,
+        "gaussian_probability": gate.law.gaussian_probability(),
         "segments": gate.rows,
         "segments_needed": gate.rows_needed,
         "alarm_interval_segments": trained.watch.segments,

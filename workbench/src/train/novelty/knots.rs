@@ -8,7 +8,7 @@ use super::law::DistanceLaw;
 pub const FOLLOWED: f64 = 25.0;
 /// Below it the error counts in nats, above it as a part.
 const SMALL: f64 = 1.0;
-const GRID: usize = 400;
+const GRID: usize = 200;
 
 /// Knots (d², surprise) from (0, 0) to 25 nats and beyond, one of them at `limit`, where the gate is: the lines between
 /// leave out as much of the curve everywhere.

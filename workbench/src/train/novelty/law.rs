@@ -5,69 +5,88 @@
 //! Gaussian      d² ~ a F(p, ν),  ν = n − p,  a = p(n²−1)/(n(n−p))         (1)  Hotelling 1931
 //! heavier       1/ν = 1/(n−p) + 1/τ,  a such that E d² stays that of (1)  (2)
 //! left out      d²₋ᵢ = (n/(n−1))² (n−2) q/(1 − nq/(n−1)),  q = d²ᵢ/(n−1)   (3)
+//! the law       Σ_j P(τ_j | d²₋₁ … d²₋ₙ) F_j                              (4)
 //! ```
 //!
-//! For many segments (2) is exact for coordinates of a multivariate t distribution with τ degrees of freedom. τ is that
-//! of largest likelihood for the training segments' own distances (3), each from mean and covariance of the others.
+//! For many segments (2) is exact for coordinates of a multivariate t distribution with τ degrees of freedom. How likely
+//! each τ is say the training segments' own distances (3), each from mean and covariance of the others. Taking the
+//! likeliest τ alone would exceed a set rate in the mean: a tail that is taken too thin costs more alarms than one that is
+//! taken too heavy saves. (4) averages instead, over 1/τ spread evenly from 0 on and the Gaussian law before all others.
 
 use statrs::function::beta::{beta_reg, ln_beta};
 
-/// ν of (2) is above this: at 2 the mean is infinite.
-const LEAST_DEGREES: f64 = 2.05;
-/// Twice the gain in log-likelihood from which a heavier tail is believed: 5 % of Gaussian sets show it by chance
-/// (Chernoff 1954: half the 10 % point's mass of χ²₁, for a parameter on its border).
-const BELIEVED: f64 = 2.706;
+/// Probability of Gaussian features before any are seen. More would overlook heavy tails, less would put the gate of
+/// Gaussian features far out.
+const GAUSSIAN: f64 = 0.6;
+/// Heavier laws, up to the largest 1/τ: a tail like 1/d⁶ is the heaviest.
+const HEAVIER: usize = 16;
+const HEAVIEST: f64 = 0.33;
+/// Degrees of freedom below which no τ is told from another, and E d² hardly exists.
+const LEAST_DEGREES: f64 = 3.0;
+/// Laws less likely than this are left out.
+const NEGLIGIBLE: f64 = 1e-4;
 
 /// d² ~ scale · F(coordinates, degrees).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DistanceLaw {
-    /// p.
-    pub coordinates: usize,
-    /// ν.
-    pub degrees: f64,
+struct Scaled {
+    coordinates: f64,
+    degrees: f64,
     scale: f64,
+}
+
+/// (4).
+#[derive(Clone, Debug, PartialEq)]
+pub struct DistanceLaw {
+    /// Probabilities and laws, the Gaussian one first.
+    parts: Vec<(f64, Scaled)>,
 }
 
 impl DistanceLaw {
     /// (1) for `rows` > `coordinates` segments.
     #[must_use]
     pub fn gaussian(coordinates: usize, rows: usize) -> Self {
-        let (p, n) = (coordinates as f64, rows as f64);
-        Self { coordinates, degrees: n - p, scale: p * (n * n - 1.0) / (n * (n - p)) }
+        Self { parts: vec![(1.0, Scaled::gaussian(coordinates, rows))] }
     }
 
-    /// (2) with 1/τ = `weight`.
-    fn heavier(self, weight: f64) -> Self {
-        let degrees = 1.0 / (1.0 / self.degrees + weight);
-        let mean = |degrees: f64| degrees / (degrees - 2.0);
-        Self { degrees, scale: self.scale * mean(self.degrees) / mean(degrees), ..self }
-    }
-
-    /// (1), or (2) where the training segments' distances from each other show a heavier tail. `squared` are their d²
-    /// within the set.
+    /// (4) of training segments whose d² within the set are `squared`.
     #[must_use]
     pub fn of(coordinates: usize, squared: &[f64]) -> Self {
-        let gaussian = Self::gaussian(coordinates, squared.len());
-        let others = Self::gaussian(coordinates, squared.len() - 1);
-        // Of so few segments no likelihood tells more than the spread of their covariance.
-        if others.degrees < 10.0 {
-            return gaussian;
+        let law = Scaled::gaussian(coordinates, squared.len());
+        let others = Scaled::gaussian(coordinates, squared.len() - 1);
+        if others.degrees < LEAST_DEGREES {
+            return Self { parts: vec![(1.0, law)] };
         }
         let left_out = left_out(squared);
-        let likelihood = |weight: f64| left_out.iter().map(|d| others.heavier(weight).ln_density(*d)).sum::<f64>();
-        let most = 1.0 / LEAST_DEGREES - 1.0 / others.degrees;
-        let weights = (0..=200).map(|k| most * f64::from(k) / 200.0);
-        let judged: Vec<(f64, f64)> = weights.map(|weight| (weight, likelihood(weight))).collect();
-        let best = judged.iter().copied().fold(judged[0], |best, next| if next.1 > best.1 { next } else { best });
-        let gain = best.1 - judged[0].1;
-        if 2.0 * gain > BELIEVED { gaussian.heavier(best.0) } else { gaussian }
+        // Denser at light tails: the laws there differ most for what is seen.
+        let steps = HEAVIER as f64;
+        let each = |k: usize| {
+            let weight = HEAVIEST * (k as f64 / steps).powi(2);
+            let before = if k == 0 { GAUSSIAN } else { (1.0 - GAUSSIAN) * 2.0 * k as f64 / (steps * (steps + 1.0)) };
+            let likelihood: f64 = left_out.iter().map(|d| others.heavier(weight).ln_density(*d)).sum();
+            (before.ln() + likelihood, law.heavier(weight))
+        };
+        let judged: Vec<(f64, Scaled)> = (0..=HEAVIER).map(each).collect();
+        let most = judged.iter().map(|(ln, _)| *ln).fold(f64::NEG_INFINITY, f64::max);
+        let kept = |(k, (ln, law)): (usize, (f64, Scaled))| {
+            let part = (ln - most).exp();
+            (k == 0 || part > NEGLIGIBLE).then_some((part, law))
+        };
+        let mut parts: Vec<(f64, Scaled)> = judged.into_iter().enumerate().filter_map(kept).collect();
+        let total: f64 = parts.iter().map(|(part, _)| part).sum();
+        parts.iter_mut().for_each(|(part, _)| *part /= total);
+        Self { parts }
+    }
+
+    /// Probability that the features are Gaussian, between the laws considered.
+    #[must_use]
+    pub fn gaussian_probability(&self) -> f64 {
+        self.parts[0].0
     }
 
     /// −ln P(d² at least this large), nats.
     #[must_use]
     pub fn surprise(&self, squared: f64) -> f64 {
-        let (p, x) = (self.coordinates as f64, squared / self.scale);
-        -beta_reg(self.degrees / 2.0, p / 2.0, self.degrees / (self.degrees + p * x)).ln()
+        -self.parts.iter().map(|(part, law)| part * law.beyond(squared)).sum::<f64>().ln()
     }
 
     /// The d² of a surprise, by bisection.
@@ -77,16 +96,38 @@ impl DistanceLaw {
             return 0.0;
         }
         // 25 nats at two degrees of freedom are d² ≈ 1e11.
-        let (mut low, mut high) = (-80.0_f64, 60.0_f64);
-        for _ in 0..60 {
+        let (mut low, mut high) = (-60.0_f64, 60.0_f64);
+        for _ in 0..42 {
             let middle = 0.5 * (low + high);
             if self.surprise(middle.exp()) < surprise { low = middle } else { high = middle }
         }
         high.exp()
     }
+}
+
+impl Scaled {
+    fn gaussian(coordinates: usize, rows: usize) -> Self {
+        let (p, n) = (coordinates as f64, rows as f64);
+        Self { coordinates: p, degrees: n - p, scale: p * (n * n - 1.0) / (n * (n - p)) }
+    }
+
+    /// (2) with 1/τ = `weight`.
+    fn heavier(self, weight: f64) -> Self {
+        if weight <= 0.0 {
+            return self;
+        }
+        let degrees = (1.0 / (1.0 / self.degrees + weight)).max(2.05);
+        let mean = |degrees: f64| degrees / (degrees - 2.0);
+        Self { degrees, scale: self.scale * mean(self.degrees) / mean(degrees), ..self }
+    }
+
+    fn beyond(&self, squared: f64) -> f64 {
+        let (p, v) = (self.coordinates, self.degrees);
+        beta_reg(v / 2.0, p / 2.0, v / (v + p * squared / self.scale))
+    }
 
     fn ln_density(&self, squared: f64) -> f64 {
-        let (p, v) = (self.coordinates as f64, self.degrees);
+        let (p, v) = (self.coordinates, self.degrees);
         let x = (squared / self.scale).max(f64::MIN_POSITIVE);
         let powers = 0.5 * p * (p / v).ln() + (0.5 * p - 1.0) * x.ln() - 0.5 * (p + v) * (p * x / v).ln_1p();
         powers - ln_beta(p / 2.0, v / 2.0) - self.scale.ln()
@@ -121,9 +162,9 @@ mod tests {
 
     #[test]
     fn density_is_the_slope_of_the_tail() {
-        for law in [DistanceLaw::gaussian(3, 20), DistanceLaw::gaussian(3, 20).heavier(0.2)] {
+        for law in [Scaled::gaussian(3, 20), Scaled::gaussian(3, 20).heavier(0.2)] {
             let (x, h) = (4.0, 1e-4);
-            let slope = ((-law.surprise(x - h)).exp() - (-law.surprise(x + h)).exp()) / (2.0 * h);
+            let slope = (law.beyond(x - h) - law.beyond(x + h)) / (2.0 * h);
             assert!((law.ln_density(x).exp() / slope - 1.0).abs() < 1e-6); // of order h²
         }
     }

@@ -75,8 +75,6 @@ pub struct Gate {
     pub limit: f64,
     /// The law of distances.
     pub law: DistanceLaw,
-    /// Whether that is the law of Gaussian features, or has a heavier tail.
-    pub gaussian: bool,
     /// Healthy segments it was made of.
     pub rows: usize,
     /// Segments from which 95 % of gates have at most three times the rate.
@@ -167,10 +165,9 @@ fn gate(table: &FeatureTable, names: &[String], class: usize, rate: f64) -> Resu
     let own = table.rows.iter().zip(&table.classes).filter(|(_, c)| **c == class).map(|(row, _)| row);
     let squared: Vec<f64> = own.map(|row| (&whitening * (row - &mean)).norm_squared()).collect();
     let law = DistanceLaw::of(names.len(), &squared);
-    let gaussian = law == DistanceLaw::gaussian(names.len(), rows);
     let limit = -rate.ln();
     let (knots, rows_needed) = (knots::knots(&law, limit), spread::rows_needed(names.len(), rate));
-    Ok(Gate { class, mean, whitening, knots, limit, law, gaussian, rows, rows_needed })
+    Ok(Gate { class, mean, whitening, knots, limit, law, rows, rows_needed })
 }
 
 fn segments_between(interval: AlarmInterval, segment_s: Option<f64>) -> Result<f64, Error> {

@@ -1,0 +1,108 @@
+//! Healthy-only training, novelty gate, reject option and alarm, as a user runs them.
+
+mod common;
+
+use common::{refuse, run, succeed};
+use serde_json::Value;
+
+const TRAIN: &str = "train --y current_a --u1 velocity_ref_rad_s --u2 load_torque_nm --order 2,1,2,1,1";
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).expect("JSON")
+}
+
+#[test]
+fn healthy_traces_alone_make_a_model_that_alarms() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy --count 20 --seed 11 --out train");
+    succeed(dir, "simulate --class healthy,roughness --count 3 --seed 12 --out test");
+    let train = format!("{TRAIN} --labels train/labels.csv --model m.bwm");
+    let output = run(dir, &format!("{train} --rust m.rs --report m.html"));
+    let (said, warned) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success() && said.contains("from healthy: false-alarm rate 0.01"), "{said}{warned}");
+    assert!(warned.contains("keep the false-alarm rate of 0.01 in the mean only"), "{warned}");
+    let source = std::fs::read_to_string(dir.join("m.rs")).expect("source");
+    assert!(source.contains("novelty: Novelty {") && source.contains("evidence: EvidencePlan { bet: 0.2"), "{source}");
+
+    let records =
+        "test/healthy_12_000.csv test/roughness_12_000.csv test/roughness_12_001.csv test/roughness_12_002.csv";
+    let replayed = succeed(dir, &format!("replay --model m.bwm {records}"));
+    let lines: Vec<&str> = replayed.lines().collect();
+    assert!(lines[0].contains("  healthy  ") && lines[0].contains("distance"), "{replayed}");
+    assert!(lines[1].contains("  novel  "), "{replayed}");
+    let alarm = lines.iter().position(|line| line.starts_with("ALARM at segment")).expect("an alarm");
+    assert!((3..=4).contains(&alarm) && lines[alarm].ends_with("unknown"), "{replayed}");
+    let values = json(&succeed(dir, &format!("replay --model m.bwm {records} --json")));
+    assert_eq!(
+        (&values[1]["verdict"], &values[1]["class"], &values[0]["alarm"]),
+        (&"novel".into(), &Value::Null, &Value::Null)
+    );
+    assert_eq!(values[3]["alarm"]["cause"], "unknown");
+    let judged = json(&succeed(dir, "evaluate --model m.bwm --labels test/labels.csv --classes healthy --json"));
+    assert_eq!(
+        (&judged["classes"], &judged["undetermined"]),
+        (&serde_json::json!(["healthy"]), &serde_json::json!([0]))
+    );
+}
+
+#[test]
+fn a_gate_beside_trained_classes() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy,spall,roughness --count 12 --seed 13 --out train");
+    succeed(dir, "simulate --class healthy,spall,roughness --count 3 --seed 14 --out test");
+    let train = format!("{TRAIN} --labels train/labels.csv --model m.bwm");
+    let told = json(&succeed(dir, &format!("{train} --false-alarm 0.02 --alarm-interval-h 100 --json")));
+    let novelty = &told["novelty"];
+    assert_eq!((&novelty["healthy"], &novelty["false_alarm"]), (&"healthy".into(), &0.02.into()));
+    // 100 hours of 10 s; three scores share the rate.
+    assert!((novelty["alarm_interval_segments"].as_f64().expect("an interval") - 36_000.0).abs() < 1e-6);
+    assert!((novelty["alarm_limit_nats"].as_f64().expect("a limit") - 108_000_f64.ln()).abs() < 1e-5);
+    let judged = json(&succeed(dir, "evaluate --model m.bwm --labels test/labels.csv --json"));
+    assert_eq!(judged["called_healthy"][0], Value::Null);
+    assert_eq!(judged["called_healthy"][1]["value"].as_f64(), Some(0.0));
+    let records = "test/spall_14_000.csv test/spall_14_001.csv test/spall_14_002.csv";
+    let replayed = succeed(dir, &format!("replay --model m.bwm {records}"));
+    assert!(replayed.lines().any(|line| line == "ALARM at segment 2: spall"), "{replayed}");
+    // No decision costs nothing: nothing is ever worth naming.
+    succeed(dir, &format!("{train} --reject-cost 0"));
+    let judged = json(&succeed(dir, "evaluate --model m.bwm --labels test/labels.csv --json"));
+    let named: u64 = judged["confusion"]
+        .as_array()
+        .expect("rows")
+        .iter()
+        .flat_map(|row| row.as_array())
+        .flatten()
+        .filter_map(Value::as_u64)
+        .sum();
+    assert!(named <= 9, "{judged}");
+    let gateless = succeed(dir, &format!("{train} --classes spall,roughness"));
+    assert!(!gateless.contains("Novel beyond"), "{gateless}");
+}
+
+#[test]
+fn too_few_and_nonsense_are_refused() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy,spall --count 9 --seed 15 --out t");
+    let train = format!("{TRAIN} --labels t/labels.csv --model none.bwm");
+    for (options, words) in [
+        ("--false-alarm 0.00001", vec!["9 healthy segments are too few", "give at least"]),
+        ("--classes healthy --false-alarm 0.00001", vec!["9 healthy segments are too few"]),
+        ("--false-alarm 0.9", vec!["--false-alarm 0.9", "from 1e-9 to 0.5"]),
+        ("--healthy worn", vec!["--healthy", "unknown class worn"]),
+        ("--reject-cost=-1", vec!["--reject-cost"]),
+        ("--alarm-interval-segments 3", vec!["at least 10 segments"]),
+        ("--alarm-interval-segments 30 --alarm-interval-h 3", vec!["cannot be used with"]),
+        ("--classes healthy --projection fisher", vec!["needs two classes"]),
+    ] {
+        refuse(dir, &format!("{train} {options}"), &words);
+    }
+    // Not asked for, the gate is left out with a word.
+    succeed(dir, "simulate --class healthy,spall --count 5 --seed 16 --out few");
+    let output = run(dir, &format!("{TRAIN} --labels few/labels.csv --model m.bwm --json"));
+    let warned = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && warned.contains("too few") && warned.contains("none is set"), "{warned}");
+    assert_eq!(json(&String::from_utf8_lossy(&output.stdout))["novelty"], Value::Null);
+}
