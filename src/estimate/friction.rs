@@ -15,8 +15,9 @@
 //! sample is a row of the triangle. The reference knows nothing of the velocity's noise, so (3) is consistent where least squares
 //! takes that noise for friction. The current is the output, since the load is as a rule what is known best; all parameters are so
 //! in amperes. The rows are those of instrumental variables, `[s T 1 | ṙ r | ω̇ ω | i]`: factor, solve and checks are shared with
-//! the estimator. A drive that knows but one speed cannot tell viscous from Coulomb friction; then a tenth of a row that holds the
-//! nominal p₁ decides, and (5) is what it can tell: p₁ and p₂ err against each other, p₅ does not. (4) is (1) by the trapezoidal rule over one interval with the *nominal* parameters: it keeps every frequency.
+//! the estimator. A drive that knows but one speed cannot tell viscous from Coulomb friction. Then a tenth of a row that holds the
+//! nominal p₁ decides, and where even that is too weak, ten times all rows of it; (5) is what such a drive can tell: p₁ and p₂ err
+//! against each other, p₅ does not. (4) is (1) by the trapezoidal rule over one interval with the *nominal* parameters: it keeps every frequency.
 
 use super::solve::{Head, Solution};
 use super::state_variable::{Cell, StateVariable};
@@ -26,7 +27,7 @@ use super::{AnyShape, Counts, Estimate, Mass, Method, Order, Reason, Regression,
 pub const FRICTION_PARAMETERS: usize = 6;
 /// Parameters that are estimated.
 const ESTIMATED: usize = 5;
-/// Rows of full excitation that the nominal viscous friction is worth.
+/// Rows of full excitation that the nominal viscous friction is worth, unless the velocity says too little.
 const PRIOR_ROWS: f32 = 0.1;
 const COLUMNS: usize = 8;
 const PACKED: usize = 28;
@@ -267,10 +268,20 @@ impl FrictionSums {
             at_rest: false,
             segment: 0,
         };
-        let mut sums = self.sums.clone();
-        sums.update_weighted(&balance.prior(), PRIOR_ROWS);
-        let mut estimate = Estimate::<COLUMNS, PACKED>::empty(regression.order, true, self.rows, counts);
-        Solution::new().finish::<AnyShape, COLUMNS, PACKED>((&regression, &head), &sums, &mut estimate)?;
+        let solve = |prior_rows: f32| {
+            let mut sums = self.sums.clone();
+            let mut row = balance.prior();
+            row.iter_mut().for_each(|cell| *cell *= libm::sqrtf(prior_rows));
+            sums.update(&row);
+            let mut estimate = Estimate::<COLUMNS, PACKED>::empty(regression.order, true, self.rows, counts);
+            let solved =
+                Solution::new().finish::<AnyShape, COLUMNS, PACKED>((&regression, &head), &sums, &mut estimate);
+            solved.map(|()| estimate)
+        };
+        let estimate = match solve(PRIOR_ROWS) {
+            Err(Reason::WeakInstruments) => solve(10.0 * head.mass.rows)?,
+            solved => solved?,
+        };
         let mut friction = Friction { variance: estimate.variance, rows: self.rows, ..Friction::default() };
         // Without a load its place is left out.
         let places = (0..ESTIMATED).filter(|&place| balance.load || place != 3);
