@@ -10,9 +10,10 @@ mod model;
 use core::hint::black_box;
 
 use bearing_watch::decide::{Discriminant, Kind, Projection};
-use bearing_watch::estimate::{Forgetting, Form, Method, Nominal, Rows, Shape, Triangle};
+use bearing_watch::estimate::{Forgetting, Form, Method, Nominal, Rows, Shape, Triangle, Watch};
 use bearing_watch::{
-    AlphaBeta, Angle, Estimator, FrontEnd, Guard, Instruments, Order, Park, Regression, Regressor, Sample, Segment,
+    AlphaBeta, Angle, Estimator, FrontEnd, Guard, Instruments, Motion, Order, Park, Regression, Regressor, Sample,
+    Segment, Shaft,
 };
 
 use support::count::Counter;
@@ -41,6 +42,8 @@ fn run() {
     estimators(&mut counter);
     decision(&mut counter);
     monitor(&mut counter);
+    shaft::<4>(&mut counter, "shaft, 4 orders", 1);
+    shaft::<1>(&mut counter, "shaft, 1 order of 3 harmonics", 3);
     decimation::measure(&mut counter, |name, factor, instructions, bytes| {
         report(name, factor, instructions, bytes);
     });
@@ -245,6 +248,45 @@ fn monitor(counter: &mut Counter) {
     let n = model::MODEL.regression.columns() - 1;
     report("detector sample, monitor", n, step, size_of_val(&monitor));
     report("detector segment end, monitor", n, close, 0);
+}
+
+/// What watching the shaft adds to a sample, and to the end of a segment.
+fn shaft<const K: usize>(counter: &mut Counter, name: &str, harmonics: u8) {
+    let mut plant = support::shaft::Plant::new(6);
+    let motions: [Motion; 600] = core::array::from_fn(|_| plant.motion());
+    // In blocks of a usual length; in blocks that do not end; and where a row and the end of a block meet.
+    let mut figures = [(100, 0, 0), (u16::MAX, 0, 0), (20, 0, 0)];
+    for (block_samples, mean, worst) in &mut figures {
+        let model = support::shaft::model::<K>(harmonics, *block_samples);
+        let mut shaft = Shaft::new(Some(&model));
+        let mut step = |motion: &Motion| black_box(&mut shaft).step(Some(black_box(&model)), black_box(motion));
+        // The filling of the filters and of the ring.
+        motions.iter().take(200).for_each(&mut step);
+        for motion in &motions[200..] {
+            let one = counter.instructions_per_call(1, |_| step(motion));
+            (*mean, *worst) = (*mean + one, one.max(*worst));
+        }
+        *mean = (*mean + 200) / 400;
+    }
+    let [(_, mean, _), (_, _, row), (_, _, worst)] = figures;
+    let model = support::shaft::model::<K>(harmonics, 20);
+    let mut shaft = Shaft::new(Some(&model));
+    motions.iter().for_each(|motion| shaft.step(Some(&model), motion));
+    let Some(sums) = shaft.sums() else { return };
+    let estimate = model.conclude(&sums);
+    if let Some(reason) = estimate.reason {
+        say!("no estimate of the shaft: {reason}");
+    }
+    let conclude = counter.instructions_per_call(20, |_| {
+        black_box(black_box(&model).conclude(black_box(&sums)));
+    });
+    let line = |what: &str, instructions: u32, bytes: usize| {
+        say!(r#"{{"name":"{name}, {what}","n":{K},"instructions":{instructions},"bytes":{bytes}}}"#);
+    };
+    line("mean sample", mean, size_of_val(&shaft));
+    line("sample with a row", row, size_of_val(&model));
+    line("sample with a row that ends a block", worst, size_of_val(&sums));
+    line("segment end", conclude, size_of_val(&estimate));
 }
 
 /// One line: the kernel, its size n where it has one, instructions a call, bytes of state.

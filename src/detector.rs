@@ -16,7 +16,7 @@ use crate::estimate::{
     Accumulator, Counts, Estimate, Estimator, Motion, NoShaft, Reason, Regression, Regressor, Rows, Segment,
     ShaftEstimate, ShaftSums, Shape, Triangle, Watch,
 };
-use crate::model::{Model, ModelError};
+use crate::model::{Model, ModelError, NO_SHAFT};
 
 /// One sample of the three signals, in the units the model was trained with.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -101,6 +101,10 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize, const K: us
     }
 
     fn conclude_shaft(&self, sums: Option<&ShaftSums<K>>) -> Option<ShaftEstimate<K>> {
+        // Known when compiling: what watches no shaft carries none of this.
+        if K == 0 {
+            return None;
+        }
         self.shaft.as_ref().zip(sums).map(|(shaft, sums)| shaft.conclude(sums))
     }
 
@@ -258,7 +262,7 @@ where
             return Err(ModelError::Value("segment length"));
         }
         if !W::fits(model.shaft.as_ref()) {
-            return Err(ModelError::Value("shaft, which this detector was not compiled to watch,"));
+            return Err(ModelError::Value(NO_SHAFT));
         }
         Ok(Self {
             model,

@@ -15,6 +15,8 @@ pub mod hash;
 pub mod numbers;
 #[allow(dead_code, reason = "not every example estimates by instrumental variables")]
 pub mod refined;
+#[allow(dead_code, reason = "not every example watches the shaft")]
+pub mod shaft;
 #[allow(dead_code, reason = "only `kernels` compares whole streams")]
 pub mod streams;
 #[allow(dead_code, reason = "`logging` prints no text of its own")]

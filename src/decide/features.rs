@@ -52,17 +52,25 @@ impl<const F: usize> Features<F> {
         let mut out = [0.0; F];
         for (cell, &index) in out.iter_mut().zip(&self.index).take(self.count as usize) {
             *cell = if index >= SHAFT_FEATURES {
+                // Known when compiling: what watches no shaft carries none of this.
+                if K == 0 {
+                    return Err(Reason::TooFewRows);
+                }
                 let shaft = shaft.ok_or(Reason::TooFewRows)?;
                 shaft.reason.map_or(Ok(()), Err)?;
                 of_shaft(shaft, index)
-            } else if index as usize == n {
-                ln(estimate.variance)
             } else {
-                estimate.delta.get(index as usize).copied().unwrap_or(0.0)
+                of_regression(&estimate.delta, estimate.variance, (n, index as usize))
             };
         }
         Ok(out)
     }
+}
+
+/// Feature `index` of `n` parameters and the variance. Not inlined, where it would be unrolled: flash is dear.
+#[inline(never)]
+fn of_regression(delta: &[f32], variance: f32, (n, index): (usize, usize)) -> f32 {
+    if index == n { ln(variance) } else { delta.get(index).copied().unwrap_or(0.0) }
 }
 
 fn of_shaft<const K: usize>(shaft: &ShaftEstimate<K>, index: u8) -> f32 {

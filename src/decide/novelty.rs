@@ -80,19 +80,25 @@ impl<const Z: usize> Novelty<Z> {
     /// [`MAX_SURPRISE`]. Not a number stays so.
     #[must_use]
     pub fn surprise(&self, squared: f32) -> f32 {
-        let mut line = [[0.0; 2]; 2];
-        for pair in self.knots.windows(2) {
-            if let [from, to] = pair {
-                line = [*from, *to];
-                if squared <= to[0] {
-                    break;
-                }
-            }
-        }
-        let [[x0, s0], [x1, s1]] = line;
+        let [[x0, s0], [x1, s1]] = nearest(&self.knots, squared);
         let surprise = s0 + (squared - x0) * ((s1 - s0) / (x1 - x0));
         if surprise.is_nan() { surprise } else { surprise.clamp(0.0, MAX_SURPRISE) }
     }
+}
+
+/// The two knots around, or the nearest two. Not inlined, where it would be unrolled: flash is dear.
+#[inline(never)]
+fn nearest(knots: &[[f32; 2]], squared: f32) -> [[f32; 2]; 2] {
+    let mut line = [[0.0; 2]; 2];
+    for pair in knots.windows(2) {
+        if let [from, to] = pair {
+            line = [*from, *to];
+            if squared <= to[0] {
+                break;
+            }
+        }
+    }
+    line
 }
 
 #[cfg(test)]

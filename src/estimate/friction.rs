@@ -143,6 +143,13 @@ impl Balance {
     fn sign(&self, reference_rad_s: f32) -> f32 {
         (reference_rad_s / self.sign_velocity_rad_s).clamp(-1.0, 1.0)
     }
+
+    /// e of (4).
+    #[inline(always)]
+    fn unexplained(&self, now: &Torques, sign: f32) -> f32 {
+        let [_, p1, p2, p3, p4] = self.nominal;
+        now.current_a - p1 * now.velocity_rad_s - p2 * sign - p3 * now.load_nm - p4
+    }
 }
 
 /// Running state.
@@ -156,11 +163,10 @@ pub(super) struct FrictionState {
     sign: Cell,
     sums: Triangle<COLUMNS, PACKED>,
     rows: u32,
-    settling: u16,
     /// Samples until the next row.
-    due: u8,
-    /// e and ω of the last sample, where there is one.
-    last: Option<(f32, f32)>,
+    due: u32,
+    /// e and ω of the last sample.
+    last: (f32, f32),
 }
 
 impl FrictionState {
@@ -174,57 +180,50 @@ impl FrictionState {
             sign: cell,
             sums: Triangle::new(if balance.load { COLUMNS } else { COLUMNS - 1 }),
             rows: 0,
-            settling: balance.settle,
             due: 0,
-            last: None,
+            last: (0.0, 0.0),
         }
     }
 
-    /// A sample is missing: the filters start anew from the next one.
-    pub(super) const fn flush(&mut self) {
-        self.last = None;
+    /// The first sample, or the first one after others were missing: all filters at rest on it.
+    #[cold]
+    pub(super) fn start(&mut self, balance: &Balance, now: &Torques) {
+        let sign = balance.sign(now.reference_rad_s);
+        self.current = Cell::at(now.current_a);
+        self.velocity = Cell::at(now.velocity_rad_s);
+        self.reference = Cell::at(now.reference_rad_s);
+        self.load = Cell::at(now.load_nm);
+        self.sign = Cell::at(sign);
+        self.due = u32::from(balance.settle) + 1;
+        self.last = (balance.unexplained(now, sign), now.velocity_rad_s);
     }
 
-    /// Takes a sample; gives ρ of (4) where there is a sample before it.
-    #[inline]
-    pub(super) fn step(&mut self, balance: &Balance, now: &Torques) -> Option<f32> {
+    /// Takes the next sample; gives ρ of (4).
+    // One caller, at every sample: a call would cost a seventh of it.
+    #[inline(always)]
+    pub(super) fn step(&mut self, balance: &Balance, now: &Torques) -> f32 {
         let Torques { current_a, velocity_rad_s, reference_rad_s, load_nm } = *now;
         let sign = balance.sign(reference_rad_s);
-        let [p0, p1, p2, p3, p4] = balance.nominal;
-        let e = current_a - p1 * velocity_rad_s - p2 * sign - p3 * load_nm - p4;
-        let Some((e_1, velocity_1)) = self.last.replace((e, velocity_rad_s)) else {
-            self.start(balance, now, sign);
-            return None;
-        };
+        let e = balance.unexplained(now, sign);
+        let (e_1, velocity_1) = core::mem::replace(&mut self.last, (e, velocity_rad_s));
         let bank = &balance.filter;
         let (i, _) = self.current.step(bank, current_a);
         let (w, slope) = self.velocity.step(bank, velocity_rad_s);
         let (r, r_slope) = self.reference.step(bank, reference_rad_s);
         let (t, _) = self.load.step(bank, load_nm);
         let (s, _) = self.sign.step(bank, sign);
-        if self.settling > 0 {
-            self.settling -= 1;
-        } else if self.due > 1 {
+        if self.due > 1 {
             self.due -= 1;
         } else {
-            self.due = balance.row_interval;
+            self.due = u32::from(balance.row_interval);
             self.row(balance, [i, w, slope * bank.rate_per_s, r, r_slope * bank.rate_per_s, t, s]);
         }
-        Some(0.5 * (e + e_1) - p0 * (velocity_rad_s - velocity_1) / balance.interval_s) // (4)
+        let [p0, ..] = balance.nominal;
+        0.5 * (e + e_1) - p0 * (velocity_rad_s - velocity_1) / balance.interval_s // (4)
     }
 
-    /// All filters at rest on the first sample.
-    #[cold]
-    fn start(&mut self, balance: &Balance, now: &Torques, sign: f32) {
-        self.current = Cell::at(now.current_a);
-        self.velocity = Cell::at(now.velocity_rad_s);
-        self.reference = Cell::at(now.reference_rad_s);
-        self.load = Cell::at(now.load_nm);
-        self.sign = Cell::at(sign);
-        self.settling = balance.settle;
-    }
-
-    #[inline]
+    /// One sample in a few.
+    #[inline(never)]
     fn row(&mut self, balance: &Balance, [i, w, dw, r, dr, t, s]: [f32; 7]) {
         let [acceleration, velocity, load, current] = balance.scale;
         let (w, dw, r, dr, i) = (w * velocity, dw * acceleration, r * velocity, dr * acceleration, i * current);

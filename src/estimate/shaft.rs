@@ -119,14 +119,35 @@ pub struct Shaft<const K: usize> {
     /// Velocity, reference and load of the last samples, and the way turned to them.
     ring: [([f32; 3], i32); RING as usize],
     place: u8,
-    /// Samples until the ring is filled.
+    /// Samples until the ring is filled and the filters have started.
     filling: u8,
-    /// The last angle, where there is one.
-    angle: Option<Angle>,
+    delay: Delay,
+    /// The last angle. Before the first sample any will do: where phases start does not count.
+    angle: Angle,
     friction: FrictionState,
     orders: OrderTracking<K>,
     /// Whether a model is watched at all.
     watching: bool,
+}
+
+/// How far the ring is looked back into: made once, not at every sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Delay {
+    /// Whole samples that velocity, reference and load are delayed by, 0 … 2.
+    whole: u8,
+    /// Those of the angle, 1 … 3: (4) of the friction speaks of the middle of an interval.
+    angle: u8,
+    /// The part of a sample beyond the whole ones.
+    part: f32,
+}
+
+impl Delay {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 … 3 in a validated model")]
+    fn of(current_delay: f32) -> Self {
+        let whole = (current_delay as u8).min(2);
+        Self { whole, angle: ((current_delay + 1.0) as u8).min(3), part: current_delay - f32::from(whole) }
+    }
 }
 
 /// A closed segment's sums of the shaft, apart from the state that goes on.
@@ -155,21 +176,6 @@ impl<const K: usize> ShaftModel<K> {
         let orders = sums.orders.strengths(&self.tracking)?;
         Ok(ShaftEstimate { friction, orders, counts: sums.counts, reason: None })
     }
-
-    /// Whole samples and part of one that velocity, reference and load are delayed by.
-    #[inline(always)]
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 … 2 in a validated model")]
-    fn delay(&self) -> (u8, f32) {
-        let whole = (self.current_delay as u8).min(2);
-        (whole, self.current_delay - f32::from(whole))
-    }
-
-    /// Whole samples that the angle is delayed by: (4) of the friction speaks of the middle of an interval.
-    #[inline(always)]
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 … 3 in a validated model")]
-    fn angle_delay(&self) -> u8 {
-        ((self.current_delay + 1.0) as u8).min(3)
-    }
 }
 
 impl<const K: usize> Watch<K> for Shaft<K> {
@@ -193,8 +199,9 @@ impl<const K: usize> Watch<K> for Shaft<K> {
             gate: Gate::new(true),
             ring: [([0.0; 3], 0); RING as usize],
             place: 0,
-            filling: RING,
-            angle: None,
+            filling: RING + 1,
+            delay: Delay::of(model.map_or(0.0, |model| model.current_delay)),
+            angle: Angle::ZERO,
             friction: FrictionState::new(model.map_or(&NOTHING, |model| &model.balance)),
             orders: OrderTracking::new(),
             watching: model.is_some(),
@@ -204,7 +211,7 @@ impl<const K: usize> Watch<K> for Shaft<K> {
     #[inline]
     fn step(&mut self, model: Option<&ShaftModel<K>>, motion: &Motion) {
         let Some(model) = model else { return };
-        let turned = self.angle.replace(motion.angle).map_or(0, |last| motion.angle.since(last));
+        let turned = motion.angle.since(core::mem::replace(&mut self.angle, motion.angle));
         let Motion { current_a, velocity_rad_s, reference_rad_s, load_nm, .. } = *motion;
         let sample = Sample { y: current_a, u1: velocity_rad_s, u2: load_nm };
         let [_, most, _] = model.guard.limit;
@@ -215,27 +222,28 @@ impl<const K: usize> Watch<K> for Shaft<K> {
         if let Some(cell) = self.ring.get_mut(self.place as usize) {
             *cell = (levels, turned);
         }
-        let ([newer, older], turned) = self.delayed(model);
+        let ([newer, older], turned) = self.delayed();
         if !good {
-            self.filling = RING;
-            self.friction.flush();
+            self.filling = RING + 1;
         }
-        if self.filling > 0 {
-            self.filling -= 1;
-            self.orders.step(&model.tracking, turned, None);
-            return;
-        }
-        let (_, part) = model.delay();
-        let between = |newer: f32, older: f32| newer + part * (older - newer);
         let ([w, r, t], [w_1, r_1, t_1]) = (newer, older);
+        let between = |newer: f32, older: f32| newer + self.delay.part * (older - newer);
         let torques = Torques {
             current_a,
             velocity_rad_s: between(w, w_1),
             reference_rad_s: between(r, r_1),
             load_nm: between(t, t_1),
         };
+        if self.filling > 0 {
+            self.filling -= 1;
+            if self.filling == 0 {
+                self.friction.start(&model.balance, &torques);
+            }
+            self.orders.step(&model.tracking, turned, None);
+            return;
+        }
         let residual = self.friction.step(&model.balance, &torques);
-        self.orders.step(&model.tracking, turned, residual);
+        self.orders.step(&model.tracking, turned, Some(residual));
     }
 
     fn sums(&self) -> Option<ShaftSums<K>> {
@@ -256,12 +264,12 @@ impl<const K: usize> Watch<K> for Shaft<K> {
 impl<const K: usize> Shaft<K> {
     /// Levels of the two samples around the current's instant, and the way turned then.
     #[inline(always)]
-    fn delayed(&self, model: &ShaftModel<K>) -> ([[f32; 3]; 2], i32) {
+    fn delayed(&self) -> ([[f32; 3]; 2], i32) {
         let back = |samples: u8| {
             let place = self.place.wrapping_sub(samples) % RING;
             self.ring.get(place as usize).copied().unwrap_or_default()
         };
-        let (whole, _) = model.delay();
-        ([back(whole).0, back(whole + 1).0], back(model.angle_delay()).1)
+        let Delay { whole, angle, .. } = self.delay;
+        ([back(whole).0, back(whole + 1).0], back(angle).1)
     }
 }

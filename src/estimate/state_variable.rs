@@ -3,9 +3,13 @@
 //! Enters: a signal x. Leaves: y, x behind a Butterworth low-pass of cut-off `f_c`, and its derivative ẏ.
 //!
 //! ```text
-//! v₁ = (s₁ + g (x − s₂)) / (1 + g (g + √2)),   v₂ = s₂ + g v₁,   g = tan(π f_c Ts)            (1)
-//! s₁ ← 2 v₁ − s₁,   s₂ ← 2 v₂ − s₂;            y = v₂,   ẏ = (2 g/Ts) v₁                       (2)
+//! v₁ = (s₁ + g (x − s₂)) D,   D = 1/(1 + g (g + √2)),   v₂ = s₂ + g v₁,   g = tan(π f_c Ts)   (1)
+//! s₁ ← 2 v₁ − s₁,   s₂ ← 2 v₂ − s₂;                     y = v₂,   ẏ = (2 g/Ts) v₁              (2)
+//!
+//! s₁ ← (2 D − 1) s₁ + 2 g D (x − s₂),   s₂ ← s₂ + 2 g v₁,   2 v₁ = s₁ + the s₁ before           (3)
 //! ```
+//!
+//! (3) is (1) and (2) without what only a sample that is looked at needs: y and ẏ are computed from the states around it.
 //!
 //! Trapezoidal integrators (Zavalishin, *The Art of VA Filter Design*, §4), so that ẏ is the bilinear derivative of y exactly. Signals
 //! behind the same filter keep every linear equation that held between them.
@@ -48,10 +52,12 @@ impl Cell {
     /// y and v₁; ẏ is v₁ times [`StateVariable::rate_per_s`].
     #[inline(always)]
     pub(super) fn step(&mut self, bank: &StateVariable, x: f32) -> (f32, f32) {
-        let v1 = (self.s1 + bank.gain * (x - self.s2)) * bank.damping; // (1)
-        let v2 = self.s2 + bank.gain * v1;
-        (self.s1, self.s2) = (2.0 * v1 - self.s1, 2.0 * v2 - self.s2); // (2)
-        (v2, v1)
+        let StateVariable { gain, damping, .. } = *bank;
+        let (s1, s2) = (self.s1, self.s2);
+        self.s1 = (2.0 * damping - 1.0) * s1 + (2.0 * gain * damping) * (x - s2); // (3)
+        let twice_v1 = s1 + self.s1;
+        self.s2 = s2 + gain * twice_v1;
+        (0.5 * (s2 + self.s2), 0.5 * twice_v1)
     }
 }
 

@@ -166,7 +166,11 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize, const K: us
         let (discriminant, labels) = Self::read_discriminant(reader, z as usize)?;
         let novelty = read_novelty(reader, z as usize)?;
         let evidence = EvidencePlan { bet: reader.f32()?, limit: reader.f32()?, cap: reader.f32()? };
-        let shaft = if flag(reader.u8()?, "shaft flag")? { Some(super::shaft::read(reader)?) } else { None };
+        let shaft = match flag(reader.u8()?, "shaft flag")? {
+            true if K == 0 => return Err(ModelError::Value(super::NO_SHAFT)),
+            true => Some(super::shaft::read(reader)?),
+            false => None,
+        };
         let classifier = Classifier { features, projection, discriminant, novelty };
         Ok(Self { sampling, regression, shaft, classifier, evidence, labels })
     }

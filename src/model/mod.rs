@@ -11,6 +11,8 @@ use crate::estimate::{
     Guard, MAX_LAMBDA, MAX_LONG_SEGMENT_SAMPLES, MAX_OUTPUT_TERMS, Memory, Method, Regression, ShaftModel, is_stable,
 };
 
+pub(crate) const NO_SHAFT: &str = "shaft, which this detector was not compiled to watch,";
+
 /// Longest block mean: plain sums of more samples lose digits.
 pub const MAX_BLOCK_MEAN: u16 = 1000;
 
@@ -94,7 +96,7 @@ pub struct Model<const M: usize, const F: usize, const Z: usize, const C: usize,
     pub sampling: Sampling,
     /// Structure, scales and limits of the regression.
     pub regression: Regression<M>,
-    /// Torque balance and bearing orders, where the shaft is watched.
+    /// Torque balance and bearing orders, where the shaft is watched; that takes a `K` of at least one, be it not in use.
     pub shaft: Option<ShaftModel<K>>,
     /// Features, projection, discriminant and novelty.
     pub classifier: Classifier<F, Z, C>,
@@ -181,6 +183,10 @@ impl<const M: usize, const F: usize, const Z: usize, const C: usize, const K: us
         used(classifier.projection.count, Z, "projected coordinates")?;
         used(discriminant.classes, C, "classes")?;
         if let Some(shaft) = &self.shaft {
+            // Known when compiling: what watches no shaft carries no checks of one.
+            if K == 0 {
+                return Err(ModelError::Value(NO_SHAFT));
+            }
             shaft::validate(shaft)?;
         }
         let orders = self.shaft.as_ref().map(|shaft| shaft.tracking.count);
@@ -273,9 +279,14 @@ fn validate_novelty<const Z: usize>(novelty: &Novelty<Z>, (classes, z): (usize, 
         check(all_within(knots, 0.0, 0.0), "surprise curve")?;
         return check(novelty.limit.is_infinite(), "novelty limit");
     }
-    let rising = novelty.knots.windows(2).all(|pair| matches!(pair, [[x0, s0], [x1, s1]] if x0 < x1 && s0 < s1));
-    check(rising && all_within(knots, 0.0, f32::MAX), "surprise curve")?;
+    check(rises(&novelty.knots) && all_within(knots, 0.0, f32::MAX), "surprise curve")?;
     check(novelty.limit > 0.0, "novelty limit")
+}
+
+/// Not inlined, where it would be unrolled: flash is dear. NaN rises nowhere.
+#[inline(never)]
+fn rises(knots: &[[f32; 2]]) -> bool {
+    knots.windows(2).all(|pair| matches!(pair, [[x0, s0], [x1, s1]] if x0 < x1 && s0 < s1))
 }
 
 /// One loop for all the arrays of a model: this runs once, and flash is dear. NaN lies nowhere.

@@ -78,7 +78,8 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     line("/// The detector of exactly this model's size.");
     let packed = m * (m - 1) / 2;
     let sums = if plain.is_empty() { String::new() } else { format!(", {plain}<{m}, {packed}>") };
-    let orders = watch.map_or(0, |shaft| shaft.tracking.count);
+    // A shaft is watched by a type of at least one order.
+    let orders = watch.map_or(0, |shaft| shaft.tracking.count.max(1));
     let sums = if watch.is_some() { format!("{sums}, Shaft<{orders}>, {orders}") } else { sums };
     let types = format!("{m}, {packed}, {delays}, {f}, {z}, {c}, {rows}<{m}, {delays}, Structure>{sums}");
     line("#[rustfmt::skip]");
@@ -191,9 +192,12 @@ fn shaft_constants(shaft: &ShaftModel<MAX_ORDERS>) -> Vec<String> {
     let array = |values: &[f32]| list(&values.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>());
     let ShaftModel { guard, current_delay, balance, tracking } = shaft;
     let used = tracking.orders.iter().take(tracking.count as usize);
-    let orders: Vec<String> = used
+    let mut orders: Vec<String> = used
         .map(|order| format!("TrackedOrder {{ order_q16: {}, weights: {} }}", order.order_q16, array(&order.weights)))
         .collect();
+    if orders.is_empty() {
+        orders.push("TrackedOrder::NONE".into());
+    }
     vec![
         "    shaft: Some(ShaftModel {".into(),
         format!("        guard: Guard::within({}),", array(&guard.limit)),

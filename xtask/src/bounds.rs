@@ -20,7 +20,7 @@ pub struct Bound {
 }
 
 /// What is promised.
-pub const BOUNDS: [Bound; 24] = [
+pub const BOUNDS: [Bound; 28] = [
     bound("LS update", Some(8), 285),
     bound("LS update", Some(15), 735),
     bound("LS update, lambda 1", Some(8), 245),
@@ -36,16 +36,21 @@ pub const BOUNDS: [Bound; 24] = [
     bound("half-band decimation, 3 channels, worst sample", Some(8), 205),
     bound("sin_cos + Clarke + Park", None, 60),
     bound("projection 9 to 3 + quadratic discriminant 3 classes", None, 200),
+    bound("shaft, 4 orders, mean sample", Some(4), 400),
+    bound("shaft, 4 orders, sample with a row that ends a block", Some(4), 780),
+    bound("shaft, 4 orders, segment end", Some(4), 8600),
+    bytes("shaft, 4 orders, mean sample", Some(4), 640),
     bytes("SRIV sample, stuck sensor and outliers told", Some(8), 512),
     bytes("stack, detector sample", None, 600),
     bytes("stack, detector segment end", None, 1800),
     bytes("stack, SRIV detector sample", None, 1000),
     bytes("stack, SRIV detector segment end", None, 2000),
     bytes("stack, SRIV detector collect", None, 1000),
-    bytes("stack, SRIV detector conclude", None, 2000),
+    // Its report holds a place for what the shaft says, watched or not.
+    bytes("stack, SRIV detector conclude", None, 2150),
     // The goal is 8 KiB; README says where the rest goes. These keep it from growing.
-    bytes("flash of the whole detector, LS", Some(8), 19_456),
-    bytes("flash of the whole detector, SRIV", Some(8), 20_992),
+    bytes("flash of the whole detector, LS", Some(8), 21_504),
+    bytes("flash of the whole detector, SRIV", Some(8), 23_040),
 ];
 
 const fn bound(name: &'static str, n: Option<u64>, most: u64) -> Bound {
