@@ -29,6 +29,7 @@ pub fn model<const K: usize>(harmonics: u8, block_samples: u16) -> ShaftModel<K>
             row_interval: 8,
             settle: 100,
             sign_velocity_rad_s: 2.0,
+            usual_velocity_rad_s: 28.0,
             load: true,
             scale: [0.031_25, 0.031_25, 8.0, 0.5],
             nominal: NOMINAL,

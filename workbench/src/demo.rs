@@ -1,6 +1,7 @@
 //! The whole chain on the standard rig: simulate, train, evaluate held-out traces through the embedded detector,
 //! and compare with the source's own method on the same traces.
 
+use bearing_watch::decide::Kind;
 use rayon::prelude::*;
 
 use crate::Error;
@@ -8,10 +9,10 @@ use crate::embedded::Embedded;
 use crate::evaluate::{self, Confusion, TraceVerdict};
 use crate::identify::{Order, Structure};
 use crate::literal;
-use crate::rig::{Defect, DefectKind, RigTrace, Scenario, simulate, trace_seed};
+use crate::rig::{BearingGeometry, Defect, DefectKind, RigTrace, Scenario, simulate, trace_seed};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{MotionTrace, Trace};
-use crate::train::{Keep, ProjectionKind, Recipe, Trained, train};
+use crate::train::{Keep, ProjectionKind, Recipe, ShaftPlan, Trained, train};
 
 /// Class names of the standard rig, healthy first.
 pub const CLASSES: [DefectKind; 3] = [DefectKind::Healthy, DefectKind::Spall, DefectKind::Roughness];
@@ -53,6 +54,8 @@ impl Settings {
 pub struct Repetition {
     /// Least squares, all parameters, no projection, linear discriminant; through the core.
     pub all_parameters: Confusion,
+    /// Torque balance and bearing order, quadratic discriminant; through the core.
+    pub shaft: Confusion,
     /// Least squares, a-parameters, PCA to two components, linear discriminant; through the core.
     pub a_only: Confusion,
     /// The source's method in double precision.
@@ -104,13 +107,7 @@ pub fn traces(
 
 /// A rig's recording with the shaft's channels.
 fn trace(id: String, recorded: RigTrace, input: FirstInput) -> Trace {
-    let motion = MotionTrace {
-        current_a: recorded.current_a.clone(),
-        velocity_rad_s: recorded.velocity_rad_s.clone(),
-        reference_rad_s: recorded.velocity_ref_rad_s.clone(),
-        load_nm: recorded.load_torque_nm.clone(),
-        angle_rad: recorded.angle_rad,
-    };
+    let motion = MotionTrace::from(&recorded);
     let u1 = match input {
         FirstInput::Reference => recorded.velocity_ref_rad_s,
         FirstInput::Error => {
@@ -134,6 +131,18 @@ fn trace(id: String, recorded: RigTrace, input: FirstInput) -> Trace {
 #[must_use]
 pub fn all_parameters() -> Recipe {
     Recipe::new(Structure { order: REFERENCE_ORDER, offset: false })
+}
+
+/// The torque balance's scores and the outer race's order, quadratic discriminant; no gate.
+#[must_use]
+pub fn shaft() -> Recipe {
+    let outer = BearingGeometry::THESIS.orders().outer;
+    Recipe {
+        shaft: Some(ShaftPlan::new(vec![("outer".into(), outer)])),
+        features: ["drag_score", "inverse_kt_score", "order_outer"].map(String::from).to_vec(),
+        discriminant: Kind::Quadratic,
+        ..all_parameters()
+    }
 }
 
 /// Least squares, the a-parameters only, PCA to two components, linear discriminant.
@@ -169,9 +178,10 @@ pub fn draw(settings: &Settings, repetition: u32, done: impl Fn() + Sync) -> Res
     let set = |set| traces(&Scenario::STANDARD, FirstInput::Reference, (set, settings.traces), &done);
     let (training, validation) = (set(train_set)?, set(validation_set)?);
     let (trained, model, verdicts, confusion) = validate(&all_parameters(), &training, &validation)?;
+    let (_, _, _, shaft) = validate(&shaft(), &training, &validation)?;
     let (_, _, _, a_only) = validate(&a_only(), &training, &validation)?;
     let literal = literal::validate(&training, &validation, &class_names(), REFERENCE_ORDER)?;
-    let repetition = Repetition { all_parameters: confusion, a_only, literal };
+    let repetition = Repetition { all_parameters: confusion, shaft, a_only, literal };
     Ok(Draw { training, validation, trained, model, verdicts, repetition })
 }
 

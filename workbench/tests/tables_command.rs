@@ -106,6 +106,6 @@ fn the_demonstration_and_the_tables_agree() {
     close("validation, with PCA", "three classes", literal.all_classes.error_rate().value);
     close("validation, with PCA", "both pooled", literal.binary_error());
     close("validation, with PCA", "healthy fit", literal.fit_percent / 100.0);
-    let ours = draw.repetition.all_parameters.error_rate().value;
+    let ours = draw.repetition.shaft.error_rate().value;
     close(workbench::tables::ours::NAME, "three classes", ours);
 }

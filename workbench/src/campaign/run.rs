@@ -3,32 +3,24 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-use bearing_watch::decide::Kind;
 use rayon::prelude::*;
 
 use super::experiments::{Experiment, Judge, Training};
 use super::{Cell, Purpose, Recording, map_traces};
 use crate::Error;
-use crate::demo::{REFERENCE_ORDER, all_parameters};
+use crate::demo::{self, REFERENCE_ORDER};
 use crate::embedded::{Embedded, Finding, Segment};
 use crate::literal;
-use crate::rig::{BearingGeometry, Condition, Defect, Scenario};
+use crate::rig::{Condition, Defect, Scenario};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{MotionTrace, Trace};
-use crate::train::{Alarms, Recipe, ShaftPlan, train};
+use crate::train::{Alarms, Recipe, train};
 
-/// The one configuration of every experiment: the torque balance's scores and the outer race's order, quadratic
-/// discriminant, novelty gate at the given rate.
+/// The one configuration of every experiment: [`demo::shaft`] with a novelty gate at the given rate.
 #[must_use]
 pub fn ours(false_alarm: f64) -> Recipe {
-    let outer = BearingGeometry::THESIS.orders().outer;
-    Recipe {
-        shaft: Some(ShaftPlan::new(vec![("outer".into(), outer)])),
-        features: ["drag_score", "inverse_kt_score", "order_outer"].map(String::from).to_vec(),
-        discriminant: Kind::Quadratic,
-        alarms: Alarms { healthy: Some(0), false_alarm, required: true, ..Alarms::default() },
-        ..all_parameters()
-    }
+    let alarms = Alarms { healthy: Some(0), false_alarm, required: true, ..Alarms::default() };
+    Recipe { alarms, ..demo::shaft() }
 }
 
 /// One repetition of one experiment.
@@ -52,13 +44,7 @@ pub fn class_names(classes: &[Defect]) -> Vec<String> {
 #[must_use]
 pub fn labelled(recording: Recording, class: usize) -> LabelledTrace {
     let Recording { cell, seed, trace: recorded, .. } = recording;
-    let motion = MotionTrace {
-        current_a: recorded.current_a.clone(),
-        velocity_rad_s: recorded.velocity_rad_s,
-        reference_rad_s: recorded.velocity_ref_rad_s.clone(),
-        load_nm: recorded.load_torque_nm.clone(),
-        angle_rad: recorded.angle_rad,
-    };
+    let motion = MotionTrace::from(&recorded);
     let trace = Trace {
         id: format!("{}_{seed:016x}", cell.defect.kind.name()),
         interval_s: Some(Scenario::STANDARD.sample_time_s),

@@ -89,7 +89,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
 /// The model as Rust and binary, and its recording.
 fn model_contents(first: &Draw) -> Result<[Vec<u8>; 3], Error> {
     let lines = ["Standard DC-motor rig: y = current, u1 = velocity reference, u2 = load torque.".to_string()];
-    let notes = Notes::new(&channels(), Preparation::NONE, &first.trained.feature_names, &first.training);
+    let notes = Notes::new(&channels(), Preparation::NONE, (&first.trained.feature_names, vec![]), &first.training);
     Ok([
         export::rust_source(&first.trained, &lines)?.into_bytes(),
         first.trained.to_bytes(&notes.to_text())?,
@@ -127,6 +127,7 @@ fn rows(repetitions: &[Repetition]) -> Vec<Row> {
     };
     vec![
         row("embedded: LS, all of a b c, LDA", "–", |r| r.all_parameters.error_rate().value),
+        row("embedded: torque balance and bearing order, QDA", "–", |r| r.shaft.error_rate().value),
         row("embedded: LS, a only, PCA 2, LDA", "–", |r| r.a_only.error_rate().value),
         row("source: iv4, a only, PCA 2, LDA of 3 classes", "–", |r| r.literal.all_classes.error_rate().value),
         row("source: the same, two binary LDAs", "28.3 (Table 4.1)", |r| r.literal.binary_error()),

@@ -225,6 +225,9 @@ pub(super) struct Notes {
     /// Preparation outside the detector.
     host_block_mean: usize,
     decimate: usize,
+    /// Names of the tracked orders.
+    #[serde(default)]
+    pub(super) orders: Vec<String>,
     /// Names of the features.
     pub(super) features: Vec<String>,
     /// Ids of the training traces, to warn of evaluating on them.
@@ -232,7 +235,12 @@ pub(super) struct Notes {
 }
 
 impl Notes {
-    pub(super) fn new(channels: &Channels, host: Preparation, features: &[String], training: &[LabelledTrace]) -> Self {
+    pub(super) fn new(
+        channels: &Channels,
+        host: Preparation,
+        (features, orders): (&[String], Vec<String>),
+        training: &[LabelledTrace],
+    ) -> Self {
         let Channels { y, u1, u2, shaft } = channels.clone();
         Self {
             y,
@@ -241,6 +249,7 @@ impl Notes {
             shaft,
             host_block_mean: host.block_mean,
             decimate: host.decimate,
+            orders,
             features: features.to_vec(),
             trained_on: training.iter().map(|t| trace::stem(&t.trace.id).to_string()).collect(),
         }

@@ -49,7 +49,9 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
             }
             let gated = model.healthy().is_some();
             output::say(
-                line(&model.classes, &prepared, segment) + &if gated { far(segment, watched) } else { "".into() },
+                line(&model.classes, &prepared, segment)
+                    + &shaft(&notes.orders, segment)
+                    + &if gated { far(segment, watched) } else { "".into() },
             )?;
             if let (Some(alarm), Some(cause), false) = (watched.alarm, watched.cause(&model.classes), raised) {
                 raised = true;
@@ -74,6 +76,24 @@ fn far(segment: &Segment, watched: &Watched) -> String {
         Ok(_) => format!(", distance {distance:.2}, surprise {surprise:.1} nats, score {score:.1}"),
         Err(_) => format!(", score {score:.1}"),
     }
+}
+
+/// Torque balance and orders in physical units; empty where no shaft is watched or it says nothing.
+fn shaft(names: &[String], segment: &Segment) -> String {
+    let Some(friction) = segment.friction.filter(|friction| friction.rows > 0) else { return String::new() };
+    // Without a measured load only the ratios to Kt are known.
+    let kt = friction.torque_constant_nm_a();
+    let mut text = if kt.is_finite() {
+        let (j, b, tc) = (friction.inertia_kg_m2(), friction.viscous_nm_s_rad(), friction.coulomb_nm());
+        format!(", Kt {kt:.4} N·m/A, J {j:.3e} kg·m², B {b:.2e} N·m·s, Tc {tc:.2e} N·m")
+    } else {
+        let [j, b, tc, ..] = friction.parameters;
+        format!(", J/Kt {j:.3e} A·s²/rad, B/Kt {b:.2e} A·s/rad, Tc/Kt {tc:.2e} A")
+    };
+    for (name, order) in names.iter().zip(&segment.orders) {
+        text.push_str(&format!(", {name} {:.1} × noise", order.prominence));
+    }
+    text
 }
 
 /// Where the segment lies: in seconds where the trace has a time, else in samples.
@@ -131,6 +151,10 @@ fn value(
         "trend": watched.trend.map(|t| json!({ "value": t.slope, "low": t.low, "high": t.high })),
         "parameters": estimated.then(|| named_by(&model.structure().names(), &segment.raw)),
         "variance": estimated.then_some(segment.variance),
+        "friction": segment.friction.filter(|friction| friction.rows > 0).map(|f| json!({
+            "names": crate::features::FRICTION, "values": f.parameters, "deviations": f.deviations, "scores": f.scores,
+        })),
+        "orders": segment.orders.iter().map(|o| json!({ "prominence": o.prominence, "amplitude_a": o.amplitude })).collect::<Vec<_>>(),
         "rows": segment.rows,
         "rejected": segment.counts.rejected,
         "saturated": segment.counts.saturated,

@@ -135,7 +135,12 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     if host != Preparation::NONE {
         output::warn(format!("the detector does not decimate: {}", description[3]));
     }
-    let notes = Notes::new(&channels, host, &trained.feature_names, &training);
+    let notes = Notes::new(
+        &channels,
+        host,
+        (&trained.feature_names, trained.recipe.catalogue().orders.unwrap_or_default()),
+        &training,
+    );
     let bytes = trained.to_bytes(&notes.to_text())?;
     let rust = args.rust.as_ref().map(|_| export::rust_source(&trained, &description));
     let rust = rust.transpose()?;
@@ -352,16 +357,24 @@ fn description(trained: &Trained, channels: &crate::trace::Channels, host: Prepa
         _ => format!("Feed every {decimate}-th mean of {block_mean} recorded samples behind an anti-alias filter"),
     };
     fed += &if step_s > 0.0 { format!(", one every {step_s} s.") } else { ".".into() };
-    let crate::trace::Channels { y, u1, u2, .. } = channels;
-    vec![
+    let crate::trace::Channels { y, u1, u2, shaft } = channels;
+    let mut lines = vec![
         format!("y = {y}, u1 = {u1}, u2 = {u2}; classes {}.", trained.classes.join(", ")),
         format!("Features {}; {} discriminant.", trained.feature_names.join(", "), trained.kind_name()),
         format!("Estimated by {}.", estimated_by(trained)),
         fed,
-    ]
-    .into_iter()
-    .chain(alarms::description(trained))
-    .collect()
+    ];
+    if let (Some(crate::trace::ShaftChannels { current, velocity, reference, load, angle }), Some(plan)) =
+        (shaft, &trained.recipe.shaft)
+    {
+        let orders: Vec<String> = plan.orders.iter().map(|(name, order)| format!("{name} {order:.5}")).collect();
+        let load = load.as_deref().unwrap_or("not measured, 0");
+        lines.push(format!(
+            "Motion: current {current}, velocity {velocity}, reference {reference}, load {load}, angle {angle}; orders {}.",
+            if orders.is_empty() { "none".into() } else { orders.join(", ") }
+        ));
+    }
+    lines.into_iter().chain(alarms::description(trained)).collect()
 }
 
 fn priors(asked: &[String], classes: &[String]) -> Result<Vec<f64>, Error> {

@@ -254,6 +254,21 @@ fn previews<
     Ok(previews)
 }
 
+/// Runs where there is room for copies of the largest model on the stack, half a megabyte each: threads of tests and of the
+/// pool have two.
+pub(crate) fn with_room<T: Send>(run: impl FnOnce() -> T + Send) -> T {
+    const STACK: usize = 32 << 20;
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run);
+        // Without a thread to be had nothing else runs either.
+        match thread.map(std::thread::ScopedJoinHandle::join) {
+            Ok(Ok(result)) => result,
+            Ok(Err(panic)) => std::panic::resume_unwind(panic),
+            Err(error) => panic!("no thread: {error}"),
+        }
+    })
+}
+
 /// Classes and bearing orders in use.
 fn sizes<const M: usize, const F: usize, const Z: usize, const C: usize>(
     model: &Model<M, F, Z, C, MAX_ORDERS>,
@@ -399,7 +414,7 @@ impl Embedded {
     /// # Errors
     /// Whatever the core refuses the bytes for.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ModelError> {
-        let model = Sized::from_bytes(bytes)?;
+        let model = with_room(|| Sized::from_bytes(bytes))?;
         Ok(Self { classes: model.label_names(), model })
     }
 

@@ -14,8 +14,8 @@ use crate::features;
 use crate::identify::{Method, Order, Structure, estimate};
 use crate::literal::Judged;
 use crate::rig::{Defect, RigTrace, Scenario, simulate, trace_seed};
-use crate::trace::Trace;
 use crate::trace::labels::LabelledTrace;
+use crate::trace::{MotionTrace, Trace};
 use crate::train::FeatureTable;
 
 /// A trace of the rig with all its signals.
@@ -40,7 +40,8 @@ impl Recorded {
         };
         let interval_s = t_s.windows(2).next().map(|pair| pair[1] - pair[0]);
         let (id, y, u2) = (self.id.clone(), current_a.clone(), load_torque_nm.clone());
-        LabelledTrace { trace: Trace { id, interval_s, y, u1, u2, ..Trace::default() }, class: self.class }
+        let motion = Some(MotionTrace::from(&self.signals));
+        LabelledTrace { trace: Trace { id, interval_s, y, u1, u2, motion, ..Trace::default() }, class: self.class }
     }
 }
 

@@ -8,6 +8,7 @@ pub mod prepare;
 use std::path::{Path, PathBuf};
 
 use crate::Error;
+use crate::rig::RigTrace;
 
 pub use labels::{Condition, Labels};
 pub use prepare::Preparation;
@@ -25,6 +26,18 @@ pub struct MotionTrace {
     pub load_nm: Vec<f64>,
     /// Angle of the shaft, wrapped or not.
     pub angle_rad: Vec<f64>,
+}
+
+impl From<&RigTrace> for MotionTrace {
+    fn from(recorded: &RigTrace) -> Self {
+        Self {
+            current_a: recorded.current_a.clone(),
+            velocity_rad_s: recorded.velocity_rad_s.clone(),
+            reference_rad_s: recorded.velocity_ref_rad_s.clone(),
+            load_nm: recorded.load_torque_nm.clone(),
+            angle_rad: recorded.angle_rad.clone(),
+        }
+    }
 }
 
 impl MotionTrace {

@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 
 use super::{Shrink, Shrinkage, Trained};
 use crate::Error;
-use crate::embedded::{Embedded, MAX_ORDERS};
+use crate::embedded::{Embedded, MAX_ORDERS, with_room};
 
 /// Columns of the largest model there is.
 pub const MAX_COLUMNS: usize = 100;
@@ -94,8 +94,10 @@ impl Trained {
     /// # Errors
     /// As [`Trained::to_core`].
     pub fn to_bytes(&self, notes: &str) -> Result<Vec<u8>, Error> {
-        let model: Box<Model<MAX_COLUMNS, 100, 100, 8, MAX_ORDERS>> = Box::new(self.to_core()?);
-        bytes(&model, notes)
+        with_room(|| {
+            let model: Box<Model<MAX_COLUMNS, 100, 100, 8, MAX_ORDERS>> = Box::new(self.to_core()?);
+            bytes(&model, notes)
+        })
     }
 
     /// The model ready to run.
