@@ -214,8 +214,7 @@ impl<const K: usize> Watch<K> for Shaft<K> {
         let Motion { current_a, velocity_rad_s, reference_rad_s, load_nm, .. } = *motion;
         let sample = Sample { y: current_a, u1: velocity_rad_s, u2: load_nm };
         let [_, most, _] = model.guard.limit;
-        // The gate first: it counts.
-        let good = self.gate.admits(&model.guard, &sample) & (reference_rad_s.abs() <= most);
+        let good = self.gate.admits(&model.guard, &sample) && self.admits_reference(reference_rad_s, most);
         let levels = if good { [velocity_rad_s, reference_rad_s, load_nm] } else { [0.0; 3] };
         self.place = (self.place + 1) % RING;
         if let Some(cell) = self.ring.get_mut(self.place as usize) {
@@ -261,6 +260,16 @@ impl<const K: usize> Watch<K> for Shaft<K> {
 }
 
 impl<const K: usize> Shaft<K> {
+    /// The reference has the velocity's range; the gate knows three signals only. NaN is in no range.
+    #[inline(always)]
+    fn admits_reference(&mut self, reference_rad_s: f32, most: f32) -> bool {
+        let good = reference_rad_s.abs() <= most;
+        if !good {
+            self.gate.counts.rejected = self.gate.counts.rejected.saturating_add(1);
+        }
+        good
+    }
+
     /// Levels of the two samples around the current's instant, and the way turned then.
     #[inline(always)]
     fn delayed(&self) -> ([[f32; 3]; 2], i32) {
