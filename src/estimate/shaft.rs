@@ -7,8 +7,8 @@
 //! ```
 //!
 //! A measured current lags behind velocity, load and angle by its filter and conversion; [`ShaftModel::current_delay`] says by how
-//! many samples. Unless the others are delayed alike, the lag times the rate of the load is taken for friction. State: 36 + 12 + 72 K
-//! words; [`Shaft`] is fed at every sample of the detector, block means or not.
+//! many samples. Unless the others are delayed alike, the lag times the rate of the load is taken for friction. State: 336 + 72 K
+//! bytes; [`Shaft`] is fed at every sample of the detector, block means or not.
 
 use super::friction::{FrictionState, FrictionSums, Torques};
 use super::gate::Gate;

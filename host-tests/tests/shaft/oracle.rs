@@ -101,7 +101,7 @@ pub fn expected<const K: usize>(model: &ShaftModel<K>, motions: &[Motion]) -> Ex
             let power: f64 = own.iter().map(|b| b[0].powi(2) + b[1].powi(2)).sum();
             prominence += f64::from(weight) * square / power;
             if h == 1 {
-                amplitude = 2.0 * (square - power).max(0.0).sqrt() / samples;
+                amplitude = 2.0 * ((square - power).max(0.0) / (1.0 - 1.0 / blocks.len() as f64)).sqrt() / samples;
             }
         }
         (prominence / order.weights.iter().map(|w| f64::from(*w)).sum::<f64>(), amplitude)
