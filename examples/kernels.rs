@@ -5,9 +5,9 @@
 mod support;
 
 use bearing_watch::decide::{Discriminant, Features, Kind, Projection};
-use bearing_watch::estimate::{Forgetting, Triangle};
+use bearing_watch::estimate::{Forgetting, Triangle, Watch};
 use bearing_watch::{
-    AlphaBeta, Angle, BlockMean, Estimator, FrontEnd, Guard, Order, Park, Regression, Sample, ShaftEstimate,
+    AlphaBeta, Angle, BlockMean, Estimator, FrontEnd, Guard, Order, Park, Regression, Sample, Shaft, ShaftEstimate,
 };
 
 use support::hash::Hash;
@@ -28,6 +28,8 @@ fn run() {
         say!("stream {number} {plain:08x}, two levels {two_level:08x}, fading {fading:08x}, solved {solved:?}");
     });
     decision();
+    shaft::<4>(1);
+    shaft::<1>(3);
     let mut hash = Hash::new();
     decimation::bits(|output| hash.add(output));
     say!("decimation {:08x}", hash.bits());
@@ -95,6 +97,30 @@ fn estimator() {
         }
         Err(reason) => say!("estimator: {reason}"),
     }
+}
+
+/// Torque balance and bearing orders of three segments.
+fn shaft<const K: usize>(harmonics: u8) {
+    let (mut hash, mut rows, mut rejected) = (Hash::new(), 0, 0);
+    let model = support::shaft::model::<K>(harmonics, 50);
+    let mut plant = support::shaft::Plant::new(15);
+    let mut shaft = Shaft::new(Some(&model));
+    for _ in 0..3 {
+        (0..2000).for_each(|_| shaft.step(Some(&model), &plant.motion()));
+        let Some(sums) = shaft.sums() else { return };
+        shaft.next_segment();
+        let ShaftEstimate { friction, orders, counts, reason } = model.conclude(&sums);
+        if let Some(reason) = reason {
+            say!("shaft: {reason}");
+        }
+        hash.add(&friction.parameters);
+        hash.add(&friction.deviations);
+        hash.add(&friction.scores);
+        hash.add(&[friction.variance]);
+        orders.iter().for_each(|order| hash.add(&[order.prominence, order.amplitude]));
+        (rows, rejected) = (rows + friction.rows, rejected + counts.rejected);
+    }
+    say!("shaft of {K} orders {:08x}, {rows} rows, {rejected} rejected", hash.bits());
 }
 
 fn decision() {

@@ -14,14 +14,17 @@ mod numbers;
 #[allow(dead_code, reason = "the plant is not wanted here")]
 #[path = "support/refined.rs"]
 mod refined;
+#[allow(dead_code, reason = "the plant is not wanted here")]
+#[path = "support/shaft.rs"]
+mod shaft;
 
 use core::fmt::{self, Write};
 use core::hint::black_box as opaque;
 
 use bearing_watch::decide::{Discriminant, Features, Kind, Novelty, Projection};
 use bearing_watch::estimate::{
-    Accumulator, AnyShape, Fading, Forgetting, Memory, Method, Nominal, Row, Rows, Shape, Solver, Triangle, TwoLevel,
-    is_stable,
+    Accumulator, AnyShape, Fading, Forgetting, Memory, Method, Nominal, OrderTracking, Row, Rows, Shape, Solver,
+    StateVariable, TrackedOrder, Triangle, TwoLevel, Watch, is_stable,
 };
 use bearing_watch::model::notes;
 use bearing_watch::*;
@@ -39,6 +42,7 @@ fn run() {
     decision();
     names_and_bytes();
     detectors();
+    watched();
 }
 
 fn front_end() {
@@ -333,6 +337,82 @@ fn detector<
     opaque((Detector::pending(&detector), Detector::preview(&detector)));
     opaque(Detector::finish(&mut detector));
     Detector::restart(opaque(&mut detector));
+}
+
+/// The shaft's side, alone and beside the regression.
+fn watched() {
+    let bearing = opaque(Bearing { balls: 9, ball_diameter: 3.0, pitch_diameter: 17.0, contact_angle_rad: 0.1745 });
+    opaque([Bearing::outer(&bearing), Bearing::inner(&bearing), Bearing::ball(&bearing), Bearing::cage(&bearing)]);
+    opaque(StateVariable::new(opaque(0.05), opaque(0.002)));
+    opaque(TrackedOrder::order(&opaque(TrackedOrder::new(opaque(3.7), opaque([1.0; 3])))));
+
+    let model = opaque(shaft::model::<4>(opaque(3), opaque(7)));
+    let mut numbers = Numbers(10);
+    let mut track = opaque(OrderTracking::<4>::new());
+    for _ in 0..opaque(50) {
+        OrderTracking::step(&mut track, &model.tracking, opaque(1 << 24), opaque(Some(numbers.next())));
+    }
+    opaque(OrderTracking::samples(&track));
+    if let Err(reason) = opaque(OrderTracking::strengths(&track, &model.tracking)) {
+        show(reason);
+    }
+    OrderTracking::next_segment(opaque(&mut track));
+
+    watch_over::<NoShaft, 4>(None, &mut numbers);
+    watch_over::<Shaft<4>, 4>(Some(&model), &mut numbers);
+
+    let Model { sampling, regression, classifier, evidence, labels, .. } = MODEL;
+    let features = opaque(Features::<5> { index: [0, 129, 137, 160, 192], count: 5 });
+    let classifier = Classifier { features, ..classifier };
+    let whole = opaque(Model { sampling, regression, shaft: Some(model), classifier, evidence, labels });
+    let mut buffer = [0_u8; 1024];
+    match Model::to_bytes(&whole, opaque(""), opaque(&mut buffer)) {
+        Ok(length) => match Model::<6, 5, 5, 3, 4>::from_bytes(opaque(&buffer).get(..length).unwrap_or_default()) {
+            Ok(model) => beside(opaque(&model)),
+            Err(error) => show(error),
+        },
+        Err(error) => show(error),
+    }
+}
+
+fn motion(numbers: &mut Numbers) -> Motion {
+    let [current_a, velocity_rad_s, reference_rad_s, load_nm] = opaque(numbers.array());
+    Motion { current_a, velocity_rad_s, reference_rad_s, load_nm, angle: Angle::from_bits(opaque(12_345)) }
+}
+
+fn watch_over<W: Watch<K>, const K: usize>(model: Option<&ShaftModel<K>>, numbers: &mut Numbers) {
+    let model = opaque(model);
+    opaque(<W as Watch<K>>::fits(model));
+    let mut watch = opaque(<W as Watch<K>>::new(model));
+    for _ in 0..opaque(300) {
+        <W as Watch<K>>::step(&mut watch, model, &motion(numbers));
+    }
+    if let Some((model, sums)) = model.zip(opaque(<W as Watch<K>>::sums(&watch))) {
+        let estimate = ShaftModel::conclude(model, &sums);
+        opaque([Friction::torque_constant_nm_a(&estimate.friction), Friction::inertia_kg_m2(&estimate.friction)]);
+        opaque([Friction::viscous_nm_s_rad(&estimate.friction), Friction::coulomb_nm(&estimate.friction)]);
+        opaque(ShaftEstimate::<K>::empty(opaque(estimate.reason).unwrap_or(Reason::AtRest)));
+    }
+    <W as Watch<K>>::next_segment(opaque(&mut watch));
+}
+
+fn beside(model: &Model<6, 5, 5, 3, 4>) {
+    type Watching<'m> = Detector<'m, 6, 15, 1, 5, 5, 3, Regressor<6, 1>, Triangle<6, 15>, Shaft<4>, 4>;
+    let mut detector = match Watching::new(model) {
+        Ok(detector) => opaque(detector),
+        Err(error) => return show(error),
+    };
+    let mut numbers = Numbers(11);
+    for _ in 0..opaque(300) {
+        let motion = motion(&mut numbers);
+        let sample = Sample { y: motion.current_a, u1: motion.reference_rad_s, u2: motion.load_nm };
+        opaque(Detector::step_with_motion(&mut detector, sample, &motion));
+        if let Some((segment, sums)) = opaque(Detector::collect_with_motion(&mut detector, sample, &motion)) {
+            let report = opaque(Model::conclude_with_shaft(model, segment, sums));
+            opaque(Detector::adopt(&mut detector, &report));
+        }
+    }
+    opaque(Detector::finish(&mut detector));
 }
 
 /// The errors' texts.

@@ -16,7 +16,9 @@ mod paint;
 use core::hint::black_box;
 
 #[cfg(target_os = "none")]
-use bearing_watch::{Sample, Verdict};
+use bearing_watch::estimate::Watch;
+#[cfg(target_os = "none")]
+use bearing_watch::{Sample, Shaft, Verdict};
 #[cfg(target_os = "none")]
 use paint::stack_of;
 #[cfg(target_os = "none")]
@@ -41,6 +43,27 @@ fn run() {
     report("stack, detector", model::MODEL.regression.parameters(), least);
     let refined = refined();
     report("stack, SRIV detector", refined::MODEL.regression.parameters(), refined);
+    shaft();
+}
+
+/// A shaft of four orders, by itself.
+#[cfg(target_os = "none")]
+fn shaft() {
+    let model = black_box(support::shaft::model::<4>(1, 50));
+    let mut plant = support::shaft::Plant::new(16);
+    let mut shaft = Shaft::new(Some(&model));
+    let mut inside = 0;
+    for _ in 0..1000 {
+        let motion = black_box(plant.motion());
+        inside = stack_of(|| shaft.step(Some(&model), &motion)).max(inside);
+    }
+    let mut silent = true;
+    let end = stack_of(|| {
+        let estimate = shaft.sums().map(|sums| model.conclude(black_box(&sums)));
+        silent = black_box(&estimate).as_ref().is_none_or(|estimate| estimate.reason.is_some());
+    });
+    assert!(!silent, "the shaft said nothing");
+    report("stack, shaft of 4 orders,", 4, Depths { inside, end, deferred: None });
 }
 
 /// Bytes of a sample inside a segment, and of the one that ends it; by `collect`, and of `conclude`.

@@ -15,8 +15,12 @@ pub fn model<const K: usize>(harmonics: u8, block_samples: u16) -> ShaftModel<K>
     let bearing = Bearing { balls: 9, ball_diameter: 3.0, pitch_diameter: 17.0, contact_angle_rad: 0.1745 };
     let mut found = [bearing.outer(), bearing.inner(), bearing.ball(), bearing.cage()].into_iter();
     let weights = core::array::from_fn(|h| if h < harmonics as usize { 1.0 } else { 0.0 });
+    let mut count = 0;
     let orders: [TrackedOrder; K] = core::array::from_fn(|_| match found.next() {
-        Some(order) => TrackedOrder::new(order, weights),
+        Some(order) => {
+            count += 1;
+            TrackedOrder::new(order, weights)
+        }
         None => TrackedOrder::NONE,
     });
     ShaftModel {
@@ -34,13 +38,7 @@ pub fn model<const K: usize>(harmonics: u8, block_samples: u16) -> ShaftModel<K>
             scale: [0.031_25, 0.031_25, 8.0, 0.5],
             nominal: NOMINAL,
         },
-        tracking: Tracking {
-            orders,
-            count: orders.iter().take_while(|order| **order != TrackedOrder::NONE).count() as u8,
-            harmonics,
-            still: 4_000_000,
-            block_samples,
-        },
+        tracking: Tracking { orders, count, harmonics, still: 4_000_000, block_samples },
     }
 }
 

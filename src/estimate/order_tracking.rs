@@ -7,17 +7,18 @@
 //! φ ← φ + O_q (θ − θ₋),   O_q = 2¹⁶ O, wrapping 64 bits: 2⁻⁴⁸ turns                                  (1)
 //! b(h) = Σ_block r sgn(Δθ) e^{−j h φ},   h = 1 … 3                                                     (2)
 //! R(h) = |Σ b(h)|² / Σ |b(h)|²,   prominence = Σ w(h) R(h) / Σ w(h)                                     (3)
-//! amplitude = 2 √(|Σ b(1)|² − Σ |b(1)|²) / N                                                           (4)
+//! amplitude = 2 √((|Σ b(1)|² − Σ |b(1)|²) n/(n − 1)) / N,   n blocks, N samples                         (4)
 //! ```
 //!
 //! A defect that drags once a ball keeps its phase from block to block, noise does not: without a defect each R is the
-//! power of the order beside the mean power of a band of ± one block rate around it, so exponentially distributed with mean
-//! one, whatever the noise's size, colour or dependence on speed. The blocks are the neighbouring orders: no further
-//! phasors are tracked for the noise. sgn(Δθ) makes a drag the same in both directions. Phases follow the angle, so that speed
+//! power of the order beside the mean power of a band of ± one block rate around it. Its mean is one and P(R > x) =
+//! (1 − x/n)ⁿ⁻¹, nearly e⁻ˣ, whatever the noise's size, colour or dependence on speed. The blocks are the neighbouring
+//! orders: no further phasors are tracked for the noise. (4) takes the noise's power off, and is that of a steady defect
+//! however many blocks there are. sgn(Δθ) makes a drag the same in both directions. Phases follow the angle, so that speed
 //! may vary and reverse; samples slower than `still` turn the phase but do not count.
 //!
-//! Cost a sample: one 64-bit multiply-add, one sine and cosine, and 4 to 8 multiply-adds a harmonic for each order. `cargo
-//! xtask measure` prints instructions. Error of (1): 2⁻¹⁷ turns a turn from rounding O, nothing from adding.
+//! Cost a sample: one 64-bit multiply-add, one sine and cosine by table, and 2 to 6 multiply-adds a harmonic for each order.
+//! `cargo xtask measure` prints instructions. Error of (1): 2⁻¹⁷ turns a turn from rounding O, nothing from adding.
 
 use core::f32::consts::PI;
 
@@ -180,7 +181,7 @@ impl<const K: usize> OrderTracking<K> {
         let mut strengths = [OrderStrength::default(); K];
         let used = tracking.orders.iter().zip(&self.lines).take(tracking.count as usize);
         for (strength, (order, line)) in strengths.iter_mut().zip(used) {
-            *strength = line.strength(order, self.samples);
+            *strength = line.strength(order, (self.blocks, self.samples));
             if !(strength.prominence + strength.amplitude).is_finite() {
                 return Err(Reason::NotFinite);
             }
@@ -232,7 +233,7 @@ impl Line {
         }
     }
 
-    fn strength(&self, order: &TrackedOrder, samples: u32) -> OrderStrength {
+    fn strength(&self, order: &TrackedOrder, (blocks, samples): (u16, u32)) -> OrderStrength {
         let (mut prominence, mut weights) = (0.0, 0.0);
         let mut first = 0.0;
         let harmonics = self.sum.iter().zip(&self.power).zip(&order.weights).enumerate();
@@ -246,7 +247,9 @@ impl Line {
                 first = square - power;
             }
         }
-        let amplitude = 2.0 * libm::sqrtf(first.max(0.0)) / (samples.max(1) as f32); // (4)
+        let blocks = f32::from(blocks.max(2));
+        let steady = first.max(0.0) * (blocks / (blocks - 1.0));
+        let amplitude = 2.0 * libm::sqrtf(steady) / (samples.max(1) as f32); // (4)
         OrderStrength { prominence: prominence / weights, amplitude }
     }
 }
@@ -362,6 +365,23 @@ mod tests {
                 assert!(strength.prominence < 3.0 && strength.amplitude < 0.02, "{strength:?}");
             }
         }
+    }
+
+    #[test]
+    fn amplitude_is_that_of_the_drag_with_few_blocks_too() {
+        let tracking = tracking(3.717_94);
+        let mut track = OrderTracking::<1>::new();
+        let mut way = 0.0_f64;
+        // Eight blocks, a fraction of a turn each sample that closes no block at a whole period.
+        for _ in 0..800 {
+            let step = 43_000_000;
+            way += f64::from(step) / TURN;
+            let drag = 0.5 * (core::f64::consts::TAU * 3.717_94 * way).cos();
+            track.step(&tracking, step, Some(drag as f32));
+        }
+        let [strength] = track.strengths(&tracking).unwrap();
+        // The mirror image at −O leaves 1/(π periods a block) of a block: 3.7 periods, 9 %, of changing phase.
+        assert!((strength.amplitude - 0.5).abs() < 0.01 && strength.prominence > 7.8, "{strength:?}");
     }
 
     #[test]

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! A measured current lags behind velocity, load and angle by its filter and conversion; [`ShaftModel::current_delay`] says by how
-//! many samples. Unless the others are delayed alike, the lag times the rate of the load is taken for friction. State: 36 + 12 + 72 K
-//! words; [`Shaft`] is fed at every sample of the detector, block means or not.
+//! many samples. Unless the others are delayed alike, the lag times the rate of the load is taken for friction. State: 336 + 72 K
+//! bytes; [`Shaft`] is fed at every sample of the detector, block means or not.
 
 use super::friction::{FrictionState, FrictionSums, Torques};
 use super::gate::Gate;
@@ -215,8 +215,7 @@ impl<const K: usize> Watch<K> for Shaft<K> {
         let Motion { current_a, velocity_rad_s, reference_rad_s, load_nm, .. } = *motion;
         let sample = Sample { y: current_a, u1: velocity_rad_s, u2: load_nm };
         let [_, most, _] = model.guard.limit;
-        // The gate first: it counts.
-        let good = self.gate.admits(&model.guard, &sample) & (reference_rad_s.abs() <= most);
+        let good = self.gate.admits(&model.guard, &sample) && self.admits_reference(reference_rad_s, most);
         let levels = if good { [velocity_rad_s, reference_rad_s, load_nm] } else { [0.0; 3] };
         self.place = (self.place + 1) % RING;
         if let Some(cell) = self.ring.get_mut(self.place as usize) {
@@ -262,6 +261,16 @@ impl<const K: usize> Watch<K> for Shaft<K> {
 }
 
 impl<const K: usize> Shaft<K> {
+    /// The reference has the velocity's range; the gate knows three signals only. NaN is in no range.
+    #[inline(always)]
+    fn admits_reference(&mut self, reference_rad_s: f32, most: f32) -> bool {
+        let good = reference_rad_s.abs() <= most;
+        if !good {
+            self.gate.counts.rejected = self.gate.counts.rejected.saturating_add(1);
+        }
+        good
+    }
+
     /// Levels of the two samples around the current's instant, and the way turned then.
     #[inline(always)]
     fn delayed(&self) -> ([[f32; 3]; 2], i32) {

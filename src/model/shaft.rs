@@ -36,18 +36,25 @@ pub(super) fn validate<const K: usize>(shaft: &ShaftModel<K>) -> Result<(), Mode
     if tracking.count as usize > K {
         return Err(ModelError::Capacity("bearing orders"));
     }
-    let used = tracking.orders.iter().take(tracking.count as usize);
-    let good = |order: &TrackedOrder| {
-        (1..=MAX_ORDER_Q16).contains(&order.order_q16)
-            && all_within(&order.weights, 0.0, 1e3)
-            && order.weights.iter().take(tracking.harmonics as usize).any(|w| *w > 1e-3)
-            && order.weights.iter().skip(tracking.harmonics as usize).all(|w| w.to_bits() == 0)
-    };
     check((1..=MAX_HARMONICS).contains(&(tracking.harmonics as usize)), "number of harmonics")?;
-    check(used.into_iter().all(good), "bearing order or its weights")?;
-    let unused = tracking.orders.iter().skip(tracking.count as usize);
-    check(unused.into_iter().all(|order| *order == TrackedOrder::NONE), "bearing order")?;
+    for (k, order) in tracking.orders.iter().enumerate() {
+        let in_use = k < tracking.count as usize;
+        check(is_good(order, in_use, tracking.harmonics as usize), "bearing order or its weights")?;
+    }
     check(tracking.block_samples > 1, "block of the order tracking")
+}
+
+/// Not inlined, where it would be unrolled for every order: flash is dear.
+#[inline(never)]
+fn is_good(order: &TrackedOrder, in_use: bool, harmonics: usize) -> bool {
+    if !in_use {
+        return *order == TrackedOrder::NONE;
+    }
+    let (computed, rest) = order.weights.split_at_checked(harmonics).unwrap_or((&order.weights, &[]));
+    (1..=MAX_ORDER_Q16).contains(&order.order_q16)
+        && all_within(computed, 0.0, 1e3)
+        && computed.iter().any(|w| *w > 1e-3)
+        && rest.iter().all(|w| w.to_bits() == 0)
 }
 
 pub(super) fn read<const K: usize>(reader: &mut Reader<'_>) -> Result<ShaftModel<K>, ModelError> {

@@ -51,7 +51,9 @@ pub fn kernels(way: Way) -> Result<Vec<Figure>> {
     let mut figures = lines.iter().map(|line| figure(line)).collect::<Result<Vec<_>>>()?;
     let flash = |example: &str| Ok::<_, anyhow::Error>(elf::sizes(&firmware::build(way, DRIVE, example)?)?.flash);
     let without = flash("footprint_none")?;
-    for (name, example) in [("LS", "footprint_squares"), ("SRIV", "footprint_refined")] {
+    for (name, example) in
+        [("LS", "footprint_squares"), ("SRIV", "footprint_refined"), ("LS and shaft", "footprint_shaft")]
+    {
         let name = format!("flash of the whole detector, {name}");
         let bytes = Some(flash(example)?.saturating_sub(without));
         figures.push(Figure { name, n: Some(8), instructions: None, bytes });

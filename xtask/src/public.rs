@@ -49,7 +49,7 @@ fn public_functions(source: &str) -> Vec<String> {
             let mut header = line.to_owned();
             while !header.contains('{') {
                 let Some(next) = lines.next() else { break };
-                header += next;
+                header += next.trim_start();
             }
             (owner, starts) = (Some(type_of(&header)), PUBLIC);
         } else if let Some(header) = line.strip_prefix("pub trait ") {

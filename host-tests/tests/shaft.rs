@@ -1,0 +1,117 @@
+//! The shaft's side against oracles in f64.
+
+use bearing_watch::{Bearing, Motion, ShaftModel};
+use workbench::rig::{BearingGeometry, DefectKind, NoiseSource, Stream};
+
+#[path = "shaft/common.rs"]
+mod common;
+#[path = "shaft/oracle.rs"]
+mod oracle;
+
+use common::{model, motions, run, trace};
+
+/// Parameters within 0.02 of their deviations, which f32 sums of a thousand rows keep; phasors within a thousandth, which their
+/// sines' 2e-5 and the angle's bits keep.
+fn compare(model: &ShaftModel<3>, motions: &[Motion], what: &str) {
+    let expected = oracle::expected(model, motions);
+    let found = run(model, motions);
+    assert_eq!((found.reason, found.friction.rows as usize), (None, expected.rows), "{what}");
+    let places = (0..5).filter(|&place| model.balance.load || place != 3);
+    for (k, place) in places.enumerate() {
+        let (p, sd) = (expected.parameters[k], expected.deviations[k]);
+        let (own, own_sd) = (f64::from(found.friction.parameters[place]), f64::from(found.friction.deviations[place]));
+        assert!((own - p).abs() < 0.02 * sd, "{what}: p{place} is {own}, not {p} ± {sd}");
+        assert!((own_sd / sd - 1.0).abs() < 0.02, "{what}: deviation {place} is {own_sd}, not {sd}");
+        let score = (own - f64::from(model.balance.nominal[place])) / own_sd;
+        // One subtraction and one division.
+        let near = (f64::from(found.friction.scores[place]) - score).abs() < 1e-5 * (score.abs() + p.abs() / sd);
+        assert!(near, "{what}: score {place} is {}, not {score}", found.friction.scores[place]);
+    }
+    assert!((f64::from(found.friction.variance) / expected.variance - 1.0).abs() < 0.01, "{what}: variance");
+    for (k, (own, (prominence, amplitude))) in found.orders.iter().zip(&expected.orders).enumerate() {
+        let (own, own_amplitude) = (f64::from(own.prominence), f64::from(own.amplitude));
+        assert!((own - prominence).abs() < 1e-3 * prominence.max(0.1), "{what}: order {k}: {own}, not {prominence}");
+        assert!(
+            (own_amplitude - amplitude).abs() < 1e-3 * amplitude + 1e-5,
+            "{what}: order {k}: {own_amplitude} A, not {amplitude}"
+        );
+    }
+}
+
+#[test]
+fn estimates_are_those_of_the_oracle() {
+    let kinds = [DefectKind::Healthy, DefectKind::Spall, DefectKind::Roughness];
+    for (seed, kind) in (901..).zip(kinds) {
+        let trace = trace(kind, seed);
+        for delay in [0.0, 0.7, 1.3, 2.5] {
+            for bits in [32, 12] {
+                compare(&model(delay), &motions(&trace, bits), &format!("{kind:?}, delay {delay}, {bits} bits"));
+            }
+            let mut offset = motions(&trace, 16);
+            offset.iter_mut().for_each(|motion| motion.current_a += 0.4);
+            compare(&model(delay), &offset, &format!("{kind:?}, delay {delay}, offset"));
+            let mut unloaded = model(delay);
+            unloaded.balance.load = false;
+            unloaded.balance.nominal[3] = 0.0;
+            offset.iter_mut().for_each(|motion| motion.load_nm = 0.0);
+            compare(&unloaded, &offset, &format!("{kind:?}, delay {delay}, load not measured"));
+        }
+    }
+}
+
+/// A shaft that stops for good while, and comes back the other way: the sine reverses by itself.
+#[test]
+fn standstill_turns_no_phase_and_counts_for_nothing() {
+    let mut stopped = motions(&trace(DefectKind::Spall, 911), 16);
+    // The reference passes zero at 2500 samples.
+    let (rest, mut noise) = (stopped[2500].angle, NoiseSource::new(1, Stream::Conditions));
+    let hold = |_| Motion {
+        current_a: 0.1 * noise.gaussian() as f32,
+        velocity_rad_s: 0.5 * noise.gaussian() as f32,
+        angle: rest,
+        ..Motion::default()
+    };
+    let still: Vec<Motion> = (0..1200).map(hold).collect();
+    stopped.splice(2500..2500, still);
+    compare(&model(0.7), &stopped, "standstill");
+    let [outer, _, _] = run(&model(0.7), &stopped).orders;
+    assert!(outer.prominence > 5.0, "the phase was lost at rest: {outer:?}");
+}
+
+#[test]
+fn the_spall_stands_out_at_its_order_only_and_the_roughness_in_its_parameter() {
+    let of = |kind| run(&model(0.7), &motions(&trace(kind, 921), 14));
+    let [healthy, spall, rough] = [DefectKind::Healthy, DefectKind::Spall, DefectKind::Roughness].map(of);
+    // 49 blocks at most; mean one and 1 % above 4.5 where there is nothing.
+    assert!(
+        spall.orders[0].prominence > 10.0 && healthy.orders[0].prominence < 5.0 && rough.orders[0].prominence < 5.0
+    );
+    assert!(spall.orders[1].prominence < 5.0);
+    // ΔB/Kt = 0.04 A s/rad.
+    let [of_healthy, of_rough] = [healthy, rough].map(|estimate| estimate.friction.parameters[1]);
+    assert!((of_rough - of_healthy - 0.04).abs() < 2e-3, "{of_rough} {of_healthy}");
+    let close = |found: f32, truth: f32| (found / truth - 1.0).abs() < 0.1;
+    let friction = rough.friction;
+    assert!(close(friction.torque_constant_nm_a(), 0.05) && close(friction.inertia_kg_m2(), 2.5e-4));
+    assert!(close(friction.viscous_nm_s_rad(), 2.1e-3) && friction.coulomb_nm().abs() < 2e-3, "{friction:?}");
+}
+
+#[test]
+fn orders_are_those_of_the_rig() {
+    let rig = BearingGeometry::THESIS;
+    let own = Bearing {
+        balls: rig.balls as u8,
+        ball_diameter: rig.ball_diameter_mm as f32,
+        pitch_diameter: rig.pitch_diameter_mm as f32,
+        contact_angle_rad: rig.contact_angle_rad as f32,
+    };
+    let orders = rig.orders();
+    let pairs = [
+        (own.outer(), orders.outer),
+        (own.inner(), orders.inner),
+        (own.ball(), orders.ball),
+        (own.cage(), orders.cage),
+    ];
+    // Three f32 roundings of numbers below ten.
+    assert!(pairs.iter().all(|(own, rig)| (f64::from(*own) - rig).abs() < 2e-6), "{pairs:?}");
+}
