@@ -27,6 +27,9 @@ fn compare(model: &ShaftModel<3>, motions: &[Motion], what: &str) {
         let near = (f64::from(found.friction.scores[place]) - score).abs() < 1e-5 * (score.abs() + p.abs() / sd);
         assert!(near, "{what}: score {place} is {}, not {score}", found.friction.scores[place]);
     }
+    let ((drag, sd), [.., own], [.., own_sd]) = (expected.drag, found.friction.parameters, found.friction.deviations);
+    assert!((f64::from(own) - drag).abs() < 0.02 * sd, "{what}: drag is {own}, not {drag} ± {sd}");
+    assert!((f64::from(own_sd) / sd - 1.0).abs() < 0.02, "{what}: deviation of the drag is {own_sd}, not {sd}");
     assert!((f64::from(found.friction.variance) / expected.variance - 1.0).abs() < 0.01, "{what}: variance");
     for (k, (own, (prominence, amplitude))) in found.orders.iter().zip(&expected.orders).enumerate() {
         let (own, own_amplitude) = (f64::from(own.prominence), f64::from(own.amplitude));

@@ -20,6 +20,7 @@ pub fn model(current_delay: f32) -> ShaftModel<3> {
             row_interval: 8,
             settle: 100,
             sign_velocity_rad_s: 2.0,
+            usual_velocity_rad_s: 28.0,
             load: true,
             scale: [0.015_625, 0.031_25, 8.0, 0.25],
             nominal: NOMINAL,

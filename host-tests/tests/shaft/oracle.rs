@@ -9,6 +9,8 @@ pub struct Expected {
     /// p₀ … p₄, without p₃ where no load is measured.
     pub parameters: Vec<f64>,
     pub deviations: Vec<f64>,
+    /// Drag at the usual velocity, and its deviation.
+    pub drag: (f64, f64),
     pub variance: f64,
     pub rows: usize,
     /// Prominence and amplitude of each order.
@@ -54,19 +56,31 @@ pub fn expected<const K: usize>(model: &ShaftModel<K>, motions: &[Motion]) -> Ex
     let (g, ts) = (f64::from(balance.filter.gain), f64::from(balance.interval_s));
     let [(fi, _), (fw, dw), (fr, dr), (ft, _), (fs, _)] = [&i, &w, &r, &t, &s].map(|x| filtered(x, g, ts));
     let rows: Vec<usize> = (1 + balance.settle as usize..i.len()).step_by(balance.row_interval as usize).collect();
+    // A tenth of a row of full excitation that holds the nominal viscous friction, as the last.
+    let held = 0.1_f64.sqrt() / f64::from(balance.scale[1]);
     let matrix = |columns: [&[f64]; 5]| {
         let used = columns.iter().enumerate().filter(|(k, _)| balance.load || *k != 3).map(|(_, column)| column);
         let used: Vec<_> = used.collect();
-        DMatrix::from_fn(rows.len(), used.len(), |k, c| used[c][rows[k]])
+        let cell = |k: usize, c: usize| match rows.get(k) {
+            Some(&row) => used[c][row],
+            None if c == 1 => held,
+            None => 0.0,
+        };
+        DMatrix::from_fn(rows.len() + 1, used.len(), cell)
     };
     let one = vec![1.0; i.len()];
     let (x, z) = (matrix([&dw, &fw, &fs, &ft, &one]), matrix([&dr, &fr, &fs, &ft, &one]));
-    let y = DVector::from_iterator(rows.len(), rows.iter().map(|&k| fi[k]));
+    let target = rows.iter().map(|&k| fi[k]).chain([held * f64::from(balance.nominal[1])]);
+    let y = DVector::from_iterator(rows.len() + 1, target);
     let inverse = (z.transpose() * &x).try_inverse().expect("excited");
     let parameters = &inverse * (z.transpose() * &y);
     let n = parameters.len();
     let variance = (&y - &x * &parameters).norm_squared() / (rows.len() - n) as f64;
     let covariance = &inverse * (z.transpose() * &z) * inverse.transpose() * variance;
+
+    let speed = f64::from(balance.usual_velocity_rad_s);
+    let drag = parameters[2] + speed * parameters[1];
+    let drag_variance = covariance[(2, 2)] + speed * (2.0 * covariance[(1, 2)] + speed * covariance[(1, 1)]);
 
     // Residual, and the way turned to it.
     let p = balance.nominal.map(f64::from);
@@ -109,6 +123,7 @@ pub fn expected<const K: usize>(model: &ShaftModel<K>, motions: &[Motion]) -> Ex
     Expected {
         parameters: parameters.iter().copied().collect(),
         deviations: (0..n).map(|k| covariance[(k, k)].sqrt()).collect(),
+        drag: (drag, drag_variance.sqrt()),
         variance,
         rows: rows.len(),
         orders: orders.collect(),
