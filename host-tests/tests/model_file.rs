@@ -43,8 +43,8 @@ fn truncation_extension_other_versions_and_other_files_are_told_apart() {
     let longer = [FILE, &[0]].concat();
     assert_eq!(Exact::from_bytes(&longer), Err(ModelError::Length));
     let mut newer = FILE.to_vec();
-    newer[4] = 3;
-    assert_eq!(Exact::from_bytes(&newer), Err(ModelError::Version(3)));
+    newer[4] += 1;
+    assert_eq!(Exact::from_bytes(&newer), Err(ModelError::Version(u16::from(newer[4]))));
     let mut flagged = FILE.to_vec();
     flagged[6] = 1;
     assert_eq!(Exact::from_bytes(&flagged), Err(ModelError::Value("flags")));
