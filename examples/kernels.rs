@@ -109,7 +109,7 @@ fn shaft<const K: usize>(harmonics: u8) {
         (0..2000).for_each(|_| shaft.step(Some(&model), &plant.motion()));
         let Some(sums) = shaft.sums() else { return };
         shaft.next_segment();
-        let ShaftEstimate { friction, orders, counts, reason } = model.conclude(&sums);
+        let ShaftEstimate { friction, orders, counts, reason, .. } = model.conclude(&sums);
         if let Some(reason) = reason {
             say!("shaft: {reason}");
         }

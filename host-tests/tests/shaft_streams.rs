@@ -115,7 +115,10 @@ fn stuck_sensors_and_a_shaft_at_rest_are_reasons() {
             ..Motion::default()
         })
         .collect();
-    let reason = run(&model(0.7), &at_rest).reason;
+    let rest = run(&model(0.7), &at_rest);
+    // Nothing turns, so there is no order either.
+    assert_eq!(rest.orders_reason, Some(Reason::TooFewRows));
+    let reason = rest.reason;
     assert!(matches!(reason, Some(Reason::NotExcited(_))), "{reason:?}");
     assert_eq!(run(&model(0.7), &clean[..50]).reason, Some(Reason::TooFewRows));
     assert!(Shaft::<3>::new(None).sums().is_none());
@@ -301,4 +304,21 @@ fn binary_model_keeps_the_shaft_and_refuses_nonsense() {
     let mut other = good;
     other.classifier.features.index[4] = 163;
     assert!(other.validate().is_err(), "an order that is not tracked");
+}
+
+#[test]
+fn at_constant_speed_orders_stand_without_friction() {
+    let mut steady = motions(&trace(DefectKind::Spall, 931), 32);
+    let step = Angle::from_radians(0.06);
+    let (mut angle, mut way) = (Angle::ZERO, 0.0_f64);
+    for motion in &mut steady {
+        angle = angle.plus(step);
+        way += 0.06 / std::f64::consts::TAU;
+        let drag = 0.2 * (std::f64::consts::TAU * 3.717_94 * way).cos();
+        *motion = Motion { current_a: drag as f32, velocity_rad_s: 30.0, reference_rad_s: 30.0, load_nm: 0.0, angle };
+    }
+    let estimate = run(&model(0.7), &steady);
+    assert!(estimate.reason.is_some() && estimate.orders_reason.is_none(), "{estimate:?}");
+    // Every block alike, so R(1) is nearly their number, 48; it weighs 1 of 1.6.
+    assert!(estimate.orders[0].prominence > 25.0, "{estimate:?}");
 }

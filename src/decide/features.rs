@@ -57,7 +57,8 @@ impl<const F: usize> Features<F> {
                     return Err(Reason::TooFewRows);
                 }
                 let shaft = shaft.ok_or(Reason::TooFewRows)?;
-                shaft.reason.map_or(Ok(()), Err)?;
+                let reason = if index >= PROMINENCES { shaft.orders_reason } else { shaft.reason };
+                reason.map_or(Ok(()), Err)?;
                 of_shaft(shaft, index)
             } else {
                 of_regression(&estimate.delta, estimate.variance, (n, index as usize))
@@ -148,6 +149,7 @@ mod tests {
             },
             orders: [OrderStrength::default(), OrderStrength { prominence: 27.0, amplitude: 0.0 }],
             reason: None,
+            orders_reason: None,
             ..silent
         };
         let [viscous, coulomb, variance, prominence, amplitude] = features.extract(&ESTIMATE, Some(&shaft)).unwrap();

@@ -61,8 +61,10 @@ pub struct ShaftEstimate<const K: usize> {
     pub orders: [OrderStrength; K],
     /// Samples that were refused.
     pub counts: Counts,
-    /// Why this says nothing, if so.
+    /// Why the torque balance says nothing, if so.
     pub reason: Option<Reason>,
+    /// Why the orders say nothing, if so.
+    pub orders_reason: Option<Reason>,
 }
 
 impl<const K: usize> ShaftEstimate<K> {
@@ -70,7 +72,13 @@ impl<const K: usize> ShaftEstimate<K> {
     #[must_use]
     pub fn empty(reason: Reason) -> Self {
         let orders = [OrderStrength::default(); K];
-        Self { friction: Friction::default(), orders, counts: Counts::default(), reason: Some(reason) }
+        Self {
+            friction: Friction::default(),
+            orders,
+            counts: Counts::default(),
+            reason: Some(reason),
+            orders_reason: Some(reason),
+        }
     }
 }
 
@@ -160,21 +168,25 @@ pub struct ShaftSums<const K: usize> {
 }
 
 impl<const K: usize> ShaftModel<K> {
-    /// The estimate from a segment's sums.
+    /// The estimate from a segment's sums. Friction and orders stand each for itself: at constant speed there are but orders.
     #[must_use]
     pub fn conclude(&self, sums: &ShaftSums<K>) -> ShaftEstimate<K> {
-        let solved = self.solve(sums);
-        let estimate = solved.unwrap_or_else(ShaftEstimate::empty);
-        ShaftEstimate { counts: sums.counts, ..estimate }
-    }
-
-    fn solve(&self, sums: &ShaftSums<K>) -> Result<ShaftEstimate<K>, Reason> {
+        let mut estimate = ShaftEstimate::empty(Reason::TooFewRows);
+        estimate.counts = sums.counts;
         if let Some(signal) = sums.counts.stuck.iter().position(|stuck| *stuck) {
-            return Err(Reason::Stuck(u8::try_from(signal).unwrap_or(u8::MAX)));
+            let stuck = Some(Reason::Stuck(u8::try_from(signal).unwrap_or(u8::MAX)));
+            (estimate.reason, estimate.orders_reason) = (stuck, stuck);
+            return estimate;
         }
-        let friction = sums.friction.solve(&self.balance)?;
-        let orders = sums.orders.strengths(&self.tracking)?;
-        Ok(ShaftEstimate { friction, orders, counts: sums.counts, reason: None })
+        match sums.friction.solve(&self.balance) {
+            Ok(friction) => (estimate.friction, estimate.reason) = (friction, None),
+            Err(reason) => estimate.reason = Some(reason),
+        }
+        match sums.orders.strengths(&self.tracking) {
+            Ok(orders) => (estimate.orders, estimate.orders_reason) = (orders, None),
+            Err(reason) => estimate.orders_reason = Some(reason),
+        }
+        estimate
     }
 }
 

@@ -20,7 +20,9 @@ use crate::evaluate::{self, Confusion};
 use crate::pages::Worth;
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Condition, Preparation};
-use crate::train::{Choice, Keep, ProjectionKind, Ranking, Recipe, Scores, ShaftPlan, Shrink, Trained, Validation};
+use crate::train::{
+    Choice, Keep, ProjectionKind, Ranking, Recipe, Scores, ShaftPlan, Shrink, Shrinkage, Trained, Validation,
+};
 use crate::{Error, export};
 
 /// Train a model from labelled traces, for the detector in firmware
@@ -64,6 +66,9 @@ pub(super) struct Args {
     /// Shared or own class covariances, or between them
     #[arg(long, value_enum, default_value = "linear")]
     discriminant: DiscriminantKind,
+    /// Fixed shrinkage of class covariances instead: towards the shared one, and of their correlations, each 0 to 1
+    #[arg(long, value_name = "SHARED,DIAGONAL", value_delimiter = ',', num_args = 1, conflicts_with = "discriminant")]
+    shrinkage: Vec<f64>,
     /// Priors, e.g. healthy=0.98,spall=0.01,roughness=0.01; equal if not given
     #[arg(long, value_name = "CLASS=P", value_delimiter = ',')]
     priors: Vec<String>,
@@ -186,9 +191,15 @@ impl Args {
                 DiscriminantKind::Linear | DiscriminantKind::Shrunk => Kind::Linear,
                 DiscriminantKind::Quadratic => Kind::Quadratic,
             },
-            shrink: match self.discriminant {
-                DiscriminantKind::Shrunk => Shrink::Chosen,
-                DiscriminantKind::Linear | DiscriminantKind::Quadratic => Shrink::Not,
+            shrink: match (&self.shrinkage[..], self.discriminant) {
+                (&[lambda, gamma], _) if [lambda, gamma].iter().all(|x| (0.0..=1.0).contains(x)) => {
+                    Shrink::To(Shrinkage { lambda, gamma })
+                }
+                ([_, ..], _) => {
+                    return Err(Error::Usage("--shrinkage takes two numbers from 0 to 1, e.g. 0,0.5".into()));
+                }
+                (_, DiscriminantKind::Shrunk) => Shrink::Chosen,
+                (_, DiscriminantKind::Linear | DiscriminantKind::Quadratic) => Shrink::Not,
             },
             validation: Validation::default(),
             priors: priors(&self.priors, classes)?,

@@ -307,7 +307,9 @@ fn shaft_features<const M: usize, const P: usize, const C: usize>(
     report: &Report<M, P, C, MAX_ORDERS>,
     orders: usize,
 ) -> Vec<f32> {
-    let Some(shaft) = report.shaft.filter(|shaft| shaft.reason.is_none()) else { return vec![] };
+    let Some(shaft) = report.shaft.filter(|shaft| shaft.reason.or(shaft.orders_reason).is_none()) else {
+        return vec![];
+    };
     let place = |offset: usize| SHAFT_FEATURES + offset as u8;
     let indices = (0..6).chain(8..14).chain([16]).chain(32..32 + orders).chain(64..64 + orders);
     let mut features = Features { index: [0; 64], count: 0 };
@@ -355,11 +357,12 @@ fn explain<const M: usize, const P: usize, const C: usize>(
     report: &Report<M, P, C, MAX_ORDERS>,
 ) -> String {
     if report.accepted
-        && let Some(ShaftEstimate { reason: Some(reason), counts, .. }) = &report.shaft
+        && let Some(ShaftEstimate { reason, orders_reason, counts, .. }) = &report.shaft
+        && let Some(reason) = reason.or(*orders_reason)
     {
         return match reason {
             Reason::NotExcited(place) => {
-                let name = crate::features::FRICTION.get(*place as usize).unwrap_or(&"the torque balance");
+                let name = crate::features::FRICTION.get(place as usize).unwrap_or(&"the torque balance");
                 format!("shaft: the motion does not excite {name} (constant, or depending on the ones before)")
             }
             _ if !denied(counts).is_empty() => format!("shaft: {reason}: {}", denied(counts)),

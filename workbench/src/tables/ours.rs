@@ -13,7 +13,7 @@ pub const NAME: &str = "ours: torque balance, bearing order, QDA, the core in f3
 
 /// The same in a sentence.
 pub const DESCRIPTION: &str = "Ours: drag and torque constant from the torque balance, each in standard deviations of its own record, and the prominence of \
-     the outer race's order; no projection, quadratic discriminant, every verdict given by the embedded detector in single precision.";
+     the outer race's order; no projection, quadratic discriminant with halved correlations, every verdict given by the embedded detector in single precision.";
 
 /// Trains on one set and decides on another, through the core. A trace's class is its place in `classes`.
 ///
