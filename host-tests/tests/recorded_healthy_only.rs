@@ -16,7 +16,7 @@
 use host_tests::strokes::{LOADS, RUNS, Stroke, detector, judge, strokes};
 use nalgebra::{DMatrix, DVector};
 use workbench::embedded::Finding;
-use workbench::evaluate::Rate;
+use workbench::evaluate::{Rate, TraceVerdict};
 use workbench::identify::{Order, Structure};
 use workbench::train::{Alarms, Recipe, Trained};
 
@@ -76,6 +76,8 @@ struct Found {
     plain_false_alarms: Runs,
     false_alarms: Runs,
     faults: Vec<Runs>,
+    /// Of each fault's strokes from the mean of normal ones, in deviations.
+    distances: Vec<Vec<f32>>,
 }
 
 fn held_out_in_turn(strokes: &[Stroke], o: [u8; 5], features: &[&str]) -> Found {
@@ -90,25 +92,29 @@ fn held_out_in_turn(strokes: &[Stroke], o: [u8; 5], features: &[&str]) -> Found 
         plain_false_alarms: vec![],
         false_alarms: vec![],
         faults: vec![vec![]; FAULTS.len()],
+        distances: vec![vec![]; FAULTS.len()],
     };
     for held in RUNS {
         let training: Vec<&Stroke> = strokes.iter().filter(|s| s.run != held).collect();
         let mut trained = detector(&training, &normal, class, &recipe).expect("a gate");
-        let count = |trained: &Trained, state: &str| {
+        let run = |trained: &Trained, state: &str| {
             let of: Vec<&Stroke> = strokes.iter().filter(|s| s.run == held && s.state == state).collect();
-            let verdicts = judge(trained, &of, |_| Some(0));
+            judge(trained, &of, |_| Some(0))
+        };
+        let novel = |verdicts: &[TraceVerdict]| {
             (verdicts.iter().filter(|v| v.decided == Some(Finding::Novel)).count(), verdicts.len())
         };
-        found.plain_false_alarms.push(count(&trained, "normal"));
+        found.plain_false_alarms.push(novel(&run(&trained, "normal")));
         let stretch = stretch_squared(&trained).sqrt();
         found.stretches.push(stretch);
         trained.watch.gate.as_mut().expect("a gate").whitening /= stretch;
-        found.false_alarms.push(count(&trained, "normal"));
-        for (runs, state) in found.faults.iter_mut().zip(FAULTS) {
-            let of_run = count(&trained, state);
-            if of_run.1 > 0 {
-                runs.push(of_run);
+        found.false_alarms.push(novel(&run(&trained, "normal")));
+        for (k, state) in FAULTS.iter().enumerate() {
+            let verdicts = run(&trained, state);
+            if !verdicts.is_empty() {
+                found.faults[k].push(novel(&verdicts));
             }
+            found.distances[k].extend(verdicts.iter().flat_map(|v| &v.segments).map(|s| s.distance));
         }
     }
     found
@@ -131,14 +137,20 @@ const PUBLISHED: [(&str, f64, f64); 4] = [
     ("backlash2", 100.0, 16.0),
 ];
 
+fn median(distances: &[f32]) -> f32 {
+    let mut sorted = distances.to_vec();
+    sorted.sort_by(f32::total_cmp);
+    sorted[sorted.len() / 2]
+}
+
 fn print(found: &Found) {
     println!("  mean stretch {:.2}", found.stretches.iter().sum::<f64>() / found.stretches.len() as f64);
     println!("  false alarms, strokes as independent: {}", shown(&found.plain_false_alarms));
     println!("  false alarms, stretched by run:       {}", shown(&found.false_alarms));
-    for (state, runs) in FAULTS.iter().zip(&found.faults) {
+    for ((state, runs), distances) in FAULTS.iter().zip(&found.faults).zip(&found.distances) {
         let published = PUBLISHED.iter().find(|p| p.0 == *state);
         let published = published.map_or(String::new(), |(_, q, t)| format!("   (published: Q {q} %, T² {t} %)"));
-        println!("  {state:<17} {}{published}", shown(runs));
+        println!("  {state:<17} {}, median distance {:.1}{published}", shown(runs), median(distances));
     }
 }
 
@@ -157,6 +169,7 @@ fn tables((order, features): ([u8; 5], &[&str])) -> Option<Vec<Found>> {
         plain_false_alarms: of_all(&|f| f.plain_false_alarms.clone()),
         false_alarms: of_all(&|f| f.false_alarms.clone()),
         faults: (0..FAULTS.len()).map(|k| of_all(&|f| f.faults[k].clone())).collect(),
+        distances: (0..FAULTS.len()).map(|k| all.iter().flat_map(|f| f.distances[k].clone()).collect()).collect(),
     };
     println!("all loads, a gate each, {order:?} {}", features.join(" "));
     print(&pooled);
@@ -168,6 +181,10 @@ impl Found {
     fn percent(&self, state: &str) -> f64 {
         let place = FAULTS.iter().position(|s| *s == state).expect("a fault");
         100.0 * rate(&self.faults[place]).value
+    }
+
+    fn distance(&self, state: &str) -> f32 {
+        median(&self.distances[FAULTS.iter().position(|s| *s == state).expect("a fault")])
     }
 
     /// The most that is found in any negative control.
@@ -198,6 +215,12 @@ fn faults_beyond_a_gate_of_normal_strokes() {
     assert!((30.0..75.0).contains(&hurt), "{hurt}");
     // At 40 kgf two negative controls are as far out as spalling 6 and backlash 1: sessions, not damage.
     assert!(high.control_percent() > 80.0, "{}", high.control_percent());
+    // What is found there counts by its distance: 8.5–15 deviations against 5.6 of the farthest control.
+    let farthest = FAULTS[FAULTS.len() - CONTROLS..].iter().map(|s| high.distance(s)).fold(0.0, f32::max);
+    for state in ["lackLubrication1", "lackLubrication2", "backlash2", "spalling7", "spalling8"] {
+        let ratio = high.distance(state) / farthest;
+        assert!((1.4..3.5).contains(&ratio), "{state} {ratio}");
+    }
 }
 
 #[test]
