@@ -3,6 +3,7 @@
 pub mod oracle;
 pub mod plants;
 pub mod streams;
+pub mod strokes;
 
 use std::path::PathBuf;
 

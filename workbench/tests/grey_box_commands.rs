@@ -107,3 +107,26 @@ fn bad_input_is_one_line() {
         assert!(err.contains(words), "{arguments}\n{err}");
     }
 }
+
+#[test]
+fn a_drive_that_runs_harder_backward_says_so() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    let row = |k: u32| {
+        let (t, w) = (f64::from(k) * 1e-3, std::f64::consts::TAU * 0.5);
+        let (x, v, a) = (0.1 * (w * t).sin(), 0.1 * w * (w * t).cos(), -0.1 * w * w * (w * t).sin());
+        let viscous = if v < 0.0 { 240.0 } else { 170.0 };
+        format!("{t},{x},{}\n", 95.0 * a + viscous * v + 20.0 * v.signum())
+    };
+    let table: String = std::iter::once("t_s,x_m,force_n\n".to_string()).chain((0..20_000).map(row)).collect();
+    std::fs::write(dir.join("x.csv"), table).expect("writable");
+    let found = json(dir, "grey-box linear x.csv --position x_m --force force_n --asymmetric --json");
+    let viscous = &found[0]["asymmetry"]["Fv"];
+    // 240 − 170; rows across a reversal mix the two sides.
+    assert!((viscous["value"].as_f64().expect("value") - 70.0).abs() < 5.0, "{found}");
+    assert!(viscous["z"].as_f64().expect("z") > 10.0, "{found}");
+    let (_, text, _) = run(dir, "grey-box linear x.csv --position x_m --force force_n --asymmetric");
+    assert!(text.contains("Fv- − Fv+") && text.contains("standard deviations from even"), "{text}");
+    let even = json(dir, "grey-box linear x.csv --position x_m --force force_n --json");
+    assert_eq!(even[0]["asymmetry"], serde_json::json!({}));
+}

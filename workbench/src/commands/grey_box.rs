@@ -9,7 +9,7 @@ use serde_json::json;
 use super::options::warn_irregular;
 use super::output;
 use crate::Error;
-use crate::grey_box::linear::{self, Friction, LinearRecord, LinearSettings};
+use crate::grey_box::linear::{self, Asymmetry, Friction, LinearRecord, LinearSettings};
 use crate::grey_box::motor::{self, MotorRecord, MotorSettings};
 use crate::grey_box::physical::{self, ElectricalRecord};
 use crate::grey_box::{GreyBox, Quantity};
@@ -48,7 +48,7 @@ struct LinearArgs {
     /// Newtons one unit of the force channel stands for
     #[arg(long, value_name = "GAIN", default_value_t = 1.0)]
     force_gain: f64,
-    /// Friction of its own in each direction, without offset
+    /// Friction of its own in each direction, without offset, and how far the two differ: a sign of wear
     #[arg(long)]
     asymmetric: bool,
     /// Cut-off of the position filter, Hz
@@ -236,11 +236,14 @@ impl Row {
     fn to_json(&self) -> serde_json::Value {
         let quantity = |q: &Quantity| (q.name.to_string(), json!({ "value": q.value, "sd": q.sd, "unit": q.unit }));
         let elsewhere = self.validation.iter().map(|(id, error)| (id.clone(), json!(error)));
+        let asymmetry =
+            |d: &Asymmetry| (d.name.to_string(), json!({ "value": d.value, "sd": d.sd, "z": d.z(), "unit": d.unit }));
         json!({
             "trace": self.id,
             "quantities": self.found.quantities.iter().map(quantity).collect::<serde_json::Map<_, _>>(),
             "relative_error_percent": self.found.relative_error_percent,
             "validation_error_percent": elsewhere.collect::<serde_json::Map<_, _>>(),
+            "asymmetry": linear::asymmetries(&self.found).iter().map(asymmetry).collect::<serde_json::Map<_, _>>(),
             "rows": self.found.rows,
             "notes": self.found.notes,
         })
@@ -251,11 +254,16 @@ impl Row {
             let (name, value, sd, unit) = (q.name, Short(q.value), Short(q.sd), q.unit);
             format!("  {name:<7} {value:>12} ± {sd} {unit}")
         });
+        let asymmetries = linear::asymmetries(&self.found).into_iter().map(|d| {
+            let (value, sd) = (Short(d.value), Short(d.sd));
+            let name = format!("{0}- − {0}+", d.name);
+            format!("  {name:<9} {value:>10} ± {sd} {}, {:.1} standard deviations from even", d.unit, d.z())
+        });
         let error =
             format!("  relative error {:.3} % over {} rows", self.found.relative_error_percent, self.found.rows);
         let elsewhere = self.validation.iter().map(|(id, error)| format!("  on {id}: {error:.3} %"));
         let notes = self.found.notes.iter().map(|note| format!("  note: {note}"));
-        let lines = quantities.chain([error]).chain(elsewhere).chain(notes);
+        let lines = quantities.chain(asymmetries).chain([error]).chain(elsewhere).chain(notes);
         std::iter::once(self.id.clone()).chain(lines).collect::<Vec<_>>().join("\n")
     }
 }

@@ -10,7 +10,14 @@
 //! Velocity and acceleration are central differences of the position behind a fourth-order Butterworth filter run
 //! forward and back; then force and every column of (1) pass one and the same zero-phase Chebyshev filter and are
 //! decimated, which leaves the equation between them as it was (Janot, Gautier, Brunot 2019). A difference between the
-//! two sides of (2) beyond their standard deviations is wear or misalignment of the screw.
+//! two sides of (2) beyond its standard deviation is wear or misalignment of the screw:
+//!
+//! ```text
+//! D = F⁻ − F⁺,   var D = var F⁻ + var F⁺ − 2 cov(F⁻, F⁺),   z = D / sd D                     (3)
+//! ```
+//!
+//! with the covariance that allows for correlated residuals. An offset of the force sensor, which (2) leaves out, is a
+//! difference of the Coulomb friction there (Fc⁻ − Fc⁺ = −2 offset), so the viscous difference is the safer sign of wear.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -85,6 +92,40 @@ pub fn estimate(record: &LinearRecord, settings: &LinearSettings) -> Result<Grey
     let mut grey_box = GreyBox::new(names, solution.theta.as_slice(), solution.covariance, found);
     grey_box.note_undetermined();
     Ok(grey_box)
+}
+
+/// By how much one friction is larger backward than forward, (3).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Asymmetry {
+    /// Symbol of the friction: `Fv` or `Fc`.
+    pub name: &'static str,
+    /// Unit, SI.
+    pub unit: &'static str,
+    /// D.
+    pub value: f64,
+    /// Standard deviation of D.
+    pub sd: f64,
+}
+
+impl Asymmetry {
+    /// D in its standard deviations.
+    #[must_use]
+    pub fn z(&self) -> f64 {
+        self.value / self.sd
+    }
+}
+
+/// The differences (3) of viscous and Coulomb friction; none where friction was taken as symmetric.
+#[must_use]
+pub fn asymmetries(found: &GreyBox) -> Vec<Asymmetry> {
+    let place = |name: &str| found.quantities.iter().position(|q| q.name == name);
+    let each = |(name, forward, backward): (&'static str, &str, &str)| {
+        let (f, b) = (place(forward)?, place(backward)?);
+        let variance = found.covariance[(f, f)] + found.covariance[(b, b)] - 2.0 * found.covariance[(f, b)];
+        let value = found.quantities[b].value - found.quantities[f].value;
+        Some(Asymmetry { name, unit: found.quantities[f].unit, value, sd: variance.sqrt() })
+    };
+    [("Fv", "Fv+", "Fv-"), ("Fc", "Fc+", "Fc-")].into_iter().filter_map(each).collect()
 }
 
 /// 100 ‖F − F̂‖/‖F‖ of constants found elsewhere on this record.
@@ -201,6 +242,14 @@ mod tests {
                 let tolerance = if friction == Friction::Symmetric { 1e-3 } else { 1e-2 };
                 assert!((q.value / truth - 1.0).abs() < tolerance, "{q:?}, truth {truth}");
                 assert!(q.sd > 0.0);
+            }
+            let differences = asymmetries(&found);
+            if friction == Friction::Symmetric {
+                assert!(differences.is_empty());
+            } else {
+                // 240 − 170 and 25 − 20; each constant is within 1 % above.
+                assert!((differences[0].value - 70.0).abs() < 4.0 && (differences[1].value - 5.0).abs() < 0.5);
+                assert!(differences.iter().all(|d| d.sd > 0.0 && d.z() > 3.0), "{differences:?}");
             }
             let again = cross_validate(&record, &settings, &found).expect("same record");
             assert!((again - found.relative_error_percent).abs() < 1e-9); // the same rows
