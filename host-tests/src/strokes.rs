@@ -20,8 +20,6 @@ pub const RUNS: std::ops::RangeInclusive<usize> = 1..=7;
 /// Samples to a block.
 pub const BLOCK: usize = 4;
 
-const STACK_BYTES: usize = 16 << 20;
-
 /// One out-and-back stroke.
 #[derive(Clone, Debug)]
 pub struct Stroke {
@@ -88,10 +86,5 @@ pub fn detector(
 pub fn judge(trained: &Trained, strokes: &[&Stroke], class: impl Fn(&str) -> Option<usize>) -> Vec<TraceVerdict> {
     let known = strokes.iter().filter_map(|s| Some(LabelledTrace { trace: s.trace.clone(), class: class(&s.state)? }));
     let known: Vec<_> = known.collect();
-    // Embedding tries the largest capacity too, whose model alone fills a good part of a test thread's stack.
-    let work = || evaluate::run(&trained.embed().expect("embeddable"), &known, || ()).expect("runs");
-    std::thread::scope(|scope| {
-        let spawned = std::thread::Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, work);
-        spawned.expect("a thread").join().expect("judged")
-    })
+    evaluate::run(&trained.embed().expect("embeddable"), &known, || ()).expect("runs")
 }

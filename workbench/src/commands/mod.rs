@@ -7,6 +7,7 @@ mod estimation;
 mod evaluate;
 mod grey_box;
 mod identify;
+mod odds;
 mod options;
 mod output;
 mod piecewise;

@@ -1,19 +1,23 @@
 //! The bridge to the core: traces run through its [`Detector`], the code that firmware runs.
 
 mod choice;
+mod motion;
 mod watch;
+mod words;
 
-use bearing_watch::decide::{EvidencePlan, Features, SHAFT_FEATURES};
+use bearing_watch::decide::EvidencePlan;
 use bearing_watch::estimate::{Accumulator, Fading, Rows, Triangle, TwoLevel};
 use bearing_watch::{
-    Counts, Detector, Friction, Model, ModelError, Motion, OrderStrength, Reason, Report, Sample, Sampling, Shaft,
-    ShaftEstimate, ShaftModel, Verdict,
+    Counts, Detector, Friction, Model, ModelError, OrderStrength, Report, Sampling, Shaft, ShaftModel, Verdict,
 };
 use choice::{AnyRows, Sums};
+use motion::{samples, shaft_features};
 pub use watch::{Finding, Watched};
+use words::explain;
+pub use words::{denied, stuck_signals};
 
 use crate::identify::Structure;
-use crate::trace::{MotionTrace, Trace};
+use crate::trace::Trace;
 
 /// Bearing orders that the workbench can watch.
 pub const MAX_ORDERS: usize = 8;
@@ -277,50 +281,6 @@ fn sizes<const M: usize, const F: usize, const Z: usize, const C: usize>(
     (model.classifier.discriminant.classes as usize, orders)
 }
 
-/// Samples with the shaft's motion; at rest where the trace has none.
-fn samples(trace: &Trace) -> impl Iterator<Item = (Sample, Motion)> {
-    let rows = trace.y.iter().zip(&trace.u1).zip(&trace.u2);
-    let samples = rows.map(|((y, u1), u2)| Sample { y: *y as f32, u1: *u1 as f32, u2: *u2 as f32 });
-    let motions = (0..trace.y.len()).map(|k| trace.motion.as_ref().map_or_else(Motion::default, |m| m.at(k)));
-    samples.zip(motions)
-}
-
-impl MotionTrace {
-    /// One sample as the core takes it.
-    #[must_use]
-    pub fn at(&self, k: usize) -> Motion {
-        // The fraction of a turn survives single precision only if it is taken before.
-        let turns = self.angle_rad[k] / std::f64::consts::TAU;
-        let bits = ((turns - turns.floor()) * 4_294_967_296.0) as u64 as u32;
-        Motion {
-            current_a: self.current_a[k] as f32,
-            velocity_rad_s: self.velocity_rad_s[k] as f32,
-            reference_rad_s: self.reference_rad_s[k] as f32,
-            load_nm: self.load_nm[k] as f32,
-            angle: bearing_watch::Angle::from_bits(bits),
-        }
-    }
-}
-
-/// Every feature of the shaft that the core can extract, in the order of [`crate::features::Catalogue::shaft`].
-fn shaft_features<const M: usize, const P: usize, const C: usize>(
-    report: &Report<M, P, C, MAX_ORDERS>,
-    orders: usize,
-) -> Vec<f32> {
-    let Some(shaft) = report.shaft.filter(|shaft| shaft.reason.or(shaft.orders_reason).is_none()) else {
-        return vec![];
-    };
-    let place = |offset: usize| SHAFT_FEATURES + offset as u8;
-    let indices = (0..6).chain(8..14).chain([16]).chain(32..32 + orders).chain(64..64 + orders);
-    let mut features = Features { index: [0; 64], count: 0 };
-    for (cell, index) in features.index.iter_mut().zip(indices) {
-        *cell = place(index);
-        features.count += 1;
-    }
-    let values = features.extract(&report.estimate, Some(&shaft)).unwrap_or([0.0; 64]);
-    values[..features.count as usize].to_vec()
-}
-
 fn segment<const M: usize, const P: usize, const C: usize>(
     report: &Report<M, P, C, MAX_ORDERS>,
     (classes, orders): (usize, usize),
@@ -349,59 +309,6 @@ fn segment<const M: usize, const P: usize, const C: usize>(
         start: 0,
         length: 0,
     }
-}
-
-/// The reason with what it means in this model.
-fn explain<const M: usize, const P: usize, const C: usize>(
-    reason: Reason,
-    report: &Report<M, P, C, MAX_ORDERS>,
-) -> String {
-    if report.accepted
-        && let Some(ShaftEstimate { reason, orders_reason, counts, .. }) = &report.shaft
-        && let Some(reason) = reason.or(*orders_reason)
-    {
-        return match reason {
-            Reason::NotExcited(place) => {
-                let name = crate::features::FRICTION.get(place as usize).unwrap_or(&"the torque balance");
-                format!("shaft: the motion does not excite {name} (constant, or depending on the ones before)")
-            }
-            _ if !denied(counts).is_empty() => format!("shaft: {reason}: {}", denied(counts)),
-            _ => format!("shaft: {reason}"),
-        };
-    }
-    let estimate = &report.estimate;
-    match reason {
-        Reason::TooFewRows if !denied(&estimate.counts).is_empty() => format!("{reason}: {}", denied(&estimate.counts)),
-        Reason::NotExcited(place) => {
-            let names = Structure { order: estimate.order, offset: estimate.offset }.names();
-            names.get(place as usize).map_or(reason.to_string(), |name| {
-                format!("the signals do not excite parameter {name} (constant, or depending on the ones before)")
-            })
-        }
-        _ => reason.to_string(),
-    }
-}
-
-/// What a segment was denied, in words; empty where nothing was.
-#[must_use]
-pub fn denied(counts: &Counts) -> String {
-    let Counts { rejected, saturated, downweighted, still, stuck, .. } = *counts;
-    let counted = [
-        (rejected, "samples rejected"),
-        (saturated, "samples saturated"),
-        (downweighted, "rows weighed less"),
-        (still, "rows still"),
-    ];
-    let mut parts: Vec<String> =
-        counted.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect();
-    parts.extend(stuck_signals(stuck).iter().map(|name| format!("{name} stuck")));
-    parts.join(", ")
-}
-
-/// Names of the signals whose sensor was stuck.
-#[must_use]
-pub fn stuck_signals(stuck: [bool; 3]) -> Vec<&'static str> {
-    ["y", "u1", "u2"].into_iter().zip(stuck).filter(|(_, stuck)| *stuck).map(|(name, _)| name).collect()
 }
 
 impl Segment {

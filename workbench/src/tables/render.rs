@@ -43,7 +43,7 @@ fn width(text: &str) -> usize {
     text.chars().count()
 }
 
-/// Lines of at most [`WIDTH`] characters.
+/// Lines of at most 110 characters.
 #[must_use]
 pub fn wrap(text: &str) -> String {
     let mut out = String::new();
