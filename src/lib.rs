@@ -5,6 +5,7 @@
 //!               │ y (current)   u1 (velocity, its reference, or their difference)   u2 (load, or another input)
 //! estimate      ▼
 //!            δ-form regressor ─► square-root-free triangle ─► Estimate: parameters, covariance, σ²
+//!            Motion ─► torque balance ─► Friction;   its residual ─► order tracking ─► OrderStrength
 //! decide        ▼
 //!            features ─► projection ─► discriminant, novelty ─► Decision: posteriors, class, distance from healthy
 //!               │ one a segment
@@ -13,7 +14,8 @@
 //! ```
 //!
 //! A [`Model`] holds trained constants (flash), a [`Detector`] holds running state (RAM). Call
-//! [`Detector::step`] once a sample; once a segment it hands back a [`Report`].
+//! [`Detector::step`] once a sample; once a segment it hands back a [`Report`]. A model that watches the shaft takes its
+//! [`Motion`] beside the sample ([`Detector::step_with_motion`]); [`Evidence`] gathers decisions into an alarm.
 //!
 //! The crate is `no_std`, allocates nothing, holds no `unsafe`, and uses no fused multiply-add: the same samples
 //! give the same bits on a host and on a Cortex-M4F. A bad sample is a value (counted, skipped), never a panic.

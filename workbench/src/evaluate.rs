@@ -64,7 +64,9 @@ impl Rate {
         Self { value, low: (value - spread(|r| r.low)).max(0.0), high: (value + spread(|r| r.high)).min(1.0) }
     }
 
-    fn to_json(self) -> Value {
+    /// Keys `value`, `low`, `high`.
+    #[must_use]
+    pub fn to_json(self) -> Value {
         json!({ "value": self.value, "low": self.low, "high": self.high })
     }
 }

@@ -44,6 +44,43 @@ fn healthy_traces_alone_make_a_model_that_alarms() {
         (&judged["classes"], &judged["undetermined"]),
         (&serde_json::json!(["healthy"]), &serde_json::json!([0]))
     );
+    // A class that was not trained can still be told from healthy.
+    let judged = json(&succeed(dir, "evaluate --model m.bwm --labels test/labels.csv --json"));
+    assert_eq!(judged["untrained_not_called_healthy"]["roughness"]["value"], 1.0);
+    assert_eq!(judged["classes"], serde_json::json!(["healthy"]));
+}
+
+#[test]
+fn the_shaft_s_features_find_a_small_defect_from_healthy_traces() {
+    const SHAFT: &str = "--angle angle_rad --velocity velocity_rad_s --velocity-ref velocity_ref_rad_s --load load_torque_nm \
+        --bearing 9,3,17,0.1745 --features drag_score,inverse_kt_score,order_outer";
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy --count 30 --seed 21 --out train");
+    succeed(dir, "simulate --class spall --severity 0.25 --count 4 --seed 22 --out test");
+    let told = succeed(dir, &format!("{TRAIN} --labels train/labels.csv --model m.bwm --rust m.rs {SHAFT}"));
+    assert!(told.contains("features drag_score, inverse_kt_score, order_outer"), "{told}");
+    let source = std::fs::read_to_string(dir.join("m.rs")).expect("source");
+    assert!(source.contains("Shaft<4>, 4>;") && source.contains("orders outer 3.71794"), "{source}");
+    let judged = json(&succeed(dir, "evaluate --model m.bwm --labels test/labels.csv --json"));
+    // Nine deviations off: one of four missed would be a fault of the chain, not of chance.
+    assert_eq!(judged["untrained_not_called_healthy"]["spall"]["value"], 1.0);
+    let replayed = succeed(dir, "replay --model m.bwm test --json");
+    assert_eq!(json(&replayed)[0]["friction"]["names"][5], "drag");
+    assert!(succeed(dir, "replay --model m.bwm test").contains("× noise"), "{replayed}");
+    refuse(dir, &format!("{TRAIN} --labels train/labels.csv --model n.bwm --angle angle_rad"), &["--velocity"]);
+    refuse(
+        dir,
+        &format!("{TRAIN} --labels train/labels.csv --model n.bwm {SHAFT} --orders nine=x"),
+        &["nine=x", "NAME=ORDER"],
+    );
+    let wrong = SHAFT.replace("9,3,17,0.1745", "9,17,3,0.1745");
+    refuse(dir, &format!("{TRAIN} --labels train/labels.csv --model n.bwm {wrong}"), &["--bearing", "ball diameter"]);
+    refuse(
+        dir,
+        &format!("{TRAIN} --labels train/labels.csv --model n.bwm --features order_outer"),
+        &["no order_outer in this model"],
+    );
 }
 
 #[test]

@@ -114,12 +114,12 @@ fn half_size(count: u32) -> Vec<Experiment> {
 fn healthy_only(count: u32) -> Vec<Experiment> {
     let one = |condition: Condition, traces: u32, defect: Defect, goal| Experiment {
         group: "trained on healthy traces alone, detected at 1 % false alarms",
-        name: format!(
-            "{}, {traces} healthy traces: {} at {}",
-            condition.name,
-            defect.kind.name(),
-            part(defect.severity)
-        ),
+        name: match defect.kind {
+            DefectKind::Healthy => format!("{}, {traces} healthy traces: false alarms", condition.name),
+            kind => {
+                format!("{}, {traces} healthy traces: {} at {}", condition.name, kind.name(), part(defect.severity))
+            }
+        },
         training: Training { condition, classes: vec![HEALTHY], count: traces },
         tests: vec![(condition, defect)],
         records: 1,
@@ -137,9 +137,9 @@ fn healthy_only(count: u32) -> Vec<Experiment> {
         all.push(one(MIX, 5 * count, sized(Spall, severity), least(goal)));
     }
     all.push(one(MIX, 5 * count, sized(Roughness, 0.125), least(100.0)));
-    // What is healthy and detected is a false alarm.
+    // What is healthy and detected is a false alarm: too few records here for a rate of 1 %, which the gates are drawn for.
     for (condition, traces) in [(STANDARD, count), (STANDARD, 5 * count), (MIX, 5 * count)] {
-        all.push(one(condition, traces, HEALTHY, Some(Goal::About(1.0))));
+        all.push(one(condition, traces, HEALTHY, None));
     }
     all
 }

@@ -30,8 +30,6 @@ pub enum Goal {
     AtMost(f64),
     /// At least this.
     AtLeast(f64),
-    /// Within a factor 1.5 of this.
-    About(f64),
 }
 
 impl Goal {
@@ -43,7 +41,6 @@ impl Goal {
         match self {
             Self::AtMost(most) => percent <= most + slack,
             Self::AtLeast(least) => percent >= least - slack,
-            Self::About(rate) => (rate / 1.5..=rate * 1.5).contains(&percent),
         }
     }
 }
@@ -53,7 +50,6 @@ impl std::fmt::Display for Goal {
         match self {
             Self::AtMost(most) => write!(f, "≤ {most}"),
             Self::AtLeast(least) => write!(f, "≥ {least}"),
-            Self::About(rate) => write!(f, "{rate} × 1.5^±1"),
         }
     }
 }
