@@ -256,31 +256,8 @@ impl FrictionSums {
     /// As those of the estimator: too few rows, not excited (parameters in the order p₀ p₁ p₂ p₃ p₄ without what is not
     /// estimated), weak instruments, not finite.
     pub(super) fn solve(&self, balance: &Balance) -> Result<Friction, Reason> {
-        let regression = balance.regression();
-        let counts = Counts::default();
-        let head = Head {
-            mass: Mass { rows: self.rows as f32, spread: 1.0 },
-            origin: [0.0; 3],
-            base: [0.0; COLUMNS],
-            gain: 1.0,
-            counts,
-            at_rest: false,
-            segment: 0,
-        };
-        let solve = |prior_rows: f32| {
-            let mut sums = self.sums.clone();
-            let mut row = balance.prior();
-            row.iter_mut().for_each(|cell| *cell *= libm::sqrtf(prior_rows));
-            sums.update(&row);
-            let mut estimate = Estimate::<COLUMNS, PACKED>::empty(regression.order, true, self.rows, counts);
-            let solved =
-                Solution::new().finish::<AnyShape, COLUMNS, PACKED>((&regression, &head), &sums, &mut estimate);
-            solved.map(|()| estimate)
-        };
-        let estimate = match solve(PRIOR_ROWS) {
-            Err(Reason::WeakInstruments) => solve(10.0 * head.mass.rows)?,
-            solved => solved?,
-        };
+        let mut estimate = Estimate::<COLUMNS, PACKED>::empty(balance.order(), true, self.rows, Counts::default());
+        self.estimate_into(balance, &mut estimate)?;
         let mut friction = Friction { variance: estimate.variance, rows: self.rows, ..Friction::default() };
         // Without a load its place is left out.
         let places = (0..ESTIMATED).filter(|&place| balance.load || place != 3);
@@ -305,5 +282,34 @@ impl FrictionSums {
         (*parameter, *own, *score) = (drag, deviation, (drag - nominal) / deviation);
         let sum: f32 = friction.scores.iter().sum();
         if sum.is_finite() { Ok(friction) } else { Err(Reason::NotFinite) }
+    }
+
+    /// Solves with a little of the nominal p₁, and with much of it where the instruments are too weak without.
+    // Out of line: its sums have left the stack when the rest begins.
+    #[inline(never)]
+    fn estimate_into(&self, balance: &Balance, estimate: &mut Estimate<COLUMNS, PACKED>) -> Result<(), Reason> {
+        let regression = balance.regression();
+        let head = Head {
+            mass: Mass { rows: self.rows as f32, spread: 1.0 },
+            origin: [0.0; 3],
+            base: [0.0; COLUMNS],
+            gain: 1.0,
+            counts: Counts::default(),
+            at_rest: false,
+            segment: 0,
+        };
+        let mut sums = self.sums.clone();
+        let mut result = Err(Reason::WeakInstruments);
+        for held in [PRIOR_ROWS, 10.0 * head.mass.rows] {
+            if result != Err(Reason::WeakInstruments) {
+                break;
+            }
+            let mut row = balance.prior();
+            row.iter_mut().for_each(|cell| *cell *= libm::sqrtf(held));
+            sums.update(&row);
+            *estimate = Estimate::empty(balance.order(), true, self.rows, head.counts);
+            result = Solution::new().finish::<AnyShape, COLUMNS, PACKED>((&regression, &head), &sums, estimate);
+        }
+        result
     }
 }

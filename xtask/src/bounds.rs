@@ -49,7 +49,7 @@ pub const BOUNDS: [Bound; 31] = [
     // Its report holds a place for what the shaft says, watched or not.
     bytes("stack, SRIV detector conclude", None, 2150),
     bytes("stack, shaft of 4 orders, sample", None, 256),
-    bytes("stack, shaft of 4 orders, segment end", None, 2150),
+    bytes("stack, shaft of 4 orders, segment end", None, 2350),
     // The goal is 8 KiB; README says where the rest goes. These keep it from growing.
     bytes("flash of the whole detector, LS", Some(8), 21_504),
     bytes("flash of the whole detector, SRIV", Some(8), 23_040),

@@ -216,7 +216,8 @@ fn sizes(name: &str, figures: &[&Figure]) -> String {
             None => series.push((line, vec![point])),
         }
     }
-    series.retain(|(_, points)| points.len() > 1);
+    // One size alone is no line.
+    series.retain(|(_, points)| points.iter().any(|(size, _)| (size - points[0].0).abs() > 0.0));
     if series.is_empty() {
         return String::new();
     }
