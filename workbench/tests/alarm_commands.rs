@@ -65,6 +65,8 @@ fn the_shaft_s_features_find_a_small_defect_from_healthy_traces() {
     let judged = json(&succeed(dir, "evaluate --model m.bwm --labels test/labels.csv --json"));
     // Nine deviations off: one of four missed would be a fault of the chain, not of chance.
     assert_eq!(judged["untrained_not_called_healthy"]["spall"]["value"], 1.0);
+    let said = succeed(dir, "evaluate --model m.bwm --labels test/labels.csv");
+    assert!(said.starts_with("spall, not trained: not called healthy 100.0 %") && !said.contains("NaN"), "{said}");
     let replayed = succeed(dir, "replay --model m.bwm test --json");
     assert_eq!(json(&replayed)[0]["friction"]["names"][5], "drag");
     assert!(succeed(dir, "replay --model m.bwm test").contains("× noise"), "{replayed}");

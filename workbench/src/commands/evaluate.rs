@@ -80,7 +80,10 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         scores.add_to(&mut value);
         output::json(&value)
     } else {
-        output::say(format!("{confusion}\n{}", scores.summary()))?;
+        // Without a trace of a trained class there is nothing to confuse.
+        if confusion.total() > 0 {
+            output::say(format!("{confusion}\n{}", scores.summary()))?;
+        }
         untrained
             .iter()
             .try_for_each(|(name, rate)| output::say(format!("{name}, not trained: not called healthy {rate}")))
