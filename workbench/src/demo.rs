@@ -5,6 +5,7 @@ use bearing_watch::decide::Kind;
 use rayon::prelude::*;
 
 use crate::Error;
+use crate::campaign::mean_sd;
 use crate::embedded::Embedded;
 use crate::evaluate::{self, Confusion, TraceVerdict};
 use crate::identify::{Order, Structure};
@@ -192,8 +193,6 @@ pub fn draw(settings: &Settings, repetition: u32, done: impl Fn() + Sync) -> Res
 /// Mean and standard deviation in percent.
 #[must_use]
 pub fn mean_sd_percent(rates: &[f64]) -> (f64, f64) {
-    let n = rates.len() as f64;
-    let mean = rates.iter().sum::<f64>() / n;
-    let variance = rates.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
-    (100.0 * mean, 100.0 * variance.sqrt())
+    let (mean, sd) = mean_sd(rates);
+    (100.0 * mean, 100.0 * sd)
 }

@@ -96,29 +96,26 @@ pub(super) fn model(
         return Err(Error::Training("the shaft needs the sampling interval; give the traces a column t_s".into()));
     }
     plan.check(interval_s)?;
-    let motion = |t: &LabelledTrace| t.trace.motion.clone();
-    let all: Vec<MotionTrace> = traces.iter().filter_map(motion).collect();
-    if all.len() < traces.len() {
+    let watched: Vec<(&LabelledTrace, &MotionTrace)> =
+        traces.iter().filter_map(|t| Some((t, t.trace.motion.as_ref()?))).collect();
+    if watched.len() < traces.len() {
         return Err(Error::Training("a trace has no channels of the shaft, but its features are asked for".into()));
     }
-    let healthy: Vec<MotionTrace> = traces.iter().filter(|t| t.class == nominal).filter_map(motion).collect();
+    let all: Vec<&MotionTrace> = watched.iter().map(|(_, motion)| *motion).collect();
+    let own: Vec<_> = watched.into_iter().filter(|(t, _)| t.class == nominal).collect();
     let mut model = untrained(&all, segment, interval_s, plan)?;
-    let balances = |model: &ShaftModel<MAX_ORDERS>| -> Result<Vec<ShaftEstimate<MAX_ORDERS>>, Error> {
-        let balance = |(motion, t): (&MotionTrace, &LabelledTrace)| {
-            let estimate = run(model, motion);
-            match estimate.reason {
-                Some(reason) => Err(Error::trace(&t.trace.id, format!("shaft: {reason}"))),
-                None => Ok(estimate),
-            }
-        };
-        let own: Vec<&LabelledTrace> = traces.iter().filter(|t| t.class == nominal).collect();
-        healthy.par_iter().zip(own).map(balance).collect()
-    };
     model.current_delay = match plan.current_delay {
         Some(delay) => delay as f32,
-        None => best_delay(&model, &healthy[..healthy.len().min(8)]),
+        None => best_delay(&model, &own[..own.len().min(8)]),
     };
-    let estimates = balances(&model)?;
+    let balance = |(labelled, motion): &(&LabelledTrace, &MotionTrace)| {
+        let estimate = run(&model, motion);
+        match estimate.reason {
+            Some(reason) => Err(Error::trace(&labelled.trace.id, format!("shaft: {reason}"))),
+            None => Ok(estimate),
+        }
+    };
+    let estimates: Vec<ShaftEstimate<MAX_ORDERS>> = own.par_iter().map(balance).collect::<Result<_, _>>()?;
     for (k, cell) in model.balance.nominal.iter_mut().enumerate() {
         let sum: f64 = estimates.iter().map(|e| f64::from(e.friction.parameters[k])).sum();
         *cell = (sum / estimates.len() as f64) as f32; // (1)
@@ -127,10 +124,10 @@ pub(super) fn model(
 }
 
 /// (2), to a tenth of a sample.
-fn best_delay(model: &ShaftModel<MAX_ORDERS>, healthy: &[MotionTrace]) -> f32 {
+fn best_delay(model: &ShaftModel<MAX_ORDERS>, healthy: &[(&LabelledTrace, &MotionTrace)]) -> f32 {
     let residual = |delay: f32| -> f64 {
         let model = ShaftModel { current_delay: delay, ..*model };
-        let variance = |motion: &MotionTrace| f64::from(run(&model, motion).friction.variance);
+        let variance = |(_, motion): &(&LabelledTrace, &MotionTrace)| f64::from(run(&model, motion).friction.variance);
         healthy.par_iter().map(variance).map(|v| if v > 0.0 { v } else { f64::MAX / 1e3 }).sum()
     };
     let delays = (0..=25_u8).map(|k| f32::from(k) / 10.0);
@@ -147,7 +144,7 @@ fn run(model: &ShaftModel<MAX_ORDERS>, motion: &MotionTrace) -> ShaftEstimate<MA
 
 /// Scales, limits and rates; nominal parameters and delay are zero.
 fn untrained(
-    traces: &[MotionTrace],
+    traces: &[&MotionTrace],
     segment: usize,
     interval_s: f64,
     plan: &ShaftPlan,
