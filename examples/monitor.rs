@@ -12,34 +12,29 @@ mod support;
 #[path = "support/standard_rig/mod.rs"]
 mod standard_rig;
 
-use bearing_watch::Verdict;
+use bearing_watch::{Detector, Verdict};
 
-use standard_rig::model::{MODEL, Monitor};
+use standard_rig::model::MODEL;
 
 main!(run);
 
 fn run() {
-    let mut monitor = match Monitor::new(&MODEL) {
-        Ok(monitor) => monitor,
-        Err(error) => {
-            say!("the model is refused: {error}");
-            return;
-        }
-    };
+    let mut monitor = Detector::new(&MODEL);
     for (number, sample) in standard_rig::samples().enumerate() {
-        if let Some(report) = monitor.step(sample) {
+        if let Some(report) = monitor.step(&sample) {
             say!("segment ending at sample {}", number + 1);
-            for (k, x) in report.estimate.delta.iter().take(report.estimate.parameters()).enumerate() {
-                say!("  parameter {k}  {:08x}", x.to_bits());
+            if let Some(estimate) = report.estimate() {
+                for (k, x) in estimate.delta().iter().enumerate() {
+                    say!("  parameter {k}  {:08x}", x.to_bits());
+                }
+                say!("  variance     {:08x}, {} rows", estimate.variance.to_bits(), estimate.rows);
+                for x in estimate.packed_covariance() {
+                    say!("  covariance   {:08x}", x.to_bits());
+                }
             }
-            say!("  variance     {:08x}, {} rows", report.estimate.variance.to_bits(), report.estimate.rows);
-            for x in report.estimate.covariance {
-                say!("  covariance   {:08x}", x.to_bits());
-            }
-            if let Some(decision) = report.decision {
-                for (label, (likelihood, posterior)) in
-                    MODEL.labels.iter().zip(decision.log_likelihoods.iter().zip(decision.posteriors))
-                {
+            if let Some(decision) = &report.decision {
+                let values = decision.log_likelihoods().iter().zip(decision.posteriors());
+                for (label, (likelihood, posterior)) in MODEL.constants().labels.iter().zip(values) {
                     let (likelihood, bits) = (likelihood.to_bits(), posterior.to_bits());
                     say!("  {:10} log-likelihood {likelihood:08x}, posterior {bits:08x}", label.as_str());
                 }

@@ -1,24 +1,52 @@
-//! Bearing-fault detection beside the current loop, from signals a motor drive already has.
+//! Bearing-fault detection next to the current loop, from signals that a motor drive already has.
 //!
-//! ```text
-//! drive      phase currents, shaft angle ─► Clarke, Park ─► quadrature current, block means
-//!               │ y (current)   u1 (velocity, its reference, or their difference)   u2 (load, or another input)
-//! estimate      ▼
-//!            δ-form regressor ─► square-root-free triangle ─► Estimate: parameters, covariance, σ²
-//!            Motion ─► torque balance ─► Friction;   its residual ─► order tracking ─► OrderStrength
-//! decide        ▼
-//!            features ─► projection ─► discriminant, novelty ─► Decision: posteriors, class, distance from healthy
-//!               │ one a segment
-//!               ▼
-//!            evidence ─► Alarm, trend
+//! ```
+//! use bearing_watch::{Detector, Verdict};
+//! // `bearing-watch train --rust model.rs` writes this module: the plan `Drive`, its `Sample`, and `MODEL`.
+//! # mod model { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/support/standard_rig/model.rs")); }
+//! use model::{MODEL, Sample};
+//!
+//! let mut detector = Detector::new(&MODEL);
+//! let mut evidence = MODEL.evidence();
+//! for k in 0..10_000 {
+//!     // On a drive: the quadrature current, the velocity reference and the load at each sampling instant.
+//!     let t = 0.002 * k as f32;
+//!     let sample = Sample { current_a: t.sin(), velocity_ref_rad_s: 40.0 * t.cos(), load_torque_nm: 0.1 };
+//!     if let Some(report) = detector.step(&sample) {
+//!         match report.verdict {
+//!             Verdict::Class(class) => println!("{}", MODEL.label(class)),
+//!             Verdict::Novel | Verdict::Ambiguous => println!("unknown"),
+//!             Verdict::Undetermined(reason) => println!("no verdict: {reason}"),
+//!         }
+//!         if let Some(alarm) = evidence.observe(report.decision.as_ref()) {
+//!             println!("alarm since segment {}", alarm.segment);
+//!         }
+//!     }
+//! }
 //! ```
 //!
-//! A [`Model`] holds trained constants (flash), a [`Detector`] holds running state (RAM). Call
-//! [`Detector::step`] once a sample; once a segment it hands back a [`Report`]. A model that watches the shaft takes its
-//! [`Motion`] beside the sample ([`Detector::step_with_motion`]); [`Evidence`] gathers decisions into an alarm.
+//! ```text
+//! drive       phase currents, angle ─► Clarke, Park ─► quadrature current, decimation
+//! plan        what a detector is made of: channels, structure, sizes
+//! sample         ▼ gate: which channels may be used
+//! regression  δ-form rows by least squares or instruments ─┐      shaft   torque balance ─► Friction
+//! factor      triangular factor, solve                     │              its residual ─► OrderStrength
+//! estimate       ▼                                         │                 │
+//!             Estimate: parameters, covariance, σ² ◄───────┘                 │
+//! decide         ▼ features ─► projection ─► discriminant, novelty ◄─────────┘
+//!             Decision ─► Verdict;   Evidence ─► Alarm, Trend
+//! model       trained constants: checked at compile time, or read from bytes
+//! detector    ties them: one sample in, one Report a segment out
+//! ```
 //!
-//! The crate is `no_std`, allocates nothing, holds no `unsafe`, and uses no fused multiply-add: the same samples
-//! give the same bits on a host and on a Cortex-M4F. A bad sample is a value (counted, skipped), never a panic.
+//! A [`Model`] holds trained constants (flash), a [`Detector`] holds running state (RAM); both take one type parameter, the
+//! plan ([`plan!`]). The crate is `no_std`, allocates nothing (but for the host's feature `alloc`), contains no `unsafe`, and
+//! uses no fused multiply-add: the same samples give the same bits on a host and on a Cortex-M4F. A bad sample is counted and
+//! skipped; no function panics.
+//!
+//! Features: `defmt` (formats, and a log line for each segment), `nalgebra` (conversions of covariance and projection),
+//! `alloc` (the plan `RunTime` of host programs), `internals` (parts for this repository's tests and measurements; not
+//! stable).
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(
@@ -33,19 +61,46 @@
     )
 )]
 
+#[cfg(any(test, feature = "alloc"))]
+extern crate alloc;
 #[cfg(test)]
 extern crate std;
 
-pub mod decide;
-pub mod detector;
-pub mod drive;
-pub mod estimate;
+mod decide;
+mod detector;
+mod drive;
+mod estimate;
+mod factor;
 pub mod model;
+pub mod plan;
+mod reason;
+mod regression;
+mod sample;
+mod shaft;
 
-pub use decide::{Alarm, Classifier, Decision, Evidence, EvidencePlan};
-pub use detector::{Detector, Report, Sample, Verdict};
+pub use decide::{Alarm, Cause, Decision, Evidence, Trend};
+pub use detector::{Detector, Report, Segment, Solver, Verdict};
 pub use drive::{Abc, AlphaBeta, Angle, BlockMean, Dq0, FirDecimator, FrontEnd, HalfBandDecimator, HalfBandTaps};
 pub use drive::{Park, SinCos};
-pub use estimate::{Bearing, Friction, Motion, NoShaft, OrderStrength, Shaft, ShaftEstimate, ShaftModel};
-pub use estimate::{Counts, Estimate, Estimator, Guard, Instruments, Order, Reason, Regression, Regressor, Segment};
-pub use model::{Label, Model, ModelError, Sampling};
+pub use estimate::Estimate;
+pub use model::{Model, ModelError};
+pub use plan::Structure;
+pub use reason::{FrictionTerm, Part, Reason};
+pub use sample::{ChannelSet, Counts};
+pub use shaft::{Bearing, Friction, OrderStrength, Parameter, ShaftEstimate};
+
+#[cfg(feature = "defmt")]
+#[doc(hidden)]
+pub use defmt;
+
+/// Parts of the detector, for the tests and measurements of this repository; not stable.
+#[cfg(feature = "internals")]
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::decide::{Classification, Finding, MAX_SURPRISE, MAX_TREND_SEGMENTS};
+    pub use crate::estimate::{Alone, Detached, Estimator, Pieces, RegressionSolve, RegressionSums, is_stable};
+    pub use crate::factor::{Mass, NEVER, PRIOR, Problem, Row, Solution, SolveError, Solved, Sums, Triangle};
+    pub use crate::regression::{Inputs, Rows};
+    pub use crate::sample::Gate;
+    pub use crate::shaft::{MIN_BLOCKS, Shaft, ShaftSolve, ShaftSums};
+}

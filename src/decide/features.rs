@@ -1,163 +1,151 @@
-//! Estimates → feature vector.
+//! Estimates → features.
 //!
-//! Enters: the parameters, their residual variance, and what the shaft says. Leaves: the chosen features, in order.
+//! Enters: the parameters of the regression with their residual variance, and the estimate of the shaft. Leaves: the chosen
+//! features, in order.
 //!
-//! | index | feature |
-//! |---|---|
-//! | k < n | δ-parameter k of n |
-//! | n | ln σ² of the regression's residual |
-//! | 128 + k | parameter k of the torque balance: J/Kt, B/Kt, Tc/Kt, 1/Kt, offset, drag ([`Friction`](crate::Friction)) |
-//! | 136 + k | its score: distance from nominal in standard deviations of this segment |
-//! | 144 | ln of the balance's residual variance |
-//! | 160 + k | cube root of the prominence of order k ([`OrderStrength`](crate::OrderStrength)) |
-//! | 192 + k | ln of the amplitude of order k, of at least 1e-6 |
-//!
-//! Raw parameters a, b, c, grey-box quantities and scores are affine combinations, done by the projection. The cube root makes a mean
-//! of squares nearly normal (Wilson and Hilferty 1931), which the discriminant and the gate count on.
+//! Raw parameters a, b, c and physical constants are affine combinations of these features; the projection forms them. The
+//! cube root of a mean of squares is nearly normal (Wilson and Hilferty 1931), as discriminant and gate assume.
 
-use crate::estimate::{Estimate, FRICTION_PARAMETERS, Reason, ShaftEstimate};
+use crate::estimate::Estimate;
+use crate::plan::{Layout, Plan};
+use crate::reason::{FrictionTerm, Reason};
+use crate::shaft::ShaftEstimate;
 
-/// First index of the shaft's features.
-pub const SHAFT_FEATURES: u8 = 128;
-const SCORES: u8 = 136;
-const BALANCE_VARIANCE: u8 = 144;
-const PROMINENCES: u8 = 160;
-const AMPLITUDES: u8 = 192;
-/// Orders that have an index.
-const MAX_ORDERS: u8 = 32;
-/// Amplitudes below this are zero to a drive.
+/// Smaller amplitudes count as this value, A.
 const LEAST_AMPLITUDE: f32 = 1e-6;
 
-/// Which features are used: at most `F`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A number of the estimates that a classifier uses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Features<const F: usize> {
-    /// Indices as in the table above.
-    pub index: [u8; F],
-    /// Features in use.
-    pub count: u8,
+pub enum Feature {
+    /// A δ-parameter of the regression, by its place.
+    Parameter(u8),
+    /// ln σ² of the regression's residual.
+    LogVariance,
+    /// A parameter of the torque balance.
+    Friction(FrictionTerm),
+    /// Its distance from nominal in its standard deviations.
+    FrictionScore(FrictionTerm),
+    /// ln of the residual variance of the torque balance.
+    LogFrictionVariance,
+    /// Cube root of the prominence of a bearing order, by its place.
+    OrderProminence(u8),
+    /// ln of the amplitude of a bearing order, of at least 1e-6.
+    LogOrderAmplitude(u8),
 }
 
-impl<const F: usize> Features<F> {
-    /// Picks the features; places not in use are zero.
+impl Feature {
+    /// The value of the feature.
     ///
     /// # Errors
-    /// Where a feature of the shaft is asked for that says nothing, its reason; [`Reason::TooFewRows`] where no shaft is watched.
-    pub fn extract<const M: usize, const P: usize, const K: usize>(
-        &self,
-        estimate: &Estimate<M, P>,
-        shaft: Option<&ShaftEstimate<K>>,
-    ) -> Result<[f32; F], Reason> {
-        let n = estimate.parameters();
-        let mut out = [0.0; F];
-        for (cell, &index) in out.iter_mut().zip(&self.index).take(self.count as usize) {
-            *cell = if index >= SHAFT_FEATURES {
-                // Known when compiling: what watches no shaft carries none of this.
-                if K == 0 {
-                    return Err(Reason::TooFewRows);
-                }
-                let shaft = shaft.ok_or(Reason::TooFewRows)?;
-                let reason = if index >= PROMINENCES { shaft.orders_reason } else { shaft.reason };
-                reason.map_or(Ok(()), Err)?;
-                of_shaft(shaft, index)
-            } else {
-                of_regression(&estimate.delta, estimate.variance, (n, index as usize))
-            };
+    /// The reason why the part that it belongs to has no result.
+    #[inline(never)]
+    pub fn value<P: Plan>(
+        self,
+        estimate: Option<&Estimate<P>>,
+        shaft: Option<&ShaftEstimate<P>>,
+    ) -> Result<f32, Reason> {
+        let order = |place: u8| {
+            let order = shaft.and_then(|shaft| shaft.orders().get(place as usize)).copied();
+            order.unwrap_or_default()
+        };
+        let reason = match self {
+            Self::Parameter(_) | Self::LogVariance => estimate.and_then(|estimate| estimate.reason),
+            Self::Friction(_) | Self::FrictionScore(_) | Self::LogFrictionVariance => {
+                shaft.and_then(|shaft| shaft.friction_reason)
+            }
+            Self::OrderProminence(_) | Self::LogOrderAmplitude(_) => shaft.and_then(|shaft| shaft.orders_reason),
+        };
+        if let Some(reason) = reason {
+            return Err(reason);
         }
-        Ok(out)
+        let term = |term| shaft.and_then(|shaft| shaft.friction.parameter(term)).unwrap_or_default();
+        let value = match self {
+            Self::Parameter(place) => estimate.and_then(|e| e.delta().get(place as usize)).copied().unwrap_or(0.0),
+            Self::LogVariance => ln(estimate.map_or(0.0, |estimate| estimate.variance)),
+            Self::Friction(name) => term(name).value,
+            Self::FrictionScore(name) => term(name).score,
+            Self::LogFrictionVariance => ln(shaft.map_or(0.0, |shaft| shaft.friction.variance)),
+            Self::OrderProminence(place) => libm::expf(ln(order(place).prominence) / 3.0),
+            Self::LogOrderAmplitude(place) => ln(order(place).amplitude.max(LEAST_AMPLITUDE)),
+        };
+        Ok(value)
+    }
+
+    /// Whether a layout has this feature.
+    #[must_use]
+    pub const fn exists(self, layout: &Layout) -> bool {
+        match (self, &layout.shaft) {
+            (Self::Parameter(place), _) => (place as usize) < layout.parameters(),
+            (Self::LogVariance, _) => layout.regression.is_some(),
+            (_, None) => false,
+            (Self::Friction(term) | Self::FrictionScore(term), Some(shaft)) => {
+                shaft.load.is_some() || !matches!(term, FrictionTerm::InverseTorqueConstant)
+            }
+            (Self::LogFrictionVariance, Some(_)) => true,
+            (Self::OrderProminence(place) | Self::LogOrderAmplitude(place), Some(shaft)) => place < shaft.orders,
+        }
     }
 }
 
-/// Feature `index` of `n` parameters and the variance. Not inlined, where it would be unrolled: flash is dear.
-#[inline(never)]
-fn of_regression(delta: &[f32], variance: f32, (n, index): (usize, usize)) -> f32 {
-    if index == n { ln(variance) } else { delta.get(index).copied().unwrap_or(0.0) }
-}
-
-fn of_shaft<const K: usize>(shaft: &ShaftEstimate<K>, index: u8) -> f32 {
-    let friction = &shaft.friction;
-    let order = |first: u8| shaft.orders.get((index - first) as usize).copied().unwrap_or_default();
-    let value = match index {
-        AMPLITUDES.. => return libm::logf(order(AMPLITUDES).amplitude.max(LEAST_AMPLITUDE)),
-        PROMINENCES.. => return libm::expf(ln(order(PROMINENCES).prominence) / 3.0),
-        BALANCE_VARIANCE.. => return ln(friction.variance),
-        SCORES.. => friction.scores.get((index - SCORES) as usize),
-        _ => friction.parameters.get((index - SHAFT_FEATURES) as usize),
-    };
-    value.copied().unwrap_or(0.0)
-}
-
-/// A perfect fit has no logarithm; the smallest normal number stands for it.
+/// A perfect fit has no logarithm; the smallest normal number replaces it.
 fn ln(x: f32) -> f32 {
     libm::logf(x.max(f32::MIN_POSITIVE))
-}
-
-/// Whether there is such a feature in a model of so many parameters, and so many orders where a shaft is watched.
-pub(crate) fn exists(index: u8, parameters: usize, orders: Option<u8>) -> bool {
-    let Some(orders) = orders.map(|orders| orders.min(MAX_ORDERS)) else {
-        return index as usize <= parameters && index < SHAFT_FEATURES;
-    };
-    let friction = |place: u8| (place as usize) < FRICTION_PARAMETERS;
-    match index {
-        ..SHAFT_FEATURES => index as usize <= parameters,
-        AMPLITUDES.. => index - AMPLITUDES < orders,
-        PROMINENCES.. => index - PROMINENCES < orders,
-        BALANCE_VARIANCE.. => index == BALANCE_VARIANCE,
-        SCORES.. => friction(index - SCORES),
-        SHAFT_FEATURES.. => friction(index - SHAFT_FEATURES),
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::{Counts, Friction, Order, OrderStrength};
+    use crate::plan::{Memory, Method, RunTime, ShaftLayout, Signal, Structure, testing};
+    use crate::shaft::{OrderStrength, Parameter};
+    use std::vec;
 
-    const ESTIMATE: Estimate<4, 6> = Estimate {
-        order: Order::new(1, 1, 1, 1, 1),
-        offset: false,
-        delta: [0.5, 2.0, 3.0, 0.0],
-        covariance: [0.0; 6],
-        variance: 1.0,
-        rows: 10,
-        counts: Counts { rejected: 0, saturated: 0, downweighted: 0, still: 0, stuck: [false; 3], refused: 0 },
-        stable: true,
-        segment: 0,
-    };
-
-    #[test]
-    fn picks_parameters_and_log_variance_in_any_order() {
-        let features = Features { index: [2, 3, 0, 0], count: 3 };
-        let none = None::<&ShaftEstimate<0>>;
-        assert_eq!(features.extract(&ESTIMATE, none), Ok([3.0, 0.0, 0.5, 0.0]));
-        let perfect = Estimate { variance: 0.0, ..ESTIMATE };
-        assert!(features.extract(&perfect, none).unwrap()[1].is_finite());
+    fn plan() -> RunTime {
+        let plain = testing::regression(Structure::new(1, 1, 1, 1, 1), Method::LeastSquares, Memory::Segment).layout();
+        let signal = Signal::channel;
+        let shaft = ShaftLayout {
+            current: signal(0),
+            velocity: signal(1),
+            reference: signal(1),
+            load: None,
+            orders: 2,
+            harmonics: 3,
+        };
+        RunTime::of(Layout { shaft: Some(shaft), ..plain }).unwrap()
     }
 
     #[test]
-    fn picks_what_the_shaft_says_or_gives_its_reason() {
-        let features = Features { index: [129, 138, 144, 161, 193], count: 5 };
-        assert_eq!(features.extract(&ESTIMATE, None::<&ShaftEstimate<2>>), Err(Reason::TooFewRows));
-        let silent = ShaftEstimate::<2>::empty(Reason::WeakInstruments);
-        assert_eq!(features.extract(&ESTIMATE, Some(&silent)), Err(Reason::WeakInstruments));
-        let shaft = ShaftEstimate {
-            friction: Friction {
-                parameters: [1.0, 2.0, 3.0, 4.0, 5.0, 0.0],
-                scores: [6.0, 7.0, 8.0, 9.0, 10.0, 0.0],
-                variance: 1.0,
-                ..Friction::default()
-            },
-            orders: [OrderStrength::default(), OrderStrength { prominence: 27.0, amplitude: 0.0 }],
-            reason: None,
-            orders_reason: None,
-            ..silent
-        };
-        let [viscous, coulomb, variance, prominence, amplitude] = features.extract(&ESTIMATE, Some(&shaft)).unwrap();
-        assert_eq!((viscous, coulomb, variance), (2.0, 8.0, 0.0));
-        // A logarithm and an exponential near three, and the floor of the amplitude.
-        assert!((prominence - 3.0).abs() < 1e-6 && (amplitude - (-13.815_511)).abs() < 1e-5);
-        assert!([0, 3, 128, 133, 136, 141, 144, 160, 161, 192].iter().all(|&k| exists(k, 3, Some(2))));
-        assert!([4, 127, 134, 142, 145, 162, 194, 255].iter().all(|&k| !exists(k, 3, Some(2))));
-        assert!(!exists(128, 3, None) && exists(3, 3, None) && !exists(130, 200, None));
+    fn parameters_and_variance_of_the_regression() {
+        let mut estimate = Estimate::empty(plan());
+        assert_eq!(Feature::Parameter(0).value(Some(&estimate), None), Err(estimate.reason.unwrap()));
+        (estimate.delta, estimate.variance, estimate.reason) = (vec![0.5, 2.0, 3.0], 0.0, None);
+        assert_eq!(Feature::Parameter(2).value(Some(&estimate), None), Ok(3.0));
+        assert!(Feature::LogVariance.value(Some(&estimate), None).unwrap().is_finite());
+    }
+
+    #[test]
+    fn the_shaft_or_its_reason() {
+        let mut shaft = ShaftEstimate::empty(plan());
+        shaft.friction_reason = Some(Reason::TermNotExcited(FrictionTerm::Inertia));
+        let value = |feature: Feature, shaft: &ShaftEstimate<RunTime>| feature.value(None, Some(shaft));
+        let drag = Feature::FrictionScore(FrictionTerm::Drag);
+        assert_eq!(value(drag, &shaft), Err(Reason::TermNotExcited(FrictionTerm::Inertia)));
+        (shaft.friction_reason, shaft.orders_reason) = (None, None);
+        shaft.friction.drag = Parameter { value: 1.0, deviation: 0.5, score: 8.0 };
+        shaft.orders = vec![OrderStrength::default(), OrderStrength { prominence: 27.0, amplitude: 0.0 }];
+        assert_eq!(value(drag, &shaft), Ok(8.0));
+        // A logarithm and an exponential near three, and the least amplitude.
+        assert!((value(Feature::OrderProminence(1), &shaft).unwrap() - 3.0).abs() < 1e-6);
+        assert!((value(Feature::LogOrderAmplitude(1), &shaft).unwrap() + 13.815_511).abs() < 1e-5);
+    }
+
+    #[test]
+    fn only_what_the_layout_estimates_exists() {
+        let layout = plan().layout();
+        assert!(Feature::Parameter(2).exists(&layout) && !Feature::Parameter(3).exists(&layout));
+        assert!(Feature::OrderProminence(1).exists(&layout) && !Feature::OrderProminence(2).exists(&layout));
+        assert!(!Feature::Friction(FrictionTerm::InverseTorqueConstant).exists(&layout), "no load is measured");
+        let without = Layout { shaft: None, ..layout };
+        assert!(Feature::LogVariance.exists(&without) && !Feature::LogFrictionVariance.exists(&without));
     }
 }

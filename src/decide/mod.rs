@@ -1,87 +1,177 @@
-//! Third wing: [`Estimate`] → [`Decision`].
+//! Estimates → [`Decision`], and decisions of many segments → alarm.
 //!
-//! [`Classifier`] holds the trained constants of the wing: which features, their projection, the discriminant, and how
-//! far from healthy is novel. [`Evidence`] gathers the decisions of many segments into an alarm.
+//! Features → projection → discriminant and novelty, once a segment; [`Evidence`] collects decisions.
 
-pub mod discriminant;
-pub mod evidence;
-pub mod features;
-pub mod novelty;
-pub mod projection;
-pub mod trend;
+mod discriminant;
+mod evidence;
+mod features;
+mod novelty;
+mod projection;
+mod trend;
 
-pub use discriminant::{Decision, Discriminant, Kind};
-pub use evidence::{Alarm, Cause, Evidence, EvidencePlan};
-pub use features::{Features, SHAFT_FEATURES};
-pub use novelty::Novelty;
+pub use discriminant::{Decision, Discriminant};
+pub use evidence::{Alarm, Cause, Evidence, EvidenceConstants};
+pub use features::Feature;
+pub use novelty::{KNOTS, MAX_SURPRISE, Novelty};
 pub use projection::Projection;
-pub use trend::Trend;
+pub use trend::{MAX_TREND_SEGMENTS, Trend};
 
-use crate::estimate::{Estimate, Reason, ShaftEstimate};
+use crate::estimate::Estimate;
+use crate::plan::{Array, Cells, Plan};
+use crate::reason::{Part, Reason};
+use crate::shaft::ShaftEstimate;
 
-/// Trained constants from estimate to decision: `F` features, `Z` projected coordinates, `C` classes, all
-/// capacities.
-///
-/// Places beyond those in use hold neutral values (zero rows, zero weights, a likelihood of zero), so that a wider
-/// capacity gives the same bits.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The trained constants of the classifier.
+#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Classifier<const F: usize, const Z: usize, const C: usize> {
-    /// Which numbers of the estimate are used.
-    pub features: Features<F>,
-    /// Their affine map to `Z` coordinates.
-    pub projection: Projection<F, Z>,
+pub struct Classifier<P: Plan> {
+    /// The features.
+    pub features: Array<P::Features, Feature>,
+    /// Their affine map to coordinates.
+    pub projection: Projection<P>,
     /// Class densities, priors and costs.
-    pub discriminant: Discriminant<Z, C>,
-    /// The healthy class by itself.
-    pub novelty: Novelty<Z>,
+    pub discriminant: Discriminant<P>,
+    /// The distribution of the healthy class.
+    pub novelty: Novelty<P>,
 }
 
-/// What a decision comes to.
+/// What a decision means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Finding {
     /// The class of least expected cost.
     Class(u8),
-    /// Healthy is the cheapest name, but too far from healthy to be called so.
+    /// Healthy has the least expected cost, but the segment is too far from the healthy class.
     Novel,
-    /// Even the cheapest name is too likely wrong.
+    /// The least expected cost exceeds the cost of no decision.
     Ambiguous,
 }
 
-impl<const F: usize, const Z: usize, const C: usize> Classifier<F, Z, C> {
-    /// Classifies one estimate, with that of the shaft where features of it are asked for.
-    ///
-    /// # Errors
-    /// [`Reason::NotFinite`] where a likelihood is not a number; where the shaft's estimate says nothing but is asked for, its
-    /// reason, and [`Reason::TooFewRows`] where there is none.
-    pub fn classify<const M: usize, const P: usize, const K: usize>(
-        &self,
-        estimate: &Estimate<M, P>,
-        shaft: Option<&ShaftEstimate<K>>,
-    ) -> Result<Decision<C>, Reason> {
-        let z = self.projection.project(&self.features.extract(estimate, shaft)?);
-        self.decide(&z).ok_or(Reason::NotFinite)
+impl<P: Plan> Classifier<P> {
+    /// Decides from log-likelihoods and a surprise, for instance of several segments together; `None` if no likelihood is
+    /// finite.
+    #[must_use]
+    pub fn decide(&self, plan: P, log_likelihoods: &[f32], surprise: f32) -> Option<Decision<P>> {
+        let mut decision = Decision::empty(plan);
+        decision.surprise = surprise;
+        self.discriminant.decide(log_likelihoods, &mut decision).then_some(decision)
     }
 
-    /// Decides at projected coordinates; nothing where no likelihood is finite.
+    /// Decides at projected coordinates; `None` if no likelihood is finite.
     #[must_use]
-    pub fn decide(&self, z: &[f32; Z]) -> Option<Decision<C>> {
-        let mut decision = self.discriminant.decide(z)?;
-        (decision.distance, decision.surprise) = self.novelty.judge(z);
+    pub fn decide_at(&self, plan: P, coordinates: &[f32]) -> Option<Decision<P>> {
+        let layout = plan.layout();
+        let classes = layout.classes as usize;
+        let likelihood = |class| self.discriminant.log_likelihood(layout.discriminant, coordinates, class);
+        let likelihoods = Array::<P::Classes, f32>::from_fn(classes, likelihood);
+        let mut decision = self.decide(plan, likelihoods.cells(), 0.0)?;
+        (decision.distance, decision.surprise) = self.novelty.judge(coordinates);
         Some(decision)
     }
 
-    /// Holds a decision against the limits. An unknown or smaller defect is not called healthy; that comes before
-    /// ambiguity, so that the false-alarm rate is the set one.
+    /// Compares a decision with the limits. Novelty is checked before ambiguity, so that the false-alarm rate is the set
+    /// rate.
     #[must_use]
-    pub fn finding(&self, decision: &Decision<C>) -> Finding {
-        if decision.class == self.novelty.class && decision.surprise >= self.novelty.limit {
+    pub fn finding(&self, decision: &Decision<P>) -> Finding {
+        if Some(decision.class) == self.novelty.class && decision.surprise >= self.novelty.limit {
             Finding::Novel
         } else if decision.least_cost() > self.discriminant.reject_cost {
             Finding::Ambiguous
         } else {
             Finding::Class(decision.class)
         }
+    }
+}
+
+/// What the next step of a classification does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+enum Stage {
+    /// Feature k.
+    Features,
+    /// Coordinate k.
+    Coordinates,
+    /// Log-likelihood of class k.
+    Likelihoods,
+    /// Posteriors and class.
+    Posteriors,
+    /// Distance and surprise.
+    Novelty,
+}
+
+/// A classification under way, in steps of at most F or Z² multiply-adds.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Classification<P: Plan> {
+    features: Array<P::Features, f32>,
+    coordinates: Array<P::Coordinates, f32>,
+    likelihoods: Array<P::Classes, f32>,
+    stage: Stage,
+    k: usize,
+}
+
+impl<P: Plan> Classification<P> {
+    /// Nothing classified yet.
+    #[must_use]
+    pub fn new(plan: P) -> Self {
+        let layout = plan.layout();
+        Self {
+            features: Cells::filled(layout.features as usize, 0.0),
+            coordinates: Cells::filled(layout.coordinates as usize, 0.0),
+            likelihoods: Cells::filled(layout.classes as usize, 0.0),
+            stage: Stage::Features,
+            k: 0,
+        }
+    }
+
+    /// Does the next step; the result once it is there.
+    #[inline(never)]
+    pub fn step(
+        &mut self,
+        plan: P,
+        classifier: &Classifier<P>,
+        (estimate, shaft): (Option<&Estimate<P>>, Option<&ShaftEstimate<P>>),
+        decision: &mut Decision<P>,
+    ) -> Option<Result<(), Reason>> {
+        let k = self.k;
+        match self.stage {
+            Stage::Features => {
+                let (Some(cell), Some(feature)) =
+                    (self.features.cells_mut().get_mut(k), classifier.features.cells().get(k))
+                else {
+                    return self.then(Stage::Coordinates);
+                };
+                match feature.value(estimate, shaft) {
+                    Ok(value) => *cell = value,
+                    Err(reason) => return Some(Err(reason)),
+                }
+            }
+            Stage::Coordinates => {
+                let Some(cell) = self.coordinates.cells_mut().get_mut(k) else { return self.then(Stage::Likelihoods) };
+                *cell = classifier.projection.coordinate(self.features.cells(), k);
+            }
+            Stage::Likelihoods => {
+                let Some(cell) = self.likelihoods.cells_mut().get_mut(k) else { return self.then(Stage::Posteriors) };
+                let kind = plan.layout().discriminant;
+                *cell = classifier.discriminant.log_likelihood(kind, self.coordinates.cells(), k);
+            }
+            Stage::Posteriors => {
+                if !classifier.discriminant.decide(self.likelihoods.cells(), decision) {
+                    return Some(Err(Reason::NotFinite(Part::Classifier)));
+                }
+                return self.then(Stage::Novelty);
+            }
+            Stage::Novelty => {
+                (decision.distance, decision.surprise) = classifier.novelty.judge(self.coordinates.cells());
+                return Some(Ok(()));
+            }
+        }
+        self.k = k.saturating_add(1);
+        None
+    }
+
+    fn then<T>(&mut self, stage: Stage) -> Option<T> {
+        (self.stage, self.k) = (stage, 0);
+        None
     }
 }

@@ -6,63 +6,61 @@
 //! z = W (f − m)                                                          (1)  thesis §2.5
 //! ```
 //!
-//! m is the training mean, W whatever the workbench chose: principal components, Fisher's directions, or the
-//! identity. The mean is subtracted first, so that nothing cancels in the sums. Cost: Z·F multiply-adds.
+//! m is the training mean; W contains principal components, Fisher's directions, or the identity, as the workbench chose.
+//! The mean is subtracted first, so that no digits cancel in the sums. Cost: Z·F multiply-adds.
 
-use nalgebra::{SMatrix, SVector};
+use crate::plan::{Array, Cells, Plan};
 
-/// The map (1). Rows and columns beyond those in use are zero.
-///
-/// ```
-/// use bearing_watch::decide::Projection;
-/// let sum = Projection { matrix: [[1.0, 1.0]], mean: [1.0, 0.0], count: 1 };
-/// assert_eq!(sum.project(&[3.0, 4.0]), [6.0]);
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The map (1).
+#[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Projection<const F: usize, const Z: usize> {
-    /// W, one row a coordinate.
-    pub matrix: [[f32; F]; Z],
+pub struct Projection<P: Plan> {
+    /// W, one row of F a coordinate.
+    pub matrix: Array<P::Map, f32>,
     /// m, the training mean.
-    pub mean: [f32; F],
-    /// Coordinates in use.
-    pub count: u8,
+    pub mean: Array<P::Features, f32>,
 }
 
-impl<const F: usize, const Z: usize> Projection<F, Z> {
-    /// Applies (1).
-    #[inline]
+impl<P: Plan> Projection<P> {
+    /// Coordinate `k` of (1).
+    #[inline(never)]
     #[must_use]
-    pub fn project(&self, features: &[f32; F]) -> [f32; Z] {
-        let mut centred = *features;
-        for (x, mean) in centred.iter_mut().zip(&self.mean) {
-            *x -= mean;
-        }
-        let mut z = [0.0; Z];
-        for (z, row) in z.iter_mut().zip(&self.matrix) {
-            *z = row.iter().zip(&centred).fold(0.0, |sum, (w, x)| sum + w * x); // (1)
-        }
-        z
+    pub fn coordinate(&self, features: &[f32], k: usize) -> f32 {
+        let row = self.matrix.cells().get(k.wrapping_mul(features.len())..).unwrap_or(&[]);
+        let centred = features.iter().zip(self.mean.cells()).map(|(f, mean)| f - mean);
+        row.iter().zip(centred).fold(0.0, |sum, (w, x)| sum + w * x) // (1)
     }
 
-    /// W and m as matrices.
+    /// W and m as matrices; `None` if `Z` and `F` are not the numbers of coordinates and features.
+    #[cfg(feature = "nalgebra")]
     #[must_use]
-    pub fn to_matrices(&self) -> (SMatrix<f32, Z, F>, SVector<f32, F>) {
-        let w = SMatrix::from_fn(|i, j| self.matrix.get(i).and_then(|row| row.get(j)).copied().unwrap_or(0.0));
-        (w, SVector::from(self.mean))
+    pub fn to_matrices<const Z: usize, const F: usize>(
+        &self,
+    ) -> Option<(nalgebra::SMatrix<f32, Z, F>, nalgebra::SVector<f32, F>)> {
+        let (matrix, mean) = (self.matrix.cells(), self.mean.cells());
+        let fits = mean.len() == F && matrix.len() == Z.wrapping_mul(F);
+        fits.then(|| (nalgebra::SMatrix::from_row_iterator(matrix.iter().copied()), nalgebra::SVector::from_row_slice(mean)))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plan::RunTime;
+    use std::vec;
 
     #[test]
-    fn agrees_with_the_matrix_form() {
-        let p = Projection { matrix: [[1.0, -2.0, 0.5], [0.0, 4.0, 1.0]], mean: [1.0, 2.0, 3.0], count: 2 };
-        let (w, m) = p.to_matrices();
-        let f = SVector::from([0.5, -1.0, 8.0]);
-        // Small dyadic numbers: every operation is exact.
-        assert_eq!(SVector::from(p.project(&f.into())), w * (f - m));
+    fn two_coordinates_by_hand() {
+        let projection =
+            Projection::<RunTime> { matrix: vec![1.0, -2.0, 0.5, 0.0, 4.0, 1.0], mean: vec![1.0, 2.0, 3.0] };
+        // f − m = (−0.5, −3, 5): dyadic numbers, so every operation is exact.
+        let features = [0.5, -1.0, 8.0];
+        assert_eq!([0, 1].map(|k| projection.coordinate(&features, k)), [-0.5 + 6.0 + 2.5, -12.0 + 5.0]);
+        #[cfg(feature = "nalgebra")]
+        {
+            let (w, m) = projection.to_matrices::<2, 3>().unwrap();
+            assert_eq!(w * (nalgebra::SVector::from(features) - m), nalgebra::SVector::from([8.0, -7.0]));
+            assert_eq!(projection.to_matrices::<3, 2>(), None);
+        }
     }
 }

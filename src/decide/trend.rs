@@ -9,18 +9,19 @@
 //! interval b ± t₀.₉₇₅(n−2) se                                            (4)
 //! ```
 //!
-//! Centred sums (Welford 1962): nothing cancels however far the distances lie from zero. (1) is closed because only
-//! decided segments count. Up to 10⁶ segments each still moves the sums of `f32` by many roundings; there the
-//! trend stands still. The interval is that of independent segments with equal spread about a straight line.
+//! Centred sums (Welford 1962) lose no digits by cancellation, however large the mean distance. (1) has a closed form
+//! because only decided segments count. Beyond 10⁶ segments a segment would change the sums of `f32` by a few roundings
+//! only; from there on the trend stays constant. The interval assumes independent segments of equal spread about a straight
+//! line.
 
-/// Segments the sums in `f32` are good for.
+/// Number of segments for which sums in `f32` are accurate.
 pub const MAX_TREND_SEGMENTS: u32 = 1_000_000;
 
-/// Slope of the distance over the decided segments. A slope whose `low` is above zero is wear, at 97.5 %.
+/// Slope of the distance over the decided segments. If `low` is above zero, the distance grows (97.5 % confidence).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Trend {
-    /// Segments it rests on.
+    /// Number of segments.
     pub segments: u32,
     /// Mean distance.
     pub mean: f32,
@@ -49,14 +50,14 @@ pub(super) struct Drift {
 impl Drift {
     pub(super) const NONE: Self = Self { count: 0, mean: 0.0, joint: 0.0, spread: 0.0 };
 
-    /// Takes a distance; what is not finite is left out.
+    /// Takes a distance; a value that is not finite is left out.
     pub(super) fn add(&mut self, distance: f32) {
         if !distance.is_finite() || self.count >= MAX_TREND_SEGMENTS {
             return;
         }
         let before = distance - self.mean;
         let from_mid = 0.5 * self.count as f32; // t − t̄ = (n−1)/2 with n the new count
-        self.count += 1;
+        self.count = self.count.saturating_add(1);
         self.mean += before / self.count as f32;
         self.joint += from_mid * before; // (2)
         self.spread += before * (distance - self.mean);
@@ -108,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn four_are_needed_and_nonsense_is_left_out() {
+    fn four_are_needed_and_nan_is_left_out() {
         let mut drift = Drift::NONE;
         for distance in [1.0, f32::NAN, 2.0, f32::INFINITY, 3.0] {
             drift.add(distance);

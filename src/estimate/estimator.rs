@@ -1,406 +1,265 @@
-//! Samples → one [`Estimate`] a segment.
+//! Accepted samples → one [`Estimate`] a segment.
 //!
-//! Enters: (y, u1, u2) a sample at a time. Leaves: δ-parameters θ, their covariance, the residual variance.
+//! Enters: y, u1, u2 a sample at a time. Leaves: δ-parameters θ, their covariance, the residual variance.
 //!
 //! ```text
-//! sample ─► gate ─► rows: Regressor or Instruments ─► accumulator: Triangle, TwoLevel or Fading
-//!                      ▲ auxiliary model, reference              │ segment closed
-//!                      └───────────── Estimate ◄───── solve ◄────┘ at once, or from a copy elsewhere
+//! sample ─► rows: least squares or instruments ─► sums: a segment or fading memory
+//!              ▲ auxiliary model                      │ segment closed
+//!              └───────────── Estimate ◄──── solve ◄──┘
 //!
 //! least squares   θ = (XᵀX)⁻¹ Xᵀ Y,   cov θ = σ² (XᵀX)⁻¹                         (1)  thesis Eq. 2.17–2.19
 //! instruments     θ = (ZᵀX)⁻¹ Zᵀ Y,   cov θ = σ² (ZᵀX)⁻¹ ZᵀZ (XᵀZ)⁻¹             (2)
 //! ```
 //!
-//! The parameters are those of the δ-form: the raw a₁ ≈ −1.9 of a slow pole would hide what tells a fault in its last
-//! digits. [`Estimate::raw`] gives a, b, c.
+//! The parameters are those of the δ-form: the raw a₁ ≈ −1.9 of a slow pole would hide the effect of a fault in its last
+//! digits. [`Estimate::raw`] converts to a, b, c.
 //!
-//! Cost: one row and one triangle update a sample; the solve once a segment. [`Estimator::close`] solves on the spot.
-//! [`Estimator::detach`] instead hands out a copy of the sums, for a [`Solver`] in another thread or spread over
-//! samples; [`Estimator::adopt`] brings its estimate back. Both give the same bits if the estimate is back before
+//! Cost: one row and one update of the factor a sample. [`RegressionSums`] is a copy of a segment's sums that is solved
+//! in steps, at once or in another thread. Both ways give the same bits if the estimate is back before
 //! [`Regression::handover`].
 
-use super::accumulator::Accumulator;
-use super::gate::Gate;
-use super::rows::{AnyShape, Rows, Shape};
-use super::solve::{Head, Solution, empty};
-use super::{Counts, Estimate, Reason, Regression, Regressor, Triangle};
-use crate::detector::Sample;
+use super::{Estimate, is_stable};
+use crate::factor::{Problem, Solution, SolveError, Solved, Sums, longest};
+use crate::plan::{Array, Cells, Memory, Plan, RegressionLayout};
+use crate::reason::{Part, Reason};
+use crate::regression::{Frame, Inputs, Regression, Rows};
 
-/// Running state of an estimate. Capacities: `M` columns, `P` = M(M−1)/2, `L` delays. `R` makes the rows, `A` sums them.
-///
-/// Not `Copy`, so that no step goes to a copy by accident.
+/// Running state of the regression.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Estimator<'m, const M: usize, const P: usize, const L: usize, R = Regressor<M, L>, A = Triangle<M, P>> {
-    regression: &'m Regression<M>,
-    gate: Gate,
-    source: R,
-    sums: A,
-    rows: u32,
+pub struct Estimator<P: Plan> {
+    rows: Rows<P>,
+    sums: Sums<P>,
+    /// Rows of the open segment.
+    count: u32,
     /// Sum of the rows' motion.
     motion: f32,
+    /// Rows of less weight, and rows that fading memory ignored.
+    downweighted: u32,
+    resting: u32,
+    /// Number of the open segment, wrapping.
+    segment: u8,
 }
 
-impl<'m, const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumulator<M, P>>
-    Estimator<'m, M, P, L, R, A>
-{
-    /// An empty segment of the given regression. One that does not fit ([`Estimator::fits`]) never gives a row.
+/// The sums of a closed segment, separate from the estimator, and the solve under way.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RegressionSums<P: Plan> {
+    sums: Sums<P>,
+    frame: Frame<P>,
+    /// Rows of the segment.
+    pub count: u32,
+    at_rest: bool,
+    segment: u8,
+}
+
+/// The solve of a closed segment under way.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RegressionSolve<P: Plan> {
+    merged: usize,
+    solution: Solution,
+    work: Array<P::Parameters, f32>,
+}
+
+impl<P: Plan> Estimator<P> {
+    /// An empty segment.
     #[must_use]
-    pub fn new(regression: &'m Regression<M>) -> Self {
+    pub fn new(plan: P, constants: &Regression<P>) -> Self {
         Self {
-            regression,
-            gate: Gate::new(Self::fits(regression)),
-            source: R::new(regression),
-            sums: A::new(regression.columns()),
-            rows: 0,
+            rows: Rows::new(plan, constants),
+            sums: Sums::new(plan),
+            count: 0,
             motion: 0.0,
+            downweighted: 0,
+            resting: 0,
+            segment: 0,
         }
     }
 
-    /// Whether rows and sums of this type are what the regression asks for, within their capacities.
-    #[must_use]
-    pub fn fits(regression: &Regression<M>) -> bool {
-        R::fits(regression) && A::fits(regression)
-    }
-
-    /// Takes one sample at the identification rate. One that the gate refuses is counted and flushes the lags. After
-    /// [`Accumulator::LONGEST`] rows nothing is added until the next segment, since sums that do not fade need a bound.
-    #[inline]
-    pub fn step(&mut self, sample: &Sample) {
-        if self.admit(sample) {
-            self.take(sample);
-        } else {
-            self.skip();
-        }
-    }
-
-    /// The gate alone: whether the sample may be used, counted where not. For means, every sample of the block passes
-    /// here before the mean goes to [`Estimator::take`].
-    #[inline]
-    pub fn admit(&mut self, sample: &Sample) -> bool {
-        self.gate.admits(&self.regression.guard, sample)
-    }
-
-    /// Takes a sample that has passed the gate.
-    #[inline]
-    pub fn take(&mut self, sample: &Sample) {
-        let Some(row) = self.source.push(self.regression, sample) else { return };
-        if !self.gate.open || (self.rows >= A::LONGEST && !A::FADES) {
+    /// Takes an accepted sample; `y_limit` is the largest plausible output. Once the segment has as many rows as its memory
+    /// allows, nothing is added until the next segment.
+    #[inline(always)]
+    pub fn take(&mut self, plan: P, constants: &Regression<P>, inputs: Inputs, y_limit: f32) {
+        let Some(RegressionLayout { memory, .. }) = plan.layout().regression else { return };
+        let Some(row) = self.rows.push(plan, constants, inputs, y_limit) else { return };
+        if self.count >= longest(memory) && memory != Memory::Fading {
             return;
         }
         if row.weight < 1.0 {
-            self.gate.counts.downweighted = self.gate.counts.downweighted.saturating_add(1);
+            self.downweighted = self.downweighted.saturating_add(1);
         }
-        if self.sums.add(self.regression, &row) {
-            self.rows = self.rows.saturating_add(1);
+        if self.sums.add(memory, &row, constants.forgetting, constants.rest) {
+            self.count = self.count.saturating_add(1);
             self.motion += row.motion;
         } else {
-            self.gate.counts.still = self.gate.counts.still.saturating_add(1);
+            self.resting = self.resting.saturating_add(1);
         }
     }
 
     /// Stands in for a sample that is missing or was refused: the lags start anew.
-    pub fn skip(&mut self) {
-        self.source.flush(self.regression);
+    #[cold]
+    #[inline(never)]
+    pub fn skip(&mut self, plan: P) {
+        self.rows.flush(plan);
+    }
+
+    /// Rows of less weight, rows that fading memory ignored, and segments in a row without a new auxiliary model.
+    #[must_use]
+    pub fn counts(&self) -> (u32, u32, u8) {
+        (self.downweighted, self.resting, self.rows.refused())
     }
 
     /// Rows of the open segment.
     #[must_use]
     pub const fn rows(&self) -> u32 {
-        self.rows
+        self.count
     }
 
-    /// What the open segment was denied.
+    /// A copy of the sums of the open segment; below the motion `rest` the inputs count as at rest.
+    #[inline(always)]
     #[must_use]
-    pub fn counts(&self) -> Counts {
-        Counts { refused: self.source.refused(), ..self.gate.counts }
-    }
-
-    /// The estimate from the rows so far, leaving the segment open.
-    ///
-    /// # Errors
-    /// A [`Reason`] where the rows are too few or do not excite a parameter, a sensor was stuck, or the result does
-    /// not serve.
-    pub fn estimate(&self) -> Result<Estimate<M, P>, Reason> {
-        let mut estimate = self.empty_estimate();
-        self.estimate_into(&mut estimate).map(|()| estimate)
-    }
-
-    /// [`Estimator::estimate`] where it is to stay, so that it takes no stack on its way.
-    pub(crate) fn estimate_into(&self, estimate: &mut Estimate<M, P>) -> Result<(), Reason> {
-        let (regression, head) = (self.regression, self.head());
-        *estimate = empty(regression, &head);
-        let solve = |sums: &_| Solution::new().finish::<R::Shape, M, P>((regression, &head), sums, estimate);
-        let result = self.sums.total(solve);
-        if result.is_err() {
-            *estimate = self.empty_estimate();
-        }
-        result
-    }
-
-    /// An estimate that says nothing but how many rows and rejections there were.
-    #[must_use]
-    pub fn empty_estimate(&self) -> Estimate<M, P> {
-        let form = (self.regression.order, self.regression.offset);
-        Estimate { segment: self.gate.segment, ..Estimate::empty(form.0, form.1, self.rows, self.counts()) }
-    }
-
-    /// Where the rows come from.
-    #[cfg(test)]
-    pub(super) const fn source(&self) -> &R {
-        &self.source
-    }
-
-    fn head(&self) -> Head<M> {
-        let still = self.gate.counts.still;
-        let at_rest = if A::FADES { still > self.rows } else { self.motion < self.regression.still * self.rows as f32 };
-        Head {
-            mass: self.sums.mass(self.regression, self.rows),
-            origin: self.source.origin(),
-            base: self.source.base(self.regression),
-            gain: self.source.gain(),
-            counts: self.counts(),
+    pub fn sums(&self, plan: P, rest: f32) -> RegressionSums<P> {
+        let memory = plan.layout().regression.map_or(Memory::Segment, |regression| regression.memory);
+        let at_rest = match memory {
+            Memory::Fading => self.resting > self.count,
+            Memory::Segment | Memory::LongSegment => self.motion < rest * self.count as f32,
+        };
+        RegressionSums {
+            sums: self.sums.clone(),
+            frame: self.rows.frame(plan),
+            count: self.count,
             at_rest,
-            segment: self.gate.segment,
+            segment: self.segment,
         }
     }
 
-    /// Closes the segment: its estimate, which takes over as auxiliary model and reference at the handover. The lags
-    /// stay.
-    ///
-    /// # Errors
-    /// As [`Estimator::estimate`]; the auxiliary model then stays, and after three such segments the nominal one
-    /// returns.
-    pub fn close(&mut self) -> Result<Estimate<M, P>, Reason> {
-        let mut estimate = self.empty_estimate();
-        self.close_into(&mut estimate).map(|()| estimate)
+    /// Offers an estimate of the segment that was closed last as auxiliary model, to take over at the handover. Returns
+    /// `false`, and does nothing, if that is past, if it is the estimate of another segment, or if its model is not stable.
+    pub fn adopt(&mut self, plan: P, constants: &Regression<P>, estimate: &Estimate<P>) -> bool {
+        let own = estimate.segment.wrapping_add(1) == self.segment && self.rows.awaits();
+        own && self.offer(plan, constants, estimate)
     }
 
-    /// [`Estimator::close`], as [`Estimator::estimate_into`].
-    pub(crate) fn close_into(&mut self, estimate: &mut Estimate<M, P>) -> Result<(), Reason> {
-        let result = self.estimate_into(estimate);
-        if result.is_ok() && estimate.stable {
-            self.source.adopt(self.regression, estimate);
+    /// Offers the estimate of the open segment, before it is closed.
+    pub fn offer(&mut self, plan: P, constants: &Regression<P>, estimate: &Estimate<P>) -> bool {
+        let good = estimate.reason.is_none() && estimate.stable;
+        if good {
+            self.rows.offer(plan, constants, estimate.delta(), libm::sqrtf(estimate.variance));
         }
-        self.next_segment();
-        result
+        good
     }
 
-    /// Closes the segment without solving it, in time that does not depend on the data: hands out what a [`Solver`]
-    /// needs. Bring its estimate back by [`Estimator::adopt`].
-    // Out of line, so that the usual sample has no room for it on the stack.
-    #[inline(never)]
-    pub fn detach(&mut self) -> Segment<M, P, R::Shape> {
-        let (head, sums) = (self.head(), self.sums.total(Triangle::clone));
-        let segment = Segment { head, sums, rows: self.rows, shape: core::marker::PhantomData };
-        self.next_segment();
-        segment
-    }
-
-    /// Lets the estimate of the segment that was detached last take over at the handover; `false`, and nothing done, if
-    /// that is past, if it is the estimate of another segment, or if its model is not stable.
-    pub fn adopt(&mut self, estimate: &Estimate<M, P>) -> bool {
-        let own = estimate.stable && estimate.segment.wrapping_add(1) == self.gate.segment;
-        let in_time = own && self.source.awaits();
-        if in_time {
-            self.source.adopt(self.regression, estimate);
-        }
-        in_time
-    }
-
-    fn next_segment(&mut self) {
-        self.sums.next_segment();
-        self.source.next_segment(self.regression);
-        self.gate.next_segment();
-        (self.rows, self.motion) = (0, 0.0);
-    }
-
-    /// Starts afresh, for a stream that does not go on from the last sample: lags, sums and auxiliary model.
-    pub fn restart(&mut self) {
-        *self = Self::new(self.regression);
-    }
-}
-
-/// A closed segment's sums, apart from the estimator that goes on.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Segment<const M: usize, const P: usize, S = AnyShape> {
-    head: Head<M>,
-    sums: Triangle<M, P>,
-    rows: u32,
-    shape: core::marker::PhantomData<S>,
-}
-
-impl<const M: usize, const P: usize, S: Shape> Segment<M, P, S> {
-    /// Rows of the segment.
-    #[must_use]
-    pub const fn rows(&self) -> u32 {
-        self.rows
-    }
-
-    /// What the segment was denied.
-    #[must_use]
-    pub const fn counts(&self) -> Counts {
-        self.head.counts
-    }
-
-    /// All of the solve, where the estimate is to stay.
-    pub(crate) fn solve_into(&self, regression: &Regression<M>, estimate: &mut Estimate<M, P>) -> Result<(), Reason> {
-        *estimate = empty(regression, &self.head);
-        let result = Solution::new().finish::<S, M, P>((regression, &self.head), &self.sums, estimate);
-        if result.is_err() {
-            *estimate = Estimate::empty(regression.order, regression.offset, self.rows, self.counts());
-        }
-        result
-    }
-}
-
-/// The solve of a detached segment, a bounded piece a call.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Solver<'m, const M: usize, const P: usize, S = AnyShape> {
-    regression: &'m Regression<M>,
-    segment: Segment<M, P, S>,
-    solution: Solution,
-    estimate: Estimate<M, P>,
-}
-
-impl<'m, const M: usize, const P: usize, S: Shape> Solver<'m, M, P, S> {
-    /// Nothing solved yet.
-    #[must_use]
-    pub fn new(regression: &'m Regression<M>, segment: Segment<M, P, S>) -> Self {
-        let estimate = empty(regression, &segment.head);
-        Self { regression, segment, solution: Solution::new(), estimate }
-    }
-
-    /// The segment under way.
-    #[must_use]
-    pub const fn segment(&self) -> &Segment<M, P, S> {
-        &self.segment
-    }
-
-    /// The next piece, of which there are as many as parameters, and three; the last brings the result. Not to be
-    /// called after that.
-    pub fn advance(&mut self) -> Option<Result<Estimate<M, P>, Reason>> {
-        let Self { regression, segment, solution, estimate } = self;
-        match solution.advance::<S, M, P>((regression, &segment.head), &segment.sums, estimate) {
-            Ok(false) => None,
-            Ok(true) => Some(Ok(*estimate)),
-            Err(reason) => Some(Err(reason)),
-        }
-    }
-
-    /// All that is left, at once.
-    ///
-    /// # Errors
-    /// As [`Estimator::estimate`].
-    pub fn finish(self) -> Result<Estimate<M, P>, Reason> {
-        let Self { regression, segment, mut solution, mut estimate } = self;
-        solution.finish::<S, M, P>((regression, &segment.head), &segment.sums, &mut estimate).map(|()| estimate)
+    /// Starts a segment; the lags continue.
+    #[inline(always)]
+    pub fn next_segment(&mut self, plan: P, constants: &Regression<P>) {
+        let memory = plan.layout().regression.map_or(Memory::Segment, |regression| regression.memory);
+        self.sums.next_segment(memory);
+        self.rows.next_segment(plan, constants);
+        self.segment = self.segment.wrapping_add(1);
+        (self.count, self.motion, self.downweighted, self.resting) = (0, 0.0, 0, 0);
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::estimate::{Guard, Order};
+impl<P: Plan> RegressionSums<P> {
+    /// δ-parameters whose prediction was subtracted from the target column.
+    pub(super) fn base(&self) -> &[f32] {
+        self.frame.base.cells()
+    }
+}
 
-    const REGRESSION: Regression<6> = Regression {
-        scale: [1.0, 4.0, 1.0, 0.5, 1.0, 2.0],
-        guard: Guard::within([1e3; 3]),
-        ..Regression::new(Order::new(2, 1, 1, 1, 1), true)
-    };
-
-    type Small<'m> = Estimator<'m, 6, 15, 1>;
-
-    /// y = 1.2 y₁ − 0.4 y₂ + 0.5 u1₁ − 0.25 u2₁ + 0.1 with two square waves.
-    fn feed(estimator: &mut Small<'_>, count: u32) {
-        let [mut y1, mut y2, mut u1, mut u2] = [0.0_f32; 4];
-        for t in 0..count {
-            let y = 1.2 * y1 - 0.4 * y2 + 0.5 * u1 - 0.25 * u2 + 0.1;
-            u1 = if t % 7 < 3 { 1.0 } else { -1.0 };
-            u2 = if t % 11 < 5 { 2.0 } else { 0.0 };
-            estimator.step(&Sample { y, u1, u2 });
-            (y2, y1) = (y1, y);
-        }
+impl<P: Plan> RegressionSolve<P> {
+    /// Nothing solved yet.
+    #[must_use]
+    pub fn new(plan: P) -> Self {
+        let work = Cells::filled(plan.layout().parameters(), 0.0);
+        Self { merged: 0, solution: Solution::new(), work }
     }
 
-    #[test]
-    fn exact_data_give_the_exact_model() {
-        let mut estimator = Small::new(&REGRESSION);
-        feed(&mut estimator, 300);
-        let estimate = estimator.estimate().unwrap();
-        let expected = [-1.2, 0.4, 0.5, -0.25, 0.1];
-        for (got, want) in estimate.raw().into_iter().zip(expected) {
-            // A few hundred roundings of f32.
-            assert!((got - want).abs() < 2e-5, "{got} {want}");
+    /// Does about `budget` multiply-adds of the solve; `true` once the estimate is complete, or has its reason.
+    pub fn advance(
+        &mut self,
+        plan: P,
+        constants: &Regression<P>,
+        sums: &mut RegressionSums<P>,
+        estimate: &mut Estimate<P>,
+        budget: usize,
+    ) -> bool {
+        let Some(RegressionLayout { memory, .. }) = plan.layout().regression else { return true };
+        if self.merged < sums.sums.to_merge() {
+            sums.sums.merge(self.merged);
+            self.merged = self.merged.saturating_add(1);
+            return false;
         }
-        assert_eq!((estimate.rows, estimate.parameters()), (298, 5));
-        assert!(estimate.variance < 1e-9);
-        let v = estimate.covariance_matrix();
-        assert!(v == v.transpose() && (0..5).all(|i| v[(i, i)] > 0.0));
-    }
-
-    #[test]
-    fn few_rows_constant_signals_and_nan_are_reasons() {
-        let mut estimator = Small::new(&REGRESSION);
-        assert_eq!(estimator.estimate(), Err(Reason::TooFewRows));
-        feed(&mut estimator, 7); // 5 rows for 5 parameters
-        assert_eq!(estimator.estimate(), Err(Reason::TooFewRows));
-        estimator.restart();
-        for _ in 0..100 {
-            estimator.step(&Sample { y: 1.0, u1: 2.0, u2: 3.0 });
-        }
-        assert_eq!(estimator.estimate(), Err(Reason::NotExcited(0)));
-        estimator.restart();
-        for _ in 0..10 {
-            estimator.step(&Sample { y: f32::NAN, u1: 0.0, u2: 0.0 });
-        }
-        assert_eq!(estimator.counts().rejected, 10);
-        feed(&mut estimator, 300);
-        assert_eq!(estimator.estimate().unwrap().rows, 298, "back to work after the burst");
-    }
-
-    #[test]
-    fn next_segment_keeps_the_lags() {
-        let mut estimator = Small::new(&REGRESSION);
-        feed(&mut estimator, 50);
-        estimator.next_segment();
-        feed(&mut estimator, 50);
-        assert_eq!(estimator.empty_estimate().rows, 50);
-        estimator.restart();
-        feed(&mut estimator, 50);
-        assert_eq!(estimator.empty_estimate().rows, 48);
-    }
-
-    #[test]
-    fn a_level_far_from_zero_costs_no_digits() {
-        // The model of `feed`, seen from an operating point of y + 900, u1 + 500, u2 − 300.
-        let run = |shift: [f32; 3]| {
-            let mut estimator = Small::new(&REGRESSION);
-            let [mut y1, mut y2, mut u1, mut u2] = [0.0_f32; 4];
-            for t in 0..2000_u32 {
-                let noise = if t % 5 < 2 { 0.015_625 } else { -0.015_625 };
-                let y = 1.25 * y1 - 0.5 * y2 + 0.5 * u1 - 0.25 * u2 + noise;
-                (u1, u2) = (if t % 7 < 3 { 1.0 } else { -1.0 }, if t % 11 < 5 { 2.0 } else { 0.0 });
-                estimator.step(&Sample { y: y + shift[0], u1: u1 + shift[1], u2: u2 + shift[2] });
-                (y2, y1) = (y1, y);
-            }
-            estimator.estimate().unwrap()
+        let mass = sums.sums.mass(memory, constants.forgetting.lambda, sums.count);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a number of rows; `as` maps NaN and what is out of range to the ends"
+        )]
+        let rows = mass.rows as u32;
+        (estimate.rows, estimate.segment) = (rows, sums.segment);
+        let outcome = if sums.at_rest {
+            Err(Reason::AtRest)
+        } else {
+            self.solve(plan, constants, sums, estimate, budget).map_err(|error| match error {
+                SolveError::TooFewRows => Reason::TooFewRows { part: Part::Regression, rows: sums.count },
+                SolveError::NotExcited(place) => {
+                    Reason::ParameterNotExcited(u8::try_from(place).unwrap_or(u8::MAX))
+                }
+                SolveError::WeakInstruments => Reason::WeakInstruments(Part::Regression),
+            })
         };
-        let (near, far) = (run([0.0; 3]), run([900.0, 500.0, -300.0]));
-        for k in 0..4 {
-            let sd = near.covariance_matrix()[(k, k)].sqrt();
-            // Samples near 900 carry 6e-5 each, a two-hundredth of the noise.
-            assert!((near.delta[k] - far.delta[k]).abs() < 0.1 * sd, "{k}: {} {}", near.delta[k], far.delta[k]);
-            assert!((far.covariance_matrix()[(k, k)].sqrt() / sd - 1.0).abs() < 0.01);
+        match outcome {
+            Ok(false) => return false,
+            Ok(true) => finish(plan, sums, estimate),
+            Err(reason) => estimate.reason = Some(reason),
         }
-        // k = k₀ − t₀ y₀ − β₀ u1₀ − γ₀ u2₀ of the shifted signals.
-        let expected = near.delta[4] - near.delta[0] * 900.0 - near.delta[2] * 500.0 + near.delta[3] * 300.0;
-        let sd = far.covariance_matrix()[(4, 4)].sqrt();
-        assert!((far.delta[4] - expected).abs() < 0.1 * sd, "{} {expected} {sd}", far.delta[4]);
-        let g = nalgebra::SVector::from([-900.0, 0.0, -500.0, 300.0, 1.0, 0.0]);
-        let transformed = (g.transpose() * near.covariance_matrix() * g)[0].sqrt();
-        assert!((sd / transformed - 1.0).abs() < 0.01, "{sd} {transformed}");
+        if estimate.reason.is_some() {
+            estimate.delta.cells_mut().fill(0.0);
+            estimate.covariance.cells_mut().fill(0.0);
+            estimate.variance = 0.0;
+        }
+        true
     }
+
+    #[inline(never)]
+    fn solve(
+        &mut self,
+        plan: P,
+        constants: &Regression<P>,
+        sums: &RegressionSums<P>,
+        estimate: &mut Estimate<P>,
+        budget: usize,
+    ) -> Result<bool, SolveError> {
+        let Some(layout) = plan.layout().regression else { return Ok(true) };
+        let (d, r) = sums.sums.triangle().parts();
+        let (inputs, outputs) = layout.split();
+        let problem = Problem {
+            d,
+            r,
+            inputs,
+            outputs,
+            scale: constants.scale.cells(),
+            base: sums.frame.base.cells(),
+            mass: sums.sums.mass(layout.memory, constants.forgetting.lambda, sums.count),
+            gain: sums.frame.gain,
+        };
+        let mut solved = Solved {
+            delta: estimate.delta.cells_mut(),
+            covariance: estimate.covariance.cells_mut(),
+            variance: &mut estimate.variance,
+            work: self.work.cells_mut(),
+        };
+        self.solution.advance(&problem, &mut solved, budget)
+    }
+}
+
+/// Restores the constant, and checks that the result can be used.
+fn finish<P: Plan>(plan: P, sums: &RegressionSums<P>, estimate: &mut Estimate<P>) {
+    estimate.restore_constant(sums.frame.origin);
+    estimate.reason = if estimate.is_finite() { None } else { Some(Reason::NotFinite(Part::Regression)) };
+    let outputs = plan.layout().regression.map_or(0, |regression| regression.split().1);
+    estimate.stable = is_stable(estimate.delta().get(..outputs).unwrap_or(&[]));
 }

@@ -10,8 +10,8 @@
 
 /// Whether the model with these t₀ … t_{n−1} is stable; `false` for more than four and for NaN.
 #[must_use]
-#[inline]
-pub fn is_stable(t: &[f32]) -> bool {
+#[inline(never)]
+pub const fn is_stable(t: &[f32]) -> bool {
     // The coefficients of (1), the constant first.
     match *t {
         [] => true,

@@ -2,9 +2,7 @@
 
 pub mod model;
 
-use bearing_watch::Sample;
-
-use model::MODEL;
+use model::{MODEL, Sample};
 
 /// Three traces of 5000 samples, held out from training; three 16-bit counts a sample.
 static RECORDING: &[u8] = include_bytes!("held_out.bin");
@@ -14,14 +12,15 @@ pub fn samples() -> impl Iterator<Item = Sample> {
     RECORDING.chunks_exact(6).map(measured)
 }
 
-/// Counts of the converter, which spans the model's limits, as physical values.
+/// Counts of the converter, which spans the limits of the model's channels, as physical values.
 fn measured(sample: &[u8]) -> Sample {
     let mut values = [0.0; 3];
-    for ((value, count), limit) in values.iter_mut().zip(sample.chunks_exact(2)).zip(MODEL.regression.guard.limit) {
+    let channels = &MODEL.constants().channels;
+    for ((value, count), channel) in values.iter_mut().zip(sample.chunks_exact(2)).zip(channels) {
         if let [low, high] = count {
-            *value = f32::from(i16::from_le_bytes([*low, *high])) * (limit / 32_768.0);
+            *value = f32::from(i16::from_le_bytes([*low, *high])) * (channel.limit / 32_768.0);
         }
     }
-    let [y, u1, u2] = values;
-    Sample { y, u1, u2 }
+    let [current_a, velocity_ref_rad_s, load_torque_nm] = values;
+    Sample { current_a, velocity_ref_rad_s, load_torque_nm }
 }

@@ -1,11 +1,14 @@
-//! Straight-line code of the row update for the sizes a model uses: LLVM stops unrolling the plain loops at nine columns, and they
-//! then cost about twice as much.
+//! The update of the triangular factor by one row: a loop for any number of columns, and straight-line code for the sizes
+//! that models have.
+//!
+//! LLVM stops unrolling the loop at nine columns, and it then costs about twice as much. The straight-line code applies
+//! the same operations in the same order, so both give the same bits.
 
 use super::Forgetting;
 
-/// (1): updates d(i) and w, gives s.
+/// Equation (1) of [`super::triangle`]: updates d(i) and the weight w; returns s.
 #[inline(always)]
-pub(super) fn pivot<const FORGET: bool>(di: &mut f32, xi: f32, w: &mut f32, forgetting: Forgetting) -> f32 {
+pub fn pivot<const FORGET: bool>(di: &mut f32, xi: f32, w: &mut f32, forgetting: Forgetting) -> f32 {
     let l = if FORGET { forgetting.lambda * *di } else { *di };
     let q = *w * xi;
     let mut d = l + q * xi;
@@ -18,11 +21,51 @@ pub(super) fn pivot<const FORGET: bool>(di: &mut f32, xi: f32, w: &mut f32, forg
 }
 
 /// Place of R(i, j), j > i, in the packed rows of m columns.
-pub(super) const fn packed(m: usize, i: usize, j: usize) -> usize {
-    i * (2 * m - i - 1) / 2 + j - i - 1
+#[inline(always)]
+pub const fn packed(m: usize, i: usize, j: usize) -> usize {
+    // Wrapping, so that a build with overflow checks has no panic here; no sum wraps for i < j < m.
+    let before = i.wrapping_mul((2 * m).wrapping_sub(i).wrapping_sub(1)) / 2;
+    before.wrapping_add(j).wrapping_sub(i).wrapping_sub(1)
 }
 
-/// One kernel a size, every index a constant below its array's length. `pivots!` walks the column list: the head is i, the tail all j > i.
+/// Rotates pivot i of a row: `x` starts at column i, `ri` is row i of R right of the diagonal.
+#[inline(always)]
+pub fn rotate_pivot<const FORGET: bool>(
+    di: &mut f32,
+    ri: &mut [f32],
+    x: &mut [f32],
+    w: &mut f32,
+    forgetting: Forgetting,
+) {
+    let Some((xi, later)) = x.split_first_mut() else { return };
+    // Nothing is divided by the residual sum of squares, so it needs no floor; a floor would look like noise.
+    let floor = if later.is_empty() { 0.0 } else { forgetting.floor };
+    let s = pivot::<FORGET>(di, *xi, w, Forgetting { floor, ..forgetting });
+    for (xj, rij) in later.iter_mut().zip(ri) {
+        *xj -= *xi * *rij; // (2)
+        *rij += s * *xj;
+    }
+}
+
+/// Rotates a row of any number of columns.
+pub fn rotate_loop<const FORGET: bool>(
+    d: &mut [f32],
+    r: &mut [f32],
+    x: &mut [f32],
+    weight: f32,
+    forgetting: Forgetting,
+) {
+    let (mut x, mut r, mut w) = (x, r, weight);
+    for di in d {
+        let Some((ri, below)) = r.split_at_mut_checked(x.len().saturating_sub(1)) else { return };
+        rotate_pivot::<FORGET>(di, ri, x, &mut w, forgetting);
+        let Some((_, later)) = x.split_first_mut() else { return };
+        (x, r) = (later, below);
+    }
+}
+
+/// One kernel for each size; every index is a constant below its array's length. `pivots!` walks the list of columns: the
+/// head is i, the tail all j > i.
 macro_rules! straight_line {
     ($($name:ident $m:literal: $($i:literal)+;)+) => {
         $(
@@ -40,21 +83,19 @@ macro_rules! straight_line {
             }
         )+
 
-        /// Runs the kernel of size `M`; `false` if there is none.
+        /// Runs the kernel for `d.len()` columns; returns `false` if there is none. With the length known at compile time,
+        /// one branch is left.
         #[inline(always)]
-        pub(super) fn rotate<const M: usize, const P: usize, const FORGET: bool>(
-            d: &mut [f32; M],
-            r: &mut [f32; P],
-            row: &[f32; M],
+        pub fn rotate_straight<const FORGET: bool>(
+            d: &mut [f32],
+            r: &mut [f32],
+            row: &[f32],
             weight: f32,
             forgetting: Forgetting,
         ) -> bool {
-            match M {
+            match d.len() {
                 $($m => {
-                    // The conversions cannot fail where M is $m; they compile to nothing.
-                    let (Ok(d), Ok(r), Ok(row)) =
-                        (d.as_mut_slice().try_into(), r.as_mut_slice().try_into(), row.as_slice().try_into())
-                    else {
+                    let (Ok(d), Ok(r), Ok(row)) = (d.try_into(), r.try_into(), row.try_into()) else {
                         return false;
                     };
                     $name::<FORGET>(d, r, row, weight, forgetting);

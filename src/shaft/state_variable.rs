@@ -9,10 +9,11 @@
 //! s₁ ← (2 D − 1) s₁ + 2 g D (x − s₂),   s₂ ← s₂ + 2 g v₁,   2 v₁ = s₁ + the s₁ before           (3)
 //! ```
 //!
-//! (3) is (1) and (2) without what only a sample that is looked at needs: y and ẏ are computed from the states around it.
+//! (3) is (1) and (2) rearranged: y and ẏ follow from the states before and after the sample, and are computed only where
+//! they are used.
 //!
-//! Trapezoidal integrators (Zavalishin, *The Art of VA Filter Design*, §4), so that ẏ is the bilinear derivative of y exactly. Signals
-//! behind the same filter keep every linear equation that held between them.
+//! Trapezoidal integrators (Zavalishin, *The Art of VA Filter Design*, §4) make ẏ exactly the bilinear derivative of y.
+//! Signals behind the same filter keep every linear equation that holds between them.
 
 /// Constants of (1) and (2), shared by all filters of a bank.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +30,7 @@ pub struct StateVariable {
 /// State of one filter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(super) struct Cell {
+pub struct Cell {
     s1: f32,
     s2: f32,
 }
@@ -45,13 +46,13 @@ impl StateVariable {
 
 impl Cell {
     /// At rest on a level.
-    pub(super) const fn at(level: f32) -> Self {
+    pub const fn at(level: f32) -> Self {
         Self { s1: 0.0, s2: level }
     }
 
     /// y and v₁; ẏ is v₁ times [`StateVariable::rate_per_s`].
     #[inline(always)]
-    pub(super) fn step(&mut self, bank: &StateVariable, x: f32) -> (f32, f32) {
+    pub fn step(&mut self, bank: &StateVariable, x: f32) -> (f32, f32) {
         let StateVariable { gain, damping, .. } = *bank;
         let (s1, s2) = (self.s1, self.s2);
         self.s1 = (2.0 * damping - 1.0) * s1 + (2.0 * gain * damping) * (x - s2); // (3)

@@ -5,16 +5,17 @@
 //! outer = n/2 (1 − γ),   inner = n/2 (1 + γ),   cage = ½ (1 − γ),   ball = ½ (PD/BD) (1 − γ²)             (1)
 //! ```
 //!
-//! Randall, *Vibration-based Condition Monitoring*, Eq. 2.13–2.16. `ball` is the turns of a ball about itself; a spall on it meets
-//! both rings, so that its second harmonic is as strong. A modulation by the shaft puts sidebands at an order ± m; in the stator currents they lie at
-//! |p ± m O| with p pole pairs (thesis Eq. 1.1 in orders of the shaft): each is an order like any other.
+//! Randall, *Vibration-based Condition Monitoring*, Eq. 2.13–2.16. `ball` is the rotation of a ball about its own axis; a
+//! spall on it meets both rings, so that its second harmonic is as strong. A modulation by the shaft causes sidebands at an
+//! order ± m; in the stator currents they lie at |p ± m O| with p pole pairs (thesis Eq. 1.1 in orders of the shaft). Track
+//! each like any other order.
 
 use crate::drive::Angle;
 
 /// Dimensions of a rolling bearing.
 ///
 /// ```
-/// use bearing_watch::estimate::Bearing;
+/// use bearing_watch::Bearing;
 /// let bearing = Bearing { balls: 9, ball_diameter: 3.0, pitch_diameter: 17.0, contact_angle_rad: 0.1745 };
 /// assert!((bearing.outer() - 3.71794).abs() < 1e-4);
 /// assert!((bearing.outer() + bearing.inner() - 9.0).abs() < 1e-5);

@@ -1,0 +1,222 @@
+//! The detector: samples in, one [`Report`] a segment out.
+//!
+//! ```text
+//! sample ─► gate ─┬─ block mean ─► Estimator ─┬─ segment full ─► solve ─► classification ─► Report
+//!                 └─ Shaft: friction, orders ─┘
+//! ```
+//!
+//! [`Detector::collect`] costs about the same for every sample. It hands out the sums of a closed segment;
+//! [`Model::conclude`] or [`Solver`] makes the report in the main loop, and [`Detector::adopt`] returns it. Programs without
+//! interrupts call [`Detector::step`], which does all of it.
+
+mod report;
+mod solver;
+
+pub use report::{Report, Verdict};
+pub use solver::{Segment, Solver};
+
+use crate::drive::BlockMean;
+use crate::estimate::Estimator;
+use crate::model::Model;
+use crate::plan::{Array, Cells, Plan, Size};
+use crate::regression::Inputs;
+use crate::sample::{Counts, Gate, limit};
+use crate::shaft::Shaft;
+
+/// Running state next to the current loop. The model stays where it is (flash) and may live shorter than the program, so
+/// that another one can replace it without a restart.
+///
+/// ```
+/// # use bearing_watch::{Detector, Model, Verdict, plan::Plan};
+/// # fn run<P: Plan>(model: &Model<P>, sample: P::Sample) {
+/// let mut detector = Detector::new(model);
+/// // at each sample
+/// if let Some(report) = detector.step(&sample) {
+///     match report.verdict {
+///         Verdict::Class(class) => { let _name = model.label(class); }
+///         Verdict::Novel | Verdict::Ambiguous => {}
+///         Verdict::Undetermined(_reason) => {}
+///     }
+/// }
+/// # }
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Detector<'m, P: Plan> {
+    model: &'m Model<P>,
+    gate: Gate<P>,
+    block: BlockMean<3>,
+    /// Whether a sample of the open block was refused.
+    spoiled: bool,
+    estimator: Array<P::Regressed, Estimator<P>>,
+    shaft: Array<P::Watched, Shaft<P>>,
+    /// Samples of the open segment, after averaging.
+    samples: u32,
+    /// Samples of the open segment of which the shaft could use every channel.
+    usable: u32,
+}
+
+impl<'m, P: Plan> Detector<'m, P> {
+    /// Nothing sampled yet.
+    #[must_use]
+    pub fn new(model: &'m Model<P>) -> Self {
+        let (plan, constants) = (model.plan(), model.constants());
+        Self {
+            model,
+            gate: Gate::new(plan),
+            block: BlockMean::new(),
+            spoiled: false,
+            estimator: P::Regressed::map(&constants.regression, |regression| Estimator::new(plan, regression)),
+            shaft: P::Watched::map(&constants.shaft, |shaft| Shaft::new(plan, shaft)),
+            samples: 0,
+            usable: 0,
+        }
+    }
+
+    /// Takes one sample; returns the report with the sample that closes a segment. That sample costs the whole solve and
+    /// classification (more than 100 µs on most drives): in an interrupt use [`Detector::collect`].
+    #[inline]
+    pub fn step(&mut self, sample: &P::Sample) -> Option<Report<P>> {
+        if self.take(sample) { Some(self.close()) } else { None }
+    }
+
+    /// Takes one sample, in time that hardly depends on the data; returns the sums with the sample that closes a segment.
+    /// Conclude them by [`Model::conclude`] or [`Solver`] in the main loop, and hand the report to [`Detector::adopt`].
+    #[inline]
+    pub fn collect(&mut self, sample: &P::Sample) -> Option<Segment<P>> {
+        if self.take(sample) { Some(self.detach()) } else { None }
+    }
+
+    /// Lets the estimate of a concluded segment take over as auxiliary model at the handover. Returns `false`, and does
+    /// nothing, if the handover is past or the estimate cannot be used.
+    pub fn adopt(&mut self, report: &Report<P>) -> bool {
+        let (plan, constants) = (self.model.plan(), self.model.constants());
+        let parts = (self.estimator.part_mut(), constants.regression.part(), report.estimate.part());
+        let (Some(estimator), Some(regression), Some(estimate)) = parts else { return false };
+        estimator.adopt(plan, regression, estimate)
+    }
+
+    /// Takes one sample; returns whether the segment is full.
+    #[inline(always)]
+    fn take(&mut self, sample: &P::Sample) -> bool {
+        let (plan, constants) = (self.model.plan(), self.model.constants());
+        let layout = plan.layout();
+        let refused = self.gate.refused(&constants.channels, sample);
+        let parts = (self.shaft.part_mut(), constants.shaft.part(), layout.shaft);
+        if let (Some(shaft), Some(own), Some(layout)) = parts {
+            let good = refused & layout.mask() == 0;
+            shaft.step(plan, own, sample, good);
+            self.usable = self.usable.wrapping_add(u32::from(good));
+        }
+        let parts = (self.estimator.part_mut(), constants.regression.part(), layout.regression);
+        if let (Some(estimator), Some(own), Some(layout)) = parts {
+            let good = refused & layout.mask() == 0;
+            let inputs = Inputs::of(&layout, sample);
+            let block = constants.sampling.block_mean;
+            let (inputs, good) = if block <= 1 {
+                (inputs, good)
+            } else {
+                // A mean would hide one refused sample, so that sample spoils its block.
+                self.spoiled |= !good;
+                let Some([y, u1, u2]) = self.block.push([inputs.y, inputs.u1, inputs.u2], block) else { return false };
+                (Inputs { y, u1, u2 }, !core::mem::take(&mut self.spoiled))
+            };
+            if good {
+                estimator.take(plan, own, inputs, limit(&constants.channels, layout.y));
+            } else {
+                estimator.skip(plan);
+            }
+        }
+        self.samples = self.samples.wrapping_add(1);
+        self.samples >= constants.sampling.segment_samples
+    }
+
+    /// A copy of the sums of the open segment.
+    #[inline(always)]
+    fn segment(&self, whole: bool) -> Segment<P> {
+        let (plan, constants) = (self.model.plan(), self.model.constants());
+        let mut counts = self.gate.counts;
+        let mut rows = self.usable;
+        if let Some(estimator) = self.estimator.part() {
+            (counts.downweighted, counts.resting, counts.refused) = estimator.counts();
+            rows = estimator.rows();
+        }
+        let rest = constants.regression.part().map_or(0.0, |regression| regression.rest);
+        Segment {
+            regression: P::Regressed::map(&self.estimator, |estimator| estimator.sums(plan, rest)),
+            shaft: P::Watched::map(&self.shaft, Shaft::sums),
+            counts,
+            rows,
+            whole,
+        }
+    }
+
+    /// Closes the segment and hands out its sums.
+    // Out of line, so that the usual sample needs no room for them on the stack.
+    #[inline(never)]
+    fn detach(&mut self) -> Segment<P> {
+        let segment = self.segment(true);
+        self.next_segment();
+        segment
+    }
+
+    /// Closes the segment and concludes it.
+    #[cold]
+    #[inline(never)]
+    fn close(&mut self) -> Report<P> {
+        let report = self.model.conclude(self.segment(true));
+        let (plan, constants) = (self.model.plan(), self.model.constants());
+        let parts = (self.estimator.part_mut(), constants.regression.part(), report.estimate.part());
+        if let (Some(estimator), Some(regression), Some(estimate)) = parts {
+            estimator.offer(plan, regression, estimate);
+        }
+        self.next_segment();
+        report
+    }
+
+    #[inline(always)]
+    fn next_segment(&mut self) {
+        let (plan, constants) = (self.model.plan(), self.model.constants());
+        (self.samples, self.usable) = (0, 0);
+        self.gate.next_segment();
+        if let (Some(estimator), Some(regression)) = (self.estimator.part_mut(), constants.regression.part()) {
+            estimator.next_segment(plan, regression);
+        }
+        if let Some(shaft) = self.shaft.part_mut() {
+            shaft.next_segment();
+        }
+    }
+
+    /// The report that the open segment would give now; the segment stays open. With fading memory this is the present
+    /// state.
+    #[must_use]
+    pub fn preview(&self) -> Report<P> {
+        Solver::new(self.model, self.segment(false)).finish()
+    }
+
+    /// Number of samples in the open segment, after averaging.
+    #[must_use]
+    pub const fn pending(&self) -> u32 {
+        self.samples
+    }
+
+    /// What the open segment was refused so far.
+    #[must_use]
+    pub fn counts(&self) -> Counts {
+        self.segment(false).counts
+    }
+
+    /// Closes the open segment at the end of a recording, reports it, and starts afresh. The caller decides whether a part
+    /// of a segment is enough: see [`Detector::pending`].
+    pub fn finish(&mut self) -> Report<P> {
+        let report = self.model.conclude(self.segment(false));
+        self.restart();
+        report
+    }
+
+    /// Starts afresh without a report, for a stream that does not continue from the last sample: lags, sums and auxiliary
+    /// model.
+    pub fn restart(&mut self) {
+        *self = Self::new(self.model);
+    }
+}

@@ -1,0 +1,67 @@
+//! The report of a segment.
+
+use crate::decide::Decision;
+use crate::estimate::Estimate;
+use crate::plan::{Array, Cells, Plan};
+use crate::reason::{Part, Reason};
+use crate::sample::Counts;
+use crate::shaft::ShaftEstimate;
+
+/// The state of the bearing in one segment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Verdict {
+    /// Index of a class; [`Model::label`](crate::Model::label) gives its name. It is the most plausible of the *trained*
+    /// classes: posteriors are relative to each other, so a state unlike all of them (another load) still gets a class,
+    /// unless that would be the healthy one.
+    Class(u8),
+    /// Healthy is the most plausible class, but the segment is farther from it than healthy segments are: a small or
+    /// unknown defect, or conditions that were not trained.
+    Novel,
+    /// No class is plausible enough.
+    Ambiguous,
+    /// No verdict, and why.
+    Undetermined(Reason),
+}
+
+/// The verdict on one segment with all results behind it.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Report<P: Plan> {
+    /// The class, or why there is none.
+    pub verdict: Verdict,
+    /// Likelihoods, posteriors, costs and distance from healthy; `None` if the verdict is undetermined.
+    pub decision: Option<Decision<P>>,
+    /// What the segment was refused.
+    pub counts: Counts,
+    /// Rows of the regression; in a plan without one, usable samples.
+    pub rows: u32,
+    pub(super) estimate: Array<P::Regressed, Estimate<P>>,
+    pub(super) shaft: Array<P::Watched, ShaftEstimate<P>>,
+}
+
+impl<P: Plan> Report<P> {
+    pub(super) fn empty(plan: P) -> Self {
+        let layout = plan.layout();
+        Self {
+            verdict: Verdict::Undetermined(Reason::TooFewRows { part: Part::Classifier, rows: 0 }),
+            decision: None,
+            counts: Counts::default(),
+            rows: 0,
+            estimate: Cells::from_fn(layout.regressed(), |_| Estimate::empty(plan)),
+            shaft: Cells::from_fn(layout.watched(), |_| ShaftEstimate::empty(plan)),
+        }
+    }
+
+    /// The estimate of the regression; `None` in a plan without one.
+    #[must_use]
+    pub fn estimate(&self) -> Option<&Estimate<P>> {
+        self.estimate.part()
+    }
+
+    /// Friction and bearing orders; `None` in a plan that does not watch the shaft.
+    #[must_use]
+    pub fn shaft(&self) -> Option<&ShaftEstimate<P>> {
+        self.shaft.part()
+    }
+}

@@ -1,0 +1,564 @@
+//! The checks of a model. They run at compile time for exported constants, and when a binary model is read.
+//!
+//! Every length must match the layout, every number its range. The code is `const`, so it walks slices by patterns.
+
+use crate::decide::{EvidenceConstants, Feature, KNOTS};
+use crate::drive::Park;
+use crate::estimate::is_stable;
+use crate::factor::{Forgetting, MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
+use crate::plan::{Layout, LayoutError, Memory, Method, RegressionLayout, ShaftLayout, Signal, Structure};
+use crate::sample::Channel;
+use crate::shaft::{Balance, MAX_CURRENT_DELAY, StateVariable, TrackedOrder};
+
+use super::{MAX_BLOCK_MEAN, Sampling};
+
+/// Orders beyond this would turn more than half a turn between samples at any speed that can be tracked.
+const MAX_ORDER_Q16: i32 = 1000 << 16;
+
+/// A field of a model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "each variant is named as its field; `name` has the words")]
+pub enum Field {
+    SamplingInterval,
+    BlockMean,
+    SegmentLength,
+    ChannelName,
+    ChannelLimit,
+    Saturation,
+    StuckSamples,
+    ColumnScale,
+    LimitTimesScale,
+    NominalModel,
+    NominalStability,
+    ResidualDeviation,
+    OutlierThreshold,
+    RestThreshold,
+    Settling,
+    Handover,
+    ForgettingFactor,
+    ForgettingFloor,
+    CurrentDelay,
+    BalanceInterval,
+    BalanceFilter,
+    RowInterval,
+    BalanceVelocity,
+    BalanceScale,
+    BalanceNominal,
+    BearingOrder,
+    OrderBlock,
+    Feature,
+    Projection,
+    ClassDensity,
+    Prior,
+    Cost,
+    HealthyClass,
+    HealthyDensity,
+    SurpriseCurve,
+    NoveltyLimit,
+    Evidence,
+    Label,
+    Layout,
+    Notes,
+}
+
+impl Field {
+    /// The field in words.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::SamplingInterval => "sampling interval",
+            Self::BlockMean => "block mean",
+            Self::SegmentLength => "segment length",
+            Self::ChannelName => "channel name or unit",
+            Self::ChannelLimit => "channel limit",
+            Self::Saturation => "saturation",
+            Self::StuckSamples => "number of stuck samples",
+            Self::ColumnScale => "column scale",
+            Self::LimitTimesScale => "channel limit times column scale",
+            Self::NominalModel => "nominal model",
+            Self::NominalStability => "nominal model (it must be stable)",
+            Self::ResidualDeviation => "residual deviation",
+            Self::OutlierThreshold => "outlier threshold",
+            Self::RestThreshold => "rest threshold",
+            Self::Settling => "settling time in relation to the segment length",
+            Self::Handover => "handover",
+            Self::ForgettingFactor => "forgetting factor",
+            Self::ForgettingFloor => "forgetting floor",
+            Self::CurrentDelay => "current delay",
+            Self::BalanceInterval => "sampling interval of the torque balance",
+            Self::BalanceFilter => "filter of the torque balance",
+            Self::RowInterval => "row interval of the torque balance",
+            Self::BalanceVelocity => "velocity of the Coulomb sign or of the drag",
+            Self::BalanceScale => "scale of the torque balance",
+            Self::BalanceNominal => "nominal torque balance",
+            Self::BearingOrder => "bearing order or its weights",
+            Self::OrderBlock => "block length of the order tracking",
+            Self::Feature => "feature",
+            Self::Projection => "projection",
+            Self::ClassDensity => "class density",
+            Self::Prior => "class prior",
+            Self::Cost => "cost",
+            Self::HealthyClass => "healthy class",
+            Self::HealthyDensity => "healthy density",
+            Self::SurpriseCurve => "surprise curve",
+            Self::NoveltyLimit => "novelty limit",
+            Self::Evidence => "evidence constants",
+            Self::Label => "class label",
+            Self::Layout => "layout",
+            Self::Notes => "notes",
+        }
+    }
+}
+
+/// Why a model is refused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum ModelError {
+    /// The parts of the layout do not fit each other.
+    Layout(LayoutError),
+    /// The model is for another plan.
+    OtherPlan,
+    /// A channel of the model has another name or unit than that of the plan.
+    Channel {
+        /// Place of the channel in the sample.
+        place: u8,
+    },
+    /// The front end has another sign convention than the recordings on which the model was trained.
+    Park {
+        /// Convention of the recordings.
+        trained: Park,
+        /// Convention of the front end.
+        given: Park,
+    },
+    /// The sampling interval differs from that of the recordings on which the model was trained.
+    Interval {
+        /// Interval of the recordings, s.
+        trained_s: f32,
+        /// The other interval, s.
+        given_s: f32,
+    },
+    /// A list has not the length that the layout requires.
+    Length(Field),
+    /// A value is out of range or not finite.
+    OutOfRange(Field),
+    /// The bytes are not a model.
+    NotAModel,
+    /// The bytes are a model of another format version.
+    Version {
+        /// Version of the bytes.
+        found: u16,
+        /// Version that this build reads.
+        supported: u16,
+    },
+    /// There are fewer or more bytes than the header says.
+    Truncated,
+    /// The checksum does not match the content.
+    Checksum,
+    /// The buffer is too small for the model.
+    BufferTooSmall,
+}
+
+impl ModelError {
+    /// The kind of error in words; for a field, the name of the field.
+    #[must_use]
+    pub const fn message(&self) -> &'static str {
+        match self {
+            Self::Layout(error) => error.message(),
+            Self::OtherPlan => "the model is for another plan",
+            Self::Channel { .. } => "a channel of the model has another name or unit than in the plan",
+            Self::Park { .. } => "the front end has another Park convention than the model",
+            Self::Interval { .. } => "the sampling interval differs from that of the model",
+            Self::Length(field) | Self::OutOfRange(field) => field.name(),
+            Self::NotAModel => "these bytes are not a bearing-watch model",
+            Self::Version { .. } => "the model has another format version; train it again",
+            Self::Truncated => "the model is truncated or has trailing bytes",
+            Self::Checksum => "the checksum does not match: the model is corrupted",
+            Self::BufferTooSmall => "the buffer is too small for the model",
+        }
+    }
+}
+
+impl core::fmt::Display for ModelError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Channel { place } => {
+                write!(f, "channel {} of the model has another name or unit than in the plan", u16::from(*place) + 1)
+            }
+            Self::Park { trained, given } => {
+                write!(f, "the model was trained with the Park convention {trained:?}, the front end has {given:?}")
+            }
+            Self::Interval { trained_s, given_s } => {
+                write!(f, "the model was trained on samples every {trained_s} s, not every {given_s} s")
+            }
+            Self::Length(field) => write!(f, "the model's {} has the wrong length", field.name()),
+            Self::OutOfRange(field) => write!(f, "the model's {} is out of range", field.name()),
+            Self::Version { found, supported } => {
+                write!(f, "model format version {found}, but this build reads version {supported}; train the model again")
+            }
+            other => f.write_str(other.message()),
+        }
+    }
+}
+
+impl core::error::Error for ModelError {}
+
+/// The numbers of a regression as slices.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub struct RegressionParts<'a> {
+    pub scale: &'a [f32],
+    pub nominal: &'a [f32],
+    pub deviation: f32,
+    pub forgetting: Forgetting,
+    pub huber: f32,
+    pub rest: f32,
+    pub settle: u16,
+    pub handover: u16,
+}
+
+/// The numbers of a shaft as slices.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub struct ShaftParts<'a> {
+    pub current_delay: f32,
+    pub balance: &'a Balance,
+    pub orders: &'a [TrackedOrder],
+    pub block_samples: u16,
+}
+
+/// The numbers of a model as slices of any length.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub struct Parts<'a> {
+    pub layout: Layout,
+    pub names: &'a [(&'a str, &'a str)],
+    pub sampling: &'a Sampling,
+    pub channels: &'a [Channel],
+    pub regression: Option<RegressionParts<'a>>,
+    pub shaft: Option<ShaftParts<'a>>,
+    pub features: &'a [Feature],
+    pub map: &'a [f32],
+    pub feature_means: &'a [f32],
+    pub means: &'a [f32],
+    pub whitening: &'a [f32],
+    pub log_normaliser: &'a [f32],
+    pub log_prior: &'a [f32],
+    pub costs: &'a [f32],
+    pub reject_cost: f32,
+    pub healthy: Option<u8>,
+    pub novelty_mean: &'a [f32],
+    pub novelty_whitening: &'a [f32],
+    pub knots: &'a [[f32; 2]; KNOTS],
+    pub limit: f32,
+    pub evidence: EvidenceConstants,
+}
+
+/// Returns early with an error unless the condition holds.
+macro_rules! require {
+    ($good:expr, $field:ident) => {
+        if !$good {
+            return Err(ModelError::OutOfRange(Field::$field));
+        }
+    };
+}
+
+/// Returns early with an error unless the lengths are equal.
+macro_rules! require_length {
+    ($found:expr, $wanted:expr, $field:ident) => {
+        if $found != $wanted {
+            return Err(ModelError::Length(Field::$field));
+        }
+    };
+}
+
+/// Returns early with the error of another check.
+macro_rules! pass {
+    ($check:expr) => {
+        if let Err(error) = $check {
+            return Err(error);
+        }
+    };
+}
+
+/// Checks every length against the layout and every number against its range.
+///
+/// # Errors
+/// The first thing that does not fit.
+#[doc(hidden)]
+pub const fn check(parts: &Parts<'_>) -> Result<(), ModelError> {
+    let layout = &parts.layout;
+    if let Err(error) = layout.check() {
+        return Err(ModelError::Layout(error));
+    }
+    let Sampling { interval_s, block_mean, segment_samples, .. } = *parts.sampling;
+    require!(interval_s.is_finite() && interval_s >= 0.0, SamplingInterval);
+    require!(block_mean >= 1 && block_mean <= MAX_BLOCK_MEAN, BlockMean);
+    // Only the regression averages.
+    require!(block_mean == 1 || layout.regression.is_some(), BlockMean);
+    require!(segment_samples > 0 && segment_samples <= MAX_LONG_SEGMENT_ROWS, SegmentLength);
+    pass!(check_channels(parts));
+    match (&layout.regression, &parts.regression) {
+        (Some(layout), Some(regression)) => pass!(check_regression(layout, regression, parts)),
+        (None, None) => {}
+        _ => return Err(ModelError::Length(Field::NominalModel)),
+    }
+    match (&layout.shaft, &parts.shaft) {
+        (Some(layout), Some(shaft)) => pass!(check_shaft(layout, shaft, parts)),
+        (None, None) => {}
+        _ => return Err(ModelError::Length(Field::BalanceNominal)),
+    }
+    pass!(check_classifier(parts));
+    check_novelty(parts)
+}
+
+const fn check_channels(parts: &Parts<'_>) -> Result<(), ModelError> {
+    require_length!(parts.channels.len(), parts.layout.channels as usize, ChannelName);
+    let (mut channels, mut names, mut place) = (parts.channels, parts.names, 0_u8);
+    while let [Channel { name, unit, limit, saturation, stuck_samples }, rest @ ..] = channels {
+        require!(*limit >= f32::MIN_POSITIVE && *limit <= 1e18, ChannelLimit);
+        require!(*saturation > 0.0 && *saturation <= *limit, Saturation);
+        // A single sample is not a run of equal samples.
+        require!(*stuck_samples != 1, StuckSamples);
+        if let [(own_name, own_unit), later @ ..] = names {
+            if !name.is(own_name) || !unit.is(own_unit) {
+                return Err(ModelError::Channel { place });
+            }
+            names = later;
+        }
+        channels = rest;
+        place = place.wrapping_add(1);
+    }
+    Ok(())
+}
+
+/// The largest plausible magnitude of a signal.
+const fn limit_of(channels: &[Channel], signal: Signal) -> f32 {
+    let (mut sum, mut rest, mut place) = (0.0, channels, 0_u8);
+    while let [channel, later @ ..] = rest {
+        let other = match signal.minus {
+            Some(other) => other == place,
+            None => false,
+        };
+        if signal.channel == place || other {
+            sum += channel.limit;
+        }
+        rest = later;
+        place = place.wrapping_add(1);
+    }
+    sum
+}
+
+const fn check_regression(
+    layout: &RegressionLayout,
+    regression: &RegressionParts<'_>,
+    parts: &Parts<'_>,
+) -> Result<(), ModelError> {
+    let Structure { na, nb, nc, .. } = layout.structure;
+    let (columns, n) = (layout.columns(), layout.structure.parameters());
+    let RegressionParts { scale, nominal, deviation, forgetting, huber, rest, settle, handover } = *regression;
+    let segment_samples = parts.sampling.segment_samples;
+    let longest = match layout.memory {
+        Memory::Segment => MAX_SEGMENT_ROWS,
+        Memory::LongSegment | Memory::Fading => MAX_LONG_SEGMENT_ROWS,
+    };
+    let shortest = columns.saturating_add(layout.structure.depth());
+    require!(segment_samples <= longest && segment_samples as usize > shortest, SegmentLength);
+    require_length!(scale.len(), columns, ColumnScale);
+    require_length!(nominal.len(), n, NominalModel);
+    require!(all_powers_of_two(scale), ColumnScale);
+    // Beyond that, sums of squares over a segment could leave the range of f32.
+    let y_limit = limit_of(parts.channels, layout.y);
+    let (own, scale) = split(scale, na as usize);
+    let (first, scale) = split(scale, nb as usize);
+    let (second, scale) = split(scale, nc as usize);
+    require!(differences_alike(own) && differences_alike(first) && differences_alike(second), ColumnScale);
+    let inputs = bounded(first, limit_of(parts.channels, layout.u1))
+        && bounded(second, limit_of(parts.channels, layout.u2));
+    let largest = if y_limit > 1.0 { y_limit } else { 1.0 };
+    require!(bounded(own, y_limit) && inputs && all_within(scale, 0.0, 1e14 / largest), LimitTimesScale);
+    require!(all_within(nominal, f32::MIN, f32::MAX), NominalModel);
+    require!(deviation.is_finite() && deviation >= 0.0, ResidualDeviation);
+    require!(huber.is_finite() && huber >= 0.0, OutlierThreshold);
+    require!(rest.is_finite() && rest >= 0.0, RestThreshold);
+    require!(handover as u32 <= segment_samples / 2, Handover);
+    if matches!(layout.method, Method::Instruments) {
+        require!(is_stable(split(nominal, na as usize).0), NominalStability);
+        require!(segment_samples / 4 >= settle as u32 + handover as u32, Settling);
+    }
+    if matches!(layout.memory, Memory::Fading) {
+        // Forgetting without excitation would replace what is known by noise; without inputs nothing moves.
+        require!(rest > 0.0 && nb as usize + nc as usize > 0, RestThreshold);
+        // A memory of n rows leaves no degree of freedom for a variance.
+        let rows = 1.0 / (1.0 - forgetting.lambda);
+        require!(forgetting.lambda <= MAX_LAMBDA && rows > 2.0 * n as f32, ForgettingFactor);
+        require!(forgetting.floor.is_finite() && forgetting.floor > 0.0, ForgettingFloor);
+    }
+    Ok(())
+}
+
+const fn check_shaft(layout: &ShaftLayout, shaft: &ShaftParts<'_>, parts: &Parts<'_>) -> Result<(), ModelError> {
+    let ShaftParts { current_delay, balance, orders, block_samples } = *shaft;
+    require!(current_delay >= 0.0 && current_delay <= MAX_CURRENT_DELAY, CurrentDelay);
+    require!(balance.interval_s > 0.0 && balance.interval_s.is_finite(), BalanceInterval);
+    let StateVariable { gain, damping, rate_per_s } = balance.filter;
+    let expected = StateVariable::new(gain, balance.interval_s);
+    let own = damping.to_bits() == expected.damping.to_bits() && rate_per_s.to_bits() == expected.rate_per_s.to_bits();
+    require!(gain >= 1e-4 && gain <= 10.0 && own, BalanceFilter);
+    // The factor of the balance sums at most as many rows as any other of one level.
+    let samples = parts.sampling.segment_samples as u64 * parts.sampling.block_mean as u64;
+    require!(balance.row_interval > 0, RowInterval);
+    require!(samples / balance.row_interval as u64 <= MAX_SEGMENT_ROWS as u64, SegmentLength);
+    require!(
+        all_within(&[balance.sign_velocity_rad_s, balance.usual_velocity_rad_s], 1e-6, 1e6),
+        BalanceVelocity
+    );
+    require!(all_powers_of_two(&balance.scale) && all_within(&balance.scale, 0.0, f32::MAX), BalanceScale);
+    let velocity = limit_of(parts.channels, layout.velocity);
+    let load = match layout.load {
+        Some(load) => limit_of(parts.channels, load),
+        None => 1.0,
+    };
+    let [acceleration_scale, velocity_scale, load_scale, current_scale] = balance.scale;
+    let current = limit_of(parts.channels, layout.current);
+    require!(
+        bounded(&[acceleration_scale], velocity * rate_per_s)
+            && bounded(&[velocity_scale], velocity)
+            && bounded(&[load_scale], load)
+            && bounded(&[current_scale], current),
+        LimitTimesScale
+    );
+    require!(all_within(&balance.nominal, -1e12, 1e12), BalanceNominal);
+    require_length!(orders.len(), layout.orders as usize, BearingOrder);
+    let mut rest = orders;
+    while let [order, later @ ..] = rest {
+        require!(is_good(order, layout.harmonics as usize), BearingOrder);
+        rest = later;
+    }
+    require!(layout.orders == 0 || (block_samples > 1 && block_samples > layout.orders as u16), OrderBlock);
+    Ok(())
+}
+
+const fn is_good(order: &TrackedOrder, harmonics: usize) -> bool {
+    let (computed, rest) = split(&order.weights, harmonics);
+    order.order_q16 >= 1
+        && order.order_q16 <= MAX_ORDER_Q16
+        && all_within(computed, 0.0, 1e3)
+        && !all_within(computed, 0.0, 1e-3)
+        && all_within(rest, 0.0, 0.0)
+}
+
+const fn check_classifier(parts: &Parts<'_>) -> Result<(), ModelError> {
+    let layout = &parts.layout;
+    require_length!(parts.features.len(), layout.features as usize, Feature);
+    let mut features = parts.features;
+    while let [feature, rest @ ..] = features {
+        require!(feature.exists(layout), Feature);
+        features = rest;
+    }
+    require_length!(parts.feature_means.len(), layout.features as usize, Projection);
+    require_length!(parts.map.len(), layout.map(), Projection);
+    require_length!(parts.means.len(), layout.means(), ClassDensity);
+    require_length!(parts.whitening.len(), layout.densities(), ClassDensity);
+    let classes = layout.classes as usize;
+    require_length!(parts.log_normaliser.len(), classes, ClassDensity);
+    require_length!(parts.log_prior.len(), classes, Prior);
+    require_length!(parts.costs.len(), layout.costs(), Cost);
+    let (least, most) = (f32::MIN, f32::MAX);
+    require!(all_within(parts.map, least, most) && all_within(parts.feature_means, least, most), Projection);
+    let densities = all_within(parts.means, least, most) && all_within(parts.whitening, least, most);
+    require!(densities && all_within(parts.log_normaliser, least, most), ClassDensity);
+    require!(all_within(parts.log_prior, least, most), Prior);
+    // Infinity is allowed: never reject.
+    require!(all_within(parts.costs, 0.0, 1e6) && parts.reject_cost >= 0.0, Cost);
+    Ok(())
+}
+
+const fn check_novelty(parts: &Parts<'_>) -> Result<(), ModelError> {
+    let layout = &parts.layout;
+    require_length!(parts.novelty_mean.len(), layout.coordinates as usize, HealthyDensity);
+    require_length!(parts.novelty_whitening.len(), layout.whitening(), HealthyDensity);
+    let (least, most) = (f32::MIN, f32::MAX);
+    let finite = all_within(parts.novelty_mean, least, most) && all_within(parts.novelty_whitening, least, most);
+    require!(finite, HealthyDensity);
+    if let Some(class) = parts.healthy {
+        require!(class < layout.classes, HealthyClass);
+        require!(increase(parts.knots) && all_within(parts.knots.as_flattened(), 0.0, most), SurpriseCurve);
+        require!(parts.limit > 0.0, NoveltyLimit);
+    }
+    let EvidenceConstants { bet, limit, cap } = parts.evidence;
+    require!(bet > 0.0 && bet < 1.0 && limit > 0.0 && cap > 0.0 && cap.is_finite(), Evidence);
+    Ok(())
+}
+
+/// Whether both coordinates of the knots increase. NaN does not.
+const fn increase(knots: &[[f32; 2]]) -> bool {
+    let mut rest = knots;
+    while let [[x0, s0], later @ ..] = rest {
+        if let [[x1, s1], ..] = later
+            && !(*x0 < *x1 && *s0 < *s1)
+        {
+            return false;
+        }
+        rest = later;
+    }
+    true
+}
+
+/// Whether every value is within the range. NaN is not.
+const fn all_within(values: &[f32], least: f32, most: f32) -> bool {
+    let mut rest = values;
+    while let [x, later @ ..] = rest {
+        if !(*x >= least && *x <= most) {
+            return false;
+        }
+        rest = later;
+    }
+    true
+}
+
+/// Whether sums of squares of a signal within its limit, so scaled, stay far inside the range of f32.
+const fn bounded(scale: &[f32], limit: f32) -> bool {
+    // Only level and first difference can be large; differences share one scale.
+    all_within(scale, 0.0, 1e14 / limit)
+}
+
+/// Whether every value is a power of two within 2^±60.
+const fn all_powers_of_two(values: &[f32]) -> bool {
+    let mut rest = values;
+    while let [x, later @ ..] = rest {
+        if !(*x >= 8.67e-19 && *x <= 1.16e18 && x.to_bits() & 0x007F_FFFF == 0) {
+            return false;
+        }
+        rest = later;
+    }
+    true
+}
+
+/// Whether all differences of a signal, the columns after its level, have one scale.
+const fn differences_alike(scale: &[f32]) -> bool {
+    let mut rest = match scale {
+        [_level, differences @ ..] => differences,
+        [] => return true,
+    };
+    while let [one, other, ..] = rest {
+        if one.to_bits() != other.to_bits() {
+            return false;
+        }
+        rest = match rest {
+            [_, later @ ..] => later,
+            [] => return true,
+        };
+    }
+    true
+}
+
+/// The first `count` values, and the rest; all of them if there are fewer.
+const fn split(values: &[f32], count: usize) -> (&[f32], &[f32]) {
+    match values.split_at_checked(count) {
+        Some(parts) => parts,
+        None => (values, &[]),
+    }
+}

@@ -1,0 +1,138 @@
+//! Array lengths as types, so that one plan fixes every length of a detector.
+//!
+//! Stable Rust accepts no expression of a type's constants as an array length inside a generic type. A [`Size`] carries
+//! the length instead: [`Fixed`] stands for an array of `N` elements, `Heap` (feature `alloc`) for a vector whose length
+//! is known at run time only. A length of 0 or 1 stands for a part that a plan leaves out or has.
+
+use core::fmt::Debug;
+
+/// What can be printed: `Debug`, and with the feature `defmt` also `defmt::Format`.
+#[cfg(feature = "defmt")]
+pub trait Printable: Debug + defmt::Format {}
+#[cfg(feature = "defmt")]
+impl<T: Debug + defmt::Format> Printable for T {}
+
+/// What can be printed: `Debug`, and with the feature `defmt` also `defmt::Format`.
+#[cfg(not(feature = "defmt"))]
+pub trait Printable: Debug {}
+#[cfg(not(feature = "defmt"))]
+impl<T: Debug> Printable for T {}
+
+/// An element of an array whose length a plan fixes.
+pub trait Item: Clone + PartialEq + Printable {}
+impl<T: Clone + PartialEq + Printable> Item for T {}
+
+/// Elements of one type, as many as a [`Size`] says.
+pub trait Cells<T>: Clone + PartialEq + Printable {
+    /// `length` elements; an array has its own length and ignores the argument.
+    fn from_fn(length: usize, element: impl FnMut(usize) -> T) -> Self;
+
+    /// The elements.
+    fn cells(&self) -> &[T];
+
+    /// The elements, to be changed.
+    fn cells_mut(&mut self) -> &mut [T];
+
+    /// `length` copies of a value.
+    #[inline(always)]
+    fn filled(length: usize, value: T) -> Self
+    where
+        T: Clone,
+    {
+        Self::from_fn(length, |_| value.clone())
+    }
+
+    /// The only element of an array of length 1; `None` for length 0.
+    #[inline(always)]
+    fn part(&self) -> Option<&T> {
+        self.cells().first()
+    }
+
+    /// The only element of an array of length 1, to be changed; `None` for length 0.
+    #[inline(always)]
+    fn part_mut(&mut self) -> Option<&mut T> {
+        self.cells_mut().first_mut()
+    }
+}
+
+/// A length.
+pub trait Size: sealed::Sealed + Copy + PartialEq + Printable {
+    /// Elements of type `T`.
+    type Array<T: Item>: Cells<T>;
+
+    /// A function of each element.
+    fn map<T: Item, U: Item>(from: &Self::Array<T>, element: impl FnMut(&T) -> U) -> Self::Array<U>;
+}
+
+/// Elements of type `T`, as many as the size `S` says.
+pub type Array<S, T> = <S as Size>::Array<T>;
+
+/// The length `N`, known at compile time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Fixed<const N: usize>;
+
+impl<const N: usize> Size for Fixed<N> {
+    type Array<T: Item> = [T; N];
+
+    #[inline(always)]
+    fn map<T: Item, U: Item>(from: &[T; N], element: impl FnMut(&T) -> U) -> [U; N] {
+        from.each_ref().map(element)
+    }
+}
+
+impl<T: Item, const N: usize> Cells<T> for [T; N] {
+    #[inline(always)]
+    fn from_fn(_length: usize, element: impl FnMut(usize) -> T) -> Self {
+        core::array::from_fn(element)
+    }
+
+    #[inline(always)]
+    fn cells(&self) -> &[T] {
+        self
+    }
+
+    #[inline(always)]
+    fn cells_mut(&mut self) -> &mut [T] {
+        self
+    }
+}
+
+/// A length known at run time only.
+#[cfg(any(test, feature = "alloc"))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Heap;
+
+#[cfg(any(test, feature = "alloc"))]
+impl Size for Heap {
+    type Array<T: Item> = alloc::vec::Vec<T>;
+
+    fn map<T: Item, U: Item>(from: &alloc::vec::Vec<T>, element: impl FnMut(&T) -> U) -> alloc::vec::Vec<U> {
+        from.iter().map(element).collect()
+    }
+}
+
+#[cfg(any(test, feature = "alloc"))]
+impl<T: Item> Cells<T> for alloc::vec::Vec<T> {
+    fn from_fn(length: usize, element: impl FnMut(usize) -> T) -> Self {
+        (0..length).map(element).collect()
+    }
+
+    #[inline(always)]
+    fn cells(&self) -> &[T] {
+        self
+    }
+
+    #[inline(always)]
+    fn cells_mut(&mut self) -> &mut [T] {
+        self
+    }
+}
+
+mod sealed {
+    pub trait Sealed {}
+    impl<const N: usize> Sealed for super::Fixed<N> {}
+    #[cfg(any(test, feature = "alloc"))]
+    impl Sealed for super::Heap {}
+}

@@ -1,0 +1,104 @@
+//! The auxiliary model: the model that rows are made and judged with, and its successor until the handover.
+//!
+//! The model of a segment takes over a fixed number of samples into the next segment, whether it was solved at once or in
+//! another thread: both give the same bits. Without a successor the model stays; after [`PATIENCE`] segments the nominal
+//! model returns.
+
+use crate::plan::{Array, Cells, Plan};
+
+/// Segments without a successor after which the nominal model returns.
+const PATIENCE: u8 = 3;
+
+/// A model in the form in which a row source computes, and the residual beyond which a row weighs less.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Candidate<P: Plan> {
+    /// Parameters.
+    pub theta: Array<P::Parameters, f32>,
+    /// Residual beyond which a row weighs less; infinite for never.
+    pub threshold: f32,
+}
+
+/// The auxiliary model and its successor.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Auxiliary<P: Plan> {
+    /// The model in use.
+    pub now: Candidate<P>,
+    next: Candidate<P>,
+    /// Samples until the handover; zero once it is past.
+    until: u16,
+    waiting: bool,
+    /// Segments in a row without a successor.
+    pub refused: u8,
+}
+
+impl<P: Plan> Auxiliary<P> {
+    /// Starts with a model.
+    #[must_use]
+    pub fn new(now: Candidate<P>) -> Self {
+        Self { next: now.clone(), now, until: 0, waiting: false, refused: 0 }
+    }
+
+    /// Offers the model for the next handover.
+    pub fn offer(&mut self, next: Candidate<P>) {
+        (self.next, self.waiting) = (next, true);
+    }
+
+    /// Whether the handover of the open segment is still ahead.
+    #[must_use]
+    pub const fn awaits(&self) -> bool {
+        self.until > 0
+    }
+
+    /// Starts a segment; returns whether the handover is now.
+    pub fn next_segment(&mut self, handover: u16, nominal: impl FnOnce() -> Candidate<P>) -> bool {
+        self.until = handover;
+        if handover == 0 {
+            self.hand_over(nominal);
+        }
+        handover == 0
+    }
+
+    /// Counts a sample; returns whether the handover is now.
+    #[inline(always)]
+    pub fn tick(&mut self, nominal: impl FnOnce() -> Candidate<P>) -> bool {
+        if self.until == 0 {
+            return false;
+        }
+        self.until = self.until.wrapping_sub(1);
+        if self.until == 0 {
+            self.hand_over(nominal);
+        }
+        self.until == 0
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn hand_over(&mut self, nominal: impl FnOnce() -> Candidate<P>) {
+        if self.waiting {
+            (self.waiting, self.refused) = (false, 0);
+            self.now.threshold = self.next.threshold;
+            self.now.theta.cells_mut().iter_mut().zip(self.next.theta.cells()).for_each(|(to, from)| *to = *from);
+            return;
+        }
+        self.refused = self.refused.saturating_add(1);
+        if self.refused >= PATIENCE {
+            self.now = nominal();
+        }
+    }
+}
+
+/// The residual beyond which a row weighs less, for residuals of that standard deviation.
+pub fn threshold(huber: f32, deviation: f32) -> f32 {
+    let threshold = huber * deviation;
+    // Zero stands for "none" or "unknown". NaN must not switch every row off.
+    if threshold > 0.0 { threshold } else { f32::INFINITY }
+}
+
+/// Huber's weight of a residual.
+#[inline(always)]
+pub fn weight(residual: f32, threshold: f32) -> f32 {
+    let size = residual.abs();
+    if size > threshold { threshold / size } else { 1.0 }
+}

@@ -1,0 +1,64 @@
+use super::*;
+use crate::plan::{Method, RunTime, testing};
+
+fn plan() -> RunTime {
+    testing::regression(Structure::new(2, 2, 1, 1, 2), Method::Instruments, Memory::Segment)
+}
+
+/// A model with the poles 0.8 and 0.7, and the gain of u1.
+fn constants(gain: f32) -> Regression<RunTime> {
+    let mut constants = Regression::new(plan());
+    constants.nominal.copy_from_slice(&[-0.06, 0.56, gain, 0.0, -0.1]);
+    constants
+}
+
+/// Two square waves, and an output that follows neither.
+fn inputs(t: usize) -> Inputs {
+    let wave = |period: usize| if t % (2 * period) < period { 1.0 } else { -1.0 };
+    Inputs { y: wave(7), u1: wave(5), u2: wave(3) }
+}
+
+#[test]
+fn a_bad_sample_restarts_the_filters() {
+    let constants = constants(0.06);
+    let mut rows = Instruments::new(plan(), &constants);
+    let mut given = 0;
+    for t in 0..500 {
+        if t == 250 {
+            rows.flush(plan());
+        }
+        given += usize::from(rows.push(plan(), &constants, inputs(t), 100.0).is_some());
+    }
+    assert_eq!(given, 500 - 2 * 103);
+}
+
+#[test]
+fn the_row_holds_filtered_signals() {
+    // With t = [−1, 0] the filter passes its input: f + (f − in)·(−1) = in.
+    let mut constants = constants(0.5);
+    constants.nominal.copy_from_slice(&[-1.0, 0.0, 0.5, 0.0, 0.25]);
+    constants.settle = 0;
+    let mut rows = Instruments::new(plan(), &constants);
+    for t in 0..40 {
+        let row = rows.push(plan(), &constants, inputs(t), 100.0).map(|row| row.cells.to_vec());
+        let Some(row) = row.filter(|_| t > 10) else { continue };
+        let (now, before) = (inputs(t - 1), inputs(t - 2));
+        assert_eq!(row[..3], [now.u1, now.u1 - before.u1, inputs(t - 2).u2], "t = {t}: u1, its difference, u2");
+        // Simulated output one sample ago, and the measured one with its difference.
+        let simulated = |t: usize| 0.5 * inputs(t - 1).u1 + 0.25 * inputs(t - 2).u2;
+        assert_eq!((row[3], row[5], row[6]), (simulated(t - 1), now.y, now.y - before.y), "t = {t}");
+        assert_eq!(row[7], inputs(t).y - simulated(t), "t = {t}: prediction error");
+    }
+}
+
+#[test]
+fn an_exploding_simulation_starts_anew() {
+    // Stable, but the gain of u1 is absurd: the simulated output leaves every bound.
+    let wild = constants(1e30);
+    let mut rows = Instruments::new(plan(), &wild);
+    for t in 0..2000 {
+        let row = rows.push(plan(), &wild, inputs(t), 100.0);
+        assert!(row.is_none_or(|row| row.cells.iter().all(|x| x.abs() < 1e5)));
+        assert!(rows.cells.iter().all(|x| x.is_finite()));
+    }
+}
