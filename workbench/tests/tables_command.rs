@@ -4,8 +4,8 @@ mod common;
 
 use common::{refuse, succeed};
 use serde_json::Value;
-use workbench::demo::{self, Settings as DemoSettings};
-use workbench::tables::{Id, Settings, Table, run};
+use workbench::study::demo::{self, Settings as DemoSettings};
+use workbench::study::tables::{Id, Settings, Table, run};
 
 fn make(repetitions: u32, seed: u32, numbers: &[&str]) -> Vec<Table> {
     let tables = numbers.iter().map(|n| Id::parse(n).expect("a table")).collect();
@@ -62,7 +62,7 @@ fn the_literal_method_and_ours_on_the_rig() {
     let tables = make(6, 301, &["4.3", "4.4"]);
     let [_, error_2, error_3] = &tables[..] else { panic!("an overview and two tables") };
     let literal = "validation, with PCA";
-    let ours = workbench::tables::ours::NAME;
+    let ours = workbench::study::tables::ours::NAME;
     for table in [error_2, error_3] {
         // 360 decisions; an error of 0.25 % or less is one at most.
         assert!(mean(table, ours, "three classes") <= 0.3, "{}", table.id);
@@ -107,5 +107,5 @@ fn the_demonstration_and_the_tables_agree() {
     close("validation, with PCA", "both pooled", literal.binary_error());
     close("validation, with PCA", "healthy fit", literal.fit_percent / 100.0);
     let ours = draw.repetition.shaft.error_rate().value;
-    close(workbench::tables::ours::NAME, "three classes", ours);
+    close(workbench::study::tables::ours::NAME, "three classes", ours);
 }

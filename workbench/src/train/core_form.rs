@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 
 use super::{Shrink, Shrinkage, Trained};
 use crate::Error;
-use crate::embedded::{Embedded, MAX_ORDERS, with_room};
+use crate::core::{Embedded, MAX_ORDERS, with_room};
 
 /// Columns of the largest model there is.
 pub const MAX_COLUMNS: usize = 100;

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use super::core_form::MAX_COLUMNS;
 use super::statistics;
 use crate::Error;
-use crate::features;
+use crate::core::features;
 use crate::identify::{Estimate, Structure, least_squares, poles, sriv};
 use crate::trace::Trace;
 use crate::trace::labels::LabelledTrace;

@@ -10,6 +10,7 @@ mod core_form;
 mod cross_validation;
 pub(crate) mod discriminant;
 mod estimation;
+pub mod export;
 mod fit;
 pub mod novelty;
 pub(crate) mod projection;
@@ -28,8 +29,8 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use crate::Error;
-use crate::embedded::MAX_ORDERS;
-use crate::features::{self, Catalogue};
+use crate::core::MAX_ORDERS;
+use crate::core::features::{self, Catalogue};
 use crate::identify::{Estimate, Structure, least_squares};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Trace, same_interval};
@@ -342,14 +343,15 @@ mod tests {
     use bearing_watch::estimate::Method;
 
     use super::*;
-    use crate::demo::{self, FirstInput};
     use crate::rig::Scenario;
+    use crate::study::demo::{self, FirstInput};
+    use crate::study::recipes;
 
     #[test]
     fn segments_of_a_trace_or_run_are_of_one_group() {
         let traces = demo::traces(&Scenario::STANDARD, FirstInput::Reference, (905, 2), || ()).expect("simulates");
         for method in [Method::LeastSquares, Method::Instruments] {
-            let mut recipe = demo::all_parameters();
+            let mut recipe = recipes::all_parameters();
             recipe.estimation = Estimation { method, segment: Some(1000), ..Estimation::default() };
             let trained = train(&traces, &demo::class_names(), &recipe).expect("regular");
             // Six traces of five segments.
