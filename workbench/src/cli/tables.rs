@@ -7,8 +7,7 @@ use crate::Error;
 use crate::report::pages::tables::page;
 use crate::study::tables::{Id, Settings, render, run as make, words};
 
-/// The source's tables reproduced on the simulated standard rig, beside the published figures, with words on where and
-/// why they differ
+/// The source's tables reproduced on the simulated standard rig, beside the published figures, with a note to each
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  bearing-watch tables --only 4.1,4.3 --report tables.html --out tables.csv")]
 pub(super) struct Args {

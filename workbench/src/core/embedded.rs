@@ -12,6 +12,9 @@ use super::words::explain;
 use crate::identify::Structure;
 use crate::trace::Trace;
 
+/// Columns of the largest model there is.
+pub const MAX_COLUMNS: usize = 100;
+
 /// A model in the core's form, in the smallest capacity that holds it.
 #[derive(Clone, Debug)]
 pub struct Embedded {

@@ -14,8 +14,8 @@ mod segment;
 mod watch;
 mod words;
 
-pub use embedded::Embedded;
 pub(crate) use embedded::with_room;
+pub use embedded::{Embedded, MAX_COLUMNS};
 pub use motion::MAX_ORDERS;
 pub use segment::{Finding, SegmentReport};
 pub use watch::Watched;

@@ -196,3 +196,28 @@ pub fn rows(repetitions: &[Repetition]) -> Vec<Row> {
         row("source: the same, two binary LDAs", "28.3 (Table 4.1)", |r| r.literal.binary_error()),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use bearing_watch::estimate::Method;
+
+    use super::*;
+    use crate::train::Estimation;
+
+    #[test]
+    fn segments_of_a_trace_or_run_are_of_one_group() {
+        let simulated = traces(&Scenario::STANDARD, FirstInput::Reference, (905, 2), || ()).expect("simulates");
+        for method in [Method::LeastSquares, Method::Instruments] {
+            let mut recipe = all_parameters();
+            recipe.estimation = Estimation { method, segment: Some(1000), ..Estimation::default() };
+            let trained = train(&simulated, &class_names(), &recipe).expect("regular");
+            // Six traces of five segments.
+            assert_eq!(trained.candidates.groups, (0..30).map(|row| row / 5).collect::<Vec<_>>(), "{method:?}");
+            recipe.validation.groups = ["x", "y", "x", "y", "x", "y"].map(String::from).to_vec();
+            let trained = train(&simulated, &class_names(), &recipe).expect("regular");
+            assert_eq!(trained.candidates.groups, (0..30).map(|row| row / 5 % 2).collect::<Vec<_>>(), "{method:?}");
+            recipe.validation.groups.pop();
+            assert!(train(&simulated, &class_names(), &recipe).is_err());
+        }
+    }
+}

@@ -17,8 +17,9 @@ pub fn all_parameters() -> Recipe {
 
 /// The torque balance's scores and the outer race's order, quadratic discriminant with halved correlations; no gate.
 ///
-/// Twenty traces a class give correlations that are chance: whole, they fail under a square reference in one draw of fifteen, halved
-/// in one of thirty draws of [`super::campaign::Purpose::Selection`] traces.
+/// Correlations estimated from twenty traces a class are uncertain. With whole correlations the recipe fails under a
+/// square reference in one draw of fifteen, with halved ones in one of thirty draws of
+/// [`Selection`](super::campaign::Purpose::Selection) traces.
 #[must_use]
 pub fn shaft() -> Recipe {
     let outer = BearingGeometry::THESIS.orders().outer;

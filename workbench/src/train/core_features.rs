@@ -11,10 +11,10 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::FeatureTable;
-use super::core_form::{MAX_COLUMNS, bytes, refused, samples};
+use super::core_form::{bytes, refused, samples};
 use crate::Error;
 use crate::core::features;
-use crate::core::{Embedded, MAX_ORDERS, SegmentReport};
+use crate::core::{Embedded, MAX_COLUMNS, MAX_ORDERS, SegmentReport};
 use crate::trace::labels::LabelledTrace;
 
 const REMEDY: &str = "; choose other channels or a lower order, or leave the trace out";

@@ -3,10 +3,13 @@
 use bearing_watch::decide::Kind;
 use nalgebra::SymmetricEigen;
 
-use super::draw::{Draw, Model, Recorded, Selection, choose};
-use super::published::{ERROR_WITH_PCA, ERROR_WITHOUT_PCA, ORDER_WITH_PCA, ORDER_WITHOUT_PCA, TABLE_3_1};
+use super::draw::{Draw, Model, choose};
+use super::published::{
+    ERROR_WITH_PCA, ERROR_WITHOUT_PCA, ORDER_WITH_PCA, ORDER_WITHOUT_PCA, TABLE_3_1, written_order,
+};
+use super::recorded::{Recorded, Selection};
 use super::result::{Cell, Column, Digits, Figure, Row, Spread, Table};
-use super::{ours, separation, words};
+use super::{ours, separation};
 use crate::Error;
 use crate::identify::{Method, Order};
 use crate::structure::{Candidate, Estimator, Grid, Search, search};
@@ -69,7 +72,7 @@ pub(super) fn components(draw: &Draw) -> Result<Table, Error> {
     }
     Ok(Table {
         id: "3.1",
-        title: format!("Table 3.1: principal components of a1, a2, a3; order {}, iv4", words::order(ORDER_WITH_PCA)),
+        title: format!("Table 3.1: principal components of a1, a2, a3; order {}, iv4", written_order(ORDER_WITH_PCA)),
         conditions: CONDITIONS.to_string(),
         columns: COMPONENT_COLUMNS.map(|(name, digits)| Column::new(name, digits)).to_vec(),
         rows,
@@ -134,7 +137,7 @@ struct Case {
 impl Case {
     /// Features as they are.
     fn plain(name: &str, order: Order, method: Method, features: &'static [&'static str]) -> Self {
-        let name = format!("{}, {name}", words::order(order));
+        let name = format!("{}, {name}", written_order(order));
         let projection = ProjectionKind::None;
         Self { name, published: None, model: model(order, method), features, projection, kind: Kind::Linear }
     }
@@ -212,8 +215,8 @@ pub(super) fn orders(draw: &Draw) -> Result<Table, Error> {
         of.max_by(|x, y| x.fit_percent.total_cmp(&y.fit_percent))
     };
     let named = [
-        (format!("{}, the source's second order", words::order(ORDER_WITHOUT_PCA)), of_order(ORDER_WITHOUT_PCA)),
-        (format!("{}, its third order", words::order(ORDER_WITH_PCA)), of_order(ORDER_WITH_PCA)),
+        (format!("{}, the source's second order", written_order(ORDER_WITHOUT_PCA)), of_order(ORDER_WITHOUT_PCA)),
+        (format!("{}, its third order", written_order(ORDER_WITH_PCA)), of_order(ORDER_WITH_PCA)),
         ("best fit with na = 1".to_string(), best(1)),
         ("best fit with na = 2".to_string(), best(2)),
         ("best fit with na = 3".to_string(), best(3)),
@@ -228,7 +231,7 @@ pub(super) fn orders(draw: &Draw) -> Result<Table, Error> {
         conditions: format!(
             "{} structures up to {} by iv4 on one healthy trace, free-run fit on another; y, u1, u2 as above.",
             structures.len(),
-            words::order(max)
+            written_order(max)
         ),
         columns: columns.map(|(name, places)| Column::new(name, Digits::Fixed(places))).to_vec(),
         rows,

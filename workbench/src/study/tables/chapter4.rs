@@ -2,11 +2,11 @@
 
 use bearing_watch::decide::Kind;
 
-use super::draw::{Draw, Model, Selection, choose};
+use super::draw::{Draw, Model, choose};
 use super::ours;
-use super::published::Simulation;
+use super::published::{Simulation, written_order};
+use super::recorded::Selection;
 use super::result::{Cell, Column, Digits, Figure, Plane, PlaneClass, Row, Table};
-use super::words;
 use crate::Error;
 use crate::identify::Method;
 use crate::study::demo::FirstInput;
@@ -58,7 +58,7 @@ pub(super) fn measure(published: &Simulation, draw: &Draw) -> Result<Table, Erro
         FirstInput::Reference => "velocity reference",
         FirstInput::Error => "velocity error",
     };
-    let order = words::order(published.order);
+    let order = written_order(published.order);
     Ok(Table {
         id: published.number,
         title: format!("Table {}: misclassified, %; u1 = {input}, order {order}", published.number),

@@ -1,9 +1,10 @@
 //! Table 2.2 on the standard rig: how features are distributed by class, and how far the classes lie apart.
 
-use super::draw::{Draw, Estimated, Model, Selection, choose};
-use super::published::{CHAPTER_4, TABLE_2_2};
+use super::draw::{Draw, Estimated, Model, choose};
+use super::published::{CHAPTER_4, TABLE_2_2, written_order};
+use super::recorded::Selection;
 use super::result::{Cell, Column, Digits, Figure, Row, Spread, Table};
-use super::{separation, words};
+use super::separation;
 use crate::Error;
 use crate::identify::{Method, Order};
 use crate::study::demo::FirstInput;
@@ -101,7 +102,7 @@ pub(super) fn separations(draw: &Draw) -> Result<Table, Error> {
             let model = Model { input: simulation.input, order: simulation.order, method };
             let estimates = draw.estimates(model)?;
             let name = if method == Method::Ls { "LS" } else { "iv4" };
-            let head = format!("{} {}, {name}:", input_name(model.input), words::order(model.order));
+            let head = format!("{} {}, {name}:", input_name(model.input), written_order(model.order));
             let (names, places) = choose(model, &["a"])?;
             if method == Method::Iv4 {
                 let [training, _] = estimates.tables(SELECTION, &places);

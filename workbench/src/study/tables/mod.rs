@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! seed ─► draw: traces, estimates (shared) ─► distributions 2.2, chapter3, chapter4, pieces ─► Table, a value a cell
-//!         once a repetition                   ours: the one place that knows our method          │ absorb
-//!         published: as printed                                       words ─► render, page ◄────┘ mean ± sd
+//!         once a repetition                   ours: training and verdicts of our method          │ absorb
+//!         published: as printed                                    words: notes ─► render ◄──────┘ mean ± sd
 //! ```
 //!
 //! A repetition draws a training and a validation set; no trace is ever shared between sets. Deviations are those of
@@ -11,71 +11,23 @@
 
 mod chapter3;
 mod chapter4;
-mod chapter4_words;
 mod distributions;
 pub mod draw;
 pub mod ours;
 mod overview;
 mod pieces;
 pub mod published;
+mod recorded;
 pub mod render;
 pub mod result;
 mod separation;
+mod settings;
 pub mod words;
 
 use crate::Error;
-use crate::study::demo;
 use draw::Draw;
 pub use result::{Cell, Statistic, Table};
-
-/// The tables there are, by number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Id(&'static str);
-
-impl Id {
-    /// All of them.
-    pub const ALL: [Self; 8] =
-        [Self("2.2"), Self("3.1"), Self("3.2"), Self("4.1"), Self("4.2"), Self("4.3"), Self("4.4"), Self("piecewise")];
-
-    /// Reads a number.
-    ///
-    /// # Errors
-    /// Says which tables there are.
-    pub fn parse(text: &str) -> Result<Self, String> {
-        let known = Self::ALL.into_iter().find(|id| id.0 == text.trim());
-        let names = Self::ALL.map(|id| id.0).join(", ");
-        known.ok_or_else(|| format!("there is no table \"{text}\"; there are {names}"))
-    }
-
-    /// As it is written.
-    #[must_use]
-    pub const fn name(&self) -> &'static str {
-        self.0
-    }
-}
-
-/// What is reproduced.
-#[derive(Clone, Debug)]
-pub struct Settings {
-    /// Draws of training and validation sets.
-    pub repetitions: u32,
-    /// Repetition r trains on set `seed` + 2r and validates on set `seed` + 2r + 1.
-    pub seed: u32,
-    /// Tables, in the order they are shown.
-    pub tables: Vec<Id>,
-}
-
-impl Settings {
-    /// Steps of which [`run`] tells.
-    #[must_use]
-    pub fn steps(&self) -> usize {
-        self.repetitions as usize * (self.tables.len() + 1)
-    }
-
-    fn sets(&self, repetition: u32) -> (u32, u32) {
-        demo::Settings { repetitions: self.repetitions, traces: 0, seed: self.seed }.sets(repetition)
-    }
-}
+pub use settings::{Id, Settings};
 
 /// Makes the tables; `done` is called once a step.
 ///
@@ -101,7 +53,7 @@ pub fn run(settings: &Settings, done: impl Fn()) -> Result<Vec<Table>, Error> {
         }
     }
     for table in &mut all {
-        table.words = words::of(table);
+        table.words = words::of(table).into_iter().collect();
     }
     Ok(overview::of(&all).into_iter().chain(all).collect())
 }

@@ -1,6 +1,6 @@
 //! Our method, in one place: every table asks here.
 
-use super::draw::{Draw, Recorded, Selection};
+use super::recorded::{Recorded, Selection};
 use crate::Error;
 use crate::core::Finding;
 use crate::evaluate;
@@ -44,10 +44,10 @@ pub fn verdicts(
 ///
 /// # Errors
 /// As [`verdicts`].
-pub fn judge(draw: &Draw, selection: Selection) -> Result<Judged, Error> {
+pub fn judge(training: &[Recorded], validation: &[Recorded], selection: Selection) -> Result<Judged, Error> {
     let names = selection.names();
     let [training, validation] =
-        [&draw.training, &draw.validation].map(|set| selection.pick(set, |recorded: &Recorded| recorded.class));
+        [training, validation].map(|set| selection.pick(set, |recorded: &Recorded| recorded.class));
     let decided = verdicts(&as_they_are(&training), &as_they_are(&validation), &names)?;
     let mut binary = Vec::new();
     for defect in 1..names.len() {

@@ -4,8 +4,9 @@ use bearing_watch::decide::Kind;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::draw::{Draw, Model, Recorded, Selection, choose};
+use super::draw::{Draw, Model, choose};
 use super::ours;
+use super::recorded::{Recorded, Selection};
 use super::result::{Cell, Column, Digits, Row, Table};
 use crate::Error;
 use crate::identify::{Method, iv4};

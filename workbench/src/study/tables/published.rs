@@ -105,6 +105,12 @@ pub const CHAPTER_4: [Simulation; 4] = [
     },
 ];
 
+/// An order vector as the source writes it.
+pub(super) fn written_order(order: Order) -> String {
+    let numbers = order.to_array().map(|n| n.to_string()).join(" ");
+    format!("[{numbers}]")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
