@@ -3,6 +3,7 @@
 mod args;
 mod campaign;
 mod demo;
+mod description;
 mod evaluate;
 mod grey_box;
 mod identify;

@@ -3,18 +3,19 @@
 use std::path::PathBuf;
 
 use bearing_watch::decide::Kind;
-use bearing_watch::estimate::{Memory, Method};
+use bearing_watch::estimate::Method;
 use bearing_watch::model::MAX_BLOCK_MEAN;
 use clap::ValueEnum;
 use serde_json::json;
 
-use super::args::alarms::{self, AlarmArgs};
+use super::args::alarms::AlarmArgs;
 use super::args::estimation::EstimationArgs;
 use super::args::odds::{costs, priors};
 use super::args::shaft::ShaftArgs;
 use super::args::traces::{
     ChannelArgs, PreparationArgs, Selection, SelectionArgs, StructureArgs, ValidationArgs, warn_irregular,
 };
+use super::description::{self, estimated_by, method_word};
 use super::model_file::{Notes, check_rate, prepare};
 use super::output;
 use crate::Error;
@@ -137,7 +138,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let prepared = prepare(&training, preparation)?;
     let mut trained = crate::train::train(&prepared, &classes, &recipe)?;
     let host = embed_block_mean(&mut trained, preparation, &training);
-    let description = description(&trained, &channels, host);
+    let description = description::lines(&trained, &channels, host);
     if host != Preparation::NONE {
         output::warn(format!("the detector does not decimate: {}", description[3]));
     }
@@ -261,7 +262,7 @@ impl Args {
                 "held_out": found.held_out.as_ref().map(HeldOut::to_json),
                 "cross_validated": found.cross_validated.as_ref().and_then(|v| v.as_ref().ok()).map(Scores::to_json),
                 "ranking": found.ranking.as_ref().map(Ranking::to_json),
-                "novelty": alarms::to_json(trained),
+                "novelty": description::gate_to_json(trained),
             }));
         }
         let traces: Vec<String> = trained.classes.iter().zip(counts).map(|(name, n)| format!("{n} {name}")).collect();
@@ -275,7 +276,7 @@ impl Args {
             bytes,
             self.model.display()
         ))?;
-        alarms::description(trained).map_or(Ok(()), output::say)?;
+        description::gate(trained).map_or(Ok(()), output::say)?;
         match &found.cross_validated {
             Some(Ok(scores)) => {
                 let error = 100.0 * scores.error;
@@ -289,29 +290,6 @@ impl Args {
             output::say(format!("held-out traces, through the embedded detector:\n{confusion}\n{scores}"))?;
         }
         found.ranking.as_ref().map_or(Ok(()), |ranking| output::say(ranking.to_string()))
-    }
-}
-
-const fn method_word(method: Method) -> &'static str {
-    match method {
-        Method::LeastSquares => "ls",
-        Method::Instruments => "instruments",
-    }
-}
-
-/// Method and memory in words.
-fn estimated_by(trained: &Trained) -> String {
-    let regression = &trained.regression;
-    let nominal = &trained.classes[trained.recipe.estimation.nominal];
-    let method = match regression.method {
-        Method::LeastSquares => "least squares".to_string(),
-        Method::Instruments => {
-            format!("instrumental variables from the mean of {nominal}, settling for {} samples", regression.settle)
-        }
-    };
-    match regression.memory {
-        Memory::Segment => method,
-        Memory::Fading(forgetting) => format!("{method}, forgetting by {} a sample", forgetting.lambda),
     }
 }
 
@@ -356,35 +334,4 @@ fn embed_block_mean(trained: &mut Trained, preparation: Preparation, training: &
     trained.block_mean = preparation.block_mean;
     trained.interval_s = training.iter().find_map(|t| t.trace.interval_s).unwrap_or(0.0);
     Preparation::NONE
-}
-
-/// What a reader of the exported constants must know: channels, features, and what is fed.
-fn description(trained: &Trained, channels: &crate::trace::Channels, host: Preparation) -> Vec<String> {
-    let Preparation { block_mean, decimate } = host;
-    let step_s = trained.interval_s as f32;
-    let mut fed = match (block_mean, decimate) {
-        (1, 1) => "Feed every sample as recorded".to_string(),
-        (_, 1) => format!("Feed means of {block_mean} recorded samples"),
-        (1, _) => format!("Feed every {decimate}-th recorded sample behind an anti-alias filter"),
-        _ => format!("Feed every {decimate}-th mean of {block_mean} recorded samples behind an anti-alias filter"),
-    };
-    fed += &if step_s > 0.0 { format!(", one every {step_s} s.") } else { ".".into() };
-    let crate::trace::Channels { y, u1, u2, shaft } = channels;
-    let mut lines = vec![
-        format!("y = {y}, u1 = {u1}, u2 = {u2}; classes {}.", trained.classes.join(", ")),
-        format!("Features {}; {} discriminant.", trained.feature_names.join(", "), trained.kind_name()),
-        format!("Estimated by {}.", estimated_by(trained)),
-        fed,
-    ];
-    if let (Some(crate::trace::ShaftChannels { current, velocity, reference, load, angle }), Some(plan)) =
-        (shaft, &trained.recipe.shaft)
-    {
-        let orders: Vec<String> = plan.orders.iter().map(|(name, order)| format!("{name} {order:.5}")).collect();
-        let load = load.as_deref().unwrap_or("not measured, 0");
-        lines.push(format!(
-            "Motion: current {current}, velocity {velocity}, reference {reference}, load {load}, angle {angle}; orders {}.",
-            if orders.is_empty() { "none".into() } else { orders.join(", ") }
-        ));
-    }
-    lines.into_iter().chain(alarms::description(trained)).collect()
 }

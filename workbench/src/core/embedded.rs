@@ -216,8 +216,8 @@ fn previews<
     Ok(previews)
 }
 
-/// Runs where there is room for copies of the largest model on the stack, half a megabyte each: threads of tests and of the
-/// pool have two.
+/// Runs a function on a thread whose stack holds several copies of the largest model, half a megabyte each. Threads of
+/// tests and of the pool have a stack of two megabytes.
 pub(crate) fn with_room<T: Send>(run: impl FnOnce() -> T + Send) -> T {
     const STACK: usize = 32 << 20;
     std::thread::scope(|scope| {

@@ -56,8 +56,8 @@ pub use trained::Trained;
 /// Trains on prepared traces.
 ///
 /// # Errors
-/// Estimation errors of any trace; fewer than two classes, unless the only one is the healthy one; a class without traces; features that are constant or
-/// collinear within classes; priors or costs that do not match the classes.
+/// Estimation errors of any trace; fewer than two classes, unless the only one is the healthy one; a class without
+/// traces; features that are constant or collinear within classes; priors or costs that do not match the classes.
 pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> Result<Trained, Error> {
     check_intervals(traces)?;
     let longest = traces.iter().map(|t| t.trace.y.len()).max().unwrap_or(0);

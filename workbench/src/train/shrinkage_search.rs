@@ -48,8 +48,8 @@ impl Choice {
     }
 }
 
-/// The point of the grid of least cross-validated guarded log score; of equals the most shrunk. The projection is learnt anew in
-/// every fold.
+/// Returns the point of the grid of least cross-validated guarded log score, of equal points the most shrunk. The
+/// projection is trained anew in every fold.
 pub(crate) fn search(candidates: &Candidates, recipe: &Recipe) -> Result<Choice, Error> {
     let folds = Folds::new(candidates, &recipe.validation)?;
     let priors = discriminant::priors(&recipe.priors, candidates.table.names.len())?;

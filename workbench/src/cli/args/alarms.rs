@@ -1,10 +1,9 @@
-//! Options of the novelty gate, the reject option and the alarm, and what they led to.
+//! Arguments of the novelty gate, the reject option and the alarm.
 
 use clap::Args;
-use serde_json::{Value, json};
 
 use crate::Error;
-use crate::train::{AlarmInterval, Alarms, Trained};
+use crate::train::{AlarmInterval, Alarms};
 
 /// Names that mean the healthy class where none is given.
 const USUAL: [&str; 2] = ["healthy", "normal"];
@@ -55,33 +54,4 @@ impl AlarmArgs {
             interval,
         })
     }
-}
-
-/// Gate and alarm in words.
-pub(in crate::cli) fn description(trained: &Trained) -> Option<String> {
-    let gate = trained.watch.gate.as_ref()?;
-    Some(format!(
-        "Novel beyond distance {:.2} from {}: false-alarm rate {} a segment by {} segments (Gaussian with probability {:.2}, else heavier tails); false alarms every \
-         {:.3e} segments.",
-        gate.law.squared_at(gate.limit).sqrt(),
-        trained.classes[gate.class],
-        trained.recipe.alarms.false_alarm,
-        gate.rows,
-        gate.law.gaussian_probability(),
-        trained.watch.segments,
-    ))
-}
-
-pub(in crate::cli) fn to_json(trained: &Trained) -> Value {
-    let Some(gate) = &trained.watch.gate else { return Value::Null };
-    json!({
-        "healthy": trained.classes[gate.class],
-        "false_alarm": trained.recipe.alarms.false_alarm,
-        "distance": gate.law.squared_at(gate.limit).sqrt(),
-        "gaussian_probability": gate.law.gaussian_probability(),
-        "segments": gate.rows,
-        "segments_needed": gate.rows_needed,
-        "alarm_interval_segments": trained.watch.segments,
-        "alarm_limit_nats": trained.watch.evidence.limit,
-    })
 }

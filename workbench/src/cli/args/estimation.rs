@@ -1,4 +1,4 @@
-//! Options of the core's estimator.
+//! Arguments of the core's estimator.
 
 use bearing_watch::estimate::{MAX_LONG_SEGMENT_SAMPLES, Method as CoreMethod};
 use clap::{Args, ValueEnum};

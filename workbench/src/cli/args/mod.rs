@@ -1,4 +1,4 @@
-//! Argument groups that commands share, and what their values mean.
+//! Argument groups of the commands, and the settings that they stand for.
 
 pub(super) mod alarms;
 pub(super) mod estimation;

@@ -1,4 +1,4 @@
-//! Priors and costs as they are written on the command line.
+//! Arguments of priors and costs, as they are written on the command line.
 
 use crate::Error;
 

@@ -1,4 +1,4 @@
-//! Options of the shaft: its channels, and what is tracked.
+//! Arguments of the shaft: its channels, and what is tracked.
 
 use bearing_watch::estimate::Bearing;
 use clap::Args;
