@@ -1,9 +1,10 @@
 //! What the detector reaches on the standard rig: the campaign's experiments, a few repetitions of them.
 
-use workbench::campaign::experiments::{Experiment, Judge, Training, full_size};
-use workbench::campaign::run::{class_names, ours, repetition, training_set};
-use workbench::campaign::{Goal, Settings, experiments, mean_sd};
 use workbench::rig::{Condition, Defect, DefectKind};
+use workbench::study::campaign::experiments::{Experiment, Judge, Training, full_size};
+use workbench::study::campaign::run::{class_names, ours, repetition, training_set};
+use workbench::study::campaign::{Goal, Settings, experiments};
+use workbench::study::statistics::mean_sd;
 use workbench::train::train;
 
 /// Means over some repetitions, percent; numbers far from those of the documented campaign, so that these are other traces.

@@ -2,10 +2,10 @@
 
 use host_tests::data;
 use nalgebra::{DMatrix, DVector};
-use workbench::demo::{self, FirstInput};
-use workbench::features;
+use workbench::core::features;
 use workbench::identify::{Order, Structure, least_squares};
 use workbench::rig::Scenario;
+use workbench::study::demo::{self, FirstInput};
 use workbench::trace::labels::LabelledTrace;
 use workbench::trace::{Channels, Labels, Trace, read};
 use workbench::train::{Recipe, train};

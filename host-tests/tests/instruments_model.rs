@@ -4,14 +4,15 @@ use bearing_watch::estimate::{
     Accumulator, Fading, Form, Instruments, Method, Order, Regressor, Rows, Shape, Triangle, TwoLevel,
 };
 use bearing_watch::{Detector, Sample};
-use workbench::demo::{self, FirstInput};
-use workbench::embedded::Embedded;
+use workbench::core::Embedded;
+use workbench::evaluate;
 use workbench::identify::Structure;
 use workbench::rig::Scenario;
+use workbench::study::demo::{self, FirstInput};
 use workbench::trace::Trace;
 use workbench::trace::labels::LabelledTrace;
+use workbench::train::export;
 use workbench::train::{Estimation, Recipe, Trained, train};
-use workbench::{evaluate, export};
 
 const STRUCTURE: Structure = Structure { order: Order::new(2, 1, 2, 1, 1), offset: false };
 

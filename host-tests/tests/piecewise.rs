@@ -1,9 +1,9 @@
 //! Piece-wise estimation on the standard rig: what the slope threshold does to the classes.
 
 use bearing_watch::decide::Kind;
-use workbench::demo::{FirstInput, class_names, traces};
 use workbench::piecewise::{Cutting, PieceFeatures, validate};
 use workbench::rig::Scenario;
+use workbench::study::demo::{FirstInput, class_names, traces};
 use workbench::trace::labels::LabelledTrace;
 
 const REPETITIONS: u32 = 6;

@@ -5,10 +5,10 @@
 //! x* = (μ₀ + μ₁)/2 + σ²/(μ₁ − μ₀) · ln [C(1|0) P₀ / (C(0|1) P₁)]                        (1)
 //! ```
 
-use workbench::demo::{self, FirstInput};
-use workbench::embedded::Embedded;
+use workbench::core::Embedded;
 use workbench::identify::{Order, Structure};
 use workbench::rig::Scenario;
+use workbench::study::demo::{self, FirstInput};
 use workbench::trace::labels::LabelledTrace;
 use workbench::train::{FeatureTable, Recipe, train};
 

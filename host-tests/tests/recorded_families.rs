@@ -9,7 +9,7 @@
 
 use bearing_watch::decide::Kind;
 use host_tests::strokes::{LOADS, Stroke, detector, judge, strokes};
-use workbench::embedded::Finding;
+use workbench::core::Finding;
 use workbench::evaluate::{self, Confusion};
 use workbench::identify::{Order, Structure};
 use workbench::train::{Folds, Recipe, Shrink, Trained, predict};

@@ -15,7 +15,7 @@
 
 use host_tests::strokes::{LOADS, RUNS, Stroke, detector, judge, strokes};
 use nalgebra::{DMatrix, DVector};
-use workbench::embedded::Finding;
+use workbench::core::Finding;
 use workbench::evaluate::{Rate, TraceVerdict};
 use workbench::identify::{Order, Structure};
 use workbench::train::{Alarms, Recipe, Trained};

@@ -1,6 +1,7 @@
 //! The main job on the simulated standard rig: 20 draws of 20 + 20 traces a class, judged through the core.
 
-use workbench::demo::{self, Settings};
+use workbench::study::demo::{self, Settings};
+use workbench::study::statistics::mean_sd_percent;
 
 #[test]
 fn twenty_draws_reach_the_figures_of_the_standard_rig() {
@@ -8,7 +9,7 @@ fn twenty_draws_reach_the_figures_of_the_standard_rig() {
     let draws: Vec<_> = (0..settings.repetitions)
         .map(|k| demo::draw(&settings, k, || ()).expect("the standard rig trains").repetition)
         .collect();
-    let mean = |rate: fn(&demo::Repetition) -> f64| demo::mean_sd_percent(&draws.iter().map(rate).collect::<Vec<_>>());
+    let mean = |rate: fn(&demo::Repetition) -> f64| mean_sd_percent(&draws.iter().map(rate).collect::<Vec<_>>());
 
     let (all, all_sd) = mean(|r| r.all_parameters.error_rate().value);
     println!("LS, all of a b c, LDA: {all:.2} ± {all_sd:.2} % (goal 0 to 0.5)");

@@ -41,9 +41,6 @@ pub enum Error {
     /// A rig refuses its scenario.
     #[error(transparent)]
     Rig(#[from] crate::rig::RigError),
-    /// A plot or table could not be drawn.
-    #[error(transparent)]
-    Report(#[from] crate::report::ReportError),
 }
 
 impl Error {

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::Error;
-use crate::embedded::{Embedded, Finding, Segment};
+use crate::core::{Embedded, Finding, SegmentReport};
 use crate::trace::labels::LabelledTrace;
 
 /// Decisions counted: a row a true class, a column a decided class, then one column each of undetermined, novel and
@@ -206,7 +206,7 @@ pub struct TraceVerdict {
     /// Posteriors over the whole trace; empty where undetermined.
     pub posteriors: Vec<f32>,
     /// Its segments.
-    pub segments: Vec<Segment>,
+    pub segments: Vec<SegmentReport>,
 }
 
 /// Runs traces through the core; `done` is called once a trace.

@@ -1,5 +1,5 @@
 //! The `bearing-watch` command.
 
 fn main() -> std::process::ExitCode {
-    workbench::commands::run()
+    workbench::cli::run()
 }

@@ -13,6 +13,7 @@
 
 pub mod escape;
 pub mod page;
+pub mod pages;
 pub mod palette;
 pub mod plot;
 pub mod table;

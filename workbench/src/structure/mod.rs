@@ -16,7 +16,6 @@
 mod free_run;
 mod grid;
 mod instrumental;
-pub mod page;
 mod shared;
 mod triangle;
 

@@ -4,137 +4,15 @@ mod csv_reader;
 pub mod half_band;
 pub mod labels;
 pub mod prepare;
+mod record;
 
 use std::path::{Path, PathBuf};
 
 use crate::Error;
-use crate::rig::RigTrace;
 
 pub use labels::{Condition, Labels};
 pub use prepare::Preparation;
-
-/// What the drive knows of its shaft: columns as long as the trace.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct MotionTrace {
-    /// Quadrature or armature current.
-    pub current_a: Vec<f64>,
-    /// Measured velocity.
-    pub velocity_rad_s: Vec<f64>,
-    /// Velocity reference.
-    pub reference_rad_s: Vec<f64>,
-    /// Load torque; zeros where it is not measured.
-    pub load_nm: Vec<f64>,
-    /// Angle of the shaft, wrapped or not.
-    pub angle_rad: Vec<f64>,
-}
-
-impl From<&RigTrace> for MotionTrace {
-    fn from(recorded: &RigTrace) -> Self {
-        Self {
-            current_a: recorded.current_a.clone(),
-            velocity_rad_s: recorded.velocity_rad_s.clone(),
-            reference_rad_s: recorded.velocity_ref_rad_s.clone(),
-            load_nm: recorded.load_torque_nm.clone(),
-            angle_rad: recorded.angle_rad.clone(),
-        }
-    }
-}
-
-impl MotionTrace {
-    /// The same columns from `start` up to `end`.
-    #[must_use]
-    pub fn cut(&self, start: usize, end: usize) -> Self {
-        let part = |column: &[f64]| column[start..end].to_vec();
-        Self {
-            current_a: part(&self.current_a),
-            velocity_rad_s: part(&self.velocity_rad_s),
-            reference_rad_s: part(&self.reference_rad_s),
-            load_nm: part(&self.load_nm),
-            angle_rad: part(&self.angle_rad),
-        }
-    }
-}
-
-/// One record: output and two inputs at a constant rate.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Trace {
-    /// Name of its file, or the `trace` cell of a tidy table.
-    pub id: String,
-    /// Median step of the `t_s` column, s, where there is one.
-    pub interval_s: Option<f64>,
-    /// Steps of `t_s` that differ from the median by more than a tenth of it.
-    pub irregular_steps: usize,
-    /// Output.
-    pub y: Vec<f64>,
-    /// First input.
-    pub u1: Vec<f64>,
-    /// Second input.
-    pub u2: Vec<f64>,
-    /// The shaft, where its channels are wanted.
-    pub motion: Option<MotionTrace>,
-}
-
-/// Which columns the three signals come from: a column's name, or a difference `a-b` of two.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Channels {
-    /// Output.
-    pub y: String,
-    /// First input.
-    pub u1: String,
-    /// Second input.
-    pub u2: String,
-    /// The shaft's, where it is watched.
-    pub shaft: Option<ShaftChannels>,
-}
-
-/// Which columns the shaft's signals come from, likewise.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct ShaftChannels {
-    /// Current, A.
-    pub current: String,
-    /// Measured velocity, rad/s.
-    pub velocity: String,
-    /// Velocity reference, rad/s.
-    pub reference: String,
-    /// Load torque, N·m; nothing where it is not measured.
-    pub load: Option<String>,
-    /// Angle, rad.
-    pub angle: String,
-}
-
-impl ShaftChannels {
-    /// The columns of the DC-motor rig.
-    #[must_use]
-    pub fn rig() -> Self {
-        Self {
-            current: "current_a".into(),
-            velocity: "velocity_rad_s".into(),
-            reference: "velocity_ref_rad_s".into(),
-            load: Some("load_torque_nm".into()),
-            angle: "angle_rad".into(),
-        }
-    }
-}
-
-impl Channels {
-    /// Three signals, no shaft.
-    #[must_use]
-    pub fn new(y: impl Into<String>, u1: impl Into<String>, u2: impl Into<String>) -> Self {
-        Self { y: y.into(), u1: u1.into(), u2: u2.into(), shaft: None }
-    }
-}
-
-/// The id of a trace without the `.csv` of its file, for comparing.
-#[must_use]
-pub fn stem(id: &str) -> &str {
-    id.strip_suffix(".csv").or_else(|| id.strip_suffix(".CSV")).unwrap_or(id)
-}
-
-/// Whether two sample intervals are the same but for rounding of the recorded times.
-#[must_use]
-pub fn same_interval(one_s: f64, other_s: f64) -> bool {
-    (one_s - other_s).abs() <= 0.02 * one_s.abs().max(other_s.abs())
-}
+pub use record::{Channels, MotionTrace, ShaftChannels, Trace, same_interval, stem};
 
 /// Reads every trace of the given files and folders.
 ///

@@ -11,10 +11,10 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::FeatureTable;
-use super::core_form::{MAX_COLUMNS, bytes, refused, samples};
+use super::core_form::{bytes, refused, samples};
 use crate::Error;
-use crate::embedded::{Embedded, MAX_ORDERS, Segment};
-use crate::features;
+use crate::core::features;
+use crate::core::{Embedded, MAX_COLUMNS, MAX_ORDERS, SegmentReport};
 use crate::trace::labels::LabelledTrace;
 
 const REMEDY: &str = "; choose other channels or a lower order, or leave the trace out";
@@ -30,7 +30,7 @@ pub(super) fn run(
     let structure = estimator.structure();
     let each = |labelled: &LabelledTrace| -> Result<Vec<DVector<f64>>, Error> {
         let segments = estimator.run(&labelled.trace).map_err(refused)?;
-        let row = |segment: &Segment| match &segment.verdict {
+        let row = |segment: &SegmentReport| match &segment.verdict {
             Ok(_) => {
                 let own = features::of_core(structure, &segment.delta, segment.variance);
                 let all = own.iter().copied().chain(segment.shaft_features.iter().map(|x| f64::from(*x)));

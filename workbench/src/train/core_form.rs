@@ -9,10 +9,7 @@ use nalgebra::DMatrix;
 
 use super::{Shrink, Shrinkage, Trained};
 use crate::Error;
-use crate::embedded::{Embedded, MAX_ORDERS, with_room};
-
-/// Columns of the largest model there is.
-pub const MAX_COLUMNS: usize = 100;
+use crate::core::{Embedded, MAX_COLUMNS, MAX_ORDERS, with_room};
 
 impl Trained {
     /// The core's form. Capacities beyond what is in use hold neutral values.

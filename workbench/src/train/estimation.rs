@@ -18,10 +18,9 @@ use bearing_watch::{Guard, Regression};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-use super::core_form::MAX_COLUMNS;
 use super::statistics;
 use crate::Error;
-use crate::features;
+use crate::core::{MAX_COLUMNS, features};
 use crate::identify::{Estimate, Structure, least_squares, poles, sriv};
 use crate::trace::Trace;
 use crate::trace::labels::LabelledTrace;

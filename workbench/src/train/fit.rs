@@ -1,7 +1,8 @@
 //! Labelled rows → projection and class densities: all of training that looks at classes.
 
-use super::projection::AffineMap;
-use super::shrinkage::{self, Choice, Shrink};
+use super::shrinkage::Shrink;
+use super::shrinkage_search::{self, Choice};
+use super::table::AffineMap;
 use super::{
     Candidates, ClassStatistics, FeatureTable, GaussianClasses, ProjectionKind, Recipe, discriminant, projection,
 };
@@ -27,7 +28,7 @@ pub(crate) fn fit(candidates: &Candidates, recipe: &Recipe) -> Result<Fitted, Er
         _ => (1..=projection.matrix.nrows()).map(|k| format!("z{k}")).collect(),
     };
     let choice = match recipe.shrink {
-        Shrink::Chosen => Some(shrinkage::search(candidates, recipe)?),
+        Shrink::Chosen => Some(shrinkage_search::search(candidates, recipe)?),
         Shrink::Not | Shrink::To(_) => None,
     };
     let shrink = match (recipe.shrink, &choice) {
@@ -41,4 +42,83 @@ pub(crate) fn fit(candidates: &Candidates, recipe: &Recipe) -> Result<Fitted, Er
         None => discriminant::train(&coordinates, &coordinate_names, recipe)?,
     };
     Ok(Fitted { projection, coordinates, coordinate_names, densities, choice })
+}
+
+#[cfg(test)]
+mod tests {
+    use bearing_watch::decide::Kind;
+    use nalgebra::DVector;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    use super::*;
+    use crate::identify::{Order, Structure};
+    use crate::train::{FeatureTable, Shrinkage};
+
+    fn recipe(shrink: Shrink) -> Recipe {
+        let structure = Structure { order: Order::new(1, 1, 1, 1, 1), offset: false };
+        Recipe { shrink, ..Recipe::new(structure) }
+    }
+
+    /// Two classes of normal rows: the second at `shift` in the first feature and its deviations `spread` times those
+    /// of the first; `correlation` within both.
+    fn two(rows: usize, features: usize, (shift, spread, correlation): (f64, f64, f64)) -> Candidates {
+        let mut rng = ChaCha8Rng::seed_from_u64(17);
+        let row = |k: usize| {
+            let (class, common): (_, f64) = (k % 2, StandardNormal.sample(&mut rng));
+            let scale = if class == 1 { spread } else { 1.0 };
+            DVector::from_fn(features, |i, _| {
+                let own: f64 = StandardNormal.sample(&mut rng);
+                let x = correlation.sqrt() * common + (1.0 - correlation).sqrt() * own;
+                scale * x + if class == 1 && i == 0 { shift } else { 0.0 }
+            })
+        };
+        let rows: Vec<DVector<f64>> = (0..rows).map(row).collect();
+        let classes = (0..rows.len()).map(|k| k % 2).collect();
+        let groups = (0..rows.len()).collect();
+        let table = FeatureTable { rows, classes, names: vec!["a".into(), "b".into()] };
+        Candidates { table, features: (0..features).map(|k| format!("f{k}")).collect(), groups }
+    }
+
+    #[test]
+    fn the_ends_are_quadratic_and_linear() {
+        let candidates = two(60, 4, (1.0, 2.0, 0.3));
+        for (lambda, kind) in [(0.0, Kind::Quadratic), (1.0, Kind::Linear)] {
+            let shrunk = fit(&candidates, &recipe(Shrink::To(Shrinkage { lambda, gamma: 0.0 }))).expect("regular");
+            let plain = fit(&candidates, &Recipe { discriminant: kind, ..recipe(Shrink::Not) }).expect("regular");
+            assert_eq!(shrunk.densities.kind, kind);
+            for (a, b) in shrunk.densities.whitening.iter().zip(&plain.densities.whitening) {
+                assert!((a - b).amax() < 1e-12, "{a} {b}"); // the divisors cancel but for rounding
+            }
+        }
+    }
+
+    #[test]
+    fn the_choice_follows_the_data() {
+        let chosen = |rows, features, truth| {
+            let choice =
+                shrinkage_search::search(&two(rows, features, truth), &recipe(Shrink::Chosen)).expect("enough rows");
+            let at = |lambda: f64, gamma: f64| {
+                let point =
+                    choice.grid.iter().find(|p| p.shrinkage == Shrinkage { lambda, gamma }).expect("in the grid");
+                point.score
+            };
+            let [linear, quadratic] = [at(1.0, 0.0), at(0.0, 0.0)];
+            let best = choice.grid.iter().map(|p| p.score).fold(f64::INFINITY, f64::min);
+            (choice.shrinkage, best, linear, quadratic)
+        };
+        // Few rows of one common covariance: near the shared end; the classes' own are poor.
+        let (shrinkage, best, linear, quadratic) = chosen(30, 6, (1.5, 1.0, 0.5));
+        assert!(
+            shrinkage.lambda >= 0.5 && best <= linear && quadratic > linear + 0.05,
+            "{shrinkage:?} {linear} {quadratic}"
+        );
+        // Many rows that differ in spread only: near the own end; one covariance knows nothing.
+        let (shrinkage, best, linear, quadratic) = chosen(400, 4, (0.0, 3.0, 0.5));
+        assert!(shrinkage.lambda <= 0.25 && best <= quadratic && linear > 0.65, "{shrinkage:?} {linear} {quadratic}");
+        // Fewer rows of a class than features, which are independent: only a diagonal can be estimated.
+        let (shrinkage, best, linear, quadratic) = chosen(24, 14, (2.5, 1.0, 0.0));
+        assert!(shrinkage.gamma >= 0.25 && best < linear && quadratic.is_infinite(), "{shrinkage:?} {best} {linear}");
+    }
 }

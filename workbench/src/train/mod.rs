@@ -10,174 +10,54 @@ mod core_form;
 mod cross_validation;
 pub(crate) mod discriminant;
 mod estimation;
+pub mod export;
 mod fit;
+mod folds;
 pub mod novelty;
 pub(crate) mod projection;
 mod ranking;
+mod recipe;
 #[cfg(test)]
 mod reference_values;
 mod scores;
 mod shaft;
 mod shrinkage;
+mod shrinkage_search;
 pub(crate) mod statistics;
+mod table;
+mod trained;
 
-use bearing_watch::decide::Kind;
 use bearing_watch::estimate::MAX_LONG_SEGMENT_SAMPLES;
-use bearing_watch::{Regression, ShaftModel};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
 use crate::Error;
-use crate::embedded::MAX_ORDERS;
-use crate::features::{self, Catalogue};
+use crate::core::features::Catalogue;
 use crate::identify::{Estimate, Structure, least_squares};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Trace, same_interval};
 
-pub use core_form::MAX_COLUMNS;
-pub use cross_validation::{Candidates, Folds, Validation, predict};
+pub use cross_validation::predict;
 pub use discriminant::GaussianClasses;
 pub use estimation::Estimation;
+pub use folds::{Candidates, Folds, Validation};
 pub use novelty::{AlarmInterval, Alarms, Watch};
-pub use projection::{AffineMap, Keep, ProjectionKind};
+pub use projection::{Keep, ProjectionKind};
 pub use ranking::{Gain, Ranked, Ranking, rank};
+pub use recipe::Recipe;
 pub use scores::{Bin, Decomposition, Prediction, Score, Scores};
 pub use shaft::ShaftPlan;
-pub use shrinkage::{Choice, GridPoint, Shrink, Shrinkage};
+pub use shrinkage::{Shrink, Shrinkage};
+pub use shrinkage_search::{Choice, GridPoint};
 pub use statistics::ClassStatistics;
-
-/// What is trained, apart from the traces.
-#[derive(Clone, Debug)]
-pub struct Recipe {
-    /// Model structure.
-    pub structure: Structure,
-    /// How the core estimates its parameters.
-    pub estimation: Estimation,
-    /// What is watched of the shaft, if anything.
-    pub shaft: Option<ShaftPlan>,
-    /// Feature names or groups; none means every parameter.
-    pub features: Vec<String>,
-    /// Projection of the features.
-    pub projection: ProjectionKind,
-    /// Shared or own covariances, where they are not shrunk.
-    pub discriminant: Kind,
-    /// Covariances between the two.
-    pub shrink: Shrink,
-    /// How training splits its rows to judge by cross-validation.
-    pub validation: Validation,
-    /// Prior of each class; equal where empty.
-    pub priors: Vec<f64>,
-    /// `cost[i][k]`: what deciding i costs when k is true; 0/1 where empty.
-    pub cost: Vec<Vec<f64>>,
-    /// Novelty gate, reject option and alarm.
-    pub alarms: Alarms,
-}
-
-impl Recipe {
-    /// Least squares on whole traces, every parameter as feature, no projection, linear discriminant, equal priors, 0/1
-    /// costs, no healthy class.
-    #[must_use]
-    pub fn new(structure: Structure) -> Self {
-        Self {
-            structure,
-            estimation: Estimation::default(),
-            shaft: None,
-            features: vec![],
-            projection: ProjectionKind::None,
-            discriminant: Kind::Linear,
-            shrink: Shrink::Not,
-            validation: Validation::default(),
-            priors: vec![],
-            cost: vec![],
-            alarms: Alarms::default(),
-        }
-    }
-
-    /// What features there are to choose from.
-    #[must_use]
-    pub fn catalogue(&self) -> Catalogue {
-        Catalogue { structure: self.structure, orders: self.shaft.as_ref().map(ShaftPlan::names) }
-    }
-}
-
-/// Raw features of training traces with their classes.
-#[derive(Clone, Debug)]
-pub struct FeatureTable {
-    /// A row a trace: every raw feature ([`features::all_names`]).
-    pub rows: Vec<DVector<f64>>,
-    /// Class of each row.
-    pub classes: Vec<usize>,
-    /// Class names.
-    pub names: Vec<String>,
-}
-
-impl FeatureTable {
-    /// From estimates in the order of the traces.
-    #[must_use]
-    pub fn new(estimates: &[Estimate], classes: Vec<usize>, names: Vec<String>) -> Self {
-        Self { rows: estimates.iter().map(features::vector).collect(), classes, names }
-    }
-
-    /// Only the given features.
-    #[must_use]
-    pub fn select(&self, places: &[usize]) -> Self {
-        let pick = |row: &DVector<f64>| DVector::from_iterator(places.len(), places.iter().map(|&k| row[k]));
-        Self { rows: self.rows.iter().map(pick).collect(), classes: self.classes.clone(), names: self.names.clone() }
-    }
-
-    /// Every row mapped.
-    #[must_use]
-    pub fn map(&self, map: &AffineMap) -> Self {
-        Self { rows: self.rows.iter().map(|row| map.apply(row)).collect(), ..self.clone() }
-    }
-}
-
-/// A trained model in double precision, in the shape of the core's [`bearing_watch::Model`].
-#[derive(Clone, Debug)]
-pub struct Trained {
-    /// What was asked for.
-    pub recipe: Recipe,
-    /// Class names.
-    pub classes: Vec<String>,
-    /// Names of the raw features in use.
-    pub feature_names: Vec<String>,
-    /// Raw chosen features → coordinates.
-    pub projection: AffineMap,
-    /// Training traces, the chosen raw features.
-    pub raw: FeatureTable,
-    /// Training traces in projected coordinates.
-    pub coordinates: FeatureTable,
-    /// Names of the coordinates: those of the features where nothing is projected.
-    pub coordinate_names: Vec<String>,
-    /// Class densities over the coordinates.
-    pub densities: GaussianClasses,
-    /// The shrinkage of their covariances, where it was chosen.
-    pub choice: Option<Choice>,
-    /// Every feature of the training segments, whether chosen or not.
-    pub candidates: Candidates,
-    /// Novelty gate and alarm.
-    pub watch: Watch,
-    /// Places in the core's feature list.
-    pub core_features: Vec<usize>,
-    /// Core features → coordinates.
-    pub core_projection: AffineMap,
-    /// What the core estimates with.
-    pub regression: Box<Regression<MAX_COLUMNS>>,
-    /// What the core watches the shaft with.
-    pub shaft: Option<ShaftModel<MAX_ORDERS>>,
-    /// Samples a segment at the identification rate.
-    pub segment_samples: usize,
-    /// Sample interval at the rate the detector is fed with, s; 0 where unknown.
-    pub interval_s: f64,
-    /// Block mean inside the detector.
-    pub block_mean: usize,
-}
+pub use table::{AffineMap, FeatureTable};
+pub use trained::Trained;
 
 /// Trains on prepared traces.
 ///
 /// # Errors
-/// Estimation errors of any trace; fewer than two classes, unless the only one is the healthy one; a class without traces; features that are constant or
-/// collinear within classes; priors or costs that do not match the classes.
+/// Estimation errors of any trace; fewer than two classes, unless the only one is the healthy one; a class without
+/// traces; features that are constant or collinear within classes; priors or costs that do not match the classes.
 pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> Result<Trained, Error> {
     check_intervals(traces)?;
     let longest = traces.iter().map(|t| t.trace.y.len()).max().unwrap_or(0);
@@ -335,30 +215,4 @@ fn compose(
     let centre = DVector::from_iterator(used.len(), used.iter().map(|&k| mean[k]));
     let indices = used.iter().map(|&place| catalogue.core_index(place)).collect();
     (indices, AffineMap { matrix, mean: centre })
-}
-
-#[cfg(test)]
-mod tests {
-    use bearing_watch::estimate::Method;
-
-    use super::*;
-    use crate::demo::{self, FirstInput};
-    use crate::rig::Scenario;
-
-    #[test]
-    fn segments_of_a_trace_or_run_are_of_one_group() {
-        let traces = demo::traces(&Scenario::STANDARD, FirstInput::Reference, (905, 2), || ()).expect("simulates");
-        for method in [Method::LeastSquares, Method::Instruments] {
-            let mut recipe = demo::all_parameters();
-            recipe.estimation = Estimation { method, segment: Some(1000), ..Estimation::default() };
-            let trained = train(&traces, &demo::class_names(), &recipe).expect("regular");
-            // Six traces of five segments.
-            assert_eq!(trained.candidates.groups, (0..30).map(|row| row / 5).collect::<Vec<_>>(), "{method:?}");
-            recipe.validation.groups = ["x", "y", "x", "y", "x", "y"].map(String::from).to_vec();
-            let trained = train(&traces, &demo::class_names(), &recipe).expect("regular");
-            assert_eq!(trained.candidates.groups, (0..30).map(|row| row / 5 % 2).collect::<Vec<_>>(), "{method:?}");
-            recipe.validation.groups.pop();
-            assert!(train(&traces, &demo::class_names(), &recipe).is_err());
-        }
-    }
 }

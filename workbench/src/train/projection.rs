@@ -1,27 +1,11 @@
 //! Projections of features: principal components, Fisher's directions, or none; all one affine map.
 
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, SymmetricEigen};
 
+use super::ClassStatistics;
 use super::statistics::{singular, whitening};
-use super::{ClassStatistics, FeatureTable};
+use super::table::{AffineMap, FeatureTable};
 use crate::Error;
-
-/// z = W (f − m).
-#[derive(Clone, Debug)]
-pub struct AffineMap {
-    /// W, a row a coordinate.
-    pub matrix: DMatrix<f64>,
-    /// m.
-    pub mean: DVector<f64>,
-}
-
-impl AffineMap {
-    /// Applies the map.
-    #[must_use]
-    pub fn apply(&self, features: &DVector<f64>) -> DVector<f64> {
-        &self.matrix * (features - &self.mean)
-    }
-}
 
 /// Which projection.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -143,6 +127,8 @@ fn sorted_eigen(matrix: DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>) {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::DVector;
+
     use super::*;
 
     fn table() -> FeatureTable {

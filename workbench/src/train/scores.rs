@@ -18,7 +18,7 @@
 
 use serde_json::{Value, json};
 
-use crate::embedded::Finding;
+use crate::core::Finding;
 use crate::evaluate::{Rate, TraceVerdict};
 
 /// Bins of (3), of equal width.

@@ -17,7 +17,7 @@ use bearing_watch::{Guard, Shaft, ShaftModel};
 use rayon::prelude::*;
 
 use crate::Error;
-use crate::embedded::MAX_ORDERS;
+use crate::core::MAX_ORDERS;
 use crate::grey_box::filter::LowPass;
 use crate::trace::MotionTrace;
 use crate::trace::labels::LabelledTrace;

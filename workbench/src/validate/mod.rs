@@ -19,7 +19,6 @@
 pub mod correlation;
 pub mod linearised;
 pub mod noise;
-pub mod page;
 pub mod response;
 pub mod roots;
 

@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::{Gain, Ranked};
+use super::ranked::{Gain, Ranked};
 use crate::Error;
-use crate::train::cross_validation::{Candidates, Folds, check, predict};
+use crate::train::cross_validation::predict;
 use crate::train::fit::fit;
+use crate::train::folds::{Candidates, Folds, check};
 use crate::train::scores::{Prediction, guarded_score};
-use crate::train::shrinkage::{self, Shrink};
-use crate::train::{ClassStatistics, Recipe, discriminant};
+use crate::train::shrinkage::Shrink;
+use crate::train::{ClassStatistics, Recipe, discriminant, shrinkage_search};
 
 /// Standard errors below which a gain is taken for chance.
 const SURE: f64 = 2.0;
@@ -39,7 +40,7 @@ impl<'a> Judge<'a> {
         let priors = discriminant::priors(&recipe.priors, candidates.table.names.len())?;
         let weights = candidates.weights(&priors);
         let shrink = match recipe.shrink {
-            Shrink::Chosen => Shrink::To(shrinkage::search(candidates, recipe)?.shrinkage),
+            Shrink::Chosen => Shrink::To(shrinkage_search::search(candidates, recipe)?.shrinkage),
             given => given,
         };
         Ok(Self { candidates, recipe: Recipe { shrink, ..recipe.clone() }, folds, priors, weights })

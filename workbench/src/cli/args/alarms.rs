@@ -1,0 +1,57 @@
+//! Arguments of the novelty gate, the reject option and the alarm.
+
+use clap::Args;
+
+use crate::Error;
+use crate::train::{AlarmInterval, Alarms};
+
+/// Names that mean the healthy class where none is given.
+const USUAL: [&str; 2] = ["healthy", "normal"];
+
+#[derive(Clone, Debug, Args)]
+pub(in crate::cli) struct AlarmArgs {
+    /// The healthy class, for novelty gate and alarm; the one called healthy or normal, or the only one, if not given
+    #[arg(long, value_name = "CLASS")]
+    healthy: Option<String>,
+    /// Rate of healthy segments called novel; 0.01 if not given
+    #[arg(long, value_name = "RATE")]
+    false_alarm: Option<f64>,
+    /// Cost of no decision: where every class is expected to cost more, the verdict is ambiguous
+    #[arg(long, value_name = "COST", default_value_t = f64::INFINITY, hide_default_value = true)]
+    reject_cost: f64,
+    /// Mean hours between false alarms; 1000 if not given
+    #[arg(long, value_name = "HOURS", conflicts_with = "alarm_interval_segments")]
+    alarm_interval_h: Option<f64>,
+    /// Mean segments between false alarms
+    #[arg(long, value_name = "SEGMENTS")]
+    alarm_interval_segments: Option<f64>,
+}
+
+impl AlarmArgs {
+    pub(in crate::cli) fn alarms(&self, classes: &[String]) -> Result<Alarms, Error> {
+        let place = |name: &str| classes.iter().position(|class| class == name.trim());
+        let healthy = match &self.healthy {
+            Some(name) => Some(place(name).ok_or_else(|| {
+                Error::Usage(format!("--healthy: unknown class {name}; there are {}", classes.join(", ")))
+            })?),
+            None => USUAL.iter().find_map(|name| place(name)),
+        };
+        let only = (classes.len() == 1).then_some(0);
+        let interval = match (self.alarm_interval_h, self.alarm_interval_segments) {
+            (Some(hours), _) => AlarmInterval::Hours(hours),
+            (None, Some(segments)) => AlarmInterval::Segments(segments),
+            (None, None) => AlarmInterval::Usual,
+        };
+        let asked = self.healthy.is_some() || self.false_alarm.is_some() || interval != AlarmInterval::Usual;
+        if asked && healthy.or(only).is_none() {
+            return Err(Error::Usage("a false-alarm rate needs a healthy class; name it by --healthy".into()));
+        }
+        Ok(Alarms {
+            healthy: healthy.or(only),
+            false_alarm: self.false_alarm.unwrap_or(0.01),
+            required: asked || only.is_some(),
+            reject_cost: self.reject_cost,
+            interval,
+        })
+    }
+}

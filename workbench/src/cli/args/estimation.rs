@@ -1,0 +1,89 @@
+//! Arguments of the core's estimator.
+
+use bearing_watch::estimate::{MAX_LONG_SEGMENT_SAMPLES, Method as CoreMethod};
+use clap::{Args, ValueEnum};
+
+use crate::Error;
+use crate::identify::Structure;
+use crate::train::Estimation;
+
+/// How the detector estimates.
+#[derive(Clone, Debug, Args)]
+pub(in crate::cli) struct EstimationArgs {
+    /// How the detector estimates a segment's parameters
+    #[arg(long, value_enum, default_value = "ls")]
+    pub(in crate::cli) method: Method,
+    /// The class whose mean is the nominal model, from which estimation starts; the first if not given
+    #[arg(long, value_name = "CLASS")]
+    nominal: Option<String>,
+    /// Samples a segment (after averaging and decimation); the longest training trace if not given
+    #[arg(long, value_name = "N")]
+    segment: Option<usize>,
+    /// Residuals beyond K standard deviations weigh less; 0 for none
+    #[arg(long, value_name = "K", default_value_t = 0.0)]
+    huber: f64,
+    /// Magnitudes from which the sensors of y, u1, u2 are saturated: such samples are not used
+    #[arg(long, value_name = "Y,U1,U2", value_delimiter = ',')]
+    saturation: Vec<f64>,
+    /// So many equal samples of y in a row mean a stuck sensor, and deny the segment its verdict; 0 for any number
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    stuck: u16,
+    /// Forget by this factor a sample (0.5 to 0.9999) instead of starting every segment afresh
+    #[arg(long, value_name = "FACTOR")]
+    memory: Option<f64>,
+    /// Samples into the next segment at which a segment's model takes over, for firmware that solves in its main loop
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    handover: u16,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(in crate::cli) enum Method {
+    /// Least squares: cheapest, biased by output noise
+    Ls,
+    /// Streaming instrumental variables: consistent under output noise
+    Instruments,
+}
+
+impl Method {
+    pub(in crate::cli) const fn core(self) -> CoreMethod {
+        match self {
+            Self::Ls => CoreMethod::LeastSquares,
+            Self::Instruments => CoreMethod::Instruments,
+        }
+    }
+}
+
+impl EstimationArgs {
+    pub(in crate::cli) fn estimation(&self, structure: Structure, classes: &[String]) -> Result<Estimation, Error> {
+        let method = self.method.core();
+        if let Some(segment) = self.segment {
+            let outputs = if self.method == Method::Instruments { structure.order.na as usize } else { 0 };
+            let least = structure.order.depth() + structure.order.columns(structure.offset) + outputs + 1;
+            if segment < least || segment > MAX_LONG_SEGMENT_SAMPLES as usize {
+                let problem = format!("--segment {segment}: at this order it is {least} to {MAX_LONG_SEGMENT_SAMPLES}");
+                return Err(Error::Usage(problem));
+            }
+        }
+        let saturation = match self.saturation[..] {
+            [] => None,
+            [y, u1, u2] => Some([y, u1, u2]),
+            _ => return Err(Error::Usage("--saturation: three magnitudes Y,U1,U2, e.g. 20,300,5".into())),
+        };
+        let nominal = match &self.nominal {
+            None => 0,
+            Some(name) => classes.iter().position(|class| class == name).ok_or_else(|| {
+                Error::Usage(format!("--nominal: unknown class {name}; there are {}", classes.join(", ")))
+            })?,
+        };
+        Ok(Estimation {
+            method,
+            nominal,
+            segment: self.segment,
+            huber: self.huber,
+            saturation,
+            stuck: self.stuck,
+            memory: self.memory,
+            handover: self.handover,
+        })
+    }
+}

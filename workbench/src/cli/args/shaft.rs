@@ -1,0 +1,101 @@
+//! Arguments of the shaft: its channels, and what is tracked.
+
+use bearing_watch::estimate::Bearing;
+use clap::Args;
+
+use crate::Error;
+use crate::trace::ShaftChannels;
+use crate::train::ShaftPlan;
+
+/// The shaft's channels and the bearing; with --angle the shaft is watched.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Shaft (friction and bearing orders)")]
+pub(in crate::cli) struct ShaftArgs {
+    /// Angle of the shaft, rad: watches friction and bearing orders
+    #[arg(long, value_name = "CHANNEL", requires = "velocity", requires = "velocity_ref")]
+    angle: Option<String>,
+    /// Measured velocity, rad/s
+    #[arg(long, value_name = "CHANNEL", requires = "angle")]
+    velocity: Option<String>,
+    /// Velocity reference, rad/s
+    #[arg(long, value_name = "CHANNEL", requires = "angle")]
+    velocity_ref: Option<String>,
+    /// Current, A; as --y if not given
+    #[arg(long, value_name = "CHANNEL", requires = "angle")]
+    current: Option<String>,
+    /// Load torque, N·m; not measured if not given
+    #[arg(long, value_name = "CHANNEL", requires = "angle")]
+    load: Option<String>,
+    /// Balls, ball and pitch diameter, contact angle in rad, e.g. 9,3,17,0.1745: tracks outer, inner, ball and cage
+    #[arg(long, value_name = "N,BD,PD,ANGLE", value_delimiter = ',', num_args = 1, requires = "angle")]
+    bearing: Vec<f64>,
+    /// Orders to track, events a turn, e.g. outer=3.718,sideband=4.718
+    #[arg(long, value_name = "NAME=ORDER", value_delimiter = ',', requires = "angle")]
+    orders: Vec<String>,
+    /// Weights of an order's first three harmonics
+    #[arg(long, value_name = "W1,W2,W3", value_delimiter = ',', num_args = 1, requires = "angle")]
+    harmonics: Vec<f64>,
+    /// Samples by which the current lags behind velocity and load; found from the nominal class if not given
+    #[arg(long, value_name = "SAMPLES", requires = "angle")]
+    current_delay: Option<f64>,
+    /// Cut-off of the torque balance's filter
+    #[arg(long, value_name = "HZ", requires = "angle")]
+    balance_cutoff_hz: Option<f64>,
+}
+
+impl ShaftArgs {
+    /// Channels and plan, where the shaft is watched.
+    pub(in crate::cli) fn shaft(&self, y: &str) -> Result<Option<(ShaftChannels, ShaftPlan)>, Error> {
+        let (Some(angle), Some(velocity), Some(reference)) = (&self.angle, &self.velocity, &self.velocity_ref) else {
+            return Ok(None);
+        };
+        let channels = ShaftChannels {
+            current: self.current.clone().unwrap_or_else(|| y.into()),
+            velocity: velocity.clone(),
+            reference: reference.clone(),
+            load: self.load.clone(),
+            angle: angle.clone(),
+        };
+        let mut plan = ShaftPlan { load: self.load.is_some(), ..ShaftPlan::new(self.orders()?) };
+        plan.current_delay = self.current_delay;
+        plan.cutoff_hz = self.balance_cutoff_hz.unwrap_or(plan.cutoff_hz);
+        if self.harmonics.len() > 3 {
+            return Err(Error::Usage("--harmonics takes at most three weights".into()));
+        }
+        if !self.harmonics.is_empty() {
+            plan.weights = [0.0; 3];
+            plan.weights.iter_mut().zip(&self.harmonics).for_each(|(cell, w)| *cell = *w);
+        }
+        Ok(Some((channels, plan)))
+    }
+
+    fn orders(&self) -> Result<Vec<(String, f64)>, Error> {
+        let mut orders = match self.bearing[..] {
+            [] => vec![],
+            [balls, ball, pitch, contact] if (1.0..=255.0).contains(&balls) && 0.0 < ball && ball < pitch => {
+                let bearing = Bearing {
+                    balls: balls.round() as u8,
+                    ball_diameter: ball as f32,
+                    pitch_diameter: pitch as f32,
+                    contact_angle_rad: contact as f32,
+                };
+                let all = [("outer", bearing.outer()), ("inner", bearing.inner()), ("ball", bearing.ball())];
+                let all = all.into_iter().chain([("cage", bearing.cage())]);
+                all.map(|(name, order)| (name.to_string(), f64::from(order))).collect()
+            }
+            _ => {
+                return Err(Error::Usage(
+                    "--bearing takes balls, ball diameter, pitch diameter, contact angle in rad, e.g. 9,3,17,0.1745"
+                        .into(),
+                ));
+            }
+        };
+        for item in &self.orders {
+            let order = item.split_once('=').and_then(|(name, value)| Some((name.trim(), value.trim().parse().ok()?)));
+            let (name, order) = order
+                .ok_or_else(|| Error::Usage(format!("--orders \"{item}\": write NAME=ORDER, e.g. outer=3.718")))?;
+            orders.push((name.to_string(), order));
+        }
+        Ok(orders)
+    }
+}

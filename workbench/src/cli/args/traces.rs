@@ -1,0 +1,191 @@
+//! Arguments on traces: channels, structure, preparation, selection by labels, and folds.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use crate::Error;
+use crate::cli::output;
+use crate::identify::{Order, Structure, parse_order};
+use crate::trace::labels::LabelledTrace;
+use crate::trace::{self, Channels, Condition, Labels, Preparation, Trace};
+use crate::train::Validation;
+
+/// Which columns are the three signals.
+#[derive(Clone, Debug, Args)]
+pub(in crate::cli) struct ChannelArgs {
+    /// Output: a column, or a difference a-b of two (as a rule the quadrature current)
+    #[arg(long, value_name = "CHANNEL")]
+    y: String,
+    /// First input (reference, or reference-measured, of the controlled variable)
+    #[arg(long, value_name = "CHANNEL")]
+    u1: String,
+    /// Second input (load)
+    #[arg(long, value_name = "CHANNEL")]
+    u2: String,
+}
+
+impl ChannelArgs {
+    pub(in crate::cli) fn channels(&self) -> Channels {
+        Channels::new(&self.y, &self.u1, &self.u2)
+    }
+}
+
+/// Traces, and which of their columns are the three signals.
+#[derive(Clone, Debug, Args)]
+pub(in crate::cli) struct TraceArgs {
+    /// Trace files or folders
+    #[arg(value_name = "TRACES", required = true)]
+    pub(in crate::cli) traces: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(in crate::cli) channels: ChannelArgs,
+}
+
+impl TraceArgs {
+    /// Reads them, and warns of those that are sampled irregularly.
+    pub(in crate::cli) fn read(&self) -> Result<Vec<Trace>, Error> {
+        let traces = trace::read(&self.traces, &self.channels.channels())?;
+        warn_irregular(traces.iter());
+        Ok(traces)
+    }
+}
+
+/// The model structure.
+#[derive(Clone, Copy, Debug, Args)]
+pub(in crate::cli) struct StructureArgs {
+    /// na,nb,nc,nkb,nkc
+    #[arg(long, value_parser = parse_order, value_name = "ORDER")]
+    order: Order,
+    /// Estimate a constant term too (recorded signals have operating points)
+    #[arg(long)]
+    offset: bool,
+}
+
+impl StructureArgs {
+    pub(in crate::cli) fn structure(self) -> Structure {
+        Structure { order: self.order, offset: self.offset }
+    }
+}
+
+/// What is done to traces before identification.
+#[derive(Clone, Copy, Debug, Args)]
+pub(in crate::cli) struct PreparationArgs {
+    /// Average blocks of N samples first
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    block_mean: usize,
+    /// Then keep every N-th sample behind an anti-alias filter
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    decimate: usize,
+}
+
+impl PreparationArgs {
+    pub(in crate::cli) fn preparation(self) -> Result<Preparation, Error> {
+        let preparation = Preparation { block_mean: self.block_mean, decimate: self.decimate };
+        preparation.factor().map(|_| preparation)
+    }
+}
+
+/// Which labelled traces take part.
+#[derive(Clone, Debug, Args)]
+pub(in crate::cli) struct SelectionArgs {
+    /// Trace files or folders; without any, the folder of the labels
+    #[arg(value_name = "TRACES")]
+    traces: Vec<PathBuf>,
+    /// CSV with columns trace,class_name and any further ones to select by
+    #[arg(long, value_name = "FILE")]
+    pub(in crate::cli) labels: PathBuf,
+    /// Only rows with this, e.g. load_kgf=20; may be repeated, all must hold
+    #[arg(long = "where", value_name = "CONDITION")]
+    conditions: Vec<Condition>,
+    /// Only these classes, in this order
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = trimmed)]
+    classes: Vec<String>,
+}
+
+fn trimmed(text: &str) -> Result<String, std::convert::Infallible> {
+    Ok(text.trim().into())
+}
+
+/// Labels, and where their traces are.
+#[derive(Debug)]
+pub(in crate::cli) struct Selection {
+    labels: Labels,
+    paths: Vec<PathBuf>,
+    channels: Channels,
+    conditions: Vec<Condition>,
+    asked: Vec<String>,
+}
+
+impl SelectionArgs {
+    pub(in crate::cli) fn read(&self, channels: &Channels) -> Result<Selection, Error> {
+        let folder = self.labels.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        Ok(Selection {
+            labels: Labels::read(&self.labels)?,
+            paths: if self.traces.is_empty() { vec![folder.to_path_buf()] } else { self.traces.clone() },
+            channels: channels.clone(),
+            conditions: self.conditions.clone(),
+            asked: self.classes.clone(),
+        })
+    }
+}
+
+impl Selection {
+    /// Files that are read: no output may replace them.
+    pub(in crate::cli) fn inputs(&self, labels: &Path) -> Vec<PathBuf> {
+        [&self.paths[..], &[labels.to_path_buf()]].concat()
+    }
+
+    /// The rows that meet the common and these further conditions: class names and traces.
+    pub(in crate::cli) fn rows(&self, further: &[Condition]) -> Result<(Vec<String>, Vec<LabelledTrace>), Error> {
+        let conditions = [&self.conditions, further].concat();
+        let chosen = self.labels.select(&conditions)?;
+        let classes = self.labels.classes(&chosen, &self.asked)?;
+        let wanted: std::collections::HashSet<&str> =
+            chosen.iter().filter(|(_, name)| classes.contains(name)).map(|(id, _)| id.as_str()).collect();
+        let traces = trace::read_wanted(&self.paths, &self.channels, &|id| wanted.contains(id))?;
+        let traces = self.labels.join(&chosen, &classes, &traces)?;
+        Ok((classes, traces))
+    }
+}
+
+/// How training judges itself.
+#[derive(Clone, Debug, Args)]
+pub(in crate::cli) struct ValidationArgs {
+    /// Folds of the cross-validation
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    folds: usize,
+    /// Keep traces with the same value in this column of the labels in one fold, e.g. run
+    #[arg(long, value_name = "COLUMN")]
+    group: Option<String>,
+    /// Seed of the split into folds
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    fold_seed: u64,
+}
+
+impl ValidationArgs {
+    pub(in crate::cli) fn validation(
+        &self,
+        selection: &Selection,
+        traces: &[LabelledTrace],
+    ) -> Result<Validation, Error> {
+        if self.folds < 2 {
+            return Err(Error::Usage(format!("--folds {}: at least 2", self.folds)));
+        }
+        let ids = || traces.iter().map(|t| t.trace.id.as_str());
+        let groups = self.group.as_ref().map(|column| selection.labels.cells(column, ids()));
+        Ok(Validation { folds: self.folds, seed: self.fold_seed, groups: groups.transpose()?.unwrap_or_default() })
+    }
+}
+
+/// Warns of traces whose samples do not come at a constant rate.
+pub(in crate::cli) fn warn_irregular<'a>(traces: impl Iterator<Item = &'a Trace> + Clone) {
+    let irregular = traces.clone().filter(|trace| 50 * trace.irregular_steps > trace.y.len());
+    let count = irregular.clone().count();
+    if let Some(first) = irregular.clone().next() {
+        output::warn(format!(
+            "{count} of {} traces are sampled irregularly (more than 2 % of the steps off by a tenth), first {}; resample them",
+            traces.count(),
+            first.id
+        ));
+    }
+}

@@ -1,0 +1,92 @@
+//! A trained model in words: estimator, gate and alarm, and what the detector is fed.
+
+use bearing_watch::estimate::{Memory, Method};
+use serde_json::{Value, json};
+
+use crate::trace::{Channels, Preparation, ShaftChannels};
+use crate::train::Trained;
+
+/// The estimator as `--method` names it.
+pub(super) const fn method_word(method: Method) -> &'static str {
+    match method {
+        Method::LeastSquares => "ls",
+        Method::Instruments => "instruments",
+    }
+}
+
+/// Method and memory in words.
+pub(super) fn estimated_by(trained: &Trained) -> String {
+    let regression = &trained.regression;
+    let nominal = &trained.classes[trained.recipe.estimation.nominal];
+    let method = match regression.method {
+        Method::LeastSquares => "least squares".to_string(),
+        Method::Instruments => {
+            format!("instrumental variables from the mean of {nominal}, settling for {} samples", regression.settle)
+        }
+    };
+    match regression.memory {
+        Memory::Segment => method,
+        Memory::Fading(forgetting) => format!("{method}, forgetting by {} a sample", forgetting.lambda),
+    }
+}
+
+/// Lines for the reader of the exported constants: channels, features, estimator, and what to feed.
+pub(super) fn lines(trained: &Trained, channels: &Channels, host: Preparation) -> Vec<String> {
+    let Preparation { block_mean, decimate } = host;
+    let step_s = trained.interval_s as f32;
+    let mut fed = match (block_mean, decimate) {
+        (1, 1) => "Feed every sample as recorded".to_string(),
+        (_, 1) => format!("Feed means of {block_mean} recorded samples"),
+        (1, _) => format!("Feed every {decimate}-th recorded sample behind an anti-alias filter"),
+        _ => format!("Feed every {decimate}-th mean of {block_mean} recorded samples behind an anti-alias filter"),
+    };
+    fed += &if step_s > 0.0 { format!(", one every {step_s} s.") } else { ".".into() };
+    let Channels { y, u1, u2, shaft } = channels;
+    let mut lines = vec![
+        format!("y = {y}, u1 = {u1}, u2 = {u2}; classes {}.", trained.classes.join(", ")),
+        format!("Features {}; {} discriminant.", trained.feature_names.join(", "), trained.kind_name()),
+        format!("Estimated by {}.", estimated_by(trained)),
+        fed,
+    ];
+    if let (Some(ShaftChannels { current, velocity, reference, load, angle }), Some(plan)) =
+        (shaft, &trained.recipe.shaft)
+    {
+        let orders: Vec<String> = plan.orders.iter().map(|(name, order)| format!("{name} {order:.5}")).collect();
+        let load = load.as_deref().unwrap_or("not measured, 0");
+        lines.push(format!(
+            "Motion: current {current}, velocity {velocity}, reference {reference}, load {load}, angle {angle}; orders {}.",
+            if orders.is_empty() { "none".into() } else { orders.join(", ") }
+        ));
+    }
+    lines.into_iter().chain(gate(trained)).collect()
+}
+
+/// Gate and alarm in words.
+pub(super) fn gate(trained: &Trained) -> Option<String> {
+    let gate = trained.watch.gate.as_ref()?;
+    Some(format!(
+        "Novel beyond distance {:.2} from {}: false-alarm rate {} a segment by {} segments (Gaussian with probability {:.2}, else heavier tails); false alarms every \
+         {:.3e} segments.",
+        gate.law.squared_at(gate.limit).sqrt(),
+        trained.classes[gate.class],
+        trained.recipe.alarms.false_alarm,
+        gate.rows,
+        gate.law.gaussian_probability(),
+        trained.watch.segments,
+    ))
+}
+
+/// The same as JSON; null without a gate.
+pub(super) fn gate_to_json(trained: &Trained) -> Value {
+    let Some(gate) = &trained.watch.gate else { return Value::Null };
+    json!({
+        "healthy": trained.classes[gate.class],
+        "false_alarm": trained.recipe.alarms.false_alarm,
+        "distance": gate.law.squared_at(gate.limit).sqrt(),
+        "gaussian_probability": gate.law.gaussian_probability(),
+        "segments": gate.rows,
+        "segments_needed": gate.rows_needed,
+        "alarm_interval_segments": trained.watch.segments,
+        "alarm_limit_nats": trained.watch.evidence.limit,
+    })
+}

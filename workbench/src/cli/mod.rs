@@ -1,0 +1,91 @@
+//! The command line: `bearing-watch COMMAND`.
+
+mod args;
+mod campaign;
+mod demo;
+mod description;
+mod evaluate;
+mod grey_box;
+mod identify;
+mod model_file;
+mod output;
+mod piecewise;
+mod replay;
+mod simulate;
+mod structure;
+mod tables;
+mod train;
+mod validate;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Bearing-fault detection for motor drives: simulate, identify, train, evaluate, and export to firmware.
+#[derive(Debug, Parser)]
+#[command(name = "bearing-watch", version, max_term_width = 110)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Demo(demo::Args),
+    Simulate(simulate::Args),
+    Identify(identify::Args),
+    Structure(structure::Args),
+    GreyBox(grey_box::Args),
+    Validate(validate::Args),
+    Piecewise(piecewise::Args),
+    Train(Box<train::Args>),
+    Evaluate(evaluate::Args),
+    Replay(replay::Args),
+    Campaign(campaign::Args),
+    Tables(tables::Args),
+}
+
+/// Runs the command line of this process; 0 on success, 2 on bad input with one line that says what and where.
+#[must_use]
+pub fn run() -> ExitCode {
+    let command = match Cli::try_parse() {
+        Ok(cli) => cli.command,
+        Err(error) => return usage(&error),
+    };
+    let outcome = match command {
+        Command::Demo(args) => demo::run(&args),
+        Command::Simulate(args) => simulate::run(&args),
+        Command::Identify(args) => identify::run(&args),
+        Command::Structure(args) => structure::run(&args),
+        Command::GreyBox(args) => grey_box::run(&args),
+        Command::Validate(args) => validate::run(&args),
+        Command::Piecewise(args) => piecewise::run(&args),
+        Command::Train(args) => train::run(&args),
+        Command::Evaluate(args) => evaluate::run(&args),
+        Command::Replay(args) => replay::run(&args),
+        Command::Campaign(args) => campaign::run(&args),
+        Command::Tables(args) => tables::run(&args),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {}", error.to_string().replace('\n', " "));
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Help and version as they are; what is wrong with the arguments in one line.
+fn usage(error: &clap::Error) -> ExitCode {
+    if !error.use_stderr() {
+        let _ = error.print();
+        return ExitCode::SUCCESS;
+    }
+    let text = error.to_string();
+    let said = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage:"));
+    let said: Vec<&str> = said.filter(|line| !line.is_empty()).collect();
+    // Without a command clap shows the whole help instead of an error.
+    let line = if text.starts_with("error:") { said.join(" ") } else { "error: a command is missing".into() };
+    eprintln!("{line} (more by --help)");
+    ExitCode::from(2)
+}

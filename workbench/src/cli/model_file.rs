@@ -1,0 +1,104 @@
+//! Model files with the notes of the workbench, and traces as a model takes them.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+use crate::core::Embedded;
+use crate::trace::labels::LabelledTrace;
+use crate::trace::{self, Channels, Preparation, ShaftChannels, Trace, same_interval};
+
+/// Refuses traces of another rate than the model's. What an interval in the model means is after the preparation on
+/// the host.
+pub(super) fn check_rate<'a>(
+    model: &Embedded,
+    host: Preparation,
+    traces: impl Iterator<Item = &'a Trace>,
+) -> Result<(), Error> {
+    let fed = f64::from(model.sampling().interval_s);
+    let recorded = fed / host.factor()? as f64;
+    for trace in traces {
+        if let Some(step) = trace.interval_s.filter(|step| fed > 0.0 && !same_interval(*step, recorded)) {
+            // Single precision prints without the digits that rounding has made.
+            let (step, recorded) = (step as f32, recorded as f32);
+            let problem = format!("sampled every {step} s, but the model wants {recorded} s; resample or train again");
+            return Err(Error::trace(&trace.id, problem));
+        }
+    }
+    Ok(())
+}
+
+/// Prepares every trace.
+pub(super) fn prepare(traces: &[LabelledTrace], preparation: Preparation) -> Result<Vec<LabelledTrace>, Error> {
+    let each = |t: &LabelledTrace| Ok(LabelledTrace { trace: preparation.apply(&t.trace)?, class: t.class });
+    traces.iter().map(each).collect()
+}
+
+/// What a model file says of itself to the workbench; the firmware ignores it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Notes {
+    y: String,
+    u1: String,
+    u2: String,
+    #[serde(default)]
+    shaft: Option<ShaftChannels>,
+    /// Preparation outside the detector.
+    host_block_mean: usize,
+    decimate: usize,
+    /// Names of the tracked orders.
+    #[serde(default)]
+    pub(super) orders: Vec<String>,
+    /// Names of the features.
+    pub(super) features: Vec<String>,
+    /// Ids of the training traces, to warn of evaluating on them.
+    pub(super) trained_on: Vec<String>,
+}
+
+impl Notes {
+    pub(super) fn new(
+        channels: &Channels,
+        host: Preparation,
+        (features, orders): (&[String], Vec<String>),
+        training: &[LabelledTrace],
+    ) -> Self {
+        let Channels { y, u1, u2, shaft } = channels.clone();
+        Self {
+            y,
+            u1,
+            u2,
+            shaft,
+            host_block_mean: host.block_mean,
+            decimate: host.decimate,
+            orders,
+            features: features.to_vec(),
+            trained_on: training.iter().map(|t| trace::stem(&t.trace.id).to_string()).collect(),
+        }
+    }
+
+    pub(super) fn channels(&self) -> Channels {
+        Channels { shaft: self.shaft.clone(), ..Channels::new(&self.y, &self.u1, &self.u2) }
+    }
+
+    pub(super) fn preparation(&self) -> Preparation {
+        Preparation { block_mean: self.host_block_mean.max(1), decimate: self.decimate.max(1) }
+    }
+
+    pub(super) fn to_text(&self) -> String {
+        serde_json::to_string(self).unwrap_or_default()
+    }
+}
+
+/// Reads a model file.
+pub(super) fn read_model(path: &Path) -> Result<(Embedded, Notes), Error> {
+    let bytes = std::fs::read(path).map_err(Error::io(path))?;
+    let wrong = |problem: bearing_watch::ModelError| {
+        Error::content(path, "model", format!("{problem}; train it again with `bearing-watch train`"))
+    };
+    let model = Embedded::from_bytes(&bytes).map_err(wrong)?;
+    let notes = bearing_watch::model::notes(&bytes).map_err(wrong)?;
+    let notes = serde_json::from_str(notes).map_err(|_| {
+        Error::content(path, "notes", "no channel names in this model; train it again with `bearing-watch train`")
+    })?;
+    Ok((model, notes))
+}

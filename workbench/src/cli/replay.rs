@@ -1,0 +1,166 @@
+//! `bearing-watch replay`
+
+use std::path::PathBuf;
+
+use bearing_watch::decide::Trend;
+use serde_json::json;
+
+use super::args::traces::warn_irregular;
+use super::model_file::{check_rate, read_model};
+use super::output;
+use crate::Error;
+use crate::core::{Embedded, SegmentReport, Watched, denied, stuck_signals};
+use crate::trace::{self, Trace};
+
+/// Run traces through the embedded detector and print its verdict on every segment, and the alarm
+///
+/// Each trace starts the detector afresh; the evidence for the alarm goes on from trace to trace, as records of one drive.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  bearing-watch replay --model model.bwm traces/spall_2_000.csv")]
+pub(super) struct Args {
+    /// The binary model; it knows its channels and preparation
+    #[arg(long, value_name = "FILE")]
+    model: PathBuf,
+    /// Trace files or folders
+    #[arg(value_name = "TRACE", required = true)]
+    traces: Vec<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Error> {
+    let (model, notes) = read_model(&args.model)?;
+    let mut values = Vec::new();
+    let traces = trace::read(&args.traces, &notes.channels())?;
+    warn_irregular(traces.iter());
+    check_rate(&model, notes.preparation(), traces.iter())?;
+    let (mut history, mut raised, mut trend) = (Vec::new(), false, None);
+    for trace in traces {
+        let prepared = notes.preparation().apply(&trace)?;
+        let segments = model.run(&prepared).map_err(|e| Error::Usage(e.to_string()))?;
+        let before = history.len();
+        history.extend(segments);
+        // From the first segment on: a state of evidence belongs to all of them.
+        let watched = model.watch(&history);
+        for (k, (segment, watched)) in history.iter().zip(&watched).skip(before).enumerate() {
+            if args.json {
+                values.push(value(&model, (&prepared, k), segment, watched));
+                continue;
+            }
+            let gated = model.healthy().is_some();
+            output::say(
+                line(&model.classes, &prepared, segment)
+                    + &shaft(&notes.orders, segment)
+                    + &if gated { far(segment, watched) } else { "".into() },
+            )?;
+            if let (Some(alarm), Some(cause), false) = (watched.alarm, watched.cause(&model.classes), raised) {
+                raised = true;
+                output::say(format!("ALARM at segment {}: {cause}", alarm.segment))?;
+            }
+            trend = watched.trend;
+        }
+    }
+    if args.json {
+        output::json(&json!(values))?;
+    } else if let Some(Trend { slope, low, high, segments, .. }) = trend.filter(|_| model.healthy().is_some()) {
+        output::say(format!("distance changes by {slope:.4} [{low:.4}, {high:.4}] a segment over {segments}"))?;
+    }
+    Ok(())
+}
+
+/// Distance from healthy, and the evidence so far.
+fn far(segment: &SegmentReport, watched: &Watched) -> String {
+    let SegmentReport { distance, surprise, .. } = segment;
+    let score = watched.score;
+    match segment.verdict {
+        Ok(_) => format!(", distance {distance:.2}, surprise {surprise:.1} nats, score {score:.1}"),
+        Err(_) => format!(", score {score:.1}"),
+    }
+}
+
+/// Torque balance and orders in physical units; empty where no shaft is watched or it says nothing.
+fn shaft(names: &[String], segment: &SegmentReport) -> String {
+    let Some(friction) = segment.friction.filter(|friction| friction.rows > 0) else { return String::new() };
+    // Without a measured load only the ratios to Kt are known.
+    let kt = friction.torque_constant_nm_a();
+    let mut text = if kt.is_finite() {
+        let (j, b, tc) = (friction.inertia_kg_m2(), friction.viscous_nm_s_rad(), friction.coulomb_nm());
+        format!(", Kt {kt:.4} N·m/A, J {j:.3e} kg·m², B {b:.2e} N·m·s, Tc {tc:.2e} N·m")
+    } else {
+        let [j, b, tc, ..] = friction.parameters;
+        format!(", J/Kt {j:.3e} A·s²/rad, B/Kt {b:.2e} A·s/rad, Tc/Kt {tc:.2e} A")
+    };
+    for (name, order) in names.iter().zip(&segment.orders) {
+        text.push_str(&format!(", {name} {:.1} × noise", order.prominence));
+    }
+    text
+}
+
+/// Where the segment lies: in seconds where the trace has a time, else in samples.
+fn place(trace: &Trace, segment: &SegmentReport) -> String {
+    let (from, to) = (segment.start, segment.start + segment.length);
+    match trace.interval_s {
+        Some(step) => format!("{:.3}–{:.3} s", from as f64 * step, to as f64 * step),
+        None => format!("samples {from}–{to}"),
+    }
+}
+
+fn line(classes: &[String], trace: &Trace, segment: &SegmentReport) -> String {
+    let verdict = match &segment.verdict {
+        Ok(finding) => finding.name(classes).to_string(),
+        Err(reason) => format!("undetermined: {reason}"),
+    };
+    let posteriors: Vec<String> =
+        classes.iter().zip(&segment.posteriors).map(|(class, p)| format!("{class} {p:.3}")).collect();
+    let place = place(trace, segment);
+    let mut line = format!("{}  {place}  {verdict}  [{}]  {} rows", trace.id, posteriors.join(", "), segment.rows);
+    let denied = denied(&segment.counts);
+    if !denied.is_empty() {
+        line.push_str(&format!(", {denied}"));
+    }
+    line
+}
+
+fn value(
+    model: &Embedded,
+    (trace, number): (&Trace, usize),
+    segment: &SegmentReport,
+    watched: &Watched,
+) -> serde_json::Value {
+    let named_by = |names: &[String], values: &[f32]| -> serde_json::Map<String, serde_json::Value> {
+        names.iter().cloned().zip(values.iter().map(|v| json!(v))).collect()
+    };
+    let classes = &model.classes;
+    let named = |values: &[f32]| named_by(classes, values);
+    // Without an estimate the parameters are zeros that mean nothing.
+    let estimated = segment.variance > 0.0 || segment.raw.iter().any(|x| *x != 0.0);
+    json!({
+        "trace": trace.id,
+        "segment": number,
+        "start": segment.start,
+        "length": segment.length,
+        "class": segment.verdict.as_ref().ok().and_then(|finding| finding.class()).map(|class| &classes[class]),
+        "verdict": segment.verdict.as_ref().map_or("undetermined", |finding| finding.name(classes)),
+        "undetermined": segment.verdict.as_ref().err(),
+        "posteriors": named(&segment.posteriors),
+        "log_likelihoods": named(&segment.log_likelihoods),
+        "distance": segment.distance,
+        "surprise": segment.surprise,
+        "score": watched.score,
+        "alarm": watched.alarm.map(|alarm| json!({ "segment": alarm.segment, "cause": watched.cause(classes) })),
+        "trend": watched.trend.map(|t| json!({ "value": t.slope, "low": t.low, "high": t.high })),
+        "parameters": estimated.then(|| named_by(&model.structure().names(), &segment.raw)),
+        "variance": estimated.then_some(segment.variance),
+        "friction": segment.friction.filter(|friction| friction.rows > 0).map(|f| json!({
+            "names": crate::core::features::FRICTION, "values": f.parameters, "deviations": f.deviations, "scores": f.scores,
+        })),
+        "orders": segment.orders.iter().map(|o| json!({ "prominence": o.prominence, "amplitude_a": o.amplitude })).collect::<Vec<_>>(),
+        "rows": segment.rows,
+        "rejected": segment.counts.rejected,
+        "saturated": segment.counts.saturated,
+        "downweighted": segment.counts.downweighted,
+        "still": segment.counts.still,
+        "stuck": stuck_signals(segment.counts.stuck),
+    })
+}

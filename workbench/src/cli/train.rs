@@ -1,0 +1,337 @@
+//! `bearing-watch train`
+
+use std::path::PathBuf;
+
+use bearing_watch::decide::Kind;
+use bearing_watch::estimate::Method;
+use bearing_watch::model::MAX_BLOCK_MEAN;
+use clap::ValueEnum;
+use serde_json::json;
+
+use super::args::alarms::AlarmArgs;
+use super::args::estimation::EstimationArgs;
+use super::args::odds::{costs, priors};
+use super::args::shaft::ShaftArgs;
+use super::args::traces::{
+    ChannelArgs, PreparationArgs, Selection, SelectionArgs, StructureArgs, ValidationArgs, warn_irregular,
+};
+use super::description::{self, estimated_by, method_word};
+use super::model_file::{Notes, check_rate, prepare};
+use super::output;
+use crate::Error;
+use crate::evaluate::{self, Confusion};
+use crate::report::pages::model::{self, Worth};
+use crate::trace::labels::LabelledTrace;
+use crate::trace::{Condition, Preparation};
+use crate::train::{
+    Choice, Keep, ProjectionKind, Ranking, Recipe, Scores, ShaftPlan, Shrink, Shrinkage, Trained, Validation, export,
+};
+
+/// Train a model from labelled traces, for the detector in firmware
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example:\n  bearing-watch train --labels traces/labels.csv --y current_a --u1 velocity_ref_rad_s \
+--u2 load_torque_nm --order 2,1,2,1,1 --model model.bwm --rust model.rs"
+)]
+pub(super) struct Args {
+    #[command(flatten)]
+    selection: SelectionArgs,
+    #[command(flatten)]
+    channels: ChannelArgs,
+    #[command(flatten)]
+    structure: StructureArgs,
+    #[command(flatten)]
+    estimation: EstimationArgs,
+    #[command(flatten)]
+    shaft: ShaftArgs,
+    #[command(flatten)]
+    preparation: PreparationArgs,
+    /// Train on the rows with this, e.g. 'run<=4'; may be repeated, all must hold
+    #[arg(long, value_name = "CONDITION")]
+    train_where: Vec<Condition>,
+    /// Then evaluate on the rows with this, e.g. 'run>4'
+    #[arg(long, value_name = "CONDITION")]
+    test_where: Vec<Condition>,
+    /// a, b, c, offset, log_variance, friction, friction_scores, orders, or single ones such as a1, viscous_score or
+    /// order_outer; every parameter if not given
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    features: Vec<String>,
+    /// Projection of the features
+    #[arg(long, value_enum, default_value = "none")]
+    projection: Projection,
+    /// Components to keep (pca, pca-raw, fisher)
+    #[arg(long, value_name = "N")]
+    components: Option<usize>,
+    /// Part of the variance to keep, where --components is not given (pca, pca-raw)
+    #[arg(long, value_name = "PART", default_value_t = 0.99)]
+    variance: f64,
+    /// Shared or own class covariances, or between them
+    #[arg(long, value_enum, default_value = "linear")]
+    discriminant: DiscriminantKind,
+    /// Fixed shrinkage of class covariances instead: towards the shared one, and of their correlations, each 0 to 1
+    #[arg(long, value_name = "SHARED,DIAGONAL", value_delimiter = ',', num_args = 1, conflicts_with = "discriminant")]
+    shrinkage: Vec<f64>,
+    /// Priors, e.g. healthy=0.98,spall=0.01,roughness=0.01; equal if not given
+    #[arg(long, value_name = "CLASS=P", value_delimiter = ',')]
+    priors: Vec<String>,
+    /// Cost of deciding a class when another is true, e.g. healthy:spall=50; 1 where not given
+    #[arg(long, value_name = "DECIDED:TRUE=COST", value_delimiter = ',')]
+    cost: Vec<String>,
+    #[command(flatten)]
+    validation: ValidationArgs,
+    /// Rank the features (those of --features, or all): Fisher ratios, cross-validated gains, and what to drop
+    #[arg(long)]
+    rank: bool,
+    #[command(flatten)]
+    alarms: AlarmArgs,
+    /// The binary model
+    #[arg(long, value_name = "FILE")]
+    model: PathBuf,
+    /// The model as Rust constants
+    #[arg(long, value_name = "FILE")]
+    rust: Option<PathBuf>,
+    /// A page with the features, the decision regions and the held-out result
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Projection {
+    /// Every feature, scaled
+    None,
+    /// Principal components of the standardised features
+    Pca,
+    /// Principal components of the centred features, as in the source
+    PcaRaw,
+    /// Fisher's directions: most spread between classes against that within
+    Fisher,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum DiscriminantKind {
+    /// One covariance for all classes
+    Linear,
+    /// A covariance each
+    Quadratic,
+    /// Between the two and a diagonal, by the best cross-validated log score
+    Shrunk,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Error> {
+    let mut channels = args.channels.channels();
+    let (shaft_channels, plan) = args.shaft.shaft(&channels.y)?.unzip();
+    channels.shaft = shaft_channels;
+    let preparation = args.preparation.preparation()?;
+    if args.variance.is_nan() || args.variance <= 0.0 || args.variance > 1.0 {
+        return Err(Error::Usage("--variance is a part of the whole: above 0, at most 1".into()));
+    }
+    let selection = args.selection.read(&channels)?;
+    let files = [Some(args.model.as_path()), args.rust.as_deref(), args.report.as_deref()];
+    output::plan(&files.into_iter().flatten().collect::<Vec<_>>(), &selection.inputs(&args.selection.labels))?;
+    let (classes, training) = selection.rows(&args.train_where)?;
+    warn_irregular(training.iter().map(|t| &t.trace));
+    let validation = args.validation.validation(&selection, &training)?;
+    let recipe = Recipe { validation, ..args.recipe(&classes, plan)? };
+    let prepared = prepare(&training, preparation)?;
+    let mut trained = crate::train::train(&prepared, &classes, &recipe)?;
+    let host = embed_block_mean(&mut trained, preparation, &training);
+    let description = description::lines(&trained, &channels, host);
+    if host != Preparation::NONE {
+        output::warn(format!("the detector does not decimate: {}", description[3]));
+    }
+    let notes = Notes::new(
+        &channels,
+        host,
+        (&trained.feature_names, trained.recipe.catalogue().orders.unwrap_or_default()),
+        &training,
+    );
+    let bytes = trained.to_bytes(&notes.to_text())?;
+    let rust = args.rust.as_ref().map(|_| export::rust_source(&trained, &description));
+    let rust = rust.transpose()?;
+
+    let held_out = args.evaluate(&selection, &trained, &training, &classes, host)?;
+    let found = Found {
+        cross_validated: held_out.is_none().then(|| trained.cross_validated()),
+        ranking: args.rank.then(|| trained.rank()).transpose()?,
+        held_out,
+    };
+    let report = args.report.as_ref().map(|_| {
+        let examples: Vec<_> =
+            (0..classes.len()).filter_map(|k| prepared.iter().find(|t| t.class == k).map(|t| (&t.trace, k))).collect();
+        model::training(&trained, &channels, &examples, found.worth())
+    });
+    let report = report.transpose()?;
+    let texts = [(&args.rust, &rust), (&args.report, &report)];
+    let texts = texts.into_iter().filter_map(|(path, text)| Some((path.as_deref()?, text.as_ref()?.as_bytes())));
+    output::write_all(&texts.chain([(args.model.as_path(), bytes.as_slice())]).collect::<Vec<_>>())?;
+    args.print(&trained, &training, bytes.len(), &found)
+}
+
+impl Args {
+    fn recipe(&self, classes: &[String], shaft: Option<ShaftPlan>) -> Result<Recipe, Error> {
+        let keep = self.components.map_or(Keep::Variance(self.variance), Keep::Components);
+        let projection = match self.projection {
+            Projection::None if self.components.is_some() => {
+                return Err(Error::Usage("--components goes with --projection pca, pca-raw or fisher".into()));
+            }
+            Projection::None => ProjectionKind::None,
+            Projection::Pca => ProjectionKind::Pca { keep, standardised: true },
+            Projection::PcaRaw => ProjectionKind::Pca { keep, standardised: false },
+            Projection::Fisher => ProjectionKind::Fisher { components: self.components },
+        };
+        let structure = self.structure.structure();
+        Ok(Recipe {
+            structure,
+            shaft,
+            estimation: self.estimation.estimation(structure, classes)?,
+            features: self.features.clone(),
+            projection,
+            discriminant: match self.discriminant {
+                DiscriminantKind::Linear | DiscriminantKind::Shrunk => Kind::Linear,
+                DiscriminantKind::Quadratic => Kind::Quadratic,
+            },
+            shrink: match (&self.shrinkage[..], self.discriminant) {
+                (&[lambda, gamma], _) if [lambda, gamma].iter().all(|x| (0.0..=1.0).contains(x)) => {
+                    Shrink::To(Shrinkage { lambda, gamma })
+                }
+                ([_, ..], _) => {
+                    return Err(Error::Usage("--shrinkage takes two numbers from 0 to 1, e.g. 0,0.5".into()));
+                }
+                (_, DiscriminantKind::Shrunk) => Shrink::Chosen,
+                (_, DiscriminantKind::Linear | DiscriminantKind::Quadratic) => Shrink::Not,
+            },
+            validation: Validation::default(),
+            priors: priors(&self.priors, classes)?,
+            cost: costs(&self.cost, classes)?,
+            alarms: self.alarms.alarms(classes)?,
+        })
+    }
+
+    fn evaluate(
+        &self,
+        selection: &Selection,
+        trained: &Trained,
+        training: &[LabelledTrace],
+        classes: &[String],
+        host: Preparation,
+    ) -> Result<Option<HeldOut>, Error> {
+        if self.test_where.is_empty() {
+            return Ok(None);
+        }
+        let (names, mut traces) = selection.rows(&self.test_where)?;
+        for held_out in &mut traces {
+            let name = &names[held_out.class];
+            held_out.class = classes.iter().position(|class| class == name).ok_or_else(|| {
+                Error::Usage(format!("--test-where selects class {name}, which has no training traces"))
+            })?;
+        }
+        if let Some(both) = traces.iter().find(|t| training.iter().any(|s| s.trace.id == t.trace.id)) {
+            let id = &both.trace.id;
+            return Err(Error::Usage(format!(
+                "trace {id} is in both --train-where and --test-where; make them disjoint"
+            )));
+        }
+        let model = trained.embed()?;
+        check_rate(&model, host, traces.iter().map(|t| &t.trace))?;
+        let bar = output::progress("evaluating", traces.len());
+        let verdicts = evaluate::run(&model, &prepare(&traces, host)?, || bar.inc(1))?;
+        bar.finish_and_clear();
+        let scores = Scores::of_verdicts(&verdicts, &model.priors(), false);
+        let confusion = Confusion { healthy: model.healthy(), ..evaluate::count(classes, &verdicts, false) };
+        Ok(Some(HeldOut { confusion, verdicts, scores }))
+    }
+
+    fn print(&self, trained: &Trained, training: &[LabelledTrace], bytes: usize, found: &Found) -> Result<(), Error> {
+        let counts: Vec<usize> =
+            (0..trained.classes.len()).map(|k| training.iter().filter(|t| t.class == k).count()).collect();
+        trained.watch.warning.iter().for_each(output::warn);
+        if self.json {
+            return output::json(&json!({
+                "model": self.model,
+                "bytes": bytes,
+                "classes": trained.classes,
+                "training_traces": counts,
+                "features": trained.feature_names,
+                "method": method_word(trained.regression.method),
+                "settle_samples": (trained.regression.method == Method::Instruments).then_some(trained.regression.settle),
+                "segment_samples": trained.segment_samples,
+                "shrinkage": trained.choice.as_ref().map(Choice::to_json),
+                "held_out": found.held_out.as_ref().map(HeldOut::to_json),
+                "cross_validated": found.cross_validated.as_ref().and_then(|v| v.as_ref().ok()).map(Scores::to_json),
+                "ranking": found.ranking.as_ref().map(Ranking::to_json),
+                "novelty": description::gate_to_json(trained),
+            }));
+        }
+        let traces: Vec<String> = trained.classes.iter().zip(counts).map(|(name, n)| format!("{n} {name}")).collect();
+        output::say(format!("trained on {} traces; features {}", traces.join(", "), trained.feature_names.join(", ")))?;
+        output::say(format!("estimated by {}", estimated_by(trained)))?;
+        output::say(format!(
+            "{} discriminant, coordinates: {}, segments of {} samples; {} bytes in {}",
+            trained.kind_name(),
+            trained.core_projection.matrix.nrows(),
+            trained.segment_samples,
+            bytes,
+            self.model.display()
+        ))?;
+        description::gate(trained).map_or(Ok(()), output::say)?;
+        match &found.cross_validated {
+            Some(Ok(scores)) => {
+                let error = 100.0 * scores.error;
+                output::say(format!("cross-validated: error {error:.1} %, {}", scores.summary()))?;
+            }
+            Some(Err(reason)) => output::say(format!("not cross-validated: {reason}"))?,
+            None => {}
+        }
+        if let Some(HeldOut { confusion, scores, .. }) = &found.held_out {
+            let scores = scores.summary();
+            output::say(format!("held-out traces, through the embedded detector:\n{confusion}\n{scores}"))?;
+        }
+        found.ranking.as_ref().map_or(Ok(()), |ranking| output::say(ranking.to_string()))
+    }
+}
+
+/// Traces that were not trained on, with their verdicts.
+struct HeldOut {
+    confusion: Confusion,
+    verdicts: Vec<evaluate::TraceVerdict>,
+    scores: Scores,
+}
+
+impl HeldOut {
+    fn to_json(&self) -> serde_json::Value {
+        let mut value = self.confusion.to_json();
+        self.scores.add_to(&mut value);
+        value
+    }
+}
+
+/// What is known of the model's worth.
+struct Found {
+    held_out: Option<HeldOut>,
+    /// Where nothing was held out.
+    cross_validated: Option<Result<Scores, Error>>,
+    ranking: Option<Ranking>,
+}
+
+impl Found {
+    fn worth(&self) -> Worth<'_> {
+        Worth {
+            held_out: self.held_out.as_ref().map(|h| (&h.confusion, h.verdicts.as_slice(), &h.scores)),
+            cross_validated: self.cross_validated.as_ref().map(Result::as_ref),
+            ranking: self.ranking.as_ref(),
+        }
+    }
+}
+
+/// Lets the detector form the block means itself where nothing follows them; gives what is left to the host.
+fn embed_block_mean(trained: &mut Trained, preparation: Preparation, training: &[LabelledTrace]) -> Preparation {
+    if preparation.decimate > 1 || preparation.block_mean > usize::from(MAX_BLOCK_MEAN) {
+        return preparation;
+    }
+    trained.block_mean = preparation.block_mean;
+    trained.interval_s = training.iter().find_map(|t| t.trace.interval_s).unwrap_or(0.0);
+    Preparation::NONE
+}

@@ -1,0 +1,164 @@
+//! `bearing-watch validate`
+
+use std::path::PathBuf;
+
+use clap::ValueEnum as _;
+use rayon::prelude::*;
+use serde_json::json;
+
+use super::args::traces::{PreparationArgs, StructureArgs, TraceArgs};
+use super::output;
+use crate::Error;
+use crate::identify::{Method, estimate};
+use crate::report::pages::validation::{Outcome, cancellation, page};
+use crate::trace::Trace;
+use crate::validate::roots::Root;
+use crate::validate::{Correlation, Errors, Test, validate};
+
+/// Test the model of each trace: residuals, poles and zeros with 3σ regions, fit, step and frequency response
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example:\n  bearing-watch validate trace.csv --y current_a --u1 velocity_ref_rad_s-velocity_rad_s \
+--u2 load_torque_nm --order 2,2,2,1,1 --report model.html"
+)]
+pub(super) struct Args {
+    #[command(flatten)]
+    input: TraceArgs,
+    #[command(flatten)]
+    structure: StructureArgs,
+    /// Estimator
+    #[arg(long, value_enum, default_value = "ls")]
+    method: Method,
+    #[command(flatten)]
+    preparation: PreparationArgs,
+    /// Correlations over this many lags, to either side
+    #[arg(long, default_value_t = 25, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=500))]
+    lags: u16,
+    /// Write a page with all plots; details are those of the first trace
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// The residuals that the estimator makes small.
+fn errors_of(method: Method) -> Errors {
+    match method {
+        Method::Ls => Errors::LeastSquares,
+        Method::Iv | Method::Iv4 => Errors::Instruments,
+        Method::Armax => Errors::Prediction,
+        Method::Sriv | Method::Sm | Method::Oe => Errors::Simulation,
+    }
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Error> {
+    let preparation = args.preparation.preparation()?;
+    output::plan(&args.report.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &args.input.traces)?;
+    let traces = args.input.read()?;
+    let bar = output::progress("validating", traces.len());
+    let one = |trace: &Trace| {
+        let trace = preparation.apply(trace)?;
+        let estimate = estimate(&trace, args.structure.structure(), args.method)?;
+        let found = validate(&trace, &estimate, errors_of(args.method), usize::from(args.lags))?;
+        bar.inc(1);
+        Ok(Outcome { trace, estimate, found })
+    };
+    let outcomes: Vec<Result<Outcome, Error>> = traces.par_iter().map(one).collect();
+    bar.finish_and_clear();
+    // Collected first, so that the error reported is that of the first bad trace in every run.
+    let outcomes = outcomes.into_iter().collect::<Result<Vec<_>, Error>>()?;
+    let unstable = outcomes.iter().filter(|outcome| !outcome.estimate.is_stable()).count();
+    if unstable > 0 {
+        output::warn(format!(
+            "{unstable} of {} models are unstable; their simulation is one with the poles reflected",
+            outcomes.len()
+        ));
+    }
+    if let Some(path) = &args.report {
+        output::write(path, page(&lead(args, &outcomes[0].trace), &outcomes))?;
+    }
+    if args.json {
+        return output::json(&json!(outcomes.iter().map(to_json).collect::<Vec<_>>()));
+    }
+    for outcome in &outcomes {
+        print(outcome)?;
+    }
+    let passed = outcomes.iter().filter(|outcome| outcome.found.independence.passed()).count();
+    if outcomes.len() > 1 {
+        output::say(format!("{passed} of {} models pass the independence test", outcomes.len()))?;
+    }
+    Ok(())
+}
+
+fn count(test: &Test) -> String {
+    let Test { tested, outside, allowed, largest, limit } = test;
+    format!("{outside} of {tested} lags outside, {allowed} allowed; largest {largest:.1} sd, {limit:.1} allowed")
+}
+
+fn print(outcome: &Outcome) -> Result<(), Error> {
+    let found = &outcome.found;
+    let verdict = |test: &Test| if test.passed() { "pass" } else { "FAIL" };
+    let feedback = if found.feedback.passed() { "not seen," } else { "seen,    " };
+    output::say(&outcome.trace.id)?;
+    output::say(format!("  independence  {}  {}", verdict(&found.independence), count(&found.independence)))?;
+    output::say(format!("  whiteness     {}  {}", verdict(&found.whiteness), count(&found.whiteness)))?;
+    output::say(format!("  feedback      {feedback} {}", count(&found.feedback)))?;
+    output::say(format!(
+        "  fit           simulation {:.2} %, one-step prediction {:.2} %",
+        found.simulation_fit_percent, found.prediction_fit_percent
+    ))?;
+    output::say(format!("  poles, zeros  {}", cancellation(found)))
+}
+
+fn to_json(outcome: &Outcome) -> serde_json::Value {
+    let Outcome { trace, found, .. } = outcome;
+    let test = |test: &Test| {
+        json!({
+            "passed": test.passed(), "tested": test.tested, "outside": test.outside, "allowed": test.allowed,
+            "largest_sd": test.largest, "largest_allowed_sd": test.limit,
+        })
+    };
+    let correlation = |one: &Correlation| json!({ "lag": one.lags, "value": one.value, "bound_99": one.bound });
+    let roots = |roots: &[Root]| {
+        let one = |root: &Root| {
+            let c = root.covariance;
+            json!({
+                "re": root.at.re, "im": root.at.im, "separated": root.separated,
+                "covariance": [[c[(0, 0)], c[(0, 1)]], [c[(1, 0)], c[(1, 1)]]],
+            })
+        };
+        roots.iter().map(one).collect::<Vec<_>>()
+    };
+    let map = &found.map;
+    json!({
+        "trace": trace.id,
+        "independence": test(&found.independence),
+        "whiteness": test(&found.whiteness),
+        "feedback": test(&found.feedback),
+        "simulation_fit_percent": found.simulation_fit_percent,
+        "prediction_fit_percent": found.prediction_fit_percent,
+        "poles": roots(&map.poles),
+        "zeros_u1": roots(&map.zeros[0]),
+        "zeros_u2": roots(&map.zeros[1]),
+        "removable_poles": map.removable,
+        "autocorrelation": correlation(&found.autocorrelation),
+        "cross_correlation_u1": correlation(&found.cross_correlation[0]),
+        "cross_correlation_u2": correlation(&found.cross_correlation[1]),
+    })
+}
+
+/// What stands below the title of the page.
+fn lead(args: &Args, first: &Trace) -> String {
+    let channels = args.input.channels.channels();
+    let order = args.structure.structure().order.to_array();
+    format!(
+        "y = {}, u1 = {}, u2 = {}; order {order:?}{}, estimated by {} from {} samples.",
+        channels.y,
+        channels.u1,
+        channels.u2,
+        if args.structure.structure().offset { " with a constant" } else { "" },
+        args.method.to_possible_value().map_or_else(String::new, |method| method.get_name().to_string()),
+        first.y.len()
+    )
+}

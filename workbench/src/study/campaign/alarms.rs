@@ -1,0 +1,109 @@
+//! Rates that are set: false alarms of the gate over many training draws, and how soon a defect alarms.
+
+use rayon::prelude::*;
+
+use super::experiments::{Training, full_size};
+use super::run::{class_names, ours, training_set};
+use super::sets::{Cell, Purpose, map_traces};
+use crate::Error;
+use crate::rig::{Condition, Defect, DefectKind, Scenario};
+use crate::train::train;
+
+/// False alarms of gates from so many draws of healthy training traces, each judged on traces of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rates {
+    /// Condition of all traces.
+    pub condition: &'static str,
+    /// Healthy training traces a draw.
+    pub traces: u32,
+    /// Judged traces a draw.
+    pub judged: u32,
+    /// Rate that was set, and what each draw's gate had.
+    pub rates: Vec<(f64, Vec<f64>)>,
+    /// Healthy traces from which 95 % of gates have at most three times the rate that was set.
+    pub needed: Vec<usize>,
+}
+
+/// Draws gates and counts.
+///
+/// # Errors
+/// As training and simulation.
+pub fn false_alarms(
+    condition: Condition,
+    (draws, traces, judged): (u32, u32, u32),
+    set: &[f64],
+    done: impl Fn(),
+) -> Result<Rates, Error> {
+    let mut rates: Vec<(f64, Vec<f64>)> = set.iter().map(|rate| (*rate, Vec::new())).collect();
+    let mut needed = Vec::new();
+    // Far from the repetitions of the experiments.
+    for draw in 1000..1000 + draws {
+        let training = Training { condition, classes: vec![Defect::HEALTHY], count: traces };
+        let training_traces = training_set(&training, draw)?;
+        let trained = train(&training_traces, &class_names(&training.classes), &ours(set[0]))?;
+        if needed.is_empty() {
+            needed = set.iter().map(|&rate| rows_needed(trained.feature_names.len(), rate)).collect();
+        }
+        let model = trained.embed()?;
+        let cell = Cell { purpose: Purpose::Validation, repetition: draw, condition, defect: Defect::HEALTHY };
+        let surprises = map_traces(&Scenario::STANDARD, &[cell], judged, |recording| {
+            let segments =
+                model.run(&super::run::labelled(recording, 0).trace).map_err(|e| Error::Usage(e.to_string()))?;
+            // No verdict on a healthy trace is an alarm too.
+            Ok(segments.first().filter(|s| s.verdict.is_ok()).map_or(f64::INFINITY, |s| f64::from(s.surprise)))
+        })?;
+        for (rate, found) in &mut rates {
+            let limit = -rate.ln();
+            found.push(surprises.iter().filter(|s| **s >= limit).count() as f64 / surprises.len() as f64);
+        }
+        done();
+    }
+    Ok(Rates { condition: condition.name, traces, judged, rates, needed })
+}
+
+fn rows_needed(coordinates: usize, rate: f64) -> usize {
+    crate::train::novelty::spread::rows_needed(coordinates, rate)
+}
+
+/// How soon a defect at full size alarms: records to the alarm of each sequence, nothing where there was none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Alarmed {
+    /// The defect; healthy ones must not alarm.
+    pub kind: DefectKind,
+    /// Records of a sequence.
+    pub length: usize,
+    /// Records to the alarm.
+    pub records: Vec<Option<usize>>,
+}
+
+/// Runs sequences of records through gate and evidence.
+///
+/// # Errors
+/// As training and simulation.
+pub fn alarms(repetitions: u32, count: u32, length: usize, done: impl Fn()) -> Result<Vec<Alarmed>, Error> {
+    let kinds = [DefectKind::Spall, DefectKind::Roughness, DefectKind::Healthy];
+    let mut all = kinds.map(|kind| Alarmed { kind, length, records: vec![] }).to_vec();
+    for repetition in 2000..2000 + repetitions {
+        let training = Training { condition: Condition::STANDARD, classes: full_size(), count };
+        let set = training_set(&training, repetition)?;
+        let model = train(&set, &class_names(&training.classes), &ours(0.01))?.embed()?;
+        for alarmed in &mut all {
+            let cell = Cell {
+                purpose: Purpose::Validation,
+                repetition,
+                condition: Condition::STANDARD,
+                defect: Defect::full(alarmed.kind),
+            };
+            let segments = map_traces(&Scenario::STANDARD, &[cell], 5 * length as u32, |recording| {
+                model.run(&super::run::labelled(recording, 0).trace).map_err(|e| Error::Usage(e.to_string()))
+            })?;
+            let sequences = segments.par_chunks(length).map(|sequence| {
+                let watched = model.watch(&sequence.concat());
+                watched.iter().position(|state| state.alarm.is_some()).map(|k| k + 1)
+            });
+            alarmed.records.extend(sequences.collect::<Vec<_>>());
+        }
+        done();
+    }
+    Ok(all)
+}

@@ -1,0 +1,273 @@
+//! Labelled sets of traces, each trace with a seed of its own.
+//!
+//! A seed packs what the trace is for, so two traces share one only if they are the same trace:
+//!
+//! ```text
+//! bit  63  62…61    60…45       44…37      36…34  33…22     21…0
+//!      1   purpose  repetition  condition  class  severity  number      (1)
+//! ```
+//!
+//! Severity counts in steps of 1/1920, which [`SEVERITIES`](crate::rig::SEVERITIES), their thirds and fifths are whole
+//! multiples of. The top bit keeps these seeds apart from [`trace_seed`](crate::rig::trace_seed) of sets below 2³¹.
+//!
+//! A trace of the standard rig takes 240 kB; [`map_traces`] keeps of each only what its caller makes of it.
+//!
+//! ```
+//! use workbench::study::campaign::{Cell, Purpose, record};
+//! use workbench::rig::{Condition, Defect, DefectKind, Scenario};
+//!
+//! let cell = Cell {
+//!     purpose: Purpose::Training,
+//!     repetition: 0,
+//!     condition: Condition::MIX,
+//!     defect: Defect { kind: DefectKind::Spall, severity: 0.5 },
+//! };
+//! let short = Scenario { samples: 100, ..Scenario::STANDARD };
+//! let set = record(&short, &[cell, Cell { purpose: Purpose::Validation, ..cell }], 3)?;
+//! assert_eq!(set.len(), 6);
+//! assert_ne!(set[0].seed, set[3].seed);
+//! # Ok::<(), workbench::Error>(())
+//! ```
+
+use std::collections::HashSet;
+
+use rayon::prelude::*;
+
+use crate::Error;
+use crate::rig::{Condition, Defect, RigTrace, Scenario, simulate};
+
+/// Steps of severity to full size.
+const SEVERITY_STEPS: f64 = 1920.0;
+/// Repetitions are below this.
+const REPETITIONS: u32 = 1 << 16;
+/// Severities, in steps, are below this.
+const SEVERITIES: f64 = 4096.0;
+/// Traces of one cell are at most this many.
+const NUMBERS: u32 = 1 << 22;
+
+/// What traces are for. Traces of different purpose never share a seed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Purpose {
+    /// To train on.
+    Training,
+    /// To judge what was trained.
+    Validation,
+    /// To choose settings or thresholds with, apart from training and validation.
+    Selection,
+    /// To measure a bound or a level with, such as noise floors.
+    Reference,
+}
+
+impl Purpose {
+    /// Every purpose.
+    pub const ALL: [Self; 4] = [Self::Training, Self::Validation, Self::Selection, Self::Reference];
+
+    const fn number(self) -> u64 {
+        match self {
+            Self::Training => 0,
+            Self::Validation => 1,
+            Self::Selection => 2,
+            Self::Reference => 3,
+        }
+    }
+}
+
+/// Traces that differ in nothing but chance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cell {
+    /// What they are for.
+    pub purpose: Purpose,
+    /// Which repetition of the campaign they belong to, below 65 536.
+    pub repetition: u32,
+    /// Under what condition.
+    pub condition: Condition,
+    /// What is wrong; the severity in steps of 1/1920, at most 2.13.
+    pub defect: Defect,
+}
+
+impl Cell {
+    /// The seed of trace `number` (1).
+    ///
+    /// # Errors
+    /// [`Error::Usage`] where a field does not fit its bits: the seed would be another cell's.
+    pub fn seed(&self, number: u32) -> Result<u64, Error> {
+        let refused = |what: &str| Err(Error::Usage(format!("a campaign's traces have no seed for {what}")));
+        let steps = self.defect.severity * SEVERITY_STEPS;
+        // Written so that a NaN is refused as well.
+        let whole = (steps - steps.round()).abs() < 1e-9;
+        if !(whole && steps.round() >= 0.0 && steps.round() < SEVERITIES) {
+            return refused(&format!("severity {}; take a multiple of 1/1920 up to 2.13", self.defect.severity));
+        }
+        if self.repetition >= REPETITIONS {
+            return refused(&format!("repetition {}; there are {REPETITIONS}", self.repetition));
+        }
+        if number >= NUMBERS {
+            return refused(&format!("trace {number} of a cell; there are {NUMBERS}"));
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a whole number in 0…4095, checked above"
+        )]
+        let severity = steps.round() as u64;
+        Ok((1 << 63)
+            | (self.purpose.number() << 61)
+            | (u64::from(self.repetition) << 45)
+            | (u64::from(self.condition.number) << 37)
+            | (u64::from(self.defect.kind.number()) << 34)
+            | (severity << 22)
+            | u64::from(number)) // (1)
+    }
+
+    /// The scenario of the trace of this seed: `base` with the defect, under the condition.
+    #[must_use]
+    pub fn scenario(&self, base: &Scenario, seed: u64) -> Scenario {
+        self.condition.apply(base.with_defect(self.defect), seed)
+    }
+}
+
+/// One trace and what it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    /// The cell it belongs to; `cell.defect.kind` is its class.
+    pub cell: Cell,
+    /// Its number in the cell.
+    pub number: u32,
+    /// Its seed.
+    pub seed: u64,
+    /// Reference, velocity, current, load and angle.
+    pub trace: RigTrace,
+}
+
+/// Records traces 0…`count` of each cell in parallel, cell by cell in the order given.
+///
+/// # Errors
+/// Where a cell has no seed or that of another cell, or the rig refuses a scenario.
+pub fn record(base: &Scenario, cells: &[Cell], count: u32) -> Result<Vec<Recording>, Error> {
+    map_traces(base, cells, count, Ok)
+}
+
+/// The same, keeping of each trace only what `keep` makes of it; `keep` runs in parallel.
+///
+/// # Errors
+/// As [`record`], and where `keep` fails.
+pub fn map_traces<T: Send>(
+    base: &Scenario,
+    cells: &[Cell],
+    count: u32,
+    keep: impl Fn(Recording) -> Result<T, Error> + Sync,
+) -> Result<Vec<T>, Error> {
+    let mut seen = HashSet::new();
+    for cell in cells {
+        if !seen.insert(cell.seed(0)?) {
+            let name = cell.condition.name;
+            return Err(Error::Usage(format!("two cells of a campaign share their seeds; the second is of {name}")));
+        }
+    }
+    let jobs: Vec<(&Cell, u32)> = cells.iter().flat_map(|cell| (0..count).map(move |k| (cell, k))).collect();
+    jobs.par_iter()
+        .map(|&(cell, number)| {
+            let seed = cell.seed(number)?;
+            let trace = simulate(&cell.scenario(base, seed), seed)?;
+            keep(Recording { cell: *cell, number, seed, trace })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rig::{self, DefectKind, trace_seed};
+
+    const CELL: Cell = Cell {
+        purpose: Purpose::Training,
+        repetition: 0,
+        condition: Condition::STANDARD,
+        defect: Defect::full(DefectKind::Spall),
+    };
+
+    /// Every purpose, class, severity and condition in 25 repetitions: 97 200 cells.
+    fn all_cells() -> impl Iterator<Item = Cell> {
+        let defects = DefectKind::ALL
+            .into_iter()
+            .flat_map(|kind| rig::SEVERITIES.into_iter().map(move |severity| Defect { kind, severity }));
+        let conditions =
+            defects.flat_map(|defect| Condition::all().map(move |condition| Cell { condition, defect, ..CELL }));
+        conditions.flat_map(|cell| {
+            Purpose::ALL
+                .into_iter()
+                .flat_map(move |purpose| (0..25).map(move |repetition| Cell { purpose, repetition, ..cell }))
+        })
+    }
+
+    #[test]
+    fn a_seed_tells_its_trace_so_no_two_traces_share_one() {
+        let mut cells = HashSet::new();
+        for cell in all_cells() {
+            for number in [0, 1, 999, NUMBERS - 1] {
+                let seed = cell.seed(number).expect("fits");
+                // Read back field by field: a map with an inverse never takes two traces to one seed.
+                let bits = |from: u32, count: u32| (seed >> from) & ((1 << count) - 1);
+                assert_eq!(bits(0, 22), u64::from(number));
+                assert_eq!(bits(22, 12) as f64, cell.defect.severity * 1920.0);
+                assert_eq!(bits(34, 3), u64::from(cell.defect.kind.number()));
+                assert_eq!(bits(37, 8), u64::from(cell.condition.number));
+                assert_eq!(bits(45, 16), u64::from(cell.repetition));
+                assert_eq!(bits(61, 2), cell.purpose.number());
+                assert_eq!(seed >> 63, 1);
+            }
+            assert!(cells.insert(cell.seed(0).expect("fits")), "{cell:?}");
+        }
+        assert_eq!(cells.len(), 4 * 25 * 18 * 6 * 9);
+    }
+
+    #[test]
+    fn seeds_of_other_sets_are_apart() {
+        let last = trace_seed(u32::MAX >> 1, DefectKind::WeakMagnet, u32::MAX);
+        assert!(all_cells().all(|cell| cell.seed(0).expect("fits") > last));
+        // And among themselves: every class in neighbouring sets, both ends of the count.
+        let mut seen = HashSet::new();
+        for set in 0..20 {
+            for kind in DefectKind::ALL {
+                for k in (0..300).chain((1 << 29) - 300..1 << 29) {
+                    assert!(seen.insert(trace_seed(set, kind, k)), "{set} {kind:?} {k}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused() {
+        let refused = |cell: Cell, number: u32| cell.seed(number).expect_err("does not fit").to_string();
+        for severity in [0.3337, 3.0, -0.5, f64::NAN, f64::INFINITY] {
+            let cell = Cell { defect: Defect { severity, ..CELL.defect }, ..CELL };
+            assert!(refused(cell, 0).contains("severity"));
+        }
+        assert!(refused(Cell { repetition: 1 << 16, ..CELL }, 0).contains("repetition 65536"));
+        assert!(refused(CELL, 1 << 22).contains("trace 4194304"));
+        let other = Cell { condition: Condition { name: "another", resistance: 2.0, ..Condition::STANDARD }, ..CELL };
+        let error = record(&Scenario::STANDARD, &[CELL, other], 1).expect_err("one number, two conditions");
+        assert!(error.to_string().contains("share their seeds; the second is of another"));
+    }
+
+    #[test]
+    fn traces_come_in_order_with_their_cell_and_their_own_draws() {
+        let short = Scenario { samples: 200, ..Scenario::STANDARD };
+        let healthy = Cell { purpose: Purpose::Validation, condition: Condition::MIX, defect: Defect::HEALTHY, ..CELL };
+        let set = record(&short, &[CELL, healthy], 5).expect("valid");
+        for (k, recording) in (0..).zip(&set) {
+            let cell = if k < 5 { CELL } else { healthy };
+            assert_eq!(
+                (recording.cell, recording.number, recording.seed),
+                (cell, k % 5, cell.seed(k % 5).expect("fits"))
+            );
+            let scenario = if k < 5 { short.with_defect(CELL.defect) } else { short.mixed(recording.seed) };
+            assert_eq!(recording.trace, simulate(&scenario, recording.seed).expect("valid"));
+        }
+        // Fluctuations are continuous draws: traces that share a seed would share the first, others never.
+        let firsts: HashSet<u64> = set.iter().map(|r| r.trace.load_torque_nm[0].to_bits()).collect();
+        assert_eq!(firsts.len(), 10);
+        let kept = map_traces(&short, &[CELL, healthy], 5, |r| Ok(r.trace.current_a[199])).expect("valid");
+        assert!(kept.iter().zip(&set).all(|(kept, r)| *kept == r.trace.current_a[199]));
+    }
+}

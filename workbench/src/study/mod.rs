@@ -1,0 +1,17 @@
+//! Studies on the simulated rigs: the demonstration, campaigns, and the source's tables beside ours.
+//!
+//! | room | what it holds |
+//! |---|---|
+//! | [`recipes`] | the configurations that the studies train |
+//! | [`demo`] | labelled traces of the standard rig, and one draw of the whole chain |
+//! | [`literal`] | the source's own method |
+//! | [`campaign`] | experiments over many conditions and repetitions |
+//! | [`tables`] | the source's tables |
+//! | [`statistics`] | mean and standard deviation over repetitions |
+
+pub mod campaign;
+pub mod demo;
+pub mod literal;
+pub mod recipes;
+pub mod statistics;
+pub mod tables;

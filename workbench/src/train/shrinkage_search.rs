@@ -1,0 +1,110 @@
+//! The shrinkage of least cross-validated score on a grid of λ and γ.
+
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+use super::folds::{Candidates, Folds, check};
+use super::scores::{Prediction, Scores};
+use super::shrinkage::Shrinkage;
+use super::{ClassStatistics, FeatureTable, GaussianClasses, Recipe, discriminant, projection};
+use crate::Error;
+
+/// A point of the grid with its cross-validated scores.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GridPoint {
+    /// λ and γ.
+    pub shrinkage: Shrinkage,
+    /// Guarded log score, nats; infinite where a covariance is singular in some fold.
+    pub score: f64,
+    /// Error rate.
+    pub error: f64,
+}
+
+/// What cross-validation chose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice {
+    /// The best point's.
+    pub shrinkage: Shrinkage,
+    /// Every point.
+    pub grid: Vec<GridPoint>,
+    /// Folds.
+    pub folds: usize,
+}
+
+const LAMBDAS: [f64; 8] = [1.0, 0.75, 0.5, 0.25, 0.1, 0.05, 0.01, 0.0];
+const GAMMAS: [f64; 8] = [1.0, 0.5, 0.25, 0.1, 0.05, 0.01, 0.001, 0.0];
+
+impl Choice {
+    /// Keys `lambda`, `gamma`, `folds` and `grid`; a score is null where a covariance is singular.
+    #[must_use]
+    pub fn to_json(&self) -> Value {
+        let point = |p: &GridPoint| {
+            let score = p.score.is_finite().then_some((p.score, p.error)).unzip();
+            json!({ "lambda": p.shrinkage.lambda, "gamma": p.shrinkage.gamma, "guarded_log_score": score.0, "error_rate": score.1 })
+        };
+        let Shrinkage { lambda, gamma } = self.shrinkage;
+        let grid = self.grid.iter().map(point).collect::<Vec<_>>();
+        json!({ "lambda": lambda, "gamma": gamma, "folds": self.folds, "grid": grid })
+    }
+}
+
+/// Returns the point of the grid of least cross-validated guarded log score, of equal points the most shrunk. The
+/// projection is trained anew in every fold.
+pub(crate) fn search(candidates: &Candidates, recipe: &Recipe) -> Result<Choice, Error> {
+    let folds = Folds::new(candidates, &recipe.validation)?;
+    let priors = discriminant::priors(&recipe.priors, candidates.table.names.len())?;
+    let weights = candidates.weights(&priors);
+    let parts: Vec<_> =
+        (0..folds.count).into_par_iter().map(|fold| Part::new(candidates, recipe, &folds, fold)).collect();
+    let parts: Vec<Part> = parts.into_iter().collect::<Result<_, _>>()?;
+    let points: Vec<Shrinkage> =
+        LAMBDAS.iter().flat_map(|&lambda| GAMMAS.iter().map(move |&gamma| Shrinkage { lambda, gamma })).collect();
+    let score = |&shrinkage: &Shrinkage| {
+        let mut predictions = Vec::new();
+        for part in &parts {
+            let Ok(densities) = discriminant::shrunk(&part.seen, &part.names, recipe, shrinkage) else {
+                return GridPoint { shrinkage, score: f64::INFINITY, error: 1.0 };
+            };
+            predictions.extend(part.predict(&densities, &weights));
+        }
+        let scores = Scores::new(&predictions, &priors);
+        GridPoint { shrinkage, score: scores.guarded.value, error: scores.error }
+    };
+    let grid: Vec<GridPoint> = points.par_iter().map(score).collect();
+    // The first of equals; the grid begins with the most shrunk.
+    let best = grid.iter().min_by(|a, b| a.score.total_cmp(&b.score)).filter(|best| best.score.is_finite());
+    let Some(best) = best else {
+        let problem = "every shrunk covariance is singular: a feature is the same in every trace; leave it out";
+        return Err(Error::Training(problem.into()));
+    };
+    Ok(Choice { shrinkage: best.shrinkage, folds: folds.count, grid })
+}
+
+/// One fold in coordinates: all of it but the covariances.
+struct Part {
+    seen: ClassStatistics,
+    names: Vec<String>,
+    held_out: FeatureTable,
+    rows: Vec<usize>,
+}
+
+impl Part {
+    fn new(candidates: &Candidates, recipe: &Recipe, folds: &Folds, fold: usize) -> Result<Self, Error> {
+        let (seen, rows) = folds.split(fold);
+        let (seen, held_out) = (candidates.rows(&seen), candidates.rows(&rows));
+        check(&seen)?;
+        let map = projection::train(&seen.table, &seen.features, recipe.projection)?;
+        let names = (0..map.matrix.nrows()).map(|k| format!("z{}", k + 1)).collect();
+        Ok(Self { seen: ClassStatistics::new(&seen.table.map(&map)), names, held_out: held_out.table.map(&map), rows })
+    }
+
+    fn predict(&self, densities: &GaussianClasses, weights: &[f64]) -> Vec<Prediction> {
+        let rows = self.held_out.rows.iter().zip(&self.held_out.classes).zip(&self.rows);
+        rows.map(|((z, &truth), &row)| {
+            let log_posteriors = densities.log_posteriors(z);
+            let decided = Some(densities.decide(&log_posteriors));
+            Prediction { truth, decided, log_posteriors, weight: weights[row] }
+        })
+        .collect()
+    }
+}
