@@ -4,7 +4,7 @@ use bearing_watch::{Reason, Sample, Verdict};
 use proptest::prelude::*;
 use workbench::rig::{Defect, DefectKind, Scenario, simulate};
 
-#[path = "../../examples/support/standard_rig/model.rs"]
+#[path = "../../../examples/support/standard_rig/model.rs"]
 mod exported;
 
 use exported::{MODEL, Monitor};

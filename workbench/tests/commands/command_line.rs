@@ -1,10 +1,8 @@
 //! The commands as a user runs them: the main job from files to files, and one clear line on bad input.
 
-mod common;
-
 use std::path::Path;
 
-use common::{refuse, run, succeed};
+use crate::common::{refuse, run, succeed};
 
 const SIGNALS: &str = "--y current_a --u1 velocity_ref_rad_s --u2 load_torque_nm";
 const CLASSES: &str = "healthy,spall,roughness";

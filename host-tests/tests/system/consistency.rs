@@ -1,8 +1,8 @@
 //! Monte Carlo: every estimator against the truth it is made for. Bias by a family-wise test at 1 % (Bonferroni over
 //! all parameters of all cases) and in shares of the standard deviation; coverage of the 95 % intervals.
 //!
-//! Each run draws its inputs and its noise afresh. `cargo test -p host-tests --test consistency -- --nocapture` prints
-//! the table.
+//! Each run draws its inputs and its noise afresh; `cargo test -p host-tests --test system consistency -- --nocapture`
+//! prints the table.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

@@ -1,10 +1,8 @@
 //! `train` by every method and memory, and what `replay` and `evaluate` then say.
 
-mod common;
-
 use std::path::Path;
 
-use common::{refuse, succeed};
+use crate::common::{refuse, succeed};
 
 fn signals(u1: &str, order: &str) -> String {
     format!("--y current_a --u1 {u1} --u2 load_torque_nm --order {order}")

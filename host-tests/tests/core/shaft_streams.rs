@@ -12,7 +12,7 @@ use workbench::rig::{Defect, DefectKind, NoiseSource, Scenario, Stream, simulate
 #[path = "shaft/common.rs"]
 mod common;
 #[allow(dead_code, reason = "its detector is spelt out here")]
-#[path = "../../examples/support/standard_rig/model.rs"]
+#[path = "../../../examples/support/standard_rig/model.rs"]
 mod exported;
 
 use common::{model, motions, run, trace};

@@ -1,8 +1,6 @@
 //! Healthy-only training, novelty gate, reject option and alarm, as a user runs them.
 
-mod common;
-
-use common::{refuse, run, succeed};
+use crate::common::{refuse, run, succeed};
 use serde_json::Value;
 
 const TRAIN: &str = "train --y current_a --u1 velocity_ref_rad_s --u2 load_torque_nm --order 2,1,2,1,1";

@@ -5,12 +5,12 @@ use bearing_watch::estimate::{Fading, Forgetting, Instruments, Memory, Method, N
 use bearing_watch::{Detector, Model, ModelError, Sample};
 use proptest::prelude::*;
 
-#[path = "../../examples/support/standard_rig/model.rs"]
+#[path = "../../../examples/support/standard_rig/model.rs"]
 mod exported;
 
 type Exact = Model<6, 5, 5, 3>;
 
-static FILE: &[u8] = include_bytes!("../../examples/support/standard_rig/model.bwm");
+static FILE: &[u8] = include_bytes!("../../../examples/support/standard_rig/model.bwm");
 
 #[test]
 fn binary_and_rust_exports_are_the_same_model() {

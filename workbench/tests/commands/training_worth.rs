@@ -1,10 +1,8 @@
 //! What `train` and `evaluate` say of a model's worth: shrinkage, ranking, scores, and where priors and costs decide.
 
-mod common;
-
 use std::path::Path;
 
-use common::{refuse, succeed};
+use crate::common::{refuse, succeed};
 use serde_json::Value;
 
 /// Faults too small to be sure of, under changing conditions.

@@ -1,10 +1,8 @@
 //! `bearing-watch simulate`: classes, severities, conditions and waveforms, as a user runs it.
 
-mod common;
-
 use std::path::Path;
 
-use common::{refuse, run, succeed};
+use crate::common::{refuse, run, succeed};
 
 /// Columns of a trace: time, reference, velocity, current, load, angle.
 fn trace(path: &Path) -> Vec<Vec<f64>> {

@@ -1,8 +1,6 @@
 //! `bearing-watch tables` as a user runs it, and what the literal method and ours make of the rig.
 
-mod common;
-
-use common::{refuse, succeed};
+use crate::common::{refuse, succeed};
 use serde_json::Value;
 use workbench::study::demo::{self, Settings as DemoSettings};
 use workbench::study::tables::{Id, Settings, Table, run};

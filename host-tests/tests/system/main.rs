@@ -1,0 +1,20 @@
+//! The whole system on simulated and recorded traces: rigs, identification, training, and the verdicts of the core.
+
+mod campaign;
+mod consistency;
+mod dc_motor_recordings;
+mod dc_motor_rig;
+mod embedded_estimates;
+mod estimators;
+mod identification;
+mod instruments_model;
+mod piecewise;
+mod priors_and_costs;
+mod recorded_actuators;
+mod recorded_drives;
+mod recorded_families;
+mod recorded_healthy_only;
+mod recorded_wear;
+mod standard_rig;
+mod structure;
+mod validation;

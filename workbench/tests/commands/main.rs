@@ -1,0 +1,12 @@
+//! The commands as a user runs them, in a folder of their own.
+
+mod alarm_commands;
+mod command_line;
+mod common;
+mod grey_box_commands;
+mod simulate_command;
+mod structure_command;
+mod tables_command;
+mod train_methods;
+mod training_worth;
+mod validate_command;
