@@ -69,7 +69,7 @@ impl Predictor {
         for _ in 0..PASSES {
             let mut rows = self.rows.clone().resize_horizontally(n + nd, 0.0);
             fill_lags(&mut rows, n, &noise);
-            let Ok(pass) = ls::solve(rows, self.target.clone()) else { break };
+            let Some(pass) = ls::solve(&rows, &self.target) else { break };
             let mut theta = pass.theta;
             let d = reflect_unstable(&shaping(&theta, n));
             reflected += usize::from(d[1..] != theta.as_slice()[n..]);

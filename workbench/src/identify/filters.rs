@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::kernel::filter::recur;
 use super::{Order, Structure, reflect_unstable, simulate};
 use crate::trace::Trace;
 
@@ -69,20 +70,12 @@ pub(super) fn prefilter(trace: &Trace, structure: Structure, theta: &[f64]) -> P
 
 /// Filters in place by 1/A, `A = 1 + a₁ q⁻¹ + …`.
 pub(crate) fn all_pole(a: &[f64], x: &mut [f64]) {
-    for t in 0..x.len() {
-        let past: f64 = a.iter().enumerate().skip(1).take(t).map(|(k, a)| a * x[t - k]).sum();
-        x[t] -= past;
-    }
-}
-
-/// Filters by taps.
-pub(super) fn fir(taps: &[f64], x: &[f64]) -> Vec<f64> {
-    let at = |t: usize| taps.iter().enumerate().take(t + 1).map(|(k, tap)| tap * x[t - k]).sum();
-    (0..x.len()).map(at).collect()
+    recur(&a[1..], 0, x);
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::kernel::filter::fir;
     use super::*;
 
     fn trace() -> Trace {
@@ -101,7 +94,8 @@ mod tests {
     #[test]
     fn all_pole_undoes_taps() {
         let a = [1.0, -0.7, 0.2];
-        let mut x = fir(&a, &trace().y);
+        let mut x = Vec::new();
+        fir(&a, &trace().y, &mut x);
         all_pole(&a, &mut x);
         for (got, want) in x.iter().zip(trace().y) {
             assert!((got - want).abs() < 1e-13); // rounding of a stable recursion

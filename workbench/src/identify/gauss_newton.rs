@@ -9,7 +9,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::ls::{self, DEPENDENT};
+use super::kernel::triangle::DEPENDENT;
+use super::ls;
 use super::result::negligible;
 
 const STEPS: usize = 100;

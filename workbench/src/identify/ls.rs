@@ -1,32 +1,49 @@
 //! Least squares (thesis Eq. 2.17–2.19) by orthogonal triangularisation; no normal equations.
+//!
+//! ```text
+//! [X y] = Q [R q; 0 ·],   R θ = q,   cov θ = σ² (XᵀX)⁻¹ = σ² R⁻¹ R⁻ᵀ
+//! ```
+//!
+//! The columns are read from the signals in blocks of rows ([`super::kernel::triangle`]); Q is not formed. Cost for n
+//! parameters: 2 N n² flops.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::filters::regressors;
+use super::kernel::sums::dot;
+use super::kernel::triangle::Triangle;
+use super::regression::{Signals, constant, subtract};
 use super::result::{Finding, Noise};
 use super::{Estimate, Structure, unexcited};
 use crate::Error;
 use crate::trace::Trace;
-
-/// Diagonal of R, relative to its column's norm, below which a column is dependent: double rounding leaves 1e-15.
-pub(super) const DEPENDENT: f64 = 1e-11;
 
 /// Minimises Σ e² over rows t₀ … N−1.
 ///
 /// # Errors
 /// Fewer rows than parameters, or columns that the signals do not excite.
 pub fn least_squares(trace: &Trace, structure: Structure) -> Result<Estimate, Error> {
-    let t0 = structure.first_row(trace)?;
-    let x = regressors(structure, t0, &trace.y, &trace.u1, &trace.u2);
-    let target = DVector::from_column_slice(&trace.y[t0..]);
-    let solution = solve(x, target).map_err(|column| {
-        let x = regressors(structure, t0, &trace.y, &trace.u1, &trace.u2);
-        unexcited(structure, trace, column, &partners(x, column))
-    })?;
-    let Solution { theta, cofactor, residuals } = solution;
-    let noise = Noise::Equation;
+    let constant = constant(structure, 1.0, trace.y.len());
+    let signals = Signals::of(trace, &constant);
+    let factor = factor(trace, structure, &signals)?;
+    let mut residuals = Vec::new();
+    signals.residuals(structure, factor.theta.as_slice(), &mut residuals);
+    let cofactor = factor.cofactor();
+    let Factor { theta, .. } = factor;
+    let (residuals, noise) = (DVector::from_vec(residuals), Noise::Equation);
     let finding = Finding { theta, cofactor, residuals, noise, converged: true, iterations: 1, reflected: 0 };
     Ok(finding.estimate(trace, structure))
+}
+
+/// The parameters of [`least_squares`] alone.
+pub(super) fn parameters(trace: &Trace, structure: Structure) -> Result<DVector<f64>, Error> {
+    let constant = constant(structure, 1.0, trace.y.len());
+    Ok(factor(trace, structure, &Signals::of(trace, &constant))?.theta)
+}
+
+fn factor(trace: &Trace, structure: Structure, signals: &Signals) -> Result<Factor, Error> {
+    let t0 = structure.first_row(trace)?;
+    let factor = Factor::new(signals.columns(structure), structure.order.na.into(), &trace.y[t0..]);
+    factor.map_err(|Dependent { column, partners }| unexcited(structure, trace, column, &partners))
 }
 
 /// Parameters of one regression.
@@ -37,47 +54,70 @@ pub(super) struct Solution {
     pub residuals: DVector<f64>,
 }
 
-/// Solves min ‖target − Xθ‖; the error is the first dependent column.
-pub(super) fn solve(mut x: DMatrix<f64>, target: DVector<f64>) -> Result<Solution, usize> {
-    let n = x.ncols();
-    // Columns of unit norm, so that the diagonal of R measures dependence and not units.
-    let norms: Vec<f64> = x.column_iter().map(|column| column.norm()).collect();
-    for (mut column, &norm) in x.column_iter_mut().zip(&norms) {
-        if norm > 0.0 {
-            column /= norm;
+/// Solves min ‖target − Xθ‖; nothing where a column depends on those before it.
+pub(super) fn solve(x: &DMatrix<f64>, target: &DVector<f64>) -> Option<Solution> {
+    let columns = columns(x);
+    let mut residuals = target.clone();
+    let factor = Factor::new(columns.clone(), 0, target.as_slice()).ok()?;
+    subtract(&columns, 0, factor.theta.as_slice(), residuals.as_mut_slice());
+    let cofactor = factor.cofactor();
+    Some(Solution { theta: factor.theta, cofactor, residuals })
+}
+
+/// The columns of a matrix.
+pub(super) fn columns(x: &DMatrix<f64>) -> Vec<&[f64]> {
+    x.as_slice().chunks_exact(x.nrows().max(1)).collect()
+}
+
+/// A factored regression.
+struct Factor {
+    triangle: Triangle,
+    negative: usize,
+    theta: DVector<f64>,
+}
+
+/// The first column that depends on those before it, and of which of them it is made.
+struct Dependent {
+    column: usize,
+    partners: Vec<usize>,
+}
+
+impl Factor {
+    /// Factors the columns beside the target; the first `negative` enter the model with − sign.
+    fn new<'a>(mut columns: Vec<&'a [f64]>, negative: usize, target: &'a [f64]) -> Result<Self, Dependent> {
+        let n = columns.len();
+        columns.push(target);
+        let mut triangle = Triangle::new(n, n + 1);
+        triangle.absorb_columns(&columns, &mut Vec::new());
+        if let Some(column) = triangle.dependent() {
+            return Err(Dependent { column, partners: partners(&triangle, column) });
         }
+        let mut theta = DVector::from_column_slice(triangle.column(n));
+        triangle.substitute(theta.as_mut_slice());
+        theta.iter_mut().take(negative).for_each(|a| *a = -*a);
+        Ok(Self { triangle, negative, theta })
     }
-    let scaled = x.clone();
-    let qr = x.qr();
-    let r = qr.r();
-    if let Some(dependent) = (0..n).find(|&k| r[(k, k)].abs() < DEPENDENT || norms[k] == 0.0) {
-        return Err(dependent);
-    }
-    let mut rotated = target.clone();
-    qr.q_tr_mul(&mut rotated);
-    let scaled_theta = r.solve_upper_triangular(&rotated.rows(0, n).into_owned()).ok_or(n - 1)?;
-    let residuals = target - scaled * &scaled_theta;
-    let inverse_r = r.solve_upper_triangular(&DMatrix::identity(n, n)).ok_or(n - 1)?;
-    let mut inverse = &inverse_r * inverse_r.transpose();
-    let mut theta = scaled_theta;
-    for i in 0..n {
-        theta[i] /= norms[i];
-        for j in 0..n {
-            inverse[(i, j)] /= norms[i] * norms[j];
+
+    /// (XᵀX)⁻¹.
+    fn cofactor(&self) -> DMatrix<f64> {
+        let n = self.theta.len();
+        let mut inverse = DMatrix::identity(n, n);
+        for k in 0..n {
+            self.triangle.substitute(&mut inverse.as_mut_slice()[k * n..][..=k]);
         }
+        inverse.rows_mut(0, self.negative).neg_mut();
+        &inverse * inverse.transpose()
     }
-    Ok(Solution { theta, cofactor: inverse, residuals })
 }
 
 /// The earlier columns of which a dependent column is made.
-fn partners(x: DMatrix<f64>, dependent: usize) -> Vec<usize> {
-    let norms: Vec<f64> = x.column_iter().map(|column| column.norm()).collect();
-    let r = x.qr().unpack_r();
-    let (before, column) = (r.view((0, 0), (dependent, dependent)), r.view((0, dependent), (dependent, 1)));
-    let Some(shares) = before.solve_upper_triangular(&column) else { return vec![] };
-    let parts: Vec<f64> = shares.iter().zip(&norms).map(|(share, norm)| (share * norm).abs()).collect();
+fn partners(triangle: &Triangle, dependent: usize) -> Vec<usize> {
+    let norm = |k: usize| dot(&triangle.column(k)[..=k], &triangle.column(k)[..=k]).sqrt();
+    let mut shares = triangle.column(dependent)[..dependent].to_vec();
+    triangle.substitute(&mut shares);
     // A share of rounding, amplified by near-dependence among the earlier columns, stays below this.
-    (0..dependent).filter(|&k| parts[k] > 1e-6 * norms[dependent]).collect()
+    let least = 1e-6 * norm(dependent);
+    (0..dependent).filter(|&k| (shares[k] * norm(k)).abs() > least).collect()
 }
 
 /// The cofactor of parameters that the data do not determine.

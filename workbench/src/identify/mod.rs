@@ -6,9 +6,13 @@
 mod armax;
 pub(crate) mod filters;
 mod gauss_newton;
+mod instruments;
 mod iv;
+pub(crate) mod iv4;
+pub(crate) mod kernel;
 mod ls;
 mod output_error;
+mod regression;
 mod result;
 mod simulate;
 mod sriv;
@@ -19,7 +23,8 @@ use crate::trace::Trace;
 pub use bearing_watch::Order;
 
 pub use armax::armax;
-pub use iv::{instrumental_variables, iv4};
+pub use iv::instrumental_variables;
+pub use iv4::iv4;
 pub use ls::least_squares;
 pub use output_error::output_error;
 pub use result::{Convergence, Estimate, Noise};

@@ -11,6 +11,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::kernel::free_run::surely_stable;
+use super::kernel::sums::dot;
+use super::simulate::fit_of_error;
 use super::{Order, Structure, fit_percent, poles, simulate};
 use crate::trace::Trace;
 
@@ -95,20 +98,21 @@ impl Finding {
             _ => 0,
         };
         let freedom = rows.saturating_sub(structure.parameters() + noise_terms).max(1);
-        let variance = residuals.norm_squared() / freedom as f64; // (1)
+        let residuals: Vec<f64> = residuals.data.into();
+        let error = dot(&residuals, &residuals);
+        let variance = error / freedom as f64; // (1)
         if let Noise::MovingAverage { deviations, .. } = &mut noise {
             deviations.iter_mut().for_each(|deviation| *deviation *= variance.sqrt());
         }
         let measured = &trace.y[trace.y.len() - rows..];
-        let predicted: Vec<f64> = measured.iter().zip(residuals.iter()).map(|(y, e)| y - e).collect();
         let mut estimate = Estimate {
             structure,
             covariance: cofactor * variance,
             variance,
             rows,
             fit_percent: fit_percent(&trace.y, &simulate(trace, structure, theta.as_slice())), // (2)
-            prediction_fit_percent: fit_percent(measured, &predicted),                         // (3)
-            residuals: residuals.as_slice().to_vec(),
+            prediction_fit_percent: fit_of_error(error, measured),                             // (3)
+            residuals,
             noise,
             convergence: Convergence { converged, iterations, reflected, stable: true },
             theta,
@@ -170,7 +174,7 @@ impl Estimate {
 /// Whether `1 + a₁ z⁻¹ + …` has no root outside the unit circle.
 pub(super) fn stable(a: &[f64]) -> bool {
     // A double pole on the circle is found this far off it.
-    poles(a).iter().all(|pole| pole.norm() <= 1.0 + 1e-6)
+    surely_stable(&a[1..]) || poles(a).iter().all(|pole| pole.norm() <= 1.0 + 1e-6)
 }
 
 /// Whether a step is lost in the uncertainty, or in rounding where there is none.

@@ -3,33 +3,28 @@
 use nalgebra::{Complex, DMatrix, Schur};
 
 use super::Structure;
+use super::kernel::free_run::{FreeRun, surely_stable};
+use super::kernel::sums::{distance, spread};
 use crate::trace::Trace;
 
 /// Output of the model from the inputs alone, unstable poles reflected into the unit circle. Starts from zero, or,
 /// where a constant term is estimated and zero is no operating point, from the first t₀ measured outputs.
 #[must_use]
 pub fn simulate(trace: &Trace, structure: Structure, theta: &[f64]) -> Vec<f64> {
-    let ([a, b, c], constant) = structure.polynomials(theta);
-    let a = reflect_unstable(&a);
-    let known = if structure.offset { structure.order.depth().min(trace.y.len()) } else { 0 };
-    let mut output = trace.y[..known].to_vec();
-    for t in known..trace.y.len() {
-        let sum = |terms: &[f64], x: &[f64]| -> f64 {
-            terms.iter().enumerate().take(t + 1).map(|(k, term)| term * x[t - k]).sum()
-        };
-        let past: f64 = a.iter().enumerate().skip(1).take(t).map(|(k, a)| a * output[t - k]).sum();
-        output.push(constant + sum(&b, &trace.u1) + sum(&c, &trace.u2) - past);
-    }
+    let mut output = Vec::new();
+    FreeRun::new(structure, theta).simulate(trace, &mut output);
     output
 }
 
 /// Thesis Eq. 3.2: 100 (1 − ‖ŷ − y‖/‖y − mean y‖).
 #[must_use]
 pub fn fit_percent(measured: &[f64], simulated: &[f64]) -> f64 {
-    let mean = measured.iter().sum::<f64>() / measured.len() as f64;
-    let error: f64 = measured.iter().zip(simulated).map(|(y, s)| (s - y).powi(2)).sum();
-    let spread: f64 = measured.iter().map(|y| (y - mean).powi(2)).sum();
-    100.0 * (1.0 - (error / spread).sqrt())
+    fit_of_error(distance(measured, simulated), measured)
+}
+
+/// Eq. 3.2 of the squared norm ‖ŷ − y‖².
+pub(super) fn fit_of_error(error: f64, measured: &[f64]) -> f64 {
+    100.0 * (1.0 - (error / spread(measured)).sqrt())
 }
 
 /// Roots in z of `1 + a₁ z⁻¹ + …`, by the eigenvalues of the companion matrix; not a number where `a` is none.
@@ -79,6 +74,9 @@ fn simultaneous_roots(a: &[f64]) -> Vec<Complex<f64>> {
 /// `1 + a₁ z⁻¹ + …` with every pole outside the unit circle replaced by its mirror image 1/p̄.
 #[must_use]
 pub fn reflect_unstable(a: &[f64]) -> Vec<f64> {
+    if surely_stable(&a[1..]) {
+        return a.to_vec();
+    }
     let poles = poles(a);
     if poles.iter().all(|p| p.norm() <= 1.0) || poles.iter().any(|p| !p.re.is_finite() || !p.im.is_finite()) {
         return a.to_vec();

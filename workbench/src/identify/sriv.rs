@@ -17,7 +17,7 @@ use nalgebra::DVector;
 
 use super::filters::{Prefiltered, prefilter};
 use super::result::{Finding, Noise, negligible, stable};
-use super::{Estimate, Structure, iv, least_squares, ls, reflect_unstable, steiglitz_mcbride};
+use super::{Estimate, Structure, iv, ls, reflect_unstable, steiglitz_mcbride};
 use crate::Error;
 use crate::trace::Trace;
 
@@ -29,9 +29,9 @@ const HALVINGS: i32 = 30;
 /// does not converge, from Steiglitz–McBride.
 ///
 /// # Errors
-/// As [`least_squares`].
+/// As [`least_squares`](super::least_squares).
 pub fn sriv(trace: &Trace, structure: Structure) -> Result<Estimate, Error> {
-    let first = least_squares(trace, structure)?.theta;
+    let first = ls::parameters(trace, structure)?;
     let second = iv::next_pass(trace, structure, &first);
     let mut reflected = 0;
     let mut prepared = |mut theta: DVector<f64>| {
@@ -52,8 +52,9 @@ pub fn sriv(trace: &Trace, structure: Structure) -> Result<Estimate, Error> {
         }
     }
     let Iterate { theta, data, iterations, converged } = end;
-    let Prefiltered { measured, simulated, output_error: residuals, .. } = data;
-    let cofactor = iv::sandwich(&measured, simulated).unwrap_or_else(|| ls::unknown(theta.len())); // (2)
+    let Prefiltered { measured, simulated, target, output_error: residuals, .. } = data;
+    let solution = iv::solve_matrices(&measured, &simulated, structure.order.na.into(), &target);
+    let cofactor = solution.map_or_else(|_| ls::unknown(theta.len()), |solution| solution.cofactor); // (2)
     let noise = Noise::Output;
     Ok(Finding { theta, cofactor, residuals, noise, converged, iterations, reflected }.estimate(trace, structure))
 }
@@ -74,9 +75,10 @@ impl Iterate {
 /// Passes from a stable start until they rest, or none leads on.
 fn refine(trace: &Trace, structure: Structure, mut now: Iterate) -> Iterate {
     let (mut share, mut before) = (1.0, DVector::zeros(now.theta.len()));
+    let na = structure.order.na.into();
     while !now.converged && now.iterations < PASSES {
         let Iterate { theta, data, .. } = &now;
-        let Ok(pass) = iv::solve(&data.measured, data.simulated.clone(), &data.target) else { break };
+        let Ok(pass) = iv::solve_matrices(&data.measured, &data.simulated, na, &data.target) else { break };
         let step = &pass.theta - theta; // (1)
         let variance = now.loss() / data.output_error.len() as f64;
         let deviations = pass.cofactor.diagonal().map(|q| (q * variance).sqrt());

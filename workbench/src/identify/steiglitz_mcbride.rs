@@ -16,7 +16,7 @@ use nalgebra::DVector;
 
 use super::filters::{Prefiltered, prefilter};
 use super::result::{Finding, Noise, negligible, stable};
-use super::{Estimate, Structure, iv, least_squares, ls};
+use super::{Estimate, Structure, iv, ls};
 use crate::Error;
 use crate::trace::Trace;
 
@@ -28,9 +28,9 @@ const PATIENCE: usize = 25;
 /// Estimates by Steiglitz–McBride. Where the passes do not settle, the one of least output error is returned, flagged.
 ///
 /// # Errors
-/// As [`least_squares`].
+/// As [`least_squares`](super::least_squares).
 pub fn steiglitz_mcbride(trace: &Trace, structure: Structure) -> Result<Estimate, Error> {
-    let mut theta = least_squares(trace, structure)?.theta;
+    let mut theta = ls::parameters(trace, structure)?;
     let (mut iterations, mut reflected) = (0, 0);
     let mut best: Option<(f64, DVector<f64>)> = None;
     let mut converged = false;
@@ -41,7 +41,7 @@ pub fn steiglitz_mcbride(trace: &Trace, structure: Structure) -> Result<Estimate
         if loss.is_finite() && best.as_ref().is_none_or(|(least, _)| loss < *least) {
             best = Some((loss, theta.clone()));
         }
-        let Ok(pass) = ls::solve(data.measured, data.target) else { break };
+        let Some(pass) = ls::solve(&data.measured, &data.target) else { break };
         let step = &pass.theta - &theta;
         if step.iter().any(|s| !s.is_finite()) {
             break;
@@ -57,9 +57,10 @@ pub fn steiglitz_mcbride(trace: &Trace, structure: Structure) -> Result<Estimate
     if let (false, Some((_, best))) = (converged, best) {
         theta = best;
     }
-    let Prefiltered { measured, simulated, output_error: residuals, .. } =
+    let Prefiltered { measured, simulated, target, output_error: residuals, .. } =
         prefilter(trace, structure, theta.as_slice());
-    let cofactor = iv::sandwich(&simulated, measured).unwrap_or_else(|| ls::unknown(theta.len())); // (2)
+    let solution = iv::solve_matrices(&simulated, &measured, structure.order.na.into(), &target);
+    let cofactor = solution.map_or_else(|_| ls::unknown(theta.len()), |solution| solution.cofactor); // (2)
     let noise = Noise::Output;
     Ok(Finding { theta, cofactor, residuals, noise, converged, iterations, reflected }.estimate(trace, structure))
 }

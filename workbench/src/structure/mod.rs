@@ -13,18 +13,17 @@
 //! Least squares factors the widest regressor once, O(N·M²); each structure then costs a triangularisation of a few
 //! columns and one simulation (a few µs and N·(n + latency) operations). Structures run in parallel.
 
-mod free_run;
 mod grid;
-mod instrumental;
 mod shared;
-mod triangle;
 
 use rayon::prelude::*;
 
 use crate::Error;
 use crate::identify::Structure;
+use crate::identify::iv4::{self, four_stage};
+use crate::identify::kernel::free_run::FreeRun;
+use crate::identify::kernel::sums::{distance, dot, spread};
 use crate::trace::Trace;
-use free_run::FreeRun;
 use shared::{Shared, Solution};
 
 pub use grid::Grid;
@@ -166,7 +165,7 @@ pub fn search(
     estimator: Estimator,
 ) -> Result<Search, Error> {
     grid::check(train, validate, structures)?;
-    let spreads: Vec<f64> = validate.iter().map(spread).collect();
+    let spreads: Vec<f64> = validate.iter().map(|trace| spread(&trace.y)).collect();
     let outcomes = each(train, structures, estimator, |fitted, output| {
         let model = FreeRun::new(fitted.structure, &fitted.theta);
         let mut sum = 0.0;
@@ -209,14 +208,14 @@ fn each<T: Send>(
     then: impl Fn(Fitted, &mut Vec<f64>) -> T + Sync,
 ) -> Vec<Result<T, String>> {
     let shared = Shared::new(train, structures);
-    let memory = || (shared::Scratch::default(), None, Vec::new());
-    let one = |(small, large, output): &mut (shared::Scratch, Option<instrumental::Scratch>, Vec<f64>),
-               &structure: &Structure| {
+    let memory = || (shared::Scratch::default(), iv4::Scratch::default(), Vec::new());
+    let one = |(small, large, output): &mut (shared::Scratch, iv4::Scratch, Vec<f64>), &structure: &Structure| {
         let unexcited = |column: usize| format!("the signals do not excite {}", structure.names()[column]);
         let mut solution = shared.solve(structure, small).map_err(unexcited)?;
         if estimator == Estimator::Iv4 {
-            let scratch = large.get_or_insert_with(|| instrumental::Scratch::new(train));
-            solution = instrumental::iv4(train, structure, &solution, scratch)?;
+            let stages = four_stage(train, structure, &solution.theta, large).map_err(|failure| failure.to_string())?;
+            solution.theta = stages.theta.as_slice().to_vec();
+            solution.residual_sum = large.residuals.iter().map(|e| dot(e, e)).sum();
         }
         let Solution { theta, residual_sum, rows } = solution;
         Ok(then(Fitted { structure, theta, residual_sum, rows }, output))
@@ -226,21 +225,4 @@ fn each<T: Send>(
         return vec![one(&mut memory(), structure)];
     }
     structures.par_iter().map_init(memory, one).collect()
-}
-
-/// ‖y − mean y‖².
-fn spread(trace: &Trace) -> f64 {
-    let mean = trace.y.iter().sum::<f64>() / trace.y.len() as f64;
-    trace.y.iter().map(|y| (y - mean).powi(2)).sum()
-}
-
-/// ‖y − ŷ‖², in eight partial sums.
-fn distance(y: &[f64], simulated: &[f64]) -> f64 {
-    let mut sums = [0.0; 8];
-    for (y, s) in y.chunks(8).zip(simulated.chunks(8)) {
-        for ((sum, y), s) in sums.iter_mut().zip(y).zip(s) {
-            *sum += (y - s) * (y - s);
-        }
-    }
-    sums.iter().sum()
 }

@@ -9,12 +9,9 @@
 //! choice of columns of (2), so that its sums start at its own t₀ as in [`crate::identify`]. A lag that reaches before
 //! the record in (2) is set to zero; no structure of that t₀ has it. Several traces are stacked: one θ for all.
 
-use super::triangle::{Triangle, block_rows, solve_staircase};
+use crate::identify::kernel::triangle::{DEPENDENT, Triangle, block_rows, solve_staircase};
 use crate::identify::{Order, Structure};
 use crate::trace::Trace;
-
-/// As in least squares of one structure: double rounding leaves 1e-15 of a column.
-const DEPENDENT: f64 = 1e-11;
 
 /// Factors (2) of every t₀ down to that of the shallowest structure.
 #[derive(Debug)]

@@ -7,38 +7,76 @@
 //! Only the first `eliminated` columns are reduced; the others are carried along, so that their leading rows are
 //! Qᵀ times them. R and blocks are column-major. Cost: 4 flops an entry of the block and eliminated column.
 
+use super::sums::dot;
+
+/// Diagonal of R, relative to its column's norm, below which a column is dependent: double rounding leaves 1e-15.
+pub(crate) const DEPENDENT: f64 = 1e-11;
+
 /// Rows of a block of so many columns: it stays in the first-level cache.
-pub(super) fn block_rows(columns: usize) -> usize {
+pub(crate) fn block_rows(columns: usize) -> usize {
     (2560 / columns.max(1)).clamp(64, 512) & !7
 }
 
 /// R of (1), `eliminated` × `columns`.
-#[derive(Clone, Debug)]
-pub(super) struct Triangle {
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Triangle {
     eliminated: usize,
     columns: usize,
     r: Vec<f64>,
 }
 
 impl Triangle {
-    pub(super) fn new(eliminated: usize, columns: usize) -> Self {
+    pub(crate) fn new(eliminated: usize, columns: usize) -> Self {
         Self { eliminated, columns, r: vec![0.0; eliminated * columns] }
     }
 
     /// Starts anew, with the memory it has.
-    pub(super) fn reset(&mut self, eliminated: usize, columns: usize) {
+    pub(crate) fn reset(&mut self, eliminated: usize, columns: usize) {
         (self.eliminated, self.columns) = (eliminated, columns);
         self.r.clear();
         self.r.resize(eliminated * columns, 0.0);
     }
 
+    /// Rows of R: the number of reduced columns.
+    pub(crate) fn rows(&self) -> usize {
+        self.eliminated
+    }
+
     /// A column of R, `eliminated` long.
-    pub(super) fn column(&self, k: usize) -> &[f64] {
+    pub(crate) fn column(&self, k: usize) -> &[f64] {
         &self.r[k * self.eliminated..][..self.eliminated]
     }
 
+    /// Takes in columns of equal length, as many as R has; `block` is memory to copy their blocks of rows to.
+    pub(crate) fn absorb_columns(&mut self, columns: &[&[f64]], block: &mut Vec<f64>) {
+        let length = columns.first().map_or(0, |column| column.len());
+        let rows = block_rows(columns.len());
+        block.resize(columns.len() * rows, 0.0);
+        for t in (0..length).step_by(rows) {
+            let height = rows.min(length - t);
+            for (column, copy) in columns.iter().zip(block.chunks_exact_mut(height)) {
+                copy.copy_from_slice(&column[t..][..height]);
+            }
+            self.absorb(block, height);
+        }
+    }
+
+    /// The first of the reduced columns that depends on those before it.
+    pub(crate) fn dependent(&self) -> Option<usize> {
+        (0..self.eliminated).find(|&k| {
+            let column = &self.column(k)[..=k];
+            let norm = dot(column, column).sqrt();
+            norm == 0.0 || column[k].abs() < DEPENDENT * norm
+        })
+    }
+
+    /// Solves R x = `right` with the leading triangle of R of the length of `right`, in place.
+    pub(crate) fn substitute(&self, right: &mut [f64]) {
+        substitute(&self.r, self.eliminated, right);
+    }
+
     /// Takes in the columns of a block of `height` rows, and spoils the block.
-    pub(super) fn absorb(&mut self, block: &mut [f64], height: usize) {
+    pub(crate) fn absorb(&mut self, block: &mut [f64], height: usize) {
         #[cfg(target_arch = "x86_64")]
         if std::arch::is_x86_feature_detected!("avx2") {
             // SAFETY: the processor has the instructions, as just asked.
@@ -82,27 +120,12 @@ fn rotate_avx2(triangle: &mut Triangle, block: &mut [f64], height: usize) {
     triangle.rotate(block, height);
 }
 
-/// Sum of products, in sixteen partial sums so that additions wait neither for the multipliers nor for each other.
-#[inline(always)]
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    const WIDE: usize = 16;
-    let mut sums = [0.0; WIDE];
-    let (wide_a, wide_b) = (a.chunks_exact(WIDE), b.chunks_exact(WIDE));
-    let tail: f64 = wide_a.remainder().iter().zip(wide_b.remainder()).map(|(x, y)| x * y).sum();
-    for (x, y) in wide_a.zip(wide_b) {
-        for k in 0..WIDE {
-            sums[k] += x[k] * y[k];
-        }
-    }
-    sums.iter().sum::<f64>() + tail
-}
-
 /// Solves min ‖target − Xθ‖ where columns and target (last) are column-major with these heights below which they are
 /// zero; heights never fall. Gives the residual sum and leaves θ at the head of the target column.
 ///
 /// # Errors
 /// The first column that depends on those before it: a diagonal below `dependent` of the column's norm.
-pub(super) fn solve_staircase(
+pub(crate) fn solve_staircase(
     columns: &mut [f64],
     stride: usize,
     heights: &[usize],
@@ -133,15 +156,20 @@ pub(super) fn solve_staircase(
     }
     let (matrix, target) = columns.split_at_mut(n * stride);
     let residual_sum = target[n..heights[n]].iter().map(|x| x * x).sum();
-    for k in (0..n).rev() {
-        let column = &matrix[k * stride..][..=k];
-        target[k] /= column[k];
-        let value = target[k];
-        for (x, r) in target[..k].iter_mut().zip(column) {
+    substitute(matrix, stride, &mut target[..n]);
+    Ok(residual_sum)
+}
+
+/// Solves R x = `right` in place, R column-major.
+fn substitute(r: &[f64], stride: usize, right: &mut [f64]) {
+    for k in (0..right.len()).rev() {
+        let column = &r[k * stride..][..=k];
+        right[k] /= column[k];
+        let value = right[k];
+        for (x, r) in right[..k].iter_mut().zip(column) {
             *x -= r * value;
         }
     }
-    Ok(residual_sum)
 }
 
 #[cfg(test)]
@@ -173,13 +201,5 @@ mod tests {
     fn a_dependent_column_is_named() {
         let mut columns = [1.0, 2.0, 3.0, 2.0, 4.0, 6.0, 1.0, 0.0, 0.0];
         assert_eq!(solve_staircase(&mut columns, 3, &[3, 3, 3], 1e-11), Err(1));
-    }
-
-    #[test]
-    fn dot_takes_any_length() {
-        for n in [0, 1, 7, 8, 19] {
-            let x: Vec<f64> = (0..n).map(f64::from).collect();
-            assert_eq!(dot(&x, &x), f64::from(n * (n - 1) * (2 * n - 1) / 6));
-        }
     }
 }

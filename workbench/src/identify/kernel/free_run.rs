@@ -5,11 +5,13 @@
 //! ŷ(t) = x(t) − Σ aₖ ŷ(t−k)                                   one after another, in registers         (2)
 //! ```
 //!
-//! Starts as [`crate::identify::simulate`] does: from zero, or with a constant term from the first t₀ measured
-//! outputs; unstable poles are reflected into the unit circle. Whether there are any is asked of the Schur–Cohn
-//! recursion first; eigenvalues are computed only where it does not settle the question.
+//! The simulation starts from zero, or with a constant term from the first t₀ measured outputs; unstable poles are
+//! reflected into the unit circle. The Schur–Cohn recursion decides first whether there are any; eigenvalues are
+//! computed only if a reflection coefficient is close to one or above.
 
-use crate::identify::{Order, Structure, poles, reflect_unstable};
+use super::super::result::stable;
+use super::filter::{add_filtered, recur};
+use crate::identify::{Order, Structure, reflect_unstable};
 use crate::trace::Trace;
 
 /// Distance of the reflection coefficients from one within which rounding could decide.
@@ -17,7 +19,7 @@ const SURE: f64 = 1e-9;
 
 /// A model that can be simulated.
 #[derive(Clone, Debug)]
-pub(super) struct FreeRun {
+pub(crate) struct FreeRun {
     /// a₁ …, stable.
     a: Vec<f64>,
     b: Vec<f64>,
@@ -26,12 +28,12 @@ pub(super) struct FreeRun {
     constant: f64,
     /// Measured outputs that it starts from.
     known: usize,
-    /// Whether the estimate itself was stable.
+    /// Whether the model was stable as given.
     pub stable: bool,
 }
 
 impl FreeRun {
-    pub(super) fn new(structure: Structure, theta: &[f64]) -> Self {
+    pub(crate) fn new(structure: Structure, theta: &[f64]) -> Self {
         let Order { na, nb, nc, nkb, nkc } = structure.order;
         let (a, rest) = theta.split_at(na.into());
         let (b, rest) = rest.split_at(nb.into());
@@ -47,15 +49,14 @@ impl FreeRun {
         };
         if !surely_stable(a) {
             let monic = [&[1.0], a].concat();
-            // A double pole on the circle is found this far off it.
-            model.stable = poles(&monic).iter().all(|pole| pole.norm() <= 1.0 + 1e-6);
+            model.stable = stable(&monic);
             model.a.copy_from_slice(&reflect_unstable(&monic)[1..]);
         }
         model
     }
 
     /// The simulated output of a trace, into `output`.
-    pub(super) fn simulate(&self, trace: &Trace, output: &mut Vec<f64>) {
+    pub(crate) fn simulate(&self, trace: &Trace, output: &mut Vec<f64>) {
         let n = trace.y.len();
         output.clear();
         output.resize(n, self.constant);
@@ -67,90 +68,8 @@ impl FreeRun {
     }
 }
 
-/// (2) in place, from sample `start` on.
-fn recur(a: &[f64], start: usize, x: &mut [f64]) {
-    match *a {
-        [] => {}
-        [a1] => recur_by([a1], start, x),
-        [a1, a2] => recur_by([a1, a2], start, x),
-        [a1, a2, a3] => recur_by([a1, a2, a3], start, x),
-        [a1, a2, a3, a4] => recur_by([a1, a2, a3, a4], start, x),
-        _ => {
-            for t in start..x.len() {
-                let past: f64 = a.iter().zip(x[..t].iter().rev()).map(|(a, x)| a * x).sum();
-                x[t] -= past;
-            }
-        }
-    }
-}
-
-fn recur_by<const N: usize>(a: [f64; N], start: usize, x: &mut [f64]) {
-    let mut past: [f64; N] = std::array::from_fn(|k| if k < start { x[start - 1 - k] } else { 0.0 });
-    for value in &mut x[start..] {
-        let mut now = *value;
-        // Oldest first: only the last product waits for the sample just before.
-        for k in (0..N).rev() {
-            now -= a[k] * past[k];
-        }
-        past.copy_within(..N - 1, 1);
-        past[0] = now;
-        *value = now;
-    }
-}
-
-/// `output(t) += Σ tapsₖ x(t − delay − k)`, zeros before the record.
-pub(super) fn add_filtered(taps: &[f64], delay: usize, x: &[f64], output: &mut [f64]) {
-    #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") {
-        // SAFETY: the processor has the instructions, as just asked.
-        return unsafe { add_avx2(taps, delay, x, output) };
-    }
-    add(taps, delay, x, output);
-}
-
-/// The same operations in the same order, so the same bits, four at a time.
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn add_avx2(taps: &[f64], delay: usize, x: &[f64], output: &mut [f64]) {
-    add(taps, delay, x, output);
-}
-
-#[inline(always)]
-fn add(taps: &[f64], delay: usize, x: &[f64], output: &mut [f64]) {
-    let mut lag = delay;
-    for taps in taps.chunks(4) {
-        match *taps {
-            [t0, t1, t2, t3] => add_by([t0, t1, t2, t3], lag, x, output),
-            [t0, t1, t2] => add_by([t0, t1, t2], lag, x, output),
-            [t0, t1] => add_by([t0, t1], lag, x, output),
-            [t0] => add_by([t0], lag, x, output),
-            _ => {}
-        }
-        lag += taps.len();
-    }
-}
-
-#[inline(always)]
-fn add_by<const N: usize>(taps: [f64; N], lag: usize, x: &[f64], output: &mut [f64]) {
-    let n = output.len().min(x.len());
-    let full = (lag + N - 1).min(n);
-    for t in lag.min(n)..full {
-        output[t] += taps.iter().take(t + 1 - lag).enumerate().map(|(k, tap)| tap * x[t - lag - k]).sum::<f64>();
-    }
-    let rows = n - full;
-    let output = &mut output[full..n];
-    let shifted: [&[f64]; N] = std::array::from_fn(|k| &x[(full.max(lag + k) - lag - k)..][..rows]);
-    for (i, out) in output.iter_mut().enumerate() {
-        let mut sum = *out;
-        for k in 0..N {
-            sum += taps[k] * shifted[k][i];
-        }
-        *out = sum;
-    }
-}
-
 /// Schur–Cohn: every reflection coefficient of `1 + a₁ z⁻¹ + …` clearly below one.
-fn surely_stable(a: &[f64]) -> bool {
+pub(crate) fn surely_stable(a: &[f64]) -> bool {
     let mut held = [0.0; 32];
     let Some(now) = held.get_mut(..a.len()) else { return false };
     now.copy_from_slice(a);
@@ -173,7 +92,6 @@ fn surely_stable(a: &[f64]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identify::simulate;
 
     fn trace(n: usize) -> Trace {
         let wave = |step: f64| (0..n).map(|t| (step * (t * t) as f64).sin()).collect::<Vec<f64>>();
@@ -188,7 +106,23 @@ mod tests {
         }
     }
 
-    /// The plain loop of `identify` gives the same to rounding: every number of terms and delay, a constant term,
+    /// The definition, sample by sample.
+    fn plain(trace: &Trace, structure: Structure, theta: &[f64]) -> Vec<f64> {
+        let ([a, b, c], constant) = structure.polynomials(theta);
+        let a = reflect_unstable(&a);
+        let known = if structure.offset { structure.order.depth().min(trace.y.len()) } else { 0 };
+        let mut output = trace.y[..known].to_vec();
+        for t in known..trace.y.len() {
+            let sum = |terms: &[f64], x: &[f64]| -> f64 {
+                terms.iter().enumerate().take(t + 1).map(|(k, term)| term * x[t - k]).sum()
+            };
+            let past: f64 = a.iter().enumerate().skip(1).take(t).map(|(k, a)| a * output[t - k]).sum();
+            output.push(constant + sum(&b, &trace.u1) + sum(&c, &trace.u2) - past);
+        }
+        output
+    }
+
+    /// The plain loop gives the same to rounding: every number of terms and delay, a constant term,
     /// records of any length, and unstable poles.
     #[test]
     fn agrees_with_the_plain_simulation() {
@@ -204,7 +138,7 @@ mod tests {
             for (n, gain) in [(1, 0.2), (4, 0.2), (60, 0.2), (60, 1.7)] {
                 let trace = trace(n);
                 let theta: Vec<f64> = (0..structure.parameters()).map(|k| gain * (k as f64 + 1.0).cos()).collect();
-                let want = simulate(&trace, structure, &theta);
+                let want = plain(&trace, structure, &theta);
                 let mut got = vec![];
                 FreeRun::new(structure, &theta).simulate(&trace, &mut got);
                 assert_eq!(got.len(), want.len());

@@ -1,0 +1,61 @@
+//! The system of instrumental variables, from orthogonally triangularised instruments.
+//!
+//! ```text
+//! Z = [shared columns, own columns] = Q R      (1)  Z alone is triangularised;
+//! [Z, X's own columns, y] → Qᵀ[…]              (2)  the rest is carried along
+//! (QᵀX) θ = Qᵀy                                (3)
+//! (ZᵀX)⁻¹ ZᵀZ (XᵀZ)⁻¹ = (QᵀX)⁻¹ (XᵀQ)⁻¹        (4)
+//! ```
+//!
+//! X and Z share the columns of the inputs and the constant, so that these need no second pass. X orders its parameters
+//! a, b, c, constant: the columns that differ from Z's come first.
+
+use nalgebra::{DMatrix, DVector, Dyn, LU};
+
+use super::kernel::triangle::Triangle;
+
+/// The left side of (3), factored, and its right side.
+pub(super) struct System {
+    lu: LU<f64, Dyn, Dyn>,
+    rotated: DVector<f64>,
+}
+
+impl System {
+    /// Reads (3) off (2), where `own` columns differ; if `negative`, these hold the signals with + sign where the model
+    /// has −.
+    ///
+    /// # Errors
+    /// The parameter of the first column of Z that depends on those before it.
+    pub(super) fn new(triangle: &Triangle, own: usize, negative: bool) -> Result<Self, usize> {
+        let n = triangle.rows();
+        if let Some(column) = triangle.dependent() {
+            return Err((column + own) % n);
+        }
+        let mut matrix = DMatrix::zeros(n, n);
+        for (k, mut column) in matrix.column_iter_mut().enumerate() {
+            column.copy_from_slice(triangle.column(if k < own { n + k } else { k - own }));
+        }
+        if negative {
+            matrix.columns_mut(0, own).neg_mut();
+        }
+        Ok(Self { lu: matrix.lu(), rotated: DVector::from_column_slice(triangle.column(n + own)) })
+    }
+
+    /// θ of (3), if finite.
+    pub(super) fn theta(&self) -> Option<DVector<f64>> {
+        self.lu.solve(&self.rotated).filter(|theta| theta.iter().all(|p| p.is_finite()))
+    }
+
+    /// (QᵀX)⁻¹ of (4), if finite.
+    pub(super) fn inverse(&self) -> Option<DMatrix<f64>> {
+        self.lu.try_inverse().filter(|inverse| inverse.iter().all(|p| p.is_finite()))
+    }
+}
+
+/// (1) and (2) of one record.
+pub(super) fn rotate(shared: &[&[f64]], own: &[&[f64]], measured: &[&[f64]], y: &[f64]) -> Triangle {
+    let n = shared.len() + own.len();
+    let mut triangle = Triangle::new(n, n + measured.len() + 1);
+    triangle.absorb_columns(&[shared, own, measured, &[y]].concat(), &mut Vec::new());
+    triangle
+}

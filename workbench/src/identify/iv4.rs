@@ -1,0 +1,182 @@
+//! The four-stage instrumental-variable method (thesis §2.1.2, B.1), which the source used for every result.
+//!
+//! Least squares → IV with instruments simulated by that model → AR(n) model L(q) of the residuals `A y − B u1 − C u2` →
+//! y, u1, u2 and instruments simulated by the IV model, all filtered by L → IV again.
+//!
+//! ```text
+//! cov θ = σ² (ZᵀX)⁻¹ ZᵀZ (XᵀZ)⁻¹ on the filtered data        (1)  long records
+//! ```
+//!
+//! All sums start at t₀; filters start from zero. With several traces all sums run over all of them, while filters and
+//! simulations start anew in each.
+
+use nalgebra::DVector;
+
+use super::instruments::System;
+use super::iv::{is_stable, lost};
+use super::kernel::filter::fir;
+use super::kernel::free_run::FreeRun;
+use super::kernel::triangle::Triangle;
+use super::regression::{Signals, lags};
+use super::result::{Finding, Noise};
+use super::{Estimate, Structure, ls};
+use crate::Error;
+use crate::trace::Trace;
+
+/// Estimates by iv4.
+///
+/// # Errors
+/// As [`least_squares`](super::least_squares); or instruments that do not determine the parameters.
+pub fn iv4(trace: &Trace, structure: Structure) -> Result<Estimate, Error> {
+    let first = ls::parameters(trace, structure)?;
+    let mut scratch = Scratch::default();
+    let stages = four_stage(std::slice::from_ref(trace), structure, first.as_slice(), &mut scratch);
+    let Stages { second, shaping, system, theta } = stages.map_err(|failure| match failure {
+        Failure::Undetermined(column) => lost(structure, trace, column),
+        Failure::Regular => Error::trace(&trace.id, format!("{REGULAR}; record more, or use --method ls")),
+    })?;
+    let inverse = system.inverse().ok_or_else(|| lost(structure, trace, structure.parameters() - 1))?;
+    let cofactor = &inverse * inverse.transpose(); // (1)
+    let residuals = DVector::from_vec(scratch.residuals.swap_remove(0));
+    let unstable = [first.as_slice(), &second].into_iter().filter(|theta| !is_stable(structure, theta));
+    let (reflected, noise) = (unstable.count(), Noise::Autoregressive(shaping));
+    let finding = Finding { theta, cofactor, residuals, noise, converged: true, iterations: 2, reflected };
+    Ok(finding.estimate(trace, structure))
+}
+
+const REGULAR: &str = "the residuals are too few or too regular for a noise model";
+
+/// Why there is no iv4 estimate.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Failure {
+    /// The instruments do not determine the parameters, this one first.
+    Undetermined(usize),
+    /// No noise model fits the residuals.
+    Regular,
+}
+
+impl std::fmt::Display for Failure {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Undetermined(_) => "the instruments do not determine the parameters",
+            Self::Regular => REGULAR,
+        })
+    }
+}
+
+/// What the stages give.
+pub(crate) struct Stages {
+    /// Parameters of the second stage.
+    second: Vec<f64>,
+    /// L, from its leading 1.
+    shaping: Vec<f64>,
+    /// The last stage.
+    system: System,
+    pub(crate) theta: DVector<f64>,
+}
+
+/// Memory of [`four_stage`], by trace.
+#[derive(Debug, Default)]
+pub(crate) struct Scratch {
+    triangle: Triangle,
+    block: Vec<f64>,
+    /// Filtered y, u1, u2.
+    filtered: Vec<[Vec<f64>; 3]>,
+    instruments: Vec<Vec<f64>>,
+    constant: Vec<f64>,
+    work: Vec<f64>,
+    /// Residuals of the last stage, from t₀ on.
+    pub(crate) residuals: Vec<Vec<f64>>,
+}
+
+/// Stages two to four, from the least-squares parameters.
+///
+/// # Errors
+/// Instruments that do not determine the parameters, or residuals that no noise model fits.
+pub(crate) fn four_stage(
+    traces: &[Trace],
+    structure: Structure,
+    first: &[f64],
+    scratch: &mut Scratch,
+) -> Result<Stages, Failure> {
+    let Scratch { triangle, block, filtered, instruments, constant, work, residuals } = scratch;
+    filtered.resize_with(traces.len(), Default::default);
+    instruments.resize_with(traces.len(), Vec::new);
+    residuals.resize_with(traces.len(), Vec::new);
+    if structure.offset {
+        constant.clear();
+        constant.resize(traces.iter().map(|trace| trace.y.len()).max().unwrap_or(0), 1.0);
+    }
+
+    let model = FreeRun::new(structure, first);
+    for (trace, instruments) in traces.iter().zip(instruments.iter_mut()) {
+        model.simulate(trace, instruments);
+    }
+    let measured: Vec<Signals> = traces.iter().map(|trace| Signals::of(trace, constant)).collect();
+    let (_, second) = stage(&measured, structure, instruments, triangle, block)?;
+    for (signals, residuals) in measured.iter().zip(residuals.iter_mut()) {
+        signals.residuals(structure, second.as_slice(), residuals);
+    }
+
+    let noise: Vec<&[f64]> = residuals.iter().map(Vec::as_slice).collect();
+    let shaping = autoregression(&noise, structure.parameters()).ok_or(Failure::Regular)?;
+    let model = FreeRun::new(structure, second.as_slice());
+    for ((trace, [y, u1, u2]), instruments) in traces.iter().zip(filtered.iter_mut()).zip(instruments.iter_mut()) {
+        fir(&shaping, &trace.y, y);
+        fir(&shaping, &trace.u1, u1);
+        fir(&shaping, &trace.u2, u2);
+        model.simulate(trace, work);
+        fir(&shaping, work, instruments);
+    }
+    constant.fill(shaping.iter().sum());
+
+    let filtered: Vec<Signals> =
+        filtered.iter().map(|[y, u1, u2]| Signals { y, u1, u2, constant }).take(traces.len()).collect();
+    let (system, theta) = stage(&filtered, structure, instruments, triangle, block)?;
+    for (signals, residuals) in filtered.iter().zip(residuals.iter_mut()) {
+        signals.residuals(structure, theta.as_slice(), residuals);
+    }
+    Ok(Stages { second: second.as_slice().to_vec(), shaping, system, theta })
+}
+
+/// One stage of IV: Z has the lags of the instruments in the place of those of y.
+fn stage(
+    signals: &[Signals],
+    structure: Structure,
+    instruments: &[Vec<f64>],
+    triangle: &mut Triangle,
+    block: &mut Vec<f64>,
+) -> Result<(System, DVector<f64>), Failure> {
+    let (t0, n, na) = (structure.order.depth(), structure.parameters(), structure.order.na);
+    triangle.reset(n, n + usize::from(na) + 1);
+    for (signals, instruments) in signals.iter().zip(instruments) {
+        let mut columns = signals.columns(structure);
+        // The lags of y are carried along behind those of Z.
+        columns.rotate_left(na.into());
+        columns.splice(n - usize::from(na)..n - usize::from(na), lags(instruments, t0, 1, na));
+        columns.push(&signals.y[t0..]);
+        triangle.absorb_columns(&columns, block);
+    }
+    let system = System::new(triangle, na.into(), true).map_err(Failure::Undetermined)?;
+    let theta = system.theta().ok_or(Failure::Undetermined(n - 1))?;
+    Ok((system, theta))
+}
+
+/// `1 + l₁ q⁻¹ + … + l_n q⁻ⁿ` that whitens the noise, by least squares from each record's n-th sample on.
+pub(super) fn autoregression(noise: &[&[f64]], n: usize) -> Option<Vec<f64>> {
+    let mut triangle = Triangle::new(n, n + 1);
+    let mut block = Vec::new();
+    for w in noise {
+        if w.len() <= 2 * n {
+            return None;
+        }
+        let columns: Vec<&[f64]> = (1..=n).chain([0]).map(|lag| &w[n - lag..w.len() - lag]).collect();
+        triangle.absorb_columns(&columns, &mut block);
+    }
+    if triangle.dependent().is_some() {
+        return None;
+    }
+    let mut taps = triangle.column(n).to_vec();
+    triangle.substitute(&mut taps);
+    Some(std::iter::once(1.0).chain(taps.iter().map(|l| -l)).collect())
+}

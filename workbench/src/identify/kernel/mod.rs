@@ -1,0 +1,13 @@
+//! Numerical kernels of single estimates ([`crate::identify`]) and of searches ([`crate::structure`]).
+//!
+//! * [`sums`]: sums of products and of squared differences.
+//! * [`filter`]: weighted sums of columns, filters by taps and by 1/A.
+//! * [`free_run`]: simulation of a model from its inputs.
+//! * [`triangle`]: the triangular factor of columns, in blocks of rows.
+//!
+//! On x86-64 processors with AVX2 the loops use it; the order of the operations, and so the result, is the same.
+
+pub(crate) mod filter;
+pub(crate) mod free_run;
+pub(crate) mod sums;
+pub(crate) mod triangle;
