@@ -17,7 +17,7 @@ pub mod ours;
 mod overview;
 mod pieces;
 pub mod published;
-mod recorded;
+pub mod recorded;
 pub mod render;
 pub mod result;
 mod separation;
