@@ -39,7 +39,9 @@ impl<P: Plan> Projection<P> {
     ) -> Option<(nalgebra::SMatrix<f32, Z, F>, nalgebra::SVector<f32, F>)> {
         let (matrix, mean) = (self.matrix.cells(), self.mean.cells());
         let fits = mean.len() == F && matrix.len() == Z.wrapping_mul(F);
-        fits.then(|| (nalgebra::SMatrix::from_row_iterator(matrix.iter().copied()), nalgebra::SVector::from_row_slice(mean)))
+        fits.then(|| {
+            (nalgebra::SMatrix::from_row_iterator(matrix.iter().copied()), nalgebra::SVector::from_row_slice(mean))
+        })
     }
 }
 

@@ -205,9 +205,7 @@ impl<P: Plan> RegressionSolve<P> {
         } else {
             self.solve(plan, constants, sums, estimate, budget).map_err(|error| match error {
                 SolveError::TooFewRows => Reason::TooFewRows { part: Part::Regression, rows: sums.count },
-                SolveError::NotExcited(place) => {
-                    Reason::ParameterNotExcited(u8::try_from(place).unwrap_or(u8::MAX))
-                }
+                SolveError::NotExcited(place) => Reason::ParameterNotExcited(u8::try_from(place).unwrap_or(u8::MAX)),
                 SolveError::WeakInstruments => Reason::WeakInstruments(Part::Regression),
             })
         };

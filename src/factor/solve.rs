@@ -436,12 +436,8 @@ mod tests {
     fn run(problem: &Problem<'_>, budget: usize) -> Result<([f32; 2], [f32; 3], f32), SolveError> {
         let (mut delta, mut covariance, mut variance, mut work) = ([0.0; 2], [0.0; 3], 0.0, [0.0; 2]);
         let mut solution = Solution::new();
-        let solved = &mut Solved {
-            delta: &mut delta,
-            covariance: &mut covariance,
-            variance: &mut variance,
-            work: &mut work,
-        };
+        let solved =
+            &mut Solved { delta: &mut delta, covariance: &mut covariance, variance: &mut variance, work: &mut work };
         while !solution.advance(problem, solved, budget)? {}
         Ok((delta, covariance, variance))
     }

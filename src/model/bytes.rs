@@ -212,8 +212,7 @@ impl Reader<'_> {
         let mut layout = Layout { channels: self.u8()?, ..Layout::EMPTY };
         if self.flag(Field::Layout)? {
             let structure = Structure { offset: self.flag(Field::Layout)?, ..Structure::from_orders(self.array()?) };
-            let method =
-                if self.flag(Field::Layout)? { Method::Instruments } else { Method::LeastSquares };
+            let method = if self.flag(Field::Layout)? { Method::Instruments } else { Method::LeastSquares };
             let memory = match self.choice(2, Field::Layout)? {
                 0 => Memory::Segment,
                 1 => Memory::LongSegment,
@@ -387,11 +386,7 @@ fn blank_shaft<P: Plan>(plan: P) -> ShaftConstants<P> {
             scale: [1.0; 4],
             nominal: [0.0; 5],
         },
-        tracking: Tracking {
-            orders: Cells::filled(plan.layout().orders(), order),
-            slowest_turn: 0,
-            block_samples: 2,
-        },
+        tracking: Tracking { orders: Cells::filled(plan.layout().orders(), order), slowest_turn: 0, block_samples: 2 },
     }
 }
 

@@ -9,9 +9,9 @@ pub use crate::regression::Regression;
 pub use crate::sample::{Channel, Label, Name};
 pub use crate::shaft::{Balance, MAX_CURRENT_DELAY, ShaftConstants, StateVariable, TrackedOrder, Tracking};
 pub use bytes::{MAX_BYTES, layout, notes, stored_len};
+pub use validate::{Field, ModelError};
 #[doc(hidden)]
 pub use validate::{Parts, RegressionParts, ShaftParts, check};
-pub use validate::{Field, ModelError};
 
 use crate::decide::Evidence;
 use crate::drive::{FrontEnd, Park};

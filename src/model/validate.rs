@@ -196,7 +196,10 @@ impl core::fmt::Display for ModelError {
             Self::Length(field) => write!(f, "the model's {} has the wrong length", field.name()),
             Self::OutOfRange(field) => write!(f, "the model's {} is out of range", field.name()),
             Self::Version { found, supported } => {
-                write!(f, "model format version {found}, but this build reads version {supported}; train the model again")
+                write!(
+                    f,
+                    "model format version {found}, but this build reads version {supported}; train the model again"
+                )
             }
             other => f.write_str(other.message()),
         }
@@ -375,8 +378,8 @@ const fn check_regression(
     let (first, scale) = split(scale, nb as usize);
     let (second, scale) = split(scale, nc as usize);
     require!(differences_alike(own) && differences_alike(first) && differences_alike(second), ColumnScale);
-    let inputs = bounded(first, limit_of(parts.channels, layout.u1))
-        && bounded(second, limit_of(parts.channels, layout.u2));
+    let inputs =
+        bounded(first, limit_of(parts.channels, layout.u1)) && bounded(second, limit_of(parts.channels, layout.u2));
     let largest = if y_limit > 1.0 { y_limit } else { 1.0 };
     require!(bounded(own, y_limit) && inputs && all_within(scale, 0.0, 1e14 / largest), LimitTimesScale);
     require!(all_within(nominal, f32::MIN, f32::MAX), NominalModel);
@@ -411,10 +414,7 @@ const fn check_shaft(layout: &ShaftLayout, shaft: &ShaftParts<'_>, parts: &Parts
     let samples = parts.sampling.segment_samples as u64 * parts.sampling.block_mean as u64;
     require!(balance.row_interval > 0, RowInterval);
     require!(samples / balance.row_interval as u64 <= MAX_SEGMENT_ROWS as u64, SegmentLength);
-    require!(
-        all_within(&[balance.sign_velocity_rad_s, balance.usual_velocity_rad_s], 1e-6, 1e6),
-        BalanceVelocity
-    );
+    require!(all_within(&[balance.sign_velocity_rad_s, balance.usual_velocity_rad_s], 1e-6, 1e6), BalanceVelocity);
     require!(all_powers_of_two(&balance.scale) && all_within(&balance.scale, 0.0, f32::MAX), BalanceScale);
     let velocity = limit_of(parts.channels, layout.velocity);
     let load = match layout.load {

@@ -488,7 +488,8 @@ mod tests {
         assert_eq!(Layout { channels: 4, ..PLAIN }.check(), Err(LayoutError::UnusedChannel));
         assert_eq!(Layout { channels: 2, ..PLAIN }.check(), Err(LayoutError::UnknownChannel));
         assert_eq!(Layout { classes: 0, ..PLAIN }.check(), Err(LayoutError::Classifier));
-        let five = RegressionLayout { structure: Structure::new(5, 1, 1, 1, 1), method: Method::Instruments, ..SQUARES };
+        let five =
+            RegressionLayout { structure: Structure::new(5, 1, 1, 1, 1), method: Method::Instruments, ..SQUARES };
         assert_eq!(Layout { regression: Some(five), ..PLAIN }.check(), Err(LayoutError::OutputTerms));
         let without = RegressionLayout { structure: Structure::new(2, 1, 0, 1, 1), ..SQUARES };
         assert_eq!(Layout { regression: Some(without), ..PLAIN }.check(), Err(LayoutError::UnusedChannel));

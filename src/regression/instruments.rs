@@ -33,9 +33,7 @@ use super::constants::Regression;
 use super::delays::Delays;
 use super::{Frame, Inputs};
 use crate::factor::Row;
-use crate::plan::{
-    Array, Cells, MAX_OUTPUT_TERMS, Memory, Plan, RegressionLayout, Structure, filter_cells,
-};
+use crate::plan::{Array, Cells, MAX_OUTPUT_TERMS, Memory, Plan, RegressionLayout, Structure, filter_cells};
 
 /// The simulated output may exceed the limit of the measured output by this factor.
 const BOUND: f32 = 100.0;
@@ -81,13 +79,7 @@ impl<P: Plan> Instruments<P> {
     }
 
     #[inline(always)]
-    pub(super) fn push(
-        &mut self,
-        plan: P,
-        constants: &Regression<P>,
-        inputs: Inputs,
-        y_limit: f32,
-    ) -> Option<Row<'_>> {
+    pub(super) fn push(&mut self, plan: P, constants: &Regression<P>, inputs: Inputs, y_limit: f32) -> Option<Row<'_>> {
         let RegressionLayout { structure, memory, .. } = plan.layout().regression?;
         let Structure { offset, nkb, nkc, .. } = structure;
         let (na, nb, nc) = (structure.na as usize, structure.nb as usize, structure.nc as usize);

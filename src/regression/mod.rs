@@ -34,11 +34,7 @@ impl Inputs {
     pub fn of(layout: &RegressionLayout, sample: &impl Signals) -> Self {
         let input = |terms: u8, signal: Signal| if terms > 0 { read(signal, sample) } else { 0.0 };
         let structure = layout.structure;
-        Self {
-            y: read(layout.y, sample),
-            u1: input(structure.nb, layout.u1),
-            u2: input(structure.nc, layout.u2),
-        }
+        Self { y: read(layout.y, sample), u1: input(structure.nb, layout.u1), u2: input(structure.nc, layout.u2) }
     }
 }
 
@@ -87,13 +83,7 @@ impl<P: Plan> Rows<P> {
     /// Takes an accepted sample; returns its row, or `None` while a lag is missing or a filter settles. `y_limit` is the
     /// largest plausible output.
     #[inline(always)]
-    pub fn push(
-        &mut self,
-        plan: P,
-        constants: &Regression<P>,
-        inputs: Inputs,
-        y_limit: f32,
-    ) -> Option<Row<'_>> {
+    pub fn push(&mut self, plan: P, constants: &Regression<P>, inputs: Inputs, y_limit: f32) -> Option<Row<'_>> {
         match method(plan.layout())? {
             Method::LeastSquares => self.squares.part_mut()?.push(plan, constants, inputs),
             Method::Instruments => self.instruments.part_mut()?.push(plan, constants, inputs, y_limit),

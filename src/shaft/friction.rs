@@ -188,14 +188,7 @@ pub struct BalanceSums {
 
 impl BalanceSums {
     const fn new() -> Self {
-        Self {
-            d: [PRIOR; COLUMNS],
-            r: [0.0; PACKED],
-            row: [0.0; COLUMNS],
-            weight: 0.0,
-            pivot: COLUMNS,
-            rows: 0,
-        }
+        Self { d: [PRIOR; COLUMNS], r: [0.0; PACKED], row: [0.0; COLUMNS], weight: 0.0, pivot: COLUMNS, rows: 0 }
     }
 
     /// Takes a row, to be rotated in by [`BalanceSums::rotate`].
@@ -396,13 +389,7 @@ impl BalanceSolve {
         }
     }
 
-    fn solve(
-        &mut self,
-        balance: &Balance,
-        load: bool,
-        sums: &BalanceSums,
-        budget: usize,
-    ) -> Result<bool, SolveError> {
+    fn solve(&mut self, balance: &Balance, load: bool, sums: &BalanceSums, budget: usize) -> Result<bool, SolveError> {
         let [acceleration, velocity, load_scale, current] = balance.scale;
         let scale = if load {
             [acceleration, velocity, 1.0, load_scale, 1.0, current]
@@ -497,7 +484,8 @@ mod tests {
         let mut state = BalanceState::new(&balance);
         for k in 0..4000_u16 {
             let t = f64::from(k) * 0.001;
-            let (w, dw) = (30.0 * (4.0 * t).sin() + 8.0 * (17.0 * t).sin(), 120.0 * (4.0 * t).cos() + 136.0 * (17.0 * t).cos());
+            let (w, dw) =
+                (30.0 * (4.0 * t).sin() + 8.0 * (17.0 * t).sin(), 120.0 * (4.0 * t).cos() + 136.0 * (17.0 * t).cos());
             let torque = if load { 0.1 * (9.0 * t).sin() } else { 0.0 };
             let sign = w.clamp(-1.0, 1.0);
             let [p0, p1, p2, p3, p4] = p.map(f64::from);
@@ -508,7 +496,11 @@ mod tests {
                 reference_rad_s: w as f32,
                 load_nm: torque as f32,
             };
-            if k == 0 { state.start(&balance, &now) } else { let _ = state.step(&balance, load, &now); }
+            if k == 0 {
+                state.start(&balance, &now)
+            } else {
+                let _ = state.step(&balance, load, &now);
+            }
         }
         let (mut sums, mut solve) = (state.sums().clone(), BalanceSolve::new());
         loop {
@@ -528,13 +520,16 @@ mod tests {
         close(friction.drag.value, 0.21);
         close(friction.torque_constant_nm_a().unwrap().0, 1.0 / 18.0);
         close(friction.inertia_kg_m2().unwrap(), 0.006 / 18.0);
-        assert_eq!(friction.rows, (4000_u32 - 1 - 51).div_ceil(8) );
+        assert_eq!(friction.rows, (4000_u32 - 1 - 51).div_ceil(8));
     }
 
     #[test]
     fn without_a_load_its_term_is_missing() {
         let friction = run(8, false, [0.006, 0.003, 0.15, 0.0, 0.02]).unwrap();
-        assert!((friction.offset.value - 0.02).abs() < 1e-3 && (friction.drag.value - 0.21).abs() < 1e-3, "{friction:?}");
+        assert!(
+            (friction.offset.value - 0.02).abs() < 1e-3 && (friction.drag.value - 0.21).abs() < 1e-3,
+            "{friction:?}"
+        );
         assert_eq!((friction.inverse_torque_constant, friction.torque_constant_nm_a()), (None, None));
     }
 

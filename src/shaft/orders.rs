@@ -137,7 +137,11 @@ impl<P: Plan> OrderTracking<P> {
         let lines = self.lines.cells_mut().iter_mut().zip(tracking.orders.cells());
         let residual = match residual {
             Some(residual) if turned.unsigned_abs() > tracking.slowest_turn => {
-                if turned < 0 { -residual } else { residual }
+                if turned < 0 {
+                    -residual
+                } else {
+                    residual
+                }
             }
             _ => {
                 lines.for_each(|(line, order)| line.turn(order, turned));
@@ -164,11 +168,7 @@ impl<P: Plan> OrderTracking<P> {
     /// A copy of the sums.
     #[inline(always)]
     pub(super) fn sums(&self) -> OrderSums<P> {
-        OrderSums {
-            lines: P::Orders::map(&self.lines, |line| line.sums),
-            pending: self.pending,
-            blocks: self.blocks,
-        }
+        OrderSums { lines: P::Orders::map(&self.lines, |line| line.sums), pending: self.pending, blocks: self.blocks }
     }
 
     /// Starts a segment; phases continue.

@@ -12,13 +12,13 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use serde_json::{Value, json};
-use workbench::identify::{self, Order, Structure};
+use workbench::identify::{self, Structure};
 use workbench::rig::{Scenario, simulate};
 use workbench::structure::{Estimator, Grid, estimate_all, search};
 use workbench::trace::{Channels, Trace, read};
 
 /// The single estimates are of this structure.
-const SINGLE: Structure = Structure { order: Order::new(2, 2, 2, 1, 1), offset: false };
+const SINGLE: Structure = Structure::new(2, 2, 2, 1, 1);
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// Of one input, for programs that take no second.
-const ONE_INPUT: Structure = Structure { order: Order::new(2, 2, 0, 1, 1), offset: false };
+const ONE_INPUT: Structure = Structure::new(2, 2, 0, 1, 1);
 
 /// Two healthy traces of the standard rig, all digits.
 fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
@@ -76,7 +76,7 @@ fn time(folder: &Path) -> Result<Value, Box<dyn Error>> {
         read(&[folder.join(name)], &channels)
     };
     let (train, validate) = (load("train.csv", "velocity_error_rad_s")?, load("validate.csv", "velocity_error_rad_s")?);
-    let structures = Grid::up_to(Order::new(4, 4, 4, 4, 4), false).structures()?;
+    let structures = Grid::up_to(Structure::new(4, 4, 4, 4, 4), false).structures()?;
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let mut result = json!({ "samples": train[0].y.len(), "threads": rayon::current_num_threads() });
     for (name, estimator, runs) in [("ls", Estimator::Ls, 15), ("iv4", Estimator::Iv4, 5)] {
@@ -86,7 +86,7 @@ fn time(folder: &Path) -> Result<Value, Box<dyn Error>> {
         let fits: Vec<Value> = found
             .candidates
             .iter()
-            .map(|c| json!([c.fitted.structure.order.to_array(), c.fit_percent, c.fitted.theta]))
+            .map(|c| json!([c.fitted.structure.orders(), c.fit_percent, c.fitted.theta]))
             .collect();
         result[name] = json!({
             "estimate_s": median(runs, estimation),

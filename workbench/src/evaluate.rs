@@ -215,7 +215,7 @@ pub struct TraceVerdict {
 /// Where the core refuses the model.
 pub fn run(model: &Embedded, traces: &[LabelledTrace], done: impl Fn() + Sync) -> Result<Vec<TraceVerdict>, Error> {
     let each = |labelled: &LabelledTrace| {
-        let segments = model.run(&labelled.trace).map_err(|e| Error::Usage(e.to_string()))?;
+        let segments = model.run(&labelled.trace);
         let (decided, posteriors) = model.combine(&segments).unzip();
         done();
         Ok(TraceVerdict {

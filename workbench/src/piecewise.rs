@@ -13,8 +13,7 @@
 //! the whole record would leave most strokes without a run. The low-passed copy only says where to cut. The threshold trades length of runs for their straightness: of a pure
 //! sine a threshold of 0.8 keeps 41 % of each half period, 0.3 keeps 81 %.
 
-use bearing_watch::Order;
-use bearing_watch::decide::Kind;
+use bearing_watch::plan::Kind;
 use nalgebra::DVector;
 use rayon::prelude::*;
 use realfft::RealFftPlanner;
@@ -28,7 +27,7 @@ use crate::trace::labels::LabelledTrace;
 use crate::train::{FeatureTable, Recipe, discriminant};
 
 /// The model of a run.
-pub const STRUCTURE: Structure = Structure { order: Order::new(1, 1, 1, 1, 1), offset: false };
+pub const STRUCTURE: Structure = Structure::new(1, 1, 1, 1, 1);
 
 /// Where to cut.
 #[derive(Clone, Copy, Debug, PartialEq)]

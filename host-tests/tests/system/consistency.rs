@@ -8,7 +8,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use workbench::identify::{Method, Order, Structure, estimate, simulate};
+use workbench::identify::{Method, Structure, estimate, simulate};
 use workbench::trace::Trace;
 
 /// Runs a case. At 2000 the standard error of a mean is 0.022 sd, so that 0.1 sd is a bias and not chance.
@@ -51,7 +51,7 @@ const CASES: [Case; 10] = [
 
 /// Poles 0.8 ± 0.2j; two terms of u1 after one sample, one of u2 after two.
 const THETA: [f64; 5] = [-1.6, 0.68, 0.5, 0.3, 0.4];
-const STRUCTURE: Structure = Structure { order: Order::new(2, 2, 1, 1, 2), offset: false };
+const STRUCTURE: Structure = Structure::new(2, 2, 1, 1, 2);
 /// D of the ARMAX case, roots 0.3 and 0.5, of as many terms as the method takes by default.
 const D: [f64; 3] = [1.0, -0.8, 0.15];
 /// L of the coloured case, roots 0.5 ± 0.5j.

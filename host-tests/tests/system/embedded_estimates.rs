@@ -3,7 +3,7 @@
 use host_tests::data;
 use nalgebra::{DMatrix, DVector};
 use workbench::core::features;
-use workbench::identify::{Order, Structure, least_squares};
+use workbench::identify::{Structure, least_squares};
 use workbench::rig::Scenario;
 use workbench::study::demo::{self, FirstInput};
 use workbench::trace::labels::LabelledTrace;
@@ -52,17 +52,17 @@ fn open_reference_set() {
     let chosen = labels.select(&[]).expect("rows");
     let classes = labels.classes(&chosen, &[]).expect("classes");
     for (u1, order) in [
-        ("velocity_ref_rad_s", Order::new(2, 1, 2, 1, 1)),
-        ("velocity_ref_rad_s", Order::new(3, 1, 2, 1, 1)),
-        ("velocity_ref_rad_s-velocity_rad_s", Order::new(2, 2, 2, 1, 1)),
-        ("velocity_ref_rad_s-velocity_rad_s", Order::new(3, 3, 3, 1, 1)),
+        ("velocity_ref_rad_s", Structure::new(2, 1, 2, 1, 1)),
+        ("velocity_ref_rad_s", Structure::new(3, 1, 2, 1, 1)),
+        ("velocity_ref_rad_s-velocity_rad_s", Structure::new(2, 2, 2, 1, 1)),
+        ("velocity_ref_rad_s-velocity_rad_s", Structure::new(3, 3, 3, 1, 1)),
     ] {
         let channels = Channels::new("current_a", u1, "load_torque_nm");
         let traces = read(std::slice::from_ref(&folder), &channels).expect("traces");
         let traces = labels.join(&chosen, &classes, &traces).expect("labelled traces");
         assert_eq!(traces.len(), 12);
-        let rho = worst_rho(&traces, &classes, Structure { order, offset: false });
-        check(&format!("{u1} {:?}", order.to_array()), rho);
+        let rho = worst_rho(&traces, &classes, order);
+        check(&format!("{u1} {:?}", order.orders()), rho);
     }
 }
 
@@ -70,13 +70,13 @@ fn open_reference_set() {
 fn simulated_traces_with_delays_and_offset() {
     let traces = |input| demo::traces(&Scenario::STANDARD, input, (900, 4), || ()).expect("simulates");
     for (input, order, offset) in [
-        (FirstInput::Reference, Order::new(2, 1, 2, 1, 1), true),
-        (FirstInput::Error, Order::new(4, 4, 4, 1, 1), false),
-        (FirstInput::Error, Order::new(2, 2, 1, 3, 0), true),
-        (FirstInput::Error, Order::new(1, 0, 3, 1, 2), false),
+        (FirstInput::Reference, Structure::new(2, 1, 2, 1, 1), true),
+        (FirstInput::Error, Structure::new(4, 4, 4, 1, 1), false),
+        (FirstInput::Error, Structure::new(2, 2, 1, 3, 0), true),
+        (FirstInput::Error, Structure::new(1, 0, 3, 1, 2), false),
     ] {
-        let rho = worst_rho(&traces(input), &demo::class_names(), Structure { order, offset });
-        check(&format!("{:?} offset {offset}", order.to_array()), rho);
+        let rho = worst_rho(&traces(input), &demo::class_names(), Structure { offset, ..order });
+        check(&format!("{:?} offset {offset}", order.orders()), rho);
     }
 }
 
@@ -112,7 +112,7 @@ fn long_segments_small_residuals_and_far_operating_points() {
             .map(|k| LabelledTrace { trace: synthetic(500 + k, count, noise, level), class: usize::from(k > 1) })
             .collect();
         let classes = ["one".to_string(), "other".to_string()];
-        let structure = Structure { order: Order::new(2, 1, 1, 1, 1), offset: level != 0.0 };
+        let structure = Structure { offset: level != 0.0, ..Structure::new(2, 1, 1, 1, 1) };
         let rho = worst_rho(&traces, &classes, structure);
         println!("{count} rows, noise {noise}, level {level}: rho {rho:.1e}");
         assert!(rho <= limit && rho > 1e-6, "{rho}");
@@ -134,7 +134,7 @@ fn what_is_not_excited_is_said_by_both_halves() {
     let steady = trace("steady", [swinging, vec![2.0; 5000], vec![0.5; 5000]]);
     let moving = (0..5000).map(|k| 30.0 * f64::from(k).cos()).collect();
     let unloaded = trace("unloaded", [steady.y.clone(), moving, vec![0.0; 5000]]);
-    let structure = Structure { order: Order::new(1, 1, 1, 1, 1), offset: false };
+    let structure = Structure::new(1, 1, 1, 1, 1);
     let error = least_squares(&steady, structure).expect_err("constant inputs").to_string();
     assert!(error.contains("steady") && error.contains("do not excite parameter c1"), "{error}");
     let training = demo::traces(&Scenario::STANDARD, FirstInput::Error, (901, 4), || ()).expect("simulates");

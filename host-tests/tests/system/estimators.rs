@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use workbench::Error;
-use workbench::identify::{Method, Noise, Options, Order, Structure, estimate, estimate_with, fit_percent, simulate};
+use workbench::identify::{Method, Noise, Options, Structure, estimate, estimate_with, fit_percent, simulate};
 use workbench::trace::{Channels, Trace, read, stem};
 
 const ALL: [Method; 7] = [Method::Ls, Method::Iv, Method::Iv4, Method::Sriv, Method::Sm, Method::Oe, Method::Armax];
@@ -16,8 +16,8 @@ fn white(generator: &mut ChaCha8Rng, count: usize) -> Vec<f64> {
     (0..count).map(|_| StandardNormal.sample(generator)).collect()
 }
 
-fn plain(order: Order) -> Structure {
-    Structure { order, offset: false }
+fn plain(order: Structure) -> Structure {
+    order
 }
 
 /// Two white inputs through the model, and white output noise of the given standard deviation.
@@ -55,7 +55,7 @@ fn output_error_reaches_the_least_minimum_that_scipy_found() {
     let (mut worst, mut above) = (0.0_f64, 0.0_f64);
     for trace in read(&[folder], &channels).expect("readable traces") {
         let number: usize = stem(&trace.id).trim_start_matches("trace_").parse().expect("trace number");
-        let found = estimate(&trace, plain(Order::new(2, 2, 2, 1, 1)), Method::Oe).expect("well posed");
+        let found = estimate(&trace, plain(Structure::new(2, 2, 2, 1, 1)), Method::Oe).expect("well posed");
         assert!(found.convergence.converged && found.convergence.stable, "{}: {:?}", trace.id, found.convergence);
         let loss: f64 = found.residuals.iter().map(|e| e * e).sum();
         let (least, theta) = SCIPY[number];
@@ -107,7 +107,7 @@ fn simplex(start: &[f64], loss: impl Fn(&[f64]) -> f64) -> Vec<f64> {
 
 #[test]
 fn output_error_is_where_a_simplex_search_ends() {
-    let structure = plain(Order::new(1, 1, 1, 1, 2));
+    let structure = plain(Structure::new(1, 1, 1, 1, 2));
     for seed in 0..5 {
         let trace = simulated(structure, &[-0.8, 0.7, 0.4], 1.0, 400, seed);
         let loss = |theta: &[f64]| -> f64 {
@@ -133,7 +133,7 @@ fn output_error_is_where_a_simplex_search_ends() {
 
 #[test]
 fn refined_methods_hold_the_pole_that_least_squares_loses() {
-    let structure = plain(Order::new(1, 1, 0, 1, 1));
+    let structure = plain(Structure::new(1, 1, 0, 1, 1));
     let mean_pole = |method: Method| -> f64 {
         let pole = |seed| {
             let trace = simulated(structure, &[-0.9, 0.743], 1.0, 2000, seed);
@@ -151,7 +151,7 @@ fn refined_methods_hold_the_pole_that_least_squares_loses() {
 #[test]
 fn noise_free_data_give_the_model_back_by_every_method() {
     for offset in [false, true] {
-        let structure = Structure { order: Order::new(2, 2, 1, 1, 3), offset };
+        let structure = Structure { offset, ..Structure::new(2, 2, 1, 1, 3) };
         let theta = &[-1.5, 0.7, 0.5, -0.2, 0.3, 0.8][..structure.parameters()];
         let trace = simulated(structure, theta, 0.0, 300, 1);
         // The filters of iv4 start from zero, where a model with a constant term is not at rest.
@@ -175,7 +175,7 @@ fn noise_free_data_give_the_model_back_by_every_method() {
 
 #[test]
 fn the_two_fits_are_what_their_names_say() {
-    let structure = plain(Order::new(1, 1, 1, 1, 1));
+    let structure = plain(Structure::new(1, 1, 1, 1, 1));
     let trace = simulated(structure, &[-0.9, 0.743, 0.2], 1.0, 2000, 3);
     for method in ALL {
         let found = estimate(&trace, structure, method).expect("well posed");
@@ -199,7 +199,7 @@ fn the_two_fits_are_what_their_names_say() {
 
 #[test]
 fn armax_finds_the_noise_polynomial_with_honest_deviations() {
-    let structure = plain(Order::new(1, 1, 0, 1, 1));
+    let structure = plain(Structure::new(1, 1, 0, 1, 1));
     let (mut held, mut sum, runs) = (0, 0.0, 400);
     for seed in 0..runs {
         let mut trace = simulated(structure, &[-0.8, 1.0], 0.0, 600, seed);
@@ -222,7 +222,7 @@ fn armax_finds_the_noise_polynomial_with_honest_deviations() {
 
 #[test]
 fn options_reach_their_methods() {
-    let structure = plain(Order::new(1, 1, 1, 1, 1));
+    let structure = plain(Structure::new(1, 1, 1, 1, 1));
     let trace = simulated(structure, &[-0.9, 0.743, 0.2], 1.0, 500, 4);
     for passes in 1..=3 {
         let options = Options { passes, ..Options::default() };
@@ -241,7 +241,7 @@ fn options_reach_their_methods() {
 
 #[test]
 fn what_cannot_be_estimated_is_said_in_one_line() {
-    let structure = plain(Order::new(2, 2, 2, 1, 1));
+    let structure = plain(Structure::new(2, 2, 2, 1, 1));
     let good = simulated(structure, &[-1.5, 0.7, 0.5, -0.2, 0.3, 0.1], 0.1, 300, 5);
     let refuse = |trace: &Trace, structure: Structure, words: &[&str]| {
         for method in ALL {
@@ -252,19 +252,19 @@ fn what_cannot_be_estimated_is_said_in_one_line() {
     };
     let few = Trace { y: good.y[..8].to_vec(), u1: good.u1[..8].to_vec(), u2: good.u2[..8].to_vec(), ..good.clone() };
     refuse(&few, structure, &["8 samples for 6 parameters", "record more"]);
-    refuse(&few, plain(Order::new(1, 1, 1, 20, 1)), &["8 samples", "from sample 20 on", "reduce the order"]);
+    refuse(&few, plain(Structure::new(1, 1, 1, 20, 1)), &["8 samples", "from sample 20 on", "reduce the order"]);
     refuse(&Trace { y: vec![3.0; 300], ..good.clone() }, structure, &["output is constant", "check --y"]);
     refuse(&Trace { u2: vec![0.0; 300], ..good.clone() }, structure, &["do not excite", "c1", "column is zero"]);
     refuse(&Trace { u1: vec![2.0; 300], ..good.clone() }, structure, &["do not excite", "b2", "b1", "lower order"]);
     let sine: Vec<f64> = (0..300).map(|t| (0.05 * f64::from(t)).sin()).collect();
-    let structure = plain(Order::new(1, 3, 1, 1, 1));
+    let structure = plain(Structure::new(1, 3, 1, 1, 1));
     refuse(&Trace { u1: sine, ..good.clone() }, structure, &["do not excite", "b3", "b1, b2", "richer command"]);
 }
 
 #[test]
 fn what_does_not_converge_is_flagged_and_finite() {
     // Output and inputs have nothing to do with each other: pole and zero cancel anywhere, or run to the circle.
-    let structure = plain(Order::new(3, 3, 3, 1, 1));
+    let structure = plain(Structure::new(3, 3, 3, 1, 1));
     let mut flagged = 0;
     for seed in 0..40 {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use host_tests::{data, table};
-use workbench::identify::{Method, Order, Structure, estimate};
+use workbench::identify::{Method, Structure, estimate};
 use workbench::trace::{Channels, Trace, read, stem};
 
 fn traces(folder: &Path, input: &str) -> Vec<Trace> {
@@ -13,14 +13,14 @@ fn traces(folder: &Path, input: &str) -> Vec<Trace> {
 }
 
 /// Largest deviation of parameters, relative to the reference, and of the fit in percent points.
-fn deviation(method: Method, input: &str, order: Order) -> Option<(f64, f64)> {
+fn deviation(method: Method, input: &str, order: Structure) -> Option<(f64, f64)> {
     let folder = data("dc_motor_reference")?;
     let name = format!("{method:?}").to_lowercase();
-    let digits: String = order.to_array().iter().map(ToString::to_string).collect();
+    let digits: String = order.orders().iter().map(ToString::to_string).collect();
     let (_, reference) = table(&folder.join(format!("{name}_{input}_{digits}.csv")));
     let traces = traces(&folder, input);
     assert_eq!((traces.len(), reference.len()), (12, 12));
-    let structure = Structure { order, offset: false };
+    let structure = order;
     let (mut worst, mut well_posed) = ((0.0_f64, 0.0_f64), 0);
     for (id, row) in reference {
         let trace = traces.iter().find(|t| stem(&t.id) == stem(&id)).expect("trace of the reference");
@@ -50,11 +50,11 @@ fn deviation(method: Method, input: &str, order: Order) -> Option<(f64, f64)> {
     Some(worst)
 }
 
-const CASES: [(&str, Order); 4] = [
-    ("ref", Order::new(2, 1, 2, 1, 1)),
-    ("ref", Order::new(3, 1, 2, 1, 1)),
-    ("err", Order::new(2, 2, 2, 1, 1)),
-    ("err", Order::new(3, 3, 3, 1, 1)),
+const CASES: [(&str, Structure); 4] = [
+    ("ref", Structure::new(2, 1, 2, 1, 1)),
+    ("ref", Structure::new(3, 1, 2, 1, 1)),
+    ("err", Structure::new(2, 2, 2, 1, 1)),
+    ("err", Structure::new(3, 3, 3, 1, 1)),
 ];
 
 #[test]
@@ -79,7 +79,7 @@ fn iv4_matches_the_reference() {
 #[test]
 fn refined_iv_and_steiglitz_mcbride_match_the_reference() {
     for method in [Method::Sriv, Method::Sm] {
-        let Some((theta, fit)) = deviation(method, "err", Order::new(2, 2, 2, 1, 1)) else { return };
+        let Some((theta, fit)) = deviation(method, "err", Structure::new(2, 2, 2, 1, 1)) else { return };
         // Iterations end somewhere near the fixed point; the references stop by rules of their own.
         assert!(theta <= 1e-3 && theta > 0.0, "{theta}");
         assert!(fit <= 1e-4, "{fit}");

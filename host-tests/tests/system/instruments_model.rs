@@ -1,7 +1,7 @@
 //! Models of every method and memory: trained, written, read back and judged through the core.
 
 use bearing_watch::estimate::{
-    Accumulator, Fading, Form, Instruments, Method, Order, Regressor, Rows, Shape, Triangle, TwoLevel,
+    Accumulator, Fading, Form, Instruments, Method, Regressor, Rows, Shape, Structure, Triangle, TwoLevel,
 };
 use bearing_watch::{Detector, Sample};
 use workbench::core::Embedded;
@@ -14,7 +14,7 @@ use workbench::trace::labels::LabelledTrace;
 use workbench::train::export;
 use workbench::train::{Estimation, Recipe, Trained, train};
 
-const STRUCTURE: Structure = Structure { order: Order::new(2, 1, 2, 1, 1), offset: false };
+const STRUCTURE: Structure = Structure::new(2, 1, 2, 1, 1);
 
 fn instruments() -> Estimation {
     Estimation { method: Method::Instruments, ..Estimation::default() }
@@ -61,7 +61,7 @@ struct Fixed<const INSTRUMENTS: bool>;
 
 impl<const INSTRUMENTS: bool> Shape for Fixed<INSTRUMENTS> {
     const FIXED: Option<Form> = Some(Form {
-        order: STRUCTURE.order,
+        order: STRUCTURE,
         offset: STRUCTURE.offset,
         method: if INSTRUMENTS { Method::Instruments } else { Method::LeastSquares },
     });

@@ -6,7 +6,7 @@
 //! ```
 
 use workbench::core::Embedded;
-use workbench::identify::{Order, Structure};
+use workbench::identify::Structure;
 use workbench::rig::Scenario;
 use workbench::study::demo::{self, FirstInput};
 use workbench::trace::labels::LabelledTrace;
@@ -41,7 +41,7 @@ fn the_boundary_lies_where_theory_says() {
     let scenario = Scenario::STANDARD;
     let all = demo::traces(&scenario, FirstInput::Reference, (901, 8), || ()).expect("simulates");
     let traces: Vec<LabelledTrace> = all.into_iter().filter(|t| t.class < 2).collect();
-    let structure = Structure { order: Order::new(2, 1, 2, 1, 1), offset: false };
+    let structure = Structure::new(2, 1, 2, 1, 1);
     let mut places = vec![];
     for (priors, missed, alarm) in [
         ([0.5, 0.5], 1.0, 1.0),

@@ -7,14 +7,14 @@
 use bearing_watch::decide::Kind;
 use host_tests::strokes::{Stroke, detector, judge, strokes};
 use workbench::evaluate::{self, Confusion};
-use workbench::identify::{Order, Structure};
+use workbench::identify::Structure;
 use workbench::train::Recipe;
 
 /// Normal against one other class: trained on runs 1–4, tested on runs 5–7 by the core in single precision.
 fn test(strokes: &[Stroke], other: &str, kind: Kind) -> Confusion {
     let classes = ["normal".to_string(), other.to_string()];
     let class = |state: &str| classes.iter().position(|name| name == state);
-    let structure = Structure { order: Order::new(1, 1, 1, 1, 1), offset: true };
+    let structure = Structure::new(1, 1, 1, 1, 1).with_offset();
     let features = ["a", "b", "c", "offset", "log_variance"].map(String::from).to_vec();
     let recipe = Recipe { features, discriminant: kind, ..Recipe::new(structure) };
     let (training, held_out): (Vec<&Stroke>, Vec<&Stroke>) = strokes.iter().partition(|s| s.run <= 4);

@@ -6,7 +6,7 @@ use std::path::Path;
 use host_tests::{columns, data};
 use workbench::grey_box::external::by_command;
 use workbench::grey_box::linear::{Friction, LinearRecord, LinearSettings, cross_validate, estimate};
-use workbench::identify::{Order, Structure, fit_percent, least_squares, simulate};
+use workbench::identify::{Structure, fit_percent, least_squares, simulate};
 use workbench::trace::prepare::resample;
 use workbench::trace::{Preparation, Trace};
 
@@ -86,7 +86,7 @@ fn first_order(folder: &Path, file: &str) -> Trace {
 #[test]
 fn emps_first_order_model_runs_free() {
     let Some(folder) = data("emps") else { return };
-    let structure = Structure { order: Order::new(1, 1, 1, 1, 1), offset: true };
+    let structure = Structure::new(1, 1, 1, 1, 1).with_offset();
     let train = first_order(&folder, "emps_train.csv");
     let pulses = first_order(&folder, "emps_test_pulses.csv");
     let found = least_squares(&train, structure).expect("excited");
@@ -124,7 +124,7 @@ fn dynamometer(folder: &Path, file: &str) -> [Trace; 2] {
 #[test]
 fn command_as_instrument_beats_least_squares_on_a_dynamometer() {
     let Some(folder) = data("moteus_dyno") else { return };
-    let structure = Structure { order: Order::new(1, 2, 0, 1, 1), offset: true };
+    let structure = Structure::new(1, 2, 0, 1, 1).with_offset();
     // Figures of an independent prototype, least squares → instruments; the third does not gain.
     for (file, least, instruments) in [
         ("ri50_noback__05_05_2021_13-52-50.csv", 69.0, 72.3),

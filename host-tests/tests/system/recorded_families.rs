@@ -11,7 +11,7 @@ use bearing_watch::decide::Kind;
 use host_tests::strokes::{LOADS, Stroke, detector, judge, strokes};
 use workbench::core::Finding;
 use workbench::evaluate::{self, Confusion};
-use workbench::identify::{Order, Structure};
+use workbench::identify::Structure;
 use workbench::train::{Folds, Recipe, Shrink, Trained, predict};
 
 const STATES: [(&str, usize); 8] = [
@@ -42,7 +42,7 @@ fn families() -> Vec<String> {
 }
 
 fn structure(o: [u8; 5]) -> Structure {
-    Structure { order: Order::new(o[0], o[1], o[2], o[3], o[4]), offset: true }
+    Structure::new(o[0], o[1], o[2], o[3], o[4]).with_offset()
 }
 
 fn state(name: &str) -> Option<usize> {

@@ -17,7 +17,7 @@ use host_tests::strokes::{LOADS, RUNS, Stroke, detector, judge, strokes};
 use nalgebra::{DMatrix, DVector};
 use workbench::core::Finding;
 use workbench::evaluate::{Rate, TraceVerdict};
-use workbench::identify::{Order, Structure};
+use workbench::identify::Structure;
 use workbench::train::{Alarms, Recipe, Trained};
 
 const FAULTS: [&str; 12] = [
@@ -81,7 +81,7 @@ struct Found {
 }
 
 fn held_out_in_turn(strokes: &[Stroke], o: [u8; 5], features: &[&str]) -> Found {
-    let structure = Structure { order: Order::new(o[0], o[1], o[2], o[3], o[4]), offset: true };
+    let structure = Structure::new(o[0], o[1], o[2], o[3], o[4]).with_offset();
     let normal = ["normal".to_string()];
     let alarms = Alarms { healthy: Some(0), false_alarm: 0.01, required: true, ..Alarms::default() };
     let features = features.iter().map(|name| (*name).to_string()).collect();

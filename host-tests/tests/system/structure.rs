@@ -1,8 +1,8 @@
-//! Order search against the estimators of single structures, on the standard rig.
+//! Structure search against the estimators of single structures, on the standard rig.
 
 use std::slice::from_ref;
 
-use workbench::identify::{self, Order, Structure};
+use workbench::identify::{self, Structure};
 use workbench::rig::{Scenario, simulate};
 use workbench::structure::{Estimator, Grid, Search, search};
 use workbench::trace::Trace;
@@ -19,7 +19,7 @@ fn rig(seed: u64, error: bool) -> Trace {
     Trace { id: format!("rig {seed}"), interval_s: Some(0.002), y, u1, u2, ..Trace::default() }
 }
 
-fn grid(max: Order, offset: bool) -> Vec<Structure> {
+fn grid(max: Structure, offset: bool) -> Vec<Structure> {
     Grid::up_to(max, offset).structures().expect("a grid")
 }
 
@@ -47,7 +47,7 @@ fn worst(train: &Trace, validate: &Trace, search: &Search, method: identify::Met
 fn every_least_squares_structure_is_that_of_identify() {
     for (error, offset) in [(true, false), (true, true), (false, false)] {
         let (train, validate) = (rig(1, error), rig(2, error));
-        let structures = grid(Order::new(4, 4, 4, 4, 4), offset);
+        let structures = grid(Structure::new(4, 4, 4, 4, 4), offset);
         let found = search(from_ref(&train), from_ref(&validate), &structures, Estimator::Ls).expect("a search");
         assert_eq!(found.candidates.len() + found.refused.len(), 1024);
         for refusal in &found.refused {
@@ -66,7 +66,7 @@ fn every_least_squares_structure_is_that_of_identify() {
 fn every_iv4_structure_is_that_of_identify() {
     for (error, offset) in [(true, false), (false, true)] {
         let (train, validate) = (rig(1, error), rig(2, error));
-        let structures = grid(Order::new(3, 2, 3, 2, 2), offset);
+        let structures = grid(Structure::new(3, 2, 3, 2, 2), offset);
         let found = search(from_ref(&train), from_ref(&validate), &structures, Estimator::Iv4).expect("a search");
         assert_eq!(found.candidates.len() + found.refused.len(), 72);
         assert!(found.candidates.len() >= 60, "{:?}", found.refused);
@@ -81,7 +81,7 @@ fn every_iv4_structure_is_that_of_identify() {
 #[test]
 fn several_traces_give_one_model() {
     let (train, validate) = (rig(1, true), rig(2, true));
-    let structures = grid(Order::new(2, 2, 2, 2, 1), false);
+    let structures = grid(Structure::new(2, 2, 2, 2, 1), false);
     for estimator in [Estimator::Ls, Estimator::Iv4] {
         let once = search(from_ref(&train), from_ref(&validate), &structures, estimator).expect("a search");
         let both = [train.clone(), train.clone()];
@@ -104,7 +104,7 @@ fn several_traces_give_one_model() {
     let cut = search(&parts, from_ref(&validate), &structures, Estimator::Ls).expect("a search");
     let whole = search(&[train], &[validate], &structures, Estimator::Ls).expect("a search");
     for (a, b) in cut.candidates.iter().zip(&whole.candidates) {
-        assert_eq!(b.fitted.rows - a.fitted.rows, a.fitted.structure.order.depth());
+        assert_eq!(b.fitted.rows - a.fitted.rows, a.fitted.structure.depth());
         let change = (a.fitted.theta[0] - b.fitted.theta[0]).abs();
         // Three rows of 5000 move a parameter by a small part of its deviation of about 1e-2.
         assert!(change < 1e-2 && change > 0.0, "{change}");
@@ -131,26 +131,26 @@ fn a_known_structure_is_found() {
         }
         Trace { id: format!("arx {seed}"), y, u1, u2, ..Trace::default() }
     };
-    let truth = Order::new(2, 2, 1, 2, 1);
-    let structures = grid(Order::new(4, 4, 3, 3, 3), false);
+    let truth = Structure::new(2, 2, 1, 2, 1);
+    let structures = grid(Structure::new(4, 4, 3, 3, 3), false);
     let found = search(&[draw(1)], &[draw(2)], &structures, Estimator::Ls).expect("a search");
-    assert_eq!(found.best_mdl().expect("a best").fitted.structure.order, truth);
-    let chosen = found.find(Structure { order: truth, offset: false }).expect("in the grid");
+    assert_eq!(found.best_mdl().expect("a best").fitted.structure, truth);
+    let chosen = found.find(truth).expect("in the grid");
     let best = found.best_fit().expect("a best").fit_percent;
     assert!(best >= chosen.fit_percent && best - chosen.fit_percent < 0.05, "{best} {}", chosen.fit_percent);
     // AIC charges two a parameter where a superfluous one gains about one: it keeps the truth within its best few.
-    let aic = found.best_aic().expect("a best").fitted.structure.order;
+    let aic = found.best_aic().expect("a best").fitted.structure;
     assert!(aic.na >= 2 && aic.na <= 4 && aic.nkb <= 2 && aic.nb + aic.nkb >= 4, "{aic:?}");
     let by_count = found.best_by_count();
     assert_eq!(by_count.first().map(|c| c.fitted.parameters()), Some(3));
     let five = by_count.iter().find(|c| c.fitted.parameters() == 5).expect("five parameters");
-    assert_eq!(five.fitted.structure.order, truth);
+    assert_eq!(five.fitted.structure, truth);
 }
 
 #[test]
 fn bad_input_is_one_clear_line() {
     let good = rig(1, true);
-    let structures = grid(Order::new(2, 2, 2, 2, 2), false);
+    let structures = grid(Structure::new(2, 2, 2, 2, 2), false);
     let refused = |train: Trace, validate: Trace, structures: &[Structure]| {
         let error = search(&[train], &[validate], structures, Estimator::Ls).expect_err("bad input").to_string();
         assert!(!error.contains('\n'), "{error}");
@@ -165,7 +165,7 @@ fn bad_input_is_one_clear_line() {
     let error = refused(short(9), good.clone(), &structures);
     assert!(error.contains("9 samples, but lags back to 3 and 6 parameters need 10"), "{error}");
     assert!(refused(good.clone(), short(3), &structures).contains("3 samples"));
-    let delayed = [Structure { order: Order::new(1, 1, 1, 20, 1), offset: false }];
+    let delayed = [Structure::new(1, 1, 1, 20, 1)];
     assert!(refused(short(20), good.clone(), &delayed).contains("lags back to 20"));
     let still = Trace { u2: vec![0.1; good.u2.len()], ..good.clone() };
     assert!(refused(still, good.clone(), &structures).contains("u2 is constant"));

@@ -5,7 +5,7 @@ use nalgebra::Complex;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use workbench::identify::{Estimate, Method, Options, Order, Structure, estimate, estimate_with, poles, simulate};
+use workbench::identify::{Estimate, Method, Options, Structure, estimate, estimate_with, poles, simulate};
 use workbench::rig::{Scenario, simulate as record};
 use workbench::trace::Trace;
 use workbench::validate::correlation::Correlation;
@@ -13,18 +13,18 @@ use workbench::validate::response::{Input, frequency, step};
 use workbench::validate::{Errors, PoleZeroMap, REGION_SIGMAS, Validation, validate};
 
 /// A second-order system with a lightly damped pair, pole zero of both inputs, and one with two real poles.
-const COMPLEX: System = System { order: Order::new(2, 2, 2, 1, 2), theta: &[-1.5, 0.7, 1.0, 0.5, -0.4, 0.3] };
-const REAL: System = System { order: Order::new(2, 2, 1, 1, 1), theta: &[-1.3, 0.4, 0.5, 0.3, 0.6] };
+const COMPLEX: System = System { order: Structure::new(2, 2, 2, 1, 2), theta: &[-1.5, 0.7, 1.0, 0.5, -0.4, 0.3] };
+const REAL: System = System { order: Structure::new(2, 2, 1, 1, 1), theta: &[-1.3, 0.4, 0.5, 0.3, 0.6] };
 
 #[derive(Clone, Copy)]
 struct System {
-    order: Order,
+    order: Structure,
     theta: &'static [f64],
 }
 
 impl System {
     fn structure(self) -> Structure {
-        Structure { order: self.order, offset: false }
+        self.order
     }
 
     /// The system as if it had been estimated without error.
@@ -200,8 +200,8 @@ fn prediction_errors_of_a_true_armax_model_keep_the_level() {
 #[test]
 fn wrong_models_fail() {
     const RUNS: u64 = 50;
-    let low = Structure { order: Order::new(1, 1, 1, 1, 2), offset: false };
-    let late = Structure { order: Order::new(2, 2, 2, 2, 2), offset: false };
+    let low = Structure::new(1, 1, 1, 1, 2);
+    let late = Structure::new(2, 2, 2, 2, 2);
     for (what, structure) in [("order too low", low), ("delay too long", late)] {
         for (method, errors) in [(Method::Ls, Errors::LeastSquares), (Method::Iv4, Errors::Instruments)] {
             let failed = (0..RUNS).filter(|&seed| {
@@ -232,9 +232,9 @@ fn rig_trace(seed: u64, error: bool) -> Trace {
     }
 }
 
-fn rig_validation(seed: u64, error: bool, order: Order, method: Method) -> Validation {
+fn rig_validation(seed: u64, error: bool, order: Structure, method: Method) -> Validation {
     let trace = rig_trace(seed, error);
-    let structure = Structure { order, offset: false };
+    let structure = order;
     let errors = if method == Method::Ls { Errors::LeastSquares } else { Errors::Instruments };
     let estimate = estimate(&trace, structure, method).expect("well posed");
     validate(&trace, &estimate, errors, 25).expect("long enough")
@@ -242,7 +242,7 @@ fn rig_validation(seed: u64, error: bool, order: Order, method: Method) -> Valid
 
 #[test]
 fn the_standard_rig_is_no_low_order_arx_system() {
-    let cases = [("error", true, Order::new(2, 2, 2, 1, 1)), ("reference", false, Order::new(2, 1, 2, 1, 1))];
+    let cases = [("error", true, Structure::new(2, 2, 2, 1, 1)), ("reference", false, Structure::new(2, 1, 2, 1, 1))];
     for ((what, error, order), method) in cases.into_iter().flat_map(|c| [(c, Method::Ls), (c, Method::Iv4)]) {
         for seed in 1..=3 {
             let found = rig_validation(seed, error, order, method);
@@ -265,7 +265,7 @@ fn the_standard_rig_is_no_low_order_arx_system() {
 #[test]
 fn feedback_is_told_from_a_wrong_model() {
     const RUNS: u64 = 100;
-    let system = System { order: Order::new(1, 1, 1, 1, 1), theta: &[-0.8, 0.5, 0.4] };
+    let system = System { order: Structure::new(1, 1, 1, 1, 1), theta: &[-0.8, 0.5, 0.4] };
     let (mut wrong, mut looped) = (0, 0);
     for seed in 0..RUNS {
         let mut trace = system.record(1500, seed, 0.5, None);
@@ -367,7 +367,7 @@ fn bands_of_responses_cover_the_truth() {
         }
         for (count, (name, _)) in covered.iter().zip(&truth) {
             let percent = 100.0 * *count as f64 / RUNS as f64;
-            println!("order {:?}, {name}: {percent:.1} %", system.order.to_array());
+            println!("order {:?}, {name}: {percent:.1} %", system.order.orders());
             assert!((93.0..=97.0).contains(&percent), "{name}: {percent} %");
         }
     }
@@ -376,8 +376,8 @@ fn bands_of_responses_cover_the_truth() {
 #[test]
 fn near_cancellation_is_told() {
     // One pole and one zero of B and of C too many: (1 + 0.5 q⁻¹) times a first-order system.
-    let system = System { order: Order::new(1, 1, 1, 1, 1), theta: &[-0.8, 1.0, 0.5] };
-    let rich = Structure { order: Order::new(2, 2, 2, 1, 1), offset: false };
+    let system = System { order: Structure::new(1, 1, 1, 1, 1), theta: &[-0.8, 1.0, 0.5] };
+    let rich = Structure::new(2, 2, 2, 1, 1);
     let right = (0..20).filter(|&seed| {
         let trace = system.record(2000, seed, 0.5, None);
         let estimate = estimate(&trace, rich, Method::Ls).expect("well posed");

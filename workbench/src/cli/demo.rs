@@ -74,7 +74,7 @@ fn model_contents(first: &Draw) -> Result<[Vec<u8>; 3], Error> {
     ])
 }
 
-/// One held-out trace of each class as a converter over the model's range would give it: y, u1, u2 as `i16`,
+/// One held-out trace of each class as a converter over the range of the model's channels would give it: y, u1, u2 as `i16`,
 /// little-endian, limit · count / 2¹⁵.
 fn converter_counts(first: &Draw) -> Vec<u8> {
     let mut bytes = Vec::new();
@@ -82,10 +82,9 @@ fn converter_counts(first: &Draw) -> Vec<u8> {
         let Some(held_out) = first.validation.iter().find(|t| t.class == class) else { continue };
         let trace = &held_out.trace;
         for k in 0..trace.y.len() {
-            for (x, limit) in
-                [trace.y[k], trace.u1[k], trace.u2[k]].into_iter().zip(first.trained.regression.guard.limit)
-            {
-                let count = (x / f64::from(limit) * 32_768.0).round() as i16;
+            let values = [trace.y[k], trace.u1[k], trace.u2[k]].into_iter();
+            for (x, channel) in values.zip(&first.trained.parts.channels) {
+                let count = (x / f64::from(channel.limit) * 32_768.0).round() as i16;
                 bytes.extend(count.to_le_bytes());
             }
         }

@@ -1,6 +1,6 @@
 //! A trained model in words: estimator, gate and alarm, and what the detector is fed.
 
-use bearing_watch::estimate::{Memory, Method};
+use bearing_watch::plan::Method;
 use serde_json::{Value, json};
 
 use crate::trace::{Channels, Preparation, ShaftChannels};
@@ -16,17 +16,17 @@ pub(super) const fn method_word(method: Method) -> &'static str {
 
 /// Method and memory in words.
 pub(super) fn estimated_by(trained: &Trained) -> String {
-    let regression = &trained.regression;
+    let Some((layout, regression)) = &trained.parts.regression else { return "nothing".into() };
     let nominal = &trained.classes[trained.recipe.estimation.nominal];
-    let method = match regression.method {
+    let method = match layout.method {
         Method::LeastSquares => "least squares".to_string(),
         Method::Instruments => {
             format!("instrumental variables from the mean of {nominal}, settling for {} samples", regression.settle)
         }
     };
-    match regression.memory {
-        Memory::Segment => method,
-        Memory::Fading(forgetting) => format!("{method}, forgetting by {} a sample", forgetting.lambda),
+    match trained.recipe.estimation.memory {
+        None => method,
+        Some(_) => format!("{method}, forgetting by {} a sample", regression.forgetting.lambda),
     }
 }
 

@@ -8,7 +8,7 @@ use super::args::traces::{SelectionArgs, warn_irregular};
 use super::model_file::{check_rate, prepare, read_model};
 use super::output;
 use crate::Error;
-use crate::core::{Embedded, Finding, stuck_signals};
+use crate::core::{Embedded, Finding, stuck_channels};
 use crate::evaluate::{self, Confusion, Rate, TraceVerdict};
 use crate::trace::{Condition, stem};
 use crate::train::Scores;
@@ -66,7 +66,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let verdicts = evaluate::run(&model, &prepare(&traces, notes.preparation())?, || bar.inc(1))?;
     bar.finish_and_clear();
     if let Some(path) = &args.out {
-        output::write(path, csv(&model.classes, &classes, &verdicts)?)?;
+        output::write(path, csv(&model, &classes, &verdicts)?)?;
     }
     let (verdicts, strange): (Vec<_>, Vec<_>) = verdicts.into_iter().partition(|v| v.class < model.classes.len());
     let untrained = untrained(&model, &classes, &strange, args.per_segment);
@@ -112,7 +112,8 @@ fn untrained(
 }
 
 /// A row a segment.
-fn csv(classes: &[String], truths: &[String], verdicts: &[TraceVerdict]) -> Result<String, Error> {
+fn csv(model: &Embedded, truths: &[String], verdicts: &[TraceVerdict]) -> Result<String, Error> {
+    let (classes, names) = (&model.classes, &model.channel_names());
     let texts = |cells: &[&str]| cells.iter().map(ToString::to_string).collect::<Vec<_>>();
     let posteriors = classes.iter().map(|class| format!("p_{class}"));
     let odds: Vec<String> = posteriors.chain(texts(&["distance", "surprise"])).collect();
@@ -123,9 +124,9 @@ fn csv(classes: &[String], truths: &[String], verdicts: &[TraceVerdict]) -> Resu
         for (k, segment) in verdict.segments.iter().enumerate() {
             let decided = segment.verdict.as_ref().map_or("undetermined", |finding| finding.name(classes));
             let posterior = |k: usize| segment.posteriors.get(k).map_or_else(String::new, ToString::to_string);
-            let Counts { rejected, saturated, downweighted, still, stuck, .. } = segment.counts;
-            let numbers = [segment.rows, rejected, saturated, downweighted, still].map(|count| count.to_string());
-            let denied = [&numbers[..], &[stuck_signals(stuck).join(" ")]].concat();
+            let Counts { rejected, saturated, downweighted, resting, stuck, .. } = segment.counts;
+            let numbers = [segment.rows, rejected, saturated, downweighted, resting].map(|count| count.to_string());
+            let denied = [&numbers[..], &[stuck_channels(stuck, names).join(" ")]].concat();
             let place = texts(&[&verdict.id, &k.to_string(), &truths[verdict.class], decided]);
             let far = [segment.distance, segment.surprise].map(|x| x.to_string());
             rows.push([place, (0..classes.len()).map(posterior).chain(far).collect(), denied].concat());

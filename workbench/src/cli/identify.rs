@@ -8,7 +8,7 @@ use serde_json::json;
 use super::args::traces::{PreparationArgs, StructureArgs, TraceArgs};
 use super::output;
 use crate::Error;
-use crate::identify::{Estimate, Method, Noise, Options, Structure, estimate_with};
+use crate::identify::{Estimate, Method, Noise, Options, Structure, Terms, estimate_with};
 
 /// Estimate the difference model of each trace
 #[derive(Debug, clap::Args)]

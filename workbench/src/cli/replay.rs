@@ -2,14 +2,15 @@
 
 use std::path::PathBuf;
 
-use bearing_watch::decide::Trend;
+use bearing_watch::{FrictionTerm, Trend};
 use serde_json::json;
 
 use super::args::traces::warn_irregular;
 use super::model_file::{check_rate, read_model};
 use super::output;
 use crate::Error;
-use crate::core::{Embedded, SegmentReport, Watched, denied, stuck_signals};
+use crate::core::{Embedded, SegmentReport, Watched, denied, features, stuck_channels};
+use crate::identify::Terms;
 use crate::trace::{self, Trace};
 
 /// Run traces through the embedded detector and print its verdict on every segment, and the alarm
@@ -38,7 +39,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let (mut history, mut raised, mut trend) = (Vec::new(), false, None);
     for trace in traces {
         let prepared = notes.preparation().apply(&trace)?;
-        let segments = model.run(&prepared).map_err(|e| Error::Usage(e.to_string()))?;
+        let segments = model.run(&prepared);
         let before = history.len();
         history.extend(segments);
         // From the first segment on: a state of evidence belongs to all of them.
@@ -50,7 +51,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
             }
             let gated = model.healthy().is_some();
             output::say(
-                line(&model.classes, &prepared, segment)
+                line(&model.classes, &model.channel_names(), &prepared, segment)
                     + &shaft(&notes.orders, segment)
                     + &if gated { far(segment, watched) } else { "".into() },
             )?;
@@ -83,13 +84,15 @@ fn far(segment: &SegmentReport, watched: &Watched) -> String {
 fn shaft(names: &[String], segment: &SegmentReport) -> String {
     let Some(friction) = segment.friction.filter(|friction| friction.rows > 0) else { return String::new() };
     // Without a measured load only the ratios to Kt are known.
-    let kt = friction.torque_constant_nm_a();
-    let mut text = if kt.is_finite() {
-        let (j, b, tc) = (friction.inertia_kg_m2(), friction.viscous_nm_s_rad(), friction.coulomb_nm());
-        format!(", Kt {kt:.4} N·m/A, J {j:.3e} kg·m², B {b:.2e} N·m·s, Tc {tc:.2e} N·m")
-    } else {
-        let [j, b, tc, ..] = friction.parameters;
-        format!(", J/Kt {j:.3e} A·s²/rad, B/Kt {b:.2e} A·s/rad, Tc/Kt {tc:.2e} A")
+    let physical = (friction.inertia_kg_m2(), friction.viscous_nm_s_rad(), friction.coulomb_nm());
+    let mut text = match (friction.torque_constant_nm_a(), physical) {
+        (Some((kt, _)), (Some(j), Some(b), Some(tc))) => {
+            format!(", Kt {kt:.4} N·m/A, J {j:.3e} kg·m², B {b:.2e} N·m·s, Tc {tc:.2e} N·m")
+        }
+        _ => {
+            let [j, b, tc] = [friction.inertia, friction.viscous, friction.coulomb].map(|parameter| parameter.value);
+            format!(", J/Kt {j:.3e} A·s²/rad, B/Kt {b:.2e} A·s/rad, Tc/Kt {tc:.2e} A")
+        }
     };
     for (name, order) in names.iter().zip(&segment.orders) {
         text.push_str(&format!(", {name} {:.1} × noise", order.prominence));
@@ -106,7 +109,7 @@ fn place(trace: &Trace, segment: &SegmentReport) -> String {
     }
 }
 
-fn line(classes: &[String], trace: &Trace, segment: &SegmentReport) -> String {
+fn line(classes: &[String], names: &[&str], trace: &Trace, segment: &SegmentReport) -> String {
     let verdict = match &segment.verdict {
         Ok(finding) => finding.name(classes).to_string(),
         Err(reason) => format!("undetermined: {reason}"),
@@ -115,7 +118,7 @@ fn line(classes: &[String], trace: &Trace, segment: &SegmentReport) -> String {
         classes.iter().zip(&segment.posteriors).map(|(class, p)| format!("{class} {p:.3}")).collect();
     let place = place(trace, segment);
     let mut line = format!("{}  {place}  {verdict}  [{}]  {} rows", trace.id, posteriors.join(", "), segment.rows);
-    let denied = denied(&segment.counts);
+    let denied = denied(&segment.counts, names);
     if !denied.is_empty() {
         line.push_str(&format!(", {denied}"));
     }
@@ -150,17 +153,23 @@ fn value(
         "score": watched.score,
         "alarm": watched.alarm.map(|alarm| json!({ "segment": alarm.segment, "cause": watched.cause(classes) })),
         "trend": watched.trend.map(|t| json!({ "value": t.slope, "low": t.low, "high": t.high })),
-        "parameters": estimated.then(|| named_by(&model.structure().names(), &segment.raw)),
+        "parameters": estimated.then(|| named_by(&model.structure().map_or_else(Vec::new, |own| own.names()), &segment.raw)),
         "variance": estimated.then_some(segment.variance),
-        "friction": segment.friction.filter(|friction| friction.rows > 0).map(|f| json!({
-            "names": crate::core::features::FRICTION, "values": f.parameters, "deviations": f.deviations, "scores": f.scores,
-        })),
+        "friction": segment.friction.filter(|friction| friction.rows > 0).map(|friction| {
+            let each = FrictionTerm::ALL.map(|term| friction.parameter(term));
+            json!({
+                "names": features::FRICTION,
+                "values": each.map(|own| own.map(|parameter| parameter.value)),
+                "deviations": each.map(|own| own.map(|parameter| parameter.deviation)),
+                "scores": each.map(|own| own.map(|parameter| parameter.score)),
+            })
+        }),
         "orders": segment.orders.iter().map(|o| json!({ "prominence": o.prominence, "amplitude_a": o.amplitude })).collect::<Vec<_>>(),
         "rows": segment.rows,
         "rejected": segment.counts.rejected,
         "saturated": segment.counts.saturated,
         "downweighted": segment.counts.downweighted,
-        "still": segment.counts.still,
-        "stuck": stuck_signals(segment.counts.stuck),
+        "still": segment.counts.resting,
+        "stuck": stuck_channels(segment.counts.stuck, &model.channel_names()),
     })
 }

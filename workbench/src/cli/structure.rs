@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::args::traces::{ChannelArgs, PreparationArgs, warn_irregular};
 use super::output;
 use crate::Error;
-use crate::identify::{Order, Structure, parse_order};
+use crate::identify::{Structure, Terms, parse_order};
 use crate::report::pages::structure::{name, page};
 use crate::structure::{Candidate, Estimator, Grid, Search, search};
 use crate::trace::{self, Trace};
@@ -29,10 +29,10 @@ pub(super) struct Args {
     channels: ChannelArgs,
     /// Greatest na,nb,nc,nkb,nkc
     #[arg(long, value_parser = numbers, value_name = "ORDER")]
-    max: Order,
+    max: Structure,
     /// Least na,nb,nc,nkb,nkc; a delay of 0 lets the output follow its input at once
     #[arg(long, value_parser = numbers, value_name = "ORDER", default_value = "1,1,1,1,1")]
-    min: Order,
+    min: Structure,
     /// Estimator
     #[arg(long, value_enum, default_value = "ls")]
     method: Estimator,
@@ -41,7 +41,7 @@ pub(super) struct Args {
     offset: bool,
     /// A structure of your choice, to compare with the best
     #[arg(long, value_parser = parse_order, value_name = "ORDER")]
-    compare: Option<Order>,
+    compare: Option<Structure>,
     #[command(flatten)]
     preparation: PreparationArgs,
     /// Write a page with plots and tables
@@ -53,11 +53,11 @@ pub(super) struct Args {
 }
 
 /// Five numbers up to 32; which ranges make sense is for the grid to say.
-fn numbers(text: &str) -> Result<Order, String> {
+fn numbers(text: &str) -> Result<Structure, String> {
     let wrong = || format!("\"{text}\": write na,nb,nc,nkb,nkc, whole numbers up to 32, e.g. 4,4,4,3,3");
     let numbers = text.split(',').map(|part| part.trim().parse::<u8>().ok().filter(|n| *n <= 32));
     let numbers: Vec<u8> = numbers.collect::<Option<_>>().ok_or_else(wrong)?;
-    numbers.try_into().map(Order::from_array).map_err(|_| wrong())
+    numbers.try_into().map(Structure::from_orders).map_err(|_| wrong())
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
@@ -79,7 +79,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let pick = args.pick(&train, &validate, &found)?;
     if let Some(path) = &args.report {
         let lead = args.lead(structures.len(), &train, &validate);
-        output::write(path, page("Order selection", &lead, &found, pick.as_ref()).render())?;
+        output::write(path, page("Structure selection", &lead, &found, pick.as_ref()).render())?;
     }
     if args.json { output::json(&to_json(&found, pick.as_ref())) } else { print(&found, best, pick.as_ref()) }
 }
@@ -95,7 +95,7 @@ impl Args {
     /// The user's structure, from the search or, outside its grid, by itself.
     fn pick(&self, train: &[Trace], validate: &[Trace], found: &Search) -> Result<Option<Candidate>, Error> {
         let Some(order) = self.compare else { return Ok(None) };
-        let structure = Structure { order, offset: self.offset };
+        let structure = Structure { offset: self.offset, ..order };
         if let Some(candidate) = found.find(structure) {
             return Ok(Some(candidate.clone()));
         }
@@ -136,7 +136,7 @@ fn to_json(found: &Search, pick: Option<&Candidate>) -> Value {
         }),
         "structures": found.candidates.iter().map(row).collect::<Vec<_>>(),
         "refused": found.refused.iter()
-            .map(|r| json!({ "order": r.structure.order.to_array(), "reason": r.reason }))
+            .map(|r| json!({ "order": r.structure.orders(), "reason": r.reason }))
             .collect::<Vec<_>>(),
     })
 }
@@ -146,7 +146,7 @@ fn row(candidate: &Candidate) -> Value {
     let names = fitted.structure.names();
     let theta: serde_json::Map<_, _> = names.into_iter().zip(fitted.theta.iter().map(|x| json!(x))).collect();
     json!({
-        "order": fitted.structure.order.to_array(),
+        "order": fitted.structure.orders(),
         "parameters": fitted.parameters(),
         "fit_percent": candidate.fit_percent,
         "aic": fitted.aic(),

@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
-use bearing_watch::decide::Kind;
-use bearing_watch::estimate::Method;
+use bearing_watch::Park;
 use bearing_watch::model::MAX_BLOCK_MEAN;
+use bearing_watch::plan::Kind;
+use bearing_watch::plan::Method;
 use clap::ValueEnum;
 use serde_json::json;
 
@@ -22,7 +23,7 @@ use crate::Error;
 use crate::evaluate::{self, Confusion};
 use crate::report::pages::model::{self, Worth};
 use crate::trace::labels::LabelledTrace;
-use crate::trace::{Condition, Preparation};
+use crate::trace::{Channels, Condition, Preparation};
 use crate::train::{
     Choice, Keep, ProjectionKind, Ranking, Recipe, Scores, ShaftPlan, Shrink, Shrinkage, Trained, Validation, export,
 };
@@ -77,6 +78,9 @@ pub(super) struct Args {
     /// Cost of deciding a class when another is true, e.g. healthy:spall=50; 1 where not given
     #[arg(long, value_name = "DECIDED:TRUE=COST", value_delimiter = ',')]
     cost: Vec<String>,
+    /// Sign convention of the quadrature current in the recordings; the model then refuses a front end that differs
+    #[arg(long, value_enum)]
+    park: Option<ParkConvention>,
     #[command(flatten)]
     validation: ValidationArgs,
     /// Rank the features (those of --features, or all): Fisher ratios, cross-validated gains, and what to drop
@@ -111,6 +115,23 @@ enum Projection {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
+enum ParkConvention {
+    /// With the angle on the magnet axis, positive q current drives forwards
+    Standard,
+    /// The +sin row of the source's Eq. 5.1
+    Thesis,
+}
+
+impl ParkConvention {
+    const fn core(self) -> Park {
+        match self {
+            Self::Standard => Park::Standard,
+            Self::Thesis => Park::Thesis,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
 enum DiscriminantKind {
     /// One covariance for all classes
     Linear,
@@ -134,7 +155,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let (classes, training) = selection.rows(&args.train_where)?;
     warn_irregular(training.iter().map(|t| &t.trace));
     let validation = args.validation.validation(&selection, &training)?;
-    let recipe = Recipe { validation, ..args.recipe(&classes, plan)? };
+    let recipe = Recipe { validation, columns: channels.clone(), ..args.recipe(&classes, plan)? };
     let prepared = prepare(&training, preparation)?;
     let mut trained = crate::train::train(&prepared, &classes, &recipe)?;
     let host = embed_block_mean(&mut trained, preparation, &training);
@@ -184,6 +205,8 @@ impl Args {
         };
         let structure = self.structure.structure();
         Ok(Recipe {
+            columns: Channels::new("", "", ""),
+            park: self.park.map(ParkConvention::core),
             structure,
             shaft,
             estimation: self.estimation.estimation(structure, classes)?,
@@ -255,8 +278,10 @@ impl Args {
                 "classes": trained.classes,
                 "training_traces": counts,
                 "features": trained.feature_names,
-                "method": method_word(trained.regression.method),
-                "settle_samples": (trained.regression.method == Method::Instruments).then_some(trained.regression.settle),
+                "method": method_word(trained.recipe.estimation.method),
+                "settle_samples": trained.parts.regression.as_ref().and_then(|(layout, regression)| {
+                    (layout.method == Method::Instruments).then_some(regression.settle)
+                }),
                 "segment_samples": trained.segment_samples,
                 "shrinkage": trained.choice.as_ref().map(Choice::to_json),
                 "held_out": found.held_out.as_ref().map(HeldOut::to_json),

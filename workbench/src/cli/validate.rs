@@ -151,7 +151,7 @@ fn to_json(outcome: &Outcome) -> serde_json::Value {
 /// What stands below the title of the page.
 fn lead(args: &Args, first: &Trace) -> String {
     let channels = args.input.channels.channels();
-    let order = args.structure.structure().order.to_array();
+    let order = args.structure.structure().orders();
     format!(
         "y = {}, u1 = {}, u2 = {}; order {order:?}{}, estimated by {} from {} samples.",
         channels.y,

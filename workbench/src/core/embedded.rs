@@ -1,338 +1,177 @@
-//! A model of any capacity, run over traces through the core's [`Detector`], the code that firmware runs.
+//! A model of any layout, run over traces through the core's [`Detector`], the code that firmware runs.
 
-use bearing_watch::decide::EvidencePlan;
-use bearing_watch::estimate::{Accumulator, Fading, Rows, Triangle, TwoLevel};
-use bearing_watch::{Detector, Model, ModelError, Report, Sampling, Shaft, ShaftModel, Verdict};
+use bearing_watch::model::{EvidenceConstants, Sampling, ShaftConstants};
+use bearing_watch::plan::{Plan, RunTime};
+use bearing_watch::{Detector, Model, ModelError, Report, Verdict};
 
-use super::choice::{AnyRows, Sums};
-use super::motion::{MAX_ORDERS, samples, shaft_features};
+use super::features::shaft_values;
 use super::segment::{Finding, SegmentReport};
 use super::watch::{self, Watched};
+use super::wiring::{Feed, Field, fields};
 use super::words::explain;
 use crate::identify::Structure;
 use crate::trace::Trace;
 
-/// Columns of the largest model there is.
-pub const MAX_COLUMNS: usize = 100;
-
-/// A model in the core's form, in the smallest capacity that holds it.
+/// A model of the core, ready to run over traces.
 #[derive(Clone, Debug)]
 pub struct Embedded {
-    model: Sized,
+    model: Model<RunTime>,
+    fields: Vec<Field>,
     /// Class names.
     pub classes: Vec<String>,
 }
 
-/// A function of these capacities with the sums of the model's memory.
-macro_rules! by_memory {
-    ($model:ident, [$m:literal $l:literal $f:literal $z:literal $c:literal], $run:ident, $($rest:expr),+) => {{
-        const P: usize = $m * ($m - 1) / 2;
-        match Sums::of(&$model.regression, &$model.sampling) {
-            Sums::Triangle => $run::<$m, P, $l, $f, $z, $c, Triangle<$m, P>>($model, $($rest),+),
-            Sums::TwoLevel => $run::<$m, P, $l, $f, $z, $c, TwoLevel<$m, P>>($model, $($rest),+),
-            Sums::Fading => $run::<$m, P, $l, $f, $z, $c, Fading<$m, P>>($model, $($rest),+),
-        }
-    }};
-}
-
-/// Capacities that the workbench instantiates: columns, delays, features, coordinates, classes.
-macro_rules! capacities {
-    ($($name:ident: $m:literal $l:literal $f:literal $z:literal $c:literal;)+) => {
-        #[derive(Clone, Debug)]
-        enum Sized {
-            $($name(Box<Model<$m, $f, $z, $c, MAX_ORDERS>>),)+
-        }
-
-        impl Sized {
-            fn from_bytes(bytes: &[u8]) -> Result<Self, ModelError> {
-                $(
-                    match Model::<$m, $f, $z, $c, MAX_ORDERS>::from_bytes(bytes) {
-                        // Delays and filters are the detector's capacity, so ask it too.
-                        Ok(model) if AnyRows::<$m, $l>::fits(&model.regression) => {
-                            return Ok(Self::$name(Box::new(model)));
-                        }
-                        Ok(_) | Err(ModelError::Capacity(_)) => {}
-                        Err(error) => return Err(error),
-                    }
-                )+
-                Err(ModelError::Capacity("columns, delays, features or classes"))
-            }
-
-            fn run(&self, trace: &Trace) -> Result<Vec<SegmentReport>, ModelError> {
-                match self {
-                    $(Self::$name(model) => {
-                        by_memory!(model, [$m $l $f $z $c], run, trace)
-                    })+
-                }
-            }
-
-            fn previews(&self, trace: &Trace, every: usize) -> Result<Vec<SegmentReport>, ModelError> {
-                match self {
-                    $(Self::$name(model) => {
-                        by_memory!(model, [$m $l $f $z $c], previews, trace, every)
-                    })+
-                }
-            }
-
-            fn rates(&self) -> Sampling {
-                match self {
-                    $(Self::$name(model) => model.sampling,)+
-                }
-            }
-
-            fn shaft(&self) -> Option<&ShaftModel<MAX_ORDERS>> {
-                match self {
-                    $(Self::$name(model) => model.shaft.as_ref(),)+
-                }
-            }
-
-            fn structure(&self) -> Structure {
-                match self {
-                    $(Self::$name(model) => {
-                        Structure { order: model.regression.order, offset: model.regression.offset }
-                    })+
-                }
-            }
-
-            fn decide(&self, log_likelihoods: &[f32], surprise: f32) -> Option<(Finding, Vec<f32>)> {
-                match self {
-                    $(Self::$name(model) => {
-                        let mut padded = [f32::NEG_INFINITY; $c];
-                        padded.iter_mut().zip(log_likelihoods).for_each(|(cell, value)| *cell = *value);
-                        let mut decision = model.classifier.discriminant.decide_from(padded)?;
-                        decision.surprise = surprise;
-                        let finding = model.classifier.finding(&decision);
-                        Some((finding.into(), decision.posteriors[..log_likelihoods.len()].to_vec()))
-                    })+
-                }
-            }
-
-            fn decide_at(&self, coordinates: &[f32]) -> Option<usize> {
-                match self {
-                    $(Self::$name(model) => {
-                        let mut z = [0.0; $z];
-                        z.iter_mut().zip(coordinates).for_each(|(cell, value)| *cell = *value);
-                        Some(model.classifier.discriminant.decide(&z)?.class as usize)
-                    })+
-                }
-            }
-
-            fn healthy(&self) -> u8 {
-                match self {
-                    $(Self::$name(model) => model.classifier.novelty.class,)+
-                }
-            }
-
-            fn plan(&self) -> EvidencePlan {
-                match self {
-                    $(Self::$name(model) => model.evidence,)+
-                }
-            }
-
-            fn watch(&self, segments: &[SegmentReport]) -> Vec<Watched> {
-                match self {
-                    $(Self::$name(model) => watch::watch(model, segments),)+
-                }
-            }
-
-            fn label_names(&self) -> Vec<String> {
-                match self {
-                    $(Self::$name(model) => {
-                        let count = model.classifier.discriminant.classes;
-                        (0..count).map(|k| model.label(k).to_string()).collect()
-                    })+
-                }
-            }
-        }
-    };
-}
-
-capacities! {
-    Small: 10 4 10 10 4;
-    Medium: 20 8 20 20 8;
-    Large: 100 32 100 100 8;
-}
-
-fn run<
-    const M: usize,
-    const P: usize,
-    const L: usize,
-    const F: usize,
-    const Z: usize,
-    const C: usize,
-    A: Accumulator<M, P>,
->(
-    model: &Model<M, F, Z, C, MAX_ORDERS>,
-    trace: &Trace,
-) -> Result<Vec<SegmentReport>, ModelError> {
-    let mut detector = Detector::<'_, M, P, L, F, Z, C, AnyRows<M, L>, A, Shaft<MAX_ORDERS>, MAX_ORDERS>::new(model)?;
-    let sizes = sizes(model);
-    let mut segments = Vec::new();
-    let mut start = 0;
-    for (k, (sample, motion)) in samples(trace).enumerate() {
-        if let Some(report) = detector.step_with_motion(sample, &motion) {
-            segments.push(SegmentReport { start, length: k + 1 - start, ..segment(&report, sizes) });
-            start = k + 1;
-        }
-    }
-    // What is left counts only where it is more than half a segment: the model knows the spread of whole ones.
-    let (pending, whole) = (detector.pending(), model.sampling.segment_samples);
-    if pending > whole / 2 || segments.is_empty() {
-        let mut rest = SegmentReport { start, length: trace.y.len() - start, ..segment(&detector.finish(), sizes) };
-        if pending <= whole / 2 {
-            rest = rest.undetermined(format!("{pending} samples are no more than half a segment of {whole}"));
-        }
-        segments.push(rest);
-    }
-    Ok(segments)
-}
-
-fn previews<
-    const M: usize,
-    const P: usize,
-    const L: usize,
-    const F: usize,
-    const Z: usize,
-    const C: usize,
-    A: Accumulator<M, P>,
->(
-    model: &Model<M, F, Z, C, MAX_ORDERS>,
-    trace: &Trace,
-    every: usize,
-) -> Result<Vec<SegmentReport>, ModelError> {
-    let mut detector = Detector::<'_, M, P, L, F, Z, C, AnyRows<M, L>, A, Shaft<MAX_ORDERS>, MAX_ORDERS>::new(model)?;
-    let sizes = sizes(model);
-    let mut previews = Vec::new();
-    for (k, (sample, motion)) in samples(trace).enumerate() {
-        let closed = detector.step_with_motion(sample, &motion);
-        if (k + 1).is_multiple_of(every) {
-            let report = closed.unwrap_or_else(|| detector.preview());
-            previews.push(SegmentReport { length: k + 1, ..segment(&report, sizes) });
-        }
-        if closed.is_some() {
-            break;
-        }
-    }
-    Ok(previews)
-}
-
-/// Runs a function on a thread whose stack holds several copies of the largest model, half a megabyte each. Threads of
-/// tests and of the pool have a stack of two megabytes.
-pub(crate) fn with_room<T: Send>(run: impl FnOnce() -> T + Send) -> T {
-    const STACK: usize = 32 << 20;
-    std::thread::scope(|scope| {
-        let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run);
-        // Without a thread to be had nothing else runs either.
-        match thread.map(std::thread::ScopedJoinHandle::join) {
-            Ok(Ok(result)) => result,
-            Ok(Err(panic)) => std::panic::resume_unwind(panic),
-            Err(error) => panic!("no thread: {error}"),
-        }
-    })
-}
-
-/// Classes and bearing orders in use.
-fn sizes<const M: usize, const F: usize, const Z: usize, const C: usize>(
-    model: &Model<M, F, Z, C, MAX_ORDERS>,
-) -> (usize, usize) {
-    let orders = model.shaft.as_ref().map_or(0, |shaft| shaft.tracking.count as usize);
-    (model.classifier.discriminant.classes as usize, orders)
-}
-
-fn segment<const M: usize, const P: usize, const C: usize>(
-    report: &Report<M, P, C, MAX_ORDERS>,
-    (classes, orders): (usize, usize),
-) -> SegmentReport {
-    let n = report.estimate.parameters();
-    let decided = |pick: fn(&bearing_watch::Decision<C>) -> [f32; C]| {
-        report.decision.map_or_else(Vec::new, |decision| pick(&decision)[..classes].to_vec())
-    };
-    SegmentReport {
-        verdict: match report.verdict {
-            Verdict::Undetermined(reason) => Err(explain(reason, report)),
-            verdict => Finding::of(verdict).ok_or_else(String::new),
-        },
-        posteriors: decided(|d| d.posteriors),
-        log_likelihoods: decided(|d| d.log_likelihoods),
-        distance: report.decision.map_or(0.0, |decision| decision.distance),
-        surprise: report.decision.map_or(0.0, |decision| decision.surprise),
-        delta: report.estimate.delta[..n].to_vec(),
-        raw: report.estimate.raw()[..n].to_vec(),
-        variance: report.estimate.variance,
-        friction: report.shaft.map(|shaft| shaft.friction),
-        orders: report.shaft.map_or_else(Vec::new, |shaft| shaft.orders[..orders].to_vec()),
-        shaft_features: shaft_features(report, orders),
-        rows: report.estimate.rows,
-        counts: report.estimate.counts,
-        start: 0,
-        length: 0,
-    }
-}
-
 impl Embedded {
-    /// Reads a binary model into the smallest capacity that holds it.
+    /// From a model of the core.
     ///
     /// # Errors
-    /// Whatever the core refuses the bytes for.
+    /// [`ModelError::OtherPlan`] if the columns of its channels are not known.
+    pub fn new(model: Model<RunTime>) -> Result<Self, ModelError> {
+        let layout = model.plan().layout();
+        let classes = (0..layout.classes).map(|class| model.label(class).to_string()).collect();
+        let fields = fields(&layout).map_err(|_| ModelError::OtherPlan)?;
+        Ok(Self { fields, classes, model })
+    }
+
+    /// Reads a binary model.
+    ///
+    /// # Errors
+    /// What the core refuses.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ModelError> {
-        let model = with_room(|| Sized::from_bytes(bytes))?;
-        Ok(Self { classes: model.label_names(), model })
+        Self::new(Model::from_bytes(bytes)?)
     }
 
-    /// Runs one trace through the detector; a partial last segment counts where it is more than half a segment.
-    ///
-    /// # Errors
-    /// Where the detector refuses the model.
-    pub fn run(&self, trace: &Trace) -> Result<Vec<SegmentReport>, ModelError> {
-        self.model.run(trace)
-    }
-
-    /// What is known of the shaft, where it is watched.
+    /// The model.
     #[must_use]
-    pub fn shaft(&self) -> Option<&ShaftModel<MAX_ORDERS>> {
-        self.model.shaft()
+    pub const fn model(&self) -> &Model<RunTime> {
+        &self.model
     }
 
-    /// Order and constant of the regression.
+    /// Runs one trace through the detector; a partial last segment counts if it is more than half a segment.
     #[must_use]
-    pub fn structure(&self) -> Structure {
-        self.model.structure()
+    pub fn run(&self, trace: &Trace) -> Vec<SegmentReport> {
+        let mut detector = Detector::new(&self.model);
+        let mut segments = Vec::new();
+        let mut start = 0;
+        let mut feed = Feed::new(trace, &self.fields);
+        for k in 0..trace.y.len() {
+            if let Some(report) = detector.step(feed.at(k)) {
+                segments.push(SegmentReport { start, length: k + 1 - start, ..self.segment(&report) });
+                start = k + 1;
+            }
+        }
+        // The model knows the spread of whole segments, so less than half a segment has no verdict.
+        let (pending, whole) = (detector.pending(), self.sampling().segment_samples);
+        if pending > whole / 2 || segments.is_empty() {
+            let mut rest = SegmentReport { start, length: trace.y.len() - start, ..self.segment(&detector.finish()) };
+            if pending <= whole / 2 {
+                rest = rest.undetermined(format!("{pending} samples are no more than half a segment of {whole}"));
+            }
+            segments.push(rest);
+        }
+        segments
     }
 
-    /// What the first segment would say if it ended after each multiple of `every` samples.
-    ///
-    /// # Errors
-    /// Where the detector refuses the model.
-    pub fn previews(&self, trace: &Trace, every: usize) -> Result<Vec<SegmentReport>, ModelError> {
-        self.model.previews(trace, every)
+    /// The report of the first segment if it ended after each multiple of `every` samples.
+    #[must_use]
+    pub fn previews(&self, trace: &Trace, every: usize) -> Vec<SegmentReport> {
+        let mut detector = Detector::new(&self.model);
+        let mut previews = Vec::new();
+        let mut feed = Feed::new(trace, &self.fields);
+        for k in 0..trace.y.len() {
+            let closed = detector.step(feed.at(k));
+            let last = closed.is_some();
+            if (k + 1).is_multiple_of(every) {
+                let report = closed.unwrap_or_else(|| detector.preview());
+                previews.push(SegmentReport { length: k + 1, ..self.segment(&report) });
+            }
+            if last {
+                break;
+            }
+        }
+        previews
+    }
+
+    /// The core's report of a whole trace.
+    #[must_use]
+    pub fn whole(&self, trace: &Trace) -> Report<RunTime> {
+        let mut detector = Detector::new(&self.model);
+        let mut feed = Feed::new(trace, &self.fields);
+        let closed = (0..trace.y.len()).fold(None, |closed, k| closed.or(detector.step(feed.at(k))));
+        closed.unwrap_or_else(|| detector.finish())
+    }
+
+    fn segment(&self, report: &Report<RunTime>) -> SegmentReport {
+        let decided = |pick: fn(&bearing_watch::Decision<RunTime>) -> &[f32]| {
+            report.decision.as_ref().map_or_else(Vec::new, |decision| pick(decision).to_vec())
+        };
+        let (estimate, shaft) = (report.estimate(), report.shaft());
+        SegmentReport {
+            verdict: match report.verdict {
+                Verdict::Undetermined(reason) => Err(explain(reason, report, &self.model)),
+                verdict => Finding::of(verdict).ok_or_else(String::new),
+            },
+            posteriors: decided(|d| d.posteriors()),
+            log_likelihoods: decided(|d| d.log_likelihoods()),
+            distance: report.decision.as_ref().map_or(0.0, |decision| decision.distance),
+            surprise: report.decision.as_ref().map_or(0.0, |decision| decision.surprise),
+            delta: estimate.map_or_else(Vec::new, |estimate| estimate.delta().to_vec()),
+            raw: estimate.map_or_else(Vec::new, |estimate| estimate.raw()),
+            variance: estimate.map_or(0.0, |estimate| estimate.variance),
+            friction: shaft.map(|shaft| shaft.friction),
+            orders: shaft.map_or_else(Vec::new, |shaft| shaft.orders().to_vec()),
+            shaft_features: shaft.map_or_else(Vec::new, shaft_values),
+            rows: estimate.map_or(report.rows, |estimate| estimate.rows),
+            counts: report.counts,
+            start: 0,
+            length: 0,
+        }
+    }
+
+    /// Constants of the shaft, if it is watched.
+    #[must_use]
+    pub fn shaft(&self) -> Option<&ShaftConstants<RunTime>> {
+        self.model.constants().shaft.first()
+    }
+
+    /// Structure of the regression, if there is one.
+    #[must_use]
+    pub fn structure(&self) -> Option<Structure> {
+        self.model.plan().layout().regression.map(|regression| regression.structure)
+    }
+
+    /// Names of the model's channels.
+    #[must_use]
+    pub fn channel_names(&self) -> Vec<&str> {
+        self.model.constants().channels.iter().map(|channel| channel.name.as_str()).collect()
     }
 
     /// Rates and segment length.
     #[must_use]
-    pub fn sampling(&self) -> Sampling {
-        self.model.rates()
+    pub const fn sampling(&self) -> Sampling {
+        self.model.constants().sampling
     }
 
-    /// Index of the healthy class, where the model knows one.
+    /// Index of the healthy class, if the model knows one.
     #[must_use]
     pub fn healthy(&self) -> Option<usize> {
-        Some(usize::from(self.model.healthy())).filter(|class| *class < self.classes.len())
+        self.model.constants().classifier.novelty.class.map(usize::from)
     }
 
     /// Constants of the alarm.
     #[must_use]
-    pub fn evidence_plan(&self) -> EvidencePlan {
-        self.model.plan()
+    pub const fn evidence_constants(&self) -> EvidenceConstants {
+        self.model.constants().evidence
     }
 
     /// State of the core's evidence after each of these segments, which may be of several traces of one drive.
     #[must_use]
     pub fn watch(&self, segments: &[SegmentReport]) -> Vec<Watched> {
-        self.model.watch(segments)
+        watch::watch(&self.model, segments)
     }
 
-    /// Verdict over several independent segments: their log-likelihoods add up, and their surprises combine by Fisher's
-    /// method. Nothing where no segment has one.
+    /// Verdict on several independent segments together: their log-likelihoods add up, and their surprises combine by
+    /// Fisher's method. `None` if no segment has one.
     #[must_use]
     pub fn combine(&self, segments: &[SegmentReport]) -> Option<(Finding, Vec<f32>)> {
         let mut sums = vec![0.0; self.classes.len()];
@@ -341,19 +180,26 @@ impl Embedded {
             sums.iter_mut().zip(&segment.log_likelihoods).for_each(|(sum, value)| *sum += value);
         }
         determined.clone().count().checked_sub(1)?;
-        self.model.decide(&sums, watch::combined_surprise(determined.map(|s| s.surprise)))
+        self.decide(&sums, watch::combined_surprise(determined.map(|s| s.surprise)))
     }
 
-    /// Prior of each class: the posteriors where every class is as likely.
+    fn decide(&self, log_likelihoods: &[f32], surprise: f32) -> Option<(Finding, Vec<f32>)> {
+        let classifier = &self.model.constants().classifier;
+        let decision = classifier.decide(self.model.plan(), log_likelihoods, surprise)?;
+        Some((classifier.finding(&decision).into(), decision.posteriors().to_vec()))
+    }
+
+    /// Prior of each class: the posteriors if every class has the same likelihood.
     #[must_use]
     pub fn priors(&self) -> Vec<f64> {
-        let even = self.model.decide(&vec![0.0; self.classes.len()], 0.0);
+        let even = self.decide(&vec![0.0; self.classes.len()], 0.0);
         even.map_or_else(Vec::new, |(_, posteriors)| posteriors.into_iter().map(f64::from).collect())
     }
 
     /// The class decided at projected coordinates, for plots of decision regions.
     #[must_use]
     pub fn decide_at(&self, coordinates: &[f32]) -> Option<usize> {
-        self.model.decide_at(coordinates)
+        let decision = self.model.constants().classifier.decide_at(self.model.plan(), coordinates)?;
+        Some(decision.class as usize)
     }
 }

@@ -7,11 +7,13 @@
 //! The workbench chooses and projects raw features; the core extracts δ and applies the composed map. Features of the shaft follow
 //! and are the same in both: the torque balance's parameters, their scores, its residual, and two numbers an order.
 
-use bearing_watch::decide::SHAFT_FEATURES;
+use bearing_watch::model::Feature;
+use bearing_watch::plan::RunTime;
+use bearing_watch::{FrictionTerm, ShaftEstimate};
 use nalgebra::{DMatrix, DVector};
 
 use crate::Error;
-use crate::identify::{Estimate, Structure};
+use crate::identify::{Estimate, Structure, Terms};
 
 /// Raw features of a structure: every parameter's name, then `log_variance`.
 #[must_use]
@@ -35,7 +37,7 @@ pub fn of_core(structure: Structure, delta: &[f32], variance: f32) -> DVector<f6
     let log_variance = f64::from(variance.max(f32::MIN_POSITIVE)).ln();
     let delta = delta.iter().map(|x| f64::from(*x)).chain([log_variance]);
     let mut raw = raw_from_delta(structure) * DVector::from_iterator(structure.parameters() + 1, delta);
-    if structure.order.na > 0 {
+    if structure.na > 0 {
         raw[0] -= 1.0; // k of (1)
     }
     raw
@@ -43,6 +45,16 @@ pub fn of_core(structure: Structure, delta: &[f32], variance: f32) -> DVector<f6
 
 /// Names of the torque balance's parameters, in the core's order: all in amperes by the unit of their signal.
 pub const FRICTION: [&str; 6] = ["inertia", "viscous", "coulomb", "inverse_kt", "torque_offset", "drag"];
+
+/// Every feature of the shaft, in the order of [`Catalogue::shaft`]; empty if a part of it has no result. Without a measured
+/// load the torque constant is not estimated, and its features are zero.
+#[must_use]
+pub fn shaft_values(shaft: &ShaftEstimate<RunTime>) -> Vec<f32> {
+    let orders = (0..shaft.orders().len()).map(|k| k.to_string()).collect();
+    let catalogue = Catalogue { structure: Structure::new(0, 0, 0, 0, 0), orders: Some(orders) };
+    let each = |(_, feature): &(String, Feature)| feature.value(None, Some(shaft)).ok();
+    catalogue.shaft().iter().map(each).collect::<Option<_>>().unwrap_or_default()
+}
 
 /// Every feature that a model may have.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -54,17 +66,18 @@ pub struct Catalogue {
 }
 
 impl Catalogue {
-    /// Names and core indices of the shaft's features.
+    /// Names and core features of the shaft.
     #[must_use]
-    pub fn shaft(&self) -> Vec<(String, u8)> {
+    pub fn shaft(&self) -> Vec<(String, Feature)> {
         let Some(orders) = &self.orders else { return vec![] };
-        let mut all = Vec::new();
-        let mut place = |name: String, offset: usize| all.push((name, SHAFT_FEATURES + offset as u8));
-        FRICTION.iter().enumerate().for_each(|(k, name)| place((*name).into(), k));
-        FRICTION.iter().enumerate().for_each(|(k, name)| place(format!("{name}_score"), 8 + k));
-        place("balance_log_variance".into(), 16);
-        orders.iter().enumerate().for_each(|(k, name)| place(format!("order_{name}"), 32 + k));
-        orders.iter().enumerate().for_each(|(k, name)| place(format!("amplitude_{name}"), 64 + k));
+        let terms = || FRICTION.iter().zip(FrictionTerm::ALL);
+        let mut all: Vec<(String, Feature)> = Vec::new();
+        all.extend(terms().map(|(name, term)| ((*name).to_string(), Feature::Friction(term))));
+        all.extend(terms().map(|(name, term)| (format!("{name}_score"), Feature::FrictionScore(term))));
+        all.push(("balance_log_variance".into(), Feature::LogFrictionVariance));
+        let places = || orders.iter().zip(0_u8..);
+        all.extend(places().map(|(name, k)| (format!("order_{name}"), Feature::OrderProminence(k))));
+        all.extend(places().map(|(name, k)| (format!("amplitude_{name}"), Feature::LogOrderAmplitude(k))));
         all
     }
 
@@ -82,13 +95,14 @@ impl Catalogue {
         choose_from(&self.names(), self.structure, asked)
     }
 
-    /// The core's index of the feature at a place in δ and what follows.
+    /// The core's feature at a place in δ and what follows.
     #[must_use]
-    pub fn core_index(&self, place: usize) -> usize {
-        let own = self.structure.parameters() + 1;
-        match place.checked_sub(own) {
-            Some(k) => self.shaft().get(k).map_or(place, |(_, index)| *index as usize),
-            None => place,
+    pub fn core_feature(&self, place: usize) -> Feature {
+        let n = self.structure.parameters();
+        match place.checked_sub(n + 1) {
+            Some(k) => self.shaft().get(k).map_or(Feature::LogVariance, |(_, feature)| *feature),
+            None if place == n => Feature::LogVariance,
+            None => Feature::Parameter(place as u8),
         }
     }
 
@@ -157,7 +171,7 @@ fn choose_from(names: &[String], structure: Structure, asked: &[String]) -> Resu
 pub fn raw_from_delta(structure: Structure) -> DMatrix<f64> {
     let n = structure.parameters() + 1;
     let mut map = DMatrix::identity(n, n);
-    let (na, nb, nc) = (structure.order.na as usize, structure.order.nb as usize, structure.order.nc as usize);
+    let (na, nb, nc) = (structure.na as usize, structure.nb as usize, structure.nc as usize);
     for k in 0..na {
         // a₁ = −1 − t₀ − t₁, a_k = t_{k−1} − t_k
         map[(k, k)] = if k == 0 { -1.0 } else { 1.0 };
@@ -180,7 +194,7 @@ pub fn raw_from_delta(structure: Structure) -> DMatrix<f64> {
 /// δ of a raw vector, by the defining sums t₀ = −(1 + Σa), t_k = Σ_{i>k} aᵢ, β₀ = Σb, β_k = −Σ_{j>k} b_j.
 #[must_use]
 pub fn delta_from_raw(structure: Structure, raw: &DVector<f64>) -> DVector<f64> {
-    let (na, nb, nc) = (structure.order.na as usize, structure.order.nb as usize, structure.order.nc as usize);
+    let (na, nb, nc) = (structure.na as usize, structure.nb as usize, structure.nc as usize);
     let mut delta = raw.clone();
     for k in 0..na {
         let later: f64 = (k..na).map(|i| raw[i]).sum();
@@ -198,12 +212,12 @@ pub fn delta_from_raw(structure: Structure, raw: &DVector<f64>) -> DVector<f64> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identify::Order;
+    use crate::identify::Structure;
 
     #[test]
     fn the_two_maps_are_inverse() {
-        for order in [Order::new(2, 1, 2, 1, 1), Order::new(3, 3, 3, 1, 1), Order::new(0, 2, 0, 1, 1)] {
-            let structure = Structure { order, offset: true };
+        for order in [Structure::new(2, 1, 2, 1, 1), Structure::new(3, 3, 3, 1, 1), Structure::new(0, 2, 0, 1, 1)] {
+            let structure = order.with_offset();
             let n = structure.parameters() + 1;
             let raw = DVector::from_fn(n, |k, _| 0.3 * (k as f64) - 0.7);
             let mut back = raw_from_delta(structure) * delta_from_raw(structure, &raw);
@@ -216,7 +230,7 @@ mod tests {
 
     #[test]
     fn choices_by_group_and_name() {
-        let structure = Structure { order: Order::new(2, 1, 1, 1, 1), offset: true };
+        let structure = Structure::new(2, 1, 1, 1, 1).with_offset();
         let pick = |names: &[&str]| choose(structure, &names.iter().map(ToString::to_string).collect::<Vec<_>>());
         assert_eq!(pick(&[]).expect("default"), [0, 1, 2, 3, 4]);
         assert_eq!(pick(&["a", "log_variance"]).expect("group"), [0, 1, 5]);

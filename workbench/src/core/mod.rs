@@ -1,22 +1,23 @@
 //! The bridge to the core: traces run through its detector, the code that firmware runs.
 //!
 //! ```text
-//! bytes of a model ─► embedded ─► smallest capacity that holds it (choice: rows and sums)
-//! trace ─► motion: samples ─► detector ─► segment: SegmentReport (words: reasons) ─► watch: evidence, alarm
+//! columns of traces ─► wiring: channels of the model, samples
+//! model: constants of any layout ─► embedded: detector over a trace ─► segment: SegmentReport (words: reasons)
+//!                                                                       └─► watch: evidence, alarm
 //! features: names of the features, and the maps between raw and δ-parameters
 //! ```
 
-mod choice;
 mod embedded;
 pub mod features;
-mod motion;
+mod model;
 mod segment;
 mod watch;
+mod wiring;
 mod words;
 
-pub(crate) use embedded::with_room;
-pub use embedded::{Embedded, MAX_COLUMNS};
-pub use motion::MAX_ORDERS;
+pub use embedded::Embedded;
+pub use model::{Parts, plan};
 pub use segment::{Finding, SegmentReport};
 pub use watch::Watched;
-pub use words::{denied, stuck_signals};
+pub use wiring::{Field, MAX_ORDERS, Wiring};
+pub use words::{denied, stuck_channels};

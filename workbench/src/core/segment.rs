@@ -1,20 +1,20 @@
-//! What one segment of a trace gave, free of capacities.
+//! What the detector reported on one segment of a trace.
 
-use bearing_watch::decide::Finding as CoreFinding;
+use bearing_watch::internals::Finding as CoreFinding;
 use bearing_watch::{Counts, Friction, OrderStrength, Verdict};
 
 /// One segment of a trace: verdict, estimates and counts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SegmentReport {
-    /// What it was found to be, or why nothing can be said.
+    /// The finding, or why there is none.
     pub verdict: Result<Finding, String>,
-    /// Posterior of each class; empty where there is no verdict.
+    /// Posterior of each class; empty if there is no verdict.
     pub posteriors: Vec<f32>,
-    /// Log-likelihood of each class; empty where there is no verdict.
+    /// Log-likelihood of each class; empty if there is no verdict.
     pub log_likelihoods: Vec<f32>,
-    /// Distance from the healthy class in its deviations; 0 where there is none or no verdict.
+    /// Distance from the healthy class in its deviations; 0 if there is no such class or no verdict.
     pub distance: f32,
-    /// −ln of the probability that a healthy segment lies so far, nats; 0 likewise.
+    /// −ln of the probability that a healthy segment has at least this distance, nats; 0 likewise.
     pub surprise: f32,
     /// δ-parameters.
     pub delta: Vec<f32>,
@@ -22,15 +22,15 @@ pub struct SegmentReport {
     pub raw: Vec<f32>,
     /// Residual variance.
     pub variance: f32,
-    /// The torque balance, where the shaft is watched.
+    /// The torque balance, if the shaft is watched.
     pub friction: Option<Friction>,
     /// The bearing orders.
     pub orders: Vec<OrderStrength>,
-    /// Features of the shaft ([`super::features::Catalogue::shaft`]); empty where it says nothing.
+    /// Features of the shaft ([`super::features::Catalogue::shaft`]); empty if it has no result.
     pub shaft_features: Vec<f32>,
     /// Rows of the regression.
     pub rows: u32,
-    /// What the segment was denied.
+    /// What the segment was refused.
     pub counts: Counts,
     /// Samples before the segment, as fed to the detector.
     pub start: usize,
@@ -46,19 +46,19 @@ impl SegmentReport {
     }
 }
 
-/// What a segment or trace was found to be.
+/// The finding on a segment or trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Finding {
     /// Index of a class.
     Class(usize),
     /// Nearest to healthy, but not healthy.
     Novel,
-    /// No class worth naming.
+    /// No class is plausible enough.
     Ambiguous,
 }
 
 impl Finding {
-    /// The class, where one is named.
+    /// The class, if there is one.
     #[must_use]
     pub const fn class(self) -> Option<usize> {
         match self {
@@ -77,7 +77,7 @@ impl Finding {
         }
     }
 
-    /// Nothing where the verdict is undetermined.
+    /// `None` if the verdict is undetermined.
     pub(super) const fn of(verdict: Verdict) -> Option<Self> {
         match verdict {
             Verdict::Class(class) => Some(Self::Class(class as usize)),

@@ -1,7 +1,7 @@
-//! What segments come to together: verdicts, combined surprise, and the core's evidence.
+//! Several segments together: combined surprise, and the core's evidence.
 
-use bearing_watch::Model;
-use bearing_watch::decide::{Alarm, Cause, Decision, Evidence, Trend};
+use bearing_watch::plan::RunTime;
+use bearing_watch::{Alarm, Cause, Decision, Model, Trend};
 
 use super::segment::SegmentReport;
 
@@ -10,14 +10,14 @@ use super::segment::SegmentReport;
 pub struct Watched {
     /// Largest score, nats.
     pub score: f32,
-    /// The alarm that stands.
+    /// The alarm, once raised.
     pub alarm: Option<Alarm>,
     /// Slope of the distance from healthy.
     pub trend: Option<Trend>,
 }
 
 impl Watched {
-    /// The class an alarm points to; `unknown` where to none.
+    /// The class that the alarm names; `unknown` if it names none.
     #[must_use]
     pub fn cause<'a>(&self, classes: &'a [String]) -> Option<&'a str> {
         self.alarm.map(|alarm| match alarm.cause {
@@ -28,28 +28,24 @@ impl Watched {
 }
 
 /// The core's evidence over segments in the order given.
-pub(super) fn watch<const M: usize, const F: usize, const Z: usize, const C: usize, const K: usize>(
-    model: &Model<M, F, Z, C, K>,
-    segments: &[SegmentReport],
-) -> Vec<Watched> {
-    let mut evidence = Evidence::new(model.evidence, &model.classifier);
+pub(super) fn watch(model: &Model<RunTime>, segments: &[SegmentReport]) -> Vec<Watched> {
+    let mut evidence = model.evidence();
     let each = |segment: &SegmentReport| {
-        let alarm = evidence.observe(decision(segment).as_ref());
+        let alarm = evidence.observe(decision(model, segment).as_ref());
         Watched { score: evidence.score(), alarm, trend: evidence.trend() }
     };
     segments.iter().map(each).collect()
 }
 
-/// The decision of a segment again; nothing where it had none.
-fn decision<const C: usize>(segment: &SegmentReport) -> Option<Decision<C>> {
+/// The decision of a segment again; `None` if it had none.
+fn decision(model: &Model<RunTime>, segment: &SegmentReport) -> Option<Decision<RunTime>> {
     if segment.log_likelihoods.is_empty() {
         return None;
     }
-    let (mut log_likelihoods, mut posteriors) = ([f32::NEG_INFINITY; C], [0.0; C]);
-    log_likelihoods.iter_mut().zip(&segment.log_likelihoods).for_each(|(cell, x)| *cell = *x);
-    posteriors.iter_mut().zip(&segment.posteriors).for_each(|(cell, x)| *cell = *x);
-    let (distance, surprise) = (segment.distance, segment.surprise);
-    Some(Decision { class: 0, log_likelihoods, posteriors, expected_costs: [f32::INFINITY; C], distance, surprise })
+    let classifier = &model.constants().classifier;
+    let mut decision = classifier.decide(model.plan(), &segment.log_likelihoods, segment.surprise)?;
+    decision.distance = segment.distance;
+    Some(decision)
 }
 
 /// Surprise of several independent segments together (Fisher 1932): the sum of k unit exponentials is at least S with

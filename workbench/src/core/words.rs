@@ -1,59 +1,55 @@
-//! Reasons and denials in words.
+//! Reasons and counts in words.
 
-use bearing_watch::{Counts, Reason, Report, ShaftEstimate};
+use bearing_watch::plan::{Plan, RunTime};
+use bearing_watch::{ChannelSet, Counts, Model, Reason, Report};
 
-use super::motion::MAX_ORDERS;
-use crate::identify::Structure;
+use crate::identify::Terms;
 
-/// The reason with what it means in this model.
-pub(super) fn explain<const M: usize, const P: usize, const C: usize>(
-    reason: Reason,
-    report: &Report<M, P, C, MAX_ORDERS>,
-) -> String {
-    if report.accepted
-        && let Some(ShaftEstimate { reason, orders_reason, counts, .. }) = &report.shaft
-        && let Some(reason) = reason.or(*orders_reason)
-    {
-        return match reason {
-            Reason::NotExcited(place) => {
-                let name = super::features::FRICTION.get(place as usize).unwrap_or(&"the torque balance");
-                format!("shaft: the motion does not excite {name} (constant, or depending on the ones before)")
-            }
-            _ if !denied(counts).is_empty() => format!("shaft: {reason}: {}", denied(counts)),
-            _ => format!("shaft: {reason}"),
-        };
-    }
-    let estimate = &report.estimate;
+/// The reason with the names of this model.
+pub(super) fn explain(reason: Reason, report: &Report<RunTime>, model: &Model<RunTime>) -> String {
+    let channels = &model.constants().channels;
     match reason {
-        Reason::TooFewRows if !denied(&estimate.counts).is_empty() => format!("{reason}: {}", denied(&estimate.counts)),
-        Reason::NotExcited(place) => {
-            let names = Structure { order: estimate.order, offset: estimate.offset }.names();
+        Reason::TooFewRows { .. } | Reason::ShortSegment { .. } => {
+            let denied = denied(&report.counts, &names(model));
+            if denied.is_empty() { reason.to_string() } else { format!("{reason}: {denied}") }
+        }
+        Reason::ParameterNotExcited(place) => {
+            let names = model.plan().layout().regression.map_or_else(Vec::new, |layout| layout.structure.names());
             names.get(place as usize).map_or(reason.to_string(), |name| {
-                format!("the signals do not excite parameter {name} (constant, or depending on the ones before)")
+                format!("the signals do not excite parameter {name} (constant, or dependent on the ones before)")
             })
+        }
+        Reason::Stuck { channel } => {
+            let name = channels.get(channel as usize).map_or("", |channel| channel.name.as_str());
+            format!("the sensor of {name} is stuck")
         }
         _ => reason.to_string(),
     }
 }
 
-/// What a segment was denied, in words; empty where nothing was.
+/// Names of the channels of a model.
+fn names(model: &Model<RunTime>) -> Vec<&str> {
+    model.constants().channels.iter().map(|channel| channel.name.as_str()).collect()
+}
+
+/// What a segment was refused, in words; empty if nothing was. `names` are those of the model's channels.
 #[must_use]
-pub fn denied(counts: &Counts) -> String {
-    let Counts { rejected, saturated, downweighted, still, stuck, .. } = *counts;
+pub fn denied(counts: &Counts, names: &[&str]) -> String {
+    let Counts { rejected, saturated, downweighted, resting, stuck, .. } = *counts;
     let counted = [
         (rejected, "samples rejected"),
         (saturated, "samples saturated"),
-        (downweighted, "rows weighed less"),
-        (still, "rows still"),
+        (downweighted, "rows of less weight"),
+        (resting, "rows at rest"),
     ];
     let mut parts: Vec<String> =
         counted.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect();
-    parts.extend(stuck_signals(stuck).iter().map(|name| format!("{name} stuck")));
+    parts.extend(stuck_channels(stuck, names).iter().map(|name| format!("{name} stuck")));
     parts.join(", ")
 }
 
-/// Names of the signals whose sensor was stuck.
+/// Names of the channels whose sensor was stuck.
 #[must_use]
-pub fn stuck_signals(stuck: [bool; 3]) -> Vec<&'static str> {
-    ["y", "u1", "u2"].into_iter().zip(stuck).filter(|(_, stuck)| *stuck).map(|(name, _)| name).collect()
+pub fn stuck_channels<'a>(stuck: ChannelSet, names: &[&'a str]) -> Vec<&'a str> {
+    names.iter().enumerate().filter(|(place, _)| stuck.contains(*place)).map(|(_, name)| *name).collect()
 }

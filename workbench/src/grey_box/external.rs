@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::regression;
 use crate::Error;
-use crate::identify::{Structure, simulate};
+use crate::identify::{Structure, Terms, simulate};
 use crate::trace::Trace;
 
 /// Parameters with their covariance.
@@ -34,10 +34,10 @@ pub struct External {
 /// # Errors
 /// A structure with terms in the second input; too few samples; signals or instruments that do not excite it.
 pub fn by_command(trace: &Trace, structure: Structure, passes: usize) -> Result<External, Error> {
-    if structure.order.nc != 0 {
+    if structure.nc != 0 {
         return Err(Error::Usage("the command is the instrument here and no second input; set nc to 0".into()));
     }
-    let (t0, n) = (structure.order.depth(), structure.parameters());
+    let (t0, n) = (structure.depth(), structure.parameters());
     if n == 0 || trace.y.len() <= t0 + 2 * n {
         let problem = format!("{} samples for {n} parameters; record more or reduce the order", trace.y.len());
         return Err(Error::trace(&trace.id, problem));
@@ -67,8 +67,8 @@ pub fn by_command(trace: &Trace, structure: Structure, passes: usize) -> Result<
 
 /// −y(t−1)…, u(t−nkb)…, 1 for t ≥ t₀.
 fn regressors(structure: Structure, t0: usize, y: &[f64], u: &[f64]) -> DMatrix<f64> {
-    let (na, nb) = (structure.order.na as usize, structure.order.nb as usize);
-    let delay = structure.order.nkb as usize;
+    let (na, nb) = (structure.na as usize, structure.nb as usize);
+    let delay = structure.nkb as usize;
     DMatrix::from_fn(y.len() - t0, structure.parameters(), |row, column| {
         let t = t0 + row;
         match column {
@@ -82,7 +82,7 @@ fn regressors(structure: Structure, t0: usize, y: &[f64], u: &[f64]) -> DMatrix<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::identify::Order;
+    use crate::identify::Structure;
     use rand::SeedableRng as _;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution as _, StandardNormal};
@@ -99,7 +99,7 @@ mod tests {
         }
         let trace =
             Trace { id: "x".into(), interval_s: None, irregular_steps: 0, y, u1: measured, u2: command, motion: None };
-        let structure = Structure { order: Order::new(1, 1, 0, 1, 1), offset: false };
+        let structure = Structure::new(1, 1, 0, 1, 1);
         let ls = by_command(&trace, structure, 0).expect("excited");
         let iv = by_command(&trace, structure, 3).expect("excited");
         // Least squares shrinks b by 1/(1 + 0.49) = 0.67.
@@ -109,7 +109,7 @@ mod tests {
             assert!((iv.theta[k] - truth).abs() < 4.0 * sd && sd < 0.01, "{} ± {sd}", iv.theta[k]); // 4 sd: 1e-4
         }
         assert!(iv.converged);
-        let second = Structure { order: Order::new(1, 1, 1, 1, 1), offset: false };
+        let second = Structure::new(1, 1, 1, 1, 1);
         assert!(by_command(&trace, second, 1).is_err());
     }
 }

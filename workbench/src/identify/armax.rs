@@ -29,7 +29,7 @@ const PASSES: usize = 10;
 /// # Errors
 /// As [`least_squares`]; or too few rows for the terms of D.
 pub fn armax(trace: &Trace, structure: Structure, noise_order: Option<usize>) -> Result<Estimate, Error> {
-    let nd = noise_order.unwrap_or(structure.order.na as usize).max(usize::from(noise_order.is_none()));
+    let nd = noise_order.unwrap_or(structure.na as usize).max(usize::from(noise_order.is_none()));
     let first = least_squares(trace, structure)?;
     let n = structure.parameters();
     if first.rows <= n + 2 * nd {
@@ -37,7 +37,7 @@ pub fn armax(trace: &Trace, structure: Structure, noise_order: Option<usize>) ->
             format!("{} rows for {n} parameters and {nd} noise terms; record more or use --method ls", first.rows);
         return Err(Error::trace(&trace.id, problem));
     }
-    let t0 = structure.order.depth();
+    let t0 = structure.depth();
     let model = Predictor {
         rows: regressors(structure, t0, &trace.y, &trace.u1, &trace.u2),
         target: DVector::from_column_slice(&trace.y[t0..]),

@@ -3,13 +3,13 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::kernel::filter::recur;
-use super::{Order, Structure, reflect_unstable, simulate};
+use super::{Structure, Terms, reflect_unstable, simulate};
 use crate::trace::Trace;
 
 /// Regressor rows `start` … N−1 with `output` in the place of y: −y(t−1)…, u1(t−nkb)…, u2(t−nkc)…, 1. Signals are zero
 /// before the first sample.
 pub(super) fn regressors(structure: Structure, start: usize, output: &[f64], u1: &[f64], u2: &[f64]) -> DMatrix<f64> {
-    let Order { na, nb, nc, nkb, nkc } = structure.order;
+    let Structure { na, nb, nc, nkb, nkc, .. } = structure;
     let mut x = DMatrix::from_element(output.len() - start, structure.parameters(), 1.0);
     let lags =
         |signal, first: u8, count: u8, sign| (0..count as usize).map(move |k| (signal, first as usize + k, sign));
@@ -41,12 +41,12 @@ pub(super) struct Prefiltered {
 /// Without a constant term the filters start with the record, as the simulation does; with one they start at t₀, where
 /// the simulation leaves the measured outputs. Either way y/A − (Φ/A) θ is the output error.
 pub(super) fn prefilter(trace: &Trace, structure: Structure, theta: &[f64]) -> Prefiltered {
-    let t0 = structure.order.depth();
+    let t0 = structure.depth();
     let start = if structure.offset { t0 } else { 0 };
     let ([a, _, _], _) = structure.polynomials(theta);
     let stable = reflect_unstable(&a);
     let output = simulate(trace, structure, theta);
-    let na = structure.order.na as usize;
+    let na = structure.na as usize;
     let filtered = |output: &[f64], columns: usize| {
         let mut x = regressors(structure, start, output, &trace.u1, &trace.u2);
         x.column_iter_mut().take(columns).for_each(|mut column| all_pole(&stable, column.as_mut_slice()));
@@ -105,7 +105,7 @@ mod tests {
     #[test]
     fn filtered_regression_leaves_the_output_error() {
         for offset in [false, true] {
-            let structure = Structure { order: Order::new(2, 2, 1, 1, 3), offset };
+            let structure = Structure { offset, ..Structure::new(2, 2, 1, 1, 3) };
             let theta = [-1.2, 0.5, 0.4, -0.1, 0.3, 0.2];
             let theta = &theta[..structure.parameters()];
             let p = prefilter(&trace(), structure, theta);

@@ -16,11 +16,11 @@ use super::iv4::autoregression;
 use super::kernel::filter::fir;
 use super::regression::{Signals, constant, lags, subtract};
 use super::result::{Finding, Noise, stable};
-use super::{Estimate, Structure, ls, reflect_unstable, simulate};
+use super::{Estimate, Structure, Terms, ls, reflect_unstable, simulate};
 use crate::Error;
 use crate::trace::Trace;
 
-/// Order of the AR model in (1): long enough for a moving average whose zeros are slow poles.
+/// Structure of the AR model in (1): long enough for a moving average whose zeros are slow poles.
 const COLOUR_ORDER: usize = 25;
 
 /// Estimates by basic instrumental variables; more than three passes change nothing that matters. Where a later pass
@@ -31,7 +31,7 @@ const COLOUR_ORDER: usize = 25;
 pub fn instrumental_variables(trace: &Trace, structure: Structure, passes: usize) -> Result<Estimate, Error> {
     let mut theta = ls::parameters(trace, structure)?;
     let mut reflected = 0;
-    let t0 = structure.order.depth();
+    let t0 = structure.depth();
     let mut last: Option<(ls::Solution, Vec<f64>)> = None;
     let (mut converged, mut iterations) = (true, 0);
     for pass in 1..=passes.max(1) {
@@ -71,7 +71,7 @@ pub(super) fn is_stable(structure: Structure, theta: &[f64]) -> bool {
 
 /// IV with Z the regressors of the instruments; the error is the first dependent column of Z.
 fn pass_from(trace: &Trace, structure: Structure, instruments: &[f64]) -> Result<ls::Solution, usize> {
-    let (t0, na) = (structure.order.depth(), structure.order.na);
+    let (t0, na) = (structure.depth(), structure.na);
     let constant = constant(structure, 1.0, trace.y.len());
     let columns = Signals::of(trace, &constant).columns(structure);
     let own: Vec<&[f64]> = lags(instruments, t0, 1, na).collect();

@@ -147,7 +147,7 @@ fn stage(
     triangle: &mut Triangle,
     block: &mut Vec<f64>,
 ) -> Result<(System, DVector<f64>), Failure> {
-    let (t0, n, na) = (structure.order.depth(), structure.parameters(), structure.order.na);
+    let (t0, n, na) = (structure.depth(), structure.parameters(), structure.na);
     triangle.reset(n, n + usize::from(na) + 1);
     for (signals, instruments) in signals.iter().zip(instruments) {
         let mut columns = signals.columns(structure);

@@ -13,7 +13,7 @@ use super::kernel::sums::dot;
 use super::kernel::triangle::Triangle;
 use super::regression::{Signals, constant, subtract};
 use super::result::{Finding, Noise};
-use super::{Estimate, Structure, unexcited};
+use super::{Estimate, Structure, first_row, unexcited};
 use crate::Error;
 use crate::trace::Trace;
 
@@ -41,8 +41,8 @@ pub(super) fn parameters(trace: &Trace, structure: Structure) -> Result<DVector<
 }
 
 fn factor(trace: &Trace, structure: Structure, signals: &Signals) -> Result<Factor, Error> {
-    let t0 = structure.first_row(trace)?;
-    let factor = Factor::new(signals.columns(structure), structure.order.na.into(), &trace.y[t0..]);
+    let t0 = first_row(structure, trace)?;
+    let factor = Factor::new(signals.columns(structure), structure.na.into(), &trace.y[t0..]);
     factor.map_err(|Dependent { column, partners }| unexcited(structure, trace, column, &partners))
 }
 

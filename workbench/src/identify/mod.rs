@@ -1,7 +1,7 @@
 //! Batch identification of `A(q) y = B(q) u1 + C(q) u2 [+ constant] + e` in double precision.
 //!
 //! Parameters are ordered a₁…, b₁…, c₁…, constant; `a` stands with + on the left (thesis Eq. 2.4). Sums start at
-//! t₀ = [`Order::depth`], where the first complete regressor is.
+//! t₀ = [`Structure::depth`], where the first complete regressor is.
 
 mod armax;
 pub(crate) mod filters;
@@ -20,7 +20,7 @@ mod steiglitz_mcbride;
 
 use crate::Error;
 use crate::trace::Trace;
-pub use bearing_watch::Order;
+pub use bearing_watch::Structure;
 
 pub use armax::armax;
 pub use iv::instrumental_variables;
@@ -31,15 +31,6 @@ pub use result::{Convergence, Estimate, Noise};
 pub use simulate::{fit_percent, poles, reflect_unstable, simulate};
 pub use sriv::sriv;
 pub use steiglitz_mcbride::steiglitz_mcbride;
-
-/// Order vector and constant term.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Structure {
-    /// `[na nb nc nkb nkc]`.
-    pub order: Order,
-    /// Whether a constant term is estimated.
-    pub offset: bool,
-}
 
 /// How parameters are estimated. What the noise is taken to be decides whether a method is consistent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -100,49 +91,47 @@ pub fn estimate_with(trace: &Trace, structure: Structure, method: Method, option
     }
 }
 
-impl Structure {
-    /// Parameters, the constant included.
-    #[must_use]
-    pub fn parameters(&self) -> usize {
-        self.order.columns(self.offset) - 1
-    }
-
+/// Names and polynomials of a model structure.
+pub trait Terms {
     /// Names of the parameters: a1…, b1…, c1…, offset.
-    #[must_use]
-    pub fn names(&self) -> Vec<String> {
-        let group = |letter: char, count: u8| (1..=count).map(move |k| format!("{letter}{k}"));
-        let Order { na, nb, nc, .. } = self.order;
-        let offset = self.offset.then(|| "offset".to_string());
-        group('a', na).chain(group('b', nb)).chain(group('c', nc)).chain(offset).collect()
-    }
+    fn names(&self) -> Vec<String>;
 
     /// A, B, C of a parameter vector: A monic from q⁰, B and C with their delays as leading zeros; and the constant.
-    #[must_use]
-    pub fn polynomials(&self, theta: &[f64]) -> ([Vec<f64>; 3], f64) {
-        let Order { na, nb, nc, nkb, nkc } = self.order;
+    fn polynomials(&self, theta: &[f64]) -> ([Vec<f64>; 3], f64);
+}
+
+impl Terms for Structure {
+    fn names(&self) -> Vec<String> {
+        let group = |letter: char, count: u8| (1..=count).map(move |k| format!("{letter}{k}"));
+        let offset = self.offset.then(|| "offset".to_string());
+        group('a', self.na).chain(group('b', self.nb)).chain(group('c', self.nc)).chain(offset).collect()
+    }
+
+    fn polynomials(&self, theta: &[f64]) -> ([Vec<f64>; 3], f64) {
+        let Self { na, nb, nc, nkb, nkc, .. } = *self;
         let (a, rest) = theta.split_at(na as usize);
         let (b, rest) = rest.split_at(nb as usize);
         let (c, rest) = rest.split_at(nc as usize);
         let delayed = |delay: u8, terms: &[f64]| [vec![0.0; delay as usize], terms.to_vec()].concat();
         ([[&[1.0], a].concat(), delayed(nkb, b), delayed(nkc, c)], rest.first().copied().unwrap_or(0.0))
     }
+}
 
-    /// First usable row t₀ of a record of `samples`, if there are more rows than parameters.
-    fn first_row(&self, trace: &Trace) -> Result<usize, Error> {
-        let (t0, n, samples) = (self.order.depth(), self.parameters(), trace.y.len());
-        if self.order.parameters() == 0 {
-            return Err(Error::Usage("--order has no terms; give at least one of na, nb, nc".into()));
-        }
-        if samples <= t0 + n {
-            let problem =
-                format!("{samples} samples for {n} parameters from sample {t0} on; record more or reduce the order");
-            return Err(Error::trace(&trace.id, problem));
-        }
-        if trace.y.iter().all(|y| *y == trace.y[0]) {
-            return Err(Error::trace(&trace.id, "the output is constant: there is nothing to model; check --y"));
-        }
-        Ok(t0)
+/// First usable row t₀ of a record, if there are more rows than parameters.
+fn first_row(structure: Structure, trace: &Trace) -> Result<usize, Error> {
+    let (t0, n, samples) = (structure.depth(), structure.parameters(), trace.y.len());
+    if structure.terms() == 0 {
+        return Err(Error::Usage("--order has no terms; give at least one of na, nb, nc".into()));
     }
+    if samples <= t0 + n {
+        let problem =
+            format!("{samples} samples for {n} parameters from sample {t0} on; record more or reduce the order");
+        return Err(Error::trace(&trace.id, problem));
+    }
+    if trace.y.iter().all(|y| *y == trace.y[0]) {
+        return Err(Error::trace(&trace.id, "the output is constant: there is nothing to model; check --y"));
+    }
+    Ok(t0)
 }
 
 /// The parameter whose column is, to rounding, a combination of the `partners` before it, or zero.
@@ -164,14 +153,14 @@ fn unexcited(structure: Structure, trace: &Trace, column: usize, partners: &[usi
 ///
 /// # Errors
 /// Says what an order looks like.
-pub fn parse_order(text: &str) -> Result<Order, String> {
+pub fn parse_order(text: &str) -> Result<Structure, String> {
     let wrong = || format!("\"{text}\" is no order; write na,nb,nc,nkb,nkc, e.g. 2,2,2,1,1");
     let trimmed = text.trim().trim_start_matches('[').trim_end_matches(']');
     let numbers = trimmed.split([',', ' ']).filter(|part| !part.is_empty()).map(str::parse::<u8>);
     let numbers: Vec<u8> = numbers.collect::<Result<_, _>>().map_err(|_| wrong())?;
     let numbers: [u8; 5] = numbers.try_into().map_err(|_| wrong())?;
-    let order = Order::from_array(numbers);
-    if order.parameters() == 0 {
+    let order = Structure::from_orders(numbers);
+    if order.terms() == 0 {
         return Err(format!("order {text} has no terms; give at least one of na, nb, nc"));
     }
     if numbers.iter().any(|&x| x > 32) {

@@ -15,7 +15,7 @@ use super::filters::prefilter;
 use super::gauss_newton::{Minimum, Model, minimise};
 use super::result::{Finding, Noise, stable};
 use super::sriv::reflect;
-use super::{Estimate, Structure, sriv, steiglitz_mcbride};
+use super::{Estimate, Structure, Terms, sriv, steiglitz_mcbride};
 use crate::Error;
 use crate::trace::Trace;
 

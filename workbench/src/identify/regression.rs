@@ -6,8 +6,8 @@
 //!
 //! Views of y hold +y(t−k); the sign of the model is applied to the result.
 
+use super::Structure;
 use super::kernel::filter::add_columns;
-use super::{Order, Structure};
 use crate::trace::Trace;
 
 /// Signals of one length, measured or filtered.
@@ -27,8 +27,8 @@ impl<'a> Signals<'a> {
 
     /// Rows t₀ … N−1 of every column, in the order of the parameters.
     pub(super) fn columns(&self, structure: Structure) -> Vec<&'a [f64]> {
-        let Order { na, nb, nc, nkb, nkc } = structure.order;
-        let t0 = structure.order.depth();
+        let Structure { na, nb, nc, nkb, nkc, .. } = structure;
+        let t0 = structure.depth();
         let mut columns = Vec::with_capacity(structure.parameters() + usize::from(na) + 1);
         columns.extend(lags(self.y, t0, 1, na));
         columns.extend(lags(self.u1, t0, nkb.into(), nb));
@@ -41,9 +41,9 @@ impl<'a> Signals<'a> {
 
     /// `A y − B u1 − C u2 − constant` of rows t₀ … N−1.
     pub(super) fn residuals(&self, structure: Structure, theta: &[f64], residuals: &mut Vec<f64>) {
-        let na = usize::from(structure.order.na);
+        let na = usize::from(structure.na);
         residuals.clear();
-        residuals.extend_from_slice(&self.y[structure.order.depth()..]);
+        residuals.extend_from_slice(&self.y[structure.depth()..]);
         subtract(&self.columns(structure), na, theta, residuals);
     }
 }

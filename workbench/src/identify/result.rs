@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 use super::kernel::free_run::surely_stable;
 use super::kernel::sums::dot;
 use super::simulate::fit_of_error;
-use super::{Order, Structure, fit_percent, poles, simulate};
+use super::{Structure, Terms, fit_percent, poles, simulate};
 use crate::trace::Trace;
 
 /// Parameters with what is known about them.
@@ -156,7 +156,7 @@ impl Estimate {
     #[must_use]
     pub fn undetermined(&self, trace: &Trace) -> Vec<String> {
         let rms = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64).sqrt();
-        let Order { na, nb, nc, .. } = self.structure.order;
+        let Structure { na, nb, nc, .. } = self.structure;
         let signals = [(&trace.y, na), (&trace.u1, nb), (&trace.u2, nc)];
         let sizes = signals.into_iter().flat_map(|(x, terms)| std::iter::repeat_n(rms(x), terms as usize)).chain([1.0]);
         let output = rms(&trace.y);

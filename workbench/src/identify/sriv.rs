@@ -17,7 +17,7 @@ use nalgebra::DVector;
 
 use super::filters::{Prefiltered, prefilter};
 use super::result::{Finding, Noise, negligible, stable};
-use super::{Estimate, Structure, iv, ls, reflect_unstable, steiglitz_mcbride};
+use super::{Estimate, Structure, Terms, iv, ls, reflect_unstable, steiglitz_mcbride};
 use crate::Error;
 use crate::trace::Trace;
 
@@ -53,7 +53,7 @@ pub fn sriv(trace: &Trace, structure: Structure) -> Result<Estimate, Error> {
     }
     let Iterate { theta, data, iterations, converged } = end;
     let Prefiltered { measured, simulated, target, output_error: residuals, .. } = data;
-    let solution = iv::solve_matrices(&measured, &simulated, structure.order.na.into(), &target);
+    let solution = iv::solve_matrices(&measured, &simulated, structure.na.into(), &target);
     let cofactor = solution.map_or_else(|_| ls::unknown(theta.len()), |solution| solution.cofactor); // (2)
     let noise = Noise::Output;
     Ok(Finding { theta, cofactor, residuals, noise, converged, iterations, reflected }.estimate(trace, structure))
@@ -75,7 +75,7 @@ impl Iterate {
 /// Passes from a stable start until they rest, or none leads on.
 fn refine(trace: &Trace, structure: Structure, mut now: Iterate) -> Iterate {
     let (mut share, mut before) = (1.0, DVector::zeros(now.theta.len()));
-    let na = structure.order.na.into();
+    let na = structure.na.into();
     while !now.converged && now.iterations < PASSES {
         let Iterate { theta, data, .. } = &now;
         let Ok(pass) = iv::solve_matrices(&data.measured, &data.simulated, na, &data.target) else { break };

@@ -16,7 +16,7 @@ use nalgebra::DVector;
 
 use super::filters::{Prefiltered, prefilter};
 use super::result::{Finding, Noise, negligible, stable};
-use super::{Estimate, Structure, iv, ls};
+use super::{Estimate, Structure, Terms, iv, ls};
 use crate::Error;
 use crate::trace::Trace;
 
@@ -59,7 +59,7 @@ pub fn steiglitz_mcbride(trace: &Trace, structure: Structure) -> Result<Estimate
     }
     let Prefiltered { measured, simulated, target, output_error: residuals, .. } =
         prefilter(trace, structure, theta.as_slice());
-    let solution = iv::solve_matrices(&simulated, &measured, structure.order.na.into(), &target);
+    let solution = iv::solve_matrices(&simulated, &measured, structure.na.into(), &target);
     let cofactor = solution.map_or_else(|_| ls::unknown(theta.len()), |solution| solution.cofactor); // (2)
     let noise = Noise::Output;
     Ok(Finding { theta, cofactor, residuals, noise, converged, iterations, reflected }.estimate(trace, structure))

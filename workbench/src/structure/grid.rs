@@ -1,7 +1,7 @@
 //! Which structures are searched, and whether the traces can carry them.
 
 use crate::Error;
-use crate::identify::{Order, Structure};
+use crate::identify::Structure;
 use crate::trace::Trace;
 
 /// More structures than this are a slip of the fingers rather than a search.
@@ -11,9 +11,9 @@ const MOST: usize = 200_000;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Grid {
     /// Least numbers of terms (from 1) and delays (from 0).
-    pub min: Order,
+    pub min: Structure,
     /// Greatest.
-    pub max: Order,
+    pub max: Structure,
     /// Whether a constant term is estimated.
     pub offset: bool,
 }
@@ -21,8 +21,8 @@ pub struct Grid {
 impl Grid {
     /// Terms and delays from 1 to these maxima: `4,4,4,4,4` is 1024 structures.
     #[must_use]
-    pub const fn up_to(max: Order, offset: bool) -> Self {
-        Self { min: Order::new(1, 1, 1, 1, 1), max, offset }
+    pub const fn up_to(max: Structure, offset: bool) -> Self {
+        Self { min: Structure::new(1, 1, 1, 1, 1), max, offset }
     }
 
     /// The structures, last number running fastest.
@@ -30,7 +30,7 @@ impl Grid {
     /// # Errors
     /// A range that is empty, a number of terms below 1, or more structures than anyone waits for.
     pub fn structures(&self) -> Result<Vec<Structure>, Error> {
-        let (min, max) = (self.min.to_array(), self.max.to_array());
+        let (min, max) = (self.min.orders(), self.max.orders());
         for (k, name) in ["na", "nb", "nc", "nkb", "nkc"].into_iter().enumerate() {
             if k < 3 && min[k] == 0 {
                 return Err(Error::Usage(format!(
@@ -56,7 +56,7 @@ impl Grid {
                 numbers[k] = min[k] + (rest % values) as u8;
                 rest /= values;
             }
-            structures.push(Structure { order: Order::from_array(numbers), offset: self.offset });
+            structures.push(Structure { offset: self.offset, ..Structure::from_orders(numbers) });
         }
         Ok(structures)
     }
@@ -64,14 +64,14 @@ impl Grid {
 
 /// Refuses traces that cannot carry the deepest of the structures.
 pub(super) fn check(train: &[Trace], validate: &[Trace], structures: &[Structure]) -> Result<(), Error> {
-    let deepest = structures.iter().map(|s| s.order.depth()).max();
+    let deepest = structures.iter().map(|s| s.depth()).max();
     let (Some(deepest), false, false) = (deepest, train.is_empty(), validate.is_empty()) else {
         return Err(Error::Usage("a search needs a structure, a training and a validation trace".into()));
     };
-    if let Some(empty) = structures.iter().find(|s| s.order.parameters() == 0) {
-        return Err(Error::Usage(format!("order {:?} has no terms", empty.order.to_array())));
+    if let Some(empty) = structures.iter().find(|s| s.terms() == 0) {
+        return Err(Error::Usage(format!("order {:?} has no terms", empty.orders())));
     }
-    let most = structures.iter().map(Structure::parameters).max().unwrap_or(0);
+    let most = structures.iter().map(|s| s.parameters()).max().unwrap_or(0);
     // Estimation without scoring hands its traces over twice; reading them once more would take half its time.
     let other = if std::ptr::eq(train, validate) { &[] } else { validate };
     for (traces, least) in [(train, deepest + most + 1), (other, deepest + 1)] {
@@ -105,21 +105,24 @@ mod tests {
 
     #[test]
     fn the_grid_is_every_structure_once() {
-        let all = Grid::up_to(Order::new(4, 4, 4, 4, 4), false).structures().expect("a grid");
+        let all = Grid::up_to(Structure::new(4, 4, 4, 4, 4), false).structures().expect("a grid");
         assert_eq!(all.len(), 1024);
-        assert_eq!(all[1].order, Order::new(1, 1, 1, 1, 2));
-        let distinct: std::collections::HashSet<_> = all.iter().map(|s| s.order.to_array()).collect();
+        assert_eq!(all[1], Structure::new(1, 1, 1, 1, 2));
+        let distinct: std::collections::HashSet<_> = all.iter().map(|s| s.orders()).collect();
         assert_eq!(distinct.len(), 1024);
-        let narrow = Grid { min: Order::new(2, 1, 1, 0, 3), max: Order::new(2, 2, 1, 1, 3), offset: true };
-        let orders: Vec<_> = narrow.structures().expect("a grid").iter().map(|s| s.order.to_array()).collect();
+        let narrow = Grid { min: Structure::new(2, 1, 1, 0, 3), max: Structure::new(2, 2, 1, 1, 3), offset: true };
+        let orders: Vec<_> = narrow.structures().expect("a grid").iter().map(|s| s.orders()).collect();
         assert_eq!(orders, [[2, 1, 1, 0, 3], [2, 1, 1, 1, 3], [2, 2, 1, 0, 3], [2, 2, 1, 1, 3]]);
     }
 
     #[test]
     fn empty_ranges_are_refused() {
         let refused = |max| Grid::up_to(max, false).structures().expect_err("no grid").to_string();
-        assert_eq!(refused(Order::new(4, 4, 4, 0, 3)), "no nkb from 1 to 0: raise it in --max, or lower it in --min");
-        assert!(refused(Order::new(0, 4, 4, 1, 3)).contains("no na from 1 to 0"));
-        assert!(refused(Order::new(32, 32, 32, 32, 32)).contains("33554432 structures"));
+        assert_eq!(
+            refused(Structure::new(4, 4, 4, 0, 3)),
+            "no nkb from 1 to 0: raise it in --max, or lower it in --min"
+        );
+        assert!(refused(Structure::new(0, 4, 4, 1, 3)).contains("no na from 1 to 0"));
+        assert!(refused(Structure::new(32, 32, 32, 32, 32)).contains("33554432 structures"));
     }
 }

@@ -1,4 +1,4 @@
-//! Order selection: traces enter, every structure `[na nb nc nkb nkc]` of a grid leaves with its scores.
+//! Structure selection: traces enter, every structure `[na nb nc nkb nkc]` of a grid leaves with its scores.
 //!
 //! ```text
 //! θ      estimated on all training traces together, each from its own first complete row t₀ on
@@ -19,10 +19,10 @@ mod shared;
 use rayon::prelude::*;
 
 use crate::Error;
-use crate::identify::Structure;
 use crate::identify::iv4::{self, four_stage};
 use crate::identify::kernel::free_run::FreeRun;
 use crate::identify::kernel::sums::{distance, dot, spread};
+use crate::identify::{Structure, Terms};
 use crate::trace::Trace;
 use shared::{Shared, Solution};
 

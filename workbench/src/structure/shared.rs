@@ -9,8 +9,8 @@
 //! choice of columns of (2), so that its sums start at its own t₀ as in [`crate::identify`]. A lag that reaches before
 //! the record in (2) is set to zero; no structure of that t₀ has it. Several traces are stacked: one θ for all.
 
+use crate::identify::Structure;
 use crate::identify::kernel::triangle::{DEPENDENT, Triangle, block_rows, solve_staircase};
-use crate::identify::{Order, Structure};
 use crate::trace::Trace;
 
 /// Factors (2) of every t₀ down to that of the shallowest structure.
@@ -43,9 +43,9 @@ struct Layout {
 
 impl Layout {
     fn of(structures: &[Structure]) -> Self {
-        let na = structures.iter().map(|s| usize::from(s.order.na)).max().unwrap_or(0);
-        let range = |terms: fn(Order) -> (u8, u8)| {
-            let used = structures.iter().map(|s| terms(s.order)).filter(|(n, _)| *n > 0);
+        let na = structures.iter().map(|s| usize::from(s.na)).max().unwrap_or(0);
+        let range = |terms: fn(Structure) -> (u8, u8)| {
+            let used = structures.iter().map(|s| terms(*s)).filter(|(n, _)| *n > 0);
             let first = used.clone().map(|(_, delay)| usize::from(delay)).min().unwrap_or(0);
             let end = used.map(|(n, delay)| usize::from(n) + usize::from(delay)).max().unwrap_or(0);
             (first, end.saturating_sub(first))
@@ -67,7 +67,7 @@ impl Layout {
 
     /// Columns of a structure, the target last.
     fn choose(&self, structure: Structure, chosen: &mut Vec<usize>) {
-        let Order { na, nb, nc, nkb, nkc } = structure.order;
+        let Structure { na, nb, nc, nkb, nkc, .. } = structure;
         chosen.clear();
         chosen.extend(0..usize::from(na));
         let mut start = self.na;
@@ -106,7 +106,7 @@ impl Shared {
     /// Factors the widest regressor of these structures; each trace has more samples than their depth.
     pub(super) fn new(traces: &[Trace], structures: &[Structure]) -> Self {
         let layout = Layout::of(structures);
-        let depths = structures.iter().map(|s| s.order.depth());
+        let depths = structures.iter().map(|s| s.depth());
         let deepest = depths.clone().max().unwrap_or(0);
         let shallowest = depths.min().unwrap_or(0);
         let columns = layout.columns();
@@ -137,7 +137,7 @@ impl Shared {
     /// # Errors
     /// The first parameter whose column depends on the earlier ones.
     pub(super) fn solve(&self, structure: Structure, scratch: &mut Scratch) -> Result<Solution, usize> {
-        let t0 = structure.order.depth();
+        let t0 = structure.depth();
         let triangle = &self.triangles[t0 - self.shallowest];
         let Scratch { chosen, heights, columns } = scratch;
         self.layout.choose(structure, chosen);
@@ -152,7 +152,7 @@ impl Shared {
         let n = chosen.len() - 1;
         let mut theta = columns[n * stride..][..n].to_vec();
         // The columns hold +y, the model −y.
-        for a in &mut theta[..usize::from(structure.order.na)] {
+        for a in &mut theta[..usize::from(structure.na)] {
             *a = -*a;
         }
         let rows = self.lengths.iter().map(|length| length - t0).sum();

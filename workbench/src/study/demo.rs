@@ -199,7 +199,7 @@ pub fn rows(repetitions: &[Repetition]) -> Vec<Row> {
 
 #[cfg(test)]
 mod tests {
-    use bearing_watch::estimate::Method;
+    use bearing_watch::plan::Method;
 
     use super::*;
     use crate::train::Estimation;

@@ -5,14 +5,14 @@
 //! decision among all classes is shown beside it. With na = 2 a projection to two components is an invertible affine
 //! map, which cannot change a linear or quadratic discriminant.
 
-use bearing_watch::decide::Kind;
+use bearing_watch::plan::Kind;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
 use crate::Error;
 use crate::core::features;
 use crate::evaluate::Confusion;
-use crate::identify::{Estimate, Order, Structure, iv4};
+use crate::identify::{Estimate, Structure, iv4};
 use crate::trace::labels::LabelledTrace;
 use crate::train::{AffineMap, FeatureTable, GaussianClasses, Keep, ProjectionKind, Recipe, discriminant, projection};
 
@@ -127,10 +127,7 @@ impl Rule {
         let projected = table.map(&projection);
         let names: Vec<String> = (1..=projection.matrix.nrows()).map(|k| format!("z{k}")).collect();
         // Priors and costs are those of the source: equal and uniform. The structure plays no part here.
-        let recipe = Recipe {
-            discriminant: shared,
-            ..Recipe::new(Structure { order: Order::new(1, 1, 1, 1, 1), offset: false })
-        };
+        let recipe = Recipe { discriminant: shared, ..Recipe::new(Structure::new(1, 1, 1, 1, 1)) };
         let density = |rows: &FeatureTable| discriminant::train(rows, &names, &recipe);
         let pairs = (1..table.names.len()).map(|defect| density(&two_classes(&projected, defect)));
         Ok(Self { all: density(&projected)?, pairs: pairs.collect::<Result<_, _>>()?, projection })
@@ -162,9 +159,9 @@ pub fn validate(
     training: &[LabelledTrace],
     validation: &[LabelledTrace],
     classes: &[String],
-    order: Order,
+    order: Structure,
 ) -> Result<Outcome, Error> {
-    let structure = Structure { order, offset: false };
+    let structure = order;
     let chosen = features::choose(structure, &["a".to_string()])?;
     let names: Vec<String> = chosen.iter().map(|&k| features::all_names(structure)[k].clone()).collect();
     let (raw, _) = table(training, classes, structure, &chosen)?;

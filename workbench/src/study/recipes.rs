@@ -1,18 +1,22 @@
 //! The configurations that the studies train.
 
-use bearing_watch::decide::Kind;
+use bearing_watch::plan::Kind;
 
-use crate::identify::{Order, Structure};
+use crate::identify::Structure;
 use crate::rig::BearingGeometry;
+use crate::trace::Channels;
 use crate::train::{Keep, ProjectionKind, Recipe, ShaftPlan, Shrink, Shrinkage};
 
 /// Reference in, current out: thesis Table 4.1.
-pub const REFERENCE_ORDER: Order = Order::new(2, 1, 2, 1, 1);
+pub const REFERENCE_ORDER: Structure = Structure::new(2, 1, 2, 1, 1);
 
 /// Least squares, all of a, b, c, no projection, linear discriminant.
 #[must_use]
 pub fn all_parameters() -> Recipe {
-    Recipe::new(Structure { order: REFERENCE_ORDER, offset: false })
+    Recipe {
+        columns: Channels::new("current_a", "velocity_ref_rad_s", "load_torque_nm"),
+        ..Recipe::new(REFERENCE_ORDER)
+    }
 }
 
 /// The torque balance's scores and the outer race's order, quadratic discriminant with halved correlations; no gate.

@@ -3,18 +3,15 @@
 //! The classifier is still to be trained, so the detector runs with one of a single class: whatever it estimates is
 //! that class. Traces run whole, so that a segment starts from what its predecessor left, as it will in the drive.
 
-use bearing_watch::decide::{
-    Classifier, Discriminant, EvidencePlan, Features, Kind, Novelty, Projection, SHAFT_FEATURES,
-};
-use bearing_watch::{Label, Model, Regression, Sampling, ShaftModel};
+use bearing_watch::model::Sampling;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::FeatureTable;
-use super::core_form::{bytes, refused, samples};
+use super::core_form::{refused, samples};
 use crate::Error;
-use crate::core::features;
-use crate::core::{Embedded, MAX_COLUMNS, MAX_ORDERS, SegmentReport};
+use crate::core::{Embedded, Parts, SegmentReport, features};
+use crate::identify::Structure;
 use crate::trace::labels::LabelledTrace;
 
 const REMEDY: &str = "; choose other channels or a lower order, or leave the trace out";
@@ -23,13 +20,14 @@ const REMEDY: &str = "; choose other channels or a lower order, or leave the tra
 pub(super) fn run(
     traces: &[LabelledTrace],
     classes: &[String],
-    (regression, shaft): (&Regression<MAX_COLUMNS>, Option<&ShaftModel<MAX_ORDERS>>),
+    (parts, structure): (&Parts, Structure),
     segment: usize,
 ) -> Result<(FeatureTable, Vec<usize>), Error> {
-    let estimator = estimator(regression, shaft, segment)?;
-    let structure = estimator.structure();
+    let sampling = Sampling { interval_s: 0.0, park: None, block_mean: 1, segment_samples: samples(segment)? };
+    let model = parts.estimating(sampling).map_err(refused)?;
+    let estimator = Embedded::new(model).map_err(refused)?;
     let each = |labelled: &LabelledTrace| -> Result<Vec<DVector<f64>>, Error> {
-        let segments = estimator.run(&labelled.trace).map_err(refused)?;
+        let segments = estimator.run(&labelled.trace);
         let row = |segment: &SegmentReport| match &segment.verdict {
             Ok(_) => {
                 let own = features::of_core(structure, &segment.delta, segment.variance);
@@ -54,37 +52,4 @@ pub(super) fn run(
         table.rows.extend(rows);
     }
     Ok((table, origins))
-}
-
-/// A detector that estimates and does not decide.
-fn estimator(
-    regression: &Regression<MAX_COLUMNS>,
-    shaft: Option<&ShaftModel<MAX_ORDERS>>,
-    segment: usize,
-) -> Result<Embedded, Error> {
-    let model = Box::new(Model {
-        sampling: Sampling { interval_s: 0.0, block_mean: 1, segment_samples: samples(segment)? },
-        regression: *regression,
-        shaft: shaft.copied(),
-        classifier: Classifier {
-            // A feature of the shaft, so that one that says nothing is told.
-            features: Features { index: [if shaft.is_some() { SHAFT_FEATURES } else { 0 }], count: 1 },
-            projection: Projection { matrix: [[0.0]], mean: [0.0], count: 1 },
-            discriminant: Discriminant {
-                kind: Kind::Linear,
-                classes: 1,
-                mean: [[0.0]],
-                whitening: [[[1.0]]],
-                log_normaliser: [0.0],
-                log_prior: [0.0],
-                cost: [[0.0]],
-                reject_cost: f32::INFINITY,
-            },
-            novelty: Novelty::NONE,
-        },
-        evidence: EvidencePlan::NONE,
-        labels: [Label::EMPTY],
-    });
-    model.validate().map_err(refused)?;
-    Embedded::from_bytes(&bytes(&model, "")?).map_err(refused)
 }

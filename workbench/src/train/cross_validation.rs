@@ -67,7 +67,7 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
     use super::*;
-    use crate::identify::{Order, Structure};
+    use crate::identify::Structure;
     use crate::train::{FeatureTable, ProjectionKind, Shrink, Validation};
 
     /// Pure noise in `features` features, labels at random.
@@ -85,7 +85,7 @@ mod tests {
     }
 
     fn recipe(projection: ProjectionKind, shrink: Shrink) -> Recipe {
-        let structure = Structure { order: Order::new(1, 1, 1, 1, 1), offset: false };
+        let structure = Structure::new(1, 1, 1, 1, 1);
         Recipe { projection, shrink, ..Recipe::new(structure) }
     }
 

@@ -1,6 +1,6 @@
 //! Gaussian class densities for linear and quadratic discriminants (thesis Eq. 2.64–2.67).
 
-use bearing_watch::decide::Kind;
+use bearing_watch::plan::Kind;
 use nalgebra::{DMatrix, DVector};
 
 use super::shrinkage::Shrinkage;

@@ -13,20 +13,23 @@
 
 use std::borrow::Cow;
 
-use bearing_watch::estimate::{Forgetting, MAX_LAMBDA, MAX_OUTPUT_TERMS, Memory, Method, Nominal, is_stable};
-use bearing_watch::{Guard, Regression};
+use bearing_watch::internals::is_stable;
+use bearing_watch::model::{Channel, Forgetting, MAX_LAMBDA, MAX_SEGMENT_ROWS, Regression};
+use bearing_watch::plan::{MAX_OUTPUT_TERMS, Memory, Method, RegressionLayout, RunTime, Signal};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::statistics;
 use crate::Error;
-use crate::core::{MAX_COLUMNS, features};
+use crate::core::features;
 use crate::identify::{Estimate, Structure, least_squares, poles, sriv};
 use crate::trace::Trace;
 use crate::trace::labels::LabelledTrace;
 
-/// Samples to settle, whatever the poles.
+/// Least number of samples to settle.
 const LEAST_SETTLE: u32 = 100;
+/// Samples to settle of a regression without filters; not used.
+const USUAL_SETTLE: u16 = 100;
 
 /// How segments are estimated, apart from the traces.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,44 +76,51 @@ impl Estimation {
     }
 }
 
-/// What the core estimates with, at the largest capacity.
+/// The regression of the core with its trained constants.
 pub(super) fn regression(
     traces: &[LabelledTrace],
     classes: &[String],
-    structure: Structure,
+    (structure, [y, u1, u2]): (Structure, [Signal; 3]),
     (estimation, segment): (&Estimation, usize),
-) -> Result<Box<Regression<MAX_COLUMNS>>, Error> {
+) -> Result<(RegressionLayout, Regression<RunTime>), Error> {
     check(estimation, structure, segment)?;
     let nominal = nominal(traces, classes, structure, estimation)?;
-    let mut regression = Box::new(Regression {
-        method: estimation.method,
-        guard: guard(traces, estimation)?,
-        handover: estimation.handover,
-        ..Regression::new(structure.order, structure.offset)
-    });
-    regression.nominal.deviation = nominal.deviation as f32;
-    regression.nominal.delta.iter_mut().zip(nominal.delta.iter()).for_each(|(cell, x)| *cell = *x as f32);
+    let memory = match estimation.memory {
+        Some(_) => Memory::Fading,
+        None if segment > MAX_SEGMENT_ROWS as usize => Memory::LongSegment,
+        None => Memory::Segment,
+    };
+    let layout = RegressionLayout { structure, method: estimation.method, memory, y, u1, u2 };
+    let delta: Vec<f32> = nominal.delta.iter().map(|x| *x as f32).collect();
     let mut in_rows = Cow::Borrowed(traces);
+    let mut settle = USUAL_SETTLE;
     if estimation.method == Method::Instruments {
-        require_stable(&regression, &classes[estimation.nominal])?;
+        require_stable(&delta[..structure.na as usize], &classes[estimation.nominal])?;
         let denominator = nominal.denominator(structure);
-        regression.settle = settle(&denominator, segment, estimation.handover);
+        settle = settling(&denominator, segment, estimation.handover);
         in_rows = traces.par_iter().map(|trace| filtered(trace, &denominator)).collect::<Vec<_>>().into();
     }
     let scales = column_scales(&in_rows, structure);
-    regression.scale.iter_mut().zip(&scales).for_each(|(cell, x)| *cell = *x as f32);
-    regression.still = (1e-3 * mean_motion(&in_rows, structure, &scales)) as f32; // (4)
-    if let Some(lambda) = estimation.memory {
-        let forgetting = Forgetting { lambda: lambda as f32, floor: (0.01 / (1.0 - lambda)) as f32 }; // (3)
-        regression.memory = Memory::Fading(forgetting);
-    }
-    Ok(regression)
+    let lambda = estimation.memory.unwrap_or(f64::from(MAX_LAMBDA));
+    let mut scale: Vec<f32> = scales.iter().map(|x| *x as f32).collect();
+    scale.resize(layout.columns(), 1.0);
+    let regression = Regression {
+        scale,
+        nominal: delta,
+        deviation: nominal.deviation as f32,
+        forgetting: Forgetting { lambda: lambda as f32, floor: (0.01 / (1.0 - lambda)) as f32 }, // (3)
+        huber: estimation.huber as f32,
+        rest: (1e-3 * mean_motion(&in_rows, structure, &scales)) as f32, // (4)
+        settle,
+        handover: estimation.handover,
+    };
+    Ok((layout, regression))
 }
 
 fn check(estimation: &Estimation, structure: Structure, segment: usize) -> Result<(), Error> {
     let refuse = |problem: String| Err(Error::Usage(problem));
     let Estimation { method, huber, stuck, memory, handover, .. } = estimation;
-    let na = structure.order.na as usize;
+    let na = structure.na as usize;
     if *method == Method::Instruments && !(1..=MAX_OUTPUT_TERMS).contains(&na) {
         return refuse(format!(
             "--method instruments wants 1 to {MAX_OUTPUT_TERMS} output terms, but --order has {na}"
@@ -133,27 +143,24 @@ fn check(estimation: &Estimation, structure: Structure, segment: usize) -> Resul
     Ok(())
 }
 
-/// Ten times the largest training magnitude: room for other conditions, and no room for nonsense.
-fn guard(traces: &[LabelledTrace], estimation: &Estimation) -> Result<Guard, Error> {
-    let mut guard = Guard::within(limits(traces).map(|x| x as f32));
+/// Saturation and stuck sensors of the channels of the regression.
+pub(super) fn guard(channels: &mut [Channel], [y, u1, u2]: [Signal; 3], estimation: &Estimation) -> Result<(), Error> {
     if let Some(saturation) = estimation.saturation {
-        for (((cell, limit), asked), name) in
-            guard.saturation.iter_mut().zip(guard.limit).zip(saturation).zip(["Y", "U1", "U2"])
-        {
+        for ((signal, asked), name) in [y, u1, u2].into_iter().zip(saturation).zip(["Y", "U1", "U2"]) {
             if !(asked.is_finite() && asked > 0.0) {
                 return Err(Error::Usage(format!("--saturation: {name} is {asked}, but must be above 0")));
             }
-            *cell = (asked as f32).min(limit);
+            for place in [Some(signal.channel), signal.minus].into_iter().flatten() {
+                if let Some(channel) = channels.get_mut(place as usize) {
+                    channel.saturation = (asked as f32).min(channel.limit);
+                }
+            }
         }
     }
-    guard.stuck_samples[0] = estimation.stuck;
-    guard.huber = estimation.huber as f32;
-    Ok(guard)
-}
-
-fn limits(traces: &[LabelledTrace]) -> [f64; 3] {
-    let largest = |pick: Signal| traces.iter().flat_map(|t| pick(&t.trace)).fold(0.0_f64, |most, x| most.max(x.abs()));
-    [largest(|t| &t.y), largest(|t| &t.u1), largest(|t| &t.u2)].map(|x| if x > 0.0 { 10.0 * x } else { 1.0 })
+    if let Some(channel) = channels.get_mut(y.channel as usize) {
+        channel.stuck_samples = estimation.stuck;
+    }
+    Ok(())
 }
 
 /// The nominal model (1).
@@ -189,16 +196,15 @@ fn nominal(
 impl Mean {
     /// 1, a₁, ….
     fn denominator(&self, structure: Structure) -> Vec<f64> {
-        let na = structure.order.na as usize;
+        let na = structure.na as usize;
         let t = |k: usize| if k < na { self.delta[k] } else { 0.0 };
         let a = (0..na).map(|k| if k == 0 { -1.0 - t(0) - t(1) } else { t(k) - t(k + 1) });
         std::iter::once(1.0).chain(a).collect()
     }
 }
 
-fn require_stable(regression: &Regression<MAX_COLUMNS>, class: &str) -> Result<(), Error> {
-    let Nominal { delta, .. } = &regression.nominal;
-    if is_stable(&delta[..regression.order.na as usize]) {
+fn require_stable(t: &[f32], class: &str) -> Result<(), Error> {
+    if is_stable(t) {
         return Ok(());
     }
     Err(Error::Training(format!(
@@ -208,7 +214,7 @@ fn require_stable(regression: &Regression<MAX_COLUMNS>, class: &str) -> Result<(
 }
 
 /// (2), within what the segment leaves.
-fn settle(denominator: &[f64], segment: usize, handover: u16) -> u16 {
+fn settling(denominator: &[f64], segment: usize, handover: u16) -> u16 {
     let slowest = poles(denominator).iter().map(|pole| pole.norm()).fold(0.0, f64::max);
     // Rounding may leave a pole on the circle.
     let samples = (-5.0 / slowest.min(1.0 - 1e-9).ln()).ceil();
@@ -238,7 +244,7 @@ fn filtered(labelled: &LabelledTrace, denominator: &[f64]) -> LabelledTrace {
 
 /// Mean of the scaled (Δu1)² + (Δu2)².
 fn mean_motion(traces: &[LabelledTrace], structure: Structure, scales: &[f64]) -> f64 {
-    let order = structure.order;
+    let order = structure;
     let (na, nb) = (order.na as usize, order.nb as usize);
     let motion = |signal: &[f64], terms: u8, place: usize| {
         let scale = if terms > 0 { scales[place] } else { 0.0 };
@@ -251,7 +257,7 @@ fn mean_motion(traces: &[LabelledTrace], structure: Structure, scales: &[f64]) -
 
 /// Power of two that brings each δ-form column, pooled over the training set, to rms ≈ 1.
 fn column_scales(traces: &[LabelledTrace], structure: Structure) -> Vec<f64> {
-    let scale = |pick: Signal, difference: bool| {
+    let scale = |pick: Column, difference: bool| {
         let pooled = traces.iter().flat_map(|t| {
             let x = pick(&t.trace);
             let before = [&[0.0], x].concat();
@@ -262,8 +268,8 @@ fn column_scales(traces: &[LabelledTrace], structure: Structure) -> Vec<f64> {
         let rms = (sum / count.max(1.0)).sqrt();
         if rms > 0.0 { (-rms.log2().round()).clamp(-60.0, 60.0).exp2() } else { 1.0 }
     };
-    let order = structure.order;
-    let signals: [(Signal, u8); 3] = [(|t| &t.y, order.na), (|t| &t.u1, order.nb), (|t| &t.u2, order.nc)];
+    let order = structure;
+    let signals: [(Column, u8); 3] = [(|t| &t.y, order.na), (|t| &t.u1, order.nb), (|t| &t.u2, order.nc)];
     let mut scales: Vec<f64> =
         signals.iter().flat_map(|&(pick, terms)| (0..terms).map(move |term| scale(pick, term > 0))).collect();
     scales.extend(structure.offset.then_some(1.0));
@@ -271,7 +277,7 @@ fn column_scales(traces: &[LabelledTrace], structure: Structure) -> Vec<f64> {
     scales
 }
 
-type Signal = fn(&Trace) -> &[f64];
+type Column = fn(&Trace) -> &[f64];
 
 #[cfg(test)]
 mod tests {
@@ -280,26 +286,23 @@ mod tests {
     #[test]
     fn settling_by_the_slowest_pole() {
         // Poles 0.99 and 0.5: 5/0.01005 = 497.5; a pole at 0.5 alone settles within 8 samples.
-        assert_eq!(settle(&[1.0, -1.49, 0.495], 5000, 0), 498);
-        assert_eq!(settle(&[1.0, -0.5], 5000, 0), 100);
-        assert_eq!(settle(&[1.0, -0.99], 1000, 50), 200, "a quarter of the segment, the handover included");
-        assert_eq!(settle(&[1.0, -1.0], 1_000_000, 0), u16::MAX);
+        assert_eq!(settling(&[1.0, -1.49, 0.495], 5000, 0), 498);
+        assert_eq!(settling(&[1.0, -0.5], 5000, 0), 100);
+        assert_eq!(settling(&[1.0, -0.99], 1000, 50), 200, "a quarter of the segment, the handover included");
+        assert_eq!(settling(&[1.0, -1.0], 1_000_000, 0), u16::MAX);
     }
 
     #[test]
     fn an_unstable_nominal_model_is_refused() {
-        let mut regression = Regression::<MAX_COLUMNS>::new(crate::identify::Order::new(1, 1, 0, 1, 1), false);
-        regression.nominal.delta[0] = -0.1;
-        assert!(require_stable(&regression, "healthy").is_ok());
-        regression.nominal.delta[0] = 0.1;
-        let error = require_stable(&regression, "healthy").expect_err("a growing model").to_string();
+        assert!(require_stable(&[-0.1], "healthy").is_ok());
+        let error = require_stable(&[0.1], "healthy").expect_err("a growing model").to_string();
         assert!(error.contains("healthy, is not stable") && error.contains("--method ls"), "{error}");
     }
 
     #[test]
     fn motion_by_hand() {
-        let order = crate::identify::Order::new(1, 1, 1, 1, 1);
-        let structure = Structure { order, offset: false };
+        let order = crate::identify::Structure::new(1, 1, 1, 1, 1);
+        let structure = order;
         let (u1, u2) = (vec![0.0, 1.0, 1.0], vec![0.0, 0.0, 2.0]);
         let trace =
             Trace { id: "t".into(), interval_s: None, irregular_steps: 0, y: vec![0.0; 3], u1, u2, motion: None };

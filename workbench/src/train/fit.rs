@@ -46,18 +46,18 @@ pub(crate) fn fit(candidates: &Candidates, recipe: &Recipe) -> Result<Fitted, Er
 
 #[cfg(test)]
 mod tests {
-    use bearing_watch::decide::Kind;
+    use bearing_watch::plan::Kind;
     use nalgebra::DVector;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, StandardNormal};
 
     use super::*;
-    use crate::identify::{Order, Structure};
+    use crate::identify::Structure;
     use crate::train::{FeatureTable, Shrinkage};
 
     fn recipe(shrink: Shrink) -> Recipe {
-        let structure = Structure { order: Order::new(1, 1, 1, 1, 1), offset: false };
+        let structure = Structure::new(1, 1, 1, 1, 1);
         Recipe { shrink, ..Recipe::new(structure) }
     }
 

@@ -27,12 +27,13 @@ pub(crate) mod statistics;
 mod table;
 mod trained;
 
-use bearing_watch::estimate::MAX_LONG_SEGMENT_SAMPLES;
+use bearing_watch::model::{Feature, MAX_LONG_SEGMENT_ROWS};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
 use crate::Error;
 use crate::core::features::Catalogue;
+use crate::core::{Parts, Wiring};
 use crate::identify::{Estimate, Structure, least_squares};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Trace, same_interval};
@@ -61,23 +62,20 @@ pub use trained::Trained;
 pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> Result<Trained, Error> {
     check_intervals(traces)?;
     let longest = traces.iter().map(|t| t.trace.y.len()).max().unwrap_or(0);
-    let segment = recipe.estimation.segment.unwrap_or(longest.min(MAX_LONG_SEGMENT_SAMPLES as usize));
+    let segment = recipe.estimation.segment.unwrap_or(longest.min(MAX_LONG_SEGMENT_ROWS as usize));
     // The spread of the features belongs to a length: train on segments as the detector will see them.
     let pieces = if recipe.estimation.segment.is_some() { cut(traces, segment) } else { traces.to_vec() };
     check_classes(&pieces, classes, recipe.alarms.healthy)?;
-    let regression = estimation::regression(traces, classes, recipe.structure, (&recipe.estimation, segment))?;
     let interval_s = traces.iter().find_map(|t| t.trace.interval_s).unwrap_or(0.0);
-    let nominal = recipe.estimation.nominal;
-    let shaft = recipe.shaft.as_ref().map(|plan| shaft::model(traces, (nominal, segment, interval_s), plan));
-    let shaft = shaft.transpose()?;
-    let (table, origins): (_, Vec<usize>) = if recipe.estimation.is_batch() && shaft.is_none() {
+    let parts = parts(traces, classes, recipe, (segment, interval_s))?;
+    let (table, origins): (_, Vec<usize>) = if recipe.estimation.is_batch() && parts.shaft.is_none() {
         let of_trace = |(k, t): (usize, &LabelledTrace)| {
             let pieces = recipe.estimation.segment.map_or(1, |samples| spans(t.trace.y.len(), samples).count());
             std::iter::repeat_n(k, pieces)
         };
         (batch_features(&pieces, classes, recipe.structure)?, traces.iter().enumerate().flat_map(of_trace).collect())
     } else {
-        core_features::run(traces, classes, (&regression, shaft.as_ref()), segment)?
+        core_features::run(traces, classes, (&parts, recipe.structure), segment)?
     };
     let catalogue = recipe.catalogue();
     let groups = groups(&recipe.validation.groups, traces.len())?;
@@ -104,12 +102,33 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
         watch,
         core_features,
         core_projection,
-        regression,
-        shaft,
+        parts,
         segment_samples: segment,
         interval_s,
         block_mean: 1,
     })
+}
+
+/// Channels, regression and shaft of the core with their trained constants.
+fn parts(
+    traces: &[LabelledTrace],
+    classes: &[String],
+    recipe: &Recipe,
+    (segment, interval_s): (usize, f64),
+) -> Result<Parts, Error> {
+    /// Room for other conditions than those of training, in multiples of the largest magnitude.
+    const LIMIT: f64 = 10.0;
+    let watched = recipe.shaft.as_ref().map(|plan| plan.load);
+    let wiring = Wiring::new(&recipe.columns, recipe.structure, watched);
+    let estimation = (&recipe.estimation, segment);
+    let regression = estimation::regression(traces, classes, (recipe.structure, wiring.signals), estimation)?;
+    let shaft = recipe.shaft.as_ref().map(|plan| {
+        let sizes = (recipe.estimation.nominal, segment, interval_s);
+        shaft::model(traces, sizes, plan, &wiring)
+    });
+    let mut channels = wiring.core_channels(traces.iter().map(|t| &t.trace), LIMIT)?;
+    estimation::guard(&mut channels, wiring.signals, &recipe.estimation)?;
+    Ok(Parts { channels, regression: Some(regression), shaft: shaft.transpose()? })
 }
 
 fn batch_features(pieces: &[LabelledTrace], classes: &[String], structure: Structure) -> Result<FeatureTable, Error> {
@@ -205,7 +224,7 @@ fn compose(
     chosen: &[usize],
     catalogue: &Catalogue,
     projection: &AffineMap,
-) -> (Vec<usize>, AffineMap) {
+) -> (Vec<Feature>, AffineMap) {
     let map = catalogue.raw_from_delta().select_rows(chosen);
     let used: Vec<usize> = (0..map.ncols()).filter(|&k| map.column(k).amax() > 0.0).collect();
     let deltas: Vec<_> = table.rows.iter().map(|row| catalogue.delta_from_raw(row)).collect();
@@ -213,6 +232,6 @@ fn compose(
     // The projection's own centre is the mean of the same rows, so both centres are the same point.
     let matrix = &projection.matrix * map.select_columns(&used);
     let centre = DVector::from_iterator(used.len(), used.iter().map(|&k| mean[k]));
-    let indices = used.iter().map(|&place| catalogue.core_index(place)).collect();
+    let indices = used.iter().map(|&place| catalogue.core_feature(place)).collect();
     (indices, AffineMap { matrix, mean: centre })
 }

@@ -190,7 +190,7 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
     use super::*;
-    use crate::identify::{Order, Structure};
+    use crate::identify::Structure;
     use crate::train::FeatureTable;
 
     /// Three classes. `shift` moves the second by 2, `other` the third by 3; `copy` is `shift` with a little noise,
@@ -215,7 +215,7 @@ mod tests {
     }
 
     fn recipe() -> Recipe {
-        Recipe::new(Structure { order: Order::new(1, 1, 1, 1, 1), offset: false })
+        Recipe::new(Structure::new(1, 1, 1, 1, 1))
     }
 
     #[test]

@@ -1,14 +1,20 @@
 //! What is trained, apart from the traces.
 
-use bearing_watch::decide::Kind;
+use bearing_watch::Park;
+use bearing_watch::plan::Kind;
 
 use super::{Alarms, Estimation, ProjectionKind, ShaftPlan, Shrink, Validation};
 use crate::core::features::Catalogue;
 use crate::identify::Structure;
+use crate::trace::Channels;
 
 /// Structure, estimator, features, projection, discriminant and alarms of a model.
 #[derive(Clone, Debug)]
 pub struct Recipe {
+    /// Columns of the signals, which name the channels of the model.
+    pub columns: Channels,
+    /// Sign convention of the quadrature current, if it is known.
+    pub park: Option<Park>,
     /// Model structure.
     pub structure: Structure,
     /// How the core estimates its parameters.
@@ -39,6 +45,8 @@ impl Recipe {
     #[must_use]
     pub fn new(structure: Structure) -> Self {
         Self {
+            columns: Channels::new("y", "u1", "u2"),
+            park: None,
             structure,
             estimation: Estimation::default(),
             shaft: None,

@@ -14,12 +14,12 @@
 //! coordinates are √(24/21) times ours, its posteriors a little bolder (the above with S * nu / (nu + 1) and P * 21 / 24
 //! are its `predict_log_proba`).
 
-use bearing_watch::decide::Kind;
+use bearing_watch::plan::Kind;
 use nalgebra::{DMatrix, DVector};
 
 use super::fit::fit;
 use super::{Candidates, ClassStatistics, FeatureTable, Keep, ProjectionKind, Recipe, Shrink, Shrinkage};
-use crate::identify::{Order, Structure};
+use crate::identify::Structure;
 
 /// Seven, eight and nine rows of three classes.
 const X: [[f64; 3]; 24] = [
@@ -60,7 +60,7 @@ fn candidates() -> Candidates {
 }
 
 fn recipe(projection: ProjectionKind) -> Recipe {
-    let structure = Structure { order: Order::new(1, 1, 1, 1, 1), offset: false };
+    let structure = Structure::new(1, 1, 1, 1, 1);
     Recipe { projection, priors: vec![0.5, 0.3, 0.2], ..Recipe::new(structure) }
 }
 

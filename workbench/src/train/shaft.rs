@@ -1,26 +1,31 @@
 //! The constants of the core's shaft: torque balance, delay of the current, tracked orders.
 //!
 //! ```text
-//! scales     powers of two that bring ω̇, ω, T, i to rms ≈ 1
-//! nominal    mean p over the traces of the nominal class, estimated by the core itself                       (1)
-//! delay      the one whose torque balance leaves the least residual on those traces                         (2)
-//! still      7 % of the reference's rms, and r₀ likewise; ω₀ that rms                                         (3)
+//! scales     powers of two that scale ω̇, ω, T, i to rms ≈ 1
+//! nominal    mean p over the traces of the nominal class, estimated by the core                              (1)
+//! delay      the delay whose torque balance has the least residual on those traces                          (2)
+//! slowest    7 % of the reference's rms, and r₀ likewise; ω₀ is that rms                                      (3)
 //! block      a fiftieth of a segment: 50 noise estimates, 2 % as much noise as in the whole                  (4)
 //! ```
 //!
-//! (2) works since a lag τ of the current leaves τ times the rate of the load, which nothing else in the balance can explain.
+//! (2) works because a lag τ of the current leaves τ times the rate of the load, which no other term of the balance explains.
 
-use bearing_watch::estimate::{
-    Balance, MAX_CURRENT_DELAY, ShaftEstimate, StateVariable, TrackedOrder, Tracking, Watch,
+use bearing_watch::model::{
+    Balance, Channel, MAX_CURRENT_DELAY, Sampling, ShaftConstants, StateVariable, TrackedOrder, Tracking,
 };
-use bearing_watch::{Guard, Shaft, ShaftModel};
+use bearing_watch::plan::{RunTime, ShaftLayout, Signal};
+use bearing_watch::{Friction, FrictionTerm, ShaftEstimate};
 use rayon::prelude::*;
 
+use super::core_form::refused;
 use crate::Error;
-use crate::core::MAX_ORDERS;
+use crate::core::{Embedded, MAX_ORDERS, Parts, Wiring};
 use crate::grey_box::filter::LowPass;
-use crate::trace::MotionTrace;
 use crate::trace::labels::LabelledTrace;
+use crate::trace::{MotionTrace, Trace};
+
+/// Limits of the channels, in multiples of the largest magnitude in training.
+const LIMIT: f64 = 10.0;
 
 /// What is watched of the shaft.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,79 +87,111 @@ impl ShaftPlan {
     }
 }
 
-/// The shaft's constants from training traces.
+/// Traces with their motion.
+type Watched<'a> = (&'a LabelledTrace, &'a MotionTrace);
+
+/// The shaft of the core with its trained constants.
 ///
 /// # Errors
-/// A plan out of range; traces without the shaft's channels or of unknown interval; a shaft that stands still, or whose balance is
-/// not excited in the nominal class.
+/// A plan out of range; traces without the channels of the shaft or of unknown interval; a shaft that stands still, or
+/// whose balance is not excited in the nominal class.
 pub(super) fn model(
     traces: &[LabelledTrace],
     (nominal, segment, interval_s): (usize, usize, f64),
     plan: &ShaftPlan,
-) -> Result<ShaftModel<MAX_ORDERS>, Error> {
+    wiring: &Wiring,
+) -> Result<(ShaftLayout, ShaftConstants<RunTime>), Error> {
     if interval_s <= 0.0 {
         return Err(Error::Training("the shaft needs the sampling interval; give the traces a column t_s".into()));
     }
     plan.check(interval_s)?;
-    let watched: Vec<(&LabelledTrace, &MotionTrace)> =
-        traces.iter().filter_map(|t| Some((t, t.trace.motion.as_ref()?))).collect();
+    let watched: Vec<Watched<'_>> = traces.iter().filter_map(|t| Some((t, t.trace.motion.as_ref()?))).collect();
     if watched.len() < traces.len() {
-        return Err(Error::Training("a trace has no channels of the shaft, but its features are asked for".into()));
+        return Err(Error::Training("a trace lacks the channels of the shaft, but its features are requested".into()));
     }
     let all: Vec<&MotionTrace> = watched.iter().map(|(_, motion)| *motion).collect();
-    let own: Vec<_> = watched.into_iter().filter(|(t, _)| t.class == nominal).collect();
-    let mut model = untrained(&all, segment, interval_s, plan)?;
-    model.current_delay = match plan.current_delay {
+    let own: Vec<Watched<'_>> = watched.into_iter().filter(|(t, _)| t.class == nominal).collect();
+    let harmonics = 3 - plan.weights.iter().rev().take_while(|w| **w <= 0.0).count();
+    let ([current, velocity, reference], load) =
+        wiring.shaft.ok_or_else(|| Error::Training("the channels of the shaft are not wired".into()))?;
+    let (orders, harmonics) = (plan.orders.len() as u8, harmonics as u8);
+    let layout = ShaftLayout { current, velocity, reference, load, orders, harmonics };
+    let mut constants = untrained(&all, segment, interval_s, plan)?;
+    let bench = Bench::new(&own, layout, wiring)?;
+    constants.current_delay = match plan.current_delay {
         Some(delay) => delay as f32,
-        None => best_delay(&model, &own[..own.len().min(8)]),
+        None => bench.best_delay(&constants, &own[..own.len().min(8)])?,
     };
-    let balance = |(labelled, motion): &(&LabelledTrace, &MotionTrace)| {
-        let estimate = run(&model, motion);
-        match estimate.reason {
+    let balance = |(labelled, _): &Watched<'_>| {
+        let estimate = bench.run(&constants, &labelled.trace)?;
+        match estimate.friction_reason {
             Some(reason) => Err(Error::trace(&labelled.trace.id, format!("shaft: {reason}"))),
-            None => Ok(estimate),
+            None => Ok(estimate.friction),
         }
     };
-    let estimates: Vec<ShaftEstimate<MAX_ORDERS>> = own.par_iter().map(balance).collect::<Result<_, _>>()?;
-    for (k, cell) in model.balance.nominal.iter_mut().enumerate() {
-        let sum: f64 = estimates.iter().map(|e| f64::from(e.friction.parameters[k])).sum();
+    let estimates: Vec<Friction> = own.par_iter().map(balance).collect::<Result<_, _>>()?;
+    for (term, cell) in FrictionTerm::ALL.into_iter().zip(&mut constants.balance.nominal) {
+        let value = |friction: &Friction| f64::from(friction.parameter(term).unwrap_or_default().value);
+        let sum: f64 = estimates.iter().map(value).sum();
         *cell = (sum / estimates.len() as f64) as f32; // (1)
     }
-    Ok(model)
+    Ok((layout, constants))
 }
 
-/// (2), to a tenth of a sample.
-fn best_delay(model: &ShaftModel<MAX_ORDERS>, healthy: &[(&LabelledTrace, &MotionTrace)]) -> f32 {
-    let residual = |delay: f32| -> f64 {
-        let model = ShaftModel { current_delay: delay, ..*model };
-        let variance = |(_, motion): &(&LabelledTrace, &MotionTrace)| f64::from(run(&model, motion).friction.variance);
-        healthy.par_iter().map(variance).map(|v| if v > 0.0 { v } else { f64::MAX / 1e3 }).sum()
-    };
-    let delays = (0..=25_u8).map(|k| f32::from(k) / 10.0);
-    let best = delays.map(|delay| (delay, residual(delay))).min_by(|one, other| one.1.total_cmp(&other.1));
-    best.map_or(0.0, |(delay, _)| delay)
+/// Runs the shaft of the core alone over whole traces.
+struct Bench {
+    layout: ShaftLayout,
+    channels: Vec<Channel>,
 }
 
-/// What the core says of a whole trace.
-fn run(model: &ShaftModel<MAX_ORDERS>, motion: &MotionTrace) -> ShaftEstimate<MAX_ORDERS> {
-    let mut shaft = Shaft::new(Some(model));
-    (0..motion.angle_rad.len()).for_each(|k| shaft.step(Some(model), &motion.at(k)));
-    shaft.sums().map_or_else(|| ShaftEstimate::empty(bearing_watch::Reason::TooFewRows), |sums| model.conclude(&sums))
+impl Bench {
+    /// The signals of the shaft have channels of their own here.
+    fn new(own: &[Watched<'_>], layout: ShaftLayout, wiring: &Wiring) -> Result<Self, Error> {
+        let alone = Wiring { channels: vec![], ..wiring.clone() }.of_shaft(wiring);
+        let channels = alone.core_channels(own.iter().map(|(t, _)| &t.trace), LIMIT)?;
+        let ([current, velocity, reference], load) = alone.shaft.unwrap_or(([Signal::channel(0); 3], None));
+        Ok(Self { layout: ShaftLayout { current, velocity, reference, load, ..layout }, channels })
+    }
+
+    fn run(&self, constants: &ShaftConstants<RunTime>, trace: &Trace) -> Result<ShaftEstimate<RunTime>, Error> {
+        let parts =
+            Parts { channels: self.channels.clone(), regression: None, shaft: Some((self.layout, constants.clone())) };
+        let samples = trace.y.len() as u32;
+        let sampling = Sampling { interval_s: 0.0, park: None, block_mean: 1, segment_samples: samples };
+        let model = parts.estimating(sampling).map_err(refused)?;
+        let report = Embedded::new(model).map_err(refused)?.whole(trace);
+        report.shaft().cloned().ok_or_else(|| Error::trace(&trace.id, "the shaft was not watched"))
+    }
+
+    /// (2), to a tenth of a sample.
+    fn best_delay(&self, constants: &ShaftConstants<RunTime>, healthy: &[Watched<'_>]) -> Result<f32, Error> {
+        let residual = |delay: f32| -> Result<f64, Error> {
+            let delayed = ShaftConstants { current_delay: delay, ..constants.clone() };
+            let variance = |(labelled, _): &Watched<'_>| {
+                let variance = f64::from(self.run(&delayed, &labelled.trace)?.friction.variance);
+                Ok(if variance > 0.0 { variance } else { f64::MAX / 1e3 })
+            };
+            healthy.par_iter().map(variance).sum()
+        };
+        let delays = (0..=25_u8).map(|k| f32::from(k) / 10.0);
+        let tried: Vec<(f32, f64)> = delays.map(|delay| Ok((delay, residual(delay)?))).collect::<Result<_, Error>>()?;
+        let best = tried.into_iter().min_by(|one, other| one.1.total_cmp(&other.1));
+        Ok(best.map_or(0.0, |(delay, _)| delay))
+    }
 }
 
-/// Scales, limits and rates; nominal parameters and delay are zero.
+/// Scales and rates; nominal parameters and delay are zero.
 fn untrained(
     traces: &[&MotionTrace],
     segment: usize,
     interval_s: f64,
     plan: &ShaftPlan,
-) -> Result<ShaftModel<MAX_ORDERS>, Error> {
+) -> Result<ShaftConstants<RunTime>, Error> {
     let column = |pick: fn(&MotionTrace) -> &Vec<f64>| traces.iter().flat_map(move |t| pick(t).iter().copied());
-    let largest = |pick| column(pick).fold(0.0_f64, |most, x| most.max(x.abs()));
     let rms = |pick| (column(pick).map(|x| x * x).sum::<f64>() / column(pick).count().max(1) as f64).sqrt();
     let reference = rms(|t| &t.reference_rad_s);
     if reference <= 0.0 {
-        return Err(Error::Training("the velocity reference is zero throughout: nothing moves the shaft".into()));
+        return Err(Error::Training("the velocity reference is zero throughout: the shaft does not move".into()));
     }
     let cutoff = plan.cutoff_hz * interval_s;
     let low_pass = LowPass::butterworth(1, cutoff);
@@ -162,35 +199,27 @@ fn untrained(
     let squares = slopes.iter().map(|x| x * x).sum::<f64>() / slopes.len().max(1) as f64;
     let acceleration = squares.sqrt() / interval_s;
     let power_of_two = |rms: f64| if rms > 0.0 { (-rms.log2().round()).exp2() as f32 } else { 1.0 };
-    let still_rad_s = 0.07 * reference; // (3)
-    let velocity = largest(|t| &t.velocity_rad_s).max(largest(|t| &t.reference_rad_s));
-    let limit = [largest(|t| &t.current_a), velocity, largest(|t| &t.load_nm).max(1e-3)].map(|x| (10.0 * x) as f32);
-    let harmonics = 3 - plan.weights.iter().rev().take_while(|w| **w <= 0.0).count();
-    let mut orders = [TrackedOrder::NONE; MAX_ORDERS];
-    for (cell, (_, order)) in orders.iter_mut().zip(&plan.orders) {
-        *cell = TrackedOrder::new(*order as f32, plan.weights.map(|w| w as f32));
-    }
-    Ok(ShaftModel {
-        guard: Guard::within(limit),
+    let slowest_rad_s = 0.07 * reference; // (3)
+    let weights = plan.weights.map(|w| w as f32);
+    // A block of every order ends within a block of the first.
+    let least = plan.orders.len() + 2;
+    Ok(ShaftConstants {
         current_delay: 0.0,
         balance: Balance {
             interval_s: interval_s as f32,
             filter: StateVariable::new((std::f64::consts::PI * cutoff).tan() as f32, interval_s as f32),
             row_interval: (1.0 / (8.0 * cutoff)).round().clamp(1.0, 255.0) as u8,
             settle: (1.6 / cutoff).round().clamp(1.0, 60_000.0) as u16,
-            sign_velocity_rad_s: still_rad_s as f32,
+            sign_velocity_rad_s: slowest_rad_s as f32,
             usual_velocity_rad_s: reference as f32,
-            load: plan.load,
             scale: [acceleration, rms(|t| &t.velocity_rad_s), rms(|t| &t.load_nm), rms(|t| &t.current_a)]
                 .map(power_of_two),
             nominal: [0.0; 5],
         },
         tracking: Tracking {
-            orders,
-            count: plan.orders.len() as u8,
-            harmonics: harmonics as u8,
-            still: (still_rad_s * interval_s / std::f64::consts::TAU * 4_294_967_296.0) as u32,
-            block_samples: (segment / 50).clamp(2, 60_000) as u16, // (4)
+            orders: plan.orders.iter().map(|(_, order)| TrackedOrder::new(*order as f32, weights)).collect(),
+            slowest_turn: (slowest_rad_s * interval_s / std::f64::consts::TAU * 4_294_967_296.0) as u32,
+            block_samples: (segment / 50).clamp(least, 60_000) as u16, // (4)
         },
     })
 }

@@ -1,9 +1,9 @@
 //! A trained model in double precision.
 
-use bearing_watch::{Regression, ShaftModel};
+use bearing_watch::model::Feature;
 
 use super::{AffineMap, Candidates, Choice, FeatureTable, GaussianClasses, Recipe, Watch};
-use crate::core::{MAX_COLUMNS, MAX_ORDERS};
+use crate::core::Parts;
 
 /// A trained model, in the shape of the core's [`bearing_watch::Model`].
 #[derive(Clone, Debug)]
@@ -30,14 +30,12 @@ pub struct Trained {
     pub candidates: Candidates,
     /// Novelty gate and alarm.
     pub watch: Watch,
-    /// Places in the core's feature list.
-    pub core_features: Vec<usize>,
+    /// The core's features.
+    pub core_features: Vec<Feature>,
     /// Core features → coordinates.
     pub core_projection: AffineMap,
-    /// What the core estimates with.
-    pub regression: Box<Regression<MAX_COLUMNS>>,
-    /// What the core watches the shaft with.
-    pub shaft: Option<ShaftModel<MAX_ORDERS>>,
+    /// What the core estimates with: channels, regression, shaft.
+    pub parts: Parts,
     /// Samples a segment at the identification rate.
     pub segment_samples: usize,
     /// Sample interval at the rate the detector is fed with, s; 0 where unknown.

@@ -23,7 +23,7 @@ use nalgebra::{DMatrix, DVector};
 use super::noise::Noise;
 use crate::Error;
 use crate::identify::filters::all_pole;
-use crate::identify::{Estimate, Noise as NoiseModel, Order, Structure, reflect_unstable, simulate};
+use crate::identify::{Estimate, Noise as NoiseModel, Structure, Terms, reflect_unstable, simulate};
 use crate::trace::Trace;
 
 /// Which errors are judged, and by which estimator the parameters came; see the table of this room.
@@ -57,7 +57,7 @@ impl Linearised {
     /// Signals that do not determine the parameters.
     pub fn new(trace: &Trace, estimate: &Estimate, errors: Errors) -> Result<Self, Error> {
         let (structure, theta) = (estimate.structure, estimate.theta.as_slice());
-        let first = structure.order.depth();
+        let first = structure.depth();
         let simulated = simulate(trace, structure, theta);
         let x = regressors(structure, &trace.y, &trace.u1, &trace.u2, 1.0);
         let of_equation = DVector::from_column_slice(&trace.y) - &x * &estimate.theta;
@@ -134,7 +134,7 @@ fn instrumental(x: &DMatrix<f64>, z: DMatrix<f64>, noise: &Noise) -> Option<DMat
 
 /// Rows of −y(t−1)…, u1(t−nkb)…, u2(t−nkc)…, constant from t = 0 on, with zeros before the record.
 fn regressors(structure: Structure, y: &[f64], u1: &[f64], u2: &[f64], constant: f64) -> DMatrix<f64> {
-    let Order { na, nb, nc, nkb, nkc } = structure.order;
+    let Structure { na, nb, nc, nkb, nkc, .. } = structure;
     let (na, nb, nc) = (na as usize, nb as usize, nc as usize);
     DMatrix::from_fn(y.len(), structure.parameters(), |t, column| {
         let before = |x: &[f64], age: usize| t.checked_sub(age).map_or(0.0, |place| x[place]);
@@ -174,7 +174,7 @@ fn prediction_slopes(x: DMatrix<f64>, equation: DVector<f64>, noise: &NoiseModel
 fn output_slopes(trace: &Trace, structure: Structure, theta: &[f64], simulated: &[f64]) -> DMatrix<f64> {
     let ([a, _, _], _) = structure.polynomials(theta);
     let a = reflect_unstable(&a);
-    let known = if structure.offset { structure.order.depth() } else { 0 };
+    let known = if structure.offset { structure.depth() } else { 0 };
     let mut slopes = regressors(structure, simulated, &trace.u1, &trace.u2, 1.0);
     slopes.rows_mut(0, known).fill(0.0);
     slopes.column_iter_mut().for_each(|mut column| all_pole(&a, column.as_mut_slice()));
@@ -200,7 +200,7 @@ mod tests {
     #[test]
     fn gain_inverts_sensitivity_and_fitted_signals_vanish() {
         let trace = trace();
-        let structure = Structure { order: Order::new(1, 1, 1, 1, 1), offset: true };
+        let structure = Structure::new(1, 1, 1, 1, 1).with_offset();
         let estimate = estimate(&trace, structure, Method::Ls).expect("well posed");
         for errors in [Errors::LeastSquares, Errors::Simulation] {
             let linear = Linearised::new(&trace, &estimate, errors).expect("well posed");
@@ -215,7 +215,7 @@ mod tests {
     #[test]
     fn slopes_of_the_simulated_output_are_its_differences() {
         let trace = trace();
-        let structure = Structure { order: Order::new(1, 1, 1, 1, 1), offset: true };
+        let structure = Structure::new(1, 1, 1, 1, 1).with_offset();
         let theta = [-0.6, 1.0, 0.3, 0.2];
         let base = simulate(&trace, structure, &theta);
         let slopes = output_slopes(&trace, structure, &theta, &base);

@@ -66,7 +66,7 @@ pub struct Validation {
 /// A trace too short for the lags, or signals that do not determine the parameters.
 pub fn validate(trace: &Trace, estimate: &Estimate, errors: Errors, lags: usize) -> Result<Validation, Error> {
     let (samples, structure) = (trace.y.len(), estimate.structure);
-    let needed = structure.order.depth() + structure.parameters() + 4 * lags.max(1);
+    let needed = structure.depth() + structure.parameters() + 4 * lags.max(1);
     if lags == 0 || samples <= needed {
         let problem = format!(
             "{samples} samples are too few for a residual test over {lags} lags; use --lags N, N from 1 to a quarter of the samples"
@@ -80,7 +80,7 @@ pub fn validate(trace: &Trace, estimate: &Estimate, errors: Errors, lags: usize)
     let span = lags as i64;
     let [of_u1, of_u2] = &cross_correlation;
     // Sampled feedback may carry the residual of this very sample into an input that acts later.
-    let starts = [structure.order.nkb, structure.order.nkc].map(|delay| i64::from(delay.min(1)));
+    let starts = [structure.nkb, structure.nkc].map(|delay| i64::from(delay.min(1)));
     let simulated = simulate(trace, structure, estimate.theta.as_slice());
     Ok(Validation {
         errors,

@@ -36,7 +36,7 @@ impl Noise {
         levinson(v, order.min(v.len() / 4)).pop().unwrap_or_else(|| Self::white(v))
     }
 
-    /// Order zero.
+    /// Structure zero.
     #[must_use]
     pub fn white(v: &[f64]) -> Self {
         Self { taps: vec![1.0], variance: v.iter().map(|v| v * v).sum::<f64>() / v.len().max(1) as f64 }

@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 
 use nalgebra::{Complex, DVector};
 
-use crate::identify::{Estimate, poles};
+use crate::identify::{Estimate, Terms, poles};
 
 /// Which input a response is from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,7 +54,7 @@ pub struct Frequency {
 
 /// The terms of one input: first parameter, number, delay.
 fn terms(estimate: &Estimate, input: Input) -> (usize, usize, usize) {
-    let order = estimate.structure.order;
+    let order = estimate.structure;
     match input {
         Input::U1 => (order.na as usize, order.nb as usize, order.nkb as usize),
         Input::U2 => ((order.na + order.nb) as usize, order.nc as usize, order.nkc as usize),
@@ -69,7 +69,7 @@ fn uncertain(estimate: &Estimate, value: f64, gradient: &DVector<f64>) -> Uncert
 #[must_use]
 pub fn frequency(estimate: &Estimate, input: Input, omega: f64) -> Option<Frequency> {
     let (from, count, delay) = terms(estimate, input);
-    let na = estimate.structure.order.na as usize;
+    let na = estimate.structure.na as usize;
     let theta = &estimate.theta;
     let late = |k: usize| Complex::from_polar(1.0, -omega * k as f64);
     let a = (1..=na).fold(Complex::new(1.0, 0.0), |sum, k| sum + late(k) * theta[k - 1]);
@@ -112,7 +112,7 @@ pub fn step(estimate: &Estimate, input: Input, samples: usize) -> Vec<Uncertain>
     if count == 0 {
         return vec![];
     }
-    let na = estimate.structure.order.na as usize;
+    let na = estimate.structure.na as usize;
     let theta = &estimate.theta;
     let mut response: Vec<f64> = Vec::with_capacity(samples);
     let mut slopes: Vec<DVector<f64>> = Vec::with_capacity(samples);
@@ -143,7 +143,7 @@ pub fn settling(estimate: &Estimate) -> usize {
         return 50;
     }
     let decayed = (0.01_f64.ln() / slowest.max(1e-3).ln()).ceil();
-    let depth = estimate.structure.order.depth();
+    let depth = estimate.structure.depth();
     (20..=1000).find(|&n| n as f64 >= decayed + depth as f64).unwrap_or(1000)
 }
 
@@ -152,11 +152,11 @@ mod tests {
     use nalgebra::DMatrix;
 
     use super::*;
-    use crate::identify::{Order, Structure};
+    use crate::identify::Structure;
 
     fn first_order() -> Estimate {
         Estimate::given(
-            Structure { order: Order::new(1, 1, 0, 1, 1), offset: false },
+            Structure::new(1, 1, 0, 1, 1),
             DVector::from_vec(vec![-0.5, 2.0]),
             DMatrix::from_diagonal(&DVector::from_vec(vec![1e-4, 4e-4])),
         )

@@ -140,7 +140,7 @@ impl PoleZeroMap {
     /// Of an estimate, with regions of this many standard deviations.
     #[must_use]
     pub fn new(estimate: &Estimate, sigmas: f64) -> Self {
-        let order = estimate.structure.order;
+        let order = estimate.structure;
         let (na, nb, nc) = (order.na as usize, order.nb as usize, order.nc as usize);
         let theta = estimate.theta.as_slice();
         let block = |from: usize, n: usize| estimate.covariance.view((from, from), (n, n)).into_owned();

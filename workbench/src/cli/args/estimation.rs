@@ -1,6 +1,7 @@
 //! Arguments of the core's estimator.
 
-use bearing_watch::estimate::{MAX_LONG_SEGMENT_SAMPLES, Method as CoreMethod};
+use bearing_watch::model::MAX_LONG_SEGMENT_ROWS;
+use bearing_watch::plan::Method as CoreMethod;
 use clap::{Args, ValueEnum};
 
 use crate::Error;
@@ -57,10 +58,10 @@ impl EstimationArgs {
     pub(in crate::cli) fn estimation(&self, structure: Structure, classes: &[String]) -> Result<Estimation, Error> {
         let method = self.method.core();
         if let Some(segment) = self.segment {
-            let outputs = if self.method == Method::Instruments { structure.order.na as usize } else { 0 };
-            let least = structure.order.depth() + structure.order.columns(structure.offset) + outputs + 1;
-            if segment < least || segment > MAX_LONG_SEGMENT_SAMPLES as usize {
-                let problem = format!("--segment {segment}: at this order it is {least} to {MAX_LONG_SEGMENT_SAMPLES}");
+            let outputs = if self.method == Method::Instruments { structure.na as usize } else { 0 };
+            let least = structure.depth() + structure.parameters() + outputs + 2;
+            if segment < least || segment > MAX_LONG_SEGMENT_ROWS as usize {
+                let problem = format!("--segment {segment}: at this order it is {least} to {MAX_LONG_SEGMENT_ROWS}");
                 return Err(Error::Usage(problem));
             }
         }

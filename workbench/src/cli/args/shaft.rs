@@ -1,6 +1,6 @@
 //! Arguments of the shaft: its channels, and what is tracked.
 
-use bearing_watch::estimate::Bearing;
+use bearing_watch::Bearing;
 use clap::Args;
 
 use crate::Error;

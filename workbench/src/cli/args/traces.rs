@@ -6,7 +6,7 @@ use clap::Args;
 
 use crate::Error;
 use crate::cli::output;
-use crate::identify::{Order, Structure, parse_order};
+use crate::identify::{Structure, parse_order};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{self, Channels, Condition, Labels, Preparation, Trace};
 use crate::train::Validation;
@@ -55,7 +55,7 @@ impl TraceArgs {
 pub(in crate::cli) struct StructureArgs {
     /// na,nb,nc,nkb,nkc
     #[arg(long, value_parser = parse_order, value_name = "ORDER")]
-    order: Order,
+    order: Structure,
     /// Estimate a constant term too (recorded signals have operating points)
     #[arg(long)]
     offset: bool,
@@ -63,7 +63,7 @@ pub(in crate::cli) struct StructureArgs {
 
 impl StructureArgs {
     pub(in crate::cli) fn structure(self) -> Structure {
-        Structure { order: self.order, offset: self.offset }
+        Structure { offset: self.offset, ..self.order }
     }
 }
 

@@ -11,7 +11,7 @@
 
 use super::super::result::stable;
 use super::filter::{add_filtered, recur};
-use crate::identify::{Order, Structure, reflect_unstable};
+use crate::identify::{Structure, reflect_unstable};
 use crate::trace::Trace;
 
 /// Distance of the reflection coefficients from one within which rounding could decide.
@@ -34,7 +34,7 @@ pub(crate) struct FreeRun {
 
 impl FreeRun {
     pub(crate) fn new(structure: Structure, theta: &[f64]) -> Self {
-        let Order { na, nb, nc, nkb, nkc } = structure.order;
+        let Structure { na, nb, nc, nkb, nkc, .. } = structure;
         let (a, rest) = theta.split_at(na.into());
         let (b, rest) = rest.split_at(nb.into());
         let (c, rest) = rest.split_at(nc.into());
@@ -44,7 +44,7 @@ impl FreeRun {
             c: c.to_vec(),
             delays: [nkb.into(), nkc.into()],
             constant: rest.first().copied().unwrap_or(0.0),
-            known: if structure.offset { structure.order.depth() } else { 0 },
+            known: if structure.offset { structure.depth() } else { 0 },
             stable: true,
         };
         if !surely_stable(a) {
@@ -92,6 +92,7 @@ pub(crate) fn surely_stable(a: &[f64]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::identify::Terms;
 
     fn trace(n: usize) -> Trace {
         let wave = |step: f64| (0..n).map(|t| (step * (t * t) as f64).sin()).collect::<Vec<f64>>();
@@ -110,7 +111,7 @@ mod tests {
     fn plain(trace: &Trace, structure: Structure, theta: &[f64]) -> Vec<f64> {
         let ([a, b, c], constant) = structure.polynomials(theta);
         let a = reflect_unstable(&a);
-        let known = if structure.offset { structure.order.depth().min(trace.y.len()) } else { 0 };
+        let known = if structure.offset { structure.depth().min(trace.y.len()) } else { 0 };
         let mut output = trace.y[..known].to_vec();
         for t in known..trace.y.len() {
             let sum = |terms: &[f64], x: &[f64]| -> f64 {
@@ -127,14 +128,14 @@ mod tests {
     #[test]
     fn agrees_with_the_plain_simulation() {
         for (order, offset) in [
-            (Order::new(1, 1, 1, 1, 1), false),
-            (Order::new(2, 4, 3, 1, 5), true),
-            (Order::new(3, 5, 1, 0, 2), false),
-            (Order::new(4, 2, 6, 3, 0), true),
-            (Order::new(6, 1, 9, 2, 2), true),
-            (Order::new(0, 2, 0, 1, 0), false),
+            (Structure::new(1, 1, 1, 1, 1), false),
+            (Structure::new(2, 4, 3, 1, 5), true),
+            (Structure::new(3, 5, 1, 0, 2), false),
+            (Structure::new(4, 2, 6, 3, 0), true),
+            (Structure::new(6, 1, 9, 2, 2), true),
+            (Structure::new(0, 2, 0, 1, 0), false),
         ] {
-            let structure = Structure { order, offset };
+            let structure = Structure { offset, ..order };
             for (n, gain) in [(1, 0.2), (4, 0.2), (60, 0.2), (60, 1.7)] {
                 let trace = trace(n);
                 let theta: Vec<f64> = (0..structure.parameters()).map(|k| gain * (k as f64 + 1.0).cos()).collect();
@@ -157,7 +158,7 @@ mod tests {
         assert!(surely_stable(&[-1.8 * 1.0_f64.cos(), 0.81]));
         assert!(!surely_stable(&[-1.6, 0.55]));
         assert!(!surely_stable(&[-1.5, 0.5]), "on the circle the eigenvalues decide");
-        let structure = Structure { order: Order::new(2, 1, 1, 1, 1), offset: false };
+        let structure = Structure::new(2, 1, 1, 1, 1);
         assert!(!FreeRun::new(structure, &[-1.6, 0.55, 1.0, 1.0]).stable);
         assert!(FreeRun::new(structure, &[-1.5, 0.5, 1.0, 1.0]).stable);
     }

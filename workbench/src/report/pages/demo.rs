@@ -75,7 +75,7 @@ fn filling(first: &Draw, examples: &[(&Trace, usize)]) -> Result<String, Error> 
     );
     for &(trace, truth) in examples {
         let step = trace.interval_s.unwrap_or(1.0);
-        let previews = first.model.previews(trace, STEP).map_err(|e| Error::Usage(e.to_string()))?;
+        let previews = first.model.previews(trace, STEP);
         let segments: Vec<plot::Segment> = previews
             .into_iter()
             .map(|preview| plot::Segment {

@@ -13,7 +13,7 @@ const TOP: usize = 20;
 /// `2,2,2,1,1`, with `+offset` where there is a constant term.
 #[must_use]
 pub fn name(structure: Structure) -> String {
-    let numbers = structure.order.to_array().map(|n| n.to_string()).join(",");
+    let numbers = structure.orders().map(|n| n.to_string()).join(",");
     if structure.offset { numbers + " + offset" } else { numbers }
 }
 

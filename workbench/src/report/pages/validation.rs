@@ -1,6 +1,6 @@
 //! Validated estimates enter, their page leaves.
 
-use crate::identify::{Estimate, Order};
+use crate::identify::{Estimate, Structure, Terms};
 use crate::report::page::{or_reason, paragraph};
 use crate::report::plot::{self, CorrelationPanel, Lag, MapGroup, MapPoint, Panel, Series};
 use crate::report::table::table;
@@ -229,7 +229,7 @@ fn banded(name: &str, color: Color, points: &[(f64, Uncertain)]) -> Series {
     Series::new(name, color, points.iter().map(|&(x, u)| (x, u.value))).with_band(band)
 }
 
-fn inputs(order: Order) -> Vec<(Input, &'static str, Color)> {
+fn inputs(order: Structure) -> Vec<(Input, &'static str, Color)> {
     let all = [(order.nb, (Input::U1, "u1", Color::of(0))), (order.nc, (Input::U2, "u2", Color::of(1)))];
     all.into_iter().filter(|(terms, _)| *terms > 0).map(|(_, input)| input).collect()
 }
@@ -237,7 +237,7 @@ fn inputs(order: Order) -> Vec<(Input, &'static str, Color)> {
 fn steps(trace: &Trace, estimate: &Estimate) -> String {
     let (step, unit) = interval(trace);
     let samples = response::settling(estimate);
-    let panels: Vec<Panel> = inputs(estimate.structure.order)
+    let panels: Vec<Panel> = inputs(estimate.structure)
         .into_iter()
         .map(|(input, name, color)| {
             let response = response::step(estimate, input, samples);
@@ -253,7 +253,7 @@ fn frequencies(trace: &Trace, estimate: &Estimate) -> String {
     let per_rad = trace.interval_s.map_or(1.0, |step| 1.0 / (std::f64::consts::TAU * step));
     let unit = if trace.interval_s.is_some() { "frequency / Hz" } else { "frequency / rad a sample" };
     let mut html = String::new();
-    for (input, name, color) in inputs(estimate.structure.order) {
+    for (input, name, color) in inputs(estimate.structure) {
         let found = response::sweep(estimate, input, DECADES, 200);
         let magnitude: Vec<_> = found.iter().map(|f| (f.omega * per_rad, f.magnitude_db)).collect();
         let mut phase: Vec<_> = found.iter().map(|f| (f.omega * per_rad, f.phase_deg)).collect();

@@ -47,8 +47,7 @@ pub fn false_alarms(
         let model = trained.embed()?;
         let cell = Cell { purpose: Purpose::Validation, repetition: draw, condition, defect: Defect::HEALTHY };
         let surprises = map_traces(&Scenario::STANDARD, &[cell], judged, |recording| {
-            let segments =
-                model.run(&super::run::labelled(recording, 0).trace).map_err(|e| Error::Usage(e.to_string()))?;
+            let segments = model.run(&super::run::labelled(recording, 0).trace);
             // No verdict on a healthy trace is an alarm too.
             Ok(segments.first().filter(|s| s.verdict.is_ok()).map_or(f64::INFINITY, |s| f64::from(s.surprise)))
         })?;
@@ -95,7 +94,7 @@ pub fn alarms(repetitions: u32, count: u32, length: usize, done: impl Fn()) -> R
                 defect: Defect::full(alarmed.kind),
             };
             let segments = map_traces(&Scenario::STANDARD, &[cell], 5 * length as u32, |recording| {
-                model.run(&super::run::labelled(recording, 0).trace).map_err(|e| Error::Usage(e.to_string()))
+                Ok(model.run(&super::run::labelled(recording, 0).trace))
             })?;
             let sequences = segments.par_chunks(length).map(|sequence| {
                 let watched = model.watch(&sequence.concat());

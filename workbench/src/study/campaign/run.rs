@@ -134,10 +134,7 @@ fn judge(
     for (condition, defect) in &experiment.tests {
         let truth = classes.iter().position(|class| class.kind == defect.kind);
         let set = &sets[&key(condition, defect, experiment.records)];
-        let segments: Vec<Vec<SegmentReport>> = set
-            .par_iter()
-            .map(|t| model.run(&t.trace).map_err(|e| Error::Usage(e.to_string())))
-            .collect::<Result<_, _>>()?;
+        let segments: Vec<Vec<SegmentReport>> = set.par_iter().map(|t| model.run(&t.trace)).collect();
         for records in segments.chunks(experiment.records as usize) {
             let together: Vec<SegmentReport> = records.iter().flatten().cloned().collect();
             count.judged += 1;

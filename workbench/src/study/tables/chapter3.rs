@@ -1,6 +1,6 @@
 //! Tables 3.1 and 3.2: the example of chapter 3, healthy against Defect A, and the order search behind it.
 
-use bearing_watch::decide::Kind;
+use bearing_watch::plan::Kind;
 use nalgebra::SymmetricEigen;
 
 use super::draw::{Draw, Model, choose};
@@ -11,7 +11,7 @@ use super::recorded::{Recorded, Selection};
 use super::result::{Cell, Column, Digits, Figure, Row, Spread, Table};
 use super::{ours, separation};
 use crate::Error;
-use crate::identify::{Method, Order};
+use crate::identify::{Method, Structure};
 use crate::structure::{Candidate, Estimator, Grid, Search, search};
 use crate::study::demo::FirstInput;
 use crate::study::literal::{Rule, principal};
@@ -22,7 +22,7 @@ const INPUT: FirstInput = FirstInput::Error;
 const CONDITIONS: &str =
     "y = current, u1 = velocity error, u2 = load torque; 25 + 25 traces of healthy and spall (Defect A).";
 
-const fn model(order: Order, method: Method) -> Model {
+const fn model(order: Structure, method: Method) -> Model {
     Model { input: INPUT, order, method }
 }
 
@@ -136,14 +136,14 @@ struct Case {
 
 impl Case {
     /// Features as they are.
-    fn plain(name: &str, order: Order, method: Method, features: &'static [&'static str]) -> Self {
+    fn plain(name: &str, order: Structure, method: Method, features: &'static [&'static str]) -> Self {
         let name = format!("{}, {name}", written_order(order));
         let projection = ProjectionKind::None;
         Self { name, published: None, model: model(order, method), features, projection, kind: Kind::Linear }
     }
 
     /// Two principal components of the a-parameters.
-    fn projected(name: &str, order: Order, method: Method) -> Self {
+    fn projected(name: &str, order: Structure, method: Method) -> Self {
         Self { projection: principal(order.na.into()), ..Self::plain(name, order, method, &["a"]) }
     }
 
@@ -205,13 +205,13 @@ pub(super) fn misclassified(draw: &Draw) -> Result<Table, Error> {
 /// # Errors
 /// Where the search fails.
 pub(super) fn orders(draw: &Draw) -> Result<Table, Error> {
-    let max = Order::new(3, 6, 3, 2, 2);
+    let max = Structure::new(3, 6, 3, 2, 2);
     let structures = Grid::up_to(max, false).structures()?;
     let first = |set: &[Recorded]| set.iter().take(1).map(|r| r.labelled(INPUT).trace).collect::<Vec<_>>();
     let found = search(&first(&draw.training), &first(&draw.validation), &structures, Estimator::Iv4)?;
-    let of_order = |order: Order| found.candidates.iter().find(|c| c.fitted.structure.order == order);
+    let of_order = |order: Structure| found.candidates.iter().find(|c| c.fitted.structure == order);
     let best = |na: u8| {
-        let of = found.candidates.iter().filter(|c| c.fitted.structure.order.na == na);
+        let of = found.candidates.iter().filter(|c| c.fitted.structure.na == na);
         of.max_by(|x, y| x.fit_percent.total_cmp(&y.fit_percent))
     };
     let named = [
@@ -227,7 +227,7 @@ pub(super) fn orders(draw: &Draw) -> Result<Table, Error> {
     let columns = [("fit, %", 2), ("place by fit", 0), ("parameters", 1)];
     Ok(Table {
         id: "3.2",
-        title: "Order search behind Table 3.2".to_string(),
+        title: "Structure search behind Table 3.2".to_string(),
         conditions: format!(
             "{} structures up to {} by iv4 on one healthy trace, free-run fit on another; y, u1, u2 as above.",
             structures.len(),

@@ -1,6 +1,6 @@
 //! Tables 4.1–4.4: the literal method as the source prints it, what one change each does to it, and ours.
 
-use bearing_watch::decide::Kind;
+use bearing_watch::plan::Kind;
 
 use super::draw::{Draw, Model, choose};
 use super::ours;

@@ -6,11 +6,11 @@ use super::recorded::Selection;
 use super::result::{Cell, Column, Digits, Figure, Row, Spread, Table};
 use super::separation;
 use crate::Error;
-use crate::identify::{Method, Order};
+use crate::identify::{Method, Structure};
 use crate::study::demo::FirstInput;
 
 const SELECTION: Selection = Selection::CHAPTER_4;
-const FIRST_ORDER: Order = Order::new(1, 1, 1, 1, 1);
+const FIRST_ORDER: Structure = Structure::new(1, 1, 1, 1, 1);
 
 const fn input_name(input: FirstInput) -> &'static str {
     match input {

@@ -11,7 +11,7 @@ use super::published::{TRACES_CHAPTER_3, TRACES_CHAPTER_4};
 use super::recorded::{Recorded, Selection};
 use crate::Error;
 use crate::core::features;
-use crate::identify::{Method, Order, Structure, estimate};
+use crate::identify::{Method, Structure, estimate};
 use crate::rig::{Defect, Scenario, simulate, trace_seed};
 use crate::study::demo::{CLASSES, FirstInput};
 use crate::study::literal::Judged;
@@ -22,8 +22,8 @@ use crate::train::FeatureTable;
 pub struct Model {
     /// u1.
     pub input: FirstInput,
-    /// Order vector; no constant term.
-    pub order: Order,
+    /// Structure vector; no constant term.
+    pub order: Structure,
     /// Estimator.
     pub method: Method,
 }
@@ -32,7 +32,7 @@ impl Model {
     /// Its structure.
     #[must_use]
     pub const fn structure(&self) -> Structure {
-        Structure { order: self.order, offset: false }
+        self.order
     }
 }
 

@@ -1,6 +1,6 @@
 //! Piece-wise estimation (§6.2.1) against one model of the whole record.
 
-use bearing_watch::decide::Kind;
+use bearing_watch::plan::Kind;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -54,7 +54,7 @@ pub(super) fn measure(draw: &Draw) -> Result<Table, Error> {
         ("whole record, LS, a1 b1", Method::Ls, &["a", "b"]),
         ("whole record, LS, a1 b1 c1", Method::Ls, &[]),
     ] {
-        let model = Model { input: INPUT, order: STRUCTURE.order, method };
+        let model = Model { input: INPUT, order: STRUCTURE, method };
         let (names, places) = choose(model, asked)?;
         let [training, validation] = draw.estimates(model)?.tables(SELECTION, &places);
         let rule = Rule::train(&training, &names, ProjectionKind::None, Kind::Linear)?;

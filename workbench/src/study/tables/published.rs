@@ -3,7 +3,7 @@
 //! Table 2.2 is of a laboratory motor module in open loop (a first-order model of its step response, brake positions 1
 //! to 4 for growing friction), Tables 3.1–3.2 and 4.1–4.4 of a simulated motor under velocity control.
 
-use crate::identify::Order;
+use crate::identify::Structure;
 use crate::study::demo::FirstInput;
 
 /// A column of Table 2.2.
@@ -40,11 +40,11 @@ pub const TABLE_2_2: [Brake; 5] = [
 pub const TABLE_3_1: [(f64, f64); 3] = [(0.0015, 80.57), (3.6167e-4, 19.43), (1.0872e-7, 0.00584)];
 
 /// Table 3.2, first line: a₁ and a₂ themselves.
-pub const ORDER_WITHOUT_PCA: Order = Order::new(2, 2, 2, 1, 1);
+pub const ORDER_WITHOUT_PCA: Structure = Structure::new(2, 2, 2, 1, 1);
 /// Its misclassification, %.
 pub const ERROR_WITHOUT_PCA: f64 = 30.0;
 /// Table 3.2, second line: two principal components of a₁, a₂, a₃.
-pub const ORDER_WITH_PCA: Order = Order::new(3, 6, 3, 1, 2);
+pub const ORDER_WITH_PCA: Structure = Structure::new(3, 6, 3, 1, 2);
 /// Its misclassification, %.
 pub const ERROR_WITH_PCA: f64 = 6.0;
 /// Data sets a class of chapter 3's example (Figs 3.8, 3.9).
@@ -59,8 +59,8 @@ pub struct Simulation {
     pub number: &'static str,
     /// u1.
     pub input: FirstInput,
-    /// Order vector.
-    pub order: Order,
+    /// Structure vector.
+    pub order: Structure,
     /// Fit.
     pub fit_percent: f64,
     /// Misclassified, features a₁ and a₂: training, validation.
@@ -74,7 +74,7 @@ pub const CHAPTER_4: [Simulation; 4] = [
     Simulation {
         number: "4.1",
         input: FirstInput::Reference,
-        order: Order::new(2, 1, 2, 1, 1),
+        order: Structure::new(2, 1, 2, 1, 1),
         fit_percent: 86.58,
         without_pca: [13.33, 33.33],
         with_pca: [13.33, 28.33],
@@ -82,7 +82,7 @@ pub const CHAPTER_4: [Simulation; 4] = [
     Simulation {
         number: "4.2",
         input: FirstInput::Reference,
-        order: Order::new(3, 1, 2, 1, 1),
+        order: Structure::new(3, 1, 2, 1, 1),
         fit_percent: 86.48,
         without_pca: [13.33, 21.67],
         with_pca: [13.33, 15.0],
@@ -90,7 +90,7 @@ pub const CHAPTER_4: [Simulation; 4] = [
     Simulation {
         number: "4.3",
         input: FirstInput::Error,
-        order: Order::new(2, 2, 2, 1, 1),
+        order: Structure::new(2, 2, 2, 1, 1),
         fit_percent: 92.05,
         without_pca: [13.33, 21.67],
         with_pca: [15.0, 18.33],
@@ -98,7 +98,7 @@ pub const CHAPTER_4: [Simulation; 4] = [
     Simulation {
         number: "4.4",
         input: FirstInput::Error,
-        order: Order::new(3, 3, 3, 1, 1),
+        order: Structure::new(3, 3, 3, 1, 1),
         fit_percent: 93.45,
         without_pca: [13.33, 18.33],
         with_pca: [16.67, 15.0],
@@ -106,8 +106,8 @@ pub const CHAPTER_4: [Simulation; 4] = [
 ];
 
 /// An order vector as the source writes it.
-pub(super) fn written_order(order: Order) -> String {
-    let numbers = order.to_array().map(|n| n.to_string()).join(" ");
+pub(super) fn written_order(order: Structure) -> String {
+    let numbers = order.orders().map(|n| n.to_string()).join(" ");
     format!("[{numbers}]")
 }
 
@@ -140,9 +140,9 @@ mod tests {
 
     #[test]
     fn orders_inputs_and_fits_of_chapter_4() {
-        let orders = CHAPTER_4.map(|t| t.order.to_array());
+        let orders = CHAPTER_4.map(|t| t.order.orders());
         assert_eq!(orders, [[2, 1, 2, 1, 1], [3, 1, 2, 1, 1], [2, 2, 2, 1, 1], [3, 3, 3, 1, 1]]);
-        assert_eq!(ORDER_WITH_PCA.to_array(), [3, 6, 3, 1, 2]);
+        assert_eq!(ORDER_WITH_PCA.orders(), [3, 6, 3, 1, 2]);
         for (first, second) in [(0, 1), (2, 3)] {
             assert_eq!(CHAPTER_4[first].input, CHAPTER_4[second].input);
         }

@@ -1,6 +1,6 @@
 //! The surprise as the few knots that the core interpolates between.
 
-use bearing_watch::decide::novelty::KNOTS;
+use bearing_watch::model::KNOTS;
 
 use super::law::DistanceLaw;
 

@@ -8,8 +8,8 @@ mod knots;
 pub mod law;
 pub mod spread;
 
-use bearing_watch::decide::EvidencePlan;
-use bearing_watch::decide::novelty::KNOTS;
+use bearing_watch::model::EvidenceConstants;
+use bearing_watch::model::KNOTS;
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -87,7 +87,7 @@ pub struct Watch {
     /// The gate, where there is one.
     pub gate: Option<Gate>,
     /// Constants of the alarm.
-    pub evidence: EvidencePlan,
+    pub evidence: EvidenceConstants,
     /// Mean segments between false alarms.
     pub segments: f64,
     /// What the user should know.
@@ -101,7 +101,7 @@ pub(crate) fn train(
     alarms: &Alarms,
     segment_s: Option<f64>,
 ) -> Result<Watch, Error> {
-    let none = |warning| Watch { gate: None, evidence: EvidencePlan::NONE, segments: f64::INFINITY, warning };
+    let none = |warning| Watch { gate: None, evidence: EvidenceConstants::NONE, segments: f64::INFINITY, warning };
     if alarms.reject_cost.is_nan() || alarms.reject_cost < 0.0 {
         return Err(Error::Usage("--reject-cost is not negative".into()));
     }
@@ -133,7 +133,7 @@ pub(crate) fn train(
         )
     });
     // One segment alone is no alarm.
-    let evidence = EvidencePlan { bet: BET, limit, cap: 0.5 * limit };
+    let evidence = EvidenceConstants { bet: BET, limit, cap: 0.5 * limit };
     Ok(Watch { gate: Some(gate), evidence, segments, warning })
 }
 

@@ -1,0 +1,102 @@
+//! Models of the core with a layout that is known at run time.
+
+use bearing_watch::model::{
+    Channel, Classifier, Constants, Discriminant, EvidenceConstants, Feature, Label, Novelty, Projection, Regression,
+    Sampling, ShaftConstants,
+};
+use bearing_watch::plan::{Kind, Layout, Plan, RegressionLayout, RunTime, ShaftLayout};
+use bearing_watch::{FrictionTerm, Model, ModelError};
+
+/// What a detector estimates with.
+#[derive(Clone, Debug)]
+pub struct Parts {
+    /// The channels.
+    pub channels: Vec<Channel>,
+    /// The regression.
+    pub regression: Option<(RegressionLayout, Regression<RunTime>)>,
+    /// The shaft.
+    pub shaft: Option<(ShaftLayout, ShaftConstants<RunTime>)>,
+}
+
+impl Parts {
+    /// The layout with these numbers of features, coordinates and classes.
+    #[must_use]
+    pub fn layout(&self, [features, coordinates, classes]: [u8; 3], discriminant: Kind) -> Layout {
+        Layout {
+            channels: self.channels.len() as u8,
+            regression: self.regression.as_ref().map(|(layout, _)| *layout),
+            shaft: self.shaft.as_ref().map(|(layout, _)| *layout),
+            features,
+            coordinates,
+            classes,
+            discriminant,
+        }
+    }
+
+    /// A model that estimates and does not decide: it has one class. Its features are one of each part, so that a segment
+    /// in which a part has no result has no verdict.
+    ///
+    /// # Errors
+    /// What the core refuses.
+    pub fn estimating(&self, sampling: Sampling) -> Result<Model<RunTime>, ModelError> {
+        let mut features = Vec::new();
+        if self.regression.is_some() {
+            features.push(Feature::Parameter(0));
+        }
+        if let Some((shaft, _)) = &self.shaft {
+            features.push(Feature::Friction(FrictionTerm::Inertia));
+            features.extend((shaft.orders > 0).then_some(Feature::OrderProminence(0)));
+        }
+        let n = features.len();
+        let plan = plan(self.layout([n as u8, 1, 1], Kind::Linear))?;
+        let mut matrix = vec![0.0; n];
+        matrix[0] = 1.0;
+        let classifier = Classifier {
+            features,
+            projection: Projection { matrix, mean: vec![0.0; n] },
+            discriminant: Discriminant {
+                means: vec![0.0],
+                whitening: vec![1.0],
+                log_normaliser: vec![0.0],
+                log_prior: vec![0.0],
+                costs: vec![0.0],
+                reject_cost: f32::INFINITY,
+            },
+            novelty: Novelty::none(plan),
+        };
+        self.model(plan, sampling, classifier, EvidenceConstants::NONE, vec![Label::EMPTY])
+    }
+
+    /// The model with a classifier.
+    ///
+    /// # Errors
+    /// What the core refuses.
+    pub fn model(
+        &self,
+        plan: RunTime,
+        sampling: Sampling,
+        classifier: Classifier<RunTime>,
+        evidence: EvidenceConstants,
+        labels: Vec<Label>,
+    ) -> Result<Model<RunTime>, ModelError> {
+        let constants = Constants {
+            sampling,
+            channels: self.channels.clone(),
+            regression: self.regression.iter().map(|(_, constants)| constants.clone()).collect(),
+            shaft: self.shaft.iter().map(|(_, constants)| constants.clone()).collect(),
+            classifier,
+            evidence,
+            labels,
+        };
+        Model::new(plan, constants)
+    }
+}
+
+/// The plan of a layout.
+///
+/// # Errors
+/// A layout whose parts do not fit.
+pub fn plan(layout: Layout) -> Result<RunTime, ModelError> {
+    layout.check().map_err(ModelError::Layout)?;
+    RunTime::of(layout).ok_or(ModelError::OtherPlan)
+}

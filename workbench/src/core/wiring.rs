@@ -1,0 +1,267 @@
+//! Which channels a model has, and which column of a trace each of them is.
+//!
+//! Each quantity of the drive is one channel, even if several parts use it. A first input that is the difference of the
+//! velocity reference and the velocity needs no channel of its own if the shaft uses both.
+
+use bearing_watch::Angle;
+use bearing_watch::model::{Channel, Name};
+use bearing_watch::plan::{Layout, MAX_CHANNELS, RegressionLayout, RunTimeSample, ShaftLayout, Signal};
+
+use crate::Error;
+use crate::identify::Structure;
+use crate::trace::{Channels, MotionTrace, Trace};
+
+/// Largest number of bearing orders.
+pub const MAX_ORDERS: usize = 32;
+
+/// A column of a trace.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Field {
+    /// Output.
+    Y,
+    /// First input.
+    U1,
+    /// Second input.
+    U2,
+    /// Current of the shaft.
+    Current,
+    /// Velocity.
+    Velocity,
+    /// Velocity reference.
+    Reference,
+    /// Load torque.
+    Load,
+}
+
+impl Field {
+    /// The values; empty if the trace has no shaft.
+    #[must_use]
+    pub fn of(self, trace: &Trace) -> &[f64] {
+        let motion = |pick: fn(&MotionTrace) -> &Vec<f64>| trace.motion.as_ref().map_or(&[][..], |motion| pick(motion));
+        match self {
+            Self::Y => &trace.y,
+            Self::U1 => &trace.u1,
+            Self::U2 => &trace.u2,
+            Self::Current => motion(|m| &m.current_a),
+            Self::Velocity => motion(|m| &m.velocity_rad_s),
+            Self::Reference => motion(|m| &m.reference_rad_s),
+            Self::Load => motion(|m| &m.load_nm),
+        }
+    }
+}
+
+/// The channels of a model with their columns, and the signals made of them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Wiring {
+    /// Name and column of each channel.
+    pub channels: Vec<(String, Field)>,
+    /// The signals of the regression: y, u1, u2.
+    pub signals: [Signal; 3],
+    /// Current, velocity, reference and load of the shaft.
+    pub shaft: Option<([Signal; 3], Option<Signal>)>,
+}
+
+impl Wiring {
+    /// The wiring of these columns. `watched` says whether the shaft is watched, and whether its load is measured.
+    #[must_use]
+    pub fn new(columns: &Channels, structure: Structure, watched: Option<bool>) -> Self {
+        let mut wiring = Self { channels: vec![], signals: [Signal::channel(0); 3], shaft: None };
+        let rig = crate::trace::ShaftChannels::rig();
+        let shaft = columns.shaft.as_ref().unwrap_or(&rig);
+        if let Some(load) = watched {
+            let plain = [
+                wiring.channel(&shaft.current, Field::Current),
+                wiring.channel(&shaft.velocity, Field::Velocity),
+                wiring.channel(&shaft.reference, Field::Reference),
+            ];
+            let name = shaft.load.clone().unwrap_or_else(|| "load".into());
+            wiring.shaft = Some((plain, load.then(|| wiring.channel(&name, Field::Load))));
+        }
+        wiring.signals[0] = wiring.signal(&columns.y, Field::Y);
+        if structure.nb > 0 {
+            wiring.signals[1] = wiring.signal(&columns.u1, Field::U1);
+        }
+        if structure.nc > 0 {
+            wiring.signals[2] = wiring.signal(&columns.u2, Field::U2);
+        }
+        wiring
+    }
+
+    /// The wiring of the shaft of another wiring, alone.
+    #[must_use]
+    pub fn of_shaft(mut self, other: &Self) -> Self {
+        let mut add = |signal: Signal| {
+            let (name, field) = &other.channels[signal.channel as usize];
+            self.channel(name, *field)
+        };
+        self.shaft = other.shaft.map(|(plain, load)| (plain.map(&mut add), load.map(&mut add)));
+        self
+    }
+
+    /// The channel of this name, added if there is none.
+    fn channel(&mut self, name: &str, field: Field) -> Signal {
+        let found = self.channels.iter().position(|(own, _)| own == name);
+        let place = found.unwrap_or_else(|| {
+            self.channels.push((name.to_string(), field));
+            self.channels.len() - 1
+        });
+        Signal::channel(place as u8)
+    }
+
+    /// As [`Wiring::channel`]; a difference of two channels that exist needs none.
+    fn signal(&mut self, name: &str, field: Field) -> Signal {
+        let of = |part: &str| self.channels.iter().position(|(own, _)| own == part.trim());
+        let parts = name.match_indices('-').filter_map(|(at, _)| Some((of(&name[..at])?, of(&name[at + 1..])?)));
+        match parts.collect::<Vec<_>>()[..] {
+            [(plus, minus)] => Signal::channel(plus as u8).minus(Signal::channel(minus as u8)),
+            _ => self.channel(name, field),
+        }
+    }
+
+    /// The channels for the core, with the limit of each signal's values: `limit` times the largest magnitude in training.
+    ///
+    /// # Errors
+    /// A name that does not fit.
+    pub fn core_channels<'a>(
+        &self,
+        traces: impl Iterator<Item = &'a Trace> + Clone,
+        limit: f64,
+    ) -> Result<Vec<Channel>, Error> {
+        if self.channels.len() > MAX_CHANNELS {
+            let count = self.channels.len();
+            return Err(Error::Usage(format!("{count} channels are more than the {MAX_CHANNELS} of a detector")));
+        }
+        let each = |(name, field): &(String, Field)| {
+            let values = traces.clone().flat_map(|trace| field.of(trace));
+            let largest = values.fold(0.0_f64, |most, x| most.max(x.abs()));
+            let limit = if largest > 0.0 { (limit * largest) as f32 } else { 1.0 };
+            let text = identifier(name);
+            let long = || Error::Usage(format!("channel name {text} is longer than 32 bytes; rename the column"));
+            let name = Name::new(&text).ok_or_else(long)?;
+            let unit = Name::new(unit(&text)).unwrap_or(Name::EMPTY);
+            Ok(Channel { name, unit, limit, saturation: limit, stuck_samples: 0 })
+        };
+        self.channels.iter().map(each).collect()
+    }
+}
+
+/// The columns of a model's channels, from the signals that they serve.
+///
+/// # Errors
+/// A layout that takes a difference of channels that nothing else uses: their columns are not known.
+pub fn fields(layout: &Layout) -> Result<Vec<Field>, String> {
+    let mut fields = vec![None; layout.channels as usize];
+    let mut set = |signal: Signal, field: Field| {
+        if let (None, Some(cell)) = (signal.minus, fields.get_mut(signal.channel as usize)) {
+            cell.get_or_insert(field);
+        }
+    };
+    if let Some(ShaftLayout { current, velocity, reference, load, .. }) = layout.shaft {
+        set(current, Field::Current);
+        set(velocity, Field::Velocity);
+        set(reference, Field::Reference);
+        load.into_iter().for_each(|load| set(load, Field::Load));
+    }
+    if let Some(RegressionLayout { structure, y, u1, u2, .. }) = layout.regression {
+        set(y, Field::Y);
+        (structure.nb > 0).then(|| set(u1, Field::U1));
+        (structure.nc > 0).then(|| set(u2, Field::U2));
+    }
+    let all: Option<Vec<Field>> = fields.into_iter().collect();
+    all.ok_or_else(|| "the model takes a difference of channels that no other part uses".into())
+}
+
+/// The samples of a trace for the core, one at a time in the same memory.
+#[derive(Debug)]
+pub struct Feed<'a> {
+    columns: Vec<&'a [f64]>,
+    motion: Option<&'a MotionTrace>,
+    sample: RunTimeSample,
+}
+
+impl<'a> Feed<'a> {
+    /// From the columns of a model's channels.
+    #[must_use]
+    pub fn new(trace: &'a Trace, fields: &[Field]) -> Self {
+        let columns: Vec<&[f64]> = fields.iter().map(|field| field.of(trace)).collect();
+        let sample = RunTimeSample { values: vec![0.0; columns.len()], angle: Angle::ZERO };
+        Self { columns, motion: trace.motion.as_ref(), sample }
+    }
+
+    /// Sample `k`; zeros if the trace has no shaft.
+    pub fn at(&mut self, k: usize) -> &RunTimeSample {
+        for (value, column) in self.sample.values.iter_mut().zip(&self.columns) {
+            *value = column.get(k).map_or(0.0, |x| *x as f32);
+        }
+        self.sample.angle = self.motion.map_or(Angle::ZERO, |motion| motion.angle(k));
+        &self.sample
+    }
+}
+
+impl MotionTrace {
+    /// The angle of one sample as the core takes it.
+    #[must_use]
+    pub fn angle(&self, k: usize) -> Angle {
+        // The fraction of a turn is taken in double precision: single precision has not enough digits for many turns.
+        let turns = self.angle_rad[k] / std::f64::consts::TAU;
+        Angle::from_bits(((turns - turns.floor()) * 4_294_967_296.0) as u64 as u32)
+    }
+}
+
+/// A column's name as an identifier of Rust and C.
+fn identifier(name: &str) -> String {
+    let text: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    if text.starts_with(|c: char| c.is_ascii_digit()) { format!("_{text}") } else { text }
+}
+
+/// The unit by the suffix of a name.
+fn unit(name: &str) -> &'static str {
+    const UNITS: [(&str, &str); 12] = [
+        ("_rad_s", "rad/s"),
+        ("_mm_s", "mm/s"),
+        ("_m_s", "m/s"),
+        ("_nm", "N·m"),
+        ("_rad", "rad"),
+        ("_rpm", "rpm"),
+        ("_kgf", "kgf"),
+        ("_mm", "mm"),
+        ("_a", "A"),
+        ("_v", "V"),
+        ("_n", "N"),
+        ("_m", "m"),
+    ];
+    let name = name.to_lowercase();
+    UNITS.iter().find(|(suffix, _)| name.ends_with(suffix)).map_or("", |(_, unit)| unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::ShaftChannels;
+
+    #[test]
+    fn each_quantity_is_one_channel() {
+        let mut columns = Channels::new("current_a", "velocity_ref_rad_s-velocity_rad_s", "load_torque_nm");
+        columns.shaft = Some(ShaftChannels::rig());
+        let wiring = Wiring::new(&columns, Structure::new(2, 1, 2, 1, 1), Some(true));
+        let names: Vec<&str> = wiring.channels.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["current_a", "velocity_rad_s", "velocity_ref_rad_s", "load_torque_nm"]);
+        assert_eq!(wiring.signals[1], Signal::channel(2).minus(Signal::channel(1)));
+        assert_eq!((wiring.signals[0], wiring.signals[2]), (Signal::channel(0), Signal::channel(3)));
+    }
+
+    #[test]
+    fn without_a_shaft_a_difference_is_a_channel() {
+        let columns = Channels::new("i", "ref-v", "load");
+        let wiring = Wiring::new(&columns, Structure::new(2, 1, 0, 1, 1), None);
+        assert_eq!(wiring.channels, [("i".into(), Field::Y), ("ref-v".into(), Field::U1)]);
+        let trace = Trace { y: vec![1.0], u1: vec![-3.0], u2: vec![9.0], ..Trace::default() };
+        let channels = wiring.core_channels([&trace].into_iter(), 10.0).expect("short names");
+        assert_eq!((channels[1].name.as_str(), channels[1].limit), ("ref_v", 30.0));
+    }
+
+    #[test]
+    fn units_by_suffix() {
+        assert_eq!(["current_a", "velocity_ref_rad_s", "load_torque_nm", "x"].map(unit), ["A", "rad/s", "N·m", ""]);
+    }
+}
