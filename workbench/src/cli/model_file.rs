@@ -93,7 +93,11 @@ impl Notes {
 pub(super) fn read_model(path: &Path) -> Result<(Embedded, Notes), Error> {
     let bytes = std::fs::read(path).map_err(Error::io(path))?;
     let wrong = |problem: bearing_watch::ModelError| {
-        Error::content(path, "model", format!("{problem}; train it again with `bearing-watch train`"))
+        let remedy = match problem {
+            bearing_watch::ModelError::Version { .. } => " with `bearing-watch train`",
+            _ => "; train it again with `bearing-watch train`",
+        };
+        Error::content(path, "model", format!("{problem}{remedy}"))
     };
     let model = Embedded::from_bytes(&bytes).map_err(wrong)?;
     let notes = bearing_watch::model::notes(&bytes).map_err(wrong)?;

@@ -121,7 +121,7 @@ impl Embedded {
             friction: shaft.map(|shaft| shaft.friction),
             orders: shaft.map_or_else(Vec::new, |shaft| shaft.orders().to_vec()),
             shaft_features: shaft.map_or_else(Vec::new, shaft_values),
-            rows: estimate.map_or(report.rows, |estimate| estimate.rows),
+            rows: estimate.filter(|own| own.reason.is_none()).map_or(report.rows, |own| own.rows),
             counts: report.counts,
             start: 0,
             length: 0,

@@ -121,7 +121,7 @@ impl Wiring {
     /// The channels for the core, with the limit of each signal's values: `limit` times the largest magnitude in training.
     ///
     /// # Errors
-    /// A name that does not fit.
+    /// More channels than a detector can have.
     pub fn core_channels<'a>(
         &self,
         traces: impl Iterator<Item = &'a Trace> + Clone,
@@ -136,8 +136,7 @@ impl Wiring {
             let largest = values.fold(0.0_f64, |most, x| most.max(x.abs()));
             let limit = if largest > 0.0 { (limit * largest) as f32 } else { 1.0 };
             let text = identifier(name);
-            let long = || Error::Usage(format!("channel name {text} is longer than 32 bytes; rename the column"));
-            let name = Name::new(&text).ok_or_else(long)?;
+            let name = Name::new(&text).unwrap_or(Name::EMPTY);
             let unit = Name::new(unit(&text)).unwrap_or(Name::EMPTY);
             Ok(Channel { name, unit, limit, saturation: limit, stuck_samples: 0 })
         };
@@ -208,10 +207,11 @@ impl MotionTrace {
     }
 }
 
-/// A column's name as an identifier of Rust and C.
+/// A column's name as an identifier of Rust and C, of at most 32 characters.
 fn identifier(name: &str) -> String {
-    let text: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
-    if text.starts_with(|c: char| c.is_ascii_digit()) { format!("_{text}") } else { text }
+    let first = name.starts_with(|c: char| c.is_ascii_digit()).then_some('_');
+    let each = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' });
+    first.into_iter().chain(each).take(32).collect()
 }
 
 /// The unit by the suffix of a name.

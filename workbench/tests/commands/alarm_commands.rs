@@ -21,7 +21,7 @@ fn healthy_traces_alone_make_a_model_that_alarms() {
     assert!(output.status.success() && said.contains("from healthy: false-alarm rate 0.01"), "{said}{warned}");
     assert!(warned.contains("keep the false-alarm rate of 0.01 in the mean only"), "{warned}");
     let source = std::fs::read_to_string(dir.join("m.rs")).expect("source");
-    assert!(source.contains("novelty: Novelty {") && source.contains("evidence: EvidencePlan { bet: 0.2"), "{source}");
+    assert!(source.contains("class: Some(0)") && source.contains("evidence: EvidenceConstants { bet: 0.2"), "{source}");
 
     let records =
         "test/healthy_12_000.csv test/roughness_12_000.csv test/roughness_12_001.csv test/roughness_12_002.csv";
@@ -59,7 +59,12 @@ fn the_shaft_s_features_find_a_small_defect_from_healthy_traces() {
     let told = succeed(dir, &format!("{TRAIN} --labels train/labels.csv --model m.bwm --rust m.rs {SHAFT}"));
     assert!(told.contains("features drag_score, inverse_kt_score, order_outer"), "{told}");
     let source = std::fs::read_to_string(dir.join("m.rs")).expect("source");
-    assert!(source.contains("Shaft<4>, 4>;") && source.contains("orders outer 3.71794"), "{source}");
+    assert!(
+        source.contains("orders: 4,")
+            && source.contains("struct Sample with angle")
+            && source.contains("orders outer 3.71794"),
+        "{source}"
+    );
     let judged = json(&succeed(dir, "evaluate --model m.bwm --labels test/labels.csv --json"));
     // Nine deviations off: one of four missed would be a fault of the chain, not of chance.
     assert_eq!(judged["untrained_not_called_healthy"]["spall"]["value"], 1.0);

@@ -21,10 +21,8 @@ fn the_main_job_from_files_to_files() {
     let said = succeed(dir, &format!("{train} --rust m.rs --report m.html"));
     assert!(said.contains("8 healthy, 8 spall, 8 roughness"), "{said}");
     let source = std::fs::read_to_string(dir.join("m.rs")).expect("source");
-    assert!(
-        source.contains("pub type Monitor = Detector<'static, 6, 15, 1, 5, 5, 3, Regressor<6, 1, Structure>>;"),
-        "{source}"
-    );
+    let sample = r#"pub struct Sample { current_a: "A", velocity_ref_rad_s: "rad/s", load_torque_nm: "N·m" }"#;
+    assert!(source.contains(sample) && source.contains("pub static MODEL: Model<Drive>"), "{source}");
     let page = std::fs::read_to_string(dir.join("m.html")).expect("page");
     assert!(page.contains("<svg") && !page.contains("http://") | page.contains("w3.org"), "self-contained");
 
@@ -237,7 +235,7 @@ fn bad_models_are_refused() {
     let evaluate = |model: &str| format!("evaluate --model {model} --labels labels.csv --out v.csv");
     refuse(dir, &evaluate("short.bwm"), &["short.bwm", "truncated", "train it again"]);
     refuse(dir, &evaluate("corrupt.bwm"), &["corrupt.bwm", "corrupted"]);
-    refuse(dir, &evaluate("newer.bwm"), &["newer.bwm", "version 9", "reads version 3"]);
+    refuse(dir, &evaluate("newer.bwm"), &["newer.bwm", "version 9", "reads version 4", "train the model again"]);
     refuse(dir, &evaluate("text.bwm"), &["text.bwm", "not a bearing-watch model"]);
     refuse(dir, &evaluate("absent.bwm"), &["absent.bwm"]);
     let other = "evaluate --model m.bwm --labels other.csv --out v.csv";
