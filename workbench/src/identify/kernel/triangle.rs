@@ -218,4 +218,31 @@ mod tests {
         let mut columns = [1.0, 2.0, 3.0, 2.0, 4.0, 6.0, 1.0, 0.0, 0.0];
         assert_eq!(solve_staircase(&mut columns, 3, &[3, 3, 3], 1e-11), Err(1));
     }
+
+    /// y = 2 x₁ − x₂ in several blocks, the last one short; x₃ = x₁ + x₂ is dependent.
+    #[test]
+    fn columns_of_any_length_are_factored() {
+        let wave = |step: f64| (0..1300).map(|t| (step * (t * t) as f64).sin()).collect::<Vec<f64>>();
+        let (x1, x2) = (wave(0.3), wave(0.7));
+        let combined = |a: f64, b: f64| x1.iter().zip(&x2).map(|(x, z)| a * x + b * z).collect::<Vec<f64>>();
+        let (y, x3) = (combined(2.0, -1.0), combined(1.0, 1.0));
+        let mut triangle = Triangle::new(2, 3);
+        triangle.absorb_columns(&[&x1, &x2, &y], &mut Vec::new());
+        assert_eq!(triangle.dependent(), None);
+        let mut theta = triangle.column(2).to_vec();
+        triangle.substitute(&mut theta);
+        assert!((theta[0] - 2.0).abs() < 1e-13 && (theta[1] + 1.0).abs() < 1e-13, "{theta:?}"); // rounding
+        triangle.reset(3, 3);
+        triangle.absorb_columns(&[&x1, &x2, &x3], &mut Vec::new());
+        assert_eq!(triangle.dependent(), Some(2));
+    }
+
+    #[test]
+    fn every_instruction_set_gives_the_same_bits() {
+        let block: Vec<f64> = (0..4 * 75).map(|t| (0.37 * f64::from(t * t)).sin()).collect();
+        let (mut wide, mut plain) = (Triangle::new(3, 4), Triangle::new(3, 4));
+        wide.absorb(&mut block.clone(), 75);
+        plain.rotate(&mut block.clone(), 75);
+        assert_eq!(wide.r, plain.r);
+    }
 }
