@@ -12,7 +12,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use serde_json::{Value, json};
-use workbench::identify::{self, Structure};
+use workbench::identify::{self, Estimate, Structure};
 use workbench::rig::{Scenario, simulate};
 use workbench::structure::{Estimator, Grid, estimate_all, search};
 use workbench::trace::{Channels, Trace, read};
@@ -100,13 +100,12 @@ fn time(folder: &Path) -> Result<Value, Box<dyn Error>> {
     let lone = estimate_all(&train, single, Estimator::Ls)?.remove(0)?;
     result["one_ls"] = json!({
         "lone_s": median(101, || estimate_all(&train, single, Estimator::Ls)),
-        "identify_s": median(101, || identify::least_squares(&train[0], SINGLE)),
         "theta": lone.theta,
-        "identify_theta": identify::least_squares(&train[0], SINGLE)?.theta.as_slice(),
+        "whole": whole(2001, || identify::least_squares(&train[0], SINGLE))?,
     });
     result["one_iv4"] = json!({
         "lone_s": median(51, || estimate_all(&train, single, Estimator::Iv4)),
-        "identify_s": median(51, || identify::iv4(&train[0], SINGLE)),
+        "whole": whole(501, || identify::iv4(&train[0], SINGLE))?,
     });
     let armax = load("armax.csv", "velocity_error_rad_s")?.remove(0);
     let estimated = identify::armax(&armax, SINGLE, Some(1))?;
@@ -127,8 +126,26 @@ fn time(folder: &Path) -> Result<Value, Box<dyn Error>> {
     Ok(result)
 }
 
+/// Least time and results of an estimate with residuals, covariance and fits.
+fn whole(runs: usize, call: impl Fn() -> Result<Estimate, workbench::Error>) -> Result<Value, workbench::Error> {
+    let found = call()?;
+    Ok(json!({
+        "s": times(runs, &call)[0],
+        "theta": found.theta.as_slice(),
+        "covariance": found.covariance.as_slice(),
+        "variance": found.variance,
+        "residual_sum": found.residuals.iter().map(|e| e * e).sum::<f64>(),
+        "fits": [found.fit_percent, found.prediction_fit_percent],
+    }))
+}
+
 /// Median time of a call, s.
 fn median<T>(runs: usize, call: impl Fn() -> T) -> f64 {
+    times(runs, call)[runs / 2]
+}
+
+/// Times of calls, s, the least first.
+fn times<T>(runs: usize, call: impl Fn() -> T) -> Vec<f64> {
     let mut times: Vec<f64> = (0..runs)
         .map(|_| {
             let start = Instant::now();
@@ -137,5 +154,5 @@ fn median<T>(runs: usize, call: impl Fn() -> T) -> f64 {
         })
         .collect();
     times.sort_by(f64::total_cmp);
-    times[runs / 2]
+    times
 }

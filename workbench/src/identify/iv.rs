@@ -125,7 +125,8 @@ fn coloured_cofactor(x: &DMatrix<f64>, z: DMatrix<f64>, residuals: &DVector<f64>
 
 pub(super) fn lost(structure: Structure, trace: &Trace, column: usize) -> Error {
     let problem = format!(
-        "the instruments do not determine the parameters (first {}); use --method ls, a lower order or a richer command",
+        "the instruments do not determine the parameters (first {}); \
+         use --method ls, a lower order or a richer command",
         structure.names()[column]
     );
     Error::trace(&trace.id, problem)

@@ -1,7 +1,7 @@
 //! The four-stage instrumental-variable method (thesis §2.1.2, B.1), which the source used for every result.
 //!
-//! Least squares → IV with instruments simulated by that model → AR(n) model L(q) of the residuals `A y − B u1 − C u2` →
-//! y, u1, u2 and instruments simulated by the IV model, all filtered by L → IV again.
+//! Least squares → IV with instruments simulated by that model → AR(n) model L(q) of the residuals
+//! `A y − B u1 − C u2` → y, u1, u2 and instruments simulated by the IV model, all filtered by L → IV again.
 //!
 //! ```text
 //! cov θ = σ² (ZᵀX)⁻¹ ZᵀZ (XᵀZ)⁻¹ on the filtered data        (1)  long records

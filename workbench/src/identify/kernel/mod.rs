@@ -5,7 +5,8 @@
 //! * [`free_run`]: simulation of a model from its inputs.
 //! * [`triangle`]: the triangular factor of columns, in blocks of rows.
 //!
-//! On x86-64 processors with AVX2 the loops use it; the order of the operations, and so the result, is the same.
+//! On x86-64 processors with AVX2 or AVX-512 the loops use it; the order of the operations, and so the result, is the
+//! same.
 
 pub(crate) mod filter;
 pub(crate) mod free_run;
