@@ -120,7 +120,7 @@ impl Embedded {
             variance: estimate.map_or(0.0, |estimate| estimate.variance),
             friction: shaft.map(|shaft| shaft.friction),
             orders: shaft.map_or_else(Vec::new, |shaft| shaft.orders().to_vec()),
-            shaft_features: shaft.map_or_else(Vec::new, shaft_values),
+            shaft_features: shaft.map_or_else(Vec::new, |shaft| shaft_values(self.model.plan(), shaft)),
             rows: estimate.filter(|own| own.reason.is_none()).map_or(report.rows, |own| own.rows),
             counts: report.counts,
             start: 0,

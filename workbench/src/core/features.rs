@@ -49,10 +49,10 @@ pub const FRICTION: [&str; 6] = ["inertia", "viscous", "coulomb", "inverse_kt", 
 /// Every feature of the shaft, in the order of [`Catalogue::shaft`]; empty if a part of it has no result. Without a measured
 /// load the torque constant is not estimated, and its features are zero.
 #[must_use]
-pub fn shaft_values(shaft: &ShaftEstimate<RunTime>) -> Vec<f32> {
+pub fn shaft_values(plan: RunTime, shaft: &ShaftEstimate<RunTime>) -> Vec<f32> {
     let orders = (0..shaft.orders().len()).map(|k| k.to_string()).collect();
     let catalogue = Catalogue { structure: Structure::new(0, 0, 0, 0, 0), orders: Some(orders) };
-    let each = |(_, feature): &(String, Feature)| feature.value(None, Some(shaft)).ok();
+    let each = |(_, feature): &(String, Feature)| feature.value(plan, None, Some(shaft)).ok();
     catalogue.shaft().iter().map(each).collect::<Option<_>>().unwrap_or_default()
 }
 
