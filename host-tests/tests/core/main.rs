@@ -9,6 +9,7 @@ mod half_band;
 mod model_file;
 mod novelty;
 mod oracle;
+mod readme;
 mod resampling;
 mod robustness;
 mod shaft;
