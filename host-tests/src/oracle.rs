@@ -11,7 +11,8 @@
 
 use std::ops::Range;
 
-use bearing_watch::{Order, Sample};
+use bearing_watch::Structure;
+use bearing_watch::internals::Inputs;
 use nalgebra::{DMatrix, DVector};
 
 /// A record in double precision.
@@ -24,8 +25,8 @@ pub struct Record {
 impl Record {
     /// The very numbers that the core gets.
     #[must_use]
-    pub fn new(samples: &[Sample]) -> Self {
-        let column = |of: fn(&Sample) -> f32| samples.iter().map(|sample| f64::from(of(sample))).collect();
+    pub fn new(samples: &[Inputs]) -> Self {
+        let column = |of: fn(&Inputs) -> f32| samples.iter().map(|sample| f64::from(of(sample))).collect();
         Self { signals: [column(|s| s.y), column(|s| s.u1), column(|s| s.u2)] }
     }
 
@@ -52,8 +53,8 @@ pub struct Fit {
 impl Fit {
     /// As δ-parameters t, β, γ.
     #[must_use]
-    pub fn delta(&self, order: Order) -> Self {
-        let (map, shift) = delta_map(order);
+    pub fn delta(&self, structure: Structure) -> Self {
+        let (map, shift) = delta_map(structure);
         let covariance = &map * &self.covariance * map.transpose();
         Self { theta: &map * &self.theta + shift, covariance, ..self.clone() }
     }
@@ -67,11 +68,11 @@ impl Fit {
 
 /// δ-parameters = map · (a, b, c) + shift: t₀ = −1 − Σa, t_k = Σ_{i>k} aᵢ; β₀ = Σb, β_k = −Σ_{j>k} b_j; γ likewise.
 #[must_use]
-pub fn delta_map(order: Order) -> (DMatrix<f64>, DVector<f64>) {
-    let n = order.parameters();
+pub fn delta_map(structure: Structure) -> (DMatrix<f64>, DVector<f64>) {
+    let n = structure.terms();
     let mut map = DMatrix::zeros(n, n);
     let mut first = 0;
-    for (count, sign) in [(order.na, -1.0), (order.nb, 1.0), (order.nc, 1.0)] {
+    for (count, sign) in [(structure.na, -1.0), (structure.nb, 1.0), (structure.nc, 1.0)] {
         let count = count as usize;
         for k in 0..count {
             let sign = if k == 0 { sign } else { -sign };
@@ -81,7 +82,7 @@ pub fn delta_map(order: Order) -> (DMatrix<f64>, DVector<f64>) {
         first += count;
     }
     let mut shift = DVector::zeros(n);
-    if order.na > 0 {
+    if structure.na > 0 {
         shift[0] = -1.0;
     }
     (map, shift)
@@ -89,8 +90,8 @@ pub fn delta_map(order: Order) -> (DMatrix<f64>, DVector<f64>) {
 
 /// The parameters a, b, c of a δ-form.
 #[must_use]
-pub fn raw(order: Order, delta: &[f32]) -> Vec<f64> {
-    let (map, shift) = delta_map(order);
+pub fn raw(structure: Structure, delta: &[f32]) -> Vec<f64> {
+    let (map, shift) = delta_map(structure);
     let delta = DVector::from_iterator(shift.len(), delta.iter().map(|x| f64::from(*x)).take(shift.len()));
     let raw = map.try_inverse().expect("triangular") * (delta - shift);
     raw.as_slice().to_vec()
@@ -98,8 +99,8 @@ pub fn raw(order: Order, delta: &[f32]) -> Vec<f64> {
 
 /// The δ-form of parameters a, b, c.
 #[must_use]
-pub fn delta(order: Order, raw: &[f64]) -> DVector<f64> {
-    let (map, shift) = delta_map(order);
+pub fn delta(structure: Structure, raw: &[f64]) -> DVector<f64> {
+    let (map, shift) = delta_map(structure);
     map * DVector::from_column_slice(raw) + shift
 }
 
@@ -129,31 +130,31 @@ impl Course {
 
 /// One pass of simplified refined IV over `rows`.
 #[must_use]
-pub fn one_pass(record: &Record, order: Order, course: &Course, rows: Range<usize>) -> Fit {
-    let delays = [0, order.nkb, order.nkc];
+pub fn one_pass(record: &Record, structure: Structure, course: &Course, rows: Range<usize>) -> Fit {
+    let delays = [0, structure.nkb, structure.nkc];
     let delayed: Vec<Vec<f64>> = record.signals.iter().zip(delays).map(|(x, by)| delayed(&x[..rows.end], by)).collect();
-    let [y, u1, u2] = [0, 1, 2].map(|k| filtered(&delayed[k], order, course));
-    let simulated = simulated([&u1, &u2], order, course, course.rest_on.map_or(0.0, |on| y[on]));
+    let [y, u1, u2] = [0, 1, 2].map(|k| filtered(&delayed[k], structure, course));
+    let simulated = simulated([&u1, &u2], structure, course, course.rest_on.map_or(0.0, |on| y[on]));
     // The delays are in the signals already.
-    let order = Order { nkb: 0, nkc: 0, ..order };
-    let x = regressors(order, [&y, &u1, &u2], &rows);
-    let z = regressors(order, [&simulated, &u1, &u2], &rows);
+    let structure = Structure { nkb: 0, nkc: 0, ..structure };
+    let x = regressors(structure, [&y, &u1, &u2], &rows);
+    let z = regressors(structure, [&simulated, &u1, &u2], &rows);
     solve(x, z, &DVector::from_column_slice(&y[rows]))
 }
 
 /// Simplified refined IV over `rows`, repeated with its own model from a start until it rests; and the passes made.
 /// Every third pass is relaxed, which ends the going to and fro that plain repetition can fall into.
 #[must_use]
-pub fn batch(record: &Record, order: Order, start: &[f64], rows: Range<usize>) -> Option<(Fit, usize)> {
+pub fn batch(record: &Record, structure: Structure, start: &[f64], rows: Range<usize>) -> Option<(Fit, usize)> {
     let mut theta = DVector::from_column_slice(start);
     for pass in 1..=200 {
-        let fit = one_pass(record, order, &Course::fixed(theta.as_slice()), rows.clone());
+        let fit = one_pass(record, structure, &Course::fixed(theta.as_slice()), rows.clone());
         let step = &fit.theta - &theta;
         if step.iter().any(|step| !step.is_finite()) {
             return None;
         }
-        let deviations = fit.delta(order).deviations();
-        if (delta_map(order).0 * &step).iter().zip(&deviations).all(|(step, sd)| step.abs() <= 1e-6 * sd) {
+        let deviations = fit.delta(structure).deviations();
+        if (delta_map(structure).0 * &step).iter().zip(&deviations).all(|(step, sd)| step.abs() <= 1e-6 * sd) {
             return Some((fit, pass));
         }
         theta += if pass % 3 == 0 { 0.5 } else { 1.0 } * step;
@@ -163,20 +164,20 @@ pub fn batch(record: &Record, order: Order, start: &[f64], rows: Range<usize>) -
 
 /// IV without filters: instruments are the output simulated by the auxiliary model.
 #[must_use]
-pub fn instrumental(record: &Record, order: Order, auxiliary: &[f64], rows: Range<usize>) -> Fit {
+pub fn instrumental(record: &Record, structure: Structure, auxiliary: &[f64], rows: Range<usize>) -> Fit {
     let [y, u1, u2] = record.signals.each_ref().map(|signal| &signal[..rows.end]);
-    let (d1, d2) = (delayed(u1, order.nkb), delayed(u2, order.nkc));
-    let simulated = simulated([&d1, &d2], order, &Course::fixed(auxiliary), 0.0);
-    let x = regressors(order, [y, u1, u2], &rows);
-    let z = regressors(order, [&simulated, u1, u2], &rows);
+    let (d1, d2) = (delayed(u1, structure.nkb), delayed(u2, structure.nkc));
+    let simulated = simulated([&d1, &d2], structure, &Course::fixed(auxiliary), 0.0);
+    let x = regressors(structure, [y, u1, u2], &rows);
+    let z = regressors(structure, [&simulated, u1, u2], &rows);
     solve(x, z, &DVector::from_column_slice(&y[rows]))
 }
 
 /// Least squares with weights λ^(age); N is then 1/(1−λ) and the covariance carries 1/(1+λ), as the core has it.
 #[must_use]
-pub fn least_squares(record: &Record, order: Order, rows: Range<usize>, lambda: f64) -> Fit {
+pub fn least_squares(record: &Record, structure: Structure, rows: Range<usize>, lambda: f64) -> Fit {
     let signals = record.signals.each_ref().map(Vec::as_slice);
-    let mut x = regressors(order, signals, &rows);
+    let mut x = regressors(structure, signals, &rows);
     let mut target = DVector::from_column_slice(&signals[0][rows]);
     let count = target.len();
     if lambda < 1.0 {
@@ -199,10 +200,10 @@ pub fn least_squares(record: &Record, order: Order, rows: Range<usize>, lambda: 
 
 /// 2-norm condition numbers of the regressor, its columns scaled to one length: raw, and in the δ-form.
 #[must_use]
-pub fn conditions(record: &Record, order: Order, rows: Range<usize>) -> [f64; 2] {
-    let x = regressors(order, record.signals.each_ref().map(Vec::as_slice), &rows);
+pub fn conditions(record: &Record, structure: Structure, rows: Range<usize>) -> [f64; 2] {
+    let x = regressors(structure, record.signals.each_ref().map(Vec::as_slice), &rows);
     // Φ θ = φ_δ θ_δ up to the target's shift, and θ_δ = map θ.
-    let delta = &x * delta_map(order).0.try_inverse().expect("triangular");
+    let delta = &x * delta_map(structure).0.try_inverse().expect("triangular");
     [x, delta].map(|mut x| {
         for mut column in x.column_iter_mut() {
             column.normalize_mut();
@@ -218,11 +219,11 @@ fn delayed(x: &[f64], by: u8) -> Vec<f64> {
 }
 
 /// (1), first part.
-fn filtered(x: &[f64], order: Order, course: &Course) -> Vec<f64> {
+fn filtered(x: &[f64], structure: Structure, course: &Course) -> Vec<f64> {
     let mut f: Vec<f64> = course.rest_on.map_or_else(Vec::new, |on| vec![x[on]; on + 1]);
     #[expect(clippy::needless_range_loop, reason = "the recurrence's own index")]
     for t in f.len()..x.len() {
-        let a = &course.at(t)[..order.na as usize];
+        let a = &course.at(t)[..structure.na as usize];
         let past: f64 = a.iter().enumerate().map(|(k, a)| a * before(&f, t, k + 1, course)).sum();
         f.push((1.0 + a.iter().sum::<f64>()) * x[t] - past);
     }
@@ -230,8 +231,8 @@ fn filtered(x: &[f64], order: Order, course: &Course) -> Vec<f64> {
 }
 
 /// (1), second part, from inputs that carry their delays.
-fn simulated([u1, u2]: [&[f64]; 2], order: Order, course: &Course, rest: f64) -> Vec<f64> {
-    let (na, nb) = (order.na as usize, order.nb as usize);
+fn simulated([u1, u2]: [&[f64]; 2], structure: Structure, course: &Course, rest: f64) -> Vec<f64> {
+    let (na, nb) = (structure.na as usize, structure.nb as usize);
     let mut x: Vec<f64> = course.rest_on.map_or_else(Vec::new, |on| vec![rest; on + 1]);
     for t in x.len()..u1.len() {
         let (a, rest) = course.at(t).split_at(na);
@@ -255,8 +256,8 @@ fn lag(x: &[f64], t: usize, lag: usize) -> f64 {
 }
 
 /// −y(t−1)…, u1(t−nkb)…, u2(t−nkc)… for each row.
-fn regressors(order: Order, [y, u1, u2]: [&[f64]; 3], rows: &Range<usize>) -> DMatrix<f64> {
-    let Order { na, nb, nc, nkb, nkc } = order;
+fn regressors(structure: Structure, [y, u1, u2]: [&[f64]; 3], rows: &Range<usize>) -> DMatrix<f64> {
+    let Structure { na, nb, nc, nkb, nkc, .. } = structure;
     let columns = [(y, -1.0, 1, na), (u1, 1.0, nkb, nb), (u2, 1.0, nkc, nc)];
     let columns = columns
         .into_iter()
@@ -280,12 +281,12 @@ fn solve(x: DMatrix<f64>, z: DMatrix<f64>, target: &DVector<f64>) -> Fit {
 /// How one pass over `rows` answers to its auxiliary model: ∂θ̂/∂θ_aux at a fit, in δ-form, by central differences of a
 /// twentieth of σ. Without noise it vanishes: the estimate is then the truth whatever the auxiliary model.
 #[must_use]
-pub fn sensitivity(record: &Record, order: Order, at: &Fit, rows: &Range<usize>) -> DMatrix<f64> {
-    let back = delta_map(order).0.try_inverse().expect("triangular");
-    let columns = at.delta(order).deviations().into_iter().enumerate().map(|(k, sd)| {
+pub fn sensitivity(record: &Record, structure: Structure, at: &Fit, rows: &Range<usize>) -> DMatrix<f64> {
+    let back = delta_map(structure).0.try_inverse().expect("triangular");
+    let columns = at.delta(structure).deviations().into_iter().enumerate().map(|(k, sd)| {
         let moved = |step: f64| {
             let auxiliary = &at.theta + back.column(k) * step;
-            one_pass(record, order, &Course::fixed(auxiliary.as_slice()), rows.clone()).delta(order).theta
+            one_pass(record, structure, &Course::fixed(auxiliary.as_slice()), rows.clone()).delta(structure).theta
         };
         (moved(0.05 * sd) - moved(-0.05 * sd)) / (0.1 * sd)
     });

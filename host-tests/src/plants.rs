@@ -10,7 +10,8 @@
 
 use std::f64::consts::TAU;
 
-use bearing_watch::{Order, Sample};
+use bearing_watch::Structure;
+use bearing_watch::internals::Inputs;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -50,10 +51,10 @@ pub struct Plant {
 impl Plant {
     /// Structure of the model that is exactly this plant.
     #[must_use]
-    pub fn order(&self) -> Order {
+    pub fn structure(&self) -> Structure {
         let count = |terms: usize| u8::try_from(terms).expect("few terms");
         let [nkb, nkc] = self.delays;
-        Order::new(count(self.denominator().len() - 1), count(self.b.0.len()), count(self.c.0.len()), nkb, nkc)
+        Structure::new(count(self.denominator().len() - 1), count(self.b.0.len()), count(self.c.0.len()), nkb, nkc)
     }
 
     /// 1, a₁, ….
@@ -195,9 +196,9 @@ impl Source {
 }
 
 impl Iterator for Source {
-    type Item = Sample;
+    type Item = Inputs;
 
-    fn next(&mut self) -> Option<Sample> {
+    fn next(&mut self) -> Option<Inputs> {
         let [xs, u1s, u2s] = &self.past;
         let mut x = u1s.dot(&self.b, self.delays[0]) + u2s.dot(&self.c, self.delays[1]) - xs.dot(&self.a, 1);
         if self.disturbance > 0.0 {
@@ -219,7 +220,7 @@ impl Iterator for Source {
             kp * (first - y) + self.integral
         });
         self.past.iter_mut().zip([x, u1, u2]).for_each(|(past, newest)| past.push(newest));
-        Some(Sample { y: y as f32, u1: u1 as f32, u2: u2 as f32 })
+        Some(Inputs { y: y as f32, u1: u1 as f32, u2: u2 as f32 })
     }
 }
 
@@ -263,13 +264,13 @@ mod tests {
     #[test]
     fn truth_has_the_poles_and_gains_it_was_made_of() {
         for plant in PLANTS {
-            let (order, truth) = (plant.order(), plant.truth());
-            assert_eq!(truth.len(), order.parameters());
+            let (structure, truth) = (plant.structure(), plant.truth());
+            assert_eq!(truth.len(), structure.parameters());
             let sum = |from: u8, count: u8| truth[from as usize..][..count as usize].iter().sum::<f64>();
-            let unit = 1.0 + sum(0, order.na);
+            let unit = 1.0 + sum(0, structure.na);
             let close = |x: f64, y: f64| (x - y).abs() < 1e-9; // 1 − Π of poles near one loses six digits
-            assert!(close(sum(order.na, order.nb) / unit, plant.b.1), "{}", plant.name);
-            assert!(close(sum(order.na + order.nb, order.nc) / unit, plant.c.1), "{}", plant.name);
+            assert!(close(sum(structure.na, structure.nb) / unit, plant.b.1), "{}", plant.name);
+            assert!(close(sum(structure.na + structure.nb, structure.nc) / unit, plant.c.1), "{}", plant.name);
             let pole = (-1.0 / (0.05 * plant.rate_hz)).exp();
             let at_pole = plant.denominator().iter().fold(0.0, |sum, a| sum * pole + a);
             assert!(at_pole.abs() < 1e-12, "{}: {at_pole}", plant.name); // rounding

@@ -1,79 +1,116 @@
-//! The core's estimators as the tests set them up: one capacity that holds every plant.
+//! The core's estimators as the tests set them up: scaled to the samples, from a plant's nominal model.
 
-use bearing_watch::estimate::{
-    Estimate, Estimator, Fading, Guard, Instruments, Memory, Method, Nominal, Regression, Regressor,
-};
-use bearing_watch::{Order, Reason, Sample};
-use nalgebra::DVector;
+use bearing_watch::internals::{Inputs, Mass, Problem, Solution, Solved, Triangle};
+use bearing_watch::model::Forgetting;
+use bearing_watch::plan::{Layout, Memory, Method, Plan, RegressionLayout, RunTime};
+use bearing_watch::{Reason, Structure};
+use nalgebra::{DMatrix, DVector};
 
 use crate::oracle::{self, Course, Fit};
+use crate::plans::Setup;
 use crate::plants::Plant;
 
-/// Columns: nine parameters without, or seven with instruments of three output terms, and the target.
-pub const M: usize = 12;
-/// M(M−1)/2.
-pub const P: usize = M * (M - 1) / 2;
-/// Longest delay.
-pub const L: usize = 3;
-
-/// Least squares over segments.
-pub type LeastSquares<'m> = Estimator<'m, M, P, L>;
-/// Streaming refined instrumental variables.
-pub type Refined<'m> = Estimator<'m, M, P, L, Instruments<M, L>>;
-/// Least squares that forgets.
-pub type Continuous<'m> = Estimator<'m, M, P, L, Regressor<M, L>, Fading<M, P>>;
-/// Refined instrumental variables that forget.
-pub type ContinuousRefined<'m> = Estimator<'m, M, P, L, Instruments<M, L>, Fading<M, P>>;
+/// An estimate of a structure that was chosen at run time.
+pub type Estimate = bearing_watch::Estimate<RunTime>;
 
 /// Least squares over segments, without a constant term, scaled to these samples.
 #[must_use]
-pub fn regression(order: Order, samples: &[Sample]) -> Regression<M> {
-    Regression { scale: scales(order, samples), guard: Guard::within([1e6; 3]), ..Regression::new(order, false) }
+pub fn least_squares(structure: Structure, samples: &[Inputs]) -> Setup {
+    scaled(structure, Method::LeastSquares, samples)
 }
 
 /// Refined instrumental variables for a plant, from its nominal model.
 #[must_use]
-pub fn refined(plant: &Plant, samples: &[Sample]) -> Regression<M> {
-    let order = plant.order();
-    let mut delta = [0.0; M];
-    delta.iter_mut().zip(&oracle::delta(order, &plant.nominal())).for_each(|(cell, x)| *cell = *x as f32);
-    let nominal = Nominal { delta, deviation: 0.0 };
+pub fn refined(plant: &Plant, samples: &[Inputs]) -> Setup {
+    let structure = plant.structure();
+    let mut setup = scaled(structure, Method::Instruments, samples);
+    setup.constants.nominal = single(&oracle::delta(structure, &plant.nominal()));
     // Transients of an exchanged auxiliary model die out with the slowest pole, 50 ms: exp(−3) of them is left.
-    let settle = (0.15 * plant.rate_hz) as u16;
-    Regression { method: Method::Instruments, nominal, settle, ..regression(order, samples) }
+    setup.constants.settle = (0.15 * plant.rate_hz) as u16;
+    setup
 }
 
 /// With fading memory of 1e4 rows.
+///
+/// # Panics
+/// If there is no regression.
 #[must_use]
-pub fn fading(regression: Regression<M>, floor: f32) -> Regression<M> {
-    let forgetting = bearing_watch::estimate::Forgetting { lambda: 0.9999, floor };
-    Regression { memory: Memory::Fading(forgetting), ..regression }
+pub fn fading(setup: &Setup, floor: f32) -> Setup {
+    let layout = setup.plan.layout();
+    let regression = layout.regression.map(|regression| RegressionLayout { memory: Memory::Fading, ..regression });
+    let plan = RunTime::of(Layout { regression, ..layout }).expect("the same columns");
+    let mut fading = Setup { plan, ..setup.clone() };
+    fading.constants.forgetting = Forgetting { lambda: 0.9999, floor };
+    fading
+}
+
+/// Numbers in single precision.
+#[must_use]
+pub fn single(x: &DVector<f64>) -> Vec<f32> {
+    x.iter().map(|x| *x as f32).collect()
+}
+
+fn scaled(structure: Structure, method: Method, samples: &[Inputs]) -> Setup {
+    let mut setup = Setup::new(structure, method, Memory::Segment, [1e6; 3]);
+    let scales = scales(structure, samples);
+    setup.constants.scale.iter_mut().zip(scales).for_each(|(cell, scale)| *cell = scale);
+    setup
 }
 
 /// Powers of two that bring levels, differences and the target y − y₁ to an rms near one.
-fn scales(order: Order, samples: &[Sample]) -> [f32; M] {
+fn scales(structure: Structure, samples: &[Inputs]) -> Vec<f32> {
     let scale = |of: &dyn Fn(usize) -> f32| {
         let square: f64 = (1..samples.len()).map(|t| f64::from(of(t)).powi(2)).sum();
         let rms = (square / (samples.len() - 1) as f64).sqrt();
         (-rms.log2().round()).exp2() as f32
     };
-    let signals: [fn(&Sample) -> f32; 3] = [|s| s.y, |s| s.u1, |s| s.u2];
-    let difference = |x: fn(&Sample) -> f32| scale(&|t| x(&samples[t]) - x(&samples[t - 1]));
+    let signals: [fn(&Inputs) -> f32; 3] = [|s| s.y, |s| s.u1, |s| s.u2];
+    let difference = |x: fn(&Inputs) -> f32| scale(&|t| x(&samples[t]) - x(&samples[t - 1]));
     let mut scales = vec![];
-    for (x, count) in signals.into_iter().zip([order.na, order.nb, order.nc]) {
+    for (x, count) in signals.into_iter().zip([structure.na, structure.nb, structure.nc]) {
         scales.extend((0..count).map(|k| if k == 0 { scale(&|t| x(&samples[t])) } else { difference(x) }));
     }
     scales.push(difference(|s| s.y));
-    let mut array = [1.0; M];
-    array.iter_mut().zip(scales).for_each(|(cell, scale)| *cell = scale);
-    array
+    scales
+}
+
+/// The estimate, or the reason why there is none.
+///
+/// # Errors
+/// The reason.
+pub fn outcome(estimate: Estimate) -> Result<Estimate, Reason> {
+    estimate.reason.map_or(Ok(estimate), Err)
+}
+
+/// Scaled parameters of a factor of least-squares rows that counts for so many rows.
+///
+/// # Panics
+/// If the rows do not excite every parameter.
+#[must_use]
+pub fn solve(triangle: &Triangle<Vec<f32>, Vec<f32>>, rows: f32) -> Vec<f32> {
+    let (d, r) = triangle.parts();
+    let n = triangle.columns() - 1;
+    let (scale, mass) = (vec![1.0; n + 1], Mass { rows, spread: 1.0 });
+    let problem = Problem { d, r, inputs: n, outputs: 0, scale: &scale, base: &[], mass, gain: 1.0 };
+    let (mut delta, mut covariance, mut variance) = (vec![0.0; n], vec![0.0; n * (n + 1) / 2], 0.0);
+    let mut work = vec![0.0; n];
+    let mut solved =
+        Solved { delta: &mut delta, covariance: &mut covariance, variance: &mut variance, work: &mut work };
+    assert_eq!(Solution::new().advance(&problem, &mut solved, usize::MAX), Ok(true));
+    delta
+}
+
+/// Covariance of the δ-parameters without the constant.
+#[must_use]
+pub fn covariance(estimate: &Estimate, terms: usize) -> DMatrix<f64> {
+    DMatrix::from_fn(terms, terms, |i, j| f64::from(estimate.covariance(i, j)))
 }
 
 /// What became of consecutive segments of one length.
 #[derive(Debug)]
 pub struct Run {
     /// One result a segment.
-    pub segments: Vec<Result<Estimate<M, P>, Reason>>,
+    pub segments: Vec<Result<Estimate, Reason>>,
     /// What the oracle needs to follow.
     pub course: Course,
     length: usize,
@@ -81,29 +118,32 @@ pub struct Run {
 
 impl Run {
     /// Streams all samples through segments.
+    ///
+    /// # Panics
+    /// If the set-up has no structure.
     #[must_use]
-    pub fn new(regression: &Regression<M>, samples: &[Sample], length: usize) -> Self {
-        assert!(Refined::fits(regression));
-        let order = regression.order;
-        let mut auxiliaries = vec![(0, oracle::raw(order, &regression.nominal.delta))];
-        let mut estimator = Refined::new(regression);
+    pub fn new(setup: &Setup, samples: &[Inputs], length: usize) -> Self {
+        let structure = setup.plan.layout().regression.expect("a regression").structure;
+        let mut auxiliaries = vec![(0, oracle::raw(structure, &setup.constants.nominal))];
+        let mut stream = setup.stream();
         let mut segments = vec![];
         for (number, segment) in samples.chunks_exact(length).enumerate() {
-            segment.iter().for_each(|sample| estimator.step(sample));
-            let result = estimator.close();
+            segment.iter().for_each(|sample| stream.step(sample));
+            let result = outcome(stream.estimator.close());
             if let Ok(estimate) = &result {
-                auxiliaries.push(((number + 1) * length, oracle::raw(order, &estimate.delta)));
+                auxiliaries.push(((number + 1) * length, oracle::raw(structure, estimate.delta())));
             }
             segments.push(result);
         }
-        Self { segments, course: Course { auxiliaries, rest_on: Some(order.largest_delay()) }, length }
+        let filled = structure.nkb.max(structure.nkc);
+        Self { segments, course: Course { auxiliaries, rest_on: Some(filled.into()) }, length }
     }
 
     /// The rows of a segment: its last samples.
     #[must_use]
     pub fn rows(&self, number: usize) -> std::ops::Range<usize> {
         let end = (number + 1) * self.length;
-        let rows = self.segments[number].map_or(0, |estimate| estimate.rows as usize);
+        let rows = self.segments[number].as_ref().map_or(0, |estimate| estimate.rows as usize);
         end - rows..end
     }
 }

@@ -4,11 +4,14 @@
 //! ρ is the numerical error in units of the estimate's own standard deviation, √(Δᵀ cov⁻¹ Δ / n). The raw regressors
 //! of these cases have condition numbers from 1.8e3 to 2.6e6.
 
-use bearing_watch::estimate::{Forgetting, Regressor, Rows, Triangle};
-use bearing_watch::{Order, Sample};
+use bearing_watch::Structure;
+use bearing_watch::internals::{Inputs, Rows, Triangle};
+use bearing_watch::model::Forgetting;
+use bearing_watch::plan::Plan;
 use host_tests::oracle::{self, Record};
+use host_tests::plans::Setup;
 use host_tests::plants::{Mode, PLANTS, Plant};
-use host_tests::streams::{L, LeastSquares, M, P, regression, rho};
+use host_tests::streams::{least_squares, rho, solve};
 
 struct Case {
     name: &'static str,
@@ -36,7 +39,7 @@ const CASES: [Case; 3] = [
 ];
 
 /// A drive at 10 kHz with slow commands and loads, in closed loop.
-fn samples(case: &Case, seed: u64, count: usize) -> (Order, Vec<Sample>) {
+fn samples(case: &Case, seed: u64, count: usize) -> (Structure, Vec<Inputs>) {
     let plant = Plant {
         modes: case.modes,
         b: (case.taps, 1.0),
@@ -45,7 +48,7 @@ fn samples(case: &Case, seed: u64, count: usize) -> (Order, Vec<Sample>) {
         smooth: case.smooth,
         ..PLANTS[9].clone()
     };
-    (plant.order(), plant.source(0.0, seed).disturbed(case.disturbance).take(count).collect())
+    (plant.structure(), plant.source(0.0, seed).disturbed(case.disturbance).take(count).collect())
 }
 
 /// Above the limit the arithmetic has degraded; below a hundred-thousandth of a standard deviation f32 is compared with
@@ -58,9 +61,9 @@ fn check(name: &str, what: &str, rho: f64, limit: f64) {
 #[test]
 fn conditions_are_those_the_cases_are_named_by() {
     for case in &CASES {
-        let (order, samples) = samples(case, 3, 400_000);
-        let found = oracle::conditions(&Record::new(&samples), order, order.depth()..samples.len());
-        println!("{:10}{:?} raw {:.1e}, δ-form {:.1e}", case.name, order.to_array(), found[0], found[1]);
+        let (structure, samples) = samples(case, 3, 400_000);
+        let found = oracle::conditions(&Record::new(&samples), structure, structure.depth()..samples.len());
+        println!("{:10}{:?} raw {:.1e}, δ-form {:.1e}", case.name, structure.orders(), found[0], found[1]);
         for (found, stated) in found.into_iter().zip(case.conditions) {
             // 40 s of commands of 0.7 s are a few dozen independent values.
             assert!((stated / 1.6..stated * 1.6).contains(&found), "{}: {found:.2e}", case.name);
@@ -73,14 +76,15 @@ fn segments() {
     for case in &CASES {
         // The core's page promises 0.05 at 1e5 rows.
         for (count, limit) in [(5_000, 0.02), (20_000, 0.02), (100_000, 0.05)] {
-            let (order, samples) = samples(case, 2, count);
-            let regression = regression(order, &samples);
-            let mut estimator = LeastSquares::new(&regression);
-            samples.iter().for_each(|sample| estimator.step(sample));
-            let estimate = estimator.estimate().expect("excited");
-            let batch = oracle::least_squares(&Record::new(&samples), order, order.depth()..count, 1.0).delta(order);
-            assert_eq!(estimate.rows as usize, batch.rows);
-            check(case.name, &format!("{count} rows"), rho(&estimate.delta, &batch), limit);
+            let (structure, samples) = samples(case, 2, count);
+            let setup = least_squares(structure, &samples);
+            let mut stream = setup.stream();
+            samples.iter().for_each(|sample| stream.step(sample));
+            let estimate = stream.estimator.estimate();
+            let batch = oracle::least_squares(&Record::new(&samples), structure, structure.depth()..count, 1.0)
+                .delta(structure);
+            assert_eq!((estimate.reason, estimate.rows as usize), (None, batch.rows));
+            check(case.name, &format!("{count} rows"), rho(estimate.delta(), &batch), limit);
         }
     }
 }
@@ -90,22 +94,23 @@ fn forgetting() {
     // exp(−40) of the earliest row's weight is left.
     let count = 400_000;
     for case in &CASES {
-        let (order, samples) = samples(case, 3, count);
-        let regression = regression(order, &samples);
-        let mut lags = <Regressor<M, L> as Rows<M>>::new(&regression);
-        let mut triangle = Triangle::<M, P>::new(regression.columns());
+        let (structure, samples) = samples(case, 3, count);
+        let Setup { plan, constants, .. } = least_squares(structure, &samples);
+        let mut rows = Rows::new(plan, &constants);
+        let mut triangle = Triangle::new(plan.layout().columns());
         // Persistent excitation needs no floor; this one never acts.
         let forgetting = Forgetting { lambda: 0.9999, floor: 1e-9 };
         for sample in &samples {
-            if let Some(row) = lags.push(&regression, sample) {
-                triangle.update_forgetting(&row.cells, row.weight, forgetting);
+            if let Some(row) = rows.push(plan, &constants, *sample, 1e6) {
+                triangle.update_forgetting(row.cells, row.weight, forgetting);
             }
         }
-        let target = regression.target_scale();
-        let delta: Vec<f32> =
-            triangle.solve().iter().zip(regression.scale).map(|(theta, scale)| theta * scale / target).collect();
+        let target = constants.scale[structure.parameters()];
+        let theta = solve(&triangle, 1e4);
+        let delta: Vec<f32> = theta.iter().zip(&constants.scale).map(|(theta, scale)| theta * scale / target).collect();
         let exact = f64::from(forgetting.lambda);
-        let batch = oracle::least_squares(&Record::new(&samples), order, order.depth()..count, exact).delta(order);
+        let batch =
+            oracle::least_squares(&Record::new(&samples), structure, structure.depth()..count, exact).delta(structure);
         check(case.name, "λ = 0.9999", rho(&delta, &batch), 0.02);
     }
 }

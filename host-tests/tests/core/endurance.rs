@@ -2,11 +2,13 @@
 //! double precision running beside, at ten checkpoints. The usual run makes a hundredth of it; `cargo xtask long` makes
 //! all, and its table is kept in docs/endurance.md.
 
-use bearing_watch::estimate::{Forgetting, Instruments, Regressor, Rows, Triangle};
-use bearing_watch::{Estimator, Sample};
+use bearing_watch::internals::{Inputs, Rows, Triangle};
+use bearing_watch::model::Forgetting;
+use bearing_watch::plan::Plan;
 use host_tests::oracle::{self, Course, Record};
+use host_tests::plans::Setup;
 use host_tests::plants::{Mode, PLANTS, Plant};
-use host_tests::streams::{L, M, P, Refined, refined, regression};
+use host_tests::streams::{least_squares, outcome, refined, solve, worst};
 use nalgebra::{DMatrix, DVector};
 
 const CHECKPOINTS: usize = 10;
@@ -66,22 +68,22 @@ fn fading(samples: usize) {
     {
         let plant = Plant { modes, b: (taps, 1.0), c: (taps, -0.8), colour_s, smooth, ..PLANTS[9].clone() };
         let mut source = plant.source(0.0, 21).disturbed(1e-4);
-        let start: Vec<Sample> = source.clone().take(100_000).collect();
-        let regression = regression(plant.order(), &start);
-        let mut lags = <Regressor<M, L> as Rows<M>>::new(&regression);
-        let columns = regression.columns();
-        let mut triangle = Triangle::<M, P>::new(columns);
+        let start: Vec<Inputs> = source.clone().take(100_000).collect();
+        let Setup { plan, constants, .. } = least_squares(plant.structure(), &start);
+        let mut rows = Rows::new(plan, &constants);
+        let columns = plan.layout().columns();
+        let mut triangle = Triangle::new(columns);
         let forgetting = Forgetting { lambda: 0.9999, floor: 1e-9 };
         let mut normal = Normal { sums: DMatrix::zeros(columns, columns), lambda: f64::from(forgetting.lambda) };
         let mut readings = vec![];
         for _ in 0..CHECKPOINTS {
             for sample in source.by_ref().take(samples / CHECKPOINTS) {
-                if let Some(row) = lags.push(&regression, &sample) {
-                    triangle.update_forgetting(&row.cells, row.weight, forgetting);
-                    normal.update(&row.cells[..columns]);
+                if let Some(row) = rows.push(plan, &constants, sample, 1e6) {
+                    triangle.update_forgetting(row.cells, row.weight, forgetting);
+                    normal.update(row.cells);
                 }
             }
-            readings.push(normal.rho(&triangle.solve()));
+            readings.push(normal.rho(&solve(&triangle, 1e4)));
         }
         row(
             &format!("least squares, λ = 0.9999, {name}: ρ"),
@@ -97,12 +99,12 @@ fn fading(samples: usize) {
 fn segments(count: usize) {
     const LENGTH: usize = 2_000;
     let plant = &PLANTS[4];
-    let (order, noise) = (plant.order(), plant.noise(20.0));
+    let (structure, noise) = (plant.structure(), plant.noise(20.0));
     let mut source = plant.source(noise, 22);
-    let start: Vec<Sample> = source.clone().take(100_000).collect();
-    let regression = refined(plant, &start);
-    let mut estimator: Refined = Estimator::<M, P, L, Instruments<M, L>>::new(&regression);
-    let truth = oracle::delta(order, &plant.truth());
+    let start: Vec<Inputs> = source.clone().take(100_000).collect();
+    let setup = refined(plant, &start);
+    let mut stream = setup.stream();
+    let truth = oracle::delta(structure, &plant.truth());
     let (mut readings, mut biases, mut refused) = (vec![], vec![], 0);
     for _ in 0..CHECKPOINTS {
         let block = count / CHECKPOINTS;
@@ -112,20 +114,20 @@ fn segments(count: usize) {
         for number in 0..block {
             let keep = number + 6 >= block;
             for sample in source.by_ref().take(LENGTH) {
-                estimator.step(&sample);
+                stream.step(&sample);
                 if keep {
                     tail.push(sample);
                 }
             }
-            let Ok(estimate) = estimator.close() else {
+            let Ok(estimate) = outcome(stream.estimator.close()) else {
                 refused += 1;
                 continue;
             };
             if keep {
-                auxiliaries.push((tail.len(), oracle::raw(order, &estimate.delta)));
+                auxiliaries.push((tail.len(), oracle::raw(structure, estimate.delta())));
             }
-            let sd = f64::from(estimate.covariance_matrix()[(0, 0)]).sqrt();
-            sum += (f64::from(estimate.delta[0]) - truth[0]) / sd;
+            let sd = f64::from(estimate.covariance(0, 0)).sqrt();
+            sum += (f64::from(estimate.delta()[0]) - truth[0]) / sd;
             deviations += 1.0;
             used = f64::from(estimate.rows);
             if number + 1 == block {
@@ -133,8 +135,8 @@ fn segments(count: usize) {
                 auxiliaries[0].0 = 0;
                 let course = Course { auxiliaries: auxiliaries.clone(), rest_on: None };
                 let rows = tail.len() - estimate.rows as usize..tail.len();
-                let exact = oracle::one_pass(&Record::new(&tail), order, &course, rows).delta(order);
-                readings.push(host_tests::streams::worst(&estimate.delta, &exact));
+                let exact = oracle::one_pass(&Record::new(&tail), structure, &course, rows).delta(structure);
+                readings.push(worst(estimate.delta(), &exact));
             }
         }
         assert!(used > 1000.0);

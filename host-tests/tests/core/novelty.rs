@@ -1,9 +1,9 @@
 //! Novelty gate and evidence in the core's arithmetic: set false-alarm rates, alarms and trends.
 
-use bearing_watch::decide::novelty::KNOTS;
-use bearing_watch::decide::{
-    Cause, Classifier, Decision, Discriminant, Evidence, EvidencePlan, Features, Kind, Novelty, Projection,
-};
+use bearing_watch::model::{EvidenceConstants, Feature, KNOTS, Novelty};
+use bearing_watch::plan::{Layout, Memory, Method, Plan, RunTime};
+use bearing_watch::{Cause, Evidence, Model, Structure};
+use host_tests::plans::{constants, layout};
 use nalgebra::{DMatrix, DVector};
 use rand::{Rng, RngExt as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -25,15 +25,23 @@ fn row(p: usize, degrees: Option<f64>, random: &mut ChaCha8Rng) -> DVector<f64> 
     }
 }
 
+/// A plan whose only feature is the parameter of a regression.
+fn plan(coordinates: usize, classes: u8) -> RunTime {
+    let plain = layout(Structure::new(1, 0, 0, 0, 0), Method::LeastSquares, Memory::Segment);
+    RunTime::of(Layout { coordinates: coordinates as u8, classes, ..plain }).expect("a plan")
+}
+
 /// The core's form of a gate.
-fn core<const Z: usize>(gate: &Gate) -> Novelty<Z> {
-    let mut novelty = Novelty { class: 0, limit: gate.limit as f32, ..Novelty::NONE };
-    for (i, cells) in novelty.whitening.iter_mut().enumerate() {
-        novelty.mean[i] = gate.mean[i] as f32;
-        cells.iter_mut().enumerate().for_each(|(j, cell)| *cell = gate.whitening[(i, j)] as f32);
+fn core(gate: &Gate) -> Novelty<RunTime> {
+    let z = gate.mean.len();
+    let lower = (0..z).flat_map(|i| (0..=i).map(move |j| (i, j)));
+    Novelty {
+        class: Some(0),
+        mean: gate.mean.iter().map(|x| *x as f32).collect(),
+        whitening: lower.map(|place| gate.whitening[place] as f32).collect(),
+        knots: gate.knots.map(|knot| knot.map(|x| x as f32)),
+        limit: gate.limit as f32,
     }
-    novelty.knots = gate.knots.map(|knot| knot.map(|x| x as f32));
-    novelty
 }
 
 /// True rates of single gates at the set rates, over training draws.
@@ -47,10 +55,10 @@ fn rates<const Z: usize>(degrees: Option<f64>, healthy: usize) -> Vec<[f64; 2]> 
             (0..count).map(|_| &mix * row(Z, degrees, &mut random) + DVector::repeat(Z, 3.0)).collect()
         };
         let healthy = rows(healthy);
-        let gate = core::<Z>(&gate_of(&healthy, 1e-3).expect("a gate"));
+        let gate = core(&gate_of(&healthy, 1e-3).expect("a gate"));
         let mut counts = [0_usize; 2];
         for z in rows(TESTS) {
-            let (_, surprise) = gate.judge(&std::array::from_fn(|k| z[k] as f32));
+            let (_, surprise) = gate.judge(&z.map(|x| x as f32).as_slice()[..Z]);
             for (count, rate) in counts.iter_mut().zip([1e-2_f32, 1e-3]) {
                 *count += usize::from(surprise >= -rate.ln());
             }
@@ -106,7 +114,7 @@ fn surprise_follows_the_law_in_single_precision() {
     for n in [12, 30, 200] {
         let healthy: Vec<_> = (0..n).map(|_| row(3, None, &mut random)).collect();
         let gate = gate_of(&healthy, 0.01).expect("a gate");
-        let novelty = core::<3>(&gate);
+        let novelty = core(&gate);
         for step in 1..=250 {
             let surprise = 0.1 * f64::from(step);
             let found = f64::from(novelty.surprise(gate.law.squared_at(surprise) as f32));
@@ -116,29 +124,20 @@ fn surprise_follows_the_law_in_single_precision() {
     }
 }
 
-/// A healthy class and two defects of which only the likelihoods matter.
-fn three_classes() -> Classifier<1, 1, 3> {
-    Classifier {
-        features: Features { index: [0], count: 1 },
-        projection: Projection { matrix: [[1.0]], mean: [0.0], count: 1 },
-        discriminant: Discriminant {
-            kind: Kind::Linear,
-            classes: 3,
-            mean: [[0.0], [2.0], [-2.0]],
-            whitening: [[[1.0]]; 3],
-            log_normaliser: [-0.918_938_5; 3],
-            log_prior: [-1.098_612_3; 3],
-            cost: [[0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]],
-            reject_cost: f32::INFINITY,
-        },
-        novelty: chi_squared(),
-    }
+/// A healthy class at 0 of deviation 1, defects at 2 and −2; one alarm in so many segments by so many scores.
+fn model(classes: u8, segments: f64, scores: f64) -> Model<RunTime> {
+    let plan = plan(1, classes);
+    let mut constants = constants(plan, 100, &[1.0], &[Feature::Parameter(0)], None);
+    constants.classifier.discriminant.means = [0.0, 2.0, -2.0][..classes.into()].to_vec();
+    constants.classifier.novelty = chi_squared(plan);
+    constants.evidence = evidence(segments, scores);
+    Model::new(plan, constants).expect("a good model")
 }
 
 /// The healthy class N(0, 1), known.
-fn chi_squared() -> Novelty<1> {
+fn chi_squared(plan: RunTime) -> Novelty<RunTime> {
     let law = DistanceLaw::gaussian(1, 1_000_000);
-    let mut novelty = Novelty { class: 0, mean: [0.0], whitening: [[1.0]], limit: 4.6, ..Novelty::NONE };
+    let mut novelty = Novelty { class: Some(0), whitening: vec![1.0], limit: 4.6, ..Novelty::none(plan) };
     for (k, knot) in novelty.knots.iter_mut().enumerate() {
         let surprise = 25.0 * (k as f64 / (KNOTS - 1) as f64).powi(2);
         *knot = [law.squared_at(surprise) as f32, surprise as f32];
@@ -146,9 +145,9 @@ fn chi_squared() -> Novelty<1> {
     novelty
 }
 
-fn plan(segments: f64, scores: f64) -> EvidencePlan {
+fn evidence(segments: f64, scores: f64) -> EvidenceConstants {
     let limit = (segments * scores).ln() as f32;
-    EvidencePlan { bet: 0.2, limit, cap: 0.5 * limit }
+    EvidenceConstants { bet: 0.2, limit, cap: 0.5 * limit }
 }
 
 /// Mean segments to the first alarm while healthy.
@@ -159,44 +158,23 @@ fn run_length(runs: u64, alarm_after: impl Fn(&mut ChaCha8Rng) -> u64 + Sync) ->
 
 #[test]
 fn false_alarms_are_at_least_as_rare_as_set() {
-    let healthy_only = Classifier::<1, 1, 1> {
-        features: Features { index: [0], count: 1 },
-        projection: Projection { matrix: [[1.0]], mean: [0.0], count: 1 },
-        discriminant: Discriminant {
-            kind: Kind::Linear,
-            classes: 1,
-            mean: [[0.0]],
-            whitening: [[[1.0]]],
-            log_normaliser: [0.0],
-            log_prior: [0.0],
-            cost: [[0.0]],
-            reject_cost: f32::INFINITY,
-        },
-        novelty: chi_squared(),
-    };
     for set in [100.0, 1000.0] {
+        let healthy_only = model(1, set, 1.0);
         let uniform = run_length(400, |random| {
-            let mut evidence = Evidence::new(plan(set, 1.0), &healthy_only);
+            let (mut evidence, classifier) = (healthy_only.evidence(), &healthy_only.constants().classifier);
             let mut length = 1;
-            let decision = |p: f32| Decision {
-                class: 0,
-                log_likelihoods: [0.0],
-                posteriors: [1.0],
-                expected_costs: [0.0],
-                distance: 1.0,
-                surprise: -p.ln(),
-            };
-            while evidence.observe(Some(&decision(1.0 - random.random::<f32>()))).is_none() {
+            let decision = |p: f32| classifier.decide(healthy_only.plan(), &[0.0], -p.ln());
+            while evidence.observe(decision(1.0 - random.random::<f32>()).as_ref()).is_none() {
                 length += 1;
             }
             length
         });
-        let classifier = three_classes();
+        let three = model(3, set, 3.0);
         let classes = run_length(400, |random| {
-            let mut evidence = Evidence::new(plan(set, 3.0), &classifier);
+            let (mut evidence, classifier) = (three.evidence(), &three.constants().classifier);
             let mut length = 1;
             let z = |random: &mut ChaCha8Rng| -> f32 { StandardNormal.sample(random) };
-            while evidence.observe(classifier.decide(&[z(random)]).as_ref()).is_none() {
+            while evidence.observe(classifier.decide_at(three.plan(), &[z(random)]).as_ref()).is_none() {
                 length += 1;
             }
             length
@@ -211,14 +189,14 @@ fn false_alarms_are_at_least_as_rare_as_set() {
 
 #[test]
 fn a_defect_alarms_within_three_segments_by_name_and_stays_until_reset() {
-    let classifier = three_classes();
     let mut random = ChaCha8Rng::seed_from_u64(8);
     // One in 360 000 segments: 1000 hours of 10 s.
+    let model = model(3, 360_000.0, 3.0);
     for (centre, cause) in [(9.0, Cause::Class(1)), (-9.0, Cause::Class(2))] {
-        let mut evidence = Evidence::new(plan(360_000.0, 3.0), &classifier);
-        let mut observe = |evidence: &mut Evidence<3>, centre: f32| {
+        let mut evidence = model.evidence();
+        let mut observe = |evidence: &mut Evidence<RunTime>, centre: f32| {
             let noise: f32 = StandardNormal.sample(&mut random);
-            evidence.observe(classifier.decide(&[centre + noise]).as_ref())
+            evidence.observe(model.constants().classifier.decide_at(model.plan(), &[centre + noise]).as_ref())
         };
         for _ in 0..50 {
             assert_eq!(observe(&mut evidence, 0.0), None);
@@ -236,9 +214,17 @@ fn a_defect_alarms_within_three_segments_by_name_and_stays_until_reset() {
     }
 }
 
-fn at(distance: f32) -> Decision<3> {
-    let log_likelihoods = [0.0, -9.0, -9.0];
-    Decision { class: 0, log_likelihoods, posteriors: [0.0; 3], expected_costs: [0.0; 3], distance, surprise: 0.5 }
+/// What the evidence of three classes holds after these distances from a healthy class that is the most plausible.
+fn observed(distances: &[f32]) -> Evidence<RunTime> {
+    let model = model(3, 1000.0, 3.0);
+    let mut evidence = model.evidence();
+    let plausible = model.constants().classifier.decide(model.plan(), &[0.0, -9.0, -9.0], 0.5);
+    let mut decision = plausible.expect("finite likelihoods");
+    for distance in distances {
+        decision.distance = *distance;
+        evidence.observe(Some(&decision));
+    }
+    evidence
 }
 
 /// Slope and standard error by the usual sums in double precision, in two passes.
@@ -262,11 +248,7 @@ fn the_trend_is_that_of_a_regression() {
     let mut random = ChaCha8Rng::seed_from_u64(9);
     for (count, slope) in [(4, 0.1), (50, 0.01), (10_000, 1e-4), (1_000_000, 1e-6), (1_000_000, 0.0)] {
         let distances = distances(count, slope, &mut random);
-        let mut evidence = Evidence::new(plan(1000.0, 3.0), &three_classes());
-        distances.iter().for_each(|d| {
-            evidence.observe(Some(&at(*d)));
-        });
-        let trend = evidence.trend().expect("enough segments");
+        let trend = observed(&distances).trend().expect("enough segments");
         let (slope, error) = regression(&distances);
         // Rounding of a million sums in f32 against a standard error of the slope.
         assert!((f64::from(trend.slope) - slope).abs() < 0.1 * error, "{count}: {trend:?} for {slope} ± {error}");
@@ -279,11 +261,7 @@ fn the_trend_s_interval_covers() {
     let mut random = ChaCha8Rng::seed_from_u64(10);
     for count in [5, 8, 40] {
         let covered = (0..4000).filter(|_| {
-            let mut evidence = Evidence::new(plan(1000.0, 3.0), &three_classes());
-            distances(count, 0.02, &mut random).iter().for_each(|d| {
-                evidence.observe(Some(&at(*d)));
-            });
-            let trend = evidence.trend().expect("enough segments");
+            let trend = observed(&distances(count, 0.02, &mut random)).trend().expect("enough segments");
             (trend.low..trend.high).contains(&0.02)
         });
         let part = covered.count() as f64 / 4000.0;

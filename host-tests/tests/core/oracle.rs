@@ -3,20 +3,21 @@
 use host_tests::oracle::{self, Course, Record};
 use host_tests::plants::PLANTS;
 use rayon::prelude::*;
-use workbench::identify::{Method, Structure, estimate};
+use workbench::identify::{Method, estimate};
 use workbench::trace::Trace;
 
 #[test]
 fn agrees_with_the_workbench_in_open_loop() {
     let mut worst = 0.0_f64;
     for plant in PLANTS.iter().filter(|plant| plant.control.is_none()) {
-        let order = plant.order();
+        let structure = plant.structure();
         let samples: Vec<_> = plant.source(plant.noise(20.0), 3).take(8000).collect();
         let record = Record::new(&samples);
         let [y, u1, u2] = record.signals.clone();
         let trace = Trace { id: plant.name.into(), interval_s: None, irregular_steps: 0, y, u1, u2, motion: None };
-        let other = estimate(&trace, Structure { order, offset: false }, Method::Sriv).expect("well posed");
-        let (own, passes) = oracle::batch(&record, order, &plant.truth(), order.depth()..8000).expect("converges");
+        let other = estimate(&trace, structure, Method::Sriv).expect("well posed");
+        let (own, passes) =
+            oracle::batch(&record, structure, &plant.truth(), structure.depth()..8000).expect("converges");
         let gap = own.deviations().iter().enumerate().fold(0.0_f64, |most, (k, sd)| {
             most.max((own.theta[k] - other.theta[k]).abs() / sd).max((other.deviations()[k] / sd - 1.0).abs())
         });
@@ -32,17 +33,17 @@ fn is_unbiased_at_the_truth_with_honest_deviations() {
     const RUNS: u64 = 300;
     println!("one pass with the true model, 20 dB, {RUNS} runs: bias/sd, sd/stated, (stated sd) of the δ-parameters");
     for plant in &PLANTS {
-        let (order, noise) = (plant.order(), plant.noise(20.0));
+        let (structure, noise) = (plant.structure(), plant.noise(20.0));
         let rows = 100..if plant.rate_hz > 5e3 { 8000 } else { 4000 };
         let fits: Vec<_> = (0..RUNS)
             .into_par_iter()
             .map(|seed| {
                 let samples: Vec<_> = plant.source(noise, 1000 + seed).take(rows.end).collect();
-                oracle::one_pass(&Record::new(&samples), order, &Course::fixed(&plant.truth()), rows.clone())
-                    .delta(order)
+                oracle::one_pass(&Record::new(&samples), structure, &Course::fixed(&plant.truth()), rows.clone())
+                    .delta(structure)
             })
             .collect();
-        let (map, shift) = oracle::delta_map(order);
+        let (map, shift) = oracle::delta_map(structure);
         let truth = map * nalgebra::DVector::from_vec(plant.truth()) + shift;
         print!("{:20}", plant.name);
         for k in 0..truth.len() {

@@ -4,11 +4,13 @@
 //! Error: distance from the truth in units of the stated standard deviations, rms over parameters and runs; 1 is what
 //! chance alone gives. Least squares, biased by output noise, is judged by where a long undisturbed record takes it.
 
-use bearing_watch::estimate::{Accumulator, Fading, Guard, Instruments, Nominal, Regressor, Rows, Triangle};
-use bearing_watch::{Estimate, Estimator, Reason, Regression, Sample};
+use bearing_watch::Reason;
+use bearing_watch::internals::Inputs;
 use host_tests::oracle::{self, Fit, Record};
+use host_tests::plans::Setup;
 use host_tests::plants::{PLANTS, Plant};
-use host_tests::streams::{L, M, P, fading, refined, regression, rho};
+use host_tests::streams::{Estimate, covariance, fading, least_squares, outcome, refined, rho, single};
+use nalgebra::DVector;
 use rayon::prelude::*;
 
 const RUNS: u64 = 8;
@@ -48,7 +50,7 @@ const FAULTS: [Fault; 10] = [
 ];
 
 /// A run with the fault in the middle of the third segment. Whole segments may come in between.
-fn record(plant: &Plant, noise: f64, seed: u64, fault: Fault) -> Vec<Sample> {
+fn record(plant: &Plant, noise: f64, seed: u64, fault: Fault) -> Vec<Inputs> {
     let mut source = plant.source(noise, seed);
     let middle = 2 * SEGMENT + SEGMENT / 2;
     let mut samples: Vec<_> = source.by_ref().take(middle).collect();
@@ -64,7 +66,7 @@ fn record(plant: &Plant, noise: f64, seed: u64, fault: Fault) -> Vec<Sample> {
     let from = samples.len();
     samples.extend(source.take(SEGMENTS * SEGMENT - middle));
     for (place, sample) in samples[from..].iter_mut().enumerate() {
-        let Sample { y, u1, u2 } = sample;
+        let Inputs { y, u1, u2 } = sample;
         match (fault, place) {
             (Fault::Jump, ..100) => (*y, *u1, *u2) = (*y + 5.0, *u1 + 5.0, *u2 + 5.0),
             (Fault::Burst(value), ..300) => match (place / 10) % 10 {
@@ -79,70 +81,76 @@ fn record(plant: &Plant, noise: f64, seed: u64, fault: Fault) -> Vec<Sample> {
     samples
 }
 
-fn finite(result: &Result<Estimate<M, P>, Reason>) -> bool {
+fn finite(result: &Result<Estimate, Reason>) -> bool {
     result.as_ref().map_or(true, |estimate| {
-        estimate.variance.is_finite() && estimate.delta.iter().chain(&estimate.covariance).all(|x| x.is_finite())
+        let numbers = estimate.delta().iter().chain(estimate.packed_covariance());
+        estimate.variance.is_finite() && numbers.copied().all(f32::is_finite)
     })
 }
 
 /// The last segment's estimate; looks at the open segment now and then.
-fn last<R: Rows<M>, A: Accumulator<M, P>>(regression: &Regression<M>, samples: &[Sample]) -> Estimate<M, P> {
-    assert!(Estimator::<M, P, L, R, A>::fits(regression));
-    let mut estimator = Estimator::<M, P, L, R, A>::new(regression);
-    let mut result = Err(Reason::TooFewRows);
+fn last(setup: &Setup, samples: &[Inputs]) -> Estimate {
+    let mut stream = setup.stream();
+    let mut result = None;
     for segment in samples.chunks_exact(SEGMENT) {
         for (place, sample) in segment.iter().enumerate() {
-            estimator.step(sample);
-            assert!(place % 997 != 0 || finite(&estimator.estimate()), "{place}");
+            stream.step(sample);
+            assert!(place % 997 != 0 || finite(&outcome(stream.estimator.estimate())), "{place}");
         }
-        result = estimator.close();
-        assert!(finite(&result));
+        let closed = outcome(stream.estimator.close());
+        assert!(finite(&closed));
+        result = Some(closed);
     }
-    result.expect("an estimate of the last segment")
+    result.expect("a segment").expect("an estimate of the last segment")
 }
 
-type Method = fn(&Regression<M>, &[Sample]) -> Estimate<M, P>;
+/// Distance from the truth in units of the stated standard deviations, squared.
+fn squared_error(estimate: &Estimate, truth: &DVector<f64>) -> f64 {
+    let covariance = covariance(estimate, truth.len());
+    rho(estimate.delta(), &Fit { theta: truth.clone(), covariance, variance: 0.0, rows: 0 }).powi(2)
+}
+
+/// Larger values are refused; spikes of the output weigh less, and it must not stay constant.
+fn guarded(mut setup: Setup, nominal: Vec<f32>, deviation: f64, rest: f32) -> Setup {
+    // Signals have an rms of one or two; spikes of fifteen pass the limits and meet the weights.
+    for channel in &mut setup.channels {
+        (channel.limit, channel.saturation) = (20.0, 20.0);
+    }
+    setup.channels[0].stuck_samples = 50;
+    let constants = &mut setup.constants;
+    (constants.huber, constants.nominal, constants.deviation, constants.rest) = (6.0, nominal, deviation as f32, rest);
+    setup
+}
 
 #[test]
 fn every_mode_stays_finite_and_recovers_within_a_segment() {
     let plant = &PLANTS[4];
-    let (order, noise) = (plant.order(), plant.noise(20.0));
+    let (structure, noise) = (plant.structure(), plant.noise(20.0));
     let long: Vec<_> = plant.source(noise, 77).take(200_000).collect();
     let long_record = Record::new(&long);
-    // Signals have an rms of one or two; spikes of fifteen pass the range guard and meet the weights.
-    let guard = Guard { huber: 6.0, stuck_samples: [50, 0, 0], ..Guard::within([20.0; 3]) };
-    let settled = oracle::least_squares(&long_record, order, order.depth()..long.len(), 1.0).delta(order);
-    let mut delta = [0.0; M];
-    delta.iter_mut().zip(&settled.theta).for_each(|(cell, x)| *cell = *x as f32);
-    let nominal = Nominal { delta, deviation: settled.variance.sqrt() as f32 };
+    let rows = structure.depth()..long.len();
+    let settled = oracle::least_squares(&long_record, structure, rows, 1.0).delta(structure);
     // Mean motions are near 0.5 unfiltered and 4e-4 filtered.
-    let least = Regression { nominal, guard, still: 0.2, ..regression(order, &long) };
+    let least = least_squares(structure, &long);
+    let least = guarded(least, single(&settled.theta), settled.variance.sqrt(), 0.2);
     let refined = refined(plant, &long);
-    let refined = Regression {
-        settle: 300,
-        still: 5e-5,
-        nominal: Nominal { deviation: noise as f32, ..refined.nominal },
-        guard,
-        ..refined
-    };
-    let truth = oracle::delta(order, &plant.truth());
-    let methods: [(&str, Method, Regression<M>, &nalgebra::DVector<f64>); 4] = [
-        ("least squares", last::<Regressor<M, L>, Triangle<M, P>>, least, &settled.theta),
-        ("refined", last::<Instruments<M, L>, Triangle<M, P>>, refined, &truth),
-        ("fading", last::<Regressor<M, L>, Fading<M, P>>, fading(least, 1e-3), &settled.theta),
-        ("fading refined", last::<Instruments<M, L>, Fading<M, P>>, fading(refined, 1e-3), &truth),
+    let nominal = refined.constants.nominal.clone();
+    let mut refined = guarded(refined, nominal, noise, 5e-5);
+    refined.constants.settle = 300;
+    let truth = oracle::delta(structure, &plant.truth());
+    let methods = [
+        ("least squares", least.clone(), &settled.theta),
+        ("refined", refined.clone(), &truth),
+        ("fading", fading(&least, 1e-3), &settled.theta),
+        ("fading refined", fading(&refined, 1e-3), &truth),
     ];
     let mut failures = vec![];
     println!("error after one segment, in standard deviations (and times the undisturbed)");
-    for (name, method, regression, aim) in methods {
+    for (name, setup, aim) in methods {
         let error = |fault: Fault| {
-            let squares = (0..RUNS).into_par_iter().map(|seed| {
-                let estimate = method(&regression, &record(plant, noise, 500 + seed, fault));
-                let n = estimate.parameters();
-                let covariance = estimate.covariance_matrix().view((0, 0), (n, n)).map(f64::from);
-                let fit = Fit { theta: aim.clone(), covariance, variance: 0.0, rows: 0 };
-                rho(&estimate.delta, &fit).powi(2)
-            });
+            let squares = (0..RUNS)
+                .into_par_iter()
+                .map(|seed| squared_error(&last(&setup, &record(plant, noise, 500 + seed, fault)), aim));
             (squares.sum::<f64>() / RUNS as f64).sqrt()
         };
         let undisturbed = error(Fault::None);
@@ -165,41 +173,31 @@ fn every_mode_stays_finite_and_recovers_within_a_segment() {
 #[test]
 fn a_constant_term_survives_rejected_samples() {
     let plant = &PLANTS[4];
-    let (order, noise) = (plant.order(), plant.noise(20.0));
-    let truth = oracle::delta(order, &plant.truth());
-    let shifted = |sample: Sample| Sample { y: sample.y + 30.0, u1: sample.u1 - 20.0, u2: sample.u2 + 10.0 };
+    let (structure, noise) = (plant.structure(), plant.noise(20.0));
+    let truth = oracle::delta(structure, &plant.truth());
+    let shifted = |sample: Inputs| Inputs { y: sample.y + 30.0, u1: sample.u1 - 20.0, u2: sample.u2 + 10.0 };
     let long: Vec<_> = plant.source(noise, 77).take(200_000).map(shifted).collect();
-    let mut segments = refined(plant, &long);
-    segments.offset = true;
+    let mut segments = refined(plant, &long).with_offset();
     // A restart's transient is as large as the signal: exp(−6) of it is left. Half the wait costs 2.7 here instead of 1.
-    segments.settle = 300;
-    // The target's scale moves one place on behind the constant's; the nominal constant is that of the shift.
-    let n = order.parameters();
-    (segments.scale[n + 1], segments.scale[n]) = (segments.scale[n], 1.0);
-    let level = |k: usize| f64::from(segments.nominal.delta[k]);
-    let (t0, beta, gamma) = (level(0), level(order.na.into()), level((order.na + order.nb).into()));
-    segments.nominal.delta[n] = (-(t0 * 30.0) + beta * 20.0 - gamma * 10.0) as f32;
-    let methods: [(&str, Method, Regression<M>); 2] = [
-        ("refined", last::<Instruments<M, L>, Triangle<M, P>>, segments),
-        (
-            "fading refined",
-            last::<Instruments<M, L>, Fading<M, P>>,
-            fading(Regression { still: 5e-8, ..segments }, 1e-3),
-        ),
-    ];
+    segments.constants.settle = 300;
+    // The nominal constant is that of the shift.
+    let nominal = &mut segments.constants.nominal;
+    let level = |k: usize| f64::from(nominal[k]);
+    let (t0, beta, gamma) = (level(0), level(structure.na.into()), level((structure.na + structure.nb).into()));
+    nominal[structure.terms()] = (-(t0 * 30.0) + beta * 20.0 - gamma * 10.0) as f32;
+    let mut endless = fading(&segments, 1e-3);
+    endless.constants.rest = 5e-8;
+    let methods = [("refined", segments), ("fading refined", endless)];
     println!("with a constant term: error without and with a rejected sample every 2500, in standard deviations");
-    for (name, method, regression) in methods {
+    for (name, setup) in methods {
         let error = |holes: bool| {
             let squares = (0..RUNS).into_par_iter().map(|seed| {
                 let samples = plant.source(noise, 900 + seed).take(SEGMENTS * SEGMENT).map(shifted);
-                let punched = |(place, sample): (usize, Sample)| {
-                    if holes && place % 2500 == 0 { Sample { y: f32::NAN, ..sample } } else { sample }
+                let punched = |(place, sample): (usize, Inputs)| {
+                    if holes && place % 2500 == 0 { Inputs { y: f32::NAN, ..sample } } else { sample }
                 };
                 let samples: Vec<_> = samples.enumerate().map(punched).collect();
-                let estimate = method(&regression, &samples);
-                let covariance = estimate.covariance_matrix().view((0, 0), (n, n)).map(f64::from);
-                let fit = Fit { theta: truth.clone(), covariance, variance: 0.0, rows: 0 };
-                rho(&estimate.delta, &fit).powi(2)
+                squared_error(&last(&setup, &samples), &truth)
             });
             (squares.sum::<f64>() / RUNS as f64).sqrt()
         };

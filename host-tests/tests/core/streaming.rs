@@ -6,9 +6,9 @@
 //! * *arithmetic*: against one pass with the very auxiliary models that the stream had;
 //! * *statistics*: against the batch estimate over the same rows, iterated until it rests on its own model.
 //!
-//! The second is no matter of arithmetic. A pass answers to its auxiliary model by K = ∂θ̂/∂θ_aux, which is of the order
+//! The second is no matter of arithmetic. A pass answers to its auxiliary model by K = ∂θ̂/∂θ_aux, which is of the structure
 //! of the noise over the signal within the filter's band; the stream's auxiliary model is the estimate of the segment
-//! before and so differs from the batch's by about √2 σ. To first order
+//! before and so differs from the batch's by about √2 σ. To first structure
 //!
 //! ```text
 //! stream − batch = K (θ_before − θ_batch)                                                         (1)
@@ -32,24 +32,23 @@ struct Readings {
 }
 
 fn readings(plant: &Plant, ratio_db: f64) -> Readings {
-    let order = plant.order();
+    let structure = plant.structure();
     let length = if plant.rate_hz > 5e3 { 40_000 } else { 20_000 };
     let samples: Vec<_> = plant.source(plant.noise(ratio_db), 11).take(4 * length).collect();
-    let regression = refined(plant, &samples);
-    let run = Run::new(&regression, &samples, length);
+    let run = Run::new(&refined(plant, &samples), &samples, length);
     let record = Record::new(&samples);
     let mut found = Readings { arithmetic: 0.0, statistics: 0.0, left: 0.0, gain: 0.0 };
     for number in 2..4 {
-        let estimate = run.segments[number].expect("an estimate");
+        let estimate = run.segments[number].as_ref().expect("an estimate");
         let rows = run.rows(number);
-        let pass = oracle::one_pass(&record, order, &run.course, rows.clone()).delta(order);
-        found.arithmetic = found.arithmetic.max(worst(&estimate.delta, &pass));
-        let (batch, _) = oracle::batch(&record, order, &plant.truth(), rows.clone()).expect("converges");
-        let answer = oracle::sensitivity(&record, order, &batch, &rows);
-        let batch = batch.delta(order);
-        found.statistics = found.statistics.max(worst(&estimate.delta, &batch));
+        let pass = oracle::one_pass(&record, structure, &run.course, rows.clone()).delta(structure);
+        found.arithmetic = found.arithmetic.max(worst(estimate.delta(), &pass));
+        let (batch, _) = oracle::batch(&record, structure, &plant.truth(), rows.clone()).expect("converges");
+        let answer = oracle::sensitivity(&record, structure, &batch, &rows);
+        let batch = batch.delta(structure);
+        found.statistics = found.statistics.max(worst(estimate.delta(), &batch));
         let sd = DVector::from_vec(batch.deviations());
-        let before = oracle::delta(order, &run.course.auxiliaries[number].1);
+        let before = oracle::delta(structure, &run.course.auxiliaries[number].1);
         let left = (pass.theta - &batch.theta - &answer * (before - &batch.theta)).component_div(&sd); // (1)
         found.left = found.left.max(left.amax());
         let root = batch.covariance.cholesky().expect("positive definite").l();
@@ -71,7 +70,7 @@ fn follows_double_precision_within_a_small_part_of_sigma() {
         println!("{line}");
         let limit = if ratio_db < 15.0 { 0.1 } else { 0.05 };
         within += u32::from(statistics <= limit);
-        // Ten times the largest found; no f32 comes closer than a millionth. What (1) leaves is of second order in the
+        // Ten times the largest found; no f32 comes closer than a millionth. What (1) leaves is of second structure in the
         // auxiliary model's error.
         if !(1e-6..=0.006).contains(&arithmetic) || left > limit || (statistics > limit && statistics > 8.0 * gain) {
             failures.push(line);

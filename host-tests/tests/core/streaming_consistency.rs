@@ -7,7 +7,7 @@
 
 use host_tests::oracle::{self, Record};
 use host_tests::plants::{PLANTS, Plant};
-use host_tests::streams::{LeastSquares, Run, refined, regression};
+use host_tests::streams::{Run, least_squares, refined};
 use rayon::prelude::*;
 
 /// Runs a case. The standard error of a mean is then 0.025 sd, so that 0.1 sd is a bias and not chance.
@@ -42,28 +42,30 @@ impl Errors {
 }
 
 fn run(plant: &Plant, noise: f64, seed: u64) -> [Option<(Vec<f64>, Vec<f64>)>; 3] {
-    let order = plant.order();
+    let structure = plant.structure();
     let length = if plant.rate_hz > 5e3 { 12_000 } else { 5_000 };
     let samples: Vec<_> = plant.source(noise, seed).take(3 * length).collect();
-    let truth = oracle::delta(order, &plant.truth());
+    let truth = oracle::delta(structure, &plant.truth());
     let errors = |delta: &[f32]| truth.iter().zip(delta).map(|(truth, x)| f64::from(*x) - truth).collect::<Vec<_>>();
 
     let streamed = Run::new(&refined(plant, &samples), &samples, length);
-    let estimate = streamed.segments[2].expect("an estimate");
-    let deviations = estimate.covariance_matrix().diagonal().iter().map(|v| f64::from(v.sqrt())).collect();
+    let estimate = streamed.segments[2].as_ref().expect("an estimate");
+    let deviations = (0..truth.len()).map(|k| f64::from(estimate.deviation(k))).collect();
 
-    let regression = regression(order, &samples);
-    let mut least = LeastSquares::new(&regression);
+    let setup = least_squares(structure, &samples);
+    let mut least = setup.stream();
     samples[2 * length..].iter().for_each(|sample| least.step(sample));
-    let least = errors(&least.close().expect("excited").delta);
+    let least = least.estimator.close();
+    assert_eq!(least.reason, None);
+    let least = errors(least.delta());
 
     let plain = (seed % 1_000_000 < PLAIN_RUNS).then(|| {
         let record = Record::new(&samples);
-        let fit = oracle::instrumental(&record, order, &plant.truth(), streamed.rows(2)).delta(order);
+        let fit = oracle::instrumental(&record, structure, &plant.truth(), streamed.rows(2)).delta(structure);
         ((&fit.theta - &truth).as_slice().to_vec(), fit.deviations())
     });
     let zeros = vec![0.0; truth.len()];
-    [Some((errors(&estimate.delta), deviations)), Some((least, zeros)), plain]
+    [Some((errors(estimate.delta()), deviations)), Some((least, zeros)), plain]
 }
 
 #[test]
