@@ -7,7 +7,8 @@ fn main() {
     let readme = Path::new(&folder).join("../README.md");
     println!("cargo::rerun-if-changed={}", readme.display());
     let text = fs::read_to_string(&readme).unwrap_or_default();
-    let block = text.split("<!-- compiled by host-tests -->\n```rust\n").nth(1).and_then(|rest| rest.split("```").next());
+    let block =
+        text.split("<!-- compiled by host-tests -->\n```rust\n").nth(1).and_then(|rest| rest.split("```").next());
     let model = "mod model { include!(concat!(env!(\"CARGO_MANIFEST_DIR\"), \"/../examples/support/standard_rig/model.rs\")); }";
     match (block, env::var("OUT_DIR")) {
         (Some(code), Ok(out)) if code.starts_with("mod model;") => {

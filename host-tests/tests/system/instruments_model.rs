@@ -7,8 +7,8 @@ use workbench::evaluate;
 use workbench::identify::Structure;
 use workbench::rig::Scenario;
 use workbench::study::demo::{self, FirstInput};
-use workbench::trace::{Channels, Trace};
 use workbench::trace::labels::LabelledTrace;
+use workbench::trace::{Channels, Trace};
 use workbench::train::export;
 use workbench::train::{Estimation, Recipe, Trained, train};
 
