@@ -23,8 +23,8 @@
 //! | [`conditions`] | named changes of a scenario: excitation, load, motor or noise; severities |
 //!
 //! All values are `f64`, and sines and hyperbolic tangents are computed by `libm`, so that a seed produces the same
-//! trace on every machine. The rig deliberately has its own equations: it shares no code with the estimators that are tested
-//! on it.
+//! trace on every machine. The rig deliberately has its own equations: it shares no code with the estimators that
+//! are tested on it.
 //!
 //! ```
 //! use workbench::rig::{Defect, DefectKind, Scenario, simulate};

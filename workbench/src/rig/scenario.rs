@@ -93,7 +93,8 @@ impl Scenario {
     }
 
     /// This scenario with random conditions: reference amplitude × 0.6–1.5 and frequency × 0.6–1.8, load
-    /// amplitude × 0.6–1.4 and frequency × 0.6–1.8, R ± 10 %, J ± 3 %, each uniform and drawn from [`Stream::Conditions`] of `seed`.
+    /// amplitude × 0.6–1.4 and frequency × 0.6–1.8, R ± 10 %, J ± 3 %, each uniform and drawn from
+    /// [`Stream::Conditions`] of `seed`.
     #[must_use]
     pub fn mixed(mut self, seed: u64) -> Self {
         let mut source = NoiseSource::new(seed, Stream::Conditions);
