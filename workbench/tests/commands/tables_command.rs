@@ -78,7 +78,7 @@ fn the_literal_method_and_ours_on_the_rig() {
         assert!(mean(table, ours, "three classes") <= 0.3, "{}", table.id);
         assert!(mean(table, "iv4, a b c, no projection", "three classes") <= 1.5, "{}", table.id);
     }
-    // 20 repetitions from seed 1 yielded 13.1 ± 6.4, 0.8 ± 1.1 and 1.0 ± 1.0; the limits are four standard deviations of
+    // 20 repetitions from seed 1 gave 13.1 ± 6.4, 0.8 ± 1.1 and 1.0 ± 1.0; the limits are four standard deviations of
     // a mean of six repetitions.
     let all = mean(error_2, literal, "three classes");
     assert!((3.0..=24.0).contains(&all), "{all}");
