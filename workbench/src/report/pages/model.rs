@@ -226,8 +226,9 @@ fn mean_sd(mean: f64, sd: f64) -> String {
 /// The plane through the grand mean, in whitened coordinates, along the directions that separate the class means
 /// most; with only two classes, the second direction is that of the largest variance orthogonal to the first.
 ///
-/// Points outside the plane are replaced by their conditional mean. For a linear discriminant of up to three classes the
-/// drawn regions are therefore exactly the decision regions. With one coordinate the second axis only spreads the points.
+/// Points outside the plane are replaced by their conditional mean. For a linear discriminant of up to three classes
+/// the drawn regions are therefore exactly the decision regions. With one coordinate the second axis only spreads the
+/// points.
 #[derive(Clone, Debug)]
 struct Plane {
     centre: DVector<f64>,
