@@ -1,4 +1,4 @@
-//! The four-stage instrumental-variable method (thesis §2.1.2, B.1), used for all results in the thesis.
+//! The four-stage instrumental-variable method (thesis §2.1.2, B.1), used for all results of the source.
 //!
 //! Least squares → IV with instruments simulated by that model → AR(n) model L(q) of the residuals
 //! `A y − B u1 − C u2` → y, u1, u2 and instruments simulated by the IV model, all filtered by L → IV again.

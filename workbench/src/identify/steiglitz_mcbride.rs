@@ -1,4 +1,4 @@
-//! The Steiglitz–McBride method, the output-error estimator of the thesis (Eq. 2.10, B.3; the printed program uses a
+//! The Steiglitz–McBride method, the source's output-error estimator (thesis Eq. 2.10, B.3; the printed program uses a
 //! wrong index in its sums).
 //!
 //! Least squares → y, u1, u2 filtered by 1/A of the last pass → least squares, until the parameters no longer change.

@@ -30,7 +30,6 @@ pub fn read(paths: &[PathBuf], channels: &Channels) -> Result<Vec<Trace>, Error>
 ///
 /// # Errors
 /// The errors of [`read`].
-/// As [`read`].
 pub fn read_wanted(paths: &[PathBuf], channels: &Channels, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Trace>, Error> {
     read_files(paths, channels, Some(wanted))
 }

@@ -11,9 +11,9 @@
 //! | residuals | S | K |
 //! |---|---|---|
 //! | equation errors of least squares | regressors X | X (XᵀX)⁻¹ |
-//! | equation errors of iv4 | X | L*Z (X_LᵀZ)⁻¹, instruments Z and regressors X_L filtered by L, L* = L backwards in time |
+//! | equation errors of iv4 | X | L*Z (X_LᵀZ)⁻¹, instruments Z, regressors X_L filtered by L, L* = L in reversed time |
 //! | prediction errors of armax | 1/D-filtered X and delayed ε, because the terms of D are estimated too | S (SᵀS)⁻¹ |
-//! | simulation errors (oe; sriv and sm asymptotically) | 1/A-filtered regressors Ψ of the simulated output | Ψ (ΨᵀΨ)⁻¹ |
+//! | simulation errors (oe; sriv, sm asymptotically) | 1/A-filtered regressors Ψ of the simulated output | Ψ (ΨᵀΨ)⁻¹ |
 //!
 //! By (3), estimated parameters narrow the bounds of some lags: for least squares w is zero if u is itself a regressor.
 
