@@ -4,15 +4,44 @@
 #[macro_use]
 mod support;
 
-use bearing_watch::decide::{Discriminant, Features, Kind, Projection};
-use bearing_watch::estimate::{Forgetting, Triangle, Watch};
-use bearing_watch::{
-    AlphaBeta, Angle, BlockMean, Estimator, FrontEnd, Guard, Order, Park, Regression, Sample, Shaft, ShaftEstimate,
-};
+#[path = "support/streams.rs"]
+mod streams;
+
+use bearing_watch::internals::{Alone, Triangle};
+use bearing_watch::model::{Channel, Classifier, Discriminant, Feature, Forgetting, Novelty, Projection, Regression};
+use bearing_watch::plan::{Array, Cells, Fixed, Kind, Layout, Memory, Method, Plan, RegressionLayout, Structure};
+use bearing_watch::{AlphaBeta, Angle, BlockMean, Detector, FrontEnd, Model, Park};
 
 use support::hash::Hash;
 use support::numbers::Numbers;
-use support::{decimation, streams};
+use support::shaft::{self, Motion};
+use support::{decimation, refined, squares};
+
+type Three = Fixed<3>;
+type Nine = Fixed<9>;
+type TwentySeven = Fixed<27>;
+
+bearing_watch::plan! {
+    /// Five parameters and a constant, a linear discriminant.
+    struct Six;
+    /// Its sample.
+    struct Sample { y: "A", u1: "rad/s", u2: "N·m" }
+    layout: Layout {
+        regression: Some(RegressionLayout {
+            structure: Structure::new(2, 1, 2, 1, 2).with_offset(),
+            method: Method::LeastSquares,
+            memory: Memory::Segment,
+            y,
+            u1,
+            u2,
+        }),
+        features: 9,
+        coordinates: 3,
+        classes: 3,
+        discriminant: Kind::Linear,
+        ..Layout::EMPTY
+    }
+}
 
 main!(run);
 
@@ -27,9 +56,13 @@ fn run() {
         let (plain, two_level, fading) = (plain.bits, two_level.bits, fading.bits);
         say!("stream {number} {plain:08x}, two levels {two_level:08x}, fading {fading:08x}, solved {solved:?}");
     });
-    decision();
-    shaft::<4>(1);
-    shaft::<1>(3);
+    let mut hash = Hash::new();
+    let mut numbers = Numbers(11);
+    decisions(Six, &mut numbers, &mut hash);
+    decisions(squares::Squares, &mut numbers, &mut hash);
+    say!("decision {:08x}", hash.bits());
+    watched("4 orders", &shaft::MODEL);
+    watched("1 order, no load", &shaft::LOADLESS);
     let mut hash = Hash::new();
     decimation::bits(|output| hash.add(output));
     say!("decimation {:08x}", hash.bits());
@@ -56,26 +89,25 @@ fn front_end() {
 fn triangle<const M: usize, const P: usize>() {
     let mut hash = Hash::new();
     let mut numbers = Numbers(3);
-    let mut plain = Triangle::<M, P>::new(M);
-    let mut forgetting = Triangle::<M, P>::new(M);
+    let mut plain = Triangle::<[f32; M], [f32; P]>::new(M);
+    let mut forgetting = plain.clone();
     for _ in 0..200 {
         let row: [f32; M] = numbers.array();
-        plain.update(&row);
+        plain.update(&row, 1.0);
         forgetting.update_forgetting(&row, 1.0, Forgetting { lambda: 0.98, floor: 0.5 });
     }
     for triangle in [&plain, &forgetting] {
-        hash.add(&triangle.solve());
-        hash.add(&triangle.inverse());
-        hash.add(&[triangle.residual_sum()]);
+        let (d, r) = triangle.parts();
+        hash.add(d);
+        hash.add(r);
     }
     say!("triangle {M:2} {:08x}", hash.bits());
 }
 
 fn estimator() {
-    let scale = [1.0, 4.0, 0.5, 1.0, 2.0, 1.0, 8.0];
-    let base = Regression::new(Order::new(2, 1, 2, 1, 2), true);
-    let regression = Regression { scale, guard: Guard::within([4.0; 3]), ..base };
-    let mut estimator = Estimator::<7, 21, 4>::new(&regression);
+    let regression = Regression { scale: [1.0, 4.0, 0.5, 1.0, 2.0, 1.0, 8.0], ..Regression::new(Six) };
+    let channels = [("y", "A"), ("u1", "rad/s"), ("u2", "N·m")].map(|(name, unit)| Channel::within(name, unit, 4.0));
+    let mut estimator = Alone::new(Six, &channels, &regression);
     let (mut numbers, mut y) = (Numbers(7), [0.0_f32; 2]);
     for k in 0..3000 {
         let [u1, u2, e] = numbers.array();
@@ -84,71 +116,77 @@ fn estimator() {
         let measured = if k % 701 == 700 { f32::NAN } else { next };
         estimator.step(&Sample { y: measured, u1, u2 });
     }
-    match estimator.estimate() {
-        Ok(estimate) => {
-            let mut hash = Hash::new();
-            hash.add(&estimate.delta);
-            hash.add(&estimate.raw());
-            hash.add(&estimate.covariance);
-            hash.add(&[estimate.variance]);
-            let features = Features { index: [5, 0, 6, 2], count: 4 };
-            hash.add(&features.extract(&estimate, None::<&ShaftEstimate<0>>).unwrap_or([0.0; 4]));
-            say!("estimator {:08x}, {} rows, {} rejected", hash.bits(), estimate.rows, estimate.counts.rejected);
-        }
-        Err(reason) => say!("estimator: {reason}"),
+    let estimate = estimator.estimate();
+    if let Some(reason) = estimate.reason {
+        return say!("estimator: {reason}");
     }
+    let mut hash = Hash::new();
+    hash.add(estimate.delta());
+    hash.add(&estimate.raw());
+    hash.add(estimate.packed_covariance());
+    hash.add(&[estimate.variance]);
+    for feature in [Feature::Parameter(5), Feature::Parameter(0), Feature::LogVariance, Feature::Parameter(2)] {
+        hash.add(&[feature.value(Some(&estimate), None).unwrap_or(0.0)]);
+    }
+    say!("estimator {:08x}, {} rows, {} rejected", hash.bits(), estimate.rows, estimator.counts().rejected);
 }
 
-/// Torque balance and bearing orders of three segments.
-fn shaft<const K: usize>(harmonics: u8) {
+/// Whole segments of a detector that watches the shaft.
+fn watched<P: Plan>(name: &str, model: &Model<P>)
+where
+    P::Sample: From<Motion>,
+{
     let (mut hash, mut rows, mut rejected) = (Hash::new(), 0, 0);
-    let model = support::shaft::model::<K>(harmonics, 50);
-    let mut plant = support::shaft::Plant::new(15);
-    let mut shaft = Shaft::new(Some(&model));
+    let mut plant = shaft::Plant::new(15);
+    let mut detector = Detector::new(model);
     for _ in 0..3 {
-        (0..2000).for_each(|_| shaft.step(Some(&model), &plant.motion()));
-        let Some(sums) = shaft.sums() else { return };
-        shaft.next_segment();
-        let ShaftEstimate { friction, orders, counts, reason, .. } = model.conclude(&sums);
-        if let Some(reason) = reason {
+        let report = loop {
+            if let Some(report) = detector.step(&plant.motion().into()) {
+                break report;
+            }
+        };
+        report.estimate().into_iter().for_each(|estimate| hash.add_estimate(estimate));
+        let Some(shaft) = report.shaft() else { return };
+        if let Some(reason) = shaft.friction_reason.or(shaft.orders_reason) {
             say!("shaft: {reason}");
         }
-        hash.add(&friction.parameters);
-        hash.add(&friction.deviations);
-        hash.add(&friction.scores);
-        hash.add(&[friction.variance]);
-        orders.iter().for_each(|order| hash.add(&[order.prominence, order.amplitude]));
-        (rows, rejected) = (rows + friction.rows, rejected + counts.rejected);
+        hash.add_shaft(shaft);
+        report.decision.iter().for_each(|decision| hash.add(decision.log_likelihoods()));
+        (rows, rejected) = (rows + shaft.friction.rows, rejected + report.counts.rejected);
     }
-    say!("shaft of {K} orders {:08x}, {rows} rows, {rejected} rejected", hash.bits());
+    say!("shaft of {name} {:08x}, {rows} rows, {rejected} rejected", hash.bits());
 }
 
-fn decision() {
-    let (mut hash, mut numbers) = (Hash::new(), Numbers(11));
-    for kind in [Kind::Linear, Kind::Quadratic] {
-        for _ in 0..100 {
-            let projection = Projection::<9, 3> {
-                matrix: core::array::from_fn(|_| numbers.array()),
-                mean: numbers.array(),
-                count: 3,
-            };
-            let discriminant = Discriminant::<3, 3> {
-                kind,
-                classes: 3,
-                mean: core::array::from_fn(|_| numbers.array()),
-                whitening: core::array::from_fn(|_| core::array::from_fn(|_| numbers.array())),
-                log_normaliser: numbers.array(),
-                log_prior: [-1.098_612_3; 3],
-                cost: [[0.0, 50.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]],
-                reject_cost: f32::INFINITY,
-            };
-            if let Some(decision) = discriminant.decide(&projection.project(&numbers.array())) {
-                hash.add(&decision.log_likelihoods);
-                hash.add(&decision.posteriors);
-                hash.add(&decision.expected_costs);
-                hash.add(&[f32::from(decision.class)]);
-            }
+/// Decisions of random classifiers of nine features, three coordinates and three classes.
+fn decisions<P>(plan: P, numbers: &mut Numbers, hash: &mut Hash)
+where
+    P: Plan<Features = Nine, Coordinates = Three, Map = TwentySeven, Classes = Three, Means = Nine, Costs = Nine>,
+{
+    for _ in 0..100 {
+        let projection = Projection::<P> { matrix: numbers.array(), mean: numbers.array() };
+        let means = numbers.array();
+        // Square matrices, of which the lower triangles are used.
+        let full: [f32; 27] = numbers.array();
+        let lower = [0, 3, 4, 6, 7, 8];
+        let whitening: Array<P::Densities, f32> =
+            Cells::from_fn(plan.layout().densities(), |k| full[k / 6 * 9 + lower[k % 6]]);
+        let discriminant = Discriminant {
+            means,
+            whitening,
+            log_normaliser: numbers.array(),
+            log_prior: [-1.098_612_3; 3],
+            costs: [0.0, 50.0, 1.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0],
+            reject_cost: f32::INFINITY,
+        };
+        let classifier =
+            Classifier { features: refined::FEATURES, projection, discriminant, novelty: Novelty::none(plan) };
+        let features: [f32; 9] = numbers.array();
+        let z = [0, 1, 2].map(|k| classifier.projection.coordinate(&features, k));
+        if let Some(decision) = classifier.decide_at(plan, &z) {
+            hash.add(decision.log_likelihoods());
+            hash.add(decision.posteriors());
+            hash.add(decision.expected_costs());
+            hash.add(&[f32::from(decision.class)]);
         }
     }
-    say!("decision {:08x}", hash.bits());
 }

@@ -5,7 +5,9 @@
 //! Left out: `Debug` and, with the feature `defmt`, the logger. Without optimisation nothing can be told.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-#[allow(dead_code, reason = "its detector is spelt out here")]
+#[path = "support/classifier.rs"]
+mod classifier;
+#[allow(dead_code, reason = "its samples are not wanted here")]
 #[path = "support/standard_rig/model.rs"]
 mod model;
 #[allow(dead_code, reason = "only arrays of numbers are wanted here")]
@@ -21,28 +23,29 @@ mod shaft;
 use core::fmt::{self, Write};
 use core::hint::black_box as opaque;
 
-use bearing_watch::decide::{Discriminant, Features, Kind, Novelty, Projection};
-use bearing_watch::estimate::{
-    Accumulator, AnyShape, Fading, Forgetting, Memory, Method, Nominal, OrderTracking, Row, Rows, Shape, Solver,
-    StateVariable, TrackedOrder, Triangle, TwoLevel, Watch, is_stable,
-};
-use bearing_watch::model::notes;
+use bearing_watch::model::*;
+use bearing_watch::plan::*;
 use bearing_watch::*;
 
-use model::MODEL;
+use classifier::classifier;
 use numbers::Numbers;
 
 fn run() {
     front_end();
     decimation();
-    order_and_regression();
-    macro_rules! sizes { ($($m:literal)+) => { $(triangle::<$m, { $m * ($m - 1) / 2 }>();)+ }; }
-    sizes!(2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21);
-    estimators();
-    decision();
-    names_and_bytes();
-    detectors();
-    watched();
+    plans();
+    constants();
+    detector(&model::MODEL, |[current_a, velocity_ref_rad_s, load_torque_nm, ..]| model::Sample {
+        current_a,
+        velocity_ref_rad_s,
+        load_torque_nm,
+    });
+    detector(&refined::MODEL, |[y, u1, u2, _]| refined::Sample { y, u1, u2 });
+    detector(&shaft::MODEL, |values| motion(values).into());
+    detector(&shaft::LOADLESS, |values| motion(values).into());
+    fading();
+    long();
+    largest();
 }
 
 fn front_end() {
@@ -81,339 +84,217 @@ fn decimation() {
     HalfBandDecimator::reset(opaque(&mut chain));
 }
 
-fn order_and_regression() {
+/// What is usually done at compile time.
+fn plans() {
     let [na, nb, nc, nkb, nkc] = opaque([2, 1, 2, 1, 2]);
-    let order = Order::from_array(Order::to_array(opaque(Order::new(na, nb, nc, nkb, nkc))));
-    opaque([Order::parameters(order), Order::columns(order, opaque(true)), Order::depth(order)]);
-    opaque(Order::largest_delay(order));
-    let guard = Guard::within(opaque([4.0; 3]));
-    let plain = Regression::<7>::new(order, opaque(true));
-    let regression = opaque(Regression { guard, ..plain });
-    opaque((
-        Regression::columns(&regression),
-        Regression::capacity(&regression),
-        Regression::parameters(&regression),
-        Regression::form(&regression),
-    ));
-    opaque((Regression::target_scale(&regression), Regression::differences_share_scales(&regression)));
-    opaque(Regression::accepts(&regression, &opaque(Sample { y: 0.5, u1: -0.25, u2: 0.75 })));
-    for poles in 0..opaque(6) {
-        opaque(is_stable(opaque(&[-0.1, 0.5, 0.1, 0.0, 0.0]).get(..poles).unwrap_or_default()));
+    let structure = opaque(Structure::with_offset(Structure::new(na, nb, nc, nkb, nkc)));
+    opaque([Structure::terms(structure), Structure::parameters(structure), Structure::depth(structure)]);
+    opaque(Structure::from_orders(Structure::orders(structure)));
+    let signal = opaque(Signal::minus(Signal::channel(opaque(0)), Signal::channel(opaque(1))));
+    let regression = RegressionLayout { y: signal, structure, ..largest_layout() };
+    opaque(RegressionLayout::columns(&regression));
+    let layout = opaque(Layout { regression: Some(regression), ..Layout::EMPTY });
+    if let Err(error) = Layout::check(&layout) {
+        opaque(LayoutError::message(error));
+        show(error);
+    }
+    opaque([Layout::regressed(&layout), Layout::squares(&layout), Layout::instruments(&layout)]);
+    opaque([Layout::two_level(&layout), Layout::columns(&layout), Layout::packed(&layout)]);
+    opaque([Layout::parameters(&layout), Layout::covariance(&layout), Layout::delays(&layout)]);
+    opaque([Layout::filters(&layout), Layout::watched(&layout), Layout::orders(&layout), Layout::map(&layout)]);
+    opaque([Layout::whitening(&layout), Layout::densities(&layout), Layout::means(&layout), Layout::costs(&layout)]);
+    opaque((Layout::needs_angle(&layout), Feature::exists(opaque(Feature::Parameter(3)), &layout)));
+    sizes(<Fixed<3> as Size>::map(&opaque([1.0; 2 + 1]), |x| 2.0 * x));
+}
+
+fn sizes<A: Cells<f32>>(mut cells: A) {
+    opaque((Cells::part(&cells).copied(), Cells::cells(&cells).len()));
+    if let Some(cell) = Cells::part_mut(&mut cells) {
+        *cell = 1.0;
+    }
+    Cells::cells_mut(&mut cells).fill(opaque(2.0));
+    opaque((<A as Cells<f32>>::filled(opaque(3), 1.0), <A as Cells<f32>>::from_fn(opaque(3), |k| k as f32)));
+}
+
+fn constants() {
+    let channel = opaque(Channel::within(opaque("current_a"), opaque("A"), opaque(4.0)));
+    if let Some(name) = opaque(Name::<16>::new(opaque("healthy"))) {
+        opaque(Name::as_str(&name));
+        opaque(Name::<16>::from_bytes(opaque(Name::to_bytes(name))));
+    }
+    opaque(channel);
+    let bearing = opaque(Bearing { balls: 9, ball_diameter: 3.0, pitch_diameter: 17.0, contact_angle_rad: 0.1745 });
+    opaque([Bearing::outer(&bearing), Bearing::inner(&bearing), Bearing::ball(&bearing), Bearing::cage(&bearing)]);
+    opaque(StateVariable::new(opaque(0.05), opaque(0.002)));
+    opaque(TrackedOrder::order(&opaque(TrackedOrder::new(opaque(3.7), opaque([1.0; 3])))));
+    opaque(FrictionTerm::name(opaque(FrictionTerm::Drag)));
+    opaque(Field::name(opaque(Field::SamplingInterval)));
+    for error in opaque([ModelError::OtherPlan, ModelError::Channel { place: 1 }]) {
+        opaque(ModelError::message(&error));
+        show(error);
     }
 }
 
-fn triangle<const M: usize, const P: usize>() {
-    let mut numbers = Numbers(3);
-    let mut triangle = opaque(Triangle::<M, P>::new(opaque(M)));
-    Triangle::update(&mut triangle, &opaque(numbers.array()));
-    let forgetting = opaque(Forgetting { lambda: 0.98, floor: 0.5 });
-    Triangle::update_forgetting(&mut triangle, &opaque(numbers.array()), opaque(0.5), forgetting);
-    opaque((Triangle::solve(&triangle), Triangle::inverse(&triangle), Triangle::residual_sum(&triangle)));
-    Triangle::update_weighted(&mut triangle, &opaque(numbers.array()), opaque(0.5));
-    opaque((Triangle::dependent_column(&triangle), Triangle::columns(&triangle)));
-    Triangle::reset(opaque(&mut triangle));
+fn motion([current_a, velocity_rad_s, reference_rad_s, load_nm]: [f32; 4]) -> shaft::Motion {
+    shaft::Motion { current_a, velocity_rad_s, reference_rad_s, load_nm, angle: Angle::from_bits(opaque(12_345)) }
 }
 
-/// Both sources of rows, of a form known when running and when compiling, and every memory.
-fn estimators() {
-    let fading = Memory::Fading(Forgetting { lambda: 0.99, floor: 1.0 });
-    let guard = Guard { stuck_samples: [9; 3], huber: 3.0, ..Guard::within([4.0; 3]) };
-    let least = Regression { guard, ..MODEL.regression };
-    estimator::<6, 15, 1, Regressor<6, 1>, Triangle<6, 15>>(&least);
-    estimator::<6, 15, 1, Regressor<6, 1, model::Structure>, TwoLevel<6, 15>>(&least);
-    estimator::<6, 15, 1, Regressor<6, 1>, Fading<6, 15>>(&Regression { memory: fading, still: 0.01, ..least });
-    let instruments = refined::MODEL.regression;
-    estimator::<11, 55, 1, Instruments<11, 1, refined::Structure>, Triangle<11, 55>>(&instruments);
-    estimator::<11, 55, 1, Instruments<11, 1>, TwoLevel<11, 55>>(&instruments);
-    estimator::<11, 55, 1, Instruments<11, 1>, Fading<11, 55>>(&Regression {
-        memory: fading,
-        still: 0.01,
-        ..instruments
-    });
-    let nominal = Nominal { delta: [-0.1; 21], deviation: 0.1 };
-    let any = Regression { nominal, method: Method::Instruments, ..Regression::new(Order::new(4, 4, 3, 7, 3), true) };
-    estimator::<21, 210, 7, Instruments<21, 7>, Triangle<21, 210>>(&any);
-}
-
-fn estimator<const M: usize, const P: usize, const L: usize, R: Rows<M>, A: Accumulator<M, P>>(
-    regression: &Regression<M>,
-) {
-    let regression = opaque(regression);
-    opaque((<AnyShape as Shape>::fits(regression), <R::Shape as Shape>::of(regression)));
-    opaque(Estimator::<M, P, L, R, A>::fits(regression));
-    let mut estimator = opaque(Estimator::<M, P, L, R, A>::new(regression));
-    let mut numbers = Numbers(5);
-    let mut feed = |estimator: &mut Estimator<'_, M, P, L, R, A>| {
-        for _ in 0..opaque(50) {
-            let [y, u1, u2] = opaque(numbers.array());
-            let sample = Sample { y, u1, u2 };
-            Estimator::step(estimator, &sample);
-            if Estimator::admit(estimator, &sample) {
-                Estimator::take(estimator, &sample);
-            } else {
-                Estimator::skip(estimator);
-            }
-        }
-    };
-    feed(&mut estimator);
-    told(Estimator::estimate(opaque(&estimator)));
-    told(Estimator::close(opaque(&mut estimator)));
-    opaque((Estimator::rows(&estimator), Estimator::counts(&estimator), Estimator::empty_estimate(&estimator)));
-    feed(&mut estimator);
-    let segment = opaque(Estimator::detach(&mut estimator));
-    opaque((Segment::rows(&segment), Segment::counts(&segment)));
-    let mut solver = opaque(Solver::new(regression, segment));
-    opaque(Solver::segment(&solver).rows());
-    // Once more than there are pieces.
-    for _ in 0..opaque(M + 4) {
-        if let Some(result) = opaque(Solver::advance(opaque(&mut solver))) {
-            told(result);
-        }
-    }
-    if let Ok(estimate) = Solver::finish(opaque(solver)) {
-        opaque(Estimator::adopt(&mut estimator, &estimate));
-    }
-    Estimator::restart(opaque(&mut estimator));
-    parts::<M, P, R, A>(regression);
-}
-
-/// What an estimator is made of.
-fn parts<const M: usize, const P: usize, R: Rows<M>, A: Accumulator<M, P>>(regression: &Regression<M>) {
-    opaque((<R as Rows<M>>::fits(regression), <A as Accumulator<M, P>>::fits(regression)));
-    let mut source = opaque(<R as Rows<M>>::new(regression));
-    let mut numbers = Numbers(6);
+/// A whole detector with all that belongs to it.
+fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
+    let model = opaque(model);
+    about(model);
+    let mut detector = opaque(Detector::new(model));
+    let mut evidence = opaque(Model::evidence(model));
+    let mut numbers = Numbers(9);
     for _ in 0..opaque(50) {
-        let [y, u1, u2] = opaque(numbers.array());
-        opaque(<R as Rows<M>>::push(&mut source, regression, &Sample { y, u1, u2 }));
-    }
-    let estimate = opaque(Estimate::<M, P>::empty(opaque(regression.order), opaque(true), 1, Counts::default()));
-    <R as Rows<M>>::adopt(&mut source, regression, &estimate);
-    <R as Rows<M>>::next_segment(opaque(&mut source), regression);
-    opaque((<R as Rows<M>>::awaits(&source), <R as Rows<M>>::refused(&source), <R as Rows<M>>::gain(&source)));
-    opaque((<R as Rows<M>>::origin(&source), <R as Rows<M>>::base(&source, regression)));
-    <R as Rows<M>>::flush(opaque(&mut source), regression);
-
-    let mut sums = opaque(<A as Accumulator<M, P>>::new(opaque(M)));
-    let row = opaque(Row { cells: numbers.array(), weight: 0.5, motion: 1.0 });
-    opaque(<A as Accumulator<M, P>>::add(&mut sums, regression, &row));
-    opaque(<A as Accumulator<M, P>>::mass(&sums, regression, opaque(7)));
-    opaque(<A as Accumulator<M, P>>::total(&sums, Triangle::residual_sum));
-    <A as Accumulator<M, P>>::next_segment(opaque(&mut sums));
-    <A as Accumulator<M, P>>::restart(opaque(&mut sums));
-}
-
-fn told<const M: usize, const P: usize>(result: Result<Estimate<M, P>, Reason>) {
-    match opaque(result) {
-        Ok(estimate) => {
-            opaque((Estimate::parameters(&estimate), Estimate::raw(&estimate)));
-            opaque(Estimate::covariance_matrix(&estimate));
-            let _tried =
-                opaque(Classifier::classify(opaque(&MODEL.classifier), &estimate, opaque(None::<&ShaftEstimate<0>>)));
+        let sample = opaque(sample(numbers.array()));
+        opaque((Signals::value(&sample, opaque(1)), Signals::angle(&sample)));
+        if let Some(report) = opaque(Detector::step(&mut detector, &sample)) {
+            opaque(Evidence::observe(&mut evidence, report.decision.as_ref()));
+            told(model, &report);
         }
-        Err(reason) => show(reason),
-    }
-}
-
-fn decision() {
-    let mut numbers = Numbers(7);
-    let projection = opaque(Projection::<9, 3> {
-        matrix: core::array::from_fn(|_| numbers.array()),
-        mean: numbers.array(),
-        count: 3,
-    });
-    opaque(Projection::to_matrices(&projection));
-    let features = opaque(Features::<9> { index: [8; 9], count: 9 });
-    let estimate = Estimate::<6, 15>::empty(opaque(MODEL.regression.order), false, 0, Counts::default());
-    let features =
-        Features::extract(&features, &opaque(estimate), opaque(None::<&ShaftEstimate<0>>)).unwrap_or([0.0; 9]);
-    let z = Projection::project(&projection, &opaque(features));
-    for kind in [Kind::Linear, Kind::Quadratic] {
-        let discriminant = opaque(Discriminant::<3, 4> {
-            kind,
-            classes: 3,
-            mean: core::array::from_fn(|_| numbers.array()),
-            whitening: core::array::from_fn(|_| core::array::from_fn(|_| numbers.array())),
-            log_normaliser: numbers.array(),
-            log_prior: numbers.array(),
-            cost: [[1.0; 4]; 4],
-            reject_cost: 0.5,
-        });
-        opaque(Discriminant::decide(&discriminant, &opaque(z)));
-        let likelihoods = Discriminant::log_likelihoods(&discriminant, &opaque(z));
-        if let Some(decision) = Discriminant::decide_from(&discriminant, opaque(likelihoods)) {
-            opaque(Decision::least_cost(&opaque(decision)));
+        if let Some(segment) = opaque(Detector::collect(&mut detector, &sample)) {
+            let report = Model::conclude(model, opaque(segment.clone()));
+            opaque(Detector::adopt(&mut detector, &report));
+            let mut solver = opaque(Solver::new(model, segment));
+            for _ in 0..opaque(50) {
+                opaque(Solver::advance(&mut solver).is_some());
+            }
+            opaque(Solver::finish(solver));
         }
-        watch(discriminant, &z);
     }
-}
-
-/// How far from healthy, and what many segments come to.
-fn watch(discriminant: Discriminant<3, 4>, z: &[f32; 3]) {
-    let mut numbers = Numbers(8);
-    let novelty = opaque(Novelty::<3> {
-        class: 0,
-        mean: numbers.array(),
-        whitening: core::array::from_fn(|_| numbers.array()),
-        knots: core::array::from_fn(|_| numbers.array()),
-        limit: 4.6,
-    });
-    opaque((Novelty::judge(&novelty, opaque(z)), Novelty::surprise(&novelty, opaque(3.0))));
-    let features = Features::<9> { index: [8; 9], count: 9 };
-    let projection = Projection::<9, 3> { matrix: [[1.0; 9]; 3], mean: [0.0; 9], count: 3 };
-    let classifier = opaque(Classifier { features, projection, discriminant, novelty });
-    let plan = opaque(EvidencePlan { bet: 0.2, limit: 10.0, cap: 5.0 });
-    let mut evidence = opaque(Evidence::new(plan, &classifier));
-    for _ in 0..opaque(9) {
-        let decision = opaque(Classifier::decide(&classifier, opaque(z)));
-        if let Some(decision) = &decision {
-            opaque(Classifier::finding(&classifier, decision));
-        }
-        opaque(Evidence::observe(&mut evidence, decision.as_ref()));
-    }
+    opaque((Detector::pending(&detector), Detector::counts(&detector), Detector::preview(&detector)));
+    told(model, &opaque(Detector::finish(&mut detector)));
+    Detector::restart(opaque(&mut detector));
     opaque((Evidence::alarm(&evidence), Evidence::score(&evidence), Evidence::segments(&evidence)));
     opaque(Evidence::trend(&evidence));
     Evidence::reset(opaque(&mut evidence));
 }
 
-fn names_and_bytes() {
-    if let Some(label) = opaque(Label::new(opaque("healthy"))) {
-        opaque(Label::as_str(&label));
-        opaque(Label::from_bytes(opaque(Label::to_bytes(label))));
+/// What a model says of itself, and its bytes.
+fn about<P: Plan>(model: &Model<P>) {
+    let (plan, constants) = (Model::plan(model), Model::constants(model));
+    let layout = opaque(<P as Plan>::layout(plan));
+    opaque(<P as Plan>::of(layout).is_some());
+    opaque((Model::label(model, opaque(200)), <P as Plan>::channels()));
+    if let Err(error) = Model::check_interval(model, opaque(0.001)) {
+        show(error);
     }
-    opaque(Model::label(opaque(&MODEL), opaque(200)));
-    let mut buffer = [0_u8; 1024];
-    let written = match Model::to_bytes(opaque(&MODEL), opaque("notes"), opaque(&mut buffer)) {
+    let front = FrontEnd { pole_pairs: opaque(6), electrical_offset: Angle::ZERO, park: opaque(Park::Thesis) };
+    if let Err(error) = Model::check_front_end(model, &front) {
+        show(error);
+    }
+    if let Err(error) = opaque(Model::new(plan, opaque(constants.clone()))) {
+        show(error);
+    }
+    opaque(Regression::new(plan));
+    let mut buffer = [0_u8; 2048];
+    let written = match Model::to_bytes(model, opaque("notes"), opaque(&mut buffer)) {
         Ok(length) => opaque(length),
         Err(error) => return show(error),
     };
     let bytes = opaque(&buffer).get(..written).unwrap_or_default();
-    if let Err(error) = opaque(notes(bytes)) {
-        show(error);
-    }
-    match Model::<8, 6, 5, 4>::from_bytes(bytes) {
-        Ok(model) => opaque(Model::validate(opaque(&model))).unwrap_or_else(show),
-        Err(error) => show(error),
+    stored(bytes);
+    opaque((Model::<P>::from_bytes(bytes).is_ok(), Model::<P>::from_sector(opaque(&buffer)).is_ok()));
+    let classifier = &constants.classifier;
+    let (numbers, features) = (opaque([0.5_f32; 9]), layout.features as usize);
+    opaque(Projection::coordinate(&classifier.projection, numbers.get(..features).unwrap_or_default(), opaque(0)));
+    opaque(Discriminant::log_likelihood(&classifier.discriminant, opaque(Kind::Quadratic), &numbers, opaque(1)));
+    opaque((Novelty::none(plan), Novelty::judge(&classifier.novelty, &numbers)));
+    opaque(Novelty::surprise(&classifier.novelty, opaque(3.0)));
+    let decisions =
+        (Classifier::decide(classifier, plan, &numbers, 1.0), Classifier::decide_at(classifier, plan, &numbers));
+    if let (Some(mut decision), Some(_)) = opaque(decisions) {
+        opaque(Classifier::finding(classifier, &decision));
+        opaque(Discriminant::decide(&classifier.discriminant, &numbers, &mut decision));
     }
 }
 
-/// Whole detectors, of least squares and of instrumental variables.
-fn detectors() {
-    detector::<6, 15, 1, 5, 5, 3, Regressor<6, 1, model::Structure>, Triangle<6, 15>>(&MODEL);
-    detector::<11, 55, 1, 9, 3, 3, Instruments<11, 1, refined::Structure>, Triangle<11, 55>>(&refined::MODEL);
-    detector::<11, 55, 1, 9, 3, 3, Instruments<11, 1>, TwoLevel<11, 55>>(&refined::MODEL);
+fn stored(bytes: &[u8]) {
+    opaque((notes(bytes).is_ok(), stored_len(bytes).is_ok(), layout(bytes).is_ok()));
 }
 
-fn detector<
-    const M: usize,
-    const P: usize,
-    const L: usize,
-    const F: usize,
-    const Z: usize,
-    const C: usize,
-    R: Rows<M>,
-    A: Accumulator<M, P>,
->(
-    model: &Model<M, F, Z, C>,
-) {
-    let model = opaque(model);
-    let mut detector = match Detector::<M, P, L, F, Z, C, R, A>::new(model) {
-        Ok(detector) => opaque(detector),
-        Err(error) => return show(error),
-    };
-    let mut numbers = Numbers(9);
-    for _ in 0..opaque(50) {
-        let [y, u1, u2] = opaque(numbers.array());
-        if let Some(report) = Detector::step(&mut detector, Sample { y, u1, u2 })
-            && let Verdict::Undetermined(reason) = opaque(report).verdict
-        {
-            show(reason);
-        }
-        if let Some(segment) = opaque(Detector::collect(&mut detector, Sample { y, u1, u2 })) {
-            let report = Model::conclude(model, opaque(segment));
-            opaque(Detector::adopt(&mut detector, &report));
-            opaque(Model::report(model, opaque(3), report.estimate.counts, Ok(report.estimate)));
+fn told<P: Plan>(model: &Model<P>, report: &Report<P>) {
+    match opaque(report.verdict) {
+        Verdict::Undetermined(reason) => show(reason),
+        verdict => {
+            opaque(verdict);
         }
     }
-    opaque((Detector::pending(&detector), Detector::preview(&detector)));
-    opaque(Detector::finish(&mut detector));
-    Detector::restart(opaque(&mut detector));
-}
-
-/// The shaft's side, alone and beside the regression.
-fn watched() {
-    let bearing = opaque(Bearing { balls: 9, ball_diameter: 3.0, pitch_diameter: 17.0, contact_angle_rad: 0.1745 });
-    opaque([Bearing::outer(&bearing), Bearing::inner(&bearing), Bearing::ball(&bearing), Bearing::cage(&bearing)]);
-    opaque(StateVariable::new(opaque(0.05), opaque(0.002)));
-    opaque(TrackedOrder::order(&opaque(TrackedOrder::new(opaque(3.7), opaque([1.0; 3])))));
-
-    let model = opaque(shaft::model::<4>(opaque(3), opaque(7)));
-    let mut numbers = Numbers(10);
-    let mut track = opaque(OrderTracking::<4>::new());
-    for _ in 0..opaque(50) {
-        OrderTracking::step(&mut track, &model.tracking, opaque(1 << 24), opaque(Some(numbers.next())));
-    }
-    opaque(OrderTracking::samples(&track));
-    if let Err(reason) = opaque(OrderTracking::strengths(&track, &model.tracking)) {
+    opaque((ChannelSet::contains(report.counts.stuck, opaque(3)), ChannelSet::is_empty(report.counts.stuck)));
+    let (estimate, shaft) = opaque((Report::estimate(report), Report::shaft(report)));
+    let feature = opaque(Feature::LogVariance);
+    if let Err(reason) = Feature::value(feature, Model::plan(model), estimate, shaft) {
         show(reason);
     }
-    OrderTracking::next_segment(opaque(&mut track));
-
-    watch_over::<NoShaft, 4>(None, &mut numbers);
-    watch_over::<Shaft<4>, 4>(Some(&model), &mut numbers);
-
-    let Model { sampling, regression, classifier, evidence, labels, .. } = MODEL;
-    let features = opaque(Features::<5> { index: [0, 129, 137, 160, 192], count: 5 });
-    let classifier = Classifier { features, ..classifier };
-    let whole = opaque(Model { sampling, regression, shaft: Some(model), classifier, evidence, labels });
-    let mut buffer = [0_u8; 1024];
-    match Model::to_bytes(&whole, opaque(""), opaque(&mut buffer)) {
-        Ok(length) => match Model::<6, 5, 5, 3, 4>::from_bytes(opaque(&buffer).get(..length).unwrap_or_default()) {
-            Ok(model) => beside(opaque(&model)),
-            Err(error) => show(error),
-        },
-        Err(error) => show(error),
+    if let Some(estimate) = estimate {
+        opaque((Estimate::delta(estimate), Estimate::raw(estimate), Estimate::packed_covariance(estimate)));
+        opaque((Estimate::covariance(estimate, opaque(1), opaque(0)), Estimate::deviation(estimate, opaque(9))));
+    }
+    if let Some(shaft) = shaft {
+        let friction = &shaft.friction;
+        opaque((Friction::parameter(friction, opaque(FrictionTerm::Offset)), ShaftEstimate::orders(shaft)));
+        opaque([Friction::inertia_kg_m2(friction), Friction::viscous_nm_s_rad(friction)]);
+        opaque((Friction::coulomb_nm(friction), Friction::torque_constant_nm_a(friction)));
+    }
+    if let Some(decision) = &report.decision {
+        opaque((Decision::log_likelihoods(decision), Decision::posteriors(decision)));
+        opaque((Decision::expected_costs(decision), Decision::least_cost(decision)));
     }
 }
 
-fn motion(numbers: &mut Numbers) -> Motion {
-    let [current_a, velocity_rad_s, reference_rad_s, load_nm] = opaque(numbers.array());
-    Motion { current_a, velocity_rad_s, reference_rad_s, load_nm, angle: Angle::from_bits(opaque(12_345)) }
+const fn largest_layout() -> RegressionLayout {
+    RegressionLayout {
+        structure: Structure::new(4, 4, 3, 7, 3).with_offset(),
+        method: Method::Instruments,
+        memory: Memory::Segment,
+        y: Signal::channel(0),
+        u1: Signal::channel(1),
+        u2: Signal::channel(2),
+    }
 }
 
-fn watch_over<W: Watch<K>, const K: usize>(model: Option<&ShaftModel<K>>, numbers: &mut Numbers) {
-    let model = opaque(model);
-    opaque(<W as Watch<K>>::fits(model));
-    let mut watch = opaque(<W as Watch<K>>::new(model));
-    for _ in 0..opaque(300) {
-        <W as Watch<K>>::step(&mut watch, model, &motion(numbers));
-    }
-    if let Some((model, sums)) = model.zip(opaque(<W as Watch<K>>::sums(&watch))) {
-        let estimate = ShaftModel::conclude(model, &sums);
-        opaque([Friction::torque_constant_nm_a(&estimate.friction), Friction::inertia_kg_m2(&estimate.friction)]);
-        opaque([Friction::viscous_nm_s_rad(&estimate.friction), Friction::coulomb_nm(&estimate.friction)]);
-        opaque(ShaftEstimate::<K>::empty(opaque(estimate.reason).unwrap_or(Reason::AtRest)));
-    }
-    <W as Watch<K>>::next_segment(opaque(&mut watch));
-}
-
-fn beside(model: &Model<6, 5, 5, 3, 4>) {
-    type Watching<'m> = Detector<'m, 6, 15, 1, 5, 5, 3, Regressor<6, 1>, Triangle<6, 15>, Shaft<4>, 4>;
-    let mut detector = match Watching::new(model) {
-        Ok(detector) => opaque(detector),
-        Err(error) => return show(error),
-    };
-    let mut numbers = Numbers(11);
-    for _ in 0..opaque(300) {
-        let motion = motion(&mut numbers);
-        let sample = Sample { y: motion.current_a, u1: motion.reference_rad_s, u2: motion.load_nm };
-        opaque(Detector::step_with_motion(&mut detector, sample, &motion));
-        if let Some((segment, sums)) = opaque(Detector::collect_with_motion(&mut detector, sample, &motion)) {
-            let report = opaque(Model::conclude_with_shaft(model, segment, sums));
-            opaque(Detector::adopt(&mut detector, &report));
+/// A detector of one more regression.
+macro_rules! regression {
+    ($name:ident $layout:expr) => {
+        fn $name() {
+            bearing_watch::plan! {
+                struct Own;
+                struct Sample { y: "A", u1: "rad/s", u2: "N·m" }
+                layout: Layout {
+                    regression: Some($layout),
+                    features: 9,
+                    coordinates: 3,
+                    classes: 3,
+                    discriminant: Kind::Quadratic,
+                    ..Layout::EMPTY
+                }
+            }
+            let constants = Constants {
+                sampling: Sampling { interval_s: 0.001, park: None, block_mean: 3, segment_samples: opaque(40) },
+                channels: refined::CHANNELS,
+                regression: [Regression { huber: 3.0, rest: 0.01, ..Regression::new(Own) }],
+                shaft: [],
+                classifier: classifier!(refined::FEATURES),
+                evidence: EvidenceConstants::NONE,
+                labels: refined::LABELS,
+            };
+            match Model::new(Own, opaque(constants)) {
+                Ok(model) => detector(&model, |[y, u1, u2, _]| Sample { y, u1, u2 }),
+                Err(error) => show(error),
+            }
         }
-    }
-    opaque(Detector::finish(&mut detector));
+    };
 }
+
+regression!(fading RegressionLayout {
+    structure: Structure::new(2, 3, 3, 1, 1),
+    method: Method::LeastSquares,
+    memory: Memory::Fading,
+    ..largest_layout()
+});
+regression!(long RegressionLayout { memory: Memory::LongSegment, ..largest_layout() });
+regression!(largest largest_layout());
 
 /// The errors' texts.
 fn show(error: impl fmt::Display) {

@@ -49,6 +49,14 @@ impl<const N: usize> Name<N> {
         }
     }
 
+    /// The text, or the empty one if it does not fit.
+    const fn fitting(text: &str) -> Self {
+        match Self::new(text) {
+            Some(name) => name,
+            None => Self::EMPTY,
+        }
+    }
+
     /// From padded bytes; `None` if they are not UTF-8 followed by zeros only.
     #[must_use]
     pub fn from_bytes(bytes: [u8; N]) -> Option<Self> {
@@ -109,11 +117,11 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// A channel with a limit: no saturation below it, and it may be constant.
+    /// A channel with a limit: no saturation below it, and it may be constant. A name or unit that does not fit becomes
+    /// empty, which no plan accepts.
     #[must_use]
     pub const fn within(name: &str, unit: &str, limit: f32) -> Self {
-        let (name, unit) = (Name::constant(name), Name::constant(unit));
-        Self { name, unit, limit, saturation: limit, stuck_samples: 0 }
+        Self { name: Name::fitting(name), unit: Name::fitting(unit), limit, saturation: limit, stuck_samples: 0 }
     }
 }
 

@@ -1,6 +1,7 @@
 //! A hash of results: equal on host and target means equal bits.
 
-use bearing_watch::Estimate;
+use bearing_watch::plan::Plan;
+use bearing_watch::{Estimate, ShaftEstimate};
 
 /// FNV-1a over the bits of results.
 pub struct Hash(u32);
@@ -18,12 +19,22 @@ impl Hash {
         }
     }
 
-    /// Adds all numbers of an estimate in use.
-    pub fn add_estimate<const M: usize, const P: usize>(&mut self, estimate: &Estimate<M, P>) {
-        let n = estimate.parameters();
-        self.add(estimate.delta.get(..n).unwrap_or_default());
-        self.add(estimate.covariance.get(..n * (n + 1) / 2).unwrap_or_default());
+    /// Adds all numbers of an estimate.
+    pub fn add_estimate<P: Plan>(&mut self, estimate: &Estimate<P>) {
+        self.add(estimate.delta());
+        self.add(estimate.packed_covariance());
         self.add(&[estimate.variance, f32::from_bits(estimate.rows)]);
+    }
+
+    /// Adds all numbers of friction and bearing orders.
+    pub fn add_shaft<P: Plan>(&mut self, shaft: &ShaftEstimate<P>) {
+        let friction = &shaft.friction;
+        let terms = [friction.inertia, friction.viscous, friction.coulomb, friction.offset, friction.drag];
+        for term in terms.iter().chain(&friction.inverse_torque_constant) {
+            self.add(&[term.value, term.deviation, term.score]);
+        }
+        self.add(&[friction.variance, f32::from_bits(friction.rows)]);
+        shaft.orders().iter().for_each(|order| self.add(&[order.prominence, order.amplitude]));
     }
 
     /// The hash.

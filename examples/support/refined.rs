@@ -1,77 +1,85 @@
 //! A model of eight parameters by instrumental variables, and a plant for it.
 
-use bearing_watch::decide::{Classifier, Discriminant, EvidencePlan, Features, Kind, Novelty, Projection};
-use bearing_watch::estimate::{Form, Method, Nominal, Shape};
-use bearing_watch::{Detector, Guard, Instruments, Label, Model, Order, Regression, Sample, Sampling};
+use bearing_watch::Model;
+use bearing_watch::model::{Channel, Constants, EvidenceConstants, Feature, Forgetting, Label, Regression, Sampling};
+use bearing_watch::plan::{Kind, Layout, Memory, Method, RegressionLayout, Structure};
 
+use super::classifier::classifier;
 use super::numbers::Numbers;
 
-/// Two output terms and three of each input, known when compiling.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Structure;
+/// Two output terms and three of each input.
+pub const STRUCTURE: Structure = Structure::new(2, 3, 3, 1, 1);
 
-const FORM: Form = Form { order: Order::new(2, 3, 3, 1, 1), offset: false, method: Method::Instruments };
-
-impl Shape for Structure {
-    const FIXED: Option<Form> = Some(FORM);
-}
-
-/// The detector of exactly this model's size.
-pub type Monitor = Detector<'static, 11, 55, 1, 9, 3, 3, Instruments<11, 1, Structure>>;
-
-/// Its report.
-pub type Report = bearing_watch::Report<11, 55, 3>;
-
-/// What it hands out for a solve elsewhere.
-pub type Segment = bearing_watch::Segment<11, 55, Structure>;
-
-/// The constants, not from a training: they only have to tell the plant from others.
-pub static MODEL: Model<11, 9, 3, 3> = Model {
-    sampling: Sampling { interval_s: 0.001, block_mean: 1, segment_samples: 600 },
-    regression: Regression {
-        method: FORM.method,
-        scale: [1.0, 2.0, 2.0, 1.0, 1.0, 2.0, 1.0, 1.0, 2.0, 1.0, 1.0],
-        // A fifth off the plant, as a data sheet may be.
-        nominal: Nominal { delta: [-0.12, 0.5, 0.4, -0.15, 0.0, -0.3, 0.0, 0.0, 0.0, 0.0, 0.0], deviation: 0.3 },
-        guard: Guard { stuck_samples: [50, 0, 0], huber: 6.0, ..Guard::within([20.0; 3]) },
-        settle: 40,
-        handover: 16,
-        ..Regression::new(FORM.order, FORM.offset)
-    },
-    shaft: None,
-    classifier: Classifier {
-        features: Features { index: [0, 1, 2, 3, 4, 5, 6, 7, 8], count: 9 },
-        projection: Projection {
-            matrix: [
-                [40.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-                [0.0, 0.0, 8.0, 0.0, 0.0, 8.0, 0.0, 0.0, 0.0],
-                [0.0, 4.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5],
-            ],
-            mean: [-0.1, 0.6, 0.5, -0.2, -0.05, -0.25, 0.05, -0.05, -4.5],
-            count: 3,
-        },
-        discriminant: Discriminant {
-            kind: Kind::Quadratic,
-            classes: 3,
-            mean: [[0.0; 3], [2.0, 0.0, 1.0], [-2.0, 1.0, 0.0]],
-            whitening: [[[1.0, 0.0, 0.0], [0.1, 1.0, 0.0], [0.0, -0.1, 1.0]]; 3],
-            log_normaliser: [-2.756_815_6; 3],
-            log_prior: [-1.098_612_3; 3],
-            cost: [[0.0, 1.0, 1.0], [1.0, 0.0, 1.0], [1.0, 1.0, 0.0]],
-            reject_cost: f32::INFINITY,
-        },
-        novelty: Novelty::NONE,
-    },
-    evidence: EvidencePlan::NONE,
-    labels: [label("as built"), label("slack"), label("stiff")],
-};
-
-const fn label(name: &str) -> Label {
-    match Label::new(name) {
-        Some(label) => label,
-        None => Label::EMPTY,
+bearing_watch::plan! {
+    /// The plan.
+    pub struct Refined;
+    /// One sample of the plant.
+    pub struct Sample { y: "A", u1: "rad/s", u2: "N·m" }
+    layout: Layout {
+        regression: Some(RegressionLayout {
+            structure: STRUCTURE,
+            method: Method::Instruments,
+            memory: Memory::Segment,
+            y,
+            u1,
+            u2,
+        }),
+        features: 9,
+        coordinates: 3,
+        classes: 3,
+        discriminant: Kind::Quadratic,
+        ..Layout::EMPTY
     }
 }
+
+/// A current that does not change over 50 samples is stuck.
+pub const CHANNELS: [Channel; 3] = [
+    Channel { stuck_samples: 50, ..Channel::within("y", "A", 20.0) },
+    Channel::within("u1", "rad/s", 20.0),
+    Channel::within("u2", "N·m", 20.0),
+];
+
+/// A fifth off the plant, as a data sheet may be.
+pub const NOMINAL: [f32; 8] = [-0.12, 0.5, 0.4, -0.15, 0.0, -0.3, 0.0, 0.0];
+
+/// Not used by segments of equal weight.
+pub const FORGETTING: Forgetting = Forgetting { lambda: 0.9999, floor: 100.0 };
+
+/// All parameters and the residual variance.
+pub const FEATURES: [Feature; 9] = [
+    Feature::Parameter(0),
+    Feature::Parameter(1),
+    Feature::Parameter(2),
+    Feature::Parameter(3),
+    Feature::Parameter(4),
+    Feature::Parameter(5),
+    Feature::Parameter(6),
+    Feature::Parameter(7),
+    Feature::LogVariance,
+];
+
+/// The names of the classes.
+pub const LABELS: [Label; 3] = [Label::constant("as built"), Label::constant("slack"), Label::constant("stiff")];
+
+/// The model.
+pub static MODEL: Model<Refined> = Refined::model(Constants {
+    sampling: Sampling { interval_s: 0.001, park: None, block_mean: 1, segment_samples: 600 },
+    channels: CHANNELS,
+    regression: [Regression {
+        scale: [1.0, 2.0, 2.0, 1.0, 1.0, 2.0, 1.0, 1.0, 2.0, 1.0, 1.0],
+        nominal: NOMINAL,
+        deviation: 0.3,
+        forgetting: FORGETTING,
+        huber: 6.0,
+        rest: 0.0,
+        settle: 40,
+        handover: 16,
+    }],
+    shaft: [],
+    classifier: classifier!(FEATURES),
+    evidence: EvidenceConstants::NONE,
+    labels: LABELS,
+});
 
 /// y = 1.5 y₁ − 0.6 y₂ + 0.3 u1₁ + 0.15 u1₂ + 0.05 u1₃ − 0.2 u2₁ − 0.1 u2₂ + 0.05 u2₃, measured with noise; one sample
 /// in 701 is lost.

@@ -1,55 +1,204 @@
-//! A shaft with a bearing to watch: constants, and a motion for them.
+//! Models that watch the shaft and its bearing, and a motion for them.
 
-use bearing_watch::estimate::{Balance, StateVariable, TrackedOrder, Tracking};
-use bearing_watch::{Angle, Bearing, Guard, Motion, ShaftModel};
+use bearing_watch::model::{
+    Balance, Channel, Constants, EvidenceConstants, Feature, Regression, Sampling, ShaftConstants, StateVariable,
+    TrackedOrder, Tracking,
+};
+use bearing_watch::plan::{Kind, Layout, Memory, Method, RegressionLayout, ShaftLayout};
+use bearing_watch::{Angle, FrictionTerm, Model};
 
+use super::classifier::classifier;
 use super::numbers::Numbers;
+use super::refined::{FORGETTING, LABELS, STRUCTURE};
+
+bearing_watch::plan! {
+    /// Eight parameters by least squares, friction, and four bearing orders of three harmonics.
+    pub struct Watched;
+    /// One sample of the drive.
+    pub struct Sample with angle {
+        current_a: "A", velocity_ref_rad_s: "rad/s", load_nm: "N·m", velocity_rad_s: "rad/s",
+    }
+    layout: Layout {
+        regression: Some(RegressionLayout {
+            structure: STRUCTURE,
+            method: Method::LeastSquares,
+            memory: Memory::Segment,
+            y: current_a,
+            u1: velocity_ref_rad_s,
+            u2: load_nm,
+        }),
+        shaft: Some(ShaftLayout {
+            current: current_a,
+            velocity: velocity_rad_s,
+            reference: velocity_ref_rad_s,
+            load: Some(load_nm),
+            orders: 4,
+            harmonics: 3,
+        }),
+        features: 9,
+        coordinates: 3,
+        classes: 3,
+        discriminant: Kind::Quadratic,
+        ..Layout::EMPTY
+    }
+}
+
+bearing_watch::plan! {
+    /// One bearing order of one harmonic, and friction without a measured load; no regression.
+    pub struct Loadless;
+    /// One sample of the drive.
+    pub struct LoadlessSample with angle {
+        current_a: "A", velocity_ref_rad_s: "rad/s", velocity_rad_s: "rad/s",
+    }
+    layout: Layout {
+        shaft: Some(ShaftLayout {
+            current: current_a,
+            velocity: velocity_rad_s,
+            reference: velocity_ref_rad_s,
+            load: None,
+            orders: 1,
+            harmonics: 1,
+        }),
+        features: 9,
+        coordinates: 3,
+        classes: 3,
+        discriminant: Kind::Quadratic,
+        ..Layout::EMPTY
+    }
+}
 
 const INTERVAL_S: f32 = 0.002;
 
 /// i = p₀ ω̇ + p₁ ω + p₂ s(r) + p₃ T + p₄ of the healthy shaft.
 const NOMINAL: [f32; 5] = [5e-3, 2e-3, 0.1, 20.0, 0.05];
 
-/// `K` orders of a bearing, each with so many harmonics that all weigh the same; blocks of so many samples.
-pub fn model<const K: usize>(harmonics: u8, block_samples: u16) -> ShaftModel<K> {
-    let bearing = Bearing { balls: 9, ball_diameter: 3.0, pitch_diameter: 17.0, contact_angle_rad: 0.1745 };
-    let mut found = [bearing.outer(), bearing.inner(), bearing.ball(), bearing.cage()].into_iter();
-    let weights = core::array::from_fn(|h| if h < harmonics as usize { 1.0 } else { 0.0 });
-    let mut count = 0;
-    let orders: [TrackedOrder; K] = core::array::from_fn(|_| match found.next() {
-        Some(order) => {
-            count += 1;
-            TrackedOrder::new(order, weights)
-        }
-        None => TrackedOrder::NONE,
-    });
-    ShaftModel {
-        guard: Guard::within([100.0, 500.0, 2.0]),
+const CURRENT: Channel = Channel::within("current_a", "A", 100.0);
+const REFERENCE: Channel = Channel::within("velocity_ref_rad_s", "rad/s", 500.0);
+const LOAD: Channel = Channel::within("load_nm", "N·m", 2.0);
+const VELOCITY: Channel = Channel::within("velocity_rad_s", "rad/s", 500.0);
+
+const SAMPLING: Sampling = Sampling { interval_s: INTERVAL_S, park: None, block_mean: 1, segment_samples: 2000 };
+
+/// The torque balance.
+pub const BALANCE: Balance = Balance {
+    interval_s: INTERVAL_S,
+    // 8 Hz.
+    filter: StateVariable::new(0.050_307, INTERVAL_S),
+    row_interval: 8,
+    settle: 100,
+    sign_velocity_rad_s: 2.0,
+    usual_velocity_rad_s: 28.0,
+    scale: [0.031_25, 0.031_25, 8.0, 0.5],
+    nominal: NOMINAL,
+};
+
+/// The orders of outer ring, inner ring, ball and cage, all harmonics with the same weight.
+pub const ORDERS: [TrackedOrder; 4] = [
+    TrackedOrder::new(3.717_94, [1.0; 3]),
+    TrackedOrder::new(5.282_06, [1.0; 3]),
+    TrackedOrder::new(2.747_73, [1.0; 3]),
+    TrackedOrder::new(0.413_1, [1.0; 3]),
+];
+
+/// Samples in a block of the order tracking.
+pub const BLOCK_SAMPLES: u16 = 100;
+
+/// The model of a drive with a load sensor.
+pub static MODEL: Model<Watched> = Watched::model(Constants {
+    sampling: SAMPLING,
+    channels: [CURRENT, REFERENCE, LOAD, VELOCITY],
+    regression: [Regression {
+        scale: [1.0, 2.0, 0.031_25, 0.5, 0.5, 4.0, 4.0, 4.0, 2.0],
+        nominal: [-0.5, 0.2, 0.01, 0.1, 0.0, 10.0, 0.0, 0.0],
+        deviation: 0.3,
+        forgetting: FORGETTING,
+        huber: 0.0,
+        rest: 1e-6,
+        settle: 100,
+        handover: 0,
+    }],
+    shaft: [ShaftConstants {
         current_delay: 0.7,
-        balance: Balance {
-            interval_s: INTERVAL_S,
-            // 8 Hz.
-            filter: StateVariable::new(0.050_307, INTERVAL_S),
-            row_interval: 8,
-            settle: 100,
-            sign_velocity_rad_s: 2.0,
-            usual_velocity_rad_s: 28.0,
-            load: true,
-            scale: [0.031_25, 0.031_25, 8.0, 0.5],
-            nominal: NOMINAL,
+        balance: BALANCE,
+        tracking: Tracking { orders: ORDERS, slowest_turn: 4_000_000, block_samples: BLOCK_SAMPLES },
+    }],
+    classifier: classifier!([
+        Feature::Parameter(0),
+        Feature::Parameter(1),
+        Feature::Parameter(2),
+        Feature::Friction(FrictionTerm::Viscous),
+        Feature::FrictionScore(FrictionTerm::Drag),
+        Feature::LogFrictionVariance,
+        Feature::OrderProminence(0),
+        Feature::OrderProminence(1),
+        Feature::LogOrderAmplitude(0),
+    ]),
+    evidence: EvidenceConstants::NONE,
+    labels: LABELS,
+});
+
+/// The model of a drive without a load sensor.
+pub static LOADLESS: Model<Loadless> = Loadless::model(Constants {
+    sampling: SAMPLING,
+    channels: [CURRENT, REFERENCE, VELOCITY],
+    regression: [],
+    shaft: [ShaftConstants {
+        current_delay: 0.0,
+        balance: BALANCE,
+        tracking: Tracking {
+            orders: [TrackedOrder::new(3.717_94, [1.0, 0.0, 0.0])],
+            slowest_turn: 4_000_000,
+            block_samples: BLOCK_SAMPLES,
         },
-        tracking: Tracking { orders, count, harmonics, still: 4_000_000, block_samples },
+    }],
+    classifier: classifier!([
+        Feature::Friction(FrictionTerm::Inertia),
+        Feature::Friction(FrictionTerm::Viscous),
+        Feature::Friction(FrictionTerm::Coulomb),
+        Feature::FrictionScore(FrictionTerm::Viscous),
+        Feature::FrictionScore(FrictionTerm::Offset),
+        Feature::FrictionScore(FrictionTerm::Drag),
+        Feature::LogFrictionVariance,
+        Feature::OrderProminence(0),
+        Feature::LogOrderAmplitude(0),
+    ]),
+    evidence: EvidenceConstants::NONE,
+    labels: LABELS,
+});
+
+/// The motion at one instant.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion {
+    pub current_a: f32,
+    pub velocity_rad_s: f32,
+    pub reference_rad_s: f32,
+    pub load_nm: f32,
+    pub angle: Angle,
+}
+
+impl From<Motion> for Sample {
+    fn from(motion: Motion) -> Self {
+        let Motion { current_a, velocity_rad_s, reference_rad_s, load_nm, angle } = motion;
+        Self { current_a, velocity_ref_rad_s: reference_rad_s, load_nm, velocity_rad_s, angle }
+    }
+}
+
+impl From<Motion> for LoadlessSample {
+    fn from(motion: Motion) -> Self {
+        let Motion { current_a, velocity_rad_s, reference_rad_s, load_nm, angle } = motion;
+        let [.., load, _] = NOMINAL;
+        Self { current_a: current_a - load * load_nm, velocity_ref_rad_s: reference_rad_s, velocity_rad_s, angle }
     }
 }
 
 /// Turns to and fro by 40 rad/s against a load, the bearing dragging at its outer ring; one sample in 701 is lost.
 pub struct Plant {
     numbers: Numbers,
-    /// Phases of reference and load, and the shaft's angle, as binary fractions of a turn.
+    /// Phases of reference and load, and the angle of the shaft, as binary fractions of a turn.
     reference: Angle,
     load: Angle,
     shaft: Angle,
-    /// Turns times the outer ring's order, and the current's lag.
+    /// Turns times the order of the outer ring, and the state of the current's lag.
     drag: f32,
     last_current_a: f32,
     last_velocity_rad_s: f32,

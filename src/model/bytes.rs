@@ -257,7 +257,7 @@ impl Writer<'_> {
     fn bytes(&mut self, bytes: &[u8]) -> Result<(), ModelError> {
         let end = self.written.saturating_add(bytes.len());
         let cells = self.free.get_mut(self.written..end).ok_or(ModelError::BufferTooSmall)?;
-        cells.copy_from_slice(bytes);
+        cells.iter_mut().zip(bytes).for_each(|(cell, byte)| *cell = *byte);
         self.written = end;
         Ok(())
     }

@@ -193,7 +193,8 @@ impl core::fmt::Display for ModelError {
                 write!(f, "the model was trained with the Park convention {trained:?}, the front end has {given:?}")
             }
             Self::Interval { trained_s, given_s } => {
-                write!(f, "the model was trained on samples every {trained_s} s, not every {given_s} s")
+                let [trained, given] = [trained_s, given_s].map(|interval_s| microseconds(*interval_s));
+                write!(f, "the model was trained on samples every {trained} µs, not every {given} µs")
             }
             Self::Length(field) => write!(f, "the model's {} has the wrong length", field.name()),
             Self::OutOfRange(field) => write!(f, "the model's {} is out of range", field.name()),
@@ -209,6 +210,12 @@ impl core::fmt::Display for ModelError {
 }
 
 impl core::error::Error for ModelError {}
+
+/// Whole microseconds: the text of a number that is not whole costs several kB of flash, and its code can panic.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "`as` saturates")]
+fn microseconds(interval_s: f32) -> u32 {
+    (interval_s * 1e6 + 0.5) as u32
+}
 
 /// The numbers of a regression as slices.
 #[doc(hidden)]

@@ -1,11 +1,25 @@
-//! Public functions of the core that the example `panic_free` forgets.
+//! Public functions of the core that the example `panic_free` forgets: those of the types that the core exports.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result};
 
 use crate::workspace;
+
+/// The files of the core that export names.
+const EXPORTING: [&str; 3] = ["lib.rs", "model/mod.rs", "plan/mod.rs"];
+/// Not for programs of a drive: conversions of the feature `nalgebra`, hidden helpers of macros and constants, and panics
+/// of constants.
+const ELSEWHERE: [&str; 6] = [
+    "Estimate::covariance_matrix",
+    "Projection::to_matrices",
+    "Model::checked",
+    "Name::constant",
+    "ModelError::name",
+    "check",
+];
 
 /// How a public function starts.
 const PUBLIC: &[&str] = &["pub fn ", "pub const fn "];
@@ -17,10 +31,39 @@ pub fn forgotten() -> Result<Vec<String>> {
     let example = workspace::root().join("examples/panic_free.rs");
     let calls = fs::read_to_string(&example).with_context(|| format!("cannot read {}", example.display()))?;
     let calls = without_generics(&calls);
-    let mut names = Vec::new();
-    collect(&workspace::root().join("src"), &mut names)?;
+    let mut names = exported_functions()?;
     names.retain(|name| !is_called(&calls, name));
     Ok(names)
+}
+
+/// All functions that a program can call.
+fn exported_functions() -> Result<Vec<String>> {
+    let source = workspace::root().join("src");
+    let mut exported = BTreeSet::new();
+    for file in EXPORTING {
+        let text = fs::read_to_string(source.join(file)).with_context(|| format!("cannot read src/{file}"))?;
+        exported.extend(exports(&text));
+    }
+    let mut names = Vec::new();
+    collect(&source, &mut names)?;
+    names.retain(|name| exported.contains(name.split("::").next().unwrap_or_default()));
+    names.retain(|name| !ELSEWHERE.contains(&name.as_str()));
+    names.dedup();
+    Ok(names)
+}
+
+/// Names that a file of the core exports by `pub use`, and the types and traits that it defines.
+fn exports(source: &str) -> BTreeSet<String> {
+    let source = source.split("#[doc(hidden)]\npub mod internals").next().unwrap_or_default();
+    let uses = source.split("pub use ").skip(1).filter_map(|rest| rest.split(';').next());
+    // Of a path only what is exported: the last name, or those in braces.
+    let lists = uses.map(|path| path.rsplit_once("::").map_or(path, |(_, list)| list));
+    let used = lists.flat_map(|list| list.split(|c: char| !c.is_alphanumeric() && c != '_')).map(ToOwned::to_owned);
+    let defined = source.lines().filter_map(|line| {
+        let rest = ["pub struct ", "pub enum ", "pub trait "].iter().find_map(|start| line.strip_prefix(start))?;
+        rest.split(['<', ':', ' ', '(', ';']).next().map(ToOwned::to_owned)
+    });
+    used.chain(defined).filter(|name| !name.is_empty()).collect()
 }
 
 /// Functions of all Rust files below a folder.
@@ -143,6 +186,13 @@ mod tests {
     }
 
     #[test]
+    fn exports_are_names_in_uses_and_definitions() {
+        let source = "pub use a::{B, C};\npub struct D<P> {\n}\npub use e::F;\n#[doc(hidden)]\npub mod internals {\n    pub use g::H;\n}\n";
+        let found = exports(source);
+        assert!(["B", "C", "D", "F"].iter().all(|name| found.contains(*name)) && !found.contains("H"), "{found:?}");
+    }
+
+    #[test]
     fn calls_are_found_by_full_names_only() {
         let calls = without_generics("if a < b { Model::<6, { N - 1 }>::new(x); f::<u8>(); push_notes(); x.push() }");
         assert!(is_called(&calls, "Model::new") && is_called(&calls, "f"));
@@ -152,8 +202,7 @@ mod tests {
 
     #[test]
     fn the_core_has_functions_and_none_is_forgotten() -> Result<()> {
-        let mut names = Vec::new();
-        collect(&workspace::root().join("src"), &mut names)?;
+        let names = exported_functions()?;
         assert!(names.contains(&"Detector::step".to_owned()), "{names:?}");
         assert_eq!(forgotten()?, Vec::<String>::new());
         Ok(())

@@ -138,7 +138,7 @@ fn workbench_and_exported_plan_give_the_same_bits() {
 
 #[test]
 fn a_model_of_another_plan_or_other_channels_is_refused() {
-    let training = set(&Scenario::STANDARD, 722, 2);
+    let training = set(&Scenario::STANDARD, 722, 3);
     let bytes = trained(&training, Estimation::default()).to_bytes("").expect("fits");
     assert!(Model::<Squares>::from_bytes(&bytes).is_ok());
     assert_eq!(Model::<Refined>::from_bytes(&bytes), Err(ModelError::OtherPlan));

@@ -1,0 +1,42 @@
+//! A classifier of nine features, three coordinates and three classes for the example models. It is not from a training:
+//! it only has to tell a plant from others.
+
+/// The classifier of these features, for any plan of its size.
+macro_rules! classifier {
+    ($features:expr) => {
+        bearing_watch::model::Classifier {
+            features: $features,
+            projection: bearing_watch::model::Projection {
+                #[rustfmt::skip]
+                                                                matrix: [
+                                                                    40.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+                                                                    0.0, 0.0, 8.0, 0.0, 0.0, 8.0, 0.0, 0.0, 0.0,
+                                                                    0.0, 4.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5,
+                                                                ],
+                mean: [-0.1, 0.6, 0.5, -0.2, -0.05, -0.25, 0.05, -0.05, -4.5],
+            },
+            discriminant: bearing_watch::model::Discriminant {
+                means: [0.0, 0.0, 0.0, 2.0, 0.0, 1.0, -2.0, 1.0, 0.0],
+                #[rustfmt::skip]
+                                                                whitening: [
+                                                                    1.0, 0.1, 1.0, 0.0, -0.1, 1.0,
+                                                                    1.0, 0.1, 1.0, 0.0, -0.1, 1.0,
+                                                                    1.0, 0.1, 1.0, 0.0, -0.1, 1.0,
+                                                                ],
+                log_normaliser: [-2.756_815_6; 3],
+                log_prior: [-1.098_612_3; 3],
+                costs: [0.0, 1.0, 1.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0],
+                reject_cost: f32::INFINITY,
+            },
+            novelty: bearing_watch::model::Novelty {
+                class: None,
+                mean: [0.0; 3],
+                whitening: [0.0; 6],
+                knots: [[0.0; 2]; bearing_watch::model::KNOTS],
+                limit: f32::INFINITY,
+            },
+        }
+    };
+}
+
+pub(crate) use classifier;
