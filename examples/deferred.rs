@@ -23,10 +23,9 @@
 #[macro_use]
 mod support;
 
-use bearing_watch::Verdict;
-use bearing_watch::estimate::Solver;
+use bearing_watch::{Detector, Report, Segment, Solver, Verdict};
 
-use support::refined::{MODEL, Monitor, Plant, Report, Segment};
+use support::refined::{MODEL, Plant, Refined};
 use timer::with;
 
 /// Segments of each way.
@@ -37,9 +36,9 @@ main!(run);
 /// What interrupt and main loop share.
 struct Shared {
     plant: Plant,
-    detector: Monitor,
+    detector: Detector<'static, Refined>,
     /// The closed segment until the main loop takes it.
-    closed: Option<Segment>,
+    closed: Option<Segment<Refined>>,
     /// Closed segments that the main loop was too late for.
     missed: u32,
     /// Samples taken.
@@ -47,16 +46,15 @@ struct Shared {
 }
 
 impl Shared {
-    fn new() -> Option<Self> {
-        let detector = Monitor::new(&MODEL).ok()?;
-        Some(Self { plant: Plant::new(17), detector, closed: None, missed: 0, samples: 0 })
+    fn new() -> Self {
+        Self { plant: Plant::new(17), detector: Detector::new(&MODEL), closed: None, missed: 0, samples: 0 }
     }
 
     /// The interrupt: one sample, always in about the same time.
     fn interrupt(&mut self) {
         self.samples = self.samples.wrapping_add(1);
         let sample = self.plant.sample();
-        if let Some(segment) = self.detector.collect(sample)
+        if let Some(segment) = self.detector.collect(&sample)
             && self.closed.replace(segment).is_some()
         {
             self.missed += 1;
@@ -65,12 +63,12 @@ impl Shared {
 }
 
 fn run() {
-    let Some(mut shared) = Shared::new() else { return say!("the model is refused") };
+    let mut shared = Shared::new();
     let mut inline = [0; SEGMENTS];
     for (number, hash) in inline.iter_mut().enumerate() {
         let report = loop {
             let sample = shared.plant.sample();
-            if let Some(report) = shared.detector.step(sample) {
+            if let Some(report) = shared.detector.step(&sample) {
                 break report;
             }
         };
@@ -78,22 +76,20 @@ fn run() {
     }
     let whole = deferred("whole", |segment| MODEL.conclude(segment));
     let pieces = deferred("by pieces", |segment| {
-        let (rows, counts) = (segment.rows(), segment.counts());
-        let mut solver = Solver::new(&MODEL.regression, segment);
-        let result = loop {
-            if let Some(result) = solver.advance() {
-                break result;
+        let mut solver = Solver::new(&MODEL, segment);
+        loop {
+            if let Some(report) = solver.advance() {
+                break report.clone();
             }
             wait_for_a_sample();
-        };
-        MODEL.report(rows, counts, result)
+        }
     });
     say!("whole as inline: {}, by pieces as inline: {}", whole == inline, pieces == inline);
 }
 
 /// The main loop of a drive that defers the solve.
-fn deferred(way: &str, mut conclude: impl FnMut(Segment) -> Report) -> [u32; SEGMENTS] {
-    timer::start(Shared::new());
+fn deferred(way: &str, mut conclude: impl FnMut(Segment<Refined>) -> Report<Refined>) -> [u32; SEGMENTS] {
+    timer::start(Some(Shared::new()));
     let mut hashes = [0; SEGMENTS];
     for (number, hash) in hashes.iter_mut().enumerate() {
         let segment = loop {
@@ -119,11 +115,13 @@ fn deferred(way: &str, mut conclude: impl FnMut(Segment) -> Report) -> [u32; SEG
 }
 
 /// Prints a report; gives the hash of its bits.
-fn told(way: &str, number: usize, report: &Report) -> u32 {
+fn told(way: &str, number: usize, report: &Report<Refined>) -> u32 {
     let mut hash = support::hash::Hash::new();
-    hash.add_estimate(&report.estimate);
-    report.decision.iter().for_each(|decision| hash.add(&decision.log_likelihoods));
-    let (rows, bits) = (report.estimate.rows, hash.bits());
+    if let Some(estimate) = report.estimate() {
+        hash.add_estimate(estimate);
+    }
+    report.decision.iter().for_each(|decision| hash.add(decision.log_likelihoods()));
+    let (rows, bits) = (report.rows, hash.bits());
     match report.verdict {
         Verdict::Class(class) => say!("{way} {number}: {rows} rows, {bits:08x}, {}", MODEL.label(class)),
         Verdict::Novel => say!("{way} {number}: {rows} rows, {bits:08x}, novel"),

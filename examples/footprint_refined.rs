@@ -1,29 +1,27 @@
-//! The smallest program with a detector of eight parameters by instrumental variables: `cargo xtask measure` prints its
-//! flash.
+//! The smallest program with a detector of eight parameters by instrumental variables: `cargo xtask measure` prints its flash.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[macro_use]
 #[path = "support/footprint.rs"]
 mod footprint;
+#[path = "support/classifier.rs"]
+mod classifier;
 #[allow(dead_code, reason = "the plant is not wanted here")]
 #[path = "support/numbers.rs"]
 mod numbers;
-#[allow(dead_code, reason = "the plant is not wanted here")]
+#[allow(dead_code, reason = "only its constants are wanted here")]
 #[path = "support/refined.rs"]
 mod refined;
 
-use refined::{MODEL, Monitor};
+use bearing_watch::Detector;
 
 program!(run);
 
 fn run() -> ! {
-    let Ok(mut monitor) = Monitor::new(&MODEL) else {
-        loop {
-            core::hint::spin_loop();
-        }
-    };
+    let mut detector = Detector::new(&refined::MODEL);
     loop {
-        if let Some(report) = monitor.step(footprint::sample()) {
+        let [y, u1, u2] = footprint::inputs();
+        if let Some(report) = detector.step(&refined::Sample { y, u1, u2 }) {
             footprint::tell(report.verdict);
         }
     }

@@ -4,48 +4,26 @@
 #[macro_use]
 #[path = "support/footprint.rs"]
 mod footprint;
+#[path = "support/classifier.rs"]
+mod classifier;
 #[allow(dead_code, reason = "the plant is not wanted here")]
 #[path = "support/numbers.rs"]
 mod numbers;
 #[allow(dead_code, reason = "only its constants are wanted here")]
 #[path = "support/refined.rs"]
 mod refined;
+#[path = "support/squares.rs"]
+mod squares;
 
-use bearing_watch::estimate::{Form, Method, Shape};
-use bearing_watch::{Detector, Model, Order, Regression, Regressor};
-
-/// Two output terms and three of each input, known when compiling.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Structure;
-
-const FORM: Form = Form { order: Order::new(2, 3, 3, 1, 1), offset: false, method: Method::LeastSquares };
-
-impl Shape for Structure {
-    const FIXED: Option<Form> = Some(FORM);
-}
-
-type Monitor = Detector<'static, 9, 36, 1, 9, 3, 3, Regressor<9, 1, Structure>>;
-
-/// The classifier of the model by instrumental variables serves: only its size counts.
-static MODEL: Model<9, 9, 3, 3> = Model {
-    sampling: refined::MODEL.sampling,
-    regression: Regression { guard: refined::MODEL.regression.guard, ..Regression::new(FORM.order, FORM.offset) },
-    shaft: None,
-    classifier: refined::MODEL.classifier,
-    evidence: refined::MODEL.evidence,
-    labels: refined::MODEL.labels,
-};
+use bearing_watch::Detector;
 
 program!(run);
 
 fn run() -> ! {
-    let Ok(mut monitor) = Monitor::new(&MODEL) else {
-        loop {
-            core::hint::spin_loop();
-        }
-    };
+    let mut detector = Detector::new(&squares::MODEL);
     loop {
-        if let Some(report) = monitor.step(footprint::sample()) {
+        let [y, u1, u2] = footprint::inputs();
+        if let Some(report) = detector.step(&squares::Sample { y, u1, u2 }) {
             footprint::tell(report.verdict);
         }
     }

@@ -126,7 +126,7 @@ fn estimator() {
     hash.add(estimate.packed_covariance());
     hash.add(&[estimate.variance]);
     for feature in [Feature::Parameter(5), Feature::Parameter(0), Feature::LogVariance, Feature::Parameter(2)] {
-        hash.add(&[feature.value(Some(&estimate), None).unwrap_or(0.0)]);
+        hash.add(&[feature.value(Six, Some(&estimate), None).unwrap_or(0.0)]);
     }
     say!("estimator {:08x}, {} rows, {} rejected", hash.bits(), estimate.rows, estimator.counts().rejected);
 }

@@ -21,48 +21,41 @@ fn run() {
 
 #[cfg(target_os = "none")]
 fn run() {
-    use bearing_watch::{Guard, Model, Regression, Sample};
-    use standard_rig::model::{MODEL, Monitor};
-
-    static LIMIT: [f32; 3] = MODEL.regression.guard.limit;
-    /// The sensor saturates at half the limit, and no reading repeats itself for so long.
-    static GUARDED: Model<6, 5, 5, 3> = Model {
-        regression: Regression {
-            guard: Guard {
-                saturation: [0.5 * LIMIT[0], LIMIT[1], LIMIT[2]],
-                stuck_samples: [200, 0, 0],
-                ..MODEL.regression.guard
-            },
-            ..MODEL.regression
-        },
-        ..MODEL
-    };
+    use bearing_watch::model::Channel;
+    use bearing_watch::{Detector, Model};
+    use standard_rig::model::{Drive, MODEL, Sample};
 
     /// A running drive would not restart; but the next trace does not go on from this one.
-    fn watch(monitor: &mut Monitor, samples: impl Iterator<Item = Sample>) {
+    fn watch(monitor: &mut Detector<'_, Drive>, samples: impl Iterator<Item = Sample>) {
         for sample in samples {
-            if monitor.step(sample).is_some() {
+            if monitor.step(&sample).is_some() {
                 monitor.restart();
             }
         }
     }
 
-    let (mut plain, mut strict) = match (Monitor::new(&MODEL), Monitor::new(&GUARDED)) {
-        (Ok(plain), Ok(strict)) => (plain, strict),
-        (Err(error), _) | (_, Err(error)) => return defmt::error!("the model is refused: {}", error),
+    // The sensor saturates at half the limit, and no reading repeats itself for so long.
+    let mut constants = MODEL.constants().clone();
+    let [current, ..] = &mut constants.channels;
+    let limit = current.limit;
+    *current = Channel { saturation: 0.5 * limit, stuck_samples: 200, ..*current };
+    let guarded = match Model::new(Drive, constants) {
+        Ok(model) => model,
+        Err(error) => return defmt::error!("the model is refused: {}", error),
     };
+    let (mut plain, mut strict) = (Detector::new(&MODEL), Detector::new(&guarded));
     watch(&mut plain, standard_rig::samples());
-    let first = || standard_rig::samples().take(MODEL.sampling.segment_samples as usize).enumerate();
+    let first = || standard_rig::samples().take(MODEL.constants().sampling.segment_samples as usize).enumerate();
     watch(
         &mut strict,
         first().map(|(number, sample)| match number % 1000 {
-            0 => Sample { y: f32::NAN, ..sample },
-            500 => Sample { y: 0.75 * LIMIT[0], ..sample },
+            0 => Sample { current_a: f32::NAN, ..sample },
+            500 => Sample { current_a: 0.75 * limit, ..sample },
             _ => sample,
         }),
     );
     watch(
         &mut strict,
-        first().map(|(number, sample)| if number < 3000 { sample } else { Sample { y: 1.0, ..sample } }),
+        first().map(|(number, sample)| if number < 3000 { sample } else { Sample { current_a: 1.0, ..sample } }),
     );
 }

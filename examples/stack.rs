@@ -16,13 +16,13 @@ mod paint;
 use core::hint::black_box;
 
 #[cfg(target_os = "none")]
-use bearing_watch::estimate::Watch;
+use bearing_watch::plan::Plan;
 #[cfg(target_os = "none")]
-use bearing_watch::{Sample, Shaft, Verdict};
+use bearing_watch::{Detector, Model, Solver, Verdict};
 #[cfg(target_os = "none")]
 use paint::stack_of;
 #[cfg(target_os = "none")]
-use support::refined;
+use support::{refined, shaft};
 
 main!(run);
 
@@ -39,129 +39,62 @@ fn run() {
     });
     assert!((1024..1280).contains(&known), "1024 bytes measured as {known}");
 
-    let least = least_squares();
-    report("stack, detector", model::MODEL.regression.parameters(), least);
-    let refined = refined();
-    report("stack, SRIV detector", refined::MODEL.regression.parameters(), refined);
-    shaft();
-}
-
-/// A shaft of four orders, by itself.
-#[cfg(target_os = "none")]
-fn shaft() {
-    let model = black_box(support::shaft::model::<4>(1, 50));
-    let mut plant = support::shaft::Plant::new(16);
-    let mut shaft = Shaft::new(Some(&model));
-    let mut inside = 0;
-    for _ in 0..1000 {
-        let motion = black_box(plant.motion());
-        inside = stack_of(|| shaft.step(Some(&model), &motion)).max(inside);
-    }
-    let mut silent = true;
-    let end = stack_of(|| {
-        let estimate = shaft.sums().map(|sums| model.conclude(black_box(&sums)));
-        silent = black_box(&estimate).as_ref().is_none_or(|estimate| estimate.reason.is_some());
-    });
-    assert!(!silent, "the shaft said nothing");
-    report("stack, shaft of 4 orders,", 4, Depths { inside, end, deferred: None });
-}
-
-/// Bytes of a sample inside a segment, and of the one that ends it; by `collect`, and of `conclude`.
-#[cfg(target_os = "none")]
-struct Depths {
-    inside: usize,
-    end: usize,
-    deferred: Option<(usize, usize)>,
-}
-
-#[cfg(target_os = "none")]
-fn report(name: &str, n: usize, depths: Depths) {
-    let line = |what: &str, bytes: usize| {
-        say!(r#"{{"name":"{name} {what}","n":{n},"instructions":null,"bytes":{bytes}}}"#);
-    };
-    line("sample", depths.inside);
-    line("segment end", depths.end);
-    if let Some((collect, conclude)) = depths.deferred {
-        line("collect", collect);
-        line("conclude", conclude);
-    }
-}
-
-#[cfg(target_os = "none")]
-fn least_squares() -> Depths {
-    let mut monitor = match model::Monitor::new(black_box(&model::MODEL)) {
-        Ok(monitor) => monitor,
-        Err(error) => panic!("the model is refused: {error}"),
-    };
     let mut numbers = support::numbers::Numbers(4);
-    let mut sample = || {
-        let [y, u1, u2] = numbers.array();
-        Sample { y, u1, u2 }
-    };
-    // The filling of the lags and the first rows are among these.
-    let mut inside = 0;
-    for _ in 0..100 {
-        let sample = black_box(sample());
-        let bytes = stack_of(|| {
-            black_box(&monitor.step(sample));
-        });
-        inside = inside.max(bytes);
-    }
-    while monitor.pending() + 1 < model::MODEL.sampling.segment_samples {
-        let _inside = black_box(monitor.step(sample()));
-    }
-    let last = black_box(sample());
-    let mut classified = false;
-    let end = stack_of(|| {
-        let report = monitor.step(last);
-        let verdict = black_box(&report).as_ref().map(|report| report.verdict);
-        classified = matches!(verdict, Some(Verdict::Class(_)));
+    depths("stack, detector", &model::MODEL, || {
+        let [current_a, velocity_ref_rad_s, load_torque_nm] = numbers.array();
+        model::Sample { current_a, velocity_ref_rad_s, load_torque_nm }
     });
-    assert!(classified, "the last sample brought no class");
-    Depths { inside, end, deferred: None }
+    let mut plant = refined::Plant::new(4);
+    depths("stack, SRIV detector", &refined::MODEL, || plant.sample());
+    let mut plant = shaft::Plant::new(16);
+    depths("stack, detector with shaft of 4 orders", &shaft::MODEL, || plant.motion().into());
 }
 
+/// Prints bytes of a sample inside a segment, and of the one that ends it; by `collect`, of `conclude`, and of a piece.
 #[cfg(target_os = "none")]
-fn refined() -> Depths {
-    let mut monitor = match refined::Monitor::new(black_box(&refined::MODEL)) {
-        Ok(monitor) => monitor,
-        Err(error) => panic!("the model is refused: {error}"),
-    };
-    let mut plant = refined::Plant::new(4);
-    let mut depths = Depths { inside: 0, end: 0, deferred: None };
-    let mut classified = 0;
-    // Twice, since the first auxiliary model is the nominal one.
-    for _ in 0..2 * refined::MODEL.sampling.segment_samples {
-        let sample = black_box(plant.sample());
-        let closes = monitor.pending() + 1 == refined::MODEL.sampling.segment_samples;
+fn depths<P: Plan>(name: &str, model: &Model<P>, mut sample: impl FnMut() -> P::Sample) {
+    let model = black_box(model);
+    let mut detector = Detector::new(model);
+    let length = model.constants().sampling.segment_samples;
+    let (mut inside, mut end, mut classified) = (0, 0, 0);
+    // Twice, since the first segment fills lags and filters, and has the nominal auxiliary model.
+    for _ in 0..2 * length {
+        let sample = black_box(sample());
+        let closes = detector.pending() + 1 == length;
         let bytes = stack_of(|| {
-            let report = monitor.step(sample);
+            let report = detector.step(&sample);
             let verdict = black_box(&report).as_ref().map(|report| report.verdict);
             classified += u32::from(matches!(verdict, Some(Verdict::Class(_))));
         });
-        let deepest = if closes { &mut depths.end } else { &mut depths.inside };
+        let deepest = if closes { &mut end } else { &mut inside };
         *deepest = bytes.max(*deepest);
     }
-    let mut collect = 0;
-    for _ in 0..refined::MODEL.sampling.segment_samples {
-        let sample = black_box(plant.sample());
-        let bytes = stack_of(|| {
-            let segment = monitor.collect(sample);
-            black_box(&segment);
-        });
+    assert_eq!(classified, 2, "a segment brought no class");
+    let (mut collect, mut segment) = (0, None);
+    while segment.is_none() {
+        let sample = black_box(sample());
+        let bytes = stack_of(|| segment = black_box(detector.collect(&sample)));
         collect = bytes.max(collect);
     }
-    let mut segment = None;
-    while segment.is_none() {
-        segment = monitor.collect(plant.sample());
+    let Some(segment) = segment else { return };
+    let mut solver = Solver::new(model, segment.clone());
+    let mut piece = 0;
+    let mut done = false;
+    while !done {
+        piece = stack_of(|| done = black_box(solver.advance()).is_some()).max(piece);
     }
+    let mut segment = Some(segment);
     let conclude = stack_of(|| {
         if let Some(segment) = segment.take() {
-            let report = refined::MODEL.conclude(segment);
+            let report = model.conclude(segment);
             classified += u32::from(matches!(black_box(&report).verdict, Verdict::Class(_)));
         }
     });
     assert_eq!(classified, 3, "a segment brought no class");
-    depths.deferred = Some((collect, conclude));
-    depths
+    let calls =
+        [("sample", inside), ("segment end", end), ("collect", collect), ("conclude", conclude), ("piece", piece)];
+    let n = model.plan().layout().parameters();
+    for (call, bytes) in calls {
+        say!(r#"{{"name":"{name} {call}","n":{n},"instructions":null,"bytes":{bytes}}}"#);
+    }
 }

@@ -21,10 +21,10 @@ pub fn build(way: Way, board: Board, example: &str) -> Result<PathBuf> {
     existing(folder.join("examples").join(example))
 }
 
-/// Builds every example with every feature of the core.
+/// Builds every example with every feature of the core but `alloc`, which is for hosts.
 pub fn build_all_features(way: Way, board: Board) -> Result<()> {
     let (mut cargo, _) = cargo(way, board);
-    child::succeed(cargo.args(["--package", "bearing-watch", "--examples", "--all-features"]))
+    child::succeed(cargo.args(["--package", "bearing-watch", "--examples", "--features", "defmt,nalgebra,internals"]))
 }
 
 /// Builds the chip's program of the peers, a workspace of its own, against CMSIS-DSP's sources, and returns its ELF file.
@@ -56,8 +56,12 @@ fn existing(elf: PathBuf) -> Result<PathBuf> {
 }
 
 /// The features that an example asks for in `Cargo.toml`.
-fn features(example: &str) -> &'static [&'static str] {
-    if example == "logging" { &["--features", "defmt"] } else { &[] }
+pub fn features(example: &str) -> &'static [&'static str] {
+    match example {
+        "logging" => &["--features", "defmt"],
+        "kernels" | "measure" => &["--features", "internals"],
+        _ => &[],
+    }
 }
 
 /// The names of all examples, sorted.

@@ -152,6 +152,7 @@ fn compare(way: Way, board: Board, example: &str) -> Result<String> {
 fn on_host(example: &str) -> Result<Vec<String>> {
     // Not by package: the core runs here with the features that it has inside the workbench.
     let mut cargo = workspace::cargo(&["run", "--quiet", "--example", example]);
+    cargo.args(firmware::features(example));
     let mut lines = Vec::new();
     let status = child::lines(&mut cargo, |line| lines.push(line.to_owned()))?;
     ensure!(status.success(), "on the host: {status}");
