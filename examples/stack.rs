@@ -56,7 +56,7 @@ fn depths<P: Plan>(name: &str, model: &Model<P>, mut sample: impl FnMut() -> P::
     let model = black_box(model);
     let mut detector = Detector::new(model);
     let length = model.constants().sampling.segment_samples;
-    let (mut inside, mut end, mut classified) = (0, 0, 0);
+    let (mut inside, mut end, mut classified, mut last) = (0, 0, 0, None);
     // Twice, since the first segment fills lags and filters, and has the nominal auxiliary model.
     for _ in 0..2 * length {
         let sample = black_box(sample());
@@ -65,11 +65,12 @@ fn depths<P: Plan>(name: &str, model: &Model<P>, mut sample: impl FnMut() -> P::
             let report = detector.step(&sample);
             let verdict = black_box(&report).as_ref().map(|report| report.verdict);
             classified += u32::from(matches!(verdict, Some(Verdict::Class(_))));
+            last = verdict.or(last);
         });
         let deepest = if closes { &mut end } else { &mut inside };
         *deepest = bytes.max(*deepest);
     }
-    assert_eq!(classified, 2, "a segment brought no class");
+    assert_eq!(classified, 2, "a segment brought no class: {last:?}");
     let (mut collect, mut segment) = (0, None);
     while segment.is_none() {
         let sample = black_box(sample());

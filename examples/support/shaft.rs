@@ -225,9 +225,11 @@ impl Plant {
         // 0.9 and 1.7 Hz.
         self.reference = self.reference.plus(Angle::from_bits(7_730_941));
         self.load = self.load.plus(Angle::from_bits(14_602_888));
-        let reference_rad_s = 40.0 * self.reference.sin_cos().sin;
-        let [noise, fluctuation, current_noise] = self.numbers.array();
-        let velocity_rad_s = reference_rad_s + 0.5 * noise;
+        let smooth_rad_s = 40.0 * self.reference.sin_cos().sin;
+        let [noise, fluctuation, current_noise, jitter] = self.numbers.array();
+        let velocity_rad_s = smooth_rad_s + 0.5 * noise;
+        // A sine alone does not excite three lags.
+        let reference_rad_s = smooth_rad_s + jitter;
         let load_nm = 0.15 * self.load.sin_cos().sin + 0.06 * fluctuation;
         let turned = Angle::from_radians(velocity_rad_s * INTERVAL_S);
         self.shaft = self.shaft.plus(turned);

@@ -12,9 +12,13 @@ mod trend;
 pub use discriminant::{Decision, Discriminant};
 pub use evidence::{Alarm, Cause, Evidence, EvidenceConstants};
 pub use features::Feature;
-pub use novelty::{KNOTS, MAX_SURPRISE, Novelty};
+#[cfg(feature = "internals")]
+pub use novelty::MAX_SURPRISE;
+pub use novelty::{KNOTS, Novelty};
 pub use projection::Projection;
-pub use trend::{MAX_TREND_SEGMENTS, Trend};
+#[cfg(feature = "internals")]
+pub use trend::MAX_TREND_SEGMENTS;
+pub use trend::Trend;
 
 use crate::estimate::Estimate;
 use crate::plan::{Array, Cells, Plan};

@@ -141,13 +141,18 @@ impl<'m, P: Plan> Solver<'m, P> {
     /// Does all that is left; returns the report.
     #[must_use]
     pub fn finish(mut self) -> Report<P> {
+        self.run();
+        self.report
+    }
+
+    /// Does all that is left.
+    fn run(&mut self) {
         // Bounded: every call does a piece, and no model has so many.
         for _ in 0..MAX_PIECES {
             if self.advance().is_some() {
                 break;
             }
         }
-        self.report
     }
 
     fn judge(&mut self, result: Result<(), Reason>) {
@@ -176,9 +181,11 @@ impl<P: Plan> Model<P> {
     #[must_use]
     #[inline(never)]
     pub fn conclude(&self, segment: Segment<P>) -> Report<P> {
-        let report = Solver::new(self, segment).finish();
-        self.log(&report);
-        report
+        // Not by `finish`, whose move would need room for another copy on the stack.
+        let mut solver = Solver::new(self, segment);
+        solver.run();
+        self.log(&solver.report);
+        solver.report
     }
 
     /// With the feature `defmt`, logs each closed segment on a chip; host programs have no logger.

@@ -18,7 +18,9 @@ mod state_variable;
 
 pub use bearing::Bearing;
 pub use friction::{Balance, Friction, Parameter};
-pub use orders::{MIN_BLOCKS, OrderStrength, TrackedOrder, Tracking};
+#[cfg(feature = "internals")]
+pub use orders::MIN_BLOCKS;
+pub use orders::{OrderStrength, TrackedOrder, Tracking};
 pub use state_variable::StateVariable;
 
 use crate::drive::Angle;
