@@ -12,7 +12,7 @@ program!(run);
 
 fn run() -> ! {
     loop {
-        let inputs = footprint::sample();
-        footprint::tell(if inputs.y > inputs.u1 + inputs.u2 { Verdict::Class(0) } else { Verdict::Class(1) });
+        let [y, u1, u2] = footprint::inputs();
+        footprint::tell(if y > u1 + u2 { Verdict::Class(0) } else { Verdict::Class(1) });
     }
 }

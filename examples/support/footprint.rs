@@ -2,7 +2,7 @@
 
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-use bearing_watch::{Sample, Verdict};
+use bearing_watch::Verdict;
 
 /// What converters write: bits of y, u1, u2.
 static INPUTS: [AtomicU32; 3] = [const { AtomicU32::new(0) }; 3];
@@ -11,10 +11,10 @@ static INPUTS: [AtomicU32; 3] = [const { AtomicU32::new(0) }; 3];
 static VERDICT: AtomicU32 = AtomicU32::new(255);
 
 /// The inputs now.
-pub fn sample() -> Sample {
+pub fn inputs() -> [f32; 3] {
     let [y, u1, u2] = &INPUTS;
     let read = |input: &AtomicU32| f32::from_bits(input.load(Relaxed));
-    Sample { y: read(y), u1: read(u1), u2: read(u2) }
+    [read(y), read(u1), read(u2)]
 }
 
 /// Stores a verdict.

@@ -96,7 +96,7 @@ pub fn solve(triangle: &Triangle<Vec<f32>, Vec<f32>>, rows: f32) -> Vec<f32> {
     let mut work = vec![0.0; n];
     let mut solved =
         Solved { delta: &mut delta, covariance: &mut covariance, variance: &mut variance, work: &mut work };
-    assert_eq!(Solution::new().advance(&problem, &mut solved, usize::MAX), Ok(true));
+    assert_eq!(Solution::new().advance::<true>(&problem, &mut solved, usize::MAX), Ok(true));
     delta
 }
 

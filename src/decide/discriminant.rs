@@ -13,6 +13,7 @@
 //! quadratic one has a U for each. The thesis pools the covariance; its discriminant is linear, although the thesis calls
 //! it quadratic. Cost of (1): C·Z(Z+3)/2 multiply-adds; (2) adds one exponential a class.
 
+use super::projection::weighted_sum;
 use crate::plan::{Array, Cells, Kind, Plan};
 
 /// Gaussian class densities with priors and costs.
@@ -143,7 +144,7 @@ pub(super) fn squared_distance(whitening: &[f32], mean: &[f32], z: &[f32]) -> f3
     for i in 0..z.len() {
         let Some((row, later)) = rest.split_at_checked(i.saturating_add(1)) else { break };
         rest = later;
-        let x = row.iter().zip(z.iter().zip(mean)).fold(0.0, |x, (u, (z, mean))| x + u * (z - mean));
+        let x = weighted_sum(row, z, mean);
         sum += x * x;
     }
     sum

@@ -42,9 +42,13 @@ impl Feature {
     #[inline(never)]
     pub fn value<P: Plan>(
         self,
+        plan: P,
         estimate: Option<&Estimate<P>>,
         shaft: Option<&ShaftEstimate<P>>,
     ) -> Result<f32, Reason> {
+        // Known at compile time: a plan carries no code for features of parts that it does not have.
+        let shaft = if plan.layout().shaft.is_some() { shaft } else { None };
+        let estimate = if plan.layout().regression.is_some() { estimate } else { None };
         let order = |place: u8| {
             let order = shaft.and_then(|shaft| shaft.orders().get(place as usize)).copied();
             order.unwrap_or_default()
@@ -60,9 +64,11 @@ impl Feature {
             return Err(reason);
         }
         let term = |term| shaft.and_then(|shaft| shaft.friction.parameter(term)).unwrap_or_default();
+        let none = shaft.is_none();
         let value = match self {
             Self::Parameter(place) => estimate.and_then(|e| e.delta().get(place as usize)).copied().unwrap_or(0.0),
             Self::LogVariance => ln(estimate.map_or(0.0, |estimate| estimate.variance)),
+            _ if none => 0.0,
             Self::Friction(name) => term(name).value,
             Self::FrictionScore(name) => term(name).score,
             Self::LogFrictionVariance => ln(shaft.map_or(0.0, |shaft| shaft.friction.variance)),
@@ -117,17 +123,17 @@ mod tests {
     #[test]
     fn parameters_and_variance_of_the_regression() {
         let mut estimate = Estimate::empty(plan());
-        assert_eq!(Feature::Parameter(0).value(Some(&estimate), None), Err(estimate.reason.unwrap()));
+        assert_eq!(Feature::Parameter(0).value(plan(), Some(&estimate), None), Err(estimate.reason.unwrap()));
         (estimate.delta, estimate.variance, estimate.reason) = (vec![0.5, 2.0, 3.0], 0.0, None);
-        assert_eq!(Feature::Parameter(2).value(Some(&estimate), None), Ok(3.0));
-        assert!(Feature::LogVariance.value(Some(&estimate), None).unwrap().is_finite());
+        assert_eq!(Feature::Parameter(2).value(plan(), Some(&estimate), None), Ok(3.0));
+        assert!(Feature::LogVariance.value(plan(), Some(&estimate), None).unwrap().is_finite());
     }
 
     #[test]
     fn the_shaft_or_its_reason() {
         let mut shaft = ShaftEstimate::empty(plan());
         shaft.friction_reason = Some(Reason::TermNotExcited(FrictionTerm::Inertia));
-        let value = |feature: Feature, shaft: &ShaftEstimate<RunTime>| feature.value(None, Some(shaft));
+        let value = |feature: Feature, shaft: &ShaftEstimate<RunTime>| feature.value(plan(), None, Some(shaft));
         let drag = Feature::FrictionScore(FrictionTerm::Drag);
         assert_eq!(value(drag, &shaft), Err(Reason::TermNotExcited(FrictionTerm::Inertia)));
         (shaft.friction_reason, shaft.orders_reason) = (None, None);

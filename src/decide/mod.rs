@@ -141,7 +141,7 @@ impl<P: Plan> Classification<P> {
                 else {
                     return self.then(Stage::Coordinates);
                 };
-                match feature.value(estimate, shaft) {
+                match feature.value(plan, estimate, shaft) {
                     Ok(value) => *cell = value,
                     Err(reason) => return Some(Err(reason)),
                 }

@@ -27,8 +27,7 @@ impl<P: Plan> Projection<P> {
     #[must_use]
     pub fn coordinate(&self, features: &[f32], k: usize) -> f32 {
         let row = self.matrix.cells().get(k.wrapping_mul(features.len())..).unwrap_or(&[]);
-        let centred = features.iter().zip(self.mean.cells()).map(|(f, mean)| f - mean);
-        row.iter().zip(centred).fold(0.0, |sum, (w, x)| sum + w * x) // (1)
+        weighted_sum(row, features, self.mean.cells()) // (1)
     }
 
     /// W and m as matrices; `None` if `Z` and `F` are not the numbers of coordinates and features.
@@ -43,6 +42,13 @@ impl<P: Plan> Projection<P> {
             (nalgebra::SMatrix::from_row_iterator(matrix.iter().copied()), nalgebra::SVector::from_row_slice(mean))
         })
     }
+}
+
+/// Σ w (x − m).
+// Out of line: the compiler unrolls the loop, and one such loop is enough.
+#[inline(never)]
+pub(super) fn weighted_sum(weights: &[f32], x: &[f32], mean: &[f32]) -> f32 {
+    weights.iter().zip(x.iter().zip(mean)).fold(0.0, |sum, (w, (x, mean))| sum + w * (x - mean))
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Angles as binary fractions of a turn.
 //!
-//! Enters: resolver or encoder counts. Leaves: [`Angle`], and its [`SinCos`].
+//! Input: resolver or encoder counts. Output: [`Angle`], and its [`SinCos`].
 //!
 //! ```text
 //! Angle(u32):  θ = 2π · bits / 2³²                                     (1)
@@ -9,15 +9,15 @@
 //! cos t ≈ 1 − t²/2 + t⁴ (c₂ + t² (c₃ + t² c₄))                         (4)
 //! ```
 //!
-//! The integer wraps by itself, so sums, differences and products with a pole-pair number need no range reduction
-//! and never drift. Coefficients of (3), (4): Cephes `sinf`/`cosf` minimax polynomials. Absolute error of either
-//! function ≤ 2e-7 over the whole circle, the rounding of `t` to 24 bits included.
+//! Integer arithmetic wraps at one turn, so sums, differences and products with a pole-pair number need no range
+//! reduction and accumulate no error. Coefficients of (3), (4): Cephes `sinf`/`cosf` minimax polynomials. Absolute
+//! error of either function ≤ 2e-7 over the whole circle, including the rounding of `t` to 24 bits.
 //!
-//! Only an *integer* multiple may be formed by [`Angle::times`]: a non-integer order would jump at every turn.
+//! [`Angle::times`] accepts only *integer* multiples: a non-integer multiple would jump at every turn.
 
 use core::f32::consts::PI;
 
-/// A binary fraction of a turn: the whole `u32` range is one turn, and it wraps.
+/// A binary fraction of a turn: the whole `u32` range is one turn, with wrap-around.
 ///
 /// ```
 /// use bearing_watch::Angle;
@@ -46,21 +46,21 @@ const S3: f32 = -1.951_529_6e-4;
 const C2: f32 = 4.166_664_6e-2;
 const C3: f32 = -1.388_731_6e-3;
 const C4: f32 = 2.443_315_7e-5;
-/// Radians a count of the 32-bit angle, 2π/2³².
+/// Radians per count of the 32-bit angle, 2π/2³².
 const RAD: f32 = PI / 2_147_483_648.0;
 
 impl Angle {
     /// The zero angle.
     pub const ZERO: Self = Self(0);
 
-    /// From the 32-bit fraction of a turn itself.
+    /// Creates an angle from the 32-bit fraction of a turn.
     #[must_use]
     pub const fn from_bits(bits: u32) -> Self {
         Self(bits)
     }
 
-    /// From the counts of a converter with `resolution_bits` bits a turn; more than 32 bits count as 32.
-    /// Counts beyond one turn wrap.
+    /// Creates an angle from the counts of a converter with `resolution_bits` bits per turn; values above 32 bits are
+    /// treated as 32. Counts beyond one turn wrap.
     #[must_use]
     pub const fn from_counts(counts: u32, resolution_bits: u32) -> Self {
         match 32_u32.checked_sub(resolution_bits) {
@@ -70,9 +70,9 @@ impl Angle {
         }
     }
 
-    /// From radians, of either sign and any number of turns; NaN and infinity give zero.
+    /// Creates an angle from radians, of either sign and any number of turns; NaN and infinity return zero.
     ///
-    /// A `f32` of many turns has itself lost its fraction: feed counts where the drive has them.
+    /// An `f32` of many turns has lost its fraction to rounding: use counts if the drive has them.
     #[must_use]
     #[expect(
         clippy::cast_possible_truncation,
@@ -84,7 +84,8 @@ impl Angle {
         if !(-1e9..=1e9).contains(&turns) {
             return Self(0);
         }
-        // The cast truncates toward zero; what is left is a fraction in (−1, 1), exact by Sterbenz or trivially.
+        // The cast truncates toward zero; the remainder is a fraction in (−1, 1), exact by Sterbenz' lemma or
+        // trivially.
         let whole = turns as i32 as f32;
         Self(((turns - whole) * 4_294_967_296.0) as i64 as u32)
     }
@@ -95,7 +96,7 @@ impl Angle {
         self.0
     }
 
-    /// Radians in [−π, π], the upper end by rounding only.
+    /// Radians in [−π, π]; the upper end occurs only by rounding.
     #[must_use]
     pub fn radians(self) -> f32 {
         self.0.cast_signed() as f32 * RAD
@@ -107,19 +108,19 @@ impl Angle {
         Self(self.0.wrapping_mul(pole_pairs))
     }
 
-    /// The same angle the other way round, for a sensor that counts against the order of the phases.
+    /// The angle with opposite sign, for a sensor that counts against the phase sequence.
     #[must_use]
     pub const fn negated(self) -> Self {
         Self(self.0.wrapping_neg())
     }
 
-    /// Sum, wrapped to one turn.
+    /// Sum, modulo one turn.
     #[must_use]
     pub const fn plus(self, other: Self) -> Self {
         Self(self.0.wrapping_add(other.0))
     }
 
-    /// The way from `earlier` to `self`, the shorter way round, in counts of 2⁻³² turn: negative is backwards.
+    /// The shorter rotation from `earlier` to `self`, in counts of 2⁻³² turn; negative means backward.
     #[must_use]
     pub const fn since(self, earlier: Self) -> i32 {
         self.0.wrapping_sub(earlier.0).cast_signed()
@@ -135,7 +136,7 @@ impl Angle {
         let s = t + t * (t2 * (S1 + t2 * (S2 + t2 * S3))); // (3)
         let c = (1.0 - 0.5 * t2) + (t2 * t2) * (C2 + t2 * (C3 + t2 * C4)); // (4)
         let (sin, cos) = if q & 1 == 0 { (s, c) } else { (c, s) };
-        // Quadrants 2 and 3 have a negative sine, 1 and 2 a negative cosine: set by the sign bit, free of branches.
+        // Quadrants 2 and 3 have a negative sine, 1 and 2 a negative cosine; the sign bit is set without branches.
         SinCos {
             sin: f32::from_bits(sin.to_bits() ^ ((q & 2) << 30)),
             cos: f32::from_bits(cos.to_bits() ^ ((q.wrapping_add(1) & 2) << 30)),
@@ -156,7 +157,7 @@ mod tests {
 
     #[test]
     fn sin_cos_is_within_2e_7_everywhere() {
-        // An odd stride spreads 2²² angles over the circle; octant edges and their neighbours are added.
+        // An odd stride distributes 2²² angles over the circle; octant edges and their neighbours are added.
         let sampled = (0..1_u32 << 22).map(|k| k.wrapping_mul(1021)).map(error);
         let edges =
             (0..8_u32).flat_map(|octant| (-64_i32..=64).map(move |k| (octant << 29).wrapping_add_signed(k))).map(error);
@@ -184,7 +185,7 @@ mod tests {
     fn radians_round_trip_and_refuse_nonsense() {
         for k in -100..=100_i16 {
             let x = f32::from(k) * 0.031;
-            // f32 turns of order one carry 2⁻²⁴ of a turn = 3.7e-7 rad.
+            // An `f32` number of turns of order one has a resolution of 2⁻²⁴ of a turn = 3.7e-7 rad.
             assert!((Angle::from_radians(x).radians() - x).abs() < 1e-6, "{x}");
         }
         assert_eq!(Angle::from_radians(f32::NAN), Angle::ZERO);

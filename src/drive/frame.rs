@@ -1,6 +1,7 @@
 //! Reference frames: three phases, stator (αβ), rotor (dq).
 //!
-//! Enters: [`Abc`] and a [`SinCos`] of the *electrical* angle. Leaves: [`AlphaBeta`], [`Dq0`], and back.
+//! Input: [`Abc`] and a [`SinCos`] of the *electrical* angle. Output: [`AlphaBeta`], [`Dq0`], and the inverse
+//! transforms.
 //!
 //! ```text
 //! α = (2a − b − c)/3,   β = (b − c)/√3,   0 = (a + b + c)/3              (1) Clarke, amplitude-invariant
@@ -9,9 +10,9 @@
 //! q =  α sin θ − β cos θ      Park::Thesis: the +sin row of thesis Eq. 5.1         (4)
 //! ```
 //!
-//! Amplitude-invariant: a balanced system of amplitude I has |αβ| = |dq| = I. The types carry the frame, not the
-//! unit: currents (A) and voltages (V) transform alike. No trigonometry happens here: the caller brings the
-//! [`SinCos`], from [`Angle::sin_cos`](super::Angle::sin_cos), a table or a CORDIC unit.
+//! Amplitude-invariant: a balanced system of amplitude I has |αβ| = |dq| = I. The types state the frame, not the unit:
+//! currents (A) and voltages (V) are transformed in the same way. The transforms compute no trigonometric functions:
+//! the caller passes the [`SinCos`], from [`Angle::sin_cos`](super::Angle::sin_cos), a table or a CORDIC unit.
 
 use super::SinCos;
 
@@ -57,11 +58,11 @@ pub struct Dq0 {
     pub zero: f32,
 }
 
-/// Sign convention of the quadrature axis: there is no silent default.
+/// Sign convention of the quadrature axis; there is no default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Park {
-    /// Equation (3): most drives. With θ on the magnet axis a positive q current drives forward.
+    /// Equation (3), used by most drives. With θ on the magnet axis a positive q current drives forward.
     Standard,
     /// Equation (4), thesis Eq. 5.1: `ia = I sin θ` gives `q = I`.
     Thesis,
@@ -78,7 +79,7 @@ impl Abc {
 }
 
 impl AlphaBeta {
-    /// Clarke transform of two phases that with the third add up to nothing: `α = a, β = (a + 2b)/√3`.
+    /// Clarke transform of two phase quantities if the sum of all three is zero: `α = a, β = (a + 2b)/√3`.
     #[inline]
     #[must_use]
     pub fn from_two(a: f32, b: f32) -> Self {
@@ -115,7 +116,7 @@ impl Park {
         AlphaBeta { alpha: v.d * cos - q * sin, beta: v.d * sin + q * cos, zero: v.zero }
     }
 
-    /// (4) is (3) with the sign of q turned.
+    /// (4) is (3) with the opposite sign of q.
     fn sign(self, q: f32) -> f32 {
         match self {
             Self::Standard => q,
@@ -129,7 +130,7 @@ mod tests {
     use super::*;
     use crate::drive::Angle;
 
-    /// One rounding of values up to 10 is 1e-6; the chains here have fewer than five.
+    /// One rounding of values up to 10 is 1e-6; these computations have fewer than five.
     const TOLERANCE: f32 = 5e-6;
 
     fn close(x: f32, y: f32) -> bool {

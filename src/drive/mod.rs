@@ -1,6 +1,6 @@
-//! First wing: signals of the drive → clean samples.
+//! From signals of the drive to filtered samples.
 //!
-//! [`FrontEnd`] is the face of the wing: stator currents and shaft angle in, direct and quadrature current out.
+//! [`FrontEnd`] is the interface: stator currents and shaft angle in, direct and quadrature current out.
 
 pub mod angle;
 pub mod decimate;
@@ -12,14 +12,13 @@ pub use frame::{Abc, AlphaBeta, Dq0, Park};
 
 /// Stator currents and mechanical shaft angle → currents in the rotor frame.
 ///
-/// The electrical angle is `pole_pairs · shaft + electrical_offset`, in wrapping integers, so it never drifts
-/// however long the drive runs. Integrating a velocity instead would: the transform is extremely sensitive to the
-/// angle (thesis Fig. 5.35).
+/// The electrical angle is `pole_pairs · shaft + electrical_offset`, in wrapping integers, so it accumulates no error
+/// over time. An integrated velocity would: the transform is very sensitive to errors of the angle (thesis Fig. 5.35).
 ///
 /// ```
 /// use bearing_watch::{Abc, AlphaBeta, Angle, FrontEnd, Park};
 /// let front = FrontEnd { pole_pairs: 6, electrical_offset: Angle::ZERO, park: Park::Standard };
-/// // A current vector 90° (electrical) ahead of the magnet axis is all quadrature current.
+/// // A current vector 90° (electrical) ahead of the magnet axis is pure quadrature current.
 /// let dq = front.transform(AlphaBeta::from_two(0.0, 8.660_254), Angle::ZERO); // two current sensors
 /// assert!((dq.q - 10.0).abs() < 1e-5 && dq.d.abs() < 1e-5);
 /// let three = Abc { a: 0.0, b: 8.660_254, c: -8.660_254 };
@@ -28,17 +27,17 @@ pub use frame::{Abc, AlphaBeta, Dq0, Park};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FrontEnd {
-    /// Pole pairs of the motor (electrical turns a mechanical turn).
+    /// Pole pairs of the motor (electrical turns per mechanical turn).
     pub pole_pairs: u32,
-    /// Electrical angle of the magnet axis when the shaft angle reads zero.
+    /// Electrical angle of the magnet axis when the shaft angle is zero.
     pub electrical_offset: Angle,
     /// Sign convention of the quadrature axis.
     pub park: Park,
 }
 
 impl FrontEnd {
-    /// Transforms the stator currents sampled at shaft angle `shaft`, which grows in the order of the phases
-    /// ([`Angle::negated`] turns one that does not).
+    /// Transforms the stator currents sampled at shaft angle `shaft`, which must increase in the direction of the phase
+    /// sequence (otherwise use [`Angle::negated`]).
     #[inline]
     #[must_use]
     pub fn transform(&self, currents: AlphaBeta, shaft: Angle) -> Dq0 {

@@ -250,14 +250,22 @@ impl<P: Plan> RegressionSolve<P> {
             variance: &mut estimate.variance,
             work: self.work.cells_mut(),
         };
-        self.solution.advance(&problem, &mut solved, budget)
+        // Known at compile time. With a shaft, whose balance needs instruments, one copy of the code serves both.
+        if outputs == 0 && plan.layout().shaft.is_none() {
+            self.solution.advance::<false>(&problem, &mut solved, budget)
+        } else {
+            self.solution.advance::<true>(&problem, &mut solved, budget)
+        }
     }
 }
 
 /// Restores the constant, and checks that the result can be used.
 fn finish<P: Plan>(plan: P, sums: &RegressionSums<P>, estimate: &mut Estimate<P>) {
-    estimate.restore_constant(sums.frame.origin);
+    // Known at compile time: a plan without a constant carries no code for one.
+    if plan.layout().regression.is_some_and(|regression| regression.structure.offset) {
+        estimate.restore_constant(sums.frame.origin);
+    }
     estimate.reason = if estimate.is_finite() { None } else { Some(Reason::NotFinite(Part::Regression)) };
     let outputs = plan.layout().regression.map_or(0, |regression| regression.split().1);
-    estimate.stable = is_stable(estimate.delta().get(..outputs).unwrap_or(&[]));
+    estimate.stable = outputs == 0 || is_stable(estimate.delta().get(..outputs).unwrap_or(&[]));
 }

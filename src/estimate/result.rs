@@ -117,10 +117,7 @@ impl<P: Plan> Estimate<P> {
     /// ```
     #[inline(never)]
     pub(crate) fn restore_constant(&mut self, [y, u1, u2]: [f32; 3]) {
-        let Structure { na, nb, nc, offset, .. } = self.structure;
-        if !offset {
-            return;
-        }
+        let Structure { na, nb, nc, .. } = self.structure;
         let constant = self.structure.terms();
         let (na, second) = (na as usize, na as usize + nb as usize);
         let terms = [(na > 0, 0, -y), (nb > 0, na, -u1), (nc > 0, second, -u2)];

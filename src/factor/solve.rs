@@ -137,12 +137,13 @@ impl Solution {
         Self { rotated, variance: 0.0, strength: 1.0, stage: Stage::Excitation, k: 0, i: 0 }
     }
 
-    /// Does steps until they have taken about `budget` multiply-adds; `true` once nothing is left.
+    /// Does steps until they have taken about `budget` multiply-adds; `true` once nothing is left. Without `INSTRUMENTS` there
+    /// is no code for them, and the problem must have no outputs.
     ///
     /// # Errors
     /// A [`SolveError`]; what is in the results then has no meaning.
     #[inline(never)]
-    pub fn advance(
+    pub fn advance<const INSTRUMENTS: bool>(
         &mut self,
         problem: &Problem<'_>,
         solved: &mut Solved<'_>,
@@ -153,13 +154,18 @@ impl Solution {
             if self.stage == Stage::Done {
                 return Ok(true);
             }
-            spent = spent.saturating_add(self.step(problem, solved)?).saturating_add(OVERHEAD);
+            spent = spent.saturating_add(self.step::<INSTRUMENTS>(problem, solved)?).saturating_add(OVERHEAD);
         }
         Ok(self.stage == Stage::Done)
     }
 
     /// One step; returns its number of multiply-adds.
-    fn step(&mut self, problem: &Problem<'_>, solved: &mut Solved<'_>) -> Result<usize, SolveError> {
+    #[inline(always)]
+    fn step<const INSTRUMENTS: bool>(
+        &mut self,
+        problem: &Problem<'_>,
+        solved: &mut Solved<'_>,
+    ) -> Result<usize, SolveError> {
         let n = problem.parameters();
         let k = self.k;
         match self.stage {
@@ -176,7 +182,7 @@ impl Solution {
                 self.then(k.saturating_add(1), n, Stage::Excitation, Stage::Rotation, 0);
                 Ok(2 * k)
             }
-            Stage::Rotation if k < problem.outputs => {
+            Stage::Rotation if INSTRUMENTS && k < problem.outputs => {
                 self.rotate(problem, k);
                 self.k = k.saturating_add(1);
                 Ok(4 * problem.outputs)
@@ -186,7 +192,7 @@ impl Solution {
                 Ok(0)
             }
             Stage::Strength => {
-                if problem.outputs > 0 && !self.are_strong(problem) {
+                if INSTRUMENTS && problem.outputs > 0 && !self.are_strong(problem) {
                     return Err(SolveError::WeakInstruments);
                 }
                 (self.stage, self.k) = (Stage::Parameters, n);
@@ -195,13 +201,13 @@ impl Solution {
             Stage::Parameters => {
                 let i = k.saturating_sub(1);
                 let (near, far, target) = self.row(problem, i);
-                let value = minus(target, near, far, solved.work.get(k..).unwrap_or(&[]));
+                let value = minus_both(target, near, far, solved.work.get(k..).unwrap_or(&[]));
                 put(solved.work, i, value);
                 (self.stage, self.k) = if i == 0 { (Stage::Residual, 0) } else { (Stage::Parameters, i) };
                 Ok(n.saturating_sub(i))
             }
             Stage::Residual => {
-                self.residual(problem, solved);
+                self.residual::<INSTRUMENTS>(problem, solved);
                 self.start_column(0, solved);
                 Ok(n + 2 * problem.outputs)
             }
@@ -216,7 +222,7 @@ impl Solution {
             Stage::Column => {
                 let i = self.i.saturating_sub(1);
                 let (near, far, _) = self.row(problem, i);
-                let value = minus(0.0, near, far, solved.work.get(self.i..k.saturating_add(1)).unwrap_or(&[]));
+                let value = minus_both(0.0, near, far, solved.work.get(self.i..k.saturating_add(1)).unwrap_or(&[]));
                 put(solved.work, i, value);
                 self.i = i;
                 Ok(k.saturating_sub(i))
@@ -243,6 +249,7 @@ impl Solution {
     }
 
     /// Rotates row `i` of G, and divides the strength by the square of its norm.
+    #[inline(never)]
     fn rotate(&mut self, problem: &Problem<'_>, i: usize) {
         let Problem { inputs, outputs, .. } = *problem;
         let mut row = [0.0; MAX_OUTPUT_TERMS + 1];
@@ -281,10 +288,11 @@ impl Solution {
     }
 
     /// σ² and the parameters in the order and the units of the estimate.
-    fn residual(&mut self, problem: &Problem<'_>, solved: &mut Solved<'_>) {
+    #[inline(never)]
+    fn residual<const INSTRUMENTS: bool>(&mut self, problem: &Problem<'_>, solved: &mut Solved<'_>) {
         let Problem { mass, gain, .. } = *problem;
         let n = problem.parameters();
-        let squares = problem.residual_sum(solved.work);
+        let squares = problem.residual_sum::<INSTRUMENTS>(solved.work);
         let variance = squares / (mass.rows - mass.spread * n as f32);
         // Scaled problem: (y s_y) = (φ s) θ', so θ = θ' s/s_y, and the variance carries s_y². Scales are powers of two.
         let target = problem.common();
@@ -292,9 +300,9 @@ impl Solution {
         *solved.variance = variance * target * target / gain / gain;
         for (i, theta) in solved.work.iter().enumerate() {
             let place = problem.place(i);
-            if let (Some(to), Some(scale)) = (solved.delta.get_mut(place), problem.scale.get(place)) {
-                *to = problem.base.get(place).copied().unwrap_or(0.0) + theta * scale * target;
-            }
+            let scale = problem.scale.get(place).copied().unwrap_or(1.0);
+            let base = problem.base.get(place).copied().unwrap_or(0.0);
+            put(solved.delta, place, base + theta * scale * target);
         }
         self.variance = variance * mass.spread;
     }
@@ -306,6 +314,7 @@ impl Solution {
     }
 
     /// Adds the products of row i of column k to the covariance.
+    #[inline(never)]
     fn products(&self, problem: &Problem<'_>, solved: &mut Solved<'_>) {
         let (i, k) = (self.i, self.k);
         let own = solved.work.get(i).copied().unwrap_or(0.0);
@@ -321,7 +330,7 @@ impl Solution {
     }
 
     /// Row i of the triangular factor right of the diagonal in two slices, and its target.
-    #[inline(always)]
+    #[inline(never)]
     fn row<'r>(&'r self, problem: &Problem<'r>, i: usize) -> (&'r [f32], &'r [f32], f32) {
         let Problem { inputs, outputs, r, .. } = *problem;
         let next = i.saturating_add(1);
@@ -388,9 +397,13 @@ impl Problem<'_> {
     }
 
     /// Σ d e² over all rows of the segment's factor, e being the residual of a row under θ in the order of columns.
-    fn residual_sum(&self, theta: &[f32]) -> f32 {
+    #[inline(always)]
+    fn residual_sum<const INSTRUMENTS: bool>(&self, theta: &[f32]) -> f32 {
         let (columns, n) = (self.columns(), self.parameters());
         let mut squares = self.d.get(columns.wrapping_sub(1)).copied().unwrap_or(0.0);
+        if !INSTRUMENTS {
+            return squares;
+        }
         // The first n rows are solved exactly; the rows of the outputs' own columns follow.
         let outputs = theta.get(self.inputs..).unwrap_or(&[]);
         for i in 0..self.outputs {
@@ -398,23 +411,28 @@ impl Problem<'_> {
             let start = packed(columns, row, row.wrapping_add(1));
             let elements = self.r.get(start..).unwrap_or(&[]);
             let length = self.outputs.saturating_sub(i.saturating_add(1));
-            let mut e = elements.get(length).copied().unwrap_or(0.0) - outputs.get(i).copied().unwrap_or(0.0);
-            let later = outputs.get(i.saturating_add(1)..).unwrap_or(&[]);
-            elements.iter().zip(later).for_each(|(r, theta)| e -= r * theta);
+            let e = elements.get(length).copied().unwrap_or(0.0) - outputs.get(i).copied().unwrap_or(0.0);
+            let e = minus(e, elements, outputs.get(i.saturating_add(1)..).unwrap_or(&[]));
             squares += self.d.get(row).copied().unwrap_or(0.0) * e * e;
         }
         squares
     }
 }
 
-/// `start − Σ r(j) x(j)`, where the elements come in two slices.
-#[inline(always)]
-fn minus(start: f32, near: &[f32], far: &[f32], x: &[f32]) -> f32 {
-    let value = near.iter().zip(x).fold(start, |value, (r, x)| value - r * x);
-    far.iter().zip(x.get(near.len()..).unwrap_or(&[])).fold(value, |value, (r, x)| value - r * x)
+/// `start − Σ r(j) x(j)`.
+// Out of line: the compiler unrolls the loop, and one such loop is enough.
+#[inline(never)]
+fn minus(start: f32, r: &[f32], x: &[f32]) -> f32 {
+    r.iter().zip(x).fold(start, |value, (r, x)| value - r * x)
 }
 
+/// [`minus`] where the elements come in two slices.
 #[inline(always)]
+fn minus_both(start: f32, near: &[f32], far: &[f32], x: &[f32]) -> f32 {
+    minus(minus(start, near, x), far, x.get(near.len()..).unwrap_or(&[]))
+}
+
+#[inline(never)]
 fn put(cells: &mut [f32], place: usize, value: f32) {
     if let Some(cell) = cells.get_mut(place) {
         *cell = value;
@@ -438,7 +456,7 @@ mod tests {
         let mut solution = Solution::new();
         let solved =
             &mut Solved { delta: &mut delta, covariance: &mut covariance, variance: &mut variance, work: &mut work };
-        while !solution.advance(problem, solved, budget)? {}
+        while !solution.advance::<true>(problem, solved, budget)? {}
         Ok((delta, covariance, variance))
     }
 

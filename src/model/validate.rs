@@ -2,6 +2,8 @@
 //!
 //! Every length must match the layout, every number its range. The code is `const`, so it walks slices by patterns.
 
+#![expect(clippy::neg_cmp_op_on_partial_ord, reason = "a comparison with NaN must fail")]
+
 use crate::decide::{EvidenceConstants, Feature, KNOTS};
 use crate::drive::Park;
 use crate::estimate::is_stable;

@@ -413,7 +413,7 @@ impl BalanceSolve {
             variance: &mut self.variance,
             work: self.work.get_mut(..estimated).unwrap_or_default(),
         };
-        self.solution.advance(&problem, solved, budget)
+        self.solution.advance::<true>(&problem, solved, budget)
     }
 
     /// The result, with the drag (5).

@@ -1,7 +1,7 @@
-//! The workbench's half of `cargo xtask peers`: times what other programs are timed on.
+//! The workbench's part of `cargo xtask peers`: measures the times of the tasks that other programs are timed on.
 //!
-//! `peers write DIR` writes a training and a validation trace, `peers time DIR` reads them back and prints one JSON
-//! object: medians in seconds, the estimates that accuracy is judged by, and the winning structures.
+//! `peers write DIR` writes a training and a validation trace, `peers time DIR` reads them and prints one JSON object:
+//! medians in seconds, the estimates for the comparison of accuracy, and the best structures.
 
 use std::error::Error;
 use std::hint::black_box;
@@ -17,7 +17,7 @@ use workbench::rig::{Scenario, simulate};
 use workbench::structure::{Estimator, Grid, estimate_all, search};
 use workbench::trace::{Channels, Trace, read};
 
-/// The single estimates are of this structure.
+/// Structure of the single estimates.
 const SINGLE: Structure = Structure::new(2, 2, 2, 1, 1);
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -32,10 +32,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 }
 
-/// Of one input, for programs that take no second.
+/// Structure with one input, for programs that do not support a second one.
 const ONE_INPUT: Structure = Structure::new(2, 2, 0, 1, 1);
 
-/// Two healthy traces of the standard rig, all digits.
+/// Writes two healthy traces of the standard rig, with all digits.
 fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
     for (name, seed) in [("train", 1), ("validate", 2)] {
         let trace = simulate(&Scenario::STANDARD, seed)?;
@@ -50,10 +50,10 @@ fn write(folder: &Path) -> Result<(), Box<dyn Error>> {
     write_armax(folder)
 }
 
-/// The truth of the ARMAX record: a₁ a₂ b₁ b₂ c₁ c₂ of [`SINGLE`], and d₁.
+/// True parameters of the ARMAX record: a₁ a₂ b₁ b₂ c₁ c₂ of [`SINGLE`], and d₁.
 const ARMAX: ([f64; 6], f64) = ([-1.2, 0.4, 0.5, 0.3, -0.4, 0.2], 0.7);
 
-/// A true ARMAX system under white inputs, for the accuracy of estimates against the truth.
+/// Writes a record of a true ARMAX system with white inputs, to compare estimates with the true parameters.
 fn write_armax(folder: &Path) -> Result<(), Box<dyn Error>> {
     let ([a1, a2, b1, b2, c1, c2], d1) = ARMAX;
     let mut rng = ChaCha8Rng::seed_from_u64(3);
@@ -126,7 +126,7 @@ fn time(folder: &Path) -> Result<Value, Box<dyn Error>> {
     Ok(result)
 }
 
-/// Least time and results of an estimate with residuals, covariance and fits.
+/// Shortest time and results of an estimate with residuals, covariance and fits.
 fn whole(runs: usize, call: impl Fn() -> Result<Estimate, workbench::Error>) -> Result<Value, workbench::Error> {
     let found = call()?;
     Ok(json!({
@@ -144,7 +144,7 @@ fn median<T>(runs: usize, call: impl Fn() -> T) -> f64 {
     times(runs, call)[runs / 2]
 }
 
-/// Times of calls, s, the least first.
+/// Times of calls, s, in ascending order.
 fn times<T>(runs: usize, call: impl Fn() -> T) -> Vec<f64> {
     let mut times: Vec<f64> = (0..runs)
         .map(|_| {

@@ -1,4 +1,4 @@
-//! How many traces of the standard rig one core simulates in a second, by class.
+//! Number of traces of the standard rig that one core simulates per second, by class.
 //!
 //! `cargo run --release -p bearing-watch-workbench --example rig_speed`
 
@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use workbench::rig::{Defect, DefectKind, Scenario, simulate};
 
-/// Traces a batch; short, so that the fastest of many batches is undisturbed by other work of the machine.
+/// Number of traces per batch; small, so that other processes do not disturb the fastest of many batches.
 const TRACES: u32 = 5;
 const BATCHES: u64 = 40;
 

@@ -1,8 +1,8 @@
-//! What goes wrong, in one line: file, place, remedy.
+//! Errors, each as one line with file, place and remedy.
 
 use std::path::{Path, PathBuf};
 
-/// Every error of the workbench; its `Display` is the one line a user reads.
+/// All errors of the workbench; `Display` returns one line for the user.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -11,17 +11,17 @@ pub enum Error {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: std::io::Error,
     },
-    /// The content of a file is wrong at some place.
+    /// The content of a file is wrong at a given place.
     #[error("{path}, {place}: {problem}", path = path.display())]
     Content {
         /// The file.
         path: PathBuf,
         /// Line, column or header.
         place: String,
-        /// What is wrong and what to do.
+        /// What is wrong and how to correct it.
         problem: String,
     },
     /// A trace cannot be used.
@@ -29,34 +29,34 @@ pub enum Error {
     Trace {
         /// Its id.
         trace: String,
-        /// What is wrong and what to do.
+        /// What is wrong and how to correct it.
         problem: String,
     },
-    /// The training set, or what was asked of it, does not work.
+    /// The training set is not usable, or not usable for the requested training.
     #[error("{0}")]
     Training(String),
-    /// An option has a value that means nothing.
+    /// An option has an invalid value.
     #[error("{0}")]
     Usage(String),
-    /// A rig refuses its scenario.
+    /// A rig rejects its scenario.
     #[error(transparent)]
     Rig(#[from] crate::rig::RigError),
 }
 
 impl Error {
-    /// Wraps an input or output error with its file.
+    /// Converts an input or output error and adds the file.
     pub fn io(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.into();
         move |source| Self::Io { path, source }
     }
 
-    /// Something wrong at a place of a file.
+    /// An error at a given place of a file.
     #[must_use]
     pub fn content(path: &Path, place: impl Into<String>, problem: impl Into<String>) -> Self {
         Self::Content { path: path.to_path_buf(), place: place.into(), problem: problem.into() }
     }
 
-    /// Something wrong with a trace.
+    /// An error of a trace.
     #[must_use]
     pub fn trace(id: &str, problem: impl Into<String>) -> Self {
         Self::Trace { trace: id.into(), problem: problem.into() }

@@ -1,4 +1,4 @@
-//! What a model is worth on traces it has not seen, by running the core over them.
+//! Performance of a model on traces that were not used for training, by running the core on them.
 
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -7,15 +7,16 @@ use crate::Error;
 use crate::core::{Embedded, Finding, SegmentReport};
 use crate::trace::labels::LabelledTrace;
 
-/// Decisions counted: a row a true class, a column a decided class, then one column each of undetermined, novel and
-/// ambiguous ones.
+/// Counts of decisions: one row per true class, one column per decided class, then one column each for undetermined,
+/// novel and ambiguous decisions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Confusion {
     /// Class names.
     pub classes: Vec<String>,
-    /// `counts[true][decided]`; after the n classes, column n counts undetermined, n + 1 novel, n + 2 ambiguous ones.
+    /// `counts[true][decided]`; after the n classes, column n counts undetermined decisions, n + 1 novel, n + 2
+    /// ambiguous ones.
     pub counts: Vec<Vec<usize>>,
-    /// Index of the healthy class, where one is known.
+    /// Index of the healthy class, if there is one.
     pub healthy: Option<usize>,
 }
 
@@ -34,13 +35,13 @@ pub struct Rate {
 }
 
 impl Rate {
-    /// `k` of `n`, with Wilson's score interval. Nothing observed gives [0, 1].
+    /// Rate `k` of `n`, with Wilson's score interval. For `n = 0` the interval is [0, 1].
     #[must_use]
     pub fn wilson(k: usize, n: usize) -> Self {
         Self::wilson_of(k as f64, n as f64)
     }
 
-    /// The same of numbers that need not be whole, as effective counts are.
+    /// Same as [`Rate::wilson`] for numbers that need not be integers, for example effective counts.
     pub(crate) fn wilson_of(k: f64, n: f64) -> Self {
         /// 97.5 % quantile of the normal distribution.
         const Q: f64 = 1.959_963_984_540_054;
@@ -50,12 +51,12 @@ impl Rate {
         let p = k / n;
         let centre = (p + Q * Q / (2.0 * n)) / (1.0 + Q * Q / n);
         let half = Q / (1.0 + Q * Q / n) * (p * (1.0 - p) / n + Q * Q / (4.0 * n * n)).sqrt();
-        // At 0 and n the interval touches the end exactly; rounding must not push it past.
+        // At 0 and n the interval ends exactly at the rate; the clamp prevents rounding from moving it beyond.
         Self { value: p, low: (centre - half).clamp(0.0, p), high: (centre + half).clamp(p, 1.0) }
     }
 
-    /// Mean of independent rates; the interval by recovering their variances from their own intervals (MOVER,
-    /// Zou and Donner 2008), which stays sound at 0 and 100 %.
+    /// Mean of independent rates; its interval follows from variances recovered from their intervals (MOVER, Zou and
+    /// Donner 2008), which remains valid at 0 and 100 %.
     #[must_use]
     pub fn mean(rates: &[Self]) -> Self {
         let n = rates.len() as f64;
@@ -64,7 +65,7 @@ impl Rate {
         Self { value, low: (value - spread(|r| r.low)).max(0.0), high: (value + spread(|r| r.high)).min(1.0) }
     }
 
-    /// Keys `value`, `low`, `high`.
+    /// JSON object with the keys `value`, `low`, `high`.
     #[must_use]
     pub fn to_json(self) -> Value {
         json!({ "value": self.value, "low": self.low, "high": self.high })
@@ -78,14 +79,14 @@ impl std::fmt::Display for Rate {
 }
 
 impl Confusion {
-    /// No decisions yet.
+    /// Counts of zero.
     #[must_use]
     pub fn new(classes: &[String]) -> Self {
         let counts = vec![vec![0; classes.len() + OTHERS.len()]; classes.len()];
         Self { classes: classes.to_vec(), counts, healthy: None }
     }
 
-    /// Counts one finding, nothing where it is undetermined.
+    /// Counts one finding; `None` counts as undetermined.
     pub fn add_finding(&mut self, truth: usize, finding: Option<Finding>) {
         let n = self.classes.len();
         let column = match finding {
@@ -103,19 +104,20 @@ impl Confusion {
         self.counts[truth][decided.unwrap_or(undetermined)] += 1;
     }
 
-    /// All decisions.
+    /// Total number of decisions.
     #[must_use]
     pub fn total(&self) -> usize {
         self.counts.iter().flatten().sum()
     }
 
-    /// Decisions that are wrong, undetermined, novel or ambiguous.
+    /// Number of decisions that are wrong, undetermined, novel or ambiguous.
     #[must_use]
     pub fn wrong(&self) -> usize {
         self.total() - (0..self.classes.len()).map(|k| self.counts[k][k]).sum::<usize>()
     }
 
-    /// Part of each defect called healthy; nothing for the healthy class and for those that did not occur.
+    /// Fraction of each defect class decided as healthy; `None` for the healthy class and for classes that did not
+    /// occur.
     #[must_use]
     pub fn called_healthy(&self) -> Vec<Option<Rate>> {
         let each = |(k, row): (usize, &Vec<usize>)| {
@@ -125,13 +127,13 @@ impl Confusion {
         self.counts.iter().enumerate().map(each).collect()
     }
 
-    /// Part of decisions that are wrong, undetermined, novel or ambiguous.
+    /// Fraction of decisions that are wrong, undetermined, novel or ambiguous.
     #[must_use]
     pub fn error_rate(&self) -> Rate {
         Rate::wilson(self.wrong(), self.total())
     }
 
-    /// Part of each class decided right; nothing for classes that did not occur.
+    /// Fraction of each class decided correctly; `None` for classes that did not occur.
     #[must_use]
     pub fn recalls(&self) -> Vec<Option<Rate>> {
         let rows = self.counts.iter().enumerate();
@@ -148,8 +150,8 @@ impl Confusion {
         Rate::mean(&self.recalls().into_iter().flatten().collect::<Vec<_>>())
     }
 
-    /// Keys `classes`, `confusion`, `undetermined`, `novel`, `ambiguous`, `called_healthy`, `error_rate`,
-    /// `balanced_accuracy`.
+    /// JSON object with the keys `classes`, `confusion`, `undetermined`, `novel`, `ambiguous`, `called_healthy`,
+    /// `error_rate`, `balanced_accuracy`.
     #[must_use]
     pub fn to_json(&self) -> Value {
         let n = self.classes.len();
@@ -194,7 +196,7 @@ impl std::fmt::Display for Confusion {
     }
 }
 
-/// Segments of one labelled trace.
+/// Verdicts on one labelled trace.
 #[derive(Clone, Debug)]
 pub struct TraceVerdict {
     /// Trace id.
@@ -203,16 +205,16 @@ pub struct TraceVerdict {
     pub class: usize,
     /// Verdict over the whole trace.
     pub decided: Option<Finding>,
-    /// Posteriors over the whole trace; empty where undetermined.
+    /// Posteriors over the whole trace; empty if undetermined.
     pub posteriors: Vec<f32>,
     /// Its segments.
     pub segments: Vec<SegmentReport>,
 }
 
-/// Runs traces through the core; `done` is called once a trace.
+/// Runs traces through the core; `done` is called once per trace.
 ///
 /// # Errors
-/// Where the core refuses the model.
+/// The core rejects the model.
 pub fn run(model: &Embedded, traces: &[LabelledTrace], done: impl Fn() + Sync) -> Result<Vec<TraceVerdict>, Error> {
     let each = |labelled: &LabelledTrace| {
         let segments = model.run(&labelled.trace);
@@ -229,7 +231,7 @@ pub fn run(model: &Embedded, traces: &[LabelledTrace], done: impl Fn() + Sync) -
     traces.par_iter().map(each).collect()
 }
 
-/// Counts verdicts by trace, or by segment.
+/// Counts verdicts per trace or per segment.
 #[must_use]
 pub fn count(classes: &[String], verdicts: &[TraceVerdict], per_segment: bool) -> Confusion {
     let mut confusion = Confusion::new(classes);

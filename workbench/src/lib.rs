@@ -1,7 +1,7 @@
-//! The host half of `bearing-watch`: simulated rigs, identification, training, evaluation, reports.
+//! The host part of `bearing-watch`: simulated rigs, identification, training, evaluation, reports.
 //!
-//! Traces are identified in double precision; models are *evaluated* by running the very code that firmware runs,
-//! the core crate in single precision.
+//! Traces are identified in double precision; models are *evaluated* by running the same code as the firmware, the core
+//! crate in single precision.
 
 pub mod cli;
 pub mod core;

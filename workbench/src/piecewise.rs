@@ -1,17 +1,18 @@
-//! Piece-wise estimation: many first-order models of the straight runs of one record (thesis §6.2.1).
+//! Piece-wise estimation: first-order models of the straight runs of one record (thesis §6.2.1).
 //!
-//! Enters: a trace. Leaves: its runs, the model of each, and the medians over the runs as features.
+//! Input: a trace. Output: its straight runs, a model of each run, and the medians over the runs as features.
 //!
 //! ```text
 //! f₀ = argmax |FFT(w (y − mean))|²                        fundamental of the output           (1)
-//! s = LP(y) differentiated, LP without phase, cut off at r f₀                                 (2)
-//! runs = stretches with |s(t)| ≥ threshold · max|s| of their stroke, of at least min_samples  (3)
+//! s = LP(y) differentiated, LP with zero phase, cut-off at r f₀                               (2)
+//! runs = intervals of at least min_samples with |s(t)| ≥ threshold · max|s| of their stroke   (3)
 //! θ of [1 1 1 1 1] on the *unfiltered* signals of each run;  features = medians over the runs (4)
 //! ```
 //!
-//! A stroke lies between two turning points of the copy: where a record mixes two frequencies, the steepest slope of
-//! the whole record would leave most strokes without a run. The low-passed copy only says where to cut. The threshold trades length of runs for their straightness: of a pure
-//! sine a threshold of 0.8 keeps 41 % of each half period, 0.3 keeps 81 %.
+//! A stroke is the part of the low-passed copy LP(y) between two turning points. The threshold is relative to the
+//! stroke: if a record mixes two frequencies, a threshold relative to the steepest slope of the whole record would
+//! leave most strokes without a run. The low-passed copy only determines where to cut. A lower threshold yields longer
+//! but less straight runs: for a pure sine a threshold of 0.8 keeps 41 % of each half period, 0.3 keeps 81 %.
 
 use bearing_watch::plan::Kind;
 use nalgebra::DVector;
@@ -26,31 +27,31 @@ use crate::trace::Trace;
 use crate::trace::labels::LabelledTrace;
 use crate::train::{FeatureTable, Recipe, discriminant};
 
-/// The model of a run.
+/// The structure of the model of a run.
 pub const STRUCTURE: Structure = Structure::new(1, 1, 1, 1, 1);
 
-/// Where to cut.
+/// Settings that determine the runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cutting {
-    /// Part of the steepest slope that a straight run keeps to, above 0 and below 1.
+    /// Minimum slope within a straight run as a fraction of the steepest slope; above 0 and below 1.
     pub threshold: f64,
-    /// Shortest run.
+    /// Minimum number of samples of a run.
     pub min_samples: usize,
-    /// Cut-off of the copy, in multiples of the fundamental (r of (2)).
+    /// Cut-off of the low-passed copy, in multiples of the fundamental (r of (2)).
     pub cutoff_ratio: f64,
 }
 
 impl Default for Cutting {
-    /// As the source has it.
+    /// The values of the source.
     fn default() -> Self {
         Self { threshold: 0.8, min_samples: 200, cutoff_ratio: 1.0 }
     }
 }
 
-/// What a trace gave.
+/// Result for one trace.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pieces {
-    /// Fundamental of the output, cycles a sample.
+    /// Fundamental of the output, cycles per sample.
     pub fundamental: f64,
     /// Straight runs.
     pub runs: Vec<std::ops::Range<usize>>,
@@ -63,7 +64,7 @@ pub struct Pieces {
 /// Cuts a trace and estimates its runs.
 ///
 /// # Errors
-/// A threshold that means nothing; no fundamental, or no run long enough.
+/// An invalid threshold; no fundamental, or no run that is long enough.
 pub fn estimate(trace: &Trace, cutting: &Cutting) -> Result<Pieces, Error> {
     if !(cutting.threshold > 0.0 && cutting.threshold < 1.0 && cutting.cutoff_ratio > 0.0) {
         return Err(Error::Usage("the slope threshold lies between 0 and 1, the cut-off ratio above 0".into()));
@@ -76,7 +77,7 @@ pub fn estimate(trace: &Trace, cutting: &Cutting) -> Result<Pieces, Error> {
     let piece = |run: &std::ops::Range<usize>| {
         let cut = |x: &[f64]| x[run.clone()].to_vec();
         let (y, u1, u2) = (cut(&trace.y), cut(&trace.u1), cut(&trace.u2));
-        // A run that does not determine the model (a standing input) is passed over.
+        // A run that does not determine the model (for example, constant input) is skipped.
         let estimate =
             least_squares(&Trace { id: trace.id.clone(), y, u1, u2, motion: None, ..*trace }, STRUCTURE).ok()?;
         Some((run.clone(), [estimate.theta[0], estimate.theta[1], estimate.theta[2]]))
@@ -94,7 +95,8 @@ pub fn estimate(trace: &Trace, cutting: &Cutting) -> Result<Pieces, Error> {
     Ok(Pieces { fundamental, runs, theta, median })
 }
 
-/// (1) under a Hann window, the peak refined by a parabola through the logarithms of three bins; cycles a sample.
+/// (1) with a Hann window; the peak is refined by a parabola through the logarithms of three bins. In cycles per
+/// sample.
 fn fundamental(y: &[f64]) -> Option<f64> {
     let n = y.len();
     if n < 8 {
@@ -107,7 +109,7 @@ fn fundamental(y: &[f64]) -> Option<f64> {
     let mut spectrum = transform.make_output_vec();
     transform.process(&mut input, &mut spectrum).ok()?;
     let power: Vec<f64> = spectrum.iter().map(|bin| bin.norm_sqr()).collect();
-    // Fewer than two periods are no period; the last bin has no neighbour.
+    // At least two periods are required; the last bin has no right neighbour.
     let peak = (2..power.len() - 1).max_by(|&i, &j| power[i].total_cmp(&power[j]))?;
     let [before, at, after] = [power[peak - 1], power[peak], power[peak + 1]].map(|p| p.max(f64::MIN_POSITIVE).ln());
     let bend = before - 2.0 * at + after;
@@ -118,13 +120,13 @@ fn fundamental(y: &[f64]) -> Option<f64> {
 /// (2) and (3).
 fn straight_runs(y: &[f64], fundamental: f64, cutting: &Cutting) -> Vec<std::ops::Range<usize>> {
     let copy = LowPass::butterworth(2, (fundamental * cutting.cutoff_ratio).min(0.49)).zero_phase(y);
-    let slope: Vec<f64> = copy.windows(3).map(|w| w[2] - w[0]).collect(); // of the sample in the middle
+    let slope: Vec<f64> = copy.windows(3).map(|w| w[2] - w[0]).collect(); // slope at the middle sample
     let mut runs = Vec::new();
     let mut begin = 0;
-    // Strokes: between changes of the slope's sign.
+    // Strokes end at changes of the sign of the slope.
     for stroke in slope.chunk_by(|a, b| (*a < 0.0) == (*b < 0.0)) {
         let least = cutting.threshold * stroke.iter().fold(0.0, |most: f64, s| most.max(s.abs()));
-        let mut at = begin + 1; // sample of the middle of the first difference
+        let mut at = begin + 1; // middle sample of the first difference
         for run in stroke.chunk_by(|a, b| (a.abs() >= least) == (b.abs() >= least)) {
             if run[0].abs() >= least && least > 0.0 && run.len() >= cutting.min_samples {
                 runs.push(at..at + run.len());
@@ -142,20 +144,20 @@ fn median(mut x: Vec<f64>) -> f64 {
     if x.len() % 2 == 1 { x[half] } else { (x[half - 1] + x[half]) / 2.0 }
 }
 
-/// Which medians are features.
+/// The medians used as features.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PieceFeatures {
-    /// a₁ and b₁, as the source chooses them where na = 1.
+    /// a₁ and b₁, the choice of the source for na = 1.
     Ab,
     /// a₁, b₁ and c₁.
     Abc,
 }
 
-/// Trains a Gaussian discriminant on the medians of one set and counts its decisions on another, in double precision.
-/// A validation trace without runs is undetermined; a training trace without runs is left out.
+/// Trains a Gaussian discriminant on the medians of one set and counts its decisions on another, in double precision. A
+/// validation trace without runs counts as undetermined; a training trace without runs is omitted.
 ///
 /// # Errors
-/// A class with too few usable training traces, or features that are singular.
+/// A class with too few usable training traces, or features with a singular covariance.
 pub fn validate(
     (training, validation): (&[LabelledTrace], &[LabelledTrace]),
     classes: &[String],
@@ -206,7 +208,8 @@ mod tests {
         for frequency in [0.001, 0.00137, 0.02] {
             let y: Vec<f64> = sine(frequency, 5000).iter().map(|y| 3.0 + 2.0 * y).collect();
             let found = fundamental(&y).expect("periods");
-            // A parabola in logarithms misses a Hann peak by at most 0.02 bins of 1/5000; leakage of −f adds some.
+            // A parabola through logarithms has an error of at most 0.02 bins of 1/5000 at a Hann peak; leakage of −f
+            // adds to it.
             assert!((found - frequency).abs() < 0.05 / 5000.0, "{found} for {frequency}");
         }
         assert!(fundamental(&[1.0; 100]).is_none(), "no power");
@@ -218,11 +221,11 @@ mod tests {
         for threshold in [0.8, 0.5, 0.3] {
             let cutting = Cutting { threshold, min_samples: 100, cutoff_ratio: 3.0 };
             let runs = straight_runs(&y, 0.001, &cutting);
-            let wanted = f64::acos(threshold) / TAU * 2.0 / 0.001; // half turn of slope above the threshold
+            let wanted = f64::acos(threshold) / TAU * 2.0 / 0.001; // part of a half turn with slope above the threshold
             let inner = &runs[1..runs.len() - 1];
             assert_eq!(inner.len(), 11, "slopes between the ends"); // 12 half periods, the first and last cut in two
             for run in inner {
-                // The ends of the record bend the copy by a little, and with it the steepest slope.
+                // The ends of the record slightly distort the copy, and therefore its steepest slope.
                 assert!((run.len() as f64 / wanted - 1.0).abs() < 0.05, "{run:?} for {wanted}");
             }
         }

@@ -7,6 +7,7 @@ mod frames;
 mod half_band;
 mod novelty;
 mod oracle;
+mod readme;
 mod resampling;
 mod rig;
 mod robustness;

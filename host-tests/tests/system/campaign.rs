@@ -77,7 +77,7 @@ fn what_is_trained_is_what_flies() {
     let training = Training { condition: Condition::STANDARD, classes: full_size(), count: 12 };
     let set = training_set(&training, 900).expect("the standard rig");
     let trained = train(&set, &class_names(&training.classes), &ours(0.05)).expect("trains");
-    let shaft = trained.shaft.expect("the shaft is watched");
+    let (_, shaft) = trained.parts.shaft.clone().expect("the shaft is watched");
     // The rig's current filter lags by √2/(2π 140 Hz) = 0.80 samples; the search goes by tenths.
     assert!((0.6..=1.0).contains(&shaft.current_delay), "{}", shaft.current_delay);
     // J/Kt, B/Kt and 1/Kt of Table 2.3, within four standard errors of twelve records.
@@ -85,7 +85,7 @@ fn what_is_trained_is_what_flies() {
     assert!((inertia - 5e-3).abs() < 1e-4 && (viscous - 2e-3).abs() < 3e-4, "{:?}", shaft.balance.nominal);
     assert!(coulomb.abs() < 8e-3 && (inverse_kt - 20.0).abs() < 0.05, "{:?}", shaft.balance.nominal);
     let model = trained.embed().expect("embeds");
-    let first = model.run(&set[0].trace).expect("runs");
+    let first = model.run(&set[0].trace);
     let own: Vec<f64> = first[0].shaft_features.iter().map(|x| f64::from(*x)).collect();
     let place = trained.recipe.catalogue().names().iter().position(|name| name == "drag_score").expect("a feature");
     let before = trained.recipe.catalogue().names().len() - own.len();

@@ -8,7 +8,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use workbench::identify::{Method, Structure, estimate, simulate};
+use workbench::identify::{Method, Structure, Terms, estimate, simulate};
 use workbench::trace::Trace;
 
 /// Runs a case. At 2000 the standard error of a mean is 0.022 sd, so that 0.1 sd is a bias and not chance.

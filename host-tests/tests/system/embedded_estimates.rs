@@ -31,7 +31,7 @@ fn worst_rho(traces: &[LabelledTrace], classes: &[String], structure: Structure)
     let recipe = Recipe { features: vec!["a1".into()], ..Recipe::new(structure) };
     let model = train(traces, classes, &recipe).expect("trains").embed().expect("embeds");
     traces.iter().fold(0.0, |worst, labelled| {
-        let segments = model.run(&labelled.trace).expect("runs");
+        let segments = model.run(&labelled.trace);
         assert_eq!((segments.len(), segments[0].counts.rejected), (1, 0));
         worst.max(rho(&labelled.trace, structure, &segments[0].delta))
     })
@@ -140,7 +140,7 @@ fn what_is_not_excited_is_said_by_both_halves() {
     let training = demo::traces(&Scenario::STANDARD, FirstInput::Error, (901, 4), || ()).expect("simulates");
     let model =
         train(&training, &demo::class_names(), &Recipe::new(structure)).expect("trains").embed().expect("embeds");
-    let verdict = |trace: &Trace| model.run(trace).expect("runs")[0].verdict.clone().expect_err("no class");
+    let verdict = |trace: &Trace| model.run(trace)[0].verdict.clone().expect_err("no class");
     assert!(verdict(&unloaded).starts_with("the signals do not excite parameter c1"), "{}", verdict(&unloaded));
     assert_eq!(verdict(&steady), "the inputs are at rest");
     let empty = trace("empty", [vec![], vec![], vec![]]);

@@ -1,16 +1,14 @@
 //! Models of every method and memory: trained, written, read back and judged through the core.
 
-use bearing_watch::estimate::{
-    Accumulator, Fading, Form, Instruments, Method, Regressor, Rows, Shape, Structure, Triangle, TwoLevel,
-};
-use bearing_watch::{Detector, Sample};
+use bearing_watch::plan::{Layout, Memory, Method, Plan, RegressionLayout};
+use bearing_watch::{Detector, Model, ModelError};
 use workbench::core::Embedded;
 use workbench::evaluate;
 use workbench::identify::Structure;
 use workbench::rig::Scenario;
 use workbench::study::demo::{self, FirstInput};
-use workbench::trace::Trace;
 use workbench::trace::labels::LabelledTrace;
+use workbench::trace::{Channels, Trace};
 use workbench::train::export;
 use workbench::train::{Estimation, Recipe, Trained, train};
 
@@ -55,34 +53,55 @@ fn noise_in_the_field_misleads_least_squares_and_not_instruments() {
     }
 }
 
-/// The structure known when compiling, as an exported model has it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Fixed<const INSTRUMENTS: bool>;
+/// Plans of the structure, as exported models have them.
+macro_rules! plans {
+    ($($plan:ident $sample:ident $method:ident $memory:ident;)+) => { $(
+        bearing_watch::plan! {
+            struct $plan;
+            struct $sample { y: "", u1: "", u2: "" }
+            layout: Layout {
+                regression: Some(RegressionLayout {
+                    structure: STRUCTURE,
+                    method: Method::$method,
+                    memory: Memory::$memory,
+                    y,
+                    u1,
+                    u2,
+                }),
+                features: 5,
+                coordinates: 5,
+                classes: 3,
+                ..Layout::EMPTY
+            }
+        }
 
-impl<const INSTRUMENTS: bool> Shape for Fixed<INSTRUMENTS> {
-    const FIXED: Option<Form> = Some(Form {
-        order: STRUCTURE,
-        offset: STRUCTURE.offset,
-        method: if INSTRUMENTS { Method::Instruments } else { Method::LeastSquares },
-    });
+        impl From<[f32; 3]> for $sample {
+            fn from([y, u1, u2]: [f32; 3]) -> Self {
+                Self { y, u1, u2 }
+            }
+        }
+    )+ };
 }
 
-type Squares = Regressor<6, 1, Fixed<false>>;
-type ByInstruments = Instruments<8, 1, Fixed<true>>;
+plans! {
+    Squares SquaresSample LeastSquares Segment;
+    FadingSquares FadingSquaresSample LeastSquares Fading;
+    Refined RefinedSample Instruments Segment;
+    FadingRefined FadingRefinedSample Instruments Fading;
+    LongRefined LongRefinedSample Instruments LongSegment;
+}
 
-/// Bits of every whole segment by a detector of exactly the model's size.
-fn exact<const M: usize, const P: usize, R: Rows<M>, A: Accumulator<M, P>>(
-    trained: &Trained,
-    trace: &Trace,
-) -> Vec<Vec<u32>> {
-    let model = trained.to_core::<M, 5, 5, 3, 0>().expect("fits");
-    let mut detector = Detector::<'_, M, P, 1, 5, 5, 3, R, A>::new(&model).expect("fits");
+/// Bits of every whole segment by a detector whose plan is known at compile time.
+fn exact<P: Plan<Sample: From<[f32; 3]>>>(trained: &Trained, trace: &Trace) -> Vec<Vec<u32>> {
+    let model = Model::<P>::from_bytes(&trained.to_bytes("").expect("fits")).expect("the model of this plan");
+    let mut detector = Detector::new(&model);
     let rows = trace.y.iter().zip(&trace.u1).zip(&trace.u2);
-    let samples = rows.map(|((y, u1), u2)| Sample { y: *y as f32, u1: *u1 as f32, u2: *u2 as f32 });
-    let reports = samples.filter_map(|sample| detector.step(sample));
+    let samples = rows.map(|((y, u1), u2)| P::Sample::from([*y as f32, *u1 as f32, *u2 as f32]));
+    let reports = samples.filter_map(|sample| detector.step(&sample));
     let bits = reports.map(|report| {
-        let posteriors = report.decision.map_or_else(Vec::new, |decision| decision.posteriors.to_vec());
-        bits(&report.estimate.delta[..5], report.estimate.variance, &posteriors, report.estimate.rows)
+        let posteriors = report.decision.as_ref().map_or_else(Vec::new, |decision| decision.posteriors().to_vec());
+        let estimate = report.estimate().expect("a plan with a regression");
+        bits(estimate.delta(), estimate.variance, &posteriors, estimate.rows)
     });
     bits.collect()
 }
@@ -91,15 +110,15 @@ fn bits(delta: &[f32], variance: f32, posteriors: &[f32], rows: u32) -> Vec<u32>
     delta.iter().chain([&variance]).chain(posteriors).map(|x| x.to_bits()).chain([rows]).collect()
 }
 
-/// The same by the workbench's capacities.
+/// The same by the workbench's plan of run time.
 fn wide(trained: &Trained, trace: &Trace) -> Vec<Vec<u32>> {
-    let segments = embedded(trained).run(trace).expect("runs");
+    let segments = embedded(trained).run(trace);
     let whole = segments.iter().filter(|segment| segment.length == trained.segment_samples);
     whole.map(|s| bits(&s.delta, s.variance, &s.posteriors, s.rows)).collect()
 }
 
 #[test]
-fn workbench_and_exported_type_give_the_same_bits() {
+fn workbench_and_exported_plan_give_the_same_bits() {
     let training = set(&Scenario::STANDARD, 720, 4);
     let parts = Estimation { segment: Some(1250), huber: 2.0, handover: 20, ..Estimation::default() };
     let fading = Estimation { memory: Some(0.999), ..parts.clone() };
@@ -111,10 +130,21 @@ fn workbench_and_exported_type_give_the_same_bits() {
             assert_eq!(narrow, wide, "{}", labelled.trace.id);
         }
     };
-    check(parts.clone(), exact::<6, 15, Squares, Triangle<6, 15>>);
-    check(fading.clone(), exact::<6, 15, Squares, Fading<6, 15>>);
-    check(Estimation { method: Method::Instruments, ..parts }, exact::<8, 28, ByInstruments, Triangle<8, 28>>);
-    check(Estimation { method: Method::Instruments, ..fading }, exact::<8, 28, ByInstruments, Fading<8, 28>>);
+    check(parts.clone(), exact::<Squares>);
+    check(fading.clone(), exact::<FadingSquares>);
+    check(Estimation { method: Method::Instruments, ..parts }, exact::<Refined>);
+    check(Estimation { method: Method::Instruments, ..fading }, exact::<FadingRefined>);
+}
+
+#[test]
+fn a_model_of_another_plan_or_other_channels_is_refused() {
+    let training = set(&Scenario::STANDARD, 722, 2);
+    let bytes = trained(&training, Estimation::default()).to_bytes("").expect("fits");
+    assert!(Model::<Squares>::from_bytes(&bytes).is_ok());
+    assert_eq!(Model::<Refined>::from_bytes(&bytes), Err(ModelError::OtherPlan));
+    let named = Recipe { columns: Channels::new("y", "command", "u2"), ..Recipe::new(STRUCTURE) };
+    let named = train(&training, &demo::class_names(), &named).expect("trains").to_bytes("").expect("fits");
+    assert_eq!(Model::<Squares>::from_bytes(&named), Err(ModelError::Channel { place: 1 }));
 }
 
 #[test]
@@ -123,9 +153,9 @@ fn segments_longer_than_one_level_holds() {
     let trained = trained(&training, instruments());
     assert_eq!(trained.segment_samples, 100_500);
     let source = export::rust_source(&trained, &[]).expect("exports");
-    assert!(source.contains("Instruments<8, 1, Structure>, TwoLevel<8, 28>>;"), "{source}");
+    assert!(source.contains("method: Method::Instruments") && source.contains("Memory::LongSegment"), "{source}");
     let trace = &training[0].trace;
-    let narrow = exact::<8, 28, ByInstruments, TwoLevel<8, 28>>(&trained, trace);
+    let narrow = exact::<LongRefined>(&trained, trace);
     assert_eq!(narrow.len(), 1);
     assert_eq!(narrow, wide(&trained, trace));
 }

@@ -1,6 +1,6 @@
 //! Piece-wise estimation on the standard rig: what the slope threshold does to the classes.
 
-use bearing_watch::decide::Kind;
+use bearing_watch::plan::Kind;
 use workbench::piecewise::{Cutting, PieceFeatures, validate};
 use workbench::rig::Scenario;
 use workbench::study::demo::{FirstInput, class_names, traces};

@@ -4,7 +4,7 @@
 //! What a pass means: normal strokes are told from those with poor lubrication or heavy backlash of *later runs* at
 //! the same load. The spalling figures printed beside them are the floor that recording sessions alone reach.
 
-use bearing_watch::decide::Kind;
+use bearing_watch::plan::Kind;
 use host_tests::strokes::{Stroke, detector, judge, strokes};
 use workbench::evaluate::{self, Confusion};
 use workbench::identify::Structure;

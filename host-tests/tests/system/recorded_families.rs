@@ -7,7 +7,7 @@
 //! normal (the cruise current falls with backlash 1 and rises with backlash 2), so a class is a level, and costs make the
 //! core decide between families.
 
-use bearing_watch::decide::Kind;
+use bearing_watch::plan::Kind;
 use host_tests::strokes::{LOADS, Stroke, detector, judge, strokes};
 use workbench::core::Finding;
 use workbench::evaluate::{self, Confusion};

@@ -5,7 +5,7 @@ use nalgebra::Complex;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use workbench::identify::{Estimate, Method, Options, Structure, estimate, estimate_with, poles, simulate};
+use workbench::identify::{Estimate, Method, Options, Structure, Terms, estimate, estimate_with, poles, simulate};
 use workbench::rig::{Scenario, simulate as record};
 use workbench::trace::Trace;
 use workbench::validate::correlation::Correlation;

@@ -1,14 +1,15 @@
-//! The mean of every block of samples.
+//! Mean of blocks of samples.
 //!
 //! ```text
 //! m(k) = (1/B) Σ x(kB + i),  i = 0 … B−1                                 (1)
 //! ```
 //!
-//! The shortest anti-alias filter: first zero at the new sampling rate, about 13 dB at the first side lobe. Delay
-//! (B − 1)/2 samples; state 4·CH + 4 bytes. Plain single-precision sums: a block of 1000 equal samples is right to 1e-5.
-//! A sample that is not finite makes its whole block not finite, which the regressor's guard then skips.
+//! The shortest anti-alias filter: first zero at the new sampling rate, attenuation of about 13 dB at the first side
+//! lobe. Delay (B − 1)/2 samples; state 4·CH + 4 bytes. Plain single-precision sums: a block of 1000 equal samples is
+//! accurate to 1e-5. A sample that is not finite makes the mean of its block not finite; the guard of the regressor
+//! then skips it.
 
-/// Running block mean (1) of `CH` channels.
+/// Block mean (1) of `CH` channels.
 ///
 /// ```
 /// let mut mean = bearing_watch::BlockMean::new();
@@ -23,13 +24,13 @@ pub struct BlockMean<const CH: usize> {
 }
 
 impl<const CH: usize> BlockMean<CH> {
-    /// An empty block.
+    /// Creates an empty block.
     #[must_use]
     pub const fn new() -> Self {
         Self { sum: [0.0; CH], count: 0 }
     }
 
-    /// Adds a sample; every `block`-th call gives the mean. A block of 0 or 1 hands each sample through unchanged.
+    /// Adds a sample; every `block`-th call returns the mean. A block of 0 or 1 returns each sample unchanged.
     #[inline]
     pub fn push(&mut self, sample: [f32; CH], block: u16) -> Option<[f32; CH]> {
         if block <= 1 {
@@ -47,7 +48,7 @@ impl<const CH: usize> BlockMean<CH> {
         Some(mean)
     }
 
-    /// Drops an unfinished block.
+    /// Discards an incomplete block.
     pub fn reset(&mut self) {
         *self = Self::new();
     }

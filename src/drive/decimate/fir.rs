@@ -1,17 +1,18 @@
-//! Any linear-phase low-pass, any factor.
+//! Decimation by any factor with any linear-phase low-pass filter.
 //!
 //! ```text
 //! y(k) = Σ h(j) x(kF − j),   j = 0 … TAPS−1                              (2)
 //! ```
 //!
-//! Delay (TAPS − 1)/2 samples. Instead of one long sum every F samples it adds each sample to the `SLOTS` outputs that it
-//! belongs to: at most SLOTS multiplications and additions a channel and sample, evenly spread; state
-//! 4·CH·SLOTS + 8 bytes on the chip. Sums of single precision: 131 taps leave about 1e-6 of full scale.
+//! Delay (TAPS − 1)/2 samples. Instead of computing one long sum every F samples, each sample is added to the at most
+//! `SLOTS` outputs that depend on it: at most SLOTS multiplications and additions per channel and sample, evenly
+//! distributed; state 4·CH·SLOTS + 8 bytes on the microcontroller. Sums in single precision: 131 taps have an error of
+//! about 1e-6 of full scale.
 
 /// Causal FIR decimation (2) of `CH` channels by `FACTOR`; `SLOTS` is `TAPS` / `FACTOR`, rounded up.
 ///
-/// The first output comes once every tap has met a sample, so that no start-up transient is handed on. A sample that
-/// is not finite spoils the outputs that it belongs to, and no others.
+/// The first output is returned when every tap has been multiplied by a sample, so the start-up transient is not
+/// output. A sample that is not finite makes only those outputs not finite that depend on it.
 ///
 /// ```
 /// // Binomial low-pass, decimation by two; workbench::trace::prepare::anti_alias designs sharper ones.
@@ -23,18 +24,18 @@
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FirDecimator<const CH: usize, const TAPS: usize, const FACTOR: usize, const SLOTS: usize> {
-    /// Outputs under way, the next one first.
+    /// Partial sums of the next outputs, the next output first.
     slots: [[f32; CH]; SLOTS],
-    /// Samples until the next output.
+    /// Number of samples until the next output.
     remaining: usize,
-    /// Samples until every tap has met one.
+    /// Number of samples until every tap has been multiplied by a sample.
     filling: usize,
 }
 
 impl<const CH: usize, const TAPS: usize, const FACTOR: usize, const SLOTS: usize>
     FirDecimator<CH, TAPS, FACTOR, SLOTS>
 {
-    /// Before the first sample.
+    /// Creates the filter without samples.
     #[must_use]
     pub const fn new() -> Self {
         const {
@@ -44,10 +45,11 @@ impl<const CH: usize, const TAPS: usize, const FACTOR: usize, const SLOTS: usize
         Self { slots: [[0.0; CH]; SLOTS], remaining: FACTOR - 1, filling: TAPS }
     }
 
-    /// Adds a sample; every `FACTOR`-th call gives an output once the filter is filled.
+    /// Adds a sample; every `FACTOR`-th call returns an output once the filter is filled.
     #[inline]
     pub fn push(&mut self, taps: &[f32; TAPS], sample: [f32; CH]) -> Option<[f32; CH]> {
-        // The output `remaining` samples ahead meets this sample at tap `remaining`, the one after it FACTOR later.
+        // The output due in `remaining` samples multiplies this sample by tap `remaining`, the next output by the tap
+        // FACTOR later.
         let met = taps.iter().skip(self.remaining).step_by(FACTOR);
         for (slot, tap) in self.slots.iter_mut().zip(met) {
             for (sum, x) in slot.iter_mut().zip(sample) {
@@ -62,12 +64,12 @@ impl<const CH: usize, const TAPS: usize, const FACTOR: usize, const SLOTS: usize
         self.remaining = FACTOR - 1;
         let mut output = [0.0; CH];
         for slot in self.slots.iter_mut().rev() {
-            core::mem::swap(slot, &mut output); // every slot moves up one, a fresh one comes in
+            core::mem::swap(slot, &mut output); // every slot moves up by one; a zero slot is appended
         }
         (self.filling == 0).then_some(output)
     }
 
-    /// Forgets every sample.
+    /// Discards all samples.
     pub fn reset(&mut self) {
         *self = Self::new();
     }
@@ -94,7 +96,7 @@ mod tests {
             for n in 0..40 {
                 let output = fir.push(&taps, [x(n), -x(n)]);
                 let due = n % FACTOR == FACTOR - 1 && n + 1 >= TAPS;
-                // Sums of small whole numbers are exact.
+                // Sums of small integers are exact.
                 let sum: f32 = (0..TAPS).filter(|j| *j <= n).map(|j| taps[j] * x(n - j)).sum();
                 assert_eq!(output, due.then_some([sum, -sum]), "{TAPS} taps by {FACTOR}, sample {n}");
             }

@@ -1,49 +1,50 @@
-//! A chain of half-band filters: decimation by a power of two with few multiplications, the same in nearly every sample.
+//! A chain of half-band filters: decimation by a power of two with few multiplications, nearly the same number per
+//! sample.
 //!
 //! ```text
 //! y(k) = ½ x(2k − 2K + 1) + Σ h(j) [x(2k − 2j) + x(2k − 4K + 2 + 2j)],   j = 0 … K−1              (3)
 //! delay of a stage 2K − 1 of its samples;  of the chain  D = (2K₁ − 1)(F/2 − 1) + (2K₂ − 1) F/2 samples    (4)
 //! ```
 //!
-//! K pairs of equal taps, outermost first; every other tap but the middle one is zero and costs nothing. The `EARLY`
-//! stages of K₁ = `SHORT` pairs may have wide transitions, since only the last stage, of K₂ = `LONG` pairs, sees the band
+//! K pairs of equal taps, outermost first; of the other taps only the middle one is not zero. The `EARLY` stages of K₁
+//! = `SHORT` pairs may have wide transition bands, since only the last stage, of K₂ = `LONG` pairs, determines the band
 //! edge. F = 2^(EARLY+1). The response of a stage is odd-symmetric about its new Nyquist frequency, where it is −6 dB:
-//! as far from one in the pass band as from zero in the stop band. What lies between 1 and 1.2 of that frequency folds to
-//! between 0.8 and 1: use the band up to 0.8.
+//! the deviation from one in the pass band equals that from zero in the stop band. Components between 1 and 1.2 of that
+//! frequency alias to between 0.8 and 1: use the band up to 0.8.
 //!
-//! **Schedule.** Sample n (from 1) runs the one stage whose number is the count of trailing zero bits of n + 1:
-//! the first in every second sample, the next in every fourth, and so on; two turns are left for the last stage, which
-//! does half its work in each. So an output is handed over
+//! **Schedule.** Sample n (from 1) runs the one stage whose number is the number of trailing zero bits of n + 1: the
+//! first stage in every second sample, the next in every fourth, and so on. The last stage has two time slots and does
+//! half of its work in each. An output is therefore returned
 //!
 //! ```text
 //! latency = F/2 − 1 samples after the newest sample that it depends on                              (5)
 //! ```
 //!
-//! and in all D + latency samples late, the same for every frequency: 121 + 3 samples by 8, 249 + 7 by 16.
+//! The total delay is D + latency samples, the same for every frequency: 121 + 3 samples for factor 8, 249 + 7 for 16.
 //!
-//! Stages hold sums under way instead of past samples (transposed form): a sample that is not finite spoils the
-//! outputs whose taps reach it, and no others. Cost of a sample: 2K₁ + 1 or at most K₂ + 1 multiply-adds a channel; with
-//! three channels by 8, 148 instructions on average and 192 at worst on a Cortex-M4F. State: 8·CH·(K₁ + 1) bytes an early
-//! stage, 8·CH·(K₂ + 1) the last, and 8 on the chip.
+//! Stages store partial sums instead of past samples (transposed form): a sample that is not finite makes only those
+//! outputs not finite whose taps include it. Cost per sample: 2K₁ + 1 or at most K₂ + 1 multiply-adds per channel; with
+//! three channels and factor 8, 148 instructions on average and 192 at most on a Cortex-M4F. State: 8·CH·(K₁ + 1) bytes
+//! per early stage, 8·CH·(K₂ + 1) for the last, and 8 more on the microcontroller.
 
 use super::stage::{Stage, Waiting};
 
-/// Coefficients (3) of a [`HalfBandDecimator`], outermost first; the middle tap of ½ is not among them.
+/// Coefficients (3) of a [`HalfBandDecimator`], outermost first; the middle tap of ½ is not included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct HalfBandTaps<const SHORT: usize, const LONG: usize> {
-    /// Of every stage but the last.
+    /// Taps of every stage except the last.
     pub early: [f32; SHORT],
-    /// Of the last stage.
+    /// Taps of the last stage.
     pub last: [f32; LONG],
 }
 
-/// 83 dB, pass band to 0.1 of the stage's own rate.
+/// Attenuation 83 dB, pass band to 0.1 of the sampling rate of the stage.
 const GENTLE: [f32; 4] = [-0.002_474_437, 0.016_966_78, -0.067_683_52, 0.303_191_18];
 
 impl HalfBandTaps<4, 13> {
-    /// What folds into 0 … 0.4 of the output rate is at least 80 dB down, and what is there passes within 0.003 dB; unit
-    /// gain for constants. `workbench::trace::half_band::design` made it.
+    /// Components that alias into 0 … 0.4 of the output rate are attenuated by at least 80 dB; components in this band
+    /// pass within 0.003 dB; gain one for constants. Computed by `workbench::trace::half_band::design`.
     pub const SHARP: Self = Self {
         early: GENTLE,
         last: [
@@ -65,14 +66,14 @@ impl HalfBandTaps<4, 13> {
 }
 
 impl HalfBandTaps<4, 4> {
-    /// As sharp as needed before another decimator by 2 or more: at least 80 dB down is what folds into 0 … 0.2 of
-    /// the output rate.
+    /// Taps for use before another decimator by 2 or more: components that alias into 0 … 0.2 of the output rate are
+    /// attenuated by at least 80 dB.
     pub const GENTLE: Self = Self { early: GENTLE, last: GENTLE };
 }
 
-/// Causal decimation of `CH` channels by 2^(`EARLY` + 1), its work spread over the samples.
+/// Causal decimation of `CH` channels by 2^(`EARLY` + 1), with the computation distributed over the samples.
 ///
-/// The first output comes once every tap has met a sample.
+/// The first output is returned when every tap has been multiplied by a sample.
 ///
 /// ```
 /// use bearing_watch::{HalfBandDecimator, HalfBandTaps};
@@ -91,32 +92,32 @@ impl HalfBandTaps<4, 4> {
 pub struct HalfBandDecimator<const CH: usize, const EARLY: usize, const SHORT: usize, const LONG: usize> {
     early: [Stage<CH, SHORT>; EARLY],
     last: Stage<CH, LONG>,
-    /// n + 1, whose lowest bits say whose turn it is.
+    /// n + 1; its number of trailing zero bits selects the stage.
     turn: u32,
-    /// Samples until every tap has met one.
+    /// Number of samples until every tap has been multiplied by a sample.
     filling: usize,
 }
 
 impl<const CH: usize, const EARLY: usize, const SHORT: usize, const LONG: usize>
     HalfBandDecimator<CH, EARLY, SHORT, LONG>
 {
-    /// Samples an output.
+    /// Number of samples per output.
     pub const FACTOR: usize = 2 << EARLY;
     /// Delay (4) of the filters, in samples: from the centre of the taps to the newest sample in them.
     pub const DELAY: usize = (2 * SHORT - 1) * (Self::FACTOR / 2 - 1) + (2 * LONG - 1) * (Self::FACTOR / 2);
-    /// Samples (5) between the newest one that an output depends on and the call that hands it over.
+    /// Number of samples (5) between the newest one that an output depends on and the call that returns the output.
     pub const LATENCY: usize = Self::FACTOR / 2 - 1;
-    /// Samples that an output depends on.
+    /// Number of samples that an output depends on.
     pub const TAPS: usize = 2 * Self::DELAY + 1;
 
-    /// Before the first sample.
+    /// Creates the filters without samples.
     #[must_use]
     pub const fn new() -> Self {
         const { assert!(EARLY < 16 && SHORT > 0 && LONG > 0 && SHORT < 1000 && LONG < 1000, "stages and taps") };
         Self { early: [Stage::NEW; EARLY], last: Stage::NEW, turn: 1, filling: Self::TAPS + Self::LATENCY }
     }
 
-    /// Adds a sample; every [`Self::FACTOR`]-th call gives an output once the filters are filled.
+    /// Adds a sample; every [`Self::FACTOR`]-th call returns an output once the filters are filled.
     #[inline]
     pub fn push(&mut self, taps: &HalfBandTaps<SHORT, LONG>, sample: [f32; CH]) -> Option<[f32; CH]> {
         self.filling = self.filling.saturating_sub(1);
@@ -126,7 +127,8 @@ impl<const CH: usize, const EARLY: usize, const SHORT: usize, const LONG: usize>
         if let Some(stage) = self.early.get_mut(whose) {
             let carry = stage.later_half(&taps.early);
             let output = stage.sooner_half(&taps.early, carry);
-            // Its turns come 2^(whose + 1) samples apart; the first output of a pair is made at the odd ones.
+            // The slots of this stage are 2^(whose + 1) samples apart; in the odd ones it computes the first output of
+            // a pair.
             let is_first = (self.turn >> (whose + 1)) & 1 == 1;
             self.waiting(whose + 1).put(is_first, output);
             None
@@ -140,13 +142,13 @@ impl<const CH: usize, const EARLY: usize, const SHORT: usize, const LONG: usize>
         }
     }
 
-    /// What waits before a stage, counted from the input.
+    /// Input samples of a stage, counted from the input of the chain.
     #[inline]
     fn waiting(&mut self, stage: usize) -> &mut Waiting<CH> {
         self.early.get_mut(stage).map_or(&mut self.last.waiting, |stage| &mut stage.waiting)
     }
 
-    /// Forgets every sample.
+    /// Discards all samples.
     pub fn reset(&mut self) {
         *self = Self::new();
     }
@@ -168,14 +170,14 @@ mod tests {
     type Sharp<const CH: usize, const EARLY: usize> = HalfBandDecimator<CH, EARLY, 4, 13>;
     const SHARP: HalfBandTaps<4, 13> = HalfBandTaps::SHARP;
 
-    /// Every tap of one stage, zeros and the middle one included.
+    /// All taps of one stage, including zeros and the middle one.
     fn stage(outer: &[f32]) -> Vec<f64> {
         let half = outer.iter().flat_map(|tap| [f64::from(*tap), 0.0]).collect::<Vec<_>>();
         let half = &half[..half.len() - 1];
         half.iter().copied().chain([0.5]).chain(half.iter().rev().copied()).collect()
     }
 
-    /// Every tap of the chain at the rate of the input.
+    /// All taps of the chain at the input rate.
     fn chain(early: usize) -> Vec<f64> {
         (0..=early).fold(Vec::from([1.0]), |chain, k| {
             let next = stage(if k < early { &SHARP.early } else { &SHARP.last });
@@ -199,7 +201,7 @@ mod tests {
             assert_eq!(output.is_some(), due, "factor {factor}, sample {n}");
             if let Some([a, b]) = output {
                 let sum: f64 = taps.iter().enumerate().map(|(j, tap)| tap * f64::from(x(newest - j))).sum();
-                // A few dozen single-precision terms below one.
+                // Sum of a few dozen single-precision terms below one.
                 assert!((f64::from(a) - sum).abs() < 5e-7 && a == -b, "factor {factor}, sample {n}: {a} {sum}");
             }
         }

@@ -1,14 +1,14 @@
 //! From the rate of the signals to the rate of identification.
 //!
-//! Enters: samples of `CH` channels. Leaves: one sample of the same channels every `B`, `F` or 2ˢ samples.
+//! Input: samples of `CH` channels. Output: one sample of the same channels every `B`, `F` or 2ˢ samples.
 //!
-//! | decimator | factor | what folds into the band kept | instructions a sample of 3 channels, mean and worst |
+//! | decimator | factor | gain of aliased components | instructions per sample of 3 channels, mean and worst |
 //! |---|---|---|---|
-//! | [`BlockMean`] | any | −13 dB and less | few; all but one add only |
-//! | [`HalfBandDecimator`] | 2ˢ | −80 dB, band up to 0.8 of the new Nyquist frequency | by 8: 148, 192; by 16: 142, 191 |
-//! | [`FirDecimator`] | any | what its taps let through | for the same bands, by 8: 430, 580; by 16: 420, 580 |
+//! | [`BlockMean`] | any | −13 dB and less | few; only additions in all but one sample |
+//! | [`HalfBandDecimator`] | 2ˢ | −80 dB, up to 0.8 of the new Nyquist frequency | by 8: 148, 192; by 16: 142, 191 |
+//! | [`FirDecimator`] | any | depends on its taps | for the same bands, by 8: 430, 580; by 16: 420, 580 |
 //!
-//! All are causal with a constant delay, and hand on no start-up transient. An odd factor comes last:
+//! All are causal with a constant delay and do not output the start-up transient. An odd factor must be the last:
 //!
 //! ```
 //! use bearing_watch::{FirDecimator, HalfBandDecimator, HalfBandTaps};
@@ -20,7 +20,8 @@
 //! assert_eq!(outputs, 997); // a second of signals, less the start
 //! ```
 //!
-//! The example `measure_decimate` counts on the emulated chip: `cargo xtask firmware --example measure_decimate`.
+//! The example `measure_decimate` counts instructions on the emulated chip: `cargo xtask firmware --example
+//! measure_decimate`.
 
 pub mod block_mean;
 pub mod fir;

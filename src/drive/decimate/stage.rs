@@ -1,6 +1,6 @@
 //! One half-band filter, equation (3) of [`super::half_band`], in transposed form.
 
-/// Two samples that a stage makes one of.
+/// The two input samples from which a stage computes one output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Waiting<const CH: usize> {
@@ -19,7 +19,7 @@ impl<const CH: usize> Waiting<CH> {
     }
 }
 
-/// One filter (3): the sums of the next 2K outputs, the next one first.
+/// One filter (3): the partial sums of the next 2K outputs, the next one first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Stage<const CH: usize, const PAIRS: usize> {
@@ -35,20 +35,20 @@ impl<const CH: usize, const PAIRS: usize> Stage<CH, PAIRS> {
         later: [[0.0; CH]; PAIRS],
     };
 
-    /// The sum that moves from the later half into the sooner one.
+    /// The sum that moves from the later half to the sooner half.
     #[inline]
     pub(super) fn carry(&self, taps: &[f32; PAIRS]) -> [f32; CH] {
         let (Some(sum), Some(tap)) = (self.later.first(), taps.last()) else { return [0.0; CH] };
         added(sum, *tap, &self.waiting.second)
     }
 
-    /// Adds the sample to the later K sums and moves all up by one; the one that leaves is [`Self::carry`].
+    /// Adds the second sample to the later K sums and shifts them by one; the sum that leaves is [`Self::carry`].
     #[inline]
     pub(super) fn later_half(&mut self, taps: &[f32; PAIRS]) -> [f32; CH] {
         slide(self.later.iter_mut().rev().zip(taps), &self.waiting.second, [0.0; CH])
     }
 
-    /// Adds both samples to the sooner K sums and moves all up by one; the one that leaves is the output.
+    /// Adds both samples to the sooner K sums and shifts them by one; returns the sum that leaves, which is the output.
     #[inline]
     pub(super) fn sooner_half(&mut self, taps: &[f32; PAIRS], carry: [f32; CH]) -> [f32; CH] {
         if let Some(middle) = self.sooner.last_mut() {
@@ -58,7 +58,8 @@ impl<const CH: usize, const PAIRS: usize> Stage<CH, PAIRS> {
     }
 }
 
-/// From the last sum to the first: adds tap · x, puts what came from behind in its place, and takes it along.
+/// Processes the sums from the last to the first: each is replaced by `carry`; its old value plus tap · x is the next
+/// `carry`.
 #[inline]
 fn slide<'a, const CH: usize>(
     sums: impl Iterator<Item = (&'a mut [f32; CH], &'a f32)>,
@@ -68,7 +69,7 @@ fn slide<'a, const CH: usize>(
     sums.fold(carry, |carry, (sum, tap)| added(&core::mem::replace(sum, carry), *tap, x))
 }
 
-/// sum + tap · x, channel by channel.
+/// sum + tap · x for each channel.
 #[inline]
 fn added<const CH: usize>(sum: &[f32; CH], tap: f32, x: &[f32; CH]) -> [f32; CH] {
     let mut result = *sum;

@@ -7,18 +7,18 @@ use crate::Error;
 use crate::report::pages::campaign::page;
 use crate::study::campaign::{Settings, campaign, render};
 
-/// Train and judge the detector on the standard rig under every condition, size of defect and set rate, beside the goals
-/// and the source's own method
+/// Train and evaluate the detector on the standard rig under every condition, size of defect and set rate, beside the
+/// goals and the source's own method
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  bearing-watch campaign --repetitions 20 --report campaign.html --out campaign.csv")]
 pub(super) struct Args {
-    /// Draws of training and validation sets
+    /// Number of draws of training and validation sets
     #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=900))]
     repetitions: u32,
-    /// Number of the first draw: another number, other traces
+    /// Number of the first draw; a different number gives different traces
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=90))]
     first: u32,
-    /// Traces a class in each set
+    /// Traces per class in each set
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(12..=1000))]
     traces: u32,
     /// Leave out the false alarms of many gates, which take longest

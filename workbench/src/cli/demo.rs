@@ -19,10 +19,10 @@ pub(super) struct Args {
     /// The page with the plots
     #[arg(long, value_name = "FILE", default_value = "bearing-watch-demo.html")]
     out: PathBuf,
-    /// Draws of training and validation sets
+    /// Number of draws of training and validation sets
     #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=1000))]
     repetitions: u32,
-    /// Traces a class, in training and again in validation
+    /// Traces per class, in training and again in validation
     #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(8..=1000))]
     traces: u32,
     /// Seed
@@ -63,7 +63,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     if args.json { print_json(&first, &rows) } else { print(&settings, &first, &rows, args) }
 }
 
-/// The model as Rust and binary, and its recording.
+/// Returns the model as Rust source and in binary form, and the recording of held-out traces.
 fn model_contents(first: &Draw) -> Result<[Vec<u8>; 3], Error> {
     let lines = ["Standard DC-motor rig: y = current, u1 = velocity reference, u2 = load torque.".to_string()];
     let notes = Notes::new(&channels(), Preparation::NONE, (&first.trained.feature_names, vec![]), &first.training);
@@ -74,8 +74,8 @@ fn model_contents(first: &Draw) -> Result<[Vec<u8>; 3], Error> {
     ])
 }
 
-/// One held-out trace of each class as a converter over the range of the model's channels would give it: y, u1, u2 as `i16`,
-/// little-endian, limit · count / 2¹⁵.
+/// Returns one held-out trace of each class as counts of a converter whose range is that of the model's channels: y,
+/// u1, u2 as `i16`, little-endian; value = limit · count / 2¹⁵.
 fn converter_counts(first: &Draw) -> Vec<u8> {
     let mut bytes = Vec::new();
     for class in 0..demo::CLASSES.len() {

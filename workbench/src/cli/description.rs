@@ -1,4 +1,4 @@
-//! A trained model in words: estimator, gate and alarm, and what the detector is fed.
+//! Describes a trained model in words: estimator, gate, alarm, and the input of the detector.
 
 use bearing_watch::plan::Method;
 use serde_json::{Value, json};
@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use crate::trace::{Channels, Preparation, ShaftChannels};
 use crate::train::Trained;
 
-/// The estimator as `--method` names it.
+/// Returns the estimator's name for `--method`.
 pub(super) const fn method_word(method: Method) -> &'static str {
     match method {
         Method::LeastSquares => "ls",
@@ -14,7 +14,7 @@ pub(super) const fn method_word(method: Method) -> &'static str {
     }
 }
 
-/// Method and memory in words.
+/// Describes the estimation method and its memory in words.
 pub(super) fn estimated_by(trained: &Trained) -> String {
     let Some((layout, regression)) = &trained.parts.regression else { return "nothing".into() };
     let nominal = &trained.classes[trained.recipe.estimation.nominal];
@@ -30,7 +30,8 @@ pub(super) fn estimated_by(trained: &Trained) -> String {
     }
 }
 
-/// Lines for the reader of the exported constants: channels, features, estimator, and what to feed.
+/// Returns the comment lines at the head of the exported constants: channels, features, estimator, and the detector's
+/// input.
 pub(super) fn lines(trained: &Trained, channels: &Channels, host: Preparation) -> Vec<String> {
     let Preparation { block_mean, decimate } = host;
     let step_s = trained.interval_s as f32;
@@ -61,7 +62,7 @@ pub(super) fn lines(trained: &Trained, channels: &Channels, host: Preparation) -
     lines.into_iter().chain(gate(trained)).collect()
 }
 
-/// Gate and alarm in words.
+/// Describes the gate and the alarm in words.
 pub(super) fn gate(trained: &Trained) -> Option<String> {
     let gate = trained.watch.gate.as_ref()?;
     Some(format!(
@@ -76,7 +77,7 @@ pub(super) fn gate(trained: &Trained) -> Option<String> {
     ))
 }
 
-/// The same as JSON; null without a gate.
+/// Returns the gate and the alarm as JSON; null without a gate.
 pub(super) fn gate_to_json(trained: &Trained) -> Value {
     let Some(gate) = &trained.watch.gate else { return Value::Null };
     json!({

@@ -17,7 +17,7 @@ use crate::train::Scores;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  bearing-watch evaluate --model model.bwm --labels held-out/labels.csv --json")]
 pub(super) struct Args {
-    /// The binary model; it knows its channels and preparation
+    /// The binary model; it contains its channels and preparation
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
     #[command(flatten)]
@@ -42,7 +42,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let inputs = [selection.inputs(&args.selection.labels), vec![args.model.clone()]].concat();
     output::plan(&args.out.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &inputs)?;
     let (names, mut traces) = selection.rows(&args.test_where)?;
-    // Classes that were not trained stand behind those that were: a gate can still tell them from healthy.
+    // Untrained classes follow the trained ones: a gate can still distinguish them from healthy.
     let mut classes = model.classes.clone();
     for labelled in &mut traces {
         let name = &names[labelled.class];
@@ -81,7 +81,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         scores.add_to(&mut value);
         output::json(&value)
     } else {
-        // Without a trace of a trained class there is nothing to confuse.
+        // The confusion matrix is empty without a trace of a trained class.
         if confusion.total() > 0 {
             output::say(format!("{confusion}\n{}", scores.summary()))?;
         }
@@ -91,7 +91,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     }
 }
 
-/// Of each class that was not trained, the part that is not called healthy.
+/// Returns, for each untrained class, the rate of traces or segments that are not classified as healthy.
 fn untrained(
     model: &Embedded,
     classes: &[String],
@@ -111,7 +111,7 @@ fn untrained(
     classes.iter().enumerate().skip(model.classes.len()).map(rate).collect()
 }
 
-/// A row a segment.
+/// Returns a CSV table with one row per segment.
 fn csv(model: &Embedded, truths: &[String], verdicts: &[TraceVerdict]) -> Result<String, Error> {
     let (classes, names) = (&model.classes, &model.channel_names());
     let texts = |cells: &[&str]| cells.iter().map(ToString::to_string).collect::<Vec<_>>();

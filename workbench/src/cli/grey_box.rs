@@ -45,19 +45,19 @@ struct LinearArgs {
     /// Force, N, or a signal proportional to it
     #[arg(long, value_name = "CHANNEL")]
     force: String,
-    /// Newtons one unit of the force channel stands for
+    /// Newtons per unit of the force channel
     #[arg(long, value_name = "GAIN", default_value_t = 1.0)]
     force_gain: f64,
-    /// Friction of its own in each direction, without offset, and how far the two differ: a sign of wear
+    /// Separate friction for each direction, without offset, and the difference of the two directions: a sign of wear
     #[arg(long)]
     asymmetric: bool,
     /// Cut-off of the position filter, Hz
     #[arg(long, value_name = "HZ", default_value_t = LinearSettings::default().cutoff_hz)]
     cutoff: f64,
-    /// Samples to one row of the regression
+    /// Samples per row of the regression
     #[arg(long, value_name = "N", default_value_t = LinearSettings::default().decimate)]
     decimate: usize,
-    /// Also tell the error of the constants on this trace
+    /// Also report the error of the constants on this trace
     #[arg(long, value_name = "TRACE")]
     validate: Option<PathBuf>,
     #[command(flatten)]
@@ -70,7 +70,7 @@ struct MotorArgs {
     /// Trace files or folders
     #[arg(value_name = "TRACES", required = true)]
     traces: Vec<PathBuf>,
-    /// Torque-making current, A
+    /// Torque-producing current, A
     #[arg(long, value_name = "CHANNEL", default_value = "current_a")]
     current: String,
     /// Measured velocity, rad/s
@@ -113,7 +113,7 @@ struct ElectricalArgs {
 
 #[derive(Debug, clap::Args)]
 struct Shown {
-    /// Sampling interval, s, where the traces have no t_s column
+    /// Sampling interval, s, if the traces have no t_s column
     #[arg(long, value_name = "SECONDS")]
     interval: Option<f64>,
     /// Print JSON
@@ -121,7 +121,7 @@ struct Shown {
     json: bool,
 }
 
-/// One trace's constants, and their error in percent on other traces.
+/// The constants of one trace, and their error in percent on other traces.
 struct Row {
     id: String,
     found: GreyBox,
@@ -168,12 +168,12 @@ fn linear_record<'a>(trace: &'a Trace, shown: &Shown) -> Result<LinearRecord<'a>
     Ok(LinearRecord { id: &trace.id, interval_s, position_m: &trace.y, force_n: &trace.u1 })
 }
 
-/// Reads four channels as two readings of three: the first, the last, and each of the middle ones.
+/// Reads four channels by two reads of three channels each: the first, the last, and one of the two middle channels.
 fn read_four(paths: &[PathBuf], [y, first, second, u2]: [&String; 4]) -> Result<Vec<(Trace, Vec<f64>)>, Error> {
     let read = |u1: &String| trace::read(paths, &Channels::new(y.clone(), u1, u2));
     let (traces, other) = (read(first)?, read(second)?);
     warn_irregular(traces.iter());
-    // A folder's files without the one or the other column are passed over; the rest must pair.
+    // Skips files of a folder that lack one of the columns; the files of both reads must then match.
     let mut pairs = Vec::new();
     for trace in traces {
         let Some(partner) = other.iter().find(|other| other.id == trace.id) else {
@@ -268,7 +268,7 @@ impl Row {
     }
 }
 
-/// A number as a reader takes it in: plain near one, with an exponent far from it.
+/// A number in a readable format: decimal if its magnitude is near one, with an exponent otherwise.
 struct Short(f64);
 
 impl std::fmt::Display for Short {

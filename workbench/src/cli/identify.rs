@@ -58,7 +58,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         })
         .collect::<Vec<_>>();
     bar.finish_and_clear();
-    // Collected first, so that the error reported is that of the first bad trace in every run.
+    // Collects all results first, so that every run reports the error of the first bad trace.
     let estimates = estimates.into_iter().collect::<Result<Vec<_>, Error>>()?;
     let unsure = estimates.iter().filter(|(_, _, undetermined)| !undetermined.is_empty());
     if let Some((id, _, undetermined)) = unsure.clone().next() {
@@ -130,7 +130,7 @@ fn row_json(id: &str, estimate: &Estimate) -> serde_json::Value {
     })
 }
 
-/// The noise model that the method assumes, with its polynomial where it has one.
+/// Returns the noise model that the method assumes, with its polynomial if it has one.
 fn noise_json(noise: &Noise) -> serde_json::Value {
     match noise {
         Noise::Equation => json!({"kind": "equation"}),

@@ -45,7 +45,8 @@ enum Command {
     Tables(tables::Args),
 }
 
-/// Runs the command line of this process; 0 on success, 2 on bad input with one line that says what and where.
+/// Runs the command line of this process. Returns 0 on success; on bad input it prints one line with the problem and
+/// its place, and returns 2.
 #[must_use]
 pub fn run() -> ExitCode {
     let command = match Cli::try_parse() {
@@ -75,7 +76,7 @@ pub fn run() -> ExitCode {
     }
 }
 
-/// Help and version as they are; what is wrong with the arguments in one line.
+/// Prints help and version unchanged, and an error in the arguments as one line.
 fn usage(error: &clap::Error) -> ExitCode {
     if !error.use_stderr() {
         let _ = error.print();
@@ -84,7 +85,7 @@ fn usage(error: &clap::Error) -> ExitCode {
     let text = error.to_string();
     let said = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage:"));
     let said: Vec<&str> = said.filter(|line| !line.is_empty()).collect();
-    // Without a command clap shows the whole help instead of an error.
+    // If the command is missing, clap returns the whole help instead of an error.
     let line = if text.starts_with("error:") { said.join(" ") } else { "error: a command is missing".into() };
     eprintln!("{line} (more by --help)");
     ExitCode::from(2)

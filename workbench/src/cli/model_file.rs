@@ -1,4 +1,4 @@
-//! Model files with the notes of the workbench, and traces as a model takes them.
+//! Model files with the workbench's notes, and traces prepared as a model requires.
 
 use std::path::Path;
 
@@ -9,8 +9,8 @@ use crate::core::Embedded;
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{self, Channels, Preparation, ShaftChannels, Trace, same_interval};
 
-/// Refuses traces of another rate than the model's. What an interval in the model means is after the preparation on
-/// the host.
+/// Returns an error if the sampling rate of a trace differs from that of the model. The model's interval is the one
+/// after the preparation on the host.
 pub(super) fn check_rate<'a>(
     model: &Embedded,
     host: Preparation,
@@ -20,7 +20,7 @@ pub(super) fn check_rate<'a>(
     let recorded = fed / host.factor()? as f64;
     for trace in traces {
         if let Some(step) = trace.interval_s.filter(|step| fed > 0.0 && !same_interval(*step, recorded)) {
-            // Single precision prints without the digits that rounding has made.
+            // Single precision prints without the digits of rounding errors.
             let (step, recorded) = (step as f32, recorded as f32);
             let problem = format!("sampled every {step} s, but the model wants {recorded} s; resample or train again");
             return Err(Error::trace(&trace.id, problem));
@@ -35,7 +35,7 @@ pub(super) fn prepare(traces: &[LabelledTrace], preparation: Preparation) -> Res
     traces.iter().map(each).collect()
 }
 
-/// What a model file says of itself to the workbench; the firmware ignores it.
+/// Notes in a model file for the workbench; the firmware ignores them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Notes {
     y: String,
@@ -43,7 +43,7 @@ pub(super) struct Notes {
     u2: String,
     #[serde(default)]
     shaft: Option<ShaftChannels>,
-    /// Preparation outside the detector.
+    /// Preparation on the host, before the detector.
     host_block_mean: usize,
     decimate: usize,
     /// Names of the tracked orders.
@@ -51,7 +51,7 @@ pub(super) struct Notes {
     pub(super) orders: Vec<String>,
     /// Names of the features.
     pub(super) features: Vec<String>,
-    /// Ids of the training traces, to warn of evaluating on them.
+    /// Ids of the training traces, used to warn if the model is evaluated on them.
     pub(super) trained_on: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! Files that are whole or absent, lines on standard output, and progress.
+//! Output: files that are complete or absent, lines on standard output, and progress bars.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,8 @@ use tempfile::NamedTempFile;
 
 use crate::Error;
 
-/// Refuses, before any work is done, outputs that could not be written or that would overwrite an input or each other.
+/// Returns an error, before any work is done, if an output cannot be written or would overwrite an input or another
+/// output.
 pub(super) fn plan(outputs: &[&Path], inputs: &[PathBuf]) -> Result<(), Error> {
     let whole = |path: &Path| match (folder_of(path).canonicalize(), path.file_name()) {
         (Ok(folder), Some(name)) => folder.join(name),
@@ -37,7 +38,7 @@ fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Writes files beside their places, and moves them there when all are complete.
+/// Writes each file as a temporary file in its folder, and renames all of them when they are complete.
 pub(super) fn write_all(files: &[(&Path, &[u8])]) -> Result<(), Error> {
     let staged = files.iter().map(|(path, content)| stage(path, content)).collect::<Result<Vec<_>, Error>>()?;
     for (file, (path, _)) in staged.into_iter().zip(files) {
@@ -46,19 +47,19 @@ pub(super) fn write_all(files: &[(&Path, &[u8])]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Writes one file, whole or not at all.
+/// Writes one file, completely or not at all.
 pub(super) fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Error> {
     write_all(&[(path, content.as_ref())])
 }
 
 fn stage(path: &Path, content: &[u8]) -> Result<NamedTempFile, Error> {
-    // The error names the file that was asked for, not its temporary stand-in.
+    // The error names the requested file, not the temporary one.
     let named = |error: std::io::Error| Error::Io { path: path.into(), source: error.kind().into() };
     let mut file = tempfile::Builder::new().prefix(".bearing-watch").tempfile_in(folder_of(path)).map_err(named)?;
     file.write_all(content).map_err(Error::io(path))?;
     #[cfg(unix)]
     {
-        // Temporary files are private; an output is an ordinary file.
+        // Temporary files are readable by their owner only; an output has the usual permissions.
         use std::os::unix::fs::PermissionsExt as _;
         let ordinary = std::fs::Permissions::from_mode(0o644);
         file.as_file().set_permissions(ordinary).map_err(Error::io(path))?;
@@ -66,7 +67,7 @@ fn stage(path: &Path, content: &[u8]) -> Result<NamedTempFile, Error> {
     Ok(file)
 }
 
-/// Prints a line; a reader that has gone away (`| head`) is no error.
+/// Prints a line; a closed pipe (`| head`) is not an error.
 pub(super) fn say(text: impl AsRef<str>) -> Result<(), Error> {
     match writeln!(std::io::stdout(), "{}", text.as_ref()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::io("standard output")(error)),
@@ -74,12 +75,12 @@ pub(super) fn say(text: impl AsRef<str>) -> Result<(), Error> {
     }
 }
 
-/// A warning on standard error.
+/// Prints a warning on standard error.
 pub(super) fn warn(text: impl AsRef<str>) {
     eprintln!("warning: {}", text.as_ref());
 }
 
-/// Rows as CSV, quoted where needed.
+/// Returns the rows as CSV, quoted if needed.
 pub(super) fn csv(rows: &[Vec<String>]) -> Result<String, Error> {
     let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
     for row in rows {
@@ -89,7 +90,7 @@ pub(super) fn csv(rows: &[Vec<String>]) -> Result<String, Error> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// A bar on a terminal, nothing elsewhere.
+/// Returns a progress bar; it is shown on a terminal only.
 pub(super) fn progress(what: &'static str, count: usize) -> ProgressBar {
     let bar = ProgressBar::new(count as u64);
     if let Ok(style) = ProgressStyle::with_template("{msg:>12} {wide_bar} {pos}/{len} {eta}") {
@@ -99,7 +100,7 @@ pub(super) fn progress(what: &'static str, count: usize) -> ProgressBar {
     bar
 }
 
-/// A JSON value on standard output.
+/// Prints a JSON value on standard output.
 pub(super) fn json(value: &serde_json::Value) -> Result<(), Error> {
     say(format!("{value:#}"))
 }

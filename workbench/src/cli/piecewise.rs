@@ -18,16 +18,16 @@ pub(super) struct Args {
     input: TraceArgs,
     #[command(flatten)]
     preparation: PreparationArgs,
-    /// Part of the steepest slope of a stroke that a straight run keeps to
+    /// Least slope of a straight run, as a fraction of the steepest slope of the stroke
     #[arg(long, value_name = "PART", default_value_t = Cutting::default().threshold)]
     threshold: f64,
-    /// Samples of the shortest run
+    /// Least number of samples of a run
     #[arg(long, value_name = "N", default_value_t = Cutting::default().min_samples)]
     min_run: usize,
     /// Cut-off of the low-passed copy, in multiples of the fundamental
     #[arg(long, value_name = "RATIO", default_value_t = Cutting::default().cutoff_ratio)]
     cutoff_ratio: f64,
-    /// A row a run instead of the medians
+    /// One row per run instead of the medians
     #[arg(long)]
     runs: bool,
     /// Write the table here instead of to standard output

@@ -15,11 +15,11 @@ use crate::trace::{self, Trace};
 
 /// Run traces through the embedded detector and print its verdict on every segment, and the alarm
 ///
-/// Each trace starts the detector afresh; the evidence for the alarm goes on from trace to trace, as records of one drive.
+/// Each trace resets the detector; the evidence for the alarm continues from trace to trace, as records of one drive.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  bearing-watch replay --model model.bwm traces/spall_2_000.csv")]
 pub(super) struct Args {
-    /// The binary model; it knows its channels and preparation
+    /// The binary model; it contains its channels and preparation
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
     /// Trace files or folders
@@ -42,7 +42,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         let segments = model.run(&prepared);
         let before = history.len();
         history.extend(segments);
-        // From the first segment on: a state of evidence belongs to all of them.
+        // Computed from the first segment on, as the state of the evidence depends on all segments.
         let watched = model.watch(&history);
         for (k, (segment, watched)) in history.iter().zip(&watched).skip(before).enumerate() {
             if args.json {
@@ -70,7 +70,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     Ok(())
 }
 
-/// Distance from healthy, and the evidence so far.
+/// Returns the distance from healthy, and the evidence so far.
 fn far(segment: &SegmentReport, watched: &Watched) -> String {
     let SegmentReport { distance, surprise, .. } = segment;
     let score = watched.score;
@@ -80,10 +80,11 @@ fn far(segment: &SegmentReport, watched: &Watched) -> String {
     }
 }
 
-/// Torque balance and orders in physical units; empty where no shaft is watched or it says nothing.
+/// Returns the torque balance and the orders in physical units; empty if no shaft is watched or the balance has no
+/// rows.
 fn shaft(names: &[String], segment: &SegmentReport) -> String {
     let Some(friction) = segment.friction.filter(|friction| friction.rows > 0) else { return String::new() };
-    // Without a measured load only the ratios to Kt are known.
+    // If the load is not measured, only the ratios to Kt are identifiable.
     let physical = (friction.inertia_kg_m2(), friction.viscous_nm_s_rad(), friction.coulomb_nm());
     let mut text = match (friction.torque_constant_nm_a(), physical) {
         (Some((kt, _)), (Some(j), Some(b), Some(tc))) => {
@@ -100,7 +101,7 @@ fn shaft(names: &[String], segment: &SegmentReport) -> String {
     text
 }
 
-/// Where the segment lies: in seconds where the trace has a time, else in samples.
+/// Returns the place of the segment: in seconds if the trace has a time, else in samples.
 fn place(trace: &Trace, segment: &SegmentReport) -> String {
     let (from, to) = (segment.start, segment.start + segment.length);
     match trace.interval_s {
@@ -136,7 +137,7 @@ fn value(
     };
     let classes = &model.classes;
     let named = |values: &[f32]| named_by(classes, values);
-    // Without an estimate the parameters are zeros that mean nothing.
+    // Without an estimate the parameters are zeros without meaning.
     let estimated = segment.variance > 0.0 || segment.raw.iter().any(|x| *x != 0.0);
     json!({
         "trace": trace.id,

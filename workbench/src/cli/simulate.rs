@@ -23,7 +23,7 @@ pub(super) struct Args {
     /// Which rig
     #[arg(long, value_enum, default_value = "dc")]
     rig: Rig,
-    /// What is wrong; several separated by commas
+    /// Class of each trace: the defect, or healthy; several separated by commas
     #[arg(long, value_name = "NAMES", value_delimiter = ',', required = true, value_parser = classes())]
     class: Vec<DefectKind>,
     /// Traces of each class
@@ -35,7 +35,7 @@ pub(super) struct Args {
     /// Size of the defect, 1 for full size
     #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
     severity: f64,
-    /// What is other than on the standard rig
+    /// Condition that differs from the standard rig
     #[arg(long, value_name = "NAME", default_value = "standard", hide_default_value = true, value_parser = conditions())]
     condition: Condition,
     /// Shape of the velocity reference [default: sine, or that of the condition]
@@ -44,7 +44,7 @@ pub(super) struct Args {
     /// Short for --condition mix
     #[arg(long, conflicts_with = "condition")]
     mix: bool,
-    /// Folder for the traces; made if absent. Traces and labels of the same name are replaced, others stay
+    /// Folder for the traces; created if absent. Traces and labels of the same name are replaced, others are kept
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
 }
@@ -55,7 +55,7 @@ enum Rig {
     Dc,
 }
 
-/// Takes the name of one of `choices`: name, note for the help, value.
+/// Returns a parser for the name of one of `choices`: name, note for the help, value.
 fn one_of<T>(choices: Vec<(&'static str, &'static str, T)>) -> impl TypedValueParser<Value = T>
 where
     T: Copy + Send + Sync + 'static,
@@ -131,7 +131,7 @@ impl Args {
         Scenario { reference_waveform: self.waveform.unwrap_or(scenario.reference_waveform), ..scenario }
     }
 
-    /// What traces of one class are called, without seed and number.
+    /// Returns the file name of the traces of one class, without seed and number.
     fn stem(&self, kind: DefectKind) -> String {
         let mut parts = vec![kind.name().to_string()];
         if kind != DefectKind::Healthy && self.severity != 1.0 {
@@ -146,7 +146,7 @@ impl Args {
     }
 }
 
-/// Nine significant digits: far below the noise, and small files.
+/// Returns the trace as CSV. Nine significant digits are far finer than the noise, and keep the files small.
 fn csv(trace: &RigTrace) -> String {
     let mut out = String::from("t_s,velocity_ref_rad_s,velocity_rad_s,current_a,load_torque_nm,angle_rad\n");
     let columns = [
@@ -170,7 +170,7 @@ fn csv(trace: &RigTrace) -> String {
 
 const HEADER: &str = "trace,class_name,severity,seed,condition,waveform";
 
-/// Rows of the labels that are there already.
+/// Returns the rows of an existing labels file; none if the file is absent.
 fn old_labels(path: &Path) -> Result<Vec<String>, Error> {
     if !path.exists() {
         return Ok(vec![]);

@@ -30,7 +30,7 @@ pub(super) struct Args {
     /// Greatest na,nb,nc,nkb,nkc
     #[arg(long, value_parser = numbers, value_name = "ORDER")]
     max: Structure,
-    /// Least na,nb,nc,nkb,nkc; a delay of 0 lets the output follow its input at once
+    /// Least na,nb,nc,nkb,nkc; with a delay of 0 the output depends on the present input
     #[arg(long, value_parser = numbers, value_name = "ORDER", default_value = "1,1,1,1,1")]
     min: Structure,
     /// Estimator
@@ -52,7 +52,7 @@ pub(super) struct Args {
     json: bool,
 }
 
-/// Five numbers up to 32; which ranges make sense is for the grid to say.
+/// Parses five numbers up to 32; the grid checks that the ranges are valid.
 fn numbers(text: &str) -> Result<Structure, String> {
     let wrong = || format!("\"{text}\": write na,nb,nc,nkb,nkc, whole numbers up to 32, e.g. 4,4,4,3,3");
     let numbers = text.split(',').map(|part| part.trim().parse::<u8>().ok().filter(|n| *n <= 32));
@@ -92,7 +92,8 @@ impl Args {
         traces.iter().map(|trace| preparation.apply(trace)).collect()
     }
 
-    /// The user's structure, from the search or, outside its grid, by itself.
+    /// Returns the candidate for the user's structure: from the search, or from a search of its own if it is outside
+    /// the grid.
     fn pick(&self, train: &[Trace], validate: &[Trace], found: &Search) -> Result<Option<Candidate>, Error> {
         let Some(order) = self.compare else { return Ok(None) };
         let structure = Structure { offset: self.offset, ..order };

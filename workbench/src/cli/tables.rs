@@ -11,7 +11,7 @@ use crate::study::tables::{Id, Settings, render, run as make, words};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  bearing-watch tables --only 4.1,4.3 --report tables.html --out tables.csv")]
 pub(super) struct Args {
-    /// Draws of training and validation sets
+    /// Number of draws of training and validation sets
     #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=1000))]
     repetitions: u32,
     /// Seed

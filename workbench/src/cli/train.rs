@@ -63,10 +63,10 @@ pub(super) struct Args {
     /// Components to keep (pca, pca-raw, fisher)
     #[arg(long, value_name = "N")]
     components: Option<usize>,
-    /// Part of the variance to keep, where --components is not given (pca, pca-raw)
+    /// Part of the variance to keep if --components is not given (pca, pca-raw)
     #[arg(long, value_name = "PART", default_value_t = 0.99)]
     variance: f64,
-    /// Shared or own class covariances, or between them
+    /// Class covariances: shared, separate, or between the two
     #[arg(long, value_enum, default_value = "linear")]
     discriminant: DiscriminantKind,
     /// Fixed shrinkage of class covariances instead: towards the shared one, and of their correlations, each 0 to 1
@@ -75,7 +75,7 @@ pub(super) struct Args {
     /// Priors, e.g. healthy=0.98,spall=0.01,roughness=0.01; equal if not given
     #[arg(long, value_name = "CLASS=P", value_delimiter = ',')]
     priors: Vec<String>,
-    /// Cost of deciding a class when another is true, e.g. healthy:spall=50; 1 where not given
+    /// Cost of deciding a class when another is true, e.g. healthy:spall=50; 1 if not given
     #[arg(long, value_name = "DECIDED:TRUE=COST", value_delimiter = ',')]
     cost: Vec<String>,
     /// Sign convention of the quadrature current in the recordings; the model then refuses a front end that differs
@@ -110,13 +110,13 @@ enum Projection {
     Pca,
     /// Principal components of the centred features, as in the source
     PcaRaw,
-    /// Fisher's directions: most spread between classes against that within
+    /// Fisher's directions: largest spread between classes relative to the spread within them
     Fisher,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum ParkConvention {
-    /// With the angle on the magnet axis, positive q current drives forwards
+    /// With the angle on the magnet axis, positive q current produces positive torque
     Standard,
     /// The +sin row of the source's Eq. 5.1
     Thesis,
@@ -135,7 +135,7 @@ impl ParkConvention {
 enum DiscriminantKind {
     /// One covariance for all classes
     Linear,
-    /// A covariance each
+    /// A separate covariance for each class
     Quadratic,
     /// Between the two and a diagonal, by the best cross-validated log score
     Shrunk,
@@ -318,7 +318,7 @@ impl Args {
     }
 }
 
-/// Traces that were not trained on, with their verdicts.
+/// Traces that were not used in training, with their verdicts.
 struct HeldOut {
     confusion: Confusion,
     verdicts: Vec<evaluate::TraceVerdict>,
@@ -333,10 +333,10 @@ impl HeldOut {
     }
 }
 
-/// What is known of the model's worth.
+/// Results on the quality of the model.
 struct Found {
     held_out: Option<HeldOut>,
-    /// Where nothing was held out.
+    /// Only if no traces were held out.
     cross_validated: Option<Result<Scores, Error>>,
     ranking: Option<Ranking>,
 }
@@ -351,7 +351,8 @@ impl Found {
     }
 }
 
-/// Lets the detector form the block means itself where nothing follows them; gives what is left to the host.
+/// Moves the block means into the detector if no decimation follows them; returns the preparation that remains on the
+/// host.
 fn embed_block_mean(trained: &mut Trained, preparation: Preparation, training: &[LabelledTrace]) -> Preparation {
     if preparation.decimate > 1 || preparation.block_mean > usize::from(MAX_BLOCK_MEAN) {
         return preparation;

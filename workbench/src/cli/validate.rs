@@ -31,7 +31,7 @@ pub(super) struct Args {
     method: Method,
     #[command(flatten)]
     preparation: PreparationArgs,
-    /// Correlations over this many lags, to either side
+    /// Largest lag of the correlations, on either side
     #[arg(long, default_value_t = 25, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=500))]
     lags: u16,
     /// Write a page with all plots; details are those of the first trace
@@ -42,7 +42,7 @@ pub(super) struct Args {
     json: bool,
 }
 
-/// The residuals that the estimator makes small.
+/// Returns which residuals the estimator minimises.
 fn errors_of(method: Method) -> Errors {
     match method {
         Method::Ls => Errors::LeastSquares,
@@ -66,7 +66,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     };
     let outcomes: Vec<Result<Outcome, Error>> = traces.par_iter().map(one).collect();
     bar.finish_and_clear();
-    // Collected first, so that the error reported is that of the first bad trace in every run.
+    // Collects all results first, so that every run reports the error of the first bad trace.
     let outcomes = outcomes.into_iter().collect::<Result<Vec<_>, Error>>()?;
     let unstable = outcomes.iter().filter(|outcome| !outcome.estimate.is_stable()).count();
     if unstable > 0 {
@@ -148,7 +148,7 @@ fn to_json(outcome: &Outcome) -> serde_json::Value {
     })
 }
 
-/// What stands below the title of the page.
+/// Returns the text below the title of the page.
 fn lead(args: &Args, first: &Trace) -> String {
     let channels = args.input.channels.channels();
     let order = args.structure.structure().orders();

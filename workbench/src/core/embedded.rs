@@ -1,4 +1,4 @@
-//! A model of any layout, run over traces through the core's [`Detector`], the code that firmware runs.
+//! Runs a model of any layout over traces with the core's [`Detector`], the code that firmware runs.
 
 use bearing_watch::model::{EvidenceConstants, Sampling, ShaftConstants};
 use bearing_watch::plan::{Plan, RunTime};
@@ -22,7 +22,7 @@ pub struct Embedded {
 }
 
 impl Embedded {
-    /// From a model of the core.
+    /// Builds it from a model of the core.
     ///
     /// # Errors
     /// [`ModelError::OtherPlan`] if the columns of its channels are not known.
@@ -36,7 +36,7 @@ impl Embedded {
     /// Reads a binary model.
     ///
     /// # Errors
-    /// What the core refuses.
+    /// Errors of the core.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ModelError> {
         Self::new(Model::from_bytes(bytes)?)
     }
@@ -60,7 +60,7 @@ impl Embedded {
                 start = k + 1;
             }
         }
-        // The model knows the spread of whole segments, so less than half a segment has no verdict.
+        // The model contains the spread of complete segments, so a segment of less than half the length has no verdict.
         let (pending, whole) = (detector.pending(), self.sampling().segment_samples);
         if pending > whole / 2 || segments.is_empty() {
             let mut rest = SegmentReport { start, length: trace.y.len() - start, ..self.segment(&detector.finish()) };
@@ -92,7 +92,7 @@ impl Embedded {
         previews
     }
 
-    /// The core's report of a whole trace.
+    /// The core's report on a whole trace.
     #[must_use]
     pub fn whole(&self, trace: &Trace) -> Report<RunTime> {
         let mut detector = Detector::new(&self.model);
@@ -120,7 +120,7 @@ impl Embedded {
             variance: estimate.map_or(0.0, |estimate| estimate.variance),
             friction: shaft.map(|shaft| shaft.friction),
             orders: shaft.map_or_else(Vec::new, |shaft| shaft.orders().to_vec()),
-            shaft_features: shaft.map_or_else(Vec::new, shaft_values),
+            shaft_features: shaft.map_or_else(Vec::new, |shaft| shaft_values(self.model.plan(), shaft)),
             rows: estimate.filter(|own| own.reason.is_none()).map_or(report.rows, |own| own.rows),
             counts: report.counts,
             start: 0,
@@ -152,7 +152,7 @@ impl Embedded {
         self.model.constants().sampling
     }
 
-    /// Index of the healthy class, if the model knows one.
+    /// Index of the healthy class, if the model has one.
     #[must_use]
     pub fn healthy(&self) -> Option<usize> {
         self.model.constants().classifier.novelty.class.map(usize::from)
@@ -164,7 +164,7 @@ impl Embedded {
         self.model.constants().evidence
     }
 
-    /// State of the core's evidence after each of these segments, which may be of several traces of one drive.
+    /// State of the core's evidence after each of these segments; they may come from several traces of one drive.
     #[must_use]
     pub fn watch(&self, segments: &[SegmentReport]) -> Vec<Watched> {
         watch::watch(&self.model, segments)
@@ -189,14 +189,14 @@ impl Embedded {
         Some((classifier.finding(&decision).into(), decision.posteriors().to_vec()))
     }
 
-    /// Prior of each class: the posteriors if every class has the same likelihood.
+    /// Prior probability of each class: the posteriors for equal likelihoods of all classes.
     #[must_use]
     pub fn priors(&self) -> Vec<f64> {
         let even = self.decide(&vec![0.0; self.classes.len()], 0.0);
         even.map_or_else(Vec::new, |(_, posteriors)| posteriors.into_iter().map(f64::from).collect())
     }
 
-    /// The class decided at projected coordinates, for plots of decision regions.
+    /// The class decided at these projected coordinates; used to plot decision regions.
     #[must_use]
     pub fn decide_at(&self, coordinates: &[f32]) -> Option<usize> {
         let decision = self.model.constants().classifier.decide_at(self.model.plan(), coordinates)?;

@@ -1,11 +1,12 @@
-//! Which numbers of an estimate are features, and how they hang together with the core's δ-parameters.
+//! The features of an estimate, and their relation to the core's δ-parameters.
 //!
 //! ```text
 //! raw = T δ + k,   δ = [δ-parameters, ln σ²],   raw = [a, b, c, constant, ln σ²]            (1)
 //! ```
 //!
-//! The workbench chooses and projects raw features; the core extracts δ and applies the composed map. Features of the shaft follow
-//! and are the same in both: the torque balance's parameters, their scores, its residual, and two numbers an order.
+//! The workbench selects and projects raw features; the core extracts δ and applies the composed map. The features of
+//! the shaft follow and are the same in both: the parameters of the torque balance, their scores, its residual, and two
+//! numbers per order.
 
 use bearing_watch::model::Feature;
 use bearing_watch::plan::RunTime;
@@ -15,7 +16,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::Error;
 use crate::identify::{Estimate, Structure, Terms};
 
-/// Raw features of a structure: every parameter's name, then `log_variance`.
+/// Raw features of a structure: the names of all parameters, then `log_variance`.
 #[must_use]
 pub fn all_names(structure: Structure) -> Vec<String> {
     let mut names = structure.names();
@@ -23,15 +24,15 @@ pub fn all_names(structure: Structure) -> Vec<String> {
     names
 }
 
-/// Every raw feature of an estimate, in the order of [`all_names`].
+/// All raw features of an estimate, in the order of [`all_names`].
 #[must_use]
 pub fn vector(estimate: &Estimate) -> DVector<f64> {
-    // A noise-free simulated record can leave no residual at all.
+    // The residual of a noise-free simulated record can be zero.
     let log_variance = estimate.variance.max(f64::from(f32::MIN_POSITIVE)).ln();
     DVector::from_iterator(estimate.theta.len() + 1, estimate.theta.iter().copied().chain([log_variance]))
 }
 
-/// Every raw feature of an estimate of the core, in the order of [`all_names`].
+/// All raw features of an estimate of the core, in the order of [`all_names`].
 #[must_use]
 pub fn of_core(structure: Structure, delta: &[f32], variance: f32) -> DVector<f64> {
     let log_variance = f64::from(variance.max(f32::MIN_POSITIVE)).ln();
@@ -43,25 +44,25 @@ pub fn of_core(structure: Structure, delta: &[f32], variance: f32) -> DVector<f6
     raw
 }
 
-/// Names of the torque balance's parameters, in the core's order: all in amperes by the unit of their signal.
+/// Names of the parameters of the torque balance, in the core's order; each is in amperes per unit of its signal.
 pub const FRICTION: [&str; 6] = ["inertia", "viscous", "coulomb", "inverse_kt", "torque_offset", "drag"];
 
-/// Every feature of the shaft, in the order of [`Catalogue::shaft`]; empty if a part of it has no result. Without a measured
-/// load the torque constant is not estimated, and its features are zero.
+/// All features of the shaft, in the order of [`Catalogue::shaft`]; empty if a part of the shaft has no result. Without
+/// a measured load the torque constant is not estimated, and its features are zero.
 #[must_use]
-pub fn shaft_values(shaft: &ShaftEstimate<RunTime>) -> Vec<f32> {
+pub fn shaft_values(plan: RunTime, shaft: &ShaftEstimate<RunTime>) -> Vec<f32> {
     let orders = (0..shaft.orders().len()).map(|k| k.to_string()).collect();
     let catalogue = Catalogue { structure: Structure::new(0, 0, 0, 0, 0), orders: Some(orders) };
-    let each = |(_, feature): &(String, Feature)| feature.value(None, Some(shaft)).ok();
+    let each = |(_, feature): &(String, Feature)| feature.value(plan, None, Some(shaft)).ok();
     catalogue.shaft().iter().map(each).collect::<Option<_>>().unwrap_or_default()
 }
 
-/// Every feature that a model may have.
+/// All features that a model can have.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Catalogue {
     /// The regression's structure.
     pub structure: Structure,
-    /// Names of the tracked orders, where the shaft is watched.
+    /// Names of the tracked orders, if the shaft is watched.
     pub orders: Option<Vec<String>>,
 }
 
@@ -87,15 +88,15 @@ impl Catalogue {
         all_names(self.structure).into_iter().chain(self.shaft().into_iter().map(|(name, _)| name)).collect()
     }
 
-    /// Places of a choice; without one, every parameter of the regression.
+    /// Indices of the chosen features; without a choice, all parameters of the regression.
     ///
     /// # Errors
-    /// As [`choose`].
+    /// The errors of [`choose`].
     pub fn choose(&self, asked: &[String]) -> Result<Vec<usize>, Error> {
         choose_from(&self.names(), self.structure, asked)
     }
 
-    /// The core's feature at a place in δ and what follows.
+    /// The core's feature at an index of δ and the features after it.
     #[must_use]
     pub fn core_feature(&self, place: usize) -> Feature {
         let n = self.structure.parameters();
@@ -106,7 +107,7 @@ impl Catalogue {
         }
     }
 
-    /// T of (1), continued by ones.
+    /// T of (1), extended by the identity for the features of the shaft.
     #[must_use]
     pub fn raw_from_delta(&self) -> DMatrix<f64> {
         let own = raw_from_delta(self.structure);
@@ -116,7 +117,7 @@ impl Catalogue {
         map
     }
 
-    /// δ of a raw vector, and what follows it.
+    /// δ of a raw vector, and the features of the shaft after it.
     #[must_use]
     pub fn delta_from_raw(&self, raw: &DVector<f64>) -> DVector<f64> {
         let own = self.structure.parameters() + 1;
@@ -126,10 +127,10 @@ impl Catalogue {
     }
 }
 
-/// Places in [`all_names`] of a choice such as `a,b,log_variance` or `a1,c2`; without one, every parameter.
+/// Indices in [`all_names`] of a choice, for example `a,b,log_variance` or `a1,c2`; without a choice, all parameters.
 ///
 /// # Errors
-/// An unknown name, or one that comes twice.
+/// An unknown name, or one that occurs twice.
 pub fn choose(structure: Structure, asked: &[String]) -> Result<Vec<usize>, Error> {
     choose_from(&all_names(structure), structure, asked)
 }
@@ -144,7 +145,7 @@ fn choose_from(names: &[String], structure: Structure, asked: &[String]) -> Resu
             full == name
                 || match name.as_str() {
                     "a" | "b" | "c" => full[1..].parse::<u8>().is_ok() && full.starts_with(name.as_str()),
-                    // The offset says something of the sensors, not of the bearing.
+                    // The offset depends on the sensors, not on the bearing.
                     "friction" => FRICTION[..4].contains(&full.as_str()),
                     "friction_scores" => FRICTION[..4].iter().any(|own| full.strip_suffix("_score") == Some(own)),
                     "orders" => full.starts_with("order_"),

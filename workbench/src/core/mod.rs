@@ -1,4 +1,4 @@
-//! The bridge to the core: traces run through its detector, the code that firmware runs.
+//! Interface to the core: runs traces through its detector, the code that firmware runs.
 //!
 //! ```text
 //! columns of traces ─► wiring: channels of the model, samples

@@ -1,4 +1,4 @@
-//! Models of the core with a layout that is known at run time.
+//! Models of the core whose layout is known only at run time.
 
 use bearing_watch::model::{
     Channel, Classifier, Constants, Discriminant, EvidenceConstants, Feature, Label, Novelty, Projection, Regression,
@@ -7,7 +7,7 @@ use bearing_watch::model::{
 use bearing_watch::plan::{Kind, Layout, Plan, RegressionLayout, RunTime, ShaftLayout};
 use bearing_watch::{FrictionTerm, Model, ModelError};
 
-/// What a detector estimates with.
+/// The parts of a detector that estimate.
 #[derive(Clone, Debug)]
 pub struct Parts {
     /// The channels.
@@ -19,7 +19,7 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// The layout with these numbers of features, coordinates and classes.
+    /// The layout with the given numbers of features, coordinates and classes.
     #[must_use]
     pub fn layout(&self, [features, coordinates, classes]: [u8; 3], discriminant: Kind) -> Layout {
         Layout {
@@ -33,11 +33,11 @@ impl Parts {
         }
     }
 
-    /// A model that estimates and does not decide: it has one class. Its features are one of each part, so that a segment
-    /// in which a part has no result has no verdict.
+    /// A model that estimates but does not decide: it has one class. It has one feature of each part, so a segment in
+    /// which a part has no result has no verdict.
     ///
     /// # Errors
-    /// What the core refuses.
+    /// Errors of the core.
     pub fn estimating(&self, sampling: Sampling) -> Result<Model<RunTime>, ModelError> {
         let mut features = Vec::new();
         if self.regression.is_some() {
@@ -70,7 +70,7 @@ impl Parts {
     /// The model with a classifier.
     ///
     /// # Errors
-    /// What the core refuses.
+    /// Errors of the core.
     pub fn model(
         &self,
         plan: RunTime,
@@ -95,7 +95,7 @@ impl Parts {
 /// The plan of a layout.
 ///
 /// # Errors
-/// A layout whose parts do not fit.
+/// A layout whose parts are inconsistent.
 pub fn plan(layout: Layout) -> Result<RunTime, ModelError> {
     layout.check().map_err(ModelError::Layout)?;
     RunTime::of(layout).ok_or(ModelError::OtherPlan)

@@ -12,9 +12,9 @@ pub struct SegmentReport {
     pub posteriors: Vec<f32>,
     /// Log-likelihood of each class; empty if there is no verdict.
     pub log_likelihoods: Vec<f32>,
-    /// Distance from the healthy class in its deviations; 0 if there is no such class or no verdict.
+    /// Distance from the healthy class in its standard deviations; 0 if there is no healthy class or no verdict.
     pub distance: f32,
-    /// −ln of the probability that a healthy segment has at least this distance, nats; 0 likewise.
+    /// −ln of the probability that a healthy segment has at least this distance, nats; 0 in the same cases.
     pub surprise: f32,
     /// δ-parameters.
     pub delta: Vec<f32>,
@@ -30,16 +30,16 @@ pub struct SegmentReport {
     pub shaft_features: Vec<f32>,
     /// Rows of the regression.
     pub rows: u32,
-    /// What the segment was refused.
+    /// Numbers of samples and rows that were rejected or downweighted, and the stuck channels.
     pub counts: Counts,
-    /// Samples before the segment, as fed to the detector.
+    /// Number of samples before the segment, as passed to the detector.
     pub start: usize,
-    /// Samples of the segment, as fed to the detector.
+    /// Number of samples of the segment, as passed to the detector.
     pub length: usize,
 }
 
 impl SegmentReport {
-    /// The same segment without a verdict, for this reason.
+    /// The segment with the verdict replaced by this reason.
     pub(super) fn undetermined(self, reason: String) -> Self {
         let (posteriors, log_likelihoods) = (vec![], vec![]);
         Self { verdict: Err(reason), posteriors, log_likelihoods, distance: 0.0, surprise: 0.0, ..self }
@@ -51,7 +51,7 @@ impl SegmentReport {
 pub enum Finding {
     /// Index of a class.
     Class(usize),
-    /// Nearest to healthy, but not healthy.
+    /// Nearest to the healthy class, but not healthy.
     Novel,
     /// No class is plausible enough.
     Ambiguous,
@@ -67,7 +67,7 @@ impl Finding {
         }
     }
 
-    /// In a word.
+    /// Name of the finding.
     #[must_use]
     pub fn name(self, classes: &[String]) -> &str {
         match self {
@@ -77,7 +77,7 @@ impl Finding {
         }
     }
 
-    /// `None` if the verdict is undetermined.
+    /// Converts a verdict; `None` if it is undetermined.
     pub(super) const fn of(verdict: Verdict) -> Option<Self> {
         match verdict {
             Verdict::Class(class) => Some(Self::Class(class as usize)),

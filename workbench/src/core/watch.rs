@@ -1,4 +1,4 @@
-//! Several segments together: combined surprise, and the core's evidence.
+//! Evaluation of several segments together: combined surprise, and the core's evidence.
 
 use bearing_watch::plan::RunTime;
 use bearing_watch::{Alarm, Cause, Decision, Model, Trend};
@@ -27,7 +27,7 @@ impl Watched {
     }
 }
 
-/// The core's evidence over segments in the order given.
+/// The core's evidence over segments in the given order.
 pub(super) fn watch(model: &Model<RunTime>, segments: &[SegmentReport]) -> Vec<Watched> {
     let mut evidence = model.evidence();
     let each = |segment: &SegmentReport| {
@@ -37,7 +37,7 @@ pub(super) fn watch(model: &Model<RunTime>, segments: &[SegmentReport]) -> Vec<W
     segments.iter().map(each).collect()
 }
 
-/// The decision of a segment again; `None` if it had none.
+/// Reconstructs the decision on a segment; `None` if it had none.
 fn decision(model: &Model<RunTime>, segment: &SegmentReport) -> Option<Decision<RunTime>> {
     if segment.log_likelihoods.is_empty() {
         return None;
@@ -59,7 +59,7 @@ pub(super) fn combined_surprise(surprises: impl Iterator<Item = f32>) -> f32 {
     if count < 2 {
         return sum as f32;
     }
-    // ln of the terms, the largest taken out.
+    // Logarithms of the terms; the largest is factored out.
     let mut terms = vec![0.0_f64];
     for j in 1..count {
         terms.push(terms[terms.len() - 1] + (sum.max(f64::MIN_POSITIVE) / f64::from(j)).ln());
@@ -76,10 +76,10 @@ mod tests {
     #[test]
     fn surprises_combine_as_exponentials() {
         assert!((combined_surprise([3.5].into_iter()) - 3.5).abs() < 1e-6);
-        // Two: S − ln(1 + S).
+        // Two segments: S − ln(1 + S).
         assert!((combined_surprise([1.0, 4.0].into_iter()) - (5.0 - 6.0_f32.ln())).abs() < 1e-6);
         assert!(combined_surprise([0.0; 3].into_iter()).abs() < 1e-6);
-        // A thousand usual ones are usual: about one nat.
+        // A thousand segments of average surprise combine to about one nat.
         let many = combined_surprise(std::iter::repeat_n(1.0, 1000));
         assert!((0.5..1.0).contains(&many), "{many}");
     }

@@ -1,7 +1,7 @@
-//! Which channels a model has, and which column of a trace each of them is.
+//! The channels of a model, and the trace column of each.
 //!
-//! Each quantity of the drive is one channel, even if several parts use it. A first input that is the difference of the
-//! velocity reference and the velocity needs no channel of its own if the shaft uses both.
+//! Each quantity of the drive is one channel, even if several parts use it. If the first input is the difference of the
+//! velocity reference and the velocity, and the shaft uses both, it needs no separate channel.
 
 use bearing_watch::Angle;
 use bearing_watch::model::{Channel, Name};
@@ -50,7 +50,7 @@ impl Field {
     }
 }
 
-/// The channels of a model with their columns, and the signals made of them.
+/// The channels of a model with their columns, and the signals computed from them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Wiring {
     /// Name and column of each channel.
@@ -62,7 +62,8 @@ pub struct Wiring {
 }
 
 impl Wiring {
-    /// The wiring of these columns. `watched` says whether the shaft is watched, and whether its load is measured.
+    /// The wiring of these columns. `watched` is `None` if the shaft is not watched; otherwise it states whether the
+    /// load is measured.
     #[must_use]
     pub fn new(columns: &Channels, structure: Structure, watched: Option<bool>) -> Self {
         let mut wiring = Self { channels: vec![], signals: [Signal::channel(0); 3], shaft: None };
@@ -87,7 +88,7 @@ impl Wiring {
         wiring
     }
 
-    /// The wiring of the shaft of another wiring, alone.
+    /// The wiring of only the shaft of another wiring.
     #[must_use]
     pub fn of_shaft(mut self, other: &Self) -> Self {
         let mut add = |signal: Signal| {
@@ -98,7 +99,7 @@ impl Wiring {
         self
     }
 
-    /// The channel of this name, added if there is none.
+    /// The channel with this name; it is added if it does not exist.
     fn channel(&mut self, name: &str, field: Field) -> Signal {
         let found = self.channels.iter().position(|(own, _)| own == name);
         let place = found.unwrap_or_else(|| {
@@ -108,7 +109,7 @@ impl Wiring {
         Signal::channel(place as u8)
     }
 
-    /// As [`Wiring::channel`]; a difference of two channels that exist needs none.
+    /// Same as [`Wiring::channel`], but a difference of two existing channels needs no new channel.
     fn signal(&mut self, name: &str, field: Field) -> Signal {
         let of = |part: &str| self.channels.iter().position(|(own, _)| own == part.trim());
         let parts = name.match_indices('-').filter_map(|(at, _)| Some((of(&name[..at])?, of(&name[at + 1..])?)));
@@ -118,7 +119,7 @@ impl Wiring {
         }
     }
 
-    /// The channels for the core, with the limit of each signal's values: `limit` times the largest magnitude in training.
+    /// The channels for the core. The limit of each signal's values is `limit` times its largest magnitude in training.
     ///
     /// # Errors
     /// More channels than a detector can have.
@@ -144,10 +145,10 @@ impl Wiring {
     }
 }
 
-/// The columns of a model's channels, from the signals that they serve.
+/// The columns of a model's channels, derived from the signals that use them.
 ///
 /// # Errors
-/// A layout that takes a difference of channels that nothing else uses: their columns are not known.
+/// A layout with a difference of channels that nothing else uses: their columns are not known.
 pub fn fields(layout: &Layout) -> Result<Vec<Field>, String> {
     let mut fields = vec![None; layout.channels as usize];
     let mut set = |signal: Signal, field: Field| {
@@ -170,7 +171,7 @@ pub fn fields(layout: &Layout) -> Result<Vec<Field>, String> {
     all.ok_or_else(|| "the model takes a difference of channels that no other part uses".into())
 }
 
-/// The samples of a trace for the core, one at a time in the same memory.
+/// The samples of a trace for the core, one at a time in the same buffer.
 #[derive(Debug)]
 pub struct Feed<'a> {
     columns: Vec<&'a [f64]>,
@@ -179,7 +180,7 @@ pub struct Feed<'a> {
 }
 
 impl<'a> Feed<'a> {
-    /// From the columns of a model's channels.
+    /// Builds it from the columns of a model's channels.
     #[must_use]
     pub fn new(trace: &'a Trace, fields: &[Field]) -> Self {
         let columns: Vec<&[f64]> = fields.iter().map(|field| field.of(trace)).collect();
@@ -198,23 +199,23 @@ impl<'a> Feed<'a> {
 }
 
 impl MotionTrace {
-    /// The angle of one sample as the core takes it.
+    /// The angle of one sample in the core's format.
     #[must_use]
     pub fn angle(&self, k: usize) -> Angle {
-        // The fraction of a turn is taken in double precision: single precision has not enough digits for many turns.
+        // The fraction of a turn is computed in double precision: for many turns, single precision has too few digits.
         let turns = self.angle_rad[k] / std::f64::consts::TAU;
         Angle::from_bits(((turns - turns.floor()) * 4_294_967_296.0) as u64 as u32)
     }
 }
 
-/// A column's name as an identifier of Rust and C, of at most 32 characters.
+/// The name of a column as an identifier of Rust and C, with at most 32 characters.
 fn identifier(name: &str) -> String {
     let first = name.starts_with(|c: char| c.is_ascii_digit()).then_some('_');
     let each = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' });
     first.into_iter().chain(each).take(32).collect()
 }
 
-/// The unit by the suffix of a name.
+/// The unit according to the suffix of a name.
 fn unit(name: &str) -> &'static str {
     const UNITS: [(&str, &str); 12] = [
         ("_rad_s", "rad/s"),

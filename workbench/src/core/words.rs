@@ -1,11 +1,11 @@
-//! Reasons and counts in words.
+//! Reasons and counts as text.
 
 use bearing_watch::plan::{Plan, RunTime};
 use bearing_watch::{ChannelSet, Counts, Model, Reason, Report};
 
 use crate::identify::Terms;
 
-/// The reason with the names of this model.
+/// The reason as text, with the channel names of this model.
 pub(super) fn explain(reason: Reason, report: &Report<RunTime>, model: &Model<RunTime>) -> String {
     let channels = &model.constants().channels;
     match reason {
@@ -32,7 +32,8 @@ fn names(model: &Model<RunTime>) -> Vec<&str> {
     model.constants().channels.iter().map(|channel| channel.name.as_str()).collect()
 }
 
-/// What a segment was refused, in words; empty if nothing was. `names` are those of the model's channels.
+/// The rejected or downweighted samples and rows of a segment, and its stuck channels, as text; empty if there are
+/// none. `names` are the names of the model's channels.
 #[must_use]
 pub fn denied(counts: &Counts, names: &[&str]) -> String {
     let Counts { rejected, saturated, downweighted, resting, stuck, .. } = *counts;

@@ -1,15 +1,15 @@
 //! Difference models by instrumental variables with a recorded command as the external instrument.
 //!
-//! Enters: output, measured input and the command of that input (which no measurement noise or feedback reaches).
-//! Leaves: θ of `A(q) y = B(q) u + constant + e`.
+//! Input: output, measured input and the command of that input (free of measurement noise and feedback). Output: θ of
+//! `A(q) y = B(q) u + constant + e`.
 //!
 //! ```text
 //! θ₀ = least squares;   ŷ = simulation of θ_{p−1} driven by the command
 //! Z = regressors of (ŷ, command);   θ_p = (ZᵀX)⁻¹ Zᵀ y,   p = 1 … passes                     (1)
 //! ```
 //!
-//! Least squares is biased where the measured input carries noise or follows the output through a controller; the
-//! command is correlated with neither.
+//! Least squares is biased if the measured input contains noise or depends on the output through a controller; the
+//! command is correlated with neither the noise nor the disturbance.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -23,16 +23,16 @@ use crate::trace::Trace;
 pub struct External {
     /// a₁…, b₁…, constant.
     pub theta: DVector<f64>,
-    /// Covariance that allows for correlated residuals.
+    /// Covariance, valid for correlated residuals too.
     pub covariance: DMatrix<f64>,
-    /// Whether the last pass moved every parameter by less than a tenth of its standard deviation.
+    /// Whether the last pass changed every parameter by less than a tenth of its standard deviation.
     pub converged: bool,
 }
 
-/// Estimates (1) of the trace's first input, with its second as the command; no passes give least squares.
+/// Estimates (1) with the trace's first input as u and its second as the command; zero passes return least squares.
 ///
 /// # Errors
-/// A structure with terms in the second input; too few samples; signals or instruments that do not excite it.
+/// A structure with terms in the second input; too few samples; signals or instruments that do not excite the model.
 pub fn by_command(trace: &Trace, structure: Structure, passes: usize) -> Result<External, Error> {
     if structure.nc != 0 {
         return Err(Error::Usage("the command is the instrument here and no second input; set nc to 0".into()));
@@ -102,7 +102,7 @@ mod tests {
         let structure = Structure::new(1, 1, 0, 1, 1);
         let ls = by_command(&trace, structure, 0).expect("excited");
         let iv = by_command(&trace, structure, 3).expect("excited");
-        // Least squares shrinks b by 1/(1 + 0.49) = 0.67.
+        // Least squares reduces b by the factor 1/(1 + 0.49) = 0.67.
         assert!((ls.theta[1] - 0.5 / 1.49).abs() < 0.02, "{}", ls.theta);
         for (k, truth) in [-0.9, 0.5].into_iter().enumerate() {
             let sd = iv.covariance[(k, k)].sqrt();

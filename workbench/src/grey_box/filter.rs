@@ -1,5 +1,5 @@
-//! Low-pass filters ahead of a grey box: Butterworth and Chebyshev cascades, run forward and back, or forward with a
-//! derivative.
+//! Low-pass filters for grey-box estimation: Butterworth and Chebyshev cascades, run forward and backward, or forward
+//! with a derivative.
 //!
 //! ```text
 //! H(s) = Π |p|² / (s² − 2 Re(p) s + |p|²),   s = (1/tan πf) (z − 1)/(z + 1)                  (1)
@@ -7,7 +7,7 @@
 //! φ = π(2k − 1)/(2n),   μ = asinh(1/ε)/n,   ε² = 10^(ripple/10) − 1
 //! ```
 //!
-//! Every section has gain one at rest, so a Chebyshev filter ripples upwards from one.
+//! Every section has gain one at zero frequency, so the ripple of a Chebyshev filter lies above one.
 
 use std::f64::consts::PI;
 
@@ -18,21 +18,21 @@ struct Section {
     a: [f64; 2],
 }
 
-/// Low-pass of even order.
+/// Low-pass filter of even order.
 #[derive(Clone, Debug)]
 pub(crate) struct LowPass {
     sections: Vec<Section>,
-    /// Cut-off in cycles a sample.
+    /// Cut-off, cycles per sample.
     cutoff: f64,
 }
 
 impl LowPass {
-    /// Butterworth, `cutoff` in cycles a sample, below one half.
+    /// Butterworth filter; `cutoff` in cycles per sample, below one half.
     pub(crate) fn butterworth(pairs: usize, cutoff: f64) -> Self {
         Self::new(pairs, cutoff, 1.0, 1.0)
     }
 
-    /// Chebyshev of the first kind.
+    /// Chebyshev filter of the first kind.
     pub(crate) fn chebyshev(pairs: usize, ripple_db: f64, cutoff: f64) -> Self {
         let epsilon = (10f64.powf(ripple_db / 10.0) - 1.0).sqrt();
         let mu = (1.0 / epsilon).asinh() / (2 * pairs) as f64;
@@ -55,12 +55,12 @@ impl LowPass {
         Self { sections: (1..=pairs).map(section).collect(), cutoff }
     }
 
-    /// Filters forward from a state at rest on the first sample.
+    /// Filters forward; the initial state is the steady state for the first sample.
     pub(crate) fn forward(&self, x: &[f64]) -> Vec<f64> {
         self.sections.iter().fold(x.to_vec(), |x, section| section.run(&x))
     }
 
-    /// Derivative per sample of the low-passed signal, by the bilinear `2 (z − 1)/(z + 1)`; for one section.
+    /// Derivative per sample of the low-passed signal, by the bilinear rule `2 (z − 1)/(z + 1)`; for one section.
     pub(crate) fn derivative(&self, x: &[f64]) -> Vec<f64> {
         let slope = |section: &Section| Section { b: [2.0 * section.b[0], 0.0, -2.0 * section.b[0]], a: section.a };
         let (first, rest) = self.sections.split_at(1);
@@ -68,7 +68,7 @@ impl LowPass {
         rest.iter().fold(start, |x, section| section.run(&x))
     }
 
-    /// Filters forward and back: no phase, the square of the gain. Ends are extended by point reflection.
+    /// Filters forward and backward: zero phase, squared gain. The ends are extended by point reflection.
     pub(crate) fn zero_phase(&self, x: &[f64]) -> Vec<f64> {
         if x.len() < 2 {
             return x.to_vec();
@@ -90,7 +90,7 @@ impl Section {
     fn run(&self, x: &[f64]) -> Vec<f64> {
         let Self { b: [b0, b1, b2], a: [a1, a2] } = *self;
         let first = x.first().copied().unwrap_or(0.0);
-        // State that answers a constant first sample with its steady output.
+        // State in which a constant input of the first sample's value yields its steady output.
         let steady = first * (b0 + b1 + b2) / (1.0 + a1 + a2);
         let mut s2 = b2 * first - a2 * steady;
         let mut s1 = b1 * first - a1 * steady + s2;
@@ -118,12 +118,12 @@ mod tests {
     #[test]
     fn gains_are_those_of_the_prototypes() {
         let butterworth = LowPass::butterworth(2, 0.05);
-        // The bilinear map with prewarping puts −3 dB at the cut-off exactly; 4000 samples hold whole periods.
+        // The bilinear map with prewarping has −3 dB exactly at the cut-off; 4000 samples contain whole periods.
         assert!((gain(|x| butterworth.forward(x), 0.05) - 0.5f64.sqrt()).abs() < 1e-6);
         assert!((gain(|x| butterworth.zero_phase(x), 0.05) - 0.5).abs() < 1e-6);
         let twice = ((PI * 0.1).tan() / (PI * 0.05).tan()).powi(8);
         assert!((gain(|x| butterworth.forward(x), 0.1) - 1.0 / (1.0 + twice).sqrt()).abs() < 1e-6);
-        // At its edge an even Chebyshev filter with gain one at rest is back at one.
+        // At its band edge an even Chebyshev filter with gain one at zero frequency has gain one again.
         let chebyshev = LowPass::chebyshev(4, 0.05, 0.04);
         assert!((gain(|x| chebyshev.forward(x), 0.04) - 1.0).abs() < 1e-6);
         assert!(gain(|x| chebyshev.zero_phase(x), 0.06) < 1e-3, "60 dB at half as much again");
@@ -134,11 +134,11 @@ mod tests {
         let filter = LowPass::butterworth(1, 0.02);
         let ramp: Vec<f64> = (0..1000).map(|k| 3.0 * f64::from(k) + 7.0).collect();
         let slope = filter.derivative(&ramp);
-        assert!((slope[999] - 3.0).abs() < 1e-9, "{}", slope[999]); // e⁻⁸⁸ of the start is left
+        assert!((slope[999] - 3.0).abs() < 1e-9, "{}", slope[999]); // e⁻⁸⁸ of the initial transient remains
         let constant = filter.derivative(&[5.0; 10]);
         assert!(constant.iter().all(|d| d.abs() < 1e-12), "at rest from the first sample");
         for (smooth, x) in filter.zero_phase(&ramp).iter().zip(&ramp) {
-            assert!((smooth - x).abs() < 1e-3, "{smooth} for {x}"); // decays over the reflected six cut-off periods
+            assert!((smooth - x).abs() < 1e-3, "{smooth} for {x}"); // end effect decays over six cut-off periods
         }
     }
 }

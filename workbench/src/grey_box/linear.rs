@@ -1,23 +1,24 @@
 //! Mass and friction of a linear drive.
 //!
-//! Enters: position and force at a constant rate. Leaves: M, Fv, Fc and offset, or M with one-sided friction.
+//! Input: position and force at a constant rate. Output: M, Fv, Fc and offset, or M with one-sided friction.
 //!
 //! ```text
 //! F = M a + Fv v + Fc sign v + offset                                                        (1)
 //! F = M a + { Fv⁺ v + Fc⁺ for v > 0,  Fv⁻ v − Fc⁻ for v < 0 }                                (2)
 //! ```
 //!
-//! Velocity and acceleration are central differences of the position behind a fourth-order Butterworth filter run
-//! forward and back; then force and every column of (1) pass one and the same zero-phase Chebyshev filter and are
-//! decimated, which leaves the equation between them as it was (Janot, Gautier, Brunot 2019). A difference between the
-//! two sides of (2) beyond its standard deviation is wear or misalignment of the screw:
+//! Velocity and acceleration are central differences of the position after a fourth-order Butterworth filter run
+//! forward and backward. Force and every column of (1) then pass the same zero-phase Chebyshev filter and are
+//! decimated, which keeps the equation between them valid (Janot, Gautier, Brunot 2019). If the two sides of (2) differ
+//! by more than the standard deviation of the difference, the screw is worn or misaligned:
 //!
 //! ```text
 //! D = F⁻ − F⁺,   var D = var F⁻ + var F⁺ − 2 cov(F⁻, F⁺),   z = D / sd D                     (3)
 //! ```
 //!
-//! with the covariance that allows for correlated residuals. An offset of the force sensor, which (2) leaves out, is a
-//! difference of the Coulomb friction there (Fc⁻ − Fc⁺ = −2 offset), so the viscous difference is the safer sign of wear.
+//! The covariance is valid for correlated residuals. (2) has no offset of the force sensor; an offset appears there as
+//! a difference of the Coulomb friction (Fc⁻ − Fc⁺ = −2 offset), so the viscous difference is the more reliable
+//! indicator of wear.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -47,14 +48,14 @@ pub enum Friction {
     OneSided,
 }
 
-/// How signals are filtered before the regression.
+/// Filter settings before the regression.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearSettings {
     /// Friction model.
     pub friction: Friction,
     /// Cut-off of the position filter.
     pub cutoff_hz: f64,
-    /// Samples to one row.
+    /// Decimation factor: samples per row.
     pub decimate: usize,
 }
 
@@ -64,7 +65,7 @@ impl Default for LinearSettings {
     }
 }
 
-/// Filter periods dropped at each end, where the position filter still feels the ends.
+/// Filter periods dropped at each end, where the position filter has end effects.
 const DROPPED_PERIODS: f64 = 5.0;
 
 const SYMMETRIC: [(&str, &str); 4] = [("M", "kg"), ("Fv", "N·s/m"), ("Fc", "N"), ("offset", "N")];
@@ -73,7 +74,7 @@ const ONE_SIDED: [(&str, &str); 5] = [("M", "kg"), ("Fv+", "N·s/m"), ("Fc+", "N
 /// Estimates (1) or (2) by least squares.
 ///
 /// # Errors
-/// Settings that mean nothing at the record's rate; a record too short or that does not move both ways.
+/// Settings that are invalid at the record's rate; a record that is too short or does not move in both directions.
 pub fn estimate(record: &LinearRecord, settings: &LinearSettings) -> Result<GreyBox, Error> {
     let (x, force) = rows(record, settings)?;
     let names = names(settings.friction);
@@ -81,7 +82,7 @@ pub fn estimate(record: &LinearRecord, settings: &LinearSettings) -> Result<Grey
         let problem = format!("{} rows after decimation are too few; record more or decimate less", x.nrows());
         return Err(Error::trace(record.id, problem));
     }
-    // Newey and West's rule of thumb for the lags.
+    // Newey and West's rule of thumb for the number of lags.
     let lags = (4.0 * (x.nrows() as f64 / 100.0).powf(2.0 / 9.0)).ceil() as usize;
     let solution = regression::solve(&x, &x, &force, lags).map_err(|column| {
         let name = names[column].0;
@@ -94,7 +95,7 @@ pub fn estimate(record: &LinearRecord, settings: &LinearSettings) -> Result<Grey
     Ok(grey_box)
 }
 
-/// By how much one friction is larger backward than forward, (3).
+/// Difference (3) of one friction constant between backward and forward motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Asymmetry {
     /// Symbol of the friction: `Fv` or `Fc`.
@@ -108,14 +109,14 @@ pub struct Asymmetry {
 }
 
 impl Asymmetry {
-    /// D in its standard deviations.
+    /// D divided by its standard deviation.
     #[must_use]
     pub fn z(&self) -> f64 {
         self.value / self.sd
     }
 }
 
-/// The differences (3) of viscous and Coulomb friction; none where friction was taken as symmetric.
+/// The differences (3) of viscous and Coulomb friction; empty if the friction model is symmetric.
 #[must_use]
 pub fn asymmetries(found: &GreyBox) -> Vec<Asymmetry> {
     let place = |name: &str| found.quantities.iter().position(|q| q.name == name);
@@ -128,10 +129,10 @@ pub fn asymmetries(found: &GreyBox) -> Vec<Asymmetry> {
     [("Fv", "Fv+", "Fv-"), ("Fc", "Fc+", "Fc-")].into_iter().filter_map(each).collect()
 }
 
-/// 100 ‖F − F̂‖/‖F‖ of constants found elsewhere on this record.
+/// 100 ‖F − F̂‖/‖F‖ on this record, for constants estimated from another record.
 ///
 /// # Errors
-/// As [`estimate`].
+/// The errors of [`estimate`].
 pub fn cross_validate(record: &LinearRecord, settings: &LinearSettings, found: &GreyBox) -> Result<f64, Error> {
     let (x, force) = rows(record, settings)?;
     let theta = DVector::from_iterator(found.quantities.len(), found.quantities.iter().map(|q| q.value));
@@ -184,7 +185,7 @@ fn rows(record: &LinearRecord, settings: &LinearSettings) -> Result<(DMatrix<f64
     Ok((DMatrix::from_fn(a.len(), names(settings.friction).len(), row), DVector::from_vec(force)))
 }
 
-/// `f64::signum` of zero is one; here rest has no direction.
+/// `f64::signum` of zero is one; here it is zero at standstill.
 fn sign(v: f64) -> f64 {
     if v == 0.0 { 0.0 } else { v.signum() }
 }
@@ -200,7 +201,8 @@ fn central_difference(x: &[f64], interval_s: f64) -> Vec<f64> {
     (0..=last).map(|t| at(t) / interval_s).collect()
 }
 
-/// Every n-th sample behind an eighth-order Chebyshev filter of 0.05 dB ripple to 0.8 of the new Nyquist frequency.
+/// Every n-th sample after an eighth-order Chebyshev filter of 0.05 dB ripple, pass band to 0.8 of the new Nyquist
+/// frequency.
 fn decimate(x: &[f64], factor: usize) -> Vec<f64> {
     if factor == 1 {
         return x.to_vec();
@@ -213,7 +215,7 @@ mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    /// Position of two sines and the force of (2).
+    /// Position as the sum of two sines, and the force of (2).
     fn record(one_sided: bool) -> (Vec<f64>, Vec<f64>) {
         let (w1, w2) = (TAU * 0.5, TAU * 1.3);
         let times: Vec<f64> = (0..20_000).map(|k| f64::from(k) * 1e-3).collect();
@@ -238,7 +240,8 @@ mod tests {
             let settings = LinearSettings { friction, ..LinearSettings::default() };
             let found = estimate(&record, &settings).expect("rich motion");
             for (q, truth) in found.quantities.iter().zip(truth) {
-                // Central differences lose (ωT)²/6 ≈ 1e-5; rows across a reversal mix the two sides of (2): 1 %.
+                // Central differences have an error of (ωT)²/6 ≈ 1e-5; rows across a reversal mix the two sides of (2):
+                // 1 %.
                 let tolerance = if friction == Friction::Symmetric { 1e-3 } else { 1e-2 };
                 assert!((q.value / truth - 1.0).abs() < tolerance, "{q:?}, truth {truth}");
                 assert!(q.sd > 0.0);

@@ -1,8 +1,8 @@
-//! Physical constants of a drive from its signals, each with its standard deviation.
+//! Physical constants of a drive from its signals, with standard deviations.
 //!
 //! [`linear`]: mass, friction and offset of a linear drive from force and position. [`motor`]: inertia, friction and
-//! torque constant of a motor from the torque balance. [`physical`]: R, L, Ke, J, B back from the five-parameter
-//! difference model of the current (thesis Eq. 2.41).
+//! torque constant of a motor from the torque balance. [`physical`]: R, L, Ke, J, B from the five-parameter difference
+//! model of the current (thesis Eq. 2.41).
 
 pub mod external;
 pub(crate) mod filter;
@@ -34,7 +34,7 @@ impl Quantity {
     }
 }
 
-/// What a grey box found.
+/// Result of a grey-box estimation.
 #[derive(Clone, Debug)]
 pub struct GreyBox {
     /// The constants.
@@ -45,18 +45,18 @@ pub struct GreyBox {
     pub relative_error_percent: f64,
     /// Rows of the regression.
     pub rows: usize,
-    /// Assumptions made, and quantities that the data do not determine.
+    /// Assumptions, and quantities that the data do not determine.
     pub notes: Vec<String>,
 }
 
 impl GreyBox {
-    /// A constant by its symbol.
+    /// The constant with this symbol.
     #[must_use]
     pub fn get(&self, name: &str) -> Option<Quantity> {
         self.quantities.iter().copied().find(|quantity| quantity.name == name)
     }
 
-    /// Names, units and values with the standard deviations of a covariance.
+    /// Combines names, units and values with the standard deviations from the covariance.
     fn new(
         names: &[(&'static str, &'static str)],
         values: &[f64],
@@ -72,7 +72,7 @@ impl GreyBox {
         Self { quantities, covariance, relative_error_percent: 100.0 * relative_error, rows, notes: vec![] }
     }
 
-    /// Notes the quantities whose standard deviation exceeds a third of their value.
+    /// Adds a note for the quantities whose standard deviation exceeds a third of their value.
     fn note_undetermined(&mut self) {
         let loose = self.quantities.iter().filter(|q| q.relative_sd() > 1.0 / 3.0 || q.relative_sd().is_nan());
         let loose: Vec<String> = loose.map(|q| format!("{} ± {:.0} %", q.name, 100.0 * q.relative_sd())).collect();

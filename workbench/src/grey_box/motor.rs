@@ -1,7 +1,7 @@
 //! Inertia, friction and torque constant of a motor from the torque balance.
 //!
-//! Enters: current, velocity, velocity reference and load torque at a constant rate. Leaves: J, B, Tc, Kt, and how
-//! far the measured current lags.
+//! Input: current, velocity, velocity reference and load torque at a constant rate. Output: J, B, Tc, Kt, and the delay
+//! of the measured current.
 //!
 //! ```text
 //! Kt i = J dω/dt + B ω + Tc sign ω + T_load                                                  (1)
@@ -9,12 +9,12 @@
 //! Kt = 1/θ₅,  J = θ₁/θ₅,  B = θ₂/θ₅,  Tc = θ₃/θ₅,  lag = −θ₄/θ₅                              (3)
 //! ```
 //!
-//! The load torque sets the scale, so it must be measured. A filter of the current measurement (or of the
-//! load's, then negative) delays one against the other; left out, that delay would count as noise. Every signal of (2) passes one second-order Butterworth
-//! filter, whose state also gives the derivative; nothing noisy is differenced. The velocity is noisy and in a loop:
-//! (2) is solved by instrumental variables, with dω/dt and ω replaced by those of the *reference*. The direction of
-//! motion is taken from the reference too, so the drive must follow it. Standard deviations go through (3) by its
-//! Jacobian.
+//! The load torque determines the scale, so it must be measured. A filter of the current measurement delays the current
+//! against the load torque (a filter of the load measurement: negative delay); θ₄ accounts for it, otherwise it would
+//! count as noise. Every signal of (2) passes one second-order Butterworth filter, whose state also provides the
+//! derivative; no noisy signal is differenced. The velocity is noisy and in a feedback loop: (2) is solved by
+//! instrumental variables, with dω/dt and ω replaced by those of the *reference*. The direction of motion is also taken
+//! from the reference, so the drive must follow it. Standard deviations are propagated through (3) by its Jacobian.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -29,22 +29,22 @@ pub struct MotorRecord<'a> {
     pub id: &'a str,
     /// Sampling interval.
     pub interval_s: f64,
-    /// Torque-making current.
+    /// Torque-producing current.
     pub current_a: &'a [f64],
     /// Measured velocity.
     pub velocity_rad_s: &'a [f64],
-    /// Its reference.
+    /// Velocity reference.
     pub velocity_ref_rad_s: &'a [f64],
     /// Measured load torque, opposing positive rotation.
     pub load_torque_nm: &'a [f64],
 }
 
-/// How the signals are filtered.
+/// Filter settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorSettings {
     /// Cut-off of the state-variable filter.
     pub cutoff_hz: f64,
-    /// ω₀ of (2): below it the direction fades.
+    /// ω₀ of (2): below this velocity the direction term decreases smoothly.
     pub direction_rad_s: f64,
 }
 
@@ -54,7 +54,7 @@ impl Default for MotorSettings {
     }
 }
 
-/// Time dropped at the start, in periods of the cut-off: the filter has forgotten it to e⁻⁷.
+/// Time dropped at the start, in periods of the cut-off: the initial transient of the filter has decayed to e⁻⁷.
 const DROPPED_PERIODS: f64 = 1.6;
 
 const NAMES: [(&str, &str); 5] = [("J", "kg·m²"), ("B", "N·m·s/rad"), ("Tc", "N·m"), ("lag", "s"), ("Kt", "N·m/A")];
@@ -62,7 +62,7 @@ const NAMES: [(&str, &str); 5] = [("J", "kg·m²"), ("B", "N·m·s/rad"), ("Tc",
 /// Estimates (1).
 ///
 /// # Errors
-/// A cut-off that means nothing at the record's rate; too few samples; signals that do not determine a constant.
+/// A cut-off that is invalid at the record's rate; too few samples; signals that do not determine a constant.
 pub fn estimate(record: &MotorRecord, settings: &MotorSettings) -> Result<GreyBox, Error> {
     let cutoff = settings.cutoff_hz * record.interval_s;
     if !(cutoff > 0.0 && cutoff < 0.5 && settings.direction_rad_s > 0.0) {
@@ -91,7 +91,7 @@ pub fn estimate(record: &MotorRecord, settings: &MotorSettings) -> Result<GreyBo
         DMatrix::from_columns(&columns.map(DVector::from_vec))
     };
     let (x, z) = (matrix(velocity), matrix(reference));
-    // The filter's memory, over which residuals hang together.
+    // The memory of the filter, over which residuals are correlated.
     let lags = dropped;
     let solution = regression::solve(&x, &z, &DVector::from_vec(smooth(current)), lags).map_err(|column| {
         let problem = format!(
@@ -153,7 +153,8 @@ mod tests {
                 found(&simulate(&Scenario::STANDARD, seed).expect("valid"))
             })
             .collect();
-        // The lag is that of the rig's current filter, √2/(2π·140 Hz) = 1.6 ms, but for parts of a sample of 2 ms.
+        // The delay is that of the rig's current filter, √2/(2π·140 Hz) = 1.6 ms, except for fractions of a sample of 2
+        // ms.
         for (name, truth, tolerance) in
             [("J", 2.5e-4, 0.02), ("B", 1e-4, 0.1), ("Kt", 0.05, 0.01), ("Tc", 0.0, 0.0), ("lag", 1.3e-3, 0.5)]
         {
@@ -162,7 +163,7 @@ mod tests {
             let (told, _) = mean_and_sd(&all.iter().map(|q| q.sd).collect::<Vec<_>>());
             println!("{name}: {mean:.4e} (truth {truth:.4e}), scatter {scatter:.2e}, told {told:.2e}");
             assert!((mean - truth).abs() <= tolerance * truth + scatter, "{name}: {mean}");
-            // 60 runs tell a scatter to 9 %; Bartlett's weights lose some more.
+            // 60 runs determine a scatter to 9 %; Bartlett's weights add a negative bias.
             assert!((0.7..1.4).contains(&(told / scatter)), "{name}: told {told}, scatter {scatter}");
         }
     }

@@ -1,7 +1,7 @@
-//! R, L, Ke, Kt, J, B back from the five-parameter difference model of the current.
+//! R, L, Ke, Kt, J, B from the five-parameter difference model of the current.
 //!
-//! Enters: current, voltage, velocity and external torque at a constant rate T. Leaves: the five parameters of (1) and
-//! the constants behind them.
+//! Input: current, voltage, velocity and external torque at a constant rate T. Output: the five parameters of (1) and
+//! the physical constants computed from them.
 //!
 //! ```text
 //! i(k+1) = θ₁ i(k) + θ₂ i(k−1) + θ₃ v(k) + θ₄ ω(k−1) + θ₅ Tex(k−1)                           (1)
@@ -11,19 +11,20 @@
 //! Ke = Kt,  J = Ke T θ₃/θ₅,  B = (J/T)(1 + θ₄/(Ke θ₃))                                       (4)
 //! ```
 //!
-//! (1) is thesis Eq. 2.41 with L J where the print has J², in forward Euler. Five numbers hold six constants: (3) is
-//! free of assumptions, but Ke, J and B come apart only if Ke = Kt is *assumed* (4), which holds for one motor in SI
-//! units. Tex opposes positive rotation. Standard deviations go through (3), (4) by the Jacobian.
+//! (1) is thesis Eq. 2.41 with forward Euler and with L J instead of the printed J². Five numbers contain six
+//! constants: (3) needs no assumption, but Ke, J and B can be separated only if Ke = Kt is *assumed* (4), which holds
+//! for one motor in SI units. Tex opposes positive rotation. Standard deviations are propagated through (3), (4) by the
+//! Jacobian.
 //!
-//! Euler's rule needs T well below L/R and BT/J well above rounding: R and L are off by about RT/(2L), and B is a
-//! small difference of large numbers; [`GreyBox::notes`] says when a constant is not determined.
+//! Euler's rule requires T well below L/R, and BT/J well above rounding: R and L have an error of about RT/(2L), and B
+//! is a small difference of large numbers; [`GreyBox::notes`] lists the constants that are not determined.
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 use super::{GreyBox, regression};
 use crate::Error;
 
-/// Signals of a motor with its voltage.
+/// Signals of a motor including its voltage.
 #[derive(Clone, Copy, Debug)]
 pub struct ElectricalRecord<'a> {
     /// Name of the trace, for messages.
@@ -58,7 +59,7 @@ pub struct FiveParameters {
 const NAMES: [(&str, &str); 6] =
     [("R", "Ω"), ("L", "H"), ("Kt", "N·m/A"), ("Ke", "V·s/rad"), ("J", "kg·m²"), ("B", "N·m·s/rad")];
 
-/// Largest RT/L for which Euler's rule means anything; its bias of R and L is half of it.
+/// Largest RT/L for which Euler's rule is usable; the bias of R and L is half of it.
 const COARSE: f64 = 0.5;
 
 /// Estimates (1) by least squares.
@@ -95,10 +96,10 @@ pub fn five_parameters(record: &ElectricalRecord) -> Result<FiveParameters, Erro
 }
 
 impl FiveParameters {
-    /// The constants behind the parameters by (3) and (4).
+    /// The constants computed from the parameters by (3) and (4).
     ///
     /// # Errors
-    /// Parameters whose signs no motor has.
+    /// Parameters with signs that are impossible for a motor.
     pub fn physical(&self, id: &str) -> Result<GreyBox, Error> {
         let [t1, t2, t3, t4, t5] = self.theta;
         let step = self.interval_s;
@@ -163,7 +164,7 @@ mod tests {
         [1.0 - r * t / l, -kt * common, t / l, -(ke * t / l) * (1.0 - b * t / j), common]
     }
 
-    /// Euler's motor driven by white voltage and torque; `noise_a` on the equation of the current.
+    /// Euler model of a motor driven by white voltage and torque, with noise of `noise_a` on the current equation.
     fn record(seed: u64, noise_a: f64) -> [Vec<f64>; 4] {
         let [r, l, kt, ke, j, b] = TRUTH;
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -206,7 +207,7 @@ mod tests {
         let algebra = exact.physical("x").expect("a motor");
         let simulated = found(1, 0.0);
         for (k, truth) in TRUTH.into_iter().enumerate() {
-            // B is a difference of numbers 54 times as large as itself; both to rounding.
+            // B is a difference of numbers 54 times larger; both are exact to rounding.
             assert!((algebra.quantities[k].value / truth - 1.0).abs() < 1e-11, "{:?}", algebra.quantities[k]);
             assert!((simulated.quantities[k].value / truth - 1.0).abs() < 1e-8, "{:?}", simulated.quantities[k]);
         }

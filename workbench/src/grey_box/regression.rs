@@ -1,17 +1,17 @@
-//! Linear regression with instruments and standard deviations that allow for correlated residuals.
+//! Linear regression with instruments; the standard deviations are valid for correlated residuals too.
 //!
 //! ```text
 //! Z = Q R,   θ = (QᵀX)⁻¹ Qᵀ y,   P = (QᵀX)⁻¹ Qᵀ                                   (1)
 //! cov θ = N/(N−n) Σ_|l|≤L (1 − |l|/(L+1)) Σ_t g(t) g(t−l)ᵀ,   g(t) = P_t e(t)     (2)
 //! ```
 //!
-//! With Z = X, (1) is least squares. (2) is the form of Newey and West (1987): filters ahead of the regression spread
-//! each disturbance over about L rows, and the white-noise formula would promise too much. Columns are brought to unit
-//! norm first, so that units do not decide what is dependent.
+//! With Z = X, (1) is least squares. (2) is the form of Newey and West (1987): filters before the regression spread
+//! each disturbance over about L rows, and the white-noise formula would return standard deviations that are too small.
+//! Columns are first scaled to unit norm, so that the test for linear dependence does not depend on units.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Diagonal of R for a unit column below which the column is dependent: rounding leaves 1e-15.
+/// Diagonal of R for a unit column below which the column counts as linearly dependent: rounding leaves 1e-15.
 const DEPENDENT: f64 = 1e-10;
 
 /// θ with its covariance (2).
@@ -40,7 +40,7 @@ pub(super) fn solve(
     };
     let system = (q.transpose() * &x_scaled).qr();
     let projected = q.transpose();
-    // (1); rows of `influence` are those of P.
+    // (1); the rows of `influence` are those of P.
     let mut influence = system.solve(&projected).ok_or(n - 1)?;
     for (mut row, norm) in influence.row_iter_mut().zip(&x_norms) {
         row /= *norm;
@@ -71,7 +71,7 @@ fn independent(scaled: &DMatrix<f64>) -> Result<(), usize> {
     (0..r.ncols()).find(|&k| r[(k, k)].abs() < DEPENDENT).map_or(Ok(()), Err)
 }
 
-/// (2), `scores` being P on entry.
+/// (2); on entry `scores` is P.
 fn covariance(mut scores: DMatrix<f64>, residuals: &DVector<f64>, lags: usize) -> DMatrix<f64> {
     let (n, rows) = scores.shape();
     for (mut column, e) in scores.column_iter_mut().zip(residuals.iter()) {
@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn deviations_hold_under_correlated_noise() {
-        // Mean of an AR(1) with pole 0.8: sd = σ_e/(1 − 0.8)/√N, and the white formula gives a third of it.
+        // Mean of an AR(1) process with pole 0.8: sd = σ_e/(1 − 0.8)/√N; the white-noise formula returns a third of it.
         let (rows, mut rng) = (4000, ChaCha8Rng::seed_from_u64(1));
         let mut noise = 0.0;
         let y = DVector::from_fn(rows, |_, _| {
@@ -123,7 +123,8 @@ mod tests {
         let ones = DMatrix::from_element(rows, 1, 1.0);
         let sd = |lags| solve(&ones, &ones, &y, lags).expect("regular").covariance[(0, 0)].sqrt();
         let truth = 5.0 / (rows as f64).sqrt();
-        // The estimate of a long-run variance scatters by about √(L/N) = 10 % and Bartlett's weights lose about 10 %.
+        // The estimate of a long-run variance scatters by about √(L/N) = 10 %, and Bartlett's weights reduce it by
+        // about 10 %.
         assert!((0.75..1.25).contains(&(sd(40) / truth)), "{}", sd(40) / truth);
         assert!(sd(0) < 0.45 * truth, "white formula: {}", sd(0) / truth);
     }

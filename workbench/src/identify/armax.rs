@@ -1,7 +1,7 @@
-//! ARMAX: `A y = B u1 + C u2 [+ constant] + D ε` (thesis Eq. 2.6, B.2, with y(t) in the residual, which the print lost).
+//! ARMAX: `A y = B u1 + C u2 [+ constant] + D ε` (thesis Eq. 2.6, B.2; the printed residual omits y(t)).
 //!
-//! Least squares → residuals e → least squares on `[φ, e(t−1) … e(t−nd)]` → repeat while the prediction error falls;
-//! then Gauss–Newton on the prediction error.
+//! Least squares → residuals e → least squares on `[φ, e(t−1) … e(t−nd)]` → repeat as long as the prediction error
+//! decreases; then Gauss–Newton on the prediction error.
 //!
 //! ```text
 //! ε = (A y − B u1 − C u2 − constant) / D                               (1)  zero before t₀
@@ -9,7 +9,7 @@
 //! cov θ = σ² (ΨᵀΨ)⁻¹, Ψ the rows of (2)                                (3)  long records
 //! ```
 //!
-//! D is kept inside the unit circle; A may be unstable, the predictor does not need its poles inside.
+//! The roots of D are kept inside the unit circle. A may be unstable, since the predictor is stable if D is.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -20,14 +20,14 @@ use super::{Estimate, Structure, least_squares, ls, reflect_unstable};
 use crate::Error;
 use crate::trace::Trace;
 
-/// Passes of multi-stage least squares at most; it only prepares the start.
+/// Maximum number of passes of multi-stage least squares; they only compute the starting point.
 const PASSES: usize = 10;
 
-/// Estimates by ARMAX with `noise_order` terms in D, by default na but at least one. Where the descent does not end in
-/// a minimum, the lowest point reached is returned, flagged.
+/// Estimates by ARMAX with `noise_order` terms in D; the default is na, but at least one. If the descent does not
+/// converge to a minimum, the point of least prediction error is returned with `converged` false.
 ///
 /// # Errors
-/// As [`least_squares`]; or too few rows for the terms of D.
+/// The errors of [`least_squares`]; also too few rows for the terms of D.
 pub fn armax(trace: &Trace, structure: Structure, noise_order: Option<usize>) -> Result<Estimate, Error> {
     let nd = noise_order.unwrap_or(structure.na as usize).max(usize::from(noise_order.is_none()));
     let first = least_squares(trace, structure)?;
@@ -52,14 +52,15 @@ pub fn armax(trace: &Trace, structure: Structure, noise_order: Option<usize>) ->
     Ok(Finding { theta, cofactor, residuals, noise, converged, iterations, reflected }.estimate(trace, structure))
 }
 
-/// Regression of which D shapes the residual; its parameters are θ and d₁….
+/// Regression whose residual is filtered by 1/D; its parameters are θ and d₁….
 struct Predictor {
     rows: DMatrix<f64>,
     target: DVector<f64>,
 }
 
 impl Predictor {
-    /// The best pass of multi-stage least squares, and how many passes had a D with roots outside.
+    /// The best pass of multi-stage least squares, and the number of passes in which D had roots outside the unit
+    /// circle.
     fn multi_stage(&self, first: &Estimate, nd: usize) -> (DVector<f64>, usize) {
         let n = self.rows.ncols();
         let mut best = first.theta.clone().resize_vertically(n + nd, 0.0);
@@ -84,7 +85,7 @@ impl Predictor {
         (best, reflected)
     }
 
-    /// (1)
+    /// ε by (1).
     fn residuals(&self, theta: &DVector<f64>) -> DVector<f64> {
         let n = self.rows.ncols();
         let mut residuals = &self.target - &self.rows * theta.rows(0, n);
@@ -105,7 +106,7 @@ impl Model for Predictor {
     }
 }
 
-/// D of the parameters behind the first n.
+/// D from the parameters after the first n.
 fn shaping(theta: &DVector<f64>, n: usize) -> Vec<f64> {
     [&[1.0], &theta.as_slice()[n..]].concat()
 }

@@ -1,4 +1,4 @@
-//! Regressor rows and the filters that estimators send them through. Filters start from zero.
+//! Regressor rows and the filters that estimators apply to them. Filters start from zero.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -6,7 +6,7 @@ use super::kernel::filter::recur;
 use super::{Structure, Terms, reflect_unstable, simulate};
 use crate::trace::Trace;
 
-/// Regressor rows `start` … N−1 with `output` in the place of y: −y(t−1)…, u1(t−nkb)…, u2(t−nkc)…, 1. Signals are zero
+/// Regressor rows `start` … N−1 with `output` in place of y: −y(t−1)…, u1(t−nkb)…, u2(t−nkc)…, 1. Signals are zero
 /// before the first sample.
 pub(super) fn regressors(structure: Structure, start: usize, output: &[f64], u1: &[f64], u2: &[f64]) -> DMatrix<f64> {
     let Structure { na, nb, nc, nkb, nkc, .. } = structure;
@@ -22,7 +22,7 @@ pub(super) fn regressors(structure: Structure, start: usize, output: &[f64], u1:
     x
 }
 
-/// Regression of measured and of simulated rows, both filtered by 1/A.
+/// Regressions of the measured and of the simulated output, both filtered by 1/A.
 pub(super) struct Prefiltered {
     /// Rows of the measured output, Φ/A.
     pub measured: DMatrix<f64>,
@@ -36,10 +36,11 @@ pub(super) struct Prefiltered {
     pub reflected: bool,
 }
 
-/// Filters by 1/A of `theta` (poles reflected where unstable) and keeps rows t₀ ….
+/// Filters by 1/A of `theta` (unstable poles are reflected) and keeps rows t₀ ….
 ///
-/// Without a constant term the filters start with the record, as the simulation does; with one they start at t₀, where
-/// the simulation leaves the measured outputs. Either way y/A − (Φ/A) θ is the output error.
+/// Without a constant term the filters start at the first sample, as the simulation does. With a constant term they
+/// start at t₀, because up to there the simulation equals the measured output. In both cases y/A − (Φ/A) θ is the
+/// output error.
 pub(super) fn prefilter(trace: &Trace, structure: Structure, theta: &[f64]) -> Prefiltered {
     let t0 = structure.depth();
     let start = if structure.offset { t0 } else { 0 };
@@ -54,7 +55,7 @@ pub(super) fn prefilter(trace: &Trace, structure: Structure, theta: &[f64]) -> P
     };
     let measured = filtered(&trace.y, structure.parameters());
     let mut simulated = filtered(&output, na);
-    // Only the columns of the output differ.
+    // The columns of the inputs and the constant are the same in both.
     for k in na..structure.parameters() {
         simulated.set_column(k, &measured.column(k));
     }

@@ -5,7 +5,7 @@
 //! cov θ = σ² (JᵀJ)⁻¹                                                                      (2)
 //! ```
 //!
-//! λ starts at none. J is triangularised once a step; each λ then costs a factorisation of 2n rows.
+//! λ starts at zero. J is triangularised once per step; each λ then costs a factorisation of 2n rows.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -14,11 +14,11 @@ use super::ls;
 use super::result::negligible;
 
 const STEPS: usize = 100;
-/// Damping below which none is used.
+/// Damping below this value is set to zero.
 const LEAST_DAMPING: f64 = 1e-7;
 const MOST_DAMPING: f64 = 1e8;
 
-/// Where the iteration ended.
+/// Final point of the iteration.
 pub(super) struct Minimum {
     pub theta: DVector<f64>,
     pub residuals: DVector<f64>,
@@ -28,13 +28,13 @@ pub(super) struct Minimum {
     pub iterations: usize,
 }
 
-/// A model as the minimiser sees it.
+/// A model as required by the minimiser.
 pub(super) trait Model {
-    /// ε and J; nothing where θ is not allowed, or the signals overflow.
+    /// ε and J; `None` if θ is not allowed or the signals overflow.
     fn linearise(&self, theta: &DVector<f64>) -> Option<(DVector<f64>, DMatrix<f64>)>;
 }
 
-/// Descends from `theta`; nothing where the model is not allowed there.
+/// Minimises from `theta`; returns `None` if the model is not allowed at `theta`.
 pub(super) fn minimise(model: &impl Model, mut theta: DVector<f64>) -> Option<Minimum> {
     let (mut residuals, jacobian) = model.linearise(&theta)?;
     let mut system = Triangle::new(&residuals, jacobian);
@@ -43,15 +43,15 @@ pub(super) fn minimise(model: &impl Model, mut theta: DVector<f64>) -> Option<Mi
         let variance = residuals.norm_squared() / residuals.len() as f64;
         if let Some(step) = system.step(0.0) {
             let deviations = system.cofactor().diagonal().map(|q| (q * variance).sqrt());
-            // The undamped step tells how far the minimum is; its last tenth of a millionth is left.
+            // The undamped step estimates the distance to the minimum; the limit is 1e-6 standard deviations.
             converged = negligible(&step, &(deviations * 10.0), &theta);
         }
-        // Of an exact model only rounding is left.
+        // If the model is exact, only rounding errors remain.
         converged |= residuals.norm() <= 1e-12 * system.size(&theta);
         if converged {
             break;
         }
-        // Rounding alone may lift the sum by this share.
+        // Rounding alone may increase the sum by this fraction.
         let limit = residuals.norm_squared() * (1.0 + 1e-12);
         let next = loop {
             let tried = system.step(damping).and_then(|step| {
@@ -91,7 +91,7 @@ impl Triangle {
         Self { r: qr.unpack_r(), rotated: rotated.rows(0, n).into_owned(), norms }
     }
 
-    /// d of (1); nothing where J is singular and undamped.
+    /// d of (1); `None` if J is singular and undamped.
     fn step(&self, damping: f64) -> Option<DVector<f64>> {
         let n = self.norms.len();
         let mut step = if damping == 0.0 {
@@ -113,7 +113,7 @@ impl Triangle {
         step.iter().all(|d| d.is_finite()).then_some(step)
     }
 
-    /// Σ |θₖ| ‖Jₖ‖, the size of what the model adds up.
+    /// Σ |θₖ| ‖Jₖ‖, the magnitude of the summed terms of the model.
     fn size(&self, theta: &DVector<f64>) -> f64 {
         theta.iter().zip(&self.norms).map(|(theta, norm)| theta.abs() * norm).sum()
     }
@@ -122,7 +122,7 @@ impl Triangle {
         self.r.diagonal().iter().any(|d| d.is_nan() || d.abs() < DEPENDENT)
     }
 
-    /// (2); infinite where J is singular.
+    /// (2); infinite if J is singular.
     fn cofactor(&self) -> DMatrix<f64> {
         let n = self.norms.len();
         let inverse = (!self.is_singular()).then(|| self.r.solve_upper_triangular(&DMatrix::identity(n, n))).flatten();

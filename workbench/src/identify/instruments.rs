@@ -1,31 +1,31 @@
-//! The system of instrumental variables, from orthogonally triangularised instruments.
+//! The linear system of instrumental variables, from orthogonally triangularised instruments.
 //!
 //! ```text
-//! Z = [shared columns, own columns] = Q R      (1)  Z alone is triangularised;
-//! [Z, X's own columns, y] → Qᵀ[…]              (2)  the rest is carried along
+//! Z = [shared columns, own columns] = Q R      (1)  only Z is triangularised
+//! [Z, X's own columns, y] → Qᵀ[…]              (2)  the same reflections are applied to the other columns
 //! (QᵀX) θ = Qᵀy                                (3)
 //! (ZᵀX)⁻¹ ZᵀZ (XᵀZ)⁻¹ = (QᵀX)⁻¹ (XᵀQ)⁻¹        (4)
 //! ```
 //!
-//! X and Z share the columns of the inputs and the constant, so that these need no second pass. X orders its parameters
-//! a, b, c, constant: the columns that differ from Z's come first.
+//! X and Z share the columns of the inputs and the constant, so these columns are transformed only once. The parameters
+//! of X are ordered a, b, c, constant: the columns that differ from those of Z come first.
 
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 use super::kernel::triangle::Triangle;
 
-/// The left side of (3), factored, and its right side.
+/// The left side of (3), factored, and the right side.
 pub(super) struct System {
     lu: LU<f64, Dyn, Dyn>,
     rotated: DVector<f64>,
 }
 
 impl System {
-    /// Reads (3) off (2), where `own` columns differ; if `negative`, these hold the signals with + sign where the model
-    /// has −.
+    /// Builds (3) from (2); the first `own` columns of X and Z differ. If `negative`, these columns hold the signals
+    /// with + sign, although the model has −.
     ///
     /// # Errors
-    /// The parameter of the first column of Z that depends on those before it.
+    /// The index of the first parameter whose column of Z depends linearly on the columns before it.
     pub(super) fn new(triangle: &Triangle, own: usize, negative: bool) -> Result<Self, usize> {
         let n = triangle.rows();
         if let Some(column) = triangle.dependent() {
@@ -52,7 +52,7 @@ impl System {
     }
 }
 
-/// (1) and (2) of one record.
+/// (1) and (2) for one record.
 pub(super) fn rotate(shared: &[&[f64]], own: &[&[f64]], measured: &[&[f64]], y: &[f64]) -> Triangle {
     let n = shared.len() + own.len();
     let mut triangle = Triangle::new(n, n + measured.len() + 1);

@@ -1,12 +1,12 @@
-//! Basic instrumental variables (thesis Eq. 2.22): least squares, then in every pass instruments Z with y replaced by
-//! the output that the last model simulates, `θ = (ZᵀX)⁻¹ ZᵀY`.
+//! Basic instrumental variables (thesis Eq. 2.22): least squares first; then each pass computes `θ = (ZᵀX)⁻¹ ZᵀY` with
+//! instruments Z, in which y is replaced by the output that the previous model simulates.
 //!
 //! ```text
 //! cov θ = s² (ZᵀX)⁻¹ WᵀW (XᵀZ)⁻¹,  w(t) = Σ hₖ z(t+k)        (1)  residual = H(q) white of variance s²
 //! ```
 //!
-//! The residual is coloured unless the equation error is white; (1) is right for any H, here 1/AR of the residuals. It
-//! holds for long records.
+//! The residual is coloured unless the equation error is white. (1) is valid for any H; here H is 1/AR, with the AR
+//! model of the residuals. (1) is asymptotic: it holds for long records.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -20,14 +20,14 @@ use super::{Estimate, Structure, Terms, ls, reflect_unstable, simulate};
 use crate::Error;
 use crate::trace::Trace;
 
-/// Structure of the AR model in (1): long enough for a moving average whose zeros are slow poles.
+/// Order of the AR model in (1): sufficient to approximate a moving average whose zeros are slow poles.
 const COLOUR_ORDER: usize = 25;
 
-/// Estimates by basic instrumental variables; more than three passes change nothing that matters. Where a later pass
-/// cannot be solved, the last good one is returned, flagged.
+/// Estimates by basic instrumental variables; more than three passes rarely change the result. If a later pass cannot
+/// be solved, the result of the last solved pass is returned with `converged` false.
 ///
 /// # Errors
-/// As [`least_squares`](super::least_squares); or instruments that do not determine the parameters.
+/// The errors of [`least_squares`](super::least_squares); also instruments that do not determine the parameters.
 pub fn instrumental_variables(trace: &Trace, structure: Structure, passes: usize) -> Result<Estimate, Error> {
     let mut theta = ls::parameters(trace, structure)?;
     let mut reflected = 0;
@@ -59,7 +59,7 @@ pub fn instrumental_variables(trace: &Trace, structure: Structure, passes: usize
     Ok(Finding { theta, cofactor, residuals, noise, converged, iterations, reflected }.estimate(trace, structure))
 }
 
-/// One pass of the basic method from another model, where it can be solved.
+/// One pass of the basic method, starting from another model; `None` if it cannot be solved.
 pub(super) fn next_pass(trace: &Trace, structure: Structure, theta: &DVector<f64>) -> Option<DVector<f64>> {
     let instruments = simulate(trace, structure, theta.as_slice());
     pass_from(trace, structure, &instruments).ok().map(|solution| solution.theta)
@@ -69,7 +69,7 @@ pub(super) fn is_stable(structure: Structure, theta: &[f64]) -> bool {
     stable(&structure.polynomials(theta).0[0])
 }
 
-/// IV with Z the regressors of the instruments; the error is the first dependent column of Z.
+/// IV with Z the regressors of the instruments; the error is the first linearly dependent column of Z.
 fn pass_from(trace: &Trace, structure: Structure, instruments: &[f64]) -> Result<ls::Solution, usize> {
     let (t0, na) = (structure.depth(), structure.na);
     let constant = constant(structure, 1.0, trace.y.len());
@@ -78,8 +78,8 @@ fn pass_from(trace: &Trace, structure: Structure, instruments: &[f64]) -> Result
     solve(&columns, &own, na.into(), &trace.y[t0..])
 }
 
-/// IV where X and Z differ in their first columns, `own` of Z; the first `negative` enter the model with − sign. The
-/// error is the first column of Z that depends on those before it.
+/// IV if X and Z differ in their first columns, which are `own` in Z; the first `negative` columns have − sign in the
+/// model. The error is the first column of Z that depends linearly on the columns before it.
 fn solve(x: &[&[f64]], own: &[&[f64]], negative: usize, y: &[f64]) -> Result<ls::Solution, usize> {
     let (measured, shared) = x.split_at(own.len());
     let system = System::new(&rotate(shared, own, measured, y), own.len(), negative > 0)?;
@@ -90,7 +90,7 @@ fn solve(x: &[&[f64]], own: &[&[f64]], negative: usize, y: &[f64]) -> Result<ls:
     Ok(ls::Solution { cofactor: &inverse * inverse.transpose(), theta, residuals })
 }
 
-/// IV of matrices that differ in their first `own` columns.
+/// IV for matrices that differ in their first `own` columns.
 pub(super) fn solve_matrices(
     x: &DMatrix<f64>,
     z: &DMatrix<f64>,
@@ -100,7 +100,7 @@ pub(super) fn solve_matrices(
     solve(&ls::columns(x), &ls::columns(z)[..own], 0, y.as_slice())
 }
 
-/// The cofactor of (1) in units of the residual's variance; nothing where the residual is too short to model.
+/// The cofactor of (1) in units of the variance of the residual; `None` if the residual is too short for an AR model.
 fn coloured_cofactor(x: &DMatrix<f64>, z: DMatrix<f64>, residuals: &DVector<f64>) -> Option<DMatrix<f64>> {
     let rows = residuals.len();
     let order = COLOUR_ORDER.min(rows / 20);
@@ -114,7 +114,7 @@ fn coloured_cofactor(x: &DMatrix<f64>, z: DMatrix<f64>, residuals: &DVector<f64>
     let inverse = (q.transpose() * x).try_inverse()?;
     let mut later = q;
     for mut column in later.column_iter_mut() {
-        // Backwards in time: a filter that looks ahead.
+        // Filtered in reversed time: a non-causal filter.
         column.as_mut_slice().reverse();
         all_pole(&shaping, column.as_mut_slice());
     }

@@ -1,4 +1,4 @@
-//! The four-stage instrumental-variable method (thesis §2.1.2, B.1), which the source used for every result.
+//! The four-stage instrumental-variable method (thesis §2.1.2, B.1), used for all results of the source.
 //!
 //! Least squares → IV with instruments simulated by that model → AR(n) model L(q) of the residuals
 //! `A y − B u1 − C u2` → y, u1, u2 and instruments simulated by the IV model, all filtered by L → IV again.
@@ -7,8 +7,8 @@
 //! cov θ = σ² (ZᵀX)⁻¹ ZᵀZ (XᵀZ)⁻¹ on the filtered data        (1)  long records
 //! ```
 //!
-//! All sums start at t₀; filters start from zero. With several traces all sums run over all of them, while filters and
-//! simulations start anew in each.
+//! All sums start at t₀; filters start from zero. With several traces each sum runs over all traces; filters and
+//! simulations restart at the beginning of each trace.
 
 use nalgebra::DVector;
 
@@ -26,7 +26,7 @@ use crate::trace::Trace;
 /// Estimates by iv4.
 ///
 /// # Errors
-/// As [`least_squares`](super::least_squares); or instruments that do not determine the parameters.
+/// The errors of [`least_squares`](super::least_squares); also instruments that do not determine the parameters.
 pub fn iv4(trace: &Trace, structure: Structure) -> Result<Estimate, Error> {
     let first = ls::parameters(trace, structure)?;
     let mut scratch = Scratch::default();
@@ -46,12 +46,12 @@ pub fn iv4(trace: &Trace, structure: Structure) -> Result<Estimate, Error> {
 
 const REGULAR: &str = "the residuals are too few or too regular for a noise model";
 
-/// Why there is no iv4 estimate.
+/// Reason why iv4 has no estimate.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Failure {
-    /// The instruments do not determine the parameters, this one first.
+    /// The instruments do not determine the parameters; index of the first.
     Undetermined(usize),
-    /// No noise model fits the residuals.
+    /// No AR model can be fitted to the residuals.
     Regular,
 }
 
@@ -64,18 +64,18 @@ impl std::fmt::Display for Failure {
     }
 }
 
-/// What the stages give.
+/// Results of the stages.
 pub(crate) struct Stages {
     /// Parameters of the second stage.
     second: Vec<f64>,
-    /// L, from its leading 1.
+    /// Coefficients of L, including the leading 1.
     shaping: Vec<f64>,
-    /// The last stage.
+    /// The linear system of the last stage.
     system: System,
     pub(crate) theta: DVector<f64>,
 }
 
-/// Memory of [`four_stage`], by trace.
+/// Working memory of [`four_stage`], one entry per trace.
 #[derive(Debug, Default)]
 pub(crate) struct Scratch {
     triangle: Triangle,
@@ -85,14 +85,14 @@ pub(crate) struct Scratch {
     instruments: Vec<Vec<f64>>,
     constant: Vec<f64>,
     work: Vec<f64>,
-    /// Residuals of the last stage, from t₀ on.
+    /// Residuals of the last stage, from t₀.
     pub(crate) residuals: Vec<Vec<f64>>,
 }
 
-/// Stages two to four, from the least-squares parameters.
+/// Stages two to four, starting from the least-squares parameters.
 ///
 /// # Errors
-/// Instruments that do not determine the parameters, or residuals that no noise model fits.
+/// Instruments that do not determine the parameters, or residuals to which no noise model can be fitted.
 pub(crate) fn four_stage(
     traces: &[Trace],
     structure: Structure,
@@ -139,7 +139,7 @@ pub(crate) fn four_stage(
     Ok(Stages { second: second.as_slice().to_vec(), shaping, system, theta })
 }
 
-/// One stage of IV: Z has the lags of the instruments in the place of those of y.
+/// One stage of IV: Z has the lags of the instruments in place of those of y.
 fn stage(
     signals: &[Signals],
     structure: Structure,
@@ -151,7 +151,7 @@ fn stage(
     triangle.reset(n, n + usize::from(na) + 1);
     for (signals, instruments) in signals.iter().zip(instruments) {
         let mut columns = signals.columns(structure);
-        // The lags of y are carried along behind those of Z.
+        // The lags of y follow those of Z; they are transformed but not eliminated.
         columns.rotate_left(na.into());
         columns.splice(n - usize::from(na)..n - usize::from(na), lags(instruments, t0, 1, na));
         columns.push(&signals.y[t0..]);
@@ -162,7 +162,8 @@ fn stage(
     Ok((system, theta))
 }
 
-/// `1 + l₁ q⁻¹ + … + l_n q⁻ⁿ` that whitens the noise, by least squares from each record's n-th sample on.
+/// AR polynomial `1 + l₁ q⁻¹ + … + l_n q⁻ⁿ` that whitens the noise, by least squares from the n-th sample of each
+/// record.
 pub(super) fn autoregression(noise: &[&[f64]], n: usize) -> Option<Vec<f64>> {
     let mut triangle = Triangle::new(n, n + 1);
     let mut block = Vec::new();

@@ -1,4 +1,4 @@
-//! Least squares (thesis Eq. 2.17–2.19) by orthogonal triangularisation; no normal equations.
+//! Least squares (thesis Eq. 2.17–2.19) by orthogonal triangularisation, without normal equations.
 //!
 //! ```text
 //! [X y] = Q [R q; 0 ·],   R θ = q,   cov θ = σ² (XᵀX)⁻¹ = σ² R⁻¹ R⁻ᵀ
@@ -34,7 +34,7 @@ pub fn least_squares(trace: &Trace, structure: Structure) -> Result<Estimate, Er
     Ok(finding.estimate(trace, structure))
 }
 
-/// The parameters of [`least_squares`] alone.
+/// Returns only the parameters of [`least_squares`].
 pub(super) fn parameters(trace: &Trace, structure: Structure) -> Result<DVector<f64>, Error> {
     let constant = constant(structure, 1.0, trace.y.len());
     Ok(factor(trace, structure, &Signals::of(trace, &constant))?.theta)
@@ -46,7 +46,7 @@ fn factor(trace: &Trace, structure: Structure, signals: &Signals) -> Result<Fact
     factor.map_err(|Dependent { column, partners }| unexcited(structure, trace, column, &partners))
 }
 
-/// Parameters of one regression.
+/// Solution of one regression.
 pub(super) struct Solution {
     pub theta: DVector<f64>,
     /// Covariance without σ²: (XᵀX)⁻¹, or the sandwich form of instrumental variables.
@@ -54,7 +54,7 @@ pub(super) struct Solution {
     pub residuals: DVector<f64>,
 }
 
-/// Solves min ‖target − Xθ‖; nothing where a column depends on those before it.
+/// Solves min ‖target − Xθ‖; returns `None` if a column depends linearly on the columns before it.
 pub(super) fn solve(x: &DMatrix<f64>, target: &DVector<f64>) -> Option<Solution> {
     let columns = columns(x);
     let mut residuals = target.clone();
@@ -76,14 +76,14 @@ struct Factor {
     theta: DVector<f64>,
 }
 
-/// The first column that depends on those before it, and of which of them it is made.
+/// The first linearly dependent column, and the earlier columns of which it is a combination.
 struct Dependent {
     column: usize,
     partners: Vec<usize>,
 }
 
 impl Factor {
-    /// Factors the columns beside the target; the first `negative` enter the model with − sign.
+    /// Factors the columns together with the target; the first `negative` columns have − sign in the model.
     fn new<'a>(mut columns: Vec<&'a [f64]>, negative: usize, target: &'a [f64]) -> Result<Self, Dependent> {
         let n = columns.len();
         columns.push(target);
@@ -110,17 +110,17 @@ impl Factor {
     }
 }
 
-/// The earlier columns of which a dependent column is made.
+/// The earlier columns of which a dependent column is a linear combination.
 fn partners(triangle: &Triangle, dependent: usize) -> Vec<usize> {
     let norm = |k: usize| dot(&triangle.column(k)[..=k], &triangle.column(k)[..=k]).sqrt();
     let mut shares = triangle.column(dependent)[..dependent].to_vec();
     triangle.substitute(&mut shares);
-    // A share of rounding, amplified by near-dependence among the earlier columns, stays below this.
+    // Rounding errors, amplified by near-dependence among the earlier columns, stay below this limit.
     let least = 1e-6 * norm(dependent);
     (0..dependent).filter(|&k| (shares[k] * norm(k)).abs() > least).collect()
 }
 
-/// The cofactor of parameters that the data do not determine.
+/// The cofactor of parameters that the data do not determine: infinite.
 pub(super) fn unknown(n: usize) -> DMatrix<f64> {
     DMatrix::from_diagonal_element(n, n, f64::INFINITY)
 }

@@ -1,7 +1,7 @@
 //! Batch identification of `A(q) y = B(q) u1 + C(q) u2 [+ constant] + e` in double precision.
 //!
-//! Parameters are ordered a₁…, b₁…, c₁…, constant; `a` stands with + on the left (thesis Eq. 2.4). Sums start at
-//! t₀ = [`Structure::depth`], where the first complete regressor is.
+//! Parameters are ordered a₁…, b₁…, c₁…, constant; the terms of `a` have + sign on the left side (thesis Eq. 2.4). Sums
+//! start at t₀ = [`Structure::depth`], the first sample with a complete regressor.
 
 mod armax;
 pub(crate) mod filters;
@@ -51,12 +51,12 @@ pub enum Method {
     Armax,
 }
 
-/// What only some methods ask for.
+/// Options that apply only to some methods.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
     /// Passes of basic instrumental variables.
     pub passes: usize,
-    /// Terms of ARMAX's noise polynomial; nothing means na, at least one.
+    /// Number of terms of ARMAX's noise polynomial; `None` means na, but at least one.
     pub noise_order: Option<usize>,
 }
 
@@ -69,7 +69,7 @@ impl Default for Options {
 /// Estimates one trace with default [`Options`].
 ///
 /// # Errors
-/// Fewer rows than parameters, or columns that the signals do not excite. An iteration that does not converge is no
+/// Fewer rows than parameters, or columns that the signals do not excite. An iteration that does not converge is not an
 /// error: see [`Convergence`].
 pub fn estimate(trace: &Trace, structure: Structure, method: Method) -> Result<Estimate, Error> {
     estimate_with(trace, structure, method, Options::default())
@@ -78,7 +78,7 @@ pub fn estimate(trace: &Trace, structure: Structure, method: Method) -> Result<E
 /// Estimates one trace.
 ///
 /// # Errors
-/// As [`estimate`].
+/// The errors of [`estimate`].
 pub fn estimate_with(trace: &Trace, structure: Structure, method: Method, options: Options) -> Result<Estimate, Error> {
     match method {
         Method::Ls => least_squares(trace, structure),
@@ -96,7 +96,8 @@ pub trait Terms {
     /// Names of the parameters: a1…, b1…, c1…, offset.
     fn names(&self) -> Vec<String>;
 
-    /// A, B, C of a parameter vector: A monic from q⁰, B and C with their delays as leading zeros; and the constant.
+    /// A, B and C of a parameter vector, and the constant. A is monic from q⁰; B and C have their delays as leading
+    /// zeros.
     fn polynomials(&self, theta: &[f64]) -> ([Vec<f64>; 3], f64);
 }
 
@@ -117,7 +118,7 @@ impl Terms for Structure {
     }
 }
 
-/// First usable row t₀ of a record, if there are more rows than parameters.
+/// Returns the first usable row t₀ of a record.
 fn first_row(structure: Structure, trace: &Trace) -> Result<usize, Error> {
     let (t0, n, samples) = (structure.depth(), structure.parameters(), trace.y.len());
     if structure.terms() == 0 {
@@ -134,7 +135,7 @@ fn first_row(structure: Structure, trace: &Trace) -> Result<usize, Error> {
     Ok(t0)
 }
 
-/// The parameter whose column is, to rounding, a combination of the `partners` before it, or zero.
+/// Error for the parameter whose column is zero or, within rounding, a linear combination of the `partners` before it.
 fn unexcited(structure: Structure, trace: &Trace, column: usize, partners: &[usize]) -> Error {
     let names = structure.names();
     let reason = match partners {
@@ -152,7 +153,7 @@ fn unexcited(structure: Structure, trace: &Trace, column: usize, partners: &[usi
 /// Parses `2,2,2,1,1`.
 ///
 /// # Errors
-/// Says what an order looks like.
+/// A message that describes the format.
 pub fn parse_order(text: &str) -> Result<Structure, String> {
     let wrong = || format!("\"{text}\" is no order; write na,nb,nc,nkb,nkc, e.g. 2,2,2,1,1");
     let trimmed = text.trim().trim_start_matches('[').trim_end_matches(']');

@@ -1,4 +1,4 @@
-//! The least output error: θ that minimises Σ (y − ŷ)² with ŷ simulated from the inputs alone.
+//! Least output error: θ that minimises Σ (y − ŷ)² with ŷ simulated from the inputs alone.
 //!
 //! ```text
 //! ŷ = (B u1 + C u2 [+ constant]) / A,   ε = y − ŷ                      (1)
@@ -6,8 +6,8 @@
 //! cov θ = σ² (ΨᵀΨ)⁻¹, Ψ the rows of (2)                                (3)  white output noise, long records
 //! ```
 //!
-//! Both inputs share A. Unstable models are not allowed on the way. The sum may have several minima: the descent starts
-//! from Steiglitz–McBride and from refined instrumental variables, and the lower end is returned.
+//! Both inputs share A. Unstable models are rejected during the descent. The sum may have several minima: the descent
+//! starts from Steiglitz–McBride and from refined instrumental variables, and the better result is returned.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -19,11 +19,11 @@ use super::{Estimate, Structure, Terms, sriv, steiglitz_mcbride};
 use crate::Error;
 use crate::trace::Trace;
 
-/// Estimates by least output error. Where the descent does not end in a minimum inside the stable models, the lowest
-/// point reached is returned, flagged.
+/// Estimates by least output error. If the descent does not converge to a minimum among the stable models, the point of
+/// least output error is returned with `converged` false.
 ///
 /// # Errors
-/// As [`least_squares`](super::least_squares).
+/// The errors of [`least_squares`](super::least_squares).
 pub fn output_error(trace: &Trace, structure: Structure) -> Result<Estimate, Error> {
     let model = Simulated { trace, structure };
     let fixed_point = steiglitz_mcbride(trace, structure)?;

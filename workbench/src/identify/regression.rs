@@ -1,22 +1,22 @@
-//! Signals enter, the columns of their regressor leave as views of the signals: no matrix is built.
+//! The columns of the regressor as slices of the signals; no matrix is built.
 //!
 //! ```text
 //! y(t) = Σ θₖ φₖ(t) + e(t),   φ = −y(t−1)…, u1(t−nkb)…, u2(t−nkc)…, 1,   rows t₀ … N−1
 //! ```
 //!
-//! Views of y hold +y(t−k); the sign of the model is applied to the result.
+//! The columns of y hold +y(t−k); the negative sign of the model is applied to the result.
 
 use super::Structure;
 use super::kernel::filter::add_columns;
 use crate::trace::Trace;
 
-/// Signals of one length, measured or filtered.
+/// Signals of equal length, measured or filtered.
 #[derive(Clone, Copy)]
 pub(super) struct Signals<'a> {
     pub y: &'a [f64],
     pub u1: &'a [f64],
     pub u2: &'a [f64],
-    /// The constant column, at least as long as the rows; not read by structures without a constant term.
+    /// The constant column, at least as long as the number of rows; not read by structures without a constant term.
     pub constant: &'a [f64],
 }
 
@@ -39,7 +39,7 @@ impl<'a> Signals<'a> {
         columns
     }
 
-    /// `A y − B u1 − C u2 − constant` of rows t₀ … N−1.
+    /// `A y − B u1 − C u2 − constant` for rows t₀ … N−1.
     pub(super) fn residuals(&self, structure: Structure, theta: &[f64], residuals: &mut Vec<f64>) {
         let na = usize::from(structure.na);
         residuals.clear();
@@ -53,13 +53,13 @@ pub(super) fn lags(x: &[f64], t0: usize, first: usize, count: u8) -> impl Iterat
     (first..first + usize::from(count)).map(move |lag| &x[t0 - lag..x.len() - lag])
 }
 
-/// Subtracts the columns times θ; the first `negative` columns enter the model with − sign.
+/// Subtracts the columns times θ from `target`; the first `negative` columns have − sign in the model.
 pub(super) fn subtract(columns: &[&[f64]], negative: usize, theta: &[f64], target: &mut [f64]) {
     let weights: Vec<f64> = theta.iter().enumerate().map(|(k, &p)| if k < negative { p } else { -p }).collect();
     add_columns(&weights, columns, target);
 }
 
-/// A constant column of a structure that has one; empty otherwise.
+/// The constant column if the structure has a constant term; empty otherwise.
 pub(super) fn constant(structure: Structure, value: f64, samples: usize) -> Vec<f64> {
     if structure.offset { vec![value; samples] } else { Vec::new() }
 }

@@ -1,13 +1,13 @@
-//! What every estimator hands on: parameters with their covariance, residuals, two fits kept apart, convergence.
+//! The result of every estimator: parameters with covariance, residuals, two separate fits, convergence.
 //!
 //! ```text
 //! σ² = Σ ε²/(rows − n)                          (1)  thesis Eq. 2.18; n counts the noise terms of ARMAX too
-//! simulation fit: ŷ from the inputs alone       (2)  thesis Eq. 3.2, what "focus = simulation" judges
-//! prediction fit: ŷ = y − ε, one step ahead     (3)  flatters: a slow output predicts itself
+//! simulation fit: ŷ from the inputs alone       (2)  thesis Eq. 3.2, the criterion of "focus = simulation"
+//! prediction fit: ŷ = y − ε, one step ahead     (3)  usually higher: a slow output is easy to predict
 //! ```
 //!
 //! ε are the one-step prediction errors of the noise model that the method assumes ([`Noise`]). Other tools report (3)
-//! by default, which is why the two are never called just "fit" here.
+//! by default; therefore neither of the two is called just "fit" here.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -17,15 +17,15 @@ use super::simulate::fit_of_error;
 use super::{Structure, Terms, fit_percent, poles, simulate};
 use crate::trace::Trace;
 
-/// Parameters with what is known about them.
+/// Parameters with their uncertainty and fits.
 #[derive(Clone, Debug)]
 pub struct Estimate {
     /// Structure of `theta`.
     pub structure: Structure,
     /// a₁…, b₁…, c₁…, constant.
     pub theta: DVector<f64>,
-    /// Covariance of `theta` under the noise that the method assumes. Exact in the limit of long records only, for
-    /// every method; each estimator's page has its formula.
+    /// Covariance of `theta` under the noise that the method assumes. For every method it is exact only in the limit of
+    /// long records; the page of each estimator has its formula.
     pub covariance: DMatrix<f64>,
     /// Residual variance σ² with N − n degrees of freedom (Eq. 2.18).
     pub variance: f64,
@@ -33,26 +33,27 @@ pub struct Estimate {
     pub rows: usize,
     /// Eq. 3.2 on the simulated output (2).
     pub fit_percent: f64,
-    /// One-step prediction errors ε from t₀ on, under `noise`.
+    /// One-step prediction errors ε from t₀, under `noise`.
     pub residuals: Vec<f64>,
-    /// Eq. 3.2 on the one-step prediction (3), rows t₀ on.
+    /// Eq. 3.2 of the one-step prediction (3), rows from t₀.
     pub prediction_fit_percent: f64,
-    /// How the method takes the noise to enter.
+    /// The noise model that the method assumes.
     pub noise: Noise,
-    /// Whether and how the iteration ended.
+    /// Whether and how the iteration converged.
     pub convergence: Convergence,
 }
 
-/// Where white ε enters `A y = B u1 + C u2 [+ constant] + …`.
+/// How white noise ε enters `A y = B u1 + C u2 [+ constant] + …`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Noise {
     /// `… + ε`: white equation error (ls, iv).
     Equation,
-    /// `… + ε/L`: autoregressive equation error (iv4); L from its leading 1.
+    /// `… + ε/L`: autoregressive equation error (iv4); coefficients of L, including the leading 1.
     Autoregressive(Vec<f64>),
-    /// `… + A ε`: white output noise (sriv, sm, oe). Simulation and prediction are then the same.
+    /// `… + A ε`: white output noise (sriv, sm, oe). Simulation and prediction are then equal.
     Output,
-    /// `… + D ε`: moving-average equation error (armax); D from its leading 1, with the standard deviations of d₁….
+    /// `… + D ε`: moving-average equation error (armax); coefficients of D, including the leading 1, and the standard
+    /// deviations of d₁….
     MovingAverage {
         /// 1, d₁, ….
         terms: Vec<f64>,
@@ -64,23 +65,23 @@ pub enum Noise {
 /// How an iteration ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Convergence {
-    /// Whether the last step was negligible against the standard deviations; methods of a fixed number of passes
-    /// say true when every pass could be solved. Where false, `theta` is the last good iterate.
+    /// Whether the last step was negligible compared with the standard deviations. For methods with a fixed number of
+    /// passes: whether every pass could be solved. If false, `theta` is the last valid iterate.
     pub converged: bool,
-    /// Passes or steps made.
+    /// Number of passes or steps.
     pub iterations: usize,
-    /// Passes whose auxiliary model was unstable, so that its poles were reflected into the unit circle.
+    /// Number of passes whose auxiliary model was unstable, so that its poles were reflected into the unit circle.
     pub reflected: usize,
     /// Whether the estimated model itself is stable.
     pub stable: bool,
 }
 
-/// What an estimator found, before it is an [`Estimate`].
+/// Result of an estimator before it is converted to an [`Estimate`].
 pub(super) struct Finding {
     pub theta: DVector<f64>,
     /// Covariance without σ².
     pub cofactor: DMatrix<f64>,
-    /// ε of rows t₀ ….
+    /// ε of the rows from t₀.
     pub residuals: DVector<f64>,
     pub noise: Noise,
     pub converged: bool,
@@ -89,7 +90,7 @@ pub(super) struct Finding {
 }
 
 impl Finding {
-    /// With σ² (1) and the fits (2), (3).
+    /// Adds σ² (1) and the fits (2), (3).
     pub(super) fn estimate(self, trace: &Trace, structure: Structure) -> Estimate {
         let Self { theta, cofactor, residuals, mut noise, converged, iterations, reflected } = self;
         let rows = residuals.len();
@@ -123,7 +124,7 @@ impl Finding {
 }
 
 impl Estimate {
-    /// A model known from elsewhere, with its uncertainty; it has no rows, residuals or fits.
+    /// A model given from elsewhere, with its uncertainty; it has no rows, residuals or fits.
     #[must_use]
     pub fn given(structure: Structure, theta: DVector<f64>, covariance: DMatrix<f64>) -> Self {
         let convergence = Convergence { converged: true, iterations: 0, reflected: 0, stable: true };
@@ -150,9 +151,10 @@ impl Estimate {
         stable(&a)
     }
 
-    /// Names of the parameters that the signals hardly determine: one standard deviation of such a parameter moves the
-    /// predicted output by more than the output itself moves. Rounding of recorded signals can hide an exact
-    /// dependence, such as that of three lags of one sine, from every test of rank; it cannot hide this.
+    /// Names of the parameters that the signals hardly determine: a change of the parameter by one standard deviation
+    /// changes the predicted output by more than the output itself varies. Rounding of recorded signals can hide an
+    /// exact linear dependence, for example of three lags of one sine, from every rank test; this criterion still
+    /// detects it.
     #[must_use]
     pub fn undetermined(&self, trace: &Trace) -> Vec<String> {
         let rms = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64).sqrt();
@@ -173,11 +175,11 @@ impl Estimate {
 
 /// Whether `1 + a₁ z⁻¹ + …` has no root outside the unit circle.
 pub(super) fn stable(a: &[f64]) -> bool {
-    // A double pole on the circle is found this far off it.
+    // The computed position of a double pole on the circle has an error of this size.
     surely_stable(&a[1..]) || poles(a).iter().all(|pole| pole.norm() <= 1.0 + 1e-6)
 }
 
-/// Whether a step is lost in the uncertainty, or in rounding where there is none.
+/// Whether a step is small compared with the standard deviations or, if these are zero, compared with rounding.
 pub(super) fn negligible(step: &DVector<f64>, deviations: &DVector<f64>, theta: &DVector<f64>) -> bool {
     let rounding = 1e-11 * theta.norm();
     step.iter().zip(deviations).all(|(step, deviation)| step.abs() <= 1e-7 * deviation + rounding)

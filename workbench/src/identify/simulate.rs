@@ -7,8 +7,9 @@ use super::kernel::free_run::{FreeRun, surely_stable};
 use super::kernel::sums::{distance, spread};
 use crate::trace::Trace;
 
-/// Output of the model from the inputs alone, unstable poles reflected into the unit circle. Starts from zero, or,
-/// where a constant term is estimated and zero is no operating point, from the first t₀ measured outputs.
+/// Output of the model from the inputs alone; unstable poles are reflected into the unit circle. Starts from zero. If a
+/// constant term is estimated, zero is not an operating point; the simulation then starts from the first t₀ measured
+/// outputs.
 #[must_use]
 pub fn simulate(trace: &Trace, structure: Structure, theta: &[f64]) -> Vec<f64> {
     let mut output = Vec::new();
@@ -22,19 +23,19 @@ pub fn fit_percent(measured: &[f64], simulated: &[f64]) -> f64 {
     fit_of_error(distance(measured, simulated), measured)
 }
 
-/// Eq. 3.2 of the squared norm ‖ŷ − y‖².
+/// Eq. 3.2 from the squared norm ‖ŷ − y‖².
 pub(super) fn fit_of_error(error: f64, measured: &[f64]) -> f64 {
     100.0 * (1.0 - (error / spread(measured)).sqrt())
 }
 
-/// Roots in z of `1 + a₁ z⁻¹ + …`, by the eigenvalues of the companion matrix; not a number where `a` is none.
+/// Roots in z of `1 + a₁ z⁻¹ + …`, as eigenvalues of the companion matrix; NaN if `a` contains NaN or infinity.
 #[must_use]
 pub fn poles(a: &[f64]) -> Vec<Complex<f64>> {
     let n = a.len() - 1;
     if a.iter().any(|a| !a.is_finite()) {
         return vec![Complex::new(f64::NAN, f64::NAN); n];
     }
-    // Vanishing last terms are roots at zero, on which the eigenvalue iteration can go round for ever.
+    // Zero trailing coefficients are roots at zero, for which the eigenvalue iteration may not terminate.
     let zeros = a[1..].iter().rev().take_while(|a| **a == 0.0).count();
     let a = &a[..a.len() - zeros];
     let mut roots = vec![Complex::new(0.0, 0.0); zeros];
@@ -52,10 +53,10 @@ pub fn poles(a: &[f64]) -> Vec<Complex<f64>> {
     roots
 }
 
-/// Sweeps a root that the eigenvalue iteration may take; it has no exceptional shifts and can cycle.
+/// Maximum number of sweeps of the eigenvalue iteration per root; it has no exceptional shifts and can cycle.
 const EIGENVALUE_SWEEPS: usize = 60;
 
-/// Roots by Weierstrass' simultaneous iteration, from points off every symmetry.
+/// Roots by Weierstrass' simultaneous iteration, from starting points without symmetry.
 fn simultaneous_roots(a: &[f64]) -> Vec<Complex<f64>> {
     let bound = 1.0 + a[1..].iter().fold(0.0_f64, |most, a| most.max(a.abs()));
     let mut roots: Vec<Complex<f64>> =
@@ -71,7 +72,7 @@ fn simultaneous_roots(a: &[f64]) -> Vec<Complex<f64>> {
     roots
 }
 
-/// `1 + a₁ z⁻¹ + …` with every pole outside the unit circle replaced by its mirror image 1/p̄.
+/// `1 + a₁ z⁻¹ + …` with every pole p outside the unit circle replaced by 1/p̄.
 #[must_use]
 pub fn reflect_unstable(a: &[f64]) -> Vec<f64> {
     if surely_stable(&a[1..]) {
@@ -102,7 +103,7 @@ mod tests {
         // Poles 2 and 0.5·(±j): (1 − 2z⁻¹)(1 + 0.25z⁻²) → (1 − 0.5z⁻¹)(1 + 0.25z⁻²)
         let reflected = reflect_unstable(&[1.0, -2.0, 0.25, -0.5]);
         for (got, want) in reflected.iter().zip([1.0, -0.5, 0.25, -0.125]) {
-            assert!((got - want).abs() < 1e-12, "{reflected:?}"); // eigenvalues of a 3×3 to rounding
+            assert!((got - want).abs() < 1e-12, "{reflected:?}"); // eigenvalues of a 3×3 matrix, to rounding
         }
         let stable = [1.0, -0.5];
         assert_eq!(reflect_unstable(&stable), stable, "stable polynomials pass bit for bit");
@@ -112,7 +113,7 @@ mod tests {
     fn poles_of_difficult_polynomials() {
         assert_eq!(poles(&[1.0, 0.0, 0.0, 0.0]), [Complex::new(0.0, 0.0); 3]);
         assert!(poles(&[1.0, f64::NAN, 0.1]).iter().all(|p| p.re.is_nan()));
-        // z³ + 0.5: three roots of one size.
+        // z³ + 0.5: three roots of equal magnitude.
         for roots in [poles(&[1.0, 0.0, 0.0, 0.5]), simultaneous_roots(&[1.0, 0.0, 0.0, 0.5])] {
             assert!(roots.iter().all(|p| (p.powu(3) + 0.5).norm() < 1e-12), "{roots:?}"); // rounding
         }

@@ -1,7 +1,7 @@
 //! Simplified refined instrumental variables (Young), optimal for white output noise.
 //!
-//! In every pass y, u1, u2 and the output simulated by the last model are filtered by 1/A of that model; IV on the
-//! filtered signals gives the next.
+//! In each pass y, u1, u2 and the output simulated by the previous model are filtered by 1/A of that model; IV on the
+//! filtered signals yields the next model.
 //!
 //! ```text
 //! Φ: rows of the filtered y, Ψ: rows of the filtered simulated output
@@ -9,9 +9,9 @@
 //! cov θ = σ² (ΨᵀΦ)⁻¹ ΨᵀΨ (ΦᵀΨ)⁻¹                             (2)  white output noise, long records
 //! ```
 //!
-//! Ψ is the gradient of ŷ, so at rest Ψᵀ(y − ŷ) = 0: a converged estimate is stationary for the output error. That
-//! gives the step its guard: μ is halved until the model is stable and the output error does not rise. Where no
-//! μ serves, the iteration stops at the last good iterate and says so.
+//! Ψ is the gradient of ŷ, so at convergence Ψᵀ(y − ŷ) = 0: the estimate is a stationary point of the output error. The
+//! step size follows from this: μ is halved until the model is stable and the output error does not increase. If no μ
+//! satisfies both, the iteration stops at the last valid iterate and reports whether it converged.
 
 use nalgebra::DVector;
 
@@ -22,14 +22,14 @@ use crate::Error;
 use crate::trace::Trace;
 
 const PASSES: usize = 100;
-/// Halvings of μ in one pass.
+/// Maximum number of halvings of μ in one pass.
 const HALVINGS: i32 = 30;
 
-/// Estimates by SRIV, starting from least squares or one pass of IV, whichever simulates the output better; where that
-/// does not converge, from Steiglitz–McBride.
+/// Estimates by SRIV, starting from least squares or from one pass of IV, whichever has the smaller output error; if
+/// this does not converge, it starts again from Steiglitz–McBride.
 ///
 /// # Errors
-/// As [`least_squares`](super::least_squares).
+/// The errors of [`least_squares`](super::least_squares).
 pub fn sriv(trace: &Trace, structure: Structure) -> Result<Estimate, Error> {
     let first = ls::parameters(trace, structure)?;
     let second = iv::next_pass(trace, structure, &first);
@@ -40,7 +40,7 @@ pub fn sriv(trace: &Trace, structure: Structure) -> Result<Estimate, Error> {
         Iterate { theta, data, iterations: 0, converged: false }
     };
     let mut start = prepared(first);
-    // Instruments that fail here leave least squares to start from.
+    // If the instruments fail here, least squares remains the starting point.
     if let Some(second) = second.map(&mut prepared).filter(|second| second.loss() < start.loss()) {
         start = second;
     }
@@ -72,7 +72,7 @@ impl Iterate {
     }
 }
 
-/// Passes from a stable start until they rest, or none leads on.
+/// Repeats passes from a stable start until they converge or no step reduces the output error.
 fn refine(trace: &Trace, structure: Structure, mut now: Iterate) -> Iterate {
     let (mut share, mut before) = (1.0, DVector::zeros(now.theta.len()));
     let na = structure.na.into();
@@ -84,10 +84,10 @@ fn refine(trace: &Trace, structure: Structure, mut now: Iterate) -> Iterate {
         let deviations = pass.cofactor.diagonal().map(|q| (q * variance).sqrt());
         let converged = negligible(&step, &deviations, theta);
         let scaled = step.component_div(&deviations);
-        // Passes that overshoot alternate in sign; without this they may go to and fro for ever.
+        // Passes that overshoot alternate in sign; without this reduction of the step they may oscillate without end.
         share = if scaled.dot(&before) < 0.0 { 0.5 * share } else { f64::min(1.0, 1.5 * share) };
         before = scaled;
-        // Rounding alone may lift the output error by this share.
+        // Rounding alone may increase the output error by this fraction.
         let limit = now.loss() * (1.0 + 1e-12);
         let tried = (0..HALVINGS).find_map(|halving| {
             let theta = theta + &step * (share * 0.5_f64.powi(halving));
@@ -107,7 +107,7 @@ fn loss(data: &Prefiltered) -> f64 {
     if loss.is_finite() { loss } else { f64::INFINITY }
 }
 
-/// Mirrors unstable poles of a start into the unit circle; whether there were any.
+/// Reflects unstable poles of a starting point into the unit circle; returns whether there were any.
 pub(super) fn reflect(structure: Structure, theta: &mut DVector<f64>) -> bool {
     let ([a, _, _], _) = structure.polynomials(theta.as_slice());
     let mirrored = reflect_unstable(&a);

@@ -1,16 +1,17 @@
-//! The Steiglitz–McBride method, the source's output-error estimator (thesis Eq. 2.10, B.3; the printed program sums
-//! with a stale index).
+//! The Steiglitz–McBride method, the source's output-error estimator (thesis Eq. 2.10, B.3; the printed program uses a
+//! wrong index in its sums).
 //!
-//! Least squares → y, u1, u2 filtered by 1/A of the last pass → least squares, until nothing changes.
+//! Least squares → y, u1, u2 filtered by 1/A of the last pass → least squares, until the parameters no longer change.
 //!
 //! ```text
 //! Φ: rows of the filtered y, Ψ: rows of the filtered simulated output
-//! at rest   Φᵀ (y − ŷ) = 0                       (1)
+//! converged Φᵀ (y − ŷ) = 0                       (1)
 //! cov θ = σ² (ΦᵀΨ)⁻¹ ΦᵀΦ (ΨᵀΦ)⁻¹                 (2)  white output noise, long records
 //! ```
 //!
-//! (1) is no minimum of the output error: on noisy traces the two differ (see [`output_error`](super::output_error)).
-//! In the least-squares covariance of the last pass the noise in Φ would pass for excitation; (2) discounts it.
+//! (1) is not a minimum of the output error: on noisy traces the two differ (see
+//! [`output_error`](super::output_error)). The least-squares covariance of the last pass would count the noise in Φ as
+//! excitation; (2) does not.
 
 use nalgebra::DVector;
 
@@ -20,15 +21,16 @@ use super::{Estimate, Structure, Terms, iv, ls};
 use crate::Error;
 use crate::trace::Trace;
 
-/// Passes before giving up; convergence is geometric, at 20 dB about a digit a pass.
+/// Maximum number of passes; convergence is linear, at a signal-to-noise ratio of 20 dB about one digit per pass.
 const PASSES: usize = 200;
-/// Passes after which steps are halved: a cycle between two models then settles.
+/// Number of passes after which steps are halved, so that a cycle between two models converges.
 const PATIENCE: usize = 25;
 
-/// Estimates by Steiglitz–McBride. Where the passes do not settle, the one of least output error is returned, flagged.
+/// Estimates by Steiglitz–McBride. If the passes do not converge, the pass of least output error is returned with
+/// `converged` false.
 ///
 /// # Errors
-/// As [`least_squares`](super::least_squares).
+/// The errors of [`least_squares`](super::least_squares).
 pub fn steiglitz_mcbride(trace: &Trace, structure: Structure) -> Result<Estimate, Error> {
     let mut theta = ls::parameters(trace, structure)?;
     let (mut iterations, mut reflected) = (0, 0);
@@ -52,7 +54,7 @@ pub fn steiglitz_mcbride(trace: &Trace, structure: Structure) -> Result<Estimate
         converged = negligible(&step, &deviations, &theta);
         theta += step * if iterations > PATIENCE { 0.5 } else { 1.0 };
     }
-    // A fixed point with mirrored poles is none of the model itself.
+    // A fixed point with reflected poles is not a fixed point of the model itself.
     converged &= stable(&structure.polynomials(theta.as_slice()).0[0]);
     if let (false, Some((_, best))) = (converged, best) {
         theta = best;

@@ -1,6 +1,6 @@
-//! Text enters, text that is safe inside HTML and SVG elements and quoted attributes leaves.
+//! Escapes text for use inside HTML and SVG elements and quoted attributes.
 
-/// Replaces the five characters with a meaning in markup, and control characters, which HTML does not allow.
+/// Replaces the five characters with a special meaning in markup, and control characters, which HTML does not allow.
 #[must_use]
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());

@@ -1,15 +1,15 @@
-//! The report room: results enter, one self-contained HTML page leaves.
+//! Reports: converts results to one self-contained HTML page.
 //!
 //! ```text
 //! points, posteriors, counts ──► plot::{signals, lines, scatter_regions, posteriors} ──┐
 //!                                table::{table, confusion_table}, page::paragraph   ──┼─► page::Page ──► String
 //! ```
 //!
-//! Every function is pure: data in, a fragment of HTML with inline SVG out. Fragments carry CSS classes
-//! only; colours for light, dark and print, and the text sizes for desktop and phone, live in one style
-//! sheet that [`page::Page::render`] places in the page. Nothing is loaded from elsewhere and no script runs.
+//! Every function is pure: it converts data to a fragment of HTML with inline SVG. Fragments contain CSS classes
+//! only; colours for light, dark and print, and text sizes for desktop and phone, are defined in one style
+//! sheet that [`page::Page::render`] inserts into the page. The page loads no external files and contains no scripts.
 //!
-//! All names (classes, files, axis labels) are user input and pass through [`escape::escape`].
+//! All names (classes, files, axis labels) are user input and are escaped by [`escape::escape`].
 
 pub mod escape;
 pub mod page;
@@ -23,7 +23,7 @@ mod well_formed;
 pub use page::Page;
 pub use palette::{Class, Color, Marker};
 
-/// Why a plot or table could not be drawn. Values that are not finite are no error: they are left out and counted.
+/// Reason why a plot or table could not be drawn. Non-finite values are not an error: they are omitted and counted.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReportError {
@@ -33,7 +33,7 @@ pub enum ReportError {
         /// Title of the plot.
         title: String,
     },
-    /// A classification plot or table without a class.
+    /// A classification plot or table has no class.
     #[error("“{title}” has no classes")]
     NoClasses {
         /// Title of the plot or table.
@@ -51,19 +51,19 @@ pub enum ReportError {
         /// Values expected.
         expected: usize,
     },
-    /// A class index that no class has.
+    /// A class index is not below the number of classes.
     #[error("“{title}”, row {row}: class index {class} of {classes} classes")]
     ClassIndex {
         /// Title of the plot.
         title: String,
         /// Index of the segment, counted from 0.
         row: usize,
-        /// The offending index.
+        /// The invalid index.
         class: usize,
         /// Number of classes.
         classes: usize,
     },
-    /// A segment whose end is not after its start.
+    /// A segment does not end after its start.
     #[error("“{title}”, segment {row} does not end after it starts")]
     Interval {
         /// Title of the plot.

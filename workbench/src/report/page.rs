@@ -1,14 +1,14 @@
-//! Titled sections of HTML enter, one self-contained page leaves.
+//! Builds one self-contained page from titled sections of HTML.
 
 use std::fmt::Write as _;
 
 use super::ReportError;
 use super::escape::escape;
 
-/// The style sheet, kept as a file of its own so that editors treat it as one.
+/// The style sheet, in a separate file so that editors recognise its format.
 const STYLE: &str = include_str!("style.css");
 
-/// From this number of sections on, the page begins with links to them.
+/// Smallest number of sections for which the page begins with links to them.
 const LINKS_FROM: usize = 4;
 
 /// A page under construction.
@@ -39,7 +39,7 @@ impl Page {
         self
     }
 
-    /// Adds a section. The heading is text; the body is HTML from the functions of this room.
+    /// Adds a section. The heading is plain text; the body is HTML from the functions of this module.
     #[must_use]
     pub fn section(mut self, heading: impl Into<String>, html: &str) -> Self {
         self.sections.push((heading.into(), html.to_owned()));
@@ -81,8 +81,7 @@ pub fn paragraph(text: &str) -> String {
     text.split("\n\n").filter(|part| !part.trim().is_empty()).map(|part| format!("<p>{}</p>", escape(part))).collect()
 }
 
-/// The plot or table, or in its place a line that says why it is missing, so that one empty plot does not
-/// cost the whole report.
+/// The plot or table, or the reason why it is missing, so that one empty plot does not make the whole report fail.
 #[must_use]
 pub fn or_reason(html: Result<String, ReportError>) -> String {
     html.unwrap_or_else(|error| format!("<p class=\"note\">Not drawn: {}.</p>", escape(&error.to_string())))

@@ -1,8 +1,9 @@
-//! A class index enters, the colour and marker shape that class has in every plot leave.
+//! Colour and marker shape of each class, by class index; the same in every plot.
 //!
-//! Colours are those of Okabe and Ito, which stay apart under the common forms of colour blindness. The order
-//! puts the pairs with the largest difference in lightness first; yellow comes last because thin yellow lines
-//! vanish on white paper, and black is a mid grey so that it shows on a dark page too. Classes also differ by
+//! The colours are those of Okabe and Ito, which remain distinguishable under the common forms of colour blindness. The
+//! order puts the pairs with the largest difference in lightness first; yellow comes last because thin yellow lines are
+//! hardly visible on white paper, and black is replaced by a mid grey so that it is visible on a dark page too. Classes
+//! also differ by marker shape, so that they can be distinguished in a plot printed in grey.
 //! marker shape, which is what remains of a plot printed in grey.
 
 use std::fmt;
@@ -30,7 +31,7 @@ const OKABE_ITO: [Color; 8] = [
 ];
 
 impl Color {
-    /// A colour from its three components.
+    /// Creates a colour from its three components.
     #[must_use]
     pub const fn rgb(red: u8, green: u8, blue: u8) -> Self {
         Self { red, green, blue }
@@ -42,7 +43,7 @@ impl Color {
         OKABE_ITO[index % OKABE_ITO.len()]
     }
 
-    /// Black or white, whichever reads better on this colour (ITU-R BT.601 luma).
+    /// Black or white, whichever is easier to read on this colour (ITU-R BT.601 luma).
     #[must_use]
     pub fn text_on(self) -> Self {
         let luma = 0.299 * f64::from(self.red) + 0.587 * f64::from(self.green) + 0.114 * f64::from(self.blue);
@@ -57,7 +58,7 @@ impl fmt::Display for Color {
     }
 }
 
-/// A closed marker outline, so that it can be drawn open or filled.
+/// A closed marker outline; it can be drawn open or filled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Marker {
     /// ○
@@ -87,7 +88,7 @@ const MARKERS: [Marker; 7] = [
 ];
 
 impl Marker {
-    /// The marker of class or series `index`. Seven shapes against eight colours: the pair repeats after 56.
+    /// The marker of class or series `index`. There are seven shapes and eight colours: the pair repeats after 56.
     #[must_use]
     pub const fn of(index: usize) -> Self {
         MARKERS[index % MARKERS.len()]
@@ -111,7 +112,7 @@ impl Marker {
 /// Name and appearance of one class, the same in every plot of a report.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Class {
-    /// Name as the user wrote it; escaped where it is drawn.
+    /// Name as entered by the user; escaped when it is drawn.
     pub name: String,
     /// Colour of regions, areas and markers.
     pub color: Color,

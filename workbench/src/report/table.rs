@@ -1,4 +1,4 @@
-//! Rows of text or counts enter, HTML tables leave.
+//! HTML tables from rows of text or counts.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,7 @@ use super::ReportError;
 use super::escape::escape;
 use crate::evaluate::Rate;
 
-/// A plain table. Columns whose cells all look like numbers are set flush right; short rows are filled up.
+/// A plain table. Columns with only numeric cells are aligned right; short rows are filled with empty cells.
 #[must_use]
 pub fn table<H: AsRef<str>, C: AsRef<str>>(header: &[H], rows: &[Vec<C>]) -> String {
     let columns = rows.iter().map(Vec::len).chain([header.len()]).max().unwrap_or(0);
@@ -33,28 +33,28 @@ pub fn table<H: AsRef<str>, C: AsRef<str>>(header: &[H], rows: &[Vec<C>]) -> Str
     out
 }
 
-/// Starts like a number, or stands for a missing one.
+/// Whether the text starts like a number or marks a missing one.
 fn looks_numeric(text: &str) -> bool {
     let text = text.trim_start_matches(['−', '-', '+', '±', '<', '>', '≤', '≥', '≈', ' ', '.']);
     text.is_empty() || text == "–" || text == "—" || text.starts_with(|c: char| c.is_ascii_digit())
 }
 
-/// Decisions on the samples of one true class.
+/// Counts of the decisions on the samples of one true class.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ConfusionRow {
-    /// How often each class was decided, in the order of the classes.
+    /// Number of decisions for each class, in the order of the classes.
     pub counts: Vec<u64>,
-    /// How often none was; the column appears if some row has it.
+    /// Number of samples without decision; the column is shown if it is set in some row.
     pub undetermined: Option<u64>,
     /// Share decided correctly, with its interval.
     pub correct: Option<Rate>,
 }
 
-/// True classes down, decided classes across, each cell tinted by its share of the row.
+/// True classes in rows, decided classes in columns; each cell is tinted by its share of the row.
 ///
 /// # Errors
-/// [`ReportError::NoClasses`] without classes, [`ReportError::Length`] when there is not one row per class or not
-/// one count per class in a row.
+/// [`ReportError::NoClasses`] without classes, [`ReportError::Length`] if the number of rows or the number of counts in
+/// a row differs from the number of classes.
 pub fn confusion_table<S: AsRef<str>>(classes: &[S], rows: &[ConfusionRow]) -> Result<String, ReportError> {
     let (title, expected) = ("confusion table".to_owned(), classes.len());
     if expected == 0 {
@@ -115,12 +115,12 @@ fn count_cell(count: u64, total: u64, kind: &str) -> String {
         return "<td class=\"number zero\">0</td>".to_owned();
     }
     let share = count as f64 / total.max(1) as f64;
-    // The tint is a colour of the style sheet at this opacity, so that it suits light and dark pages.
+    // The tint is a colour of the style sheet with this opacity, so that it suits light and dark pages.
     let opacity = 0.08 + 0.5 * share;
     format!("<td class=\"number {kind}\" style=\"--share:{opacity:.2}\">{count}</td>")
 }
 
-/// The rate as text, and drawn on a scale from 0 to 100 %.
+/// The rate as text and as a mark on a scale from 0 to 100 %.
 fn rate_cell(rate: Rate) -> String {
     if !(rate.value.is_finite() && rate.low.is_finite() && rate.high.is_finite()) {
         return "<td class=\"number\">–</td>".to_owned();

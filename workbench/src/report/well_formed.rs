@@ -1,8 +1,8 @@
-//! Test aid: a fragment of markup enters, `Ok` leaves when every tag is closed in order and every attribute quoted.
+//! Test helper: returns `Ok` if every tag of a markup fragment is closed in order and every attribute is quoted.
 
 const VOID: [&str; 3] = ["meta", "br", "hr"];
 
-/// Checks nesting, quoting, stray brackets and leaked `NaN` or `inf` coordinates.
+/// Checks nesting, quoting, unescaped brackets, and `NaN` or `inf` in coordinates.
 pub(super) fn check(markup: &str) -> Result<(), String> {
     let mut open: Vec<&str> = Vec::new();
     let mut rest = markup;

@@ -1,4 +1,4 @@
-//! What can be wrong: characteristic orders, the torque of a bearing defect, a weakened magnet.
+//! Defects: characteristic orders, the torque of a bearing defect, a weak magnet.
 //!
 //! Orders are events per shaft turn, with `r = (BD/PD) cos δ` and n balls (thesis Eq. 1.1, 2.52):
 //!
@@ -9,8 +9,8 @@
 //! ball        Ob = (PD/2BD)(1 − r²)    (4)
 //! ```
 //!
-//! A defect is a torque that opposes rotation, a function of shaft angle θ, velocity ω and
-//! current i. `tanh(ω/ω₀)`, ω₀ = 1 rad/s, stands for the sign of ω without its jump.
+//! A defect is a torque that opposes rotation, a function of shaft angle θ, velocity ω and current i.
+//! `tanh(ω/ω₀)`, ω₀ = 1 rad/s, approximates the sign of ω without its step.
 //!
 //! ```text
 //! spall      Td tanh(ω/ω₀) p(x)
@@ -21,18 +21,17 @@
 //! both       (5) + (6), each of the given severity
 //! ```
 //!
-//! A weak magnet leaves the bearing alone and changes the motor instead, severity s:
+//! A weak magnet changes the motor and not the bearing; for severity s:
 //!
 //! ```text
 //! Kt ← Kt (1 − 0.05 s),   Ke ← Ke (1 − 0.05 s)                                      (8)
 //! ```
 //!
-//! The spall's second line is a ripple of the torque constant (`Kt (1 + ε[…]) i` drives the
-//! shaft): the rotor moves off centre when a ball meets the spall, and that modulates the air
-//! gap. Coulomb roughness is no bearing defect of the thesis but the control for isolation: an
-//! estimator that calls it a spall has found mean drag, not a spall. Severity scales Td and ε
-//! (spall), ΔB (roughness) and Tc (coulomb). Both defects at once and the weak magnet are what a
-//! detector trained on single bearing defects has not seen and must not call healthy.
+//! The second line of the spall is a ripple of the torque constant (`Kt (1 + ε[…]) i` drives the shaft): the rotor is
+//! displaced when a ball passes the spall, and this modulates the air gap. Coulomb roughness is not a bearing defect of
+//! the thesis but the control for isolation: an estimator that classifies it as a spall has detected mean drag and not
+//! a spall. Severity scales Td and ε (spall), ΔB (roughness) and Tc (coulomb). A detector trained on single bearing
+//! defects has no training data on both defects at once or on the weak magnet, and must not classify them as healthy.
 
 use core::f64::consts::TAU;
 
@@ -42,13 +41,13 @@ use super::{MotorParameters, PlantState, RigError, finite, not_negative, positiv
 const REVERSAL_RAD_S: f64 = 1.0;
 /// Td at severity 1.
 const PULSE_NM: f64 = 0.06;
-/// d, the part of a defect period in which the ball is on the spall.
+/// d, the fraction of a defect period in which the ball is on the spall.
 const PULSE_DUTY: f64 = 0.15;
 /// ε at severity 1.
 const TORQUE_RIPPLE: f64 = 0.03;
-/// ΔB at severity 1. Smaller values hardly move the a-parameters of the thesis' models.
+/// ΔB at severity 1. Smaller values hardly change the a-parameters of the models in the thesis.
 const ADDED_FRICTION_NM_S_PER_RAD: f64 = 2e-3;
-/// The part of Kt and Ke that a magnet has lost at severity 1.
+/// Fraction of Kt and Ke that a magnet has lost at severity 1.
 const MAGNET_LOSS: f64 = 0.05;
 
 /// Dimensions of a ball bearing.
@@ -82,7 +81,7 @@ impl BearingGeometry {
     pub const THESIS: Self =
         Self { balls: 9, ball_diameter_mm: 3.0, pitch_diameter_mm: 17.0, contact_angle_rad: 0.1745 };
 
-    /// Refuses what no bearing can be.
+    /// Returns an error for dimensions that no bearing can have.
     pub fn validate(&self) -> Result<(), RigError> {
         positive("bearing.balls", f64::from(self.balls))?;
         positive("bearing.ball_diameter_mm", self.ball_diameter_mm)?;
@@ -91,7 +90,7 @@ impl BearingGeometry {
         Ok(())
     }
 
-    /// Equations (1)–(4).
+    /// The characteristic orders, equations (1)–(4).
     #[must_use]
     pub fn orders(&self) -> BearingOrders {
         let n = f64::from(self.balls);
@@ -105,25 +104,25 @@ impl BearingGeometry {
     }
 }
 
-/// What is wrong.
+/// Kind of defect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum DefectKind {
-    /// Nothing.
+    /// No defect.
     Healthy,
     /// Defect A: single-point spall of the outer race.
     Spall,
-    /// Defect B: generalised roughness, felt as viscous friction.
+    /// Defect B: generalised roughness, which acts as viscous friction.
     Roughness,
-    /// Isolation control: Coulomb friction of the same mean torque as the spall.
+    /// Control for isolation: Coulomb friction with the same mean torque as the spall.
     Coulomb,
     /// Defects A and B at once.
     SpallAndRoughness,
-    /// A magnet that has lost a part of its flux (8); the bearing is sound.
+    /// A magnet that has lost a part of its flux (8); the bearing has no defect.
     WeakMagnet,
 }
 
 impl DefectKind {
-    /// Every kind, in the order of the class tables.
+    /// All kinds, in the order of the class tables.
     pub const ALL: [Self; 6] =
         [Self::Healthy, Self::Spall, Self::Roughness, Self::Coulomb, Self::SpallAndRoughness, Self::WeakMagnet];
 
@@ -140,7 +139,7 @@ impl DefectKind {
         }
     }
 
-    /// What it is, in a few words.
+    /// Short description.
     #[must_use]
     pub const fn about(self) -> &'static str {
         match self {
@@ -153,7 +152,7 @@ impl DefectKind {
         }
     }
 
-    /// A number of its own, below 8, which no later kind changes: seeds are made of it.
+    /// Unique number below 8 that must not change when kinds are added, because seeds depend on it.
     #[must_use]
     pub const fn number(self) -> u8 {
         match self {
@@ -170,23 +169,23 @@ impl DefectKind {
 /// A defect and its size; severity 1 is full size, 0 is none.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Defect {
-    /// What is wrong.
+    /// Kind of defect.
     pub kind: DefectKind,
-    /// Size relative to the standard rig's.
+    /// Size relative to full size.
     pub severity: f64,
 }
 
 impl Defect {
-    /// A sound bearing.
+    /// A bearing without defect.
     pub const HEALTHY: Self = Self::full(DefectKind::Healthy);
 
-    /// A defect at full size.
+    /// A defect of this kind at full size.
     #[must_use]
     pub const fn full(kind: DefectKind) -> Self {
         Self { kind, severity: 1.0 }
     }
 
-    /// The torque law on a motor of torque constant `kt_nm_per_a` with this bearing.
+    /// The torque of the defect on a motor with torque constant `kt_nm_per_a` and this bearing.
     pub fn torque(&self, kt_nm_per_a: f64, geometry: &BearingGeometry) -> Result<DefectTorque, RigError> {
         let severity = not_negative("defect.severity", self.severity)?;
         let pulse_nm = PULSE_NM * severity;
@@ -204,7 +203,7 @@ impl Defect {
         })
     }
 
-    /// The motor that this defect makes of a sound one (8); bearing defects leave it as it is.
+    /// The motor with this defect (8); bearing defects do not change the motor.
     #[must_use]
     pub fn motor(&self, sound: &MotorParameters) -> MotorParameters {
         match self.kind {
@@ -221,7 +220,7 @@ impl Defect {
     }
 }
 
-/// The torque law of one defect, ready to be evaluated at every step.
+/// The torque of one defect, with all constants computed in advance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DefectTorque {
     /// No torque.
@@ -287,13 +286,13 @@ fn direction(omega: f64) -> f64 {
     libm::tanh(omega / REVERSAL_RAD_S)
 }
 
-/// p of (5) at a phase counted in defect periods.
+/// p of (5) at a phase in defect periods.
 fn pulse(periods: f64) -> f64 {
     let x = periods - periods.floor();
     if x < PULSE_DUTY { 0.5 * (1.0 - libm::cos(TAU * x / PULSE_DUTY)) } else { 0.0 }
 }
 
-/// The bracket of (5): the defect order and its double, each split by the shaft's turn.
+/// The bracket of (5): the defect order and its double, each shifted up and down by one shaft order.
 fn ripple(order: f64, theta: f64) -> f64 {
     let pair = |m: f64| libm::cos((m + 1.0) * theta) + libm::cos((m - 1.0) * theta);
     pair(order) + 0.5 * pair(2.0 * order)
@@ -312,7 +311,7 @@ mod tests {
     fn at_angle_zero_a_spall_is_only_ripple() {
         // p(0) = 0 and all four cosines are 1: −0.03 · 0.05 · 2 A · (1 + 1 + ½ + ½).
         let state = PlantState { current_a: 2.0, velocity_rad_s: 30.0, angle_rad: 0.0 };
-        // Rounding of a handful of operations on a value near 1e-2.
+        // Rounding errors of a few operations on a value near 1e-2.
         assert!((torque(DefectKind::Spall, 1.0, state) + 0.009).abs() < 1e-15);
     }
 
@@ -326,7 +325,7 @@ mod tests {
             .map(|angle| torque(DefectKind::Spall, 0.7, at(angle)))
             .sum::<f64>()
             / f64::from(points);
-        // A rectangle sum over the full period of a function with a continuous slope: O(1/n²).
+        // The rectangle rule over the full period of a function with a continuous slope has an error of O(1/n²).
         assert!((mean / torque(DefectKind::Coulomb, 0.7, at(0.0)) - 1.0).abs() < 1e-8);
     }
 
@@ -335,7 +334,7 @@ mod tests {
         let at = |velocity_rad_s: f64| PlantState { velocity_rad_s, angle_rad: 0.05, current_a: 0.0 };
         for kind in DefectKind::ALL {
             let full = torque(kind, 1.0, at(20.0));
-            // Rounding only: each law is linear in severity and odd in ω at i = 0.
+            // Rounding errors only: each torque is linear in severity and odd in ω at i = 0.
             assert!((torque(kind, 0.25, at(20.0)) - 0.25 * full).abs() < 1e-15);
             assert!((torque(kind, 1.0, at(-20.0)) + full).abs() < 1e-15);
             let sound_bearing = matches!(kind, DefectKind::Healthy | DefectKind::WeakMagnet);
@@ -365,7 +364,7 @@ mod tests {
             assert_eq!(motor == sound, kind != DefectKind::WeakMagnet);
         }
         let weak = Defect { kind: DefectKind::WeakMagnet, severity: 0.5 }.motor(&sound);
-        // 0.975 × 0.05, to rounding.
+        // 0.975 × 0.05, up to rounding.
         assert!((weak.kt_nm_per_a - 0.04875).abs() < 1e-17 && (weak.ke_v_s_per_rad - 0.04875).abs() < 1e-17);
         assert_eq!(MotorParameters { kt_nm_per_a: 0.05, ke_v_s_per_rad: 0.05, ..weak }, sound);
     }

@@ -1,44 +1,44 @@
-//! Named conditions: what is other than in the scenario a detector was trained on.
+//! Named conditions: changes of the scenario on which a detector was trained.
 //!
-//! What enters: a [`Scenario`] and the seed of a trace. What leaves: the scenario under the [`Condition`]. Factors
-//! multiply the scenario's own values, so a condition means the same on any scenario; physical values in the notes
-//! below are those of [`Scenario::STANDARD`].
+//! [`Condition::apply`] takes a [`Scenario`] and the seed of a trace, and returns the scenario under the [`Condition`].
+//! Factors multiply the values of the scenario, so a condition can be applied to any scenario; physical values in the
+//! comments below are those of [`Scenario::STANDARD`].
 
 use super::{Scenario, SignalLevels, Waveform};
 
-/// Sizes of a defect, from full size down.
+/// Sizes of a defect, in descending order from full size.
 pub const SEVERITIES: [f64; 9] =
     [1.0, 1.0 / 2.0, 1.0 / 4.0, 1.0 / 5.0, 1.0 / 8.0, 1.0 / 16.0, 1.0 / 32.0, 1.0 / 64.0, 1.0 / 128.0];
 
-/// A named change of a scenario. A new one is a struct literal over [`Condition::STANDARD`].
+/// A named change of a scenario. New conditions are struct literals based on [`Condition::STANDARD`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Condition {
     /// Name on the command line, in labels and reports.
     pub name: &'static str,
-    /// A number of its own, which no later condition changes: seeds are made of it.
+    /// Unique number that must not change when conditions are added, because seeds depend on it.
     pub number: u8,
-    /// What it is, in a few words.
+    /// Short description.
     pub about: &'static str,
-    /// Shape of the reference, where it is another.
+    /// Shape of the reference, if changed.
     pub reference_waveform: Option<Waveform>,
     /// Factor of the reference's amplitude.
     pub reference_amplitude: f64,
     /// Factor of the reference's frequency.
     pub reference_frequency: f64,
-    /// Factor of the amplitude of the load's sine.
+    /// Factor of the amplitude of the sinusoidal load.
     pub load_amplitude: f64,
     /// Factor of the load's frequency.
     pub load_frequency: f64,
     /// Factor of the armature resistance.
     pub resistance: f64,
-    /// Measurement noise in decibels below [`SignalLevels::STANDARD`], where it is another.
+    /// Measurement noise in decibels below [`SignalLevels::STANDARD`], if changed.
     pub signal_to_noise_db: Option<f64>,
-    /// Whether each trace draws its own conditions on top, [`Scenario::mixed`].
+    /// If true, each trace additionally draws random conditions, see [`Scenario::mixed`].
     pub mixed: bool,
 }
 
 impl Condition {
-    /// The scenario as it is.
+    /// The unchanged scenario.
     pub const STANDARD: Self = Self {
         name: "standard",
         number: 0,
@@ -53,7 +53,7 @@ impl Condition {
         mixed: false,
     };
 
-    /// Every trace under conditions of its own.
+    /// Every trace has its own random conditions.
     pub const MIX: Self = Self {
         name: "mix",
         number: 1,
@@ -62,7 +62,7 @@ impl Condition {
         ..Self::STANDARD
     };
 
-    /// Another reference: amplitude × 0.5–2, frequency × 0.5–2, triangle, square.
+    /// Changed reference: amplitude × 0.5–2, frequency × 0.5–2, triangle, square.
     pub const EXCITATION: [Self; 8] = [
         Self {
             name: "amplitude-0.5",
@@ -122,7 +122,7 @@ impl Condition {
         },
     ];
 
-    /// Another load: 0.10 and 0.20 N·m, 1 Hz.
+    /// Changed load: 0.10 and 0.20 N·m, 1 Hz.
     pub const LOAD: [Self; 3] = [
         Self { name: "load-0.67", number: 10, about: "load of 0.10 N·m", load_amplitude: 2.0 / 3.0, ..Self::STANDARD },
         Self { name: "load-1.33", number: 11, about: "load of 0.20 N·m", load_amplitude: 4.0 / 3.0, ..Self::STANDARD },
@@ -135,7 +135,7 @@ impl Condition {
         Self { name: "resistance-1.1", number: 14, about: "R of 0.55 Ω", resistance: 1.1, ..Self::STANDARD },
     ];
 
-    /// Other measurement noise.
+    /// Changed measurement noise.
     pub const NOISE: [Self; 3] = [
         Self {
             name: "noise-30-db",
@@ -160,19 +160,19 @@ impl Condition {
         },
     ];
 
-    /// Every condition of this room.
+    /// All conditions of this module.
     pub fn all() -> impl Iterator<Item = Self> {
         let shifts = Self::EXCITATION.into_iter().chain(Self::LOAD).chain(Self::RESISTANCE);
         [Self::STANDARD, Self::MIX].into_iter().chain(shifts).chain(Self::NOISE)
     }
 
-    /// The condition of this name.
+    /// The condition with this name.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::all().find(|condition| condition.name == name)
     }
 
-    /// `scenario` under this condition; `seed`, the trace's own, decides what is drawn for it.
+    /// Returns `scenario` under this condition; random conditions are drawn from `seed`, the seed of the trace.
     #[must_use]
     pub fn apply(&self, scenario: Scenario, seed: u64) -> Scenario {
         let mut changed = scenario;

@@ -1,7 +1,7 @@
 //! The permanent-magnet DC motor (thesis Eq. 2.24–2.25).
 //!
-//! What enters: the terminal voltage, held over a step, and a torque on the shaft that may depend
-//! on the state. What leaves: current, velocity and shaft angle after the step.
+//! Inputs: the terminal voltage, held constant over a step, and a torque on the shaft that may depend on the state.
+//! Outputs: current, velocity and shaft angle after the step.
 //!
 //! ```text
 //! L di/dt = v − R i − Ke ω                      (1)
@@ -9,21 +9,20 @@
 //! dθ/dt   = ω                                   (3)
 //! ```
 //!
-//! `T` is what *opposes* positive rotation: external load, Coulomb friction and a bearing defect.
+//! `T` *opposes* positive rotation: external load, Coulomb friction and a bearing defect.
 //!
-//! With `x = [i ω θ]ᵀ`, `u = [v T]ᵀ` and inputs held over a step `h`, (1)–(3) have the exact
-//! solution (zero-order hold)
+//! With `x = [i ω θ]ᵀ`, `u = [v T]ᵀ` and inputs held over a step `h`, (1)–(3) have the exact solution (zero-order hold)
 //!
 //! ```text
 //! x(t+h) = Φ x(t) + Γ u,     [Φ Γ; 0 I] = exp([A E; 0 0] h)     (4)
 //! ```
 //!
-//! computed once per step size. A state-dependent torque is evaluated at the midpoint, which a
-//! half step of (4) predicts: exact for the linear motor, second order in `h` for the torque.
+//! computed once per step size. A state-dependent torque is evaluated at the midpoint, which a half step of (4)
+//! predicts: exact for the linear motor, second order in `h` for the torque.
 //!
-//! Where `L/R` lies far below `h` the current follows the voltage within the step and (1) becomes
-//! `i = (v − Ke ω)/R`  (5), as for the motor of Table 2.3 (L/R = 0.9 µs); (2) and (3) are then
-//! integrated by the midpoint rule.
+//! If `L/R` is much smaller than `h`, the current follows the voltage within the step and (1) becomes
+//! `i = (v − Ke ω)/R`  (5), as for the motor of Table 2.3 (L/R = 0.9 µs); (2) and (3) are then integrated by the
+//! midpoint rule.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -32,8 +31,8 @@ use super::{RigError, not_negative, positive};
 /// One inch-pound-force in N·m.
 const NM_PER_INCH_POUND: f64 = 0.112_985;
 
-/// Largest `(L/R)/h` at which the current is taken as quasi-static: what (5) neglects is a
-/// transient of `exp(−h R/L)` ≤ 2e-9 of a voltage step at the end of the integration step.
+/// Largest `(L/R)/h` at which the current is treated as quasi-static: (5) neglects a transient, which is `exp(−h R/L)`
+/// ≤ 2e-9 of a voltage step at the end of the integration step.
 const QUASI_STATIC_RATIO: f64 = 0.05;
 
 /// Constants of a permanent-magnet DC motor.
@@ -63,7 +62,7 @@ pub const TABLE_2_1: MotorParameters = MotorParameters {
     b_nm_s_per_rad: 3.125e-4 * NM_PER_INCH_POUND,
 };
 
-/// Thesis Table 2.3, the motor of every fault simulation.
+/// Thesis Table 2.3, the motor of all fault simulations.
 pub const TABLE_2_3: MotorParameters = MotorParameters {
     kt_nm_per_a: 0.05,
     ke_v_s_per_rad: 0.05,
@@ -74,7 +73,7 @@ pub const TABLE_2_3: MotorParameters = MotorParameters {
 };
 
 impl MotorParameters {
-    /// Refuses what no motor can have. `L = 0` is allowed: it means quasi-static.
+    /// Returns an error for constants that no motor can have. `L = 0` is allowed: it means quasi-static.
     pub fn validate(&self) -> Result<(), RigError> {
         positive("kt_nm_per_a", self.kt_nm_per_a)?;
         positive("ke_v_s_per_rad", self.ke_v_s_per_rad)?;
@@ -85,7 +84,7 @@ impl MotorParameters {
         Ok(())
     }
 
-    /// The system matrix and inputs of (1)–(3), augmented for (4).
+    /// The system matrix and input matrix of (1)–(3), augmented for (4).
     fn augmented(&self) -> SMatrix<f64, 5, 5> {
         let (l, j) = (self.l_h, self.j_kg_m2);
         let mut a = SMatrix::<f64, 5, 5>::zeros();
@@ -117,10 +116,10 @@ impl PlantState {
     }
 }
 
-/// How the current is treated.
+/// Model of the current.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Electrical {
-    /// The current follows the voltage at once, Eq. (5).
+    /// The current follows the voltage without delay, Eq. (5).
     QuasiStatic,
     /// The current is a state, Eq. (1).
     BothStates,
@@ -149,25 +148,25 @@ impl HeldStep {
     }
 }
 
-/// What a step with both states needs: the predictor's half step and the step itself.
+/// Steps of a motor with the current as a state: the half step of the predictor and the full step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct HeldSteps {
     half: HeldStep,
     full: HeldStep,
 }
 
-/// A motor stepped at a fixed interval.
+/// A motor simulated with a fixed step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plant {
     motor: MotorParameters,
     step_s: f64,
-    /// `None` where the current is quasi-static.
+    /// `None` if the current is quasi-static.
     held: Option<HeldSteps>,
     state: PlantState,
 }
 
 impl Plant {
-    /// A motor at rest, the current quasi-static only where `L/R` is below a twentieth of the step.
+    /// A motor at rest; the current is quasi-static only if `L/R` is below a twentieth of the step.
     pub fn new(motor: &MotorParameters, step_s: f64) -> Result<Self, RigError> {
         let electrical = if motor.l_h <= QUASI_STATIC_RATIO * motor.r_ohm * step_s {
             Electrical::QuasiStatic
@@ -177,7 +176,7 @@ impl Plant {
         Self::with_electrical(motor, step_s, electrical)
     }
 
-    /// A motor at rest whose treatment of the current is the caller's choice.
+    /// A motor at rest with the given model of the current.
     pub fn with_electrical(motor: &MotorParameters, step_s: f64, electrical: Electrical) -> Result<Self, RigError> {
         motor.validate()?;
         positive("step_s", step_s)?;
@@ -191,7 +190,7 @@ impl Plant {
         Ok(Self { motor: *motor, step_s, held, state: PlantState::default() })
     }
 
-    /// How this plant treats the current.
+    /// The model of the current.
     #[must_use]
     pub const fn electrical(&self) -> Electrical {
         match self.held {
@@ -200,13 +199,13 @@ impl Plant {
         }
     }
 
-    /// The present state.
+    /// The current state.
     #[must_use]
     pub const fn state(&self) -> PlantState {
         self.state
     }
 
-    /// Puts the plant into a state, such as a start angle.
+    /// Sets the state, for example a start angle.
     pub const fn set_state(&mut self, state: PlantState) {
         self.state = state;
     }
@@ -217,7 +216,7 @@ impl Plant {
         self.state.is_finite()
     }
 
-    /// One step with `voltage_v` held; `torque_nm` is the torque that opposes positive rotation.
+    /// Simulates one step with constant voltage `voltage_v`; `torque_nm` is the torque that opposes positive rotation.
     pub fn step(&mut self, voltage_v: f64, torque_nm: impl Fn(&PlantState) -> f64) -> &PlantState {
         self.state = match &self.held {
             None => self.midpoint(voltage_v, torque_nm),
@@ -253,7 +252,7 @@ mod tests {
 
     #[test]
     fn free_shaft_without_friction_gains_torque_times_time() {
-        // Constants so small that current and friction do nothing: ω = −T t/J, θ = −T t²/(2J).
+        // The constants are so small that current and friction have no effect: ω = −T t/J, θ = −T t²/(2J).
         let motor = MotorParameters {
             kt_nm_per_a: 1e-12,
             ke_v_s_per_rad: 1e-12,
@@ -266,7 +265,7 @@ mod tests {
             let mut plant = Plant::with_electrical(&motor, 0.5, electrical).expect("valid");
             plant.step(0.0, |_| -4.0);
             let end = plant.step(0.0, |_| -4.0);
-            // Rounding only: both rules are exact for a constant acceleration.
+            // Rounding errors only: both rules are exact for a constant acceleration.
             assert!((end.velocity_rad_s - 2.0).abs() < 1e-12);
             assert!((end.angle_rad - 1.0).abs() < 1e-12);
         }

@@ -1,4 +1,4 @@
-//! How strong the rig's signals are, and noise of a wanted signal-to-noise ratio.
+//! Signal levels of the rig, and measurement noise for a given signal-to-noise ratio.
 //!
 //! A ratio of D decibels means white noise of standard deviation
 //!
@@ -6,13 +6,13 @@
 //! σ_i = I · 10^(−D/20),   σ_ω = Ω · 10^(−D/20)      (1)
 //! ```
 //!
-//! with I and Ω the root mean square of current and velocity of the *healthy* rig without measurement noise. The
-//! noise is a property of the sensors: it stays the same when a defect or other excitation changes the signals.
+//! where I and Ω are the root mean square of current and velocity of the *healthy* rig without measurement noise. The
+//! noise is a property of the sensors: it does not change if a defect or other excitation changes the signals.
 //!
-//! The ratio is that of the noise added. Velocity noise enters the loop, and the controller turns it into a real
-//! current: what a trace shows beyond the noise-free signals is more than σ_i.
+//! D refers to the added noise only. The loop feeds the velocity noise back, and the controller converts it to a real
+//! current: the difference between the recorded current and the noise-free current is therefore larger than σ_i.
 //!
-//! The standard rig's own noise is 24.6 dB (current) and 33.9 dB (velocity).
+//! The standard noise of the rig is 24.6 dB (current) and 33.9 dB (velocity).
 
 use super::{Defect, RigError, Scenario, simulate};
 
@@ -26,13 +26,13 @@ pub struct SignalLevels {
 }
 
 impl SignalLevels {
-    /// Of [`Scenario::STANDARD`], the mean over seeds.
+    /// Levels of [`Scenario::STANDARD`], mean over seeds.
     pub const STANDARD: Self = Self { current_a: 2.20, velocity_rad_s: 27.14 };
 
-    /// Measures them on one simulated trace: the scenario without its defect and its measurement noise.
+    /// Measures the levels on one simulated trace of the scenario without its defect and its measurement noise.
     ///
     /// # Errors
-    /// Where the rig refuses the scenario.
+    /// Returns an error if the rig refuses the scenario.
     pub fn measure(scenario: &Scenario, seed: u64) -> Result<Self, RigError> {
         let quiet = Scenario { current_noise_a: 0.0, velocity_noise_rad_s: 0.0, defect: Defect::HEALTHY, ..*scenario };
         let trace = simulate(&quiet, seed)?;
@@ -42,7 +42,7 @@ impl SignalLevels {
 }
 
 impl Scenario {
-    /// This scenario with current and velocity noise `decibels` below these signals (1).
+    /// This scenario with current and velocity noise `decibels` below the levels (1).
     #[must_use]
     pub fn with_signal_to_noise(self, levels: SignalLevels, decibels: f64) -> Self {
         let ratio = libm::pow(10.0, -decibels / 20.0);
@@ -76,7 +76,7 @@ mod tests {
         for ((mean, scatter), standard) in
             [(current, SignalLevels::STANDARD.current_a), (velocity, SignalLevels::STANDARD.velocity_rad_s)]
         {
-            // Four deviations of the mean, and half a unit of the last digit of the constant.
+            // Four standard deviations of the mean, and half a unit of the last digit of the constant.
             let allowed = 4.0 * scatter + 0.005;
             assert!((mean - standard).abs() < allowed && allowed < 0.01 * standard, "{mean} ± {scatter}");
         }
@@ -84,7 +84,7 @@ mod tests {
 
     #[test]
     fn noise_measured_on_traces_has_the_ratio_asked_for() {
-        // With the controller off, velocity noise stays where it is added: noisy − quiet is the noise.
+        // Without the controller, velocity noise affects only the measured velocity: noisy − quiet is the noise.
         let open = Scenario { proportional_gain_v_s_per_rad: 0.0, integral_gain_v_per_rad: 0.0, ..Scenario::STANDARD };
         let levels = SignalLevels::measure(&Scenario::STANDARD, 77).expect("valid");
         let quiet = Scenario { current_noise_a: 0.0, velocity_noise_rad_s: 0.0, ..open };
@@ -99,7 +99,7 @@ mod tests {
             }
             for (square, level) in squares.iter().zip([levels.current_a, levels.velocity_rad_s]) {
                 let measured = 20.0 * (level / square.sqrt()).log10();
-                // Four deviations of the rms of 1e5 samples, 4/√2e5 = 0.9 % or 0.078 dB.
+                // Four standard deviations of the rms of 1e5 samples, 4/√2e5 = 0.9 % or 0.078 dB.
                 assert!((measured - decibels).abs() < 0.078, "{measured} for {decibels} dB");
             }
         }

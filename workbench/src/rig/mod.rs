@@ -1,4 +1,4 @@
-//! The simulated DC-motor rig: a motor under velocity control with a bearing that can be hurt.
+//! The simulated DC-motor rig: a motor under velocity control whose bearing can have a defect.
 //!
 //! ```text
 //!  reference ─►(+)── e ──► PI ── v held over Ts ──► motor (i, ω, θ) ──► i ─► 140 Hz ─►(+)─► current_a
@@ -9,22 +9,22 @@
 //!                                        velocity noise
 //! ```
 //!
-//! What enters: one [`Scenario`] (a plain struct literal) and one `u64` seed. What leaves: one
-//! [`RigTrace`], the columns a drive could have recorded, in SI units.
+//! Input: one [`Scenario`] (a plain struct literal) and one `u64` seed. Output: one [`RigTrace`], the columns that a
+//! drive could have recorded, in SI units.
 //!
-//! | room | what it holds |
+//! | module | content |
 //! |---|---|
 //! | [`dc_motor`] | the motor of thesis Eq. 2.24–2.25, with the current as a state or quasi-static |
-//! | [`bearing`] | the characteristic orders, the torque of each defect, the weakened magnet |
+//! | [`bearing`] | the characteristic orders, the torque of each defect, the weak magnet |
 //! | [`waveform`] | sine, triangle and square velocity references |
 //! | [`noise`] | independent seeded streams, load fluctuation, current measurement filter |
-//! | [`scenario`] | the standard rig, the loop that joins the rooms, the recorded trace |
-//! | [`levels`] | how strong the signals are, and noise of a wanted signal-to-noise ratio |
-//! | [`conditions`] | named changes of a scenario: other excitation, load, motor or noise; severities |
+//! | [`scenario`] | the standard rig, the closed loop of all parts, the recorded trace |
+//! | [`levels`] | signal levels, and noise for a given signal-to-noise ratio |
+//! | [`conditions`] | named changes of a scenario: excitation, load, motor or noise; severities |
 //!
-//! Everything is `f64`, and sines and hyperbolic tangents come from `libm`, so that a seed means
-//! the same trace on every machine. The rig has its own equations on purpose: it shares no code
-//! with the estimators that are judged on it.
+//! All values are `f64`, and sines and hyperbolic tangents are computed by `libm`, so that a seed produces the same
+//! trace on every machine. The rig deliberately has its own equations: it shares no code with the estimators that
+//! are tested on it.
 //!
 //! ```
 //! use workbench::rig::{Defect, DefectKind, Scenario, simulate};
@@ -55,32 +55,32 @@ pub use noise::{CurrentFilter, LoadFluctuation, NoiseSource, Stream};
 pub use scenario::{RigTrace, Scenario, simulate};
 pub use waveform::Waveform;
 
-/// Why a rig cannot be built or run; each names the parameter at fault.
+/// Reason why a rig cannot be built or run; each error contains the name of the invalid parameter.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RigError {
-    /// NaN or infinite.
+    /// The value is NaN or infinite.
     #[error("{name} must be finite, got {value}")]
     NotFinite {
         /// Field name with its unit.
         name: &'static str,
-        /// The refused value.
+        /// The rejected value.
         value: f64,
     },
-    /// Zero or negative where only a positive value has a meaning.
+    /// The value must be positive, but is zero or negative.
     #[error("{name} must be positive, got {value}")]
     NotPositive {
         /// Field name with its unit.
         name: &'static str,
-        /// The refused value.
+        /// The rejected value.
         value: f64,
     },
-    /// Negative where zero is the least.
+    /// The value must not be negative.
     #[error("{name} must not be negative, got {value}")]
     Negative {
         /// Field name with its unit.
         name: &'static str,
-        /// The refused value.
+        /// The rejected value.
         value: f64,
     },
     /// A trace needs at least one sample.
@@ -89,7 +89,7 @@ pub enum RigError {
     /// The fluctuation's AR(1) pole lies on or outside the unit circle.
     #[error("load_fluctuation_pole must lie strictly between -1 and 1, got {0}")]
     UnstableFluctuation(f64),
-    /// The loop ran away: gains, motor and sampling time do not go together.
+    /// The loop is unstable: gains, motor and sampling time are not compatible.
     #[error("the closed loop diverges: state no longer finite at t = {t_s} s")]
     Diverged {
         /// Time of the first sample that is not finite.
@@ -97,27 +97,27 @@ pub enum RigError {
     },
 }
 
-/// The seed of trace `k` of one class in the set of seed `set`. Injective for k < 2²⁹, so that sets of different
+/// The seed of trace `k` of one class in the set of seed `set`. Injective for k < 2²⁹, so that sets with different
 /// seeds, and classes of one set, never share a trace.
 #[must_use]
 pub const fn trace_seed(set: u32, kind: DefectKind, k: u32) -> u64 {
     let class = kind.number() as u64;
-    // Three bits of class, the upper one last, and twenty-nine of count.
+    // Three bits of class, the most significant one last, and twenty-nine bits of `k`.
     let class = ((class & 3) << 30) | ((class >> 2) << 29);
     ((set as u64) << 32) | class | (k as u64 & 0x1fff_ffff)
 }
 
-/// `value`, if it is a finite number.
+/// Returns `value` if it is finite.
 pub(crate) fn finite(name: &'static str, value: f64) -> Result<f64, RigError> {
     if value.is_finite() { Ok(value) } else { Err(RigError::NotFinite { name, value }) }
 }
 
-/// `value`, if it is finite and above zero.
+/// Returns `value` if it is finite and positive.
 pub(crate) fn positive(name: &'static str, value: f64) -> Result<f64, RigError> {
     if finite(name, value)? > 0.0 { Ok(value) } else { Err(RigError::NotPositive { name, value }) }
 }
 
-/// `value`, if it is finite and zero or above.
+/// Returns `value` if it is finite and not negative.
 pub(crate) fn not_negative(name: &'static str, value: f64) -> Result<f64, RigError> {
     if finite(name, value)? >= 0.0 { Ok(value) } else { Err(RigError::Negative { name, value }) }
 }

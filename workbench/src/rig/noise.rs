@@ -1,25 +1,25 @@
-//! Everything random, and the current measurement.
+//! Random numbers, and the current measurement.
 //!
-//! One `u64` seed feeds several [`Stream`]s, each its own `ChaCha` stream of the same key. Streams
-//! never share draws: changing one noise level, or leaving one source out, does not shift another.
+//! One `u64` seed feeds several [`Stream`]s; each is a separate `ChaCha` stream of the same key. Streams never share
+//! draws: if one noise level changes or one source is omitted, the other sources do not change.
 //!
-//! Load fluctuation, an AR(1) process at the sampling interval with stationary deviation σ:
+//! Load fluctuation, an AR(1) process at the sampling interval with stationary standard deviation σ:
 //!
 //! ```text
 //! f(0) = σ g(0),   f(k) = p f(k−1) + σ √(1 − p²) g(k),   g ~ N(0, 1)      (1)
 //! ```
 //!
-//! Current measurement: a second-order Butterworth low-pass, two integrators advanced one after
-//! the other (semi-implicit Euler) at the inner step `h`, `w = 2π·140 Hz`:
+//! Current measurement: a second-order Butterworth low-pass, two integrators updated one after the other
+//! (semi-implicit Euler) at the inner step `h`, `w = 2π·140 Hz`:
 //!
 //! ```text
 //! s ← s + h (w² (i − y) − √2 w s),   y ← y + h s                          (2)
 //! ```
 //!
-//! The gain at `w` is −3 dB but for terms of order `w h` (0.09 at 100 µs).
+//! The gain at `w` is −3 dB except for terms of order `w h` (0.09 at 100 µs).
 //!
-//! Gaussian draws use the ziggurat of `rand_distr`, whose rare tail draws take a logarithm from
-//! the platform: across platforms they may differ in the last bit.
+//! Gaussian draws use the ziggurat algorithm of `rand_distr`. Its rare draws from the tails use the logarithm of the
+//! platform, so they may differ in the last bit between platforms.
 
 use core::f64::consts::{SQRT_2, TAU};
 
@@ -30,7 +30,7 @@ use rand_distr::StandardNormal;
 /// Cut-off of the current measurement.
 const CURRENT_FILTER_HZ: f64 = 140.0;
 
-/// What a stream of random numbers is for.
+/// Purpose of a stream of random numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stream {
     /// Shaft angle at the start.
@@ -46,7 +46,7 @@ pub enum Stream {
 }
 
 impl Stream {
-    /// Fixed numbers, so that a new stream never renumbers the old ones.
+    /// The numbers are fixed, so that a new stream does not change the existing ones.
     const fn number(self) -> u64 {
         match self {
             Self::StartAngle => 1,
@@ -58,7 +58,7 @@ impl Stream {
     }
 }
 
-/// One seeded stream of random numbers.
+/// One stream of random numbers with a seed.
 #[derive(Debug, Clone)]
 pub struct NoiseSource {
     rng: ChaCha8Rng,
@@ -84,7 +84,7 @@ impl NoiseSource {
     }
 }
 
-/// Equation (1).
+/// The load fluctuation, equation (1).
 #[derive(Debug, Clone)]
 pub struct LoadFluctuation {
     source: NoiseSource,
@@ -94,14 +94,14 @@ pub struct LoadFluctuation {
 }
 
 impl LoadFluctuation {
-    /// A stationary process of deviation `rms_nm` and pole `pole`, |pole| < 1.
+    /// A stationary process with standard deviation `rms_nm` and pole `pole`, |pole| < 1.
     #[must_use]
     pub fn new(mut source: NoiseSource, rms_nm: f64, pole: f64) -> Self {
         let value_nm = rms_nm * source.gaussian();
         Self { source, pole, drive_nm: rms_nm * (1.0 - pole * pole).sqrt(), value_nm }
     }
 
-    /// The present value, and one sample onward.
+    /// Returns the current value and advances the process by one sample.
     pub fn draw(&mut self) -> f64 {
         let now = self.value_nm;
         self.value_nm = self.pole * now + self.drive_nm * self.source.gaussian(); // (1)
@@ -109,7 +109,7 @@ impl LoadFluctuation {
     }
 }
 
-/// The current measurement's low-pass (2).
+/// The low-pass of the current measurement (2).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurrentFilter {
     step_s: f64,
@@ -118,13 +118,13 @@ pub struct CurrentFilter {
 }
 
 impl CurrentFilter {
-    /// A filter at rest, run every `step_s`; stable for `w h < 1.03`, thus below 1.1 ms.
+    /// A filter at rest, updated every `step_s`; stable for `w h < 1.03`, i.e. `step_s` below 1.1 ms.
     #[must_use]
     pub const fn new(step_s: f64) -> Self {
         Self { step_s, slope: 0.0, output_a: 0.0 }
     }
 
-    /// Takes one current, gives the filtered one.
+    /// Filters one current sample and returns the filtered current.
     pub fn update(&mut self, current_a: f64) -> f64 {
         let w = TAU * CURRENT_FILTER_HZ;
         let bend = w * w * (current_a - self.output_a) - SQRT_2 * w * self.slope;
@@ -159,12 +159,12 @@ mod tests {
 
     #[test]
     fn filter_passes_slow_currents_and_halves_power_at_its_cutoff() {
-        // 5 Hz: |H| = 1 − ½(5/140)⁴ ≈ 1 − 1e-6; a wrong gain would be far off.
+        // 5 Hz: |H| = 1 − ½(5/140)⁴ ≈ 1 − 1e-6; a wrong gain would differ clearly.
         assert!((amplitude_after_filter(5.0) - 1.0).abs() < 1e-3);
-        // −3 dB, off by terms of order w h = 0.09 (semi-implicit Euler), bracketed both ways.
+        // −3 dB except for terms of order w h = 0.09 (semi-implicit Euler), with limits on both sides.
         let at_cutoff = amplitude_after_filter(140.0);
         assert!((0.70..0.78).contains(&at_cutoff), "{at_cutoff}");
-        // Two poles: a quarter at twice the cut-off, not the half of one pole.
+        // Two poles: a quarter at twice the cut-off; one pole would have a half.
         let above = amplitude_after_filter(280.0);
         assert!((0.22..0.28).contains(&above), "{above}");
     }
@@ -182,7 +182,7 @@ mod tests {
         for pole in [-0.5, 0.0, 0.9] {
             let mut fluctuation = LoadFluctuation::new(NoiseSource::new(8, Stream::LoadFluctuation), 0.06, pole);
             let square: f64 = (0..20_000).map(|_| fluctuation.draw().powi(2)).sum::<f64>() / 20_000.0;
-            // Scatter of the rms: √((1 + p²)/(1 − p²)/2n) = 1.5 % at p = 0.9; four of them.
+            // Four standard deviations of the rms; one is √((1 + p²)/(1 − p²)/2n) = 1.5 % at p = 0.9.
             assert!((square.sqrt() / 0.06 - 1.0).abs() < 0.062, "{pole}: {}", square.sqrt());
         }
     }
@@ -192,7 +192,7 @@ mod tests {
         let mut source = NoiseSource::new(3, Stream::Conditions);
         let draws: Vec<f64> = (0..1000).map(|_| source.uniform(0.6, 1.5)).collect();
         assert!(draws.iter().all(|x| (0.6..1.5).contains(x)));
-        // The extremes of 1000 draws lie within 0.01 of the bounds but for a chance of 2e-5.
+        // The extremes of 1000 draws lie within 0.01 of the bounds with a probability of 1 − 2e-5.
         assert!(draws.iter().any(|x| *x < 0.61) && draws.iter().any(|x| *x > 1.49));
     }
 }

@@ -1,19 +1,19 @@
 //! One experiment: the scenario, the closed loop, the recorded trace.
 //!
-//! What enters: a [`Scenario`] and a seed. What leaves: a [`RigTrace`], one row a sample.
+//! Input: a [`Scenario`] and a seed. Output: a [`RigTrace`], one row per sample.
 //!
-//! At each sample the drive measures, records, and only then applies a new voltage, so the error
-//! acts on the recorded current one sample later (thesis Fig. 3.1):
+//! At each sample the drive measures and records, and then applies a new voltage, so the error affects the recorded
+//! current one sample later (thesis Fig. 3.1):
 //!
 //! ```text
 //! ω_m(k) = ω(k) + n_ω(k)                        measured velocity
-//! i_m(k) = y(k) + n_i(k)                        y: filtered current (room `noise`)
+//! i_m(k) = y(k) + n_i(k)                        y: filtered current (module `noise`)
 //! e = ref − ω_m;   x ← x + Ki Ts e;   v = Kp e + x      (1), v held over Ts
 //! ```
 //!
-//! The load torque is a sine plus a fluctuation, recorded as the motor feels it at the samples
-//! and linear between them. Without the fluctuation two pure sines would not excite the models
-//! of the thesis persistently. The recorded angle is the true one.
+//! The load torque is a sine plus a fluctuation. It is recorded at the samples, and is linear between them. Without the
+//! fluctuation, two pure sines would not excite the models of the thesis persistently. The recorded angle is the true
+//! angle without noise.
 
 use core::f64::consts::TAU;
 
@@ -22,11 +22,10 @@ use super::{
     PlantState, RigError, Stream, TABLE_2_3, Waveform, finite, not_negative, positive,
 };
 
-/// Longest integration step; a sampling interval is cut into equal steps no longer than this.
+/// Longest integration step; a sampling interval is divided into equal steps that are not longer.
 const INNER_STEP_S: f64 = 1e-4;
 
-/// Start angles span ten shaft turns: orders are not whole numbers, so a turn more is a new
-/// phase of the balls.
+/// Start angles cover ten shaft turns: orders are not integers, so each further turn is a different phase of the balls.
 const START_ANGLE_RAD: f64 = 10.0 * TAU;
 
 /// One experiment on the DC-motor rig.
@@ -38,7 +37,7 @@ pub struct Scenario {
     pub reference_amplitude_rad_s: f64,
     /// Frequency of the velocity reference.
     pub reference_frequency_hz: f64,
-    /// Amplitude of the sine load torque.
+    /// Amplitude of the sinusoidal load torque.
     pub load_amplitude_nm: f64,
     /// Frequency of the load torque.
     pub load_frequency_hz: f64,
@@ -52,9 +51,9 @@ pub struct Scenario {
     pub integral_gain_v_per_rad: f64,
     /// Ts of (1), also the recording interval.
     pub sample_time_s: f64,
-    /// Rows of the trace.
+    /// Number of rows of the trace.
     pub samples: usize,
-    /// The sound motor; [`Defect::motor`] says what a defect makes of it.
+    /// The motor without defect; [`Defect::motor`] returns the motor with the defect.
     pub motor: MotorParameters,
     /// Standard deviation of the current noise, outside the loop, after the filter.
     pub current_noise_a: f64,
@@ -62,12 +61,12 @@ pub struct Scenario {
     pub velocity_noise_rad_s: f64,
     /// The bearing's dimensions.
     pub bearing: BearingGeometry,
-    /// What is wrong.
+    /// Defect.
     pub defect: Defect,
 }
 
 impl Scenario {
-    /// The standard rig, calibrated so that a healthy trace fits as well as the thesis reports.
+    /// The standard rig; it was calibrated so that the fit of a healthy trace is as high as in the thesis.
     pub const STANDARD: Self = Self {
         reference_waveform: Waveform::Sine,
         reference_amplitude_rad_s: 40.0,
@@ -87,15 +86,15 @@ impl Scenario {
         defect: Defect::HEALTHY,
     };
 
-    /// This scenario with another defect.
+    /// This scenario with the given defect.
     #[must_use]
     pub const fn with_defect(self, defect: Defect) -> Self {
         Self { defect, ..self }
     }
 
-    /// This scenario under conditions of its own: reference amplitude × 0.6–1.5 and frequency
-    /// × 0.6–1.8, load amplitude × 0.6–1.4 and frequency × 0.6–1.8, R ± 10 %, J ± 3 %, each
-    /// uniform and drawn from [`Stream::Conditions`] of `seed`.
+    /// This scenario with random conditions: reference amplitude × 0.6–1.5 and frequency × 0.6–1.8, load
+    /// amplitude × 0.6–1.4 and frequency × 0.6–1.8, R ± 10 %, J ± 3 %, each uniform and drawn from
+    /// [`Stream::Conditions`] of `seed`.
     #[must_use]
     pub fn mixed(mut self, seed: u64) -> Self {
         let mut source = NoiseSource::new(seed, Stream::Conditions);
@@ -108,7 +107,7 @@ impl Scenario {
         self
     }
 
-    /// Refuses what cannot be simulated, naming the field.
+    /// Returns an error with the name of the field if the scenario cannot be simulated.
     pub fn validate(&self) -> Result<(), RigError> {
         finite("reference_amplitude_rad_s", self.reference_amplitude_rad_s)?;
         not_negative("reference_frequency_hz", self.reference_frequency_hz)?;
@@ -142,7 +141,7 @@ impl Scenario {
     }
 }
 
-/// One recording: columns of equal length.
+/// One recording: columns of the same length.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RigTrace {
     /// Time of the sample.
@@ -208,7 +207,7 @@ impl VelocityLoop {
     }
 }
 
-/// The motor with its defect and its current measurement, advanced one sampling interval a time.
+/// The motor with its defect and its current measurement, simulated one sampling interval at a time.
 #[derive(Debug)]
 struct Shaft {
     plant: Plant,
@@ -235,7 +234,7 @@ impl Shaft {
         })
     }
 
-    /// `load_nm` is the load torque at the beginning and at the end of the interval.
+    /// Simulates one interval; `load_nm` is the load torque at its beginning and at its end.
     fn advance(&mut self, voltage_v: f64, load_nm: [f64; 2]) {
         let [from, to] = load_nm;
         for step in 0..self.inner_steps {
@@ -248,19 +247,19 @@ impl Shaft {
     }
 }
 
-/// How many equal steps of at most [`INNER_STEP_S`] make up a sampling interval.
+/// Number of equal steps of at most [`INNER_STEP_S`] in a sampling interval.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "clamped to the range of u32 before the cast"
 )]
 fn inner_steps(sample_time_s: f64) -> u32 {
-    // Less a little, lest rounding of an exact multiple add a step.
+    // The tolerance prevents that rounding of an exact multiple adds a step.
     let steps = (sample_time_s / INNER_STEP_S - 1e-9).ceil();
     steps.clamp(1.0, f64::from(u32::MAX)) as u32
 }
 
-/// Runs one experiment. The same scenario and seed give the same trace.
+/// Runs one experiment. The same scenario and seed produce the same trace.
 pub fn simulate(scenario: &Scenario, seed: u64) -> Result<RigTrace, RigError> {
     scenario.validate()?;
     let mut shaft = Shaft::new(scenario, seed)?;

@@ -1,4 +1,4 @@
-//! Shapes of the velocity reference, of unit peak and rising through zero at t = 0.
+//! Shapes of the velocity reference, with unit peak; sine and triangle rise through zero at t = 0.
 //!
 //! With the phase `x = frac(f t)` in periods:
 //!
@@ -8,12 +8,12 @@
 //! square    1 for x < ½, else −1                                  (3)
 //! ```
 //!
-//! The square jumps between two samples, as a step command does; neither its slope nor the drive's voltage is
-//! limited. At zero frequency it is a constant 1, and the others are 0.
+//! The square jumps between two samples, like a step command; neither its slope nor the voltage of the drive is
+//! limited. At zero frequency the square is a constant 1, and the other shapes are 0.
 
 use core::f64::consts::TAU;
 
-/// What of a period the square looks ahead, lest rounding move an edge that falls on a sample to the next one.
+/// Phase advance of the square in periods, so that rounding does not delay an edge at a sample to the next sample.
 const EDGE_GUARD: f64 = 1e-9;
 
 /// Shape of a periodic signal.
@@ -28,7 +28,7 @@ pub enum Waveform {
 }
 
 impl Waveform {
-    /// Every shape.
+    /// All shapes.
     pub const ALL: [Self; 3] = [Self::Sine, Self::Triangle, Self::Square];
 
     /// Name on the command line and in labels.
@@ -41,7 +41,7 @@ impl Waveform {
         }
     }
 
-    /// What it is, in a few words.
+    /// Short description.
     #[must_use]
     pub const fn about(self) -> &'static str {
         match self {
@@ -51,7 +51,7 @@ impl Waveform {
         }
     }
 
-    /// The value in −1 … 1 at time `t_s`.
+    /// The value from −1 to 1 at time `t_s`.
     #[must_use]
     pub fn at(self, frequency_hz: f64, t_s: f64) -> f64 {
         let periods = frequency_hz * t_s;
@@ -82,7 +82,7 @@ mod tests {
     use super::*;
     use core::f64::consts::PI;
 
-    /// Times of the standard rig's samples, 1.2 s to 11.2 s, at 0.2 Hz.
+    /// Sample times of the standard rig from 1.2 s to 11.2 s, for a reference of 0.2 Hz.
     fn samples() -> impl Iterator<Item = f64> {
         (600..5600).map(|k| f64::from(k) * 0.002)
     }
@@ -91,7 +91,7 @@ mod tests {
     fn triangle_is_the_arcsine_of_a_sine() {
         for t in samples() {
             let closed = 2.0 / PI * (TAU * 0.2 * t).sin().asin();
-            // asin loses half the digits at the tips, where its slope is infinite: √1e-16.
+            // asin loses half the digits at the peaks, because its slope is infinite there: √1e-16.
             assert!((Waveform::Triangle.at(0.2, t) - closed).abs() < 1e-7, "{t}");
         }
         assert_eq!(Waveform::Triangle.at(0.2, 1.25), 1.0);
@@ -102,12 +102,12 @@ mod tests {
     fn square_is_the_sign_of_a_sine_and_jumps_on_the_sample() {
         for t in samples() {
             let sine = (TAU * 0.2 * t).sin();
-            // At the zeros themselves (every 1250 samples) the sign of a rounded sine means nothing.
+            // At the zeros (every 1250 samples) the sign of a rounded sine is undefined.
             if sine.abs() > 1e-6 {
                 assert_eq!(Waveform::Square.at(0.2, t), sine.signum(), "{t}");
             }
         }
-        // Half a period is 1250 samples, whatever k · 0.002 · 0.2 rounds to.
+        // Half a period is 1250 samples, independent of the rounding of k · 0.002 · 0.2.
         for k in 0..20_000_u32 {
             let expected = if (k / 1250).is_multiple_of(2) { 1.0 } else { -1.0 };
             assert_eq!(Waveform::Square.at(0.2, f64::from(k) * 0.002), expected, "{k}");

@@ -1,18 +1,18 @@
-//! Which structures are searched, and whether the traces can carry them.
+//! The structures of a search, and whether the traces are long enough for them.
 
 use crate::Error;
 use crate::identify::Structure;
 use crate::trace::Trace;
 
-/// More structures than this are a slip of the fingers rather than a search.
+/// Upper limit on the number of structures; a larger grid is probably a mistake.
 const MOST: usize = 200_000;
 
 /// Every structure between two order vectors, both included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Grid {
-    /// Least numbers of terms (from 1) and delays (from 0).
+    /// Minimum numbers of terms (from 1) and delays (from 0).
     pub min: Structure,
-    /// Greatest.
+    /// Maximum numbers.
     pub max: Structure,
     /// Whether a constant term is estimated.
     pub offset: bool,
@@ -25,10 +25,10 @@ impl Grid {
         Self { min: Structure::new(1, 1, 1, 1, 1), max, offset }
     }
 
-    /// The structures, last number running fastest.
+    /// The structures of the grid; the last number varies fastest.
     ///
     /// # Errors
-    /// A range that is empty, a number of terms below 1, or more structures than anyone waits for.
+    /// An empty range, a number of terms below 1, or more structures than the upper limit.
     pub fn structures(&self) -> Result<Vec<Structure>, Error> {
         let (min, max) = (self.min.orders(), self.max.orders());
         for (k, name) in ["na", "nb", "nc", "nkb", "nkc"].into_iter().enumerate() {
@@ -62,7 +62,7 @@ impl Grid {
     }
 }
 
-/// Refuses traces that cannot carry the deepest of the structures.
+/// Rejects traces that are too short for the deepest structure, constant or not finite.
 pub(super) fn check(train: &[Trace], validate: &[Trace], structures: &[Structure]) -> Result<(), Error> {
     let deepest = structures.iter().map(|s| s.depth()).max();
     let (Some(deepest), false, false) = (deepest, train.is_empty(), validate.is_empty()) else {
@@ -72,7 +72,8 @@ pub(super) fn check(train: &[Trace], validate: &[Trace], structures: &[Structure
         return Err(Error::Usage(format!("order {:?} has no terms", empty.orders())));
     }
     let most = structures.iter().map(|s| s.parameters()).max().unwrap_or(0);
-    // Estimation without scoring hands its traces over twice; reading them once more would take half its time.
+    // If structures are estimated without scoring, both arguments are the same traces; checking them twice would take
+    // half of the computing time.
     let other = if std::ptr::eq(train, validate) { &[] } else { validate };
     for (traces, least) in [(train, deepest + most + 1), (other, deepest + 1)] {
         for trace in traces {
@@ -89,7 +90,7 @@ pub(super) fn check(train: &[Trace], validate: &[Trace], structures: &[Structure
                     let problem = format!("{name} is constant: nothing can be told of a structure; check --{name}");
                     return Err(Error::trace(&trace.id, problem));
                 }
-                // Without an early end it runs at the speed of memory.
+                // Without an early exit the loop is limited only by memory bandwidth.
                 if !signal.iter().fold(true, |all, x| all & x.is_finite()) {
                     return Err(Error::trace(&trace.id, format!("{name} has values that are not finite")));
                 }

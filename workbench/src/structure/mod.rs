@@ -1,17 +1,18 @@
-//! Structure selection: traces enter, every structure `[na nb nc nkb nkc]` of a grid leaves with its scores.
+//! Structure selection: scores every structure `[na nb nc nkb nkc]` of a grid on given traces.
 //!
 //! ```text
-//! θ      estimated on all training traces together, each from its own first complete row t₀ on
+//! θ      estimated from all training traces together, each from its own first complete row t₀
 //! fit    Eq. 3.2 of the free-run simulation, mean over the validation traces, %
 //! AIC    ln V + 2 d/N,   MDL   ln V + d ln N/N,   V = Σe²/N on the training rows, d parameters      (1)
 //! ```
 //!
-//! Fit judges simulation on traces that were not estimated on; AIC and MDL judge prediction on those that were, and
-//! pay for parameters instead. For iv4, e is the residual behind its noise filter. Simulation starts and unstable
-//! poles are treated as in [`crate::identify`], whose estimates these are to rounding.
+//! The fit measures simulation on traces that were not used for estimation. AIC and MDL measure prediction on the
+//! traces used for estimation and penalise the number of parameters instead. For iv4, e is the residual after its noise
+//! filter. The start of the simulation and unstable poles are treated as in [`crate::identify`]; the estimates are the
+//! same within rounding.
 //!
 //! Least squares factors the widest regressor once, O(N·M²); each structure then costs a triangularisation of a few
-//! columns and one simulation (a few µs and N·(n + latency) operations). Structures run in parallel.
+//! columns and one simulation (a few µs plus N·(n + latency) operations). Structures are processed in parallel.
 
 mod grid;
 mod shared;
@@ -40,7 +41,7 @@ pub enum Estimator {
 /// An estimate before it is scored.
 #[derive(Clone, Debug)]
 pub struct Fitted {
-    /// What was estimated.
+    /// The estimated structure.
     pub structure: Structure,
     /// a₁…, b₁…, c₁…, constant.
     pub theta: Vec<f64>,
@@ -61,19 +62,19 @@ pub struct Candidate {
     pub stable: bool,
 }
 
-/// A structure that could not be estimated.
+/// A structure that cannot be estimated.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refusal {
-    /// Which.
+    /// The structure.
     pub structure: Structure,
-    /// Why, in a few words.
+    /// The reason, in a few words.
     pub reason: String,
 }
 
 /// All structures of a search.
 #[derive(Clone, Debug, Default)]
 pub struct Search {
-    /// Scored structures, in the order they were given.
+    /// Scored structures, in the given order.
     pub candidates: Vec<Candidate>,
     /// Structures without an estimate.
     pub refused: Vec<Refusal>,
@@ -111,25 +112,25 @@ impl Fitted {
 }
 
 impl Search {
-    /// Best fit; of equal fits the structure with fewer parameters.
+    /// The structure of best fit; if fits are equal, the one with fewer parameters.
     #[must_use]
     pub fn best_fit(&self) -> Option<&Candidate> {
         least(self.candidates.iter(), |c| -c.fit_percent)
     }
 
-    /// Least AIC.
+    /// The structure of least AIC.
     #[must_use]
     pub fn best_aic(&self) -> Option<&Candidate> {
         least(self.candidates.iter(), |c| c.fitted.aic())
     }
 
-    /// Least MDL.
+    /// The structure of least MDL.
     #[must_use]
     pub fn best_mdl(&self) -> Option<&Candidate> {
         least(self.candidates.iter(), |c| c.fitted.mdl())
     }
 
-    /// Best fit of each number of parameters, fewest first.
+    /// The structure of best fit for each number of parameters, fewest first.
     #[must_use]
     pub fn best_by_count(&self) -> Vec<&Candidate> {
         let most = self.candidates.iter().map(|c| c.fitted.parameters()).max().unwrap_or(0);
@@ -143,7 +144,7 @@ impl Search {
         self.candidates.iter().find(|c| c.fitted.structure == structure)
     }
 
-    /// Place by fit, from 1.
+    /// Rank by fit, from 1.
     #[must_use]
     pub fn rank(&self, fit_percent: f64) -> usize {
         1 + self.candidates.iter().filter(|c| c.fit_percent > fit_percent).count()
@@ -157,7 +158,7 @@ fn least<'a>(candidates: impl Iterator<Item = &'a Candidate>, key: fn(&Candidate
 /// Estimates every structure on the training traces and scores it on the validation traces.
 ///
 /// # Errors
-/// No structure or trace; a trace shorter than the deepest structure needs, or with a constant signal.
+/// No structure or no trace; a trace shorter than the deepest structure requires, or with a constant signal.
 pub fn search(
     train: &[Trace],
     validate: &[Trace],
@@ -187,10 +188,11 @@ pub fn search(
     Ok(search)
 }
 
-/// Estimates every structure on the training traces without scoring it; the error of one says why it has none.
+/// Estimates every structure on the training traces without scoring it; the error of a structure is the reason why it
+/// has no estimate.
 ///
 /// # Errors
-/// As [`search`].
+/// The errors of [`search`].
 pub fn estimate_all(
     train: &[Trace],
     structures: &[Structure],
@@ -200,7 +202,7 @@ pub fn estimate_all(
     Ok(each(train, structures, estimator, |fitted, _| fitted))
 }
 
-/// Estimates, and hands each estimate on with a buffer of its thread.
+/// Estimates every structure, and passes each estimate and a buffer of the thread to `then`.
 fn each<T: Send>(
     train: &[Trace],
     structures: &[Structure],
@@ -221,7 +223,7 @@ fn each<T: Send>(
         Ok(then(Fitted { structure, theta, residual_sum, rows }, output))
     };
     if let [structure] = structures {
-        // Waking other threads would take as long as the work.
+        // Starting other threads would take as long as the estimation itself.
         return vec![one(&mut memory(), structure)];
     }
     structures.par_iter().map_init(memory, one).collect()

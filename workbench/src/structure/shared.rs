@@ -1,26 +1,27 @@
-//! Traces enter once, least-squares estimates of any structure leave, each for the price of a small triangle.
+//! Least-squares estimates of any structure from one factorisation of the traces; each costs a small triangularisation.
 //!
 //! ```text
 //! X_wide = Q R                      all lags of y, u1, u2, the constant and the target, rows T … N−1      (1)
-//! X_t₀   = [X_wide; rows t₀ … T−1]  its factor is R with those rows rotated in                            (2)
+//! X_t₀   = [X_wide; rows t₀ … T−1]  R of X_wide updated by those rows                             (2)
 //! ```
 //!
-//! T is the depth of the widest structure. A structure's columns are some of X_t₀'s, its factor the triangularised
-//! choice of columns of (2), so that its sums start at its own t₀ as in [`crate::identify`]. A lag that reaches before
-//! the record in (2) is set to zero; no structure of that t₀ has it. Several traces are stacked: one θ for all.
+//! T is the depth of the widest structure. The columns of a structure are a subset of those of X_t₀; its factor is the
+//! triangularised subset of the columns of (2), so that its sums start at its own t₀ as in [`crate::identify`]. A lag
+//! in (2) that reaches before the record is set to zero; no structure with that t₀ uses it. Several traces are stacked:
+//! one θ for all.
 
 use crate::identify::Structure;
 use crate::identify::kernel::triangle::{DEPENDENT, Triangle, block_rows, solve_staircase};
 use crate::trace::Trace;
 
-/// Factors (2) of every t₀ down to that of the shallowest structure.
+/// The factors (2) for every t₀ down to that of the shallowest structure.
 #[derive(Debug)]
 pub(super) struct Shared {
     layout: Layout,
     shallowest: usize,
-    /// By t₀ − `shallowest`.
+    /// Indexed by t₀ − `shallowest`.
     triangles: Vec<Triangle>,
-    /// Samples of each trace.
+    /// Number of samples of each trace.
     lengths: Vec<usize>,
 }
 
@@ -32,7 +33,7 @@ pub(super) struct Solution {
     pub rows: usize,
 }
 
-/// Which lag each column of the widest regressor has.
+/// The lag of each column of the widest regressor.
 #[derive(Clone, Debug)]
 struct Layout {
     na: usize,
@@ -54,12 +55,12 @@ impl Layout {
         Self { na, u, offset: structures.iter().any(|s| s.offset) }
     }
 
-    /// With the target.
+    /// Number of columns, including the target.
     fn columns(&self) -> usize {
         self.na + self.u[0].1 + self.u[1].1 + usize::from(self.offset) + 1
     }
 
-    /// Signal and lag of each column but the constant and the target: 0 for y, 1 for u1, 2 for u2.
+    /// Signal (0 for y, 1 for u1, 2 for u2) and lag of each column except the constant and the target.
     fn lags(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let inputs = self.u.iter().enumerate().flat_map(|(k, &(first, n))| (first..first + n).map(move |l| (k + 1, l)));
         (1..=self.na).map(|lag| (0, lag)).chain(inputs)
@@ -80,7 +81,7 @@ impl Layout {
         chosen.push(self.columns() - 1);
     }
 
-    /// Rows t … t+height−1 of a trace, column-major; what lies before the record is zero.
+    /// Rows t … t+height−1 of a trace, column-major; values before the record are zero.
     fn fill(&self, trace: &Trace, t: usize, height: usize, block: &mut [f64]) {
         let mut columns = block.chunks_exact_mut(height);
         let signals = [&trace.y, &trace.u1, &trace.u2];
@@ -103,7 +104,7 @@ impl Layout {
 }
 
 impl Shared {
-    /// Factors the widest regressor of these structures; each trace has more samples than their depth.
+    /// Factors the widest regressor of these structures; each trace must have more samples than their depth.
     pub(super) fn new(traces: &[Trace], structures: &[Structure]) -> Self {
         let layout = Layout::of(structures);
         let depths = structures.iter().map(|s| s.depth());
@@ -132,10 +133,10 @@ impl Shared {
         Self { layout, shallowest, triangles, lengths: traces.iter().map(|t| t.y.len()).collect() }
     }
 
-    /// Least squares of one of the structures.
+    /// Least-squares estimate of one of the structures.
     ///
     /// # Errors
-    /// The first parameter whose column depends on the earlier ones.
+    /// The first parameter whose column depends linearly on the columns before it.
     pub(super) fn solve(&self, structure: Structure, scratch: &mut Scratch) -> Result<Solution, usize> {
         let t0 = structure.depth();
         let triangle = &self.triangles[t0 - self.shallowest];
@@ -151,7 +152,7 @@ impl Shared {
         let residual_sum = solve_staircase(columns, stride, heights, DEPENDENT)?;
         let n = chosen.len() - 1;
         let mut theta = columns[n * stride..][..n].to_vec();
-        // The columns hold +y, the model −y.
+        // The columns hold +y; the model has −y.
         for a in &mut theta[..usize::from(structure.na)] {
             *a = -*a;
         }
@@ -160,7 +161,7 @@ impl Shared {
     }
 }
 
-/// Memory of [`Shared::solve`], one a thread.
+/// Working memory of [`Shared::solve`], one per thread.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scratch {
     chosen: Vec<usize>,

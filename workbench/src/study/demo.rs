@@ -1,5 +1,5 @@
-//! The whole chain on the standard rig: simulate, train, evaluate held-out traces through the embedded detector,
-//! and compare with the source's own method on the same traces.
+//! The complete chain on the standard rig: simulate, train, evaluate held-out traces with the embedded detector,
+//! and compare with the source's method on the same traces.
 
 use rayon::prelude::*;
 
@@ -17,7 +17,7 @@ use crate::train::{Recipe, Trained, train};
 /// Class names of the standard rig, healthy first.
 pub const CLASSES: [DefectKind; 3] = [DefectKind::Healthy, DefectKind::Spall, DefectKind::Roughness];
 
-/// What the first input of a trace is.
+/// Choice of the first input of a trace.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FirstInput {
     /// Velocity reference.
@@ -26,53 +26,53 @@ pub enum FirstInput {
     Error,
 }
 
-/// How large the demonstration is.
+/// Size of the demonstration.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
-    /// Draws of training and validation sets.
+    /// Number of draws of training and validation sets.
     pub repetitions: u32,
-    /// Traces a class, in training and again in validation.
+    /// Number of traces per class in training, and again in validation.
     pub traces: u32,
     /// Seed; repetition r trains on set `seed` + 2r and validates on set `seed` + 2r + 1.
     pub seed: u32,
 }
 
 impl Settings {
-    /// Seeds of the training and the validation set of one repetition: never the same, never shared between
-    /// repetitions.
+    /// Seeds of the training and the validation set of one repetition. The two differ, and no two repetitions share a
+    /// seed.
     #[must_use]
     pub const fn sets(&self, repetition: u32) -> (u32, u32) {
         (self.seed + 2 * repetition, self.seed + 2 * repetition + 1)
     }
 }
 
-/// What one repetition gave.
+/// Results of one repetition.
 #[derive(Clone, Debug)]
 pub struct Repetition {
-    /// Least squares, all parameters, no projection, linear discriminant; through the core.
+    /// Least squares, all parameters, no projection, linear discriminant; embedded detector.
     pub all_parameters: Confusion,
-    /// Torque balance and bearing order, quadratic discriminant; through the core.
+    /// Torque balance and bearing order, quadratic discriminant; embedded detector.
     pub shaft: Confusion,
-    /// Least squares, a-parameters, PCA to two components, linear discriminant; through the core.
+    /// Least squares, a-parameters, PCA to two components, linear discriminant; embedded detector.
     pub a_only: Confusion,
     /// The source's method in double precision.
     pub literal: literal::Outcome,
 }
 
-/// One draw with everything a report shows.
+/// One draw with all data that a report shows.
 #[derive(Clone, Debug)]
 pub struct Draw {
     /// Training traces.
     pub training: Vec<LabelledTrace>,
     /// Validation traces.
     pub validation: Vec<LabelledTrace>,
-    /// Trained on all parameters.
+    /// Model trained on all parameters.
     pub trained: Trained,
-    /// The same, as the core runs it.
+    /// The same model in the embedded detector.
     pub model: Embedded,
-    /// What the validation traces gave.
+    /// Verdicts on the validation traces.
     pub verdicts: Vec<TraceVerdict>,
-    /// Rates of the three methods.
+    /// Error counts of all methods.
     pub repetition: Repetition,
 }
 
@@ -82,10 +82,10 @@ pub fn class_names() -> Vec<String> {
     CLASSES.iter().map(|kind| kind.name().to_string()).collect()
 }
 
-/// `count` traces a class of one scenario, set `set`; `done` is called once a trace.
+/// Simulates `count` traces per class of one scenario for set `set`; `done` is called once per trace.
 ///
 /// # Errors
-/// Where the rig refuses the scenario.
+/// Returns an error if the rig refuses the scenario.
 pub fn traces(
     scenario: &Scenario,
     input: FirstInput,
@@ -102,7 +102,7 @@ pub fn traces(
     jobs.par_iter().map(each).collect()
 }
 
-/// A rig's recording with the shaft's channels.
+/// Converts a recording of the rig, with the channels of the shaft.
 fn trace(id: String, recorded: RigTrace, input: FirstInput) -> Trace {
     let motion = MotionTrace::from(&recorded);
     let u1 = match input {
@@ -124,10 +124,10 @@ fn trace(id: String, recorded: RigTrace, input: FirstInput) -> Trace {
     }
 }
 
-/// Trains a recipe and counts what the core decides on the validation set.
+/// Trains a recipe and counts the decisions of the embedded detector on the validation set.
 ///
 /// # Errors
-/// Where training or embedding fails.
+/// Returns an error if training or embedding fails.
 pub fn validate(
     recipe: &Recipe,
     training: &[LabelledTrace],
@@ -141,10 +141,10 @@ pub fn validate(
     Ok((trained, model, verdicts, confusion))
 }
 
-/// One repetition; `done` is called once a simulated trace.
+/// Runs one repetition; `done` is called once per simulated trace.
 ///
 /// # Errors
-/// Where any step of the chain fails.
+/// Returns an error if a step of the chain fails.
 pub fn draw(settings: &Settings, repetition: u32, done: impl Fn() + Sync) -> Result<Draw, Error> {
     let (train_set, validation_set) = settings.sets(repetition);
     let set = |set| traces(&Scenario::STANDARD, FirstInput::Reference, (set, settings.traces), &done);
@@ -157,7 +157,7 @@ pub fn draw(settings: &Settings, repetition: u32, done: impl Fn() + Sync) -> Res
     Ok(Draw { training, validation, trained, model, verdicts, repetition })
 }
 
-/// A method with its errors over the repetitions.
+/// A method with its error rate over the repetitions.
 #[derive(Clone, Debug)]
 pub struct Row {
     /// Name of the method.
@@ -166,12 +166,12 @@ pub struct Row {
     pub published: &'static str,
     /// Mean error, %.
     pub mean: f64,
-    /// Standard deviation, %; nothing from one draw.
+    /// Standard deviation, %; `None` for a single draw.
     pub sd: Option<f64>,
 }
 
 impl Row {
-    /// Mean and deviation as text.
+    /// Mean and standard deviation as text.
     #[must_use]
     pub fn error(&self) -> String {
         match self.sd {
@@ -211,7 +211,7 @@ mod tests {
             let mut recipe = all_parameters();
             recipe.estimation = Estimation { method, segment: Some(1000), ..Estimation::default() };
             let trained = train(&simulated, &class_names(), &recipe).expect("regular");
-            // Six traces of five segments.
+            // Six traces of five segments each.
             assert_eq!(trained.candidates.groups, (0..30).map(|row| row / 5).collect::<Vec<_>>(), "{method:?}");
             recipe.validation.groups = ["x", "y", "x", "y", "x", "y"].map(String::from).to_vec();
             let trained = train(&simulated, &class_names(), &recipe).expect("regular");

@@ -1,9 +1,9 @@
-//! The source's own method, kept beside ours: iv4, the a-parameters, PCA to two components, linear discriminants.
+//! The source's method, for comparison with ours: iv4, the a-parameters, PCA to two components, linear discriminants.
 //!
 //! Thesis §2.1.2, §2.5–2.6, §3.4–3.6. It runs in double precision on the host: the embedded detector has no iv4. The
-//! original program makes *two binary* classifiers, healthy against each defect, on one PCA of all classes; a
-//! decision among all classes is shown beside it. With na = 2 a projection to two components is an invertible affine
-//! map, which cannot change a linear or quadratic discriminant.
+//! original program trains *two binary* classifiers, healthy against each defect, on one PCA of all classes; this
+//! module also evaluates one decision among all classes. With na = 2 a projection to two components is an invertible
+//! affine map, which cannot change a linear or quadratic discriminant.
 
 use bearing_watch::plan::Kind;
 use nalgebra::DVector;
@@ -16,48 +16,48 @@ use crate::identify::{Estimate, Structure, iv4};
 use crate::trace::labels::LabelledTrace;
 use crate::train::{AffineMap, FeatureTable, GaussianClasses, Keep, ProjectionKind, Recipe, discriminant, projection};
 
-/// What the literal method made of a validation set.
+/// Results of the source's method on a validation set.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// One decision among all classes.
     pub all_classes: Confusion,
-    /// Wrong decisions of the binary classifiers, healthy against each defect, pooled.
+    /// Number of wrong decisions of the binary classifiers (healthy against each defect), over all of them.
     pub binary_wrong: usize,
-    /// Their decisions.
+    /// Number of decisions of the binary classifiers.
     pub binary_total: usize,
-    /// Mean fit (Eq. 3.2) of the first class' validation traces, percent.
+    /// Mean fit (Eq. 3.2) of the validation traces of the first class, percent.
     pub fit_percent: f64,
 }
 
 impl Outcome {
-    /// Pooled error of the binary classifiers.
+    /// Error rate over all binary classifiers together.
     #[must_use]
     pub fn binary_error(&self) -> f64 {
         self.binary_wrong as f64 / self.binary_total.max(1) as f64
     }
 }
 
-/// Decisions on rows of known class: among all classes, and healthy against each defect.
+/// Counts of decisions on rows of known class: among all classes, and healthy against each defect.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Judged {
     /// One decision among all classes.
     pub all_classes: Confusion,
-    /// Healthy against class 1, 2 …; rows of the other classes are not shown to them.
+    /// Healthy against class 1, 2, …; each binary classifier evaluates only rows of its own two classes.
     pub pairs: Vec<Confusion>,
-    /// Rows that one of the binary classifiers which saw them got wrong.
+    /// Number of rows that at least one of their binary classifiers decided wrongly.
     pub rows_wrong: usize,
 }
 
 impl Judged {
-    /// No decisions yet.
+    /// All counts zero.
     #[must_use]
     pub fn new(classes: &[String]) -> Self {
         let pair = |defect: &String| Confusion::new(&[classes[0].clone(), defect.clone()]);
         Self { all_classes: Confusion::new(classes), pairs: classes.iter().skip(1).map(pair).collect(), rows_wrong: 0 }
     }
 
-    /// Counts one row: the class decided among all, and by the binary classifier of each defect that sees it, 0 for
-    /// healthy and 1 for the defect.
+    /// Counts one row: `decided` is the class decided among all; `binary(k)` is the decision of the binary classifier
+    /// of defect k, 0 for healthy and 1 for the defect; it is called only for the classifiers that evaluate this row.
     pub fn add(&mut self, truth: usize, decided: Option<usize>, binary: impl Fn(usize) -> Option<usize>) {
         self.all_classes.add(truth, decided);
         let mut wrong = false;
@@ -71,25 +71,25 @@ impl Judged {
         self.rows_wrong += usize::from(wrong);
     }
 
-    /// Part of wrong decisions among all classes.
+    /// Share of wrong decisions among all classes.
     #[must_use]
     pub fn all_error(&self) -> f64 {
         part(self.all_classes.wrong(), self.all_classes.total())
     }
 
-    /// Part of wrong decisions of the binary classifier of one defect, counted from 1.
+    /// Share of wrong decisions of the binary classifier of one defect, counted from 1.
     #[must_use]
     pub fn pair_error(&self, defect: usize) -> f64 {
         self.pairs.get(defect.wrapping_sub(1)).map_or(f64::NAN, |pair| part(pair.wrong(), pair.total()))
     }
 
-    /// Part of wrong decisions of all binary classifiers; a healthy row is decided on once by each.
+    /// Share of wrong decisions of all binary classifiers; each of them decides once on a healthy row.
     #[must_use]
     pub fn pooled_error(&self) -> f64 {
         part(self.binary_wrong(), self.binary_total())
     }
 
-    /// Part of rows that some binary classifier got wrong; a healthy row counts once.
+    /// Share of rows that at least one binary classifier decided wrongly; a healthy row counts once.
     #[must_use]
     pub fn row_error(&self) -> f64 {
         part(self.rows_wrong, self.all_classes.total())
@@ -108,7 +108,7 @@ fn part(wrong: usize, total: usize) -> f64 {
     wrong as f64 / total.max(1) as f64
 }
 
-/// Gaussian classifiers on one projection of all classes; class 0 is the healthy one.
+/// Gaussian classifiers on one projection of all classes; class 0 is healthy.
 #[derive(Clone, Debug)]
 pub struct Rule {
     /// Features → coordinates, trained on all classes together.
@@ -118,22 +118,22 @@ pub struct Rule {
 }
 
 impl Rule {
-    /// Trains on rows that hold the features called `names`.
+    /// Trains on rows that contain the features `names`.
     ///
     /// # Errors
-    /// Where the features are singular within classes.
+    /// Returns an error if the within-class covariance of the features is singular.
     pub fn train(table: &FeatureTable, names: &[String], kind: ProjectionKind, shared: Kind) -> Result<Self, Error> {
         let projection = projection::train(table, names, kind)?;
         let projected = table.map(&projection);
         let names: Vec<String> = (1..=projection.matrix.nrows()).map(|k| format!("z{k}")).collect();
-        // Priors and costs are those of the source: equal and uniform. The structure plays no part here.
+        // Priors and costs as in the source: equal priors and uniform costs. The structure has no effect here.
         let recipe = Recipe { discriminant: shared, ..Recipe::new(Structure::new(1, 1, 1, 1, 1)) };
         let density = |rows: &FeatureTable| discriminant::train(rows, &names, &recipe);
         let pairs = (1..table.names.len()).map(|defect| density(&two_classes(&projected, defect)));
         Ok(Self { all: density(&projected)?, pairs: pairs.collect::<Result<_, _>>()?, projection })
     }
 
-    /// Decides on rows of the same features.
+    /// Decides on rows with the same features.
     #[must_use]
     pub fn judge(&self, table: &FeatureTable) -> Judged {
         let mut judged = Judged::new(&table.names);
@@ -144,17 +144,17 @@ impl Rule {
         judged
     }
 
-    /// The class decided among all at projected coordinates.
+    /// The class decided among all classes, from projected coordinates.
     #[must_use]
     pub fn decide(&self, z: &DVector<f64>) -> usize {
         most_likely(&self.all, z)
     }
 }
 
-/// Trains on one set and validates on another; class 0 is the healthy one.
+/// Trains on one set and validates on another; class 0 is healthy.
 ///
 /// # Errors
-/// Where a trace cannot be estimated or the features are singular.
+/// Returns an error if a trace cannot be estimated or the features are singular.
 pub fn validate(
     training: &[LabelledTrace],
     validation: &[LabelledTrace],
@@ -171,13 +171,13 @@ pub fn validate(
     Ok(Outcome { all_classes: judged.all_classes, binary_wrong, binary_total, fit_percent })
 }
 
-/// The source's projection of so many features: centred, not standardised, two components.
+/// The source's projection for this number of features: centred, not standardised, two components.
 #[must_use]
 pub fn principal(features: usize) -> ProjectionKind {
     ProjectionKind::Pca { keep: Keep::Components(2.min(features)), standardised: false }
 }
 
-/// The class of largest likelihood: equal priors and uniform costs, as the source has them.
+/// The class of largest likelihood: equal priors and uniform costs, as in the source.
 fn most_likely(densities: &GaussianClasses, z: &DVector<f64>) -> usize {
     let likelihoods = densities.log_likelihoods(z);
     (0..likelihoods.len()).max_by(|&i, &j| likelihoods[i].total_cmp(&likelihoods[j])).unwrap_or(0)
@@ -212,7 +212,7 @@ mod tests {
         DVector::from_vec(vec![x, y])
     }
 
-    /// Healthy around the origin, one defect along x, one along y.
+    /// Healthy rows around the origin, one defect along x, one along y.
     fn table() -> FeatureTable {
         let spread = [(-1.0, 0.3), (1.0, -0.2), (0.1, 1.1), (-0.1, -0.9), (0.4, 0.2)];
         let around = |cx: f64, cy: f64| spread.iter().map(move |(x, y)| row(cx + x, cy + y));
@@ -224,7 +224,7 @@ mod tests {
     #[test]
     fn a_rotation_of_two_features_changes_no_decision() {
         let names = ["a1", "a2"].map(String::from);
-        // A healthy row among the spalls, so that there is something to get wrong.
+        // One healthy row lies among the spall rows, so that one decision is wrong.
         let mut near = table();
         near.rows[0] = row(8.5, 0.4);
         for kind in [Kind::Linear, Kind::Quadratic] {
@@ -238,10 +238,10 @@ mod tests {
     #[test]
     fn binary_classifiers_see_only_their_two_classes() {
         let mut judged = Judged::new(&table().names);
-        judged.add(0, Some(0), |defect| Some(usize::from(defect == 2))); // wrong once of two
-        judged.add(0, Some(1), |_| Some(1)); // wrong twice, one row
+        judged.add(0, Some(0), |defect| Some(usize::from(defect == 2))); // one of two decisions wrong
+        judged.add(0, Some(1), |_| Some(1)); // both decisions wrong, one row
         judged.add(1, Some(1), |defect| Some(usize::from(defect == 1)));
-        judged.add(2, Some(2), |_| None); // undetermined is wrong
+        judged.add(2, Some(2), |_| None); // undetermined counts as wrong
         assert_eq!(judged.pairs.iter().map(Confusion::total).collect::<Vec<_>>(), [3, 3]);
         assert_eq!(judged.rows_wrong, 3);
         assert!((judged.pooled_error() - 4.0 / 6.0).abs() < 1e-15 && (judged.row_error() - 0.75).abs() < 1e-15);

@@ -1,6 +1,6 @@
-//! Studies on the simulated rigs: the demonstration, campaigns, and the source's tables beside ours.
+//! Studies on the simulated rigs: the demonstration, the campaigns, and the source's tables compared with ours.
 //!
-//! | room | what it holds |
+//! | module | content |
 //! |---|---|
 //! | [`recipes`] | the configurations that the studies train |
 //! | [`demo`] | labelled traces of the standard rig, and one draw of the whole chain |

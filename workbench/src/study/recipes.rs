@@ -7,7 +7,7 @@ use crate::rig::BearingGeometry;
 use crate::trace::Channels;
 use crate::train::{Keep, ProjectionKind, Recipe, ShaftPlan, Shrink, Shrinkage};
 
-/// Reference in, current out: thesis Table 4.1.
+/// Velocity reference as input, current as output: thesis Table 4.1.
 pub const REFERENCE_ORDER: Structure = Structure::new(2, 1, 2, 1, 1);
 
 /// Least squares, all of a, b, c, no projection, linear discriminant.
@@ -19,10 +19,11 @@ pub fn all_parameters() -> Recipe {
     }
 }
 
-/// The torque balance's scores and the outer race's order, quadratic discriminant with halved correlations; no gate.
+/// The scores of the torque balance and the order of the outer race, quadratic discriminant with halved correlations;
+/// no gate.
 ///
-/// Correlations estimated from twenty traces a class are uncertain. With whole correlations the recipe fails under a
-/// square reference in one draw of fifteen, with halved ones in one of thirty draws of
+/// Correlations estimated from twenty traces per class are uncertain. With full correlations the recipe fails under a
+/// square reference in one of fifteen draws, with halved correlations in one of thirty draws of
 /// [`Selection`](super::campaign::Purpose::Selection) traces.
 #[must_use]
 pub fn shaft() -> Recipe {
@@ -36,7 +37,7 @@ pub fn shaft() -> Recipe {
     }
 }
 
-/// Least squares, the a-parameters only, PCA to two components, linear discriminant.
+/// Least squares, only the a-parameters, PCA to two components, linear discriminant.
 #[must_use]
 pub fn a_only() -> Recipe {
     let projection = ProjectionKind::Pca { keep: Keep::Components(2), standardised: false };

@@ -1,6 +1,6 @@
 //! Mean and standard deviation over repetitions.
 
-/// Mean and standard deviation (N − 1); the latter zero for one value.
+/// Mean and standard deviation (N − 1); the standard deviation is zero for a single value.
 #[must_use]
 pub fn mean_sd(values: &[f64]) -> (f64, f64) {
     let n = values.len() as f64;

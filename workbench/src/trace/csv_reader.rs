@@ -1,4 +1,4 @@
-//! Traces in CSV: one file a trace, or a tidy table with a `trace` column.
+//! Traces in CSV format: one file per trace, or a tidy table with a `trace` column.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 use super::{Channels, MotionTrace, ShaftChannels, Trace, stem};
 use crate::Error;
 
-/// Where one signal comes from in a record: `plus`, less `minus` for a difference.
+/// Column of one signal: `plus`, or the difference `plus` − `minus`.
 #[derive(Clone, Copy)]
 struct Source {
     plus: usize,
@@ -30,7 +30,7 @@ impl Header {
         self.names.iter().position(|column| column == name)
     }
 
-    /// Why the header does not have a channel.
+    /// Reason why the header does not contain a channel.
     fn lacks(&self, channel: &str) -> String {
         let wrong_separator = self.names.iter().find_map(|name| name.chars().find(|c| matches!(c, ';' | '\t')));
         match wrong_separator {
@@ -43,7 +43,7 @@ impl Header {
         }
     }
 
-    /// A wanted column that stands twice.
+    /// A wanted column whose name occurs twice.
     fn doubled(&self, sources: &[Source]) -> Option<&str> {
         let wanted = sources.iter().flat_map(|source| [Some(source.plus), source.minus]).flatten();
         let wanted = wanted.chain(self.trace).chain(self.time);
@@ -52,7 +52,7 @@ impl Header {
         name_of.into_iter().find(|name| count(name) > 1)
     }
 
-    /// A whole column name wins over a difference, since names may hold a dash themselves.
+    /// A column with the whole name takes precedence over a difference, since names may contain a dash.
     fn source(&self, channel: &str) -> Option<Source> {
         if let Some(plus) = self.place(channel) {
             return Some(Source { plus, minus: None });
@@ -63,7 +63,8 @@ impl Header {
         })
     }
 
-    /// Sources of y, u1, u2, and where the shaft is watched of current, velocity, reference, angle, and load if measured.
+    /// Sources of y, u1, u2, and, if the shaft is watched, of current, velocity, reference, angle, and load if
+    /// measured.
     fn sources(&self, channels: &Channels) -> Result<Vec<Source>, String> {
         let find = |channel: &String| self.source(channel).ok_or_else(|| channel.clone());
         let shaft = channels.shaft.iter().flat_map(|shaft| {
@@ -102,7 +103,7 @@ pub(super) fn has_columns(path: &Path, channels: &Channels) -> bool {
     header.is_ok_and(|header| header.sources(channels).is_ok())
 }
 
-/// Reads the wanted traces of one file; only the wanted columns need be numbers.
+/// Reads the wanted traces of one file; only the wanted columns must be numeric.
 pub(super) fn read(path: &Path, channels: &Channels, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Trace>, Error> {
     let mut reader = open(path)?;
     let header = header(path, &mut reader)?;
@@ -147,7 +148,7 @@ pub(super) fn read(path: &Path, channels: &Channels, wanted: &dyn Fn(&str) -> bo
     Ok(collector.finish())
 }
 
-/// Beyond this no sensor measures in any unit; squares and products of it would leave single precision.
+/// No sensor measures larger values in any unit; their squares and products would overflow single precision.
 const LARGEST: f64 = 1e15;
 
 struct Row<'a> {
@@ -186,7 +187,7 @@ impl Row<'_> {
     }
 }
 
-/// Gathers rows by trace id, in the order the ids first appear.
+/// Collects rows by trace id, in the order of the first occurrence of each id.
 struct Collector {
     file_id: String,
     places: HashMap<String, usize>,
@@ -199,7 +200,7 @@ impl Collector {
         Self { file_id, places: HashMap::new(), traces: Vec::new() }
     }
 
-    /// Takes a row; `false` where its time lies before the row before.
+    /// Adds a row; returns `false` if its time is before that of the previous row.
     fn push(&mut self, id: Option<&str>, time: Option<f64>, values: &[f64]) -> bool {
         let id = id.unwrap_or(&self.file_id);
         let place = self.places.get(id).copied().unwrap_or_else(|| {

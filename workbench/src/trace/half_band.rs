@@ -2,15 +2,16 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Smallest greatest error in the pass band, found by least squares whose weights grow where the error is large (Lawson).
+/// Designs the filter with the least maximum error in the pass band, by least squares whose weights increase where the
+/// error is large (Lawson's method).
 ///
-/// `pairs` of equal taps, outermost first; `pass_band` in parts of the filter's own sampling rate, below 0.25. The
-/// stop band begins at 0.5 − `pass_band`. Constants pass with gain one.
+/// `pairs` is the number of pairs of equal taps, outermost first; `pass_band` is a fraction of the filter's own
+/// sampling rate, below 0.25. The stop band begins at 0.5 − `pass_band`. The gain for constants is one.
 #[must_use]
 pub fn design(pairs: usize, pass_band: f64) -> Vec<f64> {
     const FREQUENCIES: usize = 400;
     const ROUNDS: usize = 200;
-    // Response without the middle tap, ½ in the pass band: Σ 2 c(k) cos(2π f (2k + 1)).
+    // Response without the middle tap, which must be ½ in the pass band: Σ 2 c(k) cos(2π f (2k + 1)).
     let frequency = |row: usize| pass_band * row as f64 / (FREQUENCIES - 1) as f64;
     let cosines = DMatrix::from_fn(FREQUENCIES, pairs, |row, k| {
         2.0 * (std::f64::consts::TAU * frequency(row) * (2 * k + 1) as f64).cos()
@@ -45,7 +46,7 @@ mod tests {
         };
         let errors: Vec<f64> = (0..=1000).map(|k| error(1e-4 * f64::from(k))).collect();
         let (least, most) = errors.iter().fold((0.0_f64, 0.0_f64), |(a, b), e| (a.min(*e), b.max(*e)));
-        // 62 dB; gain one for constants moves one side of the ripple onto zero.
+        // 62 dB; the condition of gain one for constants shifts one side of the ripple to zero.
         assert!(most - least < 2.0 * 7.4e-4 && most - least > 5e-4, "{least} {most}");
     }
 }

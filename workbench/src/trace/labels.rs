@@ -1,4 +1,4 @@
-//! Which class each trace belongs to, and which traces take part.
+//! The class of each trace, and the selection of traces.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use crate::Error;
 
 /// A condition on a column of the labels: `load_kgf=20`, `run<=4`, `class_name!=backlash1`.
 ///
-/// Compared as numbers where both sides are numbers, else as text (`=` and `!=` only).
+/// Compared as numbers if both sides are numbers, otherwise as text (`=` and `!=` only).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Condition {
     column: String,
@@ -20,7 +20,7 @@ impl std::str::FromStr for Condition {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        // The longer operators first, so that `<=` is not taken for `<`.
+        // The longer operators first, so that `<=` is not parsed as `<`.
         for operator in ["<=", ">=", "!=", "=", "<", ">"] {
             if let Some((column, value)) = text.split_once(operator) {
                 let (column, value) = (column.trim().to_string(), value.trim());
@@ -62,7 +62,7 @@ impl Condition {
     }
 }
 
-/// The rows of `labels.csv`: `trace,class_name` and any further columns.
+/// The rows of `labels.csv`: `trace,class_name` and any other columns.
 #[derive(Clone, Debug)]
 pub struct Labels {
     path: PathBuf,
@@ -83,7 +83,7 @@ impl Labels {
     /// Reads a labels file.
     ///
     /// # Errors
-    /// Unreadable file, missing `trace` or `class_name`, ragged rows, a trace that comes twice.
+    /// Unreadable file, missing `trace` or `class_name`, ragged rows, a trace that occurs twice.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let file = std::fs::File::open(path).map_err(Error::io(path))?;
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
@@ -120,10 +120,10 @@ impl Labels {
         })
     }
 
-    /// Ids (without `.csv`) and class names of the rows that meet every condition.
+    /// Ids (without `.csv`) and class names of the rows that satisfy every condition.
     ///
     /// # Errors
-    /// An unknown column, an order comparison of text, or no row left.
+    /// An unknown column, an order comparison of text, or no remaining row.
     pub fn select(&self, conditions: &[Condition]) -> Result<Vec<(String, String)>, Error> {
         let (trace, class) = (self.column("trace")?, self.column("class_name")?);
         let columns = conditions.iter().map(|c| self.column(&c.column)).collect::<Result<Vec<_>, _>>()?;
@@ -132,7 +132,7 @@ impl Labels {
             let mut all = true;
             for (condition, &column) in conditions.iter().zip(&columns) {
                 let place = || format!("line {}, column {}", k + 2, condition.column);
-                // Traces are named with or without the ending of their file.
+                // The name of a trace may include the extension of its file.
                 let cell = if condition.column == "trace" { stem(&row[column]) } else { &row[column] };
                 all &= condition.holds(cell).map_err(|p| Error::content(&self.path, place(), p))?;
             }
@@ -148,7 +148,7 @@ impl Labels {
         Ok(chosen)
     }
 
-    /// The cell of a column for each of these traces; empty for one without a row.
+    /// The cell of a column for each of these traces; empty for a trace without a row.
     ///
     /// # Errors
     /// An unknown column.
@@ -158,10 +158,10 @@ impl Labels {
         Ok(ids.map(|id| by_id.get(stem(id)).map_or_else(String::new, ToString::to_string)).collect())
     }
 
-    /// The class names of a selection: as asked for, in that order, or all in order of first appearance.
+    /// The class names of a selection: the requested ones in the requested order, or all in order of first occurrence.
     ///
     /// # Errors
-    /// A class asked for that no selected row has.
+    /// A requested class that no selected row has.
     pub fn classes(&self, chosen: &[(String, String)], asked: &[String]) -> Result<Vec<String>, Error> {
         let mut present: Vec<String> = Vec::new();
         for (_, class) in chosen {
@@ -181,10 +181,10 @@ impl Labels {
         Ok(if asked.is_empty() { present } else { asked.to_vec() })
     }
 
-    /// Joins a selection with its traces; rows of other classes than `classes` are left out.
+    /// Joins a selection with its traces; rows of classes that are not in `classes` are omitted.
     ///
     /// # Errors
-    /// A labelled trace that is not among `traces`.
+    /// A labelled trace that is not in `traces`.
     pub fn join(
         &self,
         chosen: &[(String, String)],

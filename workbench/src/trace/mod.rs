@@ -1,4 +1,4 @@
-//! Recorded or simulated signals, from files to what identification takes.
+//! Recorded or simulated signals: from files to the input of identification.
 
 mod csv_reader;
 pub mod half_band;
@@ -16,20 +16,20 @@ pub use record::{Channels, MotionTrace, ShaftChannels, Trace, same_interval, ste
 
 /// Reads every trace of the given files and folders.
 ///
-/// A folder stands for its `.csv` files that hold the wanted columns (others, such as labels or parameter tables,
-/// are passed over); a file named outright must hold them.
+/// In a folder, the `.csv` files with the wanted columns are read (others, for example labels or parameter tables, are
+/// skipped); a file given directly must have the columns.
 ///
 /// # Errors
-/// Unreadable files; missing columns; ragged, non-numeric or non-finite cells; an id that comes twice; no trace.
+/// Unreadable files; missing columns; ragged, non-numeric or non-finite cells; an id that occurs twice; no trace.
 pub fn read(paths: &[PathBuf], channels: &Channels) -> Result<Vec<Trace>, Error> {
     read_files(paths, channels, None)
 }
 
-/// Reads the traces whose id (without `.csv`) is wanted; others are passed over unread, whatever they hold. A wanted
-/// trace must hold the columns.
+/// Reads only the traces for whose id (without `.csv`) `wanted` is true; others are skipped and not checked. A wanted
+/// trace must have the columns.
 ///
 /// # Errors
-/// As [`read`].
+/// The errors of [`read`].
 pub fn read_wanted(paths: &[PathBuf], channels: &Channels, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Trace>, Error> {
     read_files(paths, channels, Some(wanted))
 }

@@ -1,15 +1,15 @@
-//! From the recorded rate to the rate of identification: block means, then decimation; and from irregular to regular
-//! times.
+//! From the recorded rate to the rate of identification: block means, then decimation; also resampling from irregular
+//! to regular times.
 
 use super::Trace;
 use crate::Error;
 
-/// What is done to a trace before identification.
+/// Processing of a trace before identification.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Preparation {
-    /// Non-overlapping means of this many samples first; 1 for none.
+    /// First step: non-overlapping means of this number of samples; 1 for none.
     pub block_mean: usize,
-    /// Then every n-th sample behind a zero-phase anti-alias filter; 1 for none.
+    /// Second step: every n-th sample after a zero-phase anti-alias filter; 1 for none.
     pub decimate: usize,
 }
 
@@ -17,10 +17,10 @@ impl Preparation {
     /// Signals as recorded.
     pub const NONE: Self = Self { block_mean: 1, decimate: 1 };
 
-    /// Recorded samples a prepared one.
+    /// Number of recorded samples per prepared sample.
     ///
     /// # Errors
-    /// A factor of zero, or one that no record has samples for.
+    /// A factor of zero, or a product of both factors above 1 000 000.
     pub fn factor(&self) -> Result<usize, Error> {
         let factor = self.block_mean.checked_mul(self.decimate).filter(|&factor| factor <= 1_000_000);
         match factor {
@@ -34,7 +34,7 @@ impl Preparation {
     /// Prepares a trace.
     ///
     /// # Errors
-    /// A factor of zero, or a trace too short for one prepared sample.
+    /// A factor of zero, or a trace that is too short for one prepared sample.
     pub fn apply(&self, trace: &Trace) -> Result<Trace, Error> {
         let factor = self.factor()?;
         if self.decimate > 1 && trace.motion.is_some() {
@@ -59,13 +59,13 @@ impl Preparation {
     }
 }
 
-/// Means of whole blocks; a last partial block is dropped, as the embedded form does.
+/// Means of complete blocks; a last partial block is dropped, as in the core.
 fn block_mean(x: &[f64], block: usize) -> Vec<f64> {
     x.chunks_exact(block).map(|chunk| chunk.iter().sum::<f64>() / block as f64).collect()
 }
 
-/// Every `factor`-th sample behind a linear-phase FIR with its delay taken out. Ends are extended by point
-/// reflection, so that a ramp stays a ramp.
+/// Every `factor`-th sample after a linear-phase FIR filter whose delay is compensated. Ends are extended by point
+/// reflection, so that a ramp remains a ramp.
 fn decimate(x: &[f64], factor: usize) -> Vec<f64> {
     if factor == 1 {
         return x.to_vec();
@@ -86,12 +86,12 @@ fn decimate(x: &[f64], factor: usize) -> Vec<f64> {
     centres.map(|centre| taps.iter().enumerate().map(|(k, tap)| tap * at(centre + k as isize - half)).sum()).collect()
 }
 
-/// Linear interpolation of samples at irregular times to a constant rate from the first time on.
+/// Linear interpolation from irregular times to a constant rate, starting at the first time.
 ///
-/// Interpolation does not limit the band: choose a rate near the recorded one and decimate afterwards.
+/// Interpolation does not limit the bandwidth: choose a rate near the recorded one and decimate afterwards.
 ///
 /// # Errors
-/// Times and values of different counts, times that do not grow, or a rate that gives fewer than two samples.
+/// Different numbers of times and values, times that do not increase, or a rate that results in fewer than two samples.
 pub fn resample(times_s: &[f64], values: &[f64], rate_hz: f64) -> Result<Vec<f64>, Error> {
     let (Some(first), Some(last)) = (times_s.first(), times_s.last()) else {
         return Err(Error::Usage("no samples to resample".into()));
@@ -106,7 +106,7 @@ pub fn resample(times_s: &[f64], values: &[f64], rate_hz: f64) -> Result<Vec<f64
         let place = k + 1;
         return Err(Error::Usage(format!("time {} s at sample {place} does not grow; remove it", times_s[place])));
     }
-    // A whole number of intervals must not lose its last sample to rounding.
+    // Rounding must not drop the last sample of a whole number of intervals.
     let count = ((last - first) * rate_hz + 1e-9).floor() + 1.0;
     if !(2.0..=1e9).contains(&count) {
         return Err(Error::Usage(format!("{rate_hz} Hz over {} s gives no usable record", last - first)));
@@ -123,15 +123,15 @@ pub fn resample(times_s: &[f64], values: &[f64], rate_hz: f64) -> Result<Vec<f64
     Ok((0..count as usize).map(at).collect())
 }
 
-/// Kaiser-windowed sinc: pass band to 0.8 of the new Nyquist frequency, at least 60 dB down from that frequency on.
-/// About 43 taps a unit of `factor`, symmetric, sum one: cast to single precision they are the table that
-/// [`bearing_watch::FirDecimator`] takes.
+/// Kaiser-windowed sinc: pass band to 0.8 of the new Nyquist frequency, attenuation of at least 60 dB from that
+/// frequency. About 43 taps per unit of `factor`, symmetric, with sum one; converted to single precision they are the
+/// coefficients of [`bearing_watch::FirDecimator`].
 #[must_use]
 pub fn anti_alias(factor: usize) -> Vec<f64> {
     const ATTENUATION_DB: f64 = 70.0;
     let nyquist = 0.5 / factor as f64;
     let transition = 0.2 * nyquist;
-    // Kaiser's formulas for window shape and length.
+    // Kaiser's formulas for the shape and the length of the window.
     let beta = 0.1102 * (ATTENUATION_DB - 8.7);
     let half = ((ATTENUATION_DB - 7.95) / (14.36 * transition) / 2.0).ceil() as i32;
     let cutoff = nyquist - transition / 2.0;
@@ -151,7 +151,7 @@ pub fn anti_alias(factor: usize) -> Vec<f64> {
     taps
 }
 
-/// Modified Bessel function I₀ by its power series, which converges for every argument a window needs.
+/// Modified Bessel function I₀ by its power series, which converges for every argument of the window.
 fn bessel_i0(x: f64) -> f64 {
     let mut term = 1.0;
     let mut sum = 1.0;

@@ -1,8 +1,8 @@
-//! One record of signals, and the columns that it comes from.
+//! A record of signals, and the names of its columns.
 
 use crate::rig::RigTrace;
 
-/// What the drive knows of its shaft: columns as long as the trace.
+/// Signals of the shaft; each column is as long as the trace.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MotionTrace {
     /// Quadrature or armature current.
@@ -11,7 +11,7 @@ pub struct MotionTrace {
     pub velocity_rad_s: Vec<f64>,
     /// Velocity reference.
     pub reference_rad_s: Vec<f64>,
-    /// Load torque; zeros where it is not measured.
+    /// Load torque; zeros if it is not measured.
     pub load_nm: Vec<f64>,
     /// Angle of the shaft, wrapped or not.
     pub angle_rad: Vec<f64>,
@@ -30,7 +30,7 @@ impl From<&RigTrace> for MotionTrace {
 }
 
 impl MotionTrace {
-    /// The same columns from `start` up to `end`.
+    /// The columns from sample `start` to `end`, excluding `end`.
     #[must_use]
     pub fn cut(&self, start: usize, end: usize) -> Self {
         let part = |column: &[f64]| column[start..end].to_vec();
@@ -49,9 +49,9 @@ impl MotionTrace {
 pub struct Trace {
     /// Name of its file, or the `trace` cell of a tidy table.
     pub id: String,
-    /// Median step of the `t_s` column, s, where there is one.
+    /// Median step of the `t_s` column, s, if this column exists.
     pub interval_s: Option<f64>,
-    /// Steps of `t_s` that differ from the median by more than a tenth of it.
+    /// Number of steps of `t_s` that differ from the median by more than a tenth of it.
     pub irregular_steps: usize,
     /// Output.
     pub y: Vec<f64>,
@@ -59,11 +59,11 @@ pub struct Trace {
     pub u1: Vec<f64>,
     /// Second input.
     pub u2: Vec<f64>,
-    /// The shaft, where its channels are wanted.
+    /// The shaft's signals, if its channels are requested.
     pub motion: Option<MotionTrace>,
 }
 
-/// Which columns the three signals come from: a column's name, or a difference `a-b` of two.
+/// The columns of the three signals: a column's name, or a difference `a-b` of two columns.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Channels {
     /// Output.
@@ -72,11 +72,11 @@ pub struct Channels {
     pub u1: String,
     /// Second input.
     pub u2: String,
-    /// The shaft's, where it is watched.
+    /// The columns of the shaft, if it is watched.
     pub shaft: Option<ShaftChannels>,
 }
 
-/// Which columns the shaft's signals come from, likewise.
+/// The columns of the shaft's signals, in the same format.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct ShaftChannels {
     /// Current, A.
@@ -85,7 +85,7 @@ pub struct ShaftChannels {
     pub velocity: String,
     /// Velocity reference, rad/s.
     pub reference: String,
-    /// Load torque, N·m; nothing where it is not measured.
+    /// Load torque, N·m; `None` if it is not measured.
     pub load: Option<String>,
     /// Angle, rad.
     pub angle: String,
@@ -113,13 +113,13 @@ impl Channels {
     }
 }
 
-/// The id of a trace without the `.csv` of its file, for comparing.
+/// The id of a trace without the extension `.csv`, for comparisons.
 #[must_use]
 pub fn stem(id: &str) -> &str {
     id.strip_suffix(".csv").or_else(|| id.strip_suffix(".CSV")).unwrap_or(id)
 }
 
-/// Whether two sample intervals are the same but for rounding of the recorded times.
+/// Whether two sampling intervals are equal except for rounding of the recorded times.
 #[must_use]
 pub fn same_interval(one_s: f64, other_s: f64) -> bool {
     (one_s - other_s).abs() <= 0.02 * one_s.abs().max(other_s.abs())

@@ -1,7 +1,8 @@
 //! Features of training traces as the core itself estimates them.
 //!
-//! The classifier is still to be trained, so the detector runs with one of a single class: whatever it estimates is
-//! that class. Traces run whole, so that a segment starts from what its predecessor left, as it will in the drive.
+//! The classifier is not trained yet, so the detector runs with a classifier of a single class: every estimate is
+//! assigned to it. Each trace runs as a whole, so that a segment starts from the state that its predecessor left, as it
+//! will in the drive.
 
 use bearing_watch::model::Sampling;
 use nalgebra::DVector;
@@ -16,7 +17,7 @@ use crate::trace::labels::LabelledTrace;
 
 const REMEDY: &str = "; choose other channels or a lower order, or leave the trace out";
 
-/// A row a segment, and the trace of each.
+/// Returns one row per segment, and the trace of each row.
 pub(super) fn run(
     traces: &[LabelledTrace],
     classes: &[String],
@@ -41,7 +42,7 @@ pub(super) fn run(
         };
         segments.iter().map(row).collect()
     };
-    // Collected first, so that the error reported is that of the first bad trace in every run.
+    // Collects all results first, so that every run reports the error of the first bad trace.
     let rows: Vec<_> = traces.par_iter().map(each).collect();
     let mut table = FeatureTable { rows: vec![], classes: vec![], names: classes.to_vec() };
     let mut origins = vec![];

@@ -12,10 +12,10 @@ use crate::Error;
 use crate::core::{Embedded, plan};
 
 impl Trained {
-    /// The core's form.
+    /// Returns the model in the core's form.
     ///
     /// # Errors
-    /// What does not fit a model, or is out of the range of single precision.
+    /// A value that does not fit a model or is outside the range of single precision.
     pub fn to_core(&self) -> Result<Model<RunTime>, Error> {
         let densities = &self.densities;
         let sizes = [
@@ -72,7 +72,7 @@ impl Trained {
         Ok(novelty)
     }
 
-    /// The binary form, with notes.
+    /// Returns the model in binary form, with notes.
     ///
     /// # Errors
     /// As [`Trained::to_core`].
@@ -83,7 +83,7 @@ impl Trained {
         Ok(buffer)
     }
 
-    /// The model ready to run.
+    /// Returns the model ready to run.
     ///
     /// # Errors
     /// As [`Trained::to_core`].
@@ -91,7 +91,7 @@ impl Trained {
         Embedded::new(self.to_core()?).map_err(refused)
     }
 
-    /// Whether covariances are shared, and how they are shrunk.
+    /// Describes whether covariances are shared, and how they are shrunk.
     #[must_use]
     pub fn kind_name(&self) -> String {
         let kind = match self.densities.kind {
@@ -125,12 +125,12 @@ fn narrow(values: &[f64]) -> Vec<f32> {
     values.iter().map(|x| *x as f32).collect()
 }
 
-/// The elements of a matrix by rows.
+/// Returns the elements of a matrix by rows.
 fn rows(matrix: &DMatrix<f64>) -> Vec<f32> {
     matrix.row_iter().flat_map(|row| row.iter().map(|x| *x as f32).collect::<Vec<_>>()).collect()
 }
 
-/// The lower triangle of a matrix by rows.
+/// Returns the lower triangle of a matrix by rows.
 fn lower(matrix: &DMatrix<f64>) -> Vec<f32> {
     (0..matrix.nrows()).flat_map(|i| (0..=i).map(move |j| matrix[(i, j)] as f32)).collect()
 }

@@ -1,11 +1,11 @@
-//! Cross-validation: what a way of training is worth on rows it has not seen.
+//! Cross-validation: the quality of a recipe on rows that were not used in training.
 //!
 //! ```text
 //! fold f:  rows outside f ──► fit (projection, shrinkage, densities) ──► ln P(k|z) of the rows in f
 //! ```
 //!
-//! A fold repeats everything that looks at classes, by the same [`fit`] as the final training, so that nothing of a
-//! held-out row reaches its own posterior.
+//! Every step that uses the classes is repeated in each fold, by the same [`fit`] as the final training, so that no
+//! information on a held-out row enters its own posterior.
 
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -16,10 +16,10 @@ use super::scores::{Prediction, Scores};
 use super::{Recipe, Trained};
 use crate::Error;
 
-/// Posteriors of every row by the training that did not see its group, in the order of the rows.
+/// Returns the posteriors of every row, in the order of the rows, each from the training without the row's group.
 ///
 /// # Errors
-/// A class without rows in the training part of a fold, and what `fit` refuses there.
+/// A class without rows in the training part of a fold, and the errors of `fit` there.
 pub fn predict(candidates: &Candidates, recipe: &Recipe, folds: &Folds) -> Result<Vec<Prediction>, Error> {
     let priors = super::discriminant::priors(&recipe.priors, candidates.table.names.len())?;
     let weights = candidates.weights(&priors);
@@ -36,7 +36,7 @@ pub fn predict(candidates: &Candidates, recipe: &Recipe, folds: &Folds) -> Resul
         });
         Ok(predicted.collect())
     };
-    // Collected first, so that the error reported is that of the first bad fold in every run.
+    // Collects all results first, so that every run reports the error of the first bad fold.
     let parts: Vec<_> = (0..folds.count).into_par_iter().map(one).collect();
     let mut all: Vec<(usize, Prediction)> = Vec::new();
     for part in parts {
@@ -47,7 +47,7 @@ pub fn predict(candidates: &Candidates, recipe: &Recipe, folds: &Folds) -> Resul
 }
 
 impl Trained {
-    /// Scores of the whole recipe by cross-validation on the training segments.
+    /// Returns the scores of the whole recipe by cross-validation on the training segments.
     ///
     /// # Errors
     /// As [`Folds::new`] and [`predict`].
@@ -70,7 +70,7 @@ mod tests {
     use crate::identify::Structure;
     use crate::train::{FeatureTable, ProjectionKind, Shrink, Validation};
 
-    /// Pure noise in `features` features, labels at random.
+    /// Returns pure noise in `features` features, with random labels.
     fn noise(rows: usize, features: usize, seed: u64) -> Candidates {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut classes: Vec<usize> = (0..rows).map(|k| k % 3).collect();
@@ -97,7 +97,7 @@ mod tests {
     #[test]
     fn noise_with_random_labels_is_guessed() {
         let candidates = noise(300, 40, 7);
-        // 300 guesses among three: sd √(2/9/300) = 2.7 %; three of them either way.
+        // 300 random guesses among three classes: standard deviation √(2/9/300) = 2.7 %; the bracket is ± 3 of them.
         let chance = 0.585..0.749;
         for (projection, shrink) in [
             (ProjectionKind::None, Shrink::Not),
@@ -108,7 +108,7 @@ mod tests {
             let found = error(&candidates, &recipe(projection, shrink));
             assert!(chance.contains(&found), "{projection:?} {shrink:?}: {found}");
         }
-        // The bracket catches a leak: directions that have seen the labels of the held-out rows.
+        // The bracket detects a leak: here the directions were trained with the labels of the held-out rows.
         let whole = recipe(ProjectionKind::Fisher { components: None }, Shrink::Not);
         let leaked = fit(&candidates, &whole).expect("regular").coordinates;
         let leaked = Candidates { table: leaked, features: vec!["z1".into(), "z2".into()], ..candidates };
@@ -120,7 +120,7 @@ mod tests {
     fn groups_stay_together_and_classes_are_spread() {
         let mut candidates = noise(60, 1, 3);
         candidates.table.classes = (0..60).map(|k| k / 20).collect();
-        // Five rows a group, four groups a class.
+        // Five rows per group, four groups per class.
         candidates.groups = (0..60).map(|k| k / 5).collect();
         let folds = Folds::new(&candidates, &Validation { folds: 10, ..Validation::default() }).expect("groups");
         assert_eq!(folds.count, 4);
@@ -135,7 +135,7 @@ mod tests {
                 assert_eq!(held_out.iter().filter(|&&row| candidates.table.classes[row] == class).count(), 5);
             }
         }
-        // Runs that hold every class, as of a test rig: a run lies on one side.
+        // Runs that contain every class, as on a test rig: each run is either trained on or held out as a whole.
         candidates.groups = (0..60).map(|k| k % 5).collect();
         let folds = Folds::new(&candidates, &Validation { folds: 3, ..Validation::default() }).expect("groups");
         assert!((0..60).all(|row| folds.of_row[row] == folds.of_row[row % 5]));
@@ -154,8 +154,8 @@ mod tests {
 
     #[test]
     fn memorising_groups_does_not_help() {
-        // Ten rows of a group share a random offset far above their spread, and a group is of one class at random: a
-        // split by rows recognises the groups, one by groups must guess.
+        // The ten rows of a group share a random offset far above their spread, and the class of a group is random: a
+        // split by rows recognises the groups, a split by groups can only guess.
         let mut rng = ChaCha8Rng::seed_from_u64(11);
         let mut candidates = noise(240, 12, 5);
         let offsets: Vec<DVector<f64>> = (0..24)
@@ -174,7 +174,7 @@ mod tests {
         let by_rows = error(&candidates, &recipe);
         candidates.groups = (0..240).map(|k| k / 10).collect();
         let by_groups = error(&candidates, &recipe);
-        // 24 groups guess among three: sd 9.6 %, two and a half of them either way.
+        // Random guesses for 24 groups among three classes: standard deviation 9.6 %; the bracket is ± 2.5 of them.
         assert!((0.42..0.91).contains(&by_groups) && by_rows < by_groups - 0.2, "{by_rows} {by_groups}");
     }
 }

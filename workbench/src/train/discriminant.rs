@@ -15,18 +15,18 @@ pub struct GaussianClasses {
     pub kind: Kind,
     /// μ of each class.
     pub means: Vec<DVector<f64>>,
-    /// U with UᵀU = Σ⁻¹: one (linear) or one a class.
+    /// U with UᵀU = Σ⁻¹: one (linear) or one per class.
     pub whitening: Vec<DMatrix<f64>>,
     /// −½ (d ln 2π + ln |Σ|) of each class.
     pub log_normaliser: Vec<f64>,
     /// Prior of each class.
     pub priors: Vec<f64>,
-    /// `cost[i][k]`.
+    /// `cost[i][k]`: cost of deciding i if k is true.
     pub cost: Vec<Vec<f64>>,
 }
 
 impl GaussianClasses {
-    /// ln p(z|k) of every class, in double precision.
+    /// Returns ln p(z|k) of every class, in double precision.
     #[must_use]
     pub fn log_likelihoods(&self, z: &DVector<f64>) -> Vec<f64> {
         let classes = self.means.iter().zip(&self.log_normaliser).enumerate();
@@ -38,7 +38,7 @@ impl GaussianClasses {
             .collect()
     }
 
-    /// ln P(k|z) of every class.
+    /// Returns ln P(k|z) of every class.
     #[must_use]
     pub fn log_posteriors(&self, z: &DVector<f64>) -> Vec<f64> {
         let joint: Vec<f64> = self.log_likelihoods(z).iter().zip(&self.priors).map(|(l, p)| l + p.ln()).collect();
@@ -47,7 +47,7 @@ impl GaussianClasses {
         joint.iter().map(|x| x - total).collect()
     }
 
-    /// The class of least expected cost (thesis Eq. 2.65).
+    /// Returns the class of least expected cost (thesis Eq. 2.65).
     #[must_use]
     pub fn decide(&self, log_posteriors: &[f64]) -> usize {
         let expected = |i: &usize| -> f64 { self.cost[*i].iter().zip(log_posteriors).map(|(c, l)| c * l.exp()).sum() };
@@ -55,7 +55,7 @@ impl GaussianClasses {
     }
 }
 
-/// Densities of the coordinates of `table`, which are called `names`.
+/// Returns the densities of the coordinates of `table`; `names` are the names of the coordinates.
 pub(crate) fn train(table: &FeatureTable, names: &[String], recipe: &Recipe) -> Result<GaussianClasses, Error> {
     let statistics = ClassStatistics::new(table);
     let classes = table.names.len();
@@ -76,7 +76,7 @@ pub(crate) fn train(table: &FeatureTable, names: &[String], recipe: &Recipe) -> 
     densities(&statistics, factors, recipe.discriminant, recipe)
 }
 
-/// The same with covariances between the classes' own and one diagonal.
+/// Returns densities whose covariances are shrunk: between the classes' own, the pooled one, and its diagonal.
 pub(crate) fn shrunk(
     statistics: &ClassStatistics,
     names: &[String],
@@ -92,7 +92,7 @@ pub(crate) fn shrunk(
     densities(statistics, factors, kind, recipe)
 }
 
-/// Densities of these means with whitening matrices and ln |Σ|: one, or one a class.
+/// Returns densities from the class means, and from whitening matrices with ln |Σ|: one pair, or one per class.
 fn densities(
     statistics: &ClassStatistics,
     factors: Vec<(DMatrix<f64>, f64)>,
@@ -112,7 +112,7 @@ fn densities(
     })
 }
 
-/// The priors asked for, of sum one; equal ones where none are.
+/// Returns the given priors, normalised to sum 1; equal priors if none are given.
 pub(crate) fn priors(asked: &[f64], classes: usize) -> Result<Vec<f64>, Error> {
     if asked.is_empty() {
         return Ok(vec![1.0 / classes as f64; classes]);

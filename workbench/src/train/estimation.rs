@@ -1,15 +1,15 @@
 //! The constants of the core's estimator: scales, limits, nominal model, memory.
 //!
 //! ```text
-//! scales      powers of two that bring each column of the rows, behind A(1)/A with instruments, to rms ≈ 1
-//! nominal     mean δ over the traces of one class, by least squares or by SRIV; deviation² their mean σ²        (1)
+//! scales      powers of two that scale each column of the rows (with instruments, after the filter A(1)/A) to rms ≈ 1
+//! nominal     mean δ over the traces of one class, by least squares or by SRIV; deviation² = their mean σ²        (1)
 //! settle      5/|ln|p||, p the slowest pole of the nominal model: transients have fallen below 1 %               (2)
-//! floor       0.01/(1 − λ): what one row in a hundred would hold of a column of rms 1                            (3)
+//! floor       0.01/(1 − λ): the sum for a column of rms 1 if only one row in a hundred contributed               (3)
 //! still       a thousandth of the training traces' mean motion                                                   (4)
 //! ```
 //!
-//! (4) is inputs at 3 % of their usual movement, too little to learn from or to judge by. The mean of the core's fading
-//! memory falls to that within 0.9 of its length after the inputs have stopped.
+//! At (4) the inputs move by 3 % of their usual motion, which is too little for estimation and for a verdict. After the
+//! inputs have stopped, the mean in the core's fading memory falls to (4) within 0.9 of the memory's length.
 
 use std::borrow::Cow;
 
@@ -26,27 +26,27 @@ use crate::identify::{Estimate, Structure, least_squares, poles, sriv};
 use crate::trace::Trace;
 use crate::trace::labels::LabelledTrace;
 
-/// Least number of samples to settle.
+/// Least settling time, samples.
 const LEAST_SETTLE: u32 = 100;
-/// Samples to settle of a regression without filters; not used.
+/// Settling time of a regression without filters, samples; not used.
 const USUAL_SETTLE: u16 = 100;
 
-/// How segments are estimated, apart from the traces.
+/// Settings of the estimation of segments, without the traces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimation {
     /// Least squares or instrumental variables.
     pub method: Method,
     /// The class whose mean is the nominal model.
     pub nominal: usize,
-    /// Samples a segment; the longest trace where not given.
+    /// Samples per segment; the longest trace if not given.
     pub segment: Option<usize>,
-    /// Standard deviations beyond which a residual weighs less; 0 for never.
+    /// Number of standard deviations beyond which a residual gets less weight; 0 for never.
     pub huber: f64,
-    /// Magnitudes of y, u1, u2 from which a sensor is saturated.
+    /// Magnitudes of y, u1, u2 at which a sensor is saturated.
     pub saturation: Option<[f64; 3]>,
-    /// Equal samples of y that mean a stuck sensor; 0 for any number.
+    /// Number of equal samples of y that indicates a stuck sensor; 0 for no limit.
     pub stuck: u16,
-    /// Forgetting factor λ a row; segments stand alone without one.
+    /// Forgetting factor λ per row; without one, each segment is estimated separately.
     pub memory: Option<f64>,
     /// Samples into the next segment at which a segment's model takes over.
     pub handover: u16,
@@ -68,15 +68,15 @@ impl Default for Estimation {
 }
 
 impl Estimation {
-    /// Whether batch least squares on each segment gives what the core does: it knows no instruments, no memory beyond
-    /// the segment, no weights and no sensors out of order.
+    /// Returns whether batch least squares on each segment computes the same estimate as the core: it has no
+    /// instruments, no memory beyond the segment, no weights and no tests of the sensors.
     pub(super) fn is_batch(&self) -> bool {
         let Self { method, huber, saturation, stuck, memory, .. } = self;
         *method == Method::LeastSquares && *huber <= 0.0 && saturation.is_none() && *stuck == 0 && memory.is_none()
     }
 }
 
-/// The regression of the core with its trained constants.
+/// Returns the core's regression with its trained constants.
 pub(super) fn regression(
     traces: &[LabelledTrace],
     classes: &[String],
@@ -132,7 +132,7 @@ fn check(estimation: &Estimation, structure: Structure, segment: usize) -> Resul
     if *stuck == 1 {
         return refuse("--stuck 1: one sample is no run; give at least 2, or 0 for none".into());
     }
-    // Twice as many rows as parameters, or nothing is left to tell a variance from.
+    // The memory must exceed twice as many rows as parameters, or the variance cannot be estimated.
     let least = 1.0 - 0.5 / structure.parameters() as f64;
     if let Some(lambda) = memory.filter(|lambda| !(*lambda > least && (*lambda as f32) <= MAX_LAMBDA)) {
         return refuse(format!("--memory {lambda}: at this order a factor above {least:.4}, at most {MAX_LAMBDA}"));
@@ -143,7 +143,7 @@ fn check(estimation: &Estimation, structure: Structure, segment: usize) -> Resul
     Ok(())
 }
 
-/// Saturation and stuck sensors of the channels of the regression.
+/// Sets the limits for saturated and stuck sensors in the channels of the regression.
 pub(super) fn guard(channels: &mut [Channel], [y, u1, u2]: [Signal; 3], estimation: &Estimation) -> Result<(), Error> {
     if let Some(saturation) = estimation.saturation {
         for ((signal, asked), name) in [y, u1, u2].into_iter().zip(saturation).zip(["Y", "U1", "U2"]) {
@@ -185,7 +185,7 @@ fn nominal(
         let name = classes.get(place).map_or_else(|| place.to_string(), Clone::clone);
         return Err(Error::Training(format!("no training trace of class {name} for the nominal model")));
     }
-    // Collected first, so that the error reported is that of the first bad trace in every run.
+    // Collects all results first, so that every run reports the error of the first bad trace.
     let estimates: Vec<_> = own.par_iter().map(|trace| estimate(trace, structure)).collect();
     let estimates = estimates.into_iter().collect::<Result<Vec<_>, _>>()?;
     let deltas: Vec<_> = estimates.iter().map(|e| features::delta_from_raw(structure, &e.theta)).collect();
@@ -194,7 +194,7 @@ fn nominal(
 }
 
 impl Mean {
-    /// 1, a₁, ….
+    /// Returns the coefficients 1, a₁, …, a_na.
     fn denominator(&self, structure: Structure) -> Vec<f64> {
         let na = structure.na as usize;
         let t = |k: usize| if k < na { self.delta[k] } else { 0.0 };
@@ -213,17 +213,18 @@ fn require_stable(t: &[f32], class: &str) -> Result<(), Error> {
     )))
 }
 
-/// (2), within what the segment leaves.
+/// Computes (2), limited to the part of the segment that is available for settling.
 fn settling(denominator: &[f64], segment: usize, handover: u16) -> u16 {
     let slowest = poles(denominator).iter().map(|pole| pole.norm()).fold(0.0, f64::max);
-    // Rounding may leave a pole on the circle.
+    // With rounding errors a pole may lie on the unit circle.
     let samples = (-5.0 / slowest.min(1.0 - 1e-9).ln()).ceil();
     let samples = samples.clamp(f64::from(LEAST_SETTLE), f64::from(u16::MAX)) as u16;
     let most = (segment / 4).saturating_sub(usize::from(handover));
     samples.min(u16::try_from(most).unwrap_or(u16::MAX))
 }
 
-/// The signals as rows of instrumental variables have them: behind A(1)/A, at rest on the first sample.
+/// Returns the signals as they enter the rows of instrumental variables: filtered by A(1)/A, in steady state at the
+/// first sample.
 fn filtered(labelled: &LabelledTrace, denominator: &[f64]) -> LabelledTrace {
     let gain: f64 = denominator.iter().sum();
     let filter = |signal: &[f64]| {
@@ -242,7 +243,7 @@ fn filtered(labelled: &LabelledTrace, denominator: &[f64]) -> LabelledTrace {
     LabelledTrace { trace, class: labelled.class }
 }
 
-/// Mean of the scaled (Δu1)² + (Δu2)².
+/// Returns the mean of the scaled (Δu1)² + (Δu2)².
 fn mean_motion(traces: &[LabelledTrace], structure: Structure, scales: &[f64]) -> f64 {
     let order = structure;
     let (na, nb) = (order.na as usize, order.nb as usize);
@@ -255,7 +256,7 @@ fn mean_motion(traces: &[LabelledTrace], structure: Structure, scales: &[f64]) -
     traces.iter().map(of_trace).sum::<f64>() / steps.max(1) as f64
 }
 
-/// Power of two that brings each δ-form column, pooled over the training set, to rms ≈ 1.
+/// Returns the powers of two that scale each δ-form column, pooled over the training set, to rms ≈ 1.
 fn column_scales(traces: &[LabelledTrace], structure: Structure) -> Vec<f64> {
     let scale = |pick: Column, difference: bool| {
         let pooled = traces.iter().flat_map(|t| {
@@ -285,7 +286,7 @@ mod tests {
 
     #[test]
     fn settling_by_the_slowest_pole() {
-        // Poles 0.99 and 0.5: 5/0.01005 = 497.5; a pole at 0.5 alone settles within 8 samples.
+        // Poles 0.99 and 0.5: 5/0.01005 = 497.5; a single pole at 0.5 settles within 8 samples.
         assert_eq!(settling(&[1.0, -1.49, 0.495], 5000, 0), 498);
         assert_eq!(settling(&[1.0, -0.5], 5000, 0), 100);
         assert_eq!(settling(&[1.0, -0.99], 1000, 50), 200, "a quarter of the segment, the handover included");
@@ -308,9 +309,9 @@ mod tests {
             Trace { id: "t".into(), interval_s: None, irregular_steps: 0, y: vec![0.0; 3], u1, u2, motion: None };
         let traces = [LabelledTrace { trace, class: 0 }];
         let scales = [1.0, 2.0, 0.5, 1.0];
-        // u1 moves by 1 · 2 once, u2 by 2 · 0.5 once, over two steps.
+        // u1 changes once by 1 · 2, u2 once by 2 · 0.5, over two steps.
         assert_eq!(mean_motion(&traces, structure, &scales), 2.5);
-        // Behind 0.5/(1 − 0.5 z⁻¹) u1 is 0, 0.5, 0.75 and u2 is 0, 0, 1.
+        // After the filter 0.5/(1 − 0.5 z⁻¹), u1 is 0, 0.5, 0.75 and u2 is 0, 0, 1.
         let behind = filtered(&traces[0], &[1.0, -0.5]);
         assert_eq!(behind.trace.u1, [0.0, 0.5, 0.75]);
         assert_eq!(mean_motion(&[behind], structure, &scales), (1.0 + 0.25 + 0.25) / 2.0);

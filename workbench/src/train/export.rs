@@ -1,4 +1,5 @@
-//! A trained model as Rust source: the plan, the sample, and the constants in flash, checked when they are compiled.
+//! A trained model as Rust source: the plan, the sample type, and the constants in flash, which are checked at compile
+//! time.
 
 use std::fmt::Write as _;
 
@@ -11,12 +12,12 @@ use bearing_watch::plan::{Layout, Plan, RegressionLayout, RunTime, ShaftLayout, 
 use super::Trained;
 use crate::Error;
 
-/// Rust source of the model; `notes` become comments at its head.
+/// Returns the Rust source of the model; `notes` become comments at its head.
 ///
 /// # Errors
-/// What the core refuses.
+/// A model that the core does not accept.
 pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error> {
-    // The core's form, so that the source holds the very numbers of the binary model.
+    // The core's form, so that the source contains exactly the numbers of the binary model.
     let model = trained.to_core()?;
     let (layout, constants) = (model.plan().layout(), model.constants());
     let mut out = Source::default();
@@ -55,7 +56,7 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     Ok(out.0)
 }
 
-/// Source text under way.
+/// Source text that is being written.
 #[derive(Default)]
 struct Source(String);
 
@@ -65,7 +66,7 @@ impl Source {
         let _ = writeln!(self.0, "{:indent$}{text}", "");
     }
 
-    /// A field with a list of numbers, `width` a line.
+    /// Writes a field with a list of numbers, `width` per line.
     fn numbers(&mut self, depth: usize, name: &str, values: &[f32], width: usize) {
         if values.len() <= width {
             return self.line(depth, &format!("{name}: {},", list(values)));
@@ -78,7 +79,7 @@ impl Source {
         self.line(depth, "],");
     }
 
-    /// A field with lower triangles of `size` rows.
+    /// Writes a field with lower triangles of `size` rows.
     fn triangles(&mut self, depth: usize, name: &str, values: &[f32], size: usize) {
         self.line(depth, &format!("{name}: ["));
         let (mut rest, mut row) = (values, 0);
@@ -115,7 +116,7 @@ fn imports(out: &mut Source, layout: &Layout, features: &[Feature]) {
     out.line(0, &format!("use bearing_watch::{root};"));
 }
 
-/// The call of the macro that defines plan and sample.
+/// Writes the call of the macro that defines plan and sample.
 fn plan(out: &mut Source, layout: &Layout, channels: &[Channel]) {
     let fields: Vec<String> =
         channels.iter().map(|channel| format!("{}: {:?}", channel.name.as_str(), channel.unit.as_str())).collect();
@@ -299,7 +300,7 @@ fn evidence(constants: &EvidenceConstants) -> String {
     format!("EvidenceConstants {{ bet: {bet}, limit: {limit}, cap: {cap} }}")
 }
 
-/// The shortest decimal that reads back as the same `f32`.
+/// Returns the shortest decimal that parses to the same `f32`.
 fn number(x: f32) -> String {
     if x == f32::INFINITY { "f32::INFINITY".into() } else { format!("{x:?}") }
 }

@@ -1,4 +1,4 @@
-//! Labelled rows → projection and class densities: all of training that looks at classes.
+//! Labelled rows → projection and class densities: all parts of training that use the classes.
 
 use super::shrinkage::Shrink;
 use super::shrinkage_search::{self, Choice};
@@ -8,7 +8,7 @@ use super::{
 };
 use crate::Error;
 
-/// What rows taught.
+/// The result of a fit.
 #[derive(Clone, Debug)]
 pub(crate) struct Fitted {
     pub(crate) projection: AffineMap,
@@ -18,7 +18,7 @@ pub(crate) struct Fitted {
     pub(crate) choice: Option<Choice>,
 }
 
-/// Fits the recipe to rows; a shrinkage that is to be chosen is chosen on them alone.
+/// Fits the recipe to the rows; if the recipe chooses the shrinkage, it is chosen on these rows alone.
 pub(crate) fn fit(candidates: &Candidates, recipe: &Recipe) -> Result<Fitted, Error> {
     let Candidates { table, features, .. } = candidates;
     let projection = projection::train(table, features, recipe.projection)?;
@@ -61,8 +61,8 @@ mod tests {
         Recipe { shrink, ..Recipe::new(structure) }
     }
 
-    /// Two classes of normal rows: the second at `shift` in the first feature and its deviations `spread` times those
-    /// of the first; `correlation` within both.
+    /// Returns two classes of normal rows. The mean of the second class is `shift` in the first feature, and its
+    /// standard deviations are `spread` times those of the first; both classes have the correlation `correlation`.
     fn two(rows: usize, features: usize, (shift, spread, correlation): (f64, f64, f64)) -> Candidates {
         let mut rng = ChaCha8Rng::seed_from_u64(17);
         let row = |k: usize| {
@@ -89,7 +89,7 @@ mod tests {
             let plain = fit(&candidates, &Recipe { discriminant: kind, ..recipe(Shrink::Not) }).expect("regular");
             assert_eq!(shrunk.densities.kind, kind);
             for (a, b) in shrunk.densities.whitening.iter().zip(&plain.densities.whitening) {
-                assert!((a - b).amax() < 1e-12, "{a} {b}"); // the divisors cancel but for rounding
+                assert!((a - b).amax() < 1e-12, "{a} {b}"); // the divisors cancel except for rounding
             }
         }
     }
@@ -108,16 +108,18 @@ mod tests {
             let best = choice.grid.iter().map(|p| p.score).fold(f64::INFINITY, f64::min);
             (choice.shrinkage, best, linear, quadratic)
         };
-        // Few rows of one common covariance: near the shared end; the classes' own are poor.
+        // Few rows with one common covariance: the choice is near the shared covariance; the classes' own are
+        // inaccurate.
         let (shrinkage, best, linear, quadratic) = chosen(30, 6, (1.5, 1.0, 0.5));
         assert!(
             shrinkage.lambda >= 0.5 && best <= linear && quadratic > linear + 0.05,
             "{shrinkage:?} {linear} {quadratic}"
         );
-        // Many rows that differ in spread only: near the own end; one covariance knows nothing.
+        // Many rows whose classes differ in spread only: the choice is near the classes' own covariances; with one
+        // common covariance the classes cannot be distinguished.
         let (shrinkage, best, linear, quadratic) = chosen(400, 4, (0.0, 3.0, 0.5));
         assert!(shrinkage.lambda <= 0.25 && best <= quadratic && linear > 0.65, "{shrinkage:?} {linear} {quadratic}");
-        // Fewer rows of a class than features, which are independent: only a diagonal can be estimated.
+        // Fewer rows per class than features, and independent features: only a diagonal covariance can be estimated.
         let (shrinkage, best, linear, quadratic) = chosen(24, 14, (2.5, 1.0, 0.0));
         assert!(shrinkage.gamma >= 0.25 && best < linear && quadratic.is_infinite(), "{shrinkage:?} {best} {linear}");
     }

@@ -1,5 +1,5 @@
-//! Rows to learn from, and their split into folds: rows of one group (segments of a trace, strokes of a run) lie in
-//! one fold.
+//! Training rows, and their split into folds: rows of one group (segments of a trace, strokes of a run) are in the same
+//! fold.
 
 use std::collections::BTreeMap;
 
@@ -10,14 +10,14 @@ use rand_chacha::ChaCha8Rng;
 use super::FeatureTable;
 use crate::Error;
 
-/// How rows are split.
+/// Settings of the split into folds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Validation {
-    /// Folds; fewer where a class comes from fewer groups.
+    /// Number of folds; fewer if a class comes from fewer groups.
     pub folds: usize,
     /// Seed of the split.
     pub seed: u64,
-    /// Group of each training trace; each its own where empty.
+    /// Group of each training trace; if empty, each trace is a group of its own.
     pub groups: Vec<String>,
 }
 
@@ -27,10 +27,10 @@ impl Default for Validation {
     }
 }
 
-/// Rows to learn from: features with their names, classes and groups.
+/// Training rows: features with their names, classes and groups.
 #[derive(Clone, Debug)]
 pub struct Candidates {
-    /// A row a segment, with its class.
+    /// One row per segment, with its class.
     pub table: FeatureTable,
     /// Names of the features.
     pub features: Vec<String>,
@@ -39,7 +39,7 @@ pub struct Candidates {
 }
 
 impl Candidates {
-    /// The given rows only.
+    /// Returns the given rows only.
     #[must_use]
     pub fn rows(&self, places: &[usize]) -> Self {
         let table = FeatureTable {
@@ -50,19 +50,20 @@ impl Candidates {
         Self { table, features: self.features.clone(), groups: places.iter().map(|&k| self.groups[k]).collect() }
     }
 
-    /// The given features only.
+    /// Returns the given features only.
     #[must_use]
     pub fn select(&self, places: &[usize]) -> Self {
         let features = places.iter().map(|&k| self.features[k].clone()).collect();
         Self { table: self.table.select(places), features, groups: self.groups.clone() }
     }
 
-    /// Places of features by name.
+    /// Returns the indices of features by name.
     pub(crate) fn places(&self, names: &[String]) -> Vec<usize> {
         names.iter().filter_map(|name| self.features.iter().position(|feature| feature == name)).collect()
     }
 
-    /// What each row counts, of mean one: classes weigh as their priors, however many rows they have.
+    /// Returns the weight of each row, of mean 1: the total weight of a class is proportional to its prior, for any
+    /// number of rows.
     pub(crate) fn weights(&self, priors: &[f64]) -> Vec<f64> {
         let classes = &self.table.classes;
         let count = |class: usize| classes.iter().filter(|&&c| c == class).count() as f64;
@@ -74,15 +75,15 @@ impl Candidates {
 /// The fold of each row.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Folds {
-    /// The fold that holds a row out.
+    /// The fold in which each row is held out.
     pub of_row: Vec<usize>,
-    /// Folds.
+    /// Number of folds.
     pub count: usize,
 }
 
 impl Folds {
-    /// Seeded and stratified: groups in random order, the large ones first, each to the fold that has least of its
-    /// classes.
+    /// Splits the rows, stratified and in an order fixed by the seed: groups in random order, the large ones first,
+    /// each into the fold that has the fewest rows of the group's classes.
     ///
     /// # Errors
     /// A class whose rows are all of one group.
@@ -110,7 +111,7 @@ impl Folds {
         let mut held = vec![vec![0_usize; classes]; count];
         let mut fold_of = BTreeMap::new();
         for (group, counts) in order {
-            // Most of its classes there already first, then rows at all.
+            // The fold with the fewest rows of the group's classes; if equal, the fold with the fewest rows.
             let burden = |fold: &usize| {
                 let shared: usize = held[*fold].iter().zip(&counts).map(|(there, here)| there * here).sum();
                 (shared, held[*fold].iter().sum::<usize>())
@@ -122,14 +123,14 @@ impl Folds {
         Ok(Self { of_row: candidates.groups.iter().map(|group| fold_of[group]).collect(), count })
     }
 
-    /// Rows to train on and rows held out.
+    /// Returns the rows to train on and the held-out rows.
     #[must_use]
     pub fn split(&self, fold: usize) -> (Vec<usize>, Vec<usize>) {
         (0..self.of_row.len()).partition(|&row| self.of_row[row] != fold)
     }
 }
 
-/// Every class has rows.
+/// Returns an error if a class has no rows.
 pub(crate) fn check(seen: &Candidates) -> Result<(), Error> {
     let names = &seen.table.names;
     match (0..names.len()).find(|class| !seen.table.classes.contains(class)) {

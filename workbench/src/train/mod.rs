@@ -1,9 +1,9 @@
 //! Labelled traces → a trained model.
 //!
-//! Features, their projection, the discriminant; then everything is brought into the form the core runs ([`Trained`]).
-//! Features are those of batch least squares in double precision where the core computes the same in single precision,
-//! else those that the core itself gives on the training traces. What the model is worth is measured by running the
-//! core on other traces ([`crate::evaluate`]), never here.
+//! The steps are features, their projection, and the discriminant; the result is then converted to the form that the
+//! core runs ([`Trained`]). If the core computes batch least squares in single precision, the features are those of
+//! batch least squares in double precision, else those that the core estimates on the training traces. The quality of
+//! the model is measured by running the core on other traces ([`crate::evaluate`]), not here.
 
 mod core_features;
 mod core_form;
@@ -63,7 +63,7 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
     check_intervals(traces)?;
     let longest = traces.iter().map(|t| t.trace.y.len()).max().unwrap_or(0);
     let segment = recipe.estimation.segment.unwrap_or(longest.min(MAX_LONG_SEGMENT_ROWS as usize));
-    // The spread of the features belongs to a length: train on segments as the detector will see them.
+    // The spread of the features depends on the segment length: trains on segments of the detector's length.
     let pieces = if recipe.estimation.segment.is_some() { cut(traces, segment) } else { traces.to_vec() };
     check_classes(&pieces, classes, recipe.alarms.healthy)?;
     let interval_s = traces.iter().find_map(|t| t.trace.interval_s).unwrap_or(0.0);
@@ -109,14 +109,14 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
     })
 }
 
-/// Channels, regression and shaft of the core with their trained constants.
+/// Returns the core's channels, regression and shaft with their trained constants.
 fn parts(
     traces: &[LabelledTrace],
     classes: &[String],
     recipe: &Recipe,
     (segment, interval_s): (usize, f64),
 ) -> Result<Parts, Error> {
-    /// Room for other conditions than those of training, in multiples of the largest magnitude.
+    /// Range of the channels, in multiples of the largest magnitude in training: a margin for other conditions.
     const LIMIT: f64 = 10.0;
     let watched = recipe.shaft.as_ref().map(|plan| plan.load);
     let wiring = Wiring::new(&recipe.columns, recipe.structure, watched);
@@ -132,7 +132,7 @@ fn parts(
 }
 
 fn batch_features(pieces: &[LabelledTrace], classes: &[String], structure: Structure) -> Result<FeatureTable, Error> {
-    // Collected first, so that the error reported is that of the first bad trace in every run.
+    // Collects all results first, so that every run reports the error of the first bad trace.
     let estimates: Vec<_> = pieces.par_iter().map(|t| least_squares(&t.trace, structure)).collect();
     let estimates: Vec<Estimate> = estimates.into_iter().collect::<Result<_, _>>()?;
     Ok(FeatureTable::new(&estimates, pieces.iter().map(|t| t.class).collect(), classes.to_vec()))
@@ -164,7 +164,7 @@ fn check_classes(traces: &[LabelledTrace], classes: &[String], healthy: Option<u
     Ok(())
 }
 
-/// A number for the group of each trace.
+/// Returns the number of each trace's group.
 fn groups(names: &[String], traces: usize) -> Result<Vec<usize>, Error> {
     if names.is_empty() {
         return Ok((0..traces).collect());
@@ -176,7 +176,7 @@ fn groups(names: &[String], traces: usize) -> Result<Vec<usize>, Error> {
     Ok(names.iter().map(first).collect())
 }
 
-/// All sample intervals of a training set are one: a model says nothing about another rate.
+/// Returns an error if the sampling intervals of a training set differ: a model is valid for one rate only.
 fn check_intervals(traces: &[LabelledTrace]) -> Result<(), Error> {
     let mut known = traces.iter().filter_map(|t| t.trace.interval_s.map(|step| (t.trace.id.as_str(), step)));
     let Some((first, interval)) = known.next() else { return Ok(()) };
@@ -184,15 +184,15 @@ fn check_intervals(traces: &[LabelledTrace]) -> Result<(), Error> {
         if same_interval(step, interval) {
             return Ok(());
         }
-        // Single precision prints without the digits that rounding has made.
+        // Single precision prints without the digits of rounding errors.
         let (step, interval) = (step as f32, interval as f32);
         let problem = format!("sampled every {step} s, but {first} every {interval} s; train on one rate");
         Err(Error::trace(id, problem))
     })
 }
 
-/// Cuts traces into segments of `samples`, as the detector will see them. A remainder counts where it is more than
-/// half a segment.
+/// Cuts traces into segments of `samples`, the detector's segment length. A remainder is kept if it is longer than half
+/// a segment.
 #[must_use]
 pub fn cut(traces: &[LabelledTrace], samples: usize) -> Vec<LabelledTrace> {
     let pieces = traces.iter().flat_map(|labelled| {
@@ -212,13 +212,13 @@ pub fn cut(traces: &[LabelledTrace], samples: usize) -> Vec<LabelledTrace> {
     pieces.collect()
 }
 
-/// Where the pieces of so long a trace begin and end.
+/// Returns start and end of each piece of a trace with `length` samples.
 fn spans(length: usize, samples: usize) -> impl Iterator<Item = (usize, usize)> {
     let ends = (0..length).step_by(samples.max(1)).map(move |start| (start, (start + samples).min(length)));
     ends.filter(move |(start, end)| 2 * (end - start) > samples)
 }
 
-/// The map from the core's δ-features: z = W (raw − m) = W T_S (δ − δ_m), with δ_m the training mean of δ.
+/// Returns the map from the core's δ-features: z = W (raw − m) = W T_S (δ − δ_m), with δ_m the training mean of δ.
 fn compose(
     table: &FeatureTable,
     chosen: &[usize],
@@ -229,7 +229,7 @@ fn compose(
     let used: Vec<usize> = (0..map.ncols()).filter(|&k| map.column(k).amax() > 0.0).collect();
     let deltas: Vec<_> = table.rows.iter().map(|row| catalogue.delta_from_raw(row)).collect();
     let mean = statistics::mean(&deltas);
-    // The projection's own centre is the mean of the same rows, so both centres are the same point.
+    // The projection's centre is the mean of the same rows, so both centres are the same point.
     let matrix = &projection.matrix * map.select_columns(&used);
     let centre = DVector::from_iterator(used.len(), used.iter().map(|&k| mean[k]));
     let indices = used.iter().map(|&place| catalogue.core_feature(place)).collect();

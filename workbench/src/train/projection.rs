@@ -1,4 +1,4 @@
-//! Projections of features: principal components, Fisher's directions, or none; all one affine map.
+//! Projections of features: principal components, Fisher's directions, or none; each is an affine map.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
@@ -7,31 +7,31 @@ use super::statistics::{singular, whitening};
 use super::table::{AffineMap, FeatureTable};
 use crate::Error;
 
-/// Which projection.
+/// The kind of projection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ProjectionKind {
     /// Every feature, centred and divided by its pooled within-class deviation.
     None,
     /// Principal components of the centred features (thesis §2.5).
     Pca {
-        /// How many are kept.
+        /// Number of components to keep.
         keep: Keep,
         /// Divide by the total deviation first, so that units do not choose the components.
         standardised: bool,
     },
-    /// Fisher's directions: largest spread of class means against the spread within classes.
+    /// Fisher's directions: largest spread of the class means relative to the spread within classes.
     Fisher {
-        /// At most classes − 1 of them; all where none is given.
+        /// Number of directions, at most classes − 1; all if not given.
         components: Option<usize>,
     },
 }
 
-/// How many principal components are kept.
+/// Number of principal components to keep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Keep {
-    /// A number of them.
+    /// A fixed number.
     Components(usize),
-    /// As many as reach this part of the variance.
+    /// The smallest number that reaches this part of the variance.
     Variance(f64),
 }
 
@@ -45,7 +45,7 @@ pub(crate) fn train(table: &FeatureTable, names: &[String], kind: ProjectionKind
     Ok(AffineMap { matrix, mean: statistics.total_mean })
 }
 
-/// Diagonal matrix of inverse deviations.
+/// Returns the diagonal matrix of inverse deviations.
 fn scaling(covariance: &DMatrix<f64>, names: &[String]) -> Result<DMatrix<f64>, Error> {
     let deviations = covariance.diagonal().map(f64::sqrt);
     if let Some(k) = (0..names.len()).find(|&k| deviations[k].is_nan() || deviations[k] <= 0.0) {
@@ -100,7 +100,8 @@ fn fisher(statistics: &ClassStatistics, names: &[String], components: Option<usi
     let rows: usize = statistics.counts.iter().sum();
     let (white, _) = whitening(&statistics.pooled)
         .map_err(|dependent| singular("the pooled classes", rows, statistics.means.len(), names, dependent))?;
-    // In whitened coordinates the within-class covariance is I, so the directions are those of the means.
+    // In whitened coordinates the within-class covariance is I, so Fisher's directions are the principal directions of
+    // the class means.
     let mut between = DMatrix::zeros(features, features);
     for (mean, &rows) in statistics.means.iter().zip(&statistics.counts) {
         let away = &white * (mean - &statistics.total_mean);
@@ -110,8 +111,8 @@ fn fisher(statistics: &ClassStatistics, names: &[String], components: Option<usi
     Ok(vectors.columns(0, count).transpose() * white)
 }
 
-/// Eigenvalues from the largest down, with their vectors; signs fixed by the largest element, so that a retrained
-/// model keeps the directions of its axes.
+/// Returns the eigenvalues in descending order, with their vectors. The element of largest magnitude of each vector is
+/// positive, so that a retrained model has the same directions of its axes.
 fn sorted_eigen(matrix: DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>) {
     let eigen = SymmetricEigen::new(matrix);
     let mut places: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
@@ -132,7 +133,7 @@ mod tests {
     use super::*;
 
     fn table() -> FeatureTable {
-        // Two classes apart along x − y, both spread widely along x + y.
+        // Two classes that are separated along x − y, both with a large spread along x + y.
         let row = |x: f64, y: f64| DVector::from_vec(vec![x, y]);
         let spread = [-2.0, -1.0, 0.0, 1.0, 2.0];
         let rows = spread.iter().map(|s| row(s + 0.2, *s)).chain(spread.iter().map(|s| row(*s, s + 0.2 + 0.02 * s)));

@@ -1,4 +1,4 @@
-//! What each feature is worth, and which to drop.
+//! Ranking of the features by their contribution, and the choice of features to drop.
 //!
 //! ```text
 //! Fisher ratio   J = Σ_k P_k (μ_k − μ)² / σ²,   μ = Σ_k P_k μ_k, σ² pooled within classes      (1)
@@ -6,10 +6,10 @@
 //! gain           cross-validated guarded log score without the feature − with it, same rows   (3)
 //! ```
 //!
-//! (1) and (2) look at one feature alone. (3) is taken beside others: without it from all ("drop one"), and added to
-//! those already chosen (forward selection, which stops when the best gain is below twice its standard error). Features
-//! are taken unprojected. What the selection itself is worth is told by repeating it within every fold, as its own
-//! path is chosen to look well on the rows it is scored on.
+//! (1) and (2) use one feature alone. (3) is computed beside other features: by removing the feature from all ("drop
+//! one"), and by adding it to those already chosen (forward selection, which stops if the best gain is below twice its
+//! standard error). The features are not projected. The score of the chosen set on the rows of the choice is too
+//! optimistic; the selection is therefore repeated within every fold, which measures its real quality.
 
 mod judge;
 mod ranked;
@@ -24,31 +24,31 @@ use super::scores::{Prediction, Scores};
 use super::{ClassStatistics, ProjectionKind, Recipe, Trained};
 use crate::Error;
 
-/// Features from the one to keep first to the one to drop first.
+/// The features, in order from the first to keep to the first to drop.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ranking {
     /// Class names.
     pub classes: Vec<String>,
-    /// Chosen ones in the order of choice, then the others by Fisher ratio.
+    /// The chosen features in the order of choice, then the others by Fisher ratio.
     pub features: Vec<Ranked>,
-    /// Scores of all features together; nothing where they are singular.
+    /// Scores of all features together; `None` if their covariance is singular.
     pub all: Option<Scores>,
-    /// Scores of those kept, on the rows they were chosen on.
+    /// Scores of the kept features, on the rows on which they were chosen.
     pub kept: Option<Scores>,
-    /// Scores of a choice made anew without each fold.
+    /// Scores of the selection repeated without each fold.
     pub honest: Option<Scores>,
-    /// Folds.
+    /// Number of folds.
     pub folds: usize,
 }
 
 impl Ranking {
-    /// Names kept, best first.
+    /// Returns the names of the kept features, best first.
     #[must_use]
     pub fn names(&self) -> Vec<&str> {
         self.features.iter().filter(|f| f.kept).map(|f| f.name.as_str()).collect()
     }
 
-    /// Keys `folds`, `keep`, `drop`, `scores` and `features`.
+    /// Returns JSON with the keys `folds`, `keep`, `drop`, `scores` and `features`.
     #[must_use]
     pub fn to_json(&self) -> Value {
         let gain = |gain: &Gain| json!({ "guarded_log_score": gain.log, "standard_error": gain.standard_error, "error_rate": gain.error });
@@ -79,7 +79,7 @@ impl Ranking {
         })
     }
 
-    /// In words: what is kept, what each way is worth.
+    /// Describes the kept features and the score of each set of features in words.
     #[must_use]
     pub fn summary(&self) -> String {
         let score = |of: &Option<Scores>| {
@@ -121,8 +121,8 @@ impl std::fmt::Display for Ranking {
     }
 }
 
-/// Ranks the candidates for the recipe's discriminant, priors and costs; a shrinkage that is to be chosen is chosen once
-/// for all of them.
+/// Ranks the candidates for the recipe's discriminant, priors and costs; if the recipe chooses the shrinkage, it is
+/// chosen once for all of them.
 ///
 /// # Errors
 /// Too few groups for folds, and priors or costs that do not match the classes.
@@ -170,7 +170,7 @@ pub fn rank(candidates: &Candidates, recipe: &Recipe) -> Result<Ranking, Error> 
 }
 
 impl Trained {
-    /// Ranks the features asked for, or every one there is where none were.
+    /// Ranks the requested features, or all features if none were requested.
     ///
     /// # Errors
     /// As [`rank`].
@@ -193,8 +193,9 @@ mod tests {
     use crate::identify::Structure;
     use crate::train::FeatureTable;
 
-    /// Three classes. `shift` moves the second by 2, `other` the third by 3; `copy` is `shift` with a little noise,
-    /// `noise` is nothing, `mate` has no difference of means but shares the noise of `shift`.
+    /// Returns three classes. The mean of `shift` is 2 in the second class, that of `other` is 3 in the third; `copy`
+    /// is `shift` with a little noise, `noise` is independent of the class, and `mate` has equal class means but shares
+    /// the noise of `shift`.
     fn candidates(rows: usize) -> Candidates {
         let mut rng = ChaCha8Rng::seed_from_u64(23);
         let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
@@ -227,20 +228,22 @@ mod tests {
         let of = |name: &str| ranking.features.iter().find(|f| f.name == name).expect("ranked");
         assert!(of("noise").reason.contains("no more than by chance") && of("noise").reason.contains("adds nothing"));
         assert!(of("copy").reason.contains("goes with shift"), "{}", of("copy").reason);
-        // J = Σ (2/9, 2/9 of 2², 3²) over a variance of 1.0: 0.89 and 2; of the pairs 2 and 4.5, others 0.
+        // J = 2/9 · 2² = 0.89 and 2/9 · 3² = 2 over a variance of 1.0; of the pairs 2 and 4.5, others 0.
         for (name, whole, pairs) in [("shift", 8.0 / 9.0, [2.0, 0.0, 2.0]), ("other", 2.0, [0.0, 4.5, 4.5])] {
             let found = of(name);
-            // 80 rows a class: a mean to 0.11, a variance to 16 %; half and a half more are three of these together.
+            // 80 rows per class: standard deviation 0.11 of a mean and 16 % of a variance; ± 50 % is three of these
+            // together.
             assert!((0.6 * whole..1.5 * whole).contains(&found.fisher), "{found:?}");
             for (found, expected) in found.pairs.iter().zip(pairs) {
                 assert!((0.6 * expected..1.5 * expected + 0.1).contains(found), "{found} {expected}");
             }
         }
-        // Alone "mate" is nothing, beside "shift" much: a ratio cannot see it.
+        // Alone, "mate" does not distinguish the classes; beside "shift" it contributes much, which a Fisher ratio
+        // cannot show.
         assert!(of("mate").fisher < 0.1 && of("mate").among_all.expect("regular").log > 0.1);
         assert!(of("noise").among_all.expect("regular").log < 0.02);
         let (all, honest) = (ranking.all.expect("regular"), ranking.honest.expect("regular"));
-        // Two noise features cost little at 240 rows, and so does choosing.
+        // Two noise features cost little at 240 rows, and so does the selection.
         assert!((honest.guarded.value - all.guarded.value).abs() < 0.05, "{honest:?} {all:?}");
     }
 
@@ -255,7 +258,7 @@ mod tests {
         let ranking = rank(&candidates, &recipe()).expect("regular");
         assert!(ranking.names().is_empty() && ranking.summary().starts_with("No feature"), "{ranking:#?}");
         let honest = ranking.honest.expect("guesses");
-        // 90 guesses among three: sd 5 %. Where a fold's choice fell for noise it is no better for it.
+        // 90 random guesses among three classes: standard deviation 5 %. A fold in which noise was chosen is no better.
         assert!((0.52..0.82).contains(&honest.error) && honest.guarded.value > 1.05, "{honest:?}");
     }
 

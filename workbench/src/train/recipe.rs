@@ -1,4 +1,4 @@
-//! What is trained, apart from the traces.
+//! The settings of training, without the traces.
 
 use bearing_watch::Park;
 use bearing_watch::plan::Kind;
@@ -11,7 +11,7 @@ use crate::trace::Channels;
 /// Structure, estimator, features, projection, discriminant and alarms of a model.
 #[derive(Clone, Debug)]
 pub struct Recipe {
-    /// Columns of the signals, which name the channels of the model.
+    /// Columns of the signals; they name the model's channels.
     pub columns: Channels,
     /// Sign convention of the quadrature current, if it is known.
     pub park: Option<Park>,
@@ -19,29 +19,29 @@ pub struct Recipe {
     pub structure: Structure,
     /// How the core estimates its parameters.
     pub estimation: Estimation,
-    /// What is watched of the shaft, if anything.
+    /// The watched signals of the shaft, if any.
     pub shaft: Option<ShaftPlan>,
     /// Feature names or groups; none means every parameter.
     pub features: Vec<String>,
     /// Projection of the features.
     pub projection: ProjectionKind,
-    /// Shared or own covariances, where they are not shrunk.
+    /// Shared or separate covariances, if they are not shrunk.
     pub discriminant: Kind,
-    /// Covariances between the two.
+    /// Shrinkage: covariances between separate and shared ones.
     pub shrink: Shrink,
-    /// How training splits its rows to judge by cross-validation.
+    /// Split of the rows for cross-validation.
     pub validation: Validation,
-    /// Prior of each class; equal where empty.
+    /// Prior of each class; equal priors if empty.
     pub priors: Vec<f64>,
-    /// `cost[i][k]`: what deciding i costs when k is true; 0/1 where empty.
+    /// `cost[i][k]`: cost of deciding i if k is true; 0/1 if empty.
     pub cost: Vec<Vec<f64>>,
     /// Novelty gate, reject option and alarm.
     pub alarms: Alarms,
 }
 
 impl Recipe {
-    /// Least squares on whole traces, every parameter as feature, no projection, linear discriminant, equal priors, 0/1
-    /// costs, no healthy class.
+    /// Returns a recipe with least squares on whole traces, every parameter as a feature, no projection, a linear
+    /// discriminant, equal priors, 0/1 costs, and no healthy class.
     #[must_use]
     pub fn new(structure: Structure) -> Self {
         Self {
@@ -61,7 +61,7 @@ impl Recipe {
         }
     }
 
-    /// What features there are to choose from.
+    /// Returns the catalogue of available features.
     #[must_use]
     pub fn catalogue(&self) -> Catalogue {
         Catalogue { structure: self.structure, orders: self.shaft.as_ref().map(ShaftPlan::names) }

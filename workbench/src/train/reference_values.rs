@@ -10,9 +10,9 @@
 //! C = ((1 - l) * nu[k] * S[k] + l * 21 * P) / ((1 - l) * nu[k] + l * 21); C = (1 - g) * C + g * np.diag(np.diag(C))
 //! ```
 //!
-//! scikit-learn's discriminants divide scatters by N and N_k, ours and numpy's by N − C and N_k − 1: its Fisher
-//! coordinates are √(24/21) times ours, its posteriors a little bolder (the above with S * nu / (nu + 1) and P * 21 / 24
-//! are its `predict_log_proba`).
+//! scikit-learn's discriminants divide scatters by N and N_k, this crate and numpy by N − C and N_k − 1. Therefore
+//! scikit-learn's Fisher coordinates are √(24/21) times those of this crate, and its posteriors are slightly more
+//! extreme (the lines above with S * nu / (nu + 1) and P * 21 / 24 compute its `predict_log_proba`).
 
 use bearing_watch::plan::Kind;
 use nalgebra::{DMatrix, DVector};
@@ -74,7 +74,8 @@ fn principal(standardised: bool, ratios: [f64; 3], components: [f64; 9]) {
     let scale = if standardised { deviations } else { DVector::from_element(3, 1.0) };
     let vectors = (&fitted.projection.matrix * DMatrix::from_diagonal(&scale)).abs();
     assert!((vectors - DMatrix::from_row_slice(3, 3, &components)).amax() < CLOSE);
-    // As many as reach a part, on either side of what one and two hold.
+    // The number of components for parts of the variance just below and just above the first ratio, and just above the
+    // sum of the first two.
     for (part, count) in [(ratios[0] - 1e-6, 1), (ratios[0] + 1e-6, 2), (1.0 - ratios[2] + 1e-6, 3)] {
         let some = recipe(ProjectionKind::Pca { keep: Keep::Variance(part), standardised });
         assert_eq!(fit(&candidates(), &some).expect("regular").projection.matrix.nrows(), count, "{part}");
@@ -126,7 +127,7 @@ fn log_posteriors(recipe: &Recipe, expected: [[f64; 3]; 2]) {
     for (q, expected) in Q.iter().zip(expected) {
         let z = fitted.projection.apply(&DVector::from_column_slice(q));
         let found = DVector::from_vec(fitted.densities.log_posteriors(&z));
-        // Sums of a few tens lose two digits more.
+        // Sums of a few tens lose two more digits.
         assert!((&found - DVector::from_column_slice(&expected)).amax() < 10.0 * CLOSE, "{found}");
     }
 }
@@ -139,7 +140,7 @@ fn posteriors_of_linear_quadratic_and_shrunk_discriminants() {
         [[-0.6217277664, -1.4638646155, -1.4625548662], [-0.0029950443, -30.5049804097, -5.8122934008]];
     const SHRUNK: [[f64; 3]; 2] =
         [[-0.4738464431, -2.0511891732, -1.3910446526], [-0.0180705947, -5.3830302256, -4.3189075996]];
-    // Invertible maps, and Fisher's for one covariance, change no posterior.
+    // Invertible maps, and Fisher's directions with one covariance, do not change the posteriors.
     let all = ProjectionKind::Pca { keep: Keep::Variance(1.0), standardised: true };
     for projection in [ProjectionKind::None, all, ProjectionKind::Fisher { components: None }] {
         log_posteriors(&recipe(projection), LINEAR);

@@ -9,12 +9,13 @@
 //!               reliability             resolution              uncertainty (4)  Murphy 1973
 //! ```
 //!
-//! (5) chooses between ways of training: it is (1) of one who takes a row in a hundred for an outlier and then knows the
-//! prior only. Gaussian densities are far too sure of a row far out, and one such row would outweigh all others in (1).
+//! (5) is the criterion of the choice between recipes: it is (1) of a model that regards one row in a hundred as an
+//! outlier, for which only the prior is known. The posteriors of Gaussian densities are far too extreme for a row far
+//! from all means, and one row of this kind would outweigh all others in (1).
 //!
-//! p̄ is the mean posterior of a bin, ō the share in it that is of class k, w its share of the rows; (4) leaves out what
-//! posteriors vary within a bin. The expected calibration error is the mean of |(3)| over rows and classes. A score
-//! means something beside that of the priors, which know nothing of the row.
+//! p̄ is the mean posterior of a bin, ō the share of class k in it, w the bin's share of the rows; (4) neglects the
+//! variation of the posteriors within a bin. The expected calibration error is the mean of |(3)| over rows and classes.
+//! A score must be compared with that of the priors, which do not depend on the row.
 
 use serde_json::{Value, json};
 
@@ -26,27 +27,27 @@ const BINS: usize = 10;
 /// 97.5 % quantile of the normal distribution.
 const Q: f64 = 1.959_963_984_540_054;
 
-/// What was said of one row whose class is known.
+/// The prediction for one row whose class is known.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prediction {
     /// Its class.
     pub truth: usize,
-    /// The class decided, where one was.
+    /// The decided class, if there is a decision.
     pub decided: Option<usize>,
     /// ln P(k) of every class.
     pub log_posteriors: Vec<f64>,
-    /// What it counts.
+    /// The weight of the row.
     pub weight: f64,
 }
 
 /// Mean of a score, with its standard error and that of the priors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Score {
-    /// Of the posteriors.
+    /// Score of the posteriors.
     pub value: f64,
     /// Standard error of the mean.
     pub standard_error: f64,
-    /// Of the priors on the same rows.
+    /// Score of the priors on the same rows.
     pub of_prior: f64,
 }
 
@@ -59,9 +60,9 @@ pub struct Bin {
     pub posterior: f64,
     /// Share of the class ō, with its binomial 95 % interval.
     pub observed: Rate,
-    /// Rows.
+    /// Number of rows.
     pub count: usize,
-    /// Their share of all weights.
+    /// Share of these rows in the sum of all weights.
     pub share: f64,
 }
 
@@ -70,18 +71,18 @@ pub struct Bin {
 pub struct Decomposition {
     /// Error of calibration; 0 is perfect.
     pub reliability: f64,
-    /// Spread of the outcomes over the bins; the more the better.
+    /// Spread of the outcomes over the bins; larger is better.
     pub resolution: f64,
-    /// What the shares of the classes alone leave open.
+    /// Uncertainty that remains if only the shares of the classes are known.
     pub uncertainty: f64,
 }
 
 /// Scores of a set of predictions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scores {
-    /// Rows.
+    /// Number of rows.
     pub count: usize,
-    /// Share decided wrongly or not at all.
+    /// Share of rows with a wrong decision or none.
     pub error: f64,
     /// (1).
     pub log: Score,
@@ -93,12 +94,12 @@ pub struct Scores {
     pub decomposition: Decomposition,
     /// Mean of |(3)|.
     pub calibration_error: f64,
-    /// Bins with rows, of each class.
+    /// The bins that contain rows, for each class.
     pub bins: Vec<Vec<Bin>>,
 }
 
 impl Scores {
-    /// Of predictions under these priors.
+    /// Computes the scores of predictions with these priors.
     #[must_use]
     pub fn new(predictions: &[Prediction], priors: &[f64]) -> Self {
         let total: f64 = predictions.iter().map(|p| p.weight).sum();
@@ -125,8 +126,8 @@ impl Scores {
         }
     }
 
-    /// Of what the embedded detector said; an undetermined decision leaves the prior. Its single-precision posteriors
-    /// count as at least the smallest normal number, e^−87.
+    /// Computes the scores of the embedded detector's verdicts; for an undetermined verdict the posteriors are the
+    /// priors. The single-precision posteriors are limited from below to the smallest normal number, e^−87.
     #[must_use]
     pub fn of_verdicts(verdicts: &[TraceVerdict], priors: &[f64], per_segment: bool) -> Self {
         let prediction = |truth: usize, decided: Option<usize>, posteriors: &[f32]| {
@@ -160,7 +161,7 @@ impl Scores {
         value["expected_calibration_error"] = self.calibration_error.into();
     }
 
-    /// The error rate and [`Scores::add_to`].
+    /// Returns the error rate and the keys of [`Scores::add_to`].
     #[must_use]
     pub fn to_json(&self) -> Value {
         let mut value =
@@ -169,7 +170,7 @@ impl Scores {
         value
     }
 
-    /// Scores in words.
+    /// Describes the scores in words.
     #[must_use]
     pub fn summary(&self) -> String {
         let Self { log, brier, calibration_error, .. } = self;
@@ -226,7 +227,7 @@ fn bins(predictions: &[Prediction], class: usize, total: f64) -> Vec<Bin> {
         let sum = |of: &dyn Fn(f64, &Prediction) -> f64| rows.iter().map(|(p, row)| of(*p, row)).sum::<f64>();
         let weight = sum(&|_, row| row.weight);
         let share = sum(&|_, row| if row.truth == class { row.weight } else { 0.0 }) / weight;
-        // Of unequal weights, as many equal ones as have the same variance.
+        // The number of equal weights whose mean has the same variance.
         let equal = weight * weight / sum(&|_, row| row.weight * row.weight);
         Bin {
             middle: (place as f64 + 0.5) / BINS as f64,
@@ -271,7 +272,7 @@ mod tests {
         let guarded = Scores::new(&[two(1, 1.0, 1.0)], &[0.5, 0.5]);
         assert!(guarded.log.value.is_infinite() && (guarded.guarded.value - 200_f64.ln()).abs() < 1e-12);
         assert!((scores.log.of_prior - 2_f64.ln()).abs() < 1e-12 && (scores.error - 0.25).abs() < 1e-12);
-        // Bins of one value each: 2 of 3 at 0.8, 0 of 1 at 0.25; the same for the other class.
+        // Bins with one value each: 2 of 3 at 0.8, 0 of 1 at 0.25; the same for the other class.
         let expected = 0.75 * (2.0 / 3.0 - 0.8_f64).abs() + 0.25 * 0.25;
         assert!((scores.calibration_error - expected).abs() < 1e-12);
         let Decomposition { reliability, resolution, uncertainty } = scores.decomposition;
@@ -310,7 +311,7 @@ mod tests {
         assert!(
             bold.calibration_error > 0.1 && bold.log.value > honest.log.value && bold.brier.value > honest.brier.value
         );
-        // 95 % intervals: of 20 bins all but a few hold what was said.
+        // 95 % intervals: of 20 bins, all but a few contain the stated posterior.
         let holds = |bin: &&Bin| bin.observed.low <= bin.posterior && bin.posterior <= bin.observed.high;
         let held = honest.bins.iter().flatten().filter(holds).count();
         assert!((16..=20).contains(&held), "{held}");

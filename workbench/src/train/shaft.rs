@@ -4,11 +4,12 @@
 //! scales     powers of two that scale ω̇, ω, T, i to rms ≈ 1
 //! nominal    mean p over the traces of the nominal class, estimated by the core                              (1)
 //! delay      the delay whose torque balance has the least residual on those traces                          (2)
-//! slowest    7 % of the reference's rms, and r₀ likewise; ω₀ is that rms                                      (3)
-//! block      a fiftieth of a segment: 50 noise estimates, 2 % as much noise as in the whole                  (4)
+//! slowest    7 % of the reference's rms; r₀ is the same, ω₀ is that rms                                          (3)
+//! block      a fiftieth of a segment: 50 estimates of the noise; a block has 2 % of the segment's noise power    (4)
 //! ```
 //!
-//! (2) works because a lag τ of the current leaves τ times the rate of the load, which no other term of the balance explains.
+//! (2) identifies the delay: a lag τ of the current adds the term τ · dT/dt, which no other term of the balance
+//! explains.
 
 use bearing_watch::model::{
     Balance, Channel, MAX_CURRENT_DELAY, Sampling, ShaftConstants, StateVariable, TrackedOrder, Tracking,
@@ -27,29 +28,30 @@ use crate::trace::{MotionTrace, Trace};
 /// Limits of the channels, in multiples of the largest magnitude in training.
 const LIMIT: f64 = 10.0;
 
-/// What is watched of the shaft.
+/// Plan of the shaft: tracked orders, delay and filter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShaftPlan {
-    /// Names and values of the orders, events a turn; none for friction alone.
+    /// Names and values of the orders, events per turn; none for friction alone.
     pub orders: Vec<(String, f64)>,
-    /// Weights of their harmonics; those at the end may be zero.
+    /// Weights of the orders' harmonics; the last ones may be zero.
     pub weights: [f64; 3],
-    /// Samples by which the current lags; found from the traces where not given.
+    /// Delay of the current, samples; estimated from the traces if not given.
     pub current_delay: Option<f64>,
-    /// Cut-off of the torque balance's filter.
+    /// Cut-off of the torque balance's filter, Hz.
     pub cutoff_hz: f64,
     /// Whether the load torque is measured.
     pub load: bool,
 }
 
 impl ShaftPlan {
-    /// These orders, with the weights that suit a noise growing with frequency, a cut-off of 8 Hz, and a measured load.
+    /// Returns a plan with these orders, weights for a noise that grows with frequency, a cut-off of 8 Hz, and a
+    /// measured load.
     #[must_use]
     pub fn new(orders: Vec<(String, f64)>) -> Self {
         Self { orders, weights: [1.0, 0.4, 0.2], current_delay: None, cutoff_hz: 8.0, load: true }
     }
 
-    /// Names of the orders.
+    /// Returns the names of the orders.
     #[must_use]
     pub fn names(&self) -> Vec<String> {
         self.orders.iter().map(|(name, _)| name.clone()).collect()
@@ -90,11 +92,11 @@ impl ShaftPlan {
 /// Traces with their motion.
 type Watched<'a> = (&'a LabelledTrace, &'a MotionTrace);
 
-/// The shaft of the core with its trained constants.
+/// Returns the core's shaft with its trained constants.
 ///
 /// # Errors
-/// A plan out of range; traces without the channels of the shaft or of unknown interval; a shaft that stands still, or
-/// whose balance is not excited in the nominal class.
+/// A plan out of range; traces without the channels of the shaft or with an unknown interval; a shaft that does not
+/// move, or whose balance is not excited in the nominal class.
 pub(super) fn model(
     traces: &[LabelledTrace],
     (nominal, segment, interval_s): (usize, usize, f64),
@@ -145,7 +147,7 @@ struct Bench {
 }
 
 impl Bench {
-    /// The signals of the shaft have channels of their own here.
+    /// Creates a bench in which every signal of the shaft has its own channel.
     fn new(own: &[Watched<'_>], layout: ShaftLayout, wiring: &Wiring) -> Result<Self, Error> {
         let alone = Wiring { channels: vec![], ..wiring.clone() }.of_shaft(wiring);
         let channels = alone.core_channels(own.iter().map(|(t, _)| &t.trace), LIMIT)?;
@@ -163,7 +165,7 @@ impl Bench {
         report.shaft().cloned().ok_or_else(|| Error::trace(&trace.id, "the shaft was not watched"))
     }
 
-    /// (2), to a tenth of a sample.
+    /// Returns the delay (2), to a tenth of a sample.
     fn best_delay(&self, constants: &ShaftConstants<RunTime>, healthy: &[Watched<'_>]) -> Result<f32, Error> {
         let residual = |delay: f32| -> Result<f64, Error> {
             let delayed = ShaftConstants { current_delay: delay, ..constants.clone() };
@@ -180,7 +182,7 @@ impl Bench {
     }
 }
 
-/// Scales and rates; nominal parameters and delay are zero.
+/// Returns constants with scales and rates; nominal parameters and delay are zero.
 fn untrained(
     traces: &[&MotionTrace],
     segment: usize,
@@ -201,7 +203,7 @@ fn untrained(
     let power_of_two = |rms: f64| if rms > 0.0 { (-rms.log2().round()).exp2() as f32 } else { 1.0 };
     let slowest_rad_s = 0.07 * reference; // (3)
     let weights = plan.weights.map(|w| w as f32);
-    // A block of every order ends within a block of the first.
+    // The blocks of order k end k samples after those of order 0, so a block is longer than the number of orders.
     let least = plan.orders.len() + 2;
     Ok(ShaftConstants {
         current_delay: 0.0,

@@ -6,9 +6,9 @@
 //! Σ_k(λ, γ) = (1 − γ) S_k(λ) + γ diag S_k(λ)                                                 (2)
 //! ```
 //!
-//! S_k is the own, S the pooled covariance: λ = 0 is quadratic, λ = 1 linear, γ = 1 takes the coordinates as
-//! independent. Friedman's (2) goes towards tr(S_k(λ))/d · I, which depends on the units of the features; their
-//! diagonal does not.
+//! S_k is the class's own covariance, S the pooled one: λ = 0 is quadratic, λ = 1 is linear, and γ = 1 treats the
+//! coordinates as independent. Friedman shrinks (2) towards tr(S_k(λ))/d · I, which depends on the units of the
+//! features; the diagonal of S_k(λ) does not.
 
 use nalgebra::DMatrix;
 
@@ -23,25 +23,25 @@ pub struct Shrinkage {
     pub gamma: f64,
 }
 
-/// Whether covariances are shrunk.
+/// Shrinkage of the covariances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shrink {
-    /// Linear or quadratic, as the recipe says.
+    /// None: linear or quadratic, as set in the recipe.
     Not,
-    /// By these numbers.
+    /// Shrinkage by these numbers.
     To(Shrinkage),
-    /// By the numbers of the best cross-validated guarded log score.
+    /// Shrinkage by the numbers with the best cross-validated guarded log score.
     Chosen,
 }
 
 impl Shrinkage {
-    /// Whether all classes have one covariance.
+    /// Returns whether all classes have one covariance.
     #[must_use]
     pub fn is_shared(self) -> bool {
         self.lambda >= 1.0
     }
 
-    /// Σ_k(λ, γ) of every class, or of all where it is shared.
+    /// Returns Σ_k(λ, γ) of every class, or one matrix if it is shared.
     #[must_use]
     pub fn covariances(self, statistics: &ClassStatistics) -> Vec<DMatrix<f64>> {
         let towards_diagonal = |mut covariance: DMatrix<f64>| {

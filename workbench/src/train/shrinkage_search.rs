@@ -1,4 +1,4 @@
-//! The shrinkage of least cross-validated score on a grid of λ and γ.
+//! Search for the shrinkage with the least cross-validated score on a grid of λ and γ.
 
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -14,20 +14,20 @@ use crate::Error;
 pub struct GridPoint {
     /// λ and γ.
     pub shrinkage: Shrinkage,
-    /// Guarded log score, nats; infinite where a covariance is singular in some fold.
+    /// Guarded log score, nats; infinite if a covariance is singular in some fold.
     pub score: f64,
     /// Error rate.
     pub error: f64,
 }
 
-/// What cross-validation chose.
+/// The choice by cross-validation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
-    /// The best point's.
+    /// The shrinkage of the best point.
     pub shrinkage: Shrinkage,
-    /// Every point.
+    /// All points of the grid.
     pub grid: Vec<GridPoint>,
-    /// Folds.
+    /// Number of folds.
     pub folds: usize,
 }
 
@@ -35,7 +35,7 @@ const LAMBDAS: [f64; 8] = [1.0, 0.75, 0.5, 0.25, 0.1, 0.05, 0.01, 0.0];
 const GAMMAS: [f64; 8] = [1.0, 0.5, 0.25, 0.1, 0.05, 0.01, 0.001, 0.0];
 
 impl Choice {
-    /// Keys `lambda`, `gamma`, `folds` and `grid`; a score is null where a covariance is singular.
+    /// Returns JSON with the keys `lambda`, `gamma`, `folds` and `grid`; a score is null if a covariance is singular.
     #[must_use]
     pub fn to_json(&self) -> Value {
         let point = |p: &GridPoint| {
@@ -48,8 +48,8 @@ impl Choice {
     }
 }
 
-/// Returns the point of the grid of least cross-validated guarded log score, of equal points the most shrunk. The
-/// projection is trained anew in every fold.
+/// Returns the point of the grid with the least cross-validated guarded log score; if several are equal, the one with
+/// the most shrinkage. The projection is trained anew in every fold.
 pub(crate) fn search(candidates: &Candidates, recipe: &Recipe) -> Result<Choice, Error> {
     let folds = Folds::new(candidates, &recipe.validation)?;
     let priors = discriminant::priors(&recipe.priors, candidates.table.names.len())?;
@@ -71,7 +71,7 @@ pub(crate) fn search(candidates: &Candidates, recipe: &Recipe) -> Result<Choice,
         GridPoint { shrinkage, score: scores.guarded.value, error: scores.error }
     };
     let grid: Vec<GridPoint> = points.par_iter().map(score).collect();
-    // The first of equals; the grid begins with the most shrunk.
+    // Of equal points the first: the grid begins with the most shrinkage.
     let best = grid.iter().min_by(|a, b| a.score.total_cmp(&b.score)).filter(|best| best.score.is_finite());
     let Some(best) = best else {
         let problem = "every shrunk covariance is singular: a feature is the same in every trace; leave it out";
@@ -80,7 +80,7 @@ pub(crate) fn search(candidates: &Candidates, recipe: &Recipe) -> Result<Choice,
     Ok(Choice { shrinkage: best.shrinkage, folds: folds.count, grid })
 }
 
-/// One fold in coordinates: all of it but the covariances.
+/// One fold in projected coordinates: everything except the covariances.
 struct Part {
     seen: ClassStatistics,
     names: Vec<String>,

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::FeatureTable;
 use crate::Error;
 
-/// Mean of rows of equal length.
+/// Returns the mean of rows of equal length.
 pub(crate) fn mean(rows: &[DVector<f64>]) -> DVector<f64> {
     let mut sum = DVector::zeros(rows.first().map_or(0, DVector::len));
     for row in rows {
@@ -14,7 +14,7 @@ pub(crate) fn mean(rows: &[DVector<f64>]) -> DVector<f64> {
     sum / rows.len().max(1) as f64
 }
 
-/// Scatter Σ (x − m)(x − m)ᵀ.
+/// Returns the scatter Σ (x − m)(x − m)ᵀ.
 fn scatter<'a>(rows: impl Iterator<Item = &'a DVector<f64>>, mean: &DVector<f64>) -> DMatrix<f64> {
     let mut sum = DMatrix::zeros(mean.len(), mean.len());
     for row in rows {
@@ -35,14 +35,14 @@ pub struct ClassStatistics {
     pub means: Vec<DVector<f64>>,
     /// Covariance of each class, divisor N_k − 1.
     pub covariances: Vec<DMatrix<f64>>,
-    /// Rows of each class.
+    /// Number of rows of each class.
     pub counts: Vec<usize>,
     /// Pooled within-class covariance, divisor N − C.
     pub pooled: DMatrix<f64>,
 }
 
 impl ClassStatistics {
-    /// Of a table whose every class has rows.
+    /// Computes the moments of a table in which every class has rows.
     #[must_use]
     pub fn new(table: &FeatureTable) -> Self {
         let total_mean = mean(&table.rows);
@@ -68,12 +68,12 @@ impl ClassStatistics {
     }
 }
 
-/// Inverse of the Cholesky factor, U with UᵀU = Σ⁻¹, and ln |Σ|; the error is the first feature that is constant or a
-/// combination of those before it.
+/// Returns the inverse of the Cholesky factor, U with UᵀU = Σ⁻¹, and ln |Σ|; the error is the index of the first
+/// feature that is constant or a linear combination of those before it.
 ///
-/// Done on the correlation matrix, so that units do not matter to the rank test.
+/// Computed from the correlation matrix, so that the rank test does not depend on units.
 pub(crate) fn whitening(covariance: &DMatrix<f64>) -> Result<(DMatrix<f64>, f64), usize> {
-    /// Smallest pivot of a correlation matrix that is not rounding: below it a feature is a combination of others.
+    /// Smallest pivot of a correlation matrix above rounding errors: below it a feature is a combination of others.
     const SINGULAR: f64 = 1e-10;
     let n = covariance.nrows();
     let deviation = covariance.diagonal().map(f64::sqrt);
@@ -94,7 +94,8 @@ pub(crate) fn whitening(covariance: &DMatrix<f64>) -> Result<(DMatrix<f64>, f64)
     Ok((inverse, log_determinant))
 }
 
-/// The error for a covariance without inverse: `traces` in `classes` means, and the first dependent feature.
+/// Returns the error for a singular covariance of `traces` rows around `classes` means; `dependent` is the first
+/// dependent feature.
 pub(crate) fn singular(what: &str, traces: usize, classes: usize, names: &[String], dependent: usize) -> Error {
     let (features, needed) = (names.len(), names.len() + classes);
     let reason = if traces < needed {

@@ -5,10 +5,10 @@ use nalgebra::{DMatrix, DVector};
 use crate::core::features;
 use crate::identify::Estimate;
 
-/// Raw features of training traces with their classes.
+/// Raw features of the training traces, with their classes.
 #[derive(Clone, Debug)]
 pub struct FeatureTable {
-    /// A row a trace: every raw feature ([`features::all_names`]).
+    /// One row per trace: every raw feature ([`features::all_names`]).
     pub rows: Vec<DVector<f64>>,
     /// Class of each row.
     pub classes: Vec<usize>,
@@ -17,20 +17,20 @@ pub struct FeatureTable {
 }
 
 impl FeatureTable {
-    /// From estimates in the order of the traces.
+    /// Creates the table from estimates in the order of the traces.
     #[must_use]
     pub fn new(estimates: &[Estimate], classes: Vec<usize>, names: Vec<String>) -> Self {
         Self { rows: estimates.iter().map(features::vector).collect(), classes, names }
     }
 
-    /// Only the given features.
+    /// Returns the given features only.
     #[must_use]
     pub fn select(&self, places: &[usize]) -> Self {
         let pick = |row: &DVector<f64>| DVector::from_iterator(places.len(), places.iter().map(|&k| row[k]));
         Self { rows: self.rows.iter().map(pick).collect(), classes: self.classes.clone(), names: self.names.clone() }
     }
 
-    /// Every row mapped.
+    /// Returns the table with every row mapped.
     #[must_use]
     pub fn map(&self, map: &AffineMap) -> Self {
         Self { rows: self.rows.iter().map(|row| map.apply(row)).collect(), ..self.clone() }
@@ -40,7 +40,7 @@ impl FeatureTable {
 /// z = W (f − m).
 #[derive(Clone, Debug)]
 pub struct AffineMap {
-    /// W, a row a coordinate.
+    /// W, one row per coordinate.
     pub matrix: DMatrix<f64>,
     /// m.
     pub mean: DVector<f64>,

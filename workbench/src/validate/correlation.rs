@@ -1,4 +1,4 @@
-//! Residuals and inputs enter; correlations with the bounds of a true model, and tests with their counts leave.
+//! Correlations of residuals with inputs, their bounds for a true model, and tests that count the values outside.
 //!
 //! ```text
 //! r_εu(τ) = Σ ε(t) u(t−τ) / √(Σε² Σu²)          τ > 0: past inputs                            (1)
@@ -6,14 +6,14 @@
 //! outside:  |r| > 2.576 sd                        1 % of the lags of a true model             (3)
 //! ```
 //!
-//! Without estimated parameters w = u and (2) is the textbook Σ R_v R_u; with them (room `linearised`) the bounds of
-//! the lags that the fit has used are narrower, down to zero for those of least squares' own regressors. Lags fixed so
-//! are not tested. The colour of v is the autoregression of room `noise`; the whiteness test takes v white, as its
-//! hypothesis says. u is centred where a constant is estimated.
+//! Without estimated parameters w = u and (2) is the textbook formula Σ R_v R_u. With estimated parameters (module
+//! `linearised`) the bounds of the lags used by the fit are narrower; for the regressors of least squares they are
+//! zero. Lags fixed in this way are not tested. The colour of v is the autoregressive model of module `noise`; the
+//! whiteness test assumes white v, which is its hypothesis. u is centred if a constant is estimated.
 //!
-//! Neighbouring lags of a coloured input are correlated, so the number of lags outside is not binomial. The number
-//! allowed, and the largest |r|/sd, are quantiles of 4000 seeded draws of all tested lags from their joint normal
-//! distribution; each is exceeded by a true model in 0.5 % of records.
+//! Neighbouring lags of a coloured input are correlated, so the number of lags outside is not binomial. The allowed
+//! number, and the limit of the largest |r|/sd, are quantiles of 4000 seeded draws of all tested lags from their joint
+//! normal distribution; a true model exceeds each of them in 0.5 % of records.
 
 use std::ops::RangeInclusive;
 
@@ -27,11 +27,12 @@ use super::noise::Noise;
 
 /// Two-sided 99 % quantile of the standard normal distribution.
 pub const NORMAL_99: f64 = 2.575_829_303_548_901;
-/// Share of Σu² below which a lag is fixed by the fit: rounding leaves 1e-20, a free lag of a nearly dependent input 1e-4.
+/// Fraction of Σu² below which a lag is fixed by the fit: rounding leaves 1e-20, a free lag of a nearly dependent input
+/// 1e-4.
 const FIXED: f64 = 1e-9;
 const DRAWS: usize = 4000;
 
-/// Correlation at some lags.
+/// Correlation at several lags.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Correlation {
     /// τ of (1), samples.
@@ -40,34 +41,34 @@ pub struct Correlation {
     pub value: Vec<f64>,
     /// 99 % bound of |r|; zero where the fit fixes r.
     pub bound: Vec<f64>,
-    /// Σ ε u_τ = Gᵀ × white noise of variance 1: a column a lag.
+    /// Σ ε u_τ = Gᵀ × white noise of variance 1, one column of G per lag.
     sources: DMatrix<f64>,
 }
 
-/// How the tested lags of one or more correlations fare.
+/// Test result for the tested lags of one or more correlations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Test {
-    /// Lags that could lie outside.
+    /// Number of lags that are not fixed by the fit.
     pub tested: usize,
-    /// Lags outside their 99 % bound.
+    /// Number of lags outside their 99 % bound.
     pub outside: usize,
-    /// Largest number outside that still passes.
+    /// Largest number outside that passes.
     pub allowed: usize,
     /// Largest |r| in standard deviations.
     pub largest: f64,
-    /// Largest |r| in standard deviations that still passes.
+    /// Largest |r| in standard deviations that passes.
     pub limit: f64,
 }
 
 impl Test {
-    /// Whether a true model would look like this; one does not in about 1 % of records.
+    /// Whether the result is consistent with a true model; a true model fails in about 1 % of records.
     #[must_use]
     pub fn passed(&self) -> bool {
         self.outside <= self.allowed && self.largest <= self.limit
     }
 }
 
-/// Cross-correlation with an input over −lags … lags.
+/// Cross-correlation with an input for lags −`lags` … `lags`.
 #[must_use]
 pub fn cross(linear: &Linearised, input: &[f64], centred: bool, lags: usize) -> Correlation {
     let (first, rows) = (linear.first, linear.residuals.len());
@@ -81,7 +82,7 @@ pub fn cross(linear: &Linearised, input: &[f64], centred: bool, lags: usize) -> 
     correlate(linear, (-span..=span).collect(), &delayed(0), delayed, &noise)
 }
 
-/// Autocorrelation over 1 … lags, with the bounds of white noise.
+/// Autocorrelation for lags 1 … `lags`, with the bounds of white noise.
 #[must_use]
 pub fn auto(linear: &Linearised, lags: usize) -> Correlation {
     let residuals = &linear.residuals;
@@ -93,7 +94,7 @@ pub fn auto(linear: &Linearised, lags: usize) -> Correlation {
     correlate(linear, (1..=lags as i64).collect(), residuals, delayed, &noise)
 }
 
-/// (N, λ²) with the degrees of freedom that the parameters took.
+/// The noise model, and the factor that corrects λ for the degrees of freedom used by the parameters.
 fn corrected(noise: Noise, linear: &Linearised) -> (Noise, f64) {
     let rows = linear.residuals.len() as f64;
     (noise, (rows / (rows - linear.parameters() as f64)).sqrt())
@@ -140,7 +141,7 @@ pub fn test(wanted: &[(&Correlation, RangeInclusive<i64>)]) -> Test {
     Test { tested: columns.len(), outside, allowed, largest, limit }
 }
 
-/// 99.5 % quantiles of the number outside and of the largest ratio, of lags whose sources are these unit columns.
+/// 99.5 % quantiles of the number outside and of the largest ratio, for lags with these unit columns as sources.
 fn null(sources: &DMatrix<f64>) -> (usize, f64) {
     let size = sources.ncols();
     let eigen = sources.tr_mul(sources).symmetric_eigen();
@@ -166,7 +167,7 @@ mod tests {
     #[test]
     fn independent_lags_are_binomial() {
         // 50 independent lags at 1 %: P(more than 3) = 0.16 %, P(more than 2) = 1.4 %, so 3 are allowed at 0.5 %;
-        // the largest of 50 at 99.5 %: Φ⁻¹ of 1 − 0.005/100 = 3.89, known to ± 0.15 from 20 draws beyond it.
+        // the largest of 50 at 99.5 %: Φ⁻¹ of 1 − 0.005/100 = 3.89, known within ± 0.15 from the 20 draws above it.
         let (allowed, limit) = null(&DMatrix::identity(50, 50));
         assert_eq!(allowed, 3);
         assert!((limit - 3.89).abs() < 0.15, "{limit}");

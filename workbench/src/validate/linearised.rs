@@ -1,22 +1,21 @@
-//! Residuals enter with how they depend on the parameters, the linear map from noise to residuals leaves.
+//! The linear map from noise to residuals, given how the residuals depend on the parameters.
 //!
-//! Near the true θ₀, with v the noise that the residuals would be at θ₀,
+//! Near the true θ₀, with v the noise, which equals the residuals at θ₀,
 //!
 //! ```text
 //! ε = v − S (θ − θ₀)          S: sensitivity, rows × parameters                              (1)
 //! θ − θ₀ = Kᵀ v               K: gain of the estimator, KᵀS = I                              (2)
-//! uᵀ ε = wᵀ v,    w = u − K Sᵀ u      for any signal u, such as a delayed input              (3)
+//! uᵀ ε = wᵀ v,    w = u − K Sᵀ u      for any signal u, for example a delayed input            (3)
 //! ```
 //!
 //! | residuals | S | K |
 //! |---|---|---|
 //! | equation errors of least squares | regressors X | X (XᵀX)⁻¹ |
-//! | equation errors of iv4 | X | L*Z (X_LᵀZ)⁻¹, instruments Z and regressors X_L filtered by L, L* = L backwards in time |
-//! | prediction errors of armax | 1/D-filtered X and delayed ε, for the terms of D are estimated too | S (SᵀS)⁻¹ |
-//! | simulation errors (oe; sriv and sm asymptotically) | 1/A-filtered regressors Ψ of the simulated output | Ψ (ΨᵀΨ)⁻¹ |
+//! | equation errors of iv4 | X | L*Z (X_LᵀZ)⁻¹, instruments Z, regressors X_L filtered by L, L* = L in reversed time |
+//! | prediction errors of armax | 1/D-filtered X and delayed ε, because the terms of D are estimated too | S (SᵀS)⁻¹ |
+//! | simulation errors (oe; sriv, sm asymptotically) | 1/A-filtered regressors Ψ of the simulated output | Ψ (ΨᵀΨ)⁻¹ |
 //!
-//! (3) is why the parameters that were estimated narrow the bounds of some lags: for least squares w vanishes where u
-//! is itself a regressor.
+//! By (3), estimated parameters narrow the bounds of some lags: for least squares w is zero if u is itself a regressor.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -26,7 +25,7 @@ use crate::identify::filters::all_pole;
 use crate::identify::{Estimate, Noise as NoiseModel, Structure, Terms, reflect_unstable, simulate};
 use crate::trace::Trace;
 
-/// Which errors are judged, and by which estimator the parameters came; see the table of this room.
+/// The type of residuals, and the estimator of the parameters; see the table of this module.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Errors {
     /// A y − B u1 − C u2 − constant, parameters by least squares: one-step prediction errors.
@@ -39,12 +38,12 @@ pub enum Errors {
     Prediction,
 }
 
-/// Residuals with (1) and (2).
+/// Residuals with S and K of (1) and (2).
 #[derive(Clone, Debug)]
 pub struct Linearised {
     /// First row t₀ in the trace.
     pub first: usize,
-    /// ε from t₀ on.
+    /// ε from t₀.
     pub residuals: DVector<f64>,
     sensitivity: DMatrix<f64>,
     gain: DMatrix<f64>,
@@ -105,7 +104,7 @@ impl Linearised {
         signal - &self.gain * self.sensitivity.tr_mul(signal)
     }
 
-    /// Parameters that were estimated.
+    /// Number of estimated parameters.
     #[must_use]
     pub fn parameters(&self) -> usize {
         self.gain.ncols()
@@ -132,7 +131,7 @@ fn instrumental(x: &DMatrix<f64>, z: DMatrix<f64>, noise: &Noise) -> Option<DMat
     Some(backwards * inverse.transpose())
 }
 
-/// Rows of −y(t−1)…, u1(t−nkb)…, u2(t−nkc)…, constant from t = 0 on, with zeros before the record.
+/// Rows of −y(t−1)…, u1(t−nkb)…, u2(t−nkc)…, constant from t = 0, with zeros before the record.
 fn regressors(structure: Structure, y: &[f64], u1: &[f64], u2: &[f64], constant: f64) -> DMatrix<f64> {
     let Structure { na, nb, nc, nkb, nkc, .. } = structure;
     let (na, nb, nc) = (na as usize, nb as usize, nc as usize);
@@ -150,7 +149,7 @@ fn regressors(structure: Structure, y: &[f64], u1: &[f64], u2: &[f64], constant:
     })
 }
 
-/// ε = (equation error)/D from t₀ on with nothing before, as armax has it, and −∂ε/∂(θ, d): the regressors and ε(t−1)…,
+/// ε = (equation error)/D from t₀, with zeros before t₀ as in armax, and −∂ε/∂(θ, d): the regressors and ε(t−1)…,
 /// filtered by 1/D.
 fn prediction_slopes(x: DMatrix<f64>, equation: DVector<f64>, noise: &NoiseModel) -> (DVector<f64>, DMatrix<f64>) {
     let white = [1.0];
@@ -170,7 +169,7 @@ fn prediction_slopes(x: DMatrix<f64>, equation: DVector<f64>, noise: &NoiseModel
     (residuals, slopes)
 }
 
-/// ∂ŷ/∂θ: the regressors of the simulated output, filtered by 1/A from where the simulation starts.
+/// ∂ŷ/∂θ: the regressors of the simulated output, filtered by 1/A from the start of the simulation.
 fn output_slopes(trace: &Trace, structure: Structure, theta: &[f64], simulated: &[f64]) -> DMatrix<f64> {
     let ([a, _, _], _) = structure.polynomials(theta);
     let a = reflect_unstable(&a);
@@ -225,7 +224,7 @@ mod tests {
             let other = simulate(&trace, structure, &moved);
             for t in 0..60 {
                 let difference = (other[t] - base[t]) / 1e-6;
-                // The quotient's own curvature and cancellation are of this size.
+                // The curvature and the cancellation of the difference quotient are of this size.
                 assert!((difference - slopes[(t, k)]).abs() < 1e-3, "parameter {k}, sample {t}");
             }
         }

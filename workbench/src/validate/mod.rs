@@ -1,4 +1,4 @@
-//! An estimate and a trace enter; what speaks for and against the model leaves.
+//! Validation of an estimate on a trace.
 //!
 //! ```text
 //! Trace, Estimate ─► linearised ─► correlation ─► whiteness, independence, feedback: counts and verdicts
@@ -7,14 +7,14 @@
 //!        Estimate ─► response ─► step and frequency response with bounds
 //! ```
 //!
-//! The **independence** test is the one that a model must pass: residuals that still correlate with past inputs hold
-//! dynamics that the model lacks. **Whiteness** must hold for least squares, which is biased otherwise; instrumental
-//! variables and output error allow coloured residuals. Correlation with *future* inputs (negative lags; also lag 0, if the
-//! input acts at least one sample later) tells of feedback from the output to the input and not of a wrong model, so it
-//! is counted apart.
+//! A valid model must pass the **independence** test: if residuals correlate with past inputs, the model lacks part of
+//! the dynamics. **Whiteness** must hold for least squares, which is biased otherwise; instrumental variables and
+//! output error allow coloured residuals. Correlation with *future* inputs (negative lags; also lag 0 if the input acts
+//! at least one sample later) indicates feedback from the output to the input, not a wrong model, so it is counted
+//! separately.
 //!
-//! All bounds and regions are those of the estimator's covariance. They mean what they say on the trace that the model
-//! was estimated on, and if the model's structure holds the truth.
+//! All bounds and regions follow from the covariance of the estimator. They are valid on the trace that the model was
+//! estimated on, and if the structure of the model contains the true system.
 
 pub mod correlation;
 pub mod linearised;
@@ -35,20 +35,20 @@ use crate::trace::Trace;
 /// Standard deviations of the regions of poles and zeros.
 pub const REGION_SIGMAS: f64 = 3.0;
 
-/// Everything about one model on the trace that it was estimated on.
+/// Validation results of one model on the trace that it was estimated on.
 #[derive(Clone, Debug)]
 pub struct Validation {
-    /// Which residuals were judged.
+    /// The type of residuals.
     pub errors: Errors,
     /// Their autocorrelation over 1 … lags.
     pub autocorrelation: Correlation,
     /// Their cross-correlation with u1 and u2 over −lags … lags.
     pub cross_correlation: [Correlation; 2],
-    /// Of the autocorrelation.
+    /// Test of the autocorrelation.
     pub whiteness: Test,
-    /// Of both cross-correlations over 1 … lags, and at lag 0 where the input acts without delay.
+    /// Test of both cross-correlations for lags 1 … `lags`, and at lag 0 if the input acts without delay.
     pub independence: Test,
-    /// Of both cross-correlations over the other lags.
+    /// Test of both cross-correlations for the other lags.
     pub feedback: Test,
     /// Poles and zeros with 3σ regions.
     pub map: PoleZeroMap,
@@ -56,7 +56,7 @@ pub struct Validation {
     pub simulated: Vec<f64>,
     /// Eq. 3.2 of `simulated`.
     pub simulation_fit_percent: f64,
-    /// Eq. 3.2 of the one-step predictions from *measured* past outputs: as a rule higher, and no test of a model.
+    /// Eq. 3.2 of the one-step predictions from *measured* past outputs: usually higher, and not a test of a model.
     pub prediction_fit_percent: f64,
 }
 
@@ -79,7 +79,7 @@ pub fn validate(trace: &Trace, estimate: &Estimate, errors: Errors, lags: usize)
         [&trace.u1, &trace.u2].map(|input| correlation::cross(&linear, input, structure.offset, lags));
     let span = lags as i64;
     let [of_u1, of_u2] = &cross_correlation;
-    // Sampled feedback may carry the residual of this very sample into an input that acts later.
+    // Sampled feedback may carry the residual of the same sample into an input that acts one or more samples later.
     let starts = [structure.nkb, structure.nkc].map(|delay| i64::from(delay.min(1)));
     let simulated = simulate(trace, structure, estimate.theta.as_slice());
     Ok(Validation {

@@ -1,15 +1,15 @@
-//! Residuals enter, an autoregressive model of their colour leaves.
+//! Autoregressive model of the colour of residuals.
 //!
 //! ```text
 //! L(q) v = ε,   L = 1 + l₁ q⁻¹ + … + l_p q⁻ᵖ,   var ε = λ²                                    (1)
 //! var Σ w(t) v(t) = Σ_τ R_v(τ) Σ_t w(t) w(t−τ) = λ² Σ_t w̃(t)²,   L* w̃ = w                    (2)
 //! ```
 //!
-//! with L* the filter L run backwards in time: the sum over all lags of both autocorrelations, without a truncation.
-//! L comes from the Levinson–Durbin recursion on the sample autocovariances, which cannot give an unstable 1/L, with
-//! the order p of least AIC.
+//! L* is the filter L in reversed time; (2) is the sum over all lags of both autocorrelations, without truncation. L is
+//! computed by the Levinson–Durbin recursion from the sample autocovariances, so 1/L is always stable; the order p is
+//! that of least AIC.
 
-/// Largest order tried.
+/// Largest order.
 const MAX_ORDER: usize = 30;
 
 /// The noise model (1).
@@ -20,7 +20,7 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// The order of least AIC, at most 30 and a twentieth of the record.
+    /// Model with the order of least AIC, at most 30 and at most a twentieth of the record length.
     #[must_use]
     pub fn of(v: &[f64]) -> Self {
         let n = v.len() as f64;
@@ -30,19 +30,19 @@ impl Noise {
         best.unwrap_or_else(|| Self::white(v))
     }
 
-    /// A given order, or less where the residuals are perfectly predictable before.
+    /// Model of a given order, or of a lower order if the residuals are perfectly predictable with it.
     #[must_use]
     pub fn of_order(v: &[f64], order: usize) -> Self {
         levinson(v, order.min(v.len() / 4)).pop().unwrap_or_else(|| Self::white(v))
     }
 
-    /// Structure zero.
+    /// Model of order zero: white noise.
     #[must_use]
     pub fn white(v: &[f64]) -> Self {
         Self { taps: vec![1.0], variance: v.iter().map(|v| v * v).sum::<f64>() / v.len().max(1) as f64 }
     }
 
-    /// p.
+    /// The order p.
     #[must_use]
     pub fn order(&self) -> usize {
         self.taps.len() - 1
@@ -90,7 +90,7 @@ impl Noise {
     }
 }
 
-/// Models of order 0, 1, … up to `max`.
+/// Models of orders 0, 1, … up to `max`.
 fn levinson(v: &[f64], max: usize) -> Vec<Noise> {
     let n = v.len() as f64;
     let covariance = |lag: usize| v.iter().zip(&v[lag..]).map(|(x, y)| x * y).sum::<f64>() / n;

@@ -1,4 +1,4 @@
-//! An estimate enters; step and frequency response from each input, with standard deviations, leave.
+//! Step and frequency response from each input, with standard deviations.
 //!
 //! ```text
 //! G(ω) = B(e^−jω) / A(e^−jω),   ∂G/∂a_k = −G e^(−jωk) / A,   ∂G/∂b_k = e^(−jω(nk+k−1)) / A     (1)
@@ -6,8 +6,8 @@
 //! var g = (∂g/∂θ)ᵀ cov θ (∂g/∂θ)                                                              (3)
 //! ```
 //!
-//! (1) and (2) are exact derivatives; (3) is the delta method, good while the bands are narrow beside what they
-//! surround. Magnitude bands are formed in decibels, where they stay positive.
+//! (1) and (2) are exact derivatives; (3) is the delta method, accurate if the bands are narrow compared with the
+//! values. Magnitude bands are computed in decibels; converted to a ratio they stay positive.
 
 use std::f64::consts::PI;
 
@@ -15,7 +15,7 @@ use nalgebra::{Complex, DVector};
 
 use crate::identify::{Estimate, Terms, poles};
 
-/// Which input a response is from.
+/// The input of a response.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Input {
     /// u1, through B/A.
@@ -29,7 +29,7 @@ pub enum Input {
 pub struct Uncertain {
     /// The value at the estimate.
     pub value: f64,
-    /// By (3).
+    /// Standard deviation by (3).
     pub sd: f64,
 }
 
@@ -44,7 +44,7 @@ impl Uncertain {
 /// The frequency response at one frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frequency {
-    /// ω, rad a sample.
+    /// ω, radians per sample.
     pub omega: f64,
     /// 20 log₁₀ |G|, dB.
     pub magnitude_db: Uncertain,
@@ -52,7 +52,7 @@ pub struct Frequency {
     pub phase_deg: Uncertain,
 }
 
-/// The terms of one input: first parameter, number, delay.
+/// The terms of one input: index of the first parameter, number of terms, delay.
 fn terms(estimate: &Estimate, input: Input) -> (usize, usize, usize) {
     let order = estimate.structure;
     match input {
@@ -65,7 +65,8 @@ fn uncertain(estimate: &Estimate, value: f64, gradient: &DVector<f64>) -> Uncert
     Uncertain { value, sd: (&estimate.covariance * gradient).dot(gradient).max(0.0).sqrt() }
 }
 
-/// Response to a sine of ω rad a sample; nothing where the input has no terms, or on a pole or zero of the circle.
+/// Response to a sine of ω radians per sample; `None` if the input has no terms, or at a pole or zero on the unit
+/// circle.
 #[must_use]
 pub fn frequency(estimate: &Estimate, input: Input, omega: f64) -> Option<Frequency> {
     let (from, count, delay) = terms(estimate, input);
@@ -78,7 +79,7 @@ pub fn frequency(estimate: &Estimate, input: Input, omega: f64) -> Option<Freque
     if !g.norm().is_normal() {
         return None;
     }
-    // ∂ ln G/∂θ: its real part is that of ln |G|, its imaginary part that of the phase.
+    // ∂ ln G/∂θ: the real part is the derivative of ln |G|, the imaginary part that of the phase.
     let mut slopes = vec![Complex::new(0.0, 0.0); theta.len()];
     for k in 1..=na {
         slopes[k - 1] = -late(k) / a;
@@ -98,14 +99,14 @@ pub fn frequency(estimate: &Estimate, input: Input, omega: f64) -> Option<Freque
     })
 }
 
-/// Response at `count` frequencies, evenly spaced in logarithm over `decades` up to half the sampling rate.
+/// Response at `count` logarithmically spaced frequencies over `decades` decades, up to half the sampling rate.
 #[must_use]
 pub fn sweep(estimate: &Estimate, input: Input, decades: f64, count: u32) -> Vec<Frequency> {
     let omega = |k: u32| PI * 10f64.powf(-decades * (1.0 - f64::from(k) / f64::from(count.max(2) - 1)));
     (0..count).filter_map(|k| frequency(estimate, input, omega(k))).collect()
 }
 
-/// Response to a unit step at t = 0, sample by sample; empty where the input has no terms.
+/// Response to a unit step at t = 0, sample by sample; empty if the input has no terms.
 #[must_use]
 pub fn step(estimate: &Estimate, input: Input, samples: usize) -> Vec<Uncertain> {
     let (from, count, delay) = terms(estimate, input);
@@ -134,7 +135,7 @@ pub fn step(estimate: &Estimate, input: Input, samples: usize) -> Vec<Uncertain>
     response.iter().zip(&slopes).map(|(&value, slope)| uncertain(estimate, value, slope)).collect()
 }
 
-/// Samples after which the slowest pole has decayed to 1 %, between 20 and 1000; 50 for an unstable model.
+/// Number of samples after which the slowest pole has decayed to 1 %, between 20 and 1000; 50 for an unstable model.
 #[must_use]
 pub fn settling(estimate: &Estimate) -> usize {
     let ([a, _, _], _) = estimate.structure.polynomials(estimate.theta.as_slice());
@@ -185,7 +186,7 @@ mod tests {
             let slope = moved.iter().map(|m| (pick(m) - pick(&middle)) / h).collect::<Vec<_>>();
             (slope[0].powi(2) * 1e-4 + slope[1].powi(2) * 4e-4).sqrt()
         };
-        // One-sided differences with a step of 1e-6 are good to five digits.
+        // One-sided differences with a step of 1e-6 are accurate to five digits.
         assert!((sd(|f| f.phase_deg.value) / middle.phase_deg.sd - 1.0).abs() < 1e-4);
         assert!((sd(|f| f.magnitude_db.value) / middle.magnitude_db.sd - 1.0).abs() < 1e-4);
     }

@@ -1,4 +1,4 @@
-//! A polynomial's coefficients with their covariance enter, its roots with their regions leave.
+//! Roots of a polynomial with confidence regions, from the covariance of the coefficients.
 //!
 //! ```text
 //! p(z) = p₀ zⁿ + … + p_n,    ∂z/∂p_k = −z^(n−k) / p′(z)                                       (1)
@@ -6,9 +6,10 @@
 //! region: |Δ| ≤ 3 sd of a real root, 99.7 %;   Δᵀ cov⁻¹ Δ ≤ 9 of a complex one, 1 − e^(−9/2) = 98.9 %   (3)
 //! ```
 //!
-//! The delta method needs roots that stand apart: near a double root p′ vanishes, the spread goes with the square root
-//! of the coefficients' errors, and two real roots may be estimates of a complex pair. A root whose region reaches half
-//! way to another root of its polynomial is marked as not separated; its region is then no more than a warning.
+//! The delta method requires well-separated roots: near a double root p′ vanishes, the standard deviation grows with
+//! the square root of the coefficient errors, and two real roots may be estimates of a complex pair. A root is marked
+//! as not separated if its region reaches half way to another root of its polynomial; its region is then only a rough
+//! indication.
 
 use std::f64::consts::TAU;
 
@@ -16,25 +17,25 @@ use nalgebra::{Complex, DMatrix, Matrix2, Vector2};
 
 use crate::identify::{Estimate, poles};
 
-/// A root with what is known about it.
+/// A root with its uncertainty.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Root {
-    /// Place in the z-plane.
+    /// Position in the z-plane.
     pub at: Complex<f64>,
-    /// Covariance of (Re, Im); of a real root only Re has any.
+    /// Covariance of (Re, Im); for a real root only the variance of Re is nonzero.
     pub covariance: Matrix2<f64>,
-    /// Whether its 3σ region stays clear of the other roots, so that the linearisation holds.
+    /// Whether its 3σ region is clear of the other roots, so that the linearisation is valid.
     pub separated: bool,
 }
 
 impl Root {
-    /// Whether it is real.
+    /// Whether the root is real.
     #[must_use]
     pub fn is_real(&self) -> bool {
         self.at.im == 0.0
     }
 
-    /// Whether its region of this many standard deviations holds the place.
+    /// Whether the region of `sigmas` standard deviations contains `place`.
     #[must_use]
     pub fn covers(&self, place: Complex<f64>, sigmas: f64) -> bool {
         let offset = Vector2::new(place.re - self.at.re, place.im - self.at.im);
@@ -44,12 +45,12 @@ impl Root {
         self.covariance.try_inverse().is_some_and(|inverse| (inverse * offset).dot(&offset) <= sigmas * sigmas)
     }
 
-    /// Extent of the region from the root along a unit direction.
+    /// Distance from the root to the edge of the region along a unit direction.
     fn support(&self, direction: Vector2<f64>, sigmas: f64) -> f64 {
         sigmas * (self.covariance * direction).dot(&direction).max(0.0).sqrt()
     }
 
-    /// Whether the regions meet: two convex sets do not when some direction separates them.
+    /// Whether the regions overlap: two convex sets are disjoint if some direction separates them.
     #[must_use]
     pub fn overlaps(&self, other: &Self, sigmas: f64) -> bool {
         const DIRECTIONS: u32 = 720;
@@ -61,7 +62,7 @@ impl Root {
         })
     }
 
-    /// Outline of the region: an ellipse, or the two ends of a real root's interval.
+    /// Outline of the region: an ellipse, or the two end points of the interval of a real root.
     #[must_use]
     pub fn outline(&self, sigmas: f64) -> Vec<(f64, f64)> {
         const POINTS: u32 = 64;
@@ -80,7 +81,7 @@ impl Root {
     }
 }
 
-/// Roots of `p₀ zⁿ + … + p_n`, upper half-plane and real axis only where `conjugates` is false; none where p₀ is zero.
+/// Roots of `p₀ zⁿ + … + p_n` with the covariance of their regions; empty if p₀ is zero.
 #[must_use]
 pub fn roots(coefficients: &[f64], covariance: &DMatrix<f64>, sigmas: f64) -> Vec<Root> {
     let Some(&leading) = coefficients.first().filter(|p| p.abs() > 0.0) else { return vec![] };
@@ -88,7 +89,7 @@ pub fn roots(coefficients: &[f64], covariance: &DMatrix<f64>, sigmas: f64) -> Ve
     let n = coefficients.len() - 1;
     let mut found: Vec<Complex<f64>> = poles(&monic);
     for z in &mut found {
-        // Eigenvalues of a real matrix are real but for rounding.
+        // Computed real eigenvalues of a real matrix may have an imaginary part from rounding.
         if z.im.abs() < 1e-12 * (1.0 + z.re.abs()) {
             z.im = 0.0;
         }
@@ -115,11 +116,11 @@ pub fn roots(coefficients: &[f64], covariance: &DMatrix<f64>, sigmas: f64) -> Ve
 /// A pole that a zero of one input may cancel: indices into [`PoleZeroMap`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Overlap {
-    /// Of `poles`.
+    /// Index into `poles`.
     pub pole: usize,
     /// 0 for u1, 1 for u2.
     pub input: usize,
-    /// Of `zeros[input]`.
+    /// Index into `zeros[input]`.
     pub zero: usize,
 }
 
@@ -128,16 +129,16 @@ pub struct Overlap {
 pub struct PoleZeroMap {
     /// Roots of A.
     pub poles: Vec<Root>,
-    /// Roots of B and of C, without those at zero and infinity that the delays make.
+    /// Roots of B and of C, without the roots at zero and infinity caused by the delays.
     pub zeros: [Vec<Root>; 2],
-    /// Pairs whose regions meet.
+    /// Pairs whose regions overlap.
     pub overlaps: Vec<Overlap>,
-    /// Poles that a zero may cancel from every input that the model has: A, B and C could each lose one term.
+    /// Poles that a zero may cancel for every input of the model: A, B and C could each have one term less.
     pub removable: Vec<usize>,
 }
 
 impl PoleZeroMap {
-    /// Of an estimate, with regions of this many standard deviations.
+    /// The map of an estimate, with regions of `sigmas` standard deviations.
     #[must_use]
     pub fn new(estimate: &Estimate, sigmas: f64) -> Self {
         let order = estimate.structure;
@@ -193,7 +194,7 @@ mod tests {
         };
         let one = ellipse(0.0, 1.0, 0.1, 0.3);
         assert!(one.overlaps(&ellipse(0.59, 1.0, 0.1, 0.1), 3.0) && !one.overlaps(&ellipse(0.61, 1.0, 0.1, 0.1), 3.0));
-        // The lower end of the first ellipse is at 0.1: an interval on the real axis stays below it.
+        // The lower end of the first ellipse is at 0.1; an interval on the real axis does not reach it.
         assert!(!one.overlaps(&ellipse(0.0, 0.0, 0.2, 0.0), 3.0));
         let on_axis = ellipse(1.0, 0.0, 0.1, 0.0);
         assert!(

@@ -1,4 +1,4 @@
-//! Healthy-only training, novelty gate, reject option and alarm, as a user runs them.
+//! Command-line tests of healthy-only training, novelty gate, reject option and alarm.
 
 use crate::common::{refuse, run, succeed};
 use serde_json::Value;
@@ -42,7 +42,7 @@ fn healthy_traces_alone_make_a_model_that_alarms() {
         (&judged["classes"], &judged["undetermined"]),
         (&serde_json::json!(["healthy"]), &serde_json::json!([0]))
     );
-    // A class that was not trained can still be told from healthy.
+    // An untrained defect class can still be distinguished from healthy.
     let judged = json(&succeed(dir, "evaluate --model m.bwm --labels test/labels.csv --json"));
     assert_eq!(judged["untrained_not_called_healthy"]["roughness"]["value"], 1.0);
     assert_eq!(judged["classes"], serde_json::json!(["healthy"]));
@@ -66,7 +66,7 @@ fn the_shaft_s_features_find_a_small_defect_from_healthy_traces() {
         "{source}"
     );
     let judged = json(&succeed(dir, "evaluate --model m.bwm --labels test/labels.csv --json"));
-    // Nine deviations off: one of four missed would be a fault of the chain, not of chance.
+    // The traces are nine standard deviations away: a single miss in four would be an error of the program, not chance.
     assert_eq!(judged["untrained_not_called_healthy"]["spall"]["value"], 1.0);
     let said = succeed(dir, "evaluate --model m.bwm --labels test/labels.csv");
     assert!(said.starts_with("spall, not trained: not called healthy 100.0 %") && !said.contains("NaN"), "{said}");
@@ -98,7 +98,7 @@ fn a_gate_beside_trained_classes() {
     let told = json(&succeed(dir, &format!("{train} --false-alarm 0.02 --alarm-interval-h 100 --json")));
     let novelty = &told["novelty"];
     assert_eq!((&novelty["healthy"], &novelty["false_alarm"]), (&"healthy".into(), &0.02.into()));
-    // 100 hours of 10 s; three scores share the rate.
+    // 100 hours in segments of 10 s; three scores share the rate.
     assert!((novelty["alarm_interval_segments"].as_f64().expect("an interval") - 36_000.0).abs() < 1e-6);
     assert!((novelty["alarm_limit_nats"].as_f64().expect("a limit") - 108_000_f64.ln()).abs() < 1e-5);
     let judged = json(&succeed(dir, "evaluate --model m.bwm --labels test/labels.csv --json"));
@@ -107,7 +107,7 @@ fn a_gate_beside_trained_classes() {
     let records = "test/spall_14_000.csv test/spall_14_001.csv test/spall_14_002.csv";
     let replayed = succeed(dir, &format!("replay --model m.bwm {records}"));
     assert!(replayed.lines().any(|line| line == "ALARM at segment 2: spall"), "{replayed}");
-    // No decision costs nothing: nothing is ever worth naming.
+    // If a rejection costs nothing, every segment is rejected.
     succeed(dir, &format!("{train} --reject-cost 0"));
     let judged = json(&succeed(dir, "evaluate --model m.bwm --labels test/labels.csv --json"));
     let named: u64 = judged["confusion"]
@@ -141,7 +141,7 @@ fn too_few_and_nonsense_are_refused() {
     ] {
         refuse(dir, &format!("{train} {options}"), &words);
     }
-    // Not asked for, the gate is left out with a word.
+    // If no gate was requested and there are too few traces, the gate is omitted with a warning.
     succeed(dir, "simulate --class healthy,spall --count 5 --seed 16 --out few");
     let output = run(dir, &format!("{TRAIN} --labels few/labels.csv --model m.bwm --json"));
     let warned = String::from_utf8_lossy(&output.stderr);

@@ -1,4 +1,4 @@
-//! The commands as a user runs them: the main job from files to files, and one clear line on bad input.
+//! Command-line tests of the main workflow from files to files, and of one-line errors on invalid input.
 
 use std::path::Path;
 
@@ -42,7 +42,7 @@ fn the_main_job_from_files_to_files() {
     assert!(String::from_utf8_lossy(&flattered.stderr).contains("24 of 24 traces were trained on"));
     let replay = succeed(dir, "replay --model m.bwm test/spall_2_000.csv");
     assert!(replay.contains("0.000–10.000 s  spall"), "{replay}");
-    // A second training gives the same bytes.
+    // A second training produces the same bytes.
     let first = std::fs::read(dir.join("m.bwm")).expect("model");
     succeed(dir, &train);
     assert_eq!(std::fs::read(dir.join("m.bwm")).expect("model"), first);
@@ -71,7 +71,7 @@ fn segments_projections_priors_and_costs() {
     let json: serde_json::Value =
         serde_json::from_str(&succeed(dir, "evaluate --model m.bwm --labels t/labels.csv --per-segment --json"))
             .expect("JSON");
-    // Trained on segments of the same length; trained on whole traces a quarter of them would be wrong.
+    // Trained on segments of the same length; with training on whole traces a quarter of the decisions would be wrong.
     assert!(json["error_rate"]["value"].as_f64().is_some_and(|error| error < 0.02), "{json}");
     succeed(dir, &format!("{train} --segment 2500"));
     let by_segment = succeed(dir, "evaluate --model m.bwm --labels t/labels.csv --per-segment");
@@ -96,7 +96,7 @@ fn identification_table() {
     let json: serde_json::Value =
         serde_json::from_str(&succeed(dir, &format!("{identify} --method iv4 --json"))).expect("JSON");
     assert!(json[1]["fit_percent"].as_f64().is_some_and(|fit| (80.0..92.0).contains(&fit)), "{json}");
-    // A sine cannot tell three lags of itself apart; the digits of the file hide that from a test of rank.
+    // A sine excites too few frequencies to identify three lags; rounding in the file hides this from a rank test.
     let sine = run(dir, &format!("identify t {SIGNALS} --order 3,3,3,1,1"));
     let warning = String::from_utf8_lossy(&sine.stderr).into_owned();
     assert!(
@@ -114,7 +114,7 @@ fn identification_table() {
     assert_eq!(std::fs::read_to_string(dir.join("params.csv")).expect("table").trim_end(), table.trim_end());
 }
 
-/// Six short traces of two classes, y following u1 and u2.
+/// Writes six short traces of two classes, in which y follows u1 and u2.
 fn small_set(dir: &Path) {
     let mut labels = String::from("trace,class_name,run\n");
     let mut state = 1_u32;

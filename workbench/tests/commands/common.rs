@@ -1,15 +1,15 @@
-//! Runs the command as a user does, in a folder.
+//! Helpers that run the command in a folder.
 
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// Runs the command with words as arguments.
+/// Runs the command; the arguments are separated by spaces.
 pub fn run(folder: &Path, arguments: &str) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_bearing-watch"));
     command.current_dir(folder).args(arguments.split_whitespace()).output().expect("the command starts")
 }
 
-/// What it prints where it must succeed.
+/// Standard output of a command that must succeed.
 pub fn succeed(folder: &Path, arguments: &str) -> String {
     let output = run(folder, arguments);
     let (out, err) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
@@ -17,7 +17,7 @@ pub fn succeed(folder: &Path, arguments: &str) -> String {
     out.into_owned()
 }
 
-/// Runs what must be refused: exit code 2, one line of error, no output, and no new file.
+/// Runs a command that must fail: exit code 2, one line of error, no output, and no new file.
 pub fn refuse(folder: &Path, arguments: &str, expected: &[&str]) {
     let files = || {
         let mut names: Vec<_> = std::fs::read_dir(folder).expect("folder").map(|e| e.expect("entry").path()).collect();

@@ -1,4 +1,4 @@
-//! `grey-box` and `piecewise` as a user runs them.
+//! Command-line tests of `grey-box` and `piecewise`.
 
 use std::path::Path;
 use std::process::Command;
@@ -16,7 +16,7 @@ fn json(folder: &Path, arguments: &str) -> serde_json::Value {
     serde_json::from_str(&out).expect("JSON")
 }
 
-/// Value and standard deviation of a named quantity anywhere in the answer.
+/// Value and standard deviation of a quantity with this name at any depth of the JSON output.
 fn quantity(value: &serde_json::Value, name: &str) -> (f64, f64) {
     let number = |v: &serde_json::Value, key: &str| v[key].as_f64();
     match value {
@@ -37,7 +37,7 @@ fn quantity(value: &serde_json::Value, name: &str) -> (f64, f64) {
     .unwrap_or((f64::NAN, f64::NAN))
 }
 
-/// Within four told deviations of the truth, and the deviation a small part of it.
+/// The error is below four reported standard deviations, and the standard deviation is below `part` of the true value.
 fn near(found: (f64, f64), truth: f64, part: f64) {
     assert!((found.0 - truth).abs() < 4.0 * found.1 && found.1 < part * truth.abs(), "{found:?} {truth}");
 }
@@ -56,7 +56,7 @@ fn motor_constants_of_the_rig() {
     assert!(code == 0 && out.starts_with("trace,runs,a1,b1,c1\nhealthy_11_000.csv,"), "{out}");
 }
 
-/// Current and velocity of the forward-Euler motor of thesis Eq. 2.41 under a random voltage and load.
+/// Writes current and velocity of the forward-Euler motor of thesis Eq. 2.41 under a random voltage and load.
 fn electrical(dir: &Path) {
     let (r, l, k, j, b, t) = (0.5, 4.5e-3, 0.05, 2.5e-4, 1e-4, 1e-3);
     let mut state = 1_u32;
@@ -82,7 +82,7 @@ fn electrical_constants_of_an_euler_motor() {
     let found = json(dir, "grey-box electrical e.csv --json");
     for (name, truth) in [("R", 0.5), ("L", 4.5e-3)] {
         let value = quantity(&found, name).0;
-        // Least squares on a current with a little noise of its own: within one percent.
+        // Least squares on a current with little noise: error below one percent.
         assert!((value / truth - 1.0).abs() < 0.01, "{name} {value}\n{found}");
     }
     assert!(found.to_string().contains("Ke = Kt"), "the assumption is said: {found}");
@@ -122,7 +122,7 @@ fn a_drive_that_runs_harder_backward_says_so() {
     std::fs::write(dir.join("x.csv"), table).expect("writable");
     let found = json(dir, "grey-box linear x.csv --position x_m --force force_n --asymmetric --json");
     let viscous = &found[0]["asymmetry"]["Fv"];
-    // 240 − 170; rows across a reversal mix the two sides.
+    // 240 − 170; rows across a reversal contain both directions.
     assert!((viscous["value"].as_f64().expect("value") - 70.0).abs() < 5.0, "{found}");
     assert!(viscous["z"].as_f64().expect("z") > 10.0, "{found}");
     let (_, text, _) = run(dir, "grey-box linear x.csv --position x_m --force force_n --asymmetric");

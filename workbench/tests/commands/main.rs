@@ -1,4 +1,4 @@
-//! The commands as a user runs them, in a folder of their own.
+//! Command-line tests, each in its own folder.
 
 mod alarm_commands;
 mod command_line;

@@ -1,4 +1,4 @@
-//! `bearing-watch simulate`: classes, severities, conditions and waveforms, as a user runs it.
+//! Command-line tests of `bearing-watch simulate`: classes, severities, conditions and waveforms.
 
 use std::path::Path;
 
@@ -37,7 +37,7 @@ fn every_class_has_its_traces_and_labels() {
     assert_eq!(labels[1], "healthy_3_000.csv,healthy,0,3,standard,sine");
     assert_eq!(labels[10], "spall-and-roughness_3_001.csv,spall-and-roughness,1,3,standard,sine");
     assert_eq!(labels[12], "weak-magnet_3_001.csv,weak-magnet,1,3,standard,sine");
-    // Each class has a seed of its own, so even the first load of each is another.
+    // Each class has its own seed, so the first load value of each class is different.
     let firsts: Vec<f64> = labels[1..]
         .iter()
         .map(|line| trace(&dir.join("t").join(line.split(',').next().expect("name")))[4][0])
@@ -68,26 +68,26 @@ fn conditions_severities_and_waveforms_live_in_one_folder() {
         "healthy_square_9_000.csv,healthy,0,9,square,square",
         "healthy_mix_triangle_9_000.csv,healthy,0,9,mix,triangle",
         "healthy_noise-10-db_9_000.csv,healthy,0,9,noise-10-db,sine",
-        // The last run is the first again, and takes its place.
+        // The last run repeats the first one, and replaces its entry.
         "healthy_9_000.csv,healthy,0,9,standard,sine",
     ];
     assert_eq!(labels, expected);
 
     let read = |name: &str| trace(&dir.join("t").join(name));
     let standard = read("healthy_9_000.csv");
-    // Five hundred samples of 0.2 Hz are a fifth of a period; files carry nine digits.
+    // Five hundred samples are a fifth of a period at 0.2 Hz; files contain nine digits.
     assert!((standard[1][500] - 40.0 * (std::f64::consts::TAU * 0.2).sin()).abs() < 1e-6);
     let square = read("healthy_square_9_000.csv");
     assert!((0..5000).all(|k| square[1][k] == if (k / 1250) % 2 == 0 { 40.0 } else { -40.0 }));
     assert_eq!(square[4], standard[4], "the same seed has the same load");
     let double = read("spall_amplitude-2_9_000.csv");
     assert!((double[1][500] - 2.0 * standard[1][500]).abs() < 1e-6);
-    // A triangle's corners: the only bends in its reference, wherever the drawn frequency puts them.
+    // The corners of a triangle are the only bends in its reference; their position depends on the drawn frequency.
     let triangle = &read("healthy_mix_triangle_9_000.csv")[1];
     let bends = triangle.windows(3).filter(|w| (w[0] - 2.0 * w[1] + w[2]).abs() > 1e-6).count();
     assert!((2..=16).contains(&bends), "{bends}");
-    // The error of the standard trace is 4 rad/s rms; 8.58 rad/s of noise (10 dB below 27.14) make it √(4² + 8.58²) = 9.5
-    // and, as the loop follows the noise, a little more.
+    // The control error of the standard trace is 4 rad/s rms; 8.58 rad/s of noise (10 dB below 27.14) increase it to
+    // √(4² + 8.58²) = 9.5, and slightly more because the loop follows the noise.
     let error = |t: &[Vec<f64>]| rms(&t[1].iter().zip(&t[2]).map(|(r, w)| r - w).collect::<Vec<_>>());
     let (noisy, quiet) = (error(&read("healthy_noise-10-db_9_000.csv")), error(&standard));
     assert!((9.0..10.8).contains(&noisy) && (3.5..4.7).contains(&quiet), "{noisy} {quiet}");

@@ -1,4 +1,4 @@
-//! `bearing-watch structure` as a user runs it.
+//! Command-line tests of `bearing-watch structure`.
 
 use std::path::Path;
 use std::process::{Command, Output};

@@ -1,4 +1,4 @@
-//! `bearing-watch tables` as a user runs it, and what the literal method and ours make of the rig.
+//! Command-line tests of `bearing-watch tables`, and results of the literal method and ours on the rig.
 
 use crate::common::{refuse, succeed};
 use serde_json::Value;
@@ -23,7 +23,7 @@ fn all_tables_as_text_json_csv_and_page() {
         assert!(said.contains(&format!("\nTable {}:", id.name())), "{}\n{said}", id.name());
     }
     assert!(said.contains("Piece-wise") && said.contains(" ± "), "{said}");
-    // Every table but the overview has a note.
+    // Every table except the overview has a note.
     let notes = [
         ("The published motor module runs", 1),
         ("The harder defect of each model lies", 1),
@@ -38,7 +38,7 @@ fn all_tables_as_text_json_csv_and_page() {
         assert_eq!(line.matches(note).count(), count, "{note}\n{said}");
     }
     let page = std::fs::read_to_string(dir.join("t.html")).expect("page");
-    // Four first-order features, three components, four planes.
+    // Plots: four first-order features, three components, four planes.
     assert_eq!(page.matches("<figure>").count(), 11);
     assert!(!page.contains("Not drawn") && !page.contains("<script") && !page.contains("url("));
     let csv = std::fs::read_to_string(dir.join("t.csv")).expect("rows");
@@ -51,7 +51,7 @@ fn all_tables_as_text_json_csv_and_page() {
     assert_eq!(tables.iter().map(|t| t["id"].as_str()).collect::<Vec<_>>(), [Some("overview"), Some("4.1")]);
     let cells = &tables[1]["rows"][3]["cells"];
     assert_eq!((cells[0]["published"].as_f64(), cells[1]["repetitions"].as_u64()), (Some(28.33), Some(2)));
-    // The same whether a table is made alone or with others, and in every run.
+    // The values are the same in every run, and whether a table is computed alone or with others.
     let error = cells[1]["mean"].as_f64().expect("a mean").to_string();
     assert!(csv.contains(&format!("\"validation, with PCA\",three classes,measured,{error},")), "{error}\n{csv}");
 }
@@ -74,11 +74,12 @@ fn the_literal_method_and_ours_on_the_rig() {
     let literal = "validation, with PCA";
     let ours = workbench::study::tables::ours::NAME;
     for table in [error_2, error_3] {
-        // 360 decisions; an error of 0.25 % or less is one at most.
+        // 360 decisions: an error rate of at most 0.3 % is at most one wrong decision.
         assert!(mean(table, ours, "three classes") <= 0.3, "{}", table.id);
         assert!(mean(table, "iv4, a b c, no projection", "three classes") <= 1.5, "{}", table.id);
     }
-    // 20 repetitions from seed 1 gave 13.1 ± 6.4, 0.8 ± 1.1 and 1.0 ± 1.0: four sds of a mean of six either way.
+    // 20 repetitions from seed 1 gave 13.1 ± 6.4, 0.8 ± 1.1 and 1.0 ± 1.0; the limits are four standard deviations of
+    // a mean of six repetitions.
     let all = mean(error_2, literal, "three classes");
     assert!((3.0..=24.0).contains(&all), "{all}");
     let (quadratic, pooled) =
@@ -89,12 +90,12 @@ fn the_literal_method_and_ours_on_the_rig() {
     assert!((26.0..=41.0).contains(&all), "{all}");
     let roughness = mean(error_3, literal, "healthy / roughness");
     assert!((35.0..=60.0).contains(&roughness), "{roughness}");
-    // Fits are far steadier: 93.1 and 93.8 ± 0.1 over traces.
+    // The fits vary much less: 93.1 and 93.8 ± 0.1 over traces.
     for (table, fit) in [(error_2, 93.1), (error_3, 93.8)] {
         let found = mean(table, literal, "healthy fit");
         assert!((found - fit).abs() < 0.2, "{found}");
     }
-    // Two components of two parameters change nothing, in any repetition.
+    // Two components of two parameters do not change any decision, in any repetition.
     for column in ["three classes", "both pooled", "traces"] {
         let cell = |row: &str| error_2.cell(row, column).cloned();
         assert_eq!(cell(literal), cell("validation, without PCA"));

@@ -1,4 +1,4 @@
-//! `train` by every method and memory, and what `replay` and `evaluate` then say.
+//! Command-line tests of `train` with all methods and memories, and of `replay` and `evaluate` with the trained models.
 
 use std::path::Path;
 
@@ -48,7 +48,7 @@ fn what_a_segment_was_denied_is_told() {
     succeed(dir, &format!("{train} --method instruments --saturation 12,100,5 --stuck 9 --model m.bwm"));
     let text = std::fs::read_to_string(dir.join("t/healthy_5_000.csv")).expect("trace");
     let place = text.lines().next().expect("header").split(',').position(|name| name == "current_a").expect("column");
-    // The current rests from row 1000 on, and is beyond its sensor's range from row 500 to 510.
+    // The current is constant from row 1000 on, and outside the range of its sensor in rows 500 to 510.
     let changed = text.lines().enumerate().map(|(k, line)| {
         let mut cells: Vec<&str> = line.split(',').collect();
         match k {
@@ -107,8 +107,8 @@ fn bad_options_are_one_line() {
     let other = |order: &str, u1: &str| train.replace(&signals("velocity_ref_rad_s", "2,1,2,1,1"), &signals(u1, order));
     let moving_average = other("0,1,2,1,1", "velocity_ref_rad_s").replace("a,b,log", "b,log");
     refuse(dir, &format!("{moving_average} --method instruments"), &["1 to 4 output terms"]);
-    // From its loop's error the current follows by an integrator, and roughness brings the pole to within chance of one:
-    // such estimates stand, on either side of it.
+    // The current follows from the control error by an integrator, and with roughness the estimated pole may be
+    // slightly above or below one: the estimates are accepted in both cases.
     let error = other("2,2,2,1,1", "velocity_ref_rad_s-velocity_rad_s").replace("none.bwm", "m.bwm");
     succeed(dir, &format!("{error} --method instruments"));
 }

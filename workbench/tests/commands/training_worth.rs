@@ -1,11 +1,11 @@
-//! What `train` and `evaluate` say of a model's worth: shrinkage, ranking, scores, and where priors and costs decide.
+//! Quality of a model in `train` and `evaluate`: shrinkage, ranking, scores, and the effect of priors and costs.
 
 use std::path::Path;
 
 use crate::common::{refuse, succeed};
 use serde_json::Value;
 
-/// Faults too small to be sure of, under changing conditions.
+/// Faults too small for reliable decisions, under changing conditions.
 const TRAIN: &str =
     "train --labels t/labels.csv --y current_a --u1 velocity_ref_rad_s --u2 load_torque_nm --order 2,1,2,1,1";
 
@@ -49,7 +49,7 @@ fn shrinkage_ranking_and_scores() {
         "{text}"
     );
 
-    // Folds by a column of the labels, which must be there and have at least two values in each class.
+    // Folds by a column of the labels; it must exist and have at least two values in each class.
     let labels = std::fs::read_to_string(dir.join("t/labels.csv")).expect("labels");
     let with = |run: fn(usize) -> usize| {
         let rows = labels.lines().enumerate().map(|(k, line)| match k {
@@ -94,7 +94,7 @@ fn priors_and_costs_decide_where_theory_says() {
     assert!(alarms(&rare) < alarms(&plain) && alarms(&plain) < alarms(&dear), "the classes overlap");
     for ((plain, dear), rare) in plain.iter().zip(&dear).zip(&rare) {
         assert_eq!(plain.0 == "spall", plain.2 > plain.1);
-        // Costs leave the posterior alone; a spall is called from P > 1/51 on.
+        // Costs do not change the posterior; the decision is spall if P > 1/51.
         assert!((plain.2 - dear.2).abs() < 1e-6 && (dear.0 == "spall") == (dear.2 > 1.0 / 51.0), "{dear:?}");
         // Priors multiply the odds by 0.02/0.98; posteriors are printed with about seven digits.
         let odds = (plain.2 / plain.1, rare.2 / rare.1 * 49.0);
@@ -109,7 +109,7 @@ fn priors_and_costs_decide_where_theory_says() {
     let brier = mean(&|healthy, spall, truth| {
         if truth == 1 { healthy.powi(2) + (spall - 1.0).powi(2) } else { spall.powi(2) + (healthy - 1.0).powi(2) }
     });
-    // The table has the posteriors in single precision.
+    // The verdict table contains the posteriors in single precision.
     assert!((number(&json["log_score"]["value"]) - log).abs() < 1e-5, "{json} {log}");
     assert!((number(&json["brier_score"]["value"]) - brier).abs() < 1e-5, "{json} {brier}");
     let prior = 0.5 * (-0.98_f64.ln() - 0.02_f64.ln());

@@ -1,4 +1,4 @@
-//! `bearing-watch validate` as a user runs it.
+//! Command-line tests of `bearing-watch validate`.
 
 use std::path::Path;
 use std::process::{Command, Output};

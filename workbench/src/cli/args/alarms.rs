@@ -5,18 +5,19 @@ use clap::Args;
 use crate::Error;
 use crate::train::{AlarmInterval, Alarms};
 
-/// Names that mean the healthy class where none is given.
+/// Names of the healthy class if none is given.
 const USUAL: [&str; 2] = ["healthy", "normal"];
 
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct AlarmArgs {
-    /// The healthy class, for novelty gate and alarm; the one called healthy or normal, or the only one, if not given
+    /// The healthy class, for novelty gate and alarm; if not given, the class named healthy or normal, or the only
+    /// class
     #[arg(long, value_name = "CLASS")]
     healthy: Option<String>,
     /// Rate of healthy segments called novel; 0.01 if not given
     #[arg(long, value_name = "RATE")]
     false_alarm: Option<f64>,
-    /// Cost of no decision: where every class is expected to cost more, the verdict is ambiguous
+    /// Cost of no decision: if every class has a larger expected cost, the verdict is ambiguous
     #[arg(long, value_name = "COST", default_value_t = f64::INFINITY, hide_default_value = true)]
     reject_cost: f64,
     /// Mean hours between false alarms; 1000 if not given

@@ -8,28 +8,29 @@ use crate::Error;
 use crate::identify::Structure;
 use crate::train::Estimation;
 
-/// How the detector estimates.
+/// Settings of the detector's estimator.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct EstimationArgs {
     /// How the detector estimates a segment's parameters
     #[arg(long, value_enum, default_value = "ls")]
     pub(in crate::cli) method: Method,
-    /// The class whose mean is the nominal model, from which estimation starts; the first if not given
+    /// The class whose mean is the nominal model, the starting point of the estimation; the first if not given
     #[arg(long, value_name = "CLASS")]
     nominal: Option<String>,
-    /// Samples a segment (after averaging and decimation); the longest training trace if not given
+    /// Samples per segment (after averaging and decimation); the longest training trace if not given
     #[arg(long, value_name = "N")]
     segment: Option<usize>,
-    /// Residuals beyond K standard deviations weigh less; 0 for none
+    /// Residuals beyond K standard deviations get less weight; 0 for none
     #[arg(long, value_name = "K", default_value_t = 0.0)]
     huber: f64,
-    /// Magnitudes from which the sensors of y, u1, u2 are saturated: such samples are not used
+    /// Magnitudes at which the sensors of y, u1, u2 are saturated: samples at or above them are not used
     #[arg(long, value_name = "Y,U1,U2", value_delimiter = ',')]
     saturation: Vec<f64>,
-    /// So many equal samples of y in a row mean a stuck sensor, and deny the segment its verdict; 0 for any number
+    /// Number of equal samples of y in a row that indicates a stuck sensor; the segment then has no verdict; 0 for no
+    /// limit
     #[arg(long, value_name = "N", default_value_t = 0)]
     stuck: u16,
-    /// Forget by this factor a sample (0.5 to 0.9999) instead of starting every segment afresh
+    /// Forgetting factor per sample (0.5 to 0.9999), instead of a new start at every segment
     #[arg(long, value_name = "FACTOR")]
     memory: Option<f64>,
     /// Samples into the next segment at which a segment's model takes over, for firmware that solves in its main loop

@@ -1,4 +1,4 @@
-//! Argument groups of the commands, and the settings that they stand for.
+//! Argument groups of the commands, and their conversion to settings.
 
 pub(super) mod alarms;
 pub(super) mod estimation;

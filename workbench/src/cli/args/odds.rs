@@ -1,4 +1,4 @@
-//! Arguments of priors and costs, as they are written on the command line.
+//! Parsers of the arguments for priors and costs.
 
 use crate::Error;
 

@@ -1,4 +1,4 @@
-//! Arguments of the shaft: its channels, and what is tracked.
+//! Arguments of the shaft: its channels and the tracked orders.
 
 use bearing_watch::Bearing;
 use clap::Args;
@@ -7,7 +7,7 @@ use crate::Error;
 use crate::trace::ShaftChannels;
 use crate::train::ShaftPlan;
 
-/// The shaft's channels and the bearing; with --angle the shaft is watched.
+/// The shaft's channels and the bearing; the shaft is watched if --angle is given.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Shaft (friction and bearing orders)")]
 pub(in crate::cli) struct ShaftArgs {
@@ -20,7 +20,7 @@ pub(in crate::cli) struct ShaftArgs {
     /// Velocity reference, rad/s
     #[arg(long, value_name = "CHANNEL", requires = "angle")]
     velocity_ref: Option<String>,
-    /// Current, A; as --y if not given
+    /// Current, A; same as --y if not given
     #[arg(long, value_name = "CHANNEL", requires = "angle")]
     current: Option<String>,
     /// Load torque, N·m; not measured if not given
@@ -29,22 +29,22 @@ pub(in crate::cli) struct ShaftArgs {
     /// Balls, ball and pitch diameter, contact angle in rad, e.g. 9,3,17,0.1745: tracks outer, inner, ball and cage
     #[arg(long, value_name = "N,BD,PD,ANGLE", value_delimiter = ',', num_args = 1, requires = "angle")]
     bearing: Vec<f64>,
-    /// Orders to track, events a turn, e.g. outer=3.718,sideband=4.718
+    /// Orders to track, events per turn, e.g. outer=3.718,sideband=4.718
     #[arg(long, value_name = "NAME=ORDER", value_delimiter = ',', requires = "angle")]
     orders: Vec<String>,
     /// Weights of an order's first three harmonics
     #[arg(long, value_name = "W1,W2,W3", value_delimiter = ',', num_args = 1, requires = "angle")]
     harmonics: Vec<f64>,
-    /// Samples by which the current lags behind velocity and load; found from the nominal class if not given
+    /// Delay of the current relative to velocity and load, in samples; estimated from the nominal class if not given
     #[arg(long, value_name = "SAMPLES", requires = "angle")]
     current_delay: Option<f64>,
-    /// Cut-off of the torque balance's filter
+    /// Cut-off of the torque balance's filter, Hz
     #[arg(long, value_name = "HZ", requires = "angle")]
     balance_cutoff_hz: Option<f64>,
 }
 
 impl ShaftArgs {
-    /// Channels and plan, where the shaft is watched.
+    /// Returns the channels and the plan if the shaft is watched.
     pub(in crate::cli) fn shaft(&self, y: &str) -> Result<Option<(ShaftChannels, ShaftPlan)>, Error> {
         let (Some(angle), Some(velocity), Some(reference)) = (&self.angle, &self.velocity, &self.velocity_ref) else {
             return Ok(None);

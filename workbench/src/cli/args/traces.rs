@@ -11,7 +11,7 @@ use crate::trace::labels::LabelledTrace;
 use crate::trace::{self, Channels, Condition, Labels, Preparation, Trace};
 use crate::train::Validation;
 
-/// Which columns are the three signals.
+/// The columns of the three signals.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct ChannelArgs {
     /// Output: a column, or a difference a-b of two (as a rule the quadrature current)
@@ -31,7 +31,7 @@ impl ChannelArgs {
     }
 }
 
-/// Traces, and which of their columns are the three signals.
+/// Traces, and the columns of the three signals.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct TraceArgs {
     /// Trace files or folders
@@ -42,7 +42,7 @@ pub(in crate::cli) struct TraceArgs {
 }
 
 impl TraceArgs {
-    /// Reads them, and warns of those that are sampled irregularly.
+    /// Reads the traces, and warns of those with irregular sampling.
     pub(in crate::cli) fn read(&self) -> Result<Vec<Trace>, Error> {
         let traces = trace::read(&self.traces, &self.channels.channels())?;
         warn_irregular(traces.iter());
@@ -67,13 +67,13 @@ impl StructureArgs {
     }
 }
 
-/// What is done to traces before identification.
+/// Preparation of the traces before identification.
 #[derive(Clone, Copy, Debug, Args)]
 pub(in crate::cli) struct PreparationArgs {
     /// Average blocks of N samples first
     #[arg(long, value_name = "N", default_value_t = 1)]
     block_mean: usize,
-    /// Then keep every N-th sample behind an anti-alias filter
+    /// Then apply an anti-alias filter and keep every N-th sample
     #[arg(long, value_name = "N", default_value_t = 1)]
     decimate: usize,
 }
@@ -85,16 +85,16 @@ impl PreparationArgs {
     }
 }
 
-/// Which labelled traces take part.
+/// Selection of labelled traces.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct SelectionArgs {
     /// Trace files or folders; without any, the folder of the labels
     #[arg(value_name = "TRACES")]
     traces: Vec<PathBuf>,
-    /// CSV with columns trace,class_name and any further ones to select by
+    /// CSV with the columns trace,class_name and any further columns for the selection
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) labels: PathBuf,
-    /// Only rows with this, e.g. load_kgf=20; may be repeated, all must hold
+    /// Only rows that meet this condition, e.g. load_kgf=20; may be repeated, all must hold
     #[arg(long = "where", value_name = "CONDITION")]
     conditions: Vec<Condition>,
     /// Only these classes, in this order
@@ -106,7 +106,7 @@ fn trimmed(text: &str) -> Result<String, std::convert::Infallible> {
     Ok(text.trim().into())
 }
 
-/// Labels, and where their traces are.
+/// The labels, and the paths of their traces.
 #[derive(Debug)]
 pub(in crate::cli) struct Selection {
     labels: Labels,
@@ -130,12 +130,12 @@ impl SelectionArgs {
 }
 
 impl Selection {
-    /// Files that are read: no output may replace them.
+    /// Returns the files that are read; no output may replace them.
     pub(in crate::cli) fn inputs(&self, labels: &Path) -> Vec<PathBuf> {
         [&self.paths[..], &[labels.to_path_buf()]].concat()
     }
 
-    /// The rows that meet the common and these further conditions: class names and traces.
+    /// Returns the class names and the traces of the rows that meet the common conditions and these further ones.
     pub(in crate::cli) fn rows(&self, further: &[Condition]) -> Result<(Vec<String>, Vec<LabelledTrace>), Error> {
         let conditions = [&self.conditions, further].concat();
         let chosen = self.labels.select(&conditions)?;
@@ -148,7 +148,7 @@ impl Selection {
     }
 }
 
-/// How training judges itself.
+/// Settings of the cross-validation.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct ValidationArgs {
     /// Folds of the cross-validation
@@ -177,7 +177,7 @@ impl ValidationArgs {
     }
 }
 
-/// Warns of traces whose samples do not come at a constant rate.
+/// Warns of traces with an irregular sampling interval.
 pub(in crate::cli) fn warn_irregular<'a>(traces: impl Iterator<Item = &'a Trace> + Clone) {
     let irregular = traces.clone().filter(|trace| 50 * trace.irregular_steps > trace.y.len());
     let count = irregular.clone().count();

@@ -1,33 +1,33 @@
-//! Weighted sums of columns, filters by taps, and the recursion by 1/A.
+//! Weighted sums of columns, FIR filters, and the recursive filter 1/A.
 //!
 //! ```text
-//! output += Σ wₖ columnₖ                          no recursion: many samples at once                  (1)
+//! output += Σ wₖ columnₖ                          no recursion: several samples at once              (1)
 //! x(t) = v(t) − Σ aₖ x(t−k)                       one sample after another                            (2)
 //! [x(t) … x(t+3)] = H [v(t) … v(t+3)] + Σ gₖ x(t−k)                                                   (3)
 //! ```
 //!
-//! (3) is (2) for four samples at once: Hᵢⱼ = h(i−j), the impulse response of 1/A, and gₖ the response of four samples
-//! to x(t−k) = 1. The sum with H does not wait for the samples before t, so that a group of four waits about as long
-//! as one sample of (2). Used up to fourth order.
+//! (3) computes (2) for four samples at once: Hᵢⱼ = h(i−j), with h the impulse response of 1/A, and gₖ is the response
+//! of the four samples to x(t−k) = 1. The product with H does not depend on samples before t, so the latency of a group
+//! of four is about that of one sample of (2). (3) is used up to fourth order.
 
-/// (1): adds columns of the output's length.
+/// (1): adds columns that are as long as the output.
 pub(crate) fn add_columns(weights: &[f64], columns: &[&[f64]], output: &mut [f64]) {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") {
-        // SAFETY: the processor has the instructions, as just asked.
+        // SAFETY: the processor supports AVX2, as checked above.
         return unsafe { add_columns_avx2(weights, columns, output) };
     }
     add_groups(weights, columns, output);
 }
 
-/// The same operations in the same order, so the same bits, four at a time.
+/// The same operations in the same order, four at a time: the results are identical bit by bit.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn add_columns_avx2(weights: &[f64], columns: &[&[f64]], output: &mut [f64]) {
     add_groups(weights, columns, output);
 }
 
-/// Up to four columns in one pass over the output.
+/// Adds up to four columns per pass over the output.
 #[inline(always)]
 fn add_groups(weights: &[f64], columns: &[&[f64]], output: &mut [f64]) {
     for (weights, columns) in weights.chunks(4).zip(columns.chunks(4)) {
@@ -53,7 +53,7 @@ fn add_by<const N: usize>(weights: [f64; N], columns: [&[f64]; N], output: &mut 
     }
 }
 
-/// `output(t) += Σ tapsₖ x(t − delay − k)`, zeros before the record.
+/// `output(t) += Σ tapsₖ x(t − delay − k)`, with zeros before the record.
 pub(crate) fn add_filtered(taps: &[f64], delay: usize, x: &[f64], output: &mut [f64]) {
     let n = output.len().min(x.len());
     let full = (delay + taps.len()).saturating_sub(1).min(n);
@@ -71,14 +71,14 @@ pub(crate) fn add_filtered(taps: &[f64], delay: usize, x: &[f64], output: &mut [
     }
 }
 
-/// Filters by taps, with zeros before the first sample.
+/// FIR filter with zeros before the first sample.
 pub(crate) fn fir(taps: &[f64], x: &[f64], output: &mut Vec<f64>) {
     output.clear();
     output.resize(x.len(), 0.0);
     add_filtered(taps, 0, x, output);
 }
 
-/// (2) in place, from sample `start` on; `a` without its leading 1. Zeros before the record.
+/// (2) in place, from sample `start`; `a` excludes the leading 1. Zeros before the record.
 pub(crate) fn recur(a: &[f64], start: usize, x: &mut [f64]) {
     match *a {
         [] => {}
@@ -95,12 +95,12 @@ pub(crate) fn recur(a: &[f64], start: usize, x: &mut [f64]) {
     }
 }
 
-/// (3), and (2) for the samples that are left.
+/// (3), and (2) for the remaining samples.
 fn recur_by<const N: usize>(a: [f64; N], start: usize, x: &mut [f64]) {
     let mut past: [f64; N] = std::array::from_fn(|k| if k < start { x[start - 1 - k] } else { 0.0 });
     let step = |past: &mut [f64; N], value: f64| {
         let mut now = value;
-        // Oldest first: only the last product waits for the sample just before.
+        // Oldest first: only the last product depends on the previous sample.
         for k in (0..N).rev() {
             now -= a[k] * past[k];
         }

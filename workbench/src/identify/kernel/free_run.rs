@@ -1,34 +1,34 @@
-//! A model and inputs enter, the simulated output leaves, at the speed of the processor.
+//! Simulates the output of a model from its inputs, with vectorised loops.
 //!
 //! ```text
-//! x(t) = constant + Σ bₖ u1(t−nkb−k) + Σ cₖ u2(t−nkc−k)      no recursion: many samples at once      (1)
-//! ŷ(t) = x(t) − Σ aₖ ŷ(t−k)                                   one after another, in registers         (2)
+//! x(t) = constant + Σ bₖ u1(t−nkb−k) + Σ cₖ u2(t−nkc−k)      no recursion: several samples at once   (1)
+//! ŷ(t) = x(t) − Σ aₖ ŷ(t−k)                                   sample by sample, in registers          (2)
 //! ```
 //!
-//! The simulation starts from zero, or with a constant term from the first t₀ measured outputs; unstable poles are
-//! reflected into the unit circle. The Schur–Cohn recursion decides first whether there are any; eigenvalues are
-//! computed only if a reflection coefficient is close to one or above.
+//! The simulation starts from zero, or, with a constant term, from the first t₀ measured outputs. Unstable poles are
+//! reflected into the unit circle. The Schur–Cohn recursion tests first whether there are any; eigenvalues are computed
+//! only if a reflection coefficient is close to one or larger.
 
 use super::super::result::stable;
 use super::filter::{add_filtered, recur};
 use crate::identify::{Structure, reflect_unstable};
 use crate::trace::Trace;
 
-/// Distance of the reflection coefficients from one within which rounding could decide.
+/// Distance of a reflection coefficient from one within which rounding could change the decision.
 const SURE: f64 = 1e-9;
 
-/// A model that can be simulated.
+/// A model prepared for simulation.
 #[derive(Clone, Debug)]
 pub(crate) struct FreeRun {
-    /// a₁ …, stable.
+    /// a₁ …, after reflection of unstable poles.
     a: Vec<f64>,
     b: Vec<f64>,
     c: Vec<f64>,
     delays: [usize; 2],
     constant: f64,
-    /// Measured outputs that it starts from.
+    /// Number of measured outputs that the simulation starts from.
     known: usize,
-    /// Whether the model was stable as given.
+    /// Whether the given model was stable.
     pub stable: bool,
 }
 
@@ -55,7 +55,7 @@ impl FreeRun {
         model
     }
 
-    /// The simulated output of a trace, into `output`.
+    /// Writes the simulated output of a trace to `output`.
     pub(crate) fn simulate(&self, trace: &Trace, output: &mut Vec<f64>) {
         let n = trace.y.len();
         output.clear();
@@ -68,7 +68,7 @@ impl FreeRun {
     }
 }
 
-/// Schur–Cohn: every reflection coefficient of `1 + a₁ z⁻¹ + …` clearly below one.
+/// Schur–Cohn test: whether every reflection coefficient of `1 + a₁ z⁻¹ + …` is below one by more than `SURE`.
 pub(crate) fn surely_stable(a: &[f64]) -> bool {
     let mut held = [0.0; 32];
     let Some(now) = held.get_mut(..a.len()) else { return false };
@@ -107,7 +107,7 @@ mod tests {
         }
     }
 
-    /// The definition, sample by sample.
+    /// The definition, computed sample by sample.
     fn plain(trace: &Trace, structure: Structure, theta: &[f64]) -> Vec<f64> {
         let ([a, b, c], constant) = structure.polynomials(theta);
         let a = reflect_unstable(&a);
@@ -123,8 +123,8 @@ mod tests {
         output
     }
 
-    /// The plain loop gives the same to rounding: every number of terms and delay, a constant term,
-    /// records of any length, and unstable poles.
+    /// The direct loop returns the same values within rounding, for all numbers of terms and delays, with a constant
+    /// term, for records of any length, and with unstable poles.
     #[test]
     fn agrees_with_the_plain_simulation() {
         for (order, offset) in [

@@ -1,4 +1,4 @@
-//! Sums in several partial sums, so that an addition need not wait for the one before it.
+//! Sums computed as several partial sums, so that an addition does not depend on the one before it.
 
 /// Sum of products, in 32 partial sums.
 #[inline(always)]
@@ -15,8 +15,8 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     total(sums) + tail
 }
 
-/// The sum, by adding the upper half to the lower until one is left. Not inlined: the compiler would vectorise the loop
-/// of [`dot`] in the order of these additions, which is slower.
+/// Adds the upper half to the lower half until one sum is left. Not inlined: the compiler would vectorise the loop of
+/// [`dot`] in the order of these additions, which is slower.
 #[inline(never)]
 fn total(mut sums: [f64; 32]) -> f64 {
     let mut half = sums.len() / 2;

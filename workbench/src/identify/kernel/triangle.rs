@@ -1,21 +1,23 @@
-//! Rows enter in blocks, their triangular factor leaves.
+//! The triangular factor of a matrix, computed in blocks of rows.
 //!
 //! ```text
 //! [R; X] = Q [R'; 0]     Householder reflections on one row of R and the whole block at a time     (1)
 //! ```
 //!
-//! Only the first `eliminated` columns are reduced; the others are carried along, so that their leading rows are
-//! Qᵀ times them. R and blocks are column-major. Cost: 4 flops an entry of the block and eliminated column.
+//! Only the first `eliminated` columns are reduced. The reflections are also applied to the other columns, so that
+//! their leading rows are Qᵀ times them. R and the blocks are column-major. Cost: 4 flops per entry of the block and
+//! eliminated column.
 
 use super::sums::dot;
 
-/// Diagonal of R, relative to its column's norm, below which a column is dependent: double rounding leaves 1e-15.
+/// Diagonal of R, relative to the norm of its column, below which a column counts as linearly dependent. Rounding in
+/// double precision leaves 1e-15.
 pub(crate) const DEPENDENT: f64 = 1e-11;
 
 /// Numbers in a cache line.
 const LINE: usize = 8;
 
-/// Rows of a block of so many columns: it stays in the first-level cache.
+/// Number of rows of a block with this number of columns, so that the block fits into the first-level cache.
 pub(crate) fn block_rows(columns: usize) -> usize {
     (2560 / columns.max(1)).clamp(64, 512) & !7
 }
@@ -33,7 +35,7 @@ impl Triangle {
         Self { eliminated, columns, r: vec![0.0; eliminated * columns] }
     }
 
-    /// Starts anew, with the memory it has.
+    /// Resets R and reuses its memory.
     pub(crate) fn reset(&mut self, eliminated: usize, columns: usize) {
         (self.eliminated, self.columns) = (eliminated, columns);
         self.r.clear();
@@ -50,12 +52,12 @@ impl Triangle {
         &self.r[k * self.eliminated..][..self.eliminated]
     }
 
-    /// Takes in columns of equal length, as many as R has; `block` is memory to copy their blocks of rows to.
+    /// Adds columns of equal length, one for each column of R; `block` is working memory for their blocks of rows.
     pub(crate) fn absorb_columns(&mut self, columns: &[&[f64]], block: &mut Vec<f64>) {
         let length = columns.first().map_or(0, |column| column.len());
         let rows = block_rows(columns.len());
         block.resize(columns.len() * rows + LINE, 0.0);
-        // Blocks of full height have every column at the start of a cache line.
+        // In blocks of full height every column starts at the beginning of a cache line.
         let offset = block.as_ptr().align_offset(LINE * size_of::<f64>()).min(LINE);
         let block = &mut block[offset..];
         for t in (0..length).step_by(rows) {
@@ -67,7 +69,7 @@ impl Triangle {
         }
     }
 
-    /// The first of the reduced columns that depends on those before it.
+    /// The first of the reduced columns that depends linearly on the columns before it.
     pub(crate) fn dependent(&self) -> Option<usize> {
         (0..self.eliminated).find(|&k| {
             let column = &self.column(k)[..=k];
@@ -76,19 +78,19 @@ impl Triangle {
         })
     }
 
-    /// Solves R x = `right` with the leading triangle of R of the length of `right`, in place.
+    /// Solves R x = `right` in place, with the leading triangle of R of the size of `right`.
     pub(crate) fn substitute(&self, right: &mut [f64]) {
         substitute(&self.r, self.eliminated, right);
     }
 
-    /// Takes in the columns of a block of `height` rows, and spoils the block.
+    /// Adds the columns of a block of `height` rows; the block is overwritten.
     pub(crate) fn absorb(&mut self, block: &mut [f64], height: usize) {
         #[cfg(target_arch = "x86_64")]
         if std::arch::is_x86_feature_detected!("avx512f") {
-            // SAFETY: the processor has the instructions, as just asked.
+            // SAFETY: the processor supports AVX-512, as checked above.
             return unsafe { rotate_avx512(self, block, height) };
         } else if std::arch::is_x86_feature_detected!("avx2") {
-            // SAFETY: as above.
+            // SAFETY: the processor supports AVX2, as checked above.
             return unsafe { rotate_avx2(self, block, height) };
         }
         self.rotate(block, height);
@@ -105,7 +107,7 @@ impl Triangle {
             }
             let diagonal = self.r[k * stride + k];
             let norm = diagonal.hypot(below.sqrt());
-            // The sign that cannot cancel.
+            // The sign that avoids cancellation.
             let reflected = if diagonal > 0.0 { -norm } else { norm };
             let top = diagonal - reflected;
             let scale = -1.0 / (reflected * top);
@@ -122,25 +124,25 @@ impl Triangle {
     }
 }
 
-/// The same operations in the same order, so the same bits, eight at a time.
+/// The same operations in the same order, eight at a time: the results are identical bit by bit.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f")]
 fn rotate_avx512(triangle: &mut Triangle, block: &mut [f64], height: usize) {
     triangle.rotate(block, height);
 }
 
-/// The same operations in the same order, so the same bits, four at a time.
+/// The same operations in the same order, four at a time: the results are identical bit by bit.
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn rotate_avx2(triangle: &mut Triangle, block: &mut [f64], height: usize) {
     triangle.rotate(block, height);
 }
 
-/// Solves min ‖target − Xθ‖ where columns and target (last) are column-major with these heights below which they are
-/// zero; heights never fall. Gives the residual sum and leaves θ at the head of the target column.
+/// Solves min ‖target − Xθ‖. Columns and target (last) are column-major; each column is zero below its height, and the
+/// heights do not decrease. Returns the residual sum of squares and writes θ to the head of the target column.
 ///
 /// # Errors
-/// The first column that depends on those before it: a diagonal below `dependent` of the column's norm.
+/// The first column that depends linearly on the columns before it: its diagonal is below `dependent` times its norm.
 pub(crate) fn solve_staircase(
     columns: &mut [f64],
     stride: usize,
@@ -154,7 +156,7 @@ pub(crate) fn solve_staircase(
         let before: f64 = head.iter().map(|x| x * x).sum();
         let below: f64 = head[k..].iter().map(|x| x * x).sum();
         let norm = below.sqrt();
-        // Reflections before this one kept the column's norm.
+        // The previous reflections preserved the norm of the column.
         if norm < dependent * before.sqrt() || norm == 0.0 || norm.is_nan() {
             return Err(k);
         }
@@ -192,7 +194,7 @@ fn substitute(r: &[f64], stride: usize, right: &mut [f64]) {
 mod tests {
     use super::*;
 
-    /// θ = (2, −1) exactly, in blocks of different heights.
+    /// The solution is θ = (2, −1) exactly; the blocks have different heights.
     #[test]
     fn blocks_give_the_solution_of_the_whole() {
         let x = [[1.0, 2.0], [3.0, -1.0], [0.5, 4.0], [2.0, 2.0], [-1.0, 0.25]];

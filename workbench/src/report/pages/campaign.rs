@@ -1,4 +1,4 @@
-//! A campaign's findings enter, one page with tables and plots leaves.
+//! One page with the tables and plots of a campaign.
 
 use crate::report::page::{Page, or_reason, paragraph};
 use crate::report::palette::{Color, Marker};
@@ -32,7 +32,7 @@ pub fn page(findings: &Findings) -> String {
     page.render()
 }
 
-/// Figures of several sizes of a defect as lines over the size; nothing where there are none.
+/// Rates of several sizes of a defect as lines over the size; an empty string if there are none.
 fn sizes(name: &str, figures: &[&Figure]) -> String {
     let mut series: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
     for figure in figures {
@@ -48,7 +48,7 @@ fn sizes(name: &str, figures: &[&Figure]) -> String {
             None => series.push((line, vec![point])),
         }
     }
-    // One size alone is no line.
+    // A single size makes no line.
     series.retain(|(_, points)| points.iter().any(|(size, _)| (size - points[0].0).abs() > 0.0));
     if series.is_empty() {
         return String::new();

@@ -10,10 +10,10 @@ use crate::report::{Class, Color, Page};
 use crate::study::demo::{self, Draw, Row, Settings};
 use crate::trace::Trace;
 
-/// The page.
+/// Creates the page.
 ///
 /// # Errors
-/// Where the model does not embed.
+/// Returns an error if the model cannot be embedded.
 pub fn page(settings: &Settings, first: &Draw, rows: &[Row]) -> Result<String, Error> {
     let classes = demo::class_names();
     let Settings { repetitions, traces, seed } = *settings;
@@ -66,7 +66,7 @@ fn signals(classes: &[String], examples: &[(&Trace, usize)]) -> String {
     or_reason(plot::signals("One held-out trace of each class", "time / s", &panels))
 }
 
-/// The posterior the detector would give if the segment ended at each time.
+/// The posterior that the detector would compute if the segment ended at each time.
 fn filling(first: &Draw, examples: &[(&Trace, usize)]) -> Result<String, Error> {
     const STEP: usize = 50;
     let classes = Class::all(&demo::class_names());

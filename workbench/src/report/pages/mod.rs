@@ -1,4 +1,4 @@
-//! The pages: results of a command enter, sections or a whole page leave.
+//! The pages: each function converts the results of a command to sections or a whole page.
 
 pub mod campaign;
 pub mod demo;

@@ -1,4 +1,4 @@
-//! The parts of a report that speak of a trained model.
+//! Sections of a report on a trained model.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
@@ -14,21 +14,21 @@ use crate::trace::{Channels, Trace};
 use crate::train::statistics::whitening;
 use crate::train::{ClassStatistics, Ranking, Scores, Trained};
 
-/// What is known of a model's worth.
+/// Available results on the quality of a model.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Worth<'a> {
-    /// Held-out traces through the embedded detector.
+    /// Results of the embedded detector on held-out traces.
     pub held_out: Option<(&'a Confusion, &'a [TraceVerdict], &'a Scores)>,
-    /// Cross-validated on the training segments, or why not.
+    /// Cross-validated scores on the training segments, or the error.
     pub cross_validated: Option<Result<&'a Scores, &'a Error>>,
-    /// Of its features.
+    /// Ranking of the features.
     pub ranking: Option<&'a Ranking>,
 }
 
-/// Page of one training: signals, features with decision regions, and what the model is worth.
+/// Page of a training: signals, features with decision regions, and the quality of the model.
 ///
 /// # Errors
-/// Where the model does not embed.
+/// Returns an error if the model cannot be embedded.
 pub fn training(
     trained: &Trained,
     channels: &Channels,
@@ -87,10 +87,10 @@ pub fn signals(trained: &Trained, channels: &Channels, examples: &[(&Trace, usiz
     or_reason(plot::signals("Signals as identified", if timed { "time / s" } else { "sample" }, &panels))
 }
 
-/// Training and held-out traces in the plane in which the classes lie furthest apart, over the decisions there.
+/// Training and held-out traces in the plane in which the classes are farthest apart, with the decision regions.
 ///
 /// # Errors
-/// Where the model does not embed.
+/// Returns an error if the model cannot be embedded.
 pub fn scatter(trained: &Trained, held_out: &[TraceVerdict]) -> Result<String, Error> {
     let model = trained.embed()?;
     let Some(plane) = Plane::new(trained) else {
@@ -121,7 +121,7 @@ pub fn scatter(trained: &Trained, held_out: &[TraceVerdict]) -> Result<String, E
     Ok(plot + &paragraph(&note))
 }
 
-/// Each feature's normal density in every class, from the training segments.
+/// Normal density of each feature in every class, from the training segments.
 #[must_use]
 pub fn distributions(trained: &Trained) -> String {
     let classes = Class::all(&trained.classes);
@@ -142,7 +142,7 @@ fn decide(model: &Embedded, plane: &Plane, x: f64, y: f64, undetermined: usize) 
     model.decide_at(&z).unwrap_or(undetermined)
 }
 
-/// Projected coordinates of what the detector estimated.
+/// Projected coordinates of the features that the detector estimated.
 fn coordinates(trained: &Trained, segment: &SegmentReport) -> DVector<f64> {
     let variance = f64::from(segment.variance.max(f32::MIN_POSITIVE));
     let own = segment.raw.iter().map(|x| f64::from(*x)).chain([variance.ln()]);
@@ -153,7 +153,7 @@ fn coordinates(trained: &Trained, segment: &SegmentReport) -> DVector<f64> {
     trained.projection.apply(&DVector::from_vec(chosen))
 }
 
-/// Counts and rates.
+/// Table of the counts, and rates.
 #[must_use]
 pub fn confusion_html(confusion: &Confusion) -> String {
     let n = confusion.classes.len();
@@ -177,7 +177,7 @@ pub fn confusion_html(confusion: &Confusion) -> String {
     or_reason(confusion_table(&confusion.classes, &rows)) + &paragraph(&summary)
 }
 
-/// Posterior of every segment, the traces laid one after the other.
+/// Posterior of every segment, with the traces one after the other.
 #[must_use]
 pub fn posteriors_by_trace(classes: &[String], verdicts: &[TraceVerdict]) -> String {
     let mut segments = Vec::new();
@@ -210,7 +210,7 @@ fn feature_table(trained: &Trained) -> String {
         + &table(&header, &rows)
 }
 
-/// Two digits of the deviation, and the mean to the same place.
+/// Standard deviation with two digits, and the mean with the same number of decimals.
 fn mean_sd(mean: f64, sd: f64) -> String {
     let place = sd.log10().floor();
     let text = if (-6.0..5.0).contains(&place) {
@@ -224,10 +224,11 @@ fn mean_sd(mean: f64, sd: f64) -> String {
 }
 
 /// The plane through the grand mean, in whitened coordinates, along the directions that separate the class means
-/// most; where there are only two classes, the second direction is that of the largest spread across the first.
+/// most; with only two classes, the second direction is that of the largest variance orthogonal to the first.
 ///
-/// Points off the plane are taken to their conditional mean, so for a linear discriminant of up to three classes the
-/// regions drawn are exactly those decided by. With one coordinate the second axis only spreads the points out.
+/// Points outside the plane are replaced by their conditional mean. For a linear discriminant of up to three classes
+/// the drawn regions are therefore exactly the decision regions. With one coordinate the second axis only spreads the
+/// points.
 #[derive(Clone, Debug)]
 struct Plane {
     centre: DVector<f64>,
@@ -276,6 +277,6 @@ impl Plane {
 fn leading(matrix: &DMatrix<f64>) -> DVector<f64> {
     let eigen = SymmetricEigen::new(matrix.clone());
     let vector = eigen.eigenvectors.column(eigen.eigenvalues.imax()).into_owned();
-    // A fixed sign, so that a retrained model is drawn the same way round.
+    // The sign is fixed, so that a retrained model is drawn with the same orientation.
     if vector[vector.iamax()] < 0.0 { -vector } else { vector }
 }

@@ -1,4 +1,4 @@
-//! A search enters, its figures and tables leave as sections of a page.
+//! Sections of a page with the figures and tables of a structure search.
 
 use crate::identify::Structure;
 use crate::report::page::{or_reason, paragraph};
@@ -7,17 +7,17 @@ use crate::report::table::table;
 use crate::report::{Color, Marker, Page};
 use crate::structure::{Candidate, Search};
 
-/// Rows of the table of the best.
+/// Number of rows in the table of the best structures.
 const TOP: usize = 20;
 
-/// `2,2,2,1,1`, with `+offset` where there is a constant term.
+/// The structure as `2,2,2,1,1`, with `+offset` if there is a constant term.
 #[must_use]
 pub fn name(structure: Structure) -> String {
     let numbers = structure.orders().map(|n| n.to_string()).join(",");
     if structure.offset { numbers + " + offset" } else { numbers }
 }
 
-/// The page of a search: best per number of parameters, criteria, the best structures, and the user's pick.
+/// The page of a search: best per number of parameters, criteria, the best structures, and the user's choice.
 #[must_use]
 pub fn page(title: &str, lead: &str, search: &Search, pick: Option<&Candidate>) -> Page {
     let counted = search.best_by_count();

@@ -9,7 +9,7 @@ use crate::study::tables::render::written;
 use crate::study::tables::result::{Figure, Plane, PlaneClass, Spread};
 use crate::study::tables::{Settings, Table};
 
-/// The page.
+/// Creates the page.
 #[must_use]
 pub fn page(settings: &Settings, intro: &[String], tables: &[Table]) -> String {
     let lead = format!(
@@ -33,7 +33,7 @@ fn section(one: &Table) -> String {
     paragraph(&one.conditions) + &table::table(&head, &rows) + &words + &figures
 }
 
-/// A minus sign and no-break spaces keep numbers and order vectors on one line.
+/// Minus signs and no-break spaces keep numbers and order vectors on one line.
 fn cells(mut row: Vec<String>) -> Vec<String> {
     if let Some((before, rest)) = row[0].split_once('[')
         && let Some((order, after)) = rest.split_once(']')

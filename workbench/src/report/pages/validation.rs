@@ -1,4 +1,4 @@
-//! Validated estimates enter, their page leaves.
+//! The page of validated estimates.
 
 use crate::identify::{Estimate, Structure, Terms};
 use crate::report::page::{or_reason, paragraph};
@@ -13,18 +13,18 @@ use crate::validate::{Correlation, REGION_SIGMAS, Test, Validation};
 /// Two-sided 95 % quantile of the standard normal distribution.
 const NORMAL_95: f64 = 1.959_964;
 
-/// A trace, its model, and what the tests of the model found.
+/// A trace, its model, and the results of the tests of the model.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// The trace, as estimated from.
+    /// The trace from which the model was estimated.
     pub trace: Trace,
-    /// Its model.
+    /// The model.
     pub estimate: Estimate,
-    /// The tests.
+    /// Results of the tests.
     pub found: Validation,
 }
 
-/// The page: a table of all traces, and every plot of the first.
+/// The page: a table of all traces, and all plots of the first trace.
 #[must_use]
 pub fn page(lead: &str, outcomes: &[Outcome]) -> String {
     let first = &outcomes[0];
@@ -108,7 +108,7 @@ fn correlations(title: &str, panels: &[(&str, &Correlation)]) -> Result<String, 
     plot::correlations(title, "99 % band of a true model", &panels.iter().map(panel).collect::<Vec<_>>())
 }
 
-/// The figure by which an order is judged: the map, and both cross-correlations.
+/// The figure for the choice of the order: the pole-zero map and both cross-correlations.
 fn order_figure(found: &Validation) -> String {
     let map = &found.map;
     let group = |name: &str, index: usize, poles: bool, roots: &[Root]| {
@@ -134,7 +134,7 @@ fn order_figure(found: &Validation) -> String {
         )
 }
 
-/// What the overlapping regions say.
+/// Text on overlapping confidence regions.
 #[must_use]
 pub fn cancellation(found: &Validation) -> String {
     let map = &found.map;
@@ -258,7 +258,7 @@ fn frequencies(trace: &Trace, estimate: &Estimate) -> String {
         let magnitude: Vec<_> = found.iter().map(|f| (f.omega * per_rad, f.magnitude_db)).collect();
         let mut phase: Vec<_> = found.iter().map(|f| (f.omega * per_rad, f.phase_deg)).collect();
         for k in 1..phase.len() {
-            // Continuous from low frequency on, without jumps of a turn.
+            // The phase is continuous from low frequency on, without jumps of 360°.
             let turns = ((phase[k].1.value - phase[k - 1].1.value) / 360.0).round();
             phase[k].1.value -= 360.0 * turns;
         }

@@ -1,4 +1,4 @@
-//! What a model is worth: scores and calibration of its posteriors, the ranking of its features, its shrinkage.
+//! Quality of a model: scores and calibration of its posteriors, ranking of its features, shrinkage.
 
 use crate::report::Class;
 use crate::report::page::{or_reason, paragraph};
@@ -6,7 +6,7 @@ use crate::report::plot::{self, ReliabilityBin, ReliabilityClass};
 use crate::report::table::table;
 use crate::train::{Choice, Gain, Ranked, Ranking, Scores};
 
-/// A reliability plot and a table of scores beside those of the priors; `counted` says what is counted.
+/// A reliability plot and a table of the scores compared with those of the priors; `counted` names the counted items.
 #[must_use]
 pub fn calibration(classes: &[String], scores: &Scores, counted: &str) -> String {
     let bins = |k: usize| {
@@ -45,12 +45,12 @@ pub fn calibration(classes: &[String], scores: &Scores, counted: &str) -> String
     plot + &table(&header, &rows) + &paragraph(&note)
 }
 
-/// The features from the first to keep to the first to drop, with reasons.
+/// The features in order, from the first to keep to the first to drop, with reasons.
 #[must_use]
 pub fn ranking(ranking: &Ranking) -> String {
     let classes = &ranking.classes;
     let pairs = (0..classes.len()).flat_map(|i| (i + 1..classes.len()).map(move |j| (i, j)));
-    // Of two classes the pair is the whole.
+    // With two classes there is only one pair, which equals the total.
     let pairs: Vec<String> = if classes.len() > 2 {
         pairs.map(|(i, j)| format!("{} / {}", classes[i], classes[j])).collect()
     } else {
@@ -83,7 +83,7 @@ fn gain(gain: &Gain) -> String {
     format!("{sign}{:.3}\u{a0}±\u{a0}{:.3}", gain.log.abs(), gain.standard_error)
 }
 
-/// The grid of cross-validated log scores with the choice marked.
+/// The grid of cross-validated log scores with the chosen value marked.
 #[must_use]
 pub fn shrinkage(choice: &Choice) -> String {
     let mut gammas: Vec<f64> = choice.grid.iter().map(|p| p.shrinkage.gamma).collect();

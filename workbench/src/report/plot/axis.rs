@@ -1,6 +1,6 @@
-//! The range of the data enters, an axis with round tick values and short labels leaves.
+//! Axis with round tick values and short labels, computed from the range of the data.
 //!
-//! Labels of very large or small values share one power of ten, which stands in the axis title:
+//! Labels of very large or small values share one power of ten, which is written in the axis title:
 //!
 //! ```text
 //! tick = label · 10^(3k)        0 ≤ k chosen when |tick| ≥ 10⁵ or |tick| < 10⁻²
@@ -8,11 +8,11 @@
 //! ```
 
 /// Width of a label's character and height of a label at the larger of the two text sizes of the style sheet
-/// (phone), in drawing units. Room is reserved for these, so that labels fit at every page width.
+/// (phone), in drawing units. This space is reserved, so that labels fit at every page width.
 pub(super) const CHAR_WIDTH: f64 = 11.0;
 pub(super) const LABEL_HEIGHT: f64 = 22.0;
 
-/// Finite, and small enough that a range of such values does not overflow.
+/// Whether the value is finite and small enough that a range of these values does not overflow.
 pub(super) fn usable(value: f64) -> bool {
     value.abs() < 1e150
 }
@@ -25,15 +25,15 @@ pub(super) struct Range {
 }
 
 impl Range {
-    /// The extent of the usable values; `None` without any.
+    /// The range of the usable values; `None` if there are none.
     pub(super) fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         values.into_iter().filter(|&v| usable(v)).fold(None, |range: Option<Self>, v| {
             Some(range.map_or(Self { lo: v, hi: v }, |r| Self { lo: r.lo.min(v), hi: r.hi.max(v) }))
         })
     }
 
-    /// Like [`Range::of`], but single far outliers do not stretch it: at most 40 % of the
-    /// width of the central 96 % is added on either side, which normally distributed points stay within.
+    /// Like [`Range::of`], but a few outliers do not widen it: at most 40 % of the width of the central 96 % is added
+    /// on either side. Normally distributed points normally lie within this range.
     pub(super) fn robust(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut sorted: Vec<f64> = values.into_iter().filter(|&v| usable(v)).collect();
         sorted.sort_by(f64::total_cmp);
@@ -41,7 +41,7 @@ impl Range {
         let skipped = sorted.len() / 50;
         let (low, high) = (sorted[skipped], sorted[sorted.len() - 1 - skipped]);
         let width = high - low;
-        // When nearly all values are equal the central width says nothing about the rest.
+        // If nearly all values are equal, the central width is zero and the full range is used.
         if width > 0.0 {
             Some(Self { lo: lo.max(low - 0.4 * width), hi: hi.min(high + 0.4 * width) })
         } else {
@@ -49,7 +49,7 @@ impl Range {
         }
     }
 
-    /// Widens by a share of the width on both sides; a range without width gets one.
+    /// Widens the range by a share of its width on both sides; a range of zero width is widened by 10 % of its value.
     pub(super) fn padded(self, share: f64) -> Self {
         let size = self.lo.abs().max(self.hi.abs());
         let width = self.hi - self.lo;
@@ -75,13 +75,13 @@ pub(super) struct Axis {
     pub(super) ticks: Vec<f64>,
     exponent: i32,
     decimals: usize,
-    /// Values are decimal logarithms of what the labels say.
+    /// If true, values are decimal logarithms of the labelled values.
     logarithmic: bool,
 }
 
 impl Axis {
-    /// A horizontal axis whose values are decimal logarithms, with the powers of ten labelled, over few decades also
-    /// their doubles and fivefolds.
+    /// A horizontal axis whose values are decimal logarithms. The ticks are the powers of ten; over few decades also
+    /// 2 and 5 times these powers.
     pub(super) fn decades(range: Range, left: f64, right: f64) -> Self {
         let steps: &[f64] = if range.hi - range.lo > 2.5 { &[1.0] } else { &[1.0, 2.0, 5.0] };
         let (first, last) = (floor_to_i32(range.lo), floor_to_i32(range.hi));
@@ -90,7 +90,7 @@ impl Axis {
         Self { range, from: left, to: right, ticks, exponent: 0, decimals: 0, logarithmic: true }
     }
 
-    /// A horizontal axis: as many ticks as labels fit side by side.
+    /// A horizontal axis with the largest number of ticks whose labels fit side by side.
     pub(super) fn horizontal(range: Range, left: f64, right: f64) -> Self {
         let room = |axis: &Self| {
             let spacing = (right - left) * axis.step() / (range.hi - range.lo);
@@ -103,11 +103,11 @@ impl Axis {
             .unwrap_or_else(|| Self::new(range, left, right, 2))
     }
 
-    /// A vertical axis: up the page is up in value.
+    /// A vertical axis; values increase upwards.
     pub(super) fn vertical(range: Range, top: f64, bottom: f64) -> Self {
         let fits = ((bottom - top) / (1.3 * LABEL_HEIGHT)).floor();
         let count = (2..=8u8).rev().find(|&n| f64::from(n) <= fits).unwrap_or(2);
-        // A low panel may fall between two round steps and show one tick only: then rather a tight scale than none.
+        // A low panel may contain only one tick between two round steps: then a smaller step is tried.
         let finer = (count..=count + 3).map(|count| Self::new(range, bottom, top, count));
         finer.into_iter().find(|axis| axis.ticks.len() > 1).unwrap_or_else(|| Self::new(range, bottom, top, count))
     }
@@ -128,7 +128,7 @@ impl Axis {
         Self { range, from, to, ticks, exponent, decimals: usize::try_from(decimals).unwrap_or(0), logarithmic: false }
     }
 
-    /// The same without ticks below zero, where something else than values is drawn.
+    /// The same axis without ticks below zero, because other marks are drawn there.
     pub(super) fn above_zero(mut self) -> Self {
         self.ticks.retain(|&tick| tick >= 0.0);
         self
@@ -156,10 +156,10 @@ impl Axis {
         self.range.lo + (position - self.from) / (self.to - self.from) * (self.range.hi - self.range.lo)
     }
 
-    /// The text beside a tick, with a true minus sign.
+    /// The text of a tick label, with a typographic minus sign.
     pub(super) fn label(&self, tick: f64) -> String {
         if self.logarithmic {
-            // Two digits tell 1, 2 and 5 times a power of ten.
+            // Two digits suffice for 1, 2 and 5 times a power of ten.
             let decimals = usize::try_from(1 - floor_to_i32(tick + 1e-9)).unwrap_or(0);
             let text = format!("{:.decimals$}", 10f64.powf(tick));
             let short = text.trim_end_matches('0').trim_end_matches('.');
@@ -168,14 +168,14 @@ impl Axis {
         let scaled = tick / 10f64.powi(self.exponent);
         let text = format!("{scaled:.*}", self.decimals);
         match text.strip_prefix('-') {
-            // "-0.0" is zero that rounding left a sign.
+            // Rounding may leave "-0.0": omit its sign.
             Some(rest) if rest.chars().all(|c| c == '0' || c == '.') => rest.to_owned(),
             Some(rest) => format!("−{rest}"),
             None => text,
         }
     }
 
-    /// Room the widest label needs.
+    /// Width of the widest label.
     pub(super) fn label_width(&self) -> f64 {
         let longest = self.ticks.iter().map(|&t| self.label(t).chars().count()).max().unwrap_or(0);
         CHAR_WIDTH * f64::from(u16::try_from(longest).unwrap_or(u16::MAX))
@@ -191,14 +191,14 @@ impl Axis {
             '1' => '¹',
             '2' => '²',
             '3' => '³',
-            // The other superscripts follow each other in Unicode from ⁰.
+            // The other superscripts are consecutive in Unicode, starting at ⁰.
             c => char::from_u32(0x2070 + c as u32 - '0' as u32).unwrap_or(c),
         };
         format!("{title}  (×10{})", self.exponent.to_string().chars().map(digit).collect::<String>())
     }
 }
 
-/// The smallest of 1, 2, 5 times a power of ten that is not below `raw`.
+/// The smallest of 1, 2, 5 and 10 times a power of ten that is not below `raw`.
 fn nice_step(raw: f64) -> f64 {
     let power = 10f64.powf(raw.log10().floor());
     let factor = [1.0, 2.0, 5.0].into_iter().find(|f| f * power >= raw * (1.0 - 1e-9)).unwrap_or(10.0);

@@ -1,4 +1,4 @@
-//! Correlations over lags with the bounds of a true model enter, stacked stem plots with their bands leave.
+//! Stem plots of correlations over lags, stacked, with the bounds that hold for a correct model.
 
 use std::fmt::Write as _;
 
@@ -9,14 +9,14 @@ use super::svg::{Svg, num, polyline};
 
 const HEIGHT: f64 = 150.0;
 
-/// One lag.
+/// Correlation at one lag.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lag {
-    /// Samples.
+    /// Lag in samples.
     pub lag: i64,
     /// Correlation.
     pub value: f64,
-    /// Bound of its magnitude.
+    /// Bound of the magnitude of the correlation.
     pub bound: f64,
 }
 
@@ -25,11 +25,11 @@ pub struct Lag {
 pub struct CorrelationPanel {
     /// Title of the vertical axis.
     pub label: String,
-    /// In ascending order.
+    /// Lags in ascending order.
     pub lags: Vec<Lag>,
 }
 
-/// Stem plots over one axis of lags; stems beyond their bound stand out.
+/// Stem plots over a common axis of lags; stems beyond their bound are highlighted.
 ///
 /// # Errors
 /// [`ReportError::Empty`] without a finite lag.
@@ -39,7 +39,7 @@ pub fn correlations(title: &str, band: &str, panels: &[CorrelationPanel]) -> Res
     let empty = || ReportError::Empty { title: title.to_owned() };
     let span = Range::of(all.clone().filter(finite).map(|lag| lag.lag as f64)).ok_or_else(empty)?;
     let span = Range { lo: span.lo - 0.7, hi: span.hi + 0.7 };
-    // One scale for all panels: which input is worse should meet the eye.
+    // All panels have the same scale, so that their correlations can be compared.
     let most = all.clone().filter(finite).map(|lag| lag.value.abs().max(lag.bound)).fold(1e-6, f64::max);
     let scale = Range { lo: -most, hi: most }.padded(0.06);
     let area = Area::new(0.0, HEIGHT);
@@ -63,7 +63,7 @@ pub fn correlations(title: &str, band: &str, panels: &[CorrelationPanel]) -> Res
 }
 
 fn draw(svg: &mut Svg, lags: &[Lag], area: Area, x: &Axis, y: &Axis) {
-    // The bound holds for a lag, so the band is a stair with a step around each.
+    // The bound is defined at each lag, so the band is a step function with one step around each lag.
     let edge = |lag: &Lag, side: f64, sign: f64| (x.at(lag.lag as f64 + side), y.at(sign * lag.bound));
     let upper = lags.iter().flat_map(|lag| [edge(lag, -0.5, 1.0), edge(lag, 0.5, 1.0)]);
     let lower = lags.iter().rev().flat_map(|lag| [edge(lag, 0.5, -1.0), edge(lag, -0.5, -1.0)]);
@@ -72,7 +72,7 @@ fn draw(svg: &mut Svg, lags: &[Lag], area: Area, x: &Axis, y: &Axis) {
     let [mut within, mut outside] = [String::new(), String::new()];
     for lag in lags {
         let stems = if lag.value.abs() > lag.bound { &mut outside } else { &mut within };
-        // A String never refuses a write.
+        // Writing to a String cannot fail.
         let _ = write!(stems, "M{} {}V{}", num(x.at(lag.lag as f64)), num(y.at(0.0)), num(y.at(lag.value)));
     }
     svg.path("class=\"stem\"", &within);

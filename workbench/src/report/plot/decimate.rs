@@ -1,12 +1,12 @@
-//! A long series enters, one that looks the same at the plot's width leaves.
+//! Reduces a long series to one that looks the same at the width of the plot.
 //!
-//! Neighbouring points that fall into the same pixel column are replaced by the lowest and the highest of them, in
+//! Neighbouring points in the same pixel column are replaced by the lowest and the highest of them, in
 //! their original order. The line covers the same pixels to within one column, and no peak is lost, however
-//! narrow: a mean or every n-th point would hide exactly the spikes a bearing fault makes.
+//! narrow: a mean or every n-th point would hide the narrow peaks that a bearing fault causes.
 
 use super::axis::usable;
 
-/// Splits `points` where a coordinate is not finite, and thins each run to at most two points per column
+/// Splits `points` at non-finite coordinates, and reduces each run to at most two points per column
 /// (plus its first and last point).
 pub(super) fn runs(points: &[(f64, f64)], x_lo: f64, x_hi: f64, columns: f64) -> Vec<Vec<(f64, f64)>> {
     let column = |x: f64| ((x - x_lo) / (x_hi - x_lo) * columns).floor();
@@ -24,7 +24,7 @@ pub(super) fn runs(points: &[(f64, f64)], x_lo: f64, x_hi: f64, columns: f64) ->
         .collect()
 }
 
-/// Appends the lowest and the highest point of a column; two points or fewer as they are.
+/// Appends the lowest and the highest point of a column; one or two points are appended unchanged.
 fn push_extremes(kept: &mut Vec<(f64, f64)>, group: &[(f64, f64)]) {
     if group.len() <= 2 {
         kept.extend_from_slice(group);
@@ -45,7 +45,7 @@ fn push_extremes(kept: &mut Vec<(f64, f64)>, group: &[(f64, f64)]) {
     }
 }
 
-/// The line must begin and end where the data does.
+/// The line must begin and end with the first and the last data point.
 fn keep_ends(kept: &mut Vec<(f64, f64)>, run: &[(f64, f64)]) {
     if let (Some(&first), Some(&last)) = (run.first(), run.last()) {
         if kept.first() != Some(&first) {

@@ -1,4 +1,4 @@
-//! The spread of one feature in each class enters, normal densities with the samples below leave.
+//! Normal densities of one feature in each class, with the samples below.
 //!
 //! ```text
 //! p(x) = exp(−(x − μ)²/2σ²) / (σ √2π)        σ: the *standard deviation* of the samples, N − 1
@@ -15,7 +15,7 @@ use super::svg::{Svg, markers};
 
 const HEIGHT: f64 = 280.0;
 
-/// A class with its samples of the feature.
+/// A class and its samples of the feature.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Density {
     /// Name, colour and marker.
@@ -25,7 +25,7 @@ pub struct Density {
 }
 
 impl Density {
-    /// Mean and standard deviation of the finite samples; nothing below two, or where all are equal.
+    /// Mean and standard deviation of the finite samples; `None` for fewer than two samples or if all are equal.
     #[must_use]
     pub fn moments(&self) -> Option<(f64, f64)> {
         let finite: Vec<f64> = self.samples.iter().copied().filter(|&x| usable(x)).collect();
@@ -39,7 +39,7 @@ impl Density {
 /// Normal densities over ± 3.5 standard deviations, each with its samples as marks below the axis.
 ///
 /// # Errors
-/// [`ReportError::Empty`] where no class has two different finite samples.
+/// [`ReportError::Empty`] if no class has two different finite samples.
 pub fn densities(title: &str, feature: &str, classes: &[Density]) -> Result<String, ReportError> {
     const POINTS: i32 = 100;
     let known: Vec<(&Density, f64, f64)> =
@@ -59,7 +59,7 @@ pub fn densities(title: &str, feature: &str, classes: &[Density]) -> Result<Stri
     let samples = known.iter().flat_map(|(one, _, _)| one.samples.iter().copied());
     let across = Range::of(samples.clone().chain(series.iter().flat_map(|s| s.points.iter().map(|p| p.0))));
     let across = across.filter(|_| peak > 0.0).ok_or_else(|| ReportError::Empty { title: title.to_owned() })?;
-    // Samples lie below zero, a row a class.
+    // Samples are drawn below zero, one row per class.
     let row = 0.07 * peak;
     let up = Range { lo: -row * (known.len() as f64 + 0.5), hi: 1.05 * peak };
     let area = Area::new(0.0, HEIGHT);
@@ -82,7 +82,7 @@ pub fn densities(title: &str, feature: &str, classes: &[Density]) -> Result<Stri
     Ok(figure(title, &format!("{head}{drawing}{}", x_title(&x.title(feature))), &gap_note(missing)))
 }
 
-/// Mean and standard deviation to two digits of the latter.
+/// Mean and standard deviation, rounded to two digits of the standard deviation.
 fn with_sd(mean: f64, sd: f64) -> String {
     let magnitude = sd.log10().floor();
     let decimals = (0..=12).find(|&d| f64::from(d) >= 1.0 - magnitude).unwrap_or(12);
@@ -102,7 +102,7 @@ mod tests {
         assert_eq!(one.moments(), Some((10.0, 2.0)));
         let html = densities("t", "a1", &[one]).expect("two samples");
         assert_eq!(check(&html), Ok(()));
-        // ± 3.5 sd: from 3 to 17; a variance in its place would reach from −4 to 24.
+        // ± 3.5 standard deviations is 3 to 17; with the variance instead it would be −4 to 24.
         assert!(
             html.contains("&lt;a&gt;: 10.0 ± 2.0 (sd)") && html.contains(">16</text>") && !html.contains(">18</text>")
         );

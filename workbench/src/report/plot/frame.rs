@@ -1,4 +1,4 @@
-//! What all plots share: the figure around the drawing, its legend, and the grid with tick labels.
+//! Common parts of all plots: the figure around the drawing, its legend, and the grid with tick labels.
 
 use std::fmt::Write as _;
 
@@ -9,11 +9,11 @@ use super::svg::{Anchor, Svg, hatch, markers, num};
 
 /// Width of every drawing, in drawing units.
 pub(super) const WIDTH: f64 = 760.0;
-/// Room above a drawing for the upper half of the topmost tick label.
+/// Space above a drawing for the upper half of the topmost tick label.
 pub(super) const TOP: f64 = 0.5 * LABEL_HEIGHT;
-/// Room below a drawing for the horizontal axis' tick labels.
+/// Space below a drawing for the tick labels of the horizontal axis.
 pub(super) const BOTTOM: f64 = LABEL_HEIGHT + 11.0;
-/// Room to the right for half of the last tick label.
+/// Space to the right for half of the last tick label.
 pub(super) const RIGHT: f64 = 26.0;
 
 /// The plot's inner rectangle, in drawing units.
@@ -26,13 +26,13 @@ pub(super) struct Area {
 }
 
 impl Area {
-    /// A rectangle of the given height at the top, with room for tick labels of the given width to its left.
+    /// A rectangle of the given height at the top, with space for tick labels of the given width to its left.
     pub(super) fn new(label_width: f64, height: f64) -> Self {
         Self { left: (label_width + 12.0).max(56.0), top: TOP, right: WIDTH - RIGHT, bottom: TOP + height }
     }
 }
 
-/// Draws grid lines and tick labels; the horizontal axis' labels only where `x_labels` asks for them.
+/// Draws grid lines and tick labels; the labels of the horizontal axis only if `x_labels` is true.
 pub(super) fn grid(svg: &mut Svg, area: Area, x: &Axis, y: &Axis, x_labels: bool) {
     let Area { left, top, right, bottom } = area;
     let mut d = String::new();
@@ -64,7 +64,7 @@ pub(super) fn frame(svg: &mut Svg, area: Area) {
     svg.rect("class=\"frame\"", left, top, right - left, bottom - top);
 }
 
-/// What stands before a legend entry.
+/// Symbol of a legend entry.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Key {
     Line {
@@ -75,9 +75,9 @@ pub(super) enum Key {
     /// A filled marker on the tint of its region.
     Region(Color, Marker),
     Area(Color),
-    /// The band of a correlation.
+    /// Limits of a correlation.
     Limits,
-    /// A lag outside of it.
+    /// A lag outside the limits.
     Out,
     /// A pole.
     Cross(Color),
@@ -126,7 +126,7 @@ impl Key {
     }
 }
 
-/// Steps of the ring around a misjudged point, relative to its centre.
+/// Path of the ring around a misclassified point, relative to its centre.
 pub(super) const RING: &str = "m-7.5 0a7.5 7.5 0 1 0 15 0a7.5 7.5 0 1 0-15 0z";
 const RING_AT_KEY: &str = "M13 8m-7 0a7 7 0 1 0 14 0a7 7 0 1 0-14 0z";
 
@@ -134,7 +134,7 @@ pub(super) const fn ring_class(dashed: bool) -> &'static str {
     if dashed { "class=\"ring dashed\"" } else { "class=\"ring\"" }
 }
 
-/// A list of legend entries; empty without any.
+/// A list of legend entries; an empty string without entries.
 pub(super) fn legend(entries: &[(Key, String)]) -> String {
     if entries.is_empty() {
         return String::new();
@@ -157,7 +157,7 @@ pub(super) fn x_title(label: &str) -> String {
     format!("<div class=\"axis x\">{}</div>", escape(label))
 }
 
-/// The complete figure. Notes tell what the drawing leaves out.
+/// The complete figure. The notes describe data that are not drawn.
 pub(super) fn figure(title: &str, body: &str, notes: &[String]) -> String {
     let mut out = format!("<figure><figcaption>{}</figcaption>{body}", escape(title));
     for note in notes {
@@ -167,7 +167,7 @@ pub(super) fn figure(title: &str, body: &str, notes: &[String]) -> String {
     out
 }
 
-/// A note on values that are not finite, if there are any.
+/// A note with the number of non-finite values, if there are any.
 pub(super) fn gap_note(missing: usize) -> Vec<String> {
     match missing {
         0 => Vec::new(),

@@ -1,4 +1,4 @@
-//! Series over any quantity enter, one plot with a legend leaves: rates over severity, learning curves, spectra.
+//! Several series in one plot with a legend: rates over severity, learning curves, spectra.
 
 use super::super::ReportError;
 use super::axis::Axis;
@@ -8,10 +8,10 @@ use super::svg::Svg;
 
 const HEIGHT: f64 = 320.0;
 
-/// A line plot with one vertical axis. The axis titles should name the unit, as in `speed / rad·s⁻¹`.
+/// A line plot with one vertical axis. The axis titles should contain the unit, for example `speed / rad·s⁻¹`.
 ///
 /// # Errors
-/// [`ReportError::Empty`] when no series has a finite point.
+/// [`ReportError::Empty`] if no series has a finite point.
 pub fn lines(title: &str, x_label: &str, y_label: &str, series: &[Series]) -> Result<String, ReportError> {
     let empty = || ReportError::Empty { title: title.to_owned() };
     let x_range = x_range(series.iter()).ok_or_else(empty)?.padded(0.02);

@@ -1,7 +1,7 @@
-//! Plots: data enters, a `<figure>` with a title, a legend and inline SVG leaves.
+//! Plots: each function converts data to a `<figure>` with a title, a legend and inline SVG.
 //!
-//! Titles, axis titles and legends are HTML, so that they wrap and keep their size on a phone; the SVG holds only
-//! what has a position. The SVG is written here rather than by a plotting crate: the figures need style-sheet
+//! Titles, axis titles and legends are HTML, so that they wrap and keep their size on a phone; the SVG contains only
+//! elements with a position. The SVG is written here and not by a plotting crate, because the figures need style-sheet
 //! classes (dark page, print, larger text on a phone), fractions of a unit, hatching and whole series in one path.
 
 mod axis;

@@ -1,8 +1,8 @@
-//! Poles and zeros with the outlines of their regions enter, a map of the z-plane with the unit circle leaves.
+//! Map of poles and zeros in the z-plane, with the outlines of their confidence regions and the unit circle.
 //!
-//! Both axes have one scale, so that the circle is round. Poles are crosses, zeros circles; a region is the ellipse, or
-//! on the real axis the bar, that its outline says. Widely uncertain zeros would shrink all else: the map shows at most
-//! 2.5 around the origin, and counts what lies outside.
+//! Both axes have the same scale, so that the circle is round. Poles are crosses, zeros are circles; a region is the
+//! ellipse given by its outline, or a bar on the real axis. Very uncertain zeros would make the rest of the map too
+//! small: the map is limited to 2.5 around the origin, and the points outside are counted.
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
@@ -23,7 +23,7 @@ const SIZE: f64 = 5.0;
 pub struct MapPoint {
     /// Re and Im.
     pub at: (f64, f64),
-    /// Its region: two ends of an interval, or a closed outline.
+    /// Confidence region: two ends of an interval, or a closed outline.
     pub outline: Vec<(f64, f64)>,
 }
 
@@ -34,13 +34,13 @@ pub struct MapGroup {
     pub name: String,
     /// Colour of points and regions.
     pub color: Color,
-    /// Crosses for poles, else circles for zeros.
+    /// If true, the points are poles (crosses), else zeros (circles).
     pub poles: bool,
-    /// The points.
+    /// Points.
     pub points: Vec<MapPoint>,
 }
 
-/// The map. Groups without points keep their place in the legend, as "none".
+/// The map. Groups without points are listed in the legend as "none".
 ///
 /// # Errors
 /// [`ReportError::Empty`] without a finite point.
@@ -58,7 +58,7 @@ pub fn pole_zero(title: &str, groups: &[MapGroup]) -> Result<String, ReportError
     let (Some(across), Some(up)) = (range(|p| p.0), range(|p| p.1)) else {
         return Err(ReportError::Empty { title: title.to_owned() });
     };
-    // The plane keeps its shape: the height follows from the width, within limits that widen the shorter range.
+    // The aspect ratio is fixed: the height follows from the width; if the height is limited, one range is widened.
     let area = Area::new(50.0, 100.0);
     let width = area.right - area.left;
     let height = (width * (up.hi - up.lo) / (across.hi - across.lo)).clamp(320.0, 520.0);
@@ -98,7 +98,7 @@ pub fn pole_zero(title: &str, groups: &[MapGroup]) -> Result<String, ReportError
     Ok(figure(title, &format!("{}{drawing}{}", panel_head("imaginary part", &keys), x_title("real part")), &notes))
 }
 
-/// Draws one group; returns how many of its points lie outside.
+/// Draws one group; returns the number of its points outside the map.
 fn draw(
     svg: &mut Svg,
     group: &MapGroup,
@@ -110,7 +110,7 @@ fn draw(
     for point in group.points.iter().filter(|p| usable(p.at.0) && usable(p.at.1)) {
         let region: Vec<_> = point.outline.iter().filter(|p| usable(p.0) && usable(p.1)).map(&place).collect();
         if let [(x0, y0), (x1, _)] = region[..] {
-            // A bar with end caps; the axis has no height for an ellipse.
+            // A bar with end caps, because a region on the real axis has no height.
             let (x0, x1) = (x0.max(area.left), x1.min(area.right));
             if x0 < x1 && (area.top..=area.bottom).contains(&y0) {
                 let (x0, x1, y0) = (num(x0), num(x1), num(y0));
@@ -125,7 +125,7 @@ fn draw(
             continue;
         }
         let (x, y) = place(&point.at);
-        // A String never refuses a write.
+        // Writing to a String cannot fail.
         let _ = if group.poles {
             write!(marks, "M{} {}l{2} {2}m0-{2}l-{2} {2}", num(x - SIZE), num(y - SIZE), 2.0 * SIZE)
         } else {
@@ -142,7 +142,7 @@ fn draw(
     outside
 }
 
-/// A closed outline; what leaves the area is drawn along its edge.
+/// A closed outline; parts outside the area are drawn along its edge.
 fn outline(svg: &mut Svg, attributes: &str, points: Vec<(f64, f64)>, area: Area) {
     let clamp = |(x, y): (f64, f64)| (x.clamp(area.left, area.right), y.clamp(area.top, area.bottom));
     if points.len() > 2 {
@@ -166,7 +166,7 @@ mod tests {
         assert_eq!(check(&html), Ok(()));
         let start = html.find("class=\"unit\" d=\"M").expect("the circle");
         let d = html[start..].split('"').nth(3).expect("its path");
-        // Relative steps add up to the extent; both extents must agree to the tenth that coordinates are rounded to.
+        // The sum of relative steps is the extent; both extents must agree within 0.1, the rounding of the coordinates.
         let (mut at, mut low, mut high) = ([0.0_f64; 2], [f64::MAX; 2], [f64::MIN; 2]);
         for step in d.trim_start_matches('M').trim_end_matches('z').split('l') {
             let split = step[1..].find([' ', '-']).map_or(step.len(), |k| k + 1);

@@ -1,11 +1,11 @@
-//! Classified segments of a recording enter, their posteriors stacked over time leave.
+//! Stacked posteriors of the classified segments of a recording over time.
 //!
 //! ```text
-//! true     ▓▓▓▓▓▓▓▓▓▓▓▓▓▓▓▓   the class that was rigged, where known
+//! true     ▓▓▓▓▓▓▓▓▓▓▓▓▓▓▓▓   true class, if known
 //! 1 ┬
 //!   │      ▒▒▒▒▒▒▓▓▓▓▓▓▓▓▓▓   P(class | segment), stacked in the order of the classes
 //! 0 ┴
-//! decided  ▓▓▓▓▓▓╱╱╱╱▓▓▓▓▓▓   what the detector said; undetermined hatched
+//! decided  ▓▓▓▓▓▓╱╱╱╱▓▓▓▓▓▓   decision of the detector; undetermined is hatched
 //! ```
 
 use super::super::ReportError;
@@ -18,28 +18,28 @@ const HEIGHT: f64 = 170.0;
 const STRIP_HEIGHT: f64 = 26.0;
 const STRIP_GAP: f64 = 11.0;
 
-/// One classified stretch of time.
+/// One classified time interval.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Segment {
     /// Start in seconds, or in the unit of the axis title.
     pub start: f64,
     /// End, after `start`.
     pub end: f64,
-    /// Index of the true class, where it is known.
+    /// Index of the true class, if known.
     pub truth: Option<usize>,
-    /// Index of the decided class; `None` is undetermined.
+    /// Index of the decided class; `None` if undetermined.
     pub decided: Option<usize>,
-    /// One probability per class. If one is not finite or is negative, the bar stays empty.
+    /// One probability per class. If one is negative or not finite, the bar stays empty.
     pub posteriors: Vec<f64>,
 }
 
 /// Stacked posteriors over time between a strip of the true classes and a strip of the decisions.
 ///
-/// Segments are drawn in the order given; where one overlaps the next, it ends where that begins.
+/// Segments are drawn in the order given; if one overlaps the next, it is cut at the start of the next.
 ///
 /// # Errors
-/// [`ReportError::NoClasses`], [`ReportError::Empty`] without segments, [`ReportError::Length`],
-/// [`ReportError::ClassIndex`] and [`ReportError::Interval`] for a segment that is not consistent.
+/// [`ReportError::NoClasses`], [`ReportError::Empty`] without segments, and [`ReportError::Length`],
+/// [`ReportError::ClassIndex`] or [`ReportError::Interval`] for an inconsistent segment.
 pub fn posteriors(title: &str, x_label: &str, classes: &[Class], segments: &[Segment]) -> Result<String, ReportError> {
     validate(title, classes, segments)?;
     let empty = || ReportError::Empty { title: title.to_owned() };
@@ -91,7 +91,7 @@ fn validate(title: &str, classes: &[Class], segments: &[Segment]) -> Result<(), 
     Ok(())
 }
 
-/// Start and end of every segment in drawing units, cut where the next segment begins.
+/// Start and end of every segment in drawing units, cut at the start of the next segment.
 fn spans(segments: &[Segment], x: &Axis) -> Vec<(f64, f64)> {
     let next = segments.iter().skip(1).map(|s| s.start).chain([f64::INFINITY]);
     segments
@@ -101,7 +101,7 @@ fn spans(segments: &[Segment], x: &Axis) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Adjoining segments of the same label as one stretch, so that a strip's size follows its changes.
+/// Merges adjacent segments with the same label, so that the size of a strip depends on its number of changes.
 fn runs(
     segments: &[Segment],
     spans: &[(f64, f64)],
@@ -117,8 +117,8 @@ fn runs(
     runs
 }
 
-/// A strip of class colours; a stretch wide enough for it carries the class name. What has no class is hatched
-/// or left blank.
+/// A strip of class colours; an interval that is wide enough contains the class name. Intervals without a class are
+/// hatched or left blank.
 fn draw_strip(
     svg: &mut Svg,
     name: &str,
@@ -146,10 +146,10 @@ fn draw_strip(
     svg.path("class=\"hatch\"", &hatching);
     for (start, end, class) in runs {
         let Some(class) = class.and_then(|class| classes.get(class)) else { continue };
-        // Words are narrower than tick labels, character by character.
+        // The characters of a name are narrower than those of tick labels.
         let width = 0.9 * CHAR_WIDTH * f64::from(u16::try_from(class.name.chars().count()).unwrap_or(u16::MAX));
         let room = end - start - CHAR_WIDTH;
-        // "roomy" names are hidden on a phone, where the text is larger against the drawing.
+        // Names of class "roomy" are hidden on a phone, because the text is larger relative to the drawing there.
         let class_name = match room {
             room if room > width => "on",
             room if room > 0.7 * width => "on roomy",
@@ -160,14 +160,14 @@ fn draw_strip(
     }
 }
 
-/// A stack of bars, drawn by class. Segments that share a pixel are averaged.
+/// Draws a stack of bars, one path per class. Segments within the same pixel are averaged.
 fn draw_bars(svg: &mut Svg, classes: &[Class], segments: &[Segment], spans: &[(f64, f64)], y: &Axis) {
     let bars = bars(segments, spans);
     let mut floor = vec![0.0; bars.len()];
     for (index, class) in classes.iter().enumerate() {
         let mut d = String::new();
         for (bar, floor) in bars.iter().zip(&mut floor) {
-            // More than 1 in total would leave the frame.
+            // A total above 1 would exceed the frame.
             let top = (*floor + bar.posteriors[index]).min(1.0);
             if num(y.at(top)) != num(y.at(*floor)) {
                 d.push_str(&block(bar.start, y.at(*floor), bar.end, y.at(top)));
@@ -176,7 +176,7 @@ fn draw_bars(svg: &mut Svg, classes: &[Class], segments: &[Segment], spans: &[(f
         }
         svg.path(&format!("class=\"area\" fill=\"{}\"", class.color), &d);
     }
-    // Fine gaps tell wide bars apart; between narrow bars they would be all one sees.
+    // Fine gaps separate wide bars; narrow bars have none, because the gaps would cover most of the drawing.
     let gaps = bars.iter().filter(|bar| bar.end - bar.start > 6.0);
     let gaps: String = gaps.map(|bar| format!("M{} {}V{}", num(bar.end), num(y.at(0.0)), num(y.at(1.0)))).collect();
     svg.path("class=\"gap\"", &gaps);

@@ -1,4 +1,4 @@
-//! A decision rule enters, a grid of decisions and its cover by few rectangles leave.
+//! Evaluates a decision rule on a grid and covers the result with few rectangles.
 
 use std::fmt::Write as _;
 
@@ -6,9 +6,9 @@ use super::axis::Axis;
 use super::frame::Area;
 use super::svg::Svg;
 
-/// Edge of a cell in drawing units, finest first. The coarsest keeps even a rule that changes in every cell small.
+/// Edge of a cell in drawing units, finest first. With the coarsest, the size is small even if every cell differs.
 const CELL_SIZES: [f64; 3] = [2.5, 5.0, 10.0];
-/// Above this size a coarser grid is tried.
+/// If the result is larger than this, a coarser grid is used.
 const MAX_BYTES: usize = 250_000;
 /// Horizontal distance of the hatching lines in drawing units.
 const HATCH_SPACING: f64 = 7.0;
@@ -20,7 +20,7 @@ pub(super) struct Grid {
     cells: Vec<usize>,
 }
 
-/// Cells `column..column + width`, `row..row + height`, all decided alike.
+/// Cells `column..column + width`, `row..row + height` with the same decision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Block {
     column: u32,
@@ -53,7 +53,7 @@ impl Grid {
             for run in cells.chunk_by(|a, b| a == b) {
                 let width = u32::try_from(run.len()).unwrap_or(0);
                 let new = Block { column, row, width, height: 1, class: run[0] };
-                // Open blocks are ordered by column, as each row is walked from the left.
+                // Open blocks are ordered by column, because each row is processed from left to right.
                 let above = open.binary_search_by_key(&column, |block| block.column).ok().map(|i| open[i]);
                 next.push(match above {
                     Some(old) if (old.width, old.class) == (width, new.class) => {
@@ -70,7 +70,7 @@ impl Grid {
         done
     }
 
-    /// Hatching lines over the cells decided as none of `classes`, along the grid's diagonals.
+    /// Hatching lines over the cells whose decision is none of `classes`, along the diagonals of the grid.
     fn hatching(&self, classes: usize, every: u32) -> String {
         let height = u32::try_from(self.cells.len()).unwrap_or(0) / self.columns;
         let free = |column: u32, row: u32| self.cells[(row * self.columns + column) as usize] >= classes;
@@ -89,7 +89,7 @@ impl Grid {
 }
 
 /// Shades the area by `decide` in data units; `colors[class]` tints a region, any other class is hatched.
-/// Returns whether some cell is hatched.
+/// Returns whether at least one cell is hatched.
 pub(super) fn shade(
     svg: &mut Svg,
     area: Area,
@@ -121,7 +121,7 @@ pub(super) fn shade(
     !hatching.is_empty()
 }
 
-/// One path per class, and last the hatching, in cell coordinates.
+/// One path per class and a last path for the hatching, in cell coordinates.
 fn paths_of(grid: &Grid, classes: usize, every: u32) -> Vec<String> {
     let mut paths = vec![String::new(); classes];
     for block in grid.blocks() {

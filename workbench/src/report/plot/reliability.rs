@@ -1,11 +1,11 @@
-//! Posteriors in bins with the shares observed there enter, a reliability plot leaves.
+//! Reliability plot: observed shares of a class over its posteriors, in bins.
 //!
 //! ```text
-//! above   share of the class in a bin, with its 95 % interval, over the bin's mean posterior: honest ones lie on y = x
-//! below   rows in the bin, on a scale of powers of ten
+//! above   share of the class in a bin with its 95 % interval, over the mean posterior; calibrated posteriors: y = x
+//! below   number of rows in the bin, on a logarithmic scale
 //! ```
 //!
-//! Classes are set a little beside one another, as near 0 and 1 they would hide each other.
+//! The classes are drawn side by side, because they would overlap near 0 and 1.
 
 use std::fmt::Write as _;
 
@@ -18,22 +18,22 @@ use crate::evaluate::Rate;
 
 const HEIGHT: f64 = 340.0;
 const COUNTS_HEIGHT: f64 = 130.0;
-/// Width of the bars of one bin, and of the points of one place, in drawing units.
+/// Total width of the bars of one bin, and of the points at one position, in drawing units.
 const BARS: f64 = 48.0;
 const POINTS: f64 = 20.0;
-/// Half the width of an interval's ends.
+/// Half the width of the end caps of an interval.
 const CAP: f64 = 4.0;
 
-/// Rows whose posterior of a class lies in one bin.
+/// Rows whose posterior of a class is in one bin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReliabilityBin {
-    /// Middle of the bin.
+    /// Centre of the bin.
     pub middle: f64,
     /// Mean posterior.
     pub posterior: f64,
-    /// Share that is of the class.
+    /// Share of rows that belong to the class.
     pub observed: Rate,
-    /// Rows.
+    /// Number of rows.
     pub count: usize,
 }
 
@@ -46,7 +46,7 @@ pub struct ReliabilityClass {
     pub bins: Vec<ReliabilityBin>,
 }
 
-/// Shares over posteriors with intervals, and counts below.
+/// Observed shares with intervals over the posteriors, and numbers of rows below.
 ///
 /// # Errors
 /// [`ReportError::NoClasses`] without classes, [`ReportError::Empty`] without a bin.
@@ -93,7 +93,7 @@ fn key(class: &Class) -> Key {
     Key::Line { color: class.color, dashed: false, marker: Some(class.marker) }
 }
 
-/// Where a class lies beside the others of a bin, in parts of the width of all.
+/// Position of a class beside the others of a bin, as a fraction of the total width.
 fn beside(place: usize, classes: usize) -> f64 {
     (place as f64 + 0.5) / classes as f64 - 0.5
 }
@@ -109,7 +109,7 @@ fn intervals(
     for bin in bins {
         let (at, low, high) = (across(bin), y.at(bin.observed.low), y.at(bin.observed.high));
         let (left, right) = (num(at - CAP), num(at + CAP));
-        // A String never refuses a write.
+        // Writing to a String cannot fail.
         let _ = write!(d, "M{0} {1}V{2}M{3} {1}H{4}M{3} {2}H{4}", num(at), num(low), num(high), left, right);
     }
     let color = class.class.color;
@@ -125,7 +125,7 @@ fn counts(
     (most, rows): (usize, &str),
     x: &Axis,
 ) -> String {
-    // A single row must stand above the axis, and the number above the highest bar inside the frame.
+    // A bar of one row must be visible above the axis, and the number above the highest bar must be inside the frame.
     let up = Range { lo: -0.25, hi: 1.25 * (most.max(2) as f64).log10() + 0.1 };
     let area = Area::new(0.0, COUNTS_HEIGHT);
     let y = Axis::vertical(up, area.top, area.bottom).without_ticks();
@@ -180,7 +180,7 @@ mod tests {
         let dot = html.rsplit("class=\"dot\" fill=\"#0072B2\" d=\"M").next().expect("marker");
         let centre: Vec<f64> = dot.split(['m', ' ']).take(2).filter_map(|s| s.parse().ok()).collect();
         let along = |k: usize| (centre[k] - numbers[k]) / (numbers[k + 2] - numbers[k]);
-        // Coordinates are rounded to a tenth of a unit in some hundreds.
+        // Coordinates of a few hundred units are rounded to a tenth.
         assert!((along(0) - 0.25).abs() < 1e-3 && (along(1) - 0.25).abs() < 1e-3, "{line} {centre:?}");
     }
 

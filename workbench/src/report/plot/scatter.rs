@@ -1,4 +1,4 @@
-//! Points of known class and a decision rule over the same plane enter, a map of the decisions leaves.
+//! Map of a decision rule over a plane, with points of known class.
 
 use std::collections::BTreeSet;
 
@@ -11,14 +11,14 @@ use super::svg::{Svg, markers, num};
 
 const HEIGHT: f64 = 460.0;
 
-/// The points whose true class is known to be this one.
+/// The points whose true class is this one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScatterClass {
     /// Name, colour and marker.
     pub class: Class,
     /// Points the rule was trained on, drawn open.
     pub training: Vec<(f64, f64)>,
-    /// Points the rule has not seen, drawn filled.
+    /// Points not used in training, drawn filled.
     pub held_out: Vec<(f64, f64)>,
 }
 
@@ -28,7 +28,7 @@ impl ScatterClass {
     }
 }
 
-/// The held-out points `decide` does not give back their class.
+/// The held-out points for which `decide` does not return their class.
 #[derive(Debug, Default)]
 struct Misses {
     wrong: Vec<(f64, f64)>,
@@ -38,7 +38,7 @@ struct Misses {
 /// Decision regions, with training points open, held-out points filled and misclassified held-out points ringed.
 ///
 /// `decide(x, y)` returns an index into `classes`; any larger value means undetermined, which is hatched. It is
-/// called some 50 000 times, at the cells' centres. A few far outliers do not stretch the axes; they are drawn on
+/// called about 50 000 times, at the centres of the cells. A few far outliers do not widen the axes; they are drawn on
 /// the edge and counted in a note.
 ///
 /// # Errors
@@ -95,7 +95,7 @@ fn misses(classes: &[ScatterClass], decide: impl Fn(f64, f64) -> usize) -> Misse
     misses
 }
 
-/// Positions in drawing units; points on the same pixel are drawn once, points outside on the edge.
+/// Positions in drawing units; points on the same pixel are drawn once, points outside are drawn on the edge.
 fn place(points: &[(f64, f64)], x: &Axis, y: &Axis) -> Vec<(f64, f64)> {
     let mut taken = BTreeSet::new();
     let inside = |axis: &Axis, value: f64| axis.at(value.clamp(axis.range.lo, axis.range.hi));

@@ -1,4 +1,4 @@
-//! A named series of points, and how it is drawn as a line.
+//! A named series of points, drawn as a line.
 
 use super::super::palette::{Color, Marker};
 use super::axis::{Axis, Range, usable};
@@ -6,7 +6,7 @@ use super::decimate::runs;
 use super::frame::{Area, Key};
 use super::svg::{Svg, markers, polyline};
 
-/// One line of a plot. Points that are not finite leave a gap.
+/// One line of a plot. Non-finite points leave a gap.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     /// Name in the legend.
@@ -15,11 +15,11 @@ pub struct Series {
     pub color: Color,
     /// Points (x, y) in the order they are joined.
     pub points: Vec<(f64, f64)>,
-    /// Drawn with a dashed line, for thresholds and references.
+    /// If true, the line is dashed; for thresholds and references.
     pub dashed: bool,
-    /// Marks the points, if set.
+    /// Marker at every point, if set.
     pub marker: Option<Marker>,
-    /// Shaded interval (x, low, high) around the line, such as a 95 % interval.
+    /// Shaded interval (x, low, high) around the line, for example a 95 % interval.
     pub band: Vec<(f64, f64, f64)>,
 }
 
@@ -31,19 +31,19 @@ impl Series {
         Self { name: name.into(), color, points, dashed: false, marker: None, band: Vec::new() }
     }
 
-    /// The same with a dashed line.
+    /// The same series with a dashed line.
     #[must_use]
     pub fn dashed(self) -> Self {
         Self { dashed: true, ..self }
     }
 
-    /// The same with every point marked; for series of a few dozen points.
+    /// The same series with every point marked; for series of a few dozen points.
     #[must_use]
     pub fn marked(self, marker: Marker) -> Self {
         Self { marker: Some(marker), ..self }
     }
 
-    /// The same with a shaded interval (x, low, high).
+    /// The same series with a shaded interval (x, low, high).
     #[must_use]
     pub fn with_band(self, band: impl IntoIterator<Item = (f64, f64, f64)>) -> Self {
         Self { band: band.into_iter().collect(), ..self }
@@ -88,13 +88,13 @@ impl Series {
     }
 }
 
-/// The extent of all series and their bands along x; `None` without a finite point.
+/// The range of all series and their bands along x; `None` without a finite point.
 pub(super) fn x_range<'a>(series: impl Iterator<Item = &'a Series> + Clone) -> Option<Range> {
     let bands = series.clone().flat_map(|s| s.finite_band().map(|b| b.0));
     Range::of(series.flat_map(|s| s.finite().map(|p| p.0)).chain(bands))
 }
 
-/// The extent of all series and their bands along y.
+/// The range of all series and their bands along y; `None` without a finite point.
 pub(super) fn y_range(series: &[Series]) -> Option<Range> {
     let bands = series.iter().flat_map(|s| s.finite_band().flat_map(|b| [b.1, b.2]));
     Range::of(series.iter().flat_map(|s| s.finite().map(|p| p.1)).chain(bands))

@@ -1,4 +1,4 @@
-//! Recorded signals enter, panels stacked over one time axis leave.
+//! Recorded signals in stacked panels over one time axis.
 
 use super::super::ReportError;
 use super::axis::{Axis, Range};
@@ -6,14 +6,14 @@ use super::frame::{Area, BOTTOM, TOP, WIDTH, figure, gap_note, grid, panel_head,
 use super::series::{Series, x_range, y_range};
 use super::svg::{Anchor, Svg};
 
-/// Height of a panel alone and of one among several.
+/// Height of a single panel, and of one of several panels.
 const HEIGHT_SINGLE: f64 = 260.0;
 const HEIGHT_STACKED: f64 = 125.0;
 
 /// Signals that share a vertical axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
-    /// Title of the vertical axis with its unit, as in `phase current / A`.
+    /// Title of the vertical axis with its unit, for example `phase current / A`.
     pub label: String,
     /// The signals, with points (time in seconds, value).
     pub series: Vec<Series>,
@@ -27,21 +27,21 @@ impl Panel {
     }
 }
 
-/// Stacked panels over one axis (`x_label`, as a rule the time in seconds), from the first to the last finite sample
+/// Stacked panels over one axis (`x_label`, usually the time in seconds), from the first to the last finite sample
 /// of any signal.
 ///
-/// A panel in which nothing is finite stays, and says so: a dead channel is a finding.
+/// A panel without finite samples is still drawn, with a note, because a dead channel is a relevant result.
 ///
 /// # Errors
-/// [`ReportError::Empty`] when no panel has a finite point.
+/// [`ReportError::Empty`] if no panel has a finite point.
 pub fn signals(title: &str, x_label: &str, panels: &[Panel]) -> Result<String, ReportError> {
     stacked(title, x_label, panels, Axis::horizontal)
 }
 
-/// The same over a logarithmic axis, such as the frequency of a Bode plot; points at x ≤ 0 are left out.
+/// Same as [`signals`] over a logarithmic axis, for example the frequency of a Bode plot; points at x ≤ 0 are omitted.
 ///
 /// # Errors
-/// [`ReportError::Empty`] when no panel has a finite point.
+/// [`ReportError::Empty`] if no panel has a finite point.
 pub fn sweeps(title: &str, x_label: &str, panels: &[Panel]) -> Result<String, ReportError> {
     let logarithmic = |series: &Series| {
         let points = series.points.iter().filter(|p| p.0 > 0.0).map(|&(x, y)| (x.log10(), y)).collect();
@@ -68,7 +68,7 @@ fn stacked(
         y_range(&panel.series).map_or_else(|| axis(Range { lo: 0.0, hi: 0.0 }).without_ticks(), axis)
     };
     let axes: Vec<Axis> = panels.iter().map(vertical).collect();
-    // One left margin for all panels keeps their time axes aligned.
+    // All panels have the same left margin, so that their time axes are aligned.
     let area = Area::new(axes.iter().map(Axis::label_width).fold(0.0, f64::max), height);
     let x = horizontal(time, area.left, area.right);
 

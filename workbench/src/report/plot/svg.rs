@@ -1,22 +1,22 @@
-//! Coordinates enter, compact SVG text leaves.
+//! Converts coordinates to compact SVG text.
 //!
-//! Drawing units equal pixels at full page width. One path element holds a whole series or all markers of a
-//! class, with coordinates rounded to a tenth of a unit and written relative to each other: a fraction of the
-//! size of one element per point.
+//! Drawing units equal pixels at full page width. One path element contains a whole series or all markers of a
+//! class, with coordinates rounded to a tenth of a unit and written relative to each other; this needs much less space
+//! than one element per point.
 
 use std::fmt::Write as _;
 
 use super::super::escape::escape;
 use super::super::palette::Marker;
 
-/// Where a text sits relative to its position.
+/// Horizontal alignment of a text relative to its position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Anchor {
     Middle,
     End,
 }
 
-/// An SVG element being written.
+/// An SVG element under construction.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Svg {
     body: String,
@@ -27,10 +27,10 @@ impl Svg {
         Self::default()
     }
 
-    /// Adds a path; `attributes` must already be valid markup. An empty path is left out.
+    /// Adds a path; `attributes` must already be valid markup. An empty path is omitted.
     pub(super) fn path(&mut self, attributes: &str, d: &str) {
         if !d.is_empty() {
-            // A String never refuses a write.
+            // Writing to a String cannot fail.
             let _ = write!(self.body, "<path {attributes} d=\"{d}\"/>");
         }
     }
@@ -40,7 +40,7 @@ impl Svg {
         let _ = write!(self.body, "<rect {attributes} x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"/>");
     }
 
-    /// Adds text centred vertically on `y`, without needing a font's metrics.
+    /// Adds text centred vertically on `y`, without using the metrics of the font.
     pub(super) fn text(&mut self, attributes: &str, anchor: Anchor, x: f64, y: f64, text: &str) {
         let anchor = match anchor {
             Anchor::Middle => "middle",
@@ -53,7 +53,7 @@ impl Svg {
         );
     }
 
-    /// The finished element. It scales with the page; `label` is what a screen reader says.
+    /// The finished element. It scales with the page; `label` is its text for screen readers.
     pub(super) fn finish(&self, label: &str, width: f64, height: f64) -> String {
         let (label, width, height) = (escape(label), num(width), num(height));
         format!("<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{label}\">{}</svg>", self.body)
@@ -75,19 +75,19 @@ pub(super) fn polyline(points: impl IntoIterator<Item = (f64, f64)>) -> String {
         let (x, y) = (tenths(x), tenths(y));
         match last {
             None => push_pair(&mut out, 'M', x, y),
-            // Differences of rounded positions: rounding does not add up along the line.
+            // Differences of rounded positions, so that rounding errors do not accumulate along the line.
             Some((x0, y0)) => push_pair(&mut out, 'l', x - x0, y - y0),
         }
         last = Some((x, y));
     }
     if last.is_some() && !out.contains('l') {
-        // A lone point: a line of no length shows as a dot with round caps.
+        // A single point: a line of zero length is drawn as a dot with round caps.
         out.push_str("h0");
     }
     out
 }
 
-/// All markers of one kind as one path's data.
+/// All markers of one shape as the data of one path.
 pub(super) fn markers(marker: Marker, points: impl IntoIterator<Item = (f64, f64)>) -> String {
     let mut out = String::new();
     for (x, y) in points {
@@ -102,8 +102,8 @@ pub(super) fn block(x0: f64, y0: f64, x1: f64, y1: f64) -> String {
     format!("M{} {}H{}V{}H{}z", num(x0), num(y0), num(x1), num(y1), num(x0))
 }
 
-/// Rising diagonal lines that fill a rectangle. They share one lattice over the whole drawing, so that adjoining
-/// rectangles join without a seam. A `<pattern>` would need an id, which must be unique on the page.
+/// Rising diagonal lines that fill a rectangle. All rectangles of a drawing use the same line positions, so that the
+/// lines of adjacent rectangles join. A `<pattern>` would need an id that is unique on the page.
 pub(super) fn hatch(x0: f64, y0: f64, x1: f64, y1: f64) -> String {
     const SPACING: f64 = 7.0;
     let mut out = String::new();
@@ -133,7 +133,7 @@ fn push_tenths(out: &mut String, value: i64) {
     };
 }
 
-/// A sign separates two numbers as well as a space does.
+/// Appends a pair of numbers; a minus sign separates them, so no space is needed before it.
 fn push_pair(out: &mut String, command: char, x: i64, y: i64) {
     out.push(command);
     push_tenths(out, x);

@@ -1,4 +1,4 @@
-//! Rates that are set: false alarms of the gate over many training draws, and how soon a defect alarms.
+//! Alarm rates: false-alarm rates of the gate over many training draws, and number of records until a defect alarms.
 
 use rayon::prelude::*;
 
@@ -9,25 +9,25 @@ use crate::Error;
 use crate::rig::{Condition, Defect, DefectKind, Scenario};
 use crate::train::train;
 
-/// False alarms of gates from so many draws of healthy training traces, each judged on traces of its own.
+/// False-alarm rates of gates, one for each draw of healthy training traces; each gate is tested on separate traces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rates {
     /// Condition of all traces.
     pub condition: &'static str,
-    /// Healthy training traces a draw.
+    /// Number of healthy training traces per draw.
     pub traces: u32,
-    /// Judged traces a draw.
+    /// Number of test traces per draw.
     pub judged: u32,
-    /// Rate that was set, and what each draw's gate had.
+    /// Nominal rate, and the measured rate of the gate of each draw.
     pub rates: Vec<(f64, Vec<f64>)>,
-    /// Healthy traces from which 95 % of gates have at most three times the rate that was set.
+    /// Number of healthy traces from which on 95 % of the gates have at most three times the nominal rate.
     pub needed: Vec<usize>,
 }
 
-/// Draws gates and counts.
+/// Trains one gate per draw and measures its false-alarm rate at each nominal rate of `set`.
 ///
 /// # Errors
-/// As training and simulation.
+/// Same as training and simulation.
 pub fn false_alarms(
     condition: Condition,
     (draws, traces, judged): (u32, u32, u32),
@@ -36,7 +36,7 @@ pub fn false_alarms(
 ) -> Result<Rates, Error> {
     let mut rates: Vec<(f64, Vec<f64>)> = set.iter().map(|rate| (*rate, Vec::new())).collect();
     let mut needed = Vec::new();
-    // Far from the repetitions of the experiments.
+    // Far from the repetition numbers of the experiments, so that no trace is shared.
     for draw in 1000..1000 + draws {
         let training = Training { condition, classes: vec![Defect::HEALTHY], count: traces };
         let training_traces = training_set(&training, draw)?;
@@ -48,7 +48,7 @@ pub fn false_alarms(
         let cell = Cell { purpose: Purpose::Validation, repetition: draw, condition, defect: Defect::HEALTHY };
         let surprises = map_traces(&Scenario::STANDARD, &[cell], judged, |recording| {
             let segments = model.run(&super::run::labelled(recording, 0).trace);
-            // No verdict on a healthy trace is an alarm too.
+            // A healthy trace without a verdict also counts as an alarm.
             Ok(segments.first().filter(|s| s.verdict.is_ok()).map_or(f64::INFINITY, |s| f64::from(s.surprise)))
         })?;
         for (rate, found) in &mut rates {
@@ -64,21 +64,21 @@ fn rows_needed(coordinates: usize, rate: f64) -> usize {
     crate::train::novelty::spread::rows_needed(coordinates, rate)
 }
 
-/// How soon a defect at full size alarms: records to the alarm of each sequence, nothing where there was none.
+/// Number of records until a defect at full size alarms, for each sequence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Alarmed {
-    /// The defect; healthy ones must not alarm.
+    /// The defect; healthy sequences must not alarm.
     pub kind: DefectKind,
-    /// Records of a sequence.
+    /// Number of records in a sequence.
     pub length: usize,
-    /// Records to the alarm.
+    /// Number of records until the alarm, for each sequence; `None` without alarm.
     pub records: Vec<Option<usize>>,
 }
 
-/// Runs sequences of records through gate and evidence.
+/// Passes sequences of records through the gate and the evidence accumulation.
 ///
 /// # Errors
-/// As training and simulation.
+/// Same as training and simulation.
 pub fn alarms(repetitions: u32, count: u32, length: usize, done: impl Fn()) -> Result<Vec<Alarmed>, Error> {
     let kinds = [DefectKind::Spall, DefectKind::Roughness, DefectKind::Healthy];
     let mut all = kinds.map(|kind| Alarmed { kind, length, records: vec![] }).to_vec();

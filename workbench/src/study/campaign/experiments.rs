@@ -1,21 +1,21 @@
-//! What a campaign asks: which set is trained on, which is judged, and what counts.
+//! Definitions of the experiments: training set, test set and counted outcome.
 
 use crate::rig::{Condition, Defect, DefectKind};
 
-/// What a figure should be, percent.
+/// Goal for a rate, percent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Goal {
-    /// At most this.
+    /// Upper limit.
     AtMost(f64),
-    /// At least this.
+    /// Lower limit.
     AtLeast(f64),
 }
 
 impl Goal {
-    /// Whether a figure meets it.
+    /// Whether the rate meets the goal.
     #[must_use]
     pub fn met(self, percent: f64) -> bool {
-        // Percentages of counts that should be equal are so to rounding.
+        // Percentages computed from equal counts may differ by rounding.
         let slack = 1e-9;
         match self {
             Self::AtMost(most) => percent <= most + slack,
@@ -33,46 +33,46 @@ impl std::fmt::Display for Goal {
     }
 }
 
-/// What is trained on.
+/// A training set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Training {
     /// Condition of the traces.
     pub condition: Condition,
-    /// A class each; the first is healthy.
+    /// One defect per class; the first class is healthy.
     pub classes: Vec<Defect>,
-    /// Traces a class.
+    /// Number of traces per class.
     pub count: u32,
 }
 
-/// What counts, of all judged records.
+/// Outcome of a test record that is counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Judge {
-    /// Records whose most plausible class is not theirs; the novelty gate does not take part.
+    /// The most probable class is not the true class; the novelty gate is ignored.
     Error,
-    /// Records for which a wrong class is named, healthy or another defect.
+    /// The verdict is a wrong class, either healthy or another defect.
     Misnamed,
-    /// Records called healthy.
+    /// The verdict is healthy.
     CalledHealthy,
-    /// Records not called healthy.
+    /// The verdict is not healthy.
     Detected,
 }
 
-/// One figure of a campaign.
+/// One experiment of a campaign; its result is one rate.
 #[derive(Clone, Debug)]
 pub struct Experiment {
-    /// Figures of a group stand together.
+    /// Experiments with the same group are reported together.
     pub group: &'static str,
-    /// What is asked.
+    /// Name of the experiment.
     pub name: String,
-    /// What is trained on.
+    /// Training set.
     pub training: Training,
-    /// What is judged.
+    /// Conditions and defects of the test records.
     pub tests: Vec<(Condition, Defect)>,
-    /// Records that are judged together.
+    /// Number of records that are combined to one verdict.
     pub records: u32,
-    /// What counts.
+    /// Counted outcome.
     pub judge: Judge,
-    /// What is wanted.
+    /// Goal, if there is one.
     pub goal: Option<Goal>,
 }
 
@@ -84,7 +84,7 @@ const fn sized(kind: DefectKind, severity: f64) -> Defect {
     Defect { kind, severity }
 }
 
-/// Every experiment, `count` traces a class and set.
+/// All experiments, with `count` traces per class and set.
 #[must_use]
 pub fn all(count: u32) -> Vec<Experiment> {
     let mut all = three_classes(count);
@@ -167,7 +167,8 @@ fn healthy_only(count: u32) -> Vec<Experiment> {
         all.push(one(MIX, 5 * count, sized(Spall, severity), least(goal)));
     }
     all.push(one(MIX, 5 * count, sized(Roughness, 0.125), least(100.0)));
-    // What is healthy and detected is a false alarm: too few records here for a rate of 1 %, which the gates are drawn for.
+    // A healthy record that is detected is a false alarm. These experiments have too few records to measure a rate of
+    // 1 %; `alarms::false_alarms` measures it.
     for (condition, traces) in [(STANDARD, count), (STANDARD, 5 * count), (MIX, 5 * count)] {
         all.push(one(condition, traces, HEALTHY, None));
     }
@@ -210,7 +211,7 @@ fn isolation(count: u32) -> Vec<Experiment> {
             training: Training { condition: STANDARD, classes, count },
             records: 1,
             judge: Judge::Error,
-            // Nothing wrong in the judged records is what zero can mean.
+            // A goal of 0 means that no test record is wrong.
             goal: Some(Goal::AtMost(most)),
         }
     };
@@ -231,7 +232,7 @@ fn unseen(count: u32) -> Vec<Experiment> {
     [STANDARD, MIX].into_iter().flat_map(|condition| kinds.map(|kind| one(condition, kind))).collect()
 }
 
-/// A severity as people say it.
+/// The severity as text, for example `1/8` or `full size`.
 #[must_use]
 pub fn part(severity: f64) -> String {
     if severity >= 1.0 { "full size".into() } else { format!("1/{}", (1.0 / severity).round()) }

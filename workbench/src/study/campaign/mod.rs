@@ -1,12 +1,12 @@
-//! Campaigns: many labelled traces of the rig, under many conditions, with seeds that never meet, and what the detector
-//! makes of them.
+//! Campaigns: many labelled traces of the rig under many conditions, with unique seeds, and the results of the detector
+//! on them.
 //!
-//! | room | what it holds |
+//! | module | content |
 //! |---|---|
 //! | [`sets`] | cells, their seeds, and the traces in them |
-//! | [`experiments`] | what is trained, what is judged, what counts, what is wanted |
-//! | [`run`] | repetitions through the core |
-//! | [`alarms`] | rates that are set: false alarms, and how soon a defect alarms |
+//! | [`experiments`] | training set, test set, counted outcome and goal of each experiment |
+//! | [`run`] | repetitions of the experiments with the embedded detector |
+//! | [`alarms`] | false-alarm rates, and number of records until a defect alarms |
 //! | [`render`] | figures as text, rows and JSON |
 
 pub mod alarms;
@@ -25,77 +25,77 @@ use run::Count;
 pub use experiments::Goal;
 pub use sets::{Cell, Purpose, Recording, map_traces, record};
 
-/// How large a campaign is.
+/// Size of a campaign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
-    /// Draws of training and validation sets.
+    /// Number of draws of training and validation sets.
     pub repetitions: u32,
-    /// The first repetition's number: other numbers, other traces.
+    /// Number of the first repetition; other numbers produce other traces.
     pub first: u32,
-    /// Traces a class and set.
+    /// Number of traces per class and set.
     pub traces: u32,
-    /// Whether the false alarms of many gates are measured too.
+    /// If true, the false-alarm rates of many gates are measured as well.
     pub false_alarms: bool,
 }
 
 /// One experiment over all repetitions.
 #[derive(Clone, Debug)]
 pub struct Figure {
-    /// What was asked.
+    /// The experiment.
     pub experiment: Experiment,
-    /// A count each repetition.
+    /// One count per repetition.
     pub counts: Vec<Count>,
 }
 
 impl Figure {
-    /// Mean and standard deviation of a repetition, percent.
+    /// Mean and standard deviation of the rate over the repetitions, percent.
     #[must_use]
     pub fn mean_sd(&self) -> (f64, f64) {
         mean_sd(&self.counts.iter().map(|c| 100.0 * c.counted as f64 / c.judged.max(1) as f64).collect::<Vec<_>>())
     }
 
-    /// All repetitions pooled, with a 95 % interval.
+    /// Rate over all repetitions together, with a 95 % interval.
     #[must_use]
     pub fn pooled(&self) -> Rate {
         Rate::wilson(self.counts.iter().map(|c| c.counted).sum(), self.counts.iter().map(|c| c.judged).sum())
     }
 
-    /// Mean of the source's method on the same records, percent.
+    /// Mean error of the source's method on the same records, percent.
     #[must_use]
     pub fn literal(&self) -> Option<f64> {
         let known: Vec<f64> = self.counts.iter().filter_map(|c| c.literal).collect();
         (!known.is_empty()).then(|| 100.0 * known.iter().sum::<f64>() / known.len() as f64)
     }
 
-    /// Whether the mean meets the goal; nothing where there is none.
+    /// Whether the mean meets the goal; `None` without a goal.
     #[must_use]
     pub fn met(&self) -> Option<bool> {
         self.experiment.goal.map(|goal| goal.met(self.mean_sd().0))
     }
 }
 
-/// What a campaign found.
+/// Results of a campaign.
 #[derive(Clone, Debug)]
 pub struct Findings {
-    /// Its size.
+    /// Size of the campaign.
     pub settings: Settings,
     /// The experiments.
     pub figures: Vec<Figure>,
-    /// How soon defects alarm.
+    /// Number of records until defects alarm.
     pub alarms: Vec<Alarmed>,
-    /// False alarms of many gates, where asked for.
+    /// False-alarm rates of many gates, if requested.
     pub rates: Vec<Rates>,
 }
 
-/// Rates that are set.
+/// Nominal false-alarm rates.
 const RATES: [f64; 2] = [1e-2, 1e-3];
-/// Draws, healthy training traces and judged traces a draw of [`alarms::false_alarms`].
+/// Arguments of [`alarms::false_alarms`]: draws, healthy training traces per draw, test traces per draw.
 const GATES: (u32, u32, u32) = (20, 200, 2000);
-/// Records of a sequence, and the repetitions of them.
+/// Number of records in a sequence, and number of repetitions.
 const SEQUENCE: (usize, u32) = (5, 4);
 
 impl Settings {
-    /// Steps of progress.
+    /// Number of progress steps.
     #[must_use]
     pub fn steps(&self) -> usize {
         let gates = if self.false_alarms { 2 * GATES.0 } else { 0 };
@@ -103,10 +103,10 @@ impl Settings {
     }
 }
 
-/// Runs a campaign; `done` is called once a step.
+/// Runs a campaign; `done` is called once per step.
 ///
 /// # Errors
-/// Where simulation, training or embedding fails.
+/// Returns an error if simulation, training or embedding fails.
 pub fn campaign(settings: Settings, done: impl Fn()) -> Result<Findings, Error> {
     let experiments = experiments::all(settings.traces);
     let mut figures: Vec<Figure> =

@@ -1,4 +1,4 @@
-//! A campaign's figures as text, tidy rows and JSON.
+//! Results of a campaign as text, tidy rows and JSON.
 
 use serde_json::{Value, json};
 
@@ -9,7 +9,7 @@ use crate::study::statistics::mean_sd;
 
 pub(crate) const HEAD: [&str; 6] = ["", "mean ± sd, %", "pooled [95 %], %", "goal, %", "met", "source's method, %"];
 
-/// Cells of a figure after [`HEAD`].
+/// Cells of the row of a figure, in the columns [`HEAD`].
 pub(crate) fn cells(figure: &Figure) -> Vec<String> {
     let (mean, sd) = figure.mean_sd();
     let pooled = figure.pooled();
@@ -23,7 +23,7 @@ pub(crate) fn cells(figure: &Figure) -> Vec<String> {
     ]
 }
 
-/// Groups in the order of their first figure.
+/// Groups, in the order of their first figure.
 pub(crate) fn groups(findings: &Findings) -> Vec<(&'static str, Vec<&Figure>)> {
     let mut groups: Vec<(&'static str, Vec<&Figure>)> = Vec::new();
     for figure in &findings.figures {
@@ -87,7 +87,7 @@ pub(crate) fn rate_title(rates: &Rates) -> String {
     )
 }
 
-/// Everything as plain text.
+/// All results as plain text.
 #[must_use]
 pub fn text(findings: &Findings) -> String {
     let mut out = String::new();
@@ -118,7 +118,7 @@ fn grid(title: &str, head: &[&str], rows: &[Vec<String>]) -> String {
     out + "\n"
 }
 
-/// A row a figure and repetition.
+/// One row per figure and repetition.
 #[must_use]
 pub fn tidy(findings: &Findings) -> Vec<Vec<String>> {
     let head = ["group", "figure", "repetition", "counted", "judged", "source_error"];

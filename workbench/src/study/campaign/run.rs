@@ -1,4 +1,4 @@
-//! Trains and judges, repetition by repetition, through the core.
+//! Trains and tests each repetition of an experiment with the embedded detector.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -16,31 +16,31 @@ use crate::trace::labels::LabelledTrace;
 use crate::trace::{MotionTrace, Trace};
 use crate::train::{Alarms, Recipe, train};
 
-/// The one configuration of every experiment: [`recipes::shaft`] with a novelty gate at the given rate.
+/// The configuration of all experiments: [`recipes::shaft`] with a novelty gate at the given false-alarm rate.
 #[must_use]
 pub fn ours(false_alarm: f64) -> Recipe {
     let alarms = Alarms { healthy: Some(0), false_alarm, required: true, ..Alarms::default() };
     Recipe { alarms, ..recipes::shaft() }
 }
 
-/// One repetition of one experiment.
+/// Result of one repetition of one experiment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Count {
-    /// Records that counted.
+    /// Number of records with the counted outcome.
     pub counted: usize,
-    /// Records judged.
+    /// Number of test records.
     pub judged: usize,
-    /// Error of the source's method on the same records, where it can be asked: 3 classes, one record.
+    /// Error rate of the source's method on the same records; only for three classes and single records.
     pub literal: Option<f64>,
 }
 
-/// Trained classes, numbered.
+/// Names of the trained classes, in order.
 #[must_use]
 pub fn class_names(classes: &[Defect]) -> Vec<String> {
     classes.iter().map(|defect| defect.kind.name().to_string()).collect()
 }
 
-/// A recording as the workbench takes it; u1 is the velocity reference.
+/// Converts a recording to a labelled trace of the workbench; u1 is the velocity reference.
 #[must_use]
 pub fn labelled(recording: Recording, class: usize) -> LabelledTrace {
     let Recording { cell, seed, trace: recorded, .. } = recording;
@@ -57,10 +57,10 @@ pub fn labelled(recording: Recording, class: usize) -> LabelledTrace {
     LabelledTrace { trace, class }
 }
 
-/// Traces of each cell, in the order asked for.
+/// Simulates the traces of each cell, in the order of `cells`.
 ///
 /// # Errors
-/// As [`map_traces`].
+/// Same as [`map_traces`].
 pub fn traces(cells: &[(Cell, usize)], count: u32) -> Result<Vec<LabelledTrace>, Error> {
     let only: Vec<Cell> = cells.iter().map(|(cell, _)| *cell).collect();
     let class = |cell: &Cell| cells.iter().find(|(own, _)| own == cell).map_or(0, |(_, class)| *class);
@@ -70,10 +70,10 @@ pub fn traces(cells: &[(Cell, usize)], count: u32) -> Result<Vec<LabelledTrace>,
     })
 }
 
-/// A training set of one repetition.
+/// Simulates the training set of one repetition.
 ///
 /// # Errors
-/// As [`traces`].
+/// Same as [`traces`].
 pub fn training_set(training: &Training, repetition: u32) -> Result<Vec<LabelledTrace>, Error> {
     let cell = |defect: &Defect| Cell {
         purpose: Purpose::Training,
@@ -85,10 +85,10 @@ pub fn training_set(training: &Training, repetition: u32) -> Result<Vec<Labelled
     traces(&cells, training.count)
 }
 
-/// One repetition of all experiments; `done` is called once an experiment. The result is in their order.
+/// Runs one repetition of all experiments; `done` is called once per experiment. The results are in the same order.
 ///
 /// # Errors
-/// Where simulation or training fails.
+/// Returns an error if simulation or training fails.
 pub fn repetition(
     experiments: &[Experiment],
     (repetition, count): (u32, u32),
@@ -143,14 +143,14 @@ fn judge(
         judged.extend(set.iter().map(|t| LabelledTrace { trace: t.trace.clone(), class: truth.unwrap_or(0) }));
     }
     if experiment.judge == Judge::Error && experiment.records == 1 && classes.len() == 3 {
-        // Where the source's method finds no estimate at all, there is no figure.
+        // If the source's method cannot estimate a model, it has no error rate.
         let outcome = literal::validate(training, &judged, &class_names(classes), REFERENCE_ORDER);
         count.literal = outcome.ok().map(|outcome| outcome.all_classes.error_rate().value);
     }
     Ok(count)
 }
 
-/// Whether a record counts; without a verdict it counts as wrong and as not healthy.
+/// Whether a record has the counted outcome; a record without a verdict counts as wrong and as not healthy.
 fn counts(judge: Judge, decided: Option<(Finding, Vec<f32>)>, truth: Option<usize>) -> bool {
     let Some((finding, posteriors)) = decided else { return matches!(judge, Judge::Error | Judge::Detected) };
     let most_plausible = (0..posteriors.len()).max_by(|&i, &j| posteriors[i].total_cmp(&posteriors[j]));

@@ -1,16 +1,17 @@
-//! Labelled sets of traces, each trace with a seed of its own.
+//! Labelled sets of traces; each trace has its own seed.
 //!
-//! A seed packs what the trace is for, so two traces share one only if they are the same trace:
+//! A seed encodes the purpose and the conditions of its trace, so two different traces never have the same seed:
 //!
 //! ```text
 //! bit  63  62…61    60…45       44…37      36…34  33…22     21…0
 //!      1   purpose  repetition  condition  class  severity  number      (1)
 //! ```
 //!
-//! Severity counts in steps of 1/1920, which [`SEVERITIES`](crate::rig::SEVERITIES), their thirds and fifths are whole
-//! multiples of. The top bit keeps these seeds apart from [`trace_seed`](crate::rig::trace_seed) of sets below 2³¹.
+//! The severity is stored in steps of 1/1920: all [`SEVERITIES`](crate::rig::SEVERITIES), their thirds and their fifths
+//! are integer multiples of this step. The top bit is set, so these seeds differ from
+//! [`trace_seed`](crate::rig::trace_seed) of sets below 2³¹.
 //!
-//! A trace of the standard rig takes 240 kB; [`map_traces`] keeps of each only what its caller makes of it.
+//! A trace of the standard rig needs 240 kB; [`map_traces`] stores only the result of its closure for each trace.
 //!
 //! ```
 //! use workbench::study::campaign::{Cell, Purpose, record};
@@ -36,30 +37,30 @@ use rayon::prelude::*;
 use crate::Error;
 use crate::rig::{Condition, Defect, RigTrace, Scenario, simulate};
 
-/// Steps of severity to full size.
+/// Number of severity steps at full size.
 const SEVERITY_STEPS: f64 = 1920.0;
-/// Repetitions are below this.
+/// Upper limit of the repetition number, exclusive.
 const REPETITIONS: u32 = 1 << 16;
-/// Severities, in steps, are below this.
+/// Upper limit of the severity in steps, exclusive.
 const SEVERITIES: f64 = 4096.0;
-/// Traces of one cell are at most this many.
+/// Upper limit of the number of traces of one cell.
 const NUMBERS: u32 = 1 << 22;
 
-/// What traces are for. Traces of different purpose never share a seed.
+/// Purpose of traces. Traces of different purposes never share a seed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Purpose {
-    /// To train on.
+    /// Training.
     Training,
-    /// To judge what was trained.
+    /// Validation of the trained model.
     Validation,
-    /// To choose settings or thresholds with, apart from training and validation.
+    /// Selection of settings or thresholds, separate from training and validation.
     Selection,
-    /// To measure a bound or a level with, such as noise floors.
+    /// Measurement of a bound or a level, for example a noise floor.
     Reference,
 }
 
 impl Purpose {
-    /// Every purpose.
+    /// All purposes.
     pub const ALL: [Self; 4] = [Self::Training, Self::Validation, Self::Selection, Self::Reference];
 
     const fn number(self) -> u64 {
@@ -72,16 +73,16 @@ impl Purpose {
     }
 }
 
-/// Traces that differ in nothing but chance.
+/// A group of traces that differ only in their random draws.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
-    /// What they are for.
+    /// Purpose of the traces.
     pub purpose: Purpose,
-    /// Which repetition of the campaign they belong to, below 65 536.
+    /// Number of the repetition of the campaign, below 65 536.
     pub repetition: u32,
-    /// Under what condition.
+    /// Operating condition.
     pub condition: Condition,
-    /// What is wrong; the severity in steps of 1/1920, at most 2.13.
+    /// Defect; its severity is a multiple of 1/1920 and at most 2.13.
     pub defect: Defect,
 }
 
@@ -89,11 +90,11 @@ impl Cell {
     /// The seed of trace `number` (1).
     ///
     /// # Errors
-    /// [`Error::Usage`] where a field does not fit its bits: the seed would be another cell's.
+    /// [`Error::Usage`] if a field does not fit its bits: the seed would then equal that of another cell.
     pub fn seed(&self, number: u32) -> Result<u64, Error> {
         let refused = |what: &str| Err(Error::Usage(format!("a campaign's traces have no seed for {what}")));
         let steps = self.defect.severity * SEVERITY_STEPS;
-        // Written so that a NaN is refused as well.
+        // The comparison is written so that NaN is rejected too.
         let whole = (steps - steps.round()).abs() < 1e-9;
         if !(whole && steps.round() >= 0.0 && steps.round() < SEVERITIES) {
             return refused(&format!("severity {}; take a multiple of 1/1920 up to 2.13", self.defect.severity));
@@ -119,14 +120,14 @@ impl Cell {
             | u64::from(number)) // (1)
     }
 
-    /// The scenario of the trace of this seed: `base` with the defect, under the condition.
+    /// The scenario of the trace with this seed: `base` with the defect and under the condition.
     #[must_use]
     pub fn scenario(&self, base: &Scenario, seed: u64) -> Scenario {
         self.condition.apply(base.with_defect(self.defect), seed)
     }
 }
 
-/// One trace and what it is.
+/// One trace with its labels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
     /// The cell it belongs to; `cell.defect.kind` is its class.
@@ -142,15 +143,15 @@ pub struct Recording {
 /// Records traces 0…`count` of each cell in parallel, cell by cell in the order given.
 ///
 /// # Errors
-/// Where a cell has no seed or that of another cell, or the rig refuses a scenario.
+/// Returns an error if a cell has no seed, if two cells share a seed, or if the rig rejects a scenario.
 pub fn record(base: &Scenario, cells: &[Cell], count: u32) -> Result<Vec<Recording>, Error> {
     map_traces(base, cells, count, Ok)
 }
 
-/// The same, keeping of each trace only what `keep` makes of it; `keep` runs in parallel.
+/// Same as [`record`], but stores only the result of `keep` for each trace; `keep` runs in parallel.
 ///
 /// # Errors
-/// As [`record`], and where `keep` fails.
+/// Same as [`record`]; also if `keep` fails.
 pub fn map_traces<T: Send>(
     base: &Scenario,
     cells: &[Cell],
@@ -186,7 +187,7 @@ mod tests {
         defect: Defect::full(DefectKind::Spall),
     };
 
-    /// Every purpose, class, severity and condition in 25 repetitions: 97 200 cells.
+    /// All purposes, classes, severities and conditions in 25 repetitions: 97 200 cells.
     fn all_cells() -> impl Iterator<Item = Cell> {
         let defects = DefectKind::ALL
             .into_iter()
@@ -206,7 +207,7 @@ mod tests {
         for cell in all_cells() {
             for number in [0, 1, 999, NUMBERS - 1] {
                 let seed = cell.seed(number).expect("fits");
-                // Read back field by field: a map with an inverse never takes two traces to one seed.
+                // Decode each field from the seed: if every field can be recovered, no two traces have the same seed.
                 let bits = |from: u32, count: u32| (seed >> from) & ((1 << count) - 1);
                 assert_eq!(bits(0, 22), u64::from(number));
                 assert_eq!(bits(22, 12) as f64, cell.defect.severity * 1920.0);
@@ -225,7 +226,7 @@ mod tests {
     fn seeds_of_other_sets_are_apart() {
         let last = trace_seed(u32::MAX >> 1, DefectKind::WeakMagnet, u32::MAX);
         assert!(all_cells().all(|cell| cell.seed(0).expect("fits") > last));
-        // And among themselves: every class in neighbouring sets, both ends of the count.
+        // No two seeds of neighbouring sets are equal, for every class and for both ends of the number range.
         let mut seen = HashSet::new();
         for set in 0..20 {
             for kind in DefectKind::ALL {
@@ -264,7 +265,7 @@ mod tests {
             let scenario = if k < 5 { short.with_defect(CELL.defect) } else { short.mixed(recording.seed) };
             assert_eq!(recording.trace, simulate(&scenario, recording.seed).expect("valid"));
         }
-        // Fluctuations are continuous draws: traces that share a seed would share the first, others never.
+        // The fluctuation is a continuous random variable: its first value is equal only in traces with the same seed.
         let firsts: HashSet<u64> = set.iter().map(|r| r.trace.load_torque_nm[0].to_bits()).collect();
         assert_eq!(firsts.len(), 10);
         let kept = map_traces(&short, &[CELL, healthy], 5, |r| Ok(r.trace.current_a[199])).expect("valid");

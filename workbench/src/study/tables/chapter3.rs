@@ -1,4 +1,4 @@
-//! Tables 3.1 and 3.2: the example of chapter 3, healthy against Defect A, and the order search behind it.
+//! Tables 3.1 and 3.2: the example of chapter 3 (healthy against Defect A), and its order search.
 
 use bearing_watch::plan::Kind;
 use nalgebra::SymmetricEigen;
@@ -26,7 +26,7 @@ const fn model(order: Structure, method: Method) -> Model {
     Model { input: INPUT, order, method }
 }
 
-/// Heads of Table 3.1's columns.
+/// Headings of the columns of Table 3.1.
 const COMPONENT_COLUMNS: [(&str, Digits); 6] = [
     ("published eigenvalue", Digits::Power(2)),
     ("published contribution, %", Digits::Fixed(2)),
@@ -36,13 +36,13 @@ const COMPONENT_COLUMNS: [(&str, Digits); 6] = [
     ("traces used, %", Digits::Fixed(1)),
 ];
 
-/// The least fit that the source accepts (§3.3), %.
+/// Smallest fit that the source accepts (§3.3), %.
 pub(super) const LEAST_FIT: f64 = 85.0;
 
-/// Table 3.1 of one repetition.
+/// Computes Table 3.1 of one repetition.
 ///
 /// # Errors
-/// Where a trace cannot be estimated.
+/// Returns an error if a trace cannot be estimated.
 pub(super) fn components(draw: &Draw) -> Result<Table, Error> {
     let mut rows = Vec::new();
     let mut figures = Vec::new();
@@ -81,13 +81,13 @@ pub(super) fn components(draw: &Draw) -> Result<Table, Error> {
     })
 }
 
-/// Eigenvalues of the covariance of all rows, largest first, and the rows along their vectors.
+/// Eigenvalues of the covariance of all rows, in descending order, and the rows projected on the eigenvectors.
 struct Components {
     values: Vec<f64>,
     coordinates: FeatureTable,
 }
 
-/// Nothing where a class has too few rows for a spread.
+/// `None` if a class has at most two rows.
 fn principal_components(table: &FeatureTable) -> Option<Components> {
     let enough = (0..table.names.len()).all(|class| table.classes.iter().filter(|c| **c == class).count() > 2);
     let total = enough.then(|| ClassStatistics::new(table).total)?;
@@ -101,7 +101,7 @@ fn principal_components(table: &FeatureTable) -> Option<Components> {
 }
 
 impl Components {
-    /// Eigenvalue, contribution and distance of the classes of one component.
+    /// Eigenvalue, contribution and class separation of one component.
     fn cells(&self, k: usize) -> [Cell; 3] {
         let total: f64 = self.values.iter().sum();
         let apart = separation::of_feature(&self.coordinates, k, 1).abs();
@@ -135,7 +135,7 @@ struct Case {
 }
 
 impl Case {
-    /// Features as they are.
+    /// Features without projection.
     fn plain(name: &str, order: Structure, method: Method, features: &'static [&'static str]) -> Self {
         let name = format!("{}, {name}", written_order(order));
         let projection = ProjectionKind::None;
@@ -167,10 +167,10 @@ impl Case {
     }
 }
 
-/// Table 3.2 of one repetition.
+/// Computes Table 3.2 of one repetition.
 ///
 /// # Errors
-/// Where a trace cannot be estimated or features are singular.
+/// Returns an error if a trace cannot be estimated or features are singular.
 pub(super) fn misclassified(draw: &Draw) -> Result<Table, Error> {
     const TWO: &[&str] = &["a1", "a2"];
     let (low, high) = (ORDER_WITHOUT_PCA, ORDER_WITH_PCA);
@@ -199,11 +199,11 @@ pub(super) fn misclassified(draw: &Draw) -> Result<Table, Error> {
     })
 }
 
-/// The order search of one repetition: estimated on the first healthy training trace by iv4, scored by simulation of
-/// the first healthy validation trace, as the source's program does.
+/// The order search of one repetition, as in the source's program: models are estimated by iv4 on the first healthy
+/// training trace and rated by their simulation of the first healthy validation trace.
 ///
 /// # Errors
-/// Where the search fails.
+/// Returns an error if the search fails.
 pub(super) fn orders(draw: &Draw) -> Result<Table, Error> {
     let max = Structure::new(3, 6, 3, 2, 2);
     let structures = Grid::up_to(max, false).structures()?;
@@ -247,7 +247,7 @@ fn row(found: &Search, name: String, candidate: Option<&Candidate>) -> Row {
             Cell::one(found.rank(c.fit_percent) as f64),
             Cell::one(c.fitted.parameters() as f64),
         ],
-        // The same cells in every repetition, so that they can be gathered.
+        // Every repetition has the same cells, so that their values can be collected.
         None => vec![Cell::Measured(vec![]); 3],
     };
     Row { name, cells }

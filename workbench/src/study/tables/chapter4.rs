@@ -1,4 +1,4 @@
-//! Tables 4.1–4.4: the literal method as the source prints it, what one change each does to it, and ours.
+//! Tables 4.1–4.4: the source's method as printed, variants with one change each, and our method.
 
 use bearing_watch::plan::Kind;
 
@@ -13,19 +13,19 @@ use crate::study::demo::FirstInput;
 use crate::study::literal::{Judged, Rule, principal};
 use crate::train::{FeatureTable, ProjectionKind};
 
-/// Heads of the columns, in order.
+/// Headings of the columns, in order.
 pub(super) const COLUMNS: [&str; 7] =
     ["published", "three classes", "healthy / spall", "healthy / roughness", "both pooled", "traces", "healthy fit"];
 
-/// The source's validation with PCA, the row that its conclusions rest on.
+/// The source's validation with PCA, on which its conclusions are based.
 pub(super) const LITERAL: &str = "validation, with PCA";
 
 const SELECTION: Selection = Selection::CHAPTER_4;
 
-/// The table of one repetition.
+/// Computes the table of one repetition.
 ///
 /// # Errors
-/// Where a trace cannot be estimated or features are singular.
+/// Returns an error if a trace cannot be estimated or features are singular.
 pub(super) fn measure(published: &Simulation, draw: &Draw) -> Result<Table, Error> {
     let model = |method| Model { input: published.input, order: published.order, method };
     let iv4 = Features::new(draw, model(Method::Iv4))?;
@@ -73,7 +73,7 @@ pub(super) fn measure(published: &Simulation, draw: &Draw) -> Result<Table, Erro
     })
 }
 
-/// Chosen features of both sets.
+/// Selected features of both sets.
 struct Chosen {
     names: Vec<String>,
     training: FeatureTable,
@@ -81,7 +81,7 @@ struct Chosen {
 }
 
 impl Chosen {
-    /// a₁ and a₂, all that the source keeps without PCA (§3.3).
+    /// a₁ and a₂, the only features of the source without PCA (§3.3).
     fn first_two(&self) -> Self {
         let select = |table: &FeatureTable| table.select(&[0, 1]);
         Self { names: self.names[..2].to_vec(), training: select(&self.training), validation: select(&self.validation) }

@@ -1,4 +1,4 @@
-//! Table 2.2 on the standard rig: how features are distributed by class, and how far the classes lie apart.
+//! Table 2.2 on the standard rig: distribution of the features in each class, and distance between the classes.
 
 use super::draw::{Draw, Estimated, Model, choose};
 use super::published::{CHAPTER_4, TABLE_2_2, written_order};
@@ -19,10 +19,10 @@ const fn input_name(input: FirstInput) -> &'static str {
     }
 }
 
-/// The published layout: a first-order model's a and b by class.
+/// The published layout: a and b of a first-order model, by class.
 ///
 /// # Errors
-/// Where a trace cannot be estimated.
+/// Returns an error if a trace cannot be estimated.
 pub(super) fn first_order(draw: &Draw) -> Result<Table, Error> {
     let mut rows: Vec<Row> = TABLE_2_2.iter().map(published).collect();
     let mut figures = Vec::new();
@@ -91,10 +91,10 @@ fn cells(traces: &[&Estimated]) -> Vec<Cell> {
     [&parameter(0)[..], &parameter(1), &[fit]].concat().into_iter().map(Cell::one).collect()
 }
 
-/// How far each feature of the models of chapter 4, and all of them together, move with each defect.
+/// Shift of each feature of the models of chapter 4 with each defect, and of all features together.
 ///
 /// # Errors
-/// Where a trace cannot be estimated.
+/// Returns an error if a trace cannot be estimated.
 pub(super) fn separations(draw: &Draw) -> Result<Table, Error> {
     let mut rows = Vec::new();
     for simulation in &CHAPTER_4 {

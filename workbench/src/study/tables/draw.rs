@@ -1,4 +1,4 @@
-//! One repetition's traces and estimates, made once and shared by all tables.
+//! Traces and estimates of one repetition, computed once and shared by all tables.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -17,10 +17,10 @@ use crate::study::demo::{CLASSES, FirstInput};
 use crate::study::literal::Judged;
 use crate::train::FeatureTable;
 
-/// What is estimated from a trace, and how.
+/// Input, structure and method of an estimate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Model {
-    /// u1.
+    /// Choice of u1.
     pub input: FirstInput,
     /// Structure vector; no constant term.
     pub order: Structure,
@@ -29,51 +29,51 @@ pub struct Model {
 }
 
 impl Model {
-    /// Its structure.
+    /// The structure of the model.
     #[must_use]
     pub const fn structure(&self) -> Structure {
         self.order
     }
 }
 
-/// What tables need of an estimate.
+/// The part of an estimate that the tables need.
 #[derive(Clone, Debug)]
 pub struct Estimated {
     /// Class of the trace.
     pub class: usize,
-    /// Every raw feature.
+    /// All raw features.
     pub features: DVector<f64>,
-    /// Standard deviations of the parameters that the estimate itself states.
+    /// Standard deviations of the parameters, computed by the estimate itself.
     pub deviations: Vec<f64>,
-    /// Eq. 3.2 on the estimate's own trace, %.
+    /// Fit (Eq. 3.2) on the trace of the estimate, %.
     pub fit_percent: f64,
 }
 
 /// Estimates of training and validation traces.
 #[derive(Clone, Debug)]
 pub struct Estimates {
-    /// Of the training set.
+    /// Estimates of the training set.
     pub training: Vec<Estimated>,
-    /// Of the validation set.
+    /// Estimates of the validation set.
     pub validation: Vec<Estimated>,
 }
 
 /// One draw of a training and a validation set.
 #[derive(Debug)]
 pub struct Draw {
-    /// Training traces, class after class.
+    /// Training traces, ordered by class.
     pub training: Vec<Recorded>,
-    /// Validation traces, class after class.
+    /// Validation traces, ordered by class.
     pub validation: Vec<Recorded>,
     known: RefCell<Vec<(Model, Rc<Estimates>)>>,
     ours: RefCell<Vec<(Selection, Judged)>>,
 }
 
 impl Draw {
-    /// Simulates the sets of two seeds. Chapter 3 asks for more traces of the first two classes.
+    /// Simulates the sets of two seeds. Chapter 3 needs more traces of the first two classes.
     ///
     /// # Errors
-    /// Where the rig refuses the scenario.
+    /// Returns an error if the rig refuses the scenario.
     pub fn new((training, validation): (u32, u32), chapter_3: bool) -> Result<Self, Error> {
         let count = |class| {
             if chapter_3 && class < Selection::CHAPTER_3.classes { TRACES_CHAPTER_3 } else { TRACES_CHAPTER_4 }
@@ -93,16 +93,16 @@ impl Draw {
         Ok(Self { training, validation, known: RefCell::default(), ours: RefCell::default() })
     }
 
-    /// Estimates of every trace, made when they are first asked for.
+    /// Estimates of all traces, computed at the first call.
     ///
     /// # Errors
-    /// Where a trace cannot be estimated.
+    /// Returns an error if a trace cannot be estimated.
     pub fn estimates(&self, model: Model) -> Result<Rc<Estimates>, Error> {
         if let Some((_, known)) = self.known.borrow().iter().find(|(known, _)| *known == model) {
             return Ok(Rc::clone(known));
         }
         let set = |recorded: &[Recorded]| -> Result<Vec<Estimated>, Error> {
-            // Collected first, so that the error reported is that of the first bad trace in every run.
+            // The results are collected first, so that the returned error is always that of the first bad trace.
             let all: Vec<_> = recorded.par_iter().map(|r| estimated(r, model)).collect();
             all.into_iter().collect()
         };
@@ -111,10 +111,10 @@ impl Draw {
         Ok(made)
     }
 
-    /// Our method's verdicts on a selection, made when they are first asked for.
+    /// Decisions of our method on a selection, computed at the first call.
     ///
     /// # Errors
-    /// Where our method fails.
+    /// Returns an error if our method fails.
     pub fn ours(&self, selection: Selection) -> Result<Judged, Error> {
         if let Some((_, known)) = self.ours.borrow().iter().find(|(known, _)| *known == selection) {
             return Ok(known.clone());
@@ -147,7 +147,7 @@ impl Estimates {
         })
     }
 
-    /// Mean fit of the selection's healthy validation traces, each by its own model, %.
+    /// Mean fit of the healthy validation traces of the selection, each with its own model, %.
     #[must_use]
     pub fn healthy_fit(&self, selection: Selection) -> f64 {
         let picked = selection.pick(&self.validation, |e| e.class);
@@ -156,10 +156,10 @@ impl Estimates {
     }
 }
 
-/// Names and places of chosen features of a model: groups a, b, c or single names.
+/// Names and indices of the selected features of a model: groups a, b, c or single names.
 ///
 /// # Errors
-/// A name the model does not have.
+/// Returns an error for a name that the model does not have.
 pub fn choose(model: Model, asked: &[&str]) -> Result<(Vec<String>, Vec<usize>), Error> {
     let asked: Vec<String> = asked.iter().map(ToString::to_string).collect();
     let places = features::choose(model.structure(), &asked)?;

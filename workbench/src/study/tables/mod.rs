@@ -1,13 +1,13 @@
-//! The source's tables on the standard rig, beside the published figures.
+//! The source's tables on the standard rig, compared with the published figures.
 //!
 //! ```text
-//! seed ─► draw: traces, estimates (shared) ─► distributions 2.2, chapter3, chapter4, pieces ─► Table, a value a cell
-//!         once a repetition                   ours: training and verdicts of our method          │ absorb
+//! seed ─► draw: traces, estimates (shared) ─► distributions 2.2, chapter3, chapter4, pieces ─► Table, a value per cell
+//!         once per repetition                 ours: training and verdicts of our method          │ absorb
 //!         published: as printed                                    words: notes ─► render ◄──────┘ mean ± sd
 //! ```
 //!
-//! A repetition draws a training and a validation set; no trace is ever shared between sets. Deviations are those of
-//! one repetition, not of the mean: the source made one.
+//! Each repetition draws a training and a validation set; no two sets share a trace. Standard deviations are those of
+//! one repetition, not of the mean, because the source made a single draw.
 
 mod chapter3;
 mod chapter4;
@@ -29,12 +29,13 @@ use draw::Draw;
 pub use result::{Cell, Statistic, Table};
 pub use settings::{Id, Settings};
 
-/// Makes the tables; `done` is called once a step.
+/// Computes the tables; `done` is called once per step.
 ///
-/// Repetitions follow one another, and each uses every core over its traces: memory stays that of one draw.
+/// The repetitions run one after the other, and each uses all processor cores for its traces: only one draw is in
+/// memory at a time.
 ///
 /// # Errors
-/// Where a trace cannot be simulated or estimated, or features are singular.
+/// Returns an error if a trace cannot be simulated or estimated, or features are singular.
 pub fn run(settings: &Settings, done: impl Fn()) -> Result<Vec<Table>, Error> {
     let chapter_3 = settings.tables.iter().any(|id| id.name().starts_with('3'));
     let mut all: Vec<Table> = vec![];

@@ -1,4 +1,4 @@
-//! Our method, in one place: every table asks here.
+//! Our method; all tables call this module.
 
 use super::recorded::{Recorded, Selection};
 use crate::Error;
@@ -9,19 +9,19 @@ use crate::study::literal::Judged;
 use crate::study::recipes::shaft;
 use crate::train::train;
 
-/// What [`verdicts`] does, as the name of a row.
+/// Name of the row with the results of [`verdicts`].
 pub const NAME: &str = "ours: torque balance, bearing order, QDA, the core in f32";
 
-/// The same in a sentence.
+/// Description of the method in one sentence.
 pub const DESCRIPTION: &str = "Ours: drag and torque constant from the torque balance, each in standard deviations of its own record, and the prominence of \
      the outer race's order; no projection, quadratic discriminant with halved correlations, every verdict given by the embedded detector in single precision.";
 
-/// Trains on one set and decides on another, through the core. A trace's class is its place in `classes`.
+/// Trains on one set and decides on another with the embedded detector. The class of a trace is its index in `classes`.
 ///
-/// This is the whole of our method as the tables see it; another configuration goes here, with its name above.
+/// All tables use this function for our method. To change the configuration, change this function and the name above.
 ///
 /// # Errors
-/// Where training or embedding fails.
+/// Returns an error if training or embedding fails.
 pub fn verdicts(
     training: &[(&Recorded, usize)],
     validation: &[(&Recorded, usize)],
@@ -40,10 +40,11 @@ pub fn verdicts(
     Ok(verdicts.into_iter().map(|verdict| verdict.decided.and_then(Finding::class)).collect())
 }
 
-/// Our method judged as the source's is: among all classes, and by one binary classifier a defect.
+/// Decisions of our method, counted as for the source's method: among all classes, and by one binary classifier per
+/// defect.
 ///
 /// # Errors
-/// As [`verdicts`].
+/// Same as [`verdicts`].
 pub fn judge(training: &[Recorded], validation: &[Recorded], selection: Selection) -> Result<Judged, Error> {
     let names = selection.names();
     let [training, validation] =
@@ -68,7 +69,7 @@ fn as_they_are<'a>(set: &[&'a Recorded]) -> Vec<(&'a Recorded, usize)> {
     set.iter().map(|&recorded| (recorded, recorded.class)).collect()
 }
 
-/// Healthy traces and those of one defect, as classes 0 and 1.
+/// The traces of the healthy class and of one defect, as classes 0 and 1.
 fn one_defect<'a>(set: &[&'a Recorded], defect: usize) -> Vec<(&'a Recorded, usize)> {
     let seen = set.iter().filter(|recorded| recorded.class == 0 || recorded.class == defect);
     seen.map(|&recorded| (recorded, usize::from(recorded.class == defect))).collect()

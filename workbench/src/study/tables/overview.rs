@@ -1,10 +1,10 @@
-//! The misclassification rates of all tables side by side.
+//! The misclassification rates of all tables in one table.
 
 use super::chapter4::LITERAL;
 use super::ours;
 use super::result::{Cell, Column, Digits, Row, Table};
 
-/// Published, literal and ours of each table of rates; nothing where none is among them.
+/// Published rate, the source's method and ours for each table of rates; `None` if `tables` contains no table of rates.
 pub(super) fn of(tables: &[Table]) -> Option<Table> {
     let rows: Vec<Row> = tables.iter().flat_map(rows).collect();
     let columns = ["published", "source's method", "the same, traces", "ours"];

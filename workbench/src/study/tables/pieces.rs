@@ -1,4 +1,4 @@
-//! Piece-wise estimation (§6.2.1) against one model of the whole record.
+//! Comparison of piece-wise estimation (§6.2.1) with one model of the whole record.
 
 use bearing_watch::plan::Kind;
 use nalgebra::DVector;
@@ -19,7 +19,7 @@ use crate::train::{ClassStatistics, FeatureTable, ProjectionKind};
 const SELECTION: Selection = Selection::CHAPTER_4;
 const INPUT: FirstInput = FirstInput::Reference;
 
-/// Heads of the columns, in order.
+/// Headings of the columns, in order.
 const COLUMNS: [(&str, Digits); 7] = [
     ("runs a trace", Digits::Fixed(1)),
     ("traces without", Digits::Fixed(1)),
@@ -30,10 +30,10 @@ const COLUMNS: [(&str, Digits); 7] = [
     ("both pooled", Digits::Fixed(1)),
 ];
 
-/// The table of one repetition.
+/// Computes the table of one repetition.
 ///
 /// # Errors
-/// Where a class has hardly a trace with runs, or features are singular.
+/// Returns an error if a class has too few traces with runs, or if features are singular.
 pub(super) fn measure(draw: &Draw) -> Result<Table, Error> {
     let cutting = |threshold, min_samples, cutoff_ratio| Cutting { threshold, min_samples, cutoff_ratio };
     let mut rows = Vec::new();
@@ -76,7 +76,7 @@ pub(super) fn measure(draw: &Draw) -> Result<Table, Error> {
     })
 }
 
-/// All traces of a draw cut one way.
+/// All traces of a draw, cut with the same settings.
 struct Cut {
     training: Vec<Piece>,
     validation: Vec<Piece>,
@@ -89,13 +89,13 @@ struct Piece {
     pieces: Option<Pieces>,
 }
 
-/// Verdicts on a validation set, and the spread of b₁ that they rest on.
+/// Decisions on a validation set, and the standard deviation of b₁ over the healthy training rows.
 struct Found {
     judged: Judged,
     spread: f64,
 }
 
-/// Parameters of every run of a trace.
+/// Function that returns the parameters of every run of a trace.
 type Runs<'a> = &'a (dyn Fn(&Trace, &Pieces) -> Vec<[f64; 3]> + Sync);
 
 impl Cut {
@@ -111,7 +111,7 @@ impl Cut {
         Self { training: set(&draw.training), validation: set(&draw.validation) }
     }
 
-    /// A row a trace: medians over its runs. A validation trace without runs is undetermined.
+    /// One row per trace: medians over its runs. A validation trace without runs is undetermined.
     fn by_median(&self, count: usize) -> Result<Found, Error> {
         let (rule, spread) = train(&self.training, count, |p| p.pieces.iter().map(|p| p.median).collect())?;
         let mut judged = Judged::new(&SELECTION.names());
@@ -124,7 +124,7 @@ impl Cut {
         Ok(Found { judged, spread })
     }
 
-    /// A row a run, as the source has it: what is counted are decisions on runs.
+    /// One row per run, as in the source: the decisions on runs are counted.
     fn by_run(&self, runs: Runs<'_>) -> Result<Found, Error> {
         let of = |piece: &Piece| piece.pieces.as_ref().map_or_else(Vec::new, |p| runs(&piece.trace, p));
         let (rule, spread) = train(&self.training, 2, of)?;
@@ -142,7 +142,7 @@ impl Cut {
     }
 }
 
-/// iv4 on the signals of each run; a run that it cannot solve is passed over.
+/// iv4 on the signals of each run; runs without a solution are skipped.
 fn literal_runs(trace: &Trace, pieces: &Pieces) -> Vec<[f64; 3]> {
     let of = |run: &std::ops::Range<usize>| {
         let cut = |x: &[f64]| x[run.clone()].to_vec();
@@ -185,7 +185,7 @@ fn row(name: &str, cutting: [Cell; 3], judged: &Judged) -> Row {
     Row { name: name.to_string(), cells: cutting.into_iter().chain(rates.map(Cell::percent)).collect() }
 }
 
-/// Adds up counts.
+/// Adds the counts of `more` to `sum`.
 fn add(sum: &mut Judged, more: Judged) {
     let pairs = sum.pairs.iter_mut().zip(more.pairs);
     for (to, from) in pairs.chain([(&mut sum.all_classes, more.all_classes)]) {

@@ -1,7 +1,8 @@
-//! What the source published, as printed.
+//! Published figures of the source, as printed.
 //!
-//! Table 2.2 is of a laboratory motor module in open loop (a first-order model of its step response, brake positions 1
-//! to 4 for growing friction), Tables 3.1–3.2 and 4.1–4.4 of a simulated motor under velocity control.
+//! Table 2.2 describes a laboratory motor module in open loop: a first-order model of its step response, with brake
+//! positions 1 to 4 for increasing friction. Tables 3.1–3.2 and 4.1–4.4 describe a simulated motor under velocity
+//! control.
 
 use crate::identify::Structure;
 use crate::study::demo::FirstInput;
@@ -9,7 +10,7 @@ use crate::study::demo::FirstInput;
 /// A column of Table 2.2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Brake {
-    /// Its head.
+    /// Heading of the column.
     pub name: &'static str,
     /// a.
     pub a: f64,
@@ -39,23 +40,23 @@ pub const TABLE_2_2: [Brake; 5] = [
 /// Table 3.1: eigenvalue and contribution, %, of each component of the a-parameters of [`ORDER_WITH_PCA`].
 pub const TABLE_3_1: [(f64, f64); 3] = [(0.0015, 80.57), (3.6167e-4, 19.43), (1.0872e-7, 0.00584)];
 
-/// Table 3.2, first line: a₁ and a₂ themselves.
+/// Table 3.2, first line: features a₁ and a₂.
 pub const ORDER_WITHOUT_PCA: Structure = Structure::new(2, 2, 2, 1, 1);
 /// Its misclassification, %.
 pub const ERROR_WITHOUT_PCA: f64 = 30.0;
-/// Table 3.2, second line: two principal components of a₁, a₂, a₃.
+/// Table 3.2, second line: features are two principal components of a₁, a₂, a₃.
 pub const ORDER_WITH_PCA: Structure = Structure::new(3, 6, 3, 1, 2);
 /// Its misclassification, %.
 pub const ERROR_WITH_PCA: f64 = 6.0;
-/// Data sets a class of chapter 3's example (Figs 3.8, 3.9).
+/// Number of data sets per class in the example of chapter 3 (Figs 3.8, 3.9).
 pub const TRACES_CHAPTER_3: u32 = 25;
-/// Data sets a class of chapter 4, in training and again in validation.
+/// Number of data sets per class of chapter 4, in training and again in validation.
 pub const TRACES_CHAPTER_4: u32 = 20;
 
 /// One of Tables 4.1–4.4; rates in %.
 #[derive(Clone, Copy, Debug)]
 pub struct Simulation {
-    /// Its number.
+    /// Number of the table.
     pub number: &'static str,
     /// u1.
     pub input: FirstInput,
@@ -105,7 +106,7 @@ pub const CHAPTER_4: [Simulation; 4] = [
     },
 ];
 
-/// An order vector as the source writes it.
+/// A structure vector in the notation of the source.
 pub(super) fn written_order(order: Structure) -> String {
     let numbers = order.orders().map(|n| n.to_string()).join(" ");
     format!("[{numbers}]")
@@ -117,12 +118,12 @@ mod tests {
 
     #[test]
     fn rates_are_the_published_counts_of_traces() {
-        // Training and validation without, then with PCA, wrong traces of 60.
+        // Wrong traces of 60: training and validation without PCA, then with PCA.
         let counts = [[8, 20, 8, 17], [8, 13, 8, 9], [8, 13, 9, 11], [8, 11, 10, 9]];
         for (table, counts) in CHAPTER_4.iter().zip(counts) {
             let rates = [table.without_pca, table.with_pca].concat();
             for (rate, count) in rates.into_iter().zip(counts) {
-                // Printed to two places.
+                // Printed to two decimals.
                 assert!((rate - 100.0 * f64::from(count) / 60.0).abs() < 0.0051, "{}: {rate}", table.number);
             }
         }
@@ -133,7 +134,7 @@ mod tests {
     fn contributions_are_those_of_the_eigenvalues() {
         let total: f64 = TABLE_3_1.iter().map(|(value, _)| value).sum();
         for (value, contribution) in TABLE_3_1 {
-            // The eigenvalues are printed to two to five digits; the first is hardly rounded by this.
+            // The eigenvalues are printed to two to five digits; the rounding hardly affects the first one.
             assert!((100.0 * value / total / contribution - 1.0).abs() < 1e-3, "{value}");
         }
     }
@@ -146,7 +147,7 @@ mod tests {
         for (first, second) in [(0, 1), (2, 3)] {
             assert_eq!(CHAPTER_4[first].input, CHAPTER_4[second].input);
         }
-        // The error fits better than the reference, and friction moves a towards 0 brake by brake.
+        // The model of the error has a better fit than that of the reference, and a approaches 0 with more friction.
         assert!(
             CHAPTER_4[..2].iter().all(|t| t.fit_percent < 87.0) && CHAPTER_4[2..].iter().all(|t| t.fit_percent > 92.0)
         );

@@ -1,4 +1,4 @@
-//! Traces of a draw with all their signals, and which of them a table takes.
+//! Traces of a draw with all their signals, and the selection of traces for a table.
 
 use super::published::{TRACES_CHAPTER_3, TRACES_CHAPTER_4};
 use crate::rig::RigTrace;
@@ -11,14 +11,14 @@ use crate::trace::{MotionTrace, Trace};
 pub struct Recorded {
     /// Name of the trace.
     pub id: String,
-    /// Place in [`CLASSES`](crate::study::demo::CLASSES).
+    /// Index in [`CLASSES`](crate::study::demo::CLASSES).
     pub class: usize,
     /// The signals.
     pub signals: RigTrace,
 }
 
 impl Recorded {
-    /// y = current, u1 as asked for, u2 = load torque.
+    /// Labelled trace with y = current, u1 as given by `input`, u2 = load torque.
     #[must_use]
     pub fn labelled(&self, input: FirstInput) -> LabelledTrace {
         let RigTrace { t_s, velocity_ref_rad_s, velocity_rad_s, current_a, load_torque_nm, .. } = &self.signals;
@@ -33,22 +33,22 @@ impl Recorded {
     }
 }
 
-/// Which traces of a draw.
+/// Selection of traces of a draw.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Selection {
-    /// Classes 0 to this number, excluded.
+    /// Number of classes: classes 0 to `classes` − 1.
     pub classes: usize,
-    /// Traces a class.
+    /// Number of traces per class.
     pub traces: u32,
 }
 
 impl Selection {
-    /// Healthy and both defects, as chapter 4 has them.
+    /// Healthy and both defects, as in chapter 4.
     pub const CHAPTER_4: Self = Self { classes: 3, traces: TRACES_CHAPTER_4 };
-    /// Healthy and Defect A, as the example of chapter 3 has them.
+    /// Healthy and Defect A, as in the example of chapter 3.
     pub const CHAPTER_3: Self = Self { classes: 2, traces: TRACES_CHAPTER_3 };
 
-    /// Names of its classes.
+    /// Names of the selected classes.
     #[must_use]
     pub fn names(&self) -> Vec<String> {
         class_names().into_iter().take(self.classes).collect()

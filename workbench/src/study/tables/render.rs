@@ -8,7 +8,7 @@ use super::{Settings, Table};
 /// Width of running text.
 const WIDTH: usize = 110;
 
-/// A table with its words as plain text.
+/// A table with its notes as plain text.
 #[must_use]
 pub fn text(table: &Table) -> String {
     let mut grid = vec![std::iter::once(String::new()).chain(table.columns.iter().map(|c| c.name.clone())).collect()];
@@ -32,7 +32,7 @@ pub fn text(table: &Table) -> String {
     out
 }
 
-/// Name and cells of a row as they are shown.
+/// Name and cells of a row as text.
 #[must_use]
 pub fn written(row: &Row, columns: &[Column]) -> Vec<String> {
     let cells = row.cells.iter().zip(columns).map(|(cell, column)| cell.write(column.digits));
@@ -43,7 +43,7 @@ fn width(text: &str) -> usize {
     text.chars().count()
 }
 
-/// Lines of at most 110 characters.
+/// Wraps the text to lines of at most 110 characters.
 #[must_use]
 pub fn wrap(text: &str) -> String {
     let mut out = String::new();
@@ -63,7 +63,7 @@ pub fn wrap(text: &str) -> String {
     out
 }
 
-/// A row a figure: table, title, row, column, source (published or measured), mean, sd, repetitions.
+/// One row per figure: table, title, row, column, source (published or measured), mean, sd, repetitions.
 #[must_use]
 pub fn tidy(tables: &[Table]) -> Vec<Vec<String>> {
     let head = ["table", "title", "row", "column", "source", "mean", "sd", "repetitions"];
@@ -89,7 +89,7 @@ pub fn tidy(tables: &[Table]) -> Vec<Vec<String>> {
     rows
 }
 
-/// Everything but the figures.
+/// All content except the plots.
 #[must_use]
 pub fn to_json(settings: &Settings, tables: &[Table]) -> Value {
     json!({

@@ -1,15 +1,16 @@
-//! A table under construction: every repetition fills the same cells once; what is printed are means and deviations.
+//! A table under construction: each repetition adds one value to every measured cell; the output shows mean and
+//! standard deviation.
 
 use crate::study::literal::Rule;
 
-/// How the numbers of a column are written.
+/// Number format of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Digits {
-    /// So many decimals.
+    /// This number of decimals.
     Fixed(usize),
-    /// Mantissa with so many decimals, and a power of ten.
+    /// Mantissa with this number of decimals, and a power of ten.
     Power(usize),
-    /// Two digits of the deviation, so many decimals without one.
+    /// Two significant digits of the standard deviation; this number of decimals if there is no standard deviation.
     Deviation(usize),
 }
 
@@ -23,7 +24,7 @@ impl Digits {
         }
     }
 
-    /// Mean and deviation as text.
+    /// Mean and standard deviation as text.
     fn write_both(self, mean: f64, sd: f64) -> String {
         let digits = match self {
             Self::Deviation(most) if sd > 0.0 => {
@@ -36,31 +37,31 @@ impl Digits {
     }
 }
 
-/// The head of a column.
+/// The heading of a column.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Column {
-    /// Name, with the unit where there is one.
+    /// Name, with the unit if there is one.
     pub name: String,
-    /// How its numbers are written.
+    /// Number format.
     pub digits: Digits,
 }
 
 impl Column {
-    /// A column.
+    /// Creates a column.
     #[must_use]
     pub fn new(name: impl Into<String>, digits: Digits) -> Self {
         Self { name: name.into(), digits }
     }
 }
 
-/// What stands in a cell.
+/// Content of a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
-    /// Nothing.
+    /// No content.
     Empty,
     /// A figure of the source, as printed.
     Published(f64),
-    /// One value a repetition.
+    /// One value per repetition.
     Measured(Vec<f64>),
 }
 
@@ -69,26 +70,26 @@ pub enum Cell {
 pub struct Statistic {
     /// Mean.
     pub mean: f64,
-    /// Standard deviation of one repetition, N − 1; nothing from one of them.
+    /// Standard deviation of one repetition, N − 1; `None` for a single repetition.
     pub sd: Option<f64>,
-    /// Repetitions.
+    /// Number of repetitions.
     pub count: usize,
 }
 
 impl Cell {
-    /// One value of a repetition.
+    /// A measured cell with one value.
     #[must_use]
     pub fn one(value: f64) -> Self {
         Self::Measured(vec![value])
     }
 
-    /// A rate as a percentage.
+    /// A measured cell with a rate, converted to percent.
     #[must_use]
     pub fn percent(rate: f64) -> Self {
         Self::one(100.0 * rate)
     }
 
-    /// Over the repetitions; nothing where nothing was measured.
+    /// Statistic over the repetitions; `None` without measured values.
     #[must_use]
     pub fn statistic(&self) -> Option<Statistic> {
         let Self::Measured(values) = self else { return None };
@@ -100,11 +101,11 @@ impl Cell {
         (count > 0).then_some(Statistic { mean, sd, count })
     }
 
-    /// As it is shown.
+    /// The cell as text.
     #[must_use]
     pub fn write(&self, digits: Digits) -> String {
         match (self, self.statistic()) {
-            // The digits that the source printed.
+            // The number of digits that the source printed.
             (Self::Published(value), _) if value.abs() < 1e-3 => format!("{value:e}"),
             (Self::Published(value), _) => value.to_string(),
             (_, Some(Statistic { mean, sd: Some(sd), .. })) => digits.write_both(mean, sd),
@@ -114,41 +115,41 @@ impl Cell {
     }
 }
 
-/// A row with its name.
+/// A named row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// What was done.
+    /// Name of the method.
     pub name: String,
-    /// A cell a column.
+    /// One cell per column.
     pub cells: Vec<Cell>,
 }
 
-/// Samples of one feature by class, of the first repetition.
+/// Samples of one feature by class, from the first repetition.
 #[derive(Clone, Debug)]
 pub struct Spread {
     /// Title of the plot.
     pub title: String,
     /// Name of the feature.
     pub feature: String,
-    /// Class name and samples.
+    /// Class names and samples.
     pub classes: Vec<(String, Vec<f64>)>,
 }
 
-/// Two coordinates of every trace, with the rule that decides on them, of the first repetition.
+/// Two coordinates of every trace and the decision rule, from the first repetition.
 #[derive(Clone, Debug)]
 pub struct Plane {
     /// Title of the plot.
     pub title: String,
     /// The classes.
     pub classes: Vec<PlaneClass>,
-    /// Trained on the training points.
+    /// Decision rule trained on the training points.
     pub rule: Rule,
 }
 
 /// Points of one class.
 #[derive(Clone, Debug)]
 pub struct PlaneClass {
-    /// Its name.
+    /// Name of the class.
     pub name: String,
     /// Training points.
     pub training: Vec<(f64, f64)>,
@@ -156,7 +157,7 @@ pub struct PlaneClass {
     pub held_out: Vec<(f64, f64)>,
 }
 
-/// What is drawn of a table.
+/// A plot of a table.
 #[derive(Clone, Debug)]
 pub enum Figure {
     /// Densities of a feature.
@@ -165,27 +166,27 @@ pub enum Figure {
     Plane(Box<Plane>),
 }
 
-/// A published table beside ours.
+/// A published table compared with our results.
 #[derive(Clone, Debug)]
 pub struct Table {
-    /// Number in the source, or a word.
+    /// Number of the table in the source, or a name.
     pub id: &'static str,
     /// Title.
     pub title: String,
     /// Signals, order and traces.
     pub conditions: String,
-    /// Heads of the columns.
+    /// Headings of the columns.
     pub columns: Vec<Column>,
     /// Rows.
     pub rows: Vec<Row>,
-    /// Where and why ours differs from the source, a paragraph each.
+    /// Explanations of the differences from the source, one paragraph each.
     pub words: Vec<String>,
     /// Plots of the first repetition.
     pub figures: Vec<Figure>,
 }
 
 impl Table {
-    /// Takes over another repetition's values of the same table.
+    /// Appends the values of another repetition of the same table.
     pub fn absorb(&mut self, other: Self) {
         for (row, more) in self.rows.iter_mut().zip(other.rows) {
             for (cell, more) in row.cells.iter_mut().zip(more.cells) {

@@ -1,19 +1,19 @@
-//! How far a feature moves with a defect, in its own spread.
+//! Separation of a feature: its shift with a defect, in units of its standard deviation.
 //!
 //! ```text
 //! s = (m_d − m_h) / √½(s_d² + s_h²)        m, s²: mean and variance (N − 1) over the traces of a class     (1)
 //! w = Σ⁻¹ (m_d − m_h)                      of the training set; s of wᵀf on the validation set             (2)
 //! ```
 //!
-//! Two normal classes at distance s, cut in the middle, err by Φ(−s/2): 31 % at 1, 16 % at 2, 0.6 % at 5, which is what
-//! the source asks for (§2.2.5).
+//! For two normal classes at distance s with the threshold in the middle, the error rate is Φ(−s/2): 31 % for s = 1,
+//! 16 % for s = 2, 0.6 % for s = 5, the distance that the source requires (§2.2.5).
 
 use nalgebra::DVector;
 
 use crate::train::FeatureTable;
 use crate::train::statistics::{ClassStatistics, whitening};
 
-/// (1) of column `feature`, of class `defect` against class 0.
+/// Equation (1) for column `feature`: class `defect` against class 0.
 #[must_use]
 pub fn of_feature(table: &FeatureTable, feature: usize, defect: usize) -> f64 {
     let statistics = ClassStatistics::new(table);
@@ -22,8 +22,8 @@ pub fn of_feature(table: &FeatureTable, feature: usize, defect: usize) -> f64 {
     (statistics.means[defect][feature] - statistics.means[0][feature]) / pooled.sqrt()
 }
 
-/// (2): the combination of all columns that separates the training set best, measured on the validation set. Nothing
-/// where the training set is singular.
+/// Equation (2): the linear combination of all columns that separates the training set best, evaluated on the
+/// validation set. `None` if the covariance of the training set is singular.
 #[must_use]
 pub fn of_combination(training: &FeatureTable, validation: &FeatureTable, defect: usize) -> Option<f64> {
     let statistics = ClassStatistics::new(training);
@@ -39,7 +39,7 @@ mod tests {
     use super::*;
 
     fn table(shift: [f64; 2]) -> FeatureTable {
-        // Spread 3 along x + y, 0.1 along x − y.
+        // Standard deviation 3 along x + y, 0.1 along x − y.
         let along = [-1.0, 0.0, 1.0, 0.5, -0.5];
         let across = [0.4, -1.0, 0.3, -0.6, 0.9];
         let place = |k: usize, [x, y]: [f64; 2]| {
@@ -52,7 +52,7 @@ mod tests {
 
     #[test]
     fn a_shift_of_known_size() {
-        // Feature 0 alone: rows 3·along + 0.1·across, shifted by 1.
+        // Feature 0 only: rows 3·along + 0.1·across, shifted by 1.
         let values: Vec<f64> = table([0.0; 2]).rows[..5].iter().map(|row| row[0]).collect();
         let mean = values.iter().sum::<f64>() / 5.0;
         let sd = (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 4.0).sqrt();
@@ -65,7 +65,7 @@ mod tests {
         let moved = table([0.5, -0.5]);
         let single = of_feature(&moved, 0, 1).abs().max(of_feature(&moved, 1, 1).abs());
         let both = of_combination(&moved, &moved, 1).expect("regular");
-        // Along x − y the shift is 1 and the spread 0.2 times that of `across`, 0.81.
+        // Along x − y the shift is 1 and the standard deviation is 0.2 times that of `across` (0.81).
         assert!(single < 0.3 && both > 5.0, "{single} {both}");
     }
 }

@@ -1,4 +1,4 @@
-//! A note to each table, computed from its figures.
+//! The note to each table, computed from its figures.
 
 use super::chapter3::LEAST_FIT;
 use super::chapter4::LITERAL;
@@ -6,7 +6,7 @@ use super::published::{CHAPTER_4, ERROR_WITH_PCA, ERROR_WITHOUT_PCA};
 use super::result::{Cell, Digits, Statistic};
 use super::{Settings, Table, ours};
 
-/// What stands before the tables.
+/// Paragraphs in front of the tables.
 #[must_use]
 pub fn intro(settings: &Settings) -> Vec<String> {
     let repetitions = settings.repetitions;
@@ -31,7 +31,7 @@ pub fn intro(settings: &Settings) -> Vec<String> {
     ]
 }
 
-/// The note to a finished table; none if a figure that it needs is missing.
+/// The note to a finished table; `None` if a required figure is missing.
 pub(super) fn of(table: &Table) -> Option<String> {
     match table.id {
         "2.2" if table.cell("error: healthy", "a").is_some() => first_order(table),
@@ -44,7 +44,7 @@ pub(super) fn of(table: &Table) -> Option<String> {
     }
 }
 
-/// Mean and deviation of a cell, as in the table.
+/// Mean and standard deviation of a cell, as in the table.
 fn shown(table: &Table, row: &str, column: &str) -> Option<String> {
     let place = table.columns.iter().position(|c| c.name == column)?;
     Some(table.cell(row, column)?.write(table.columns[place].digits))
@@ -55,7 +55,7 @@ fn mean(table: &Table, row: &str, column: &str) -> Option<f64> {
     Some(table.statistic(row, column)?.mean)
 }
 
-/// A published figure against the scatter of single draws of `what`.
+/// Compares a published figure with the mean and standard deviation of single draws of `what`.
 fn place(published: f64, found: Statistic, what: &str) -> String {
     let away = published - found.mean;
     let side = if away < 0.0 { "below" } else { "above" };

@@ -1,20 +1,20 @@
-//! The surprise as the few knots that the core interpolates between.
+//! The surprise as a piecewise linear function with few knots, which the core interpolates.
 
 use bearing_watch::model::KNOTS;
 
 use super::law::DistanceLaw;
 
-/// Surprise up to which the knots follow the law, nats.
+/// Surprise up to which the knots approximate the law, nats.
 pub const FOLLOWED: f64 = 25.0;
-/// Below it the error counts in nats, above it as a part.
+/// Below this surprise the error is absolute, in nats; above it relative.
 const SMALL: f64 = 1.0;
 const GRID: usize = 200;
 
-/// Knots (d², surprise) from (0, 0) to 25 nats and beyond, one of them at `limit`, where the gate is: the lines between
-/// leave out as much of the curve everywhere.
+/// Returns the knots (d², surprise) from (0, 0) to 25 nats and beyond, one of them at the gate's `limit`; the largest
+/// error of the interpolation is about the same in every interval.
 #[must_use]
 pub fn knots(law: &DistanceLaw, limit: f64) -> [[f64; 2]; KNOTS] {
-    // Denser near zero, where the curve bends most.
+    // Denser near zero, where the curvature is largest.
     let part = |k: usize| (k as f64 / GRID as f64).powi(2);
     let mut surprises: Vec<f64> = (0..=GRID).map(|k| FOLLOWED * part(k)).collect();
     let gate = surprises.iter().position(|s| *s >= limit).unwrap_or(GRID);
@@ -34,13 +34,13 @@ pub fn knots(law: &DistanceLaw, limit: f64) -> [[f64; 2]; KNOTS] {
     std::array::from_fn(|k| chosen[k])
 }
 
-/// As few knots as keep every line within `error` of the curve.
+/// Returns the fewest knots for which the error of every line is at most `error`.
 fn walk(curve: &[[f64; 2]], gate: usize, error: f64) -> Vec<[f64; 2]> {
     let mut chosen = vec![curve[0]];
     let mut at = 0;
     while at + 1 < curve.len() {
         let end = if at < gate { gate } else { curve.len() - 1 };
-        // Longer lines leave more out: the first that leaves too much ends the search.
+        // The error grows with the length of the line: the first line with too large an error ends the search.
         let reach = (at + 2..=end).take_while(|&to| worst(&curve[at..=to]) <= error).last();
         at = reach.unwrap_or(at + 1);
         chosen.push(curve[at]);
@@ -48,7 +48,7 @@ fn walk(curve: &[[f64; 2]], gate: usize, error: f64) -> Vec<[f64; 2]> {
     chosen
 }
 
-/// Largest error of the line from the first to the last point.
+/// Returns the largest error of the line from the first to the last point.
 fn worst(points: &[[f64; 2]]) -> f64 {
     let ([x0, s0], [x1, s1]) = (points[0], points[points.len() - 1]);
     let each = |[x, s]: &[f64; 2]| (s0 + (x - x0) * (s1 - s0) / (x1 - x0) - s).abs() / s.max(SMALL);

@@ -1,29 +1,30 @@
-//! How far from the healthy mean a further healthy segment lies.
+//! Distribution of the distance of a further healthy segment from the healthy mean.
 //!
 //! ```text
 //! d² = (z − m)ᵀ S⁻¹ (z − m),   m, S of n segments in p coordinates
 //! Gaussian      d² ~ a F(p, ν),  ν = n − p,  a = p(n²−1)/(n(n−p))         (1)  Hotelling 1931
-//! heavier       1/ν = 1/(n−p) + 1/τ,  a such that E d² stays that of (1)  (2)
+//! heavier       1/ν = 1/(n−p) + 1/τ,  a chosen so that E d² is as in (1)  (2)
 //! left out      d²₋ᵢ = (n/(n−1))² (n−2) q/(1 − nq/(n−1)),  q = d²ᵢ/(n−1)   (3)
 //! the law       Σ_j P(τ_j | d²₋₁ … d²₋ₙ) F_j                              (4)
 //! ```
 //!
-//! For many segments (2) is exact for coordinates of a multivariate t distribution with τ degrees of freedom. How likely
-//! each τ is say the training segments' own distances (3), each from mean and covariance of the others. Taking the
-//! likeliest τ alone would exceed a set rate in the mean: a tail that is taken too thin costs more alarms than one that is
-//! taken too heavy saves. (4) averages instead, over 1/τ spread evenly from 0 on and the Gaussian law before all others.
+//! For many segments, (2) is exact for coordinates with a multivariate t distribution with τ degrees of freedom. The
+//! probability of each τ follows from the training segments' own distances (3), each relative to mean and covariance of
+//! the other segments. With the most probable τ alone, the mean false-alarm rate would exceed the set one: a tail that
+//! is assumed too light adds more alarms than one that is assumed too heavy saves. (4) therefore averages over τ; the
+//! prior is uniform in 1/τ from 0 on, and the Gaussian law has the largest prior.
 
 use statrs::function::beta::{beta_reg, ln_beta};
 
-/// Probability of Gaussian features before any are seen. More would overlook heavy tails, less would put the gate of
-/// Gaussian features far out.
+/// Prior probability of Gaussian features. With a larger value heavy tails would not be recognised; with a smaller one
+/// the gate of Gaussian features would be far out.
 const GAUSSIAN: f64 = 0.6;
-/// Heavier laws, up to the largest 1/τ: a tail like 1/d⁶ is the heaviest.
+/// Number of heavier laws, up to the largest 1/τ: the heaviest tail is about 1/d⁶.
 const HEAVIER: usize = 16;
 const HEAVIEST: f64 = 0.33;
-/// Degrees of freedom below which no τ is told from another, and E d² hardly exists.
+/// Degrees of freedom below which the values of τ cannot be distinguished and E d² hardly exists.
 const LEAST_DEGREES: f64 = 3.0;
-/// Laws less likely than this are left out.
+/// Laws with a smaller relative probability are left out.
 const NEGLIGIBLE: f64 = 1e-4;
 
 /// d² ~ scale · F(coordinates, degrees).
@@ -42,13 +43,13 @@ pub struct DistanceLaw {
 }
 
 impl DistanceLaw {
-    /// (1) for `rows` > `coordinates` segments.
+    /// Returns the law (1) for `rows` > `coordinates` segments.
     #[must_use]
     pub fn gaussian(coordinates: usize, rows: usize) -> Self {
         Self { parts: vec![(1.0, Scaled::gaussian(coordinates, rows))] }
     }
 
-    /// (4) of training segments whose d² within the set are `squared`.
+    /// Returns the law (4) of training segments; `squared` are their d² within the set.
     #[must_use]
     pub fn of(coordinates: usize, squared: &[f64]) -> Self {
         let law = Scaled::gaussian(coordinates, squared.len());
@@ -57,7 +58,7 @@ impl DistanceLaw {
             return Self { parts: vec![(1.0, law)] };
         }
         let left_out = left_out(squared);
-        // Denser at light tails: the laws there differ most for what is seen.
+        // Denser at light tails, where the laws differ most at the observed distances.
         let steps = HEAVIER as f64;
         let each = |k: usize| {
             let weight = HEAVIEST * (k as f64 / steps).powi(2);
@@ -77,19 +78,19 @@ impl DistanceLaw {
         Self { parts }
     }
 
-    /// Probability that the features are Gaussian, between the laws considered.
+    /// Returns the probability that the features are Gaussian, among the laws considered.
     #[must_use]
     pub fn gaussian_probability(&self) -> f64 {
         self.parts[0].0
     }
 
-    /// −ln P(d² at least this large), nats.
+    /// Returns −ln P(d² at least this large), nats.
     #[must_use]
     pub fn surprise(&self, squared: f64) -> f64 {
         -self.parts.iter().map(|(part, law)| part * law.beyond(squared)).sum::<f64>().ln()
     }
 
-    /// The d² of a surprise, by bisection.
+    /// Returns the d² of a surprise, by bisection.
     #[must_use]
     pub fn squared_at(&self, surprise: f64) -> f64 {
         if surprise <= 0.0 {
@@ -111,7 +112,7 @@ impl Scaled {
         Self { coordinates: p, degrees: n - p, scale: p * (n * n - 1.0) / (n * (n - p)) }
     }
 
-    /// (2) with 1/τ = `weight`.
+    /// Returns the law (2) with 1/τ = `weight`.
     fn heavier(self, weight: f64) -> Self {
         if weight <= 0.0 {
             return self;
@@ -150,7 +151,7 @@ mod tests {
 
     #[test]
     fn two_coordinates_have_a_closed_form() {
-        // P(F(2, ν) > x) = (1 + 2x/ν)^(−ν/2); rounding of a logarithm of numbers down to e⁻²⁵.
+        // P(F(2, ν) > x) = (1 + 2x/ν)^(−ν/2); the tolerance is the rounding of logarithms of numbers down to e⁻²⁵.
         let law = DistanceLaw::gaussian(2, 12);
         let scale = 2.0 * 143.0 / 120.0;
         for squared in [0.01, 1.0, 30.0, 1000.0] {
@@ -171,7 +172,7 @@ mod tests {
 
     #[test]
     fn left_out_distances_by_hand() {
-        // Of 0, 1, 3, 8 leave 8 out: mean 4/3, variance 7/3. All four: mean 3, variance 38/3.
+        // Values 0, 1, 3, 8. Without 8: mean 4/3, variance 7/3. All four: mean 3, variance 38/3.
         let squared: Vec<f64> = [0.0, 1.0, 3.0, 8.0_f64].iter().map(|x| (x - 3.0).powi(2) / (38.0 / 3.0)).collect();
         let by_hand = (8.0 - 4.0 / 3.0_f64).powi(2) / (7.0 / 3.0);
         assert!((left_out(&squared)[3] - by_hand).abs() < 1e-9);

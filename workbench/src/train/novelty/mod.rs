@@ -1,8 +1,8 @@
 //! Healthy training segments → the novelty gate and the constants of the alarm.
 //!
-//! Mean and covariance are those of the healthy class alone; the rate is set by the law of a further segment's distance
-//! ([`law`]), so that it holds in the mean over training sets of any size. How far a single gate may be off is a matter
-//! of the number of segments ([`spread`]).
+//! Mean and covariance are those of the healthy class alone. The gate follows from the distribution of a further
+//! segment's distance ([`law`]), so that the mean false-alarm rate over training sets of any size is the set one. The
+//! deviation of a single gate from the set rate depends on the number of segments ([`spread`]).
 
 mod knots;
 pub mod law;
@@ -18,19 +18,20 @@ use super::statistics::{ClassStatistics, singular, whitening};
 use crate::Error;
 use law::DistanceLaw;
 
-/// κ of the evidence: a mean surprise of 5 nats is found soonest, and a mean surprise of 2 instead of 1 while healthy
-/// still brings no alarm.
+/// κ of the evidence: a mean surprise of 5 nats is detected fastest, and a mean surprise of 2 instead of 1 in the
+/// healthy state does not yet cause an alarm.
 pub const BET: f32 = 0.2;
-/// A gate so many times as far out (in d²) as one of known spread is refused: nothing but the coarsest defect reaches it.
+/// A gate is refused if its d² exceeds that of known mean and covariance by this factor: only the largest defects would
+/// reach it.
 const FARTHEST: f64 = 10.0;
-/// Mean time between false alarms, where none is asked: hours where the rate is known, else segments.
+/// Mean time between false alarms if none is given: in hours if the rate is known, else in segments.
 const USUAL_HOURS: f64 = 1000.0;
 const USUAL_SEGMENTS: f64 = 1e5;
 
 /// Mean time between false alarms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AlarmInterval {
-    /// 1000 hours, or 100 000 segments where the sampling interval is not known.
+    /// 1000 hours, or 100 000 segments if the sampling interval is not known.
     Usual,
     /// Hours.
     Hours(f64),
@@ -38,16 +39,16 @@ pub enum AlarmInterval {
     Segments(f64),
 }
 
-/// What is asked of gate, reject option and alarm.
+/// Settings of gate, reject option and alarm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Alarms {
     /// The healthy class; no gate and no alarm without one.
     pub healthy: Option<usize>,
     /// Rate of healthy segments called novel.
     pub false_alarm: f64,
-    /// Whether to refuse what is too few for a gate, instead of doing without.
+    /// Whether too few segments for a gate are an error; if false, the model then has no gate.
     pub required: bool,
-    /// What no decision costs; infinite where one is always wanted.
+    /// Cost of no decision; infinite if a decision is always required.
     pub reject_cost: f64,
     /// Mean time between false alarms.
     pub interval: AlarmInterval,
@@ -69,32 +70,32 @@ pub struct Gate {
     pub mean: DVector<f64>,
     /// U with UᵀU = S⁻¹.
     pub whitening: DMatrix<f64>,
-    /// (d², surprise).
+    /// Knots (d², surprise).
     pub knots: [[f64; 2]; KNOTS],
     /// −ln of the false-alarm rate.
     pub limit: f64,
-    /// The law of distances.
+    /// The distribution of the distances.
     pub law: DistanceLaw,
-    /// Healthy segments it was made of.
+    /// Number of healthy segments in training.
     pub rows: usize,
-    /// Segments from which 95 % of gates have at most three times the rate.
+    /// Number of segments from which on 95 % of gates have at most three times the rate.
     pub rows_needed: usize,
 }
 
 /// Gate and alarm of a trained model.
 #[derive(Clone, Debug)]
 pub struct Watch {
-    /// The gate, where there is one.
+    /// The gate, if there is one.
     pub gate: Option<Gate>,
     /// Constants of the alarm.
     pub evidence: EvidenceConstants,
-    /// Mean segments between false alarms.
+    /// Mean number of segments between false alarms.
     pub segments: f64,
-    /// What the user should know.
+    /// A warning for the user.
     pub warning: Option<String>,
 }
 
-/// Trains on coordinates called `names`; `segment_s` is the duration of a segment where it is known.
+/// Trains on the coordinates with these `names`; `segment_s` is the duration of a segment, if known.
 pub(crate) fn train(
     table: &FeatureTable,
     names: &[String],
@@ -122,7 +123,7 @@ pub(crate) fn train(
         return if alarms.required { Err(Error::Training(problem)) } else { Ok(none(Some(problem + "; none is set"))) };
     }
     let gate = gate(table, names, class, rate)?;
-    // Scores of the novelty and of each defect share the rate.
+    // The scores of the novelty and of each defect share the false-alarm rate.
     let limit = (table.names.len() as f64 * segments).ln() as f32;
     let warning = (rows < gate.rows_needed).then(|| {
         format!(
@@ -132,12 +133,12 @@ pub(crate) fn train(
             spread::BOUND
         )
     });
-    // One segment alone is no alarm.
+    // A single segment cannot cause an alarm.
     let evidence = EvidenceConstants { bet: BET, limit, cap: 0.5 * limit };
     Ok(Watch { gate: Some(gate), evidence, segments, warning })
 }
 
-/// The fewest segments of which a gate can be made, and one that is not too far out for its rate.
+/// Returns the smallest number of segments from which a gate can be trained that is not too far out for its rate.
 #[must_use]
 pub fn fewest(coordinates: usize, rate: f64) -> usize {
     let known = ChiSquared::new(coordinates as f64).map_or(f64::NAN, |law| law.inverse_cdf(1.0 - rate));
@@ -145,7 +146,7 @@ pub fn fewest(coordinates: usize, rate: f64) -> usize {
     (coordinates + 2..).take(1000).find(near).unwrap_or(coordinates + 1000)
 }
 
-/// The gate of healthy rows alone.
+/// Returns the gate of healthy rows alone.
 ///
 /// # Errors
 /// Too few rows for the rate, or coordinates that are constant or depend on each other.

@@ -1,14 +1,14 @@
-//! The false-alarm rate of one gate, and how many healthy segments keep it near the set one.
+//! The false-alarm rate of a single gate, and the number of healthy segments that keeps it near the set rate.
 //!
-//! The gate has the set rate in the mean over training sets; a single one, made of n segments, has
+//! The mean rate over training sets is the set one; a single gate, trained on n segments, has the rate
 //!
 //! ```text
 //! P(Σ wᵢ (gᵢ + δᵢ)² > c),   w = 1/λ,   δ = Qᵀm,   S = Q Λ Qᵀ             (1)
 //! ```
 //!
-//! with g standard normal, m ~ N(0, I/n) and (n−1) S ~ Wishart(n−1), c the gate's d². Draws of m and S (Bartlett 1933)
-//! give the distribution of (1), each tail by the saddle point (Kuonen 1999), which is within 5 % of the tail's own
-//! size.
+//! with g standard normal, m ~ N(0, I/n), (n−1) S ~ Wishart(n−1), and c the gate's d². Random draws of m and S
+//! (Bartlett 1933) yield the distribution of (1). Each tail is computed by the saddle-point approximation (Kuonen
+//! 1999), which has a relative error below 5 %.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rand::SeedableRng;
@@ -18,12 +18,13 @@ use statrs::function::erf::erfc;
 
 use super::law::DistanceLaw;
 
-/// A single gate in twenty may exceed the set rate by this factor.
+/// One gate in twenty may exceed the set rate by more than this factor.
 pub const BOUND: f64 = 3.0;
-/// Beyond it the number needed is not looked for.
+/// Upper limit of the search for the number needed.
 const MOST: usize = 100_000;
 
-/// Rates of single gates made of `rows` Gaussian segments, over random training sets, from the smallest up.
+/// Returns the rates of single gates trained on `rows` Gaussian segments, over random training sets, in ascending
+/// order.
 #[must_use]
 pub fn gate_rates(coordinates: usize, rows: usize, rate: f64, draws: usize) -> Vec<f64> {
     let limit = DistanceLaw::gaussian(coordinates, rows).squared_at(-rate.ln());
@@ -33,7 +34,8 @@ pub fn gate_rates(coordinates: usize, rows: usize, rate: f64, draws: usize) -> V
     rates
 }
 
-/// The fewest healthy segments of which 95 % of the gates have at most [`BOUND`] times the set rate.
+/// Returns the smallest number of healthy segments for which 95 % of the gates have at most [`BOUND`] times the set
+/// rate.
 #[must_use]
 pub fn rows_needed(coordinates: usize, rate: f64) -> usize {
     let draws = (4000 / coordinates).clamp(60, 400);
@@ -41,7 +43,8 @@ pub fn rows_needed(coordinates: usize, rate: f64) -> usize {
         let rates = gate_rates(coordinates, rows, rate, draws);
         rates[(0.95 * draws as f64) as usize] <= BOUND * rate
     };
-    // From above: the very fewest segments have nearly all gates far out and a few useless ones, which the 95 % pass by.
+    // Searches from above: with very few segments nearly all gates are far out and a few are useless, and the 95 %
+    // criterion would accept them.
     let mut enough = 1500 + 20 * coordinates;
     while !bounded(enough) && enough < MOST {
         enough *= 2;
@@ -55,7 +58,7 @@ pub fn rows_needed(coordinates: usize, rate: f64) -> usize {
     }
 }
 
-/// (1) for one random training set.
+/// Returns (1) for one random training set.
 fn single(coordinates: usize, rows: usize, limit: f64, random: &mut ChaCha8Rng) -> f64 {
     let degrees = rows as f64 - 1.0;
     let mut factor = DMatrix::zeros(coordinates, coordinates);
@@ -72,7 +75,7 @@ fn single(coordinates: usize, rows: usize, limit: f64, random: &mut ChaCha8Rng) 
     tail(&terms, limit)
 }
 
-/// P(Σ w (g + δ)² > c) of (w, δ²).
+/// Returns P(Σ w (g + δ)² > c) for terms (w, δ²).
 fn tail(terms: &[(f64, f64)], limit: f64) -> f64 {
     let beyond = |x: f64| 0.5 * erfc(x / std::f64::consts::SQRT_2);
     if let [(w, shift)] = terms {
@@ -91,7 +94,7 @@ fn tail(terms: &[(f64, f64)], limit: f64) -> f64 {
         };
         terms.iter().map(each).fold((0.0, 0.0, 0.0), |sum, term| (sum.0 + term.0, sum.1 + term.1, sum.2 + term.2))
     };
-    // The slope rises from 0 at −∞ to +∞ at 1/(2 w).
+    // The derivative of the cumulant generating function rises from 0 at −∞ to +∞ at 1/(2 w).
     let pole = 0.5 / largest;
     let (mut low, mut high) = (-1e6 * pole, pole);
     for _ in 0..100 {
@@ -118,10 +121,10 @@ mod tests {
         for (p, limit) in [(1, 6.6), (2, 9.2), (3, 11.3), (6, 22.5), (20, 60.0)] {
             let exact = Exact::new(f64::from(p)).expect("law").sf(limit);
             let got = tail(&vec![(1.0, 0.0); p as usize], limit);
-            // The stated 5 %; one coordinate is exact.
+            // The stated 5 %; for one coordinate the tail is exact.
             assert!((got / exact - 1.0).abs() < 0.05, "{p}: {got} for {exact}");
         }
-        // One shifted coordinate: two normal tails.
+        // One shifted coordinate: the sum of two normal tails.
         let exact = 0.5 * (erfc(2.0 / std::f64::consts::SQRT_2) + erfc(4.0 / std::f64::consts::SQRT_2));
         assert!((tail(&[(2.0, 1.0)], 18.0) / exact - 1.0).abs() < 1e-9);
     }
@@ -131,7 +134,8 @@ mod tests {
         for (p, rows) in [(1, 30), (3, 30), (6, 100)] {
             let rates = gate_rates(p, rows, 0.01, 2000);
             let mean = rates.iter().sum::<f64>() / 2000.0;
-            // 2000 draws whose deviation is about their mean: 3 deviations are 7 %, and the saddle point's 5 %.
+            // 2000 draws whose deviation is about equal to their mean: 3 standard errors are 7 %; the saddle point adds
+            // 5 %.
             assert!((mean / 0.01 - 1.0).abs() < 0.12, "{p} {rows}: {mean}");
         }
     }
@@ -141,8 +145,8 @@ mod tests {
         let needed = [(1, 1e-2), (1, 1e-3), (3, 1e-2), (3, 1e-3)].map(|(p, rate)| rows_needed(p, rate));
         println!("{needed:?}");
         assert!(needed[0] < needed[1] && needed[2] < needed[3], "{needed:?}");
-        // One coordinate: ln rate has deviation (z² + 1)/√(2n), z = 2.58, of which 1.645 are ln 3 at n = 65; fewer do, as
-        // few segments put the median gate further out.
+        // One coordinate: ln rate has the standard deviation (z² + 1)/√(2n), z = 2.58; 1.645 of them are ln 3 at n =
+        // 65. Fewer suffice, as few segments put the median gate further out.
         assert!((30..65).contains(&needed[0]), "{needed:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! Sets of features judged on one split, and forward selection.
+//! Scores of sets of features on one split, and forward selection.
 
 use std::collections::BTreeMap;
 
@@ -13,12 +13,12 @@ use crate::train::scores::{Prediction, guarded_score};
 use crate::train::shrinkage::Shrink;
 use crate::train::{ClassStatistics, Recipe, discriminant, shrinkage_search};
 
-/// Standard errors below which a gain is taken for chance.
+/// Number of standard errors below which a gain is regarded as chance.
 const SURE: f64 = 2.0;
-/// Correlation within classes from which one feature is said to repeat another.
+/// Correlation within classes from which on one feature is regarded as a repetition of another.
 const ALIKE: f64 = 0.8;
 
-/// Scores of sets of features on one split.
+/// Computes the scores of sets of features on one split.
 pub(super) struct Judge<'a> {
     candidates: &'a Candidates,
     recipe: Recipe,
@@ -27,10 +27,10 @@ pub(super) struct Judge<'a> {
     weights: Vec<f64>,
 }
 
-/// Forward selection.
+/// Result of the forward selection.
 pub(super) struct Path {
     pub(super) chosen: Vec<usize>,
-    /// At its choice, or beside all chosen.
+    /// Gain of each feature when it was chosen, or beside all chosen features.
     pub(super) gains: BTreeMap<usize, Gain>,
 }
 
@@ -46,7 +46,8 @@ impl<'a> Judge<'a> {
         Ok(Self { candidates, recipe: Recipe { shrink, ..recipe.clone() }, folds, priors, weights })
     }
 
-    /// Posteriors with these features only; those of the priors without any, nothing where they are singular.
+    /// Returns the posteriors with these features only; the priors without features, and `None` if the covariance is
+    /// singular.
     pub(super) fn predict(&self, features: &[usize]) -> Option<Vec<Prediction>> {
         if features.is_empty() {
             let log_posteriors: Vec<f64> = self.priors.iter().map(|p| p.ln()).collect();
@@ -86,7 +87,7 @@ impl<'a> Judge<'a> {
                 Some((feature, self.gain(&before, &after), after))
             });
             let tried: Vec<_> = tried.collect();
-            // What is singular beside the chosen has no gain any more.
+            // Features that are singular beside the chosen ones no longer have a gain.
             path.gains.retain(|feature, _| path.chosen.contains(feature));
             path.gains.extend(tried.iter().map(|(feature, gain, _)| (*feature, *gain)));
             let best = tried.into_iter().max_by(|(_, a, _), (_, b, _)| a.log.total_cmp(&b.log));
@@ -98,7 +99,8 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// The rows of each fold by a choice that has not seen them, of features as of the shrinkage.
+    /// Returns the predictions for the rows of each fold by a selection, of features and of the shrinkage, without
+    /// these rows.
     pub(super) fn honest(&self, recipe: &Recipe) -> Option<Vec<Prediction>> {
         let one = |fold: usize| -> Option<Vec<(usize, Prediction)>> {
             let (seen, held_out) = self.folds.split(fold);
@@ -143,7 +145,7 @@ impl<'a> Judge<'a> {
             pooled[(feature, other)] / (pooled[(feature, feature)] * pooled[(other, other)]).sqrt()
         };
         let mut parts = vec![];
-        // Of class means that are equal, N J is about χ² with C − 1 degrees of freedom: mean C − 1, sd √(2 (C − 1)).
+        // For equal class means, N J is approximately χ² with C − 1 degrees of freedom: mean C − 1, sd √(2 (C − 1)).
         let degrees = statistics.counts.len() as f64 - 1.0;
         let rows: usize = statistics.counts.iter().sum();
         if ranked.fisher * (rows as f64) < degrees + SURE * (2.0 * degrees).sqrt() {
@@ -165,7 +167,7 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// (1) and (2).
+/// Returns (1) and (2).
 pub(super) fn fisher(statistics: &ClassStatistics, priors: &[f64], feature: usize) -> (f64, Vec<f64>) {
     let means: Vec<f64> = statistics.means.iter().map(|mean| mean[feature]).collect();
     let centre: f64 = means.iter().zip(priors).map(|(mean, p)| p * mean).sum();

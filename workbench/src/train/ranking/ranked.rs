@@ -1,13 +1,13 @@
-//! One feature in a ranking, and what it gains.
+//! One feature in a ranking, and its gain.
 
-/// What a change of features gains: scores before less scores after, so that more is better.
+/// Gain of a change of features: scores before minus scores after, so that larger is better.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gain {
-    /// Of the guarded log score, nats.
+    /// Gain of the guarded log score, nats.
     pub log: f64,
-    /// Its standard error, from the groups' own gains.
+    /// Its standard error, from the gains of the single groups.
     pub standard_error: f64,
-    /// Of the error rate.
+    /// Gain of the error rate.
     pub error: f64,
 }
 
@@ -16,13 +16,13 @@ pub struct Gain {
 pub struct Ranked {
     /// Its name.
     pub name: String,
-    /// J of (1); 0 where it has no spread.
+    /// J of (1); 0 without spread.
     pub fisher: f64,
     /// J_ij of (2), for each pair of classes i < j in turn.
     pub pairs: Vec<f64>,
-    /// What it gains beside all others; nothing where those or all together are singular.
+    /// Gain beside all other features; `None` if those or all together are singular.
     pub among_all: Option<Gain>,
-    /// What it gained when it was chosen, or gains beside those that were.
+    /// Gain when it was chosen, or beside the chosen features if it was not.
     pub beside_chosen: Option<Gain>,
     /// Whether forward selection chose it.
     pub kept: bool,
