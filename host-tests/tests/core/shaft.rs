@@ -1,37 +1,46 @@
 //! The shaft's side against oracles in f64.
 
-use bearing_watch::{Bearing, Motion, ShaftModel};
+use bearing_watch::plan::{Plan, RunTime};
+use bearing_watch::{Bearing, Model};
 use workbench::rig::{BearingGeometry, DefectKind, NoiseSource, Stream};
 
-#[path = "shaft/common.rs"]
-mod common;
-#[path = "shaft/oracle.rs"]
 mod oracle;
 
-use common::{model, motions, run, trace};
+use crate::rig::{Motion, model, motions, parameters, run, trace};
+
+/// More samples than any of the streams has.
+const OPEN: u32 = 100_000;
 
 /// Parameters within 0.02 of their deviations, which f32 sums of a thousand rows keep; phasors within a thousandth, which their
 /// sines' 2e-5 and the angle's bits keep.
-fn compare(model: &ShaftModel<3>, motions: &[Motion], what: &str) {
-    let expected = oracle::expected(model, motions);
-    let found = run(model, motions);
-    assert_eq!((found.reason, found.friction.rows as usize), (None, expected.rows), "{what}");
-    let places = (0..5).filter(|&place| model.balance.load || place != 3);
-    for (k, place) in places.enumerate() {
+fn compare(model: &Model<RunTime>, motions: &[Motion], what: &str) {
+    let load = model.plan().layout().shaft.is_some_and(|shaft| shaft.load.is_some());
+    let constants = &model.constants().shaft[0];
+    let expected = oracle::expected(constants, load, motions);
+    let report = run(model, motions);
+    let found = report.shaft().expect("watched");
+    assert_eq!((found.friction_reason, found.friction.rows as usize), (None, expected.rows), "{what}");
+    let places: Vec<usize> = (0..5).filter(|place| load || *place != 3).collect();
+    let own = parameters(&found.friction);
+    assert_eq!(own.len(), places.len() + 1, "{what}: the drag comes last");
+    for (k, place) in places.into_iter().enumerate() {
         let (p, sd) = (expected.parameters[k], expected.deviations[k]);
-        let (own, own_sd) = (f64::from(found.friction.parameters[place]), f64::from(found.friction.deviations[place]));
-        assert!((own - p).abs() < 0.02 * sd, "{what}: p{place} is {own}, not {p} ± {sd}");
-        assert!((own_sd / sd - 1.0).abs() < 0.02, "{what}: deviation {place} is {own_sd}, not {sd}");
-        let score = (own - f64::from(model.balance.nominal[place])) / own_sd;
+        let (value, deviation, own_score) =
+            (f64::from(own[k].value), f64::from(own[k].deviation), f64::from(own[k].score));
+        assert!((value - p).abs() < 0.02 * sd, "{what}: p{place} is {value}, not {p} ± {sd}");
+        assert!((deviation / sd - 1.0).abs() < 0.02, "{what}: deviation {place} is {deviation}, not {sd}");
+        let score = (value - f64::from(constants.balance.nominal[place])) / deviation;
         // One subtraction and one division.
-        let near = (f64::from(found.friction.scores[place]) - score).abs() < 1e-5 * (score.abs() + p.abs() / sd);
-        assert!(near, "{what}: score {place} is {}, not {score}", found.friction.scores[place]);
+        let near = (own_score - score).abs() < 1e-5 * (score.abs() + p.abs() / sd);
+        assert!(near, "{what}: score {place} is {own_score}, not {score}");
     }
-    let ((drag, sd), [.., own], [.., own_sd]) = (expected.drag, found.friction.parameters, found.friction.deviations);
-    assert!((f64::from(own) - drag).abs() < 0.02 * sd, "{what}: drag is {own}, not {drag} ± {sd}");
-    assert!((f64::from(own_sd) / sd - 1.0).abs() < 0.02, "{what}: deviation of the drag is {own_sd}, not {sd}");
+    let ((drag, sd), own) = (expected.drag, found.friction.drag);
+    assert!((f64::from(own.value) - drag).abs() < 0.02 * sd, "{what}: drag is {}, not {drag} ± {sd}", own.value);
+    let ratio = f64::from(own.deviation) / sd;
+    assert!((ratio - 1.0).abs() < 0.02, "{what}: deviation of the drag is {ratio} times {sd}");
     assert!((f64::from(found.friction.variance) / expected.variance - 1.0).abs() < 0.01, "{what}: variance");
-    for (k, (own, (prominence, amplitude))) in found.orders.iter().zip(&expected.orders).enumerate() {
+    assert_eq!((found.orders_reason, found.orders().len()), (None, expected.orders.len()), "{what}");
+    for (k, (own, (prominence, amplitude))) in found.orders().iter().zip(&expected.orders).enumerate() {
         let (own, own_amplitude) = (f64::from(own.prominence), f64::from(own.amplitude));
         assert!((own - prominence).abs() < 1e-3 * prominence.max(0.1), "{what}: order {k}: {own}, not {prominence}");
         assert!(
@@ -48,16 +57,17 @@ fn estimates_are_those_of_the_oracle() {
         let trace = trace(kind, seed);
         for delay in [0.0, 0.7, 1.3, 2.5] {
             for bits in [32, 12] {
-                compare(&model(delay), &motions(&trace, bits), &format!("{kind:?}, delay {delay}, {bits} bits"));
+                compare(
+                    &model(delay, true, OPEN),
+                    &motions(&trace, bits),
+                    &format!("{kind:?}, delay {delay}, {bits} bits"),
+                );
             }
             let mut offset = motions(&trace, 16);
             offset.iter_mut().for_each(|motion| motion.current_a += 0.4);
-            compare(&model(delay), &offset, &format!("{kind:?}, delay {delay}, offset"));
-            let mut unloaded = model(delay);
-            unloaded.balance.load = false;
-            unloaded.balance.nominal[3] = 0.0;
+            compare(&model(delay, true, OPEN), &offset, &format!("{kind:?}, delay {delay}, offset"));
             offset.iter_mut().for_each(|motion| motion.load_nm = 0.0);
-            compare(&unloaded, &offset, &format!("{kind:?}, delay {delay}, load not measured"));
+            compare(&model(delay, false, OPEN), &offset, &format!("{kind:?}, delay {delay}, load not measured"));
         }
     }
 }
@@ -76,27 +86,33 @@ fn standstill_turns_no_phase_and_counts_for_nothing() {
     };
     let still: Vec<Motion> = (0..1200).map(hold).collect();
     stopped.splice(2500..2500, still);
-    compare(&model(0.7), &stopped, "standstill");
-    let [outer, _, _] = run(&model(0.7), &stopped).orders;
+    let model = model(0.7, true, OPEN);
+    compare(&model, &stopped, "standstill");
+    let report = run(&model, &stopped);
+    let outer = report.shaft().expect("watched").orders()[0];
     assert!(outer.prominence > 5.0, "the phase was lost at rest: {outer:?}");
 }
 
 #[test]
 fn the_spall_stands_out_at_its_order_only_and_the_roughness_in_its_parameter() {
-    let of = |kind| run(&model(0.7), &motions(&trace(kind, 921), 14));
+    let model = model(0.7, true, OPEN);
+    let of = |kind| run(&model, &motions(&trace(kind, 921), 14)).shaft().expect("watched").clone();
     let [healthy, spall, rough] = [DefectKind::Healthy, DefectKind::Spall, DefectKind::Roughness].map(of);
     // 49 blocks at most; mean one and 1 % above 4.5 where there is nothing.
     assert!(
-        spall.orders[0].prominence > 10.0 && healthy.orders[0].prominence < 5.0 && rough.orders[0].prominence < 5.0
+        spall.orders()[0].prominence > 10.0
+            && healthy.orders()[0].prominence < 5.0
+            && rough.orders()[0].prominence < 5.0
     );
-    assert!(spall.orders[1].prominence < 5.0);
+    assert!(spall.orders()[1].prominence < 5.0);
     // ΔB/Kt = 0.04 A s/rad.
-    let [of_healthy, of_rough] = [healthy, rough].map(|estimate| estimate.friction.parameters[1]);
+    let [of_healthy, of_rough] = [&healthy, &rough].map(|estimate| estimate.friction.viscous.value);
     assert!((of_rough - of_healthy - 0.04).abs() < 2e-3, "{of_rough} {of_healthy}");
-    let close = |found: f32, truth: f32| (found / truth - 1.0).abs() < 0.1;
+    let close = |found: Option<f32>, truth: f32| found.is_some_and(|found| (found / truth - 1.0).abs() < 0.1);
     let friction = rough.friction;
-    assert!(close(friction.torque_constant_nm_a(), 0.05) && close(friction.inertia_kg_m2(), 2.5e-4));
-    assert!(close(friction.viscous_nm_s_rad(), 2.1e-3) && friction.coulomb_nm().abs() < 2e-3, "{friction:?}");
+    assert!(close(friction.torque_constant_nm_a().map(|(kt, _)| kt), 0.05) && close(friction.inertia_kg_m2(), 2.5e-4));
+    assert!(close(friction.viscous_nm_s_rad(), 2.1e-3), "{friction:?}");
+    assert!(friction.coulomb_nm().is_some_and(|torque| torque.abs() < 2e-3), "{friction:?}");
 }
 
 #[test]

@@ -1,45 +1,44 @@
-//! The shaft's side on streams that no laboratory would record, across segments, and across its two ways of concluding.
+//! The shaft on streams that no laboratory would record, and across segments.
 
-use bearing_watch::decide::{Classifier, Features};
-use bearing_watch::estimate::{OrderTracking, TrackedOrder, Tracking, Triangle, Watch};
-use bearing_watch::{
-    Angle, Detector, Guard, Model, ModelError, Motion, Reason, Regression, Regressor, Sample, Shaft, ShaftEstimate,
-    ShaftModel, Verdict,
-};
+use bearing_watch::model::{Channel, Constants, Feature, Field, ShaftConstants, TrackedOrder};
+use bearing_watch::plan::{Layout, LayoutError, Plan, RunTime, RunTimeSample, ShaftLayout, Signal};
+use bearing_watch::{Angle, Detector, Model, ModelError, Part, Reason, Report, ShaftEstimate};
+use host_tests::plans::constants;
 use proptest::prelude::*;
 use workbench::rig::{Defect, DefectKind, NoiseSource, Scenario, Stream, simulate};
 
-#[path = "shaft/common.rs"]
-mod common;
-#[allow(dead_code, reason = "its detector is spelt out here")]
-#[path = "../../../examples/support/standard_rig/model.rs"]
-mod exported;
+use crate::rig::{Motion, model, motions, parameters, run, trace};
 
-use common::{model, motions, run, trace};
+const SEGMENT: u32 = 5000;
 
-fn segment<const K: usize>(shaft: &mut Shaft<K>, model: &ShaftModel<K>, motions: &[Motion]) -> ShaftEstimate<K> {
-    motions.iter().for_each(|motion| shaft.step(Some(model), motion));
-    let estimate = model.conclude(&shaft.sums().expect("watching"));
-    shaft.next_segment();
-    estimate
+/// The report of a whole segment.
+fn segment(detector: &mut Detector<'_, RunTime>, motions: &[Motion]) -> Report<RunTime> {
+    let mut reports = motions.iter().filter_map(|motion| detector.step(&motion.sample(4)));
+    let report = reports.next().expect("a whole segment");
+    assert!(reports.next().is_none());
+    report
 }
 
-fn finite<const K: usize>(estimate: &ShaftEstimate<K>) -> bool {
-    let friction = &estimate.friction;
-    let numbers = friction.parameters.iter().chain(&friction.deviations).chain(&friction.scores);
-    let orders = estimate.orders.iter().flat_map(|order| [&order.prominence, &order.amplitude]);
-    numbers.chain(orders).all(|x| x.is_finite()) && friction.variance.is_finite()
+fn watched(report: &Report<RunTime>) -> &ShaftEstimate<RunTime> {
+    report.shaft().expect("watched")
+}
+
+fn finite(report: &Report<RunTime>) -> bool {
+    let ShaftEstimate { friction, .. } = watched(report);
+    let numbers = parameters(friction).into_iter().flat_map(|p| [p.value, p.deviation, p.score]);
+    let orders = watched(report).orders().iter().flat_map(|order| [order.prominence, order.amplitude]);
+    numbers.chain(orders).all(f32::is_finite) && friction.variance.is_finite()
 }
 
 /// Furthest parameter from another estimate's, in that one's deviations.
-fn furthest<const K: usize>(one: &ShaftEstimate<K>, other: &ShaftEstimate<K>) -> f32 {
-    let pairs = one.friction.parameters.iter().zip(&other.friction.parameters).zip(&other.friction.deviations);
-    pairs.map(|((p, q), sd)| ((p - q) / sd).abs()).fold(0.0, f32::max)
+fn furthest(one: &Report<RunTime>, other: &Report<RunTime>) -> f32 {
+    let [one, other] = [one, other].map(|report| parameters(&watched(report).friction));
+    one.iter().zip(&other).map(|(p, q)| ((p.value - q.value) / q.deviation).abs()).fold(0.0, f32::max)
 }
 
 #[test]
 fn bursts_of_nonsense_are_counted_and_bounded_and_gone_with_the_segment() {
-    let model = model(0.7);
+    let model = model(0.7, true, SEGMENT);
     let clean = motions(&trace(DefectKind::Spall, 931), 14);
     let mut hurt = clean.clone();
     let nonsense = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30];
@@ -57,17 +56,17 @@ fn bursts_of_nonsense_are_counted_and_bounded_and_gone_with_the_segment() {
             bad += 1;
         }
     }
-    let mut shaft = Shaft::new(Some(&model));
-    let (spoiled, after) = (segment(&mut shaft, &model, &hurt), segment(&mut shaft, &model, &clean));
-    assert_eq!((spoiled.reason, spoiled.counts.rejected), (None, bad));
+    let mut detector = Detector::new(&model);
+    let (spoiled, after) = (segment(&mut detector, &hurt), segment(&mut detector, &clean));
+    assert_eq!((watched(&spoiled).friction_reason, spoiled.counts.rejected), (None, bad));
     assert!(finite(&spoiled) && finite(&after));
-    let mut untouched = Shaft::new(Some(&model));
-    let (before, expected) = (segment(&mut untouched, &model, &clean), segment(&mut untouched, &model, &clean));
+    let mut untouched = Detector::new(&model);
+    let (before, expected) = (segment(&mut untouched, &clean), segment(&mut untouched, &clean));
     // A fifth of the rows is withheld while filters settle: half a deviation at most, were the rows independent, which those
     // of a filter that is sampled oftener than its bandwidth asks for are not.
     let error = furthest(&spoiled, &before);
     assert!(error < 2.0, "{error}");
-    let (was, is) = (before.orders[0].prominence, spoiled.orders[0].prominence);
+    let (was, is) = (watched(&before).orders()[0].prominence, watched(&spoiled).orders()[0].prominence);
     assert!((is / was - 1.0).abs() < 0.1, "{is} {was}");
     // What the filters still know of the last burst, 130 samples before, is withheld; rows fall on other samples.
     assert!(furthest(&after, &expected) < 0.2, "{}", furthest(&after, &expected));
@@ -76,36 +75,43 @@ fn bursts_of_nonsense_are_counted_and_bounded_and_gone_with_the_segment() {
 
 #[test]
 fn a_second_segment_is_that_of_a_fresh_start_but_for_what_fills_the_filters() {
-    let model = model(1.3);
+    let model = model(1.3, true, SEGMENT);
     // Roughness: what the shaft drags at a reversal then follows the balance, so that all rows say the same.
     let rough = Scenario { samples: 10_000, ..Scenario::STANDARD }.with_defect(Defect::full(DefectKind::Roughness));
     let stream = motions(&simulate(&rough, 941).expect("simulates"), 14);
-    let mut shaft = Shaft::new(Some(&model));
-    let _first = segment(&mut shaft, &model, &stream[..5000]);
-    let second = segment(&mut shaft, &model, &stream[5000..]);
-    let alone = run(&model, &stream[5000..]);
+    let mut detector = Detector::new(&model);
+    let _first = segment(&mut detector, &stream[..5000]);
+    let second = segment(&mut detector, &stream[5000..]);
+    let alone = segment(&mut Detector::new(&model), &stream[5000..]);
     // 13 rows of settling more, of 612: √(13/612) = 0.15 deviations, twice that with rows that are not independent.
     assert!(furthest(&second, &alone) < 0.5, "{}", furthest(&second, &alone));
     // Five samples more, and all blocks cut five samples earlier: what is left of a strong order, and less than that of noise.
-    for (own, other) in second.orders.iter().zip(&alone.orders) {
+    for (own, other) in watched(&second).orders().iter().zip(watched(&alone).orders()) {
         assert!((own.prominence - other.prominence).abs() < 0.3, "{second:?} {alone:?}");
     }
-    assert!(second.friction.rows > alone.friction.rows && second.friction.rows <= 625);
+    let [second, alone] = [&second, &alone].map(|report| watched(report).friction.rows);
+    assert!(second > alone && second <= 625);
 }
 
 #[test]
 fn stuck_sensors_and_a_shaft_at_rest_are_reasons() {
-    let mut watchful = model(0.7);
-    watchful.guard.stuck_samples = [50; 3];
+    let plain = model(0.7, true, 2 * SEGMENT);
+    let mut constants = plain.constants().clone();
+    for channel in [0, 1, 3] {
+        constants.channels[channel].stuck_samples = 50;
+    }
+    let watchful = Model::new(plain.plan(), constants).expect("good");
     let clean = motions(&trace(DefectKind::Healthy, 951), 14);
-    assert_eq!(run(&watchful, &clean).reason, None);
-    for signal in 0..3_u8 {
+    assert_eq!(watched(&run(&watchful, &clean)).friction_reason, None);
+    for channel in [0_u8, 1, 3] {
         let mut hurt = clean.clone();
-        for motion in &mut hurt[1000..1100] {
-            *[&mut motion.current_a, &mut motion.velocity_rad_s, &mut motion.load_nm][usize::from(signal)] = 0.25;
+        for Motion { current_a, velocity_rad_s, reference_rad_s, load_nm, .. } in &mut hurt[1000..1100] {
+            *[current_a, velocity_rad_s, reference_rad_s, load_nm][usize::from(channel)] = 0.25;
         }
-        let estimate = run(&watchful, &hurt);
-        assert_eq!((estimate.reason, estimate.counts.stuck[usize::from(signal)]), (Some(Reason::Stuck(signal)), true));
+        let report = run(&watchful, &hurt);
+        let reasons = (watched(&report).friction_reason, watched(&report).orders_reason);
+        assert_eq!(reasons, (Some(Reason::Stuck { channel }), Some(Reason::Stuck { channel })));
+        assert!((0..4).all(|place| report.counts.stuck.contains(place) == (place == usize::from(channel))));
     }
     let mut noise = NoiseSource::new(3, Stream::Conditions);
     let at_rest: Vec<Motion> = (0..5000)
@@ -115,13 +121,13 @@ fn stuck_sensors_and_a_shaft_at_rest_are_reasons() {
             ..Motion::default()
         })
         .collect();
-    let rest = run(&model(0.7), &at_rest);
+    let report = run(&plain, &at_rest);
     // Nothing turns, so there is no order either.
-    assert_eq!(rest.orders_reason, Some(Reason::TooFewRows));
-    let reason = rest.reason;
-    assert!(matches!(reason, Some(Reason::NotExcited(_))), "{reason:?}");
-    assert_eq!(run(&model(0.7), &clean[..50]).reason, Some(Reason::TooFewRows));
-    assert!(Shaft::<3>::new(None).sums().is_none());
+    assert_eq!(watched(&report).orders_reason, Some(Reason::TooFewRows { part: Part::Orders, rows: 0 }));
+    let reason = watched(&report).friction_reason;
+    assert!(matches!(reason, Some(Reason::TermNotExcited(_))), "{reason:?}");
+    let few = Some(Reason::TooFewRows { part: Part::TorqueBalance, rows: 0 });
+    assert_eq!(watched(&run(&plain, &clean[..50])).friction_reason, few);
 }
 
 proptest! {
@@ -129,100 +135,60 @@ proptest! {
 
     #[test]
     fn any_bits_give_finite_numbers_or_a_reason(seed: u64, wide: bool, delay in 0.0_f32..=2.5) {
-        let mut model = model(delay);
+        let plain = model(delay, true, SEGMENT);
+        let mut constants = plain.constants().clone();
         if wide {
             // Nearly all floats are let in.
-            model.guard = Guard::within([1e12; 3]);
-            model.balance.scale = [1.0 / 1024.0; 4];
+            for channel in &mut constants.channels {
+                (channel.limit, channel.saturation) = (1e12, 1e12);
+            }
+            constants.shaft[0].balance.scale = [1.0 / 1024.0; 4];
         }
-        let mut shaft = Shaft::new(Some(&model));
+        let model = Model::new(plain.plan(), constants).expect("good");
+        let mut detector = Detector::new(&model);
         let mut state = seed;
         let mut bits = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (state >> 32) as u32
         };
         for _ in 0..25 {
-            for _ in 0..5000 {
+            let nonsense: Vec<_> = (0..SEGMENT).map(|_| {
                 let [current_a, velocity_rad_s, reference_rad_s, load_nm] = std::array::from_fn(|_| f32::from_bits(bits()));
                 let angle = Angle::from_bits(bits());
-                shaft.step(Some(&model), &Motion { current_a, velocity_rad_s, reference_rad_s, load_nm, angle });
-            }
-            let estimate = model.conclude(&shaft.sums().expect("watching"));
-            prop_assert!(finite(&estimate), "{estimate:?}");
-            shaft.next_segment();
+                Motion { current_a, velocity_rad_s, reference_rad_s, load_nm, angle }
+            }).collect();
+            let report = segment(&mut detector, &nonsense);
+            prop_assert!(finite(&report), "{report:?}");
         }
         // And it recovers: a jump from the last believable nonsense is in the first segment, and nothing in the second.
         let clean = motions(&trace(DefectKind::Healthy, 961), 14);
-        let mut untouched = Shaft::new(Some(&model));
-        let [joint, after] = [(); 2].map(|()| segment(&mut shaft, &model, &clean));
-        let [_, expected] = [(); 2].map(|()| segment(&mut untouched, &model, &clean));
+        let mut untouched = Detector::new(&model);
+        let [joint, after] = [(); 2].map(|()| segment(&mut detector, &clean));
+        let [_, expected] = [(); 2].map(|()| segment(&mut untouched, &clean));
         prop_assert!(finite(&joint));
-        prop_assert_eq!(after.reason, expected.reason);
+        prop_assert_eq!(watched(&after).friction_reason, watched(&expected).friction_reason);
         // Rows fall on other samples, whose noise is partly another: nonsense that stayed would be thousands of deviations.
         prop_assert!(furthest(&after, &expected) < 2.0, "{}", furthest(&after, &expected));
     }
 }
 
-/// The exported model with a shaft to watch, and features of both.
-fn watching() -> Model<6, 5, 5, 3, 4> {
-    let plain = exported::MODEL;
-    let ShaftModel { guard, current_delay, balance, tracking } = model(0.7);
-    let mut orders = [TrackedOrder::NONE; 4];
-    orders[..3].copy_from_slice(&tracking.orders);
-    let Tracking { count, harmonics, still, block_samples, .. } = tracking;
-    let tracking = Tracking { orders, count, harmonics, still, block_samples };
-    Model {
-        sampling: plain.sampling,
-        // A deferred solve needs time to take over.
-        regression: Regression { handover: 4, ..plain.regression },
-        shaft: Some(ShaftModel { guard, current_delay, balance, tracking }),
-        classifier: Classifier { features: Features { index: [0, 1, 129, 160, 192], count: 5 }, ..plain.classifier },
-        evidence: plain.evidence,
-        labels: plain.labels,
-    }
-}
-
-type Watching<'m> = Detector<'m, 6, 15, 1, 5, 5, 3, Regressor<6, 1>, Triangle<6, 15>, Shaft<4>, 4>;
-
-#[test]
-fn collected_and_concluded_is_stepped() {
-    let model = watching();
-    let (mut stepping, mut collecting) = (Watching::new(&model).expect("good"), Watching::new(&model).expect("good"));
-    let mut reports = 0;
-    let stream = motions(&trace(DefectKind::Spall, 971), 14);
-    for motion in stream.iter().cycle().take(10_000) {
-        let sample = Sample { y: motion.current_a, u1: motion.reference_rad_s, u2: motion.load_nm };
-        let stepped = stepping.step_with_motion(sample, motion);
-        let collected = collecting.collect_with_motion(sample, motion);
-        let concluded = collected.map(|(segment, sums)| model.conclude_with_shaft(segment, sums));
-        concluded.iter().for_each(|report| assert!(collecting.adopt(report)));
-        assert_eq!(stepped, concluded);
-        if let Some(report) = stepped {
-            let shaft = report.shaft.expect("watched");
-            assert!(
-                shaft.reason.is_none() && matches!(report.verdict, Verdict::Class(_) | Verdict::Novel),
-                "{report:?}"
-            );
-            reports += 1;
-        }
-    }
-    assert_eq!(reports, 2);
-    // Who forgets the motion gets no verdict, rather than one from zeros.
-    let forgetful =
-        stream.iter().find_map(|m| stepping.step(Sample { y: m.current_a, u1: m.reference_rad_s, u2: m.load_nm }));
-    assert_eq!(forgetful.expect("a segment").verdict, Verdict::Undetermined(Reason::TooFewRows));
-}
-
 /// Noise of any colour has prominence R of n blocks with P(R > x) = (1 − x/n)ⁿ⁻¹, at a speed that varies and reverses.
 #[test]
 fn healthy_prominence_has_its_law() {
-    let tracking = Tracking {
-        orders: [TrackedOrder::new(3.717_94, [1.0, 0.0, 0.0]), TrackedOrder::new(5.282_06, [1.0, 0.0, 0.0])],
-        count: 2,
-        harmonics: 1,
-        still: 1_000_000,
-        block_samples: 100,
-    };
+    let signal = Signal::channel;
+    let (current, velocity) = (signal(0), signal(1));
+    let shaft = ShaftLayout { current, velocity, reference: velocity, load: None, orders: 2, harmonics: 1 };
+    let layout = Layout { channels: 2, shaft: Some(shaft), features: 1, coordinates: 1, classes: 1, ..Layout::EMPTY };
+    let plan = RunTime::of(layout).expect("a plan");
+    let mut shaft = crate::rig::shaft(plan, 0.0);
+    // The residual is then the mean of two neighbouring currents.
+    shaft.balance.nominal = [0.0; 5];
+    shaft.tracking.orders = [3.717_94, 5.282_06].map(|order| TrackedOrder::new(order, [1.0, 0.0, 0.0])).to_vec();
+    shaft.tracking.slowest_turn = 1_000_000;
+    // Within them are 5001 … 5099 samples fast enough: 50 blocks of both orders.
+    let features = [Feature::OrderProminence(0)];
+    let constants = constants(plan, 5060, &[100.0, 1.0], &features, Some(&shaft));
+    let model = Model::new(plan, constants).expect("good");
     let mut noise = NoiseSource::new(5, Stream::Conditions);
     // ± 1 %: 3000 segments of two orders; white, red, and blue noise.
     for pole in [0.0, 0.7, -0.7] {
@@ -230,18 +196,20 @@ fn healthy_prominence_has_its_law() {
         let (mut sum, mut beyond, mut count) = (0.0, [0_u32; 2], 0);
         let tails = [0.1, 0.01].map(|p: f64| n * (1.0 - p.powf(1.0 / (n - 1.0))));
         let (mut residual, mut time) = (0.0, 0.0_f64);
-        let mut track = OrderTracking::<2>::new();
-        for _ in 0..trials {
-            track.next_segment();
-            while track.samples() < 5000 {
-                // 10 turns/s at most, 500 samples/s.
-                let turned = (0.02 * time.sin() * 4_294_967_296.0) as i32;
-                time += 0.003;
-                residual = pole * residual + noise.gaussian();
-                track.step(&tracking, turned, Some(residual as f32));
-            }
-            for strength in track.strengths(&tracking).expect("long enough") {
+        let mut detector = Detector::new(&model);
+        let (mut angle, mut reports) = (0_u32, 0);
+        while reports < trials {
+            // 10 turns/s at most, 500 samples/s.
+            angle = angle.wrapping_add_signed((0.02 * time.sin() * 4_294_967_296.0) as i32);
+            time += 0.003;
+            residual = pole * residual + noise.gaussian();
+            let sample = RunTimeSample { values: vec![residual as f32, 0.0], angle: Angle::from_bits(angle) };
+            let Some(report) = detector.step(&sample) else { continue };
+            assert_eq!(watched(&report).orders_reason, None);
+            reports += 1;
+            for strength in watched(&report).orders() {
                 let prominence = f64::from(strength.prominence);
+                assert!(prominence <= n);
                 sum += prominence;
                 count += 1;
                 beyond.iter_mut().zip(tails).for_each(|(many, tail)| *many += u32::from(prominence > tail));
@@ -257,53 +225,61 @@ fn healthy_prominence_has_its_law() {
 
 #[test]
 fn binary_model_keeps_the_shaft_and_refuses_nonsense() {
-    let good = watching();
-    let mut buffer = [0; 4096];
+    let good = model(0.7, true, SEGMENT);
+    let mut buffer = vec![0; 4096];
     let length = good.to_bytes("", &mut buffer).expect("fits");
-    assert_eq!(Model::<6, 5, 5, 3, 4>::from_bytes(&buffer[..length]).expect("reads"), good);
-    // Any sufficient capacity, and no other.
-    let wide = Model::<6, 5, 5, 3, 9>::from_bytes(&buffer[..length]).expect("reads");
-    assert_eq!(wide.shaft.expect("watched").tracking.orders[..4], good.shaft.expect("watched").tracking.orders);
-    assert!(Model::<6, 5, 5, 3, 2>::from_bytes(&buffer[..length]).is_err());
-    assert!(Model::<6, 5, 5, 3>::from_bytes(&buffer[..length]).is_err());
+    assert_eq!(Model::<RunTime>::from_bytes(&buffer[..length]).as_ref(), Ok(&good));
 
-    let refused = |what: &str, change: fn(&mut ShaftModel<4>)| {
-        let mut bad = good;
-        change(bad.shaft.as_mut().expect("watched"));
-        let error: Result<(), ModelError> = bad.validate();
-        assert!(error.is_err(), "{what} is accepted");
-        let mut buffer = [0; 4096];
-        if let Ok(length) = bad.to_bytes("", &mut buffer) {
-            assert!(Model::<6, 5, 5, 3, 4>::from_bytes(&buffer[..length]).is_err(), "{what} is read");
-        }
+    let refused = |field: Field, change: fn(&mut ShaftConstants<RunTime>, &mut [Channel])| {
+        let mut bad = good.constants().clone();
+        let Constants { shaft, channels, .. } = &mut bad;
+        change(&mut shaft[0], channels);
+        let error = Err(ModelError::OutOfRange(field));
+        assert_eq!(Model::new(good.plan(), bad.clone()).map(|_| ()), error, "{field:?} is accepted");
+        let mut buffer = vec![0; 4096];
+        let length = Model::checked(good.plan(), bad).to_bytes("", &mut buffer).expect("fits");
+        assert_eq!(Model::<RunTime>::from_bytes(&buffer[..length]).map(|_| ()), error, "{field:?} is read");
     };
-    refused("delay", |m| m.current_delay = 2.6);
-    refused("negative delay", |m| m.current_delay = -0.1);
-    refused("delay that is no number", |m| m.current_delay = f32::NAN);
-    refused("interval", |m| m.balance.interval_s = 0.0);
-    refused("cut-off", |m| m.balance.filter.gain = 0.0);
-    refused("damping of another cut-off", |m| m.balance.filter.damping *= 1.1);
-    refused("rows", |m| m.balance.row_interval = 0);
-    refused("sign", |m| m.balance.sign_velocity_rad_s = 0.0);
-    refused("scale", |m| m.balance.scale[0] = 0.3);
-    refused("large scale", |m| m.balance.scale[3] = 1e15);
-    refused("nominal", |m| m.balance.nominal[4] = f32::INFINITY);
-    refused("limit", |m| m.guard.limit[0] = f32::INFINITY);
-    refused("stuck", |m| m.guard.stuck_samples[1] = 1);
-    refused("count", |m| m.tracking.count = 5);
-    refused("harmonics", |m| m.tracking.harmonics = 4);
-    refused("no harmonics", |m| m.tracking.harmonics = 0);
-    refused("order", |m| m.tracking.orders[1].order_q16 = 0);
-    refused("negative order", |m| m.tracking.orders[1].order_q16 = -70_000);
-    refused("weights", |m| m.tracking.orders[0].weights = [0.0; 3]);
-    refused("negative weight", |m| m.tracking.orders[0].weights[1] = -0.1);
-    refused("block", |m| m.tracking.block_samples = 1);
+    refused(Field::CurrentDelay, |m, _| m.current_delay = 2.6);
+    refused(Field::CurrentDelay, |m, _| m.current_delay = -0.1);
+    refused(Field::CurrentDelay, |m, _| m.current_delay = f32::NAN);
+    refused(Field::BalanceInterval, |m, _| m.balance.interval_s = 0.0);
+    refused(Field::BalanceFilter, |m, _| m.balance.filter.gain = 0.0);
+    // The damping of another cut-off.
+    refused(Field::BalanceFilter, |m, _| m.balance.filter.damping *= 1.1);
+    refused(Field::RowInterval, |m, _| m.balance.row_interval = 0);
+    refused(Field::BalanceVelocity, |m, _| m.balance.sign_velocity_rad_s = 0.0);
+    refused(Field::BalanceScale, |m, _| m.balance.scale[0] = 0.3);
+    refused(Field::LimitTimesScale, |m, _| m.balance.scale[3] = 2.0_f32.powi(50));
+    refused(Field::BalanceNominal, |m, _| m.balance.nominal[4] = f32::INFINITY);
+    refused(Field::ChannelLimit, |_, channels| channels[0].limit = f32::INFINITY);
+    refused(Field::StuckSamples, |_, channels| channels[1].stuck_samples = 1);
+    refused(Field::BearingOrder, |m, _| m.tracking.orders[1].order_q16 = 0);
+    refused(Field::BearingOrder, |m, _| m.tracking.orders[1].order_q16 = -70_000);
+    refused(Field::BearingOrder, |m, _| m.tracking.orders[0].weights = [0.0; 3]);
+    refused(Field::BearingOrder, |m, _| m.tracking.orders[0].weights[1] = -0.1);
+    refused(Field::OrderBlock, |m, _| m.tracking.block_samples = 1);
+    // Not more than the number of orders.
+    refused(Field::OrderBlock, |m, _| m.tracking.block_samples = 3);
 
-    let silent = Model { shaft: None, ..good };
-    assert!(silent.validate().is_err(), "features of a shaft that is not watched");
-    let mut other = good;
-    other.classifier.features.index[4] = 163;
-    assert!(other.validate().is_err(), "an order that is not tracked");
+    let with = |change: fn(&mut Constants<RunTime>)| {
+        let mut constants = good.constants().clone();
+        change(&mut constants);
+        Model::new(good.plan(), constants).map(|_| ())
+    };
+    let count = with(|c| c.shaft[0].tracking.orders.push(TrackedOrder::new(2.0, [1.0, 0.0, 0.0])));
+    assert_eq!(count, Err(ModelError::Length(Field::BearingOrder)));
+    let unwatched = with(|c| c.shaft.clear());
+    assert!(matches!(unwatched, Err(ModelError::Length(_))), "{unwatched:?}");
+    let untracked = with(|c| c.classifier.features[0] = Feature::OrderProminence(3));
+    assert_eq!(untracked, Err(ModelError::OutOfRange(Field::Feature)), "an order that is not tracked");
+    let absent = with(|c| c.classifier.features[0] = Feature::LogVariance);
+    assert_eq!(absent, Err(ModelError::OutOfRange(Field::Feature)), "a regression that there is not");
+    let layout = good.plan().layout();
+    for (orders, harmonics) in [(3, 4), (3, 0), (33, 3)] {
+        let shaft = layout.shaft.map(|shaft| ShaftLayout { orders, harmonics, ..shaft });
+        assert_eq!(Layout { shaft, ..layout }.check(), Err(LayoutError::Orders));
+    }
 }
 
 #[test]
@@ -317,8 +293,9 @@ fn at_constant_speed_orders_stand_without_friction() {
         let drag = 0.2 * (std::f64::consts::TAU * 3.717_94 * way).cos();
         *motion = Motion { current_a: drag as f32, velocity_rad_s: 30.0, reference_rad_s: 30.0, load_nm: 0.0, angle };
     }
-    let estimate = run(&model(0.7), &steady);
-    assert!(estimate.reason.is_some() && estimate.orders_reason.is_none(), "{estimate:?}");
+    let report = run(&model(0.7, true, 2 * SEGMENT), &steady);
+    let estimate = watched(&report);
+    assert!(estimate.friction_reason.is_some() && estimate.orders_reason.is_none(), "{estimate:?}");
     // Every block alike, so R(1) is nearly their number, 48; it weighs 1 of 1.6.
-    assert!(estimate.orders[0].prominence > 25.0, "{estimate:?}");
+    assert!(estimate.orders()[0].prominence > 25.0, "{estimate:?}");
 }

@@ -1,7 +1,11 @@
 //! The shaft's estimates by other means, in f64: direct-form filters, normal equations, and phasors of the unwrapped angle.
 
-use bearing_watch::{Angle, Motion, ShaftModel};
+use bearing_watch::Angle;
+use bearing_watch::model::ShaftConstants;
+use bearing_watch::plan::RunTime;
 use nalgebra::{DMatrix, DVector};
+
+use crate::rig::Motion;
 
 /// What the core's [`bearing_watch::ShaftEstimate`] should say.
 #[derive(Debug)]
@@ -44,10 +48,10 @@ fn delayed(x: &[f64], by: f64) -> Vec<f64> {
 }
 
 /// A stream without refused samples; the core's first four fill its delay line.
-pub fn expected<const K: usize>(model: &ShaftModel<K>, motions: &[Motion]) -> Expected {
-    let balance = &model.balance;
+pub fn expected(constants: &ShaftConstants<RunTime>, load: bool, motions: &[Motion]) -> Expected {
+    let ShaftConstants { current_delay, balance, tracking } = constants;
     let column = |pick: fn(&Motion) -> f32| motions.iter().map(|m| f64::from(pick(m))).collect::<Vec<_>>();
-    let later = |pick| delayed(&column(pick), f64::from(model.current_delay))[4..].to_vec();
+    let later = |pick| delayed(&column(pick), f64::from(*current_delay))[4..].to_vec();
     let i = column(|m| m.current_a)[4..].to_vec();
     let (w, r, t) = (later(|m| m.velocity_rad_s), later(|m| m.reference_rad_s), later(|m| m.load_nm));
     let s: Vec<f64> = r.iter().map(|r| (r / f64::from(balance.sign_velocity_rad_s)).clamp(-1.0, 1.0)).collect();
@@ -59,7 +63,7 @@ pub fn expected<const K: usize>(model: &ShaftModel<K>, motions: &[Motion]) -> Ex
     // A tenth of a row of full excitation that holds the nominal viscous friction, as the last.
     let held = 0.1_f64.sqrt() / f64::from(balance.scale[1]);
     let matrix = |columns: [&[f64]; 5]| {
-        let used = columns.iter().enumerate().filter(|(k, _)| balance.load || *k != 3).map(|(_, column)| column);
+        let used = columns.iter().enumerate().filter(|(k, _)| load || *k != 3).map(|(_, column)| column);
         let used: Vec<_> = used.collect();
         let cell = |k: usize, c: usize| match rows.get(k) {
             Some(&row) => used[c][row],
@@ -89,17 +93,20 @@ pub fn expected<const K: usize>(model: &ShaftModel<K>, motions: &[Motion]) -> Ex
     let steps = motions.windows(2).map(|pair| Angle::since(pair[1].angle, pair[0].angle));
     let mut way = vec![0.0];
     steps.for_each(|step| way.push(way[way.len() - 1] + f64::from(step) / 4_294_967_296.0));
-    let back = (f64::from(model.current_delay) + 1.0).floor() as usize;
-    let still = f64::from(model.tracking.still) / 4_294_967_296.0;
+    let back = (f64::from(*current_delay) + 1.0).floor() as usize;
+    let still = f64::from(tracking.slowest_turn) / 4_294_967_296.0;
     let moving: Vec<(f64, f64)> = (1..i.len())
         .filter_map(|k| {
             let (now, before) = (way[k + 4 - back], way[k + 3 - back]);
             ((now - before).abs() > still).then(|| (now, residual(k) * (now - before).signum()))
         })
         .collect();
-    let blocks: Vec<_> = moving.chunks_exact(model.tracking.block_samples as usize).collect();
-    let samples = (blocks.len() * model.tracking.block_samples as usize) as f64;
-    let orders = model.tracking.orders[..model.tracking.count as usize].iter().map(|order| {
+    let orders = tracking.orders.iter().enumerate().map(|(k, order)| {
+        // The first block of order k is k samples longer.
+        let length = tracking.block_samples as usize;
+        let (first, rest) = moving.split_at(length + k);
+        let blocks: Vec<_> = std::iter::once(first).chain(rest.chunks_exact(length)).collect();
+        let samples = (k + blocks.len() * length) as f64;
         let turn = std::f64::consts::TAU * f64::from(order.order_q16) / 65_536.0;
         let (mut prominence, mut amplitude) = (0.0, 0.0);
         for (h, weight) in (1..).zip(order.weights) {

@@ -1,0 +1,112 @@
+//! The standard rig: its traces as a drive has them, and models that watch its shaft.
+
+use bearing_watch::model::{Balance, Feature, ShaftConstants, StateVariable, TrackedOrder, Tracking};
+use bearing_watch::plan::{Array, Cells, Layout, Plan, RunTime, RunTimeSample, ShaftLayout, Signal};
+use bearing_watch::{Angle, Detector, Friction, FrictionTerm, Model, Parameter, Report};
+use host_tests::plans::constants;
+use workbench::rig::{BearingGeometry, Defect, DefectKind, RigTrace, Scenario, simulate};
+
+/// Healthy standard rig: J/Kt, B/Kt, Tc/Kt, 1/Kt, offset.
+pub const NOMINAL: [f32; 5] = [5e-3, 2e-3, 0.0, 20.0, 0.0];
+/// Largest plausible current, velocity, reference and load.
+pub const LIMITS: [f32; 4] = [100.0, 400.0, 400.0, 5.0];
+
+/// What a drive samples of the shaft.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Motion {
+    pub current_a: f32,
+    pub velocity_rad_s: f32,
+    pub reference_rad_s: f32,
+    pub load_nm: f32,
+    pub angle: Angle,
+}
+
+impl Motion {
+    /// Current, velocity, reference and load, as far as the plan has channels.
+    pub fn sample(&self, channels: usize) -> RunTimeSample {
+        let mut values = vec![self.current_a, self.velocity_rad_s, self.reference_rad_s, self.load_nm];
+        values.truncate(channels);
+        RunTimeSample { values, angle: self.angle }
+    }
+}
+
+/// Constants of a shaft. Its orders, as many as the plan has: outer and inner ring with three harmonics, the shaft's own.
+pub fn shaft<P: Plan>(plan: P, current_delay: f32) -> ShaftConstants<P> {
+    let orders = BearingGeometry::THESIS.orders();
+    let all = [(orders.outer, [1.0, 0.4, 0.2]), (orders.inner, [1.0, 0.4, 0.2]), (1.0, [1.0, 0.0, 0.0])];
+    let order = |k: usize| TrackedOrder::new(all[k].0 as f32, all[k].1);
+    ShaftConstants {
+        current_delay,
+        balance: Balance {
+            interval_s: 0.002,
+            filter: StateVariable::new((std::f64::consts::PI * 8.0 * 0.002).tan() as f32, 0.002),
+            row_interval: 8,
+            settle: 100,
+            sign_velocity_rad_s: 2.0,
+            usual_velocity_rad_s: 28.0,
+            scale: [0.015_625, 0.031_25, 8.0, 0.25],
+            nominal: NOMINAL,
+        },
+        tracking: Tracking {
+            orders: Array::<P::Orders, TrackedOrder>::from_fn(plan.layout().orders(), order),
+            // 2 rad/s.
+            slowest_turn: 2_734_261,
+            block_samples: 100,
+        },
+    }
+}
+
+/// A model that watches the shaft alone, with or without a measured load; segments of so many samples.
+pub fn model(current_delay: f32, load: bool, segment_samples: u32) -> Model<RunTime> {
+    let signal = Signal::channel;
+    let watched = ShaftLayout {
+        current: signal(0),
+        velocity: signal(1),
+        reference: signal(2),
+        load: load.then(|| signal(3)),
+        orders: 3,
+        harmonics: 3,
+    };
+    let channels = if load { 4 } else { 3 };
+    let layout = Layout { channels, shaft: Some(watched), features: 1, coordinates: 1, classes: 1, ..Layout::EMPTY };
+    let plan = RunTime::of(layout).expect("a plan");
+    let mut shaft = shaft(plan, current_delay);
+    if !load {
+        shaft.balance.nominal[3] = 0.0;
+    }
+    let features = [Feature::Friction(FrictionTerm::Drag)];
+    Model::new(plan, constants(plan, segment_samples, &LIMITS, &features, Some(&shaft))).expect("a good model")
+}
+
+/// The standard rig with a defect of full size.
+pub fn trace(kind: DefectKind, seed: u64) -> RigTrace {
+    simulate(&Scenario::STANDARD.with_defect(Defect::full(kind)), seed).expect("simulates")
+}
+
+/// The trace as a drive has it, its angle to so many bits.
+pub fn motions(trace: &RigTrace, bits: u32) -> Vec<Motion> {
+    let turn = f64::from(bits).exp2();
+    let angle = |rad: f64| Angle::from_counts((rad / std::f64::consts::TAU * turn).floor() as i64 as u32, bits);
+    (0..trace.t_s.len())
+        .map(|k| Motion {
+            current_a: trace.current_a[k] as f32,
+            velocity_rad_s: trace.velocity_rad_s[k] as f32,
+            reference_rad_s: trace.velocity_ref_rad_s[k] as f32,
+            load_nm: trace.load_torque_nm[k] as f32,
+            angle: angle(trace.angle_rad[k]),
+        })
+        .collect()
+}
+
+/// What all samples together give.
+pub fn run(model: &Model<RunTime>, motions: &[Motion]) -> Report<RunTime> {
+    let mut detector = Detector::new(model);
+    let channels = model.constants().channels.len();
+    assert!(motions.iter().all(|motion| detector.step(&motion.sample(channels)).is_none()), "longer than a segment");
+    detector.finish()
+}
+
+/// The parameters that the plan estimates, p₀ … p₅.
+pub fn parameters(friction: &Friction) -> Vec<Parameter> {
+    FrictionTerm::ALL.into_iter().filter_map(|term| friction.parameter(term)).collect()
+}
