@@ -81,17 +81,6 @@ impl<D: Cells<f32>, R: Cells<f32>> Triangle<D, R> {
         }
     }
 
-    /// Rotates in pivot `i` of the row `x`, whose weight is left in `w`: all pivots in turn are one [`Triangle::update`],
-    /// spread over several calls.
-    #[inline]
-    pub fn update_pivot(&mut self, i: usize, x: &mut [f32], w: &mut f32) {
-        let (start, length) = self.place(i);
-        let (d, r) = (self.d.cells_mut().get_mut(i), self.r.cells_mut().get_mut(start..start.wrapping_add(length)));
-        if let (Some(d), Some(r), Some(x)) = (d, r, x.get_mut(i..)) {
-            kernels::rotate_pivot::<false>(d, r, x, w, NEVER);
-        }
-    }
-
     /// Moves row `i` of another factor into this one. Moving rows 0 … m−1, at any time and with new rows in between, moves
     /// all that the other had summed.
     #[inline(never)]
@@ -185,7 +174,16 @@ mod tests {
             kernels::rotate_loop::<false>(&mut d, &mut r, &mut row.clone(), 1.0, NEVER);
             kernels::rotate_loop::<true>(&mut d_forget, &mut r_forget, &mut row.clone(), 1.0, forgetting);
             let (mut x, mut w) = (row, 1.0);
-            (0..M).for_each(|i| spread.update_pivot(i, &mut x, &mut w));
+            for i in 0..M {
+                let (start, length) = spread.place(i);
+                kernels::rotate_pivot::<false>(
+                    &mut spread.d[i],
+                    &mut spread.r[start..start + length],
+                    &mut x[i..],
+                    &mut w,
+                    NEVER,
+                );
+            }
         }
         assert_eq!((bits(&fast.d), bits(&fast.r)), (bits(&d), bits(&r)), "M = {M}");
         assert_eq!((bits(&fast_forget.d), bits(&fast_forget.r)), (bits(&d_forget), bits(&r_forget)), "M = {M}");
