@@ -77,9 +77,9 @@ fn header(bytes: &[u8]) -> Result<(usize, usize), ModelError> {
     if found != VERSION {
         return Err(ModelError::Version { found, supported: VERSION });
     }
-    // Reserved: a later version may give them a meaning that this one must not ignore.
+    // Reserved: a later build may give them a meaning that this one must not ignore.
     if header.u16()? != 0 {
-        return Err(ModelError::Version { found, supported: VERSION });
+        return Err(ModelError::OutOfRange(Field::Flags));
     }
     let (payload, notes) = (header.u32()? as usize, header.u32()? as usize);
     if payload > MAX_BYTES || notes > MAX_BYTES { Err(ModelError::Truncated) } else { Ok((payload, notes)) }

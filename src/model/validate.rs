@@ -63,6 +63,7 @@ pub enum Field {
     Label,
     Layout,
     Notes,
+    Flags,
 }
 
 impl Field {
@@ -110,6 +111,7 @@ impl Field {
             Self::Label => "class label",
             Self::Layout => "layout",
             Self::Notes => "notes",
+            Self::Flags => "header flags",
         }
     }
 }

@@ -5,6 +5,8 @@
 //! `bearing-watch train --rust` writes the call of that macro. All types of a detector then take this one parameter.
 //!
 //! `RunTime` (feature `alloc`) is the plan of host programs: it learns its layout when a model is read.
+//!
+#![doc = include_str!("static_model.md")]
 
 mod layout;
 #[cfg(any(test, feature = "alloc"))]

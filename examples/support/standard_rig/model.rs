@@ -2,11 +2,9 @@
 //
 // Standard DC-motor rig: y = current, u1 = velocity reference, u2 = load torque.
 
+#[rustfmt::skip]
+use bearing_watch::model::{Channel, Classifier, Constants, Discriminant, EvidenceConstants, Feature, Forgetting, Label, Novelty, Projection, Regression, Sampling};
 use bearing_watch::Model;
-use bearing_watch::model::{
-    Channel, Classifier, Constants, Discriminant, EvidenceConstants, Feature, Forgetting, Label, Novelty, Projection,
-    Regression, Sampling,
-};
 use bearing_watch::plan::{Kind, Layout, Memory, Method, RegressionLayout, Structure};
 
 bearing_watch::plan! {
@@ -45,7 +43,7 @@ pub static MODEL: Model<Drive> = Drive::model(Constants {
         scale: [0.5, 2.0, 0.03125, 8.0, 16.0, 2.0],
         nominal: [-0.23479089, -0.10691832, 0.0005428808, 4.6737494, -2.7820897],
         deviation: 0.27767652,
-        forgetting: Forgetting { lambda: 0.9999, floor: 100.0 },
+        forgetting: Forgetting { lambda: 0.9999, floor: 99.983406 },
         huber: 0.0,
         rest: 0.00036989263,
         settle: 100,
@@ -54,7 +52,10 @@ pub static MODEL: Model<Drive> = Drive::model(Constants {
     shaft: [],
     classifier: Classifier {
         features: [
-            Feature::Parameter(0), Feature::Parameter(1), Feature::Parameter(2), Feature::Parameter(3),
+            Feature::Parameter(0),
+            Feature::Parameter(1),
+            Feature::Parameter(2),
+            Feature::Parameter(3),
             Feature::Parameter(4),
         ],
         projection: Projection {
@@ -82,7 +83,11 @@ pub static MODEL: Model<Drive> = Drive::model(Constants {
             ],
             log_normaliser: [-0.5678143, -0.5678143, -0.5678143],
             log_prior: [-1.0986123, -1.0986123, -1.0986123],
-            costs: [0.0, 1.0, 1.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0],
+            costs: [
+                0.0, 1.0, 1.0,
+                1.0, 0.0, 1.0,
+                1.0, 1.0, 0.0,
+            ],
             reject_cost: f32::INFINITY,
         },
         novelty: Novelty { class: None, mean: [0.0; 5], whitening: [0.0; 15], knots: [[0.0; 2]; 24], limit: f32::INFINITY },

@@ -1,12 +1,19 @@
 //! The core: each of its rooms against oracles in double precision, and on streams that no laboratory would record.
 
 mod delta_form;
+mod detector;
 mod endurance;
 mod estimator_edges;
+#[path = "../../../examples/support/standard_rig/model.rs"]
+mod exported;
+mod fixed_plans;
 mod frames;
 mod half_band;
+mod model_file;
+mod model_ranges;
 mod novelty;
 mod oracle;
+mod parts;
 mod readme;
 mod resampling;
 mod rig;

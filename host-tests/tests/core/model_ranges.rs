@@ -1,0 +1,219 @@
+//! Constants out of range: each is refused, by its name, when a model is made.
+
+use bearing_watch::model::{Constants, EvidenceConstants, Feature, Field, Forgetting, Novelty};
+use bearing_watch::plan::{Layout, LayoutError, Memory, Method, Plan, RegressionLayout, RunTime};
+use bearing_watch::{Model, ModelError, Structure};
+use host_tests::plans::{constants, layout};
+
+use crate::exported::{Drive, MODEL};
+
+/// The exported model after a change.
+fn changed(change: impl Fn(&mut Constants<Drive>)) -> Result<Model<Drive>, ModelError> {
+    let mut constants = MODEL.constants().clone();
+    change(&mut constants);
+    Model::new(Drive, constants)
+}
+
+fn refused(field: Field, change: fn(&mut Constants<Drive>)) {
+    assert_eq!(changed(change).map(|_| ()), Err(ModelError::OutOfRange(field)));
+}
+
+/// A structure of the exported model's layout with another method or memory, and a change.
+fn of(
+    change_layout: impl Fn(RegressionLayout) -> RegressionLayout,
+    change: impl Fn(&mut Constants<RunTime>),
+) -> Result<Model<RunTime>, ModelError> {
+    let plain = Drive.layout();
+    let layout = Layout { regression: plain.regression.map(change_layout), ..plain };
+    let plan = RunTime::of(layout).expect("a plan");
+    let features = [0, 1, 2, 3, 4].map(Feature::Parameter);
+    let mut constants = constants(plan, 5000, &[60.0, 400.0, 4.0], &features, None);
+    change(&mut constants);
+    Model::new(plan, constants)
+}
+
+#[test]
+fn values_out_of_range_are_named() {
+    assert!(changed(|_| ()).is_ok());
+    refused(Field::SamplingInterval, |c| c.sampling.interval_s = f32::NAN);
+    refused(Field::SegmentLength, |c| c.sampling.segment_samples = 0);
+    refused(Field::SegmentLength, |c| c.sampling.segment_samples = 1_000_001);
+    refused(Field::SegmentLength, |c| c.sampling.segment_samples = 8);
+    refused(Field::BlockMean, |c| c.sampling.block_mean = 0);
+    refused(Field::BlockMean, |c| c.sampling.block_mean = 1001);
+    refused(Field::ColumnScale, |c| c.regression[0].scale[0] = 2.0_f32.powi(61));
+    refused(Field::ColumnScale, |c| c.regression[0].scale[0] = 3.0);
+    refused(Field::ChannelLimit, |c| c.channels[1].limit = f32::NAN);
+    refused(Field::Saturation, |c| c.channels[0].saturation = 1e9);
+    refused(Field::StuckSamples, |c| c.channels[0].stuck_samples = 1);
+    refused(Field::OutlierThreshold, |c| c.regression[0].huber = f32::NAN);
+    refused(Field::ResidualDeviation, |c| c.regression[0].deviation = -1.0);
+    refused(Field::NominalModel, |c| c.regression[0].nominal[2] = f32::NAN);
+    refused(Field::RestThreshold, |c| c.regression[0].rest = -1.0);
+    refused(Field::LimitTimesScale, |c| (c.channels[0].limit, c.channels[0].saturation) = (1e18, 1e18));
+    refused(Field::Handover, |c| c.regression[0].handover = 2501);
+    refused(Field::Feature, |c| c.classifier.features[0] = Feature::Parameter(5));
+    refused(Field::Projection, |c| c.classifier.projection.mean[0] = f32::INFINITY);
+    refused(Field::Projection, |c| c.classifier.projection.matrix[24] = f32::NAN);
+    refused(Field::ClassDensity, |c| c.classifier.discriminant.whitening[0] = f32::NAN);
+    refused(Field::ClassDensity, |c| c.classifier.discriminant.means[14] = f32::INFINITY);
+    refused(Field::Prior, |c| c.classifier.discriminant.log_prior[0] = f32::NEG_INFINITY);
+    refused(Field::Cost, |c| c.classifier.discriminant.costs[1] = -1.0);
+    refused(Field::Cost, |c| c.classifier.discriminant.reject_cost = -1.0);
+    refused(Field::Cost, |c| c.classifier.discriminant.reject_cost = f32::NAN);
+    let other = changed(|c| c.channels.swap(1, 2));
+    assert_eq!(other, Err(ModelError::Channel { place: 1 }), "channels in another order than in the plan");
+    // Differences of one signal move on from column to column, so they share one scale.
+    let three = |r| RegressionLayout { structure: Structure::new(3, 1, 1, 1, 1), ..r };
+    let scaled = of(three, |c| c.regression[0].scale = vec![1.0, 2.0, 4.0, 1.0, 1.0, 1.0]);
+    assert_eq!(scaled, Err(ModelError::OutOfRange(Field::ColumnScale)));
+    assert!(of(three, |c| c.regression[0].scale = vec![1.0, 4.0, 4.0, 1.0, 1.0, 1.0]).is_ok());
+}
+
+#[test]
+fn layouts_that_do_not_fit_are_named() {
+    let plain = layout(Structure::new(2, 1, 2, 1, 1), Method::LeastSquares, Memory::Segment);
+    let with = |structure: Structure, method: Method| {
+        let regression = plain.regression.map(|own| RegressionLayout { structure, method, ..own });
+        Layout { regression, ..plain }.check()
+    };
+    assert_eq!(with(Structure::new(0, 0, 0, 1, 1), Method::LeastSquares), Err(LayoutError::Terms));
+    assert_eq!(with(Structure::new(200, 30, 24, 1, 1), Method::LeastSquares), Err(LayoutError::Terms));
+    assert_eq!(with(Structure::new(5, 1, 1, 1, 1), Method::Instruments), Err(LayoutError::OutputTerms));
+    assert_eq!(Layout { classes: 0, ..plain }.check(), Err(LayoutError::Classifier));
+    // A model for a run-time plan whose layout says otherwise cannot be made either.
+    assert_eq!(RunTime::of(Layout { coordinates: 0, ..plain }), None);
+}
+
+#[test]
+fn lists_of_another_length_are_named() {
+    let cases: [(Field, fn(&mut Constants<RunTime>)); 12] = [
+        (Field::ChannelName, |c| c.channels.truncate(2)),
+        (Field::ColumnScale, |c| c.regression[0].scale.push(1.0)),
+        (Field::NominalModel, |c| c.regression[0].nominal.truncate(4)),
+        (Field::Feature, |c| c.classifier.features.truncate(4)),
+        (Field::Projection, |c| c.classifier.projection.matrix.push(0.0)),
+        (Field::Projection, |c| c.classifier.projection.mean.truncate(1)),
+        (Field::ClassDensity, |c| c.classifier.discriminant.means.push(0.0)),
+        (Field::ClassDensity, |c| c.classifier.discriminant.whitening.truncate(14)),
+        (Field::Prior, |c| c.classifier.discriminant.log_prior.push(0.0)),
+        (Field::Cost, |c| c.classifier.discriminant.costs.truncate(8)),
+        (Field::HealthyDensity, |c| c.classifier.novelty.mean.truncate(0)),
+        (Field::Label, |c| c.labels.truncate(2)),
+    ];
+    for (field, change) in cases {
+        assert_eq!(of(|r| r, change), Err(ModelError::Length(field)));
+    }
+    assert!(of(|r| r, |_| ()).is_ok());
+    assert!(matches!(of(|r| r, |c| c.regression.clear()), Err(ModelError::Length(_))));
+}
+
+/// The model with a gate on its first class, and an alarm.
+fn gated(c: &mut Constants<Drive>) {
+    c.classifier.novelty = Novelty {
+        class: Some(0),
+        mean: [0.5, -1.0, 2.0, 0.0, 1.0],
+        whitening: std::array::from_fn(|k| 1.0 / (1 + k) as f32),
+        knots: std::array::from_fn(|k| [2.0 * k as f32, k as f32]),
+        limit: 4.6,
+    };
+    c.classifier.discriminant.reject_cost = 0.25;
+    c.evidence = EvidenceConstants { bet: 0.2, limit: 13.9, cap: 6.95 };
+}
+
+#[test]
+fn gate_and_alarm_are_read_back_by_either_plan() {
+    let model = changed(gated).expect("good");
+    let mut buffer = vec![0; 4096];
+    let length = model.to_bytes("", &mut buffer).expect("fits");
+    assert_eq!(Model::<Drive>::from_bytes(&buffer[..length]).as_ref(), Ok(&model));
+    let loose = Model::<RunTime>::from_bytes(&buffer[..length]).expect("any layout");
+    let (own, other) = (model.constants(), loose.constants());
+    assert_eq!((other.evidence, other.classifier.discriminant.reject_cost), (own.evidence, 0.25));
+    let z = [0.3, -0.2, 1.0, 0.7, -1.5];
+    assert_eq!(other.classifier.novelty.judge(&z), own.classifier.novelty.judge(&z), "the same bits");
+    let mut again = vec![0; length];
+    assert_eq!(loose.to_bytes("", &mut again), Ok(length));
+    assert_eq!(again, buffer[..length]);
+}
+
+#[test]
+fn gates_and_alarms_out_of_range_are_named() {
+    let cases: [(Field, fn(&mut Constants<Drive>)); 15] = [
+        (Field::HealthyClass, |c| c.classifier.novelty.class = Some(3)),
+        (Field::HealthyDensity, |c| c.classifier.novelty.mean[2] = f32::NAN),
+        (Field::HealthyDensity, |c| c.classifier.novelty.whitening[10] = f32::INFINITY),
+        (Field::SurpriseCurve, |c| c.classifier.novelty.knots[3][0] = 4.0),
+        (Field::SurpriseCurve, |c| c.classifier.novelty.knots[3][1] = 2.0),
+        (Field::SurpriseCurve, |c| c.classifier.novelty.knots[0][0] = -1.0),
+        (Field::SurpriseCurve, |c| c.classifier.novelty.knots[23][1] = f32::NAN),
+        (Field::NoveltyLimit, |c| c.classifier.novelty.limit = 0.0),
+        (Field::NoveltyLimit, |c| c.classifier.novelty.limit = f32::NAN),
+        (Field::Evidence, |c| c.evidence.bet = 1.0),
+        (Field::Evidence, |c| c.evidence.bet = f32::NAN),
+        (Field::Evidence, |c| c.evidence.limit = 0.0),
+        (Field::Evidence, |c| c.evidence.limit = f32::NAN),
+        (Field::Evidence, |c| c.evidence.cap = f32::INFINITY),
+        (Field::Evidence, |c| c.evidence.cap = -1.0),
+    ];
+    for (field, change) in cases {
+        let error = changed(|c| {
+            gated(c);
+            change(c);
+        });
+        assert_eq!(error, Err(ModelError::OutOfRange(field)));
+    }
+    let never = changed(|c| {
+        gated(c);
+        (c.classifier.novelty.limit, c.evidence.limit) = (f32::INFINITY, f32::INFINITY);
+    });
+    assert!(never.is_ok(), "a distance without a gate, and no alarm");
+    // Without a healthy class nothing of it has an effect.
+    let none = changed(|c| {
+        gated(c);
+        c.classifier.novelty.class = None;
+    });
+    let none = none.expect("good");
+    assert_eq!(none.constants().classifier.novelty.judge(&[9.0; 5]), (0.0, 0.0));
+}
+
+#[test]
+fn sums_that_would_degrade_are_refused() {
+    let memory = |memory: Memory| move |r| RegressionLayout { memory, ..r };
+    let long = |c: &mut Constants<RunTime>| c.sampling.segment_samples = 100_001;
+    assert_eq!(of(memory(Memory::Segment), long), Err(ModelError::OutOfRange(Field::SegmentLength)));
+    assert!(of(memory(Memory::LongSegment), long).is_ok());
+    let fading = |lambda: f32, floor: f32, rest: f32| {
+        of(memory(Memory::Fading), |c| {
+            long(c);
+            (c.regression[0].forgetting, c.regression[0].rest) = (Forgetting { lambda, floor }, rest);
+        })
+        .map(|_| ())
+    };
+    assert_eq!(fading(0.999, 10.0, 1e-4), Ok(()));
+    let refused = |field: Field| Err(ModelError::OutOfRange(field));
+    assert_eq!(fading(0.999, 10.0, 0.0), refused(Field::RestThreshold), "it would forget at rest");
+    assert_eq!(fading(1.0, 1.0, 1e-4), refused(Field::ForgettingFactor));
+    assert_eq!(fading(0.99995, 1.0, 1e-4), refused(Field::ForgettingFactor));
+    assert_eq!(fading(f32::NAN, 1.0, 1e-4), refused(Field::ForgettingFactor));
+    assert_eq!(fading(0.9, 1.0, 1e-4), refused(Field::ForgettingFactor), "ten rows for five parameters");
+    assert_eq!(fading(0.999, 0.0, 1e-4), refused(Field::ForgettingFloor));
+}
+
+#[test]
+fn instruments_need_a_stable_nominal_model_and_time_to_settle() {
+    let instruments = |r| RegressionLayout { method: Method::Instruments, ..r };
+    let unstable = of(instruments, |c| c.regression[0].nominal[0] = 0.1);
+    assert_eq!(unstable, Err(ModelError::OutOfRange(Field::NominalStability)));
+    let stable = |c: &mut Constants<RunTime>| c.regression[0].nominal = vec![-0.1, 0.2, 0.1, 0.1, 0.1];
+    let model = of(instruments, stable).expect("good");
+    let mut buffer = [0; 4096];
+    let length = model.to_bytes("", &mut buffer).expect("fits");
+    assert_eq!(Model::<RunTime>::from_bytes(&buffer[..length]).as_ref(), Ok(&model));
+    assert_eq!(Model::<Drive>::from_bytes(&buffer[..length]), Err(ModelError::OtherPlan));
+    let hurried = of(instruments, |c| {
+        stable(c);
+        c.sampling.segment_samples = 399;
+    });
+    assert_eq!(hurried, Err(ModelError::OutOfRange(Field::Settling)));
+}
