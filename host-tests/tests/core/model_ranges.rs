@@ -32,6 +32,9 @@ fn of(
     Model::new(plan, constants)
 }
 
+/// A field, and how to spoil it.
+type Case<P> = (Field, fn(&mut Constants<P>));
+
 #[test]
 fn values_out_of_range_are_named() {
     assert!(changed(|_| ()).is_ok());
@@ -87,7 +90,7 @@ fn layouts_that_do_not_fit_are_named() {
 
 #[test]
 fn lists_of_another_length_are_named() {
-    let cases: [(Field, fn(&mut Constants<RunTime>)); 12] = [
+    let cases: [Case<RunTime>; 12] = [
         (Field::ChannelName, |c| c.channels.truncate(2)),
         (Field::ColumnScale, |c| c.regression[0].scale.push(1.0)),
         (Field::NominalModel, |c| c.regression[0].nominal.truncate(4)),
@@ -139,7 +142,7 @@ fn gate_and_alarm_are_read_back_by_either_plan() {
 
 #[test]
 fn gates_and_alarms_out_of_range_are_named() {
-    let cases: [(Field, fn(&mut Constants<Drive>)); 15] = [
+    let cases: [Case<Drive>; 15] = [
         (Field::HealthyClass, |c| c.classifier.novelty.class = Some(3)),
         (Field::HealthyDensity, |c| c.classifier.novelty.mean[2] = f32::NAN),
         (Field::HealthyDensity, |c| c.classifier.novelty.whitening[10] = f32::INFINITY),
