@@ -74,7 +74,10 @@ fn depths<P: Plan>(name: &str, model: &Model<P>, mut sample: impl FnMut() -> P::
     let (mut collect, mut segment) = (0, None);
     while segment.is_none() {
         let sample = black_box(sample());
-        let bytes = stack_of(|| segment = black_box(detector.collect(&sample)));
+        let bytes = stack_of(|| {
+            segment = detector.collect(&sample);
+            black_box(&segment);
+        });
         collect = bytes.max(collect);
     }
     let Some(segment) = segment else { return };

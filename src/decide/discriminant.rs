@@ -14,6 +14,7 @@
 //! it quadratic. Cost of (1): C·Z(Z+3)/2 multiply-adds; (2) adds one exponential a class.
 
 use super::projection::weighted_sum;
+use crate::factor::pairs;
 use crate::plan::{Array, Cells, Kind, Plan};
 
 /// Gaussian class densities with priors and costs.
@@ -83,7 +84,7 @@ impl<P: Plan> Decision<P> {
     /// Expected cost of the decided class.
     #[must_use]
     pub fn least_cost(&self) -> f32 {
-        self.expected_costs().iter().copied().fold(f32::INFINITY, f32::min)
+        self.expected_costs().get(self.class as usize).copied().unwrap_or(f32::INFINITY)
     }
 }
 
@@ -105,35 +106,108 @@ impl<P: Plan> Discriminant<P> {
 
     /// Posteriors (2), expected costs and class (3) from log-likelihoods, which may be sums over several independent
     /// segments; returns `false` if no likelihood is finite or one is not a number.
-    #[inline(never)]
     pub fn decide(&self, log_likelihoods: &[f32], decision: &mut Decision<P>) -> bool {
-        let cells = decision.log_likelihoods.cells_mut().iter_mut().zip(decision.posteriors.cells_mut());
-        let known = log_likelihoods.iter().zip(self.log_prior.cells());
-        let (mut largest, mut defined) = (f32::NEG_INFINITY, true);
-        for ((own, joint), (likelihood, prior)) in cells.zip(known) {
-            (*own, *joint) = (*likelihood, likelihood + prior);
-            defined &= !joint.is_nan();
-            largest = largest.max(*joint);
-        }
-        if !defined || !largest.is_finite() {
-            return false;
-        }
-        let posteriors = decision.posteriors.cells_mut();
-        let mut total = 0.0;
-        for posterior in posteriors.iter_mut() {
-            *posterior = libm::expf(*posterior - largest);
-            total += *posterior;
-        }
-        posteriors.iter_mut().for_each(|posterior| *posterior /= total); // (2)
-        let (posteriors, mut least) = (decision.posteriors.cells(), f32::INFINITY);
-        let rows = self.costs.cells().chunks_exact(posteriors.len().max(1));
-        for (k, (expected, costs)) in (0_u8..).zip(decision.expected_costs.cells_mut().iter_mut().zip(rows)) {
-            *expected = costs.iter().zip(posteriors).fold(0.0, |sum, (cost, posterior)| sum + cost * posterior);
-            if *expected < least {
-                (decision.class, least) = (k, *expected); // (3)
+        let mut deciding = Deciding::new();
+        loop {
+            if let Some(decided) = deciding.step(self, log_likelihoods, decision) {
+                break decided;
             }
         }
-        least < f32::INFINITY
+    }
+}
+
+/// What is computed for each class in turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+enum Quantity {
+    /// Logarithm of the joint density, and the largest of them.
+    Joint,
+    /// Joint density relative to the largest, and the sum of them.
+    Density,
+    /// (2).
+    Posterior,
+    /// (3), and the class of the least.
+    Cost,
+}
+
+/// A decision under way, one quantity of one class a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Deciding {
+    quantity: Quantity,
+    class: u8,
+    /// Largest logarithm of a joint density, NaN if one is; then the least expected cost.
+    extreme: f32,
+    /// Σ of (2).
+    total: f32,
+}
+
+impl Deciding {
+    /// Nothing decided yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { quantity: Quantity::Joint, class: 0, extreme: f32::NEG_INFINITY, total: 0.0 }
+    }
+
+    /// Does the next of 4 (C + 1) steps; `Some(false)` if no likelihood is finite or one is not a number, `Some(true)` once
+    /// the decision is complete.
+    #[inline(never)]
+    pub fn step<P: Plan>(
+        &mut self,
+        discriminant: &Discriminant<P>,
+        log_likelihoods: &[f32],
+        decision: &mut Decision<P>,
+    ) -> Option<bool> {
+        let class = self.class as usize;
+        let classes = decision.posteriors.cells().len();
+        let Some(cell) = decision.posteriors.cells_mut().get_mut(class) else { return self.next() };
+        match self.quantity {
+            Quantity::Joint => {
+                let likelihood = log_likelihoods.get(class).copied().unwrap_or(f32::NAN);
+                *cell = likelihood + discriminant.log_prior.cells().get(class).copied().unwrap_or(f32::NAN);
+                // Written so that NaN stays.
+                if !(*cell <= self.extreme) {
+                    self.extreme = *cell;
+                }
+                if let Some(own) = decision.log_likelihoods.cells_mut().get_mut(class) {
+                    *own = likelihood;
+                }
+            }
+            Quantity::Density => {
+                *cell = libm::expf(*cell - self.extreme);
+                self.total += *cell;
+            }
+            Quantity::Posterior => *cell /= self.total, // (2)
+            Quantity::Cost => {
+                let costs = discriminant.costs.cells().get(class.wrapping_mul(classes)..).unwrap_or(&[]);
+                let posteriors = decision.posteriors.cells();
+                let expected = pairs(costs, posteriors).fold(0.0, |sum, (cost, posterior)| sum + cost * posterior);
+                if let Some(cell) = decision.expected_costs.cells_mut().get_mut(class) {
+                    *cell = expected;
+                }
+                if expected < self.extreme {
+                    (decision.class, self.extreme) = (self.class, expected); // (3)
+                }
+            }
+        }
+        self.class = self.class.wrapping_add(1);
+        None
+    }
+
+    /// Goes on with the next quantity.
+    fn next(&mut self) -> Option<bool> {
+        self.class = 0;
+        self.quantity = match self.quantity {
+            Quantity::Joint if !self.extreme.is_finite() => return Some(false),
+            Quantity::Joint => Quantity::Density,
+            Quantity::Density => Quantity::Posterior,
+            Quantity::Posterior => {
+                self.extreme = f32::INFINITY;
+                Quantity::Cost
+            }
+            Quantity::Cost => return Some(self.extreme < f32::INFINITY),
+        };
+        None
     }
 }
 

@@ -9,6 +9,7 @@ mod novelty;
 mod projection;
 mod trend;
 
+use discriminant::Deciding;
 pub use discriminant::{Decision, Discriminant};
 pub use evidence::{Alarm, Cause, Evidence, EvidenceConstants};
 pub use features::Feature;
@@ -97,7 +98,7 @@ enum Stage {
     Coordinates,
     /// Log-likelihood of class k.
     Likelihoods,
-    /// Posteriors and class.
+    /// A step of posteriors, costs and class.
     Posteriors,
     /// Distance and surprise.
     Novelty,
@@ -110,6 +111,7 @@ pub struct Classification<P: Plan> {
     features: Array<P::Features, f32>,
     coordinates: Array<P::Coordinates, f32>,
     likelihoods: Array<P::Classes, f32>,
+    deciding: Deciding,
     stage: Stage,
     k: usize,
 }
@@ -123,6 +125,7 @@ impl<P: Plan> Classification<P> {
             features: Cells::filled(layout.features as usize, 0.0),
             coordinates: Cells::filled(layout.coordinates as usize, 0.0),
             likelihoods: Cells::filled(layout.classes as usize, 0.0),
+            deciding: Deciding::new(),
             stage: Stage::Features,
             k: 0,
         }
@@ -160,10 +163,11 @@ impl<P: Plan> Classification<P> {
                 *cell = classifier.discriminant.log_likelihood(kind, self.coordinates.cells(), k);
             }
             Stage::Posteriors => {
-                if !classifier.discriminant.decide(self.likelihoods.cells(), decision) {
-                    return Some(Err(Reason::NotFinite(Part::Classifier)));
+                match self.deciding.step(&classifier.discriminant, self.likelihoods.cells(), decision) {
+                    None => return None,
+                    Some(true) => return self.then(Stage::Novelty),
+                    Some(false) => return Some(Err(Reason::NotFinite(Part::Classifier))),
                 }
-                return self.then(Stage::Novelty);
             }
             Stage::Novelty => {
                 (decision.distance, decision.surprise) = classifier.novelty.judge(self.coordinates.cells());

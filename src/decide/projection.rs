@@ -9,6 +9,7 @@
 //! m is the training mean; W contains principal components, Fisher's directions, or the identity, as the workbench chose.
 //! The mean is subtracted first, so that no digits cancel in the sums. Cost: Z·F multiply-adds.
 
+use crate::factor::pairs;
 use crate::plan::{Array, Cells, Plan};
 
 /// The map (1).
@@ -45,10 +46,9 @@ impl<P: Plan> Projection<P> {
 }
 
 /// Σ w (x − m).
-// Out of line: the compiler unrolls the loop, and one such loop is enough.
 #[inline(never)]
 pub(super) fn weighted_sum(weights: &[f32], x: &[f32], mean: &[f32]) -> f32 {
-    weights.iter().zip(x.iter().zip(mean)).fold(0.0, |sum, (w, (x, mean))| sum + w * (x - mean))
+    pairs(weights, pairs(x, mean)).fold(0.0, |sum, (w, (x, mean))| sum + w * (x - mean))
 }
 
 #[cfg(test)]

@@ -77,14 +77,14 @@ impl<'m, P: Plan> Detector<'m, P> {
     /// classification (more than 100 µs on most drives): in an interrupt use [`Detector::collect`].
     #[inline]
     pub fn step(&mut self, sample: &P::Sample) -> Option<Report<P>> {
-        if self.take(sample) { Some(self.close()) } else { None }
+        if self.take(sample) { self.close() } else { None }
     }
 
     /// Takes one sample, in time that hardly depends on the data; returns the sums with the sample that closes a segment.
     /// Conclude them by [`Model::conclude`] or [`Solver`] in the main loop, and hand the report to [`Detector::adopt`].
     #[inline]
     pub fn collect(&mut self, sample: &P::Sample) -> Option<Segment<P>> {
-        if self.take(sample) { Some(self.detach()) } else { None }
+        if self.take(sample) { self.detach() } else { None }
     }
 
     /// Lets the estimate of a concluded segment take over as auxiliary model at the handover. Returns `false`, and does
@@ -132,7 +132,8 @@ impl<'m, P: Plan> Detector<'m, P> {
     }
 
     /// A copy of the sums of the open segment.
-    #[inline(always)]
+    // Out of line, so that what it moves takes no stack during the solve.
+    #[inline(never)]
     fn segment(&self, whole: bool) -> Segment<P> {
         let (plan, constants) = (self.model.plan(), self.model.constants());
         let mut counts = self.gate.counts;
@@ -152,10 +153,11 @@ impl<'m, P: Plan> Detector<'m, P> {
     }
 
     /// Closes the segment and hands out its sums.
-    // Out of line, so that the usual sample needs no room for them on the stack.
+    // Out of line, so that the usual sample needs no room for them on the stack; an option, so that they are built in the
+    // place of the caller's.
     #[inline(never)]
-    fn detach(&mut self) -> Segment<P> {
-        let segment = self.segment(true);
+    fn detach(&mut self) -> Option<Segment<P>> {
+        let segment = Some(self.segment(true));
         self.next_segment();
         segment
     }
@@ -163,12 +165,15 @@ impl<'m, P: Plan> Detector<'m, P> {
     /// Closes the segment and concludes it.
     #[cold]
     #[inline(never)]
-    fn close(&mut self) -> Report<P> {
-        let report = self.model.conclude(self.segment(true));
+    fn close(&mut self) -> Option<Report<P>> {
         let (plan, constants) = (self.model.plan(), self.model.constants());
-        let parts = (self.estimator.part_mut(), constants.regression.part(), report.estimate.part());
-        if let (Some(estimator), Some(regression), Some(estimate)) = parts {
-            estimator.offer(plan, regression, estimate);
+        let mut report = Some(Report::empty(plan));
+        if let Some(report) = &mut report {
+            self.model.solve(&mut self.segment(true), report);
+            let parts = (self.estimator.part_mut(), constants.regression.part(), report.estimate.part());
+            if let (Some(estimator), Some(regression), Some(estimate)) = parts {
+                estimator.offer(plan, regression, estimate);
+            }
         }
         self.next_segment();
         report
@@ -191,7 +196,7 @@ impl<'m, P: Plan> Detector<'m, P> {
     /// state.
     #[must_use]
     pub fn preview(&self) -> Report<P> {
-        Solver::new(self.model, self.segment(false)).finish()
+        self.model.report(&mut self.segment(false))
     }
 
     /// Number of samples in the open segment, after averaging.
@@ -209,7 +214,7 @@ impl<'m, P: Plan> Detector<'m, P> {
     /// Closes the open segment at the end of a recording, reports it, and starts afresh. The caller decides whether a part
     /// of a segment is enough: see [`Detector::pending`].
     pub fn finish(&mut self) -> Report<P> {
-        let report = self.model.conclude(self.segment(false));
+        let report = self.model.report(&mut self.segment(false));
         self.restart();
         report
     }

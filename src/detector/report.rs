@@ -41,6 +41,8 @@ pub struct Report<P: Plan> {
 }
 
 impl<P: Plan> Report<P> {
+    // Out of line, so that what it moves takes no stack during the solve.
+    #[inline(never)]
     pub(super) fn empty(plan: P) -> Self {
         let layout = plan.layout();
         Self {

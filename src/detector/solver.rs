@@ -9,8 +9,8 @@ use crate::reason::Reason;
 use crate::sample::Counts;
 use crate::shaft::{ShaftSolve, ShaftSums};
 
-/// Multiply-adds of a piece, about.
-const PIECE: usize = 16;
+/// Instructions of a piece, about; its last step may exceed them.
+const PIECE: usize = 140;
 
 /// The sums of a closed segment, separate from the detector.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,130 +45,146 @@ pub struct Solver<'m, P: Plan> {
     model: &'m Model<P>,
     segment: Segment<P>,
     report: Report<P>,
-    decision: Decision<P>,
-    regression: Array<P::Regressed, RegressionSolve<P>>,
-    shaft: Array<P::Watched, ShaftSolve>,
-    classification: Classification<P>,
-    stage: Stage,
+    solve: Solve<P>,
 }
 
 impl<'m, P: Plan> Solver<'m, P> {
     /// Nothing solved yet.
     #[must_use]
     pub fn new(model: &'m Model<P>, segment: Segment<P>) -> Self {
-        let (plan, layout) = (model.plan(), model.plan().layout());
-        let mut report = Report::empty(plan);
-        (report.counts, report.rows) = (segment.counts, segment.rows);
-        let mut solver = Self {
-            model,
-            report,
-            decision: Decision::empty(plan),
-            regression: Cells::from_fn(layout.regressed(), |_| RegressionSolve::new(plan)),
-            shaft: Cells::from_fn(layout.watched(), |_| ShaftSolve::new()),
-            classification: Classification::new(plan),
-            stage: Stage::Regression,
-            segment,
-        };
-        solver.refuse_stuck();
-        solver
-    }
-
-    /// Parts with a stuck channel have no result.
-    fn refuse_stuck(&mut self) {
-        let (layout, stuck) = (self.model.plan().layout(), self.segment.counts.stuck);
-        let reason = |mask: u16| stuck.first_of(mask).map(|channel| Reason::Stuck { channel });
-        if let (Some(regression), Some(estimate)) = (layout.regression, self.report.estimate.part_mut())
-            && let Some(reason) = reason(regression.mask())
-        {
-            (estimate.reason, self.stage) = (Some(reason), Stage::Shaft);
-        }
-    }
-
-    /// Whether the channels of the shaft were stuck; then it has no result.
-    fn shaft_is_stuck(&mut self) -> bool {
-        let Some(shaft) = self.model.plan().layout().shaft else { return false };
-        let reason = self.segment.counts.stuck.first_of(shaft.mask()).map(|channel| Reason::Stuck { channel });
-        if let (Some(_), Some(estimate)) = (reason, self.report.shaft.part_mut()) {
-            (estimate.friction_reason, estimate.orders_reason) = (reason, reason);
-        }
-        reason.is_some()
+        let plan = model.plan();
+        Self { model, segment, report: Report::empty(plan), solve: Solve::new(plan) }
     }
 
     /// Does the next piece; returns the report with the last one. Further calls return it again.
     pub fn advance(&mut self) -> Option<&Report<P>> {
-        let (plan, constants) = (self.model.plan(), self.model.constants());
-        match self.stage {
-            Stage::Regression => {
-                let parts = (self.regression.part_mut(), self.segment.regression.part_mut());
-                let own = (constants.regression.part(), self.report.estimate.part_mut());
-                let ((Some(solve), Some(sums)), (Some(regression), Some(estimate))) = (parts, own) else {
-                    self.stage = Stage::Shaft;
-                    return None;
-                };
-                if solve.advance(plan, regression, sums, estimate, PIECE) {
-                    self.stage = Stage::Shaft;
-                }
-            }
-            Stage::Shaft => {
-                if self.shaft_is_stuck() {
-                    self.stage = Stage::Classification;
-                    return None;
-                }
-                let parts = (self.shaft.part_mut(), self.segment.shaft.part_mut());
-                let own = (constants.shaft.part(), self.report.shaft.part_mut());
-                let ((Some(solve), Some(sums)), (Some(shaft), Some(estimate))) = (parts, own) else {
-                    self.stage = Stage::Classification;
-                    return None;
-                };
-                if solve.advance(plan, shaft, sums, estimate, PIECE) {
-                    self.stage = Stage::Classification;
-                }
-            }
-            Stage::Classification => {
-                let estimates = (self.report.estimate.part(), self.report.shaft.part());
-                let step = self.classification.step(plan, &constants.classifier, estimates, &mut self.decision);
-                if let Some(result) = step {
-                    self.judge(result);
-                    self.stage = Stage::Done;
-                    return Some(&self.report);
-                }
-            }
-            Stage::Done => return Some(&self.report),
-        }
-        None
+        let done = self.solve.advance(self.model, &mut self.segment, &mut self.report, PIECE);
+        done.then_some(&self.report)
     }
 
     /// Does all that is left; returns the report.
     #[must_use]
     pub fn finish(mut self) -> Report<P> {
-        self.run();
+        self.solve.run(self.model, &mut self.segment, &mut self.report);
         self.report
+    }
+}
+
+/// The state of a solve apart from its segment and its report, which are not moved.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Solve<P: Plan> {
+    regression: Array<P::Regressed, RegressionSolve<P>>,
+    shaft: Array<P::Watched, ShaftSolve>,
+    classification: Classification<P>,
+    stage: Stage,
+}
+
+impl<P: Plan> Solve<P> {
+    // Out of line, so that what it moves takes no stack during the solve.
+    #[inline(never)]
+    fn new(plan: P) -> Self {
+        let layout = plan.layout();
+        Self {
+            regression: Cells::from_fn(layout.regressed(), |_| RegressionSolve::new(plan)),
+            shaft: Cells::from_fn(layout.watched(), |_| ShaftSolve::new()),
+            classification: Classification::new(plan),
+            stage: Stage::Regression,
+        }
+    }
+
+    /// Does about `budget` instructions of the next stage; whether the report is complete.
+    #[inline(never)]
+    fn advance(&mut self, model: &Model<P>, segment: &mut Segment<P>, report: &mut Report<P>, budget: usize) -> bool {
+        let (plan, constants) = (model.plan(), model.constants());
+        let layout = plan.layout();
+        let stuck = segment.counts.stuck;
+        // Parts with a stuck channel have no result.
+        let reason = |mask: u16| stuck.first_of(mask).map(|channel| Reason::Stuck { channel });
+        match self.stage {
+            Stage::Regression => {
+                (report.counts, report.rows) = (segment.counts, segment.rows);
+                let parts = (self.regression.part_mut(), segment.regression.part_mut(), layout.regression);
+                let own = (constants.regression.part(), report.estimate.part_mut());
+                let done =
+                    if let ((Some(solve), Some(sums), Some(part)), (Some(regression), Some(estimate))) = (parts, own) {
+                        if let Some(reason) = reason(part.mask()) {
+                            estimate.reason = Some(reason);
+                            true
+                        } else {
+                            solve.advance(plan, regression, sums, estimate, budget)
+                        }
+                    } else {
+                        true
+                    };
+                if done {
+                    self.stage = Stage::Shaft;
+                }
+            }
+            Stage::Shaft => {
+                let parts = (self.shaft.part_mut(), segment.shaft.part_mut(), layout.shaft);
+                let own = (constants.shaft.part(), report.shaft.part_mut());
+                let done = if let ((Some(solve), Some(sums), Some(part)), (Some(shaft), Some(estimate))) = (parts, own)
+                {
+                    let reason = reason(part.mask());
+                    if reason.is_some() {
+                        (estimate.friction_reason, estimate.orders_reason) = (reason, reason);
+                        true
+                    } else {
+                        solve.advance(plan, shaft, sums, estimate, budget)
+                    }
+                } else {
+                    true
+                };
+                if done {
+                    self.stage = Stage::Classification;
+                    report.decision = Some(Decision::empty(plan));
+                }
+            }
+            Stage::Classification => {
+                let estimates = (report.estimate.part(), report.shaft.part());
+                let Some(decision) = &mut report.decision else { return true };
+                let step = self.classification.step(plan, &constants.classifier, estimates, decision);
+                if let Some(result) = step {
+                    judge(model, segment, report, result);
+                    self.stage = Stage::Done;
+                    return true;
+                }
+            }
+            Stage::Done => return true,
+        }
+        false
     }
 
     /// Does all that is left.
-    fn run(&mut self) {
+    fn run(&mut self, model: &Model<P>, segment: &mut Segment<P>, report: &mut Report<P>) {
         // Bounded: every call does a piece, and no model has so many.
         for _ in 0..MAX_PIECES {
-            if self.advance().is_some() {
+            if self.advance(model, segment, report, usize::MAX) {
                 break;
             }
         }
     }
+}
 
-    fn judge(&mut self, result: Result<(), Reason>) {
-        let report = &mut self.report;
-        // The model knows the spread of whole segments only.
-        let short = self.segment.whole && report.rows < self.model.constants().sampling.segment_samples / 2;
-        let result = if short { result.and(Err(Reason::ShortSegment { rows: report.rows })) } else { result };
-        report.verdict = match result {
-            Err(reason) => Verdict::Undetermined(reason),
-            Ok(()) => match self.model.constants().classifier.finding(&self.decision) {
-                Finding::Class(class) => Verdict::Class(class),
-                Finding::Novel => Verdict::Novel,
-                Finding::Ambiguous => Verdict::Ambiguous,
-            },
-        };
-        report.decision = result.is_ok().then(|| self.decision.clone());
+/// The verdict of a classified segment.
+fn judge<P: Plan>(model: &Model<P>, segment: &Segment<P>, report: &mut Report<P>, result: Result<(), Reason>) {
+    let constants = model.constants();
+    // The model knows the spread of whole segments only.
+    let short = segment.whole && report.rows < constants.sampling.segment_samples / 2;
+    let result = if short { result.and(Err(Reason::ShortSegment { rows: report.rows })) } else { result };
+    report.verdict = match (result, &report.decision) {
+        (Ok(()), Some(decision)) => match constants.classifier.finding(decision) {
+            Finding::Class(class) => Verdict::Class(class),
+            Finding::Novel => Verdict::Novel,
+            Finding::Ambiguous => Verdict::Ambiguous,
+        },
+        (Err(reason), _) => Verdict::Undetermined(reason),
+        // Never: a classified segment has a decision.
+        (Ok(()), None) => return,
+    };
+    if result.is_err() {
+        report.decision = None;
     }
 }
 
@@ -179,13 +195,23 @@ impl<P: Plan> Model<P> {
     /// The report of a closed segment, in a thread that has the time; adopt it by
     /// [`Detector::adopt`](crate::Detector::adopt).
     #[must_use]
+    pub fn conclude(&self, mut segment: Segment<P>) -> Report<P> {
+        self.report(&mut segment)
+    }
+
+    /// The report of a closed segment, whose sums are overwritten.
+    pub(super) fn report(&self, segment: &mut Segment<P>) -> Report<P> {
+        let mut report = Report::empty(self.plan());
+        self.solve(segment, &mut report);
+        report
+    }
+
+    /// Solves a closed segment. Its sums are overwritten, and the report is in the place of the caller's: each copy of them
+    /// would take hundreds of bytes of stack.
     #[inline(never)]
-    pub fn conclude(&self, segment: Segment<P>) -> Report<P> {
-        // Not by `finish`, whose move would need room for another copy on the stack.
-        let mut solver = Solver::new(self, segment);
-        solver.run();
-        self.log(&solver.report);
-        solver.report
+    pub(super) fn solve(&self, segment: &mut Segment<P>, report: &mut Report<P>) {
+        Solve::new(self.plan()).run(self, segment, report);
+        self.log(report);
     }
 
     /// With the feature `defmt`, logs each closed segment on a chip; host programs have no logger.

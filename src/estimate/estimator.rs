@@ -57,8 +57,11 @@ pub struct RegressionSums<P: Plan> {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RegressionSolve<P: Plan> {
-    merged: usize,
+    /// Row and pivot of the lower level that are merged next.
+    merged: (usize, usize),
     solution: Solution,
+    /// Whether nothing is left but the constant and the checks of the result.
+    solved: bool,
     work: Array<P::Parameters, f32>,
 }
 
@@ -174,10 +177,10 @@ impl<P: Plan> RegressionSolve<P> {
     #[must_use]
     pub fn new(plan: P) -> Self {
         let work = Cells::filled(plan.layout().parameters(), 0.0);
-        Self { merged: 0, solution: Solution::new(), work }
+        Self { merged: (0, 0), solution: Solution::new(), solved: false, work }
     }
 
-    /// Does about `budget` multiply-adds of the solve; `true` once the estimate is complete, or has its reason.
+    /// Does about `budget` instructions of the solve; `true` once the estimate is complete, or has its reason.
     pub fn advance(
         &mut self,
         plan: P,
@@ -187,21 +190,14 @@ impl<P: Plan> RegressionSolve<P> {
         budget: usize,
     ) -> bool {
         let Some(RegressionLayout { memory, .. }) = plan.layout().regression else { return true };
-        if self.merged < sums.sums.to_merge() {
-            sums.sums.merge(self.merged);
-            self.merged = self.merged.saturating_add(1);
+        if !sums.sums.merge(&mut self.merged, budget) {
             return false;
         }
-        let mass = sums.sums.mass(memory, constants.forgetting.lambda, sums.count);
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a number of rows; `as` maps NaN and what is out of range to the ends"
-        )]
-        let rows = mass.rows as u32;
-        (estimate.rows, estimate.segment) = (rows, sums.segment);
         let outcome = if sums.at_rest {
             Err(Reason::AtRest)
+        } else if self.solved {
+            finish(plan, sums, estimate);
+            Ok(true)
         } else {
             self.solve(plan, constants, sums, estimate, budget).map_err(|error| match error {
                 SolveError::TooFewRows => Reason::TooFewRows { part: Part::Regression, rows: sums.count },
@@ -211,9 +207,21 @@ impl<P: Plan> RegressionSolve<P> {
         };
         match outcome {
             Ok(false) => return false,
-            Ok(true) => finish(plan, sums, estimate),
+            Ok(true) if !self.solved => {
+                self.solved = true;
+                return false;
+            }
+            Ok(true) => {}
             Err(reason) => estimate.reason = Some(reason),
         }
+        let mass = sums.sums.mass(memory, constants.forgetting.lambda, sums.count);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a number of rows; `as` maps NaN and what is out of range to the ends"
+        )]
+        let rows = mass.rows as u32;
+        (estimate.rows, estimate.segment) = (rows, sums.segment);
         if estimate.reason.is_some() {
             estimate.delta.cells_mut().fill(0.0);
             estimate.covariance.cells_mut().fill(0.0);
@@ -222,29 +230,30 @@ impl<P: Plan> RegressionSolve<P> {
         true
     }
 
-    #[inline(never)]
+    #[inline(always)]
     fn solve(
         &mut self,
         plan: P,
         constants: &Regression<P>,
-        sums: &RegressionSums<P>,
+        sums: &mut RegressionSums<P>,
         estimate: &mut Estimate<P>,
         budget: usize,
     ) -> Result<bool, SolveError> {
         let Some(layout) = plan.layout().regression else { return Ok(true) };
-        let (d, r) = sums.sums.triangle().parts();
+        let mass = sums.sums.mass(layout.memory, constants.forgetting.lambda, sums.count);
+        let (d, r) = sums.sums.triangle_mut().parts_mut();
         let (inputs, outputs) = layout.split();
-        let problem = Problem {
+        let problem = &mut Problem {
             d,
             r,
             inputs,
             outputs,
             scale: constants.scale.cells(),
             base: sums.frame.base.cells(),
-            mass: sums.sums.mass(layout.memory, constants.forgetting.lambda, sums.count),
+            mass,
             gain: sums.frame.gain,
         };
-        let mut solved = Solved {
+        let solved = &mut Solved {
             delta: estimate.delta.cells_mut(),
             covariance: estimate.covariance.cells_mut(),
             variance: &mut estimate.variance,
@@ -252,9 +261,9 @@ impl<P: Plan> RegressionSolve<P> {
         };
         // Known at compile time. With a shaft, whose balance needs instruments, one copy of the code serves both.
         if outputs == 0 && plan.layout().shaft.is_none() {
-            self.solution.advance::<false>(&problem, &mut solved, budget)
+            self.solution.advance::<false>(problem, solved, budget)
         } else {
-            self.solution.advance::<true>(&problem, &mut solved, budget)
+            self.solution.advance::<true>(problem, solved, budget)
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What the regression of one segment estimated.
 
-use crate::factor::lower;
+use crate::factor::{lower, pairs};
 use crate::plan::{Array, Cells, Plan, Structure};
 use crate::reason::{Part, Reason};
 
@@ -102,9 +102,10 @@ impl<P: Plan> Estimate<P> {
     #[inline(never)]
     pub(crate) fn is_finite(&self) -> bool {
         // A value that is not a number in a covariance appears on its diagonal too. Infinity and NaN survive a sum.
-        let mut sum = self.variance;
-        for (i, delta) in self.delta.cells().iter().enumerate() {
-            sum += delta + self.covariance(i, i);
+        let (mut sum, mut diagonal) = (self.variance, 0_usize);
+        for (i, delta) in pairs(2.., self.delta.cells()) {
+            sum += delta + self.covariance.cells().get(diagonal).copied().unwrap_or(0.0);
+            diagonal = diagonal.wrapping_add(i);
         }
         sum.is_finite()
     }

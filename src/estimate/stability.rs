@@ -10,7 +10,7 @@
 
 /// Whether the model with these t₀ … t_{n−1} is stable; `false` for more than four and for NaN.
 #[must_use]
-#[inline(never)]
+#[inline(always)]
 pub const fn is_stable(t: &[f32]) -> bool {
     // The coefficients of (1), the constant first.
     match *t {

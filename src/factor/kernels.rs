@@ -28,21 +28,40 @@ pub const fn packed(m: usize, i: usize, j: usize) -> usize {
     before.wrapping_add(j).wrapping_sub(i).wrapping_sub(1)
 }
 
-/// Rotates pivot i of a row: `x` starts at column i, `ri` is row i of R right of the diagonal.
+/// Pairs up to the shorter end. A loop over them has two exits, and the compiler does not unroll it: what runs once a segment
+/// shall be small.
+#[inline(always)]
+pub fn pairs<A, B>(a: impl IntoIterator<Item = A>, b: impl IntoIterator<Item = B>) -> impl Iterator<Item = (A, B)> {
+    let (mut a, mut b) = (a.into_iter(), b.into_iter());
+    core::iter::from_fn(move || Some((a.next()?, b.next()?)))
+}
+
+/// Rotates pivot i of a row of the element `xi` there and `later` elements right of it; `ri` is row i of R right of the
+/// diagonal.
 #[inline(always)]
 pub fn rotate_pivot<const FORGET: bool>(
     di: &mut f32,
     ri: &mut [f32],
-    x: &mut [f32],
+    xi: f32,
+    later: &mut [f32],
     w: &mut f32,
     forgetting: Forgetting,
 ) {
-    let Some((xi, later)) = x.split_first_mut() else { return };
     // Nothing is divided by the residual sum of squares, so it needs no floor; a floor would look like noise.
     let floor = if later.is_empty() { 0.0 } else { forgetting.floor };
-    let s = pivot::<FORGET>(di, *xi, w, Forgetting { floor, ..forgetting });
+    let s = pivot::<FORGET>(di, xi, w, Forgetting { floor, ..forgetting });
     for (xj, rij) in later.iter_mut().zip(ri) {
-        *xj -= *xi * *rij; // (2)
+        *xj -= xi * *rij; // (2)
+        *rij += s * *xj;
+    }
+}
+
+/// [`rotate_pivot`] without forgetting, in small code.
+#[inline(never)]
+pub fn rotate_pivot_small(di: &mut f32, ri: &mut [f32], xi: f32, later: &mut [f32], w: &mut f32) {
+    let s = pivot::<false>(di, xi, w, super::NEVER);
+    for (xj, rij) in pairs(later, ri) {
+        *xj -= xi * *rij; // (2)
         *rij += s * *xj;
     }
 }
@@ -57,9 +76,9 @@ pub fn rotate_loop<const FORGET: bool>(
 ) {
     let (mut x, mut r, mut w) = (x, r, weight);
     for di in d {
-        let Some((ri, below)) = r.split_at_mut_checked(x.len().saturating_sub(1)) else { return };
-        rotate_pivot::<FORGET>(di, ri, x, &mut w, forgetting);
-        let Some((_, later)) = x.split_first_mut() else { return };
+        let Some((xi, later)) = x.split_first_mut() else { return };
+        let Some((ri, below)) = r.split_at_mut_checked(later.len()) else { return };
+        rotate_pivot::<FORGET>(di, ri, *xi, later, &mut w, forgetting);
         (x, r) = (later, below);
     }
 }

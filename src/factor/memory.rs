@@ -32,6 +32,10 @@ const FULL: f32 = 0.9;
 /// Rows summed on the lower of two levels before they are moved up.
 const BLOCK: u16 = 512;
 
+/// Cost of a pivot without its elements, and of an element, instructions.
+const PIVOT: usize = 50;
+const ROTATION: usize = 12;
+
 /// The weight of the rows in a factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -121,23 +125,43 @@ impl<P: Plan> Sums<P> {
         moving
     }
 
-    /// Number of calls of [`Sums::merge`] until the factor is complete.
+    /// Moves the next rows of the lower level into the factor, from pivot `p` of row `i` on, for about `budget` instructions;
+    /// `true` if the factor is complete and none is left.
     #[inline(always)]
-    pub fn to_merge(&self) -> usize {
-        self.block.part().map_or(0, Triangle::columns)
+    pub fn merge(&mut self, place: &mut (usize, usize), budget: usize) -> bool {
+        // Known at compile time: one level carries no code for two.
+        self.block.part().is_none() || self.merge_rows(place, budget)
     }
 
-    /// Moves row `i` of the lower level into the factor.
-    pub fn merge(&mut self, i: usize) {
-        if let Some(block) = self.block.part_mut() {
-            self.sum.take_row(block, i);
+    #[inline(never)]
+    fn merge_rows(&mut self, (i, p): &mut (usize, usize), budget: usize) -> bool {
+        let Some(block) = self.block.part_mut() else { return true };
+        let (columns, mut spent) = (self.sum.columns(), 0_usize);
+        if *i >= columns {
+            return true;
         }
+        while *i < columns && spent < budget {
+            self.sum.take_pivot(block, *i, *p);
+            spent = spent.saturating_add(PIVOT.wrapping_add(columns.saturating_sub(*p).wrapping_mul(ROTATION)));
+            *p = p.wrapping_add(1);
+            if *p >= columns {
+                *i = i.wrapping_add(1);
+                *p = *i;
+            }
+        }
+        false
     }
 
     /// The factor; complete once the lower level is merged.
     #[inline(always)]
     pub const fn triangle(&self) -> &PlanTriangle<P> {
         &self.sum
+    }
+
+    /// The factor, to be overwritten.
+    #[inline(always)]
+    pub const fn triangle_mut(&mut self) -> &mut PlanTriangle<P> {
+        &mut self.sum
     }
 
     /// The weight of the rows; `rows` is the number of rows of the open segment.
@@ -230,8 +254,8 @@ mod tests {
                 assert!(add(&mut one, Memory::Segment, row) && add(&mut two, Memory::LongSegment, row));
             }
             added = count;
-            let mut merged = two.clone();
-            (0..merged.to_merge()).for_each(|i| merged.merge(i));
+            let (mut merged, mut place) = (two.clone(), (0, 0));
+            while !merged.merge(&mut place, 200) {}
             let ((d, r), (d2, r2)) = (one.triangle().parts(), merged.triangle().parts());
             for (x, y) in d.iter().zip(d2).chain(r.iter().zip(r2)) {
                 // Roundings of five thousand rows.

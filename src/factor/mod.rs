@@ -7,6 +7,7 @@ mod memory;
 mod solve;
 mod triangle;
 
+pub use kernels::pairs;
 pub use memory::{MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS, Mass, Sums, longest};
 pub use solve::{Problem, Solution, SolveError, Solved, lower};
 pub use triangle::{Forgetting, NEVER, PRIOR, Triangle};

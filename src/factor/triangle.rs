@@ -85,19 +85,32 @@ impl<D: Cells<f32>, R: Cells<f32>> Triangle<D, R> {
     /// all that the other had summed.
     #[inline(never)]
     pub fn take_row(&mut self, other: &mut Self, i: usize) {
-        let (start, length) = self.place(i);
-        let columns = self.columns();
-        let mut x = D::filled(columns, 0.0);
-        let row = other.r.cells_mut().get_mut(start..start.wrapping_add(length));
-        let (Some(weight), Some(row)) = (other.d.cells_mut().get_mut(i), row) else { return };
-        let weight = core::mem::replace(weight, PRIOR);
-        if let Some((diagonal, cells)) = x.cells_mut().get_mut(i..).and_then(|x| x.split_first_mut()) {
-            *diagonal = 1.0;
-            cells.iter_mut().zip(row).for_each(|(cell, r)| *cell = core::mem::replace(r, 0.0));
+        for pivot in i..self.columns() {
+            self.take_pivot(other, i, pivot);
         }
-        let (d, r) = (self.d.cells_mut().get_mut(i..), self.r.cells_mut().get_mut(start..));
-        if let (Some(d), Some(r), Some(x)) = (d, r, x.cells_mut().get_mut(i..)) {
-            kernels::rotate_loop::<false>(d, r, x, weight, NEVER);
+    }
+
+    /// The part of [`Triangle::take_row`] that a pivot of this factor does; the pivots i … m−1 in turn move the row.
+    #[inline(always)]
+    pub fn take_pivot(&mut self, other: &mut Self, i: usize, pivot: usize) {
+        let ((start, length), (own, below)) = (self.place(i), self.place(pivot));
+        let row = other.r.cells_mut().get_mut(start..start.wrapping_add(length)).unwrap_or_default();
+        let Some(weight) = other.d.cells_mut().get_mut(i) else { return };
+        // The diagonal of R is one.
+        let (x, later) = match pivot.checked_sub(i.wrapping_add(1)) {
+            None => (1.0, &mut *row),
+            Some(place) => match row.get_mut(place..).and_then(<[f32]>::split_first_mut) {
+                Some((x, later)) => (*x, later),
+                None => return,
+            },
+        };
+        let r = self.r.cells_mut().get_mut(own..own.wrapping_add(below)).unwrap_or_default();
+        if let Some(d) = self.d.cells_mut().get_mut(pivot) {
+            kernels::rotate_pivot_small(d, r, x, later, weight);
+        }
+        if below == 0 {
+            *weight = PRIOR;
+            row.fill(0.0);
         }
     }
 
@@ -106,6 +119,12 @@ impl<D: Cells<f32>, R: Cells<f32>> Triangle<D, R> {
     #[must_use]
     pub fn columns(&self) -> usize {
         self.d.cells().len()
+    }
+
+    /// The diagonal, and R packed by rows, to be overwritten.
+    #[inline(always)]
+    pub fn parts_mut(&mut self) -> (&mut [f32], &mut [f32]) {
+        (self.d.cells_mut(), self.r.cells_mut())
     }
 
     /// The diagonal, and R packed by rows.
@@ -176,10 +195,12 @@ mod tests {
             let (mut x, mut w) = (row, 1.0);
             for i in 0..M {
                 let (start, length) = spread.place(i);
+                let (row, later) = x[i..].split_first_mut().map(|(x, later)| (*x, later)).unwrap();
                 kernels::rotate_pivot::<false>(
                     &mut spread.d[i],
                     &mut spread.r[start..start + length],
-                    &mut x[i..],
+                    row,
+                    later,
                     &mut w,
                     NEVER,
                 );

@@ -76,8 +76,10 @@ impl<const N: usize> Size for Fixed<N> {
     type Array<T: Item> = [T; N];
 
     #[inline(always)]
-    fn map<T: Item, U: Item>(from: &[T; N], element: impl FnMut(&T) -> U) -> [U; N] {
-        from.each_ref().map(element)
+    #[expect(clippy::indexing_slicing, reason = "the index is below N")]
+    fn map<T: Item, U: Item>(from: &[T; N], mut element: impl FnMut(&T) -> U) -> [U; N] {
+        // Not by `each_ref().map`, which moves every element once more.
+        core::array::from_fn(|k| element(&from[k]))
     }
 }
 

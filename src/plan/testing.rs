@@ -3,6 +3,7 @@
 use super::{Layout, Memory, Method, Plan, RegressionLayout, RunTime, Signal, Structure};
 
 /// A plan with a regression alone; each signal with terms has its own channel.
+#[must_use]
 pub fn regression(structure: Structure, method: Method, memory: Memory) -> RunTime {
     let inputs = u8::from(structure.nb > 0);
     let regression = RegressionLayout {

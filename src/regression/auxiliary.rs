@@ -54,8 +54,8 @@ impl<P: Plan> Auxiliary<P> {
     /// Starts a segment; returns whether the handover is now.
     pub fn next_segment(&mut self, handover: u16, nominal: impl FnOnce() -> Candidate<P>) -> bool {
         self.until = handover;
-        if handover == 0 {
-            self.hand_over(nominal);
+        if handover == 0 && self.hand_over() {
+            self.now = nominal();
         }
         handover == 0
     }
@@ -67,25 +67,24 @@ impl<P: Plan> Auxiliary<P> {
             return false;
         }
         self.until = self.until.wrapping_sub(1);
-        if self.until == 0 {
-            self.hand_over(nominal);
+        if self.until == 0 && self.hand_over() {
+            self.now = nominal();
         }
         self.until == 0
     }
 
+    /// Lets the successor take over; returns whether the nominal model must return, since there was none for too long.
     #[cold]
     #[inline(never)]
-    fn hand_over(&mut self, nominal: impl FnOnce() -> Candidate<P>) {
+    fn hand_over(&mut self) -> bool {
         if self.waiting {
             (self.waiting, self.refused) = (false, 0);
             self.now.threshold = self.next.threshold;
             self.now.theta.cells_mut().iter_mut().zip(self.next.theta.cells()).for_each(|(to, from)| *to = *from);
-            return;
+            return false;
         }
         self.refused = self.refused.saturating_add(1);
-        if self.refused >= PATIENCE {
-            self.now = nominal();
-        }
+        self.refused >= PATIENCE
     }
 }
 

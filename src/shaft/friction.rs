@@ -25,7 +25,7 @@
 //! State: 60 words. Cost: `cargo xtask measure` prints it.
 
 use super::state_variable::{Cell, StateVariable};
-use crate::factor::kernels::{packed, rotate_pivot};
+use crate::factor::kernels::{packed, rotate_pivot, rotate_pivot_small};
 use crate::factor::{Mass, NEVER, PRIOR, Problem, Solution, SolveError, Solved, lower};
 use crate::reason::{FrictionTerm, Part, Reason};
 
@@ -151,13 +151,13 @@ impl Balance {
     fn prior(&self, load: bool, rows: f32) -> [f32; COLUMNS] {
         let ([_, velocity, _, current], [_, viscous, ..]) = (self.scale, self.nominal);
         let target = viscous * current / velocity;
-        let mut row = if load {
+        let row = if load {
             [0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, target]
         } else {
             [0.0, 0.0, 0.0, 1.0, 0.0, 1.0, target, 0.0]
         };
-        row.iter_mut().for_each(|cell| *cell *= libm::sqrtf(rows));
-        row
+        let weight = libm::sqrtf(rows);
+        row.map(|cell| cell * weight)
     }
 
     #[inline(always)]
@@ -200,6 +200,11 @@ impl BalanceSums {
     /// Rotates in the next pivot; returns whether one was left.
     #[inline(always)]
     fn rotate(&mut self, load: bool) -> bool {
+        self.rotate_by(load, |d, r, x, later, weight| rotate_pivot::<false>(d, r, x, later, weight, NEVER))
+    }
+
+    #[inline(always)]
+    fn rotate_by(&mut self, load: bool, pivot: impl Fn(&mut f32, &mut [f32], f32, &mut [f32], &mut f32)) -> bool {
         let (i, columns) = (self.pivot, columns(load));
         if i >= columns {
             return false;
@@ -207,12 +212,27 @@ impl BalanceSums {
         self.pivot = i.wrapping_add(1);
         let start = packed(columns, i, i.wrapping_add(1));
         let (d, r) = (self.d.get_mut(i), self.r.get_mut(start..));
-        if let (Some(d), Some(r), Some(x)) = (d, r, self.row.get_mut(i..columns)) {
-            rotate_pivot::<false>(d, r, x, &mut self.weight, NEVER);
+        let row = self.row.get_mut(i..columns).and_then(<[f32]>::split_first_mut);
+        if let (Some(d), Some(r), Some((x, later))) = (d, r, row) {
+            pivot(d, r, *x, later, &mut self.weight);
         }
         true
     }
+
+    /// Rotates in the next pivots for about `budget` instructions; returns whether one was left.
+    #[inline(never)]
+    fn rotate_some(&mut self, load: bool, budget: usize) -> bool {
+        let before = self.pivot;
+        let mut spent = 0_usize;
+        while spent < budget && self.rotate_by(load, rotate_pivot_small) {
+            spent = spent.saturating_add(PIVOT);
+        }
+        self.pivot > before
+    }
 }
+
+/// Instructions of the longest pivot, about.
+const PIVOT: usize = 160;
 
 #[inline(always)]
 const fn columns(load: bool) -> usize {
@@ -324,6 +344,8 @@ enum Stage {
     Prior,
     /// Solve.
     Solve,
+    /// Parameters with deviations and scores.
+    Results,
 }
 
 /// A solve of the torque balance under way.
@@ -338,6 +360,8 @@ pub struct BalanceSolve {
     covariance: [f32; ESTIMATED * (ESTIMATED + 1) / 2],
     work: [f32; ESTIMATED],
     variance: f32,
+    /// Number of calls of [`BalanceSolve::results`].
+    results: u8,
 }
 
 impl BalanceSolve {
@@ -350,35 +374,41 @@ impl BalanceSolve {
             covariance: [0.0; ESTIMATED * (ESTIMATED + 1) / 2],
             work: [0.0; ESTIMATED],
             variance: 0.0,
+            results: 0,
         }
     }
 
-    /// Does about `budget` multiply-adds; the result once it is there.
+    /// Does about `budget` instructions; the result once `friction` is complete.
     #[inline(never)]
     pub(super) fn advance(
         &mut self,
         balance: &Balance,
         load: bool,
         sums: &mut BalanceSums,
+        friction: &mut Friction,
         budget: usize,
-    ) -> Option<Result<Friction, Reason>> {
+    ) -> Option<Result<(), Reason>> {
         match self.stage {
             Stage::Last => {
-                if !sums.rotate(load) {
+                if !sums.rotate_some(load, budget) {
                     sums.start(balance.prior(load, PRIOR_ROWS));
                     self.stage = Stage::Prior;
                 }
                 None
             }
             Stage::Prior => {
-                if !sums.rotate(load) {
+                if !sums.rotate_some(load, budget) {
                     self.stage = Stage::Solve;
                 }
                 None
             }
             Stage::Solve => match self.solve(balance, load, sums, budget) {
                 Ok(false) => None,
-                Ok(true) => Some(self.friction(balance, load, sums.rows)),
+                Ok(true) => {
+                    friction.rows = sums.rows;
+                    self.stage = Stage::Results;
+                    None
+                }
                 Err(SolveError::WeakInstruments) if !self.strong => {
                     *self = Self { stage: Stage::Prior, strong: true, ..Self::new() };
                     sums.start(balance.prior(load, 10.0 * sums.rows as f32));
@@ -386,10 +416,26 @@ impl BalanceSolve {
                 }
                 Err(error) => Some(Err(reason(error, load, sums.rows))),
             },
+            Stage::Results => {
+                if !self.results(balance, load, friction) {
+                    return None;
+                }
+                if friction.is_finite() {
+                    return Some(Ok(()));
+                }
+                *friction = Friction::default();
+                Some(Err(Reason::NotFinite(Part::TorqueBalance)))
+            }
         }
     }
 
-    fn solve(&mut self, balance: &Balance, load: bool, sums: &BalanceSums, budget: usize) -> Result<bool, SolveError> {
+    fn solve(
+        &mut self,
+        balance: &Balance,
+        load: bool,
+        sums: &mut BalanceSums,
+        budget: usize,
+    ) -> Result<bool, SolveError> {
         let [acceleration, velocity, load_scale, current] = balance.scale;
         let scale = if load {
             [acceleration, velocity, 1.0, load_scale, 1.0, current]
@@ -397,9 +443,9 @@ impl BalanceSolve {
             [acceleration, velocity, 1.0, 1.0, current, 1.0]
         };
         let estimated = if load { ESTIMATED } else { ESTIMATED - 1 };
-        let problem = Problem {
-            d: sums.d.get(..columns(load)).unwrap_or(&[]),
-            r: &sums.r,
+        let problem = &mut Problem {
+            d: sums.d.get_mut(..columns(load)).unwrap_or_default(),
+            r: &mut sums.r,
             inputs: estimated - 2,
             outputs: 2,
             scale: &scale,
@@ -413,31 +459,42 @@ impl BalanceSolve {
             variance: &mut self.variance,
             work: self.work.get_mut(..estimated).unwrap_or_default(),
         };
-        self.solution.advance::<true>(&problem, solved, budget)
+        self.solution.advance::<true>(problem, solved, budget)
     }
 
-    /// The result, with the drag (5).
-    fn friction(&self, balance: &Balance, load: bool, rows: u32) -> Result<Friction, Reason> {
-        let Self { delta, covariance, .. } = self;
-        let [_, _, v11, _, v12, v22, ..] = *covariance;
-        let diagonal = |k: usize| covariance.get(lower(k, k)).copied().unwrap_or(0.0);
+    /// The next two parameters of the result; whether all are there.
+    #[inline(never)]
+    fn results(&mut self, balance: &Balance, load: bool, friction: &mut Friction) -> bool {
+        let diagonal = |k: usize| self.covariance.get(lower(k, k)).copied().unwrap_or(0.0);
         let [n0, n1, n2, n3, n4] = balance.nominal;
-        let at = |k: usize, nominal: f32| parameter(delta.get(k).copied().unwrap_or(0.0), diagonal(k), nominal);
-        let (viscous, coulomb, speed) = (at(1, n1), at(2, n2), balance.usual_velocity_rad_s);
-        let drag_variance = v22 + speed * (2.0 * v12 + speed * v11);
-        let friction = Friction {
-            inertia: at(0, n0),
-            viscous,
-            coulomb,
-            inverse_torque_constant: load.then(|| at(3, n3)),
-            offset: at(if load { 4 } else { 3 }, n4),
-            drag: parameter(coulomb.value + viscous.value * speed, drag_variance, n2 + n1 * speed),
-            variance: self.variance,
-            rows,
-        };
-        let scores = [friction.inertia, viscous, coulomb, friction.offset, friction.drag];
-        let sum = scores.iter().chain(&friction.inverse_torque_constant).fold(0.0, |sum, p| sum + p.score);
-        if sum.is_finite() { Ok(friction) } else { Err(Reason::NotFinite(Part::TorqueBalance)) }
+        let at = |k: usize, nominal: f32| parameter(self.delta.get(k).copied().unwrap_or(0.0), diagonal(k), nominal);
+        match self.results {
+            0 => (friction.inertia, friction.viscous) = (at(0, n0), at(1, n1)),
+            1 => {
+                friction.coulomb = at(2, n2);
+                friction.inverse_torque_constant = load.then(|| at(3, n3));
+            }
+            _ => {
+                let speed = balance.usual_velocity_rad_s;
+                let [_, _, v11, _, v12, v22, ..] = self.covariance;
+                let variance = v22 + speed * (2.0 * v12 + speed * v11);
+                let drag = friction.coulomb.value + friction.viscous.value * speed; // (5)
+                friction.drag = parameter(drag, variance, n2 + n1 * speed);
+                friction.offset = at(if load { 4 } else { 3 }, n4);
+                friction.variance = self.variance;
+                return true;
+            }
+        }
+        self.results = self.results.wrapping_add(1);
+        false
+    }
+}
+
+impl Friction {
+    fn is_finite(&self) -> bool {
+        let Self { inertia, viscous, coulomb, offset, drag, .. } = self;
+        let scores = [inertia, viscous, coulomb, offset, drag].into_iter().chain(&self.inverse_torque_constant);
+        scores.fold(0.0, |sum, parameter| sum + parameter.score).is_finite()
     }
 }
 
@@ -497,15 +554,19 @@ mod tests {
                 load_nm: torque as f32,
             };
             if k == 0 {
-                state.start(&balance, &now)
+                state.start(&balance, &now);
             } else {
                 let _ = state.step(&balance, load, &now);
             }
         }
-        let (mut sums, mut solve) = (state.sums().clone(), BalanceSolve::new());
+        solve(&balance, load, &mut state.sums().clone())
+    }
+
+    fn solve(balance: &Balance, load: bool, sums: &mut BalanceSums) -> Result<Friction, Reason> {
+        let (mut solve, mut friction) = (BalanceSolve::new(), Friction::default());
         loop {
-            if let Some(result) = solve.advance(&balance, load, &mut sums, 1) {
-                return result;
+            if let Some(outcome) = solve.advance(balance, load, sums, &mut friction, 1) {
+                return outcome.map(|()| friction);
             }
         }
     }
@@ -543,17 +604,12 @@ mod tests {
     #[test]
     fn a_motionless_shaft_names_the_term() {
         let balance = balance(8);
-        let (mut sums, mut solve) = (BalanceSums::new(), BalanceSolve::new());
+        let mut sums = BalanceSums::new();
         for _ in 0..100 {
             sums.start([0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.5]);
             while sums.rotate(true) {}
             sums.rows += 1;
         }
-        let result = loop {
-            if let Some(result) = solve.advance(&balance, true, &mut sums, 1) {
-                break result;
-            }
-        };
-        assert_eq!(result, Err(Reason::TermNotExcited(FrictionTerm::Coulomb)));
+        assert_eq!(solve(&balance, true, &mut sums), Err(Reason::TermNotExcited(FrictionTerm::Coulomb)));
     }
 }

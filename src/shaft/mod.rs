@@ -236,7 +236,7 @@ impl ShaftSolve {
         Self { balance: BalanceSolve::new(), balanced: false, order: 0 }
     }
 
-    /// Does about `budget` multiply-adds; `true` once the estimate is complete. Friction and orders do not depend on each
+    /// Does about `budget` instructions; `true` once the estimate is complete. Friction and orders do not depend on each
     /// other: at constant speed there are orders only.
     pub fn advance<P: Plan>(
         &mut self,
@@ -249,10 +249,10 @@ impl ShaftSolve {
         let Some(layout) = plan.layout().shaft else { return true };
         if !self.balanced {
             let load = layout.load.is_some();
-            match self.balance.advance(&constants.balance, load, &mut sums.balance, budget) {
+            let friction = &mut estimate.friction;
+            match self.balance.advance(&constants.balance, load, &mut sums.balance, friction, budget) {
                 None => return false,
-                Some(Ok(friction)) => (estimate.friction, estimate.friction_reason) = (friction, None),
-                Some(Err(reason)) => estimate.friction_reason = Some(reason),
+                Some(outcome) => estimate.friction_reason = outcome.err(),
             }
             self.balanced = true;
             estimate.orders_reason = None;

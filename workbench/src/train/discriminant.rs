@@ -8,7 +8,7 @@ use super::statistics::{singular, whitening};
 use super::{ClassStatistics, FeatureTable, Recipe};
 use crate::Error;
 
-/// Class densities, priors and costs in double precision; fields as in [`bearing_watch::decide::Discriminant`].
+/// Class densities, priors and costs in double precision; fields as in [`bearing_watch::model::Discriminant`].
 #[derive(Clone, Debug)]
 pub struct GaussianClasses {
     /// Linear or quadratic.

@@ -61,7 +61,7 @@ impl Default for Alarms {
     }
 }
 
-/// The gate in double precision; fields as in [`bearing_watch::decide::Novelty`].
+/// The gate in double precision; fields as in [`bearing_watch::model::Novelty`].
 #[derive(Clone, Debug)]
 pub struct Gate {
     /// The healthy class.
