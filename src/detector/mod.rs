@@ -18,7 +18,7 @@ pub use solver::{Segment, Solver};
 use crate::drive::BlockMean;
 use crate::estimate::Estimator;
 use crate::model::Model;
-use crate::plan::{Array, Cells, Plan, Size};
+use crate::plan::{Array, Cells, Plan, Presence};
 use crate::regression::Inputs;
 use crate::sample::{Counts, Gate, limit};
 use crate::shaft::Shaft;
@@ -66,8 +66,8 @@ impl<'m, P: Plan> Detector<'m, P> {
             gate: Gate::new(plan),
             block: BlockMean::new(),
             spoiled: false,
-            estimator: P::Regressed::map(&constants.regression, |regression| Estimator::new(plan, regression)),
-            shaft: P::Watched::map(&constants.shaft, |shaft| Shaft::new(plan, shaft)),
+            estimator: P::Regressed::map_part(&constants.regression, |regression| Estimator::new(plan, regression)),
+            shaft: P::Watched::map_part(&constants.shaft, |shaft| Shaft::new(plan, shaft)),
             samples: 0,
             usable: 0,
         }
@@ -144,8 +144,8 @@ impl<'m, P: Plan> Detector<'m, P> {
         }
         let rest = constants.regression.part().map_or(0.0, |regression| regression.rest);
         Segment {
-            regression: P::Regressed::map(&self.estimator, |estimator| estimator.sums(plan, rest)),
-            shaft: P::Watched::map(&self.shaft, Shaft::sums),
+            regression: P::Regressed::map_part(&self.estimator, |estimator| estimator.sums(plan, rest)),
+            shaft: P::Watched::map_part(&self.shaft, Shaft::sums),
             counts,
             rows,
             whole,

@@ -2,7 +2,7 @@
 
 use crate::decide::Decision;
 use crate::estimate::Estimate;
-use crate::plan::{Array, Cells, Plan};
+use crate::plan::{Array, Cells, Plan, Presence};
 use crate::reason::{Part, Reason};
 use crate::sample::Counts;
 use crate::shaft::ShaftEstimate;
@@ -50,8 +50,8 @@ impl<P: Plan> Report<P> {
             decision: None,
             counts: Counts::default(),
             rows: 0,
-            estimate: Cells::from_fn(layout.regressed(), |_| Estimate::empty(plan)),
-            shaft: Cells::from_fn(layout.watched(), |_| ShaftEstimate::empty(plan)),
+            estimate: P::Regressed::part(layout.regressed() == 1, || Estimate::empty(plan)),
+            shaft: P::Watched::part(layout.watched() == 1, || ShaftEstimate::empty(plan)),
         }
     }
 

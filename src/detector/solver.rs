@@ -4,7 +4,7 @@ use super::report::{Report, Verdict};
 use crate::decide::{Classification, Decision, Finding};
 use crate::estimate::{RegressionSolve, RegressionSums};
 use crate::model::Model;
-use crate::plan::{Array, Cells, Plan};
+use crate::plan::{Array, Cells, Plan, Presence};
 use crate::reason::Reason;
 use crate::sample::Counts;
 use crate::shaft::{ShaftSolve, ShaftSums};
@@ -86,8 +86,8 @@ impl<P: Plan> Solve<P> {
     fn new(plan: P) -> Self {
         let layout = plan.layout();
         Self {
-            regression: Cells::from_fn(layout.regressed(), |_| RegressionSolve::new(plan)),
-            shaft: Cells::from_fn(layout.watched(), |_| ShaftSolve::new()),
+            regression: P::Regressed::part(layout.regressed() == 1, || RegressionSolve::new(plan)),
+            shaft: P::Watched::part(layout.watched() == 1, ShaftSolve::new),
             classification: Classification::new(plan),
             stage: Stage::Regression,
         }

@@ -18,7 +18,7 @@
 
 use super::triangle::PRIOR;
 use super::{Forgetting, Row, Triangle};
-use crate::plan::{Array, Cells, Memory, Plan};
+use crate::plan::{Array, Cells, Memory, Plan, Presence};
 
 /// Largest number of rows of a segment summed in one factor (see [`super::triangle`]).
 pub const MAX_SEGMENT_ROWS: u32 = 100_000;
@@ -50,7 +50,7 @@ pub struct Mass {
 pub type PlanTriangle<P> = Triangle<Array<<P as Plan>::Columns, f32>, Array<<P as Plan>::Packed, f32>>;
 
 /// The sums over the rows of a segment, or of a fading memory.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Sums<P: Plan> {
     sum: PlanTriangle<P>,
@@ -62,6 +62,14 @@ pub struct Sums<P: Plan> {
     motion: f32,
     /// Σλᵏ of a fading memory.
     faded_rows: f32,
+}
+
+// Not derived: the clone of an array moves its elements once more.
+impl<P: Plan> Clone for Sums<P> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        Self { sum: self.sum.clone(), block: P::TwoLevel::map_part(&self.block, Clone::clone), ..*self }
+    }
 }
 
 /// Longest segment of a memory, rows.
@@ -81,7 +89,7 @@ impl<P: Plan> Sums<P> {
         let layout = plan.layout();
         Self {
             sum: Triangle::new(layout.columns()),
-            block: Cells::from_fn(layout.two_level(), |_| Triangle::new(layout.columns())),
+            block: P::TwoLevel::part(layout.two_level() == 1, || Triangle::new(layout.columns())),
             place: 0,
             motion: 0.0,
             faded_rows: 0.0,
@@ -153,7 +161,7 @@ impl<P: Plan> Sums<P> {
     }
 
     /// The factor; complete once the lower level is merged.
-    #[inline(always)]
+    #[cfg(test)]
     pub const fn triangle(&self) -> &PlanTriangle<P> {
         &self.sum
     }

@@ -22,7 +22,7 @@ pub use layout::{
 pub use run_time::{RunTime, RunTimeSample};
 #[cfg(any(test, feature = "alloc"))]
 pub use size::Heap;
-pub use size::{Array, Cells, Fixed, Item, Printable, Size};
+pub use size::{Array, Cells, Fixed, Item, Presence, Present, Printable, Size};
 pub use structure::Structure;
 
 pub(crate) use layout::filter_cells;
@@ -50,13 +50,13 @@ pub trait Plan: Copy + PartialEq + Printable + 'static {
     /// Number of channels.
     type Channels: Size;
     /// 1 with a regression, else 0.
-    type Regressed: Size;
+    type Regressed: Presence;
     /// 1 if the regression uses least squares.
-    type Squares: Size;
+    type Squares: Presence;
     /// 1 if the regression uses instrumental variables.
-    type Instruments: Size;
+    type Instruments: Presence;
     /// 1 if rows are summed in two levels.
-    type TwoLevel: Size;
+    type TwoLevel: Presence;
     /// M, the number of columns of a row.
     type Columns: Size;
     /// M (M − 1)/2.
@@ -70,7 +70,7 @@ pub trait Plan: Copy + PartialEq + Printable + 'static {
     /// Cells of the filters of instrumental variables.
     type Filters: Size;
     /// 1 if the shaft is watched.
-    type Watched: Size;
+    type Watched: Presence;
     /// K, the number of bearing orders.
     type Orders: Size;
     /// F, the number of features.
@@ -219,17 +219,17 @@ macro_rules! plan {
             impl $crate::plan::Plan for $plan {
                 type Sample = $sample;
                 type Channels = $crate::plan::Fixed<{ LAYOUT.channels as usize }>;
-                type Regressed = $crate::plan::Fixed<{ LAYOUT.regressed() }>;
-                type Squares = $crate::plan::Fixed<{ LAYOUT.squares() }>;
-                type Instruments = $crate::plan::Fixed<{ LAYOUT.instruments() }>;
-                type TwoLevel = $crate::plan::Fixed<{ LAYOUT.two_level() }>;
+                type Regressed = $crate::plan::Present<{ LAYOUT.regressed() }>;
+                type Squares = $crate::plan::Present<{ LAYOUT.squares() }>;
+                type Instruments = $crate::plan::Present<{ LAYOUT.instruments() }>;
+                type TwoLevel = $crate::plan::Present<{ LAYOUT.two_level() }>;
                 type Columns = $crate::plan::Fixed<{ LAYOUT.columns() }>;
                 type Packed = $crate::plan::Fixed<{ LAYOUT.packed() }>;
                 type Parameters = $crate::plan::Fixed<{ LAYOUT.parameters() }>;
                 type Covariance = $crate::plan::Fixed<{ LAYOUT.covariance() }>;
                 type Delays = $crate::plan::Fixed<{ LAYOUT.delays() }>;
                 type Filters = $crate::plan::Fixed<{ LAYOUT.filters() }>;
-                type Watched = $crate::plan::Fixed<{ LAYOUT.watched() }>;
+                type Watched = $crate::plan::Present<{ LAYOUT.watched() }>;
                 type Orders = $crate::plan::Fixed<{ LAYOUT.orders() }>;
                 type Features = $crate::plan::Fixed<{ LAYOUT.features as usize }>;
                 type Coordinates = $crate::plan::Fixed<{ LAYOUT.coordinates as usize }>;

@@ -64,6 +64,15 @@ pub trait Size: sealed::Sealed + Copy + PartialEq + Printable {
     fn map<T: Item, U: Item>(from: &Self::Array<T>, element: impl FnMut(&T) -> U) -> Self::Array<U>;
 }
 
+/// The length of a part that a plan has or leaves out: 1 or 0.
+pub trait Presence: Size {
+    /// The part if `present`; an array has its own length and ignores the argument.
+    fn part<T: Item>(present: bool, part: impl FnOnce() -> T) -> Self::Array<T>;
+
+    /// A function of the part, if there is one.
+    fn map_part<T: Item, U: Item>(from: &Self::Array<T>, part: impl FnOnce(&T) -> U) -> Self::Array<U>;
+}
+
 /// Elements of type `T`, as many as the size `S` says.
 pub type Array<S, T> = <S as Size>::Array<T>;
 
@@ -80,6 +89,45 @@ impl<const N: usize> Size for Fixed<N> {
     fn map<T: Item, U: Item>(from: &[T; N], mut element: impl FnMut(&T) -> U) -> [U; N] {
         // Not by `each_ref().map`, which moves every element once more.
         core::array::from_fn(|k| element(&from[k]))
+    }
+}
+
+/// The length 0 or 1, known at compile time.
+// Not `Fixed`: its generic functions move a part, which may have hundreds of bytes, once more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Present<const N: usize>;
+
+impl<const N: usize> Size for Present<N> {
+    type Array<T: Item> = [T; N];
+
+    #[inline(always)]
+    fn map<T: Item, U: Item>(from: &[T; N], element: impl FnMut(&T) -> U) -> [U; N] {
+        Fixed::<N>::map(from, element)
+    }
+}
+
+impl Presence for Present<0> {
+    #[inline(always)]
+    fn part<T: Item>(_present: bool, _part: impl FnOnce() -> T) -> [T; 0] {
+        []
+    }
+
+    #[inline(always)]
+    fn map_part<T: Item, U: Item>([]: &[T; 0], _part: impl FnOnce(&T) -> U) -> [U; 0] {
+        []
+    }
+}
+
+impl Presence for Present<1> {
+    #[inline(always)]
+    fn part<T: Item>(_present: bool, part: impl FnOnce() -> T) -> [T; 1] {
+        [part()]
+    }
+
+    #[inline(always)]
+    fn map_part<T: Item, U: Item>([from]: &[T; 1], part: impl FnOnce(&T) -> U) -> [U; 1] {
+        [part(from)]
     }
 }
 
@@ -116,6 +164,17 @@ impl Size for Heap {
 }
 
 #[cfg(any(test, feature = "alloc"))]
+impl Presence for Heap {
+    fn part<T: Item>(present: bool, part: impl FnOnce() -> T) -> alloc::vec::Vec<T> {
+        if present { alloc::vec![part()] } else { alloc::vec::Vec::new() }
+    }
+
+    fn map_part<T: Item, U: Item>(from: &alloc::vec::Vec<T>, part: impl FnOnce(&T) -> U) -> alloc::vec::Vec<U> {
+        from.first().map(part).into_iter().collect()
+    }
+}
+
+#[cfg(any(test, feature = "alloc"))]
 impl<T: Item> Cells<T> for alloc::vec::Vec<T> {
     fn from_fn(length: usize, element: impl FnMut(usize) -> T) -> Self {
         (0..length).map(element).collect()
@@ -135,6 +194,7 @@ impl<T: Item> Cells<T> for alloc::vec::Vec<T> {
 mod sealed {
     pub trait Sealed {}
     impl<const N: usize> Sealed for super::Fixed<N> {}
+    impl<const N: usize> Sealed for super::Present<N> {}
     #[cfg(any(test, feature = "alloc"))]
     impl Sealed for super::Heap {}
 }

@@ -11,7 +11,7 @@ mod squares;
 pub use constants::Regression;
 
 use crate::factor::Row;
-use crate::plan::{Array, Cells, Layout, Method, Plan, RegressionLayout, Signal, Signals};
+use crate::plan::{Array, Cells, Layout, Method, Plan, Presence, RegressionLayout, Signal, Signals};
 use instruments::Instruments;
 use squares::Squares;
 
@@ -75,8 +75,8 @@ impl<P: Plan> Rows<P> {
     pub fn new(plan: P, constants: &Regression<P>) -> Self {
         let layout = plan.layout();
         Self {
-            squares: Cells::from_fn(layout.squares(), |_| Squares::new(plan, constants)),
-            instruments: Cells::from_fn(layout.instruments(), |_| Instruments::new(plan, constants)),
+            squares: P::Squares::part(layout.squares() == 1, || Squares::new(plan, constants)),
+            instruments: P::Instruments::part(layout.instruments() == 1, || Instruments::new(plan, constants)),
         }
     }
 
