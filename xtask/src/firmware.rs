@@ -12,6 +12,9 @@ use crate::{child, setup, workspace};
 /// The linker of the package `lld-19`, for all bare Arm targets: cargo overlooks it under a target's name with a dot.
 const LINKER: &str = r#"target.'cfg(all(target_arch = "arm", target_os = "none"))'.linker = "ld.lld-19""#;
 
+/// Selects the memory map, see `build.rs`.
+const BOARD: &str = "BEARING_WATCH_BOARD";
+
 /// Builds one example in release and returns its ELF file. Boards of one target share the place of that file: use it
 /// before building for another.
 pub fn build(way: Way, board: Board, example: &str) -> Result<PathBuf> {
@@ -27,7 +30,7 @@ pub fn build_all_features(way: Way, board: Board) -> Result<()> {
     child::succeed(cargo.args(["--package", "bearing-watch", "--examples", "--features", "defmt,nalgebra,internals"]))
 }
 
-/// Builds the chip's program of the peers, a workspace of its own, against CMSIS-DSP's sources, and returns its ELF file.
+/// Builds the chip's program of the peers, a workspace of its own, against CMSIS-DSP's sources; returns its ELF file.
 pub fn build_peers(way: Way, cmsis: &Path) -> Result<PathBuf> {
     let (mut cargo, folder) = cargo(way, DRIVE);
     child::succeed(cargo.args(["--manifest-path", "xtask/peers/chip/Cargo.toml"]).env("CMSIS_DSP", cmsis))?;
@@ -41,7 +44,10 @@ fn cargo(way: Way, board: Board) -> (Command, PathBuf) {
         Way::Debian => debian(),
     };
     cargo.args(["build", "--release", "--target", board.target]);
-    cargo.env("BEARING_WATCH_BOARD", board.memory);
+    match board.memory {
+        "" => cargo.env_remove(BOARD),
+        folder => cargo.env(BOARD, folder),
+    };
     // Flags from the environment would replace those of the configuration, which name the linker
     // script; the result would be an empty program.
     cargo.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");
