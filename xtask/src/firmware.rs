@@ -24,6 +24,16 @@ pub fn build(way: Way, board: Board, example: &str) -> Result<PathBuf> {
     existing(folder.join("examples").join(example))
 }
 
+/// Builds one example with overflow checks in the core, and returns its ELF file, which replaces the one of [`build`].
+/// Other packages are built without: the compiler's library is shipped so, and `libm` has sums whose checks the compiler
+/// cannot remove although they never overflow.
+pub fn build_checked(way: Way, board: Board, example: &str) -> Result<PathBuf> {
+    let (mut cargo, folder) = cargo(way, board);
+    cargo.args(["--config", "profile.release.package.bearing-watch.overflow-checks=true"]);
+    child::succeed(cargo.args(["--package", "bearing-watch", "--example", example]).args(features(example)))?;
+    existing(folder.join("examples").join(example))
+}
+
 /// Builds every example with every feature of the core but `alloc`, which is for hosts.
 pub fn build_all_features(way: Way, board: Board) -> Result<()> {
     let (mut cargo, _) = cargo(way, board);
