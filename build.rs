@@ -4,10 +4,8 @@
 use std::env;
 use std::path::Path;
 
-/// Names a folder of `boards`.
+/// Names a folder of `boards`. If it is unset or empty, the linker reads the `memory.x` at the top of the repository.
 const VARIABLE: &str = "BEARING_WATCH_BOARD";
-
-const USUAL: &str = "stm32f405";
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
@@ -18,12 +16,18 @@ fn main() {
         println!("cargo::rustc-link-arg-examples=-Tdefmt.x");
     }
     println!("cargo::rerun-if-env-changed={VARIABLE}");
-    let board = env::var(VARIABLE).unwrap_or_else(|_| USUAL.to_owned());
-    let folder = Path::new(&env::var("CARGO_MANIFEST_DIR").unwrap_or_default()).join("boards").join(&board);
-    let map = folder.join("memory.x");
+    println!("cargo::rerun-if-changed=memory.x");
+    let board = env::var(VARIABLE).unwrap_or_default();
+    if board.is_empty() {
+        return;
+    }
+    let top = env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
+    let map = Path::new(&top).join("boards").join(&board).join("memory.x");
     println!("cargo::rerun-if-changed={}", map.display());
     if map.is_file() {
-        println!("cargo::rustc-link-arg-examples=-L{}", folder.display());
+        // An `-L` would not do: the linker searches its working directory first, which holds the default map. This
+        // option needs LLD.
+        println!("cargo::rustc-link-arg-examples=--remap-inputs=memory.x={}", map.display());
     } else {
         println!("cargo::error={VARIABLE}={board}: there is no {}", map.display());
     }

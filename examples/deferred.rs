@@ -1,121 +1,163 @@
-//! The interrupt samples, the main loop solves: [`Detector::collect`](bearing_watch::Detector::collect) hands a closed
-//! segment out, `Model::conclude` (or `Solver::advance`, a piece at a time) makes the report, and `Detector::adopt`
-//! brings its estimate back as auxiliary model. Three ways print the same bits: solved at once in the interrupt,
-//! deferred as a whole, and deferred by pieces, one a sample.
+//! The interrupt samples, the main loop solves: [`Detector::collect`](bearing_watch::Detector::collect) returns the sums
+//! of a closed segment, `Model::conclude` (or `Solver::advance`, a piece at a time) makes the report, and
+//! `Detector::adopt` makes its estimate the auxiliary model. Three ways print the same bits: solved at once in the
+//! interrupt, solved as a whole in the main loop, and solved there by pieces. The program fails if the bits differ, if a
+//! segment was lost, or if an estimate came too late to be adopted.
 //!
-//! **How large must `handover` be?** The estimate has to be back before that many samples of the next segment have been
-//! taken; else `adopt` gives `false`, and the old auxiliary model stays for a segment. Count the samples taken between
-//! the one that closes the segment and `adopt`:
+//! **How large must `handover` be?** The estimate must be adopted before the next segment has `handover` samples.
+//! Otherwise `adopt` returns `false`, and the old auxiliary model stays for one more segment. Let s be the number of
+//! samples between the one that closes the segment and the call of `adopt`:
 //!
 //! ```text
-//! whole       (solve + classification + the longest other work of the main loop) / (interval − interrupt), rounded up
-//! by pieces   n + 3, if every sample lets one piece run
-//! handover    one more than that
+//! as a whole   s = ⌈(solve + classification + longest other work of the main loop) / (interval − interrupt)⌉
+//! by pieces    s = ⌈number of pieces / pieces a sample⌉
+//! handover     ≥ s + 1
 //! ```
 //!
-//! Here n = 8: eleven pieces, at least 12; 16 leaves room. Rows are withheld for `handover + settle` samples of every
-//! segment, so a large handover costs rows, no accuracy beyond that.
+//! The number of pieces depends on the plan; the example prints it. With 60 pieces and six a sample, s = 10 and
+//! `handover` must be at least 11. All pieces of a sample must fit into the interval beside the interrupt. Every segment
+//! loses the rows of its first `handover + settle` samples; a large `handover` has no other cost.
 //!
-//! On a chip the `SysTick` exception is the sampling interrupt. On the host, which has none, the same function is called
-//! wherever the main loop waits for a sample.
+//! A queue of `heapless` hands the segment over: the interrupt owns its producer and the main loop its consumer, so the
+//! main loop takes a segment with the interrupt enabled. Only `adopt` is called with the interrupt disabled.
+//!
+//! On a chip the `SysTick` exception is the sampling interrupt. The host has none: there, the main loop calls the same
+//! function where it waits for a sample.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[macro_use]
 mod support;
 
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
 use bearing_watch::{Detector, Report, Segment, Solver, Verdict};
+use heapless::spsc;
 
 use support::refined::{MODEL, Plant, Refined};
 use timer::with;
 
-/// Segments of each way.
+/// Number of segments of each way.
 const SEGMENTS: usize = 6;
+
+/// Pieces of a solve that the main loop runs between two samples.
+const PIECES_A_SAMPLE: u32 = 6;
+
+/// Room for one segment: a queue of this kind has one place more than it can hold.
+type Queue = spsc::Queue<Segment<Refined>, 2>;
 
 main!(run);
 
-/// What interrupt and main loop share.
+/// Samples taken so far.
+static SAMPLES: AtomicU32 = AtomicU32::new(0);
+
+/// What the interrupt works on.
 struct Shared {
     plant: Plant,
     detector: Detector<'static, Refined>,
-    /// The closed segment until the main loop takes it.
-    closed: Option<Segment<Refined>>,
-    /// Closed segments that the main loop was too late for.
-    missed: u32,
-    /// Samples taken.
-    samples: u32,
+    closed: spsc::Producer<'static, Segment<Refined>>,
+    /// Number of closed segments for which the queue had no room.
+    lost: u32,
 }
 
 impl Shared {
-    fn new() -> Self {
-        Self { plant: Plant::new(17), detector: Detector::new(&MODEL), closed: None, missed: 0, samples: 0 }
+    const SEED: u32 = 17;
+
+    fn new(closed: spsc::Producer<'static, Segment<Refined>>) -> Self {
+        Self { plant: Plant::new(Self::SEED), detector: Detector::new(&MODEL), closed, lost: 0 }
+    }
+
+    /// Starts the same samples again.
+    fn restart(&mut self) {
+        self.plant = Plant::new(Self::SEED);
+        self.detector.restart();
+        self.lost = 0;
     }
 
     /// The interrupt: one sample, always in about the same time.
     fn interrupt(&mut self) {
-        self.samples = self.samples.wrapping_add(1);
+        SAMPLES.fetch_add(1, Relaxed);
         let sample = self.plant.sample();
         if let Some(segment) = self.detector.collect(&sample)
-            && self.closed.replace(segment).is_some()
+            && self.closed.enqueue(segment).is_err()
         {
-            self.missed += 1;
+            self.lost += 1;
         }
     }
 }
 
 fn run() {
-    let mut shared = Shared::new();
-    let mut inline = [0; SEGMENTS];
-    for (number, hash) in inline.iter_mut().enumerate() {
+    let inline = inline();
+    let Some((producer, mut consumer)) = timer::queue().map(Queue::split) else { return };
+    timer::start(Shared::new(producer));
+    let whole = deferred("whole", &mut consumer, |segment| MODEL.conclude(segment));
+    let mut pieces = 0;
+    let by_pieces = deferred("by pieces", &mut consumer, |segment| {
+        let (report, count) = conclude_by_pieces(segment);
+        pieces = count.max(pieces);
+        report
+    });
+    timer::stop();
+    say!("a solve has {pieces} pieces, {PIECES_A_SAMPLE} a sample");
+    say!("whole as inline: {}, by pieces as inline: {}", whole == inline, by_pieces == inline);
+    assert!(whole == inline && by_pieces == inline, "the ways differ");
+}
+
+/// The hashes of reports that are solved with the sample that closes the segment.
+fn inline() -> [u32; SEGMENTS] {
+    let (mut plant, mut detector) = (Plant::new(Shared::SEED), Detector::new(&MODEL));
+    core::array::from_fn(|number| {
         let report = loop {
-            let sample = shared.plant.sample();
-            if let Some(report) = shared.detector.step(&sample) {
+            if let Some(report) = detector.step(&plant.sample()) {
                 break report;
             }
         };
-        *hash = told("inline", number, &report);
-    }
-    let whole = deferred("whole", |segment| MODEL.conclude(segment));
-    let pieces = deferred("by pieces", |segment| {
-        let mut solver = Solver::new(&MODEL, segment);
-        loop {
-            if let Some(report) = solver.advance() {
-                break report.clone();
-            }
-            wait_for_a_sample();
-        }
-    });
-    say!("whole as inline: {}, by pieces as inline: {}", whole == inline, pieces == inline);
+        print("inline", number, &report)
+    })
 }
 
-/// The main loop of a drive that defers the solve.
-fn deferred(way: &str, mut conclude: impl FnMut(Segment<Refined>) -> Report<Refined>) -> [u32; SEGMENTS] {
-    timer::start(Some(Shared::new()));
-    let mut hashes = [0; SEGMENTS];
-    for (number, hash) in hashes.iter_mut().enumerate() {
+/// The main loop of a drive that defers the solve; returns the hashes of the reports.
+fn deferred(
+    way: &str,
+    closed: &mut spsc::Consumer<'static, Segment<Refined>>,
+    mut conclude: impl FnMut(Segment<Refined>) -> Report<Refined>,
+) -> [u32; SEGMENTS] {
+    with(|shared| {
+        while closed.dequeue().is_some() {}
+        shared.restart();
+    });
+    let hashes = core::array::from_fn(|number| {
         let segment = loop {
-            // The copy of a segment is all that happens with the interrupt held off.
-            if let Some(segment) = with(|shared| shared.closed.take()).flatten() {
+            if let Some(segment) = closed.dequeue() {
                 break segment;
             }
             wait_for_a_sample();
         };
         let report = conclude(segment);
         let adopted = with(|shared| shared.detector.adopt(&report));
-        if adopted != Some(true) {
-            say!("{way}: segment {number} was not adopted");
-        }
-        *hash = told(way, number, &report);
-    }
-    let missed = with(|shared| shared.missed);
-    timer::stop();
-    if missed != Some(0) {
-        say!("{way}: segments were missed");
-    }
+        assert!(adopted == Some(true), "{way}: segment {number} was not adopted");
+        print(way, number, &report)
+    });
+    assert!(with(|shared| shared.lost) == Some(0), "{way}: segments were lost");
     hashes
 }
 
-/// Prints a report; gives the hash of its bits.
-fn told(way: &str, number: usize, report: &Report<Refined>) -> u32 {
+/// The report, and the number of its pieces.
+fn conclude_by_pieces(segment: Segment<Refined>) -> (Report<Refined>, u32) {
+    let mut solver = Solver::new(&MODEL, segment);
+    let mut pieces = 0_u32;
+    loop {
+        pieces += 1;
+        if let Some(report) = solver.advance() {
+            return (report.clone(), pieces);
+        }
+        if pieces.is_multiple_of(PIECES_A_SAMPLE) {
+            wait_for_a_sample();
+        }
+    }
+}
+
+/// Prints a report; returns the hash of its bits.
+fn print(way: &str, number: usize, report: &Report<Refined>) -> u32 {
     let mut hash = support::hash::Hash::new();
     if let Some(estimate) = report.estimate() {
         hash.add_estimate(estimate);
@@ -132,11 +174,10 @@ fn told(way: &str, number: usize, report: &Report<Refined>) -> u32 {
 }
 
 fn wait_for_a_sample() {
-    let samples = || with(|shared| shared.samples);
-    let before = samples();
-    timer::host_turn();
-    // Awake, since a sleeping core in the emulator would wait in real time.
-    while before.is_some() && samples() == before {
+    let before = SAMPLES.load(Relaxed);
+    timer::interrupt_of_host();
+    // No sleep: in the emulator a sleeping core waits in real time.
+    while SAMPLES.load(Relaxed) == before {
         core::hint::spin_loop();
     }
 }
@@ -150,49 +191,43 @@ mod timer {
     use cortex_m::peripheral::{Peripherals, SYST, syst::SystClkSource};
     use cortex_m_rt::exception;
 
-    use super::Shared;
+    use super::{Queue, Shared};
 
-    /// Ticks of the core's clock: a millisecond of an STM32F405, and room for the solve also without a floating-point
-    /// unit.
-    const INTERVAL: u32 = 168_000;
+    /// Ticks of the core's clock: 2 ms of an STM32F405. That is 7800 instructions of the emulator, enough for the interrupt
+    /// and the pieces of a sample; a Cortex-M3 without floating-point unit, emulated at 25 MHz, has 52 000.
+    const INTERVAL: u32 = 336_000;
 
     static SHARED: Mutex<RefCell<Option<Shared>>> = Mutex::new(RefCell::new(None));
     static TIMER: Mutex<RefCell<Option<SYST>>> = Mutex::new(RefCell::new(None));
 
-    /// Runs `work` with the interrupt held off.
+    /// The static queue, once.
+    pub fn queue() -> Option<&'static mut Queue> {
+        cortex_m::singleton!(: Queue = Queue::new())
+    }
+
+    /// Runs `work` with the interrupt disabled.
     pub fn with<T>(work: impl FnOnce(&mut Shared) -> T) -> Option<T> {
         interrupt::free(|section| SHARED.borrow(section).try_borrow_mut().ok()?.as_mut().map(work))
     }
 
-    pub fn start(shared: Option<Shared>) {
-        let timer = Peripherals::take().map(|peripherals| peripherals.SYST);
+    pub fn start(shared: Shared) {
+        let Some(Peripherals { SYST: mut timer, .. }) = Peripherals::take() else { return };
+        timer.set_clock_source(SystClkSource::Core);
+        timer.set_reload(INTERVAL - 1);
+        timer.clear_current();
+        timer.enable_interrupt();
+        timer.enable_counter();
         interrupt::free(|section| {
-            if let Ok(mut place) = SHARED.borrow(section).try_borrow_mut() {
-                *place = shared;
-            }
-            let Ok(mut place) = TIMER.borrow(section).try_borrow_mut() else { return };
-            if timer.is_some() {
-                *place = timer;
-            }
-            if let Some(timer) = place.as_mut() {
-                timer.set_clock_source(SystClkSource::Core);
-                timer.set_reload(INTERVAL - 1);
-                timer.clear_current();
-                timer.enable_interrupt();
-                timer.enable_counter();
-            }
+            SHARED.borrow(section).replace(Some(shared));
+            TIMER.borrow(section).replace(Some(timer));
         });
     }
 
     pub fn stop() {
-        interrupt::free(|section| {
-            if let Ok(mut place) = TIMER.borrow(section).try_borrow_mut()
-                && let Some(timer) = place.as_mut()
-            {
-                timer.disable_counter();
-                timer.disable_interrupt();
-            }
-        });
+        if let Some(mut timer) = interrupt::free(|section| TIMER.borrow(section).take()) {
+            timer.disable_counter();
+            timer.disable_interrupt();
+        }
     }
 
     #[exception]
@@ -200,8 +235,8 @@ mod timer {
         with(Shared::interrupt);
     }
 
-    /// The chip's interrupt comes by itself.
-    pub fn host_turn() {}
+    /// Nothing: the chip's interrupt comes by itself.
+    pub fn interrupt_of_host() {}
 }
 
 /// The host's stand-in: its interrupt comes when the main loop waits.
@@ -209,23 +244,27 @@ mod timer {
 mod timer {
     use std::cell::RefCell;
 
-    use super::Shared;
+    use super::{Queue, Shared};
 
     thread_local! {
         static SHARED: RefCell<Option<Shared>> = const { RefCell::new(None) };
+    }
+
+    pub fn queue() -> Option<&'static mut Queue> {
+        Some(Box::leak(Box::new(Queue::new())))
     }
 
     pub fn with<T>(work: impl FnOnce(&mut Shared) -> T) -> Option<T> {
         SHARED.with_borrow_mut(|shared| shared.as_mut().map(work))
     }
 
-    pub fn start(shared: Option<Shared>) {
-        SHARED.set(shared);
+    pub fn start(shared: Shared) {
+        SHARED.set(Some(shared));
     }
 
     pub fn stop() {}
 
-    pub fn host_turn() {
+    pub fn interrupt_of_host() {
         with(Shared::interrupt);
     }
 }

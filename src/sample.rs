@@ -208,7 +208,8 @@ impl<P: Plan> Gate<P> {
     pub fn refused(&mut self, channels: &Array<P::Channels, Channel>, sample: &P::Sample) -> u16 {
         let (mut unused, mut stuck, mut bit) = (0, 0, 1_u16);
         let states = self.repeats.cells_mut().iter_mut();
-        for (place, (channel, repeat)) in channels.cells().iter().zip(states).enumerate() {
+        // In this order the count of places stays below a length, and needs no overflow check.
+        for ((place, channel), repeat) in channels.cells().iter().enumerate().zip(states) {
             let x = sample.value(place);
             // The saturation is at most the limit. Written so that NaN is refused.
             let good = x.abs() <= channel.saturation;

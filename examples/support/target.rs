@@ -11,8 +11,8 @@ use defmt_semihosting as _;
 /// The longest line that goes out in one host call; a longer one takes several.
 const LINE: usize = 256;
 
-/// A line under construction. Every semihosting call stops the processor, which on a debug probe
-/// takes milliseconds: the pieces that `fmt` writes are gathered before one call hands them over.
+/// A line under construction. Every semihosting call stops the processor, for milliseconds with a debug probe: what
+/// `fmt` writes is gathered, and one call sends it.
 struct Line {
     host: hio::HostStream,
     bytes: [u8; LINE],
@@ -46,11 +46,11 @@ impl Write for Line {
     }
 }
 
-/// Prints one line on the host's standard output. Without a host that listens it is lost: there
-/// is nobody to tell.
+/// Prints one line on the host's standard output.
 pub fn say(words: fmt::Arguments) {
     if let Ok(host) = hio::hstdout() {
-        let _nobody_listens = print(host, words);
+        // Ignored: the program runs also without a debugger, and a failed print has no other place to be reported.
+        let _ = print(host, words);
     }
 }
 
@@ -82,7 +82,8 @@ unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {
 /// Without the exit a failed run would hang until its time-out.
 fn fail(words: fmt::Arguments) -> ! {
     if let Ok(host) = hio::hstderr() {
-        let _nobody_listens = print(host, words);
+        // Ignored: the program ends here with a failing status, printed or not.
+        let _ = print(host, words);
     }
     debug::exit(debug::EXIT_FAILURE);
     halt()

@@ -24,7 +24,7 @@ pub fn pivot<const FORGET: bool>(di: &mut f32, xi: f32, w: &mut f32, forgetting:
 #[inline(always)]
 pub const fn packed(m: usize, i: usize, j: usize) -> usize {
     // Wrapping, so that a build with overflow checks has no panic here; no sum wraps for i < j < m.
-    let before = i.wrapping_mul((2 * m).wrapping_sub(i).wrapping_sub(1)) / 2;
+    let before = i.wrapping_mul(m.wrapping_mul(2).wrapping_sub(i).wrapping_sub(1)) / 2;
     before.wrapping_add(j).wrapping_sub(i).wrapping_sub(1)
 }
 

@@ -334,7 +334,7 @@ impl Layout {
     /// 1 if the regression uses instrumental variables.
     #[must_use]
     pub const fn instruments(&self) -> usize {
-        self.regressed() - self.squares()
+        matches!(self.regression, Some(regression) if matches!(regression.method, Method::Instruments)) as usize
     }
 
     /// 1 if rows are summed in two levels.

@@ -12,11 +12,24 @@ use crate::{child, setup, workspace};
 /// The linker of the package `lld-19`, for all bare Arm targets: cargo overlooks it under a target's name with a dot.
 const LINKER: &str = r#"target.'cfg(all(target_arch = "arm", target_os = "none"))'.linker = "ld.lld-19""#;
 
+/// Selects the memory map, see `build.rs`.
+const BOARD: &str = "BEARING_WATCH_BOARD";
+
 /// Builds one example in release and returns its ELF file. Boards of one target share the place of that file: use it
 /// before building for another.
 pub fn build(way: Way, board: Board, example: &str) -> Result<PathBuf> {
     let (mut cargo, folder) = cargo(way, board);
     // By package, so that features which only host packages want do not leak in.
+    child::succeed(cargo.args(["--package", "bearing-watch", "--example", example]).args(features(example)))?;
+    existing(folder.join("examples").join(example))
+}
+
+/// Builds one example with overflow checks in the core, and returns its ELF file, which replaces the one of [`build`].
+/// Other packages are built without: the compiler's library is shipped so, and `libm` has sums whose checks the compiler
+/// cannot remove although they never overflow.
+pub fn build_checked(way: Way, board: Board, example: &str) -> Result<PathBuf> {
+    let (mut cargo, folder) = cargo(way, board);
+    cargo.args(["--config", "profile.release.package.bearing-watch.overflow-checks=true"]);
     child::succeed(cargo.args(["--package", "bearing-watch", "--example", example]).args(features(example)))?;
     existing(folder.join("examples").join(example))
 }
@@ -27,7 +40,7 @@ pub fn build_all_features(way: Way, board: Board) -> Result<()> {
     child::succeed(cargo.args(["--package", "bearing-watch", "--examples", "--features", "defmt,nalgebra,internals"]))
 }
 
-/// Builds the chip's program of the peers, a workspace of its own, against CMSIS-DSP's sources, and returns its ELF file.
+/// Builds the chip's program of the peers, a workspace of its own, against CMSIS-DSP's sources; returns its ELF file.
 pub fn build_peers(way: Way, cmsis: &Path) -> Result<PathBuf> {
     let (mut cargo, folder) = cargo(way, DRIVE);
     child::succeed(cargo.args(["--manifest-path", "xtask/peers/chip/Cargo.toml"]).env("CMSIS_DSP", cmsis))?;
@@ -41,7 +54,10 @@ fn cargo(way: Way, board: Board) -> (Command, PathBuf) {
         Way::Debian => debian(),
     };
     cargo.args(["build", "--release", "--target", board.target]);
-    cargo.env("BEARING_WATCH_BOARD", board.memory);
+    match board.memory {
+        "" => cargo.env_remove(BOARD),
+        folder => cargo.env(BOARD, folder),
+    };
     // Flags from the environment would replace those of the configuration, which name the linker
     // script; the result would be an empty program.
     cargo.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");

@@ -1,5 +1,7 @@
 //! The checks on the emulated chip.
 
+use std::path::PathBuf;
+
 use anyhow::{Context, Result, bail, ensure};
 
 use crate::board::{Board, DRIVE, OTHERS};
@@ -86,6 +88,7 @@ fn same_verdicts(logged: &[String]) -> Result<String> {
 pub fn no_panic(tally: &mut Tally, way: Option<Way>) {
     const ALL: &str = "every public function is called in panic_free";
     const LINKS: &str = "panic_free links and runs";
+    const CHECKED: &str = "panic_free links and runs, overflow checks on";
     const MONITOR: &str = "monitor links without a panic";
     let forgotten = brief(public::forgotten()).and_then(|names| match names.len() {
         0 => Ok(""),
@@ -94,11 +97,16 @@ pub fn no_panic(tally: &mut Tally, way: Option<Way>) {
     tally.check(ALL, forgotten);
     let Some(way) = way else {
         tally.skip(LINKS, NO_TOOLS);
+        tally.skip(CHECKED, NO_TOOLS);
         return tally.skip(MONITOR, NO_TOOLS);
     };
-    let runs =
-        firmware::build(way, DRIVE, "panic_free").and_then(|elf| qemu::run(&elf, DRIVE.machine, qemu::Echo::Off));
-    tally.check(LINKS, brief(runs.map(|_| "")));
+    // Both builds have the same file: the first runs before the second is built.
+    let builds: [(&str, fn(Way, Board, &str) -> Result<PathBuf>); 2] =
+        [(LINKS, firmware::build), (CHECKED, firmware::build_checked)];
+    for (title, build) in builds {
+        let runs = build(way, DRIVE, "panic_free").and_then(|elf| qemu::run(&elf, DRIVE.machine, qemu::Echo::Off));
+        tally.check(title, brief(runs.map(|_| "")));
+    }
     tally.check(MONITOR, brief(panic_free(way)));
 }
 

@@ -24,7 +24,7 @@
 //!
 //! Stages store partial sums instead of past samples (transposed form): a sample that is not finite makes only those
 //! outputs not finite whose taps include it. Cost per sample: 2K₁ + 1 or at most K₂ + 1 multiply-adds per channel; with
-//! three channels and factor 8, 148 instructions on average and 192 at most on a Cortex-M4F. State: 8·CH·(K₁ + 1) bytes
+//! three channels and factor 8, 147 instructions on average and 184 at most on a Cortex-M4F. State: 8·CH·(K₁ + 1) bytes
 //! per early stage, 8·CH·(K₂ + 1) for the last, and 8 more on the microcontroller.
 
 use super::stage::{Stage, Waiting};

@@ -5,8 +5,8 @@
 //! | decimator | factor | gain of aliased components | instructions per sample of 3 channels, mean and worst |
 //! |---|---|---|---|
 //! | [`BlockMean`] | any | −13 dB and less | few; only additions in all but one sample |
-//! | [`HalfBandDecimator`] | 2ˢ | −80 dB, up to 0.8 of the new Nyquist frequency | by 8: 148, 192; by 16: 142, 191 |
-//! | [`FirDecimator`] | any | depends on its taps | for the same bands, by 8: 430, 580; by 16: 420, 580 |
+//! | [`HalfBandDecimator`] | 2ˢ | −80 dB, up to 0.8 of the new Nyquist frequency | by 8: 147, 184; by 16: 145, 186 |
+//! | [`FirDecimator`] | any | depends on its taps | for the same bands, by 8: 347, 498; by 16: 338, 499 |
 //!
 //! All are causal with a constant delay and do not output the start-up transient. An odd factor must be the last:
 //!

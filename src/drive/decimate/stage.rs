@@ -70,11 +70,21 @@ fn slide<'a, const CH: usize>(
 }
 
 /// sum + tap · x for each channel.
-#[inline]
+#[inline(always)]
 fn added<const CH: usize>(sum: &[f32; CH], tap: f32, x: &[f32; CH]) -> [f32; CH] {
     let mut result = *sum;
-    for (sum, x) in result.iter_mut().zip(x) {
-        *sum += tap * x; // (3)
-    }
+    add(&mut result, tap, x); // (3)
     result
+}
+
+/// Adds tap · x to the sum of each channel.
+// The innermost loop: at `opt-level = "s"` iterators would cost several calls for each tap.
+#[inline(always)]
+#[expect(clippy::indexing_slicing, reason = "c < CH, the length of both arrays")]
+pub(super) fn add<const CH: usize>(sum: &mut [f32; CH], tap: f32, x: &[f32; CH]) {
+    let mut c = 0;
+    while c < CH {
+        sum[c] += tap * x[c];
+        c += 1;
+    }
 }
