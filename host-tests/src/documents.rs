@@ -12,21 +12,34 @@ pub fn text(file: &str) -> String {
     std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
-/// Prints a block with its markers, and requires that the document has the same lines.
+/// Prints a table with the markers of its block, and requires that the document has the same lines.
 ///
 /// # Panics
 /// If the document does not have this block.
-pub fn check(file: &str, name: &str, lines: &[String]) {
-    let block = format!("<!-- generated: cargo xtask docs {name} -->\n{}\n<!-- end -->\n", lines.join("\n"));
-    println!("{block}");
-    let command = name.split('-').next().unwrap_or(name);
-    assert!(text(file).contains(&block), "{file} differs; run `cargo xtask docs {command}`");
+pub fn check(file: &str, name: &str, rows: Vec<Vec<String>>) {
+    check_all(file, &[(name, rows)]);
+}
+
+/// [`check`] of several blocks; all are printed before a difference fails the test.
+///
+/// # Panics
+/// If the document does not have one of the blocks.
+pub fn check_all(file: &str, blocks: &[(&str, Vec<Vec<String>>)]) {
+    let written = blocks.iter().map(|(name, rows)| {
+        format!("<!-- generated: cargo xtask docs {name} -->\n{}\n<!-- end -->\n", table(rows).join("\n"))
+    });
+    let written: Vec<String> = written.collect();
+    written.iter().for_each(|block| println!("{block}"));
+    let document = text(file);
+    for ((name, _), block) in blocks.iter().zip(&written) {
+        let command = name.split('-').next().unwrap_or(name);
+        assert!(document.contains(block), "{file} differs; run `cargo xtask docs {command}`");
+    }
 }
 
 /// A table in Markdown; the first row has the headings.
-#[must_use]
-pub fn table(rows: &[Vec<String>]) -> Vec<String> {
-    let line = |row: &Vec<String>| format!("| {} |", row.join(" | ")).replace("|  |", "| |");
+fn table(rows: &[Vec<String>]) -> Vec<String> {
+    let line = |row: &Vec<String>| format!("| {} |", row.join(" | ")).replace("|  |", "| |").replace("|  |", "| |");
     let mut lines: Vec<String> = rows.iter().map(line).collect();
     let columns = rows.first().map_or(0, Vec::len);
     lines.insert(1.min(lines.len()), format!("|{}", "---|".repeat(columns)));

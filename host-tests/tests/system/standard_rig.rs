@@ -52,7 +52,7 @@ fn documented(rows: &[demo::Row]) {
     let head = ["method, on the same traces", "validation error, mean ± sd of 20 draws"].map(String::from).to_vec();
     let lines = titles.iter().zip(rows).map(|(title, row)| vec![(*title).to_owned(), format!("{} %", row.error())]);
     let table: Vec<_> = std::iter::once(head).chain(lines).collect();
-    documents::check("README.md", "demo", &documents::table(&table));
+    documents::check("README.md", "demo", table);
 
     let document = documents::text("docs/tables.md");
     let documented = documents::rows(&document, "Table 4.1: misclassified");

@@ -56,7 +56,7 @@ const ROWS: [(&str, Of, Show); 9] = [
         Show::Each,
     ),
     (
-        "spall against Coulomb roughness of equal torque, size 1 / 1/2 / 1/4",
+        "spall against Coulomb roughness of equal torque, full / half / quarter size",
         ("spall against Coulomb roughness", &["standard: size full size", "standard: size 1/2", "standard: size 1/4"]),
         Show::Each,
     ),
@@ -137,8 +137,8 @@ fn cells(groups: &[Group<'_>], (title, names): Of, show: Show) -> Result<[String
     };
     match show {
         Show::Each | Show::Worst => {
-            // Behind the mean and the pooled rate a row may have a goal, whether it is met, and the source's error.
-            let source = rows.iter().map(|row| row.iter().skip(3).copied().find(|cell| cell.parse::<f64>().is_ok()));
+            // Behind the mean a row has the pooled rate, and it may have a goal, whether it is met, and the source's error.
+            let source = rows.iter().map(|row| row.iter().skip(2).copied().find(|cell| cell.parse::<f64>().is_ok()));
             let source = source.collect::<Option<Vec<&str>>>();
             Ok([percent(&column(1)?, show)?, source.map_or_else(|| Ok(String::new()), |cells| percent(&cells, show))?])
         }

@@ -81,7 +81,7 @@ const CALLS: [(&str, &str, Value); 9] = [
 const DETECTORS: [(&str, &str); 4] = [
     ("least squares, 8 parameters", "LS detector"),
     ("instrumental variables, 8 parameters", "SRIV detector"),
-    ("least squares, 4 parameters, and shaft, 4 orders of 3 harmonics", "LS and shaft, 4 orders of 3 harmonics"),
+    ("least squares, 8 parameters, and shaft, 4 orders of 3 harmonics", "LS and shaft, 4 orders of 3 harmonics"),
     ("shaft alone, 1 order", "shaft alone, 1 order without load"),
 ];
 
