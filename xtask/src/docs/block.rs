@@ -1,6 +1,6 @@
 //! Blocks of a document between marker lines.
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 
 const START: &str = "<!-- generated: cargo xtask docs ";
 const CLOSE: &str = " -->";
@@ -40,14 +40,13 @@ fn place(lines: &[&str], wanted: &str) -> Result<(usize, usize)> {
 }
 
 /// The names of all blocks of a document.
-#[cfg(test)]
 pub fn names(text: &str) -> Result<Vec<String>> {
     let lines: Vec<&str> = text.lines().collect();
     let names: Vec<String> = lines.iter().filter_map(|line| name(line)).map(ToOwned::to_owned).collect();
     for name in &names {
         place(&lines, name)?;
     }
-    anyhow::ensure!(lines.iter().filter(|line| **line == END).count() == names.len(), "a line `{END}` without a start");
+    ensure!(lines.iter().filter(|line| **line == END).count() == names.len(), "a line `{END}` without a start");
     Ok(names)
 }
 

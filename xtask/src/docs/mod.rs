@@ -110,10 +110,10 @@ mod tests {
         once.dedup();
         ensure!(once.len() == found.len(), "a name occurs twice: {found:?}");
         for name in &found {
-            ensure!(SOURCES.iter().any(|source| source.fills(name)), "no source of `{name}`");
+            ensure!(SOURCES.iter().any(|source| sources::fills(source.name, name)), "no source of `{name}`");
         }
         for source in &SOURCES {
-            ensure!(found.iter().any(|name| source.fills(name)), "no document has `{}`", source.name);
+            ensure!(found.iter().any(|name| sources::fills(source.name, name)), "no document has `{}`", source.name);
         }
         Ok(())
     }

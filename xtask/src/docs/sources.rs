@@ -22,12 +22,14 @@ pub struct Source {
 /// All sources, in the order in which they run.
 pub const SOURCES: [Source; 10] = [
     quick(figures::NAME, figures::TOLERANCE, target),
-    quick("demo", Tolerance::Exact, |_| printed("README.md", &["standard_rig::twenty_draws"])),
-    quick("instruments", Tolerance::Exact, |_| printed("README.md", &["instruments_model::noise_in_the_field"])),
+    quick("demo", Tolerance::Exact, |_| printed("demo", "README.md", "standard_rig::twenty_draws")),
+    quick("instruments", Tolerance::Exact, |_| {
+        printed("instruments", "README.md", "instruments_model::noise_in_the_field")
+    }),
     slow("campaign", Tolerance::Exact, |_| workbench("campaign", campaign::DOCUMENT)),
     quick("summary", Tolerance::Exact, |_| Ok(vec![campaign::block(&read(campaign::DOCUMENT)?)?])),
     slow("tables", Tolerance::Exact, |_| workbench("tables", "docs/tables.md")),
-    slow("recorded", Tolerance::Exact, |_| printed("docs/recorded.md", &["recorded_"])),
+    slow("recorded", Tolerance::Exact, |_| printed("recorded", "docs/recorded.md", "recorded_")),
     slow("endurance", Tolerance::Exact, |_| endurance()),
     slow("peers", Tolerance::Any, |_| Ok(vec![Block::new("docs/peers.md", "peers", &peers::measure()?.0)])),
     slow("peers-on-target", figures::TOLERANCE, peers_on_target),
@@ -43,16 +45,13 @@ const fn slow(name: &'static str, tolerance: Tolerance, blocks: Blocks) -> Sourc
     Source { name, slow: true, tolerance, blocks }
 }
 
-impl Source {
-    /// Whether a block of this name is one of the source's: its own name, or one that starts with it and a hyphen.
-    #[cfg(test)]
-    pub fn fills(&self, block: &str) -> bool {
-        let exact = SOURCES.iter().any(|source| source.name == block);
-        match block.strip_prefix(self.name) {
-            Some("") => true,
-            Some(rest) => !exact && rest.starts_with('-'),
-            None => false,
-        }
+/// Whether a block belongs to the source of this name: it has the same name, or one that continues it after a hyphen
+/// and is not that of another source.
+pub fn fills(source: &str, block: &str) -> bool {
+    match block.strip_prefix(source) {
+        Some("") => true,
+        Some(rest) => rest.starts_with('-') && !SOURCES.iter().any(|other| other.name == block),
+        None => false,
     }
 }
 
@@ -83,13 +82,17 @@ fn workbench(command: &str, file: &'static str) -> Result<Vec<Block>> {
 }
 
 /// The blocks that tests of the system print. A test fails where the document differs from what it prints, so its
-/// failure is no obstacle.
-fn printed(file: &'static str, filters: &[&str]) -> Result<Vec<Block>> {
+/// failure is no obstacle, but all blocks of the document that belong to `name` must be printed.
+fn printed(name: &str, file: &'static str, filter: &str) -> Result<Vec<Block>> {
     let mut cargo = workspace::cargo(&["test", "--quiet", "--package", "host-tests", "--test", "system", "--"]);
     let mut lines = Vec::new();
-    child::lines(cargo.args(filters).arg("--show-output"), |line| lines.push(line.to_owned()))?;
+    child::lines(cargo.args([filter, "--show-output"]), |line| lines.push(line.to_owned()))?;
     let blocks = block::printed(&lines, file);
-    ensure!(!blocks.is_empty(), "the tests {} printed no block:\n{}", filters.join(" "), lines.join("\n"));
+    for wanted in block::names(&read(file)?)? {
+        let own = fills(name, &wanted);
+        let found = !own || blocks.iter().any(|block| block.name == wanted);
+        ensure!(found, "the tests `{filter}` printed no block `{wanted}`:\n{}", lines.join("\n"));
+    }
     Ok(blocks)
 }
 
