@@ -1,5 +1,6 @@
 //! What the tests of the core and the workbench share; the tests themselves live in `tests/`.
 
+pub mod documents;
 pub mod oracle;
 pub mod plans;
 pub mod plants;

@@ -5,9 +5,16 @@ use anyhow::{Result, ensure};
 use crate::tally::Tally;
 use crate::{child, workspace};
 
-/// Runs every ignored host test in release, passes on what it prints, and ends with the table's rows alone: the lines
-/// that start with `|`. Whether all tests passed.
+/// Runs every ignored host test and ends with the table's rows alone. Returns whether all tests passed.
 pub fn run() -> Result<bool> {
+    let (table, passed) = measure()?;
+    println!("\n{}", table.join("\n"));
+    Ok(passed)
+}
+
+/// Runs every ignored host test in release and passes on what it prints. Returns the table's rows, which are the lines
+/// that start with `|`, and whether all tests passed.
+pub fn measure() -> Result<(Vec<String>, bool)> {
     let mut cargo = workspace::cargo(&["test", "--release", "--package", "host-tests", "--no-fail-fast"]);
     cargo.args(["--", "--ignored", "--show-output", "--test-threads", "1"]);
     let (mut table, mut tally) = (Vec::new(), Tally::default());
@@ -19,6 +26,6 @@ pub fn run() -> Result<bool> {
         }
     })?;
     ensure!(!table.is_empty(), "no ignored test of host-tests printed a table");
-    println!("\n{}\n\n{tally}", table.join("\n"));
-    Ok(status.success())
+    println!("\n{tally}");
+    Ok((table, status.success()))
 }

@@ -1,8 +1,9 @@
-//! What the repository's own commands do: `cargo xtask test | long | firmware | measure | peers | setup`.
+//! What the repository's own commands do: `cargo xtask test | long | firmware | measure | peers | docs | setup`.
 
 mod board;
 mod bounds;
 mod child;
+mod docs;
 mod elf;
 mod firmware;
 mod log;
@@ -63,6 +64,14 @@ enum Command {
     },
     /// Times the workbench and other identification programs on the same traces; installs them in a virtual environment.
     Peers,
+    /// Writes the figures that README and docs quote: those of commands that take seconds, or those named.
+    Docs {
+        /// Blocks of documents, for example `target`, `campaign`, `tables`.
+        names: Vec<String>,
+        /// Compares instead of writing; fails with the file and a short difference.
+        #[arg(long)]
+        check: bool,
+    },
     /// Installs what firmware builds and emulator runs need, where the system allows it.
     Setup,
 }
@@ -89,6 +98,9 @@ fn run(arguments: &Arguments) -> Result<bool> {
     if matches!(arguments.command, Command::Long) {
         return long::run();
     }
+    if let Command::Docs { names, check } = &arguments.command {
+        return docs::run(names, *check, arguments.way);
+    }
     let way = toolchain::choose(arguments.way)?;
     setup::ensure(way)?;
     match &arguments.command {
@@ -96,7 +108,7 @@ fn run(arguments: &Arguments) -> Result<bool> {
             let elf = firmware::build(way, DRIVE, example)?;
             qemu::run(&elf, DRIVE.machine, qemu::Echo::On)?;
         }
-        Command::Measure { peers: true, .. } => rivals::run(way)?,
+        Command::Measure { peers: true, .. } => print!("{}", rivals::table(way)?),
         Command::Measure { json, .. } => {
             let figures = measure::figures(way)?;
             if *json {
@@ -106,7 +118,7 @@ fn run(arguments: &Arguments) -> Result<bool> {
             }
         }
         Command::Setup => println!("ready: firmware the {way} way, emulator {}", qemu::PROGRAM),
-        Command::Test | Command::Long | Command::Peers => {}
+        Command::Test | Command::Long | Command::Peers | Command::Docs { .. } => {}
     }
     Ok(true)
 }

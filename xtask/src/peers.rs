@@ -13,6 +13,13 @@ use crate::{child, workspace};
 
 /// Installs, measures, prints; whether every ratio asked for is met.
 pub fn run() -> Result<bool> {
+    let (text, met) = measure()?;
+    print!("{text}");
+    Ok(met)
+}
+
+/// Installs and measures. Returns the text to print, and whether every ratio asked for is met.
+pub fn measure() -> Result<(String, bool)> {
     let folder = folder();
     let data = folder.join("data");
     fs::create_dir_all(&data).with_context(|| format!("cannot make {}", data.display()))?;
@@ -38,7 +45,9 @@ pub fn run() -> Result<bool> {
     keep(&mut cargo, &oxictl)?;
     let mut script = Command::new(&python);
     script.arg(scripts.join("peers.py")).arg(&data).args([&rust, &oxictl]);
-    Ok(child::lines(&mut script, |line| println!("{line}"))?.success())
+    let mut text = String::new();
+    let status = child::lines(&mut script, |line| text = format!("{text}{line}\n"))?;
+    Ok((text, status.success()))
 }
 
 /// Where peers are installed.

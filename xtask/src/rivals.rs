@@ -27,8 +27,8 @@ struct Figure {
     error: String,
 }
 
-/// Fetches, builds, runs, prints.
-pub fn run(way: Way) -> Result<()> {
+/// Fetches, builds, runs. Returns the table.
+pub fn table(way: Way) -> Result<String> {
     ensure!(
         child::on_path(COMPILER),
         "{COMPILER} is not installed; on Debian\n    sudo apt-get install --yes gcc-arm-none-eabi libnewlib-arm-none-eabi"
@@ -36,8 +36,7 @@ pub fn run(way: Way) -> Result<()> {
     let elf = firmware::build_peers(way, &cmsis()?)?;
     let lines = qemu::run(&elf, DRIVE.machine, qemu::Echo::Off)?;
     let figures = lines.iter().map(|line| figure(line)).collect::<Result<Vec<_>>>()?;
-    print!("{}", table(&figures)?);
-    Ok(())
+    rows(&figures)
 }
 
 /// The folder of CMSIS-DSP's sources, fetched where it lacks.
@@ -72,7 +71,7 @@ fn figure(line: &str) -> Result<Figure> {
 }
 
 /// Every line with its ratio to ours of the same work.
-fn table(figures: &[Figure]) -> Result<String> {
+fn rows(figures: &[Figure]) -> Result<String> {
     let mut text =
         "| work | who | instructions | ratio | state bytes | error |\n|---|---|---|---|---|---|\n".to_owned();
     for f in figures {
@@ -97,8 +96,8 @@ mod tests {
             r#"{"work":"a","who":"C","instructions":25,"bytes":12,"error":"NaN"}"#,
         ];
         let figures = lines.iter().map(|line| figure(line)).collect::<Result<Vec<_>>>()?;
-        assert!(table(&figures)?.ends_with("| a | C | 25 | 2.50 | 12 | NaN |\n"));
-        assert!(table(&figures[2..]).is_err());
+        assert!(rows(&figures)?.ends_with("| a | C | 25 | 2.50 | 12 | NaN |\n"));
+        assert!(rows(&figures[2..]).is_err());
         Ok(())
     }
 

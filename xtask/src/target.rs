@@ -8,7 +8,7 @@ use crate::board::{Board, DRIVE, OTHERS};
 use crate::bounds::BOUNDS;
 use crate::tally::Tally;
 use crate::toolchain::{self, Way};
-use crate::{child, elf, firmware, log, measure, public, qemu, workspace};
+use crate::{child, docs, elf, firmware, log, measure, public, qemu, workspace};
 
 /// Examples that must print the same lines, bit for bit, on the host and on the target.
 const TWINS: [&str; 3] = ["monitor", "kernels", "deferred"];
@@ -116,15 +116,16 @@ fn panic_free(way: Way) -> Result<&'static str> {
     Ok("")
 }
 
-/// Two runs count the same instructions and bytes, and no more than promised.
+/// Two runs count the same instructions and bytes, no more than promised, and as README has them.
 pub fn bounds(tally: &mut Tally, way: Option<Way>) {
     const REPEATABLE: &str = "two runs count alike";
+    const DOCUMENTED: &str = "README's figures within 5 %";
     let Some(way) = way else {
         tally.skip(REPEATABLE, NO_TOOLS);
         for bound in BOUNDS {
             tally.skip(&bound.title(), NO_TOOLS);
         }
-        return;
+        return tally.skip(DOCUMENTED, NO_TOOLS);
     };
     let runs = measure::kernels(way).and_then(|one| Ok((one, measure::kernels(way)?)));
     let figures = match runs {
@@ -142,6 +143,7 @@ pub fn bounds(tally: &mut Tally, way: Option<Way>) {
     for bound in BOUNDS {
         tally.check(&bound.title(), bound.check(&figures));
     }
+    tally.check(DOCUMENTED, docs::check_figures(&figures));
 }
 
 fn compare(way: Way, board: Board, example: &str) -> Result<String> {

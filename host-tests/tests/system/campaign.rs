@@ -1,9 +1,10 @@
 //! What the detector reaches on the standard rig: the campaign's experiments, a few repetitions of them.
 
+use host_tests::documents;
 use workbench::rig::{Condition, Defect, DefectKind};
 use workbench::study::campaign::experiments::{Experiment, Judge, Training, full_size};
 use workbench::study::campaign::run::{class_names, ours, repetition, training_set};
-use workbench::study::campaign::{Goal, Settings, experiments};
+use workbench::study::campaign::{Figure, Findings, Goal, Settings, experiments, render};
 use workbench::study::statistics::mean_sd;
 use workbench::train::train;
 
@@ -99,4 +100,42 @@ fn goals_and_sizes_are_sound() {
     assert!(Goal::AtLeast(99.0).met(99.0) && !Goal::AtLeast(99.0).met(98.0));
     let settings = Settings { repetitions: 3, first: 0, traces: 20, false_alarms: false };
     assert_eq!(settings.steps(), 3 * experiments::all(20).len() + 4);
+}
+
+/// The rows that the campaign prints for the figures.
+fn printed(figures: Vec<Figure>) -> String {
+    let settings = Settings { repetitions: 20, first: 0, traces: 20, false_alarms: false };
+    render::text(&Findings { settings, figures, alarms: vec![], rates: vec![] })
+}
+
+#[test]
+fn the_document_has_the_experiments_and_goals_of_the_code() {
+    let document = documents::text("docs/campaign.md");
+    let all = experiments::all(20);
+    let mut groups: Vec<&str> = all.iter().map(|experiment| experiment.group).collect();
+    groups.dedup();
+    for group in groups {
+        let rows = documents::rows(&document, group);
+        let wanted: Vec<&Experiment> = all.iter().filter(|experiment| experiment.group == group).collect();
+        // The first row has the headings.
+        assert_eq!(rows.len(), wanted.len() + 1, "{group}");
+        for (row, experiment) in rows[1..].iter().zip(wanted) {
+            assert_eq!(row[0], experiment.name, "{group}");
+            let goal = row.iter().find(|cell| cell.starts_with(['≤', '≥'])).map(ToString::to_string);
+            assert_eq!(goal, experiment.goal.map(|goal| goal.to_string()), "{group}: {}", experiment.name);
+        }
+    }
+}
+
+/// The whole campaign takes a quarter of an hour. One row stands for it: a change of features or gate moves it first.
+#[test]
+fn the_row_of_few_healthy_traces_is_that_of_the_document() {
+    let group = "trained on healthy traces alone, detected at 1 % false alarms";
+    let experiment = named(group, "standard, 20 healthy traces: spall at 1/8");
+    let counts = (0..20).map(|k| repetition(std::slice::from_ref(&experiment), (k, 20), || ()).expect("the rig")[0]);
+    let text = printed(vec![Figure { counts: counts.collect(), experiment: experiment.clone() }]);
+    let found = documents::rows(&text, group).pop().expect("a row");
+    let document = documents::text("docs/campaign.md");
+    let documented = documents::rows(&document, group).into_iter().find(|row| row[0] == experiment.name);
+    assert_eq!(documented, Some(found), "docs/campaign.md differs; run `cargo xtask docs campaign`");
 }

@@ -2,6 +2,7 @@
 
 use bearing_watch::plan::{Layout, Memory, Method, Plan, RegressionLayout};
 use bearing_watch::{Detector, Model, ModelError};
+use host_tests::documents;
 use workbench::core::Embedded;
 use workbench::evaluate;
 use workbench::identify::Structure;
@@ -39,6 +40,9 @@ fn noise_in_the_field_misleads_least_squares_and_not_instruments() {
     // Held out are 120 traces. At the noise of the training both are right; twice of it gave 11.7 and 0 %, three times
     // 33.3 and 0.8 %.
     let limits = [(1.0, 0.0..=1.7, 0.0..=1.7), (2.0, 4.0..=25.0, 0.0..=2.5), (3.0, 20.0..=50.0, 0.0..=5.0)];
+    let head = ["current noise, compared with that of training", "least squares, error", "instruments, error"];
+    let mut table = vec![head.map(String::from).to_vec()];
+    let names = ["the same", "twice", "three times"];
     for (k, (factor, squares, instruments)) in (0..).zip(limits) {
         let current_noise_a = factor * Scenario::STANDARD.current_noise_a;
         let held_out = set(&Scenario { current_noise_a, ..Scenario::STANDARD }, 710 + k, 40);
@@ -46,11 +50,10 @@ fn noise_in_the_field_misleads_least_squares_and_not_instruments() {
             let verdicts = evaluate::run(model, &held_out, || ()).expect("runs");
             100.0 * evaluate::count(&demo::class_names(), &verdicts, false).error_rate().value
         });
-        println!(
-            "current noise × {factor}: {by_squares:.1} % wrong by least squares, {by_instruments:.1} % by instruments"
-        );
+        table.push(vec![names[k as usize].to_owned(), format!("{by_squares:.1} %"), format!("{by_instruments:.1} %")]);
         assert!(squares.contains(&by_squares) && instruments.contains(&by_instruments), "{factor}");
     }
+    documents::check("README.md", "instruments", table);
 }
 
 /// Plans of the structure, as exported models have them.

@@ -8,6 +8,7 @@
 //! core decide between families.
 
 use bearing_watch::plan::Kind;
+use host_tests::documents;
 use host_tests::strokes::{LOADS, Stroke, detector, judge, strokes};
 use workbench::core::Finding;
 use workbench::evaluate::{self, Confusion};
@@ -82,10 +83,32 @@ fn score(trained: &Trained) -> (f64, f64) {
     (score / weight, wrong / weight)
 }
 
-/// The best recipe by the score, beside the best with each discriminant.
-fn chosen(name: &str, training: &[&Stroke]) -> Trained {
+const DOCUMENT: &str = "docs/recorded.md";
+
+fn cells(cells: &[&str]) -> Vec<String> {
+    cells.iter().map(ToString::to_string).collect()
+}
+
+/// A load as the document writes it.
+fn kgf(load: &str) -> String {
+    format!("{} kgf", load.replace('-', "−"))
+}
+
+/// The row of the document with the least score of each discriminant, and the chosen recipe.
+fn score_row(name: &str, scores: &[f64], trained: &Trained) -> Vec<String> {
+    let shown: Vec<String> = scores.iter().map(|score| format!("{score:.3}")).collect();
+    let least = shown.iter().min().expect("several").clone();
+    let bold = shown.into_iter().map(|score| if score == least { format!("**{score}**") } else { score });
+    let order = trained.recipe.structure.orders().map(|n| n.to_string()).join(" ");
+    let features = trained.recipe.features.join(", ").replace('_', " ");
+    std::iter::once(name.to_owned()).chain(bold).chain([format!("[{order}], {features}")]).collect()
+}
+
+/// The best recipe by the score, and the best score with each discriminant.
+fn chosen(name: &str, training: &[&Stroke]) -> (Trained, Vec<f64>) {
     let classes: Vec<String> = STATES.iter().map(|s| s.0.to_string()).collect();
     let mut best: Option<(f64, String, Trained)> = None;
+    let mut scores = Vec::new();
     for discriminant in DISCRIMINANTS {
         let mut least: Option<(f64, f64, String)> = None;
         for (order, set) in ORDERS.iter().flat_map(|order| SETS.iter().map(move |set| (*order, *set))) {
@@ -101,11 +124,24 @@ fn chosen(name: &str, training: &[&Stroke]) -> Trained {
             }
         }
         let (score, error, what) = least.expect("several");
+        scores.push(score);
         println!("{name}, within the training runs: {what}: log score {score:.3}, error {:.1} %", 100.0 * error);
     }
     let (_, what, trained) = best.expect("several");
     println!("{name}: chosen {what}");
-    trained
+    (trained, scores)
+}
+
+/// The row of the document with the rates of four families.
+fn family_row(name: &str, found: &Confusion) -> Vec<String> {
+    let judged: usize = found.counts.iter().flatten().sum();
+    let right = found.counts.iter().enumerate().map(|(k, row)| {
+        let all: usize = row.iter().sum();
+        format!("{:.0} %", 100.0 * row[k] as f64 / all as f64)
+    });
+    let error = format!("{} of {judged}", found.error_rate());
+    let balanced = format!("{:.1} %", 100.0 * found.balanced_accuracy().value);
+    [name.to_owned(), error, balanced].into_iter().chain(right).collect()
 }
 
 fn confusion(trained: &Trained, held_out: &[&Stroke]) -> Confusion {
@@ -125,9 +161,15 @@ fn every_load() -> Option<Vec<Vec<Stroke>>> {
 fn families_of_later_runs_at_loads_seen() {
     let Some(all) = every_load() else { return };
     let mut sum = Confusion::new(&families());
+    let mut scored = vec![cells(&["load", "linear", "quadratic", "shrunk", "chosen"])];
+    let head = ["load", "family error", "balanced accuracy", "right: normal", "lubrication", "backlash", "spalling"];
+    let mut rates = vec![cells(&head)];
     for (load, strokes) in LOADS.iter().zip(&all) {
         let (training, held_out): (Vec<&Stroke>, Vec<&Stroke>) = strokes.iter().partition(|s| s.run <= 4);
-        let found = confusion(&chosen(&format!("{load} kgf"), &training), &held_out);
+        let (trained, scores) = chosen(&format!("{load} kgf"), &training);
+        let found = confusion(&trained, &held_out);
+        scored.push(score_row(&kgf(load), &scores, &trained));
+        rates.push(family_row(&kgf(load), &found));
         println!("{load} kgf, a model of this load, runs 5–7\n{found}\n");
         let cells = sum.counts.iter_mut().flatten().zip(found.counts.iter().flatten());
         cells.for_each(|(cell, more)| *cell += more);
@@ -139,10 +181,14 @@ fn families_of_later_runs_at_loads_seen() {
     // Lubrication and normal are hardly ever taken for each other.
     assert!(sum.counts[0][1] + sum.counts[1][0] <= 9, "{sum}");
     let (training, held_out): (Vec<&Stroke>, Vec<&Stroke>) = all.iter().flatten().partition(|s| s.run <= 4);
-    let found = confusion(&chosen("all loads", &training), &held_out);
+    let (trained, scores) = chosen("all loads", &training);
+    let found = confusion(&trained, &held_out);
+    scored.push(score_row("one model for all", &scores, &trained));
+    rates.extend([family_row("a model for each, all three", &sum), family_row("one model for all", &found)]);
     println!("one model for all loads\n{found}\n");
     // Measured 28.2 %: states of one load fall on other states of another.
     assert!((0.23..0.34).contains(&found.error_rate().value), "{}", found.error_rate());
+    documents::check_all(DOCUMENT, &[("recorded-scores", scored), ("recorded-families", rates)]);
 }
 
 /// Mean of the current while the nut moves faster than half its fastest, with its deviation over strokes.
@@ -164,14 +210,18 @@ fn a_load_that_training_did_not_see() {
     let Some(all) = every_load() else { return };
     let two = ["normal", "lackLubrication2"].map(String::from);
     let class = |state: &str| two.iter().position(|name| name == state);
+    let mut rates = vec![cells(&["judged at", "linear", "quadratic", "shrunk", "four families, error"])];
+    let head = ["load", "normal", "lubrication 1, 2", "backlash 1, 2", "spalling 6, 7, 8"];
+    let mut currents = vec![cells(&head)];
     for (held, load) in LOADS.iter().enumerate() {
         let training: Vec<&Stroke> = all.iter().enumerate().filter(|(k, _)| *k != held).flat_map(|(_, s)| s).collect();
         let held_out: Vec<&Stroke> = all[held].iter().collect();
-        let found = confusion(&chosen(&format!("without {load} kgf"), &training), &held_out);
-        println!("trained without {load} kgf, judged there\n{found}\n");
+        let families = confusion(&chosen(&format!("without {load} kgf"), &training).0, &held_out);
+        let mut row = vec![kgf(load)];
+        println!("trained without {load} kgf, judged there\n{families}\n");
         // Measured 38.6, 46.9 and 65.8 %: the load moves the features as far as the faults do. Much less would mean
         // that the model knows the load.
-        assert!((0.30..0.75).contains(&found.error_rate().value), "{load} kgf: {}", found.error_rate());
+        assert!((0.30..0.75).contains(&families.error_rate().value), "{load} kgf: {}", families.error_rate());
         for discriminant in DISCRIMINANTS {
             let recipe = Recipe { priors: vec![], cost: vec![], ..recipe(ORDERS[0], SETS[0], discriminant) };
             let trained = detector(&training, &two, class, &recipe).expect("regular classes");
@@ -184,7 +234,10 @@ fn a_load_that_training_did_not_see() {
                 _ => 0.98..1.01,
             };
             assert!(wanted.contains(&found.value), "{load} kgf, {}: {found}", discriminant.0);
+            row.push(format!("{:.1} %", 100.0 * found.value));
         }
+        row.push(families.error_rate().to_string());
+        rates.push(row);
         let means = STATES.map(|(state, _)| {
             let (mean, sd) = cruise_current_a(&all[held], state);
             println!("{load} kgf, cruise current, {state}: {mean:.3} ± {sd:.3} A");
@@ -193,7 +246,13 @@ fn a_load_that_training_did_not_see() {
         let range_a = means.iter().fold(f64::MIN, |m, x| m.max(*x)) - means.iter().fold(f64::MAX, |m, x| m.min(*x));
         // Measured 0.27, 0.35 and 0.02 A between the states, where strokes of one scatter by 0.005–0.035 A.
         assert!(if *load == "-40" { range_a < 0.03 } else { (0.2..0.4).contains(&range_a) }, "{load} kgf: {range_a}");
+        let family = |k: usize| {
+            let own = STATES.iter().zip(means).filter(|(state, _)| state.1 == k);
+            own.map(|(_, mean)| format!("{mean:.3}")).collect::<Vec<_>>().join(", ")
+        };
+        currents.push(std::iter::once(kgf(load)).chain((0..4).map(family)).collect());
     }
+    documents::check_all(DOCUMENT, &[("recorded-loads", rates), ("recorded-currents", currents)]);
 }
 
 /// Correlation of the changes of current with the next changes of velocity: its sign near half the full rate tells the

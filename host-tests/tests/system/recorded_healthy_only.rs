@@ -13,6 +13,7 @@
 //!
 //! n strokes in p features. The held-out run and the faults have no part in it.
 
+use host_tests::documents;
 use host_tests::strokes::{LOADS, RUNS, Stroke, detector, judge, strokes};
 use nalgebra::{DMatrix, DVector};
 use workbench::core::Finding;
@@ -177,6 +178,56 @@ fn tables((order, features): ([u8; 5], &[&str])) -> Option<Vec<Found>> {
     Some(all)
 }
 
+/// The rate in percent, and its standard error between runs.
+fn of_load(runs: &Runs) -> String {
+    let text = shown(runs);
+    let error = text.split("± ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap_or_default();
+    format!("{:.1} ± {error}", 100.0 * rate(runs).value)
+}
+
+/// Rows of the document: what is called novel at each load and at all together.
+fn novel_table(found: &[Found]) -> Vec<Vec<String>> {
+    let [loads @ .., pooled] = found else { panic!("three loads and all") };
+    let head = ["", "20 kgf", "40 kgf", "−40 kgf", "all", "published Q", "T²"];
+    let row = |name: &str, pick: &dyn Fn(&Found) -> &Runs| {
+        let all = rate(pick(pooled)).to_string().replace(" %", "");
+        let cells = loads.iter().map(|load| of_load(pick(load))).chain([all]);
+        std::iter::once(name.to_owned()).chain(cells).collect::<Vec<_>>()
+    };
+    let mut rows = vec![head.map(String::from).to_vec()];
+    let none = [String::new(), String::new()];
+    rows.push([row("normal, unseen runs (false alarms)", &|f| &f.false_alarms), none.to_vec()].concat());
+    for (k, state) in FAULTS.iter().enumerate() {
+        let (fault, level) = state.split_at(state.len() - 1);
+        let control = if k == FAULTS.len() - CONTROLS { "*controls:* " } else { "" };
+        let name = format!("{control}{} {level}", fault.replace("lackLubrication", "lubrication"));
+        let published = PUBLISHED.iter().find(|p| p.0 == *state);
+        let published = published.map_or(none.clone(), |(_, q, t)| [q.to_string(), t.to_string()]);
+        rows.push([row(&name, &|f| &f.faults[k]), published.to_vec()].concat());
+    }
+    rows
+}
+
+/// Rows of the document: median distances from normal.
+fn distance_table(loads: &[Found]) -> Vec<Vec<String>> {
+    let head = ["", "lubrication 1, 2", "backlash 1, 2", "spalling 6, 7, 8", "controls, up to"];
+    let rows = LOADS.iter().zip(loads).map(|(load, found)| {
+        let medians: Vec<f32> = found.distances.iter().map(|distances| median(distances)).collect();
+        let listed = |range: std::ops::Range<usize>| {
+            medians[range].iter().map(|median| format!("{median:.1}")).collect::<Vec<_>>().join(", ")
+        };
+        let controls = medians[FAULTS.len() - CONTROLS..].iter().copied().fold(0.0, f32::max);
+        vec![
+            format!("{} kgf", load.replace('-', "−")),
+            listed(0..2),
+            listed(2..4),
+            listed(4..7),
+            format!("{controls:.1}"),
+        ]
+    });
+    std::iter::once(head.map(String::from).to_vec()).chain(rows).collect()
+}
+
 impl Found {
     fn percent(&self, state: &str) -> f64 {
         let place = FAULTS.iter().position(|s| *s == state).expect("a fault");
@@ -196,6 +247,8 @@ impl Found {
 #[test]
 fn faults_beyond_a_gate_of_normal_strokes() {
     let Some(found) = tables(CHOICES[0]) else { return };
+    let written = [("recorded-healthy", novel_table(&found)), ("recorded-distances", distance_table(&found))];
+    documents::check_all("docs/recorded.md", &written);
     let [low, high, negative, pooled] = &found[..] else { panic!("three loads and all") };
     // One of 105 unseen strokes; three would still agree with 1 %, none of the faults' figures would mean anything at more.
     let false_alarms: usize = pooled.false_alarms.iter().map(|r| r.0).sum();

@@ -1,5 +1,6 @@
 //! The main job on the simulated standard rig: 20 draws of 20 + 20 traces a class, judged through the core.
 
+use host_tests::documents;
 use workbench::study::demo::{self, Settings};
 use workbench::study::statistics::mean_sd_percent;
 
@@ -36,6 +37,37 @@ fn twenty_draws_reach_the_figures_of_the_standard_rig() {
     println!("source, healthy fit: {fit:.2} % (published 86.58)");
     assert!((29.0..=41.0).contains(&literal) && (21.0..=31.0).contains(&binary), "{literal} {binary}");
     assert!((86.3..=87.3).contains(&fit), "{fit}");
+    documented(&demo::rows(&draws));
+}
+
+/// README has these figures as `cargo demo`, and docs/tables.md as part of Table 4.1.
+fn documented(rows: &[demo::Row]) {
+    let titles = [
+        "embedded: least squares, all of a, b, c, linear discriminant",
+        "embedded: torque balance and bearing order, quadratic discriminant",
+        "embedded: least squares, a only, PCA to 2, linear discriminant",
+        "the source's method: iv4, a only, PCA to 2, one decision of three classes",
+        "the same with two binary decisions, as published (28.3 %)",
+    ];
+    let head = ["method, on the same traces", "validation error, mean ± sd of 20 draws"].map(String::from).to_vec();
+    let lines = titles.iter().zip(rows).map(|(title, row)| vec![(*title).to_owned(), format!("{} %", row.error())]);
+    let table: Vec<_> = std::iter::once(head).chain(lines).collect();
+    documents::check("README.md", "demo", table);
+
+    let document = documents::text("docs/tables.md");
+    let documented = documents::rows(&document, "Table 4.1: misclassified");
+    // The columns of Table 4.1: published, three classes, healthy / spall, healthy / roughness, both pooled.
+    let same = [
+        ("LS, a b c, no projection", 2, &rows[0]),
+        ("ours: ", 2, &rows[1]),
+        ("the same, LS in place of iv4", 2, &rows[2]),
+        ("validation, with PCA", 2, &rows[3]),
+        ("validation, with PCA", 5, &rows[4]),
+    ];
+    for (name, column, row) in same {
+        let found = documented.iter().find(|cells| cells[0].starts_with(name)).expect(name)[column];
+        assert_eq!(found, row.error(), "docs/tables.md, {name}: run `cargo xtask docs tables`");
+    }
 }
 
 #[test]

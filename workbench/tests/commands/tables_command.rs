@@ -37,6 +37,11 @@ fn all_tables_as_text_json_csv_and_page() {
     for (note, count) in notes {
         assert_eq!(line.matches(note).count(), count, "{note}\n{said}");
     }
+    // The document has the same tables with more draws.
+    let document = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/tables.md");
+    let document = std::fs::read_to_string(document).expect("docs/tables.md");
+    let block = document.split("<!-- generated: cargo xtask docs tables -->").nth(1).expect("a block");
+    assert_eq!(names(&said), names(block), "docs/tables.md differs; run `cargo xtask docs tables`");
     let page = std::fs::read_to_string(dir.join("t.html")).expect("page");
     // Plots: four first-order features, three components, four planes.
     assert_eq!(page.matches("<figure>").count(), 11);
@@ -54,6 +59,12 @@ fn all_tables_as_text_json_csv_and_page() {
     // The values are the same in every run, and whether a table is computed alone or with others.
     let error = cells[1]["mean"].as_f64().expect("a mean").to_string();
     assert!(csv.contains(&format!("\"validation, with PCA\",three classes,measured,{error},")), "{error}\n{csv}");
+}
+
+/// Names of the rows, and headings of the columns, of printed tables.
+fn names(text: &str) -> Vec<&str> {
+    let rows = text.lines().filter(|line| line.starts_with("  "));
+    rows.map(|row| row.trim().split("  ").next().unwrap_or_default()).collect()
 }
 
 #[test]

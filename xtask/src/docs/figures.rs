@@ -1,0 +1,189 @@
+//! The tables of README's section "On the target", from the figures that `cargo xtask measure` counts.
+
+use anyhow::{Context, Result};
+
+use super::block::Block;
+use super::compare::Tolerance;
+use crate::measure::Figure;
+
+/// The same source gives the same counts with one compiler; other compilers differ by a few percent.
+pub const TOLERANCE: Tolerance = Tolerance::Within(0.05);
+
+/// The name of the block.
+pub const NAME: &str = "target";
+
+/// Names and sizes of the figures of one cell; no size means the only one.
+type Picks = (&'static [&'static str], &'static [Option<u64>]);
+
+/// Kernels: a title, the figures of its instructions, and those of its bytes.
+const KERNELS: [(&str, Picks, Picks); 14] = [
+    kernel("sine and cosine of a binary angle", &["sin_cos"], ONE, NO_BYTES),
+    kernel("the same with Clarke and Park transforms", &["sin_cos + Clarke + Park"], ONE, NO_BYTES),
+    kernel("least-squares update, 5 / 8 / 12 / 15 parameters", &["LS update, lambda 1"], ALL, &["LS update"]),
+    kernel("the same with forgetting", &["LS update"], ALL, &["LS update"]),
+    kernel("instrumental-variables update with forgetting, 8 / 15 parameters", &["IV update"], TWO, &["IV update"]),
+    kernel("a sample of least squares, 8 parameters", &["LS sample"], EIGHT, &["LS sample"]),
+    kernel("the same with tests for a stuck sensor and outliers", &[LS_GUARDED], EIGHT, &[LS_GUARDED]),
+    kernel("a sample of instrumental variables, 8 parameters", &["SRIV sample"], EIGHT, &["SRIV sample"]),
+    kernel("the same with tests for a stuck sensor and outliers", &[IV_GUARDED], EIGHT, &[IV_GUARDED]),
+    kernel(
+        "solve and covariance, 8 parameters: least squares / instrumental variables",
+        &["LS solve + covariance", "SRIV solve + covariance"],
+        EIGHT,
+        NO_BYTES,
+    ),
+    kernel("projection of 9 features to 3", &["projection 9 to 3"], ONE, NO_BYTES),
+    kernel("quadratic discriminant with posterior probabilities and costs", &[DISCRIMINANT], ONE, NO_BYTES),
+    kernel("half-band decimation of 3 channels by 8: mean / worst sample", HALF_BAND, EIGHT, &[HALF_BAND_MEAN]),
+    kernel("FIR decimation of 3 channels by 8: mean / worst sample", FIR, EIGHT, &[FIR_MEAN]),
+];
+
+const ONE: &[Option<u64>] = &[None];
+const EIGHT: &[Option<u64>] = &[Some(8)];
+const TWO: &[Option<u64>] = &[Some(8), Some(15)];
+const ALL: &[Option<u64>] = &[Some(5), Some(8), Some(12), Some(15)];
+const NO_BYTES: &[&str] = &[];
+const LS_GUARDED: &str = "LS sample, stuck sensor and outliers told";
+const IV_GUARDED: &str = "SRIV sample, stuck sensor and outliers told";
+const DISCRIMINANT: &str = "quadratic discriminant with posteriors and costs";
+const HALF_BAND_MEAN: &str = "half-band decimation, 3 channels, mean sample";
+const HALF_BAND: &[&str] = &[HALF_BAND_MEAN, "half-band decimation, 3 channels, worst sample"];
+const FIR_MEAN: &str = "FIR decimation, 3 channels, mean sample";
+const FIR: &[&str] = &[FIR_MEAN, "FIR decimation, 3 channels, worst sample"];
+
+const fn kernel(
+    title: &'static str,
+    counts: &'static [&'static str],
+    sizes: &'static [Option<u64>],
+    bytes: &'static [&'static str],
+) -> (&'static str, Picks, Picks) {
+    (title, (counts, sizes), (bytes, sizes))
+}
+
+/// The value of a figure that a cell shows.
+type Value = fn(&Figure) -> Option<u64>;
+
+/// Whole detectors: a title, how the name of the figure ends, and its value. One column each, see [`DETECTORS`].
+const CALLS: [(&str, &str, Value); 9] = [
+    ("`collect`, mean sample", "collect, mean sample", |f| f.instructions),
+    ("`collect`, longest sample", "collect, longest sample", |f| f.instructions),
+    ("`collect`, the sample that closes a segment", "collect, sample that closes", |f| f.instructions),
+    ("`conclude`", "conclude", |f| f.instructions),
+    ("`Solver::advance`, longest piece", "longest piece", |f| f.instructions),
+    // The example `measure` prints this number in the place of the size.
+    ("`Solver::advance`, number of pieces", "number of pieces", |f| f.n),
+    ("reading and checking a model", "reading and checking its model", |f| f.instructions),
+    ("bytes of a `Detector`", "collect, mean sample", |f| f.bytes),
+    ("bytes of a `Solver`", "longest piece", |f| f.bytes),
+];
+
+/// The columns: a heading, and how the names of the figures start.
+const DETECTORS: [(&str, &str); 4] = [
+    ("least squares, 8 parameters", "LS detector"),
+    ("instrumental variables, 8 parameters", "SRIV detector"),
+    ("least squares, 8 parameters, and shaft, 4 orders of 3 harmonics", "LS and shaft, 4 orders of 3 harmonics"),
+    ("shaft alone, 1 order", "shaft alone, 1 order without load"),
+];
+
+/// Stack of a call and flash, in bytes, by figure.
+const MEMORY: [(&str, &str); 6] = [
+    ("stack of `step`, a sample inside a segment", "stack, {stack} sample"),
+    ("stack of `step`, the end of a segment", "stack, {stack} segment end"),
+    ("stack of `collect`", "stack, {stack} collect"),
+    ("stack of `conclude`", "stack, {stack} conclude"),
+    ("stack of `Solver::advance`", "stack, {stack} piece"),
+    ("flash that the whole detector adds to an empty program", "flash of the whole detector, {flash}"),
+];
+
+/// The columns of [`MEMORY`]: a heading, and what stands for `{stack}` and `{flash}`.
+const PROGRAMS: [(&str, &str, &str); 3] = [
+    ("least squares", "detector", "LS"),
+    ("instrumental variables", "SRIV detector", "SRIV"),
+    ("least squares and shaft", "detector with shaft of 4 orders", "LS and shaft"),
+];
+
+/// The tables.
+pub fn block(figures: &[Figure]) -> Result<Block> {
+    let mut lines = head(["kernel", "instructions", "bytes of state"].into_iter()).to_vec();
+    for (title, counts, bytes) in KERNELS {
+        let cells = [cell(figures, counts, |f| f.instructions)?, cell(figures, bytes, |f| f.bytes)?];
+        lines.push(row(title, cells));
+    }
+    lines.push(String::new());
+    lines.extend(head(["instructions of a call"].into_iter().chain(DETECTORS.map(|(title, _)| title))));
+    for (title, call, value) in CALLS {
+        let cells = DETECTORS.iter().map(|(_, name)| {
+            let name = format!("{name}, {call}");
+            shown(value(find(figures, &name, None)?), &name)
+        });
+        lines.push(row(title, cells.collect::<Result<Vec<_>>>()?));
+    }
+    lines.push(String::new());
+    lines.extend(head(["bytes"].into_iter().chain(PROGRAMS.map(|(title, _, _)| title))));
+    for (title, name) in MEMORY {
+        let cells = PROGRAMS.iter().map(|(_, stack, flash)| {
+            let name = name.replace("{stack}", stack).replace("{flash}", flash);
+            let figure = find(figures, &name, None)?;
+            shown(figure.bytes, &name)
+        });
+        lines.push(row(title, cells.collect::<Result<Vec<_>>>()?));
+    }
+    Ok(Block { file: "README.md", name: NAME.to_owned(), lines })
+}
+
+fn find<'f>(figures: &'f [Figure], name: &str, n: Option<u64>) -> Result<&'f Figure> {
+    let found = figures.iter().find(|figure| figure.name == name && (n.is_none() || figure.n == n));
+    found.with_context(|| format!("not measured: {name}{}", n.map_or_else(String::new, |n| format!(", n = {n}"))))
+}
+
+fn shown(value: Option<u64>, name: &str) -> Result<String> {
+    value.map(|value| value.to_string()).with_context(|| format!("no value of {name}"))
+}
+
+/// The numbers of one cell, separated by slashes.
+fn cell(figures: &[Figure], (names, sizes): Picks, value: Value) -> Result<String> {
+    let mut numbers = Vec::new();
+    for name in names {
+        for n in sizes {
+            numbers.push(shown(value(find(figures, name, *n)?), name)?);
+        }
+    }
+    Ok(numbers.join(" / "))
+}
+
+fn head<'t>(titles: impl Iterator<Item = &'t str>) -> [String; 2] {
+    let titles: Vec<&str> = titles.collect();
+    [format!("| {} |", titles.join(" | ")), format!("|{}", "---|".repeat(titles.len()))]
+}
+
+fn row(title: &str, cells: impl IntoIterator<Item = String>) -> String {
+    cells.into_iter().fold(format!("| {title} |"), |line, cell| line + " " + &cell + " |").replace("|  |", "| |")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cell_lists_every_name_and_size() -> Result<()> {
+        let one = |n, instructions| Figure {
+            name: "a".to_owned(),
+            n: Some(n),
+            instructions: Some(instructions),
+            bytes: None,
+        };
+        let figures = [one(5, 10), one(8, 20)];
+        let count: Value = |figure| figure.instructions;
+        assert_eq!(cell(&figures, (&["a"], &[Some(8), Some(5)]), count)?, "20 / 10");
+        assert_eq!(cell(&figures, (&["a"], &[None]), count)?, "10");
+        assert!(cell(&figures, (&["a"], &[None]), |figure| figure.bytes).is_err());
+        assert!(cell(&figures, (&["b"], &[None]), count).is_err() && block(&figures).is_err());
+        Ok(())
+    }
+
+    #[test]
+    fn tables_are_markdown() {
+        assert_eq!(head(["a", "b"].into_iter()), ["| a | b |", "|---|---|"]);
+        assert_eq!(row("t", ["1".to_owned(), String::new()]), "| t | 1 | |");
+    }
+}

@@ -1,0 +1,134 @@
+//! `cargo xtask docs`: writes the figures that the documents quote, or checks them.
+//!
+//! A document carries blocks between the lines `<!-- generated: cargo xtask docs NAME -->` and `<!-- end -->`. A
+//! [`Source`] computes the lines of one or more blocks.
+
+mod block;
+mod campaign;
+mod compare;
+mod figures;
+mod sources;
+
+use std::fs;
+
+use anyhow::{Context, Result, bail};
+
+use crate::measure::Figure;
+use crate::toolchain::Way;
+use crate::workspace;
+use block::Block;
+use compare::Tolerance;
+use sources::{SOURCES, Source};
+
+/// Writes or checks the blocks of the named sources; without a name, those of all sources that take seconds. Returns
+/// whether all checked blocks agree.
+pub fn run(names: &[String], check: bool, way: Option<Way>) -> Result<bool> {
+    let mut agree = true;
+    for source in selected(names)? {
+        println!("{}", source.name);
+        for block in (source.blocks)(way).with_context(|| format!("cargo xtask docs {}", source.name))? {
+            if !check {
+                write(&block)?;
+            } else if let Err(difference) = agrees(&block, source.tolerance) {
+                println!("{difference}");
+                agree = false;
+            }
+        }
+    }
+    Ok(agree)
+}
+
+/// Checks the table of README's section "On the target" against measured figures.
+pub fn check_figures(figures: &[Figure]) -> Result<&'static str, String> {
+    let block = figures::block(figures).map_err(|error| format!("{error:#}"))?;
+    agrees(&block, figures::TOLERANCE).map(|()| "")
+}
+
+/// The sources to run. The table of README that quotes the campaign follows every change of the campaign's document.
+fn selected(names: &[String]) -> Result<Vec<&'static Source>> {
+    for name in names {
+        if !SOURCES.iter().any(|source| source.name == name) {
+            let known: Vec<&str> = SOURCES.iter().map(|source| source.name).collect();
+            bail!("no block `{name}`; there are {}", known.join(", "));
+        }
+    }
+    let wanted = |source: &&Source| match names {
+        [] => !source.slow,
+        _ => {
+            names.iter().any(|name| source.name == name)
+                || (source.name == "summary" && names.contains(&"campaign".to_owned()))
+        }
+    };
+    Ok(SOURCES.iter().filter(wanted).collect())
+}
+
+fn read(file: &str) -> Result<String> {
+    fs::read_to_string(workspace::root().join(file)).with_context(|| format!("cannot read {file}"))
+}
+
+fn write(block: &Block) -> Result<()> {
+    let text = read(block.file)?;
+    let new = block::replace(&text, block)?;
+    if new == text {
+        println!("  {}: unchanged", block.file);
+        return Ok(());
+    }
+    fs::write(workspace::root().join(block.file), new).with_context(|| format!("cannot write {}", block.file))?;
+    println!("  {}: written", block.file);
+    Ok(())
+}
+
+/// Returns the file, the command and a short difference if the document does not agree.
+fn agrees(block: &Block, tolerance: Tolerance) -> Result<(), String> {
+    let documented =
+        read(block.file).and_then(|text| block::find(&text, block)).map_err(|error| format!("{error:#}"))?;
+    compare::difference(&documented, &block.lines, tolerance).map_or(Ok(()), |difference| {
+        Err(format!("{} differs; run `cargo xtask docs {}`\n{difference}", block.file, block.name))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use anyhow::ensure;
+
+    use super::*;
+
+    #[test]
+    fn every_block_of_a_document_has_a_source_and_is_there_once() -> Result<()> {
+        let documents = workspace::root().join("docs");
+        let mut files = vec![workspace::root().join("README.md")];
+        for entry in documents.read_dir().context("no folder `docs`")? {
+            files.push(entry?.path());
+        }
+        let mut found = Vec::new();
+        for file in files {
+            let text = fs::read_to_string(&file)?;
+            found.extend(block::names(&text).with_context(|| file.display().to_string())?);
+        }
+        let mut once = found.clone();
+        once.sort();
+        once.dedup();
+        ensure!(once.len() == found.len(), "a name occurs twice: {found:?}");
+        for name in &found {
+            ensure!(SOURCES.iter().any(|source| sources::fills(source.name, name)), "no source of `{name}`");
+        }
+        for source in &SOURCES {
+            ensure!(found.iter().any(|name| sources::fills(source.name, name)), "no document has `{}`", source.name);
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn the_summary_in_readme_is_that_of_the_campaign() -> Result<()> {
+        let block = campaign::block(&read(campaign::DOCUMENT)?)?;
+        agrees(&block, Tolerance::Exact).map_err(anyhow::Error::msg)
+    }
+
+    #[test]
+    fn an_unknown_name_is_refused_and_the_campaign_brings_its_summary() {
+        assert!(selected(&["campain".to_owned()]).is_err());
+        let names: Vec<&str> =
+            selected(&["campaign".to_owned()]).unwrap_or_default().iter().map(|source| source.name).collect();
+        assert_eq!(names, ["campaign", "summary"]);
+    }
+}

@@ -1,0 +1,106 @@
+//! What computes the blocks of the documents.
+
+use anyhow::{Result, ensure};
+
+use super::block::{self, Block};
+use super::compare::Tolerance;
+use super::{campaign, figures, read};
+use crate::toolchain::{self, Way};
+use crate::{child, long, measure, peers, rivals, setup, workspace};
+
+/// A command of the repository that prints blocks of documents.
+#[derive(Clone, Copy, Debug)]
+pub struct Source {
+    /// The argument of `cargo xtask docs`.
+    pub name: &'static str,
+    /// Whether it takes more than about a minute, so that it runs by name only.
+    pub slow: bool,
+    pub tolerance: Tolerance,
+    pub blocks: fn(Option<Way>) -> Result<Vec<Block>>,
+}
+
+/// All sources, in the order in which they run.
+pub const SOURCES: [Source; 10] = [
+    quick(figures::NAME, figures::TOLERANCE, target),
+    quick("demo", Tolerance::Exact, |_| printed("demo", "README.md", "standard_rig::twenty_draws")),
+    quick("instruments", Tolerance::Exact, |_| {
+        printed("instruments", "README.md", "instruments_model::noise_in_the_field")
+    }),
+    slow("campaign", Tolerance::Exact, |_| workbench("campaign", campaign::DOCUMENT)),
+    quick("summary", Tolerance::Exact, |_| Ok(vec![campaign::block(&read(campaign::DOCUMENT)?)?])),
+    slow("tables", Tolerance::Exact, |_| workbench("tables", "docs/tables.md")),
+    slow("recorded", Tolerance::Exact, |_| printed("recorded", "docs/recorded.md", "recorded_")),
+    slow("endurance", Tolerance::Exact, |_| endurance()),
+    slow("peers", Tolerance::Any, |_| Ok(vec![Block::new("docs/peers.md", "peers", &peers::measure()?.0)])),
+    slow("peers-on-target", figures::TOLERANCE, peers_on_target),
+];
+
+type Blocks = fn(Option<Way>) -> Result<Vec<Block>>;
+
+const fn quick(name: &'static str, tolerance: Tolerance, blocks: Blocks) -> Source {
+    Source { name, slow: false, tolerance, blocks }
+}
+
+const fn slow(name: &'static str, tolerance: Tolerance, blocks: Blocks) -> Source {
+    Source { name, slow: true, tolerance, blocks }
+}
+
+/// Whether a block belongs to the source of this name: it has the same name, or one that continues it after a hyphen
+/// and is not that of another source.
+pub fn fills(source: &str, block: &str) -> bool {
+    match block.strip_prefix(source) {
+        Some("") => true,
+        Some(rest) => rest.starts_with('-') && !SOURCES.iter().any(|other| other.name == block),
+        None => false,
+    }
+}
+
+fn ready(way: Option<Way>) -> Result<Way> {
+    let way = toolchain::choose(way)?;
+    setup::ensure(way)?;
+    Ok(way)
+}
+
+fn target(way: Option<Way>) -> Result<Vec<Block>> {
+    Ok(vec![figures::block(&measure::kernels(ready(way)?)?)?])
+}
+
+fn peers_on_target(way: Option<Way>) -> Result<Vec<Block>> {
+    Ok(vec![Block::new("docs/peers-on-target.md", "peers-on-target", &rivals::table(ready(way)?)?)])
+}
+
+/// The output of a command of the workbench, as a block of fixed-width text.
+fn workbench(command: &str, file: &'static str) -> Result<Vec<Block>> {
+    let program = ["run", "--release", "--quiet", "--package", "bearing-watch-workbench", "--bin", "bearing-watch"];
+    let mut text = String::from("```text\n");
+    let status = child::lines(workspace::cargo(&program).args(["--", command]), |line| {
+        text += line;
+        text.push('\n');
+    })?;
+    ensure!(status.success(), "bearing-watch {command}: {status}");
+    Ok(vec![Block::new(file, command, &(text + "```"))])
+}
+
+/// The blocks that tests of the system print. A test fails where the document differs from what it prints, so its
+/// failure is no obstacle, but all blocks of the document that belong to `name` must be printed.
+fn printed(name: &str, file: &'static str, filter: &str) -> Result<Vec<Block>> {
+    let mut cargo = workspace::cargo(&["test", "--quiet", "--package", "host-tests", "--test", "system", "--"]);
+    let mut lines = Vec::new();
+    child::lines(cargo.args([filter, "--show-output"]), |line| lines.push(line.to_owned()))?;
+    let blocks = block::printed(&lines, file);
+    for wanted in block::names(&read(file)?)? {
+        let own = fills(name, &wanted);
+        let found = !own || blocks.iter().any(|block| block.name == wanted);
+        ensure!(found, "the tests `{filter}` printed no block `{wanted}`:\n{}", lines.join("\n"));
+    }
+    Ok(blocks)
+}
+
+fn endurance() -> Result<Vec<Block>> {
+    let (rows, passed) = long::measure()?;
+    ensure!(passed, "a test failed");
+    let steps: String = (1..=10).map(|step| format!(" {step} |")).collect();
+    let head = format!("| what | one step |{steps}\n|{}", "---|".repeat(12));
+    let rows = rows.join("\n");
+    Ok(vec![Block::new("docs/endurance.md", "endurance", &format!("{head}\n{rows}"))])
+}
