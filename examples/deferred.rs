@@ -14,8 +14,8 @@
 //! handover     ≥ s + 1
 //! ```
 //!
-//! The number of pieces depends on the plan; the example prints it. With 60 pieces and six a sample, s = 10 and
-//! `handover` must be at least 11. All pieces of a sample must fit into the interval beside the interrupt. Every segment
+//! The number of pieces depends on the plan; the example prints it. With 154 pieces and twelve a sample, s = 13 and
+//! `handover` must be at least 14. All pieces of a sample must fit into the interval beside the interrupt. Every segment
 //! loses the rows of its first `handover + settle` samples; a large `handover` has no other cost.
 //!
 //! A queue of `heapless` hands the segment over: the interrupt owns its producer and the main loop its consumer, so the
@@ -40,7 +40,7 @@ use timer::with;
 const SEGMENTS: usize = 6;
 
 /// Pieces of a solve that the main loop runs between two samples.
-const PIECES_A_SAMPLE: u32 = 6;
+const PIECES_A_SAMPLE: u32 = 12;
 
 /// Room for one segment: a queue of this kind has one place more than it can hold.
 type Queue = spsc::Queue<Segment<Refined>, 2>;
