@@ -167,9 +167,10 @@ where
         let means = numbers.array();
         // Square matrices, of which the lower triangles are used.
         let full: [f32; 27] = numbers.array();
-        let lower = [0, 3, 4, 6, 7, 8];
+        let lower = [0_usize, 3, 4, 6, 7, 8];
+        let mut kept = full.chunks(9).flat_map(|matrix| lower.iter().filter_map(|place| matrix.get(*place)));
         let whitening: Array<P::Densities, f32> =
-            Cells::from_fn(plan.layout().densities(), |k| full[k / 6 * 9 + lower[k % 6]]);
+            Cells::from_fn(plan.layout().densities(), |_| kept.next().copied().unwrap_or(0.0));
         let discriminant = Discriminant {
             means,
             whitening,

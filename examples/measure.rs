@@ -40,7 +40,7 @@ fn run() {
     // With two and three output terms, each of which has a column for its instrument.
     updates::<11, 55>(counter, "IV update", 8);
     updates::<19, 171>(counter, "IV update", 15);
-    estimator(counter, "LS", &squares::MODEL, |sample| sample_of_squares(sample));
+    estimator(counter, "LS", &squares::MODEL, sample_of_squares);
     estimator(counter, "SRIV", &refined::MODEL, |sample| sample);
     decision(counter);
     monitor(counter);
@@ -197,7 +197,7 @@ fn monitor(counter: &mut Counter) {
 /// the model.
 fn detector<P: Plan>(counter: &mut Counter, name: &str, n: usize, model: &Model<P>, samples: &[P::Sample]) {
     let mut detector = Detector::new(black_box(model));
-    let length = model.constants().sampling.segment_samples as usize;
+    let length = model.constants().sampling.segment_samples;
     let mut segment: Option<Segment<P>> = None;
     let (mut total, mut longest, mut close) = (0, 0, 0);
     let mut next = samples.iter().cycle();
@@ -218,7 +218,7 @@ fn detector<P: Plan>(counter: &mut Counter, name: &str, n: usize, model: &Model<
         }
     }
     let Some(segment) = segment else { return };
-    line(format_args!("{name}, collect, mean sample"), n, total / (length as u32 - 1), Some(size_of_val(&detector)));
+    line(format_args!("{name}, collect, mean sample"), n, total / (length - 1), Some(size_of_val(&detector)));
     line(format_args!("{name}, collect, longest sample"), n, longest, None);
     line(format_args!("{name}, collect, sample that closes"), n, close, Some(size_of_val(&segment)));
     let mut verdict = None;

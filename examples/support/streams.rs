@@ -148,7 +148,8 @@ fn outcome<P: Three>(plan: P, way: Way) -> Outcome {
         Channel::within("u1", "rad/s", 30.0),
         Channel::within("u2", "N·m", 30.0),
     ];
-    let channels = Cells::from_fn(named.len(), |place| named[place]);
+    let [y, ..] = named;
+    let channels = Cells::from_fn(named.len(), |place| named.get(place).copied().unwrap_or(y));
     let mut stream = Alone::new(plan, &channels, &constants);
     let mut plant = Plant::new(layout.structure);
     for _ in 0..SEGMENTS {

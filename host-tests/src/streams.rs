@@ -88,15 +88,16 @@ pub fn outcome(estimate: Estimate) -> Result<Estimate, Reason> {
 /// If the rows do not excite every parameter.
 #[must_use]
 pub fn solve(triangle: &Triangle<Vec<f32>, Vec<f32>>, rows: f32) -> Vec<f32> {
-    let (d, r) = triangle.parts();
+    let mut triangle = triangle.clone();
     let n = triangle.columns() - 1;
+    let (d, r) = triangle.parts_mut();
     let (scale, mass) = (vec![1.0; n + 1], Mass { rows, spread: 1.0 });
-    let problem = Problem { d, r, inputs: n, outputs: 0, scale: &scale, base: &[], mass, gain: 1.0 };
+    let problem = &mut Problem { d, r, inputs: n, outputs: 0, scale: &scale, base: &[], mass, gain: 1.0 };
     let (mut delta, mut covariance, mut variance) = (vec![0.0; n], vec![0.0; n * (n + 1) / 2], 0.0);
     let mut work = vec![0.0; n];
-    let mut solved =
-        Solved { delta: &mut delta, covariance: &mut covariance, variance: &mut variance, work: &mut work };
-    assert_eq!(Solution::new().advance::<true>(&problem, &mut solved, usize::MAX), Ok(true));
+    let solved =
+        &mut Solved { delta: &mut delta, covariance: &mut covariance, variance: &mut variance, work: &mut work };
+    assert_eq!(Solution::new().advance::<true>(problem, solved, usize::MAX), Ok(true));
     delta
 }
 

@@ -165,8 +165,8 @@ impl Deciding {
             Quantity::Joint => {
                 let likelihood = log_likelihoods.get(class).copied().unwrap_or(f32::NAN);
                 *cell = likelihood + discriminant.log_prior.cells().get(class).copied().unwrap_or(f32::NAN);
-                // Written so that NaN stays.
-                if !(*cell <= self.extreme) {
+                // A NaN stays, since nothing is greater.
+                if *cell > self.extreme || cell.is_nan() {
                     self.extreme = *cell;
                 }
                 if let Some(own) = decision.log_likelihoods.cells_mut().get_mut(class) {

@@ -20,7 +20,7 @@ use super::triangle::PRIOR;
 use super::{Forgetting, Row, Triangle};
 use crate::plan::{Array, Cells, Memory, Plan, Presence};
 
-/// Largest number of rows of a segment summed in one factor (see [`super::triangle`]).
+/// Largest number of rows of a segment summed in one factor: more would cost accuracy in single precision.
 pub const MAX_SEGMENT_ROWS: u32 = 100_000;
 /// Largest number of rows of a segment summed in two levels.
 pub const MAX_LONG_SEGMENT_ROWS: u32 = 1_000_000;
