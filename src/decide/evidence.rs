@@ -143,7 +143,7 @@ impl<P: Plan> Evidence<P> {
             largest = if k == healthy_class { largest } else { largest.max(*own) };
         }
         let states = self.defects.cells_mut().iter_mut().zip(self.support.cells_mut());
-        for (k, ((score, support), own)) in states.zip(log_likelihoods).enumerate() {
+        for ((k, own), (score, support)) in log_likelihoods.iter().enumerate().zip(states) {
             if k != healthy_class {
                 let ratio = own - healthy; // (2)
                 *score = raised(*score, if ratio.is_nan() { 0.0 } else { ratio.min(cap) });

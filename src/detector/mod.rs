@@ -11,6 +11,8 @@
 
 mod report;
 mod solver;
+#[cfg(test)]
+mod tests;
 
 pub use report::{Report, Verdict};
 pub use solver::{Segment, Solver};

@@ -15,6 +15,8 @@ mod bearing;
 mod friction;
 mod orders;
 mod state_variable;
+#[cfg(test)]
+mod tests;
 
 pub use bearing::Bearing;
 pub use friction::{Balance, Friction, Parameter};

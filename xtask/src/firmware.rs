@@ -34,9 +34,10 @@ pub fn build_checked(way: Way, board: Board, example: &str) -> Result<PathBuf> {
     existing(folder.join("examples").join(example))
 }
 
-/// Builds every example with every feature of the core but `alloc`, which is for hosts.
-pub fn build_all_features(way: Way, board: Board) -> Result<()> {
-    let (mut cargo, _) = cargo(way, board);
+/// Checks every example with every feature of the core but `alloc`, which is for hosts. Checks, since each example is
+/// also built with its own features, and building takes minutes.
+pub fn check_all_features(way: Way, board: Board) -> Result<()> {
+    let (mut cargo, _) = cargo_to("check", way, board);
     child::succeed(cargo.args(["--package", "bearing-watch", "--examples", "--features", "defmt,nalgebra,internals"]))
 }
 
@@ -49,11 +50,15 @@ pub fn build_peers(way: Way, cmsis: &Path) -> Result<PathBuf> {
 
 /// The build command up to what is built, and the folder that then holds it.
 fn cargo(way: Way, board: Board) -> (Command, PathBuf) {
+    cargo_to("build", way, board)
+}
+
+fn cargo_to(command: &str, way: Way, board: Board) -> (Command, PathBuf) {
     let (mut cargo, folder) = match way {
         Way::Rustup => rustup(),
         Way::Debian => debian(),
     };
-    cargo.args(["build", "--release", "--target", board.target]);
+    cargo.args([command, "--release", "--target", board.target]);
     match board.memory {
         "" => cargo.env_remove(BOARD),
         folder => cargo.env(BOARD, folder),

@@ -1,0 +1,164 @@
+use super::{Detector, Report, Segment, Solver, Verdict};
+use crate::drive::Park;
+use crate::model::{
+    Channel, Classifier, Constants, Discriminant, EvidenceConstants, Feature, Forgetting, Label, Model, Novelty,
+    Projection, Regression, Sampling,
+};
+use crate::plan::{Kind, Layout, Memory, Method, RegressionLayout, Structure};
+use crate::reason::Reason;
+
+/// Samples of a segment.
+const SAMPLES: u32 = 200;
+
+crate::plan! {
+    struct Drive;
+    struct Sample { current_a: "A", velocity_rad_s: "rad/s" }
+    layout: Layout {
+        regression: Some(RegressionLayout {
+            structure: Structure::new(1, 1, 0, 1, 0),
+            method: Method::LeastSquares,
+            memory: Memory::Segment,
+            y: current_a,
+            u1: velocity_rad_s,
+            u2: velocity_rad_s,
+        }),
+        features: 2,
+        coordinates: 1,
+        classes: 2,
+        discriminant: Kind::Linear,
+        ..Layout::EMPTY
+    }
+}
+
+/// Classes at the gains 0.5 and 1 of y = 0.8 y₁ + b u₁.
+static MODEL: Model<Drive> = Drive::model(Constants {
+    sampling: Sampling { interval_s: 0.001, park: Some(Park::Standard), block_mean: 1, segment_samples: SAMPLES },
+    channels: [
+        Channel { stuck_samples: 20, ..Channel::within("current_a", "A", 100.0) },
+        Channel::within("velocity_rad_s", "rad/s", 10.0),
+    ],
+    regression: [Regression {
+        scale: [1.0, 1.0, 1.0],
+        nominal: [-0.2, 0.5],
+        deviation: 0.0,
+        forgetting: Forgetting { lambda: 0.999, floor: 10.0 },
+        huber: 0.0,
+        rest: 0.0,
+        settle: 10,
+        handover: 5,
+    }],
+    shaft: [],
+    classifier: Classifier {
+        features: [Feature::Parameter(0), Feature::Parameter(1)],
+        projection: Projection { matrix: [0.0, 1.0], mean: [0.0, 0.0] },
+        discriminant: Discriminant {
+            means: [0.5, 1.0],
+            whitening: [20.0],
+            log_normaliser: [0.0, 0.0],
+            log_prior: [-0.693, -0.693],
+            costs: [0.0, 1.0, 1.0, 0.0],
+            reject_cost: f32::INFINITY,
+        },
+        novelty: Novelty { class: None, mean: [0.0], whitening: [0.0], knots: [[0.0; 2]; 24], limit: f32::INFINITY },
+    },
+    evidence: EvidenceConstants::NONE,
+    labels: [Label::constant("half"), Label::constant("whole")],
+});
+
+/// A square wave through the model of gain `b`, with a little noise.
+fn samples(b: f32) -> impl Iterator<Item = Sample> {
+    let (mut state, mut y, mut u) = (3_u32, 0.0, 0.0);
+    (0_u32..).map(move |t| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let noise = f32::from((state >> 16) as i16) / 3e7;
+        y = 0.8 * y + b * u + noise;
+        u = if t % 7 < 3 { 1.0 } else { -1.0 };
+        Sample { current_a: y, velocity_rad_s: u }
+    })
+}
+
+fn segment(detector: &mut Detector<'_, Drive>, mut samples: impl Iterator<Item = Sample>) -> Segment<Drive> {
+    loop {
+        if let Some(segment) = detector.collect(&samples.next().unwrap()) {
+            return segment;
+        }
+    }
+}
+
+fn report(mut samples: impl Iterator<Item = Sample>) -> Report<Drive> {
+    let mut detector = Detector::new(&MODEL);
+    loop {
+        if let Some(report) = detector.step(&samples.next().unwrap()) {
+            return report;
+        }
+    }
+}
+
+#[test]
+fn at_once_deferred_and_by_pieces_give_the_same_reports() {
+    let [mut inline, mut whole, mut pieces] = [(); 3].map(|()| Detector::new(&MODEL));
+    let [mut one, mut two, mut three] = [(); 3].map(|()| samples(1.0));
+    for _ in 0..3 {
+        let expected = loop {
+            if let Some(report) = inline.step(&one.next().unwrap()) {
+                break report;
+            }
+        };
+        assert_eq!(expected.verdict, Verdict::Class(1));
+        let concluded = MODEL.conclude(segment(&mut whole, &mut two));
+        assert!(whole.adopt(&concluded));
+        let mut solver = Solver::new(&MODEL, segment(&mut pieces, &mut three));
+        let mut advances = 1;
+        while solver.advance().is_none() {
+            advances += 1;
+        }
+        assert!((10..100).contains(&advances), "{advances}");
+        assert_eq!(solver.advance(), Some(&expected), "the last piece is repeated");
+        assert!(pieces.adopt(&solver.finish()) && !pieces.adopt(&Report::empty(Drive)));
+        assert_eq!(concluded, expected);
+    }
+}
+
+#[test]
+fn the_gain_decides() {
+    for (gain, class) in [(0.5, 0), (1.0, 1)] {
+        let report = report(samples(gain));
+        assert_eq!(report.verdict, Verdict::Class(class));
+        // The noise of 6e-4 leaves less than a hundredth of a gain.
+        assert!((report.estimate().unwrap().delta()[1] - gain).abs() < 0.01, "{report:?}");
+    }
+}
+
+#[test]
+fn a_stuck_channel_is_named() {
+    let report = report(samples(0.5).map(|sample| Sample { current_a: 0.25, ..sample }));
+    assert_eq!(report.verdict, Verdict::Undetermined(Reason::Stuck { channel: 0 }));
+    assert!(report.decision.is_none());
+}
+
+#[test]
+fn half_a_segment_of_rows_is_needed() {
+    let spoiled = |limit: u32| {
+        (0_u32..).zip(samples(0.5)).map(move |(t, sample)| {
+            let velocity_rad_s = if t < limit { f32::NAN } else { sample.velocity_rad_s };
+            Sample { velocity_rad_s, ..sample }
+        })
+    };
+    assert_eq!(report(spoiled(80)).verdict, Verdict::Class(0));
+    let rows = report(spoiled(120)).rows;
+    assert!(rows < SAMPLES / 2);
+    assert_eq!(report(spoiled(120)).verdict, Verdict::Undetermined(Reason::ShortSegment { rows }));
+}
+
+#[test]
+fn a_preview_changes_nothing() {
+    let mut detector = Detector::new(&MODEL);
+    for sample in samples(0.5).take(150) {
+        assert!(detector.step(&sample).is_none());
+    }
+    let before = detector.clone();
+    assert_eq!(detector.preview().verdict, Verdict::Class(0));
+    assert_eq!(detector, before);
+    assert_eq!(detector.finish().verdict, Verdict::Class(0));
+    assert_eq!(detector, Detector::new(&MODEL));
+}
