@@ -11,8 +11,6 @@
 
 mod report;
 mod solver;
-#[cfg(test)]
-mod tests;
 
 pub use report::{Report, Verdict};
 pub use solver::{Segment, Solver};
@@ -227,3 +225,6 @@ impl<'m, P: Plan> Detector<'m, P> {
         *self = Self::new(self.model);
     }
 }
+
+#[cfg(test)]
+mod tests;

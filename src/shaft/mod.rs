@@ -15,8 +15,6 @@ mod bearing;
 mod friction;
 mod orders;
 mod state_variable;
-#[cfg(test)]
-mod tests;
 
 pub use bearing::Bearing;
 pub use friction::{Balance, Friction, Parameter};
@@ -280,3 +278,6 @@ impl Default for ShaftSolve {
         Self::new()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -193,7 +193,7 @@ fn same_in_three_ways<P: Plan>(model: &Model<P>, sample: impl Fn(&Motion) -> P::
     let mut inline = Detector::new(model);
     let (mut whole, mut pieces) = (inline.clone(), inline.clone());
     let (mut solver, mut expected, mut count, mut most) = (None::<Solver<'_, P>>, None, 0, 0);
-    for (t, motion) in recording().iter().cycle().take(20_100).enumerate() {
+    for (t, motion) in recording().iter().cycle().take(20_290).enumerate() {
         let sample = sample(motion);
         if let Some(report) = solver.as_mut().and_then(|solver| solver.advance()) {
             assert_eq!(Some(report), expected.as_ref());
