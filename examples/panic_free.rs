@@ -105,6 +105,8 @@ fn plans() {
     opaque([Layout::whitening(&layout), Layout::densities(&layout), Layout::means(&layout), Layout::costs(&layout)]);
     opaque((Layout::needs_angle(&layout), Feature::exists(opaque(Feature::Parameter(3)), &layout)));
     sizes(<Fixed<3> as Size>::map(&opaque([1.0; 2 + 1]), |x| 2.0 * x));
+    let part = <Present<1> as Presence>::part(true, || opaque(1.0));
+    sizes(<Present<1> as Presence>::map_part(&part, |x| 2.0 * x));
 }
 
 fn sizes<A: Cells<f32>>(mut cells: A) {
