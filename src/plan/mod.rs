@@ -20,9 +20,13 @@ pub use layout::{
 };
 #[cfg(any(test, feature = "alloc"))]
 pub use run_time::{RunTime, RunTimeSample};
+pub use size::{Array, Size};
+// For the macro `plan!` and for this repository's programs.
+#[doc(hidden)]
 #[cfg(any(test, feature = "alloc"))]
 pub use size::Heap;
-pub use size::{Array, Cells, Fixed, Item, Presence, Present, Printable, Size};
+#[doc(hidden)]
+pub use size::{Cells, Fixed, Item, Presence, Present, Printable};
 pub use structure::Structure;
 
 pub(crate) use layout::filter_cells;

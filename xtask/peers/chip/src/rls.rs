@@ -2,7 +2,8 @@
 
 use core::hint::black_box;
 
-use bearing_watch::estimate::{Forgetting, Triangle};
+use bearing_watch::internals::Triangle;
+use bearing_watch::model::Forgetting;
 use nalgebra::{SMatrix, SVector};
 use oxictl::adaptive::Rls;
 use oxictl::core::adaptive_filters::RlsFilter;
@@ -80,7 +81,7 @@ fn diagonal<const N: usize>() -> [[f32; N]; N] {
     core::array::from_fn(|i| core::array::from_fn(|j| if i == j { P0 } else { 0.0 }))
 }
 
-pub struct Ours<const M: usize, const P: usize>(Triangle<M, P>, Forgetting);
+pub struct Ours<const M: usize, const P: usize>(Triangle<[f32; M], [f32; P]>, Forgetting);
 
 /// The same, with θ read out after every row as the covariance forms do.
 pub struct OursSolved<const N: usize, const M: usize, const P: usize>(Ours<M, P>, [f32; M]);
@@ -97,7 +98,7 @@ impl<const N: usize, const M: usize, const P: usize> Rival<N, M> for Ours<M, P> 
     }
 
     fn theta(&self) -> [f32; N] {
-        self.0.solve().first_chunk().copied().unwrap_or([f32::NAN; N])
+        solve(&self.0).first_chunk().copied().unwrap_or([f32::NAN; N])
     }
 }
 
@@ -110,12 +111,26 @@ impl<const N: usize, const M: usize, const P: usize> Rival<N, M> for OursSolved<
 
     fn update(&mut self, row: &[f32; M]) {
         <Ours<M, P> as Rival<N, M>>::update(&mut self.0, row);
-        self.1 = self.0.0.solve();
+        self.1 = solve(&self.0.0);
     }
 
     fn theta(&self) -> [f32; N] {
         self.1.first_chunk().copied().unwrap_or([f32::NAN; N])
     }
+}
+
+/// θ of R θ = r, in the first M − 1 cells.
+fn solve<const M: usize, const P: usize>(triangle: &Triangle<[f32; M], [f32; P]>) -> [f32; M] {
+    let (_, mut r) = triangle.parts();
+    let mut theta = [0.0; M];
+    for i in (0..M - 1).rev() {
+        // The last row is the shortest: the target alone.
+        let (above, row) = r.split_at(r.len() - (M - 1 - i));
+        let (target, row) = row.split_last().expect("a row has its target");
+        theta[i] = row.iter().zip(&theta[i + 1..]).fold(*target, |value, (r, theta)| value - r * theta);
+        r = above;
+    }
+    theta
 }
 
 pub struct HandC<const N: usize> {
