@@ -59,6 +59,10 @@ fn cargo_to(command: &str, way: Way, board: Board) -> (Command, PathBuf) {
         Way::Debian => debian(),
     };
     cargo.args([command, "--release", "--target", board.target]);
+    if way == Way::Debian {
+        // After the command: a later `--config` there would hide one before it.
+        cargo.args(["--config", LINKER]);
+    }
     match board.memory {
         "" => cargo.env_remove(BOARD),
         folder => cargo.env(BOARD, folder),
@@ -125,6 +129,6 @@ fn debian() -> (Command, PathBuf) {
         .env_remove("CARGO")
         .env_remove("RUSTUP_TOOLCHAIN")
         .env_remove("LD_LIBRARY_PATH")
-        .args(["-Z", "build-std=core", "--config", LINKER]);
+        .args(["-Z", "build-std=core"]);
     (cargo, folder)
 }

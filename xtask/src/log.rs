@@ -46,7 +46,7 @@ pub fn refusals(lines: &[String]) -> Result<&'static str, String> {
     };
     if !warned(&["samples refused: 5 rejected, 5 saturated"]) {
         Err("no warning of 5 lost and 5 saturated samples".to_owned())
-    } else if !warned(&["no verdict: Stuck(0)", "stuck: [true, false, false]"]) {
+    } else if !warned(&["no verdict: Stuck { channel: 0 }", "stuck: ChannelSet(1)"]) {
         Err("no warning of the stuck sensor".to_owned())
     } else {
         Ok("")
@@ -66,7 +66,7 @@ mod tests {
     #[test]
     fn refusals_are_warnings() {
         let refused = "WARN samples refused: 5 rejected, 5 saturated".to_owned();
-        let stuck = "WARN 2800 rows, Counts { stuck: [true, false, false] }, no verdict: Stuck(0)".to_owned();
+        let stuck = "WARN 2800 rows, Counts { stuck: ChannelSet(1) }, no verdict: Stuck { channel: 0 }".to_owned();
         assert!(refusals(&[refused.clone(), stuck.clone()]).is_ok());
         assert!(
             refusals(std::slice::from_ref(&refused)).is_err()
