@@ -1,6 +1,9 @@
 //! The trained constants: a `const` in flash, or read from a checked binary form.
 
 mod bytes;
+mod error;
+mod parts;
+mod ranges;
 mod validate;
 
 pub use crate::decide::{Classifier, Discriminant, EvidenceConstants, Feature, KNOTS, Novelty, Projection};
@@ -9,9 +12,11 @@ pub use crate::regression::Regression;
 pub use crate::sample::{Channel, Label, Name};
 pub use crate::shaft::{Balance, MAX_CURRENT_DELAY, ShaftConstants, StateVariable, TrackedOrder, Tracking};
 pub use bytes::{MAX_BYTES, layout, notes, stored_len};
-pub use validate::{Field, ModelError};
+pub use error::{Field, ModelError};
 #[doc(hidden)]
-pub use validate::{Parts, RegressionParts, ShaftParts, check};
+pub use parts::{Parts, RegressionParts, ShaftParts};
+#[doc(hidden)]
+pub use validate::check;
 
 use crate::decide::Evidence;
 use crate::drive::{FrontEnd, Park};
