@@ -4,7 +4,9 @@ mod bytes;
 mod error;
 mod parts;
 mod ranges;
+mod reader;
 mod validate;
+mod writer;
 
 pub use crate::decide::{Classifier, Discriminant, EvidenceConstants, Feature, KNOTS, Novelty, Projection};
 pub use crate::factor::{Forgetting, MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
