@@ -16,6 +16,7 @@ mod balance_solve;
 mod bearing;
 mod friction;
 mod orders;
+mod phasor;
 mod state_variable;
 #[cfg(test)]
 mod tests;
