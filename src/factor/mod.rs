@@ -4,12 +4,15 @@
 
 pub mod kernels;
 mod memory;
+mod problem;
+mod slices;
 mod solve;
 mod triangle;
 
 pub use kernels::pairs;
 pub use memory::{MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS, Mass, Sums, longest};
-pub use solve::{Problem, Solution, SolveError, Solved, lower};
+pub use problem::{Problem, SolveError, Solved, lower};
+pub use solve::Solution;
 pub use triangle::{Forgetting, NEVER, PRIOR, Triangle};
 
 /// One row of the regression.

@@ -1,7 +1,12 @@
 //! The trained constants: a `const` in flash, or read from a checked binary form.
 
 mod bytes;
+mod error;
+mod parts;
+mod ranges;
+mod reader;
 mod validate;
+mod writer;
 
 pub use crate::decide::{Classifier, Discriminant, EvidenceConstants, Feature, KNOTS, Novelty, Projection};
 pub use crate::factor::{Forgetting, MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
@@ -9,9 +14,11 @@ pub use crate::regression::Regression;
 pub use crate::sample::{Channel, Label, Name};
 pub use crate::shaft::{Balance, MAX_CURRENT_DELAY, ShaftConstants, StateVariable, TrackedOrder, Tracking};
 pub use bytes::{MAX_BYTES, layout, notes, stored_len};
-pub use validate::{Field, ModelError};
+pub use error::{Field, ModelError};
 #[doc(hidden)]
-pub use validate::{Parts, RegressionParts, ShaftParts, check};
+pub use parts::{Parts, RegressionParts, ShaftParts};
+#[doc(hidden)]
+pub use validate::check;
 
 use crate::decide::Evidence;
 use crate::drive::{FrontEnd, Park};

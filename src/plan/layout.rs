@@ -1,13 +1,4 @@
 //! What a detector consists of: its channels, its regression, its shaft, and the sizes of its classifier.
-//!
-//! Every array length of a detector follows from its layout:
-//!
-//! ```text
-//! n = na + nb + nc (+ 1)                          parameters
-//! M = n + 1 (+ na by instruments)                 columns of a row, target last
-//! M (M − 1)/2,  n (n + 1)/2                       packed triangular factor, packed covariance
-//! Z F,  Z (Z + 1)/2,  C Z,  C²                    projection, whitening matrix, class means, costs
-//! ```
 
 use super::Structure;
 
@@ -140,82 +131,7 @@ pub struct Layout {
     pub discriminant: Kind,
 }
 
-/// Why a layout is refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum LayoutError {
-    /// Neither a regression nor a shaft.
-    Empty,
-    /// No channel, or more than [`MAX_CHANNELS`].
-    Channels,
-    /// A signal names a channel that the sample does not have.
-    UnknownChannel,
-    /// The sample has a channel that no part uses.
-    UnusedChannel,
-    /// The regression has no terms, or more than 254 columns.
-    Terms,
-    /// Instrumental variables need 1 … 4 output terms.
-    OutputTerms,
-    /// The shaft has more than 32 orders, or not 1 … 3 harmonics.
-    Orders,
-    /// No features, no coordinates or no classes.
-    Classifier,
-}
-
-impl LayoutError {
-    /// The error in words.
-    #[must_use]
-    pub const fn message(self) -> &'static str {
-        match self {
-            Self::Empty => "the plan has neither a regression nor a shaft",
-            Self::Channels => "the plan has no channel or more than 16 channels",
-            Self::UnknownChannel => "a signal of the plan names a channel that its sample does not have",
-            Self::UnusedChannel => "the sample of the plan has a channel that the plan does not use",
-            Self::Terms => "the regression of the plan has no terms or more than 254 columns",
-            Self::OutputTerms => "instrumental variables need 1 to 4 output terms",
-            Self::Orders => "the plan has more than 32 bearing orders, or not 1 to 3 harmonics",
-            Self::Classifier => "the plan has no features, no coordinates or no classes",
-        }
-    }
-}
-
-impl core::fmt::Display for LayoutError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(self.message())
-    }
-}
-
-impl core::error::Error for LayoutError {}
-
 impl RegressionLayout {
-    /// Number of parameters whose own column serves as instrument, and of those with a separate instrument.
-    #[inline(always)]
-    pub(crate) const fn split(&self) -> (usize, usize) {
-        let outputs = match self.method {
-            Method::LeastSquares => 0,
-            Method::Instruments => self.structure.na as usize,
-        };
-        (self.structure.parameters().saturating_sub(outputs), outputs)
-    }
-
-    /// Number of columns M of a row.
-    #[inline(always)]
-    #[must_use]
-    pub const fn columns(&self) -> usize {
-        self.structure.parameters() + self.split().1 + 1
-    }
-
-    /// Number of level and difference cells of the simulated output and both filtered inputs; 0 by least squares.
-    #[inline(always)]
-    pub(crate) const fn filters(&self) -> usize {
-        let Structure { na, nb, nc, .. } = self.structure;
-        match self.method {
-            Method::LeastSquares => 0,
-            Method::Instruments => na as usize + filter_cells(nb, na) + filter_cells(nc, na),
-        }
-    }
-
     /// The channels that the regression uses, as a bit mask.
     #[inline(always)]
     pub(crate) const fn mask(&self) -> u16 {
@@ -238,23 +154,6 @@ impl ShaftLayout {
     }
 }
 
-/// Level and difference cells of a filtered input: for its terms in the row and for the memory of the filter.
-#[inline(always)]
-pub(crate) const fn filter_cells(terms: u8, na: u8) -> usize {
-    if terms == 0 {
-        0
-    } else if terms > na {
-        terms as usize
-    } else {
-        na as usize
-    }
-}
-
-/// Number of elements on and below the diagonal.
-const fn triangle(n: usize) -> usize {
-    n * (n + 1) / 2
-}
-
 const fn bit(place: u8) -> u16 {
     if place < 16 { 1 << place } else { 0 }
 }
@@ -270,179 +169,12 @@ impl Layout {
         classes: 0,
         discriminant: Kind::Linear,
     };
-
-    /// Checks that the parts fit each other.
-    ///
-    /// # Errors
-    /// The first thing that does not fit.
-    pub const fn check(&self) -> Result<(), LayoutError> {
-        if self.regression.is_none() && self.shaft.is_none() {
-            return Err(LayoutError::Empty);
-        }
-        let channels = self.channels as usize;
-        if channels == 0 || channels > MAX_CHANNELS {
-            return Err(LayoutError::Channels);
-        }
-        let mut used: u16 = 0;
-        if let Some(regression) = &self.regression {
-            used |= regression.mask();
-            if regression.structure.terms() == 0 || regression.columns() > 254 {
-                return Err(LayoutError::Terms);
-            }
-            let na = regression.structure.na as usize;
-            if matches!(regression.method, Method::Instruments) && (na == 0 || na > MAX_OUTPUT_TERMS) {
-                return Err(LayoutError::OutputTerms);
-            }
-        }
-        if let Some(shaft) = &self.shaft {
-            used |= shaft.mask();
-            if shaft.orders > 32 || shaft.harmonics == 0 || shaft.harmonics as usize > MAX_HARMONICS {
-                return Err(LayoutError::Orders);
-            }
-        }
-        let there = if channels == MAX_CHANNELS { u16::MAX } else { (1 << channels) - 1 };
-        if used & !there != 0 {
-            return Err(LayoutError::UnknownChannel);
-        }
-        if used != there {
-            return Err(LayoutError::UnusedChannel);
-        }
-        if self.features == 0 || self.coordinates == 0 || self.classes == 0 {
-            return Err(LayoutError::Classifier);
-        }
-        Ok(())
-    }
-
-    /// Whether a sample needs the angle of the shaft.
-    #[must_use]
-    pub const fn needs_angle(&self) -> bool {
-        matches!(self.shaft, Some(shaft) if shaft.orders > 0)
-    }
-
-    /// 1 with a regression, else 0; likewise the sizes below.
-    #[must_use]
-    pub const fn regressed(&self) -> usize {
-        self.regression.is_some() as usize
-    }
-
-    /// 1 if the regression uses least squares.
-    #[must_use]
-    pub const fn squares(&self) -> usize {
-        matches!(self.regression, Some(regression) if matches!(regression.method, Method::LeastSquares)) as usize
-    }
-
-    /// 1 if the regression uses instrumental variables.
-    #[must_use]
-    pub const fn instruments(&self) -> usize {
-        matches!(self.regression, Some(regression) if matches!(regression.method, Method::Instruments)) as usize
-    }
-
-    /// 1 if rows are summed in two levels.
-    #[must_use]
-    pub const fn two_level(&self) -> usize {
-        matches!(self.regression, Some(regression) if matches!(regression.memory, Memory::LongSegment)) as usize
-    }
-
-    /// M.
-    #[must_use]
-    pub const fn columns(&self) -> usize {
-        match &self.regression {
-            Some(regression) => regression.columns(),
-            None => 0,
-        }
-    }
-
-    /// M (M − 1)/2.
-    #[must_use]
-    pub const fn packed(&self) -> usize {
-        triangle(self.columns().saturating_sub(1))
-    }
-
-    /// n.
-    #[must_use]
-    pub const fn parameters(&self) -> usize {
-        match &self.regression {
-            Some(regression) => regression.structure.parameters(),
-            None => 0,
-        }
-    }
-
-    /// n (n + 1)/2.
-    #[must_use]
-    pub const fn covariance(&self) -> usize {
-        triangle(self.parameters())
-    }
-
-    /// nkb + nkc.
-    #[must_use]
-    pub const fn delays(&self) -> usize {
-        match &self.regression {
-            Some(regression) => regression.structure.nkb as usize + regression.structure.nkc as usize,
-            None => 0,
-        }
-    }
-
-    /// Cells of the filters of instrumental variables.
-    #[must_use]
-    pub const fn filters(&self) -> usize {
-        match &self.regression {
-            Some(regression) => regression.filters(),
-            None => 0,
-        }
-    }
-
-    /// 1 if the shaft is watched.
-    #[must_use]
-    pub const fn watched(&self) -> usize {
-        self.shaft.is_some() as usize
-    }
-
-    /// K, the number of bearing orders.
-    #[must_use]
-    pub const fn orders(&self) -> usize {
-        match &self.shaft {
-            Some(shaft) => shaft.orders as usize,
-            None => 0,
-        }
-    }
-
-    /// Z F.
-    #[must_use]
-    pub const fn map(&self) -> usize {
-        self.coordinates as usize * self.features as usize
-    }
-
-    /// Z (Z + 1)/2.
-    #[must_use]
-    pub const fn whitening(&self) -> usize {
-        triangle(self.coordinates as usize)
-    }
-
-    /// Elements of the whitening matrices of all densities: one of a linear discriminant, C of a quadratic one.
-    #[must_use]
-    pub const fn densities(&self) -> usize {
-        match self.discriminant {
-            Kind::Linear => self.whitening(),
-            Kind::Quadratic => self.whitening() * self.classes as usize,
-        }
-    }
-
-    /// C Z.
-    #[must_use]
-    pub const fn means(&self) -> usize {
-        self.classes as usize * self.coordinates as usize
-    }
-
-    /// C².
-    #[must_use]
-    pub const fn costs(&self) -> usize {
-        self.classes as usize * self.classes as usize
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plan::LayoutError;
 
     const SQUARES: RegressionLayout = RegressionLayout {
         structure: Structure::new(2, 3, 3, 1, 1),

@@ -8,15 +8,17 @@
 //!
 #![doc = include_str!("static_model.md")]
 
+mod fit;
 mod layout;
+mod lengths;
 #[cfg(any(test, feature = "alloc"))]
 mod run_time;
 mod size;
 mod structure;
 
+pub use fit::LayoutError;
 pub use layout::{
-    Kind, Layout, LayoutError, MAX_CHANNELS, MAX_HARMONICS, MAX_OUTPUT_TERMS, Memory, Method, RegressionLayout,
-    ShaftLayout, Signal,
+    Kind, Layout, MAX_CHANNELS, MAX_HARMONICS, MAX_OUTPUT_TERMS, Memory, Method, RegressionLayout, ShaftLayout, Signal,
 };
 #[cfg(any(test, feature = "alloc"))]
 pub use run_time::{RunTime, RunTimeSample};
@@ -29,7 +31,7 @@ pub use size::Heap;
 pub use size::{Cells, Fixed, Item, Presence, Present, Printable};
 pub use structure::Structure;
 
-pub(crate) use layout::filter_cells;
+pub(crate) use lengths::filter_cells;
 
 #[cfg(test)]
 pub mod testing;

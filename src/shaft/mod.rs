@@ -11,13 +11,17 @@
 //! the rate of the load would be estimated as friction. The shaft is fed at every sample of the detector, whether or not the
 //! regression averages samples in blocks.
 
+mod balance;
+mod balance_solve;
 mod bearing;
 mod friction;
 mod orders;
+mod phasor;
 mod state_variable;
 
+pub use balance::Balance;
 pub use bearing::Bearing;
-pub use friction::{Balance, Friction, Parameter};
+pub use friction::{Friction, Parameter};
 #[cfg(feature = "internals")]
 pub use orders::MIN_BLOCKS;
 pub use orders::{OrderStrength, TrackedOrder, Tracking};
@@ -27,7 +31,8 @@ use crate::drive::Angle;
 use crate::plan::{Array, Cells, Plan, ShaftLayout, Signals};
 use crate::reason::{Part, Reason};
 use crate::regression::read;
-use friction::{BalanceSolve, BalanceState, BalanceSums, Torques};
+use balance::{BalanceState, BalanceSums, Torques};
+use balance_solve::BalanceSolve;
 use orders::{OrderSums, OrderTracking};
 
 /// Longest lag of the current that can be compensated, samples.
@@ -85,7 +90,7 @@ impl<P: Plan> ShaftEstimate<P> {
 struct Delay {
     /// Whole samples by which velocity, reference and load are delayed, 0 … 2.
     whole: u8,
-    /// Whole samples by which the angle is delayed, 1 … 3: (4) of the friction refers to the middle of an interval.
+    /// Whole samples by which the angle is delayed, 1 … 3: (4) of the balance refers to the middle of an interval.
     angle: u8,
     /// The part of a sample beyond the whole ones.
     part: f32,

@@ -1,0 +1,59 @@
+//! The numbers of a model as slices of any length, as the checks read them.
+
+use super::Sampling;
+use crate::decide::{EvidenceConstants, Feature, KNOTS};
+use crate::factor::Forgetting;
+use crate::plan::Layout;
+use crate::sample::Channel;
+use crate::shaft::{Balance, TrackedOrder};
+
+/// The numbers of a regression as slices.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub struct RegressionParts<'a> {
+    pub scale: &'a [f32],
+    pub nominal: &'a [f32],
+    pub deviation: f32,
+    pub forgetting: Forgetting,
+    pub huber: f32,
+    pub rest: f32,
+    pub settle: u16,
+    pub handover: u16,
+}
+
+/// The numbers of a shaft as slices.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub struct ShaftParts<'a> {
+    pub current_delay: f32,
+    pub balance: &'a Balance,
+    pub orders: &'a [TrackedOrder],
+    pub block_samples: u16,
+}
+
+/// The numbers of a model as slices of any length.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub struct Parts<'a> {
+    pub layout: Layout,
+    pub names: &'a [(&'a str, &'a str)],
+    pub sampling: &'a Sampling,
+    pub channels: &'a [Channel],
+    pub regression: Option<RegressionParts<'a>>,
+    pub shaft: Option<ShaftParts<'a>>,
+    pub features: &'a [Feature],
+    pub map: &'a [f32],
+    pub feature_means: &'a [f32],
+    pub means: &'a [f32],
+    pub whitening: &'a [f32],
+    pub log_normaliser: &'a [f32],
+    pub log_prior: &'a [f32],
+    pub costs: &'a [f32],
+    pub reject_cost: f32,
+    pub healthy: Option<u8>,
+    pub novelty_mean: &'a [f32],
+    pub novelty_whitening: &'a [f32],
+    pub knots: &'a [[f32; 2]; KNOTS],
+    pub limit: f32,
+    pub evidence: EvidenceConstants,
+}

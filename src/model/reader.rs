@@ -1,0 +1,234 @@
+//! The payload of a stored model → its layout and constants.
+//!
+//! Lengths are those of the plan; ranges are checked later, except for bytes that choose between a few things.
+
+use super::{
+    Balance, Channel, Classifier, Constants, Discriminant, EvidenceConstants, Feature, Field, Forgetting, KNOTS, Label,
+    ModelError, Name, Novelty, Projection, Regression, Sampling, ShaftConstants, StateVariable, TrackedOrder, Tracking,
+};
+use crate::drive::Park;
+use crate::plan::{
+    Cells, Kind, Layout, MAX_HARMONICS, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal, Structure,
+};
+use crate::reason::FrictionTerm;
+
+/// Stands for "none" in a byte.
+pub(super) const NONE: u8 = u8::MAX;
+
+/// What is left to be read.
+pub(super) struct Reader<'a>(pub(super) &'a [u8]);
+
+impl Reader<'_> {
+    pub(super) fn array<const N: usize>(&mut self) -> Result<[u8; N], ModelError> {
+        let (head, rest) = self.0.split_first_chunk().ok_or(ModelError::Truncated)?;
+        self.0 = rest;
+        Ok(*head)
+    }
+
+    fn u8(&mut self) -> Result<u8, ModelError> {
+        self.array().map(u8::from_le_bytes)
+    }
+
+    pub(super) fn u16(&mut self) -> Result<u16, ModelError> {
+        self.array().map(u16::from_le_bytes)
+    }
+
+    pub(super) fn u32(&mut self) -> Result<u32, ModelError> {
+        self.array().map(u32::from_le_bytes)
+    }
+
+    fn f32(&mut self) -> Result<f32, ModelError> {
+        self.array().map(f32::from_le_bytes)
+    }
+
+    fn fill(&mut self, cells: &mut [f32]) -> Result<(), ModelError> {
+        cells.iter_mut().try_for_each(|cell| self.f32().map(|x| *cell = x))
+    }
+
+    fn floats<C: Cells<f32>>(&mut self, length: usize) -> Result<C, ModelError> {
+        let mut cells = C::filled(length, 0.0);
+        self.fill(cells.cells_mut())?;
+        Ok(cells)
+    }
+
+    /// A byte that is 0 … `most`.
+    fn choice(&mut self, most: u8, field: Field) -> Result<u8, ModelError> {
+        let byte = self.u8()?;
+        if byte <= most { Ok(byte) } else { Err(ModelError::OutOfRange(field)) }
+    }
+
+    fn flag(&mut self, field: Field) -> Result<bool, ModelError> {
+        self.choice(1, field).map(|byte| byte == 1)
+    }
+
+    fn name<const N: usize>(&mut self, field: Field) -> Result<Name<N>, ModelError> {
+        Name::from_bytes(self.array()?).ok_or(ModelError::OutOfRange(field))
+    }
+
+    fn signal(&mut self) -> Result<Signal, ModelError> {
+        let (channel, minus) = (self.u8()?, self.u8()?);
+        Ok(Signal { channel, minus: (minus != NONE).then_some(minus) })
+    }
+
+    pub(super) fn layout(&mut self) -> Result<Layout, ModelError> {
+        let mut layout = Layout { channels: self.u8()?, ..Layout::EMPTY };
+        if self.flag(Field::Layout)? {
+            let structure = Structure { offset: self.flag(Field::Layout)?, ..Structure::from_orders(self.array()?) };
+            let method = if self.flag(Field::Layout)? { Method::Instruments } else { Method::LeastSquares };
+            let memory = match self.choice(2, Field::Layout)? {
+                0 => Memory::Segment,
+                1 => Memory::LongSegment,
+                _ => Memory::Fading,
+            };
+            let (y, u1, u2) = (self.signal()?, self.signal()?, self.signal()?);
+            layout.regression = Some(RegressionLayout { structure, method, memory, y, u1, u2 });
+        }
+        if self.flag(Field::Layout)? {
+            let (current, velocity, reference) = (self.signal()?, self.signal()?, self.signal()?);
+            let load = if self.flag(Field::Layout)? { Some(self.signal()?) } else { None };
+            let (orders, harmonics) = (self.u8()?, self.u8()?);
+            layout.shaft = Some(ShaftLayout { current, velocity, reference, load, orders, harmonics });
+        }
+        [layout.features, layout.coordinates, layout.classes] = self.array()?;
+        layout.discriminant = if self.flag(Field::Layout)? { Kind::Quadratic } else { Kind::Linear };
+        Ok(layout)
+    }
+
+    fn feature(&mut self) -> Result<Feature, ModelError> {
+        let [kind, place] = self.array()?;
+        let term = || FrictionTerm::ALL.get(place as usize).copied().ok_or(ModelError::OutOfRange(Field::Feature));
+        Ok(match kind {
+            0 => Feature::Parameter(place),
+            1 => Feature::LogVariance,
+            2 => Feature::Friction(term()?),
+            3 => Feature::FrictionScore(term()?),
+            4 => Feature::LogFrictionVariance,
+            5 => Feature::OrderProminence(place),
+            6 => Feature::LogOrderAmplitude(place),
+            _ => return Err(ModelError::OutOfRange(Field::Feature)),
+        })
+    }
+}
+
+/// `length` elements, each read by `element`.
+fn list<T: Clone, C: Cells<T>>(
+    reader: &mut Reader<'_>,
+    length: usize,
+    blank: T,
+    mut element: impl FnMut(&mut Reader<'_>) -> Result<T, ModelError>,
+) -> Result<C, ModelError> {
+    let mut cells = C::filled(length, blank);
+    for cell in cells.cells_mut() {
+        *cell = element(reader)?;
+    }
+    Ok(cells)
+}
+
+pub(super) fn read<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<Constants<P>, ModelError> {
+    let layout = plan.layout();
+    let sampling = Sampling {
+        interval_s: reader.f32()?,
+        park: match reader.choice(2, Field::SamplingInterval)? {
+            0 => None,
+            1 => Some(Park::Standard),
+            _ => Some(Park::Thesis),
+        },
+        block_mean: reader.u16()?,
+        segment_samples: reader.u32()?,
+    };
+    let blank = Channel { name: Name::EMPTY, unit: Name::EMPTY, limit: 0.0, saturation: 0.0, stuck_samples: 0 };
+    let channels = list(reader, layout.channels as usize, blank, |reader| {
+        Ok(Channel {
+            name: reader.name(Field::ChannelName)?,
+            unit: reader.name(Field::ChannelName)?,
+            limit: reader.f32()?,
+            saturation: reader.f32()?,
+            stuck_samples: reader.u16()?,
+        })
+    })?;
+    let regression = list(reader, layout.regressed(), Regression::new(plan), |reader| read_regression(reader, plan))?;
+    let shaft = match layout.watched() {
+        0 => Cells::from_fn(0, |_| blank_shaft(plan)),
+        _ => list(reader, 1, blank_shaft(plan), |reader| read_shaft(reader, plan))?,
+    };
+    let classifier = read_classifier(reader, plan)?;
+    let evidence = EvidenceConstants { bet: reader.f32()?, limit: reader.f32()?, cap: reader.f32()? };
+    let labels = list(reader, layout.classes as usize, Label::EMPTY, |reader| reader.name(Field::Label))?;
+    Ok(Constants { sampling, channels, regression, shaft, classifier, evidence, labels })
+}
+
+fn read_regression<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<Regression<P>, ModelError> {
+    let layout = plan.layout();
+    Ok(Regression {
+        scale: reader.floats(layout.columns())?,
+        nominal: reader.floats(layout.parameters())?,
+        deviation: reader.f32()?,
+        forgetting: Forgetting { lambda: reader.f32()?, floor: reader.f32()? },
+        huber: reader.f32()?,
+        rest: reader.f32()?,
+        settle: reader.u16()?,
+        handover: reader.u16()?,
+    })
+}
+
+fn blank_shaft<P: Plan>(plan: P) -> ShaftConstants<P> {
+    let order = TrackedOrder::new(1.0, [0.0; MAX_HARMONICS]);
+    ShaftConstants {
+        current_delay: 0.0,
+        balance: Balance {
+            interval_s: 1.0,
+            filter: StateVariable::new(0.1, 1.0),
+            row_interval: 1,
+            settle: 0,
+            sign_velocity_rad_s: 1.0,
+            usual_velocity_rad_s: 1.0,
+            scale: [1.0; 4],
+            nominal: [0.0; 5],
+        },
+        tracking: Tracking { orders: Cells::filled(plan.layout().orders(), order), slowest_turn: 0, block_samples: 2 },
+    }
+}
+
+fn read_shaft<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<ShaftConstants<P>, ModelError> {
+    let mut shaft = blank_shaft(plan);
+    shaft.current_delay = reader.f32()?;
+    let balance = &mut shaft.balance;
+    balance.interval_s = reader.f32()?;
+    balance.filter = StateVariable { gain: reader.f32()?, damping: reader.f32()?, rate_per_s: reader.f32()? };
+    (balance.row_interval, balance.settle) = (reader.u8()?, reader.u16()?);
+    (balance.sign_velocity_rad_s, balance.usual_velocity_rad_s) = (reader.f32()?, reader.f32()?);
+    reader.fill(&mut balance.scale)?;
+    reader.fill(&mut balance.nominal)?;
+    for order in shaft.tracking.orders.cells_mut() {
+        order.order_q16 = reader.u32()?.cast_signed();
+        reader.fill(&mut order.weights)?;
+    }
+    (shaft.tracking.slowest_turn, shaft.tracking.block_samples) = (reader.u32()?, reader.u16()?);
+    Ok(shaft)
+}
+
+fn read_classifier<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<Classifier<P>, ModelError> {
+    let layout = plan.layout();
+    let features = list(reader, layout.features as usize, Feature::LogVariance, |reader| reader.feature())?;
+    let projection =
+        Projection { matrix: reader.floats(layout.map())?, mean: reader.floats(layout.features as usize)? };
+    let classes = layout.classes as usize;
+    let discriminant = Discriminant {
+        means: reader.floats(layout.means())?,
+        whitening: reader.floats(layout.densities())?,
+        log_normaliser: reader.floats(classes)?,
+        log_prior: reader.floats(classes)?,
+        costs: reader.floats(layout.costs())?,
+        reject_cost: reader.f32()?,
+    };
+    let class = reader.u8()?;
+    let mut novelty = Novelty { class: (class != NONE).then_some(class), ..Novelty::none(plan) };
+    if novelty.class.is_some() {
+        novelty.mean = reader.floats(layout.coordinates as usize)?;
+        novelty.whitening = reader.floats(layout.whitening())?;
+        let mut knots = [[0.0; 2]; KNOTS];
+        reader.fill(knots.as_flattened_mut())?;
+        (novelty.knots, novelty.limit) = (knots, reader.f32()?);
+    }
+    Ok(Classifier { features, projection, discriminant, novelty })
+}

@@ -1,0 +1,142 @@
+//! The layout and constants of a model → the payload of its binary form, in the order in which [`super::reader`] reads.
+
+use super::reader::NONE;
+use super::{
+    Channel, Classifier, Constants, Discriminant, Feature, ModelError, Regression, ShaftConstants, StateVariable,
+};
+use crate::drive::Park;
+use crate::plan::{Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal};
+use crate::reason::FrictionTerm;
+
+/// A buffer, and how much of it is written.
+pub(super) struct Writer<'a> {
+    pub(super) free: &'a mut [u8],
+    pub(super) written: usize,
+}
+
+impl Writer<'_> {
+    pub(super) fn bytes(&mut self, bytes: &[u8]) -> Result<(), ModelError> {
+        let end = self.written.saturating_add(bytes.len());
+        let cells = self.free.get_mut(self.written..end).ok_or(ModelError::BufferTooSmall)?;
+        cells.iter_mut().zip(bytes).for_each(|(cell, byte)| *cell = *byte);
+        self.written = end;
+        Ok(())
+    }
+
+    fn floats(&mut self, values: &[f32]) -> Result<(), ModelError> {
+        values.iter().try_for_each(|x| self.bytes(&x.to_le_bytes()))
+    }
+
+    fn signal(&mut self, signal: Signal) -> Result<(), ModelError> {
+        self.bytes(&[signal.channel, signal.minus.unwrap_or(NONE)])
+    }
+
+    pub(super) fn layout(&mut self, layout: &Layout) -> Result<(), ModelError> {
+        self.bytes(&[layout.channels, u8::from(layout.regression.is_some())])?;
+        if let Some(RegressionLayout { structure, method, memory, y, u1, u2 }) = layout.regression {
+            self.bytes(&[u8::from(structure.offset)])?;
+            self.bytes(&structure.orders())?;
+            let memory = match memory {
+                Memory::Segment => 0,
+                Memory::LongSegment => 1,
+                Memory::Fading => 2,
+            };
+            self.bytes(&[u8::from(method == Method::Instruments), memory])?;
+            [y, u1, u2].into_iter().try_for_each(|signal| self.signal(signal))?;
+        }
+        self.bytes(&[u8::from(layout.shaft.is_some())])?;
+        if let Some(ShaftLayout { current, velocity, reference, load, orders, harmonics }) = layout.shaft {
+            [current, velocity, reference].into_iter().try_for_each(|signal| self.signal(signal))?;
+            self.bytes(&[u8::from(load.is_some())])?;
+            load.map_or(Ok(()), |load| self.signal(load))?;
+            self.bytes(&[orders, harmonics])?;
+        }
+        let quadratic = u8::from(layout.discriminant == Kind::Quadratic);
+        self.bytes(&[layout.features, layout.coordinates, layout.classes, quadratic])
+    }
+
+    fn feature(&mut self, feature: Feature) -> Result<(), ModelError> {
+        let place = |term: FrictionTerm| {
+            let places = (0_u8..).zip(FrictionTerm::ALL);
+            places.into_iter().find(|(_, other)| *other == term).map_or(0, |(place, _)| place)
+        };
+        self.bytes(&match feature {
+            Feature::Parameter(place) => [0, place],
+            Feature::LogVariance => [1, 0],
+            Feature::Friction(term) => [2, place(term)],
+            Feature::FrictionScore(term) => [3, place(term)],
+            Feature::LogFrictionVariance => [4, 0],
+            Feature::OrderProminence(place) => [5, place],
+            Feature::LogOrderAmplitude(place) => [6, place],
+        })
+    }
+}
+
+pub(super) fn write<P: Plan>(writer: &mut Writer<'_>, constants: &Constants<P>) -> Result<(), ModelError> {
+    let Constants { sampling, channels, regression, shaft, classifier, evidence, labels } = constants;
+    let park = match sampling.park {
+        None => 0,
+        Some(Park::Standard) => 1,
+        Some(Park::Thesis) => 2,
+    };
+    writer.floats(&[sampling.interval_s])?;
+    writer.bytes(&[park])?;
+    writer.bytes(&sampling.block_mean.to_le_bytes())?;
+    writer.bytes(&sampling.segment_samples.to_le_bytes())?;
+    for Channel { name, unit, limit, saturation, stuck_samples } in channels.cells() {
+        writer.bytes(&name.to_bytes())?;
+        writer.bytes(&unit.to_bytes())?;
+        writer.floats(&[*limit, *saturation])?;
+        writer.bytes(&stuck_samples.to_le_bytes())?;
+    }
+    regression.part().map_or(Ok(()), |regression| write_regression(writer, regression))?;
+    shaft.part().map_or(Ok(()), |shaft| write_shaft(writer, shaft))?;
+    write_classifier(writer, classifier)?;
+    writer.floats(&[evidence.bet, evidence.limit, evidence.cap])?;
+    labels.cells().iter().try_for_each(|label| writer.bytes(&label.to_bytes()))
+}
+
+fn write_regression<P: Plan>(writer: &mut Writer<'_>, regression: &Regression<P>) -> Result<(), ModelError> {
+    let Regression { scale, nominal, deviation, forgetting, huber, rest, settle, handover } = regression;
+    writer.floats(scale.cells())?;
+    writer.floats(nominal.cells())?;
+    writer.floats(&[*deviation, forgetting.lambda, forgetting.floor, *huber, *rest])?;
+    writer.bytes(&settle.to_le_bytes())?;
+    writer.bytes(&handover.to_le_bytes())
+}
+
+fn write_shaft<P: Plan>(writer: &mut Writer<'_>, shaft: &ShaftConstants<P>) -> Result<(), ModelError> {
+    let ShaftConstants { current_delay, balance, tracking } = shaft;
+    let StateVariable { gain, damping, rate_per_s } = balance.filter;
+    writer.floats(&[*current_delay, balance.interval_s, gain, damping, rate_per_s])?;
+    writer.bytes(&[balance.row_interval])?;
+    writer.bytes(&balance.settle.to_le_bytes())?;
+    writer.floats(&[balance.sign_velocity_rad_s, balance.usual_velocity_rad_s])?;
+    writer.floats(&balance.scale)?;
+    writer.floats(&balance.nominal)?;
+    for order in tracking.orders.cells() {
+        writer.bytes(&order.order_q16.to_le_bytes())?;
+        writer.floats(&order.weights)?;
+    }
+    writer.bytes(&tracking.slowest_turn.to_le_bytes())?;
+    writer.bytes(&tracking.block_samples.to_le_bytes())
+}
+
+fn write_classifier<P: Plan>(writer: &mut Writer<'_>, classifier: &Classifier<P>) -> Result<(), ModelError> {
+    let Classifier { features, projection, discriminant, novelty } = classifier;
+    features.cells().iter().try_for_each(|feature| writer.feature(*feature))?;
+    writer.floats(projection.matrix.cells())?;
+    writer.floats(projection.mean.cells())?;
+    let Discriminant { means, whitening, log_normaliser, log_prior, costs, reject_cost } = discriminant;
+    let lists = [means.cells(), whitening.cells(), log_normaliser.cells(), log_prior.cells(), costs.cells()];
+    lists.into_iter().try_for_each(|list| writer.floats(list))?;
+    writer.floats(&[*reject_cost])?;
+    writer.bytes(&[novelty.class.unwrap_or(NONE)])?;
+    if novelty.class.is_some() {
+        writer.floats(novelty.mean.cells())?;
+        writer.floats(novelty.whitening.cells())?;
+        writer.floats(novelty.knots.as_flattened())?;
+        writer.floats(&[novelty.limit])?;
+    }
+    Ok(())
+}

@@ -1,0 +1,95 @@
+//! Whether the parts of a layout fit each other, and why not.
+
+use super::layout::{Layout, MAX_CHANNELS, MAX_HARMONICS, MAX_OUTPUT_TERMS, Method};
+
+/// Why a layout is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum LayoutError {
+    /// Neither a regression nor a shaft.
+    Empty,
+    /// No channel, or more than [`MAX_CHANNELS`].
+    Channels,
+    /// A signal names a channel that the sample does not have.
+    UnknownChannel,
+    /// The sample has a channel that no part uses.
+    UnusedChannel,
+    /// The regression has no terms, or more than 254 columns.
+    Terms,
+    /// Instrumental variables need 1 … 4 output terms.
+    OutputTerms,
+    /// The shaft has more than 32 orders, or not 1 … 3 harmonics.
+    Orders,
+    /// No features, no coordinates or no classes.
+    Classifier,
+}
+
+impl LayoutError {
+    /// The error in words.
+    #[must_use]
+    pub const fn message(self) -> &'static str {
+        match self {
+            Self::Empty => "the plan has neither a regression nor a shaft",
+            Self::Channels => "the plan has no channel or more than 16 channels",
+            Self::UnknownChannel => "a signal of the plan names a channel that its sample does not have",
+            Self::UnusedChannel => "the sample of the plan has a channel that the plan does not use",
+            Self::Terms => "the regression of the plan has no terms or more than 254 columns",
+            Self::OutputTerms => "instrumental variables need 1 to 4 output terms",
+            Self::Orders => "the plan has more than 32 bearing orders, or not 1 to 3 harmonics",
+            Self::Classifier => "the plan has no features, no coordinates or no classes",
+        }
+    }
+}
+
+impl core::fmt::Display for LayoutError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(self.message())
+    }
+}
+
+impl core::error::Error for LayoutError {}
+
+impl Layout {
+    /// Checks that the parts fit each other.
+    ///
+    /// # Errors
+    /// The first thing that does not fit.
+    pub const fn check(&self) -> Result<(), LayoutError> {
+        if self.regression.is_none() && self.shaft.is_none() {
+            return Err(LayoutError::Empty);
+        }
+        let channels = self.channels as usize;
+        if channels == 0 || channels > MAX_CHANNELS {
+            return Err(LayoutError::Channels);
+        }
+        let mut used: u16 = 0;
+        if let Some(regression) = &self.regression {
+            used |= regression.mask();
+            if regression.structure.terms() == 0 || regression.columns() > 254 {
+                return Err(LayoutError::Terms);
+            }
+            let na = regression.structure.na as usize;
+            if matches!(regression.method, Method::Instruments) && (na == 0 || na > MAX_OUTPUT_TERMS) {
+                return Err(LayoutError::OutputTerms);
+            }
+        }
+        if let Some(shaft) = &self.shaft {
+            used |= shaft.mask();
+            if shaft.orders > 32 || shaft.harmonics == 0 || shaft.harmonics as usize > MAX_HARMONICS {
+                return Err(LayoutError::Orders);
+            }
+        }
+        let there = if channels == MAX_CHANNELS { u16::MAX } else { (1 << channels) - 1 };
+        if used & !there != 0 {
+            return Err(LayoutError::UnknownChannel);
+        }
+        if used != there {
+            return Err(LayoutError::UnusedChannel);
+        }
+        if self.features == 0 || self.coordinates == 0 || self.classes == 0 {
+            return Err(LayoutError::Classifier);
+        }
+        Ok(())
+    }
+}

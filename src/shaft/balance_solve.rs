@@ -1,0 +1,285 @@
+//! The sums of a torque balance → [`Friction`], in steps of bounded cost.
+//!
+//! What is left of the last row is rotated in, then the weak prior of the viscous friction; if the instruments are too weak
+//! even so, the solve is repeated with the strong prior. The equations are those of [`super::balance`].
+
+use super::balance::{Balance, BalanceSums, ESTIMATED, columns};
+use super::friction::{Friction, Parameter};
+use crate::factor::{Mass, Problem, Solution, SolveError, Solved, lower};
+use crate::reason::{FrictionTerm, Part, Reason};
+
+/// Weight of the prior of the viscous friction, in rows of full excitation.
+const PRIOR_ROWS: f32 = 0.1;
+/// What the next step of a solve does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+enum Stage {
+    /// Rotate in what is left of the last row.
+    Last,
+    /// Rotate in the prior.
+    Prior,
+    /// Solve.
+    Solve,
+    /// Parameters with deviations and scores.
+    Results,
+}
+
+/// A solve of the torque balance under way.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct BalanceSolve {
+    stage: Stage,
+    /// Whether the strong prior is in.
+    strong: bool,
+    solution: Solution,
+    delta: [f32; ESTIMATED],
+    covariance: [f32; ESTIMATED * (ESTIMATED + 1) / 2],
+    work: [f32; ESTIMATED],
+    variance: f32,
+    /// Number of calls of [`BalanceSolve::results`].
+    results: u8,
+}
+
+impl BalanceSolve {
+    pub(super) const fn new() -> Self {
+        Self {
+            stage: Stage::Last,
+            strong: false,
+            solution: Solution::new(),
+            delta: [0.0; ESTIMATED],
+            covariance: [0.0; ESTIMATED * (ESTIMATED + 1) / 2],
+            work: [0.0; ESTIMATED],
+            variance: 0.0,
+            results: 0,
+        }
+    }
+
+    /// Does about `budget` instructions; the result once `friction` is complete.
+    #[inline(never)]
+    pub(super) fn advance(
+        &mut self,
+        balance: &Balance,
+        load: bool,
+        sums: &mut BalanceSums,
+        friction: &mut Friction,
+        budget: usize,
+    ) -> Option<Result<(), Reason>> {
+        match self.stage {
+            Stage::Last => {
+                if !sums.rotate_some(load, budget) {
+                    sums.start(balance.prior(load, PRIOR_ROWS));
+                    self.stage = Stage::Prior;
+                }
+                None
+            }
+            Stage::Prior => {
+                if !sums.rotate_some(load, budget) {
+                    self.stage = Stage::Solve;
+                }
+                None
+            }
+            Stage::Solve => match self.solve(balance, load, sums, budget) {
+                Ok(false) => None,
+                Ok(true) => {
+                    friction.rows = sums.rows;
+                    self.stage = Stage::Results;
+                    None
+                }
+                Err(SolveError::WeakInstruments) if !self.strong => {
+                    *self = Self { stage: Stage::Prior, strong: true, ..Self::new() };
+                    sums.start(balance.prior(load, 10.0 * sums.rows as f32));
+                    None
+                }
+                Err(error) => Some(Err(reason(error, load, sums.rows))),
+            },
+            Stage::Results => {
+                if !self.results(balance, load, friction) {
+                    return None;
+                }
+                if friction.is_finite() {
+                    return Some(Ok(()));
+                }
+                *friction = Friction::default();
+                Some(Err(Reason::NotFinite(Part::TorqueBalance)))
+            }
+        }
+    }
+
+    fn solve(
+        &mut self,
+        balance: &Balance,
+        load: bool,
+        sums: &mut BalanceSums,
+        budget: usize,
+    ) -> Result<bool, SolveError> {
+        let [acceleration, velocity, load_scale, current] = balance.scale;
+        let scale = if load {
+            [acceleration, velocity, 1.0, load_scale, 1.0, current]
+        } else {
+            [acceleration, velocity, 1.0, 1.0, current, 1.0]
+        };
+        let estimated = if load { ESTIMATED } else { ESTIMATED - 1 };
+        let problem = &mut Problem {
+            d: sums.d.get_mut(..columns(load)).unwrap_or_default(),
+            r: &mut sums.r,
+            inputs: estimated - 2,
+            outputs: 2,
+            scale: &scale,
+            base: &[],
+            mass: Mass { rows: sums.rows as f32, spread: 1.0 },
+            gain: 1.0,
+        };
+        let solved = &mut Solved {
+            delta: self.delta.get_mut(..estimated).unwrap_or_default(),
+            covariance: &mut self.covariance,
+            variance: &mut self.variance,
+            work: self.work.get_mut(..estimated).unwrap_or_default(),
+        };
+        self.solution.advance::<true>(problem, solved, budget)
+    }
+
+    /// The next two parameters of the result; whether all are there.
+    #[inline(never)]
+    fn results(&mut self, balance: &Balance, load: bool, friction: &mut Friction) -> bool {
+        let diagonal = |k: usize| self.covariance.get(lower(k, k)).copied().unwrap_or(0.0);
+        let [n0, n1, n2, n3, n4] = balance.nominal;
+        let at = |k: usize, nominal: f32| parameter(self.delta.get(k).copied().unwrap_or(0.0), diagonal(k), nominal);
+        match self.results {
+            0 => (friction.inertia, friction.viscous) = (at(0, n0), at(1, n1)),
+            1 => {
+                friction.coulomb = at(2, n2);
+                friction.inverse_torque_constant = load.then(|| at(3, n3));
+            }
+            _ => {
+                let speed = balance.usual_velocity_rad_s;
+                let [_, _, v11, _, v12, v22, ..] = self.covariance;
+                let variance = v22 + speed * (2.0 * v12 + speed * v11);
+                let drag = friction.coulomb.value + friction.viscous.value * speed; // (5)
+                friction.drag = parameter(drag, variance, n2 + n1 * speed);
+                friction.offset = at(if load { 4 } else { 3 }, n4);
+                friction.variance = self.variance;
+                return true;
+            }
+        }
+        self.results = self.results.wrapping_add(1);
+        false
+    }
+}
+
+fn parameter(value: f32, variance: f32, nominal: f32) -> Parameter {
+    let deviation = libm::sqrtf(variance.max(f32::MIN_POSITIVE));
+    Parameter { value, deviation, score: (value - nominal) / deviation }
+}
+
+/// The error with the term that it concerns.
+fn reason(error: SolveError, load: bool, rows: u32) -> Reason {
+    match error {
+        SolveError::TooFewRows => Reason::TooFewRows { part: Part::TorqueBalance, rows },
+        SolveError::WeakInstruments => Reason::WeakInstruments(Part::TorqueBalance),
+        SolveError::NotExcited(place) => Reason::TermNotExcited(match (place, load) {
+            (0, _) => FrictionTerm::Inertia,
+            (1, _) => FrictionTerm::Viscous,
+            (2, _) => FrictionTerm::Coulomb,
+            (3, true) => FrictionTerm::InverseTorqueConstant,
+            _ => FrictionTerm::Offset,
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shaft::StateVariable;
+    use crate::shaft::balance::{BalanceState, Torques};
+
+    const fn balance(row_interval: u8) -> Balance {
+        Balance {
+            interval_s: 0.001,
+            filter: StateVariable::new(0.05, 0.001),
+            row_interval,
+            settle: 50,
+            sign_velocity_rad_s: 1.0,
+            usual_velocity_rad_s: 20.0,
+            scale: [0.015_625, 0.062_5, 8.0, 1.0],
+            nominal: [0.005, 0.002, 0.1, 20.0, 0.05],
+        }
+    }
+
+    /// A shaft with the parameters p under two sines and a load; one solve after 4000 samples.
+    fn run(row_interval: u8, load: bool, p: [f32; 5]) -> Result<Friction, Reason> {
+        let balance = balance(row_interval);
+        let mut state = BalanceState::new(&balance);
+        for k in 0..4000_u16 {
+            let t = f64::from(k) * 0.001;
+            let (w, dw) =
+                (30.0 * (4.0 * t).sin() + 8.0 * (17.0 * t).sin(), 120.0 * (4.0 * t).cos() + 136.0 * (17.0 * t).cos());
+            let torque = if load { 0.1 * (9.0 * t).sin() } else { 0.0 };
+            let sign = w.clamp(-1.0, 1.0);
+            let [p0, p1, p2, p3, p4] = p.map(f64::from);
+            let current = p0 * dw + p1 * w + p2 * sign + p3 * torque + p4;
+            let now = Torques {
+                current_a: current as f32,
+                velocity_rad_s: w as f32,
+                reference_rad_s: w as f32,
+                load_nm: torque as f32,
+            };
+            if k == 0 {
+                state.start(&balance, &now);
+            } else {
+                let _ = state.step(&balance, load, &now);
+            }
+        }
+        solve(&balance, load, &mut state.sums().clone())
+    }
+
+    fn solve(balance: &Balance, load: bool, sums: &mut BalanceSums) -> Result<Friction, Reason> {
+        let (mut solve, mut friction) = (BalanceSolve::new(), Friction::default());
+        loop {
+            if let Some(outcome) = solve.advance(balance, load, sums, &mut friction, 1) {
+                return outcome.map(|()| friction);
+            }
+        }
+    }
+
+    #[test]
+    fn exact_signals_give_the_exact_balance() {
+        let friction = run(8, true, [0.006, 0.003, 0.15, 18.0, 0.02]).unwrap();
+        let close = |got: f32, want: f32| assert!((got / want - 1.0).abs() < 5e-3, "{got} {want}");
+        // The filter's derivative is the bilinear one: (ω Ts)²/12 at 17 rad/s is 2e-5; the sign's corners cost more.
+        close(friction.inertia.value, 0.006);
+        close(friction.coulomb.value + 20.0 * friction.viscous.value, 0.21);
+        close(friction.drag.value, 0.21);
+        close(friction.torque_constant_nm_a().unwrap().0, 1.0 / 18.0);
+        close(friction.inertia_kg_m2().unwrap(), 0.006 / 18.0);
+        assert_eq!(friction.rows, (4000_u32 - 1 - 51).div_ceil(8));
+    }
+
+    #[test]
+    fn without_a_load_its_term_is_missing() {
+        let friction = run(8, false, [0.006, 0.003, 0.15, 0.0, 0.02]).unwrap();
+        assert!(
+            (friction.offset.value - 0.02).abs() < 1e-3 && (friction.drag.value - 0.21).abs() < 1e-3,
+            "{friction:?}"
+        );
+        assert_eq!((friction.inverse_torque_constant, friction.torque_constant_nm_a()), (None, None));
+    }
+
+    #[test]
+    fn rows_may_come_at_every_sample() {
+        let (often, seldom) = (run(1, true, balance(1).nominal).unwrap(), run(8, true, balance(8).nominal).unwrap());
+        assert!(often.rows > 7 * seldom.rows);
+        assert!((often.inertia.value - seldom.inertia.value).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_motionless_shaft_names_the_term() {
+        let balance = balance(8);
+        let mut sums = BalanceSums::new();
+        for _ in 0..100 {
+            sums.start([0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.5]);
+            while sums.rotate(true) {}
+            sums.rows += 1;
+        }
+        assert_eq!(solve(&balance, true, &mut sums), Err(Reason::TermNotExcited(FrictionTerm::Coulomb)));
+    }
+}
