@@ -75,6 +75,7 @@ impl Signal {
     }
 
     /// The channels of this signal as a bit mask.
+    #[inline(always)]
     const fn mask(self) -> u16 {
         let own = bit(self.channel);
         match self.minus {
@@ -251,10 +252,12 @@ pub(crate) const fn filter_cells(terms: u8, na: u8) -> usize {
 }
 
 /// Number of elements on and below the diagonal.
+#[inline]
 const fn triangle(n: usize) -> usize {
     n * (n + 1) / 2
 }
 
+#[inline(always)]
 const fn bit(place: u8) -> u16 {
     if place < 16 { 1 << place } else { 0 }
 }
@@ -314,36 +317,42 @@ impl Layout {
     }
 
     /// Whether a sample needs the angle of the shaft.
+    #[inline]
     #[must_use]
     pub const fn needs_angle(&self) -> bool {
         matches!(self.shaft, Some(shaft) if shaft.orders > 0)
     }
 
     /// 1 with a regression, else 0; likewise the sizes below.
+    #[inline]
     #[must_use]
     pub const fn regressed(&self) -> usize {
         self.regression.is_some() as usize
     }
 
     /// 1 if the regression uses least squares.
+    #[inline]
     #[must_use]
     pub const fn squares(&self) -> usize {
         matches!(self.regression, Some(regression) if matches!(regression.method, Method::LeastSquares)) as usize
     }
 
     /// 1 if the regression uses instrumental variables.
+    #[inline]
     #[must_use]
     pub const fn instruments(&self) -> usize {
         matches!(self.regression, Some(regression) if matches!(regression.method, Method::Instruments)) as usize
     }
 
     /// 1 if rows are summed in two levels.
+    #[inline]
     #[must_use]
     pub const fn two_level(&self) -> usize {
         matches!(self.regression, Some(regression) if matches!(regression.memory, Memory::LongSegment)) as usize
     }
 
     /// M.
+    #[inline]
     #[must_use]
     pub const fn columns(&self) -> usize {
         match &self.regression {
@@ -353,12 +362,14 @@ impl Layout {
     }
 
     /// M (M − 1)/2.
+    #[inline]
     #[must_use]
     pub const fn packed(&self) -> usize {
         triangle(self.columns().saturating_sub(1))
     }
 
     /// n.
+    #[inline]
     #[must_use]
     pub const fn parameters(&self) -> usize {
         match &self.regression {
@@ -368,12 +379,14 @@ impl Layout {
     }
 
     /// n (n + 1)/2.
+    #[inline]
     #[must_use]
     pub const fn covariance(&self) -> usize {
         triangle(self.parameters())
     }
 
     /// nkb + nkc.
+    #[inline]
     #[must_use]
     pub const fn delays(&self) -> usize {
         match &self.regression {
@@ -383,6 +396,7 @@ impl Layout {
     }
 
     /// Cells of the filters of instrumental variables.
+    #[inline]
     #[must_use]
     pub const fn filters(&self) -> usize {
         match &self.regression {
@@ -392,12 +406,14 @@ impl Layout {
     }
 
     /// 1 if the shaft is watched.
+    #[inline]
     #[must_use]
     pub const fn watched(&self) -> usize {
         self.shaft.is_some() as usize
     }
 
     /// K, the number of bearing orders.
+    #[inline]
     #[must_use]
     pub const fn orders(&self) -> usize {
         match &self.shaft {
