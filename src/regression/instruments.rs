@@ -255,6 +255,8 @@ fn filling<P: Plan>(plan: P) -> u16 {
     u16::from(delay).saturating_add(1)
 }
 
+#[cold]
+#[inline(never)]
 fn nominal<P: Plan>(plan: P, constants: &Regression<P>) -> Candidate<P> {
     candidate(plan, constants, constants.nominal.cells(), constants.deviation)
 }
