@@ -77,6 +77,7 @@ mod reason;
 mod regression;
 mod sample;
 mod shaft;
+mod unroll;
 
 pub use decide::{Alarm, Cause, Decision, Evidence, Trend};
 pub use detector::{Detector, Report, Segment, Solver, Verdict};

@@ -54,6 +54,7 @@ impl Angle {
     pub const ZERO: Self = Self(0);
 
     /// Creates an angle from the 32-bit fraction of a turn.
+    #[inline]
     #[must_use]
     pub const fn from_bits(bits: u32) -> Self {
         Self(bits)
@@ -61,6 +62,7 @@ impl Angle {
 
     /// Creates an angle from the counts of a converter with `resolution_bits` bits per turn; values above 32 bits are
     /// treated as 32. Counts beyond one turn wrap.
+    #[inline]
     #[must_use]
     pub const fn from_counts(counts: u32, resolution_bits: u32) -> Self {
         match 32_u32.checked_sub(resolution_bits) {
@@ -91,36 +93,42 @@ impl Angle {
     }
 
     /// The 32-bit fraction of a turn.
+    #[inline]
     #[must_use]
     pub const fn bits(self) -> u32 {
         self.0
     }
 
     /// Radians in [−π, π]; the upper end occurs only by rounding.
+    #[inline]
     #[must_use]
     pub fn radians(self) -> f32 {
         self.0.cast_signed() as f32 * RAD
     }
 
     /// Integer multiple, for pole pairs: mechanical → electrical angle.
+    #[inline]
     #[must_use]
     pub const fn times(self, pole_pairs: u32) -> Self {
         Self(self.0.wrapping_mul(pole_pairs))
     }
 
     /// The angle with opposite sign, for a sensor that counts against the phase sequence.
+    #[inline]
     #[must_use]
     pub const fn negated(self) -> Self {
         Self(self.0.wrapping_neg())
     }
 
     /// Sum, modulo one turn.
+    #[inline]
     #[must_use]
     pub const fn plus(self, other: Self) -> Self {
         Self(self.0.wrapping_add(other.0))
     }
 
     /// The shorter rotation from `earlier` to `self`, in counts of 2⁻³² turn; negative means backward.
+    #[inline]
     #[must_use]
     pub const fn since(self, earlier: Self) -> i32 {
         self.0.wrapping_sub(earlier.0).cast_signed()

@@ -117,6 +117,7 @@ impl Park {
     }
 
     /// (4) is (3) with the opposite sign of q.
+    #[inline]
     fn sign(self, q: f32) -> f32 {
         match self {
             Self::Standard => q,

@@ -66,6 +66,7 @@ impl Signal {
     }
 
     /// The channels of this signal as a bit mask.
+    #[inline(always)]
     const fn mask(self) -> u16 {
         let own = bit(self.channel);
         match self.minus {
@@ -154,6 +155,7 @@ impl ShaftLayout {
     }
 }
 
+#[inline(always)]
 const fn bit(place: u8) -> u16 {
     if place < 16 { 1 << place } else { 0 }
 }

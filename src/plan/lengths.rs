@@ -23,6 +23,7 @@ impl RegressionLayout {
 
     /// Number of columns M of a row.
     #[inline(always)]
+    #[inline]
     #[must_use]
     pub const fn columns(&self) -> usize {
         self.structure.parameters() + self.split().1 + 1
@@ -41,36 +42,42 @@ impl RegressionLayout {
 
 impl Layout {
     /// Whether a sample needs the angle of the shaft.
+    #[inline]
     #[must_use]
     pub const fn needs_angle(&self) -> bool {
         matches!(self.shaft, Some(shaft) if shaft.orders > 0)
     }
 
     /// 1 with a regression, else 0; likewise the sizes below.
+    #[inline]
     #[must_use]
     pub const fn regressed(&self) -> usize {
         self.regression.is_some() as usize
     }
 
     /// 1 if the regression uses least squares.
+    #[inline]
     #[must_use]
     pub const fn squares(&self) -> usize {
         matches!(self.regression, Some(regression) if matches!(regression.method, Method::LeastSquares)) as usize
     }
 
     /// 1 if the regression uses instrumental variables.
+    #[inline]
     #[must_use]
     pub const fn instruments(&self) -> usize {
         matches!(self.regression, Some(regression) if matches!(regression.method, Method::Instruments)) as usize
     }
 
     /// 1 if rows are summed in two levels.
+    #[inline]
     #[must_use]
     pub const fn two_level(&self) -> usize {
         matches!(self.regression, Some(regression) if matches!(regression.memory, Memory::LongSegment)) as usize
     }
 
     /// M.
+    #[inline]
     #[must_use]
     pub const fn columns(&self) -> usize {
         match &self.regression {
@@ -80,12 +87,14 @@ impl Layout {
     }
 
     /// M (M − 1)/2.
+    #[inline]
     #[must_use]
     pub const fn packed(&self) -> usize {
         triangle(self.columns().saturating_sub(1))
     }
 
     /// n.
+    #[inline]
     #[must_use]
     pub const fn parameters(&self) -> usize {
         match &self.regression {
@@ -95,12 +104,14 @@ impl Layout {
     }
 
     /// n (n + 1)/2.
+    #[inline]
     #[must_use]
     pub const fn covariance(&self) -> usize {
         triangle(self.parameters())
     }
 
     /// nkb + nkc.
+    #[inline]
     #[must_use]
     pub const fn delays(&self) -> usize {
         match &self.regression {
@@ -110,6 +121,7 @@ impl Layout {
     }
 
     /// Cells of the filters of instrumental variables.
+    #[inline]
     #[must_use]
     pub const fn filters(&self) -> usize {
         match &self.regression {
@@ -119,12 +131,14 @@ impl Layout {
     }
 
     /// 1 if the shaft is watched.
+    #[inline]
     #[must_use]
     pub const fn watched(&self) -> usize {
         self.shaft.is_some() as usize
     }
 
     /// K, the number of bearing orders.
+    #[inline]
     #[must_use]
     pub const fn orders(&self) -> usize {
         match &self.shaft {
@@ -134,18 +148,21 @@ impl Layout {
     }
 
     /// Z F.
+    #[inline]
     #[must_use]
     pub const fn map(&self) -> usize {
         self.coordinates as usize * self.features as usize
     }
 
     /// Z (Z + 1)/2.
+    #[inline]
     #[must_use]
     pub const fn whitening(&self) -> usize {
         triangle(self.coordinates as usize)
     }
 
     /// Elements of the whitening matrices of all densities: one of a linear discriminant, C of a quadratic one.
+    #[inline]
     #[must_use]
     pub const fn densities(&self) -> usize {
         match self.discriminant {
@@ -155,12 +172,14 @@ impl Layout {
     }
 
     /// C Z.
+    #[inline]
     #[must_use]
     pub const fn means(&self) -> usize {
         self.classes as usize * self.coordinates as usize
     }
 
     /// C².
+    #[inline]
     #[must_use]
     pub const fn costs(&self) -> usize {
         self.classes as usize * self.classes as usize
@@ -180,6 +199,7 @@ pub(crate) const fn filter_cells(terms: u8, na: u8) -> usize {
 }
 
 /// Number of elements on and below the diagonal.
+#[inline]
 const fn triangle(n: usize) -> usize {
     n * (n + 1) / 2
 }

@@ -47,18 +47,21 @@ impl Structure {
     }
 
     /// Number of terms a, b, c, without the constant.
+    #[inline]
     #[must_use]
     pub const fn terms(self) -> usize {
         self.na as usize + self.nb as usize + self.nc as usize
     }
 
     /// Number of parameters, including the constant.
+    #[inline]
     #[must_use]
     pub const fn parameters(self) -> usize {
         self.terms() + self.offset as usize
     }
 
     /// Age in samples of the oldest value in a row; the first row of a record is at t₀ = `depth()`.
+    #[inline]
     #[must_use]
     pub const fn depth(self) -> usize {
         let mut depth = self.na as usize;
@@ -86,6 +89,7 @@ impl Structure {
     }
 }
 
+#[inline]
 const fn oldest(terms: u8, delay: u8) -> usize {
     if terms == 0 { 0 } else { (delay as usize + terms as usize).saturating_sub(1) }
 }

@@ -5,6 +5,7 @@
 //! model returns.
 
 use crate::plan::{Array, Cells, Plan};
+use crate::unroll::unrolled;
 
 /// Segments without a successor after which the nominal model returns.
 const PATIENCE: u8 = 3;
@@ -80,7 +81,12 @@ impl<P: Plan> Auxiliary<P> {
         if self.waiting {
             (self.waiting, self.refused) = (false, 0);
             self.now.threshold = self.next.threshold;
-            self.now.theta.cells_mut().iter_mut().zip(self.next.theta.cells()).for_each(|(to, from)| *to = *from);
+            // Not by a loop: at `opt-level = "s"` it becomes a call of memmove, which takes a kilobyte of flash.
+            let (mut now, mut next) = (self.now.theta.cells_mut(), self.next.theta.cells());
+            unrolled!(let ([to, to_rest @ ..], [from, from_rest @ ..]) = (now, next) => {
+                *to = *from;
+                (now, next) = (to_rest, from_rest);
+            });
             return false;
         }
         self.refused = self.refused.saturating_add(1);

@@ -31,9 +31,10 @@
 use super::auxiliary::{self, Auxiliary, Candidate};
 use super::constants::Regression;
 use super::delays::Delays;
-use super::{Frame, Inputs};
+use super::{Frame, Inputs, carry_on, dot};
 use crate::factor::Row;
 use crate::plan::{Array, Cells, MAX_OUTPUT_TERMS, Memory, Plan, RegressionLayout, Structure, filter_cells};
+use crate::unroll::unrolled;
 
 /// The simulated output may exceed the limit of the measured output by this factor.
 const BOUND: f32 = 100.0;
@@ -130,7 +131,7 @@ impl<P: Plan> Instruments<P> {
         advance(y, dy);
         advance(x, dx);
         // Written so that NaN restarts too.
-        let bounded = self.cells.cells().iter().take(1).all(|x| x.abs() <= BOUND * y_limit);
+        let bounded = self.cells.cells().first().is_none_or(|x| x.abs() <= BOUND * y_limit);
         if !bounded {
             self.filling = 1;
         }
@@ -254,6 +255,8 @@ fn filling<P: Plan>(plan: P) -> u16 {
     u16::from(delay).saturating_add(1)
 }
 
+#[cold]
+#[inline(never)]
 fn nominal<P: Plan>(plan: P, constants: &Regression<P>) -> Candidate<P> {
     candidate(plan, constants, constants.nominal.cells(), constants.deviation)
 }
@@ -276,26 +279,20 @@ fn increment(cells: &[f32], t: &[f32], input: f32) -> f32 {
 #[inline(always)]
 fn advance(cells: &mut [f32], change: f32) {
     if let Some((level, differences)) = cells.split_first_mut() {
-        let mut carried = change;
-        for cell in differences {
-            carried = core::mem::replace(cell, carried);
-        }
+        carry_on(differences, change);
         *level += change;
     }
-}
-
-#[inline(always)]
-fn dot(start: f32, values: &[f32], gains: &[f32]) -> f32 {
-    values.iter().zip(gains).fold(start, |sum, (value, gain)| sum + gain * value)
 }
 
 /// Writes scaled values into the first cells; returns the cells after them.
 #[inline(always)]
 fn put<'c>(cells: &'c mut [f32], values: &[f32], scale: &[f32]) -> &'c mut [f32] {
-    let Some((own, rest)) = cells.split_at_mut_checked(values.len()) else { return &mut [] };
-    for (cell, (value, scale)) in own.iter_mut().zip(values.iter().zip(scale)) {
-        *cell = value * scale;
-    }
+    let Some((mut own, rest)) = cells.split_at_mut_checked(values.len()) else { return &mut [] };
+    let (mut values, mut scale) = (values, scale);
+    unrolled!(let ([cell, cells @ ..], [value, later @ ..], [factor, factors @ ..]) = (own, values, scale) => {
+        *cell = value * factor;
+        (own, values, scale) = (cells, later, factors);
+    });
     rest
 }
 

@@ -12,6 +12,7 @@ pub use constants::Regression;
 
 use crate::factor::Row;
 use crate::plan::{Array, Cells, Layout, Method, Plan, Presence, RegressionLayout, Signal, Signals};
+use crate::unroll::unrolled;
 use instruments::Instruments;
 use squares::Squares;
 
@@ -148,6 +149,27 @@ impl<P: Plan> Rows<P> {
         let squares = self.squares.part().map_or(0, |squares| squares.auxiliary.refused);
         self.instruments.part().map_or(squares, |instruments| instruments.auxiliary.refused)
     }
+}
+
+/// Adds the products of values and gains to `start`, in this order.
+#[inline(always)]
+fn dot(start: f32, values: &[f32], gains: &[f32]) -> f32 {
+    let (mut sum, mut values, mut gains) = (start, values, gains);
+    unrolled!(let ([value, later @ ..], [gain, rest @ ..]) = (values, gains) => {
+        sum += gain * value;
+        (values, gains) = (later, rest);
+    });
+    sum
+}
+
+/// Moves values on by one place; `newest` comes first, and the last one is lost.
+#[inline(always)]
+fn carry_on(cells: &mut [f32], newest: f32) {
+    let (mut cells, mut carried) = (cells, newest);
+    unrolled!(let [cell, rest @ ..] = cells => {
+        carried = core::mem::replace(cell, carried);
+        cells = rest;
+    });
 }
 
 #[inline(always)]

@@ -10,10 +10,10 @@
 //! After a refused sample, rows are withheld until every lag is valid again. A row whose residual e under the last accepted
 //! model exceeds the threshold κσ has the weight κσ/|e|.
 
-use super::Inputs;
 use super::auxiliary::{self, Auxiliary, Candidate};
 use super::constants::Regression;
 use super::delays::Delays;
+use super::{Inputs, carry_on, dot};
 use crate::factor::Row;
 use crate::plan::{Array, Cells, Memory, Plan, RegressionLayout, Structure};
 
@@ -74,11 +74,14 @@ impl<P: Plan> Squares<P> {
         let (cells, scale, _) = shift_in(cells, scale, na, level_y, (self.newest_y, y0));
         let (cells, scale, du1) = shift_in(cells, scale, nb, level_u1, (u1, u1_0));
         let (cells, scale, du2) = shift_in(cells, scale, nc, level_u2, (u2, u2_0));
-        let mut rest = cells.iter_mut().zip(scale);
-        if offset && let Some((cell, scale)) = rest.next() {
-            *cell = *scale;
-        }
-        if let Some((target, scale)) = rest.next() {
+        let (cells, scale) = match (offset, cells, scale) {
+            (true, [cell, cells @ ..], [constant, scale @ ..]) => {
+                *cell = *constant;
+                (cells, scale)
+            }
+            (_, cells, scale) => (cells, scale),
+        };
+        if let ([target, ..], [scale, ..]) = (cells, scale) {
             *target = (inputs.y - if na == 0 { y0 } else { self.newest_y }) * scale;
         }
         self.newest_y = inputs.y;
@@ -94,8 +97,7 @@ impl<P: Plan> Squares<P> {
         let row = self.row.cells();
         if constants.huber > 0.0 {
             let model = &self.auxiliary.now;
-            let known = row.iter().zip(model.theta.cells());
-            let prediction = known.fold(self.shift, |sum, (x, theta)| sum + x * theta);
+            let prediction = dot(self.shift, row, model.theta.cells());
             let target = row.get(structure.parameters()).copied().unwrap_or(0.0);
             weight = auxiliary::weight(target - prediction, model.threshold);
         }
@@ -168,10 +170,7 @@ fn shift_in<'c, 's>(
         change = (newest - *level) * first_scale;
         if let Some(scale) = scales.first() {
             // Differences share one scale (a validated model), so they move on unchanged.
-            let mut carried = (newest - *level) * scale;
-            for cell in differences {
-                carried = core::mem::replace(cell, carried);
-            }
+            carry_on(differences, (newest - *level) * scale);
         }
         *level = newest;
     }

@@ -133,7 +133,7 @@ impl<P: Plan> OrderTracking<P> {
     /// and the residual, if there is one; it must be finite.
     #[inline(always)]
     pub(super) fn step(&mut self, harmonics: u8, tracking: &Tracking<P>, turned: i32, residual: Option<f32>) {
-        let lines = self.lines.cells_mut().iter_mut().zip(tracking.orders.cells());
+        let (mut lines, mut orders) = (self.lines.cells_mut(), tracking.orders.cells());
         let residual = match residual {
             Some(residual) if turned.unsigned_abs() > tracking.slowest_turn => {
                 if turned < 0 {
@@ -143,13 +143,17 @@ impl<P: Plan> OrderTracking<P> {
                 }
             }
             _ => {
-                lines.for_each(|(line, order)| line.turn(order, turned));
+                while let ([line, rest @ ..], [order, later @ ..]) = (lines, orders) {
+                    line.turn(order, turned);
+                    (lines, orders) = (rest, later);
+                }
                 return;
             }
         };
-        for (line, order) in lines {
+        while let ([line, rest @ ..], [order, later @ ..]) = (lines, orders) {
             line.turn(order, turned);
             line.add(harmonics, residual);
+            (lines, orders) = (rest, later);
         }
         self.pending = self.pending.wrapping_add(1);
         if self.pending >= tracking.block_samples {

@@ -10,6 +10,7 @@
 //! about 1e-6 of full scale.
 
 use super::stage::add;
+use crate::unroll::unrolled;
 
 /// Causal FIR decimation (2) of `CH` channels by `FACTOR`; `SLOTS` is `TAPS` / `FACTOR`, rounded up.
 ///
@@ -54,11 +55,12 @@ impl<const CH: usize, const TAPS: usize, const FACTOR: usize, const SLOTS: usize
         // FACTOR later.
         // The minimum changes nothing: it shows the compiler that every slot but the last meets a tap.
         let mut met = self.remaining.min(FACTOR - 1);
-        if let Some((last, slots)) = self.slots.split_last_mut() {
-            for slot in slots {
+        if let Some((last, mut slots)) = self.slots.split_last_mut() {
+            unrolled!(let [slot, later @ ..] = slots => {
                 add(slot, taps.get(met).copied().unwrap_or(0.0), &sample); // (2)
                 met = met.wrapping_add(FACTOR);
-            }
+                slots = later;
+            });
             if let Some(tap) = taps.get(met) {
                 add(last, *tap, &sample);
             }
@@ -69,10 +71,12 @@ impl<const CH: usize, const TAPS: usize, const FACTOR: usize, const SLOTS: usize
             return None;
         }
         self.remaining = FACTOR - 1;
-        let mut output = [0.0; CH];
-        for slot in self.slots.iter_mut().rev() {
-            core::mem::swap(slot, &mut output); // every slot moves up by one; a zero slot is appended
-        }
+        let output = self.slots.first().copied().unwrap_or([0.0; CH]);
+        let mut slots = &mut self.slots[..];
+        unrolled!(let [slot, later @ ..] = slots => {
+            *slot = if let [next, ..] = later { *next } else { [0.0; CH] };
+            slots = later;
+        });
         (self.filling == 0).then_some(output)
     }
 

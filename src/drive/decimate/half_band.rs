@@ -24,7 +24,7 @@
 //!
 //! Stages store partial sums instead of past samples (transposed form): a sample that is not finite makes only those
 //! outputs not finite whose taps include it. Cost per sample: 2K₁ + 1 or at most K₂ + 1 multiply-adds per channel; with
-//! three channels and factor 8, 147 instructions on average and 184 at most on a Cortex-M4F. State: 8·CH·(K₁ + 1) bytes
+//! three channels and factor 8, 147 instructions on average and 181 at most on a Cortex-M4F. State: 8·CH·(K₁ + 1) bytes
 //! per early stage, 8·CH·(K₂ + 1) for the last, and 8 more on the microcontroller.
 
 use super::stage::{Stage, Waiting};
@@ -94,7 +94,7 @@ pub struct HalfBandDecimator<const CH: usize, const EARLY: usize, const SHORT: u
     last: Stage<CH, LONG>,
     /// n + 1; its number of trailing zero bits selects the stage.
     turn: u32,
-    /// Number of samples until every tap has been multiplied by a sample.
+    /// Number of outputs until every tap has been multiplied by a sample.
     filling: usize,
 }
 
@@ -114,13 +114,14 @@ impl<const CH: usize, const EARLY: usize, const SHORT: usize, const LONG: usize>
     #[must_use]
     pub const fn new() -> Self {
         const { assert!(EARLY < 16 && SHORT > 0 && LONG > 0 && SHORT < 1000 && LONG < 1000, "stages and taps") };
-        Self { early: [Stage::NEW; EARLY], last: Stage::NEW, turn: 1, filling: Self::TAPS + Self::LATENCY }
+        // An output is due at sample F/2 − 1 and every F samples from there; with one stage that would be sample zero.
+        let filling = Self::TAPS.div_ceil(Self::FACTOR) - (EARLY == 0) as usize;
+        Self { early: [Stage::NEW; EARLY], last: Stage::NEW, turn: 1, filling }
     }
 
     /// Adds a sample; every [`Self::FACTOR`]-th call returns an output once the filters are filled.
     #[inline]
     pub fn push(&mut self, taps: &HalfBandTaps<SHORT, LONG>, sample: [f32; CH]) -> Option<[f32; CH]> {
-        self.filling = self.filling.saturating_sub(1);
         self.turn = self.turn.wrapping_add(1);
         let whose = self.turn.trailing_zeros() as usize;
         self.waiting(0).put(whose != 0, sample);
@@ -135,7 +136,9 @@ impl<const CH: usize, const EARLY: usize, const SHORT: usize, const LONG: usize>
         } else if whose == EARLY {
             let carry = self.last.carry(&taps.last);
             let output = self.last.sooner_half(&taps.last, carry);
-            (self.filling == 0).then_some(output)
+            let full = self.filling == 0;
+            self.filling = self.filling.saturating_sub(1);
+            full.then_some(output)
         } else {
             let _in_time_for_the_next_output = self.last.later_half(&taps.last);
             None

@@ -5,8 +5,8 @@
 //! | decimator | factor | gain of aliased components | instructions per sample of 3 channels, mean and worst |
 //! |---|---|---|---|
 //! | [`BlockMean`] | any | −13 dB and less | few; only additions in all but one sample |
-//! | [`HalfBandDecimator`] | 2ˢ | −80 dB, up to 0.8 of the new Nyquist frequency | by 8: 147, 184; by 16: 145, 186 |
-//! | [`FirDecimator`] | any | depends on its taps | for the same bands, by 8: 347, 498; by 16: 338, 499 |
+//! | [`HalfBandDecimator`] | 2ˢ | −80 dB, up to 0.8 of the new Nyquist frequency | by 8: 147, 181; by 16: 148, 184 |
+//! | [`FirDecimator`] | any | depends on its taps | for the same bands, by 8: 313, 438; by 16: 315, 449 |
 //!
 //! All are causal with a constant delay and do not output the start-up transient. An odd factor must be the last:
 //!

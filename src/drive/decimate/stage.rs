@@ -1,5 +1,7 @@
 //! One half-band filter, equation (3) of [`super::half_band`], in transposed form.
 
+use crate::unroll::unrolled;
+
 /// The two input samples from which a stage computes one output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -9,7 +11,7 @@ pub(super) struct Waiting<const CH: usize> {
 }
 
 impl<const CH: usize> Waiting<CH> {
-    #[inline]
+    #[inline(always)]
     pub(super) fn put(&mut self, is_first: bool, sample: [f32; CH]) {
         if is_first {
             self.first = sample;
@@ -36,37 +38,39 @@ impl<const CH: usize, const PAIRS: usize> Stage<CH, PAIRS> {
     };
 
     /// The sum that moves from the later half to the sooner half.
-    #[inline]
+    #[inline(always)]
     pub(super) fn carry(&self, taps: &[f32; PAIRS]) -> [f32; CH] {
         let (Some(sum), Some(tap)) = (self.later.first(), taps.last()) else { return [0.0; CH] };
         added(sum, *tap, &self.waiting.second)
     }
 
-    /// Adds the second sample to the later K sums and shifts them by one; the sum that leaves is [`Self::carry`].
-    #[inline]
+    /// Adds the second sample to the later K sums and shifts them by one; the sum that leaves is [`Self::carry`]. From the
+    /// last sum to the first, each is replaced by `carry`; its old value plus tap · x is the next `carry`.
+    #[inline(always)]
     pub(super) fn later_half(&mut self, taps: &[f32; PAIRS]) -> [f32; CH] {
-        slide(self.later.iter_mut().rev().zip(taps), &self.waiting.second, [0.0; CH])
+        let (mut sums, mut taps, mut carry) = (&mut self.later[..], &taps[..], [0.0; CH]);
+        let x = self.waiting.second;
+        unrolled!(let ([earlier @ .., sum], [tap, inner @ ..]) = (sums, taps) => {
+            carry = added(&core::mem::replace(sum, carry), *tap, &x);
+            (sums, taps) = (earlier, inner);
+        });
+        carry
     }
 
     /// Adds both samples to the sooner K sums and shifts them by one; returns the sum that leaves, which is the output.
-    #[inline]
+    #[inline(always)]
     pub(super) fn sooner_half(&mut self, taps: &[f32; PAIRS], carry: [f32; CH]) -> [f32; CH] {
         if let Some(middle) = self.sooner.last_mut() {
             *middle = added(middle, 0.5, &self.waiting.first);
         }
-        slide(self.sooner.iter_mut().zip(taps).rev(), &self.waiting.second, carry)
+        let (mut sums, mut taps, mut carry) = (&mut self.sooner[..], &taps[..], carry);
+        let x = self.waiting.second;
+        unrolled!(let ([earlier @ .., sum], [outer @ .., tap]) = (sums, taps) => {
+            carry = added(&core::mem::replace(sum, carry), *tap, &x);
+            (sums, taps) = (earlier, outer);
+        });
+        carry
     }
-}
-
-/// Processes the sums from the last to the first: each is replaced by `carry`; its old value plus tap · x is the next
-/// `carry`.
-#[inline]
-fn slide<'a, const CH: usize>(
-    sums: impl Iterator<Item = (&'a mut [f32; CH], &'a f32)>,
-    x: &[f32; CH],
-    carry: [f32; CH],
-) -> [f32; CH] {
-    sums.fold(carry, |carry, (sum, tap)| added(&core::mem::replace(sum, carry), *tap, x))
 }
 
 /// sum + tap · x for each channel.
@@ -78,13 +82,11 @@ fn added<const CH: usize>(sum: &[f32; CH], tap: f32, x: &[f32; CH]) -> [f32; CH]
 }
 
 /// Adds tap · x to the sum of each channel.
-// The innermost loop: at `opt-level = "s"` iterators would cost several calls for each tap.
 #[inline(always)]
-#[expect(clippy::indexing_slicing, reason = "c < CH, the length of both arrays")]
 pub(super) fn add<const CH: usize>(sum: &mut [f32; CH], tap: f32, x: &[f32; CH]) {
-    let mut c = 0;
-    while c < CH {
-        sum[c] += tap * x[c];
-        c += 1;
-    }
+    let (mut sums, mut values) = (&mut sum[..], &x[..]);
+    unrolled!(let ([sum, sums_left @ ..], [x, values_left @ ..]) = (sums, values) => {
+        *sum += tap * x;
+        (sums, values) = (sums_left, values_left);
+    });
 }
