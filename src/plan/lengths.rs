@@ -23,7 +23,6 @@ impl RegressionLayout {
 
     /// Number of columns M of a row.
     #[inline(always)]
-    #[inline]
     #[must_use]
     pub const fn columns(&self) -> usize {
         self.structure.parameters() + self.split().1 + 1

@@ -45,15 +45,14 @@ pub const BOUNDS: [Bound; 48] = [
     bound("SRIV detector, collect, mean sample", Some(8), 560),
     bound("SRIV detector, collect, sample that closes", Some(8), 1710),
     bound("SRIV detector, conclude", Some(8), 19_300),
-    // The longest is a row of the covariance whose columns are not contiguous.
-    bound("SRIV detector, longest piece", Some(8), 450),
+    bound("SRIV detector, longest piece", Some(8), 400),
     bound("LS and shaft, 4 orders of 3 harmonics, collect, mean sample", Some(4), 880),
     bound("LS and shaft, 4 orders of 3 harmonics, collect, longest sample", Some(4), 980),
     bound("LS and shaft, 4 orders of 3 harmonics, collect, sample that closes", Some(4), 3080),
     bound("LS and shaft, 4 orders of 3 harmonics, conclude", Some(4), 29_000),
-    bound("LS and shaft, 4 orders of 3 harmonics, longest piece", Some(4), 460),
+    bound("LS and shaft, 4 orders of 3 harmonics, longest piece", Some(4), 400),
     bound("shaft alone, 1 order without load, collect, mean sample", Some(1), 330),
-    bound("shaft alone, 1 order without load, longest piece", Some(1), 450),
+    bound("shaft alone, 1 order without load, longest piece", Some(1), 400),
     // With the gate, its counts and the limits of the channels.
     bytes("SRIV sample, stuck sensor and outliers told", Some(8), 560),
     bytes("LS and shaft, 4 orders of 3 harmonics, collect, mean sample", Some(4), 1080),
