@@ -7,12 +7,8 @@ use std::process::Command;
 use anyhow::{Context, Result, bail};
 
 use crate::board::DRIVE;
-use crate::toolchain::{self, Way};
+use crate::toolchain::{self, COMPILER, Way, installed};
 use crate::{child, qemu};
-
-/// Compiler, cargo, library source and linker of the Debian way. `rustc-web` is Debian's own
-/// newer compiler; the one named `rustc` is too old.
-const COMPILER: [&str; 4] = ["rustc-web", "cargo-web", "rust-web-src", "lld-19"];
 
 const EMULATOR: &str = "qemu-system-arm";
 
@@ -30,16 +26,6 @@ pub fn ensure(way: Way) -> Result<()> {
         wanted.push(EMULATOR);
     }
     if wanted.is_empty() { Ok(()) } else { install(&wanted).with_context(|| missing(way, &wanted)) }
-}
-
-/// Whether the Debian way is there or can be installed.
-pub fn debian_possible() -> bool {
-    child::on_path("apt-get") || COMPILER.iter().all(|package| installed(package))
-}
-
-fn installed(package: &str) -> bool {
-    child::output(Command::new("dpkg-query").args(["-W", "-f=${db:Status-Status}", package]))
-        .is_some_and(|status| status == "installed")
 }
 
 /// What the user is told when installing fails or is not allowed.

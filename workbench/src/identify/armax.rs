@@ -15,7 +15,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::filters::{all_pole, regressors};
 use super::gauss_newton::{Minimum, Model, minimise};
-use super::result::{Finding, Noise, stable};
+use super::poles::stable;
+use super::result::{Finding, Noise};
 use super::{Estimate, Structure, least_squares, ls, reflect_unstable};
 use crate::Error;
 use crate::trace::Trace;

@@ -10,12 +10,13 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::autoregression::autoregression;
 use super::filters::{all_pole, regressors};
 use super::instruments::{System, rotate};
-use super::iv4::autoregression;
 use super::kernel::filter::fir;
+use super::poles::stable;
 use super::regression::{Signals, constant, lags, subtract};
-use super::result::{Finding, Noise, stable};
+use super::result::{Finding, Noise};
 use super::{Estimate, Structure, Terms, ls, reflect_unstable, simulate};
 use crate::Error;
 use crate::trace::Trace;

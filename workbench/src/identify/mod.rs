@@ -4,6 +4,7 @@
 //! start at t₀ = [`Structure::depth`], the first sample with a complete regressor.
 
 mod armax;
+mod autoregression;
 pub(crate) mod filters;
 mod gauss_newton;
 mod instruments;
@@ -12,6 +13,7 @@ pub(crate) mod iv4;
 pub(crate) mod kernel;
 mod ls;
 mod output_error;
+mod poles;
 mod regression;
 mod result;
 mod simulate;
@@ -27,8 +29,9 @@ pub use iv::instrumental_variables;
 pub use iv4::iv4;
 pub use ls::least_squares;
 pub use output_error::output_error;
+pub use poles::{poles, reflect_unstable};
 pub use result::{Convergence, Estimate, Noise};
-pub use simulate::{fit_percent, poles, reflect_unstable, simulate};
+pub use simulate::{fit_percent, simulate};
 pub use sriv::sriv;
 pub use steiglitz_mcbride::steiglitz_mcbride;
 

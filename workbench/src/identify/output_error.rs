@@ -13,7 +13,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::filters::prefilter;
 use super::gauss_newton::{Minimum, Model, minimise};
-use super::result::{Finding, Noise, stable};
+use super::poles::stable;
+use super::result::{Finding, Noise};
 use super::sriv::reflect;
 use super::{Estimate, Structure, Terms, sriv, steiglitz_mcbride};
 use crate::Error;

@@ -11,10 +11,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::kernel::free_run::surely_stable;
 use super::kernel::sums::dot;
-use super::simulate::fit_of_error;
-use super::{Structure, Terms, fit_percent, poles, simulate};
+use super::poles::stable;
+use super::simulate::{fit_of_error, fit_percent, simulate};
+use super::{Structure, Terms};
 use crate::trace::Trace;
 
 /// Parameters with their uncertainty and fits.
@@ -171,12 +171,6 @@ impl Estimate {
     pub fn deviations(&self) -> Vec<f64> {
         self.covariance.diagonal().iter().map(|v| v.sqrt()).collect()
     }
-}
-
-/// Whether `1 + a₁ z⁻¹ + …` has no root outside the unit circle.
-pub(super) fn stable(a: &[f64]) -> bool {
-    // The computed position of a double pole on the circle has an error of this size.
-    surely_stable(&a[1..]) || poles(a).iter().all(|pole| pole.norm() <= 1.0 + 1e-6)
 }
 
 /// Whether a step is small compared with the standard deviations or, if these are zero, compared with rounding.

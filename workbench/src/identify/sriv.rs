@@ -16,7 +16,8 @@
 use nalgebra::DVector;
 
 use super::filters::{Prefiltered, prefilter};
-use super::result::{Finding, Noise, negligible, stable};
+use super::poles::stable;
+use super::result::{Finding, Noise, negligible};
 use super::{Estimate, Structure, Terms, iv, ls, reflect_unstable, steiglitz_mcbride};
 use crate::Error;
 use crate::trace::Trace;

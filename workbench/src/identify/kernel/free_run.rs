@@ -6,16 +6,12 @@
 //! ```
 //!
 //! The simulation starts from zero, or, with a constant term, from the first t₀ measured outputs. Unstable poles are
-//! reflected into the unit circle. The Schur–Cohn recursion tests first whether there are any; eigenvalues are computed
-//! only if a reflection coefficient is close to one or larger.
+//! reflected into the unit circle.
 
-use super::super::result::stable;
 use super::filter::{add_filtered, recur};
-use crate::identify::{Structure, reflect_unstable};
+use crate::identify::Structure;
+use crate::identify::poles::{reflect_unstable, stable, surely_stable};
 use crate::trace::Trace;
-
-/// Distance of a reflection coefficient from one within which rounding could change the decision.
-const SURE: f64 = 1e-9;
 
 /// A model prepared for simulation.
 #[derive(Clone, Debug)]
@@ -66,27 +62,6 @@ impl FreeRun {
         output[..known].copy_from_slice(&trace.y[..known]);
         recur(&self.a, known, output);
     }
-}
-
-/// Schur–Cohn test: whether every reflection coefficient of `1 + a₁ z⁻¹ + …` is below one by more than `SURE`.
-pub(crate) fn surely_stable(a: &[f64]) -> bool {
-    let mut held = [0.0; 32];
-    let Some(now) = held.get_mut(..a.len()) else { return false };
-    now.copy_from_slice(a);
-    for order in (1..=a.len()).rev() {
-        let k = now[order - 1];
-        let rest = 1.0 - k * k;
-        if !(k.abs() < 1.0 - SURE && rest > 0.0) {
-            return false;
-        }
-        let below = order - 1;
-        for i in 0..below.div_ceil(2) {
-            let (low, high) = (now[i], now[below - 1 - i]);
-            now[i] = (low - k * high) / rest;
-            now[below - 1 - i] = (high - k * low) / rest;
-        }
-    }
-    true
 }
 
 #[cfg(test)]
@@ -152,12 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn stability_is_that_of_the_poles() {
-        // Poles 0.9 and −0.8; 0.9e^{±j}; 1.1 and 0.5; 1 and 0.5.
-        assert!(surely_stable(&[-0.1, -0.72]));
-        assert!(surely_stable(&[-1.8 * 1.0_f64.cos(), 0.81]));
-        assert!(!surely_stable(&[-1.6, 0.55]));
-        assert!(!surely_stable(&[-1.5, 0.5]), "on the circle the eigenvalues decide");
+    fn a_model_knows_whether_it_was_stable() {
         let structure = Structure::new(2, 1, 1, 1, 1);
         assert!(!FreeRun::new(structure, &[-1.6, 0.55, 1.0, 1.0]).stable);
         assert!(FreeRun::new(structure, &[-1.5, 0.5, 1.0, 1.0]).stable);
