@@ -1,7 +1,5 @@
 //! Checks of lists of numbers. They are `const`, so they walk slices by patterns.
 
-#![expect(clippy::neg_cmp_op_on_partial_ord, reason = "a comparison with NaN must fail")]
-
 /// Whether both coordinates of the knots increase. NaN does not.
 pub(super) const fn increase(knots: &[[f32; 2]]) -> bool {
     let mut rest = knots;
