@@ -62,7 +62,7 @@ pub const BOUNDS: [Bound; 48] = [
     bytes("stack, detector conclude", None, 1220),
     bytes("stack, SRIV detector sample", None, 420),
     bytes("stack, SRIV detector segment end", None, 1940),
-    bytes("stack, SRIV detector collect", None, 900),
+    bytes("stack, SRIV detector collect", None, 950),
     bytes("stack, SRIV detector conclude", None, 1840),
     bytes("stack, SRIV detector piece", None, 570),
     bytes("stack, detector with shaft of 4 orders sample", None, 590),
