@@ -62,7 +62,7 @@ impl<P: Plan> Novelty<P> {
         (libm::sqrtf(squared), self.surprise(squared))
     }
 
-    /// (2) by straight lines between the knots, outside them along the nearest line, within 0 and [`MAX_SURPRISE`]. NaN
+    /// (2) by straight lines between the knots, outside them along the nearest line, within 0 and 40 nats. NaN
     /// gives NaN.
     #[must_use]
     pub fn surprise(&self, squared: f32) -> f32 {

@@ -64,7 +64,7 @@ pub struct Tracking<P: Plan> {
     pub orders: Array<P::Orders, TrackedOrder>,
     /// Angle a sample, in counts of 2⁻³² turn, up to which a sample does not count.
     pub slowest_turn: u32,
-    /// Samples in a block: long compared with the period of the order, and at least [`MIN_BLOCKS`] blocks in a segment.
+    /// Samples in a block: long compared with the period of the order, and at least 8 blocks in a segment.
     pub block_samples: u16,
 }
 
@@ -195,7 +195,7 @@ impl<P: Plan> OrderSums<P> {
     /// The strength of order k.
     ///
     /// # Errors
-    /// [`Reason::TooFewRows`] with fewer than [`MIN_BLOCKS`] blocks, [`Reason::NotFinite`] if the residual left the range
+    /// [`Reason::TooFewRows`] with fewer than 8 blocks, [`Reason::NotFinite`] if the residual left the range
     /// of `f32`.
     #[inline(never)]
     pub(super) fn strength(&self, tracking: &Tracking<P>, k: usize) -> Result<OrderStrength, Reason> {
