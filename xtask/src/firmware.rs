@@ -34,6 +34,14 @@ pub fn build_checked(way: Way, board: Board, example: &str) -> Result<PathBuf> {
     existing(folder.join("examples").join(example))
 }
 
+/// Builds one example with the core at `opt-level = "s"`, and returns its ELF file, which replaces the one of [`build`].
+pub fn build_small(way: Way, board: Board, example: &str) -> Result<PathBuf> {
+    let (mut cargo, folder) = cargo(way, board);
+    cargo.args(["--config", r#"profile.release.package.bearing-watch.opt-level="s""#]);
+    child::succeed(cargo.args(["--package", "bearing-watch", "--example", example]).args(features(example)))?;
+    existing(folder.join("examples").join(example))
+}
+
 /// Checks every example with every feature of the core but `alloc`, which is for hosts. Checks, since each example is
 /// also built with its own features, and building takes minutes.
 pub fn check_all_features(way: Way, board: Board) -> Result<()> {
@@ -60,8 +68,8 @@ fn cargo_to(command: &str, way: Way, board: Board) -> (Command, PathBuf) {
     };
     cargo.args([command, "--release", "--target", board.target]);
     if way == Way::Debian {
-        // After the command: a later `--config` there would hide one before it.
-        cargo.args(["--config", LINKER]);
+        // After the subcommand: cargo drops a `--config` before it if there is another one after it.
+        cargo.args(["-Z", "build-std=core", "--config", LINKER]);
     }
     match board.memory {
         "" => cargo.env_remove(BOARD),
@@ -128,7 +136,6 @@ fn debian() -> (Command, PathBuf) {
         // What the cargo that started us leaves behind points at its own compiler's libraries.
         .env_remove("CARGO")
         .env_remove("RUSTUP_TOOLCHAIN")
-        .env_remove("LD_LIBRARY_PATH")
-        .args(["-Z", "build-std=core"]);
+        .env_remove("LD_LIBRARY_PATH");
     (cargo, folder)
 }

@@ -14,6 +14,7 @@ mod public;
 mod qemu;
 mod rivals;
 mod setup;
+mod size_profile;
 mod tally;
 mod target;
 mod test;

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 use std::fs;
+use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use serde_json::{Value, json};
@@ -41,14 +42,10 @@ pub fn figures(way: Way) -> Result<Vec<Figure>> {
 
 /// What the examples `measure` and `stack` print, and what a detector adds to the smallest program.
 pub fn kernels(way: Way) -> Result<Vec<Figure>> {
-    let mut lines = Vec::new();
+    let mut figures = Vec::new();
     for example in ["measure", "stack"] {
-        let elf = firmware::build(way, DRIVE, example)?;
-        let printed = qemu::run(&elf, DRIVE.machine, qemu::Echo::Off)?;
-        ensure!(!printed.is_empty(), "the example `{example}` printed nothing");
-        lines.extend(printed);
+        figures.extend(printed(&firmware::build(way, DRIVE, example)?)?);
     }
-    let mut figures = lines.iter().map(|line| figure(line)).collect::<Result<Vec<_>>>()?;
     let flash = |example: &str| Ok::<_, anyhow::Error>(elf::sizes(&firmware::build(way, DRIVE, example)?)?.flash);
     let without = flash("footprint_none")?;
     for (name, example) in
@@ -59,6 +56,13 @@ pub fn kernels(way: Way) -> Result<Vec<Figure>> {
         figures.push(Figure { name, n: Some(8), instructions: None, bytes });
     }
     Ok(figures)
+}
+
+/// What a program prints on the drive's chip.
+pub fn printed(elf: &Path) -> Result<Vec<Figure>> {
+    let lines = qemu::run(elf, DRIVE.machine, qemu::Echo::Off)?;
+    ensure!(!lines.is_empty(), "{} printed nothing", elf.display());
+    lines.iter().map(|line| figure(line)).collect()
 }
 
 fn figure(line: &str) -> Result<Figure> {

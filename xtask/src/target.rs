@@ -8,13 +8,16 @@ use crate::board::{Board, DRIVE, OTHERS};
 use crate::bounds::BOUNDS;
 use crate::tally::Tally;
 use crate::toolchain::{self, Way};
-use crate::{child, docs, elf, firmware, log, measure, public, qemu, workspace};
+use crate::{child, docs, elf, firmware, log, measure, public, qemu, size_profile, workspace};
 
 /// Examples that must print the same lines, bit for bit, on the host and on the target.
 const TWINS: [&str; 3] = ["monitor", "kernels", "deferred"];
 
 /// Of these, the ones for which that holds on every board.
 const EVERYWHERE: [&str; 2] = ["kernels", "deferred"];
+
+/// A way to build an example for a board.
+type Build = fn(Way, Board, &str) -> Result<PathBuf>;
 
 const NO_TOOLS: &str = "no firmware tools, see set-up";
 
@@ -89,6 +92,7 @@ pub fn no_panic(tally: &mut Tally, way: Option<Way>) {
     const ALL: &str = "every public function is called in panic_free";
     const LINKS: &str = "panic_free links and runs";
     const CHECKED: &str = "panic_free links and runs, overflow checks on";
+    const SMALL: &str = "panic_free links and runs, opt-level s";
     const MONITOR: &str = "monitor links without a panic";
     let forgotten = brief(public::forgotten()).and_then(|names| match names.len() {
         0 => Ok(""),
@@ -98,12 +102,16 @@ pub fn no_panic(tally: &mut Tally, way: Option<Way>) {
     let Some(way) = way else {
         tally.skip(LINKS, NO_TOOLS);
         tally.skip(CHECKED, NO_TOOLS);
+        tally.skip(SMALL, NO_TOOLS);
         return tally.skip(MONITOR, NO_TOOLS);
     };
-    // Both builds have the same file: the first runs before the second is built.
-    let links = |elf: Result<PathBuf>| elf.and_then(|elf| qemu::run(&elf, DRIVE.machine, qemu::Echo::Off)).map(|_| "");
-    tally.check(LINKS, brief(links(firmware::build(way, DRIVE, "panic_free"))));
-    tally.check(CHECKED, brief(links(firmware::build_checked(way, DRIVE, "panic_free"))));
+    // All builds have the same file: each runs before the next is built.
+    let builds: [(&str, Build); 3] =
+        [(LINKS, firmware::build), (CHECKED, firmware::build_checked), (SMALL, firmware::build_small)];
+    for (title, build) in builds {
+        let runs = build(way, DRIVE, "panic_free").and_then(|elf| qemu::run(&elf, DRIVE.machine, qemu::Echo::Off));
+        tally.check(title, brief(runs.map(|_| "")));
+    }
     tally.check(MONITOR, brief(panic_free(way)));
 }
 
@@ -117,11 +125,15 @@ fn panic_free(way: Way) -> Result<&'static str> {
 pub fn bounds(tally: &mut Tally, way: Option<Way>) {
     const REPEATABLE: &str = "two runs count alike";
     const DOCUMENTED: &str = "README's figures within 5 %";
+    const SMALL: &str = "instructions of a sample at opt-level s";
+    const SMALL_FLASH: &str = "flash at opt-level s";
     let Some(way) = way else {
         tally.skip(REPEATABLE, NO_TOOLS);
         for bound in BOUNDS {
             tally.skip(&bound.title(), NO_TOOLS);
         }
+        tally.skip(SMALL, NO_TOOLS);
+        tally.skip(SMALL_FLASH, NO_TOOLS);
         return tally.skip(DOCUMENTED, NO_TOOLS);
     };
     let runs = measure::kernels(way).and_then(|one| Ok((one, measure::kernels(way)?)));
@@ -140,6 +152,8 @@ pub fn bounds(tally: &mut Tally, way: Option<Way>) {
     for bound in BOUNDS {
         tally.check(&bound.title(), bound.check(&figures));
     }
+    tally.check(SMALL, size_profile::instructions(way, &figures));
+    tally.check(SMALL_FLASH, brief(size_profile::flash(way)));
     tally.check(DOCUMENTED, docs::check_figures(&figures));
 }
 

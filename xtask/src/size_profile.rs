@@ -1,0 +1,101 @@
+//! The core built for size, `opt-level = "s"`: what a sample then takes beside what it takes at level 3.
+//!
+//! Only the package of the core changes its level; libraries keep theirs, as the compiler's own library does for users of
+//! rustup, and need not be built again.
+
+use anyhow::{Context, Result};
+
+use crate::board::DRIVE;
+use crate::measure::{self, Figure};
+use crate::toolchain::Way;
+use crate::{elf, firmware};
+
+/// Instructions at `opt-level = "s"`, in percent of those at level 3.
+const MOST_PERCENT: u64 = 130;
+
+/// What runs at every sample. The sample that closes a segment is left out: it copies the sums, and at this level
+/// compiler and library copy twice.
+const EVERY_SAMPLE: [&str; 17] = [
+    "sin_cos + Clarke + Park",
+    "LS sample",
+    "LS sample, stuck sensor and outliers told",
+    "LS sample, stuck sensor and outliers told, worst of 64",
+    "SRIV sample",
+    "SRIV sample, stuck sensor and outliers told",
+    "SRIV sample, stuck sensor and outliers told, worst of 64",
+    "LS detector, collect, mean sample",
+    "LS detector, collect, longest sample",
+    "SRIV detector, collect, mean sample",
+    "SRIV detector, collect, longest sample",
+    "LS and shaft, 4 orders of 3 harmonics, collect, mean sample",
+    "LS and shaft, 4 orders of 3 harmonics, collect, longest sample",
+    "shaft alone, 1 order without load, collect, mean sample",
+    "shaft alone, 1 order without load, collect, longest sample",
+    "half-band decimation, 3 channels, mean sample",
+    "FIR decimation, 3 channels, mean sample",
+];
+
+/// Programs with a detector; at this level they must not take more flash.
+const PROGRAMS: [&str; 3] = ["footprint_squares", "footprint_refined", "footprint_shaft"];
+
+/// The figure that grows most, if none grows more than allowed.
+pub fn instructions(way: Way, fast: &[Figure]) -> Result<String, String> {
+    let small = firmware::build_small(way, DRIVE, "measure").and_then(|elf| measure::printed(&elf));
+    compare(fast, &small.map_err(|error| format!("{error:#}"))?)
+}
+
+fn compare(fast: &[Figure], small: &[Figure]) -> Result<String, String> {
+    let (mut worst, mut over) = ((0, String::new()), Vec::new());
+    for name in EVERY_SAMPLE {
+        let mut sizes = fast.iter().filter(|f| f.name == name).peekable();
+        if sizes.peek().is_none() {
+            return Err(format!("{name}: not measured"));
+        }
+        for f in sizes {
+            let other = small.iter().find(|s| s.name == name && s.n == f.n).and_then(|s| s.instructions);
+            let (Some(few), Some(many)) = (f.instructions, other) else {
+                return Err(format!("{name}: not measured"));
+            };
+            let percent = 100 * many / few.max(1);
+            let line = format!("{name}: {many} instead of {few}, {percent} %");
+            if percent > MOST_PERCENT {
+                over.push(line.clone());
+            }
+            worst = worst.max((percent, line));
+        }
+    }
+    if over.is_empty() { Ok(worst.1) } else { Err(over.join("; ")) }
+}
+
+/// Flash of the programs at this level and at level 3, if none grows.
+pub fn flash(way: Way) -> Result<String> {
+    let mut lines = Vec::new();
+    for name in PROGRAMS {
+        // Both builds have the same file.
+        let fast = elf::sizes(&firmware::build(way, DRIVE, name)?)?.flash;
+        let small = elf::sizes(&firmware::build_small(way, DRIVE, name)?)?.flash;
+        (small <= fast).then_some(()).with_context(|| format!("{name}: {small} bytes instead of {fast}"))?;
+        lines.push(format!("{name} {small} instead of {fast}"));
+    }
+    Ok(lines.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn figures(instructions: u64) -> Vec<Figure> {
+        let figure =
+            |name: &str| Figure { name: name.to_owned(), n: None, instructions: Some(instructions), bytes: None };
+        EVERY_SAMPLE.map(figure).to_vec()
+    }
+
+    #[test]
+    fn up_to_130_percent_is_allowed() {
+        let fast = figures(100);
+        assert!(compare(&fast, &figures(130)).is_ok_and(|line| line.ends_with("130 instead of 100, 130 %")));
+        assert!(compare(&fast, &figures(131)).is_err());
+        assert!(compare(&fast, &[]).is_err());
+        assert!(compare(&[], &fast).is_err());
+    }
+}
