@@ -1,8 +1,8 @@
-//! The interrupt samples, the main loop solves: [`Detector::collect`](bearing_watch::Detector::collect) returns the sums
-//! of a closed segment, `Model::conclude` (or `Solver::advance`, a piece at a time) makes the report, and
+//! The interrupt samples, the main loop solves: [`Detector::collect`](bearing_watch::Detector::collect) returns the
+//! sums of a closed segment, `Model::conclude` (or `Solver::advance`, a piece at a time) makes the report, and
 //! `Detector::adopt` makes its estimate the auxiliary model. Three ways print the same bits: solved at once in the
-//! interrupt, solved as a whole in the main loop, and solved there by pieces. The program fails if the bits differ, if a
-//! segment was lost, or if an estimate came too late to be adopted.
+//! interrupt, solved as a whole in the main loop, and solved there by pieces. The program fails if the bits differ, if
+//! a segment was lost, or if an estimate came too late to be adopted.
 //!
 //! **How large must `handover` be?** The estimate must be adopted before the next segment has `handover` samples.
 //! Otherwise `adopt` returns `false`, and the old auxiliary model stays for one more segment. Let s be the number of
@@ -15,8 +15,8 @@
 //! ```
 //!
 //! The number of pieces depends on the plan; the example prints it. With 154 pieces and twelve a sample, s = 13 and
-//! `handover` must be at least 14. All pieces of a sample must fit into the interval beside the interrupt. Every segment
-//! loses the rows of its first `handover + settle` samples; a large `handover` has no other cost.
+//! `handover` must be at least 14. All pieces of a sample must fit into the interval beside the interrupt. Every
+//! segment loses the rows of its first `handover + settle` samples; a large `handover` has no other cost.
 //!
 //! A queue of `heapless` hands the segment over: the interrupt owns its producer and the main loop its consumer, so the
 //! main loop takes a segment with the interrupt enabled. Only `adopt` is called with the interrupt disabled.
@@ -193,8 +193,8 @@ mod timer {
 
     use super::{Queue, Shared};
 
-    /// Ticks of the core's clock: 2 ms of an STM32F405. That is 7800 instructions of the emulator, enough for the interrupt
-    /// and the pieces of a sample; a Cortex-M3 without floating-point unit, emulated at 25 MHz, has 52 000.
+    /// Ticks of the core's clock: 2 ms of an STM32F405. That is 7800 instructions of the emulator, enough for the
+    /// interrupt and the pieces of a sample; a Cortex-M3 without floating-point unit, emulated at 25 MHz, has 52 000.
     const INTERVAL: u32 = 336_000;
 
     static SHARED: Mutex<RefCell<Option<Shared>>> = Mutex::new(RefCell::new(None));

@@ -1,4 +1,5 @@
-//! The smallest program with a detector of eight parameters by instrumental variables: `cargo xtask measure` prints its flash.
+//! The smallest program with a detector of eight parameters by instrumental variables: `cargo xtask measure` prints its
+//! flash.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[macro_use]

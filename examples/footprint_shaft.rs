@@ -1,5 +1,5 @@
-//! The smallest program with a detector that watches the shaft, of eight parameters by least squares and four bearing orders
-//! of three harmonics: `cargo xtask measure` prints its flash.
+//! The smallest program with a detector that watches the shaft, of eight parameters by least squares and four bearing
+//! orders of three harmonics: `cargo xtask measure` prints its flash.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[macro_use]

@@ -193,8 +193,8 @@ fn monitor(counter: &mut Counter) {
     report("detector segment end, monitor", n, close, 0);
 }
 
-/// What a drive calls: a sample that collects, the sample that closes a segment, its solve at once and by pieces, and reading
-/// the model.
+/// What a drive calls: a sample that collects, the sample that closes a segment, its solve at once and by pieces, and
+/// reading the model.
 fn detector<P: Plan>(counter: &mut Counter, name: &str, n: usize, model: &Model<P>, samples: &[P::Sample]) {
     let mut detector = Detector::new(black_box(model));
     let length = model.constants().sampling.segment_samples;

@@ -39,10 +39,10 @@
 //! detector    ties them: one sample in, one Report a segment out
 //! ```
 //!
-//! A [`Model`] holds trained constants (flash), a [`Detector`] holds running state (RAM); both take one type parameter, the
-//! plan ([`plan!`]). The crate is `no_std`, allocates nothing (but for the host's feature `alloc`), contains no `unsafe`, and
-//! uses no fused multiply-add: the same samples give the same bits on a host and on a Cortex-M4F. A bad sample is counted and
-//! skipped; no function panics.
+//! A [`Model`] holds trained constants (flash), a [`Detector`] holds running state (RAM); both take one type parameter,
+//! the plan ([`plan!`]). The crate is `no_std`, allocates nothing (but for the host's feature `alloc`), contains no
+//! `unsafe`, and uses no fused multiply-add: the same samples give the same bits on a host and on a Cortex-M4F. A bad
+//! sample is counted and skipped; no function panics.
 //!
 //! Features: `defmt` (formats, and a log line for each segment), `nalgebra` (conversions of covariance and projection),
 //! `alloc` (the plan `RunTime` of host programs), `internals` (parts for this repository's tests and measurements; not

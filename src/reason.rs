@@ -84,8 +84,8 @@ pub enum Reason {
     /// The inputs of the regression hardly changed: see the threshold
     /// [`Regression::rest`](crate::model::Regression::rest).
     AtRest,
-    /// The data do not excite this parameter of the regression: place in the δ-parameters. A signal that is constant over
-    /// the whole segment ends here. With fading memory the floor hides this once the memory is full;
+    /// The data do not excite this parameter of the regression: place in the δ-parameters. A signal that is constant
+    /// over the whole segment ends here. With fading memory the floor hides this once the memory is full;
     /// [`Reason::AtRest`] then applies.
     ParameterNotExcited(u8),
     /// The motion does not excite this term of the torque balance.

@@ -2,10 +2,10 @@
 //!
 //! Enters: every sample of a stream. Leaves: a bit mask of refused channels, and [`Counts`] for the report.
 //!
-//! A channel is *rejected* if its value is not a number or exceeds the limit, and *saturated* if it exceeds the range of
-//! its sensor. A channel that repeats the same bits `stuck_samples` times is *stuck*. The samples before that were used
-//! already, so the segment gets no verdict; the samples after it are not used, since fading memory would keep them beyond
-//! the segment. Each channel is checked once a sample, whichever parts use it.
+//! A channel is *rejected* if its value is not a number or exceeds the limit, and *saturated* if it exceeds the range
+//! of its sensor. A channel that repeats the same bits `stuck_samples` times is *stuck*. The samples before that were
+//! used already, so the segment gets no verdict; the samples after it are not used, since fading memory would keep them
+//! beyond the segment. Each channel is checked once a sample, whichever parts use it.
 
 use crate::plan::{Array, Cells, Plan, Signal, Signals};
 

@@ -1,5 +1,5 @@
-//! A classifier of nine features, three coordinates and three classes for the example models. It is not from a training:
-//! it only has to tell a plant from others.
+//! A classifier of nine features, three coordinates and three classes for the example models. It is not from a
+//! training: it only has to tell a plant from others.
 
 /// The classifier of these features, for any plan of its size.
 macro_rules! classifier {

@@ -190,7 +190,8 @@ fn add<P: Plan>(hash: &mut Hash, estimate: &Estimate<P>, counts: Counts) {
     }
 }
 
-/// Simulated output of the structures above with noise, levels away from zero, an outlier and a lost sample now and then.
+/// Simulated output of the structures above with noise, levels away from zero, an outlier and a lost sample now and
+/// then.
 struct Plant {
     numbers: Numbers,
     y: [f32; 2],

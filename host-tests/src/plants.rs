@@ -5,8 +5,8 @@
 //! A(q) = Π (1 − p q⁻¹),   p = exp(−T/τ) or a pair of a resonance,   B(1)/A(1), C(1)/A(1) given
 //! ```
 //!
-//! Open loop: u1 and u2 are coloured noise (first order). Closed loop: `u1 = Kp ε + ∫ Ki ε`, `ε = reference − y`, on the
-//! *measured* output, so that u1 carries the noise; reference and u2 are coloured noise. Everything starts at rest.
+//! Open loop: u1 and u2 are coloured noise (first order). Closed loop: `u1 = Kp ε + ∫ Ki ε`, `ε = reference − y`, on
+//! the *measured* output, so that u1 carries the noise; reference and u2 are coloured noise. Everything starts at rest.
 
 use std::f64::consts::TAU;
 

@@ -10,8 +10,8 @@
 //! ```
 //!
 //! U is lower triangular, the inverse of the Cholesky factor of Σ. A linear discriminant has one U for all classes, a
-//! quadratic one has a U for each. The thesis pools the covariance; its discriminant is linear, although the thesis calls
-//! it quadratic. Cost of (1): C·Z(Z+3)/2 multiply-adds; (2) adds one exponential a class.
+//! quadratic one has a U for each. The thesis pools the covariance; its discriminant is linear, although the thesis
+//! calls it quadratic. Cost of (1): C·Z(Z+3)/2 multiply-adds; (2) adds one exponential a class.
 
 use super::projection::weighted_sum;
 use crate::factor::pairs;
@@ -149,8 +149,8 @@ impl Deciding {
         Self { quantity: Quantity::Joint, class: 0, extreme: f32::NEG_INFINITY, total: 0.0 }
     }
 
-    /// Does the next of 4 (C + 1) steps; `Some(false)` if no likelihood is finite or one is not a number, `Some(true)` once
-    /// the decision is complete.
+    /// Does the next of 4 (C + 1) steps; `Some(false)` if no likelihood is finite or one is not a number, `Some(true)`
+    /// once the decision is complete.
     #[inline(never)]
     pub fn step<P: Plan>(
         &mut self,

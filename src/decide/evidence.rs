@@ -17,21 +17,21 @@
 //! μ = 1 − p*^κ + p* e^cap,   ln p* = (ln κ − cap)/(1 − κ)                (6)  p*: the probability at the cap
 //! ```
 //!
-//! and (3) divides by it; (2) holds as a ratio of densities. Then the mean number of segments until `S_i` first reaches a
-//! limit h is at least e^h, for any h and however small the defect (Lorden 1971; Shin, Ramdas and Rinaldo, e-detectors,
-//! 2023). There are K scores, of the novelty and of each trained defect; their false-alarm rates at most add up, so each
-//! gets a K-th part of the rate:
+//! and (3) divides by it; (2) holds as a ratio of densities. Then the mean number of segments until `S_i` first reaches
+//! a limit h is at least e^h, for any h and however small the defect (Lorden 1971; Shin, Ramdas and Rinaldo,
+//! e-detectors, 2023). There are K scores, of the novelty and of each trained defect; their false-alarm rates at most
+//! add up, so each gets a K-th part of the rate:
 //!
 //! ```text
 //! limit = ln(K T),   T the mean segments between false alarms            (5)
 //! ```
 //!
-//! This sets the mean *time* between false alarms. κ near 0 reacts to few large surprises, κ near 1 sums many small ones; a
-//! mean surprise of 1/κ is found soonest. A cap of half the limit requires at least two segments, so that one disturbed
-//! record causes no alarm. The bound holds if (2) of [`Novelty`](super::Novelty) is exact and segments are independent.
-//! With few training segments the whole series of one drive has a common error, which averages out over drives, not over
-//! segments. The alarm names the defect that is most likely over the segments since the first suspicion, and
-//! [`Cause::Unknown`] if only the novelty reached the limit.
+//! This sets the mean *time* between false alarms. κ near 0 reacts to few large surprises, κ near 1 sums many small
+//! ones; a mean surprise of 1/κ is found soonest. A cap of half the limit requires at least two segments, so that one
+//! disturbed record causes no alarm. The bound holds if (2) of [`Novelty`](super::Novelty) is exact and segments are
+//! independent. With few training segments the whole series of one drive has a common error, which averages out over
+//! drives, not over segments. The alarm names the defect that is most likely over the segments since the first
+//! suspicion, and [`Cause::Unknown`] if only the novelty reached the limit.
 //!
 //! Cost: a few operations a class. Undetermined segments add nothing; a value that is not a number makes its segment
 //! undetermined.
@@ -77,7 +77,8 @@ pub struct Alarm {
     pub cause: Cause,
 }
 
-/// Running state of the alarm. [`Model::evidence`](crate::Model::evidence) makes it; it takes the decision of each report.
+/// Running state of the alarm. [`Model::evidence`](crate::Model::evidence) makes it; it takes the decision of each
+/// report.
 ///
 /// Without a healthy class in the model there is never an alarm.
 #[derive(Clone, Debug, PartialEq)]

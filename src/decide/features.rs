@@ -1,10 +1,10 @@
 //! Estimates → features.
 //!
-//! Enters: the parameters of the regression with their residual variance, and the estimate of the shaft. Leaves: the chosen
-//! features, in order.
+//! Enters: the parameters of the regression with their residual variance, and the estimate of the shaft. Leaves: the
+//! chosen features, in order.
 //!
-//! Raw parameters a, b, c and physical constants are affine combinations of these features; the projection forms them. The
-//! cube root of a mean of squares is nearly normal (Wilson and Hilferty 1931), as discriminant and gate assume.
+//! Raw parameters a, b, c and physical constants are affine combinations of these features; the projection forms them.
+//! The cube root of a mean of squares is nearly normal (Wilson and Hilferty 1931), as discriminant and gate assume.
 
 use crate::estimate::Estimate;
 use crate::plan::{Layout, Plan};

@@ -53,8 +53,8 @@ pub enum Finding {
 }
 
 impl<P: Plan> Classifier<P> {
-    /// Decides from log-likelihoods and a surprise, for instance of several segments together; `None` if no likelihood is
-    /// finite.
+    /// Decides from log-likelihoods and a surprise, for instance of several segments together; `None` if no likelihood
+    /// is finite.
     #[must_use]
     pub fn decide(&self, plan: P, log_likelihoods: &[f32], surprise: f32) -> Option<Decision<P>> {
         let mut decision = Decision::empty(plan);
@@ -74,8 +74,8 @@ impl<P: Plan> Classifier<P> {
         Some(decision)
     }
 
-    /// Compares a decision with the limits. Novelty is checked before ambiguity, so that the false-alarm rate is the set
-    /// rate.
+    /// Compares a decision with the limits. Novelty is checked before ambiguity, so that the false-alarm rate is the
+    /// set rate.
     #[must_use]
     pub fn finding(&self, decision: &Decision<P>) -> Finding {
         if Some(decision.class) == self.novelty.class && decision.surprise >= self.novelty.limit {

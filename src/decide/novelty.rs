@@ -8,11 +8,12 @@
 //! novel if s ≥ −ln α                                                     (3)
 //! ```
 //!
-//! m and S are mean and covariance of the healthy training segments, U is lower triangular. With Gaussian features and n
-//! healthy segments of p coordinates, d² of a further segment follows p(n²−1)/(n(n−p)) F(p, n−p) (Hotelling 1931). Then (3)
-//! has the false-alarm rate α on average over training sets; the workbench uses a heavier tail if the training segments
-//! show one. (2) is stored as knots with straight lines between them. The surprise of a healthy segment has mean 1 nat; a
-//! surprise of 4.6 nats has probability 0.01. Cost: Z(Z+3)/2 multiply-adds, one square root, a search among the knots.
+//! m and S are mean and covariance of the healthy training segments, U is lower triangular. With Gaussian features and
+//! n healthy segments of p coordinates, d² of a further segment follows p(n²−1)/(n(n−p)) F(p, n−p) (Hotelling 1931).
+//! Then (3) has the false-alarm rate α on average over training sets; the workbench uses a heavier tail if the training
+//! segments show one. (2) is stored as knots with straight lines between them. The surprise of a healthy segment has
+//! mean 1 nat; a surprise of 4.6 nats has probability 0.01. Cost: Z(Z+3)/2 multiply-adds, one square root, a search
+//! among the knots.
 
 use super::discriminant::squared_distance;
 use crate::plan::{Array, Cells, Plan};

@@ -6,8 +6,8 @@
 //! z = W (f − m)                                                          (1)  thesis §2.5
 //! ```
 //!
-//! m is the training mean; W contains principal components, Fisher's directions, or the identity, as the workbench chose.
-//! The mean is subtracted first, so that no digits cancel in the sums. Cost: Z·F multiply-adds.
+//! m is the training mean; W contains principal components, Fisher's directions, or the identity, as the workbench
+//! chose. The mean is subtracted first, so that no digits cancel in the sums. Cost: Z·F multiply-adds.
 
 use crate::factor::pairs;
 use crate::plan::{Array, Cells, Plan};

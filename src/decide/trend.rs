@@ -11,8 +11,8 @@
 //!
 //! Centred sums (Welford 1962) lose no digits by cancellation, however large the mean distance. (1) has a closed form
 //! because only decided segments count. Beyond 10⁶ segments a segment would change the sums of `f32` by a few roundings
-//! only; from there on the trend stays constant. The interval assumes independent segments of equal spread about a straight
-//! line.
+//! only; from there on the trend stays constant. The interval assumes independent segments of equal spread about a
+//! straight line.
 
 /// Number of segments for which sums in `f32` are accurate.
 pub const MAX_TREND_SEGMENTS: u32 = 1_000_000;

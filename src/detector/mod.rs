@@ -6,8 +6,8 @@
 //! ```
 //!
 //! [`Detector::collect`] costs about the same for every sample. It hands out the sums of a closed segment;
-//! [`Model::conclude`] or [`Solver`] makes the report in the main loop, and [`Detector::adopt`] returns it. Programs without
-//! interrupts call [`Detector::step`], which does all of it.
+//! [`Model::conclude`] or [`Solver`] makes the report in the main loop, and [`Detector::adopt`] returns it. Programs
+//! without interrupts call [`Detector::step`], which does all of it.
 
 mod report;
 mod solver;
@@ -23,8 +23,8 @@ use crate::regression::Inputs;
 use crate::sample::{Counts, Gate, limit};
 use crate::shaft::Shaft;
 
-/// Running state next to the current loop. The model stays where it is (flash) and may live shorter than the program, so
-/// that another one can replace it without a restart.
+/// Running state next to the current loop. The model stays where it is (flash) and may live shorter than the program,
+/// so that another one can replace it without a restart.
 ///
 /// ```
 /// # use bearing_watch::{Detector, Model, Verdict, plan::Plan};
@@ -73,15 +73,16 @@ impl<'m, P: Plan> Detector<'m, P> {
         }
     }
 
-    /// Takes one sample; returns the report with the sample that closes a segment. That sample costs the whole solve and
-    /// classification (more than 100 µs on most drives): in an interrupt use [`Detector::collect`].
+    /// Takes one sample; returns the report with the sample that closes a segment. That sample costs the whole solve
+    /// and classification (more than 100 µs on most drives): in an interrupt use [`Detector::collect`].
     #[inline]
     pub fn step(&mut self, sample: &P::Sample) -> Option<Report<P>> {
         if self.take(sample) { self.close() } else { None }
     }
 
-    /// Takes one sample, in time that hardly depends on the data; returns the sums with the sample that closes a segment.
-    /// Conclude them by [`Model::conclude`] or [`Solver`] in the main loop, and hand the report to [`Detector::adopt`].
+    /// Takes one sample, in time that hardly depends on the data; returns the sums with the sample that closes a
+    /// segment. Conclude them by [`Model::conclude`] or [`Solver`] in the main loop, and hand the report to
+    /// [`Detector::adopt`].
     #[inline]
     pub fn collect(&mut self, sample: &P::Sample) -> Option<Segment<P>> {
         if self.take(sample) { self.detach() } else { None }
@@ -153,8 +154,8 @@ impl<'m, P: Plan> Detector<'m, P> {
     }
 
     /// Closes the segment and hands out its sums.
-    // Out of line, so that the usual sample needs no room for them on the stack; an option, so that they are built in the
-    // place of the caller's.
+    // Out of line, so that the usual sample needs no room for them on the stack; an option, so that they are built in
+    // the place of the caller's.
     #[inline(never)]
     fn detach(&mut self) -> Option<Segment<P>> {
         let segment = Some(self.segment(true));
@@ -211,16 +212,16 @@ impl<'m, P: Plan> Detector<'m, P> {
         self.segment(false).counts
     }
 
-    /// Closes the open segment at the end of a recording, reports it, and starts afresh. The caller decides whether a part
-    /// of a segment is enough: see [`Detector::pending`].
+    /// Closes the open segment at the end of a recording, reports it, and starts afresh. The caller decides whether a
+    /// part of a segment is enough: see [`Detector::pending`].
     pub fn finish(&mut self) -> Report<P> {
         let report = self.model.report(&mut self.segment(false));
         self.restart();
         report
     }
 
-    /// Starts afresh without a report, for a stream that does not continue from the last sample: lags, sums and auxiliary
-    /// model.
+    /// Starts afresh without a report, for a stream that does not continue from the last sample: lags, sums and
+    /// auxiliary model.
     pub fn restart(&mut self) {
         *self = Self::new(self.model);
     }

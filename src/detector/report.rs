@@ -11,9 +11,9 @@ use crate::shaft::ShaftEstimate;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Verdict {
-    /// Index of a class; [`Model::label`](crate::Model::label) gives its name. It is the most plausible of the *trained*
-    /// classes: posteriors are relative to each other, so a state unlike all of them (another load) still gets a class,
-    /// unless that would be the healthy one.
+    /// Index of a class; [`Model::label`](crate::Model::label) gives its name. It is the most plausible of the
+    /// *trained* classes: posteriors are relative to each other, so a state unlike all of them (another load) still
+    /// gets a class, unless that would be the healthy one.
     Class(u8),
     /// Healthy is the most plausible class, but the segment is farther from it than healthy segments are: a small or
     /// unknown defect, or conditions that were not trained.

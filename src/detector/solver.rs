@@ -206,8 +206,8 @@ impl<P: Plan> Model<P> {
         report
     }
 
-    /// Solves a closed segment. Its sums are overwritten, and the report is in the place of the caller's: each copy of them
-    /// would take hundreds of bytes of stack.
+    /// Solves a closed segment. Its sums are overwritten, and the report is in the place of the caller's: each copy of
+    /// them would take hundreds of bytes of stack.
     #[inline(never)]
     pub(super) fn solve(&self, segment: &mut Segment<P>, report: &mut Report<P>) {
         Solve::new(self.plan()).run(self, segment, report);

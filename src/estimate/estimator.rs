@@ -11,8 +11,8 @@
 //! instruments     θ = (ZᵀX)⁻¹ Zᵀ Y,   cov θ = σ² (ZᵀX)⁻¹ ZᵀZ (XᵀZ)⁻¹             (2)
 //! ```
 //!
-//! The parameters are those of the δ-form: the raw a₁ ≈ −1.9 of a slow pole would hide the effect of a fault in its last
-//! digits. [`Estimate::raw`] converts to a, b, c.
+//! The parameters are those of the δ-form: the raw a₁ ≈ −1.9 of a slow pole would hide the effect of a fault in its
+//! last digits. [`Estimate::raw`] converts to a, b, c.
 //!
 //! Cost: one row and one update of the factor a sample. [`RegressionSums`] is a copy of a segment's sums that is solved
 //! in steps, at once or in another thread. Both ways give the same bits if the estimate is back before
@@ -80,8 +80,8 @@ impl<P: Plan> Estimator<P> {
         }
     }
 
-    /// Takes an accepted sample; `y_limit` is the largest plausible output. Once the segment has as many rows as its memory
-    /// allows, nothing is added until the next segment.
+    /// Takes an accepted sample; `y_limit` is the largest plausible output. Once the segment has as many rows as its
+    /// memory allows, nothing is added until the next segment.
     #[inline(always)]
     pub fn take(&mut self, plan: P, constants: &Regression<P>, inputs: Inputs, y_limit: f32) {
         let Some(RegressionLayout { memory, .. }) = plan.layout().regression else { return };
@@ -138,7 +138,8 @@ impl<P: Plan> Estimator<P> {
     }
 
     /// Offers an estimate of the segment that was closed last as auxiliary model, to take over at the handover. Returns
-    /// `false`, and does nothing, if that is past, if it is the estimate of another segment, or if its model is not stable.
+    /// `false`, and does nothing, if that is past, if it is the estimate of another segment, or if its model is not
+    /// stable.
     pub fn adopt(&mut self, plan: P, constants: &Regression<P>, estimate: &Estimate<P>) -> bool {
         let own = estimate.segment.wrapping_add(1) == self.segment && self.rows.awaits();
         own && self.offer(plan, constants, estimate)

@@ -21,8 +21,8 @@ pub struct Estimate<P: Plan> {
     pub variance: f32,
     /// Number of rows of the estimate; with fading memory the equivalent number of rows of full weight.
     pub rows: u32,
-    /// Whether the model is stable, so that it can be the next auxiliary model; always by least squares. Chance can place
-    /// a pole near the unit circle on either side of it: such an estimate is valid, but does not take over.
+    /// Whether the model is stable, so that it can be the next auxiliary model; always by least squares. Chance can
+    /// place a pole near the unit circle on either side of it: such an estimate is valid, but does not take over.
     pub stable: bool,
     /// Number of its segment in the stream, wrapping.
     pub(crate) segment: u8,

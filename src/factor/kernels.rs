@@ -1,5 +1,5 @@
-//! The update of the triangular factor by one row: a loop for any number of columns, and straight-line code for the sizes
-//! that models have.
+//! The update of the triangular factor by one row: a loop for any number of columns, and straight-line code for the
+//! sizes that models have.
 //!
 //! LLVM stops unrolling the loop at nine columns, and it then costs about twice as much. The straight-line code applies
 //! the same operations in the same order, so both give the same bits.
@@ -28,8 +28,8 @@ pub const fn packed(m: usize, i: usize, j: usize) -> usize {
     before.wrapping_add(j).wrapping_sub(i).wrapping_sub(1)
 }
 
-/// Pairs up to the shorter end. A loop over them has two exits, and the compiler does not unroll it: what runs once a segment
-/// shall be small.
+/// Pairs up to the shorter end. A loop over them has two exits, and the compiler does not unroll it: what runs once a
+/// segment shall be small.
 #[inline(always)]
 pub fn pairs<A, B>(a: impl IntoIterator<Item = A>, b: impl IntoIterator<Item = B>) -> impl Iterator<Item = (A, B)> {
     let (mut a, mut b) = (a.into_iter(), b.into_iter());
@@ -83,8 +83,8 @@ pub fn rotate_loop<const FORGET: bool>(
     }
 }
 
-/// One kernel for each size; every index is a constant below its array's length. `pivots!` walks the list of columns: the
-/// head is i, the tail all j > i.
+/// One kernel for each size; every index is a constant below its array's length. `pivots!` walks the list of columns:
+/// the head is i, the tail all j > i.
 macro_rules! straight_line {
     ($($name:ident $m:literal: $($i:literal)+;)+) => {
         $(
@@ -102,8 +102,8 @@ macro_rules! straight_line {
             }
         )+
 
-        /// Runs the kernel for `d.len()` columns; returns `false` if there is none. With the length known at compile time,
-        /// one branch is left.
+        /// Runs the kernel for `d.len()` columns; returns `false` if there is none. With the length known at compile
+        /// time, one branch is left.
         #[inline(always)]
         pub fn rotate_straight<const FORGET: bool>(
             d: &mut [f32],

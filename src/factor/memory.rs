@@ -8,9 +8,9 @@
 //!
 //! Sums that neither fade nor end are not offered: single precision would lose their digits.
 //!
-//! A long segment sums blocks of 512 rows and moves one row of the block's factor a sample into the sum, so that sums of
-//! similar size are added. Fading memory ignores rows while the inputs rest: forgetting without excitation would replace
-//! what is known by noise.
+//! A long segment sums blocks of 512 rows and moves one row of the block's factor a sample into the sum, so that sums
+//! of similar size are added. Fading memory ignores rows while the inputs rest: forgetting without excitation would
+//! replace what is known by noise.
 //!
 //! ```text
 //! m ← m + 8(1 − λ)(motion − m);   frozen while m < rest                                    (1)
@@ -133,8 +133,8 @@ impl<P: Plan> Sums<P> {
         moving
     }
 
-    /// Moves the next rows of the lower level into the factor, from pivot `p` of row `i` on, for about `budget` instructions;
-    /// `true` if the factor is complete and none is left.
+    /// Moves the next rows of the lower level into the factor, from pivot `p` of row `i` on, for about `budget`
+    /// instructions; `true` if the factor is complete and none is left.
     #[inline(always)]
     pub fn merge(&mut self, place: &mut (usize, usize), budget: usize) -> bool {
         // Known at compile time: one level carries no code for two.
@@ -187,7 +187,8 @@ impl<P: Plan> Sums<P> {
     #[inline(always)]
     pub fn next_segment(&mut self, memory: Memory) {
         if memory == Memory::Fading {
-            // Samples that passed a validated gate cannot cause this, but a memory that fades must not keep it for ever.
+            // Samples that passed a validated gate cannot cause this, but a memory that fades must not keep it for
+            // ever.
             if !self.sum.is_finite() {
                 self.sum.reset();
                 (self.motion, self.faded_rows) = (0.0, 0.0);

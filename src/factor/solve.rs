@@ -8,9 +8,9 @@
 //! R v = e(k):   cov θ(i, j) = Σₖ σ² s(i) v(i) s(j) v(j) / d(k)                                        (3)
 //! ```
 //!
-//! e is the residual of a row of the factor, s the scale that converts a parameter to its unit. A step solves one row of
-//! (2), or one row of (3) for one k: at most n multiply-adds. A solve is needed once in seconds, so the code is loops over
-//! slices, shared by every size. Any division of the steps between calls gives the same bits.
+//! e is the residual of a row of the factor, s the scale that converts a parameter to its unit. A step solves one row
+//! of (2), or one row of (3) for one k: at most n multiply-adds. A solve is needed once in seconds, so the code is
+//! loops over slices, shared by every size. Any division of the steps between calls gives the same bits.
 
 mod instruments;
 

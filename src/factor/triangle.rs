@@ -11,9 +11,9 @@
 //! ```
 //!
 //! The method squares no condition number, needs no square root and no fused multiply-add, and gives the same bits on
-//! every IEEE machine. λ = 1 is for bounded segments, λ ≤ 0.9999 with the floor δ for endless streams. With λ = 1 the ratio
-//! of residual to target limits the accuracy: after 1e5 rows the error is below 0.05 standard deviations of the estimate if
-//! the residual is at least 3 % of the target's rms; after 5000 rows, if it is at least 0.3 %.
+//! every IEEE machine. λ = 1 is for bounded segments, λ ≤ 0.9999 with the floor δ for endless streams. With λ = 1 the
+//! ratio of residual to target limits the accuracy: after 1e5 rows the error is below 0.05 standard deviations of the
+//! estimate if the residual is at least 3 % of the target's rms; after 5000 rows, if it is at least 0.3 %.
 //!
 //! Cost: m(m−1) multiply-adds and 2m divisions a row; 4m + 2m(m−1) bytes. `cargo xtask measure` prints instructions.
 
@@ -81,8 +81,8 @@ impl<D: Cells<f32>, R: Cells<f32>> Triangle<D, R> {
         }
     }
 
-    /// Moves row `i` of another factor into this one. Moving rows 0 … m−1, at any time and with new rows in between, moves
-    /// all that the other had summed.
+    /// Moves row `i` of another factor into this one. Moving rows 0 … m−1, at any time and with new rows in between,
+    /// moves all that the other had summed.
     #[inline(never)]
     pub fn take_row(&mut self, other: &mut Self, i: usize) {
         for pivot in i..self.columns() {

@@ -4,9 +4,9 @@
 //! "BWMD"  version u16  flags u16  payload length u32  notes length u32  payload  notes  CRC-32 u32
 //! ```
 //!
-//! Little-endian. The CRC (ISO-HDLC, that of zip and Ethernet) covers everything before it. It changes for every burst of
-//! up to 32 bits, so each corrupted byte is found. The payload starts with the layout, and a plan reads only models of its
-//! own layout. The notes are text for people and tools (preparation, training set); the firmware ignores them.
+//! Little-endian. The CRC (ISO-HDLC, that of zip and Ethernet) covers everything before it. It changes for every burst
+//! of up to 32 bits, so each corrupted byte is found. The payload starts with the layout, and a plan reads only models
+//! of its own layout. The notes are text for people and tools (preparation, training set); the firmware ignores them.
 
 use super::reader::{Reader, read};
 use super::writer::{Writer, write};

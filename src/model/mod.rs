@@ -70,7 +70,8 @@ pub struct Model<P: Plan> {
 }
 
 impl<P: Plan> Model<P> {
-    /// Checks the constants. A plan defined by [`plan!`](crate::plan!) has a function `model`, which does so at compile time.
+    /// Checks the constants. A plan defined by [`plan!`](crate::plan!) has a function `model`, which does so at compile
+    /// time.
     ///
     /// # Errors
     /// The first thing that does not fit.

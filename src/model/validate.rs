@@ -1,7 +1,7 @@
 //! The checks of a model. They run at compile time for exported constants, and when a binary model is read.
 //!
-//! Enters: the numbers of a model as [`Parts`]. Leaves: nothing, or the first [`ModelError`]. Every length must match the
-//! layout, every number its range. The code is `const`, so it walks slices by patterns.
+//! Enters: the numbers of a model as [`Parts`]. Leaves: nothing, or the first [`ModelError`]. Every length must match
+//! the layout, every number its range. The code is `const`, so it walks slices by patterns.
 
 #![expect(clippy::neg_cmp_op_on_partial_ord, reason = "a comparison with NaN must fail")]
 

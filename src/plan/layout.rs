@@ -13,8 +13,8 @@ pub const MAX_HARMONICS: usize = 3;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Method {
-    /// Least squares: lowest cost. Its estimate is biased if the output is noisy; a classifier trained on such estimates
-    /// allows for that bias.
+    /// Least squares: lowest cost. Its estimate is biased if the output is noisy; a classifier trained on such
+    /// estimates allows for that bias.
     LeastSquares,
     /// Streaming simplified refined instrumental variables: consistent under output noise, also in closed loop.
     Instruments,

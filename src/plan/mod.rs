@@ -108,9 +108,9 @@ pub trait Plan: Copy + PartialEq + Printable + 'static {
 
 /// Defines a [`Plan`] and its sample: a unit struct and a struct with one field for each channel.
 ///
-/// The layout is an expression in which each channel stands for its [`Signal`]. A layout whose parts do not fit does not
-/// compile. Channels are `f32` in the unit named; `with angle` adds the field `angle`, which a plan with bearing orders
-/// needs.
+/// The layout is an expression in which each channel stands for its [`Signal`]. A layout whose parts do not fit does
+/// not compile. Channels are `f32` in the unit named; `with angle` adds the field `angle`, which a plan with bearing
+/// orders needs.
 ///
 /// ```
 /// use bearing_watch::plan::{Kind, Layout, Memory, Method, RegressionLayout, Structure};

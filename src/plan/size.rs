@@ -1,8 +1,8 @@
 //! Array lengths as types, so that one plan fixes every length of a detector.
 //!
 //! Stable Rust accepts no expression of a type's constants as an array length inside a generic type. A [`Size`] carries
-//! the length instead: [`Fixed`] stands for an array of `N` elements, `Heap` (feature `alloc`) for a vector whose length
-//! is known at run time only. A length of 0 or 1 stands for a part that a plan leaves out or has.
+//! the length instead: [`Fixed`] stands for an array of `N` elements, `Heap` (feature `alloc`) for a vector whose
+//! length is known at run time only. A length of 0 or 1 stands for a part that a plan leaves out or has.
 
 use core::fmt::Debug;
 

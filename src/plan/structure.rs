@@ -4,8 +4,8 @@
 //! y(t) + a₁ y(t−1) + … = b₁ u1(t−nkb) + … + c₁ u2(t−nkc) + … [+ offset] + e(t)     (1)  thesis Eq. 2.4, 2.14
 //! ```
 //!
-//! `a` stands on the left with a plus sign. The order vector is `[na nb nc nkb nkc]`: number of terms of y, u1, u2, then
-//! the delays of the two inputs in samples. (The thesis' c belongs to the second input; it is not a noise model.)
+//! `a` stands on the left with a plus sign. The order vector is `[na nb nc nkb nkc]`: number of terms of y, u1, u2,
+//! then the delays of the two inputs in samples. (The thesis' c belongs to the second input; it is not a noise model.)
 
 /// The order vector `[na nb nc nkb nkc]` of (1), and whether a constant is estimated.
 ///

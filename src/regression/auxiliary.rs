@@ -1,8 +1,8 @@
 //! The auxiliary model: the model that rows are made and judged with, and its successor until the handover.
 //!
-//! The model of a segment takes over a fixed number of samples into the next segment, whether it was solved at once or in
-//! another thread: both give the same bits. Without a successor the model stays; after [`PATIENCE`] segments the nominal
-//! model returns.
+//! The model of a segment takes over a fixed number of samples into the next segment, whether it was solved at once or
+//! in another thread: both give the same bits. Without a successor the model stays; after [`PATIENCE`] segments the
+//! nominal model returns.
 
 use crate::plan::{Array, Cells, Plan};
 use crate::unroll::unrolled;

@@ -7,9 +7,9 @@
 //! ```
 //!
 //! y₁ is y(t−1), u₁ is u1(t−nkb), w₁ is u2(t−nkc). With na = 0 the target is y itself. This is the δ-form of the model:
-//! first differences of neighbouring lags, scaled by powers of two to rms ≈ 1, cut the condition number of slow models from
-//! 1e3–1e6 to 5–2e3. That reduces the error in `f32` by two to five decades, for a few subtractions. Scaling by powers of
-//! two is exact.
+//! first differences of neighbouring lags, scaled by powers of two to rms ≈ 1, cut the condition number of slow models
+//! from 1e3–1e6 to 5–2e3. That reduces the error in `f32` by two to five decades, for a few subtractions. Scaling by
+//! powers of two is exact.
 
 use crate::factor::Forgetting;
 use crate::plan::{Array, Cells, Plan};
@@ -18,28 +18,28 @@ use crate::plan::{Array, Cells, Plan};
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Regression<P: Plan> {
-    /// Power-of-two factor of each column of (1), then that of the target; the differences of one signal share one factor.
-    /// By instrumental variables the places after the target are 1.
+    /// Power-of-two factor of each column of (1), then that of the target; the differences of one signal share one
+    /// factor. By instrumental variables the places after the target are 1.
     pub scale: Array<P::Columns, f32>,
     /// The nominal model (data sheet, or mean of healthy traces): δ-parameters t, β, γ, then the constant. It is the
     /// auxiliary model of the first segment and the reference for outliers.
     pub nominal: Array<P::Parameters, f32>,
-    /// Standard deviation of the residual of the nominal model (by instrumental variables: of its output error); 0 if it
-    /// is unknown.
+    /// Standard deviation of the residual of the nominal model (by instrumental variables: of its output error); 0 if
+    /// it is unknown.
     pub deviation: f32,
     /// Forgetting of a fading memory; not used by other memories.
     pub forgetting: Forgetting,
     /// Rows with a residual beyond this number of standard deviations get less weight (Huber's estimator); 0 for none.
     pub huber: f32,
-    /// Mean of (Δu1)² + (Δu2)² of the rows, scaled as their levels are, below which the inputs count as at rest: a segment
-    /// gets no verdict, fading memory neither learns nor forgets. 0 for never. By instrumental variables the inputs are the
-    /// prefiltered ones.
+    /// Mean of (Δu1)² + (Δu2)² of the rows, scaled as their levels are, below which the inputs count as at rest: a
+    /// segment gets no verdict, fading memory neither learns nor forgets. 0 for never. By instrumental variables the
+    /// inputs are the prefiltered ones.
     pub rest: f32,
-    /// Samples withheld after a change of the auxiliary model, until its filters have settled: three of its slowest time
-    /// constants, or six if rejected samples are frequent.
+    /// Samples withheld after a change of the auxiliary model, until its filters have settled: three of its slowest
+    /// time constants, or six if rejected samples are frequent.
     pub settle: u16,
-    /// Accepted samples into the next segment after which the model of a segment takes over; a deferred solve may take as
-    /// long.
+    /// Accepted samples into the next segment after which the model of a segment takes over; a deferred solve may take
+    /// as long.
     pub handover: u16,
 }
 

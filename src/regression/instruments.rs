@@ -14,17 +14,17 @@
 //! [ u₁, u₁−u₂, …, w₁, w₁−w₂, …, (1) | x̂₁, x̂₁−x̂₂, … | y₁, y₁−y₂, … | Δy − Δŷ ]   na + n + 1 columns, all filtered (3)
 //! ```
 //!
-//! Δŷ is the prediction of Δy by the auxiliary model, so a segment estimates the *difference* from that model: at 10 kHz
-//! the filtered residual is 1e-4 of Δy, and the target Δy itself would cost the estimate these digits (an error of 0.9
-//! standard deviations with three poles, instead of 0.001). A fading memory contains rows of many auxiliary models, so its
-//! target is Δy itself.
+//! Δŷ is the prediction of Δy by the auxiliary model, so a segment estimates the *difference* from that model: at 10
+//! kHz the filtered residual is 1e-4 of Δy, and the target Δy itself would cost the estimate these digits (an error of
+//! 0.9 standard deviations with three poles, instead of 0.001). A fading memory contains rows of many auxiliary models,
+//! so its target is Δy itself.
 //!
 //! Without the prefilter recursive instrumental variables are useless at high sampling rates. Source: Young, *Recursive
 //! Estimation and Time-Series Analysis*, simplified refined instrumental variables, one pass a segment.
 //!
 //! Filters and simulation continue across segments; only the parameters change, after which rows are withheld until
-//! transients have decayed ([`Regression::settle`]). A refused sample restarts all of them, at rest on the next accepted
-//! sample. The simulated output restarts also if it exceeds a hundred times the limit of the output.
+//! transients have decayed ([`Regression::settle`]). A refused sample restarts all of them, at rest on the next
+//! accepted sample. The simulated output restarts also if it exceeds a hundred times the limit of the output.
 //!
 //! Cost: 3 na + n multiply-adds more than least squares, and the larger triangle.
 

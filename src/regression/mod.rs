@@ -81,8 +81,8 @@ impl<P: Plan> Rows<P> {
         }
     }
 
-    /// Takes an accepted sample; returns its row, or `None` while a lag is missing or a filter settles. `y_limit` is the
-    /// largest plausible output.
+    /// Takes an accepted sample; returns its row, or `None` while a lag is missing or a filter settles. `y_limit` is
+    /// the largest plausible output.
     #[inline(always)]
     pub fn push(&mut self, plan: P, constants: &Regression<P>, inputs: Inputs, y_limit: f32) -> Option<Row<'_>> {
         match method(plan.layout())? {

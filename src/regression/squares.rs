@@ -3,12 +3,12 @@
 //! Enters: y, u1, u2, a sample at a time. Leaves: a row of M columns, regressor then target, as equation (1) of
 //! [`super::constants`].
 //!
-//! With a constant term the levels y₁, u₁, w₁ are taken from an origin, the first sample of the segment; the solve restores
-//! the constant. Without this a level far from zero would nearly be the constant column, and the estimate would lose
-//! digits.
+//! With a constant term the levels y₁, u₁, w₁ are taken from an origin, the first sample of the segment; the solve
+//! restores the constant. Without this a level far from zero would nearly be the constant column, and the estimate
+//! would lose digits.
 //!
-//! After a refused sample, rows are withheld until every lag is valid again. A row whose residual e under the last accepted
-//! model exceeds the threshold κσ has the weight κσ/|e|.
+//! After a refused sample, rows are withheld until every lag is valid again. A row whose residual e under the last
+//! accepted model exceeds the threshold κσ has the weight κσ/|e|.
 
 use super::auxiliary::{self, Auxiliary, Candidate};
 use super::constants::Regression;

@@ -1,7 +1,8 @@
 //! Torque balance of the shaft → inertia, viscous and Coulomb friction, torque constant.
 //!
-//! Enters: current i, velocity ω, its reference r, load torque T. Leaves: [`BalanceSums`], which [`super::balance_solve`]
-//! solves once a segment, and at each sample the residual in which [`super::orders`] looks for bearing orders.
+//! Enters: current i, velocity ω, its reference r, load torque T. Leaves: [`BalanceSums`], which
+//! [`super::balance_solve`] solves once a segment, and at each sample the residual in which [`super::orders`] looks for
+//! bearing orders.
 //!
 //! ```text
 //! i = p₀ ω̇ + p₁ ω + p₂ s(r) + p₃ T + p₄,   s(r) = clamp(r/r₀, −1, 1)                                  (1)
@@ -14,13 +15,14 @@
 //! All signals of (1) pass the same [`StateVariable`] filter, which gives ω̇ without differentiating noise; every n-th
 //! filtered sample is a row. The reference contains no velocity noise, so (3) is consistent, while least squares would
 //! attribute that noise to friction. The current is the output because the load is usually known better; therefore all
-//! parameters are in amperes. The rows are those of instrumental variables, `[s T 1 | ṙ r | ω̇ ω | i]`; sums and solve are
-//! shared with the regression. A row is rotated into the sums one pivot a sample, so that no sample pays for all of it.
+//! parameters are in amperes. The rows are those of instrumental variables, `[s T 1 | ṙ r | ω̇ ω | i]`; sums and solve
+//! are shared with the regression. A row is rotated into the sums one pivot a sample, so that no sample pays for all of
+//! it.
 //!
 //! If the velocity hardly varies, viscous and Coulomb friction cannot be separated. A weak prior then holds p₁ at its
-//! nominal value (weight: 0.1 row); if the instruments are too weak even so, a strong one (ten times the number of rows).
-//! The errors of p₁ and p₂ then cancel in p₅, so (5) is still estimated well. (4) is (1) by the trapezoidal rule over one
-//! interval with the *nominal* parameters; it attenuates no frequency.
+//! nominal value (weight: 0.1 row); if the instruments are too weak even so, a strong one (ten times the number of
+//! rows). The errors of p₁ and p₂ then cancel in p₅, so (5) is still estimated well. (4) is (1) by the trapezoidal rule
+//! over one interval with the *nominal* parameters; it attenuates no frequency.
 //!
 //! State: 60 words. Cost: `cargo xtask measure` prints it.
 

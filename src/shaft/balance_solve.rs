@@ -1,7 +1,7 @@
 //! The sums of a torque balance → [`Friction`], in steps of bounded cost.
 //!
-//! What is left of the last row is rotated in, then the weak prior of the viscous friction; if the instruments are too weak
-//! even so, the solve is repeated with the strong prior. The equations are those of [`super::balance`].
+//! What is left of the last row is rotated in, then the weak prior of the viscous friction; if the instruments are too
+//! weak even so, the solve is repeated with the strong prior. The equations are those of [`super::balance`].
 
 use super::balance::{Balance, BalanceSums, ESTIMATED, columns};
 use super::friction::{Friction, Parameter};

@@ -5,10 +5,10 @@
 //! outer = n/2 (1 − γ),   inner = n/2 (1 + γ),   cage = ½ (1 − γ),   ball = ½ (PD/BD) (1 − γ²)             (1)
 //! ```
 //!
-//! Randall, *Vibration-based Condition Monitoring*, Eq. 2.13–2.16. `ball` is the rotation of a ball about its own axis; a
-//! spall on it meets both rings, so that its second harmonic is as strong. A modulation by the shaft causes sidebands at an
-//! order ± m; in the stator currents they lie at |p ± m O| with p pole pairs (thesis Eq. 1.1 in orders of the shaft). Track
-//! each like any other order.
+//! Randall, *Vibration-based Condition Monitoring*, Eq. 2.13–2.16. `ball` is the rotation of a ball about its own axis;
+//! a spall on it meets both rings, so that its second harmonic is as strong. A modulation by the shaft causes sidebands
+//! at an order ± m; in the stator currents they lie at |p ± m O| with p pole pairs (thesis Eq. 1.1 in orders of the
+//! shaft). Track each like any other order.
 
 use crate::drive::Angle;
 

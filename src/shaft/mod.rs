@@ -7,9 +7,9 @@
 //! ```
 //!
 //! A measured current lags behind velocity, load and angle because of its filter and conversion;
-//! [`ShaftConstants::current_delay`] gives the lag in samples. The other signals are delayed alike: otherwise the lag times
-//! the rate of the load would be estimated as friction. The shaft is fed at every sample of the detector, whether or not the
-//! regression averages samples in blocks.
+//! [`ShaftConstants::current_delay`] gives the lag in samples. The other signals are delayed alike: otherwise the lag
+//! times the rate of the load would be estimated as friction. The shaft is fed at every sample of the detector, whether
+//! or not the regression averages samples in blocks.
 
 mod balance;
 mod balance_solve;
@@ -241,8 +241,8 @@ impl ShaftSolve {
         Self { balance: BalanceSolve::new(), balanced: false, order: 0 }
     }
 
-    /// Does about `budget` instructions; `true` once the estimate is complete. Friction and orders do not depend on each
-    /// other: at constant speed there are orders only.
+    /// Does about `budget` instructions; `true` once the estimate is complete. Friction and orders do not depend on
+    /// each other: at constant speed there are orders only.
     pub fn advance<P: Plan>(
         &mut self,
         plan: P,

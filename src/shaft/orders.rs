@@ -1,7 +1,7 @@
 //! Angle-synchronous amplitude of the torque residual at the orders of a bearing, relative to the noise around them.
 //!
-//! Enters: the angle turned since the last sample, and the residual r. Leaves: the *prominence* and the amplitude of each
-//! order.
+//! Enters: the angle turned since the last sample, and the residual r. Leaves: the *prominence* and the amplitude of
+//! each order.
 //!
 //! ```text
 //! φ ← φ + O_q (θ − θ₋),   O_q = 2¹⁶ O, wrapping 64 bits: 2⁻⁴⁸ turns                                  (1)
@@ -11,18 +11,19 @@
 //! e^{−2jφ}: c₂ = 1 − 2 s²,  s₂ = 2 s c;      e^{−3jφ}: c₃ = (2 c₂ − 1) c,  s₃ = (2 c₂ + 1) s            (5)
 //! ```
 //!
-//! A defect that causes a friction torque at each ball pass keeps its phase from block to block; noise does not. Without a
-//! defect each R is the power of the order divided by the mean power of a band of ± one block rate around it. Its mean is
-//! one and P(R > x) = (1 − x/n)ⁿ⁻¹, nearly e⁻ˣ, for any size, colour and speed dependence of the noise. The blocks serve
-//! as the neighbouring orders, so no further phasors are tracked for the noise. (4) subtracts the power of the noise, and
-//! does not depend on the number of blocks for a steady defect. sgn(Δθ) gives a friction torque the same sign in both
-//! directions. Phases follow the angle, so the speed may vary and reverse; samples slower than `slowest_turn` advance the
-//! phase but do not count.
+//! A defect that causes a friction torque at each ball pass keeps its phase from block to block; noise does not.
+//! Without a defect each R is the power of the order divided by the mean power of a band of ± one block rate around it.
+//! Its mean is one and P(R > x) = (1 − x/n)ⁿ⁻¹, nearly e⁻ˣ, for any size, colour and speed dependence of the noise. The
+//! blocks serve as the neighbouring orders, so no further phasors are tracked for the noise. (4) subtracts the power of
+//! the noise, and does not depend on the number of blocks for a steady defect. sgn(Δθ) gives a friction torque the same
+//! sign in both directions. Phases follow the angle, so the speed may vary and reverse; samples slower than
+//! `slowest_turn` advance the phase but do not count.
 //!
 //! The blocks of order k end k samples after those of order 0, so that no sample pays for all of them.
 //!
-//! Cost a sample for each order: one 64-bit multiply-add, one sine and cosine by table, and 2 to 7 operations a harmonic.
-//! `cargo xtask measure` prints instructions. Error of (1): 2⁻¹⁷ turns a turn from rounding O, none from adding.
+//! Cost a sample for each order: one 64-bit multiply-add, one sine and cosine by table, and 2 to 7 operations a
+//! harmonic. `cargo xtask measure` prints instructions. Error of (1): 2⁻¹⁷ turns a turn from rounding O, none from
+//! adding.
 
 use super::phasor::phasor;
 use crate::plan::{Array, Cells, MAX_HARMONICS, Plan, Size};
@@ -129,8 +130,8 @@ impl<P: Plan> OrderTracking<P> {
         Self { lines: Cells::filled(plan.layout().orders(), line), pending: 0, blocks: 0 }
     }
 
-    /// Takes a sample: the angle turned since the last one in counts of 2⁻³² turn ([`Angle::since`](crate::Angle::since)),
-    /// and the residual, if there is one; it must be finite.
+    /// Takes a sample: the angle turned since the last one in counts of 2⁻³² turn
+    /// ([`Angle::since`](crate::Angle::since)), and the residual, if there is one; it must be finite.
     #[inline(always)]
     pub(super) fn step(&mut self, harmonics: u8, tracking: &Tracking<P>, turned: i32, residual: Option<f32>) {
         let (mut lines, mut orders) = (self.lines.cells_mut(), tracking.orders.cells());

@@ -9,8 +9,8 @@
 //! s₁ ← (2 D − 1) s₁ + 2 g D (x − s₂),   s₂ ← s₂ + 2 g v₁,   2 v₁ = s₁ + the s₁ before           (3)
 //! ```
 //!
-//! (3) is (1) and (2) rearranged: y and ẏ follow from the states before and after the sample, and are computed only where
-//! they are used.
+//! (3) is (1) and (2) rearranged: y and ẏ follow from the states before and after the sample, and are computed only
+//! where they are used.
 //!
 //! Trapezoidal integrators (Zavalishin, *The Art of VA Filter Design*, §4) make ẏ exactly the bilinear derivative of y.
 //! Signals behind the same filter keep every linear equation that holds between them.

@@ -25,8 +25,8 @@ pub fn build(way: Way, board: Board, example: &str) -> Result<PathBuf> {
 }
 
 /// Builds one example with overflow checks in the core, and returns its ELF file, which replaces the one of [`build`].
-/// Other packages are built without: the compiler's library is shipped so, and `libm` has sums whose checks the compiler
-/// cannot remove although they never overflow.
+/// Other packages are built without: the compiler's library is shipped so, and `libm` has sums whose checks the
+/// compiler cannot remove although they never overflow.
 pub fn build_checked(way: Way, board: Board, example: &str) -> Result<PathBuf> {
     let (mut cargo, folder) = cargo(way, board);
     cargo.args(["--config", "profile.release.package.bearing-watch.overflow-checks=true"]);
@@ -34,7 +34,8 @@ pub fn build_checked(way: Way, board: Board, example: &str) -> Result<PathBuf> {
     existing(folder.join("examples").join(example))
 }
 
-/// Builds one example with the core at `opt-level = "s"`, and returns its ELF file, which replaces the one of [`build`].
+/// Builds one example with the core at `opt-level = "s"`, and returns its ELF file, which replaces the one of
+/// [`build`].
 pub fn build_small(way: Way, board: Board, example: &str) -> Result<PathBuf> {
     let (mut cargo, folder) = cargo(way, board);
     cargo.args(["--config", r#"profile.release.package.bearing-watch.opt-level="s""#]);

@@ -63,7 +63,8 @@ enum Command {
         #[arg(long)]
         peers: bool,
     },
-    /// Times the workbench and other identification programs on the same traces; installs them in a virtual environment.
+    /// Times the workbench and other identification programs on the same traces; installs them in a virtual
+    /// environment.
     Peers,
     /// Writes the figures that README and docs quote: those of commands that take seconds, or those named.
     Docs {

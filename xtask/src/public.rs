@@ -10,8 +10,8 @@ use crate::workspace;
 
 /// The files of the core that export names.
 const EXPORTING: [&str; 3] = ["lib.rs", "model/mod.rs", "plan/mod.rs"];
-/// Not for programs of a drive: conversions of the feature `nalgebra`, hidden helpers of macros and constants, and panics
-/// of constants.
+/// Not for programs of a drive: conversions of the feature `nalgebra`, hidden helpers of macros and constants, and
+/// panics of constants.
 const ELSEWHERE: [&str; 6] = [
     "Estimate::covariance_matrix",
     "Projection::to_matrices",

@@ -25,8 +25,8 @@ pub enum Echo {
     Off,
 }
 
-/// Runs an ELF file on a machine and returns its lines, decoded where it logs by `defmt`. Fails when it does not end by itself, or
-/// ends with a failing status.
+/// Runs an ELF file on a machine and returns its lines, decoded where it logs by `defmt`. Fails when it does not end by
+/// itself, or ends with a failing status.
 pub fn run(elf: &Path, machine: &str, echo: Echo) -> Result<Vec<String>> {
     let mut emulator = Command::new(PROGRAM);
     emulator

@@ -1,7 +1,7 @@
 //! The core built for size, `opt-level = "s"`: what a sample then takes beside what it takes at level 3.
 //!
-//! Only the package of the core changes its level; libraries keep theirs, as the compiler's own library does for users of
-//! rustup, and need not be built again.
+//! Only the package of the core changes its level; libraries keep theirs, as the compiler's own library does for users
+//! of rustup, and need not be built again.
 
 use anyhow::{Context, Result};
 

@@ -1,5 +1,5 @@
-//! Least squares in the δ-form, f32, on ill-conditioned closed-loop data: segments and forgetting against weighted batch
-//! least squares in double precision.
+//! Least squares in the δ-form, f32, on ill-conditioned closed-loop data: segments and forgetting against weighted
+//! batch least squares in double precision.
 //!
 //! ρ is the numerical error in units of the estimate's own standard deviation, √(Δᵀ cov⁻¹ Δ / n). The raw regressors
 //! of these cases have condition numbers from 1.8e3 to 2.6e6.

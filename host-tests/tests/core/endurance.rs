@@ -1,6 +1,6 @@
-//! Nothing wears out: fading least squares over 1e9 samples and refined instrumental variables over 1e5 segments, against
-//! double precision running beside, at ten checkpoints. The usual run makes a hundredth of it; `cargo xtask long` makes
-//! all, and its table is kept in docs/endurance.md.
+//! Nothing wears out: fading least squares over 1e9 samples and refined instrumental variables over 1e5 segments,
+//! against double precision running beside, at ten checkpoints. The usual run makes a hundredth of it; `cargo xtask
+//! long` makes all, and its table is kept in docs/endurance.md.
 
 use bearing_watch::internals::{Inputs, Rows, Triangle};
 use bearing_watch::model::Forgetting;
@@ -94,8 +94,8 @@ fn fading(samples: usize) {
     }
 }
 
-/// Refined instrumental variables: at each checkpoint the arithmetic error of a segment in σ, and the mean deviation from
-/// the truth over all segments since the last one.
+/// Refined instrumental variables: at each checkpoint the arithmetic error of a segment in σ, and the mean deviation
+/// from the truth over all segments since the last one.
 fn segments(count: usize) {
     const LENGTH: usize = 2_000;
     let plant = &PLANTS[4];

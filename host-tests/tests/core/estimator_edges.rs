@@ -11,8 +11,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-/// y = 1.5 y₁ − 0.56 y₂ + 0.04 u₁ + 0.02 u₂ − 0.1 w₂ + noise in the equation, inputs held for a while; then white noise on
-/// the output.
+/// y = 1.5 y₁ − 0.56 y₂ + 0.04 u₁ + 0.02 u₂ − 0.1 w₂ + noise in the equation, inputs held for a while; then white noise
+/// on the output.
 fn stream(seed: u64, count: usize, equation: f64, output: f64) -> Vec<Inputs> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let [mut y1, mut y2, mut u1, mut u2, mut w1, mut w2] = [0.0_f64; 6];

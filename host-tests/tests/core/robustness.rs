@@ -1,5 +1,5 @@
-//! What happens to the core's estimators when samples go wrong: nothing that is not finite, and the next segment's error
-//! is no more than twice the undisturbed one.
+//! What happens to the core's estimators when samples go wrong: nothing that is not finite, and the next segment's
+//! error is no more than twice the undisturbed one.
 //!
 //! Error: distance from the truth in units of the stated standard deviations, rms over parameters and runs; 1 is what
 //! chance alone gives. Least squares, biased by output noise, is judged by where a long undisturbed record takes it.
@@ -178,7 +178,8 @@ fn a_constant_term_survives_rejected_samples() {
     let shifted = |sample: Inputs| Inputs { y: sample.y + 30.0, u1: sample.u1 - 20.0, u2: sample.u2 + 10.0 };
     let long: Vec<_> = plant.source(noise, 77).take(200_000).map(shifted).collect();
     let mut segments = refined(plant, &long).with_offset();
-    // A restart's transient is as large as the signal: exp(−6) of it is left. Half the wait costs 2.7 here instead of 1.
+    // A restart's transient is as large as the signal: exp(−6) of it is left. Half the wait costs 2.7 here instead of
+    // 1.
     segments.constants.settle = 300;
     // The nominal constant is that of the shift.
     let nominal = &mut segments.constants.nominal;

@@ -11,8 +11,8 @@ use crate::rig::{Motion, model, motions, parameters, run, trace};
 /// More samples than any of the streams has.
 const OPEN: u32 = 100_000;
 
-/// Parameters within 0.02 of their deviations, which f32 sums of a thousand rows keep; phasors within a thousandth, which their
-/// sines' 2e-5 and the angle's bits keep.
+/// Parameters within 0.02 of their deviations, which f32 sums of a thousand rows keep; phasors within a thousandth,
+/// which their sines' 2e-5 and the angle's bits keep.
 fn compare(model: &Model<RunTime>, motions: &[Motion], what: &str) {
     let load = model.plan().layout().shaft.is_some_and(|shaft| shaft.load.is_some());
     let constants = &model.constants().shaft[0];

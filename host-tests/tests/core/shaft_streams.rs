@@ -62,8 +62,8 @@ fn bursts_of_nonsense_are_counted_and_bounded_and_gone_with_the_segment() {
     assert!(finite(&spoiled) && finite(&after));
     let mut untouched = Detector::new(&model);
     let (before, expected) = (segment(&mut untouched, &clean), segment(&mut untouched, &clean));
-    // A fifth of the rows is withheld while filters settle: half a deviation at most, were the rows independent, which those
-    // of a filter that is sampled oftener than its bandwidth asks for are not.
+    // A fifth of the rows is withheld while filters settle: half a deviation at most, were the rows independent, which
+    // those of a filter that is sampled oftener than its bandwidth asks for are not.
     let error = furthest(&spoiled, &before);
     assert!(error < 2.0, "{error}");
     let (was, is) = (watched(&before).orders()[0].prominence, watched(&spoiled).orders()[0].prominence);
@@ -85,7 +85,8 @@ fn a_second_segment_is_that_of_a_fresh_start_but_for_what_fills_the_filters() {
     let alone = segment(&mut Detector::new(&model), &stream[5000..]);
     // 13 rows of settling more, of 612: √(13/612) = 0.15 deviations, twice that with rows that are not independent.
     assert!(furthest(&second, &alone) < 0.5, "{}", furthest(&second, &alone));
-    // Five samples more, and all blocks cut five samples earlier: what is left of a strong order, and less than that of noise.
+    // Five samples more, and all blocks cut five samples earlier: what is left of a strong order, and less than that of
+    // noise.
     for (own, other) in watched(&second).orders().iter().zip(watched(&alone).orders()) {
         assert!((own.prominence - other.prominence).abs() < 0.3, "{second:?} {alone:?}");
     }
@@ -167,7 +168,8 @@ proptest! {
         let [_, expected] = [(); 2].map(|()| segment(&mut untouched, &clean));
         prop_assert!(finite(&joint));
         prop_assert_eq!(watched(&after).friction_reason, watched(&expected).friction_reason);
-        // Rows fall on other samples, whose noise is partly another: nonsense that stayed would be thousands of deviations.
+        // Rows fall on other samples, whose noise is partly another: nonsense that stayed would be thousands of
+        // deviations.
         prop_assert!(furthest(&after, &expected) < 2.0, "{}", furthest(&after, &expected));
     }
 }

@@ -1,14 +1,14 @@
 //! The core's streaming refined instrumental variables, f32, against double precision on the same samples.
 //!
-//! Two readings, each the largest error of a δ-parameter in units of its standard deviation σ, over the third and fourth
-//! segment:
+//! Two readings, each the largest error of a δ-parameter in units of its standard deviation σ, over the third and
+//! fourth segment:
 //!
 //! * *arithmetic*: against one pass with the very auxiliary models that the stream had;
 //! * *statistics*: against the batch estimate over the same rows, iterated until it rests on its own model.
 //!
-//! The second is no matter of arithmetic. A pass answers to its auxiliary model by K = ∂θ̂/∂θ_aux, which is of the structure
-//! of the noise over the signal within the filter's band; the stream's auxiliary model is the estimate of the segment
-//! before and so differs from the batch's by about √2 σ. To first structure
+//! The second is no matter of arithmetic. A pass answers to its auxiliary model by K = ∂θ̂/∂θ_aux, which is of the
+//! structure of the noise over the signal within the filter's band; the stream's auxiliary model is the estimate of the
+//! segment before and so differs from the batch's by about √2 σ. To first structure
 //!
 //! ```text
 //! stream − batch = K (θ_before − θ_batch)                                                         (1)
@@ -70,8 +70,8 @@ fn follows_double_precision_within_a_small_part_of_sigma() {
         println!("{line}");
         let limit = if ratio_db < 15.0 { 0.1 } else { 0.05 };
         within += u32::from(statistics <= limit);
-        // Ten times the largest found; no f32 comes closer than a millionth. What (1) leaves is of second structure in the
-        // auxiliary model's error.
+        // Ten times the largest found; no f32 comes closer than a millionth. What (1) leaves is of second structure in
+        // the auxiliary model's error.
         if !(1e-6..=0.006).contains(&arithmetic) || left > limit || (statistics > limit && statistics > 8.0 * gain) {
             failures.push(line);
         }

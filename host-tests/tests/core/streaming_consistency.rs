@@ -1,9 +1,9 @@
-//! Monte Carlo: the core's streaming refined instrumental variables against the truth, the last of three segments counted,
-//! from a nominal model a fifth wrong. Bias by a family-wise test at 1 % (Bonferroni over all parameters of all cases) and
-//! in shares of the standard deviation; coverage of the 95 % intervals.
+//! Monte Carlo: the core's streaming refined instrumental variables against the truth, the last of three segments
+//! counted, from a nominal model a fifth wrong. Bias by a family-wise test at 1 % (Bonferroni over all parameters of
+//! all cases) and in shares of the standard deviation; coverage of the 95 % intervals.
 //!
-//! Beside it, on the same segments: least squares (the core's), and instrumental variables without the prefilter (double
-//! precision, with the *true* auxiliary model), which show why the prefilter is there.
+//! Beside it, on the same segments: least squares (the core's), and instrumental variables without the prefilter
+//! (double precision, with the *true* auxiliary model), which show why the prefilter is there.
 
 use host_tests::oracle::{self, Record};
 use host_tests::plants::{PLANTS, Plant};
@@ -99,7 +99,8 @@ fn the_stream_is_unbiased_where_simpler_methods_fail() {
         println!(
             "  least squares: bias to {ls_bias:.0} sd; no prefilter: bias to {iv_bias:.2} sd, sd to {iv_wide:.1} times"
         );
-        // Least squares is far off everywhere; without the prefilter variance or, in closed loop, bias is many times ours.
+        // Least squares is far off everywhere; without the prefilter variance or, in closed loop, bias is many times
+        // ours.
         assert!(ls_bias > 4.0 && iv_wide > 4.0, "{}: the data are too easy", plant.name);
         assert!(plant.control.is_none() || iv_bias > 2.0, "{}: the loop carries no noise", plant.name);
     }

@@ -8,7 +8,8 @@ use workbench::study::campaign::{Figure, Findings, Goal, Settings, experiments, 
 use workbench::study::statistics::mean_sd;
 use workbench::train::train;
 
-/// Means over some repetitions, percent; numbers far from those of the documented campaign, so that these are other traces.
+/// Means over some repetitions, percent; numbers far from those of the documented campaign, so that these are other
+/// traces.
 fn means(wanted: &[Experiment], repetitions: u32, count: u32) -> Vec<f64> {
     let runs: Vec<_> =
         (500..500 + repetitions).map(|k| repetition(wanted, (k, count), || ()).expect("the standard rig")).collect();
@@ -67,7 +68,8 @@ fn a_set_of_healthy_traces_finds_small_defects_but_not_every_size() {
         found[0], found[1], found[2], found[3]
     );
     assert!(found[0] >= 97.0 && found[1] >= 99.0, "{found:?}");
-    // A drag of 0.04 A on 0.06 A that scatters by 0.003 is 0.6 deviations at 1/64: who finds it often has seen its traces.
+    // A drag of 0.04 A on 0.06 A that scatters by 0.003 is 0.6 deviations at 1/64: who finds it often has seen its
+    // traces.
     assert!(found[2] < 35.0, "{found:?}");
     // 60 healthy records at a rate of 1 %: six and more happen once in 4000 times.
     assert!(found[3] <= 10.0, "{found:?}");

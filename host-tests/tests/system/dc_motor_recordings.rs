@@ -71,7 +71,8 @@ fn an_old_seed_still_means_its_old_trace() {
         let trace = run(&Scenario::STANDARD.with_defect(Defect::full(kind)), trace_seed(1, kind, 0));
         let columns = [&trace.velocity_rad_s, &trace.current_a, &trace.load_torque_nm, &trace.angle_rad];
         for (column, old) in columns.iter().zip(last) {
-            // The same bits but for the platform's logarithm in rare draws of noise: a last bit, kept small by the loop.
+            // The same bits but for the platform's logarithm in rare draws of noise: a last bit, kept small by the
+            // loop.
             assert!((column.last().expect("sample") - old).abs() < 1e-9, "{kind:?}");
         }
     }

@@ -4,8 +4,8 @@
 //! Spalling is taken from level 6 on and the other faults at both levels, which is what the recording's authors call
 //! detectable. Trained on runs 1–4, judged on runs 5–7; structure, features and discriminant are chosen by
 //! cross-validation among the training runs alone, a run at a time. The two levels of a fault may lie on either side of
-//! normal (the cruise current falls with backlash 1 and rises with backlash 2), so a class is a level, and costs make the
-//! core decide between families.
+//! normal (the cruise current falls with backlash 1 and rises with backlash 2), so a class is a level, and costs make
+//! the core decide between families.
 
 use bearing_watch::plan::Kind;
 use host_tests::documents;

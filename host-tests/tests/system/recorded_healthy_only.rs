@@ -1,11 +1,11 @@
-//! What a novelty gate of normal strokes alone makes of every fault, on runs that it has not seen, by the core in single
-//! precision.
+//! What a novelty gate of normal strokes alone makes of every fault, on runs that it has not seen, by the core in
+//! single precision.
 //!
-//! Each run of normal strokes is held out in turn: the gate is made of the six others (30 strokes) at a false-alarm rate
-//! of 1 % and judges the held-out normal strokes and the strokes of every fault. Strokes of a run are alike and runs
-//! drift, so a gate that takes strokes for independent has too small a spread. It is therefore stretched within its own
-//! six runs: each is left out of mean and covariance in turn, and where its strokes lie farther out than independent ones
-//! would, all distances are divided by the excess,
+//! Each run of normal strokes is held out in turn: the gate is made of the six others (30 strokes) at a false-alarm
+//! rate of 1 % and judges the held-out normal strokes and the strokes of every fault. Strokes of a run are alike and
+//! runs drift, so a gate that takes strokes for independent has too small a spread. It is therefore stretched within
+//! its own six runs: each is left out of mean and covariance in turn, and where its strokes lie farther out than
+//! independent ones would, all distances are divided by the excess,
 //!
 //! ```text
 //! s² = max(1, mean d²(left-out run) / E d²),   E d² = p (n² − 1) / (n (n − p − 2))        (1)
@@ -250,7 +250,8 @@ fn faults_beyond_a_gate_of_normal_strokes() {
     let written = [("recorded-healthy", novel_table(&found)), ("recorded-distances", distance_table(&found))];
     documents::check_all("docs/recorded.md", &written);
     let [low, high, negative, pooled] = &found[..] else { panic!("three loads and all") };
-    // One of 105 unseen strokes; three would still agree with 1 %, none of the faults' figures would mean anything at more.
+    // One of 105 unseen strokes; three would still agree with 1 %, none of the faults' figures would mean anything at
+    // more.
     let false_alarms: usize = pooled.false_alarms.iter().map(|r| r.0).sum();
     assert!(false_alarms <= 3, "{false_alarms} of 105");
     for load in [low, high] {

@@ -1,6 +1,6 @@
 //! Wear of a recorded drive (EMPS, linear axis with a ball screw): how far friction differs between the two directions,
-//! in its standard deviations, over two records and their quarters. The authors put the difference down to fatigue of the
-//! screw.
+//! in its standard deviations, over two records and their quarters. The authors put the difference down to fatigue of
+//! the screw.
 //!
 //! Standard deviations allow for correlated residuals (Newey and West); the scatter over the quarters is an independent
 //! measure of the same.

@@ -322,7 +322,8 @@ fn regions_of_roots_cover_the_truth() {
     for system in [COMPLEX, REAL] {
         for (name, [narrow, wide, close]) in root_coverage(system, 2000, 4000) {
             println!("N = 2000, {name}: 1.5σ {narrow:.1} %, 3σ {wide:.2} %, not separated {close:.1} %");
-            // Normal theory: real 86.6 and 99.73 %, complex 67.5 and 98.89 %; 4000 runs know them to ± 0.7 and ± 0.17 (one sd).
+            // Normal theory: real 86.6 and 99.73 %, complex 67.5 and 98.89 %; 4000 runs know them to ± 0.7 and ± 0.17
+            // (one sd).
             let (low, high) = if name.starts_with("real") { (83.6, 89.6) } else { (64.5, 70.5) };
             assert!((low..=high).contains(&narrow), "{name}: {narrow} % within 1.5σ");
             assert!(wide >= 98.5 && close < 1.0, "{name}: {wide} % within 3σ, {close} % not separated");

@@ -44,8 +44,8 @@ impl<const CH: usize, const PAIRS: usize> Stage<CH, PAIRS> {
         added(sum, *tap, &self.waiting.second)
     }
 
-    /// Adds the second sample to the later K sums and shifts them by one; the sum that leaves is [`Self::carry`]. From the
-    /// last sum to the first, each is replaced by `carry`; its old value plus tap · x is the next `carry`.
+    /// Adds the second sample to the later K sums and shifts them by one; the sum that leaves is [`Self::carry`]. From
+    /// the last sum to the first, each is replaced by `carry`; its old value plus tap · x is the next `carry`.
     #[inline(always)]
     pub(super) fn later_half(&mut self, taps: &[f32; PAIRS]) -> [f32; CH] {
         let (mut sums, mut taps, mut carry) = (&mut self.later[..], &taps[..], [0.0; CH]);

@@ -1,13 +1,14 @@
 //! The rows of the instruments → the triangle T of a solve by instrumental variables, or weak instruments.
 //!
-//! The columns of the segment are `[U | x̂ | y | target]`, and with T the rows of U and x̂ and the columns of U, y and target
+//! The columns of the segment are `[U | x̂ | y | target]`, and with T the rows of U and x̂ and the columns of U, y and
+//! target
 //!
 //! ```text
 //! T = [ R_uu  R_uy  r_u ; 0  G  r_x ],   weights D        T θ = r  ⇔  (ZᵀX) θ = Zᵀ y                  (1)
 //! ```
 //!
-//! The rows of G are rotated into a small triangle. With it in their place T is triangular, takes the place of the first n
-//! rows of the factor, and the rest is least squares: Tᵀ D T = (XᵀZ)(ZᵀZ)⁻¹(ZᵀX).
+//! The rows of G are rotated into a small triangle. With it in their place T is triangular, takes the place of the
+//! first n rows of the factor, and the rest is least squares: Tᵀ D T = (XᵀZ)(ZᵀZ)⁻¹(ZᵀX).
 
 use super::Solution;
 use crate::factor::kernels::{packed, pairs, rotate_pivot_small};
@@ -18,8 +19,8 @@ use crate::plan::MAX_OUTPUT_TERMS;
 
 /// det² G divided by the squares of its row norms, below which instruments are weak: a determinant of 1e-5.
 const WEAK: f32 = 1e-10;
-/// First-stage F below which instruments count as weak (Staiger and Stock's rule). Prefiltered rows and coloured noise are
-/// not independent, so chance reaches it more often than the F distribution says.
+/// First-stage F below which instruments count as weak (Staiger and Stock's rule). Prefiltered rows and coloured noise
+/// are not independent, so chance reaches it more often than the F distribution says.
 const CHANCE: f32 = 10.0;
 
 /// The triangle of the rows of G, target last.
@@ -63,8 +64,8 @@ impl Solution {
         }
     }
 
-    /// Whether the instruments follow the output: det² G divided by the squares of its row norms is not too small (it is 1
-    /// for orthogonal rows).
+    /// Whether the instruments follow the output: det² G divided by the squares of its row norms is not too small (it
+    /// is 1 for orthogonal rows).
     pub(super) fn follow(&mut self, outputs: usize) -> bool {
         self.strength = pairs(0..outputs, &self.rotated.d).fold(self.strength, |strength, (_, d)| strength * d);
         // Written so that NaN is weak.

@@ -1,7 +1,7 @@
 //! Poles of a model: where they are, whether they are stable, and their reflection into the unit circle.
 //!
-//! The Schur–Cohn recursion tests first whether all are inside; eigenvalues are computed only if a reflection coefficient
-//! is close to one or larger.
+//! The Schur–Cohn recursion tests first whether all are inside; eigenvalues are computed only if a reflection
+//! coefficient is close to one or larger.
 
 use nalgebra::{Complex, DMatrix, Schur};
 

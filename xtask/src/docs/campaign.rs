@@ -137,7 +137,8 @@ fn cells(groups: &[Group<'_>], (title, names): Of, show: Show) -> Result<[String
     };
     match show {
         Show::Each | Show::Worst => {
-            // Behind the mean a row has the pooled rate, and may have a goal, whether it is met, and the source's error.
+            // Behind the mean a row has the pooled rate, and may have a goal, whether it is met, and the source's
+            // error.
             let source = rows.iter().map(|row| row.iter().skip(2).copied().find(|cell| cell.parse::<f64>().is_ok()));
             let source = source.collect::<Option<Vec<&str>>>();
             Ok([percent(&column(1)?, show)?, source.map_or_else(|| Ok(String::new()), |cells| percent(&cells, show))?])

@@ -1,4 +1,5 @@
-//! The shaft's estimates by other means, in f64: direct-form filters, normal equations, and phasors of the unwrapped angle.
+//! The shaft's estimates by other means, in f64: direct-form filters, normal equations, and phasors of the unwrapped
+//! angle.
 
 use bearing_watch::Angle;
 use bearing_watch::model::ShaftConstants;
