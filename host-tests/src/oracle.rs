@@ -213,7 +213,7 @@ pub fn conditions(record: &Record, structure: Structure, rows: Range<usize>) -> 
     })
 }
 
-/// The signal so many samples later; zeros before.
+/// The signal delayed by that number of samples; zeros before.
 fn delayed(x: &[f64], by: u8) -> Vec<f64> {
     (0..x.len()).map(|t| lag(x, t, by as usize)).collect()
 }

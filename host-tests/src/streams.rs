@@ -82,7 +82,7 @@ pub fn outcome(estimate: Estimate) -> Result<Estimate, Reason> {
     estimate.reason.map_or(Ok(estimate), Err)
 }
 
-/// Scaled parameters of a factor of least-squares rows that counts for so many rows.
+/// Scaled parameters of a factor of least-squares rows; `rows` is the number of rows in it.
 ///
 /// # Panics
 /// If the rows do not excite every parameter.

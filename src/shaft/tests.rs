@@ -25,7 +25,7 @@ fn constants(current_delay: f32) -> ShaftConstants<RunTime> {
     ShaftConstants { current_delay, balance, tracking }
 }
 
-/// The friction of a shaft whose current lags behind by so many samples.
+/// The friction of a shaft whose current lags by `lag` samples.
 fn friction(lag: f64, current_delay: f32, good: impl Fn(u32) -> bool) -> Result<Friction, Reason> {
     let (plan, constants) = (plan(), constants(current_delay));
     let mut shaft = Shaft::new(plan, &constants);

@@ -30,7 +30,7 @@ impl Motion {
     }
 }
 
-/// Constants of a shaft. Its orders, as many as the plan has: outer and inner ring with three harmonics, the shaft's
+/// Constants of a shaft. Its first orders, up to the number in the plan: outer and inner ring with three harmonics, the shaft's
 /// own.
 pub fn shaft<P: Plan>(plan: P, current_delay: f32) -> ShaftConstants<P> {
     let orders = BearingGeometry::THESIS.orders();
@@ -57,7 +57,7 @@ pub fn shaft<P: Plan>(plan: P, current_delay: f32) -> ShaftConstants<P> {
     }
 }
 
-/// A model that watches the shaft alone, with or without a measured load; segments of so many samples.
+/// A model that watches the shaft alone, with or without a measured load; segments of the given length.
 pub fn model(current_delay: f32, load: bool, segment_samples: u32) -> Model<RunTime> {
     let signal = Signal::channel;
     let watched = ShaftLayout {

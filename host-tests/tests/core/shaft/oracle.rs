@@ -41,7 +41,7 @@ fn filtered(x: &[f64], g: f64, interval_s: f64) -> (Vec<f64>, Vec<f64>) {
     (run([low, 2.0 * low, low], x[0]), run([slope, 0.0, -slope], 0.0))
 }
 
-/// x, so many samples later, between samples by a straight line.
+/// x delayed by that number of samples, with linear interpolation between samples.
 fn delayed(x: &[f64], by: f64) -> Vec<f64> {
     let (whole, part) = (by.floor() as usize, by.fract());
     let at = |k: usize| x[k.max(whole + 1) - whole] * (1.0 - part) + x[k.max(whole + 1) - whole - 1] * part;
