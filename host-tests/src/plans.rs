@@ -126,8 +126,8 @@ pub fn classifier<P: Plan>(plan: P, features: &[Feature]) -> Classifier<P> {
     }
 }
 
-/// Constants of a whole model: segments of the given length, wide limits for all channels, a regression without scaling,
-/// and the given shaft. Channels are named as in the plan, or by their number.
+/// Constants of a whole model: segments of the given length, wide limits for all channels, a regression without
+/// scaling, and the given shaft. Channels are named as in the plan, or by their number.
 #[must_use]
 pub fn constants<P: Plan>(
     plan: P,

@@ -30,8 +30,8 @@ impl Motion {
     }
 }
 
-/// Constants of a shaft. Its first orders, up to the number in the plan: outer and inner ring with three harmonics, the shaft's
-/// own.
+/// Constants of a shaft. Its first orders, up to the number in the plan: outer and inner ring with three harmonics, the
+/// shaft's own.
 pub fn shaft<P: Plan>(plan: P, current_delay: f32) -> ShaftConstants<P> {
     let orders = BearingGeometry::THESIS.orders();
     let all = [(orders.outer, [1.0, 0.4, 0.2]), (orders.inner, [1.0, 0.4, 0.2]), (1.0, [1.0, 0.0, 0.0])];
