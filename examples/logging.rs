@@ -1,8 +1,8 @@
 //! The core's own log by `defmt`: a line for every closed segment. Texts stay in the ELF file, the wire carries a few
 //! bytes a line. Run by `cargo xtask firmware logging`, which decodes them.
 //!
-//! First the recording as the example `monitor` has it, then its first trace again: with lost and saturated samples,
-//! and with a sensor that gets stuck.
+//! The program runs the recording of the example `monitor`. Then it runs the first trace twice more: with lost and
+//! saturated samples, and with a sensor that gets stuck.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[macro_use]
