@@ -124,7 +124,7 @@ fn reference_trace(folder: &std::path::Path, number: usize) -> RigTrace {
     let c = columns(&folder.join(format!("trace_{number:02}.csv")), 0);
     let [t_s, velocity_ref_rad_s, velocity_rad_s, current_a, load_torque_nm, angle_rad] =
         <[Vec<f64>; 6]>::try_from(c).expect("six columns");
-    RigTrace { t_s, velocity_ref_rad_s, velocity_rad_s, current_a, load_torque_nm, angle_rad }
+    RigTrace { t_s, velocity_ref_rad_s, velocity_rad_s, current_a, load_torque_nm, angle_rad, ..RigTrace::default() }
 }
 
 /// What is left of a recording once the rig has been driven by its measured columns.

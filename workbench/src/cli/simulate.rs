@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::output;
 use crate::Error;
-use crate::rig::{Condition, Defect, DefectKind, RigTrace, Scenario, Waveform, simulate, trace_seed};
+use crate::rig::{Condition, Defect, DefectKind, Duty, RigTrace, Scenario, Waveform, simulate, trace_seed};
 
 /// Simulate traces of a rig: one CSV a trace, and labels.csv
 #[derive(Debug, clap::Args)]
@@ -87,9 +87,10 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         return Err(Error::Usage("--count 0 makes no traces; give at least 1".into()));
     }
     let condition = args.condition();
-    if condition.reference_waveform.is_some() && args.waveform.is_some() {
+    let shaped = condition.reference_waveform.is_some() || condition.duty.is_some();
+    if shaped && args.waveform.is_some() {
         let name = condition.name;
-        return Err(Error::Usage(format!("--condition {name} is a waveform already; leave out --waveform")));
+        return Err(Error::Usage(format!("--condition {name} sets the reference already; leave out --waveform")));
     }
     for (k, kind) in args.class.iter().enumerate() {
         if args.class[..k].contains(kind) {
@@ -110,7 +111,10 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
             output::write(&args.out.join(&name), csv(&simulate(&scenario, seed)?))?;
             bar.inc(1);
             let severity = if kind == DefectKind::Healthy { 0.0 } else { args.severity };
-            let shape = scenario.reference_waveform.name();
+            let shape = match scenario.duty.of_record(seed) {
+                Duty::Waveform => scenario.reference_waveform.name(),
+                duty => duty.name(),
+            };
             let [severity, seed] = [severity.to_string(), args.seed.to_string()];
             Ok([name, kind.name().into(), severity, seed, condition.name.into(), shape.into()])
         })
@@ -148,20 +152,15 @@ impl Args {
 
 /// Returns the trace as CSV. Nine significant digits are far finer than the noise, and keep the files small.
 fn csv(trace: &RigTrace) -> String {
-    let mut out = String::from("t_s,velocity_ref_rad_s,velocity_rad_s,current_a,load_torque_nm,angle_rad\n");
-    let columns = [
-        &trace.t_s,
-        &trace.velocity_ref_rad_s,
-        &trace.velocity_rad_s,
-        &trace.current_a,
-        &trace.load_torque_nm,
-        &trace.angle_rad,
-    ];
+    let columns = trace.recorded();
+    let names: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
+    let mut out = names.join(",") + "\n";
     for k in 0..trace.len() {
-        let cells = columns.map(|column| {
+        let cells = columns.iter().map(|(_, column)| {
             let digits = format!("{:.8e}", column[k]);
             digits.parse::<f64>().map_or(digits, |rounded| rounded.to_string())
         });
+        let cells: Vec<String> = cells.collect();
         out.push_str(&cells.join(","));
         out.push('\n');
     }

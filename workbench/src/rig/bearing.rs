@@ -42,7 +42,7 @@ const REVERSAL_RAD_S: f64 = 1.0;
 /// Td at severity 1.
 const PULSE_NM: f64 = 0.06;
 /// d, the fraction of a defect period in which the ball is on the spall.
-const PULSE_DUTY: f64 = 0.15;
+pub(super) const PULSE_DUTY: f64 = 0.15;
 /// ε at severity 1.
 const TORQUE_RIPPLE: f64 = 0.03;
 /// ΔB at severity 1. Smaller values hardly change the a-parameters of the models in the thesis.
@@ -278,18 +278,19 @@ impl DefectTorque {
 
 /// Equation (5).
 fn spall(state: &PlantState, pulse_nm: f64, ripple_nm_per_a: f64, outer_order: f64) -> f64 {
-    let drag = pulse_nm * direction(state.velocity_rad_s) * pulse(outer_order * state.angle_rad / TAU);
+    let drag = pulse_nm * direction(state.velocity_rad_s) * pulse(outer_order * state.angle_rad / TAU, PULSE_DUTY);
     drag - ripple_nm_per_a * state.current_a * ripple(outer_order, state.angle_rad)
 }
 
-fn direction(omega: f64) -> f64 {
+/// The smoothed sign of ω.
+pub(super) fn direction(omega: f64) -> f64 {
     libm::tanh(omega / REVERSAL_RAD_S)
 }
 
-/// p of (5) at a phase in defect periods.
-fn pulse(periods: f64) -> f64 {
+/// p of (5) at a phase in defect periods, for pulses that last the fraction `duty` of a period.
+pub(super) fn pulse(periods: f64, duty: f64) -> f64 {
     let x = periods - periods.floor();
-    if x < PULSE_DUTY { 0.5 * (1.0 - libm::cos(TAU * x / PULSE_DUTY)) } else { 0.0 }
+    if x < duty { 0.5 * (1.0 - libm::cos(TAU * x / duty)) } else { 0.0 }
 }
 
 /// The bracket of (5): the defect order and its double, each shifted up and down by one shaft order.

@@ -4,6 +4,7 @@
 //! Factors multiply the values of the scenario, so a condition can be applied to any scenario; physical values in the
 //! comments below are those of [`Scenario::STANDARD`].
 
+use super::field::{Duty, Field};
 use super::{Scenario, SignalLevels, Waveform};
 
 /// Sizes of a defect, in descending order from full size.
@@ -33,6 +34,10 @@ pub struct Condition {
     pub resistance: f64,
     /// Measurement noise in decibels below [`SignalLevels::STANDARD`], if changed.
     pub signal_to_noise_db: Option<f64>,
+    /// Effects of the field, if changed.
+    pub field: Option<&'static Field>,
+    /// Kind of the reference, if changed.
+    pub duty: Option<Duty>,
     /// If true, each trace additionally draws random conditions, see [`Scenario::mixed`].
     pub mixed: bool,
 }
@@ -50,6 +55,8 @@ impl Condition {
         load_frequency: 1.0,
         resistance: 1.0,
         signal_to_noise_db: None,
+        field: None,
+        duty: None,
         mixed: false,
     };
 
@@ -160,10 +167,10 @@ impl Condition {
         },
     ];
 
-    /// All conditions of this module.
+    /// All conditions: those of this module, and then [`Condition::FIELD`].
     pub fn all() -> impl Iterator<Item = Self> {
         let shifts = Self::EXCITATION.into_iter().chain(Self::LOAD).chain(Self::RESISTANCE);
-        [Self::STANDARD, Self::MIX].into_iter().chain(shifts).chain(Self::NOISE)
+        [Self::STANDARD, Self::MIX].into_iter().chain(shifts).chain(Self::NOISE).chain(Self::FIELD)
     }
 
     /// The condition with this name.
@@ -182,6 +189,8 @@ impl Condition {
         changed.load_amplitude_nm *= self.load_amplitude;
         changed.load_frequency_hz *= self.load_frequency;
         changed.motor.r_ohm *= self.resistance;
+        changed.field = self.field.copied().unwrap_or(scenario.field);
+        changed.duty = self.duty.unwrap_or(scenario.duty);
         if let Some(decibels) = self.signal_to_noise_db {
             changed = changed.with_signal_to_noise(SignalLevels::STANDARD, decibels);
         }
@@ -200,7 +209,7 @@ mod tests {
     #[test]
     fn names_and_numbers_are_distinct() {
         let all: Vec<Condition> = Condition::all().collect();
-        assert_eq!(all.len(), 18);
+        assert_eq!(all.len(), 18 + 25);
         for (k, one) in all.iter().enumerate() {
             assert_eq!(Condition::named(one.name), Some(*one));
             for other in &all[..k] {

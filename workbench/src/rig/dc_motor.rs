@@ -155,7 +155,22 @@ struct HeldSteps {
     full: HeldStep,
 }
 
-/// A motor simulated with a fixed step.
+impl HeldSteps {
+    fn new(motor: &MotorParameters, step_s: f64) -> Self {
+        Self { half: HeldStep::new(motor, 0.5 * step_s), full: HeldStep::new(motor, step_s) }
+    }
+}
+
+/// Point of a step at which the torque is evaluated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// At the start of the step.
+    Start,
+    /// At the predicted middle of the step.
+    Middle,
+}
+
+/// A motor simulated step by step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plant {
     motor: MotorParameters,
@@ -184,7 +199,7 @@ impl Plant {
             Electrical::QuasiStatic => None,
             Electrical::BothStates => {
                 positive("l_h", motor.l_h)?;
-                Some(HeldSteps { half: HeldStep::new(motor, 0.5 * step_s), full: HeldStep::new(motor, step_s) })
+                Some(HeldSteps::new(motor, step_s))
             }
         };
         Ok(Self { motor: *motor, step_s, held, state: PlantState::default() })
@@ -197,6 +212,18 @@ impl Plant {
             None => Electrical::QuasiStatic,
             Some(_) => Electrical::BothStates,
         }
+    }
+
+    /// The constants of the motor.
+    #[must_use]
+    pub const fn motor(&self) -> &MotorParameters {
+        &self.motor
+    }
+
+    /// The integration step.
+    #[must_use]
+    pub const fn step_s(&self) -> f64 {
+        self.step_s
     }
 
     /// The current state.
@@ -216,33 +243,50 @@ impl Plant {
         self.state.is_finite()
     }
 
+    /// Changes resistance and step size; the state does not change.
+    pub fn retune(&mut self, r_ohm: f64, step_s: f64) {
+        if r_ohm == self.motor.r_ohm && step_s == self.step_s {
+            return;
+        }
+        (self.motor.r_ohm, self.step_s) = (r_ohm, step_s);
+        if self.held.is_some() {
+            self.held = Some(HeldSteps::new(&self.motor, step_s));
+        }
+    }
+
     /// Simulates one step with constant voltage `voltage_v`; `torque_nm` is the torque that opposes positive rotation.
     pub fn step(&mut self, voltage_v: f64, torque_nm: impl Fn(&PlantState) -> f64) -> &PlantState {
+        self.step_staged(voltage_v, |_, at| torque_nm(at))
+    }
+
+    /// Same as [`Plant::step`] for a torque with states of its own. `torque_nm` is called once at the start and once at
+    /// the middle, in this order, so that these states can be integrated by the same midpoint rule.
+    pub fn step_staged(&mut self, voltage_v: f64, mut torque_nm: impl FnMut(Stage, &PlantState) -> f64) -> &PlantState {
         self.state = match &self.held {
             None => self.midpoint(voltage_v, torque_nm),
             Some(HeldSteps { half, full }) => {
-                let middle = half.advance(self.state, voltage_v, torque_nm(&self.state));
-                full.advance(self.state, voltage_v, torque_nm(&middle))
+                let middle = half.advance(self.state, voltage_v, torque_nm(Stage::Start, &self.state));
+                full.advance(self.state, voltage_v, torque_nm(Stage::Middle, &middle))
             }
         };
         &self.state
     }
 
-    fn midpoint(&self, voltage_v: f64, torque_nm: impl Fn(&PlantState) -> f64) -> PlantState {
+    fn midpoint(&self, voltage_v: f64, mut torque_nm: impl FnMut(Stage, &PlantState) -> f64) -> PlantState {
         let m = &self.motor;
         let state_at = |velocity_rad_s: f64, angle_rad: f64| PlantState {
             current_a: (voltage_v - m.ke_v_s_per_rad * velocity_rad_s) / m.r_ohm, // (5)
             velocity_rad_s,
             angle_rad,
         };
-        let acceleration = |at: &PlantState| {
+        let mut acceleration = |stage: Stage, at: &PlantState| {
             let friction = m.b_nm_s_per_rad * at.velocity_rad_s;
-            (m.kt_nm_per_a * at.current_a - friction - torque_nm(at)) / m.j_kg_m2 // (2)
+            (m.kt_nm_per_a * at.current_a - friction - torque_nm(stage, at)) / m.j_kg_m2 // (2)
         };
         let (h, omega, theta) = (self.step_s, self.state.velocity_rad_s, self.state.angle_rad);
         let start = state_at(omega, theta);
-        let middle = state_at(omega + 0.5 * h * acceleration(&start), theta + 0.5 * h * omega);
-        state_at(omega + h * acceleration(&middle), theta + h * middle.velocity_rad_s)
+        let middle = state_at(omega + 0.5 * h * acceleration(Stage::Start, &start), theta + 0.5 * h * omega);
+        state_at(omega + h * acceleration(Stage::Middle, &middle), theta + h * middle.velocity_rad_s)
     }
 }
 

@@ -18,9 +18,13 @@
 //! | [`bearing`] | the characteristic orders, the torque of each defect, the weak magnet |
 //! | [`waveform`] | sine, triangle and square velocity references |
 //! | [`noise`] | independent seeded streams, load fluctuation, current measurement filter |
-//! | [`scenario`] | the standard rig, the closed loop of all parts, the recorded trace |
+//! | [`scenario`] | the standard rig |
+//! | [`closed_loop`] | the closed loop of all parts |
+//! | [`trace`] | the recorded trace |
+//! | [`field`] | effects that drives in the field have and the standard rig does not have |
 //! | [`levels`] | signal levels, and noise for a given signal-to-noise ratio |
 //! | [`conditions`] | named changes of a scenario: excitation, load, motor or noise; severities |
+//! | [`field_conditions`] | named conditions for the effects of the field |
 //!
 //! All values are `f64`, and sines and hyperbolic tangents are computed by `libm`, so that a seed produces the same
 //! trace on every machine. The rig deliberately has its own equations: it shares no code with the estimators that
@@ -40,19 +44,27 @@
 //! ```
 
 pub mod bearing;
+pub mod closed_loop;
 pub mod conditions;
 pub mod dc_motor;
+pub mod field;
+pub mod field_conditions;
 pub mod levels;
 pub mod noise;
 pub mod scenario;
+mod sensors;
+pub mod trace;
 pub mod waveform;
 
 pub use bearing::{BearingGeometry, BearingOrders, Defect, DefectKind, DefectTorque};
+pub use closed_loop::simulate;
 pub use conditions::{Condition, SEVERITIES};
-pub use dc_motor::{Electrical, MotorParameters, Plant, PlantState, TABLE_2_1, TABLE_2_3};
+pub use dc_motor::{Electrical, MotorParameters, Plant, PlantState, Stage, TABLE_2_1, TABLE_2_3};
+pub use field::{Drive, Duty, Field, FieldValues};
 pub use levels::SignalLevels;
 pub use noise::{CurrentFilter, LoadFluctuation, NoiseSource, Stream};
-pub use scenario::{RigTrace, Scenario, simulate};
+pub use scenario::Scenario;
+pub use trace::RigTrace;
 pub use waveform::Waveform;
 
 /// Reason why a rig cannot be built or run; each error contains the name of the invalid parameter.
@@ -82,6 +94,18 @@ pub enum RigError {
         name: &'static str,
         /// The rejected value.
         value: f64,
+    },
+    /// The value lies outside its range.
+    #[error("{name} must lie between {from} and {to}, got {value}")]
+    OutOfRange {
+        /// Field name with its unit.
+        name: &'static str,
+        /// The rejected value.
+        value: f64,
+        /// Smallest value.
+        from: f64,
+        /// Largest value.
+        to: f64,
     },
     /// A trace needs at least one sample.
     #[error("samples must be at least 1")]

@@ -43,6 +43,40 @@ pub enum Stream {
     VelocityNoise,
     /// Operating conditions of a trace.
     Conditions,
+    /// Temperature of the drive.
+    Temperature,
+    /// Stribeck friction.
+    Stribeck,
+    /// Friction in proportion to the load.
+    LoadFriction,
+    /// Cogging, torque ripple and unbalance.
+    Magnetics,
+    /// Errors of the angle sensor.
+    Resolver,
+    /// Gain and offset of the load sensor.
+    LoadSensor,
+    /// Noise of the load sensor.
+    LoadSensorNoise,
+    /// Compliance and backlash.
+    Mechanics,
+    /// Inertia of the payload.
+    Payload,
+    /// Current measurement and dead time.
+    CurrentChain,
+    /// Slip of the balls and width of the pulses.
+    Slip,
+    /// Fluctuation of the slip.
+    SlipJitter,
+    /// Kind of the duty and its steps.
+    Duty,
+    /// Missing samples.
+    Missing,
+    /// Jitter of the sampling instants.
+    SampleJitter,
+    /// Constants of one drive.
+    Unit,
+    /// Constants of one day.
+    Session,
 }
 
 impl Stream {
@@ -54,6 +88,23 @@ impl Stream {
             Self::CurrentNoise => 3,
             Self::VelocityNoise => 4,
             Self::Conditions => 5,
+            Self::Temperature => 6,
+            Self::Stribeck => 7,
+            Self::LoadFriction => 8,
+            Self::Magnetics => 9,
+            Self::Resolver => 10,
+            Self::LoadSensor => 11,
+            Self::LoadSensorNoise => 12,
+            Self::Mechanics => 13,
+            Self::Payload => 14,
+            Self::CurrentChain => 15,
+            Self::Slip => 16,
+            Self::SlipJitter => 17,
+            Self::Duty => 18,
+            Self::Missing => 19,
+            Self::SampleJitter => 20,
+            Self::Unit => 21,
+            Self::Session => 22,
         }
     }
 }
@@ -69,6 +120,18 @@ impl NoiseSource {
     #[must_use]
     pub fn new(seed: u64, stream: Stream) -> Self {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        rng.set_stream(stream.number());
+        Self { rng }
+    }
+
+    /// The stream for one purpose under a key of three numbers; no key has the draws of another.
+    #[must_use]
+    pub fn keyed(key: [u32; 3], stream: Stream) -> Self {
+        let mut bytes = *b"............drive of a rig, keys";
+        for (place, number) in bytes.chunks_exact_mut(4).zip(key) {
+            place.copy_from_slice(&number.to_le_bytes());
+        }
+        let mut rng = ChaCha8Rng::from_seed(bytes);
         rng.set_stream(stream.number());
         Self { rng }
     }
@@ -131,6 +194,17 @@ impl CurrentFilter {
         self.slope += self.step_s * bend; // (2)
         self.output_a += self.step_s * self.slope;
         self.output_a
+    }
+
+    /// Changes the interval between updates.
+    pub const fn set_step(&mut self, step_s: f64) {
+        self.step_s = step_s;
+    }
+
+    /// Sets the output to a current that has been constant for a long time.
+    pub const fn settle(&mut self, current_a: f64) {
+        self.slope = 0.0;
+        self.output_a = current_a;
     }
 
     /// The filtered current.

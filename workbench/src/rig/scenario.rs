@@ -1,37 +1,21 @@
-//! One experiment: the scenario, the closed loop, the recorded trace.
+//! One experiment: what the rig is made of and how it is driven.
 //!
-//! Input: a [`Scenario`] and a seed. Output: a [`RigTrace`], one row per sample.
-//!
-//! At each sample the drive measures and records, and then applies a new voltage, so the error affects the recorded
-//! current one sample later (thesis Fig. 3.1):
-//!
-//! ```text
-//! ω_m(k) = ω(k) + n_ω(k)                        measured velocity
-//! i_m(k) = y(k) + n_i(k)                        y: filtered current (module `noise`)
-//! e = ref − ω_m;   x ← x + Ki Ts e;   v = Kp e + x      (1), v held over Ts
-//! ```
-//!
-//! The load torque is a sine plus a fluctuation. It is recorded at the samples, and is linear between them. Without the
-//! fluctuation, two pure sines would not excite the models of the thesis persistently. The recorded angle is the true
-//! angle without noise.
+//! A [`Scenario`] is a plain struct literal; [`simulate`](super::simulate) runs it with a seed.
 
 use core::f64::consts::TAU;
 
+use super::field::{Drive, Duty, Field};
 use super::{
-    BearingGeometry, CurrentFilter, Defect, DefectTorque, LoadFluctuation, MotorParameters, NoiseSource, Plant,
-    PlantState, RigError, Stream, TABLE_2_3, Waveform, finite, not_negative, positive,
+    BearingGeometry, Defect, MotorParameters, NoiseSource, RigError, Stream, TABLE_2_3, Waveform, finite, not_negative,
+    positive,
 };
-
-/// Longest integration step; a sampling interval is divided into equal steps that are not longer.
-const INNER_STEP_S: f64 = 1e-4;
-
-/// Start angles cover ten shaft turns: orders are not integers, so each further turn is a different phase of the balls.
-const START_ANGLE_RAD: f64 = 10.0 * TAU;
 
 /// One experiment on the DC-motor rig.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scenario {
-    /// Shape of the velocity reference.
+    /// Kind of the velocity reference.
+    pub duty: Duty,
+    /// Shape of the velocity reference, if the duty is [`Duty::Waveform`].
     pub reference_waveform: Waveform,
     /// Amplitude (peak) of the velocity reference.
     pub reference_amplitude_rad_s: f64,
@@ -45,11 +29,11 @@ pub struct Scenario {
     pub load_fluctuation_nm: f64,
     /// AR(1) pole of the load fluctuation at the sampling interval.
     pub load_fluctuation_pole: f64,
-    /// Kp of (1).
+    /// Kp of the velocity controller.
     pub proportional_gain_v_s_per_rad: f64,
-    /// Ki of (1).
+    /// Ki of the velocity controller.
     pub integral_gain_v_per_rad: f64,
-    /// Ts of (1), also the recording interval.
+    /// Ts, the interval of control and recording.
     pub sample_time_s: f64,
     /// Number of rows of the trace.
     pub samples: usize,
@@ -63,11 +47,16 @@ pub struct Scenario {
     pub bearing: BearingGeometry,
     /// Defect.
     pub defect: Defect,
+    /// Effects of the field.
+    pub field: Field,
+    /// The drive and the day, if several records belong to one drive; `None` if each record is a drive of its own.
+    pub drive: Option<Drive>,
 }
 
 impl Scenario {
     /// The standard rig; it was calibrated so that the fit of a healthy trace is as high as in the thesis.
     pub const STANDARD: Self = Self {
+        duty: Duty::Waveform,
         reference_waveform: Waveform::Sine,
         reference_amplitude_rad_s: 40.0,
         reference_frequency_hz: 0.2,
@@ -84,6 +73,8 @@ impl Scenario {
         velocity_noise_rad_s: 0.55,
         bearing: BearingGeometry::THESIS,
         defect: Defect::HEALTHY,
+        field: Field::NONE,
+        drive: None,
     };
 
     /// This scenario with the given defect.
@@ -129,185 +120,24 @@ impl Scenario {
         not_negative("current_noise_a", self.current_noise_a)?;
         not_negative("velocity_noise_rad_s", self.velocity_noise_rad_s)?;
         self.bearing.validate()?;
-        Ok(())
+        self.field.validate(self.sample_time_s)
     }
 
-    fn reference_at(&self, t_s: f64) -> f64 {
+    /// The waveform of the reference.
+    pub(super) fn reference_at(&self, t_s: f64) -> f64 {
         self.reference_amplitude_rad_s * self.reference_waveform.at(self.reference_frequency_hz, t_s)
     }
 
-    fn load_at(&self, t_s: f64) -> f64 {
+    /// The sinusoidal part of the load.
+    pub(super) fn load_at(&self, t_s: f64) -> f64 {
         self.load_amplitude_nm * libm::sin(TAU * self.load_frequency_hz * t_s)
     }
-}
-
-/// One recording: columns of the same length.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct RigTrace {
-    /// Time of the sample.
-    pub t_s: Vec<f64>,
-    /// Velocity reference.
-    pub velocity_ref_rad_s: Vec<f64>,
-    /// Measured velocity.
-    pub velocity_rad_s: Vec<f64>,
-    /// Measured current.
-    pub current_a: Vec<f64>,
-    /// Load torque.
-    pub load_torque_nm: Vec<f64>,
-    /// Shaft angle, not wrapped.
-    pub angle_rad: Vec<f64>,
-}
-
-impl RigTrace {
-    fn with_capacity(samples: usize) -> Self {
-        let column = || Vec::with_capacity(samples);
-        Self {
-            t_s: column(),
-            velocity_ref_rad_s: column(),
-            velocity_rad_s: column(),
-            current_a: column(),
-            load_torque_nm: column(),
-            angle_rad: column(),
-        }
-    }
-
-    /// Number of samples.
-    #[must_use]
-    pub const fn len(&self) -> usize {
-        self.t_s.len()
-    }
-
-    /// Whether there are no samples.
-    #[must_use]
-    pub const fn is_empty(&self) -> bool {
-        self.t_s.is_empty()
-    }
-}
-
-/// The digital controller of (1).
-#[derive(Debug)]
-struct VelocityLoop {
-    kp: f64,
-    ki_ts: f64,
-    integral_v: f64,
-}
-
-impl VelocityLoop {
-    const fn new(scenario: &Scenario) -> Self {
-        Self {
-            kp: scenario.proportional_gain_v_s_per_rad,
-            ki_ts: scenario.integral_gain_v_per_rad * scenario.sample_time_s,
-            integral_v: 0.0,
-        }
-    }
-
-    fn voltage_v(&mut self, error_rad_s: f64) -> f64 {
-        self.integral_v += self.ki_ts * error_rad_s; // (1)
-        self.kp * error_rad_s + self.integral_v
-    }
-}
-
-/// The motor with its defect and its current measurement, simulated one sampling interval at a time.
-#[derive(Debug)]
-struct Shaft {
-    plant: Plant,
-    filter: CurrentFilter,
-    defect: DefectTorque,
-    inner_steps: u32,
-}
-
-impl Shaft {
-    fn new(scenario: &Scenario, seed: u64) -> Result<Self, RigError> {
-        let inner_steps = inner_steps(scenario.sample_time_s);
-        let step_s = scenario.sample_time_s / f64::from(inner_steps);
-        let motor = scenario.defect.motor(&scenario.motor);
-        let mut plant = Plant::new(&motor, step_s)?;
-        plant.set_state(PlantState {
-            angle_rad: NoiseSource::new(seed, Stream::StartAngle).uniform(0.0, START_ANGLE_RAD),
-            ..PlantState::default()
-        });
-        Ok(Self {
-            plant,
-            filter: CurrentFilter::new(step_s),
-            defect: scenario.defect.torque(motor.kt_nm_per_a, &scenario.bearing)?,
-            inner_steps,
-        })
-    }
-
-    /// Simulates one interval; `load_nm` is the load torque at its beginning and at its end.
-    fn advance(&mut self, voltage_v: f64, load_nm: [f64; 2]) {
-        let [from, to] = load_nm;
-        for step in 0..self.inner_steps {
-            let elapsed = (f64::from(step) + 0.5) / f64::from(self.inner_steps);
-            let load = from + (to - from) * elapsed;
-            let defect = self.defect;
-            let state = self.plant.step(voltage_v, |at| load + defect.at(at));
-            self.filter.update(state.current_a);
-        }
-    }
-}
-
-/// Number of equal steps of at most [`INNER_STEP_S`] in a sampling interval.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "clamped to the range of u32 before the cast"
-)]
-fn inner_steps(sample_time_s: f64) -> u32 {
-    // The tolerance prevents that rounding of an exact multiple adds a step.
-    let steps = (sample_time_s / INNER_STEP_S - 1e-9).ceil();
-    steps.clamp(1.0, f64::from(u32::MAX)) as u32
-}
-
-/// Runs one experiment. The same scenario and seed produce the same trace.
-pub fn simulate(scenario: &Scenario, seed: u64) -> Result<RigTrace, RigError> {
-    scenario.validate()?;
-    let mut shaft = Shaft::new(scenario, seed)?;
-    let mut control = VelocityLoop::new(scenario);
-    let mut current_noise = NoiseSource::new(seed, Stream::CurrentNoise);
-    let mut velocity_noise = NoiseSource::new(seed, Stream::VelocityNoise);
-    let mut fluctuation = LoadFluctuation::new(
-        NoiseSource::new(seed, Stream::LoadFluctuation),
-        scenario.load_fluctuation_nm,
-        scenario.load_fluctuation_pole,
-    );
-    let mut trace = RigTrace::with_capacity(scenario.samples);
-    let mut load = scenario.load_at(0.0) + fluctuation.draw();
-    let mut t_s = 0.0;
-    for k in 1..=scenario.samples {
-        let state = shaft.plant.state();
-        let reference = scenario.reference_at(t_s);
-        let velocity = state.velocity_rad_s + scenario.velocity_noise_rad_s * velocity_noise.gaussian();
-        let current = shaft.filter.output_a() + scenario.current_noise_a * current_noise.gaussian();
-        if !(shaft.plant.is_finite() && current.is_finite()) {
-            return Err(RigError::Diverged { t_s });
-        }
-        trace.t_s.push(t_s);
-        trace.velocity_ref_rad_s.push(reference);
-        trace.velocity_rad_s.push(velocity);
-        trace.current_a.push(current);
-        trace.load_torque_nm.push(load);
-        trace.angle_rad.push(state.angle_rad);
-
-        t_s = k as f64 * scenario.sample_time_s;
-        let next_load = scenario.load_at(t_s) + fluctuation.draw();
-        shaft.advance(control.voltage_v(reference - velocity), [load, next_load]);
-        load = next_load;
-    }
-    Ok(trace)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn an_interval_is_cut_into_whole_steps() {
-        assert_eq!(inner_steps(0.002), 20);
-        assert_eq!(inner_steps(1e-4), 1);
-        assert_eq!(inner_steps(1e-5), 1);
-        assert_eq!(inner_steps(2.5e-4), 3);
-    }
+    use crate::rig::simulate;
 
     #[test]
     fn refuses_what_cannot_be_simulated() {
@@ -322,12 +152,6 @@ mod tests {
         refused(Scenario { load_fluctuation_pole: 1.0, ..standard });
         let message = refused(Scenario { sample_time_s: -1.0, ..standard }).to_string();
         assert_eq!(message, "sample_time_s must be positive, got -1");
-    }
-
-    #[test]
-    fn a_loop_that_runs_away_is_an_error_not_a_trace() {
-        let wild = Scenario { proportional_gain_v_s_per_rad: 50.0, ..Scenario::STANDARD };
-        assert!(matches!(simulate(&wild, 0), Err(RigError::Diverged { .. })));
     }
 
     #[test]

@@ -23,7 +23,7 @@ impl From<&RigTrace> for MotionTrace {
             current_a: recorded.current_a.clone(),
             velocity_rad_s: recorded.velocity_rad_s.clone(),
             reference_rad_s: recorded.velocity_ref_rad_s.clone(),
-            load_nm: recorded.load_torque_nm.clone(),
+            load_nm: recorded.recorded_load_nm(),
             angle_rad: recorded.angle_rad.clone(),
         }
     }

@@ -49,9 +49,9 @@ pub fn labelled(recording: Recording, class: usize) -> LabelledTrace {
         id: format!("{}_{seed:016x}", cell.defect.kind.name()),
         interval_s: Some(Scenario::STANDARD.sample_time_s),
         irregular_steps: 0,
+        u2: recorded.recorded_load_nm(),
         y: recorded.current_a,
         u1: recorded.velocity_ref_rad_s,
-        u2: recorded.load_torque_nm,
         motion: Some(motion),
     };
     LabelledTrace { trace, class }

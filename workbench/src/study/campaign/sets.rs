@@ -187,7 +187,7 @@ mod tests {
         defect: Defect::full(DefectKind::Spall),
     };
 
-    /// All purposes, classes, severities and conditions in 25 repetitions: 97 200 cells.
+    /// All purposes, classes, severities and conditions in 25 repetitions: 232 200 cells.
     fn all_cells() -> impl Iterator<Item = Cell> {
         let defects = DefectKind::ALL
             .into_iter()
@@ -219,7 +219,7 @@ mod tests {
             }
             assert!(cells.insert(cell.seed(0).expect("fits")), "{cell:?}");
         }
-        assert_eq!(cells.len(), 4 * 25 * 18 * 6 * 9);
+        assert_eq!(cells.len(), 4 * 25 * 43 * 6 * 9);
     }
 
     #[test]

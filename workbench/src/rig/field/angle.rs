@@ -1,0 +1,115 @@
+//! The angle sensor and the velocity from its differences.
+//!
+//! ```text
+//! θ_m = Q(θ + e₁ sin(θ + φ₁) + e₂ sin(2θ + φ₂) + e₁₂ sin(12θ + φ₁₂))     (1)
+//! ω_m = F((θ_m(k) − θ_m(k−1)) / (t(k) − t(k−1)))                         (2)
+//! ```
+//!
+//! Q rounds down to a multiple of a turn by a power of two. F is a Butterworth low-pass of second order at the sampling
+//! interval (bilinear transform, exact at its cut-off), so that ω_m lags behind ω by half an interval and F's delay. The
+//! controller uses ω_m.
+
+use core::f64::consts::{PI, SQRT_2, TAU};
+
+use crate::rig::{NoiseSource, RigError, not_negative, positive};
+
+/// Orders of the error (1).
+pub const ERROR_ORDERS: [f64; 3] = [1.0, 2.0, 12.0];
+
+/// Ranges of the effect.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Resolver {
+    /// Lower and upper limit of each error amplitude, for each of [`ERROR_ORDERS`].
+    pub error_deg: [[f64; 2]; 3],
+    /// Smallest and largest number of bits of a turn, both included.
+    pub bits: [u32; 2],
+    /// Cut-off of F (2).
+    pub cutoff_hz: f64,
+}
+
+/// Values of one record.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ResolverValues {
+    /// Amplitude and phase of each error.
+    pub error_rad: [[f64; 2]; 3],
+    /// Number of bits of a turn.
+    pub bits: u32,
+    /// Cut-off of F (2).
+    pub cutoff_hz: f64,
+}
+
+impl Resolver {
+    /// The ranges of the field.
+    pub const FIELD: Self = Self { error_deg: [[0.1, 0.5], [0.1, 0.5], [0.1, 0.25]], bits: [12, 14], cutoff_hz: 60.0 };
+
+    pub(super) fn validate(&self, sample_time_s: f64) -> Result<(), RigError> {
+        for error in self.error_deg.as_flattened() {
+            not_negative("field.resolver.error_deg", *error)?;
+        }
+        for bits in self.bits {
+            super::within("field.resolver.bits", f64::from(bits), [1.0, 30.0])?;
+        }
+        positive("field.resolver.cutoff_hz", self.cutoff_hz)?;
+        super::within("field.resolver.cutoff_hz", self.cutoff_hz, [0.0, 0.49 / sample_time_s])?;
+        Ok(())
+    }
+
+    pub(super) fn draw(&self, mut source: NoiseSource) -> ResolverValues {
+        let mut error = |range| [super::between(&mut source, range).to_radians(), source.uniform(0.0, TAU)];
+        let error_rad = self.error_deg.map(&mut error);
+        let [fewest, most] = self.bits;
+        let choices = most.saturating_sub(fewest) + 1;
+        ResolverValues { error_rad, bits: fewest + super::choice(&mut source, choices), cutoff_hz: self.cutoff_hz }
+    }
+}
+
+impl ResolverValues {
+    /// The measured angle of a shaft at this angle (1), not wrapped.
+    #[must_use]
+    pub fn measured_rad(&self, angle_rad: f64) -> f64 {
+        let waves = ERROR_ORDERS.iter().zip(self.error_rad);
+        let error: f64 = waves.map(|(n, [amplitude, phase])| amplitude * libm::sin(n * angle_rad + phase)).sum();
+        let step = self.step_rad();
+        ((angle_rad + error) / step).floor() * step
+    }
+
+    /// The resolution of Q.
+    #[must_use]
+    pub fn step_rad(&self) -> f64 {
+        TAU / f64::from(1_u32 << self.bits)
+    }
+}
+
+/// The velocity from differences of the angle (2).
+#[derive(Debug, Clone, Copy)]
+pub(in crate::rig) struct DifferencedVelocity {
+    b0: f64,
+    a: [f64; 2],
+    memory: [f64; 2],
+    previous_rad: f64,
+    initial_rad_s: f64,
+    started: bool,
+}
+
+impl DifferencedVelocity {
+    /// A filter whose output has been `initial_rad_s` for a long time.
+    pub(in crate::rig) fn new(cutoff_hz: f64, sample_time_s: f64, initial_rad_s: f64) -> Self {
+        let k = libm::tan(PI * cutoff_hz * sample_time_s);
+        let scale = 1.0 / (1.0 + SQRT_2 * k + k * k);
+        let b0 = k * k * scale;
+        let a = [2.0 * (k * k - 1.0) * scale, (1.0 - SQRT_2 * k + k * k) * scale];
+        let second = (b0 - a[1]) * initial_rad_s;
+        let memory = [second + (2.0 * b0 - a[0]) * initial_rad_s, second];
+        Self { b0, a, memory, previous_rad: 0.0, initial_rad_s, started: false }
+    }
+
+    /// The velocity after one more measured angle, `interval_s` after the last.
+    pub(in crate::rig) fn update(&mut self, measured_rad: f64, interval_s: f64) -> f64 {
+        let slope = if self.started { (measured_rad - self.previous_rad) / interval_s } else { self.initial_rad_s };
+        (self.previous_rad, self.started) = (measured_rad, true);
+        let output = self.b0 * slope + self.memory[0];
+        self.memory[0] = 2.0 * self.b0 * slope - self.a[0] * output + self.memory[1];
+        self.memory[1] = self.b0 * slope - self.a[1] * output;
+        output // (2)
+    }
+}
