@@ -16,9 +16,11 @@ use crate::rig::{Condition, Defect, DefectKind, Duty, RigTrace, Scenario, Wavefo
   bearing-watch simulate --rig dc --class healthy,spall,roughness --count 20 --seed 1 --out traces
   bearing-watch simulate --class spall,weak-magnet --severity 0.5 --condition frequency-2 --seed 2 --out other
   bearing-watch simulate --class healthy --condition mix --waveform square --seed 3 --out traces
+  bearing-watch simulate --class healthy,spall --condition field-duties --seed 4 --out field
 
 Names of traces tell class, severity (unless 1), condition (unless standard), waveform (where it is not a sine) and \
-seed. The same seed draws the same noise under every condition; take another one for traces to validate on.")]
+seed. Missing samples are NaN in all columns but t_s; without a load sensor there is no column load_torque_nm. \
+The same seed draws the same noise under every condition; take another one for traces to validate on.")]
 pub(super) struct Args {
     /// Which rig
     #[arg(long, value_enum, default_value = "dc")]

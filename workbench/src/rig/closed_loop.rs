@@ -217,6 +217,7 @@ fn finish(trace: &mut RigTrace, scenario: &Scenario, values: &FieldValues, seed:
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rig::{Defect, DefectKind, Field, trace_seed};
 
     #[test]
     fn an_interval_is_cut_into_whole_steps() {
@@ -230,5 +231,65 @@ mod tests {
     fn a_loop_that_runs_away_is_an_error_not_a_trace() {
         let wild = Scenario { proportional_gain_v_s_per_rad: 50.0, ..Scenario::STANDARD };
         assert!(matches!(simulate(&wild, 0), Err(RigError::Diverged { .. })));
+    }
+
+    /// FNV-1a of the bits of the columns that the rig has always had.
+    fn hash(trace: &RigTrace) -> u64 {
+        let columns = trace.recorded().into_iter().filter(|(name, _)| *name != "voltage_v");
+        let bytes = columns.flat_map(|(_, column)| column.iter().flat_map(|x| x.to_bits().to_le_bytes()));
+        bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
+    }
+
+    #[test]
+    fn without_the_field_a_seed_still_means_its_old_bits() {
+        // Without noise all numbers are computed by the rig and by libm: they are the same on every machine.
+        let quiet = Scenario {
+            current_noise_a: 0.0,
+            velocity_noise_rad_s: 0.0,
+            load_fluctuation_nm: 0.0,
+            ..Scenario::STANDARD
+        };
+        let recorded = [
+            (DefectKind::Healthy, 0x2640_6367_dbf7_256a, 0xf933_5cdb_50bd_5d00),
+            (DefectKind::Spall, 0x79e2_1ba9_31c6_586c, 0x2124_d7ee_bd5a_1de9),
+            (DefectKind::Roughness, 0xfb05_099b_236c_d528, 0xa27f_b7b5_ed44_d338),
+            (DefectKind::Coulomb, 0x074c_ff22_a923_03a5, 0x2f8e_6463_3e6e_cc16),
+            (DefectKind::SpallAndRoughness, 0x4864_f96a_95e6_e51c, 0x5c5c_6886_7d30_c2c3),
+            (DefectKind::WeakMagnet, 0xcc8d_6bb4_f555_0d4e, 0x2e1a_656d_20a7_7fbf),
+        ];
+        for (kind, standard, mixed) in recorded {
+            let seed = trace_seed(1, kind, 0);
+            let scenario = quiet.with_defect(Defect::full(kind));
+            assert_eq!(hash(&simulate(&scenario, seed).expect("valid")), standard, "{kind:?}");
+            assert_eq!(hash(&simulate(&scenario.mixed(seed), seed).expect("valid")), mixed, "{kind:?}");
+        }
+    }
+
+    #[test]
+    fn the_plant_of_the_field_without_effects_is_the_plant_of_the_rig() {
+        let scenario = Scenario::STANDARD.with_defect(Defect::full(DefectKind::SpallAndRoughness)).mixed(4);
+        let field = Field { load: LoadMeasurement::Absent, ..Field::NONE };
+        let (plain, unloaded) = (simulate(&scenario, 4), simulate(&Scenario { field, ..scenario }, 4));
+        let (plain, unloaded) = (plain.expect("valid"), unloaded.expect("valid"));
+        assert!(unloaded.no_load_sensor && unloaded.recorded().len() == 6);
+        assert_eq!(RigTrace { no_load_sensor: false, ..unloaded.clone() }, plain);
+        assert_eq!(unloaded.recorded_load_nm(), vec![0.0; 5000]);
+    }
+
+    #[test]
+    fn the_voltage_of_a_row_drives_the_next_interval() {
+        let quiet = Scenario { velocity_noise_rad_s: 0.0, load_fluctuation_nm: 0.0, ..Scenario::STANDARD };
+        let trace = simulate(&quiet, 2).expect("valid");
+        let motor = quiet.motor;
+        let mut plant = Plant::new(&motor, 1e-4).expect("valid");
+        plant.set_state(PlantState { angle_rad: trace.angle_rad[0], ..PlantState::default() });
+        for k in 0..4999 {
+            for step in 0..20 {
+                let part = (f64::from(step) + 0.5) / 20.0;
+                let load = trace.load_torque_nm[k] + (trace.load_torque_nm[k + 1] - trace.load_torque_nm[k]) * part;
+                plant.step(trace.voltage_v[k], |_| load);
+            }
+            assert_eq!(plant.state().velocity_rad_s, trace.velocity_rad_s[k + 1]);
+        }
     }
 }

@@ -324,6 +324,21 @@ mod tests {
     }
 
     #[test]
+    fn a_retuned_motor_is_a_new_motor_in_the_same_state() {
+        for motor in [TABLE_2_1, TABLE_2_3] {
+            let warm = MotorParameters { r_ohm: 0.6, ..motor };
+            let [mut plant, mut fresh] = [motor, warm].map(|m| Plant::new(&m, 1e-4).expect("valid"));
+            let at = PlantState { current_a: 0.5, velocity_rad_s: 3.0, angle_rad: 1.0 };
+            plant.set_state(at);
+            fresh.set_state(at);
+            plant.retune(0.6, 1e-4);
+            for _ in 0..10 {
+                assert_eq!(plant.step(1.0, |_| 0.01), fresh.step(1.0, |_| 0.01));
+            }
+        }
+    }
+
+    #[test]
     fn refuses_impossible_motors_by_name() {
         let bad = MotorParameters { j_kg_m2: 0.0, ..TABLE_2_3 };
         let error = Plant::new(&bad, 1e-4).expect_err("invalid");

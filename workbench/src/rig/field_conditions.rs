@@ -189,3 +189,60 @@ impl Condition {
         },
     ];
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rig::{RigTrace, Scenario, simulate};
+
+    fn under(name: &str, seed: u64) -> Scenario {
+        Condition::named(name).expect("known").apply(Scenario::STANDARD, seed)
+    }
+
+    #[test]
+    fn each_is_mix_with_one_effect() {
+        for (number, condition) in (18..).zip(Condition::FIELD) {
+            assert_eq!(condition.number, number);
+            let scenario = under(condition.name, 5);
+            let effect = scenario.field != Field::NONE;
+            let duty = scenario.duty != Duty::Waveform;
+            assert!(effect || duty, "{}", condition.name);
+            assert_eq!(effect && duty, ["field-duties", "field-any"].contains(&condition.name));
+            let plain = Scenario { field: Field::NONE, duty: Duty::Waveform, ..scenario };
+            if condition.name == "slip-300-turns" {
+                // 7.5 is exact, and both products are rounded once.
+                let factor = plain.reference_amplitude_rad_s / Scenario::STANDARD.mixed(5).reference_amplitude_rad_s;
+                assert!((factor - 7.5).abs() < 1e-14);
+            } else {
+                assert_eq!(plain, Scenario::STANDARD.mixed(5), "{}", condition.name);
+            }
+        }
+        assert_eq!(under("field-any", 1).field, Field::ALL);
+        assert_eq!(under("temperature", 1).field, Field { temperature: Some(Temperature::FIELD), ..Field::NONE });
+    }
+
+    #[test]
+    fn each_changes_the_trace_of_mix_and_what_it_names() {
+        let trace = |name: &str| simulate(&under(name, 3), 3).expect("valid");
+        let mix = trace("mix");
+        for condition in Condition::FIELD {
+            // Slip changes nothing without a spall.
+            assert_eq!(trace(condition.name) == mix, condition.name == "slip", "{}", condition.name);
+        }
+        let sensor = trace("bad-load-sensor");
+        assert_ne!(sensor.load_torque_nm, mix.load_torque_nm);
+        assert_eq!(RigTrace { load_torque_nm: mix.load_torque_nm.clone(), ..sensor }, mix);
+    }
+
+    #[test]
+    fn a_fast_reference_has_about_three_hundred_turns() {
+        let turns = |seed: u64| {
+            let trace = simulate(&under("slip-300-turns", seed), seed).expect("valid");
+            let travel: f64 = trace.angle_rad.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum();
+            travel / core::f64::consts::TAU
+        };
+        let mean = (0..20).map(turns).sum::<f64>() / 20.0;
+        // 300 rad/s · 2/π · 10 s = 304 turns, times 1.05 (the mean of × 0.6–1.5); its scatter over 20 is 0.26/√20.
+        assert!((mean / 319.0 - 1.0).abs() < 0.24, "{mean}");
+    }
+}

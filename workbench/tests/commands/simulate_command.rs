@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::common::{refuse, run, succeed};
 
-/// Columns of a trace: time, reference, velocity, current, load, angle.
+/// The first six columns of a trace: time, reference, velocity, current, load, angle.
 fn trace(path: &Path) -> Vec<Vec<f64>> {
     let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let mut columns = vec![Vec::new(); 6];
@@ -94,10 +94,51 @@ fn conditions_severities_and_waveforms_live_in_one_folder() {
 }
 
 #[test]
+fn conditions_of_the_field_have_their_columns_and_labels() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    for condition in ["standard", "no-load-sensor", "missing-periodic", "duty-trapezoids", "field-any"] {
+        succeed(dir, &format!("simulate --class healthy --condition {condition} --count 1 --seed 4 --out t"));
+    }
+    let text = |condition: &str| {
+        let name =
+            if condition == "standard" { "healthy_4_000.csv".into() } else { format!("healthy_{condition}_4_000.csv") };
+        std::fs::read_to_string(dir.join("t").join(name)).expect("trace")
+    };
+    let header = "t_s,velocity_ref_rad_s,velocity_rad_s,current_a,load_torque_nm,angle_rad,voltage_v";
+    for condition in ["standard", "missing-periodic", "duty-trapezoids", "field-any"] {
+        assert_eq!(text(condition).lines().next(), Some(header));
+    }
+    let unloaded = text("no-load-sensor");
+    assert_eq!(unloaded.lines().next().map(|line| line.contains("load")), Some(false));
+    assert!(unloaded.lines().all(|line| line.split(',').count() == 6));
+    let gaps = text("missing-periodic");
+    let lost: Vec<&str> = gaps.lines().filter(|line| line.contains("NaN")).collect();
+    assert_eq!(lost.len(), 50);
+    assert!(lost.iter().all(|line| line.ends_with(",NaN,NaN,NaN,NaN,NaN,NaN") && !line.starts_with("NaN")));
+    let labels = labels(&dir.join("t"));
+    assert_eq!(labels[4], "healthy_duty-trapezoids_4_000.csv,healthy,0,4,duty-trapezoids,trapezoids");
+    let drawn = labels[5].split(',').next_back().expect("waveform");
+    assert!(
+        ["sine", "random-steps", "trapezoids", "set-points", "one-way", "constant-speed"].contains(&drawn),
+        "{drawn}"
+    );
+}
+
+#[test]
 fn help_has_examples_and_every_name() {
     let folder = tempfile::tempdir().expect("folder");
     let help = succeed(folder.path(), "simulate --help");
-    for words in ["Examples:", "spall-and-roughness", "weak-magnet", "frequency-0.5", "noise-20-db", "triangle"] {
+    for words in [
+        "Examples:",
+        "temperature",
+        "field-any",
+        "spall-and-roughness",
+        "weak-magnet",
+        "frequency-0.5",
+        "noise-20-db",
+        "triangle",
+    ] {
         assert!(help.contains(words), "{words}\n{help}");
     }
 }
@@ -111,6 +152,7 @@ fn what_cannot_be_simulated_is_one_line() {
         ("--class healthy --condition warm --out s", ["'warm'", "resistance-1.1"]),
         ("--class healthy --waveform saw --out s", ["'saw'", "triangle"]),
         ("--class healthy --condition square --waveform sine --out s", ["--condition square", "--waveform"]),
+        ("--class healthy --condition duty-any --waveform sine --out s", ["--condition duty-any", "--waveform"]),
         ("--class healthy --condition square --mix --out s", ["--mix", "cannot be used"]),
         ("--class weak-magnet --severity 20 --out s", ["kt_nm_per_a", "positive"]),
         ("--class healthy --count 0 --out s", ["--count 0", "at least 1"]),

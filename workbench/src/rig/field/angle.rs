@@ -113,3 +113,89 @@ impl DifferencedVelocity {
         output // (2)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rig::Stream;
+
+    fn drawn(seed: u64) -> ResolverValues {
+        Resolver::FIELD.draw(NoiseSource::new(seed, Stream::Resolver))
+    }
+
+    #[test]
+    fn error_harmonics_and_resolution_are_those_of_the_field() {
+        let mut seen = [false; 3];
+        for seed in 0..40 {
+            let values = drawn(seed);
+            seen[values.bits as usize - 12] = true;
+            let step = TAU / f64::from(1 << values.bits);
+            assert_eq!(values.step_rad(), step);
+            // Angles beside the grid of Q, over one turn.
+            let points = 10_007;
+            let error = |k: u32| {
+                let theta = f64::from(k) * TAU / f64::from(points);
+                (theta, values.measured_rad(theta) - theta)
+            };
+            for (order, [from, to]) in ERROR_ORDERS.into_iter().zip(Resolver::FIELD.error_deg) {
+                let (mut re, mut im) = (0.0, 0.0);
+                for (theta, error) in (0..points).map(error) {
+                    let (sin, cos) = libm::sincos(order * theta);
+                    (re, im) = (re + error * cos, im + error * sin);
+                }
+                let amplitude = 2.0 / f64::from(points) * re.hypot(im);
+                // Rounding down is noise of at most step/√12 = 4.4e-4 rad, √(2/10007) of it: four times is 2.5e-5.
+                assert!((from.to_radians() - 3e-5..to.to_radians() + 3e-5).contains(&amplitude), "{order} {amplitude}");
+            }
+        }
+        assert_eq!(seen, [true; 3]);
+    }
+
+    #[test]
+    fn measured_angles_are_multiples_of_the_resolution() {
+        let values = ResolverValues { error_rad: [[0.0; 2]; 3], bits: 12, cutoff_hz: 60.0 };
+        for k in -1000..1000 {
+            let theta = 0.0137 * f64::from(k);
+            let counts = values.measured_rad(theta) / values.step_rad();
+            // A power of two divides without rounding; multiplication by 2π rounds once.
+            assert!((counts - counts.round()).abs() < 1e-11);
+            assert!((0.0..=values.step_rad()).contains(&(theta - values.measured_rad(theta))));
+        }
+    }
+
+    #[test]
+    fn velocity_is_the_slope_behind_sixty_hertz() {
+        let mut steady = DifferencedVelocity::new(60.0, 0.002, 30.0);
+        for k in 0..100 {
+            // Settled from the start; rounding of an angle of 6 rad over 2 ms.
+            assert!((steady.update(0.06 * f64::from(k), 0.002) - 30.0).abs() < 1e-11);
+        }
+        for (frequency_hz, gain) in [(5.0, 1.0 / (1.0 + warped(5.0).powi(4)).sqrt()), (60.0, 0.5_f64.sqrt())] {
+            let w = TAU * frequency_hz;
+            let mut filter = DifferencedVelocity::new(60.0, 0.002, 0.0);
+            let outputs: Vec<f64> =
+                (0..5000).map(|k| filter.update(libm::sin(w * 0.002 * f64::from(k)) / w, 0.002)).collect();
+            let rms = (outputs[2500..].iter().map(|x| x * x).sum::<f64>() / 2500.0).sqrt();
+            // The difference over an interval: sin(x)/x with x = ω Ts/2. Whole periods, so only rounding is left.
+            let x = 0.5 * w * 0.002;
+            assert!((rms - 0.5_f64.sqrt() * gain * x.sin() / x).abs() < 1e-9, "{frequency_hz}: {rms}");
+        }
+    }
+
+    /// Frequency over the cut-off of 60 Hz after the bilinear transform.
+    fn warped(frequency_hz: f64) -> f64 {
+        (PI * frequency_hz * 0.002).tan() / (PI * 60.0 * 0.002).tan()
+    }
+
+    #[test]
+    fn a_longer_interval_is_a_smaller_slope() {
+        let mut filter = DifferencedVelocity::new(60.0, 0.002, 10.0);
+        let mut angle = 0.0;
+        for k in 0..50 {
+            let interval = if k % 2 == 0 { 0.0018 } else { 0.0022 };
+            angle += 10.0 * interval;
+            // Rounding of an angle of 1 rad over 2 ms.
+            assert!((filter.update(angle, interval) - 10.0).abs() < 1e-11);
+        }
+    }
+}

@@ -2,12 +2,12 @@
 //!
 //! ```text
 //! i_m = Q((1 + g) y + n + o + r |o| sin(6θ + φ))                   (1)
-//! v_applied = v − V_d tanh(u / (V_d + R i₀)),   u = v − Ke ω       (2)
+//! v_applied = v − V_d tanh(i/i₀)                                   (2)
 //! ```
 //!
-//! y is the filtered current and n its noise. Q rounds to steps of the converter and limits to its range. With u as in
-//! (2), `i = (u − drop)/R` has the slope of the implicit law `R i = u − V_d tanh(i/i₀)` at zero and its value at large
-//! currents. If the current is a state of the motor, the drop is `V_d tanh(i/i₀)`.
+//! y is the filtered current and n its noise. Q rounds to steps of the converter and limits to its range. (2) is
+//! evaluated once an integration step. A quasi-static current depends on the applied voltage, so that (2) becomes the
+//! equation `R i + V_d tanh(i/i₀) = v − Ke ω`, which has one solution.
 
 use core::f64::consts::TAU;
 
@@ -15,6 +15,10 @@ use crate::rig::{Electrical, MotorParameters, NoiseSource, PlantState, RigError,
 
 /// Order of the ripple of (1), periods per turn.
 const RIPPLE_ORDER: f64 = 6.0;
+/// Largest error of the equation of a quasi-static current.
+const NEWTON_V: f64 = 1e-9;
+/// Largest number of Newton's steps.
+const NEWTON_STEPS: u32 = 50;
 
 /// Ranges of the effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -113,14 +117,118 @@ impl CurrentChainValues {
     /// The voltage (2) that the bridge applies if the controller commands `command_v`.
     #[must_use]
     pub fn applied_v(&self, command_v: f64, at: &PlantState, motor: &MotorParameters, electrical: Electrical) -> f64 {
-        let (vd, i0) = (self.dead_time_v, self.dead_time_current_a);
-        let part = match electrical {
-            Electrical::BothStates => at.current_a / i0,
+        let current_a = match electrical {
+            Electrical::BothStates => at.current_a,
             Electrical::QuasiStatic => {
-                let u = command_v - motor.ke_v_s_per_rad * at.velocity_rad_s;
-                u / (vd + motor.r_ohm * i0)
+                self.current_a(command_v - motor.ke_v_s_per_rad * at.velocity_rad_s, motor.r_ohm)
             }
         };
-        command_v - vd * libm::tanh(part) // (2)
+        command_v - self.drop_v(current_a) // (2)
+    }
+
+    fn drop_v(&self, current_a: f64) -> f64 {
+        self.dead_time_v * libm::tanh(current_a / self.dead_time_current_a)
+    }
+
+    /// The current i of `R i + V_d tanh(i/i₀) = u`.
+    fn current_a(&self, u: f64, r_ohm: f64) -> f64 {
+        let (size, steepest) = (u.abs(), self.dead_time_v / self.dead_time_current_a);
+        // Both bounds lie below the solution for |u|, where the left side is concave: Newton's steps only ascend to it.
+        let mut i = (size / (r_ohm + steepest)).max((size - self.dead_time_v) / r_ohm);
+        for _ in 0..NEWTON_STEPS {
+            let part = libm::tanh(i / self.dead_time_current_a);
+            let missing = size - r_ohm * i - self.dead_time_v * part;
+            if missing <= NEWTON_V {
+                break;
+            }
+            i += missing / (r_ohm + steepest * (1.0 - part * part));
+        }
+        i.copysign(u)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rig::field::tests::{QUIET, run};
+    use crate::rig::{Field, FieldValues, Scenario, Stream, TABLE_2_3};
+
+    fn drawn(seed: u64) -> CurrentChainValues {
+        CurrentChain::FIELD.draw(NoiseSource::new(seed, Stream::CurrentChain))
+    }
+
+    #[test]
+    fn gain_and_offset_are_those_of_the_field_and_steps_are_whole() {
+        let mut signs = [0_u32; 2];
+        for seed in 0..300 {
+            let chain = drawn(seed);
+            signs[usize::from(chain.offset_a > 0.0)] += 1;
+            assert!((0.1..0.4).contains(&chain.offset_a.abs()) && (0.98..1.02).contains(&chain.gain));
+            assert!((0.1..0.4).contains(&chain.dead_time_v));
+            for k in -15..=15 {
+                let current = f64::from(k);
+                // At this angle the ripple is zero.
+                let measured = chain.measured_a(current, 0.0, -chain.ripple_phase_rad / 6.0);
+                let counts = measured / (40.0 / 4096.0);
+                assert_eq!(counts, counts.round());
+                // Half a step, and rounding.
+                assert!((measured - chain.gain * current - chain.offset_a).abs() < 0.5 * 40.0 / 4096.0 + 1e-12);
+            }
+            assert_eq!(
+                (chain.measured_a(50.0, 0.0, 0.0), chain.measured_a(-50.0, 0.0, 0.0)),
+                (20.0 - 40.0 / 4096.0, -20.0)
+            );
+        }
+        // Four standard deviations of 300 coins: 2√300.
+        assert!(signs[0].abs_diff(150) < 35, "{signs:?}");
+    }
+
+    #[test]
+    fn ripple_has_six_periods_and_a_quarter_of_the_offset() {
+        let chain = CurrentChainValues { step_a: 1e-9, ..drawn(3) };
+        let (mut re, mut im) = (0.0, 0.0);
+        for k in 0..360 {
+            let theta = f64::from(k).to_radians();
+            let ripple = chain.measured_a(0.0, 0.0, theta) - chain.offset_a;
+            (re, im) = (re + ripple * (6.0 * theta).cos() / 180.0, im + ripple * (6.0 * theta).sin() / 180.0);
+        }
+        // Steps of 1e-9 A.
+        assert!((re.hypot(im) - 0.25 * chain.offset_a.abs()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn dead_time_takes_its_voltage_off_in_the_direction_of_the_current() {
+        for seed in 0..20 {
+            let chain = drawn(seed);
+            let at = PlantState { velocity_rad_s: 20.0, ..PlantState::default() };
+            for k in -200..=200 {
+                let u = 0.01 * f64::from(k);
+                let applied = chain.applied_v(1.0 + u, &at, &TABLE_2_3, Electrical::QuasiStatic);
+                let current = (applied - 1.0) / 0.5;
+                // Newton's error of 1e-9 V moves the current by 2e-9 A at most, and the drop by V_d/i₀ times as much.
+                assert!((1.0 + u - applied - chain.dead_time_v * (current / 0.2).tanh()).abs() < 6e-9, "{u}");
+                assert!(current * u >= 0.0);
+            }
+            let both = PlantState { current_a: -3.0, ..at };
+            let applied = chain.applied_v(1.0, &both, &TABLE_2_3, Electrical::BothStates);
+            // tanh 15 is 1 − 2e-13.
+            assert!((applied - 1.0 - chain.dead_time_v).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn at_constant_speed_the_controller_adds_the_dead_voltage() {
+        let chain = CurrentChain { dead_time_current_a: 1e-3, ..CurrentChain::FIELD };
+        let field = Field { current_chain: Some(chain), ..Field::NONE };
+        // 80 rad/s: 0.16 A against the friction, which is far above 1 mA.
+        let scenario = Scenario { field, reference_amplitude_rad_s: 80.0, ..QUIET };
+        for seed in 0..3 {
+            let vd = FieldValues::draw(&scenario, seed).current_chain.expect("on").dead_time_v;
+            let trace = run(&scenario, seed);
+            let omega = trace.velocity_rad_s[4999];
+            let current = 1e-4 * omega / 0.05;
+            // Settled: e⁻¹⁷ of a start that is off by V_d, and the error of the equation.
+            assert!((trace.voltage_v[4999] - 0.05 * omega - 0.5 * current - vd).abs() < 1e-6, "{vd}");
+        }
     }
 }

@@ -187,3 +187,91 @@ fn on_lines(points: &[[f64; 2]], t_s: f64) -> f64 {
         (None, _) => 0.0,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rig::Condition;
+    use crate::rig::field::tests::run;
+
+    fn reference(duty: Duty, seed: u64) -> Vec<f64> {
+        let scenario = Scenario { duty, ..Scenario::STANDARD };
+        let profile = Profile::draw(&scenario, seed);
+        (0..5000).map(|k| profile.at(&scenario, 0.002 * f64::from(k))).collect()
+    }
+
+    /// Lengths of the runs of samples for which `holds` is true.
+    fn runs(x: &[f64], holds: impl Fn(f64) -> bool) -> Vec<usize> {
+        x.split(|v| !holds(*v)).map(<[f64]>::len).filter(|length| *length > 0).collect()
+    }
+
+    #[test]
+    fn one_way_never_reverses_and_a_constant_is_constant() {
+        let expected = |k: i32| 40.0 * (1.0 + 0.3 * (core::f64::consts::TAU * 0.2 * 0.002 * f64::from(k)).sin());
+        // Rounding only.
+        assert!(reference(Duty::OneWay, 1).iter().zip(0..).all(|(v, k)| (v - expected(k)).abs() < 1e-12));
+        assert!(reference(Duty::ConstantSpeed, 1).iter().all(|v| *v == 40.0));
+        for condition in ["duty-one-way", "duty-constant"] {
+            let condition = Condition::named(condition).expect("known");
+            for seed in 0..5 {
+                let trace = run(&condition.apply(Scenario::STANDARD, seed), seed);
+                assert!(trace.angle_rad.windows(2).all(|pair| pair[1] > pair[0]), "{} {seed}", condition.name);
+            }
+        }
+    }
+
+    #[test]
+    fn steps_hold_each_level() {
+        let x = reference(Duty::RandomSteps, 3);
+        let mut held = vec![1];
+        for pair in x.windows(2) {
+            if pair[1] == pair[0] {
+                *held.last_mut().expect("not empty") += 1;
+            } else {
+                held.push(1);
+            }
+        }
+        held.pop();
+        // 0.5–1.5 s of 2 ms, give or take a sample at both ends.
+        assert!(held.len() >= 6 && held.iter().all(|count| (249..=751).contains(count)), "{held:?}");
+        assert!(x.iter().all(|v| v.abs() <= 40.0));
+    }
+
+    #[test]
+    fn trapezoids_stand_still_and_go_both_ways() {
+        for seed in 0..5 {
+            let x = reference(Duty::Trapezoids, seed);
+            let still = runs(&x, |v| v == 0.0);
+            // 0.3–1 s of 2 ms, give or take a sample at both ends; the last run may be cut.
+            assert!(still[..still.len() - 1].iter().all(|count| (149..=501).contains(count)), "{still:?}");
+            assert!(still.len() >= 4);
+            for side in [runs(&x, |v| v >= 20.0), runs(&x, |v| v <= -20.0)] {
+                // The plateau alone lasts 0.4–1.2 s; the parts of the ramps above 20 rad/s are at most 0.4 s.
+                assert!(!side.is_empty() && side.iter().all(|count| *count <= 801), "{side:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn set_points_are_ramps_without_jumps() {
+        let x = reference(Duty::SetPoints, 6);
+        // At most from −40 to 40 rad/s in 0.2 s: 0.8 rad/s a sample; rounding.
+        assert!(x.windows(2).all(|pair| (pair[1] - pair[0]).abs() < 0.8 + 1e-12));
+        assert_eq!(x[0], 0.0);
+        let held = x.windows(2).filter(|pair| pair[1] == pair[0]).count();
+        // Held for 0.65 s and moved for 0.4 s on average.
+        assert!((2200..4000).contains(&held), "{held}");
+    }
+
+    #[test]
+    fn any_duty_draws_all_of_its_kinds_and_no_other() {
+        for (duty, kinds) in [(Duty::Any, 6), (Duty::AnyReversing, 4)] {
+            let drawn: Vec<Duty> = (0..200).map(|seed| duty.of_record(seed)).collect();
+            for (k, single) in Duty::SINGLE.into_iter().enumerate() {
+                // 200 draws miss one of six with a probability of 1e-16.
+                assert_eq!(drawn.contains(&single), k < kinds, "{duty:?} {single:?}");
+            }
+        }
+        assert!(Duty::SINGLE.into_iter().all(|duty| duty.of_record(5) == duty));
+    }
+}

@@ -94,3 +94,49 @@ fn interpolate(t_s: &[f64], values: &[f64], k: usize, t: f64) -> f64 {
     let part = ((t - t_s[k]) / (next_s - t_s[k])).max(0.0);
     values[k] + part * (next - values[k])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rig::Stream;
+    use crate::rig::field::tests::moments;
+
+    fn noise() -> NoiseSource {
+        NoiseSource::new(9, Stream::LoadSensorNoise)
+    }
+
+    #[test]
+    fn a_ramp_is_scaled_shifted_and_late() {
+        let sensor = LoadSensorValues { gain: 1.04, offset_nm: -0.007, noise_nm: 0.0, delay_s: 0.005 };
+        // Irregular sampling: samples 1 ms early or late.
+        let t_s: Vec<f64> = (0..100).map(|k| 0.002 * f64::from(k) + 1e-4 * f64::from(k % 3)).collect();
+        let load: Vec<f64> = t_s.iter().map(|t| 0.1 + 2.0 * t).collect();
+        for (t, measured) in t_s.iter().zip(sensor.measure(&t_s, &load, noise())) {
+            // A ramp is exact on straight lines; before the first sample the load is constant.
+            let expected = 1.04 * (0.1 + 2.0 * (t - 0.005).max(0.0)) - 0.007;
+            assert!((measured - expected).abs() < 1e-15, "{t}");
+        }
+    }
+
+    #[test]
+    fn noise_has_its_standard_deviation_and_no_sensor_error_is_exact() {
+        let t_s: Vec<f64> = (0..20_000).map(|k| 0.002 * f64::from(k)).collect();
+        let load = vec![0.1; t_s.len()];
+        let sensor = LoadSensorValues { noise_nm: 0.01, ..LoadSensorValues::EXACT };
+        let (mean, sd) = moments(&sensor.measure(&t_s, &load, noise()));
+        // Four standard deviations: of the mean 0.01/√20000, of the standard deviation 0.5 %.
+        assert!((mean - 0.1).abs() < 3e-4 && (sd / 0.01 - 1.0).abs() < 0.02, "{mean} {sd}");
+        let wave: Vec<f64> = t_s.iter().map(|t| t.sin()).collect();
+        assert_eq!(LoadSensorValues::EXACT.measure(&t_s, &wave, noise()), wave);
+    }
+
+    #[test]
+    fn errors_stay_in_their_ranges() {
+        let draws: Vec<LoadSensorValues> =
+            (0..1000).map(|seed| LoadSensor::FIELD.draw(NoiseSource::new(seed, Stream::LoadSensor))).collect();
+        assert!(draws.iter().all(|s| (0.95..1.05).contains(&s.gain) && s.offset_nm.abs() < 0.01));
+        // The extremes of 1000 draws lie within 1 % of the width of the range, with a probability of 1 − 1e-4.
+        assert!(draws.iter().any(|s| s.gain < 0.951) && draws.iter().any(|s| s.gain > 1.049));
+        assert!(draws.iter().any(|s| s.offset_nm < -0.0098) && draws.iter().any(|s| s.offset_nm > 0.0098));
+    }
+}

@@ -95,3 +95,90 @@ fn powers(theta: f64) -> [[f64; 2]; 6] {
     let twenty_fourth = times(twelfth, twelfth);
     [first, second, sixth, twelfth, twenty_fourth, times(twenty_fourth, twelfth)]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rig::field::tests::{QUIET, run};
+    use crate::rig::{Field, FieldValues, Scenario, Stream};
+
+    #[test]
+    fn powers_are_the_sines_of_all_orders() {
+        for k in 0..1000 {
+            let theta = 0.37 * f64::from(k);
+            for ([cos, sin], order) in powers(theta).into_iter().zip(ORDERS) {
+                let angle = f64::from(order) * theta;
+                // The rounding of nθ (up to 1.3e4, so 2e-12) exceeds that of six products.
+                assert!((cos - angle.cos()).abs() < 1e-11 && (sin - angle.sin()).abs() < 1e-11, "{order} {theta}");
+            }
+        }
+    }
+
+    /// Amplitude of each order from 0 to 39 over a turn at this current.
+    fn spectrum(values: &MagneticsValues, current_a: f64) -> Vec<f64> {
+        let torque = |k: u32| {
+            let at = PlantState { current_a, velocity_rad_s: 0.0, angle_rad: f64::from(k) * TAU / 100.0 };
+            values.torque_nm(&at, 0.05)
+        };
+        let amplitude = |order: u32| {
+            let (mut re, mut im) = (0.0, 0.0);
+            for k in 0..100 {
+                let (sin, cos) = libm::sincos(f64::from(order * k) * TAU / 100.0);
+                (re, im) = (re + torque(k) * cos, im + torque(k) * sin);
+            }
+            re.hypot(im) / 50.0
+        };
+        (0..40).map(amplitude).collect()
+    }
+
+    #[test]
+    fn amplitudes_are_those_of_the_field() {
+        for seed in 0..20 {
+            let values = Magnetics::FIELD.draw(NoiseSource::new(seed, Stream::Magnetics));
+            let idle = spectrum(&values, 0.0);
+            for (order, amplitude) in (0..).zip(&idle) {
+                let nominal = match order {
+                    1 => 0.006..0.006,
+                    2 => 0.003..0.003,
+                    6 | 36 => 0.0021..0.0039,
+                    12 => 0.0042..0.0078,
+                    24 => 0.0028..0.0052,
+                    _ => 0.0..0.0,
+                };
+                // Rounding of a sum of 100.
+                assert!((nominal.start - 1e-15..=nominal.end + 1e-15).contains(amplitude), "{order} {amplitude}");
+            }
+            // A large current hides the torque without current (12 mN·m at most): what is left is Kt i k_n.
+            let loaded = spectrum(&values, 1e6);
+            for (order, ripple) in ORDERS.into_iter().zip(Magnetics::FIELD.torque_constant_ripple) {
+                assert!((loaded[order as usize] - 5e4 * ripple).abs() < 0.012, "{order}");
+            }
+        }
+    }
+
+    #[test]
+    fn cogging_is_in_the_current_of_a_slow_motor() {
+        let field = Field { magnetics: Some(Magnetics::FIELD), ..Field::NONE };
+        let scenario = Scenario { field, reference_amplitude_rad_s: 5.0, ..QUIET };
+        let values = FieldValues::draw(&scenario, 2).magnetics.expect("on");
+        let trace = run(&scenario, 2);
+        // Torque balance over six turns of the settled motor.
+        let first = 1000;
+        let end = (first..4999).find(|&k| trace.angle_rad[k] - trace.angle_rad[first] > 6.0 * TAU).expect("six turns");
+        for (n, order) in [(1, 2.0), (2, 6.0)] {
+            let (mut re, mut im) = (0.0, 0.0);
+            for k in first..end {
+                let slope = (trace.velocity_rad_s[k + 1] - trace.velocity_rad_s[k - 1]) / 0.004;
+                let torque = 0.05 * trace.current_a[k] - 2.5e-4 * slope - 1e-4 * trace.velocity_rad_s[k];
+                let width = 0.5 * (trace.angle_rad[k + 1] - trace.angle_rad[k - 1]) / (6.0 * TAU);
+                let (sin, cos) = libm::sincos(order * trace.angle_rad[k]);
+                (re, im) = (re + 2.0 * torque * cos * width, im + 2.0 * torque * sin * width);
+            }
+            let [a, b] = values.torque_nm[n];
+            // At order 6 (4.8 Hz) the current lags by 1.6 ms, 2.7°, and the balance turns by as much: 5 % of it; the
+            // ripple of a current near 0.05 A is 1e-5 N·m.
+            let wrong = (re - a).hypot(im - b);
+            assert!(wrong < 0.06 * a.hypot(b) + 2e-5, "{order}: {re} {im} for {a} {b}");
+        }
+    }
+}

@@ -143,3 +143,100 @@ impl LoadSide {
         self.stiffness_nm_per_rad * strain + damping
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rig::{MotorParameters, Plant, Stream, TABLE_2_3};
+
+    const STIFF: MechanicsValues =
+        MechanicsValues { payload: 1.0, load_share: 0.4, resonance_hz: 50.0, damping_ratio: 0.0, backlash_rad: 0.0 };
+
+    /// A motor without torque of its own; its inertia is that of the motor side.
+    fn free_motor() -> Plant {
+        let motor = MotorParameters {
+            kt_nm_per_a: 1e-12,
+            ke_v_s_per_rad: 1e-12,
+            b_nm_s_per_rad: 0.0,
+            j_kg_m2: 0.6 * TABLE_2_3.j_kg_m2,
+            ..TABLE_2_3
+        };
+        Plant::new(&motor, 1e-4).expect("valid")
+    }
+
+    /// Velocities of motor and load side after each step, from a motor that turns against a load side at rest.
+    fn free_run(values: &MechanicsValues, steps: u32) -> Vec<[f64; 2]> {
+        let mut plant = free_motor();
+        let mut side = LoadSide::new(values, TABLE_2_3.j_kg_m2, &plant.state());
+        plant.set_state(PlantState { velocity_rad_s: 1.0, ..plant.state() });
+        let mut step = || {
+            plant.step_staged(0.0, |stage, at| side.stage(stage, at, 1e-4, |_| 0.0));
+            [plant.state().velocity_rad_s, side.velocity_rad_s]
+        };
+        (0..steps).map(|_| step()).collect()
+    }
+
+    #[test]
+    fn two_inertias_swing_at_the_resonance() {
+        let run = free_run(&STIFF, 10_000);
+        // ω₁ − ω₂ = cos 2πft, J₁ω₁ + J₂ω₂ = J₁.
+        for (k, [motor, load]) in (1..).zip(&run) {
+            let t = 1e-4 * f64::from(k);
+            // The midpoint rule shifts the frequency by (2πfh)²/6 = 1.6e-4: 0.052 rad after 50 periods; and it gains
+            // (2πfh)⁴/8 a step, 1.2e-3 in all.
+            assert!((motor - load - (TAU * 50.0 * t).cos()).abs() < 0.055, "{t}");
+            // Rounding of 1e4 steps.
+            assert!((0.6 * motor + 0.4 * load - 0.6).abs() < 1e-11);
+        }
+    }
+
+    #[test]
+    fn damping_has_its_ratio() {
+        let run = free_run(&MechanicsValues { damping_ratio: 0.05, ..STIFF }, 2000);
+        // Peaks of |ω₁ − ω₂| fall by exp(−ζ 2πf t): over ten periods by e^(−π).
+        let peak = |from: usize| run[from..from + 200].iter().map(|[m, l]| (m - l).abs()).fold(0.0, f64::max);
+        let ratio = peak(1200) / peak(200);
+        // 1 − ζ² in the frequency, and the phase of the peaks in a window of one period: 1 % each.
+        assert!((ratio / (-0.05 * TAU * 50.0 * 0.1).exp() - 1.0).abs() < 0.03, "{ratio}");
+    }
+
+    #[test]
+    fn in_the_backlash_there_is_no_torque() {
+        let values = MechanicsValues { backlash_rad: 0.004, damping_ratio: 0.05, ..STIFF };
+        let side = LoadSide::new(&values, 2.5e-4, &PlantState::default());
+        let stiffness = (TAU * 50.0).powi(2) * 2.5e-4 * 0.24;
+        for (twist, torque) in [(0.0, 0.0), (0.002, 0.0), (-0.0019, 0.0), (0.003, 0.001), (-0.005, -0.003)] {
+            // Rounding only.
+            assert!((side.coupling_nm(twist, 0.0) - stiffness * torque).abs() < 1e-14, "{twist}");
+        }
+        assert_eq!(side.coupling_nm(0.001, 5.0), 0.0);
+        let damped = side.coupling_nm(0.003, 5.0) - side.coupling_nm(0.003, 0.0);
+        assert!((damped - 5.0 * 0.1 * TAU * 50.0 * 2.5e-4 * 0.24).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_constant_load_hangs_on_the_spring() {
+        // Free fall of both inertias under a load on the load side: both accelerate by −T/J, T_k = J₁ T/J.
+        let mut plant = free_motor();
+        let values = MechanicsValues { damping_ratio: 1.0, ..STIFF };
+        let mut side = LoadSide::new(&values, 2.5e-4, &plant.state());
+        for _ in 0..10_000 {
+            plant.step_staged(0.0, |stage, at| side.stage(stage, at, 1e-4, |_| 0.01));
+        }
+        // e⁻³¹⁴ of the swing is left; rounding of 1e4 steps on a velocity of 40 rad/s.
+        assert!((plant.state().velocity_rad_s + 0.01 / 2.5e-4).abs() < 1e-9);
+        let twist = plant.state().angle_rad - side.angle_rad;
+        assert!((side.coupling_nm(twist, 0.0) - 0.6 * 0.01).abs() < 1e-9);
+    }
+
+    #[test]
+    fn values_stay_in_their_ranges() {
+        for seed in 0..1000 {
+            let source = |stream| NoiseSource::new(seed, stream);
+            let values = Mechanics::FIELD.draw(source(Stream::Payload), source(Stream::Mechanics));
+            assert!((0.8..1.2).contains(&values.payload) && (30.0..80.0).contains(&values.resonance_hz));
+            // Degrees to radians is rounded.
+            assert!((0.1 - 1e-12..0.3 + 1e-12).contains(&values.backlash_rad.to_degrees()));
+        }
+    }
+}

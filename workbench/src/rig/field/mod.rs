@@ -170,3 +170,69 @@ fn between(source: &mut NoiseSource, [from, to]: [f64; 2]) -> f64 {
 fn choice(source: &mut NoiseSource, count: u32) -> u32 {
     source.uniform(0.0, f64::from(count)) as u32
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::rig::{Duty, RigTrace, Scenario, simulate};
+
+    /// A healthy motor at a constant speed without noise and load.
+    pub(in crate::rig) const QUIET: Scenario = Scenario {
+        duty: Duty::ConstantSpeed,
+        load_amplitude_nm: 0.0,
+        load_fluctuation_nm: 0.0,
+        current_noise_a: 0.0,
+        velocity_noise_rad_s: 0.0,
+        ..Scenario::STANDARD
+    };
+
+    pub(in crate::rig) fn run(scenario: &Scenario, seed: u64) -> RigTrace {
+        simulate(scenario, seed).expect("valid scenario")
+    }
+
+    /// Mean and standard deviation.
+    pub(in crate::rig) fn moments(x: &[f64]) -> (f64, f64) {
+        let n = x.len() as f64;
+        let mean = x.iter().sum::<f64>() / n;
+        (mean, (x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt())
+    }
+
+    #[test]
+    fn all_effects_together_can_be_simulated() {
+        for seed in 0..6 {
+            let scenario = Scenario { field: Field::ALL, duty: Duty::Any, samples: 1000, ..Scenario::STANDARD };
+            let trace = run(&scenario, seed);
+            for (name, column) in trace.recorded() {
+                assert!(column.len() == 1000 && column.iter().all(|x| x.is_finite()), "{name}");
+            }
+            assert_eq!(trace, run(&scenario, seed));
+        }
+    }
+
+    #[test]
+    fn impossible_ranges_are_refused_by_name() {
+        let refused = |field: Field| Scenario { field, ..QUIET }.validate().expect_err("impossible").to_string();
+        let cold = Temperature { viscous_cold: 0.0, ..Temperature::FIELD };
+        let message = refused(Field { temperature: Some(cold), ..Field::NONE });
+        assert_eq!(message, "field.temperature.viscous_cold must be positive, got 0");
+        // The Nyquist frequency of the rig is 250 Hz.
+        let fast = Resolver { cutoff_hz: 250.0, ..Resolver::FIELD };
+        let message = refused(Field { resolver: Some(fast), ..Field::NONE });
+        assert_eq!(message, "field.resolver.cutoff_hz must lie between 0 and 245, got 250");
+        let wild = SampleJitter { fraction: f64::NAN };
+        assert!(refused(Field { jitter: Some(wild), ..Field::NONE }).contains("field.jitter.fraction"));
+        let none = Missing::Periodic { every: 0 };
+        assert!(refused(Field { missing: Some(none), ..Field::NONE }).contains("field.missing.every"));
+    }
+
+    #[test]
+    fn choices_are_equally_probable() {
+        let mut source = NoiseSource::new(1, crate::rig::Stream::Duty);
+        let mut counts = [0_u32; 6];
+        for _ in 0..6000 {
+            counts[choice(&mut source, 6) as usize] += 1;
+        }
+        // Four standard deviations of a binomial count: √(6000/6 · 5/6) = 29.
+        assert!(counts.iter().all(|count| count.abs_diff(1000) < 116), "{counts:?}");
+    }
+}

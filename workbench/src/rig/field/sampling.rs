@@ -108,3 +108,85 @@ impl Clock {
         [next_s, interval_s]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rig::field::tests::{QUIET, run};
+    use crate::rig::{Duty, Field, Scenario, Stream};
+
+    const COUNT: usize = 500_000;
+
+    fn lost(missing: Missing, seed: u64) -> Vec<usize> {
+        missing.draw(NoiseSource::new(seed, Stream::Missing), COUNT)
+    }
+
+    #[test]
+    fn one_in_a_hundred_is_missing() {
+        let random = lost(Missing::Random { rate: 0.01 }, 1).len();
+        // Four standard deviations of a binomial count: 4√(5e5 · 0.01 · 0.99) = 281.
+        assert!(random.abs_diff(5000) < 282, "{random}");
+        let periodic = lost(Missing::Periodic { every: 100 }, 1);
+        assert_eq!(periodic.len(), 5000);
+        assert!(periodic.windows(2).all(|pair| pair[1] - pair[0] == 100));
+        assert_ne!(periodic[0], lost(Missing::Periodic { every: 100 }, 2)[0]);
+        let bursts = lost(Missing::Bursts { rate: 0.01, samples: 20 }, 1).len();
+        // 250 runs: four standard deviations are 4/√250 of 5000.
+        assert!(bursts.abs_diff(5000) < 1265, "{bursts}");
+    }
+
+    #[test]
+    fn bursts_are_runs_of_twenty() {
+        let lost = lost(Missing::Bursts { rate: 0.01, samples: 20 }, 3);
+        let mut length = 1;
+        for pair in lost.windows(2) {
+            if pair[1] == pair[0] + 1 {
+                length += 1;
+            } else {
+                // Two runs may follow each other without a gap.
+                assert_eq!(length % 20, 0);
+                length = 1;
+            }
+        }
+    }
+
+    #[test]
+    fn a_missing_sample_is_missing_in_all_columns_and_changes_no_other() {
+        let scenario = Scenario { duty: Duty::Waveform, ..QUIET };
+        let missing = Missing::Random { rate: 0.01 };
+        let field = Field { missing: Some(missing), ..Field::NONE };
+        let (whole, gaps) = (run(&scenario, 5), run(&Scenario { field, ..scenario }, 5));
+        let lost = missing.draw(NoiseSource::new(5, Stream::Missing), 5000);
+        assert!(!lost.is_empty());
+        for ((name, gap), (_, column)) in gaps.recorded().into_iter().zip(whole.recorded()) {
+            for k in 0..5000 {
+                let gone = name != "t_s" && lost.contains(&k);
+                assert!(if gone { gap[k].is_nan() } else { gap[k] == column[k] }, "{name} {k}");
+            }
+        }
+    }
+
+    #[test]
+    fn recorded_instants_jitter_about_the_grid() {
+        let field = Field { jitter: Some(SampleJitter::FIELD), ..Field::NONE };
+        let trace = run(&Scenario { field, duty: Duty::Waveform, ..QUIET }, 6);
+        let off: Vec<f64> = trace.t_s.iter().zip(0..).map(|(t, k)| t / 0.002 - f64::from(k)).collect();
+        assert_eq!(off[0], 0.0);
+        // Rounding of a number near 5000.
+        assert!(off.iter().all(|u| u.abs() < 0.1 + 1e-12));
+        let square = off.iter().map(|u| u * u).sum::<f64>() / 5000.0;
+        // The variance of a uniform number is 0.1²/3; four standard deviations of its estimate are 4·0.9/√5000.
+        assert!((square / (0.01 / 3.0) - 1.0).abs() < 0.051, "{square}");
+        for (t, reference) in trace.t_s.iter().zip(&trace.velocity_ref_rad_s) {
+            // Rounding only: the reference belongs to the recorded instant.
+            assert!((reference - 40.0 * (core::f64::consts::TAU * 0.2 * t).sin()).abs() < 1e-12);
+        }
+        for k in 1..5000 {
+            // The angle is the integral of the velocity over the recorded intervals: trapezium rule, 10 rad/s² at most
+            // within an interval after the start, so 1e-5 rad.
+            let mean = 0.5 * (trace.velocity_rad_s[k] + trace.velocity_rad_s[k - 1]);
+            let turned = trace.angle_rad[k] - trace.angle_rad[k - 1];
+            assert!((turned - mean * (trace.t_s[k] - trace.t_s[k - 1])).abs() < 1e-5, "{k}");
+        }
+    }
+}

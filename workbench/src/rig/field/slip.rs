@@ -154,3 +154,108 @@ impl SlippingBearing {
         drag - ripple_nm_per_a * at.current_a * bracket
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rig::field::tests::moments;
+    use crate::rig::{BearingGeometry, Defect, DefectKind, Stream};
+
+    const ORDER: f64 = 3.718;
+
+    fn bearing(seed: u64, ranges: Slip) -> SlippingBearing {
+        let source = |stream| NoiseSource::new(seed, stream);
+        let values = ranges.draw(source(Stream::Slip));
+        SlippingBearing::new(values, source(Stream::SlipJitter), ORDER, 1.5, 0.002)
+    }
+
+    fn law(kind: DefectKind) -> DefectTorque {
+        Defect::full(kind).torque(0.05, &BearingGeometry::THESIS).expect("valid")
+    }
+
+    #[test]
+    fn pulses_a_turn_are_the_order_with_slip() {
+        for seed in 0..20 {
+            let mut bearing = bearing(seed, Slip { jitter: 0.0, ..Slip::FIELD });
+            // 300 turns forward in 5000 samples, and 100 back.
+            for k in 1..=5000 {
+                bearing.advance(1.5 + TAU * 300.0 * f64::from(k) / 5000.0);
+            }
+            bearing.advance(1.5 + TAU * 200.0);
+            let passes = bearing.periods(1.5 + TAU * 200.0) - ORDER * 1.5 / TAU;
+            let slip = passes / (200.0 * ORDER) - 1.0;
+            // Rounding of 5000 additions to a sum near 1000.
+            assert!((slip - bearing.values.slip).abs() < 1e-12 && (0.002..0.02).contains(&slip.abs()), "{slip}");
+        }
+    }
+
+    #[test]
+    fn slips_and_widths_cover_their_ranges_with_both_signs() {
+        let draws: Vec<SlipValues> = (0..1000).map(|seed| bearing(seed, Slip::FIELD).values).collect();
+        let positive = draws.iter().filter(|drawn| drawn.slip > 0.0).count();
+        // Four standard deviations of 1000 coins: 2√1000.
+        assert!(positive.abs_diff(500) < 64, "{positive}");
+        assert!(draws.iter().all(|drawn| (0.05..0.6).contains(&drawn.width)));
+        // The extremes of 1000 draws lie within 1 % of the width of the range, with a probability of 1 − 1e-4.
+        assert!(draws.iter().any(|drawn| drawn.width < 0.0555) && draws.iter().any(|drawn| drawn.width > 0.5945));
+    }
+
+    #[test]
+    fn jitter_has_its_size_and_its_memory() {
+        let mut bearing = bearing(4, Slip::FIELD);
+        let jitter: Vec<f64> = (0..1_000_000)
+            .map(|_| {
+                bearing.advance(1.5);
+                bearing.jitter
+            })
+            .collect();
+        let (mean, sd) = moments(&jitter);
+        // 2000 s hold 2000/(2·0.3) = 3300 independent values for the mean, twice that for the square: four standard
+        // deviations are 0.07 and 0.035 of the size.
+        assert!(mean.abs() < 0.07 * 0.003 && (sd / 0.003 - 1.0).abs() < 0.035, "{mean} {sd}");
+        // After 150 samples, 0.3 s, a correlation of 1/e; four standard deviations of about 1/√3300 each.
+        let apart = jitter.iter().zip(&jitter[150..]).map(|(a, b)| a * b).sum::<f64>() / 1e6 / (sd * sd);
+        assert!((apart - (-1.0_f64).exp()).abs() < 0.07, "{apart}");
+    }
+
+    #[test]
+    fn the_mean_torque_does_not_depend_on_the_width_and_grows_with_the_load() {
+        // Mean of the standard pulses: Td d₀/2.
+        let standard = 0.06 * 0.15 / 2.0;
+        for (seed, load, growth) in [(1, 0.0, 0.5), (2, 0.075, 1.0), (3, -0.15, 1.5), (4, 0.5, 2.0)] {
+            let bearing = bearing(seed, Slip { jitter: 0.0, ..Slip::FIELD });
+            let points = 100_000;
+            let order = ORDER * (1.0 + bearing.values.slip);
+            let torque = |k: i32| {
+                let angle_rad = 1.5 + f64::from(k) / f64::from(points) * TAU / order;
+                bearing.torque_nm(
+                    &law(DefectKind::Spall),
+                    &PlantState { current_a: 0.0, velocity_rad_s: 50.0, angle_rad },
+                    load,
+                )
+            };
+            let mean = (0..points).map(torque).sum::<f64>() / f64::from(points);
+            // The rectangle rule over a period of a function with a continuous slope: O(1/n²).
+            assert!((mean / (growth * standard) - 1.0).abs() < 1e-7, "{mean} {growth}");
+        }
+    }
+
+    #[test]
+    fn without_slip_it_is_the_standard_spall() {
+        let ranges = Slip { slip: [0.0; 2], jitter: 0.0, width: [0.15; 2], load_floor: 1.0, ..Slip::FIELD };
+        let order = BearingGeometry::THESIS.orders().outer;
+        let source = |stream| NoiseSource::new(1, stream);
+        let values = ranges.draw(source(Stream::Slip));
+        let mut bearing = SlippingBearing::new(values, source(Stream::SlipJitter), order, 0.0, 0.002);
+        for k in 0..1000 {
+            let x = f64::from(k);
+            let at = PlantState { current_a: 0.01 * x, velocity_rad_s: 40.0 - 0.08 * x, angle_rad: 0.037 * x };
+            bearing.advance(at.angle_rad);
+            for kind in DefectKind::ALL {
+                // Rounding of 1000 additions to a phase near 20 periods (at most 2e-12, 1e-13 is likely), times the
+                // slope of a pulse, 1.3 N·m a period.
+                assert!((bearing.torque_nm(&law(kind), &at, 0.0) - law(kind).at(&at)).abs() < 2e-12, "{kind:?} {k}");
+            }
+        }
+    }
+}

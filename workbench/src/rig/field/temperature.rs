@@ -118,3 +118,62 @@ impl TemperatureValues {
         1.0 - libm::exp(-t_s / self.warm_up_s)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rig::field::tests::{QUIET, moments, run};
+    use crate::rig::{Field, FieldValues, Scenario, Stream};
+
+    #[test]
+    fn factors_follow_the_temperature() {
+        let draws: Vec<TemperatureValues> =
+            (0..2000).map(|seed| Temperature::FIELD.draw(NoiseSource::new(seed, Stream::Temperature))).collect();
+        let scatter: Vec<f64> =
+            draws.iter().map(|t| t.viscous.ln() - (2.5_f64.ln() + t.state * (0.4_f64 / 2.5).ln())).collect();
+        let (mean, sd) = moments(&scatter);
+        // Four standard deviations of mean (0.2/√2000) and of standard deviation (0.2/√4000).
+        assert!(mean.abs() < 0.018 && (sd - 0.2).abs() < 0.013, "{mean} {sd}");
+        for t in &draws {
+            // Rounding only.
+            assert!((t.resistance - (1.0 + 0.4 * t.state)).abs() < 1e-15);
+            assert!((t.flux - (1.0 - 0.05 * t.state)).abs() < 1e-15);
+            assert!((0.0..0.02).contains(&t.coulomb_nm) && (0.0..0.25).contains(&t.warm_up_viscous));
+            assert!((0.0..0.06).contains(&t.warm_up_resistance));
+        }
+        // The Coulomb friction does not depend on the temperature: 4/√2000 for their correlation.
+        let (states, torques): (Vec<f64>, Vec<f64>) = draws.iter().map(|t| (t.state, t.coulomb_nm)).unzip();
+        let ((ms, ss), (mt, st)) = (moments(&states), moments(&torques));
+        let product = states.iter().zip(&torques).map(|(s, t)| (s - ms) * (t - mt)).sum::<f64>() / 2000.0;
+        assert!((product / (ss * st)).abs() < 0.09);
+    }
+
+    #[test]
+    fn warm_up_starts_at_one_and_has_its_time_constant() {
+        let values = Temperature::FIELD.draw(NoiseSource::new(1, Stream::Temperature));
+        assert_eq!((values.resistance_at(0.0), values.viscous_at(0.0)), (1.0, 1.0));
+        let part = 1.0 - (-1.0_f64).exp();
+        // Rounding only.
+        assert!((values.resistance_at(6.0) - (1.0 + part * values.warm_up_resistance)).abs() < 1e-15);
+        assert!((values.viscous_at(6.0) - (1.0 - part * values.warm_up_viscous)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn at_constant_speed_current_and_voltage_are_those_of_the_warm_motor() {
+        let field = Field { temperature: Some(Temperature::FIELD), ..Field::NONE };
+        for seed in 0..5 {
+            let scenario = Scenario { field, ..QUIET };
+            let values = FieldValues::draw(&scenario, seed);
+            let (motor, t) = (values.motor(&scenario.motor), values.temperature.expect("on"));
+            let trace = run(&scenario, seed);
+            let (last, omega) = (4999, trace.velocity_rad_s[4999]);
+            let friction = motor.b_nm_s_per_rad * t.viscous_at(9.998) * omega + t.coulomb_nm * omega.tanh();
+            let current = friction / motor.kt_nm_per_a;
+            // The drift of B and R (at most 1 % a second) changes ω by less than 1e-2 rad/s²: 3e-6 N·m, 5e-5 A.
+            assert!((trace.current_a[last] - current).abs() < 1e-4, "{} {current}", trace.current_a[last]);
+            let voltage = motor.r_ohm * t.resistance_at(9.998) * current + motor.ke_v_s_per_rad * omega;
+            // The same drift of ω over one sample, and the rest of the settling: e⁻¹⁷ of at most 2 V.
+            assert!((trace.voltage_v[last] - voltage).abs() < 2e-4, "{} {voltage}", trace.voltage_v[last]);
+        }
+    }
+}

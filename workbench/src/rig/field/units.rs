@@ -127,3 +127,73 @@ impl Draws {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rig::{Field, FieldValues, Scenario};
+
+    const FIELD: Scenario = Scenario { field: Field::ALL, ..Scenario::STANDARD };
+
+    fn drive(set: u32, unit: u32, session: u32) -> Scenario {
+        Scenario { drive: Some(Drive { set, unit, session }), ..FIELD }
+    }
+
+    fn factors(values: &FieldValues) -> [f64; 7] {
+        let c = values.constants();
+        [c.resistance, c.flux, c.inertia, c.viscous, c.coulomb, c.load_gain, c.current_gain]
+    }
+
+    #[test]
+    fn records_of_a_drive_share_what_is_built_into_it() {
+        let (one, other) = (FieldValues::draw(&drive(1, 2, 3), 10), FieldValues::draw(&drive(1, 2, 3), 11));
+        assert_eq!(one.constants, other.constants);
+        assert_eq!(
+            (one.magnetics, one.resolver, one.load_sensor),
+            (other.magnetics, other.resolver, other.load_sensor)
+        );
+        assert_eq!((one.stribeck, one.load_friction), (other.stribeck, other.load_friction));
+        assert_eq!(one.current_chain, other.current_chain);
+        let built = |values: &FieldValues| values.mechanics.map(|m| (m.resonance_hz, m.backlash_rad));
+        assert_eq!(built(&one), built(&other));
+        // The record's own: temperature, slip, payload.
+        assert!(one.temperature != other.temperature && one.slip != other.slip);
+        assert_ne!(one.mechanics.map(|m| m.payload), other.mechanics.map(|m| m.payload));
+    }
+
+    #[test]
+    fn other_units_sets_and_sessions_differ() {
+        let base = FieldValues::draw(&drive(1, 2, 3), 10);
+        for (set, unit) in [(1, 3), (2, 2), (2, 1)] {
+            let other = FieldValues::draw(&drive(set, unit, 3), 10);
+            assert!(factors(&base).iter().zip(factors(&other)).all(|(a, b)| *a != b));
+            assert!(base.magnetics != other.magnetics && base.resolver != other.resolver);
+            assert_eq!(base.temperature, other.temperature);
+        }
+        let tomorrow = FieldValues::draw(&drive(1, 2, 4), 10);
+        assert_eq!((base.magnetics, base.current_chain), (tomorrow.magnetics, tomorrow.current_chain));
+        assert_ne!(base.constants().current_offset_a, tomorrow.constants().current_offset_a);
+        for (a, b) in factors(&base).iter().zip(factors(&tomorrow)) {
+            // Two sessions differ by at most 1.02/0.98.
+            assert!(*a != b && (a / b - 1.0).abs() < 0.041, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn constants_stay_in_their_ranges() {
+        let mut extremes = [1.0_f64; 2];
+        for seed in 0..2000 {
+            let values = FieldValues::draw(&FIELD, seed);
+            for factor in factors(&values) {
+                assert!((0.95 * 0.98..1.05 * 1.02).contains(&factor), "{factor}");
+                extremes = [extremes[0].min(factor), extremes[1].max(factor)];
+            }
+            assert!(values.constants().current_offset_a.abs() < 0.05);
+        }
+        // Of 14 000 products, both factors lie within 5 % of an end of their ranges in 35 on average.
+        assert!(extremes[0] < 0.94 && extremes[1] > 1.06, "{extremes:?}");
+        let session_only = Units { unit: 0.0, ..Units::FIELD };
+        let fixed = Scenario { field: Field { units: Some(session_only), ..Field::NONE }, ..FIELD };
+        assert!((0..100).all(|seed| (FieldValues::draw(&fixed, seed).constants().flux - 1.0).abs() < 0.02));
+    }
+}

@@ -81,3 +81,40 @@ impl FieldValues {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rig::field::{Field, Magnetics, Resolver, Temperature};
+
+    #[test]
+    fn one_effect_draws_the_same_whatever_else_is_on() {
+        let all = FieldValues::draw(&Scenario { field: Field::ALL, ..Scenario::STANDARD }, 8);
+        let one = |field: Field| FieldValues::draw(&Scenario { field, ..Scenario::STANDARD }, 8);
+        let temperature = one(Field { temperature: Some(Temperature::FIELD), ..Field::NONE });
+        assert_eq!(temperature.temperature, all.temperature);
+        let magnetics = one(Field { magnetics: Some(Magnetics::FIELD), ..Field::NONE });
+        assert_eq!(magnetics.magnetics, all.magnetics);
+        let resolver = one(Field { resolver: Some(Resolver::FIELD), ..Field::NONE });
+        assert_eq!((resolver.resolver, resolver.magnetics), (all.resolver, None));
+    }
+
+    #[test]
+    fn the_motor_has_all_factors_and_none_by_default() {
+        let standard = Scenario::STANDARD;
+        assert_eq!(FieldValues::draw(&standard, 1).motor(&standard.motor), standard.motor);
+        let values = FieldValues::draw(&Scenario { field: Field::ALL, ..standard }, 1);
+        let (t, c) = (values.temperature.expect("on"), values.constants());
+        let motor = values.motor(&standard.motor);
+        let payload = values.mechanics.expect("on").payload;
+        let ratios = [
+            motor.r_ohm / 0.5 / (c.resistance * t.resistance),
+            motor.kt_nm_per_a / 0.05 / (c.flux * t.flux),
+            motor.ke_v_s_per_rad / 0.05 / (c.flux * t.flux),
+            motor.j_kg_m2 / 2.5e-4 / (c.inertia * payload),
+            motor.b_nm_s_per_rad / 1e-4 / (c.viscous * t.viscous),
+        ];
+        // Rounding only.
+        assert!(ratios.iter().all(|ratio| (ratio - 1.0).abs() < 1e-15), "{ratios:?}");
+    }
+}
