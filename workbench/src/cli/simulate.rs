@@ -113,10 +113,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
             output::write(&args.out.join(&name), csv(&simulate(&scenario, seed)?))?;
             bar.inc(1);
             let severity = if kind == DefectKind::Healthy { 0.0 } else { args.severity };
-            let shape = match scenario.duty.of_record(seed) {
-                Duty::Waveform => scenario.reference_waveform.name(),
-                duty => duty.name(),
-            };
+            let shape = reference_name(&scenario, seed);
             let [severity, seed] = [severity.to_string(), args.seed.to_string()];
             Ok([name, kind.name().into(), severity, seed, condition.name.into(), shape.into()])
         })
@@ -124,6 +121,14 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     bar.finish_and_clear();
     write_labels(&labels, &old, &rows)?;
     output::say(format!("{} traces and labels.csv in {}", rows.len(), args.out.display()))
+}
+
+/// Returns the name of the velocity reference of a trace.
+fn reference_name(scenario: &Scenario, seed: u64) -> &'static str {
+    match scenario.duty.of_record(seed) {
+        Duty::Waveform => scenario.reference_waveform.name(),
+        duty => duty.name(),
+    }
 }
 
 impl Args {

@@ -5,9 +5,9 @@
 //! ω_m = F((θ_m(k) − θ_m(k−1)) / (t(k) − t(k−1)))                         (2)
 //! ```
 //!
-//! Q rounds down to a multiple of a turn by a power of two. F is a Butterworth low-pass of second order at the sampling
-//! interval (bilinear transform, exact at its cut-off), so that ω_m lags behind ω by half an interval and F's delay. The
-//! controller uses ω_m.
+//! Q rounds down to a multiple of a turn divided by a power of two. F is a Butterworth low-pass of second order at the
+//! sampling interval (bilinear transform, exact at its cut-off), so that ω_m lags behind ω by half an interval and F's
+//! delay. The controller uses ω_m.
 
 use core::f64::consts::{PI, SQRT_2, TAU};
 

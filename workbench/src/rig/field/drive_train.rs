@@ -1,7 +1,7 @@
 //! The motor with the torques of the field.
 //!
-//! All torques that oppose the shaft: load or coupling to the load side, bearing, cogging, dry friction, and the change of
-//! the viscous friction since the start of the record. Resistance, viscous friction and slip change once a sample.
+//! All torques that oppose the shaft: load or coupling to the load side, bearing, cogging, dry friction, and the change
+//! of the viscous friction since the start of the record. Resistance, viscous friction and slip change once a sample.
 
 use super::mechanics::LoadSide;
 use super::slip::SlippingBearing;

@@ -7,9 +7,9 @@
 //! ```
 //!
 //! x belongs to the drive and y to the session (the day); a session also adds an offset to the measured current. If a
-//! scenario names its [`Drive`], all records of this drive have the same x, and all of one session the same y; the other
-//! effects that are built into a drive (cogging, sensors, transmission) are then also drawn once for the drive. If not,
-//! each record is a drive of its own.
+//! scenario names its [`Drive`], all records of this drive have the same x, and all of one session the same y. The
+//! other effects that are built into a drive (Stribeck and load friction, cogging, sensors, transmission) are then also
+//! drawn once for the drive. If not, each record is a drive of its own.
 
 use crate::rig::{NoiseSource, RigError, Stream, not_negative};
 
@@ -69,8 +69,9 @@ impl Units {
 
     pub(super) fn draw(&self, draws: Draws) -> Constants {
         let (mut unit, mut session) = (draws.of_drive(Stream::Unit), draws.of_session(Stream::Session));
+        // (1)
         let mut factor =
-            || (1.0 + unit.uniform(-self.unit, self.unit)) * (1.0 + session.uniform(-self.session, self.session)); // (1)
+            || (1.0 + unit.uniform(-self.unit, self.unit)) * (1.0 + session.uniform(-self.session, self.session));
         Constants {
             resistance: factor(),
             flux: factor(),
