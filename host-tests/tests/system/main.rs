@@ -6,6 +6,7 @@ mod dc_motor_recordings;
 mod dc_motor_rig;
 mod embedded_estimates;
 mod estimators;
+mod field_table;
 mod identification;
 mod instruments_model;
 mod piecewise;

@@ -188,12 +188,15 @@ impl<'a> Feed<'a> {
         Self { columns, motion: trace.motion.as_ref(), sample }
     }
 
-    /// Sample `k`; zeros if the trace has no shaft.
+    /// Sample `k`; zeros if the trace has no shaft. A missing value is NaN; an angle has no NaN, so a missing one is
+    /// the last known angle.
     pub fn at(&mut self, k: usize) -> &RunTimeSample {
         for (value, column) in self.sample.values.iter_mut().zip(&self.columns) {
             *value = column.get(k).map_or(0.0, |x| *x as f32);
         }
-        self.sample.angle = self.motion.map_or(Angle::ZERO, |motion| motion.angle(k));
+        if let Some(motion) = self.motion.filter(|motion| motion.angle_rad[k].is_finite()) {
+            self.sample.angle = motion.angle(k);
+        }
         &self.sample
     }
 }

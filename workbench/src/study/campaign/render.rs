@@ -105,7 +105,8 @@ pub fn text(findings: &Findings) -> String {
     out
 }
 
-fn grid(title: &str, head: &[&str], rows: &[Vec<String>]) -> String {
+/// A table of fixed-width text: title, headings, rows, and an empty line.
+pub(crate) fn grid(title: &str, head: &[&str], rows: &[Vec<String>]) -> String {
     let width = |text: &str| text.chars().count();
     let column = |k: usize| rows.iter().map(|row| width(&row[k])).chain([width(head[k])]).max().unwrap_or(0);
     let widths: Vec<usize> = (0..head.len()).map(column).collect();

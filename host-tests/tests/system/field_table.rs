@@ -1,0 +1,101 @@
+//! The table of the field: a few rows with few records.
+
+use bearing_watch::Angle;
+use workbench::core::wiring::{Feed, Field};
+use workbench::rig::{Condition, Defect, Scenario, simulate};
+use workbench::study::campaign::run::labelled;
+use workbench::study::campaign::{Cell, Purpose, Recording};
+use workbench::study::field::rows::{CLASS_SIZES, COLUMNS, named};
+use workbench::study::field::tally::{Tally, rate};
+use workbench::study::field::{Findings, Settings, render, study};
+
+/// Few records; numbers of draws far from those of the documents, so that these are other traces.
+const FEW: Settings =
+    Settings { healthy_training: 40, defects_training: 20, healthy: 40, defects: 10, ..Settings::standard(2, 500) };
+
+fn rows(names: &[&str], settings: &Settings) -> Vec<Findings> {
+    let names: Vec<String> = names.iter().map(ToString::to_string).collect();
+    study(&named(&names).expect("known rows"), settings, || ()).expect("the rig")
+}
+
+/// Judged records of each column and draw, and of each size of the discriminant.
+fn judged(tallies: &[Tally]) -> Vec<usize> {
+    tallies.iter().map(Tally::judged).collect()
+}
+
+fn percent(tallies: &[Tally]) -> f64 {
+    100.0 * rate(tallies).value
+}
+
+#[test]
+fn mix_finds_what_temperature_hides() {
+    let found = rows(&["mix", "temperature"], &FEW);
+    println!("{}", render::text(&found, &FEW));
+    for own in &found {
+        assert_eq!(own.refusals(), [], "{}", own.row.name());
+        for column in 0..COLUMNS.len() {
+            assert_eq!(judged(&own.column(column)), if column == 0 { [40; 2] } else { [10; 2] });
+        }
+    }
+    let [mix, warm] = [0, 1].map(|k| {
+        COLUMNS.map(|defect| {
+            let column = COLUMNS.iter().position(|own| *own == defect).expect("a column");
+            percent(&found[k].column(column))
+        })
+    });
+    // 80 healthy records, a gate of 40 records set to 1 %: 6 and more are improbable, 8 more so.
+    assert!(mix[0] <= 7.5 && warm[0] <= 10.0, "{mix:?} {warm:?}");
+    // Spalls from full size to 1/4 and roughness from full size to 1/8 are far from healthy ones.
+    for column in [1, 2, 3, 5, 6] {
+        assert!(mix[column] >= 95.0, "{column}: {mix:?}");
+    }
+    // A spall of full size is found from its order at any temperature.
+    assert!(warm[1] >= 95.0, "{warm:?}");
+    for size in 0..CLASS_SIZES.len() {
+        let errors = found[0].class_errors(size);
+        assert_eq!(judged(&errors), [30; 2]);
+        assert!(percent(&errors) <= 5.0, "{errors:?}");
+        assert_eq!(found[1].class_errors(size), []);
+    }
+}
+
+#[test]
+fn a_set_that_training_refuses_is_a_row_with_the_reason() {
+    let settings = Settings { healthy_training: 1, ..FEW };
+    let found = rows(&["mix", "slip"], &settings);
+    for own in &found {
+        let refusals = own.refusals();
+        assert_eq!(refusals.len(), if own.row.classes { 2 } else { 1 });
+        assert!(refusals.iter().all(|(_, draws, reason)| *draws == 2 && reason.contains("1 training trace")));
+        assert_eq!(own.column(0), []);
+    }
+    let text = render::text(&found, &settings);
+    assert!(text.contains("slip, gate, 2 of 2: ") && text.contains("  slip  refused"), "{text}");
+}
+
+#[test]
+fn a_missing_sample_is_nan_for_the_detector() {
+    let cell = Cell {
+        purpose: Purpose::Reference,
+        repetition: 500,
+        condition: Condition::named("missing-1-percent").expect("known"),
+        defect: Defect::HEALTHY,
+    };
+    let seed = cell.seed(0).expect("fits");
+    let trace = simulate(&cell.scenario(&Scenario::STANDARD, seed), seed).expect("the rig");
+    let lost: Vec<bool> = trace.current_a.iter().map(|x| x.is_nan()).collect();
+    let count = lost.iter().filter(|lost| **lost).count();
+    // 5000 samples at 1 %: 50 ± 7.
+    assert!((25..=75).contains(&count), "{count}");
+    let record = labelled(Recording { cell, number: 0, seed, trace }, 0).trace;
+    let fields = [Field::Current, Field::Velocity, Field::Reference, Field::Load];
+    let mut feed = Feed::new(&record, &fields);
+    let mut last = Angle::ZERO;
+    for (k, lost) in lost.into_iter().enumerate() {
+        let sample = feed.at(k);
+        assert!(sample.values.iter().all(|x| x.is_nan() == lost), "sample {k}");
+        // An angle has no NaN: it holds its last value.
+        assert!(!lost || sample.angle == last, "sample {k}");
+        last = sample.angle;
+    }
+}

@@ -1,0 +1,67 @@
+//! The one configuration of all rows. To try other features, change [`FEATURES`], or pass others in
+//! [`Settings::features`](super::Settings::features).
+
+use crate::identify::Structure;
+use crate::rig::Condition;
+use crate::rig::field::LoadMeasurement;
+use crate::study::recipes;
+use crate::train::{Alarms, Recipe, ShaftPlan};
+
+/// Features of the detector: two scores of the torque balance and the order of the outer race.
+pub const FEATURES: [&str; 3] = ["drag_score", "inverse_kt_score", "order_outer"];
+
+/// Features that exist only if the load is measured.
+const NEED_LOAD: [&str; 2] = ["inverse_kt", "inverse_kt_score"];
+
+/// Set false-alarm rate of the gate.
+pub const FALSE_ALARM: f64 = 0.01;
+
+/// Structure of the regression if the load is not measured: no terms of u2.
+const WITHOUT_LOAD: Structure = Structure::new(2, 1, 0, 1, 1);
+
+/// Returns the recipe for the drives of a condition; [`FEATURES`] if `features` is empty.
+///
+/// The recipe is the same for all conditions, except that a drive without a load sensor has no channel of the load,
+/// and none of the features that need it.
+#[must_use]
+pub fn recipe(condition: &Condition, features: &[String]) -> Recipe {
+    let alarms = Alarms { healthy: Some(0), false_alarm: FALSE_ALARM, required: true, ..Alarms::default() };
+    let mut features = if features.is_empty() { FEATURES.map(String::from).to_vec() } else { features.to_vec() };
+    let base = recipes::shaft();
+    if has_load_sensor(condition) {
+        return Recipe { features, alarms, ..base };
+    }
+    features.retain(|name| !NEED_LOAD.contains(&name.as_str()));
+    let shaft = base.shaft.clone().map(|plan| ShaftPlan { load: false, ..plan });
+    Recipe { features, alarms, shaft, structure: WITHOUT_LOAD, ..base }
+}
+
+/// Returns whether the drives of a condition measure the load.
+#[must_use]
+pub fn has_load_sensor(condition: &Condition) -> bool {
+    condition.field.is_none_or(|field| field.load != LoadMeasurement::Absent)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_load_differs_between_conditions() {
+        let mix = recipe(&Condition::MIX, &[]);
+        assert_eq!(mix.features, FEATURES);
+        for condition in Condition::FIELD {
+            let own = recipe(&condition, &[]);
+            let load = has_load_sensor(&condition);
+            assert_eq!(load, condition.name != "no-load-sensor");
+            assert_eq!(own.shaft.as_ref().map(|plan| plan.load), Some(load));
+            if load {
+                assert_eq!(format!("{own:?}"), format!("{mix:?}"), "{}", condition.name);
+            } else {
+                assert_eq!(own.features, ["drag_score", "order_outer"]);
+            }
+        }
+        let asked = ["order_outer".to_string()];
+        assert_eq!(recipe(&Condition::MIX, &asked).features, asked);
+    }
+}
