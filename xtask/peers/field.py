@@ -1,16 +1,18 @@
 """The table of the field by a plain program in numpy, beside that of `bearing-watch campaign --field`.
 
-    python field.py RECORDS OURS_JSON     table on standard output; exit code 1 if ours is behind in a cell
+    python field.py RECORDS OURS_JSON     table on standard output; exit code 3 if ours is behind in a cell
 
-RECORDS is the program `workbench/examples/field_records.rs`, which writes the records of a row: both sides have the same
-seeds. OURS_JSON is the output of `campaign --field --json`; its rows and draws are repeated here.
+RECORDS is the program `workbench/examples/field_records.rs`, which writes the records of a row: both sides have the
+same seeds. OURS_JSON is the output of `campaign --field --json`; its rows and draws are repeated here.
 
 The method is what an engineer writes by hand. Missing samples are interpolated. Filters of second order give current,
 velocity, acceleration and load without differentiation of noise; least squares give inertia, viscous and Coulomb
 friction, load coefficient and offset. The residual of this balance, behind a faster filter, is added up in bins of the
-shaft angle; its spectrum has the orders. The features are viscous friction, Coulomb friction, and the peak within
-+-2 % of the outer race's order and its harmonics over the neighbourhood. Median, MAD and a shrunk correlation of 150
-healthy records give a Mahalanobis distance; its 99 % quantile on these records is the threshold.
+shaft angle behind the same filter, and the powers of both directions are added: a delay that is left shifts the phases
+of the two directions apart. The features are viscous friction, Coulomb friction, and the peak within
++-2 % of the outer race's order and its harmonics over the neighbourhood. A shrunk covariance of 150 healthy records
+gives a Mahalanobis distance; its 99 % quantile on these records is the threshold. (Median and MAD instead of mean and
+deviation find less: the tails of the friction estimates then raise the threshold.)
 """
 
 import json
@@ -72,7 +74,7 @@ def state_variable(signals, cutoff_hz, interval_s):
     inputs = np.moveaxis(0.5 * (signals[..., 1:] + signals[..., :-1]), -1, 0).copy()
     for k, u in enumerate(inputs, 1):
         x, v = state
-        state = np.stack([step[0, 0] * x + step[0, 1] * v + enter[0] * u, step[1, 0] * x + step[1, 1] * v + enter[1] * u])
+        state = np.stack([row[0] * x + row[1] * v + gain * u for row, gain in zip(step, enter)])
         out[..., k] = state
     return out
 
@@ -84,12 +86,15 @@ def balance(filtered, load):
     return np.stack(columns + (torque if load else []), -1)[:, SETTLE:], current[:, SETTLE:]
 
 
-def order_peak(residual, angle_rad, outer):
-    """Logarithm of the weighted peaks over their neighbourhoods."""
+def order_peak(residual, velocity, angle_rad, outer):
+    """Logarithm of the weighted peaks over their neighbourhoods; NaN without motion."""
     place = np.floor((angle_rad - angle_rad.min()) * BINS / (2 * np.pi)).astype(int)
-    sums = np.bincount(place, residual)
-    length = max(4096, 8 << int(np.ceil(np.log2(len(sums)))))
-    power = np.abs(np.fft.rfft(sums, length)) ** 2
+    length = max(4096, 8 << int(np.ceil(np.log2(place.max() + 1))))
+    power = np.zeros(length // 2 + 1)
+    for moving in (velocity > SLOWEST_RAD_S, velocity < -SLOWEST_RAD_S):
+        power += np.abs(np.fft.rfft(np.bincount(place[moving], residual[moving]), length)) ** 2
+    if not power.any():
+        return np.nan
     orders = np.arange(len(power)) * BINS / length
     total = 0.0
     for harmonic, weight in HARMONICS:
@@ -100,33 +105,28 @@ def order_peak(residual, angle_rad, outer):
 
 
 def features(header, columns):
+    """Viscous and Coulomb friction and the order's peak of each record; NaN if it has none."""
     load = "load_torque_nm" in columns
     names = ["current_a", "velocity_rad_s"] + ["load_torque_nm"] * load
-    signals = np.stack([interpolated(columns[name]) for name in names])
-    angle = interpolated(columns["angle_rad"])[:, SETTLE:]
-    slow, fast = (state_variable(signals, hz, header["interval_s"]) for hz in (FRICTION_HZ, RESIDUAL_HZ))
-    (rows, current), (fast_rows, fast_current) = balance(slow, load), balance(fast, load)
+    signals = np.stack([interpolated(columns[name]) for name in [*names, "angle_rad"]])
+    slow = state_variable(signals[:-1], FRICTION_HZ, header["interval_s"])
+    fast = state_variable(signals, RESIDUAL_HZ, header["interval_s"])
+    angle = fast[0, -1, :, SETTLE:]
+    (rows, current), (fast_rows, fast_current) = balance(slow, load), balance(fast[:, :-1], load)
     found = []
     for k, own in enumerate(rows):
         theta = np.linalg.lstsq(own[::5], current[k][::5], rcond=None)[0]
-        velocity = fast_rows[k][:, 1]
-        moving = np.abs(velocity) > SLOWEST_RAD_S
-        if not moving.any():
-            found.append([np.nan] * 3)
-            continue
-        residual = (fast_current[k] - fast_rows[k] @ theta) * np.sign(velocity)
-        found.append([theta[1], theta[2], order_peak(residual[moving], angle[k][moving], header["outer"])])
+        residual = fast_current[k] - fast_rows[k] @ theta
+        found.append([theta[1], theta[2], order_peak(residual, fast_rows[k][:, 1], angle[k], header["outer"])])
     return np.array(found)
 
 
 class Class:
-    """Median, MAD and shrunk correlation of a class."""
+    """Mean and shrunk covariance of a class."""
 
     def __init__(self, rows):
-        self.centre = np.median(rows, 0)
-        self.spread = 1.4826 * np.median(np.abs(rows - self.centre), 0)
-        scaled = np.clip((rows - self.centre) / self.spread, -3, 3)
-        correlation = (1 - SHRINK) * np.corrcoef(scaled.T) + SHRINK * np.eye(rows.shape[1])
+        self.centre, self.spread = rows.mean(0), rows.std(0, ddof=1)
+        correlation = (1 - SHRINK) * np.corrcoef(rows.T) + SHRINK * np.eye(rows.shape[1])
         self.inverse, self.log_det = np.linalg.inv(correlation), np.linalg.slogdet(correlation)[1]
 
     def distance2(self, rows):
@@ -176,7 +176,8 @@ def rate(tallies):
         excess = ((counted - p * judged) ** 2).sum() / (len(tallies) - 1) / (n / len(tallies) * p * (1 - p))
         n /= max(1.0, excess)
     q = 1.959963984540054
-    centre, half = (p + q * q / (2 * n)) / (1 + q * q / n), q / (1 + q * q / n) * np.sqrt(p * (1 - p) / n + (q / n / 2) ** 2)
+    centre = (p + q * q / (2 * n)) / (1 + q * q / n)
+    half = q / (1 + q * q / n) * np.sqrt(p * (1 - p) / n + (q / n / 2) ** 2)
     return [100 * p, 100 * max(0.0, min(centre - half, p)), 100 * min(1.0, max(centre + half, p))]
 
 
@@ -252,4 +253,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(0 if main() else 1)
+    sys.exit(0 if main() else 3)

@@ -5,6 +5,7 @@ mod bounds;
 mod child;
 mod docs;
 mod elf;
+mod field_peers;
 mod firmware;
 mod log;
 mod long;
@@ -63,8 +64,8 @@ enum Command {
         #[arg(long)]
         peers: bool,
     },
-    /// Times the workbench and other identification programs on the same traces; installs them in a virtual
-    /// environment.
+    /// Times the workbench and other identification programs on the same traces, and compares the table of the field
+    /// with that of a plain program; installs them in a virtual environment.
     Peers,
     /// Writes the figures that README and docs quote: those of commands that take seconds, or those named.
     Docs {

@@ -9,13 +9,15 @@ use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 
-use crate::{child, workspace};
+use crate::{child, field_peers, workspace};
 
-/// Installs, measures, prints; whether every ratio asked for is met.
+/// Installs, measures, prints; whether every ratio asked for is met, and the detector is nowhere behind a plain program.
 pub fn run() -> Result<bool> {
     let (text, met) = measure()?;
     print!("{text}");
-    Ok(met)
+    let (text, ahead) = field_peers::measure()?;
+    print!("\n{text}");
+    Ok(met && ahead)
 }
 
 /// Installs and measures. Returns the text to print, and whether every ratio asked for is met.
@@ -23,12 +25,8 @@ pub fn measure() -> Result<(String, bool)> {
     let folder = folder();
     let data = folder.join("data");
     fs::create_dir_all(&data).with_context(|| format!("cannot make {}", data.display()))?;
-    let scripts = workspace::root().join("xtask/peers");
-    let python = python()?;
-    if !child::works(Command::new(&python).args(["-c", "import numpy, scipy, sippy_unipi"])) {
-        let install = ["-m", "pip", "install", "--quiet", "--requirement"];
-        child::succeed(Command::new(&python).args(install).arg(scripts.join("requirements.txt")))?;
-    }
+    let scripts = scripts();
+    let python = python_with_packages()?;
     let ours = |what: &str| {
         let program = ["run", "--release", "--quiet", "--package", "bearing-watch-workbench", "--example", "peers"];
         let mut cargo = workspace::cargo(&program);
@@ -55,6 +53,21 @@ pub fn folder() -> PathBuf {
     workspace::target_dir().join("peers")
 }
 
+/// The peers' scripts.
+pub fn scripts() -> PathBuf {
+    workspace::root().join("xtask/peers")
+}
+
+/// The Python of the peers' virtual environment with the packages of the peers' scripts.
+pub fn python_with_packages() -> Result<PathBuf> {
+    let python = python()?;
+    if !child::works(Command::new(&python).args(["-c", "import numpy, scipy, sippy_unipi"])) {
+        let install = ["-m", "pip", "install", "--quiet", "--requirement"];
+        child::succeed(Command::new(&python).args(install).arg(scripts().join("requirements.txt")))?;
+    }
+    Ok(python)
+}
+
 /// The Python of the peers' virtual environment, which is made where it lacks.
 pub fn python() -> Result<PathBuf> {
     let venv = folder().join("venv");
@@ -67,7 +80,7 @@ pub fn python() -> Result<PathBuf> {
 }
 
 /// Puts what a program prints into a file.
-fn keep(command: &mut Command, path: &Path) -> Result<()> {
+pub fn keep(command: &mut Command, path: &Path) -> Result<()> {
     let mut text = String::new();
     let status = child::lines(command, |line| text += line)?;
     ensure!(status.success(), "the program for {} failed ({status})", path.display());

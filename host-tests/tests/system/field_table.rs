@@ -1,17 +1,13 @@
 //! The table of the field: a few rows with few records.
 
-use bearing_watch::Angle;
-use workbench::core::wiring::{Feed, Field};
-use workbench::rig::{Condition, Defect, Scenario, simulate};
-use workbench::study::campaign::run::labelled;
-use workbench::study::campaign::{Cell, Purpose, Recording};
 use workbench::study::field::rows::{CLASS_SIZES, COLUMNS, named};
 use workbench::study::field::tally::{Tally, rate};
 use workbench::study::field::{Findings, Settings, render, study};
 
 /// Few records; numbers of draws far from those of the documents, so that these are other traces.
-const FEW: Settings =
-    Settings { healthy_training: 40, defects_training: 20, healthy: 40, defects: 10, ..Settings::standard(2, 500) };
+fn few() -> Settings {
+    Settings { healthy_training: 40, defects_training: 20, healthy: 40, defects: 10, ..Settings::standard(2, 500) }
+}
 
 fn rows(names: &[&str], settings: &Settings) -> Vec<Findings> {
     let names: Vec<String> = names.iter().map(ToString::to_string).collect();
@@ -29,8 +25,8 @@ fn percent(tallies: &[Tally]) -> f64 {
 
 #[test]
 fn mix_finds_what_temperature_hides() {
-    let found = rows(&["mix", "temperature"], &FEW);
-    println!("{}", render::text(&found, &FEW));
+    let found = rows(&["mix", "temperature"], &few());
+    println!("{}", render::text(&found, &few()));
     for own in &found {
         assert_eq!(own.refusals(), [], "{}", own.row.name());
         for column in 0..COLUMNS.len() {
@@ -61,7 +57,7 @@ fn mix_finds_what_temperature_hides() {
 
 #[test]
 fn a_set_that_training_refuses_is_a_row_with_the_reason() {
-    let settings = Settings { healthy_training: 1, ..FEW };
+    let settings = Settings { healthy_training: 1, ..few() };
     let found = rows(&["mix", "slip"], &settings);
     for own in &found {
         let refusals = own.refusals();
@@ -71,31 +67,4 @@ fn a_set_that_training_refuses_is_a_row_with_the_reason() {
     }
     let text = render::text(&found, &settings);
     assert!(text.contains("slip, gate, 2 of 2: ") && text.contains("  slip  refused"), "{text}");
-}
-
-#[test]
-fn a_missing_sample_is_nan_for_the_detector() {
-    let cell = Cell {
-        purpose: Purpose::Reference,
-        repetition: 500,
-        condition: Condition::named("missing-1-percent").expect("known"),
-        defect: Defect::HEALTHY,
-    };
-    let seed = cell.seed(0).expect("fits");
-    let trace = simulate(&cell.scenario(&Scenario::STANDARD, seed), seed).expect("the rig");
-    let lost: Vec<bool> = trace.current_a.iter().map(|x| x.is_nan()).collect();
-    let count = lost.iter().filter(|lost| **lost).count();
-    // 5000 samples at 1 %: 50 ± 7.
-    assert!((25..=75).contains(&count), "{count}");
-    let record = labelled(Recording { cell, number: 0, seed, trace }, 0).trace;
-    let fields = [Field::Current, Field::Velocity, Field::Reference, Field::Load];
-    let mut feed = Feed::new(&record, &fields);
-    let mut last = Angle::ZERO;
-    for (k, lost) in lost.into_iter().enumerate() {
-        let sample = feed.at(k);
-        assert!(sample.values.iter().all(|x| x.is_nan() == lost), "sample {k}");
-        // An angle has no NaN: it holds its last value.
-        assert!(!lost || sample.angle == last, "sample {k}");
-        last = sample.angle;
-    }
 }

@@ -265,6 +265,25 @@ mod tests {
     }
 
     #[test]
+    fn a_missing_sample_is_nan_and_holds_the_angle() {
+        let column = |lost: f64| vec![1.0, lost, 3.0];
+        let motion = MotionTrace {
+            current_a: column(f64::NAN),
+            velocity_rad_s: column(f64::NAN),
+            reference_rad_s: column(f64::NAN),
+            load_nm: column(f64::NAN),
+            angle_rad: column(f64::NAN),
+        };
+        let trace = Trace { motion: Some(motion.clone()), ..Trace::default() };
+        let mut feed = Feed::new(&trace, &[Field::Current, Field::Velocity, Field::Reference, Field::Load]);
+        for (k, angle) in [motion.angle(0), motion.angle(0), motion.angle(2)].into_iter().enumerate() {
+            let sample = feed.at(k);
+            assert!(sample.values.iter().all(|x| x.is_nan() == (k == 1)), "{k}");
+            assert_eq!(sample.angle, angle);
+        }
+    }
+
+    #[test]
     fn units_by_suffix() {
         assert_eq!(["current_a", "velocity_ref_rad_s", "load_torque_nm", "x"].map(unit), ["A", "rad/s", "N·m", ""]);
     }

@@ -168,7 +168,7 @@ fn tidy_part(start: &[String], kind: &str, part: &Part, columns: &[String]) -> V
             let each = |(column, tally): (&String, &Tally)| {
                 let Tally { counted, opposite, undetermined } = tally;
                 let counts = [counted, opposite, undetermined].map(ToString::to_string);
-                row(&[&[column.clone()], &counts[..], &[String::new()]].concat())
+                row(&[std::slice::from_ref(column), &counts, &[String::new()]].concat())
             };
             columns.iter().zip(tallies).map(each).collect()
         }
