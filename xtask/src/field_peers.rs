@@ -8,8 +8,8 @@ use anyhow::{Context, Result, bail};
 
 use crate::{child, peers, workspace};
 
-/// Number of draws of training and validation sets. Two take about a quarter of an hour.
-const DRAWS: &str = "2";
+/// Number of draws of training and validation sets. One takes about a quarter of an hour.
+const DRAWS: &str = "1";
 /// Exit code of the script if the detector is behind in a cell.
 const BEHIND: i32 = 3;
 const PACKAGE: [&str; 2] = ["--package", "bearing-watch-workbench"];

@@ -102,8 +102,8 @@ pub fn text(findings: &[Findings], settings: &Settings) -> String {
     );
     let mut out = gate_grid(&title, findings);
     let title = format!(
-        "Three classes of {healthy_training}, {defects_training} and {defects_training} records with full-size defects: \
-         error, % [95 % interval]"
+        "Three classes of {healthy_training}, {defects_training} and {defects_training} records with full-size \
+         defects: error, % [95 % interval]"
     );
     out += &class_grid(&title, findings);
     let lines = findings.iter().flat_map(|own| own.refusals().into_iter().map(move |refusal| (own, refusal)));
