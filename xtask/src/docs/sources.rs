@@ -6,7 +6,7 @@ use super::block::{self, Block};
 use super::compare::Tolerance;
 use super::{campaign, figures, read};
 use crate::toolchain::{self, Way};
-use crate::{child, field_peers, long, measure, peers, rivals, setup, workspace};
+use crate::{child, long, measure, peers, rivals, setup, workspace};
 
 /// A command of the repository that prints blocks of documents.
 #[derive(Clone, Copy, Debug)]
@@ -20,7 +20,7 @@ pub struct Source {
 }
 
 /// All sources, in the order in which they run.
-pub const SOURCES: [Source; 11] = [
+pub const SOURCES: [Source; 10] = [
     quick(figures::NAME, figures::TOLERANCE, target),
     quick("demo", Tolerance::Exact, |_| printed("demo", "README.md", "standard_rig::twenty_draws")),
     quick("instruments", Tolerance::Exact, |_| {
@@ -32,9 +32,6 @@ pub const SOURCES: [Source; 11] = [
     slow("recorded", Tolerance::Exact, |_| printed("recorded", "docs/recorded.md", "recorded_")),
     slow("endurance", Tolerance::Exact, |_| endurance()),
     slow("peers", Tolerance::Any, |_| Ok(vec![Block::new("docs/peers.md", "peers", &peers::measure()?.0)])),
-    slow("field-peers", Tolerance::Any, |_| {
-        Ok(vec![Block::new("docs/field-peers.md", "field-peers", field_peers::measure()?.0.trim_end())])
-    }),
     slow("peers-on-target", figures::TOLERANCE, peers_on_target),
 ];
 
