@@ -8,7 +8,9 @@ mod support;
 mod streams;
 
 use bearing_watch::internals::{Alone, Triangle};
-use bearing_watch::model::{Channel, Classifier, Discriminant, Feature, Forgetting, Novelty, Projection, Regression};
+use bearing_watch::model::{
+    Channel, Classifier, Discriminant, Feature, FeatureValue, Forgetting, Novelty, Projection, Regression,
+};
 use bearing_watch::plan::{Array, Cells, Fixed, Kind, Layout, Memory, Method, Plan, RegressionLayout, Structure};
 use bearing_watch::{AlphaBeta, Angle, BlockMean, Detector, FrontEnd, Model, Park};
 
@@ -165,16 +167,14 @@ where
     for _ in 0..100 {
         let projection = Projection::<P> { matrix: numbers.array(), mean: numbers.array() };
         let means = numbers.array();
-        // Square matrices, of which the lower triangles are used.
-        let full: [f32; 27] = numbers.array();
-        let lower = [0_usize, 3, 4, 6, 7, 8];
-        let mut kept = full.chunks(9).flat_map(|matrix| lower.iter().filter_map(|place| matrix.get(*place)));
-        let whitening: Array<P::Densities, f32> =
-            Cells::from_fn(plan.layout().densities(), |_| kept.next().copied().unwrap_or(0.0));
+        // Of each factor the pivots are the first, fourth and sixth number.
+        let mut factors: Array<P::Densities, f32> = Cells::from_fn(plan.layout().densities(), |_| numbers.next());
+        for factor in factors.cells_mut().chunks_mut(6) {
+            [0, 3, 5].iter().filter_map(|place: &usize| factor.get_mut(*place)).for_each(|pivot| *pivot = 1.5 + *pivot);
+        }
         let discriminant = Discriminant {
             means,
-            whitening,
-            log_normaliser: numbers.array(),
+            factors,
             log_prior: [-1.098_612_3; 3],
             costs: [0.0, 50.0, 1.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0],
             reject_cost: f32::INFINITY,
@@ -182,8 +182,15 @@ where
         let classifier =
             Classifier { features: refined::FEATURES, projection, discriminant, novelty: Novelty::none(plan) };
         let features: [f32; 9] = numbers.array();
+        let errors: [f32; 9] = numbers.array();
+        // A feature in four is missing.
+        let variance = |error: f32| if error > 0.5 { f32::INFINITY } else { error.max(0.0) };
+        let features: [FeatureValue; 9] = core::array::from_fn(|k| {
+            let own = |values: &[f32; 9]| values.get(k).copied().unwrap_or(0.0);
+            FeatureValue { value: own(&features), variance: variance(own(&errors)) }
+        });
         let z = [0, 1, 2].map(|k| classifier.projection.coordinate(&features, k));
-        if let Some(decision) = classifier.decide_at(plan, &z) {
+        if let Some(decision) = classifier.decide_at(plan, &z.map(|z| z.value), &z.map(|z| z.variance)) {
             hash.add(decision.log_likelihoods());
             hash.add(decision.posteriors());
             hash.add(decision.expected_costs());

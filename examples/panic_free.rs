@@ -200,12 +200,17 @@ fn about<P: Plan>(model: &Model<P>) {
     opaque((Model::<P>::from_bytes(bytes).is_ok(), Model::<P>::from_sector(opaque(&buffer)).is_ok()));
     let classifier = &constants.classifier;
     let (numbers, features) = (opaque([0.5_f32; 9]), layout.features as usize);
-    opaque(Projection::coordinate(&classifier.projection, numbers.get(..features).unwrap_or_default(), opaque(0)));
-    opaque(Discriminant::log_likelihood(&classifier.discriminant, opaque(Kind::Quadratic), &numbers, opaque(1)));
-    opaque((Novelty::none(plan), Novelty::judge(&classifier.novelty, &numbers)));
+    let values = opaque([FeatureValue { value: 0.5, variance: 0.1 }; 9]);
+    opaque(FeatureValue::is_missing(opaque(FeatureValue::MISSING)));
+    opaque(Projection::coordinate(&classifier.projection, values.get(..features).unwrap_or_default(), opaque(0)));
+    let discriminant = &classifier.discriminant;
+    opaque(Discriminant::log_likelihood(discriminant, opaque(Kind::Quadratic), &numbers, &numbers, opaque(1)));
+    opaque((Novelty::none(plan), Novelty::judge(&classifier.novelty, &numbers, &numbers)));
     opaque(Novelty::surprise(&classifier.novelty, opaque(3.0)));
-    let decisions =
-        (Classifier::decide(classifier, plan, &numbers, 1.0), Classifier::decide_at(classifier, plan, &numbers));
+    let decisions = (
+        Classifier::decide(classifier, plan, &numbers, 1.0),
+        Classifier::decide_at(classifier, plan, &numbers, &numbers),
+    );
     if let (Some(mut decision), Some(_)) = opaque(decisions) {
         opaque(Classifier::finding(classifier, &decision));
         opaque(Discriminant::decide(&classifier.discriminant, &numbers, &mut decision));
@@ -242,6 +247,7 @@ fn told<P: Plan>(model: &Model<P>, report: &Report<P>) {
     if let Some(decision) = &report.decision {
         opaque((Decision::log_likelihoods(decision), Decision::posteriors(decision)));
         opaque((Decision::expected_costs(decision), Decision::least_cost(decision)));
+        opaque((Decision::missing(decision), Decision::missing_count(decision)));
     }
 }
 

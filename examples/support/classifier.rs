@@ -18,12 +18,11 @@ macro_rules! classifier {
             discriminant: bearing_watch::model::Discriminant {
                 means: [0.0, 0.0, 0.0, 2.0, 0.0, 1.0, -2.0, 1.0, 0.0],
                 #[rustfmt::skip]
-                                                                whitening: [
-                                                                    1.0, 0.1, 1.0, 0.0, -0.1, 1.0,
-                                                                    1.0, 0.1, 1.0, 0.0, -0.1, 1.0,
-                                                                    1.0, 0.1, 1.0, 0.0, -0.1, 1.0,
-                                                                ],
-                log_normaliser: [-2.756_815_6; 3],
+                factors: [
+                    1.0, -0.1, -0.01, 1.0, 0.1, 1.0,
+                    1.0, -0.1, -0.01, 1.0, 0.1, 1.0,
+                    1.0, -0.1, -0.01, 1.0, 0.1, 1.0,
+                ],
                 log_prior: [-1.098_612_3; 3],
                 costs: [0.0, 1.0, 1.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0],
                 reject_cost: f32::INFINITY,
@@ -31,7 +30,7 @@ macro_rules! classifier {
             novelty: bearing_watch::model::Novelty {
                 class: None,
                 mean: [0.0; 3],
-                whitening: [0.0; 6],
+                factor: [0.0; 6],
                 knots: [[0.0; 2]; bearing_watch::model::KNOTS],
                 limit: f32::INFINITY,
             },

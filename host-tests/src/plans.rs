@@ -106,7 +106,8 @@ pub fn classifier<P: Plan>(plan: P, features: &[Feature]) -> Classifier<P> {
         (layout.features as usize, layout.coordinates as usize, layout.classes as usize);
     let one = |equal: bool| f32::from(u8::from(equal));
     let packed = coordinates * (coordinates + 1) / 2;
-    let diagonal = |place: usize| (0..coordinates).any(|i| place % packed == i * (i + 3) / 2);
+    // Row i of a factor starts after rows of lengths Z, Z − 1, ….
+    let diagonal = |place: usize| (0..coordinates).any(|i| place % packed == i * (2 * coordinates + 1 - i) / 2);
     let densities = if layout.discriminant == Kind::Linear { 1 } else { classes };
     Classifier {
         features: Cells::from_fn(count, |k| features[k]),
@@ -116,8 +117,7 @@ pub fn classifier<P: Plan>(plan: P, features: &[Feature]) -> Classifier<P> {
         },
         discriminant: Discriminant {
             means: Cells::from_fn(classes * coordinates, |k| (k / coordinates) as f32),
-            whitening: Cells::from_fn(densities * packed, |k| one(diagonal(k))),
-            log_normaliser: Cells::filled(classes, -0.918_938_5 * coordinates as f32),
+            factors: Cells::from_fn(densities * packed, |k| one(diagonal(k))),
             log_prior: Cells::filled(classes, -(classes as f32).ln()),
             costs: Cells::from_fn(classes * classes, |k| one(k / classes != k % classes)),
             reject_cost: f32::INFINITY,

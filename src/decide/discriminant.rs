@@ -1,19 +1,20 @@
 //! Projected coordinates → log-likelihoods, posteriors, expected costs, class.
 //!
-//! Enters: z. Leaves: a [`Decision`].
+//! Enters: z, and the variance v of the error of each coordinate, infinite where it is missing. Leaves: a [`Decision`].
 //!
 //! ```text
-//! ln p(z|k) = g_k − ½ ‖U_k (z − μ_k)‖²,   U_kᵀ U_k = Σ_k⁻¹               (1)  thesis Eq. 2.67
+//! ln p(z|k) = −½ (n ln 2π + ln |S_k| + (z − μ_k)ᵀ S_k⁻¹ (z − μ_k)),  S_k = Σ_k + diag(v)   (1)  thesis Eq. 2.67
 //! P(k|z) = P(k) p(z|k) / Σ_j P(j) p(z|j)                                 (2)  thesis Eq. 2.64
 //! class = argmin_i Σ_k C(i|k) P(k|z)                                     (3)  thesis Eq. 2.65
 //! reject if its Σ exceeds the cost of no decision                        (4)  Chow 1970
 //! ```
 //!
-//! U is lower triangular, the inverse of the Cholesky factor of Σ. A linear discriminant has one U for all classes, a
-//! quadratic one has a U for each. The thesis pools the covariance; its discriminant is linear, although the thesis
-//! calls it quadratic. Cost of (1): C·Z(Z+3)/2 multiply-adds; (2) adds one exponential a class.
+//! (1) is computed from factors ([`super::density`]) over the n available coordinates, the same for all classes. A linear
+//! discriminant has one Σ for all classes, a quadratic one has a Σ for each. The thesis pools the covariance; its
+//! discriminant is linear, although the thesis calls it quadratic. Cost of (1): C·Z(Z+3)/2 multiply-adds and the factors;
+//! (2) adds one exponential a class.
 
-use super::projection::weighted_sum;
+use super::density::Density;
 use crate::factor::pairs;
 use crate::plan::{Array, Cells, Kind, Plan};
 
@@ -23,10 +24,9 @@ use crate::plan::{Array, Cells, Kind, Plan};
 pub struct Discriminant<P: Plan> {
     /// μ, one row of Z a class.
     pub means: Array<P::Means, f32>,
-    /// U, lower triangle packed by rows: one, or one a class.
-    pub whitening: Array<P::Densities, f32>,
-    /// g = −½ (d ln 2π + ln |Σ|) of each class.
-    pub log_normaliser: Array<P::Classes, f32>,
+    /// D and R of Σ = RᵀDR, R unit upper triangle: of each row D and then R, `[D₁, R₁₂, R₁₃, D₂, R₂₃, D₃]` for Z = 3;
+    /// one factor, or one a class. D has the variances if the coordinates are independent.
+    pub factors: Array<P::Densities, f32>,
     /// ln P(k).
     pub log_prior: Array<P::Classes, f32>,
     /// C(i|k), the cost of deciding i if k is true, by rows i.
@@ -44,7 +44,9 @@ pub struct Decision<P: Plan> {
     pub(crate) log_likelihoods: Array<P::Classes, f32>,
     pub(crate) posteriors: Array<P::Classes, f32>,
     pub(crate) expected_costs: Array<P::Classes, f32>,
-    /// Distance from the healthy class in its standard deviations; 0 without a healthy class.
+    pub(crate) missing: Array<P::Features, bool>,
+    /// Distance from the healthy class in its standard deviations; 0 without a healthy class. If coordinates are
+    /// missing, the distance with the same probability of all coordinates.
     pub distance: f32,
     /// −ln of the probability that a healthy segment has at least this distance, nats; 0 without a healthy class.
     pub surprise: f32,
@@ -52,12 +54,14 @@ pub struct Decision<P: Plan> {
 
 impl<P: Plan> Decision<P> {
     pub(crate) fn empty(plan: P) -> Self {
-        let zeros: Array<P::Classes, f32> = Cells::filled(plan.layout().classes as usize, 0.0);
+        let layout = plan.layout();
+        let zeros: Array<P::Classes, f32> = Cells::filled(layout.classes as usize, 0.0);
         Self {
             class: 0,
             log_likelihoods: zeros.clone(),
             posteriors: zeros.clone(),
             expected_costs: zeros,
+            missing: Cells::filled(layout.features as usize, false),
             distance: 0.0,
             surprise: 0.0,
         }
@@ -81,6 +85,18 @@ impl<P: Plan> Decision<P> {
         self.expected_costs.cells()
     }
 
+    /// Whether each feature was missing, in the order of the classifier's features.
+    #[must_use]
+    pub fn missing(&self) -> &[bool] {
+        self.missing.cells()
+    }
+
+    /// Number of missing features.
+    #[must_use]
+    pub fn missing_count(&self) -> usize {
+        self.missing().iter().filter(|missing| **missing).count()
+    }
+
     /// Expected cost of the decided class.
     #[must_use]
     pub fn least_cost(&self) -> f32 {
@@ -89,19 +105,27 @@ impl<P: Plan> Decision<P> {
 }
 
 impl<P: Plan> Discriminant<P> {
-    /// Log-likelihood (1) of a class at the coordinates z.
-    #[inline(never)]
+    /// Log-likelihood (1) of a class at the coordinates z, whose errors have these variances: infinite for a missing
+    /// coordinate, 0 for coordinates without a variance.
     #[must_use]
-    pub fn log_likelihood(&self, kind: Kind, z: &[f32], class: usize) -> f32 {
-        let packed = crate::factor::lower(z.len(), 0);
-        let density = match kind {
+    pub fn log_likelihood(&self, kind: Kind, z: &[f32], variances: &[f32], class: usize) -> f32 {
+        let density = Density::<P>::of(self.factor(kind, z.len(), class), variances, z.len());
+        self.likelihood(&density, z, class)
+    }
+
+    /// The factor of a class.
+    pub(super) fn factor(&self, kind: Kind, coordinates: usize, class: usize) -> &[f32] {
+        let place = match kind {
             Kind::Linear => 0,
-            Kind::Quadratic => class,
+            Kind::Quadratic => class.wrapping_mul(crate::factor::lower(coordinates, 0)),
         };
-        let whitening = self.whitening.cells().get(density.wrapping_mul(packed)..).unwrap_or(&[]);
+        self.factors.cells().get(place..).unwrap_or(&[])
+    }
+
+    /// (1) by the factor of the class.
+    pub(super) fn likelihood(&self, density: &Density<P>, z: &[f32], class: usize) -> f32 {
         let mean = self.means.cells().get(class.wrapping_mul(z.len())..).unwrap_or(&[]);
-        let normaliser = self.log_normaliser.cells().get(class).copied().unwrap_or(f32::NEG_INFINITY);
-        normaliser - 0.5 * squared_distance(whitening, mean, z) // (1)
+        density.log_density(density.squared_distance(mean, z))
     }
 
     /// Posteriors (2), expected costs and class (3) from log-likelihoods, which may be sums over several independent
@@ -211,19 +235,6 @@ impl Deciding {
     }
 }
 
-/// ‖U (z − μ)‖² for lower-triangular U, packed by rows.
-#[inline(never)]
-pub(super) fn squared_distance(whitening: &[f32], mean: &[f32], z: &[f32]) -> f32 {
-    let (mut sum, mut rest) = (0.0, whitening);
-    for i in 0..z.len() {
-        let Some((row, later)) = rest.split_at_checked(i.saturating_add(1)) else { break };
-        rest = later;
-        let x = weighted_sum(row, z, mean);
-        sum += x * x;
-    }
-    sum
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -234,15 +245,13 @@ mod tests {
     fn two(kind: Kind) -> (RunTime, Discriminant<RunTime>) {
         let plain = testing::regression(Structure::new(1, 1, 0, 1, 0), Method::LeastSquares, Memory::Segment).layout();
         let layout = Layout { features: 2, coordinates: 2, classes: 2, discriminant: kind, ..plain };
-        let ln_2pi = 1.837_877_1_f32;
-        let (spread, mut whitening) = (if kind == Kind::Linear { 1.0 } else { 0.5 }, vec![1.0, 0.0, 1.0]);
+        let mut factors = vec![1.0, 0.0, 1.0];
         if kind == Kind::Quadratic {
-            whitening.extend([spread, 0.0, 1.0]);
+            factors.extend([4.0, 0.0, 1.0]);
         }
         let discriminant = Discriminant {
             means: vec![0.0, 0.0, 2.0, 0.0],
-            whitening,
-            log_normaliser: vec![-ln_2pi, -ln_2pi + libm::logf(spread)],
+            factors,
             log_prior: vec![libm::logf(0.5); 2],
             costs: vec![0.0, 1.0, 1.0, 0.0],
             reject_cost: f32::INFINITY,
@@ -250,10 +259,18 @@ mod tests {
         (RunTime::of(layout).unwrap(), discriminant)
     }
 
-    fn decide((plan, discriminant): &(RunTime, Discriminant<RunTime>), z: [f32; 2]) -> Option<Decision<RunTime>> {
+    fn decide(of: &(RunTime, Discriminant<RunTime>), z: [f32; 2]) -> Option<Decision<RunTime>> {
+        decide_with(of, z, [0.0; 2])
+    }
+
+    fn decide_with(
+        (plan, discriminant): &(RunTime, Discriminant<RunTime>),
+        z: [f32; 2],
+        variances: [f32; 2],
+    ) -> Option<Decision<RunTime>> {
         let kind = plan.layout().discriminant;
         let mut decision = Decision::empty(*plan);
-        let likelihoods = [0, 1].map(|class| discriminant.log_likelihood(kind, &z, class));
+        let likelihoods = [0, 1].map(|class| discriminant.log_likelihood(kind, &z, &variances, class));
         discriminant.decide(&likelihoods, &mut decision).then_some(decision)
     }
 
@@ -272,6 +289,21 @@ mod tests {
         let d = two(Kind::Quadratic);
         let got = decide(&d, [0.0, 0.0]).unwrap().log_likelihoods;
         assert!((got[0] + 1.837_877).abs() < 1e-5 && (got[1] + 3.031_024).abs() < 1e-5, "{got:?}");
+    }
+
+    #[test]
+    fn errors_soften_the_posteriors_and_missing_coordinates_leave_the_priors() {
+        // Odds of class 0 at the origin: exp(½ 2²/(1 + v)).
+        let d = two(Kind::Linear);
+        for variance in [0.0_f32, 1.0, 15.0, f32::INFINITY] {
+            let odds = (2.0 / (1.0 + variance)).exp();
+            let found = decide_with(&d, [0.0, 7.0], [variance, 0.0]).unwrap().posteriors;
+            assert!((found[0] - odds / (1.0 + odds)).abs() < 1e-6, "{variance}: {found:?}");
+        }
+        // ln p(0 | 1) of the second coordinate alone: −½ ln 2π.
+        let d = two(Kind::Quadratic);
+        let found = decide_with(&d, [0.0, 0.0], [f32::INFINITY, 0.0]).unwrap().log_likelihoods;
+        assert!(found.iter().all(|log| (log + 0.918_938_5).abs() < 1e-6), "{found:?}");
     }
 
     #[test]

@@ -1,7 +1,15 @@
 //! Estimates → features.
 //!
 //! Enters: the parameters of the regression with their residual variance, and the estimate of the shaft. Leaves: the
-//! chosen features, in order.
+//! chosen features, in order, each with the variance of its error; or the reason why a feature is missing.
+//!
+//! ```text
+//! friction p ± σ:   f = p,  v = σ²;     f = ln m,  v = (σ/m)²,  m = max(p, σ)         (1)
+//! ```
+//!
+//! No deviation is known of the other features, and a score is already relative to its deviation: v = 0. The logarithm
+//! (1) suits a friction that varies by a factor between drives. Below its standard deviation a value does not differ
+//! from zero; it counts as σ, with v = 1. A missing feature has an infinite variance.
 //!
 //! Raw parameters a, b, c and physical constants are affine combinations of these features; the projection forms them.
 //! The cube root of a mean of squares is nearly normal (Wilson and Hilferty 1931), as discriminant and gate assume.
@@ -9,7 +17,7 @@
 use crate::estimate::Estimate;
 use crate::plan::{Layout, Plan};
 use crate::reason::{FrictionTerm, Reason};
-use crate::shaft::ShaftEstimate;
+use crate::shaft::{Parameter, ShaftEstimate};
 
 /// Smaller amplitudes count as this value, A.
 const LEAST_AMPLITUDE: f32 = 1e-6;
@@ -26,6 +34,8 @@ pub enum Feature {
     Friction(FrictionTerm),
     /// Its distance from nominal in its standard deviations.
     FrictionScore(FrictionTerm),
+    /// ln of it, or of its standard deviation where that is larger.
+    LogFriction(FrictionTerm),
     /// ln of the residual variance of the torque balance.
     LogFrictionVariance,
     /// Cube root of the prominence of a bearing order, by its place.
@@ -34,18 +44,58 @@ pub enum Feature {
     LogOrderAmplitude(u8),
 }
 
+/// A feature of a segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct FeatureValue {
+    /// Its value.
+    pub value: f32,
+    /// Variance of its error; 0 if none is known, infinite if the feature is missing.
+    pub variance: f32,
+}
+
+impl FeatureValue {
+    /// A feature without a result.
+    pub const MISSING: Self = Self { value: 0.0, variance: f32::INFINITY };
+
+    /// Whether there is no result.
+    #[must_use]
+    pub const fn is_missing(self) -> bool {
+        !self.variance.is_finite()
+    }
+
+    /// A value without a known error.
+    const fn exact(value: f32) -> Self {
+        Self { value, variance: 0.0 }
+    }
+
+    /// (1); a deviation that is not a number makes the feature missing.
+    fn of(parameter: Parameter) -> Self {
+        let variance = parameter.deviation * parameter.deviation;
+        if variance < f32::INFINITY { Self { value: parameter.value, variance } } else { Self::MISSING }
+    }
+
+    /// (1).
+    fn ln_of(Parameter { value, deviation, .. }: Parameter) -> Self {
+        let least = deviation.max(f32::MIN_POSITIVE);
+        let magnitude = if value < least { least } else { value };
+        let parameter = Parameter { value: libm::logf(magnitude), deviation: deviation / magnitude, score: 0.0 };
+        Self::of(parameter)
+    }
+}
+
 impl Feature {
-    /// The value of the feature.
+    /// The feature of a segment.
     ///
     /// # Errors
-    /// The reason why the part that it belongs to has no result.
+    /// The feature is missing, since the part that it belongs to has no result for this reason.
     #[inline(never)]
     pub fn value<P: Plan>(
         self,
         plan: P,
         estimate: Option<&Estimate<P>>,
         shaft: Option<&ShaftEstimate<P>>,
-    ) -> Result<f32, Reason> {
+    ) -> Result<FeatureValue, Reason> {
         // Known at compile time: a plan carries no code for features of parts that it does not have.
         let shaft = if plan.layout().shaft.is_some() { shaft } else { None };
         let estimate = if plan.layout().regression.is_some() { estimate } else { None };
@@ -55,7 +105,7 @@ impl Feature {
         };
         let reason = match self {
             Self::Parameter(_) | Self::LogVariance => estimate.and_then(|estimate| estimate.reason),
-            Self::Friction(_) | Self::FrictionScore(_) | Self::LogFrictionVariance => {
+            Self::Friction(_) | Self::FrictionScore(_) | Self::LogFriction(_) | Self::LogFrictionVariance => {
                 shaft.and_then(|shaft| shaft.friction_reason)
             }
             Self::OrderProminence(_) | Self::LogOrderAmplitude(_) => shaft.and_then(|shaft| shaft.orders_reason),
@@ -69,13 +119,14 @@ impl Feature {
             Self::Parameter(place) => estimate.and_then(|e| e.delta().get(place as usize)).copied().unwrap_or(0.0),
             Self::LogVariance => ln(estimate.map_or(0.0, |estimate| estimate.variance)),
             _ if none => 0.0,
-            Self::Friction(name) => term(name).value,
+            Self::Friction(name) => return Ok(FeatureValue::of(term(name))),
+            Self::LogFriction(name) => return Ok(FeatureValue::ln_of(term(name))),
             Self::FrictionScore(name) => term(name).score,
             Self::LogFrictionVariance => ln(shaft.map_or(0.0, |shaft| shaft.friction.variance)),
             Self::OrderProminence(place) => libm::expf(ln(order(place).prominence) / 3.0),
             Self::LogOrderAmplitude(place) => ln(order(place).amplitude.max(LEAST_AMPLITUDE)),
         };
-        Ok(value)
+        Ok(FeatureValue::exact(value))
     }
 
     /// Whether a layout has this feature.
@@ -85,7 +136,7 @@ impl Feature {
             (Self::Parameter(place), _) => (place as usize) < layout.parameters(),
             (Self::LogVariance, _) => layout.regression.is_some(),
             (_, None) => false,
-            (Self::Friction(term) | Self::FrictionScore(term), Some(shaft)) => {
+            (Self::Friction(term) | Self::FrictionScore(term) | Self::LogFriction(term), Some(shaft)) => {
                 shaft.load.is_some() || !matches!(term, FrictionTerm::InverseTorqueConstant)
             }
             (Self::LogFrictionVariance, Some(_)) => true,
@@ -103,7 +154,7 @@ fn ln(x: f32) -> f32 {
 mod tests {
     use super::*;
     use crate::plan::{Memory, Method, RunTime, ShaftLayout, Signal, Structure, testing};
-    use crate::shaft::{OrderStrength, Parameter};
+    use crate::shaft::OrderStrength;
     use std::vec;
 
     fn plan() -> RunTime {
@@ -125,8 +176,8 @@ mod tests {
         let mut estimate = Estimate::empty(plan());
         assert_eq!(Feature::Parameter(0).value(plan(), Some(&estimate), None), Err(estimate.reason.unwrap()));
         (estimate.delta, estimate.variance, estimate.reason) = (vec![0.5, 2.0, 3.0], 0.0, None);
-        assert_eq!(Feature::Parameter(2).value(plan(), Some(&estimate), None), Ok(3.0));
-        assert!(Feature::LogVariance.value(plan(), Some(&estimate), None).unwrap().is_finite());
+        assert_eq!(Feature::Parameter(2).value(plan(), Some(&estimate), None), Ok(FeatureValue::exact(3.0)));
+        assert!(Feature::LogVariance.value(plan(), Some(&estimate), None).unwrap().value.is_finite());
     }
 
     #[test]
@@ -139,10 +190,30 @@ mod tests {
         (shaft.friction_reason, shaft.orders_reason) = (None, None);
         shaft.friction.drag = Parameter { value: 1.0, deviation: 0.5, score: 8.0 };
         shaft.orders = vec![OrderStrength::default(), OrderStrength { prominence: 27.0, amplitude: 0.0 }];
-        assert_eq!(value(drag, &shaft), Ok(8.0));
+        assert_eq!(value(drag, &shaft), Ok(FeatureValue::exact(8.0)));
         // A logarithm and an exponential near three, and the least amplitude.
-        assert!((value(Feature::OrderProminence(1), &shaft).unwrap() - 3.0).abs() < 1e-6);
-        assert!((value(Feature::LogOrderAmplitude(1), &shaft).unwrap() + 13.815_511).abs() < 1e-5);
+        assert!((value(Feature::OrderProminence(1), &shaft).unwrap().value - 3.0).abs() < 1e-6);
+        assert!((value(Feature::LogOrderAmplitude(1), &shaft).unwrap().value + 13.815_511).abs() < 1e-5);
+    }
+
+    #[test]
+    fn friction_has_a_variance_and_a_logarithm() {
+        let of = |value: f32, deviation: f32| {
+            let mut shaft = ShaftEstimate::empty(plan());
+            (shaft.friction_reason, shaft.friction.viscous) = (None, Parameter { value, deviation, score: 0.0 });
+            [Feature::Friction(FrictionTerm::Viscous), Feature::LogFriction(FrictionTerm::Viscous)]
+                .map(|feature| feature.value(plan(), None, Some(&shaft)).unwrap())
+        };
+        let [plain, log] = of(4.0, 0.5);
+        assert_eq!(plain, FeatureValue { value: 4.0, variance: 0.25 });
+        assert_eq!(log, FeatureValue { value: libm::logf(4.0), variance: 1.0 / 64.0 });
+        for small in [0.25, 0.0, -3.0] {
+            assert_eq!(of(small, 0.5)[1], FeatureValue { value: libm::logf(0.5), variance: 1.0 }, "{small}");
+        }
+        assert_eq!(of(-1.0, 0.0)[1], FeatureValue::exact(libm::logf(f32::MIN_POSITIVE)));
+        for deviation in [f32::NAN, f32::INFINITY, 1e30] {
+            assert!(of(4.0, deviation)[0].is_missing(), "{deviation}");
+        }
     }
 
     #[test]

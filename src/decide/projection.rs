@@ -1,14 +1,20 @@
 //! Features → projected coordinates, by one affine map.
 //!
-//! Enters: f, `F` features. Leaves: z, `Z` coordinates.
+//! Enters: f, `F` features with the variances v of their errors. Leaves: z, `Z` coordinates with their variances.
 //!
 //! ```text
 //! z = W (f − m)                                                          (1)  thesis §2.5
+//! var z_k = Σ_j W_kj² v_j                                                (2)
 //! ```
 //!
+//! A coordinate in which a missing feature has a weight is missing: its variance is infinite. Errors of features are
+//! regarded as independent, and so are those of coordinates. The latter holds for a diagonal W, as by the projection
+//! `none`; if several coordinates contain one feature, their errors are correlated, which (2) neglects.
+//!
 //! m is the training mean; W contains principal components, Fisher's directions, or the identity, as the workbench
-//! chose. The mean is subtracted first, so that no digits cancel in the sums. Cost: Z·F multiply-adds.
+//! chose. The mean is subtracted first, so that no digits cancel in the sums. Cost: 2 Z·F multiply-adds.
 
+use super::features::FeatureValue;
 use crate::factor::pairs;
 use crate::plan::{Array, Cells, Plan};
 
@@ -23,12 +29,18 @@ pub struct Projection<P: Plan> {
 }
 
 impl<P: Plan> Projection<P> {
-    /// Coordinate `k` of (1).
+    /// Coordinate `k` of (1) with its variance (2); missing if a feature with a weight is missing.
     #[inline(never)]
     #[must_use]
-    pub fn coordinate(&self, features: &[f32], k: usize) -> f32 {
+    pub fn coordinate(&self, features: &[FeatureValue], k: usize) -> FeatureValue {
         let row = self.matrix.cells().get(k.wrapping_mul(features.len())..).unwrap_or(&[]);
-        weighted_sum(row, features, self.mean.cells()) // (1)
+        let mut z = FeatureValue { value: 0.0, variance: 0.0 };
+        for (w, (feature, mean)) in pairs(row, pairs(features, self.mean.cells())) {
+            let weighted = if *w == 0.0 { 0.0 } else { w * w * feature.variance };
+            z.value += w * (feature.value - mean); // (1)
+            z.variance += weighted; // (2)
+        }
+        if z.is_missing() { FeatureValue::MISSING } else { z }
     }
 
     /// W and m as matrices; `None` if `Z` and `F` are not the numbers of coordinates and features.
@@ -45,12 +57,6 @@ impl<P: Plan> Projection<P> {
     }
 }
 
-/// Σ w (x − m).
-#[inline(never)]
-pub(super) fn weighted_sum(weights: &[f32], x: &[f32], mean: &[f32]) -> f32 {
-    pairs(weights, pairs(x, mean)).fold(0.0, |sum, (w, (x, mean))| sum + w * (x - mean))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -63,7 +69,16 @@ mod tests {
             Projection::<RunTime> { matrix: vec![1.0, -2.0, 0.5, 0.0, 4.0, 1.0], mean: vec![1.0, 2.0, 3.0] };
         // f − m = (−0.5, −3, 5): dyadic numbers, so every operation is exact.
         let features = [0.5, -1.0, 8.0];
-        assert_eq!([0, 1].map(|k| projection.coordinate(&features, k)), [-0.5 + 6.0 + 2.5, -12.0 + 5.0]);
+        let with = |variances: [f32; 3]| {
+            let place = |k: usize| FeatureValue { value: features[k], variance: variances[k] };
+            [0, 1].map(|k| projection.coordinate(&[0, 1, 2].map(place), k))
+        };
+        let [first, second] = [-0.5 + 6.0 + 2.5, -12.0 + 5.0];
+        assert_eq!(with([0.0; 3]).map(|z| (z.value, z.variance)), [(first, 0.0), (second, 0.0)]);
+        assert_eq!(with([1.0, 0.5, 2.0]).map(|z| z.variance), [1.0 + 2.0 + 0.5, 8.0 + 2.0]);
+        // The second coordinate does not contain the first feature.
+        let [missing, own] = with([f32::INFINITY, 0.5, 0.0]);
+        assert_eq!((missing, own.value, own.variance), (FeatureValue::MISSING, second, 8.0));
         #[cfg(feature = "nalgebra")]
         {
             let (w, m) = projection.to_matrices::<2, 3>().unwrap();

@@ -8,7 +8,9 @@ mod reader;
 mod validate;
 mod writer;
 
-pub use crate::decide::{Classifier, Discriminant, EvidenceConstants, Feature, KNOTS, Novelty, Projection};
+pub use crate::decide::{
+    Classifier, Discriminant, EvidenceConstants, Feature, FeatureValue, KNOTS, Novelty, Projection,
+};
 pub use crate::factor::{Forgetting, MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
 pub use crate::regression::Regression;
 pub use crate::sample::{Channel, Label, Name};
@@ -166,14 +168,13 @@ impl<P: Plan> Constants<P> {
             map: projection.matrix.cells(),
             feature_means: projection.mean.cells(),
             means: discriminant.means.cells(),
-            whitening: discriminant.whitening.cells(),
-            log_normaliser: discriminant.log_normaliser.cells(),
+            factors: discriminant.factors.cells(),
             log_prior: discriminant.log_prior.cells(),
             costs: discriminant.costs.cells(),
             reject_cost: discriminant.reject_cost,
             healthy: novelty.class,
             novelty_mean: novelty.mean.cells(),
-            novelty_whitening: novelty.whitening.cells(),
+            novelty_factor: novelty.factor.cells(),
             knots: &novelty.knots,
             limit: novelty.limit,
             evidence: self.evidence,
@@ -237,14 +238,13 @@ macro_rules! checked_model {
                         map: &classifier.projection.matrix,
                         feature_means: &classifier.projection.mean,
                         means: &classifier.discriminant.means,
-                        whitening: &classifier.discriminant.whitening,
-                        log_normaliser: &classifier.discriminant.log_normaliser,
+                        factors: &classifier.discriminant.factors,
                         log_prior: &classifier.discriminant.log_prior,
                         costs: &classifier.discriminant.costs,
                         reject_cost: classifier.discriminant.reject_cost,
                         healthy: classifier.novelty.class,
                         novelty_mean: &classifier.novelty.mean,
-                        novelty_whitening: &classifier.novelty.whitening,
+                        novelty_factor: &classifier.novelty.factor,
                         knots: &classifier.novelty.knots,
                         limit: classifier.novelty.limit,
                         evidence: constants.evidence,

@@ -26,6 +26,21 @@ pub(super) const fn all_within(values: &[f32], least: f32, most: f32) -> bool {
     true
 }
 
+/// Whether every value is finite and the pivots are above zero in factors of this number of rows: of each row the pivot
+/// first, then what is right of it.
+pub(super) const fn are_factors(values: &[f32], rows: usize) -> bool {
+    let (mut rest, mut left) = (values, rows);
+    while let [pivot, later @ ..] = rest {
+        let (row, below) = split(later, left.saturating_sub(1));
+        if !(*pivot >= f32::MIN_POSITIVE && *pivot <= f32::MAX && all_within(row, f32::MIN, f32::MAX)) {
+            return false;
+        }
+        rest = below;
+        left = if left > 1 { left.saturating_sub(1) } else { rows };
+    }
+    true
+}
+
 /// Whether sums of squares of a signal within its limit, so scaled, stay far inside the range of f32.
 pub(super) const fn bounded(scale: &[f32], limit: f32) -> bool {
     // Only level and first difference can be large; differences share one scale.

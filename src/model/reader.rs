@@ -105,6 +105,7 @@ impl Reader<'_> {
             4 => Feature::LogFrictionVariance,
             5 => Feature::OrderProminence(place),
             6 => Feature::LogOrderAmplitude(place),
+            7 => Feature::LogFriction(term()?),
             _ => return Err(ModelError::OutOfRange(Field::Feature)),
         })
     }
@@ -215,8 +216,7 @@ fn read_classifier<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<Classifi
     let classes = layout.classes as usize;
     let discriminant = Discriminant {
         means: reader.floats(layout.means())?,
-        whitening: reader.floats(layout.densities())?,
-        log_normaliser: reader.floats(classes)?,
+        factors: reader.floats(layout.densities())?,
         log_prior: reader.floats(classes)?,
         costs: reader.floats(layout.costs())?,
         reject_cost: reader.f32()?,
@@ -225,7 +225,7 @@ fn read_classifier<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<Classifi
     let mut novelty = Novelty { class: (class != NONE).then_some(class), ..Novelty::none(plan) };
     if novelty.class.is_some() {
         novelty.mean = reader.floats(layout.coordinates as usize)?;
-        novelty.whitening = reader.floats(layout.whitening())?;
+        novelty.factor = reader.floats(layout.density())?;
         let mut knots = [[0.0; 2]; KNOTS];
         reader.fill(knots.as_flattened_mut())?;
         (novelty.knots, novelty.limit) = (knots, reader.f32()?);

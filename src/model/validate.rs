@@ -7,7 +7,7 @@
 
 use super::error::{Field, ModelError};
 use super::parts::{Parts, RegressionParts, ShaftParts};
-use super::ranges::{all_powers_of_two, all_within, bounded, differences_alike, increase, split};
+use super::ranges::{all_powers_of_two, all_within, are_factors, bounded, differences_alike, increase, split};
 use super::{MAX_BLOCK_MEAN, Sampling};
 use crate::decide::EvidenceConstants;
 use crate::estimate::is_stable;
@@ -221,15 +221,14 @@ const fn check_classifier(parts: &Parts<'_>) -> Result<(), ModelError> {
     require_length!(parts.feature_means.len(), layout.features as usize, Projection);
     require_length!(parts.map.len(), layout.map(), Projection);
     require_length!(parts.means.len(), layout.means(), ClassDensity);
-    require_length!(parts.whitening.len(), layout.densities(), ClassDensity);
+    require_length!(parts.factors.len(), layout.densities(), ClassDensity);
     let classes = layout.classes as usize;
-    require_length!(parts.log_normaliser.len(), classes, ClassDensity);
     require_length!(parts.log_prior.len(), classes, Prior);
     require_length!(parts.costs.len(), layout.costs(), Cost);
     let (least, most) = (f32::MIN, f32::MAX);
     require!(all_within(parts.map, least, most) && all_within(parts.feature_means, least, most), Projection);
-    let densities = all_within(parts.means, least, most) && all_within(parts.whitening, least, most);
-    require!(densities && all_within(parts.log_normaliser, least, most), ClassDensity);
+    let factors = are_factors(parts.factors, layout.coordinates as usize);
+    require!(all_within(parts.means, least, most) && factors, ClassDensity);
     require!(all_within(parts.log_prior, least, most), Prior);
     // Infinity is allowed: never reject.
     require!(all_within(parts.costs, 0.0, 1e6) && parts.reject_cost >= 0.0, Cost);
@@ -239,12 +238,13 @@ const fn check_classifier(parts: &Parts<'_>) -> Result<(), ModelError> {
 const fn check_novelty(parts: &Parts<'_>) -> Result<(), ModelError> {
     let layout = &parts.layout;
     require_length!(parts.novelty_mean.len(), layout.coordinates as usize, HealthyDensity);
-    require_length!(parts.novelty_whitening.len(), layout.whitening(), HealthyDensity);
-    let (least, most) = (f32::MIN, f32::MAX);
-    let finite = all_within(parts.novelty_mean, least, most) && all_within(parts.novelty_whitening, least, most);
-    require!(finite, HealthyDensity);
+    require_length!(parts.novelty_factor.len(), layout.density(), HealthyDensity);
+    let most = f32::MAX;
+    require!(all_within(parts.novelty_mean, f32::MIN, most), HealthyDensity);
+    require!(all_within(parts.novelty_factor, f32::MIN, most), HealthyDensity);
     if let Some(class) = parts.healthy {
         require!(class < layout.classes, HealthyClass);
+        require!(are_factors(parts.novelty_factor, layout.coordinates as usize), HealthyDensity);
         require!(increase(parts.knots) && all_within(parts.knots.as_flattened(), 0.0, most), SurpriseCurve);
         require!(parts.limit > 0.0, NoveltyLimit);
     }

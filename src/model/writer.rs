@@ -68,6 +68,7 @@ impl Writer<'_> {
             Feature::LogFrictionVariance => [4, 0],
             Feature::OrderProminence(place) => [5, place],
             Feature::LogOrderAmplitude(place) => [6, place],
+            Feature::LogFriction(term) => [7, place(term)],
         })
     }
 }
@@ -127,14 +128,14 @@ fn write_classifier<P: Plan>(writer: &mut Writer<'_>, classifier: &Classifier<P>
     features.cells().iter().try_for_each(|feature| writer.feature(*feature))?;
     writer.floats(projection.matrix.cells())?;
     writer.floats(projection.mean.cells())?;
-    let Discriminant { means, whitening, log_normaliser, log_prior, costs, reject_cost } = discriminant;
-    let lists = [means.cells(), whitening.cells(), log_normaliser.cells(), log_prior.cells(), costs.cells()];
+    let Discriminant { means, factors, log_prior, costs, reject_cost } = discriminant;
+    let lists = [means.cells(), factors.cells(), log_prior.cells(), costs.cells()];
     lists.into_iter().try_for_each(|list| writer.floats(list))?;
     writer.floats(&[*reject_cost])?;
     writer.bytes(&[novelty.class.unwrap_or(NONE)])?;
     if novelty.class.is_some() {
         writer.floats(novelty.mean.cells())?;
-        writer.floats(novelty.whitening.cells())?;
+        writer.floats(novelty.factor.cells())?;
         writer.floats(novelty.knots.as_flattened())?;
         writer.floats(&[novelty.limit])?;
     }

@@ -202,7 +202,7 @@ mod tests {
         let instruments = RegressionLayout { method: Method::Instruments, ..SQUARES };
         let refined = Layout { regression: Some(instruments), ..PLAIN };
         assert_eq!((refined.columns(), refined.packed(), refined.covariance(), refined.filters()), (11, 55, 36, 8));
-        assert_eq!((PLAIN.map(), PLAIN.whitening(), PLAIN.densities(), PLAIN.means()), (27, 6, 18, 9));
+        assert_eq!((PLAIN.map(), PLAIN.density(), PLAIN.densities(), PLAIN.means()), (27, 6, 18, 9));
         assert_eq!((PLAIN.squares(), PLAIN.instruments(), refined.squares(), refined.instruments()), (1, 0, 0, 1));
     }
 

@@ -4,7 +4,7 @@
 //! n = na + nb + nc (+ 1)                          parameters
 //! M = n + 1 (+ na by instruments)                 columns of a row, target last
 //! M (M − 1)/2,  n (n + 1)/2                       packed triangular factor, packed covariance
-//! Z F,  Z (Z + 1)/2,  C Z,  C²                    projection, whitening matrix, class means, costs
+//! Z F,  Z (Z + 1)/2,  C Z,  C²                    projection, factor of a covariance, class means, costs
 //! ```
 
 use super::Structure;
@@ -156,17 +156,17 @@ impl Layout {
     /// Z (Z + 1)/2.
     #[inline]
     #[must_use]
-    pub const fn whitening(&self) -> usize {
+    pub const fn density(&self) -> usize {
         triangle(self.coordinates as usize)
     }
 
-    /// Elements of the whitening matrices of all densities: one of a linear discriminant, C of a quadratic one.
+    /// Elements of the covariance factors of all densities: one of a linear discriminant, C of a quadratic one.
     #[inline]
     #[must_use]
     pub const fn densities(&self) -> usize {
         match self.discriminant {
-            Kind::Linear => self.whitening(),
-            Kind::Quadratic => self.whitening() * self.classes as usize,
+            Kind::Linear => self.density(),
+            Kind::Quadratic => self.density() * self.classes as usize,
         }
     }
 

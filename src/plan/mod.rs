@@ -86,7 +86,7 @@ pub trait Plan: Copy + PartialEq + Printable + 'static {
     /// Z F.
     type Map: Size;
     /// Z (Z + 1)/2.
-    type Whitening: Size;
+    type Density: Size;
     /// Z (Z + 1)/2 for each covariance.
     type Densities: Size;
     /// C, the number of classes.
@@ -240,7 +240,7 @@ macro_rules! plan {
                 type Features = $crate::plan::Fixed<{ LAYOUT.features as usize }>;
                 type Coordinates = $crate::plan::Fixed<{ LAYOUT.coordinates as usize }>;
                 type Map = $crate::plan::Fixed<{ LAYOUT.map() }>;
-                type Whitening = $crate::plan::Fixed<{ LAYOUT.whitening() }>;
+                type Density = $crate::plan::Fixed<{ LAYOUT.density() }>;
                 type Densities = $crate::plan::Fixed<{ LAYOUT.densities() }>;
                 type Classes = $crate::plan::Fixed<{ LAYOUT.classes as usize }>;
                 type Means = $crate::plan::Fixed<{ LAYOUT.means() }>;

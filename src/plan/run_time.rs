@@ -50,7 +50,7 @@ impl Plan for RunTime {
     type Features = Heap;
     type Coordinates = Heap;
     type Map = Heap;
-    type Whitening = Heap;
+    type Density = Heap;
     type Densities = Heap;
     type Classes = Heap;
     type Means = Heap;

@@ -171,7 +171,7 @@ pub fn validate(
     };
     let usable: Vec<_> = training.par_iter().map(row).filter_map(|(row, class)| Some((row?, class))).collect();
     let (rows, labels): (Vec<_>, Vec<_>) = usable.into_iter().unzip();
-    let table = FeatureTable { rows, classes: labels, names: classes.to_vec() };
+    let table = FeatureTable::exact(rows, labels, classes.to_vec());
     for (class, name) in classes.iter().enumerate() {
         let found = table.classes.iter().filter(|label| **label == class).count();
         if found <= count {

@@ -58,7 +58,10 @@ fn values_out_of_range_are_named() {
     refused(Field::Feature, |c| c.classifier.features[0] = Feature::Parameter(5));
     refused(Field::Projection, |c| c.classifier.projection.mean[0] = f32::INFINITY);
     refused(Field::Projection, |c| c.classifier.projection.matrix[24] = f32::NAN);
-    refused(Field::ClassDensity, |c| c.classifier.discriminant.whitening[0] = f32::NAN);
+    refused(Field::ClassDensity, |c| c.classifier.discriminant.factors[0] = f32::NAN);
+    refused(Field::ClassDensity, |c| c.classifier.discriminant.factors[5] = 0.0);
+    refused(Field::ClassDensity, |c| c.classifier.discriminant.factors[14] = -1.0);
+    refused(Field::ClassDensity, |c| c.classifier.discriminant.factors[13] = f32::INFINITY);
     refused(Field::ClassDensity, |c| c.classifier.discriminant.means[14] = f32::INFINITY);
     refused(Field::Prior, |c| c.classifier.discriminant.log_prior[0] = f32::NEG_INFINITY);
     refused(Field::Cost, |c| c.classifier.discriminant.costs[1] = -1.0);
@@ -98,7 +101,7 @@ fn lists_of_another_length_are_named() {
         (Field::Projection, |c| c.classifier.projection.matrix.push(0.0)),
         (Field::Projection, |c| c.classifier.projection.mean.truncate(1)),
         (Field::ClassDensity, |c| c.classifier.discriminant.means.push(0.0)),
-        (Field::ClassDensity, |c| c.classifier.discriminant.whitening.truncate(14)),
+        (Field::ClassDensity, |c| c.classifier.discriminant.factors.truncate(14)),
         (Field::Prior, |c| c.classifier.discriminant.log_prior.push(0.0)),
         (Field::Cost, |c| c.classifier.discriminant.costs.truncate(8)),
         (Field::HealthyDensity, |c| c.classifier.novelty.mean.truncate(0)),
@@ -116,7 +119,7 @@ fn gated(c: &mut Constants<Drive>) {
     c.classifier.novelty = Novelty {
         class: Some(0),
         mean: [0.5, -1.0, 2.0, 0.0, 1.0],
-        whitening: std::array::from_fn(|k| 1.0 / (1 + k) as f32),
+        factor: std::array::from_fn(|k| 1.0 / (1 + k) as f32),
         knots: std::array::from_fn(|k| [2.0 * k as f32, k as f32]),
         limit: 4.6,
     };
@@ -134,7 +137,7 @@ fn gate_and_alarm_are_read_back_by_either_plan() {
     let (own, other) = (model.constants(), loose.constants());
     assert_eq!((other.evidence, other.classifier.discriminant.reject_cost), (own.evidence, 0.25));
     let z = [0.3, -0.2, 1.0, 0.7, -1.5];
-    assert_eq!(other.classifier.novelty.judge(&z), own.classifier.novelty.judge(&z), "the same bits");
+    assert_eq!(other.classifier.novelty.judge(&z, &[]), own.classifier.novelty.judge(&z, &[]), "the same bits");
     let mut again = vec![0; length];
     assert_eq!(loose.to_bytes("", &mut again), Ok(length));
     assert_eq!(again, buffer[..length]);
@@ -142,10 +145,11 @@ fn gate_and_alarm_are_read_back_by_either_plan() {
 
 #[test]
 fn gates_and_alarms_out_of_range_are_named() {
-    let cases: [Case<Drive>; 15] = [
+    let cases: [Case<Drive>; 16] = [
         (Field::HealthyClass, |c| c.classifier.novelty.class = Some(3)),
         (Field::HealthyDensity, |c| c.classifier.novelty.mean[2] = f32::NAN),
-        (Field::HealthyDensity, |c| c.classifier.novelty.whitening[10] = f32::INFINITY),
+        (Field::HealthyDensity, |c| c.classifier.novelty.factor[10] = f32::INFINITY),
+        (Field::HealthyDensity, |c| c.classifier.novelty.factor[5] = -0.1),
         (Field::SurpriseCurve, |c| c.classifier.novelty.knots[3][0] = 4.0),
         (Field::SurpriseCurve, |c| c.classifier.novelty.knots[3][1] = 2.0),
         (Field::SurpriseCurve, |c| c.classifier.novelty.knots[0][0] = -1.0),
@@ -177,7 +181,7 @@ fn gates_and_alarms_out_of_range_are_named() {
         c.classifier.novelty.class = None;
     });
     let none = none.expect("good");
-    assert_eq!(none.constants().classifier.novelty.judge(&[9.0; 5]), (0.0, 0.0));
+    assert_eq!(none.constants().classifier.novelty.judge(&[9.0; 5], &[]), (0.0, 0.0));
 }
 
 #[test]

@@ -33,12 +33,10 @@ fn plan(coordinates: usize, classes: u8) -> RunTime {
 
 /// The core's form of a gate.
 fn core(gate: &Gate) -> Novelty<RunTime> {
-    let z = gate.mean.len();
-    let lower = (0..z).flat_map(|i| (0..=i).map(move |j| (i, j)));
     Novelty {
         class: Some(0),
         mean: gate.mean.iter().map(|x| *x as f32).collect(),
-        whitening: lower.map(|place| gate.whitening[place] as f32).collect(),
+        factor: gate.factor(),
         knots: gate.knots.map(|knot| knot.map(|x| x as f32)),
         limit: gate.limit as f32,
     }
@@ -58,7 +56,7 @@ fn rates<const Z: usize>(degrees: Option<f64>, healthy: usize) -> Vec<[f64; 2]> 
         let gate = core(&gate_of(&healthy, 1e-3).expect("a gate"));
         let mut counts = [0_usize; 2];
         for z in rows(TESTS) {
-            let (_, surprise) = gate.judge(&z.map(|x| x as f32).as_slice()[..Z]);
+            let (_, surprise) = gate.judge(&z.map(|x| x as f32).as_slice()[..Z], &[]);
             for (count, rate) in counts.iter_mut().zip([1e-2_f32, 1e-3]) {
                 *count += usize::from(surprise >= -rate.ln());
             }
@@ -137,7 +135,7 @@ fn model(classes: u8, segments: f64, scores: f64) -> Model<RunTime> {
 /// The healthy class N(0, 1), known.
 fn chi_squared(plan: RunTime) -> Novelty<RunTime> {
     let law = DistanceLaw::gaussian(1, 1_000_000);
-    let mut novelty = Novelty { class: Some(0), whitening: vec![1.0], limit: 4.6, ..Novelty::none(plan) };
+    let mut novelty = Novelty { class: Some(0), factor: vec![1.0], limit: 4.6, ..Novelty::none(plan) };
     for (k, knot) in novelty.knots.iter_mut().enumerate() {
         let surprise = 25.0 * (k as f64 / (KNOTS - 1) as f64).powi(2);
         *knot = [law.squared_at(surprise) as f32, surprise as f32];
@@ -174,7 +172,7 @@ fn false_alarms_are_at_least_as_rare_as_set() {
             let (mut evidence, classifier) = (three.evidence(), &three.constants().classifier);
             let mut length = 1;
             let z = |random: &mut ChaCha8Rng| -> f32 { StandardNormal.sample(random) };
-            while evidence.observe(classifier.decide_at(three.plan(), &[z(random)]).as_ref()).is_none() {
+            while evidence.observe(classifier.decide_at(three.plan(), &[z(random)], &[]).as_ref()).is_none() {
                 length += 1;
             }
             length
@@ -196,7 +194,7 @@ fn a_defect_alarms_within_three_segments_by_name_and_stays_until_reset() {
         let mut evidence = model.evidence();
         let mut observe = |evidence: &mut Evidence<RunTime>, centre: f32| {
             let noise: f32 = StandardNormal.sample(&mut random);
-            evidence.observe(model.constants().classifier.decide_at(model.plan(), &[centre + noise]).as_ref())
+            evidence.observe(model.constants().classifier.decide_at(model.plan(), &[centre + noise], &[]).as_ref())
         };
         for _ in 0..50 {
             assert_eq!(observe(&mut evidence, 0.0), None);

@@ -89,7 +89,7 @@ fn what_is_trained_is_what_flies() {
     assert!(coulomb.abs() < 8e-3 && (inverse_kt - 20.0).abs() < 0.05, "{:?}", shaft.balance.nominal);
     let model = trained.embed().expect("embeds");
     let first = model.run(&set[0].trace);
-    let own: Vec<f64> = first[0].shaft_features.iter().map(|x| f64::from(*x)).collect();
+    let own: Vec<f64> = first[0].shaft_features.iter().map(|x| f64::from(x.value)).collect();
     let place = trained.recipe.catalogue().names().iter().position(|name| name == "drag_score").expect("a feature");
     let before = trained.recipe.catalogue().names().len() - own.len();
     // The same code on the same samples: the same bits.

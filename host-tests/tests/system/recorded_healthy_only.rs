@@ -108,7 +108,7 @@ fn held_out_in_turn(strokes: &[Stroke], o: [u8; 5], features: &[&str]) -> Found 
         found.plain_false_alarms.push(novel(&run(&trained, "normal")));
         let stretch = stretch_squared(&trained).sqrt();
         found.stretches.push(stretch);
-        trained.watch.gate.as_mut().expect("a gate").whitening /= stretch;
+        trained.watch.gate.as_mut().expect("a gate").covariance *= stretch * stretch;
         found.false_alarms.push(novel(&run(&trained, "normal")));
         for (k, state) in FAULTS.iter().enumerate() {
             let verdicts = run(&trained, state);

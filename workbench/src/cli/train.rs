@@ -53,8 +53,8 @@ pub(super) struct Args {
     /// Then evaluate on the rows with this, e.g. 'run>4'
     #[arg(long, value_name = "CONDITION")]
     test_where: Vec<Condition>,
-    /// a, b, c, offset, log_variance, friction, friction_scores, orders, or single ones such as a1, viscous_score or
-    /// order_outer; every parameter if not given
+    /// a, b, c, offset, log_variance, friction, friction_scores, friction_logs, orders, or single ones such as a1,
+    /// viscous_score, viscous_log or order_outer; every parameter if not given
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     features: Vec<String>,
     /// Projection of the features
@@ -270,13 +270,14 @@ impl Args {
     fn print(&self, trained: &Trained, training: &[LabelledTrace], bytes: usize, found: &Found) -> Result<(), Error> {
         let counts: Vec<usize> =
             (0..trained.classes.len()).map(|k| training.iter().filter(|t| t.class == k).count()).collect();
-        trained.watch.warning.iter().for_each(output::warn);
+        trained.left_out.summary().iter().chain(&trained.watch.warning).for_each(output::warn);
         if self.json {
             return output::json(&json!({
                 "model": self.model,
                 "bytes": bytes,
                 "classes": trained.classes,
                 "training_traces": counts,
+                "left_out": trained.left_out.count,
                 "features": trained.feature_names,
                 "method": method_word(trained.recipe.estimation.method),
                 "settle_samples": trained.parts.regression.as_ref().and_then(|(layout, regression)| {

@@ -106,6 +106,8 @@ impl Embedded {
             report.decision.as_ref().map_or_else(Vec::new, |decision| pick(decision).to_vec())
         };
         let (estimate, shaft) = (report.estimate(), report.shaft());
+        let features = &self.model.constants().classifier.features;
+        let missing = report.decision.iter().flat_map(|decision| decision.missing().iter().zip(features));
         SegmentReport {
             verdict: match report.verdict {
                 Verdict::Undetermined(reason) => Err(explain(reason, report, &self.model)),
@@ -118,6 +120,8 @@ impl Embedded {
             delta: estimate.map_or_else(Vec::new, |estimate| estimate.delta().to_vec()),
             raw: estimate.map_or_else(Vec::new, |estimate| estimate.raw()),
             variance: estimate.map_or(0.0, |estimate| estimate.variance),
+            estimated: estimate.is_some_and(|estimate| estimate.reason.is_none()),
+            missing: missing.filter(|(missing, _)| **missing).map(|(_, feature)| *feature).collect(),
             friction: shaft.map(|shaft| shaft.friction),
             orders: shaft.map_or_else(Vec::new, |shaft| shaft.orders().to_vec()),
             shaft_features: shaft.map_or_else(Vec::new, |shaft| shaft_values(self.model.plan(), shaft)),
@@ -199,7 +203,7 @@ impl Embedded {
     /// The class decided at these projected coordinates; used to plot decision regions.
     #[must_use]
     pub fn decide_at(&self, coordinates: &[f32]) -> Option<usize> {
-        let decision = self.model.constants().classifier.decide_at(self.model.plan(), coordinates)?;
+        let decision = self.model.constants().classifier.decide_at(self.model.plan(), coordinates, &[])?;
         Some(decision.class as usize)
     }
 }

@@ -5,10 +5,10 @@
 //! ```
 //!
 //! The workbench selects and projects raw features; the core extracts δ and applies the composed map. The features of
-//! the shaft follow and are the same in both: the parameters of the torque balance, their scores, its residual, and two
-//! numbers per order.
+//! the shaft follow and are the same in both: the parameters of the torque balance, their scores, their logarithms, its
+//! residual, and two numbers per order. Parameters and logarithms have errors of known variance.
 
-use bearing_watch::model::Feature;
+use bearing_watch::model::{Feature, FeatureValue};
 use bearing_watch::plan::RunTime;
 use bearing_watch::{FrictionTerm, ShaftEstimate};
 use nalgebra::{DMatrix, DVector};
@@ -47,14 +47,14 @@ pub fn of_core(structure: Structure, delta: &[f32], variance: f32) -> DVector<f6
 /// Names of the parameters of the torque balance, in the core's order; each is in amperes per unit of its signal.
 pub const FRICTION: [&str; 6] = ["inertia", "viscous", "coulomb", "inverse_kt", "torque_offset", "drag"];
 
-/// All features of the shaft, in the order of [`Catalogue::shaft`]; empty if a part of the shaft has no result. Without
-/// a measured load the torque constant is not estimated, and its features are zero.
+/// All features of the shaft, in the order of [`Catalogue::shaft`]; those of a part without a result are missing. Without
+/// a measured load the torque constant is not estimated, and its features are constant.
 #[must_use]
-pub fn shaft_values(plan: RunTime, shaft: &ShaftEstimate<RunTime>) -> Vec<f32> {
+pub fn shaft_values(plan: RunTime, shaft: &ShaftEstimate<RunTime>) -> Vec<FeatureValue> {
     let orders = (0..shaft.orders().len()).map(|k| k.to_string()).collect();
     let catalogue = Catalogue { structure: Structure::new(0, 0, 0, 0, 0), orders: Some(orders) };
-    let each = |(_, feature): &(String, Feature)| feature.value(plan, None, Some(shaft)).ok();
-    catalogue.shaft().iter().map(each).collect::<Option<_>>().unwrap_or_default()
+    let each = |(_, feature): &(String, Feature)| feature.value(plan, None, Some(shaft));
+    catalogue.shaft().iter().map(|own| each(own).unwrap_or(FeatureValue::MISSING)).collect()
 }
 
 /// All features that a model can have.
@@ -75,6 +75,7 @@ impl Catalogue {
         let mut all: Vec<(String, Feature)> = Vec::new();
         all.extend(terms().map(|(name, term)| ((*name).to_string(), Feature::Friction(term))));
         all.extend(terms().map(|(name, term)| (format!("{name}_score"), Feature::FrictionScore(term))));
+        all.extend(terms().map(|(name, term)| (format!("{name}_log"), Feature::LogFriction(term))));
         all.push(("balance_log_variance".into(), Feature::LogFrictionVariance));
         let places = || orders.iter().zip(0_u8..);
         all.extend(places().map(|(name, k)| (format!("order_{name}"), Feature::OrderProminence(k))));
@@ -105,6 +106,13 @@ impl Catalogue {
             None if place == n => Feature::LogVariance,
             None => Feature::Parameter(place as u8),
         }
+    }
+
+    /// Name of a core feature; of a regression's parameter, that of the raw parameter at its place.
+    #[must_use]
+    pub fn name(&self, feature: Feature) -> String {
+        let place = (0..self.names().len()).find(|&place| self.core_feature(place) == feature);
+        place.and_then(|place| self.names().get(place).cloned()).unwrap_or_else(|| format!("{feature:?}"))
     }
 
     /// T of (1), extended by the identity for the features of the shaft.
@@ -147,6 +155,7 @@ fn choose_from(names: &[String], structure: Structure, asked: &[String]) -> Resu
                     "a" | "b" | "c" => full[1..].parse::<u8>().is_ok() && full.starts_with(name.as_str()),
                     // The offset depends on the sensors, not on the bearing.
                     "friction" => FRICTION[..4].contains(&full.as_str()),
+                    "friction_logs" => FRICTION[..4].iter().any(|own| full.strip_suffix("_log") == Some(own)),
                     "friction_scores" => FRICTION[..4].iter().any(|own| full.strip_suffix("_score") == Some(own)),
                     "orders" => full.starts_with("order_"),
                     _ => false,
@@ -155,7 +164,7 @@ fn choose_from(names: &[String], structure: Structure, asked: &[String]) -> Resu
         let places: Vec<usize> = (0..names.len()).filter(|&k| of_group(&names[k])).collect();
         if places.is_empty() {
             return Err(Error::Usage(format!(
-                "--features: no {name} in this model; there are {} (a, b, c, friction, friction_scores, orders stand for whole groups)",
+                "--features: no {name} in this model; there are {} (a, b, c, friction, friction_scores, friction_logs, orders stand for whole groups)",
                 names.join(", ")
             )));
         }

@@ -33,8 +33,8 @@ impl Parts {
         }
     }
 
-    /// A model that estimates but does not decide: it has one class. It has one feature of each part, so a segment in
-    /// which a part has no result has no verdict.
+    /// A model that estimates but does not decide: it has one class. It has one feature of each part, each a coordinate,
+    /// so a segment has a verdict if a part has a result.
     ///
     /// # Errors
     /// Errors of the core.
@@ -48,16 +48,15 @@ impl Parts {
             features.extend((shaft.orders > 0).then_some(Feature::OrderProminence(0)));
         }
         let n = features.len();
-        let plan = plan(self.layout([n as u8, 1, 1], Kind::Linear))?;
-        let mut matrix = vec![0.0; n];
-        matrix[0] = 1.0;
+        let plan = plan(self.layout([n as u8, n as u8, 1], Kind::Linear))?;
+        let identity = (0..n * n).map(|k| f32::from(u8::from(k / n == k % n)));
+        let factor = (0..n).flat_map(|i| (i..n).map(move |j| f32::from(u8::from(i == j))));
         let classifier = Classifier {
             features,
-            projection: Projection { matrix, mean: vec![0.0; n] },
+            projection: Projection { matrix: identity.collect(), mean: vec![0.0; n] },
             discriminant: Discriminant {
-                means: vec![0.0],
-                whitening: vec![1.0],
-                log_normaliser: vec![0.0],
+                means: vec![0.0; n],
+                factors: factor.collect(),
                 log_prior: vec![0.0],
                 costs: vec![0.0],
                 reject_cost: f32::INFINITY,

@@ -1,6 +1,7 @@
 //! What the detector reported on one segment of a trace.
 
 use bearing_watch::internals::Finding as CoreFinding;
+use bearing_watch::model::{Feature, FeatureValue};
 use bearing_watch::{Counts, Friction, OrderStrength, Verdict};
 
 /// One segment of a trace: verdict, estimates and counts.
@@ -26,8 +27,12 @@ pub struct SegmentReport {
     pub friction: Option<Friction>,
     /// The bearing orders.
     pub orders: Vec<OrderStrength>,
-    /// Features of the shaft ([`super::features::Catalogue::shaft`]); empty if it has no result.
-    pub shaft_features: Vec<f32>,
+    /// Whether the regression has a result.
+    pub estimated: bool,
+    /// Features of the shaft ([`super::features::Catalogue::shaft`]).
+    pub shaft_features: Vec<FeatureValue>,
+    /// The model's features that were missing; empty if there is no verdict.
+    pub missing: Vec<Feature>,
     /// Rows of the regression.
     pub rows: u32,
     /// Numbers of samples and rows that were rejected or downweighted, and the stuck channels.
@@ -42,7 +47,8 @@ impl SegmentReport {
     /// The segment with the verdict replaced by this reason.
     pub(super) fn undetermined(self, reason: String) -> Self {
         let (posteriors, log_likelihoods) = (vec![], vec![]);
-        Self { verdict: Err(reason), posteriors, log_likelihoods, distance: 0.0, surprise: 0.0, ..self }
+        let missing = vec![];
+        Self { verdict: Err(reason), posteriors, log_likelihoods, missing, distance: 0.0, surprise: 0.0, ..self }
     }
 }
 

@@ -194,14 +194,18 @@ fn table(
         estimates.iter().zip(traces).filter(|(_, t)| t.class == 0).map(|(e, _)| e.fit_percent).collect();
     let fit = healthy.iter().sum::<f64>() / healthy.len().max(1) as f64;
     let classes_of = traces.iter().map(|t| t.class).collect();
-    Ok((FeatureTable::new(&estimates, classes_of, classes.to_vec()).select(chosen), fit))
+    Ok((
+        FeatureTable::exact(estimates.iter().map(features::vector).collect(), classes_of, classes.to_vec())
+            .select(chosen),
+        fit,
+    ))
 }
 
 /// Rows of class 0 and of one other, relabelled 0 and 1.
 fn two_classes(table: &FeatureTable, other: usize) -> FeatureTable {
     let rows = table.rows.iter().zip(&table.classes).filter(|(_, class)| **class == 0 || **class == other);
     let (rows, classes) = rows.map(|(row, &class)| (row.clone(), usize::from(class == other))).unzip();
-    FeatureTable { rows, classes, names: vec![table.names[0].clone(), table.names[other].clone()] }
+    FeatureTable::exact(rows, classes, vec![table.names[0].clone(), table.names[other].clone()])
 }
 
 #[cfg(test)]
@@ -218,7 +222,7 @@ mod tests {
         let around = |cx: f64, cy: f64| spread.iter().map(move |(x, y)| row(cx + x, cy + y));
         let rows = around(0.0, 0.0).chain(around(9.0, 0.0)).chain(around(0.0, 9.0)).collect();
         let names = ["healthy", "spall", "roughness"].map(String::from).to_vec();
-        FeatureTable { rows, classes: [[0; 5], [1; 5], [2; 5]].concat(), names }
+        FeatureTable::exact(rows, [[0; 5], [1; 5], [2; 5]].concat(), names)
     }
 
     #[test]

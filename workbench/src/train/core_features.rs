@@ -1,56 +1,63 @@
 //! Features of training traces as the core itself estimates them.
 //!
-//! The classifier is not trained yet, so the detector runs with a classifier of a single class: every estimate is
-//! assigned to it. Each trace runs as a whole, so that a segment starts from the state that its predecessor left, as it
-//! will in the drive.
+//! The classifier is not trained yet, so the detector runs with a classifier of a single class. Each trace runs as a
+//! whole, so that a segment starts from the state that its predecessor left, as it will in the drive. The features of a
+//! part without a result are missing, and so are all features of a segment without a verdict.
 
-use bearing_watch::model::Sampling;
+use bearing_watch::model::{FeatureValue, Sampling};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::FeatureTable;
 use super::core_form::{refused, samples};
 use crate::Error;
-use crate::core::{Embedded, Parts, SegmentReport, features};
-use crate::identify::Structure;
+use crate::core::features::{self, Catalogue};
+use crate::core::{Embedded, Parts, SegmentReport};
 use crate::trace::labels::LabelledTrace;
 
-const REMEDY: &str = "; choose other channels or a lower order, or leave the trace out";
+/// The rows of all segments, with the trace of each row, and why it has no features.
+pub(super) type Rows = (FeatureTable, Vec<usize>, Vec<Option<String>>);
 
-/// Returns one row per segment, and the trace of each row.
+/// Returns one row per segment.
 pub(super) fn run(
     traces: &[LabelledTrace],
     classes: &[String],
-    (parts, structure): (&Parts, Structure),
+    (parts, catalogue): (&Parts, &Catalogue),
     segment: usize,
-) -> Result<(FeatureTable, Vec<usize>), Error> {
+) -> Result<Rows, Error> {
     let sampling = Sampling { interval_s: 0.0, park: None, block_mean: 1, segment_samples: samples(segment)? };
     let model = parts.estimating(sampling).map_err(refused)?;
     let estimator = Embedded::new(model).map_err(refused)?;
-    let each = |labelled: &LabelledTrace| -> Result<Vec<DVector<f64>>, Error> {
-        let segments = estimator.run(&labelled.trace);
-        let row = |segment: &SegmentReport| match &segment.verdict {
-            Ok(_) => {
-                let own = features::of_core(structure, &segment.delta, segment.variance);
-                let all = own.iter().copied().chain(segment.shaft_features.iter().map(|x| f64::from(*x)));
-                Ok(DVector::from_vec(all.collect()))
-            }
-            Err(reason) => {
-                let (from, to) = (segment.start, segment.start + segment.length);
-                Err(Error::trace(&labelled.trace.id, format!("samples {from} to {to}: {reason}{REMEDY}")))
-            }
-        };
-        segments.iter().map(row).collect()
-    };
-    // Collects all results first, so that every run reports the error of the first bad trace.
-    let rows: Vec<_> = traces.par_iter().map(each).collect();
-    let mut table = FeatureTable { rows: vec![], classes: vec![], names: classes.to_vec() };
-    let mut origins = vec![];
-    for (trace, (labelled, rows)) in traces.iter().zip(rows).enumerate() {
-        let rows = rows?;
-        origins.extend(rows.iter().map(|_| trace));
-        table.classes.extend(rows.iter().map(|_| labelled.class));
-        table.rows.extend(rows);
+    let of_trace: Vec<Vec<SegmentReport>> = traces.par_iter().map(|own| estimator.run(&own.trace)).collect();
+    let mut table = FeatureTable { rows: vec![], variances: vec![], classes: vec![], names: classes.to_vec() };
+    let (mut origins, mut reasons) = (vec![], vec![]);
+    for (trace, segments) in of_trace.iter().enumerate() {
+        for segment in segments {
+            let (value, variance) = row(segment, catalogue);
+            table.rows.push(value);
+            table.variances.push(variance);
+            table.classes.push(traces[trace].class);
+            origins.push(trace);
+            let (from, to) = (segment.start, segment.start + segment.length);
+            reasons.push(segment.verdict.as_ref().err().map(|reason| format!("samples {from} to {to}: {reason}")));
+        }
     }
-    Ok((table, origins))
+    Ok((table, origins, reasons))
+}
+
+/// Returns the features of a segment and the variances of their errors.
+fn row(segment: &SegmentReport, catalogue: &Catalogue) -> (DVector<f64>, DVector<f64>) {
+    let structure = catalogue.structure;
+    let own = features::of_core(structure, &segment.delta, segment.variance);
+    let (shaft, determined) = (catalogue.shaft().len(), segment.verdict.is_ok());
+    let of_shaft = (0..shaft).map(|k| segment.shaft_features.get(k).copied().unwrap_or(FeatureValue::MISSING));
+    let regression = if segment.estimated { 0.0 } else { f64::INFINITY };
+    let of_regression = own.iter().map(|value| (*value, regression));
+    let all = of_regression.chain(of_shaft.map(|feature| (f64::from(feature.value), f64::from(feature.variance))));
+    // A value that is not a number has no verdict in the drive; here it is missing.
+    let there = |value: f64, variance: f64| determined && value.is_finite() && variance.is_finite();
+    let (values, variances): (Vec<f64>, Vec<f64>) = all
+        .map(|(value, variance)| if there(value, variance) { (value, variance) } else { (0.0, f64::INFINITY) })
+        .unzip();
+    (DVector::from_vec(values), DVector::from_vec(variances))
 }

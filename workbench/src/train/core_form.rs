@@ -7,6 +7,7 @@ use bearing_watch::plan::{Kind, RunTime};
 use bearing_watch::{Model, ModelError};
 use nalgebra::DMatrix;
 
+use super::novelty::Gate;
 use super::{Shrink, Shrinkage, Trained};
 use crate::Error;
 use crate::core::{Embedded, plan};
@@ -37,8 +38,7 @@ impl Trained {
             },
             discriminant: Discriminant {
                 means: densities.means.iter().flat_map(|mean| narrow(mean.as_slice())).collect(),
-                whitening: densities.whitening.iter().flat_map(lower).collect(),
-                log_normaliser: narrow(&densities.log_normaliser),
+                factors: densities.covariances.iter().flat_map(packed_factor).collect(),
                 log_prior: narrow(&log_prior),
                 costs: densities.cost.iter().flat_map(|row| narrow(row)).collect(),
                 reject_cost: self.recipe.alarms.reject_cost as f32,
@@ -65,7 +65,7 @@ impl Trained {
         if let Some(gate) = &self.watch.gate {
             novelty.class = Some(count(gate.class, "classes")?);
             novelty.mean = narrow(gate.mean.as_slice());
-            novelty.whitening = lower(&gate.whitening);
+            novelty.factor = gate.factor();
             novelty.knots = gate.knots.map(|knot| knot.map(|x| x as f32));
             novelty.limit = gate.limit as f32;
         }
@@ -109,6 +109,14 @@ impl Trained {
     }
 }
 
+impl Gate {
+    /// Returns the factor of the covariance, as the core stores it.
+    #[must_use]
+    pub fn factor(&self) -> Vec<f32> {
+        packed_factor(&self.covariance)
+    }
+}
+
 pub(super) fn refused(error: ModelError) -> Error {
     Error::Training(format!("the trained model cannot be embedded: {error}"))
 }
@@ -130,7 +138,11 @@ fn rows(matrix: &DMatrix<f64>) -> Vec<f32> {
     matrix.row_iter().flat_map(|row| row.iter().map(|x| *x as f32).collect::<Vec<_>>()).collect()
 }
 
-/// Returns the lower triangle of a matrix by rows.
-fn lower(matrix: &DMatrix<f64>) -> Vec<f32> {
-    (0..matrix.nrows()).flat_map(|i| (0..=i).map(move |j| matrix[(i, j)] as f32)).collect()
+/// Returns D and R of Σ = RᵀDR as the core stores them; zeros if Σ is not positive definite.
+fn packed_factor(covariance: &DMatrix<f64>) -> Vec<f32> {
+    let n = covariance.nrows();
+    let factor = covariance.clone().cholesky().map_or_else(|| DMatrix::zeros(n, n), |factor| factor.l());
+    let element = |i: usize, j: usize| if i == j { factor[(i, i)].powi(2) } else { factor[(j, i)] / factor[(i, i)] };
+    let places = (0..n).flat_map(|i| (i..n).map(move |j| (i, j)));
+    places.map(|(i, j)| element(i, j) as f32).collect()
 }

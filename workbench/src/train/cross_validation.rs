@@ -7,7 +7,6 @@
 //! Every step that uses the classes is repeated in each fold, by the same [`fit`] as the final training, so that no
 //! information on a held-out row enters its own posterior.
 
-use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::fit::fit;
@@ -29,8 +28,9 @@ pub fn predict(candidates: &Candidates, recipe: &Recipe, folds: &Folds) -> Resul
         check(&seen)?;
         let fitted = fit(&seen, recipe)?;
         let predicted = held_out.into_iter().map(|row| {
-            let z: DVector<f64> = fitted.projection.apply(&candidates.table.rows[row]);
-            let log_posteriors = fitted.densities.log_posteriors(&z);
+            let (value, variance) = (&candidates.table.rows[row], &candidates.table.variances[row]);
+            let (z, variances) = fitted.projection.apply_with(value, variance);
+            let log_posteriors = fitted.densities.log_posteriors(&z, &variances);
             let decided = Some(fitted.densities.decide(&log_posteriors));
             (row, Prediction { truth: candidates.table.classes[row], decided, log_posteriors, weight: weights[row] })
         });
@@ -61,6 +61,7 @@ impl Trained {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::DVector;
     use rand::SeedableRng;
     use rand::seq::SliceRandom;
     use rand_chacha::ChaCha8Rng;
@@ -76,11 +77,8 @@ mod tests {
         let mut classes: Vec<usize> = (0..rows).map(|k| k % 3).collect();
         classes.shuffle(&mut rng);
         let row = |_| DVector::from_fn(features, |_, _| StandardNormal.sample(&mut rng));
-        let table = FeatureTable {
-            rows: (0..rows).map(row).collect(),
-            classes,
-            names: ["a", "b", "c"].map(String::from).into(),
-        };
+        let names = ["a", "b", "c"].map(String::from).into();
+        let table = FeatureTable::exact((0..rows).map(row).collect(), classes, names);
         Candidates { table, features: (0..features).map(|k| format!("f{k}")).collect(), groups: (0..rows).collect() }
     }
 

@@ -1,8 +1,11 @@
 //! Gaussian class densities for linear and quadratic discriminants (thesis Eq. 2.64–2.67).
+//!
+//! Coordinates with errors widen the covariances, and missing coordinates are left out, as in the core.
 
 use bearing_watch::plan::Kind;
 use nalgebra::{DMatrix, DVector};
 
+use super::moments;
 use super::shrinkage::Shrinkage;
 use super::statistics::{singular, whitening};
 use super::{ClassStatistics, FeatureTable, Recipe};
@@ -15,10 +18,10 @@ pub struct GaussianClasses {
     pub kind: Kind,
     /// μ of each class.
     pub means: Vec<DVector<f64>>,
-    /// U with UᵀU = Σ⁻¹: one (linear) or one per class.
-    pub whitening: Vec<DMatrix<f64>>,
-    /// −½ (d ln 2π + ln |Σ|) of each class.
-    pub log_normaliser: Vec<f64>,
+    /// Σ: one (linear) or one per class.
+    pub covariances: Vec<DMatrix<f64>>,
+    /// U with UᵀU = Σ⁻¹, and ln |Σ|, of each covariance.
+    factors: Vec<(DMatrix<f64>, f64)>,
     /// Prior of each class.
     pub priors: Vec<f64>,
     /// `cost[i][k]`: cost of deciding i if k is true.
@@ -26,22 +29,35 @@ pub struct GaussianClasses {
 }
 
 impl GaussianClasses {
-    /// Returns ln p(z|k) of every class, in double precision.
+    /// Returns ln p(z|k) of every class at coordinates without errors.
     #[must_use]
     pub fn log_likelihoods(&self, z: &DVector<f64>) -> Vec<f64> {
-        let classes = self.means.iter().zip(&self.log_normaliser).enumerate();
-        classes
-            .map(|(k, (mean, g))| {
-                let u = self.whitening.get(k).unwrap_or(&self.whitening[0]);
-                g - 0.5 * (u * (z - mean)).norm_squared()
-            })
-            .collect()
+        let each = |(class, mean): (usize, &DVector<f64>)| {
+            let (u, log_determinant) = self.factors.get(class).unwrap_or(&self.factors[0]);
+            log_density(z.len(), *log_determinant, (u * (z - mean)).norm_squared())
+        };
+        self.means.iter().enumerate().map(each).collect()
     }
 
-    /// Returns ln P(k|z) of every class.
+    /// Returns ln p(z|k) of every class at coordinates whose errors have these variances, infinite if missing.
+    fn log_likelihoods_with(&self, z: &DVector<f64>, variances: &DVector<f64>) -> Vec<f64> {
+        if variances.iter().all(|variance| *variance <= 0.0) {
+            return self.log_likelihoods(z);
+        }
+        let each = |(class, mean): (usize, &DVector<f64>)| {
+            let covariance = self.covariances.get(class).unwrap_or(&self.covariances[0]);
+            let density = moments::log_density((mean, covariance), z, variances);
+            density.unwrap_or(f64::NEG_INFINITY)
+        };
+        self.means.iter().enumerate().map(each).collect()
+    }
+
+    /// Returns ln P(k|z) of every class at coordinates whose errors have these variances; the priors if every coordinate
+    /// is missing.
     #[must_use]
-    pub fn log_posteriors(&self, z: &DVector<f64>) -> Vec<f64> {
-        let joint: Vec<f64> = self.log_likelihoods(z).iter().zip(&self.priors).map(|(l, p)| l + p.ln()).collect();
+    pub fn log_posteriors(&self, z: &DVector<f64>, variances: &DVector<f64>) -> Vec<f64> {
+        let likelihoods = self.log_likelihoods_with(z, variances);
+        let joint: Vec<f64> = likelihoods.iter().zip(&self.priors).map(|(l, p)| l + p.ln()).collect();
         let largest = joint.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let total = largest + joint.iter().map(|x| (x - largest).exp()).sum::<f64>().ln();
         joint.iter().map(|x| x - total).collect()
@@ -55,25 +71,50 @@ impl GaussianClasses {
     }
 }
 
+/// Returns ln p of a Gaussian density from ln |Σ| and the squared distance.
+pub(crate) fn log_density(coordinates: usize, log_determinant: f64, squared: f64) -> f64 {
+    -0.5 * (coordinates as f64 * std::f64::consts::TAU.ln() + log_determinant + squared)
+}
+
 /// Returns the densities of the coordinates of `table`; `names` are the names of the coordinates.
 pub(crate) fn train(table: &FeatureTable, names: &[String], recipe: &Recipe) -> Result<GaussianClasses, Error> {
-    let statistics = ClassStatistics::new(table);
-    let classes = table.names.len();
-    let factors = match recipe.discriminant {
+    of_statistics(&ClassStatistics::of(table, names)?, (&table.names, names), recipe)
+}
+
+/// Returns the densities of coordinates with these moments, by the names of classes and coordinates.
+pub(crate) fn of_statistics(
+    statistics: &ClassStatistics,
+    (classes, names): (&[String], &[String]),
+    recipe: &Recipe,
+) -> Result<GaussianClasses, Error> {
+    let rows = statistics.counts.iter().sum();
+    let covariances = match recipe.discriminant {
         Kind::Linear => {
-            let refuse = |dependent| singular("the pooled classes", table.rows.len(), classes, names, dependent);
-            vec![whitening(&statistics.pooled).map_err(refuse)?]
+            let refuse = |dependent| singular("the pooled classes", rows, classes.len(), names, dependent);
+            vec![regular(&statistics.pooled, rows - classes.len()).map_err(refuse)?]
         }
         Kind::Quadratic => {
-            let each = statistics.covariances.iter().zip(&table.names).zip(&statistics.counts);
+            let each = statistics.covariances.iter().zip(classes).zip(&statistics.counts);
             each.map(|((covariance, class), &rows)| {
-                whitening(covariance)
-                    .map_err(|dependent| singular(&format!("class {class}"), rows, 1, names, dependent))
+                let refuse = |dependent| singular(&format!("class {class}"), rows, 1, names, dependent);
+                regular(covariance, rows - 1).map_err(refuse)
             })
             .collect::<Result<_, _>>()?
         }
     };
-    densities(&statistics, factors, recipe.discriminant, recipe)
+    densities(statistics, covariances, recipe.discriminant, recipe)
+}
+
+/// A covariance with its whitening matrix and ln |Σ|.
+type Factored = (DMatrix<f64>, (DMatrix<f64>, f64));
+
+/// Returns the covariance with its factor; the error is the first dependent coordinate.
+fn regular(covariance: &DMatrix<f64>, freedom: usize) -> Result<Factored, usize> {
+    // Missing values hide that there are too few rows: their moments are those of the start.
+    if freedom < covariance.nrows() {
+        return Err(freedom);
+    }
+    Ok((covariance.clone(), whitening(covariance)?))
 }
 
 /// Returns densities whose covariances are shrunk: between the classes' own, the pooled one, and its diagonal.
@@ -85,28 +126,27 @@ pub(crate) fn shrunk(
 ) -> Result<GaussianClasses, Error> {
     let (rows, classes) = (statistics.counts.iter().sum(), statistics.counts.len());
     let refuse = |dependent| singular("the classes", rows, classes, names, dependent);
-    let covariances = shrinkage.covariances(statistics);
-    let factors = covariances.iter().map(|covariance| whitening(covariance).map_err(refuse));
-    let factors = factors.collect::<Result<_, _>>()?;
+    let covariances = shrinkage.covariances(statistics).into_iter();
+    let factored = covariances.map(|own| Ok((own.clone(), whitening(&own).map_err(refuse)?)));
+    let factored = factored.collect::<Result<_, Error>>()?;
     let kind = if shrinkage.is_shared() { Kind::Linear } else { Kind::Quadratic };
-    densities(statistics, factors, kind, recipe)
+    densities(statistics, factored, kind, recipe)
 }
 
-/// Returns densities from the class means, and from whitening matrices with ln |Σ|: one pair, or one per class.
+/// Returns densities from the class means and one covariance, or one per class.
 fn densities(
     statistics: &ClassStatistics,
-    factors: Vec<(DMatrix<f64>, f64)>,
+    factored: Vec<Factored>,
     kind: Kind,
     recipe: &Recipe,
 ) -> Result<GaussianClasses, Error> {
-    let (classes, features) = (statistics.means.len(), statistics.total_mean.len());
-    let normaliser = |log_determinant: f64| -0.5 * (features as f64 * std::f64::consts::TAU.ln() + log_determinant);
-    let log_normaliser = (0..classes).map(|k| normaliser(factors.get(k).unwrap_or(&factors[0]).1)).collect();
+    let classes = statistics.means.len();
+    let (covariances, factors) = factored.into_iter().unzip();
     Ok(GaussianClasses {
         kind,
         means: statistics.means.clone(),
-        whitening: factors.into_iter().map(|(u, _)| u).collect(),
-        log_normaliser,
+        covariances,
+        factors,
         priors: priors(&recipe.priors, classes)?,
         cost: costs(&recipe.cost, classes)?,
     })

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! scales      powers of two that scale each column of the rows (with instruments, after the filter A(1)/A) to rms ≈ 1
-//! nominal     mean δ over the traces of one class, by least squares or by SRIV; deviation² = their mean σ²        (1)
+//! nominal     mean δ over the estimated traces of one class, by least squares or by SRIV; deviation² = their mean σ²        (1)
 //! settle      5/|ln|p||, p the slowest pole of the nominal model: transients have fallen below 1 %               (2)
 //! floor       0.01/(1 − λ): the sum for a column of rms 1 if only one row in a hundred contributed               (3)
 //! still       a thousandth of the training traces' mean motion                                                   (4)
@@ -185,9 +185,13 @@ fn nominal(
         let name = classes.get(place).map_or_else(|| place.to_string(), Clone::clone);
         return Err(Error::Training(format!("no training trace of class {name} for the nominal model")));
     }
-    // Collects all results first, so that every run reports the error of the first bad trace.
     let estimates: Vec<_> = own.par_iter().map(|trace| estimate(trace, structure)).collect();
-    let estimates = estimates.into_iter().collect::<Result<Vec<_>, _>>()?;
+    // Traces without an estimate, such as records at rest, have no part in the mean unless all are.
+    let (good, bad): (Vec<_>, Vec<_>) = estimates.into_iter().partition(Result::is_ok);
+    let estimates: Vec<Estimate> = good.into_iter().flatten().collect();
+    if let (true, Some(Err(error))) = (estimates.is_empty(), bad.into_iter().next()) {
+        return Err(error);
+    }
     let deltas: Vec<_> = estimates.iter().map(|e| features::delta_from_raw(structure, &e.theta)).collect();
     let variance = estimates.iter().map(|e| e.variance).sum::<f64>() / estimates.len() as f64;
     Ok(Mean { delta: statistics::mean(&deltas), deviation: variance.max(0.0).sqrt() })

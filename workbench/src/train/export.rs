@@ -3,11 +3,11 @@
 
 use std::fmt::Write as _;
 
-use bearing_watch::Park;
 use bearing_watch::model::{
     Balance, Channel, Classifier, EvidenceConstants, Feature, KNOTS, Regression, Sampling, ShaftConstants,
 };
 use bearing_watch::plan::{Layout, Plan, RegressionLayout, RunTime, ShaftLayout, Signal, Structure};
+use bearing_watch::{FrictionTerm, Park};
 
 use super::Trained;
 use crate::Error;
@@ -79,12 +79,12 @@ impl Source {
         self.line(depth, "],");
     }
 
-    /// Writes a field with lower triangles of `size` rows.
+    /// Writes a field with upper triangles of `size` rows.
     fn triangles(&mut self, depth: usize, name: &str, values: &[f32], size: usize) {
         self.line(depth, &format!("{name}: ["));
         let (mut rest, mut row) = (values, 0);
         while !rest.is_empty() {
-            let (own, later) = rest.split_at((row % size + 1).min(rest.len()));
+            let (own, later) = rest.split_at((size - row % size).min(rest.len()));
             let own: Vec<String> = own.iter().map(|x| number(*x)).collect();
             self.line(depth + 1, &format!("{},", own.join(", ")));
             (rest, row) = (later, row + 1);
@@ -108,7 +108,7 @@ fn imports(out: &mut Source, layout: &Layout, features: &[Feature]) {
     }
     model.sort_unstable();
     plan.sort_unstable();
-    let of_friction = |feature: &Feature| matches!(feature, Feature::Friction(_) | Feature::FrictionScore(_));
+    let of_friction = |feature: &Feature| feature_with_term(*feature).is_some();
     let root = if features.iter().any(of_friction) { "{FrictionTerm, Model}" } else { "Model" };
     out.line(0, "#[rustfmt::skip]");
     out.line(0, &format!("use bearing_watch::model::{{{}}};", model.join(", ")));
@@ -253,15 +253,14 @@ fn classifier(out: &mut Source, classifier: &Classifier<RunTime>, layout: &Layou
     out.line(2, "},");
     out.line(2, "discriminant: Discriminant {");
     out.numbers(3, "means", &discriminant.means, z);
-    out.triangles(3, "whitening", &discriminant.whitening, z);
-    out.numbers(3, "log_normaliser", &discriminant.log_normaliser, c);
+    out.triangles(3, "factors", &discriminant.factors, z);
     out.numbers(3, "log_prior", &discriminant.log_prior, c);
     out.numbers(3, "costs", &discriminant.costs, c);
     out.line(3, &format!("reject_cost: {},", number(discriminant.reject_cost)));
     out.line(2, "},");
     match novelty.class {
         None => {
-            let sizes = format!("mean: [0.0; {z}], whitening: [0.0; {}]", layout.whitening());
+            let sizes = format!("mean: [0.0; {z}], factor: [0.0; {}]", layout.density());
             let rest = format!("knots: [[0.0; 2]; {KNOTS}], limit: f32::INFINITY");
             out.line(2, &format!("novelty: Novelty {{ class: None, {sizes}, {rest} }},"));
         }
@@ -269,7 +268,7 @@ fn classifier(out: &mut Source, classifier: &Classifier<RunTime>, layout: &Layou
             out.line(2, "novelty: Novelty {");
             out.line(3, &format!("class: Some({class}),"));
             out.numbers(3, "mean", &novelty.mean, z);
-            out.triangles(3, "whitening", &novelty.whitening, z);
+            out.triangles(3, "factor", &novelty.factor, z);
             out.line(3, "knots: [");
             for knots in novelty.knots.chunks(4) {
                 let knots: Vec<String> = knots.iter().map(|knot| list(knot)).collect();
@@ -284,10 +283,20 @@ fn classifier(out: &mut Source, classifier: &Classifier<RunTime>, layout: &Layou
 }
 
 fn feature(feature: Feature) -> String {
+    let term = feature_with_term(feature);
+    term.map_or_else(
+        || format!("Feature::{feature:?}"),
+        |(name, term)| format!("Feature::{name}(FrictionTerm::{term:?})"),
+    )
+}
+
+/// Returns name and term of a feature of the torque balance that has one.
+const fn feature_with_term(feature: Feature) -> Option<(&'static str, FrictionTerm)> {
     match feature {
-        Feature::Friction(term) => format!("Feature::Friction(FrictionTerm::{term:?})"),
-        Feature::FrictionScore(term) => format!("Feature::FrictionScore(FrictionTerm::{term:?})"),
-        other => format!("Feature::{other:?}"),
+        Feature::Friction(term) => Some(("Friction", term)),
+        Feature::FrictionScore(term) => Some(("FrictionScore", term)),
+        Feature::LogFriction(term) => Some(("LogFriction", term)),
+        _ => None,
     }
 }
 

@@ -14,6 +14,7 @@ pub(crate) struct Fitted {
     pub(crate) projection: AffineMap,
     pub(crate) coordinates: FeatureTable,
     pub(crate) coordinate_names: Vec<String>,
+    pub(crate) statistics: ClassStatistics,
     pub(crate) densities: GaussianClasses,
     pub(crate) choice: Option<Choice>,
 }
@@ -21,8 +22,10 @@ pub(crate) struct Fitted {
 /// Fits the recipe to the rows; if the recipe chooses the shrinkage, it is chosen on these rows alone.
 pub(crate) fn fit(candidates: &Candidates, recipe: &Recipe) -> Result<Fitted, Error> {
     let Candidates { table, features, .. } = candidates;
-    let projection = projection::train(table, features, recipe.projection)?;
+    let raw = ClassStatistics::of(table, features)?;
+    let projection = projection::of_statistics(&raw, features, recipe.projection)?;
     let coordinates = table.map(&projection);
+    let statistics = raw.mapped(&projection, &coordinates);
     let coordinate_names = match recipe.projection {
         ProjectionKind::None => features.clone(),
         _ => (1..=projection.matrix.nrows()).map(|k| format!("z{k}")).collect(),
@@ -36,12 +39,10 @@ pub(crate) fn fit(candidates: &Candidates, recipe: &Recipe) -> Result<Fitted, Er
         (_, choice) => choice.as_ref().map(|choice| choice.shrinkage),
     };
     let densities = match shrink {
-        Some(shrinkage) => {
-            discriminant::shrunk(&ClassStatistics::new(&coordinates), &coordinate_names, recipe, shrinkage)?
-        }
-        None => discriminant::train(&coordinates, &coordinate_names, recipe)?,
+        Some(shrinkage) => discriminant::shrunk(&statistics, &coordinate_names, recipe, shrinkage)?,
+        None => discriminant::of_statistics(&statistics, (&table.names, &coordinate_names), recipe)?,
     };
-    Ok(Fitted { projection, coordinates, coordinate_names, densities, choice })
+    Ok(Fitted { projection, coordinates, coordinate_names, statistics, densities, choice })
 }
 
 #[cfg(test)]
@@ -77,7 +78,7 @@ mod tests {
         let rows: Vec<DVector<f64>> = (0..rows).map(row).collect();
         let classes = (0..rows.len()).map(|k| k % 2).collect();
         let groups = (0..rows.len()).collect();
-        let table = FeatureTable { rows, classes, names: vec!["a".into(), "b".into()] };
+        let table = FeatureTable::exact(rows, classes, vec!["a".into(), "b".into()]);
         Candidates { table, features: (0..features).map(|k| format!("f{k}")).collect(), groups }
     }
 
@@ -88,7 +89,7 @@ mod tests {
             let shrunk = fit(&candidates, &recipe(Shrink::To(Shrinkage { lambda, gamma: 0.0 }))).expect("regular");
             let plain = fit(&candidates, &Recipe { discriminant: kind, ..recipe(Shrink::Not) }).expect("regular");
             assert_eq!(shrunk.densities.kind, kind);
-            for (a, b) in shrunk.densities.whitening.iter().zip(&plain.densities.whitening) {
+            for (a, b) in shrunk.densities.covariances.iter().zip(&plain.densities.covariances) {
                 assert!((a - b).amax() < 1e-12, "{a} {b}"); // the divisors cancel except for rounding
             }
         }

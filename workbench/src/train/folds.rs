@@ -42,11 +42,7 @@ impl Candidates {
     /// Returns the given rows only.
     #[must_use]
     pub fn rows(&self, places: &[usize]) -> Self {
-        let table = FeatureTable {
-            rows: places.iter().map(|&k| self.table.rows[k].clone()).collect(),
-            classes: places.iter().map(|&k| self.table.classes[k]).collect(),
-            names: self.table.names.clone(),
-        };
+        let table = self.table.keep(places);
         Self { table, features: self.features.clone(), groups: places.iter().map(|&k| self.groups[k]).collect() }
     }
 

@@ -2,8 +2,10 @@
 //!
 //! The steps are features, their projection, and the discriminant; the result is then converted to the form that the
 //! core runs ([`Trained`]). If the core computes batch least squares in single precision, the features are those of
-//! batch least squares in double precision, else those that the core estimates on the training traces. The quality of
-//! the model is measured by running the core on other traces ([`crate::evaluate`]), not here.
+//! batch least squares in double precision, else those that the core estimates on the training traces. A feature without
+//! a result is missing in its row, and features of the torque balance have errors of known variance; means and covariances
+//! account for both ([`moments`]). Rows without any of the chosen features are left out. The quality of the model is
+//! measured by running the core on other traces ([`crate::evaluate`]), not here.
 
 mod core_features;
 mod core_form;
@@ -13,6 +15,8 @@ mod estimation;
 pub mod export;
 mod fit;
 mod folds;
+mod left_out;
+mod moments;
 pub mod novelty;
 pub(crate) mod projection;
 mod ranking;
@@ -32,9 +36,9 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use crate::Error;
-use crate::core::features::Catalogue;
+use crate::core::features::{self, Catalogue};
 use crate::core::{Parts, Wiring};
-use crate::identify::{Estimate, Structure, least_squares};
+use crate::identify::{Estimate, least_squares};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Trace, same_interval};
 
@@ -42,6 +46,8 @@ pub use cross_validation::predict;
 pub use discriminant::GaussianClasses;
 pub use estimation::Estimation;
 pub use folds::{Candidates, Folds, Validation};
+use left_out::Estimated;
+pub use left_out::LeftOut;
 pub use novelty::{AlarmInterval, Alarms, Watch};
 pub use projection::{Keep, ProjectionKind};
 pub use ranking::{Gain, Ranked, Ranking, rank};
@@ -57,7 +63,7 @@ pub use trained::Trained;
 /// Trains on prepared traces.
 ///
 /// # Errors
-/// Estimation errors of any trace; fewer than two classes, unless the only one is the healthy one; a class without
+/// Estimation errors, if they leave fewer than two traces of a class; fewer than two classes, unless the only one is the healthy one; a class without
 /// traces; features that are constant or collinear within classes; priors or costs that do not match the classes.
 pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> Result<Trained, Error> {
     check_intervals(traces)?;
@@ -68,22 +74,12 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
     check_classes(&pieces, classes, recipe.alarms.healthy)?;
     let interval_s = traces.iter().find_map(|t| t.trace.interval_s).unwrap_or(0.0);
     let parts = parts(traces, classes, recipe, (segment, interval_s))?;
-    let (table, origins): (_, Vec<usize>) = if recipe.estimation.is_batch() && parts.shaft.is_none() {
-        let of_trace = |(k, t): (usize, &LabelledTrace)| {
-            let pieces = recipe.estimation.segment.map_or(1, |samples| spans(t.trace.y.len(), samples).count());
-            std::iter::repeat_n(k, pieces)
-        };
-        (batch_features(&pieces, classes, recipe.structure)?, traces.iter().enumerate().flat_map(of_trace).collect())
-    } else {
-        core_features::run(traces, classes, (&parts, recipe.structure), segment)?
-    };
     let catalogue = recipe.catalogue();
-    let groups = groups(&recipe.validation.groups, traces.len())?;
-    let groups = origins.iter().map(|&trace| groups[trace]).collect();
-    let candidates = Candidates { table, features: catalogue.names(), groups };
     let chosen = catalogue.choose(&recipe.features)?;
+    let estimated = estimate(traces, (classes, recipe), (&parts, &catalogue), (&pieces, segment))?;
+    let (candidates, left_out) = estimated.usable(&chosen, traces, recipe.estimation.segment.is_some())?;
     let Candidates { table: raw, features: feature_names, .. } = candidates.select(&chosen);
-    let fit::Fitted { projection, coordinates, coordinate_names, densities, choice } =
+    let fit::Fitted { projection, coordinates, coordinate_names, statistics, densities, choice } =
         fit::fit(&candidates.select(&chosen), recipe)?;
     let (core_features, core_projection) = compose(&candidates.table, &chosen, &catalogue, &projection);
     let segment_s = (interval_s > 0.0).then_some(segment as f64 * interval_s);
@@ -96,6 +92,8 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
         raw,
         coordinates,
         coordinate_names,
+        statistics,
+        left_out,
         densities,
         choice,
         candidates,
@@ -131,11 +129,46 @@ fn parts(
     Ok(Parts { channels, regression: Some(regression), shaft: shaft.transpose()? })
 }
 
-fn batch_features(pieces: &[LabelledTrace], classes: &[String], structure: Structure) -> Result<FeatureTable, Error> {
-    // Collects all results first, so that every run reports the error of the first bad trace.
-    let estimates: Vec<_> = pieces.par_iter().map(|t| least_squares(&t.trace, structure)).collect();
-    let estimates: Vec<Estimate> = estimates.into_iter().collect::<Result<_, _>>()?;
-    Ok(FeatureTable::new(&estimates, pieces.iter().map(|t| t.class).collect(), classes.to_vec()))
+/// Returns the features of all segments; those of a part without a result are missing.
+fn estimate(
+    traces: &[LabelledTrace],
+    (classes, recipe): (&[String], &Recipe),
+    (parts, catalogue): (&Parts, &Catalogue),
+    (pieces, segment): (&[LabelledTrace], usize),
+) -> Result<Estimated, Error> {
+    let (table, origins, reasons) = if recipe.estimation.is_batch() && parts.shaft.is_none() {
+        let of_trace = |(k, t): (usize, &LabelledTrace)| {
+            let pieces = recipe.estimation.segment.map_or(1, |samples| spans(t.trace.y.len(), samples).count());
+            std::iter::repeat_n(k, pieces)
+        };
+        let origins = traces.iter().enumerate().flat_map(of_trace).collect();
+        let (table, reasons) = batch_features(pieces, classes, catalogue);
+        (table, origins, reasons)
+    } else {
+        core_features::run(traces, classes, (parts, catalogue), segment)?
+    };
+    let groups = groups(&recipe.validation.groups, traces.len())?;
+    let groups = origins.iter().map(|&trace| groups[trace]).collect();
+    Ok(Estimated { candidates: Candidates { table, features: catalogue.names(), groups }, origins, reasons })
+}
+
+/// Returns the features by batch least squares, and why a row has none.
+fn batch_features(
+    pieces: &[LabelledTrace],
+    classes: &[String],
+    catalogue: &Catalogue,
+) -> (FeatureTable, Vec<Option<String>>) {
+    let estimates: Vec<Result<Estimate, Error>> =
+        pieces.par_iter().map(|t| least_squares(&t.trace, catalogue.structure)).collect();
+    let count = catalogue.names().len();
+    let row = |estimate: &Result<Estimate, Error>| match estimate {
+        Ok(estimate) => (features::vector(estimate), DVector::zeros(count)),
+        Err(_) => (DVector::zeros(count), DVector::repeat(count, f64::INFINITY)),
+    };
+    let (rows, variances) = estimates.iter().map(row).unzip();
+    let names = classes.to_vec();
+    let table = FeatureTable { rows, variances, classes: pieces.iter().map(|t| t.class).collect(), names };
+    (table, estimates.into_iter().map(|estimate| estimate.err().map(|error| error.to_string())).collect())
 }
 
 fn check_classes(traces: &[LabelledTrace], classes: &[String], healthy: Option<usize>) -> Result<(), Error> {
@@ -227,9 +260,10 @@ fn compose(
 ) -> (Vec<Feature>, AffineMap) {
     let map = catalogue.raw_from_delta().select_rows(chosen);
     let used: Vec<usize> = (0..map.ncols()).filter(|&k| map.column(k).amax() > 0.0).collect();
-    let deltas: Vec<_> = table.rows.iter().map(|row| catalogue.delta_from_raw(row)).collect();
-    let mean = statistics::mean(&deltas);
-    // The projection's centre is the mean of the same rows, so both centres are the same point.
+    // Both centres are the same point: of the chosen features the projection's centre, of the others any.
+    let mut raw = table.mean();
+    chosen.iter().zip(projection.mean.iter()).for_each(|(&place, mean)| raw[place] = *mean);
+    let mean = catalogue.delta_from_raw(&raw);
     let matrix = &projection.matrix * map.select_columns(&used);
     let centre = DVector::from_iterator(used.len(), used.iter().map(|&k| mean[k]));
     let indices = used.iter().map(|&place| catalogue.core_feature(place)).collect();

@@ -36,13 +36,21 @@ pub enum Keep {
 }
 
 pub(crate) fn train(table: &FeatureTable, names: &[String], kind: ProjectionKind) -> Result<AffineMap, Error> {
-    let statistics = ClassStatistics::new(table);
+    of_statistics(&ClassStatistics::of(table, names)?, names, kind)
+}
+
+/// Returns the projection of features with these moments.
+pub(crate) fn of_statistics(
+    statistics: &ClassStatistics,
+    names: &[String],
+    kind: ProjectionKind,
+) -> Result<AffineMap, Error> {
     let matrix = match kind {
         ProjectionKind::None => scaling(&statistics.pooled, names)?,
         ProjectionKind::Pca { keep, standardised } => principal(&statistics.total, names, keep, standardised)?,
-        ProjectionKind::Fisher { components } => fisher(&statistics, names, components)?,
+        ProjectionKind::Fisher { components } => fisher(statistics, names, components)?,
     };
-    Ok(AffineMap { matrix, mean: statistics.total_mean })
+    Ok(AffineMap { matrix, mean: statistics.total_mean.clone() })
 }
 
 /// Returns the diagonal matrix of inverse deviations.
@@ -137,7 +145,7 @@ mod tests {
         let row = |x: f64, y: f64| DVector::from_vec(vec![x, y]);
         let spread = [-2.0, -1.0, 0.0, 1.0, 2.0];
         let rows = spread.iter().map(|s| row(s + 0.2, *s)).chain(spread.iter().map(|s| row(*s, s + 0.2 + 0.02 * s)));
-        FeatureTable { rows: rows.collect(), classes: [[0; 5], [1; 5]].concat(), names: vec!["p".into(), "q".into()] }
+        FeatureTable::exact(rows.collect(), [[0; 5], [1; 5]].concat(), vec!["p".into(), "q".into()])
     }
 
     fn names() -> Vec<String> {

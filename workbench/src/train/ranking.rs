@@ -6,7 +6,7 @@
 //! gain           cross-validated guarded log score without the feature − with it, same rows   (3)
 //! ```
 //!
-//! (1) and (2) use one feature alone. (3) is computed beside other features: by removing the feature from all ("drop
+//! (1) and (2) use one feature alone, in the rows that have it. (3) is computed beside other features: by removing the feature from all ("drop
 //! one"), and by adding it to those already chosen (forward selection, which stops if the best gain is below twice its
 //! standard error). The features are not projected. The score of the chosen set on the rows of the choice is too
 //! optimistic; the selection is therefore repeated within every fold, which measures its real quality.
@@ -21,7 +21,7 @@ use serde_json::{Value, json};
 
 use super::folds::Candidates;
 use super::scores::{Prediction, Scores};
-use super::{ClassStatistics, ProjectionKind, Recipe, Trained};
+use super::{ProjectionKind, Recipe, Trained};
 use crate::Error;
 
 /// The features, in order from the first to keep to the first to drop.
@@ -129,7 +129,6 @@ impl std::fmt::Display for Ranking {
 pub fn rank(candidates: &Candidates, recipe: &Recipe) -> Result<Ranking, Error> {
     let recipe = Recipe { projection: ProjectionKind::None, ..recipe.clone() };
     let judge = Judge::new(candidates, &recipe)?;
-    let statistics = ClassStatistics::new(&candidates.table);
     let everything: Vec<usize> = (0..candidates.features.len()).collect();
     let all = judge.predict(&everything);
     let path = judge.forward();
@@ -141,7 +140,7 @@ pub fn rank(candidates: &Candidates, recipe: &Recipe) -> Result<Ranking, Error> 
     let honest = judge.honest(&recipe);
     let scores = |predictions: &Vec<Prediction>| Scores::new(predictions, &judge.priors);
     let ranked = |&feature: &usize| {
-        let (fisher, pairs) = fisher(&statistics, &judge.priors, feature);
+        let (fisher, pairs) = fisher(candidates, &judge.priors, feature);
         let kept = path.chosen.contains(&feature);
         let beside_chosen = path.gains.get(&feature).copied();
         let ranked = Ranked {
@@ -153,11 +152,11 @@ pub fn rank(candidates: &Candidates, recipe: &Recipe) -> Result<Ranking, Error> 
             kept,
             reason: String::new(),
         };
-        let reason = judge.reason(&statistics, &path, feature, &ranked);
+        let reason = judge.reason(&path, feature, &ranked);
         Ranked { reason, ..ranked }
     };
     let mut rest: Vec<usize> = everything.iter().copied().filter(|k| !path.chosen.contains(k)).collect();
-    let ratio = |k: usize| fisher(&statistics, &judge.priors, k).0;
+    let ratio = |k: usize| fisher(candidates, &judge.priors, k).0;
     rest.sort_by(|&a, &b| ratio(b).total_cmp(&ratio(a)));
     Ok(Ranking {
         classes: candidates.table.names.clone(),
@@ -206,11 +205,8 @@ mod tests {
             let other = if *class == 2 { 3.0 } else { 0.0 } + draw();
             DVector::from_vec(vec![draw(), shift + 0.3 * draw(), shift, common, other])
         };
-        let table = FeatureTable {
-            rows: classes.iter().map(row).collect(),
-            classes,
-            names: ["a", "b", "c"].map(String::from).into(),
-        };
+        let names = ["a", "b", "c"].map(String::from).into();
+        let table = FeatureTable::exact(classes.iter().map(row).collect(), classes, names);
         let features = ["noise", "copy", "shift", "mate", "other"].map(String::from).into();
         Candidates { table, features, groups: (0..rows).collect() }
     }

@@ -131,7 +131,13 @@ pub(super) fn model(
             None => Ok(estimate.friction),
         }
     };
-    let estimates: Vec<Friction> = own.par_iter().map(balance).collect::<Result<_, _>>()?;
+    let estimates: Vec<Result<Friction, Error>> = own.par_iter().map(balance).collect();
+    // Traces whose balance is not excited have no part in the mean unless all are.
+    let (good, bad): (Vec<_>, Vec<_>) = estimates.into_iter().partition(Result::is_ok);
+    let estimates: Vec<Friction> = good.into_iter().flatten().collect();
+    if let (true, Some(Err(error))) = (estimates.is_empty(), bad.into_iter().next()) {
+        return Err(error);
+    }
     for (term, cell) in FrictionTerm::ALL.into_iter().zip(&mut constants.balance.nominal) {
         let value = |friction: &Friction| f64::from(friction.parameter(term).unwrap_or_default().value);
         let sum: f64 = estimates.iter().map(value).sum();

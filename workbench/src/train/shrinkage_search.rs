@@ -4,6 +4,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::folds::{Candidates, Folds, check};
+use super::moments::Observed;
 use super::scores::{Prediction, Scores};
 use super::shrinkage::Shrinkage;
 use super::{ClassStatistics, FeatureTable, GaussianClasses, Recipe, discriminant, projection};
@@ -93,15 +94,17 @@ impl Part {
         let (seen, rows) = folds.split(fold);
         let (seen, held_out) = (candidates.rows(&seen), candidates.rows(&rows));
         check(&seen)?;
-        let map = projection::train(&seen.table, &seen.features, recipe.projection)?;
+        let raw = ClassStatistics::of(&seen.table, &seen.features)?;
+        let map = projection::of_statistics(&raw, &seen.features, recipe.projection)?;
+        let coordinates = seen.table.map(&map);
         let names = (0..map.matrix.nrows()).map(|k| format!("z{}", k + 1)).collect();
-        Ok(Self { seen: ClassStatistics::new(&seen.table.map(&map)), names, held_out: held_out.table.map(&map), rows })
+        Ok(Self { seen: raw.mapped(&map, &coordinates), names, held_out: held_out.table.map(&map), rows })
     }
 
     fn predict(&self, densities: &GaussianClasses, weights: &[f64]) -> Vec<Prediction> {
-        let rows = self.held_out.rows.iter().zip(&self.held_out.classes).zip(&self.rows);
-        rows.map(|((z, &truth), &row)| {
-            let log_posteriors = densities.log_posteriors(z);
+        let rows = self.held_out.observed().into_iter().zip(&self.rows);
+        rows.map(|(Observed { value, variance, class: truth }, &row)| {
+            let log_posteriors = densities.log_posteriors(value, variance);
             let decided = Some(densities.decide(&log_posteriors));
             Prediction { truth, decided, log_posteriors, weight: weights[row] }
         })

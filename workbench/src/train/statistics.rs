@@ -1,8 +1,12 @@
 //! Means and covariances of labelled rows.
+//!
+//! Values with errors or missing values are accounted for ([`super::moments`]): the covariances are those of the values
+//! without their errors. Without errors and missing values they are the sample covariances.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::FeatureTable;
+use super::moments::{Observed, moments};
+use super::{AffineMap, FeatureTable};
 use crate::Error;
 
 /// Returns the mean of rows of equal length.
@@ -42,7 +46,31 @@ pub struct ClassStatistics {
 }
 
 impl ClassStatistics {
-    /// Computes the moments of a table in which every class has rows.
+    /// Computes the moments of a table in which every class has rows; `names` are those of the features.
+    ///
+    /// # Errors
+    /// A feature that fewer than two rows of a class have, if the class has more rows.
+    pub fn of(table: &FeatureTable, names: &[String]) -> Result<Self, Error> {
+        if table.is_exact() {
+            return Ok(Self::new(table));
+        }
+        require_values(table, names)?;
+        let rows = table.observed();
+        let classes = table.names.len();
+        let pooled = moments(&rows, classes);
+        let of_class = |class: usize| {
+            let own = rows.iter().filter(|row| row.class == class).map(|row| Observed { class: 0, ..*row });
+            moments(&own.collect::<Vec<_>>(), 1).covariance
+        };
+        let covariances =
+            if classes > 1 { (0..classes).map(of_class).collect() } else { vec![pooled.covariance.clone()] };
+        let count = |class: usize| table.classes.iter().filter(|c| **c == class).count();
+        let counts: Vec<usize> = (0..classes).map(count).collect();
+        let (total_mean, total) = total(&pooled.means, &counts, &pooled.covariance);
+        Ok(Self { total_mean, total, means: pooled.means, covariances, counts, pooled: pooled.covariance })
+    }
+
+    /// Computes the moments of a table without errors and missing values, in which every class has rows.
     #[must_use]
     pub fn new(table: &FeatureTable) -> Self {
         let total_mean = mean(&table.rows);
@@ -66,6 +94,58 @@ impl ClassStatistics {
         let pooled = divide(within, table.rows.len().saturating_sub(table.names.len()));
         Self { total_mean, total, means, covariances, counts, pooled }
     }
+
+    /// Returns the moments of the coordinates by this map, which are in `coordinates`.
+    #[must_use]
+    pub fn mapped(&self, map: &AffineMap, coordinates: &FeatureTable) -> Self {
+        // A coordinate that is missing has lost what its other features contribute; the moments have it.
+        if coordinates.is_exact() { Self::new(coordinates) } else { self.map(map) }
+    }
+
+    fn map(&self, map: &AffineMap) -> Self {
+        let matrix = |covariance: &DMatrix<f64>| {
+            let mapped = &map.matrix * covariance * map.matrix.transpose();
+            (&mapped + mapped.transpose()) * 0.5
+        };
+        Self {
+            total_mean: map.apply(&self.total_mean),
+            total: matrix(&self.total),
+            means: self.means.iter().map(|mean| map.apply(mean)).collect(),
+            covariances: self.covariances.iter().map(matrix).collect(),
+            counts: self.counts.clone(),
+            pooled: matrix(&self.pooled),
+        }
+    }
+}
+
+/// Returns mean and covariance of all rows from those of the classes.
+fn total(means: &[DVector<f64>], counts: &[usize], pooled: &DMatrix<f64>) -> (DVector<f64>, DMatrix<f64>) {
+    let rows: usize = counts.iter().sum();
+    let weighted = means.iter().zip(counts).map(|(mean, &count)| mean * count as f64);
+    let mean = weighted.sum::<DVector<f64>>() / rows as f64;
+    let mut scatter = pooled * rows.saturating_sub(means.len()) as f64;
+    for (own, &count) in means.iter().zip(counts) {
+        let away = own - &mean;
+        scatter += &away * away.transpose() * count as f64;
+    }
+    (mean, scatter / rows.saturating_sub(1).max(1) as f64)
+}
+
+/// Returns an error if a class has too few values of a feature for a mean and a spread.
+fn require_values(table: &FeatureTable, names: &[String]) -> Result<(), Error> {
+    for (class, class_name) in table.names.iter().enumerate() {
+        let rows = table.classes.iter().filter(|c| **c == class).count();
+        for (feature, name) in names.iter().enumerate() {
+            let found = table.with(class, feature).count();
+            if found < rows.min(2) {
+                return Err(Error::Training(format!(
+                    "only {found} of the {rows} traces of class {class_name} have feature {name}; give more traces, or \
+                     leave the feature out"
+                )));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Returns the inverse of the Cholesky factor, U with UᵀU = Σ⁻¹, and ln |Σ|; the error is the index of the first

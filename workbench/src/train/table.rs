@@ -2,14 +2,15 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::core::features;
-use crate::identify::Estimate;
+use super::moments::Observed;
 
 /// Raw features of the training traces, with their classes.
 #[derive(Clone, Debug)]
 pub struct FeatureTable {
-    /// One row per trace: every raw feature ([`features::all_names`]).
+    /// One row per trace: every raw feature ([`crate::core::features::all_names`]); 0 if it is missing.
     pub rows: Vec<DVector<f64>>,
+    /// Variances of their errors; 0 if none is known, infinite if the feature is missing.
+    pub variances: Vec<DVector<f64>>,
     /// Class of each row.
     pub classes: Vec<usize>,
     /// Class names.
@@ -17,23 +18,70 @@ pub struct FeatureTable {
 }
 
 impl FeatureTable {
-    /// Creates the table from estimates in the order of the traces.
+    /// Creates a table of values without errors, none missing.
     #[must_use]
-    pub fn new(estimates: &[Estimate], classes: Vec<usize>, names: Vec<String>) -> Self {
-        Self { rows: estimates.iter().map(features::vector).collect(), classes, names }
+    pub fn exact(rows: Vec<DVector<f64>>, classes: Vec<usize>, names: Vec<String>) -> Self {
+        let variances = rows.iter().map(|row| DVector::zeros(row.len())).collect();
+        Self { rows, variances, classes, names }
+    }
+
+    /// Returns whether no value has an error or is missing.
+    #[must_use]
+    pub fn is_exact(&self) -> bool {
+        self.variances.iter().flatten().all(|variance| *variance <= 0.0)
+    }
+
+    /// Returns whether any value of a row is missing.
+    #[must_use]
+    pub fn is_partial(&self, row: usize) -> bool {
+        self.variances[row].iter().any(|variance| !variance.is_finite())
+    }
+
+    /// Returns the indices of the rows of a class that have this feature.
+    pub fn with(&self, class: usize, feature: usize) -> impl Iterator<Item = usize> {
+        let of_class = (0..self.rows.len()).filter(move |&row| self.classes[row] == class);
+        of_class.filter(move |&row| self.variances[row][feature].is_finite())
+    }
+
+    /// Returns the mean of each feature over the rows that have it; 0 for a feature that no row has.
+    #[must_use]
+    pub fn mean(&self) -> DVector<f64> {
+        let features = self.rows.first().map_or(0, DVector::len);
+        DVector::from_fn(features, |feature, _| {
+            let own = self.rows.iter().zip(&self.variances).filter(|(_, variance)| variance[feature].is_finite());
+            let (sum, count) = own.fold((0.0, 0.0), |(sum, count), (row, _)| (sum + row[feature], count + 1.0_f64));
+            sum / count.max(1.0)
+        })
+    }
+
+    /// Returns the given rows only.
+    #[must_use]
+    pub fn keep(&self, places: &[usize]) -> Self {
+        let pick = |of: &[DVector<f64>]| places.iter().map(|&k| of[k].clone()).collect();
+        let classes = places.iter().map(|&k| self.classes[k]).collect();
+        Self { rows: pick(&self.rows), variances: pick(&self.variances), classes, names: self.names.clone() }
     }
 
     /// Returns the given features only.
     #[must_use]
     pub fn select(&self, places: &[usize]) -> Self {
         let pick = |row: &DVector<f64>| DVector::from_iterator(places.len(), places.iter().map(|&k| row[k]));
-        Self { rows: self.rows.iter().map(pick).collect(), classes: self.classes.clone(), names: self.names.clone() }
+        let (rows, variances) = (self.rows.iter().map(pick).collect(), self.variances.iter().map(pick).collect());
+        Self { rows, variances, classes: self.classes.clone(), names: self.names.clone() }
     }
 
     /// Returns the table with every row mapped.
     #[must_use]
     pub fn map(&self, map: &AffineMap) -> Self {
-        Self { rows: self.rows.iter().map(|row| map.apply(row)).collect(), ..self.clone() }
+        let rows = self.rows.iter().zip(&self.variances);
+        let (rows, variances) = rows.map(|(row, variance)| map.apply_with(row, variance)).unzip();
+        Self { rows, variances, classes: self.classes.clone(), names: self.names.clone() }
+    }
+
+    /// Returns the rows as observations.
+    pub(crate) fn observed(&self) -> Vec<Observed<'_>> {
+        let rows = self.rows.iter().zip(&self.variances).zip(&self.classes);
+        rows.map(|((value, variance), &class)| Observed { value, variance, class }).collect()
     }
 }
 
@@ -51,5 +99,20 @@ impl AffineMap {
     #[must_use]
     pub fn apply(&self, features: &DVector<f64>) -> DVector<f64> {
         &self.matrix * (features - &self.mean)
+    }
+
+    /// Applies the map to values whose errors have these variances, and returns those of the coordinates: Σ_j W_kj² v_j;
+    /// infinite, and the value 0, if a missing feature has a weight.
+    #[must_use]
+    pub fn apply_with(&self, features: &DVector<f64>, variances: &DVector<f64>) -> (DVector<f64>, DVector<f64>) {
+        let of_row = |row: usize| {
+            let weights = self.matrix.row(row);
+            let used = weights.iter().zip(variances.iter()).filter(|(w, _)| **w != 0.0);
+            used.map(|(w, variance)| w * w * variance).sum()
+        };
+        let variances = DVector::from_fn(self.matrix.nrows(), |row, _| of_row(row));
+        let missing = |variance: f64| !variance.is_finite();
+        let values = self.apply(features).zip_map(&variances, |z, v| if missing(v) { 0.0 } else { z });
+        (values, variances)
     }
 }

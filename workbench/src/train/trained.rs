@@ -2,7 +2,7 @@
 
 use bearing_watch::model::Feature;
 
-use super::{AffineMap, Candidates, Choice, FeatureTable, GaussianClasses, Recipe, Watch};
+use super::{AffineMap, Candidates, Choice, ClassStatistics, FeatureTable, GaussianClasses, LeftOut, Recipe, Watch};
 use crate::core::Parts;
 
 /// A trained model, with the parts of the core's [`bearing_watch::Model`].
@@ -22,6 +22,10 @@ pub struct Trained {
     pub coordinates: FeatureTable,
     /// Names of the coordinates: those of the features if there is no projection.
     pub coordinate_names: Vec<String>,
+    /// Means and covariances of the coordinates.
+    pub statistics: ClassStatistics,
+    /// Training segments that have none of the features.
+    pub left_out: LeftOut,
     /// Class densities over the coordinates.
     pub densities: GaussianClasses,
     /// The shrinkage of the covariances, if it was chosen by cross-validation.

@@ -99,9 +99,10 @@ pub fn scatter(trained: &Trained, held_out: &[TraceVerdict]) -> Result<String, E
     let classes = Class::all(&trained.classes);
     let of_class = |k: usize| {
         let table = &trained.coordinates;
-        let training = table.rows.iter().zip(&table.classes).filter(|(_, c)| **c == k).map(|(z, _)| z.clone());
+        let own = |row: &usize| table.classes[*row] == k && !table.is_partial(*row);
+        let training = (0..table.rows.len()).filter(own).map(|row| table.rows[row].clone());
         let segments = held_out.iter().filter(|v| v.class == k).flat_map(|v| &v.segments);
-        let held_out = segments.filter(|s| s.verdict.is_ok()).map(|s| coordinates(trained, s));
+        let held_out = segments.filter(|s| s.verdict.is_ok()).filter_map(|s| coordinates(trained, s));
         ScatterClass { class: classes[k].clone(), training: plane.points(training), held_out: plane.points(held_out) }
     };
     let scattered: Vec<ScatterClass> = (0..classes.len()).map(of_class).collect();
@@ -118,6 +119,10 @@ pub fn scatter(trained: &Trained, held_out: &[TraceVerdict]) -> Result<String, E
             " The plane is a section through {dimensions} dimensions: a point off it may lie in the colour of another class than the one decided."
         );
     }
+    let partial = (0..trained.coordinates.rows.len()).filter(|&row| trained.coordinates.is_partial(row)).count();
+    if partial > 0 {
+        note += &format!(" {partial} training segments lack a coordinate and are not drawn.");
+    }
     Ok(plot + &paragraph(&note))
 }
 
@@ -126,10 +131,7 @@ pub fn scatter(trained: &Trained, held_out: &[TraceVerdict]) -> Result<String, E
 pub fn distributions(trained: &Trained) -> String {
     let classes = Class::all(&trained.classes);
     let of_feature = |(feature, name): (usize, &String)| {
-        let samples = |k: usize| {
-            let rows = trained.raw.rows.iter().zip(&trained.raw.classes);
-            rows.filter(|(_, class)| **class == k).map(|(row, _)| row[feature]).collect()
-        };
+        let samples = |k: usize| trained.raw.with(k, feature).map(|row| trained.raw.rows[row][feature]).collect();
         let one = |(k, class): (usize, &Class)| Density { class: class.clone(), samples: samples(k) };
         let densities: Vec<Density> = classes.iter().enumerate().map(one).collect();
         or_reason(plot::densities(&format!("Distribution of {name}"), name, &densities))
@@ -142,15 +144,18 @@ fn decide(model: &Embedded, plane: &Plane, x: f64, y: f64, undetermined: usize) 
     model.decide_at(&z).unwrap_or(undetermined)
 }
 
-/// Projected coordinates of the features that the detector estimated.
-fn coordinates(trained: &Trained, segment: &SegmentReport) -> DVector<f64> {
+/// Projected coordinates of the features that the detector estimated; `None` if a coordinate is missing.
+fn coordinates(trained: &Trained, segment: &SegmentReport) -> Option<DVector<f64>> {
+    if !segment.missing.is_empty() {
+        return None;
+    }
     let variance = f64::from(segment.variance.max(f32::MIN_POSITIVE));
     let own = segment.raw.iter().map(|x| f64::from(*x)).chain([variance.ln()]);
-    let raw: Vec<f64> = own.chain(segment.shaft_features.iter().map(|x| f64::from(*x))).collect();
+    let raw: Vec<f64> = own.chain(segment.shaft_features.iter().map(|x| f64::from(x.value))).collect();
     let names = trained.recipe.catalogue().names();
     let chosen = trained.feature_names.iter().filter_map(|name| names.iter().position(|n| n == name));
     let chosen: Vec<f64> = chosen.map(|k| raw[k]).collect();
-    trained.projection.apply(&DVector::from_vec(chosen))
+    Some(trained.projection.apply(&DVector::from_vec(chosen)))
 }
 
 /// Table of the counts, and rates.
@@ -197,7 +202,10 @@ pub fn posteriors_by_trace(classes: &[String], verdicts: &[TraceVerdict]) -> Str
 }
 
 fn feature_table(trained: &Trained) -> String {
-    let statistics = ClassStatistics::new(&trained.raw);
+    let statistics = match ClassStatistics::of(&trained.raw, &trained.feature_names) {
+        Ok(statistics) => statistics,
+        Err(reason) => return paragraph(&format!("No means and deviations: {reason}.")),
+    };
     let classes = trained.classes.iter().zip(&statistics.counts).map(|(class, count)| format!("{class} ({count})"));
     let header: Vec<String> = std::iter::once("feature".to_string()).chain(classes).collect();
     let row = |(place, name): (usize, &String)| {
@@ -240,7 +248,7 @@ struct Plane {
 
 impl Plane {
     fn new(trained: &Trained) -> Option<Self> {
-        let statistics = ClassStatistics::new(&trained.coordinates);
+        let statistics = &trained.statistics;
         let z = statistics.total_mean.len();
         let (white, _) = whitening(&statistics.pooled).ok()?;
         let mut between = DMatrix::zeros(z, z);
@@ -257,7 +265,7 @@ impl Plane {
             directions = DMatrix::from_columns(&[first, leading(&(&across * remaining * &across))]);
         }
         let back = white.solve_lower_triangular(&directions)?;
-        Some(Self { centre: statistics.total_mean, to: directions.transpose() * white, back })
+        Some(Self { centre: statistics.total_mean.clone(), to: directions.transpose() * white, back })
     }
 
     fn points(&self, coordinates: impl Iterator<Item = DVector<f64>>) -> Vec<(f64, f64)> {

@@ -57,7 +57,7 @@ pub(super) fn components(draw: &Draw) -> Result<Table, Error> {
         let picked = SELECTION.pick(&estimates.training, |e| e.class);
         let fitting = picked.iter().filter(|e| e.fit_percent >= least_fit);
         let (rows_used, classes) = fitting.map(|e| (e.features.clone(), e.class)).unzip();
-        let table = FeatureTable { rows: rows_used, classes, names: SELECTION.names() }.select(&places);
+        let table = FeatureTable::exact(rows_used, classes, SELECTION.names()).select(&places);
         let used = 100.0 * table.rows.len() as f64 / picked.len() as f64;
         let found = principal_components(&table);
         for (k, (published, contribution)) in TABLE_3_1.iter().enumerate() {
@@ -97,7 +97,7 @@ fn principal_components(table: &FeatureTable) -> Option<Components> {
     let vectors = eigen.eigenvectors.select_columns(&places).transpose();
     let rows = table.rows.iter().map(|row| &vectors * row).collect();
     let values = places.iter().map(|&k| eigen.eigenvalues[k]).collect();
-    Some(Components { values, coordinates: FeatureTable { rows, ..table.clone() } })
+    Some(Components { values, coordinates: FeatureTable::exact(rows, table.classes.clone(), table.names.clone()) })
 }
 
 impl Components {

@@ -143,7 +143,7 @@ impl Estimates {
             let picked = selection.pick(set, |e| e.class);
             let rows = picked.iter().map(|e| e.features.clone()).collect();
             let classes = picked.iter().map(|e| e.class).collect();
-            FeatureTable { rows, classes, names: selection.names() }.select(features)
+            FeatureTable::exact(rows, classes, selection.names()).select(features)
         })
     }
 

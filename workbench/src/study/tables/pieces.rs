@@ -177,7 +177,7 @@ fn spread(table: &FeatureTable) -> f64 {
 fn table(rows: impl IntoIterator<Item = (usize, [f64; 3])>, count: usize) -> FeatureTable {
     let (classes, rows) =
         rows.into_iter().map(|(class, theta)| (class, DVector::from_column_slice(&theta[..count]))).unzip();
-    FeatureTable { rows, classes, names: SELECTION.names() }
+    FeatureTable::exact(rows, classes, SELECTION.names())
 }
 
 fn row(name: &str, cutting: [Cell; 3], judged: &Judged) -> Row {

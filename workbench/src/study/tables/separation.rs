@@ -31,7 +31,7 @@ pub fn of_combination(training: &FeatureTable, validation: &FeatureTable, defect
     let (u, _) = whitening(&pooled).ok()?;
     let direction = u.transpose() * (u * (&statistics.means[defect] - &statistics.means[0]));
     let rows = validation.rows.iter().map(|row| DVector::from_vec(vec![direction.dot(row)])).collect();
-    Some(of_feature(&FeatureTable { rows, ..validation.clone() }, 0, defect))
+    Some(of_feature(&FeatureTable::exact(rows, validation.classes.clone(), validation.names.clone()), 0, defect))
 }
 
 #[cfg(test)]
@@ -47,7 +47,7 @@ mod tests {
         };
         let rows = (0..5).map(|k| place(k, [0.0, 0.0])).chain((0..5).map(|k| place(k, shift)));
         let names = ["healthy", "defect"].map(String::from).to_vec();
-        FeatureTable { rows: rows.collect(), classes: [[0; 5], [1; 5]].concat(), names }
+        FeatureTable::exact(rows.collect(), [[0; 5], [1; 5]].concat(), names)
     }
 
     #[test]

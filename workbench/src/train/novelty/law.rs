@@ -4,15 +4,16 @@
 //! d² = (z − m)ᵀ S⁻¹ (z − m),   m, S of n segments in p coordinates
 //! Gaussian      d² ~ a F(p, ν),  ν = n − p,  a = p(n²−1)/(n(n−p))         (1)  Hotelling 1931
 //! heavier       1/ν = 1/(n−p) + 1/τ,  a chosen so that E d² is as in (1)  (2)
-//! left out      d²₋ᵢ = (n/(n−1))² (n−2) q/(1 − nq/(n−1)),  q = d²ᵢ/(n−1)   (3)
-//! the law       Σ_j P(τ_j | d²₋₁ … d²₋ₙ) F_j                              (4)
+//! the law       Σ_j P(τ_j | d²₋₁ … d²₋ₙ) F_j                              (3)
+//! of k < p      (d²_p/p)^⅓ = 1 − c_p + √c_p u,  u = ((d²_k/k)^⅓ − 1 + c_k)/√c_k,  c = 2/(9k)       (4)
 //! ```
 //!
 //! For many segments, (2) is exact for coordinates with a multivariate t distribution with τ degrees of freedom. The
-//! probability of each τ follows from the training segments' own distances (3), each relative to mean and covariance of
-//! the other segments. With the most probable τ alone, the mean false-alarm rate would exceed the set one: a tail that
-//! is assumed too light adds more alarms than one that is assumed too heavy saves. (4) therefore averages over τ; the
-//! prior is uniform in 1/τ from 0 on, and the Gaussian law has the largest prior.
+//! probability of each τ follows from the training segments' own distances d²₋ᵢ, each relative to mean and covariance of
+//! the other segments ([`crate::train::moments`]). With the most probable τ alone, the mean false-alarm rate would exceed the set one: a tail that
+//! is assumed too light adds more alarms than one that is assumed too heavy saves. (3) therefore averages over τ; the
+//! prior is uniform in 1/τ from 0 on, and the Gaussian law has the largest prior. With k of the p coordinates, (4) gives
+//! the d² of all coordinates that is as improbable (Wilson and Hilferty 1931), as in the core.
 
 use statrs::function::beta::{beta_reg, ln_beta};
 
@@ -35,7 +36,7 @@ struct Scaled {
     scale: f64,
 }
 
-/// (4).
+/// (3).
 #[derive(Clone, Debug, PartialEq)]
 pub struct DistanceLaw {
     /// Probabilities and laws, the Gaussian one first.
@@ -49,15 +50,14 @@ impl DistanceLaw {
         Self { parts: vec![(1.0, Scaled::gaussian(coordinates, rows))] }
     }
 
-    /// Returns the law (4) of training segments; `squared` are their d² within the set.
+    /// Returns the law (3) of so many training segments; `left_out` are the d² of each from the others.
     #[must_use]
-    pub fn of(coordinates: usize, squared: &[f64]) -> Self {
-        let law = Scaled::gaussian(coordinates, squared.len());
-        let others = Scaled::gaussian(coordinates, squared.len() - 1);
+    pub fn of(coordinates: usize, rows: usize, left_out: &[f64]) -> Self {
+        let law = Scaled::gaussian(coordinates, rows);
+        let others = Scaled::gaussian(coordinates, rows - 1);
         if others.degrees < LEAST_DEGREES {
             return Self { parts: vec![(1.0, law)] };
         }
-        let left_out = left_out(squared);
         // Denser at light tails, where the laws differ most at the observed distances.
         let steps = HEAVIER as f64;
         let each = |k: usize| {
@@ -135,18 +135,22 @@ impl Scaled {
     }
 }
 
-/// (3).
-fn left_out(squared: &[f64]) -> Vec<f64> {
-    let n = squared.len() as f64;
-    let each = |d: &f64| {
-        let q = d / (n - 1.0);
-        (n / (n - 1.0)).powi(2) * (n - 2.0) * q / (1.0 - n * q / (n - 1.0)).max(f64::EPSILON)
-    };
-    squared.iter().map(each).collect()
+/// Returns the d² of `all` coordinates that is as improbable as this d² of `available` ones (4); 0 of none.
+#[must_use]
+pub fn equivalent(squared: f64, available: usize, all: usize) -> f64 {
+    if available == all || available == 0 {
+        return squared;
+    }
+    let [from, to] = [available, all].map(|count| count as f64);
+    let [own, other] = [from, to].map(|count| 2.0 / (9.0 * count));
+    let u = ((squared / from).cbrt() - 1.0 + own) / own.sqrt();
+    to * (1.0 - other + other.sqrt() * u).max(0.0).powi(3)
 }
 
 #[cfg(test)]
 mod tests {
+    use statrs::distribution::{ChiSquared, ContinuousCDF};
+
     use super::*;
 
     #[test]
@@ -170,11 +174,21 @@ mod tests {
         }
     }
 
+    /// Exact quantiles of chi-square distributions: the d² of all coordinates with the probability of d² of some.
     #[test]
-    fn left_out_distances_by_hand() {
-        // Values 0, 1, 3, 8. Without 8: mean 4/3, variance 7/3. All four: mean 3, variance 38/3.
-        let squared: Vec<f64> = [0.0, 1.0, 3.0, 8.0_f64].iter().map(|x| (x - 3.0).powi(2) / (38.0 / 3.0)).collect();
-        let by_hand = (8.0 - 4.0 / 3.0_f64).powi(2) / (7.0 / 3.0);
-        assert!((left_out(&squared)[3] - by_hand).abs() < 1e-9);
+    fn some_coordinates_stand_for_all() {
+        let law = |n: usize| ChiSquared::new(n as f64).expect("law");
+        for (some, all) in [(1, 2), (1, 3), (1, 8), (2, 3), (2, 6), (4, 8), (7, 8)] {
+            for (nats, within) in [(1.0, 0.012), (2.3, 0.04), (4.6, 0.04), (6.9, 0.1), (9.2, 0.35), (13.8, 1.0)] {
+                let squared = law(some).inverse_cdf(1.0 - f64::exp(-nats));
+                let surprise = -law(all).sf(equivalent(squared, some, all)).ln();
+                println!("{some} of {all}: {surprise:.3} for {nats}");
+                assert!((surprise - nats).abs() < within, "{some} of {all}: {surprise} for {nats}");
+            }
+            // The normal score of d² = 0 is not −∞.
+            let least = -law(all).sf(equivalent(0.0, some, all)).ln();
+            assert!((0.0..0.06).contains(&least), "{some} of {all}: {least}");
+        }
+        assert!((equivalent(3.3, 4, 4) - 3.3).abs() < 1e-15);
     }
 }

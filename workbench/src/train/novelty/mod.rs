@@ -3,6 +3,10 @@
 //! Mean and covariance are those of the healthy class alone. The gate follows from the distribution of a further
 //! segment's distance ([`law`]), so that the mean false-alarm rate over training sets of any size is the set one. The
 //! deviation of a single gate from the set rate depends on the number of segments ([`spread`]).
+//!
+//! Coordinates may have errors of known variance, or be missing ([`super::moments`]). The distance of each segment is
+//! that of its available coordinates, with their errors, and [`law::equivalent`] converts it to all coordinates, as the
+//! core does. The number of segments is then that of the coordinate that is missing most often.
 
 mod knots;
 pub mod law;
@@ -14,6 +18,7 @@ use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::FeatureTable;
+use super::moments::{self, Moments};
 use super::statistics::{ClassStatistics, singular, whitening};
 use crate::Error;
 use law::DistanceLaw;
@@ -68,8 +73,8 @@ pub struct Gate {
     pub class: usize,
     /// Its mean.
     pub mean: DVector<f64>,
-    /// U with UᵀU = S⁻¹.
-    pub whitening: DMatrix<f64>,
+    /// S, its covariance.
+    pub covariance: DMatrix<f64>,
     /// Knots (d², surprise).
     pub knots: [[f64; 2]; KNOTS],
     /// −ln of the false-alarm rate.
@@ -112,12 +117,13 @@ pub(crate) fn train(
         return Err(Error::Usage(format!("--false-alarm {rate}: give a rate from 1e-9 to 0.5 a segment")));
     }
     let segments = segments_between(alarms.interval, segment_s)?;
-    let rows = table.classes.iter().filter(|c| **c == class).count();
+    let (rows, scarce) = rows_of(table, class);
     let least = fewest(names.len(), rate);
     if rows < least {
+        let with = scarce.map_or_else(String::new, |k| format!(" with {}", names[k]));
         let problem = format!(
-            "{rows} healthy segments are too few for a novelty gate of {} coordinates at a false-alarm rate of {rate}; \
-             give at least {least}, use fewer features, or a higher rate",
+            "{rows} healthy segments{with} are too few for a novelty gate of {} coordinates at a false-alarm rate of \
+             {rate}; give at least {least}, use fewer features, or a higher rate",
             names.len()
         );
         return if alarms.required { Err(Error::Training(problem)) } else { Ok(none(Some(problem + "; none is set"))) };
@@ -138,6 +144,15 @@ pub(crate) fn train(
     Ok(Watch { gate: Some(gate), evidence, segments, warning })
 }
 
+/// Returns the number of rows of a class that have the coordinate which is missing most often, and this coordinate; all
+/// rows and none if no coordinate is missing.
+fn rows_of(table: &FeatureTable, class: usize) -> (usize, Option<usize>) {
+    let rows = table.classes.iter().filter(|c| **c == class).count();
+    let coordinates = table.rows.first().map_or(0, DVector::len);
+    let with = |k: usize| (table.with(class, k).count(), Some(k));
+    (0..coordinates).map(with).filter(|(count, _)| *count < rows).min().unwrap_or((rows, None))
+}
+
 /// Returns the smallest number of segments from which a gate can be trained that is not too far out for its rate.
 #[must_use]
 pub fn fewest(coordinates: usize, rate: f64) -> usize {
@@ -151,24 +166,36 @@ pub fn fewest(coordinates: usize, rate: f64) -> usize {
 /// # Errors
 /// Too few rows for the rate, or coordinates that are constant or depend on each other.
 pub fn gate_of(healthy: &[DVector<f64>], rate: f64) -> Result<Gate, Error> {
-    let names: Vec<String> = (1..=healthy.first().map_or(0, DVector::len)).map(|k| format!("z{k}")).collect();
-    let table = FeatureTable { rows: healthy.to_vec(), classes: vec![0; healthy.len()], names: vec!["healthy".into()] };
+    gate_of_table(&FeatureTable::exact(healthy.to_vec(), vec![0; healthy.len()], vec!["healthy".into()]), rate)
+}
+
+/// Returns the gate of a table of healthy rows alone, whose values may have errors or be missing.
+///
+/// # Errors
+/// As [`gate_of`].
+pub fn gate_of_table(table: &FeatureTable, rate: f64) -> Result<Gate, Error> {
+    let names: Vec<String> = (1..=table.rows.first().map_or(0, DVector::len)).map(|k| format!("z{k}")).collect();
     let alarms = Alarms { healthy: Some(0), false_alarm: rate, required: true, ..Alarms::default() };
-    let watch = train(&table, &names, &alarms, None)?;
+    let watch = train(table, &names, &alarms, None)?;
     watch.gate.ok_or_else(|| Error::Training("no healthy rows".into()))
 }
 
 fn gate(table: &FeatureTable, names: &[String], class: usize, rate: f64) -> Result<Gate, Error> {
-    let statistics = ClassStatistics::new(table);
-    let (mean, rows) = (statistics.means[class].clone(), statistics.counts[class]);
-    let (whitening, _) = whitening(&statistics.covariances[class])
-        .map_err(|dependent| singular(&format!("class {}", table.names[class]), rows, 1, names, dependent))?;
-    let own = table.rows.iter().zip(&table.classes).filter(|(_, c)| **c == class).map(|(row, _)| row);
-    let squared: Vec<f64> = own.map(|row| (&whitening * (row - &mean)).norm_squared()).collect();
-    let law = DistanceLaw::of(names.len(), &squared);
+    let own: Vec<usize> = (0..table.rows.len()).filter(|&row| table.classes[row] == class).collect();
+    let mut healthy = table.keep(&own);
+    (healthy.classes, healthy.names) = (vec![0; own.len()], vec![table.names[class].clone()]);
+    let statistics = ClassStatistics::of(&healthy, names)?;
+    let (mean, covariance, rows) = (statistics.means[0].clone(), statistics.pooled, own.len());
+    let refuse = |dependent| singular(&format!("class {}", table.names[class]), rows, 1, names, dependent);
+    whitening(&covariance).map_err(refuse)?;
+    let found = Moments { means: vec![mean.clone()], covariance: covariance.clone() };
+    let squared = moments::left_out(&healthy.observed(), &found).ok_or_else(|| refuse(0))?;
+    let all = names.len();
+    let squared: Vec<f64> = squared.into_iter().map(|(squared, k)| law::equivalent(squared, k, all)).collect();
+    let law = DistanceLaw::of(all, rows_of(table, class).0, &squared);
     let limit = -rate.ln();
-    let (knots, rows_needed) = (knots::knots(&law, limit), spread::rows_needed(names.len(), rate));
-    Ok(Gate { class, mean, whitening, knots, limit, law, rows, rows_needed })
+    let (knots, rows_needed) = (knots::knots(&law, limit), spread::rows_needed(all, rate));
+    Ok(Gate { class, mean, covariance, knots, limit, law, rows, rows_needed })
 }
 
 fn segments_between(interval: AlarmInterval, segment_s: Option<f64>) -> Result<f64, Error> {

@@ -115,8 +115,9 @@ impl<'a> Judge<'a> {
             let candidates = self.candidates.select(&chosen);
             let fitted = fit(&candidates.rows(&seen), &inner.recipe).ok()?;
             let predicted = held_out.into_iter().map(|row| {
-                let z = fitted.projection.apply(&candidates.table.rows[row]);
-                let log_posteriors = fitted.densities.log_posteriors(&z);
+                let (value, variance) = (&candidates.table.rows[row], &candidates.table.variances[row]);
+                let (z, variances) = fitted.projection.apply_with(value, variance);
+                let log_posteriors = fitted.densities.log_posteriors(&z, &variances);
                 let decided = Some(fitted.densities.decide(&log_posteriors));
                 let (truth, weight) = (candidates.table.classes[row], self.weights[row]);
                 (row, Prediction { truth, decided, log_posteriors, weight })
@@ -129,7 +130,7 @@ impl<'a> Judge<'a> {
         Some(all.into_iter().map(|(_, prediction)| prediction).collect())
     }
 
-    pub(super) fn reason(&self, statistics: &ClassStatistics, path: &Path, feature: usize, ranked: &Ranked) -> String {
+    pub(super) fn reason(&self, path: &Path, feature: usize, ranked: &Ranked) -> String {
         let signed = |x: f64| format!("{}{:.3}", if x < 0.0 { "−" } else { "+" }, x.abs());
         let gain = |gain: &Gain| format!("{} ± {:.3}", signed(gain.log), gain.standard_error);
         if ranked.kept {
@@ -137,17 +138,20 @@ impl<'a> Judge<'a> {
             let beside = if place == 0 { "the priors" } else { "those above" };
             return ranked.beside_chosen.map_or_else(String::new, |g| format!("gains {} over {beside}", gain(&g)));
         }
-        if statistics.pooled[(feature, feature)] <= 0.0 {
+        let Ok(own) = moments(self.candidates, &[feature]) else {
+            return "has a result in hardly any segment of a class".into();
+        };
+        if own.pooled[(0, 0)] <= 0.0 {
             return "is the same in all segments of a class".into();
         }
         let correlation = |other: usize| {
-            let pooled = &statistics.pooled;
-            pooled[(feature, other)] / (pooled[(feature, feature)] * pooled[(other, other)]).sqrt()
+            let pair = moments(self.candidates, &[feature, other]);
+            pair.map_or(0.0, |m| m.pooled[(0, 1)] / (m.pooled[(0, 0)] * m.pooled[(1, 1)]).sqrt())
         };
         let mut parts = vec![];
         // For equal class means, N J is approximately χ² with C − 1 degrees of freedom: mean C − 1, sd √(2 (C − 1)).
-        let degrees = statistics.counts.len() as f64 - 1.0;
-        let rows: usize = statistics.counts.iter().sum();
+        let degrees = own.counts.len() as f64 - 1.0;
+        let rows: usize = own.counts.iter().sum();
         if ranked.fisher * (rows as f64) < degrees + SURE * (2.0 * degrees).sqrt() {
             parts.push("its class means differ no more than by chance".to_string());
         }
@@ -167,14 +171,24 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// Returns (1) and (2).
-pub(super) fn fisher(statistics: &ClassStatistics, priors: &[f64], feature: usize) -> (f64, Vec<f64>) {
-    let means: Vec<f64> = statistics.means.iter().map(|mean| mean[feature]).collect();
+/// Returns the moments of some features alone.
+fn moments(candidates: &Candidates, features: &[usize]) -> Result<ClassStatistics, Error> {
+    let some = candidates.select(features);
+    ClassStatistics::of(&some.table, &some.features)
+}
+
+/// Returns (1) and (2); zeros for a feature that hardly any row of a class has.
+pub(super) fn fisher(candidates: &Candidates, priors: &[f64], feature: usize) -> (f64, Vec<f64>) {
+    let classes = priors.len();
+    let Ok(statistics) = moments(candidates, &[feature]) else {
+        return (0.0, vec![0.0; classes * (classes - 1) / 2]);
+    };
+    let means: Vec<f64> = statistics.means.iter().map(|mean| mean[0]).collect();
     let centre: f64 = means.iter().zip(priors).map(|(mean, p)| p * mean).sum();
     let between: f64 = means.iter().zip(priors).map(|(mean, p)| p * (mean - centre).powi(2)).sum();
     let ratio = |between: f64, within: f64| if within > 0.0 { between / within } else { 0.0 };
-    let variance = |class: usize| statistics.covariances[class][(feature, feature)];
+    let variance = |class: usize| statistics.covariances[class][(0, 0)];
     let pairs = (0..means.len()).flat_map(|i| (i + 1..means.len()).map(move |j| (i, j)));
     let pairs = pairs.map(|(i, j)| ratio((means[i] - means[j]).powi(2), variance(i) + variance(j))).collect();
-    (ratio(between, statistics.pooled[(feature, feature)]), pairs)
+    (ratio(between, statistics.pooled[(0, 0)]), pairs)
 }

@@ -1,0 +1,73 @@
+//! Training segments that have none of the chosen features: they are counted and left out.
+
+use super::Candidates;
+use crate::Error;
+use crate::trace::labels::LabelledTrace;
+
+/// Number of segments that were left out.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Segments without any of the chosen features.
+    pub count: usize,
+    /// All segments.
+    pub of: usize,
+    /// Whether a segment is a part of a trace, not a whole one.
+    pub in_pieces: bool,
+    /// The first of them, and why it has no features, if that is known.
+    pub first: Option<String>,
+}
+
+impl LeftOut {
+    /// Returns the counts in words; `None` if no segment was left out.
+    #[must_use]
+    pub fn summary(&self) -> Option<String> {
+        let Self { count, of, in_pieces, first } = self;
+        let what = if *in_pieces { "segments" } else { "traces" };
+        let first = first.as_ref().map_or_else(String::new, |first| format!(" (the first: {first})"));
+        (*count > 0).then(|| format!("{count} of {of} {what} have none of the features: left out{first}"))
+    }
+}
+
+/// Rows before any is left out.
+pub(super) struct Estimated {
+    /// All features; one row per segment.
+    pub(super) candidates: Candidates,
+    /// Trace of each row.
+    pub(super) origins: Vec<usize>,
+    /// Why a row has no verdict: place in the trace and reason.
+    pub(super) reasons: Vec<Option<String>>,
+}
+
+impl Estimated {
+    /// Returns the rows that have at least one of the chosen features, and the count of the others.
+    ///
+    /// # Errors
+    /// A class for which fewer than two rows are left, with the reason of the first that is left out.
+    pub(super) fn usable(
+        &self,
+        chosen: &[usize],
+        traces: &[LabelledTrace],
+        in_pieces: bool,
+    ) -> Result<(Candidates, LeftOut), Error> {
+        let table = &self.candidates.table;
+        let has_any = |row: &usize| chosen.iter().any(|&feature| table.variances[*row][feature].is_finite());
+        let (kept, lost): (Vec<usize>, Vec<usize>) = (0..table.rows.len()).partition(has_any);
+        let described = |row: usize| {
+            let reason = self.reasons[row].as_deref().unwrap_or("no part that they belong to has a result");
+            (traces[self.origins[row]].trace.id.clone(), reason.to_string())
+        };
+        for class in 0..table.names.len() {
+            let left = kept.iter().filter(|&&row| table.classes[row] == class).count();
+            let first = lost.iter().find(|&&row| table.classes[row] == class);
+            if let (true, Some(&row)) = (left < 2, first) {
+                let (trace, reason) = described(row);
+                return Err(Error::trace(&trace, reason + REMEDY));
+            }
+        }
+        let first = lost.first().map(|&row| described(row)).map(|(trace, reason)| format!("{trace}, {reason}"));
+        let left_out = LeftOut { count: lost.len(), of: table.rows.len(), in_pieces, first };
+        Ok((self.candidates.rows(&kept), left_out))
+    }
+}
+
+const REMEDY: &str = "; choose other channels or a lower order, or leave the trace out";
