@@ -9,8 +9,9 @@ use rand::{Rng, RngExt as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 use rayon::prelude::*;
+use workbench::train::FeatureTable;
 use workbench::train::novelty::law::DistanceLaw;
-use workbench::train::novelty::{Gate, gate_of, spread};
+use workbench::train::novelty::{Gate, gate_of, gate_of_table, spread};
 
 const DRAWS: u64 = 120;
 const HEALTHY: usize = 200;
@@ -66,6 +67,49 @@ fn rates<const Z: usize>(degrees: Option<f64>, healthy: usize) -> Vec<[f64; 2]> 
     (0..DRAWS).into_par_iter().map(one).collect()
 }
 
+/// Rows of normal features of different size that hang together, with errors of up to their deviation of known variance,
+/// 30 % of them missing, but never all.
+fn partial<const Z: usize>(count: usize, random: &mut ChaCha8Rng) -> FeatureTable {
+    let mut table = FeatureTable::exact(vec![], vec![0; count], vec!["healthy".into()]);
+    let size = |i: usize| 10_f64.powi(i as i32 - 2);
+    while table.rows.len() < count {
+        let common: f64 = StandardNormal.sample(random);
+        let variance = DVector::from_fn(Z, |i, _| {
+            let error = size(i) * random.random::<f64>();
+            if random.random::<f64>() < 0.3 { f64::INFINITY } else { error * error }
+        });
+        let value = DVector::from_fn(Z, |i, _| {
+            let [own, error]: [f64; 2] = std::array::from_fn(|_| StandardNormal.sample(random));
+            let value = 3.0 + size(i) * (0.8 * common + 0.6 * own);
+            if variance[i].is_finite() { value + variance[i].sqrt() * error } else { 0.0 }
+        });
+        if variance.iter().any(|v| v.is_finite()) {
+            table.rows.push(value);
+            table.variances.push(variance);
+        }
+    }
+    table
+}
+
+/// The same for gates of rows with errors and missing values.
+fn partial_rates<const Z: usize>(healthy: usize) -> Vec<[f64; 2]> {
+    let one = |draw: u64| {
+        let mut random = ChaCha8Rng::seed_from_u64(70_000 + 1000 * Z as u64 + draw);
+        let gate = core(&gate_of_table(&partial::<Z>(healthy, &mut random), 1e-3).expect("a gate"));
+        let mut counts = [0_usize; 2];
+        let tests = partial::<Z>(TESTS, &mut random);
+        for (value, variance) in tests.rows.iter().zip(&tests.variances) {
+            let [z, v] = [value, variance].map(|of| of.map(|x| x as f32));
+            let (_, surprise) = gate.judge(z.as_slice(), v.as_slice());
+            for (count, rate) in counts.iter_mut().zip([1e-2_f32, 1e-3]) {
+                *count += usize::from(surprise >= -rate.ln());
+            }
+        }
+        counts.map(|count| count as f64 / TESTS as f64)
+    };
+    (0..DRAWS).into_par_iter().map(one).collect()
+}
+
 /// Mean over draws within a factor 1.5 of the set rate; the spread of single gates is printed.
 fn check(name: &str, sets: &[f64], found: &[[f64; 2]]) {
     for (k, set) in [1e-2, 1e-3].into_iter().enumerate() {
@@ -87,6 +131,12 @@ fn set_rates_hold_in_the_mean_for_gaussian_features() {
     check("1 coordinate", &BOTH, &rates::<1>(None, HEALTHY));
     check("3 coordinates", &BOTH, &rates::<3>(None, HEALTHY));
     check("6 coordinates", &BOTH, &rates::<6>(None, HEALTHY));
+}
+
+#[test]
+fn set_rates_hold_in_the_mean_with_errors_and_missing_values() {
+    check("2 coordinates, 30 % missing", &BOTH, &partial_rates::<2>(HEALTHY));
+    check("4 coordinates, 30 % missing", &BOTH, &partial_rates::<4>(HEALTHY));
 }
 
 #[test]

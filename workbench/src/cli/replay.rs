@@ -10,7 +10,7 @@ use super::model_file::{check_rate, read_model};
 use super::output;
 use crate::Error;
 use crate::core::{Embedded, SegmentReport, Watched, denied, features, stuck_channels};
-use crate::identify::Terms;
+use crate::identify::{Structure, Terms};
 use crate::trace::{self, Trace};
 
 /// Run traces through the embedded detector and print its verdict on every segment, and the alarm
@@ -46,12 +46,13 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         let watched = model.watch(&history);
         for (k, (segment, watched)) in history.iter().zip(&watched).skip(before).enumerate() {
             if args.json {
-                values.push(value(&model, (&prepared, k), segment, watched));
+                values.push(value(&model, (&prepared, k), (segment, watched), missing(&model, &notes.orders, segment)));
                 continue;
             }
             let gated = model.healthy().is_some();
             output::say(
                 line(&model.classes, &model.channel_names(), &prepared, segment)
+                    + &without(&missing(&model, &notes.orders, segment))
                     + &shaft(&notes.orders, segment)
                     + &if gated { far(segment, watched) } else { "".into() },
             )?;
@@ -101,6 +102,17 @@ fn shaft(names: &[String], segment: &SegmentReport) -> String {
     text
 }
 
+/// Returns the names of the features that were missing.
+fn missing(model: &Embedded, orders: &[String], segment: &SegmentReport) -> Vec<String> {
+    let structure = model.structure().unwrap_or_else(|| Structure::new(0, 0, 0, 0, 0));
+    let catalogue = features::Catalogue { structure, orders: Some(orders.to_vec()) };
+    segment.missing.iter().map(|feature| catalogue.name(*feature)).collect()
+}
+
+fn without(missing: &[String]) -> String {
+    if missing.is_empty() { String::new() } else { format!(", without {}", missing.join(", ")) }
+}
+
 /// Returns the place of the segment: in seconds if the trace has a time, else in samples.
 fn place(trace: &Trace, segment: &SegmentReport) -> String {
     let (from, to) = (segment.start, segment.start + segment.length);
@@ -129,8 +141,8 @@ fn line(classes: &[String], names: &[&str], trace: &Trace, segment: &SegmentRepo
 fn value(
     model: &Embedded,
     (trace, number): (&Trace, usize),
-    segment: &SegmentReport,
-    watched: &Watched,
+    (segment, watched): (&SegmentReport, &Watched),
+    missing: Vec<String>,
 ) -> serde_json::Value {
     let named_by = |names: &[String], values: &[f32]| -> serde_json::Map<String, serde_json::Value> {
         names.iter().cloned().zip(values.iter().map(|v| json!(v))).collect()
@@ -147,6 +159,7 @@ fn value(
         "class": segment.verdict.as_ref().ok().and_then(|finding| finding.class()).map(|class| &classes[class]),
         "verdict": segment.verdict.as_ref().map_or("undetermined", |finding| finding.name(classes)),
         "undetermined": segment.verdict.as_ref().err(),
+        "missing": missing,
         "posteriors": named(&segment.posteriors),
         "log_likelihoods": named(&segment.log_likelihoods),
         "distance": segment.distance,

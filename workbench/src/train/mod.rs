@@ -16,6 +16,8 @@ pub mod export;
 mod fit;
 mod folds;
 mod left_out;
+#[cfg(test)]
+mod missing_features;
 mod moments;
 pub mod novelty;
 pub(crate) mod projection;
