@@ -10,7 +10,7 @@ mod model;
 use core::hint::black_box;
 
 use bearing_watch::internals::{Alone, Triangle};
-use bearing_watch::model::{Channel, Forgetting, Regression};
+use bearing_watch::model::{Channel, FeatureValue, Forgetting, Regression};
 use bearing_watch::plan::{Cells, Plan};
 use bearing_watch::{AlphaBeta, Angle, Detector, FrontEnd, Model, Park, Segment, Solver};
 
@@ -157,17 +157,21 @@ fn estimator<P: Plan>(
 fn decision(counter: &mut Counter) {
     let model = &squares::MODEL;
     let (plan, classifier) = (model.plan(), &model.constants().classifier);
-    let features: [f32; 9] = Numbers(3).array();
+    let features = Numbers(3).array::<9>().map(|value| FeatureValue { value, variance: 0.0 });
     let project = || [0, 1, 2].map(|k| black_box(&classifier.projection).coordinate(black_box(&features), k));
     let count = counter.instructions_per_call(CALLS, |_| {
         black_box(project());
     });
     report("projection 9 to 3", None, count, size_of_val(&classifier.projection));
-    let z = project();
-    let both = counter.instructions_per_call(CALLS, |_| {
-        black_box(black_box(classifier).decide_at(black_box(plan), black_box(&z)));
-    });
-    report("quadratic discriminant with posteriors and costs", None, both, size_of_val(&classifier.discriminant));
+    let z = project().map(|z| z.value);
+    let mut decide = |name: &str, variances: &[f32]| {
+        let both = counter.instructions_per_call(CALLS, |_| {
+            black_box(black_box(classifier).decide_at(black_box(plan), black_box(&z), black_box(variances)));
+        });
+        report(name, None, both, size_of_val(&classifier.discriminant));
+    };
+    decide("quadratic discriminant with posteriors and costs", &[0.0; 3]);
+    decide("quadratic discriminant of coordinates with errors", &[0.1, f32::INFINITY, 0.2]);
 }
 
 /// The detector of the example `monitor`: a sample inside a segment, and what closing a segment adds.

@@ -102,7 +102,7 @@ fn plans() {
     opaque([Layout::two_level(&layout), Layout::columns(&layout), Layout::packed(&layout)]);
     opaque([Layout::parameters(&layout), Layout::covariance(&layout), Layout::delays(&layout)]);
     opaque([Layout::filters(&layout), Layout::watched(&layout), Layout::orders(&layout), Layout::map(&layout)]);
-    opaque([Layout::whitening(&layout), Layout::densities(&layout), Layout::means(&layout), Layout::costs(&layout)]);
+    opaque([Layout::density(&layout), Layout::densities(&layout), Layout::means(&layout), Layout::costs(&layout)]);
     opaque((Layout::needs_angle(&layout), Feature::exists(opaque(Feature::Parameter(3)), &layout)));
     sizes(<Fixed<3> as Size>::map(&opaque([1.0; 2 + 1]), |x| 2.0 * x));
     let part = <Present<1> as Presence>::part(true, || opaque(1.0));

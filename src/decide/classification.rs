@@ -1,7 +1,7 @@
 //! The classification of a segment in steps of bounded cost.
 //!
 //! ```text
-//! features ─► coordinates ─► factor, row by row ─► likelihoods ─► posteriors, class ─► factor ─► distance, surprise
+//! features ─► coordinates ─► factor, by rows ─► likelihoods ─► posteriors, class ─► factor ─► distance, surprise
 //!                            └ of a quadratic discriminant for each class ┘
 //! ```
 
@@ -24,19 +24,19 @@ enum Stage {
     Coordinates,
     /// The factor of class k.
     Load,
-    /// Its next row.
+    /// Its next step.
     Widen,
     /// Log-likelihood of class k.
     Likelihoods,
     /// A step of posteriors, costs and class.
     Posteriors,
-    /// The next row of the healthy class's factor.
+    /// The next step of the healthy class's factor.
     Healthy,
     /// Distance and surprise.
     Novelty,
 }
 
-/// A classification under way, in steps of at most F or Z² multiply-adds.
+/// A classification under way, in steps of at most 2 F or Z² multiply-adds.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Classification<P: Plan> {
@@ -103,7 +103,7 @@ impl<P: Plan> Classification<P> {
             }
             Stage::Healthy => {
                 let known = classifier.novelty.class.is_some();
-                if !(known && self.density.row(self.variances.cells(), self.coordinates.cells().len())) {
+                if !(known && self.density.step(self.variances.cells())) {
                     self.stage = Stage::Novelty;
                 }
             }
@@ -160,7 +160,7 @@ impl<P: Plan> Classification<P> {
                 self.stage = Stage::Widen;
             }
             Stage::Widen => {
-                if !self.density.row(self.variances.cells(), z.len()) {
+                if !self.density.step(self.variances.cells()) {
                     self.stage = Stage::Likelihoods;
                 }
             }

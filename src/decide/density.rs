@@ -17,14 +17,15 @@
 //! negative, and with v = 0 the stored numbers remain. For v_i → ∞ it becomes D'_i = ∞, r'_i = 0 and w = D_i, which is
 //! the density of the other coordinates; a sum (5) leaves out the infinite pivot.
 //!
-//! Cost: Z steps of at most Z² multiply-adds; without errors Z logarithms and Z (Z − 1)/2 multiply-adds a density.
+//! Cost: a step for each row, and for each row below one with an error; each at most 2 Z multiply-adds and a logarithm.
+//! Without errors Z logarithms and Z (Z − 1)/2 multiply-adds a density.
 
 use crate::factor::pairs;
 use crate::plan::{Array, Cells, Plan};
 
 const LN_2PI: f32 = 1.837_877_1;
 
-/// The factor (2), computed row by row.
+/// The factor (2), computed in steps.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Density<P: Plan> {
@@ -36,50 +37,77 @@ pub(super) struct Density<P: Plan> {
     /// Number of rows so far, and the place of the next.
     rows: usize,
     place: usize,
+    taking: Taking<P>,
+}
+
+/// The rotations (3) of the rows below one row, under way.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Taking<P: Plan> {
+    /// x; its last `left` elements are not yet taken.
+    x: Array<P::Coordinates, f32>,
+    left: usize,
+    /// w.
+    weight: f32,
+    /// Place of the next row.
+    place: usize,
 }
 
 impl<P: Plan> Density<P> {
     /// Nothing computed yet.
     pub(super) fn new(plan: P) -> Self {
-        Self::starting(Cells::filled(plan.layout().density(), 1.0))
+        let layout = plan.layout();
+        Self::starting(Cells::filled(layout.density(), 1.0), layout.coordinates as usize)
     }
 
-    fn starting(factor: Array<P::Density, f32>) -> Self {
-        Self { factor, log_determinant: 0.0, available: 0, rows: 0, place: 0 }
+    fn starting(factor: Array<P::Density, f32>, coordinates: usize) -> Self {
+        let taking = Taking { x: Cells::filled(coordinates, 0.0), left: 0, weight: 0.0, place: 0 };
+        Self { factor, log_determinant: 0.0, available: 0, rows: 0, place: 0, taking }
     }
 
     /// (2) at once; coordinates without a variance have no error.
     pub(super) fn of(factor: &[f32], variances: &[f32], coordinates: usize) -> Self {
         let length = crate::factor::lower(coordinates, 0);
         let own = |k: usize| factor.get(k).copied().unwrap_or(1.0);
-        let mut density = Self::starting(Cells::from_fn(length, own));
-        while density.row(variances, coordinates) {}
+        let mut density = Self::starting(Cells::from_fn(length, own), coordinates);
+        while density.step(variances) {}
         density
     }
 
     /// Starts with the factor of another covariance.
+    #[inline(never)]
     pub(super) fn load(&mut self, factor: &[f32]) {
         pairs(self.factor.cells_mut(), factor).for_each(|(cell, x)| *cell = *x);
         (self.log_determinant, self.available, self.rows, self.place) = (0.0, 0, 0, 0);
+        self.taking.left = 0;
     }
 
-    /// Computes the next row of (2); returns `false` if there is none.
+    /// Widens the next row of (2), or rotates a row below it; returns `false` if there is none.
     #[inline(never)]
-    pub(super) fn row(&mut self, variances: &[f32], coordinates: usize) -> bool {
+    pub(super) fn step(&mut self, variances: &[f32]) -> bool {
+        let Taking { x, left, weight, place } = &mut self.taking;
+        let coordinates = x.cells().len();
+        if let Some(x) = x.cells_mut().get_mut(coordinates.saturating_sub(*left)..).filter(|x| !x.is_empty()) {
+            let row = self.factor.cells_mut().get_mut(*place..).unwrap_or_default();
+            *weight = rotate(row, x, *weight);
+            *place = place.saturating_add(*left);
+            *left = left.saturating_sub(1);
+            return true;
+        }
         let size = coordinates.saturating_sub(self.rows);
-        let Some(rest) = self.factor.cells_mut().get_mut(self.place..).filter(|_| size > 0) else { return false };
+        let Some([pivot, row @ ..]) = self.factor.cells_mut().get_mut(self.place..) else { return false };
         let variance = variances.get(self.rows).copied().unwrap_or(0.0);
-        if variance > 0.0 {
-            let mut row: Array<P::Coordinates, f32> = Cells::filled(size, 0.0);
-            widen(rest, size, variance, row.cells_mut());
-        }
-        let pivot = rest.first().copied().unwrap_or(f32::INFINITY);
-        if pivot < f32::INFINITY {
-            self.log_determinant += libm::logf(pivot);
-            self.available = self.available.saturating_add(1);
-        }
         self.rows = self.rows.saturating_add(1);
         self.place = self.place.saturating_add(size);
+        if variance > 0.0 {
+            let below = x.cells_mut().get_mut(self.rows..).unwrap_or_default();
+            (*left, *place) = (below.len(), self.place);
+            *weight = widen(pivot, row, variance, below);
+        }
+        if *pivot < f32::INFINITY {
+            self.log_determinant += super::ln(*pivot);
+            self.available = self.available.saturating_add(1);
+        }
         true
     }
 
@@ -110,33 +138,33 @@ impl<P: Plan> Density<P> {
     }
 }
 
-/// (3) for the first row of a triangle of `size` rows; `x` has room for a row.
-fn widen(triangle: &mut [f32], size: usize, variance: f32, x: &mut [f32]) {
-    let Some((row, mut rest)) = triangle.split_at_mut_checked(size) else { return };
-    let Some((own, row)) = row.split_first_mut() else { return };
-    let wide = *own + variance;
-    let (kept, share) = if wide < f32::INFINITY { (*own / wide, variance / wide) } else { (0.0, 1.0) };
-    let mut weight = *own * share;
-    *own = wide;
-    for (x, r) in pairs(&mut *x, row) {
+/// The row's own part of (3): widens the pivot and reduces what is right of it, which x then has as it was; returns w.
+fn widen(pivot: &mut f32, row: &mut [f32], variance: f32, x: &mut [f32]) -> f32 {
+    let wide = *pivot + variance;
+    let (kept, share) = if wide < f32::INFINITY { (*pivot / wide, variance / wide) } else { (0.0, 1.0) };
+    for (x, r) in pairs(x, row) {
         *x = *r;
         *r *= kept;
     }
-    let Some((mut x, _)) = x.split_at_mut_checked(size.saturating_sub(1)) else { return };
-    while let [first, later @ ..] = x {
-        let Some((row, below)) = rest.split_at_mut_checked(later.len().saturating_add(1)) else { return };
-        let Some((pivot, row)) = row.split_first_mut() else { return };
-        let q = weight * *first;
-        let wider = *pivot + q * *first;
-        let s = q / wider;
-        weight = weight * *pivot / wider;
-        *pivot = wider;
-        for (x, r) in pairs(&mut *later, row) {
-            *x -= *first * *r;
-            *r += s * *x;
-        }
-        (x, rest) = (later, below);
+    let weight = *pivot * share;
+    *pivot = wide;
+    weight
+}
+
+/// Rotates x into a row of the factor; returns the next w.
+#[inline(never)]
+fn rotate(row: &mut [f32], x: &mut [f32], weight: f32) -> f32 {
+    let ([pivot, row @ ..], [first, later @ ..]) = (row, x) else { return weight };
+    let q = weight * *first;
+    let wider = *pivot + q * *first;
+    let s = q / wider;
+    let weight = weight * *pivot / wider;
+    *pivot = wider;
+    for (x, r) in pairs(later, row) {
+        *x -= *first * *r;
+        *r += s * *x;
     }
+    weight
 }
 
 #[cfg(test)]

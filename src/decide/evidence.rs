@@ -123,7 +123,7 @@ impl<P: Plan> Evidence<P> {
         let healthy = self.healthy?;
         self.drift.add(decision.distance);
         let EvidenceConstants { bet, limit, cap } = self.constants;
-        let novelty = libm::logf(bet) + (1.0 - bet) * decision.surprise; // (1)
+        let novelty = super::ln(bet) + (1.0 - bet) * decision.surprise; // (1)
         self.novelty = raised(self.novelty, novelty.min(cap) - ln_capped_mean(bet, cap)); // (3)
         self.weigh_defects(healthy, decision.log_likelihoods());
         if self.alarm.is_none() && self.score() >= limit {
@@ -208,8 +208,8 @@ fn raised(score: f32, log_e: f32) -> f32 {
 
 /// ln μ of (6).
 fn ln_capped_mean(bet: f32, cap: f32) -> f32 {
-    let ln_p = (libm::logf(bet) - cap) / (1.0 - bet);
-    libm::logf(1.0 - libm::expf(bet * ln_p) + libm::expf(cap + ln_p))
+    let ln_p = (super::ln(bet) - cap) / (1.0 - bet);
+    super::ln(1.0 - libm::expf(bet * ln_p) + libm::expf(cap + ln_p))
 }
 
 #[cfg(test)]

@@ -79,7 +79,7 @@ impl FeatureValue {
     fn ln_of(Parameter { value, deviation, .. }: Parameter) -> Self {
         let least = deviation.max(f32::MIN_POSITIVE);
         let magnitude = if value < least { least } else { value };
-        let parameter = Parameter { value: libm::logf(magnitude), deviation: deviation / magnitude, score: 0.0 };
+        let parameter = Parameter { value: ln(magnitude), deviation: deviation / magnitude, score: 0.0 };
         Self::of(parameter)
     }
 }
@@ -147,7 +147,7 @@ impl Feature {
 
 /// A perfect fit has no logarithm; the smallest normal number replaces it.
 fn ln(x: f32) -> f32 {
-    libm::logf(x.max(f32::MIN_POSITIVE))
+    super::ln(x.max(f32::MIN_POSITIVE))
 }
 
 #[cfg(test)]

@@ -30,17 +30,10 @@ pub struct Projection<P: Plan> {
 
 impl<P: Plan> Projection<P> {
     /// Coordinate `k` of (1) with its variance (2); missing if a feature with a weight is missing.
-    #[inline(never)]
     #[must_use]
     pub fn coordinate(&self, features: &[FeatureValue], k: usize) -> FeatureValue {
         let row = self.matrix.cells().get(k.wrapping_mul(features.len())..).unwrap_or(&[]);
-        let mut z = FeatureValue { value: 0.0, variance: 0.0 };
-        for (w, (feature, mean)) in pairs(row, pairs(features, self.mean.cells())) {
-            let weighted = if *w == 0.0 { 0.0 } else { w * w * feature.variance };
-            z.value += w * (feature.value - mean); // (1)
-            z.variance += weighted; // (2)
-        }
-        if z.is_missing() { FeatureValue::MISSING } else { z }
+        weighted_sum(row, features, self.mean.cells())
     }
 
     /// W and m as matrices; `None` if `Z` and `F` are not the numbers of coordinates and features.
@@ -55,6 +48,18 @@ impl<P: Plan> Projection<P> {
             (nalgebra::SMatrix::from_row_iterator(matrix.iter().copied()), nalgebra::SVector::from_row_slice(mean))
         })
     }
+}
+
+/// (1) and (2) of one row of W.
+#[inline(never)]
+fn weighted_sum(weights: &[f32], features: &[FeatureValue], mean: &[f32]) -> FeatureValue {
+    let mut z = FeatureValue { value: 0.0, variance: 0.0 };
+    for (w, (feature, mean)) in pairs(weights, pairs(features, mean)) {
+        z.value += w * (feature.value - mean); // (1)
+        // Without a weight, an infinite variance has no effect either.
+        z.variance += if *w == 0.0 { 0.0 } else { w * w * feature.variance }; // (2)
+    }
+    if z.is_missing() { FeatureValue::MISSING } else { z }
 }
 
 #[cfg(test)]

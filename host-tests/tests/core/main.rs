@@ -9,6 +9,7 @@ mod exported;
 mod fixed_plans;
 mod frames;
 mod half_band;
+mod missing;
 mod model_file;
 mod model_ranges;
 mod novelty;
