@@ -128,7 +128,7 @@ fn estimator() {
     hash.add(estimate.packed_covariance());
     hash.add(&[estimate.variance]);
     for feature in [Feature::Parameter(5), Feature::Parameter(0), Feature::LogVariance, Feature::Parameter(2)] {
-        hash.add(&[feature.value(Six, Some(&estimate), None).unwrap_or(0.0)]);
+        hash.add(&[feature.value(Six, Some(&estimate), None).unwrap_or(FeatureValue::MISSING).value]);
     }
     say!("estimator {:08x}, {} rows, {} rejected", hash.bits(), estimate.rows, estimator.counts().rejected);
 }
@@ -170,7 +170,8 @@ where
         // Of each factor the pivots are the first, fourth and sixth number.
         let mut factors: Array<P::Densities, f32> = Cells::from_fn(plan.layout().densities(), |_| numbers.next());
         for factor in factors.cells_mut().chunks_mut(6) {
-            [0, 3, 5].iter().filter_map(|place: &usize| factor.get_mut(*place)).for_each(|pivot| *pivot = 1.5 + *pivot);
+            let cells = factor.iter_mut().enumerate();
+            cells.filter(|(k, _)| [0, 3, 5].contains(k)).for_each(|(_, pivot)| *pivot += 1.5);
         }
         let discriminant = Discriminant {
             means,

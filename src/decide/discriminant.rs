@@ -24,7 +24,7 @@ use crate::plan::{Array, Cells, Kind, Plan};
 pub struct Discriminant<P: Plan> {
     /// μ, one row of Z a class.
     pub means: Array<P::Means, f32>,
-    /// D and R of Σ = RᵀDR, R unit upper triangle: of each row D and then R, `[D₁, R₁₂, R₁₃, D₂, R₂₃, D₃]` for Z = 3;
+    /// D and R of Σ = Rᵀ D R, R unit upper triangle: of each row D and then R, `[D₁, R₁₂, R₁₃, D₂, R₂₃, D₃]` for Z = 3;
     /// one factor, or one a class. D has the variances if the coordinates are independent.
     pub factors: Array<P::Densities, f32>,
     /// ln P(k).

@@ -34,7 +34,7 @@ pub struct Novelty<P: Plan> {
     pub class: Option<u8>,
     /// m.
     pub mean: Array<P::Coordinates, f32>,
-    /// D and R of S = RᵀDR, as in [`Discriminant::factors`](super::Discriminant::factors).
+    /// D and R of S = Rᵀ D R, as in [`Discriminant::factors`](super::Discriminant::factors).
     pub factor: Array<P::Density, f32>,
     /// (d², s) on the curve (2), both increasing from the first, which usually is (0, 0).
     pub knots: [[f32; 2]; KNOTS],

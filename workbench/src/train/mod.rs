@@ -4,7 +4,7 @@
 //! core runs ([`Trained`]). If the core computes batch least squares in single precision, the features are those of
 //! batch least squares in double precision, else those that the core estimates on the training traces. A feature without
 //! a result is missing in its row, and features of the torque balance have errors of known variance; means and covariances
-//! account for both ([`moments`]). Rows without any of the chosen features are left out. The quality of the model is
+//! account for both (`moments`). Rows without any of the chosen features are left out. The quality of the model is
 //! measured by running the core on other traces ([`crate::evaluate`]), not here.
 
 mod core_features;
