@@ -64,7 +64,8 @@ impl Part {
     }
 }
 
-/// Why a part of a segment has no result, and hence the segment no verdict.
+/// Why a part of a segment has no result, or a segment no verdict. A segment in which other parts have results has a
+/// verdict without the features of this part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]

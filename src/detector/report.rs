@@ -20,7 +20,7 @@ pub enum Verdict {
     Novel,
     /// No class is plausible enough.
     Ambiguous,
-    /// No verdict, and why.
+    /// No verdict, and why: no feature is available, or less than half of the segment was usable.
     Undetermined(Reason),
 }
 
@@ -30,7 +30,7 @@ pub enum Verdict {
 pub struct Report<P: Plan> {
     /// The class, or why there is none.
     pub verdict: Verdict,
-    /// Likelihoods, posteriors, costs and distance from healthy; `None` if the verdict is undetermined.
+    /// Likelihoods, posteriors, costs, distance from healthy and missing features; `None` if the verdict is undetermined.
     pub decision: Option<Decision<P>>,
     /// What the segment was refused.
     pub counts: Counts,

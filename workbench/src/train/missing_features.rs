@@ -77,7 +77,7 @@ fn scores_ranking_and_report_bear_missing_values() {
     let examples = [(&traces[0].trace, 0), (&traces[2].trace, 0)];
     let worth = Worth { ranking: Some(&ranking), cross_validated: Some(Ok(&scores)), ..Worth::default() };
     let page = training(&trained, &Channels::new("y", "u1", "u2"), &examples, worth).expect("a page");
-    assert!(page.contains("1 training segments lack a coordinate") && !page.contains("NaN"));
+    assert!(page.contains("1 of the training segments lack a coordinate") && !page.contains("NaN"));
 }
 
 #[test]

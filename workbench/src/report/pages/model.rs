@@ -121,7 +121,7 @@ pub fn scatter(trained: &Trained, held_out: &[TraceVerdict]) -> Result<String, E
     }
     let partial = (0..trained.coordinates.rows.len()).filter(|&row| trained.coordinates.is_partial(row)).count();
     if partial > 0 {
-        note += &format!(" {partial} training segments lack a coordinate and are not drawn.");
+        note += &format!(" {partial} of the training segments lack a coordinate and are not drawn.");
     }
     Ok(plot + &paragraph(&note))
 }
