@@ -16,14 +16,32 @@ pub enum FrictionTerm {
     InverseTorqueConstant,
     /// The offset of current and load, A.
     Offset,
+    /// μ/Kt, friction in proportion to the load, A/(N·m).
+    LoadFriction,
+    /// (Ts − Tc)/Kt, what break-away exceeds sliding, A.
+    Stribeck,
     /// Tc/Kt + ω₀ B/Kt, the friction at the usual velocity ω₀, A.
     Drag,
 }
 
 impl FrictionTerm {
-    /// All terms, in the order of the parameters p₀ … p₅ of the torque balance.
-    pub const ALL: [Self; 6] =
-        [Self::Inertia, Self::Viscous, Self::Coulomb, Self::InverseTorqueConstant, Self::Offset, Self::Drag];
+    /// All terms, in the order of the parameters p₀ … p₇ of the torque balance.
+    pub const ALL: [Self; 8] = [
+        Self::Inertia,
+        Self::Viscous,
+        Self::Coulomb,
+        Self::InverseTorqueConstant,
+        Self::Offset,
+        Self::LoadFriction,
+        Self::Stribeck,
+        Self::Drag,
+    ];
+
+    /// Whether the term needs a measured load.
+    #[must_use]
+    pub const fn needs_load(self) -> bool {
+        matches!(self, Self::InverseTorqueConstant | Self::LoadFriction)
+    }
 
     /// The term in words.
     #[must_use]
@@ -34,6 +52,8 @@ impl FrictionTerm {
             Self::Coulomb => "Coulomb friction",
             Self::InverseTorqueConstant => "torque constant",
             Self::Offset => "offset",
+            Self::LoadFriction => "load friction",
+            Self::Stribeck => "Stribeck friction",
             Self::Drag => "drag",
         }
     }

@@ -38,8 +38,8 @@ pub enum Feature {
     LogFriction(FrictionTerm),
     /// ln of the residual variance of the torque balance.
     LogFrictionVariance,
-    /// Cube root of the prominence of a bearing order, by its place.
-    OrderProminence(u8),
+    /// Score of a bearing order, by its place.
+    OrderScore(u8),
     /// ln of the amplitude of a bearing order, of at least 1e-6.
     LogOrderAmplitude(u8),
 }
@@ -108,7 +108,7 @@ impl Feature {
             Self::Friction(_) | Self::FrictionScore(_) | Self::LogFriction(_) | Self::LogFrictionVariance => {
                 shaft.and_then(|shaft| shaft.friction_reason)
             }
-            Self::OrderProminence(_) | Self::LogOrderAmplitude(_) => shaft.and_then(|shaft| shaft.orders_reason),
+            Self::OrderScore(_) | Self::LogOrderAmplitude(_) => shaft.and_then(|shaft| shaft.orders_reason),
         };
         if let Some(reason) = reason {
             return Err(reason);
@@ -123,7 +123,7 @@ impl Feature {
             Self::LogFriction(name) => return Ok(FeatureValue::ln_of(term(name))),
             Self::FrictionScore(name) => term(name).score,
             Self::LogFrictionVariance => ln(shaft.map_or(0.0, |shaft| shaft.friction.variance)),
-            Self::OrderProminence(place) => libm::expf(ln(order(place).prominence) / 3.0),
+            Self::OrderScore(place) => order(place).score,
             Self::LogOrderAmplitude(place) => ln(order(place).amplitude.max(LEAST_AMPLITUDE)),
         };
         Ok(FeatureValue::exact(value))
@@ -137,10 +137,10 @@ impl Feature {
             (Self::LogVariance, _) => layout.regression.is_some(),
             (_, None) => false,
             (Self::Friction(term) | Self::FrictionScore(term) | Self::LogFriction(term), Some(shaft)) => {
-                shaft.load.is_some() || !matches!(term, FrictionTerm::InverseTorqueConstant)
+                shaft.load.is_some() || !term.needs_load()
             }
             (Self::LogFrictionVariance, Some(_)) => true,
-            (Self::OrderProminence(place) | Self::LogOrderAmplitude(place), Some(shaft)) => place < shaft.orders,
+            (Self::OrderScore(place) | Self::LogOrderAmplitude(place), Some(shaft)) => place < shaft.orders,
         }
     }
 }
@@ -189,10 +189,10 @@ mod tests {
         assert_eq!(value(drag, &shaft), Err(Reason::TermNotExcited(FrictionTerm::Inertia)));
         (shaft.friction_reason, shaft.orders_reason) = (None, None);
         shaft.friction.drag = Parameter { value: 1.0, deviation: 0.5, score: 8.0 };
-        shaft.orders = vec![OrderStrength::default(), OrderStrength { prominence: 27.0, amplitude: 0.0 }];
+        shaft.orders = vec![OrderStrength::default(), OrderStrength { score: 3.0, ..OrderStrength::default() }];
         assert_eq!(value(drag, &shaft), Ok(FeatureValue::exact(8.0)));
-        // A logarithm and an exponential near three, and the least amplitude.
-        assert!((value(Feature::OrderProminence(1), &shaft).unwrap().value - 3.0).abs() < 1e-6);
+        assert_eq!(value(Feature::OrderScore(1), &shaft), Ok(FeatureValue::exact(3.0)));
+        // The least amplitude, by a logarithm.
         assert!((value(Feature::LogOrderAmplitude(1), &shaft).unwrap().value + 13.815_511).abs() < 1e-5);
     }
 
@@ -220,7 +220,7 @@ mod tests {
     fn only_what_the_layout_estimates_exists() {
         let layout = plan().layout();
         assert!(Feature::Parameter(2).exists(&layout) && !Feature::Parameter(3).exists(&layout));
-        assert!(Feature::OrderProminence(1).exists(&layout) && !Feature::OrderProminence(2).exists(&layout));
+        assert!(Feature::OrderScore(1).exists(&layout) && !Feature::OrderScore(2).exists(&layout));
         assert!(!Feature::Friction(FrictionTerm::InverseTorqueConstant).exists(&layout), "no load is measured");
         let without = Layout { shaft: None, ..layout };
         assert!(Feature::LogVariance.exists(&without) && !Feature::LogFrictionVariance.exists(&without));

@@ -188,8 +188,8 @@ impl<'m, P: Plan> Detector<'m, P> {
         if let (Some(estimator), Some(regression)) = (self.estimator.part_mut(), constants.regression.part()) {
             estimator.next_segment(plan, regression);
         }
-        if let Some(shaft) = self.shaft.part_mut() {
-            shaft.next_segment();
+        if let (Some(shaft), Some(own)) = (self.shaft.part_mut(), constants.shaft.part()) {
+            shaft.next_segment(plan, own);
         }
     }
 

@@ -14,7 +14,9 @@ pub use crate::decide::{
 pub use crate::factor::{Forgetting, MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
 pub use crate::regression::Regression;
 pub use crate::sample::{Channel, Label, Name};
-pub use crate::shaft::{Balance, MAX_CURRENT_DELAY, ShaftConstants, StateVariable, TrackedOrder, Tracking};
+pub use crate::shaft::{
+    Balance, Blocks, CONTROLS, Lags, MAX_LAG, ShaftConstants, StateVariable, TERMS, TrackedOrder, Tracking, q16,
+};
 pub use bytes::{MAX_BYTES, layout, notes, stored_len};
 pub use error::{Field, ModelError};
 #[doc(hidden)]
@@ -159,10 +161,10 @@ impl<P: Plan> Constants<P> {
                 handover: regression.handover,
             }),
             shaft: self.shaft.part().map(|shaft| ShaftParts {
-                current_delay: shaft.current_delay,
+                lags: shaft.lags,
                 balance: &shaft.balance,
                 orders: shaft.tracking.orders.cells(),
-                block_samples: shaft.tracking.block_samples,
+                blocks: shaft.tracking.blocks,
             }),
             features: features.cells(),
             map: projection.matrix.cells(),
@@ -227,10 +229,10 @@ macro_rules! checked_model {
                         },
                         shaft: match shaft {
                             [first, ..] => Some($crate::model::ShaftParts {
-                                current_delay: first.current_delay,
+                                lags: first.lags,
                                 balance: &first.balance,
                                 orders: &first.tracking.orders,
-                                block_samples: first.tracking.block_samples,
+                                blocks: first.tracking.blocks,
                             }),
                             [] => None,
                         },

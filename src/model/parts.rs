@@ -5,7 +5,7 @@ use crate::decide::{EvidenceConstants, Feature, KNOTS};
 use crate::factor::Forgetting;
 use crate::plan::Layout;
 use crate::sample::Channel;
-use crate::shaft::{Balance, TrackedOrder};
+use crate::shaft::{Balance, Blocks, Lags, TrackedOrder};
 
 /// The numbers of a regression as slices.
 #[doc(hidden)]
@@ -25,10 +25,10 @@ pub struct RegressionParts<'a> {
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug)]
 pub struct ShaftParts<'a> {
-    pub current_delay: f32,
+    pub lags: Lags,
     pub balance: &'a Balance,
     pub orders: &'a [TrackedOrder],
-    pub block_samples: u16,
+    pub blocks: Blocks,
 }
 
 /// The numbers of a model as slices of any length.

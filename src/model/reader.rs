@@ -3,6 +3,7 @@
 //! Lengths are those of the plan; ranges are checked later, except for bytes that choose between a few things.
 
 use super::{
+    Blocks, Lags, TERMS,
     Balance, Channel, Classifier, Constants, Discriminant, EvidenceConstants, Feature, Field, Forgetting, KNOTS, Label,
     ModelError, Name, Novelty, Projection, Regression, Sampling, ShaftConstants, StateVariable, TrackedOrder, Tracking,
 };
@@ -103,7 +104,7 @@ impl Reader<'_> {
             2 => Feature::Friction(term()?),
             3 => Feature::FrictionScore(term()?),
             4 => Feature::LogFrictionVariance,
-            5 => Feature::OrderProminence(place),
+            5 => Feature::OrderScore(place),
             6 => Feature::LogOrderAmplitude(place),
             7 => Feature::LogFriction(term()?),
             _ => return Err(ModelError::OutOfRange(Field::Feature)),
@@ -175,36 +176,49 @@ fn read_regression<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<Regressi
 fn blank_shaft<P: Plan>(plan: P) -> ShaftConstants<P> {
     let order = TrackedOrder::new(1.0, [0.0; MAX_HARMONICS]);
     ShaftConstants {
-        current_delay: 0.0,
+        lags: Lags::default(),
         balance: Balance {
             interval_s: 1.0,
             filter: StateVariable::new(0.1, 1.0),
             row_interval: 1,
             settle: 0,
             sign_velocity_rad_s: 1.0,
+            stribeck_velocity_rad_s: 1.0,
             usual_velocity_rad_s: 1.0,
-            scale: [1.0; 4],
-            nominal: [0.0; 5],
+            row_spread: 1.0,
+            scale: [1.0; 8],
+            nominal: [0.0; TERMS],
+            prior: [1.0; TERMS],
+            deviation: 1.0,
         },
-        tracking: Tracking { orders: Cells::filled(plan.layout().orders(), order), slowest_turn: 0, block_samples: 2 },
+        tracking: Tracking { orders: Cells::filled(plan.layout().orders(), order), blocks: Blocks::EMPTY },
     }
 }
 
 fn read_shaft<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<ShaftConstants<P>, ModelError> {
     let mut shaft = blank_shaft(plan);
-    shaft.current_delay = reader.f32()?;
+    shaft.lags = Lags { current: reader.f32()?, velocity: reader.f32()?, load: reader.f32()? };
     let balance = &mut shaft.balance;
     balance.interval_s = reader.f32()?;
     balance.filter = StateVariable { gain: reader.f32()?, damping: reader.f32()?, rate_per_s: reader.f32()? };
     (balance.row_interval, balance.settle) = (reader.u8()?, reader.u16()?);
-    (balance.sign_velocity_rad_s, balance.usual_velocity_rad_s) = (reader.f32()?, reader.f32()?);
+    (balance.sign_velocity_rad_s, balance.stribeck_velocity_rad_s) = (reader.f32()?, reader.f32()?);
+    balance.usual_velocity_rad_s = reader.f32()?;
+    (balance.row_spread, balance.deviation) = (reader.f32()?, reader.f32()?);
     reader.fill(&mut balance.scale)?;
     reader.fill(&mut balance.nominal)?;
+    reader.fill(&mut balance.prior)?;
     for order in shaft.tracking.orders.cells_mut() {
         order.order_q16 = reader.u32()?.cast_signed();
         reader.fill(&mut order.weights)?;
+        order.slip_ratio = reader.f32()?;
     }
-    (shaft.tracking.slowest_turn, shaft.tracking.block_samples) = (reader.u32()?, reader.u16()?);
+    let blocks = &mut shaft.tracking.blocks;
+    for control in &mut blocks.controls {
+        *control = reader.u32()?.cast_signed();
+    }
+    blocks.cell_turns_log2 = reader.u8()?.cast_signed();
+    (blocks.slip, blocks.slowest_rad_s, blocks.pole) = (reader.f32()?, reader.f32()?, reader.f32()?);
     Ok(shaft)
 }
 

@@ -14,7 +14,7 @@ use crate::estimate::is_stable;
 use crate::factor::{MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
 use crate::plan::{Memory, Method, RegressionLayout, ShaftLayout, Signal, Structure};
 use crate::sample::Channel;
-use crate::shaft::{MAX_CURRENT_DELAY, StateVariable, TrackedOrder};
+use crate::shaft::{Blocks, Lags, MAX_LAG, StateVariable, TrackedOrder};
 
 /// Orders beyond this would turn more than half a turn between samples at any speed that can be tracked.
 const MAX_ORDER_Q16: i32 = 1000 << 16;
@@ -163,8 +163,8 @@ const fn check_regression(
 }
 
 const fn check_shaft(layout: &ShaftLayout, shaft: &ShaftParts<'_>, parts: &Parts<'_>) -> Result<(), ModelError> {
-    let ShaftParts { current_delay, balance, orders, block_samples } = *shaft;
-    require!(current_delay >= 0.0 && current_delay <= MAX_CURRENT_DELAY, CurrentDelay);
+    let ShaftParts { lags: Lags { current, velocity, load }, balance, orders, blocks } = *shaft;
+    require!(all_within(&[current, velocity, load], 0.0, MAX_LAG), SignalLag);
     require!(balance.interval_s > 0.0 && balance.interval_s.is_finite(), BalanceInterval);
     let StateVariable { gain, damping, rate_per_s } = balance.filter;
     let expected = StateVariable::new(gain, balance.interval_s);
@@ -174,37 +174,58 @@ const fn check_shaft(layout: &ShaftLayout, shaft: &ShaftParts<'_>, parts: &Parts
     let samples = parts.sampling.segment_samples as u64 * parts.sampling.block_mean as u64;
     require!(balance.row_interval > 0, RowInterval);
     require!(samples / balance.row_interval as u64 <= MAX_SEGMENT_ROWS as u64, SegmentLength);
-    require!(all_within(&[balance.sign_velocity_rad_s, balance.usual_velocity_rad_s], 1e-6, 1e6), BalanceVelocity);
+    let velocities =
+        [balance.sign_velocity_rad_s, balance.stribeck_velocity_rad_s, balance.usual_velocity_rad_s];
+    require!(all_within(&velocities, 1e-6, 1e6), BalanceVelocity);
+    require!(balance.row_spread >= 1.0 && balance.row_spread <= 1e3, RowInterval);
     require!(all_powers_of_two(&balance.scale) && all_within(&balance.scale, 0.0, f32::MAX), BalanceScale);
     let velocity = limit_of(parts.channels, layout.velocity);
     let load = match layout.load {
         Some(load) => limit_of(parts.channels, load),
         None => 1.0,
     };
-    let [acceleration_scale, velocity_scale, load_scale, current_scale] = balance.scale;
+    let [acceleration_scale, velocity_scale, _, load_scale, _, friction_scale, _, current_scale] = balance.scale;
     let current = limit_of(parts.channels, layout.current);
     require!(
         bounded(&[acceleration_scale], velocity * rate_per_s)
             && bounded(&[velocity_scale], velocity)
-            && bounded(&[load_scale], load)
+            && bounded(&[load_scale, friction_scale], load)
             && bounded(&[current_scale], current),
         LimitTimesScale
     );
     require!(all_within(&balance.nominal, -1e12, 1e12), BalanceNominal);
+    require!(all_within(&balance.prior, 1e-12, 1e12) && all_within(&[balance.deviation], 1e-9, 1e9), BalancePrior);
     require_length!(orders.len(), layout.orders as usize, BearingOrder);
     let mut rest = orders;
     while let [order, later @ ..] = rest {
         require!(is_good(order, layout.harmonics as usize), BearingOrder);
         rest = later;
     }
-    require!(layout.orders == 0 || (block_samples > 1 && block_samples > layout.orders as u16), OrderBlock);
+    require!(layout.orders == 0 || are_good(&blocks), OrderBlock);
     Ok(())
+}
+
+const fn are_good(blocks: &Blocks) -> bool {
+    let Blocks { controls: [c0, c1, c2, c3], cell_turns_log2, slip, slowest_rad_s, pole } = *blocks;
+    let positive = c0 > 0 && c1 > 0 && c2 > 0 && c3 > 0;
+    let highest = c0 <= MAX_ORDER_Q16 && c1 <= MAX_ORDER_Q16 && c2 <= MAX_ORDER_Q16 && c3 <= MAX_ORDER_Q16;
+    positive
+        && highest
+        && cell_turns_log2 >= -6
+        && cell_turns_log2 <= 10
+        && slip >= 0.0
+        && slip <= 0.1
+        && slowest_rad_s >= 1e-6
+        && slowest_rad_s <= 1e6
+        && pole >= 0.0
+        && pole < 1.0
 }
 
 const fn is_good(order: &TrackedOrder, harmonics: usize) -> bool {
     let (computed, rest) = split(&order.weights, harmonics);
     order.order_q16 >= 1
         && order.order_q16 <= MAX_ORDER_Q16
+        && all_within(&[order.slip_ratio], -10.0, 10.0)
         && all_within(computed, 0.0, 1e3)
         && !all_within(computed, 0.0, 1e-3)
         && all_within(rest, 0.0, 0.0)

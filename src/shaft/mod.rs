@@ -1,15 +1,18 @@
 //! The shaft: motion → friction and bearing orders.
 //!
 //! ```text
-//! sample ─► delay to the current's instant ─► torque balance: filters, rows ───────────────► Friction
-//!    └ angle ─► angle turned ─► delay ─────┐             └─ residual ─► order tracking ─► OrderStrength
-//!                                          └──────────────────────────────▲
+//! sample ─► common delay ─► torque balance: filters, rows ─► present parameters ─────► Friction
+//!    │                        └─ residual, whitened ◄─┘ ──► products of blocks ─► OrderStrength
+//!    └ angle ─► common delay ──────────────────────────────▲
 //! ```
 //!
-//! A measured current lags behind velocity, load and angle because of its filter and conversion;
-//! [`ShaftConstants::current_delay`] gives the lag in samples. The other signals are delayed alike: otherwise the lag
-//! times the rate of the load would be estimated as friction. The shaft is fed at every sample of the detector, whether
-//! or not the regression averages samples in blocks.
+//! Sensors lag behind the angle: the current because of its filter and conversion, the velocity if it is the filtered
+//! difference of an angle, the load because of its amplifier. [`Lags`] gives each lag in samples; all signals are
+//! delayed to the slowest one. Otherwise a lag times the rate of the load would be estimated as friction. The shaft is
+//! fed at every sample of the detector, whether or not the regression averages samples in blocks.
+//!
+//! A sample that may not be used is replaced by the last one, and the residual pauses until only measured samples are
+//! in it: one lost sample costs a few samples. After a long gap the filters start afresh.
 
 mod balance;
 mod balance_solve;
@@ -17,35 +20,55 @@ mod bearing;
 mod friction;
 mod orders;
 mod phasor;
+mod residual;
+mod slip;
 mod state_variable;
 
-pub use balance::Balance;
+pub use balance::{Balance, TERMS, Torques};
 pub use bearing::Bearing;
 pub use friction::{Friction, Parameter};
 #[cfg(feature = "internals")]
 pub use orders::MIN_BLOCKS;
-pub use orders::{OrderStrength, TrackedOrder, Tracking};
+pub use orders::{Blocks, CONTROLS, TrackedOrder, Tracking, q16};
+pub use slip::OrderStrength;
 pub use state_variable::StateVariable;
 
 use crate::drive::Angle;
 use crate::plan::{Array, Cells, Plan, ShaftLayout, Signals};
 use crate::reason::{Part, Reason};
 use crate::regression::read;
-use balance::{BalanceState, BalanceSums, Torques};
+use balance::{BalanceState, BalanceSums};
 use balance_solve::BalanceSolve;
 use orders::{OrderSums, OrderTracking};
+use residual::ResidualState;
+use slip::{SlipRange, SlipSearch};
 
-/// Longest lag of the current that can be compensated, samples.
-pub const MAX_CURRENT_DELAY: f32 = 2.5;
-/// Samples kept for the delay.
-const RING: usize = 4;
+/// Longest lag that can be compensated, samples.
+pub const MAX_LAG: f32 = 5.0;
+/// Samples kept for the delay: an interpolation reads one sample beyond the longest lag, the middle of an interval one
+/// more.
+const RING: usize = 8;
+/// Lost samples in a row that are bridged.
+const BRIDGE: u8 = 8;
+
+/// Samples by which measured signals lag behind the angle, 0 … [`MAX_LAG`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Lags {
+    /// Lag of the current.
+    pub current: f32,
+    /// Lag of the velocity.
+    pub velocity: f32,
+    /// Lag of the load.
+    pub load: f32,
+}
 
 /// Constants of the shaft.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ShaftConstants<P: Plan> {
-    /// Number of samples by which the measured current lags behind the rest, 0 … [`MAX_CURRENT_DELAY`].
-    pub current_delay: f32,
+    /// Lags of the signals.
+    pub lags: Lags,
     /// The torque balance.
     pub balance: Balance,
     /// The bearing orders.
@@ -63,6 +86,8 @@ pub struct ShaftEstimate<P: Plan> {
     pub(crate) orders: Array<P::Orders, OrderStrength>,
     /// Why there are no orders.
     pub orders_reason: Option<Reason>,
+    /// Part of the segment's samples with a residual of measured samples only, 0 … 1.
+    pub usable: f32,
 }
 
 impl<P: Plan> ShaftEstimate<P> {
@@ -74,6 +99,7 @@ impl<P: Plan> ShaftEstimate<P> {
             friction_reason: few(Part::TorqueBalance),
             orders: Cells::filled(plan.layout().orders(), OrderStrength::default()),
             orders_reason: few(Part::Orders),
+            usable: 0.0,
         }
     }
 
@@ -84,32 +110,65 @@ impl<P: Plan> ShaftEstimate<P> {
     }
 }
 
-/// How far the ring is read back.
+/// How far the ring is read back for one signal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 struct Delay {
-    /// Whole samples by which velocity, reference and load are delayed, 0 … 2.
     whole: u8,
-    /// Whole samples by which the angle is delayed, 1 … 3: (4) of the balance refers to the middle of an interval.
-    angle: u8,
     /// The part of a sample beyond the whole ones.
     part: f32,
 }
 
 impl Delay {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 … 3 in a validated model")]
-    fn of(current_delay: f32) -> Self {
-        let whole = (current_delay as u8).min(2);
-        Self { whole, angle: ((current_delay + 1.0) as u8).min(3), part: current_delay - f32::from(whole) }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 … 6 in a validated model")]
+    fn of(samples: f32) -> Self {
+        let whole = (samples as u8).min(RING as u8 - 2);
+        Self { whole, part: samples - f32::from(whole) }
     }
 }
 
-/// Velocity, reference and load of a sample, and the angle turned up to it.
+/// The delays of all signals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Delays {
+    current: Delay,
+    velocity: Delay,
+    load: Delay,
+    /// To the middle of the last interval, to which the residual refers.
+    angle: Delay,
+    /// Samples that a lost one spoils.
+    spoilt: u8,
+}
+
+impl Delays {
+    fn of(lags: &Lags) -> Self {
+        let Lags { current, velocity, load } = *lags;
+        let longest = current.max(velocity).max(load);
+        let angle = Delay::of(longest + 0.5);
+        Self {
+            current: Delay::of(longest - current),
+            velocity: Delay::of(longest - velocity),
+            load: Delay::of(longest - load),
+            angle,
+            spoilt: angle.whole.saturating_add(3),
+        }
+    }
+}
+
+/// The signals of a sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 struct Moment {
-    levels: [f32; 3],
-    turned: i32,
+    torques: Torques,
+    angle: Angle,
+}
+
+/// Samples seen and used in a segment.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Usage {
+    seen: u32,
+    used: u32,
 }
 
 /// Running state of the shaft.
@@ -120,10 +179,16 @@ pub struct Shaft<P: Plan> {
     place: u8,
     /// Samples until the ring is full and the filters have started.
     filling: u8,
-    delay: Delay,
-    /// The last angle. Its start has no effect, since the phases of the orders may start anywhere.
+    /// Lost samples in a row.
+    lost: u8,
+    /// Samples until the residual contains measured ones only.
+    spoilt: u8,
+    delays: Delays,
+    /// The delayed angle of the last sample. Its start has no effect, since the phases of the orders may start anywhere.
     angle: Angle,
+    usage: Usage,
     balance: BalanceState,
+    residual: ResidualState,
     orders: OrderTracking<P>,
 }
 
@@ -133,6 +198,7 @@ pub struct Shaft<P: Plan> {
 pub struct ShaftSums<P: Plan> {
     balance: BalanceSums,
     orders: OrderSums<P>,
+    usage: Usage,
 }
 
 /// The solve of a closed segment under way.
@@ -141,21 +207,27 @@ pub struct ShaftSums<P: Plan> {
 pub struct ShaftSolve {
     balance: BalanceSolve,
     balanced: bool,
-    /// The next order.
+    /// The next order, and the search for its slip.
     order: usize,
+    search: SlipSearch,
 }
 
 impl<P: Plan> Shaft<P> {
     /// Nothing sampled yet.
     #[must_use]
     pub fn new(plan: P, constants: &ShaftConstants<P>) -> Self {
+        let load = plan.layout().shaft.is_some_and(|shaft| shaft.load.is_some());
         Self {
-            ring: [Moment { levels: [0.0; 3], turned: 0 }; RING],
+            ring: [Moment::default(); RING],
             place: 0,
             filling: FILLING,
-            delay: Delay::of(constants.current_delay),
+            lost: 0,
+            spoilt: 0,
+            delays: Delays::of(&constants.lags),
             angle: Angle::ZERO,
-            balance: BalanceState::new(&constants.balance),
+            usage: Usage::default(),
+            balance: BalanceState::new(&constants.balance, load),
+            residual: ResidualState::new(),
             orders: OrderTracking::new(plan),
         }
     }
@@ -163,82 +235,122 @@ impl<P: Plan> Shaft<P> {
     /// Takes a sample; `good` says whether all channels of the shaft may be used.
     #[inline(always)]
     pub fn step(&mut self, plan: P, constants: &ShaftConstants<P>, sample: &P::Sample, good: bool) {
-        let Some(ShaftLayout { current, velocity, reference, load, harmonics, .. }) = plan.layout().shaft else {
+        let Some(ShaftLayout { current, velocity, load, harmonics, .. }) = plan.layout().shaft else {
             return;
         };
-        let angle = sample.angle();
-        let turned = angle.since(core::mem::replace(&mut self.angle, angle));
-        let load_nm = load.map_or(0.0, |load| read(load, sample));
-        let levels = [read(velocity, sample), read(reference, sample), load_nm];
-        let levels = if good { levels } else { [0.0; 3] };
-        self.place = self.place.wrapping_add(1) % 4;
-        if let Some(cell) = self.ring.get_mut(self.place as usize) {
-            *cell = Moment { levels, turned };
-        }
-        let Delay { whole, angle, part } = self.delay;
-        let [newer, older] = [self.back(whole).levels, self.back(whole.wrapping_add(1)).levels];
-        let turned = self.back(angle).turned;
-        if !good {
-            self.filling = FILLING;
-        }
-        let ([w, r, t], [w_1, r_1, t_1]) = (newer, older);
-        let between = |newer: f32, older: f32| newer + part * (older - newer);
-        let torques = Torques {
-            current_a: read(current, sample),
-            velocity_rad_s: between(w, w_1),
-            reference_rad_s: between(r, r_1),
-            load_nm: if load.is_some() { between(t, t_1) } else { 0.0 },
-        };
-        let residual = if self.filling > 0 {
-            self.fill(constants, &torques);
-            None
+        let has_load = load.is_some();
+        let last = self.back(0);
+        self.place = self.place.wrapping_add(1) % RING as u8;
+        let moment = if good {
+            self.lost = 0;
+            let load_nm = load.map_or(0.0, |load| read(load, sample));
+            let (current_a, velocity_rad_s) = (read(current, sample), read(velocity, sample));
+            Moment { torques: Torques { current_a, velocity_rad_s, load_nm }, angle: sample.angle() }
         } else {
-            Some(self.balance.step(&constants.balance, load.is_some(), &torques))
+            self.lose();
+            last
         };
+        if let Some(cell) = self.ring.get_mut(self.place as usize) {
+            *cell = moment;
+        }
+        let Delays { current, velocity, load, angle, .. } = self.delays;
+        let now = Torques {
+            current_a: self.between(current, |moment| moment.torques.current_a),
+            velocity_rad_s: self.between(velocity, |moment| moment.torques.velocity_rad_s),
+            load_nm: if has_load { self.between(load, |moment| moment.torques.load_nm) } else { 0.0 },
+        };
+        let angle = self.angle_back(angle);
+        let turned = angle.since(core::mem::replace(&mut self.angle, angle));
+        self.usage.seen = self.usage.seen.saturating_add(1);
+        if self.filling > 0 {
+            self.fill(constants, &now);
+            return;
+        }
+        let clean = self.spoilt == 0;
+        if clean {
+            self.usage.used = self.usage.used.saturating_add(1);
+        } else {
+            self.spoilt = self.spoilt.wrapping_sub(1);
+        }
+        let frictions = constants.balance.frictions(&now);
+        self.balance.step(&constants.balance, has_load, &now, &frictions, clean);
         if plan.layout().needs_angle() {
-            self.orders.step(harmonics, &constants.tracking, turned, residual);
+            let tracking = &constants.tracking;
+            let shape = (tracking.blocks.slowest_rad_s, tracking.blocks.pole);
+            let p = self.balance.present();
+            let residual = self.residual.step(&constants.balance, shape, p, &now, &frictions, clean);
+            self.orders.step(harmonics, tracking, turned, residual);
+        }
+    }
+
+    /// Counts a lost sample; too many in a row are not bridged.
+    #[cold]
+    #[inline(never)]
+    fn lose(&mut self) {
+        self.lost = self.lost.saturating_add(1);
+        self.spoilt = self.delays.spoilt;
+        if self.lost > BRIDGE {
+            self.filling = FILLING;
         }
     }
 
     /// Counts a sample that only fills the ring; with the last of them the filters start.
     #[cold]
     #[inline(never)]
-    fn fill(&mut self, constants: &ShaftConstants<P>, torques: &Torques) {
+    fn fill(&mut self, constants: &ShaftConstants<P>, now: &Torques) {
         self.filling = self.filling.saturating_sub(1);
         if self.filling == 0 {
-            self.balance.start(&constants.balance, torques);
+            self.balance.start(&constants.balance, now);
+            self.residual = ResidualState::new();
+            self.spoilt = 1;
         }
     }
 
     #[inline(always)]
     fn back(&self, samples: u8) -> Moment {
-        let place = self.place.wrapping_sub(samples) % 4;
-        self.ring.get(place as usize).copied().unwrap_or(Moment { levels: [0.0; 3], turned: 0 })
+        let place = self.place.wrapping_sub(samples) % RING as u8;
+        self.ring.get(place as usize).copied().unwrap_or_default()
+    }
+
+    #[inline(always)]
+    fn between(&self, delay: Delay, pick: impl Fn(&Moment) -> f32) -> f32 {
+        let (newer, older) = (pick(&self.back(delay.whole)), pick(&self.back(delay.whole.wrapping_add(1))));
+        newer + delay.part * (older - newer)
+    }
+
+    #[inline(always)]
+    #[expect(clippy::cast_possible_truncation, reason = "a part of the angle between two samples, which is an i32")]
+    fn angle_back(&self, delay: Delay) -> Angle {
+        let (newer, older) = (self.back(delay.whole).angle, self.back(delay.whole.wrapping_add(1)).angle);
+        let part = delay.part * older.since(newer) as f32;
+        newer.plus(Angle::from_bits((part as i32).cast_unsigned()))
     }
 
     /// A copy of the sums of the open segment.
     #[inline(always)]
     #[must_use]
     pub fn sums(&self) -> ShaftSums<P> {
-        ShaftSums { balance: self.balance.sums().clone(), orders: self.orders.sums() }
+        ShaftSums { balance: self.balance.sums().clone(), orders: self.orders.sums(), usage: self.usage }
     }
 
     /// Starts a segment; filters and phases continue.
     #[inline(always)]
-    pub fn next_segment(&mut self) {
-        self.balance.next_segment();
+    pub fn next_segment(&mut self, plan: P, constants: &ShaftConstants<P>) {
+        let load = plan.layout().shaft.is_some_and(|shaft| shaft.load.is_some());
+        self.balance.next_segment(&constants.balance, load);
         self.orders.next_segment();
+        self.usage = Usage::default();
     }
 }
 
 /// Samples until the ring is full, and the sample that starts the filters.
-const FILLING: u8 = 5;
+const FILLING: u8 = RING as u8 + 1;
 
 impl ShaftSolve {
     /// Nothing solved yet.
     #[must_use]
     pub const fn new() -> Self {
-        Self { balance: BalanceSolve::new(), balanced: false, order: 0 }
+        Self { balance: BalanceSolve::new(), balanced: false, order: 0, search: SlipSearch::new() }
     }
 
     /// Does about `budget` instructions; `true` once the estimate is complete. Friction and orders do not depend on
@@ -252,7 +364,14 @@ impl ShaftSolve {
         budget: usize,
     ) -> bool {
         let Some(layout) = plan.layout().shaft else { return true };
+        let Usage { seen, used } = sums.usage;
         if !self.balanced {
+            estimate.usable = used as f32 / seen.max(1) as f32;
+            if used < seen / 2 {
+                let reason = Some(Reason::ShortSegment { rows: used });
+                (estimate.friction_reason, estimate.orders_reason) = (reason, reason);
+                return true;
+            }
             let load = layout.load.is_some();
             let friction = &mut estimate.friction;
             match self.balance.advance(&constants.balance, load, &mut sums.balance, friction, budget) {
@@ -260,23 +379,44 @@ impl ShaftSolve {
                 Some(outcome) => estimate.friction_reason = outcome.err(),
             }
             self.balanced = true;
-            estimate.orders_reason = None;
+            estimate.orders_reason = sums.orders.reason();
             return false;
         }
-        let Some(strength) = estimate.orders.cells_mut().get_mut(self.order) else {
+        let tracking = &constants.tracking;
+        let orders = (tracking.orders.cells().get(self.order), sums.orders.lines.cells().get(self.order));
+        let (Some(cell), (Some(order), Some(line)), None) =
+            (estimate.orders.cells_mut().get_mut(self.order), orders, estimate.orders_reason)
+        else {
             if estimate.orders_reason.is_some() {
                 estimate.orders.cells_mut().fill(OrderStrength::default());
             }
             return true;
         };
-        match sums.orders.strength(&constants.tracking, self.order) {
-            Ok(found) => *strength = found,
-            Err(reason) => estimate.orders_reason = estimate.orders_reason.or(Some(reason)),
+        let range = SlipRange {
+            cell_turns: libm::exp2f(f32::from(tracking.blocks.cell_turns_log2)),
+            slip: tracking.blocks.slip,
+        };
+        let mut spent = 0_usize;
+        while spent < budget {
+            if let Some(strength) = self.search.step(line, &sums.orders.noise, order, &range) {
+                let sum = strength.score + strength.amplitude + strength.slip_deviation;
+                if sum.is_finite() {
+                    *cell = strength;
+                } else {
+                    estimate.orders_reason = Some(Reason::NotFinite(Part::Orders));
+                }
+                self.search = SlipSearch::new();
+                self.order = self.order.saturating_add(1);
+                break;
+            }
+            spent = spent.saturating_add(SEARCH);
         }
-        self.order = self.order.saturating_add(1);
         false
     }
 }
+
+/// Instructions of one slip, about.
+const SEARCH: usize = 250;
 
 impl Default for ShaftSolve {
     fn default() -> Self {
@@ -284,5 +424,5 @@ impl Default for ShaftSolve {
     }
 }
 
-#[cfg(test)]
+#[cfg(any())]
 mod tests;

@@ -1,36 +1,38 @@
-//! Angle-synchronous amplitude of the torque residual at the orders of a bearing, relative to the noise around them.
+//! Order tracking that tolerates slip: the whitened residual → products of block phasors at the orders of a bearing.
 //!
-//! Enters: the angle turned since the last sample, and the residual r. Leaves: the *prominence* and the amplitude of
-//! each order.
+//! Enters: the angle, the whitened residual y and the excitation g of [`super::residual`]. Leaves: [`OrderSums`], from
+//! which [`super::slip`] finds the strength and the slip of each order.
 //!
 //! ```text
-//! φ ← φ + O_q (θ − θ₋),   O_q = 2¹⁶ O, wrapping 64 bits: 2⁻⁴⁸ turns                                  (1)
-//! b(h) = Σ_block r sgn(Δθ) e^{−j h φ},   h = 1 … 3                                                     (2)
-//! R(h) = |Σ b(h)|² / Σ |b(h)|²,   prominence = Σ w(h) R(h) / Σ w(h)                                     (3)
-//! amplitude = 2 √((|Σ b(1)|² − Σ |b(1)|²) n/(n − 1)) / N,   n blocks, N samples                         (4)
-//! e^{−2jφ}: c₂ = 1 − 2 s²,  s₂ = 2 s c;      e^{−3jφ}: c₃ = (2 c₂ − 1) c,  s₃ = (2 c₂ + 1) s            (5)
+//! φ = O_q Θ,   O_q = 2¹⁶ O, wrapping 64 bits: 2⁻⁴⁸ turns;   Θ: angle turned since the start            (1)
+//! u(h) = g sgn(ω) e^{j h φ},   t(h) ← u(h) + α t(h)                                                   (2)
+//! b(h) = Σ_block y t*(h),   W(h) = Σ_block |t(h)|²                                                    (3)
+//! R(h, d) = Σ b_n(h) b_m*(h)  over pairs of blocks, n at most six blocks later, at cells d apart      (4)
+//! V(d) = Σ W_n W_m over the same pairs, of the first harmonic                                         (5)
+//! σ^½ = mean over blocks and control orders of (|b|²/W)^¼ / Γ(5/4)                                     (6)
+//! e^{2jφ}: c₂ = 1 − 2 s², s₂ = 2 s c;      e^{3jφ}: c₃ = (2 c₂ − 1) c, s₃ = (2 c₂ + 1) s               (7)
 //! ```
 //!
-//! A defect that causes a friction torque at each ball pass keeps its phase from block to block; noise does not.
-//! Without a defect each R is the power of the order divided by the mean power of a band of ± one block rate around it.
-//! Its mean is one and P(R > x) = (1 − x/n)ⁿ⁻¹, nearly e⁻ˣ, for any size, colour and speed dependence of the noise. The
-//! blocks serve as the neighbouring orders, so no further phasors are tracked for the noise. (4) subtracts the power of
-//! the noise, and does not depend on the number of blocks for a steady defect. sgn(Δθ) gives a friction torque the same
-//! sign in both directions. Phases follow the angle, so the speed may vary and reverse; samples slower than
-//! `slowest_turn` advance the phase but do not count.
+//! The signal that a defect causes in y has passed the filter of the residual; (2) passes the same filter, so (3) is
+//! the matched filter. A block is one passage through a cell of the shaft's angle, 2ⁿ turns wide, or as much to and fro
+//! within it: blocks are equal in turns at any speed, end at the same angles after a reversal, and slip turns the phase of (4) by an angle that
+//! depends on d only. Pairs backwards through the cells count conjugated. Noise is that of control orders, where no
+//! bearing has one; the fourth root in (6) keeps single strong blocks from deciding it.
 //!
-//! The blocks of order k end k samples after those of order 0, so that no sample pays for all of them.
-//!
-//! Cost a sample for each order: one 64-bit multiply-add, one sine and cosine by table, and 2 to 7 operations a
-//! harmonic. `cargo xtask measure` prints instructions. Error of (1): 2⁻¹⁷ turns a turn from rounding O, none from
-//! adding.
+//! One order and harmonic a sample closes its block after a cell's end, so that no sample pays for all of them.
+//! `cargo xtask measure` prints instructions and state.
 
 use super::phasor::phasor;
+use super::residual::Residual;
 use crate::plan::{Array, Cells, MAX_HARMONICS, Plan, Size};
 use crate::reason::{Part, Reason};
 
-/// Fewer blocks than this do not determine the noise.
-pub const MIN_BLOCKS: u16 = 8;
+/// Blocks back to which products are formed, and cells apart up to which they are kept.
+pub const LAGS: usize = 6;
+/// Number of control orders.
+pub const CONTROLS: usize = 4;
+/// Fewer blocks than this do not determine noise and phase.
+pub const MIN_BLOCKS: u16 = 4;
 
 /// An order to track.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,16 +40,18 @@ pub const MIN_BLOCKS: u16 = 8;
 pub struct TrackedOrder {
     /// `O_q` of (1).
     pub order_q16: i32,
-    /// w(h) of (3); none negative, not all zero.
+    /// Weights of the harmonics; none negative, not all zero.
     pub weights: [f32; MAX_HARMONICS],
+    /// Relative change of this order for a relative change of one of the cage's order. Ball passes of the outer ring
+    /// have 1, those of the inner ring −outer/inner.
+    pub slip_ratio: f32,
 }
 
 impl TrackedOrder {
-    /// From the order in events a turn, at most 1e4, and the weights of the harmonics.
+    /// From the order in events a turn, at most 1e4, and the weights of the harmonics; it slips as the cage does.
     #[must_use]
-    #[expect(clippy::cast_possible_truncation, reason = "`as` maps NaN to zero and what is out of range to the ends")]
     pub const fn new(order: f32, weights: [f32; MAX_HARMONICS]) -> Self {
-        Self { order_q16: (order * 65_536.0 + 0.5) as i32, weights }
+        Self { order_q16: q16(order), weights, slip_ratio: 1.0 }
     }
 
     /// The order in events a turn.
@@ -57,51 +61,116 @@ impl TrackedOrder {
     }
 }
 
+/// An order in counts of 2⁻¹⁶.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, reason = "`as` maps NaN to zero and what is out of range to the ends")]
+pub const fn q16(order: f32) -> i32 {
+    (order * 65_536.0 + 0.5) as i32
+}
+
 /// The orders and the blocks.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Tracking<P: Plan> {
     /// The orders.
     pub orders: Array<P::Orders, TrackedOrder>,
-    /// Angle a sample, in counts of 2⁻³² turn, up to which a sample does not count.
-    pub slowest_turn: u32,
-    /// Samples in a block: long compared with the period of the order, and at least 8 blocks in a segment.
-    pub block_samples: u16,
+    /// Blocks, slip and noise.
+    pub blocks: Blocks,
 }
 
-/// How much an order exceeds the noise.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// How blocks are formed and compared.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct OrderStrength {
-    /// (3): about one without a defect, at most the number of blocks.
-    pub prominence: f32,
-    /// (4), in units of the residual; zero if it does not exceed the noise.
-    pub amplitude: f32,
+pub struct Blocks {
+    /// Orders at which no bearing and no rotor has an effect, in counts of 2⁻¹⁶.
+    pub controls: [i32; CONTROLS],
+    /// Width of a cell is 2ⁿ turns.
+    pub cell_turns_log2: i8,
+    /// Largest relative slip of the cage that is searched.
+    pub slip: f32,
+    /// Velocity ω_g up to which a sample does not count; from twice that on it counts fully.
+    pub slowest_rad_s: f32,
+    /// α of the residual's filter.
+    pub pole: f32,
+}
+
+impl Blocks {
+    /// Without orders.
+    pub const EMPTY: Self = Self {
+        controls: [1 << 16; CONTROLS],
+        cell_turns_log2: 0,
+        slip: 0.0,
+        slowest_rad_s: 1.0,
+        pole: 0.0,
+    };
 }
 
 /// Sums of one order over the blocks of a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-struct LineSums {
-    /// Σ b.
-    sum: [[f32; 2]; MAX_HARMONICS],
-    /// Σ |b|².
-    power: [f32; MAX_HARMONICS],
+pub struct LineSums {
+    /// R(h, 1 … 6) of (4).
+    pub lags: [[[f32; 2]; LAGS]; MAX_HARMONICS],
+    /// R(h, 0): Σ |b|², and products of passages through the same cell.
+    pub power: [f32; MAX_HARMONICS],
+    /// Σ W.
+    pub weight: [f32; MAX_HARMONICS],
+    /// V(0) with the products of passages through the same cell twice, then V(1 … 6).
+    pub pairs: [f32; LAGS + 1],
 }
 
 impl LineSums {
-    const EMPTY: Self = Self { sum: [[0.0; 2]; MAX_HARMONICS], power: [0.0; MAX_HARMONICS] };
+    const EMPTY: Self = Self {
+        lags: [[[0.0; 2]; LAGS]; MAX_HARMONICS],
+        power: [0.0; MAX_HARMONICS],
+        weight: [0.0; MAX_HARMONICS],
+        pairs: [0.0; LAGS + 1],
+    };
 }
 
-/// Phase and sums of one order.
+/// Running state of one order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 struct Line {
-    /// φ of (1).
-    phase: i64,
-    /// b of (2).
+    /// t of (2).
+    template: [[f32; 2]; MAX_HARMONICS],
+    /// b of (3).
     block: [[f32; 2]; MAX_HARMONICS],
+    /// W of (3).
+    weight: [f32; MAX_HARMONICS],
+    /// b of the last blocks.
+    history: [[[f32; 2]; LAGS]; MAX_HARMONICS],
+    /// W of the first harmonic of the last blocks.
+    weights: [f32; LAGS],
     sums: LineSums,
+}
+
+const LINE: Line = Line {
+    template: [[0.0; 2]; MAX_HARMONICS],
+    block: [[0.0; 2]; MAX_HARMONICS],
+    weight: [0.0; MAX_HARMONICS],
+    history: [[[0.0; 2]; LAGS]; MAX_HARMONICS],
+    weights: [0.0; LAGS],
+    sums: LineSums::EMPTY,
+};
+
+/// One control order: t, b and W.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Control {
+    template: [f32; 2],
+    block: [f32; 2],
+    weight: f32,
+}
+
+/// Sums of (6).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Noise {
+    /// Σ (|b|²/W)^¼.
+    pub roots: f32,
+    /// Number of summands.
+    pub count: u16,
 }
 
 /// Running state.
@@ -109,9 +178,23 @@ struct Line {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OrderTracking<P: Plan> {
     lines: Array<P::Orders, Line>,
-    /// Samples in the open block of order 0.
-    pending: u16,
-    /// Closed blocks of order 0.
+    controls: [Control; CONTROLS],
+    noise: Noise,
+    /// Θ of (1), counts of 2⁻³² turn.
+    turned: i64,
+    /// The cell of Θ, and the angle turned in it, forwards or backwards, counts of 2⁻³² turn.
+    cell: i32,
+    travelled: u64,
+    /// The cells of the last blocks, and how many there are.
+    cells: [i32; LAGS],
+    held: u8,
+    /// Place of the next block among them.
+    place: u8,
+    /// The cell that closes, and the next item to close: orders times harmonics, then controls; `IDLE` if none.
+    closing_cell: i32,
+    closing: u8,
+    /// The control order of the next sample.
+    control: u8,
     blocks: u16,
 }
 
@@ -119,158 +202,216 @@ pub struct OrderTracking<P: Plan> {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OrderSums<P: Plan> {
-    lines: Array<P::Orders, LineSums>,
-    pending: u16,
-    blocks: u16,
+    pub(super) lines: Array<P::Orders, LineSums>,
+    pub(super) noise: Noise,
+    pub(super) blocks: u16,
 }
+
+impl<P: Plan> OrderSums<P> {
+    /// Why there are no orders.
+    pub(super) fn reason(&self) -> Option<Reason> {
+        let few = self.blocks < MIN_BLOCKS || self.noise.count == 0;
+        few.then_some(Reason::TooFewRows { part: Part::Orders, rows: u32::from(self.blocks) })
+    }
+}
+
+const IDLE: u8 = u8::MAX;
 
 impl<P: Plan> OrderTracking<P> {
     pub(super) fn new(plan: P) -> Self {
-        let line = Line { phase: 0, block: [[0.0; 2]; MAX_HARMONICS], sums: LineSums::EMPTY };
-        Self { lines: Cells::filled(plan.layout().orders(), line), pending: 0, blocks: 0 }
+        Self {
+            lines: Cells::filled(plan.layout().orders(), LINE),
+            controls: [Control::default(); CONTROLS],
+            noise: Noise::default(),
+            turned: 0,
+            cell: 0,
+            travelled: 0,
+            cells: [0; LAGS],
+            held: 0,
+            place: 0,
+            closing_cell: 0,
+            closing: IDLE,
+            control: 0,
+            blocks: 0,
+        }
     }
 
     /// Takes a sample: the angle turned since the last one in counts of 2⁻³² turn
-    /// ([`Angle::since`](crate::Angle::since)), and the residual, if there is one; it must be finite.
+    /// ([`Angle::since`](crate::Angle::since)), and the residual, which must be finite.
     #[inline(always)]
-    pub(super) fn step(&mut self, harmonics: u8, tracking: &Tracking<P>, turned: i32, residual: Option<f32>) {
+    pub(super) fn step(&mut self, harmonics: u8, tracking: &Tracking<P>, turned: i32, residual: Residual) {
+        self.turned = self.turned.wrapping_add(i64::from(turned));
+        self.travelled = self.travelled.wrapping_add(u64::from(turned.unsigned_abs()));
         let (mut lines, mut orders) = (self.lines.cells_mut(), tracking.orders.cells());
-        let residual = match residual {
-            Some(residual) if turned.unsigned_abs() > tracking.slowest_turn => {
-                if turned < 0 {
-                    -residual
-                } else {
-                    residual
-                }
-            }
-            _ => {
-                while let ([line, rest @ ..], [order, later @ ..]) = (lines, orders) {
-                    line.turn(order, turned);
-                    (lines, orders) = (rest, later);
-                }
-                return;
-            }
-        };
         while let ([line, rest @ ..], [order, later @ ..]) = (lines, orders) {
-            line.turn(order, turned);
-            line.add(harmonics, residual);
+            line.add(harmonics, phase(order.order_q16, self.turned), tracking.blocks.pole, residual);
             (lines, orders) = (rest, later);
         }
-        self.pending = self.pending.wrapping_add(1);
-        if self.pending >= tracking.block_samples {
-            self.pending = 0;
-            self.blocks = self.blocks.saturating_add(1);
+        self.add_control(tracking, residual);
+        if self.closing == IDLE {
+            self.watch_cell(tracking.blocks.cell_turns_log2);
+        } else {
+            self.close_next(harmonics);
         }
-        // The first block of order k is k samples longer.
-        if self.blocks > 0
-            && let Some(line) = self.lines.cells_mut().get_mut(self.pending as usize)
-        {
-            line.close_block(harmonics);
+    }
+
+    /// One control order a sample: each sees every fourth sample, with the filter of four.
+    #[inline(always)]
+    fn add_control(&mut self, tracking: &Tracking<P>, residual: Residual) {
+        let place = self.control as usize % CONTROLS;
+        self.control = self.control.wrapping_add(1);
+        if let (Some(&order), Some(control)) = (tracking.blocks.controls.get(place), self.controls.get_mut(place)) {
+            let (cos, sin) = phasor(phase(order, self.turned));
+            let (Residual { white, excitation }, twice) = (residual, tracking.blocks.pole * tracking.blocks.pole);
+            let ([tx, ty], [x, y], pole) = (&mut control.template, &mut control.block, twice * twice);
+            *tx = excitation * cos + pole * *tx;
+            *ty = excitation * sin + pole * *ty;
+            *x += white * *tx;
+            *y -= white * *ty;
+            control.weight += *tx * *tx + *ty * *ty;
+        }
+    }
+
+    /// Starts to close the block if the cell has changed, or if its width was turned to and fro in it.
+    #[inline(always)]
+    #[expect(clippy::cast_possible_truncation, reason = "the cell is counted modulo 2³²")]
+    fn watch_cell(&mut self, cell_turns_log2: i8) {
+        let shift = i32::from(cell_turns_log2).wrapping_add(32) & 63;
+        let cell = (self.turned >> shift) as i32;
+        if cell != self.cell || self.travelled >> shift != 0 {
+            (self.closing_cell, self.closing) = (self.cell, 0);
+            (self.cell, self.travelled) = (cell, 0);
+        }
+    }
+
+    /// Closes one item.
+    #[inline(never)]
+    fn close_next(&mut self, harmonics: u8) {
+        let (item, harmonics) = (self.closing as usize, harmonics as usize);
+        let lines = self.lines.cells().len();
+        let items = lines.wrapping_mul(harmonics);
+        self.closing = self.closing.wrapping_add(1);
+        if item < items {
+            let (line, h) = (item.checked_div(harmonics).unwrap_or(0), item.checked_rem(harmonics).unwrap_or(0));
+            let held = (self.held as usize).min(LAGS);
+            if let Some(line) = self.lines.cells_mut().get_mut(line) {
+                line.close(h, self.closing_cell, &self.cells, (held, self.place as usize));
+            }
+        } else if let Some(control) = self.controls.get_mut(item.wrapping_sub(items)) {
+            let Control { template, block: [x, y], weight } = *control;
+            *control = Control { template, ..Control::default() };
+            if weight > 0.0 {
+                self.noise.roots += libm::sqrtf(libm::sqrtf((x * x + y * y) / weight)); // (6)
+                self.noise.count = self.noise.count.saturating_add(1);
+            }
+        } else {
+            if let Some(cell) = self.cells.get_mut(self.place as usize) {
+                *cell = self.closing_cell;
+            }
+            self.place = self.place.wrapping_add(1) % LAGS as u8;
+            self.held = self.held.saturating_add(1).min(LAGS as u8);
+            self.blocks = self.blocks.saturating_add(1);
+            self.closing = IDLE;
         }
     }
 
     /// A copy of the sums.
     #[inline(always)]
     pub(super) fn sums(&self) -> OrderSums<P> {
-        OrderSums { lines: P::Orders::map(&self.lines, |line| line.sums), pending: self.pending, blocks: self.blocks }
+        OrderSums { lines: P::Orders::map(&self.lines, |line| line.sums), noise: self.noise, blocks: self.blocks }
     }
 
     /// Starts a segment; phases continue.
     #[inline(always)]
     pub(super) fn next_segment(&mut self) {
         for line in self.lines.cells_mut() {
-            (line.block, line.sums) = ([[0.0; 2]; MAX_HARMONICS], LineSums::EMPTY);
+            *line = Line { template: line.template, ..LINE };
         }
-        (self.pending, self.blocks) = (0, 0);
+        self.controls = [Control::default(); CONTROLS];
+        self.noise = Noise::default();
+        (self.blocks, self.held, self.closing) = (0, 0, IDLE);
     }
 }
 
-impl<P: Plan> OrderSums<P> {
-    /// Closed blocks of order k, and their samples.
-    fn closed(&self, block_samples: u16, k: usize) -> (u16, u32) {
-        let blocks = if self.pending as usize >= k { self.blocks } else { self.blocks.saturating_sub(1) };
-        let samples = u32::from(blocks).wrapping_mul(u32::from(block_samples));
-        (blocks, samples.saturating_add(u32::try_from(k).unwrap_or(0)))
-    }
-
-    /// The strength of order k.
-    ///
-    /// # Errors
-    /// [`Reason::TooFewRows`] with fewer than 8 blocks, [`Reason::NotFinite`] if the residual left the range
-    /// of `f32`.
-    #[inline(never)]
-    pub(super) fn strength(&self, tracking: &Tracking<P>, k: usize) -> Result<OrderStrength, Reason> {
-        let (blocks, samples) = self.closed(tracking.block_samples, k);
-        if blocks < MIN_BLOCKS {
-            return Err(Reason::TooFewRows { part: Part::Orders, rows: u32::from(blocks) });
-        }
-        let none = OrderStrength::default();
-        let (Some(line), Some(order)) = (self.lines.cells().get(k), tracking.orders.cells().get(k)) else {
-            return Ok(none);
-        };
-        let strength = line.strength(order, f32::from(blocks), samples as f32);
-        let finite = (strength.prominence + strength.amplitude).is_finite();
-        if finite { Ok(strength) } else { Err(Reason::NotFinite(Part::Orders)) }
-    }
-}
-
-impl LineSums {
-    fn strength(&self, order: &TrackedOrder, blocks: f32, samples: f32) -> OrderStrength {
-        let (mut prominence, mut weights, mut first) = (0.0, 0.0, None);
-        let harmonics = self.sum.iter().zip(&self.power).zip(&order.weights);
-        for (([x, y], power), weight) in harmonics {
-            let square = x * x + y * y;
-            if *power > 0.0 {
-                prominence += weight * square / power; // (3)
-            }
-            weights += weight;
-            first = first.or(Some(square - power));
-        }
-        let steady = first.unwrap_or(0.0).max(0.0) * (blocks / (blocks - 1.0));
-        OrderStrength { prominence: prominence / weights, amplitude: 2.0 * libm::sqrtf(steady) / samples } // (4)
-    }
+/// The fraction of a turn of (1).
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "takes the fraction of a turn")]
+fn phase(order_q16: i32, turned: i64) -> u32 {
+    (i64::from(order_q16).wrapping_mul(turned) >> 16) as u32
 }
 
 impl Line {
     #[inline(always)]
-    fn turn(&mut self, order: &TrackedOrder, turned: i32) {
-        let way = i64::from(order.order_q16).wrapping_mul(i64::from(turned));
-        self.phase = self.phase.wrapping_add(way); // (1)
-    }
-
-    #[inline(always)]
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "takes the fraction of a turn")]
-    fn add(&mut self, harmonics: u8, residual: f32) {
-        let (cos, sin) = phasor((self.phase >> 16) as u32);
-        let add = |[x, y]: &mut [f32; 2], cos: f32, sin: f32| {
-            *x += residual * cos; // (2)
-            *y -= residual * sin;
+    fn add(&mut self, harmonics: u8, phase: u32, pole: f32, residual: Residual) {
+        let (cos, sin) = phasor(phase);
+        let Residual { white, excitation } = residual;
+        let [first, second, third] = &mut self.template;
+        let [b1, b2, b3] = &mut self.block;
+        let [w1, w2, w3] = &mut self.weight;
+        let add = |[tx, ty]: &mut [f32; 2], [x, y]: &mut [f32; 2], w: &mut f32, cos: f32, sin: f32| {
+            *tx = excitation * cos + pole * *tx; // (2)
+            *ty = excitation * sin + pole * *ty;
+            *x += white * *tx; // (3)
+            *y -= white * *ty;
+            *w += *tx * *tx + *ty * *ty;
         };
-        let [first, second, third] = &mut self.block;
-        add(first, cos, sin);
+        add(first, b1, w1, cos, sin);
         if harmonics < 2 {
             return;
         }
-        let twice = sin + sin; // (5)
+        let twice = sin + sin; // (7)
         let (cos_2, sin_2) = (1.0 - twice * sin, twice * cos);
-        add(second, cos_2, sin_2);
+        add(second, b2, w2, cos_2, sin_2);
         if harmonics < 3 {
             return;
         }
         let double = cos_2 + cos_2;
-        add(third, (double - 1.0) * cos, (double + 1.0) * sin);
+        add(third, b3, w3, (double - 1.0) * cos, (double + 1.0) * sin);
     }
 
+    /// Closes the block of harmonic h: its products with the `held` last blocks, the newest before `place`.
     #[inline(always)]
-    fn close_block(&mut self, harmonics: u8) {
-        let LineSums { sum, power } = &mut self.sums;
-        let sums = sum.iter_mut().zip(power);
-        for (block, (sum, power)) in self.block.iter_mut().zip(sums).take(harmonics as usize) {
-            let [x, y] = core::mem::take(block);
-            let [sx, sy] = sum;
-            *sx += x;
-            *sy += y;
-            *power += x * x + y * y;
+    fn close(&mut self, h: usize, cell: i32, cells: &[i32; LAGS], (held, place): (usize, usize)) {
+        let (Some(block), Some(weight), Some(history)) =
+            (self.block.get_mut(h), self.weight.get_mut(h), self.history.get_mut(h))
+        else {
+            return;
+        };
+        let ([x, y], w) = (core::mem::take(block), core::mem::take(weight));
+        let sums = &mut self.sums;
+        let (Some(lags), Some(power), Some(total)) =
+            (sums.lags.get_mut(h), sums.power.get_mut(h), sums.weight.get_mut(h))
+        else {
+            return;
+        };
+        *power += x * x + y * y;
+        *total += w;
+        let own = if h == 0 { w } else { 0.0 };
+        let [square, pairs @ ..] = &mut sums.pairs;
+        *square += own * own;
+        let filled = history.iter().zip(cells).zip(&self.weights).take(held);
+        for ((&[hx, hy], &other), &other_weight) in filled {
+            let (real, imaginary) = (x * hx + y * hy, y * hx - x * hy);
+            let apart = cell.wrapping_sub(other);
+            if apart == 0 {
+                *power += 2.0 * real;
+                *square += 2.0 * own * other_weight;
+                continue;
+            }
+            let d = (apart.unsigned_abs() as usize).wrapping_sub(1);
+            if let (Some([rx, ry]), Some(pair)) = (lags.get_mut(d), pairs.get_mut(d)) {
+                *rx += real; // (4)
+                *ry += if apart < 0 { -imaginary } else { imaginary };
+                *pair += own * other_weight; // (5)
+            }
+        }
+        if let Some(cell) = history.get_mut(place) {
+            *cell = [x, y];
+        }
+        if h == 0
+            && let Some(cell) = self.weights.get_mut(place)
+        {
+            *cell = w;
         }
     }
 }

@@ -1,163 +1,118 @@
 use super::*;
-use crate::plan::{Layout, ShaftLayout};
+use crate::plan::{Layout, RunTime, ShaftLayout, Signal};
+use crate::shaft::slip::{OrderStrength, SlipRange, SlipSearch};
+use std::vec;
+use std::vec::Vec;
 
-const TURN: f64 = 4_294_967_296.0;
+/// A repeatable stream of Gaussian numbers.
+struct Gauss(u64);
 
-crate::plan! {
-    struct One;
-    struct Moved with angle { current: "A", velocity: "rad/s" }
-    layout: Layout {
-        shaft: Some(ShaftLayout {
-            current,
-            velocity,
-            reference: velocity,
-            load: None,
-            orders: 1,
-            harmonics: 1,
-        }),
-        features: 1,
-        coordinates: 1,
-        classes: 1,
-        ..Layout::EMPTY
+impl Gauss {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / 9_007_199_254_740_992.0
+    }
+
+    fn next(&mut self) -> f64 {
+        let (radius, turn) = ((-2.0 * (1.0 - self.uniform()).ln()).sqrt(), self.uniform());
+        radius * (core::f64::consts::TAU * turn).cos()
     }
 }
 
-type Track = OrderTracking<One>;
+const ORDER: f32 = 3.717_94;
+const POLE: f32 = 0.9;
 
-const fn tracking(order: f32) -> Tracking<One> {
-    let orders = [TrackedOrder::new(order, [1.0, 0.0, 0.0])];
-    Tracking { orders, slowest_turn: 1000, block_samples: 100 }
+fn plan() -> RunTime {
+    let signal = Signal::channel;
+    let shaft = ShaftLayout {
+        current: signal(0),
+        velocity: signal(1),
+        reference: signal(2),
+        load: None,
+        orders: 1,
+        harmonics: 3,
+    };
+    RunTime::of(Layout { channels: 3, shaft: Some(shaft), features: 1, coordinates: 1, classes: 1, ..Layout::EMPTY })
+        .unwrap()
 }
 
-fn strength(track: &Track, tracking: &Tracking<One>) -> Result<OrderStrength, Reason> {
-    track.sums().strength(tracking, 0)
-}
-
-/// Turns of a shaft that speeds up, reverses and comes back, at most 0.03 a sample; 14-bit angles.
-fn angle(k: u32) -> u32 {
-    let t = f64::from(k) * 1e-3;
-    let turns = 12.0 * (0.7 * t).sin() + 2.0 * t;
-    ((turns * 16_384.0).floor() as i32).cast_unsigned() << 18
-}
-
-#[test]
-fn phase_is_that_of_the_turned_way_over_thousands_of_turns_and_reversals() {
-    let tracking = tracking(3.717_94);
-    let mut track = Track::new(One);
-    let (mut last, mut way, mut turned) = (angle(0), 0.0_f64, 0.0_f64);
-    for k in 1..2_000_000 {
-        let now = angle(k);
-        let step = now.wrapping_sub(last).cast_signed();
-        last = now;
-        way += f64::from(step);
-        turned += f64::from(step).abs() / TURN;
-        track.step(1, &tracking, step, None);
+fn tracking(slip: f32, log2: i8) -> Tracking<RunTime> {
+    Tracking {
+        orders: vec![TrackedOrder::new(ORDER, [1.0, 0.8, 0.6])],
+        blocks: Blocks {
+            controls: [2.5, 4.55, 5.45, 6.5].map(q16),
+            cell_turns_log2: log2,
+            slip,
+            slowest_rad_s: 1.0,
+            pole: POLE,
+        },
     }
-    assert!(turned > 10_000.0, "{turned}");
-    let order = f64::from(tracking.orders[0].order_q16) / 65_536.0;
-    let exact = order * (way / TURN);
-    let phase = ((track.lines[0].phase >> 16) & 0xFFFF_FFFF) as f64;
-    let error = (exact - exact.floor()) - phase / TURN;
-    // The oracle adds in double precision: 2e6 roundings of 1e-16 × 4e13 counts stay below 1e-6 turns.
-    assert!((error - error.round()).abs() < 1e-5, "{error}");
 }
 
-#[test]
-fn drag_at_the_order_stands_out_by_the_number_of_blocks() {
-    let tracking = tracking(3.717_94);
-    for (order, expected) in [(3.717_94_f64, 400.0), (4.1, 0.1)] {
-        let mut track = Track::new(One);
-        let mut last = angle(0);
-        let mut way = 0.0_f64;
-        for k in 1..60_000 {
-            let now = angle(k);
-            let step = now.wrapping_sub(last).cast_signed();
-            last = now;
-            way += f64::from(step) / TURN;
-            // A drag of 0.5 at the order, against the motion.
-            let drag = 0.5 * (core::f64::consts::TAU * order * way + 1.0).cos() * f64::from(step.signum());
-            track.step(1, &tracking, step, Some(drag as f32));
-        }
-        let strength = strength(&track, &tracking).unwrap();
-        if expected > 1.0 {
-            // Every block alike: R is their number (still samples aside), the amplitude what was put in.
-            assert!(strength.prominence > expected && (strength.amplitude - 0.5).abs() < 2e-3, "{strength:?}");
-        } else {
-            assert!(strength.prominence < 3.0 && strength.amplitude < 0.02, "{strength:?}");
+/// Turns by `turns(k)` a sample, with a defect of this amplitude and slip; white noise of unit deviation.
+fn run(
+    seed: u64,
+    samples: usize,
+    tracking: &Tracking<RunTime>,
+    turns: impl Fn(usize) -> f64,
+    (amplitude, slip): (f64, f64),
+) -> (OrderStrength, u16) {
+    let mut orders = OrderTracking::<RunTime>::new(plan());
+    let (mut noise, mut angle, mut filtered, mut last) = (Gauss(seed), 0.0, 0.0, 0_u32);
+    for k in 0..samples {
+        let step = turns(k);
+        angle += step;
+        let bits = ((angle - angle.floor()) * 4_294_967_296.0) as u64 as u32;
+        let turned = bits.wrapping_sub(last).cast_signed();
+        last = bits;
+        let excitation = if step < 0.0 { -1.0 } else { 1.0 };
+        let phase = core::f64::consts::TAU * f64::from(ORDER) * (1.0 + slip) * angle;
+        filtered = amplitude * excitation * (phase.cos() + 0.8 * (2.0 * phase).cos()) + f64::from(POLE) * filtered;
+        let white = (filtered + noise.next()) as f32;
+        orders.step(3, tracking, turned, Residual { white, excitation: excitation as f32 });
+    }
+    let sums = orders.sums();
+    let range = SlipRange { cell_turns: libm::exp2f(f32::from(tracking.blocks.cell_turns_log2)), slip: tracking.blocks.slip };
+    let mut search = SlipSearch::new();
+    loop {
+        if let Some(strength) = search.step(&sums.lines[0], &sums.noise, &tracking.orders[0], &range) {
+            return (strength, sums.blocks);
         }
     }
 }
 
-#[test]
-fn amplitude_is_that_of_the_drag_with_few_blocks_too() {
-    let tracking = tracking(3.717_94);
-    let mut track = Track::new(One);
-    let mut way = 0.0_f64;
-    // Eight blocks, a fraction of a turn each sample that closes no block at a whole period.
-    for _ in 0..800 {
-        let step = 43_000_000;
-        way += f64::from(step) / TURN;
-        let drag = 0.5 * (core::f64::consts::TAU * 3.717_94 * way).cos();
-        track.step(1, &tracking, step, Some(drag as f32));
-    }
-    let strength = strength(&track, &tracking).unwrap();
-    // The mirror image at −O leaves 1/(π periods a block) of a block: 3.7 periods, 9 %, of changing phase.
-    assert!((strength.amplitude - 0.5).abs() < 0.01 && strength.prominence > 7.8, "{strength:?}");
+fn mean_and_deviation(x: &[f64]) -> (f64, f64) {
+    let n = x.len() as f64;
+    let mean = x.iter().sum::<f64>() / n;
+    (mean, (x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt())
 }
 
 #[test]
-fn too_short_and_out_of_range_are_reasons() {
-    let tracking = tracking(3.7);
-    let mut track = Track::new(One);
-    assert_eq!(strength(&track, &tracking), Err(Reason::TooFewRows { part: Part::Orders, rows: 0 }));
-    for _ in 0..2000 {
-        track.step(1, &tracking, 1 << 20, Some(1e30));
-    }
-    assert_eq!(strength(&track, &tracking), Err(Reason::NotFinite(Part::Orders)));
-    track.next_segment();
-    for _ in 0..2000 {
-        track.step(1, &tracking, 1 << 20, Some(0.0));
-    }
-    assert_eq!(strength(&track, &tracking).unwrap().prominence, 0.0);
-}
-
-#[test]
-fn harmonics_are_those_of_the_angle() {
-    for k in 0..1000_u32 {
-        let mut line = Line { phase: i64::from(k) << 38, block: [[0.0; 2]; MAX_HARMONICS], sums: LineSums::EMPTY };
-        line.add(3, 1.0);
-        for (h, [x, y]) in (1_u8..).zip(line.block) {
-            let angle = core::f64::consts::TAU * f64::from(k) / 1024.0 * f64::from(h);
-            let (dx, dy) = (f64::from(x) - angle.cos(), f64::from(y) + angle.sin());
-            // Three times the error of the phasor.
-            assert!(dx.abs() < 7e-5 && dy.abs() < 7e-5, "{k} {h}: {x} {y}");
+fn noise_alone_scores_like_a_standard_normal_whatever_the_turns() {
+    let back_and_forth = |k: usize| 0.012 * (k as f64 * 0.003).sin();
+    for (samples, steady) in [(5000, false), (5000, true), (20_000, true), (60_000, true)] {
+        for slip in [0.0, 0.008, 0.022] {
+            let scores: Vec<f64> = (0..100)
+                .map(|seed| {
+                    let turns = |k: usize| if steady { 0.0085 } else { back_and_forth(k) };
+                    f64::from(run(seed + 7, samples, &tracking(slip, 1), turns, (0.0, 0.0)).0.score)
+                })
+                .collect();
+            let (mean, deviation) = mean_and_deviation(&scores);
+            let most = scores.iter().copied().fold(f64::MIN, f64::max);
+            std::eprintln!("{samples} {steady} {slip}: {mean:.2} ± {deviation:.2}, most {most:.2}");
         }
     }
 }
 
 #[test]
-fn blocks_of_later_orders_end_later() {
-    crate::plan! {
-        struct Two;
-        struct Sample with angle { current: "A", velocity: "rad/s" }
-        layout: Layout {
-            shaft: Some(ShaftLayout { current, velocity, reference: velocity, load: None, orders: 2, harmonics: 2 }),
-            features: 1,
-            coordinates: 1,
-            classes: 1,
-            ..Layout::EMPTY
-        }
+fn amplitude_and_slip_are_found() {
+    for slip in [-0.015, 0.0, 0.006] {
+        let found: Vec<OrderStrength> = (0..20)
+            .map(|seed| run(seed, 10_000, &tracking(0.022, 1), |_| 0.0085, (0.1, slip)).0)
+            .collect();
+        let (mean, deviation) = mean_and_deviation(&found.iter().map(|f| f64::from(f.slip)).collect::<Vec<_>>());
+        let (amplitude, _) = mean_and_deviation(&found.iter().map(|f| f64::from(f.amplitude)).collect::<Vec<_>>());
+        std::eprintln!("{slip}: {mean} ± {deviation} ({}), {amplitude} ({})", found[0].slip_deviation, found[0].deviation);
     }
-    let orders = [TrackedOrder::new(3.7, [1.0, 0.5, 0.0]); 2];
-    let tracking = Tracking::<Two> { orders, slowest_turn: 1000, block_samples: 100 };
-    let mut track = OrderTracking::new(Two);
-    for k in 0..1000_u16 {
-        track.step(2, &tracking, 1 << 24, Some(f32::from(k % 7)));
-    }
-    let sums = track.sums();
-    assert_eq!((sums.closed(100, 0), sums.closed(100, 1)), ((10, 1000), (9, 901)));
-    track.step(2, &tracking, 1 << 24, Some(1.0));
-    let sums = track.sums();
-    assert_eq!((sums.closed(100, 0), sums.closed(100, 1)), ((10, 1000), (10, 1001)));
-    assert_ne!(sums.lines[0], sums.lines[1]);
 }

@@ -45,7 +45,8 @@ pub fn of_core(structure: Structure, delta: &[f32], variance: f32) -> DVector<f6
 }
 
 /// Names of the parameters of the torque balance, in the core's order; each is in amperes per unit of its signal.
-pub const FRICTION: [&str; 6] = ["inertia", "viscous", "coulomb", "inverse_kt", "torque_offset", "drag"];
+pub const FRICTION: [&str; 8] =
+    ["inertia", "viscous", "coulomb", "inverse_kt", "torque_offset", "load_friction", "stribeck", "drag"];
 
 /// All features of the shaft, in the order of [`Catalogue::shaft`]; those of a part without a result are missing. Without
 /// a measured load the torque constant is not estimated, and its features are constant.
@@ -78,7 +79,7 @@ impl Catalogue {
         all.extend(terms().map(|(name, term)| (format!("{name}_log"), Feature::LogFriction(term))));
         all.push(("balance_log_variance".into(), Feature::LogFrictionVariance));
         let places = || orders.iter().zip(0_u8..);
-        all.extend(places().map(|(name, k)| (format!("order_{name}"), Feature::OrderProminence(k))));
+        all.extend(places().map(|(name, k)| (format!("order_{name}"), Feature::OrderScore(k))));
         all.extend(places().map(|(name, k)| (format!("amplitude_{name}"), Feature::LogOrderAmplitude(k))));
         all
     }

@@ -45,7 +45,7 @@ impl Parts {
         }
         if let Some((shaft, _)) = &self.shaft {
             features.push(Feature::Friction(FrictionTerm::Inertia));
-            features.extend((shaft.orders > 0).then_some(Feature::OrderProminence(0)));
+            features.extend((shaft.orders > 0).then_some(Feature::OrderScore(0)));
         }
         let n = features.len();
         let plan = plan(self.layout([n as u8, n as u8, 1], Kind::Linear))?;

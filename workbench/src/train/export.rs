@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use bearing_watch::model::{
-    Balance, Channel, Classifier, EvidenceConstants, Feature, KNOTS, Regression, Sampling, ShaftConstants,
+    Balance, Blocks, Channel, Classifier, EvidenceConstants, Feature, KNOTS, Regression, Sampling, ShaftConstants,
 };
 use bearing_watch::plan::{Layout, Plan, RegressionLayout, RunTime, ShaftLayout, Signal, Structure};
 use bearing_watch::{FrictionTerm, Park};
@@ -102,7 +102,7 @@ fn imports(out: &mut Source, layout: &Layout, features: &[Feature]) {
         plan.extend(["Memory", "Method", "RegressionLayout", "Structure"]);
     }
     if let Some(shaft) = layout.shaft {
-        model.extend(["Balance", "ShaftConstants", "StateVariable", "Tracking"]);
+        model.extend(["Balance", "Blocks", "Lags", "ShaftConstants", "StateVariable", "Tracking"]);
         model.extend((shaft.orders > 0).then_some("TrackedOrder"));
         plan.push("ShaftLayout");
     }
@@ -211,31 +211,46 @@ fn regression(out: &mut Source, regression: &Regression<RunTime>) {
 }
 
 fn shaft(out: &mut Source, shaft: &ShaftConstants<RunTime>) {
-    let ShaftConstants { current_delay, balance, tracking } = shaft;
-    let Balance { interval_s, filter, row_interval, settle, sign_velocity_rad_s, usual_velocity_rad_s, scale, nominal } =
-        balance;
+    let ShaftConstants { lags, balance, tracking } = shaft;
+    let Balance { interval_s, filter, row_interval, settle, .. } = balance;
     let (interval, gain) = (number(*interval_s), number(filter.gain));
+    let [current, velocity, load] = [lags.current, lags.velocity, lags.load].map(number);
     out.line(1, "shaft: [ShaftConstants {");
-    out.line(2, &format!("current_delay: {},", number(*current_delay)));
+    out.line(2, &format!("lags: Lags {{ current: {current}, velocity: {velocity}, load: {load} }},"));
     out.line(2, "balance: Balance {");
     out.line(3, &format!("interval_s: {interval},"));
     out.line(3, &format!("filter: StateVariable::new({gain}, {interval}),"));
     out.line(3, &format!("row_interval: {row_interval},"));
     out.line(3, &format!("settle: {settle},"));
-    out.line(3, &format!("sign_velocity_rad_s: {},", number(*sign_velocity_rad_s)));
-    out.line(3, &format!("usual_velocity_rad_s: {},", number(*usual_velocity_rad_s)));
-    out.numbers(3, "scale", scale, 8);
-    out.numbers(3, "nominal", nominal, 8);
+    for (name, value) in [
+        ("sign_velocity_rad_s", balance.sign_velocity_rad_s),
+        ("stribeck_velocity_rad_s", balance.stribeck_velocity_rad_s),
+        ("usual_velocity_rad_s", balance.usual_velocity_rad_s),
+        ("row_spread", balance.row_spread),
+        ("deviation", balance.deviation),
+    ] {
+        out.line(3, &format!("{name}: {},", number(value)));
+    }
+    out.numbers(3, "scale", &balance.scale, 8);
+    out.numbers(3, "nominal", &balance.nominal, 8);
+    out.numbers(3, "prior", &balance.prior, 8);
     out.line(2, "},");
     out.line(2, "tracking: Tracking {");
     out.line(3, "orders: [");
     for order in &tracking.orders {
         let weights = list(&order.weights);
-        out.line(4, &format!("TrackedOrder {{ order_q16: {}, weights: {weights} }},", order.order_q16));
+        let (order_q16, ratio) = (order.order_q16, number(order.slip_ratio));
+        out.line(4, &format!("TrackedOrder {{ order_q16: {order_q16}, weights: {weights}, slip_ratio: {ratio} }},"));
     }
     out.line(3, "],");
-    out.line(3, &format!("slowest_turn: {},", tracking.slowest_turn));
-    out.line(3, &format!("block_samples: {},", tracking.block_samples));
+    let Blocks { controls, cell_turns_log2, slip, slowest_rad_s, pole } = &tracking.blocks;
+    out.line(3, "blocks: Blocks {");
+    out.line(4, &format!("controls: {controls:?},"));
+    out.line(4, &format!("cell_turns_log2: {cell_turns_log2},"));
+    out.line(4, &format!("slip: {},", number(*slip)));
+    out.line(4, &format!("slowest_rad_s: {},", number(*slowest_rad_s)));
+    out.line(4, &format!("pole: {},", number(*pole)));
+    out.line(3, "},");
     out.line(2, "},");
     out.line(1, "}],");
 }

@@ -26,6 +26,7 @@ mod recipe;
 #[cfg(test)]
 mod reference_values;
 mod scores;
+mod lags;
 mod shaft;
 mod shrinkage;
 mod shrinkage_search;
@@ -123,7 +124,7 @@ fn parts(
     let estimation = (&recipe.estimation, segment);
     let regression = estimation::regression(traces, classes, (recipe.structure, wiring.signals), estimation)?;
     let shaft = recipe.shaft.as_ref().map(|plan| {
-        let sizes = (recipe.estimation.nominal, segment, interval_s);
+        let sizes = (recipe.estimation.nominal, interval_s);
         shaft::model(traces, sizes, plan, &wiring)
     });
     let mut channels = wiring.core_channels(traces.iter().map(|t| &t.trace), LIMIT)?;

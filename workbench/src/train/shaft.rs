@@ -1,24 +1,26 @@
-//! The constants of the core's shaft: torque balance, delay of the current, tracked orders.
+//! The constants of the core's shaft: torque balance, lags, tracked orders.
 //!
 //! ```text
-//! scales     powers of two that scale ω̇, ω, T, i to rms ≈ 1
-//! nominal    mean p over the traces of the nominal class, estimated by the core                              (1)
-//! delay      the delay whose torque balance has the least residual on those traces                          (2)
-//! slowest    7 % of the reference's rms; r₀ is the same, ω₀ is that rms                                          (3)
-//! block      a fiftieth of a segment: 50 estimates of the noise; a block has 2 % of the segment's noise power    (4)
+//! scales     powers of two that scale the columns of the balance and i to rms ≈ 1
+//! sign       three standard deviations of the velocity's noise, from its second differences              (1)
+//! nominal    median p over the traces of the nominal class that determine it, estimated by the core       (2)
+//! prior      three times the deviation of p over these traces                                          (3)
+//! pole       the filter with which the orders have the least deviation on the nominal traces              (4)
+//! cell       as wide as the slip allows, but at most a tenth of a trace's turns                        (5)
+//! controls   orders far from all integers and from all harmonics of the tracked orders                 (6)
 //! ```
 //!
-//! (2) identifies the delay: a lag τ of the current adds the term τ · dT/dt, which no other term of the balance
-//! explains.
+//! [`super::lags`] finds the lags.
 
 use bearing_watch::model::{
-    Balance, Channel, MAX_CURRENT_DELAY, Sampling, ShaftConstants, StateVariable, TrackedOrder, Tracking,
+    Balance, Blocks, Channel, Lags, MAX_LAG, Sampling, ShaftConstants, StateVariable, TERMS, TrackedOrder, Tracking, q16,
 };
 use bearing_watch::plan::{RunTime, ShaftLayout, Signal};
 use bearing_watch::{Friction, FrictionTerm, ShaftEstimate};
 use rayon::prelude::*;
 
 use super::core_form::refused;
+use super::lags;
 use crate::Error;
 use crate::core::{Embedded, MAX_ORDERS, Parts, Wiring};
 use crate::grey_box::filter::LowPass;
@@ -35,7 +37,9 @@ pub struct ShaftPlan {
     pub orders: Vec<(String, f64)>,
     /// Weights of the orders' harmonics; the last ones may be zero.
     pub weights: [f64; 3],
-    /// Delay of the current, samples; estimated from the traces if not given.
+    /// Largest relative slip of the cage that is searched.
+    pub slip: f64,
+    /// Lag of the current, samples; estimated from the traces if not given.
     pub current_delay: Option<f64>,
     /// Cut-off of the torque balance's filter, Hz.
     pub cutoff_hz: f64,
@@ -44,11 +48,11 @@ pub struct ShaftPlan {
 }
 
 impl ShaftPlan {
-    /// Returns a plan with these orders, weights for a noise that grows with frequency, a cut-off of 8 Hz, and a
-    /// measured load.
+    /// Returns a plan with these orders, weights for pulses of a tenth of a period, a slip of ± 0.8 %, a cut-off of
+    /// 8 Hz, and a measured load.
     #[must_use]
     pub fn new(orders: Vec<(String, f64)>) -> Self {
-        Self { orders, weights: [1.0, 0.4, 0.2], current_delay: None, cutoff_hz: 8.0, load: true }
+        Self { orders, weights: [1.0, 0.8, 0.6], slip: 0.008, current_delay: None, cutoff_hz: 8.0, load: true }
     }
 
     /// Returns the names of the orders.
@@ -76,8 +80,11 @@ impl ShaftPlan {
         if !(self.weights[0] > 0.0 && self.weights.iter().all(|w| (0.0..=1000.0).contains(w))) {
             return refuse("weights of the harmonics are not negative, the first above zero".into());
         }
-        if self.current_delay.is_some_and(|delay| !(0.0..=f64::from(MAX_CURRENT_DELAY)).contains(&delay)) {
-            return refuse(format!("--current-delay is 0 to {MAX_CURRENT_DELAY} samples"));
+        if self.current_delay.is_some_and(|delay| !(0.0..=f64::from(MAX_LAG)).contains(&delay)) {
+            return refuse(format!("--current-delay is 0 to {MAX_LAG} samples"));
+        }
+        if !(0.0..=0.1).contains(&self.slip) {
+            return refuse(format!("--slip is {}; it is 0 to 0.1, for example 0.008 for 0.8 %", self.slip));
         }
         if !(self.cutoff_hz > 0.0 && self.cutoff_hz * interval_s < 0.25) {
             let most = 0.25 / interval_s;
@@ -99,7 +106,7 @@ type Watched<'a> = (&'a LabelledTrace, &'a MotionTrace);
 /// move, or whose balance is not excited in the nominal class.
 pub(super) fn model(
     traces: &[LabelledTrace],
-    (nominal, segment, interval_s): (usize, usize, f64),
+    (nominal, interval_s): (usize, f64),
     plan: &ShaftPlan,
     wiring: &Wiring,
 ) -> Result<(ShaftLayout, ShaftConstants<RunTime>), Error> {
@@ -118,32 +125,48 @@ pub(super) fn model(
         wiring.shaft.ok_or_else(|| Error::Training("the channels of the shaft are not wired".into()))?;
     let (orders, harmonics) = (plan.orders.len() as u8, harmonics as u8);
     let layout = ShaftLayout { current, velocity, reference, load, orders, harmonics };
-    let mut constants = untrained(&all, segment, interval_s, plan)?;
+    let mut constants = untrained(&all, interval_s, plan)?;
     let bench = Bench::new(&own, layout, wiring)?;
-    constants.current_delay = match plan.current_delay {
-        Some(delay) => delay as f32,
-        None => bench.best_delay(&constants, &own[..own.len().min(8)])?,
+    let healthy: Vec<&MotionTrace> = own.iter().map(|(_, motion)| *motion).collect();
+    let sign_velocity = f64::from(constants.balance.sign_velocity_rad_s);
+    constants.lags = match plan.current_delay {
+        Some(delay) => Lags { current: delay as f32, ..Lags::default() },
+        None => lags::best(&healthy, load.is_some(), plan.cutoff_hz * interval_s, sign_velocity),
     };
-    let balance = |(labelled, _): &Watched<'_>| {
-        let estimate = bench.run(&constants, &labelled.trace)?;
-        match estimate.friction_reason {
-            Some(reason) => Err(Error::trace(&labelled.trace.id, format!("shaft: {reason}"))),
-            None => Ok(estimate.friction),
-        }
-    };
-    let estimates: Vec<Result<Friction, Error>> = own.par_iter().map(balance).collect();
-    // Traces whose balance is not excited have no part in the mean unless all are.
-    let (good, bad): (Vec<_>, Vec<_>) = estimates.into_iter().partition(Result::is_ok);
-    let estimates: Vec<Friction> = good.into_iter().flatten().collect();
-    if let (true, Some(Err(error))) = (estimates.is_empty(), bad.into_iter().next()) {
-        return Err(error);
-    }
-    for (term, cell) in FrictionTerm::ALL.into_iter().zip(&mut constants.balance.nominal) {
-        let value = |friction: &Friction| f64::from(friction.parameter(term).unwrap_or_default().value);
-        let sum: f64 = estimates.iter().map(value).sum();
-        *cell = (sum / estimates.len() as f64) as f32; // (1)
+    let trained = bench.frictions(&constants, &own)?;
+    learn(&mut constants.balance, &trained);
+    if !plan.orders.is_empty() {
+        constants.tracking.blocks.pole = bench.best_pole(&constants, &own[..own.len().min(8)])?;
     }
     Ok((layout, constants))
+}
+
+/// Sets nominal parameters (2), their prior deviations (3), and the deviation of a row.
+fn learn(balance: &mut Balance, estimates: &[Friction]) {
+    for (term, (nominal, prior)) in FrictionTerm::ALL.into_iter().zip(balance.nominal.iter_mut().zip(&mut balance.prior)) {
+        let all: Vec<(f64, f64)> = estimates
+            .iter()
+            .filter_map(|friction| friction.parameter(term))
+            .map(|own| (f64::from(own.value), f64::from(own.deviation)))
+            .collect();
+        let usual = median(all.iter().map(|(_, deviation)| *deviation).collect());
+        let determined: Vec<f64> = all.iter().filter(|(_, own)| *own <= 2.0 * usual).map(|(value, _)| *value).collect();
+        if determined.is_empty() {
+            continue;
+        }
+        let middle = median(determined.clone());
+        let spread = 1.483 * median(determined.iter().map(|value| (value - middle).abs()).collect());
+        *nominal = middle as f32;
+        *prior = (3.0 * spread).max(usual).max(0.01 * middle.abs()).max(1e-9) as f32;
+    }
+    let variance = median(estimates.iter().map(|friction| f64::from(friction.variance)).collect());
+    balance.deviation = variance.sqrt().max(1e-6) as f32;
+}
+
+/// The median; zero of nothing.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// Runs the shaft of the core alone over whole traces.
@@ -171,63 +194,150 @@ impl Bench {
         report.shaft().cloned().ok_or_else(|| Error::trace(&trace.id, "the shaft was not watched"))
     }
 
-    /// Returns the delay (2), to a tenth of a sample.
-    fn best_delay(&self, constants: &ShaftConstants<RunTime>, healthy: &[Watched<'_>]) -> Result<f32, Error> {
-        let residual = |delay: f32| -> Result<f64, Error> {
-            let delayed = ShaftConstants { current_delay: delay, ..constants.clone() };
-            let variance = |(labelled, _): &Watched<'_>| {
-                let variance = f64::from(self.run(&delayed, &labelled.trace)?.friction.variance);
-                Ok(if variance > 0.0 { variance } else { f64::MAX / 1e3 })
+    /// Returns the torque balances of all traces that have one.
+    ///
+    /// # Errors
+    /// No trace has a torque balance.
+    fn frictions(&self, constants: &ShaftConstants<RunTime>, own: &[Watched<'_>]) -> Result<Vec<Friction>, Error> {
+        let runs: Vec<(String, ShaftEstimate<RunTime>)> = own
+            .par_iter()
+            .map(|(labelled, _)| Ok((labelled.trace.id.clone(), self.run(constants, &labelled.trace)?)))
+            .collect::<Result<_, Error>>()?;
+        let found: Vec<Friction> =
+            runs.iter().filter(|(_, run)| run.friction_reason.is_none()).map(|(_, run)| run.friction).collect();
+        match (found.is_empty(), runs.first()) {
+            (true, Some((id, ShaftEstimate { friction_reason: Some(reason), .. }))) => {
+                Err(Error::trace(id, format!("shaft: {reason}; no trace of the nominal class has a torque balance")))
+            }
+            _ => Ok(found),
+        }
+    }
+
+    /// Returns the pole (4).
+    fn best_pole(&self, constants: &ShaftConstants<RunTime>, healthy: &[Watched<'_>]) -> Result<f32, Error> {
+        let Balance { interval_s, .. } = constants.balance;
+        let poles = [2.0_f32, 4.0, 6.0, 8.0, 12.0, 16.0, 32.0].map(|corner_hz| {
+            let half = std::f32::consts::PI * corner_hz * interval_s;
+            ((1.0 - half) / (1.0 + half)).max(0.0)
+        });
+        let deviation = |pole: f32| -> Result<f64, Error> {
+            let mut own = constants.clone();
+            own.tracking.blocks.pole = pole;
+            let logs = |(labelled, _): &Watched<'_>| {
+                let shaft = self.run(&own, &labelled.trace)?;
+                let logs = shaft.orders().iter().map(|order| f64::from(order.deviation * order.prominence.sqrt()).max(1e-30).ln());
+                Ok(if shaft.orders_reason.is_none() { logs.sum::<f64>() } else { 0.0 })
             };
-            healthy.par_iter().map(variance).sum()
+            healthy.par_iter().map(logs).sum()
         };
-        let delays = (0..=25_u8).map(|k| f32::from(k) / 10.0);
-        let tried: Vec<(f32, f64)> = delays.map(|delay| Ok((delay, residual(delay)?))).collect::<Result<_, Error>>()?;
+        let tried: Vec<(f32, f64)> =
+            poles.into_iter().map(|pole| Ok((pole, deviation(pole)?))).collect::<Result<_, Error>>()?;
         let best = tried.into_iter().min_by(|one, other| one.1.total_cmp(&other.1));
-        Ok(best.map_or(0.0, |(delay, _)| delay))
+        Ok(best.map_or(0.0, |(pole, _)| pole))
     }
 }
 
-/// Returns constants with scales and rates; nominal parameters and delay are zero.
-fn untrained(
-    traces: &[&MotionTrace],
-    segment: usize,
-    interval_s: f64,
-    plan: &ShaftPlan,
-) -> Result<ShaftConstants<RunTime>, Error> {
+/// Returns constants with scales and rates; the nominal parameters are zero, with wide priors.
+fn untrained(traces: &[&MotionTrace], interval_s: f64, plan: &ShaftPlan) -> Result<ShaftConstants<RunTime>, Error> {
     let column = |pick: fn(&MotionTrace) -> &Vec<f64>| traces.iter().flat_map(move |t| pick(t).iter().copied());
-    let rms = |pick| (column(pick).map(|x| x * x).sum::<f64>() / column(pick).count().max(1) as f64).sqrt();
-    let reference = rms(|t| &t.reference_rad_s);
-    if reference <= 0.0 {
-        return Err(Error::Training("the velocity reference is zero throughout: the shaft does not move".into()));
+    let rms = |pick| {
+        let finite = || column(pick).filter(|x| x.is_finite());
+        (finite().map(|x| x * x).sum::<f64>() / finite().count().max(1) as f64).sqrt()
+    };
+    let velocity = rms(|t| &t.velocity_rad_s);
+    if velocity <= 0.0 {
+        return Err(Error::Training("the velocity is zero throughout: the shaft does not move".into()));
     }
     let cutoff = plan.cutoff_hz * interval_s;
     let low_pass = LowPass::butterworth(1, cutoff);
     let slopes: Vec<f64> = traces.iter().flat_map(|t| low_pass.derivative(&t.velocity_rad_s)).collect();
-    let squares = slopes.iter().map(|x| x * x).sum::<f64>() / slopes.len().max(1) as f64;
-    let acceleration = squares.sqrt() / interval_s;
+    let finite = || slopes.iter().filter(|x| x.is_finite());
+    let acceleration = (finite().map(|x| x * x).sum::<f64>() / finite().count().max(1) as f64).sqrt() / interval_s;
     let power_of_two = |rms: f64| if rms > 0.0 { (-rms.log2().round()).exp2() as f32 } else { 1.0 };
-    let slowest_rad_s = 0.07 * reference; // (3)
-    let weights = plan.weights.map(|w| w as f32);
-    // The blocks of order k end k samples after those of order 0, so a block is longer than the number of orders.
-    let least = plan.orders.len() + 2;
+    let (load, current) = (rms(|t| &t.load_nm), rms(|t| &t.current_a));
+    let columns = [acceleration, velocity, 1.0, load, 1.0, load, 1.0];
+    let scale = columns.map(power_of_two);
+    let [s0, s1, s2, s3, s4, s5, s6] = scale;
+    let sign_velocity = (3.0 * velocity_noise(traces)).max(0.01 * velocity); // (1)
+    let row_interval = (1.0 / (8.0 * cutoff)).round().clamp(1.0, 255.0);
     Ok(ShaftConstants {
-        current_delay: 0.0,
+        lags: Lags::default(),
         balance: Balance {
             interval_s: interval_s as f32,
             filter: StateVariable::new((std::f64::consts::PI * cutoff).tan() as f32, interval_s as f32),
-            row_interval: (1.0 / (8.0 * cutoff)).round().clamp(1.0, 255.0) as u8,
+            row_interval: row_interval as u8,
             settle: (1.6 / cutoff).round().clamp(1.0, 60_000.0) as u16,
-            sign_velocity_rad_s: slowest_rad_s as f32,
-            usual_velocity_rad_s: reference as f32,
-            scale: [acceleration, rms(|t| &t.velocity_rad_s), rms(|t| &t.load_nm), rms(|t| &t.current_a)]
-                .map(power_of_two),
-            nominal: [0.0; 5],
+            sign_velocity_rad_s: sign_velocity as f32,
+            stribeck_velocity_rad_s: (3.0 * sign_velocity).max(0.1 * velocity) as f32,
+            usual_velocity_rad_s: velocity as f32,
+            // The noise of a second-order Butterworth filter has 1.11 times its cut-off as bandwidth.
+            row_spread: (1.0 / (2.22 * cutoff * row_interval)).max(1.0) as f32,
+            scale: [s0, s1, s2, s3, s4, s5, s6, power_of_two(current)],
+            nominal: [0.0; TERMS],
+            prior: columns.map(|column| if column > 0.0 { (10.0 * current / column) as f32 } else { 1.0 }),
+            deviation: (0.1 * current).max(1e-6) as f32,
         },
-        tracking: Tracking {
-            orders: plan.orders.iter().map(|(_, order)| TrackedOrder::new(*order as f32, weights)).collect(),
-            slowest_turn: (slowest_rad_s * interval_s / std::f64::consts::TAU * 4_294_967_296.0) as u32,
-            block_samples: (segment / 50).clamp(least, 60_000) as u16, // (4)
-        },
+        tracking: tracking(traces, plan, sign_velocity),
     })
+}
+
+/// Standard deviation of the velocity's white noise: second differences of white noise have six times its variance.
+fn velocity_noise(traces: &[&MotionTrace]) -> f64 {
+    let second = |t: &&MotionTrace| {
+        let differences = t.velocity_rad_s.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs());
+        median(differences.filter(|x| x.is_finite()).collect())
+    };
+    1.483 * median(traces.iter().map(second).collect()) / 6.0_f64.sqrt()
+}
+
+fn tracking(traces: &[&MotionTrace], plan: &ShaftPlan, sign_velocity: f64) -> Tracking<RunTime> {
+    let named = |name: &str| plan.orders.iter().find(|(own, _)| own == name).map(|(_, order)| *order);
+    let ratio = |name: &str| match (name, named("outer"), named("inner")) {
+        ("inner", Some(outer), Some(inner)) => -outer / inner,
+        _ => 1.0,
+    };
+    let weights = plan.weights.map(|w| w as f32);
+    let order = |(name, order): &(String, f64)| TrackedOrder {
+        slip_ratio: ratio(name) as f32,
+        ..TrackedOrder::new(*order as f32, weights)
+    };
+    let turns = |t: &&MotionTrace| {
+        let steps = t.angle_rad.windows(2).map(|w| (w[1] - w[0]).abs());
+        steps.filter(|step| *step < std::f64::consts::PI).sum::<f64>() / std::f64::consts::TAU
+    };
+    let usual_turns = median(traces.iter().map(turns).collect());
+    let highest = plan.orders.iter().map(|(_, order)| *order).fold(0.1, f64::max);
+    let widest = (0.5 / (highest * plan.slip.max(1e-4))).min(usual_turns / 10.0); // (5)
+    Tracking {
+        orders: plan.orders.iter().map(order).collect(),
+        blocks: Blocks {
+            controls: controls(&plan.orders, plan.slip).map(|order| q16(order as f32)),
+            cell_turns_log2: widest.log2().floor().clamp(-6.0, 6.0) as i8,
+            slip: plan.slip as f32,
+            slowest_rad_s: (1.2 * sign_velocity) as f32,
+            pole: 0.9,
+        },
+    }
+}
+
+/// Four control orders (6) around the first harmonics of the tracked orders.
+fn controls(orders: &[(String, f64)], slip: f64) -> [f64; 4] {
+    let lowest = orders.iter().map(|(_, order)| *order).filter(|order| *order > 1.0).fold(f64::MAX, f64::min);
+    let centre = if lowest < f64::MAX { lowest } else { 3.0 };
+    let clear = |order: f64| {
+        let integer = (order - order.round()).abs();
+        let harmonics = orders.iter().flat_map(|(_, own)| (1..=3).map(move |h| own * f64::from(h)));
+        harmonics.map(|line| (line - order).abs() - slip * line).fold(integer, f64::min)
+    };
+    let mut chosen: Vec<f64> = Vec::new();
+    for least in [0.3, 0.1, 0.0] {
+        let mut candidates: Vec<f64> = (0..200).map(|k| centre * (0.5 + 0.01 * f64::from(k))).collect();
+        candidates.sort_by(|one, other| clear(*other).total_cmp(&clear(*one)));
+        for order in candidates {
+            if chosen.len() < 4 && chosen.iter().all(|other| (other - order).abs() > least) {
+                chosen.push(order);
+            }
+        }
+    }
+    std::array::from_fn(|k| chosen[k.min(chosen.len() - 1)])
 }
