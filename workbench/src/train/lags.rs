@@ -33,12 +33,14 @@ impl Signals {
     /// `cutoff` in cycles per sample.
     fn new(trace: &MotionTrace, load: bool, cutoff: f64, sign_velocity_rad_s: f64) -> Self {
         let filter = LowPass::butterworth(1, cutoff);
-        let sign: Vec<f64> = trace.velocity_rad_s.iter().map(|w| (w / sign_velocity_rad_s).clamp(-1.0, 1.0)).collect();
-        let friction: Vec<f64> = trace.load_nm.iter().zip(&sign).map(|(t, s)| t.abs() * s).collect();
-        let torques = if load { vec![filter.forward(&trace.load_nm), filter.forward(&friction)] } else { vec![] };
+        let [current, velocity, load_nm] =
+            [&trace.current_a, &trace.velocity_rad_s, &trace.load_nm].map(|signal| bridged(signal));
+        let sign: Vec<f64> = velocity.iter().map(|w| (w / sign_velocity_rad_s).clamp(-1.0, 1.0)).collect();
+        let friction: Vec<f64> = load_nm.iter().zip(&sign).map(|(t, s)| t.abs() * s).collect();
+        let torques = if load { vec![filter.forward(&load_nm), filter.forward(&friction)] } else { vec![] };
         Self {
-            current: filter.forward(&trace.current_a),
-            motion: [filter.derivative(&trace.velocity_rad_s), filter.forward(&trace.velocity_rad_s), filter.forward(&sign)],
+            current: filter.forward(&current),
+            motion: [filter.derivative(&velocity), filter.forward(&velocity), filter.forward(&sign)],
             load: torques,
             settle: (1.6 / cutoff).ceil() as usize,
         }
@@ -60,11 +62,25 @@ impl Signals {
         };
         let x = DMatrix::from_fn(rows.len(), columns, cell);
         let y = DVector::from_iterator(rows.len(), rows.iter().map(|&k| at(&self.current, k, current)));
-        let gram = x.tr_mul(&x);
-        let right = x.tr_mul(&y);
-        let solved = gram.pseudo_inverse(1e-12).map_or(0.0, |inverse| right.dot(&(inverse * &right)));
+        let (mut gram, right) = (x.tr_mul(&x), x.tr_mul(&y));
+        // Signals that are not excited have dependent columns; so small a ridge has no effect on the others.
+        let ridge = 1e-9 * gram.diagonal();
+        gram.set_diagonal(&(gram.diagonal() + ridge.add_scalar(1e-12)));
+        let solved = gram.cholesky().map_or(0.0, |factor| right.dot(&factor.solve(&right)));
         ((y.norm_squared() - solved).max(0.0), rows.len() as f64)
     }
+}
+
+/// The signal with the last value in place of missing ones.
+fn bridged(signal: &[f64]) -> Vec<f64> {
+    let mut last = signal.iter().copied().find(|x| x.is_finite()).unwrap_or(0.0);
+    let hold = |&x: &f64| {
+        if x.is_finite() {
+            last = x;
+        }
+        last
+    };
+    signal.iter().map(hold).collect()
 }
 
 /// Value at sample `k` + `lag`.

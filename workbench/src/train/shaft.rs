@@ -131,7 +131,7 @@ pub(super) fn model(
     let sign_velocity = f64::from(constants.balance.sign_velocity_rad_s);
     constants.lags = match plan.current_delay {
         Some(delay) => Lags { current: delay as f32, ..Lags::default() },
-        None => lags::best(&healthy, load.is_some(), plan.cutoff_hz * interval_s, sign_velocity),
+        None => lags::best(&healthy, load.is_some(), (3.0 * plan.cutoff_hz * interval_s).min(0.2), sign_velocity),
     };
     let trained = bench.frictions(&constants, &own)?;
     learn(&mut constants.balance, &trained);
