@@ -424,5 +424,5 @@ impl Default for ShaftSolve {
     }
 }
 
-#[cfg(any())]
+#[cfg(test)]
 mod tests;

@@ -10,24 +10,28 @@ fn plan() -> RunTime {
     RunTime::of(layout).unwrap()
 }
 
-fn constants(current_delay: f32) -> ShaftConstants<RunTime> {
+fn constants(current_lag: f32) -> ShaftConstants<RunTime> {
     let balance = Balance {
         interval_s: 0.001,
         filter: StateVariable::new(0.05, 0.001),
         row_interval: 4,
         settle: 50,
         sign_velocity_rad_s: 1.0,
+        stribeck_velocity_rad_s: 4.0,
         usual_velocity_rad_s: 20.0,
-        scale: [0.015_625, 0.062_5, 8.0, 1.0],
-        nominal: [0.005, 0.002, 0.1, 20.0, 0.05],
+        row_spread: 1.0,
+        scale: [0.015_625, 0.062_5, 1.0, 8.0, 1.0, 8.0, 1.0, 1.0],
+        nominal: [0.005, 0.002, 0.1, 20.0, 0.05, 0.0, 0.0],
+        prior: [0.05, 0.02, 1.0, 200.0, 1.0, 20.0, 1.0],
+        deviation: 0.001,
     };
-    let tracking = Tracking { orders: vec![], slowest_turn: 1000, block_samples: 100 };
-    ShaftConstants { current_delay, balance, tracking }
+    let tracking = Tracking { orders: vec![], blocks: Blocks::EMPTY };
+    ShaftConstants { lags: Lags { current: current_lag, ..Lags::default() }, balance, tracking }
 }
 
 /// The friction of a shaft whose current lags by `lag` samples.
-fn friction(lag: f64, current_delay: f32, good: impl Fn(u32) -> bool) -> Result<Friction, Reason> {
-    let (plan, constants) = (plan(), constants(current_delay));
+fn friction(lag: f64, current_lag: f32, good: impl Fn(u32) -> bool) -> Result<Friction, Reason> {
+    let (plan, constants) = (plan(), constants(current_lag));
     let mut shaft = Shaft::new(plan, &constants);
     let signals = |t: f64| {
         let w = 30.0 * (4.0 * t).sin() + 8.0 * (17.0 * t).sin();
