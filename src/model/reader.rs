@@ -3,9 +3,9 @@
 //! Lengths are those of the plan; ranges are checked later, except for bytes that choose between a few things.
 
 use super::{
-    Blocks, Lags, TERMS,
-    Balance, Channel, Classifier, Constants, Discriminant, EvidenceConstants, Feature, Field, Forgetting, KNOTS, Label,
-    ModelError, Name, Novelty, Projection, Regression, Sampling, ShaftConstants, StateVariable, TrackedOrder, Tracking,
+    Balance, Blocks, Channel, Classifier, Constants, Discriminant, EvidenceConstants, Feature, Field, Forgetting,
+    KNOTS, Label, Lags, ModelError, Name, Novelty, Projection, Regression, Sampling, ShaftConstants, StateVariable,
+    TERMS, TrackedOrder, Tracking,
 };
 use crate::drive::Park;
 use crate::plan::{

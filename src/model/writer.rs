@@ -2,8 +2,8 @@
 
 use super::reader::NONE;
 use super::{
-    Blocks, Lags,
-    Channel, Classifier, Constants, Discriminant, Feature, ModelError, Regression, ShaftConstants, StateVariable,
+    Blocks, Channel, Classifier, Constants, Discriminant, Feature, Lags, ModelError, Regression, ShaftConstants,
+    StateVariable,
 };
 use crate::drive::Park;
 use crate::plan::{Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal};

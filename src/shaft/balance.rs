@@ -128,14 +128,8 @@ impl BalanceSums {
     /// Holds the prior only: row k of the factor says that p(k) is nominal, with the weight (σ/prior deviation)².
     #[inline(never)]
     pub(super) fn new(balance: &Balance, load: bool) -> Self {
-        let zero = Self {
-            d: [0.0; COLUMNS],
-            r: [0.0; PACKED],
-            row: [0.0; COLUMNS],
-            weight: 0.0,
-            pivot: COLUMNS,
-            rows: 0,
-        };
+        let zero =
+            Self { d: [0.0; COLUMNS], r: [0.0; PACKED], row: [0.0; COLUMNS], weight: 0.0, pivot: COLUMNS, rows: 0 };
         let (terms, target) = (Balance::terms(load), balance.scale_of(TERMS));
         let mut sums = zero;
         for (k, &term) in (0_usize..).zip(terms) {

@@ -208,11 +208,7 @@ mod tests {
             let sign = w.clamp(-1.0, 1.0);
             let [p0, p1, p2, p3, p4] = p.map(f64::from);
             let current = p0 * dw + p1 * w + p2 * sign + p3 * torque + p4;
-            let now = Torques {
-                current_a: current as f32,
-                velocity_rad_s: w as f32,
-                load_nm: torque as f32,
-            };
+            let now = Torques { current_a: current as f32, velocity_rad_s: w as f32, load_nm: torque as f32 };
             if k == 0 {
                 state.start(&balance, &now);
             } else {

@@ -96,13 +96,8 @@ pub struct Blocks {
 
 impl Blocks {
     /// Without orders.
-    pub const EMPTY: Self = Self {
-        controls: [1 << 16; CONTROLS],
-        cell_turns_log2: 0,
-        slip: 0.0,
-        slowest_rad_s: 1.0,
-        pole: 0.0,
-    };
+    pub const EMPTY: Self =
+        Self { controls: [1 << 16; CONTROLS], cell_turns_log2: 0, slip: 0.0, slowest_rad_s: 1.0, pole: 0.0 };
 }
 
 /// Sums of one order over the blocks of a segment.

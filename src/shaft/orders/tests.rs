@@ -72,7 +72,8 @@ fn run(
         orders.step(3, tracking, turned, Residual { white, excitation: excitation as f32 });
     }
     let sums = orders.sums();
-    let range = SlipRange { cell_turns: libm::exp2f(f32::from(tracking.blocks.cell_turns_log2)), slip: tracking.blocks.slip };
+    let range =
+        SlipRange { cell_turns: libm::exp2f(f32::from(tracking.blocks.cell_turns_log2)), slip: tracking.blocks.slip };
     let mut search = SlipSearch::new();
     loop {
         if let Some(strength) = search.step(&sums.lines[0], &sums.noise, &tracking.orders[0], &range) {
@@ -108,11 +109,14 @@ fn noise_alone_scores_like_a_standard_normal_whatever_the_turns() {
 #[test]
 fn amplitude_and_slip_are_found() {
     for slip in [-0.015, 0.0, 0.006] {
-        let found: Vec<OrderStrength> = (0..20)
-            .map(|seed| run(seed, 10_000, &tracking(0.022, 1), |_| 0.0085, (0.1, slip)).0)
-            .collect();
+        let found: Vec<OrderStrength> =
+            (0..20).map(|seed| run(seed, 10_000, &tracking(0.022, 1), |_| 0.0085, (0.1, slip)).0).collect();
         let (mean, deviation) = mean_and_deviation(&found.iter().map(|f| f64::from(f.slip)).collect::<Vec<_>>());
         let (amplitude, _) = mean_and_deviation(&found.iter().map(|f| f64::from(f.amplitude)).collect::<Vec<_>>());
-        std::eprintln!("{slip}: {mean} ± {deviation} ({}), {amplitude} ({})", found[0].slip_deviation, found[0].deviation);
+        std::eprintln!(
+            "{slip}: {mean} ± {deviation} ({}), {amplitude} ({})",
+            found[0].slip_deviation,
+            found[0].deviation
+        );
     }
 }

@@ -15,6 +15,7 @@ mod estimation;
 pub mod export;
 mod fit;
 mod folds;
+mod lags;
 mod left_out;
 #[cfg(test)]
 mod missing_features;
@@ -26,7 +27,6 @@ mod recipe;
 #[cfg(test)]
 mod reference_values;
 mod scores;
-mod lags;
 mod shaft;
 mod shrinkage;
 mod shrinkage_search;

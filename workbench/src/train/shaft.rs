@@ -13,7 +13,8 @@
 //! [`super::lags`] finds the lags.
 
 use bearing_watch::model::{
-    Balance, Blocks, Channel, Lags, MAX_LAG, Sampling, ShaftConstants, StateVariable, TERMS, TrackedOrder, Tracking, q16,
+    Balance, Blocks, Channel, Lags, MAX_LAG, Sampling, ShaftConstants, StateVariable, TERMS, TrackedOrder, Tracking,
+    q16,
 };
 use bearing_watch::plan::{RunTime, ShaftLayout, Signal};
 use bearing_watch::{Friction, FrictionTerm, ShaftEstimate};
@@ -143,7 +144,9 @@ pub(super) fn model(
 
 /// Sets nominal parameters (2), their prior deviations (3), and the deviation of a row.
 fn learn(balance: &mut Balance, estimates: &[Friction]) {
-    for (term, (nominal, prior)) in FrictionTerm::ALL.into_iter().zip(balance.nominal.iter_mut().zip(&mut balance.prior)) {
+    for (term, (nominal, prior)) in
+        FrictionTerm::ALL.into_iter().zip(balance.nominal.iter_mut().zip(&mut balance.prior))
+    {
         let all: Vec<(f64, f64)> = estimates
             .iter()
             .filter_map(|friction| friction.parameter(term))
@@ -225,7 +228,10 @@ impl Bench {
             own.tracking.blocks.pole = pole;
             let logs = |(labelled, _): &Watched<'_>| {
                 let shaft = self.run(&own, &labelled.trace)?;
-                let logs = shaft.orders().iter().map(|order| f64::from(order.deviation * order.prominence.sqrt()).max(1e-30).ln());
+                let logs = shaft
+                    .orders()
+                    .iter()
+                    .map(|order| f64::from(order.deviation * order.prominence.sqrt()).max(1e-30).ln());
                 Ok(if shaft.orders_reason.is_none() { logs.sum::<f64>() } else { 0.0 })
             };
             healthy.par_iter().map(logs).sum()
