@@ -185,6 +185,7 @@ fn blank_shaft<P: Plan>(plan: P) -> ShaftConstants<P> {
             sign_velocity_rad_s: 1.0,
             stribeck_velocity_rad_s: 1.0,
             usual_velocity_rad_s: 1.0,
+            usual_load_nm: 0.0,
             row_spread: 1.0,
             scale: [1.0; 8],
             nominal: [0.0; TERMS],
@@ -204,6 +205,7 @@ fn read_shaft<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<ShaftConstant
     (balance.row_interval, balance.settle) = (reader.u8()?, reader.u16()?);
     (balance.sign_velocity_rad_s, balance.stribeck_velocity_rad_s) = (reader.f32()?, reader.f32()?);
     balance.usual_velocity_rad_s = reader.f32()?;
+    balance.usual_load_nm = reader.f32()?;
     (balance.row_spread, balance.deviation) = (reader.f32()?, reader.f32()?);
     reader.fill(&mut balance.scale)?;
     reader.fill(&mut balance.nominal)?;

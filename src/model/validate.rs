@@ -175,7 +175,7 @@ const fn check_shaft(layout: &ShaftLayout, shaft: &ShaftParts<'_>, parts: &Parts
     require!(balance.row_interval > 0, RowInterval);
     require!(samples / balance.row_interval as u64 <= MAX_SEGMENT_ROWS as u64, SegmentLength);
     let velocities = [balance.sign_velocity_rad_s, balance.stribeck_velocity_rad_s, balance.usual_velocity_rad_s];
-    require!(all_within(&velocities, 1e-6, 1e6), BalanceVelocity);
+    require!(all_within(&velocities, 1e-6, 1e6) && all_within(&[balance.usual_load_nm], 0.0, 1e6), BalanceVelocity);
     require!(balance.row_spread >= 1.0 && balance.row_spread <= 1e3, RowInterval);
     require!(all_powers_of_two(&balance.scale) && all_within(&balance.scale, 0.0, f32::MAX), BalanceScale);
     let velocity = limit_of(parts.channels, layout.velocity);

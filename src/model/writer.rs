@@ -113,7 +113,8 @@ fn write_shaft<P: Plan>(writer: &mut Writer<'_>, shaft: &ShaftConstants<P>) -> R
     writer.floats(&[*current, *velocity, *load, balance.interval_s, gain, damping, rate_per_s])?;
     writer.bytes(&[balance.row_interval])?;
     writer.bytes(&balance.settle.to_le_bytes())?;
-    writer.floats(&[balance.sign_velocity_rad_s, balance.stribeck_velocity_rad_s, balance.usual_velocity_rad_s])?;
+    writer.floats(&[balance.sign_velocity_rad_s, balance.stribeck_velocity_rad_s])?;
+    writer.floats(&[balance.usual_velocity_rad_s, balance.usual_load_nm])?;
     writer.floats(&[balance.row_spread, balance.deviation])?;
     writer.floats(&balance.scale)?;
     writer.floats(&balance.nominal)?;

@@ -7,7 +7,7 @@
 //! i = p₀ ω̇ + p₁ ω + p₂ s + p₃ T + p₄ + p₅ |T| s + p₆ s/(1 + (ω/ω_s)²)                                 (1)
 //! s = clamp(ω/ω_r, −1, 1)                                                                             (2)
 //! p₀ = J/Kt,  p₁ = B/Kt,  p₂ = Tc/Kt,  p₃ = 1/Kt,  p₄: offsets,  p₅ = μ/Kt,  p₆ = (Ts − Tc)/Kt        (3)
-//! p₇ = p₂ + p₁ ω₀,   the drag at a usual velocity ω₀                                                  (4)
+//! p₇ = p₂ + p₁ ω₀ + p₅ T₀ + p₆/(1 + (ω₀/ω_s)²),   the drag at a usual velocity ω₀ and load T₀         (4)
 //! ```
 //!
 //! p₅ is friction in proportion to the load (μ = 1/η − 1 of a screw of efficiency η), p₆ the Stribeck part of friction:
@@ -60,6 +60,8 @@ pub struct Balance {
     pub stribeck_velocity_rad_s: f32,
     /// ω₀ of (4).
     pub usual_velocity_rad_s: f32,
+    /// T₀ of (4).
+    pub usual_load_nm: f32,
     /// Rows per independent row: the filter makes neighbouring rows alike.
     pub row_spread: f32,
     /// Power-of-two factors of the columns of (1) and of i that scale them to rms ≈ 1.
@@ -104,6 +106,12 @@ impl Balance {
     #[inline(always)]
     pub(super) const fn terms(load: bool) -> &'static [usize] {
         if load { &WITH_LOAD } else { &WITHOUT_LOAD }
+    }
+
+    /// What each of p₀ … p₆ has in the drag (4).
+    pub(super) fn in_drag(&self) -> [f32; TERMS] {
+        let ratio = self.usual_velocity_rad_s / self.stribeck_velocity_rad_s;
+        [0.0, self.usual_velocity_rad_s, 1.0, 0.0, 0.0, self.usual_load_nm, 1.0 / (1.0 + ratio * ratio)]
     }
 
     pub(super) fn scale_of(&self, term: usize) -> f32 {

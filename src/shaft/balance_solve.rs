@@ -141,11 +141,7 @@ impl BalanceSolve {
                 friction.stribeck = at(if load { 6 } else { 4 }, n6);
             }
             _ => {
-                let speed = balance.usual_velocity_rad_s;
-                let [_, _, v11, _, v12, v22, ..] = self.covariance;
-                let variance = v22 + speed * (2.0 * v12 + speed * v11);
-                let drag = friction.coulomb.value + friction.viscous.value * speed; // (4)
-                friction.drag = parameter(drag, variance, n2 + n1 * speed);
+                friction.drag = self.drag(balance, load);
                 friction.offset = at(if load { 4 } else { 3 }, n4);
                 friction.variance = self.variance;
                 return true;
@@ -153,6 +149,24 @@ impl BalanceSolve {
         }
         self.results = self.results.wrapping_add(1);
         false
+    }
+
+    /// (4): its variance has the covariances of all terms, whose errors cancel in it.
+    #[inline(never)]
+    fn drag(&self, balance: &Balance, load: bool) -> Parameter {
+        let (all, terms) = (balance.in_drag(), Balance::terms(load));
+        let part = |term: usize| all.get(term).copied().unwrap_or(0.0);
+        let (mut value, mut nominal, mut variance) = (0.0, 0.0, 0.0);
+        for (k, &term) in terms.iter().enumerate() {
+            let own = part(term);
+            value += own * self.delta.get(k).copied().unwrap_or(0.0);
+            nominal += own * balance.nominal.get(term).copied().unwrap_or(0.0);
+            for (j, &other) in terms.iter().enumerate().take(k) {
+                variance += 2.0 * own * part(other) * self.covariance.get(lower(k, j)).copied().unwrap_or(0.0);
+            }
+            variance += own * own * self.covariance.get(lower(k, k)).copied().unwrap_or(0.0);
+        }
+        parameter(value, variance, nominal)
     }
 }
 
@@ -188,6 +202,7 @@ mod tests {
             sign_velocity_rad_s: 1.0,
             stribeck_velocity_rad_s: 4.0,
             usual_velocity_rad_s: 20.0,
+            usual_load_nm: 0.0,
             row_spread: 1.0,
             scale: [0.015_625, 0.062_5, 1.0, 8.0, 1.0, 8.0, 1.0, 1.0],
             nominal: [0.005, 0.002, 0.1, 20.0, 0.05, 0.0, 0.0],

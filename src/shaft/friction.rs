@@ -34,7 +34,7 @@ pub struct Friction {
     pub load_friction: Option<Parameter>,
     /// (Ts − Tc)/Kt, what break-away exceeds sliding, A.
     pub stribeck: Parameter,
-    /// Friction at the usual velocity (4), A.
+    /// Friction at the usual velocity and load (4), A.
     pub drag: Parameter,
     /// Residual variance of the filtered balance, A².
     pub variance: f32,

@@ -19,6 +19,7 @@ fn constants(current_lag: f32) -> ShaftConstants<RunTime> {
         sign_velocity_rad_s: 1.0,
         stribeck_velocity_rad_s: 4.0,
         usual_velocity_rad_s: 20.0,
+        usual_load_nm: 0.0,
         row_spread: 1.0,
         scale: [0.015_625, 0.062_5, 1.0, 8.0, 1.0, 8.0, 1.0, 1.0],
         nominal: [0.005, 0.002, 0.1, 20.0, 0.05, 0.0, 0.0],

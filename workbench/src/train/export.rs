@@ -226,6 +226,7 @@ fn shaft(out: &mut Source, shaft: &ShaftConstants<RunTime>) {
         ("sign_velocity_rad_s", balance.sign_velocity_rad_s),
         ("stribeck_velocity_rad_s", balance.stribeck_velocity_rad_s),
         ("usual_velocity_rad_s", balance.usual_velocity_rad_s),
+        ("usual_load_nm", balance.usual_load_nm),
         ("row_spread", balance.row_spread),
         ("deviation", balance.deviation),
     ] {

@@ -4,7 +4,8 @@
 //! scales     powers of two that scale the columns of the balance and i to rms ≈ 1
 //! sign       three standard deviations of the velocity's noise, from its second differences              (1)
 //! nominal    median p over the traces of the nominal class that determine it, estimated by the core       (2)
-//! prior      three times the deviation of p over these traces                                          (3)
+//! prior      three times the deviation of p over these traces; for terms on which a defect has no effect, 1.5
+//!            times what of it the deviations of the estimates do not explain                           (3)
 //! pole       the filter with which the orders have the least deviation on the nominal traces              (4)
 //! cell       as wide as the slip allows, but at most a tenth of a trace's turns                        (5)
 //! controls   orders far from all integers and from all harmonics of the tracked orders                 (6)
@@ -30,6 +31,9 @@ use crate::trace::{MotionTrace, Trace};
 
 /// Limits of the channels, in multiples of the largest magnitude in training.
 const LIMIT: f64 = 10.0;
+
+/// Terms on which a defect of a bearing has no effect: their spread over healthy traces is that over all traces.
+const SPARED: [FrictionTerm; 3] = [FrictionTerm::Offset, FrictionTerm::LoadFriction, FrictionTerm::Stribeck];
 
 /// Plan of the shaft: tracked orders, delay and filter.
 #[derive(Clone, Debug, PartialEq)]
@@ -160,7 +164,13 @@ fn learn(balance: &mut Balance, estimates: &[Friction]) {
         let middle = median(determined.clone());
         let spread = 1.483 * median(determined.iter().map(|value| (value - middle).abs()).collect());
         *nominal = middle as f32;
-        *prior = (3.0 * spread).max(usual).max(0.01 * middle.abs()).max(1e-9) as f32;
+        let width = if SPARED.contains(&term) {
+            let own = (spread * spread - usual * usual).max(0.0).sqrt();
+            (1.5 * own).max(0.25 * usual)
+        } else {
+            (3.0 * spread).max(usual)
+        };
+        *prior = width.max(0.01 * middle.abs()).max(1e-9) as f32;
     }
     let variance = median(estimates.iter().map(|friction| f64::from(friction.variance)).collect());
     balance.deviation = variance.sqrt().max(1e-6) as f32;
@@ -276,6 +286,7 @@ fn untrained(traces: &[&MotionTrace], interval_s: f64, plan: &ShaftPlan) -> Resu
             sign_velocity_rad_s: sign_velocity as f32,
             stribeck_velocity_rad_s: (3.0 * sign_velocity).max(0.1 * velocity) as f32,
             usual_velocity_rad_s: velocity as f32,
+            usual_load_nm: if plan.load { load as f32 } else { 0.0 },
             // The noise of a second-order Butterworth filter has 1.11 times its cut-off as bandwidth.
             row_spread: (1.0 / (2.22 * cutoff * row_interval)).max(1.0) as f32,
             scale: [s0, s1, s2, s3, s4, s5, s6, power_of_two(current)],
