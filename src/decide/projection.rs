@@ -4,10 +4,12 @@
 //!
 //! ```text
 //! z = W (f − m)                                                          (1)  thesis §2.5
-//! var z_k = Σ_j W_kj² v_j                                                (2)
+//! var z_k = Σ_j W_kj² max(v_j − u_j, 0)                                  (2)
 //! ```
 //!
-//! A coordinate in which a missing feature has a weight is missing: its variance is infinite. Errors of features are
+//! The covariances of the classes are those of training features with their usual errors, whose variances are u: these
+//! errors are correlated, as the terms of one torque balance are, and the covariances say how. Only what a segment's
+//! errors exceed u, since little moved in it, widens them further. A coordinate in which a missing feature has a weight is missing: its variance is infinite. Errors of features are
 //! regarded as independent, and so are those of coordinates. The latter holds for a diagonal W, as by the projection
 //! `none`; if several coordinates contain one feature, their errors are correlated, which (2) neglects.
 //!
@@ -26,6 +28,8 @@ pub struct Projection<P: Plan> {
     pub matrix: Array<P::Map, f32>,
     /// m, the training mean.
     pub mean: Array<P::Features, f32>,
+    /// u, the usual variances of the features' errors.
+    pub usual: Array<P::Features, f32>,
 }
 
 impl<P: Plan> Projection<P> {
@@ -33,7 +37,7 @@ impl<P: Plan> Projection<P> {
     #[must_use]
     pub fn coordinate(&self, features: &[FeatureValue], k: usize) -> FeatureValue {
         let row = self.matrix.cells().get(k.wrapping_mul(features.len())..).unwrap_or(&[]);
-        weighted_sum(row, features, self.mean.cells())
+        weighted_sum(row, features, (self.mean.cells(), self.usual.cells()))
     }
 
     /// W and m as matrices; `None` if `Z` and `F` are not the numbers of coordinates and features.
@@ -52,12 +56,12 @@ impl<P: Plan> Projection<P> {
 
 /// (1) and (2) of one row of W.
 #[inline(never)]
-fn weighted_sum(weights: &[f32], features: &[FeatureValue], mean: &[f32]) -> FeatureValue {
+fn weighted_sum(weights: &[f32], features: &[FeatureValue], (mean, usual): (&[f32], &[f32])) -> FeatureValue {
     let mut z = FeatureValue { value: 0.0, variance: 0.0 };
-    for (w, (feature, mean)) in pairs(weights, pairs(features, mean)) {
+    for (w, (feature, (mean, usual))) in pairs(weights, pairs(features, pairs(mean, usual))) {
         z.value += w * (feature.value - mean); // (1)
         // Without a weight, an infinite variance has no effect either.
-        z.variance += if *w == 0.0 { 0.0 } else { w * w * feature.variance }; // (2)
+        z.variance += if *w == 0.0 { 0.0 } else { w * w * (feature.variance - usual).max(0.0) }; // (2)
     }
     if z.is_missing() { FeatureValue::MISSING } else { z }
 }
@@ -71,7 +75,7 @@ mod tests {
     #[test]
     fn two_coordinates_by_hand() {
         let projection =
-            Projection::<RunTime> { matrix: vec![1.0, -2.0, 0.5, 0.0, 4.0, 1.0], mean: vec![1.0, 2.0, 3.0] };
+            Projection::<RunTime> { matrix: vec![1.0, -2.0, 0.5, 0.0, 4.0, 1.0], mean: vec![1.0, 2.0, 3.0], usual: vec![0.0, 0.25, 3.0] };
         // f − m = (−0.5, −3, 5): dyadic numbers, so every operation is exact.
         let features = [0.5, -1.0, 8.0];
         let with = |variances: [f32; 3]| {
@@ -80,10 +84,10 @@ mod tests {
         };
         let [first, second] = [-0.5 + 6.0 + 2.5, -12.0 + 5.0];
         assert_eq!(with([0.0; 3]).map(|z| (z.value, z.variance)), [(first, 0.0), (second, 0.0)]);
-        assert_eq!(with([1.0, 0.5, 2.0]).map(|z| z.variance), [1.0 + 2.0 + 0.5, 8.0 + 2.0]);
+        assert_eq!(with([1.0, 0.5, 2.0]).map(|z| z.variance), [1.0 + 4.0 * 0.25, 16.0 * 0.25]);
         // The second coordinate does not contain the first feature.
         let [missing, own] = with([f32::INFINITY, 0.5, 0.0]);
-        assert_eq!((missing, own.value, own.variance), (FeatureValue::MISSING, second, 8.0));
+        assert_eq!((missing, own.value, own.variance), (FeatureValue::MISSING, second, 4.0));
         #[cfg(feature = "nalgebra")]
         {
             let (w, m) = projection.to_matrices::<2, 3>().unwrap();

@@ -50,7 +50,7 @@ static MODEL: Model<Drive> = Drive::model(Constants {
     shaft: [],
     classifier: Classifier {
         features: [Feature::Parameter(0), Feature::Parameter(1)],
-        projection: Projection { matrix: [0.0, 1.0], mean: [0.0, 0.0] },
+        projection: Projection { matrix: [0.0, 1.0], mean: [0.0, 0.0], usual: [0.0, 0.0] },
         discriminant: Discriminant {
             means: [0.5, 1.0],
             factors: [0.0025],

@@ -44,6 +44,7 @@ pub struct Parts<'a> {
     pub features: &'a [Feature],
     pub map: &'a [f32],
     pub feature_means: &'a [f32],
+    pub usual: &'a [f32],
     pub means: &'a [f32],
     pub factors: &'a [f32],
     pub log_prior: &'a [f32],

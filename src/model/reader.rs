@@ -227,8 +227,8 @@ fn read_shaft<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<ShaftConstant
 fn read_classifier<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<Classifier<P>, ModelError> {
     let layout = plan.layout();
     let features = list(reader, layout.features as usize, Feature::LogVariance, |reader| reader.feature())?;
-    let projection =
-        Projection { matrix: reader.floats(layout.map())?, mean: reader.floats(layout.features as usize)? };
+    let (matrix, own) = (reader.floats(layout.map())?, layout.features as usize);
+    let projection = Projection { matrix, mean: reader.floats(own)?, usual: reader.floats(own)? };
     let classes = layout.classes as usize;
     let discriminant = Discriminant {
         means: reader.floats(layout.means())?,

@@ -239,6 +239,7 @@ const fn check_classifier(parts: &Parts<'_>) -> Result<(), ModelError> {
         features = rest;
     }
     require_length!(parts.feature_means.len(), layout.features as usize, Projection);
+    require_length!(parts.usual.len(), layout.features as usize, Projection);
     require_length!(parts.map.len(), layout.map(), Projection);
     require_length!(parts.means.len(), layout.means(), ClassDensity);
     require_length!(parts.factors.len(), layout.densities(), ClassDensity);
@@ -247,6 +248,7 @@ const fn check_classifier(parts: &Parts<'_>) -> Result<(), ModelError> {
     require_length!(parts.costs.len(), layout.costs(), Cost);
     let (least, most) = (f32::MIN, f32::MAX);
     require!(all_within(parts.map, least, most) && all_within(parts.feature_means, least, most), Projection);
+    require!(all_within(parts.usual, 0.0, most), Projection);
     let factors = are_factors(parts.factors, layout.coordinates as usize);
     require!(all_within(parts.means, least, most) && factors, ClassDensity);
     require!(all_within(parts.log_prior, least, most), Prior);

@@ -135,6 +135,7 @@ fn write_classifier<P: Plan>(writer: &mut Writer<'_>, classifier: &Classifier<P>
     features.cells().iter().try_for_each(|feature| writer.feature(*feature))?;
     writer.floats(projection.matrix.cells())?;
     writer.floats(projection.mean.cells())?;
+    writer.floats(projection.usual.cells())?;
     let Discriminant { means, factors, log_prior, costs, reject_cost } = discriminant;
     let lists = [means.cells(), factors.cells(), log_prior.cells(), costs.cells()];
     lists.into_iter().try_for_each(|list| writer.floats(list))?;

@@ -53,7 +53,7 @@ impl Parts {
         let factor = (0..n).flat_map(|i| (i..n).map(move |j| f32::from(u8::from(i == j))));
         let classifier = Classifier {
             features,
-            projection: Projection { matrix: identity.collect(), mean: vec![0.0; n] },
+            projection: Projection { matrix: identity.collect(), mean: vec![0.0; n], usual: vec![0.0; n] },
             discriminant: Discriminant {
                 means: vec![0.0; n],
                 factors: factor.collect(),

@@ -29,7 +29,7 @@ pub(super) fn run(
     let model = parts.estimating(sampling).map_err(refused)?;
     let estimator = Embedded::new(model).map_err(refused)?;
     let of_trace: Vec<Vec<SegmentReport>> = traces.par_iter().map(|own| estimator.run(&own.trace)).collect();
-    let mut table = FeatureTable { rows: vec![], variances: vec![], classes: vec![], names: classes.to_vec() };
+    let mut table = FeatureTable::exact(vec![], vec![], classes.to_vec());
     let (mut origins, mut reasons) = (vec![], vec![]);
     for (trace, segments) in of_trace.iter().enumerate() {
         for segment in segments {
@@ -42,7 +42,8 @@ pub(super) fn run(
             reasons.push(segment.verdict.as_ref().err().map(|reason| format!("samples {from} to {to}: {reason}")));
         }
     }
-    Ok((table, origins, reasons))
+    table.usual = DVector::zeros(table.rows.first().map_or(0, DVector::len));
+    Ok((table.with_usual_errors(), origins, reasons))
 }
 
 /// Returns the features of a segment and the variances of their errors.

@@ -35,6 +35,7 @@ impl Trained {
             projection: Projection {
                 matrix: rows(&self.core_projection.matrix),
                 mean: narrow(self.core_projection.mean.as_slice()),
+                usual: narrow(self.core_usual.as_slice()),
             },
             discriminant: Discriminant {
                 means: densities.means.iter().flat_map(|mean| narrow(mean.as_slice())).collect(),

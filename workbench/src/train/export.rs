@@ -266,6 +266,7 @@ fn classifier(out: &mut Source, classifier: &Classifier<RunTime>, layout: &Layou
     out.line(2, "projection: Projection {");
     out.numbers(3, "matrix", &projection.matrix, f);
     out.numbers(3, "mean", &projection.mean, f);
+    out.numbers(3, "usual", &projection.usual, f);
     out.line(2, "},");
     out.line(2, "discriminant: Discriminant {");
     out.numbers(3, "means", &discriminant.means, z);

@@ -84,7 +84,7 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
     let Candidates { table: raw, features: feature_names, .. } = candidates.select(&chosen);
     let fit::Fitted { projection, coordinates, coordinate_names, statistics, densities, choice } =
         fit::fit(&candidates.select(&chosen), recipe)?;
-    let (core_features, core_projection) = compose(&candidates.table, &chosen, &catalogue, &projection);
+    let (core_features, core_projection, core_usual) = compose(&candidates.table, &chosen, &catalogue, &projection);
     let segment_s = (interval_s > 0.0).then_some(segment as f64 * interval_s);
     let watch = novelty::train(&coordinates, &coordinate_names, &recipe.alarms, segment_s)?;
     Ok(Trained {
@@ -103,6 +103,7 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
         watch,
         core_features,
         core_projection,
+        core_usual,
         parts,
         segment_samples: segment,
         interval_s,
@@ -170,7 +171,8 @@ fn batch_features(
     };
     let (rows, variances) = estimates.iter().map(row).unzip();
     let names = classes.to_vec();
-    let table = FeatureTable { rows, variances, classes: pieces.iter().map(|t| t.class).collect(), names };
+    let (classes, usual) = (pieces.iter().map(|t| t.class).collect(), DVector::zeros(count));
+    let table = FeatureTable { rows, variances, usual, classes, names };
     (table, estimates.into_iter().map(|estimate| estimate.err().map(|error| error.to_string())).collect())
 }
 
@@ -260,7 +262,7 @@ fn compose(
     chosen: &[usize],
     catalogue: &Catalogue,
     projection: &AffineMap,
-) -> (Vec<Feature>, AffineMap) {
+) -> (Vec<Feature>, AffineMap, DVector<f64>) {
     let map = catalogue.raw_from_delta().select_rows(chosen);
     let used: Vec<usize> = (0..map.ncols()).filter(|&k| map.column(k).amax() > 0.0).collect();
     // Both centres are the same point: of the chosen features the projection's centre, of the others any.
@@ -270,5 +272,7 @@ fn compose(
     let matrix = &projection.matrix * map.select_columns(&used);
     let centre = DVector::from_iterator(used.len(), used.iter().map(|&k| mean[k]));
     let indices = used.iter().map(|&place| catalogue.core_feature(place)).collect();
-    (indices, AffineMap { matrix, mean: centre })
+    // The map from raw features leaves those with errors as they are.
+    let usual = DVector::from_iterator(used.len(), used.iter().map(|&k| table.usual[k]));
+    (indices, AffineMap { matrix, mean: centre }, usual)
 }

@@ -9,8 +9,10 @@ use super::moments::Observed;
 pub struct FeatureTable {
     /// One row per trace: every raw feature ([`crate::core::features::all_names`]); 0 if it is missing.
     pub rows: Vec<DVector<f64>>,
-    /// Variances of their errors; 0 if none is known, infinite if the feature is missing.
+    /// What the variances of their errors exceed the usual ones; infinite if the feature is missing.
     pub variances: Vec<DVector<f64>>,
+    /// The usual variances of the errors ([`FeatureTable::with_usual_errors`]); 0 if none are known.
+    pub usual: DVector<f64>,
     /// Class of each row.
     pub classes: Vec<usize>,
     /// Class names.
@@ -22,7 +24,25 @@ impl FeatureTable {
     #[must_use]
     pub fn exact(rows: Vec<DVector<f64>>, classes: Vec<usize>, names: Vec<String>) -> Self {
         let variances = rows.iter().map(|row| DVector::zeros(row.len())).collect();
-        Self { rows, variances, classes, names }
+        let usual = DVector::zeros(rows.first().map_or(0, DVector::len));
+        Self { rows, variances, usual, classes, names }
+    }
+
+    /// Takes the variances of the errors as they are, with twice their median as the usual one of each feature.
+    ///
+    /// The features of such rows scatter with their errors, whose correlations a covariance of the rows contains and
+    /// a variance does not. An error below the usual one counts as usual.
+    #[must_use]
+    pub fn with_usual_errors(mut self) -> Self {
+        for feature in 0..self.rows.first().map_or(0, DVector::len) {
+            let own = self.variances.iter().map(|variance| variance[feature]).filter(|v| v.is_finite());
+            let mut sorted: Vec<f64> = own.collect();
+            sorted.sort_by(f64::total_cmp);
+            let usual = 2.0 * sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+            self.usual[feature] = usual;
+            self.variances.iter_mut().for_each(|v| v[feature] = (v[feature] - usual).max(0.0));
+        }
+        self
     }
 
     /// Returns whether no value has an error or is missing.
@@ -59,7 +79,8 @@ impl FeatureTable {
     pub fn keep(&self, places: &[usize]) -> Self {
         let pick = |of: &[DVector<f64>]| places.iter().map(|&k| of[k].clone()).collect();
         let classes = places.iter().map(|&k| self.classes[k]).collect();
-        Self { rows: pick(&self.rows), variances: pick(&self.variances), classes, names: self.names.clone() }
+        let (rows, variances) = (pick(&self.rows), pick(&self.variances));
+        Self { rows, variances, usual: self.usual.clone(), classes, names: self.names.clone() }
     }
 
     /// Returns the given features only.
@@ -67,15 +88,16 @@ impl FeatureTable {
     pub fn select(&self, places: &[usize]) -> Self {
         let pick = |row: &DVector<f64>| DVector::from_iterator(places.len(), places.iter().map(|&k| row[k]));
         let (rows, variances) = (self.rows.iter().map(pick).collect(), self.variances.iter().map(pick).collect());
-        Self { rows, variances, classes: self.classes.clone(), names: self.names.clone() }
+        Self { rows, variances, usual: pick(&self.usual), classes: self.classes.clone(), names: self.names.clone() }
     }
 
-    /// Returns the table with every row mapped.
+    /// Returns the table with every row mapped, without usual variances.
     #[must_use]
     pub fn map(&self, map: &AffineMap) -> Self {
         let rows = self.rows.iter().zip(&self.variances);
         let (rows, variances) = rows.map(|(row, variance)| map.apply_with(row, variance)).unzip();
-        Self { rows, variances, classes: self.classes.clone(), names: self.names.clone() }
+        let usual = DVector::zeros(map.matrix.nrows());
+        Self { rows, variances, usual, classes: self.classes.clone(), names: self.names.clone() }
     }
 
     /// Returns the rows as observations.

@@ -1,6 +1,7 @@
 //! A trained model in double precision.
 
 use bearing_watch::model::Feature;
+use nalgebra::DVector;
 
 use super::{AffineMap, Candidates, Choice, ClassStatistics, FeatureTable, GaussianClasses, LeftOut, Recipe, Watch};
 use crate::core::Parts;
@@ -38,6 +39,8 @@ pub struct Trained {
     pub core_features: Vec<Feature>,
     /// Map from the core features to the coordinates.
     pub core_projection: AffineMap,
+    /// Usual variances of the core features' errors.
+    pub core_usual: DVector<f64>,
     /// The core's channels, regression and shaft.
     pub parts: Parts,
     /// Samples per segment at the identification rate.
