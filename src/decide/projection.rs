@@ -74,8 +74,11 @@ mod tests {
 
     #[test]
     fn two_coordinates_by_hand() {
-        let projection =
-            Projection::<RunTime> { matrix: vec![1.0, -2.0, 0.5, 0.0, 4.0, 1.0], mean: vec![1.0, 2.0, 3.0], usual: vec![0.0, 0.25, 3.0] };
+        let projection = Projection::<RunTime> {
+            matrix: vec![1.0, -2.0, 0.5, 0.0, 4.0, 1.0],
+            mean: vec![1.0, 2.0, 3.0],
+            usual: vec![0.0, 0.25, 3.0],
+        };
         // f − m = (−0.5, −3, 5): dyadic numbers, so every operation is exact.
         let features = [0.5, -1.0, 8.0];
         let with = |variances: [f32; 3]| {

@@ -7,11 +7,15 @@ use crate::rig::field::LoadMeasurement;
 use crate::study::recipes;
 use crate::train::{Alarms, Recipe, ShaftPlan};
 
-/// Features of the detector: two scores of the torque balance and the order of the outer race.
-pub const FEATURES: [&str; 3] = ["drag_score", "inverse_kt_score", "order_outer"];
+/// Features of the detector: the friction at a usual velocity and load, what of it varies with velocity and with load,
+/// the torque constant, and the order of the outer race.
+pub const FEATURES: [&str; 5] = ["drag", "viscous_log", "inverse_kt", "load_friction", "order_outer"];
 
 /// Features that exist only if the load is measured.
-const NEED_LOAD: [&str; 2] = ["inverse_kt", "inverse_kt_score"];
+const NEED_LOAD: [&str; 4] = ["inverse_kt", "inverse_kt_score", "load_friction", "load_friction_score"];
+
+/// Largest slip that is searched: the rig's bearings slip by up to 2 %.
+const SLIP: f64 = 0.022;
 
 /// Set false-alarm rate of the gate.
 pub const FALSE_ALARM: f64 = 0.01;
@@ -27,7 +31,10 @@ const WITHOUT_LOAD: Structure = Structure::new(2, 1, 0, 1, 1);
 pub fn recipe(condition: &Condition, features: &[String]) -> Recipe {
     let alarms = Alarms { healthy: Some(0), false_alarm: FALSE_ALARM, required: true, ..Alarms::default() };
     let mut features = if features.is_empty() { FEATURES.map(String::from).to_vec() } else { features.to_vec() };
-    let base = recipes::shaft();
+    let mut base = recipes::shaft();
+    if let Some(shaft) = &mut base.shaft {
+        shaft.slip = SLIP;
+    }
     if has_load_sensor(condition) {
         return Recipe { features, alarms, ..base };
     }
@@ -58,7 +65,7 @@ mod tests {
             if load {
                 assert_eq!(format!("{own:?}"), format!("{mix:?}"), "{}", condition.name);
             } else {
-                assert_eq!(own.features, ["drag_score", "order_outer"]);
+                assert_eq!(own.features, ["drag", "viscous_log", "order_outer"]);
             }
         }
         let asked = ["order_outer".to_string()];
