@@ -207,10 +207,10 @@ fn both_parts() {
         Feature::Parameter(0),
         Feature::LogVariance,
         Feature::FrictionScore(FrictionTerm::InverseTorqueConstant),
-        Feature::OrderProminence(2),
+        Feature::OrderScore(2),
         Feature::LogOrderAmplitude(0),
     ];
-    let model = model(Joint, &features, Some(&shaft(Joint, 1.3)));
+    let model = model(Joint, &features, Some(&shaft(Joint, lag(1.3))));
     let sample = |Motion { current_a, velocity_rad_s, reference_rad_s, load_nm, angle }| JointSample {
         current_a,
         velocity_rad_s,
@@ -224,7 +224,7 @@ fn both_parts() {
 #[test]
 fn the_torque_balance_alone() {
     let features = [Feature::Friction(FrictionTerm::Drag), Feature::LogFrictionVariance];
-    let model = model(Friction, &features, Some(&shaft(Friction, 0.0)));
+    let model = model(Friction, &features, Some(&shaft(Friction, lag(0.0))));
     let sample = |Motion { current_a, velocity_rad_s, reference_rad_s, .. }| FrictionSample {
         current_a,
         velocity_rad_s,
