@@ -156,10 +156,7 @@ pub static LOADLESS: Model<Loadless> = Loadless::model(Constants {
     shaft: [ShaftConstants {
         lags: Lags { current: 0.0, velocity: 0.0, load: 0.0 },
         balance: BALANCE,
-        tracking: Tracking {
-            orders: [TrackedOrder::new(3.717_94, [1.0, 0.0, 0.0])],
-            blocks: BLOCKS,
-        },
+        tracking: Tracking { orders: [TrackedOrder::new(3.717_94, [1.0, 0.0, 0.0])], blocks: BLOCKS },
     }],
     classifier: classifier!([
         Feature::Friction(FrictionTerm::Inertia),

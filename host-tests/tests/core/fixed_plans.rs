@@ -9,7 +9,7 @@ use host_tests::plans::constants;
 use host_tests::plants::PLANTS;
 use workbench::rig::DefectKind;
 
-use crate::rig::{Motion, motions, shaft, trace};
+use crate::rig::{Motion, lag, motions, shaft, trace};
 
 const SEGMENT: u32 = 5000;
 const SEGMENTS: usize = 4;
@@ -21,7 +21,8 @@ fn printed<P: Plan>(report: &Report<P>) -> String {
         format!("{delta:?} {covariance:?} {:?} {:?} {} {} {:?}", e.raw(), e.variance, e.rows, e.stable, e.reason)
     });
     let shaft = report.shaft().map(|shaft| {
-        format!("{:?} {:?} {:?} {:?}", shaft.friction, shaft.friction_reason, shaft.orders(), shaft.orders_reason)
+        let (friction, orders) = (&shaft.friction, shaft.orders());
+        format!("{friction:?} {:?} {orders:?} {:?} {}", shaft.friction_reason, shaft.orders_reason, shaft.usable)
     });
     let decision = report.decision.as_ref().map(|d| {
         let (likelihoods, posteriors, costs) = (d.log_likelihoods(), d.posteriors(), d.expected_costs());

@@ -40,8 +40,7 @@ bearing_watch::plan! {
 const ESTIMATED: [Feature; 3] = [Feature::Parameter(0), Feature::Parameter(1), Feature::LogVariance];
 const WATCHED: [Feature; 3] =
     [Feature::Friction(FrictionTerm::Drag), Feature::OrderScore(0), Feature::LogOrderAmplitude(0)];
-const MIXED: [Feature; 3] =
-    [Feature::Parameter(0), Feature::Friction(FrictionTerm::Viscous), Feature::OrderScore(0)];
+const MIXED: [Feature; 3] = [Feature::Parameter(0), Feature::Friction(FrictionTerm::Viscous), Feature::OrderScore(0)];
 
 fn all(motion: &Motion) -> All {
     let Motion { current_a, velocity_rad_s, reference_rad_s, load_nm, angle } = *motion;
@@ -235,7 +234,7 @@ fn a_deferred_report_has_the_same_bits() {
     let layout = Both.layout();
     let regression = layout.regression.map(|own| RegressionLayout { method: Method::Instruments, ..own });
     let plan = RunTime::of(Layout { regression, ..layout }).expect("a plan");
-    let mut constants = constants(plan, 5000, &LIMITS, &MIXED, Some(&shaft(plan, 0.7)));
+    let mut constants = constants(plan, 5000, &LIMITS, &MIXED, Some(&shaft(plan, lag(0.7))));
     constants.regression = vec![self::regression(plan)];
     same_in_three_ways(&Model::new(plan, constants).expect("good"), |motion| motion.sample(4));
 }

@@ -1,13 +1,13 @@
 //! The shaft on streams that no laboratory would record, and across segments.
 
-use bearing_watch::model::{Channel, Constants, Feature, Field, ShaftConstants, TrackedOrder};
+use bearing_watch::model::{Channel, Constants, Feature, Field, ShaftConstants, TERMS, TrackedOrder};
 use bearing_watch::plan::{Layout, LayoutError, Plan, RunTime, RunTimeSample, ShaftLayout, Signal};
 use bearing_watch::{Angle, Detector, Model, ModelError, Part, Reason, Report, ShaftEstimate};
 use host_tests::plans::constants;
 use proptest::prelude::*;
 use workbench::rig::{Defect, DefectKind, NoiseSource, Scenario, Stream, simulate};
 
-use crate::rig::{Motion, model, motions, parameters, run, trace};
+use crate::rig::{Motion, lag, model, motions, parameters, run, trace};
 
 const SEGMENT: u32 = 5000;
 
@@ -26,7 +26,8 @@ fn watched(report: &Report<RunTime>) -> &ShaftEstimate<RunTime> {
 fn finite(report: &Report<RunTime>) -> bool {
     let ShaftEstimate { friction, .. } = watched(report);
     let numbers = parameters(friction).into_iter().flat_map(|p| [p.value, p.deviation, p.score]);
-    let orders = watched(report).orders().iter().flat_map(|order| [order.prominence, order.amplitude]);
+    let orders =
+        watched(report).orders().iter().flat_map(|order| [order.prominence, order.score, order.amplitude, order.slip]);
     numbers.chain(orders).all(f32::is_finite) && friction.variance.is_finite()
 }
 
@@ -38,7 +39,7 @@ fn furthest(one: &Report<RunTime>, other: &Report<RunTime>) -> f32 {
 
 #[test]
 fn bursts_of_nonsense_are_counted_and_bounded_and_gone_with_the_segment() {
-    let model = model(0.7, true, SEGMENT);
+    let model = model(lag(0.7), true, SEGMENT);
     let clean = motions(&trace(DefectKind::Spall, 931), 14);
     let mut hurt = clean.clone();
     let nonsense = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30];
@@ -75,7 +76,7 @@ fn bursts_of_nonsense_are_counted_and_bounded_and_gone_with_the_segment() {
 
 #[test]
 fn a_second_segment_is_that_of_a_fresh_start_but_for_what_fills_the_filters() {
-    let model = model(1.3, true, SEGMENT);
+    let model = model(lag(1.3), true, SEGMENT);
     // Roughness: what the shaft drags at a reversal then follows the balance, so that all rows say the same.
     let rough = Scenario { samples: 10_000, ..Scenario::STANDARD }.with_defect(Defect::full(DefectKind::Roughness));
     let stream = motions(&simulate(&rough, 941).expect("simulates"), 14);
@@ -96,7 +97,7 @@ fn a_second_segment_is_that_of_a_fresh_start_but_for_what_fills_the_filters() {
 
 #[test]
 fn stuck_sensors_and_a_shaft_at_rest_are_reasons() {
-    let plain = model(0.7, true, 2 * SEGMENT);
+    let plain = model(lag(0.7), true, 2 * SEGMENT);
     let mut constants = plain.constants().clone();
     for channel in [0, 1, 3] {
         constants.channels[channel].stuck_samples = 50;
@@ -136,14 +137,14 @@ proptest! {
 
     #[test]
     fn any_bits_give_finite_numbers_or_a_reason(seed: u64, wide: bool, delay in 0.0_f32..=2.5) {
-        let plain = model(delay, true, SEGMENT);
+        let plain = model(lag(delay), true, SEGMENT);
         let mut constants = plain.constants().clone();
         if wide {
             // Nearly all floats are let in.
             for channel in &mut constants.channels {
                 (channel.limit, channel.saturation) = (1e12, 1e12);
             }
-            constants.shaft[0].balance.scale = [1.0 / 1024.0; 4];
+            constants.shaft[0].balance.scale = [1.0 / 1024.0; 8];
         }
         let model = Model::new(plain.plan(), constants).expect("good");
         let mut detector = Detector::new(&model);
@@ -182,13 +183,13 @@ fn healthy_prominence_has_its_law() {
     let shaft = ShaftLayout { current, velocity, reference: velocity, load: None, orders: 2, harmonics: 1 };
     let layout = Layout { channels: 2, shaft: Some(shaft), features: 1, coordinates: 1, classes: 1, ..Layout::EMPTY };
     let plan = RunTime::of(layout).expect("a plan");
-    let mut shaft = crate::rig::shaft(plan, 0.0);
+    let mut shaft = crate::rig::shaft(plan, lag(0.0));
     // The residual is then the mean of two neighbouring currents.
-    shaft.balance.nominal = [0.0; 5];
+    shaft.balance.nominal = [0.0; TERMS];
     shaft.tracking.orders = [3.717_94, 5.282_06].map(|order| TrackedOrder::new(order, [1.0, 0.0, 0.0])).to_vec();
-    shaft.tracking.slowest_turn = 1_000_000;
+    shaft.tracking.blocks.slowest_rad_s = 0.1;
     // Within them are 5001 … 5099 samples fast enough: 50 blocks of both orders.
-    let features = [Feature::OrderProminence(0)];
+    let features = [Feature::OrderScore(0)];
     let constants = constants(plan, 5060, &[100.0, 1.0], &features, Some(&shaft));
     let model = Model::new(plan, constants).expect("good");
     let mut noise = NoiseSource::new(5, Stream::Conditions);
@@ -227,7 +228,7 @@ fn healthy_prominence_has_its_law() {
 
 #[test]
 fn binary_model_keeps_the_shaft_and_refuses_nonsense() {
-    let good = model(0.7, true, SEGMENT);
+    let good = model(lag(0.7), true, SEGMENT);
     let mut buffer = vec![0; 4096];
     let length = good.to_bytes("", &mut buffer).expect("fits");
     assert_eq!(Model::<RunTime>::from_bytes(&buffer[..length]).as_ref(), Ok(&good));
@@ -242,27 +243,36 @@ fn binary_model_keeps_the_shaft_and_refuses_nonsense() {
         let length = Model::checked(good.plan(), bad).to_bytes("", &mut buffer).expect("fits");
         assert_eq!(Model::<RunTime>::from_bytes(&buffer[..length]).map(|_| ()), error, "{field:?} is read");
     };
-    refused(Field::CurrentDelay, |m, _| m.current_delay = 2.6);
-    refused(Field::CurrentDelay, |m, _| m.current_delay = -0.1);
-    refused(Field::CurrentDelay, |m, _| m.current_delay = f32::NAN);
+    refused(Field::SignalLag, |m, _| m.lags.current = 5.1);
+    refused(Field::SignalLag, |m, _| m.lags.velocity = -0.1);
+    refused(Field::SignalLag, |m, _| m.lags.load = f32::NAN);
     refused(Field::BalanceInterval, |m, _| m.balance.interval_s = 0.0);
     refused(Field::BalanceFilter, |m, _| m.balance.filter.gain = 0.0);
     // The damping of another cut-off.
     refused(Field::BalanceFilter, |m, _| m.balance.filter.damping *= 1.1);
     refused(Field::RowInterval, |m, _| m.balance.row_interval = 0);
+    refused(Field::RowInterval, |m, _| m.balance.row_spread = 0.9);
     refused(Field::BalanceVelocity, |m, _| m.balance.sign_velocity_rad_s = 0.0);
+    refused(Field::BalanceVelocity, |m, _| m.balance.stribeck_velocity_rad_s = f32::INFINITY);
     refused(Field::BalanceScale, |m, _| m.balance.scale[0] = 0.3);
     refused(Field::LimitTimesScale, |m, _| m.balance.scale[3] = 2.0_f32.powi(50));
+    refused(Field::LimitTimesScale, |m, _| m.balance.scale[7] = 2.0_f32.powi(50));
     refused(Field::BalanceNominal, |m, _| m.balance.nominal[4] = f32::INFINITY);
+    refused(Field::BalancePrior, |m, _| m.balance.prior[6] = 0.0);
+    refused(Field::BalancePrior, |m, _| m.balance.deviation = f32::NAN);
     refused(Field::ChannelLimit, |_, channels| channels[0].limit = f32::INFINITY);
     refused(Field::StuckSamples, |_, channels| channels[1].stuck_samples = 1);
     refused(Field::BearingOrder, |m, _| m.tracking.orders[1].order_q16 = 0);
     refused(Field::BearingOrder, |m, _| m.tracking.orders[1].order_q16 = -70_000);
     refused(Field::BearingOrder, |m, _| m.tracking.orders[0].weights = [0.0; 3]);
     refused(Field::BearingOrder, |m, _| m.tracking.orders[0].weights[1] = -0.1);
-    refused(Field::OrderBlock, |m, _| m.tracking.block_samples = 1);
-    // Not more than the number of orders.
-    refused(Field::OrderBlock, |m, _| m.tracking.block_samples = 3);
+    refused(Field::BearingOrder, |m, _| m.tracking.orders[1].slip_ratio = 11.0);
+    refused(Field::OrderBlock, |m, _| m.tracking.blocks.controls[3] = 0);
+    refused(Field::OrderBlock, |m, _| m.tracking.blocks.cell_turns_log2 = -7);
+    refused(Field::OrderBlock, |m, _| m.tracking.blocks.cell_turns_log2 = 11);
+    refused(Field::OrderBlock, |m, _| m.tracking.blocks.slip = 0.2);
+    refused(Field::OrderBlock, |m, _| m.tracking.blocks.slowest_rad_s = 0.0);
+    refused(Field::OrderBlock, |m, _| m.tracking.blocks.pole = 1.0);
 
     let with = |change: fn(&mut Constants<RunTime>)| {
         let mut constants = good.constants().clone();
@@ -273,7 +283,7 @@ fn binary_model_keeps_the_shaft_and_refuses_nonsense() {
     assert_eq!(count, Err(ModelError::Length(Field::BearingOrder)));
     let unwatched = with(|c| c.shaft.clear());
     assert!(matches!(unwatched, Err(ModelError::Length(_))), "{unwatched:?}");
-    let untracked = with(|c| c.classifier.features[0] = Feature::OrderProminence(3));
+    let untracked = with(|c| c.classifier.features[0] = Feature::OrderScore(3));
     assert_eq!(untracked, Err(ModelError::OutOfRange(Field::Feature)), "an order that is not tracked");
     let absent = with(|c| c.classifier.features[0] = Feature::LogVariance);
     assert_eq!(absent, Err(ModelError::OutOfRange(Field::Feature)), "a regression that there is not");
@@ -295,7 +305,7 @@ fn at_constant_speed_orders_stand_without_friction() {
         let drag = 0.2 * (std::f64::consts::TAU * 3.717_94 * way).cos();
         *motion = Motion { current_a: drag as f32, velocity_rad_s: 30.0, reference_rad_s: 30.0, load_nm: 0.0, angle };
     }
-    let report = run(&model(0.7, true, 2 * SEGMENT), &steady);
+    let report = run(&model(lag(0.7), true, 2 * SEGMENT), &steady);
     let estimate = watched(&report);
     assert!(estimate.friction_reason.is_some() && estimate.orders_reason.is_none(), "{estimate:?}");
     // Every block alike, so R(1) is nearly their number, 48; it weighs 1 of 1.6.
