@@ -240,7 +240,9 @@ mod tests {
         close(friction.drag.value, 0.21);
         close(friction.torque_constant_nm_a().unwrap().0, 1.0 / 18.0);
         close(friction.inertia_kg_m2().unwrap(), 0.006 / 18.0);
-        assert_eq!(friction.rows, (4000_u32 - 1 - 51).div_ceil(8));
+        // Every sixteenth row is left out for the present parameters.
+        let rows = (4000_u32 - 1 - 51).div_ceil(8);
+        assert_eq!(friction.rows, rows - rows / 16);
     }
 
     #[test]
