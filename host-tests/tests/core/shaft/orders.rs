@@ -1,7 +1,7 @@
 //! The bearing orders by direct sums in f64 over whole records: phasors of the unwrapped angle, blocks cut in advance,
 //! products of all pairs, and the spectrum at each slip.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use bearing_watch::model::{CONTROLS, TrackedOrder, Tracking};
 use bearing_watch::plan::RunTime;
@@ -174,13 +174,17 @@ fn strength(
     let prominence = (peak / total).max(0.0);
     let (middle, relative) = (prominence.cbrt(), 2.0 / (9.0 * freedom));
     let independent = 1.0 + 2.0 * (turning * most).abs() * (spread / noise).sqrt();
+    let rates: f64 = (0..HARMONICS).map(|h| ((h + 1) as f64 * weights[h]).powi(2)).sum();
     let steady = sum_of(&|d| taper(d) * first.pairs[d]);
+    let power = (lagged(0, slip) / steady).max(0.0);
+    let crossed = 1.0 + power * first.pairs[0] / (variance * first.weight);
+    let slip_deviation = turning.abs() * (rates * spread * crossed).sqrt() / first.weight / curvature;
     Expected {
         prominence,
         score: (middle - 1.0 + relative) / relative.sqrt() - 0.7 * independent.ln(),
-        amplitude: 2.0 * (lagged(0, slip) / steady).max(0.0).sqrt(),
+        amplitude: 2.0 * power.sqrt(),
         deviation: 2.0 * (variance / first.weight).sqrt(),
         slip,
-        slip_deviation: 0.0 * curvature * PI,
+        slip_deviation: if curvature > 0.0 { slip_deviation.min(most) } else { most },
     }
 }
