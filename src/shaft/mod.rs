@@ -304,7 +304,8 @@ impl<P: Plan> Shaft<P> {
         if self.filling == 0 {
             self.balance.start(&constants.balance, now);
             self.residual = ResidualState::new();
-            self.spoilt = 1;
+            // A sample lost meanwhile is still in the delays.
+            self.spoilt = self.spoilt.max(1);
         }
     }
 

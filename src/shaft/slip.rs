@@ -21,8 +21,8 @@
 //! (7): the imaginary part of a product of two blocks of noise has the variance σ⁴ W_n W_m/2, and P′ is a sum of
 //! 2 (1 − d/7) d h of them. A product of noise and defect adds at most 2 |A|² W/σ² times as much; pairs before and after
 //! a block have opposite signs, so at constant speed most of it cancels, and next to a reversal none. (7) counts half.
-//! At a defect's slip, a motion that reverses has a systematic error besides, up to a sixth of the slip: the middle of a
-//! passage that reverses is not that of its cell.
+//! A motion that reverses adds a systematic error of about 0.001 to the slip of a defect: the middle of a passage that
+//! reverses is not that of its cell.
 
 use super::orders::{LAGS, LineSums, Noise, TrackedOrder};
 use super::phasor::phasor;

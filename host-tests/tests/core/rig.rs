@@ -72,7 +72,7 @@ pub fn shaft<P: Plan>(plan: P, lags: Lags) -> ShaftConstants<P> {
                 cell_turns_log2: 0,
                 slip: 0.022,
                 slowest_rad_s: 2.4,
-                pole: 0.9,
+                pole: 0.85,
             },
         },
     }
