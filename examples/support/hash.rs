@@ -1,7 +1,7 @@
 //! A hash of results: equal on host and target means equal bits.
 
 use bearing_watch::plan::Plan;
-use bearing_watch::{Estimate, ShaftEstimate};
+use bearing_watch::{Estimate, FrictionTerm, OrderStrength, ShaftEstimate};
 
 /// FNV-1a over the bits of results.
 pub struct Hash(u32);
@@ -29,12 +29,14 @@ impl Hash {
     /// Adds all numbers of friction and bearing orders.
     pub fn add_shaft<P: Plan>(&mut self, shaft: &ShaftEstimate<P>) {
         let friction = &shaft.friction;
-        let terms = [friction.inertia, friction.viscous, friction.coulomb, friction.offset, friction.drag];
-        for term in terms.iter().chain(&friction.inverse_torque_constant) {
+        for term in FrictionTerm::ALL.into_iter().filter_map(|term| friction.parameter(term)) {
             self.add(&[term.value, term.deviation, term.score]);
         }
         self.add(&[friction.variance, f32::from_bits(friction.rows)]);
-        shaft.orders().iter().for_each(|order| self.add(&[order.prominence, order.amplitude]));
+        for order in shaft.orders() {
+            let OrderStrength { prominence, score, amplitude, deviation, slip, slip_deviation } = *order;
+            self.add(&[prominence, score, amplitude, deviation, slip, slip_deviation]);
+        }
     }
 
     /// The hash.

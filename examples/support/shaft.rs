@@ -1,8 +1,8 @@
 //! Models that watch the shaft and its bearing, and a motion for them.
 
 use bearing_watch::model::{
-    Balance, Channel, Constants, EvidenceConstants, Feature, Regression, Sampling, ShaftConstants, StateVariable,
-    TrackedOrder, Tracking,
+    Balance, Blocks, Channel, Constants, EvidenceConstants, Feature, Lags, Regression, Sampling, ShaftConstants,
+    StateVariable, TERMS, TrackedOrder, Tracking, q16,
 };
 use bearing_watch::plan::{Kind, Layout, Memory, Method, RegressionLayout, ShaftLayout};
 use bearing_watch::{Angle, FrictionTerm, Model};
@@ -69,8 +69,8 @@ bearing_watch::plan! {
 
 const INTERVAL_S: f32 = 0.002;
 
-/// i = p₀ ω̇ + p₁ ω + p₂ s(r) + p₃ T + p₄ of the healthy shaft.
-const NOMINAL: [f32; 5] = [5e-3, 2e-3, 0.1, 20.0, 0.05];
+/// p₀ … p₆ of the healthy shaft; load friction and Stribeck friction are zero.
+const NOMINAL: [f32; TERMS] = [5e-3, 2e-3, 0.1, 20.0, 0.05, 0.0, 0.0];
 
 const CURRENT: Channel = Channel::within("current_a", "A", 100.0);
 const REFERENCE: Channel = Channel::within("velocity_ref_rad_s", "rad/s", 500.0);
@@ -87,21 +87,32 @@ pub const BALANCE: Balance = Balance {
     row_interval: 8,
     settle: 100,
     sign_velocity_rad_s: 2.0,
+    stribeck_velocity_rad_s: 6.0,
     usual_velocity_rad_s: 28.0,
-    scale: [0.031_25, 0.031_25, 8.0, 0.5],
+    // 1/(2.22 · 8 Hz · 16 ms).
+    row_spread: 3.5,
+    scale: [0.007_812_5, 0.031_25, 1.0, 8.0, 1.0, 8.0, 2.0, 0.5],
     nominal: NOMINAL,
+    prior: [5e-3, 0.02, 1.0, 20.0, 1.0, 10.0, 1.0],
+    deviation: 0.1,
 };
 
 /// The orders of outer ring, inner ring, ball and cage, all harmonics with the same weight.
 pub const ORDERS: [TrackedOrder; 4] = [
     TrackedOrder::new(3.717_94, [1.0; 3]),
-    TrackedOrder::new(5.282_06, [1.0; 3]),
+    TrackedOrder { slip_ratio: -3.717_94 / 5.282_06, ..TrackedOrder::new(5.282_06, [1.0; 3]) },
     TrackedOrder::new(2.747_73, [1.0; 3]),
     TrackedOrder::new(0.413_1, [1.0; 3]),
 ];
 
-/// Samples in a block of the order tracking.
-pub const BLOCK_SAMPLES: u16 = 100;
+/// Cells of half a turn: the motion turns to and fro by two turns.
+pub const BLOCKS: Blocks = Blocks {
+    controls: [q16(2.37), q16(3.33), q16(4.55), q16(6.45)],
+    cell_turns_log2: -1,
+    slip: 0.008,
+    slowest_rad_s: 2.4,
+    pole: 0.9,
+};
 
 /// The model of a drive with a load sensor.
 pub static MODEL: Model<Watched> = Watched::model(Constants {
@@ -118,9 +129,9 @@ pub static MODEL: Model<Watched> = Watched::model(Constants {
         handover: 0,
     }],
     shaft: [ShaftConstants {
-        current_delay: 0.7,
+        lags: Lags { current: 0.7, velocity: 0.0, load: 0.0 },
         balance: BALANCE,
-        tracking: Tracking { orders: ORDERS, slowest_turn: 4_000_000, block_samples: BLOCK_SAMPLES },
+        tracking: Tracking { orders: ORDERS, blocks: BLOCKS },
     }],
     classifier: classifier!([
         Feature::Parameter(0),
@@ -129,8 +140,8 @@ pub static MODEL: Model<Watched> = Watched::model(Constants {
         Feature::Friction(FrictionTerm::Viscous),
         Feature::FrictionScore(FrictionTerm::Drag),
         Feature::LogFrictionVariance,
-        Feature::OrderProminence(0),
-        Feature::OrderProminence(1),
+        Feature::OrderScore(0),
+        Feature::OrderScore(1),
         Feature::LogOrderAmplitude(0),
     ]),
     evidence: EvidenceConstants::NONE,
@@ -143,13 +154,9 @@ pub static LOADLESS: Model<Loadless> = Loadless::model(Constants {
     channels: [CURRENT, REFERENCE, VELOCITY],
     regression: [],
     shaft: [ShaftConstants {
-        current_delay: 0.0,
+        lags: Lags { current: 0.0, velocity: 0.0, load: 0.0 },
         balance: BALANCE,
-        tracking: Tracking {
-            orders: [TrackedOrder::new(3.717_94, [1.0, 0.0, 0.0])],
-            slowest_turn: 4_000_000,
-            block_samples: BLOCK_SAMPLES,
-        },
+        tracking: Tracking { orders: [TrackedOrder::new(3.717_94, [1.0, 0.0, 0.0])], blocks: BLOCKS },
     }],
     classifier: classifier!([
         Feature::Friction(FrictionTerm::Inertia),
@@ -159,7 +166,7 @@ pub static LOADLESS: Model<Loadless> = Loadless::model(Constants {
         Feature::FrictionScore(FrictionTerm::Offset),
         Feature::FrictionScore(FrictionTerm::Drag),
         Feature::LogFrictionVariance,
-        Feature::OrderProminence(0),
+        Feature::OrderScore(0),
         Feature::LogOrderAmplitude(0),
     ]),
     evidence: EvidenceConstants::NONE,
@@ -186,7 +193,7 @@ impl From<Motion> for Sample {
 impl From<Motion> for LoadlessSample {
     fn from(motion: Motion) -> Self {
         let Motion { current_a, velocity_rad_s, reference_rad_s, load_nm, angle } = motion;
-        let [.., load, _] = NOMINAL;
+        let [_, _, _, load, ..] = NOMINAL;
         Self { current_a: current_a - load * load_nm, velocity_ref_rad_s: reference_rad_s, velocity_rad_s, angle }
     }
 }
@@ -234,8 +241,8 @@ impl Plant {
         let turned = Angle::from_radians(velocity_rad_s * INTERVAL_S);
         self.shaft = self.shaft.plus(turned);
         self.drag += 3.717_94 * velocity_rad_s * INTERVAL_S;
-        let sign = (reference_rad_s / 2.0).clamp(-1.0, 1.0);
-        let [inertia, viscous, coulomb, load, offset] = NOMINAL;
+        let sign = (velocity_rad_s / 2.0).clamp(-1.0, 1.0);
+        let [inertia, viscous, coulomb, load, offset, ..] = NOMINAL;
         let slope = (velocity_rad_s - self.last_velocity_rad_s) / INTERVAL_S;
         self.last_velocity_rad_s = velocity_rad_s;
         let drag = 0.3 * sign * Angle::from_radians(self.drag).sin_cos().cos;

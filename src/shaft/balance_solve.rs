@@ -193,6 +193,9 @@ mod tests {
     use crate::shaft::StateVariable;
     use crate::shaft::balance::{BalanceState, Torques};
 
+    /// p₀ … p₄ of the healthy shaft.
+    const HEALTHY: [f32; 5] = [0.005, 0.002, 0.1, 20.0, 0.05];
+
     const fn balance(row_interval: u8) -> Balance {
         Balance {
             interval_s: 0.001,
@@ -252,7 +255,9 @@ mod tests {
         close(friction.drag.value, 0.21);
         close(friction.torque_constant_nm_a().unwrap().0, 1.0 / 18.0);
         close(friction.inertia_kg_m2().unwrap(), 0.006 / 18.0);
-        assert_eq!(friction.rows, (4000_u32 - 1 - 51).div_ceil(8));
+        // Every sixteenth row is left out for the present parameters.
+        let rows = (4000_u32 - 1 - 51).div_ceil(8);
+        assert_eq!(friction.rows, rows - rows / 16);
     }
 
     #[test]
@@ -267,7 +272,7 @@ mod tests {
 
     #[test]
     fn rows_may_come_at_every_sample() {
-        let (often, seldom) = (run(1, true, balance(1).nominal).unwrap(), run(8, true, balance(8).nominal).unwrap());
+        let (often, seldom) = (run(1, true, HEALTHY).unwrap(), run(8, true, HEALTHY).unwrap());
         assert!(often.rows > 7 * seldom.rows);
         assert!((often.inertia.value - seldom.inertia.value).abs() < 1e-5);
     }

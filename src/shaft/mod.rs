@@ -12,7 +12,8 @@
 //! fed at every sample of the detector, whether or not the regression averages samples in blocks.
 //!
 //! A sample that may not be used is replaced by the last one, and the residual pauses until only measured samples are
-//! in it: one lost sample costs a few samples. After a long gap the filters start afresh.
+//! in it: one lost sample costs a few samples. After a long gap the filters start afresh; the phases of the orders
+//! continue if the shaft turned less than half a turn in it.
 
 mod balance;
 mod balance_solve;
@@ -263,6 +264,7 @@ impl<P: Plan> Shaft<P> {
         let turned = angle.since(core::mem::replace(&mut self.angle, angle));
         self.usage.seen = self.usage.seen.saturating_add(1);
         if self.filling > 0 {
+            self.orders.turn_unwatched(turned);
             self.fill(constants, &now);
             return;
         }
@@ -302,7 +304,8 @@ impl<P: Plan> Shaft<P> {
         if self.filling == 0 {
             self.balance.start(&constants.balance, now);
             self.residual = ResidualState::new();
-            self.spoilt = 1;
+            // A sample lost meanwhile is still in the delays.
+            self.spoilt = self.spoilt.max(1);
         }
     }
 

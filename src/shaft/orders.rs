@@ -250,6 +250,16 @@ impl<P: Plan> OrderTracking<P> {
         }
     }
 
+    /// Takes the angle turned while there is no residual: blocks before and after a gap keep their phases.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn turn_unwatched(&mut self, turned: i32) {
+        if self.held > 0 {
+            self.turned = self.turned.wrapping_add(i64::from(turned));
+            self.travelled = self.travelled.wrapping_add(u64::from(turned.unsigned_abs()));
+        }
+    }
+
     /// One control order a sample: each sees every fourth sample, with the filter of four.
     #[inline(always)]
     fn add_control(&mut self, tracking: &Tracking<P>, residual: Residual) {

@@ -62,7 +62,7 @@ fn the_lag_of_the_current_is_compensated() {
     }
     // A lag of 2.5 ms that is not compensated turns the rate of the velocity into friction.
     let blind = friction(2.5, 0.0, |_| true).unwrap();
-    assert!((blind.drag.value / 0.21 - 1.0).abs() > 0.02, "{blind:?}");
+    assert!((blind.viscous.value / 0.003 - 1.0).abs() > 0.3, "{blind:?}");
 }
 
 #[test]
@@ -78,5 +78,5 @@ fn after_a_gap_filters_start_anew() {
 #[test]
 fn nothing_sampled_is_a_reason() {
     let reason = friction(0.0, 0.0, |_| false);
-    assert_eq!(reason, Err(Reason::TooFewRows { part: Part::TorqueBalance, rows: 0 }));
+    assert_eq!(reason, Err(Reason::ShortSegment { rows: 0 }));
 }

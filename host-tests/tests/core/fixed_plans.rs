@@ -9,7 +9,7 @@ use host_tests::plans::constants;
 use host_tests::plants::PLANTS;
 use workbench::rig::DefectKind;
 
-use crate::rig::{Motion, motions, shaft, trace};
+use crate::rig::{Motion, lag, motions, shaft, trace};
 
 const SEGMENT: u32 = 5000;
 const SEGMENTS: usize = 4;
@@ -21,7 +21,8 @@ fn printed<P: Plan>(report: &Report<P>) -> String {
         format!("{delta:?} {covariance:?} {:?} {:?} {} {} {:?}", e.raw(), e.variance, e.rows, e.stable, e.reason)
     });
     let shaft = report.shaft().map(|shaft| {
-        format!("{:?} {:?} {:?} {:?}", shaft.friction, shaft.friction_reason, shaft.orders(), shaft.orders_reason)
+        let (friction, orders) = (&shaft.friction, shaft.orders());
+        format!("{friction:?} {:?} {orders:?} {:?} {}", shaft.friction_reason, shaft.orders_reason, shaft.usable)
     });
     let decision = report.decision.as_ref().map(|d| {
         let (likelihoods, posteriors, costs) = (d.log_likelihoods(), d.posteriors(), d.expected_costs());
@@ -207,10 +208,10 @@ fn both_parts() {
         Feature::Parameter(0),
         Feature::LogVariance,
         Feature::FrictionScore(FrictionTerm::InverseTorqueConstant),
-        Feature::OrderProminence(2),
+        Feature::OrderScore(2),
         Feature::LogOrderAmplitude(0),
     ];
-    let model = model(Joint, &features, Some(&shaft(Joint, 1.3)));
+    let model = model(Joint, &features, Some(&shaft(Joint, lag(1.3))));
     let sample = |Motion { current_a, velocity_rad_s, reference_rad_s, load_nm, angle }| JointSample {
         current_a,
         velocity_rad_s,
@@ -224,7 +225,7 @@ fn both_parts() {
 #[test]
 fn the_torque_balance_alone() {
     let features = [Feature::Friction(FrictionTerm::Drag), Feature::LogFrictionVariance];
-    let model = model(Friction, &features, Some(&shaft(Friction, 0.0)));
+    let model = model(Friction, &features, Some(&shaft(Friction, lag(0.0))));
     let sample = |Motion { current_a, velocity_rad_s, reference_rad_s, .. }| FrictionSample {
         current_a,
         velocity_rad_s,

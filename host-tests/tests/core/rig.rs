@@ -1,13 +1,15 @@
 //! The standard rig: its traces as a drive has them, and models that watch its shaft.
 
-use bearing_watch::model::{Balance, Feature, ShaftConstants, StateVariable, TrackedOrder, Tracking};
+use bearing_watch::model::{
+    Balance, Blocks, Feature, Lags, ShaftConstants, StateVariable, TERMS, TrackedOrder, Tracking, q16,
+};
 use bearing_watch::plan::{Array, Cells, Layout, Plan, RunTime, RunTimeSample, ShaftLayout, Signal};
 use bearing_watch::{Angle, Detector, Friction, FrictionTerm, Model, Parameter, Report};
 use host_tests::plans::constants;
 use workbench::rig::{BearingGeometry, Defect, DefectKind, RigTrace, Scenario, simulate};
 
-/// Healthy standard rig: J/Kt, B/Kt, Tc/Kt, 1/Kt, offset.
-pub const NOMINAL: [f32; 5] = [5e-3, 2e-3, 0.0, 20.0, 0.0];
+/// Healthy standard rig: J/Kt, B/Kt, Tc/Kt, 1/Kt, offset, load friction, Stribeck friction.
+pub const NOMINAL: [f32; TERMS] = [5e-3, 2e-3, 0.0, 20.0, 0.0, 0.0, 0.0];
 /// Largest plausible current, velocity, reference and load.
 pub const LIMITS: [f32; 4] = [100.0, 400.0, 400.0, 5.0];
 
@@ -30,35 +32,54 @@ impl Motion {
     }
 }
 
+/// Only the current lags.
+pub fn lag(current: f32) -> Lags {
+    Lags { current, ..Lags::default() }
+}
+
 /// Constants of a shaft. Its first orders, up to the number in the plan: outer and inner ring with three harmonics, the
-/// shaft's own.
-pub fn shaft<P: Plan>(plan: P, current_delay: f32) -> ShaftConstants<P> {
+/// shaft's own, which does not slip.
+pub fn shaft<P: Plan>(plan: P, lags: Lags) -> ShaftConstants<P> {
     let orders = BearingGeometry::THESIS.orders();
-    let all = [(orders.outer, [1.0, 0.4, 0.2]), (orders.inner, [1.0, 0.4, 0.2]), (1.0, [1.0, 0.0, 0.0])];
-    let order = |k: usize| TrackedOrder::new(all[k].0 as f32, all[k].1);
+    let inner = -orders.outer / orders.inner;
+    let all =
+        [(orders.outer, [1.0, 0.4, 0.2], 1.0), (orders.inner, [1.0, 0.4, 0.2], inner), (1.0, [1.0, 0.0, 0.0], 0.0)];
+    let order = |k: usize| {
+        let (order, weights, ratio) = all[k];
+        TrackedOrder { slip_ratio: ratio as f32, ..TrackedOrder::new(order as f32, weights) }
+    };
     ShaftConstants {
-        current_delay,
+        lags,
         balance: Balance {
             interval_s: 0.002,
             filter: StateVariable::new((std::f64::consts::PI * 8.0 * 0.002).tan() as f32, 0.002),
             row_interval: 8,
             settle: 100,
             sign_velocity_rad_s: 2.0,
+            stribeck_velocity_rad_s: 6.0,
             usual_velocity_rad_s: 28.0,
-            scale: [0.015_625, 0.031_25, 8.0, 0.25],
+            // 1/(2.22 · 8 Hz · 16 ms).
+            row_spread: 3.5,
+            scale: [0.015_625, 0.031_25, 1.0, 8.0, 1.0, 8.0, 2.0, 0.25],
             nominal: NOMINAL,
+            prior: [5e-3, 0.02, 0.5, 20.0, 0.5, 5.0, 0.5],
+            deviation: 0.1,
         },
         tracking: Tracking {
             orders: Array::<P::Orders, TrackedOrder>::from_fn(plan.layout().orders(), order),
-            // 2 rad/s.
-            slowest_turn: 2_734_261,
-            block_samples: 100,
+            blocks: Blocks {
+                controls: [2.37, 4.55, 6.45, 8.55].map(q16),
+                cell_turns_log2: 0,
+                slip: 0.022,
+                slowest_rad_s: 2.4,
+                pole: 0.85,
+            },
         },
     }
 }
 
 /// A model that watches the shaft alone, with or without a measured load; segments of the given length.
-pub fn model(current_delay: f32, load: bool, segment_samples: u32) -> Model<RunTime> {
+pub fn model(lags: Lags, load: bool, segment_samples: u32) -> Model<RunTime> {
     let signal = Signal::channel;
     let watched = ShaftLayout {
         current: signal(0),
@@ -71,7 +92,7 @@ pub fn model(current_delay: f32, load: bool, segment_samples: u32) -> Model<RunT
     let channels = if load { 4 } else { 3 };
     let layout = Layout { channels, shaft: Some(watched), features: 1, coordinates: 1, classes: 1, ..Layout::EMPTY };
     let plan = RunTime::of(layout).expect("a plan");
-    let mut shaft = shaft(plan, current_delay);
+    let mut shaft = shaft(plan, lags);
     if !load {
         shaft.balance.nominal[3] = 0.0;
     }
@@ -107,7 +128,7 @@ pub fn run(model: &Model<RunTime>, motions: &[Motion]) -> Report<RunTime> {
     detector.finish()
 }
 
-/// The parameters that the plan estimates, p₀ … p₅.
+/// The parameters that the plan estimates, p₀ … p₇.
 pub fn parameters(friction: &Friction) -> Vec<Parameter> {
     FrictionTerm::ALL.into_iter().filter_map(|term| friction.parameter(term)).collect()
 }

@@ -1,18 +1,21 @@
 //! The shaft's side against oracles in f64.
 
+use bearing_watch::model::Lags;
 use bearing_watch::plan::{Plan, RunTime};
-use bearing_watch::{Bearing, Model};
-use workbench::rig::{BearingGeometry, DefectKind, NoiseSource, Stream};
+use bearing_watch::{Bearing, Model, ShaftEstimate};
+use workbench::rig::field::{Field, FieldValues, Slip};
+use workbench::rig::{BearingGeometry, Defect, DefectKind, NoiseSource, Scenario, Stream, simulate};
 
 mod oracle;
+mod orders;
 
-use crate::rig::{Motion, model, motions, parameters, run, trace};
+use crate::rig::{Motion, lag, model, motions, parameters, run, trace};
 
 /// More samples than any of the streams has.
 const OPEN: u32 = 100_000;
 
-/// Parameters within 0.02 of their deviations, which f32 sums of a thousand rows keep; phasors within a thousandth,
-/// which their sines' 2e-5 and the angle's bits keep.
+/// Friction: f32 sums of a thousand rows keep 0.02 of a deviation. Orders: sines are exact to 2e-5 and parameters of the
+/// residual to 0.02 deviations, which is a thousandth of the noise's phasors.
 fn compare(model: &Model<RunTime>, motions: &[Motion], what: &str) {
     let load = model.plan().layout().shaft.is_some_and(|shaft| shaft.load.is_some());
     let constants = &model.constants().shaft[0];
@@ -20,33 +23,38 @@ fn compare(model: &Model<RunTime>, motions: &[Motion], what: &str) {
     let report = run(model, motions);
     let found = report.shaft().expect("watched");
     assert_eq!((found.friction_reason, found.friction.rows as usize), (None, expected.rows), "{what}");
-    let places: Vec<usize> = (0..5).filter(|place| load || *place != 3).collect();
     let own = parameters(&found.friction);
-    assert_eq!(own.len(), places.len() + 1, "{what}: the drag comes last");
-    for (k, place) in places.into_iter().enumerate() {
-        let (p, sd) = (expected.parameters[k], expected.deviations[k]);
-        let (value, deviation, own_score) =
-            (f64::from(own[k].value), f64::from(own[k].deviation), f64::from(own[k].score));
-        assert!((value - p).abs() < 0.02 * sd, "{what}: p{place} is {value}, not {p} ± {sd}");
-        assert!((deviation / sd - 1.0).abs() < 0.02, "{what}: deviation {place} is {deviation}, not {sd}");
-        let score = (value - f64::from(constants.balance.nominal[place])) / deviation;
-        // One subtraction and one division.
-        let near = (own_score - score).abs() < 1e-5 * (score.abs() + p.abs() / sd);
-        assert!(near, "{what}: score {place} is {own_score}, not {score}");
+    assert_eq!(own.len(), expected.parameters.len(), "{what}");
+    for (k, (own, (p, sd))) in own.iter().zip(&expected.parameters).enumerate() {
+        let (value, deviation) = (f64::from(own.value), f64::from(own.deviation));
+        assert!((value - p).abs() < 0.02 * sd, "{what}: parameter {k} is {value}, not {p} ± {sd}");
+        assert!((deviation / sd - 1.0).abs() < 0.02, "{what}: deviation {k} is {deviation}, not {sd}");
     }
-    let ((drag, sd), own) = (expected.drag, found.friction.drag);
-    assert!((f64::from(own.value) - drag).abs() < 0.02 * sd, "{what}: drag is {}, not {drag} ± {sd}", own.value);
-    let ratio = f64::from(own.deviation) / sd;
-    assert!((ratio - 1.0).abs() < 0.02, "{what}: deviation of the drag is {ratio} times {sd}");
+    let balance = &constants.balance;
+    let drag = balance.nominal[2] + balance.nominal[1] * balance.usual_velocity_rad_s;
+    let nominal = [&balance.nominal[..], &[drag]].concat();
+    let places = (0..8).filter(|place| load || ![3, 5].contains(place));
+    for (own, place) in own.iter().zip(places) {
+        let (value, deviation, nominal) = (f64::from(own.value), f64::from(own.deviation), f64::from(nominal[place]));
+        let score = (value - nominal) / deviation;
+        // One subtraction and one division.
+        let near = (f64::from(own.score) - score).abs() <= 1e-5 * (score.abs() + value.abs() / deviation);
+        assert!(near, "{what}: score {place} is {}, not {score}", own.score);
+    }
     assert!((f64::from(found.friction.variance) / expected.variance - 1.0).abs() < 0.01, "{what}: variance");
     assert_eq!((found.orders_reason, found.orders().len()), (None, expected.orders.len()), "{what}");
-    for (k, (own, (prominence, amplitude))) in found.orders().iter().zip(&expected.orders).enumerate() {
-        let (own, own_amplitude) = (f64::from(own.prominence), f64::from(own.amplitude));
-        assert!((own - prominence).abs() < 1e-3 * prominence.max(0.1), "{what}: order {k}: {own}, not {prominence}");
-        assert!(
-            (own_amplitude - amplitude).abs() < 1e-3 * amplitude + 1e-5,
-            "{what}: order {k}: {own_amplitude} A, not {amplitude}"
-        );
+    for (k, (own, order)) in found.orders().iter().zip(&expected.orders).enumerate() {
+        let near = |name: &str, own: f32, expected: f64, within: f64| {
+            assert!((f64::from(own) - expected).abs() < within, "{what}: order {k}: {name} {own}, not {expected}");
+        };
+        near("prominence", own.prominence, order.prominence, 2e-3 * order.prominence.max(0.5));
+        // The score is a cube root over a deviation of 0.1 to 0.2.
+        near("score", own.score, order.score, 0.01 + 1e-3 * order.score.abs());
+        near("amplitude", own.amplitude, order.amplitude, 2e-3 * order.amplitude + 0.02 * order.deviation);
+        near("deviation", own.deviation, order.deviation, 1e-3 * order.deviation);
+        // The vertex of a flat peak moves further.
+        near("slip", own.slip, order.slip, 0.01 * order.slip_deviation);
+        near("slip deviation", own.slip_deviation, order.slip_deviation, 0.01 * order.slip_deviation);
     }
 }
 
@@ -58,16 +66,18 @@ fn estimates_are_those_of_the_oracle() {
         for delay in [0.0, 0.7, 1.3, 2.5] {
             for bits in [32, 12] {
                 compare(
-                    &model(delay, true, OPEN),
+                    &model(lag(delay), true, OPEN),
                     &motions(&trace, bits),
                     &format!("{kind:?}, delay {delay}, {bits} bits"),
                 );
             }
             let mut offset = motions(&trace, 16);
             offset.iter_mut().for_each(|motion| motion.current_a += 0.4);
-            compare(&model(delay, true, OPEN), &offset, &format!("{kind:?}, delay {delay}, offset"));
+            compare(&model(lag(delay), true, OPEN), &offset, &format!("{kind:?}, delay {delay}, offset"));
+            let late = Lags { current: delay, velocity: 0.4, load: 5.0 };
+            compare(&model(late, true, OPEN), &offset, &format!("{kind:?}, delay {delay}, load late"));
             offset.iter_mut().for_each(|motion| motion.load_nm = 0.0);
-            compare(&model(delay, false, OPEN), &offset, &format!("{kind:?}, delay {delay}, load not measured"));
+            compare(&model(lag(delay), false, OPEN), &offset, &format!("{kind:?}, delay {delay}, load not measured"));
         }
     }
 }
@@ -86,33 +96,110 @@ fn standstill_turns_no_phase_and_counts_for_nothing() {
     };
     let still: Vec<Motion> = (0..1200).map(hold).collect();
     stopped.splice(2500..2500, still);
-    let model = model(0.7, true, OPEN);
+    let model = model(lag(0.7), true, OPEN);
     compare(&model, &stopped, "standstill");
     let report = run(&model, &stopped);
     let outer = report.shaft().expect("watched").orders()[0];
-    assert!(outer.prominence > 5.0, "the phase was lost at rest: {outer:?}");
+    assert!(outer.score > 15.0, "the phase was lost at rest: {outer:?}");
 }
 
+/// The standard rig scores like white noise at this pole, within half a standard deviation: its own noise is filtered by
+/// the current's low-pass, which the residual's filter of one pole does not undo.
 #[test]
 fn the_spall_stands_out_at_its_order_only_and_the_roughness_in_its_parameter() {
-    let model = model(0.7, true, OPEN);
+    let model = model(lag(0.7), true, OPEN);
     let of = |kind| run(&model, &motions(&trace(kind, 921), 14)).shaft().expect("watched").clone();
     let [healthy, spall, rough] = [DefectKind::Healthy, DefectKind::Spall, DefectKind::Roughness].map(of);
-    // 49 blocks at most; mean one and 1 % above 4.5 where there is nothing.
-    assert!(
-        spall.orders()[0].prominence > 10.0
-            && healthy.orders()[0].prominence < 5.0
-            && rough.orders()[0].prominence < 5.0
-    );
-    assert!(spall.orders()[1].prominence < 5.0);
+    let score = |estimate: &ShaftEstimate<RunTime>, k: usize| estimate.orders()[k].score;
+    assert!(score(&spall, 0) > 20.0 && score(&healthy, 0) < 3.5 && score(&rough, 0) < 3.5);
+    // Blocks of one turn pass 5 % of the power of a line 1.6 orders away.
+    assert!(spall.orders()[1].prominence < 0.4 * spall.orders()[0].prominence, "{:?}", spall.orders());
+    assert!(score(&spall, 2) < 3.5 && spall.orders()[0].slip.abs() < 3.0 * spall.orders()[0].slip_deviation);
     // ΔB/Kt = 0.04 A s/rad.
     let [of_healthy, of_rough] = [&healthy, &rough].map(|estimate| estimate.friction.viscous.value);
-    assert!((of_rough - of_healthy - 0.04).abs() < 2e-3, "{of_rough} {of_healthy}");
+    assert!((of_rough - of_healthy - 0.04).abs() < 3e-3, "{of_rough} {of_healthy}");
     let close = |found: Option<f32>, truth: f32| found.is_some_and(|found| (found / truth - 1.0).abs() < 0.1);
     let friction = rough.friction;
     assert!(close(friction.torque_constant_nm_a().map(|(kt, _)| kt), 0.05) && close(friction.inertia_kg_m2(), 2.5e-4));
     assert!(close(friction.viscous_nm_s_rad(), 2.1e-3), "{friction:?}");
-    assert!(friction.coulomb_nm().is_some_and(|torque| torque.abs() < 2e-3), "{friction:?}");
+    assert!(friction.coulomb_nm().is_some_and(|torque| torque.abs() < 3e-3), "{friction:?}");
+}
+
+#[test]
+fn healthy_traces_score_like_noise() {
+    let model = model(lag(0.7), true, OPEN);
+    let mut scores: Vec<f64> = vec![];
+    for seed in 0..40 {
+        let report = run(&model, &motions(&trace(DefectKind::Healthy, 1000 + seed), 14));
+        let orders = report.shaft().expect("watched").orders();
+        scores.extend(orders[..2].iter().map(|order| f64::from(order.score)));
+    }
+    let n = scores.len() as f64;
+    let mean = scores.iter().sum::<f64>() / n;
+    let deviation = (scores.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
+    let most = scores.iter().copied().fold(f64::MIN, f64::max);
+    println!("healthy scores {mean} ± {deviation}, most {most}");
+    // Standard errors of 80 scores are 0.11 and 0.08; the noise is not quite white.
+    assert!(mean.abs() < 0.8 && (0.5..1.3).contains(&deviation) && most < 3.5, "{mean} ± {deviation}, most {most}");
+}
+
+/// A trace whose current contains pulses of a defect at the outer or inner ring, which slips with the cage.
+fn slipping(order: f64, slip: f64, ratio: f64, seed: u64) -> Vec<Motion> {
+    let mut motions = motions(&trace(DefectKind::Healthy, seed), 32);
+    let mut turns = 0.0;
+    let mut last = motions[0].angle;
+    for motion in &mut motions {
+        turns += f64::from(motion.angle.since(last)) / 4_294_967_296.0;
+        last = motion.angle;
+        let phase = std::f64::consts::TAU * order * (1.0 + ratio * slip) * turns;
+        motion.current_a += (0.2 * f64::from(motion.velocity_rad_s.signum()) * phase.cos()) as f32;
+    }
+    motions
+}
+
+#[test]
+fn slip_is_found_with_both_signs_and_at_both_rings() {
+    let model = model(Lags::default(), true, OPEN);
+    let orders = BearingGeometry::THESIS.orders();
+    let inner = -orders.outer / orders.inner;
+    for (line, order, ratio) in [(0, orders.outer, 1.0), (1, orders.inner, inner)] {
+        for slip in [-0.015, -0.006, 0.0, 0.006, 0.015] {
+            let report = run(&model, &slipping(order, slip, ratio, 971));
+            let found = report.shaft().expect("watched").orders()[line];
+            let error = f64::from(found.slip) - slip;
+            // The sixth of the slip that reversals may cost, and three deviations.
+            assert!(error.abs() < 0.17 * slip.abs() + 3.0 * f64::from(found.slip_deviation), "{slip}: {found:?}");
+            assert!(found.score > 8.0 && found.slip_deviation < 0.003, "{slip}: {found:?}");
+            assert!((found.amplitude / 0.2 - 1.0).abs() < 0.25, "{slip}: {found:?}");
+        }
+    }
+    // Without a search the phases of a turn's block and of the sixth after it differ by a third of a turn.
+    let mut constants = model.constants().clone();
+    constants.shaft[0].tracking.blocks.slip = 0.0;
+    let blind = Model::new(model.plan(), constants).expect("good");
+    let motions = slipping(orders.outer, 0.015, 1.0, 971);
+    let [blind, seeing] =
+        [&blind, &model].map(|model| run(model, &motions).shaft().expect("watched").orders()[0].prominence);
+    assert!(blind < 0.9 * seeing, "{blind} {seeing}");
+}
+
+#[test]
+fn the_slip_of_the_field_rig_is_found() {
+    let model = model(lag(0.7), true, OPEN);
+    let mut signs = [0; 2];
+    for seed in 981..993 {
+        let slip = Slip { slip: [0.008, 0.018], jitter: 0.0, width: [0.15; 2], ..Slip::FIELD };
+        let field = Field { slip: Some(slip), ..Field::NONE };
+        let scenario = Scenario { field, ..Scenario::STANDARD }.with_defect(Defect::full(DefectKind::Spall));
+        let truth = FieldValues::draw(&scenario, seed).slip.expect("drawn").slip;
+        signs[usize::from(truth > 0.0)] += 1;
+        let report = run(&model, &motions(&simulate(&scenario, seed).expect("simulates"), 14));
+        let found = report.shaft().expect("watched").orders()[0];
+        let error = f64::from(found.slip) - truth;
+        assert!(found.score > 10.0, "{truth}: {found:?}");
+        assert!(error.abs() < 0.17 * truth.abs() + 3.0 * f64::from(found.slip_deviation), "{truth}: {found:?}");
+    }
+    assert!(signs.iter().all(|many| *many > 1), "{signs:?}");
 }
 
 #[test]

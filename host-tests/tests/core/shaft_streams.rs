@@ -1,13 +1,12 @@
 //! The shaft on streams that no laboratory would record, and across segments.
 
-use bearing_watch::model::{Channel, Constants, Feature, Field, ShaftConstants, TrackedOrder};
+use bearing_watch::model::{Channel, Constants, Feature, Field, Lags, ShaftConstants, TrackedOrder};
 use bearing_watch::plan::{Layout, LayoutError, Plan, RunTime, RunTimeSample, ShaftLayout, Signal};
-use bearing_watch::{Angle, Detector, Model, ModelError, Part, Reason, Report, ShaftEstimate};
-use host_tests::plans::constants;
+use bearing_watch::{Angle, Detector, Friction, Model, ModelError, Part, Reason, Report, ShaftEstimate};
 use proptest::prelude::*;
 use workbench::rig::{Defect, DefectKind, NoiseSource, Scenario, Stream, simulate};
 
-use crate::rig::{Motion, model, motions, parameters, run, trace};
+use crate::rig::{Motion, lag, model, motions, parameters, run, trace};
 
 const SEGMENT: u32 = 5000;
 
@@ -26,7 +25,8 @@ fn watched(report: &Report<RunTime>) -> &ShaftEstimate<RunTime> {
 fn finite(report: &Report<RunTime>) -> bool {
     let ShaftEstimate { friction, .. } = watched(report);
     let numbers = parameters(friction).into_iter().flat_map(|p| [p.value, p.deviation, p.score]);
-    let orders = watched(report).orders().iter().flat_map(|order| [order.prominence, order.amplitude]);
+    let orders =
+        watched(report).orders().iter().flat_map(|order| [order.prominence, order.score, order.amplitude, order.slip]);
     numbers.chain(orders).all(f32::is_finite) && friction.variance.is_finite()
 }
 
@@ -38,7 +38,7 @@ fn furthest(one: &Report<RunTime>, other: &Report<RunTime>) -> f32 {
 
 #[test]
 fn bursts_of_nonsense_are_counted_and_bounded_and_gone_with_the_segment() {
-    let model = model(0.7, true, SEGMENT);
+    let model = model(lag(0.7), true, SEGMENT);
     let clean = motions(&trace(DefectKind::Spall, 931), 14);
     let mut hurt = clean.clone();
     let nonsense = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30];
@@ -67,7 +67,8 @@ fn bursts_of_nonsense_are_counted_and_bounded_and_gone_with_the_segment() {
     let error = furthest(&spoiled, &before);
     assert!(error < 2.0, "{error}");
     let (was, is) = (watched(&before).orders()[0].prominence, watched(&spoiled).orders()[0].prominence);
-    assert!((is / was - 1.0).abs() < 0.1, "{is} {was}");
+    // 2 % of the samples are lost; blocks before and after a burst keep their phases.
+    assert!((is / was - 1.0).abs() < 0.05, "{is} {was}");
     // What the filters still know of the last burst, 130 samples before, is withheld; rows fall on other samples.
     assert!(furthest(&after, &expected) < 0.2, "{}", furthest(&after, &expected));
     assert_eq!(after.counts.rejected, 0);
@@ -75,28 +76,42 @@ fn bursts_of_nonsense_are_counted_and_bounded_and_gone_with_the_segment() {
 
 #[test]
 fn a_second_segment_is_that_of_a_fresh_start_but_for_what_fills_the_filters() {
-    let model = model(1.3, true, SEGMENT);
-    // Roughness: what the shaft drags at a reversal then follows the balance, so that all rows say the same.
-    let rough = Scenario { samples: 10_000, ..Scenario::STANDARD }.with_defect(Defect::full(DefectKind::Roughness));
-    let stream = motions(&simulate(&rough, 941).expect("simulates"), 14);
+    let model = model(lag(1.3), true, SEGMENT);
+    let spall = Scenario { samples: 10_000, ..Scenario::STANDARD }.with_defect(Defect::full(DefectKind::Spall));
+    let stream = motions(&simulate(&spall, 941).expect("simulates"), 14);
     let mut detector = Detector::new(&model);
     let _first = segment(&mut detector, &stream[..5000]);
     let second = segment(&mut detector, &stream[5000..]);
     let alone = segment(&mut Detector::new(&model), &stream[5000..]);
-    // 13 rows of settling more, of 612: √(13/612) = 0.15 deviations, twice that with rows that are not independent.
-    assert!(furthest(&second, &alone) < 0.5, "{}", furthest(&second, &alone));
-    // Five samples more, and all blocks cut five samples earlier: what is left of a strong order, and less than that of
-    // noise.
-    for (own, other) in watched(&second).orders().iter().zip(watched(&alone).orders()) {
-        assert!((own.prominence - other.prominence).abs() < 0.3, "{second:?} {alone:?}");
-    }
+    // 12 rows of settling more, and other refreshments leave out other 38 of 586 rows: √(88/586) = 0.4 deviations.
+    assert!(furthest(&second, &alone) < 0.9, "{}", furthest(&second, &alone));
+    // Cells begin elsewhere, so other blocks contain the reversals; slips differ by their systematic error besides.
+    let [own, other] = [&second, &alone].map(|report| watched(report).orders()[0]);
+    assert!(own.score > 20.0 && other.score > 20.0, "{own:?} {other:?}");
+    assert!((own.amplitude - other.amplitude).abs() < 3.0 * other.deviation, "{own:?} {other:?}");
+    assert!((own.slip - other.slip).abs() < 0.002 + 3.0 * other.slip_deviation, "{own:?} {other:?}");
     let [second, alone] = [&second, &alone].map(|report| watched(report).friction.rows);
     assert!(second > alone && second <= 625);
 }
 
 #[test]
+fn samples_lost_at_the_start_leave_no_jump_in_the_residual() {
+    let plain = model(Lags { load: 5.0, ..Lags::default() }, true, 2 * SEGMENT);
+    let clean = motions(&trace(DefectKind::Healthy, 955), 14).split_off(1000);
+    let mut hurt = clean.clone();
+    hurt[..8].iter_mut().for_each(|motion| motion.velocity_rad_s = f32::NAN);
+    let [clean, hurt] = [&clean, &hurt].map(|stream| watched(&run(&plain, stream)).orders().to_vec());
+    for (own, other) in hurt.iter().zip(&clean) {
+        // The shaft's own inertia would answer a jump of the velocity from zero with 80 A.
+        assert!((own.deviation / other.deviation - 1.0).abs() < 0.1, "{own:?} {other:?}");
+        // Cells begin elsewhere.
+        assert!((own.score - other.score).abs() < 1.2, "{own:?} {other:?}");
+    }
+}
+
+#[test]
 fn stuck_sensors_and_a_shaft_at_rest_are_reasons() {
-    let plain = model(0.7, true, 2 * SEGMENT);
+    let plain = model(lag(0.7), true, 2 * SEGMENT);
     let mut constants = plain.constants().clone();
     for channel in [0, 1, 3] {
         constants.channels[channel].stuck_samples = 50;
@@ -125,8 +140,13 @@ fn stuck_sensors_and_a_shaft_at_rest_are_reasons() {
     let report = run(&plain, &at_rest);
     // Nothing turns, so there is no order either.
     assert_eq!(watched(&report).orders_reason, Some(Reason::TooFewRows { part: Part::Orders, rows: 0 }));
-    let reason = watched(&report).friction_reason;
-    assert!(matches!(reason, Some(Reason::TermNotExcited(_))), "{reason:?}");
+    // What is not excited keeps its prior, with a deviation in proportion to it.
+    let ShaftEstimate { friction, friction_reason, .. } = watched(&report);
+    let (load, usual) = (friction.inverse_torque_constant.expect("measured"), plain.constants().shaft[0].balance);
+    assert_eq!(*friction_reason, None);
+    assert!((load.value - usual.nominal[3]).abs() < 1e-3 * load.deviation, "{friction:?}");
+    let scale = friction.variance.sqrt() / usual.deviation;
+    assert!((load.deviation / (scale * usual.prior[3]) - 1.0).abs() < 1e-3, "{friction:?}");
     let few = Some(Reason::TooFewRows { part: Part::TorqueBalance, rows: 0 });
     assert_eq!(watched(&run(&plain, &clean[..50])).friction_reason, few);
 }
@@ -136,14 +156,14 @@ proptest! {
 
     #[test]
     fn any_bits_give_finite_numbers_or_a_reason(seed: u64, wide: bool, delay in 0.0_f32..=2.5) {
-        let plain = model(delay, true, SEGMENT);
+        let plain = model(lag(delay), true, SEGMENT);
         let mut constants = plain.constants().clone();
         if wide {
             // Nearly all floats are let in.
             for channel in &mut constants.channels {
                 (channel.limit, channel.saturation) = (1e12, 1e12);
             }
-            constants.shaft[0].balance.scale = [1.0 / 1024.0; 4];
+            constants.shaft[0].balance.scale = [1.0 / 1024.0; 8];
         }
         let model = Model::new(plain.plan(), constants).expect("good");
         let mut detector = Detector::new(&model);
@@ -174,60 +194,9 @@ proptest! {
     }
 }
 
-/// Noise of any colour has prominence R of n blocks with P(R > x) = (1 − x/n)ⁿ⁻¹, at a speed that varies and reverses.
-#[test]
-fn healthy_prominence_has_its_law() {
-    let signal = Signal::channel;
-    let (current, velocity) = (signal(0), signal(1));
-    let shaft = ShaftLayout { current, velocity, reference: velocity, load: None, orders: 2, harmonics: 1 };
-    let layout = Layout { channels: 2, shaft: Some(shaft), features: 1, coordinates: 1, classes: 1, ..Layout::EMPTY };
-    let plan = RunTime::of(layout).expect("a plan");
-    let mut shaft = crate::rig::shaft(plan, 0.0);
-    // The residual is then the mean of two neighbouring currents.
-    shaft.balance.nominal = [0.0; 5];
-    shaft.tracking.orders = [3.717_94, 5.282_06].map(|order| TrackedOrder::new(order, [1.0, 0.0, 0.0])).to_vec();
-    shaft.tracking.slowest_turn = 1_000_000;
-    // Within them are 5001 … 5099 samples fast enough: 50 blocks of both orders.
-    let features = [Feature::OrderProminence(0)];
-    let constants = constants(plan, 5060, &[100.0, 1.0], &features, Some(&shaft));
-    let model = Model::new(plan, constants).expect("good");
-    let mut noise = NoiseSource::new(5, Stream::Conditions);
-    // ± 1 %: 3000 segments of two orders; white, red, and blue noise.
-    for pole in [0.0, 0.7, -0.7] {
-        let (trials, n) = (1500_u32, 50.0_f64);
-        let (mut sum, mut beyond, mut count) = (0.0, [0_u32; 2], 0);
-        let tails = [0.1, 0.01].map(|p: f64| n * (1.0 - p.powf(1.0 / (n - 1.0))));
-        let (mut residual, mut time) = (0.0, 0.0_f64);
-        let mut detector = Detector::new(&model);
-        let (mut angle, mut reports) = (0_u32, 0);
-        while reports < trials {
-            // 10 turns/s at most, 500 samples/s.
-            angle = angle.wrapping_add_signed((0.02 * time.sin() * 4_294_967_296.0) as i32);
-            time += 0.003;
-            residual = pole * residual + noise.gaussian();
-            let sample = RunTimeSample { values: vec![residual as f32, 0.0], angle: Angle::from_bits(angle) };
-            let Some(report) = detector.step(&sample) else { continue };
-            assert_eq!(watched(&report).orders_reason, None);
-            reports += 1;
-            for strength in watched(&report).orders() {
-                let prominence = f64::from(strength.prominence);
-                assert!(prominence <= n);
-                sum += prominence;
-                count += 1;
-                beyond.iter_mut().zip(tails).for_each(|(many, tail)| *many += u32::from(prominence > tail));
-            }
-        }
-        let mean = sum / f64::from(count);
-        // Four standard errors of 3000 draws: 0.073 of the mean, 0.022 and 0.0073 of the tails.
-        assert!((mean - 1.0).abs() < 0.073, "pole {pole}: mean {mean}");
-        let [tenth, hundredth] = beyond.map(|many| f64::from(many) / f64::from(count));
-        assert!((tenth - 0.1).abs() < 0.022 && (hundredth - 0.01).abs() < 0.0073, "pole {pole}: {tenth} {hundredth}");
-    }
-}
-
 #[test]
 fn binary_model_keeps_the_shaft_and_refuses_nonsense() {
-    let good = model(0.7, true, SEGMENT);
+    let good = model(lag(0.7), true, SEGMENT);
     let mut buffer = vec![0; 4096];
     let length = good.to_bytes("", &mut buffer).expect("fits");
     assert_eq!(Model::<RunTime>::from_bytes(&buffer[..length]).as_ref(), Ok(&good));
@@ -242,27 +211,36 @@ fn binary_model_keeps_the_shaft_and_refuses_nonsense() {
         let length = Model::checked(good.plan(), bad).to_bytes("", &mut buffer).expect("fits");
         assert_eq!(Model::<RunTime>::from_bytes(&buffer[..length]).map(|_| ()), error, "{field:?} is read");
     };
-    refused(Field::CurrentDelay, |m, _| m.current_delay = 2.6);
-    refused(Field::CurrentDelay, |m, _| m.current_delay = -0.1);
-    refused(Field::CurrentDelay, |m, _| m.current_delay = f32::NAN);
+    refused(Field::SignalLag, |m, _| m.lags.current = 5.1);
+    refused(Field::SignalLag, |m, _| m.lags.velocity = -0.1);
+    refused(Field::SignalLag, |m, _| m.lags.load = f32::NAN);
     refused(Field::BalanceInterval, |m, _| m.balance.interval_s = 0.0);
     refused(Field::BalanceFilter, |m, _| m.balance.filter.gain = 0.0);
     // The damping of another cut-off.
     refused(Field::BalanceFilter, |m, _| m.balance.filter.damping *= 1.1);
     refused(Field::RowInterval, |m, _| m.balance.row_interval = 0);
+    refused(Field::RowInterval, |m, _| m.balance.row_spread = 0.9);
     refused(Field::BalanceVelocity, |m, _| m.balance.sign_velocity_rad_s = 0.0);
+    refused(Field::BalanceVelocity, |m, _| m.balance.stribeck_velocity_rad_s = f32::INFINITY);
     refused(Field::BalanceScale, |m, _| m.balance.scale[0] = 0.3);
     refused(Field::LimitTimesScale, |m, _| m.balance.scale[3] = 2.0_f32.powi(50));
+    refused(Field::LimitTimesScale, |m, _| m.balance.scale[7] = 2.0_f32.powi(50));
     refused(Field::BalanceNominal, |m, _| m.balance.nominal[4] = f32::INFINITY);
+    refused(Field::BalancePrior, |m, _| m.balance.prior[6] = 0.0);
+    refused(Field::BalancePrior, |m, _| m.balance.deviation = f32::NAN);
     refused(Field::ChannelLimit, |_, channels| channels[0].limit = f32::INFINITY);
     refused(Field::StuckSamples, |_, channels| channels[1].stuck_samples = 1);
     refused(Field::BearingOrder, |m, _| m.tracking.orders[1].order_q16 = 0);
     refused(Field::BearingOrder, |m, _| m.tracking.orders[1].order_q16 = -70_000);
     refused(Field::BearingOrder, |m, _| m.tracking.orders[0].weights = [0.0; 3]);
     refused(Field::BearingOrder, |m, _| m.tracking.orders[0].weights[1] = -0.1);
-    refused(Field::OrderBlock, |m, _| m.tracking.block_samples = 1);
-    // Not more than the number of orders.
-    refused(Field::OrderBlock, |m, _| m.tracking.block_samples = 3);
+    refused(Field::BearingOrder, |m, _| m.tracking.orders[1].slip_ratio = 11.0);
+    refused(Field::OrderBlock, |m, _| m.tracking.blocks.controls[3] = 0);
+    refused(Field::OrderBlock, |m, _| m.tracking.blocks.cell_turns_log2 = -7);
+    refused(Field::OrderBlock, |m, _| m.tracking.blocks.cell_turns_log2 = 11);
+    refused(Field::OrderBlock, |m, _| m.tracking.blocks.slip = 0.2);
+    refused(Field::OrderBlock, |m, _| m.tracking.blocks.slowest_rad_s = 0.0);
+    refused(Field::OrderBlock, |m, _| m.tracking.blocks.pole = 1.0);
 
     let with = |change: fn(&mut Constants<RunTime>)| {
         let mut constants = good.constants().clone();
@@ -273,7 +251,7 @@ fn binary_model_keeps_the_shaft_and_refuses_nonsense() {
     assert_eq!(count, Err(ModelError::Length(Field::BearingOrder)));
     let unwatched = with(|c| c.shaft.clear());
     assert!(matches!(unwatched, Err(ModelError::Length(_))), "{unwatched:?}");
-    let untracked = with(|c| c.classifier.features[0] = Feature::OrderProminence(3));
+    let untracked = with(|c| c.classifier.features[0] = Feature::OrderScore(3));
     assert_eq!(untracked, Err(ModelError::OutOfRange(Field::Feature)), "an order that is not tracked");
     let absent = with(|c| c.classifier.features[0] = Feature::LogVariance);
     assert_eq!(absent, Err(ModelError::OutOfRange(Field::Feature)), "a regression that there is not");
@@ -295,9 +273,17 @@ fn at_constant_speed_orders_stand_without_friction() {
         let drag = 0.2 * (std::f64::consts::TAU * 3.717_94 * way).cos();
         *motion = Motion { current_a: drag as f32, velocity_rad_s: 30.0, reference_rad_s: 30.0, load_nm: 0.0, angle };
     }
-    let report = run(&model(0.7, true, 2 * SEGMENT), &steady);
+    let report = run(&model(lag(0.7), true, 2 * SEGMENT), &steady);
     let estimate = watched(&report);
-    assert!(estimate.friction_reason.is_some() && estimate.orders_reason.is_none(), "{estimate:?}");
-    // Every block alike, so R(1) is nearly their number, 48; it weighs 1 of 1.6.
-    assert!(estimate.orders()[0].prominence > 25.0, "{estimate:?}");
+    assert_eq!((estimate.friction_reason, estimate.orders_reason), (None, None));
+    // At constant speed the prior holds what cannot be separated; friction and offset together are determined.
+    let Friction { drag, offset, viscous, .. } = estimate.friction;
+    assert!(viscous.score.abs() < 1.0 && drag.deviation > 0.05, "{estimate:?}");
+    assert!((drag.value + offset.value).abs() < 0.01, "{estimate:?}");
+    // Every block alike, so P is nearly 1 + 7 |A|² W/σ²; the amplitude that passes the delays' interpolation is 0.2 A.
+    let outer = estimate.orders()[0];
+    assert!(outer.score > 50.0 && (outer.amplitude / 0.2 - 1.0).abs() < 0.02, "{outer:?}");
+    assert!(outer.slip.abs() < outer.slip_deviation, "{outer:?}");
+    let inner = estimate.orders()[1];
+    assert!(inner.score < 4.0, "{inner:?}");
 }

@@ -88,35 +88,66 @@ fn mean_and_deviation(x: &[f64]) -> (f64, f64) {
     (mean, (x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt())
 }
 
+/// Turns a sample: constant, varying, and reversing.
+const MOTIONS: [(&str, fn(usize) -> f64); 3] = [
+    ("constant", |_| 0.0085),
+    ("varying", |k| 0.0085 + 0.004 * (k as f64 * 0.003).sin()),
+    ("reversing", |k| 0.02 * (k as f64 * 0.003).sin()),
+];
+
 #[test]
 fn noise_alone_scores_like_a_standard_normal_whatever_the_turns() {
-    let back_and_forth = |k: usize| 0.012 * (k as f64 * 0.003).sin();
-    for (samples, steady) in [(5000, false), (5000, true), (20_000, true), (60_000, true)] {
-        for slip in [0.0, 0.008, 0.022] {
-            let scores: Vec<f64> = (0..100)
-                .map(|seed| {
-                    let turns = |k: usize| if steady { 0.0085 } else { back_and_forth(k) };
-                    f64::from(run(seed + 7, samples, &tracking(slip, 1), turns, (0.0, 0.0)).0.score)
-                })
-                .collect();
-            let (mean, deviation) = mean_and_deviation(&scores);
-            let most = scores.iter().copied().fold(f64::MIN, f64::max);
-            std::eprintln!("{samples} {steady} {slip}: {mean:.2} ± {deviation:.2}, most {most:.2}");
+    for (name, turns) in MOTIONS {
+        for samples in [4000, 12_000] {
+            for slip in [0.0, 0.022] {
+                let score =
+                    |seed: u64| f64::from(run(seed + 7, samples, &tracking(slip, 1), turns, (0.0, 0.0)).0.score);
+                let mut scores: Vec<f64> = (0..200).map(score).collect();
+                let (mean, deviation) = mean_and_deviation(&scores);
+                scores.sort_by(f64::total_cmp);
+                let high = scores[197];
+                let what = std::format!("{name}, {samples} samples, slip {slip}: {mean} ± {deviation}, 99 %: {high}");
+                // Standard errors of 200 scores: 0.07 of the mean, 0.05 of the deviation, 0.27 of the 99 % quantile,
+                // which is 2.33 of a standard normal. The approximations of (5) are good to 0.2.
+                assert!(mean.abs() < 0.35, "{what}");
+                assert!((0.8..1.3).contains(&deviation), "{what}");
+                assert!((1.6..3.2).contains(&high), "{what}");
+            }
         }
     }
 }
 
+/// A line of amplitude 0.03 has a score of about 9, one of 0.12 a score of about 40.
 #[test]
-fn amplitude_and_slip_are_found() {
-    for slip in [-0.015, 0.0, 0.006] {
-        let found: Vec<OrderStrength> =
-            (0..20).map(|seed| run(seed, 10_000, &tracking(0.022, 1), |_| 0.0085, (0.1, slip)).0).collect();
-        let (mean, deviation) = mean_and_deviation(&found.iter().map(|f| f64::from(f.slip)).collect::<Vec<_>>());
-        let (amplitude, _) = mean_and_deviation(&found.iter().map(|f| f64::from(f.amplitude)).collect::<Vec<_>>());
-        std::eprintln!(
-            "{slip}: {mean} ± {deviation} ({}), {amplitude} ({})",
-            found[0].slip_deviation,
-            found[0].deviation
-        );
+fn slip_and_amplitude_have_errors_like_their_deviations() {
+    for (name, turns) in MOTIONS {
+        for (log2, slip) in [(0, -0.015), (1, 0.006)] {
+            for amplitude in [0.03, 0.12] {
+                let find = |seed| run(seed, 10_000, &tracking(0.022, log2), turns, (amplitude, slip)).0;
+                let found: Vec<OrderStrength> = (0..200).map(find).collect();
+                let of = |pick: fn(&OrderStrength) -> f32| {
+                    mean_and_deviation(&found.iter().map(|strength| f64::from(pick(strength))).collect::<Vec<_>>())
+                };
+                let rms = |pick: fn(&OrderStrength) -> f32| {
+                    let squares = found.iter().map(|strength| f64::from(pick(strength)).powi(2));
+                    (squares.sum::<f64>() / found.len() as f64).sqrt()
+                };
+                let ((mean, error), own) = (of(|strength| strength.slip), rms(|strength| strength.slip_deviation));
+                let what =
+                    std::format!("{name}, 2^{log2} turns, amplitude {amplitude}: slip {mean} ± {error}, not {own}");
+                // Errors of 200 slips scatter by 5 %. (7) counts half of what cancels at constant speed, where the
+                // deviation is 1/√(1 + |A|² W̄/σ²) of it, 0.4 at the stronger line.
+                assert!((0.35..1.4).contains(&(error / own)), "{what}");
+                // Four standard errors of the mean, the vertex of a parabola, and a sixth of the slip after reversals.
+                let bias = if name == "reversing" { 0.17 } else { 0.02 } * slip;
+                assert!((mean - slip).abs() < 0.3 * error + f64::abs(bias), "{what}");
+                let ((mean, error), own) = (of(|strength| strength.amplitude), rms(|strength| strength.deviation));
+                let what = std::format!("{name}, 2^{log2} turns: amplitude {mean} ± {error}, not {amplitude} ± {own}");
+                // Noise counts fully at a known slip; of the products of neighbours less remains.
+                assert!((0.5..1.3).contains(&(error / own)), "{what}");
+                // The weights of the harmonics and reversals cost up to a twelfth.
+                assert!((0.92..1.03).contains(&(mean / amplitude)), "{what}");
+            }
+        }
     }
 }

@@ -1,26 +1,27 @@
-//! The shaft's estimates by other means, in f64: direct-form filters, normal equations, and phasors of the unwrapped
-//! angle.
+//! The torque balance and its residual by other means, in f64: direct-form filters, normal equations with priors,
+//! parameters over time from the equations of all rows so far.
 
-use bearing_watch::Angle;
-use bearing_watch::model::ShaftConstants;
+use bearing_watch::model::{Balance, Lags, ShaftConstants, TERMS};
 use bearing_watch::plan::RunTime;
 use nalgebra::{DMatrix, DVector};
 
+use super::orders::{Expected as Order, Path, expected as expected_orders};
 use crate::rig::Motion;
 
 /// What the core's [`bearing_watch::ShaftEstimate`] should say.
 #[derive(Debug)]
 pub struct Expected {
-    /// p₀ … p₄, without p₃ where no load is measured.
-    pub parameters: Vec<f64>,
-    pub deviations: Vec<f64>,
-    /// Drag at the usual velocity, and its deviation.
-    pub drag: (f64, f64),
+    /// Values and deviations of p₀ … p₆ without those of a load that is not measured, then of the drag.
+    pub parameters: Vec<(f64, f64)>,
     pub variance: f64,
     pub rows: usize,
-    /// Prominence and amplitude of each order.
-    pub orders: Vec<(f64, f64)>,
+    pub orders: Vec<Order>,
 }
+
+/// The sample from which the filters run: the core's delay line is full.
+const START: usize = 8;
+/// Rows between two refreshments of the parameters, and the least number of rows of a refreshment.
+const REFRESH: (usize, usize) = (16, 48);
 
 /// Low-pass and its derivative by the bilinear transform, in direct form I, at rest on the first value.
 fn filtered(x: &[f64], g: f64, interval_s: f64) -> (Vec<f64>, Vec<f64>) {
@@ -41,99 +42,162 @@ fn filtered(x: &[f64], g: f64, interval_s: f64) -> (Vec<f64>, Vec<f64>) {
     (run([low, 2.0 * low, low], x[0]), run([slope, 0.0, -slope], 0.0))
 }
 
-/// x delayed by that number of samples, with linear interpolation between samples.
+/// x from [`START`] on, delayed by that number of samples, with linear interpolation between samples.
 fn delayed(x: &[f64], by: f64) -> Vec<f64> {
     let (whole, part) = (by.floor() as usize, by.fract());
-    let at = |k: usize| x[k.max(whole + 1) - whole] * (1.0 - part) + x[k.max(whole + 1) - whole - 1] * part;
-    (0..x.len()).map(at).collect()
+    (START..x.len()).map(|k| x[k - whole] * (1.0 - part) + x[k - whole - 1] * part).collect()
 }
 
-/// A stream without refused samples; the core's first four fill its delay line.
-pub fn expected(constants: &ShaftConstants<RunTime>, load: bool, motions: &[Motion]) -> Expected {
-    let ShaftConstants { current_delay, balance, tracking } = constants;
-    let column = |pick: fn(&Motion) -> f32| motions.iter().map(|m| f64::from(pick(m))).collect::<Vec<_>>();
-    let later = |pick| delayed(&column(pick), f64::from(*current_delay))[4..].to_vec();
-    let i = column(|m| m.current_a)[4..].to_vec();
-    let (w, r, t) = (later(|m| m.velocity_rad_s), later(|m| m.reference_rad_s), later(|m| m.load_nm));
-    let s: Vec<f64> = r.iter().map(|r| (r / f64::from(balance.sign_velocity_rad_s)).clamp(-1.0, 1.0)).collect();
+/// Signals from [`START`] on, all delayed to the slowest one, and the friction terms.
+struct Signals {
+    i: Vec<f64>,
+    w: Vec<f64>,
+    t: Vec<f64>,
+    /// s, |T| s, s/(1 + (ω/ω_s)²).
+    frictions: [Vec<f64>; 3],
+}
 
-    // Torque balance.
-    let (g, ts) = (f64::from(balance.filter.gain), f64::from(balance.interval_s));
-    let [(fi, _), (fw, dw), (fr, dr), (ft, _), (fs, _)] = [&i, &w, &r, &t, &s].map(|x| filtered(x, g, ts));
-    let rows: Vec<usize> = (1 + balance.settle as usize..i.len()).step_by(balance.row_interval as usize).collect();
-    // A tenth of a row of full excitation that holds the nominal viscous friction, as the last.
-    let held = 0.1_f64.sqrt() / f64::from(balance.scale[1]);
-    let matrix = |columns: [&[f64]; 5]| {
-        let used = columns.iter().enumerate().filter(|(k, _)| load || *k != 3).map(|(_, column)| column);
-        let used: Vec<_> = used.collect();
-        let cell = |k: usize, c: usize| match rows.get(k) {
-            Some(&row) => used[c][row],
-            None if c == 1 => held,
-            None => 0.0,
+impl Signals {
+    fn new(balance: &Balance, lags: Lags, motions: &[Motion]) -> Self {
+        let longest = lags.current.max(lags.velocity).max(lags.load);
+        let later = |pick: fn(&Motion) -> f32, lag: f32| {
+            let column: Vec<f64> = motions.iter().map(|m| f64::from(pick(m))).collect();
+            delayed(&column, f64::from(longest - lag))
         };
-        DMatrix::from_fn(rows.len() + 1, used.len(), cell)
-    };
-    let one = vec![1.0; i.len()];
-    let (x, z) = (matrix([&dw, &fw, &fs, &ft, &one]), matrix([&dr, &fr, &fs, &ft, &one]));
-    let target = rows.iter().map(|&k| fi[k]).chain([held * f64::from(balance.nominal[1])]);
-    let y = DVector::from_iterator(rows.len() + 1, target);
-    let inverse = (z.transpose() * &x).try_inverse().expect("excited");
-    let parameters = &inverse * (z.transpose() * &y);
-    let n = parameters.len();
-    let variance = (&y - &x * &parameters).norm_squared() / (rows.len() - n) as f64;
-    let covariance = &inverse * (z.transpose() * &z) * inverse.transpose() * variance;
-
-    let speed = f64::from(balance.usual_velocity_rad_s);
-    let drag = parameters[2] + speed * parameters[1];
-    let drag_variance = covariance[(2, 2)] + speed * (2.0 * covariance[(1, 2)] + speed * covariance[(1, 1)]);
-
-    // Residual, and the way turned to it.
-    let p = balance.nominal.map(f64::from);
-    let e: Vec<f64> = (0..i.len()).map(|k| i[k] - p[1] * w[k] - p[2] * s[k] - p[3] * t[k] - p[4]).collect();
-    let residual = |k: usize| (e[k] + e[k - 1]) / 2.0 - p[0] * (w[k] - w[k - 1]) / ts;
-    let steps = motions.windows(2).map(|pair| Angle::since(pair[1].angle, pair[0].angle));
-    let mut way = vec![0.0];
-    steps.for_each(|step| way.push(way[way.len() - 1] + f64::from(step) / 4_294_967_296.0));
-    let back = (f64::from(*current_delay) + 1.0).floor() as usize;
-    let still = f64::from(tracking.slowest_turn) / 4_294_967_296.0;
-    let moving: Vec<(f64, f64)> = (1..i.len())
-        .filter_map(|k| {
-            let (now, before) = (way[k + 4 - back], way[k + 3 - back]);
-            ((now - before).abs() > still).then(|| (now, residual(k) * (now - before).signum()))
-        })
-        .collect();
-    let orders = tracking.orders.iter().enumerate().map(|(k, order)| {
-        // The first block of order k is k samples longer.
-        let length = tracking.block_samples as usize;
-        let (first, rest) = moving.split_at(length + k);
-        let blocks: Vec<_> = std::iter::once(first).chain(rest.chunks_exact(length)).collect();
-        let samples = (k + blocks.len() * length) as f64;
-        let turn = std::f64::consts::TAU * f64::from(order.order_q16) / 65_536.0;
-        let (mut prominence, mut amplitude) = (0.0, 0.0);
-        for (h, weight) in (1..).zip(order.weights) {
-            let phasor = |block: &&[(f64, f64)]| {
-                block.iter().fold([0.0; 2], |[x, y], (way, r)| {
-                    let phase = f64::from(h) * turn * way;
-                    [x + r * phase.cos(), y - r * phase.sin()]
-                })
-            };
-            let own: Vec<[f64; 2]> = blocks.iter().map(phasor).collect();
-            let sum = own.iter().fold([0.0; 2], |[x, y], b| [x + b[0], y + b[1]]);
-            let square = sum[0].powi(2) + sum[1].powi(2);
-            let power: f64 = own.iter().map(|b| b[0].powi(2) + b[1].powi(2)).sum();
-            prominence += f64::from(weight) * square / power;
-            if h == 1 {
-                amplitude = 2.0 * ((square - power).max(0.0) / (1.0 - 1.0 / blocks.len() as f64)).sqrt() / samples;
-            }
-        }
-        (prominence / order.weights.iter().map(|w| f64::from(*w)).sum::<f64>(), amplitude)
-    });
-    Expected {
-        parameters: parameters.iter().copied().collect(),
-        deviations: (0..n).map(|k| covariance[(k, k)].sqrt()).collect(),
-        drag: (drag, drag_variance.sqrt()),
-        variance,
-        rows: rows.len(),
-        orders: orders.collect(),
+        let (i, w) = (later(|m| m.current_a, lags.current), later(|m| m.velocity_rad_s, lags.velocity));
+        let t = later(|m| m.load_nm, lags.load);
+        let sign = |w: &f64| (w / f64::from(balance.sign_velocity_rad_s)).clamp(-1.0, 1.0);
+        let s: Vec<f64> = w.iter().map(sign).collect();
+        let loaded = t.iter().zip(&s).map(|(t, s)| t.abs() * s).collect();
+        let square = |w: f64| (w / f64::from(balance.stribeck_velocity_rad_s)).powi(2);
+        let stribeck = w.iter().zip(&s).map(|(w, s)| s / (1.0 + square(*w))).collect();
+        Self { i, w, t, frictions: [s, loaded, stribeck] }
     }
+}
+
+/// Least squares with priors: Σ (y − xᵀp)² + spread Σ (σ/prior)² (p − nominal)² is least.
+struct Squares {
+    gram: DMatrix<f64>,
+    right: DVector<f64>,
+    square: f64,
+    rows: usize,
+}
+
+impl Squares {
+    fn new(balance: &Balance, terms: &[usize]) -> Self {
+        let n = terms.len();
+        let mut own = Self { gram: DMatrix::zeros(n, n), right: DVector::zeros(n), square: 0.0, rows: 0 };
+        for (k, &term) in terms.iter().enumerate() {
+            let [nominal, prior, deviation] =
+                [balance.nominal[term], balance.prior[term], balance.deviation].map(f64::from);
+            let weight = f64::from(balance.row_spread) * (deviation / prior).powi(2);
+            own.gram[(k, k)] = weight;
+            own.right[k] = weight * nominal;
+            own.square += weight * nominal * nominal;
+        }
+        own
+    }
+
+    fn add(&mut self, x: &DVector<f64>, y: f64) {
+        self.gram += x * x.transpose();
+        self.right += x * y;
+        self.square += y * y;
+        self.rows += 1;
+    }
+
+    /// Parameters, inverse of the normal equations, sum of squares of the residual.
+    fn solve(&self) -> (DVector<f64>, DMatrix<f64>, f64) {
+        // Columns differ by four orders of magnitude, which their diagonal takes away.
+        let scale = DMatrix::from_diagonal(&self.gram.diagonal().map(|d| 1.0 / d.sqrt()));
+        let inverse = (&scale * &self.gram * &scale).try_inverse().expect("priors determine all");
+        let inverse = &scale * inverse * &scale;
+        let p = &inverse * &self.right;
+        let rest = self.square - 2.0 * p.dot(&self.right) + (p.transpose() * &self.gram * &p)[(0, 0)];
+        (p, inverse, rest)
+    }
+}
+
+/// A stream without refused samples.
+pub fn expected(constants: &ShaftConstants<RunTime>, load: bool, motions: &[Motion]) -> Expected {
+    let ShaftConstants { lags, balance, tracking } = constants;
+    let signals = Signals::new(balance, *lags, motions);
+    let terms: Vec<usize> = (0..TERMS).filter(|term| load || ![3, 5].contains(term)).collect();
+    let (squares, present) = rows(balance, &terms, &signals);
+    let (p, inverse, rest) = squares.solve();
+    let spread = f64::from(balance.row_spread);
+    let variance = rest / (squares.rows as f64 - spread * terms.len() as f64);
+    let covariance = inverse * (variance * spread);
+    let mut parameters: Vec<(f64, f64)> = (0..terms.len()).map(|k| (p[k], covariance[(k, k)].sqrt())).collect();
+    let speed = f64::from(balance.usual_velocity_rad_s);
+    let drag = covariance[(2, 2)] + speed * (2.0 * covariance[(1, 2)] + speed * covariance[(1, 1)]);
+    parameters.push((p[2] + speed * p[1], drag.sqrt()));
+    let path = path(constants, &signals, motions, &present);
+    Expected { parameters, variance, rows: squares.rows, orders: expected_orders(tracking, &path) }
+}
+
+/// All rows of a stream, and the parameters that hold at each of its samples.
+fn rows(balance: &Balance, terms: &[usize], signals: &Signals) -> (Squares, Vec<[f64; TERMS]>) {
+    let (g, ts) = (f64::from(balance.filter.gain), f64::from(balance.interval_s));
+    let Signals { i, w, t, frictions: [s, loaded, stribeck] } = signals;
+    let ((fw, dw), one) = (filtered(w, g, ts), vec![1.0; i.len()]);
+    let [fi, fs, ft, fq, fb] = [i, s, t, loaded, stribeck].map(|x| filtered(x, g, ts).0);
+    let columns = [&dw, &fw, &fs, &ft, &one, &fq, &fb];
+    let mut squares = Squares::new(balance, terms);
+    let mut now = balance.nominal.map(f64::from);
+    let (mut next, mut present) = (None, Vec::new());
+    let first = 1 + balance.settle as usize;
+    for k in 0..i.len() {
+        if let Some((from, p)) = next
+            && k == from
+        {
+            now = p;
+        }
+        present.push(now);
+        if k < first || (k - first) % balance.row_interval as usize != 0 {
+            continue;
+        }
+        let slot = (k - first) / balance.row_interval as usize + 1;
+        if !slot.is_multiple_of(REFRESH.0) {
+            squares.add(&DVector::from_iterator(terms.len(), terms.iter().map(|&term| columns[term][k])), fi[k]);
+        } else if squares.rows >= REFRESH.1 {
+            let mut p = now;
+            terms.iter().zip(squares.solve().0.iter()).for_each(|(&term, value)| p[term] = *value);
+            // One parameter a sample.
+            next = Some((k + terms.len(), p));
+        }
+    }
+    (squares, present)
+}
+
+/// Way turned, whitened residual and excitation of each sample after the first.
+fn path(constants: &ShaftConstants<RunTime>, signals: &Signals, motions: &[Motion], present: &[[f64; TERMS]]) -> Path {
+    let ShaftConstants { lags, balance, tracking } = constants;
+    let Signals { i, w, t, frictions: [s, loaded, stribeck] } = signals;
+    let (ts, slowest) = (f64::from(balance.interval_s), f64::from(tracking.blocks.slowest_rad_s));
+    let e = |k: usize| {
+        let p = &present[k];
+        i[k] - p[1] * w[k] - p[2] * s[k] - p[3] * t[k] - p[4] - p[5] * loaded[k] - p[6] * stribeck[k]
+    };
+    let longest = lags.current.max(lags.velocity).max(lags.load) + 0.5;
+    let (whole, part) = (longest.floor() as usize, longest.fract());
+    // To the bit as in the core, since a block ends where the angle passes the end of a cell.
+    let angle = |k: usize| {
+        let (newer, older) = (motions[k + START - whole].angle, motions[k + START - whole - 1].angle);
+        newer.bits().wrapping_add_signed((part * older.since(newer) as f32) as i32)
+    };
+    let mut path = Path::default();
+    let (mut turned, mut white) = (0_i64, 0.0);
+    for k in 1..i.len() {
+        turned += i64::from(angle(k).wrapping_sub(angle(k - 1)).cast_signed());
+        let mean = (w[k] + w[k - 1]) / 2.0;
+        let x = (mean.abs() / slowest - 1.0).clamp(0.0, 1.0);
+        // The first sample starts the filters; an interval needs two.
+        let g = if k > 1 { 3.0 * x.powi(2) - 2.0 * x.powi(3) } else { 0.0 };
+        let rho = g * ((e(k) + e(k - 1)) / 2.0 - present[k][0] * (w[k] - w[k - 1]) / ts);
+        white = rho + f64::from(tracking.blocks.pole) * white;
+        path.turned.push(turned);
+        path.white.push(white);
+        path.excitation.push(if mean < 0.0 { -g } else { g });
+    }
+    path
 }

@@ -1,0 +1,190 @@
+//! The bearing orders by direct sums in f64 over whole records: phasors of the unwrapped angle, blocks cut in advance,
+//! products of all pairs, and the spectrum at each slip.
+
+use std::f64::consts::TAU;
+
+use bearing_watch::model::{CONTROLS, TrackedOrder, Tracking};
+use bearing_watch::plan::RunTime;
+use nalgebra::Complex;
+
+/// Γ(5/4).
+const GAMMA: f64 = 0.906_402_477_055_477;
+const TURN: f64 = 4_294_967_296.0;
+const HARMONICS: usize = 3;
+const LAGS: usize = 6;
+
+/// What the orders are computed from, a number a sample.
+#[derive(Debug, Default)]
+pub struct Path {
+    /// Turned since the start, counts of 2⁻³² turn.
+    pub turned: Vec<i64>,
+    pub white: Vec<f64>,
+    pub excitation: Vec<f64>,
+}
+
+/// What the core's [`bearing_watch::OrderStrength`] should say.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Expected {
+    pub prominence: f64,
+    pub score: f64,
+    pub amplitude: f64,
+    pub deviation: f64,
+    pub slip: f64,
+    pub slip_deviation: f64,
+}
+
+/// Ends of all blocks: the sample after which they close, and their cells.
+fn ends(path: &Path, cell_turns: f64, items: usize) -> Vec<(usize, i64)> {
+    let width = (cell_turns * TURN) as i64;
+    let (mut found, mut cell, mut travelled, mut idle, mut last) = (vec![], 0, 0, 0, 0);
+    for (k, &turned) in path.turned.iter().enumerate() {
+        travelled += (turned - last).abs();
+        last = turned;
+        let now = turned.div_euclid(width);
+        if k >= idle && (now != cell || travelled >= width) {
+            found.push((k, cell));
+            // One item a sample, then one for the controls each, then one that counts the block.
+            (cell, travelled, idle) = (now, 0, k + items + CONTROLS + 2);
+        }
+    }
+    found
+}
+
+/// b and W of the blocks that end `after` so many samples later, of every `stride`-th sample from `first` on.
+fn blocks(
+    path: &Path,
+    (order, pole): (f64, f64),
+    ends: &[(usize, i64)],
+    after: usize,
+    (first, stride): (usize, usize),
+) -> Vec<(Complex<f64>, f64)> {
+    let phase = |k: usize| Complex::from_polar(path.excitation[k], TAU * order * path.turned[k] as f64 / TURN);
+    let (mut template, mut from) = (Complex::new(0.0, 0.0), first);
+    let mut found = vec![];
+    for end in ends.iter().map(|(end, _)| end + after).filter(|end| *end < path.turned.len()) {
+        let (mut b, mut weight) = (Complex::new(0.0, 0.0), 0.0);
+        while from <= end {
+            template = phase(from) + template * pole;
+            b += template.conj() * path.white[from];
+            weight += template.norm_sqr();
+            from += stride;
+        }
+        found.push((b, weight));
+    }
+    found
+}
+
+/// Sums of one harmonic: R(h, d), V(d), Σ W.
+struct Harmonic {
+    lags: [Complex<f64>; LAGS + 1],
+    pairs: [f64; LAGS + 1],
+    weight: f64,
+}
+
+impl Harmonic {
+    fn new(blocks: &[(Complex<f64>, f64)], ends: &[(usize, i64)]) -> Self {
+        let mut sums = Self { lags: [Complex::new(0.0, 0.0); LAGS + 1], pairs: [0.0; LAGS + 1], weight: 0.0 };
+        for (n, &(b, w)) in blocks.iter().enumerate() {
+            sums.lags[0] += b.norm_sqr();
+            sums.pairs[0] += w * w;
+            sums.weight += w;
+            for m in n.saturating_sub(LAGS)..n {
+                let ((b_m, w_m), apart) = (blocks[m], ends[n].1 - ends[m].1);
+                let product = b * b_m.conj();
+                match apart.unsigned_abs() as usize {
+                    0 => {
+                        sums.lags[0] += 2.0 * product.re;
+                        sums.pairs[0] += 2.0 * w * w_m;
+                    }
+                    d @ 1..=LAGS => {
+                        sums.lags[d] += if apart < 0 { product.conj() } else { product };
+                        sums.pairs[d] += w * w_m;
+                    }
+                    _ => (),
+                }
+            }
+        }
+        sums
+    }
+}
+
+fn taper(d: usize) -> f64 {
+    1.0 - d as f64 / 7.0
+}
+
+/// The orders of a record.
+pub fn expected(tracking: &Tracking<RunTime>, path: &Path) -> Vec<Expected> {
+    let shape = &tracking.blocks;
+    let (cell_turns, pole) = (f64::from(shape.cell_turns_log2).exp2(), f64::from(shape.pole));
+    let items = tracking.orders.len() * HARMONICS;
+    let ends = ends(path, cell_turns, items);
+    let mut roots = vec![];
+    for (c, order) in shape.controls.iter().enumerate() {
+        let own = (f64::from(*order) / 65_536.0, pole.powi(4));
+        for (b, w) in blocks(path, own, &ends, 1 + items + c, (c, CONTROLS)) {
+            roots.extend((w > 0.0).then(|| (b.norm_sqr() / w).powf(0.25)));
+        }
+    }
+    let variance = (roots.iter().sum::<f64>() / roots.len() as f64 / GAMMA).powi(4);
+    let lines = tracking.orders.iter().enumerate().map(|(line, order)| {
+        let harmonic = |h: usize| {
+            let own = ((h + 1) as f64 * f64::from(order.order_q16) / 65_536.0, pole);
+            Harmonic::new(&blocks(path, own, &ends, 1 + line * HARMONICS + h, (0, 1)), &ends)
+        };
+        let sums: [Harmonic; HARMONICS] = std::array::from_fn(harmonic);
+        strength(order, &sums, variance, (cell_turns, f64::from(shape.slip)))
+    });
+    lines.collect()
+}
+
+fn strength(
+    order: &TrackedOrder,
+    sums: &[Harmonic; HARMONICS],
+    variance: f64,
+    (cell_turns, most): (f64, f64),
+) -> Expected {
+    let weights = order.weights.map(f64::from);
+    let total: f64 = weights.iter().sum();
+    let first = &sums[0];
+    // ψ for a slip of one.
+    let turning = TAU * f64::from(order.order_q16) / 65_536.0 * f64::from(order.slip_ratio) * cell_turns;
+    let lagged = |h: usize, slip: f64| -> f64 {
+        let at = |d: usize| sums[h].lags[d] * Complex::from_polar(1.0, -((d * (h + 1)) as f64) * turning * slip);
+        (1..=LAGS).map(|d| taper(d) * at(d).re).sum()
+    };
+    let spectrum = |slip: f64| -> f64 {
+        let own = |h: usize| weights[h] * (sums[h].lags[0].re + 2.0 * lagged(h, slip)) / sums[h].weight;
+        (0..HARMONICS).map(own).sum::<f64>() / variance
+    };
+    let tried: Vec<f64> = (-8..=8).map(|k| spectrum(f64::from(k) * most / 8.0)).collect();
+    let best = (0..17).fold(0, |best, k| if tried[k] > tried[best] { k } else { best });
+    let (mut slip, mut peak, mut curvature) = ((best as f64 - 8.0) * most / 8.0, tried[best], 0.0);
+    if (1..16).contains(&best) {
+        // The parabola through three points.
+        let (slope, bend) = ((tried[best + 1] - tried[best - 1]) / 2.0, 2.0 * peak - tried[best - 1] - tried[best + 1]);
+        slip += slope / bend * most / 8.0;
+        peak += slope * slope / bend / 2.0;
+        curvature = bend / (most / 8.0).powi(2);
+    }
+    let sum_of = |f: &dyn Fn(usize) -> f64| (1..=LAGS).map(f).sum::<f64>();
+    let noise = first.pairs[0] + 2.0 * sum_of(&|d| taper(d).powi(2) * first.pairs[d]);
+    let spread = 2.0 * sum_of(&|d| (d as f64 * taper(d)).powi(2) * first.pairs[d]);
+    let squares: f64 = weights.iter().map(|w| w * w).sum();
+    let freedom = 2.0 * (total * first.weight).powi(2) / (squares * noise);
+    let prominence = (peak / total).max(0.0);
+    let (middle, relative) = (prominence.cbrt(), 2.0 / (9.0 * freedom));
+    let independent = 1.0 + 2.0 * (turning * most).abs() * (spread / noise).sqrt();
+    let rates: f64 = (0..HARMONICS).map(|h| ((h + 1) as f64 * weights[h]).powi(2)).sum();
+    let steady = sum_of(&|d| taper(d) * first.pairs[d]);
+    let power = (lagged(0, slip) / steady).max(0.0);
+    let crossed = 1.0 + power * first.pairs[0] / (variance * first.weight);
+    let slip_deviation = turning.abs() * (rates * spread * crossed).sqrt() / first.weight / curvature;
+    Expected {
+        prominence,
+        score: (middle - 1.0 + relative) / relative.sqrt() - 0.7 * independent.ln(),
+        amplitude: 2.0 * power.sqrt(),
+        deviation: 2.0 * (variance / first.weight).sqrt(),
+        slip,
+        slip_deviation: if curvature > 0.0 { slip_deviation.min(most) } else { most },
+    }
+}
