@@ -165,7 +165,7 @@ where
     P: Plan<Features = Nine, Coordinates = Three, Map = TwentySeven, Classes = Three, Means = Nine, Costs = Nine>,
 {
     for _ in 0..100 {
-        let projection = Projection::<P> { matrix: numbers.array(), mean: numbers.array() };
+        let projection = Projection::<P> { matrix: numbers.array(), mean: numbers.array(), usual: numbers.array() };
         let means = numbers.array();
         // Of each factor the pivots are the first, fourth and sixth number.
         let mut factors: Array<P::Densities, f32> = Cells::from_fn(plan.layout().densities(), |_| numbers.next());

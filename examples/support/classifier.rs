@@ -14,6 +14,7 @@ macro_rules! classifier {
                                                                     0.0, 4.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5,
                                                                 ],
                 mean: [-0.1, 0.6, 0.5, -0.2, -0.05, -0.25, 0.05, -0.05, -4.5],
+                usual: [0.0; 9],
             },
             discriminant: bearing_watch::model::Discriminant {
                 means: [0.0, 0.0, 0.0, 2.0, 0.0, 1.0, -2.0, 1.0, 0.0],

@@ -114,6 +114,7 @@ pub fn classifier<P: Plan>(plan: P, features: &[Feature]) -> Classifier<P> {
         projection: Projection {
             matrix: Cells::from_fn(coordinates * count, |k| one(k / count == k % count)),
             mean: Cells::filled(count, 0.0),
+            usual: Cells::filled(count, 0.0),
         },
         discriminant: Discriminant {
             means: Cells::from_fn(classes * coordinates, |k| (k / coordinates) as f32),

@@ -67,6 +67,7 @@ pub static MODEL: Model<Drive> = Drive::model(Constants {
                 0.0, 0.0, 0.0, 0.0, -13.762528,
             ],
             mean: [-0.23815711, -0.10066514, 0.0039079417, 4.6608047, -2.7493122],
+            usual: [0.0, 0.0, 0.0, 0.0, 0.0],
         },
         discriminant: Discriminant {
             means: [

@@ -58,6 +58,7 @@ pub fn shaft<P: Plan>(plan: P, lags: Lags) -> ShaftConstants<P> {
             sign_velocity_rad_s: 2.0,
             stribeck_velocity_rad_s: 6.0,
             usual_velocity_rad_s: 28.0,
+            usual_load_nm: 0.1,
             // 1/(2.22 · 8 Hz · 16 ms).
             row_spread: 3.5,
             scale: [0.015_625, 0.031_25, 1.0, 8.0, 1.0, 8.0, 2.0, 0.25],

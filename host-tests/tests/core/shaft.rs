@@ -31,7 +31,8 @@ fn compare(model: &Model<RunTime>, motions: &[Motion], what: &str) {
         assert!((deviation / sd - 1.0).abs() < 0.02, "{what}: deviation {k} is {deviation}, not {sd}");
     }
     let balance = &constants.balance;
-    let drag = balance.nominal[2] + balance.nominal[1] * balance.usual_velocity_rad_s;
+    let weights = oracle::drag_weights(balance);
+    let drag = weights.iter().zip(balance.nominal).map(|(weight, p)| weight * f64::from(p)).sum::<f64>() as f32;
     let nominal = [&balance.nominal[..], &[drag]].concat();
     let places = (0..8).filter(|place| load || ![3, 5].contains(place));
     for (own, place) in own.iter().zip(places) {

@@ -128,11 +128,18 @@ pub fn expected(constants: &ShaftConstants<RunTime>, load: bool, motions: &[Moti
     let variance = rest / (squares.rows as f64 - spread * terms.len() as f64);
     let covariance = inverse * (variance * spread);
     let mut parameters: Vec<(f64, f64)> = (0..terms.len()).map(|k| (p[k], covariance[(k, k)].sqrt())).collect();
-    let speed = f64::from(balance.usual_velocity_rad_s);
-    let drag = covariance[(2, 2)] + speed * (2.0 * covariance[(1, 2)] + speed * covariance[(1, 1)]);
-    parameters.push((p[2] + speed * p[1], drag.sqrt()));
+    let all = drag_weights(balance);
+    let weights = DVector::from_iterator(terms.len(), terms.iter().map(|&term| all[term]));
+    parameters.push((weights.dot(&p), weights.dot(&(&covariance * &weights)).sqrt()));
     let path = path(constants, &signals, motions, &present);
     Expected { parameters, variance, rows: squares.rows, orders: expected_orders(tracking, &path) }
+}
+
+/// What a unit of each parameter adds to the friction at the usual velocity and load.
+pub fn drag_weights(balance: &Balance) -> [f64; TERMS] {
+    let [speed, stribeck, load] =
+        [balance.usual_velocity_rad_s, balance.stribeck_velocity_rad_s, balance.usual_load_nm].map(f64::from);
+    [0.0, speed, 1.0, 0.0, 0.0, load, stribeck.powi(2) / (stribeck.powi(2) + speed.powi(2))]
 }
 
 /// All rows of a stream, and the parameters that hold at each of its samples.
