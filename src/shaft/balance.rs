@@ -54,9 +54,9 @@ pub struct Balance {
     pub row_interval: u8,
     /// Samples withheld until the filters have settled.
     pub settle: u16,
-    /// ω_r of (2): about three standard deviations of the velocity's noise.
+    /// `ω_r` of (2): about three standard deviations of the velocity's noise.
     pub sign_velocity_rad_s: f32,
-    /// ω_s of (1).
+    /// `ω_s` of (1).
     pub stribeck_velocity_rad_s: f32,
     /// ω₀ of (4).
     pub usual_velocity_rad_s: f32,

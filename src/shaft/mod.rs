@@ -48,7 +48,7 @@ use slip::{SlipRange, SlipSearch};
 pub const MAX_LAG: f32 = 5.0;
 /// Samples kept for the delay: an interpolation reads one sample beyond the longest lag, the middle of an interval one
 /// more.
-const RING: usize = 8;
+const RING: u8 = 8;
 /// Lost samples in a row that are bridged.
 const BRIDGE: u8 = 8;
 
@@ -123,7 +123,7 @@ struct Delay {
 impl Delay {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 … 6 in a validated model")]
     fn of(samples: f32) -> Self {
-        let whole = (samples as u8).min(RING as u8 - 2);
+        let whole = (samples as u8).min(RING - 2);
         Self { whole, part: samples - f32::from(whole) }
     }
 }
@@ -176,7 +176,7 @@ struct Usage {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Shaft<P: Plan> {
-    ring: [Moment; RING],
+    ring: [Moment; RING as usize],
     place: u8,
     /// Samples until the ring is full and the filters have started.
     filling: u8,
@@ -219,7 +219,7 @@ impl<P: Plan> Shaft<P> {
     pub fn new(plan: P, constants: &ShaftConstants<P>) -> Self {
         let load = plan.layout().shaft.is_some_and(|shaft| shaft.load.is_some());
         Self {
-            ring: [Moment::default(); RING],
+            ring: [Moment::default(); RING as usize],
             place: 0,
             filling: FILLING,
             lost: 0,
@@ -241,7 +241,7 @@ impl<P: Plan> Shaft<P> {
         };
         let has_load = load.is_some();
         let last = self.back(0);
-        self.place = self.place.wrapping_add(1) % RING as u8;
+        self.place = self.place.wrapping_add(1) % RING;
         let moment = if good {
             self.lost = 0;
             let load_nm = load.map_or(0.0, |load| read(load, sample));
@@ -311,7 +311,7 @@ impl<P: Plan> Shaft<P> {
 
     #[inline(always)]
     fn back(&self, samples: u8) -> Moment {
-        let place = self.place.wrapping_sub(samples) % RING as u8;
+        let place = self.place.wrapping_sub(samples) % RING;
         self.ring.get(place as usize).copied().unwrap_or_default()
     }
 
@@ -347,7 +347,7 @@ impl<P: Plan> Shaft<P> {
 }
 
 /// Samples until the ring is full, and the sample that starts the filters.
-const FILLING: u8 = RING as u8 + 1;
+const FILLING: u8 = RING + 1;
 
 impl ShaftSolve {
     /// Nothing solved yet.

@@ -28,7 +28,8 @@ use crate::plan::{Array, Cells, MAX_HARMONICS, Plan, Size};
 use crate::reason::{Part, Reason};
 
 /// Blocks back to which products are formed, and cells apart up to which they are kept.
-pub const LAGS: usize = 6;
+pub const LAGS: usize = PLACES as usize;
+pub(super) const PLACES: u8 = 6;
 /// Number of control orders.
 pub const CONTROLS: usize = 4;
 /// Fewer blocks than this do not determine noise and phase.
@@ -88,7 +89,7 @@ pub struct Blocks {
     pub cell_turns_log2: i8,
     /// Largest relative slip of the cage that is searched.
     pub slip: f32,
-    /// Velocity ω_g up to which a sample does not count; from twice that on it counts fully.
+    /// Velocity `ω_g` up to which a sample does not count; from twice that on it counts fully.
     pub slowest_rad_s: f32,
     /// α of the residual's filter.
     pub pole: f32,
@@ -313,8 +314,8 @@ impl<P: Plan> OrderTracking<P> {
             if let Some(cell) = self.cells.get_mut(self.place as usize) {
                 *cell = self.closing_cell;
             }
-            self.place = self.place.wrapping_add(1) % LAGS as u8;
-            self.held = self.held.saturating_add(1).min(LAGS as u8);
+            self.place = self.place.wrapping_add(1) % PLACES;
+            self.held = self.held.saturating_add(1).min(PLACES);
             self.blocks = self.blocks.saturating_add(1);
             self.closing = IDLE;
         }

@@ -18,13 +18,13 @@
 //! normal (Wilson and Hilferty 1931), and M independent slips raise the largest of them: (5) is about standard normal
 //! for any number of turns.
 //!
-//! (7): the imaginary part of a product of two blocks of noise has the variance σ⁴ W_n W_m/2, and P′ is a sum of
+//! (7): the imaginary part of a product of two blocks of noise has the variance `σ⁴ W_n W_m/2`, and P′ is a sum of
 //! 2 (1 − d/7) d h of them. A product of noise and defect adds at most 2 |A|² W/σ² times as much; pairs before and after
 //! a block have opposite signs, so at constant speed most of it cancels, and next to a reversal none. (7) counts half.
 //! A motion that reverses adds a systematic error of about 0.001 to the slip of a defect: the middle of a passage that
 //! reverses is not that of its cell.
 
-use super::orders::{LAGS, LineSums, Noise, TrackedOrder};
+use super::orders::{LineSums, Noise, PLACES, TrackedOrder};
 use super::phasor::phasor;
 
 /// Slips that are tried on each side of zero.
@@ -164,7 +164,7 @@ impl SlipSearch {
 
 /// 1 − d/7.
 fn taper(d: u8) -> f32 {
-    1.0 - f32::from(d) / (LAGS as f32 + 1.0)
+    1.0 - f32::from(d) / (f32::from(PLACES) + 1.0)
 }
 
 /// ψ of (2) in turns at a part of the range.
@@ -172,16 +172,16 @@ fn turns(order: &TrackedOrder, range: &SlipRange, part: f32) -> f32 {
     order.order() * order.slip_ratio * range.slip * range.cell_turns * part
 }
 
-/// Σ_d (1 − d/7) Re(R(h, d) e^{−2πj d turns}) by Horner's rule from the longest lag.
+/// `Σ_d (1 − d/7) Re(R(h, d) e^{−2πj d turns})` by Horner's rule from the longest lag.
 #[inline(always)]
-#[expect(clippy::cast_possible_truncation, reason = "takes the fraction of a turn")]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "takes the fraction of a turn")]
 fn lag_sum(sums: &LineSums, h: usize, turns: f32) -> f32 {
     let fraction = turns - turns as i32 as f32;
     let bits = (fraction * 4_294_967_296.0) as i64 as u32;
     let (cos, sin) = phasor(bits);
     let (mut x, mut y) = (0.0, 0.0);
     let lags = sums.lags.get(h).map_or(&[][..], |lags| lags.as_slice());
-    for (d, [rx, ry]) in (1..=LAGS as u8).zip(lags).rev() {
+    for (d, [rx, ry]) in (1..=PLACES).zip(lags).rev() {
         let t = taper(d);
         let (ax, ay) = (x + t * rx, y + t * ry);
         (x, y) = (ax * cos + ay * sin, ay * cos - ax * sin);

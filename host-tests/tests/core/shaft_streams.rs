@@ -1,7 +1,7 @@
 //! The shaft on streams that no laboratory would record, and across segments.
 
 use bearing_watch::model::{Channel, Constants, Feature, Field, Lags, ShaftConstants, TrackedOrder};
-use bearing_watch::plan::{Layout, LayoutError, Plan, RunTime, RunTimeSample, ShaftLayout, Signal};
+use bearing_watch::plan::{Layout, LayoutError, Plan, RunTime, ShaftLayout};
 use bearing_watch::{Angle, Detector, Friction, Model, ModelError, Part, Reason, Report, ShaftEstimate};
 use proptest::prelude::*;
 use workbench::rig::{Defect, DefectKind, NoiseSource, Scenario, Stream, simulate};

@@ -62,7 +62,7 @@ fn run(
     for k in 0..samples {
         let step = turns(k);
         angle += step;
-        let bits = ((angle - angle.floor()) * 4_294_967_296.0) as u64 as u32;
+        let bits = ((angle * 4_294_967_296.0) as i64).cast_unsigned() as u32;
         let turned = bits.wrapping_sub(last).cast_signed();
         last = bits;
         let excitation = if step < 0.0 { -1.0 } else { 1.0 };
@@ -88,8 +88,11 @@ fn mean_and_deviation(x: &[f64]) -> (f64, f64) {
     (mean, (x.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt())
 }
 
+/// Turns at sample k.
+type Turns = fn(usize) -> f64;
+
 /// Turns a sample: constant, varying, and reversing.
-const MOTIONS: [(&str, fn(usize) -> f64); 3] = [
+const MOTIONS: [(&str, Turns); 3] = [
     ("constant", |_| 0.0085),
     ("varying", |k| 0.0085 + 0.004 * (k as f64 * 0.003).sin()),
     ("reversing", |k| 0.02 * (k as f64 * 0.003).sin()),

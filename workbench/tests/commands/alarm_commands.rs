@@ -71,7 +71,7 @@ fn the_shaft_s_features_find_a_small_defect_from_healthy_traces() {
     let said = succeed(dir, "evaluate --model m.bwm --labels test/labels.csv");
     assert!(said.starts_with("spall, not trained: not called healthy 100.0 %") && !said.contains("NaN"), "{said}");
     let replayed = succeed(dir, "replay --model m.bwm test --json");
-    assert_eq!(json(&replayed)[0]["friction"]["names"][5], "drag");
+    assert_eq!(json(&replayed)[0]["friction"]["names"][7], "drag");
     assert!(succeed(dir, "replay --model m.bwm test").contains("× noise"), "{replayed}");
     refuse(dir, &format!("{TRAIN} --labels train/labels.csv --model n.bwm --angle angle_rad"), &["--velocity"]);
     refuse(

@@ -160,7 +160,7 @@ fn rows(balance: &Balance, terms: &[usize], signals: &Signals) -> (Squares, Vec<
             now = p;
         }
         present.push(now);
-        if k < first || (k - first) % balance.row_interval as usize != 0 {
+        if k < first || !(k - first).is_multiple_of(balance.row_interval as usize) {
             continue;
         }
         let slot = (k - first) / balance.row_interval as usize + 1;
