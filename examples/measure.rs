@@ -242,7 +242,7 @@ fn detector<P: Plan>(counter: &mut Counter, name: &str, n: usize, model: &Model<
     }
     line(format_args!("{name}, longest piece"), n, largest, Some(size_of_val(&solver)));
     say!(r#"{{"name":"{name}, number of pieces","n":{pieces},"instructions":null,"bytes":null}}"#);
-    let mut buffer = [0; 1024];
+    let mut buffer = [0; 2048];
     let Ok(written) = model.to_bytes("", &mut buffer) else { return };
     let bytes = buffer.get(..written).unwrap_or_default();
     let mut read = false;
