@@ -17,7 +17,8 @@
 //! the matched filter. A block is one passage through a cell of the shaft's angle, 2ⁿ turns wide, or as much to and fro
 //! within it: blocks are equal in turns at any speed, end at the same angles after a reversal, and slip turns the phase of (4) by an angle that
 //! depends on d only. Pairs backwards through the cells count conjugated. Noise is that of control orders, where no
-//! bearing has one; the fourth root in (6) keeps single strong blocks from deciding it.
+//! bearing has one; two of them are watched at a time, and the next two in the
+//! next block. The fourth root in (6) keeps single strong blocks from deciding it.
 //!
 //! One order and harmonic a sample closes its block after a cell's end, so that no sample pays for all of them.
 //! `cargo xtask measure` prints instructions and state.
@@ -32,6 +33,8 @@ pub const LAGS: usize = PLACES as usize;
 pub(super) const PLACES: u8 = 6;
 /// Number of control orders.
 pub const CONTROLS: usize = 4;
+/// Number of control orders that are watched at a time, each by every second block.
+const WATCHED: usize = 2;
 /// Fewer blocks than this do not determine noise and phase.
 pub const MIN_BLOCKS: u16 = 4;
 
@@ -150,13 +153,23 @@ const LINE: Line = Line {
     sums: LineSums::EMPTY,
 };
 
-/// One control order: t, b and W.
+/// A control order under watch: its place, t, b and W.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 struct Control {
+    place: u8,
     template: [f32; 2],
     block: [f32; 2],
     weight: f32,
+}
+
+impl Control {
+    /// The start of a block of the control order at this place.
+    const fn at(place: u8) -> Self {
+        Self { place, template: [0.0; 2], block: [0.0; 2], weight: 0.0 }
+    }
+
+    const START: [Self; WATCHED] = [Self::at(0), Self::at(1)];
 }
 
 /// Sums of (6).
@@ -174,7 +187,7 @@ pub struct Noise {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OrderTracking<P: Plan> {
     lines: Array<P::Orders, Line>,
-    controls: [Control; CONTROLS],
+    controls: [Control; WATCHED],
     noise: Noise,
     /// Θ of (1), counts of 2⁻³² turn.
     turned: i64,
@@ -189,8 +202,6 @@ pub struct OrderTracking<P: Plan> {
     /// The cell that closes, and the next item to close: orders times harmonics, then controls; `IDLE` if none.
     closing_cell: i32,
     closing: u8,
-    /// The control order of the next sample.
-    control: u8,
     blocks: u16,
 }
 
@@ -217,7 +228,7 @@ impl<P: Plan> OrderTracking<P> {
     pub(super) fn new(plan: P) -> Self {
         Self {
             lines: Cells::filled(plan.layout().orders(), LINE),
-            controls: [Control::default(); CONTROLS],
+            controls: Control::START,
             noise: Noise::default(),
             turned: 0,
             cell: 0,
@@ -227,7 +238,6 @@ impl<P: Plan> OrderTracking<P> {
             place: 0,
             closing_cell: 0,
             closing: IDLE,
-            control: 0,
             blocks: 0,
         }
     }
@@ -243,7 +253,7 @@ impl<P: Plan> OrderTracking<P> {
             line.add(harmonics, phase(order.order_q16, self.turned), tracking.blocks.pole, residual);
             (lines, orders) = (rest, later);
         }
-        self.add_control(tracking, residual);
+        self.add_controls(tracking, residual);
         if self.closing == IDLE {
             self.watch_cell(tracking.blocks.cell_turns_log2);
         } else {
@@ -261,20 +271,18 @@ impl<P: Plan> OrderTracking<P> {
         }
     }
 
-    /// One control order a sample: each sees every fourth sample, with the filter of four.
+    /// Adds the sample to the blocks of the control orders, as to those of the tracked ones.
     #[inline(always)]
-    fn add_control(&mut self, tracking: &Tracking<P>, residual: Residual) {
-        let place = self.control as usize % CONTROLS;
-        self.control = self.control.wrapping_add(1);
-        if let (Some(&order), Some(control)) = (tracking.blocks.controls.get(place), self.controls.get_mut(place)) {
+    fn add_controls(&mut self, tracking: &Tracking<P>, residual: Residual) {
+        let (Residual { white, excitation }, pole) = (residual, tracking.blocks.pole);
+        for Control { place, template: [tx, ty], block: [x, y], weight } in &mut self.controls {
+            let order = tracking.blocks.controls.get(*place as usize).copied().unwrap_or(0);
             let (cos, sin) = phasor(phase(order, self.turned));
-            let (Residual { white, excitation }, twice) = (residual, tracking.blocks.pole * tracking.blocks.pole);
-            let ([tx, ty], [x, y], pole) = (&mut control.template, &mut control.block, twice * twice);
-            *tx = excitation * cos + pole * *tx;
+            *tx = excitation * cos + pole * *tx; // (2)
             *ty = excitation * sin + pole * *ty;
-            *x += white * *tx;
+            *x += white * *tx; // (3)
             *y -= white * *ty;
-            control.weight += *tx * *tx + *ty * *ty;
+            *weight += *tx * *tx + *ty * *ty;
         }
     }
 
@@ -304,8 +312,8 @@ impl<P: Plan> OrderTracking<P> {
                 line.close(h, self.closing_cell, &self.cells, (held, self.place as usize));
             }
         } else if let Some(control) = self.controls.get_mut(item.wrapping_sub(items)) {
-            let Control { template, block: [x, y], weight } = *control;
-            *control = Control { template, ..Control::default() };
+            let Control { place, block: [x, y], weight, .. } = *control;
+            *control = Control::at(place.wrapping_add(2) % 4);
             if weight > 0.0 {
                 self.noise.roots += libm::sqrtf(libm::sqrtf((x * x + y * y) / weight)); // (6)
                 self.noise.count = self.noise.count.saturating_add(1);
@@ -333,7 +341,7 @@ impl<P: Plan> OrderTracking<P> {
         for line in self.lines.cells_mut() {
             *line = Line { template: line.template, ..LINE };
         }
-        self.controls = [Control::default(); CONTROLS];
+        self.controls = Control::START;
         self.noise = Noise::default();
         (self.blocks, self.held, self.closing) = (0, 0, IDLE);
     }

@@ -118,7 +118,8 @@ impl SlipSearch {
         let (mut noise_power, mut spread) = (square, 0.0);
         let mut steady = 0.0;
         for (d, pair) in (1_u8..).zip(pairs) {
-            let (t, far) = (taper(d), f32::from(d));
+            let far = f32::from(d);
+            let t = taper(far);
             noise_power += 2.0 * t * t * pair;
             spread += 2.0 * t * t * pair * far * far;
             steady += t * pair;
@@ -163,8 +164,8 @@ impl SlipSearch {
 }
 
 /// 1 − d/7.
-fn taper(d: u8) -> f32 {
-    1.0 - f32::from(d) / (f32::from(PLACES) + 1.0)
+fn taper(d: f32) -> f32 {
+    1.0 - d / (f32::from(PLACES) + 1.0)
 }
 
 /// ψ of (2) in turns at a part of the range.
@@ -181,10 +182,12 @@ fn lag_sum(sums: &LineSums, h: usize, turns: f32) -> f32 {
     let (cos, sin) = phasor(bits);
     let (mut x, mut y) = (0.0, 0.0);
     let lags = sums.lags.get(h).map_or(&[][..], |lags| lags.as_slice());
-    for (d, [rx, ry]) in (1..=PLACES).zip(lags).rev() {
-        let t = taper(d);
+    let mut longest = lags;
+    while let [shorter @ .., [rx, ry]] = longest {
+        let t = taper(longest.len() as f32);
         let (ax, ay) = (x + t * rx, y + t * ry);
         (x, y) = (ax * cos + ay * sin, ay * cos - ax * sin);
+        longest = shorter;
     }
     x
 }
