@@ -5,6 +5,7 @@
 
 use super::balance::{Balance, BalanceSums, TERMS, columns};
 use super::friction::{Friction, Parameter};
+use crate::factor::kernels::pairs;
 use crate::factor::{Mass, Problem, Solution, SolveError, Solved, lower};
 use crate::reason::{FrictionTerm, Part, Reason};
 
@@ -20,6 +21,8 @@ enum Stage {
     Results,
 }
 
+/// Results before the drag.
+const RESULTS: usize = 3;
 const COVARIANCE: usize = TERMS * (TERMS + 1) / 2;
 
 /// A solve of the torque balance under way.
@@ -32,6 +35,8 @@ pub struct BalanceSolve {
     covariance: [f32; COVARIANCE],
     work: [f32; TERMS],
     variance: f32,
+    /// Value, nominal value and variance of the drag, term by term.
+    drag: [f32; 3],
     /// Number of calls of [`BalanceSolve::results`].
     results: u8,
 }
@@ -45,6 +50,7 @@ impl BalanceSolve {
             covariance: [0.0; COVARIANCE],
             work: [0.0; TERMS],
             variance: 0.0,
+            drag: [0.0; 3],
             results: 0,
         }
     }
@@ -140,8 +146,10 @@ impl BalanceSolve {
                 friction.load_friction = load.then(|| at(5, n5));
                 friction.stribeck = at(if load { 6 } else { 4 }, n6);
             }
+            k if (k as usize) < RESULTS + TERMS => self.add_to_drag(balance, load, (k as usize).wrapping_sub(RESULTS)),
             _ => {
-                friction.drag = self.drag(balance, load);
+                let [value, nominal, variance] = self.drag;
+                friction.drag = parameter(value, variance, nominal);
                 friction.offset = at(if load { 4 } else { 3 }, n4);
                 friction.variance = self.variance;
                 return true;
@@ -151,22 +159,22 @@ impl BalanceSolve {
         false
     }
 
-    /// (4): its variance has the covariances of all terms, whose errors cancel in it.
+    /// Adds the k-th term to the drag (4). Its variance has the covariances of all terms, whose errors cancel in it.
     #[inline(never)]
-    fn drag(&self, balance: &Balance, load: bool) -> Parameter {
-        let (all, terms) = (balance.in_drag(), Balance::terms(load));
-        let part = |term: usize| all.get(term).copied().unwrap_or(0.0);
-        let (mut value, mut nominal, mut variance) = (0.0, 0.0, 0.0);
-        for (k, &term) in terms.iter().enumerate() {
-            let own = part(term);
-            value += own * self.delta.get(k).copied().unwrap_or(0.0);
-            nominal += own * balance.nominal.get(term).copied().unwrap_or(0.0);
-            for (j, &other) in terms.iter().enumerate().take(k) {
-                variance += 2.0 * own * part(other) * self.covariance.get(lower(k, j)).copied().unwrap_or(0.0);
-            }
-            variance += own * own * self.covariance.get(lower(k, k)).copied().unwrap_or(0.0);
+    fn add_to_drag(&mut self, balance: &Balance, load: bool, k: usize) {
+        let (weights, terms) = (balance.in_drag(), Balance::terms(load));
+        let Some((&term, before)) = terms.get(..=k).and_then(<[usize]>::split_last) else { return };
+        let weight = |term: usize| weights.get(term).copied().unwrap_or(0.0);
+        let own = weight(term);
+        if own == 0.0 {
+            return;
         }
-        parameter(value, variance, nominal)
+        let [value, nominal, variance] = &mut self.drag;
+        *value += own * self.delta.get(k).copied().unwrap_or(0.0);
+        *nominal += own * balance.nominal.get(term).copied().unwrap_or(0.0);
+        let row = self.covariance.get(lower(k, 0)..).unwrap_or_default();
+        let with: f32 = pairs(before, row).map(|(&other, covariance)| weight(other) * covariance).sum();
+        *variance += own * (2.0 * with + own * row.get(k).copied().unwrap_or(0.0));
     }
 }
 

@@ -349,6 +349,11 @@ impl<P: Plan> Shaft<P> {
 /// Samples until the ring is full, and the sample that starts the filters.
 const FILLING: u8 = RING + 1;
 
+/// 2ⁿ, n from −126 to 127.
+const fn power_of_two(n: i8) -> f32 {
+    f32::from_bits((n as i32).wrapping_add(127).cast_unsigned() << 23)
+}
+
 impl ShaftSolve {
     /// Nothing solved yet.
     #[must_use]
@@ -395,10 +400,7 @@ impl ShaftSolve {
             }
             return true;
         };
-        let range = SlipRange {
-            cell_turns: libm::exp2f(f32::from(tracking.blocks.cell_turns_log2)),
-            slip: tracking.blocks.slip,
-        };
+        let range = SlipRange { cell_turns: power_of_two(tracking.blocks.cell_turns_log2), slip: tracking.blocks.slip };
         let mut spent = 0_usize;
         while spent < budget {
             if let Some(strength) = self.search.step(line, &sums.orders.noise, order, &range) {

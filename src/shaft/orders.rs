@@ -17,8 +17,7 @@
 //! the matched filter. A block is one passage through a cell of the shaft's angle, 2ⁿ turns wide, or as much to and fro
 //! within it: blocks are equal in turns at any speed, end at the same angles after a reversal, and slip turns the phase of (4) by an angle that
 //! depends on d only. Pairs backwards through the cells count conjugated. Noise is that of control orders, where no
-//! bearing has one; two of them are watched at a time, and the next two in the
-//! next block. The fourth root in (6) keeps single strong blocks from deciding it.
+//! bearing has one; the fourth root in (6) keeps single strong blocks from deciding it.
 //!
 //! One order and harmonic a sample closes its block after a cell's end, so that no sample pays for all of them.
 //! `cargo xtask measure` prints instructions and state.
@@ -33,8 +32,6 @@ pub const LAGS: usize = PLACES as usize;
 pub(super) const PLACES: u8 = 6;
 /// Number of control orders.
 pub const CONTROLS: usize = 4;
-/// Number of control orders that are watched at a time, each by every second block.
-const WATCHED: usize = 2;
 /// Fewer blocks than this do not determine noise and phase.
 pub const MIN_BLOCKS: u16 = 4;
 
@@ -153,23 +150,13 @@ const LINE: Line = Line {
     sums: LineSums::EMPTY,
 };
 
-/// A control order under watch: its place, t, b and W.
+/// One control order: t, b and W.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 struct Control {
-    place: u8,
     template: [f32; 2],
     block: [f32; 2],
     weight: f32,
-}
-
-impl Control {
-    /// The start of a block of the control order at this place.
-    const fn at(place: u8) -> Self {
-        Self { place, template: [0.0; 2], block: [0.0; 2], weight: 0.0 }
-    }
-
-    const START: [Self; WATCHED] = [Self::at(0), Self::at(1)];
 }
 
 /// Sums of (6).
@@ -187,7 +174,7 @@ pub struct Noise {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OrderTracking<P: Plan> {
     lines: Array<P::Orders, Line>,
-    controls: [Control; WATCHED],
+    controls: [Control; CONTROLS],
     noise: Noise,
     /// Θ of (1), counts of 2⁻³² turn.
     turned: i64,
@@ -228,7 +215,7 @@ impl<P: Plan> OrderTracking<P> {
     pub(super) fn new(plan: P) -> Self {
         Self {
             lines: Cells::filled(plan.layout().orders(), LINE),
-            controls: Control::START,
+            controls: [Control::default(); CONTROLS],
             noise: Noise::default(),
             turned: 0,
             cell: 0,
@@ -275,8 +262,8 @@ impl<P: Plan> OrderTracking<P> {
     #[inline(always)]
     fn add_controls(&mut self, tracking: &Tracking<P>, residual: Residual) {
         let (Residual { white, excitation }, pole) = (residual, tracking.blocks.pole);
-        for Control { place, template: [tx, ty], block: [x, y], weight } in &mut self.controls {
-            let order = tracking.blocks.controls.get(*place as usize).copied().unwrap_or(0);
+        for (control, order) in self.controls.iter_mut().zip(tracking.blocks.controls) {
+            let Control { template: [tx, ty], block: [x, y], weight } = control;
             let (cos, sin) = phasor(phase(order, self.turned));
             *tx = excitation * cos + pole * *tx; // (2)
             *ty = excitation * sin + pole * *ty;
@@ -312,8 +299,8 @@ impl<P: Plan> OrderTracking<P> {
                 line.close(h, self.closing_cell, &self.cells, (held, self.place as usize));
             }
         } else if let Some(control) = self.controls.get_mut(item.wrapping_sub(items)) {
-            let Control { place, block: [x, y], weight, .. } = *control;
-            *control = Control::at(place.wrapping_add(2) % 4);
+            let Control { template, block: [x, y], weight } = *control;
+            *control = Control { template, ..Control::default() };
             if weight > 0.0 {
                 self.noise.roots += libm::sqrtf(libm::sqrtf((x * x + y * y) / weight)); // (6)
                 self.noise.count = self.noise.count.saturating_add(1);
@@ -339,9 +326,10 @@ impl<P: Plan> OrderTracking<P> {
     #[inline(always)]
     pub(super) fn next_segment(&mut self) {
         for line in self.lines.cells_mut() {
-            *line = Line { template: line.template, ..LINE };
+            // History beyond `held` is not read.
+            (line.block, line.weight, line.sums) = (LINE.block, LINE.weight, LineSums::EMPTY);
         }
-        self.controls = Control::START;
+        self.controls = [Control::default(); CONTROLS];
         self.noise = Noise::default();
         (self.blocks, self.held, self.closing) = (0, 0, IDLE);
     }

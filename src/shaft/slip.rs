@@ -24,8 +24,11 @@
 //! A motion that reverses adds a systematic error of about 0.001 to the slip of a defect: the middle of a passage that
 //! reverses is not that of its cell.
 
-use super::orders::{LineSums, Noise, PLACES, TrackedOrder};
+use core::f32::consts::PI;
+
+use super::orders::{LAGS, LineSums, Noise, PLACES, TrackedOrder};
 use super::phasor::phasor;
+use crate::plan::MAX_HARMONICS;
 
 /// Slips that are tried on each side of zero.
 const SIDE: i8 = 8;
@@ -33,7 +36,7 @@ const SIDE: i8 = 8;
 const ROOT_MEAN: f32 = 0.906_402_5;
 
 /// How much an order exceeds the noise.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OrderStrength {
     /// (3): about one without a defect.
@@ -50,16 +53,44 @@ pub struct OrderStrength {
     pub slip_deviation: f32,
 }
 
+impl OrderStrength {
+    const NONE: Self =
+        Self { prominence: 0.0, score: 0.0, amplitude: 0.0, deviation: 0.0, slip: 0.0, slip_deviation: 0.0 };
+}
+
+impl Default for OrderStrength {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
+/// Products d h in (1): phases of its terms, in ψ.
+const COMBINED: usize = LAGS * MAX_HARMONICS;
+
 /// The search under way, one slip a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct SlipSearch {
+    /// What the next step does: before the first slip, it combines the harmonics; after the last, it forms the results.
     next: i8,
+    /// The terms of (1) times σ² by their phases d h ψ, and the one without a phase.
+    terms: [[f32; 2]; COMBINED],
+    constant: f32,
     best: f32,
     best_at: i8,
     /// P before and after the best one.
     around: [f32; 2],
     last: f32,
+    found: OrderStrength,
+    /// σ², and of −P″ (6) a squared step.
+    variance: f32,
+    curvature: f32,
+    /// V(0) + 2 Σ (1 − d/7)² V(d), 2 Σ (1 − d/7)² d² V(d), and Σ (1 − d/7) V(d).
+    noise_power: f32,
+    spread: f32,
+    steady: f32,
+    /// |A|² of (8).
+    power: f32,
 }
 
 /// What a search needs besides the sums.
@@ -73,10 +104,25 @@ pub(super) struct SlipRange {
 
 impl SlipSearch {
     pub(super) const fn new() -> Self {
-        Self { next: -SIDE, best: f32::NEG_INFINITY, best_at: 0, around: [f32::NEG_INFINITY; 2], last: 0.0 }
+        Self {
+            next: COMBINE,
+            terms: [[0.0; 2]; COMBINED],
+            constant: 0.0,
+            best: f32::NEG_INFINITY,
+            best_at: 0,
+            around: [f32::NEG_INFINITY; 2],
+            last: 0.0,
+            found: OrderStrength::NONE,
+            variance: 0.0,
+            curvature: 0.0,
+            noise_power: 0.0,
+            spread: 0.0,
+            steady: 0.0,
+            power: 0.0,
+        }
     }
 
-    /// Tries the next slip; the strength after the last one.
+    /// Does the next step; the strength after the last one.
     #[inline(never)]
     pub(super) fn step(
         &mut self,
@@ -85,11 +131,51 @@ impl SlipSearch {
         order: &TrackedOrder,
         range: &SlipRange,
     ) -> Option<OrderStrength> {
-        let k = self.next;
-        if k > SIDE {
-            return Some(self.strength(sums, noise, order, range));
+        let next = self.next;
+        self.next = next.wrapping_add(1);
+        match next {
+            FIRST..=SIDE => self.compare(next, self.spectrum(turns(order, range, f32::from(next) / f32::from(SIDE)))),
+            PROMINENCE => self.prominence(noise, order, range),
+            NOISE => self.noise(sums),
+            SCORE => self.score(sums, order, range),
+            AMPLITUDE => self.amplitude(sums, order, range),
+            DEVIATIONS => {
+                self.deviations(sums, order, range);
+                return Some(self.found);
+            }
+            before => self.combine(sums, order, usize::from(before.wrapping_sub(COMBINE).unsigned_abs())),
         }
-        let value = spectrum(sums, order, turns(order, range, f32::from(k) / f32::from(SIDE)));
+        None
+    }
+
+    /// Adds the terms of a harmonic to those of equal phase.
+    #[inline(never)]
+    fn combine(&mut self, sums: &LineSums, order: &TrackedOrder, h: usize) {
+        let own = (order.weights.get(h), sums.power.get(h), sums.weight.get(h), sums.lags.get(h));
+        let (Some(weight), Some(power), Some(total), Some(lags)) = own else { return };
+        if *weight <= 0.0 || *total <= 0.0 {
+            return;
+        }
+        let scale = weight / total;
+        self.constant += scale * power;
+        let mut terms = self.terms.get_mut(h..).unwrap_or_default();
+        for (d, [x, y]) in (1_u8..).zip(lags) {
+            let twice = 2.0 * scale * taper(f32::from(d));
+            // Phases (h + 1) d: every (h + 1)-th term.
+            let [[sum_x, sum_y], rest @ ..] = terms else { return };
+            *sum_x += twice * x;
+            *sum_y += twice * y;
+            terms = rest.get_mut(h..).unwrap_or_default();
+        }
+    }
+
+    /// (1) times σ², where ψ is so many turns.
+    #[inline(never)]
+    fn spectrum(&self, turns: f32) -> f32 {
+        self.constant + real_sum(&self.terms, turns)
+    }
+
+    fn compare(&mut self, k: i8, value: f32) {
         if k == self.best_at.wrapping_add(1) && self.best_at != k {
             let [_, after] = &mut self.around;
             *after = value;
@@ -99,54 +185,75 @@ impl SlipSearch {
             self.around = [if k > -SIDE { self.last } else { f32::NEG_INFINITY }, f32::NEG_INFINITY];
         }
         self.last = value;
-        self.next = k.wrapping_add(1);
-        None
     }
 
+    /// σ², slip and (3).
     #[inline(never)]
-    fn strength(&self, sums: &LineSums, noise: &Noise, order: &TrackedOrder, range: &SlipRange) -> OrderStrength {
-        let [w1, w2, w3] = order.weights;
-        let [total, ..] = sums.weight;
-        let weights = w1 + w2 + w3;
+    fn prominence(&mut self, noise: &Noise, order: &TrackedOrder, range: &SlipRange) {
         let root = noise.roots / (f32::from(noise.count) * ROOT_MEAN);
-        let variance = root * root * root * root; // (6) of the orders
+        self.variance = root * root * root * root; // (6) of the orders
         let (shift, curvature, best) = self.vertex();
-        let step = range.slip / f32::from(SIDE);
-        let slip = (f32::from(self.best_at) + shift) * step;
-        let prominence = (best / variance / weights).max(0.0); // (3)
-        let [square, pairs @ ..] = sums.pairs;
-        let (mut noise_power, mut spread) = (square, 0.0);
-        let mut steady = 0.0;
-        for (d, pair) in (1_u8..).zip(pairs) {
+        self.curvature = curvature;
+        self.found.slip = (f32::from(self.best_at) + shift) * range.slip / f32::from(SIDE);
+        let [w1, w2, w3] = order.weights;
+        self.found.prominence = (best / self.variance / (w1 + w2 + w3)).max(0.0); // (3)
+    }
+
+    /// The sums over V of (4), (7) and (8).
+    #[inline(never)]
+    fn noise(&mut self, sums: &LineSums) {
+        let [square, lags @ ..] = sums.pairs;
+        self.noise_power = square;
+        for (d, pair) in (1_u8..).zip(lags) {
             let far = f32::from(d);
             let t = taper(far);
-            noise_power += 2.0 * t * t * pair;
-            spread += 2.0 * t * t * pair * far * far;
-            steady += t * pair;
+            let (once, twice) = (t * pair, 2.0 * t * t * pair);
+            self.steady += once;
+            self.noise_power += twice;
+            self.spread += twice * far * far;
         }
-        let squares = w1 * w1 + w2 * w2 + w3 * w3;
-        let freedom = 2.0 * weights * weights * total * total / (squares * noise_power); // (4)
+    }
+
+    /// (5).
+    #[inline(never)]
+    fn score(&mut self, sums: &LineSums, order: &TrackedOrder, range: &SlipRange) {
+        let ([w1, w2, w3], [total, ..]) = (order.weights, sums.weight);
+        let (weights, squares) = (w1 + w2 + w3, w1 * w1 + w2 * w2 + w3 * w3);
+        let freedom = 2.0 * weights * weights * total * total / (squares * self.noise_power); // (4)
         let relative = 2.0 / (9.0 * freedom);
-        let cube_root = libm::cbrtf(prominence);
-        let reach = 2.0 * turns(order, range, 1.0).abs() * libm::sqrtf(spread / noise_power);
-        let independent = 1.0 + 2.0 * core::f32::consts::PI * reach;
-        let score = (cube_root - 1.0 + relative) / libm::sqrtf(relative) - 0.7 * libm::logf(independent); // (5)
-        let own = lag_sum(sums, 0, turns(order, range, (f32::from(self.best_at) + shift) / f32::from(SIDE)));
-        let deviation = 2.0 * libm::sqrtf(variance / total);
-        let turning = core::f32::consts::TAU * turns(order, range, 1.0).abs() / range.slip;
-        let slopes = w1 * w1 + 4.0 * w2 * w2 + 9.0 * w3 * w3;
-        let power = (own / steady).max(0.0);
-        let crossed = 1.0 + power * square / (variance * total);
-        let slope_deviation = variance * turning * libm::sqrtf(slopes * spread * crossed) / total; // (7)
-        let slip_deviation = slope_deviation * step * step / curvature; // (6)
-        OrderStrength {
-            prominence,
-            score,
-            amplitude: 2.0 * libm::sqrtf(power), // (8)
-            deviation,
-            slip,
-            slip_deviation: if curvature > 0.0 { slip_deviation.min(range.slip) } else { range.slip },
+        let reach = 2.0 * turns(order, range, 1.0).abs() * libm::sqrtf(self.spread / self.noise_power);
+        let independent = 1.0 + 2.0 * PI * reach;
+        // The cube root of libm works in double precision, which the chip does in software.
+        let prominence = self.found.prominence;
+        let cube_root = if prominence > f32::MIN_POSITIVE { libm::expf(libm::logf(prominence) / 3.0) } else { 0.0 };
+        self.found.score = (cube_root - 1.0 + relative) / libm::sqrtf(relative) - 0.7 * libm::logf(independent);
+    }
+
+    /// (8).
+    #[inline(never)]
+    fn amplitude(&mut self, sums: &LineSums, order: &TrackedOrder, range: &SlipRange) {
+        let mut lags = sums.lags.first().copied().unwrap_or_default();
+        for (d, [x, y]) in (1_u8..).zip(&mut lags) {
+            let t = taper(f32::from(d));
+            (*x, *y) = (*x * t, *y * t);
         }
+        let own = real_sum(&lags, turns(order, range, self.found.slip / range.slip.max(f32::MIN_POSITIVE)));
+        self.power = (own / self.steady).max(0.0);
+        self.found.amplitude = 2.0 * libm::sqrtf(self.power);
+    }
+
+    /// (6) and (7), and the deviation of the amplitude.
+    #[inline(never)]
+    fn deviations(&mut self, sums: &LineSums, order: &TrackedOrder, range: &SlipRange) {
+        let ([w1, w2, w3], [total, ..], [square, ..]) = (order.weights, sums.weight, sums.pairs);
+        let turning = 2.0 * PI * order.order() * order.slip_ratio.abs() * range.cell_turns;
+        let slopes = w1 * w1 + 4.0 * w2 * w2 + 9.0 * w3 * w3;
+        let crossed = 1.0 + self.power * square / (self.variance * total);
+        let slope_deviation = self.variance * turning * libm::sqrtf(slopes * self.spread * crossed) / total; // (7)
+        let step = range.slip / f32::from(SIDE);
+        let slip_deviation = slope_deviation * step * step / self.curvature; // (6)
+        self.found.deviation = 2.0 * libm::sqrtf(self.variance / total);
+        self.found.slip_deviation = if self.curvature > 0.0 { slip_deviation.min(range.slip) } else { range.slip };
     }
 
     /// Vertex of the parabola through the best slip and its neighbours: shift in steps, −P″ a step², P.
@@ -163,6 +270,15 @@ impl SlipSearch {
     }
 }
 
+/// The first slip; before it a step for each harmonic, after the last one the results.
+const FIRST: i8 = -SIDE;
+const COMBINE: i8 = FIRST - 3;
+const PROMINENCE: i8 = SIDE + 1;
+const NOISE: i8 = SIDE + 2;
+const SCORE: i8 = SIDE + 3;
+const AMPLITUDE: i8 = SIDE + 4;
+const DEVIATIONS: i8 = SIDE + 5;
+
 /// 1 − d/7.
 fn taper(d: f32) -> f32 {
     1.0 - d / (f32::from(PLACES) + 1.0)
@@ -173,35 +289,16 @@ fn turns(order: &TrackedOrder, range: &SlipRange, part: f32) -> f32 {
     order.order() * order.slip_ratio * range.slip * range.cell_turns * part
 }
 
-/// `Σ_d (1 − d/7) Re(R(h, d) e^{−2πj d turns})` by Horner's rule from the longest lag.
+/// `Re Σ_m r_m e^{−2πj m turns}`, m from one on, by Horner's rule from the last.
 #[inline(always)]
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "takes the fraction of a turn")]
-fn lag_sum(sums: &LineSums, h: usize, turns: f32) -> f32 {
+#[expect(clippy::cast_possible_truncation, reason = "takes the fraction of a turn")]
+fn real_sum(terms: &[[f32; 2]], turns: f32) -> f32 {
     let fraction = turns - turns as i32 as f32;
-    let bits = (fraction * 4_294_967_296.0) as i64 as u32;
-    let (cos, sin) = phasor(bits);
+    let (cos, sin) = phasor(((fraction * 2_147_483_648.0) as i32).cast_unsigned() << 1);
     let (mut x, mut y) = (0.0, 0.0);
-    let lags = sums.lags.get(h).map_or(&[][..], |lags| lags.as_slice());
-    let mut longest = lags;
-    while let [shorter @ .., [rx, ry]] = longest {
-        let t = taper(longest.len() as f32);
-        let (ax, ay) = (x + t * rx, y + t * ry);
+    for [rx, ry] in terms.iter().rev() {
+        let (ax, ay) = (x + rx, y + ry);
         (x, y) = (ax * cos + ay * sin, ay * cos - ax * sin);
-        longest = shorter;
     }
     x
-}
-
-/// (1) times σ², the harmonics weighted.
-#[inline(never)]
-fn spectrum(sums: &LineSums, order: &TrackedOrder, turns_first: f32) -> f32 {
-    let mut value = 0.0;
-    for (h, weight) in order.weights.iter().enumerate() {
-        let (Some(power), Some(total)) = (sums.power.get(h), sums.weight.get(h)) else { break };
-        if *weight > 0.0 && *total > 0.0 {
-            let sum = lag_sum(sums, h, turns_first * (h as f32 + 1.0));
-            value += weight * (power + 2.0 * sum) / total;
-        }
-    }
-    value
 }

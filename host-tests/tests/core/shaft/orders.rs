@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use bearing_watch::model::{TrackedOrder, Tracking};
+use bearing_watch::model::{CONTROLS, TrackedOrder, Tracking};
 use bearing_watch::plan::RunTime;
 use nalgebra::Complex;
 
@@ -21,9 +21,6 @@ pub struct Path {
     pub white: Vec<f64>,
     pub excitation: Vec<f64>,
 }
-
-/// Control orders under watch at a time.
-const WATCHED: usize = 2;
 
 /// What the core's [`bearing_watch::OrderStrength`] should say.
 #[derive(Clone, Copy, Debug, Default)]
@@ -47,23 +44,18 @@ fn ends(path: &Path, cell_turns: f64, items: usize) -> Vec<(usize, i64)> {
         if k >= idle && (now != cell || travelled >= width) {
             found.push((k, cell));
             // One item a sample, then one for the controls each, then one that counts the block.
-            (cell, travelled, idle) = (now, 0, k + items + WATCHED + 2);
+            (cell, travelled, idle) = (now, 0, k + items + CONTROLS + 2);
         }
     }
     found
 }
 
-/// b and W of the blocks that end `after` so many samples later. Blocks take the orders in turn; more than one order
-/// starts anew in each block.
-fn blocks(path: &Path, (orders, pole): (&[f64], f64), ends: &[(usize, i64)], after: usize) -> Vec<(Complex<f64>, f64)> {
+/// b and W of the blocks that end `after` so many samples later.
+fn blocks(path: &Path, (order, pole): (f64, f64), ends: &[(usize, i64)], after: usize) -> Vec<(Complex<f64>, f64)> {
     let (mut template, mut from) = (Complex::new(0.0, 0.0), 0);
-    let mut found: Vec<(Complex<f64>, f64)> = vec![];
+    let mut found = vec![];
     for end in ends.iter().map(|(end, _)| end + after).filter(|end| *end < path.turned.len()) {
         let (mut b, mut weight) = (Complex::new(0.0, 0.0), 0.0);
-        let order = orders[found.len() % orders.len()];
-        if orders.len() > 1 {
-            template = Complex::new(0.0, 0.0);
-        }
         while from <= end {
             let phase = TAU * order * path.turned[from] as f64 / TURN;
             template = Complex::from_polar(path.excitation[from], phase) + template * pole;
@@ -121,17 +113,16 @@ pub fn expected(tracking: &Tracking<RunTime>, path: &Path) -> Vec<Expected> {
     let items = tracking.orders.len() * HARMONICS;
     let ends = ends(path, cell_turns, items);
     let mut roots = vec![];
-    let [c0, c1, c2, c3] = shape.controls.map(|order| f64::from(order) / 65_536.0);
-    for (c, pair) in [[c0, c2], [c1, c3]].iter().enumerate() {
-        for (b, w) in blocks(path, (pair, pole), &ends, 1 + items + c) {
+    for (c, order) in shape.controls.iter().enumerate() {
+        for (b, w) in blocks(path, (f64::from(*order) / 65_536.0, pole), &ends, 1 + items + c) {
             roots.extend((w > 0.0).then(|| (b.norm_sqr() / w).powf(0.25)));
         }
     }
     let variance = (roots.iter().sum::<f64>() / roots.len() as f64 / GAMMA).powi(4);
     let lines = tracking.orders.iter().enumerate().map(|(line, order)| {
         let harmonic = |h: usize| {
-            let own = [(h + 1) as f64 * f64::from(order.order_q16) / 65_536.0];
-            Harmonic::new(&blocks(path, (&own, pole), &ends, 1 + line * HARMONICS + h), &ends)
+            let own = (h + 1) as f64 * f64::from(order.order_q16) / 65_536.0;
+            Harmonic::new(&blocks(path, (own, pole), &ends, 1 + line * HARMONICS + h), &ends)
         };
         let sums: [Harmonic; HARMONICS] = std::array::from_fn(harmonic);
         strength(order, &sums, variance, (cell_turns, f64::from(shape.slip)))
