@@ -202,6 +202,7 @@ fn about<P: Plan>(model: &Model<P>) {
     let (numbers, features) = (opaque([0.5_f32; 9]), layout.features as usize);
     let values = opaque([FeatureValue { value: 0.5, variance: 0.1 }; 9]);
     opaque(FeatureValue::is_missing(opaque(FeatureValue::MISSING)));
+    opaque(Projection::excess(&classifier.projection, opaque(FeatureValue::MISSING), opaque(0)));
     opaque(Projection::coordinate(&classifier.projection, values.get(..features).unwrap_or_default(), opaque(0)));
     let discriminant = &classifier.discriminant;
     opaque(Discriminant::log_likelihood(discriminant, opaque(Kind::Quadratic), &numbers, &numbers, opaque(1)));

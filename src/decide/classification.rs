@@ -129,7 +129,7 @@ impl<P: Plan> Classification<P> {
             return self.then(Stage::Coordinates);
         };
         match feature.value(plan, estimate, shaft) {
-            Ok(value) => *cell = value,
+            Ok(value) => *cell = classifier.projection.excess(value, self.k),
             Err(reason) => self.reason = self.reason.or(Some(reason)),
         }
         *missing = cell.is_missing();

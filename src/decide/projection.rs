@@ -33,11 +33,18 @@ pub struct Projection<P: Plan> {
 }
 
 impl<P: Plan> Projection<P> {
-    /// Coordinate `k` of (1) with its variance (2); missing if a feature with a weight is missing.
+    /// Feature `k` with what the variance of its error exceeds the usual one, as (2) has it.
+    #[must_use]
+    pub fn excess(&self, feature: FeatureValue, k: usize) -> FeatureValue {
+        let usual = self.usual.cells().get(k).copied().unwrap_or(0.0);
+        FeatureValue { variance: (feature.variance - usual).max(0.0), ..feature }
+    }
+
+    /// Coordinate `k` of (1) with its variance (2), of features with their [`excess`](Self::excess); missing if a feature with a weight is missing.
     #[must_use]
     pub fn coordinate(&self, features: &[FeatureValue], k: usize) -> FeatureValue {
         let row = self.matrix.cells().get(k.wrapping_mul(features.len())..).unwrap_or(&[]);
-        weighted_sum(row, features, (self.mean.cells(), self.usual.cells()))
+        weighted_sum(row, features, self.mean.cells())
     }
 
     /// W and m as matrices; `None` if `Z` and `F` are not the numbers of coordinates and features.
@@ -56,12 +63,12 @@ impl<P: Plan> Projection<P> {
 
 /// (1) and (2) of one row of W.
 #[inline(never)]
-fn weighted_sum(weights: &[f32], features: &[FeatureValue], (mean, usual): (&[f32], &[f32])) -> FeatureValue {
+fn weighted_sum(weights: &[f32], features: &[FeatureValue], mean: &[f32]) -> FeatureValue {
     let mut z = FeatureValue { value: 0.0, variance: 0.0 };
-    for (w, (feature, (mean, usual))) in pairs(weights, pairs(features, pairs(mean, usual))) {
+    for (w, (feature, mean)) in pairs(weights, pairs(features, mean)) {
         z.value += w * (feature.value - mean); // (1)
         // Without a weight, an infinite variance has no effect either.
-        z.variance += if *w == 0.0 { 0.0 } else { w * w * (feature.variance - usual).max(0.0) }; // (2)
+        z.variance += if *w == 0.0 { 0.0 } else { w * w * feature.variance }; // (2)
     }
     if z.is_missing() { FeatureValue::MISSING } else { z }
 }
@@ -82,7 +89,7 @@ mod tests {
         // f − m = (−0.5, −3, 5): dyadic numbers, so every operation is exact.
         let features = [0.5, -1.0, 8.0];
         let with = |variances: [f32; 3]| {
-            let place = |k: usize| FeatureValue { value: features[k], variance: variances[k] };
+            let place = |k: usize| projection.excess(FeatureValue { value: features[k], variance: variances[k] }, k);
             [0, 1].map(|k| projection.coordinate(&[0, 1, 2].map(place), k))
         };
         let [first, second] = [-0.5 + 6.0 + 2.5, -12.0 + 5.0];

@@ -180,7 +180,8 @@ impl SlipSearch {
             let [_, after] = &mut self.around;
             *after = value;
         }
-        if value > self.best {
+        // Of equal values, as those of an order that does not slip, the nearest to zero.
+        if value > self.best || (k <= 0 && value >= self.best) {
             (self.best, self.best_at) = (value, k);
             self.around = [if k > -SIDE { self.last } else { f32::NEG_INFINITY }, f32::NEG_INFINITY];
         }

@@ -4,8 +4,8 @@
 
 #[rustfmt::skip]
 use bearing_watch::model::{Channel, Classifier, Constants, Discriminant, EvidenceConstants, Feature, Forgetting, Label, Novelty, Projection, Regression, Sampling};
-use bearing_watch::plan::{Kind, Layout, Memory, Method, RegressionLayout, Structure};
 use bearing_watch::Model;
+use bearing_watch::plan::{Kind, Layout, Memory, Method, RegressionLayout, Structure};
 
 bearing_watch::plan! {
     /// The plan of the detector.

@@ -20,15 +20,16 @@ pub struct Source {
 }
 
 /// All sources, in the order in which they run.
-pub const SOURCES: [Source; 10] = [
+pub const SOURCES: [Source; 11] = [
     quick(figures::NAME, figures::TOLERANCE, target),
     quick("demo", Tolerance::Exact, |_| printed("demo", "README.md", "standard_rig::twenty_draws")),
     quick("instruments", Tolerance::Exact, |_| {
         printed("instruments", "README.md", "instruments_model::noise_in_the_field")
     }),
-    slow("campaign", Tolerance::Exact, |_| workbench("campaign", campaign::DOCUMENT)),
+    slow("campaign", Tolerance::Exact, |_| workbench("campaign", "campaign", campaign::DOCUMENT)),
     quick("summary", Tolerance::Exact, |_| Ok(vec![campaign::block(&read(campaign::DOCUMENT)?)?])),
-    slow("tables", Tolerance::Exact, |_| workbench("tables", "docs/tables.md")),
+    slow("field", Tolerance::Exact, |_| workbench("campaign --field --draws 2", "field", "docs/field.md")),
+    slow("tables", Tolerance::Exact, |_| workbench("tables", "tables", "docs/tables.md")),
     slow("recorded", Tolerance::Exact, |_| printed("recorded", "docs/recorded.md", "recorded_")),
     slow("endurance", Tolerance::Exact, |_| endurance()),
     slow("peers", Tolerance::Any, |_| Ok(vec![Block::new("docs/peers.md", "peers", &peers::measure()?.0)])),
@@ -70,15 +71,15 @@ fn peers_on_target(way: Option<Way>) -> Result<Vec<Block>> {
 }
 
 /// The output of a command of the workbench, as a block of fixed-width text.
-fn workbench(command: &str, file: &'static str) -> Result<Vec<Block>> {
+fn workbench(command: &str, name: &str, file: &'static str) -> Result<Vec<Block>> {
     let program = ["run", "--release", "--quiet", "--package", "bearing-watch-workbench", "--bin", "bearing-watch"];
     let mut text = String::from("```text\n");
-    let status = child::lines(workspace::cargo(&program).args(["--", command]), |line| {
+    let status = child::lines(workspace::cargo(&program).arg("--").args(command.split(' ')), |line| {
         text += line;
         text.push('\n');
     })?;
     ensure!(status.success(), "bearing-watch {command}: {status}");
-    Ok(vec![Block::new(file, command, &(text + "```"))])
+    Ok(vec![Block::new(file, name, &(text + "```"))])
 }
 
 /// The blocks that tests of the system print. A test fails where the document differs from what it prints, so its

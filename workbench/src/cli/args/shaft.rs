@@ -35,7 +35,11 @@ pub(in crate::cli) struct ShaftArgs {
     /// Weights of an order's first three harmonics
     #[arg(long, value_name = "W1,W2,W3", value_delimiter = ',', num_args = 1, requires = "angle")]
     harmonics: Vec<f64>,
-    /// Delay of the current relative to velocity and load, in samples; estimated from the nominal class if not given
+    /// Largest relative slip of the bearing's cage that is searched [default: 0.008]
+    #[arg(long, value_name = "PART", requires = "angle")]
+    slip: Option<f64>,
+    /// Lag of the current behind velocity and load, samples; without it, the lags of all three are estimated from the
+    /// nominal class
     #[arg(long, value_name = "SAMPLES", requires = "angle")]
     current_delay: Option<f64>,
     /// Cut-off of the torque balance's filter, Hz
@@ -58,6 +62,7 @@ impl ShaftArgs {
         };
         let mut plan = ShaftPlan { load: self.load.is_some(), ..ShaftPlan::new(self.orders()?) };
         plan.current_delay = self.current_delay;
+        plan.slip = self.slip.unwrap_or(plan.slip);
         plan.cutoff_hz = self.balance_cutoff_hz.unwrap_or(plan.cutoff_hz);
         if self.harmonics.len() > 3 {
             return Err(Error::Usage("--harmonics takes at most three weights".into()));
