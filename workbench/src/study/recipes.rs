@@ -19,7 +19,7 @@ pub fn all_parameters() -> Recipe {
     }
 }
 
-/// Drag and torque constant by the torque balance, and the order of the outer race; quadratic discriminant with halved correlations;
+/// Drag, viscous friction and torque constant by the torque balance, and the order of the outer race; quadratic discriminant with halved correlations;
 /// no gate.
 ///
 /// Correlations estimated from twenty traces per class are uncertain. With full correlations the recipe fails under a
@@ -30,7 +30,7 @@ pub fn shaft() -> Recipe {
     let outer = BearingGeometry::THESIS.orders().outer;
     Recipe {
         shaft: Some(ShaftPlan::new(vec![("outer".into(), outer)])),
-        features: ["drag", "inverse_kt", "order_outer"].map(String::from).to_vec(),
+        features: ["drag", "viscous_log", "inverse_kt", "order_outer"].map(String::from).to_vec(),
         discriminant: Kind::Quadratic,
         shrink: Shrink::To(Shrinkage { lambda: 0.0, gamma: 0.5 }),
         ..all_parameters()

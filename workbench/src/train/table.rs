@@ -28,7 +28,7 @@ impl FeatureTable {
         Self { rows, variances, usual, classes, names }
     }
 
-    /// Takes the variances of the errors as they are, with twice their median as the usual one of each feature.
+    /// Takes the variances of the errors as they are, with their median as the usual one of each feature.
     ///
     /// The features of such rows scatter with their errors, whose correlations a covariance of the rows contains and
     /// a variance does not. An error below the usual one counts as usual.
@@ -38,7 +38,7 @@ impl FeatureTable {
             let own = self.variances.iter().map(|variance| variance[feature]).filter(|v| v.is_finite());
             let mut sorted: Vec<f64> = own.collect();
             sorted.sort_by(f64::total_cmp);
-            let usual = 2.0 * sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+            let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
             self.usual[feature] = usual;
             self.variances.iter_mut().for_each(|v| v[feature] = (v[feature] - usual).max(0.0));
         }
