@@ -150,7 +150,9 @@ fn strength(
         (0..HARMONICS).map(own).sum::<f64>() / variance
     };
     let tried: Vec<f64> = (-8..=8).map(|k| spectrum(f64::from(k) * most / 8.0)).collect();
-    let best = (0..17).fold(0, |best, k| if tried[k] > tried[best] { k } else { best });
+    // Of equal values the nearest to zero.
+    let best =
+        (0..17).fold(0, |best, k| if tried[k] > tried[best] || (k <= 8 && tried[k] >= tried[best]) { k } else { best });
     let (mut slip, mut peak, mut curvature) = ((best as f64 - 8.0) * most / 8.0, tried[best], 0.0);
     if (1..16).contains(&best) {
         // The parabola through three points.
