@@ -1,11 +1,15 @@
 //! Performance of a model on traces that were not used for training, by running the core on them.
 
+mod by_run;
+
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::Error;
 use crate::core::{Embedded, Finding, SegmentReport};
 use crate::trace::labels::LabelledTrace;
+
+pub use by_run::{FalseAlarms, RunAlarms};
 
 /// Counts of decisions: one row per true class, one column per decided class, then one column each for undetermined,
 /// novel and ambiguous decisions.

@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 
 use crate::trace::{Channels, Preparation, ShaftChannels};
 use crate::train::Trained;
+use crate::train::novelty::runs::{Drift, RunSpread};
 
 /// Returns the estimator's name for `--method`.
 pub(super) const fn method_word(method: Method) -> &'static str {
@@ -65,9 +66,10 @@ pub(super) fn lines(trained: &Trained, channels: &Channels, host: Preparation) -
 /// Describes the gate and the alarm in words.
 pub(super) fn gate(trained: &Trained) -> Option<String> {
     let gate = trained.watch.gate.as_ref()?;
+    let by_run = gate.runs.as_ref().map_or_else(String::new, |runs| by_run(trained, runs));
     Some(format!(
         "Novel beyond distance {:.2} from {}: false-alarm rate {} a segment by {} segments (Gaussian with probability {:.2}, else heavier tails); false alarms every \
-         {:.3e} segments.",
+         {:.3e} segments.{by_run}",
         gate.law.squared_at(gate.limit).sqrt(),
         trained.classes[gate.class],
         trained.recipe.alarms.false_alarm,
@@ -75,6 +77,24 @@ pub(super) fn gate(trained: &Trained) -> Option<String> {
         gate.law.gaussian_probability(),
         trained.watch.segments,
     ))
+}
+
+/// Describes the spread of the runs on which the rate rests.
+fn by_run(trained: &Trained, runs: &RunSpread) -> String {
+    let RunSpread { count, between, freedom, drift } = runs;
+    let drift = drift.as_ref().map_or_else(String::new, |Drift { coordinates, distance }| {
+        let names: Vec<&str> = coordinates.iter().map(|&k| trained.coordinate_names[k].as_str()).collect();
+        format!(
+            " The runs drift in {}: the next one is expected {distance:.1} deviations from their mean, which the covariance \
+             covers; train again before the drift goes further.",
+            names.join(", ")
+        )
+    });
+    format!(
+        " The rate is that of the next run, for normally distributed runs: {count} runs, {:.0} % of the variance between \
+         them, {freedom:.1} degrees of freedom.{drift}",
+        100.0 * between
+    )
 }
 
 /// Returns the gate and the alarm as JSON; null without a gate.
@@ -87,6 +107,15 @@ pub(super) fn gate_to_json(trained: &Trained) -> Value {
         "gaussian_probability": gate.law.gaussian_probability(),
         "segments": gate.rows,
         "segments_needed": gate.rows_needed,
+        "next_run": gate.runs.as_ref().map(|runs| json!({
+            "runs": runs.count,
+            "between": runs.between,
+            "degrees_of_freedom": runs.freedom,
+            "drift": runs.drift.as_ref().map(|drift| json!({
+                "coordinates": drift.coordinates.iter().map(|&k| &trained.coordinate_names[k]).collect::<Vec<_>>(),
+                "distance": drift.distance,
+            })),
+        })),
         "alarm_interval_segments": trained.watch.segments,
         "alarm_limit_nats": trained.watch.evidence.limit,
     })

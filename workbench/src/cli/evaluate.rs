@@ -9,7 +9,7 @@ use super::model_file::{check_rate, prepare, read_model};
 use super::output;
 use crate::Error;
 use crate::core::{Embedded, Finding, stuck_channels};
-use crate::evaluate::{self, Confusion, Rate, TraceVerdict};
+use crate::evaluate::{self, Confusion, FalseAlarms, Rate, TraceVerdict};
 use crate::trace::{Condition, stem};
 use crate::train::Scores;
 
@@ -28,10 +28,14 @@ pub(super) struct Args {
     /// Count segments instead of traces
     #[arg(long)]
     per_segment: bool,
+    /// Give false alarms of healthy traces by the value in this column of the labels, e.g. run, in the order of the labels
+    #[arg(long, value_name = "COLUMN")]
+    group: Option<String>,
     /// Write every verdict to this CSV
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Print JSON: classes, confusion, error_rate, balanced_accuracy, log_score, brier_score, each with its interval
+    /// Print JSON: classes, confusion, error_rate, balanced_accuracy, log_score, brier_score, each with its interval; with
+    /// --group false_alarms_by_run
     #[arg(long)]
     json: bool,
 }
@@ -62,12 +66,18 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     }
     warn_irregular(traces.iter().map(|t| &t.trace));
     check_rate(&model, notes.preparation(), traces.iter().map(|t| &t.trace))?;
+    let runs = selection.groups(args.group.as_deref(), &traces)?;
+    if runs.is_some() && model.healthy().is_none() {
+        return Err(Error::Usage("--group gives false alarms, but the model has no healthy class".into()));
+    }
     let bar = output::progress("evaluating", traces.len());
     let verdicts = evaluate::run(&model, &prepare(&traces, notes.preparation())?, || bar.inc(1))?;
     bar.finish_and_clear();
     if let Some(path) = &args.out {
         output::write(path, csv(&model, &classes, &verdicts)?)?;
     }
+    let by_run = runs.zip(model.healthy());
+    let by_run = by_run.map(|(runs, healthy)| FalseAlarms::of(&verdicts, &runs, healthy, args.per_segment));
     let (verdicts, strange): (Vec<_>, Vec<_>) = verdicts.into_iter().partition(|v| v.class < model.classes.len());
     let untrained = untrained(&model, &classes, &strange, args.per_segment);
     let confusion =
@@ -78,6 +88,9 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         let rates = untrained.iter().map(|(name, rate)| (name.clone(), rate.to_json()));
         value["untrained_not_called_healthy"] = serde_json::Value::Object(rates.collect());
         value["trained_on"] = seen.into();
+        if let Some(found) = &by_run {
+            value["false_alarms_by_run"] = found.to_json();
+        }
         scores.add_to(&mut value);
         output::json(&value)
     } else {
@@ -85,6 +98,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         if confusion.total() > 0 {
             output::say(format!("{confusion}\n{}", scores.summary()))?;
         }
+        by_run.map_or(Ok(()), |found| output::say(format!("false alarms {found}")))?;
         untrained
             .iter()
             .try_for_each(|(name, rate)| output::say(format!("{name}, not trained: not called healthy {rate}")))

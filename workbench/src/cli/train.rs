@@ -20,12 +20,13 @@ use super::description::{self, estimated_by, method_word};
 use super::model_file::{Notes, check_rate, prepare};
 use super::output;
 use crate::Error;
-use crate::evaluate::{self, Confusion};
+use crate::evaluate::{self, Confusion, FalseAlarms};
 use crate::report::pages::model::{self, Worth};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Channels, Condition, Preparation};
 use crate::train::{
-    Choice, Keep, ProjectionKind, Ranking, Recipe, Scores, ShaftPlan, Shrink, Shrinkage, Trained, Validation, export,
+    Choice, Forward, Keep, ProjectionKind, Ranking, Recipe, Scores, ShaftPlan, Shrink, Shrinkage, Trained, Validation,
+    export,
 };
 
 /// Train a model from labelled traces, for the detector in firmware
@@ -155,7 +156,8 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let (classes, training) = selection.rows(&args.train_where)?;
     warn_irregular(training.iter().map(|t| &t.trace));
     let validation = args.validation.validation(&selection, &training)?;
-    let recipe = Recipe { validation, columns: channels.clone(), ..args.recipe(&classes, plan)? };
+    let mut recipe = Recipe { validation, columns: channels.clone(), ..args.recipe(&classes, plan)? };
+    recipe.alarms.by_run = !recipe.validation.groups.is_empty();
     let prepared = prepare(&training, preparation)?;
     let mut trained = crate::train::train(&prepared, &classes, &recipe)?;
     let host = embed_block_mean(&mut trained, preparation, &training);
@@ -176,6 +178,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let held_out = args.evaluate(&selection, &trained, &training, &classes, host)?;
     let found = Found {
         cross_validated: held_out.is_none().then(|| trained.cross_validated()),
+        forward: if held_out.is_none() { trained.forward() } else { vec![] },
         ranking: args.rank.then(|| trained.rank()).transpose()?,
         held_out,
     };
@@ -264,7 +267,9 @@ impl Args {
         bar.finish_and_clear();
         let scores = Scores::of_verdicts(&verdicts, &model.priors(), false);
         let confusion = Confusion { healthy: model.healthy(), ..evaluate::count(classes, &verdicts, false) };
-        Ok(Some(HeldOut { confusion, verdicts, scores }))
+        let by_run = self.validation.groups(selection, &traces)?.zip(model.healthy());
+        let false_alarms = by_run.map(|(runs, healthy)| FalseAlarms::of(&verdicts, &runs, healthy, false));
+        Ok(Some(HeldOut { confusion, verdicts, scores, false_alarms }))
     }
 
     fn print(&self, trained: &Trained, training: &[LabelledTrace], bytes: usize, found: &Found) -> Result<(), Error> {
@@ -287,6 +292,7 @@ impl Args {
                 "shrinkage": trained.choice.as_ref().map(Choice::to_json),
                 "held_out": found.held_out.as_ref().map(HeldOut::to_json),
                 "cross_validated": found.cross_validated.as_ref().and_then(|v| v.as_ref().ok()).map(Scores::to_json),
+                "forward": found.forward.iter().map(Forward::to_json).collect::<Vec<_>>(),
                 "ranking": found.ranking.as_ref().map(Ranking::to_json),
                 "novelty": description::gate_to_json(trained),
             }));
@@ -311,9 +317,11 @@ impl Args {
             Some(Err(reason)) => output::say(format!("not cross-validated: {reason}"))?,
             None => {}
         }
-        if let Some(HeldOut { confusion, scores, .. }) = &found.held_out {
+        found.forward.iter().try_for_each(|one| output::say(one.to_string()))?;
+        if let Some(HeldOut { confusion, scores, false_alarms, .. }) = &found.held_out {
             let scores = scores.summary();
             output::say(format!("held-out traces, through the embedded detector:\n{confusion}\n{scores}"))?;
+            false_alarms.as_ref().map_or(Ok(()), |found| output::say(format!("false alarms {found}")))?;
         }
         found.ranking.as_ref().map_or(Ok(()), |ranking| output::say(ranking.to_string()))
     }
@@ -324,12 +332,17 @@ struct HeldOut {
     confusion: Confusion,
     verdicts: Vec<evaluate::TraceVerdict>,
     scores: Scores,
+    /// False alarms by run, if the runs are known.
+    false_alarms: Option<FalseAlarms>,
 }
 
 impl HeldOut {
     fn to_json(&self) -> serde_json::Value {
         let mut value = self.confusion.to_json();
         self.scores.add_to(&mut value);
+        if let Some(found) = &self.false_alarms {
+            value["false_alarms_by_run"] = found.to_json();
+        }
         value
     }
 }
@@ -339,6 +352,8 @@ struct Found {
     held_out: Option<HeldOut>,
     /// Only if no traces were held out.
     cross_validated: Option<Result<Scores, Error>>,
+    /// Gates of the first runs on later ones; only if no traces were held out.
+    forward: Vec<Forward>,
     ranking: Option<Ranking>,
 }
 

@@ -15,6 +15,7 @@ mod estimation;
 pub mod export;
 mod fit;
 mod folds;
+mod forward;
 mod left_out;
 #[cfg(test)]
 mod missing_features;
@@ -48,6 +49,7 @@ pub use cross_validation::predict;
 pub use discriminant::GaussianClasses;
 pub use estimation::Estimation;
 pub use folds::{Candidates, Folds, Validation};
+pub use forward::Forward;
 use left_out::Estimated;
 pub use left_out::LeftOut;
 pub use novelty::{AlarmInterval, Alarms, Watch};
@@ -85,7 +87,7 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
         fit::fit(&candidates.select(&chosen), recipe)?;
     let (core_features, core_projection) = compose(&candidates.table, &chosen, &catalogue, &projection);
     let segment_s = (interval_s > 0.0).then_some(segment as f64 * interval_s);
-    let watch = novelty::train(&coordinates, &coordinate_names, &recipe.alarms, segment_s)?;
+    let watch = novelty::train(&coordinates, &coordinate_names, recipe.runs(&candidates), &recipe.alarms, segment_s)?;
     Ok(Trained {
         recipe: recipe.clone(),
         classes: classes.to_vec(),

@@ -3,7 +3,7 @@
 use bearing_watch::Park;
 use bearing_watch::plan::Kind;
 
-use super::{Alarms, Estimation, ProjectionKind, ShaftPlan, Shrink, Validation};
+use super::{Alarms, Candidates, Estimation, ProjectionKind, ShaftPlan, Shrink, Validation};
 use crate::core::features::Catalogue;
 use crate::identify::Structure;
 use crate::trace::Channels;
@@ -59,6 +59,11 @@ impl Recipe {
             cost: vec![],
             alarms: Alarms::default(),
         }
+    }
+
+    /// Returns the runs of the rows if the false-alarm rate is that of the next run.
+    pub(super) fn runs<'a>(&self, candidates: &'a Candidates) -> Option<&'a [usize]> {
+        (self.alarms.by_run && !self.validation.groups.is_empty()).then_some(candidates.groups.as_slice())
     }
 
     /// Returns the catalogue of available features.

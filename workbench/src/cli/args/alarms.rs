@@ -14,7 +14,8 @@ pub(in crate::cli) struct AlarmArgs {
     /// class
     #[arg(long, value_name = "CLASS")]
     healthy: Option<String>,
-    /// Rate of healthy segments called novel; 0.01 if not given
+    /// Rate of healthy segments called novel; 0.01 if not given. With --group it is that of the next run (value of the
+    /// column), otherwise segments count as independent
     #[arg(long, value_name = "RATE")]
     false_alarm: Option<f64>,
     /// Cost of no decision: if every class has a larger expected cost, the verdict is ambiguous
@@ -51,6 +52,7 @@ impl AlarmArgs {
             healthy: healthy.or(only),
             false_alarm: self.false_alarm.unwrap_or(0.01),
             required: asked || only.is_some(),
+            by_run: false,
             reject_cost: self.reject_cost,
             interval,
         })

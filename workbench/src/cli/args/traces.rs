@@ -146,6 +146,16 @@ impl Selection {
         let traces = self.labels.join(&chosen, &classes, &traces)?;
         Ok((classes, traces))
     }
+
+    /// Returns the cells of a column of the labels, one for each trace, if a column is given.
+    pub(in crate::cli) fn groups(
+        &self,
+        column: Option<&str>,
+        traces: &[LabelledTrace],
+    ) -> Result<Option<Vec<String>>, Error> {
+        let ids = || traces.iter().map(|t| t.trace.id.as_str());
+        column.map(|column| self.labels.cells(column, ids())).transpose()
+    }
 }
 
 /// Settings of the cross-validation.
@@ -154,7 +164,8 @@ pub(in crate::cli) struct ValidationArgs {
     /// Folds of the cross-validation
     #[arg(long, value_name = "N", default_value_t = 10)]
     folds: usize,
-    /// Keep traces with the same value in this column of the labels in one fold, e.g. run
+    /// Traces with the same value in this column of the labels are of one run: they stay in one fold, and the false-alarm
+    /// rate is that of the next run
     #[arg(long, value_name = "COLUMN")]
     group: Option<String>,
     /// Seed of the split into folds
@@ -171,9 +182,17 @@ impl ValidationArgs {
         if self.folds < 2 {
             return Err(Error::Usage(format!("--folds {}: at least 2", self.folds)));
         }
-        let ids = || traces.iter().map(|t| t.trace.id.as_str());
-        let groups = self.group.as_ref().map(|column| selection.labels.cells(column, ids()));
-        Ok(Validation { folds: self.folds, seed: self.fold_seed, groups: groups.transpose()?.unwrap_or_default() })
+        let groups = selection.groups(self.group.as_deref(), traces)?.unwrap_or_default();
+        Ok(Validation { folds: self.folds, seed: self.fold_seed, groups })
+    }
+
+    /// Returns the run of each trace, if the column is given.
+    pub(in crate::cli) fn groups(
+        &self,
+        selection: &Selection,
+        traces: &[LabelledTrace],
+    ) -> Result<Option<Vec<String>>, Error> {
+        selection.groups(self.group.as_deref(), traces)
     }
 }
 

@@ -54,7 +54,27 @@ impl DistanceLaw {
     #[must_use]
     pub fn of(coordinates: usize, rows: usize, left_out: &[f64]) -> Self {
         let law = Scaled::gaussian(coordinates, rows);
-        let others = Scaled::gaussian(coordinates, rows - 1);
+        Self::averaged(law, Scaled::gaussian(coordinates, rows - 1), left_out)
+    }
+
+    /// Returns the law (3) of a covariance with so many degrees of freedom, whose mean adds its error by a factor to the
+    /// variance; `left_out` are the d² of segments from `rows` others, from which the tails follow.
+    pub(super) fn of_freedom(
+        coordinates: usize,
+        (freedom, factor): (f64, f64),
+        (rows, left_out): (usize, &[f64]),
+    ) -> Self {
+        let p = coordinates as f64;
+        let degrees = freedom - p + 1.0;
+        let law = Scaled { coordinates: p, degrees, scale: p * freedom * factor / degrees };
+        if rows <= coordinates || left_out.is_empty() {
+            return Self { parts: vec![(1.0, law)] };
+        }
+        Self::averaged(law, Scaled::gaussian(coordinates, rows), left_out)
+    }
+
+    /// Averages over the heavier forms of a law, by the distances `left_out` and their law `others`.
+    fn averaged(law: Scaled, others: Scaled, left_out: &[f64]) -> Self {
         if others.degrees < LEAST_DEGREES {
             return Self { parts: vec![(1.0, law)] };
         }

@@ -7,9 +7,14 @@
 //! Coordinates may have errors of known variance, or be missing (`super::moments`). The distance of each segment is
 //! that of its available coordinates, with their errors, and [`law::equivalent`] converts it to all coordinates, as the
 //! core does. The number of segments is then that of the coordinate that is missing most often.
+//!
+//! Segments of one run are more alike than those of different runs. If the runs are known ([`Alarms::by_run`]), mean,
+//! covariance and law are those for a segment of the next run ([`runs`]), and the number of runs, not of segments, must
+//! suffice for the set rate.
 
 mod knots;
 pub mod law;
+pub mod runs;
 pub mod spread;
 
 use bearing_watch::model::EvidenceConstants;
@@ -22,6 +27,7 @@ use super::moments::{self, Moments};
 use super::statistics::{ClassStatistics, singular, whitening};
 use crate::Error;
 use law::DistanceLaw;
+use runs::RunSpread;
 
 /// κ of the evidence: a mean surprise of 5 nats is detected fastest, and a mean surprise of 2 instead of 1 in the
 /// healthy state does not yet cause an alarm.
@@ -53,6 +59,8 @@ pub struct Alarms {
     pub false_alarm: f64,
     /// Whether too few segments for a gate are an error; if false, the model then has no gate.
     pub required: bool,
+    /// Whether the rate is that of the next run, by the groups of the validation; if false, segments are independent.
+    pub by_run: bool,
     /// Cost of no decision; infinite if a decision is always required.
     pub reject_cost: f64,
     /// Mean time between false alarms.
@@ -62,7 +70,8 @@ pub struct Alarms {
 impl Default for Alarms {
     fn default() -> Self {
         let interval = AlarmInterval::Usual;
-        Self { healthy: None, false_alarm: 0.01, required: false, reject_cost: f64::INFINITY, interval }
+        let reject_cost = f64::INFINITY;
+        Self { healthy: None, false_alarm: 0.01, required: false, by_run: false, reject_cost, interval }
     }
 }
 
@@ -83,7 +92,9 @@ pub struct Gate {
     pub law: DistanceLaw,
     /// Number of healthy segments in training.
     pub rows: usize,
-    /// Number of segments from which on 95 % of gates have at most three times the rate.
+    /// Spread of the runs, if the rate is that of the next run.
+    pub runs: Option<RunSpread>,
+    /// Number of independent segments from which on 95 % of gates have at most three times the rate.
     pub rows_needed: usize,
 }
 
@@ -100,10 +111,12 @@ pub struct Watch {
     pub warning: Option<String>,
 }
 
-/// Trains on the coordinates with these `names`; `segment_s` is the duration of a segment, if known.
+/// Trains on the coordinates with these `names`; `runs` is the run of each row, if the rate is that of the next run, and
+/// `segment_s` is the duration of a segment, if known.
 pub(crate) fn train(
     table: &FeatureTable,
     names: &[String],
+    runs: Option<&[usize]>,
     alarms: &Alarms,
     segment_s: Option<f64>,
 ) -> Result<Watch, Error> {
@@ -117,28 +130,14 @@ pub(crate) fn train(
         return Err(Error::Usage(format!("--false-alarm {rate}: give a rate from 1e-9 to 0.5 a segment")));
     }
     let segments = segments_between(alarms.interval, segment_s)?;
-    let (rows, scarce) = rows_of(table, class);
-    let least = fewest(names.len(), rate);
-    if rows < least {
-        let with = scarce.map_or_else(String::new, |k| format!(" with {}", names[k]));
-        let problem = format!(
-            "{rows} healthy segments{with} are too few for a novelty gate of {} coordinates at a false-alarm rate of \
-             {rate}; give at least {least}, use fewer features, or a higher rate",
-            names.len()
-        );
+    let healthy = Healthy::of(table, class, runs);
+    if let Some(problem) = healthy.scarcity(names, rate) {
         return if alarms.required { Err(Error::Training(problem)) } else { Ok(none(Some(problem + "; none is set"))) };
     }
-    let gate = gate(table, names, class, rate)?;
+    let gate = healthy.gate(class, names, rate)?;
     // The scores of the novelty and of each defect share the false-alarm rate.
     let limit = (table.names.len() as f64 * segments).ln() as f32;
-    let warning = (rows < gate.rows_needed).then(|| {
-        format!(
-            "{rows} healthy segments keep the false-alarm rate of {rate} in the mean only; from {} on, 95 % of such gates \
-             have at most {} times the rate",
-            gate.rows_needed,
-            spread::BOUND
-        )
-    });
+    let warning = gate.warning(rate);
     // A single segment cannot cause an alarm.
     let evidence = EvidenceConstants { bet: BET, limit, cap: 0.5 * limit };
     Ok(Watch { gate: Some(gate), evidence, segments, warning })
@@ -153,12 +152,17 @@ fn rows_of(table: &FeatureTable, class: usize) -> (usize, Option<usize>) {
     (0..coordinates).map(with).filter(|(count, _)| *count < rows).min().unwrap_or((rows, None))
 }
 
-/// Returns the smallest number of segments from which a gate can be trained that is not too far out for its rate.
+/// Returns the smallest number of independent segments, or of runs, from which a gate can be trained that is not too far
+/// out for its rate.
 #[must_use]
 pub fn fewest(coordinates: usize, rate: f64) -> usize {
+    (coordinates + 2..).take(1000).find(|&rows| is_near(coordinates, rows, rate)).unwrap_or(coordinates + 1000)
+}
+
+/// Returns whether a gate of so many segments is not too far out for its rate.
+fn is_near(coordinates: usize, rows: usize, rate: f64) -> bool {
     let known = ChiSquared::new(coordinates as f64).map_or(f64::NAN, |law| law.inverse_cdf(1.0 - rate));
-    let near = |rows: &usize| DistanceLaw::gaussian(coordinates, *rows).squared_at(-rate.ln()) <= FARTHEST * known;
-    (coordinates + 2..).take(1000).find(near).unwrap_or(coordinates + 1000)
+    DistanceLaw::gaussian(coordinates, rows).squared_at(-rate.ln()) <= FARTHEST * known
 }
 
 /// Returns the gate of healthy rows alone.
@@ -174,28 +178,107 @@ pub fn gate_of(healthy: &[DVector<f64>], rate: f64) -> Result<Gate, Error> {
 /// # Errors
 /// As [`gate_of`].
 pub fn gate_of_table(table: &FeatureTable, rate: f64) -> Result<Gate, Error> {
+    gate_of_runs(table, None, rate)
+}
+
+/// Returns the gate for the next run of a table of healthy rows alone, each of a run with a number in the order of time.
+///
+/// # Errors
+/// As [`gate_of`], for the number of runs.
+pub fn gate_of_runs(table: &FeatureTable, runs: Option<&[usize]>, rate: f64) -> Result<Gate, Error> {
     let names: Vec<String> = (1..=table.rows.first().map_or(0, DVector::len)).map(|k| format!("z{k}")).collect();
     let alarms = Alarms { healthy: Some(0), false_alarm: rate, required: true, ..Alarms::default() };
-    let watch = train(table, &names, &alarms, None)?;
+    let watch = train(table, &names, runs, &alarms, None)?;
     watch.gate.ok_or_else(|| Error::Training("no healthy rows".into()))
 }
 
-fn gate(table: &FeatureTable, names: &[String], class: usize, rate: f64) -> Result<Gate, Error> {
-    let own: Vec<usize> = (0..table.rows.len()).filter(|&row| table.classes[row] == class).collect();
-    let mut healthy = table.keep(&own);
-    (healthy.classes, healthy.names) = (vec![0; own.len()], vec![table.names[class].clone()]);
-    let statistics = ClassStatistics::of(&healthy, names)?;
-    let (mean, covariance, rows) = (statistics.means[0].clone(), statistics.pooled, own.len());
-    let refuse = |dependent| singular(&format!("class {}", table.names[class]), rows, 1, names, dependent);
-    whitening(&covariance).map_err(refuse)?;
-    let found = Moments { means: vec![mean.clone()], covariance: covariance.clone() };
-    let squared = moments::left_out(&healthy.observed(), &found).ok_or_else(|| refuse(0))?;
-    let all = names.len();
-    let squared: Vec<f64> = squared.into_iter().map(|(squared, k)| law::equivalent(squared, k, all)).collect();
-    let law = DistanceLaw::of(all, rows_of(table, class).0, &squared);
-    let limit = -rate.ln();
-    let (knots, rows_needed) = (knots::knots(&law, limit), spread::rows_needed(all, rate));
-    Ok(Gate { class, mean, covariance, knots, limit, law, rows, rows_needed })
+/// The healthy rows of a table, and their runs if these count.
+struct Healthy {
+    table: FeatureTable,
+    /// Run of each row, from 0 in their order, and the number of runs.
+    runs: Option<(Vec<usize>, usize)>,
+}
+
+impl Healthy {
+    fn of(table: &FeatureTable, class: usize, runs: Option<&[usize]>) -> Self {
+        let own: Vec<usize> = (0..table.rows.len()).filter(|&row| table.classes[row] == class).collect();
+        let mut healthy = table.keep(&own);
+        (healthy.classes, healthy.names) = (vec![0; own.len()], vec![table.names[class].clone()]);
+        let Some(runs) = runs else { return Self { table: healthy, runs: None } };
+        let of_rows: Vec<usize> = own.iter().map(|&row| runs[row]).collect();
+        let (rows, numbers, count) = runs::complete(&healthy, &of_rows);
+        // Runs of one segment each are independent segments.
+        let single = numbers.len() == count && count == own.len();
+        let kept = if single { healthy } else { healthy.keep(&rows) };
+        Self { table: kept, runs: (!single).then_some((numbers, count)) }
+    }
+
+    /// Says why there are too few segments or runs for a gate at this rate.
+    fn scarcity(&self, names: &[String], rate: f64) -> Option<String> {
+        let least = fewest(names.len(), rate);
+        if let Some((_, count)) = &self.runs {
+            return (*count < least).then(|| runs::refusal(names.len(), *count, rate));
+        }
+        let (rows, scarce) = rows_of(&self.table, 0);
+        let with = scarce.map_or_else(String::new, |k| format!(" with {}", names[k]));
+        (rows < least).then(|| {
+            format!(
+                "{rows} healthy segments{with} are too few for a novelty gate of {} coordinates at a false-alarm rate of \
+                 {rate}; give at least {least}, use fewer features, or a higher rate",
+                names.len()
+            )
+        })
+    }
+
+    fn gate(&self, class: usize, names: &[String], rate: f64) -> Result<Gate, Error> {
+        let (healthy, all, rows) = (&self.table, names.len(), self.table.rows.len());
+        let refuse = |dependent| singular(&format!("class {}", healthy.names[0]), rows, 1, names, dependent);
+        let (limit, rows_needed) = (-rate.ln(), spread::rows_needed(all, rate));
+        let gate = |mean, covariance, law: DistanceLaw, runs| {
+            let knots = knots::knots(&law, limit);
+            Gate { class, mean, covariance, knots, limit, law, rows, runs, rows_needed }
+        };
+        if let Some((runs, count)) = &self.runs {
+            let runs::NextRun { mean, covariance, law, spread } =
+                runs::next_run(healthy, runs, *count).map_err(refuse)?;
+            return Ok(gate(mean, covariance, law, Some(spread)));
+        }
+        let statistics = ClassStatistics::of(healthy, names)?;
+        let (mean, covariance) = (statistics.means[0].clone(), statistics.pooled);
+        whitening(&covariance).map_err(refuse)?;
+        let found = Moments { means: vec![mean.clone()], covariance: covariance.clone() };
+        let squared = moments::left_out(&healthy.observed(), &found).ok_or_else(|| refuse(0))?;
+        let squared: Vec<f64> = squared.into_iter().map(|(squared, k)| law::equivalent(squared, k, all)).collect();
+        let law = DistanceLaw::of(all, rows_of(healthy, 0).0, &squared);
+        Ok(gate(mean, covariance, law, None))
+    }
+}
+
+impl Gate {
+    /// Returns whether the gate calls these coordinates novel; their errors have these variances.
+    pub(crate) fn is_novel(&self, value: &DVector<f64>, variance: &DVector<f64>) -> bool {
+        let found = moments::squared_distance((&self.mean, &self.covariance), value, variance);
+        found.is_none_or(|(squared, available)| {
+            self.law.surprise(law::equivalent(squared, available, value.len())) >= self.limit
+        })
+    }
+
+    /// Says what is uncertain about the rate of this gate.
+    fn warning(&self, rate: f64) -> Option<String> {
+        let Self { rows, runs, rows_needed, .. } = self;
+        // So many independent segments have a covariance of the same accuracy.
+        let counted = runs.as_ref().map_or(*rows as f64, |runs| runs.freedom + 1.0);
+        let counted_as = runs.as_ref().map_or_else(String::new, |runs| {
+            format!(" of {} runs, which count as {counted:.0} independent ones,", runs.count)
+        });
+        (counted < *rows_needed as f64).then(|| {
+            format!(
+                "{rows} healthy segments{counted_as} keep the false-alarm rate of {rate} in the mean only; from \
+                 {rows_needed} on, 95 % of such gates have at most {} times the rate",
+                spread::BOUND
+            )
+        })
+    }
 }
 
 fn segments_between(interval: AlarmInterval, segment_s: Option<f64>) -> Result<f64, Error> {

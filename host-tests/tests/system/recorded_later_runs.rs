@@ -1,0 +1,74 @@
+//! Gates of the first runs of a recorded actuator, judged on all later runs, by the core in single precision.
+//!
+//! The rate of 1 % is that of the next run ([`workbench::train::novelty::runs`]): with few runs there is no gate, and the
+//! message says which rate the runs support. Strokes counted as independent are printed beside it.
+
+use host_tests::strokes::{LOADS, Stroke, detector, judge, strokes};
+use workbench::core::Finding;
+use workbench::evaluate::FalseAlarms;
+use workbench::identify::Structure;
+use workbench::train::{Alarms, Recipe, Trained};
+
+const RATE: f64 = 0.01;
+const FAULTS: [&str; 3] = ["lackLubrication1", "lackLubrication2", "backlash2"];
+const SETS: [&[&str]; 4] = [&["a", "offset"], &["offset"], &["a"], &["c"]];
+/// Runs in training.
+const FIRST: [usize; 4] = [3, 4, 5, 6];
+
+fn gate(strokes: &[Stroke], first: usize, features: &[&str], by_run: bool) -> Result<Trained, workbench::Error> {
+    let alarms = Alarms { healthy: Some(0), false_alarm: RATE, required: true, by_run, ..Alarms::default() };
+    let features = features.iter().map(|name| (*name).to_string()).collect();
+    let recipe = Recipe { features, alarms, ..Recipe::new(Structure::new(1, 1, 1, 1, 1).with_offset()) };
+    let training: Vec<&Stroke> = strokes.iter().filter(|s| s.run <= first).collect();
+    detector(&training, &["normal".to_string()], |state| (state == "normal").then_some(0), &recipe)
+}
+
+/// What a gate calls novel in later runs of a state, by run.
+fn novel(trained: &Trained, strokes: &[Stroke], first: usize, state: &str) -> FalseAlarms {
+    let later: Vec<&Stroke> = strokes.iter().filter(|s| s.run > first && s.state == state).collect();
+    let mut found = FalseAlarms::default();
+    for (stroke, verdict) in later.iter().zip(judge(trained, &later, |_| Some(0))) {
+        found.add(&stroke.run.to_string(), verdict.decided == Some(Finding::Novel));
+    }
+    found
+}
+
+fn sum(all: &[FalseAlarms]) -> (usize, usize) {
+    all.iter().map(FalseAlarms::total).fold((0, 0), |sum, of| (sum.0 + of.0, sum.1 + of.1))
+}
+
+#[test]
+fn false_alarms_of_later_runs() {
+    // Alarms of gates that are made, and of strokes counted as independent.
+    let (mut by_run, mut independent) = (vec![], vec![]);
+    let mut refused = 0;
+    for load in LOADS {
+        let Some(strokes) = strokes(load) else { return };
+        for (features, first) in SETS.iter().flat_map(|set| FIRST.map(|first| (*set, first))) {
+            let what = format!("{load} kgf, {}, runs 1–{first}", features.join(" "));
+            let plain = novel(&gate(&strokes, first, features, false).expect("a gate"), &strokes, first, "normal");
+            println!("{what}, strokes independent: false alarms {plain}");
+            independent.push(plain);
+            let trained = match gate(&strokes, first, features, true) {
+                Ok(trained) => trained,
+                Err(reason) => {
+                    println!("{what}: {reason}");
+                    assert!(reason.to_string().contains(&format!("{first} runs support")), "{reason}");
+                    refused += 1;
+                    continue;
+                }
+            };
+            let spread = trained.watch.gate.as_ref().and_then(|gate| gate.runs.clone()).expect("runs");
+            println!("{what}: {spread:?}");
+            let found = novel(&trained, &strokes, first, "normal");
+            println!("{what}: false alarms {found}");
+            by_run.push(found);
+            for state in FAULTS {
+                println!("{what}: {state} novel {}", novel(&trained, &strokes, first, state));
+            }
+        }
+    }
+    let [(alarms, judged), (plain, of)] = [sum(&by_run), sum(&independent)];
+    println!("{refused} gates refused; false alarms {alarms} of {judged}; strokes independent {plain} of {of}");
+    assert!(alarms as f64 <= 0.02 * judged as f64, "{alarms} of {judged}");
+}

@@ -1,0 +1,90 @@
+//! Validation forward in time: a gate of the first runs judges all later ones.
+//!
+//! ```text
+//! runs 1 … s ──► fit, gate for the next run ──► healthy segments of the runs s + 1 … k,   s = 2 … k − 1
+//! ```
+//!
+//! Cross-validation judges each run by runs before and after it, and does not show what a drift does to a gate.
+
+use serde_json::{Value, json};
+
+use super::fit::fit;
+use super::folds::check;
+use super::{Trained, novelty};
+use crate::Error;
+use crate::evaluate::FalseAlarms;
+
+/// Fewest healthy runs for a validation forward in time.
+const LEAST_RUNS: usize = 4;
+
+/// The gate of the first runs, judged on all later ones.
+#[derive(Debug)]
+pub struct Forward {
+    /// Number of runs in training.
+    pub seen: usize,
+    /// False alarms of the later runs, or why there is no gate.
+    pub later: Result<FalseAlarms, Error>,
+}
+
+impl Trained {
+    /// Returns the gates of the first 2, 3, … healthy runs, judged on the later runs; none if the false-alarm rate is
+    /// not that of the next run, or with fewer than four runs.
+    #[must_use]
+    pub fn forward(&self) -> Vec<Forward> {
+        let Some(healthy) = self.recipe.alarms.healthy.filter(|_| self.recipe.runs(&self.candidates).is_some()) else {
+            return vec![];
+        };
+        let rows = self.candidates.groups.iter().zip(&self.candidates.table.classes);
+        let mut runs: Vec<usize> = rows.filter(|(_, class)| **class == healthy).map(|(run, _)| *run).collect();
+        runs.sort_unstable();
+        runs.dedup();
+        if runs.len() < LEAST_RUNS {
+            return vec![];
+        }
+        (2..runs.len()).map(|seen| Forward { seen, later: self.later(healthy, runs[seen]) }).collect()
+    }
+
+    /// Returns the false alarms from the run `first` on of a gate of the runs before it.
+    fn later(&self, healthy: usize, first: usize) -> Result<FalseAlarms, Error> {
+        let candidates = self.candidates.select(&self.candidates.places(&self.feature_names));
+        let (before, after): (Vec<usize>, Vec<usize>) =
+            (0..candidates.groups.len()).partition(|&row| candidates.groups[row] < first);
+        let before = candidates.rows(&before);
+        check(&before)?;
+        let fitted = fit(&before, &self.recipe)?;
+        let mut alarms = self.recipe.alarms.clone();
+        alarms.required = true;
+        let names = &fitted.coordinate_names;
+        let watch = novelty::train(&fitted.coordinates, names, self.recipe.runs(&before), &alarms, None)?;
+        let gate = watch.gate.ok_or_else(|| Error::Training("no healthy class".into()))?;
+        let mut found = FalseAlarms::default();
+        for row in after.into_iter().filter(|&row| candidates.table.classes[row] == healthy) {
+            let (value, variance) = (&candidates.table.rows[row], &candidates.table.variances[row]);
+            let (z, variances) = fitted.projection.apply_with(value, variance);
+            let run = &self.recipe.validation.groups[candidates.groups[row]];
+            found.add(run, gate.is_novel(&z, &variances));
+        }
+        Ok(found)
+    }
+}
+
+impl Forward {
+    /// JSON object with the keys `runs_in_training` and either `false_alarms` or `refused`.
+    #[must_use]
+    pub fn to_json(&self) -> Value {
+        match &self.later {
+            Ok(found) => json!({ "runs_in_training": self.seen, "false_alarms": found.to_json() }),
+            Err(reason) => json!({ "runs_in_training": self.seen, "refused": reason.to_string() }),
+        }
+    }
+}
+
+impl std::fmt::Display for Forward {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "forward in time, first {} runs: ", self.seen)?;
+        match &self.later {
+            Ok(found) => write!(f, "false alarms later {found}"),
+            Err(reason) => write!(f, "no gate, {reason}"),
+        }
+    }
+}
