@@ -152,17 +152,20 @@ fn rows_of(table: &FeatureTable, class: usize) -> (usize, Option<usize>) {
     (0..coordinates).map(with).filter(|(count, _)| *count < rows).min().unwrap_or((rows, None))
 }
 
-/// Returns the smallest number of independent segments, or of runs, from which a gate can be trained that is not too far
-/// out for its rate.
+/// Returns the smallest number of independent segments from which a gate can be trained that is not too far out for its
+/// rate.
 #[must_use]
 pub fn fewest(coordinates: usize, rate: f64) -> usize {
-    (coordinates + 2..).take(1000).find(|&rows| is_near(coordinates, rows, rate)).unwrap_or(coordinates + 1000)
+    (coordinates + 2..)
+        .take(1000)
+        .find(|&rows| is_near(coordinates, rows, rate, FARTHEST))
+        .unwrap_or(coordinates + 1000)
 }
 
-/// Returns whether a gate of so many segments is not too far out for its rate.
-fn is_near(coordinates: usize, rows: usize, rate: f64) -> bool {
+/// Returns whether the d² of a gate of so many segments exceeds that of known mean and covariance by at most a factor.
+fn is_near(coordinates: usize, rows: usize, rate: f64, factor: f64) -> bool {
     let known = ChiSquared::new(coordinates as f64).map_or(f64::NAN, |law| law.inverse_cdf(1.0 - rate));
-    DistanceLaw::gaussian(coordinates, rows).squared_at(-rate.ln()) <= FARTHEST * known
+    DistanceLaw::gaussian(coordinates, rows).squared_at(-rate.ln()) <= factor * known
 }
 
 /// Returns the gate of healthy rows alone.
@@ -215,10 +218,10 @@ impl Healthy {
 
     /// Says why there are too few segments or runs for a gate at this rate.
     fn scarcity(&self, names: &[String], rate: f64) -> Option<String> {
-        let least = fewest(names.len(), rate);
         if let Some((_, count)) = &self.runs {
-            return (*count < least).then(|| runs::refusal(names.len(), *count, rate));
+            return (*count < runs::fewest(names.len(), rate)).then(|| runs::refusal(names.len(), *count, rate));
         }
+        let least = fewest(names.len(), rate);
         let (rows, scarce) = rows_of(&self.table, 0);
         let with = scarce.map_or_else(String::new, |k| format!(" with {}", names[k]));
         (rows < least).then(|| {
