@@ -20,7 +20,7 @@ const CHOICES: [Choice; 3] = [
     ([0, 0, 1, 0, 1], &["c"]),
 ];
 /// Runs in training.
-const FIRST: [usize; 4] = [3, 4, 5, 6];
+const FIRST: [usize; 3] = [3, 4, 5];
 
 fn gate(strokes: &[Stroke], first: usize, (o, features): Choice, by_run: bool) -> Result<Trained, workbench::Error> {
     let alarms = Alarms { healthy: Some(0), false_alarm: RATE, required: true, by_run, ..Alarms::default() };
@@ -40,15 +40,14 @@ fn novel(trained: &Trained, strokes: &[Stroke], first: usize, state: &str) -> Fa
     found
 }
 
-fn sum(all: &[FalseAlarms]) -> (usize, usize) {
-    all.iter().map(FalseAlarms::total).fold((0, 0), |sum, of| (sum.0 + of.0, sum.1 + of.1))
+fn sum<'a>(all: impl Iterator<Item = &'a FalseAlarms>) -> (usize, usize) {
+    all.map(FalseAlarms::total).fold((0, 0), |sum, of| (sum.0 + of.0, sum.1 + of.1))
 }
 
 #[test]
 fn false_alarms_of_later_runs() {
     // Alarms of gates that are made, and of strokes counted as independent.
     let (mut by_run, mut independent) = (vec![], vec![]);
-    let mut refused = 0;
     for load in LOADS {
         let Some(strokes) = strokes(load) else { return };
         for (choice, first) in CHOICES.iter().flat_map(|choice| FIRST.map(|first| (*choice, first))) {
@@ -56,27 +55,38 @@ fn false_alarms_of_later_runs() {
             let what = format!("{load} kgf, {order:?} {}, runs 1–{first}", features.join(" "));
             let plain = novel(&gate(&strokes, first, choice, false).expect("a gate"), &strokes, first, "normal");
             println!("{what}, strokes independent: false alarms {plain}");
-            independent.push(plain);
             let trained = match gate(&strokes, first, choice, true) {
                 Ok(trained) => trained,
                 Err(reason) => {
                     println!("{what}: {reason}");
                     assert!(reason.to_string().contains(&format!("{first} runs support")), "{reason}");
-                    refused += 1;
+                    independent.push((plain, false));
                     continue;
                 }
             };
+            independent.push((plain, true));
             let spread = trained.watch.gate.as_ref().and_then(|gate| gate.runs.clone()).expect("runs");
             println!("{what}: {spread:?}");
             let found = novel(&trained, &strokes, first, "normal");
             println!("{what}: false alarms {found}");
             by_run.push(found);
             for state in FAULTS {
-                println!("{what}: {state} novel {}", novel(&trained, &strokes, first, state));
+                let found = novel(&trained, &strokes, first, state);
+                println!("{what}: {state} novel {found}");
+                // The mean current differs by 0.1–0.2 A at these loads, and by at most 0.01 A at −40 kgf.
+                if *features == ["offset"] && load != "-40" {
+                    assert!(found.rate().value > 0.95, "{what}, {state}: {found}");
+                }
             }
         }
     }
-    let [(alarms, judged), (plain, of)] = [sum(&by_run), sum(&independent)];
-    println!("{refused} gates refused; false alarms {alarms} of {judged}; strokes independent {plain} of {of}");
-    assert!(alarms as f64 <= 0.02 * judged as f64, "{alarms} of {judged}");
+    let (alarms, judged) = sum(by_run.iter());
+    let (plain, of) = sum(independent.iter().filter(|(_, made)| *made).map(|(found, _)| found));
+    let (refused, of_refused) = sum(independent.iter().filter(|(_, made)| !made).map(|(found, _)| found));
+    println!("gates that are made: false alarms {alarms} of {judged}, strokes independent {plain} of {of}");
+    println!("gates that are refused: strokes independent {refused} of {of_refused}");
+    // One stroke of coefficient c alone, in run 7 at 20 kgf.
+    assert!(judged == 60 && alarms as f64 <= 0.02 * judged as f64, "{alarms} of {judged}");
+    // The comparison would mean nothing if independent strokes kept the rate.
+    assert!(plain + refused > 20, "{plain} + {refused}");
 }

@@ -1,5 +1,7 @@
 //! Command-line tests of healthy-only training, novelty gate, reject option and alarm.
 
+use std::path::Path;
+
 use crate::common::{refuse, run, succeed};
 use serde_json::Value;
 
@@ -147,4 +149,38 @@ fn too_few_and_nonsense_are_refused() {
     let warned = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success() && warned.contains("too few") && warned.contains("none is set"), "{warned}");
     assert_eq!(json(&String::from_utf8_lossy(&output.stdout))["novelty"], Value::Null);
+}
+
+/// Adds the column `run` to the labels of a folder: runs of four traces each.
+fn add_runs(dir: &Path, folder: &str) {
+    let path = dir.join(folder).join("labels.csv");
+    let labels = std::fs::read_to_string(&path).expect("labels");
+    let rows = labels.lines().enumerate().map(|(k, line)| match k {
+        0 => format!("{line},run\n"),
+        _ => format!("{line},r{}\n", (k - 1) / 4),
+    });
+    std::fs::write(&path, rows.collect::<String>()).expect("writable");
+}
+
+#[test]
+fn the_rate_of_the_next_run() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy --count 24 --seed 17 --out train");
+    succeed(dir, "simulate --class healthy --count 8 --seed 18 --out test");
+    add_runs(dir, "train");
+    add_runs(dir, "test");
+    let train = format!("{TRAIN} --labels train/labels.csv --model m.bwm --group run");
+    // Six runs support 1 % with one coordinate, not with two.
+    refuse(dir, &format!("{train} --features a"), &["6 runs support a false-alarm rate of 3 %", "at least 7 runs"]);
+    let said = succeed(dir, &format!("{train} --features b1"));
+    assert!(said.contains("The rate is that of the next run") && said.contains("6 runs"), "{said}");
+    assert!(said.contains("forward in time, first 4 runs: no gate") && said.contains("support"), "{said}");
+    assert!(said.contains("forward in time, first 5 runs: false alarms later "), "{said}");
+    let told = json(&succeed(dir, &format!("{train} --features b1 --json")));
+    assert_eq!((&told["novelty"]["next_run"]["runs"], told["forward"].as_array().map(Vec::len)), (&6.into(), Some(4)));
+    let judged = succeed(dir, "evaluate --model m.bwm --labels test/labels.csv --group run");
+    assert!(judged.contains("false alarms ") && judged.contains("of 2 runs: r0 "), "{judged}");
+    let judged = json(&succeed(dir, "evaluate --model m.bwm --labels test/labels.csv --group run --json"));
+    assert_eq!(judged["false_alarms_by_run"]["runs"][1]["judged"], 4, "{judged}");
 }

@@ -215,19 +215,20 @@ pub fn supported(coordinates: usize, runs: usize) -> Option<f64> {
 /// Says which rate so many runs support, and how many support the set one.
 pub(super) fn refusal(coordinates: usize, runs: usize, rate: f64) -> String {
     let least = fewest(coordinates, rate);
-    let free = 100.0 / (runs as f64 + 1.0);
-    match supported(coordinates, runs) {
-        Some(possible) => format!(
-            "{runs} runs support a false-alarm rate of {:.2} % for the next run in {coordinates} coordinates, if runs are \
-             normally distributed (without this assumption, {free:.0} %); give at least {least} runs, use fewer features, \
-             or --false-alarm {possible}",
-            100.0 * possible
-        ),
-        None => format!(
-            "{runs} runs support no false-alarm rate for the next run in {coordinates} coordinates; give at least {least} \
-             runs, or use fewer features"
-        ),
-    }
+    let of = if coordinates == 1 { "1 coordinate".into() } else { format!("{coordinates} coordinates") };
+    let Some(possible) = supported(coordinates, runs) else {
+        return format!(
+            "{runs} runs support no false-alarm rate for the next run with {of}; give at least {least} runs, or use fewer \
+             features"
+        );
+    };
+    let free = 1.0 / (runs as f64 + 1.0);
+    let other = if free > possible { format!(", otherwise {:.0} %", 100.0 * free) } else { String::new() };
+    format!(
+        "{runs} runs support a false-alarm rate of {} % for the next run with {of}, if runs are normally distributed{other}; \
+         give at least {least} runs, use fewer features, or --false-alarm {possible}",
+        (100.0 * possible) as f32
+    )
 }
 
 #[cfg(test)]
@@ -272,10 +273,11 @@ mod tests {
         println!("smallest false-alarm rate for the next run, %, by runs and coordinates");
         for coordinates in 1..=4 {
             let each: Vec<Option<f64>> = (3..=20).map(|runs| supported(coordinates, runs)).collect();
-            println!(
-                "{coordinates} coordinates, 3 to 20 runs: {:?}",
-                each.iter().map(|r| r.map(|r| 100.0 * r)).collect::<Vec<_>>()
-            );
+            let shown: Vec<String> = each
+                .iter()
+                .map(|rate| rate.map_or("none".into(), |rate| ((100.0 * rate) as f32).to_string()))
+                .collect();
+            println!("{coordinates} coordinates, 3 to 20 runs: {}", shown.join(", "));
             assert!(each.windows(2).all(|pair| pair[0].is_none() || pair[0] >= pair[1]), "{each:?}");
             for rate in [1e-2, 1e-3] {
                 let least = fewest(coordinates, rate);
