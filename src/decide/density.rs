@@ -13,9 +13,9 @@
 //! ```
 //!
 //! The model stores (1): of each row `D_i` and then `r_i`, Z (Z + 1)/2 numbers. (3) is the rotation of
-//! Gentleman (1973), as in the regression. It adds variances only: every D' is at least D, so no pivot can become zero or
-//! negative, and with v = 0 the stored numbers remain. For `v_i` → ∞ it becomes `D'_i` = ∞, `r'_i` = 0 and w = `D_i`,
-//! which is the density of the other coordinates; a sum (5) leaves out the infinite pivot.
+//! Gentleman (1973), as in the regression. It adds variances only: every D' is at least D, so no pivot can become zero
+//! or negative, and with v = 0 the stored numbers remain. For `v_i` → ∞ it becomes `D'_i` = ∞, `r'_i` = 0 and w =
+//! `D_i`, which is the density of the other coordinates; a sum (5) leaves out the infinite pivot.
 //!
 //! Cost: a step for each row, and for each row below one with an error; each at most 2 Z multiply-adds and a logarithm.
 //! Without errors Z logarithms and Z (Z − 1)/2 multiply-adds a density.

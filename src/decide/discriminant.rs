@@ -9,10 +9,10 @@
 //! reject if its Σ exceeds the cost of no decision                        (4)  Chow 1970
 //! ```
 //!
-//! (1) is computed from factors ([`super::density`]) over the n available coordinates, the same for all classes. A linear
-//! discriminant has one Σ for all classes, a quadratic one has a Σ for each. The thesis pools the covariance; its
-//! discriminant is linear, although the thesis calls it quadratic. Cost of (1): C·Z(Z+3)/2 multiply-adds and the factors;
-//! (2) adds one exponential a class.
+//! (1) is computed from factors ([`super::density`]) over the n available coordinates, the same for all classes. A
+//! linear discriminant has one Σ for all classes, a quadratic one has a Σ for each. The thesis pools the covariance;
+//! its discriminant is linear, although the thesis calls it quadratic. Cost of (1): C·Z(Z+3)/2 multiply-adds and the
+//! factors; (2) adds one exponential a class.
 
 use super::density::Density;
 use crate::factor::pairs;

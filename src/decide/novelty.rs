@@ -9,14 +9,14 @@
 //! (d²_Z/Z)^⅓ = 1 − c_Z + √c_Z u,   u = ((d²_k/k)^⅓ − 1 + c_k)/√c_k,   c_n = 2/(9n)       (4)  if k < Z
 //! ```
 //!
-//! m and S are mean and covariance of the healthy training segments. (2) is known for all Z coordinates; with k of them,
-//! (4) gives the d² that is as improbable. u is nearly normal (Wilson and Hilferty 1931): for chi-square
+//! m and S are mean and covariance of the healthy training segments. (2) is known for all Z coordinates; with k of
+//! them, (4) gives the d² that is as improbable. u is nearly normal (Wilson and Hilferty 1931): for chi-square
 //! distributions and up to 8 coordinates the surprise by (4) is within 0.04 nats up to 4.6 nats, 0.1 nats low at 6.9,
-//! 0.35 at 9.2 and 1 at 13.8. With Gaussian features and n healthy segments of p coordinates, d² of a further segment follows p(n²−1)/(n(n−p)) F(p, n−p) (Hotelling 1931).
-//! Then (3) has the false-alarm rate α on average over training sets; the workbench uses a heavier tail if the training
-//! segments show one. (2) is stored as knots with straight lines between them. The surprise of a healthy segment has
-//! mean 1 nat; a surprise of 4.6 nats has probability 0.01. Cost: Z(Z+3)/2 multiply-adds, one square root, a search
-//! among the knots, and (3) of [`super::density`].
+//! 0.35 at 9.2 and 1 at 13.8. With Gaussian features and n healthy segments of p coordinates, d² of a further segment
+//! follows p(n²−1)/(n(n−p)) F(p, n−p) (Hotelling 1931). Then (3) has the false-alarm rate α on average over training
+//! sets; the workbench uses a heavier tail if the training segments show one. (2) is stored as knots with straight
+//! lines between them. The surprise of a healthy segment has mean 1 nat; a surprise of 4.6 nats has probability 0.01.
+//! Cost: Z(Z+3)/2 multiply-adds, one square root, a search among the knots, and (3) of [`super::density`].
 
 use super::density::Density;
 use crate::plan::{Array, Cells, Plan};

@@ -30,7 +30,8 @@ pub enum Verdict {
 pub struct Report<P: Plan> {
     /// The class, or why there is none.
     pub verdict: Verdict,
-    /// Likelihoods, posteriors, costs, distance from healthy and missing features; `None` if the verdict is undetermined.
+    /// Likelihoods, posteriors, costs, distance from healthy and missing features; `None` if the verdict is
+    /// undetermined.
     pub decision: Option<Decision<P>>,
     /// What the segment was refused.
     pub counts: Counts,

@@ -67,8 +67,8 @@ fn rates<const Z: usize>(degrees: Option<f64>, healthy: usize) -> Vec<[f64; 2]> 
     (0..DRAWS).into_par_iter().map(one).collect()
 }
 
-/// Rows of normal features of different size that hang together, with errors of up to their deviation of known variance,
-/// 30 % of them missing, but never all.
+/// Rows of normal features of different size that hang together, with errors of up to their deviation of known
+/// variance, 30 % of them missing, but never all.
 fn partial<const Z: usize>(count: usize, random: &mut ChaCha8Rng) -> FeatureTable {
     let mut table = FeatureTable::exact(vec![], vec![0; count], vec!["healthy".into()]);
     let size = |i: usize| 10_f64.powi(i as i32 - 2);

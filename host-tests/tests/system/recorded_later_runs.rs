@@ -1,7 +1,7 @@
 //! Gates of the first runs of a recorded actuator, judged on all later runs, by the core in single precision.
 //!
-//! The rate of 1 % is that of the next run ([`workbench::train::novelty::runs`]): with few runs there is no gate, and the
-//! message says which rate the runs support. Strokes counted as independent are printed beside it.
+//! The rate of 1 % is that of the next run ([`workbench::train::novelty::runs`]): with few runs there is no gate, and
+//! the message says which rate the runs support. Strokes counted as independent are printed beside it.
 
 use host_tests::strokes::{LOADS, Stroke, detector, judge, strokes};
 use workbench::core::Finding;

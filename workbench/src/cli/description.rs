@@ -85,14 +85,14 @@ fn by_run(trained: &Trained, runs: &RunSpread) -> String {
     let drift = drift.as_ref().map_or_else(String::new, |Drift { coordinates, distance }| {
         let names: Vec<&str> = coordinates.iter().map(|&k| trained.coordinate_names[k].as_str()).collect();
         format!(
-            " The runs drift in {}: the next one is expected {distance:.1} deviations from their mean, which the covariance \
-             covers; train again before the drift goes further.",
+            " The runs drift in {}: the next one is expected {distance:.1} deviations from their mean, which the \
+             covariance covers; train again before the drift goes further.",
             names.join(", ")
         )
     });
     format!(
-        " The rate is that of the next run, for normally distributed runs: {count} runs, {:.0} % of the variance between \
-         them, {freedom:.1} degrees of freedom.{drift}",
+        " The rate is that of the next run, for normally distributed runs: {count} runs, {:.0} % of the variance \
+         between them, {freedom:.1} degrees of freedom.{drift}",
         100.0 * between
     )
 }

@@ -28,14 +28,15 @@ pub(super) struct Args {
     /// Count segments instead of traces
     #[arg(long)]
     per_segment: bool,
-    /// Give false alarms of healthy traces by the value in this column of the labels, e.g. run, in the order of the labels
+    /// Give false alarms of healthy traces by the value in this column of the labels, e.g. run, in the order of the
+    /// labels
     #[arg(long, value_name = "COLUMN")]
     group: Option<String>,
     /// Write every verdict to this CSV
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Print JSON: classes, confusion, error_rate, balanced_accuracy, log_score, brier_score, each with its interval; with
-    /// --group false_alarms_by_run
+    /// Print JSON: classes, confusion, error_rate, balanced_accuracy, log_score, brier_score, each with its interval;
+    /// with --group false_alarms_by_run
     #[arg(long)]
     json: bool,
 }

@@ -48,8 +48,8 @@ pub fn of_core(structure: Structure, delta: &[f32], variance: f32) -> DVector<f6
 pub const FRICTION: [&str; 8] =
     ["inertia", "viscous", "coulomb", "inverse_kt", "torque_offset", "load_friction", "stribeck", "drag"];
 
-/// All features of the shaft, in the order of [`Catalogue::shaft`]; those of a part without a result are missing. Without
-/// a measured load the torque constant is not estimated, and its features are constant.
+/// All features of the shaft, in the order of [`Catalogue::shaft`]; those of a part without a result are missing.
+/// Without a measured load the torque constant is not estimated, and its features are constant.
 #[must_use]
 pub fn shaft_values(plan: RunTime, shaft: &ShaftEstimate<RunTime>) -> Vec<FeatureValue> {
     let orders = (0..shaft.orders().len()).map(|k| k.to_string()).collect();
@@ -165,7 +165,8 @@ fn choose_from(names: &[String], structure: Structure, asked: &[String]) -> Resu
         let places: Vec<usize> = (0..names.len()).filter(|&k| of_group(&names[k])).collect();
         if places.is_empty() {
             return Err(Error::Usage(format!(
-                "--features: no {name} in this model; there are {} (a, b, c, friction, friction_scores, friction_logs, orders stand for whole groups)",
+                "--features: no {name} in this model; there are {} (a, b, c, friction, friction_scores, friction_logs, \
+                 orders stand for whole groups)",
                 names.join(", ")
             )));
         }

@@ -33,8 +33,8 @@ impl Parts {
         }
     }
 
-    /// A model that estimates but does not decide: it has one class. It has one feature of each part, each a coordinate,
-    /// so a segment has a verdict if a part has a result.
+    /// A model that estimates but does not decide: it has one class. It has one feature of each part, each a
+    /// coordinate, so a segment has a verdict if a part has a result.
     ///
     /// # Errors
     /// Errors of the core.

@@ -1,7 +1,7 @@
 //! False alarms of each run in order, with an interval that counts runs.
 //!
-//! Segments of a run are alike, so that Wilson's interval of all segments is too narrow. Here the number of observations
-//! is the number of runs: the interval is valid for any correlation of the segments within a run.
+//! Segments of a run are alike, so that Wilson's interval of all segments is too narrow. Here the number of
+//! observations is the number of runs: the interval is valid for any correlation of the segments within a run.
 
 use serde_json::{Value, json};
 

@@ -52,8 +52,8 @@ impl GaussianClasses {
         self.means.iter().enumerate().map(each).collect()
     }
 
-    /// Returns ln P(k|z) of every class at coordinates whose errors have these variances; the priors if every coordinate
-    /// is missing.
+    /// Returns ln P(k|z) of every class at coordinates whose errors have these variances; the priors if every
+    /// coordinate is missing.
     #[must_use]
     pub fn log_posteriors(&self, z: &DVector<f64>, variances: &DVector<f64>) -> Vec<f64> {
         let likelihoods = self.log_likelihoods_with(z, variances);

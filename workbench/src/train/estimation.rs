@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! scales      powers of two that scale each column of the rows (with instruments, after the filter A(1)/A) to rms ≈ 1
-//! nominal     mean δ over the estimated traces of one class, by least squares or by SRIV; deviation² = their mean σ²        (1)
+//! nominal     mean δ over the estimated traces of one class, by least squares or by SRIV; deviation² = their
+//!             mean σ²                                                                                            (1)
 //! settle      5/|ln|p||, p the slowest pole of the nominal model: transients have fallen below 1 %               (2)
 //! floor       0.01/(1 − λ): the sum for a column of rms 1 if only one row in a hundred contributed               (3)
 //! still       a thousandth of the training traces' mean motion                                                   (4)

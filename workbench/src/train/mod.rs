@@ -2,10 +2,10 @@
 //!
 //! The steps are features, their projection, and the discriminant; the result is then converted to the form that the
 //! core runs ([`Trained`]). If the core computes batch least squares in single precision, the features are those of
-//! batch least squares in double precision, else those that the core estimates on the training traces. A feature without
-//! a result is missing in its row, and features of the torque balance have errors of known variance; means and covariances
-//! account for both (`moments`). Rows without any of the chosen features are left out. The quality of the model is
-//! measured by running the core on other traces ([`crate::evaluate`]), not here.
+//! batch least squares in double precision, else those that the core estimates on the training traces. A feature
+//! without a result is missing in its row, and features of the torque balance have errors of known variance; means and
+//! covariances account for both (`moments`). Rows without any of the chosen features are left out. The quality of the
+//! model is measured by running the core on other traces ([`crate::evaluate`]), not here.
 
 mod core_features;
 mod core_form;
@@ -68,8 +68,9 @@ pub use trained::Trained;
 /// Trains on prepared traces.
 ///
 /// # Errors
-/// Estimation errors, if they leave fewer than two traces of a class; fewer than two classes, unless the only one is the healthy one; a class without
-/// traces; features that are constant or collinear within classes; priors or costs that do not match the classes.
+/// Estimation errors, if they leave fewer than two traces of a class; fewer than two classes, unless the only one is
+/// the healthy one; a class without traces; features that are constant or collinear within classes; priors or costs
+/// that do not match the classes.
 pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> Result<Trained, Error> {
     check_intervals(traces)?;
     let longest = traces.iter().map(|t| t.trace.y.len()).max().unwrap_or(0);

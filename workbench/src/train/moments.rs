@@ -8,10 +8,10 @@
 //! ```
 //!
 //! (2) is the step of the EM algorithm for the restricted likelihood (Dempster, Laird and Rubin 1977; Patterson and
-//! Thompson 1971), written with the residuals instead of the conditional moments of x; with C classes of one covariance,
-//! (1) and the brackets are those of the row's class. Without errors and missing values one step from any start yields
-//! the sample covariance with divisor N − C. The restricted likelihood accounts for the estimated means: with values
-//! that are missing at random, or with equal errors, the estimate is unbiased as the sample covariance is.
+//! Thompson 1971), written with the residuals instead of the conditional moments of x; with C classes of one
+//! covariance, (1) and the brackets are those of the row's class. Without errors and missing values one step from any
+//! start yields the sample covariance with divisor N − C. The restricted likelihood accounts for the estimated means:
+//! with values that are missing at random, or with equal errors, the estimate is unbiased as the sample covariance is.
 //!
 //! Two steps (2), of r and then r + q, are extrapolated to Σ + 2ar + a²q with a = |r|/|q| (SQUAREM, Varadhan and Roland
 //! 2008) unless that is not positive definite. The fixed point is the same.
@@ -279,8 +279,8 @@ mod tests {
     use super::*;
     use crate::train::{ClassStatistics, FeatureTable};
 
-    /// Rows of N(μ, Σ) with μ = (k, −k) in class k, Σ = [1 0.6; 0.6 0.5], values with errors of standard deviation up to
-    /// `error`, and a part of them missing.
+    /// Rows of N(μ, Σ) with μ = (k, −k) in class k, Σ = [1 0.6; 0.6 0.5], values with errors of standard deviation up
+    /// to `error`, and a part of them missing.
     fn simulated(count: usize, classes: usize, (error, missing): (f64, f64), seed: u64) -> FeatureTable {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let normal = |rng: &mut ChaCha8Rng| -> f64 { StandardNormal.sample(rng) };

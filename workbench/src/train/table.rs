@@ -123,8 +123,8 @@ impl AffineMap {
         &self.matrix * (features - &self.mean)
     }
 
-    /// Applies the map to values whose errors have these variances, and returns those of the coordinates: Σ_j W_kj² v_j;
-    /// infinite, and the value 0, if a missing feature has a weight.
+    /// Applies the map to values whose errors have these variances, and returns those of the coordinates: Σ_j W_kj²
+    /// v_j; infinite, and the value 0, if a missing feature has a weight.
     #[must_use]
     pub fn apply_with(&self, features: &DVector<f64>, variances: &DVector<f64>) -> (DVector<f64>, DVector<f64>) {
         let of_row = |row: usize| {

@@ -164,8 +164,8 @@ pub(in crate::cli) struct ValidationArgs {
     /// Folds of the cross-validation
     #[arg(long, value_name = "N", default_value_t = 10)]
     folds: usize,
-    /// Traces with the same value in this column of the labels are of one run: they stay in one fold, and the false-alarm
-    /// rate is that of the next run
+    /// Traces with the same value in this column of the labels are of one run: they stay in one fold, and the
+    /// false-alarm rate is that of the next run
     #[arg(long, value_name = "COLUMN")]
     group: Option<String>,
     /// Seed of the split into folds

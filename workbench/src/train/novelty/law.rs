@@ -9,11 +9,12 @@
 //! ```
 //!
 //! For many segments, (2) is exact for coordinates with a multivariate t distribution with τ degrees of freedom. The
-//! probability of each τ follows from the training segments' own distances d²₋ᵢ, each relative to mean and covariance of
-//! the other segments (`crate::train::moments`). With the most probable τ alone, the mean false-alarm rate would exceed the set one: a tail that
-//! is assumed too light adds more alarms than one that is assumed too heavy saves. (3) therefore averages over τ; the
-//! prior is uniform in 1/τ from 0 on, and the Gaussian law has the largest prior. With k of the p coordinates, (4) gives
-//! the d² of all coordinates that is as improbable (Wilson and Hilferty 1931), as in the core.
+//! probability of each τ follows from the training segments' own distances d²₋ᵢ, each relative to mean and covariance
+//! of the other segments (`crate::train::moments`). With the most probable τ alone, the mean false-alarm rate would
+//! exceed the set one: a tail that is assumed too light adds more alarms than one that is assumed too heavy saves. (3)
+//! therefore averages over τ; the prior is uniform in 1/τ from 0 on, and the Gaussian law has the largest prior. With k
+//! of the p coordinates, (4) gives the d² of all coordinates that is as improbable (Wilson and Hilferty 1931), as in
+//! the core.
 
 use statrs::function::beta::{beta_reg, ln_beta};
 
@@ -57,8 +58,8 @@ impl DistanceLaw {
         Self::averaged(law, Scaled::gaussian(coordinates, rows - 1), left_out)
     }
 
-    /// Returns the law (3) of a covariance with so many degrees of freedom, whose mean adds its error by a factor to the
-    /// variance; `left_out` are the d² of segments from `rows` others, from which the tails follow.
+    /// Returns the law (3) of a covariance with so many degrees of freedom, whose mean adds its error by a factor to
+    /// the variance; `left_out` are the d² of segments from `rows` others, from which the tails follow.
     pub(super) fn of_freedom(
         coordinates: usize,
         (freedom, factor): (f64, f64),

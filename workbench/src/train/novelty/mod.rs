@@ -111,8 +111,8 @@ pub struct Watch {
     pub warning: Option<String>,
 }
 
-/// Trains on the coordinates with these `names`; `runs` is the run of each row, if the rate is that of the next run, and
-/// `segment_s` is the duration of a segment, if known.
+/// Trains on the coordinates with these `names`; `runs` is the run of each row, if the rate is that of the next run,
+/// and `segment_s` is the duration of a segment, if known.
 pub(crate) fn train(
     table: &FeatureTable,
     names: &[String],
@@ -184,7 +184,8 @@ pub fn gate_of_table(table: &FeatureTable, rate: f64) -> Result<Gate, Error> {
     gate_of_runs(table, None, rate)
 }
 
-/// Returns the gate for the next run of a table of healthy rows alone, each of a run with a number in the order of time.
+/// Returns the gate for the next run of a table of healthy rows alone, each of a run with a number in the order of
+/// time.
 ///
 /// # Errors
 /// As [`gate_of`], for the number of runs.
@@ -226,8 +227,8 @@ impl Healthy {
         let with = scarce.map_or_else(String::new, |k| format!(" with {}", names[k]));
         (rows < least).then(|| {
             format!(
-                "{rows} healthy segments{with} are too few for a novelty gate of {} coordinates at a false-alarm rate of \
-                 {rate}; give at least {least}, use fewer features, or a higher rate",
+                "{rows} healthy segments{with} are too few for a novelty gate of {} coordinates at a false-alarm rate \
+                 of {rate}; give at least {least}, use fewer features, or a higher rate",
                 names.len()
             )
         })

@@ -25,10 +25,10 @@
 //! Values with errors or missing values: ȳ_i and W are those of `crate::train::moments` with the runs as classes. The
 //! means then have larger errors than Σ_e/n_i and B is larger, so that S is too large rather than too small.
 //!
-//! (5) A significant trend (5 %, Bonferroni over the coordinates) means that the next run is expected at δ from the mean
-//! of the training runs, outside their spread. δδᵀ covers this distance on both sides of m, whether the drift goes on or
-//! ends; the spread of B that the trend explains is kept as a margin. A drift that continues beyond the next run leaves
-//! this covariance sooner or later.
+//! (5) A significant trend (5 %, Bonferroni over the coordinates) means that the next run is expected at δ from the
+//! mean of the training runs, outside their spread. δδᵀ covers this distance on both sides of m, whether the drift goes
+//! on or ends; the spread of B that the trend explains is kept as a margin. A drift that continues beyond the next run
+//! leaves this covariance sooner or later.
 //!
 //! The rate rests on normally distributed runs. Without this assumption, the largest of k + 1 exchangeable runs is the
 //! next one with probability 1/(k + 1): no rate below this is supported ([`supported`]).
@@ -43,9 +43,9 @@ use crate::train::statistics::whitening;
 
 /// Probability that the part of the variance between runs is larger than assumed.
 const UNLIKELY: f64 = 0.1;
-/// Largest factor between the d² of a gate whose spread is that of the runs alone and that of known mean and covariance:
-/// twice the distance. It does not depend on the spread that is found, because runs that happen to be alike would then
-/// be accepted most often.
+/// Largest factor between the d² of a gate whose spread is that of the runs alone and that of known mean and
+/// covariance: twice the distance. It does not depend on the spread that is found, because runs that happen to be alike
+/// would then be accepted most often.
 const FARTHEST: f64 = 4.0;
 /// Probability of a trend in any coordinate if the runs have none.
 const SIGNIFICANT: f64 = 0.05;
@@ -199,8 +199,8 @@ pub fn fewest(coordinates: usize, rate: f64) -> usize {
     (coordinates + 2..).take(1000).find(near).unwrap_or(coordinates + 1000)
 }
 
-/// Returns the smallest false-alarm rate that so many runs support, with two digits: a gate of `coordinates` from `runs`
-/// rows is not too far out for it. `None` if they support none.
+/// Returns the smallest false-alarm rate that so many runs support, with two digits: a gate of `coordinates` from
+/// `runs` rows is not too far out for it. `None` if they support none.
 #[must_use]
 pub fn supported(coordinates: usize, runs: usize) -> Option<f64> {
     if runs < coordinates + 2 {
@@ -219,15 +219,15 @@ pub(super) fn refusal(coordinates: usize, runs: usize, rate: f64) -> String {
     let of = if coordinates == 1 { "1 coordinate".into() } else { format!("{coordinates} coordinates") };
     let Some(possible) = supported(coordinates, runs) else {
         return format!(
-            "{runs} runs support no false-alarm rate for the next run with {of}; give at least {least} runs, or use fewer \
-             features"
+            "{runs} runs support no false-alarm rate for the next run with {of}; give at least {least} runs, or use \
+             fewer features"
         );
     };
     let free = 1.0 / (runs as f64 + 1.0);
     let other = if free > possible { format!(", otherwise {:.0} %", 100.0 * free) } else { String::new() };
     format!(
-        "{runs} runs support a false-alarm rate of {} % for the next run with {of}, if runs are normally distributed{other}; \
-         give at least {least} runs, use fewer features, or --false-alarm {possible}",
+        "{runs} runs support a false-alarm rate of {} % for the next run with {of}, if runs are normally \
+         distributed{other}; give at least {least} runs, use fewer features, or --false-alarm {possible}",
         (100.0 * possible) as f32
     )
 }
