@@ -19,8 +19,8 @@ pub fn all_parameters() -> Recipe {
     }
 }
 
-/// Drag, viscous friction and torque constant by the torque balance, and the order of the outer race; quadratic discriminant with halved correlations;
-/// no gate.
+/// Logarithm of the drag and torque constant by the torque balance, and the order of the outer race; quadratic
+/// discriminant with halved correlations; no gate.
 ///
 /// Correlations estimated from twenty traces per class are uncertain. With full correlations the recipe fails under a
 /// square reference in one of fifteen draws, with halved correlations in one of thirty draws of
@@ -30,7 +30,7 @@ pub fn shaft() -> Recipe {
     let outer = BearingGeometry::THESIS.orders().outer;
     Recipe {
         shaft: Some(ShaftPlan::new(vec![("outer".into(), outer)])),
-        features: ["drag", "viscous_log", "inverse_kt", "order_outer"].map(String::from).to_vec(),
+        features: ["drag_log", "inverse_kt", "order_outer"].map(String::from).to_vec(),
         discriminant: Kind::Quadratic,
         shrink: Shrink::To(Shrinkage { lambda: 0.0, gamma: 0.5 }),
         ..all_parameters()

@@ -92,7 +92,7 @@ impl Trained {
         Embedded::new(self.to_core()?).map_err(refused)
     }
 
-    /// Describes whether covariances are shared, and how they are shrunk.
+    /// Describes whether covariances are shared, how they are shrunk, and how far the sizes of defects are spread.
     #[must_use]
     pub fn kind_name(&self) -> String {
         let kind = match self.densities.kind {
@@ -103,10 +103,11 @@ impl Trained {
             (Shrink::To(shrinkage), _) => Some(shrinkage),
             (_, choice) => choice.as_ref().map(|choice| choice.shrinkage),
         };
-        shrinkage.map_or_else(
-            || kind.into(),
-            |Shrinkage { lambda, gamma }| format!("{kind} (shrunk by λ = {lambda}, γ = {gamma})"),
-        )
+        let shrunk = shrinkage.map(|Shrinkage { lambda, gamma }| format!("shrunk by λ = {lambda}, γ = {gamma}"));
+        let spread = self.recipe.size_spread;
+        let spread = (spread > 0.0).then(|| format!("sizes of defects spread by {spread}"));
+        let how: Vec<String> = shrunk.into_iter().chain(spread).collect();
+        if how.is_empty() { kind.into() } else { format!("{kind} ({})", how.join("; ")) }
     }
 }
 

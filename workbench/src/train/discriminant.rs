@@ -1,6 +1,13 @@
 //! Gaussian class densities for linear and quadratic discriminants (thesis Eq. 2.64–2.67).
 //!
 //! Coordinates with errors widen the covariances, and missing coordinates are left out, as in the core.
+//!
+//! A defect grows from nothing, so that smaller ones lie between the healthy class and the class of the trained size.
+//! With a relative spread τ of sizes, every class k other than the healthy one h has
+//!
+//! ```text
+//! Σ_k + τ² (μ_k − μ_h)(μ_k − μ_h)ᵀ                                                            (1)
+//! ```
 
 use bearing_watch::plan::Kind;
 use nalgebra::{DMatrix, DVector};
@@ -141,6 +148,7 @@ fn densities(
     recipe: &Recipe,
 ) -> Result<GaussianClasses, Error> {
     let classes = statistics.means.len();
+    let factored = spread(factored, (&statistics.means, kind), recipe)?;
     let (covariances, factors) = factored.into_iter().unzip();
     Ok(GaussianClasses {
         kind,
@@ -150,6 +158,32 @@ fn densities(
         priors: priors(&recipe.priors, classes)?,
         cost: costs(&recipe.cost, classes)?,
     })
+}
+
+/// Returns the covariances (1) with their factors.
+fn spread(
+    factored: Vec<Factored>,
+    (means, kind): (&[DVector<f64>], Kind),
+    recipe: &Recipe,
+) -> Result<Vec<Factored>, Error> {
+    if recipe.size_spread <= 0.0 {
+        return Ok(factored);
+    }
+    let Some(healthy) = recipe.alarms.healthy.filter(|_| kind == Kind::Quadratic) else {
+        let problem = "a spread of sizes needs a healthy class and the quadratic discriminant";
+        return Err(Error::Training(problem.into()));
+    };
+    let wider = |(class, (covariance, factor)): (usize, Factored)| {
+        if class == healthy {
+            return Ok((covariance, factor));
+        }
+        let away = (&means[class] - &means[healthy]) * recipe.size_spread;
+        let covariance = covariance + &away * away.transpose();
+        let refuse = |_| Error::Training("a class is too far from the healthy one for a spread of sizes".into());
+        let factor = whitening(&covariance).map_err(refuse)?;
+        Ok((covariance, factor))
+    };
+    factored.into_iter().enumerate().map(wider).collect()
 }
 
 /// Returns the given priors, normalised to sum 1; equal priors if none are given.

@@ -96,6 +96,30 @@ mod tests {
     }
 
     #[test]
+    fn a_spread_of_sizes_keeps_the_name_of_a_smaller_defect() {
+        let candidates = two(60, 2, (40.0, 1.0, 0.0));
+        let quadratic = |size_spread: f64| {
+            let mut recipe = Recipe { size_spread, discriminant: Kind::Quadratic, ..recipe(Shrink::Not) };
+            recipe.alarms.healthy = Some(0);
+            recipe
+        };
+        let of = |size_spread: f64| fit(&candidates, &quadratic(size_spread)).expect("regular").densities;
+        let (plain, wide) = (of(0.0), of(0.2));
+        let away = &plain.means[1] - &plain.means[0];
+        assert_eq!(wide.covariances[0], plain.covariances[0]);
+        let added = &wide.covariances[1] - &plain.covariances[1];
+        assert!((added - &away * away.transpose() * 0.04).amax() < 1e-12);
+        // A defect of 0.45 of the trained size is nearer to the healthy class.
+        let small = &plain.means[0] + &away * 0.45;
+        let named = |densities: &GaussianClasses| densities.decide(&densities.log_likelihoods(&small));
+        assert_eq!((named(&plain), named(&wide)), (0, 1));
+        let message = |recipe: Recipe| fit(&candidates, &recipe).expect_err("refused").to_string();
+        let problem = "a spread of sizes needs a healthy class and the quadratic discriminant";
+        assert_eq!(message(Recipe { discriminant: Kind::Linear, ..quadratic(0.2) }), problem);
+        assert_eq!(message(Recipe { alarms: crate::train::Alarms::default(), ..quadratic(0.2) }), problem);
+    }
+
+    #[test]
     fn the_choice_follows_the_data() {
         let chosen = |rows, features, truth| {
             let choice =

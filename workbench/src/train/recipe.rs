@@ -29,6 +29,8 @@ pub struct Recipe {
     pub discriminant: Kind,
     /// Shrinkage: covariances between separate and shared ones.
     pub shrink: Shrink,
+    /// τ: relative deviation of a defect's size from the trained one; 0 if classes cover the trained sizes alone.
+    pub size_spread: f64,
     /// Split of the rows for cross-validation.
     pub validation: Validation,
     /// Prior of each class; equal priors if empty.
@@ -54,6 +56,7 @@ impl Recipe {
             projection: ProjectionKind::None,
             discriminant: Kind::Linear,
             shrink: Shrink::Not,
+            size_spread: 0.0,
             validation: Validation::default(),
             priors: vec![],
             cost: vec![],
