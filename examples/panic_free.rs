@@ -120,6 +120,7 @@ fn sizes<A: Cells<f32>>(mut cells: A) {
 
 fn constants() {
     let channel = opaque(Channel::within(opaque("current_a"), opaque("A"), opaque(4.0)));
+    opaque(Name::<16>::constant(opaque("spall")));
     if let Some(name) = opaque(Name::<16>::new(opaque("healthy"))) {
         opaque(Name::as_str(&name));
         opaque(Name::<16>::from_bytes(opaque(Name::to_bytes(name))));

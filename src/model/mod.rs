@@ -59,7 +59,7 @@ pub struct Constants<P: Plan> {
     pub classifier: Classifier<P>,
     /// Constants of the alarm over many segments.
     pub evidence: EvidenceConstants,
-    /// Class names.
+    /// Class names, none of them empty.
     pub labels: Array<P::Classes, Label>,
 }
 
@@ -79,7 +79,6 @@ impl<P: Plan> Model<P> {
     /// The first thing that does not fit.
     pub fn new(plan: P, constants: Constants<P>) -> Result<Self, ModelError> {
         check(&constants.parts(plan))?;
-        require_labels(&constants, plan)?;
         Ok(Self { plan, constants })
     }
 
@@ -178,14 +177,9 @@ impl<P: Plan> Constants<P> {
             knots: &novelty.knots,
             limit: novelty.limit,
             evidence: self.evidence,
+            labels: self.labels.cells(),
         }
     }
-}
-
-/// Only vectors can have a wrong number of labels.
-fn require_labels<P: Plan>(constants: &Constants<P>, plan: P) -> Result<(), ModelError> {
-    let wanted = plan.layout().classes as usize;
-    if constants.labels.cells().len() == wanted { Ok(()) } else { Err(ModelError::Length(Field::Label)) }
 }
 
 /// Gives a plan the function `model`, which checks constants at compile time.
@@ -248,6 +242,7 @@ macro_rules! checked_model {
                         knots: &classifier.novelty.knots,
                         limit: classifier.novelty.limit,
                         evidence: constants.evidence,
+                        labels: &constants.labels,
                     });
                     if let Err(error) = checked {
                         panic!("{}", error.message());
