@@ -288,6 +288,9 @@ macro_rules! regression {
                 evidence: EvidenceConstants::NONE,
                 labels: refined::LABELS,
             };
+            if let Err(error) = Own::model(opaque(constants.clone())) {
+                show(error);
+            }
             match Model::new(Own, opaque(constants)) {
                 Ok(model) => detector(&model, |[y, u1, u2, _]| Sample { y, u1, u2 }),
                 Err(error) => show(error),

@@ -104,7 +104,7 @@ pub const ORDERS: [TrackedOrder; 4] = [
 pub const BLOCK_SAMPLES: u16 = 100;
 
 /// The model of a drive with a load sensor.
-pub static MODEL: Model<Watched> = Watched::model(Constants {
+pub static MODEL: Model<Watched> = match Watched::model(Constants {
     sampling: SAMPLING,
     channels: [CURRENT, REFERENCE, LOAD, VELOCITY],
     regression: [Regression {
@@ -135,10 +135,13 @@ pub static MODEL: Model<Watched> = Watched::model(Constants {
     ]),
     evidence: EvidenceConstants::NONE,
     labels: LABELS,
-});
+}) {
+    Ok(model) => model,
+    Err(error) => panic!("{}", error.message()),
+};
 
 /// The model of a drive without a load sensor.
-pub static LOADLESS: Model<Loadless> = Loadless::model(Constants {
+pub static LOADLESS: Model<Loadless> = match Loadless::model(Constants {
     sampling: SAMPLING,
     channels: [CURRENT, REFERENCE, VELOCITY],
     regression: [],
@@ -164,7 +167,10 @@ pub static LOADLESS: Model<Loadless> = Loadless::model(Constants {
     ]),
     evidence: EvidenceConstants::NONE,
     labels: LABELS,
-});
+}) {
+    Ok(model) => model,
+    Err(error) => panic!("{}", error.message()),
+};
 
 /// The motion at one instant.
 #[derive(Clone, Copy, Debug)]

@@ -72,8 +72,8 @@ pub struct Model<P: Plan> {
 }
 
 impl<P: Plan> Model<P> {
-    /// Checks the constants. A plan defined by [`plan!`](crate::plan!) has a function `model`, which does so at compile
-    /// time.
+    /// Checks the constants. A plan defined by [`plan!`](crate::plan!) has a function `model`, which can do so at
+    /// compile time.
     ///
     /// # Errors
     /// The first thing that does not fit.
@@ -182,7 +182,7 @@ impl<P: Plan> Constants<P> {
     }
 }
 
-/// Gives a plan the function `model`, which checks constants at compile time.
+/// Gives a plan the function `model`, which can check constants at compile time.
 ///
 /// Inside the expansion every length is known, so that the slices of the view can be made in a constant.
 #[doc(hidden)]
@@ -190,13 +190,15 @@ impl<P: Plan> Constants<P> {
 macro_rules! checked_model {
     ($plan:ident, $layout:expr, $channels:expr) => {
         impl $plan {
-            /// The model of these constants. In a `const` or `static`, constants that do not fit do not compile.
+            /// The model of these constants. A `const` or `static` that matches the result and panics on the error
+            /// does not compile if they do not fit.
             ///
-            /// # Panics
-            /// If the constants do not fit; at compile time in a `const` or `static`.
-            #[must_use]
+            /// # Errors
+            /// The first thing that does not fit.
             #[allow(dead_code, reason = "a plan may read its models from bytes only")]
-            pub const fn model(constants: $crate::model::Constants<Self>) -> $crate::Model<Self> {
+            pub const fn model(
+                constants: $crate::model::Constants<Self>,
+            ) -> Result<$crate::Model<Self>, $crate::ModelError> {
                 {
                     let $crate::model::Constants { sampling, channels, regression, shaft, classifier, .. } = &constants;
                     let regression: &[$crate::model::Regression<Self>] = regression;
@@ -245,10 +247,10 @@ macro_rules! checked_model {
                         labels: &constants.labels,
                     });
                     if let Err(error) = checked {
-                        panic!("{}", error.message());
+                        return Err(error);
                     }
                 }
-                $crate::Model::checked(Self, constants)
+                Ok($crate::Model::checked(Self, constants))
             }
         }
     };
