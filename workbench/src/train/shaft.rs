@@ -19,6 +19,7 @@ use bearing_watch::{Friction, FrictionTerm, ShaftEstimate};
 use rayon::prelude::*;
 
 use super::core_form::refused;
+use super::estimation::successful;
 use crate::Error;
 use crate::core::{Embedded, MAX_ORDERS, Parts, Wiring};
 use crate::grey_box::filter::LowPass;
@@ -131,13 +132,8 @@ pub(super) fn model(
             None => Ok(estimate.friction),
         }
     };
-    let estimates: Vec<Result<Friction, Error>> = own.par_iter().map(balance).collect();
     // Traces whose balance is not excited have no part in the mean unless all are.
-    let (good, bad): (Vec<_>, Vec<_>) = estimates.into_iter().partition(Result::is_ok);
-    let estimates: Vec<Friction> = good.into_iter().flatten().collect();
-    if let (true, Some(Err(error))) = (estimates.is_empty(), bad.into_iter().next()) {
-        return Err(error);
-    }
+    let estimates: Vec<Friction> = successful(own.par_iter().map(balance).collect())?;
     for (term, cell) in FrictionTerm::ALL.into_iter().zip(&mut constants.balance.nominal) {
         let value = |friction: &Friction| f64::from(friction.parameter(term).unwrap_or_default().value);
         let sum: f64 = estimates.iter().map(value).sum();
