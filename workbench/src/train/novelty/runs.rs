@@ -194,8 +194,7 @@ fn trend(means: &[DVector<f64>]) -> Option<(Vec<usize>, DVector<f64>)> {
 /// Returns the smallest number of runs that support a false-alarm rate.
 #[must_use]
 pub fn fewest(coordinates: usize, rate: f64) -> usize {
-    let near = |&runs: &usize| super::is_near(coordinates, runs, rate, FARTHEST);
-    (coordinates + 2..).take(1000).find(near).unwrap_or(coordinates + 1000)
+    super::fewest_near(coordinates, rate, FARTHEST)
 }
 
 /// Returns the smallest false-alarm rate that so many runs support, with two digits: a gate of `coordinates` from
