@@ -148,9 +148,9 @@ impl<'a> Judge<'a> {
         if ranked.fisher * (rows as f64) < degrees + SURE * (2.0 * degrees).sqrt() {
             parts.push("its class means differ no more than by chance".to_string());
         }
-        let alike = path.chosen.iter().copied().max_by(|&a, &b| correlation(a).abs().total_cmp(&correlation(b).abs()));
-        if let Some(other) = alike.filter(|&other| correlation(other).abs() >= ALIKE) {
-            let (name, r) = (&self.candidates.features[other], correlation(other));
+        let alike = path.chosen.iter().map(|&other| (&self.candidates.features[other], correlation(other)));
+        let alike = alike.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
+        if let Some((name, r)) = alike.filter(|(_, r)| r.abs() >= ALIKE) {
             let sign = if r < 0.0 { "−" } else { "" };
             parts.push(format!("goes with {name} (correlation {sign}{:.2} within classes)", r.abs()));
         }
