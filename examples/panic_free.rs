@@ -120,6 +120,7 @@ fn sizes<A: Cells<f32>>(mut cells: A) {
 
 fn constants() {
     let channel = opaque(Channel::within(opaque("current_a"), opaque("A"), opaque(4.0)));
+    opaque(Name::<16>::constant(opaque("spall")));
     if let Some(name) = opaque(Name::<16>::new(opaque("healthy"))) {
         opaque(Name::as_str(&name));
         opaque(Name::<16>::from_bytes(opaque(Name::to_bytes(name))));
@@ -288,6 +289,9 @@ macro_rules! regression {
                 evidence: EvidenceConstants::NONE,
                 labels: refined::LABELS,
             };
+            if let Err(error) = Own::model(opaque(constants.clone())) {
+                show(error);
+            }
             match Model::new(Own, opaque(constants)) {
                 Ok(model) => detector(&model, |[y, u1, u2, _]| Sample { y, u1, u2 }),
                 Err(error) => show(error),

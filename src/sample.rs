@@ -36,21 +36,10 @@ impl<const N: usize> Name<N> {
         Some(Self(bytes))
     }
 
-    /// As [`Name::new`], for constants: a text that does not fit does not compile.
-    ///
-    /// # Panics
-    /// When it is evaluated at compile time, if the text does not fit.
+    /// As [`Name::new`], for constants: a text that does not fit becomes the empty one, which no model accepts as the
+    /// label of a class, and no plan as the name of a channel.
     #[must_use]
-    #[expect(clippy::panic, reason = "for constants; the error of a constant is a panic")]
     pub const fn constant(text: &str) -> Self {
-        match Self::new(text) {
-            Some(name) => name,
-            None => panic!("the name is too long"),
-        }
-    }
-
-    /// The text, or the empty one if it does not fit.
-    const fn fitting(text: &str) -> Self {
         match Self::new(text) {
             Some(name) => name,
             None => Self::EMPTY,
@@ -121,7 +110,7 @@ impl Channel {
     /// empty, which no plan accepts.
     #[must_use]
     pub const fn within(name: &str, unit: &str, limit: f32) -> Self {
-        Self { name: Name::fitting(name), unit: Name::fitting(unit), limit, saturation: limit, stuck_samples: 0 }
+        Self { name: Name::constant(name), unit: Name::constant(unit), limit, saturation: limit, stuck_samples: 0 }
     }
 }
 
@@ -308,6 +297,9 @@ mod tests {
     fn names_fit_or_are_refused() {
         assert_eq!(Label::new("healthy").map(|label| label.to_bytes()[..8].to_vec()), Some(b"healthy\0".to_vec()));
         assert_eq!(Label::new("seventeen letters"), None);
+        assert_eq!(Label::constant("sixteen letters!").as_str(), "sixteen letters!");
+        assert_eq!(Label::constant("seventeen letters"), Label::EMPTY);
+        assert_eq!(Label::constant("zero\0byte"), Label::EMPTY);
         assert_eq!(Name::<4>::from_bytes(*b"a\0b\0"), None);
         assert_eq!(Name::<4>::from_bytes(*b"abcd").unwrap().as_str(), "abcd");
     }

@@ -62,7 +62,7 @@ pub const FEATURES: [Feature; 9] = [
 pub const LABELS: [Label; 3] = [Label::constant("as built"), Label::constant("slack"), Label::constant("stiff")];
 
 /// The model.
-pub static MODEL: Model<Refined> = Refined::model(Constants {
+pub static MODEL: Model<Refined> = match Refined::model(Constants {
     sampling: Sampling { interval_s: 0.001, park: None, block_mean: 1, segment_samples: 600 },
     channels: CHANNELS,
     regression: [Regression {
@@ -79,7 +79,10 @@ pub static MODEL: Model<Refined> = Refined::model(Constants {
     classifier: classifier!(FEATURES),
     evidence: EvidenceConstants::NONE,
     labels: LABELS,
-});
+}) {
+    Ok(model) => model,
+    Err(error) => panic!("{}", error.message()),
+};
 
 /// y = 1.5 y₁ − 0.6 y₂ + 0.3 u1₁ + 0.15 u1₂ + 0.05 u1₃ − 0.2 u2₁ − 0.1 u2₂ + 0.05 u2₃, measured with noise; one sample
 /// in 701 is lost.

@@ -116,7 +116,7 @@ pub const BLOCKS: Blocks = Blocks {
 };
 
 /// The model of a drive with a load sensor.
-pub static MODEL: Model<Watched> = Watched::model(Constants {
+pub static MODEL: Model<Watched> = match Watched::model(Constants {
     sampling: SAMPLING,
     channels: [CURRENT, REFERENCE, LOAD, VELOCITY],
     regression: [Regression {
@@ -147,10 +147,13 @@ pub static MODEL: Model<Watched> = Watched::model(Constants {
     ]),
     evidence: EvidenceConstants::NONE,
     labels: LABELS,
-});
+}) {
+    Ok(model) => model,
+    Err(error) => panic!("{}", error.message()),
+};
 
 /// The model of a drive without a load sensor.
-pub static LOADLESS: Model<Loadless> = Loadless::model(Constants {
+pub static LOADLESS: Model<Loadless> = match Loadless::model(Constants {
     sampling: SAMPLING,
     channels: [CURRENT, REFERENCE, VELOCITY],
     regression: [],
@@ -172,7 +175,10 @@ pub static LOADLESS: Model<Loadless> = Loadless::model(Constants {
     ]),
     evidence: EvidenceConstants::NONE,
     labels: LABELS,
-});
+}) {
+    Ok(model) => model,
+    Err(error) => panic!("{}", error.message()),
+};
 
 /// The motion at one instant.
 #[derive(Clone, Copy, Debug)]

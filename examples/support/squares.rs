@@ -30,7 +30,7 @@ bearing_watch::plan! {
 }
 
 /// The model.
-pub static MODEL: Model<Squares> = Squares::model(Constants {
+pub static MODEL: Model<Squares> = match Squares::model(Constants {
     sampling: Sampling { interval_s: 0.001, park: None, block_mean: 1, segment_samples: 600 },
     channels: CHANNELS,
     regression: [Regression {
@@ -47,4 +47,7 @@ pub static MODEL: Model<Squares> = Squares::model(Constants {
     classifier: classifier!(FEATURES),
     evidence: EvidenceConstants::NONE,
     labels: LABELS,
-});
+}) {
+    Ok(model) => model,
+    Err(error) => panic!("{}", error.message()),
+};

@@ -20,6 +20,7 @@
 //! Cost: a step for each row, and for each row below one with an error; each at most 2 Z multiply-adds and a logarithm.
 //! Without errors Z logarithms and Z (Z − 1)/2 multiply-adds a density.
 
+use crate::factor::kernels::rotate_pivot_small;
 use crate::factor::pairs;
 use crate::plan::{Array, Cells, Plan};
 
@@ -87,9 +88,10 @@ impl<P: Plan> Density<P> {
     pub(super) fn step(&mut self, variances: &[f32]) -> bool {
         let Taking { x, left, weight, place } = &mut self.taking;
         let coordinates = x.cells().len();
-        if let Some(x) = x.cells_mut().get_mut(coordinates.saturating_sub(*left)..).filter(|x| !x.is_empty()) {
-            let row = self.factor.cells_mut().get_mut(*place..).unwrap_or_default();
-            *weight = rotate(row, x, *weight);
+        if let Some([first, later @ ..]) = x.cells_mut().get_mut(coordinates.saturating_sub(*left)..) {
+            if let Some([pivot, row @ ..]) = self.factor.cells_mut().get_mut(*place..) {
+                rotate_pivot_small(pivot, row, *first, later, weight);
+            }
             *place = place.saturating_add(*left);
             *left = left.saturating_sub(1);
             return true;
@@ -148,22 +150,6 @@ fn widen(pivot: &mut f32, row: &mut [f32], variance: f32, x: &mut [f32]) -> f32 
     }
     let weight = *pivot * share;
     *pivot = wide;
-    weight
-}
-
-/// Rotates x into a row of the factor; returns the next w.
-#[inline(never)]
-fn rotate(row: &mut [f32], x: &mut [f32], weight: f32) -> f32 {
-    let ([pivot, row @ ..], [first, later @ ..]) = (row, x) else { return weight };
-    let q = weight * *first;
-    let wider = *pivot + q * *first;
-    let s = q / wider;
-    let weight = weight * *pivot / wider;
-    *pivot = wider;
-    for (x, r) in pairs(later, row) {
-        *x -= *first * *r;
-        *r += s * *x;
-    }
     weight
 }
 

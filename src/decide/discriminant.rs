@@ -243,7 +243,7 @@ mod tests {
 
     /// Two classes in the plane: at (0, 0) with Σ = I and at (2, 0) with Σ = I (linear) or diag(4, 1) (quadratic).
     fn two(kind: Kind) -> (RunTime, Discriminant<RunTime>) {
-        let plain = testing::regression(Structure::new(1, 1, 0, 1, 0), Method::LeastSquares, Memory::Segment).layout();
+        let plain = testing::regression(Structure::new(1, 1, 0, 1, 0), Method::LeastSquares, Memory::Segment);
         let layout = Layout { features: 2, coordinates: 2, classes: 2, discriminant: kind, ..plain };
         let mut factors = vec![1.0, 0.0, 1.0];
         if kind == Kind::Quadratic {

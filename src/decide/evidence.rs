@@ -220,7 +220,7 @@ mod tests {
     const CONSTANTS: EvidenceConstants = EvidenceConstants { bet: 0.2, limit: 10.0, cap: 5.0 };
 
     fn plan() -> RunTime {
-        let plain = testing::regression(Structure::new(1, 1, 0, 1, 0), Method::LeastSquares, Memory::Segment).layout();
+        let plain = testing::regression(Structure::new(1, 1, 0, 1, 0), Method::LeastSquares, Memory::Segment);
         RunTime::of(Layout { classes: 3, ..plain }).unwrap()
     }
 

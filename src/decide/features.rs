@@ -158,7 +158,7 @@ mod tests {
     use std::vec;
 
     fn plan() -> RunTime {
-        let plain = testing::regression(Structure::new(1, 1, 1, 1, 1), Method::LeastSquares, Memory::Segment).layout();
+        let plain = testing::regression(Structure::new(1, 1, 1, 1, 1), Method::LeastSquares, Memory::Segment);
         let signal = Signal::channel;
         let shaft = ShaftLayout {
             current: signal(0),

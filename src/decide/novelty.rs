@@ -124,7 +124,7 @@ mod tests {
     use std::vec;
 
     fn plan() -> RunTime {
-        let plain = testing::regression(Structure::new(1, 1, 0, 1, 0), Method::LeastSquares, Memory::Segment).layout();
+        let plain = testing::regression(Structure::new(1, 1, 0, 1, 0), Method::LeastSquares, Memory::Segment);
         RunTime::of(Layout { coordinates: 2, ..plain }).unwrap()
     }
 

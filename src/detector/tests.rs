@@ -31,7 +31,7 @@ crate::plan! {
 }
 
 /// Classes at the gains 0.5 and 1 of y = 0.8 y₁ + b u₁.
-static MODEL: Model<Drive> = Drive::model(Constants {
+static MODEL: Model<Drive> = match Drive::model(Constants {
     sampling: Sampling { interval_s: 0.001, park: Some(Park::Standard), block_mean: 1, segment_samples: SAMPLES },
     channels: [
         Channel { stuck_samples: 20, ..Channel::within("current_a", "A", 100.0) },
@@ -62,7 +62,10 @@ static MODEL: Model<Drive> = Drive::model(Constants {
     },
     evidence: EvidenceConstants::NONE,
     labels: [Label::constant("half"), Label::constant("whole")],
-});
+}) {
+    Ok(model) => model,
+    Err(error) => panic!("{}", error.message()),
+};
 
 /// A square wave through the model of gain `b`, with a little noise.
 fn samples(b: f32) -> impl Iterator<Item = Sample> {

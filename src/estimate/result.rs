@@ -169,13 +169,13 @@ fn input_terms(beta: &mut [f32]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::{Memory, Method, testing};
+    use crate::plan::{Memory, Method, RunTime, testing};
     use std::vec;
 
     #[test]
     fn raw_form_of_three_terms() {
-        let plan = testing::regression(Structure::new(3, 3, 0, 1, 1), Method::LeastSquares, Memory::Segment);
-        let mut estimate = Estimate::empty(plan);
+        let layout = testing::regression(Structure::new(3, 3, 0, 1, 1), Method::LeastSquares, Memory::Segment);
+        let mut estimate = Estimate::empty(RunTime::of(layout).unwrap());
         // a = [−1.5, 0.7, −0.1], b = [0.5, 0.25, −0.125]: t = [−0.1, 0.6, −0.1], β = [0.625, −0.125, 0.125]
         estimate.delta = vec![-0.1, 0.6, -0.1, 0.625, -0.125, 0.125];
         let expected = [-1.5, 0.7, -0.1, 0.5, 0.25, -0.125];

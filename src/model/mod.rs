@@ -61,7 +61,7 @@ pub struct Constants<P: Plan> {
     pub classifier: Classifier<P>,
     /// Constants of the alarm over many segments.
     pub evidence: EvidenceConstants,
-    /// Class names.
+    /// Class names, none of them empty.
     pub labels: Array<P::Classes, Label>,
 }
 
@@ -74,14 +74,13 @@ pub struct Model<P: Plan> {
 }
 
 impl<P: Plan> Model<P> {
-    /// Checks the constants. A plan defined by [`plan!`](crate::plan!) has a function `model`, which does so at compile
-    /// time.
+    /// Checks the constants. A plan defined by [`plan!`](crate::plan!) has a function `model`, which can do so at
+    /// compile time.
     ///
     /// # Errors
     /// The first thing that does not fit.
     pub fn new(plan: P, constants: Constants<P>) -> Result<Self, ModelError> {
         check(&constants.parts(plan))?;
-        require_labels(&constants, plan)?;
         Ok(Self { plan, constants })
     }
 
@@ -181,17 +180,12 @@ impl<P: Plan> Constants<P> {
             knots: &novelty.knots,
             limit: novelty.limit,
             evidence: self.evidence,
+            labels: self.labels.cells(),
         }
     }
 }
 
-/// Only vectors can have a wrong number of labels.
-fn require_labels<P: Plan>(constants: &Constants<P>, plan: P) -> Result<(), ModelError> {
-    let wanted = plan.layout().classes as usize;
-    if constants.labels.cells().len() == wanted { Ok(()) } else { Err(ModelError::Length(Field::Label)) }
-}
-
-/// Gives a plan the function `model`, which checks constants at compile time.
+/// Gives a plan the function `model`, which can check constants at compile time.
 ///
 /// Inside the expansion every length is known, so that the slices of the view can be made in a constant.
 #[doc(hidden)]
@@ -199,13 +193,15 @@ fn require_labels<P: Plan>(constants: &Constants<P>, plan: P) -> Result<(), Mode
 macro_rules! checked_model {
     ($plan:ident, $layout:expr, $channels:expr) => {
         impl $plan {
-            /// The model of these constants. In a `const` or `static`, constants that do not fit do not compile.
+            /// The model of these constants. A `const` or `static` that matches the result and panics on the error
+            /// does not compile if they do not fit.
             ///
-            /// # Panics
-            /// If the constants do not fit; at compile time in a `const` or `static`.
-            #[must_use]
+            /// # Errors
+            /// The first thing that does not fit.
             #[allow(dead_code, reason = "a plan may read its models from bytes only")]
-            pub const fn model(constants: $crate::model::Constants<Self>) -> $crate::Model<Self> {
+            pub const fn model(
+                constants: $crate::model::Constants<Self>,
+            ) -> Result<$crate::Model<Self>, $crate::ModelError> {
                 {
                     let $crate::model::Constants { sampling, channels, regression, shaft, classifier, .. } = &constants;
                     let regression: &[$crate::model::Regression<Self>] = regression;
@@ -252,12 +248,13 @@ macro_rules! checked_model {
                         knots: &classifier.novelty.knots,
                         limit: classifier.novelty.limit,
                         evidence: constants.evidence,
+                        labels: &constants.labels,
                     });
                     if let Err(error) = checked {
-                        panic!("{}", error.message());
+                        return Err(error);
                     }
                 }
-                $crate::Model::checked(Self, constants)
+                Ok($crate::Model::checked(Self, constants))
             }
         }
     };

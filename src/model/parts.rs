@@ -4,7 +4,7 @@ use super::Sampling;
 use crate::decide::{EvidenceConstants, Feature, KNOTS};
 use crate::factor::Forgetting;
 use crate::plan::Layout;
-use crate::sample::Channel;
+use crate::sample::{Channel, Label};
 use crate::shaft::{Balance, Blocks, Lags, TrackedOrder};
 
 /// The numbers of a regression as slices.
@@ -56,4 +56,5 @@ pub struct Parts<'a> {
     pub knots: &'a [[f32; 2]; KNOTS],
     pub limit: f32,
     pub evidence: EvidenceConstants,
+    pub labels: &'a [Label],
 }

@@ -13,7 +13,7 @@ use crate::decide::EvidenceConstants;
 use crate::estimate::is_stable;
 use crate::factor::{MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
 use crate::plan::{Memory, Method, RegressionLayout, ShaftLayout, Signal, Structure};
-use crate::sample::Channel;
+use crate::sample::{Channel, Label};
 use crate::shaft::{Blocks, Lags, MAX_LAG, StateVariable, TrackedOrder};
 
 /// Orders beyond this would turn more than half a turn between samples at any speed that can be tracked.
@@ -74,7 +74,8 @@ pub const fn check(parts: &Parts<'_>) -> Result<(), ModelError> {
         _ => return Err(ModelError::Length(Field::BalanceNominal)),
     }
     pass!(check_classifier(parts));
-    check_novelty(parts)
+    pass!(check_novelty(parts));
+    check_labels(parts.labels, parts.layout.classes as usize)
 }
 
 const fn check_channels(parts: &Parts<'_>) -> Result<(), ModelError> {
@@ -272,5 +273,16 @@ const fn check_novelty(parts: &Parts<'_>) -> Result<(), ModelError> {
     }
     let EvidenceConstants { bet, limit, cap } = parts.evidence;
     require!(bet > 0.0 && bet < 1.0 && limit > 0.0 && cap > 0.0 && cap.is_finite(), Evidence);
+    Ok(())
+}
+
+/// An empty label is one that did not fit, or a class without a name.
+const fn check_labels(labels: &[Label], classes: usize) -> Result<(), ModelError> {
+    require_length!(labels.len(), classes, Label);
+    let mut rest = labels;
+    while let [label, later @ ..] = rest {
+        require!(!label.is(""), Label);
+        rest = later;
+    }
     Ok(())
 }

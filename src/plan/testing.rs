@@ -1,10 +1,10 @@
-//! Plans for the unit tests.
+//! Layouts for the unit tests.
 
-use super::{Layout, Memory, Method, Plan, RegressionLayout, RunTime, Signal, Structure};
+use super::{Layout, Memory, Method, RegressionLayout, Signal, Structure};
 
-/// A plan with a regression alone; each signal with terms has its own channel.
+/// A regression alone; each signal with terms has its own channel.
 #[must_use]
-pub fn regression(structure: Structure, method: Method, memory: Memory) -> RunTime {
+pub fn regression(structure: Structure, method: Method, memory: Memory) -> Layout {
     let inputs = u8::from(structure.nb > 0);
     let regression = RegressionLayout {
         structure,
@@ -16,6 +16,5 @@ pub fn regression(structure: Structure, method: Method, memory: Memory) -> RunTi
     };
     let channels = 1 + inputs + u8::from(structure.nc > 0);
     let regression = Some(regression);
-    let layout = Layout { channels, regression, features: 1, coordinates: 1, classes: 1, ..Layout::EMPTY };
-    RunTime::of(layout).unwrap()
+    Layout { channels, regression, features: 1, coordinates: 1, classes: 1, ..Layout::EMPTY }
 }

@@ -192,7 +192,8 @@ mod tests {
 
     impl Stream {
         fn new(structure: Structure) -> Self {
-            let plan = testing::regression(structure, Method::LeastSquares, Memory::Segment);
+            let layout = testing::regression(structure, Method::LeastSquares, Memory::Segment);
+            let plan = RunTime::of(layout).unwrap();
             let constants = Regression::new(plan);
             Self { plan, rows: Squares::new(plan, &constants), constants }
         }

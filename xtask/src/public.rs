@@ -10,16 +10,9 @@ use crate::workspace;
 
 /// The files of the core that export names.
 const EXPORTING: [&str; 3] = ["lib.rs", "model/mod.rs", "plan/mod.rs"];
-/// Not for programs of a drive: conversions of the feature `nalgebra`, hidden helpers of macros and constants, and
-/// panics of constants.
-const ELSEWHERE: [&str; 6] = [
-    "Estimate::covariance_matrix",
-    "Projection::to_matrices",
-    "Model::checked",
-    "Name::constant",
-    "ModelError::name",
-    "check",
-];
+/// Not for programs of a drive: conversions of the feature `nalgebra`, and hidden helpers of macros and constants.
+const ELSEWHERE: [&str; 5] =
+    ["Estimate::covariance_matrix", "Projection::to_matrices", "Model::checked", "ModelError::name", "check"];
 
 /// How a public function starts.
 const PUBLIC: &[&str] = &["pub fn ", "pub const fn "];

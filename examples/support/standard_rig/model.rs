@@ -32,7 +32,7 @@ bearing_watch::plan! {
 /// The trained model.
 #[allow(clippy::all, clippy::pedantic)]
 #[rustfmt::skip]
-pub static MODEL: Model<Drive> = Drive::model(Constants {
+pub static MODEL: Model<Drive> = match Drive::model(Constants {
     sampling: Sampling { interval_s: 0.002, park: None, block_mean: 1, segment_samples: 5000 },
     channels: [
         Channel::within("current_a", "A", 62.723488),
@@ -94,4 +94,7 @@ pub static MODEL: Model<Drive> = Drive::model(Constants {
     },
     evidence: EvidenceConstants::NONE,
     labels: [Label::constant("healthy"), Label::constant("spall"), Label::constant("roughness")],
-});
+}) {
+    Ok(model) => model,
+    Err(error) => panic!("{}", error.message()),
+};

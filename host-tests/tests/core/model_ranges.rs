@@ -1,6 +1,6 @@
 //! Constants out of range: each is refused, by its name, when a model is made.
 
-use bearing_watch::model::{Constants, EvidenceConstants, Feature, Field, Forgetting, Novelty};
+use bearing_watch::model::{Constants, EvidenceConstants, Feature, Field, Forgetting, Label, Novelty};
 use bearing_watch::plan::{Layout, LayoutError, Memory, Method, Plan, RegressionLayout, RunTime};
 use bearing_watch::{Model, ModelError, Structure};
 use host_tests::plans::{constants, layout};
@@ -67,6 +67,7 @@ fn values_out_of_range_are_named() {
     refused(Field::Cost, |c| c.classifier.discriminant.costs[1] = -1.0);
     refused(Field::Cost, |c| c.classifier.discriminant.reject_cost = -1.0);
     refused(Field::Cost, |c| c.classifier.discriminant.reject_cost = f32::NAN);
+    refused(Field::Label, |c| c.labels[1] = Label::constant("seventeen letters"));
     let other = changed(|c| c.channels.swap(1, 2));
     assert_eq!(other, Err(ModelError::Channel { place: 1 }), "channels in another order than in the plan");
     // Differences of one signal move on from column to column, so they share one scale.

@@ -43,6 +43,17 @@ fn core(gate: &Gate) -> Novelty<RunTime> {
     }
 }
 
+/// Rates at which the surprises of `TESTS` rows reach the limits of the set rates.
+fn beyond(surprises: impl Iterator<Item = f32>) -> [f64; 2] {
+    let mut counts = [0_usize; 2];
+    for surprise in surprises {
+        for (count, rate) in counts.iter_mut().zip([1e-2_f32, 1e-3]) {
+            *count += usize::from(surprise >= -rate.ln());
+        }
+    }
+    counts.map(|count| count as f64 / TESTS as f64)
+}
+
 /// True rates of single gates at the set rates, over training draws.
 fn rates<const Z: usize>(degrees: Option<f64>, healthy: usize) -> Vec<[f64; 2]> {
     let one = |draw: u64| {
@@ -55,14 +66,8 @@ fn rates<const Z: usize>(degrees: Option<f64>, healthy: usize) -> Vec<[f64; 2]> 
         };
         let healthy = rows(healthy);
         let gate = core(&gate_of(&healthy, 1e-3).expect("a gate"));
-        let mut counts = [0_usize; 2];
-        for z in rows(TESTS) {
-            let (_, surprise) = gate.judge(&z.map(|x| x as f32).as_slice()[..Z], &[]);
-            for (count, rate) in counts.iter_mut().zip([1e-2_f32, 1e-3]) {
-                *count += usize::from(surprise >= -rate.ln());
-            }
-        }
-        counts.map(|count| count as f64 / TESTS as f64)
+        let surprise = |z: DVector<f64>| gate.judge(&z.map(|x| x as f32).as_slice()[..Z], &[]).1;
+        beyond(rows(TESTS).into_iter().map(surprise))
     };
     (0..DRAWS).into_par_iter().map(one).collect()
 }
@@ -96,16 +101,12 @@ fn partial_rates<const Z: usize>(healthy: usize) -> Vec<[f64; 2]> {
     let one = |draw: u64| {
         let mut random = ChaCha8Rng::seed_from_u64(70_000 + 1000 * Z as u64 + draw);
         let gate = core(&gate_of_table(&partial::<Z>(healthy, &mut random), 1e-3).expect("a gate"));
-        let mut counts = [0_usize; 2];
         let tests = partial::<Z>(TESTS, &mut random);
-        for (value, variance) in tests.rows.iter().zip(&tests.variances) {
+        let surprise = |(value, variance): (&DVector<f64>, &DVector<f64>)| {
             let [z, v] = [value, variance].map(|of| of.map(|x| x as f32));
-            let (_, surprise) = gate.judge(z.as_slice(), v.as_slice());
-            for (count, rate) in counts.iter_mut().zip([1e-2_f32, 1e-3]) {
-                *count += usize::from(surprise >= -rate.ln());
-            }
-        }
-        counts.map(|count| count as f64 / TESTS as f64)
+            gate.judge(z.as_slice(), v.as_slice()).1
+        };
+        beyond(tests.rows.iter().zip(&tests.variances).map(surprise))
     };
     (0..DRAWS).into_par_iter().map(one).collect()
 }

@@ -6,7 +6,7 @@ use std::vec::Vec;
 
 fn plan() -> RunTime {
     let structure = Structure::new(2, 1, 1, 1, 1).with_offset();
-    testing::regression(structure, Method::LeastSquares, Memory::Segment)
+    RunTime::of(testing::regression(structure, Method::LeastSquares, Memory::Segment)).unwrap()
 }
 
 fn constants() -> Regression<RunTime> {
@@ -121,7 +121,7 @@ const TRUTH: [f32; 5] = [-0.06, 0.56, 0.06, -0.02, -0.1];
 
 fn refined(offset: bool) -> RunTime {
     let structure = Structure { offset, ..Structure::new(2, 2, 1, 1, 2) };
-    testing::regression(structure, Method::Instruments, Memory::Segment)
+    RunTime::of(testing::regression(structure, Method::Instruments, Memory::Segment)).unwrap()
 }
 
 fn start(plan: RunTime, factor: f32) -> Regression<RunTime> {
@@ -164,6 +164,7 @@ fn instruments_give_the_exact_model_from_a_wrong_start() {
 #[test]
 fn noise_biases_least_squares_and_not_instruments() {
     let squares = testing::regression(Structure::new(2, 2, 1, 1, 2), Method::LeastSquares, Memory::Segment);
+    let squares = RunTime::of(squares).unwrap();
     let (channels, by_iv, by_ls) = (channels(), start(refined(false), 1.2), start(squares, 1.2));
     let mut instruments = Alone::new(refined(false), &channels, &by_iv);
     let mut least = Alone::new(squares, &channels, &by_ls);

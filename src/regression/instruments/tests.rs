@@ -2,7 +2,7 @@ use super::*;
 use crate::plan::{Method, RunTime, testing};
 
 fn plan() -> RunTime {
-    testing::regression(Structure::new(2, 2, 1, 1, 2), Method::Instruments, Memory::Segment)
+    RunTime::of(testing::regression(Structure::new(2, 2, 1, 1, 2), Method::Instruments, Memory::Segment)).unwrap()
 }
 
 /// A model with the poles 0.8 and 0.7, and the gain of u1.

@@ -63,7 +63,7 @@ impl Parts {
             },
             novelty: Novelty::none(plan),
         };
-        self.model(plan, sampling, classifier, EvidenceConstants::NONE, vec![Label::EMPTY])
+        self.model(plan, sampling, classifier, EvidenceConstants::NONE, vec![Label::constant("all")])
     }
 
     /// The model with a classifier.

@@ -27,14 +27,8 @@ pub fn predict(candidates: &Candidates, recipe: &Recipe, folds: &Folds) -> Resul
         let seen = candidates.rows(&seen);
         check(&seen)?;
         let fitted = fit(&seen, recipe)?;
-        let predicted = held_out.into_iter().map(|row| {
-            let (value, variance) = (&candidates.table.rows[row], &candidates.table.variances[row]);
-            let (z, variances) = fitted.projection.apply_with(value, variance);
-            let log_posteriors = fitted.densities.log_posteriors(&z, &variances);
-            let decided = Some(fitted.densities.decide(&log_posteriors));
-            (row, Prediction { truth: candidates.table.classes[row], decided, log_posteriors, weight: weights[row] })
-        });
-        Ok(predicted.collect())
+        let predicted = |row: usize| (row, fitted.predict(&candidates.table, row, weights[row]));
+        Ok(held_out.into_iter().map(predicted).collect())
     };
     // Collects all results first, so that every run reports the error of the first bad fold.
     let parts: Vec<_> = (0..folds.count).into_par_iter().map(one).collect();

@@ -186,16 +186,22 @@ fn nominal(
         let name = classes.get(place).map_or_else(|| place.to_string(), Clone::clone);
         return Err(Error::Training(format!("no training trace of class {name} for the nominal model")));
     }
-    let estimates: Vec<_> = own.par_iter().map(|trace| estimate(trace, structure)).collect();
-    // Traces without an estimate, such as records at rest, have no part in the mean unless all are.
-    let (good, bad): (Vec<_>, Vec<_>) = estimates.into_iter().partition(Result::is_ok);
-    let estimates: Vec<Estimate> = good.into_iter().flatten().collect();
-    if let (true, Some(Err(error))) = (estimates.is_empty(), bad.into_iter().next()) {
-        return Err(error);
-    }
+    let estimates = successful(own.par_iter().map(|trace| estimate(trace, structure)).collect())?;
     let deltas: Vec<_> = estimates.iter().map(|e| features::delta_from_raw(structure, &e.theta)).collect();
     let variance = estimates.iter().map(|e| e.variance).sum::<f64>() / estimates.len() as f64;
     Ok(Mean { delta: statistics::mean(&deltas), deviation: variance.max(0.0).sqrt() })
+}
+
+/// Returns the estimates of the traces that have one: others, such as records at rest, have no part in a mean.
+///
+/// # Errors
+/// That of the first trace, if no trace has an estimate.
+pub(super) fn successful<T>(estimates: Vec<Result<T, Error>>) -> Result<Vec<T>, Error> {
+    let (good, bad): (Vec<_>, Vec<_>) = estimates.into_iter().partition(Result::is_ok);
+    match bad.into_iter().next() {
+        Some(Err(error)) if good.is_empty() => Err(error),
+        _ => Ok(good.into_iter().flatten().collect()),
+    }
 }
 
 impl Mean {

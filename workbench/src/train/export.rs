@@ -35,7 +35,7 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     out.line(0, "/// The trained model.");
     out.line(0, "#[allow(clippy::all, clippy::pedantic)]");
     out.line(0, "#[rustfmt::skip]");
-    out.line(0, "pub static MODEL: Model<Drive> = Drive::model(Constants {");
+    out.line(0, "pub static MODEL: Model<Drive> = match Drive::model(Constants {");
     out.line(1, &sampling(&constants.sampling));
     out.line(1, "channels: [");
     constants.channels.iter().for_each(|own| out.line(2, &channel(own)));
@@ -52,7 +52,11 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     out.line(1, &format!("evidence: {},", evidence(&constants.evidence)));
     let labels: Vec<String> = constants.labels.iter().map(|l| format!("Label::constant({:?})", l.as_str())).collect();
     out.line(1, &format!("labels: [{}],", labels.join(", ")));
-    out.line(0, "});");
+    out.line(0, "}) {");
+    out.line(1, "Ok(model) => model,");
+    // In a static: constants that do not fit do not compile.
+    out.line(1, "Err(error) => panic!(\"{}\", error.message()),");
+    out.line(0, "};");
     Ok(out.0)
 }
 

@@ -1,5 +1,6 @@
 //! Labelled rows → projection and class densities: all parts of training that use the classes.
 
+use super::scores::Prediction;
 use super::shrinkage::Shrink;
 use super::shrinkage_search::{self, Choice};
 use super::table::AffineMap;
@@ -17,6 +18,16 @@ pub(crate) struct Fitted {
     pub(crate) statistics: ClassStatistics,
     pub(crate) densities: GaussianClasses,
     pub(crate) choice: Option<Choice>,
+}
+
+impl Fitted {
+    /// Predicts the class of a row of a table with the features of the fit.
+    pub(crate) fn predict(&self, table: &FeatureTable, row: usize, weight: f64) -> Prediction {
+        let (z, variances) = self.projection.apply_with(&table.rows[row], &table.variances[row]);
+        let log_posteriors = self.densities.log_posteriors(&z, &variances);
+        let decided = Some(self.densities.decide(&log_posteriors));
+        Prediction { truth: table.classes[row], decided, log_posteriors, weight }
+    }
 }
 
 /// Fits the recipe to the rows; if the recipe chooses the shrinkage, it is chosen on these rows alone.

@@ -112,8 +112,7 @@ fn step(
 ) -> Option<(Vec<DVector<f64>>, DMatrix<f64>)> {
     let Sums { means, slope, .. } = sums(rows, patterns, classes, covariance)?;
     let freedom = rows.len().saturating_sub(classes).max(1) as f64;
-    let step = covariance * slope * covariance / freedom; // (2)
-    Some((means, (&step + step.transpose()) * 0.5))
+    Some((means, symmetric(&(covariance * slope * covariance / freedom)))) // (2)
 }
 
 /// Means and variances of each feature alone; the part of the variance that the errors do not explain.
@@ -167,11 +166,9 @@ fn patterns(rows: &[Observed<'_>]) -> Vec<Vec<usize>> {
 
 /// W; `None` if the covariance is singular.
 fn weight(covariance: &DMatrix<f64>, variance: &DVector<f64>) -> Option<DMatrix<f64>> {
-    let n = variance.len();
-    let there: Vec<usize> = (0..n).filter(|&k| variance[k].is_finite()).collect();
-    let own = |i: usize, j: usize| covariance[(there[i], there[j])] + if i == j { variance[there[i]] } else { 0.0 };
-    let inverse = DMatrix::from_fn(there.len(), there.len(), own).cholesky()?.inverse();
-    let mut weight = DMatrix::zeros(n, n);
+    let (there, factor) = available(covariance, variance)?;
+    let inverse = factor.inverse();
+    let mut weight = DMatrix::zeros(variance.len(), variance.len());
     for (i, &row) in there.iter().enumerate() {
         for (j, &column) in there.iter().enumerate() {
             weight[(row, column)] = inverse[(i, j)];
@@ -211,20 +208,27 @@ fn sums(rows: &[Observed<'_>], patterns: &[Vec<usize>], classes: usize, covarian
     Some(Sums { means, precision, slope })
 }
 
-fn symmetrise(matrix: &mut DMatrix<f64>) {
-    *matrix = (&*matrix + matrix.transpose()) * 0.5;
+/// The matrix without the asymmetry of its roundings.
+pub(crate) fn symmetric(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    (matrix + matrix.transpose()) * 0.5
 }
 
-/// The available values of a row: their distance from the mean, and the factor of their covariance with the errors;
-/// `None` if it is singular.
-fn available(
+/// Indices of the available values, and the factor of their covariance with the errors; `None` if it is singular.
+fn available(covariance: &DMatrix<f64>, variance: &DVector<f64>) -> Option<(Vec<usize>, Cholesky<f64, Dyn>)> {
+    let there: Vec<usize> = (0..variance.len()).filter(|&k| variance[k].is_finite()).collect();
+    let own = |i: usize, j: usize| covariance[(there[i], there[j])] + if i == j { variance[there[i]] } else { 0.0 };
+    let factor = DMatrix::from_fn(there.len(), there.len(), own).cholesky()?;
+    Some((there, factor))
+}
+
+/// The available values of a row less their means, and the factor of their covariance with the errors; `None` if it is
+/// singular.
+fn centred(
     (mean, covariance): (&DVector<f64>, &DMatrix<f64>),
     value: &DVector<f64>,
     variance: &DVector<f64>,
 ) -> Option<(DVector<f64>, Cholesky<f64, Dyn>)> {
-    let there: Vec<usize> = (0..value.len()).filter(|&k| variance[k].is_finite()).collect();
-    let own = |i: usize, j: usize| covariance[(there[i], there[j])] + if i == j { variance[there[i]] } else { 0.0 };
-    let factor = DMatrix::from_fn(there.len(), there.len(), own).cholesky()?;
+    let (there, factor) = available(covariance, variance)?;
     Some((DVector::from_fn(there.len(), |i, _| value[there[i]] - mean[there[i]]), factor))
 }
 
@@ -234,7 +238,7 @@ pub(crate) fn squared_distance(
     value: &DVector<f64>,
     variance: &DVector<f64>,
 ) -> Option<(f64, usize)> {
-    let (residual, factor) = available(moments, value, variance)?;
+    let (residual, factor) = centred(moments, value, variance)?;
     Some((residual.dot(&factor.solve(&residual)), residual.len()))
 }
 
@@ -244,7 +248,7 @@ pub(crate) fn log_density(
     value: &DVector<f64>,
     variance: &DVector<f64>,
 ) -> Option<f64> {
-    let (residual, factor) = available(moments, value, variance)?;
+    let (residual, factor) = centred(moments, value, variance)?;
     let log_determinant = 2.0 * factor.l_dirty().diagonal().iter().map(|pivot| pivot.ln()).sum::<f64>();
     Some(discriminant::log_density(residual.len(), log_determinant, residual.dot(&factor.solve(&residual))))
 }
@@ -260,8 +264,7 @@ pub(crate) fn left_out(rows: &[Observed<'_>], found: &Moments) -> Option<Vec<(f6
         let residual = &weight * (row.value - mean);
         let others = (&precision - &weight).cholesky()?.solve(&residual);
         let outer = &residual * residual.transpose() * (n / (n - 1.0));
-        let mut without = covariance + covariance * (weight - outer) * covariance / (n - 2.0); // (3)
-        symmetrise(&mut without);
+        let without = symmetric(&(covariance + covariance * (weight - outer) * covariance / (n - 2.0))); // (3)
         let mean = mean - others;
         // Far outliers with large errors can make (3) indefinite; their distance is large by the moments with them too.
         squared_distance((&mean, &without), row.value, row.variance)

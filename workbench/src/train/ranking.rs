@@ -140,8 +140,9 @@ pub fn rank(candidates: &Candidates, recipe: &Recipe) -> Result<Ranking, Error> 
     let among_all: Vec<Option<Gain>> = everything.par_iter().map(among_all).collect();
     let honest = judge.honest(&recipe);
     let scores = |predictions: &Vec<Prediction>| Scores::new(predictions, &judge.priors);
+    let ratios: Vec<_> = everything.par_iter().map(|&feature| fisher(candidates, &judge.priors, feature)).collect();
     let ranked = |&feature: &usize| {
-        let (fisher, pairs) = fisher(candidates, &judge.priors, feature);
+        let (fisher, pairs) = ratios[feature].clone();
         let kept = path.chosen.contains(&feature);
         let beside_chosen = path.gains.get(&feature).copied();
         let ranked = Ranked {
@@ -157,8 +158,7 @@ pub fn rank(candidates: &Candidates, recipe: &Recipe) -> Result<Ranking, Error> 
         Ranked { reason, ..ranked }
     };
     let mut rest: Vec<usize> = everything.iter().copied().filter(|k| !path.chosen.contains(k)).collect();
-    let ratio = |k: usize| fisher(candidates, &judge.priors, k).0;
-    rest.sort_by(|&a, &b| ratio(b).total_cmp(&ratio(a)));
+    rest.sort_by(|&a, &b| ratios[b].0.total_cmp(&ratios[a].0));
     Ok(Ranking {
         classes: candidates.table.names.clone(),
         features: path.chosen.iter().chain(&rest).map(ranked).collect(),

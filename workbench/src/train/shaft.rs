@@ -22,6 +22,7 @@ use bearing_watch::{Friction, FrictionTerm, ShaftEstimate};
 use rayon::prelude::*;
 
 use super::core_form::refused;
+use super::estimation::successful;
 use super::lags;
 use crate::Error;
 use crate::core::{Embedded, MAX_ORDERS, Parts, Wiring};
@@ -212,18 +213,13 @@ impl Bench {
     /// # Errors
     /// No trace has a torque balance.
     fn frictions(&self, constants: &ShaftConstants<RunTime>, own: &[Watched<'_>]) -> Result<Vec<Friction>, Error> {
-        let runs: Vec<(String, ShaftEstimate<RunTime>)> = own
-            .par_iter()
-            .map(|(labelled, _)| Ok((labelled.trace.id.clone(), self.run(constants, &labelled.trace)?)))
-            .collect::<Result<_, Error>>()?;
-        let found: Vec<Friction> =
-            runs.iter().filter(|(_, run)| run.friction_reason.is_none()).map(|(_, run)| run.friction).collect();
-        match (found.is_empty(), runs.first()) {
-            (true, Some((id, ShaftEstimate { friction_reason: Some(reason), .. }))) => {
-                Err(Error::trace(id, format!("shaft: {reason}; no trace of the nominal class has a torque balance")))
-            }
-            _ => Ok(found),
-        }
+        let balance = |(labelled, _): &Watched<'_>| {
+            let id = &labelled.trace.id;
+            let ShaftEstimate { friction, friction_reason, .. } = self.run(constants, &labelled.trace)?;
+            let refuse = |reason| format!("shaft: {reason}; no trace of the nominal class has a torque balance");
+            friction_reason.map_or(Ok(friction), |reason| Err(Error::trace(id, refuse(reason))))
+        };
+        successful(own.par_iter().map(balance).collect())
     }
 
     /// Returns the pole (4).

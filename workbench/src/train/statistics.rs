@@ -5,7 +5,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::moments::{Observed, moments};
+use super::moments::{Observed, moments, symmetric};
 use super::{AffineMap, FeatureTable};
 use crate::Error;
 
@@ -103,10 +103,7 @@ impl ClassStatistics {
     }
 
     fn map(&self, map: &AffineMap) -> Self {
-        let matrix = |covariance: &DMatrix<f64>| {
-            let mapped = &map.matrix * covariance * map.matrix.transpose();
-            (&mapped + mapped.transpose()) * 0.5
-        };
+        let matrix = |covariance: &DMatrix<f64>| symmetric(&(&map.matrix * covariance * map.matrix.transpose()));
         Self {
             total_mean: map.apply(&self.total_mean),
             total: matrix(&self.total),

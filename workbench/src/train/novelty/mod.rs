@@ -156,10 +156,13 @@ fn rows_of(table: &FeatureTable, class: usize) -> (usize, Option<usize>) {
 /// rate.
 #[must_use]
 pub fn fewest(coordinates: usize, rate: f64) -> usize {
-    (coordinates + 2..)
-        .take(1000)
-        .find(|&rows| is_near(coordinates, rows, rate, FARTHEST))
-        .unwrap_or(coordinates + 1000)
+    fewest_near(coordinates, rate, FARTHEST)
+}
+
+/// Returns the smallest number of rows from which a gate is near enough by [`is_near`].
+fn fewest_near(coordinates: usize, rate: f64, factor: f64) -> usize {
+    let near = |&rows: &usize| is_near(coordinates, rows, rate, factor);
+    (coordinates + 2..).take(1000).find(near).unwrap_or(coordinates + 1000)
 }
 
 /// Returns whether the d² of a gate of so many segments exceeds that of known mean and covariance by at most a factor.

@@ -103,9 +103,8 @@ pub(super) fn complete(table: &FeatureTable, runs: &[usize]) -> (Vec<usize>, Vec
 /// # Errors
 /// The index of the first coordinate that is constant or a combination of those before it.
 pub(super) fn next_run(table: &FeatureTable, runs: &[usize], count: usize) -> Result<NextRun, usize> {
-    let rows = table.rows.iter().zip(&table.variances).zip(runs);
-    let observed: Vec<Observed<'_>> =
-        rows.map(|((value, variance), &class)| Observed { value, variance, class }).collect();
+    let of_runs = table.observed().into_iter().zip(runs).map(|(row, &class)| Observed { class, ..row });
+    let observed: Vec<Observed<'_>> = of_runs.collect();
     let Moments { means, covariance: within } = moments::moments(&observed, count);
     let (p, k) = (within.nrows(), count as f64);
     let mean = means.iter().sum::<DVector<f64>>() / k;
@@ -195,8 +194,7 @@ fn trend(means: &[DVector<f64>]) -> Option<(Vec<usize>, DVector<f64>)> {
 /// Returns the smallest number of runs that support a false-alarm rate.
 #[must_use]
 pub fn fewest(coordinates: usize, rate: f64) -> usize {
-    let near = |&runs: &usize| super::is_near(coordinates, runs, rate, FARTHEST);
-    (coordinates + 2..).take(1000).find(near).unwrap_or(coordinates + 1000)
+    super::fewest_near(coordinates, rate, FARTHEST)
 }
 
 /// Returns the smallest false-alarm rate that so many runs support, with two digits: a gate of `coordinates` from

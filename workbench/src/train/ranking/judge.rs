@@ -114,15 +114,8 @@ impl<'a> Judge<'a> {
             }
             let candidates = self.candidates.select(&chosen);
             let fitted = fit(&candidates.rows(&seen), &inner.recipe).ok()?;
-            let predicted = held_out.into_iter().map(|row| {
-                let (value, variance) = (&candidates.table.rows[row], &candidates.table.variances[row]);
-                let (z, variances) = fitted.projection.apply_with(value, variance);
-                let log_posteriors = fitted.densities.log_posteriors(&z, &variances);
-                let decided = Some(fitted.densities.decide(&log_posteriors));
-                let (truth, weight) = (candidates.table.classes[row], self.weights[row]);
-                (row, Prediction { truth, decided, log_posteriors, weight })
-            });
-            Some(predicted.collect())
+            let predicted = |row: usize| (row, fitted.predict(&candidates.table, row, self.weights[row]));
+            Some(held_out.into_iter().map(predicted).collect())
         };
         let parts: Vec<Option<Vec<_>>> = (0..self.folds.count).into_par_iter().map(one).collect();
         let mut all: Vec<(usize, Prediction)> = parts.into_iter().collect::<Option<Vec<_>>>()?.concat();
@@ -155,9 +148,9 @@ impl<'a> Judge<'a> {
         if ranked.fisher * (rows as f64) < degrees + SURE * (2.0 * degrees).sqrt() {
             parts.push("its class means differ no more than by chance".to_string());
         }
-        let alike = path.chosen.iter().copied().max_by(|&a, &b| correlation(a).abs().total_cmp(&correlation(b).abs()));
-        if let Some(other) = alike.filter(|&other| correlation(other).abs() >= ALIKE) {
-            let (name, r) = (&self.candidates.features[other], correlation(other));
+        let alike = path.chosen.iter().map(|&other| (&self.candidates.features[other], correlation(other)));
+        let alike = alike.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()));
+        if let Some((name, r)) = alike.filter(|(_, r)| r.abs() >= ALIKE) {
             let sign = if r < 0.0 { "−" } else { "" };
             parts.push(format!("goes with {name} (correlation {sign}{:.2} within classes)", r.abs()));
         }
