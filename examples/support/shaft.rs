@@ -96,6 +96,7 @@ pub const BALANCE: Balance = Balance {
     nominal: NOMINAL,
     prior: [5e-3, 0.02, 1.0, 20.0, 1.0, 10.0, 1.0],
     deviation: 0.1,
+    own_from_rows: 48,
 };
 
 /// The orders of outer ring, inner ring, ball and cage, all harmonics with the same weight.
@@ -113,6 +114,7 @@ pub const BLOCKS: Blocks = Blocks {
     slip: 0.008,
     slowest_rad_s: 2.4,
     pole: 0.9,
+    high_pass: 0.0,
 };
 
 /// The model of a drive with a load sensor.

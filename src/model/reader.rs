@@ -182,6 +182,7 @@ fn blank_shaft<P: Plan>(plan: P) -> ShaftConstants<P> {
             filter: StateVariable::new(0.1, 1.0),
             row_interval: 1,
             settle: 0,
+            own_from_rows: 0,
             sign_velocity_rad_s: 1.0,
             stribeck_velocity_rad_s: 1.0,
             usual_velocity_rad_s: 1.0,
@@ -207,6 +208,7 @@ fn read_shaft<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<ShaftConstant
     balance.usual_velocity_rad_s = reader.f32()?;
     balance.usual_load_nm = reader.f32()?;
     (balance.row_spread, balance.deviation) = (reader.f32()?, reader.f32()?);
+    balance.own_from_rows = reader.u16()?;
     reader.fill(&mut balance.scale)?;
     reader.fill(&mut balance.nominal)?;
     reader.fill(&mut balance.prior)?;
@@ -220,7 +222,8 @@ fn read_shaft<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<ShaftConstant
         *control = reader.u32()?.cast_signed();
     }
     blocks.cell_turns_log2 = reader.u8()?.cast_signed();
-    (blocks.slip, blocks.slowest_rad_s, blocks.pole) = (reader.f32()?, reader.f32()?, reader.f32()?);
+    (blocks.slip, blocks.slowest_rad_s) = (reader.f32()?, reader.f32()?);
+    (blocks.pole, blocks.high_pass) = (reader.f32()?, reader.f32()?);
     Ok(shaft)
 }
 

@@ -206,7 +206,7 @@ const fn check_shaft(layout: &ShaftLayout, shaft: &ShaftParts<'_>, parts: &Parts
 }
 
 const fn are_good(blocks: &Blocks) -> bool {
-    let Blocks { controls: [c0, c1, c2, c3], cell_turns_log2, slip, slowest_rad_s, pole } = *blocks;
+    let Blocks { controls: [c0, c1, c2, c3], cell_turns_log2, slip, slowest_rad_s, pole, high_pass } = *blocks;
     let positive = c0 > 0 && c1 > 0 && c2 > 0 && c3 > 0;
     let highest = c0 <= MAX_ORDER_Q16 && c1 <= MAX_ORDER_Q16 && c2 <= MAX_ORDER_Q16 && c3 <= MAX_ORDER_Q16;
     positive
@@ -219,6 +219,8 @@ const fn are_good(blocks: &Blocks) -> bool {
         && slowest_rad_s <= 1e6
         && pole >= 0.0
         && pole < 1.0
+        && high_pass >= 0.0
+        && high_pass < 1.0
 }
 
 const fn is_good(order: &TrackedOrder, harmonics: usize) -> bool {

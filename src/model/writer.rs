@@ -116,6 +116,7 @@ fn write_shaft<P: Plan>(writer: &mut Writer<'_>, shaft: &ShaftConstants<P>) -> R
     writer.floats(&[balance.sign_velocity_rad_s, balance.stribeck_velocity_rad_s])?;
     writer.floats(&[balance.usual_velocity_rad_s, balance.usual_load_nm])?;
     writer.floats(&[balance.row_spread, balance.deviation])?;
+    writer.bytes(&balance.own_from_rows.to_le_bytes())?;
     writer.floats(&balance.scale)?;
     writer.floats(&balance.nominal)?;
     writer.floats(&balance.prior)?;
@@ -124,10 +125,10 @@ fn write_shaft<P: Plan>(writer: &mut Writer<'_>, shaft: &ShaftConstants<P>) -> R
         writer.floats(&order.weights)?;
         writer.floats(&[order.slip_ratio])?;
     }
-    let Blocks { controls, cell_turns_log2, slip, slowest_rad_s, pole } = tracking.blocks;
+    let Blocks { controls, cell_turns_log2, slip, slowest_rad_s, pole, high_pass } = tracking.blocks;
     controls.into_iter().try_for_each(|order| writer.bytes(&order.to_le_bytes()))?;
     writer.bytes(&cell_turns_log2.to_le_bytes())?;
-    writer.floats(&[slip, slowest_rad_s, pole])
+    writer.floats(&[slip, slowest_rad_s, pole, high_pass])
 }
 
 fn write_classifier<P: Plan>(writer: &mut Writer<'_>, classifier: &Classifier<P>) -> Result<(), ModelError> {

@@ -22,7 +22,8 @@
 //!
 //! A row is rotated into the sums one pivot a sample, so that no sample pays for all of it. After every
 //! [`ROWS_A_REFRESH`] rows the time of one row goes into a back substitution, one parameter a sample: the present
-//! parameters then follow the segment.
+//! parameters then follow the segment. Where the nominal parameters fit better than what part of a segment tells, they
+//! stay ([`Balance::own_from_rows`]).
 //!
 //! State: 90 words. Cost: `cargo xtask measure` prints it.
 
@@ -36,8 +37,6 @@ const COLUMNS: usize = TERMS + 1;
 const PACKED: usize = COLUMNS * (COLUMNS - 1) / 2;
 /// Rows between two back substitutions.
 const ROWS_A_REFRESH: u8 = 16;
-/// Rows of a segment from which its own parameters are used.
-const LEAST_ROWS: u32 = 48;
 /// The terms of (1) in a plan without a load.
 const WITHOUT_LOAD: [usize; 5] = [0, 1, 2, 4, 6];
 const WITH_LOAD: [usize; TERMS] = [0, 1, 2, 3, 4, 5, 6];
@@ -72,6 +71,9 @@ pub struct Balance {
     pub prior: [f32; TERMS],
     /// Standard deviation of a healthy row's residual, A.
     pub deviation: f32,
+    /// Rows of a segment from which the residual of the orders is formed with the segment's own parameters, before with
+    /// those of the segment before. With 65535 it is always formed with the nominal ones.
+    pub own_from_rows: u16,
 }
 
 /// The signals of the balance at one instant.
@@ -299,7 +301,7 @@ impl BalanceState {
         self.refresh = self.refresh.wrapping_sub(1);
         if self.refresh == 0 {
             self.refresh = ROWS_A_REFRESH;
-            if self.sums.rows >= LEAST_ROWS {
+            if self.sums.rows >= u32::from(balance.own_from_rows) && balance.own_from_rows < u16::MAX {
                 self.left = columns(load).wrapping_sub(1);
             }
         } else if good {

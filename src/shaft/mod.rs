@@ -278,9 +278,8 @@ impl<P: Plan> Shaft<P> {
         self.balance.step(&constants.balance, has_load, &now, &frictions, clean);
         if plan.layout().needs_angle() {
             let tracking = &constants.tracking;
-            let shape = (tracking.blocks.slowest_rad_s, tracking.blocks.pole);
             let p = self.balance.present();
-            let residual = self.residual.step(&constants.balance, shape, p, &now, &frictions, clean);
+            let residual = self.residual.step(&constants.balance, &tracking.blocks, p, &now, &frictions, clean);
             self.orders.step(harmonics, tracking, turned, residual);
         }
     }

@@ -5,7 +5,7 @@
 //!
 //! ```text
 //! φ = O_q Θ,   O_q = 2¹⁶ O, wrapping 64 bits: 2⁻⁴⁸ turns;   Θ: angle turned since the start            (1)
-//! u(h) = g sgn(ω) e^{j h φ},   t(h) ← u(h) + α t(h)                                                   (2)
+//! u(h) = g sgn(ω) e^{j h φ},   x(h) ← u(h) + α x(h),   t(h) = x(h) − v(h),   v(h) ← v(h) + γ t(h)     (2)
 //! b(h) = Σ_block y t*(h),   W(h) = Σ_block |t(h)|²                                                    (3)
 //! R(h, d) = Σ b_n(h) b_m*(h)  over pairs of blocks, n at most six blocks later, at cells d apart      (4)
 //! V(d) = Σ W_n W_m over the same pairs, of the first harmonic                                         (5)
@@ -13,7 +13,7 @@
 //! e^{2jφ}: c₂ = 1 − 2 s², s₂ = 2 s c;      e^{3jφ}: c₃ = (2 c₂ − 1) c, s₃ = (2 c₂ + 1) s               (7)
 //! ```
 //!
-//! The signal that a defect causes in y has passed the filter of the residual; (2) passes the same filter, so (3) is
+//! The signal that a defect causes in y has passed the filters of the residual; (2) passes the same filters, so (3) is
 //! the matched filter. A block is one passage through a cell of the shaft's angle, 2ⁿ turns wide, or as much to and fro
 //! within it: blocks are equal in turns at any speed, end at the same angles after a reversal, and slip turns the phase of (4) by an angle that
 //! depends on d only. Pairs backwards through the cells count conjugated. Noise is that of control orders, where no
@@ -93,12 +93,20 @@ pub struct Blocks {
     pub slowest_rad_s: f32,
     /// α of the residual's filter.
     pub pole: f32,
+    /// γ of the residual's high-pass; 0 for none.
+    pub high_pass: f32,
 }
 
 impl Blocks {
     /// Without orders.
-    pub const EMPTY: Self =
-        Self { controls: [1 << 16; CONTROLS], cell_turns_log2: 0, slip: 0.0, slowest_rad_s: 1.0, pole: 0.0 };
+    pub const EMPTY: Self = Self {
+        controls: [1 << 16; CONTROLS],
+        cell_turns_log2: 0,
+        slip: 0.0,
+        slowest_rad_s: 1.0,
+        pole: 0.0,
+        high_pass: 0.0,
+    };
 }
 
 /// Sums of one order over the blocks of a segment.
@@ -124,12 +132,44 @@ impl LineSums {
     };
 }
 
+/// The filtered excitation of one harmonic, real and imaginary part: x and v of (2).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Template {
+    filtered: [f32; 2],
+    slow: [f32; 2],
+}
+
+impl Template {
+    const EMPTY: Self = Self { filtered: [0.0; 2], slow: [0.0; 2] };
+
+    /// Takes the excitation, and adds the sample to a block's b and W.
+    #[inline(always)]
+    fn add(
+        &mut self,
+        blocks: &Blocks,
+        residual: Residual,
+        (cos, sin): (f32, f32),
+        ([x, y], w): (&mut [f32; 2], &mut f32),
+    ) {
+        let Residual { white, excitation } = residual;
+        let Self { filtered: [fx, fy], slow: [vx, vy] } = self;
+        *fx = excitation * cos + blocks.pole * *fx; // (2)
+        *fy = excitation * sin + blocks.pole * *fy;
+        let (tx, ty) = (*fx - *vx, *fy - *vy);
+        *vx += blocks.high_pass * tx;
+        *vy += blocks.high_pass * ty;
+        *x += white * tx; // (3)
+        *y -= white * ty;
+        *w += tx * tx + ty * ty;
+    }
+}
+
 /// Running state of one order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 struct Line {
-    /// t of (2).
-    template: [[f32; 2]; MAX_HARMONICS],
+    templates: [Template; MAX_HARMONICS],
     /// b of (3).
     block: [[f32; 2]; MAX_HARMONICS],
     /// W of (3).
@@ -142,7 +182,7 @@ struct Line {
 }
 
 const LINE: Line = Line {
-    template: [[0.0; 2]; MAX_HARMONICS],
+    templates: [Template::EMPTY; MAX_HARMONICS],
     block: [[0.0; 2]; MAX_HARMONICS],
     weight: [0.0; MAX_HARMONICS],
     history: [[[0.0; 2]; LAGS]; MAX_HARMONICS],
@@ -154,7 +194,7 @@ const LINE: Line = Line {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 struct Control {
-    template: [f32; 2],
+    template: Template,
     block: [f32; 2],
     weight: f32,
 }
@@ -237,7 +277,7 @@ impl<P: Plan> OrderTracking<P> {
         self.travelled = self.travelled.wrapping_add(u64::from(turned.unsigned_abs()));
         let (mut lines, mut orders) = (self.lines.cells_mut(), tracking.orders.cells());
         while let ([line, rest @ ..], [order, later @ ..]) = (lines, orders) {
-            line.add(harmonics, phase(order.order_q16, self.turned), tracking.blocks.pole, residual);
+            line.add(harmonics, phase(order.order_q16, self.turned), &tracking.blocks, residual);
             (lines, orders) = (rest, later);
         }
         self.add_controls(tracking, residual);
@@ -261,15 +301,9 @@ impl<P: Plan> OrderTracking<P> {
     /// Adds the sample to the blocks of the control orders, as to those of the tracked ones.
     #[inline(always)]
     fn add_controls(&mut self, tracking: &Tracking<P>, residual: Residual) {
-        let (Residual { white, excitation }, pole) = (residual, tracking.blocks.pole);
         for (control, order) in self.controls.iter_mut().zip(tracking.blocks.controls) {
-            let Control { template: [tx, ty], block: [x, y], weight } = control;
-            let (cos, sin) = phasor(phase(order, self.turned));
-            *tx = excitation * cos + pole * *tx; // (2)
-            *ty = excitation * sin + pole * *ty;
-            *x += white * *tx; // (3)
-            *y -= white * *ty;
-            *weight += *tx * *tx + *ty * *ty;
+            let Control { template, block, weight } = control;
+            template.add(&tracking.blocks, residual, phasor(phase(order, self.turned)), (block, weight));
         }
     }
 
@@ -344,31 +378,23 @@ fn phase(order_q16: i32, turned: i64) -> u32 {
 
 impl Line {
     #[inline(always)]
-    fn add(&mut self, harmonics: u8, phase: u32, pole: f32, residual: Residual) {
+    fn add(&mut self, harmonics: u8, phase: u32, blocks: &Blocks, residual: Residual) {
         let (cos, sin) = phasor(phase);
-        let Residual { white, excitation } = residual;
-        let [first, second, third] = &mut self.template;
+        let [first, second, third] = &mut self.templates;
         let [b1, b2, b3] = &mut self.block;
         let [w1, w2, w3] = &mut self.weight;
-        let add = |[tx, ty]: &mut [f32; 2], [x, y]: &mut [f32; 2], w: &mut f32, cos: f32, sin: f32| {
-            *tx = excitation * cos + pole * *tx; // (2)
-            *ty = excitation * sin + pole * *ty;
-            *x += white * *tx; // (3)
-            *y -= white * *ty;
-            *w += *tx * *tx + *ty * *ty;
-        };
-        add(first, b1, w1, cos, sin);
+        first.add(blocks, residual, (cos, sin), (b1, w1));
         if harmonics < 2 {
             return;
         }
         let twice = sin + sin; // (7)
         let (cos_2, sin_2) = (1.0 - twice * sin, twice * cos);
-        add(second, b2, w2, cos_2, sin_2);
+        second.add(blocks, residual, (cos_2, sin_2), (b2, w2));
         if harmonics < 3 {
             return;
         }
         let double = cos_2 + cos_2;
-        add(third, b3, w3, (double - 1.0) * cos, (double + 1.0) * sin);
+        third.add(blocks, residual, ((double - 1.0) * cos, (double + 1.0) * sin), (b3, w3));
     }
 
     /// Closes the block of harmonic h: its products with the `held` last blocks, the newest before `place`.

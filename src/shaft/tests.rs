@@ -25,6 +25,7 @@ fn constants(current_lag: f32) -> ShaftConstants<RunTime> {
         nominal: [0.005, 0.002, 0.1, 20.0, 0.05, 0.0, 0.0],
         prior: [0.05, 0.02, 1.0, 200.0, 1.0, 20.0, 1.0],
         deviation: 0.001,
+        own_from_rows: 48,
     };
     let tracking = Tracking { orders: vec![], blocks: Blocks::EMPTY };
     ShaftConstants { lags: Lags { current: current_lag, ..Lags::default() }, balance, tracking }

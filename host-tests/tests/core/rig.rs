@@ -65,6 +65,7 @@ pub fn shaft<P: Plan>(plan: P, lags: Lags) -> ShaftConstants<P> {
             nominal: NOMINAL,
             prior: [5e-3, 0.02, 0.5, 20.0, 0.5, 5.0, 0.5],
             deviation: 0.1,
+            own_from_rows: 48,
         },
         tracking: Tracking {
             orders: Array::<P::Orders, TrackedOrder>::from_fn(plan.layout().orders(), order),
@@ -74,6 +75,7 @@ pub fn shaft<P: Plan>(plan: P, lags: Lags) -> ShaftConstants<P> {
                 slip: 0.022,
                 slowest_rad_s: 2.4,
                 pole: 0.85,
+                high_pass: 0.02,
             },
         },
     }

@@ -45,6 +45,7 @@ fn tracking(slip: f32, log2: i8) -> Tracking<RunTime> {
             slip,
             slowest_rad_s: 1.0,
             pole: POLE,
+            high_pass: 0.0,
         },
     }
 }

@@ -216,7 +216,7 @@ fn regression(out: &mut Source, regression: &Regression<RunTime>) {
 
 fn shaft(out: &mut Source, shaft: &ShaftConstants<RunTime>) {
     let ShaftConstants { lags, balance, tracking } = shaft;
-    let Balance { interval_s, filter, row_interval, settle, .. } = balance;
+    let Balance { interval_s, filter, row_interval, settle, own_from_rows, .. } = balance;
     let (interval, gain) = (number(*interval_s), number(filter.gain));
     let [current, velocity, load] = [lags.current, lags.velocity, lags.load].map(number);
     out.line(1, "shaft: [ShaftConstants {");
@@ -226,6 +226,7 @@ fn shaft(out: &mut Source, shaft: &ShaftConstants<RunTime>) {
     out.line(3, &format!("filter: StateVariable::new({gain}, {interval}),"));
     out.line(3, &format!("row_interval: {row_interval},"));
     out.line(3, &format!("settle: {settle},"));
+    out.line(3, &format!("own_from_rows: {own_from_rows},"));
     for (name, value) in [
         ("sign_velocity_rad_s", balance.sign_velocity_rad_s),
         ("stribeck_velocity_rad_s", balance.stribeck_velocity_rad_s),
@@ -248,13 +249,14 @@ fn shaft(out: &mut Source, shaft: &ShaftConstants<RunTime>) {
         out.line(4, &format!("TrackedOrder {{ order_q16: {order_q16}, weights: {weights}, slip_ratio: {ratio} }},"));
     }
     out.line(3, "],");
-    let Blocks { controls, cell_turns_log2, slip, slowest_rad_s, pole } = &tracking.blocks;
+    let Blocks { controls, cell_turns_log2, slip, slowest_rad_s, pole, high_pass } = &tracking.blocks;
     out.line(3, "blocks: Blocks {");
     out.line(4, &format!("controls: {controls:?},"));
     out.line(4, &format!("cell_turns_log2: {cell_turns_log2},"));
     out.line(4, &format!("slip: {},", number(*slip)));
     out.line(4, &format!("slowest_rad_s: {},", number(*slowest_rad_s)));
     out.line(4, &format!("pole: {},", number(*pole)));
+    out.line(4, &format!("high_pass: {},", number(*high_pass)));
     out.line(3, "},");
     out.line(2, "},");
     out.line(1, "}],");

@@ -6,7 +6,8 @@
 //! nominal    median p over the traces of the nominal class that determine it, estimated by the core       (2)
 //! prior      three times the deviation of p over these traces; for terms on which a defect has no effect, 1.5
 //!            times what of it the deviations of the estimates do not explain                           (3)
-//! pole       the filter with which the orders have the least deviation on the nominal traces              (4)
+//! filters    high-pass, pole, and own or nominal parameters with which the orders have the least deviation on the
+//!            nominal traces                                                                           (4)
 //! cell       as wide as the slip allows, but at most a tenth of a trace's turns                        (5)
 //! controls   orders far from all integers and from all harmonics of the tracked orders                 (6)
 //! ```
@@ -35,6 +36,16 @@ const LIMIT: f64 = 10.0;
 
 /// Terms on which a defect of a bearing has no effect: their spread over healthy traces is that over all traces.
 const SPARED: [FrictionTerm; 3] = [FrictionTerm::Offset, FrictionTerm::LoadFriction, FrictionTerm::Stribeck];
+
+/// Traces on which filters are compared.
+const MOST_COMPARED: usize = 16;
+
+/// Corners of the residual's low-pass and high-pass that are compared.
+const POLES_HZ: [f32; 7] = [2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 32.0];
+const SLOW_HZ: [f32; 3] = [0.0, 2.0, 4.0];
+
+/// Rows from which a segment's own parameters are compared with the nominal ones.
+const OWN_FROM_ROWS: u16 = 48;
 
 /// Plan of the shaft: tracked orders, delay and filter.
 #[derive(Clone, Debug, PartialEq)]
@@ -142,7 +153,7 @@ pub(super) fn model(
     let trained = bench.frictions(&constants, &own)?;
     learn(&mut constants.balance, &trained);
     if !plan.orders.is_empty() {
-        constants.tracking.blocks.pole = bench.best_pole(&constants, &own[..own.len().min(8)])?;
+        constants = bench.best_filters(constants, &own[..own.len().min(MOST_COMPARED)])?;
     }
     Ok((layout, constants))
 }
@@ -222,30 +233,49 @@ impl Bench {
         successful(own.par_iter().map(balance).collect())
     }
 
-    /// Returns the pole (4).
-    fn best_pole(&self, constants: &ShaftConstants<RunTime>, healthy: &[Watched<'_>]) -> Result<f32, Error> {
-        let Balance { interval_s, .. } = constants.balance;
-        let poles = [2.0_f32, 4.0, 6.0, 8.0, 12.0, 16.0, 32.0].map(|corner_hz| {
-            let half = std::f32::consts::PI * corner_hz * interval_s;
-            ((1.0 - half) / (1.0 + half)).max(0.0)
-        });
-        let deviation = |pole: f32| -> Result<f64, Error> {
+    /// Returns the constants with the filters (4).
+    fn best_filters(
+        &self,
+        constants: ShaftConstants<RunTime>,
+        healthy: &[Watched<'_>],
+    ) -> Result<ShaftConstants<RunTime>, Error> {
+        let half = std::f32::consts::PI * constants.balance.interval_s;
+        let with = |rows: u16, slow_hz: f32| {
             let mut own = constants.clone();
-            own.tracking.blocks.pole = pole;
-            let logs = |(labelled, _): &Watched<'_>| {
-                let shaft = self.run(&own, &labelled.trace)?;
-                let logs = shaft
-                    .orders()
-                    .iter()
-                    .map(|order| f64::from(order.deviation * order.prominence.sqrt()).max(1e-30).ln());
-                Ok(if shaft.orders_reason.is_none() { logs.sum::<f64>() } else { 0.0 })
-            };
-            healthy.par_iter().map(logs).sum()
+            own.balance.own_from_rows = rows;
+            own.tracking.blocks.high_pass = 1.0 - (-2.0 * half * slow_hz).exp();
+            own
         };
-        let tried: Vec<(f32, f64)> =
-            poles.into_iter().map(|pole| Ok((pole, deviation(pole)?))).collect::<Result<_, Error>>()?;
-        let best = tried.into_iter().min_by(|one, other| one.1.total_cmp(&other.1));
-        Ok(best.map_or(0.0, |(pole, _)| pole))
+        let slow = [OWN_FROM_ROWS, u16::MAX].into_iter().flat_map(|rows| SLOW_HZ.map(|slow_hz| with(rows, slow_hz)));
+        let best = self.least_deviation(slow.collect(), healthy)?.unwrap_or(constants);
+        let poles = POLES_HZ.map(|corner_hz| {
+            let mut own = best.clone();
+            own.tracking.blocks.pole = ((1.0 - half * corner_hz) / (1.0 + half * corner_hz)).max(0.0);
+            own
+        });
+        Ok(self.least_deviation(poles.to_vec(), healthy)?.unwrap_or(best))
+    }
+
+    /// Returns the constants with which the amplitudes of the orders deviate least: the geometric mean of their
+    /// deviations, times the root of the mean prominence, which is large where the noise of control orders is not that
+    /// of the bearing's.
+    fn least_deviation(
+        &self,
+        tried: Vec<ShaftConstants<RunTime>>,
+        healthy: &[Watched<'_>],
+    ) -> Result<Option<ShaftConstants<RunTime>>, Error> {
+        let score = |own: &ShaftConstants<RunTime>| -> Result<f64, Error> {
+            let runs: Vec<ShaftEstimate<RunTime>> =
+                healthy.par_iter().map(|(labelled, _)| self.run(own, &labelled.trace)).collect::<Result<_, _>>()?;
+            let orders = || runs.iter().filter(|run| run.orders_reason.is_none()).flat_map(ShaftEstimate::orders);
+            let count = orders().count().max(1) as f64;
+            let deviations = orders().map(|order| f64::from(order.deviation).max(1e-30).ln()).sum::<f64>() / count;
+            let prominence = orders().map(|order| f64::from(order.prominence)).sum::<f64>() / count;
+            Ok(deviations + 0.5 * prominence.max(1e-30).ln())
+        };
+        let scores: Vec<f64> = tried.iter().map(score).collect::<Result<_, _>>()?;
+        let best = scores.into_iter().zip(tried).min_by(|(one, _), (other, _)| one.total_cmp(other));
+        Ok(best.map(|(_, constants)| constants))
     }
 }
 
@@ -289,6 +319,7 @@ fn untrained(traces: &[&MotionTrace], interval_s: f64, plan: &ShaftPlan) -> Resu
             nominal: [0.0; TERMS],
             prior: columns.map(|column| if column > 0.0 { (10.0 * current / column) as f32 } else { 1.0 }),
             deviation: (0.1 * current).max(1e-6) as f32,
+            own_from_rows: OWN_FROM_ROWS,
         },
         tracking: tracking(traces, plan, sign_velocity),
     })
@@ -329,6 +360,7 @@ fn tracking(traces: &[&MotionTrace], plan: &ShaftPlan, sign_velocity: f64) -> Tr
             slip: plan.slip as f32,
             slowest_rad_s: (1.2 * sign_velocity) as f32,
             pole: 0.9,
+            high_pass: 0.0,
         },
     }
 }

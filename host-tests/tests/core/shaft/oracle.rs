@@ -20,8 +20,8 @@ pub struct Expected {
 
 /// The sample from which the filters run: the core's delay line is full.
 const START: usize = 8;
-/// Rows between two refreshments of the parameters, and the least number of rows of a refreshment.
-const REFRESH: (usize, usize) = (16, 48);
+/// Rows between two refreshments of the parameters.
+const REFRESH: usize = 16;
 
 /// Low-pass and its derivative by the bilinear transform, in direct form I, at rest on the first value.
 fn filtered(x: &[f64], g: f64, interval_s: f64) -> (Vec<f64>, Vec<f64>) {
@@ -164,9 +164,9 @@ fn rows(balance: &Balance, terms: &[usize], signals: &Signals) -> (Squares, Vec<
             continue;
         }
         let slot = (k - first) / balance.row_interval as usize + 1;
-        if !slot.is_multiple_of(REFRESH.0) {
+        if !slot.is_multiple_of(REFRESH) {
             squares.add(&DVector::from_iterator(terms.len(), terms.iter().map(|&term| columns[term][k])), fi[k]);
-        } else if squares.rows >= REFRESH.1 {
+        } else if balance.own_from_rows < u16::MAX && squares.rows >= usize::from(balance.own_from_rows) {
             let mut p = now;
             terms.iter().zip(squares.solve().0.iter()).for_each(|(&term, value)| p[term] = *value);
             // One parameter a sample.
@@ -193,7 +193,7 @@ fn path(constants: &ShaftConstants<RunTime>, signals: &Signals, motions: &[Motio
         newer.bits().wrapping_add_signed((part * older.since(newer) as f32) as i32)
     };
     let mut path = Path::default();
-    let (mut turned, mut white) = (0_i64, 0.0);
+    let (mut turned, mut filtered, mut slow) = (0_i64, 0.0, 0.0);
     for k in 1..i.len() {
         turned += i64::from(angle(k).wrapping_sub(angle(k - 1)).cast_signed());
         let mean = (w[k] + w[k - 1]) / 2.0;
@@ -201,7 +201,9 @@ fn path(constants: &ShaftConstants<RunTime>, signals: &Signals, motions: &[Motio
         // The first sample starts the filters; an interval needs two.
         let g = if k > 1 { 3.0 * x.powi(2) - 2.0 * x.powi(3) } else { 0.0 };
         let rho = g * ((e(k) + e(k - 1)) / 2.0 - present[k][0] * (w[k] - w[k - 1]) / ts);
-        white = rho + f64::from(tracking.blocks.pole) * white;
+        filtered = rho + f64::from(tracking.blocks.pole) * filtered;
+        let white = filtered - slow;
+        slow += f64::from(tracking.blocks.high_pass) * white;
         path.turned.push(turned);
         path.white.push(white);
         path.excitation.push(if mean < 0.0 { -g } else { g });

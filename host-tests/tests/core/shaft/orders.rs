@@ -51,14 +51,22 @@ fn ends(path: &Path, cell_turns: f64, items: usize) -> Vec<(usize, i64)> {
 }
 
 /// b and W of the blocks that end `after` so many samples later.
-fn blocks(path: &Path, (order, pole): (f64, f64), ends: &[(usize, i64)], after: usize) -> Vec<(Complex<f64>, f64)> {
-    let (mut template, mut from) = (Complex::new(0.0, 0.0), 0);
+fn blocks(
+    path: &Path,
+    (order, pole, high_pass): (f64, f64, f64),
+    ends: &[(usize, i64)],
+    after: usize,
+) -> Vec<(Complex<f64>, f64)> {
+    let zero = Complex::new(0.0, 0.0);
+    let (mut filtered, mut slow, mut from) = (zero, zero, 0);
     let mut found = vec![];
     for end in ends.iter().map(|(end, _)| end + after).filter(|end| *end < path.turned.len()) {
         let (mut b, mut weight) = (Complex::new(0.0, 0.0), 0.0);
         while from <= end {
             let phase = TAU * order * path.turned[from] as f64 / TURN;
-            template = Complex::from_polar(path.excitation[from], phase) + template * pole;
+            filtered = Complex::from_polar(path.excitation[from], phase) + filtered * pole;
+            let template = filtered - slow;
+            slow += template * high_pass;
             b += template.conj() * path.white[from];
             weight += template.norm_sqr();
             from += 1;
@@ -109,12 +117,13 @@ fn taper(d: usize) -> f64 {
 /// The orders of a record.
 pub fn expected(tracking: &Tracking<RunTime>, path: &Path) -> Vec<Expected> {
     let shape = &tracking.blocks;
-    let (cell_turns, pole) = (f64::from(shape.cell_turns_log2).exp2(), f64::from(shape.pole));
+    let cell_turns = f64::from(shape.cell_turns_log2).exp2();
+    let (pole, high_pass) = (f64::from(shape.pole), f64::from(shape.high_pass));
     let items = tracking.orders.len() * HARMONICS;
     let ends = ends(path, cell_turns, items);
     let mut roots = vec![];
     for (c, order) in shape.controls.iter().enumerate() {
-        for (b, w) in blocks(path, (f64::from(*order) / 65_536.0, pole), &ends, 1 + items + c) {
+        for (b, w) in blocks(path, (f64::from(*order) / 65_536.0, pole, high_pass), &ends, 1 + items + c) {
             roots.extend((w > 0.0).then(|| (b.norm_sqr() / w).powf(0.25)));
         }
     }
@@ -122,7 +131,7 @@ pub fn expected(tracking: &Tracking<RunTime>, path: &Path) -> Vec<Expected> {
     let lines = tracking.orders.iter().enumerate().map(|(line, order)| {
         let harmonic = |h: usize| {
             let own = (h + 1) as f64 * f64::from(order.order_q16) / 65_536.0;
-            Harmonic::new(&blocks(path, (own, pole), &ends, 1 + line * HARMONICS + h), &ends)
+            Harmonic::new(&blocks(path, (own, pole, high_pass), &ends, 1 + line * HARMONICS + h), &ends)
         };
         let sums: [Harmonic; HARMONICS] = std::array::from_fn(harmonic);
         strength(order, &sums, variance, (cell_turns, f64::from(shape.slip)))
