@@ -130,7 +130,8 @@ fn constants() {
     opaque([Bearing::outer(&bearing), Bearing::inner(&bearing), Bearing::ball(&bearing), Bearing::cage(&bearing)]);
     opaque(StateVariable::new(opaque(0.05), opaque(0.002)));
     opaque(TrackedOrder::order(&opaque(TrackedOrder::new(opaque(3.7), opaque([1.0; 3])))));
-    opaque(FrictionTerm::name(opaque(FrictionTerm::Drag)));
+    opaque((FrictionTerm::name(opaque(FrictionTerm::Drag)), FrictionTerm::needs_load(opaque(FrictionTerm::Drag))));
+    opaque(q16(opaque(3.7)));
     opaque(Field::name(opaque(Field::SamplingInterval)));
     for error in opaque([ModelError::OtherPlan, ModelError::Channel { place: 1 }]) {
         opaque(ModelError::message(&error));

@@ -13,7 +13,9 @@ pub use kernels::pairs;
 pub use memory::{MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS, Mass, Sums, longest};
 pub use problem::{Problem, SolveError, Solved, lower};
 pub use solve::Solution;
-pub use triangle::{Forgetting, NEVER, PRIOR, Triangle};
+#[cfg(feature = "internals")]
+pub use triangle::PRIOR;
+pub use triangle::{Forgetting, NEVER, Triangle};
 
 /// One row of the regression.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -163,8 +163,8 @@ fn strength(
     let best =
         (0..17).fold(0, |best, k| if tried[k] > tried[best] || (k <= 8 && tried[k] >= tried[best]) { k } else { best });
     let (mut slip, mut peak, mut curvature) = ((best as f64 - 8.0) * most / 8.0, tried[best], 0.0);
-    if (1..16).contains(&best) {
-        // The parabola through three points.
+    // The parabola through three points. An order that does not slip with the cage has none.
+    if (1..16).contains(&best) && 2.0 * peak > tried[best - 1] + tried[best + 1] {
         let (slope, bend) = ((tried[best + 1] - tried[best - 1]) / 2.0, 2.0 * peak - tried[best - 1] - tried[best + 1]);
         slip += slope / bend * most / 8.0;
         peak += slope * slope / bend / 2.0;
