@@ -83,6 +83,20 @@ fn estimates_are_those_of_the_oracle() {
     }
 }
 
+/// The residual with the nominal parameters throughout, without and with a faster high-pass.
+#[test]
+fn nominal_parameters_and_the_high_pass_are_those_of_the_oracle() {
+    let good = model(lag(0.7), true, OPEN);
+    for high_pass in [0.0, 0.1] {
+        let mut constants = good.constants().clone();
+        for shaft in &mut constants.shaft {
+            (shaft.balance.own_from_rows, shaft.tracking.blocks.high_pass) = (u16::MAX, high_pass);
+        }
+        let nominal = Model::new(good.plan(), constants).expect("valid");
+        compare(&nominal, &motions(&trace(DefectKind::Spall, 931), 16), &format!("nominal, high-pass {high_pass}"));
+    }
+}
+
 /// A shaft that stops for good while, and comes back the other way: the sine reverses by itself.
 #[test]
 fn standstill_turns_no_phase_and_counts_for_nothing() {

@@ -242,6 +242,8 @@ fn binary_model_keeps_the_shaft_and_refuses_nonsense() {
     refused(Field::OrderBlock, |m, _| m.tracking.blocks.slip = 0.2);
     refused(Field::OrderBlock, |m, _| m.tracking.blocks.slowest_rad_s = 0.0);
     refused(Field::OrderBlock, |m, _| m.tracking.blocks.pole = 1.0);
+    refused(Field::OrderBlock, |m, _| m.tracking.blocks.high_pass = 1.0);
+    refused(Field::OrderBlock, |m, _| m.tracking.blocks.high_pass = -0.01);
 
     let with = |change: fn(&mut Constants<RunTime>)| {
         let mut constants = good.constants().clone();
