@@ -116,8 +116,8 @@ fn imports(out: &mut Source, layout: &Layout, features: &[Feature]) {
     let root = if features.iter().any(of_friction) { "{FrictionTerm, Model}" } else { "Model" };
     out.line(0, "#[rustfmt::skip]");
     out.line(0, &format!("use bearing_watch::model::{{{}}};", model.join(", ")));
-    out.line(0, &format!("use bearing_watch::plan::{{{}}};", plan.join(", ")));
     out.line(0, &format!("use bearing_watch::{root};"));
+    out.line(0, &format!("use bearing_watch::plan::{{{}}};", plan.join(", ")));
 }
 
 /// Writes the call of the macro that defines plan and sample.
