@@ -1,6 +1,6 @@
 //! Products of block phasors → strength, amplitude and slip of a bearing order.
 //!
-//! Enters: [`LineSums`] of [`super::orders`]. Leaves: an [`OrderStrength`].
+//! Enters: [`LineSums`] of [`super::line`]. Leaves: an [`OrderStrength`].
 //!
 //! ```text
 //! P(δ) = Σ_h w_h [R(h, 0) + 2 Σ_d (1 − d/7) Re(R(h, d) e^{−j d h ψ})] / (σ² W(h))                     (1)
@@ -26,7 +26,8 @@
 
 use core::f32::consts::PI;
 
-use super::orders::{LAGS, LineSums, Noise, PLACES, TrackedOrder};
+use super::line::LineSums;
+use super::orders::{LAGS, Noise, PLACES, TrackedOrder};
 use super::phasor::phasor;
 use crate::plan::MAX_HARMONICS;
 

@@ -13,6 +13,7 @@ mod cross_validation;
 pub(crate) mod discriminant;
 mod estimation;
 pub mod export;
+mod filters;
 mod fit;
 mod folds;
 mod forward;

@@ -6,13 +6,11 @@
 //! nominal    median p over the traces of the nominal class that determine it, estimated by the core       (2)
 //! prior      three times the deviation of p over these traces; for terms on which a defect has no effect, 1.5
 //!            times what of it the deviations of the estimates do not explain                           (3)
-//! filters    high-pass, pole, and own or nominal parameters with which the orders have the least deviation on the
-//!            nominal traces                                                                           (4)
-//! cell       as wide as the slip allows, but at most a tenth of a trace's turns                        (5)
-//! controls   orders far from all integers and from all harmonics of the tracked orders                 (6)
+//! cell       as wide as the slip allows, but at most a tenth of a trace's turns                        (4)
+//! controls   orders far from all integers and from all harmonics of the tracked orders                 (5)
 //! ```
 //!
-//! [`super::lags`] finds the lags.
+//! [`super::lags`] finds the lags, and [`super::filters`] the filters of the residual.
 
 use bearing_watch::model::{
     Balance, Blocks, Channel, Lags, MAX_LAG, Sampling, ShaftConstants, StateVariable, TERMS, TrackedOrder, Tracking,
@@ -24,7 +22,7 @@ use rayon::prelude::*;
 
 use super::core_form::refused;
 use super::estimation::successful;
-use super::lags;
+use super::{filters, lags};
 use crate::Error;
 use crate::core::{Embedded, MAX_ORDERS, Parts, Wiring};
 use crate::grey_box::filter::LowPass;
@@ -37,15 +35,8 @@ const LIMIT: f64 = 10.0;
 /// Terms on which a defect of a bearing has no effect: their spread over healthy traces is that over all traces.
 const SPARED: [FrictionTerm; 3] = [FrictionTerm::Offset, FrictionTerm::LoadFriction, FrictionTerm::Stribeck];
 
-/// Traces on which filters are compared.
-const MOST_COMPARED: usize = 16;
-
-/// Corners of the residual's low-pass and high-pass that are compared.
-const POLES_HZ: [f32; 7] = [2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 32.0];
-const SLOW_HZ: [f32; 3] = [0.0, 2.0, 4.0];
-
 /// Rows from which a segment's own parameters are compared with the nominal ones.
-const OWN_FROM_ROWS: u16 = 48;
+pub(super) const OWN_FROM_ROWS: u16 = 48;
 
 /// Plan of the shaft: tracked orders, delay and filter.
 #[derive(Clone, Debug, PartialEq)]
@@ -114,7 +105,7 @@ impl ShaftPlan {
 }
 
 /// Traces with their motion.
-type Watched<'a> = (&'a LabelledTrace, &'a MotionTrace);
+pub(super) type Watched<'a> = (&'a LabelledTrace, &'a MotionTrace);
 
 /// Returns the core's shaft with its trained constants.
 ///
@@ -153,7 +144,7 @@ pub(super) fn model(
     let trained = bench.frictions(&constants, &own)?;
     learn(&mut constants.balance, &trained);
     if !plan.orders.is_empty() {
-        constants = bench.best_filters(constants, &own[..own.len().min(MOST_COMPARED)])?;
+        constants = filters::best(&bench, constants, &own)?;
     }
     Ok((layout, constants))
 }
@@ -195,7 +186,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 }
 
 /// Runs the shaft of the core alone over whole traces.
-struct Bench {
+pub(super) struct Bench {
     layout: ShaftLayout,
     channels: Vec<Channel>,
 }
@@ -209,7 +200,11 @@ impl Bench {
         Ok(Self { layout: ShaftLayout { current, velocity, reference, load, ..layout }, channels })
     }
 
-    fn run(&self, constants: &ShaftConstants<RunTime>, trace: &Trace) -> Result<ShaftEstimate<RunTime>, Error> {
+    pub(super) fn run(
+        &self,
+        constants: &ShaftConstants<RunTime>,
+        trace: &Trace,
+    ) -> Result<ShaftEstimate<RunTime>, Error> {
         let parts =
             Parts { channels: self.channels.clone(), regression: None, shaft: Some((self.layout, constants.clone())) };
         let samples = trace.y.len() as u32;
@@ -231,51 +226,6 @@ impl Bench {
             friction_reason.map_or(Ok(friction), |reason| Err(Error::trace(id, refuse(reason))))
         };
         successful(own.par_iter().map(balance).collect())
-    }
-
-    /// Returns the constants with the filters (4).
-    fn best_filters(
-        &self,
-        constants: ShaftConstants<RunTime>,
-        healthy: &[Watched<'_>],
-    ) -> Result<ShaftConstants<RunTime>, Error> {
-        let half = std::f32::consts::PI * constants.balance.interval_s;
-        let with = |rows: u16, slow_hz: f32| {
-            let mut own = constants.clone();
-            own.balance.own_from_rows = rows;
-            own.tracking.blocks.high_pass = 1.0 - (-2.0 * half * slow_hz).exp();
-            own
-        };
-        let slow = [OWN_FROM_ROWS, u16::MAX].into_iter().flat_map(|rows| SLOW_HZ.map(|slow_hz| with(rows, slow_hz)));
-        let best = self.least_deviation(slow.collect(), healthy)?.unwrap_or(constants);
-        let poles = POLES_HZ.map(|corner_hz| {
-            let mut own = best.clone();
-            own.tracking.blocks.pole = ((1.0 - half * corner_hz) / (1.0 + half * corner_hz)).max(0.0);
-            own
-        });
-        Ok(self.least_deviation(poles.to_vec(), healthy)?.unwrap_or(best))
-    }
-
-    /// Returns the constants with which the amplitudes of the orders deviate least: the geometric mean of their
-    /// deviations, times the root of the mean prominence, which is large where the noise of control orders is not that
-    /// of the bearing's.
-    fn least_deviation(
-        &self,
-        tried: Vec<ShaftConstants<RunTime>>,
-        healthy: &[Watched<'_>],
-    ) -> Result<Option<ShaftConstants<RunTime>>, Error> {
-        let score = |own: &ShaftConstants<RunTime>| -> Result<f64, Error> {
-            let runs: Vec<ShaftEstimate<RunTime>> =
-                healthy.par_iter().map(|(labelled, _)| self.run(own, &labelled.trace)).collect::<Result<_, _>>()?;
-            let orders = || runs.iter().filter(|run| run.orders_reason.is_none()).flat_map(ShaftEstimate::orders);
-            let count = orders().count().max(1) as f64;
-            let deviations = orders().map(|order| f64::from(order.deviation).max(1e-30).ln()).sum::<f64>() / count;
-            let prominence = orders().map(|order| f64::from(order.prominence)).sum::<f64>() / count;
-            Ok(deviations + 0.5 * prominence.max(1e-30).ln())
-        };
-        let scores: Vec<f64> = tried.iter().map(score).collect::<Result<_, _>>()?;
-        let best = scores.into_iter().zip(tried).min_by(|(one, _), (other, _)| one.total_cmp(other));
-        Ok(best.map(|(_, constants)| constants))
     }
 }
 
@@ -351,7 +301,7 @@ fn tracking(traces: &[&MotionTrace], plan: &ShaftPlan, sign_velocity: f64) -> Tr
     };
     let usual_turns = median(traces.iter().map(turns).collect());
     let highest = plan.orders.iter().map(|(_, order)| *order).fold(0.1, f64::max);
-    let widest = (0.5 / (highest * plan.slip.max(1e-4))).min(usual_turns / 10.0); // (5)
+    let widest = (0.5 / (highest * plan.slip.max(1e-4))).min(usual_turns / 10.0); // (4)
     Tracking {
         orders: plan.orders.iter().map(order).collect(),
         blocks: Blocks {

@@ -1,0 +1,94 @@
+//! The filters of the residual in which the shaft's orders are tracked, from healthy traces.
+//!
+//! ```text
+//! cost = mean ln σ_A + ½ ln mean prominence                                                            (1)
+//! ```
+//!
+//! (1) is the deviation of the orders' amplitudes: the geometric mean of what the control orders say, and how much more
+//! noise there is at the orders themselves. A high-pass costs signal where the shaft turns slowly, and removes what the
+//! torque balance does not know; parameters of the segment itself know more than nominal ones, and change meanwhile.
+//! Which is better depends on the drive: each is tried with the core.
+
+use bearing_watch::ShaftEstimate;
+use bearing_watch::model::ShaftConstants;
+use bearing_watch::plan::RunTime;
+use rayon::prelude::*;
+
+use super::shaft::{Bench, OWN_FROM_ROWS, Watched};
+use crate::Error;
+
+/// Traces on which filters are compared.
+const MOST_COMPARED: usize = 16;
+
+/// Corners of the residual's low-pass and high-pass that are compared.
+const POLES_HZ: [f32; 7] = [2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 32.0];
+const SLOW_HZ: [f32; 3] = [0.0, 2.0, 4.0];
+
+/// Returns the constants with the best high-pass and parameters, then with the best low-pass.
+pub(super) fn best(
+    bench: &Bench,
+    constants: ShaftConstants<RunTime>,
+    healthy: &[Watched<'_>],
+) -> Result<ShaftConstants<RunTime>, Error> {
+    let healthy = &healthy[..healthy.len().min(MOST_COMPARED)];
+    let half = std::f32::consts::PI * constants.balance.interval_s;
+    let with = |rows: u16, slow_hz: f32| {
+        let mut own = constants.clone();
+        own.balance.own_from_rows = rows;
+        own.tracking.blocks.high_pass = 1.0 - (-2.0 * half * slow_hz).exp();
+        own
+    };
+    let slow = [OWN_FROM_ROWS, u16::MAX].into_iter().flat_map(|rows| SLOW_HZ.map(|slow_hz| with(rows, slow_hz)));
+    let best = least(bench, slow.collect(), healthy)?.unwrap_or(constants);
+    let poles = POLES_HZ.map(|corner_hz| {
+        let mut own = best.clone();
+        own.tracking.blocks.pole = ((1.0 - half * corner_hz) / (1.0 + half * corner_hz)).max(0.0);
+        own
+    });
+    Ok(least(bench, poles.to_vec(), healthy)?.unwrap_or(best))
+}
+
+/// Returns the constants with the least cost (1).
+fn least(
+    bench: &Bench,
+    tried: Vec<ShaftConstants<RunTime>>,
+    healthy: &[Watched<'_>],
+) -> Result<Option<ShaftConstants<RunTime>>, Error> {
+    let cost = |own: &ShaftConstants<RunTime>| -> Result<f64, Error> {
+        let runs: Vec<ShaftEstimate<RunTime>> =
+            healthy.par_iter().map(|(labelled, _)| bench.run(own, &labelled.trace)).collect::<Result<_, _>>()?;
+        let orders = || runs.iter().filter(|run| run.orders_reason.is_none()).flat_map(ShaftEstimate::orders);
+        let count = orders().count().max(1) as f64;
+        let deviations = orders().map(|order| f64::from(order.deviation).max(1e-30).ln()).sum::<f64>() / count;
+        let prominence = orders().map(|order| f64::from(order.prominence)).sum::<f64>() / count;
+        Ok(deviations + 0.5 * prominence.max(1e-30).ln()) // (1)
+    };
+    let costs: Vec<f64> = tried.iter().map(cost).collect::<Result<_, _>>()?;
+    let best = costs.into_iter().zip(tried).min_by(|(one, _), (other, _)| one.total_cmp(other));
+    Ok(best.map(|(_, constants)| constants))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::rig::{Condition, Defect};
+    use crate::study::campaign::experiments::Training;
+    use crate::study::campaign::run::{class_names, ours, training_set};
+    use crate::train::train;
+
+    /// The high-pass and the rows from which a segment's own parameters are used, trained under this condition.
+    fn chosen(condition: Condition) -> (f32, u16) {
+        let training = Training { condition, classes: vec![Defect::HEALTHY], count: 16 };
+        let set = training_set(&training, 77).expect("the rig");
+        let trained = train(&set, &class_names(&training.classes), &ours(0.05)).expect("trains");
+        let (_, shaft) = trained.parts.shaft.expect("watched");
+        (shaft.tracking.blocks.high_pass, shaft.balance.own_from_rows)
+    }
+
+    #[test]
+    fn what_the_balance_does_not_know_is_filtered_and_a_known_drive_is_not() {
+        // A drive whose parameters hardly vary needs no high-pass; under all effects of the field the balance is wrong.
+        assert!(chosen(Condition::STANDARD).0 < 0.02);
+        let (high_pass, _) = chosen(Condition::named("field-sine").expect("a condition"));
+        assert!(high_pass > 0.02, "{high_pass}");
+    }
+}
