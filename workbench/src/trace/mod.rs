@@ -12,6 +12,7 @@ use crate::Error;
 
 pub use labels::{Condition, Labels};
 pub use prepare::Preparation;
+pub(crate) use record::bridged;
 pub use record::{Channels, MotionTrace, ShaftChannels, Trace, same_interval, stem};
 
 /// Reads every trace of the given files and folders.

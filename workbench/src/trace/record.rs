@@ -124,3 +124,15 @@ pub fn stem(id: &str) -> &str {
 pub fn same_interval(one_s: f64, other_s: f64) -> bool {
     (one_s - other_s).abs() <= 0.02 * one_s.abs().max(other_s.abs())
 }
+
+/// Returns the signal with the last value in place of missing ones.
+pub(crate) fn bridged(signal: &[f64]) -> Vec<f64> {
+    let mut last = signal.iter().copied().find(|x| x.is_finite()).unwrap_or(0.0);
+    let hold = |&x: &f64| {
+        if x.is_finite() {
+            last = x;
+        }
+        last
+    };
+    signal.iter().map(hold).collect()
+}

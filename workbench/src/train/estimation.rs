@@ -24,8 +24,8 @@ use super::statistics;
 use crate::Error;
 use crate::core::features;
 use crate::identify::{Estimate, Structure, least_squares, poles, sriv};
-use crate::trace::Trace;
 use crate::trace::labels::LabelledTrace;
+use crate::trace::{Trace, bridged};
 
 /// Least settling time, samples.
 const LEAST_SETTLE: u32 = 100;
@@ -85,6 +85,8 @@ pub(super) fn regression(
     (estimation, segment): (&Estimation, usize),
 ) -> Result<(RegressionLayout, Regression<RunTime>), Error> {
     check(estimation, structure, segment)?;
+    let held = without_gaps(traces);
+    let traces = held.as_ref();
     let nominal = nominal(traces, classes, structure, estimation)?;
     let memory = match estimation.memory {
         Some(_) => Memory::Fading,
@@ -190,6 +192,24 @@ fn nominal(
     let deltas: Vec<_> = estimates.iter().map(|e| features::delta_from_raw(structure, &e.theta)).collect();
     let variance = estimates.iter().map(|e| e.variance).sum::<f64>() / estimates.len() as f64;
     Ok(Mean { delta: statistics::mean(&deltas), deviation: variance.max(0.0).sqrt() })
+}
+
+/// Returns the traces with the last sample in place of missing ones. The core leaves out rows with a missing sample;
+/// means over whole traces need not.
+fn without_gaps(traces: &[LabelledTrace]) -> Cow<'_, [LabelledTrace]> {
+    let complete = |own: &LabelledTrace| {
+        let Trace { y, u1, u2, .. } = &own.trace;
+        [y, u1, u2].into_iter().flatten().all(|x| x.is_finite())
+    };
+    if traces.iter().all(complete) {
+        return Cow::Borrowed(traces);
+    }
+    let each = |own: &LabelledTrace| {
+        let [y, u1, u2] = [&own.trace.y, &own.trace.u1, &own.trace.u2].map(|signal| bridged(signal));
+        let trace = Trace { id: own.trace.id.clone(), y, u1, u2, motion: None, ..own.trace };
+        LabelledTrace { trace, class: own.class }
+    };
+    traces.par_iter().map(each).collect::<Vec<_>>().into()
 }
 
 /// Returns the estimates of the traces that have one: others, such as records at rest, have no part in a mean.

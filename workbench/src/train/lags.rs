@@ -12,7 +12,7 @@ use bearing_watch::model::{Lags, MAX_LAG};
 use nalgebra::{DMatrix, DVector};
 
 use crate::grey_box::filter::LowPass;
-use crate::trace::MotionTrace;
+use crate::trace::{MotionTrace, bridged};
 
 /// Number of traces that are used.
 const TRACES: usize = 8;
@@ -69,18 +69,6 @@ impl Signals {
         let solved = gram.cholesky().map_or(0.0, |factor| right.dot(&factor.solve(&right)));
         ((y.norm_squared() - solved).max(0.0), rows.len() as f64)
     }
-}
-
-/// The signal with the last value in place of missing ones.
-fn bridged(signal: &[f64]) -> Vec<f64> {
-    let mut last = signal.iter().copied().find(|x| x.is_finite()).unwrap_or(0.0);
-    let hold = |&x: &f64| {
-        if x.is_finite() {
-            last = x;
-        }
-        last
-    };
-    signal.iter().map(hold).collect()
 }
 
 /// Value at sample `k` + `lag`.

@@ -4,6 +4,7 @@
 use serde_json::Value;
 
 use super::{Recipe, Trained, train};
+use crate::core::Finding;
 use crate::report::pages::model::{Worth, training};
 use crate::rig::{Condition, Defect, DefectKind};
 use crate::study::campaign::experiments::Training;
@@ -110,4 +111,25 @@ fn a_record_without_any_feature_is_left_out() {
     let recipe = Recipe { features: vec!["order_outer".into()], ..ours(0.05) };
     let error = train(&few, &classes, &recipe).expect_err("one healthy record is left").to_string();
     assert!(error.contains(&traces[2].trace.id) && error.contains("leave the trace out"), "{error}");
+}
+
+#[test]
+fn records_with_lost_samples_train() {
+    let (mut traces, classes) = set(TURNING);
+    for (k, labelled) in traces.iter_mut().enumerate() {
+        let trace = &mut labelled.trace;
+        let motion = trace.motion.as_mut().expect("watched");
+        for lost in (k..trace.y.len()).step_by(100) {
+            (trace.y[lost], trace.u1[lost], trace.u2[lost]) = (f64::NAN, f64::NAN, f64::NAN);
+            (motion.current_a[lost], motion.velocity_rad_s[lost], motion.load_nm[lost]) =
+                (f64::NAN, f64::NAN, f64::NAN);
+        }
+    }
+    let trained = train(&traces, &classes, &ours(0.05)).expect("one sample in a hundred is missing");
+    assert_eq!(trained.left_out.count, 0, "{:?}", trained.left_out.summary());
+    let model = trained.embed().expect("embeds");
+    let judged = |class: usize| traces.iter().filter(move |own| own.class == class).map(|own| model.run(&own.trace));
+    let right = |class: usize| judged(class).filter(|reports| reports[0].verdict == Ok(Finding::Class(class))).count();
+    // All records of training but the one at constant speed.
+    assert!(right(0) >= COUNT - 1 && right(1) == COUNT, "{} {}", right(0), right(1));
 }
