@@ -170,7 +170,7 @@ fn spread(
         return Ok(factored);
     }
     let Some(healthy) = recipe.alarms.healthy.filter(|_| kind == Kind::Quadratic) else {
-        let problem = "a spread of sizes needs a healthy class and the quadratic discriminant";
+        let problem = "--size-spread needs --healthy and separate covariances (--discriminant quadratic)";
         return Err(Error::Training(problem.into()));
     };
     let wider = |(class, (covariance, factor)): (usize, Factored)| {

@@ -125,7 +125,7 @@ mod tests {
         let named = |densities: &GaussianClasses| densities.decide(&densities.log_likelihoods(&small));
         assert_eq!((named(&plain), named(&wide)), (0, 1));
         let message = |recipe: Recipe| fit(&candidates, &recipe).expect_err("refused").to_string();
-        let problem = "a spread of sizes needs a healthy class and the quadratic discriminant";
+        let problem = "--size-spread needs --healthy and separate covariances (--discriminant quadratic)";
         assert_eq!(message(Recipe { discriminant: Kind::Linear, ..quadratic(0.2) }), problem);
         assert_eq!(message(Recipe { alarms: crate::train::Alarms::default(), ..quadratic(0.2) }), problem);
     }
