@@ -4,7 +4,7 @@
 
 use super::orders::{Blocks, LAGS};
 use super::phasor::phasor;
-use super::residual::Residual;
+use super::residual::{Filter, Residual};
 use crate::plan::MAX_HARMONICS;
 
 /// Sums of one order over the blocks of a segment.
@@ -30,16 +30,16 @@ impl LineSums {
     };
 }
 
-/// The filtered excitation of one harmonic, real and imaginary part: x and v of (2).
+/// The filter (2) of one harmonic's excitation, real and imaginary part.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Template {
-    filtered: [f32; 2],
-    slow: [f32; 2],
+    real: Filter,
+    imaginary: Filter,
 }
 
 impl Template {
-    const EMPTY: Self = Self { filtered: [0.0; 2], slow: [0.0; 2] };
+    const EMPTY: Self = Self { real: Filter::EMPTY, imaginary: Filter::EMPTY };
 
     /// Takes the excitation, and adds the sample to a block's b and W.
     #[inline(always)]
@@ -51,12 +51,7 @@ impl Template {
         ([x, y], w): (&mut [f32; 2], &mut f32),
     ) {
         let Residual { white, excitation } = residual;
-        let Self { filtered: [fx, fy], slow: [vx, vy] } = self;
-        *fx = excitation * cos + blocks.pole * *fx; // (2)
-        *fy = excitation * sin + blocks.pole * *fy;
-        let (tx, ty) = (*fx - *vx, *fy - *vy);
-        *vx += blocks.high_pass * tx;
-        *vy += blocks.high_pass * ty;
+        let (tx, ty) = (self.real.step(blocks, excitation * cos), self.imaginary.step(blocks, excitation * sin)); // (2)
         *x += white * tx; // (3)
         *y -= white * ty;
         *w += tx * tx + ty * ty;

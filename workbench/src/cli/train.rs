@@ -73,8 +73,8 @@ pub(super) struct Args {
     /// Fixed shrinkage of class covariances instead: towards the shared one, and of their correlations, each 0 to 1
     #[arg(long, value_name = "SHARED,DIAGONAL", value_delimiter = ',', num_args = 1, conflicts_with = "discriminant")]
     shrinkage: Vec<f64>,
-    /// Relative deviation of a defect's size from that in training, e.g. 0.25: classes reach towards the healthy one, so
-    /// that smaller defects keep their name; needs --healthy and separate covariances
+    /// Relative deviation of a defect's size from that in training, e.g. 0.25: classes reach towards the healthy one,
+    /// so that smaller defects keep their name; needs --healthy and separate covariances
     #[arg(long, value_name = "PART", default_value_t = 0.0)]
     size_spread: f64,
     /// Priors, e.g. healthy=0.98,spall=0.01,roughness=0.01; equal if not given

@@ -10,6 +10,9 @@ use crate::train::{Keep, ProjectionKind, Recipe, ShaftPlan, Shrink, Shrinkage};
 /// Velocity reference as input, current as output: thesis Table 4.1.
 pub const REFERENCE_ORDER: Structure = Structure::new(2, 1, 2, 1, 1);
 
+/// Spread of the sizes of a defect. In the logarithm of the drag, half the trained size is 1.4 deviations away.
+pub const SIZE_SPREAD: f64 = 0.15;
+
 /// Least squares, all of a, b, c, no projection, linear discriminant.
 #[must_use]
 pub fn all_parameters() -> Recipe {

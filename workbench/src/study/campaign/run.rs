@@ -16,15 +16,12 @@ use crate::trace::labels::LabelledTrace;
 use crate::trace::{MotionTrace, Trace};
 use crate::train::{Alarms, Recipe, train};
 
-/// Spread of the sizes of a defect. In the logarithm of the drag, half the trained size is 1.4 deviations away.
-pub const SIZE_SPREAD: f64 = 0.15;
-
-/// The configuration of all experiments: [`recipes::shaft`] with [`SIZE_SPREAD`] and a novelty gate at the given
+/// The configuration of all experiments: [`recipes::shaft`] with [`recipes::SIZE_SPREAD`] and a novelty gate at the given
 /// false-alarm rate.
 #[must_use]
 pub fn ours(false_alarm: f64) -> Recipe {
     let alarms = Alarms { healthy: Some(0), false_alarm, required: true, ..Alarms::default() };
-    Recipe { alarms, size_spread: SIZE_SPREAD, ..recipes::shaft() }
+    Recipe { alarms, size_spread: recipes::SIZE_SPREAD, ..recipes::shaft() }
 }
 
 /// Result of one repetition of one experiment.

@@ -4,7 +4,6 @@
 use crate::identify::Structure;
 use crate::rig::Condition;
 use crate::rig::field::LoadMeasurement;
-use crate::study::campaign::run::SIZE_SPREAD;
 use crate::study::recipes;
 use crate::train::{Alarms, Recipe, ShaftPlan};
 
@@ -32,7 +31,7 @@ const WITHOUT_LOAD: Structure = Structure::new(2, 1, 0, 1, 1);
 pub fn recipe(condition: &Condition, features: &[String]) -> Recipe {
     let alarms = Alarms { healthy: Some(0), false_alarm: FALSE_ALARM, required: true, ..Alarms::default() };
     let mut features = if features.is_empty() { FEATURES.map(String::from).to_vec() } else { features.to_vec() };
-    let mut base = Recipe { size_spread: SIZE_SPREAD, ..recipes::shaft() };
+    let mut base = Recipe { size_spread: recipes::SIZE_SPREAD, ..recipes::shaft() };
     if let Some(shaft) = &mut base.shaft {
         shaft.slip = SLIP;
     }
