@@ -1,6 +1,6 @@
 //! One order: filtered excitation, block phasors, and their products.
 //!
-//! The numbers (1) … (7) are those of [`super::orders`].
+//! The numbers (1) … (6) are those of [`super::orders`].
 
 use super::orders::{Blocks, LAGS};
 use super::phasor::phasor;
@@ -94,7 +94,7 @@ impl Line {
         if harmonics < 2 {
             return;
         }
-        let twice = sin + sin; // (7)
+        let twice = sin + sin; // (6)
         let (cos_2, sin_2) = (1.0 - twice * sin, twice * cos);
         second.add(blocks, residual, (cos_2, sin_2), (b2, w2));
         if harmonics < 3 {

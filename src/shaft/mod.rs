@@ -20,6 +20,7 @@ mod balance_solve;
 mod bearing;
 mod friction;
 mod line;
+mod noise;
 mod orders;
 mod phasor;
 mod residual;

@@ -9,20 +9,20 @@
 //! b(h) = Σ_block y t*(h),   W(h) = Σ_block |t(h)|²                                                    (3)
 //! R(h, d) = Σ b_n(h) b_m*(h)  over pairs of blocks, n at most six blocks later, at cells d apart      (4)
 //! V(d) = Σ W_n W_m over the same pairs, of the first harmonic                                         (5)
-//! σ^½ = mean over blocks and control orders of (|b|²/W)^¼ / Γ(5/4)                                     (6)
-//! e^{2jφ}: c₂ = 1 − 2 s², s₂ = 2 s c;      e^{3jφ}: c₃ = (2 c₂ − 1) c, s₃ = (2 c₂ + 1) s               (7)
+//! e^{2jφ}: c₂ = 1 − 2 s², s₂ = 2 s c;      e^{3jφ}: c₃ = (2 c₂ − 1) c, s₃ = (2 c₂ + 1) s               (6)
 //! ```
 //!
 //! The signal that a defect causes in y has passed the filters of the residual; (2) passes the same filters, so (3) is
 //! the matched filter. A block is one passage through a cell of the shaft's angle, 2ⁿ turns wide, or as much to and fro
 //! within it: blocks are equal in turns at any speed, end at the same angles after a reversal, and slip turns the phase of (4) by an angle that
-//! depends on d only. Pairs backwards through the cells count conjugated. Noise is that of control orders, where no
-//! bearing has one; the fourth root in (6) keeps single strong blocks from deciding it.
+//! depends on d only. Pairs backwards through the cells count conjugated. The blocks of the control orders tell the noise
+//! ([`super::noise`]).
 //!
 //! One order and harmonic a sample closes its block after a cell's end, so that no sample pays for all of them.
 //! `cargo xtask measure` prints instructions and state.
 
 use super::line::{LINE, Line, LineSums, Template};
+use super::noise::Noise;
 use super::phasor::phasor;
 use super::residual::Residual;
 use crate::plan::{Array, Cells, MAX_HARMONICS, Plan, Size};
@@ -119,16 +119,6 @@ struct Control {
     weight: f32,
 }
 
-/// Sums of (6).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Noise {
-    /// Σ (|b|²/W)^¼.
-    pub roots: f32,
-    /// Number of summands.
-    pub count: u16,
-}
-
 /// Running state.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -164,7 +154,7 @@ pub struct OrderSums<P: Plan> {
 impl<P: Plan> OrderSums<P> {
     /// Why there are no orders.
     pub(super) fn reason(&self) -> Option<Reason> {
-        let few = self.blocks < MIN_BLOCKS || self.noise.count == 0;
+        let few = self.blocks < MIN_BLOCKS || self.noise.is_unknown();
         few.then_some(Reason::TooFewRows { part: Part::Orders, rows: u32::from(self.blocks) })
     }
 }
@@ -253,12 +243,9 @@ impl<P: Plan> OrderTracking<P> {
                 line.close(h, self.closing_cell, &self.cells, (held, self.place as usize));
             }
         } else if let Some(control) = self.controls.get_mut(item.wrapping_sub(items)) {
-            let Control { template, block: [x, y], weight } = *control;
+            let Control { template, block, weight } = *control;
             *control = Control { template, ..Control::default() };
-            if weight > 0.0 {
-                self.noise.roots += libm::sqrtf(libm::sqrtf((x * x + y * y) / weight)); // (6)
-                self.noise.count = self.noise.count.saturating_add(1);
-            }
+            self.noise.add(item.wrapping_sub(items), block, weight);
         } else {
             if let Some(cell) = self.cells.get_mut(self.place as usize) {
                 *cell = self.closing_cell;

@@ -3,23 +3,23 @@
 //! Enters: [`LineSums`] of [`super::line`]. Leaves: an [`OrderStrength`].
 //!
 //! ```text
-//! P(δ) = Σ_h w_h [R(h, 0) + 2 Σ_d (1 − d/7) Re(R(h, d) e^{−j d h ψ})] / (σ² W(h))                     (1)
+//! P(δ) = Σ_h w_h [R(h, 0) + 2 Σ_d (1 − d/7) Re(R(h, d) e^{−j d h ψ})] / (σ_h² W(h))                   (1)
 //! ψ = 2π O c δ L,   c: ratio of the order's slip to the cage's,   L: turns of a cell                  (2)
 //! prominence = max P(δ) / Σ w_h   over |δ| ≤ slip                                                     (3)
 //! ν = 2 (Σ w_h)² W² / (Σ w_h² [V(0) + 2 Σ_d (1 − d/7)² V(d)])                                         (4)
 //! score = (prominence^⅓ − 1 + 2/(9ν)) / √(2/(9ν)) − 0.7 ln M                                          (5)
 //! slip deviation = √(Var P′)/(−P″)   at the largest P                                                  (6)
-//! Var P′ = (dψ/dδ)² Σ_h (h w_h)² · 2 Σ_d (1 − d/7)² d² V(d)/W² · (1 + |A|² V(0)/(σ² W))                (7)
+//! Var P′ = (dψ/dδ)² Σ_h (h w_h)² · 2 Σ_d (1 − d/7)² d² V(d)/W² · (1 + |A|² V(0)/(σ₁² W))              (7)
 //! |A|² = Σ_d (1 − d/7) Re(R(1, d) e^{−jdψ}) / Σ_d (1 − d/7) V(d),   amplitude = 2 |A|                 (8)
 //! ```
 //!
-//! (1) is a spectral estimate by few lags (Blackman and Tukey) near the kinematic order, one slip for all harmonics.
+//! σ_h² is the noise ([`super::noise`]) at the order's harmonic h. (1) is a spectral estimate by few lags (Blackman and Tukey) near the kinematic order, one slip for all harmonics.
 //! Without a defect P at one δ is a χ² of ν degrees of freedom, whatever the number of turns; its cube root is nearly
 //! normal (Wilson and Hilferty 1931), and M independent slips raise the largest of them: (5) is about standard normal
 //! for any number of turns.
 //!
 //! (7): the imaginary part of a product of two blocks of noise has the variance `σ⁴ W_n W_m/2`, and P′ is a sum of
-//! 2 (1 − d/7) d h of them. A product of noise and defect adds at most 2 |A|² W/σ² times as much; pairs before and after
+//! 2 (1 − d/7) d h of them. A product of noise and defect adds at most 2 |A|² W/σ₁² times as much; pairs before and after
 //! a block have opposite signs, so at constant speed most of it cancels, and next to a reversal none. (7) counts half.
 //! A motion that reverses adds a systematic error of about 0.001 to the slip of a defect: the middle of a passage that
 //! reverses is not that of its cell.
@@ -27,14 +27,13 @@
 use core::f32::consts::PI;
 
 use super::line::LineSums;
-use super::orders::{LAGS, Noise, PLACES, TrackedOrder};
+use super::noise::NoiseLine;
+use super::orders::{LAGS, PLACES, TrackedOrder};
 use super::phasor::phasor;
 use crate::plan::MAX_HARMONICS;
 
 /// Slips that are tried on each side of zero.
 const SIDE: i8 = 8;
-/// Γ(5/4), the mean of the fourth root of an exponential variable.
-const ROOT_MEAN: f32 = 0.906_402_5;
 
 /// How much an order exceeds the noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,7 +73,7 @@ const COMBINED: usize = LAGS * MAX_HARMONICS;
 pub(super) struct SlipSearch {
     /// What the next step does: before the first slip, it combines the harmonics; after the last, it forms the results.
     next: i8,
-    /// The terms of (1) times σ² by their phases d h ψ, and the one without a phase.
+    /// The terms of (1) by their phases d h ψ, and the one without a phase.
     terms: [[f32; 2]; COMBINED],
     constant: f32,
     best: f32,
@@ -83,7 +82,7 @@ pub(super) struct SlipSearch {
     around: [f32; 2],
     last: f32,
     found: OrderStrength,
-    /// σ², and of −P″ (6) a squared step.
+    /// σ₁², and of −P″ (6) a squared step.
     variance: f32,
     curvature: f32,
     /// V(0) + 2 Σ (1 − d/7)² V(d), 2 Σ (1 − d/7)² d² V(d), and Σ (1 − d/7) V(d).
@@ -128,7 +127,7 @@ impl SlipSearch {
     pub(super) fn step(
         &mut self,
         sums: &LineSums,
-        noise: &Noise,
+        noise: &NoiseLine,
         order: &TrackedOrder,
         range: &SlipRange,
     ) -> Option<OrderStrength> {
@@ -136,7 +135,7 @@ impl SlipSearch {
         self.next = next.wrapping_add(1);
         match next {
             FIRST..=SIDE => self.compare(next, self.spectrum(turns(order, range, f32::from(next) / f32::from(SIDE)))),
-            PROMINENCE => self.prominence(noise, order, range),
+            PROMINENCE => self.prominence(order, range),
             NOISE => self.noise(sums),
             SCORE => self.score(sums, order, range),
             AMPLITUDE => self.amplitude(sums, order, range),
@@ -144,20 +143,23 @@ impl SlipSearch {
                 self.deviations(sums, order, range);
                 return Some(self.found);
             }
-            before => self.combine(sums, order, usize::from(before.wrapping_sub(COMBINE).unsigned_abs())),
+            before => self.combine(sums, noise, order, before.wrapping_sub(COMBINE).unsigned_abs()),
         }
         None
     }
 
     /// Adds the terms of a harmonic to those of equal phase.
     #[inline(never)]
-    fn combine(&mut self, sums: &LineSums, order: &TrackedOrder, h: usize) {
+    fn combine(&mut self, sums: &LineSums, noise: &NoiseLine, order: &TrackedOrder, harmonic: u8) {
+        let h = harmonic as usize;
         let own = (order.weights.get(h), sums.power.get(h), sums.weight.get(h), sums.lags.get(h));
         let (Some(weight), Some(power), Some(total), Some(lags)) = own else { return };
         if *weight <= 0.0 || *total <= 0.0 {
             return;
         }
-        let scale = weight / total;
+        let variance = noise.at(order.order() * f32::from(harmonic.saturating_add(1)));
+        self.variance = if h == 0 { variance } else { self.variance };
+        let scale = weight / (total * variance);
         self.constant += scale * power;
         let mut terms = self.terms.get_mut(h..).unwrap_or_default();
         for (d, [x, y]) in (1_u8..).zip(lags) {
@@ -170,7 +172,7 @@ impl SlipSearch {
         }
     }
 
-    /// (1) times σ², where ψ is so many turns.
+    /// (1), where ψ is so many turns.
     #[inline(never)]
     fn spectrum(&self, turns: f32) -> f32 {
         self.constant + real_sum(&self.terms, turns)
@@ -189,16 +191,14 @@ impl SlipSearch {
         self.last = value;
     }
 
-    /// σ², slip and (3).
+    /// Slip and (3).
     #[inline(never)]
-    fn prominence(&mut self, noise: &Noise, order: &TrackedOrder, range: &SlipRange) {
-        let root = noise.roots / (f32::from(noise.count) * ROOT_MEAN);
-        self.variance = root * root * root * root; // (6) of the orders
+    fn prominence(&mut self, order: &TrackedOrder, range: &SlipRange) {
         let (shift, curvature, best) = self.vertex();
         self.curvature = curvature;
         self.found.slip = (f32::from(self.best_at) + shift) * range.slip / f32::from(SIDE);
         let [w1, w2, w3] = order.weights;
-        self.found.prominence = (best / self.variance / (w1 + w2 + w3)).max(0.0); // (3)
+        self.found.prominence = (best / (w1 + w2 + w3)).max(0.0); // (3)
     }
 
     /// The sums over V of (4), (7) and (8).
@@ -251,7 +251,7 @@ impl SlipSearch {
         let turning = 2.0 * PI * order.order() * order.slip_ratio.abs() * range.cell_turns;
         let slopes = w1 * w1 + 4.0 * w2 * w2 + 9.0 * w3 * w3;
         let crossed = 1.0 + self.power * square / (self.variance * total);
-        let slope_deviation = self.variance * turning * libm::sqrtf(slopes * self.spread * crossed) / total; // (7)
+        let slope_deviation = turning * libm::sqrtf(slopes * self.spread * crossed) / total; // (7)
         let step = range.slip / f32::from(SIDE);
         let slip_deviation = slope_deviation * step * step / self.curvature; // (6)
         self.found.deviation = 2.0 * libm::sqrtf(self.variance / total);

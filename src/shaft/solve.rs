@@ -1,6 +1,7 @@
 //! The solve of the shaft's sums, in pieces: torque balance, then one order after the other.
 
 use super::balance_solve::BalanceSolve;
+use super::noise::NoiseLine;
 use super::slip::{OrderStrength, SlipRange, SlipSearch};
 use super::{ShaftConstants, ShaftEstimate, ShaftSums, Usage};
 use crate::plan::{Cells, Plan};
@@ -12,6 +13,7 @@ use crate::reason::{Part, Reason};
 pub struct ShaftSolve {
     balance: BalanceSolve,
     balanced: bool,
+    noise: NoiseLine,
     /// The next order, and the search for its slip.
     order: usize,
     search: SlipSearch,
@@ -26,7 +28,13 @@ impl ShaftSolve {
     /// Nothing solved yet.
     #[must_use]
     pub const fn new() -> Self {
-        Self { balance: BalanceSolve::new(), balanced: false, order: 0, search: SlipSearch::new() }
+        Self {
+            balance: BalanceSolve::new(),
+            balanced: false,
+            noise: NoiseLine::new(),
+            order: 0,
+            search: SlipSearch::new(),
+        }
     }
 
     /// Does about `budget` instructions; `true` once the estimate is complete. Friction and orders do not depend on
@@ -59,6 +67,9 @@ impl ShaftSolve {
             return false;
         }
         let tracking = &constants.tracking;
+        if estimate.orders_reason.is_none() && !self.noise.take(&sums.orders.noise, &tracking.blocks.controls) {
+            return false;
+        }
         let orders = (tracking.orders.cells().get(self.order), sums.orders.lines.cells().get(self.order));
         let (Some(cell), (Some(order), Some(line)), None) =
             (estimate.orders.cells_mut().get_mut(self.order), orders, estimate.orders_reason)
@@ -71,7 +82,7 @@ impl ShaftSolve {
         let range = SlipRange { cell_turns: power_of_two(tracking.blocks.cell_turns_log2), slip: tracking.blocks.slip };
         let mut spent = 0_usize;
         while spent < budget {
-            if let Some(strength) = self.search.step(line, &sums.orders.noise, order, &range) {
+            if let Some(strength) = self.search.step(line, &self.noise, order, &range) {
                 let sum = strength.score + strength.amplitude + strength.slip_deviation;
                 if sum.is_finite() {
                     *cell = strength;

@@ -70,7 +70,7 @@ pub fn shaft<P: Plan>(plan: P, lags: Lags) -> ShaftConstants<P> {
         tracking: Tracking {
             orders: Array::<P::Orders, TrackedOrder>::from_fn(plan.layout().orders(), order),
             blocks: Blocks {
-                controls: [2.37, 4.55, 6.45, 8.55].map(q16),
+                controls: [1.45, 2.55, 6.45, 14.5].map(q16),
                 cell_turns_log2: 0,
                 slip: 0.022,
                 slowest_rad_s: 2.4,

@@ -1,5 +1,6 @@
 use super::*;
 use crate::plan::{Layout, RunTime, ShaftLayout, Signal};
+use crate::shaft::noise::NoiseLine;
 use crate::shaft::slip::{OrderStrength, SlipRange, SlipSearch};
 use std::vec;
 use std::vec::Vec;
@@ -40,7 +41,7 @@ fn tracking(slip: f32, log2: i8) -> Tracking<RunTime> {
     Tracking {
         orders: vec![TrackedOrder::new(ORDER, [1.0, 0.8, 0.6])],
         blocks: Blocks {
-            controls: [2.5, 4.55, 5.45, 6.5].map(q16),
+            controls: [2.5, 4.45, 6.6, 11.6].map(q16),
             cell_turns_log2: log2,
             slip,
             slowest_rad_s: 1.0,
@@ -75,9 +76,10 @@ fn run(
     let sums = orders.sums();
     let range =
         SlipRange { cell_turns: libm::exp2f(f32::from(tracking.blocks.cell_turns_log2)), slip: tracking.blocks.slip };
-    let mut search = SlipSearch::new();
+    let (mut search, mut noise) = (SlipSearch::new(), NoiseLine::new());
+    while !noise.take(&sums.noise, &tracking.blocks.controls) {}
     loop {
-        if let Some(strength) = search.step(&sums.lines[0], &sums.noise, &tracking.orders[0], &range) {
+        if let Some(strength) = search.step(&sums.lines[0], &noise, &tracking.orders[0], &range) {
             return (strength, sums.blocks);
         }
     }

@@ -6,15 +6,15 @@
 //! nominal    median p over the traces of the nominal class that determine it, estimated by the core       (2)
 //! prior      three times the deviation of p over these traces; for terms on which a defect has no effect, 1.5
 //!            times what of it the deviations of the estimates do not explain                           (3)
-//! cell       as wide as the slip allows, but at most a tenth of a trace's turns                        (4)
+//! cell       as wide as the slip allows, but at most a sixteenth of a trace's turns                        (4)
 //! controls   orders far from all integers and from all harmonics of the tracked orders                 (5)
 //! ```
 //!
 //! [`super::lags`] finds the lags, and [`super::filters`] the filters of the residual.
 
 use bearing_watch::model::{
-    Balance, Blocks, Channel, Lags, MAX_LAG, Sampling, ShaftConstants, StateVariable, TERMS, TrackedOrder, Tracking,
-    q16,
+    Balance, Blocks, CONTROLS, Channel, Lags, MAX_LAG, Sampling, ShaftConstants, StateVariable, TERMS, TrackedOrder,
+    Tracking, q16,
 };
 use bearing_watch::plan::{RunTime, ShaftLayout, Signal};
 use bearing_watch::{Friction, FrictionTerm, ShaftEstimate};
@@ -56,11 +56,11 @@ pub struct ShaftPlan {
 }
 
 impl ShaftPlan {
-    /// Returns a plan with these orders, weights for pulses of a tenth of a period, a slip of ± 0.8 %, a cut-off of
+    /// Returns a plan with these orders, weights for pulses of a tenth to half of a period, a slip of ± 0.8 %, a cut-off of
     /// 8 Hz, and a measured load.
     #[must_use]
     pub fn new(orders: Vec<(String, f64)>) -> Self {
-        Self { orders, weights: [1.0, 0.8, 0.6], slip: 0.008, current_delay: None, cutoff_hz: 8.0, load: true }
+        Self { orders, weights: [1.0, 0.5, 0.25], slip: 0.008, current_delay: None, cutoff_hz: 8.0, load: true }
     }
 
     /// Returns the names of the orders.
@@ -128,10 +128,9 @@ pub(super) fn model(
     }
     let all: Vec<&MotionTrace> = watched.iter().map(|(_, motion)| *motion).collect();
     let own: Vec<Watched<'_>> = watched.into_iter().filter(|(t, _)| t.class == nominal).collect();
-    let harmonics = 3 - plan.weights.iter().rev().take_while(|w| **w <= 0.0).count();
     let ([current, velocity, reference], load) =
         wiring.shaft.ok_or_else(|| Error::Training("the channels of the shaft are not wired".into()))?;
-    let (orders, harmonics) = (plan.orders.len() as u8, harmonics as u8);
+    let (orders, harmonics) = (plan.orders.len() as u8, harmonics(&plan.weights));
     let layout = ShaftLayout { current, velocity, reference, load, orders, harmonics };
     let mut constants = untrained(&all, interval_s, plan)?;
     let bench = Bench::new(&own, layout, wiring)?;
@@ -147,6 +146,11 @@ pub(super) fn model(
         constants = filters::best(&bench, constants, &own)?;
     }
     Ok((layout, constants))
+}
+
+/// Number of harmonics with a weight.
+fn harmonics(weights: &[f64; 3]) -> u8 {
+    3 - weights.iter().rev().take_while(|w| **w <= 0.0).count() as u8
 }
 
 /// Sets nominal parameters (2), their prior deviations (3), and the deviation of a row.
@@ -301,11 +305,11 @@ fn tracking(traces: &[&MotionTrace], plan: &ShaftPlan, sign_velocity: f64) -> Tr
     };
     let usual_turns = median(traces.iter().map(turns).collect());
     let highest = plan.orders.iter().map(|(_, order)| *order).fold(0.1, f64::max);
-    let widest = (0.5 / (highest * plan.slip.max(1e-4))).min(usual_turns / 10.0); // (4)
+    let widest = (0.5 / (highest * plan.slip.max(1e-4))).min(usual_turns / 16.0); // (4)
     Tracking {
         orders: plan.orders.iter().map(order).collect(),
         blocks: Blocks {
-            controls: controls(&plan.orders, plan.slip).map(|order| q16(order as f32)),
+            controls: controls(&plan.orders, plan.slip, harmonics(&plan.weights)).map(|order| q16(order as f32)),
             cell_turns_log2: widest.log2().floor().clamp(-6.0, 6.0) as i8,
             slip: plan.slip as f32,
             slowest_rad_s: (1.2 * sign_velocity) as f32,
@@ -315,24 +319,19 @@ fn tracking(traces: &[&MotionTrace], plan: &ShaftPlan, sign_velocity: f64) -> Tr
     }
 }
 
-/// Four control orders (6) around the first harmonics of the tracked orders.
-fn controls(orders: &[(String, f64)], slip: f64) -> [f64; 4] {
-    let lowest = orders.iter().map(|(_, order)| *order).filter(|order| *order > 1.0).fold(f64::MAX, f64::min);
-    let centre = if lowest < f64::MAX { lowest } else { 3.0 };
+/// Control orders (5), spread evenly in the logarithm over the harmonics of the tracked orders.
+fn controls(orders: &[(String, f64)], slip: f64, harmonics: u8) -> [f64; CONTROLS] {
+    let lines: Vec<f64> =
+        orders.iter().flat_map(|(_, order)| (1..=harmonics).map(move |h| order * f64::from(h))).collect();
+    let lowest = 0.66 * lines.iter().copied().fold(1000.0, f64::min).max(1.0);
+    let highest = (1.04 * lines.iter().copied().fold(1.0, f64::max)).max(3.0 * lowest);
     let clear = |order: f64| {
         let integer = (order - order.round()).abs();
-        let harmonics = orders.iter().flat_map(|(_, own)| (1..=3).map(move |h| own * f64::from(h)));
-        harmonics.map(|line| (line - order).abs() - slip * line).fold(integer, f64::min)
+        lines.iter().map(|line| (line - order).abs() - slip * line).fold(integer, f64::min)
     };
-    let mut chosen: Vec<f64> = Vec::new();
-    for least in [0.3, 0.1, 0.0] {
-        let mut candidates: Vec<f64> = (0..200).map(|k| centre * (0.5 + 0.01 * f64::from(k))).collect();
-        candidates.sort_by(|one, other| clear(*other).total_cmp(&clear(*one)));
-        for order in candidates {
-            if chosen.len() < 4 && chosen.iter().all(|other| (other - order).abs() > least) {
-                chosen.push(order);
-            }
-        }
-    }
-    std::array::from_fn(|k| chosen[k.min(chosen.len() - 1)])
+    std::array::from_fn(|k| {
+        let even = lowest * (highest / lowest).powf(k as f64 / (CONTROLS - 1) as f64);
+        let near = (-12..=12).map(|percent| even * (1.0 + 0.01 * f64::from(percent)));
+        near.max_by(|one, other| clear(*one).total_cmp(&clear(*other))).unwrap_or(even)
+    })
 }

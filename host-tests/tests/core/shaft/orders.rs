@@ -121,20 +121,25 @@ pub fn expected(tracking: &Tracking<RunTime>, path: &Path) -> Vec<Expected> {
     let (pole, high_pass) = (f64::from(shape.pole), f64::from(shape.high_pass));
     let items = tracking.orders.len() * HARMONICS;
     let ends = ends(path, cell_turns, items);
-    let mut roots = vec![];
-    for (c, order) in shape.controls.iter().enumerate() {
-        for (b, w) in blocks(path, (f64::from(*order) / 65_536.0, pole, high_pass), &ends, 1 + items + c) {
-            roots.extend((w > 0.0).then(|| (b.norm_sqr() / w).powf(0.25)));
-        }
-    }
-    let variance = (roots.iter().sum::<f64>() / roots.len() as f64 / GAMMA).powi(4);
+    let noise = |(c, order): (usize, &i32)| {
+        let order = f64::from(*order) / 65_536.0;
+        let blocks = blocks(path, (order, pole, high_pass), &ends, 1 + items + c).into_iter();
+        let roots: Vec<f64> = blocks.filter(|(_, w)| *w > 0.0).map(|(b, w)| (b.norm_sqr() / w).powf(0.25)).collect();
+        [order.ln(), 4.0 * (roots.iter().sum::<f64>() / roots.len() as f64 / GAMMA).ln()]
+    };
+    let points: Vec<[f64; 2]> = shape.controls.iter().enumerate().map(noise).collect();
+    // The line through the points by the normal equations of its two coefficients.
+    let sum = |f: &dyn Fn(f64, f64) -> f64| points.iter().map(|[x, y]| f(*x, *y)).sum::<f64>();
+    let (n, x, y) = (points.len() as f64, sum(&|x, _| x), sum(&|_, y| y));
+    let slope = (n * sum(&|x, y| x * y) - x * y) / (n * sum(&|x, _| x * x) - x * x);
+    let variance = |order: f64| ((y - slope * x) / n + slope * order.ln()).exp();
     let lines = tracking.orders.iter().enumerate().map(|(line, order)| {
         let harmonic = |h: usize| {
             let own = (h + 1) as f64 * f64::from(order.order_q16) / 65_536.0;
             Harmonic::new(&blocks(path, (own, pole, high_pass), &ends, 1 + line * HARMONICS + h), &ends)
         };
         let sums: [Harmonic; HARMONICS] = std::array::from_fn(harmonic);
-        strength(order, &sums, variance, (cell_turns, f64::from(shape.slip)))
+        strength(order, &sums, &variance, (cell_turns, f64::from(shape.slip)))
     });
     lines.collect()
 }
@@ -142,12 +147,14 @@ pub fn expected(tracking: &Tracking<RunTime>, path: &Path) -> Vec<Expected> {
 fn strength(
     order: &TrackedOrder,
     sums: &[Harmonic; HARMONICS],
-    variance: f64,
+    variance: &dyn Fn(f64) -> f64,
     (cell_turns, most): (f64, f64),
 ) -> Expected {
     let weights = order.weights.map(f64::from);
     let total: f64 = weights.iter().sum();
     let first = &sums[0];
+    let at = |harmonic: f64| variance(harmonic * f64::from(order.order_q16) / 65_536.0);
+    let base = at(1.0);
     // ψ for a slip of one.
     let turning = TAU * f64::from(order.order_q16) / 65_536.0 * f64::from(order.slip_ratio) * cell_turns;
     let lagged = |h: usize, slip: f64| -> f64 {
@@ -155,8 +162,11 @@ fn strength(
         (1..=LAGS).map(|d| taper(d) * at(d).re).sum()
     };
     let spectrum = |slip: f64| -> f64 {
-        let own = |h: usize| weights[h] * (sums[h].lags[0].re + 2.0 * lagged(h, slip)) / sums[h].weight;
-        (0..HARMONICS).map(own).sum::<f64>() / variance
+        let own = |h: usize| {
+            let power = sums[h].lags[0].re + 2.0 * lagged(h, slip);
+            weights[h] * power / sums[h].weight / at((h + 1) as f64)
+        };
+        (0..HARMONICS).map(own).sum::<f64>()
     };
     let tried: Vec<f64> = (-8..=8).map(|k| spectrum(f64::from(k) * most / 8.0)).collect();
     // Of equal values the nearest to zero.
@@ -181,13 +191,13 @@ fn strength(
     let rates: f64 = (0..HARMONICS).map(|h| ((h + 1) as f64 * weights[h]).powi(2)).sum();
     let steady = sum_of(&|d| taper(d) * first.pairs[d]);
     let power = (lagged(0, slip) / steady).max(0.0);
-    let crossed = 1.0 + power * first.pairs[0] / (variance * first.weight);
+    let crossed = 1.0 + power * first.pairs[0] / (base * first.weight);
     let slip_deviation = turning.abs() * (rates * spread * crossed).sqrt() / first.weight / curvature;
     Expected {
         prominence,
         score: (middle - 1.0 + relative) / relative.sqrt() - 0.7 * independent.ln(),
         amplitude: 2.0 * power.sqrt(),
-        deviation: 2.0 * (variance / first.weight).sqrt(),
+        deviation: 2.0 * (base / first.weight).sqrt(),
         slip,
         slip_deviation: if curvature > 0.0 { slip_deviation.min(most) } else { most },
     }

@@ -1,0 +1,134 @@
+//! Blocks of the control orders → the noise at any order.
+//!
+//! Enters: phasors b and weights W of the control orders' blocks. Leaves: σ², the mean of |b|²/W at an order o.
+//!
+//! ```text
+//! σ_c^½ = mean over blocks of (|b|²/W)^¼ / Γ(5/4)                                                     (1)
+//! ln σ²(o) = m + s (ln o − x̄),   by least squares over the control orders c                           (2)
+//! ```
+//!
+//! No bearing has an effect at a control order. The fourth root in (1) keeps single strong blocks from deciding it.
+//! Behind the whitening filter the noise would be equal at all orders if the torque balance were complete; what it does
+//! not contain leaves more noise at low orders, about as a power of the order.
+
+use super::orders::CONTROLS;
+
+/// Γ(5/4), the mean of the fourth root of an exponential variable.
+const ROOT_MEAN: f32 = 0.906_402_5;
+
+/// Sums of (1), one for each control order.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Noise {
+    /// Σ (|b|²/W)^¼.
+    roots: [f32; CONTROLS],
+    /// Number of summands.
+    counts: [u16; CONTROLS],
+}
+
+impl Noise {
+    /// Takes a block of control order `k`; one without weight has no effect.
+    pub(super) fn add(&mut self, k: usize, [x, y]: [f32; 2], weight: f32) {
+        if let (Some(root), Some(count)) = (self.roots.get_mut(k), self.counts.get_mut(k))
+            && weight > 0.0
+        {
+            *root += libm::sqrtf(libm::sqrtf((x * x + y * y) / weight));
+            *count = count.saturating_add(1);
+        }
+    }
+
+    /// Whether a control order had no block.
+    pub(super) fn is_unknown(&self) -> bool {
+        self.counts.contains(&0)
+    }
+}
+
+/// The line (2): means of ln o and ln σ², and sums of squares and products about them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct NoiseLine {
+    taken: u8,
+    mean: [f32; 2],
+    square: f32,
+    product: f32,
+}
+
+impl NoiseLine {
+    pub(super) const fn new() -> Self {
+        Self { taken: 0, mean: [0.0; 2], square: 0.0, product: 0.0 }
+    }
+
+    /// Takes the next control order; whether that was the last one.
+    #[inline(never)]
+    pub(super) fn take(&mut self, noise: &Noise, controls: &[i32; CONTROLS]) -> bool {
+        let k = self.taken as usize;
+        let own = (noise.roots.get(k), noise.counts.get(k), controls.get(k));
+        let (Some(root), Some(count), Some(order)) = own else { return true };
+        self.taken = self.taken.saturating_add(1);
+        let root = root / (f32::from(*count).max(1.0) * ROOT_MEAN); // (1)
+        let (x, y) = (ln(*order as f32 / 65_536.0), 4.0 * ln(root));
+        let [mean_x, mean_y] = &mut self.mean;
+        let (part, far) = (1.0 / f32::from(self.taken), x - *mean_x);
+        *mean_x += part * far;
+        *mean_y += part * (y - *mean_y);
+        self.square += far * (x - *mean_x);
+        self.product += far * (y - *mean_y);
+        false
+    }
+
+    /// (2).
+    #[inline(never)]
+    pub(super) fn at(&self, order: f32) -> f32 {
+        let [x, y] = self.mean;
+        let slope = if self.square > 0.0 { self.product / self.square } else { 0.0 };
+        libm::expf(y + slope * (ln(order) - x))
+    }
+}
+
+/// Without noise, or at order zero, the logarithm of the smallest normal number.
+fn ln(x: f32) -> f32 {
+    libm::logf(x.max(f32::MIN_POSITIVE))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shaft::q16;
+
+    fn line(levels: [f32; CONTROLS], orders: [f32; CONTROLS]) -> NoiseLine {
+        let mut noise = Noise::default();
+        for (k, level) in levels.into_iter().enumerate() {
+            // Blocks of power `level` ROOT_MEAN⁴ W, so that (1) gives `level`.
+            let size = ROOT_MEAN * ROOT_MEAN * libm::sqrtf(3.0 * level);
+            noise.add(k, [0.0, size], 3.0);
+            noise.add(k, [-size, 0.0], 3.0);
+            noise.add(k, [1.0, 1.0], 0.0);
+        }
+        assert!(!noise.is_unknown() && Noise::default().is_unknown());
+        let mut line = NoiseLine::new();
+        while !line.take(&noise, &orders.map(q16)) {}
+        line
+    }
+
+    #[test]
+    fn a_power_of_the_order_is_found() {
+        // σ² = 8 o⁻²; control orders are rounded to 2⁻¹⁶.
+        let orders = [2.0, 4.0, 8.0, 16.0];
+        let line = line(orders.map(|o| 8.0 / (o * o)), orders);
+        for order in [0.5, 3.0, 11.0] {
+            assert!((line.at(order) * order * order / 8.0 - 1.0).abs() < 1e-5, "{order}");
+        }
+    }
+
+    #[test]
+    fn equal_orders_give_the_mean_of_the_logarithms() {
+        let line = line([1.0, 4.0, 1.0, 4.0], [3.0; CONTROLS]);
+        assert!((line.at(7.0) - 2.0).abs() < 1e-5, "{}", line.at(7.0));
+    }
+
+    #[test]
+    fn silence_is_finite() {
+        let line = line([0.0; CONTROLS], [2.0, 3.0, 4.0, 5.0]);
+        assert!(line.at(3.0).is_finite() && line.at(0.0).is_finite());
+    }
+}
