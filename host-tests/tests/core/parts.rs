@@ -25,7 +25,6 @@ bearing_watch::plan! {
         shaft: Some(ShaftLayout {
             current: current_a,
             velocity: velocity_rad_s,
-            reference: reference_rad_s,
             load: None,
             orders: 3,
             harmonics: 3,
