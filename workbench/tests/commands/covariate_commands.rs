@@ -66,8 +66,6 @@ fn bad_covariates_are_refused() {
     refuse(dir, &with("--covariates viscosity"), &["--covariates: no viscosity"]);
     refuse(dir, &with("--covariates a1"), &["a1 is a combination"]);
     refuse(dir, &with("--covariates rms_current_a --block-mean 2"), &["root mean square"]);
-    let unknown = TRAIN.replace("--healthy healthy ", "");
-    refuse(dir, &format!("{unknown} --model n.bwm --covariates mean_temperature_c"), &["at least two classes"]);
     succeed(dir, &with("--false-alarm 0.2"));
     refuse(dir, "replay --model n.bwm train --follow 0.5", &["--follow is at least 1 segment"]);
 }
