@@ -9,7 +9,7 @@ mod streams;
 
 use bearing_watch::internals::{Alone, Triangle};
 use bearing_watch::model::{
-    Channel, Classifier, Discriminant, Feature, FeatureValue, Forgetting, Novelty, Projection, Regression,
+    Channel, Classifier, Covariates, Discriminant, Feature, FeatureValue, Forgetting, Novelty, Projection, Regression,
 };
 use bearing_watch::plan::{Array, Cells, Fixed, Kind, Layout, Memory, Method, Plan, RegressionLayout, Structure};
 use bearing_watch::{AlphaBeta, Angle, BlockMean, Detector, FrontEnd, Model, Park};
@@ -128,7 +128,7 @@ fn estimator() {
     hash.add(estimate.packed_covariance());
     hash.add(&[estimate.variance]);
     for feature in [Feature::Parameter(5), Feature::Parameter(0), Feature::LogVariance, Feature::Parameter(2)] {
-        hash.add(&[feature.value(Six, Some(&estimate), None).unwrap_or(FeatureValue::MISSING).value]);
+        hash.add(&[feature.value(Six, (Some(&estimate), None, &[])).unwrap_or(FeatureValue::MISSING).value]);
     }
     say!("estimator {:08x}, {} rows, {} rejected", hash.bits(), estimate.rows, estimator.counts().rejected);
 }
@@ -180,8 +180,13 @@ where
             costs: [0.0, 50.0, 1.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0],
             reject_cost: f32::INFINITY,
         };
-        let classifier =
-            Classifier { features: refined::FEATURES, projection, discriminant, novelty: Novelty::none(plan) };
+        let classifier = Classifier {
+            features: refined::FEATURES,
+            covariates: Covariates { list: [], map: [] },
+            projection,
+            discriminant,
+            novelty: Novelty::none(plan),
+        };
         let features: [f32; 9] = numbers.array();
         let errors: [f32; 9] = numbers.array();
         // A feature in four is missing.

@@ -84,6 +84,28 @@ fn decimation() {
     HalfBandDecimator::reset(opaque(&mut chain));
 }
 
+bearing_watch::plan! {
+    /// A plan with covariates.
+    struct Explaining;
+    struct ExplainingSample { current_a: "A", temperature_c: "°C" }
+    layout: Layout {
+        regression: Some(RegressionLayout {
+            structure: Structure::new(1, 0, 0, 0, 0),
+            method: Method::LeastSquares,
+            memory: Memory::Segment,
+            y: current_a,
+            u1: current_a,
+            u2: current_a,
+        }),
+        averaged: temperature_c.mask(),
+        features: 1,
+        covariates: 2,
+        coordinates: 1,
+        classes: 1,
+        ..Layout::EMPTY
+    }
+}
+
 /// What is usually done at compile time.
 fn plans() {
     let [na, nb, nc, nkb, nkc] = opaque([2, 1, 2, 1, 2]);
@@ -103,6 +125,11 @@ fn plans() {
     opaque([Layout::parameters(&layout), Layout::covariance(&layout), Layout::delays(&layout)]);
     opaque([Layout::filters(&layout), Layout::watched(&layout), Layout::orders(&layout), Layout::map(&layout)]);
     opaque([Layout::density(&layout), Layout::densities(&layout), Layout::means(&layout), Layout::costs(&layout)]);
+    opaque((Layout::averages(&layout), Layout::explained(&layout), Signal::mask(signal)));
+    let covariate = opaque(Covariate::BLANK);
+    let departures = opaque([Covariate::departure(&covariate, opaque(FeatureValue::MISSING)); 2]);
+    let covariates = opaque(Covariates::<Explaining> { list: [covariate; 2], map: [[0.5, 0.25]; 2] });
+    opaque(Covariates::corrected(&covariates, opaque(FeatureValue::MISSING), opaque(0), &departures));
     opaque((Layout::needs_angle(&layout), Feature::exists(opaque(Feature::Parameter(3)), &layout)));
     sizes(<Fixed<3> as Size>::map(&opaque([1.0; 2 + 1]), |x| 2.0 * x));
     let part = <Present<1> as Presence>::part(true, || opaque(1.0));
@@ -149,6 +176,7 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
     about(model);
     let mut detector = opaque(Detector::new(model));
     let mut evidence = opaque(Model::evidence(model));
+    let mut baseline = opaque(Model::baseline(model, opaque(BaselineConstants::new(opaque(50.0), opaque(2.0)))));
     let mut numbers = Numbers(9);
     for _ in 0..opaque(50) {
         let sample = opaque(sample(numbers.array()));
@@ -156,6 +184,9 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
         if let Some(report) = opaque(Detector::step(&mut detector, &sample)) {
             opaque(Evidence::observe(&mut evidence, report.decision.as_ref()));
             told(model, &report);
+            if let Some(baseline) = &mut baseline {
+                follow(model, baseline, &mut opaque(report));
+            }
         }
         if let Some(segment) = opaque(Detector::collect(&mut detector, &sample)) {
             let report = Model::conclude(model, opaque(segment.clone()));
@@ -173,6 +204,14 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
     opaque((Evidence::alarm(&evidence), Evidence::score(&evidence), Evidence::segments(&evidence)));
     opaque(Evidence::trend(&evidence));
     Evidence::reset(opaque(&mut evidence));
+}
+
+/// A baseline over one report.
+fn follow<P: Plan>(model: &Model<P>, baseline: &mut Baseline<P>, report: &mut Report<P>) {
+    Model::follow(model, baseline, report);
+    opaque((Baseline::offset(baseline), Baseline::at_bound(baseline)));
+    opaque(Baseline::restore(baseline, &opaque([0.5, f32::NAN]), opaque(true)));
+    Baseline::reset(opaque(baseline));
 }
 
 /// What a model says of itself, and its bytes.
@@ -233,8 +272,12 @@ fn told<P: Plan>(model: &Model<P>, report: &Report<P>) {
     }
     opaque((ChannelSet::contains(report.counts.stuck, opaque(3)), ChannelSet::is_empty(report.counts.stuck)));
     let (estimate, shaft) = opaque((Report::estimate(report), Report::shaft(report)));
-    let feature = opaque(Feature::LogVariance);
-    if let Err(reason) = Feature::value(feature, Model::plan(model), estimate, shaft) {
+    let averages = opaque(Report::averages(report));
+    for average in averages {
+        opaque((Average::channel(average), Average::mean(average).ok(), Average::rms(average).ok()));
+    }
+    let feature = opaque(Feature::ChannelMean(3));
+    if let Err(reason) = Feature::value(feature, Model::plan(model), (estimate, shaft, averages)) {
         show(reason);
     }
     if let Some(estimate) = estimate {
@@ -250,7 +293,7 @@ fn told<P: Plan>(model: &Model<P>, report: &Report<P>) {
     if let Some(decision) = &report.decision {
         opaque((Decision::log_likelihoods(decision), Decision::posteriors(decision)));
         opaque((Decision::expected_costs(decision), Decision::least_cost(decision)));
-        opaque((Decision::missing(decision), Decision::missing_count(decision)));
+        opaque((Decision::missing(decision), Decision::missing_count(decision), Decision::outside(decision)));
     }
 }
 

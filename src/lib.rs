@@ -28,13 +28,13 @@
 //! ```text
 //! drive       phase currents, angle ─► Clarke, Park ─► quadrature current, decimation
 //! plan        what a detector is made of: channels, structure, sizes
-//! sample         ▼ gate: which channels may be used
+//! sample         ▼ gate: which channels may be used                average  means of channels
 //! regression  δ-form rows by least squares or instruments ─┐      shaft   torque balance ─► Friction
 //! factor      triangular factor, solve                     │              its residual ─► OrderStrength
 //! estimate       ▼                                         │                 │
 //!             Estimate: parameters, covariance, σ² ◄───────┘                 │
-//! decide         ▼ features ─► projection ─► discriminant, novelty ◄─────────┘
-//!             Decision ─► Verdict;   Evidence ─► Alarm, Trend
+//! decide         ▼ features ─► covariates ─► projection ─► discriminant, novelty ◄─────────┘
+//!             Decision ─► Verdict;   Evidence ─► Alarm, Trend;   Baseline: follows slow changes, on request
 //! model       trained constants: checked at compile time, or read from bytes
 //! detector    ties them: one sample in, one Report a segment out
 //! ```
@@ -66,6 +66,7 @@ extern crate alloc;
 #[cfg(test)]
 extern crate std;
 
+mod average;
 mod decide;
 mod detector;
 mod drive;
@@ -79,7 +80,8 @@ mod sample;
 mod shaft;
 mod unroll;
 
-pub use decide::{Alarm, Cause, Decision, Evidence, Trend};
+pub use average::Average;
+pub use decide::{Alarm, Baseline, Cause, Decision, Evidence, Trend};
 pub use detector::{Detector, Report, Segment, Solver, Verdict};
 pub use drive::{Abc, AlphaBeta, Angle, BlockMean, Dq0, FirDecimator, FrontEnd, HalfBandDecimator, HalfBandTaps};
 pub use drive::{Park, SinCos};

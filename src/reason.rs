@@ -119,6 +119,16 @@ pub enum Reason {
         /// Place of the channel in the sample.
         channel: u8,
     },
+    /// More samples of this channel were refused than used, so that it has no mean.
+    LostSamples {
+        /// Place of the channel in the sample.
+        channel: u8,
+    },
+    /// A covariate is outside the range of the training records, and nothing is left without it.
+    OutOfRange {
+        /// Place of the covariate in [`Covariates::list`](crate::model::Covariates::list).
+        covariate: u8,
+    },
     /// A result of the part is not a finite number.
     NotFinite(Part),
 }
@@ -142,6 +152,12 @@ impl fmt::Display for Reason {
                 write!(f, "the instruments of {} hardly follow the output", part.name())
             }
             Self::Stuck { channel } => write!(f, "the sensor of channel {} is stuck", u16::from(*channel) + 1),
+            Self::LostSamples { channel } => {
+                write!(f, "more samples of channel {} were refused than used", u16::from(*channel) + 1)
+            }
+            Self::OutOfRange { covariate } => {
+                write!(f, "covariate {} is outside the range of the training records", u16::from(*covariate) + 1)
+            }
             Self::NotFinite(part) => write!(f, "a result of {} is not a finite number", part.name()),
         }
     }

@@ -6,6 +6,7 @@ macro_rules! classifier {
     ($features:expr) => {
         bearing_watch::model::Classifier {
             features: $features,
+            covariates: bearing_watch::model::Covariates { list: [], map: [] },
             projection: bearing_watch::model::Projection {
                 #[rustfmt::skip]
                                                                 matrix: [

@@ -30,7 +30,6 @@ bearing_watch::plan! {
         shaft: Some(ShaftLayout {
             current: current_a,
             velocity: velocity_rad_s,
-            reference: velocity_ref_rad_s,
             load: Some(load_nm),
             orders: 4,
             harmonics: 3,
@@ -48,13 +47,12 @@ bearing_watch::plan! {
     pub struct Loadless;
     /// One sample of the drive.
     pub struct LoadlessSample with angle {
-        current_a: "A", velocity_ref_rad_s: "rad/s", velocity_rad_s: "rad/s",
+        current_a: "A", velocity_rad_s: "rad/s",
     }
     layout: Layout {
         shaft: Some(ShaftLayout {
             current: current_a,
             velocity: velocity_rad_s,
-            reference: velocity_ref_rad_s,
             load: None,
             orders: 1,
             harmonics: 1,
@@ -157,7 +155,7 @@ pub static MODEL: Model<Watched> = match Watched::model(Constants {
 /// The model of a drive without a load sensor.
 pub static LOADLESS: Model<Loadless> = match Loadless::model(Constants {
     sampling: SAMPLING,
-    channels: [CURRENT, REFERENCE, VELOCITY],
+    channels: [CURRENT, VELOCITY],
     regression: [],
     shaft: [ShaftConstants {
         lags: Lags { current: 0.0, velocity: 0.0, load: 0.0 },
@@ -201,9 +199,9 @@ impl From<Motion> for Sample {
 
 impl From<Motion> for LoadlessSample {
     fn from(motion: Motion) -> Self {
-        let Motion { current_a, velocity_rad_s, reference_rad_s, load_nm, angle } = motion;
+        let Motion { current_a, velocity_rad_s, load_nm, angle, .. } = motion;
         let [_, _, _, load, ..] = NOMINAL;
-        Self { current_a: current_a - load * load_nm, velocity_ref_rad_s: reference_rad_s, velocity_rad_s, angle }
+        Self { current_a: current_a - load * load_nm, velocity_rad_s, angle }
     }
 }
 

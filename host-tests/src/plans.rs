@@ -3,8 +3,8 @@
 use bearing_watch::Structure;
 use bearing_watch::internals::{Alone, Inputs};
 use bearing_watch::model::{
-    Channel, Classifier, Constants, Discriminant, EvidenceConstants, Feature, Label, Name, Novelty, Projection,
-    Regression, Sampling, ShaftConstants,
+    Channel, Classifier, Constants, Covariate, Covariates, Discriminant, EvidenceConstants, Feature, Label, Name,
+    Novelty, Projection, Regression, Sampling, ShaftConstants,
 };
 use bearing_watch::plan::{
     Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, RunTime, RunTimeSample, Signal,
@@ -111,6 +111,7 @@ pub fn classifier<P: Plan>(plan: P, features: &[Feature]) -> Classifier<P> {
     let densities = if layout.discriminant == Kind::Linear { 1 } else { classes };
     Classifier {
         features: Cells::from_fn(count, |k| features[k]),
+        covariates: Covariates { list: Cells::filled(0, Covariate::BLANK), map: Cells::filled(0, [0.0; 2]) },
         projection: Projection {
             matrix: Cells::from_fn(coordinates * count, |k| one(k / count == k % count)),
             mean: Cells::filled(count, 0.0),

@@ -1,23 +1,27 @@
 //! The classification of a segment in steps of bounded cost.
 //!
 //! ```text
-//! features ─► coordinates ─► factor, by rows ─► likelihoods ─► posteriors, class ─► factor ─► distance, surprise
+//! covariates ─► features ─► coordinates ─► factor, by rows ─► likelihoods ─► posteriors, class ─► factor ─► distance, surprise
 //!                            └ of a quadratic discriminant for each class ┘
 //! ```
 
 use super::Classifier;
 use super::density::Density;
 use super::discriminant::{Deciding, Decision};
-use super::features::FeatureValue;
-use crate::estimate::Estimate;
+use super::features::{Estimates, FeatureValue};
+use crate::factor::pairs;
 use crate::plan::{Array, Cells, Kind, Plan};
 use crate::reason::{Part, Reason};
-use crate::shaft::ShaftEstimate;
+
+/// More steps than the largest model has.
+const MAX_STEPS: u32 = 1 << 24;
 
 /// What the next step does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 enum Stage {
+    /// Covariate k.
+    Covariates,
     /// Feature k.
     Features,
     /// Coordinate k.
@@ -36,10 +40,11 @@ enum Stage {
     Novelty,
 }
 
-/// A classification under way, in steps of at most 2 F or Z² multiply-adds.
+/// A classification under way, in steps of at most 2 F, Z² or 6 V multiply-adds.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Classification<P: Plan> {
+    departures: Array<P::Covariates, FeatureValue>,
     features: Array<P::Features, FeatureValue>,
     coordinates: Array<P::Coordinates, f32>,
     variances: Array<P::Coordinates, f32>,
@@ -50,7 +55,7 @@ pub struct Classification<P: Plan> {
     k: usize,
     /// Whether there is a coordinate that is not missing.
     available: bool,
-    /// Why the first missing feature is missing.
+    /// Why the first covariate or feature is missing.
     reason: Option<Reason>,
 }
 
@@ -61,13 +66,14 @@ impl<P: Plan> Classification<P> {
         let layout = plan.layout();
         let coordinates = layout.coordinates as usize;
         Self {
+            departures: Cells::filled(layout.covariates as usize, FeatureValue::MISSING),
             features: Cells::filled(layout.features as usize, FeatureValue::MISSING),
             coordinates: Cells::filled(coordinates, 0.0),
             variances: Cells::filled(coordinates, 0.0),
             density: Density::new(plan),
             likelihoods: Cells::filled(layout.classes as usize, 0.0),
             deciding: Deciding::new(),
-            stage: Stage::Features,
+            stage: if layout.covariates > 0 { Stage::Covariates } else { Stage::Features },
             k: 0,
             available: false,
             reason: None,
@@ -75,16 +81,17 @@ impl<P: Plan> Classification<P> {
     }
 
     /// Does the next step; the result once it is there. Without any coordinate there is none, for the reason why the
-    /// first feature is missing.
+    /// first covariate or feature is missing.
     #[inline(never)]
     pub fn step(
         &mut self,
         plan: P,
         classifier: &Classifier<P>,
-        estimates: (Option<&Estimate<P>>, Option<&ShaftEstimate<P>>),
+        estimates: Estimates<'_, P>,
         decision: &mut Decision<P>,
     ) -> Option<Result<(), Reason>> {
         match self.stage {
+            Stage::Covariates => self.take_covariate(plan, classifier, estimates, decision),
             Stage::Features => self.take_feature(plan, classifier, estimates, decision),
             Stage::Coordinates => {
                 if self.project(classifier) {
@@ -116,20 +123,75 @@ impl<P: Plan> Classification<P> {
         None
     }
 
+    /// Does all steps, at coordinates less this offset.
+    ///
+    /// # Errors
+    /// As the result of [`Classification::step`].
+    pub(super) fn run(
+        &mut self,
+        plan: P,
+        classifier: &Classifier<P>,
+        estimates: Estimates<'_, P>,
+        offset: &[f32],
+        decision: &mut Decision<P>,
+    ) -> Result<(), Reason> {
+        let mut moved = false;
+        for _ in 0..MAX_STEPS {
+            if let Some(result) = self.step(plan, classifier, estimates, decision) {
+                return result;
+            }
+            if !moved && self.stage == Stage::Load {
+                moved = true;
+                pairs(self.coordinates.cells_mut(), offset).for_each(|(z, own)| *z -= own);
+            }
+        }
+        Err(Reason::NotFinite(Part::Classifier))
+    }
+
+    /// The coordinates and the variances of their errors, once they are there.
+    pub(super) fn coordinates(&self) -> (&[f32], &[f32]) {
+        (self.coordinates.cells(), self.variances.cells())
+    }
+
+    /// Covariate k.
+    fn take_covariate(
+        &mut self,
+        plan: P,
+        classifier: &Classifier<P>,
+        estimates: Estimates<'_, P>,
+        decision: &mut Decision<P>,
+    ) {
+        let own = self.departures.cells_mut().get_mut(self.k).zip(decision.outside.cells_mut().get_mut(self.k));
+        let (Some((cell, outside)), Some(own)) = (own, classifier.covariates.list.cells().get(self.k)) else {
+            return self.then(Stage::Features);
+        };
+        let place = u8::try_from(self.k).unwrap_or(u8::MAX);
+        let departure = own.feature.value(plan, estimates).map(|value| own.departure(value));
+        *cell = departure.unwrap_or(FeatureValue::MISSING);
+        *outside = cell.is_missing();
+        if *outside {
+            self.reason = self.reason.or(departure.err()).or(Some(Reason::OutOfRange { covariate: place }));
+        }
+        self.k = self.k.saturating_add(1);
+    }
+
     /// Feature k.
     fn take_feature(
         &mut self,
         plan: P,
         classifier: &Classifier<P>,
-        (estimate, shaft): (Option<&Estimate<P>>, Option<&ShaftEstimate<P>>),
+        estimates: Estimates<'_, P>,
         decision: &mut Decision<P>,
     ) {
         let own = self.features.cells_mut().get_mut(self.k).zip(decision.missing.cells_mut().get_mut(self.k));
         let (Some((cell, missing)), Some(feature)) = (own, classifier.features.cells().get(self.k)) else {
             return self.then(Stage::Coordinates);
         };
-        match feature.value(plan, estimate, shaft) {
-            Ok(value) => *cell = classifier.projection.excess(value, self.k),
+        match feature.value(plan, estimates) {
+            Ok(value) => {
+                let value = classifier.projection.excess(value, self.k);
+                *cell = classifier.covariates.corrected(value, self.k, self.departures.cells());
+            }
             Err(reason) => self.reason = self.reason.or(Some(reason)),
         }
         *missing = cell.is_missing();

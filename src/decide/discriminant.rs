@@ -45,6 +45,7 @@ pub struct Decision<P: Plan> {
     pub(crate) posteriors: Array<P::Classes, f32>,
     pub(crate) expected_costs: Array<P::Classes, f32>,
     pub(crate) missing: Array<P::Features, bool>,
+    pub(crate) outside: Array<P::Covariates, bool>,
     /// Distance from the healthy class in its standard deviations; 0 without a healthy class. If coordinates are
     /// missing, the distance with the same probability of all coordinates.
     pub distance: f32,
@@ -62,6 +63,7 @@ impl<P: Plan> Decision<P> {
             posteriors: zeros.clone(),
             expected_costs: zeros,
             missing: Cells::filled(layout.features as usize, false),
+            outside: Cells::filled(layout.covariates as usize, false),
             distance: 0.0,
             surprise: 0.0,
         }
@@ -89,6 +91,13 @@ impl<P: Plan> Decision<P> {
     #[must_use]
     pub fn missing(&self) -> &[bool] {
         self.missing.cells()
+    }
+
+    /// Whether each covariate was missing or outside the range of the training records, in the order of
+    /// [`Covariates::list`](super::Covariates::list). The features that it explains were then missing.
+    #[must_use]
+    pub fn outside(&self) -> &[bool] {
+        self.outside.cells()
     }
 
     /// Number of missing features.

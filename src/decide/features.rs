@@ -1,7 +1,8 @@
 //! Estimates → features.
 //!
-//! Enters: the parameters of the regression with their residual variance, and the estimate of the shaft. Leaves: the
-//! chosen features, in order, each with the variance of its error; or the reason why a feature is missing.
+//! Enters: the parameters of the regression with their residual variance, the estimate of the shaft, and the averages
+//! of channels. Leaves: the chosen features, in order, each with the variance of its error; or the reason why a feature
+//! is missing.
 //!
 //! ```text
 //! friction p ± σ:   f = p,  v = σ²;     f = ln m,  v = (σ/m)²,  m = max(p, σ)         (1)
@@ -14,6 +15,7 @@
 //! Raw parameters a, b, c and physical constants are affine combinations of these features; the projection forms them.
 //! The cube root of a mean of squares is nearly normal (Wilson and Hilferty 1931), as discriminant and gate assume.
 
+use crate::average::Average;
 use crate::estimate::Estimate;
 use crate::plan::{Layout, Plan};
 use crate::reason::{FrictionTerm, Reason};
@@ -21,6 +23,9 @@ use crate::shaft::{Parameter, ShaftEstimate};
 
 /// Smaller amplitudes count as this value, A.
 const LEAST_AMPLITUDE: f32 = 1e-6;
+
+/// The results of a segment that features come from: regression, shaft, averages of channels.
+pub type Estimates<'a, P> = (Option<&'a Estimate<P>>, Option<&'a ShaftEstimate<P>>, &'a [Average]);
 
 /// A number of the estimates that a classifier uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,6 +47,10 @@ pub enum Feature {
     OrderScore(u8),
     /// ln of the amplitude of a bearing order, of at least 1e-6.
     LogOrderAmplitude(u8),
+    /// Mean of a channel over the segment, by its place in the sample.
+    ChannelMean(u8),
+    /// Root mean square of a channel over the segment.
+    ChannelRms(u8),
 }
 
 /// A feature of a segment.
@@ -93,8 +102,7 @@ impl Feature {
     pub fn value<P: Plan>(
         self,
         plan: P,
-        estimate: Option<&Estimate<P>>,
-        shaft: Option<&ShaftEstimate<P>>,
+        (estimate, shaft, averages): Estimates<'_, P>,
     ) -> Result<FeatureValue, Reason> {
         // Known at compile time: a plan carries no code for features of parts that it does not have.
         let shaft = if plan.layout().shaft.is_some() { shaft } else { None };
@@ -109,6 +117,7 @@ impl Feature {
                 shaft.and_then(|shaft| shaft.friction_reason)
             }
             Self::OrderScore(_) | Self::LogOrderAmplitude(_) => shaft.and_then(|shaft| shaft.orders_reason),
+            Self::ChannelMean(_) | Self::ChannelRms(_) => None,
         };
         if let Some(reason) = reason {
             return Err(reason);
@@ -118,6 +127,8 @@ impl Feature {
         let value = match self {
             Self::Parameter(place) => estimate.and_then(|e| e.delta().get(place as usize)).copied().unwrap_or(0.0),
             Self::LogVariance => ln(estimate.map_or(0.0, |estimate| estimate.variance)),
+            Self::ChannelMean(channel) => return channel_value(averages, channel, Average::mean),
+            Self::ChannelRms(channel) => return channel_value(averages, channel, Average::rms),
             _ if none => 0.0,
             Self::Friction(name) => return Ok(FeatureValue::of(term(name))),
             Self::LogFriction(name) => return Ok(FeatureValue::ln_of(term(name))),
@@ -135,6 +146,9 @@ impl Feature {
         match (self, &layout.shaft) {
             (Self::Parameter(place), _) => (place as usize) < layout.parameters(),
             (Self::LogVariance, _) => layout.regression.is_some(),
+            (Self::ChannelMean(channel) | Self::ChannelRms(channel), _) => {
+                channel < 16 && (layout.averaged >> channel) & 1 == 1
+            }
             (_, None) => false,
             (Self::Friction(term) | Self::FrictionScore(term) | Self::LogFriction(term), Some(shaft)) => {
                 shaft.load.is_some() || !term.needs_load()
@@ -143,6 +157,17 @@ impl Feature {
             (Self::OrderScore(place) | Self::LogOrderAmplitude(place), Some(shaft)) => place < shaft.orders,
         }
     }
+}
+
+/// Mean or root mean square of a channel; missing if it is not finite.
+fn channel_value(
+    averages: &[Average],
+    channel: u8,
+    of: fn(&Average) -> Result<f32, Reason>,
+) -> Result<FeatureValue, Reason> {
+    let average = averages.iter().find(|own| own.channel() == channel).ok_or(Reason::LostSamples { channel })?;
+    let value = of(average)?;
+    Ok(if value.is_finite() { FeatureValue::exact(value) } else { FeatureValue::MISSING })
 }
 
 /// A perfect fit has no logarithm; the smallest normal number replaces it.
@@ -160,31 +185,24 @@ mod tests {
     fn plan() -> RunTime {
         let plain = testing::regression(Structure::new(1, 1, 1, 1, 1), Method::LeastSquares, Memory::Segment);
         let signal = Signal::channel;
-        let shaft = ShaftLayout {
-            current: signal(0),
-            velocity: signal(1),
-            reference: signal(1),
-            load: None,
-            orders: 2,
-            harmonics: 3,
-        };
+        let shaft = ShaftLayout { current: signal(0), velocity: signal(1), load: None, orders: 2, harmonics: 3 };
         RunTime::of(Layout { shaft: Some(shaft), ..plain }).unwrap()
     }
 
     #[test]
     fn parameters_and_variance_of_the_regression() {
         let mut estimate = Estimate::empty(plan());
-        assert_eq!(Feature::Parameter(0).value(plan(), Some(&estimate), None), Err(estimate.reason.unwrap()));
+        assert_eq!(Feature::Parameter(0).value(plan(), (Some(&estimate), None, &[])), Err(estimate.reason.unwrap()));
         (estimate.delta, estimate.variance, estimate.reason) = (vec![0.5, 2.0, 3.0], 0.0, None);
-        assert_eq!(Feature::Parameter(2).value(plan(), Some(&estimate), None), Ok(FeatureValue::exact(3.0)));
-        assert!(Feature::LogVariance.value(plan(), Some(&estimate), None).unwrap().value.is_finite());
+        assert_eq!(Feature::Parameter(2).value(plan(), (Some(&estimate), None, &[])), Ok(FeatureValue::exact(3.0)));
+        assert!(Feature::LogVariance.value(plan(), (Some(&estimate), None, &[])).unwrap().value.is_finite());
     }
 
     #[test]
     fn the_shaft_or_its_reason() {
         let mut shaft = ShaftEstimate::empty(plan());
         shaft.friction_reason = Some(Reason::TermNotExcited(FrictionTerm::Inertia));
-        let value = |feature: Feature, shaft: &ShaftEstimate<RunTime>| feature.value(plan(), None, Some(shaft));
+        let value = |feature: Feature, shaft: &ShaftEstimate<RunTime>| feature.value(plan(), (None, Some(shaft), &[]));
         let drag = Feature::FrictionScore(FrictionTerm::Drag);
         assert_eq!(value(drag, &shaft), Err(Reason::TermNotExcited(FrictionTerm::Inertia)));
         (shaft.friction_reason, shaft.orders_reason) = (None, None);
@@ -202,7 +220,7 @@ mod tests {
             let mut shaft = ShaftEstimate::empty(plan());
             (shaft.friction_reason, shaft.friction.viscous) = (None, Parameter { value, deviation, score: 0.0 });
             [Feature::Friction(FrictionTerm::Viscous), Feature::LogFriction(FrictionTerm::Viscous)]
-                .map(|feature| feature.value(plan(), None, Some(&shaft)).unwrap())
+                .map(|feature| feature.value(plan(), (None, Some(&shaft), &[])).unwrap())
         };
         let [plain, log] = of(4.0, 0.5);
         assert_eq!(plain, FeatureValue { value: 4.0, variance: 0.25 });

@@ -1,9 +1,11 @@
 //! Estimates → [`Decision`], and decisions of many segments → alarm.
 //!
-//! Features → projection → discriminant and novelty, once a segment; [`Evidence`] collects decisions. A feature without
+//! Features → covariates → projection → discriminant and novelty, once a segment; [`Evidence`] collects decisions. A feature without
 //! a result is missing: the decision uses the others, and says which were missing.
 
+mod baseline;
 mod classification;
+mod covariates;
 mod density;
 mod discriminant;
 mod evidence;
@@ -12,10 +14,12 @@ mod novelty;
 mod projection;
 mod trend;
 
+pub use baseline::{Baseline, BaselineConstants};
 pub use classification::Classification;
+pub use covariates::{Covariate, Covariates};
 pub use discriminant::{Decision, Discriminant};
 pub use evidence::{Alarm, Cause, Evidence, EvidenceConstants};
-pub use features::{Feature, FeatureValue};
+pub use features::{Estimates, Feature, FeatureValue};
 #[cfg(feature = "internals")]
 pub use novelty::MAX_SURPRISE;
 pub use novelty::{KNOTS, Novelty};
@@ -38,6 +42,8 @@ fn ln(x: f32) -> f32 {
 pub struct Classifier<P: Plan> {
     /// The features.
     pub features: Array<P::Features, Feature>,
+    /// What explains a part of the features.
+    pub covariates: Covariates<P>,
     /// Their affine map to coordinates.
     pub projection: Projection<P>,
     /// Class densities, priors and costs.

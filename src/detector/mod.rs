@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! sample ─► gate ─┬─ block mean ─► Estimator ─┬─ segment full ─► solve ─► classification ─► Report
-//!                 └─ Shaft: friction, orders ─┘
+//!                 ├─ Shaft: friction, orders ─┤
+//!                 └─ averages of channels ──────┘
 //! ```
 //!
 //! [`Detector::collect`] costs about the same for every sample. It hands out the sums of a closed segment;
@@ -15,6 +16,7 @@ mod solver;
 pub use report::{Report, Verdict};
 pub use solver::{Segment, Solver};
 
+use crate::average::{self, Averages};
 use crate::drive::BlockMean;
 use crate::estimate::Estimator;
 use crate::model::Model;
@@ -50,6 +52,7 @@ pub struct Detector<'m, P: Plan> {
     spoiled: bool,
     estimator: Array<P::Regressed, Estimator<P>>,
     shaft: Array<P::Watched, Shaft<P>>,
+    averages: Averages<P>,
     /// Samples of the open segment, after averaging.
     samples: u32,
     /// Samples of the open segment of which the shaft could use every channel.
@@ -68,6 +71,7 @@ impl<'m, P: Plan> Detector<'m, P> {
             spoiled: false,
             estimator: P::Regressed::map_part(&constants.regression, |regression| Estimator::new(plan, regression)),
             shaft: P::Watched::map_part(&constants.shaft, |shaft| Shaft::new(plan, shaft)),
+            averages: average::empty(plan),
             samples: 0,
             usable: 0,
         }
@@ -103,6 +107,7 @@ impl<'m, P: Plan> Detector<'m, P> {
         let (plan, constants) = (self.model.plan(), self.model.constants());
         let layout = plan.layout();
         let refused = self.gate.refused(&constants.channels, sample);
+        average::take(plan, &mut self.averages, sample, refused);
         let parts = (self.shaft.part_mut(), constants.shaft.part(), layout.shaft);
         if let (Some(shaft), Some(own), Some(layout)) = parts {
             let good = refused & layout.mask() == 0;
@@ -147,6 +152,7 @@ impl<'m, P: Plan> Detector<'m, P> {
         Segment {
             regression: P::Regressed::map_part(&self.estimator, |estimator| estimator.sums(plan, rest)),
             shaft: P::Watched::map_part(&self.shaft, Shaft::sums),
+            averages: self.averages.clone(),
             counts,
             rows,
             whole,
@@ -184,6 +190,7 @@ impl<'m, P: Plan> Detector<'m, P> {
     fn next_segment(&mut self) {
         let (plan, constants) = (self.model.plan(), self.model.constants());
         (self.samples, self.usable) = (0, 0);
+        self.averages = average::empty(plan);
         self.gate.next_segment();
         if let (Some(estimator), Some(regression)) = (self.estimator.part_mut(), constants.regression.part()) {
             estimator.next_segment(plan, regression);

@@ -1,6 +1,7 @@
 //! The report of a segment.
 
-use crate::decide::Decision;
+use crate::average::{Average, Averages};
+use crate::decide::{Decision, Estimates};
 use crate::estimate::Estimate;
 use crate::plan::{Array, Cells, Plan, Presence};
 use crate::reason::{Part, Reason};
@@ -39,6 +40,7 @@ pub struct Report<P: Plan> {
     pub rows: u32,
     pub(super) estimate: Array<P::Regressed, Estimate<P>>,
     pub(super) shaft: Array<P::Watched, ShaftEstimate<P>>,
+    pub(super) averages: Averages<P>,
 }
 
 impl<P: Plan> Report<P> {
@@ -53,6 +55,7 @@ impl<P: Plan> Report<P> {
             rows: 0,
             estimate: P::Regressed::part(layout.regressed() == 1, || Estimate::empty(plan)),
             shaft: P::Watched::part(layout.watched() == 1, || ShaftEstimate::empty(plan)),
+            averages: crate::average::empty(plan),
         }
     }
 
@@ -66,5 +69,16 @@ impl<P: Plan> Report<P> {
     #[must_use]
     pub fn shaft(&self) -> Option<&ShaftEstimate<P>> {
         self.shaft.part()
+    }
+
+    /// Averages of the channels that the layout names, in the order of the channels.
+    #[must_use]
+    pub fn averages(&self) -> &[Average] {
+        self.averages.cells()
+    }
+
+    /// What the features come from.
+    pub(crate) fn estimates(&self) -> Estimates<'_, P> {
+        (self.estimate(), self.shaft(), self.averages())
     }
 }

@@ -1,7 +1,8 @@
 //! A closed segment → its [`Report`], at once or in pieces of bounded cost.
 
 use super::report::{Report, Verdict};
-use crate::decide::{Classification, Decision, Finding};
+use crate::average::{self, Averages};
+use crate::decide::{Baseline, Classification, Decision, Finding};
 use crate::estimate::{RegressionSolve, RegressionSums};
 use crate::model::Model;
 use crate::plan::{Array, Cells, Plan, Presence};
@@ -18,6 +19,7 @@ const PIECE: usize = 140;
 pub struct Segment<P: Plan> {
     pub(super) regression: Array<P::Regressed, RegressionSums<P>>,
     pub(super) shaft: Array<P::Watched, ShaftSums<P>>,
+    pub(super) averages: Averages<P>,
     pub(super) counts: Counts,
     /// Rows of the regression, or usable samples in a plan without one.
     pub(super) rows: u32,
@@ -104,6 +106,8 @@ impl<P: Plan> Solve<P> {
         match self.stage {
             Stage::Regression => {
                 (report.counts, report.rows) = (segment.counts, segment.rows);
+                report.averages = segment.averages.clone();
+                average::mark_stuck::<P>(&mut report.averages, stuck);
                 let parts = (self.regression.part_mut(), segment.regression.part_mut(), layout.regression);
                 let own = (constants.regression.part(), report.estimate.part_mut());
                 let done =
@@ -142,7 +146,7 @@ impl<P: Plan> Solve<P> {
                 }
             }
             Stage::Classification => {
-                let estimates = (report.estimate.part(), report.shaft.part());
+                let estimates = (report.estimate.part(), report.shaft.part(), report.averages.cells());
                 let Some(decision) = &mut report.decision else { return true };
                 let step = self.classification.step(plan, &constants.classifier, estimates, decision);
                 if let Some(result) = step {
@@ -173,8 +177,13 @@ fn judge<P: Plan>(model: &Model<P>, segment: &Segment<P>, report: &mut Report<P>
     // The model knows the spread of whole segments only.
     let short = segment.whole && report.rows < constants.sampling.segment_samples / 2;
     let result = if short { result.and(Err(Reason::ShortSegment { rows: report.rows })) } else { result };
+    conclude(model, report, result);
+}
+
+/// The verdict of a decision.
+fn conclude<P: Plan>(model: &Model<P>, report: &mut Report<P>, result: Result<(), Reason>) {
     report.verdict = match (result, &report.decision) {
-        (Ok(()), Some(decision)) => match constants.classifier.finding(decision) {
+        (Ok(()), Some(decision)) => match model.constants().classifier.finding(decision) {
             Finding::Class(class) => Verdict::Class(class),
             Finding::Novel => Verdict::Novel,
             Finding::Ambiguous => Verdict::Ambiguous,
@@ -185,6 +194,21 @@ fn judge<P: Plan>(model: &Model<P>, segment: &Segment<P>, report: &mut Report<P>
     };
     if result.is_err() {
         report.decision = None;
+    }
+}
+
+impl<P: Plan> Model<P> {
+    /// Decides the segment of a report anew, relative to a baseline that follows slow changes, and lets the baseline
+    /// follow. A report without a decision remains.
+    pub fn follow(&self, baseline: &mut Baseline<P>, report: &mut Report<P>) {
+        let (plan, constants) = (self.plan(), self.constants());
+        if report.decision.is_none() {
+            return;
+        }
+        let mut decision = Decision::empty(plan);
+        let result = baseline.decide(plan, &constants.classifier, report.estimates(), &mut decision);
+        report.decision = Some(decision);
+        conclude(self, report, result);
     }
 }
 

@@ -1,8 +1,8 @@
 use super::{Detector, Report, Segment, Solver, Verdict};
 use crate::drive::Park;
 use crate::model::{
-    Channel, Classifier, Constants, Discriminant, EvidenceConstants, Feature, Forgetting, Label, Model, Novelty,
-    Projection, Regression, Sampling,
+    Channel, Classifier, Constants, Covariates, Discriminant, EvidenceConstants, Feature, Forgetting, Label, Model,
+    Novelty, Projection, Regression, Sampling,
 };
 use crate::plan::{Kind, Layout, Memory, Method, RegressionLayout, Structure};
 use crate::reason::Reason;
@@ -50,6 +50,7 @@ static MODEL: Model<Drive> = match Drive::model(Constants {
     shaft: [],
     classifier: Classifier {
         features: [Feature::Parameter(0), Feature::Parameter(1)],
+        covariates: Covariates { list: [], map: [] },
         projection: Projection { matrix: [0.0, 1.0], mean: [0.0, 0.0], usual: [0.0, 0.0] },
         discriminant: Discriminant {
             means: [0.5, 1.0],

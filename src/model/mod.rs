@@ -9,7 +9,8 @@ mod validate;
 mod writer;
 
 pub use crate::decide::{
-    Classifier, Discriminant, EvidenceConstants, Feature, FeatureValue, KNOTS, Novelty, Projection,
+    BaselineConstants, Classifier, Covariate, Covariates, Discriminant, Estimates, EvidenceConstants, Feature,
+    FeatureValue, KNOTS, Novelty, Projection,
 };
 pub use crate::factor::{Forgetting, MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
 pub use crate::regression::Regression;
@@ -24,7 +25,7 @@ pub use parts::{Parts, RegressionParts, ShaftParts};
 #[doc(hidden)]
 pub use validate::check;
 
-use crate::decide::Evidence;
+use crate::decide::{Baseline, Evidence};
 use crate::drive::{FrontEnd, Park};
 use crate::plan::{Array, Cells, Plan};
 
@@ -134,6 +135,13 @@ impl<P: Plan> Model<P> {
         if same { Ok(()) } else { Err(ModelError::Interval { trained_s, given_s: interval_s }) }
     }
 
+    /// A baseline that follows slow changes, without any offset yet; `None` if a constant is out of range, or the model
+    /// has no healthy class.
+    #[must_use]
+    pub fn baseline(&self, constants: BaselineConstants) -> Option<Baseline<P>> {
+        self.constants.classifier.novelty.class.and_then(|_| Baseline::new(self.plan, constants))
+    }
+
     /// Evidence without any segment yet.
     #[must_use]
     pub fn evidence(&self) -> Evidence<P> {
@@ -143,7 +151,7 @@ impl<P: Plan> Model<P> {
 
 impl<P: Plan> Constants<P> {
     fn parts(&self, plan: P) -> Parts<'_> {
-        let Classifier { features, projection, discriminant, novelty } = &self.classifier;
+        let Classifier { features, covariates, projection, discriminant, novelty } = &self.classifier;
         Parts {
             layout: plan.layout(),
             names: P::channels().unwrap_or(&[]),
@@ -166,6 +174,8 @@ impl<P: Plan> Constants<P> {
                 blocks: shaft.tracking.blocks,
             }),
             features: features.cells(),
+            covariates: covariates.list.cells(),
+            explained: covariates.map.cells(),
             map: projection.matrix.cells(),
             feature_means: projection.mean.cells(),
             usual: projection.usual.cells(),
@@ -234,6 +244,8 @@ macro_rules! checked_model {
                             [] => None,
                         },
                         features: &classifier.features,
+                        covariates: &classifier.covariates.list,
+                        explained: &classifier.covariates.map,
                         map: &classifier.projection.matrix,
                         feature_means: &classifier.projection.mean,
                         usual: &classifier.projection.usual,

@@ -1,7 +1,7 @@
 //! The numbers of a model as slices of any length, as the checks read them.
 
 use super::Sampling;
-use crate::decide::{EvidenceConstants, Feature, KNOTS};
+use crate::decide::{Covariate, EvidenceConstants, Feature, KNOTS};
 use crate::factor::Forgetting;
 use crate::plan::Layout;
 use crate::sample::{Channel, Label};
@@ -42,6 +42,8 @@ pub struct Parts<'a> {
     pub regression: Option<RegressionParts<'a>>,
     pub shaft: Option<ShaftParts<'a>>,
     pub features: &'a [Feature],
+    pub covariates: &'a [Covariate],
+    pub explained: &'a [[f32; 2]],
     pub map: &'a [f32],
     pub feature_means: &'a [f32],
     pub usual: &'a [f32],

@@ -3,13 +3,13 @@
 //! Lengths are those of the plan; ranges are checked later, except for bytes that choose between a few things.
 
 use super::{
-    Balance, Blocks, Channel, Classifier, Constants, Discriminant, EvidenceConstants, Feature, Field, Forgetting,
-    KNOTS, Label, Lags, ModelError, Name, Novelty, Projection, Regression, Sampling, ShaftConstants, StateVariable,
-    TERMS, TrackedOrder, Tracking,
+    Balance, Blocks, Channel, Classifier, Constants, Covariate, Covariates, Discriminant, EvidenceConstants, Feature,
+    Field, Forgetting, KNOTS, Label, Lags, ModelError, Name, Novelty, Projection, Regression, Sampling, ShaftConstants,
+    StateVariable, TERMS, TrackedOrder, Tracking,
 };
 use crate::drive::Park;
 use crate::plan::{
-    Cells, Kind, Layout, MAX_HARMONICS, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal, Structure,
+    Array, Cells, Kind, Layout, MAX_HARMONICS, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal, Structure,
 };
 use crate::reason::FrictionTerm;
 
@@ -85,12 +85,13 @@ impl Reader<'_> {
             layout.regression = Some(RegressionLayout { structure, method, memory, y, u1, u2 });
         }
         if self.flag(Field::Layout)? {
-            let (current, velocity, reference) = (self.signal()?, self.signal()?, self.signal()?);
+            let (current, velocity) = (self.signal()?, self.signal()?);
             let load = if self.flag(Field::Layout)? { Some(self.signal()?) } else { None };
             let (orders, harmonics) = (self.u8()?, self.u8()?);
-            layout.shaft = Some(ShaftLayout { current, velocity, reference, load, orders, harmonics });
+            layout.shaft = Some(ShaftLayout { current, velocity, load, orders, harmonics });
         }
-        [layout.features, layout.coordinates, layout.classes] = self.array()?;
+        layout.averaged = self.u16()?;
+        [layout.features, layout.covariates, layout.coordinates, layout.classes] = self.array()?;
         layout.discriminant = if self.flag(Field::Layout)? { Kind::Quadratic } else { Kind::Linear };
         Ok(layout)
     }
@@ -107,6 +108,8 @@ impl Reader<'_> {
             5 => Feature::OrderScore(place),
             6 => Feature::LogOrderAmplitude(place),
             7 => Feature::LogFriction(term()?),
+            8 => Feature::ChannelMean(place),
+            9 => Feature::ChannelRms(place),
             _ => return Err(ModelError::OutOfRange(Field::Feature)),
         })
     }
@@ -230,6 +233,14 @@ fn read_shaft<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<ShaftConstant
 fn read_classifier<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<Classifier<P>, ModelError> {
     let layout = plan.layout();
     let features = list(reader, layout.features as usize, Feature::LogVariance, |reader| reader.feature())?;
+    let list = list(reader, layout.covariates as usize, Covariate::BLANK, |reader| {
+        let feature = reader.feature()?;
+        let (centre, low, high, usual) = (reader.f32()?, reader.f32()?, reader.f32()?, reader.f32()?);
+        Ok(Covariate { feature, centre, low, high, usual })
+    })?;
+    let mut map: Array<P::Explained, [f32; 2]> = Cells::filled(layout.explained(), [0.0; 2]);
+    reader.fill(map.cells_mut().as_flattened_mut())?;
+    let covariates = Covariates { list, map };
     let (matrix, own) = (reader.floats(layout.map())?, layout.features as usize);
     let projection = Projection { matrix, mean: reader.floats(own)?, usual: reader.floats(own)? };
     let classes = layout.classes as usize;
@@ -249,5 +260,5 @@ fn read_classifier<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<Classifi
         reader.fill(knots.as_flattened_mut())?;
         (novelty.knots, novelty.limit) = (knots, reader.f32()?);
     }
-    Ok(Classifier { features, projection, discriminant, novelty })
+    Ok(Classifier { features, covariates, projection, discriminant, novelty })
 }

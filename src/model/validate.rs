@@ -9,7 +9,7 @@ use super::error::{Field, ModelError};
 use super::parts::{Parts, RegressionParts, ShaftParts};
 use super::ranges::{all_powers_of_two, all_within, are_factors, bounded, differences_alike, increase, split};
 use super::{MAX_BLOCK_MEAN, Sampling};
-use crate::decide::EvidenceConstants;
+use crate::decide::{Covariate, EvidenceConstants};
 use crate::estimate::is_stable;
 use crate::factor::{MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
 use crate::plan::{Memory, Method, RegressionLayout, ShaftLayout, Signal, Structure};
@@ -240,6 +240,16 @@ const fn check_classifier(parts: &Parts<'_>) -> Result<(), ModelError> {
     while let [feature, rest @ ..] = features {
         require!(feature.exists(layout), Feature);
         features = rest;
+    }
+    require_length!(parts.covariates.len(), layout.covariates as usize, Covariate);
+    require_length!(parts.explained.len(), layout.explained(), Covariate);
+    require!(all_within(parts.explained.as_flattened(), f32::MIN, f32::MAX), Covariate);
+    let mut covariates = parts.covariates;
+    while let [Covariate { feature, centre, low, high, usual }, rest @ ..] = covariates {
+        require!(feature.exists(layout), Covariate);
+        require!(all_within(&[*centre, *low, *high, *usual], -1e30, 1e30), Covariate);
+        require!(*low <= *centre && *centre <= *high && *usual >= 0.0, Covariate);
+        covariates = rest;
     }
     require_length!(parts.feature_means.len(), layout.features as usize, Projection);
     require_length!(parts.usual.len(), layout.features as usize, Projection);

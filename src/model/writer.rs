@@ -2,8 +2,8 @@
 
 use super::reader::NONE;
 use super::{
-    Blocks, Channel, Classifier, Constants, Discriminant, Feature, Lags, ModelError, Regression, ShaftConstants,
-    StateVariable,
+    Blocks, Channel, Classifier, Constants, Covariate, Discriminant, Feature, Lags, ModelError, Regression,
+    ShaftConstants, StateVariable,
 };
 use crate::drive::Park;
 use crate::plan::{Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal};
@@ -46,14 +46,15 @@ impl Writer<'_> {
             [y, u1, u2].into_iter().try_for_each(|signal| self.signal(signal))?;
         }
         self.bytes(&[u8::from(layout.shaft.is_some())])?;
-        if let Some(ShaftLayout { current, velocity, reference, load, orders, harmonics }) = layout.shaft {
-            [current, velocity, reference].into_iter().try_for_each(|signal| self.signal(signal))?;
+        if let Some(ShaftLayout { current, velocity, load, orders, harmonics }) = layout.shaft {
+            [current, velocity].into_iter().try_for_each(|signal| self.signal(signal))?;
             self.bytes(&[u8::from(load.is_some())])?;
             load.map_or(Ok(()), |load| self.signal(load))?;
             self.bytes(&[orders, harmonics])?;
         }
         let quadratic = u8::from(layout.discriminant == Kind::Quadratic);
-        self.bytes(&[layout.features, layout.coordinates, layout.classes, quadratic])
+        self.bytes(&layout.averaged.to_le_bytes())?;
+        self.bytes(&[layout.features, layout.covariates, layout.coordinates, layout.classes, quadratic])
     }
 
     fn feature(&mut self, feature: Feature) -> Result<(), ModelError> {
@@ -70,6 +71,8 @@ impl Writer<'_> {
             Feature::OrderScore(place) => [5, place],
             Feature::LogOrderAmplitude(place) => [6, place],
             Feature::LogFriction(term) => [7, place(term)],
+            Feature::ChannelMean(channel) => [8, channel],
+            Feature::ChannelRms(channel) => [9, channel],
         })
     }
 }
@@ -132,8 +135,13 @@ fn write_shaft<P: Plan>(writer: &mut Writer<'_>, shaft: &ShaftConstants<P>) -> R
 }
 
 fn write_classifier<P: Plan>(writer: &mut Writer<'_>, classifier: &Classifier<P>) -> Result<(), ModelError> {
-    let Classifier { features, projection, discriminant, novelty } = classifier;
+    let Classifier { features, covariates, projection, discriminant, novelty } = classifier;
     features.cells().iter().try_for_each(|feature| writer.feature(*feature))?;
+    for Covariate { feature, centre, low, high, usual } in covariates.list.cells() {
+        writer.feature(*feature)?;
+        writer.floats(&[*centre, *low, *high, *usual])?;
+    }
+    writer.floats(covariates.map.cells().as_flattened())?;
     writer.floats(projection.matrix.cells())?;
     writer.floats(projection.mean.cells())?;
     writer.floats(projection.usual.cells())?;

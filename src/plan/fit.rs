@@ -1,6 +1,6 @@
 //! Whether the parts of a layout fit each other, and why not.
 
-use super::layout::{Layout, MAX_CHANNELS, MAX_HARMONICS, MAX_OUTPUT_TERMS, Method};
+use super::layout::{Layout, MAX_CHANNELS, MAX_COVARIATES, MAX_HARMONICS, MAX_OUTPUT_TERMS, Method};
 
 /// Why a layout is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +21,8 @@ pub enum LayoutError {
     OutputTerms,
     /// The shaft has more than 32 orders, or not 1 … 3 harmonics.
     Orders,
+    /// More than [`MAX_COVARIATES`] covariates.
+    Covariates,
     /// No features, no coordinates or no classes.
     Classifier,
 }
@@ -37,6 +39,7 @@ impl LayoutError {
             Self::Terms => "the regression of the plan has no terms or more than 254 columns",
             Self::OutputTerms => "instrumental variables need 1 to 4 output terms",
             Self::Orders => "the plan has more than 32 bearing orders, or not 1 to 3 harmonics",
+            Self::Covariates => "the plan has more than 8 covariates",
             Self::Classifier => "the plan has no features, no coordinates or no classes",
         }
     }
@@ -80,12 +83,16 @@ impl Layout {
                 return Err(LayoutError::Orders);
             }
         }
+        used |= self.averaged;
         let there = if channels == MAX_CHANNELS { u16::MAX } else { (1 << channels) - 1 };
         if used & !there != 0 {
             return Err(LayoutError::UnknownChannel);
         }
         if used != there {
             return Err(LayoutError::UnusedChannel);
+        }
+        if self.covariates as usize > MAX_COVARIATES {
+            return Err(LayoutError::Covariates);
         }
         if self.features == 0 || self.coordinates == 0 || self.classes == 0 {
             return Err(LayoutError::Classifier);

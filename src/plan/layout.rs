@@ -6,6 +6,8 @@ use super::Structure;
 pub const MAX_OUTPUT_TERMS: usize = 4;
 /// Largest number of channels in a sample.
 pub const MAX_CHANNELS: usize = 16;
+/// Largest number of covariates.
+pub const MAX_COVARIATES: usize = 8;
 /// Largest number of harmonics of a bearing order.
 pub const MAX_HARMONICS: usize = 3;
 
@@ -65,9 +67,10 @@ impl Signal {
         Self { channel: self.channel, minus: Some(other.channel) }
     }
 
-    /// The channels of this signal as a bit mask.
+    /// The channels of this signal as a bit mask, bit k for place k.
     #[inline(always)]
-    const fn mask(self) -> u16 {
+    #[must_use]
+    pub const fn mask(self) -> u16 {
         let own = bit(self.channel);
         match self.minus {
             Some(other) => own | bit(other),
@@ -102,8 +105,6 @@ pub struct ShaftLayout {
     pub current: Signal,
     /// Measured velocity, rad/s.
     pub velocity: Signal,
-    /// Velocity reference, rad/s.
-    pub reference: Signal,
     /// Load torque against positive motion, N·m; `None` if it is not measured.
     pub load: Option<Signal>,
     /// Number of bearing orders.
@@ -122,8 +123,12 @@ pub struct Layout {
     pub regression: Option<RegressionLayout>,
     /// The shaft, if it is watched.
     pub shaft: Option<ShaftLayout>,
+    /// The channels whose mean and root mean square over the segment are features or covariates, as a bit mask.
+    pub averaged: u16,
     /// Number of features.
     pub features: u8,
+    /// Number of covariates.
+    pub covariates: u8,
     /// Number of projected coordinates.
     pub coordinates: u8,
     /// Number of classes.
@@ -151,7 +156,7 @@ impl ShaftLayout {
             Some(load) => load.mask(),
             None => 0,
         };
-        self.current.mask() | self.velocity.mask() | self.reference.mask() | load
+        self.current.mask() | self.velocity.mask() | load
     }
 }
 
@@ -166,7 +171,9 @@ impl Layout {
         channels: 0,
         regression: None,
         shaft: None,
+        averaged: 0,
         features: 0,
+        covariates: 0,
         coordinates: 0,
         classes: 0,
         discriminant: Kind::Linear,

@@ -4,6 +4,7 @@
 //! n = na + nb + nc (+ 1)                          parameters
 //! M = n + 1 (+ na by instruments)                 columns of a row, target last
 //! M (M − 1)/2,  n (n + 1)/2                       packed triangular factor, packed covariance
+//! F V                                             covariates' coefficients
 //! Z F,  Z (Z + 1)/2,  C Z,  C²                    projection, factor of a covariance, class means, costs
 //! ```
 
@@ -144,6 +145,20 @@ impl Layout {
             Some(shaft) => shaft.orders as usize,
             None => 0,
         }
+    }
+
+    /// Number of channels that are averaged.
+    #[inline]
+    #[must_use]
+    pub const fn averages(&self) -> usize {
+        self.averaged.count_ones() as usize
+    }
+
+    /// F V.
+    #[inline]
+    #[must_use]
+    pub const fn explained(&self) -> usize {
+        self.features as usize * self.covariates as usize
     }
 
     /// Z F.

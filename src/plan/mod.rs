@@ -18,7 +18,8 @@ mod structure;
 
 pub use fit::LayoutError;
 pub use layout::{
-    Kind, Layout, MAX_CHANNELS, MAX_HARMONICS, MAX_OUTPUT_TERMS, Memory, Method, RegressionLayout, ShaftLayout, Signal,
+    Kind, Layout, MAX_CHANNELS, MAX_COVARIATES, MAX_HARMONICS, MAX_OUTPUT_TERMS, Memory, Method, RegressionLayout,
+    ShaftLayout, Signal,
 };
 #[cfg(any(test, feature = "alloc"))]
 pub use run_time::{RunTime, RunTimeSample};
@@ -79,8 +80,14 @@ pub trait Plan: Copy + PartialEq + Printable + 'static {
     type Watched: Presence;
     /// K, the number of bearing orders.
     type Orders: Size;
+    /// Number of channels that are averaged.
+    type Averaged: Size;
     /// F, the number of features.
     type Features: Size;
+    /// V, the number of covariates.
+    type Covariates: Size;
+    /// F V.
+    type Explained: Size;
     /// Z, the number of coordinates.
     type Coordinates: Size;
     /// Z F.
@@ -237,7 +244,10 @@ macro_rules! plan {
                 type Filters = $crate::plan::Fixed<{ LAYOUT.filters() }>;
                 type Watched = $crate::plan::Present<{ LAYOUT.watched() }>;
                 type Orders = $crate::plan::Fixed<{ LAYOUT.orders() }>;
+                type Averaged = $crate::plan::Fixed<{ LAYOUT.averages() }>;
                 type Features = $crate::plan::Fixed<{ LAYOUT.features as usize }>;
+                type Covariates = $crate::plan::Fixed<{ LAYOUT.covariates as usize }>;
+                type Explained = $crate::plan::Fixed<{ LAYOUT.explained() }>;
                 type Coordinates = $crate::plan::Fixed<{ LAYOUT.coordinates as usize }>;
                 type Map = $crate::plan::Fixed<{ LAYOUT.map() }>;
                 type Density = $crate::plan::Fixed<{ LAYOUT.density() }>;

@@ -47,7 +47,10 @@ impl Plan for RunTime {
     type Filters = Heap;
     type Watched = Heap;
     type Orders = Heap;
+    type Averaged = Heap;
     type Features = Heap;
+    type Covariates = Heap;
+    type Explained = Heap;
     type Coordinates = Heap;
     type Map = Heap;
     type Density = Heap;

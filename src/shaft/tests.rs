@@ -2,11 +2,11 @@ use super::*;
 use crate::plan::{Layout, RunTime, RunTimeSample, ShaftLayout, Signal};
 use std::vec;
 
-/// Current, velocity, reference, load.
+/// Current, velocity, load.
 fn plan() -> RunTime {
-    let [current, velocity, reference, load] = [0, 1, 2, 3].map(Signal::channel);
-    let shaft = ShaftLayout { current, velocity, reference, load: Some(load), orders: 0, harmonics: 1 };
-    let layout = Layout { channels: 4, shaft: Some(shaft), features: 1, coordinates: 1, classes: 1, ..Layout::EMPTY };
+    let [current, velocity, load] = [0, 1, 2].map(Signal::channel);
+    let shaft = ShaftLayout { current, velocity, load: Some(load), orders: 0, harmonics: 1 };
+    let layout = Layout { channels: 3, shaft: Some(shaft), features: 1, coordinates: 1, classes: 1, ..Layout::EMPTY };
     RunTime::of(layout).unwrap()
 }
 
@@ -44,7 +44,7 @@ fn friction(lag: f64, current_lag: f32, good: impl Fn(u32) -> bool) -> Result<Fr
     for k in 0..4000_u32 {
         let t = f64::from(k) * 0.001;
         let ((w, load, _), (.., current)) = (signals(t), signals(t - 0.001 * lag));
-        let values = [current, w, w, load].map(|x| x as f32).to_vec();
+        let values = [current, w, load].map(|x| x as f32).to_vec();
         let sample = RunTimeSample { values, ..RunTimeSample::default() };
         shaft.step(plan, &constants, &sample, good(k));
     }

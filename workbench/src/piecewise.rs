@@ -78,8 +78,11 @@ pub fn estimate(trace: &Trace, cutting: &Cutting) -> Result<Pieces, Error> {
         let cut = |x: &[f64]| x[run.clone()].to_vec();
         let (y, u1, u2) = (cut(&trace.y), cut(&trace.u1), cut(&trace.u2));
         // A run that does not determine the model (for example, constant input) is skipped.
-        let estimate =
-            least_squares(&Trace { id: trace.id.clone(), y, u1, u2, motion: None, ..*trace }, STRUCTURE).ok()?;
+        let estimate = least_squares(
+            &Trace { id: trace.id.clone(), y, u1, u2, motion: None, further: vec![], ..*trace },
+            STRUCTURE,
+        )
+        .ok()?;
         Some((run.clone(), [estimate.theta[0], estimate.theta[1], estimate.theta[2]]))
     };
     let (runs, theta): (Vec<_>, Vec<_>) = runs.iter().filter_map(piece).unzip();
@@ -239,7 +242,8 @@ mod tests {
         for t in 1..6000 {
             y.push(0.9 * y[t - 1] + 0.5 * u1[t - 1] - 0.2 * u2[t - 1]);
         }
-        let trace = Trace { id: "x".into(), interval_s: None, irregular_steps: 0, y, u1, u2, motion: None };
+        let trace =
+            Trace { id: "x".into(), interval_s: None, irregular_steps: 0, y, u1, u2, motion: None, further: vec![] };
         let pieces = estimate(&trace, &Cutting { min_samples: 100, ..Cutting::default() }).expect("runs");
         assert!(pieces.runs.len() > 8);
         for theta in &pieces.theta {

@@ -3,7 +3,7 @@
 // Standard DC-motor rig: y = current, u1 = velocity reference, u2 = load torque.
 
 #[rustfmt::skip]
-use bearing_watch::model::{Channel, Classifier, Constants, Discriminant, EvidenceConstants, Feature, Forgetting, Label, Novelty, Projection, Regression, Sampling};
+use bearing_watch::model::{Channel, Classifier, Constants, Covariates, Discriminant, EvidenceConstants, Feature, Forgetting, Label, Novelty, Projection, Regression, Sampling};
 use bearing_watch::Model;
 use bearing_watch::plan::{Kind, Layout, Memory, Method, RegressionLayout, Structure};
 
@@ -58,6 +58,7 @@ pub static MODEL: Model<Drive> = match Drive::model(Constants {
             Feature::Parameter(3),
             Feature::Parameter(4),
         ],
+        covariates: Covariates { list: [], map: [] },
         projection: Projection {
             matrix: [
                 -88.168236, -88.168236, 0.0, 0.0, 0.0,

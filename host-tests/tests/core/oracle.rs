@@ -14,7 +14,16 @@ fn agrees_with_the_workbench_in_open_loop() {
         let samples: Vec<_> = plant.source(plant.noise(20.0), 3).take(8000).collect();
         let record = Record::new(&samples);
         let [y, u1, u2] = record.signals.clone();
-        let trace = Trace { id: plant.name.into(), interval_s: None, irregular_steps: 0, y, u1, u2, motion: None };
+        let trace = Trace {
+            id: plant.name.into(),
+            interval_s: None,
+            irregular_steps: 0,
+            y,
+            u1,
+            u2,
+            motion: None,
+            further: vec![],
+        };
         let other = estimate(&trace, structure, Method::Sriv).expect("well posed");
         let (own, passes) =
             oracle::batch(&record, structure, &plant.truth(), structure.depth()..8000).expect("converges");

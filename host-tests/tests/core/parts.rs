@@ -1,7 +1,9 @@
 //! Regression and shaft in one detector: alone and together, behind one gate, solved at once or later.
 
 use bearing_watch::model::{Channel, Constants, Feature, Regression};
-use bearing_watch::plan::{Cells, Layout, Memory, Method, Plan, RegressionLayout, RunTime, ShaftLayout, Structure};
+use bearing_watch::plan::{
+    Cells, Layout, Memory, Method, Plan, RegressionLayout, RunTime, RunTimeSample, ShaftLayout, Structure,
+};
 use bearing_watch::{Detector, FrictionTerm, Model, Part, Reason, Report, Solver, Verdict};
 use host_tests::plans::constants;
 use workbench::rig::DefectKind;
@@ -25,7 +27,6 @@ bearing_watch::plan! {
         shaft: Some(ShaftLayout {
             current: current_a,
             velocity: velocity_rad_s,
-            reference: reference_rad_s,
             load: None,
             orders: 3,
             harmonics: 3,
@@ -107,7 +108,7 @@ fn parts_give_the_same_bits_alone_and_together() {
     let mut unloaded = model(lag(0.7), false, 5000).constants().clone();
     unloaded.shaft[0].balance.nominal = crate::rig::NOMINAL;
     let unloaded = Model::new(model(lag(0.7), false, 5000).plan(), unloaded).expect("good");
-    let alone = report(&unloaded, stream.iter().map(|motion| motion.sample(3)));
+    let alone = report(&unloaded, stream.iter().map(|motion| motion.sample(2)));
     let own = alone.shaft().expect("watched");
     assert_eq!((own.friction, own.orders()), (shaft.friction, shaft.orders()));
     assert!(alone.estimate().is_none() && alone.decision.is_some());
@@ -120,7 +121,7 @@ fn without_a_regression_half_of_the_samples_must_be_usable() {
     let rows = |lost: usize| {
         let mut stream = recording();
         stream.iter_mut().take(lost).for_each(|motion| motion.velocity_rad_s = f32::NAN);
-        let report = report(&model, stream.iter().map(|motion| motion.sample(4)));
+        let report = report(&model, stream.iter().map(|motion| motion.sample(3)));
         (report.verdict, report.rows)
     };
     // The filters start with the eighth good sample; what was lost is in the delays for four more.
@@ -238,7 +239,11 @@ fn a_deferred_report_has_the_same_bits() {
     let plan = RunTime::of(Layout { regression, ..layout }).expect("a plan");
     let mut constants = constants(plan, 5000, &LIMITS, &MIXED, Some(&shaft(plan, lag(0.7))));
     constants.regression = vec![self::regression(plan)];
-    same_in_three_ways(&Model::new(plan, constants).expect("good"), |motion| motion.sample(4));
+    let sample = |motion: &Motion| {
+        let Motion { current_a, velocity_rad_s, reference_rad_s, load_nm, angle } = *motion;
+        RunTimeSample { values: vec![current_a, velocity_rad_s, reference_rad_s, load_nm], angle }
+    };
+    same_in_three_ways(&Model::new(plan, constants).expect("good"), sample);
 }
 
 #[test]
@@ -261,7 +266,7 @@ fn a_report_is_adopted_before_the_handover_only() {
     assert_eq!(adopted, [true, true, false]);
     let shaft = crate::rig::model(lag(0.7), true, 5000);
     let mut detector = Detector::new(&shaft);
-    let segment = stream.iter().find_map(|motion| detector.collect(&motion.sample(4))).expect("a segment");
+    let segment = stream.iter().find_map(|motion| detector.collect(&motion.sample(3))).expect("a segment");
     assert!(!detector.adopt(&shaft.conclude(segment)), "no regression takes it over");
 }
 

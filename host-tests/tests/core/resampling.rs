@@ -22,8 +22,16 @@ fn causal(x: &[f64]) -> Vec<f64> {
 
 fn offline(x: &[f64]) -> Vec<f64> {
     let y = x.to_vec();
-    let trace =
-        Trace { id: "x".into(), interval_s: None, irregular_steps: 0, u1: y.clone(), u2: y.clone(), y, motion: None };
+    let trace = Trace {
+        id: "x".into(),
+        interval_s: None,
+        irregular_steps: 0,
+        u1: y.clone(),
+        u2: y.clone(),
+        y,
+        motion: None,
+        further: vec![],
+    };
     Preparation { block_mean: 1, decimate: FACTOR }.apply(&trace).expect("long enough").y
 }
 

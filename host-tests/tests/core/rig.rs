@@ -24,9 +24,9 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Current, velocity, reference and load, as far as the plan has channels.
+    /// Current, velocity and load, as far as the plan has channels.
     pub fn sample(&self, channels: usize) -> RunTimeSample {
-        let mut values = vec![self.current_a, self.velocity_rad_s, self.reference_rad_s, self.load_nm];
+        let mut values = vec![self.current_a, self.velocity_rad_s, self.load_nm];
         values.truncate(channels);
         RunTimeSample { values, angle: self.angle }
     }
@@ -84,15 +84,9 @@ pub fn shaft<P: Plan>(plan: P, lags: Lags) -> ShaftConstants<P> {
 /// A model that watches the shaft alone, with or without a measured load; segments of the given length.
 pub fn model(lags: Lags, load: bool, segment_samples: u32) -> Model<RunTime> {
     let signal = Signal::channel;
-    let watched = ShaftLayout {
-        current: signal(0),
-        velocity: signal(1),
-        reference: signal(2),
-        load: load.then(|| signal(3)),
-        orders: 3,
-        harmonics: 3,
-    };
-    let channels = if load { 4 } else { 3 };
+    let watched =
+        ShaftLayout { current: signal(0), velocity: signal(1), load: load.then(|| signal(2)), orders: 3, harmonics: 3 };
+    let channels = if load { 3 } else { 2 };
     let layout = Layout { channels, shaft: Some(watched), features: 1, coordinates: 1, classes: 1, ..Layout::EMPTY };
     let plan = RunTime::of(layout).expect("a plan");
     let mut shaft = shaft(plan, lags);
@@ -100,7 +94,9 @@ pub fn model(lags: Lags, load: bool, segment_samples: u32) -> Model<RunTime> {
         shaft.balance.nominal[3] = 0.0;
     }
     let features = [Feature::Friction(FrictionTerm::Drag)];
-    Model::new(plan, constants(plan, segment_samples, &LIMITS, &features, Some(&shaft))).expect("a good model")
+    let [current, velocity, _, load] = LIMITS;
+    let limits = [current, velocity, load];
+    Model::new(plan, constants(plan, segment_samples, &limits, &features, Some(&shaft))).expect("a good model")
 }
 
 /// The standard rig with a defect of full size.

@@ -46,10 +46,9 @@ fn bursts_of_nonsense_are_counted_and_bounded_and_gone_with_the_segment() {
     for (burst, start) in (300..4900).step_by(460).enumerate() {
         for k in start..start + 1 + burst {
             let value = nonsense[k % nonsense.len()];
-            let cell = match burst % 4 {
+            let cell = match burst % 3 {
                 0 => &mut hurt[k].current_a,
                 1 => &mut hurt[k].velocity_rad_s,
-                2 => &mut hurt[k].reference_rad_s,
                 _ => &mut hurt[k].load_nm,
             };
             *cell = value;
@@ -114,21 +113,21 @@ fn samples_lost_at_the_start_leave_no_jump_in_the_residual() {
 fn stuck_sensors_and_a_shaft_at_rest_are_reasons() {
     let plain = model(lag(0.7), true, 2 * SEGMENT);
     let mut constants = plain.constants().clone();
-    for channel in [0, 1, 3] {
+    for channel in [0, 1, 2] {
         constants.channels[channel].stuck_samples = 50;
     }
     let watchful = Model::new(plain.plan(), constants).expect("good");
     let clean = motions(&trace(DefectKind::Healthy, 951), 14);
     assert_eq!(watched(&run(&watchful, &clean)).friction_reason, None);
-    for channel in [0_u8, 1, 3] {
+    for channel in [0_u8, 1, 2] {
         let mut hurt = clean.clone();
-        for Motion { current_a, velocity_rad_s, reference_rad_s, load_nm, .. } in &mut hurt[1000..1100] {
-            *[current_a, velocity_rad_s, reference_rad_s, load_nm][usize::from(channel)] = 0.25;
+        for Motion { current_a, velocity_rad_s, load_nm, .. } in &mut hurt[1000..1100] {
+            *[current_a, velocity_rad_s, load_nm][usize::from(channel)] = 0.25;
         }
         let report = run(&watchful, &hurt);
         let reasons = (watched(&report).friction_reason, watched(&report).orders_reason);
         assert_eq!(reasons, (Some(Reason::Stuck { channel }), Some(Reason::Stuck { channel })));
-        assert!((0..4).all(|place| report.counts.stuck.contains(place) == (place == usize::from(channel))));
+        assert!((0..3).all(|place| report.counts.stuck.contains(place) == (place == usize::from(channel))));
     }
     let mut noise = NoiseSource::new(3, Stream::Conditions);
     let at_rest: Vec<Motion> = (0..5000)

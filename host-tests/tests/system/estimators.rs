@@ -269,7 +269,16 @@ fn what_does_not_converge_is_flagged_and_finite() {
     for seed in 0..40 {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         let [y, u1, u2] = [(); 3].map(|()| white(&mut generator, 60));
-        let trace = Trace { id: "noise".into(), interval_s: None, irregular_steps: 0, y, u1, u2, motion: None };
+        let trace = Trace {
+            id: "noise".into(),
+            interval_s: None,
+            irregular_steps: 0,
+            y,
+            u1,
+            u2,
+            motion: None,
+            further: vec![],
+        };
         for method in ALL {
             let Ok(found) = estimate(&trace, structure, method) else { continue };
             assert!(found.theta.iter().all(|p| p.is_finite()), "{method:?}, {seed}");

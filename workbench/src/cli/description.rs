@@ -4,8 +4,8 @@ use bearing_watch::plan::Method;
 use serde_json::{Value, json};
 
 use crate::trace::{Channels, Preparation, ShaftChannels};
-use crate::train::Trained;
 use crate::train::novelty::runs::{Drift, RunSpread};
+use crate::train::{Coefficient, Explained, Trained};
 
 /// Returns the estimator's name for `--method`.
 pub(super) const fn method_word(method: Method) -> &'static str {
@@ -43,24 +43,23 @@ pub(super) fn lines(trained: &Trained, channels: &Channels, host: Preparation) -
         _ => format!("Feed every {decimate}-th mean of {block_mean} recorded samples behind an anti-alias filter"),
     };
     fed += &if step_s > 0.0 { format!(", one every {step_s} s.") } else { ".".into() };
-    let Channels { y, u1, u2, shaft } = channels;
+    let Channels { y, u1, u2, shaft, .. } = channels;
     let mut lines = vec![
         format!("y = {y}, u1 = {u1}, u2 = {u2}; classes {}.", trained.classes.join(", ")),
         format!("Features {}; {} discriminant.", trained.feature_names.join(", "), trained.kind_name()),
         format!("Estimated by {}.", estimated_by(trained)),
         fed,
     ];
-    if let (Some(ShaftChannels { current, velocity, reference, load, angle }), Some(plan)) =
-        (shaft, &trained.recipe.shaft)
-    {
+    if let (Some(ShaftChannels { current, velocity, load, angle }), Some(plan)) = (shaft, &trained.recipe.shaft) {
         let orders: Vec<String> = plan.orders.iter().map(|(name, order)| format!("{name} {order:.5}")).collect();
         let load = load.as_deref().unwrap_or("not measured, 0");
         lines.push(format!(
-            "Motion: current {current}, velocity {velocity}, reference {reference}, load {load}, angle {angle}; orders {}.",
+            "Motion: current {current}, velocity {velocity}, load {load}, angle {angle}; orders {}.",
             if orders.is_empty() { "none".into() } else { orders.join(", ") }
         ));
     }
-    lines.into_iter().chain(gate(trained)).collect()
+    let covariates = trained.explained.iter().flat_map(Explained::lines);
+    lines.into_iter().chain(covariates).chain(gate(trained)).collect()
 }
 
 /// Describes the gate and the alarm in words.
@@ -95,6 +94,27 @@ fn by_run(trained: &Trained, runs: &RunSpread) -> String {
          between them, {freedom:.1} degrees of freedom.{drift}",
         100.0 * between
     )
+}
+
+/// Returns the covariates and what they explain as JSON; null without covariates.
+pub(super) fn covariates_to_json(trained: &Trained) -> Value {
+    let Some(explained) = &trained.explained else { return Value::Null };
+    let coefficient = |own: &Coefficient| json!({ "value": own.value, "standard_error": own.error });
+    let feature = |(k, name): (usize, &String)| {
+        let terms = explained.covariates.iter().zip(&explained.map[k]);
+        let terms = terms
+            .map(|(own, [a, b])| json!({ "covariate": own.name, "linear": coefficient(a), "square": coefficient(b) }));
+        json!({ "feature": name, "explained": explained.parts[k], "terms": terms.collect::<Vec<_>>() })
+    };
+    let range = |own: &crate::train::Explaining| {
+        let [low, high] = own.range;
+        json!({ "name": own.name, "mean": own.centre, "low": low, "high": high, "at_ends": own.at_ends })
+    };
+    json!({
+        "covariates": explained.covariates.iter().map(range).collect::<Vec<_>>(),
+        "features": explained.features.iter().enumerate().map(feature).collect::<Vec<_>>(),
+        "healthy_segments": explained.rows,
+    })
 }
 
 /// Returns the gate and the alarm as JSON; null without a gate.

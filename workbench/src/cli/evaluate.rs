@@ -77,6 +77,15 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     if let Some(path) = &args.out {
         output::write(path, csv(&model, &classes, &verdicts)?)?;
     }
+    let segments = || verdicts.iter().flat_map(|verdict| &verdict.segments);
+    let outside = segments().filter(|segment| segment.outside.contains(&true)).count();
+    if outside > 0 {
+        let of = segments().count();
+        output::warn(format!(
+            "in {outside} of {of} segments a covariate is missing or outside the range of the training traces: the \
+             verdict lacks the features that it explains"
+        ));
+    }
     let by_run = runs.zip(model.healthy());
     let by_run = by_run.map(|(runs, healthy)| FalseAlarms::of(&verdicts, &runs, healthy, args.per_segment));
     let (verdicts, strange): (Vec<_>, Vec<_>) = verdicts.into_iter().partition(|v| v.class < model.classes.len());
@@ -89,6 +98,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         let rates = untrained.iter().map(|(name, rate)| (name.clone(), rate.to_json()));
         value["untrained_not_called_healthy"] = serde_json::Value::Object(rates.collect());
         value["trained_on"] = seen.into();
+        value["covariates_out_of_range"] = outside.into();
         if let Some(found) = &by_run {
             value["false_alarms_by_run"] = found.to_json();
         }

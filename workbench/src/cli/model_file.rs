@@ -43,6 +43,9 @@ pub(super) struct Notes {
     u2: String,
     #[serde(default)]
     shaft: Option<ShaftChannels>,
+    /// Columns that are used for their averages alone.
+    #[serde(default)]
+    further: Vec<String>,
     /// Preparation on the host, before the detector.
     host_block_mean: usize,
     decimate: usize,
@@ -62,12 +65,13 @@ impl Notes {
         (features, orders): (&[String], Vec<String>),
         training: &[LabelledTrace],
     ) -> Self {
-        let Channels { y, u1, u2, shaft } = channels.clone();
+        let Channels { y, u1, u2, shaft, further } = channels.clone();
         Self {
             y,
             u1,
             u2,
             shaft,
+            further,
             host_block_mean: host.block_mean,
             decimate: host.decimate,
             orders,
@@ -77,7 +81,11 @@ impl Notes {
     }
 
     pub(super) fn channels(&self) -> Channels {
-        Channels { shaft: self.shaft.clone(), ..Channels::new(&self.y, &self.u1, &self.u2) }
+        Channels {
+            shaft: self.shaft.clone(),
+            further: self.further.clone(),
+            ..Channels::new(&self.y, &self.u1, &self.u2)
+        }
     }
 
     pub(super) fn preparation(&self) -> Preparation {

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use bearing_watch::{FrictionTerm, Trend};
+use bearing_watch::plan::RunTime;
+use bearing_watch::{Baseline, FrictionTerm, Trend};
 use serde_json::json;
 
 use super::args::traces::warn_irregular;
@@ -10,7 +11,7 @@ use super::model_file::{check_rate, read_model};
 use super::output;
 use crate::Error;
 use crate::core::{Embedded, SegmentReport, Watched, denied, features, stuck_channels};
-use crate::identify::{Structure, Terms};
+use crate::identify::Terms;
 use crate::trace::{self, Trace};
 
 /// Run traces through the embedded detector and print its verdict on every segment, and the alarm
@@ -25,6 +26,12 @@ pub(super) struct Args {
     /// Trace files or folders
     #[arg(value_name = "TRACE", required = true)]
     traces: Vec<PathBuf>,
+    /// Lets the healthy mean follow slow changes, with this time constant in segments
+    #[arg(long, value_name = "SEGMENTS")]
+    follow: Option<f32>,
+    /// Bound of what is followed, in healthy standard deviations
+    #[arg(long, value_name = "SD", default_value_t = 2.0, requires = "follow")]
+    follow_bound: f32,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -33,28 +40,36 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> Result<(), Error> {
     let (model, notes) = read_model(&args.model)?;
     let mut values = Vec::new();
+    let mut baseline = args.baseline(&model)?;
     let traces = trace::read(&args.traces, &notes.channels())?;
     warn_irregular(traces.iter());
     check_rate(&model, notes.preparation(), traces.iter())?;
     let (mut history, mut raised, mut trend) = (Vec::new(), false, None);
     for trace in traces {
         let prepared = notes.preparation().apply(&trace)?;
-        let segments = model.run(&prepared);
+        let segments = model.run_following(&prepared, baseline.as_mut());
         let before = history.len();
         history.extend(segments);
         // Computed from the first segment on, as the state of the evidence depends on all segments.
         let watched = model.watch(&history);
         for (k, (segment, watched)) in history.iter().zip(&watched).skip(before).enumerate() {
             if args.json {
-                values.push(value(&model, (&prepared, k), (segment, watched), missing(&model, &notes.orders, segment)));
+                values.push(value(
+                    &model,
+                    (&prepared, k),
+                    (segment, watched),
+                    [missing(&model, &notes.orders, segment), outside(&model, &notes.orders, segment)],
+                ));
                 continue;
             }
             let gated = model.healthy().is_some();
             output::say(
                 line(&model.classes, &model.channel_names(), &prepared, segment)
                     + &without(&missing(&model, &notes.orders, segment))
+                    + &beyond(&outside(&model, &notes.orders, segment))
                     + &shaft(&notes.orders, segment)
-                    + &if gated { far(segment, watched) } else { "".into() },
+                    + &if gated { far(segment, watched) } else { "".into() }
+                    + &offset(segment),
             )?;
             if let (Some(alarm), Some(cause), false) = (watched.alarm, watched.cause(&model.classes), raised) {
                 raised = true;
@@ -69,6 +84,26 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         output::say(format!("distance changes by {slope:.4} [{low:.4}, {high:.4}] a segment over {segments}"))?;
     }
     Ok(())
+}
+
+impl Args {
+    fn baseline(&self, model: &Embedded) -> Result<Option<Baseline<RunTime>>, Error> {
+        let Some(segments) = self.follow else { return Ok(None) };
+        let refuse = || {
+            let problem =
+                "--follow is at least 1 segment, --follow-bound is above 0, and the model needs a healthy class";
+            Error::Usage(problem.into())
+        };
+        model.baseline(segments, self.follow_bound).map(Some).ok_or_else(refuse)
+    }
+}
+
+/// Returns the offset of the baseline.
+fn offset(segment: &SegmentReport) -> String {
+    let Some((offset, at_bound)) = &segment.followed else { return String::new() };
+    let offset: Vec<String> = offset.iter().map(|x| format!("{x:.2}")).collect();
+    let bound = if *at_bound { ", bound reached" } else { "" };
+    format!(", baseline [{}]{bound}", offset.join(", "))
 }
 
 /// Returns the distance from healthy, and the evidence so far.
@@ -104,9 +139,18 @@ fn shaft(names: &[String], segment: &SegmentReport) -> String {
 
 /// Returns the names of the features that were missing.
 fn missing(model: &Embedded, orders: &[String], segment: &SegmentReport) -> Vec<String> {
-    let structure = model.structure().unwrap_or_else(|| Structure::new(0, 0, 0, 0, 0));
-    let catalogue = features::Catalogue { structure, orders: Some(orders.to_vec()) };
+    let catalogue = model.catalogue(orders);
     segment.missing.iter().map(|feature| catalogue.name(*feature)).collect()
+}
+
+/// Returns the names of the covariates that were missing or outside their range.
+fn outside(model: &Embedded, orders: &[String], segment: &SegmentReport) -> Vec<String> {
+    let catalogue = model.catalogue(orders);
+    model.outside(segment).into_iter().map(|feature| catalogue.name(feature)).collect()
+}
+
+fn beyond(outside: &[String]) -> String {
+    if outside.is_empty() { String::new() } else { format!(", {} missing or out of range", outside.join(", ")) }
 }
 
 fn without(missing: &[String]) -> String {
@@ -142,7 +186,7 @@ fn value(
     model: &Embedded,
     (trace, number): (&Trace, usize),
     (segment, watched): (&SegmentReport, &Watched),
-    missing: Vec<String>,
+    [missing, outside]: [Vec<String>; 2],
 ) -> serde_json::Value {
     let named_by = |names: &[String], values: &[f32]| -> serde_json::Map<String, serde_json::Value> {
         names.iter().cloned().zip(values.iter().map(|v| json!(v))).collect()
@@ -160,6 +204,8 @@ fn value(
         "verdict": segment.verdict.as_ref().map_or("undetermined", |finding| finding.name(classes)),
         "undetermined": segment.verdict.as_ref().err(),
         "missing": missing,
+        "covariates_out_of_range": outside,
+        "baseline": segment.followed.as_ref().map(|(offset, at_bound)| json!({ "offset": offset, "at_bound": at_bound })),
         "posteriors": named(&segment.posteriors),
         "log_likelihoods": named(&segment.log_likelihoods),
         "distance": segment.distance,

@@ -19,7 +19,8 @@ use crate::rig::{Condition, Defect, DefectKind, Duty, RigTrace, Scenario, Wavefo
   bearing-watch simulate --class healthy,spall --condition field-duties --seed 4 --out field
 
 Names of traces tell class, severity (unless 1), condition (unless standard), waveform (where it is not a sine) and \
-seed. Missing samples are NaN in all columns but t_s; without a load sensor there is no column load_torque_nm. \
+seed. Missing samples are NaN in all columns but t_s; without a load sensor there is no column load_torque_nm, and only with an effect of the temperature is there \
+temperature_c. \
 The same seed draws the same noise under every condition; take another one for traces to validate on.")]
 pub(super) struct Args {
     /// Which rig

@@ -20,13 +20,14 @@ use super::description::{self, estimated_by, method_word};
 use super::model_file::{Notes, check_rate, prepare};
 use super::output;
 use crate::Error;
+use crate::core::features;
 use crate::evaluate::{self, Confusion, FalseAlarms};
 use crate::report::pages::model::{self, Worth};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Channels, Condition, Preparation};
 use crate::train::{
-    Choice, Forward, Keep, ProjectionKind, Ranking, Recipe, Scores, ShaftPlan, Shrink, Shrinkage, Trained, Validation,
-    export,
+    Choice, Explained, Forward, Keep, ProjectionKind, Ranking, Recipe, Scores, ShaftPlan, Shrink, Shrinkage, Trained,
+    Validation, export,
 };
 
 /// Train a model from labelled traces, for the detector in firmware
@@ -55,9 +56,14 @@ pub(super) struct Args {
     #[arg(long, value_name = "CONDITION")]
     test_where: Vec<Condition>,
     /// a, b, c, offset, log_variance, friction, friction_scores, friction_logs, orders, or single ones such as a1,
-    /// viscous_score, viscous_log or order_outer; every parameter if not given
+    /// viscous_score, viscous_log or order_outer; mean_CHANNEL or rms_CHANNEL of any column; every parameter if not
+    /// given
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     features: Vec<String>,
+    /// Features that explain a part of the others in healthy traces, e.g. mean_temperature_c: that part is subtracted;
+    /// outside the range of the healthy traces, what they explain is missing
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    covariates: Vec<String>,
     /// Projection of the features
     #[arg(long, value_enum, default_value = "none")]
     projection: Projection,
@@ -151,6 +157,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let (shaft_channels, plan) = args.shaft.shaft(&channels.y)?.unzip();
     channels.shaft = shaft_channels;
     let preparation = args.preparation.preparation()?;
+    channels = args.with_averaged_columns(channels, plan.as_ref(), preparation)?;
     if args.variance.is_nan() || args.variance <= 0.0 || args.variance > 1.0 {
         return Err(Error::Usage("--variance is a part of the whole: above 0, at most 1".into()));
     }
@@ -199,6 +206,24 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
 }
 
 impl Args {
+    /// Adds the columns that averages name and no other part uses.
+    fn with_averaged_columns(
+        &self,
+        columns: Channels,
+        shaft: Option<&ShaftPlan>,
+        preparation: Preparation,
+    ) -> Result<Channels, Error> {
+        let names = || self.features.iter().chain(&self.covariates);
+        if preparation != Preparation::NONE && names().any(|name| name.starts_with(features::RMS)) {
+            let problem =
+                "a root mean square is that of the recorded samples: --block-mean and --decimate do not go with it";
+            return Err(Error::Usage(problem.into()));
+        }
+        let (features, covariates) = (self.features.clone(), self.covariates.clone());
+        let plain = Recipe { features, covariates, columns, ..Recipe::new(self.structure.structure()) };
+        Ok(Recipe { shaft: shaft.cloned(), ..plain }.with_averaged_columns().columns)
+    }
+
     fn recipe(&self, classes: &[String], shaft: Option<ShaftPlan>) -> Result<Recipe, Error> {
         let keep = self.components.map_or(Keep::Variance(self.variance), Keep::Components);
         let projection = match self.projection {
@@ -218,6 +243,7 @@ impl Args {
             shaft,
             estimation: self.estimation.estimation(structure, classes)?,
             features: self.features.clone(),
+            covariates: self.covariates.clone(),
             projection,
             discriminant: match self.discriminant {
                 DiscriminantKind::Linear | DiscriminantKind::Shrunk => Kind::Linear,
@@ -298,6 +324,7 @@ impl Args {
                     (layout.method == Method::Instruments).then_some(regression.settle)
                 }),
                 "segment_samples": trained.segment_samples,
+                "covariates": description::covariates_to_json(trained),
                 "shrinkage": trained.choice.as_ref().map(Choice::to_json),
                 "held_out": found.held_out.as_ref().map(HeldOut::to_json),
                 "cross_validated": found.cross_validated.as_ref().and_then(|v| v.as_ref().ok()).map(Scores::to_json),
@@ -317,6 +344,7 @@ impl Args {
             bytes,
             self.model.display()
         ))?;
+        trained.explained.iter().flat_map(Explained::lines).try_for_each(output::say)?;
         description::gate(trained).map_or(Ok(()), output::say)?;
         match &found.cross_validated {
             Some(Ok(scores)) => {

@@ -1,10 +1,10 @@
 //! Runs a model of any layout over traces with the core's [`Detector`], the code that firmware runs.
 
-use bearing_watch::model::{EvidenceConstants, Sampling, ShaftConstants};
+use bearing_watch::model::{BaselineConstants, EvidenceConstants, Feature, Sampling, ShaftConstants};
 use bearing_watch::plan::{Plan, RunTime};
-use bearing_watch::{Detector, Model, ModelError, Report, Verdict};
+use bearing_watch::{Baseline, Detector, Model, ModelError, Reason, Report, Verdict};
 
-use super::features::shaft_values;
+use super::features::{Catalogue, shaft_values};
 use super::segment::{Finding, SegmentReport};
 use super::watch::{self, Watched};
 use super::wiring::{Feed, Field, fields};
@@ -19,6 +19,17 @@ pub struct Embedded {
     fields: Vec<Field>,
     /// Class names.
     pub classes: Vec<String>,
+}
+
+/// Whether each covariate was missing or outside its range, as far as the report says it.
+fn outside(report: &Report<RunTime>) -> Vec<bool> {
+    match (&report.decision, report.verdict) {
+        (Some(decision), _) => decision.outside().to_vec(),
+        (None, Verdict::Undetermined(Reason::OutOfRange { covariate })) => {
+            (0..=covariate).map(|k| k == covariate).collect()
+        }
+        _ => vec![],
+    }
 }
 
 impl Embedded {
@@ -50,24 +61,39 @@ impl Embedded {
     /// Runs one trace through the detector; a partial last segment counts if it is more than half a segment.
     #[must_use]
     pub fn run(&self, trace: &Trace) -> Vec<SegmentReport> {
+        self.run_following(trace, None)
+    }
+
+    /// As [`Embedded::run`], with a baseline that follows slow changes from trace to trace.
+    #[must_use]
+    pub fn run_following(&self, trace: &Trace, mut baseline: Option<&mut Baseline<RunTime>>) -> Vec<SegmentReport> {
+        let mut judged = |mut report: Report<RunTime>| {
+            let followed = baseline.as_mut().map(|own| {
+                self.model.follow(own, &mut report);
+                (own.offset().to_vec(), own.at_bound())
+            });
+            SegmentReport { followed, ..self.segment(&report) }
+        };
         let mut detector = Detector::new(&self.model);
         let mut segments = Vec::new();
         let mut start = 0;
         let mut feed = Feed::new(trace, &self.fields);
         for k in 0..trace.y.len() {
             if let Some(report) = detector.step(feed.at(k)) {
-                segments.push(SegmentReport { start, length: k + 1 - start, ..self.segment(&report) });
+                segments.push(SegmentReport { start, length: k + 1 - start, ..judged(report) });
                 start = k + 1;
             }
         }
         // The model contains the spread of complete segments, so a segment of less than half the length has no verdict.
         let (pending, whole) = (detector.pending(), self.sampling().segment_samples);
         if pending > whole / 2 || segments.is_empty() {
-            let mut rest = SegmentReport { start, length: trace.y.len() - start, ..self.segment(&detector.finish()) };
-            if pending <= whole / 2 {
-                rest = rest.undetermined(format!("{pending} samples are no more than half a segment of {whole}"));
-            }
-            segments.push(rest);
+            let (length, report) = (trace.y.len() - start, detector.finish());
+            segments.push(if pending <= whole / 2 {
+                let rest = SegmentReport { start, length, ..self.segment(&report) };
+                rest.undetermined(format!("{pending} samples are no more than half a segment of {whole}"))
+            } else {
+                SegmentReport { start, length, ..judged(report) }
+            });
         }
         segments
     }
@@ -122,11 +148,14 @@ impl Embedded {
             variance: estimate.map_or(0.0, |estimate| estimate.variance),
             estimated: estimate.is_some_and(|estimate| estimate.reason.is_none()),
             missing: missing.filter(|(missing, _)| **missing).map(|(_, feature)| *feature).collect(),
+            averages: report.averages().to_vec(),
+            outside: outside(report),
             friction: shaft.map(|shaft| shaft.friction),
             orders: shaft.map_or_else(Vec::new, |shaft| shaft.orders().to_vec()),
             shaft_features: shaft.map_or_else(Vec::new, |shaft| shaft_values(self.model.plan(), shaft)),
             rows: estimate.filter(|own| own.reason.is_none()).map_or(report.rows, |own| own.rows),
             counts: report.counts,
+            followed: None,
             start: 0,
             length: 0,
         }
@@ -148,6 +177,29 @@ impl Embedded {
     #[must_use]
     pub fn channel_names(&self) -> Vec<&str> {
         self.model.constants().channels.iter().map(|channel| channel.name.as_str()).collect()
+    }
+
+    /// Names of the features, by those of the tracked orders.
+    #[must_use]
+    pub fn catalogue(&self, orders: &[String]) -> Catalogue {
+        let structure = self.structure().unwrap_or_else(|| Structure::new(0, 0, 0, 0, 0));
+        let mask = self.model.plan().layout().averaged;
+        let named = self.channel_names().into_iter().map(String::from).zip(0_u8..);
+        let averaged = named.filter(|(_, place)| (mask >> place) & 1 == 1).collect();
+        Catalogue { structure, orders: Some(orders.to_vec()), averaged }
+    }
+
+    /// The covariates that were missing or outside their range.
+    #[must_use]
+    pub fn outside(&self, segment: &SegmentReport) -> Vec<Feature> {
+        let list = self.model.constants().classifier.covariates.list.iter().zip(&segment.outside);
+        list.filter(|(_, outside)| **outside).map(|(own, _)| own.feature).collect()
+    }
+
+    /// A baseline with this time constant in segments and this bound in healthy standard deviations.
+    #[must_use]
+    pub fn baseline(&self, segments: f32, bound: f32) -> Option<Baseline<RunTime>> {
+        self.model.baseline(BaselineConstants::new(segments, bound))
     }
 
     /// Rates and segment length.

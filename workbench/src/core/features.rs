@@ -6,7 +6,7 @@
 //!
 //! The workbench selects and projects raw features; the core extracts δ and applies the composed map. The features of
 //! the shaft follow and are the same in both: the parameters of the torque balance, their scores, their logarithms, its
-//! residual, and two numbers per order. Parameters and logarithms have errors of known variance.
+//! residual, and two numbers per order. Averages of channels come last. Parameters and logarithms have errors of known variance.
 
 use bearing_watch::model::{Feature, FeatureValue};
 use bearing_watch::plan::RunTime;
@@ -44,6 +44,17 @@ pub fn of_core(structure: Structure, delta: &[f32], variance: f32) -> DVector<f6
     raw
 }
 
+/// Prefix of the mean of a channel.
+pub const MEAN: &str = "mean_";
+/// Prefix of the root mean square of a channel.
+pub const RMS: &str = "rms_";
+
+/// The channel of a feature by its name, if it is an average of a channel.
+#[must_use]
+pub fn averaged(name: &str) -> Option<&str> {
+    name.strip_prefix(MEAN).or_else(|| name.strip_prefix(RMS))
+}
+
 /// Names of the parameters of the torque balance, in the core's order; each is in amperes per unit of its signal.
 pub const FRICTION: [&str; 8] =
     ["inertia", "viscous", "coulomb", "inverse_kt", "torque_offset", "load_friction", "stribeck", "drag"];
@@ -53,8 +64,8 @@ pub const FRICTION: [&str; 8] =
 #[must_use]
 pub fn shaft_values(plan: RunTime, shaft: &ShaftEstimate<RunTime>) -> Vec<FeatureValue> {
     let orders = (0..shaft.orders().len()).map(|k| k.to_string()).collect();
-    let catalogue = Catalogue { structure: Structure::new(0, 0, 0, 0, 0), orders: Some(orders) };
-    let each = |(_, feature): &(String, Feature)| feature.value(plan, None, Some(shaft));
+    let catalogue = Catalogue { structure: Structure::new(0, 0, 0, 0, 0), orders: Some(orders), averaged: vec![] };
+    let each = |(_, feature): &(String, Feature)| feature.value(plan, (None, Some(shaft), &[]));
     catalogue.shaft().iter().map(|own| each(own).unwrap_or(FeatureValue::MISSING)).collect()
 }
 
@@ -65,6 +76,8 @@ pub struct Catalogue {
     pub structure: Structure,
     /// Names of the tracked orders, if the shaft is watched.
     pub orders: Option<Vec<String>>,
+    /// Names and places of the channels whose averages are features.
+    pub averaged: Vec<(String, u8)>,
 }
 
 impl Catalogue {
@@ -84,10 +97,19 @@ impl Catalogue {
         all
     }
 
-    /// Names of all features: those of the regression, then the shaft's.
+    /// Names and core features after those of the regression: the shaft's, then the averages of channels.
+    #[must_use]
+    pub fn further(&self) -> Vec<(String, Feature)> {
+        let mut all = self.shaft();
+        all.extend(self.averaged.iter().map(|(name, place)| (format!("{MEAN}{name}"), Feature::ChannelMean(*place))));
+        all.extend(self.averaged.iter().map(|(name, place)| (format!("{RMS}{name}"), Feature::ChannelRms(*place))));
+        all
+    }
+
+    /// Names of all features: those of the regression, the shaft's, and the averages of channels.
     #[must_use]
     pub fn names(&self) -> Vec<String> {
-        all_names(self.structure).into_iter().chain(self.shaft().into_iter().map(|(name, _)| name)).collect()
+        all_names(self.structure).into_iter().chain(self.further().into_iter().map(|(name, _)| name)).collect()
     }
 
     /// Indices of the chosen features; without a choice, all parameters of the regression.
@@ -103,7 +125,7 @@ impl Catalogue {
     pub fn core_feature(&self, place: usize) -> Feature {
         let n = self.structure.parameters();
         match place.checked_sub(n + 1) {
-            Some(k) => self.shaft().get(k).map_or(Feature::LogVariance, |(_, feature)| *feature),
+            Some(k) => self.further().get(k).map_or(Feature::LogVariance, |(_, feature)| *feature),
             None if place == n => Feature::LogVariance,
             None => Feature::Parameter(place as u8),
         }
@@ -116,11 +138,11 @@ impl Catalogue {
         place.and_then(|place| self.names().get(place).cloned()).unwrap_or_else(|| format!("{feature:?}"))
     }
 
-    /// T of (1), extended by the identity for the features of the shaft.
+    /// T of (1), extended by the identity for the features after those of the regression.
     #[must_use]
     pub fn raw_from_delta(&self) -> DMatrix<f64> {
         let own = raw_from_delta(self.structure);
-        let n = own.nrows() + self.shaft().len();
+        let n = own.nrows() + self.further().len();
         let mut map = DMatrix::identity(n, n);
         map.view_mut((0, 0), own.shape()).copy_from(&own);
         map

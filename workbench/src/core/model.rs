@@ -1,8 +1,8 @@
 //! Models of the core whose layout is known only at run time.
 
 use bearing_watch::model::{
-    Channel, Classifier, Constants, Discriminant, EvidenceConstants, Feature, Label, Novelty, Projection, Regression,
-    Sampling, ShaftConstants,
+    Channel, Classifier, Constants, Covariates, Discriminant, EvidenceConstants, Feature, Label, Novelty, Projection,
+    Regression, Sampling, ShaftConstants,
 };
 use bearing_watch::plan::{Kind, Layout, Plan, RegressionLayout, RunTime, ShaftLayout};
 use bearing_watch::{FrictionTerm, Model, ModelError};
@@ -16,6 +16,8 @@ pub struct Parts {
     pub regression: Option<(RegressionLayout, Regression<RunTime>)>,
     /// The shaft.
     pub shaft: Option<(ShaftLayout, ShaftConstants<RunTime>)>,
+    /// The channels whose averages are features or covariates, as a bit mask.
+    pub averaged: u16,
 }
 
 impl Parts {
@@ -26,15 +28,17 @@ impl Parts {
             channels: self.channels.len() as u8,
             regression: self.regression.as_ref().map(|(layout, _)| *layout),
             shaft: self.shaft.as_ref().map(|(layout, _)| *layout),
+            averaged: self.averaged,
             features,
             coordinates,
             classes,
             discriminant,
+            ..Layout::EMPTY
         }
     }
 
     /// A model that estimates but does not decide: it has one class. It has one feature of each part, each a
-    /// coordinate, so a segment has a verdict if a part has a result.
+    /// coordinate, so a segment has a verdict if a part has a result; so has the mean of each averaged channel.
     ///
     /// # Errors
     /// Errors of the core.
@@ -47,12 +51,14 @@ impl Parts {
             features.push(Feature::Friction(FrictionTerm::Inertia));
             features.extend((shaft.orders > 0).then_some(Feature::OrderScore(0)));
         }
+        features.extend((0..16).filter(|place| (self.averaged >> place) & 1 == 1).map(Feature::ChannelMean));
         let n = features.len();
         let plan = plan(self.layout([n as u8, n as u8, 1], Kind::Linear))?;
         let identity = (0..n * n).map(|k| f32::from(u8::from(k / n == k % n)));
         let factor = (0..n).flat_map(|i| (i..n).map(move |j| f32::from(u8::from(i == j))));
         let classifier = Classifier {
             features,
+            covariates: Covariates { list: vec![], map: vec![] },
             projection: Projection { matrix: identity.collect(), mean: vec![0.0; n], usual: vec![0.0; n] },
             discriminant: Discriminant {
                 means: vec![0.0; n],

@@ -2,7 +2,7 @@
 
 use bearing_watch::internals::Finding as CoreFinding;
 use bearing_watch::model::{Feature, FeatureValue};
-use bearing_watch::{Counts, Friction, OrderStrength, Verdict};
+use bearing_watch::{Average, Counts, Friction, OrderStrength, Verdict};
 
 /// One segment of a trace: verdict, estimates and counts.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,8 +31,14 @@ pub struct SegmentReport {
     pub estimated: bool,
     /// Features of the shaft ([`super::features::Catalogue::shaft`]).
     pub shaft_features: Vec<FeatureValue>,
+    /// Averages of channels.
+    pub averages: Vec<Average>,
+    /// Whether each covariate was missing or outside its range; of an undetermined segment only the first.
+    pub outside: Vec<bool>,
     /// The model's features that were missing; empty if there is no verdict.
     pub missing: Vec<Feature>,
+    /// Offset of the baseline after the segment, and whether the bound was reached; `None` without one.
+    pub followed: Option<(Vec<f32>, bool)>,
     /// Rows of the regression.
     pub rows: u32,
     /// Numbers of samples and rows that were rejected or downweighted, and the stuck channels.
@@ -47,8 +53,17 @@ impl SegmentReport {
     /// The segment with the verdict replaced by this reason.
     pub(super) fn undetermined(self, reason: String) -> Self {
         let (posteriors, log_likelihoods) = (vec![], vec![]);
-        let missing = vec![];
-        Self { verdict: Err(reason), posteriors, log_likelihoods, missing, distance: 0.0, surprise: 0.0, ..self }
+        let (missing, outside) = (vec![], vec![]);
+        Self {
+            verdict: Err(reason),
+            posteriors,
+            log_likelihoods,
+            missing,
+            outside,
+            distance: 0.0,
+            surprise: 0.0,
+            ..self
+        }
     }
 }
 

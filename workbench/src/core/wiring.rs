@@ -1,7 +1,7 @@
 //! The channels of a model, and the trace column of each.
 //!
-//! Each quantity of the drive is one channel, even if several parts use it. If the first input is the difference of the
-//! velocity reference and the velocity, and the shaft uses both, it needs no separate channel.
+//! Each quantity of the drive is one channel, even if several parts use it. A difference of two
+//! channels of the shaft needs no separate channel.
 
 use bearing_watch::Angle;
 use bearing_watch::model::{Channel, Name};
@@ -27,10 +27,10 @@ pub enum Field {
     Current,
     /// Velocity.
     Velocity,
-    /// Velocity reference.
-    Reference,
     /// Load torque.
     Load,
+    /// A further column, by its place.
+    Further(u8),
 }
 
 impl Field {
@@ -44,8 +44,8 @@ impl Field {
             Self::U2 => &trace.u2,
             Self::Current => motion(|m| &m.current_a),
             Self::Velocity => motion(|m| &m.velocity_rad_s),
-            Self::Reference => motion(|m| &m.reference_rad_s),
             Self::Load => motion(|m| &m.load_nm),
+            Self::Further(place) => trace.further.get(place as usize).map_or(&[], Vec::as_slice),
         }
     }
 }
@@ -57,8 +57,8 @@ pub struct Wiring {
     pub channels: Vec<(String, Field)>,
     /// The signals of the regression: y, u1, u2.
     pub signals: [Signal; 3],
-    /// Current, velocity, reference and load of the shaft.
-    pub shaft: Option<([Signal; 3], Option<Signal>)>,
+    /// Current, velocity and load of the shaft.
+    pub shaft: Option<([Signal; 2], Option<Signal>)>,
 }
 
 impl Wiring {
@@ -70,11 +70,8 @@ impl Wiring {
         let rig = crate::trace::ShaftChannels::rig();
         let shaft = columns.shaft.as_ref().unwrap_or(&rig);
         if let Some(load) = watched {
-            let plain = [
-                wiring.channel(&shaft.current, Field::Current),
-                wiring.channel(&shaft.velocity, Field::Velocity),
-                wiring.channel(&shaft.reference, Field::Reference),
-            ];
+            let plain =
+                [wiring.channel(&shaft.current, Field::Current), wiring.channel(&shaft.velocity, Field::Velocity)];
             let name = shaft.load.clone().unwrap_or_else(|| "load".into());
             wiring.shaft = Some((plain, load.then(|| wiring.channel(&name, Field::Load))));
         }
@@ -84,6 +81,9 @@ impl Wiring {
         }
         if structure.nc > 0 {
             wiring.signals[2] = wiring.signal(&columns.u2, Field::U2);
+        }
+        for (name, place) in columns.further.iter().zip(0_u8..) {
+            wiring.channel(name, Field::Further(place));
         }
         wiring
     }
@@ -156,16 +156,22 @@ pub fn fields(layout: &Layout) -> Result<Vec<Field>, String> {
             cell.get_or_insert(field);
         }
     };
-    if let Some(ShaftLayout { current, velocity, reference, load, .. }) = layout.shaft {
+    if let Some(ShaftLayout { current, velocity, load, .. }) = layout.shaft {
         set(current, Field::Current);
         set(velocity, Field::Velocity);
-        set(reference, Field::Reference);
         load.into_iter().for_each(|load| set(load, Field::Load));
     }
     if let Some(RegressionLayout { structure, y, u1, u2, .. }) = layout.regression {
         set(y, Field::Y);
         (structure.nb > 0).then(|| set(u1, Field::U1));
         (structure.nc > 0).then(|| set(u2, Field::U2));
+    }
+    // Averages of channels that no other part uses, in the order of the columns.
+    let mut further = (0_u8..).map(Field::Further);
+    for (place, cell) in fields.iter_mut().enumerate() {
+        if cell.is_none() && (layout.averaged >> place) & 1 == 1 {
+            *cell = further.next();
+        }
     }
     let all: Option<Vec<Field>> = fields.into_iter().collect();
     all.ok_or_else(|| "the model takes a difference of channels that no other part uses".into())
@@ -220,7 +226,7 @@ fn identifier(name: &str) -> String {
 
 /// The unit according to the suffix of a name.
 fn unit(name: &str) -> &'static str {
-    const UNITS: [(&str, &str); 12] = [
+    const UNITS: [(&str, &str); 13] = [
         ("_rad_s", "rad/s"),
         ("_mm_s", "mm/s"),
         ("_m_s", "m/s"),
@@ -230,6 +236,7 @@ fn unit(name: &str) -> &'static str {
         ("_kgf", "kgf"),
         ("_mm", "mm"),
         ("_a", "A"),
+        ("_c", "°C"),
         ("_v", "V"),
         ("_n", "N"),
         ("_m", "m"),
@@ -249,9 +256,8 @@ mod tests {
         columns.shaft = Some(ShaftChannels::rig());
         let wiring = Wiring::new(&columns, Structure::new(2, 1, 2, 1, 1), Some(true));
         let names: Vec<&str> = wiring.channels.iter().map(|(name, _)| name.as_str()).collect();
-        assert_eq!(names, ["current_a", "velocity_rad_s", "velocity_ref_rad_s", "load_torque_nm"]);
-        assert_eq!(wiring.signals[1], Signal::channel(2).minus(Signal::channel(1)));
-        assert_eq!((wiring.signals[0], wiring.signals[2]), (Signal::channel(0), Signal::channel(3)));
+        assert_eq!(names, ["current_a", "velocity_rad_s", "load_torque_nm", "velocity_ref_rad_s-velocity_rad_s"]);
+        assert_eq!(wiring.signals.map(|signal| signal.channel), [0, 3, 2]);
     }
 
     #[test]
@@ -270,12 +276,11 @@ mod tests {
         let motion = MotionTrace {
             current_a: column(f64::NAN),
             velocity_rad_s: column(f64::NAN),
-            reference_rad_s: column(f64::NAN),
             load_nm: column(f64::NAN),
             angle_rad: column(f64::NAN),
         };
         let trace = Trace { motion: Some(motion.clone()), ..Trace::default() };
-        let mut feed = Feed::new(&trace, &[Field::Current, Field::Velocity, Field::Reference, Field::Load]);
+        let mut feed = Feed::new(&trace, &[Field::Current, Field::Velocity, Field::Load]);
         for (k, angle) in [motion.angle(0), motion.angle(0), motion.angle(2)].into_iter().enumerate() {
             let sample = feed.at(k);
             assert!(sample.values.iter().all(|x| x.is_nan() == (k == 1)), "{k}");

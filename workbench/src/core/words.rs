@@ -1,8 +1,10 @@
 //! Reasons and counts as text.
 
+use bearing_watch::model::Feature;
 use bearing_watch::plan::{Plan, RunTime};
 use bearing_watch::{ChannelSet, Counts, Model, Reason, Report};
 
+use super::features::{MEAN, RMS};
 use crate::identify::Terms;
 
 /// The reason as text, with the channel names of this model.
@@ -18,6 +20,23 @@ pub(super) fn explain(reason: Reason, report: &Report<RunTime>, model: &Model<Ru
             names.get(place as usize).map_or(reason.to_string(), |name| {
                 format!("the signals do not excite parameter {name} (constant, or dependent on the ones before)")
             })
+        }
+        Reason::OutOfRange { covariate } => {
+            let covariates = &model.constants().classifier.covariates.list;
+            let name = |feature: Feature| match feature {
+                Feature::ChannelMean(channel) | Feature::ChannelRms(channel) => {
+                    let kind = if matches!(feature, Feature::ChannelMean(_)) { MEAN } else { RMS };
+                    let channel = channels.get(channel as usize).map_or("", |channel| channel.name.as_str());
+                    format!("{kind}{channel}")
+                }
+                other => format!("{other:?}"),
+            };
+            let name = covariates.get(covariate as usize).map_or_else(String::new, |own| name(own.feature));
+            format!("covariate {name} is outside the range of the training records")
+        }
+        Reason::LostSamples { channel } => {
+            let name = channels.get(channel as usize).map_or("", |channel| channel.name.as_str());
+            format!("more samples of {name} were refused than used")
         }
         Reason::Stuck { channel } => {
             let name = channels.get(channel as usize).map_or("", |channel| channel.name.as_str());

@@ -97,8 +97,16 @@ mod tests {
             command.push(white());
             measured.push(command[t] + 0.7 * white());
         }
-        let trace =
-            Trace { id: "x".into(), interval_s: None, irregular_steps: 0, y, u1: measured, u2: command, motion: None };
+        let trace = Trace {
+            id: "x".into(),
+            interval_s: None,
+            irregular_steps: 0,
+            y,
+            u1: measured,
+            u2: command,
+            motion: None,
+            further: vec![],
+        };
         let structure = Structure::new(1, 1, 0, 1, 1);
         let ls = by_command(&trace, structure, 0).expect("excited");
         let iv = by_command(&trace, structure, 3).expect("excited");

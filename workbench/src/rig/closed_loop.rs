@@ -196,7 +196,7 @@ pub fn simulate(scenario: &Scenario, seed: u64) -> Result<RigTrace, RigError> {
     Ok(trace)
 }
 
-/// Errors of the recording that do not feed back into the loop: load sensor and missing samples.
+/// What does not feed back into the loop: load sensor, temperature sensor and missing samples.
 fn finish(trace: &mut RigTrace, scenario: &Scenario, values: &FieldValues, seed: u64) {
     let Constants { load_gain, .. } = values.constants();
     let noise = NoiseSource::new(seed, Stream::LoadSensorNoise);
@@ -208,6 +208,9 @@ fn finish(trace: &mut RigTrace, scenario: &Scenario, values: &FieldValues, seed:
             let sensor = LoadSensorValues { gain: load_gain * sensor.gain, ..sensor };
             trace.load_torque_nm = sensor.measure(&trace.t_s, &trace.load_torque_nm, noise);
         }
+    }
+    if let Some(temperature) = values.temperature {
+        trace.temperature_c = temperature.measured_c(&trace.t_s, NoiseSource::new(seed, Stream::TemperatureSensor));
     }
     if let Some(missing) = scenario.field.missing {
         trace.lose(&missing.draw(NoiseSource::new(seed, Stream::Missing), scenario.samples));

@@ -77,6 +77,8 @@ pub enum Stream {
     Unit,
     /// Constants of one day.
     Session,
+    /// Noise of the temperature sensor.
+    TemperatureSensor,
 }
 
 impl Stream {
@@ -105,6 +107,7 @@ impl Stream {
             Self::SampleJitter => 20,
             Self::Unit => 21,
             Self::Session => 22,
+            Self::TemperatureSensor => 23,
         }
     }
 }

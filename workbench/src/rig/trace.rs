@@ -17,6 +17,8 @@ pub struct RigTrace {
     pub angle_rad: Vec<f64>,
     /// Voltage that the controller commands at the sample and holds until the next sample.
     pub voltage_v: Vec<f64>,
+    /// Measured temperature of the lubricant; empty if the rig has no temperature effect.
+    pub temperature_c: Vec<f64>,
     /// Whether there is no load sensor: a recording then has no column of the load.
     pub no_load_sensor: bool,
 }
@@ -44,6 +46,7 @@ impl RigTrace {
             load_torque_nm: column(),
             angle_rad: column(),
             voltage_v: column(),
+            temperature_c: Vec::new(),
             no_load_sensor: false,
         }
     }
@@ -68,9 +71,11 @@ impl RigTrace {
             &mut self.angle_rad,
             &mut self.voltage_v,
         ];
-        for column in columns {
+        for column in columns.into_iter().chain([&mut self.temperature_c]) {
             for &sample in samples {
-                column[sample] = f64::NAN;
+                if let Some(cell) = column.get_mut(sample) {
+                    *cell = f64::NAN;
+                }
             }
         }
     }
@@ -92,8 +97,10 @@ impl RigTrace {
             ("load_torque_nm", &self.load_torque_nm),
             ("angle_rad", &self.angle_rad),
             ("voltage_v", &self.voltage_v),
+            ("temperature_c", &self.temperature_c),
         ];
         columns.retain(|(name, _)| !(self.no_load_sensor && *name == "load_torque_nm"));
+        columns.retain(|(name, column)| !(column.is_empty() && *name == "temperature_c"));
         columns
     }
 

@@ -63,15 +63,15 @@ impl Header {
         })
     }
 
-    /// Sources of y, u1, u2, and, if the shaft is watched, of current, velocity, reference, angle, and load if
-    /// measured.
+    /// Sources of y, u1, u2, of the further columns, and, if the shaft is watched, of current, velocity, angle, and
+    /// load if measured.
     fn sources(&self, channels: &Channels) -> Result<Vec<Source>, String> {
         let find = |channel: &String| self.source(channel).ok_or_else(|| channel.clone());
         let shaft = channels.shaft.iter().flat_map(|shaft| {
-            let ShaftChannels { current, velocity, reference, load, angle } = shaft;
-            [current, velocity, reference, angle].into_iter().chain(load)
+            let ShaftChannels { current, velocity, load, angle } = shaft;
+            [current, velocity, angle].into_iter().chain(load)
         });
-        [&channels.y, &channels.u1, &channels.u2].into_iter().chain(shaft).map(find).collect()
+        [&channels.y, &channels.u1, &channels.u2].into_iter().chain(&channels.further).chain(shaft).map(find).collect()
     }
 }
 
@@ -107,7 +107,7 @@ pub(super) fn has_columns(path: &Path, channels: &Channels) -> bool {
 pub(super) fn read(path: &Path, channels: &Channels, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Trace>, Error> {
     let mut reader = open(path)?;
     let header = header(path, &mut reader)?;
-    let mut collector = Collector::new(path);
+    let mut collector = Collector::new(path, channels.further.len());
     if header.trace.is_none() && !wanted(stem(&collector.file_id)) {
         return Ok(vec![]);
     }
@@ -190,14 +190,16 @@ impl Row<'_> {
 /// Collects rows by trace id, in the order of the first occurrence of each id.
 struct Collector {
     file_id: String,
+    /// Number of further columns.
+    further: usize,
     places: HashMap<String, usize>,
     traces: Vec<(Trace, Vec<f64>)>,
 }
 
 impl Collector {
-    fn new(path: &Path) -> Self {
+    fn new(path: &Path, further: usize) -> Self {
         let file_id = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        Self { file_id, places: HashMap::new(), traces: Vec::new() }
+        Self { file_id, further, places: HashMap::new(), traces: Vec::new() }
     }
 
     /// Adds a row; returns `false` if its time is before that of the previous row.
@@ -205,21 +207,24 @@ impl Collector {
         let id = id.unwrap_or(&self.file_id);
         let place = self.places.get(id).copied().unwrap_or_else(|| {
             let id_of = id.into();
-            let trace = Trace { id: id_of, ..Trace::default() };
+            let trace = Trace { id: id_of, further: vec![vec![]; self.further], ..Trace::default() };
             self.traces.push((trace, vec![]));
             self.places.insert(id.into(), self.traces.len() - 1);
             self.traces.len() - 1
         });
         let (trace, times) = &mut self.traces[place];
-        let (signals, shaft) = values.split_at(3);
+        let (signals, rest) = values.split_at(3);
+        let (further, shaft) = rest.split_at(self.further);
+        for (column, value) in trace.further.iter_mut().zip(further) {
+            column.push(*value);
+        }
         for (column, value) in [&mut trace.y, &mut trace.u1, &mut trace.u2].into_iter().zip(signals) {
             column.push(*value);
         }
-        if let [current, velocity, reference, angle, load @ ..] = shaft {
+        if let [current, velocity, angle, load @ ..] = shaft {
             let motion = trace.motion.get_or_insert_with(MotionTrace::default);
             motion.current_a.push(*current);
             motion.velocity_rad_s.push(*velocity);
-            motion.reference_rad_s.push(*reference);
             motion.angle_rad.push(*angle);
             motion.load_nm.push(load.first().copied().unwrap_or(0.0));
         }

@@ -55,6 +55,7 @@ impl Preparation {
             u1: prepare(&trace.u1),
             u2: prepare(&trace.u2),
             motion: if factor == 1 { trace.motion.clone() } else { None },
+            further: trace.further.iter().map(|x| prepare(x)).collect(),
         })
     }
 }
@@ -222,6 +223,7 @@ mod tests {
             u1: vec![0.0; 3],
             u2: vec![1.0; 3],
             motion: None,
+            further: vec![],
         };
         let out = Preparation { block_mean: 2, decimate: 1 }.apply(&trace).expect("long enough");
         assert_eq!((out.y, out.interval_s), (vec![2.0], Some(0.2)));

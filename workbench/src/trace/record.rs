@@ -9,8 +9,6 @@ pub struct MotionTrace {
     pub current_a: Vec<f64>,
     /// Measured velocity.
     pub velocity_rad_s: Vec<f64>,
-    /// Velocity reference.
-    pub reference_rad_s: Vec<f64>,
     /// Load torque; zeros if it is not measured.
     pub load_nm: Vec<f64>,
     /// Angle of the shaft, wrapped or not.
@@ -22,7 +20,6 @@ impl From<&RigTrace> for MotionTrace {
         Self {
             current_a: recorded.current_a.clone(),
             velocity_rad_s: recorded.velocity_rad_s.clone(),
-            reference_rad_s: recorded.velocity_ref_rad_s.clone(),
             load_nm: recorded.recorded_load_nm(),
             angle_rad: recorded.angle_rad.clone(),
         }
@@ -37,7 +34,6 @@ impl MotionTrace {
         Self {
             current_a: part(&self.current_a),
             velocity_rad_s: part(&self.velocity_rad_s),
-            reference_rad_s: part(&self.reference_rad_s),
             load_nm: part(&self.load_nm),
             angle_rad: part(&self.angle_rad),
         }
@@ -61,6 +57,8 @@ pub struct Trace {
     pub u2: Vec<f64>,
     /// The shaft's signals, if its channels are requested.
     pub motion: Option<MotionTrace>,
+    /// Further columns, in the order of [`Channels::further`].
+    pub further: Vec<Vec<f64>>,
 }
 
 /// The columns of the three signals: a column's name, or a difference `a-b` of two columns.
@@ -74,6 +72,8 @@ pub struct Channels {
     pub u2: String,
     /// The columns of the shaft, if it is watched.
     pub shaft: Option<ShaftChannels>,
+    /// Columns that are used for their averages alone.
+    pub further: Vec<String>,
 }
 
 /// The columns of the shaft's signals, in the same format.
@@ -83,8 +83,6 @@ pub struct ShaftChannels {
     pub current: String,
     /// Measured velocity, rad/s.
     pub velocity: String,
-    /// Velocity reference, rad/s.
-    pub reference: String,
     /// Load torque, N·m; `None` if it is not measured.
     pub load: Option<String>,
     /// Angle, rad.
@@ -98,7 +96,6 @@ impl ShaftChannels {
         Self {
             current: "current_a".into(),
             velocity: "velocity_rad_s".into(),
-            reference: "velocity_ref_rad_s".into(),
             load: Some("load_torque_nm".into()),
             angle: "angle_rad".into(),
         }
@@ -109,7 +106,7 @@ impl Channels {
     /// Three signals, no shaft.
     #[must_use]
     pub fn new(y: impl Into<String>, u1: impl Into<String>, u2: impl Into<String>) -> Self {
-        Self { y: y.into(), u1: u1.into(), u2: u2.into(), shaft: None }
+        Self { y: y.into(), u1: u1.into(), u2: u2.into(), shaft: None, further: vec![] }
     }
 }
 

@@ -5,6 +5,7 @@
 //! part without a result are missing, and so are all features of a segment without a verdict.
 
 use bearing_watch::model::{FeatureValue, Sampling};
+use bearing_watch::{Average, Reason};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -54,7 +55,16 @@ fn row(segment: &SegmentReport, catalogue: &Catalogue) -> (DVector<f64>, DVector
     let of_shaft = (0..shaft).map(|k| segment.shaft_features.get(k).copied().unwrap_or(FeatureValue::MISSING));
     let regression = if segment.estimated { 0.0 } else { f64::INFINITY };
     let of_regression = own.iter().map(|value| (*value, regression));
-    let all = of_regression.chain(of_shaft.map(|feature| (f64::from(feature.value), f64::from(feature.variance))));
+    let averages = |of: fn(&Average) -> Result<f32, Reason>| {
+        let own = move |place: u8| segment.averages.iter().find(|own| own.channel() == place);
+        let value = move |place: u8| own(place).and_then(|own| of(own).ok());
+        let each = move |(_, place): &(String, u8)| {
+            value(*place).map_or(FeatureValue::MISSING, |value| FeatureValue { value, variance: 0.0 })
+        };
+        catalogue.averaged.iter().map(each)
+    };
+    let further = of_shaft.chain(averages(Average::mean)).chain(averages(Average::rms));
+    let all = of_regression.chain(further.map(|feature| (f64::from(feature.value), f64::from(feature.variance))));
     // A value that is not a number has no verdict in the drive; here it is missing.
     let there = |value: f64, variance: f64| determined && value.is_finite() && variance.is_finite();
     let (values, variances): (Vec<f64>, Vec<f64>) = all

@@ -3,7 +3,7 @@
 use bearing_watch::model::{
     Classifier, Discriminant, Label, MAX_BYTES, MAX_LONG_SEGMENT_ROWS, Novelty, Projection, Sampling,
 };
-use bearing_watch::plan::{Kind, RunTime};
+use bearing_watch::plan::{Kind, Layout, RunTime};
 use bearing_watch::{Model, ModelError};
 use nalgebra::DMatrix;
 
@@ -24,7 +24,9 @@ impl Trained {
             count(self.core_projection.matrix.nrows(), "coordinates")?,
             count(self.classes.len(), "classes")?,
         ];
-        let plan = plan(self.parts.layout(sizes, densities.kind)).map_err(refused)?;
+        let covariates = count(self.core_covariates.list.len(), "covariates")?;
+        let layout = Layout { covariates, ..self.parts.layout(sizes, densities.kind) };
+        let plan = plan(layout).map_err(refused)?;
         let label = |name: &String| {
             Label::new(name)
                 .ok_or_else(|| Error::Training(format!("class name {name} is longer than 16 bytes; shorten it")))
@@ -32,6 +34,7 @@ impl Trained {
         let log_prior: Vec<f64> = densities.priors.iter().map(|p| p.ln()).collect();
         let classifier = Classifier {
             features: self.core_features.clone(),
+            covariates: self.core_covariates.clone(),
             projection: Projection {
                 matrix: rows(&self.core_projection.matrix),
                 mean: narrow(self.core_projection.mean.as_slice()),

@@ -27,7 +27,7 @@ pub fn predict(candidates: &Candidates, recipe: &Recipe, folds: &Folds) -> Resul
         let seen = candidates.rows(&seen);
         check(&seen)?;
         let fitted = fit(&seen, recipe)?;
-        let predicted = |row: usize| (row, fitted.predict(&candidates.table, row, weights[row]));
+        let predicted = |row: usize| (row, fitted.predict(candidates, row, weights[row]));
         Ok(held_out.into_iter().map(predicted).collect())
     };
     // Collects all results first, so that every run reports the error of the first bad fold.
@@ -73,7 +73,12 @@ mod tests {
         let row = |_| DVector::from_fn(features, |_, _| StandardNormal.sample(&mut rng));
         let names = ["a", "b", "c"].map(String::from).into();
         let table = FeatureTable::exact((0..rows).map(row).collect(), classes, names);
-        Candidates { table, features: (0..features).map(|k| format!("f{k}")).collect(), groups: (0..rows).collect() }
+        Candidates {
+            table,
+            features: (0..features).map(|k| format!("f{k}")).collect(),
+            groups: (0..rows).collect(),
+            covariates: None,
+        }
     }
 
     fn recipe(projection: ProjectionKind, shrink: Shrink) -> Recipe {

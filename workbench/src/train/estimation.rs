@@ -206,7 +206,7 @@ fn without_gaps(traces: &[LabelledTrace]) -> Cow<'_, [LabelledTrace]> {
     }
     let each = |own: &LabelledTrace| {
         let [y, u1, u2] = [&own.trace.y, &own.trace.u1, &own.trace.u2].map(|signal| bridged(signal));
-        let trace = Trace { id: own.trace.id.clone(), y, u1, u2, motion: None, ..own.trace };
+        let trace = Trace { id: own.trace.id.clone(), y, u1, u2, motion: None, further: vec![], ..own.trace };
         LabelledTrace { trace, class: own.class }
     };
     traces.par_iter().map(each).collect::<Vec<_>>().into()
@@ -336,8 +336,16 @@ mod tests {
         let order = crate::identify::Structure::new(1, 1, 1, 1, 1);
         let structure = order;
         let (u1, u2) = (vec![0.0, 1.0, 1.0], vec![0.0, 0.0, 2.0]);
-        let trace =
-            Trace { id: "t".into(), interval_s: None, irregular_steps: 0, y: vec![0.0; 3], u1, u2, motion: None };
+        let trace = Trace {
+            id: "t".into(),
+            interval_s: None,
+            irregular_steps: 0,
+            y: vec![0.0; 3],
+            u1,
+            u2,
+            motion: None,
+            further: vec![],
+        };
         let traces = [LabelledTrace { trace, class: 0 }];
         let scales = [1.0, 2.0, 0.5, 1.0];
         // u1 changes once by 1 · 2, u2 once by 2 · 0.5, over two steps.

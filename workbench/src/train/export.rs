@@ -4,7 +4,8 @@
 use std::fmt::Write as _;
 
 use bearing_watch::model::{
-    Balance, Blocks, Channel, Classifier, EvidenceConstants, Feature, KNOTS, Regression, Sampling, ShaftConstants,
+    Balance, Blocks, Channel, Classifier, Covariate, Covariates, EvidenceConstants, Feature, KNOTS, Regression,
+    Sampling, ShaftConstants,
 };
 use bearing_watch::plan::{Layout, Plan, RegressionLayout, RunTime, ShaftLayout, Signal, Structure};
 use bearing_watch::{FrictionTerm, Park};
@@ -28,7 +29,8 @@ pub fn rust_source(trained: &Trained, notes: &[String]) -> Result<String, Error>
     out.line(0, "//");
     notes.iter().for_each(|note| out.line(0, &format!("// {}", note.replace(['\r', '\n'], " "))));
     out.line(0, "");
-    imports(&mut out, &layout, &constants.classifier.features);
+    let Classifier { features, covariates, .. } = &constants.classifier;
+    imports(&mut out, &layout, features, &covariates.list);
     out.line(0, "");
     plan(&mut out, &layout, &constants.channels);
     out.line(0, "");
@@ -97,9 +99,9 @@ impl Source {
     }
 }
 
-fn imports(out: &mut Source, layout: &Layout, features: &[Feature]) {
-    let mut model = vec!["Channel", "Classifier", "Constants", "Discriminant", "EvidenceConstants", "Feature"];
-    model.extend(["Label", "Novelty", "Projection", "Sampling"]);
+fn imports(out: &mut Source, layout: &Layout, features: &[Feature], covariates: &[Covariate]) {
+    let mut model = vec!["Channel", "Classifier", "Constants", "Covariates", "Discriminant", "EvidenceConstants"];
+    model.extend(["Feature", "Label", "Novelty", "Projection", "Sampling"]);
     let mut plan = vec!["Kind", "Layout"];
     if layout.regression.is_some() {
         model.extend(["Forgetting", "Regression"]);
@@ -110,10 +112,13 @@ fn imports(out: &mut Source, layout: &Layout, features: &[Feature]) {
         model.extend((shaft.orders > 0).then_some("TrackedOrder"));
         plan.push("ShaftLayout");
     }
+    model.extend((layout.covariates > 0).then_some("Covariate"));
     model.sort_unstable();
     plan.sort_unstable();
     let of_friction = |feature: &Feature| feature_with_term(*feature).is_some();
-    let root = if features.iter().any(of_friction) { "{FrictionTerm, Model}" } else { "Model" };
+    let features = features.iter().chain(covariates.iter().map(|own| &own.feature));
+    let mut features = features;
+    let root = if features.any(of_friction) { "{FrictionTerm, Model}" } else { "Model" };
     out.line(0, "#[rustfmt::skip]");
     out.line(0, &format!("use bearing_watch::model::{{{}}};", model.join(", ")));
     out.line(0, &format!("use bearing_watch::{root};"));
@@ -148,9 +153,9 @@ fn plan(out: &mut Source, layout: &Layout, channels: &[Channel]) {
         }
         out.line(2, "}),");
     }
-    if let Some(ShaftLayout { current, velocity, reference, load, orders, harmonics }) = layout.shaft {
+    if let Some(ShaftLayout { current, velocity, load, orders, harmonics }) = layout.shaft {
         out.line(2, "shaft: Some(ShaftLayout {");
-        for (name, own) in [("current", current), ("velocity", velocity), ("reference", reference)] {
+        for (name, own) in [("current", current), ("velocity", velocity)] {
             out.line(3, &format!("{name}: {},", signal(own)));
         }
         let load = load.map_or_else(|| "None".into(), |load| format!("Some({})", signal(load)));
@@ -159,8 +164,16 @@ fn plan(out: &mut Source, layout: &Layout, channels: &[Channel]) {
         out.line(3, &format!("harmonics: {harmonics},"));
         out.line(2, "}),");
     }
-    let Layout { features, coordinates, classes, discriminant, .. } = layout;
+    let Layout { averaged, features, covariates, coordinates, classes, discriminant, .. } = layout;
+    if *averaged != 0 {
+        let named = channels.iter().enumerate().filter(|(place, _)| (averaged >> place) & 1 == 1);
+        let masks: Vec<String> = named.map(|(_, channel)| format!("{}.mask()", channel.name.as_str())).collect();
+        out.line(2, &format!("averaged: {},", masks.join(" | ")));
+    }
     out.line(2, &format!("features: {features},"));
+    if *covariates != 0 {
+        out.line(2, &format!("covariates: {covariates},"));
+    }
     out.line(2, &format!("coordinates: {coordinates},"));
     out.line(2, &format!("classes: {classes},"));
     out.line(2, &format!("discriminant: Kind::{discriminant:?},"));
@@ -263,12 +276,13 @@ fn shaft(out: &mut Source, shaft: &ShaftConstants<RunTime>) {
 }
 
 fn classifier(out: &mut Source, classifier: &Classifier<RunTime>, layout: &Layout) {
-    let Classifier { features, projection, discriminant, novelty } = classifier;
+    let Classifier { features, covariates: explaining, projection, discriminant, novelty } = classifier;
     let (f, z, c) = (layout.features as usize, layout.coordinates as usize, layout.classes as usize);
     out.line(1, "classifier: Classifier {");
     out.line(2, "features: [");
     features.iter().for_each(|own| out.line(3, &format!("{},", feature(*own))));
     out.line(2, "],");
+    covariates(out, explaining, layout.covariates as usize);
     out.line(2, "projection: Projection {");
     out.numbers(3, "matrix", &projection.matrix, f);
     out.numbers(3, "mean", &projection.mean, f);
@@ -303,6 +317,27 @@ fn classifier(out: &mut Source, classifier: &Classifier<RunTime>, layout: &Layou
         }
     }
     out.line(1, "},");
+}
+
+fn covariates(out: &mut Source, covariates: &Covariates<RunTime>, count: usize) {
+    if count == 0 {
+        return out.line(2, "covariates: Covariates { list: [], map: [] },");
+    }
+    out.line(2, "covariates: Covariates {");
+    out.line(3, "list: [");
+    for Covariate { feature: own, centre, low, high, usual } in &covariates.list {
+        let [centre, low, high, usual] = [*centre, *low, *high, *usual].map(number);
+        let range = format!("centre: {centre}, low: {low}, high: {high}, usual: {usual}");
+        out.line(4, &format!("Covariate {{ feature: {}, {range} }},", feature(*own)));
+    }
+    out.line(3, "],");
+    out.line(3, "map: [");
+    for row in covariates.map.chunks(count) {
+        let row: Vec<String> = row.iter().map(|pair| list(pair)).collect();
+        out.line(4, &format!("{},", row.join(", ")));
+    }
+    out.line(3, "],");
+    out.line(2, "},");
 }
 
 fn feature(feature: Feature) -> String {

@@ -1,5 +1,8 @@
-//! Labelled rows → projection and class densities: all parts of training that use the classes.
+//! Labelled rows → covariates' coefficients, projection and class densities: all parts of training that use the classes.
 
+use nalgebra::DVector;
+
+use super::covariates::{self, Explained};
 use super::scores::Prediction;
 use super::shrinkage::Shrink;
 use super::shrinkage_search::{self, Choice};
@@ -12,6 +15,7 @@ use crate::Error;
 /// The result of a fit.
 #[derive(Clone, Debug)]
 pub(crate) struct Fitted {
+    pub(crate) explained: Option<Explained>,
     pub(crate) projection: AffineMap,
     pub(crate) coordinates: FeatureTable,
     pub(crate) coordinate_names: Vec<String>,
@@ -21,18 +25,32 @@ pub(crate) struct Fitted {
 }
 
 impl Fitted {
-    /// Predicts the class of a row of a table with the features of the fit.
-    pub(crate) fn predict(&self, table: &FeatureTable, row: usize, weight: f64) -> Prediction {
-        let (z, variances) = self.projection.apply_with(&table.rows[row], &table.variances[row]);
+    /// Returns the coordinates of a row of candidates with the features of the fit, with the variances of their errors.
+    pub(crate) fn coordinates_of(&self, candidates: &Candidates, row: usize) -> (DVector<f64>, DVector<f64>) {
+        match &self.explained {
+            Some(explained) => {
+                let (value, variance) = explained.corrected_row(candidates, row);
+                self.projection.apply_with(&value, &variance)
+            }
+            None => self.projection.apply_with(&candidates.table.rows[row], &candidates.table.variances[row]),
+        }
+    }
+
+    /// Predicts the class of a row of candidates with the features of the fit.
+    pub(crate) fn predict(&self, candidates: &Candidates, row: usize, weight: f64) -> Prediction {
+        let (z, variances) = self.coordinates_of(candidates, row);
         let log_posteriors = self.densities.log_posteriors(&z, &variances);
         let decided = Some(self.densities.decide(&log_posteriors));
-        Prediction { truth: table.classes[row], decided, log_posteriors, weight }
+        Prediction { truth: candidates.table.classes[row], decided, log_posteriors, weight }
     }
 }
 
 /// Fits the recipe to the rows; if the recipe chooses the shrinkage, it is chosen on these rows alone.
 pub(crate) fn fit(candidates: &Candidates, recipe: &Recipe) -> Result<Fitted, Error> {
-    let Candidates { table, features, .. } = candidates;
+    let features = &candidates.features;
+    let explained = covariates::fit(candidates, recipe)?;
+    let own = explained.as_ref().map(|explained| explained.corrected(candidates));
+    let table = own.as_ref().unwrap_or(&candidates.table);
     let raw = ClassStatistics::of(table, features)?;
     let projection = projection::of_statistics(&raw, features, recipe.projection)?;
     let coordinates = table.map(&projection);
@@ -53,7 +71,13 @@ pub(crate) fn fit(candidates: &Candidates, recipe: &Recipe) -> Result<Fitted, Er
         Some(shrinkage) => discriminant::shrunk(&statistics, &coordinate_names, recipe, shrinkage)?,
         None => discriminant::of_statistics(&statistics, (&table.names, &coordinate_names), recipe)?,
     };
-    Ok(Fitted { projection, coordinates, coordinate_names, statistics, densities, choice })
+    Ok(Fitted { explained, projection, coordinates, coordinate_names, statistics, densities, choice })
+}
+
+/// Returns the candidates without what the covariates explain, by all rows.
+pub(crate) fn corrected(candidates: &Candidates, recipe: &Recipe) -> Result<Candidates, Error> {
+    let Some(explained) = covariates::fit(candidates, recipe)? else { return Ok(candidates.clone()) };
+    Ok(Candidates { table: explained.corrected(candidates), covariates: None, ..candidates.clone() })
 }
 
 #[cfg(test)]
@@ -90,7 +114,7 @@ mod tests {
         let classes = (0..rows.len()).map(|k| k % 2).collect();
         let groups = (0..rows.len()).collect();
         let table = FeatureTable::exact(rows, classes, vec!["a".into(), "b".into()]);
-        Candidates { table, features: (0..features).map(|k| format!("f{k}")).collect(), groups }
+        Candidates { table, features: (0..features).map(|k| format!("f{k}")).collect(), groups, covariates: None }
     }
 
     #[test]

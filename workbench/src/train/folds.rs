@@ -36,6 +36,8 @@ pub struct Candidates {
     pub features: Vec<String>,
     /// Group of each row.
     pub groups: Vec<usize>,
+    /// The covariates of each row, in the order of the recipe; `None` without covariates.
+    pub covariates: Option<FeatureTable>,
 }
 
 impl Candidates {
@@ -43,14 +45,17 @@ impl Candidates {
     #[must_use]
     pub fn rows(&self, places: &[usize]) -> Self {
         let table = self.table.keep(places);
-        Self { table, features: self.features.clone(), groups: places.iter().map(|&k| self.groups[k]).collect() }
+        let groups = places.iter().map(|&k| self.groups[k]).collect();
+        let covariates = self.covariates.as_ref().map(|table| table.keep(places));
+        Self { table, features: self.features.clone(), groups, covariates }
     }
 
     /// Returns the given features only.
     #[must_use]
     pub fn select(&self, places: &[usize]) -> Self {
         let features = places.iter().map(|&k| self.features[k].clone()).collect();
-        Self { table: self.table.select(places), features, groups: self.groups.clone() }
+        let covariates = self.covariates.clone();
+        Self { table: self.table.select(places), features, groups: self.groups.clone(), covariates }
     }
 
     /// Returns the indices of features by name.

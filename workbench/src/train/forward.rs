@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use super::fit::fit;
 use super::folds::check;
-use super::{Trained, novelty};
+use super::{Explained, Trained, novelty};
 use crate::Error;
 use crate::evaluate::FalseAlarms;
 
@@ -54,13 +54,13 @@ impl Trained {
         let fitted = fit(&before, &self.recipe)?;
         let mut alarms = self.recipe.alarms.clone();
         alarms.required = true;
-        let names = &fitted.coordinate_names;
-        let watch = novelty::train(&fitted.coordinates, names, self.recipe.runs(&before), &alarms, None)?;
+        let count = fitted.explained.as_ref().map_or(0, Explained::fitted);
+        let rows = (&fitted.coordinates, fitted.coordinate_names.as_slice(), count);
+        let watch = novelty::train(rows, self.recipe.runs(&before), &alarms, None)?;
         let gate = watch.gate.ok_or_else(|| Error::Training("no healthy class".into()))?;
         let mut found = FalseAlarms::default();
         for row in after.into_iter().filter(|&row| candidates.table.classes[row] == healthy) {
-            let (value, variance) = (&candidates.table.rows[row], &candidates.table.variances[row]);
-            let (z, variances) = fitted.projection.apply_with(value, variance);
+            let (z, variances) = fitted.coordinates_of(&candidates, row);
             let run = &self.recipe.validation.groups[candidates.groups[row]];
             found.add(run, gate.is_novel(&z, &variances));
         }

@@ -130,7 +130,6 @@ mod tests {
                     MotionTrace {
                         current_a: trace.current_a.clone(),
                         velocity_rad_s: trace.velocity_rad_s.clone(),
-                        reference_rad_s: trace.velocity_ref_rad_s.clone(),
                         load_nm: load,
                         angle_rad: trace.angle_rad.clone(),
                     }

@@ -39,18 +39,20 @@ pub(super) struct Estimated {
 }
 
 impl Estimated {
-    /// Returns the rows that have at least one of the chosen features, and the count of the others.
+    /// Returns the rows that have at least one of the chosen features and all covariates, and the count of the others.
     ///
     /// # Errors
     /// A class for which fewer than two rows are left, with the reason of the first that is left out.
     pub(super) fn usable(
         &self,
-        chosen: &[usize],
+        (chosen, covariates): (&[usize], &[usize]),
         traces: &[LabelledTrace],
         in_pieces: bool,
     ) -> Result<(Candidates, LeftOut), Error> {
         let table = &self.candidates.table;
-        let has_any = |row: &usize| chosen.iter().any(|&feature| table.variances[*row][feature].is_finite());
+        let has = |row: usize, feature: usize| table.variances[row][feature].is_finite();
+        let complete = |row: usize| covariates.iter().all(|&feature| has(row, feature));
+        let has_any = |row: &usize| chosen.iter().any(|&feature| has(*row, feature)) && complete(*row);
         let (kept, lost): (Vec<usize>, Vec<usize>) = (0..table.rows.len()).partition(has_any);
         let described = |row: usize| {
             let reason = self.reasons[row].as_deref().unwrap_or("no part that they belong to has a result");
@@ -66,7 +68,9 @@ impl Estimated {
         }
         let first = lost.first().map(|&row| described(row)).map(|(trace, reason)| format!("{trace}, {reason}"));
         let left_out = LeftOut { count: lost.len(), of: table.rows.len(), in_pieces, first };
-        Ok((self.candidates.rows(&kept), left_out))
+        let mut candidates = self.candidates.rows(&kept);
+        candidates.covariates = (!covariates.is_empty()).then(|| candidates.table.select(covariates));
+        Ok((candidates, left_out))
     }
 }
 

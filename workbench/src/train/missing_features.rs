@@ -25,7 +25,7 @@ fn set(velocity: f64) -> (Vec<LabelledTrace>, Vec<String>) {
     let steady = &mut traces[2].trace;
     let motion = steady.motion.as_mut().expect("watched");
     for k in 0..steady.y.len() {
-        (steady.u1[k], motion.reference_rad_s[k], motion.velocity_rad_s[k]) = (velocity, velocity, velocity);
+        (steady.u1[k], motion.velocity_rad_s[k]) = (velocity, velocity);
         motion.angle_rad[k] = velocity * 0.002 * k as f64;
         // The current of friction alone, with the noise of the record.
         motion.current_a[k] = 0.1 + 0.01 * motion.current_a[k];

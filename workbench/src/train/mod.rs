@@ -9,6 +9,7 @@
 
 mod core_features;
 mod core_form;
+mod covariates;
 mod cross_validation;
 pub(crate) mod discriminant;
 mod estimation;
@@ -36,9 +37,11 @@ pub(crate) mod statistics;
 mod table;
 mod trained;
 
-use bearing_watch::model::{Feature, MAX_LONG_SEGMENT_ROWS};
+use bearing_watch::model::{Covariates, MAX_LONG_SEGMENT_ROWS};
 use nalgebra::DVector;
 use rayon::prelude::*;
+
+use bearing_watch::plan::MAX_COVARIATES;
 
 use crate::Error;
 use crate::core::features::{self, Catalogue};
@@ -47,6 +50,7 @@ use crate::identify::{Estimate, least_squares};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Trace, same_interval};
 
+pub use covariates::{Coefficient, Explained, Explaining};
 pub use cross_validation::predict;
 pub use discriminant::GaussianClasses;
 pub use estimation::Estimation;
@@ -83,18 +87,28 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
     let parts = parts(traces, classes, recipe, (segment, interval_s))?;
     let catalogue = recipe.catalogue();
     let chosen = catalogue.choose(&recipe.features)?;
+    let explaining = covariate_places(&catalogue, recipe)?;
     let estimated = estimate(traces, (classes, recipe), (&parts, &catalogue), (&pieces, segment))?;
-    let (candidates, left_out) = estimated.usable(&chosen, traces, recipe.estimation.segment.is_some())?;
+    let pieces_only = recipe.estimation.segment.is_some();
+    let (candidates, left_out) = estimated.usable((&chosen, &explaining), traces, pieces_only)?;
     let Candidates { table: raw, features: feature_names, .. } = candidates.select(&chosen);
-    let fit::Fitted { projection, coordinates, coordinate_names, statistics, densities, choice } =
+    let fit::Fitted { explained, projection, coordinates, coordinate_names, statistics, densities, choice } =
         fit::fit(&candidates.select(&chosen), recipe)?;
-    let (core_features, core_projection, core_usual) = compose(&candidates.table, &chosen, &catalogue, &projection);
+    let (used, core_projection, core_usual) = compose(&candidates.table, &chosen, &catalogue, &projection);
+    let core_features = used.iter().map(|&place| catalogue.core_feature(place)).collect();
+    let core_covariates = match &explained {
+        Some(explained) => explained.core(&catalogue, &chosen, &used),
+        None => Covariates { list: vec![], map: vec![] },
+    };
     let segment_s = (interval_s > 0.0).then_some(segment as f64 * interval_s);
-    let watch = novelty::train(&coordinates, &coordinate_names, recipe.runs(&candidates), &recipe.alarms, segment_s)?;
+    let fitted = explained.as_ref().map_or(0, Explained::fitted);
+    let rows = (&coordinates, coordinate_names.as_slice(), fitted);
+    let watch = novelty::train(rows, recipe.runs(&candidates), &recipe.alarms, segment_s)?;
     Ok(Trained {
         recipe: recipe.clone(),
         classes: classes.to_vec(),
         feature_names,
+        explained,
         projection,
         raw,
         coordinates,
@@ -106,6 +120,7 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
         candidates,
         watch,
         core_features,
+        core_covariates,
         core_projection,
         core_usual,
         parts,
@@ -134,7 +149,8 @@ fn parts(
     });
     let mut channels = wiring.core_channels(traces.iter().map(|t| &t.trace), LIMIT)?;
     estimation::guard(&mut channels, wiring.signals, &recipe.estimation)?;
-    Ok(Parts { channels, regression: Some(regression), shaft: shaft.transpose()? })
+    let averaged = recipe.catalogue().averaged.iter().fold(0, |mask, (_, place)| mask | 1 << place);
+    Ok(Parts { channels, regression: Some(regression), shaft: shaft.transpose()?, averaged })
 }
 
 /// Returns the features of all segments; those of a part without a result are missing.
@@ -144,7 +160,8 @@ fn estimate(
     (parts, catalogue): (&Parts, &Catalogue),
     (pieces, segment): (&[LabelledTrace], usize),
 ) -> Result<Estimated, Error> {
-    let (table, origins, reasons) = if recipe.estimation.is_batch() && parts.shaft.is_none() {
+    let batch = recipe.estimation.is_batch() && parts.shaft.is_none() && parts.averaged == 0;
+    let (table, origins, reasons) = if batch {
         let of_trace = |(k, t): (usize, &LabelledTrace)| {
             let pieces = recipe.estimation.segment.map_or(1, |samples| spans(t.trace.y.len(), samples).count());
             std::iter::repeat_n(k, pieces)
@@ -157,7 +174,35 @@ fn estimate(
     };
     let groups = groups(&recipe.validation.groups, traces.len())?;
     let groups = origins.iter().map(|&trace| groups[trace]).collect();
-    Ok(Estimated { candidates: Candidates { table, features: catalogue.names(), groups }, origins, reasons })
+    let candidates = Candidates { table, features: catalogue.names(), groups, covariates: None };
+    Ok(Estimated { candidates, origins, reasons })
+}
+
+/// Returns the places of the covariates among all features.
+///
+/// # Errors
+/// An unknown name, or a raw parameter that is a combination of several parameters of the core.
+fn covariate_places(catalogue: &Catalogue, recipe: &Recipe) -> Result<Vec<usize>, Error> {
+    if recipe.covariates.is_empty() {
+        return Ok(vec![]);
+    }
+    if recipe.covariates.len() > MAX_COVARIATES {
+        return Err(Error::Usage(format!("--covariates: at most {MAX_COVARIATES}")));
+    }
+    let names = catalogue.names();
+    let zero = catalogue.delta_from_raw(&DVector::zeros(names.len()));
+    let each = |name: &String| {
+        let unknown = || Error::Usage(format!("--covariates: no {name} in this model; there are {}", names.join(", ")));
+        let place = names.iter().position(|own| own == name).ok_or_else(unknown)?;
+        let mut unit = DVector::zeros(names.len());
+        unit[place] = 1.0;
+        // The core's feature at the same place must be the same number.
+        let delta = catalogue.delta_from_raw(&unit) - &zero;
+        let same = delta == unit && zero[place] == 0.0 && catalogue.raw_from_delta().row(place).transpose() == unit;
+        let problem = format!("--covariates: {name} is a combination of parameters; name a feature that is not");
+        if same { Ok(place) } else { Err(Error::Usage(problem)) }
+    };
+    recipe.covariates.iter().map(each).collect()
 }
 
 /// Returns the features by batch least squares, and why a row has none.
@@ -246,6 +291,7 @@ pub fn cut(traces: &[LabelledTrace], samples: usize) -> Vec<LabelledTrace> {
                 u1: trace.u1[start..end].to_vec(),
                 u2: trace.u2[start..end].to_vec(),
                 motion: trace.motion.as_ref().map(|motion| motion.cut(start, end)),
+                further: trace.further.iter().map(|column| column[start..end].to_vec()).collect(),
                 ..*trace
             };
             LabelledTrace { trace: piece, class: labelled.class }
@@ -260,13 +306,14 @@ fn spans(length: usize, samples: usize) -> impl Iterator<Item = (usize, usize)> 
     ends.filter(move |(start, end)| 2 * (end - start) > samples)
 }
 
-/// Returns the map from the core's δ-features: z = W (raw − m) = W T_S (δ − δ_m), with δ_m the training mean of δ.
+/// Returns the map from the core's δ-features: z = W (raw − m) = W T_S (δ − δ_m), with δ_m the training mean of δ, and
+/// the places of the δ-features that it uses.
 fn compose(
     table: &FeatureTable,
     chosen: &[usize],
     catalogue: &Catalogue,
     projection: &AffineMap,
-) -> (Vec<Feature>, AffineMap, DVector<f64>) {
+) -> (Vec<usize>, AffineMap, DVector<f64>) {
     let map = catalogue.raw_from_delta().select_rows(chosen);
     let used: Vec<usize> = (0..map.ncols()).filter(|&k| map.column(k).amax() > 0.0).collect();
     // Both centres are the same point: of the chosen features the projection's centre, of the others any.
@@ -275,8 +322,7 @@ fn compose(
     let mean = catalogue.delta_from_raw(&raw);
     let matrix = &projection.matrix * map.select_columns(&used);
     let centre = DVector::from_iterator(used.len(), used.iter().map(|&k| mean[k]));
-    let indices = used.iter().map(|&place| catalogue.core_feature(place)).collect();
     // The map from raw features leaves those with errors as they are.
     let usual = DVector::from_iterator(used.len(), used.iter().map(|&k| table.usual[k]));
-    (indices, AffineMap { matrix, mean: centre }, usual)
+    (used, AffineMap { matrix, mean: centre }, usual)
 }

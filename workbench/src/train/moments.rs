@@ -48,6 +48,13 @@ pub(crate) struct Observed<'a> {
     pub(crate) class: usize,
 }
 
+impl Observed<'_> {
+    /// Whether any value is available.
+    pub(crate) fn has_any(&self) -> bool {
+        self.variance.iter().any(|variance| variance.is_finite())
+    }
+}
+
 /// Means of the classes and their common covariance.
 #[derive(Clone, Debug)]
 pub(crate) struct Moments {

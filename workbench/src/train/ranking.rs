@@ -140,7 +140,8 @@ pub fn rank(candidates: &Candidates, recipe: &Recipe) -> Result<Ranking, Error> 
     let among_all: Vec<Option<Gain>> = everything.par_iter().map(among_all).collect();
     let honest = judge.honest(&recipe);
     let scores = |predictions: &Vec<Prediction>| Scores::new(predictions, &judge.priors);
-    let ratios: Vec<_> = everything.par_iter().map(|&feature| fisher(candidates, &judge.priors, feature)).collect();
+    let ratios: Vec<_> =
+        everything.par_iter().map(|&feature| fisher(&judge.corrected, &judge.priors, feature)).collect();
     let ranked = |&feature: &usize| {
         let (fisher, pairs) = ratios[feature].clone();
         let kept = path.chosen.contains(&feature);
@@ -209,7 +210,7 @@ mod tests {
         let names = ["a", "b", "c"].map(String::from).into();
         let table = FeatureTable::exact(classes.iter().map(row).collect(), classes, names);
         let features = ["noise", "copy", "shift", "mate", "other"].map(String::from).into();
-        Candidates { table, features, groups: (0..rows).collect() }
+        Candidates { table, features, groups: (0..rows).collect(), covariates: None }
     }
 
     fn recipe() -> Recipe {

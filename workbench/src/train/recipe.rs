@@ -4,7 +4,8 @@ use bearing_watch::Park;
 use bearing_watch::plan::Kind;
 
 use super::{Alarms, Candidates, Estimation, ProjectionKind, ShaftPlan, Shrink, Validation};
-use crate::core::features::Catalogue;
+use crate::core::Wiring;
+use crate::core::features::{self, Catalogue};
 use crate::identify::Structure;
 use crate::trace::Channels;
 
@@ -23,6 +24,8 @@ pub struct Recipe {
     pub shaft: Option<ShaftPlan>,
     /// Feature names or groups; none means every parameter.
     pub features: Vec<String>,
+    /// Names of the features that explain a part of the others.
+    pub covariates: Vec<String>,
     /// Projection of the features.
     pub projection: ProjectionKind,
     /// Shared or separate covariances, if they are not shrunk.
@@ -53,6 +56,7 @@ impl Recipe {
             estimation: Estimation::default(),
             shaft: None,
             features: vec![],
+            covariates: vec![],
             projection: ProjectionKind::None,
             discriminant: Kind::Linear,
             shrink: Shrink::Not,
@@ -72,6 +76,34 @@ impl Recipe {
     /// Returns the catalogue of available features.
     #[must_use]
     pub fn catalogue(&self) -> Catalogue {
-        Catalogue { structure: self.structure, orders: self.shaft.as_ref().map(ShaftPlan::names) }
+        let channels = self.wiring(&self.columns).channels;
+        let asked: Vec<&str> = self.averaged().collect();
+        let averaged =
+            channels.into_iter().map(|(name, _)| name).zip(0_u8..).filter(|(name, _)| asked.contains(&name.as_str()));
+        let orders = self.shaft.as_ref().map(ShaftPlan::names);
+        Catalogue { structure: self.structure, orders, averaged: averaged.collect() }
+    }
+
+    /// Returns the recipe with the columns that averages name and no other part uses.
+    #[must_use]
+    pub fn with_averaged_columns(mut self) -> Self {
+        let others = self.wiring(&Channels { further: vec![], ..self.columns.clone() }).channels;
+        let mut further: Vec<String> = vec![];
+        for name in self.averaged() {
+            if !others.iter().any(|(own, _)| own == name) && !further.iter().any(|own| own == name) {
+                further.push(name.to_string());
+            }
+        }
+        self.columns.further = further;
+        self
+    }
+
+    /// Returns the channels whose averages are features or covariates.
+    fn averaged(&self) -> impl Iterator<Item = &str> {
+        self.features.iter().chain(&self.covariates).filter_map(|name| features::averaged(name))
+    }
+
+    fn wiring(&self, columns: &Channels) -> Wiring {
+        Wiring::new(columns, self.structure, self.shaft.as_ref().map(|plan| plan.load))
     }
 }

@@ -56,7 +56,12 @@ fn candidates() -> Candidates {
     let classes = (0..24).map(|k| if k < 7 { 0 } else { usize::from(k >= 15) + 1 }).collect();
     let rows = X.iter().map(|row| DVector::from_column_slice(row)).collect();
     let table = FeatureTable::exact(rows, classes, ["a", "b", "c"].map(String::from).into());
-    Candidates { table, features: ["x1", "x2", "x3"].map(String::from).into(), groups: (0..24).collect() }
+    Candidates {
+        table,
+        features: ["x1", "x2", "x3"].map(String::from).into(),
+        groups: (0..24).collect(),
+        covariates: None,
+    }
 }
 
 fn recipe(projection: ProjectionKind) -> Recipe {

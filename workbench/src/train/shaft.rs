@@ -128,10 +128,10 @@ pub(super) fn model(
     }
     let all: Vec<&MotionTrace> = watched.iter().map(|(_, motion)| *motion).collect();
     let own: Vec<Watched<'_>> = watched.into_iter().filter(|(t, _)| t.class == nominal).collect();
-    let ([current, velocity, reference], load) =
+    let ([current, velocity], load) =
         wiring.shaft.ok_or_else(|| Error::Training("the channels of the shaft are not wired".into()))?;
     let (orders, harmonics) = (plan.orders.len() as u8, harmonics(&plan.weights));
-    let layout = ShaftLayout { current, velocity, reference, load, orders, harmonics };
+    let layout = ShaftLayout { current, velocity, load, orders, harmonics };
     let mut constants = untrained(&all, interval_s, plan)?;
     let bench = Bench::new(&own, layout, wiring)?;
     let healthy: Vec<&MotionTrace> = own.iter().map(|(_, motion)| *motion).collect();
@@ -200,8 +200,8 @@ impl Bench {
     fn new(own: &[Watched<'_>], layout: ShaftLayout, wiring: &Wiring) -> Result<Self, Error> {
         let alone = Wiring { channels: vec![], ..wiring.clone() }.of_shaft(wiring);
         let channels = alone.core_channels(own.iter().map(|(t, _)| &t.trace), LIMIT)?;
-        let ([current, velocity, reference], load) = alone.shaft.unwrap_or(([Signal::channel(0); 3], None));
-        Ok(Self { layout: ShaftLayout { current, velocity, reference, load, ..layout }, channels })
+        let ([current, velocity], load) = alone.shaft.unwrap_or(([Signal::channel(0); 2], None));
+        Ok(Self { layout: ShaftLayout { current, velocity, load, ..layout }, channels })
     }
 
     pub(super) fn run(
@@ -209,8 +209,12 @@ impl Bench {
         constants: &ShaftConstants<RunTime>,
         trace: &Trace,
     ) -> Result<ShaftEstimate<RunTime>, Error> {
-        let parts =
-            Parts { channels: self.channels.clone(), regression: None, shaft: Some((self.layout, constants.clone())) };
+        let parts = Parts {
+            channels: self.channels.clone(),
+            regression: None,
+            shaft: Some((self.layout, constants.clone())),
+            averaged: 0,
+        };
         let samples = trace.y.len() as u32;
         let sampling = Sampling { interval_s: 0.0, park: None, block_mean: 1, segment_samples: samples };
         let model = parts.estimating(sampling).map_err(refused)?;

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
+use super::covariates;
 use super::folds::{Candidates, Folds, check};
 use super::moments::Observed;
 use super::scores::{Prediction, Scores};
@@ -94,6 +95,13 @@ impl Part {
         let (seen, rows) = folds.split(fold);
         let (seen, held_out) = (candidates.rows(&seen), candidates.rows(&rows));
         check(&seen)?;
+        let (seen, held_out) = match covariates::fit(&seen, recipe)? {
+            Some(own) => {
+                let without = |of: &Candidates| Candidates { table: own.corrected(of), ..of.clone() };
+                (without(&seen), without(&held_out))
+            }
+            None => (seen, held_out),
+        };
         let raw = ClassStatistics::of(&seen.table, &seen.features)?;
         let map = projection::of_statistics(&raw, &seen.features, recipe.projection)?;
         let coordinates = seen.table.map(&map);

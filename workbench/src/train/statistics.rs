@@ -55,7 +55,8 @@ impl ClassStatistics {
             return Ok(Self::new(table));
         }
         require_values(table, names)?;
-        let rows = table.observed();
+        // Rows without any value, such as those of a defect outside the range of a covariate, tell nothing.
+        let rows: Vec<Observed<'_>> = table.observed().into_iter().filter(Observed::has_any).collect();
         let classes = table.names.len();
         let pooled = moments(&rows, classes);
         let of_class = |class: usize| {

@@ -1,9 +1,12 @@
 //! A trained model in double precision.
 
-use bearing_watch::model::Feature;
+use bearing_watch::model::{Covariates, Feature};
+use bearing_watch::plan::RunTime;
 use nalgebra::DVector;
 
-use super::{AffineMap, Candidates, Choice, ClassStatistics, FeatureTable, GaussianClasses, LeftOut, Recipe, Watch};
+use super::{
+    AffineMap, Candidates, Choice, ClassStatistics, Explained, FeatureTable, GaussianClasses, LeftOut, Recipe, Watch,
+};
 use crate::core::Parts;
 
 /// A trained model, with the parts of the core's [`bearing_watch::Model`].
@@ -15,7 +18,9 @@ pub struct Trained {
     pub classes: Vec<String>,
     /// Names of the raw features in use.
     pub feature_names: Vec<String>,
-    /// Map from the chosen raw features to the coordinates.
+    /// What covariates explain of the features.
+    pub explained: Option<Explained>,
+    /// Map from the chosen raw features, less what covariates explain, to the coordinates.
     pub projection: AffineMap,
     /// The chosen raw features of the training traces.
     pub raw: FeatureTable,
@@ -37,6 +42,8 @@ pub struct Trained {
     pub watch: Watch,
     /// The core's features.
     pub core_features: Vec<Feature>,
+    /// The core's covariates.
+    pub core_covariates: Covariates<RunTime>,
     /// Map from the core features to the coordinates.
     pub core_projection: AffineMap,
     /// Usual variances of the core features' errors.

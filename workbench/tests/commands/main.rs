@@ -3,6 +3,7 @@
 mod alarm_commands;
 mod command_line;
 mod common;
+mod covariate_commands;
 mod field_command;
 mod grey_box_commands;
 mod simulate_command;

@@ -12,13 +12,13 @@ use crate::train::ShaftPlan;
 #[command(next_help_heading = "Shaft (friction and bearing orders)")]
 pub(in crate::cli) struct ShaftArgs {
     /// Angle of the shaft, rad: watches friction and bearing orders
-    #[arg(long, value_name = "CHANNEL", requires = "velocity", requires = "velocity_ref")]
+    #[arg(long, value_name = "CHANNEL", requires = "velocity")]
     angle: Option<String>,
     /// Measured velocity, rad/s
     #[arg(long, value_name = "CHANNEL", requires = "angle")]
     velocity: Option<String>,
-    /// Velocity reference, rad/s
-    #[arg(long, value_name = "CHANNEL", requires = "angle")]
+    /// No longer used; accepted so that scripts keep working
+    #[arg(long, value_name = "CHANNEL", hide = true)]
     velocity_ref: Option<String>,
     /// Current, A; same as --y if not given
     #[arg(long, value_name = "CHANNEL", requires = "angle")]
@@ -50,13 +50,14 @@ pub(in crate::cli) struct ShaftArgs {
 impl ShaftArgs {
     /// Returns the channels and the plan if the shaft is watched.
     pub(in crate::cli) fn shaft(&self, y: &str) -> Result<Option<(ShaftChannels, ShaftPlan)>, Error> {
-        let (Some(angle), Some(velocity), Some(reference)) = (&self.angle, &self.velocity, &self.velocity_ref) else {
+        // The torque balance needs no reference.
+        let _ = &self.velocity_ref;
+        let (Some(angle), Some(velocity)) = (&self.angle, &self.velocity) else {
             return Ok(None);
         };
         let channels = ShaftChannels {
             current: self.current.clone().unwrap_or_else(|| y.into()),
             velocity: velocity.clone(),
-            reference: reference.clone(),
             load: self.load.clone(),
             angle: angle.clone(),
         };

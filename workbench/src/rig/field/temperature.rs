@@ -9,9 +9,22 @@
 //! Tc, uniform and independent of s                               (4)
 //! ```
 //!
+//! A sensor at the lubricant records, with 20 °C cold and 100 °C hot and white noise n of 0.5 °C,
+//!
+//! ```text
+//! T = 20 + 80 (s + ln(1 − b w(t))/ln(b₁/b₀)) + n                 (6)
+//! ```
+//!
+//! so that it follows the viscous friction, but for its scatter, also during the warm-up.
+//!
 //! Within the record, with `w(t) = 1 − exp(−t/τ)`, R is multiplied by `1 + r w(t)` and B by `1 − b w(t)`   (5).
 
 use crate::rig::{NoiseSource, RigError, not_negative, positive};
+
+/// Temperature of a cold drive, and of a hot one.
+const RANGE_C: [f64; 2] = [20.0, 100.0];
+/// Standard deviation of the sensor's noise.
+const NOISE_C: f64 = 0.5;
 
 /// Ranges of the effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,6 +60,8 @@ pub struct TemperatureValues {
     pub flux: f64,
     /// Factor of B at the start of the record (3).
     pub viscous: f64,
+    /// ln(b₁/b₀) of (3).
+    pub viscous_slope: f64,
     /// Added Coulomb friction (4).
     pub coulomb_nm: f64,
     /// b of (5).
@@ -93,6 +108,7 @@ impl Temperature {
             resistance: 1.0 + self.resistance_rise * state, // (1)
             flux: 1.0 - self.flux_loss * state,             // (2)
             viscous: libm::exp(cold + state * (hot - cold) + scatter), // (3)
+            viscous_slope: hot - cold,
             coulomb_nm: source.uniform(0.0, self.coulomb_nm), // (4)
             warm_up_viscous: source.uniform(0.0, self.warm_up_viscous),
             warm_up_resistance: source.uniform(0.0, self.warm_up_resistance),
@@ -112,6 +128,17 @@ impl TemperatureValues {
     #[must_use]
     pub fn viscous_at(&self, t_s: f64) -> f64 {
         1.0 - self.warm_up_viscous * self.warmth(t_s)
+    }
+
+    /// Recorded temperature at these times, °C (6).
+    #[must_use]
+    pub fn measured_c(&self, times_s: &[f64], mut source: NoiseSource) -> Vec<f64> {
+        let [cold, hot] = RANGE_C;
+        let rise = |t_s: f64| {
+            if self.viscous_slope == 0.0 { 0.0 } else { libm::log(self.viscous_at(t_s)) / self.viscous_slope }
+        };
+        let each = |t_s: &f64| cold + (hot - cold) * (self.state + rise(*t_s)) + NOISE_C * source.gaussian();
+        times_s.iter().map(each).collect()
     }
 
     fn warmth(&self, t_s: f64) -> f64 {
@@ -146,6 +173,21 @@ mod tests {
         let ((ms, ss), (mt, st)) = (moments(&states), moments(&torques));
         let product = states.iter().zip(&torques).map(|(s, t)| (s - ms) * (t - mt)).sum::<f64>() / 2000.0;
         assert!((product / (ss * st)).abs() < 0.09);
+    }
+
+    #[test]
+    fn the_sensor_follows_the_viscous_friction() {
+        let values = Temperature::FIELD.draw(NoiseSource::new(1, Stream::Temperature));
+        let times: Vec<f64> = (0..5000).map(|k| 0.002 * f64::from(k)).collect();
+        let measured = values.measured_c(&times, NoiseSource::new(1, Stream::TemperatureSensor));
+        let error = |(t, c): (&f64, &f64)| {
+            // ln B falls by ln(2.5/0.4) over 80 °C; without scatter it is ln 2.5 at 20 °C.
+            let log = 2.5_f64.ln() + values.state * (0.4_f64 / 2.5).ln() + values.viscous_at(*t).ln();
+            c - (20.0 + 80.0 * (log - 2.5_f64.ln()) / (0.4_f64 / 2.5).ln())
+        };
+        let (mean, sd) = moments(&times.iter().zip(&measured).map(error).collect::<Vec<_>>());
+        // Four standard deviations of mean (0.5/√5000) and of standard deviation (0.5/√10000).
+        assert!(mean.abs() < 0.03 && (sd - 0.5).abs() < 0.02, "{mean} {sd}");
     }
 
     #[test]

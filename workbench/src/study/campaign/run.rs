@@ -54,6 +54,7 @@ pub fn labelled(recording: Recording, class: usize) -> LabelledTrace {
         y: recorded.current_a,
         u1: recorded.velocity_ref_rad_s,
         motion: Some(motion),
+        further: vec![recorded.temperature_c],
     };
     LabelledTrace { trace, class }
 }

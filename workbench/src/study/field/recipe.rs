@@ -1,6 +1,7 @@
 //! The one configuration of all rows. To try other features, change [`FEATURES`], or pass others in
 //! [`Settings::features`](super::Settings::features).
 
+use super::rows::Row;
 use crate::identify::Structure;
 use crate::rig::Condition;
 use crate::rig::field::LoadMeasurement;
@@ -10,6 +11,9 @@ use crate::train::{Alarms, Recipe, ShaftPlan};
 /// Features of the detector: the friction at a usual velocity and load, what of it varies with velocity and with load,
 /// the torque constant, and the order of the outer race.
 pub const FEATURES: [&str; 5] = ["drag", "viscous_log", "inverse_kt", "load_friction", "order_outer"];
+
+/// The covariate of a row that knows the temperature.
+pub const TEMPERATURE: &str = "mean_temperature_c";
 
 /// Features that exist only if the load is measured.
 const NEED_LOAD: [&str; 4] = ["inverse_kt", "inverse_kt_score", "load_friction", "load_friction_score"];
@@ -41,6 +45,16 @@ pub fn recipe(condition: &Condition, features: &[String]) -> Recipe {
     features.retain(|name| !NEED_LOAD.contains(&name.as_str()));
     let shaft = base.shaft.clone().map(|plan| ShaftPlan { load: false, ..plan });
     Recipe { features, alarms, shaft, structure: WITHOUT_LOAD, ..base }
+}
+
+/// Returns the recipe for a row.
+#[must_use]
+pub fn of_row(row: &Row, features: &[String]) -> Recipe {
+    let recipe = recipe(&row.trained, features);
+    if !row.known {
+        return recipe;
+    }
+    Recipe { covariates: vec![TEMPERATURE.into()], ..recipe }.with_averaged_columns()
 }
 
 /// Returns whether the drives of a condition measure the load.

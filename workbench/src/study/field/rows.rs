@@ -35,17 +35,23 @@ pub struct Row {
     pub judged: Condition,
     /// Whether a discriminant of three classes is trained and judged as well.
     pub classes: bool,
+    /// Whether the detector knows the temperature, as a covariate.
+    pub known: bool,
 }
 
 impl Row {
     /// Trained and judged under the same condition.
     const fn same(condition: Condition, classes: bool) -> Self {
-        Self { trained: condition, judged: condition, classes }
+        Self { trained: condition, judged: condition, classes, known: false }
     }
 
-    /// Name of the row: that of the condition, with `-unseen` if the gate was trained under [`Condition::MIX`].
+    /// Name of the row: that of the condition, with `-known` if the temperature is known, and with `-unseen` if the
+    /// gate was trained under [`Condition::MIX`].
     #[must_use]
     pub fn name(&self) -> String {
+        if self.known {
+            return format!("{}-known", self.judged.name);
+        }
         if self.trained == self.judged { self.judged.name.into() } else { format!("{}-unseen", self.judged.name) }
     }
 
@@ -71,15 +77,18 @@ impl Row {
     }
 }
 
-/// All rows: MIX as the reference, each condition of the field, and missing samples that the training set did not have.
+/// All rows: MIX as the reference, each condition of the field, missing samples that the training set did not
+/// have, and a drive that knows its temperature.
 #[must_use]
 pub fn rows() -> Vec<Row> {
     let field = |condition: &Condition| condition.name.starts_with("field-");
     let missing = |condition: &Condition| condition.name.starts_with("missing-");
     let mut rows = vec![Row::same(Condition::MIX, true)];
     rows.extend(Condition::FIELD.into_iter().map(|condition| Row::same(condition, field(&condition))));
-    let unseen = |judged: Condition| Row { trained: Condition::MIX, judged, classes: false };
+    let unseen = |judged: Condition| Row { trained: Condition::MIX, judged, classes: false, known: false };
     rows.extend(Condition::FIELD.into_iter().filter(missing).map(unseen));
+    let temperature = Condition::FIELD.into_iter().filter(|condition| condition.name == "temperature");
+    rows.extend(temperature.map(|condition| Row { known: true, ..Row::same(condition, false) }));
     rows
 }
 
@@ -107,7 +116,7 @@ mod tests {
         let names: Vec<String> = rows().iter().map(Row::name).collect();
         assert_eq!(names.iter().collect::<HashSet<_>>().len(), names.len());
         assert!(Condition::FIELD.iter().all(|condition| names.iter().any(|name| name == condition.name)));
-        assert_eq!((names.len(), names[0].as_str()), (1 + 25 + 3, "mix"));
+        assert_eq!((names.len(), names[0].as_str()), (1 + 25 + 3 + 1, "mix"));
         assert_eq!(rows().iter().filter(|row| row.classes).count(), 4);
     }
 
@@ -128,7 +137,7 @@ mod tests {
             }
         }
         assert!(training.is_disjoint(&validation));
-        // 26 conditions: the last three rows use the training set of the first, and records of other rows.
+        // 26 conditions: the rows after them use the training sets and records of other rows.
         assert_eq!(training.len(), 26 * 25 * 5 * 3);
         assert_eq!(validation.len(), 25 * 5 * (26 * 8 + 4));
     }

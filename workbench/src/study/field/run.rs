@@ -1,7 +1,7 @@
 //! Trains and judges one draw of one row with the embedded detector.
 
 use super::Settings;
-use super::recipe::recipe;
+use super::recipe::of_row;
 use super::rows::{CLASS_SIZES, CLASSES, COLUMNS, Row};
 use super::tally::Tally;
 use crate::Error;
@@ -67,7 +67,7 @@ fn of_size(kind: DefectKind, severity: f64) -> Defect {
 fn detectors(row: &Row, draw: u32, settings: &Settings) -> Result<(Trained, Option<Trained>), Error> {
     let healthy = traces(&[(row.training(draw, Defect::HEALTHY), 0)], settings.healthy_training)?;
     let trained = |set: &[LabelledTrace], classes: &[Defect]| -> Trained {
-        let recipe = recipe(&row.trained, &settings.features);
+        let recipe = of_row(row, &settings.features);
         if recipe.features.is_empty() {
             return Err("none of the features exists without a load sensor".into());
         }

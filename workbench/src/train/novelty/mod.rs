@@ -111,11 +111,11 @@ pub struct Watch {
     pub warning: Option<String>,
 }
 
-/// Trains on the coordinates with these `names`; `runs` is the run of each row, if the rate is that of the next run,
+/// Trains on the coordinates with these `names`, to whose features `fitted` coefficients of covariates were fitted, or
+/// none; `runs` is the run of each row, if the rate is that of the next run,
 /// and `segment_s` is the duration of a segment, if known.
 pub(crate) fn train(
-    table: &FeatureTable,
-    names: &[String],
+    (table, names, fitted): (&FeatureTable, &[String], usize),
     runs: Option<&[usize]>,
     alarms: &Alarms,
     segment_s: Option<f64>,
@@ -130,7 +130,7 @@ pub(crate) fn train(
         return Err(Error::Usage(format!("--false-alarm {rate}: give a rate from 1e-9 to 0.5 a segment")));
     }
     let segments = segments_between(alarms.interval, segment_s)?;
-    let healthy = Healthy::of(table, class, runs);
+    let healthy = Healthy { fitted, ..Healthy::of(table, class, runs) };
     if let Some(problem) = healthy.scarcity(names, rate) {
         return if alarms.required { Err(Error::Training(problem)) } else { Ok(none(Some(problem + "; none is set"))) };
     }
@@ -195,7 +195,7 @@ pub fn gate_of_table(table: &FeatureTable, rate: f64) -> Result<Gate, Error> {
 pub fn gate_of_runs(table: &FeatureTable, runs: Option<&[usize]>, rate: f64) -> Result<Gate, Error> {
     let names: Vec<String> = (1..=table.rows.first().map_or(0, DVector::len)).map(|k| format!("z{k}")).collect();
     let alarms = Alarms { healthy: Some(0), false_alarm: rate, required: true, ..Alarms::default() };
-    let watch = train(table, &names, runs, &alarms, None)?;
+    let watch = train((table, &names, 0), runs, &alarms, None)?;
     watch.gate.ok_or_else(|| Error::Training("no healthy rows".into()))
 }
 
@@ -204,6 +204,8 @@ struct Healthy {
     table: FeatureTable,
     /// Run of each row, from 0 in their order, and the number of runs.
     runs: Option<(Vec<usize>, usize)>,
+    /// Number of coefficients that were fitted to a feature beforehand; each takes a degree of freedom.
+    fitted: usize,
 }
 
 impl Healthy {
@@ -211,30 +213,37 @@ impl Healthy {
         let own: Vec<usize> = (0..table.rows.len()).filter(|&row| table.classes[row] == class).collect();
         let mut healthy = table.keep(&own);
         (healthy.classes, healthy.names) = (vec![0; own.len()], vec![table.names[class].clone()]);
-        let Some(runs) = runs else { return Self { table: healthy, runs: None } };
+        let Some(runs) = runs else { return Self { table: healthy, runs: None, fitted: 0 } };
         let of_rows: Vec<usize> = own.iter().map(|&row| runs[row]).collect();
         let (rows, numbers, count) = runs::complete(&healthy, &of_rows);
         // Runs of one segment each are independent segments.
         let single = numbers.len() == count && count == own.len();
         let kept = if single { healthy } else { healthy.keep(&rows) };
-        Self { table: kept, runs: (!single).then_some((numbers, count)) }
+        Self { table: kept, runs: (!single).then_some((numbers, count)), fitted: 0 }
     }
 
     /// Says why there are too few segments or runs for a gate at this rate.
     fn scarcity(&self, names: &[String], rate: f64) -> Option<String> {
         if let Some((_, count)) = &self.runs {
+            let count = &count.saturating_sub(self.fitted);
             return (*count < runs::fewest(names.len(), rate)).then(|| runs::refusal(names.len(), *count, rate));
         }
         let least = fewest(names.len(), rate);
         let (rows, scarce) = rows_of(&self.table, 0);
         let with = scarce.map_or_else(String::new, |k| format!(" with {}", names[k]));
-        (rows < least).then(|| {
+        (rows.saturating_sub(self.fitted) < least).then(|| {
             format!(
                 "{rows} healthy segments{with} are too few for a novelty gate of {} coordinates at a false-alarm rate \
                  of {rate}; give at least {least}, use fewer features, or a higher rate",
                 names.len()
             )
         })
+    }
+
+    /// Factor of a covariance of so many rows or runs whose coefficients took degrees of freedom.
+    fn wider(&self, rows: usize) -> f64 {
+        let freedom = rows.saturating_sub(1) as f64;
+        freedom / (freedom - self.fitted as f64).max(1.0)
     }
 
     fn gate(&self, class: usize, names: &[String], rate: f64) -> Result<Gate, Error> {
@@ -248,15 +257,16 @@ impl Healthy {
         if let Some((runs, count)) = &self.runs {
             let runs::NextRun { mean, covariance, law, spread } =
                 runs::next_run(healthy, runs, *count).map_err(refuse)?;
+            let covariance = covariance * self.wider(*count);
             return Ok(gate(mean, covariance, law, Some(spread)));
         }
         let statistics = ClassStatistics::of(healthy, names)?;
-        let (mean, covariance) = (statistics.means[0].clone(), statistics.pooled);
+        let (mean, covariance) = (statistics.means[0].clone(), statistics.pooled * self.wider(rows));
         whitening(&covariance).map_err(refuse)?;
         let found = Moments { means: vec![mean.clone()], covariance: covariance.clone() };
         let squared = moments::left_out(&healthy.observed(), &found).ok_or_else(|| refuse(0))?;
         let squared: Vec<f64> = squared.into_iter().map(|(squared, k)| law::equivalent(squared, k, all)).collect();
-        let law = DistanceLaw::of(all, rows_of(healthy, 0).0, &squared);
+        let law = DistanceLaw::of(all, rows_of(healthy, 0).0 - self.fitted, &squared);
         Ok(gate(mean, covariance, law, None))
     }
 }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::ranked::{Gain, Ranked};
 use crate::Error;
 use crate::train::cross_validation::predict;
-use crate::train::fit::fit;
+use crate::train::fit::{self, fit};
 use crate::train::folds::{Candidates, Folds, check};
 use crate::train::scores::{Prediction, guarded_score};
 use crate::train::shrinkage::Shrink;
@@ -21,6 +21,8 @@ const ALIKE: f64 = 0.8;
 /// Computes the scores of sets of features on one split.
 pub(super) struct Judge<'a> {
     candidates: &'a Candidates,
+    /// The same without what covariates explain.
+    pub(super) corrected: Candidates,
     recipe: Recipe,
     pub(super) folds: Folds,
     pub(super) priors: Vec<f64>,
@@ -43,7 +45,8 @@ impl<'a> Judge<'a> {
             Shrink::Chosen => Shrink::To(shrinkage_search::search(candidates, recipe)?.shrinkage),
             given => given,
         };
-        Ok(Self { candidates, recipe: Recipe { shrink, ..recipe.clone() }, folds, priors, weights })
+        let corrected = fit::corrected(candidates, recipe)?;
+        Ok(Self { candidates, corrected, recipe: Recipe { shrink, ..recipe.clone() }, folds, priors, weights })
     }
 
     /// Returns the posteriors with these features only; the priors without features, and `None` if the covariance is
@@ -114,7 +117,7 @@ impl<'a> Judge<'a> {
             }
             let candidates = self.candidates.select(&chosen);
             let fitted = fit(&candidates.rows(&seen), &inner.recipe).ok()?;
-            let predicted = |row: usize| (row, fitted.predict(&candidates.table, row, self.weights[row]));
+            let predicted = |row: usize| (row, fitted.predict(&candidates, row, self.weights[row]));
             Some(held_out.into_iter().map(predicted).collect())
         };
         let parts: Vec<Option<Vec<_>>> = (0..self.folds.count).into_par_iter().map(one).collect();
@@ -131,14 +134,14 @@ impl<'a> Judge<'a> {
             let beside = if place == 0 { "the priors" } else { "those above" };
             return ranked.beside_chosen.map_or_else(String::new, |g| format!("gains {} over {beside}", gain(&g)));
         }
-        let Ok(own) = moments(self.candidates, &[feature]) else {
+        let Ok(own) = moments(&self.corrected, &[feature]) else {
             return "has a result in hardly any segment of a class".into();
         };
         if own.pooled[(0, 0)] <= 0.0 {
             return "is the same in all segments of a class".into();
         }
         let correlation = |other: usize| {
-            let pair = moments(self.candidates, &[feature, other]);
+            let pair = moments(&self.corrected, &[feature, other]);
             pair.map_or(0.0, |m| m.pooled[(0, 1)] / (m.pooled[(0, 0)] * m.pooled[(1, 1)]).sqrt())
         };
         let mut parts = vec![];
