@@ -52,11 +52,8 @@ impl Trained {
         let before = candidates.rows(&before);
         check(&before)?;
         let fitted = fit(&before, &self.recipe)?;
-        let mut alarms = self.recipe.alarms.clone();
-        alarms.required = true;
-        let names = &fitted.coordinate_names;
-        let watch = novelty::train(&fitted.coordinates, names, self.recipe.runs(&before), &alarms, None)?;
-        let gate = watch.gate.ok_or_else(|| Error::Training("no healthy class".into()))?;
+        let (names, alarms) = (&fitted.coordinate_names, &self.recipe.alarms);
+        let gate = novelty::required_gate(&fitted.coordinates, names, self.recipe.runs(&before), alarms)?;
         let mut found = FalseAlarms::default();
         for row in after.into_iter().filter(|&row| candidates.table.classes[row] == healthy) {
             let (value, variance) = (&candidates.table.rows[row], &candidates.table.variances[row]);

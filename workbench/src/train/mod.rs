@@ -90,7 +90,10 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
         fit::fit(&candidates.select(&chosen), recipe)?;
     let (core_features, core_projection, core_usual) = compose(&candidates.table, &chosen, &catalogue, &projection);
     let segment_s = (interval_s > 0.0).then_some(segment as f64 * interval_s);
-    let watch = novelty::train(&coordinates, &coordinate_names, recipe.runs(&candidates), &recipe.alarms, segment_s)?;
+    let runs = recipe.runs(&candidates);
+    let shrink = choice.as_ref().map_or(recipe.shrink, |choice| Shrink::To(choice.shrinkage));
+    let fixed = Recipe { shrink, ..recipe.clone() };
+    let watch = novelty::train(&coordinates, &coordinate_names, (runs, segment_s), &fixed, &densities)?;
     Ok(Trained {
         recipe: recipe.clone(),
         classes: classes.to_vec(),
