@@ -37,8 +37,7 @@ use super::spread::{tail, wishart};
 
 /// Part of the baselines for which the mean time between false alarms is at least the set one.
 pub const COVERED: f64 = 0.95;
-/// Interval h of the integral (1), nats. The integrand of an exact surprise is e^−κs, and the relative error h²κ²/12
-/// below 0.1 %.
+/// Interval of the integral (1), nats. With the lines between the knots, ln of the integral is too large by up to 0.04.
 const STEP: f64 = 0.5;
 /// Variance of a segment about its drive that is assumed at least.
 const LEAST_WITHIN: f64 = 1e-3;
@@ -208,8 +207,8 @@ mod tests {
         let found = [10, 30, 100, 1000, 100_000].map(of);
         println!("{found:?}, exact {}", exact(BET, CAP));
         assert!(found.windows(2).all(|pair| pair[0] > pair[1]), "{found:?}");
-        // The knots' errors.
-        assert!((found[4] - exact(BET, CAP)).abs() < 0.03, "{found:?}");
+        // The lines between the knots.
+        assert!((0.0..0.05).contains(&(found[4] - exact(BET, CAP))), "{found:?}");
         // Least by construction, and no more than a run adds at most.
         assert!(found.iter().all(|x| (exact(BET, CAP)..CAP).contains(x)));
     }

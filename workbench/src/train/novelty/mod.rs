@@ -13,7 +13,7 @@
 //! suffice for the set rate.
 //!
 //! The alarm collects e-values of runs ([`alarm`]), divided by their mean for 95 % of baselines of this size:
-//! [`baseline`] finds it for the novelty, [`ratios`] for the likelihood ratios of the defects.
+//! [`baseline`] finds it for the novelty, `ratios` for the likelihood ratios of the defects.
 
 pub mod alarm;
 pub mod baseline;
