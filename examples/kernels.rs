@@ -20,6 +20,7 @@ use support::shaft::{self, Motion};
 use support::{decimation, refined, squares};
 
 type Three = Fixed<3>;
+type Zero = Fixed<0>;
 type Nine = Fixed<9>;
 type TwentySeven = Fixed<27>;
 
@@ -162,7 +163,16 @@ where
 /// Decisions of random classifiers of nine features, three coordinates and three classes.
 fn decisions<P>(plan: P, numbers: &mut Numbers, hash: &mut Hash)
 where
-    P: Plan<Features = Nine, Coordinates = Three, Map = TwentySeven, Classes = Three, Means = Nine, Costs = Nine>,
+    P: Plan<
+            Features = Nine,
+            Covariates = Zero,
+            Explained = Zero,
+            Coordinates = Three,
+            Map = TwentySeven,
+            Classes = Three,
+            Means = Nine,
+            Costs = Nine,
+        >,
 {
     for _ in 0..100 {
         let projection = Projection::<P> { matrix: numbers.array(), mean: numbers.array(), usual: numbers.array() };

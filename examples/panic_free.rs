@@ -183,6 +183,7 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
         opaque((Signals::value(&sample, opaque(1)), Signals::angle(&sample)));
         if let Some(report) = opaque(Detector::step(&mut detector, &sample)) {
             opaque(Evidence::observe(&mut evidence, report.decision.as_ref()));
+            opaque(Evidence::end_run(&mut evidence));
             told(model, &report);
             if let Some(baseline) = &mut baseline {
                 follow(model, baseline, &mut opaque(report));

@@ -274,7 +274,7 @@ mod tests {
 
     #[test]
     fn wear_still_alarms_later_by_no_more_than_the_bound() {
-        let constants = EvidenceConstants { bet: 0.2, limit: 10.0, cap: 5.0 };
+        let constants = EvidenceConstants { bet: 0.2, limit: 10.0, cap: 5.0, ..EvidenceConstants::NONE };
         let rate = 0.01;
         let mut delays = Vec::new();
         for seed in 0..20 {

@@ -1,40 +1,51 @@
 //! Decisions of many segments → one alarm, with a set mean time between false alarms.
 //!
-//! Enters: a [`Decision`] a segment. Leaves: an [`Alarm`], once, latched until [`Evidence::reset`].
+//! Enters: a [`Decision`] a segment, and where a run ends. Leaves: an [`Alarm`], once, latched until
+//! [`Evidence::reset`].
 //!
 //! ```text
-//! novelty    ln e₀ = ln κ + (1 − κ) s                                    (1)  s: surprise, nats; 0 < κ < 1
-//! class k    ln e_k = ln p(z|k) − ln p(z|healthy)                        (2)
-//! capped     ln e₀ ← min(ln e₀, cap) − ln μ,   ln e_k ← min(ln e_k, cap) (3)  μ: mean of the capped e₀ while healthy
-//! scores     S_i ← max(0, S_i + ln e_i)
-//! alarm      where any S_i ≥ limit                                       (4)
+//! segment    ln e₀ = min(ln κ + (1 − κ) s, cap)                          (1)  s: surprise, nats; 0 < κ < 1
+//!            ln e_k = min(ln p(z|k) − ln p(z|healthy), cap)              (2)  of each defect k
+//! run        ln ē_i = ln((e_i of segment 1 + … + e_i of segment n)/n) − ln μ_i   (3)
+//! scores     S_i ← max(0, max(S_i, ln n) + ln ē_i)   at the end of a run (4)
+//! alarm      where any S_i ≥ limit                                       (5)
+//! limit      = ln(K T),   T the mean segments between false alarms       (6)  K: number of scores
 //! ```
 //!
-//! While the drive is healthy every e has mean at most 1: (1) since the surprise's probability e^−s is uniform, and
-//! ∫ κ p^(κ−1) dp = 1, of which a cap leaves
+//! An e-value is a number ≥ 0 whose mean is at most 1 while the drive is healthy. (1) is one since the surprise's
+//! probability e^−s is uniform, and ∫ κ p^(κ−1) dp = 1, of which a cap leaves
 //!
 //! ```text
-//! μ = 1 − p*^κ + p* e^cap,   ln p* = (ln κ − cap)/(1 − κ)                (6)  p*: the probability at the cap
+//! μ₀ = 1 − p*^κ + p* e^cap,   ln p* = (ln κ − cap)/(1 − κ)               (7)  p*: the probability at the cap
 //! ```
 //!
-//! and (3) divides by it; (2) holds as a ratio of densities. Then the mean number of segments until `S_i` first reaches
-//! a limit h is at least e^h, for any h and however small the defect (Lorden 1971; Shin, Ramdas and Rinaldo,
-//! e-detectors, 2023). There are K scores, of the novelty and of each trained defect; their false-alarm rates at most
-//! add up, so each gets a K-th part of the rate:
+//! and (3) divides by it; (2) is one as a ratio of densities. The healthy class is known from a finite number of
+//! segments only: for the drive at hand the mean of (1) or (2) differs from (7) or 1, as long as this model is in use.
+//! The trained ln μ is therefore the mean that 95 % of baselines of this size do not exceed.
+//!
+//! Segments of one run (from one power-up to the next, say) have an offset in common. The mean of e-values is an e-value
+//! whatever the dependence between them (Vovk and Wang 2021), their product is not: (3) averages within a run, and (4)
+//! multiplies over runs. A run ends by [`Evidence::end_run`], or after `segments_a_run` segments: 1 for independent
+//! segments.
+//!
+//! Let run t have an e-value E and n segments, where E is independent of the runs before given the baseline, and n does
+//! not depend on E. Then the recursion
 //!
 //! ```text
-//! limit = ln(K T),   T the mean segments between false alarms            (5)
+//! R_t = (R_{t−1} + n_t) E_t,   E R_t ≤ E(n_1 + … + n_t)                  (8)
 //! ```
+//!
+//! bounds (4) without its floor, which changes nothing as ln n ≥ 0: e^S ≤ R. So the mean number of *segments* until a
+//! score first reaches a limit h is at least e^h, however many segments a run has and however small the defect (Lorden
+//! 1971; Shin, Ramdas and Rinaldo, e-detectors, 2023). The false-alarm rates of the K scores at most add up: (6).
 //!
 //! This sets the mean *time* between false alarms. κ near 0 reacts to few large surprises, κ near 1 sums many small
-//! ones; a mean surprise of 1/κ is found soonest. A cap of half the limit requires at least two segments, so that one
-//! disturbed record causes no alarm. The bound holds if (2) of [`Novelty`](super::Novelty) is exact and segments are
-//! independent. With few training segments the whole series of one drive has a common error, which averages out over
-//! drives, not over segments. The alarm names the defect that is most likely over the segments since the first
-//! suspicion, and [`Cause::Unknown`] if only the novelty reached the limit.
+//! ones; a mean surprise of 1/κ is found soonest. If cap − ln μ is half of limit − ln `segments_a_run`, at least two
+//! runs are required, so that one disturbed record causes no alarm. The alarm names the defect that is most likely over
+//! the segments since the first suspicion, and [`Cause::Unknown`] if only the novelty reached the limit.
 //!
-//! Cost: a few operations a class. Undetermined segments add nothing; a value that is not a number makes its segment
-//! undetermined.
+//! Cost: a few operations a class, and an exponential and a logarithm a class for runs of several segments.
+//! Undetermined segments add nothing and do not count; a value that is not a number makes its segment undetermined.
 
 use super::discriminant::Decision;
 use super::trend::{Drift, Trend};
@@ -46,15 +57,22 @@ use crate::plan::{Array, Cells, Plan};
 pub struct EvidenceConstants {
     /// κ of (1), between 0 and 1.
     pub bet: f32,
-    /// (5), nats; infinite for no alarm.
+    /// (6), nats; infinite for no alarm.
     pub limit: f32,
-    /// The most that one segment adds, nats.
+    /// The most that ln e of one segment can be, nats.
     pub cap: f32,
+    /// Number of decided segments after which a run ends by itself; 1 if segments are independent.
+    pub segments_a_run: u32,
+    /// ln μ of the novelty (3), nats.
+    pub log_mean: f32,
+    /// ln μ of every defect (3), nats.
+    pub defect_log_mean: f32,
 }
 
 impl EvidenceConstants {
     /// Never an alarm.
-    pub const NONE: Self = Self { bet: 0.5, limit: f32::INFINITY, cap: 1.0 };
+    pub const NONE: Self =
+        Self { bet: 0.5, limit: f32::INFINITY, cap: 1.0, segments_a_run: 1, log_mean: 0.0, defect_log_mean: 0.0 };
 }
 
 /// The cause of an alarm.
@@ -86,26 +104,37 @@ pub struct Alarm {
 pub struct Evidence<P: Plan> {
     constants: EvidenceConstants,
     healthy: Option<u8>,
-    novelty: f32,
-    /// S of each defect; zero for the healthy class and those not in use.
-    defects: Array<P::Classes, f32>,
+    novelty: Score,
+    /// Of each defect; zero for the healthy class and those not in use.
+    defects: Array<P::Classes, Score>,
     /// Log-likelihood of each defect beside the likeliest of them, summed since all scores were last zero.
     support: Array<P::Classes, f32>,
+    /// Number of decided segments of the run.
+    run: u32,
     alarm: Option<Alarm>,
     segments: u32,
     undetermined: u32,
     drift: Drift,
 }
 
+/// S of (4), and ln Σe of the run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Score {
+    sum: f32,
+    run: f32,
+}
+
 impl<P: Plan> Evidence<P> {
     pub(crate) fn new(plan: P, constants: EvidenceConstants, healthy: Option<u8>) -> Self {
-        let zeros: Array<P::Classes, f32> = Cells::filled(plan.layout().classes as usize, 0.0);
+        let classes = plan.layout().classes as usize;
         Self {
             constants,
             healthy,
-            novelty: 0.0,
-            defects: zeros.clone(),
-            support: zeros,
+            novelty: Score::ZERO,
+            defects: Cells::filled(classes, Score::ZERO),
+            support: Cells::filled(classes, 0.0),
+            run: 0,
             alarm: None,
             segments: 0,
             undetermined: 0,
@@ -122,19 +151,14 @@ impl<P: Plan> Evidence<P> {
         };
         let healthy = self.healthy?;
         self.drift.add(decision.distance);
-        let EvidenceConstants { bet, limit, cap } = self.constants;
-        let novelty = super::ln(bet) + (1.0 - bet) * decision.surprise; // (1)
-        self.novelty = raised(self.novelty, novelty.min(cap) - ln_capped_mean(bet, cap)); // (3)
+        let EvidenceConstants { bet, cap, segments_a_run, .. } = self.constants;
+        self.novelty.add((super::ln(bet) + (1.0 - bet) * decision.surprise).min(cap)); // (1)
         self.weigh_defects(healthy, decision.log_likelihoods());
-        if self.alarm.is_none() && self.score() >= limit {
-            let conclusive = self.defects.cells().iter().any(|score| *score >= limit); // (4)
-            let cause = if conclusive { self.likeliest(healthy) } else { Cause::Unknown };
-            self.alarm = Some(Alarm { segment: self.segments, cause });
-        }
-        self.alarm
+        self.run = self.run.saturating_add(1);
+        if self.run >= segments_a_run { self.end_run() } else { self.alarm }
     }
 
-    /// (2), (3) and the support.
+    /// (2) and the support.
     fn weigh_defects(&mut self, healthy_class: u8, log_likelihoods: &[f32]) {
         let healthy_class = healthy_class as usize;
         let healthy = log_likelihoods.get(healthy_class).copied().unwrap_or(f32::NAN);
@@ -147,15 +171,37 @@ impl<P: Plan> Evidence<P> {
         for ((k, own), (score, support)) in log_likelihoods.iter().enumerate().zip(states) {
             if k != healthy_class {
                 let ratio = own - healthy; // (2)
-                *score = raised(*score, if ratio.is_nan() { 0.0 } else { ratio.min(cap) });
+                score.add(if ratio.is_nan() { 0.0 } else { ratio.min(cap) });
                 let behind = own - largest;
                 // Capped too, so that one disturbed segment does not outweigh the others.
                 *support += if behind.is_nan() { 0.0 } else { behind.max(-cap) };
             }
         }
+    }
+
+    /// Ends the run, as at power-up or where a new session starts; gives the alarm that stands. Nothing changes if the
+    /// run has no decided segment.
+    pub fn end_run(&mut self) -> Option<Alarm> {
+        let (Some(healthy), 1..) = (self.healthy, self.run) else { return self.alarm };
+        let EvidenceConstants { limit, log_mean, defect_log_mean, .. } = self.constants;
+        // Short: a run of one segment needs no logarithm.
+        let length = if self.run == 1 { 0.0 } else { super::ln(self.run as f32) };
+        self.run = 0;
+        self.novelty.end_run(length, log_mean);
+        for (k, defect) in (0_u8..).zip(self.defects.cells_mut()) {
+            if k != healthy {
+                defect.end_run(length, defect_log_mean);
+            }
+        }
         if self.score() <= 0.0 {
             self.support.cells_mut().fill(0.0);
         }
+        if self.alarm.is_none() && self.score() >= limit {
+            let conclusive = self.defects.cells().iter().any(|score| score.sum >= limit); // (5)
+            let cause = if conclusive { self.likeliest(healthy) } else { Cause::Unknown };
+            self.alarm = Some(Alarm { segment: self.segments, cause });
+        }
+        self.alarm
     }
 
     fn likeliest(&self, healthy: u8) -> Cause {
@@ -174,10 +220,10 @@ impl<P: Plan> Evidence<P> {
         self.alarm
     }
 
-    /// The largest of the scores (3), nats; the alarm is raised where it reaches the limit.
+    /// The largest of the scores (4) of the runs that have ended, nats; the alarm is raised where it reaches the limit.
     #[must_use]
     pub fn score(&self) -> f32 {
-        self.defects.cells().iter().copied().fold(self.novelty, f32::max)
+        self.defects.cells().iter().map(|score| score.sum).fold(self.novelty.sum, f32::max)
     }
 
     /// Segments observed, and how many of them were undetermined.
@@ -194,22 +240,28 @@ impl<P: Plan> Evidence<P> {
 
     /// Starts afresh, as after a repair: alarm, scores, counts and trend.
     pub fn reset(&mut self) {
-        self.defects.cells_mut().fill(0.0);
+        self.defects.cells_mut().fill(Score::ZERO);
         self.support.cells_mut().fill(0.0);
-        (self.novelty, self.alarm, self.segments, self.undetermined) = (0.0, None, 0, 0);
+        (self.novelty, self.run) = (Score::ZERO, 0);
+        (self.alarm, self.segments, self.undetermined) = (None, 0, 0);
         self.drift = Drift::NONE;
     }
 }
 
-/// A score never falls below zero.
-fn raised(score: f32, log_e: f32) -> f32 {
-    (score + log_e).max(0.0)
-}
+impl Score {
+    const ZERO: Self = Self { sum: 0.0, run: f32::NEG_INFINITY };
 
-/// ln μ of (6).
-fn ln_capped_mean(bet: f32, cap: f32) -> f32 {
-    let ln_p = (super::ln(bet) - cap) / (1.0 - bet);
-    super::ln(1.0 - libm::expf(bet * ln_p) + libm::expf(cap + ln_p))
+    /// Adds e to the sum of the run: ln(eᵃ + eᵇ) = max + ln(1 + e^−|a − b|).
+    fn add(&mut self, log_e: f32) {
+        let (more, less) = (self.run.max(log_e), self.run.min(log_e));
+        self.run = if less > f32::NEG_INFINITY { more + super::ln(1.0 + libm::expf(less - more)) } else { more };
+    }
+
+    /// (3) and (4) for a run of which this is ln n.
+    fn end_run(&mut self, length: f32, log_mean: f32) {
+        let log_e = self.run - length - log_mean;
+        *self = Self { sum: (self.sum.max(length) + log_e).max(0.0), ..Self::ZERO };
+    }
 }
 
 #[cfg(test)]
@@ -217,7 +269,9 @@ mod tests {
     use super::*;
     use crate::plan::{Layout, Memory, Method, RunTime, Structure, testing};
 
-    const CONSTANTS: EvidenceConstants = EvidenceConstants { bet: 0.2, limit: 10.0, cap: 5.0 };
+    /// With ln p* = −8.261798, ln μ = −0.166382 (7).
+    const CONSTANTS: EvidenceConstants =
+        EvidenceConstants { bet: 0.2, limit: 10.0, cap: 5.0, log_mean: -0.166_382, ..EvidenceConstants::NONE };
 
     fn plan() -> RunTime {
         let plain = testing::regression(Structure::new(1, 1, 0, 1, 0), Method::LeastSquares, Memory::Segment);
@@ -228,6 +282,10 @@ mod tests {
         Evidence::new(plan(), CONSTANTS, healthy)
     }
 
+    fn of_runs(segments_a_run: u32) -> Evidence<RunTime> {
+        Evidence::new(plan(), EvidenceConstants { segments_a_run, ..CONSTANTS }, Some(0))
+    }
+
     fn decision(surprise: f32, log_likelihoods: [f32; 3]) -> Decision<RunTime> {
         let log_likelihoods = log_likelihoods.to_vec();
         Decision { log_likelihoods, distance: surprise, surprise, ..Decision::empty(plan()) }
@@ -236,8 +294,7 @@ mod tests {
     #[test]
     fn scores_by_hand() {
         let mut evidence = evidence(Some(0));
-        // ln 0.2 = −1.609438 and, with ln p* = −8.261798, ln μ = −0.166382: 4 nats add 1.756944, then 1 nat subtracts
-        // 0.643056, and 0 nats all the rest.
+        // ln 0.2 = −1.609438: 4 nats add 1.756944, then 1 nat subtracts 0.643056, and 0 nats all the rest.
         assert_eq!(evidence.observe(Some(&decision(4.0, [0.0, -9.0, -9.0]))), None);
         assert!((evidence.score() - 1.756_944).abs() < 1e-5);
         evidence.observe(Some(&decision(1.0, [0.0, -9.0, -9.0])));
@@ -285,6 +342,71 @@ mod tests {
         assert_eq!(evidence.score(), CONSTANTS.cap);
         let alarm = evidence.observe(Some(&decision(0.0, [0.0, 5.0, 0.0])));
         assert_eq!(alarm.map(|alarm| alarm.cause), Some(Cause::Class(1)));
+    }
+
+    #[test]
+    fn a_run_adds_the_mean_of_its_segments() {
+        let mut evidence = of_runs(3);
+        // e of 4, 1, and 9 nats (capped): 0.2 e^3.2 = 4.906506, 0.2 e^0.8 = 0.445108, e⁵ = 148.413159; the mean is
+        // 51.254924, ln 3.936812, + ln 3 (4) + 0.166382.
+        for surprise in [4.0, 1.0] {
+            evidence.observe(Some(&decision(surprise, [0.0, 1.0, -9.0])));
+            evidence.observe(None);
+            assert_eq!(evidence.score(), 0.0, "the run has not ended");
+        }
+        evidence.observe(Some(&decision(9.0, [0.0, -2.0, -9.0])));
+        assert!((evidence.score() - 5.201_806).abs() < 1e-5, "{}", evidence.score());
+        // The mean of e, e and e^−2 is 1.857299, ln 0.619124, + ln 3.
+        assert!((evidence.defects[1].sum - 1.717_736).abs() < 1e-5, "{:?}", evidence.defects);
+        // A run that ends early counts with its two segments: ln 2 is less than what there is.
+        evidence.observe(Some(&decision(4.0, [0.0, -9.0, -9.0])));
+        evidence.observe(Some(&decision(4.0, [0.0, -9.0, -9.0])));
+        evidence.end_run();
+        assert!((evidence.score() - 5.201_806 - 1.756_944).abs() < 1e-5, "{}", evidence.score());
+        assert_eq!(evidence.segments(), (7, 2));
+    }
+
+    #[test]
+    fn the_end_of_a_run_without_segments_changes_nothing() {
+        let mut evidence = of_runs(9);
+        evidence.observe(Some(&decision(8.0, [0.0, 5.0, 2.0])));
+        assert_eq!(evidence.end_run(), None);
+        let before = evidence.clone();
+        assert_eq!((evidence.end_run(), &evidence), (None, &before));
+        evidence.observe(None);
+        evidence.end_run();
+        assert_eq!(evidence.score(), before.score());
+        // A run that would raise the alarm does so at its end, and the alarm stays.
+        evidence.observe(Some(&decision(30.0, [0.0, 5.0, 2.0])));
+        assert_eq!(evidence.alarm(), None);
+        let alarm = Some(Alarm { segment: 3, cause: Cause::Class(1) });
+        assert_eq!((evidence.end_run(), evidence.end_run(), evidence.observe(None)), (alarm, alarm, alarm));
+    }
+
+    #[test]
+    fn one_disturbed_segment_of_many_adds_little() {
+        let (mut one, mut all) = (of_runs(100), of_runs(100));
+        for k in 0..100 {
+            one.observe(Some(&decision(if k == 7 { 30.0 } else { 0.5 }, [0.0, -1.0, -1.0])));
+            all.observe(Some(&decision(30.0, [0.0, -1.0, -1.0])));
+        }
+        // One capped e⁵ and 99 of 0.2 e^0.4: the sum 177.9513 is not twice that of 100 of the mean 1.
+        assert!((one.score() - 5.347_892).abs() < 1e-4, "{}", one.score());
+        assert!((all.score() - (100.0_f32.ln() + 5.166_382)).abs() < 1e-4, "{}", all.score());
+    }
+
+    #[test]
+    fn runs_of_impossible_defects_leave_no_trace() {
+        let mut evidence = of_runs(2);
+        let low = f32::MIN;
+        for _ in 0..4 {
+            evidence.observe(Some(&decision(0.0, [0.0, low, f32::NEG_INFINITY])));
+        }
+        assert_eq!((evidence.score(), evidence.defects[1].sum, evidence.defects[2].sum), (0.0, 0.0, 0.0));
+        evidence.observe(Some(&decision(0.0, [0.0, 4.0, f32::NAN])));
+        evidence.observe(Some(&decision(0.0, [0.0, 4.0, 0.0])));
+        assert!((evidence.defects[1].sum - (4.0 + 2.0_f32.ln())).abs() < 1e-5, "{:?}", evidence.defects);
+        assert!((evidence.defects[2].sum - 2.0_f32.ln()).abs() < 1e-6, "{:?}", evidence.defects);
     }
 
     #[test]

@@ -157,7 +157,14 @@ pub(super) fn read<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<Constant
         _ => list(reader, 1, blank_shaft(plan), |reader| read_shaft(reader, plan))?,
     };
     let classifier = read_classifier(reader, plan)?;
-    let evidence = EvidenceConstants { bet: reader.f32()?, limit: reader.f32()?, cap: reader.f32()? };
+    let evidence = EvidenceConstants {
+        bet: reader.f32()?,
+        limit: reader.f32()?,
+        cap: reader.f32()?,
+        segments_a_run: reader.u32()?,
+        log_mean: reader.f32()?,
+        defect_log_mean: reader.f32()?,
+    };
     let labels = list(reader, layout.classes as usize, Label::EMPTY, |reader| reader.name(Field::Label))?;
     Ok(Constants { sampling, channels, regression, shaft, classifier, evidence, labels })
 }

@@ -283,8 +283,9 @@ const fn check_novelty(parts: &Parts<'_>) -> Result<(), ModelError> {
         require!(increase(parts.knots) && all_within(parts.knots.as_flattened(), 0.0, most), SurpriseCurve);
         require!(parts.limit > 0.0, NoveltyLimit);
     }
-    let EvidenceConstants { bet, limit, cap } = parts.evidence;
+    let EvidenceConstants { bet, limit, cap, segments_a_run, log_mean, defect_log_mean } = parts.evidence;
     require!(bet > 0.0 && bet < 1.0 && limit > 0.0 && cap > 0.0 && cap.is_finite(), Evidence);
+    require!(segments_a_run > 0 && log_mean.is_finite() && defect_log_mean.is_finite(), Evidence);
     Ok(())
 }
 

@@ -98,6 +98,8 @@ pub(super) fn write<P: Plan>(writer: &mut Writer<'_>, constants: &Constants<P>) 
     shaft.part().map_or(Ok(()), |shaft| write_shaft(writer, shaft))?;
     write_classifier(writer, classifier)?;
     writer.floats(&[evidence.bet, evidence.limit, evidence.cap])?;
+    writer.bytes(&evidence.segments_a_run.to_le_bytes())?;
+    writer.floats(&[evidence.log_mean, evidence.defect_log_mean])?;
     labels.cells().iter().try_for_each(|label| writer.bytes(&label.to_bytes()))
 }
 

@@ -13,10 +13,10 @@
 //! |A|² = Σ_d (1 − d/7) Re(R(1, d) e^{−jdψ}) / Σ_d (1 − d/7) V(d),   amplitude = 2 |A|                 (8)
 //! ```
 //!
-//! σ_h² is the noise ([`super::noise`]) at the order's harmonic h. (1) is a spectral estimate by few lags (Blackman and Tukey) near the kinematic order, one slip for all harmonics.
-//! Without a defect P at one δ is a χ² of ν degrees of freedom, whatever the number of turns; its cube root is nearly
-//! normal (Wilson and Hilferty 1931), and M independent slips raise the largest of them: (5) is about standard normal
-//! for any number of turns.
+//! The noise ([`super::noise`]) at the order's harmonic h is `σ_h²`. (1) is a spectral estimate by few lags (Blackman and
+//! Tukey) near the kinematic order, one slip for all harmonics. Without a defect P at one δ is a χ² of ν degrees of
+//! freedom, whatever the number of turns; its cube root is nearly normal (Wilson and Hilferty 1931), and M independent
+//! slips raise the largest of them: (5) is about standard normal for any number of turns.
 //!
 //! (7): the imaginary part of a product of two blocks of noise has the variance `σ⁴ W_n W_m/2`, and P′ is a sum of
 //! 2 (1 − d/7) d h of them. A product of noise and defect adds at most 2 |A|² W/σ₁² times as much; pairs before and after

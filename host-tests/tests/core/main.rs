@@ -5,6 +5,8 @@ mod delta_form;
 mod detector;
 mod endurance;
 mod estimator_edges;
+mod evidence;
+mod evidence_of_drives;
 #[path = "../../../examples/support/standard_rig/model.rs"]
 mod exported;
 mod fixed_plans;

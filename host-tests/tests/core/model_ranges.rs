@@ -125,7 +125,14 @@ fn gated(c: &mut Constants<Drive>) {
         limit: 4.6,
     };
     c.classifier.discriminant.reject_cost = 0.25;
-    c.evidence = EvidenceConstants { bet: 0.2, limit: 13.9, cap: 6.95 };
+    c.evidence = EvidenceConstants {
+        bet: 0.2,
+        limit: 13.9,
+        cap: 6.95,
+        segments_a_run: 70_000,
+        log_mean: 0.25,
+        defect_log_mean: -0.125,
+    };
 }
 
 #[test]
@@ -146,7 +153,7 @@ fn gate_and_alarm_are_read_back_by_either_plan() {
 
 #[test]
 fn gates_and_alarms_out_of_range_are_named() {
-    let cases: [Case<Drive>; 16] = [
+    let cases: [Case<Drive>; 19] = [
         (Field::HealthyClass, |c| c.classifier.novelty.class = Some(3)),
         (Field::HealthyDensity, |c| c.classifier.novelty.mean[2] = f32::NAN),
         (Field::HealthyDensity, |c| c.classifier.novelty.factor[10] = f32::INFINITY),
@@ -163,6 +170,9 @@ fn gates_and_alarms_out_of_range_are_named() {
         (Field::Evidence, |c| c.evidence.limit = f32::NAN),
         (Field::Evidence, |c| c.evidence.cap = f32::INFINITY),
         (Field::Evidence, |c| c.evidence.cap = -1.0),
+        (Field::Evidence, |c| c.evidence.segments_a_run = 0),
+        (Field::Evidence, |c| c.evidence.log_mean = f32::NAN),
+        (Field::Evidence, |c| c.evidence.defect_log_mean = f32::INFINITY),
     ];
     for (field, change) in cases {
         let error = changed(|c| {

@@ -10,6 +10,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 use rayon::prelude::*;
 use workbench::train::FeatureTable;
+use workbench::train::novelty::baseline::exact;
 use workbench::train::novelty::law::DistanceLaw;
 use workbench::train::novelty::{Gate, gate_of, gate_of_table, spread};
 
@@ -27,13 +28,13 @@ fn row(p: usize, degrees: Option<f64>, random: &mut ChaCha8Rng) -> DVector<f64> 
 }
 
 /// A plan whose only feature is the parameter of a regression.
-fn plan(coordinates: usize, classes: u8) -> RunTime {
+pub(super) fn plan(coordinates: usize, classes: u8) -> RunTime {
     let plain = layout(Structure::new(1, 0, 0, 0, 0), Method::LeastSquares, Memory::Segment);
     RunTime::of(Layout { coordinates: coordinates as u8, classes, ..plain }).expect("a plan")
 }
 
 /// The core's form of a gate.
-fn core(gate: &Gate) -> Novelty<RunTime> {
+pub(super) fn core(gate: &Gate) -> Novelty<RunTime> {
     Novelty {
         class: Some(0),
         mean: gate.mean.iter().map(|x| *x as f32).collect(),
@@ -196,7 +197,9 @@ fn chi_squared(plan: RunTime) -> Novelty<RunTime> {
 
 fn evidence(segments: f64, scores: f64) -> EvidenceConstants {
     let limit = (segments * scores).ln() as f32;
-    EvidenceConstants { bet: 0.2, limit, cap: 0.5 * limit }
+    let (bet, cap) = (0.2, 0.5 * limit);
+    let log_mean = exact(bet, cap.into()) as f32;
+    EvidenceConstants { bet: bet as f32, limit, cap, log_mean, ..EvidenceConstants::NONE }
 }
 
 /// Mean segments to the first alarm while healthy.

@@ -7,6 +7,7 @@ use host_tests::strokes::{LOADS, Stroke, detector, judge, strokes};
 use workbench::core::Finding;
 use workbench::evaluate::FalseAlarms;
 use workbench::identify::Structure;
+use workbench::train::novelty::runs::{RunSpread, Slope};
 use workbench::train::{Alarms, Recipe, Trained};
 
 const RATE: f64 = 0.01;
@@ -44,8 +45,24 @@ fn sum<'a>(all: impl Iterator<Item = &'a FalseAlarms>) -> (usize, usize) {
     all.map(FalseAlarms::total).fold((0, 0), |sum, of| (sum.0 + of.0, sum.1 + of.1))
 }
 
+/// One row of the table: what a gate of the first runs makes of all later ones, or why there is none.
+fn row(what: &str, cells: [String; 5]) -> String {
+    let [alarms, lubrication_1, lubrication_2, backlash_2, drift] = cells;
+    format!("{what:<44} {alarms:<34} {lubrication_1:>8} {lubrication_2:>8} {backlash_2:>8}  {drift}")
+}
+
+/// The trend of the training runs in the coordinate where it is strongest, deviations a run.
+fn drift(spread: &RunSpread) -> String {
+    let strength = |slope: &Slope| slope.value.abs() / slope.error;
+    let strongest = spread.slopes.iter().max_by(|a, b| strength(a).total_cmp(&strength(b)));
+    let significant = if spread.drift.is_some() { ", significant" } else { "" };
+    strongest.map_or_else(String::new, |Slope { value, error }| format!("{value:.2} ± {error:.2}{significant}"))
+}
+
 #[test]
 fn false_alarms_of_later_runs() {
+    let head = ["false alarms later", "lubr. 1", "lubr. 2", "backl. 2", "drift a run"].map(String::from);
+    let mut table = vec![row("gate at 1 %", head)];
     // Alarms of gates that are made, and of strokes counted as independent.
     let (mut by_run, mut independent) = (vec![], vec![]);
     for load in LOADS {
@@ -59,6 +76,10 @@ fn false_alarms_of_later_runs() {
                 Ok(trained) => trained,
                 Err(reason) => {
                     println!("{what}: {reason}");
+                    let supports = reason.to_string();
+                    let supports = supports.split(" for the next run").next().unwrap_or_default();
+                    table
+                        .push(row(&what, [format!("refused: {supports}"), "".into(), "".into(), "".into(), "".into()]));
                     assert!(reason.to_string().contains(&format!("{first} runs support")), "{reason}");
                     independent.push((plain, false));
                     continue;
@@ -69,7 +90,18 @@ fn false_alarms_of_later_runs() {
             println!("{what}: {spread:?}");
             let found = novel(&trained, &strokes, first, "normal");
             println!("{what}: false alarms {found}");
+            let own = sum(std::iter::once(&found));
+            let evidence = trained.watch.evidence;
+            // A training run has 5 strokes: so has a run of the alarm.
+            assert!(evidence.segments_a_run == 5 && evidence.limit.is_finite(), "{what}: {evidence:?}");
             by_run.push(found);
+            let detected = FAULTS.map(|state| {
+                let rate = novel(&trained, &strokes, first, state).rate();
+                format!("{:.0} %", 100.0 * rate.value)
+            });
+            let [lubrication_1, lubrication_2, backlash_2] = detected;
+            let alarms = format!("{} of {}", own.0, own.1);
+            table.push(row(&what, [alarms, lubrication_1, lubrication_2, backlash_2, drift(&spread)]));
             for state in FAULTS {
                 let found = novel(&trained, &strokes, first, state);
                 println!("{what}: {state} novel {found}");
@@ -80,6 +112,7 @@ fn false_alarms_of_later_runs() {
             }
         }
     }
+    println!("{}", table.join("\n"));
     let (alarms, judged) = sum(by_run.iter());
     let (plain, of) = sum(independent.iter().filter(|(_, made)| *made).map(|(found, _)| found));
     let (refused, of_refused) = sum(independent.iter().filter(|(_, made)| !made).map(|(found, _)| found));

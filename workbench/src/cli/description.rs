@@ -1,10 +1,12 @@
 //! Describes a trained model in words: estimator, gate, alarm, and the input of the detector.
 
+use bearing_watch::model::EvidenceConstants;
 use bearing_watch::plan::Method;
 use serde_json::{Value, json};
 
 use crate::trace::{Channels, Preparation, ShaftChannels};
-use crate::train::novelty::runs::{Drift, RunSpread};
+use crate::train::novelty::runs::{RunSpread, Slope};
+use crate::train::novelty::{Gate, baseline};
 use crate::train::{Coefficient, Explained, Trained};
 
 /// Returns the estimator's name for `--method`.
@@ -65,33 +67,64 @@ pub(super) fn lines(trained: &Trained, channels: &Channels, host: Preparation) -
 /// Describes the gate and the alarm in words.
 pub(super) fn gate(trained: &Trained) -> Option<String> {
     let gate = trained.watch.gate.as_ref()?;
-    let by_run = gate.runs.as_ref().map_or_else(String::new, |runs| by_run(trained, runs));
+    let by_run = gate.runs.as_ref().map_or_else(String::new, |runs| by_run(trained, gate, runs));
     Some(format!(
-        "Novel beyond distance {:.2} from {}: false-alarm rate {} a segment by {} segments (Gaussian with probability {:.2}, else heavier tails); false alarms every \
-         {:.3e} segments.{by_run}",
+        "Novel beyond distance {:.2} from {}: false-alarm rate {} a segment by {} segments (Gaussian with probability \
+         {:.2}, else heavier tails); {}.{by_run}",
         gate.law.squared_at(gate.limit).sqrt(),
         trained.classes[gate.class],
         trained.recipe.alarms.false_alarm,
         gate.rows,
         gate.law.gaussian_probability(),
-        trained.watch.segments,
+        alarm(trained),
     ))
 }
 
+/// Describes the alarm.
+fn alarm(trained: &Trained) -> String {
+    let EvidenceConstants { limit, cap, segments_a_run, log_mean, .. } = trained.watch.evidence;
+    if limit.is_infinite() {
+        return "no alarm".into();
+    }
+    let runs = match segments_a_run {
+        1 => "segments count as independent".into(),
+        segments => format!("a run ends after {segments} segments, or where the firmware ends it"),
+    };
+    format!(
+        "false alarms every {:.3e} segments for {:.0} % of such training sets; {runs}, and adds at most {:.1} of {limit:.1} \
+         nats",
+        trained.watch.segments,
+        100.0 * baseline::COVERED,
+        cap - log_mean,
+    )
+}
+
 /// Describes the spread of the runs on which the rate rests.
-fn by_run(trained: &Trained, runs: &RunSpread) -> String {
-    let RunSpread { count, between, freedom, drift } = runs;
-    let drift = drift.as_ref().map_or_else(String::new, |Drift { coordinates, distance }| {
-        let names: Vec<&str> = coordinates.iter().map(|&k| trained.coordinate_names[k].as_str()).collect();
+fn by_run(trained: &Trained, gate: &Gate, runs: &RunSpread) -> String {
+    let RunSpread { count, between, freedom, slopes, drift, .. } = runs;
+    let drift = drift.as_ref().map_or_else(String::new, |drift| {
+        let each = |&k: &usize| {
+            let Slope { value, error } = slopes[k];
+            format!("{} by {value:.2} ± {error:.2} deviations a run", trained.coordinate_names[k])
+        };
+        let each: Vec<String> = drift.coordinates.iter().map(each).collect();
+        let left = drift.runs_to(gate.law.squared_at(gate.limit).sqrt(), *count);
         format!(
-            " The runs drift in {}: the next one is expected {distance:.1} deviations from their mean, which the \
-             covariance covers; train again before the drift goes further.",
-            names.join(", ")
+            " The runs drift: {}. The next one is expected {:.1} deviations from their mean, which the covariance \
+             covers; if the drift goes on, healthy segments reach the gate in {left:.0} runs: train again before.",
+            each.join(", "),
+            drift.distance,
         )
     });
+    let next = if trained.recipe.alarms.other_drive {
+        "another drive, for normally distributed drives"
+    } else {
+        "the next run, for normally distributed runs"
+    };
+    let unit = if trained.recipe.alarms.other_drive { "drives" } else { "runs" };
     format!(
-        " The rate is that of the next run, for normally distributed runs: {count} runs, {:.0} % of the variance \
-         between them, {freedom:.1} degrees of freedom.{drift}",
+        " The rate is that of {next}: {count} {unit}, {:.0} % of the variance between them, {freedom:.1} degrees of \
+         freedom.{drift}",
         100.0 * between
     )
 }
@@ -131,12 +164,19 @@ pub(super) fn gate_to_json(trained: &Trained) -> Value {
             "runs": runs.count,
             "between": runs.between,
             "degrees_of_freedom": runs.freedom,
+            "slopes": runs.slopes.iter().map(|slope| json!({ "value": slope.value, "error": slope.error }))
+                .collect::<Vec<_>>(),
             "drift": runs.drift.as_ref().map(|drift| json!({
                 "coordinates": drift.coordinates.iter().map(|&k| &trained.coordinate_names[k]).collect::<Vec<_>>(),
                 "distance": drift.distance,
+                "runs_to_gate": drift.runs_to(gate.law.squared_at(gate.limit).sqrt(), runs.count),
             })),
         })),
         "alarm_interval_segments": trained.watch.segments,
         "alarm_limit_nats": trained.watch.evidence.limit,
+        "alarm_cap_nats": trained.watch.evidence.cap,
+        "alarm_segments_a_run": trained.watch.evidence.segments_a_run,
+        "alarm_log_mean": trained.watch.evidence.log_mean,
+        "alarm_defect_log_mean": trained.watch.evidence.defect_log_mean,
     })
 }

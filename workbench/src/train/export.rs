@@ -359,12 +359,16 @@ const fn feature_with_term(feature: Feature) -> Option<(&'static str, FrictionTe
 }
 
 fn evidence(constants: &EvidenceConstants) -> String {
-    let EvidenceConstants { bet, limit, cap } = *constants;
+    let EvidenceConstants { bet, limit, cap, segments_a_run, log_mean, defect_log_mean } = *constants;
     if *constants == EvidenceConstants::NONE {
         return "EvidenceConstants::NONE".into();
     }
     let [bet, limit, cap] = [bet, limit, cap].map(number);
-    format!("EvidenceConstants {{ bet: {bet}, limit: {limit}, cap: {cap} }}")
+    let [log_mean, defect_log_mean] = [log_mean, defect_log_mean].map(number);
+    format!(
+        "EvidenceConstants {{ bet: {bet}, limit: {limit}, cap: {cap}, segments_a_run: {segments_a_run}, log_mean: \
+         {log_mean}, defect_log_mean: {defect_log_mean} }}"
+    )
 }
 
 /// Returns the shortest decimal that parses to the same `f32`.

@@ -52,12 +52,9 @@ impl Trained {
         let before = candidates.rows(&before);
         check(&before)?;
         let fitted = fit(&before, &self.recipe)?;
-        let mut alarms = self.recipe.alarms.clone();
-        alarms.required = true;
-        let count = fitted.explained.as_ref().map_or(0, Explained::fitted);
-        let rows = (&fitted.coordinates, fitted.coordinate_names.as_slice(), count);
-        let watch = novelty::train(rows, self.recipe.runs(&before), &alarms, None)?;
-        let gate = watch.gate.ok_or_else(|| Error::Training("no healthy class".into()))?;
+        let fitted_terms = fitted.explained.as_ref().map_or(0, Explained::fitted);
+        let rows = (&fitted.coordinates, fitted.coordinate_names.as_slice(), fitted_terms);
+        let gate = novelty::required_gate(rows, self.recipe.runs(&before), &self.recipe.alarms)?;
         let mut found = FalseAlarms::default();
         for row in after.into_iter().filter(|&row| candidates.table.classes[row] == healthy) {
             let (z, variances) = fitted.coordinates_of(&candidates, row);

@@ -103,7 +103,10 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
     let segment_s = (interval_s > 0.0).then_some(segment as f64 * interval_s);
     let fitted = explained.as_ref().map_or(0, Explained::fitted);
     let rows = (&coordinates, coordinate_names.as_slice(), fitted);
-    let watch = novelty::train(rows, recipe.runs(&candidates), &recipe.alarms, segment_s)?;
+    let runs = recipe.runs(&candidates);
+    let shrink = choice.as_ref().map_or(recipe.shrink, |choice| Shrink::To(choice.shrinkage));
+    let fixed = Recipe { shrink, ..recipe.clone() };
+    let watch = novelty::train(rows, (runs, segment_s), &fixed, &densities)?;
     Ok(Trained {
         recipe: recipe.clone(),
         classes: classes.to_vec(),

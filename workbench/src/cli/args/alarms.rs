@@ -27,6 +27,15 @@ pub(in crate::cli) struct AlarmArgs {
     /// Mean segments between false alarms
     #[arg(long, value_name = "SEGMENTS")]
     alarm_interval_segments: Option<f64>,
+    /// Number of segments after which a run (from power-up to power-up, a session) ends for the alarm if the firmware
+    /// does not end it before; 1 if segments are independent. If not given, that of the longest healthy run of
+    /// --group, otherwise 1
+    #[arg(long, value_name = "SEGMENTS", value_parser = clap::value_parser!(u32).range(1..))]
+    segments_a_run: Option<u32>,
+    /// The groups of --group are drives, and the model is for another drive, which differs from them for good: gate and
+    /// alarm are those of the next drive
+    #[arg(long, requires = "group")]
+    other_drive: bool,
 }
 
 impl AlarmArgs {
@@ -55,6 +64,8 @@ impl AlarmArgs {
             by_run: false,
             reject_cost: self.reject_cost,
             interval,
+            segments_a_run: self.segments_a_run,
+            other_drive: self.other_drive,
         })
     }
 }

@@ -11,9 +11,15 @@
 //! Segments of one run are more alike than those of different runs. If the runs are known ([`Alarms::by_run`]), mean,
 //! covariance and law are those for a segment of the next run ([`runs`]), and the number of runs, not of segments, must
 //! suffice for the set rate.
+//!
+//! The alarm collects e-values of runs ([`alarm`]), divided by their mean for 95 % of baselines of this size:
+//! [`baseline`] finds it for the novelty, `ratios` for the likelihood ratios of the defects.
 
+pub mod alarm;
+pub mod baseline;
 mod knots;
 pub mod law;
+mod ratios;
 pub mod runs;
 pub mod spread;
 
@@ -22,9 +28,9 @@ use bearing_watch::model::KNOTS;
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::FeatureTable;
 use super::moments::{self, Moments};
 use super::statistics::{ClassStatistics, singular, whitening};
+use super::{FeatureTable, GaussianClasses, Recipe};
 use crate::Error;
 use law::DistanceLaw;
 use runs::RunSpread;
@@ -65,13 +71,27 @@ pub struct Alarms {
     pub reject_cost: f64,
     /// Mean time between false alarms.
     pub interval: AlarmInterval,
+    /// Number of segments after which a run ends by itself in service; if not given, that of the longest healthy
+    /// training run, or 1 if segments are independent.
+    pub segments_a_run: Option<u32>,
+    /// Whether the groups of the validation are drives, and the model is for another one, whose offset lasts.
+    pub other_drive: bool,
 }
 
 impl Default for Alarms {
     fn default() -> Self {
         let interval = AlarmInterval::Usual;
         let reject_cost = f64::INFINITY;
-        Self { healthy: None, false_alarm: 0.01, required: false, by_run: false, reject_cost, interval }
+        Self {
+            healthy: None,
+            false_alarm: 0.01,
+            required: false,
+            by_run: false,
+            reject_cost,
+            interval,
+            segments_a_run: None,
+            other_drive: false,
+        }
     }
 }
 
@@ -111,36 +131,81 @@ pub struct Watch {
     pub warning: Option<String>,
 }
 
-/// Trains on the coordinates with these `names`, to whose features `fitted` coefficients of covariates were fitted, or
-/// none; `runs` is the run of each row, if the rate is that of the next run,
-/// and `segment_s` is the duration of a segment, if known.
+/// Coordinates, their names, and the number of coefficients of covariates that were fitted to their features.
+pub(crate) type Rows<'a> = (&'a FeatureTable, &'a [String], usize);
+
+impl Watch {
+    const fn without(warning: Option<String>) -> Self {
+        Self { gate: None, evidence: EvidenceConstants::NONE, segments: f64::INFINITY, warning }
+    }
+}
+
+/// Trains on the coordinates and their densities by the `recipe`; `runs` is the run of each row, if the rate is that of
+/// the next run, and `segment_s` is the duration of a segment, if known.
 pub(crate) fn train(
-    (table, names, fitted): (&FeatureTable, &[String], usize),
-    runs: Option<&[usize]>,
-    alarms: &Alarms,
-    segment_s: Option<f64>,
+    rows: Rows<'_>,
+    (runs, segment_s): (Option<&[usize]>, Option<f64>),
+    recipe: &Recipe,
+    densities: &GaussianClasses,
 ) -> Result<Watch, Error> {
-    let none = |warning| Watch { gate: None, evidence: EvidenceConstants::NONE, segments: f64::INFINITY, warning };
+    let alarms = &recipe.alarms;
+    let (table, names, _) = rows;
     if alarms.reject_cost.is_nan() || alarms.reject_cost < 0.0 {
         return Err(Error::Usage("--reject-cost is not negative".into()));
     }
-    let Some(class) = alarms.healthy else { return Ok(none(None)) };
+    if alarms.healthy.is_none() {
+        return Ok(Watch::without(None));
+    }
+    let segments = segments_between(alarms.interval, segment_s)?;
+    let gate = match gate(rows, runs, alarms)? {
+        Ok(gate) => gate,
+        Err(problem) => return Ok(Watch::without(Some(problem + "; none is set"))),
+    };
+    let usual = gate.runs.as_ref().filter(|_| !alarms.other_drive).map_or(1, |runs| runs.longest as u32);
+    let run = (alarms.segments_a_run.unwrap_or(usual), alarms.other_drive);
+    let found = alarm::constants(&gate, table.names.len(), segments, run).map(|evidence| {
+        let defect_log_mean =
+            ratios::log_mean((table, names), recipe, (densities, gate.runs.as_ref(), runs), evidence.cap);
+        EvidenceConstants { defect_log_mean, ..evidence }
+    });
+    let (evidence, refused) = match found {
+        Ok(evidence) => (evidence, None),
+        Err(Error::Training(problem)) if !alarms.required => {
+            (EvidenceConstants::NONE, Some(problem + "; there is none"))
+        }
+        Err(problem) => return Err(problem),
+    };
+    let warnings: Vec<String> = gate.warning(alarms.false_alarm).into_iter().chain(refused).collect();
+    let warning = (!warnings.is_empty()).then(|| warnings.join("; "));
+    Ok(Watch { gate: Some(gate), evidence, segments, warning })
+}
+
+/// Returns the gate of the healthy class, or why there is none.
+///
+/// # Errors
+/// Settings out of range; no gate although one is required.
+fn gate(
+    (table, names, fitted): Rows<'_>,
+    runs: Option<&[usize]>,
+    alarms: &Alarms,
+) -> Result<Result<Gate, String>, Error> {
     let rate = alarms.false_alarm;
     if !(1e-9..=0.5).contains(&rate) {
         return Err(Error::Usage(format!("--false-alarm {rate}: give a rate from 1e-9 to 0.5 a segment")));
     }
-    let segments = segments_between(alarms.interval, segment_s)?;
+    let class = alarms.healthy.ok_or_else(|| Error::Training("no healthy class".into()))?;
     let healthy = Healthy { fitted, ..Healthy::of(table, class, runs) };
-    if let Some(problem) = healthy.scarcity(names, rate) {
-        return if alarms.required { Err(Error::Training(problem)) } else { Ok(none(Some(problem + "; none is set"))) };
+    match healthy.scarcity(names, rate) {
+        Some(problem) if alarms.required => Err(Error::Training(problem)),
+        Some(problem) => Ok(Err(problem)),
+        None => healthy.gate(class, names, rate).map(Ok),
     }
-    let gate = healthy.gate(class, names, rate)?;
-    // The scores of the novelty and of each defect share the false-alarm rate.
-    let limit = (table.names.len() as f64 * segments).ln() as f32;
-    let warning = gate.warning(rate);
-    // A single segment cannot cause an alarm.
-    let evidence = EvidenceConstants { bet: BET, limit, cap: 0.5 * limit };
-    Ok(Watch { gate: Some(gate), evidence, segments, warning })
+}
+
+/// Returns the gate of the healthy class; too few rows are an error.
+pub(crate) fn required_gate(rows: Rows<'_>, runs: Option<&[usize]>, alarms: &Alarms) -> Result<Gate, Error> {
+    let alarms = Alarms { required: true, ..alarms.clone() };
+    gate(rows, runs, &alarms)?.map_err(Error::Training)
 }
 
 /// Returns the number of rows of a class that have the coordinate which is missing most often, and this coordinate; all
@@ -194,9 +259,7 @@ pub fn gate_of_table(table: &FeatureTable, rate: f64) -> Result<Gate, Error> {
 /// As [`gate_of`], for the number of runs.
 pub fn gate_of_runs(table: &FeatureTable, runs: Option<&[usize]>, rate: f64) -> Result<Gate, Error> {
     let names: Vec<String> = (1..=table.rows.first().map_or(0, DVector::len)).map(|k| format!("z{k}")).collect();
-    let alarms = Alarms { healthy: Some(0), false_alarm: rate, required: true, ..Alarms::default() };
-    let watch = train((table, &names, 0), runs, &alarms, None)?;
-    watch.gate.ok_or_else(|| Error::Training("no healthy rows".into()))
+    required_gate((table, &names, 0), runs, &Alarms { healthy: Some(0), false_alarm: rate, ..Alarms::default() })
 }
 
 /// The healthy rows of a table, and their runs if these count.

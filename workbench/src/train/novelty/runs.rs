@@ -28,7 +28,14 @@
 //! (5) A significant trend (5 %, Bonferroni over the coordinates) means that the next run is expected at δ from the
 //! mean of the training runs, outside their spread. δδᵀ covers this distance on both sides of m, whether the drift goes
 //! on or ends; the spread of B that the trend explains is kept as a margin. A drift that continues beyond the next run
-//! leaves this covariance sooner or later.
+//! leaves this covariance sooner or later: in its direction, a mean at t δ has the distance t a/√(1 + a²), a² = δᵀS⁻¹δ,
+//! and reaches the gate d after
+//!
+//! ```text
+//! r = (k + 1)/2 · d √(1 + a²)/a − (k − 1)/2   runs                       (6)
+//! ```
+//!
+//! ([`Drift::runs_to`]). A trend that is not significant is in B with the spread of its runs.
 //!
 //! The rate rests on normally distributed runs. Without this assumption, the largest of k + 1 exchangeable runs is the
 //! next one with probability 1/(k + 1): no rate below this is supported ([`supported`]).
@@ -59,6 +66,25 @@ pub struct Drift {
     pub distance: f64,
 }
 
+impl Drift {
+    /// Returns the number of runs after the last training run in which the drift of `count` runs reaches a distance
+    /// (6).
+    #[must_use]
+    pub fn runs_to(&self, distance: f64, count: usize) -> f64 {
+        let k = count as f64;
+        0.5 * (k + 1.0) * distance * self.distance.hypot(1.0) / self.distance - 0.5 * (k - 1.0)
+    }
+}
+
+/// Slope of the run means over the runs in one coordinate, in standard deviations of a segment a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slope {
+    /// The slope.
+    pub value: f64,
+    /// Its standard error.
+    pub error: f64,
+}
+
 /// Spread of healthy runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunSpread {
@@ -66,8 +92,16 @@ pub struct RunSpread {
     pub count: usize,
     /// Part of the variance that is between runs, mean over the directions; an upper estimate (2).
     pub between: f64,
+    /// λ (2), the part of the variance that is between runs in each direction.
+    pub shares: DVector<f64>,
+    /// h (1), the mean of 1/n over the runs.
+    pub inverse_size: f64,
+    /// Number of segments of the longest run.
+    pub longest: usize,
     /// f (3), the degrees of freedom of the covariance.
     pub freedom: f64,
+    /// Trend of each coordinate.
+    pub slopes: Vec<Slope>,
     /// The trend, if it is significant.
     pub drift: Option<Drift>,
 }
@@ -123,13 +157,19 @@ pub(super) fn next_run(table: &FeatureTable, runs: &[usize], count: usize) -> Re
     let part = shares.mean();
     let tails = within_distances(table, &means, (runs, &sizes), &within).unwrap_or_default();
     let law = DistanceLaw::of_freedom(p, (freedom, 1.0 + part / k), (table.rows.len() - count, &tails)); // (4)
-    let trend = trend(&means);
+    let (slopes, trend) = trend(&means);
+    let deviation = |k: usize| covariance[(k, k)].sqrt();
+    let relative =
+        |(k, slope): (usize, &Slope)| Slope { value: slope.value / deviation(k), error: slope.error / deviation(k) };
+    let slopes = slopes.iter().enumerate().map(relative).collect();
     let drift = trend.as_ref().map(|(coordinates, shift)| {
         let distance = (&root * shift).norm();
         Drift { coordinates: coordinates.clone(), distance }
     });
     let covariance = trend.map_or(covariance.clone(), |(_, shift)| covariance + &shift * shift.transpose()); // (5)
-    Ok(NextRun { mean, covariance, law, spread: RunSpread { count, between: part, freedom, drift } })
+    let longest = sizes.iter().copied().max().unwrap_or(1);
+    let spread = RunSpread { count, between: part, shares, inverse_size: h, longest, freedom, slopes, drift };
+    Ok(NextRun { mean, covariance, law, spread })
 }
 
 /// Returns c of (2).
@@ -169,26 +209,34 @@ fn within_distances(
     Some(squared.into_iter().map(|(squared, available)| equivalent(squared, available, p)).collect())
 }
 
-/// Returns the coordinates with a significant linear trend of the run means, and the expected shift δ of the next run
-/// from their mean (5); `None` without a significant trend.
-fn trend(means: &[DVector<f64>]) -> Option<(Vec<usize>, DVector<f64>)> {
+/// Coordinates with a significant trend, and δ of (5).
+type Shift = (Vec<usize>, DVector<f64>);
+
+/// Returns the trend of the run means in each coordinate, and, if any is significant, these coordinates and the expected
+/// shift δ of the next run from the mean of all (5).
+fn trend(means: &[DVector<f64>]) -> (Vec<Slope>, Option<Shift>) {
     let k = means.len() as f64;
     let p = means.first().map_or(0, DVector::len);
-    let law = StudentsT::new(0.0, 1.0, k - 2.0).ok()?;
+    let Ok(law) = StudentsT::new(0.0, 1.0, k - 2.0) else { return (vec![], None) };
     let time = |run: usize| run as f64 - 0.5 * (k - 1.0);
     let squares = k * (k * k - 1.0) / 12.0;
     let slope = means.iter().enumerate().map(|(run, own)| own * time(run)).sum::<DVector<f64>>() / squares;
     let mean = means.iter().sum::<DVector<f64>>() / k;
-    let significant = |&coordinate: &usize| {
+    let of = |coordinate: usize| {
         let left = |(run, own): (usize, &DVector<f64>)| {
             (own[coordinate] - mean[coordinate] - slope[coordinate] * time(run)).powi(2)
         };
         let variance = means.iter().enumerate().map(left).sum::<f64>() / (k - 2.0) / squares;
-        let t = slope[coordinate].abs() / variance.sqrt().max(f64::MIN_POSITIVE);
-        2.0 * law.sf(t) * (p as f64) < SIGNIFICANT
+        Slope { value: slope[coordinate], error: variance.sqrt() }
+    };
+    let slopes: Vec<Slope> = (0..p).map(of).collect();
+    let significant = |&coordinate: &usize| {
+        let Slope { value, error } = slopes[coordinate];
+        2.0 * law.sf(value.abs() / error.max(f64::MIN_POSITIVE)) * (p as f64) < SIGNIFICANT
     };
     let coordinates: Vec<usize> = (0..p).filter(significant).collect();
-    (!coordinates.is_empty()).then(|| (coordinates, slope * (0.5 * (k + 1.0))))
+    let found = (!coordinates.is_empty()).then(|| (coordinates, slope * (0.5 * (k + 1.0))));
+    (slopes, found)
 }
 
 /// Returns the smallest number of runs that support a false-alarm rate.
@@ -262,9 +310,15 @@ mod tests {
     fn a_trend_by_hand() {
         // Means 0, 1, 2, 4: slope 1.3, residual variance 0.3/2, t = 1.3/√(0.15/5) = 7.5 > 4.30; δ = 1.3 · 5/2.
         let means = [0.0, 1.0, 2.0, 4.0].map(|x| DVector::from_element(1, x));
-        let (coordinates, shift) = trend(&means).expect("significant");
+        let (slopes, found) = trend(&means);
+        let (coordinates, shift) = found.expect("significant");
         assert!(coordinates == [0] && (shift[0] - 3.25).abs() < 1e-12, "{shift}");
-        assert!(trend(&[0.0, 3.0, 1.0, 4.0].map(|x| DVector::from_element(1, x))).is_none());
+        assert!((slopes[0].value - 1.3).abs() < 1e-12 && (slopes[0].error - 0.03_f64.sqrt()).abs() < 1e-12);
+        let (slopes, found) = trend(&[0.0, 3.0, 1.0, 4.0].map(|x| DVector::from_element(1, x)));
+        assert!(found.is_none() && (slopes[0].value - 1.0).abs() < 1e-12);
+        // δ at 2 deviations is 2/√5 from the covariance with δδᵀ: 3 deviations are 3.354 δ, 8.385 runs from the middle.
+        let drift = Drift { coordinates, distance: 2.0 };
+        assert!((drift.runs_to(3.0, 4) - 6.885).abs() < 1e-3, "{}", drift.runs_to(3.0, 4));
     }
 
     #[test]

@@ -60,23 +60,32 @@ pub fn rows_needed(coordinates: usize, rate: f64) -> usize {
 
 /// Returns (1) for one random training set.
 fn single(coordinates: usize, rows: usize, limit: f64, random: &mut ChaCha8Rng) -> f64 {
-    let degrees = rows as f64 - 1.0;
-    let mut factor = DMatrix::zeros(coordinates, coordinates);
-    for i in 0..coordinates {
-        factor[(i, i)] = ChiSquared::new(degrees - i as f64).map_or(0.0, |law| law.sample(random)).sqrt();
-        (0..i).for_each(|j| factor[(i, j)] = StandardNormal.sample(random));
-    }
+    let scatter = wishart(coordinates, rows - 1, random);
     let normal = |random: &mut ChaCha8Rng| -> f64 { StandardNormal.sample(random) };
     let mean = DVector::from_fn(coordinates, |_, _| normal(random) / (rows as f64).sqrt());
-    let eigen = SymmetricEigen::new(&factor * factor.transpose() / degrees);
+    let eigen = SymmetricEigen::new(scatter / (rows as f64 - 1.0));
     let shift = eigen.eigenvectors.transpose() * mean;
     let terms: Vec<(f64, f64)> =
         eigen.eigenvalues.iter().zip(shift.iter()).map(|(value, shift)| (1.0 / value, shift * shift)).collect();
     tail(&terms, limit)
 }
 
+/// Returns the scatter of so many standard normal vectors, of rank `degrees` at most.
+pub(super) fn wishart(coordinates: usize, degrees: usize, random: &mut ChaCha8Rng) -> DMatrix<f64> {
+    if degrees < coordinates {
+        let rows = DMatrix::from_fn(coordinates, degrees, |_, _| -> f64 { StandardNormal.sample(random) });
+        return &rows * rows.transpose();
+    }
+    let mut factor = DMatrix::zeros(coordinates, coordinates);
+    for i in 0..coordinates {
+        factor[(i, i)] = ChiSquared::new((degrees - i) as f64).map_or(0.0, |law| law.sample(random)).sqrt();
+        (0..i).for_each(|j| factor[(i, j)] = StandardNormal.sample(random));
+    }
+    &factor * factor.transpose()
+}
+
 /// Returns P(Σ w (g + δ)² > c) for terms (w, δ²).
-fn tail(terms: &[(f64, f64)], limit: f64) -> f64 {
+pub(super) fn tail(terms: &[(f64, f64)], limit: f64) -> f64 {
     let beyond = |x: f64| 0.5 * erfc(x / std::f64::consts::SQRT_2);
     if let [(w, shift)] = terms {
         let (far, shift) = ((limit / w).sqrt(), shift.sqrt());
@@ -96,8 +105,9 @@ fn tail(terms: &[(f64, f64)], limit: f64) -> f64 {
     };
     // The derivative of the cumulant generating function rises from 0 at −∞ to +∞ at 1/(2 w).
     let pole = 0.5 / largest;
-    let (mut low, mut high) = (-1e6 * pole, pole);
-    for _ in 0..100 {
+    let beyond_mean = limit > cumulant(0.0).1;
+    let (mut low, mut high) = if beyond_mean { (0.0, pole) } else { (-1e6 * pole, 0.0) };
+    for _ in 0..if beyond_mean { 40 } else { 60 } {
         let middle = 0.5 * (low + high);
         if cumulant(middle).1 < limit { low = middle } else { high = middle }
     }
