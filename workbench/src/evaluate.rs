@@ -46,6 +46,7 @@ impl Rate {
     }
 
     /// Same as [`Rate::wilson`] for numbers that need not be integers, for example effective counts.
+    #[must_use]
     pub fn wilson_of(k: f64, n: f64) -> Self {
         /// 97.5 % quantile of the normal distribution.
         const Q: f64 = 1.959_963_984_540_054;
