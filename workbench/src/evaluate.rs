@@ -46,7 +46,8 @@ impl Rate {
     }
 
     /// Same as [`Rate::wilson`] for numbers that need not be integers, for example effective counts.
-    pub(crate) fn wilson_of(k: f64, n: f64) -> Self {
+    #[must_use]
+    pub fn wilson_of(k: f64, n: f64) -> Self {
         /// 97.5 % quantile of the normal distribution.
         const Q: f64 = 1.959_963_984_540_054;
         if n <= 0.0 {

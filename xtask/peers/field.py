@@ -232,18 +232,20 @@ def main():
         mine = rates_of_ours(own["detected"])
         plain.append([own["name"], *map(shown, theirs), f"{without:.1f}"])
         pair = lambda a, b: f"{'refused' if a is None else f'{a[0]:.1f}'} / {b[0]:.1f}"
-        both.append([own["name"], *(pair(a, b) for a, b in zip(mine, theirs))])
         cells = list(zip(ours["columns"], mine, theirs, [True] + [False] * len(mine)))
         if their_errors:
             my_errors = rates_of_ours(own["three_class_error"])
             errors.append([own["name"], *(f"{shown(a)} / {shown(b)}" for a, b in zip(my_errors, their_errors))])
             cells += zip(("error at full size", "error at half size"), my_errors, their_errors, (True, True))
-        late += [f"{own['name']}: {name}" for name, a, b, small in cells if behind(a, b, small)]
+        lost = [name for name, a, b, small in cells if behind(a, b, small)]
+        late += [f"{own['name']}: {name}" for name in lost]
+        verdict = f"no: {', '.join(lost)}" if lost else "yes"
+        both.append([own["name"], *(pair(a, b) for a, b in zip(mine, theirs)), verdict])
         print(f"{own['name']} done", file=sys.stderr)
     print(f"{ours['draws']} draws; the plain program, detected in % [95 % interval]:\n")
     table(["row", *ours["columns"], "no verdict"], plain)
-    print("Ours / the plain program, detected in %:\n")
-    table(["row", *ours["columns"]], both)
+    print("Ours / the plain program, detected in %; ahead or equal within the intervals:\n")
+    table(["row", *ours["columns"], "ahead or equal"], both)
     if errors:
         print("Three classes, error in %, ours / the plain program:\n")
         table(["row", "full size", "half size"], errors)

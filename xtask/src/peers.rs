@@ -15,7 +15,7 @@ use crate::{child, field_peers, workspace};
 pub fn run() -> Result<bool> {
     let (text, met) = measure()?;
     print!("{text}");
-    let (text, ahead) = field_peers::measure()?;
+    let (text, ahead) = field_peers::measure(None)?;
     print!("\n{text}");
     Ok(met && ahead)
 }

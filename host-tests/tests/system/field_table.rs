@@ -1,5 +1,6 @@
 //! The table of the field: a few rows with few records.
 
+use host_tests::documents;
 use workbench::study::field::rows::{CLASS_SIZES, COLUMNS, named};
 use workbench::study::field::tally::{Tally, rate};
 use workbench::study::field::{Findings, Settings, render, study};
@@ -67,4 +68,28 @@ fn a_set_that_training_refuses_is_a_row_with_the_reason() {
     }
     let text = render::text(&found, &settings);
     assert!(text.contains("slip, gate, 2 of 2: ") && text.contains("  slip  refused"), "{text}");
+}
+
+/// The bounds in the document: nothing is found that an ideal detector could not find, and the order alone is of use.
+#[test]
+fn the_order_alone_stays_below_its_bound() {
+    let document = documents::text("docs/field.md");
+    let rows = documents::rows(&document, "Spalls found at 1 % false alarms");
+    let number = |text: &str| text.parse::<f64>().unwrap_or_else(|_| panic!("{text} is no number"));
+    let interval = |text: &str| -> [f64; 2] {
+        let (value, rest) = text.split_once(" [").expect("an interval");
+        [number(value), number(rest.split_once(',').expect("two ends").0)]
+    };
+    let (_, rows) = rows.split_first().expect("a heading");
+    assert_eq!(rows.len(), 32);
+    let mut near = 0;
+    for row in rows {
+        let [bound, together] = [5, 7].map(|column| number(row[column]));
+        let [[order, order_low], [_, found_low]] = [8, 9].map(|column| interval(row[column]));
+        // A gate of 150 records may exceed its set rate by a factor of two.
+        assert!(order_low <= bound + 1.0 && found_low <= together + 1.0, "{row:?}");
+        near += usize::from(order > 0.5 * bound);
+    }
+    // A bound that nothing comes near would say nothing.
+    assert!(near >= 15, "{near}");
 }

@@ -7,7 +7,8 @@ use crate::Error;
 use crate::report::pages::campaign::page;
 use crate::rig::Condition;
 use crate::study::campaign::{Settings, campaign, render};
-use crate::study::field;
+use crate::study::field::picture::picture;
+use crate::study::field::{self, bounds};
 
 /// Train and evaluate the detector on the standard rig under every condition, size of defect and set rate, beside the
 /// goals and the source's own method; or, with --field, under the effects of the field
@@ -16,6 +17,7 @@ use crate::study::field;
   bearing-watch campaign --repetitions 20 --report campaign.html --out campaign.csv
   bearing-watch campaign --field --draws 20
   bearing-watch campaign --field --draws 2 --only mix,temperature,field-sine --json
+  bearing-watch campaign --field --bounds --draws 1
 
 With --field there is one row a condition: a gate of 150 healthy records at 1 % false alarms, trained and judged under \
 this condition with one recipe for all rows; rows that end in -unseen are trained without the missing samples. Records \
@@ -39,6 +41,15 @@ pub(super) struct Args {
     /// Only these rows of the field
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "field")]
     only: Vec<String>,
+    /// What one record can tell: bounds of an ideal detector, beside what is found
+    #[arg(long, requires = "field", conflicts_with = "out")]
+    bounds: bool,
+    /// Draw the field's table into an SVG file
+    #[arg(long, value_name = "FILE", requires = "field", conflicts_with = "bounds")]
+    picture: Option<PathBuf>,
+    /// Draw a table of the field that was printed before, for example docs/field.md, and compute nothing
+    #[arg(long, value_name = "FILE", requires = "picture")]
+    printed: Option<PathBuf>,
     /// Features of the field's detector, instead of those of its recipe
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "field")]
     features: Vec<String>,
@@ -75,18 +86,46 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
 }
 
 fn run_field(args: &Args) -> Result<(), Error> {
+    if let (Some(path), Some(printed)) = (&args.picture, &args.printed) {
+        let text = std::fs::read_to_string(printed).map_err(|source| Error::Io { path: printed.clone(), source })?;
+        return output::write(path, picture(&text)?);
+    }
     let rows = field::rows::named(&args.only)?;
     field::recipe::recipe(&Condition::MIX, &args.features).catalogue().choose(&args.features)?;
     let settings =
         field::Settings { features: args.features.clone(), ..field::Settings::standard(args.repetitions, args.first) };
+    if args.bounds {
+        return run_bounds(args, &settings);
+    }
     let bar = output::progress("field", rows.len() * settings.draws as usize);
     let findings = field::study(&rows, &settings, || bar.inc(1))?;
     bar.finish_and_clear();
     if let Some(path) = &args.out {
         output::write(path, output::csv(&field::render::tidy(&findings, &settings))?)?;
     }
+    let text = field::render::text(&findings, &settings);
+    if let Some(path) = &args.picture {
+        output::write(path, picture(&text)?)?;
+    }
     if args.json {
         return output::json(&field::render::to_json(&findings, &settings));
     }
-    output::say(field::render::text(&findings, &settings).trim_end())
+    output::say(text.trim_end())
+}
+
+fn run_bounds(args: &Args, settings: &field::Settings) -> Result<(), Error> {
+    let names = if args.only.is_empty() { bounds::ROWS.map(String::from).to_vec() } else { args.only.clone() };
+    let rows = field::rows::named(&names)?;
+    let bar = output::progress("bounds", rows.len());
+    let bound = |row| {
+        let bounded = bounds::bound(row, settings);
+        bar.inc(1);
+        bounded
+    };
+    let bounded = rows.iter().map(bound).collect::<Result<Vec<_>, _>>()?;
+    bar.finish_and_clear();
+    if args.json {
+        return output::json(&bounds::render::to_json(&bounded));
+    }
+    output::say(bounds::render::text(&bounded, settings).trim_end())
 }

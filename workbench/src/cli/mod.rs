@@ -5,6 +5,7 @@ mod campaign;
 mod demo;
 mod description;
 mod evaluate;
+mod evidence;
 mod grey_box;
 mod identify;
 mod model_file;

@@ -17,6 +17,7 @@ use super::args::traces::{
     ChannelArgs, PreparationArgs, Selection, SelectionArgs, StructureArgs, ValidationArgs, warn_irregular,
 };
 use super::description::{self, estimated_by, method_word};
+use super::evidence::{self, Orders};
 use super::model_file::{Notes, check_rate, prepare};
 use super::output;
 use crate::Error;
@@ -171,6 +172,8 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     recipe.alarms.by_run = !recipe.validation.groups.is_empty();
     let prepared = prepare(&training, preparation)?;
     let mut trained = crate::train::train(&prepared, &classes, &recipe)?;
+    // On the traces as the shaft was trained, before block means move into the detector.
+    let orders = Orders::of(&trained, &prepared)?;
     let host = embed_block_mean(&mut trained, preparation, &training);
     let description = description::lines(&trained, &channels, host);
     if host != Preparation::NONE {
@@ -192,6 +195,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         forward: if held_out.is_none() { trained.forward() } else { vec![] },
         ranking: args.rank.then(|| trained.rank()).transpose()?,
         held_out,
+        orders,
     };
     let report = args.report.as_ref().map(|_| {
         let examples: Vec<_> =
@@ -330,6 +334,7 @@ impl Args {
                 "cross_validated": found.cross_validated.as_ref().and_then(|v| v.as_ref().ok()).map(Scores::to_json),
                 "forward": found.forward.iter().map(Forward::to_json).collect::<Vec<_>>(),
                 "ranking": found.ranking.as_ref().map(Ranking::to_json),
+                "order_noise": evidence::to_json(found.orders.as_ref()),
                 "novelty": description::gate_to_json(trained),
             }));
         }
@@ -346,6 +351,7 @@ impl Args {
         ))?;
         trained.explained.iter().flat_map(Explained::lines).try_for_each(output::say)?;
         description::gate(trained).map_or(Ok(()), output::say)?;
+        evidence::text(trained, found.orders.as_ref()).map_or(Ok(()), output::say)?;
         match &found.cross_validated {
             Some(Ok(scores)) => {
                 let error = 100.0 * scores.error;
@@ -392,6 +398,7 @@ struct Found {
     /// Gates of the first runs on later ones; only if no traces were held out.
     forward: Vec<Forward>,
     ranking: Option<Ranking>,
+    orders: Option<Orders>,
 }
 
 impl Found {

@@ -69,6 +69,35 @@ impl ShaftPlan {
         self.orders.iter().map(|(name, _)| name.clone()).collect()
     }
 
+    /// Returns the orders, cells (4) and control orders (5) for records of this number of turns. The filters are those
+    /// before training.
+    #[must_use]
+    pub fn tracking(&self, turns: f64, slowest_rad_s: f64) -> Tracking<RunTime> {
+        let named = |name: &str| self.orders.iter().find(|(own, _)| own == name).map(|(_, order)| *order);
+        let ratio = |name: &str| match (name, named("outer"), named("inner")) {
+            ("inner", Some(outer), Some(inner)) => -outer / inner,
+            _ => 1.0,
+        };
+        let weights = self.weights.map(|w| w as f32);
+        let order = |(name, order): &(String, f64)| TrackedOrder {
+            slip_ratio: ratio(name) as f32,
+            ..TrackedOrder::new(*order as f32, weights)
+        };
+        let highest = self.orders.iter().map(|(_, order)| *order).fold(0.1, f64::max);
+        let widest = (0.5 / (highest * self.slip.max(1e-4))).min(turns / 16.0); // (4)
+        Tracking {
+            orders: self.orders.iter().map(order).collect(),
+            blocks: Blocks {
+                controls: controls(&self.orders, self.slip, harmonics(&self.weights)).map(|order| q16(order as f32)),
+                cell_turns_log2: widest.log2().floor().clamp(-6.0, 6.0) as i8,
+                slip: self.slip as f32,
+                slowest_rad_s: slowest_rad_s as f32,
+                pole: 0.9,
+                high_pass: 0.0,
+            },
+        }
+    }
+
     fn check(&self, interval_s: f64) -> Result<(), Error> {
         let refuse = |problem: String| Err(Error::Usage(problem));
         if self.orders.len() > MAX_ORDERS {
@@ -293,34 +322,11 @@ fn velocity_noise(traces: &[&MotionTrace]) -> f64 {
 }
 
 fn tracking(traces: &[&MotionTrace], plan: &ShaftPlan, sign_velocity: f64) -> Tracking<RunTime> {
-    let named = |name: &str| plan.orders.iter().find(|(own, _)| own == name).map(|(_, order)| *order);
-    let ratio = |name: &str| match (name, named("outer"), named("inner")) {
-        ("inner", Some(outer), Some(inner)) => -outer / inner,
-        _ => 1.0,
-    };
-    let weights = plan.weights.map(|w| w as f32);
-    let order = |(name, order): &(String, f64)| TrackedOrder {
-        slip_ratio: ratio(name) as f32,
-        ..TrackedOrder::new(*order as f32, weights)
-    };
     let turns = |t: &&MotionTrace| {
         let steps = t.angle_rad.windows(2).map(|w| (w[1] - w[0]).abs());
         steps.filter(|step| *step < std::f64::consts::PI).sum::<f64>() / std::f64::consts::TAU
     };
-    let usual_turns = median(traces.iter().map(turns).collect());
-    let highest = plan.orders.iter().map(|(_, order)| *order).fold(0.1, f64::max);
-    let widest = (0.5 / (highest * plan.slip.max(1e-4))).min(usual_turns / 16.0); // (4)
-    Tracking {
-        orders: plan.orders.iter().map(order).collect(),
-        blocks: Blocks {
-            controls: controls(&plan.orders, plan.slip, harmonics(&plan.weights)).map(|order| q16(order as f32)),
-            cell_turns_log2: widest.log2().floor().clamp(-6.0, 6.0) as i8,
-            slip: plan.slip as f32,
-            slowest_rad_s: (1.2 * sign_velocity) as f32,
-            pole: 0.9,
-            high_pass: 0.0,
-        },
-    }
+    plan.tracking(median(traces.iter().map(turns).collect()), 1.2 * sign_velocity)
 }
 
 /// Control orders (5), spread evenly in the logarithm over the harmonics of the tracked orders.

@@ -100,6 +100,7 @@ mod tests {
         for entry in documents.read_dir().context("no folder `docs`")? {
             files.push(entry?.path());
         }
+        files.retain(|file| file.extension().is_some_and(|extension| extension == "md"));
         let mut found = Vec::new();
         for file in files {
             let text = fs::read_to_string(&file)?;

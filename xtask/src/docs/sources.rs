@@ -6,7 +6,7 @@ use super::block::{self, Block};
 use super::compare::Tolerance;
 use super::{campaign, figures, read};
 use crate::toolchain::{self, Way};
-use crate::{child, long, measure, peers, rivals, setup, workspace};
+use crate::{child, field_peers, long, measure, peers, rivals, setup, workspace};
 
 /// A command of the repository that prints blocks of documents.
 #[derive(Clone, Copy, Debug)]
@@ -20,7 +20,7 @@ pub struct Source {
 }
 
 /// All sources, in the order in which they run.
-pub const SOURCES: [Source; 11] = [
+pub const SOURCES: [Source; 13] = [
     quick(figures::NAME, figures::TOLERANCE, target),
     quick("demo", Tolerance::Exact, |_| printed("demo", "README.md", "standard_rig::twenty_draws")),
     quick("instruments", Tolerance::Exact, |_| {
@@ -28,13 +28,22 @@ pub const SOURCES: [Source; 11] = [
     }),
     slow("campaign", Tolerance::Exact, |_| workbench("campaign", "campaign", campaign::DOCUMENT)),
     quick("summary", Tolerance::Exact, |_| Ok(vec![campaign::block(&read(campaign::DOCUMENT)?)?])),
-    slow("field", Tolerance::Exact, |_| workbench("campaign --field --draws 2", "field", "docs/field.md")),
+    slow("field", Tolerance::Exact, |_| workbench(FIELD, "field", "docs/field.md")),
+    slow("field-bounds", Tolerance::Exact, |_| {
+        workbench("campaign --field --bounds --draws 1", "field-bounds", "docs/field.md")
+    }),
+    slow("field-peers", Tolerance::Any, |_| {
+        Ok(vec![Block::new("docs/field-peers.md", "field-peers", &field_peers::measure(Some(field_peers::SHORT))?.0)])
+    }),
     slow("tables", Tolerance::Exact, |_| workbench("tables", "tables", "docs/tables.md")),
     slow("recorded", Tolerance::Exact, |_| printed("recorded", "docs/recorded.md", "recorded_")),
     slow("endurance", Tolerance::Exact, |_| endurance()),
     slow("peers", Tolerance::Any, |_| Ok(vec![Block::new("docs/peers.md", "peers", &peers::measure()?.0)])),
     slow("peers-on-target", figures::TOLERANCE, peers_on_target),
 ];
+
+/// The table of the field, and its picture.
+const FIELD: &str = "campaign --field --draws 2 --picture docs/pictures/field.svg";
 
 type Blocks = fn(Option<Way>) -> Result<Vec<Block>>;
 

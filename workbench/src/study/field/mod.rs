@@ -8,12 +8,16 @@
 //!
 //! | module | content |
 //! |---|---|
+//! | [`bounds`] | what one record can tell |
+//! | [`picture`] | the table as a picture |
 //! | [`recipe`] | the configuration: features, false-alarm rate |
 //! | [`rows`] | conditions, defects, and the cells of their traces |
 //! | [`run`] | one draw of one row |
 //! | [`tally`] | counts, and rates with intervals |
 //! | [`render`] | the table as text, rows and JSON |
 
+pub mod bounds;
+pub mod picture;
 pub mod recipe;
 pub mod render;
 pub mod rows;

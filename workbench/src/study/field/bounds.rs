@@ -1,0 +1,259 @@
+//! What one record can tell: the rate at which an ideal detector, which knows the distribution of the rig's parameters,
+//! finds a spall at 1 % false alarms, beside what the detector finds.
+//!
+//! ```text
+//! P = P(χ²(2H, λ) > χ²₀.₉₉),   λ = Σ_h λ_h over H harmonics, H the number that detects most                (1)
+//! P = Φ(√μ − 2.33),   1/μ = 1/μ_noise + 1/μ_healthy                                                       (2)
+//! P = P(χ²(2H + 1, λ + μ) > χ²₀.₉₉)                                                                        (3)
+//! μ_noise = Σ_k m²/S(0),   μ_healthy = Δᵀ C⁻¹ Δ                                                           (4)
+//! ```
+//!
+//! (1) is the order alone: the matched filter of pulses whose phases are not known, with the non-centrality of
+//! [`energy`]. If the balls slip, 1 % is divided by the number of slips that the record can tell apart. (2) is friction
+//! alone: the mean drag m of the pulses, whose sign is known, against what noise and healthy drives do to it. C is the
+//! covariance of B, Tc and the flux of healthy drives, Δ what the spall adds to them. (3) is both as independent
+//! evidence. The bound is the largest of the three, averaged over records. It assumes that the detector knows every
+//! parameter of the record but friction, phase and slip, and loses no sample; a load that is measured is exact. With all effects together the noise at the bearing's order is not that of the sensors: it is what the core
+//! finds there in other healthy records, with the filters that training has chosen.
+
+pub mod energy;
+pub mod render;
+
+use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
+use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
+
+use super::recipe::{FALSE_ALARM, recipe};
+use super::rows::{COLUMNS, Row};
+use super::tally::{Tally, rate};
+use super::{Settings, run};
+use crate::Error;
+use crate::evaluate::Rate;
+use crate::rig::field::FieldValues;
+use crate::rig::{Defect, DefectKind, Scenario, simulate};
+use crate::study::campaign::run::traces;
+use crate::trace::labels::LabelledTrace;
+use crate::train::train;
+use energy::{HARMONICS, Spall};
+
+/// Rows that are bounded by default: those that find little, and MIX for comparison.
+pub const ROWS: [&str; 8] = [
+    "mix",
+    "temperature",
+    "no-load-sensor",
+    "duty-one-way",
+    "duty-constant",
+    "field-sine",
+    "field-duties",
+    "field-any",
+];
+
+/// Healthy records over which a bound is averaged, and by which the noise of the field is measured.
+const RECORDS: u32 = 60;
+/// Healthy drives from which C of (4) is estimated.
+const DRIVES: u64 = 2000;
+
+/// The bound and what is found, for one size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bound {
+    /// Size of the spall.
+    pub severity: f64,
+    /// Mean non-centrality of three harmonics.
+    pub non_centrality: f64,
+    /// (1), (2), and the largest of (1) to (3), each averaged over records.
+    pub order: f64,
+    /// (2).
+    pub friction: f64,
+    /// The largest of (1) to (3).
+    pub all: f64,
+    /// Found by the gate with the order alone.
+    pub found_by_order: Option<Rate>,
+    /// Found by the detector of the table.
+    pub found: Option<Rate>,
+}
+
+/// A row with its bounds, one a size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bounded {
+    /// Name of the row.
+    pub row: String,
+    /// Deviation of an amplitude of the first harmonic, N·m.
+    pub floor_nm: f64,
+    /// The same as the core measures it with trained filters.
+    pub core_floor_nm: f64,
+    /// One for each spall of [`COLUMNS`].
+    pub bounds: Vec<Bound>,
+}
+
+/// Bounds a row, and judges the gate with the order alone and that of the recipe.
+///
+/// # Errors
+/// Returns an error if simulation or training fails.
+pub fn bound(row: &Row, settings: &Settings) -> Result<Bounded, Error> {
+    let row = Row { classes: false, ..*row };
+    let order = Settings { features: vec!["order_outer".into()], ..settings.clone() };
+    let found = [found(&row, &order)?, found(&row, settings)?];
+    let core_floors = measured_floors(&row)?;
+    let core_floor_nm = root_mean_square(&core_floors);
+    let spalls = spalls(&row, if row.judged.name.starts_with("field-") { &core_floors } else { &[] })?;
+    let population = healthy_precision(&row);
+    let column = |severity: f64| COLUMNS.iter().position(|own| *own == Defect { kind: DefectKind::Spall, severity });
+    let sizes: Vec<f64> = COLUMNS.iter().filter(|own| own.kind == DefectKind::Spall).map(|own| own.severity).collect();
+    let each = |severity: f64| {
+        let parts: Vec<[f64; 3]> = spalls.par_iter().map(|spall| powers(spall, population, severity)).collect();
+        let mean = |k: usize| parts.iter().map(|own| own[k]).sum::<f64>() / parts.len() as f64;
+        let of = |draws: &[Vec<Tally>]| {
+            let tallies: Vec<Tally> = draws.iter().filter_map(|own| Some(own[column(severity)?])).collect();
+            (!tallies.is_empty()).then(|| rate(&tallies))
+        };
+        let energies = spalls.iter().map(|spall| spall.harmonics[..3].iter().sum::<f64>()).sum::<f64>();
+        Bound {
+            severity,
+            non_centrality: severity * severity * energies / spalls.len() as f64,
+            order: mean(0),
+            friction: mean(1),
+            all: mean(2),
+            found_by_order: of(&found[0]),
+            found: of(&found[1]),
+        }
+    };
+    let floor_nm = root_mean_square(&spalls.iter().map(|spall| spall.floor_nm).collect::<Vec<_>>());
+    Ok(Bounded { row: row.name(), floor_nm, core_floor_nm, bounds: sizes.into_iter().map(each).collect() })
+}
+
+/// The tallies of all draws in which training accepted the set.
+fn found(row: &Row, settings: &Settings) -> Result<Vec<Vec<Tally>>, Error> {
+    let draws = (settings.first..settings.first + settings.draws).map(|number| run::draw(row, number, settings));
+    Ok(draws.collect::<Result<Vec<_>, _>>()?.into_iter().filter_map(|draw| draw.gate.ok()).collect())
+}
+
+fn root_mean_square(x: &[f64]) -> f64 {
+    (x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64).sqrt()
+}
+
+/// What full-size spalls would add to healthy records of the row; `floors_nm` are those measured in them, if they are to
+/// replace the noise of the sensors.
+fn spalls(row: &Row, floors_nm: &[f64]) -> Result<Vec<Spall>, Error> {
+    let cell = row.validation(0, Defect::HEALTHY);
+    let each = |number: u32| -> Result<Spall, Error> {
+        let seed = cell.seed(number)?;
+        let scenario = cell.scenario(&Scenario::STANDARD, seed);
+        let values = FieldValues::draw(&scenario, seed);
+        let floor_nm = floors_nm.get(number as usize).copied();
+        Ok(Spall::of(&scenario, &values, &simulate(&scenario, seed)?, floor_nm))
+    };
+    (0..RECORDS).into_par_iter().map(each).collect()
+}
+
+/// Deviation of the outer order's amplitude in each healthy record, as the core measures it, N·m.
+fn measured_floors(row: &Row) -> Result<Vec<f64>, Error> {
+    let own = recipe(&row.trained, &["order_outer".into()]);
+    let detector = train(&traces(&[(row.training(0, Defect::HEALTHY), 0)], RECORDS)?, &["healthy".into()], &own)?;
+    let detector = detector.embed()?;
+    let records = traces(&[(row.validation(0, Defect::HEALTHY), 0)], RECORDS)?;
+    let measured = |record: &LabelledTrace| {
+        let report = detector.whole(&record.trace);
+        let order = report.shaft().and_then(|shaft| shaft.orders().first()).copied().unwrap_or_default();
+        (f64::from(order.deviation), f64::from(order.prominence))
+    };
+    let found: Vec<(f64, f64)> = records.iter().map(measured).collect();
+    // The prominence is the noise at the order itself, relative to that of the control orders.
+    let excess = found.iter().map(|(_, prominence)| *prominence).sum::<f64>() / found.len() as f64;
+    let scale = Scenario::STANDARD.motor.kt_nm_per_a * excess.max(1.0).sqrt();
+    Ok(found.iter().map(|(deviation, _)| scale * deviation.max(1e-6)).collect())
+}
+
+/// C⁻¹ of (4), by healthy drives; `None` if friction does not vary.
+fn healthy_precision(row: &Row) -> Option<Matrix3<f64>> {
+    let drive = |seed: u64| {
+        let scenario = row.judged.apply(Scenario::STANDARD, seed);
+        let values = FieldValues::draw(&scenario, seed);
+        let motor = values.motor(&scenario.motor);
+        let coulomb = values.temperature.map_or(0.0, |own| own.coulomb_nm)
+            + values.stribeck.map_or(0.0, |own| own.coulomb_nm)
+            // At the mean magnitude of the load's sine.
+            + values.load_friction.map_or(0.0, |own| own.coefficient * scenario.load_amplitude_nm * 0.64);
+        Vector3::new(1e3 * motor.b_nm_s_per_rad, coulomb, motor.kt_nm_per_a)
+    };
+    let drives: Vec<Vector3<f64>> = (0..DRIVES).map(drive).collect();
+    let mean = drives.iter().sum::<Vector3<f64>>() / DRIVES as f64;
+    let spread = drives.iter().map(|own| (own - mean) * (own - mean).transpose()).sum::<Matrix3<f64>>() / DRIVES as f64;
+    // A part in 10⁴ keeps what does not vary invertible.
+    let least = Matrix3::from_diagonal(&Vector3::new(1e-5, 1e-6, 5e-6).map(|x| x * x));
+    (spread[(1, 1)] > 1e-12).then(|| (spread + least).try_inverse()).flatten()
+}
+
+/// (1), (2), and the largest of (1) to (3).
+fn powers(spall: &Spall, population: Option<Matrix3<f64>>, severity: f64) -> [f64; 3] {
+    let square = severity * severity;
+    let added = Vector3::new(0.0, severity * energy::MEAN_NM, 0.0);
+    let healthy = population.map_or(0.0, |inverse| 1.0 / (added.transpose() * inverse * added)[(0, 0)]);
+    let friction = 1.0 / (1.0 / (square * spall.drag) + healthy); // (2)
+    let normal = Normal::standard();
+    let by_friction = normal.cdf(friction.sqrt() - normal.inverse_cdf(1.0 - FALSE_ALARM));
+    let (mut order, mut both) = (0.0_f64, 0.0_f64);
+    let rate = FALSE_ALARM / spall.slips;
+    // Another slip than the true one may exceed its threshold.
+    let chance = 1.0 - (FALSE_ALARM - rate);
+    for harmonics in 1..=HARMONICS {
+        let energy = square * spall.harmonics[..harmonics].iter().sum::<f64>();
+        order = order.max(1.0 - (1.0 - power(2 * harmonics, energy, rate)) * chance); // (1)
+        both = both.max(1.0 - (1.0 - power(2 * harmonics + 1, energy + friction, rate)) * chance); // (3)
+    }
+    [order, by_friction, order.max(by_friction).max(both)]
+}
+
+/// P(χ²(k, λ) > c), where a central χ² exceeds c at this rate: a Poisson mixture of central ones.
+fn power(freedom: usize, non_centrality: f64, rate: f64) -> f64 {
+    let law = |k: usize| ChiSquared::new(k as f64).ok();
+    let Some(limit) = law(freedom).map(|law| law.inverse_cdf(1.0 - rate)) else { return f64::NAN };
+    let half = 0.5 * non_centrality;
+    // Beyond ten deviations of the mixture nothing remains.
+    let (first, last) = ((half - 10.0 * half.sqrt()).max(0.0) as usize, (half + 10.0 * half.sqrt() + 20.0) as usize);
+    if half > 2000.0 {
+        return 1.0;
+    }
+    let weight =
+        |n: usize| (n as f64 * half.max(1e-300).ln() - half - statrs::function::gamma::ln_gamma(n as f64 + 1.0)).exp();
+    let term = |n: usize| weight(n) * law(freedom + 2 * n).map_or(0.0, |law| law.sf(limit));
+    (first..=last).map(term).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::field::rows::named;
+
+    #[test]
+    fn a_power_is_that_of_the_known_law() {
+        // Without a signal the set rate; one degree: P(|g + 3| > 2.5758) of a standard normal variable.
+        for freedom in [1, 6, 13] {
+            assert!((power(freedom, 0.0, 0.01) - 0.01).abs() < 1e-9);
+        }
+        let normal = Normal::standard();
+        let exact = normal.sf(2.575_829 - 3.0) + normal.cdf(-2.575_829 - 3.0);
+        assert!((power(1, 9.0, 0.01) - exact).abs() < 1e-6, "{}", power(1, 9.0, 0.01));
+        assert!(power(6, 5000.0, 0.01) > 1.0 - 1e-9);
+    }
+
+    /// Slow samples have less noise than those at the usual speed, at which an eighth of the pulses has an energy of ten.
+    #[test]
+    fn an_eighth_of_a_spall_under_mix_is_not_hidden_by_the_sensors() {
+        let row = named(&["mix".into()]).expect("known")[0];
+        let spalls = spalls(&row, &[]).expect("simulates");
+        let energy = spalls.iter().map(|own| own.harmonics[..3].iter().sum::<f64>()).sum::<f64>() / 64.0 / 60.0;
+        println!("non-centrality {energy}");
+        assert!((10.0..80.0).contains(&energy), "{energy}");
+        assert!(healthy_precision(&row).is_none());
+        let rate = |severity| spalls.iter().map(|own| powers(own, None, severity)[0]).sum::<f64>() / 60.0;
+        assert!(rate(0.125) > 0.5 && rate(0.125) < 1.0 && rate(1.0 / 64.0) < 0.3, "{}", rate(0.125));
+    }
+
+    #[test]
+    fn friction_that_varies_hides_the_drag() {
+        let row = named(&["temperature".into()]).expect("known")[0];
+        let precision = healthy_precision(&row).expect("varies");
+        // Tc is uniform up to 20 mN·m and independent of the rest: a deviation of 5.8 mN·m.
+        assert!((precision[(1, 1)].recip().sqrt() / 5.77e-3 - 1.0).abs() < 0.05, "{precision}");
+    }
+}

@@ -1,0 +1,78 @@
+//! The bounds as text and JSON.
+
+use serde_json::{Value, json};
+
+use super::{Bound, Bounded};
+use crate::evaluate::Rate;
+use crate::rig::{Defect, DefectKind};
+use crate::study::campaign::render::grid;
+use crate::study::field::Settings;
+use crate::study::field::render::heading;
+
+fn percent(part: f64) -> String {
+    format!("{:.1}", 100.0 * part)
+}
+
+fn shown(rate: Option<Rate>) -> String {
+    rate.map_or_else(
+        || "refused".into(),
+        |Rate { value, low, high }| format!("{} [{}, {}]", percent(value), percent(low), percent(high)),
+    )
+}
+
+/// The table as plain text.
+#[must_use]
+pub fn text(all: &[Bounded], settings: &Settings) -> String {
+    let title = format!(
+        "Spalls found at 1 % false alarms, %: bounds of one record, and what is found [95 % interval]; {} draws of {} \
+         records",
+        settings.draws, settings.defects
+    );
+    let head = [
+        "",
+        "floor, mN·m",
+        "of the core",
+        "size",
+        "non-centrality",
+        "bound: order",
+        "friction",
+        "together",
+        "found: order",
+        "detector",
+    ];
+    let row = |own: &Bounded, bound: &Bound| {
+        vec![
+            own.row.clone(),
+            format!("{:.2}", 1e3 * own.floor_nm),
+            format!("{:.2}", 1e3 * own.core_floor_nm),
+            heading(Defect { kind: DefectKind::Spall, severity: bound.severity }),
+            format!("{:.1}", bound.non_centrality),
+            percent(bound.order),
+            percent(bound.friction),
+            percent(bound.all),
+            shown(bound.found_by_order),
+            shown(bound.found),
+        ]
+    };
+    let rows: Vec<Vec<String>> =
+        all.iter().flat_map(|own| own.bounds.iter().map(move |bound| row(own, bound))).collect();
+    grid(&title, &head, &rows)
+}
+
+/// Key `rows`, each with its floor and its bounds.
+#[must_use]
+pub fn to_json(all: &[Bounded]) -> Value {
+    let bound = |own: &Bound| {
+        json!({
+            "severity": own.severity,
+            "non_centrality": own.non_centrality,
+            "order": own.order,
+            "friction": own.friction,
+            "together": own.all,
+            "found_by_order": own.found_by_order.map(|rate| rate.to_json()),
+            "found": own.found.map(|rate| rate.to_json()),
+        })
+    };
+    let row = |own: &Bounded| json!({ "row": own.row, "floor_nm": own.floor_nm, "core_floor_nm": own.core_floor_nm, "bounds": own.bounds.iter().map(bound).collect::<Vec<_>>() });
+    json!({ "rows": all.iter().map(row).collect::<Vec<_>>() })
+}
