@@ -91,7 +91,7 @@ fn alarm(trained: &Trained) -> String {
         segments => format!("a run ends after {segments} segments, or where the firmware ends it"),
     };
     format!(
-        "false alarms every {:.3e} segments for {:.0} % of such training sets; {runs}, and adds at most {:.1} of {limit:.1} \
+        "false alarms every {:.3e} segments for {:.0} % of such training sets; {runs}; each adds at most {:.1} of {limit:.1} \
          nats",
         trained.watch.segments,
         100.0 * baseline::COVERED,
