@@ -1,8 +1,9 @@
 //! The classification of a segment in steps of bounded cost.
 //!
 //! ```text
-//! covariates ─► features ─► coordinates ─► factor, by rows ─► likelihoods ─► posteriors, class ─► factor ─► distance, surprise
-//!                            └ of a quadratic discriminant for each class ┘
+//! covariates ─► features ─► coordinates ─► factor, by rows ─► likelihoods ─► posteriors, class
+//!                                          └ of a quadratic discriminant for each class ┘   │
+//!                                                  distance, surprise ◄─ healthy factor ◄───┘
 //! ```
 
 use super::Classifier;
@@ -91,8 +92,11 @@ impl<P: Plan> Classification<P> {
         decision: &mut Decision<P>,
     ) -> Option<Result<(), Reason>> {
         match self.stage {
-            Stage::Covariates => self.take_covariate(plan, classifier, estimates, decision),
-            Stage::Features => self.take_feature(plan, classifier, estimates, decision),
+            // Known at compile time: a plan without covariates carries no code for them.
+            Stage::Covariates if plan.layout().covariates > 0 => {
+                self.take_covariate(plan, classifier, estimates, decision);
+            }
+            Stage::Covariates | Stage::Features => self.take_feature(plan, classifier, estimates, decision),
             Stage::Coordinates => {
                 if self.project(classifier) {
                     let none = self.reason.unwrap_or(Reason::NotFinite(Part::Classifier));

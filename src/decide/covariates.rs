@@ -70,6 +70,9 @@ impl<P: Plan> Covariates<P> {
     /// (3) and (4) of feature `k`, by the departures of all covariates.
     #[must_use]
     pub fn corrected(&self, feature: FeatureValue, k: usize, departures: &[FeatureValue]) -> FeatureValue {
+        if departures.is_empty() {
+            return feature;
+        }
         let mut own = feature;
         let row = self.map.cells().get(k.wrapping_mul(departures.len())..).unwrap_or(&[]);
         for ([a, b], c) in pairs(row, departures) {

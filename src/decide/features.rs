@@ -124,11 +124,13 @@ impl Feature {
         }
         let term = |term| shaft.and_then(|shaft| shaft.friction.parameter(term)).unwrap_or_default();
         let none = shaft.is_none();
+        let averaged = plan.layout().averaged != 0;
         let value = match self {
             Self::Parameter(place) => estimate.and_then(|e| e.delta().get(place as usize)).copied().unwrap_or(0.0),
             Self::LogVariance => ln(estimate.map_or(0.0, |estimate| estimate.variance)),
-            Self::ChannelMean(channel) => return channel_value(averages, channel, Average::mean),
-            Self::ChannelRms(channel) => return channel_value(averages, channel, Average::rms),
+            Self::ChannelMean(channel) if averaged => return channel_value(averages, channel, Average::mean),
+            Self::ChannelRms(channel) if averaged => return channel_value(averages, channel, Average::rms),
+            Self::ChannelMean(_) | Self::ChannelRms(_) => 0.0,
             _ if none => 0.0,
             Self::Friction(name) => return Ok(FeatureValue::of(term(name))),
             Self::LogFriction(name) => return Ok(FeatureValue::ln_of(term(name))),

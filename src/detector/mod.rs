@@ -151,8 +151,8 @@ impl<'m, P: Plan> Detector<'m, P> {
         let rest = constants.regression.part().map_or(0.0, |regression| regression.rest);
         Segment {
             regression: P::Regressed::map_part(&self.estimator, |estimator| estimator.sums(plan, rest)),
-            shaft: P::Watched::map_part(&self.shaft, Shaft::sums),
             averages: self.averages.clone(),
+            shaft: P::Watched::map_part(&self.shaft, Shaft::sums),
             counts,
             rows,
             whole,

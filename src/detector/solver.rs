@@ -181,6 +181,7 @@ fn judge<P: Plan>(model: &Model<P>, segment: &Segment<P>, report: &mut Report<P>
 }
 
 /// The verdict of a decision.
+#[inline(always)]
 fn conclude<P: Plan>(model: &Model<P>, report: &mut Report<P>, result: Result<(), Reason>) {
     report.verdict = match (result, &report.decision) {
         (Ok(()), Some(decision)) => match model.constants().classifier.finding(decision) {

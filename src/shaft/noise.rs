@@ -5,16 +5,21 @@
 //! ```text
 //! σ_c^½ = mean over blocks of (|b|²/W)^¼ / Γ(5/4)                                                     (1)
 //! ln σ²(o) = m + s (ln o − x̄),   by least squares over the control orders c                           (2)
+//! σ²(h o) = h^s σ²(o)                                                                                 (3)
 //! ```
 //!
 //! No bearing has an effect at a control order. The fourth root in (1) keeps single strong blocks from deciding it.
 //! Behind the whitening filter the noise would be equal at all orders if the torque balance were complete; what it does
 //! not contain leaves more noise at low orders, about as a power of the order.
 
+use core::f32::consts::LN_2;
+
 use super::orders::CONTROLS;
+use crate::plan::MAX_HARMONICS;
 
 /// Γ(5/4), the mean of the fourth root of an exponential variable.
 const ROOT_MEAN: f32 = 0.906_402_5;
+const LN_3: f32 = 1.098_612_3;
 
 /// Sums of (1), one for each control order.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -22,24 +27,24 @@ const ROOT_MEAN: f32 = 0.906_402_5;
 pub struct Noise {
     /// Σ (|b|²/W)^¼.
     roots: [f32; CONTROLS],
-    /// Number of summands.
-    counts: [u16; CONTROLS],
+    /// Number of summands: the weights of all control orders are zero in the same blocks.
+    count: u16,
 }
 
 impl Noise {
     /// Takes a block of control order `k`; one without weight has no effect.
     pub(super) fn add(&mut self, k: usize, [x, y]: [f32; 2], weight: f32) {
-        if let (Some(root), Some(count)) = (self.roots.get_mut(k), self.counts.get_mut(k))
+        if let Some(root) = self.roots.get_mut(k)
             && weight > 0.0
         {
             *root += libm::sqrtf(libm::sqrtf((x * x + y * y) / weight));
-            *count = count.saturating_add(1);
+            self.count = self.count.saturating_add(u16::from(k == 0));
         }
     }
 
-    /// Whether a control order had no block.
-    pub(super) fn is_unknown(&self) -> bool {
-        self.counts.contains(&0)
+    /// Whether there was no block.
+    pub(super) const fn is_unknown(&self) -> bool {
+        self.count == 0
     }
 }
 
@@ -51,21 +56,30 @@ pub(super) struct NoiseLine {
     mean: [f32; 2],
     square: f32,
     product: f32,
+    slope: f32,
+    /// `h^s` of (3).
+    harmonics: [f32; MAX_HARMONICS],
 }
 
 impl NoiseLine {
     pub(super) const fn new() -> Self {
-        Self { taken: 0, mean: [0.0; 2], square: 0.0, product: 0.0 }
+        Self { taken: 0, mean: [0.0; 2], square: 0.0, product: 0.0, slope: 0.0, harmonics: [1.0; MAX_HARMONICS] }
     }
 
-    /// Takes the next control order; whether that was the last one.
+    /// Takes the next control order, or after the last one the slope; whether the line is complete.
     #[inline(never)]
     pub(super) fn take(&mut self, noise: &Noise, controls: &[i32; CONTROLS]) -> bool {
         let k = self.taken as usize;
-        let own = (noise.roots.get(k), noise.counts.get(k), controls.get(k));
-        let (Some(root), Some(count), Some(order)) = own else { return true };
+        if k > CONTROLS {
+            return true;
+        }
         self.taken = self.taken.saturating_add(1);
-        let root = root / (f32::from(*count).max(1.0) * ROOT_MEAN); // (1)
+        let (Some(root), Some(order)) = (noise.roots.get(k), controls.get(k)) else {
+            self.slope = if self.square > 0.0 { self.product / self.square } else { 0.0 };
+            self.harmonics = [1.0, libm::expf(self.slope * LN_2), libm::expf(self.slope * LN_3)]; // (3)
+            return false;
+        };
+        let root = root / (f32::from(noise.count).max(1.0) * ROOT_MEAN); // (1)
         let (x, y) = (ln(*order as f32 / 65_536.0), 4.0 * ln(root));
         let [mean_x, mean_y] = &mut self.mean;
         let (part, far) = (1.0 / f32::from(self.taken), x - *mean_x);
@@ -80,8 +94,12 @@ impl NoiseLine {
     #[inline(never)]
     pub(super) fn at(&self, order: f32) -> f32 {
         let [x, y] = self.mean;
-        let slope = if self.square > 0.0 { self.product / self.square } else { 0.0 };
-        libm::expf(y + slope * (ln(order) - x))
+        libm::expf(y + self.slope * (ln(order) - x))
+    }
+
+    /// σ² at the harmonic h + 1 over that at the order itself (3).
+    pub(super) fn ratio(&self, h: usize) -> f32 {
+        self.harmonics.get(h).copied().unwrap_or(1.0)
     }
 }
 
@@ -117,6 +135,10 @@ mod tests {
         let line = line(orders.map(|o| 8.0 / (o * o)), orders);
         for order in [0.5, 3.0, 11.0] {
             assert!((line.at(order) * order * order / 8.0 - 1.0).abs() < 1e-5, "{order}");
+        }
+        for h in 0..MAX_HARMONICS {
+            let of_harmonic = line.at(3.0 * (h + 1) as f32);
+            assert!((line.at(3.0) * line.ratio(h) / of_harmonic - 1.0).abs() < 1e-5, "{h}");
         }
     }
 

@@ -260,7 +260,7 @@ impl<P: Plan> OrderTracking<P> {
     /// A copy of the sums.
     #[inline(always)]
     pub(super) fn sums(&self) -> OrderSums<P> {
-        OrderSums { lines: P::Orders::map(&self.lines, |line| line.sums), noise: self.noise, blocks: self.blocks }
+        OrderSums { noise: self.noise, blocks: self.blocks, lines: P::Orders::map(&self.lines, |line| line.sums) }
     }
 
     /// Starts a segment; phases continue.

@@ -71,7 +71,7 @@ const COMBINED: usize = LAGS * MAX_HARMONICS;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct SlipSearch {
-    /// What the next step does: before the first slip, it combines the harmonics; after the last, it forms the results.
+    /// What the next step does: before the first slip, it takes the noise and combines the harmonics; after the last, it forms the results.
     next: i8,
     /// The terms of (1) by their phases d h ψ, and the one without a phase.
     terms: [[f32; 2]; COMBINED],
@@ -82,6 +82,8 @@ pub(super) struct SlipSearch {
     around: [f32; 2],
     last: f32,
     found: OrderStrength,
+    /// Of the prominence.
+    cube_root: f32,
     /// σ₁², and of −P″ (6) a squared step.
     variance: f32,
     curvature: f32,
@@ -105,7 +107,7 @@ pub(super) struct SlipRange {
 impl SlipSearch {
     pub(super) const fn new() -> Self {
         Self {
-            next: COMBINE,
+            next: LEVEL,
             terms: [[0.0; 2]; COMBINED],
             constant: 0.0,
             best: f32::NEG_INFINITY,
@@ -113,6 +115,7 @@ impl SlipSearch {
             around: [f32::NEG_INFINITY; 2],
             last: 0.0,
             found: OrderStrength::NONE,
+            cube_root: 0.0,
             variance: 0.0,
             curvature: 0.0,
             noise_power: 0.0,
@@ -143,23 +146,21 @@ impl SlipSearch {
                 self.deviations(sums, order, range);
                 return Some(self.found);
             }
-            before => self.combine(sums, noise, order, before.wrapping_sub(COMBINE).unsigned_abs()),
+            LEVEL => self.variance = noise.at(order.order()),
+            before => self.combine(sums, noise, order, usize::from(before.wrapping_sub(COMBINE).unsigned_abs())),
         }
         None
     }
 
     /// Adds the terms of a harmonic to those of equal phase.
     #[inline(never)]
-    fn combine(&mut self, sums: &LineSums, noise: &NoiseLine, order: &TrackedOrder, harmonic: u8) {
-        let h = harmonic as usize;
+    fn combine(&mut self, sums: &LineSums, noise: &NoiseLine, order: &TrackedOrder, h: usize) {
         let own = (order.weights.get(h), sums.power.get(h), sums.weight.get(h), sums.lags.get(h));
         let (Some(weight), Some(power), Some(total), Some(lags)) = own else { return };
         if *weight <= 0.0 || *total <= 0.0 {
             return;
         }
-        let variance = noise.at(order.order() * f32::from(harmonic.saturating_add(1)));
-        self.variance = if h == 0 { variance } else { self.variance };
-        let scale = weight / (total * variance);
+        let scale = weight / (total * self.variance * noise.ratio(h));
         self.constant += scale * power;
         let mut terms = self.terms.get_mut(h..).unwrap_or_default();
         for (d, [x, y]) in (1_u8..).zip(lags) {
@@ -198,7 +199,10 @@ impl SlipSearch {
         self.curvature = curvature;
         self.found.slip = (f32::from(self.best_at) + shift) * range.slip / f32::from(SIDE);
         let [w1, w2, w3] = order.weights;
-        self.found.prominence = (best / (w1 + w2 + w3)).max(0.0); // (3)
+        let prominence = (best / (w1 + w2 + w3)).max(0.0); // (3)
+        // The cube root of libm works in double precision, which the chip does in software.
+        self.cube_root = if prominence > f32::MIN_POSITIVE { libm::expf(libm::logf(prominence) / 3.0) } else { 0.0 };
+        self.found.prominence = prominence;
     }
 
     /// The sums over V of (4), (7) and (8).
@@ -225,10 +229,7 @@ impl SlipSearch {
         let relative = 2.0 / (9.0 * freedom);
         let reach = 2.0 * turns(order, range, 1.0).abs() * libm::sqrtf(self.spread / self.noise_power);
         let independent = 1.0 + 2.0 * PI * reach;
-        // The cube root of libm works in double precision, which the chip does in software.
-        let prominence = self.found.prominence;
-        let cube_root = if prominence > f32::MIN_POSITIVE { libm::expf(libm::logf(prominence) / 3.0) } else { 0.0 };
-        self.found.score = (cube_root - 1.0 + relative) / libm::sqrtf(relative) - 0.7 * libm::logf(independent);
+        self.found.score = (self.cube_root - 1.0 + relative) / libm::sqrtf(relative) - 0.7 * libm::logf(independent);
     }
 
     /// (8).
@@ -272,9 +273,10 @@ impl SlipSearch {
     }
 }
 
-/// The first slip; before it a step for each harmonic, after the last one the results.
+/// The first slip; before it the noise and a step for each harmonic, after the last one the results.
 const FIRST: i8 = -SIDE;
 const COMBINE: i8 = FIRST - 3;
+const LEVEL: i8 = COMBINE - 1;
 const PROMINENCE: i8 = SIDE + 1;
 const NOISE: i8 = SIDE + 2;
 const SCORE: i8 = SIDE + 3;
