@@ -27,24 +27,24 @@ const LN_3: f32 = 1.098_612_3;
 pub struct Noise {
     /// Σ (|b|²/W)^¼.
     roots: [f32; CONTROLS],
-    /// Number of summands: the weights of all control orders are zero in the same blocks.
-    count: u16,
+    /// Number of summands. They differ by one while the control orders close a block one after the other.
+    counts: [u16; CONTROLS],
 }
 
 impl Noise {
     /// Takes a block of control order `k`; one without weight has no effect.
     pub(super) fn add(&mut self, k: usize, [x, y]: [f32; 2], weight: f32) {
-        if let Some(root) = self.roots.get_mut(k)
+        if let (Some(root), Some(count)) = (self.roots.get_mut(k), self.counts.get_mut(k))
             && weight > 0.0
         {
             *root += libm::sqrtf(libm::sqrtf((x * x + y * y) / weight));
-            self.count = self.count.saturating_add(u16::from(k == 0));
+            *count = count.saturating_add(1);
         }
     }
 
-    /// Whether there was no block.
-    pub(super) const fn is_unknown(&self) -> bool {
-        self.count == 0
+    /// Whether a control order had no block.
+    pub(super) fn is_unknown(&self) -> bool {
+        self.counts.contains(&0)
     }
 }
 
@@ -74,12 +74,13 @@ impl NoiseLine {
             return true;
         }
         self.taken = self.taken.saturating_add(1);
-        let (Some(root), Some(order)) = (noise.roots.get(k), controls.get(k)) else {
+        let own = (noise.roots.get(k), noise.counts.get(k), controls.get(k));
+        let (Some(root), Some(count), Some(order)) = own else {
             self.slope = if self.square > 0.0 { self.product / self.square } else { 0.0 };
             self.harmonics = [1.0, libm::expf(self.slope * LN_2), libm::expf(self.slope * LN_3)]; // (3)
             return false;
         };
-        let root = root / (f32::from(noise.count).max(1.0) * ROOT_MEAN); // (1)
+        let root = root / (f32::from(*count).max(1.0) * ROOT_MEAN); // (1)
         let (x, y) = (ln(*order as f32 / 65_536.0), 4.0 * ln(root));
         let [mean_x, mean_y] = &mut self.mean;
         let (part, far) = (1.0 / f32::from(self.taken), x - *mean_x);

@@ -106,9 +106,12 @@ fn conditions_of_the_field_have_their_columns_and_labels() {
         std::fs::read_to_string(dir.join("t").join(name)).expect("trace")
     };
     let header = "t_s,velocity_ref_rad_s,velocity_rad_s,current_a,load_torque_nm,angle_rad,voltage_v";
-    for condition in ["standard", "missing-periodic", "duty-trapezoids", "field-any"] {
+    for condition in ["standard", "missing-periodic", "duty-trapezoids"] {
         assert_eq!(text(condition).lines().next(), Some(header));
     }
+    // A record whose grease and winding warm has their temperature too.
+    let warm = format!("{header},temperature_c");
+    assert_eq!(text("field-any").lines().next(), Some(warm.as_str()));
     let unloaded = text("no-load-sensor");
     assert_eq!(unloaded.lines().next().map(|line| line.contains("load")), Some(false));
     assert!(unloaded.lines().all(|line| line.split(',').count() == 6));
