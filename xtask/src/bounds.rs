@@ -66,7 +66,7 @@ pub const BOUNDS: [Bound; 49] = [
     bytes("stack, SRIV detector collect", None, 950),
     bytes("stack, SRIV detector conclude", None, 1840),
     bytes("stack, SRIV detector piece", None, 570),
-    bytes("stack, detector with shaft of 4 orders sample", None, 750),
+    bytes("stack, detector with shaft of 4 orders sample", None, 780),
     bytes("stack, detector with shaft of 4 orders segment end", None, 4560),
     bytes("stack, detector with shaft of 4 orders conclude", None, 3860),
     bytes("flash of the whole detector, LS", Some(8), 13_312),
