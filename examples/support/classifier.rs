@@ -4,6 +4,9 @@
 /// The classifier of these features, for any plan of its size.
 macro_rules! classifier {
     ($features:expr) => {
+        classifier!($features, [])
+    };
+    ($features:expr, $rising:expr) => {
         bearing_watch::model::Classifier {
             features: $features,
             covariates: bearing_watch::model::Covariates { list: [], map: [] },
@@ -34,6 +37,7 @@ macro_rules! classifier {
                 mean: [0.0; 3],
                 factor: [0.0; 6],
                 knots: [[0.0; 2]; bearing_watch::model::KNOTS],
+                rising: $rising,
                 limit: f32::INFINITY,
             },
         }

@@ -134,17 +134,20 @@ pub static MODEL: Model<Watched> = match Watched::model(Constants {
         balance: BALANCE,
         tracking: Tracking { orders: ORDERS, blocks: BLOCKS },
     }],
-    classifier: classifier!([
-        Feature::Parameter(0),
-        Feature::Parameter(1),
-        Feature::Parameter(2),
-        Feature::Friction(FrictionTerm::Viscous),
-        Feature::FrictionScore(FrictionTerm::Drag),
-        Feature::LogFrictionVariance,
-        Feature::OrderScore(0),
-        Feature::OrderScore(1),
-        Feature::LogOrderAmplitude(0),
-    ]),
+    classifier: classifier!(
+        [
+            Feature::Parameter(0),
+            Feature::Parameter(1),
+            Feature::Parameter(2),
+            Feature::Friction(FrictionTerm::Viscous),
+            Feature::FrictionScore(FrictionTerm::Drag),
+            Feature::LogFrictionVariance,
+            Feature::OrderScore(0),
+            Feature::OrderScore(1),
+            Feature::LogOrderAmplitude(0),
+        ],
+        [bearing_watch::model::Rising::NONE]
+    ),
     evidence: EvidenceConstants::NONE,
     labels: LABELS,
 }) {
@@ -162,17 +165,20 @@ pub static LOADLESS: Model<Loadless> = match Loadless::model(Constants {
         balance: BALANCE,
         tracking: Tracking { orders: [TrackedOrder::new(3.717_94, [1.0, 0.0, 0.0])], blocks: BLOCKS },
     }],
-    classifier: classifier!([
-        Feature::Friction(FrictionTerm::Inertia),
-        Feature::Friction(FrictionTerm::Viscous),
-        Feature::Friction(FrictionTerm::Coulomb),
-        Feature::FrictionScore(FrictionTerm::Viscous),
-        Feature::FrictionScore(FrictionTerm::Offset),
-        Feature::FrictionScore(FrictionTerm::Drag),
-        Feature::LogFrictionVariance,
-        Feature::OrderScore(0),
-        Feature::LogOrderAmplitude(0),
-    ]),
+    classifier: classifier!(
+        [
+            Feature::Friction(FrictionTerm::Inertia),
+            Feature::Friction(FrictionTerm::Viscous),
+            Feature::Friction(FrictionTerm::Coulomb),
+            Feature::FrictionScore(FrictionTerm::Viscous),
+            Feature::FrictionScore(FrictionTerm::Offset),
+            Feature::FrictionScore(FrictionTerm::Drag),
+            Feature::LogFrictionVariance,
+            Feature::OrderScore(0),
+            Feature::LogOrderAmplitude(0),
+        ],
+        [bearing_watch::model::Rising::NONE]
+    ),
     evidence: EvidenceConstants::NONE,
     labels: LABELS,
 }) {

@@ -10,6 +10,7 @@ use super::Classifier;
 use super::density::Density;
 use super::discriminant::{Deciding, Decision};
 use super::features::{Estimates, FeatureValue};
+use super::rising::Scores;
 use crate::factor::pairs;
 use crate::plan::{Array, Cells, Kind, Plan};
 use crate::reason::{Part, Reason};
@@ -37,8 +38,12 @@ enum Stage {
     Posteriors,
     /// The next step of the healthy class's factor.
     Healthy,
-    /// Distance and surprise.
+    /// Distance and its surprise.
     Novelty,
+    /// Scores of the rising coordinates.
+    Scores,
+    /// Surprise of all together.
+    Rising,
 }
 
 /// A classification under way, in steps of at most 2 F, Z² or 6 V multiply-adds.
@@ -52,6 +57,8 @@ pub struct Classification<P: Plan> {
     density: Density<P>,
     likelihoods: Array<P::Classes, f32>,
     deciding: Deciding,
+    /// One element if the shaft is watched.
+    scores: Array<P::Watched, Scores>,
     stage: Stage,
     k: usize,
     /// Whether there is a coordinate that is not missing.
@@ -74,6 +81,7 @@ impl<P: Plan> Classification<P> {
             density: Density::new(plan),
             likelihoods: Cells::filled(layout.classes as usize, 0.0),
             deciding: Deciding::new(),
+            scores: Cells::filled(usize::from(layout.shaft.is_some()), Scores::default()),
             stage: if layout.covariates > 0 { Stage::Covariates } else { Stage::Features },
             k: 0,
             available: false,
@@ -120,7 +128,25 @@ impl<P: Plan> Classification<P> {
             }
             Stage::Novelty => {
                 let judged = classifier.novelty.judge_by(&self.density, self.coordinates.cells());
-                (decision.distance, decision.surprise) = judged;
+                decision.depart(judged);
+                let risen = classifier.novelty.class.and(classifier.novelty.rising());
+                // Known at compile time, as for covariates: only features of the shaft rise.
+                if plan.layout().shaft.is_none() || risen.is_none() {
+                    return Some(Ok(()));
+                }
+                self.stage = Stage::Scores;
+            }
+            Stage::Scores if plan.layout().shaft.is_some() => {
+                let (novelty, z) = (&classifier.novelty, self.coordinates.cells());
+                if let (Some(scores), Some(rising)) = (self.scores.cells_mut().first_mut(), novelty.rising()) {
+                    *scores = self.density.scores(novelty.mean.cells(), z, rising);
+                }
+                self.stage = Stage::Rising;
+            }
+            Stage::Scores | Stage::Rising => {
+                if let (Some(scores), Some(rising)) = (self.scores.cells().first(), classifier.novelty.rising()) {
+                    decision.surprise = rising.surprise(scores, self.coordinates.cells().len());
+                }
                 return Some(Ok(()));
             }
         }

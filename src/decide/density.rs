@@ -20,6 +20,7 @@
 //! Cost: a step for each row, and for each row below one with an error; each at most 2 Z multiply-adds and a logarithm.
 //! Without errors Z logarithms and Z (Z − 1)/2 multiply-adds a density.
 
+use super::rising::{Rising, Scores};
 use crate::factor::kernels::rotate_pivot_small;
 use crate::factor::pairs;
 use crate::plan::{Array, Cells, Plan};
@@ -121,17 +122,34 @@ impl<P: Plan> Density<P> {
     /// d² of (4).
     #[inline(never)]
     pub(super) fn squared_distance(&self, mean: &[f32], z: &[f32]) -> f32 {
+        let mut sum = 0.0;
+        self.solve(mean, z, |y, pivot, _| sum += y * (y / pivot));
+        sum
+    }
+
+    /// d² of (4), and the scores of the rising coordinates, which are the last.
+    #[inline(never)]
+    pub(super) fn scores(&self, mean: &[f32], z: &[f32], rising: &Rising) -> Scores {
+        let mut scores = Scores::default();
+        self.solve(mean, z, |y, pivot, after| {
+            scores.add(y, pivot, (after < rising.count as usize).then_some(rising));
+        });
+        scores
+    }
+
+    /// Solves (4) for each y in turn, which `each` gets with D' and the number of coordinates after it.
+    #[inline(always)]
+    fn solve(&self, mean: &[f32], z: &[f32], mut each: impl FnMut(f32, f32, usize)) {
         let centred = |k: usize| z.get(k).copied().unwrap_or(0.0) - mean.get(k).copied().unwrap_or(0.0);
         let mut left: Array<P::Coordinates, f32> = Cells::from_fn(z.len(), centred);
-        let (mut sum, mut left, mut rest) = (0.0, left.cells_mut(), self.factor.cells());
+        let (mut left, mut rest) = (left.cells_mut(), self.factor.cells());
         while let [y, later @ ..] = left {
             let Some((row, below)) = rest.split_at_checked(later.len().saturating_add(1)) else { break };
             let [pivot, row @ ..] = row else { break };
             pairs(&mut *later, row).for_each(|(x, r)| *x -= *y * *r);
-            sum += *y * (*y / *pivot);
+            each(*y, *pivot, later.len());
             (left, rest) = (later, below);
         }
-        sum
     }
 
     /// (5) from (4).

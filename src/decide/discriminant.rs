@@ -15,6 +15,7 @@
 //! factors; (2) adds one exponential a class.
 
 use super::density::Density;
+use super::novelty::Departure;
 use crate::factor::pairs;
 use crate::plan::{Array, Cells, Kind, Plan};
 
@@ -49,7 +50,11 @@ pub struct Decision<P: Plan> {
     /// Distance from the healthy class in its standard deviations; 0 without a healthy class. If coordinates are
     /// missing, the distance with the same probability of all coordinates.
     pub distance: f32,
-    /// −ln of the probability that a healthy segment has at least this distance, nats; 0 without a healthy class.
+    /// −ln of the probability that a healthy segment has at least this distance, nats; 0 without a healthy class. The
+    /// evidence collects it.
+    pub distance_surprise: f32,
+    /// The same of the distance and of features that only rise with a defect together, nats; 0 without a healthy
+    /// class. The novelty gate compares it.
     pub surprise: f32,
 }
 
@@ -65,8 +70,15 @@ impl<P: Plan> Decision<P> {
             missing: Cells::filled(layout.features as usize, false),
             outside: Cells::filled(layout.covariates as usize, false),
             distance: 0.0,
+            distance_surprise: 0.0,
             surprise: 0.0,
         }
+    }
+
+    /// Takes distance and surprises.
+    pub(super) fn depart(&mut self, departure: Departure) {
+        (self.distance, self.surprise) = (departure.distance, departure.surprise);
+        self.distance_surprise = departure.distance_surprise;
     }
 
     /// Log-likelihood (1) of each class.

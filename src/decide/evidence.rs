@@ -4,7 +4,7 @@
 //! [`Evidence::reset`].
 //!
 //! ```text
-//! segment    ln e₀ = min(ln κ + (1 − κ) s, cap)                          (1)  s: surprise, nats; 0 < κ < 1
+//! segment    ln e₀ = min(ln κ + (1 − κ) s, cap)                          (1)  s: surprise of the distance; 0 < κ < 1
 //!            ln e_k = min(ln p(z|k) − ln p(z|healthy), cap)              (2)  of each defect k
 //! run        ln ē_i = ln((e_i of segment 1 + … + e_i of segment n)/n) − ln μ_i   (3)
 //! scores     S_i ← max(0, max(S_i, ln n) + ln ē_i)   at the end of a run (4)
@@ -145,14 +145,14 @@ impl<P: Plan> Evidence<P> {
     /// Takes the decision of the next segment, nothing where it had none; gives the alarm that stands.
     pub fn observe(&mut self, decision: Option<&Decision<P>>) -> Option<Alarm> {
         self.segments = self.segments.saturating_add(1);
-        let Some(decision) = decision.filter(|decision| decision.surprise.is_finite()) else {
+        let Some(decision) = decision.filter(|decision| decision.distance_surprise.is_finite()) else {
             self.undetermined = self.undetermined.saturating_add(1);
             return self.alarm;
         };
         let healthy = self.healthy?;
         self.drift.add(decision.distance);
         let EvidenceConstants { bet, cap, segments_a_run, .. } = self.constants;
-        self.novelty.add((super::ln(bet) + (1.0 - bet) * decision.surprise).min(cap)); // (1)
+        self.novelty.add((super::ln(bet) + (1.0 - bet) * decision.distance_surprise).min(cap)); // (1)
         self.weigh_defects(healthy, decision.log_likelihoods());
         self.run = self.run.saturating_add(1);
         if self.run >= segments_a_run { self.end_run() } else { self.alarm }
@@ -288,7 +288,8 @@ mod tests {
 
     fn decision(surprise: f32, log_likelihoods: [f32; 3]) -> Decision<RunTime> {
         let log_likelihoods = log_likelihoods.to_vec();
-        Decision { log_likelihoods, distance: surprise, surprise, ..Decision::empty(plan()) }
+        let distance_surprise = surprise;
+        Decision { log_likelihoods, distance: surprise, distance_surprise, ..Decision::empty(plan()) }
     }
 
     #[test]

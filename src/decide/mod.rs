@@ -12,6 +12,7 @@ mod evidence;
 mod features;
 mod novelty;
 mod projection;
+mod rising;
 mod trend;
 
 pub use baseline::{Baseline, BaselineConstants};
@@ -22,8 +23,9 @@ pub use evidence::{Alarm, Cause, Evidence, EvidenceConstants};
 pub use features::{Estimates, Feature, FeatureValue};
 #[cfg(feature = "internals")]
 pub use novelty::MAX_SURPRISE;
-pub use novelty::{KNOTS, Novelty};
+pub use novelty::{Departure, KNOTS, Novelty};
 pub use projection::Projection;
+pub use rising::Rising;
 #[cfg(feature = "internals")]
 pub use trend::MAX_TREND_SEGMENTS;
 pub use trend::Trend;
@@ -70,7 +72,7 @@ impl<P: Plan> Classifier<P> {
     #[must_use]
     pub fn decide(&self, plan: P, log_likelihoods: &[f32], surprise: f32) -> Option<Decision<P>> {
         let mut decision = Decision::empty(plan);
-        decision.surprise = surprise;
+        (decision.distance_surprise, decision.surprise) = (surprise, surprise);
         self.discriminant.decide(log_likelihoods, &mut decision).then_some(decision)
     }
 
@@ -83,7 +85,7 @@ impl<P: Plan> Classifier<P> {
         let likelihood = |class| self.discriminant.log_likelihood(layout.discriminant, coordinates, variances, class);
         let likelihoods = Array::<P::Classes, f32>::from_fn(classes, likelihood);
         let mut decision = self.decide(plan, likelihoods.cells(), 0.0)?;
-        (decision.distance, decision.surprise) = self.novelty.judge(coordinates, variances);
+        decision.depart(self.novelty.judge(coordinates, variances));
         Some(decision)
     }
 

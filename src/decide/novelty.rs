@@ -5,7 +5,7 @@
 //! ```text
 //! d² = (z − m)ᵀ (S + diag(v))⁻¹ (z − m)                                  (1)  over the k available coordinates
 //! s  = −ln P(d² at least this large | healthy)                           (2)  nats
-//! novel if s ≥ −ln α                                                     (3)
+//! novel if s ≥ −ln α                                                     (3)  s with [`super::rising`]
 //! (d²_Z/Z)^⅓ = 1 − c_Z + √c_Z u,   u = ((d²_k/k)^⅓ − 1 + c_k)/√c_k,   c_n = 2/(9n)       (4)  if k < Z
 //! ```
 //!
@@ -19,6 +19,7 @@
 //! Cost: Z(Z+3)/2 multiply-adds, one square root, a search among the knots, and (3) of [`super::density`].
 
 use super::density::Density;
+use super::rising::Rising;
 use crate::plan::{Array, Cells, Plan};
 
 /// Number of knots of the surprise.
@@ -38,8 +39,22 @@ pub struct Novelty<P: Plan> {
     pub factor: Array<P::Density, f32>,
     /// (d², s) on the curve (2), both increasing from the first, which usually is (0, 0).
     pub knots: [[f32; 2]; KNOTS],
+    /// The last coordinates, which only rise with a defect: those of a shaft.
+    pub rising: Array<P::Watched, Rising>,
     /// −ln α of (3), nats; infinite if distances are computed but nothing is called novel.
     pub limit: f32,
+}
+
+/// How far a segment is from the healthy class.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Departure {
+    /// √(1).
+    pub distance: f32,
+    /// (2).
+    pub distance_surprise: f32,
+    /// That of distance and rising coordinates together, which (3) compares.
+    pub surprise: f32,
 }
 
 impl<P: Plan> Novelty<P> {
@@ -52,43 +67,59 @@ impl<P: Plan> Novelty<P> {
             mean: Cells::filled(layout.coordinates as usize, 0.0),
             factor: Cells::filled(layout.density(), 0.0),
             knots: [[0.0; 2]; KNOTS],
+            rising: Cells::filled(usize::from(layout.shaft.is_some()), Rising::NONE),
             limit: f32::INFINITY,
         }
     }
 
-    /// Distance √(1) and surprise (2) at the coordinates z, whose errors have these variances: infinite for a missing
-    /// coordinate, 0 for coordinates without a variance.
+    /// The departure of the coordinates z, whose errors have these variances: infinite for a missing coordinate, 0 for
+    /// coordinates without a variance.
     #[must_use]
-    pub fn judge(&self, z: &[f32], variances: &[f32]) -> (f32, f32) {
+    pub fn judge(&self, z: &[f32], variances: &[f32]) -> Departure {
         if self.class.is_none() {
-            return (0.0, 0.0);
+            return Departure::default();
         }
-        self.judge_by(&Density::of(self.factor.cells(), variances, z.len()), z)
+        let density = Density::of(self.factor.cells(), variances, z.len());
+        let found = self.judge_by(&density, z);
+        let Some(rising) = self.rising() else { return found };
+        let scores = density.scores(self.mean.cells(), z, rising);
+        Departure { surprise: rising.surprise(&scores, z.len()), ..found }
     }
 
-    /// The same by the factor of S + diag(v).
-    pub(super) fn judge_by(&self, density: &Density<P>, z: &[f32]) -> (f32, f32) {
-        if self.class.is_none() {
-            return (0.0, 0.0);
-        }
-        let squared = density.squared_distance(self.mean.cells(), z); // (1)
-        let squared = equivalent(squared, density.available(), z.len());
-        (libm::sqrtf(squared), self.surprise(squared))
+    /// The rising coordinates, if there are any.
+    pub(super) fn rising(&self) -> Option<&Rising> {
+        self.rising.cells().first().filter(|rising| rising.count > 0)
     }
 
-    /// (2) by straight lines between the knots, outside them along the nearest line, within 0 and 40 nats. NaN
+    /// (2) of d² by straight lines between the knots, outside them along the nearest line, within 0 and 40 nats. NaN
     /// gives NaN.
     #[must_use]
     pub fn surprise(&self, squared: f32) -> f32 {
-        let [[x0, s0], [x1, s1]] = nearest(&self.knots, squared);
-        let surprise = s0 + (squared - x0) * ((s1 - s0) / (x1 - x0));
-        if surprise.is_nan() { surprise } else { surprise.clamp(0.0, MAX_SURPRISE) }
+        surprise(&self.knots, squared)
     }
+
+    /// The same without the rising coordinates, by the factor of S + diag(v).
+    pub(super) fn judge_by(&self, density: &Density<P>, z: &[f32]) -> Departure {
+        if self.class.is_none() {
+            return Departure::default();
+        }
+        let squared = density.squared_distance(self.mean.cells(), z); // (1)
+        let squared = equivalent(squared, density.available(), z.len());
+        let surprise = self.surprise(squared);
+        Departure { distance: libm::sqrtf(squared), distance_surprise: surprise, surprise }
+    }
+}
+
+/// Surprise on a curve of knots, as [`Novelty::surprise`].
+pub(super) fn surprise(knots: &[[f32; 2]], squared: f32) -> f32 {
+    let [[x0, s0], [x1, s1]] = nearest(knots, squared);
+    let surprise = s0 + (squared - x0) * ((s1 - s0) / (x1 - x0));
+    if surprise.is_nan() { surprise } else { surprise.clamp(0.0, MAX_SURPRISE) }
 }
 
 /// (4); without coordinates 0.
 #[inline(never)]
-fn equivalent(squared: f32, available: usize, all: usize) -> f32 {
+pub(super) fn equivalent(squared: f32, available: usize, all: usize) -> f32 {
     if available == all || available == 0 {
         return squared;
     }
@@ -141,20 +172,20 @@ mod tests {
     fn distance_by_hand() {
         // S = [4 −2; −2 1.25]: R⁻ᵀ (2, 0.25) = (2, 1.25), so d² = 1 + 6.25 = 7.25,
         // between the knots (4, 2) and (9, 3).
-        let (distance, surprise) = curve().judge(&[3.0, -0.75], &[]);
+        let Departure { distance, distance_surprise, surprise } = curve().judge(&[3.0, -0.75], &[]);
         assert!((distance * distance - 7.25).abs() < 1e-6);
-        assert!((surprise - 2.65).abs() < 1e-6);
+        assert!((surprise - 2.65).abs() < 1e-6 && surprise == distance_surprise);
         // With errors of variance 1 and 0.75, S = [5 −2; −2 2] of determinant 6: d² = (2·4 + 2·2·0.5 + 5·0.0625)/6.
-        let (distance, _) = curve().judge(&[3.0, -0.75], &[1.0, 0.75]);
+        let Departure { distance, .. } = curve().judge(&[3.0, -0.75], &[1.0, 0.75]);
         assert!((distance * distance - 10.3125 / 6.0).abs() < 1e-6, "{distance}");
     }
 
     #[test]
     fn a_missing_coordinate_leaves_the_other() {
         // The first alone: d² = 2²/4 = 1. u = (1 − 1 + 2/9)/√(2/9) = 0.471405; (1 − 1/9 + u/3)³ = 1.144523.
-        let (distance, _) = curve().judge(&[3.0, 9.0], &[0.0, f32::INFINITY]);
+        let Departure { distance, .. } = curve().judge(&[3.0, 9.0], &[0.0, f32::INFINITY]);
         assert!((distance * distance - 2.289_046).abs() < 1e-5, "{}", distance * distance);
-        assert_eq!(curve().judge(&[3.0, 9.0], &[f32::INFINITY; 2]), (0.0, 0.0));
+        assert_eq!(curve().judge(&[3.0, 9.0], &[f32::INFINITY; 2]), Departure::default());
         assert!((0.0..0.1).contains(&equivalent(0.0, 1, 2)) && equivalent(0.0, 2, 1) == 0.0);
         assert!(equivalent(f32::NAN, 1, 2).is_nan() && equivalent(f32::INFINITY, 1, 2).is_infinite());
     }
@@ -171,6 +202,6 @@ mod tests {
 
     #[test]
     fn without_a_healthy_class_distances_are_zero() {
-        assert_eq!(Novelty::none(plan()).judge(&[1e9, f32::NAN], &[]), (0.0, 0.0));
+        assert_eq!(Novelty::none(plan()).judge(&[1e9, f32::NAN], &[]), Departure::default());
     }
 }

@@ -47,6 +47,8 @@ pub enum Field {
     HealthyDensity,
     SurpriseCurve,
     NoveltyLimit,
+    /// At most all coordinates rise, and only with a shaft.
+    RisingCoordinates,
     Evidence,
     Label,
     Layout,
@@ -97,6 +99,7 @@ impl Field {
             Self::HealthyDensity => "healthy density",
             Self::SurpriseCurve => "surprise curve",
             Self::NoveltyLimit => "novelty limit",
+            Self::RisingCoordinates => "rising coordinates",
             Self::Evidence => "evidence constants",
             Self::Label => "class label",
             Self::Layout => "layout",

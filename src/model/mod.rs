@@ -9,8 +9,8 @@ mod validate;
 mod writer;
 
 pub use crate::decide::{
-    BaselineConstants, Classifier, Covariate, Covariates, Discriminant, Estimates, EvidenceConstants, Feature,
-    FeatureValue, KNOTS, Novelty, Projection,
+    BaselineConstants, Classifier, Covariate, Covariates, Departure, Discriminant, Estimates, EvidenceConstants,
+    Feature, FeatureValue, KNOTS, Novelty, Projection, Rising,
 };
 pub use crate::factor::{Forgetting, MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
 pub use crate::regression::Regression;
@@ -188,6 +188,7 @@ impl<P: Plan> Constants<P> {
             novelty_mean: novelty.mean.cells(),
             novelty_factor: novelty.factor.cells(),
             knots: &novelty.knots,
+            rising: novelty.rising.cells(),
             limit: novelty.limit,
             evidence: self.evidence,
             labels: self.labels.cells(),
@@ -258,6 +259,7 @@ macro_rules! checked_model {
                         novelty_mean: &classifier.novelty.mean,
                         novelty_factor: &classifier.novelty.factor,
                         knots: &classifier.novelty.knots,
+                        rising: &classifier.novelty.rising,
                         limit: classifier.novelty.limit,
                         evidence: constants.evidence,
                         labels: &constants.labels,

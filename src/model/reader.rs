@@ -266,6 +266,11 @@ fn read_classifier<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<Classifi
         let mut knots = [[0.0; 2]; KNOTS];
         reader.fill(knots.as_flattened_mut())?;
         (novelty.knots, novelty.limit) = (knots, reader.f32()?);
+        for rising in novelty.rising.cells_mut() {
+            (rising.count, rising.freedom) = (reader.u8()?, reader.f32()?);
+            reader.fill(rising.knots.as_flattened_mut())?;
+            reader.fill(rising.others.as_flattened_mut())?;
+        }
     }
     Ok(Classifier { features, covariates, projection, discriminant, novelty })
 }

@@ -9,7 +9,7 @@ use super::error::{Field, ModelError};
 use super::parts::{Parts, RegressionParts, ShaftParts};
 use super::ranges::{all_powers_of_two, all_within, are_factors, bounded, differences_alike, increase, split};
 use super::{MAX_BLOCK_MEAN, Sampling};
-use crate::decide::{Covariate, EvidenceConstants};
+use crate::decide::{Covariate, EvidenceConstants, Rising};
 use crate::estimate::is_stable;
 use crate::factor::{MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
 use crate::plan::{Memory, Method, RegressionLayout, ShaftLayout, Signal, Structure};
@@ -274,6 +274,7 @@ const fn check_novelty(parts: &Parts<'_>) -> Result<(), ModelError> {
     let layout = &parts.layout;
     require_length!(parts.novelty_mean.len(), layout.coordinates as usize, HealthyDensity);
     require_length!(parts.novelty_factor.len(), layout.density(), HealthyDensity);
+    require_length!(parts.rising.len(), layout.shaft.is_some() as usize, RisingCoordinates);
     let most = f32::MAX;
     require!(all_within(parts.novelty_mean, f32::MIN, most), HealthyDensity);
     require!(all_within(parts.novelty_factor, f32::MIN, most), HealthyDensity);
@@ -282,6 +283,14 @@ const fn check_novelty(parts: &Parts<'_>) -> Result<(), ModelError> {
         require!(are_factors(parts.novelty_factor, layout.coordinates as usize), HealthyDensity);
         require!(increase(parts.knots) && all_within(parts.knots.as_flattened(), 0.0, most), SurpriseCurve);
         require!(parts.limit > 0.0, NoveltyLimit);
+        if let [Rising { count, freedom, knots, others }, ..] = parts.rising
+            && *count > 0
+        {
+            require!(*count <= layout.coordinates && *freedom >= 1.0, RisingCoordinates);
+            require!(increase(knots) && all_within(knots.as_flattened(), 0.0, most), SurpriseCurve);
+            let used = *count < layout.coordinates;
+            require!(!used || increase(others) && all_within(others.as_flattened(), 0.0, most), SurpriseCurve);
+        }
     }
     let EvidenceConstants { bet, limit, cap, segments_a_run, log_mean, defect_log_mean } = parts.evidence;
     require!(bet > 0.0 && bet < 1.0 && limit > 0.0 && cap > 0.0 && cap.is_finite(), Evidence);

@@ -2,7 +2,7 @@
 
 use super::reader::NONE;
 use super::{
-    Blocks, Channel, Classifier, Constants, Covariate, Discriminant, Feature, Lags, ModelError, Regression,
+    Blocks, Channel, Classifier, Constants, Covariate, Discriminant, Feature, Lags, ModelError, Regression, Rising,
     ShaftConstants, StateVariable,
 };
 use crate::drive::Park;
@@ -157,6 +157,12 @@ fn write_classifier<P: Plan>(writer: &mut Writer<'_>, classifier: &Classifier<P>
         writer.floats(novelty.factor.cells())?;
         writer.floats(novelty.knots.as_flattened())?;
         writer.floats(&[novelty.limit])?;
+        for Rising { count, freedom, knots, others } in novelty.rising.cells() {
+            writer.bytes(&[*count])?;
+            writer.floats(&[*freedom])?;
+            writer.floats(knots.as_flattened())?;
+            writer.floats(others.as_flattened())?;
+        }
     }
     Ok(())
 }

@@ -6,11 +6,13 @@
 //! σ_c^½ = mean over blocks of (|b|²/W)^¼ / Γ(5/4)                                                     (1)
 //! ln σ²(o) = m + s (ln o − x̄),   by least squares over the control orders c                           (2)
 //! σ²(h o) = h^s σ²(o)                                                                                 (3)
+//! Var ln σ²(o) = 1.26/n · (¼ + (ln o − x̄)²/Σ (ln c − x̄)²),   n: number of blocks                      (4)
 //! ```
 //!
 //! No bearing has an effect at a control order. The fourth root in (1) keeps single strong blocks from deciding it.
 //! Behind the whitening filter the noise would be equal at all orders if the torque balance were complete; what it does
-//! not contain leaves more noise at low orders, about as a power of the order.
+//! not contain leaves more noise at low orders, about as a power of the order. In (4), 1.26 = 16 (Γ(3/2)/Γ(5/4)² − 1) is
+//! the variance of 4 ln σ^½ of one block.
 
 use core::f32::consts::LN_2;
 
@@ -19,6 +21,8 @@ use crate::plan::MAX_HARMONICS;
 
 /// Γ(5/4), the mean of the fourth root of an exponential variable.
 const ROOT_MEAN: f32 = 0.906_402_5;
+/// 16 (Γ(3/2)/Γ(5/4)² − 1) of (4).
+const BLOCK_VARIANCE: f32 = 1.259_2;
 const LN_3: f32 = 1.098_612_3;
 
 /// Sums of (1), one for each control order.
@@ -53,6 +57,8 @@ impl Noise {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct NoiseLine {
     taken: u8,
+    /// Smallest number of blocks of a control order.
+    blocks: u16,
     mean: [f32; 2],
     square: f32,
     product: f32,
@@ -63,7 +69,15 @@ pub(super) struct NoiseLine {
 
 impl NoiseLine {
     pub(super) const fn new() -> Self {
-        Self { taken: 0, mean: [0.0; 2], square: 0.0, product: 0.0, slope: 0.0, harmonics: [1.0; MAX_HARMONICS] }
+        Self {
+            taken: 0,
+            blocks: u16::MAX,
+            mean: [0.0; 2],
+            square: 0.0,
+            product: 0.0,
+            slope: 0.0,
+            harmonics: [1.0; MAX_HARMONICS],
+        }
     }
 
     /// Takes the next control order, or after the last one the slope; whether the line is complete.
@@ -80,6 +94,7 @@ impl NoiseLine {
             self.harmonics = [1.0, libm::expf(self.slope * LN_2), libm::expf(self.slope * LN_3)]; // (3)
             return false;
         };
+        self.blocks = self.blocks.min(*count);
         let root = root / (f32::from(*count).max(1.0) * ROOT_MEAN); // (1)
         let (x, y) = (ln(*order as f32 / 65_536.0), 4.0 * ln(root));
         let [mean_x, mean_y] = &mut self.mean;
@@ -91,11 +106,14 @@ impl NoiseLine {
         false
     }
 
-    /// (2).
+    /// (2) and a ninth of (4).
     #[inline(never)]
-    pub(super) fn at(&self, order: f32) -> f32 {
+    pub(super) fn at(&self, order: f32) -> (f32, f32) {
         let [x, y] = self.mean;
-        libm::expf(y + self.slope * (ln(order) - x))
+        let far = ln(order) - x;
+        let line = if self.square > 0.0 { far * far / self.square } else { 0.0 };
+        let variance = BLOCK_VARIANCE / f32::from(self.blocks.max(1)) * (1.0 / CONTROLS as f32 + line);
+        (libm::expf(y + self.slope * far), variance / 9.0)
     }
 
     /// σ² at the harmonic h + 1 over that at the order itself (3).
@@ -135,23 +153,28 @@ mod tests {
         let orders = [2.0, 4.0, 8.0, 16.0];
         let line = line(orders.map(|o| 8.0 / (o * o)), orders);
         for order in [0.5, 3.0, 11.0] {
-            assert!((line.at(order) * order * order / 8.0 - 1.0).abs() < 1e-5, "{order}");
+            assert!((line.at(order).0 * order * order / 8.0 - 1.0).abs() < 1e-5, "{order}");
+        }
+        // Two blocks each; ln o is 1.5 ln 2 from its mean at the ends, and Σ = 5 ln² 2.
+        for (order, variance) in [(2.0, 0.25 + 2.25 / 5.0), (libm::sqrtf(32.0), 0.25)] {
+            let expected = 1.2592 / 2.0 * variance / 9.0;
+            assert!((line.at(order).1 / expected - 1.0).abs() < 1e-3, "{order}: {}", line.at(order).1);
         }
         for h in 0..MAX_HARMONICS {
-            let of_harmonic = line.at(3.0 * (h + 1) as f32);
-            assert!((line.at(3.0) * line.ratio(h) / of_harmonic - 1.0).abs() < 1e-5, "{h}");
+            let of_harmonic = line.at(3.0 * (h + 1) as f32).0;
+            assert!((line.at(3.0).0 * line.ratio(h) / of_harmonic - 1.0).abs() < 1e-5, "{h}");
         }
     }
 
     #[test]
     fn equal_orders_give_the_mean_of_the_logarithms() {
         let line = line([1.0, 4.0, 1.0, 4.0], [3.0; CONTROLS]);
-        assert!((line.at(7.0) - 2.0).abs() < 1e-5, "{}", line.at(7.0));
+        assert!((line.at(7.0).0 - 2.0).abs() < 1e-5, "{}", line.at(7.0).0);
     }
 
     #[test]
     fn silence_is_finite() {
         let line = line([0.0; CONTROLS], [2.0, 3.0, 4.0, 5.0]);
-        assert!(line.at(3.0).is_finite() && line.at(0.0).is_finite());
+        assert!(line.at(3.0).0.is_finite() && line.at(0.0).0.is_finite());
     }
 }

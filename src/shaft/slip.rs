@@ -7,7 +7,8 @@
 //! ψ = 2π O c δ L,   c: ratio of the order's slip to the cage's,   L: turns of a cell                  (2)
 //! prominence = max P(δ) / Σ w_h   over |δ| ≤ slip                                                     (3)
 //! ν = 2 (Σ w_h)² W² / (Σ w_h² [V(0) + 2 Σ_d (1 − d/7)² V(d)])                                         (4)
-//! score = (prominence^⅓ − 1 + 2/(9ν)) / √(2/(9ν)) − 0.7 ln M                                          (5)
+//! score = ((1 − b) prominence^⅓ − 1 + a − 0.7 √a₁ ln M) / √(a₁/(1 + 0.2 ln M)² + a₀ + b prominence^⅔) (5)
+//! a = 2/(9ν) = a₀ + a₁,   a₀/a: part of V(0) in the bracket of (4),   b: a ninth of Var ln σ²
 //! slip deviation = √(Var P′)/(−P″)   at the largest P                                                  (6)
 //! Var P′ = (dψ/dδ)² Σ_h (h w_h)² · 2 Σ_d (1 − d/7)² d² V(d)/W² · (1 + |A|² V(0)/(σ₁² W))              (7)
 //! |A|² = Σ_d (1 − d/7) Re(R(1, d) e^{−jdψ}) / Σ_d (1 − d/7) V(d),   amplitude = 2 |A|                 (8)
@@ -15,8 +16,11 @@
 //!
 //! The noise ([`super::noise`]) at the order's harmonic h is `σ_h²`. (1) is a spectral estimate by few lags (Blackman and
 //! Tukey) near the kinematic order, one slip for all harmonics. Without a defect P at one δ is a χ² of ν degrees of
-//! freedom, whatever the number of turns; its cube root is nearly normal (Wilson and Hilferty 1931), and M independent
-//! slips raise the largest of them: (5) is about standard normal for any number of turns.
+//! freedom, whatever the number of turns; its cube root is nearly normal (Wilson and Hilferty 1931). The noise is
+//! estimated too; their ratio then follows an F distribution, of which (5) is the normal score (Paulson 1942), at most
+//! 1/√b. Where P varies with the slip, it takes M independent values; the largest of M normal numbers has about the
+//! mean 0.7 ln M and the deviation 1/(1 + 0.2 ln M), both within 0.1 for M to 10. So (5) is about standard normal for
+//! any number of turns and any range of slips.
 //!
 //! (7): the imaginary part of a product of two blocks of noise has the variance `σ⁴ W_n W_m/2`, and P′ is a sum of
 //! 2 (1 − d/7) d h of them. A product of noise and defect adds at most 2 |A|² W/σ₁² times as much; pairs before and after
@@ -87,6 +91,11 @@ pub(super) struct SlipSearch {
     /// σ₁², and of −P″ (6) a squared step.
     variance: f32,
     curvature: f32,
+    /// b of (5), a, a₀/a, and ln M.
+    uncertain: f32,
+    relative: f32,
+    constant_part: f32,
+    log_slips: f32,
     /// V(0) + 2 Σ (1 − d/7)² V(d), 2 Σ (1 − d/7)² d² V(d), and Σ (1 − d/7) V(d).
     noise_power: f32,
     spread: f32,
@@ -118,6 +127,10 @@ impl SlipSearch {
             cube_root: 0.0,
             variance: 0.0,
             curvature: 0.0,
+            uncertain: 0.0,
+            relative: 1.0,
+            constant_part: 0.0,
+            log_slips: 0.0,
             noise_power: 0.0,
             spread: 0.0,
             steady: 0.0,
@@ -140,13 +153,14 @@ impl SlipSearch {
             FIRST..=SIDE => self.compare(next, self.spectrum(turns(order, range, f32::from(next) / f32::from(SIDE)))),
             PROMINENCE => self.prominence(order, range),
             NOISE => self.noise(sums),
-            SCORE => self.score(sums, order, range),
+            LAW => self.law(sums, order, range),
+            SCORE => self.score(),
             AMPLITUDE => self.amplitude(sums, order, range),
             DEVIATIONS => {
                 self.deviations(sums, order, range);
                 return Some(self.found);
             }
-            LEVEL => self.variance = noise.at(order.order()),
+            LEVEL => (self.variance, self.uncertain) = noise.at(order.order()),
             before => self.combine(sums, noise, order, usize::from(before.wrapping_sub(COMBINE).unsigned_abs())),
         }
         None
@@ -220,16 +234,29 @@ impl SlipSearch {
         }
     }
 
-    /// (5).
+    /// What (5) has of the sums: a, a₀/a, and ln M.
     #[inline(never)]
-    fn score(&mut self, sums: &LineSums, order: &TrackedOrder, range: &SlipRange) {
+    fn law(&mut self, sums: &LineSums, order: &TrackedOrder, range: &SlipRange) {
         let ([w1, w2, w3], [total, ..]) = (order.weights, sums.weight);
         let (weights, squares) = (w1 + w2 + w3, w1 * w1 + w2 * w2 + w3 * w3);
         let freedom = 2.0 * weights * weights * total * total / (squares * self.noise_power); // (4)
-        let relative = 2.0 / (9.0 * freedom);
-        let reach = 2.0 * turns(order, range, 1.0).abs() * libm::sqrtf(self.spread / self.noise_power);
-        let independent = 1.0 + 2.0 * PI * reach;
-        self.found.score = (self.cube_root - 1.0 + relative) / libm::sqrtf(relative) - 0.7 * libm::logf(independent);
+        self.relative = 2.0 / (9.0 * freedom);
+        let steady = sums.pairs.first().map_or(0.0, |square| square / self.noise_power);
+        let varying = self.spread / (self.noise_power * (1.0 - steady)).max(f32::MIN_POSITIVE);
+        self.constant_part = steady;
+        self.log_slips = libm::logf(1.0 + 4.0 * PI * turns(order, range, 1.0).abs() * libm::sqrtf(varying));
+    }
+
+    /// (5).
+    #[inline(never)]
+    fn score(&mut self) {
+        let (root, own) = (self.cube_root, self.uncertain);
+        let (relative, steady, log) = (self.relative, self.constant_part, self.log_slips);
+        let of_slips = libm::sqrtf((relative * (1.0 - steady)).max(0.0));
+        let excess = (1.0 - own) * root - 1.0 + relative - 0.7 * of_slips * log;
+        let of_largest = of_slips / (1.0 + 0.2 * log);
+        let variance = of_largest * of_largest + relative * steady + own * root * root;
+        self.found.score = excess / libm::sqrtf(variance);
     }
 
     /// (8).
@@ -279,9 +306,10 @@ const COMBINE: i8 = FIRST - 3;
 const LEVEL: i8 = COMBINE - 1;
 const PROMINENCE: i8 = SIDE + 1;
 const NOISE: i8 = SIDE + 2;
-const SCORE: i8 = SIDE + 3;
-const AMPLITUDE: i8 = SIDE + 4;
-const DEVIATIONS: i8 = SIDE + 5;
+const LAW: i8 = SIDE + 3;
+const SCORE: i8 = SIDE + 4;
+const AMPLITUDE: i8 = SIDE + 5;
+const DEVIATIONS: i8 = SIDE + 6;
 
 /// 1 − d/7.
 fn taper(d: f32) -> f32 {

@@ -59,7 +59,7 @@ fn rates(gate: &Gate, drive: &DVector<f64>, (sessions, segments): (usize, usize)
         let mean = drive + normal(OF_SESSION, random);
         for _ in 0..segments {
             let z = (&mean + normal(1.0 - OF_DRIVE - OF_SESSION, random)).map(|x| x as f32);
-            let surprise = novelty.judge(z.as_slice(), &[]).1;
+            let surprise = novelty.judge(z.as_slice(), &[]).surprise;
             for (count, rate) in counts.iter_mut().zip([1e-2_f32, 1e-3]) {
                 *count += usize::from(surprise >= -rate.ln());
             }

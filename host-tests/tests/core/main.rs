@@ -21,6 +21,7 @@ mod parts;
 mod readme;
 mod resampling;
 mod rig;
+mod rising;
 mod robustness;
 mod shaft;
 mod shaft_streams;

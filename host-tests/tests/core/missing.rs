@@ -1,6 +1,6 @@
 //! Densities of coordinates with errors and missing values, against double precision.
 
-use bearing_watch::model::{Discriminant, Feature, KNOTS, Novelty};
+use bearing_watch::model::{Departure, Discriminant, Feature, KNOTS, Novelty};
 use bearing_watch::plan::{Kind, Layout, Memory, Method, Plan, RunTime, Structure};
 use host_tests::plans::{classifier, layout};
 use nalgebra::{DMatrix, DVector};
@@ -78,7 +78,7 @@ fn likelihoods_and_distances_are_those_of_double_precision() {
             let novelty = Novelty { class: Some(0), factor: factor(&covariance), ..Novelty::none(plan()) };
             let available = variances.iter().filter(|v| **v < INFINITY).count();
             let expected = if available == 0 { 0.0 } else { equivalent(squared, available, Z).sqrt() };
-            let found = f64::from(novelty.judge(&z, &variances).0);
+            let found = f64::from(novelty.judge(&z, &variances).distance);
             worst[1] = worst[1].max((found - expected).abs() / expected.max(1.0));
         }
         println!("correlation {correlation}: log-likelihood {:.1e}, distance {:.1e}", worst[0], worst[1]);
@@ -96,7 +96,7 @@ fn errors_lower_the_surprise_and_never_make_it_undefined() {
         let z: Vec<f32> = (0..Z).map(|k| 10_f32.powi(k as i32 - 3) * random.random_range(-9.0..9.0)).collect();
         let mut before = f32::INFINITY;
         for variance in [0.0, 1e-30, 1e-6, 1e-3, 1.0, 1e3, 1e12, 1e30, f32::MAX] {
-            let (distance, surprise) = novelty.judge(&z, &[variance; Z]);
+            let Departure { distance, surprise, .. } = novelty.judge(&z, &[variance; Z]);
             assert!(distance.is_finite() && surprise <= before * 1.000_01, "{variance}: {surprise} after {before}");
             before = surprise;
         }

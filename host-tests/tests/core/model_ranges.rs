@@ -1,6 +1,6 @@
 //! Constants out of range: each is refused, by its name, when a model is made.
 
-use bearing_watch::model::{Constants, EvidenceConstants, Feature, Field, Forgetting, Label, Novelty};
+use bearing_watch::model::{Constants, Departure, EvidenceConstants, Feature, Field, Forgetting, Label, Novelty};
 use bearing_watch::plan::{Layout, LayoutError, Memory, Method, Plan, RegressionLayout, RunTime};
 use bearing_watch::{Model, ModelError, Structure};
 use host_tests::plans::{constants, layout};
@@ -122,6 +122,7 @@ fn gated(c: &mut Constants<Drive>) {
         mean: [0.5, -1.0, 2.0, 0.0, 1.0],
         factor: std::array::from_fn(|k| 1.0 / (1 + k) as f32),
         knots: std::array::from_fn(|k| [2.0 * k as f32, k as f32]),
+        rising: [],
         limit: 4.6,
     };
     c.classifier.discriminant.reject_cost = 0.25;
@@ -192,7 +193,7 @@ fn gates_and_alarms_out_of_range_are_named() {
         c.classifier.novelty.class = None;
     });
     let none = none.expect("good");
-    assert_eq!(none.constants().classifier.novelty.judge(&[9.0; 5], &[]), (0.0, 0.0));
+    assert_eq!(none.constants().classifier.novelty.judge(&[9.0; 5], &[]), Departure::default());
 }
 
 #[test]

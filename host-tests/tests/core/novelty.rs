@@ -40,6 +40,7 @@ pub(super) fn core(gate: &Gate) -> Novelty<RunTime> {
         mean: gate.mean.iter().map(|x| *x as f32).collect(),
         factor: gate.factor(),
         knots: gate.knots.map(|knot| knot.map(|x| x as f32)),
+        rising: gate.rising.iter().map(|rising| rising.core()).collect(),
         limit: gate.limit as f32,
     }
 }
@@ -67,7 +68,7 @@ fn rates<const Z: usize>(degrees: Option<f64>, healthy: usize) -> Vec<[f64; 2]> 
         };
         let healthy = rows(healthy);
         let gate = core(&gate_of(&healthy, 1e-3).expect("a gate"));
-        let surprise = |z: DVector<f64>| gate.judge(&z.map(|x| x as f32).as_slice()[..Z], &[]).1;
+        let surprise = |z: DVector<f64>| gate.judge(&z.map(|x| x as f32).as_slice()[..Z], &[]).surprise;
         beyond(rows(TESTS).into_iter().map(surprise))
     };
     (0..DRAWS).into_par_iter().map(one).collect()
@@ -105,7 +106,7 @@ fn partial_rates<const Z: usize>(healthy: usize) -> Vec<[f64; 2]> {
         let tests = partial::<Z>(TESTS, &mut random);
         let surprise = |(value, variance): (&DVector<f64>, &DVector<f64>)| {
             let [z, v] = [value, variance].map(|of| of.map(|x| x as f32));
-            gate.judge(z.as_slice(), v.as_slice()).1
+            gate.judge(z.as_slice(), v.as_slice()).surprise
         };
         beyond(tests.rows.iter().zip(&tests.variances).map(surprise))
     };

@@ -16,6 +16,7 @@ mod recorded_drives;
 mod recorded_families;
 mod recorded_healthy_only;
 mod recorded_later_runs;
+mod recorded_slip;
 mod recorded_wear;
 mod standard_rig;
 mod structure;

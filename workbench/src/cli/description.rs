@@ -68,8 +68,15 @@ pub(super) fn lines(trained: &Trained, channels: &Channels, host: Preparation) -
 pub(super) fn gate(trained: &Trained) -> Option<String> {
     let gate = trained.watch.gate.as_ref()?;
     let by_run = gate.runs.as_ref().map_or_else(String::new, |runs| by_run(trained, gate, runs));
+    let rising = match &gate.rising {
+        Some(rising) => format!(
+            ", or by {} beside the distance of the other features",
+            trained.coordinate_names[trained.coordinate_names.len() - rising.count..].join(", ")
+        ),
+        None => String::new(),
+    };
     Some(format!(
-        "Novel beyond distance {:.2} from {}: false-alarm rate {} a segment by {} segments (Gaussian with probability \
+        "Novel beyond distance {:.2} from {}{rising}: false-alarm rate {} a segment by {} segments (Gaussian with probability \
          {:.2}, else heavier tails); {}.{by_run}",
         gate.law.squared_at(gate.limit).sqrt(),
         trained.classes[gate.class],

@@ -142,6 +142,7 @@ impl Embedded {
             posteriors: decided(|d| d.posteriors()),
             log_likelihoods: decided(|d| d.log_likelihoods()),
             distance: report.decision.as_ref().map_or(0.0, |decision| decision.distance),
+            distance_surprise: report.decision.as_ref().map_or(0.0, |decision| decision.distance_surprise),
             surprise: report.decision.as_ref().map_or(0.0, |decision| decision.surprise),
             delta: estimate.map_or_else(Vec::new, |estimate| estimate.delta().to_vec()),
             raw: estimate.map_or_else(Vec::new, |estimate| estimate.raw()),

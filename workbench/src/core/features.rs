@@ -131,6 +131,12 @@ impl Catalogue {
         }
     }
 
+    /// Whether the feature at a place only rises with a defect: score or amplitude of a bearing order.
+    #[must_use]
+    pub fn rises(&self, place: usize) -> bool {
+        matches!(self.core_feature(place), Feature::OrderScore(_) | Feature::LogOrderAmplitude(_))
+    }
+
     /// Name of a core feature; of a regression's parameter, that of the raw parameter at its place.
     #[must_use]
     pub fn name(&self, feature: Feature) -> String {

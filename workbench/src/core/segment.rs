@@ -16,6 +16,8 @@ pub struct SegmentReport {
     /// Distance from the healthy class in its standard deviations; 0 if there is no healthy class or no verdict.
     pub distance: f32,
     /// −ln of the probability that a healthy segment has at least this distance, nats; 0 in the same cases.
+    pub distance_surprise: f32,
+    /// The same of the distance and of coordinates that rise with a defect, which the gate compares.
     pub surprise: f32,
     /// δ-parameters.
     pub delta: Vec<f32>,
@@ -61,6 +63,7 @@ impl SegmentReport {
             missing,
             outside,
             distance: 0.0,
+            distance_surprise: 0.0,
             surprise: 0.0,
             ..self
         }

@@ -44,7 +44,7 @@ fn decision(model: &Model<RunTime>, segment: &SegmentReport) -> Option<Decision<
     }
     let classifier = &model.constants().classifier;
     let mut decision = classifier.decide(model.plan(), &segment.log_likelihoods, segment.surprise)?;
-    decision.distance = segment.distance;
+    (decision.distance, decision.distance_surprise) = (segment.distance, segment.distance_surprise);
     Some(decision)
 }
 

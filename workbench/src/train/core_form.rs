@@ -71,6 +71,9 @@ impl Trained {
             novelty.mean = narrow(gate.mean.as_slice());
             novelty.factor = gate.factor();
             novelty.knots = gate.knots.map(|knot| knot.map(|x| x as f32));
+            if let (Some(own), Some(rising)) = (novelty.rising.first_mut(), &gate.rising) {
+                *own = rising.core();
+            }
             novelty.limit = gate.limit as f32;
         }
         Ok(novelty)

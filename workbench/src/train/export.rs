@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use bearing_watch::model::{
-    Balance, Blocks, Channel, Classifier, Covariate, Covariates, EvidenceConstants, Feature, KNOTS, Regression,
+    Balance, Blocks, Channel, Classifier, Covariate, Covariates, EvidenceConstants, Feature, KNOTS, Regression, Rising,
     Sampling, ShaftConstants,
 };
 use bearing_watch::plan::{Layout, Plan, RegressionLayout, RunTime, ShaftLayout, Signal, Structure};
@@ -110,6 +110,7 @@ fn imports(out: &mut Source, layout: &Layout, features: &[Feature], covariates: 
     if let Some(shaft) = layout.shaft {
         model.extend(["Balance", "Blocks", "Lags", "ShaftConstants", "StateVariable", "Tracking"]);
         model.extend((shaft.orders > 0).then_some("TrackedOrder"));
+        model.push("Rising");
         plan.push("ShaftLayout");
     }
     model.extend((layout.covariates > 0).then_some("Covariate"));
@@ -298,7 +299,7 @@ fn classifier(out: &mut Source, classifier: &Classifier<RunTime>, layout: &Layou
     match novelty.class {
         None => {
             let sizes = format!("mean: [0.0; {z}], factor: [0.0; {}]", layout.density());
-            let rest = format!("knots: [[0.0; 2]; {KNOTS}], limit: f32::INFINITY");
+            let rest = format!("knots: [[0.0; 2]; {KNOTS}], rising: {}, limit: f32::INFINITY", no_rising(layout));
             out.line(2, &format!("novelty: Novelty {{ class: None, {sizes}, {rest} }},"));
         }
         Some(class) => {
@@ -306,17 +307,37 @@ fn classifier(out: &mut Source, classifier: &Classifier<RunTime>, layout: &Layou
             out.line(3, &format!("class: Some({class}),"));
             out.numbers(3, "mean", &novelty.mean, z);
             out.triangles(3, "factor", &novelty.factor, z);
-            out.line(3, "knots: [");
-            for knots in novelty.knots.chunks(4) {
-                let knots: Vec<String> = knots.iter().map(|knot| list(knot)).collect();
-                out.line(4, &format!("{},", knots.join(", ")));
+            curve(out, 3, "knots", &novelty.knots);
+            match novelty.rising.first().filter(|rising| rising.count > 0) {
+                Some(Rising { count, freedom, knots, others }) => {
+                    out.line(3, "rising: [Rising {");
+                    out.line(4, &format!("count: {count},"));
+                    out.line(4, &format!("freedom: {},", number(*freedom)));
+                    curve(out, 4, "knots", knots);
+                    curve(out, 4, "others", others);
+                    out.line(3, "}],");
+                }
+                None => out.line(3, &format!("rising: {},", no_rising(layout))),
             }
-            out.line(3, "],");
             out.line(3, &format!("limit: {},", number(novelty.limit)));
             out.line(2, "},");
         }
     }
     out.line(1, "},");
+}
+
+/// The rising coordinates of a gate without any.
+fn no_rising(layout: &Layout) -> &'static str {
+    if layout.shaft.is_some() { "[Rising::NONE]" } else { "[]" }
+}
+
+fn curve(out: &mut Source, depth: usize, name: &str, knots: &[[f32; 2]]) {
+    out.line(depth, &format!("{name}: ["));
+    for knots in knots.chunks(4) {
+        let knots: Vec<String> = knots.iter().map(|knot| list(knot)).collect();
+        out.line(depth + 1, &format!("{},", knots.join(", ")));
+    }
+    out.line(depth, "],");
 }
 
 fn covariates(out: &mut Source, covariates: &Covariates<RunTime>, count: usize) {

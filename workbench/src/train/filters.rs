@@ -21,7 +21,7 @@ use crate::Error;
 const MOST_COMPARED: usize = 16;
 
 /// Corners of the residual's low-pass and high-pass that are compared.
-const POLES_HZ: [f32; 7] = [2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 32.0];
+const POLES_HZ: [f32; 9] = [2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 32.0, 64.0, 128.0];
 const SLOW_HZ: [f32; 3] = [0.0, 2.0, 4.0];
 
 /// Returns the constants with the best high-pass and parameters, then with the best low-pass.

@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 
 use super::fit::fit;
 use super::folds::check;
+use super::novelty::Rows;
 use super::{Explained, Trained, novelty};
 use crate::Error;
 use crate::evaluate::FalseAlarms;
@@ -53,7 +54,9 @@ impl Trained {
         check(&before)?;
         let fitted = fit(&before, &self.recipe)?;
         let fitted_terms = fitted.explained.as_ref().map_or(0, Explained::fitted);
-        let rows = (&fitted.coordinates, fitted.coordinate_names.as_slice(), fitted_terms);
+        let rising = self.recipe.rising(&fitted.coordinate_names);
+        let (table, names) = (&fitted.coordinates, fitted.coordinate_names.as_slice());
+        let rows = Rows { table, names, fitted: fitted_terms, rising };
         let gate = novelty::required_gate(rows, self.recipe.runs(&before), &self.recipe.alarms)?;
         let mut found = FalseAlarms::default();
         for row in after.into_iter().filter(|&row| candidates.table.classes[row] == healthy) {

@@ -1,4 +1,4 @@
-//! The lags of the shaft's signals, from healthy traces.
+//! The lags of the shaft's signals, from healthy traces with a measured load.
 //!
 //! ```text
 //! i(t + τ_i) = p₀ ω̇(t + τ_ω) + p₁ ω(t + τ_ω) + p₂ s + p₃ T(t + τ_T) + p₄ + p₅ |T| s                     (1)
@@ -24,24 +24,23 @@ struct Signals {
     current: Vec<f64>,
     /// ω̇, ω, s.
     motion: [Vec<f64>; 3],
-    /// T, |T| s; empty if the load is not measured.
-    load: Vec<Vec<f64>>,
+    /// T, |T| s.
+    load: [Vec<f64>; 2],
     settle: usize,
 }
 
 impl Signals {
     /// `cutoff` in cycles per sample.
-    fn new(trace: &MotionTrace, load: bool, cutoff: f64, sign_velocity_rad_s: f64) -> Self {
+    fn new(trace: &MotionTrace, cutoff: f64, sign_velocity_rad_s: f64) -> Self {
         let filter = LowPass::butterworth(1, cutoff);
         let [current, velocity, load_nm] =
             [&trace.current_a, &trace.velocity_rad_s, &trace.load_nm].map(|signal| bridged(signal));
         let sign: Vec<f64> = velocity.iter().map(|w| (w / sign_velocity_rad_s).clamp(-1.0, 1.0)).collect();
         let friction: Vec<f64> = load_nm.iter().zip(&sign).map(|(t, s)| t.abs() * s).collect();
-        let torques = if load { vec![filter.forward(&load_nm), filter.forward(&friction)] } else { vec![] };
         Self {
             current: filter.forward(&current),
             motion: [filter.derivative(&velocity), filter.forward(&velocity), filter.forward(&sign)],
-            load: torques,
+            load: [filter.forward(&load_nm), filter.forward(&friction)],
             settle: (1.6 / cutoff).ceil() as usize,
         }
     }
@@ -51,7 +50,7 @@ impl Signals {
         let [current, velocity, load] = lags;
         let last = self.current.len().saturating_sub(MAX_LAG as usize + 2);
         let rows: Vec<usize> = (self.settle..last).step_by(ROW).collect();
-        let columns = 4 + self.load.len();
+        let columns = 6;
         if rows.len() < 2 * columns {
             return (0.0, 0.0);
         }
@@ -78,9 +77,9 @@ fn at(x: &[f64], k: usize, lag: f64) -> f64 {
 }
 
 /// Returns the lags with the least residual. `cutoff` in cycles per sample.
-pub(super) fn best(traces: &[&MotionTrace], load: bool, cutoff: f64, sign_velocity_rad_s: f64) -> Lags {
+pub(super) fn best(traces: &[&MotionTrace], cutoff: f64, sign_velocity_rad_s: f64) -> Lags {
     let signals: Vec<Signals> =
-        traces.iter().take(TRACES).map(|trace| Signals::new(trace, load, cutoff, sign_velocity_rad_s)).collect();
+        traces.iter().take(TRACES).map(|trace| Signals::new(trace, cutoff, sign_velocity_rad_s)).collect();
     let cost = |lags: [f64; 3]| {
         let parts = signals.iter().map(|own| own.residual(lags));
         parts.map(|(squares, rows)| if rows > 0.0 { (squares / rows).max(1e-300).ln() } else { 0.0 }).sum::<f64>()
@@ -89,9 +88,7 @@ pub(super) fn best(traces: &[&MotionTrace], load: bool, cutoff: f64, sign_veloci
     for step in [0.5, 0.1] {
         for _ in 0..3 {
             for own in 0..3 {
-                if own < 2 || load {
-                    lags = along(&cost, lags, own, step);
-                }
+                lags = along(&cost, lags, own, step);
             }
         }
     }
@@ -136,7 +133,7 @@ mod tests {
                 })
                 .collect();
             let all: Vec<&MotionTrace> = traces.iter().collect();
-            best(&all, true, 0.016, 1.7)
+            best(&all, 0.016, 1.7)
         };
         // The filter of the current delays by 1.6 ms, of which half an interval is the hold of the voltage.
         let (own, shifted) = (late(0), late(3));

@@ -58,6 +58,7 @@ pub use folds::{Candidates, Folds, Validation};
 pub use forward::Forward;
 use left_out::Estimated;
 pub use left_out::LeftOut;
+use novelty::Rows;
 pub use novelty::{AlarmInterval, Alarms, Watch};
 pub use projection::{Keep, ProjectionKind};
 pub use ranking::{Gain, Ranked, Ranking, rank};
@@ -86,7 +87,7 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
     let interval_s = traces.iter().find_map(|t| t.trace.interval_s).unwrap_or(0.0);
     let parts = parts(traces, classes, recipe, (segment, interval_s))?;
     let catalogue = recipe.catalogue();
-    let chosen = catalogue.choose(&recipe.features)?;
+    let chosen = recipe.rising_last(&catalogue, catalogue.choose(&recipe.features)?);
     let explaining = covariate_places(&catalogue, recipe)?;
     let estimated = estimate(traces, (classes, recipe), (&parts, &catalogue), (&pieces, segment))?;
     let pieces_only = recipe.estimation.segment.is_some();
@@ -102,7 +103,8 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
     };
     let segment_s = (interval_s > 0.0).then_some(segment as f64 * interval_s);
     let fitted = explained.as_ref().map_or(0, Explained::fitted);
-    let rows = (&coordinates, coordinate_names.as_slice(), fitted);
+    let rising = recipe.rising(&coordinate_names);
+    let rows = Rows { table: &coordinates, names: &coordinate_names, fitted, rising };
     let runs = recipe.runs(&candidates);
     let shrink = choice.as_ref().map_or(recipe.shrink, |choice| Shrink::To(choice.shrinkage));
     let fixed = Recipe { shrink, ..recipe.clone() };

@@ -249,6 +249,18 @@ pub(crate) fn squared_distance(
     Some((residual.dot(&factor.solve(&residual)), residual.len()))
 }
 
+/// The available values of a row by their places, each less its mean given those before it, in standard deviations;
+/// `None` if the covariance is singular.
+pub(crate) fn conditional_scores(
+    moments: (&DVector<f64>, &DMatrix<f64>),
+    value: &DVector<f64>,
+    variance: &DVector<f64>,
+) -> Option<Vec<(usize, f64)>> {
+    let (residual, factor) = centred(moments, value, variance)?;
+    let scores = factor.l().solve_lower_triangular(&residual)?;
+    Some((0..variance.len()).filter(|&k| variance[k].is_finite()).zip(scores.iter().copied()).collect())
+}
+
 /// ln of the Gaussian density of a row's available values; `None` if the covariance is singular.
 pub(crate) fn log_density(
     moments: (&DVector<f64>, &DMatrix<f64>),

@@ -84,6 +84,22 @@ impl Recipe {
         Catalogue { structure: self.structure, orders, averaged: averaged.collect() }
     }
 
+    /// Returns the number of coordinates that only rise with a defect; a projection mixes features, so that none do.
+    pub(super) fn rising(&self, names: &[String]) -> usize {
+        let catalogue = self.catalogue();
+        let all = catalogue.names();
+        let rises = |name: &&String| all.iter().position(|own| own == *name).is_some_and(|k| catalogue.rises(k));
+        if matches!(self.projection, ProjectionKind::None) { names.iter().filter(rises).count() } else { 0 }
+    }
+
+    /// Returns the places of features with those last that only rise with a defect, as the gate has them.
+    pub(super) fn rising_last(&self, catalogue: &Catalogue, mut places: Vec<usize>) -> Vec<usize> {
+        if matches!(self.projection, ProjectionKind::None) {
+            places.sort_by_key(|&place| catalogue.rises(place));
+        }
+        places
+    }
+
     /// Returns the recipe with the columns that averages name and no other part uses.
     #[must_use]
     pub fn with_averaged_columns(mut self) -> Self {

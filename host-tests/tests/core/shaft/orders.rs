@@ -125,29 +125,46 @@ pub fn expected(tracking: &Tracking<RunTime>, path: &Path) -> Vec<Expected> {
         let order = f64::from(*order) / 65_536.0;
         let blocks = blocks(path, (order, pole, high_pass), &ends, 1 + items + c).into_iter();
         let roots: Vec<f64> = blocks.filter(|(_, w)| *w > 0.0).map(|(b, w)| (b.norm_sqr() / w).powf(0.25)).collect();
-        [order.ln(), 4.0 * (roots.iter().sum::<f64>() / roots.len() as f64 / GAMMA).ln()]
+        [order.ln(), 4.0 * (roots.iter().sum::<f64>() / roots.len() as f64 / GAMMA).ln(), roots.len() as f64]
     };
-    let points: Vec<[f64; 2]> = shape.controls.iter().enumerate().map(noise).collect();
+    let points: Vec<[f64; 3]> = shape.controls.iter().enumerate().map(noise).collect();
     // The line through the points by the normal equations of its two coefficients.
-    let sum = |f: &dyn Fn(f64, f64) -> f64| points.iter().map(|[x, y]| f(*x, *y)).sum::<f64>();
+    let sum = |f: &dyn Fn(f64, f64) -> f64| points.iter().map(|[x, y, _]| f(*x, *y)).sum::<f64>();
     let (n, x, y) = (points.len() as f64, sum(&|x, _| x), sum(&|_, y| y));
     let slope = (n * sum(&|x, y| x * y) - x * y) / (n * sum(&|x, _| x * x) - x * x);
     let variance = |order: f64| ((y - slope * x) / n + slope * order.ln()).exp();
+    let fewest = points.iter().map(|[_, _, count]| *count).fold(f64::INFINITY, f64::min);
+    // Variance of a line at an abscissa by the inverse of its normal equations [n x; x xx].
+    let squares = sum(&|x, _| x * x);
+    let uncertain = |order: f64| {
+        let at = order.ln();
+        let unit = (squares - 2.0 * x * at + n * at * at) / (n * squares - x * x);
+        16.0 * (0.886_226_925_452_758 / (GAMMA * GAMMA) - 1.0) / fewest * unit
+    };
     let lines = tracking.orders.iter().enumerate().map(|(line, order)| {
         let harmonic = |h: usize| {
             let own = (h + 1) as f64 * f64::from(order.order_q16) / 65_536.0;
             Harmonic::new(&blocks(path, (own, pole, high_pass), &ends, 1 + line * HARMONICS + h), &ends)
         };
         let sums: [Harmonic; HARMONICS] = std::array::from_fn(harmonic);
-        strength(order, &sums, &variance, (cell_turns, f64::from(shape.slip)))
+        strength(order, &sums, (&variance, &uncertain), (cell_turns, f64::from(shape.slip)))
     });
     lines.collect()
+}
+
+/// The normal score of the largest of M F-distributed ratios with 2/(9a) and 2/(9b) degrees of freedom (Paulson 1942),
+/// with a common denominator and a constant part of the numerator's variance in common.
+fn paulson((ratio, a): (f64, f64), b: f64, (largest_of, constant): (f64, f64)) -> f64 {
+    let (mean, deviation) = (0.7 * largest_of.ln(), 1.0 / (1.0 + 0.2 * largest_of.ln()));
+    let varying = a * (1.0 - constant);
+    let variance = varying * deviation.powi(2) + a * constant + b * ratio.powf(2.0 / 3.0);
+    ((1.0 - b) * ratio.cbrt() - (1.0 - a) - mean * varying.sqrt()) / variance.sqrt()
 }
 
 fn strength(
     order: &TrackedOrder,
     sums: &[Harmonic; HARMONICS],
-    variance: &dyn Fn(f64) -> f64,
+    (variance, uncertain): (&dyn Fn(f64) -> f64, &dyn Fn(f64) -> f64),
     (cell_turns, most): (f64, f64),
 ) -> Expected {
     let weights = order.weights.map(f64::from);
@@ -186,8 +203,10 @@ fn strength(
     let squares: f64 = weights.iter().map(|w| w * w).sum();
     let freedom = 2.0 * (total * first.weight).powi(2) / (squares * noise);
     let prominence = (peak / total).max(0.0);
-    let (middle, relative) = (prominence.cbrt(), 2.0 / (9.0 * freedom));
-    let independent = 1.0 + 2.0 * (turning * most).abs() * (spread / noise).sqrt();
+    let (relative, own) = (2.0 / (9.0 * freedom), uncertain(f64::from(order.order_q16) / 65_536.0) / 9.0);
+    // Only what varies with the slip has a largest value over slips.
+    let constant = first.pairs[0] / noise;
+    let independent = 1.0 + 2.0 * (turning * most).abs() * (spread / noise / (1.0 - constant)).sqrt();
     let rates: f64 = (0..HARMONICS).map(|h| ((h + 1) as f64 * weights[h]).powi(2)).sum();
     let steady = sum_of(&|d| taper(d) * first.pairs[d]);
     let power = (lagged(0, slip) / steady).max(0.0);
@@ -195,7 +214,7 @@ fn strength(
     let slip_deviation = turning.abs() * (rates * spread * crossed).sqrt() / first.weight / curvature;
     Expected {
         prominence,
-        score: (middle - 1.0 + relative) / relative.sqrt() - 0.7 * independent.ln(),
+        score: paulson((prominence, relative), own, (independent, constant)),
         amplitude: 2.0 * power.sqrt(),
         deviation: 2.0 * (base / first.weight).sqrt(),
         slip,

@@ -20,6 +20,7 @@ pub mod baseline;
 mod knots;
 pub mod law;
 mod ratios;
+pub mod rising;
 pub mod runs;
 pub mod spread;
 
@@ -33,6 +34,7 @@ use super::statistics::{ClassStatistics, singular, whitening};
 use super::{FeatureTable, GaussianClasses, Recipe};
 use crate::Error;
 use law::DistanceLaw;
+use rising::Rising;
 use runs::RunSpread;
 
 /// κ of the evidence: a mean surprise of 5 nats is detected fastest, and a mean surprise of 2 instead of 1 in the
@@ -110,6 +112,8 @@ pub struct Gate {
     pub limit: f64,
     /// The distribution of the distances.
     pub law: DistanceLaw,
+    /// The last coordinates, if only larger values than usual are a defect.
+    pub rising: Option<Rising>,
     /// Number of healthy segments in training.
     pub rows: usize,
     /// Spread of the runs, if the rate is that of the next run.
@@ -131,8 +135,16 @@ pub struct Watch {
     pub warning: Option<String>,
 }
 
-/// Coordinates, their names, and the number of coefficients of covariates that were fitted to their features.
-pub(crate) type Rows<'a> = (&'a FeatureTable, &'a [String], usize);
+/// Coordinates of training segments.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rows<'a> {
+    pub(crate) table: &'a FeatureTable,
+    pub(crate) names: &'a [String],
+    /// Number of coefficients of covariates that were fitted to their features.
+    pub(crate) fitted: usize,
+    /// Number of the last coordinates, of which only larger values than usual are a defect.
+    pub(crate) rising: usize,
+}
 
 impl Watch {
     const fn without(warning: Option<String>) -> Self {
@@ -149,7 +161,7 @@ pub(crate) fn train(
     densities: &GaussianClasses,
 ) -> Result<Watch, Error> {
     let alarms = &recipe.alarms;
-    let (table, names, _) = rows;
+    let Rows { table, names, .. } = rows;
     if alarms.reject_cost.is_nan() || alarms.reject_cost < 0.0 {
         return Err(Error::Usage("--reject-cost is not negative".into()));
     }
@@ -185,7 +197,7 @@ pub(crate) fn train(
 /// # Errors
 /// Settings out of range; no gate although one is required.
 fn gate(
-    (table, names, fitted): Rows<'_>,
+    Rows { table, names, fitted, rising }: Rows<'_>,
     runs: Option<&[usize]>,
     alarms: &Alarms,
 ) -> Result<Result<Gate, String>, Error> {
@@ -198,7 +210,7 @@ fn gate(
     match healthy.scarcity(names, rate) {
         Some(problem) if alarms.required => Err(Error::Training(problem)),
         Some(problem) => Ok(Err(problem)),
-        None => healthy.gate(class, names, rate).map(Ok),
+        None => healthy.gate(class, (names, rising), rate).map(Ok),
     }
 }
 
@@ -258,8 +270,17 @@ pub fn gate_of_table(table: &FeatureTable, rate: f64) -> Result<Gate, Error> {
 /// # Errors
 /// As [`gate_of`], for the number of runs.
 pub fn gate_of_runs(table: &FeatureTable, runs: Option<&[usize]>, rate: f64) -> Result<Gate, Error> {
+    gate_of_rising(table, runs, 0, rate)
+}
+
+/// Returns the same gate if the last coordinates, as many as `rising`, only rise with a defect.
+///
+/// # Errors
+/// As [`gate_of_runs`].
+pub fn gate_of_rising(table: &FeatureTable, runs: Option<&[usize]>, rising: usize, rate: f64) -> Result<Gate, Error> {
     let names: Vec<String> = (1..=table.rows.first().map_or(0, DVector::len)).map(|k| format!("z{k}")).collect();
-    required_gate((table, &names, 0), runs, &Alarms { healthy: Some(0), false_alarm: rate, ..Alarms::default() })
+    let rows = Rows { table, names: &names, fitted: 0, rising };
+    required_gate(rows, runs, &Alarms { healthy: Some(0), false_alarm: rate, ..Alarms::default() })
 }
 
 /// The healthy rows of a table, and their runs if these count.
@@ -309,38 +330,104 @@ impl Healthy {
         freedom / (freedom - self.fitted as f64).max(1.0)
     }
 
-    fn gate(&self, class: usize, names: &[String], rate: f64) -> Result<Gate, Error> {
+    fn gate(&self, class: usize, (names, rising): (&[String], usize), rate: f64) -> Result<Gate, Error> {
         let (healthy, all, rows) = (&self.table, names.len(), self.table.rows.len());
         let refuse = |dependent| singular(&format!("class {}", healthy.names[0]), rows, 1, names, dependent);
         let (limit, rows_needed) = (-rate.ln(), spread::rows_needed(all, rate));
-        let gate = |mean, covariance, law: DistanceLaw, runs| {
+        let gate = |mean, covariance, law: DistanceLaw, runs: Option<RunSpread>| {
+            let freedom = runs.as_ref().map_or(rows as f64 - 1.0, |runs| runs.freedom);
+            let rising = self.rising(rising, (&mean, &covariance), freedom, (names, rate))?;
             let knots = knots::knots(&law, limit);
-            Gate { class, mean, covariance, knots, limit, law, rows, runs, rows_needed }
+            Ok(Gate { class, mean, covariance, knots, limit, law, rising, rows, runs, rows_needed })
         };
         if let Some((runs, count)) = &self.runs {
             let runs::NextRun { mean, covariance, law, spread } =
                 runs::next_run(healthy, runs, *count).map_err(refuse)?;
             let covariance = covariance * self.wider(*count);
-            return Ok(gate(mean, covariance, law, Some(spread)));
+            return gate(mean, covariance, law, Some(spread));
         }
         let statistics = ClassStatistics::of(healthy, names)?;
         let (mean, covariance) = (statistics.means[0].clone(), statistics.pooled * self.wider(rows));
         whitening(&covariance).map_err(refuse)?;
-        let found = Moments { means: vec![mean.clone()], covariance: covariance.clone() };
-        let squared = moments::left_out(&healthy.observed(), &found).ok_or_else(|| refuse(0))?;
-        let squared: Vec<f64> = squared.into_iter().map(|(squared, k)| law::equivalent(squared, k, all)).collect();
-        let law = DistanceLaw::of(all, rows_of(healthy, 0).0 - self.fitted, &squared);
-        Ok(gate(mean, covariance, law, None))
+        let law = self.law((&mean, &covariance), all).ok_or_else(|| refuse(0))?;
+        gate(mean, covariance, law, None)
     }
+
+    /// Returns the law of the distance of independent segments from this mean and covariance.
+    fn law(&self, (mean, covariance): (&DVector<f64>, &DMatrix<f64>), all: usize) -> Option<DistanceLaw> {
+        let found = Moments { means: vec![mean.clone()], covariance: covariance.clone() };
+        let squared = moments::left_out(&self.table.observed(), &found)?;
+        let squared: Vec<f64> = squared.into_iter().map(|(squared, k)| law::equivalent(squared, k, all)).collect();
+        Some(DistanceLaw::of(all, rows_of(&self.table, 0).0 - self.fitted, &squared))
+    }
+
+    /// Returns the laws of the last coordinates, which rise; `None` without any.
+    fn rising(
+        &self,
+        count: usize,
+        healthy: (&DVector<f64>, &DMatrix<f64>),
+        freedom: f64,
+        (names, rate): (&[String], f64),
+    ) -> Result<Option<Rising>, Error> {
+        if count == 0 {
+            return Ok(None);
+        }
+        let first = names.len() - count;
+        let law = |table: FeatureTable, names: &[String]| {
+            let alone = Self { table, runs: self.runs.clone(), fitted: self.fitted };
+            alone.gate(0, (names, 0), rate).map(|gate| gate.law)
+        };
+        let of_others = || law(self.table.select(&(0..first).collect::<Vec<_>>()), &names[..first]);
+        let others = (first > 0).then(of_others).transpose()?;
+        let singular = || Error::Training("the healthy covariance is singular".into());
+        let scores = self.conditional(healthy).ok_or_else(singular)?;
+        let columns = first..names.len();
+        let law = if self.runs.is_some() {
+            let each = |k: usize| law(scores.select(&[k]), &names[k..=k]);
+            DistanceLaw::mean(columns.map(each).collect::<Result<_, _>>()?)
+        } else {
+            // The scores are independent of each other: their tails together tell more than those of each.
+            let squared: Option<Vec<Vec<f64>>> = columns.map(|k| left_out(&scores.select(&[k]))).collect();
+            let rows = rows_of(&scores, 0).0.saturating_sub(self.fitted + first).max(2);
+            DistanceLaw::of(1, rows, &squared.ok_or_else(singular)?.concat())
+        };
+        Ok(Some(Rising { count, freedom, law, others, limit: -rate.ln() }))
+    }
+
+    /// Returns each value less its mean given those before it, in standard deviations.
+    fn conditional(&self, healthy: (&DVector<f64>, &DMatrix<f64>)) -> Option<FeatureTable> {
+        let mut table = self.table.clone();
+        for (value, variance) in table.rows.iter_mut().zip(&mut table.variances) {
+            for (k, y) in moments::conditional_scores(healthy, value, variance)? {
+                (value[k], variance[k]) = (y, 0.0);
+            }
+        }
+        Some(table)
+    }
+}
+
+/// Returns the d² of each value of one coordinate that is available, from the others; `None` if they are constant.
+fn left_out(scores: &FeatureTable) -> Option<Vec<f64>> {
+    let found = moments::moments(&scores.observed(), 1);
+    let squared = moments::left_out(&scores.observed(), &found)?;
+    Some(squared.into_iter().filter(|(_, available)| *available > 0).map(|(squared, _)| squared).collect())
 }
 
 impl Gate {
     /// Returns whether the gate calls these coordinates novel; their errors have these variances.
     pub(crate) fn is_novel(&self, value: &DVector<f64>, variance: &DVector<f64>) -> bool {
-        let found = moments::squared_distance((&self.mean, &self.covariance), value, variance);
-        found.is_none_or(|(squared, available)| {
-            self.law.surprise(law::equivalent(squared, available, value.len())) >= self.limit
-        })
+        self.surprise(value, variance).is_none_or(|surprise| surprise >= self.limit)
+    }
+
+    /// Returns the surprise of these coordinates; `None` if the covariance is singular.
+    #[must_use]
+    pub fn surprise(&self, value: &DVector<f64>, variance: &DVector<f64>) -> Option<f64> {
+        let healthy = (&self.mean, &self.covariance);
+        match &self.rising {
+            Some(rising) => rising.surprise(healthy, (value, variance)),
+            None => moments::squared_distance(healthy, value, variance)
+                .map(|(squared, available)| self.law.surprise(law::equivalent(squared, available, value.len()))),
+        }
     }
 
     /// Says what is uncertain about the rate of this gate.
