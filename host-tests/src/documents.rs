@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use workbench::study::campaign::render::grid_cells;
+
 /// The text of a document, by its path from the workspace's root.
 ///
 /// # Panics
@@ -46,16 +48,10 @@ fn table(rows: &[Vec<String>]) -> Vec<String> {
     lines
 }
 
-/// Cells of a row in fixed-width text, which two spaces or more separate.
-#[must_use]
-pub fn cells(row: &str) -> Vec<&str> {
-    row.split("  ").map(str::trim).filter(|cell| !cell.is_empty()).collect()
-}
-
 /// The rows of the table whose title starts so, in fixed-width text of a document; an empty line ends a table.
 #[must_use]
 pub fn rows<'d>(document: &'d str, title: &str) -> Vec<Vec<&'d str>> {
     let lines = document.lines().skip_while(|line| !line.starts_with(title));
     let lines = lines.take_while(|line| !line.is_empty() && !line.starts_with("```"));
-    lines.filter(|line| line.starts_with("  ")).map(cells).collect()
+    lines.filter(|line| line.starts_with("  ")).map(grid_cells).collect()
 }

@@ -38,10 +38,8 @@ enum Stage {
     Posteriors,
     /// The next step of the healthy class's factor.
     Healthy,
-    /// Distance and its surprise.
+    /// Distance and its surprise, and the scores of the rising coordinates.
     Novelty,
-    /// Scores of the rising coordinates.
-    Scores,
     /// Surprise of all together.
     Rising,
 }
@@ -127,23 +125,18 @@ impl<P: Plan> Classification<P> {
                 }
             }
             Stage::Novelty => {
-                let judged = classifier.novelty.judge_by(&self.density, self.coordinates.cells());
-                decision.depart(judged);
-                let risen = classifier.novelty.class.and(classifier.novelty.rising());
-                // Known at compile time, as for covariates: only features of the shaft rise.
-                if plan.layout().shaft.is_none() || risen.is_none() {
-                    return Some(Ok(()));
-                }
-                self.stage = Stage::Scores;
-            }
-            Stage::Scores if plan.layout().shaft.is_some() => {
                 let (novelty, z) = (&classifier.novelty, self.coordinates.cells());
-                if let (Some(scores), Some(rising)) = (self.scores.cells_mut().first_mut(), novelty.rising()) {
-                    *scores = self.density.scores(novelty.mean.cells(), z, rising);
-                }
+                let rising = novelty.class.and(novelty.rising());
+                // Known at compile time, as for covariates: only features of the shaft rise.
+                let (Some(scores), Some(rising)) = (self.scores.cells_mut().first_mut(), rising) else {
+                    decision.depart(novelty.judge_by(&self.density, z));
+                    return Some(Ok(()));
+                };
+                *scores = self.density.scores(novelty.mean.cells(), z, rising);
+                decision.depart(novelty.departure(scores.squared, scores.available, z.len()));
                 self.stage = Stage::Rising;
             }
-            Stage::Scores | Stage::Rising => {
+            Stage::Rising => {
                 if let (Some(scores), Some(rising)) = (self.scores.cells().first(), classifier.novelty.rising()) {
                     decision.surprise = rising.surprise(scores, self.coordinates.cells().len());
                 }

@@ -80,9 +80,9 @@ impl<P: Plan> Novelty<P> {
             return Departure::default();
         }
         let density = Density::of(self.factor.cells(), variances, z.len());
-        let found = self.judge_by(&density, z);
-        let Some(rising) = self.rising() else { return found };
+        let Some(rising) = self.rising() else { return self.judge_by(&density, z) };
         let scores = density.scores(self.mean.cells(), z, rising);
+        let found = self.departure(scores.squared, scores.available, z.len());
         Departure { surprise: rising.surprise(&scores, z.len()), ..found }
     }
 
@@ -104,7 +104,12 @@ impl<P: Plan> Novelty<P> {
             return Departure::default();
         }
         let squared = density.squared_distance(self.mean.cells(), z); // (1)
-        let squared = equivalent(squared, density.available(), z.len());
+        self.departure(squared, density.available(), z.len())
+    }
+
+    /// The same from (1) over the available ones of all coordinates.
+    pub(super) fn departure(&self, squared: f32, available: usize, all: usize) -> Departure {
+        let squared = equivalent(squared, available, all);
         let surprise = self.surprise(squared);
         Departure { distance: libm::sqrtf(squared), distance_surprise: surprise, surprise }
     }

@@ -17,8 +17,8 @@
 //! independent of their distance if all are normal; mean and covariance are estimated, which its second factor and the
 //! laws of d² and u account for. P(U ≥ u) is half of P(U² ≥ u²), for u < 0 the rest.
 //!
-//! Without available rising coordinates s is `s_d`, without others `s_u`. Where all features of a record scatter with one
-//! common factor, the two surprises depend on each other, and the rate is up to twice the set one.
+//! Without available rising coordinates s is `s_d`, without others `s_u`. Where all features of a record scatter with
+//! one common factor, the two surprises depend on each other, and the rate is up to twice the set one.
 
 use core::f32::consts::LN_2;
 

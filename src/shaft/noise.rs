@@ -11,8 +11,8 @@
 //!
 //! No bearing has an effect at a control order. The fourth root in (1) keeps single strong blocks from deciding it.
 //! Behind the whitening filter the noise would be equal at all orders if the torque balance were complete; what it does
-//! not contain leaves more noise at low orders, about as a power of the order. In (4), 1.26 = 16 (Γ(3/2)/Γ(5/4)² − 1) is
-//! the variance of 4 ln σ^½ of one block.
+//! not contain leaves more noise at low orders, about as a power of the order. In (4), 1.26 = 16 (Γ(3/2)/Γ(5/4)² − 1)
+//! is the variance of 4 ln σ^½ of one block.
 
 use core::f32::consts::LN_2;
 

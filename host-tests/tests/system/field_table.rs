@@ -90,6 +90,6 @@ fn the_order_alone_stays_below_its_bound() {
         assert!(order_low <= bound + 1.0 && found_low <= together + 1.0, "{row:?}");
         near += usize::from(order > 0.5 * bound);
     }
-    // A bound that nothing comes near would say nothing.
+    // If no row reached half of its bound, the bounds would not explain what limits the detector.
     assert!(near >= 15, "{near}");
 }

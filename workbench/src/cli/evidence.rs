@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::Error;
+use crate::trace::MotionTrace;
 use crate::trace::labels::LabelledTrace;
 use crate::train::Trained;
 
@@ -35,10 +36,7 @@ impl Orders {
         let detector = trained.embed()?;
         let (mut turns, mut deviations) = (vec![], vec![vec![]; plan.orders.len()]);
         for labelled in healthy {
-            if let Some(motion) = &labelled.trace.motion {
-                let steps = motion.angle_rad.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|step| step.is_finite());
-                turns.push(steps.sum::<f64>() / std::f64::consts::TAU);
-            }
+            turns.extend(labelled.trace.motion.as_ref().map(MotionTrace::turns));
             let report = detector.whole(&labelled.trace);
             let Some(shaft) = report.shaft().filter(|shaft| shaft.orders_reason.is_none()) else { continue };
             for (own, order) in deviations.iter_mut().zip(shaft.orders()) {

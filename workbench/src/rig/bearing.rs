@@ -40,11 +40,11 @@ use super::{MotorParameters, PlantState, RigError, finite, not_negative, positiv
 /// Width ω₀ of the smoothed sign of ω.
 const REVERSAL_RAD_S: f64 = 1.0;
 /// Td at severity 1.
-const PULSE_NM: f64 = 0.06;
+pub(crate) const PULSE_NM: f64 = 0.06;
 /// d, the fraction of a defect period in which the ball is on the spall.
-pub(super) const PULSE_DUTY: f64 = 0.15;
+pub(crate) const PULSE_DUTY: f64 = 0.15;
 /// ε at severity 1.
-const TORQUE_RIPPLE: f64 = 0.03;
+pub(crate) const TORQUE_RIPPLE: f64 = 0.03;
 /// ΔB at severity 1. Smaller values hardly change the a-parameters of the models in the thesis.
 const ADDED_FRICTION_NM_S_PER_RAD: f64 = 2e-3;
 /// Fraction of Kt and Ke that a magnet has lost at severity 1.

@@ -28,7 +28,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
 /// Cut-off of the current measurement.
-const CURRENT_FILTER_HZ: f64 = 140.0;
+pub(crate) const CURRENT_FILTER_HZ: f64 = 140.0;
 
 /// Purpose of a stream of random numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

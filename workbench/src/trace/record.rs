@@ -27,6 +27,13 @@ impl From<&RigTrace> for MotionTrace {
 }
 
 impl MotionTrace {
+    /// Number of turns, both directions counted; a step of more than half a turn is one of a wrapped angle.
+    #[must_use]
+    pub fn turns(&self) -> f64 {
+        let steps = self.angle_rad.windows(2).map(|w| (w[1] - w[0]).abs());
+        steps.filter(|step| *step < std::f64::consts::PI).sum::<f64>() / std::f64::consts::TAU
+    }
+
     /// The columns from sample `start` to `end`, excluding `end`.
     #[must_use]
     pub fn cut(&self, start: usize, end: usize) -> Self {

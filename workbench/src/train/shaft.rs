@@ -324,11 +324,7 @@ fn velocity_noise(traces: &[&MotionTrace]) -> f64 {
 }
 
 fn tracking(traces: &[&MotionTrace], plan: &ShaftPlan, sign_velocity: f64) -> Tracking<RunTime> {
-    let turns = |t: &&MotionTrace| {
-        let steps = t.angle_rad.windows(2).map(|w| (w[1] - w[0]).abs());
-        steps.filter(|step| *step < std::f64::consts::PI).sum::<f64>() / std::f64::consts::TAU
-    };
-    plan.tracking(median(traces.iter().map(turns).collect()), 1.2 * sign_velocity)
+    plan.tracking(median(traces.iter().map(|trace| trace.turns()).collect()), 1.2 * sign_velocity)
 }
 
 /// Control orders (5), spread evenly in the logarithm over the harmonics of the tracked orders.

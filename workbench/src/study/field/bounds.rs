@@ -13,8 +13,9 @@
 //! alone: the mean drag m of the pulses, whose sign is known, against what noise and healthy drives do to it. C is the
 //! covariance of B, Tc and the flux of healthy drives, Δ what the spall adds to them. (3) is both as independent
 //! evidence. The bound is the largest of the three, averaged over records. It assumes that the detector knows every
-//! parameter of the record but friction, phase and slip, and loses no sample; a load that is measured is exact. With all effects together the noise at the bearing's order is not that of the sensors: it is what the core
-//! finds there in other healthy records, with the filters that training has chosen.
+//! parameter of the record but friction, phase and slip, and loses no sample; a load that is measured is exact. With all
+//! effects together the noise at the bearing's order is not that of the sensors: it is what the core finds there in other
+//! healthy records, with the filters that training has chosen.
 
 pub mod energy;
 pub mod render;
@@ -131,8 +132,8 @@ fn root_mean_square(x: &[f64]) -> f64 {
     (x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64).sqrt()
 }
 
-/// What full-size spalls would add to healthy records of the row; `floors_nm` are those measured in them, if they are to
-/// replace the noise of the sensors.
+/// What full-size spalls would add to healthy records of the row; `floors_nm` are those measured in them, if they are
+/// to replace the noise of the sensors.
 fn spalls(row: &Row, floors_nm: &[f64]) -> Result<Vec<Spall>, Error> {
     let cell = row.validation(0, Defect::HEALTHY);
     let each = |number: u32| -> Result<Spall, Error> {
@@ -156,7 +157,7 @@ fn measured_floors(row: &Row) -> Result<Vec<f64>, Error> {
         let order = report.shaft().and_then(|shaft| shaft.orders().first()).copied().unwrap_or_default();
         (f64::from(order.deviation), f64::from(order.prominence))
     };
-    let found: Vec<(f64, f64)> = records.iter().map(measured).collect();
+    let found: Vec<(f64, f64)> = records.par_iter().map(measured).collect();
     // The prominence is the noise at the order itself, relative to that of the control orders.
     let excess = found.iter().map(|(_, prominence)| *prominence).sum::<f64>() / found.len() as f64;
     let scale = Scenario::STANDARD.motor.kt_nm_per_a * excess.max(1.0).sqrt();
@@ -236,7 +237,8 @@ mod tests {
         assert!(power(6, 5000.0, 0.01) > 1.0 - 1e-9);
     }
 
-    /// Slow samples have less noise than those at the usual speed, at which an eighth of the pulses has an energy of ten.
+    /// Slow samples have less noise than those at the usual speed, at which an eighth of the pulses has an energy of
+    /// ten.
     #[test]
     fn an_eighth_of_a_spall_under_mix_is_not_hidden_by_the_sensors() {
         let row = named(&["mix".into()]).expect("known")[0];

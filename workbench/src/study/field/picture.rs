@@ -5,6 +5,7 @@
 use crate::Error;
 use crate::evaluate::Rate;
 use crate::report::plot::{SizeSeries, multiples};
+use crate::study::campaign::render::grid_cells;
 
 /// Draws the table in this text.
 ///
@@ -13,10 +14,10 @@ use crate::report::plot::{SizeSeries, multiples};
 pub fn picture(text: &str) -> Result<String, Error> {
     let refused = |what: &str| Error::Usage(format!("no table of the field: {what}"));
     let mut lines = text.lines().skip_while(|line| !line.trim_start().starts_with("false alarms"));
-    let head: Vec<&str> = cells(lines.next().ok_or_else(|| refused("no column `false alarms`"))?);
+    let head: Vec<&str> = grid_cells(lines.next().ok_or_else(|| refused("no column `false alarms`"))?);
     let mut panels = Vec::new();
     for line in lines.take_while(|line| line.starts_with("  ")) {
-        let row = cells(line);
+        let row = grid_cells(line);
         let Some((name, values)) = row.split_first() else { continue };
         let mut series: Vec<SizeSeries> = Vec::new();
         for (heading, value) in head.iter().zip(values) {
@@ -41,11 +42,6 @@ pub fn picture(text: &str) -> Result<String, Error> {
         return Err(refused("no rows"));
     }
     Ok(multiples("Detected records, %, over the size of the defect, with 95 % intervals", &panels))
-}
-
-/// Cells of fixed-width text, which two spaces or more separate.
-fn cells(line: &str) -> Vec<&str> {
-    line.split("  ").map(str::trim).filter(|cell| !cell.is_empty()).collect()
 }
 
 /// `1` or `1/8`.

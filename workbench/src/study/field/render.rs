@@ -67,7 +67,11 @@ fn cell(tallies: &[Tally]) -> String {
     if tallies.is_empty() {
         return "refused".into();
     }
-    let Rate { value, low, high } = rate(tallies);
+    percent(rate(tallies))
+}
+
+/// Rate and interval in percent.
+pub(super) fn percent(Rate { value, low, high }: Rate) -> String {
     format!("{:.1} [{:.1}, {:.1}]", 100.0 * value, 100.0 * low, 100.0 * high)
 }
 

@@ -273,7 +273,7 @@ pub fn gate_of_runs(table: &FeatureTable, runs: Option<&[usize]>, rate: f64) -> 
     gate_of_rising(table, runs, 0, rate)
 }
 
-/// Returns the same gate if the last coordinates, as many as `rising`, only rise with a defect.
+/// Returns the gate for the next run of a table whose last `rising` coordinates only become larger with a defect.
 ///
 /// # Errors
 /// As [`gate_of_runs`].

@@ -5,9 +5,9 @@
 //! s   = S − ln(1 + S),   S = s_d + s_u                                   (2)  s_d: of the distance of the others
 //! ```
 //!
-//! U² has the law of the distance in one coordinate. It follows from the scores y_i of the healthy segments themselves,
-//! as the law of a gate of them alone, less the degrees of freedom of their regression on the coordinates before them.
-//! With several rising coordinates it is the mean of their laws.
+//! U² has the law of the distance in one coordinate. It follows from the scores `y_i` of the healthy segments
+//! themselves, those of all rising coordinates together, less the degrees of freedom of the regression on the others. If
+//! the rate is that of the next run, it is the mean of the laws of gates of one coordinate each.
 
 use std::f64::consts::LN_2;
 

@@ -6,26 +6,22 @@
 //! a_h = 2 Td (d₀/d) |c_h|,   c_h: Fourier coefficient of a raised cosine of width d                       (3)
 //! ```
 //!
-//! (1) is the noise of the torque balance Kt i − J dω/dt − B ω of measured current and velocity; the voltage is no channel
-//! of the detector. The filter F of the current is before its noise, and is undone. S_load is the fluctuation of a load that is not measured;
-//! it is linear between samples. (2) counts the ripple of the torque constant at the sidebands of the order as if its
+//! (1) is the noise of the torque balance Kt i − J dω/dt − B ω of measured current and velocity; the voltage is no
+//! channel of the detector. The filter F of the current is before its noise, and is undone. `S_load` is the fluctuation of
+//! a load that is not measured; it is linear between samples. (2) counts the ripple of the torque constant at the sidebands of the order as if its
 //! phase were that of the pulses.
 
 use std::f64::consts::{PI, TAU};
 
+use crate::rig::bearing::{PULSE_DUTY, PULSE_NM, TORQUE_RIPPLE};
 use crate::rig::field::{FieldValues, LoadMeasurement};
+use crate::rig::noise::CURRENT_FILTER_HZ;
 use crate::rig::{RigTrace, Scenario};
 
 /// Harmonics that are tried.
 pub const HARMONICS: usize = 6;
 /// Td d₀/2 of the rig: the mean torque of full-size pulses.
-pub const MEAN_NM: f64 = 0.0045;
-const PULSE_NM: f64 = 0.06;
-const PULSE_DUTY: f64 = 0.15;
-/// ε of the rig.
-const RIPPLE: f64 = 0.03;
-/// Corner of the current's filter (Butterworth, second order).
-const CURRENT_HZ: f64 = 140.0;
+pub const MEAN_NM: f64 = 0.5 * PULSE_NM * PULSE_DUTY;
 
 /// A full-size spall in one record.
 #[derive(Clone, Copy, Debug)]
@@ -69,7 +65,7 @@ impl Spall {
                 }
                 let pulse = grown * sign * amplitude(h, width);
                 // Two sidebands each of the first two harmonics.
-                let ripple = if h < 2.5 { RIPPLE * kt * current / h } else { 0.0 };
+                let ripple = if h < 2.5 { TORQUE_RIPPLE * kt * current / h } else { 0.0 };
                 let square = 0.5 * pulse * pulse + ripple * ripple;
                 let variance = floor_nm.map_or_else(|| noise.at(hz), |floor| 0.5 * samples * floor * floor);
                 *energy += square / variance;
@@ -124,7 +120,7 @@ impl Noise {
     /// S of (1).
     fn at(&self, hz: f64) -> f64 {
         let omega = TAU * hz;
-        let unfiltered = 1.0 + (hz / CURRENT_HZ).powi(4);
+        let unfiltered = 1.0 + (hz / CURRENT_FILTER_HZ).powi(4);
         let shaft = (self.inertia * omega).powi(2) + self.viscous.powi(2);
         let load = self.load.map_or(0.0, |(variance, pole)| {
             let x = PI * hz * self.interval_s;

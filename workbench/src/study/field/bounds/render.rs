@@ -7,17 +7,10 @@ use crate::evaluate::Rate;
 use crate::rig::{Defect, DefectKind};
 use crate::study::campaign::render::grid;
 use crate::study::field::Settings;
-use crate::study::field::render::heading;
-
-fn percent(part: f64) -> String {
-    format!("{:.1}", 100.0 * part)
-}
+use crate::study::field::render::{heading, percent};
 
 fn shown(rate: Option<Rate>) -> String {
-    rate.map_or_else(
-        || "refused".into(),
-        |Rate { value, low, high }| format!("{} [{}, {}]", percent(value), percent(low), percent(high)),
-    )
+    rate.map_or_else(|| "refused".into(), percent)
 }
 
 /// The table as plain text.
@@ -40,6 +33,7 @@ pub fn text(all: &[Bounded], settings: &Settings) -> String {
         "found: order",
         "detector",
     ];
+    let part = |part: f64| format!("{:.1}", 100.0 * part);
     let row = |own: &Bounded, bound: &Bound| {
         vec![
             own.row.clone(),
@@ -47,9 +41,9 @@ pub fn text(all: &[Bounded], settings: &Settings) -> String {
             format!("{:.2}", 1e3 * own.core_floor_nm),
             heading(Defect { kind: DefectKind::Spall, severity: bound.severity }),
             format!("{:.1}", bound.non_centrality),
-            percent(bound.order),
-            percent(bound.friction),
-            percent(bound.all),
+            part(bound.order),
+            part(bound.friction),
+            part(bound.all),
             shown(bound.found_by_order),
             shown(bound.found),
         ]
@@ -73,6 +67,13 @@ pub fn to_json(all: &[Bounded]) -> Value {
             "found": own.found.map(|rate| rate.to_json()),
         })
     };
-    let row = |own: &Bounded| json!({ "row": own.row, "floor_nm": own.floor_nm, "core_floor_nm": own.core_floor_nm, "bounds": own.bounds.iter().map(bound).collect::<Vec<_>>() });
+    let row = |own: &Bounded| {
+        json!({
+            "row": own.row,
+            "floor_nm": own.floor_nm,
+            "core_floor_nm": own.core_floor_nm,
+            "bounds": own.bounds.iter().map(bound).collect::<Vec<_>>(),
+        })
+    };
     json!({ "rows": all.iter().map(row).collect::<Vec<_>>() })
 }
