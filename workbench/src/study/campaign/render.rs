@@ -119,7 +119,7 @@ pub(crate) fn grid(title: &str, head: &[&str], rows: &[Vec<String>]) -> String {
     out + "\n"
 }
 
-/// Cells of a row of [`grid`], which two spaces or more separate.
+/// Cells of a row of a table, which two spaces or more separate.
 #[must_use]
 pub fn grid_cells(row: &str) -> Vec<&str> {
     row.split("  ").map(str::trim).filter(|cell| !cell.is_empty()).collect()
