@@ -10,7 +10,7 @@
 //! score = ((1 − b) prominence^⅓ − 1 + a − 0.7 √a₁ ln M) / √(a₁/(1 + 0.2 ln M)² + a₀ + b prominence^⅔) (5)
 //! a = 2/(9ν) = a₀ + a₁,   a₀/a: part of V(0) in the bracket of (4),   b: a ninth of Var ln σ²
 //! slip deviation = √(Var P′)/(−P″)   at the largest P                                                  (6)
-//! Var P′ = (dψ/dδ)² Σ_h (h w_h σ_c²/σ_h²)² · 2 Σ_d (1 − d/7)² d² V(d)/W² · (1 + |A|² V(0)/(σ_c² W))             (7)
+//! Var P′ = (dψ/dδ)² Σ_h (h w_h σ_c²/σ_h²)² · 2 Σ_d (1 − d/7)² d² V(d)/W² · (1 + |A|² V(0)/(σ_c² W)) (7)
 //! |A|² = Σ_d (1 − d/7) Re(R(1, d) e^{−jdψ}) / Σ_d (1 − d/7) V(d),   amplitude = 2 |A|                 (8)
 //! σ_h² = clamp([R(h, 0) − 1.5 |R(h, 1)| V(0)/V(1)]/W(h), σ_c², 4 σ_c²)                                 (9)
 //! ```
@@ -29,8 +29,8 @@
 //! any number of turns and any range of slips.
 //!
 //! (7): the imaginary part of a product of two blocks of noise has the variance `σ⁴ W_n W_m/2`, and P′ is a sum of
-//! 2 (1 − d/7) d h of them. A product of noise and defect adds at most 2 |A|² W/σ_c² times as much; pairs before and after
-//! a block have opposite signs, so at constant speed most of it cancels, and next to a reversal none. (7) counts half.
+//! 2 (1 − d/7) d h of them. A product of noise and defect adds at most 2 |A|² W/`σ_c²` times as much; pairs before and
+//! after a block have opposite signs, so at constant speed most of it cancels, and next to a reversal none. (7) counts half.
 //! A motion that reverses adds a systematic error of about 0.001 to the slip of a defect: the middle of a passage that
 //! reverses is not that of its cell.
 
@@ -97,7 +97,7 @@ pub(super) struct SlipSearch {
     found: OrderStrength,
     /// Of the prominence.
     cube_root: f32,
-    /// σ_c² at the order, and of −P″ (6) a squared step.
+    /// `σ_c²` at the order, and of −P″ (6) a squared step.
     variance: f32,
     curvature: f32,
     /// b of (5), a, a₀/a, and ln M.
@@ -324,7 +324,7 @@ const SCORE: i8 = SIDE + 4;
 const AMPLITUDE: i8 = SIDE + 5;
 const DEVIATIONS: i8 = SIDE + 6;
 
-/// (9): from σ_c², R(h, 0), W(h) and R(h, 1 …); V(d) of the first harmonic has the same ratios.
+/// (9): from `σ_c²`, R(h, 0), W(h) and R(h, 1 …); V(d) of the first harmonic has the same ratios.
 #[inline(never)]
 fn own_noise(control: f32, (power, total): (f32, f32), lags: &[[f32; 2]; LAGS], pairs: &[f32; LAGS + 1]) -> f32 {
     let ([[x, y], ..], [square, next, ..]) = (lags, pairs);

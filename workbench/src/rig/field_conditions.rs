@@ -8,7 +8,7 @@ use super::field::{
 
 impl Condition {
     /// One effect of the field, one duty, or all effects together.
-    pub const FIELD: [Self; 25] = [
+    pub const FIELD: [Self; 26] = [
         Self {
             name: "temperature",
             number: 18,
@@ -185,6 +185,13 @@ impl Condition {
             number: 42,
             about: "each trace is another drive on another day",
             field: Some(&Field { units: Some(Units::FIELD), ..Field::NONE }),
+            ..Self::MIX
+        },
+        Self {
+            name: "field-stiff",
+            number: 43,
+            about: "all effects of field-sine but compliance, backlash and payload",
+            field: Some(&Field { mechanics: None, ..Field::ALL }),
             ..Self::MIX
         },
     ];

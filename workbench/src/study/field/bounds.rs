@@ -38,13 +38,15 @@ use crate::train::train;
 use energy::{HARMONICS, Spall};
 
 /// Rows that are bounded by default: those that find little, and MIX for comparison.
-pub const ROWS: [&str; 8] = [
+pub const ROWS: [&str; 10] = [
     "mix",
     "temperature",
     "no-load-sensor",
+    "slip-300-turns",
     "duty-one-way",
     "duty-constant",
     "field-sine",
+    "field-stiff",
     "field-duties",
     "field-any",
 ];

@@ -116,8 +116,8 @@ mod tests {
         let names: Vec<String> = rows().iter().map(Row::name).collect();
         assert_eq!(names.iter().collect::<HashSet<_>>().len(), names.len());
         assert!(Condition::FIELD.iter().all(|condition| names.iter().any(|name| name == condition.name)));
-        assert_eq!((names.len(), names[0].as_str()), (1 + 25 + 3 + 1, "mix"));
-        assert_eq!(rows().iter().filter(|row| row.classes).count(), 4);
+        assert_eq!((names.len(), names[0].as_str()), (1 + 26 + 3 + 1, "mix"));
+        assert_eq!(rows().iter().filter(|row| row.classes).count(), 5);
     }
 
     #[test]
@@ -137,9 +137,9 @@ mod tests {
             }
         }
         assert!(training.is_disjoint(&validation));
-        // 26 conditions: the rows after them use the training sets and records of other rows.
-        assert_eq!(training.len(), 26 * 25 * 5 * 3);
-        assert_eq!(validation.len(), 25 * 5 * (26 * 8 + 4));
+        // 27 conditions: the rows after them use the training sets and records of other rows.
+        assert_eq!(training.len(), 27 * 25 * 5 * 3);
+        assert_eq!(validation.len(), 25 * 5 * (27 * 8 + 5));
     }
 
     #[test]
