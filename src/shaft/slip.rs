@@ -17,21 +17,22 @@
 //!
 //! The noise at the order's harmonic h is `σ_h²`, at least `σ_c²` of the control orders ([`super::noise`]). A resonance
 //! of the mechanics or a line of the rotor may leave more noise at an order than between the control orders, above all
-//! at constant speed. It is in the power R(h, 0) of each block, but it does not stay in phase from one block to the next
-//! as a defect does; (9) takes the power without what stays in phase. The 1.5 leaves out the part of a defect that loses
-//! its phase too, because its pulses vary; four times the noise of the control orders is the most that resonances left
-//! on the simulated rigs. (1) is a spectral estimate by few lags (Blackman and
-//! Tukey) near the kinematic order, one slip for all harmonics. Without a defect P at one δ is a χ² of ν degrees of
-//! freedom, whatever the number of turns; its cube root is nearly normal (Wilson and Hilferty 1931). The noise is
-//! estimated too; their ratio then follows an F distribution, of which (5) is the normal score (Paulson 1942), at most
-//! 1/√b. Where P varies with the slip, it takes M independent values; the largest of M normal numbers has about the
-//! mean 0.7 ln M and the deviation 1/(1 + 0.2 ln M), both within 0.1 for M to 10. So (5) is about standard normal for
-//! any number of turns and any range of slips.
+//! at constant speed. It is in the power R(h, 0) of each block, but it does not stay in phase from one block to the
+//! next as a defect does; (9) takes the power without what stays in phase. The 1.5 leaves out the part of a defect that
+//! loses its phase too, because its pulses vary. The limit of four keeps strong defects from counting as noise; on the
+//! simulated rigs a higher one found no more.
+//!
+//! (1) is a spectral estimate by few lags (Blackman and Tukey) near the kinematic order, one slip for all harmonics.
+//! Without a defect P at one δ is a χ² of ν degrees of freedom, whatever the number of turns; its cube root is nearly
+//! normal (Wilson and Hilferty 1931). The noise is estimated too; their ratio then follows an F distribution, of which
+//! (5) is the normal score (Paulson 1942), at most 1/√b. Where P varies with the slip, it takes M independent values;
+//! the largest of M normal numbers has about the mean 0.7 ln M and the deviation 1/(1 + 0.2 ln M), both within 0.1 for
+//! M to 10. So (5) is about standard normal for any number of turns and any range of slips.
 //!
 //! (7): the imaginary part of a product of two blocks of noise has the variance `σ⁴ W_n W_m/2`, and P′ is a sum of
 //! 2 (1 − d/7) d h of them. A product of noise and defect adds at most 2 |A|² W/`σ_c²` times as much; pairs before and
-//! after a block have opposite signs, so at constant speed most of it cancels, and next to a reversal none. (7) counts half.
-//! A motion that reverses adds a systematic error of about 0.001 to the slip of a defect: the middle of a passage that
+//! after a block have opposite signs, so at constant speed most of it cancels, and next to a reversal none. (7) counts
+//! half. A motion that reverses adds a systematic error of about 0.001 to the slip of a defect: the middle of a passage that
 //! reverses is not that of its cell.
 
 use core::f32::consts::PI;
