@@ -8,6 +8,7 @@ use crate::report::pages::campaign::page;
 use crate::rig::Condition;
 use crate::study::campaign::{Settings, campaign, render};
 use crate::study::field::picture::picture;
+use crate::study::field::sessions::{self, Fleet};
 use crate::study::field::{self, bounds};
 
 /// Train and evaluate the detector on the standard rig under every condition, size of defect and set rate, beside the
@@ -18,6 +19,7 @@ use crate::study::field::{self, bounds};
   bearing-watch campaign --field --draws 20
   bearing-watch campaign --field --draws 2 --only mix,temperature,field-sine --json
   bearing-watch campaign --field --bounds --draws 1
+  bearing-watch campaign --field --sessions --draws 20
 
 With --field there is one row a condition: a gate of 150 healthy records at 1 % false alarms, trained and judged under \
 this condition with one recipe for all rows; rows that end in -unseen are trained without the missing samples. Records \
@@ -44,8 +46,11 @@ pub(super) struct Args {
     /// What one record can tell: bounds of an ideal detector, beside what is found
     #[arg(long, requires = "field", conflicts_with = "out")]
     bounds: bool,
+    /// False alarms of a fleet, session by session on drives that were not in training, and mean time of its alarm
+    #[arg(long, requires = "field", conflicts_with_all = ["out", "bounds", "only", "features"])]
+    sessions: bool,
     /// Draw the field's table into an SVG file
-    #[arg(long, value_name = "FILE", requires = "field", conflicts_with = "bounds")]
+    #[arg(long, value_name = "FILE", requires = "field", conflicts_with_all = ["bounds", "sessions"])]
     picture: Option<PathBuf>,
     /// Draw a table of the field that was printed before, for example docs/field.md, and compute nothing
     #[arg(long, value_name = "FILE", requires = "picture")]
@@ -90,6 +95,9 @@ fn run_field(args: &Args) -> Result<(), Error> {
         let text = std::fs::read_to_string(printed).map_err(|source| Error::Io { path: printed.clone(), source })?;
         return output::write(path, picture(&text)?);
     }
+    if args.sessions {
+        return run_sessions(args);
+    }
     let rows = field::rows::named(&args.only)?;
     field::recipe::recipe(&Condition::MIX, &args.features).catalogue().choose(&args.features)?;
     let settings =
@@ -128,4 +136,21 @@ fn run_bounds(args: &Args, settings: &field::Settings) -> Result<(), Error> {
         return output::json(&bounds::render::to_json(&bounded));
     }
     output::say(bounds::render::text(&bounded, settings).trim_end())
+}
+
+fn run_sessions(args: &Args) -> Result<(), Error> {
+    let draws = args.first..args.first + args.repetitions;
+    let conditions = sessions::conditions();
+    let bar = output::progress("sessions", conditions.len());
+    let found = |condition: &Condition| {
+        let found = sessions::found(*condition, Fleet::STANDARD, draws.clone());
+        bar.inc(1);
+        found
+    };
+    let all = conditions.iter().map(found).collect::<Result<Vec<_>, _>>()?;
+    bar.finish_and_clear();
+    if args.json {
+        return output::json(&sessions::to_json(&all));
+    }
+    output::say(sessions::text(&all, Fleet::STANDARD, args.repetitions).trim_end())
 }

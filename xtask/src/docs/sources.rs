@@ -20,7 +20,7 @@ pub struct Source {
 }
 
 /// All sources, in the order in which they run.
-pub const SOURCES: [Source; 13] = [
+pub const SOURCES: [Source; 14] = [
     quick(figures::NAME, figures::TOLERANCE, target),
     quick("demo", Tolerance::Exact, |_| printed("demo", "README.md", "standard_rig::twenty_draws")),
     quick("instruments", Tolerance::Exact, |_| {
@@ -31,6 +31,9 @@ pub const SOURCES: [Source; 13] = [
     slow("field", Tolerance::Exact, |_| workbench(FIELD, "field", "docs/field.md")),
     slow("field-bounds", Tolerance::Exact, |_| {
         workbench("campaign --field --bounds --draws 1", "field-bounds", "docs/field.md")
+    }),
+    slow("field-sessions", Tolerance::Exact, |_| {
+        workbench("campaign --field --sessions --draws 20", "field-sessions", "docs/field.md")
     }),
     slow("field-peers", Tolerance::Any, |_| {
         Ok(vec![Block::new("docs/field-peers.md", "field-peers", &field_peers::measure(Some(field_peers::SHORT))?.0)])

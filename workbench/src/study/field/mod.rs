@@ -14,6 +14,7 @@
 //! | [`rows`] | conditions, defects, and the cells of their traces |
 //! | [`run`] | one draw of one row |
 //! | [`tally`] | counts, and rates with intervals |
+//! | [`sessions`] | false alarms of a fleet, drive by drive and day by day |
 //! | [`render`] | the table as text, rows and JSON |
 
 pub mod bounds;
@@ -22,6 +23,7 @@ pub mod recipe;
 pub mod render;
 pub mod rows;
 pub mod run;
+pub mod sessions;
 pub mod tally;
 
 use crate::Error;
