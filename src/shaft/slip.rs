@@ -334,7 +334,8 @@ fn own_noise(control: f32, (power, total): (f32, f32), lags: &[[f32; 2]; LAGS], 
         return control;
     }
     let in_phase = libm::sqrtf(x * x + y * y) * square / next;
-    ((power - INCOHERENT * in_phase) / total).clamp(control, MOST_NOISE * control)
+    // `clamp` may panic.
+    ((power - INCOHERENT * in_phase) / total).min(MOST_NOISE * control).max(control)
 }
 
 /// The factors of (9).
