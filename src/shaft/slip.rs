@@ -186,10 +186,10 @@ impl SlipSearch {
             return;
         }
         let control = self.variance * noise.ratio(h);
-        let variance = own_noise(control, (*power, *total), lags, &sums.pairs);
-        let slope = (h as f32 + 1.0) * weight * control / variance;
+        let relative = weight / own_noise(control, (*power, *total), lags, &sums.pairs);
+        let slope = h.wrapping_add(1) as f32 * relative * control;
         self.slopes += slope * slope;
-        let scale = weight / (total * variance);
+        let scale = relative / total;
         self.constant += scale * power;
         let mut terms = self.terms.get_mut(h..).unwrap_or_default();
         for (d, [x, y]) in (1_u8..).zip(lags) {
@@ -325,17 +325,21 @@ const SCORE: i8 = SIDE + 4;
 const AMPLITUDE: i8 = SIDE + 5;
 const DEVIATIONS: i8 = SIDE + 6;
 
-/// (9): from `σ_c²`, R(h, 0), W(h) and R(h, 1 …); V(d) of the first harmonic has the same ratios.
-#[inline(never)]
+/// (9): from `σ_c²`, R(h, 0), W(h) and R(h, 1 …); V(d) of the first harmonic has the same ratios. Without neighbouring
+/// blocks the quotient is not a number, and the noise is that of the control orders.
+#[inline(always)]
 fn own_noise(control: f32, (power, total): (f32, f32), lags: &[[f32; 2]; LAGS], pairs: &[f32; LAGS + 1]) -> f32 {
     let ([[x, y], ..], [square, next, ..]) = (lags, pairs);
-    // Without neighbouring blocks nothing tells what stays in phase.
-    if *next <= 0.0 {
-        return control;
-    }
     let in_phase = libm::sqrtf(x * x + y * y) * square / next;
+    let (own, most) = ((power - INCOHERENT * in_phase) / total, MOST_NOISE * control);
     // `clamp` may panic.
-    ((power - INCOHERENT * in_phase) / total).min(MOST_NOISE * control).max(control)
+    if own > most {
+        most
+    } else if own > control {
+        own
+    } else {
+        control
+    }
 }
 
 /// The factors of (9).

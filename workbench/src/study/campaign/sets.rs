@@ -219,7 +219,7 @@ mod tests {
             }
             assert!(cells.insert(cell.seed(0).expect("fits")), "{cell:?}");
         }
-        assert_eq!(cells.len(), 4 * 25 * 43 * 6 * 9);
+        assert_eq!(cells.len(), 4 * 25 * 44 * 6 * 9);
     }
 
     #[test]
