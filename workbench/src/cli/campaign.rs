@@ -19,7 +19,7 @@ use crate::study::field::{self, bounds};
   bearing-watch campaign --field --draws 20
   bearing-watch campaign --field --draws 2 --only mix,temperature,field-sine --json
   bearing-watch campaign --field --bounds --draws 1
-  bearing-watch campaign --field --sessions --draws 20
+  bearing-watch campaign --field --sessions --draws 10
 
 With --field there is one row a condition: a gate of 150 healthy records at 1 % false alarms, trained and judged under \
 this condition with one recipe for all rows; rows that end in -unseen are trained without the missing samples. Records \

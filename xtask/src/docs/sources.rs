@@ -33,7 +33,7 @@ pub const SOURCES: [Source; 14] = [
         workbench("campaign --field --bounds --draws 1", "field-bounds", "docs/field.md")
     }),
     slow("field-sessions", Tolerance::Exact, |_| {
-        workbench("campaign --field --sessions --draws 20", "field-sessions", "docs/field.md")
+        workbench("campaign --field --sessions --draws 10", "field-sessions", "docs/field.md")
     }),
     slow("field-peers", Tolerance::Any, |_| {
         Ok(vec![Block::new("docs/field-peers.md", "field-peers", &field_peers::measure(Some(field_peers::SHORT))?.0)])
