@@ -75,8 +75,8 @@ const COMBINED: usize = LAGS * MAX_HARMONICS;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct SlipSearch {
-    /// What the next step does: before the first slip, it takes the noise and combines the harmonics; after the last, it
-    /// forms the results.
+    /// What the next step does: before the first slip, it takes the noise and combines the harmonics; after the last,
+    /// it forms the results.
     next: i8,
     /// The terms of (1) by their phases d h ψ, and the one without a phase.
     terms: [[f32; 2]; COMBINED],

@@ -13,9 +13,9 @@
 //! alone: the mean drag m of the pulses, whose sign is known, against what noise and healthy drives do to it. C is the
 //! covariance of B, Tc and the flux of healthy drives, Δ what the spall adds to them. (3) is both as independent
 //! evidence. The bound is the largest of the three, averaged over records. It assumes that the detector knows every
-//! parameter of the record but friction, phase and slip, and loses no sample; a load that is measured is exact. With all
-//! effects together the noise at the bearing's order is not that of the sensors: it is what the core finds there in other
-//! healthy records, with the filters that training has chosen.
+//! parameter of the record but friction, phase and slip, and loses no sample; a load that is measured is exact. With
+//! all effects together the noise at the bearing's order is not that of the sensors: it is what the core finds there in
+//! other healthy records, with the filters that training has chosen.
 
 pub mod energy;
 pub mod render;

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! U² has the law of the distance in one coordinate. It follows from the scores `y_i` of the healthy segments
-//! themselves, those of all rising coordinates together, less the degrees of freedom of the regression on the others. If
-//! the rate is that of the next run, it is the mean of the laws of gates of one coordinate each.
+//! themselves, those of all rising coordinates together, less the degrees of freedom of the regression on the others.
+//! If the rate is that of the next run, it is the mean of the laws of gates of one coordinate each.
 
 use std::f64::consts::LN_2;
 
