@@ -40,7 +40,7 @@ pub(super) fn core(gate: &Gate) -> Novelty<RunTime> {
         mean: gate.mean.iter().map(|x| *x as f32).collect(),
         factor: gate.factor(),
         knots: gate.knots.map(|knot| knot.map(|x| x as f32)),
-        rising: gate.rising.iter().map(|rising| rising.core()).collect(),
+        rising: gate.rising.iter().map(|rising| rising.core(gate.limit)).collect(),
         limit: gate.limit as f32,
     }
 }

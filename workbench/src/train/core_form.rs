@@ -72,7 +72,7 @@ impl Trained {
             novelty.factor = gate.factor();
             novelty.knots = gate.knots.map(|knot| knot.map(|x| x as f32));
             if let (Some(own), Some(rising)) = (novelty.rising.first_mut(), &gate.rising) {
-                *own = rising.core();
+                *own = rising.core(gate.limit);
             }
             novelty.limit = gate.limit as f32;
         }

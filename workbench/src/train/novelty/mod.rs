@@ -391,7 +391,7 @@ impl Healthy {
             let rows = rows_of(&scores, 0).0.saturating_sub(self.fitted + first).max(2);
             DistanceLaw::of(1, rows, &squared.ok_or_else(singular)?.concat())
         };
-        Ok(Some(Rising { count, freedom, law, others, limit: -rate.ln() }))
+        Ok(Some(Rising { count, freedom, law, others }))
     }
 
     /// Returns each value less its mean given those before it, in standard deviations.

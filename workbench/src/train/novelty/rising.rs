@@ -29,8 +29,6 @@ pub struct Rising {
     pub law: DistanceLaw,
     /// The law of the distance of the others, if there are any.
     pub others: Option<DistanceLaw>,
-    /// −ln of the false-alarm rate.
-    pub limit: f64,
 }
 
 impl Rising {
@@ -69,10 +67,10 @@ impl Rising {
         -(-(f64::from(count) * (-p).ln_1p()).exp_m1()).ln()
     }
 
-    /// Returns the core's form.
+    /// Returns the core's form for a gate with this limit.
     #[must_use]
-    pub fn core(&self) -> model::Rising {
-        let curve = |law: &DistanceLaw| knots(law, self.limit).map(|knot| knot.map(|x| x as f32));
+    pub fn core(&self, limit: f64) -> model::Rising {
+        let curve = |law: &DistanceLaw| knots(law, limit).map(|knot| knot.map(|x| x as f32));
         let others = self.others.as_ref().map_or([[0.0; 2]; KNOTS], curve);
         model::Rising { count: self.count as u8, freedom: self.freedom as f32, knots: curve(&self.law), others }
     }
