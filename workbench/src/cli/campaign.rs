@@ -124,14 +124,7 @@ fn run_field(args: &Args) -> Result<(), Error> {
 fn run_bounds(args: &Args, settings: &field::Settings) -> Result<(), Error> {
     let names = if args.only.is_empty() { bounds::ROWS.map(String::from).to_vec() } else { args.only.clone() };
     let rows = field::rows::named(&names)?;
-    let bar = output::progress("bounds", rows.len());
-    let bound = |row| {
-        let bounded = bounds::bound(row, settings);
-        bar.inc(1);
-        bounded
-    };
-    let bounded = rows.iter().map(bound).collect::<Result<Vec<_>, _>>()?;
-    bar.finish_and_clear();
+    let bounded = each("bounds", &rows, |row| bounds::bound(row, settings))?;
     if args.json {
         return output::json(&bounds::render::to_json(&bounded));
     }
@@ -140,17 +133,18 @@ fn run_bounds(args: &Args, settings: &field::Settings) -> Result<(), Error> {
 
 fn run_sessions(args: &Args) -> Result<(), Error> {
     let draws = args.first..args.first + args.repetitions;
-    let conditions = sessions::conditions();
-    let bar = output::progress("sessions", conditions.len());
-    let found = |condition: &Condition| {
-        let found = sessions::found(*condition, Fleet::STANDARD, draws.clone());
-        bar.inc(1);
-        found
-    };
-    let all = conditions.iter().map(found).collect::<Result<Vec<_>, _>>()?;
-    bar.finish_and_clear();
+    let found = |condition: &Condition| sessions::found(*condition, Fleet::STANDARD, draws.clone());
+    let all = each("sessions", &sessions::conditions(), found)?;
     if args.json {
         return output::json(&sessions::to_json(&all));
     }
     output::say(sessions::text(&all, Fleet::STANDARD, args.repetitions).trim_end())
+}
+
+/// Results of `of` for all items, with progress.
+fn each<T, U>(what: &'static str, items: &[T], of: impl Fn(&T) -> Result<U, Error>) -> Result<Vec<U>, Error> {
+    let bar = output::progress(what, items.len());
+    let results = items.iter().map(|item| of(item).inspect(|_| bar.inc(1))).collect();
+    bar.finish_and_clear();
+    results
 }

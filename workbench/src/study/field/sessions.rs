@@ -103,17 +103,20 @@ fn one_draw(condition: Condition, fleet: Fleet, draw: u32) -> Result<Draw, Error
         let trained = train(&training, &["healthy".into()], &recipe_of(condition, fleet, rate));
         trained.and_then(|trained| trained.embed()).map_err(|error| error.to_string())
     };
-    let gates: Vec<Result<Embedded, String>> = RATES.map(trained).into_iter().collect();
-    let tally = |gate: &Embedded| {
-        let outcomes: Vec<Option<bool>> = judged
-            .par_iter()
-            .map(|record| gate.combine(&gate.run(&record.trace)).map(|(finding, _)| finding != Finding::Class(0)))
-            .collect();
-        // A healthy session without a verdict also counts as an alarm.
-        Tally::of(outcomes).undetermined_counted()
-    };
-    let alarms = gates[0].as_ref().map_or([0, 0], |gate| sequences(gate, &judged, fleet, draw));
-    Ok(Draw { gates: gates.iter().map(|gate| gate.as_ref().map(tally).map_err(String::clone)).collect(), alarms })
+    let gates = RATES.map(trained);
+    let mut own = Draw { gates: vec![], alarms: [0, 0] };
+    for (k, gate) in gates.into_iter().enumerate() {
+        own.gates.push(gate.map(|gate| {
+            let reports: Vec<_> = judged.par_iter().map(|record| gate.run(&record.trace)).collect();
+            if k == 0 {
+                own.alarms = sequences(&gate, &reports, fleet, draw);
+            }
+            let novel = |report: &Vec<_>| gate.combine(report).map(|(finding, _)| finding != Finding::Class(0));
+            // A healthy session without a verdict also counts as an alarm.
+            Tally::of(reports.iter().map(novel)).undetermined_counted()
+        }));
+    }
+    Ok(own)
 }
 
 /// The recipe of the field's table for the next session of another drive.
@@ -155,11 +158,11 @@ fn records(condition: Condition, fleet: Fleet, (purpose, draw): (Purpose, u32)) 
     numbered.par_iter().map(record).collect()
 }
 
-/// Alarms and sessions of the sequences of all drives.
-fn sequences(gate: &Embedded, judged: &[LabelledTrace], fleet: Fleet, draw: u32) -> [usize; 2] {
+/// Alarms and sessions of the sequences of all drives, from the segments of each of their sessions.
+fn sequences(gate: &Embedded, judged: &[Vec<SegmentReport>], fleet: Fleet, draw: u32) -> [usize; 2] {
     let sessions = fleet.sessions as usize;
-    let of_drive = |(unit, records): (usize, &[LabelledTrace])| {
-        let own: Vec<SegmentReport> = records.iter().flat_map(|record| gate.run(&record.trace)).collect();
+    let of_drive = |(unit, records): (usize, &[Vec<SegmentReport>])| {
+        let own = records.concat();
         let mut random = ChaCha8Rng::seed_from_u64(u64::from(draw) << 32 | unit as u64);
         let sequence: Vec<SegmentReport> =
             (0..LENGTH).map(|_| own[random.random_range(0..own.len())].clone()).collect();
