@@ -138,6 +138,14 @@ fn too_few_and_nonsense_are_refused() {
         ("--healthy worn", vec!["--healthy", "unknown class worn"]),
         ("--reject-cost=-1", vec!["--reject-cost"]),
         ("--alarm-interval-segments 3", vec!["at least 10 segments"]),
+        (
+            "--false-alarm 0.2 --alarm-interval-segments 40 --segments-a-run 5",
+            vec!["too often for runs of 5 segments", "at least 50 segments"],
+        ),
+        (
+            "--false-alarm 0.2 --alarm-interval-segments 1e30",
+            vec!["9 segments say too little of the healthy drive", "use fewer features"],
+        ),
         ("--alarm-interval-segments 30 --alarm-interval-h 3", vec!["cannot be used with"]),
         ("--classes healthy --projection fisher", vec!["needs two classes"]),
     ] {
@@ -183,4 +191,47 @@ fn the_rate_of_the_next_run() {
     assert!(judged.contains("false alarms ") && judged.contains("of 2 runs: r0 "), "{judged}");
     let judged = json(&succeed(dir, "evaluate --model m.bwm --labels test/labels.csv --group run --json"));
     assert_eq!(judged["false_alarms_by_run"]["runs"][1]["judged"], 4, "{judged}");
+    // A run is as long as the longest healthy one unless given; another drive differs for good.
+    assert_eq!(told["novelty"]["alarm_segments_a_run"], 4, "{told}");
+    let said = succeed(dir, &format!("{train} --features b1 --segments-a-run 2"));
+    assert!(said.contains("a run ends after 2 segments"), "{said}");
+    let said = succeed(dir, &format!("{train} --features b1 --other-drive"));
+    assert!(said.contains("that of another drive") && said.contains(": 6 drives, "), "{said}");
+    let output = run(dir, &format!("{TRAIN} --labels train/labels.csv --model n.bwm --other-drive"));
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(2) && error.contains("--group"), "{error}");
+}
+
+/// The current sensor's gain rises by 3 % from run to run.
+#[test]
+fn a_drift_over_the_runs_is_told() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy --count 24 --seed 19 --out train");
+    add_runs(dir, "train");
+    let labels = std::fs::read_to_string(dir.join("train/labels.csv")).expect("labels");
+    for (k, line) in labels.lines().skip(1).enumerate() {
+        let path = dir.join("train").join(line.split(',').next().expect("a name"));
+        scale_current(&path, 1.0 + 0.03 * (k / 4) as f64);
+    }
+    let train = format!("{TRAIN} --labels train/labels.csv --model m.bwm --group run --features b1 --false-alarm 0.05");
+    let said = succeed(dir, &train);
+    assert!(said.contains(" The runs drift: b1 by ") && said.contains("train again before"), "{said}");
+    let steady = succeed(dir, &train.replace("--group run ", ""));
+    assert!(!steady.contains("drift"), "{steady}");
+}
+
+/// Multiplies the column `current_a` of a trace.
+fn scale_current(path: &Path, factor: f64) {
+    let text = std::fs::read_to_string(path).expect("a trace");
+    let place = text.lines().next().and_then(|head| head.split(',').position(|own| own == "current_a"));
+    let place = place.expect("a current");
+    let scaled = |(k, line): (usize, &str)| {
+        let mut cells: Vec<String> = line.split(',').map(String::from).collect();
+        if k > 0 {
+            cells[place] = (factor * cells[place].parse::<f64>().expect("a number")).to_string();
+        }
+        cells.join(",") + "\n"
+    };
+    std::fs::write(path, text.lines().enumerate().map(scaled).collect::<String>()).expect("writable");
 }
