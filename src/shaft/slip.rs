@@ -10,22 +10,29 @@
 //! score = ((1 − b) prominence^⅓ − 1 + a − 0.7 √a₁ ln M) / √(a₁/(1 + 0.2 ln M)² + a₀ + b prominence^⅔) (5)
 //! a = 2/(9ν) = a₀ + a₁,   a₀/a: part of V(0) in the bracket of (4),   b: a ninth of Var ln σ²
 //! slip deviation = √(Var P′)/(−P″)   at the largest P                                                  (6)
-//! Var P′ = (dψ/dδ)² Σ_h (h w_h)² · 2 Σ_d (1 − d/7)² d² V(d)/W² · (1 + |A|² V(0)/(σ₁² W))              (7)
+//! Var P′ = (dψ/dδ)² Σ_h (h w_h σ_c²/σ_h²)² · 2 Σ_d (1 − d/7)² d² V(d)/W² · (1 + |A|² V(0)/(σ_c² W)) (7)
 //! |A|² = Σ_d (1 − d/7) Re(R(1, d) e^{−jdψ}) / Σ_d (1 − d/7) V(d),   amplitude = 2 |A|                 (8)
+//! σ_h² = clamp([R(h, 0) − 1.5 |R(h, 1)| V(0)/V(1)]/W(h), σ_c², 4 σ_c²)                                 (9)
 //! ```
 //!
-//! The noise ([`super::noise`]) at the order's harmonic h is `σ_h²`. (1) is a spectral estimate by few lags (Blackman and
-//! Tukey) near the kinematic order, one slip for all harmonics. Without a defect P at one δ is a χ² of ν degrees of
-//! freedom, whatever the number of turns; its cube root is nearly normal (Wilson and Hilferty 1931). The noise is
-//! estimated too; their ratio then follows an F distribution, of which (5) is the normal score (Paulson 1942), at most
-//! 1/√b. Where P varies with the slip, it takes M independent values; the largest of M normal numbers has about the
-//! mean 0.7 ln M and the deviation 1/(1 + 0.2 ln M), both within 0.1 for M to 10. So (5) is about standard normal for
-//! any number of turns and any range of slips.
+//! The noise at the order's harmonic h is `σ_h²`, at least `σ_c²` of the control orders ([`super::noise`]). A resonance
+//! of the mechanics or a line of the rotor may leave more noise at an order than between the control orders, above all
+//! at constant speed. It is in the power R(h, 0) of each block, but it does not stay in phase from one block to the
+//! next as a defect does; (9) takes the power without what stays in phase. The 1.5 leaves out the part of a defect that
+//! loses its phase too, because its pulses vary. The limit of four keeps strong defects from counting as noise; on the
+//! simulated rigs a higher one found no more.
+//!
+//! (1) is a spectral estimate by few lags (Blackman and Tukey) near the kinematic order, one slip for all harmonics.
+//! Without a defect P at one δ is a χ² of ν degrees of freedom, whatever the number of turns; its cube root is nearly
+//! normal (Wilson and Hilferty 1931). The noise is estimated too; their ratio then follows an F distribution, of which
+//! (5) is the normal score (Paulson 1942), at most 1/√b. Where P varies with the slip, it takes M independent values;
+//! the largest of M normal numbers has about the mean 0.7 ln M and the deviation 1/(1 + 0.2 ln M), both within 0.1 for
+//! M to 10. So (5) is about standard normal for any number of turns and any range of slips.
 //!
 //! (7): the imaginary part of a product of two blocks of noise has the variance `σ⁴ W_n W_m/2`, and P′ is a sum of
-//! 2 (1 − d/7) d h of them. A product of noise and defect adds at most 2 |A|² W/σ₁² times as much; pairs before and after
-//! a block have opposite signs, so at constant speed most of it cancels, and next to a reversal none. (7) counts half.
-//! A motion that reverses adds a systematic error of about 0.001 to the slip of a defect: the middle of a passage that
+//! 2 (1 − d/7) d h of them. A product of noise and defect adds at most 2 |A|² W/`σ_c²` times as much; pairs before and
+//! after a block have opposite signs, so at constant speed most of it cancels, and next to a reversal none. (7) counts
+//! half. A motion that reverses adds a systematic error of about 0.001 to the slip of a defect: the middle of a passage that
 //! reverses is not that of its cell.
 
 use core::f32::consts::PI;
@@ -81,6 +88,8 @@ pub(super) struct SlipSearch {
     /// The terms of (1) by their phases d h ψ, and the one without a phase.
     terms: [[f32; 2]; COMBINED],
     constant: f32,
+    /// The first sum of (7).
+    slopes: f32,
     best: f32,
     best_at: i8,
     /// P before and after the best one.
@@ -89,7 +98,7 @@ pub(super) struct SlipSearch {
     found: OrderStrength,
     /// Of the prominence.
     cube_root: f32,
-    /// σ₁², and of −P″ (6) a squared step.
+    /// `σ_c²` at the order, and of −P″ (6) a squared step.
     variance: f32,
     curvature: f32,
     /// b of (5), a, a₀/a, and ln M.
@@ -120,6 +129,7 @@ impl SlipSearch {
             next: LEVEL,
             terms: [[0.0; 2]; COMBINED],
             constant: 0.0,
+            slopes: 0.0,
             best: f32::NEG_INFINITY,
             best_at: 0,
             around: [f32::NEG_INFINITY; 2],
@@ -175,7 +185,11 @@ impl SlipSearch {
         if *weight <= 0.0 || *total <= 0.0 {
             return;
         }
-        let scale = weight / (total * self.variance * noise.ratio(h));
+        let control = self.variance * noise.ratio(h);
+        let relative = weight / own_noise(control, (*power, *total), lags, &sums.pairs);
+        let slope = h.wrapping_add(1) as f32 * relative * control;
+        self.slopes += slope * slope;
+        let scale = relative / total;
         self.constant += scale * power;
         let mut terms = self.terms.get_mut(h..).unwrap_or_default();
         for (d, [x, y]) in (1_u8..).zip(lags) {
@@ -276,11 +290,10 @@ impl SlipSearch {
     /// (6) and (7), and the deviation of the amplitude.
     #[inline(never)]
     fn deviations(&mut self, sums: &LineSums, order: &TrackedOrder, range: &SlipRange) {
-        let ([w1, w2, w3], [total, ..], [square, ..]) = (order.weights, sums.weight, sums.pairs);
+        let ([total, ..], [square, ..]) = (sums.weight, sums.pairs);
         let turning = 2.0 * PI * order.order() * order.slip_ratio.abs() * range.cell_turns;
-        let slopes = w1 * w1 + 4.0 * w2 * w2 + 9.0 * w3 * w3;
         let crossed = 1.0 + self.power * square / (self.variance * total);
-        let slope_deviation = turning * libm::sqrtf(slopes * self.spread * crossed) / total; // (7)
+        let slope_deviation = turning * libm::sqrtf(self.slopes * self.spread * crossed) / total; // (7)
         let step = range.slip / f32::from(SIDE);
         let slip_deviation = slope_deviation * step * step / self.curvature; // (6)
         self.found.deviation = 2.0 * libm::sqrtf(self.variance / total);
@@ -311,6 +324,27 @@ const LAW: i8 = SIDE + 3;
 const SCORE: i8 = SIDE + 4;
 const AMPLITUDE: i8 = SIDE + 5;
 const DEVIATIONS: i8 = SIDE + 6;
+
+/// (9): from `σ_c²`, R(h, 0), W(h) and R(h, 1 …); V(d) of the first harmonic has the same ratios. Without neighbouring
+/// blocks the quotient is not a number, and the noise is that of the control orders.
+#[inline(always)]
+fn own_noise(control: f32, (power, total): (f32, f32), lags: &[[f32; 2]; LAGS], pairs: &[f32; LAGS + 1]) -> f32 {
+    let ([[x, y], ..], [square, next, ..]) = (lags, pairs);
+    let in_phase = libm::sqrtf(x * x + y * y) * square / next;
+    let (own, most) = ((power - INCOHERENT * in_phase) / total, MOST_NOISE * control);
+    // `clamp` may panic.
+    if own > most {
+        most
+    } else if own > control {
+        own
+    } else {
+        control
+    }
+}
+
+/// The factors of (9).
+const INCOHERENT: f32 = 1.5;
+const MOST_NOISE: f32 = 4.0;
 
 /// 1 − d/7.
 fn taper(d: f32) -> f32 {

@@ -170,8 +170,16 @@ fn strength(
     let weights = order.weights.map(f64::from);
     let total: f64 = weights.iter().sum();
     let first = &sums[0];
-    let at = |harmonic: f64| variance(harmonic * f64::from(order.order_q16) / 65_536.0);
-    let base = at(1.0);
+    // The power of a harmonic without what stays in phase from block to block, within one and four times the noise
+    // of the control orders.
+    let controls = |h: usize| variance((h + 1) as f64 * f64::from(order.order_q16) / 65_536.0);
+    let at = |h: usize| {
+        let control = controls(h);
+        let in_phase = sums[h].lags[1].norm() * first.pairs[0] / first.pairs[1];
+        let own = (sums[h].lags[0].re - 1.5 * in_phase) / sums[h].weight;
+        if first.pairs[1] > 0.0 { own.clamp(control, 4.0 * control) } else { control }
+    };
+    let base = controls(0);
     // ψ for a slip of one.
     let turning = TAU * f64::from(order.order_q16) / 65_536.0 * f64::from(order.slip_ratio) * cell_turns;
     let lagged = |h: usize, slip: f64| -> f64 {
@@ -181,7 +189,7 @@ fn strength(
     let spectrum = |slip: f64| -> f64 {
         let own = |h: usize| {
             let power = sums[h].lags[0].re + 2.0 * lagged(h, slip);
-            weights[h] * power / sums[h].weight / at((h + 1) as f64)
+            weights[h] * power / sums[h].weight / at(h)
         };
         (0..HARMONICS).map(own).sum::<f64>()
     };
@@ -207,7 +215,7 @@ fn strength(
     // Only what varies with the slip has a largest value over slips.
     let constant = first.pairs[0] / noise;
     let independent = 1.0 + 2.0 * (turning * most).abs() * (spread / noise / (1.0 - constant)).sqrt();
-    let rates: f64 = (0..HARMONICS).map(|h| ((h + 1) as f64 * weights[h]).powi(2)).sum();
+    let rates: f64 = (0..HARMONICS).map(|h| ((h + 1) as f64 * weights[h] * controls(h) / at(h)).powi(2)).sum();
     let steady = sum_of(&|d| taper(d) * first.pairs[d]);
     let power = (lagged(0, slip) / steady).max(0.0);
     let crossed = 1.0 + power * first.pairs[0] / (base * first.weight);
