@@ -12,15 +12,15 @@
 //! slip deviation = √(Var P′)/(−P″)   at the largest P                                                  (6)
 //! Var P′ = (dψ/dδ)² Σ_h (h w_h σ_c²/σ_h²)² · 2 Σ_d (1 − d/7)² d² V(d)/W² · (1 + |A|² V(0)/(σ_c² W)) (7)
 //! |A|² = Σ_d (1 − d/7) Re(R(1, d) e^{−jdψ}) / Σ_d (1 − d/7) V(d),   amplitude = 2 |A|                 (8)
-//! σ_h² = clamp([R(h, 0) − 1.5 |R(h, 1)| V(0)/V(1)]/W(h), σ_c², 4 σ_c²)                                 (9)
+//! σ_h² = clamp(2 [R(h, 0) − 2 V(0) √(Σ_d |R(h, d)|²/Σ_d V(d)²)]/W(h) − 3 σ_c², σ_c², 4 σ_c²)           (9)
 //! ```
 //!
 //! The noise at the order's harmonic h is `σ_h²`, at least `σ_c²` of the control orders ([`super::noise`]). A resonance
 //! of the mechanics or a line of the rotor may leave more noise at an order than between the control orders, above all
-//! at constant speed. It is in the power R(h, 0) of each block, but it does not stay in phase from one block to the
-//! next as a defect does; (9) takes the power without what stays in phase. The 1.5 leaves out the part of a defect that
-//! loses its phase too, because its pulses vary. The limit of four keeps strong defects from counting as noise; on the
-//! simulated rigs a higher one found no more.
+//! at constant speed. It is in the power R(h, 0) of each block, but it does not stay in phase from one block to the next
+//! as a defect does. (9) takes it for noise if less than half of the power stays in phase; pulses of a defect vary, so
+//! some of theirs does not either. Power of less than twice `σ_c²` is within the scatter of few blocks and does not
+//! count, from three times on all of it. The limit of four keeps strong defects from counting as noise.
 //!
 //! (1) is a spectral estimate by few lags (Blackman and Tukey) near the kinematic order, one slip for all harmonics.
 //! Without a defect P at one δ is a χ² of ν degrees of freedom, whatever the number of turns; its cube root is nearly
@@ -106,7 +106,8 @@ pub(super) struct SlipSearch {
     relative: f32,
     constant_part: f32,
     log_slips: f32,
-    /// V(0) + 2 Σ (1 − d/7)² V(d), 2 Σ (1 − d/7)² d² V(d), and Σ (1 − d/7) V(d).
+    /// Σ V(d)²/V(0)², V(0) + 2 Σ (1 − d/7)² V(d), 2 Σ (1 − d/7)² d² V(d), and Σ (1 − d/7) V(d).
+    squared_pairs: f32,
     noise_power: f32,
     spread: f32,
     steady: f32,
@@ -142,6 +143,7 @@ impl SlipSearch {
             relative: 1.0,
             constant_part: 0.0,
             log_slips: 0.0,
+            squared_pairs: 0.0,
             noise_power: 0.0,
             spread: 0.0,
             steady: 0.0,
@@ -186,10 +188,22 @@ impl SlipSearch {
             return;
         }
         let control = self.variance * noise.ratio(h);
-        let relative = weight / own_noise(control, (*power, *total), lags, &sums.pairs);
-        let slope = h.wrapping_add(1) as f32 * relative * control;
+        let squares: f32 = lags.as_flattened().iter().map(|x| x * x).sum();
+        let unit = control * total;
+        // Without neighbouring blocks not a number.
+        let excess = (power - 2.0 * libm::sqrtf(squares / self.squared_pairs)) / unit - 2.0;
+        // `clamp` may panic.
+        let noise = if excess > 1.5 {
+            4.0
+        } else if excess > 0.0 {
+            1.0 + 2.0 * excess
+        } else {
+            1.0
+        }; // (9)
+        let relative = weight / noise;
+        let slope = h.wrapping_add(1) as f32 * relative;
         self.slopes += slope * slope;
-        let scale = relative / total;
+        let scale = relative / unit;
         self.constant += scale * power;
         let mut terms = self.terms.get_mut(h..).unwrap_or_default();
         for (d, [x, y]) in (1_u8..).zip(lags) {
@@ -234,8 +248,7 @@ impl SlipSearch {
         self.found.prominence = prominence;
     }
 
-    /// The sums over V of (4), (7) and (8).
-    #[inline(never)]
+    /// The sums over V of (4), (7), (8) and (9).
     fn noise(&mut self, sums: &LineSums) {
         let [square, lags @ ..] = sums.pairs;
         self.noise_power = square;
@@ -244,13 +257,14 @@ impl SlipSearch {
             let t = taper(far);
             let (once, twice) = (t * pair, 2.0 * t * t * pair);
             self.steady += once;
+            self.squared_pairs += pair * pair;
             self.noise_power += twice;
             self.spread += twice * far * far;
         }
+        self.squared_pairs /= square * square;
     }
 
     /// What (5) has of the sums: a, a₀/a, and ln M.
-    #[inline(never)]
     fn law(&mut self, sums: &LineSums, order: &TrackedOrder, range: &SlipRange) {
         let ([w1, w2, w3], [total, ..]) = (order.weights, sums.weight);
         let (weights, squares) = (w1 + w2 + w3, w1 * w1 + w2 * w2 + w3 * w3);
@@ -275,7 +289,6 @@ impl SlipSearch {
     }
 
     /// (8).
-    #[inline(never)]
     fn amplitude(&mut self, sums: &LineSums, order: &TrackedOrder, range: &SlipRange) {
         let mut lags = sums.lags.first().copied().unwrap_or_default();
         for (d, [x, y]) in (1_u8..).zip(&mut lags) {
@@ -288,7 +301,6 @@ impl SlipSearch {
     }
 
     /// (6) and (7), and the deviation of the amplitude.
-    #[inline(never)]
     fn deviations(&mut self, sums: &LineSums, order: &TrackedOrder, range: &SlipRange) {
         let ([total, ..], [square, ..]) = (sums.weight, sums.pairs);
         let turning = 2.0 * PI * order.order() * order.slip_ratio.abs() * range.cell_turns;
@@ -317,34 +329,13 @@ impl SlipSearch {
 /// The first slip; before it the noise and a step for each harmonic, after the last one the results.
 const FIRST: i8 = -SIDE;
 const COMBINE: i8 = FIRST - 3;
-const LEVEL: i8 = COMBINE - 1;
+const NOISE: i8 = COMBINE - 1;
+const LEVEL: i8 = NOISE - 1;
 const PROMINENCE: i8 = SIDE + 1;
-const NOISE: i8 = SIDE + 2;
-const LAW: i8 = SIDE + 3;
-const SCORE: i8 = SIDE + 4;
-const AMPLITUDE: i8 = SIDE + 5;
-const DEVIATIONS: i8 = SIDE + 6;
-
-/// (9): from `σ_c²`, R(h, 0), W(h) and R(h, 1 …); V(d) of the first harmonic has the same ratios. Without neighbouring
-/// blocks the quotient is not a number, and the noise is that of the control orders.
-#[inline(always)]
-fn own_noise(control: f32, (power, total): (f32, f32), lags: &[[f32; 2]; LAGS], pairs: &[f32; LAGS + 1]) -> f32 {
-    let ([[x, y], ..], [square, next, ..]) = (lags, pairs);
-    let in_phase = libm::sqrtf(x * x + y * y) * square / next;
-    let (own, most) = ((power - INCOHERENT * in_phase) / total, MOST_NOISE * control);
-    // `clamp` may panic.
-    if own > most {
-        most
-    } else if own > control {
-        own
-    } else {
-        control
-    }
-}
-
-/// The factors of (9).
-const INCOHERENT: f32 = 1.5;
-const MOST_NOISE: f32 = 4.0;
+const LAW: i8 = SIDE + 2;
+const SCORE: i8 = SIDE + 3;
+const AMPLITUDE: i8 = SIDE + 4;
+const DEVIATIONS: i8 = SIDE + 5;
 
 /// 1 − d/7.
 fn taper(d: f32) -> f32 {

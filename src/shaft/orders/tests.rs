@@ -132,7 +132,7 @@ fn noise_alone_scores_like_a_standard_normal_whatever_the_turns() {
 /// At constant speed the order's second harmonic lies in a resonance of 5 % damping, where the noise is six times that of
 /// other orders.
 #[test]
-fn a_resonance_is_not_a_defect() {
+fn a_resonance_counts_for_less_than_a_defect() {
     let find = |seed: u64, amplitude: f64| {
         let (mut white, mut drive, mut states) = (Gauss(seed), Gauss(seed + 1000), [0.0, 0.0]);
         let turns = 0.0085;
@@ -155,9 +155,10 @@ fn a_resonance_is_not_a_defect() {
     };
     let (healthy, defect) = (of(0.0), of(0.06));
     std::println!("median {}, 95 %: {}, a defect's 5 %: {}", healthy[50], healthy[95], defect[5]);
-    // With the noise of the control orders alone the median would be 4.5. Standard errors of 100 scores: 0.13 of the
-    // median, 0.25 of the 95 % quantile, which is 1.64 in white noise; here blocks next to each other are dependent.
-    assert!(healthy[50].abs() < 1.0 && (1.0..3.5).contains(&healthy[95]), "{} {}", healthy[50], healthy[95]);
+    // With the noise of the control orders alone the median would be 4.5 and the 95 % quantile 6.3; the limit of four
+    // times leaves a third of the noise, and blocks next to each other are dependent. Standard errors of 100 scores: 0.2
+    // of the median, 0.3 of the quantile.
+    assert!((0.7..2.0).contains(&healthy[50]) && (3.5..5.6).contains(&healthy[95]), "{} {}", healthy[50], healthy[95]);
     // In white noise about 12.
     assert!((8.0..13.0).contains(&defect[5]), "{}", defect[5]);
 }

@@ -170,14 +170,17 @@ fn strength(
     let weights = order.weights.map(f64::from);
     let total: f64 = weights.iter().sum();
     let first = &sums[0];
-    // The power of a harmonic without what stays in phase from block to block, within one and four times the noise
-    // of the control orders.
+    // The power of a harmonic without twice what stays in phase from block to block; of what exceeds twice the noise of
+    // the control orders, twice as much is noise too, up to four times that of the control orders.
     let controls = |h: usize| variance((h + 1) as f64 * f64::from(order.order_q16) / 65_536.0);
     let at = |h: usize| {
         let control = controls(h);
-        let in_phase = sums[h].lags[1].norm() * first.pairs[0] / first.pairs[1];
-        let own = (sums[h].lags[0].re - 1.5 * in_phase) / sums[h].weight;
-        if first.pairs[1] > 0.0 { own.clamp(control, 4.0 * control) } else { control }
+        let norm = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let lagged: Vec<f64> = sums[h].lags[1..].iter().map(|r| r.norm()).collect();
+        let in_phase = norm(&lagged) / norm(&first.pairs[1..]) * first.pairs[0];
+        let own = (sums[h].lags[0].re - 2.0 * in_phase) / sums[h].weight;
+        let excess = if own.is_nan() { 0.0 } else { (own / control - 2.0).max(0.0) };
+        control * (1.0 + 2.0 * excess).min(4.0)
     };
     let base = controls(0);
     // ψ for a slip of one.

@@ -13,9 +13,9 @@
 //! alone: the mean drag m of the pulses, whose sign is known, against what noise and healthy drives do to it. C is the
 //! covariance of B, Tc and the flux of healthy drives, Δ what the spall adds to them. (3) is both as independent
 //! evidence. The bound is the largest of the three, averaged over records. It assumes that the detector knows every
-//! parameter of the record but friction, phase and slip, and loses no sample; a load that is measured is exact. With
-//! all effects together the noise at the bearing's order is not that of the sensors: it is what the core finds there in
-//! other healthy records, with the filters that training has chosen.
+//! parameter of the record but friction, phase and slip, and loses no sample; a load that is measured is exact. Under
+//! cogging, angle errors, a bad load sensor, compliance or a current chain the noise at the bearing's order is not that
+//! of the sensors: it is what the core finds there in other healthy records, with the filters that training has chosen.
 
 pub mod energy;
 pub mod render;
@@ -38,10 +38,18 @@ use crate::train::train;
 use energy::{HARMONICS, Spall};
 
 /// Rows that are bounded by default: those that find little, and MIX for comparison.
-pub const ROWS: [&str; 10] = [
+pub const ROWS: [&str; 18] = [
     "mix",
     "temperature",
+    "load-friction",
+    "stribeck",
+    "cogging",
+    "angle-errors",
+    "bad-load-sensor",
     "no-load-sensor",
+    "payload",
+    "current-chain",
+    "slip",
     "slip-300-turns",
     "duty-one-way",
     "duty-constant",
@@ -98,7 +106,7 @@ pub fn bound(row: &Row, settings: &Settings) -> Result<Bounded, Error> {
     let found = [found(&row, &order)?, found(&row, settings)?];
     let core_floors = measured_floors(&row)?;
     let core_floor_nm = root_mean_square(&core_floors);
-    let spalls = spalls(&row, if row.judged.name.starts_with("field-") { &core_floors } else { &[] })?;
+    let spalls = spalls(&row, if is_disturbed(row.judged.name) { &core_floors } else { &[] })?;
     let population = healthy_precision(&row);
     let column = |severity: f64| COLUMNS.iter().position(|own| *own == Defect { kind: DefectKind::Spall, severity });
     let sizes: Vec<f64> = COLUMNS.iter().filter(|own| own.kind == DefectKind::Spall).map(|own| own.severity).collect();
@@ -122,6 +130,12 @@ pub fn bound(row: &Row, settings: &Settings) -> Result<Bounded, Error> {
     };
     let floor_nm = root_mean_square(&spalls.iter().map(|spall| spall.floor_nm).collect::<Vec<_>>());
     Ok(Bounded { row: row.name(), floor_nm, core_floor_nm, bounds: sizes.into_iter().map(each).collect() })
+}
+
+/// Whether more than the noise of the sensors disturbs the bearing's order under a condition.
+fn is_disturbed(condition: &str) -> bool {
+    ["cogging", "angle-errors", "bad-load-sensor", "payload", "current-chain"].contains(&condition)
+        || condition.starts_with("field-")
 }
 
 /// The tallies of all draws in which training accepted the set.
