@@ -19,8 +19,9 @@
 //! of the mechanics or a line of the rotor may leave more noise at an order than between the control orders, above all
 //! at constant speed. It is in the power R(h, 0) of each block, but it does not stay in phase from one block to the next
 //! as a defect does. (9) takes it for noise if less than half of the power stays in phase; pulses of a defect vary, so
-//! some of theirs does not either. Power of less than twice `σ_c²` is within the scatter of few blocks and does not
-//! count, from three times on all of it. The limit of four keeps strong defects from counting as noise.
+//! some of theirs does not either. V(d) of the first harmonic stands for all; their ratios are the same. Power of less
+//! than twice `σ_c²` is within the scatter of few blocks and does not count, from three times on all of it. The limit of
+//! four keeps strong defects from counting as noise.
 //!
 //! (1) is a spectral estimate by few lags (Blackman and Tukey) near the kinematic order, one slip for all harmonics.
 //! Without a defect P at one δ is a χ² of ν degrees of freedom, whatever the number of turns; its cube root is nearly
@@ -32,8 +33,8 @@
 //! (7): the imaginary part of a product of two blocks of noise has the variance `σ⁴ W_n W_m/2`, and P′ is a sum of
 //! 2 (1 − d/7) d h of them. A product of noise and defect adds at most 2 |A|² W/`σ_c²` times as much; pairs before and
 //! after a block have opposite signs, so at constant speed most of it cancels, and next to a reversal none. (7) counts
-//! half. A motion that reverses adds a systematic error of about 0.001 to the slip of a defect: the middle of a passage that
-//! reverses is not that of its cell.
+//! half. A motion that reverses adds a systematic error of about 0.001 to the slip of a defect: the middle of a passage
+//! that reverses is not that of its cell.
 
 use core::f32::consts::PI;
 

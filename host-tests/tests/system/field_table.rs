@@ -81,7 +81,7 @@ fn the_order_alone_stays_below_its_bound() {
         [number(value), number(rest.split_once(',').expect("two ends").0)]
     };
     let (_, rows) = rows.split_first().expect("a heading");
-    assert_eq!(rows.len(), 32);
+    assert_eq!(rows.len(), 72);
     let mut near = 0;
     for row in rows {
         let [bound, together] = [5, 7].map(|column| number(row[column]));
@@ -90,6 +90,6 @@ fn the_order_alone_stays_below_its_bound() {
         assert!(order_low <= bound + 1.0 && found_low <= together + 1.0, "{row:?}");
         near += usize::from(order > 0.5 * bound);
     }
-    // If no row reached half of its bound, the bounds would not explain what limits the detector.
-    assert!(near >= 15, "{near}");
+    // If few rows reached half of their bound, the bounds would not explain what limits the detector.
+    assert!(near >= 54, "{near}");
 }
