@@ -181,7 +181,6 @@ impl SlipSearch {
     }
 
     /// Adds the terms of a harmonic to those of equal phase.
-    #[inline(never)]
     fn combine(&mut self, sums: &LineSums, noise: &NoiseLine, order: &TrackedOrder, h: usize) {
         let own = (order.weights.get(h), sums.power.get(h), sums.weight.get(h), sums.lags.get(h));
         let (Some(weight), Some(power), Some(total), Some(lags)) = own else { return };
@@ -218,7 +217,6 @@ impl SlipSearch {
     }
 
     /// (1), where ψ is so many turns.
-    #[inline(never)]
     fn spectrum(&self, turns: f32) -> f32 {
         self.constant + real_sum(&self.terms, turns)
     }
