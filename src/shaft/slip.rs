@@ -17,11 +17,11 @@
 //!
 //! The noise at the order's harmonic h is `σ_h²`, at least `σ_c²` of the control orders ([`super::noise`]). A resonance
 //! of the mechanics or a line of the rotor may leave more noise at an order than between the control orders, above all
-//! at constant speed. It is in the power R(h, 0) of each block, but it does not stay in phase from one block to the next
-//! as a defect does. (9) takes it for noise if less than half of the power stays in phase; pulses of a defect vary, so
-//! some of theirs does not either. V(d) of the first harmonic stands for all; their ratios are the same. Power of less
-//! than twice `σ_c²` is within the scatter of few blocks and does not count, from three times on all of it. The limit of
-//! four keeps strong defects from counting as noise.
+//! at constant speed. It is in the power R(h, 0) of each block, but it does not stay in phase from one block to the
+//! next as a defect does. (9) takes it for noise if less than half of the power stays in phase; pulses of a defect
+//! vary, so some of theirs does not either. V(d) of the first harmonic stands for all; their ratios are the same. Power
+//! of less than twice `σ_c²` is within the scatter of few blocks and does not count, from three times on all of it.
+//! The limit of four keeps strong defects from counting as noise.
 //!
 //! (1) is a spectral estimate by few lags (Blackman and Tukey) near the kinematic order, one slip for all harmonics.
 //! Without a defect P at one δ is a χ² of ν degrees of freedom, whatever the number of turns; its cube root is nearly

@@ -156,8 +156,8 @@ fn a_resonance_counts_for_less_than_a_defect() {
     let (healthy, defect) = (of(0.0), of(0.06));
     std::println!("median {}, 95 %: {}, a defect's 5 %: {}", healthy[50], healthy[95], defect[5]);
     // With the noise of the control orders alone the median would be 4.5 and the 95 % quantile 6.3; the limit of four
-    // times leaves a third of the noise, and blocks next to each other are dependent. Standard errors of 100 scores: 0.2
-    // of the median, 0.3 of the quantile.
+    // times leaves a third of the noise, and blocks next to each other are dependent. Standard errors of 100 scores:
+    // 0.2 of the median, 0.3 of the quantile.
     assert!((0.7..2.0).contains(&healthy[50]) && (3.5..5.6).contains(&healthy[95]), "{} {}", healthy[50], healthy[95]);
     // In white noise about 12.
     assert!((8.0..13.0).contains(&defect[5]), "{}", defect[5]);

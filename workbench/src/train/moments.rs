@@ -80,12 +80,14 @@ struct Sums {
 /// themselves is singular, it is the result; whitening it finds the feature.
 pub(crate) fn moments(rows: &[Observed<'_>], classes: usize) -> Moments {
     let patterns = patterns(rows);
-    let mut found = start(rows, classes);
+    let errors = mean_errors(rows);
+    let mut found = start(rows, classes, &errors);
     // The iteration approaches a singular covariance without reaching it.
     if let Some(singular) = singular(rows, classes) {
         return Moments { covariance: singular, ..found };
     }
-    let deviation = deviations(rows, &found.covariance);
+    // Typical deviations of values with errors.
+    let deviation = (found.covariance.diagonal() + &errors).map(f64::sqrt);
     let size = |step: &DMatrix<f64>| step.map_with_location(|i, j, x| x / (deviation[i] * deviation[j]));
     let mut boldest = 1.0_f64;
     for _ in 0..MOST {
@@ -104,14 +106,9 @@ pub(crate) fn moments(rows: &[Observed<'_>], classes: usize) -> Moments {
         }
     }
     if whitening(&found.covariance).is_err() {
-        found.covariance += DMatrix::from_diagonal(&(mean_errors(rows) * ADDED_PART));
+        found.covariance += DMatrix::from_diagonal(&(errors * ADDED_PART));
     }
     found
-}
-
-/// Typical deviations of values with errors, from the covariance at the start.
-fn deviations(rows: &[Observed<'_>], covariance: &DMatrix<f64>) -> DVector<f64> {
-    (covariance.diagonal() + mean_errors(rows)).map(f64::sqrt)
 }
 
 /// Mean variance of the errors of each feature's available values.
@@ -136,10 +133,10 @@ fn step(
 }
 
 /// Means and variances of each feature alone; the part of the variance that the errors do not explain.
-fn start(rows: &[Observed<'_>], classes: usize) -> Moments {
-    let features = rows.first().map_or(0, |row| row.value.len());
+fn start(rows: &[Observed<'_>], classes: usize, errors: &DVector<f64>) -> Moments {
+    let features = errors.len();
     let mut means = vec![DVector::zeros(features); classes];
-    let (mut variances, errors) = (DVector::zeros(features), mean_errors(rows));
+    let mut variances = DVector::zeros(features);
     for feature in 0..features {
         let own = || rows.iter().filter(move |row| row.variance[feature].is_finite());
         let mut scatter = 0.0;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::common::{refuse, run, succeed};
+use crate::common::{refuse, rewrite_column, run, succeed};
 use serde_json::Value;
 
 const TRAIN: &str = "train --y current_a --u1 velocity_ref_rad_s --u2 load_torque_nm --order 2,1,2,1,1";
@@ -212,26 +212,12 @@ fn a_drift_over_the_runs_is_told() {
     let labels = std::fs::read_to_string(dir.join("train/labels.csv")).expect("labels");
     for (k, line) in labels.lines().skip(1).enumerate() {
         let path = dir.join("train").join(line.split(',').next().expect("a name"));
-        scale_current(&path, 1.0 + 0.03 * (k / 4) as f64);
+        let gain = 1.0 + 0.03 * (k / 4) as f64;
+        rewrite_column(&path, &path, "current_a", |cell| (gain * cell.parse::<f64>().expect("a number")).to_string());
     }
     let train = format!("{TRAIN} --labels train/labels.csv --model m.bwm --group run --features b1 --false-alarm 0.05");
     let said = succeed(dir, &train);
     assert!(said.contains(" The runs drift: b1 by ") && said.contains("train again before"), "{said}");
     let steady = succeed(dir, &train.replace("--group run ", ""));
     assert!(!steady.contains("drift"), "{steady}");
-}
-
-/// Multiplies the column `current_a` of a trace.
-fn scale_current(path: &Path, factor: f64) {
-    let text = std::fs::read_to_string(path).expect("a trace");
-    let place = text.lines().next().and_then(|head| head.split(',').position(|own| own == "current_a"));
-    let place = place.expect("a current");
-    let scaled = |(k, line): (usize, &str)| {
-        let mut cells: Vec<String> = line.split(',').map(String::from).collect();
-        if k > 0 {
-            cells[place] = (factor * cells[place].parse::<f64>().expect("a number")).to_string();
-        }
-        cells.join(",") + "\n"
-    };
-    std::fs::write(path, text.lines().enumerate().map(scaled).collect::<String>()).expect("writable");
 }

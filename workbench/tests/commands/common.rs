@@ -35,3 +35,16 @@ pub fn refuse(folder: &Path, arguments: &str, expected: &[&str]) {
     }
     assert_eq!(files(), before, "{arguments}");
 }
+
+/// Writes a trace with another column of this name: each of its cells is that of `of`.
+pub fn rewrite_column(from: &Path, to: &Path, column: &str, of: impl Fn(&str) -> String) {
+    let text = std::fs::read_to_string(from).expect("a trace");
+    let (head, rows) = text.split_once('\n').expect("a heading");
+    let place = head.split(',').position(|own| own == column).expect("the column");
+    let row = |line: &str| {
+        let mut cells: Vec<String> = line.split(',').map(String::from).collect();
+        cells[place] = of(&cells[place]);
+        cells.join(",") + "\n"
+    };
+    std::fs::write(to, format!("{head}\n") + &rows.lines().map(row).collect::<String>()).expect("writable");
+}

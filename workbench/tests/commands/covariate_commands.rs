@@ -1,6 +1,6 @@
 //! Covariates and a baseline on the command line.
 
-use super::common::{refuse, succeed};
+use super::common::{refuse, rewrite_column, succeed};
 use serde_json::Value;
 
 const TRAIN: &str = "train --healthy healthy --y current_a --u1 velocity_ref_rad_s --u2 load_torque_nm --order 2,1,2,1,1 \
@@ -33,16 +33,8 @@ fn a_temperature_explains_friction_and_its_range_is_kept() {
     // The same record, but the thermometer shows 60 °C more than the hottest one: nothing is left to decide by.
     let record = std::fs::read_dir(dir.join("test")).expect("folder").filter_map(Result::ok);
     let name = record.map(|own| own.file_name().into_string().expect("name")).find(|name| name.contains("_000"));
-    let text = std::fs::read_to_string(dir.join("test").join(name.expect("a record"))).expect("readable");
-    let place = text.lines().next().and_then(|head| head.split(',').position(|own| own == "temperature_c"));
-    let hot = |line: &str| {
-        let mut cells: Vec<String> = line.split(',').map(String::from).collect();
-        cells[place.expect("a column")] = "180".into();
-        cells.join(",")
-    };
-    let lines: Vec<String> =
-        text.lines().enumerate().map(|(k, own)| if k == 0 { own.into() } else { hot(own) }).collect();
-    std::fs::write(dir.join("hot.csv"), lines.join("\n") + "\n").expect("writable");
+    let record = dir.join("test").join(name.expect("a record"));
+    rewrite_column(&record, &dir.join("hot.csv"), "temperature_c", |_| "180".into());
     let said = succeed(dir, "replay --model m.bwm hot.csv");
     assert!(said.contains("covariate mean_temperature_c is outside the range"), "{said}");
     let replayed = json(&succeed(dir, "replay --model m.bwm hot.csv --json"));

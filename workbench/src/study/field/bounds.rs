@@ -30,8 +30,8 @@ use super::tally::{Tally, rate};
 use super::{Settings, run};
 use crate::Error;
 use crate::evaluate::Rate;
-use crate::rig::field::FieldValues;
-use crate::rig::{Defect, DefectKind, Scenario, simulate};
+use crate::rig::field::{FieldValues, LoadMeasurement};
+use crate::rig::{Condition, Defect, DefectKind, Scenario, simulate};
 use crate::study::campaign::run::traces;
 use crate::trace::labels::LabelledTrace;
 use crate::train::train;
@@ -106,7 +106,7 @@ pub fn bound(row: &Row, settings: &Settings) -> Result<Bounded, Error> {
     let found = [found(&row, &order)?, found(&row, settings)?];
     let core_floors = measured_floors(&row)?;
     let core_floor_nm = root_mean_square(&core_floors);
-    let spalls = spalls(&row, if is_disturbed(row.judged.name) { &core_floors } else { &[] })?;
+    let spalls = spalls(&row, if is_disturbed(&row.judged) { &core_floors } else { &[] })?;
     let population = healthy_precision(&row);
     let column = |severity: f64| COLUMNS.iter().position(|own| *own == Defect { kind: DefectKind::Spall, severity });
     let sizes: Vec<f64> = COLUMNS.iter().filter(|own| own.kind == DefectKind::Spall).map(|own| own.severity).collect();
@@ -133,9 +133,14 @@ pub fn bound(row: &Row, settings: &Settings) -> Result<Bounded, Error> {
 }
 
 /// Whether more than the noise of the sensors disturbs the bearing's order under a condition.
-fn is_disturbed(condition: &str) -> bool {
-    ["cogging", "angle-errors", "bad-load-sensor", "payload", "current-chain"].contains(&condition)
-        || condition.starts_with("field-")
+fn is_disturbed(condition: &Condition) -> bool {
+    condition.field.is_some_and(|field| {
+        matches!(field.load, LoadMeasurement::Sensor(_))
+            || field.magnetics.is_some()
+            || field.resolver.is_some()
+            || field.mechanics.is_some()
+            || field.current_chain.is_some()
+    })
 }
 
 /// The tallies of all draws in which training accepted the set.
@@ -265,6 +270,14 @@ mod tests {
         assert!(healthy_precision(&row).is_none());
         let rate = |severity| spalls.iter().map(|own| powers(own, None, severity)[0]).sum::<f64>() / 60.0;
         assert!(rate(0.125) > 0.5 && rate(0.125) < 1.0 && rate(1.0 / 64.0) < 0.3, "{}", rate(0.125));
+    }
+
+    #[test]
+    fn what_disturbs_the_order_is_told_by_the_effects() {
+        let found: Vec<&str> = Condition::all().filter(is_disturbed).map(|own| own.name).collect();
+        let single = ["cogging", "angle-errors", "bad-load-sensor", "payload", "current-chain"];
+        let all = ["field-sine", "field-duties", "field-any", "field-stiff"];
+        assert_eq!(found, [&single[..], &all[..]].concat());
     }
 
     #[test]
