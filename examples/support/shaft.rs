@@ -29,7 +29,7 @@ bearing_watch::plan! {
         }),
         shaft: Some(ShaftLayout {
             current: current_a,
-            velocity: velocity_rad_s,
+            velocity: Some(velocity_rad_s),
             load: Some(load_nm),
             orders: 4,
             harmonics: 3,
@@ -52,7 +52,7 @@ bearing_watch::plan! {
     layout: Layout {
         shaft: Some(ShaftLayout {
             current: current_a,
-            velocity: velocity_rad_s,
+            velocity: Some(velocity_rad_s),
             load: None,
             orders: 1,
             harmonics: 1,

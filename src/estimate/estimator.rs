@@ -207,12 +207,11 @@ impl<P: Plan> RegressionSolve<P> {
             })
         };
         match outcome {
-            Ok(false) => return false,
-            Ok(true) if !self.solved => {
-                self.solved = true;
+            Ok(solved) if !self.solved => {
+                self.solved = solved;
                 return false;
             }
-            Ok(true) => {}
+            Ok(_) => {}
             Err(reason) => estimate.reason = Some(reason),
         }
         let mass = sums.sums.mass(memory, constants.forgetting.lambda, sums.count);

@@ -66,9 +66,11 @@ impl Reader<'_> {
         Name::from_bytes(self.array()?).ok_or(ModelError::OutOfRange(field))
     }
 
-    fn signal(&mut self) -> Result<Signal, ModelError> {
-        let (channel, minus) = (self.u8()?, self.u8()?);
-        Ok(Signal { channel, minus: (minus != NONE).then_some(minus) })
+    /// Three signals of one part; a channel that a signal does not have is `NONE`.
+    fn signals(&mut self) -> Result<[Signal; 3], ModelError> {
+        let [c0, m0, c1, m1, c2, m2] = self.array()?;
+        let signal = |channel, minus: u8| Signal { channel, minus: (minus != NONE).then_some(minus) };
+        Ok([signal(c0, m0), signal(c1, m1), signal(c2, m2)])
     }
 
     pub(super) fn layout(&mut self) -> Result<Layout, ModelError> {
@@ -81,12 +83,13 @@ impl Reader<'_> {
                 1 => Memory::LongSegment,
                 _ => Memory::Fading,
             };
-            let (y, u1, u2) = (self.signal()?, self.signal()?, self.signal()?);
+            let [y, u1, u2] = self.signals()?;
             layout.regression = Some(RegressionLayout { structure, method, memory, y, u1, u2 });
         }
         if self.flag(Field::Layout)? {
-            let (current, velocity) = (self.signal()?, self.signal()?);
-            let load = if self.flag(Field::Layout)? { Some(self.signal()?) } else { None };
+            let [current, velocity, load] = self.signals()?;
+            let measured = |signal: Signal| (signal.channel != NONE).then_some(signal);
+            let (velocity, load) = (measured(velocity), measured(load));
             let (orders, harmonics) = (self.u8()?, self.u8()?);
             layout.shaft = Some(ShaftLayout { current, velocity, load, orders, harmonics });
         }

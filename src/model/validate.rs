@@ -179,7 +179,11 @@ const fn check_shaft(layout: &ShaftLayout, shaft: &ShaftParts<'_>, parts: &Parts
     require!(all_within(&velocities, 1e-6, 1e6) && all_within(&[balance.usual_load_nm], 0.0, 1e6), BalanceVelocity);
     require!(balance.row_spread >= 1.0 && balance.row_spread <= 1e3, RowInterval);
     require!(all_powers_of_two(&balance.scale) && all_within(&balance.scale, 0.0, f32::MAX), BalanceScale);
-    let velocity = limit_of(parts.channels, layout.velocity);
+    let velocity = match layout.velocity {
+        Some(velocity) => limit_of(parts.channels, velocity),
+        // An angle differs by at most half a turn from the last one.
+        None => core::f32::consts::PI / balance.interval_s,
+    };
     let load = match layout.load {
         Some(load) => limit_of(parts.channels, load),
         None => 1.0,

@@ -47,9 +47,10 @@ impl Writer<'_> {
         }
         self.bytes(&[u8::from(layout.shaft.is_some())])?;
         if let Some(ShaftLayout { current, velocity, load, orders, harmonics }) = layout.shaft {
-            [current, velocity].into_iter().try_for_each(|signal| self.signal(signal))?;
-            self.bytes(&[u8::from(load.is_some())])?;
-            load.map_or(Ok(()), |load| self.signal(load))?;
+            self.signal(current)?;
+            for measured in [velocity, load] {
+                self.signal(measured.unwrap_or(Signal::channel(NONE)))?;
+            }
             self.bytes(&[orders, harmonics])?;
         }
         let quadratic = u8::from(layout.discriminant == Kind::Quadratic);

@@ -103,8 +103,8 @@ pub struct RegressionLayout {
 pub struct ShaftLayout {
     /// Quadrature or armature current, A; positive current accelerates forwards.
     pub current: Signal,
-    /// Measured velocity, rad/s.
-    pub velocity: Signal,
+    /// Measured velocity, rad/s; `None` takes it from the differences of the angle.
+    pub velocity: Option<Signal>,
     /// Load torque against positive motion, N·m; `None` if it is not measured.
     pub load: Option<Signal>,
     /// Number of bearing orders.
@@ -152,11 +152,21 @@ impl ShaftLayout {
     /// The channels that the shaft uses, as a bit mask.
     #[inline(always)]
     pub(crate) const fn mask(&self) -> u16 {
-        let load = match self.load {
-            Some(load) => load.mask(),
-            None => 0,
-        };
-        self.current.mask() | self.velocity.mask() | load
+        self.current.mask() | mask(self.velocity) | mask(self.load)
+    }
+
+    /// Whether the shaft needs the angle: for bearing orders, or for the velocity.
+    #[inline(always)]
+    pub(crate) const fn needs_angle(&self) -> bool {
+        self.orders > 0 || self.velocity.is_none()
+    }
+}
+
+#[inline(always)]
+const fn mask(signal: Option<Signal>) -> u16 {
+    match signal {
+        Some(signal) => signal.mask(),
+        None => 0,
     }
 }
 

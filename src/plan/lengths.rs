@@ -45,7 +45,7 @@ impl Layout {
     #[inline]
     #[must_use]
     pub const fn needs_angle(&self) -> bool {
-        matches!(self.shaft, Some(shaft) if shaft.orders > 0)
+        matches!(self.shaft, Some(shaft) if shaft.needs_angle())
     }
 
     /// 1 with a regression, else 0; likewise the sizes below.

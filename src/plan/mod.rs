@@ -117,7 +117,7 @@ pub trait Plan: Copy + PartialEq + Printable + 'static {
 ///
 /// The layout is an expression in which each channel stands for its [`Signal`]. A layout whose parts do not fit does
 /// not compile. Channels are `f32` in the unit named; `with angle` adds the field `angle`, which a plan with bearing
-/// orders needs.
+/// orders, or with a shaft without a channel of its velocity, needs.
 ///
 /// ```
 /// use bearing_watch::plan::{Kind, Layout, Memory, Method, RegressionLayout, Structure};
@@ -208,7 +208,7 @@ macro_rules! plan {
                 let angle: &[&str] = &[$(stringify!($angle))?];
                 assert!(
                     LAYOUT.needs_angle() == (angle.len() == 1),
-                    "a plan with bearing orders has a sample `with angle`; a plan without them has none"
+                    "a plan with bearing orders, or without a velocity, has a sample `with angle`; other plans have none"
                 );
             };
 

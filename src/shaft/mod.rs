@@ -11,6 +11,10 @@
 //! delayed to the slowest one. Otherwise a lag times the rate of the load would be estimated as friction. The shaft is
 //! fed at every sample of the detector, whether or not the regression averages samples in blocks.
 //!
+//! A plan without a channel of the velocity takes it from the angle: the mean over the last interval, half a sample
+//! behind the angle. The noise of a velocity channel, differentiated, is what hides small defects; the angle often has
+//! less.
+//!
 //! A sample that may not be used is replaced by the last one, and the residual pauses until only measured samples are
 //! in it: one lost sample costs a few samples. After a long gap the filters start afresh; the phases of the orders
 //! continue if the shaft turned less than half a turn in it.
@@ -51,6 +55,8 @@ pub const MAX_LAG: f32 = 5.0;
 /// Samples kept for the delay: an interpolation reads one sample beyond the longest lag, the middle of an interval one
 /// more.
 const RING: u8 = 8;
+/// A count of 2⁻³² turn, rad.
+const RAD_A_COUNT: f32 = core::f32::consts::PI / 2_147_483_648.0;
 /// Lost samples in a row that are bridged.
 const BRIDGE: u8 = 8;
 
@@ -227,19 +233,23 @@ impl<P: Plan> Shaft<P> {
     /// Takes a sample; `good` says whether all channels of the shaft may be used.
     #[inline(always)]
     pub fn step(&mut self, plan: P, constants: &ShaftConstants<P>, sample: &P::Sample, good: bool) {
-        let Some(ShaftLayout { current, velocity, load, harmonics, .. }) = plan.layout().shaft else {
+        let Some(ShaftLayout { current, velocity, load, orders, harmonics }) = plan.layout().shaft else {
             return;
         };
         let has_load = load.is_some();
         let last = self.back(0);
         self.place = self.place.wrapping_add(1) % RING;
         let moment = if good {
+            let velocity_rad_s = match velocity {
+                Some(velocity) => read(velocity, sample),
+                None => self.mean_velocity_rad_s(constants.balance.interval_s, sample.angle().since(last.angle)),
+            };
             self.lost = 0;
             let load_nm = load.map_or(0.0, |load| read(load, sample));
-            let (current_a, velocity_rad_s) = (read(current, sample), read(velocity, sample));
+            let current_a = read(current, sample);
             Moment { torques: Torques { current_a, velocity_rad_s, load_nm }, angle: sample.angle() }
         } else {
-            self.lose();
+            self.lose(velocity.is_none());
             last
         };
         if let Some(cell) = self.ring.get_mut(self.place as usize) {
@@ -267,7 +277,7 @@ impl<P: Plan> Shaft<P> {
         }
         let frictions = constants.balance.frictions(&now);
         self.balance.step(&constants.balance, has_load, &now, &frictions, clean);
-        if plan.layout().needs_angle() {
+        if orders > 0 {
             let tracking = &constants.tracking;
             let p = self.balance.present();
             let residual = self.residual.step(&constants.balance, &tracking.blocks, p, &now, &frictions, clean);
@@ -275,12 +285,19 @@ impl<P: Plan> Shaft<P> {
         }
     }
 
-    /// Counts a lost sample; too many in a row are not bridged.
+    /// The mean velocity since the last good sample, in which the angle turned so many counts of 2⁻³² turn.
+    #[inline(always)]
+    fn mean_velocity_rad_s(&self, interval_s: f32, turned: i32) -> f32 {
+        turned as f32 * RAD_A_COUNT / (interval_s * f32::from(self.lost.saturating_add(1)))
+    }
+
+    /// Counts a lost sample; too many in a row are not bridged. A velocity that is `differenced` is that between a sample
+    /// and the last one, so that a lost sample spoils one more.
     #[cold]
     #[inline(never)]
-    fn lose(&mut self) {
+    fn lose(&mut self, differenced: bool) {
         self.lost = self.lost.saturating_add(1);
-        self.spoilt = self.delays.spoilt;
+        self.spoilt = self.delays.spoilt.saturating_add(u8::from(differenced));
         if self.lost > BRIDGE {
             self.filling = FILLING;
         }

@@ -5,7 +5,7 @@ use std::vec;
 /// Current, velocity, load.
 fn plan() -> RunTime {
     let [current, velocity, load] = [0, 1, 2].map(Signal::channel);
-    let shaft = ShaftLayout { current, velocity, load: Some(load), orders: 0, harmonics: 1 };
+    let shaft = ShaftLayout { current, velocity: Some(velocity), load: Some(load), orders: 0, harmonics: 1 };
     let layout = Layout { channels: 3, shaft: Some(shaft), features: 1, coordinates: 1, classes: 1, ..Layout::EMPTY };
     RunTime::of(layout).unwrap()
 }

@@ -1,6 +1,6 @@
 //! A plan that is fixed when compiling and the same layout at run time give the same bits.
 
-use bearing_watch::model::{Feature, ShaftConstants};
+use bearing_watch::model::{Feature, Lags, ShaftConstants};
 use bearing_watch::plan::{
     Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, RunTime, RunTimeSample, ShaftLayout, Signals,
 };
@@ -168,7 +168,7 @@ bearing_watch::plan! {
         }),
         shaft: Some(ShaftLayout {
             current: current_a,
-            velocity: velocity_rad_s,
+            velocity: Some(velocity_rad_s),
             load: Some(load_nm),
             orders: 3,
             harmonics: 3,
@@ -188,11 +188,24 @@ bearing_watch::plan! {
     layout: Layout {
         shaft: Some(ShaftLayout {
             current: current_a,
-            velocity: velocity_rad_s,
+            velocity: Some(velocity_rad_s),
             load: None,
             orders: 0,
             harmonics: 1,
         }),
+        features: 2,
+        coordinates: 1,
+        classes: 1,
+        ..Layout::EMPTY
+    }
+}
+
+bearing_watch::plan! {
+    /// The torque balance of a drive that measures nothing but current and angle.
+    struct Resolver;
+    struct ResolverSample with angle { current_a: "A" }
+    layout: Layout {
+        shaft: Some(ShaftLayout { current: current_a, velocity: None, load: None, orders: 0, harmonics: 1 }),
         features: 2,
         coordinates: 1,
         classes: 1,
@@ -228,6 +241,19 @@ fn the_torque_balance_alone() {
     let sample = |Motion { current_a, velocity_rad_s, reference_rad_s, .. }| {
         let spoilt = reference_rad_s > 84.0;
         FrictionSample { current_a, velocity_rad_s: if spoilt { reference_rad_s } else { velocity_rad_s } }
+    };
+    same_bits(&model, spoilt_motions().map(sample));
+}
+
+#[test]
+fn the_torque_balance_with_the_velocity_of_the_angle() {
+    let features = [Feature::Friction(FrictionTerm::Drag), Feature::LogFrictionVariance];
+    let lags = Lags { velocity: 0.5, ..lag(0.9) };
+    let model = model(Resolver, &features, Some(&shaft(Resolver, lags)));
+    // Here it is the current that is spoilt.
+    let sample = |Motion { current_a, reference_rad_s, angle, .. }| ResolverSample {
+        current_a: if reference_rad_s > 84.0 { reference_rad_s } else { current_a },
+        angle,
     };
     same_bits(&model, spoilt_motions().map(sample));
 }

@@ -26,7 +26,7 @@ bearing_watch::plan! {
         }),
         shaft: Some(ShaftLayout {
             current: current_a,
-            velocity: velocity_rad_s,
+            velocity: Some(velocity_rad_s),
             load: None,
             orders: 3,
             harmonics: 3,

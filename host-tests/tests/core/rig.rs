@@ -83,20 +83,33 @@ pub fn shaft<P: Plan>(plan: P, lags: Lags) -> ShaftConstants<P> {
 
 /// A model that watches the shaft alone, with or without a measured load; segments of the given length.
 pub fn model(lags: Lags, load: bool, segment_samples: u32) -> Model<RunTime> {
+    let [current, velocity, _, limit] = LIMITS;
+    let all = [(true, current), (true, velocity), (load, limit)];
+    let limits: Vec<f32> = all.into_iter().filter_map(|(measured, limit)| measured.then_some(limit)).collect();
     let signal = Signal::channel;
-    let watched =
-        ShaftLayout { current: signal(0), velocity: signal(1), load: load.then(|| signal(2)), orders: 3, harmonics: 3 };
-    let channels = if load { 3 } else { 2 };
+    of_signals([signal(0).into(), signal(1).into(), load.then(|| signal(2))], &limits, lags, segment_samples)
+}
+
+/// The same of a current and a load with the velocity of the angle.
+pub fn model_of_angle(lags: Lags, segment_samples: u32) -> Model<RunTime> {
+    let [current, _, _, load] = LIMITS;
+    of_signals([Some(Signal::channel(0)), None, Some(Signal::channel(1))], &[current, load], lags, segment_samples)
+}
+
+/// A model of current, velocity and load, as far as there are channels.
+fn of_signals(signals: [Option<Signal>; 3], limits: &[f32], lags: Lags, segment_samples: u32) -> Model<RunTime> {
+    let [current, velocity, load] = signals;
+    let current = current.expect("a current");
+    let watched = ShaftLayout { current, velocity, load, orders: 3, harmonics: 3 };
+    let channels = limits.len() as u8;
     let layout = Layout { channels, shaft: Some(watched), features: 1, coordinates: 1, classes: 1, ..Layout::EMPTY };
     let plan = RunTime::of(layout).expect("a plan");
     let mut shaft = shaft(plan, lags);
-    if !load {
+    if load.is_none() {
         shaft.balance.nominal[3] = 0.0;
     }
     let features = [Feature::Friction(FrictionTerm::Drag)];
-    let [current, velocity, _, load] = LIMITS;
-    let limits = [current, velocity, load];
-    Model::new(plan, constants(plan, segment_samples, &limits, &features, Some(&shaft))).expect("a good model")
+    Model::new(plan, constants(plan, segment_samples, limits, &features, Some(&shaft))).expect("a good model")
 }
 
 /// The standard rig with a defect of full size.
@@ -123,7 +136,14 @@ pub fn motions(trace: &RigTrace, bits: u32) -> Vec<Motion> {
 pub fn run(model: &Model<RunTime>, motions: &[Motion]) -> Report<RunTime> {
     let mut detector = Detector::new(model);
     let channels = model.constants().channels.len();
-    assert!(motions.iter().all(|motion| detector.step(&motion.sample(channels)).is_none()), "longer than a segment");
+    let differenced = model.plan().layout().shaft.is_some_and(|shaft| shaft.velocity.is_none());
+    let sample = |motion: &Motion| match motion {
+        Motion { current_a, load_nm, angle, .. } if differenced => {
+            RunTimeSample { values: vec![*current_a, *load_nm], angle: *angle }
+        }
+        _ => motion.sample(channels),
+    };
+    assert!(motions.iter().all(|motion| detector.step(&sample(motion)).is_none()), "longer than a segment");
     detector.finish()
 }
 

@@ -9,7 +9,7 @@ use workbench::rig::{BearingGeometry, Defect, DefectKind, NoiseSource, Scenario,
 mod oracle;
 mod orders;
 
-use crate::rig::{Motion, lag, model, motions, parameters, run, trace};
+use crate::rig::{Motion, lag, model, model_of_angle, motions, parameters, run, trace};
 
 /// More samples than any of the streams has.
 const OPEN: u32 = 100_000;
@@ -98,6 +98,48 @@ fn nominal_parameters_and_the_high_pass_are_those_of_the_oracle() {
 }
 
 /// A shaft that stops for good while, and comes back the other way: the sine reverses by itself.
+/// The motions with the mean velocity since the last sample that is not lost.
+fn differenced(mut motions: Vec<Motion>) -> Vec<Motion> {
+    let mut last: Option<(usize, bearing_watch::Angle)> = None;
+    for (k, motion) in motions.iter_mut().enumerate().filter(|(_, motion)| motion.current_a.is_finite()) {
+        if let Some((from, angle)) = last.replace((k, motion.angle)) {
+            let turns = f64::from(motion.angle.since(angle)) / 4_294_967_296.0;
+            motion.velocity_rad_s = (std::f64::consts::TAU * turns / (0.002 * (k - from) as f64)) as f32;
+        }
+    }
+    motions
+}
+
+#[test]
+fn a_velocity_of_the_angle_is_that_of_its_differences() {
+    let lags = Lags { velocity: 0.5, ..lag(1.2) };
+    for (kind, bits) in [(DefectKind::Healthy, 14), (DefectKind::Spall, 20)] {
+        let motions = differenced(motions(&trace(kind, 31), bits));
+        compare(&model_of_angle(lags, OPEN), &motions, "the angle's velocity");
+    }
+}
+
+#[test]
+fn lost_samples_cost_the_velocity_of_the_angle_one_sample_more() {
+    let lags = Lags { velocity: 0.5, ..lag(1.2) };
+    let mut lossy = motions(&trace(DefectKind::Spall, 32), 14);
+    for lost in [1000, 1001, 2000, 3500] {
+        lossy[lost].current_a = f32::NAN;
+    }
+    let lossy = differenced(lossy);
+    let [of_angle, of_channel] = [model_of_angle(lags, OPEN), model(lags, true, OPEN)].map(|model| run(&model, &lossy));
+    let (angle, channel) = (of_angle.shaft().expect("watched"), of_channel.shaft().expect("watched"));
+    // Three gaps.
+    let samples = (channel.usable - angle.usable) * lossy.len() as f32;
+    assert!((samples - 3.0).abs() < 0.01, "{samples}");
+    for (own, other) in parameters(&angle.friction).iter().zip(parameters(&channel.friction)) {
+        // A row more or less a gap.
+        assert!((own.value - other.value).abs() < 0.1 * other.deviation, "{own:?} {other:?}");
+    }
+    let [own, other] = [angle, channel].map(|shaft| shaft.orders()[0]);
+    assert!(own.score > 15.0 && (own.score / other.score - 1.0).abs() < 0.02, "{own:?} {other:?}");
+}
+
 #[test]
 fn standstill_turns_no_phase_and_counts_for_nothing() {
     let mut stopped = motions(&trace(DefectKind::Spall, 911), 16);

@@ -70,7 +70,7 @@ fn model(rpm: f64, turns: f64, others: &[f64]) -> Model<RunTime> {
     let signal = Signal::channel;
     let watched = ShaftLayout {
         current: signal(0),
-        velocity: signal(1),
+        velocity: Some(signal(1)),
         load: None,
         orders: tracking.orders.len() as u8,
         harmonics: 3,

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use crate::trace::{Channels, Preparation, ShaftChannels};
 use crate::train::novelty::runs::{RunSpread, Slope};
 use crate::train::novelty::{Gate, baseline};
-use crate::train::{Coefficient, Explained, Trained};
+use crate::train::{Coefficient, Explained, Trained, VelocitySource};
 
 /// Returns the estimator's name for `--method`.
 pub(super) const fn method_word(method: Method) -> &'static str {
@@ -55,6 +55,10 @@ pub(super) fn lines(trained: &Trained, channels: &Channels, host: Preparation) -
     if let (Some(ShaftChannels { current, velocity, load, angle }), Some(plan)) = (shaft, &trained.recipe.shaft) {
         let orders: Vec<String> = plan.orders.iter().map(|(name, order)| format!("{name} {order:.5}")).collect();
         let load = load.as_deref().unwrap_or("not measured, 0");
+        let velocity = match plan.velocity {
+            VelocitySource::Angle => "the differences of the angle",
+            VelocitySource::Best | VelocitySource::Channel => velocity,
+        };
         lines.push(format!(
             "Motion: current {current}, velocity {velocity}, load {load}, angle {angle}; orders {}.",
             if orders.is_empty() { "none".into() } else { orders.join(", ") }

@@ -44,6 +44,9 @@ pub(super) struct Args {
     /// Shape of the velocity reference [default: sine, or that of the condition]
     #[arg(long, value_name = "SHAPE", value_parser = waveforms())]
     waveform: Option<Waveform>,
+    /// Resolution of the recorded angle, bits of a turn [default: exact, or that of the condition]
+    #[arg(long, value_name = "BITS")]
+    angle_bits: Option<u32>,
     /// Short for --condition mix
     #[arg(long, conflicts_with = "condition")]
     mix: bool,
@@ -138,7 +141,8 @@ impl Args {
     }
 
     fn scenario(&self, kind: DefectKind, seed: u64) -> Scenario {
-        let standard = Scenario::STANDARD.with_defect(Defect { kind, severity: self.severity });
+        let rig = Scenario { angle_bits: self.angle_bits, ..Scenario::STANDARD };
+        let standard = rig.with_defect(Defect { kind, severity: self.severity });
         let scenario = self.condition().apply(standard, seed);
         Scenario { reference_waveform: self.waveform.unwrap_or(scenario.reference_waveform), ..scenario }
     }

@@ -19,5 +19,5 @@ pub use embedded::Embedded;
 pub use model::{Parts, plan};
 pub use segment::{Finding, SegmentReport};
 pub use watch::Watched;
-pub use wiring::{Field, MAX_ORDERS, Wiring};
+pub use wiring::{Field, MAX_ORDERS, Measured, ShaftSignals, Wiring};
 pub use words::{denied, stuck_channels};

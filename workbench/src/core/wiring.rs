@@ -57,23 +57,43 @@ pub struct Wiring {
     pub channels: Vec<(String, Field)>,
     /// The signals of the regression: y, u1, u2.
     pub signals: [Signal; 3],
-    /// Current, velocity and load of the shaft.
-    pub shaft: Option<([Signal; 2], Option<Signal>)>,
+    /// The signals of the shaft.
+    pub shaft: Option<ShaftSignals>,
+}
+
+/// The signals of the shaft; `None` for what has no channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShaftSignals {
+    /// Current.
+    pub current: Signal,
+    /// Velocity.
+    pub velocity: Option<Signal>,
+    /// Load torque.
+    pub load: Option<Signal>,
+}
+
+/// What of a watched shaft has a channel, beside the current.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Measured {
+    /// The velocity; otherwise it is taken from the angle.
+    pub velocity: bool,
+    /// The load torque.
+    pub load: bool,
 }
 
 impl Wiring {
-    /// The wiring of these columns. `watched` is `None` if the shaft is not watched; otherwise it states whether the
-    /// load is measured.
+    /// The wiring of these columns. `watched` is `None` if the shaft is not watched.
     #[must_use]
-    pub fn new(columns: &Channels, structure: Structure, watched: Option<bool>) -> Self {
+    pub fn new(columns: &Channels, structure: Structure, watched: Option<Measured>) -> Self {
         let mut wiring = Self { channels: vec![], signals: [Signal::channel(0); 3], shaft: None };
         let rig = crate::trace::ShaftChannels::rig();
         let shaft = columns.shaft.as_ref().unwrap_or(&rig);
-        if let Some(load) = watched {
-            let plain =
-                [wiring.channel(&shaft.current, Field::Current), wiring.channel(&shaft.velocity, Field::Velocity)];
-            let name = shaft.load.clone().unwrap_or_else(|| "load".into());
-            wiring.shaft = Some((plain, load.then(|| wiring.channel(&name, Field::Load))));
+        if let Some(Measured { velocity, load }) = watched {
+            let current = wiring.channel(&shaft.current, Field::Current);
+            let velocity = velocity.then(|| wiring.channel(&shaft.velocity, Field::Velocity));
+            let name = shaft.load.as_deref().unwrap_or("load");
+            let load = load.then(|| wiring.channel(name, Field::Load));
+            wiring.shaft = Some(ShaftSignals { current, velocity, load });
         }
         wiring.signals[0] = wiring.signal(&columns.y, Field::Y);
         if structure.nb > 0 {
@@ -95,7 +115,11 @@ impl Wiring {
             let (name, field) = &other.channels[signal.channel as usize];
             self.channel(name, *field)
         };
-        self.shaft = other.shaft.map(|(plain, load)| (plain.map(&mut add), load.map(&mut add)));
+        self.shaft = other.shaft.map(|ShaftSignals { current, velocity, load }| ShaftSignals {
+            current: add(current),
+            velocity: velocity.map(&mut add),
+            load: load.map(&mut add),
+        });
         self
     }
 
@@ -158,7 +182,7 @@ pub fn fields(layout: &Layout) -> Result<Vec<Field>, String> {
     };
     if let Some(ShaftLayout { current, velocity, load, .. }) = layout.shaft {
         set(current, Field::Current);
-        set(velocity, Field::Velocity);
+        velocity.into_iter().for_each(|velocity| set(velocity, Field::Velocity));
         load.into_iter().for_each(|load| set(load, Field::Load));
     }
     if let Some(RegressionLayout { structure, y, u1, u2, .. }) = layout.regression {
@@ -194,14 +218,18 @@ impl<'a> Feed<'a> {
         Self { columns, motion: trace.motion.as_ref(), sample }
     }
 
-    /// Sample `k`; zeros if the trace has no shaft. A missing value is NaN; an angle has no NaN, so a missing one is
-    /// the last known angle.
+    /// Sample `k`; zeros if the trace has no shaft. A missing value is NaN. An angle has no NaN: where it is missing, it
+    /// is the last known one and all values are missing.
     pub fn at(&mut self, k: usize) -> &RunTimeSample {
         for (value, column) in self.sample.values.iter_mut().zip(&self.columns) {
             *value = column.get(k).map_or(0.0, |x| *x as f32);
         }
-        if let Some(motion) = self.motion.filter(|motion| motion.angle_rad[k].is_finite()) {
-            self.sample.angle = motion.angle(k);
+        if let Some(motion) = self.motion {
+            if motion.angle_rad[k].is_finite() {
+                self.sample.angle = motion.angle(k);
+            } else {
+                self.sample.values.fill(f32::NAN);
+            }
         }
         &self.sample
     }
@@ -250,14 +278,19 @@ mod tests {
     use super::*;
     use crate::trace::ShaftChannels;
 
+    const ALL: Measured = Measured { velocity: true, load: true };
+
     #[test]
     fn each_quantity_is_one_channel() {
         let mut columns = Channels::new("current_a", "velocity_ref_rad_s-velocity_rad_s", "load_torque_nm");
         columns.shaft = Some(ShaftChannels::rig());
-        let wiring = Wiring::new(&columns, Structure::new(2, 1, 2, 1, 1), Some(true));
+        let wiring = Wiring::new(&columns, Structure::new(2, 1, 2, 1, 1), Some(ALL));
         let names: Vec<&str> = wiring.channels.iter().map(|(name, _)| name.as_str()).collect();
         assert_eq!(names, ["current_a", "velocity_rad_s", "load_torque_nm", "velocity_ref_rad_s-velocity_rad_s"]);
         assert_eq!(wiring.signals.map(|signal| signal.channel), [0, 3, 2]);
+        let of_angle = Wiring::new(&columns, Structure::new(2, 1, 2, 1, 1), Some(Measured { velocity: false, ..ALL }));
+        let names: Vec<&str> = of_angle.channels.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["current_a", "load_torque_nm", "velocity_ref_rad_s-velocity_rad_s"]);
     }
 
     #[test]

@@ -43,6 +43,8 @@ pub struct Scenario {
     pub current_noise_a: f64,
     /// Standard deviation of the velocity noise, inside the loop.
     pub velocity_noise_rad_s: f64,
+    /// Bits of a turn of the recorded angle; `None` for the exact angle. A resolver of [`Field`] has its own.
+    pub angle_bits: Option<u32>,
     /// The bearing's dimensions.
     pub bearing: BearingGeometry,
     /// Defect.
@@ -71,11 +73,15 @@ impl Scenario {
         motor: TABLE_2_3,
         current_noise_a: 0.130,
         velocity_noise_rad_s: 0.55,
+        angle_bits: None,
         bearing: BearingGeometry::THESIS,
         defect: Defect::HEALTHY,
         field: Field::NONE,
         drive: None,
     };
+
+    /// The standard rig with the angle of a usual resolver, of which no detector learns more than a drive can know.
+    pub const WITH_RESOLVER: Self = Self { angle_bits: Some(14), ..Self::STANDARD };
 
     /// This scenario with the given defect.
     #[must_use]
@@ -119,6 +125,9 @@ impl Scenario {
         self.defect.motor(&self.motor).validate()?;
         not_negative("current_noise_a", self.current_noise_a)?;
         not_negative("velocity_noise_rad_s", self.velocity_noise_rad_s)?;
+        if let Some(bits) = self.angle_bits {
+            super::field::within("angle_bits", f64::from(bits), [1.0, 30.0])?;
+        }
         self.bearing.validate()?;
         self.field.validate(self.sample_time_s)
     }

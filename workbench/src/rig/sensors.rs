@@ -1,7 +1,9 @@
 //! What the drive measures at a sample.
 //!
-//! Without effects of the field: the velocity with white noise, the filtered current with white noise, the exact angle.
+//! Without effects of the field: the velocity with white noise, the filtered current with white noise, and the angle,
+//! exact or rounded down to the resolution of a resolver. The loop controls the measured velocity.
 
+use super::field::angle::{rounded, step_rad};
 use super::field::{Constants, CurrentChainValues, DifferencedVelocity, FieldValues, ResolverValues};
 use super::{NoiseSource, PlantState, Scenario, Stream};
 
@@ -17,6 +19,8 @@ pub(super) struct Measured {
 #[derive(Debug)]
 pub(super) struct Sensors {
     resolver: Option<(ResolverValues, DifferencedVelocity)>,
+    /// The resolution of the angle without a resolver of the field.
+    step_rad: Option<f64>,
     current_chain: Option<CurrentChainValues>,
     constants: Option<Constants>,
     velocity_noise_rad_s: f64,
@@ -33,6 +37,7 @@ impl Sensors {
         };
         Self {
             resolver: values.resolver.map(differenced),
+            step_rad: scenario.angle_bits.map(step_rad),
             current_chain: values.current_chain,
             constants: values.constants,
             velocity_noise_rad_s: scenario.velocity_noise_rad_s,
@@ -51,7 +56,8 @@ impl Sensors {
             }
             None => {
                 let noise = self.velocity_noise_rad_s * self.velocity_noise.gaussian();
-                (state.velocity_rad_s + noise, state.angle_rad)
+                let angle_rad = self.step_rad.map_or(state.angle_rad, |step| rounded(state.angle_rad, step));
+                (state.velocity_rad_s + noise, angle_rad)
             }
         };
         Measured { velocity_rad_s, current_a: self.current(filtered_a, state.angle_rad), angle_rad }

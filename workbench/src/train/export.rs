@@ -156,11 +156,11 @@ fn plan(out: &mut Source, layout: &Layout, channels: &[Channel]) {
     }
     if let Some(ShaftLayout { current, velocity, load, orders, harmonics }) = layout.shaft {
         out.line(2, "shaft: Some(ShaftLayout {");
-        for (name, own) in [("current", current), ("velocity", velocity)] {
-            out.line(3, &format!("{name}: {},", signal(own)));
+        out.line(3, &format!("current: {},", signal(current)));
+        for (name, measured) in [("velocity", velocity), ("load", load)] {
+            let measured = measured.map_or_else(|| "None".into(), |own| format!("Some({})", signal(own)));
+            out.line(3, &format!("{name}: {measured},"));
         }
-        let load = load.map_or_else(|| "None".into(), |load| format!("Some({})", signal(load)));
-        out.line(3, &format!("load: {load},"));
         out.line(3, &format!("orders: {orders},"));
         out.line(3, &format!("harmonics: {harmonics},"));
         out.line(2, "}),");

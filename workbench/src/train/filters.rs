@@ -18,10 +18,10 @@ use super::shaft::{Bench, OWN_FROM_ROWS, Watched};
 use crate::Error;
 
 /// Traces on which filters are compared.
-const MOST_COMPARED: usize = 16;
+pub(super) const MOST_COMPARED: usize = 16;
 
 /// Corners of the residual's low-pass and high-pass that are compared.
-const POLES_HZ: [f32; 9] = [2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 32.0, 64.0, 128.0];
+const POLES_HZ: [f32; 10] = [2.0, 4.0, 6.0, 8.0, 12.0, 16.0, 32.0, 64.0, 128.0, 256.0];
 const SLOW_HZ: [f32; 3] = [0.0, 2.0, 4.0];
 
 /// Returns the constants with the best high-pass and parameters, then with the best low-pass.
@@ -39,21 +39,31 @@ pub(super) fn best(
         own
     };
     let slow = [OWN_FROM_ROWS, u16::MAX].into_iter().flat_map(|rows| SLOW_HZ.map(|slow_hz| with(rows, slow_hz)));
-    let best = least(bench, slow.collect(), healthy)?.unwrap_or(constants);
-    let poles = POLES_HZ.map(|corner_hz| {
-        let mut own = best.clone();
-        own.tracking.blocks.pole = ((1.0 - half * corner_hz) / (1.0 + half * corner_hz)).max(0.0);
-        own
-    });
-    Ok(least(bench, poles.to_vec(), healthy)?.unwrap_or(best))
+    let best = least(bench, slow.collect(), healthy)?.map_or(constants, |(_, best)| best);
+    Ok(least(bench, poles(&best), healthy)?.map_or(best, |(_, best)| best))
 }
 
-/// Returns the constants with the least cost (1).
+/// Returns the least cost (1) of any low-pass.
+pub(super) fn cost(bench: &Bench, constants: &ShaftConstants<RunTime>, healthy: &[Watched<'_>]) -> Result<f64, Error> {
+    Ok(least(bench, poles(constants), healthy)?.map_or(f64::INFINITY, |(cost, _)| cost))
+}
+
+fn poles(constants: &ShaftConstants<RunTime>) -> Vec<ShaftConstants<RunTime>> {
+    let half = std::f32::consts::PI * constants.balance.interval_s;
+    let with = |corner_hz: f32| {
+        let mut own = constants.clone();
+        own.tracking.blocks.pole = ((1.0 - half * corner_hz) / (1.0 + half * corner_hz)).max(0.0);
+        own
+    };
+    POLES_HZ.map(with).to_vec()
+}
+
+/// Returns the constants with the least cost (1), and the cost.
 fn least(
     bench: &Bench,
     tried: Vec<ShaftConstants<RunTime>>,
     healthy: &[Watched<'_>],
-) -> Result<Option<ShaftConstants<RunTime>>, Error> {
+) -> Result<Option<(f64, ShaftConstants<RunTime>)>, Error> {
     let cost = |own: &ShaftConstants<RunTime>| -> Result<f64, Error> {
         let runs: Vec<ShaftEstimate<RunTime>> =
             healthy.par_iter().map(|(labelled, _)| bench.run(own, &labelled.trace)).collect::<Result<_, _>>()?;
@@ -64,8 +74,7 @@ fn least(
         Ok(deviations + 0.5 * prominence.max(1e-30).ln()) // (1)
     };
     let costs: Vec<f64> = tried.iter().map(cost).collect::<Result<_, _>>()?;
-    let best = costs.into_iter().zip(tried).min_by(|(one, _), (other, _)| one.total_cmp(other));
-    Ok(best.map(|(_, constants)| constants))
+    Ok(costs.into_iter().zip(tried).min_by(|(one, _), (other, _)| one.total_cmp(other)))
 }
 
 #[cfg(test)]
@@ -73,13 +82,16 @@ mod tests {
     use crate::rig::{Condition, Defect};
     use crate::study::campaign::experiments::Training;
     use crate::study::campaign::run::{class_names, ours, training_set};
-    use crate::train::train;
+    use crate::train::{VelocitySource, train};
 
     /// The high-pass and the rows from which a segment's own parameters are used, trained under this condition.
     fn chosen(condition: Condition) -> (f32, u16) {
         let training = Training { condition, classes: vec![Defect::HEALTHY], count: 16 };
         let set = training_set(&training, 77).expect("the rig");
-        let trained = train(&set, &class_names(&training.classes), &ours(0.05)).expect("trains");
+        // With the little noise of the angle, even the small errors of this balance would be filtered.
+        let mut recipe = ours(0.05);
+        recipe.shaft.iter_mut().for_each(|plan| plan.velocity = VelocitySource::Channel);
+        let trained = train(&set, &class_names(&training.classes), &recipe).expect("trains");
         let (_, shaft) = trained.parts.shaft.expect("watched");
         (shaft.tracking.blocks.high_pass, shaft.balance.own_from_rows)
     }

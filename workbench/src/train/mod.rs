@@ -36,6 +36,7 @@ mod shrinkage_search;
 pub(crate) mod statistics;
 mod table;
 mod trained;
+mod velocity_source;
 
 use bearing_watch::model::{Covariates, MAX_LONG_SEGMENT_ROWS};
 use nalgebra::DVector;
@@ -44,8 +45,8 @@ use rayon::prelude::*;
 use bearing_watch::plan::MAX_COVARIATES;
 
 use crate::Error;
+use crate::core::Parts;
 use crate::core::features::{self, Catalogue};
-use crate::core::{Parts, Wiring};
 use crate::identify::{Estimate, least_squares};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Trace, same_interval};
@@ -70,6 +71,7 @@ pub use shrinkage_search::{Choice, GridPoint};
 pub use statistics::ClassStatistics;
 pub use table::{AffineMap, FeatureTable};
 pub use trained::Trained;
+pub use velocity_source::VelocitySource;
 
 /// Trains on prepared traces.
 ///
@@ -85,6 +87,7 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
     let pieces = if recipe.estimation.segment.is_some() { cut(traces, segment) } else { traces.to_vec() };
     check_classes(&pieces, classes, recipe.alarms.healthy)?;
     let interval_s = traces.iter().find_map(|t| t.trace.interval_s).unwrap_or(0.0);
+    let recipe = &velocity_source::resolved(traces, interval_s, recipe);
     let parts = parts(traces, classes, recipe, (segment, interval_s))?;
     let catalogue = recipe.catalogue();
     let chosen = recipe.rising_last(&catalogue, catalogue.choose(&recipe.features)?);
@@ -144,8 +147,7 @@ fn parts(
 ) -> Result<Parts, Error> {
     /// Range of the channels, in multiples of the largest magnitude in training: a margin for other conditions.
     const LIMIT: f64 = 10.0;
-    let watched = recipe.shaft.as_ref().map(|plan| plan.load);
-    let wiring = Wiring::new(&recipe.columns, recipe.structure, watched);
+    let wiring = recipe.wiring(&recipe.columns);
     let estimation = (&recipe.estimation, segment);
     let regression = estimation::regression(traces, classes, (recipe.structure, wiring.signals), estimation)?;
     let shaft = recipe.shaft.as_ref().map(|plan| {

@@ -119,7 +119,18 @@ impl Recipe {
         self.features.iter().chain(&self.covariates).filter_map(|name| features::averaged(name))
     }
 
-    fn wiring(&self, columns: &Channels) -> Wiring {
-        Wiring::new(columns, self.structure, self.shaft.as_ref().map(|plan| plan.load))
+    /// Returns whether averages of the shaft's velocity are features or covariates.
+    pub(super) fn averages_velocity(&self) -> bool {
+        let velocity = self.columns.shaft.as_ref().map(|shaft| shaft.velocity.as_str());
+        self.averaged().any(|name| Some(name) == velocity)
+    }
+
+    /// Returns the wiring if the shaft has this plan.
+    pub(super) fn wiring_of(&self, plan: &ShaftPlan) -> Wiring {
+        Wiring::new(&self.columns, self.structure, Some(plan.measured()))
+    }
+
+    pub(super) fn wiring(&self, columns: &Channels) -> Wiring {
+        Wiring::new(columns, self.structure, self.shaft.as_ref().map(ShaftPlan::measured))
     }
 }

@@ -16,15 +16,15 @@ use bearing_watch::model::{
     Balance, Blocks, CONTROLS, Channel, Lags, MAX_LAG, Sampling, ShaftConstants, StateVariable, TERMS, TrackedOrder,
     Tracking, q16,
 };
-use bearing_watch::plan::{RunTime, ShaftLayout, Signal};
+use bearing_watch::plan::{RunTime, ShaftLayout};
 use bearing_watch::{Friction, FrictionTerm, ShaftEstimate};
 use rayon::prelude::*;
 
 use super::core_form::refused;
 use super::estimation::successful;
-use super::{filters, lags};
+use super::{VelocitySource, filters, lags};
 use crate::Error;
-use crate::core::{Embedded, MAX_ORDERS, Parts, Wiring};
+use crate::core::{Embedded, MAX_ORDERS, Measured, Parts, ShaftSignals, Wiring};
 use crate::grey_box::filter::LowPass;
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{MotionTrace, Trace};
@@ -53,14 +53,30 @@ pub struct ShaftPlan {
     pub cutoff_hz: f64,
     /// Whether the load torque is measured.
     pub load: bool,
+    /// Where the velocity comes from.
+    pub velocity: VelocitySource,
 }
 
 impl ShaftPlan {
     /// Returns a plan with these orders, weights for pulses of a tenth to half of a period, a slip of ± 0.8 %, a cut-off of
-    /// 8 Hz, and a measured load.
+    /// 8 Hz, a measured load, and the better source of the velocity.
     #[must_use]
     pub fn new(orders: Vec<(String, f64)>) -> Self {
-        Self { orders, weights: [1.0, 0.5, 0.25], slip: 0.008, current_delay: None, cutoff_hz: 8.0, load: true }
+        let velocity = VelocitySource::Best;
+        Self {
+            orders,
+            weights: [1.0, 0.5, 0.25],
+            slip: 0.008,
+            current_delay: None,
+            cutoff_hz: 8.0,
+            load: true,
+            velocity,
+        }
+    }
+
+    /// Returns which signals have a channel; before the choice of its source, the velocity has one.
+    pub(super) fn measured(&self) -> Measured {
+        Measured { velocity: self.velocity != VelocitySource::Angle, load: self.load }
     }
 
     /// Returns the names of the orders.
@@ -143,40 +159,73 @@ pub(super) type Watched<'a> = (&'a LabelledTrace, &'a MotionTrace);
 /// move, or whose balance is not excited in the nominal class.
 pub(super) fn model(
     traces: &[LabelledTrace],
-    (nominal, interval_s): (usize, f64),
+    sizes: (usize, f64),
     plan: &ShaftPlan,
     wiring: &Wiring,
 ) -> Result<(ShaftLayout, ShaftConstants<RunTime>), Error> {
+    with_balance(traces, sizes, plan, wiring, |bench, constants, own| {
+        let constants = if plan.orders.is_empty() { constants } else { filters::best(bench, constants, own)? };
+        Ok((bench.used, constants))
+    })
+}
+
+/// Returns the cost of [`filters`] with this plan.
+///
+/// # Errors
+/// Those of [`model`].
+pub(super) fn cost(
+    traces: &[LabelledTrace],
+    sizes: (usize, f64),
+    plan: &ShaftPlan,
+    wiring: &Wiring,
+) -> Result<f64, Error> {
+    with_balance(traces, sizes, plan, wiring, |bench, constants, own| filters::cost(bench, &constants, own))
+}
+
+/// Learns lags and torque balance of the nominal class, then does `rest`.
+fn with_balance<T>(
+    traces: &[LabelledTrace],
+    (nominal, interval_s): (usize, f64),
+    plan: &ShaftPlan,
+    wiring: &Wiring,
+    rest: impl FnOnce(&Bench, ShaftConstants<RunTime>, &[Watched<'_>]) -> Result<T, Error>,
+) -> Result<T, Error> {
     if interval_s <= 0.0 {
         return Err(Error::Training("the shaft needs the sampling interval; give the traces a column t_s".into()));
     }
     plan.check(interval_s)?;
-    let watched: Vec<Watched<'_>> = traces.iter().filter_map(|t| Some((t, t.trace.motion.as_ref()?))).collect();
-    if watched.len() < traces.len() {
+    let recorded = traces.iter().filter_map(|t| t.trace.motion.as_ref());
+    let motions: Vec<_> = recorded.map(|motion| plan.velocity.motion(motion, interval_s)).collect();
+    if motions.len() < traces.len() {
         return Err(Error::Training("a trace lacks the channels of the shaft, but its features are requested".into()));
     }
-    let all: Vec<&MotionTrace> = watched.iter().map(|(_, motion)| *motion).collect();
-    let own: Vec<Watched<'_>> = watched.into_iter().filter(|(t, _)| t.class == nominal).collect();
-    let ([current, velocity], load) =
-        wiring.shaft.ok_or_else(|| Error::Training("the channels of the shaft are not wired".into()))?;
-    let (orders, harmonics) = (plan.orders.len() as u8, harmonics(&plan.weights));
-    let layout = ShaftLayout { current, velocity, load, orders, harmonics };
-    let mut constants = untrained(&all, interval_s, plan)?;
-    let bench = Bench::new(&own, layout, wiring)?;
+    let all: Vec<&MotionTrace> = motions.iter().map(AsRef::as_ref).collect();
+    let own: Vec<Watched<'_>> = traces.iter().zip(all.iter().copied()).filter(|(t, _)| t.class == nominal).collect();
+    let bench = Bench::new(&own, plan, wiring)?;
     let healthy: Vec<&MotionTrace> = own.iter().map(|(_, motion)| *motion).collect();
+    let mut constants = untrained(&all, interval_s, plan)?;
     let sign_velocity = f64::from(constants.balance.sign_velocity_rad_s);
+    let found = || lags::best(&healthy, (3.0 * plan.cutoff_hz * interval_s).min(0.2), sign_velocity);
     constants.lags = match plan.current_delay {
         Some(delay) => Lags { current: delay as f32, ..Lags::default() },
-        None if load.is_some() => lags::best(&healthy, (3.0 * plan.cutoff_hz * interval_s).min(0.2), sign_velocity),
+        None if plan.load => found(),
         // The controller answers a load that is not measured with current, which looks like a lag of several samples.
         None => Lags::default(),
     };
+    if plan.velocity == VelocitySource::Angle {
+        constants.lags = behind_angle(constants.lags);
+    }
     let trained = bench.frictions(&constants, &own)?;
     learn(&mut constants.balance, &trained);
-    if !plan.orders.is_empty() {
-        constants = filters::best(&bench, constants, &own)?;
-    }
-    Ok((layout, constants))
+    rest(&bench, constants, &own)
+}
+
+/// Returns the lags if the velocity is that of the angle over the last sample: half a sample behind it.
+fn behind_angle(lags: Lags) -> Lags {
+    let more = (0.5 - lags.velocity).max(0.0);
+    let Lags { current, velocity, load } = lags;
+    let later = |lag: f32| (lag + more).min(MAX_LAG);
+    Lags { current: later(current), velocity: later(velocity), load: later(load) }
 }
 
 /// Number of harmonics with a weight.
@@ -224,15 +273,22 @@ fn median(mut values: Vec<f64>) -> f64 {
 pub(super) struct Bench {
     layout: ShaftLayout,
     channels: Vec<Channel>,
+    /// The layout with the channels of the whole model.
+    used: ShaftLayout,
 }
 
 impl Bench {
     /// Creates a bench in which every signal of the shaft has its own channel.
-    fn new(own: &[Watched<'_>], layout: ShaftLayout, wiring: &Wiring) -> Result<Self, Error> {
+    fn new(own: &[Watched<'_>], plan: &ShaftPlan, wiring: &Wiring) -> Result<Self, Error> {
         let alone = Wiring { channels: vec![], ..wiring.clone() }.of_shaft(wiring);
         let channels = alone.core_channels(own.iter().map(|(t, _)| &t.trace), LIMIT)?;
-        let ([current, velocity], load) = alone.shaft.unwrap_or(([Signal::channel(0); 2], None));
-        Ok(Self { layout: ShaftLayout { current, velocity, load, ..layout }, channels })
+        let (orders, harmonics) = (plan.orders.len() as u8, harmonics(&plan.weights));
+        let layout = |wiring: &Wiring| {
+            let missing = || Error::Training("the channels of the shaft are not wired".into());
+            let ShaftSignals { current, velocity, load } = wiring.shaft.ok_or_else(missing)?;
+            Ok::<_, Error>(ShaftLayout { current, velocity, load, orders, harmonics })
+        };
+        Ok(Self { layout: layout(&alone)?, channels, used: layout(wiring)? })
     }
 
     pub(super) fn run(

@@ -12,3 +12,4 @@ mod tables_command;
 mod train_methods;
 mod training_worth;
 mod validate_command;
+mod velocity_commands;

@@ -1,11 +1,11 @@
 //! Arguments of the shaft: its channels and the tracked orders.
 
 use bearing_watch::Bearing;
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use crate::Error;
 use crate::trace::ShaftChannels;
-use crate::train::ShaftPlan;
+use crate::train::{ShaftPlan, VelocitySource};
 
 /// The shaft's channels and the bearing; the shaft is watched if --angle is given.
 #[derive(Clone, Debug, Args)]
@@ -17,6 +17,9 @@ pub(in crate::cli) struct ShaftArgs {
     /// Measured velocity, rad/s
     #[arg(long, value_name = "CHANNEL", requires = "angle")]
     velocity: Option<String>,
+    /// Where the shaft takes the velocity from
+    #[arg(long, value_name = "SOURCE", value_enum, default_value_t = Source::Best, requires = "angle")]
+    velocity_from: Source,
     /// No longer used; accepted so that scripts keep working
     #[arg(long, value_name = "CHANNEL", hide = true)]
     velocity_ref: Option<String>,
@@ -47,6 +50,27 @@ pub(in crate::cli) struct ShaftArgs {
     balance_cutoff_hz: Option<f64>,
 }
 
+/// [`VelocitySource`].
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Source {
+    /// Channel or angle, whichever leaves less noise at the bearing orders
+    Best,
+    /// --velocity
+    Channel,
+    /// Differences of --angle
+    Angle,
+}
+
+impl From<Source> for VelocitySource {
+    fn from(source: Source) -> Self {
+        match source {
+            Source::Best => Self::Best,
+            Source::Channel => Self::Channel,
+            Source::Angle => Self::Angle,
+        }
+    }
+}
+
 impl ShaftArgs {
     /// Returns the channels and the plan if the shaft is watched.
     pub(in crate::cli) fn shaft(&self, y: &str) -> Result<Option<(ShaftChannels, ShaftPlan)>, Error> {
@@ -63,6 +87,7 @@ impl ShaftArgs {
         };
         let mut plan = ShaftPlan { load: self.load.is_some(), ..ShaftPlan::new(self.orders()?) };
         plan.current_delay = self.current_delay;
+        plan.velocity = self.velocity_from.into();
         plan.slip = self.slip.unwrap_or(plan.slip);
         plan.cutoff_hz = self.balance_cutoff_hz.unwrap_or(plan.cutoff_hz);
         if self.harmonics.len() > 3 {

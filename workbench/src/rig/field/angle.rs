@@ -69,15 +69,24 @@ impl ResolverValues {
     pub fn measured_rad(&self, angle_rad: f64) -> f64 {
         let waves = ERROR_ORDERS.iter().zip(self.error_rad);
         let error: f64 = waves.map(|(n, [amplitude, phase])| amplitude * libm::sin(n * angle_rad + phase)).sum();
-        let step = self.step_rad();
-        ((angle_rad + error) / step).floor() * step
+        rounded(angle_rad + error, self.step_rad()) // (1)
     }
 
     /// The resolution of Q.
     #[must_use]
     pub fn step_rad(&self) -> f64 {
-        TAU / f64::from(1_u32 << self.bits)
+        step_rad(self.bits)
     }
+}
+
+/// Q: the next lower multiple of a step.
+pub(in crate::rig) fn rounded(angle_rad: f64, step_rad: f64) -> f64 {
+    (angle_rad / step_rad).floor() * step_rad
+}
+
+/// The step of so many bits of a turn.
+pub(in crate::rig) fn step_rad(bits: u32) -> f64 {
+    TAU / f64::from(1_u32 << bits)
 }
 
 /// The velocity from differences of the angle (2).

@@ -147,7 +147,7 @@ impl Field {
 }
 
 /// Returns `value` if it lies between the limits, both included.
-fn within(name: &'static str, value: f64, [from, to]: [f64; 2]) -> Result<f64, RigError> {
+pub(super) fn within(name: &'static str, value: f64, [from, to]: [f64; 2]) -> Result<f64, RigError> {
     if (from..=to).contains(&value) { Ok(value) } else { Err(RigError::OutOfRange { name, value, from, to }) }
 }
 

@@ -46,7 +46,7 @@ pub fn false_alarms(
         }
         let model = trained.embed()?;
         let cell = Cell { purpose: Purpose::Validation, repetition: draw, condition, defect: Defect::HEALTHY };
-        let surprises = map_traces(&Scenario::STANDARD, &[cell], judged, |recording| {
+        let surprises = map_traces(&Scenario::WITH_RESOLVER, &[cell], judged, |recording| {
             let segments = model.run(&super::run::labelled(recording, 0).trace);
             // A healthy trace without a verdict also counts as an alarm.
             Ok(segments.first().filter(|s| s.verdict.is_ok()).map_or(f64::INFINITY, |s| f64::from(s.surprise)))
@@ -93,7 +93,7 @@ pub fn alarms(repetitions: u32, count: u32, length: usize, done: impl Fn()) -> R
                 condition: Condition::STANDARD,
                 defect: Defect::full(alarmed.kind),
             };
-            let segments = map_traces(&Scenario::STANDARD, &[cell], 5 * length as u32, |recording| {
+            let segments = map_traces(&Scenario::WITH_RESOLVER, &[cell], 5 * length as u32, |recording| {
                 Ok(model.run(&super::run::labelled(recording, 0).trace))
             })?;
             let sequences = segments.par_chunks(length).map(|sequence| {

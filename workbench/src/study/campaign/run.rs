@@ -66,7 +66,7 @@ pub fn labelled(recording: Recording, class: usize) -> LabelledTrace {
 pub fn traces(cells: &[(Cell, usize)], count: u32) -> Result<Vec<LabelledTrace>, Error> {
     let only: Vec<Cell> = cells.iter().map(|(cell, _)| *cell).collect();
     let class = |cell: &Cell| cells.iter().find(|(own, _)| own == cell).map_or(0, |(_, class)| *class);
-    map_traces(&Scenario::STANDARD, &only, count, |recording| {
+    map_traces(&Scenario::WITH_RESOLVER, &only, count, |recording| {
         let class = class(&recording.cell);
         Ok(labelled(recording, class))
     })

@@ -44,7 +44,7 @@ pub fn draw(row: &Row, draw: u32, settings: &Settings) -> Result<Draw, Error> {
     for defect in row.judged_defects() {
         let cell = row.validation(draw, defect);
         let each = |recording: Recording| Ok(outcome(recording, (&gate, classes.as_ref())));
-        judged.push((defect, map_traces(&Scenario::STANDARD, &[cell], settings.judged(defect.kind), each)?));
+        judged.push((defect, map_traces(&Scenario::WITH_RESOLVER, &[cell], settings.judged(defect.kind), each)?));
     }
     let of = |defect: Defect| judged.iter().filter(move |(own, _)| *own == defect).flat_map(|(_, outcomes)| outcomes);
     let detected = || COLUMNS.map(|defect| Tally::of(of(defect).map(|own| own.detected))).to_vec();

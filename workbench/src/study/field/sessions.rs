@@ -152,7 +152,7 @@ fn records(condition: Condition, fleet: Fleet, (purpose, draw): (Purpose, u32)) 
     let record = |&(number, (unit, session)): &(u32, (u32, u32))| {
         let seed = cell.seed(number)?;
         let drive = Some(Drive { set, unit, session });
-        let trace = simulate(&Scenario { drive, ..cell.scenario(&Scenario::STANDARD, seed) }, seed)?;
+        let trace = simulate(&Scenario { drive, ..cell.scenario(&Scenario::WITH_RESOLVER, seed) }, seed)?;
         Ok(labelled(Recording { cell, number, seed, trace }, 0))
     };
     numbered.par_iter().map(record).collect()

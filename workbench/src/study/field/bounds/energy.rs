@@ -1,13 +1,13 @@
 //! Energy of a full-size spall in one record, relative to the noise.
 //!
 //! ```text
-//! S(f) = |J jω + B|² σ_ω² + Kt² σ_i²/|F|² + S_load(f)      variance a sample, N²m²                        (1)
+//! S(f) = |J jω + B|²/(1/σ_ω² + 1/(ω² σ_θ²)) + Kt² σ_i²/|F|² + S_load(f)   variance a sample, N²m²         (1)
 //! λ_h = Σ_k [½ a_h² + (ε Kt i/h)²]/S(f_h),   f_h = h O |ω|/2π below half the sampling rate                (2)
 //! a_h = 2 Td (d₀/d) |c_h|,   c_h: Fourier coefficient of a raised cosine of width d                       (3)
 //! ```
 //!
-//! (1) is the noise of the torque balance Kt i − J dω/dt − B ω of measured current and velocity; the voltage is no
-//! channel of the detector. The filter F of the current is before its noise, and is undone. `S_load` is the fluctuation
+//! (1) is the noise of the torque balance Kt i − J dω/dt − B ω of measured current and velocity, the latter from its
+//! channel and from the angle, which is rounded to a resolver's steps; the voltage is no channel of the detector. The filter F of the current is before its noise, and is undone. `S_load` is the fluctuation
 //! of a load that is not measured; it is linear between samples. (2) counts the ripple of the torque constant at the
 //! sidebands of the order as if its phase were that of the pulses.
 
@@ -95,8 +95,9 @@ fn amplitude(h: f64, width: f64) -> f64 {
 struct Noise {
     inertia: f64,
     viscous: f64,
-    /// σ_ω², Kt² σ_i².
+    /// σ_ω², σ_θ², Kt² σ_i².
     velocity: f64,
+    angle: f64,
     current: f64,
     /// Variance and pole of the load's fluctuation, if it is not measured.
     load: Option<(f64, f64)>,
@@ -111,6 +112,7 @@ impl Noise {
             inertia: motor.j_kg_m2,
             viscous: motor.b_nm_s_per_rad,
             velocity: scenario.velocity_noise_rad_s.powi(2),
+            angle: scenario.angle_bits.map_or(0.0, |bits| (TAU / f64::from(bits).exp2()).powi(2) / 12.0),
             current: (motor.kt_nm_per_a * scenario.current_noise_a).powi(2),
             load: absent.then(|| (scenario.load_fluctuation_nm.powi(2), scenario.load_fluctuation_pole)),
             interval_s: scenario.sample_time_s,
@@ -127,7 +129,9 @@ impl Noise {
             let linear = if x > 0.0 { (x.sin() / x).powi(4) } else { 1.0 };
             variance * (1.0 - pole * pole) / (1.0 + pole * pole - 2.0 * pole * (2.0 * x).cos()) * linear
         });
-        shaft * self.velocity + self.current * unfiltered + load
+        // Twelfths of a squared step are the variance of rounding. An exact sensor leaves no noise.
+        let both = 1.0 / (1.0 / self.velocity + 1.0 / (omega * omega * self.angle));
+        shaft * both + self.current * unfiltered + load
     }
 }
 
@@ -138,15 +142,18 @@ mod tests {
     #[test]
     fn the_noise_is_that_of_the_torque_balance() {
         let values = FieldValues::draw(&Scenario::STANDARD, 1);
-        let noise = Noise::of(&Scenario::STANDARD, &values);
+        let with = |bits: u32| Noise::of(&Scenario { angle_bits: Some(bits), ..Scenario::STANDARD }, &values);
         // At 24 Hz, the outer race at 40 rad/s: 2.5e-4 · 151 · 0.55 = 20.7 mN·m of the velocity, 6.5 of the current.
-        assert!((noise.at(24.0).sqrt() / 0.0217 - 1.0).abs() < 0.01, "{}", noise.at(24.0).sqrt());
-        // An eighth of the pulses over 5000 samples at this speed: about ten in all.
+        // Rounding by 6 bits, 28 mrad, is 4.3 rad/s there; by 14 bits 0.017 rad/s, or 0.6 mN·m.
+        assert!((with(6).at(24.0).sqrt() / 0.0217 - 1.0).abs() < 0.02, "{}", with(6).at(24.0).sqrt());
+        let noise = with(14);
+        assert!((noise.at(24.0).sqrt() / 0.006_53 - 1.0).abs() < 0.01, "{}", noise.at(24.0).sqrt());
+        // An eighth of the pulses over 5000 samples at this speed: about a hundred in all.
         let at = |h: f64| 0.5 * (amplitude(h, PULSE_DUTY) / 8.0).powi(2) * 5000.0 / noise.at(24.0 * h);
         let all = at(1.0) + at(2.0) + at(3.0);
-        assert!((7.0..11.0).contains(&all), "{all}");
+        assert!((100.0..200.0).contains(&all), "{all}");
         let field = crate::rig::field::Field { load: LoadMeasurement::Absent, ..crate::rig::field::Field::NONE };
-        let blind = Noise::of(&Scenario { field, ..Scenario::STANDARD }, &values);
+        let blind = Noise::of(&Scenario { field, ..Scenario::WITH_RESOLVER }, &values);
         // A slow fluctuation of pole 0.2 has (1 + 0.2)/(1 − 0.2) times its variance.
         assert!(((blind.at(0.0) - noise.at(0.0)).sqrt() / (0.06 * 1.5_f64.sqrt()) - 1.0).abs() < 1e-9);
     }

@@ -1,0 +1,57 @@
+//! Command-line tests of the velocity's source: its channel, or the differences of the angle.
+
+use std::path::Path;
+
+use crate::common::{refuse, succeed};
+
+const TRAIN: &str = "train --y current_a --u1 velocity_ref_rad_s --u2 load_torque_nm --order 2,1,1,1,1 \
+    --angle angle_rad --velocity velocity_rad_s --load load_torque_nm --orders outer=3.71794 --healthy healthy \
+    --false-alarm 0.05 --features drag,order_outer --labels train/labels.csv";
+
+/// What training says, and the exported source.
+fn trained(dir: &Path, options: &str) -> (String, String) {
+    let told = succeed(dir, &format!("{TRAIN} {options} --model m.bwm --rust m.rs"));
+    (told, std::fs::read_to_string(dir.join("m.rs")).expect("source"))
+}
+
+#[test]
+fn the_source_is_chosen_or_given() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    // Steps of a degree are worse than the rig's velocity, those of 14 bits better.
+    for (bits, best) in [(8, "channel"), (14, "angle")] {
+        succeed(dir, &format!("simulate --class healthy --count 30 --seed 5 --mix --angle-bits {bits} --out train"));
+        for (source, options) in [
+            (best, ""),
+            (best, "--velocity-from best"),
+            ("channel", "--velocity-from channel"),
+            ("angle", "--velocity-from angle"),
+        ] {
+            let (_, exported) = trained(dir, options);
+            let of_channel = exported.contains("velocity: Some(velocity_rad_s),")
+                && exported.contains("velocity_rad_s: \"rad/s\"")
+                && exported.contains("velocity velocity_rad_s,");
+            let of_angle = exported.contains("velocity: None,")
+                && !exported.contains("velocity_rad_s: \"rad/s\"")
+                && exported.contains("velocity the differences of the angle,");
+            assert_eq!(
+                (of_channel, of_angle),
+                (source == "channel", source == "angle"),
+                "{bits} {options}: {exported}"
+            );
+            let judged = succeed(dir, "evaluate --model m.bwm --labels train/labels.csv");
+            assert!(judged.contains("healthy"), "{judged}");
+        }
+    }
+    // A feature of the channel keeps it.
+    let (_, exported) = trained(dir, "--covariates rms_velocity_rad_s");
+    assert!(exported.contains("velocity: Some(velocity_rad_s),"), "{exported}");
+}
+
+#[test]
+fn wrong_arguments_are_refused() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    refuse(dir, "simulate --class healthy --count 1 --angle-bits 40 --out t", &["angle_bits", "40"]);
+    refuse(dir, &format!("{TRAIN} --velocity-from tacho --model m.bwm"), &["tacho", "best, channel, angle"]);
+}
