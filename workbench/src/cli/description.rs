@@ -55,9 +55,9 @@ pub(super) fn lines(trained: &Trained, channels: &Channels, host: Preparation) -
     if let (Some(ShaftChannels { current, velocity, load, angle }), Some(plan)) = (shaft, &trained.recipe.shaft) {
         let orders: Vec<String> = plan.orders.iter().map(|(name, order)| format!("{name} {order:.5}")).collect();
         let load = load.as_deref().unwrap_or("not measured, 0");
-        let velocity = match plan.velocity {
-            VelocitySource::Angle => "the differences of the angle",
-            VelocitySource::Best | VelocitySource::Channel => velocity,
+        let velocity = match (plan.velocity, velocity) {
+            (VelocitySource::Best | VelocitySource::Channel, Some(channel)) => channel,
+            (VelocitySource::Angle, _) | (_, None) => "the differences of the angle",
         };
         lines.push(format!(
             "Motion: current {current}, velocity {velocity}, load {load}, angle {angle}; orders {}.",

@@ -90,9 +90,11 @@ impl Wiring {
         let shaft = columns.shaft.as_ref().unwrap_or(&rig);
         if let Some(Measured { velocity, load }) = watched {
             let current = wiring.channel(&shaft.current, Field::Current);
-            let velocity = velocity.then(|| wiring.channel(&shaft.velocity, Field::Velocity));
-            let name = shaft.load.as_deref().unwrap_or("load");
-            let load = load.then(|| wiring.channel(name, Field::Load));
+            let mut other = |measured: bool, name: &Option<String>, usual: &str, field| {
+                measured.then(|| wiring.channel(name.as_deref().unwrap_or(usual), field))
+            };
+            let velocity = other(velocity, &shaft.velocity, "velocity", Field::Velocity);
+            let load = other(load, &shaft.load, "load", Field::Load);
             wiring.shaft = Some(ShaftSignals { current, velocity, load });
         }
         wiring.signals[0] = wiring.signal(&columns.y, Field::Y);

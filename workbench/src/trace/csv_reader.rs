@@ -63,13 +63,13 @@ impl Header {
         })
     }
 
-    /// Sources of y, u1, u2, of the further columns, and, if the shaft is watched, of current, velocity, angle, and
-    /// load if measured.
+    /// Sources of y, u1, u2, of the further columns, and, if the shaft is watched, of current and angle, and of velocity
+    /// and load if measured.
     fn sources(&self, channels: &Channels) -> Result<Vec<Source>, String> {
         let find = |channel: &String| self.source(channel).ok_or_else(|| channel.clone());
         let shaft = channels.shaft.iter().flat_map(|shaft| {
             let ShaftChannels { current, velocity, load, angle } = shaft;
-            [current, velocity, angle].into_iter().chain(load)
+            [current, angle].into_iter().chain(velocity).chain(load)
         });
         [&channels.y, &channels.u1, &channels.u2].into_iter().chain(&channels.further).chain(shaft).map(find).collect()
     }
@@ -107,7 +107,7 @@ pub(super) fn has_columns(path: &Path, channels: &Channels) -> bool {
 pub(super) fn read(path: &Path, channels: &Channels, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Trace>, Error> {
     let mut reader = open(path)?;
     let header = header(path, &mut reader)?;
-    let mut collector = Collector::new(path, channels.further.len());
+    let mut collector = Collector::new(path, channels);
     if header.trace.is_none() && !wanted(stem(&collector.file_id)) {
         return Ok(vec![]);
     }
@@ -192,14 +192,17 @@ struct Collector {
     file_id: String,
     /// Number of further columns.
     further: usize,
+    /// Whether the shaft's velocity is measured.
+    velocity: bool,
     places: HashMap<String, usize>,
     traces: Vec<(Trace, Vec<f64>)>,
 }
 
 impl Collector {
-    fn new(path: &Path, further: usize) -> Self {
+    fn new(path: &Path, channels: &Channels) -> Self {
         let file_id = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        Self { file_id, further, places: HashMap::new(), traces: Vec::new() }
+        let velocity = channels.shaft.as_ref().is_some_and(|shaft| shaft.velocity.is_some());
+        Self { file_id, further: channels.further.len(), velocity, places: HashMap::new(), traces: Vec::new() }
     }
 
     /// Adds a row; returns `false` if its time is before that of the previous row.
@@ -221,12 +224,14 @@ impl Collector {
         for (column, value) in [&mut trace.y, &mut trace.u1, &mut trace.u2].into_iter().zip(signals) {
             column.push(*value);
         }
-        if let [current, velocity, angle, load @ ..] = shaft {
+        if let [current, angle, rest @ ..] = shaft {
+            let (velocity, load) = rest.split_at(usize::from(self.velocity));
+            let one = |measured: &[f64]| measured.first().copied().unwrap_or(0.0);
             let motion = trace.motion.get_or_insert_with(MotionTrace::default);
             motion.current_a.push(*current);
-            motion.velocity_rad_s.push(*velocity);
             motion.angle_rad.push(*angle);
-            motion.load_nm.push(load.first().copied().unwrap_or(0.0));
+            motion.velocity_rad_s.push(one(velocity));
+            motion.load_nm.push(one(load));
         }
         let forward = times.last().zip(time).is_none_or(|(before, now)| now >= *before);
         times.extend(time);

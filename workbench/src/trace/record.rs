@@ -7,7 +7,7 @@ use crate::rig::RigTrace;
 pub struct MotionTrace {
     /// Quadrature or armature current.
     pub current_a: Vec<f64>,
-    /// Measured velocity.
+    /// Measured velocity; zeros if it is not measured.
     pub velocity_rad_s: Vec<f64>,
     /// Load torque; zeros if it is not measured.
     pub load_nm: Vec<f64>,
@@ -88,8 +88,8 @@ pub struct Channels {
 pub struct ShaftChannels {
     /// Current, A.
     pub current: String,
-    /// Measured velocity, rad/s.
-    pub velocity: String,
+    /// Measured velocity, rad/s; `None` if it is not measured.
+    pub velocity: Option<String>,
     /// Load torque, N·m; `None` if it is not measured.
     pub load: Option<String>,
     /// Angle, rad.
@@ -102,7 +102,7 @@ impl ShaftChannels {
     pub fn rig() -> Self {
         Self {
             current: "current_a".into(),
-            velocity: "velocity_rad_s".into(),
+            velocity: Some("velocity_rad_s".into()),
             load: Some("load_torque_nm".into()),
             angle: "angle_rad".into(),
         }

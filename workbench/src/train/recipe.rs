@@ -121,7 +121,7 @@ impl Recipe {
 
     /// Returns whether averages of the shaft's velocity are features or covariates.
     pub(super) fn averages_velocity(&self) -> bool {
-        let velocity = self.columns.shaft.as_ref().map(|shaft| shaft.velocity.as_str());
+        let velocity = self.columns.shaft.as_ref().and_then(|shaft| shaft.velocity.as_deref());
         self.averaged().any(|name| Some(name) == velocity)
     }
 

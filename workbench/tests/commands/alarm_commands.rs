@@ -75,7 +75,8 @@ fn the_shaft_s_features_find_a_small_defect_from_healthy_traces() {
     let replayed = succeed(dir, "replay --model m.bwm test --json");
     assert_eq!(json(&replayed)[0]["friction"]["names"][7], "drag");
     assert!(succeed(dir, "replay --model m.bwm test").contains("× noise"), "{replayed}");
-    refuse(dir, &format!("{TRAIN} --labels train/labels.csv --model n.bwm --angle angle_rad"), &["--velocity"]);
+    let of_velocity = format!("{TRAIN} --labels train/labels.csv --model n.bwm --velocity velocity_rad_s");
+    refuse(dir, &of_velocity, &["--angle"]);
     refuse(
         dir,
         &format!("{TRAIN} --labels train/labels.csv --model n.bwm {SHAFT} --orders nine=x"),

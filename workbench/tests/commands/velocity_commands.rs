@@ -8,10 +8,15 @@ const TRAIN: &str = "train --y current_a --u1 velocity_ref_rad_s --u2 load_torqu
     --angle angle_rad --velocity velocity_rad_s --load load_torque_nm --orders outer=3.71794 --healthy healthy \
     --false-alarm 0.05 --features drag,order_outer --labels train/labels.csv";
 
-/// What training says, and the exported source.
-fn trained(dir: &Path, options: &str) -> (String, String) {
-    let told = succeed(dir, &format!("{TRAIN} {options} --model m.bwm --rust m.rs"));
-    (told, std::fs::read_to_string(dir.join("m.rs")).expect("source"))
+/// The source that `command` exports.
+fn exported_by(dir: &Path, command: &str) -> String {
+    succeed(dir, &format!("{command} --model m.bwm --rust m.rs"));
+    std::fs::read_to_string(dir.join("m.rs")).expect("source")
+}
+
+/// [`TRAIN`] of a drive without the channel.
+fn without_velocity() -> String {
+    TRAIN.replace("--velocity velocity_rad_s", "")
 }
 
 #[test]
@@ -27,7 +32,7 @@ fn the_source_is_chosen_or_given() {
             ("channel", "--velocity-from channel"),
             ("angle", "--velocity-from angle"),
         ] {
-            let (_, exported) = trained(dir, options);
+            let exported = exported_by(dir, &format!("{TRAIN} {options}"));
             let of_channel = exported.contains("velocity: Some(velocity_rad_s),")
                 && exported.contains("velocity_rad_s: \"rad/s\"")
                 && exported.contains("velocity velocity_rad_s,");
@@ -44,8 +49,13 @@ fn the_source_is_chosen_or_given() {
         }
     }
     // A feature of the channel keeps it.
-    let (_, exported) = trained(dir, "--covariates rms_velocity_rad_s");
+    let exported = exported_by(dir, &format!("{TRAIN} --covariates rms_velocity_rad_s"));
     assert!(exported.contains("velocity: Some(velocity_rad_s),"), "{exported}");
+    // A drive that has no channel uses the angle.
+    let of_angle = exported_by(dir, &format!("{TRAIN} --velocity-from angle"));
+    assert_eq!(exported_by(dir, &without_velocity()), of_angle);
+    succeed(dir, "evaluate --model m.bwm --labels train/labels.csv");
+    succeed(dir, "replay --model m.bwm train/healthy_mix_5_000.csv");
 }
 
 #[test]
@@ -54,4 +64,6 @@ fn wrong_arguments_are_refused() {
     let dir = folder.path();
     refuse(dir, "simulate --class healthy --count 1 --angle-bits 40 --out t", &["angle_bits", "40"]);
     refuse(dir, &format!("{TRAIN} --velocity-from tacho --model m.bwm"), &["tacho", "best, channel, angle"]);
+    let command = format!("{} --velocity-from channel --model m.bwm", without_velocity());
+    refuse(dir, &command, &["--velocity-from channel needs the channel", "--velocity NAME"]);
 }

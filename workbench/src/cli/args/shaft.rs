@@ -12,9 +12,9 @@ use crate::train::{ShaftPlan, VelocitySource};
 #[command(next_help_heading = "Shaft (friction and bearing orders)")]
 pub(in crate::cli) struct ShaftArgs {
     /// Angle of the shaft, rad: watches friction and bearing orders
-    #[arg(long, value_name = "CHANNEL", requires = "velocity")]
+    #[arg(long, value_name = "CHANNEL")]
     angle: Option<String>,
-    /// Measured velocity, rad/s
+    /// Measured velocity, rad/s; without it, the differences of the angle
     #[arg(long, value_name = "CHANNEL", requires = "angle")]
     velocity: Option<String>,
     /// Where the shaft takes the velocity from
@@ -76,18 +76,25 @@ impl ShaftArgs {
     pub(in crate::cli) fn shaft(&self, y: &str) -> Result<Option<(ShaftChannels, ShaftPlan)>, Error> {
         // The torque balance needs no reference.
         let _ = &self.velocity_ref;
-        let (Some(angle), Some(velocity)) = (&self.angle, &self.velocity) else {
+        let Some(angle) = &self.angle else {
             return Ok(None);
+        };
+        let source = match (&self.velocity, self.velocity_from) {
+            (Some(_), source) => source,
+            (None, Source::Channel) => {
+                return Err(Error::Usage("--velocity-from channel needs the channel: --velocity NAME".into()));
+            }
+            (None, Source::Best | Source::Angle) => Source::Angle,
         };
         let channels = ShaftChannels {
             current: self.current.clone().unwrap_or_else(|| y.into()),
-            velocity: velocity.clone(),
+            velocity: self.velocity.clone(),
             load: self.load.clone(),
             angle: angle.clone(),
         };
         let mut plan = ShaftPlan { load: self.load.is_some(), ..ShaftPlan::new(self.orders()?) };
         plan.current_delay = self.current_delay;
-        plan.velocity = self.velocity_from.into();
+        plan.velocity = source.into();
         plan.slip = self.slip.unwrap_or(plan.slip);
         plan.cutoff_hz = self.balance_cutoff_hz.unwrap_or(plan.cutoff_hz);
         if self.harmonics.len() > 3 {
