@@ -32,6 +32,10 @@ pub(super) struct Args {
     /// Bound of what is followed, in healthy standard deviations
     #[arg(long, value_name = "SD", default_value_t = 2.0, requires = "follow")]
     follow_bound: f32,
+    /// Each trace is a run, from power-up to power-up: its segments depend on each other, and the alarm averages their
+    /// evidence. Without it, a run ends after the number of segments in the model
+    #[arg(long)]
+    run_a_trace: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -44,15 +48,12 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let traces = trace::read(&args.traces, &notes.channels())?;
     warn_irregular(traces.iter());
     check_rate(&model, notes.preparation(), traces.iter())?;
-    let (mut history, mut raised, mut trend) = (Vec::new(), false, None);
+    let (mut watcher, mut raised, mut trend) = (model.watcher(), false, None);
     for trace in traces {
         let prepared = notes.preparation().apply(&trace)?;
         let segments = model.run_following(&prepared, baseline.as_mut());
-        let before = history.len();
-        history.extend(segments);
-        // Computed from the first segment on, as the state of the evidence depends on all segments.
-        let watched = model.watch(&history);
-        for (k, (segment, watched)) in history.iter().zip(&watched).skip(before).enumerate() {
+        for (k, segment) in segments.iter().enumerate() {
+            let watched = &watcher.observe(segment, args.run_a_trace && k + 1 == segments.len());
             if args.json {
                 values.push(value(
                     &model,

@@ -6,7 +6,7 @@ use bearing_watch::{Baseline, Detector, Model, ModelError, Reason, Report, Verdi
 
 use super::features::{Catalogue, shaft_values};
 use super::segment::{Finding, SegmentReport};
-use super::watch::{self, Watched};
+use super::watch::{self, Watched, Watcher};
 use super::wiring::{Feed, Field, fields};
 use super::words::explain;
 use crate::identify::Structure;
@@ -77,7 +77,7 @@ impl Embedded {
         let mut detector = Detector::new(&self.model);
         let mut segments = Vec::new();
         let mut start = 0;
-        let mut feed = Feed::new(trace, &self.fields);
+        let mut feed = self.feed(trace);
         for k in 0..trace.y.len() {
             if let Some(report) = detector.step(feed.at(k)) {
                 segments.push(SegmentReport { start, length: k + 1 - start, ..judged(report) });
@@ -98,12 +98,16 @@ impl Embedded {
         segments
     }
 
+    fn feed<'a>(&self, trace: &'a Trace) -> Feed<'a> {
+        Feed::new(trace, &self.fields, self.model.plan().layout().needs_angle())
+    }
+
     /// The report of the first segment if it ended after each multiple of `every` samples.
     #[must_use]
     pub fn previews(&self, trace: &Trace, every: usize) -> Vec<SegmentReport> {
         let mut detector = Detector::new(&self.model);
         let mut previews = Vec::new();
-        let mut feed = Feed::new(trace, &self.fields);
+        let mut feed = self.feed(trace);
         for k in 0..trace.y.len() {
             let closed = detector.step(feed.at(k));
             let last = closed.is_some();
@@ -122,7 +126,7 @@ impl Embedded {
     #[must_use]
     pub fn whole(&self, trace: &Trace) -> Report<RunTime> {
         let mut detector = Detector::new(&self.model);
-        let mut feed = Feed::new(trace, &self.fields);
+        let mut feed = self.feed(trace);
         let closed = (0..trace.y.len()).fold(None, |closed, k| closed.or(detector.step(feed.at(k))));
         closed.unwrap_or_else(|| detector.finish())
     }
@@ -221,10 +225,17 @@ impl Embedded {
         self.model.constants().evidence
     }
 
+    /// Evidence before the first segment of a drive.
+    #[must_use]
+    pub fn watcher(&self) -> Watcher<'_> {
+        Watcher::new(&self.model)
+    }
+
     /// State of the core's evidence after each of these segments; they may come from several traces of one drive.
     #[must_use]
     pub fn watch(&self, segments: &[SegmentReport]) -> Vec<Watched> {
-        watch::watch(&self.model, segments)
+        let mut watcher = self.watcher();
+        segments.iter().map(|segment| watcher.observe(segment, false)).collect()
     }
 
     /// Verdict on several independent segments together: their log-likelihoods add up, and their surprises combine by

@@ -18,6 +18,6 @@ mod words;
 pub use embedded::Embedded;
 pub use model::{Parts, plan};
 pub use segment::{Finding, SegmentReport};
-pub use watch::Watched;
+pub use watch::{Watched, Watcher};
 pub use wiring::{Field, MAX_ORDERS, Measured, ShaftSignals, Wiring};
 pub use words::{denied, stuck_channels};

@@ -1,7 +1,7 @@
 //! Evaluation of several segments together: combined surprise, and the core's evidence.
 
 use bearing_watch::plan::RunTime;
-use bearing_watch::{Alarm, Cause, Decision, Model, Trend};
+use bearing_watch::{Alarm, Cause, Decision, Evidence, Model, Trend};
 
 use super::segment::SegmentReport;
 
@@ -27,14 +27,26 @@ impl Watched {
     }
 }
 
-/// The core's evidence over segments in the given order.
-pub(super) fn watch(model: &Model<RunTime>, segments: &[SegmentReport]) -> Vec<Watched> {
-    let mut evidence = model.evidence();
-    let each = |segment: &SegmentReport| {
-        let alarm = evidence.observe(decision(model, segment).as_ref());
-        Watched { score: evidence.score(), alarm, trend: evidence.trend() }
-    };
-    segments.iter().map(each).collect()
+/// The core's evidence over the segments of one drive.
+#[derive(Clone, Debug)]
+pub struct Watcher<'a> {
+    model: &'a Model<RunTime>,
+    evidence: Evidence<RunTime>,
+}
+
+impl<'a> Watcher<'a> {
+    pub(super) fn new(model: &'a Model<RunTime>) -> Self {
+        Self { model, evidence: model.evidence() }
+    }
+
+    /// Takes the next segment; a run ends with it, from power-up to power-up, if it is the `last` one.
+    pub fn observe(&mut self, segment: &SegmentReport, last: bool) -> Watched {
+        self.evidence.observe(decision(self.model, segment).as_ref());
+        if last {
+            self.evidence.end_run();
+        }
+        Watched { score: self.evidence.score(), alarm: self.evidence.alarm(), trend: self.evidence.trend() }
+    }
 }
 
 /// Reconstructs the decision on a segment; `None` if it had none.

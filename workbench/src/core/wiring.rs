@@ -208,20 +208,21 @@ pub fn fields(layout: &Layout) -> Result<Vec<Field>, String> {
 pub struct Feed<'a> {
     columns: Vec<&'a [f64]>,
     motion: Option<&'a MotionTrace>,
+    needs_angle: bool,
     sample: RunTimeSample,
 }
 
 impl<'a> Feed<'a> {
-    /// Builds it from the columns of a model's channels.
+    /// Builds it from the columns of a model's channels; whether its plan needs the angle.
     #[must_use]
-    pub fn new(trace: &'a Trace, fields: &[Field]) -> Self {
+    pub fn new(trace: &'a Trace, fields: &[Field], needs_angle: bool) -> Self {
         let columns: Vec<&[f64]> = fields.iter().map(|field| field.of(trace)).collect();
         let sample = RunTimeSample { values: vec![0.0; columns.len()], angle: Angle::ZERO };
-        Self { columns, motion: trace.motion.as_ref(), sample }
+        Self { columns, motion: trace.motion.as_ref(), needs_angle, sample }
     }
 
     /// Sample `k`; zeros if the trace has no shaft. A missing value is NaN. An angle has no NaN: where it is missing, it
-    /// is the last known one and all values are missing.
+    /// is the last known one, and all values are missing if the plan needs it.
     pub fn at(&mut self, k: usize) -> &RunTimeSample {
         for (value, column) in self.sample.values.iter_mut().zip(&self.columns) {
             *value = column.get(k).map_or(0.0, |x| *x as f32);
@@ -229,7 +230,7 @@ impl<'a> Feed<'a> {
         if let Some(motion) = self.motion {
             if motion.angle_rad[k].is_finite() {
                 self.sample.angle = motion.angle(k);
-            } else {
+            } else if self.needs_angle {
                 self.sample.values.fill(f32::NAN);
             }
         }
@@ -315,11 +316,19 @@ mod tests {
             angle_rad: column(f64::NAN),
         };
         let trace = Trace { motion: Some(motion.clone()), ..Trace::default() };
-        let mut feed = Feed::new(&trace, &[Field::Current, Field::Velocity, Field::Load]);
+        let mut feed = Feed::new(&trace, &[Field::Current, Field::Velocity, Field::Load], true);
         for (k, angle) in [motion.angle(0), motion.angle(0), motion.angle(2)].into_iter().enumerate() {
             let sample = feed.at(k);
             assert!(sample.values.iter().all(|x| x.is_nan() == (k == 1)), "{k}");
             assert_eq!(sample.angle, angle);
+        }
+        // A missing angle matters to a plan that needs it.
+        let measured = MotionTrace { current_a: column(2.0), ..motion };
+        let trace = Trace { motion: Some(measured), ..Trace::default() };
+        for needs_angle in [false, true] {
+            let mut feed = Feed::new(&trace, &[Field::Current], needs_angle);
+            let missing = [0, 1, 2].map(|k| feed.at(k).values[0].is_nan());
+            assert_eq!(missing, [false, needs_angle, false]);
         }
     }
 

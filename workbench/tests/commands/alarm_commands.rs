@@ -196,6 +196,17 @@ fn the_rate_of_the_next_run() {
     assert_eq!(told["novelty"]["alarm_segments_a_run"], 4, "{told}");
     let said = succeed(dir, &format!("{train} --features b1 --segments-a-run 2"));
     assert!(said.contains("a run ends after 2 segments"), "{said}");
+    // A trace is one segment: its evidence counts at the end of a run, so after two traces or, if told so, after each.
+    succeed(dir, "simulate --class roughness --count 8 --seed 19 --out rough");
+    let scores = |options: &str| {
+        let replayed = json(&succeed(dir, &format!("replay --model m.bwm rough --json {options}")));
+        let replayed = replayed.as_array().expect("a list").clone();
+        replayed.iter().map(|own| own["score"].as_f64().expect("a number")).collect::<Vec<_>>()
+    };
+    let (by_two, by_one) = (scores(""), scores("--run-a-trace"));
+    assert_eq!((by_two.len(), by_one.len()), (8, 8));
+    assert!(by_two.windows(2).zip(1..).all(|(pair, k)| (pair[0] == pair[1]) == (k % 2 == 0)), "{by_two:?}");
+    assert!(by_one.windows(2).all(|pair| pair[0] < pair[1]), "{by_one:?}");
     let said = succeed(dir, &format!("{train} --features b1 --other-drive"));
     assert!(said.contains("that of another drive") && said.contains(": 6 drives, "), "{said}");
     let output = run(dir, &format!("{TRAIN} --labels train/labels.csv --model n.bwm --other-drive"));
