@@ -44,7 +44,7 @@ pub trait Signals: Clone + PartialEq + Printable {
     /// The value of a channel by its place; 0 beyond the last.
     fn value(&self, channel: usize) -> f32;
 
-    /// The angle of the shaft; zero in a plan that tracks no bearing orders.
+    /// The angle of the shaft; zero in a plan that tracks no bearing orders and has a channel of the velocity.
     fn angle(&self) -> Angle;
 }
 

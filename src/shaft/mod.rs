@@ -42,6 +42,8 @@ pub use slip::OrderStrength;
 pub use solve::ShaftSolve;
 pub use state_variable::StateVariable;
 
+use core::f32::consts::TAU;
+
 use crate::drive::Angle;
 use crate::plan::{Array, Cells, Plan, ShaftLayout, Signals};
 use crate::reason::{Part, Reason};
@@ -56,7 +58,7 @@ pub const MAX_LAG: f32 = 5.0;
 /// more.
 const RING: u8 = 8;
 /// A count of 2⁻³² turn, rad.
-const RAD_A_COUNT: f32 = core::f32::consts::PI / 2_147_483_648.0;
+const RAD_A_COUNT: f32 = TAU / 4_294_967_296.0;
 /// Lost samples in a row that are bridged.
 const BRIDGE: u8 = 8;
 
@@ -66,7 +68,7 @@ const BRIDGE: u8 = 8;
 pub struct Lags {
     /// Lag of the current.
     pub current: f32,
-    /// Lag of the velocity.
+    /// Lag of the velocity; that of differences of the angle is half a sample.
     pub velocity: f32,
     /// Lag of the load.
     pub load: f32,
@@ -242,7 +244,7 @@ impl<P: Plan> Shaft<P> {
         let moment = if good {
             let velocity_rad_s = match velocity {
                 Some(velocity) => read(velocity, sample),
-                None => self.mean_velocity_rad_s(constants.balance.interval_s, sample.angle().since(last.angle)),
+                None => self.mean_velocity_rad_s(constants.balance.interval_s, sample.angle(), &last),
             };
             self.lost = 0;
             let load_nm = load.map_or(0.0, |load| read(load, sample));
@@ -285,14 +287,21 @@ impl<P: Plan> Shaft<P> {
         }
     }
 
-    /// The mean velocity since the last good sample, in which the angle turned so many counts of 2⁻³² turn.
+    /// The mean velocity since the last good sample. Over lost samples the shaft may turn more than half a turn: the
+    /// velocity is that next to the last one.
     #[inline(always)]
-    fn mean_velocity_rad_s(&self, interval_s: f32, turned: i32) -> f32 {
-        turned as f32 * RAD_A_COUNT / (interval_s * f32::from(self.lost.saturating_add(1)))
+    fn mean_velocity_rad_s(&self, interval_s: f32, angle: Angle, last: &Moment) -> f32 {
+        let turned_rad = angle.since(last.angle) as f32 * RAD_A_COUNT;
+        if self.lost == 0 {
+            return turned_rad / interval_s;
+        }
+        let passed_s = interval_s * f32::from(self.lost.saturating_add(1));
+        let turns = (last.torques.velocity_rad_s * passed_s - turned_rad) / TAU;
+        (turned_rad + libm::rintf(turns) * TAU) / passed_s
     }
 
-    /// Counts a lost sample; too many in a row are not bridged. A velocity that is `differenced` is that between a sample
-    /// and the last one, so that a lost sample spoils one more.
+    /// Counts a lost sample; too many in a row are not bridged. A velocity that is `differenced` is that between a
+    /// sample and the last one, so that a lost sample spoils one more.
     #[cold]
     #[inline(never)]
     fn lose(&mut self, differenced: bool) {

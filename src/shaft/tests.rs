@@ -81,3 +81,18 @@ fn nothing_sampled_is_a_reason() {
     let reason = friction(0.0, 0.0, |_| false);
     assert_eq!(reason, Err(Reason::ShortSegment { rows: 0 }));
 }
+
+#[test]
+fn a_turn_within_lost_samples_is_counted() {
+    let mut shaft = Shaft::new(plan(), &constants(0.0));
+    shaft.lost = 5;
+    // 300 rad/s for six samples of 2 ms: 3.6 rad, more than half a turn.
+    for (velocity_rad_s, held) in [(300.0, 290.0), (-300.0, -290.0), (40.0, 60.0)] {
+        let torques = Torques { velocity_rad_s: held, ..Torques::default() };
+        let last = Moment { torques, angle: Angle::ZERO };
+        let turns = f64::from(velocity_rad_s) * 0.012 / core::f64::consts::TAU;
+        let angle = Angle::from_bits((((turns - turns.round()) * 4_294_967_296.0) as i32).cast_unsigned());
+        // Single precision of a turn.
+        assert!((shaft.mean_velocity_rad_s(0.002, angle, &last) / velocity_rad_s - 1.0).abs() < 1e-5, "{held}");
+    }
+}

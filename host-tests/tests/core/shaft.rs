@@ -97,14 +97,17 @@ fn nominal_parameters_and_the_high_pass_are_those_of_the_oracle() {
     }
 }
 
-/// A shaft that stops for good while, and comes back the other way: the sine reverses by itself.
 /// The motions with the mean velocity since the last sample that is not lost.
 fn differenced(mut motions: Vec<Motion>) -> Vec<Motion> {
-    let mut last: Option<(usize, bearing_watch::Angle)> = None;
+    let (mut last, mut held): (Option<(usize, bearing_watch::Angle)>, f64) = (None, 0.0);
     for (k, motion) in motions.iter_mut().enumerate().filter(|(_, motion)| motion.current_a.is_finite()) {
         if let Some((from, angle)) = last.replace((k, motion.angle)) {
             let turns = f64::from(motion.angle.since(angle)) / 4_294_967_296.0;
-            motion.velocity_rad_s = (std::f64::consts::TAU * turns / (0.002 * (k - from) as f64)) as f32;
+            let passed_s = 0.002 * (k - from) as f64;
+            // Over lost samples the shaft turns as often as at the velocity before.
+            let whole = if k - from > 1 { (held * passed_s / std::f64::consts::TAU - turns).round() } else { 0.0 };
+            held = std::f64::consts::TAU * (turns + whole) / passed_s;
+            motion.velocity_rad_s = held as f32;
         }
     }
     motions
@@ -140,6 +143,7 @@ fn lost_samples_cost_the_velocity_of_the_angle_one_sample_more() {
     assert!(own.score > 15.0 && (own.score / other.score - 1.0).abs() < 0.02, "{own:?} {other:?}");
 }
 
+/// A shaft that stops for good while, and comes back the other way: the sine reverses by itself.
 #[test]
 fn standstill_turns_no_phase_and_counts_for_nothing() {
     let mut stopped = motions(&trace(DefectKind::Spall, 911), 16);

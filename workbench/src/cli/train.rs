@@ -28,7 +28,7 @@ use crate::trace::labels::LabelledTrace;
 use crate::trace::{Channels, Condition, Preparation};
 use crate::train::{
     Choice, Explained, Forward, Keep, ProjectionKind, Ranking, Recipe, Scores, ShaftPlan, Shrink, Shrinkage, Trained,
-    Validation, export,
+    Validation, VelocitySource, export,
 };
 
 /// Train a model from labelled traces, for the detector in firmware
@@ -175,6 +175,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     // On the traces as the shaft was trained, before block means move into the detector.
     let orders = Orders::of(&trained, &prepared)?;
     let host = embed_block_mean(&mut trained, preparation, &training);
+    let channels = read_by(&trained, channels);
     let description = description::lines(&trained, &channels, host);
     if host != Preparation::NONE {
         output::warn(format!("the detector does not decimate: {}", description[3]));
@@ -409,6 +410,16 @@ impl Found {
             ranking: self.ranking.as_ref(),
         }
     }
+}
+
+/// The channels that the model reads: without that of the velocity if it is taken from the angle.
+fn read_by(trained: &Trained, mut channels: Channels) -> Channels {
+    if let (Some(shaft), Some(plan)) = (&mut channels.shaft, &trained.recipe.shaft)
+        && plan.velocity == VelocitySource::Angle
+    {
+        shaft.velocity = None;
+    }
+    channels
 }
 
 /// Moves the block means into the detector if no decimation follows them; returns the preparation that remains on the

@@ -63,8 +63,8 @@ impl Header {
         })
     }
 
-    /// Sources of y, u1, u2, of the further columns, and, if the shaft is watched, of current and angle, and of velocity
-    /// and load if measured.
+    /// Sources of y, u1, u2, of the further columns, and, if the shaft is watched, of current and angle, and of
+    /// velocity and load if measured.
     fn sources(&self, channels: &Channels) -> Result<Vec<Source>, String> {
         let find = |channel: &String| self.source(channel).ok_or_else(|| channel.clone());
         let shaft = channels.shaft.iter().flat_map(|shaft| {

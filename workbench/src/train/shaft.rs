@@ -58,8 +58,8 @@ pub struct ShaftPlan {
 }
 
 impl ShaftPlan {
-    /// Returns a plan with these orders, weights for pulses of a tenth to half of a period, a slip of ± 0.8 %, a cut-off of
-    /// 8 Hz, a measured load, and the better source of the velocity.
+    /// Returns a plan with these orders, weights for pulses of a tenth to half of a period, a slip of ± 0.8 %, a cut-off
+    /// of 8 Hz, a measured load, and the better source of the velocity.
     #[must_use]
     pub fn new(orders: Vec<(String, f64)>) -> Self {
         let velocity = VelocitySource::Best;
@@ -212,9 +212,11 @@ fn with_balance<T>(
         // The controller answers a load that is not measured with current, which looks like a lag of several samples.
         None => Lags::default(),
     };
-    if plan.velocity == VelocitySource::Angle {
-        constants.lags = behind_angle(constants.lags);
-    }
+    constants.lags = match (plan.velocity, plan.current_delay) {
+        (VelocitySource::Angle, Some(_)) => Lags { velocity: 0.5, ..constants.lags },
+        (VelocitySource::Angle, None) => behind_angle(constants.lags),
+        (VelocitySource::Best | VelocitySource::Channel, _) => constants.lags,
+    };
     let trained = bench.frictions(&constants, &own)?;
     learn(&mut constants.balance, &trained);
     rest(&bench, constants, &own)

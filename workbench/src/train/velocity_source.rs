@@ -1,13 +1,13 @@
 //! Where the shaft's velocity comes from: its channel, or the differences of the angle.
 //!
 //! ```text
-//! ω(k) = (θ(k) − θ(k−n))/(n Ts),   n − 1: samples lost before k                                        (1)
+//! ω(k) = (θ(k) − θ(k−n))/(n Ts),   n − 1 ≤ 8: samples lost before k                                    (1)
 //! ```
 //!
-//! The noise of the velocity, differentiated, hides small defects. A resolver resolves 2¹⁴ steps of a turn, of which (1)
-//! makes less noise than most velocity channels have; a channel is better if it is filtered, if its samples are averages,
-//! or if the sampling instants vary. Both are tried with the core on healthy traces: the cost of [`super::filters`] is
-//! the deviation of the orders' amplitudes.
+//! The noise of the velocity, differentiated, hides small defects. A resolver resolves 2¹⁴ steps of a turn, of which
+//! (1) makes less noise than most velocity channels have; a channel is better if it is filtered, if its samples are
+//! averages, or if the sampling instants vary. Both are tried with the core on healthy traces: the cost of
+//! [`super::filters`] is the deviation of the orders' amplitudes.
 
 use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};
@@ -19,7 +19,8 @@ use crate::trace::labels::LabelledTrace;
 /// Source of the velocity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum VelocitySource {
-    /// The channel or the angle: that which leaves less noise at the bearing orders of healthy traces.
+    /// The channel or the angle: that which leaves less noise at the bearing orders of healthy traces; without orders,
+    /// or if averages of the channel are features, the channel.
     #[default]
     Best,
     /// The channel.
@@ -27,6 +28,9 @@ pub enum VelocitySource {
     /// The angle (1).
     Angle,
 }
+
+/// Lost samples in a row over which the core takes the velocity (1).
+const BRIDGED: usize = 8;
 
 /// The angle has to be better by this factor, so that the choice does not depend on chance.
 const BETTER: f64 = 0.9;
@@ -44,16 +48,22 @@ impl VelocitySource {
 /// Returns the motion with the velocity (1). A sample of which any signal is missing is lost, as it is for the core.
 fn differenced(motion: &MotionTrace, interval_s: f64) -> MotionTrace {
     let MotionTrace { current_a, load_nm, angle_rad, .. } = motion;
-    let mut last: Option<(usize, f64)> = None;
+    // Sample, angle and velocity.
+    let mut last: Option<(usize, f64, f64)> = None;
     let each = |(k, angle): (usize, &f64)| {
         if !(current_a[k].is_finite() && load_nm[k].is_finite() && angle.is_finite()) {
             return f64::NAN;
         }
-        // Of a wrapped angle, the step of less than half a turn.
-        let step = |(from, before): (usize, f64)| {
-            ((angle - before + PI).rem_euclid(TAU) - PI) / ((k - from) as f64 * interval_s)
+        // Of a wrapped angle, the step of less than half a turn; over lost samples, the velocity next to the last one.
+        let step = |(from, before, held): (usize, f64, f64)| {
+            let passed_s = (k - from) as f64 * interval_s;
+            let expected = if k - from > 1 && held.is_finite() { held * passed_s } else { 0.0 };
+            let velocity = (expected + (angle - before - expected + PI).rem_euclid(TAU) - PI) / passed_s;
+            if k - from > 1 + BRIDGED { f64::NAN } else { velocity }
         };
-        last.replace((k, *angle)).map_or(f64::NAN, step)
+        let velocity = last.map_or(f64::NAN, step);
+        last = Some((k, *angle, velocity));
+        velocity
     };
     let mut velocity_rad_s: Vec<f64> = angle_rad.iter().enumerate().map(each).collect();
     // The first sample has the velocity of the next one.
@@ -66,11 +76,12 @@ fn differenced(motion: &MotionTrace, interval_s: f64) -> MotionTrace {
 /// Returns the recipe with the source of the velocity chosen.
 pub(super) fn resolved(traces: &[LabelledTrace], interval_s: f64, recipe: &Recipe) -> Recipe {
     let mut own = recipe.clone();
+    let recorded = recipe.columns.shaft.as_ref().is_none_or(|shaft| shaft.velocity.is_some());
     if let Some(plan) = own.shaft.as_mut().filter(|plan| plan.velocity == VelocitySource::Best) {
-        plan.velocity = VelocitySource::Channel;
+        plan.velocity = if recorded { VelocitySource::Channel } else { VelocitySource::Angle };
         let of_channel = plan.clone();
         let of_angle = ShaftPlan { velocity: VelocitySource::Angle, ..of_channel.clone() };
-        if !recipe.averages_velocity() && !of_channel.orders.is_empty() {
+        if recorded && !recipe.averages_velocity() && !of_channel.orders.is_empty() {
             let nominal = recipe.estimation.nominal;
             let healthy = traces.iter().filter(|own| own.class == nominal).take(filters::MOST_COMPARED);
             let healthy: Vec<LabelledTrace> = healthy.cloned().collect();
@@ -101,14 +112,20 @@ mod tests {
 
     #[test]
     fn wrapped_angles_and_lost_samples_have_the_mean_velocity() {
-        // 2 rad a sample, wrapped; the third sample is lost.
+        // 2 rad a sample, wrapped; the third sample is lost, and 4 rad between two samples are more than half a turn.
         let angles = [0.0, 2.0, f64::NAN, 6.0 - TAU, 8.0 - TAU, 10.0 - TAU];
         let found = differenced(&motion(angles.to_vec()), 0.5).velocity_rad_s;
-        // 4 rad between two samples is more than half a turn: the core, too, sees it as backwards.
-        let expected = [4.0, 4.0, f64::NAN, 4.0 - TAU, 4.0, 4.0];
+        let expected = [4.0, 4.0, f64::NAN, 4.0, 4.0, 4.0];
         let near =
             |(found, expected): (&f64, &f64)| (found - expected).abs() < 1e-12 || found.is_nan() && expected.is_nan();
         assert!(found.iter().zip(&expected).all(near), "{found:?}");
+        // Over nine lost samples the core has no velocity.
+        for (lost, bridged) in [(8, true), (9, false)] {
+            let mut angles: Vec<f64> = (0..20).map(|k| f64::from(k) * 0.1).collect();
+            angles[5..5 + lost].fill(f64::NAN);
+            let after = differenced(&motion(angles), 0.5).velocity_rad_s[5 + lost];
+            assert_eq!((after.is_finite(), (after - 0.2).abs() < 1e-9), (bridged, bridged), "{lost}");
+        }
     }
 
     #[test]

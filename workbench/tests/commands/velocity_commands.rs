@@ -54,8 +54,14 @@ fn the_source_is_chosen_or_given() {
     // A drive that has no channel uses the angle.
     let of_angle = exported_by(dir, &format!("{TRAIN} --velocity-from angle"));
     assert_eq!(exported_by(dir, &without_velocity()), of_angle);
-    succeed(dir, "evaluate --model m.bwm --labels train/labels.csv");
-    succeed(dir, "replay --model m.bwm train/healthy_mix_5_000.csv");
+    // So it does with a trace that has no such column, also if the training set had one.
+    let trace = std::fs::read_to_string(dir.join("train/healthy_mix_5_000.csv")).expect("trace");
+    std::fs::write(dir.join("bare.csv"), trace.replace("velocity_rad_s", "other")).expect("writable");
+    succeed(dir, "replay --model m.bwm bare.csv");
+    exported_by(dir, TRAIN);
+    let [of_bare, of_whole] = ["bare.csv", "train/healthy_mix_5_000.csv"]
+        .map(|file| succeed(dir, &format!("replay --model m.bwm {file}")).split_once("  ").expect("id").1.to_string());
+    assert_eq!(of_bare, of_whole);
 }
 
 #[test]

@@ -7,9 +7,10 @@
 //! ```
 //!
 //! (1) is the noise of the torque balance Kt i − J dω/dt − B ω of measured current and velocity, the latter from its
-//! channel and from the angle, which is rounded to a resolver's steps; the voltage is no channel of the detector. The filter F of the current is before its noise, and is undone. `S_load` is the fluctuation
-//! of a load that is not measured; it is linear between samples. (2) counts the ripple of the torque constant at the
-//! sidebands of the order as if its phase were that of the pulses.
+//! channel and from the angle, which is rounded to a resolver's steps; the voltage is no channel of the detector. The
+//! filter F of the current is before its noise, and is undone. `S_load` is the fluctuation of a load that is not
+//! measured; it is linear between samples. (2) counts the ripple of the torque constant at the sidebands of the order as
+//! if its phase were that of the pulses.
 
 use std::f64::consts::{PI, TAU};
 
