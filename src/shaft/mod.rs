@@ -60,7 +60,7 @@ const RING: u8 = 8;
 /// A count of 2⁻³² turn, rad.
 const RAD_A_COUNT: f32 = TAU / 4_294_967_296.0;
 /// Lost samples in a row that are bridged.
-const BRIDGE: u8 = 8;
+pub const BRIDGE: u8 = 8;
 
 /// Samples by which measured signals lag behind the angle, 0 … [`MAX_LAG`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

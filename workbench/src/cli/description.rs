@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use crate::trace::{Channels, Preparation, ShaftChannels};
 use crate::train::novelty::runs::{RunSpread, Slope};
 use crate::train::novelty::{Gate, baseline};
-use crate::train::{Coefficient, Explained, Trained, VelocitySource};
+use crate::train::{Coefficient, Explained, Trained};
 
 /// Returns the estimator's name for `--method`.
 pub(super) const fn method_word(method: Method) -> &'static str {
@@ -55,10 +55,7 @@ pub(super) fn lines(trained: &Trained, channels: &Channels, host: Preparation) -
     if let (Some(ShaftChannels { current, velocity, load, angle }), Some(plan)) = (shaft, &trained.recipe.shaft) {
         let orders: Vec<String> = plan.orders.iter().map(|(name, order)| format!("{name} {order:.5}")).collect();
         let load = load.as_deref().unwrap_or("not measured, 0");
-        let velocity = match (plan.velocity, velocity) {
-            (VelocitySource::Best | VelocitySource::Channel, Some(channel)) => channel,
-            (VelocitySource::Angle, _) | (_, None) => "the differences of the angle",
-        };
+        let velocity = velocity.as_deref().unwrap_or("the differences of the angle");
         lines.push(format!(
             "Motion: current {current}, velocity {velocity}, load {load}, angle {angle}; orders {}.",
             if orders.is_empty() { "none".into() } else { orders.join(", ") }

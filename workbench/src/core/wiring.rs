@@ -221,8 +221,8 @@ impl<'a> Feed<'a> {
         Self { columns, motion: trace.motion.as_ref(), needs_angle, sample }
     }
 
-    /// Sample `k`; zeros if the trace has no shaft. A missing value is NaN. An angle has no NaN: where it is missing, it
-    /// is the last known one, and all values are missing if the plan needs it.
+    /// Sample `k`; zeros if the trace has no shaft. A missing value is NaN. An angle has no NaN: where it is missing,
+    /// it is the last known one, and all values are missing if the plan needs it.
     pub fn at(&mut self, k: usize) -> &RunTimeSample {
         for (value, column) in self.sample.values.iter_mut().zip(&self.columns) {
             *value = column.get(k).map_or(0.0, |x| *x as f32);

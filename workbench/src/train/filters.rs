@@ -68,10 +68,10 @@ fn least(
         let runs: Vec<ShaftEstimate<RunTime>> =
             healthy.par_iter().map(|(labelled, _)| bench.run(own, &labelled.trace)).collect::<Result<_, _>>()?;
         let orders = || runs.iter().filter(|run| run.orders_reason.is_none()).flat_map(ShaftEstimate::orders);
-        if orders().next().is_none() {
+        let count = orders().count() as f64;
+        if count == 0.0 {
             return Ok(f64::INFINITY);
         }
-        let count = orders().count() as f64;
         let deviations = orders().map(|order| f64::from(order.deviation).max(1e-30).ln()).sum::<f64>() / count;
         let prominence = orders().map(|order| f64::from(order.prominence)).sum::<f64>() / count;
         Ok(deviations + 0.5 * prominence.max(1e-30).ln()) // (1)

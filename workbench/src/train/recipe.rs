@@ -125,11 +125,6 @@ impl Recipe {
         self.averaged().any(|name| Some(name) == velocity)
     }
 
-    /// Returns the wiring if the shaft has this plan.
-    pub(super) fn wiring_of(&self, plan: &ShaftPlan) -> Wiring {
-        Wiring::new(&self.columns, self.structure, Some(plan.measured()))
-    }
-
     pub(super) fn wiring(&self, columns: &Channels) -> Wiring {
         Wiring::new(columns, self.structure, self.shaft.as_ref().map(ShaftPlan::measured))
     }

@@ -58,11 +58,10 @@ pub struct ShaftPlan {
 }
 
 impl ShaftPlan {
-    /// Returns a plan with these orders, weights for pulses of a tenth to half of a period, a slip of ± 0.8 %, a cut-off
-    /// of 8 Hz, a measured load, and the better source of the velocity.
+    /// Returns a plan with these orders, weights for pulses of a tenth to half of a period, a slip of ± 0.8 %, a
+    /// cut-off of 8 Hz, a measured load, and the better source of the velocity.
     #[must_use]
     pub fn new(orders: Vec<(String, f64)>) -> Self {
-        let velocity = VelocitySource::Best;
         Self {
             orders,
             weights: [1.0, 0.5, 0.25],
@@ -70,7 +69,7 @@ impl ShaftPlan {
             current_delay: None,
             cutoff_hz: 8.0,
             load: true,
-            velocity,
+            velocity: VelocitySource::Best,
         }
     }
 
@@ -165,7 +164,7 @@ pub(super) fn model(
 ) -> Result<(ShaftLayout, ShaftConstants<RunTime>), Error> {
     with_balance(traces, sizes, plan, wiring, |bench, constants, own| {
         let constants = if plan.orders.is_empty() { constants } else { filters::best(bench, constants, own)? };
-        Ok((bench.used, constants))
+        Ok((layout(plan, wiring)?, constants))
     })
 }
 
@@ -205,10 +204,9 @@ fn with_balance<T>(
     let healthy: Vec<&MotionTrace> = own.iter().map(|(_, motion)| *motion).collect();
     let mut constants = untrained(&all, interval_s, plan)?;
     let sign_velocity = f64::from(constants.balance.sign_velocity_rad_s);
-    let found = || lags::best(&healthy, (3.0 * plan.cutoff_hz * interval_s).min(0.2), sign_velocity);
     constants.lags = match plan.current_delay {
         Some(delay) => Lags { current: delay as f32, ..Lags::default() },
-        None if plan.load => found(),
+        None if plan.load => lags::best(&healthy, (3.0 * plan.cutoff_hz * interval_s).min(0.2), sign_velocity),
         // The controller answers a load that is not measured with current, which looks like a lag of several samples.
         None => Lags::default(),
     };
@@ -228,6 +226,14 @@ fn behind_angle(lags: Lags) -> Lags {
     let Lags { current, velocity, load } = lags;
     let later = |lag: f32| (lag + more).min(MAX_LAG);
     Lags { current: later(current), velocity: later(velocity), load: later(load) }
+}
+
+/// Returns the shaft of this plan on the channels of a wiring.
+fn layout(plan: &ShaftPlan, wiring: &Wiring) -> Result<ShaftLayout, Error> {
+    let missing = || Error::Training("the channels of the shaft are not wired".into());
+    let ShaftSignals { current, velocity, load } = wiring.shaft.ok_or_else(missing)?;
+    let (orders, harmonics) = (plan.orders.len() as u8, harmonics(&plan.weights));
+    Ok(ShaftLayout { current, velocity, load, orders, harmonics })
 }
 
 /// Number of harmonics with a weight.
@@ -275,8 +281,6 @@ fn median(mut values: Vec<f64>) -> f64 {
 pub(super) struct Bench {
     layout: ShaftLayout,
     channels: Vec<Channel>,
-    /// The layout with the channels of the whole model.
-    used: ShaftLayout,
 }
 
 impl Bench {
@@ -284,13 +288,7 @@ impl Bench {
     fn new(own: &[Watched<'_>], plan: &ShaftPlan, wiring: &Wiring) -> Result<Self, Error> {
         let alone = Wiring { channels: vec![], ..wiring.clone() }.of_shaft(wiring);
         let channels = alone.core_channels(own.iter().map(|(t, _)| &t.trace), LIMIT)?;
-        let (orders, harmonics) = (plan.orders.len() as u8, harmonics(&plan.weights));
-        let layout = |wiring: &Wiring| {
-            let missing = || Error::Training("the channels of the shaft are not wired".into());
-            let ShaftSignals { current, velocity, load } = wiring.shaft.ok_or_else(missing)?;
-            Ok::<_, Error>(ShaftLayout { current, velocity, load, orders, harmonics })
-        };
-        Ok(Self { layout: layout(&alone)?, channels, used: layout(wiring)? })
+        Ok(Self { layout: layout(plan, &alone)?, channels })
     }
 
     pub(super) fn run(

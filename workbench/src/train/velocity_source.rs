@@ -12,6 +12,8 @@
 use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};
 
+use bearing_watch::internals::BRIDGE;
+
 use super::{Recipe, ShaftPlan, filters, shaft};
 use crate::trace::MotionTrace;
 use crate::trace::labels::LabelledTrace;
@@ -28,9 +30,6 @@ pub enum VelocitySource {
     /// The angle (1).
     Angle,
 }
-
-/// Lost samples in a row over which the core takes the velocity (1).
-const BRIDGED: usize = 8;
 
 /// The angle has to be better by this factor, so that the choice does not depend on chance.
 const BETTER: f64 = 0.9;
@@ -59,7 +58,7 @@ fn differenced(motion: &MotionTrace, interval_s: f64) -> MotionTrace {
             let passed_s = (k - from) as f64 * interval_s;
             let expected = if k - from > 1 && held.is_finite() { held * passed_s } else { 0.0 };
             let velocity = (expected + (angle - before - expected + PI).rem_euclid(TAU) - PI) / passed_s;
-            if k - from > 1 + BRIDGED { f64::NAN } else { velocity }
+            if k - from > 1 + usize::from(BRIDGE) { f64::NAN } else { velocity }
         };
         let velocity = last.map_or(f64::NAN, step);
         last = Some((k, *angle, velocity));
@@ -75,26 +74,28 @@ fn differenced(motion: &MotionTrace, interval_s: f64) -> MotionTrace {
 
 /// Returns the recipe with the source of the velocity chosen.
 pub(super) fn resolved(traces: &[LabelledTrace], interval_s: f64, recipe: &Recipe) -> Recipe {
-    let mut own = recipe.clone();
-    let recorded = recipe.columns.shaft.as_ref().is_none_or(|shaft| shaft.velocity.is_some());
-    if let Some(plan) = own.shaft.as_mut().filter(|plan| plan.velocity == VelocitySource::Best) {
-        plan.velocity = if recorded { VelocitySource::Channel } else { VelocitySource::Angle };
-        let of_channel = plan.clone();
-        let of_angle = ShaftPlan { velocity: VelocitySource::Angle, ..of_channel.clone() };
-        if recorded && !recipe.averages_velocity() && !of_channel.orders.is_empty() {
-            let nominal = recipe.estimation.nominal;
-            let healthy = traces.iter().filter(|own| own.class == nominal).take(filters::MOST_COMPARED);
-            let healthy: Vec<LabelledTrace> = healthy.cloned().collect();
-            let cost = |plan: &ShaftPlan| shaft::cost(&healthy, (nominal, interval_s), plan, &recipe.wiring_of(plan));
-            // A source with which training fails is not chosen; the other one tells why, if both fail.
-            if let Ok(angle) = cost(&of_angle)
-                && cost(&of_channel).map_or(true, |channel| angle < channel + BETTER.ln())
-            {
-                own.shaft = Some(of_angle);
-            }
-        }
+    let Some(plan) = recipe.shaft.as_ref().filter(|plan| plan.velocity == VelocitySource::Best) else {
+        return recipe.clone();
+    };
+    let plan_of = |velocity| ShaftPlan { velocity, ..plan.clone() };
+    let with = |velocity| Recipe { shaft: Some(plan_of(velocity)), ..recipe.clone() };
+    if recipe.columns.shaft.as_ref().is_some_and(|shaft| shaft.velocity.is_none()) {
+        return with(VelocitySource::Angle);
     }
-    own
+    if recipe.averages_velocity() || plan.orders.is_empty() {
+        return with(VelocitySource::Channel);
+    }
+    let nominal = recipe.estimation.nominal;
+    let healthy = traces.iter().filter(|own| own.class == nominal).take(filters::MOST_COMPARED);
+    let healthy: Vec<LabelledTrace> = healthy.cloned().collect();
+    let cost = |velocity| {
+        let wiring = with(velocity).wiring(&recipe.columns);
+        shaft::cost(&healthy, (nominal, interval_s), &plan_of(velocity), &wiring)
+    };
+    // A source with which training fails is not chosen; the other one tells why, if both fail.
+    let angle_is_better = cost(VelocitySource::Angle)
+        .is_ok_and(|angle| cost(VelocitySource::Channel).map_or(true, |channel| angle < channel + BETTER.ln()));
+    with(if angle_is_better { VelocitySource::Angle } else { VelocitySource::Channel })
 }
 
 #[cfg(test)]

@@ -85,7 +85,7 @@ pub(in crate::rig) fn rounded(angle_rad: f64, step_rad: f64) -> f64 {
 }
 
 /// The step of so many bits of a turn.
-pub(in crate::rig) fn step_rad(bits: u32) -> f64 {
+pub(crate) fn step_rad(bits: u32) -> f64 {
     TAU / f64::from(1_u32 << bits)
 }
 

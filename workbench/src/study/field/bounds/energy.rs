@@ -9,12 +9,13 @@
 //! (1) is the noise of the torque balance Kt i − J dω/dt − B ω of measured current and velocity, the latter from its
 //! channel and from the angle, which is rounded to a resolver's steps; the voltage is no channel of the detector. The
 //! filter F of the current is before its noise, and is undone. `S_load` is the fluctuation of a load that is not
-//! measured; it is linear between samples. (2) counts the ripple of the torque constant at the sidebands of the order as
-//! if its phase were that of the pulses.
+//! measured; it is linear between samples. (2) counts the ripple of the torque constant at the sidebands of the order
+//! as if its phase were that of the pulses.
 
 use std::f64::consts::{PI, TAU};
 
 use crate::rig::bearing::{PULSE_DUTY, PULSE_NM, TORQUE_RIPPLE};
+use crate::rig::field::angle::step_rad;
 use crate::rig::field::{FieldValues, LoadMeasurement};
 use crate::rig::noise::CURRENT_FILTER_HZ;
 use crate::rig::{RigTrace, Scenario};
@@ -113,7 +114,7 @@ impl Noise {
             inertia: motor.j_kg_m2,
             viscous: motor.b_nm_s_per_rad,
             velocity: scenario.velocity_noise_rad_s.powi(2),
-            angle: scenario.angle_bits.map_or(0.0, |bits| (TAU / f64::from(bits).exp2()).powi(2) / 12.0),
+            angle: scenario.angle_bits.map_or(0.0, |bits| step_rad(bits).powi(2) / 12.0),
             current: (motor.kt_nm_per_a * scenario.current_noise_a).powi(2),
             load: absent.then(|| (scenario.load_fluctuation_nm.powi(2), scenario.load_fluctuation_pole)),
             interval_s: scenario.sample_time_s,
