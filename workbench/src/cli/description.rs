@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use crate::trace::{Channels, Preparation, ShaftChannels};
 use crate::train::novelty::runs::{RunSpread, Slope};
 use crate::train::novelty::{Gate, baseline};
-use crate::train::{Coefficient, Explained, Trained};
+use crate::train::{Coefficient, Explained, NextToRotor, ShaftPlan, Trained, next_to_rotor};
 
 /// Returns the estimator's name for `--method`.
 pub(super) const fn method_word(method: Method) -> &'static str {
@@ -63,6 +63,27 @@ pub(super) fn lines(trained: &Trained, channels: &Channels, host: Preparation) -
     }
     let covariates = trained.explained.iter().flat_map(Explained::lines);
     lines.into_iter().chain(covariates).chain(gate(trained)).collect()
+}
+
+/// Tells which bearing orders cannot be told from what turns with the rotor.
+pub(super) fn rotor_warnings(trained: &Trained) -> Vec<String> {
+    let Some((_, shaft)) = &trained.parts.shaft else { return vec![] };
+    let names = trained.recipe.shaft.as_ref().map(ShaftPlan::names).unwrap_or_default();
+    let line = |NextToRotor { place, order, rotor, turns }: &NextToRotor| {
+        let remedy = match turns {
+            Some(turns) => format!("records of {turns} turns and more tell them apart"),
+            None => {
+                let percent = 100.0 * shaft.tracking.blocks.slip;
+                format!("slips of up to {percent:.2} % reach it; a smaller --slip may keep them apart")
+            }
+        };
+        format!(
+            "order {} of {order:.4} cannot be told from cogging, unbalance and errors of the angle at order {rotor}: \
+             {remedy}",
+            names.get(*place).map_or("", String::as_str)
+        )
+    };
+    next_to_rotor(&shaft.tracking).iter().map(line).collect()
 }
 
 /// Describes the gate and the alarm in words.

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use crate::Error;
 use crate::trace::MotionTrace;
 use crate::trace::labels::LabelledTrace;
-use crate::train::Trained;
+use crate::train::{Trained, compared_turns};
 
 /// Healthy records in which the noise of the orders is measured.
 const MOST: usize = 32;
@@ -43,7 +43,7 @@ impl Orders {
                 own.push(f64::from(order.deviation));
             }
         }
-        let coherent = 7.0 * f64::from(shaft.tracking.blocks.cell_turns_log2).exp2();
+        let coherent = compared_turns(&shaft.tracking);
         let named = plan.names().into_iter().zip(deviations.into_iter().map(median)).collect();
         Ok(Some(Self { turns: median(turns), coherent, deviations: named }))
     }

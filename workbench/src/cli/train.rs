@@ -65,6 +65,10 @@ pub(super) struct Args {
     /// outside the range of the healthy traces, what they explain is missing
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     covariates: Vec<String>,
+    /// Features that a defect only raises, e.g. viscous: the gate judges them upwards only, given the others, as it does
+    /// with the scores of orders
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    rising: Vec<String>,
     /// Projection of the features
     #[arg(long, value_enum, default_value = "none")]
     projection: Projection,
@@ -249,6 +253,7 @@ impl Args {
             estimation: self.estimation.estimation(structure, classes)?,
             features: self.features.clone(),
             covariates: self.covariates.clone(),
+            rising: self.rising.clone(),
             projection,
             discriminant: match self.discriminant {
                 DiscriminantKind::Linear | DiscriminantKind::Shrunk => Kind::Linear,
@@ -315,7 +320,8 @@ impl Args {
     fn print(&self, trained: &Trained, training: &[LabelledTrace], bytes: usize, found: &Found) -> Result<(), Error> {
         let counts: Vec<usize> =
             (0..trained.classes.len()).map(|k| training.iter().filter(|t| t.class == k).count()).collect();
-        trained.left_out.summary().iter().chain(&trained.watch.warning).for_each(output::warn);
+        let rotor = description::rotor_warnings(trained);
+        trained.left_out.summary().iter().chain(&trained.watch.warning).chain(&rotor).for_each(output::warn);
         if self.json {
             return output::json(&json!({
                 "model": self.model,

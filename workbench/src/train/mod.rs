@@ -29,6 +29,7 @@ mod ranking;
 mod recipe;
 #[cfg(test)]
 mod reference_values;
+mod rotor;
 mod scores;
 mod shaft;
 mod shrinkage;
@@ -64,6 +65,7 @@ pub use novelty::{AlarmInterval, Alarms, Watch};
 pub use projection::{Keep, ProjectionKind};
 pub use ranking::{Gain, Ranked, Ranking, rank};
 pub use recipe::Recipe;
+pub use rotor::{NextToRotor, compared_turns, next_to_rotor};
 pub use scores::{Bin, Decomposition, Prediction, Score, Scores};
 pub use shaft::ShaftPlan;
 pub use shrinkage::{Shrink, Shrinkage};
@@ -90,7 +92,7 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
     let recipe = &velocity_source::resolved(traces, interval_s, recipe);
     let parts = parts(traces, classes, recipe, (segment, interval_s))?;
     let catalogue = recipe.catalogue();
-    let chosen = recipe.rising_last(&catalogue, catalogue.choose(&recipe.features)?);
+    let chosen = recipe.rising_last(&catalogue, catalogue.choose(&recipe.features)?)?;
     let explaining = covariate_places(&catalogue, recipe)?;
     let estimated = estimate(traces, (classes, recipe), (&parts, &catalogue), (&pieces, segment))?;
     let pieces_only = recipe.estimation.segment.is_some();

@@ -4,6 +4,7 @@ use bearing_watch::Park;
 use bearing_watch::plan::Kind;
 
 use super::{Alarms, Candidates, Estimation, ProjectionKind, ShaftPlan, Shrink, Validation};
+use crate::Error;
 use crate::core::Wiring;
 use crate::core::features::{self, Catalogue};
 use crate::identify::Structure;
@@ -26,6 +27,9 @@ pub struct Recipe {
     pub features: Vec<String>,
     /// Names of the features that explain a part of the others.
     pub covariates: Vec<String>,
+    /// Names of the features that a defect only raises, besides scores and amplitudes of bearing orders: the gate
+    /// judges them upwards only, given the other features.
+    pub rising: Vec<String>,
     /// Projection of the features.
     pub projection: ProjectionKind,
     /// Shared or separate covariances, if they are not shrunk.
@@ -57,6 +61,7 @@ impl Recipe {
             shaft: None,
             features: vec![],
             covariates: vec![],
+            rising: vec![],
             projection: ProjectionKind::None,
             discriminant: Kind::Linear,
             shrink: Shrink::Not,
@@ -88,16 +93,37 @@ impl Recipe {
     pub(super) fn rising(&self, names: &[String]) -> usize {
         let catalogue = self.catalogue();
         let all = catalogue.names();
-        let rises = |name: &&String| all.iter().position(|own| own == *name).is_some_and(|k| catalogue.rises(k));
-        if matches!(self.projection, ProjectionKind::None) { names.iter().filter(rises).count() } else { 0 }
+        let place = |name: &String| all.iter().position(|own| own == name);
+        if matches!(self.projection, ProjectionKind::None) {
+            names.iter().filter_map(place).filter(|&place| self.rises(&catalogue, place)).count()
+        } else {
+            0
+        }
     }
 
     /// Returns the places of features with those last that only rise with a defect, as the gate has them.
-    pub(super) fn rising_last(&self, catalogue: &Catalogue, mut places: Vec<usize>) -> Vec<usize> {
-        if matches!(self.projection, ProjectionKind::None) {
-            places.sort_by_key(|&place| catalogue.rises(place));
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if a name of [`Recipe::rising`] is none of the features, or a projection mixes them.
+    pub(super) fn rising_last(&self, catalogue: &Catalogue, mut places: Vec<usize>) -> Result<Vec<usize>, Error> {
+        let unmixed = matches!(self.projection, ProjectionKind::None);
+        if !unmixed && !self.rising.is_empty() {
+            return Err(Error::Usage("--rising names features that no projection mixes: use --projection none".into()));
         }
-        places
+        let names = catalogue.names();
+        let is_missing = |name: &&String| !places.iter().any(|&place| names[place] == **name);
+        if let Some(name) = self.rising.iter().find(is_missing) {
+            let features: Vec<&str> = places.iter().map(|&place| names[place].as_str()).collect();
+            return Err(Error::Usage(format!("--rising: {name} is none of the features {}", features.join(", "))));
+        }
+        if unmixed {
+            places.sort_by_key(|&place| self.rises(catalogue, place));
+        }
+        Ok(places)
+    }
+
+    fn rises(&self, catalogue: &Catalogue, place: usize) -> bool {
+        catalogue.rises(place) || self.rising.contains(&catalogue.names()[place])
     }
 
     /// Returns the recipe with the columns that averages name and no other part uses.

@@ -6,6 +6,7 @@ mod common;
 mod covariate_commands;
 mod field_command;
 mod grey_box_commands;
+mod rising_commands;
 mod simulate_command;
 mod structure_command;
 mod tables_command;
