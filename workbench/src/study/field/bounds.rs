@@ -1,5 +1,5 @@
 //! What one record can tell: the rate at which an ideal detector, which knows the distribution of the rig's parameters,
-//! finds a spall at 1 % false alarms, beside what the detector finds.
+//! finds a spall at 1 % false alarms, beside what the detector finds. [`roughness`] does the same for roughness.
 //!
 //! ```text
 //! P = P(χ²(2H, λ) > χ²₀.₉₉),   λ = Σ_h λ_h over H harmonics, H the number that detects most                (1)
@@ -19,7 +19,10 @@
 
 pub mod energy;
 pub mod render;
+mod roughness;
 
+use bearing_watch::plan::RunTime;
+use bearing_watch::{FrictionTerm, ShaftEstimate};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
@@ -38,9 +41,10 @@ use crate::train::train;
 use energy::{HARMONICS, Spall};
 
 /// Rows that are bounded by default: those that find little, and MIX for comparison.
-pub const ROWS: [&str; 18] = [
+pub const ROWS: [&str; 19] = [
     "mix",
     "temperature",
+    "temperature-known",
     "load-friction",
     "stribeck",
     "cogging",
@@ -83,6 +87,19 @@ pub struct Bound {
     pub found: Option<Rate>,
 }
 
+/// The bound and what is found, for roughness of one size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RoughnessBound {
+    /// Size of the roughness.
+    pub severity: f64,
+    /// By an exact viscous friction.
+    pub exact: f64,
+    /// By a viscous friction with the error that the core has.
+    pub with_error: f64,
+    /// Found by the detector of the table.
+    pub found: Option<Rate>,
+}
+
 /// A row with its bounds, one a size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bounded {
@@ -94,6 +111,10 @@ pub struct Bounded {
     pub core_floor_nm: f64,
     /// One for each spall of [`COLUMNS`].
     pub bounds: Vec<Bound>,
+    /// Standard deviation of the core's error of the viscous friction in healthy records, N·m·s/rad.
+    pub viscous_error: f64,
+    /// One for each roughness of [`COLUMNS`]; none if no temperature changes the friction.
+    pub roughness: Vec<RoughnessBound>,
 }
 
 /// Bounds a row, and judges the gate with the order alone and that of the recipe.
@@ -104,19 +125,19 @@ pub fn bound(row: &Row, settings: &Settings) -> Result<Bounded, Error> {
     let row = Row { classes: false, ..*row };
     let order = Settings { features: vec!["order_outer".into()], ..settings.clone() };
     let found = [found(&row, &order)?, found(&row, settings)?];
-    let core_floors = measured_floors(&row)?;
+    let healthy = healthy_estimates(&row)?;
+    let core_floors = measured_floors(&healthy);
     let core_floor_nm = root_mean_square(&core_floors);
     let spalls = spalls(&row, if is_disturbed(&row.judged) { &core_floors } else { &[] })?;
     let population = healthy_precision(&row);
-    let column = |severity: f64| COLUMNS.iter().position(|own| *own == Defect { kind: DefectKind::Spall, severity });
-    let sizes: Vec<f64> = COLUMNS.iter().filter(|own| own.kind == DefectKind::Spall).map(|own| own.severity).collect();
+    let of = |draws: &[Vec<Tally>], kind: DefectKind, severity: f64| {
+        let column = COLUMNS.iter().position(|own| *own == Defect { kind, severity })?;
+        let tallies: Vec<Tally> = draws.iter().map(|own| own[column]).collect();
+        (!tallies.is_empty()).then(|| rate(&tallies))
+    };
     let each = |severity: f64| {
         let parts: Vec<[f64; 3]> = spalls.par_iter().map(|spall| powers(spall, population, severity)).collect();
         let mean = |k: usize| parts.iter().map(|own| own[k]).sum::<f64>() / parts.len() as f64;
-        let of = |draws: &[Vec<Tally>]| {
-            let tallies: Vec<Tally> = draws.iter().filter_map(|own| Some(own[column(severity)?])).collect();
-            (!tallies.is_empty()).then(|| rate(&tallies))
-        };
         let energies = spalls.iter().map(|spall| spall.harmonics[..3].iter().sum::<f64>()).sum::<f64>();
         Bound {
             severity,
@@ -124,12 +145,36 @@ pub fn bound(row: &Row, settings: &Settings) -> Result<Bounded, Error> {
             order: mean(0),
             friction: mean(1),
             all: mean(2),
-            found_by_order: of(&found[0]),
-            found: of(&found[1]),
+            found_by_order: of(&found[0], DefectKind::Spall, severity),
+            found: of(&found[1], DefectKind::Spall, severity),
         }
     };
     let floor_nm = root_mean_square(&spalls.iter().map(|spall| spall.floor_nm).collect::<Vec<_>>());
-    Ok(Bounded { row: row.name(), floor_nm, core_floor_nm, bounds: sizes.into_iter().map(each).collect() })
+    let viscous_error = viscous_error(&row, &healthy)?;
+    let rough = sizes(DefectKind::Roughness);
+    let [exact, with_error] = [0.0, viscous_error].map(|error| roughness::powers(&row, &rough, error));
+    let each_roughness = |((&severity, exact), with_error): ((&f64, f64), f64)| {
+        let found = of(&found[1], DefectKind::Roughness, severity);
+        RoughnessBound { severity, exact, with_error, found }
+    };
+    Ok(Bounded {
+        row: row.name(),
+        floor_nm,
+        core_floor_nm,
+        bounds: sizes(DefectKind::Spall).into_iter().map(each).collect(),
+        viscous_error,
+        roughness: rough
+            .iter()
+            .zip(exact.into_iter().flatten())
+            .zip(with_error.into_iter().flatten())
+            .map(each_roughness)
+            .collect(),
+    })
+}
+
+/// The sizes of a defect in [`COLUMNS`].
+fn sizes(kind: DefectKind) -> Vec<f64> {
+    COLUMNS.iter().filter(|own| own.kind == kind).map(|own| own.severity).collect()
 }
 
 /// Whether more than the noise of the sensors disturbs the bearing's order under a condition.
@@ -167,22 +212,43 @@ fn spalls(row: &Row, floors_nm: &[f64]) -> Result<Vec<Spall>, Error> {
     (0..RECORDS).into_par_iter().map(each).collect()
 }
 
-/// Deviation of the outer order's amplitude in each healthy record, as the core measures it, N·m.
-fn measured_floors(row: &Row) -> Result<Vec<f64>, Error> {
+/// What the core estimates in healthy records with a detector that was trained on others.
+fn healthy_estimates(row: &Row) -> Result<Vec<ShaftEstimate<RunTime>>, Error> {
     let own = recipe(&row.trained, &["order_outer".into()]);
     let detector = train(&traces(&[(row.training(0, Defect::HEALTHY), 0)], RECORDS)?, &["healthy".into()], &own)?;
     let detector = detector.embed()?;
     let records = traces(&[(row.validation(0, Defect::HEALTHY), 0)], RECORDS)?;
-    let measured = |record: &LabelledTrace| {
+    let estimate = |record: &LabelledTrace| {
         let report = detector.whole(&record.trace);
-        let order = report.shaft().and_then(|shaft| shaft.orders().first()).copied().unwrap_or_default();
-        (f64::from(order.deviation), f64::from(order.prominence))
+        report.shaft().cloned().ok_or_else(|| Error::trace(&record.trace.id, "the shaft was not watched"))
     };
-    let found: Vec<(f64, f64)> = records.par_iter().map(measured).collect();
+    records.par_iter().map(estimate).collect()
+}
+
+/// Deviation of the outer order's amplitude in each healthy record, as the core measures it, N·m.
+fn measured_floors(healthy: &[ShaftEstimate<RunTime>]) -> Vec<f64> {
+    let orders = || healthy.iter().map(|own| own.orders().first().copied().unwrap_or_default());
     // The prominence is the noise at the order itself, relative to that of the control orders.
-    let excess = found.iter().map(|(_, prominence)| *prominence).sum::<f64>() / found.len() as f64;
+    let excess = orders().map(|order| f64::from(order.prominence)).sum::<f64>() / healthy.len() as f64;
     let scale = Scenario::STANDARD.motor.kt_nm_per_a * excess.max(1.0).sqrt();
-    Ok(found.iter().map(|(deviation, _)| scale * deviation.max(1e-6)).collect())
+    orders().map(|order| scale * f64::from(order.deviation).max(1e-6)).collect()
+}
+
+/// Deviation of what the core estimates of the viscous friction from that of the record, but for their mean difference.
+fn viscous_error(row: &Row, healthy: &[ShaftEstimate<RunTime>]) -> Result<f64, Error> {
+    let cell = row.validation(0, Defect::HEALTHY);
+    let mut errors = vec![];
+    for (number, estimate) in (0..).zip(healthy) {
+        let seed = cell.seed(number)?;
+        let scenario = cell.scenario(&Scenario::WITH_RESOLVER, seed);
+        let values = FieldValues::draw(&scenario, seed);
+        let kt = values.motor(&scenario.motor).kt_nm_per_a;
+        if let Some(own) = estimate.friction.parameter(FrictionTerm::Viscous).filter(|own| own.deviation > 0.0) {
+            errors.push(kt * f64::from(own.value) - roughness::mean_viscous(&scenario, &values));
+        }
+    }
+    let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
+    Ok(root_mean_square(&errors.iter().map(|error| error - mean).collect::<Vec<_>>()))
 }
 
 /// C⁻¹ of (4), by healthy drives; `None` if friction does not vary.

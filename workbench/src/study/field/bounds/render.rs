@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{Bound, Bounded};
+use super::{Bound, Bounded, RoughnessBound};
 use crate::evaluate::Rate;
 use crate::rig::{Defect, DefectKind};
 use crate::study::campaign::render::grid;
@@ -50,7 +50,26 @@ pub fn text(all: &[Bounded], settings: &Settings) -> String {
     };
     let rows: Vec<Vec<String>> =
         all.iter().flat_map(|own| own.bounds.iter().map(move |bound| row(own, bound))).collect();
-    grid(&title, &head, &rows)
+    [grid(&title, &head, &rows), roughness(all)].join("\n")
+}
+
+fn roughness(all: &[Bounded]) -> String {
+    let title = "Roughness found at 1 % false alarms where the temperature changes the friction, %: bounds, and what is \
+                 found [95 % interval]";
+    let head = ["", "error of the core, µN·m·s/rad", "size", "bound: exact friction", "with this error", "detector"];
+    let row = |own: &Bounded, bound: &RoughnessBound| {
+        vec![
+            own.row.clone(),
+            format!("{:.1}", 1e6 * own.viscous_error),
+            heading(Defect { kind: DefectKind::Roughness, severity: bound.severity }),
+            format!("{:.1}", 100.0 * bound.exact),
+            format!("{:.1}", 100.0 * bound.with_error),
+            shown(bound.found),
+        ]
+    };
+    let rows: Vec<Vec<String>> =
+        all.iter().flat_map(|own| own.roughness.iter().map(move |bound| row(own, bound))).collect();
+    grid(title, &head, &rows)
 }
 
 /// Key `rows`, each with its floor and its bounds.
@@ -67,12 +86,22 @@ pub fn to_json(all: &[Bounded]) -> Value {
             "found": own.found.map(|rate| rate.to_json()),
         })
     };
+    let rough = |own: &RoughnessBound| {
+        json!({
+            "severity": own.severity,
+            "exact": own.exact,
+            "with_error": own.with_error,
+            "found": own.found.map(|rate| rate.to_json()),
+        })
+    };
     let row = |own: &Bounded| {
         json!({
             "row": own.row,
             "floor_nm": own.floor_nm,
             "core_floor_nm": own.core_floor_nm,
             "bounds": own.bounds.iter().map(bound).collect::<Vec<_>>(),
+            "viscous_error_nm_s_rad": own.viscous_error,
+            "roughness": own.roughness.iter().map(rough).collect::<Vec<_>>(),
         })
     };
     json!({ "rows": all.iter().map(row).collect::<Vec<_>>() })
