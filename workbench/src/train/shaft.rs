@@ -59,7 +59,7 @@ pub struct ShaftPlan {
 
 impl ShaftPlan {
     /// Returns a plan with these orders, weights for pulses of a tenth to half of a period, a slip of ± 0.8 %, a
-    /// cut-off of 8 Hz, a measured load, and the better source of the velocity.
+    /// cut-off of 4 Hz, a measured load, and the better source of the velocity.
     #[must_use]
     pub fn new(orders: Vec<(String, f64)>) -> Self {
         Self {
@@ -67,7 +67,7 @@ impl ShaftPlan {
             weights: [1.0, 0.5, 0.25],
             slip: 0.008,
             current_delay: None,
-            cutoff_hz: 8.0,
+            cutoff_hz: 4.0,
             load: true,
             velocity: VelocitySource::Best,
         }

@@ -10,7 +10,7 @@ use crate::train::{Alarms, Recipe, ShaftPlan};
 
 /// Features of the detector: the friction at a usual velocity and load, what of it varies with velocity and with load,
 /// the torque constant, and the order of the outer race.
-pub const FEATURES: [&str; 5] = ["drag", "viscous_log", "inverse_kt", "load_friction", "order_outer"];
+pub const FEATURES: [&str; 5] = ["drag", "viscous", "inverse_kt", "load_friction", "order_outer"];
 
 /// The covariate of a row that knows the temperature.
 pub const TEMPERATURE: &str = "mean_temperature_c";
@@ -79,7 +79,7 @@ mod tests {
             if load {
                 assert_eq!(format!("{own:?}"), format!("{mix:?}"), "{}", condition.name);
             } else {
-                assert_eq!(own.features, ["drag", "viscous_log", "order_outer"]);
+                assert_eq!(own.features, ["drag", "viscous", "order_outer"]);
             }
         }
         let asked = ["order_outer".to_string()];
