@@ -19,7 +19,7 @@
 
 pub mod energy;
 pub mod render;
-mod roughness;
+pub mod roughness;
 
 use bearing_watch::plan::RunTime;
 use bearing_watch::{FrictionTerm, ShaftEstimate};
