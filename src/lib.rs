@@ -105,5 +105,5 @@ pub mod internals {
     pub use crate::factor::{Mass, NEVER, PRIOR, Problem, Row, Solution, SolveError, Solved, Sums, Triangle};
     pub use crate::regression::{Inputs, Rows};
     pub use crate::sample::Gate;
-    pub use crate::shaft::{BRIDGE, MIN_BLOCKS, Shaft, ShaftSolve, ShaftSums};
+    pub use crate::shaft::{BRIDGE, LAGS, MIN_BLOCKS, Shaft, ShaftSolve, ShaftSums};
 }

@@ -35,9 +35,9 @@ mod state_variable;
 pub use balance::{Balance, TERMS, Torques};
 pub use bearing::Bearing;
 pub use friction::{Friction, Parameter};
-#[cfg(feature = "internals")]
-pub use orders::MIN_BLOCKS;
 pub use orders::{Blocks, CONTROLS, TrackedOrder, Tracking, q16};
+#[cfg(feature = "internals")]
+pub use orders::{LAGS, MIN_BLOCKS};
 pub use slip::OrderStrength;
 pub use solve::ShaftSolve;
 pub use state_variable::StateVariable;

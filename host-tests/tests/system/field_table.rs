@@ -70,6 +70,11 @@ fn a_set_that_training_refuses_is_a_row_with_the_reason() {
     assert!(text.contains("slip, gate, 2 of 2: ") && text.contains("  slip  refused"), "{text}");
 }
 
+/// The rows of a table below its heading.
+fn rows_of<'d>(document: &'d str, title: &str) -> Vec<Vec<&'d str>> {
+    documents::rows(document, title).split_off(1)
+}
+
 fn number(text: &str) -> f64 {
     text.parse().unwrap_or_else(|_| panic!("{text} is no number"))
 }
@@ -84,8 +89,7 @@ fn interval(text: &str) -> [f64; 2] {
 #[test]
 fn the_order_alone_stays_below_its_bound() {
     let document = documents::text("docs/field.md");
-    let rows = documents::rows(&document, "Spalls found at 1 % false alarms");
-    let (_, rows) = rows.split_first().expect("a heading");
+    let rows = rows_of(&document, "Spalls found at 1 % false alarms");
     assert_eq!(rows.len(), 76);
     let mut near = 0;
     for row in rows {
@@ -102,8 +106,7 @@ fn the_order_alone_stays_below_its_bound() {
 #[test]
 fn roughness_stays_below_its_bound() {
     let document = documents::text("docs/field.md");
-    let rows = documents::rows(&document, "Roughness found at 1 % false alarms");
-    let (_, rows) = rows.split_first().expect("a heading");
+    let rows = rows_of(&document, "Roughness found at 1 % false alarms");
     // Three sizes under two temperatures, known or not, and four times all effects.
     assert_eq!(rows.len(), 18);
     for row in rows {

@@ -65,8 +65,8 @@ pub(super) struct Args {
     /// outside the range of the healthy traces, what they explain is missing
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     covariates: Vec<String>,
-    /// Features that a defect only raises, e.g. viscous: the gate judges them upwards only, given the others, as it does
-    /// with the scores of orders
+    /// Features that a defect only raises, e.g. viscous: the gate judges them upwards only, given the others, as it
+    /// does with the scores of orders
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     rising: Vec<String>,
     /// Projection of the features

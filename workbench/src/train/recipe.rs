@@ -93,12 +93,9 @@ impl Recipe {
     pub(super) fn rising(&self, names: &[String]) -> usize {
         let catalogue = self.catalogue();
         let all = catalogue.names();
-        let place = |name: &String| all.iter().position(|own| own == name);
-        if matches!(self.projection, ProjectionKind::None) {
-            names.iter().filter_map(place).filter(|&place| self.rises(&catalogue, place)).count()
-        } else {
-            0
-        }
+        let rises =
+            |name: &&String| all.iter().position(|own| own == *name).is_some_and(|k| self.rises(&catalogue, &all, k));
+        if matches!(self.projection, ProjectionKind::None) { names.iter().filter(rises).count() } else { 0 }
     }
 
     /// Returns the places of features with those last that only rise with a defect, as the gate has them.
@@ -117,13 +114,13 @@ impl Recipe {
             return Err(Error::Usage(format!("--rising: {name} is none of the features {}", features.join(", "))));
         }
         if unmixed {
-            places.sort_by_key(|&place| self.rises(catalogue, place));
+            places.sort_by_key(|&place| self.rises(catalogue, &names, place));
         }
         Ok(places)
     }
 
-    fn rises(&self, catalogue: &Catalogue, place: usize) -> bool {
-        catalogue.rises(place) || self.rising.contains(&catalogue.names()[place])
+    fn rises(&self, catalogue: &Catalogue, names: &[String], place: usize) -> bool {
+        catalogue.rises(place) || self.rising.contains(&names[place])
     }
 
     /// Returns the recipe with the columns that averages name and no other part uses.

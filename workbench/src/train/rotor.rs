@@ -5,16 +5,18 @@
 //! L ≥ 1/(7 (|O − n| − O |q| s)),   turns ≥ 16 L                                      (2)
 //! ```
 //!
-//! Cogging, unbalance and errors of the angle are at whole orders n. The core compares phases of blocks of L turns up to
-//! six blocks apart, which tells orders apart that differ by 1/(7 L), and searches slips up to s, by which an order O
-//! changes by O q s. Training widens L to a sixteenth of a record's turns at most, hence (2).
+//! Cogging, unbalance and errors of the angle are at whole orders n. The core compares phases of blocks of L turns up
+//! to six blocks apart, which tells orders apart that differ by 1/(7 L), and searches slips up to s, by which an order
+//! O changes by O q s. Training widens L to a sixteenth of a record's turns at most, hence (2).
 
+use bearing_watch::internals::LAGS;
 use bearing_watch::model::{TrackedOrder, Tracking};
 use bearing_watch::plan::RunTime;
 
-/// Blocks over which phases are compared, and blocks of which a record has at least as many turns.
-const COMPARED: f64 = 7.0;
-const BLOCKS: f64 = 16.0;
+use super::shaft::BLOCKS_A_RECORD;
+
+/// Blocks over which phases are compared.
+const COMPARED: f64 = LAGS as f64 + 1.0;
 
 /// An order next to one of the rotor.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,8 +47,8 @@ pub fn next_to_rotor(tracking: &Tracking<RunTime>) -> Vec<NextToRotor> {
         let slip = order * f64::from(own.slip_ratio.abs() * tracking.blocks.slip);
         let apart = (order - rotor).abs() - slip;
         // Blocks are powers of two wide.
-        let needed = BLOCKS * (1.0 / (COMPARED * apart)).log2().ceil().exp2();
-        let turns = (apart > 0.0).then_some(needed);
+        let needed = || BLOCKS_A_RECORD * (1.0 / (COMPARED * apart)).log2().ceil().exp2();
+        let turns = (apart > 0.0).then(needed);
         (apart <= resolved).then_some(NextToRotor { place, order, rotor, turns })
     };
     tracking.orders.iter().enumerate().filter_map(each).collect()

@@ -29,6 +29,9 @@ use crate::grey_box::filter::LowPass;
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{MotionTrace, Trace};
 
+/// Blocks in a record, at least.
+pub(super) const BLOCKS_A_RECORD: f64 = 16.0;
+
 /// Limits of the channels, in multiples of the largest magnitude in training.
 const LIMIT: f64 = 10.0;
 
@@ -99,7 +102,7 @@ impl ShaftPlan {
             ..TrackedOrder::new(*order as f32, weights)
         };
         let highest = self.orders.iter().map(|(_, order)| *order).fold(0.1, f64::max);
-        let widest = (0.5 / (highest * self.slip.max(1e-4))).min(turns / 16.0); // (4)
+        let widest = (0.5 / (highest * self.slip.max(1e-4))).min(turns / BLOCKS_A_RECORD); // (4)
         Tracking {
             orders: self.orders.iter().map(order).collect(),
             blocks: Blocks {

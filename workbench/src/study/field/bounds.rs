@@ -26,6 +26,7 @@ use bearing_watch::{FrictionTerm, ShaftEstimate};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
+use statrs::statistics::Statistics;
 
 use super::recipe::{FALSE_ALARM, recipe};
 use super::rows::{COLUMNS, Row};
@@ -39,6 +40,7 @@ use crate::study::campaign::run::traces;
 use crate::trace::labels::LabelledTrace;
 use crate::train::train;
 use energy::{HARMONICS, Spall};
+use roughness::{Population, RoughnessBound};
 
 /// Rows that are bounded by default: those that find little, and MIX for comparison.
 pub const ROWS: [&str; 19] = [
@@ -83,19 +85,6 @@ pub struct Bound {
     pub all: f64,
     /// Found by the gate with the order alone.
     pub found_by_order: Option<Rate>,
-    /// Found by the detector of the table.
-    pub found: Option<Rate>,
-}
-
-/// The bound and what is found, for roughness of one size.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RoughnessBound {
-    /// Size of the roughness.
-    pub severity: f64,
-    /// By an exact viscous friction.
-    pub exact: f64,
-    /// By a viscous friction with the error that the core has.
-    pub with_error: f64,
     /// Found by the detector of the table.
     pub found: Option<Rate>,
 }
@@ -151,24 +140,21 @@ pub fn bound(row: &Row, settings: &Settings) -> Result<Bounded, Error> {
     };
     let floor_nm = root_mean_square(&spalls.iter().map(|spall| spall.floor_nm).collect::<Vec<_>>());
     let viscous_error = viscous_error(&row, &healthy)?;
-    let rough = sizes(DefectKind::Roughness);
-    let [exact, with_error] = [0.0, viscous_error].map(|error| roughness::powers(&row, &rough, error));
-    let each_roughness = |((&severity, exact), with_error): ((&f64, f64), f64)| {
-        let found = of(&found[1], DefectKind::Roughness, severity);
-        RoughnessBound { severity, exact, with_error, found }
+    let drives = Population::of(&row);
+    let rough = |drives: &Population, severity: f64| RoughnessBound {
+        severity,
+        exact: drives.power(severity, 0.0),
+        with_error: drives.power(severity, viscous_error),
+        found: of(&found[1], DefectKind::Roughness, severity),
     };
+    let roughness = drives.iter().flat_map(|own| sizes(DefectKind::Roughness).into_iter().map(|size| rough(own, size)));
     Ok(Bounded {
         row: row.name(),
         floor_nm,
         core_floor_nm,
         bounds: sizes(DefectKind::Spall).into_iter().map(each).collect(),
         viscous_error,
-        roughness: rough
-            .iter()
-            .zip(exact.into_iter().flatten())
-            .zip(with_error.into_iter().flatten())
-            .map(each_roughness)
-            .collect(),
+        roughness: roughness.collect(),
     })
 }
 
@@ -198,14 +184,20 @@ fn root_mean_square(x: &[f64]) -> f64 {
     (x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64).sqrt()
 }
 
+/// The healthy drive of the row with this seed.
+fn drive(row: &Row, seed: u64) -> (Scenario, FieldValues) {
+    let scenario = row.judged.apply(Scenario::WITH_RESOLVER, seed);
+    let values = FieldValues::draw(&scenario, seed);
+    (scenario, values)
+}
+
 /// What full-size spalls would add to healthy records of the row; `floors_nm` are those measured in them, if they are
 /// to replace the noise of the sensors.
 fn spalls(row: &Row, floors_nm: &[f64]) -> Result<Vec<Spall>, Error> {
     let cell = row.validation(0, Defect::HEALTHY);
     let each = |number: u32| -> Result<Spall, Error> {
         let seed = cell.seed(number)?;
-        let scenario = cell.scenario(&Scenario::WITH_RESOLVER, seed);
-        let values = FieldValues::draw(&scenario, seed);
+        let (scenario, values) = drive(row, seed);
         let floor_nm = floors_nm.get(number as usize).copied();
         Ok(Spall::of(&scenario, &values, &simulate(&scenario, seed)?, floor_nm))
     };
@@ -239,23 +231,19 @@ fn viscous_error(row: &Row, healthy: &[ShaftEstimate<RunTime>]) -> Result<f64, E
     let cell = row.validation(0, Defect::HEALTHY);
     let mut errors = vec![];
     for (number, estimate) in (0..).zip(healthy) {
-        let seed = cell.seed(number)?;
-        let scenario = cell.scenario(&Scenario::WITH_RESOLVER, seed);
-        let values = FieldValues::draw(&scenario, seed);
+        let (scenario, values) = drive(row, cell.seed(number)?);
         let kt = values.motor(&scenario.motor).kt_nm_per_a;
         if let Some(own) = estimate.friction.parameter(FrictionTerm::Viscous).filter(|own| own.deviation > 0.0) {
             errors.push(kt * f64::from(own.value) - roughness::mean_viscous(&scenario, &values));
         }
     }
-    let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
-    Ok(root_mean_square(&errors.iter().map(|error| error - mean).collect::<Vec<_>>()))
+    Ok(errors.population_std_dev())
 }
 
 /// C⁻¹ of (4), by healthy drives; `None` if friction does not vary.
 fn healthy_precision(row: &Row) -> Option<Matrix3<f64>> {
-    let drive = |seed: u64| {
-        let scenario = row.judged.apply(Scenario::WITH_RESOLVER, seed);
-        let values = FieldValues::draw(&scenario, seed);
+    let of = |seed: u64| {
+        let (scenario, values) = drive(row, seed);
         let motor = values.motor(&scenario.motor);
         let coulomb = values.temperature.map_or(0.0, |own| own.coulomb_nm)
             + values.stribeck.map_or(0.0, |own| own.coulomb_nm)
@@ -263,7 +251,7 @@ fn healthy_precision(row: &Row) -> Option<Matrix3<f64>> {
             + values.load_friction.map_or(0.0, |own| own.coefficient * scenario.load_amplitude_nm * 0.64);
         Vector3::new(1e3 * motor.b_nm_s_per_rad, coulomb, motor.kt_nm_per_a)
     };
-    let drives: Vec<Vector3<f64>> = (0..DRIVES).map(drive).collect();
+    let drives: Vec<Vector3<f64>> = (0..DRIVES).map(of).collect();
     let mean = drives.iter().sum::<Vector3<f64>>() / DRIVES as f64;
     let spread = drives.iter().map(|own| (own - mean) * (own - mean).transpose()).sum::<Matrix3<f64>>() / DRIVES as f64;
     // A part in 10⁴ keeps what does not vary invertible.

@@ -2,7 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::{Bound, Bounded, RoughnessBound};
+use super::roughness::RoughnessBound;
+use super::{Bound, Bounded};
 use crate::evaluate::Rate;
 use crate::rig::{Defect, DefectKind};
 use crate::study::campaign::render::grid;
@@ -54,8 +55,8 @@ pub fn text(all: &[Bounded], settings: &Settings) -> String {
 }
 
 fn roughness(all: &[Bounded]) -> String {
-    let title = "Roughness found at 1 % false alarms where the temperature changes the friction, %: bounds, and what is \
-                 found [95 % interval]";
+    let title = "Roughness found at 1 % false alarms where the temperature changes the friction, %: bounds, and what \
+                 is found [95 % interval]";
     let head = ["", "error of the core, µN·m·s/rad", "size", "bound: exact friction", "with this error", "detector"];
     let row = |own: &Bounded, bound: &RoughnessBound| {
         vec![

@@ -15,7 +15,8 @@ use std::f64::consts::PI;
 
 use rayon::prelude::*;
 
-use super::Row;
+use super::{Row, drive};
+use crate::evaluate::Rate;
 use crate::rig::bearing::ADDED_FRICTION_NM_S_PER_RAD;
 use crate::rig::field::FieldValues;
 use crate::rig::{NoiseSource, Scenario, Stream};
@@ -25,8 +26,22 @@ use crate::study::field::recipe::FALSE_ALARM;
 const DRIVES: u64 = 4000;
 /// Temperatures of the sums of (1).
 const STATES: usize = 101;
-/// Deviations of ln B over which p(b | s) is summed for (2), from −3.5 to 3.5.
-const SCATTERS: i32 = 28;
+/// Steps of the sum of p(b | s) for (2) on each side of zero, and their width, deviations of ln B.
+const SCATTERS: i32 = 14;
+const SCATTER_STEP: f64 = 0.25;
+
+/// The bound and what is found, for roughness of one size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RoughnessBound {
+    /// Size of the roughness.
+    pub severity: f64,
+    /// By an exact viscous friction.
+    pub exact: f64,
+    /// By a viscous friction with the error that the core has.
+    pub with_error: f64,
+    /// Found by the detector of the table.
+    pub found: Option<Rate>,
+}
 
 /// s, B and κ of a drive.
 #[derive(Clone, Copy, Debug)]
@@ -38,8 +53,7 @@ struct Drive {
 
 impl Drive {
     fn of(row: &Row, seed: u64) -> Option<Self> {
-        let scenario = row.judged.apply(Scenario::WITH_RESOLVER, seed);
-        let values = FieldValues::draw(&scenario, seed);
+        let (scenario, values) = drive(row, seed);
         let state = values.temperature?.state;
         let gain =
             values.load_sensor.map_or(1.0, |sensor| sensor.gain) / values.current_chain.map_or(1.0, |chain| chain.gain);
@@ -52,11 +66,8 @@ impl Drive {
 /// B, averaged over the warm-up of a record.
 pub(super) fn mean_viscous(scenario: &Scenario, values: &FieldValues) -> f64 {
     let duration_s = scenario.samples as f64 * scenario.sample_time_s;
-    let warm = values.temperature.map_or(0.0, |own| {
-        let part = own.warm_up_s / duration_s;
-        own.warm_up_viscous * (1.0 - part * (1.0 - (-1.0 / part).exp()))
-    });
-    values.motor(&scenario.motor).b_nm_s_per_rad * (1.0 - warm)
+    let warm = values.temperature.map_or(1.0, |own| own.mean_viscous(duration_s));
+    values.motor(&scenario.motor).b_nm_s_per_rad * warm
 }
 
 /// A normal law whose mean is linear in s.
@@ -92,60 +103,64 @@ fn bell(x: f64) -> f64 {
     (-0.5 * x * x).exp()
 }
 
-/// The laws (4), and σ of (2).
-#[derive(Clone, Copy, Debug)]
-struct Laws {
+/// Healthy drives of a row, and the laws (4).
+#[derive(Clone, Debug)]
+pub(super) struct Population {
+    drives: Vec<Drive>,
     viscous: Line,
     told: Line,
-    error: f64,
 }
 
-impl Laws {
-    /// p(b | s), without the same factor as [`Line::density`].
-    fn density(&self, state: f64, measured: f64) -> f64 {
-        if self.error <= 0.0 {
-            return if measured > 0.0 { self.viscous.density(state, measured.ln()) / measured } else { 0.0 };
-        }
-        let middle = self.viscous.at(state);
-        let of = |k: i32| {
-            let scatter = 0.25 * f64::from(k) - 3.5;
-            let own = (middle + scatter * self.viscous.deviation).exp();
-            0.25 * bell(scatter) * bell((measured - own) / self.error) / ((2.0 * PI).sqrt() * self.error)
+impl Population {
+    /// `None` if no temperature changes the friction of the row.
+    pub(super) fn of(row: &Row) -> Option<Self> {
+        let drives: Vec<Drive> = (0..DRIVES).map(|seed| Drive::of(row, seed)).collect::<Option<_>>()?;
+        let through = |pick: fn(&Drive) -> f64| {
+            Line::through(&drives.iter().map(|own| (own.state, pick(own))).collect::<Vec<_>>())
         };
-        self.viscous.deviation * (0..=SCATTERS).map(of).sum::<f64>()
+        let (viscous, told) = (through(|own| own.viscous.ln()), through(|own| own.told));
+        Some(Self { drives, viscous, told })
+    }
+
+    /// The rate at which roughness of this size is found, with this σ of (2), N·m·s/rad.
+    pub(super) fn power(&self, severity: f64, error: f64) -> f64 {
+        let added = ADDED_FRICTION_NM_S_PER_RAD * severity;
+        let mut noise = NoiseSource::new(0, Stream::CurrentNoise);
+        let measured: Vec<(f64, f64)> =
+            self.drives.iter().map(|own| (own.viscous + error * noise.gaussian(), own.told)).collect();
+        let ratio = |b: f64, told: f64| self.ratio((b, error), told, added);
+        let mut healthy: Vec<f64> = measured.par_iter().map(|(b, told)| ratio(*b, *told)).collect();
+        healthy.sort_by(f64::total_cmp);
+        let limit = healthy[((1.0 - FALSE_ALARM) * DRIVES as f64) as usize];
+        let found = measured.par_iter().filter(|(b, told)| ratio(b + added, *told) > limit).count();
+        found as f64 / DRIVES as f64
     }
 
     /// ln Λ of (1).
-    fn ratio(&self, measured: f64, told: f64, added: f64) -> f64 {
+    fn ratio(&self, (measured, error): (f64, f64), told: f64, added: f64) -> f64 {
         let (mut with, mut without) = (f64::MIN_POSITIVE, f64::MIN_POSITIVE);
         for k in 0..STATES {
             let state = k as f64 / (STATES - 1) as f64;
             let own = self.told.density(state, told);
-            with += own * self.density(state, measured - added);
-            without += own * self.density(state, measured);
+            with += own * self.density(state, measured - added, error);
+            without += own * self.density(state, measured, error);
         }
         with.ln() - without.ln()
     }
-}
 
-/// The rates at which roughness of these sizes is found; `None` if no temperature changes the friction of the row.
-pub(super) fn powers(row: &Row, severities: &[f64], error_nm_s_rad: f64) -> Option<Vec<f64>> {
-    let drives: Vec<Drive> = (0..DRIVES).map(|seed| Drive::of(row, seed)).collect::<Option<_>>()?;
-    let through =
-        |pick: fn(&Drive) -> f64| Line::through(&drives.iter().map(|own| (own.state, pick(own))).collect::<Vec<_>>());
-    let laws = Laws { viscous: through(|own| own.viscous.ln()), told: through(|own| own.told), error: error_nm_s_rad };
-    let mut noise = NoiseSource::new(0, Stream::CurrentNoise);
-    let measured: Vec<(f64, f64)> =
-        drives.iter().map(|own| (own.viscous + error_nm_s_rad * noise.gaussian(), own.told)).collect();
-    let rate = |severity: &f64| {
-        let added = ADDED_FRICTION_NM_S_PER_RAD * severity;
-        let mut healthy: Vec<f64> = measured.par_iter().map(|(b, told)| laws.ratio(*b, *told, added)).collect();
-        healthy.sort_by(f64::total_cmp);
-        let limit = healthy[((1.0 - FALSE_ALARM) * DRIVES as f64) as usize];
-        let found = measured.par_iter().filter(|(b, told)| laws.ratio(b + added, *told, added) > limit).count();
-        found as f64 / DRIVES as f64
-    };
-    Some(severities.iter().map(rate).collect())
+    /// p(b | s), without the same factor as [`Line::density`].
+    fn density(&self, state: f64, measured: f64, error: f64) -> f64 {
+        if error <= 0.0 {
+            return if measured > 0.0 { self.viscous.density(state, measured.ln()) / measured } else { 0.0 };
+        }
+        let middle = self.viscous.at(state);
+        let of = |k: i32| {
+            let scatter = SCATTER_STEP * f64::from(k);
+            let own = (middle + scatter * self.viscous.deviation).exp();
+            SCATTER_STEP * bell(scatter) * bell((measured - own) / error) / ((2.0 * PI).sqrt() * error)
+        };
+        self.viscous.deviation * (-SCATTERS..=SCATTERS).map(of).sum::<f64>()
+    }
 }
 
 #[cfg(test)]
@@ -155,14 +170,14 @@ mod tests {
 
     fn found(row: &str, severity: f64, error: f64) -> Option<f64> {
         let row = named(&[row.into()]).expect("known")[0];
-        powers(&row, &[severity], error).map(|rates| rates[0])
+        Population::of(&row).map(|drives| drives.power(severity, error))
     }
 
     #[test]
     fn friction_that_is_known_at_a_known_temperature_shows_what_exceeds_its_scatter() {
         assert_eq!(found("mix", 0.125, 0.0), None);
-        // B is lognormal, with the deviation 0.2 and 0.037 of the warm-up, and its medians lie evenly, in the logarithm,
-        // between 0.25 and 0.04 mN·m·s; an alarm at 1 % of each median.
+        // B is lognormal, with the deviation 0.2 and 0.037 of the warm-up, and its medians lie evenly, in the
+        // logarithm, between 0.25 and 0.04 mN·m·s; an alarm at 1 % of each median.
         let normal = |x: f64| statrs::function::erf::erfc(-x / 2.0_f64.sqrt()) / 2.0;
         let each = |k: i32| {
             let median = 2.34e-4 * (0.16_f64).powf((f64::from(k) + 0.5) / 200.0);
