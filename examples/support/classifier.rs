@@ -1,12 +1,13 @@
 //! A classifier of nine features, three coordinates and three classes for the example models. It is not from a
-//! training: it only has to tell a plant from others.
+//! training: it only has to tell a plant from others. With rising coordinates it computes the surprise of the first
+//! class, but calls nothing novel.
 
 /// The classifier of these features, for any plan of its size.
 macro_rules! classifier {
     ($features:expr) => {
-        classifier!($features, [])
+        classifier!($features, None, [[0.0; 2]; bearing_watch::model::KNOTS], [])
     };
-    ($features:expr, $rising:expr) => {
+    ($features:expr, $healthy:expr, $knots:expr, $laws:expr) => {
         bearing_watch::model::Classifier {
             features: $features,
             covariates: bearing_watch::model::Covariates { list: [], map: [] },
@@ -33,11 +34,12 @@ macro_rules! classifier {
                 reject_cost: f32::INFINITY,
             },
             novelty: bearing_watch::model::Novelty {
-                class: None,
+                class: $healthy,
                 mean: [0.0; 3],
-                factor: [0.0; 6],
-                knots: [[0.0; 2]; bearing_watch::model::KNOTS],
-                rising: $rising,
+                factor: [1.0, 0.0, 0.0, 1.0, 0.0, 1.0],
+                knots: $knots,
+                laws: $laws,
+                freedom: 100.0,
                 limit: f32::INFINITY,
             },
         }

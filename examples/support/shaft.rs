@@ -1,8 +1,8 @@
 //! Models that watch the shaft and its bearing, and a motion for them.
 
 use bearing_watch::model::{
-    Balance, Blocks, Channel, Constants, EvidenceConstants, Feature, Lags, Regression, Sampling, ShaftConstants,
-    StateVariable, TERMS, TrackedOrder, Tracking, q16,
+    Balance, Blocks, Channel, Constants, EvidenceConstants, Feature, KNOTS, Lags, Law, Regression, Sampling,
+    ShaftConstants, StateVariable, TERMS, TrackedOrder, Tracking, q16,
 };
 use bearing_watch::plan::{Kind, Layout, Memory, Method, RegressionLayout, ShaftLayout};
 use bearing_watch::{Angle, FrictionTerm, Model};
@@ -36,6 +36,7 @@ bearing_watch::plan! {
         }),
         features: 9,
         coordinates: 3,
+        rising: 2,
         classes: 3,
         discriminant: Kind::Quadratic,
         ..Layout::EMPTY
@@ -59,6 +60,7 @@ bearing_watch::plan! {
         }),
         features: 9,
         coordinates: 3,
+        rising: 2,
         classes: 3,
         discriminant: Kind::Quadratic,
         ..Layout::EMPTY
@@ -66,6 +68,18 @@ bearing_watch::plan! {
 }
 
 const INTERVAL_S: f32 = 0.002;
+
+/// A law whose surprise is half the value.
+const LAW: Law = {
+    let mut law = [[0.0; 2]; KNOTS];
+    let (mut rest, mut surprise): (&mut [[f32; 2]], f32) = (&mut law, 0.0);
+    while let [knot, later @ ..] = rest {
+        *knot = [2.0 * surprise, surprise];
+        surprise += 1.0;
+        rest = later;
+    }
+    law
+};
 
 /// p₀ … p₆ of the healthy shaft; load friction and Stribeck friction are zero.
 const NOMINAL: [f32; TERMS] = [5e-3, 2e-3, 0.1, 20.0, 0.05, 0.0, 0.0];
@@ -146,7 +160,9 @@ pub static MODEL: Model<Watched> = match Watched::model(Constants {
             Feature::OrderScore(1),
             Feature::LogOrderAmplitude(0),
         ],
-        [bearing_watch::model::Rising::NONE]
+        Some(0),
+        LAW,
+        [LAW; 3]
     ),
     evidence: EvidenceConstants::NONE,
     labels: LABELS,
@@ -177,7 +193,9 @@ pub static LOADLESS: Model<Loadless> = match Loadless::model(Constants {
             Feature::OrderScore(0),
             Feature::LogOrderAmplitude(0),
         ],
-        [bearing_watch::model::Rising::NONE]
+        Some(0),
+        LAW,
+        [LAW; 3]
     ),
     evidence: EvidenceConstants::NONE,
     labels: LABELS,

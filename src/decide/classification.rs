@@ -10,7 +10,7 @@ use super::Classifier;
 use super::density::Density;
 use super::discriminant::{Deciding, Decision};
 use super::features::{Estimates, FeatureValue};
-use super::rising::Scores;
+use super::rising;
 use crate::factor::pairs;
 use crate::plan::{Array, Cells, Kind, Plan};
 use crate::reason::{Part, Reason};
@@ -38,9 +38,11 @@ enum Stage {
     Posteriors,
     /// The next step of the healthy class's factor.
     Healthy,
-    /// Distance and its surprise, and the scores of the rising coordinates.
+    /// The squared distance, and the values that are judged one by one.
     Novelty,
-    /// Surprise of all together.
+    /// Distance and its surprise.
+    Distance,
+    /// Step k towards the surprise of the rarest value.
     Rising,
 }
 
@@ -55,8 +57,10 @@ pub struct Classification<P: Plan> {
     density: Density<P>,
     likelihoods: Array<P::Classes, f32>,
     deciding: Deciding,
-    /// One element if the shaft is watched.
-    scores: Array<P::Watched, Scores>,
+    /// With rising coordinates, d² of the others and the score of each, and then what follows from them.
+    judged: Array<P::Laws, f32>,
+    /// Number of others that are available.
+    others: usize,
     stage: Stage,
     k: usize,
     /// Whether there is a coordinate that is not missing.
@@ -79,7 +83,8 @@ impl<P: Plan> Classification<P> {
             density: Density::new(plan),
             likelihoods: Cells::filled(layout.classes as usize, 0.0),
             deciding: Deciding::new(),
-            scores: Cells::filled(usize::from(layout.shaft.is_some()), Scores::default()),
+            judged: Cells::filled(layout.laws(), rising::MISSING),
+            others: 0,
             stage: if layout.covariates > 0 { Stage::Covariates } else { Stage::Features },
             k: 0,
             available: false,
@@ -126,22 +131,39 @@ impl<P: Plan> Classification<P> {
             }
             Stage::Novelty => {
                 let (novelty, z) = (&classifier.novelty, self.coordinates.cells());
-                let rising = novelty.class.and(novelty.rising());
-                // Known at compile time, as for covariates: only features of the shaft rise.
-                let (Some(scores), Some(rising)) = (self.scores.cells_mut().first_mut(), rising) else {
-                    decision.depart(novelty.judge_by(&self.density, z));
+                if novelty.class.is_none() {
                     return Some(Ok(()));
-                };
-                *scores = self.density.scores(novelty.mean.cells(), z, rising);
-                decision.depart(novelty.departure(scores.squared, scores.available, z.len()));
-                self.stage = Stage::Rising;
-            }
-            Stage::Rising => {
-                if let (Some(scores), Some(rising)) = (self.scores.cells().first(), classifier.novelty.rising()) {
-                    decision.surprise = rising.surprise(scores, self.coordinates.cells().len());
                 }
-                return Some(Ok(()));
+                // Known at compile time, as for covariates.
+                decision.distance = if plan.layout().rising == 0 {
+                    self.density.squared_distance(novelty.mean.cells(), z)
+                } else {
+                    let scores = novelty.score(&self.density, z, self.judged.cells_mut());
+                    self.others = scores.others;
+                    scores.squared
+                };
+                self.stage = Stage::Distance;
             }
+            Stage::Distance => {
+                let all = self.coordinates.cells().len();
+                decision.depart(classifier.novelty.departure(decision.distance, self.density.available(), all));
+                if plan.layout().rising == 0 {
+                    return Some(Ok(()));
+                }
+                (self.stage, self.k) = (Stage::Rising, 0);
+            }
+            // A plan without rising coordinates carries no code for them.
+            Stage::Rising if plan.layout().rising > 0 => {
+                let (laws, judged) = (classifier.novelty.laws.cells(), self.judged.cells_mut());
+                let all = self.coordinates.cells().len().saturating_sub(laws.len().saturating_sub(1));
+                rising::judge(laws, judged, self.k, [self.others, all]);
+                self.k = self.k.wrapping_add(1);
+                if self.k >= rising::steps(judged.len()) {
+                    decision.surprise = judged.first().copied().unwrap_or(0.0);
+                    return Some(Ok(()));
+                }
+            }
+            Stage::Rising => return Some(Ok(())),
         }
         None
     }

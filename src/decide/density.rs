@@ -20,7 +20,7 @@
 //! Cost: a step for each row, and for each row below one with an error; each at most 2 Z multiply-adds and a logarithm.
 //! Without errors Z logarithms and Z (Z − 1)/2 multiply-adds a density.
 
-use super::rising::{Rising, Scores};
+use super::rising::Scores;
 use crate::factor::kernels::rotate_pivot_small;
 use crate::factor::pairs;
 use crate::plan::{Array, Cells, Plan};
@@ -127,13 +127,11 @@ impl<P: Plan> Density<P> {
         sum
     }
 
-    /// d² of (4), and the scores of the rising coordinates, which are the last.
+    /// d² of (4), and the values that are judged one by one ([`super::rising`]).
     #[inline(never)]
-    pub(super) fn scores(&self, mean: &[f32], z: &[f32], rising: &Rising) -> Scores {
+    pub(super) fn scores(&self, mean: &[f32], z: &[f32], freedom: f32, judged: &mut [f32]) -> Scores {
         let mut scores = Scores::default();
-        self.solve(mean, z, |y, pivot, after| {
-            scores.add(y, pivot, (after < rising.count as usize).then_some(rising));
-        });
+        self.solve(mean, z, |y, pivot, after| scores.add(y, pivot, after, freedom, judged));
         scores
     }
 

@@ -23,9 +23,8 @@ pub use evidence::{Alarm, Cause, Evidence, EvidenceConstants};
 pub use features::{Estimates, Feature, FeatureValue};
 #[cfg(feature = "internals")]
 pub use novelty::MAX_SURPRISE;
-pub use novelty::{Departure, KNOTS, Novelty};
+pub use novelty::{Departure, KNOTS, Law, Novelty};
 pub use projection::Projection;
-pub use rising::Rising;
 #[cfg(feature = "internals")]
 pub use trend::MAX_TREND_SEGMENTS;
 pub use trend::Trend;

@@ -5,7 +5,7 @@
 //! ```text
 //! d² = (z − m)ᵀ (S + diag(v))⁻¹ (z − m)                                  (1)  over the k available coordinates
 //! s  = −ln P(d² at least this large | healthy)                           (2)  nats
-//! novel if s ≥ −ln α                                                     (3)  s with [`super::rising`]
+//! novel if s ≥ −ln α                                                     (3)  s of [`super::rising`], if some rise
 //! (d²_Z/Z)^⅓ = 1 − c_Z + √c_Z u,   u = ((d²_k/k)^⅓ − 1 + c_k)/√c_k,   c_n = 2/(9n)       (4)  if k < Z
 //! ```
 //!
@@ -19,11 +19,13 @@
 //! Cost: Z(Z+3)/2 multiply-adds, one square root, a search among the knots, and (3) of [`super::density`].
 
 use super::density::Density;
-use super::rising::Rising;
+use super::rising::{self, Scores};
 use crate::plan::{Array, Cells, Plan};
 
 /// Number of knots of the surprise.
 pub const KNOTS: usize = 24;
+/// A law: (x, −ln P(X ≥ x)), both increasing from the first knot, which usually is (0, 0).
+pub type Law = [[f32; 2]; KNOTS];
 /// Largest surprise, nats: no training set supports smaller probabilities.
 pub const MAX_SURPRISE: f32 = 40.0;
 
@@ -37,10 +39,13 @@ pub struct Novelty<P: Plan> {
     pub mean: Array<P::Coordinates, f32>,
     /// D and R of S = Rᵀ D R, as in [`Discriminant::factors`](super::Discriminant::factors).
     pub factor: Array<P::Density, f32>,
-    /// (d², s) on the curve (2), both increasing from the first, which usually is (0, 0).
-    pub knots: [[f32; 2]; KNOTS],
-    /// The last coordinates, which only rise with a defect: those of a shaft.
-    pub rising: Array<P::Watched, Rising>,
+    /// The law (2) of d².
+    pub knots: Law,
+    /// With K rising coordinates the law of d² of the others, not used without others, and then that of the square of
+    /// each rising one.
+    pub laws: Array<P::Laws, Law>,
+    /// Degrees of freedom of m and S; not used without rising coordinates.
+    pub freedom: f32,
     /// −ln α of (3), nats; infinite if distances are computed but nothing is called novel.
     pub limit: f32,
 }
@@ -53,7 +58,7 @@ pub struct Departure {
     pub distance: f32,
     /// (2).
     pub distance_surprise: f32,
-    /// That of distance and rising coordinates together, which (3) compares.
+    /// The surprise that (3) compares: with rising coordinates that of the rarest value.
     pub surprise: f32,
 }
 
@@ -67,7 +72,8 @@ impl<P: Plan> Novelty<P> {
             mean: Cells::filled(layout.coordinates as usize, 0.0),
             factor: Cells::filled(layout.density(), 0.0),
             knots: [[0.0; 2]; KNOTS],
-            rising: Cells::filled(usize::from(layout.shaft.is_some()), Rising::NONE),
+            laws: Cells::filled(layout.laws(), [[0.0; 2]; KNOTS]),
+            freedom: 1.0,
             limit: f32::INFINITY,
         }
     }
@@ -80,15 +86,23 @@ impl<P: Plan> Novelty<P> {
             return Departure::default();
         }
         let density = Density::of(self.factor.cells(), variances, z.len());
-        let Some(rising) = self.rising() else { return self.judge_by(&density, z) };
-        let scores = density.scores(self.mean.cells(), z, rising);
+        let laws = self.laws.cells();
+        let mut judged: Array<P::Laws, f32> = Cells::filled(laws.len(), rising::MISSING);
+        let scores = self.score(&density, z, judged.cells_mut());
         let found = self.departure(scores.squared, scores.available, z.len());
-        Departure { surprise: rising.surprise(&scores, z.len()), ..found }
+        if laws.is_empty() {
+            return found;
+        }
+        let all = z.len().saturating_sub(laws.len().saturating_sub(1));
+        for k in 0..rising::steps(laws.len()) {
+            rising::judge(laws, judged.cells_mut(), k, [scores.others, all]);
+        }
+        Departure { surprise: judged.cells().first().copied().unwrap_or(0.0), ..found }
     }
 
-    /// The rising coordinates, if there are any.
-    pub(super) fn rising(&self) -> Option<&Rising> {
-        self.rising.cells().first().filter(|rising| rising.count > 0)
+    /// (1), and the values that are judged one by one, by the factor of S + diag(v).
+    pub(super) fn score(&self, density: &Density<P>, z: &[f32], judged: &mut [f32]) -> Scores {
+        density.scores(self.mean.cells(), z, self.freedom, judged)
     }
 
     /// (2) of d² by straight lines between the knots, outside them along the nearest line, within 0 and 40 nats. NaN
@@ -98,16 +112,7 @@ impl<P: Plan> Novelty<P> {
         surprise(&self.knots, squared)
     }
 
-    /// The same without the rising coordinates, by the factor of S + diag(v).
-    pub(super) fn judge_by(&self, density: &Density<P>, z: &[f32]) -> Departure {
-        if self.class.is_none() {
-            return Departure::default();
-        }
-        let squared = density.squared_distance(self.mean.cells(), z); // (1)
-        self.departure(squared, density.available(), z.len())
-    }
-
-    /// The same from (1) over the available ones of all coordinates.
+    /// Distance and surprise of (1) over the available ones of all coordinates.
     pub(super) fn departure(&self, squared: f32, available: usize, all: usize) -> Departure {
         let squared = equivalent(squared, available, all);
         let surprise = self.surprise(squared);

@@ -1,183 +1,202 @@
 //! Coordinates of which only larger values than usual show a defect, such as the scores of bearing orders.
 //!
-//! Enters: the distance of the other coordinates, and the scores of the rising ones given those before them
-//! ([`super::density`]). Leaves: the surprise of both together.
+//! Enters: the coordinates' scores given those before them ([`super::density`]). Leaves: the surprise of the rarest of
+//! the distance of the other coordinates and each rising one.
 //!
 //! ```text
-//! d²_i = y_1²/D'_1 + … + y_i²/D'_i,     y, D' of all coordinates, the K rising ones last     (1)
-//! s_d  = −ln P(d²_{Z−K} at least this large)
-//! u_i  = y_i/√(D'_i (1 + d²_{i−1}/ν)),   i > Z − K                                           (2)
-//! s_u  = −ln(1 − (1 − p)^K),   p = P(U ≥ max u_i)                                            (3)
-//! s    = S − ln(1 + S),   S = s_d + s_u                                                      (4)  Fisher 1932
+//! d²_i = y_1²/D'_1 + … + y_i²/D'_i,     y, D' of all Z coordinates, the K rising ones last       (1)
+//! p_0  = P(d²_{Z−K} at least this large)
+//! u_i  = y_i/√(D'_i (1 + d²_{i−1}/ν)),   p_i = P(U_i ≥ u_i),   i > Z − K                         (2)
+//! s    = −ln(1 − (1 − min p)^M),   M: number of available values p                               (3)  Tippett 1931
 //! ```
 //!
 //! A distance in Z coordinates contains the noise of those that a defect leaves alone, and of both directions of each:
 //! an order that is 2.3 standard deviations too strong is improbable at 1 % by itself, but in the distance in five
-//! coordinates it takes 3.9. In (4), 2.9 are enough on average. (2) is the score of a coordinate given those before it,
-//! independent of their distance if all are normal; mean and covariance are estimated, which its second factor and the
-//! laws of d² and u account for. P(U ≥ u) is half of P(U² ≥ u²), for u < 0 the rest.
-//!
-//! Without available rising coordinates s is `s_d`, without others `s_u`. Where all features of a record scatter with
-//! one common factor, the two surprises depend on each other, and the rate is up to twice the set one.
+//! coordinates it takes 3.9. By (3), one of three rising coordinates beside a distance takes 2.8. (2) is the score of a
+//! coordinate given those before it, independent of their distance if all are normal; mean and covariance are estimated
+//! with ν degrees of freedom, which its second factor and the laws of d² and u account for. Each u has a law of its
+//! own, that of its square: P(U ≥ u) is half of P(U² ≥ u²), for u < 0 the rest. For independent values (3) is exact; if
+//! they scatter together and their laws are known, the rate is lower than the set one.
 
 use core::f32::consts::LN_2;
 
 use super::ln;
-use super::novelty::{KNOTS, equivalent, surprise};
+use super::novelty::{Law, equivalent, surprise};
 
-/// The rising coordinates and the laws of (1) and (2).
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Rising {
-    /// K.
-    pub count: u8,
-    /// ν.
-    pub freedom: f32,
-    /// (u², −ln P(U² ≥ u²)) of one coordinate, both increasing.
-    pub knots: [[f32; 2]; KNOTS],
-    /// (d², `s_d`) of the others, both increasing; not used without others.
-    pub others: [[f32; 2]; KNOTS],
-}
+/// A value that is not available.
+pub(super) const MISSING: f32 = f32::NEG_INFINITY;
 
-/// Squared distances, and the largest score of the rising coordinates.
+/// Squared distances and numbers of available coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Scores {
     /// d² of all coordinates, and the number of available ones.
     pub squared: f32,
     pub available: usize,
-    /// The same of all but the rising ones.
-    pub squared_others: f32,
+    /// The number of available ones before the rising coordinates.
     pub others: usize,
-    /// max u of (2); zero without available ones.
-    pub largest: f32,
 }
 
 impl Scores {
-    /// Adds y²/D' of the next coordinate; one with an infinite D' is not available.
-    pub(super) fn add(&mut self, y: f32, pivot: f32, rising: Option<&Rising>) {
-        if pivot >= f32::INFINITY {
-            return;
+    /// Takes y and D' of the next coordinate, after which so many follow; one with an infinite D' is not available.
+    /// `judged` gets d² of the others and u of each rising coordinate.
+    pub(super) fn add(&mut self, y: f32, pivot: f32, after: usize, freedom: f32, judged: &mut [f32]) {
+        let rising = judged.get_mut(1..).unwrap_or_default();
+        let is_missing = pivot >= f32::INFINITY;
+        let own = rising.len().checked_sub(after.wrapping_add(1)).and_then(|place| rising.get_mut(place));
+        let rises = own.is_some();
+        if let Some(own) = own {
+            let u = y / libm::sqrtf(pivot * (1.0 + self.squared / freedom)); // (2)
+            *own = if is_missing { MISSING } else { u };
         }
-        if let Some(rising) = rising {
-            let u = y / libm::sqrtf(pivot * (1.0 + self.squared / rising.freedom)); // (2)
-            let first = self.available == self.others;
-            self.largest = if first || u > self.largest || u.is_nan() { u } else { self.largest };
+        if is_missing {
+            return;
         }
         self.squared += y * (y / pivot);
         self.available = self.available.saturating_add(1);
-        if rising.is_none() {
-            (self.squared_others, self.others) = (self.squared, self.available);
+        if !rises {
+            self.others = self.available;
+            if let Some(of_others) = judged.first_mut() {
+                *of_others = self.squared;
+            }
         }
     }
 }
 
-impl Rising {
-    /// No coordinate.
-    pub const NONE: Self = Self { count: 0, freedom: 1.0, knots: [[0.0; 2]; KNOTS], others: [[0.0; 2]; KNOTS] };
+/// Steps of [`judge`] for so many values.
+pub(super) const fn steps(values: usize) -> usize {
+    values.saturating_add(2)
+}
 
-    /// (4) of scores with rising coordinates, of `coordinates` in all.
-    #[inline(never)]
-    pub(super) fn surprise(&self, scores: &Scores, coordinates: usize) -> f32 {
-        if scores.available == 0 {
-            return 0.0;
-        }
-        let all = coordinates.saturating_sub(self.count as usize);
-        let of_others = surprise(&self.others, equivalent(scores.squared_others, scores.others, all));
-        let count = scores.available.saturating_sub(scores.others);
-        if count == 0 {
-            return of_others;
-        }
-        let of_rising = self.of_largest(scores.largest, count as f32);
-        if scores.others == 0 {
-            return of_rising;
-        }
-        let sum = of_others + of_rising;
-        sum - ln(1.0 + sum) // (4)
-    }
-
-    /// (3).
-    #[inline(never)]
-    fn of_largest(&self, u: f32, count: f32) -> f32 {
-        let one_sided = surprise(&self.knots, u * u) + LN_2;
-        let half = libm::expf(-one_sided);
-        let p = if u < 0.0 { 1.0 - half } else { half };
-        if u >= 0.0 && count * p < RARE {
-            return one_sided - ln(count);
-        }
-        // A NaN stays, since it is not less than zero.
-        let s = -ln(1.0 - libm::expf(count * ln(1.0 - p)));
-        if s < 0.0 { 0.0 } else { s }
+/// Does step k of so many values, of which the first is d² of the others, with so many available of so many; after the
+/// last step the first value is s of (3).
+#[inline(never)]
+pub(super) fn judge(laws: &[Law], judged: &mut [f32], k: usize, of_others: [usize; 2]) {
+    match k.checked_sub(laws.len()) {
+        None => judge_one(laws, judged, k, of_others),
+        Some(0) => smallest(judged),
+        Some(_) => together(judged),
     }
 }
 
-/// Below this probability, 1 − (1 − p)^K is K p but for a part of it so small.
+/// Replaces d² of the others by −ln p, and u by −ln P(U ≥ |u|), negative for a negative u.
+#[inline(never)]
+fn judge_one(laws: &[Law], judged: &mut [f32], k: usize, [available, all]: [usize; 2]) {
+    let (Some(law), Some(value)) = (laws.get(k), judged.get_mut(k)) else { return };
+    if *value == MISSING {
+        return;
+    }
+    let own = *value;
+    *value = if k == 0 {
+        surprise(law, equivalent(own, available, all))
+    } else {
+        let far = surprise(law, own * own) + LN_2;
+        if own < 0.0 { -far } else { far }
+    };
+}
+
+/// Replaces the first two values by min p and M.
+#[inline(never)]
+fn smallest(judged: &mut [f32]) {
+    let [of_others, rising @ ..] = judged else { return };
+    // Of values that fall, the one nearest to usual is the rarest.
+    let (mut rarest, mut count) = (MISSING, 0.0);
+    for s in rising.iter().filter(|s| **s != MISSING) {
+        count += 1.0;
+        rarest = if *s > rarest || s.is_nan() { *s } else { rarest };
+    }
+    let near = libm::expf(-rarest.abs());
+    let p = if rarest < 0.0 { 1.0 - near } else { near };
+    if *of_others == MISSING {
+        *of_others = p;
+    } else {
+        count += 1.0;
+        let own = libm::expf(-*of_others);
+        *of_others = if own > p || p.is_nan() { p } else { own };
+    }
+    if let Some(first) = rising.first_mut() {
+        *first = count;
+    }
+}
+
+/// Replaces the first value by (3).
+#[inline(never)]
+fn together(judged: &mut [f32]) {
+    let [p, count, ..] = judged else { return };
+    let (own, count) = (*p, *count);
+    *p = if count * own < RARE {
+        if count > 0.0 { -ln(own * count) } else { 0.0 }
+    } else if own >= 1.0 {
+        // A NaN is not.
+        0.0
+    } else {
+        -ln(1.0 - libm::expf(count * ln(1.0 - own)))
+    };
+}
+
+/// Below this probability, 1 − (1 − p)^M is M p but for a part of it so small.
 const RARE: f32 = 1e-3;
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::decide::KNOTS;
+    use std::vec;
+    use std::vec::Vec;
 
-    /// Surprise u² of one coordinate, d²/2 of the others.
-    fn rising(count: u8) -> Rising {
-        let mut rising = Rising { count, freedom: 10.0, ..Rising::NONE };
-        for (k, (one, others)) in (0_u8..).zip(rising.knots.iter_mut().zip(&mut rising.others)) {
-            (*one, *others) = ([f32::from(k); 2], [2.0 * f32::from(k), f32::from(k)]);
-        }
-        rising
+    /// Surprise d²/2 of the others, u² and then 2 u² of the rising ones.
+    fn laws(count: usize) -> Vec<Law> {
+        let line = |slope: f32| core::array::from_fn(|k| [k as f32, slope * k as f32]);
+        (0..=count).map(|k| line(0.5 * 2.0_f32.powi(k as i32))).collect()
     }
 
-    /// Scores of (y, D') of two others and then of rising ones.
-    fn scores(rising: &Rising, values: &[[f32; 2]]) -> Scores {
-        let mut scores = Scores::default();
-        for (k, [y, pivot]) in values.iter().enumerate() {
-            scores.add(*y, *pivot, (k >= 2).then_some(rising));
-        }
-        scores
-    }
-
+    /// The surprise of (y, D') of two others and then of rising ones, with ν = 10.
     fn judged(values: &[[f32; 2]]) -> f32 {
-        let rising = rising(values.len() as u8 - 2);
-        rising.surprise(&scores(&rising, values), values.len())
+        let laws = laws(values.len() - 2);
+        let (mut judged, mut scores) = (vec![MISSING; laws.len()], Scores::default());
+        for (k, [y, pivot]) in values.iter().enumerate() {
+            scores.add(*y, *pivot, values.len() - 1 - k, 10.0, &mut judged);
+        }
+        (0..steps(laws.len())).for_each(|k| judge(&laws, &mut judged, k, [scores.others, 2]));
+        judged[0]
     }
 
-    fn near(found: f32, expected: f32) {
-        assert!((found - expected).abs() < 1e-5, "{found} for {expected}");
+    fn near(found: f32, expected: f64) {
+        // Half of `RARE`.
+        assert!((f64::from(found) - expected).abs() < 5e-4, "{found} for {expected}");
     }
 
-    const MISSING: [f32; 2] = [3.0, f32::INFINITY];
+    /// (3) of the smallest of so many probabilities.
+    fn of(p: f64, count: i32) -> f64 {
+        -(1.0 - (1.0 - p).powi(count)).ln()
+    }
+
+    const MISS: [f32; 2] = [3.0, f32::INFINITY];
 
     #[test]
-    fn one_coordinate_by_hand() {
-        // d² = 4/4 + 9/3 = 4: s_d = 2. u² = 16/2/(1 + 4/10) = 40/7, at most 1e-3 in (3).
-        let sum: f32 = 2.0 + 40.0 / 7.0 + LN_2;
-        near(judged(&[[2.0, 4.0], [3.0, 3.0], [4.0, 2.0]]), sum - (1.0 + sum).ln());
-        // A coordinate that falls: p = 1 − e^−(40/7)/2.
-        let sum: f32 = 2.0 - (1.0 - 0.5 * (-40.0_f32 / 7.0).exp()).ln();
-        near(judged(&[[2.0, 4.0], [3.0, 3.0], [-4.0, 2.0]]), sum - (1.0 + sum).ln());
-        // Without the rising one, and without the others.
-        near(judged(&[[2.0, 4.0], [3.0, 3.0], MISSING]), 2.0);
-        near(judged(&[MISSING, MISSING, [4.0, 2.0]]), 8.0 + LN_2);
-        near(judged(&[MISSING; 3]), 0.0);
+    fn the_rarer_of_distance_and_coordinate_counts() {
+        assert_eq!(laws(1)[1].len(), KNOTS);
+        // d² = 4/4 + 9/3 = 4: p₀ = e⁻². u² = 16/2/(1 + 4/10) = 40/7.
+        near(judged(&[[2.0, 4.0], [3.0, 3.0], [4.0, 2.0]]), of(0.5 * (-40.0_f64 / 7.0).exp(), 2));
+        // A coordinate that falls leaves the distance, whatever its size.
+        near(judged(&[[2.0, 4.0], [3.0, 3.0], [-4.0, 2.0]]), of((-2.0_f64).exp(), 2));
+        // Without the rising one, without the others, and without any.
+        near(judged(&[[2.0, 4.0], [3.0, 3.0], MISS]), 2.0);
+        near(judged(&[MISS, MISS, [4.0, 2.0]]), 8.0 + std::f64::consts::LN_2);
+        near(judged(&[MISS; 3]), 0.0);
         let sum = judged(&[[2.0, 4.0], [f32::NAN, 3.0], [4.0, 2.0]]);
         assert!(sum.is_nan(), "{sum}");
     }
 
     #[test]
-    fn the_largest_of_several_counts_once() {
-        // No distance; u = 1 and then 2/√(1 + 1/10): p = e^−(40/11)/2.
-        let values = [[0.0, 1.0], [0.0, 1.0], [1.0, 1.0], [2.0, 1.0]];
-        let p = 0.5 * (-40.0_f64 / 11.0).exp();
-        let sum = -(1.0 - (1.0 - p).powi(2)).ln();
-        near(judged(&values), (sum - (1.0 + sum).ln()) as f32);
-        // The first larger, and both so small that their product is lost.
-        let [none, other, ..] = values;
-        let sum = 9.0 + LN_2 - 2.0_f32.ln();
-        near(judged(&[none, other, [3.0, 1.0], [-1.0, 1.0]]), sum - (1.0 + sum).ln());
-        near(judged(&[none, other, [-1.0, 1.0], MISSING]), {
-            let sum = -(1.0 - 0.5 * (-1.0_f32).exp()).ln();
-            sum - (1.0 + sum).ln()
-        });
+    fn each_coordinate_has_a_law_of_its_own() {
+        // No distance; u² = 1 with the surprise 1, and 4/(1 + 1/10) with twice as much.
+        let [none, other] = [[0.0, 1.0]; 2];
+        near(judged(&[none, other, [1.0, 1.0], [2.0, 1.0]]), of(0.5 * (-80.0_f64 / 11.0).exp(), 3));
+        // So small that a sum of probabilities is enough.
+        near(judged(&[none, other, [3.0, 1.0], [-1.0, 1.0]]), 9.0 + 2.0_f64.ln() - 3.0_f64.ln());
+        // A coordinate that is missing does not count.
+        near(judged(&[none, other, [1.0, 1.0], MISS]), of(0.5 * (-1.0_f64).exp(), 2));
+        near(judged(&[none, other, MISS, [-1.0, 1.0]]), of(1.0 - 0.5 * (-2.0_f64).exp(), 2));
     }
 
     #[test]

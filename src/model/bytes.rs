@@ -14,7 +14,7 @@ use super::{Field, Model, ModelError};
 use crate::plan::{Layout, Plan};
 
 const MAGIC: [u8; 4] = *b"BWMD";
-const VERSION: u16 = 8;
+const VERSION: u16 = 9;
 const HEADER: usize = 16;
 /// Largest length of payload and of notes; a length field beyond it is corruption.
 pub const MAX_BYTES: usize = 1 << 20;

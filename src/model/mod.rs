@@ -10,7 +10,7 @@ mod writer;
 
 pub use crate::decide::{
     BaselineConstants, Classifier, Covariate, Covariates, Departure, Discriminant, Estimates, EvidenceConstants,
-    Feature, FeatureValue, KNOTS, Novelty, Projection, Rising,
+    Feature, FeatureValue, KNOTS, Law, Novelty, Projection,
 };
 pub use crate::factor::{Forgetting, MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
 pub use crate::regression::Regression;
@@ -188,7 +188,8 @@ impl<P: Plan> Constants<P> {
             novelty_mean: novelty.mean.cells(),
             novelty_factor: novelty.factor.cells(),
             knots: &novelty.knots,
-            rising: novelty.rising.cells(),
+            laws: novelty.laws.cells(),
+            freedom: novelty.freedom,
             limit: novelty.limit,
             evidence: self.evidence,
             labels: self.labels.cells(),
@@ -259,7 +260,8 @@ macro_rules! checked_model {
                         novelty_mean: &classifier.novelty.mean,
                         novelty_factor: &classifier.novelty.factor,
                         knots: &classifier.novelty.knots,
-                        rising: &classifier.novelty.rising,
+                        laws: &classifier.novelty.laws,
+                        freedom: classifier.novelty.freedom,
                         limit: classifier.novelty.limit,
                         evidence: constants.evidence,
                         labels: &constants.labels,

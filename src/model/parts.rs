@@ -1,7 +1,7 @@
 //! The numbers of a model as slices of any length, as the checks read them.
 
 use super::Sampling;
-use crate::decide::{Covariate, EvidenceConstants, Feature, KNOTS, Rising};
+use crate::decide::{Covariate, EvidenceConstants, Feature, KNOTS, Law};
 use crate::factor::Forgetting;
 use crate::plan::Layout;
 use crate::sample::{Channel, Label};
@@ -56,7 +56,8 @@ pub struct Parts<'a> {
     pub novelty_mean: &'a [f32],
     pub novelty_factor: &'a [f32],
     pub knots: &'a [[f32; 2]; KNOTS],
-    pub rising: &'a [Rising],
+    pub laws: &'a [Law],
+    pub freedom: f32,
     pub limit: f32,
     pub evidence: EvidenceConstants,
     pub labels: &'a [Label],

@@ -1,7 +1,7 @@
 //! Checks of lists of numbers. They are `const`, so they walk slices by patterns.
 
 /// Whether both coordinates of the knots increase. NaN does not.
-pub(super) const fn increase(knots: &[[f32; 2]]) -> bool {
+const fn increase(knots: &[[f32; 2]]) -> bool {
     let mut rest = knots;
     while let [[x0, s0], later @ ..] = rest {
         if let [[x1, s1], ..] = later
@@ -12,6 +12,11 @@ pub(super) const fn increase(knots: &[[f32; 2]]) -> bool {
         rest = later;
     }
     true
+}
+
+/// Whether the knots are those of a law: both coordinates increase, and none is negative.
+pub(super) const fn is_law(knots: &[[f32; 2]]) -> bool {
+    increase(knots) && all_within(knots.as_flattened(), 0.0, f32::MAX)
 }
 
 /// Whether every value is within the range. NaN is not.

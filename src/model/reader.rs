@@ -94,7 +94,7 @@ impl Reader<'_> {
             layout.shaft = Some(ShaftLayout { current, velocity, load, orders, harmonics });
         }
         layout.averaged = self.u16()?;
-        [layout.features, layout.covariates, layout.coordinates, layout.classes] = self.array()?;
+        [layout.features, layout.covariates, layout.coordinates, layout.rising, layout.classes] = self.array()?;
         layout.discriminant = if self.flag(Field::Layout)? { Kind::Quadratic } else { Kind::Linear };
         Ok(layout)
     }
@@ -269,10 +269,9 @@ fn read_classifier<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<Classifi
         let mut knots = [[0.0; 2]; KNOTS];
         reader.fill(knots.as_flattened_mut())?;
         (novelty.knots, novelty.limit) = (knots, reader.f32()?);
-        for rising in novelty.rising.cells_mut() {
-            (rising.count, rising.freedom) = (reader.u8()?, reader.f32()?);
-            reader.fill(rising.knots.as_flattened_mut())?;
-            reader.fill(rising.others.as_flattened_mut())?;
+        if layout.rising > 0 {
+            novelty.freedom = reader.f32()?;
+            reader.fill(novelty.laws.cells_mut().as_flattened_mut().as_flattened_mut())?;
         }
     }
     Ok(Classifier { features, covariates, projection, discriminant, novelty })

@@ -7,9 +7,9 @@
 
 use super::error::{Field, ModelError};
 use super::parts::{Parts, RegressionParts, ShaftParts};
-use super::ranges::{all_powers_of_two, all_within, are_factors, bounded, differences_alike, increase, split};
+use super::ranges::{all_powers_of_two, all_within, are_factors, bounded, differences_alike, is_law, split};
 use super::{MAX_BLOCK_MEAN, Sampling};
-use crate::decide::{Covariate, EvidenceConstants, Rising};
+use crate::decide::{Covariate, EvidenceConstants};
 use crate::estimate::is_stable;
 use crate::factor::{MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
 use crate::plan::{Memory, Method, RegressionLayout, ShaftLayout, Signal, Structure};
@@ -278,22 +278,23 @@ const fn check_novelty(parts: &Parts<'_>) -> Result<(), ModelError> {
     let layout = &parts.layout;
     require_length!(parts.novelty_mean.len(), layout.coordinates as usize, HealthyDensity);
     require_length!(parts.novelty_factor.len(), layout.density(), HealthyDensity);
-    require_length!(parts.rising.len(), layout.shaft.is_some() as usize, RisingCoordinates);
+    require_length!(parts.laws.len(), layout.laws(), RisingCoordinates);
     let most = f32::MAX;
     require!(all_within(parts.novelty_mean, f32::MIN, most), HealthyDensity);
     require!(all_within(parts.novelty_factor, f32::MIN, most), HealthyDensity);
     if let Some(class) = parts.healthy {
         require!(class < layout.classes, HealthyClass);
         require!(are_factors(parts.novelty_factor, layout.coordinates as usize), HealthyDensity);
-        require!(increase(parts.knots) && all_within(parts.knots.as_flattened(), 0.0, most), SurpriseCurve);
+        require!(is_law(parts.knots), SurpriseCurve);
         require!(parts.limit > 0.0, NoveltyLimit);
-        if let [Rising { count, freedom, knots, others }, ..] = parts.rising
-            && *count > 0
-        {
-            require!(*count <= layout.coordinates && *freedom >= 1.0, RisingCoordinates);
-            require!(increase(knots) && all_within(knots.as_flattened(), 0.0, most), SurpriseCurve);
-            let used = *count < layout.coordinates;
-            require!(!used || increase(others) && all_within(others.as_flattened(), 0.0, most), SurpriseCurve);
+        if let [others, rising @ ..] = parts.laws {
+            require!(parts.freedom >= 1.0, RisingCoordinates);
+            require!(layout.rising == layout.coordinates || is_law(others), SurpriseCurve);
+            let mut rest = rising;
+            while let [law, later @ ..] = rest {
+                require!(is_law(law), SurpriseCurve);
+                rest = later;
+            }
         }
     }
     let EvidenceConstants { bet, limit, cap, segments_a_run, log_mean, defect_log_mean } = parts.evidence;

@@ -2,7 +2,7 @@
 
 use super::reader::NONE;
 use super::{
-    Blocks, Channel, Classifier, Constants, Covariate, Discriminant, Feature, Lags, ModelError, Regression, Rising,
+    Blocks, Channel, Classifier, Constants, Covariate, Discriminant, Feature, Lags, ModelError, Regression,
     ShaftConstants, StateVariable,
 };
 use crate::drive::Park;
@@ -55,7 +55,8 @@ impl Writer<'_> {
         }
         let quadratic = u8::from(layout.discriminant == Kind::Quadratic);
         self.bytes(&layout.averaged.to_le_bytes())?;
-        self.bytes(&[layout.features, layout.covariates, layout.coordinates, layout.classes, quadratic])
+        let Layout { features, covariates, coordinates, rising, classes, .. } = *layout;
+        self.bytes(&[features, covariates, coordinates, rising, classes, quadratic])
     }
 
     fn feature(&mut self, feature: Feature) -> Result<(), ModelError> {
@@ -158,11 +159,9 @@ fn write_classifier<P: Plan>(writer: &mut Writer<'_>, classifier: &Classifier<P>
         writer.floats(novelty.factor.cells())?;
         writer.floats(novelty.knots.as_flattened())?;
         writer.floats(&[novelty.limit])?;
-        for Rising { count, freedom, knots, others } in novelty.rising.cells() {
-            writer.bytes(&[*count])?;
-            writer.floats(&[*freedom])?;
-            writer.floats(knots.as_flattened())?;
-            writer.floats(others.as_flattened())?;
+        if !novelty.laws.cells().is_empty() {
+            writer.floats(&[novelty.freedom])?;
+            writer.floats(novelty.laws.cells().as_flattened().as_flattened())?;
         }
     }
     Ok(())

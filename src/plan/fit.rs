@@ -25,6 +25,8 @@ pub enum LayoutError {
     Covariates,
     /// No features, no coordinates or no classes.
     Classifier,
+    /// More rising coordinates than coordinates.
+    Rising,
 }
 
 impl LayoutError {
@@ -41,6 +43,7 @@ impl LayoutError {
             Self::Orders => "the plan has more than 32 bearing orders, or not 1 to 3 harmonics",
             Self::Covariates => "the plan has more than 8 covariates",
             Self::Classifier => "the plan has no features, no coordinates or no classes",
+            Self::Rising => "the plan has more rising coordinates than coordinates",
         }
     }
 }
@@ -96,6 +99,9 @@ impl Layout {
         }
         if self.features == 0 || self.coordinates == 0 || self.classes == 0 {
             return Err(LayoutError::Classifier);
+        }
+        if self.rising > self.coordinates {
+            return Err(LayoutError::Rising);
         }
         Ok(())
     }

@@ -131,6 +131,8 @@ pub struct Layout {
     pub covariates: u8,
     /// Number of projected coordinates.
     pub coordinates: u8,
+    /// Number of the last coordinates, of which only larger values than usual show a defect.
+    pub rising: u8,
     /// Number of classes.
     pub classes: u8,
     /// Linear or quadratic discriminant.
@@ -185,6 +187,7 @@ impl Layout {
         features: 0,
         covariates: 0,
         coordinates: 0,
+        rising: 0,
         classes: 0,
         discriminant: Kind::Linear,
     };
@@ -220,6 +223,7 @@ mod tests {
         let refined = Layout { regression: Some(instruments), ..PLAIN };
         assert_eq!((refined.columns(), refined.packed(), refined.covariance(), refined.filters()), (11, 55, 36, 8));
         assert_eq!((PLAIN.map(), PLAIN.density(), PLAIN.densities(), PLAIN.means()), (27, 6, 18, 9));
+        assert_eq!((PLAIN.laws(), Layout { rising: 2, ..PLAIN }.laws()), (0, 3));
         assert_eq!((PLAIN.squares(), PLAIN.instruments(), refined.squares(), refined.instruments()), (1, 0, 0, 1));
     }
 
@@ -239,6 +243,8 @@ mod tests {
         assert_eq!(Layout { channels: 4, ..PLAIN }.check(), Err(LayoutError::UnusedChannel));
         assert_eq!(Layout { channels: 2, ..PLAIN }.check(), Err(LayoutError::UnknownChannel));
         assert_eq!(Layout { classes: 0, ..PLAIN }.check(), Err(LayoutError::Classifier));
+        assert_eq!(Layout { rising: 3, ..PLAIN }.check(), Ok(()));
+        assert_eq!(Layout { rising: 4, ..PLAIN }.check(), Err(LayoutError::Rising));
         let five =
             RegressionLayout { structure: Structure::new(5, 1, 1, 1, 1), method: Method::Instruments, ..SQUARES };
         assert_eq!(Layout { regression: Some(five), ..PLAIN }.check(), Err(LayoutError::OutputTerms));

@@ -6,6 +6,7 @@
 //! M (M − 1)/2,  n (n + 1)/2                       packed triangular factor, packed covariance
 //! F V                                             covariates' coefficients
 //! Z F,  Z (Z + 1)/2,  C Z,  C²                    projection, factor of a covariance, class means, costs
+//! 1 + K                                           laws of the others' distance and of K rising coordinates
 //! ```
 
 use super::Structure;
@@ -183,6 +184,13 @@ impl Layout {
             Kind::Linear => self.density(),
             Kind::Quadratic => self.density() * self.classes as usize,
         }
+    }
+
+    /// 1 + K for K > 0 rising coordinates, else 0.
+    #[inline]
+    #[must_use]
+    pub const fn laws(&self) -> usize {
+        if self.rising == 0 { 0 } else { self.rising as usize + 1 }
     }
 
     /// C Z.

@@ -96,6 +96,8 @@ pub trait Plan: Copy + PartialEq + Printable + 'static {
     type Density: Size;
     /// Z (Z + 1)/2 for each covariance.
     type Densities: Size;
+    /// 1 + K for K > 0 rising coordinates, else 0.
+    type Laws: Size;
     /// C, the number of classes.
     type Classes: Size;
     /// C Z.
@@ -252,6 +254,7 @@ macro_rules! plan {
                 type Map = $crate::plan::Fixed<{ LAYOUT.map() }>;
                 type Density = $crate::plan::Fixed<{ LAYOUT.density() }>;
                 type Densities = $crate::plan::Fixed<{ LAYOUT.densities() }>;
+                type Laws = $crate::plan::Fixed<{ LAYOUT.laws() }>;
                 type Classes = $crate::plan::Fixed<{ LAYOUT.classes as usize }>;
                 type Means = $crate::plan::Fixed<{ LAYOUT.means() }>;
                 type Costs = $crate::plan::Fixed<{ LAYOUT.costs() }>;

@@ -55,6 +55,7 @@ impl Plan for RunTime {
     type Map = Heap;
     type Density = Heap;
     type Densities = Heap;
+    type Laws = Heap;
     type Classes = Heap;
     type Means = Heap;
     type Costs = Heap;

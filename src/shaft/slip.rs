@@ -12,7 +12,8 @@
 //! slip deviation = √(Var P′)/(−P″)   at the largest P                                                  (6)
 //! Var P′ = (dψ/dδ)² Σ_h (h w_h σ_c²/σ_h²)² · 2 Σ_d (1 − d/7)² d² V(d)/W² · (1 + |A|² V(0)/(σ_c² W)) (7)
 //! |A|² = Σ_d (1 − d/7) Re(R(1, d) e^{−jdψ}) / Σ_d (1 − d/7) V(d),   amplitude = 2 |A|                 (8)
-//! σ_h² = clamp(2 [R(h, 0) − 2 V(0) √(Σ_d |R(h, d)|²/Σ_d V(d)²)]/W(h) − 3 σ_c², σ_c², 4 σ_c²)           (9)
+//! σ_h² = max(clamp(2 m₂ − 3 σ_c², σ_c², 4 σ_c²), m₃)                                                  (9)
+//! m_k = [R(h, 0) − k V(0) √(Σ_d |R(h, d)|²/Σ_d V(d)²)]/W(h)
 //! ```
 //!
 //! The noise at the order's harmonic h is `σ_h²`, at least `σ_c²` of the control orders ([`super::noise`]). A resonance
@@ -21,7 +22,8 @@
 //! next as a defect does. (9) takes it for noise if less than half of the power stays in phase; pulses of a defect
 //! vary, so some of theirs does not either. V(d) of the first harmonic stands for all; their ratios are the same. Power
 //! of less than twice `σ_c²` is within the scatter of few blocks and does not count, from three times on all of it.
-//! The limit of four keeps strong defects from counting as noise.
+//! The limit of four keeps strong defects from counting as noise; it does not hold if less than a third of the power
+//! stays in phase.
 //!
 //! (1) is a spectral estimate by few lags (Blackman and Tukey) near the kinematic order, one slip for all harmonics.
 //! Without a defect P at one δ is a χ² of ν degrees of freedom, whatever the number of turns; its cube root is nearly
@@ -190,16 +192,19 @@ impl SlipSearch {
         let control = self.variance * noise.ratio(h);
         let squares: f32 = lags.as_flattened().iter().map(|x| x * x).sum();
         let unit = control * total;
+        let in_phase = libm::sqrtf(squares / self.squared_pairs);
         // Without neighbouring blocks not a number.
-        let excess = (power - 2.0 * libm::sqrtf(squares / self.squared_pairs)) / unit - 2.0;
+        let excess = (power - 2.0 * in_phase) / unit - 2.0;
+        let rest = (power - 3.0 * in_phase) / unit;
         // `clamp` may panic.
-        let noise = if excess > 1.5 {
+        let limited = if excess > 1.5 {
             4.0
         } else if excess > 0.0 {
             1.0 + 2.0 * excess
         } else {
             1.0
-        }; // (9)
+        };
+        let noise = if rest > limited { rest } else { limited }; // (9)
         let relative = weight / noise;
         let slope = h.wrapping_add(1) as f32 * relative;
         self.slopes += slope * slope;

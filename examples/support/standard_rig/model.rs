@@ -91,7 +91,7 @@ pub static MODEL: Model<Drive> = match Drive::model(Constants {
             ],
             reject_cost: f32::INFINITY,
         },
-        novelty: Novelty { class: None, mean: [0.0; 5], factor: [0.0; 15], knots: [[0.0; 2]; 24], rising: [], limit: f32::INFINITY },
+        novelty: Novelty { class: None, mean: [0.0; 5], factor: [0.0; 15], knots: [[0.0; 2]; 24], laws: [], freedom: 1.0, limit: f32::INFINITY },
     },
     evidence: EvidenceConstants::NONE,
     labels: [Label::constant("healthy"), Label::constant("spall"), Label::constant("roughness")],

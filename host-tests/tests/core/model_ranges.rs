@@ -122,7 +122,8 @@ fn gated(c: &mut Constants<Drive>) {
         mean: [0.5, -1.0, 2.0, 0.0, 1.0],
         factor: std::array::from_fn(|k| 1.0 / (1 + k) as f32),
         knots: std::array::from_fn(|k| [2.0 * k as f32, k as f32]),
-        rising: [],
+        laws: [],
+        freedom: 1.0,
         limit: 4.6,
     };
     c.classifier.discriminant.reject_cost = 0.25;

@@ -40,7 +40,8 @@ pub(super) fn core(gate: &Gate) -> Novelty<RunTime> {
         mean: gate.mean.iter().map(|x| *x as f32).collect(),
         factor: gate.factor(),
         knots: gate.knots.map(|knot| knot.map(|x| x as f32)),
-        rising: gate.rising.iter().map(|rising| rising.core(gate.limit)).collect(),
+        laws: gate.rising.as_ref().map_or_else(Vec::new, |rising| rising.core(gate.limit)),
+        freedom: gate.rising.as_ref().map_or(1.0, |rising| rising.freedom as f32),
         limit: gate.limit as f32,
     }
 }

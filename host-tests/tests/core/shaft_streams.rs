@@ -1,6 +1,6 @@
 //! The shaft on streams that no laboratory would record, and across segments.
 
-use bearing_watch::model::{Channel, Constants, Feature, Field, Lags, Rising, ShaftConstants, TrackedOrder};
+use bearing_watch::model::{Channel, Constants, Feature, Field, KNOTS, Lags, Novelty, ShaftConstants, TrackedOrder};
 use bearing_watch::plan::{Layout, LayoutError, Plan, RunTime, ShaftLayout};
 use bearing_watch::{Angle, Detector, Friction, Model, ModelError, Part, Reason, Report, ShaftEstimate};
 use proptest::prelude::*;
@@ -250,26 +250,26 @@ fn binary_model_keeps_the_shaft_and_refuses_nonsense() {
         Model::new(good.plan(), constants).map(|_| ())
     };
     // A gate whose only coordinate rises.
-    let gated = |change: fn(&mut Rising)| {
+    let gated = |rising: u8, change: fn(&mut Novelty<RunTime>)| {
         let mut constants = good.constants().clone();
         let line = std::array::from_fn(|k| [k as f32; 2]);
         let novelty = &mut constants.classifier.novelty;
         (novelty.class, novelty.limit, novelty.knots) = (Some(0), 4.6, line);
         novelty.factor.fill(1.0);
-        novelty.rising = vec![Rising { count: 1, freedom: 20.0, knots: line, ..Rising::NONE }];
-        change(&mut novelty.rising[0]);
-        Model::new(good.plan(), constants)
+        (novelty.freedom, novelty.laws) = (20.0, vec![[[0.0; 2]; KNOTS], line]);
+        change(novelty);
+        Model::new(RunTime::of(Layout { rising, ..good.plan().layout() }).expect("a plan"), constants)
     };
-    let rising = gated(|_| ()).expect("good");
+    let rising = gated(1, |_| ()).expect("good");
     let length = rising.to_bytes("", &mut buffer).expect("fits");
     assert_eq!(Model::<RunTime>::from_bytes(&buffer[..length]).as_ref(), Ok(&rising));
-    let error = |change: fn(&mut Rising)| gated(change).map(|_| ());
+    let error = |change: fn(&mut Novelty<RunTime>)| gated(1, change).map(|_| ());
     let place = Err(ModelError::OutOfRange(Field::RisingCoordinates));
-    let absent = with(|c| c.classifier.novelty.rising.clear());
-    assert_eq!(absent, Err(ModelError::Length(Field::RisingCoordinates)));
-    assert_eq!(error(|rising| rising.count = 9), place);
-    assert_eq!(error(|rising| rising.freedom = f32::NAN), place);
-    assert_eq!(error(|rising| rising.knots[4] = [3.0; 2]), Err(ModelError::OutOfRange(Field::SurpriseCurve)));
+    let absent = Err(ModelError::Length(Field::RisingCoordinates));
+    assert_eq!(error(|novelty| novelty.laws.clear()), absent);
+    assert_eq!(gated(0, |_| ()).map(|_| ()), absent);
+    assert_eq!(error(|novelty| novelty.freedom = f32::NAN), place);
+    assert_eq!(error(|novelty| novelty.laws[1][4] = [3.0; 2]), Err(ModelError::OutOfRange(Field::SurpriseCurve)));
 
     let count = with(|c| c.shaft[0].tracking.orders.push(TrackedOrder::new(2.0, [1.0, 0.0, 0.0])));
     assert_eq!(count, Err(ModelError::Length(Field::BearingOrder)));

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use crate::trace::{Channels, Preparation, ShaftChannels};
 use crate::train::novelty::runs::{RunSpread, Slope};
 use crate::train::novelty::{Gate, baseline};
-use crate::train::{Coefficient, Explained, NextToRotor, ShaftPlan, Trained, next_to_rotor};
+use crate::train::{Coefficient, Explained, NextToRotor, Remedy, ShaftPlan, Trained, next_to_rotor};
 
 /// Returns the estimator's name for `--method`.
 pub(super) const fn method_word(method: Method) -> &'static str {
@@ -69,13 +69,17 @@ pub(super) fn lines(trained: &Trained, channels: &Channels, host: Preparation) -
 pub(super) fn rotor_warnings(trained: &Trained) -> Vec<String> {
     let Some((_, shaft)) = &trained.parts.shaft else { return vec![] };
     let names = trained.recipe.shaft.as_ref().map(ShaftPlan::names).unwrap_or_default();
-    let line = |NextToRotor { place, order, rotor, turns }: &NextToRotor| {
-        let remedy = match turns {
-            Some(turns) => format!("records of {turns} turns and more tell them apart"),
-            None => {
-                let percent = 100.0 * shaft.tracking.blocks.slip;
-                format!("slips of up to {percent:.2} % reach it; a smaller --slip may keep them apart")
+    let line = |NextToRotor { place, order, rotor, remedy }: &NextToRotor| {
+        let remedy = match remedy {
+            Remedy::Turns(turns) => format!("records of {turns} turns and more tell them apart"),
+            Remedy::Slip { slip, turns } => {
+                let searched = 100.0 * shaft.tracking.blocks.slip;
+                format!(
+                    "with slips of up to {searched:.2} % no record tells them apart; --slip {slip:.4} and records of \
+                     {turns} turns and more do"
+                )
             }
+            Remedy::None => "they are too near for any record".into(),
         };
         format!(
             "order {} of {order:.4} cannot be told from cogging, unbalance and errors of the angle at order {rotor}: \
@@ -92,8 +96,8 @@ pub(super) fn gate(trained: &Trained) -> Option<String> {
     let by_run = gate.runs.as_ref().map_or_else(String::new, |runs| by_run(trained, gate, runs));
     let rising = match &gate.rising {
         Some(rising) => format!(
-            ", or by {} beside the distance of the other features",
-            trained.coordinate_names[trained.coordinate_names.len() - rising.count..].join(", ")
+            ", or by one of {} alone",
+            trained.coordinate_names[trained.coordinate_names.len() - rising.laws.len()..].join(", ")
         ),
         None => String::new(),
     };

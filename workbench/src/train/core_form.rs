@@ -25,7 +25,9 @@ impl Trained {
             count(self.classes.len(), "classes")?,
         ];
         let covariates = count(self.core_covariates.list.len(), "covariates")?;
-        let layout = Layout { covariates, ..self.parts.layout(sizes, densities.kind) };
+        let rises = self.watch.gate.as_ref().and_then(|gate| gate.rising.as_ref());
+        let rising = count(rises.map_or(0, |rising| rising.laws.len()), "rising coordinates")?;
+        let layout = Layout { covariates, rising, ..self.parts.layout(sizes, densities.kind) };
         let plan = plan(layout).map_err(refused)?;
         let label = |name: &String| {
             Label::new(name)
@@ -71,8 +73,8 @@ impl Trained {
             novelty.mean = narrow(gate.mean.as_slice());
             novelty.factor = gate.factor();
             novelty.knots = gate.knots.map(|knot| knot.map(|x| x as f32));
-            if let (Some(own), Some(rising)) = (novelty.rising.first_mut(), &gate.rising) {
-                *own = rising.core(gate.limit);
+            if let Some(rising) = &gate.rising {
+                (novelty.laws, novelty.freedom) = (rising.core(gate.limit), rising.freedom as f32);
             }
             novelty.limit = gate.limit as f32;
         }

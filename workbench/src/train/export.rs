@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use bearing_watch::model::{
-    Balance, Blocks, Channel, Classifier, Covariate, Covariates, EvidenceConstants, Feature, KNOTS, Regression, Rising,
+    Balance, Blocks, Channel, Classifier, Covariate, Covariates, EvidenceConstants, Feature, KNOTS, Law, Regression,
     Sampling, ShaftConstants,
 };
 use bearing_watch::plan::{Layout, Plan, RegressionLayout, RunTime, ShaftLayout, Signal, Structure};
@@ -110,7 +110,6 @@ fn imports(out: &mut Source, layout: &Layout, features: &[Feature], covariates: 
     if let Some(shaft) = layout.shaft {
         model.extend(["Balance", "Blocks", "Lags", "ShaftConstants", "StateVariable", "Tracking"]);
         model.extend((shaft.orders > 0).then_some("TrackedOrder"));
-        model.push("Rising");
         plan.push("ShaftLayout");
     }
     model.extend((layout.covariates > 0).then_some("Covariate"));
@@ -165,7 +164,7 @@ fn plan(out: &mut Source, layout: &Layout, channels: &[Channel]) {
         out.line(3, &format!("harmonics: {harmonics},"));
         out.line(2, "}),");
     }
-    let Layout { averaged, features, covariates, coordinates, classes, discriminant, .. } = layout;
+    let Layout { averaged, features, covariates, coordinates, rising, classes, discriminant, .. } = layout;
     if *averaged != 0 {
         let named = channels.iter().enumerate().filter(|(place, _)| (averaged >> place) & 1 == 1);
         let masks: Vec<String> = named.map(|(_, channel)| format!("{}.mask()", channel.name.as_str())).collect();
@@ -176,6 +175,9 @@ fn plan(out: &mut Source, layout: &Layout, channels: &[Channel]) {
         out.line(2, &format!("covariates: {covariates},"));
     }
     out.line(2, &format!("coordinates: {coordinates},"));
+    if *rising > 0 {
+        out.line(2, &format!("rising: {rising},"));
+    }
     out.line(2, &format!("classes: {classes},"));
     out.line(2, &format!("discriminant: Kind::{discriminant:?},"));
     out.line(2, "..Layout::EMPTY");
@@ -299,7 +301,7 @@ fn classifier(out: &mut Source, classifier: &Classifier<RunTime>, layout: &Layou
     match novelty.class {
         None => {
             let sizes = format!("mean: [0.0; {z}], factor: [0.0; {}]", layout.density());
-            let rest = format!("knots: [[0.0; 2]; {KNOTS}], rising: {}, limit: f32::INFINITY", no_rising(layout));
+            let rest = format!("knots: [[0.0; 2]; {KNOTS}], laws: [], freedom: 1.0, limit: f32::INFINITY");
             out.line(2, &format!("novelty: Novelty {{ class: None, {sizes}, {rest} }},"));
         }
         Some(class) => {
@@ -307,18 +309,9 @@ fn classifier(out: &mut Source, classifier: &Classifier<RunTime>, layout: &Layou
             out.line(3, &format!("class: Some({class}),"));
             out.numbers(3, "mean", &novelty.mean, z);
             out.triangles(3, "factor", &novelty.factor, z);
-            curve(out, 3, "knots", &novelty.knots);
-            match novelty.rising.first().filter(|rising| rising.count > 0) {
-                Some(Rising { count, freedom, knots, others }) => {
-                    out.line(3, "rising: [Rising {");
-                    out.line(4, &format!("count: {count},"));
-                    out.line(4, &format!("freedom: {},", number(*freedom)));
-                    curve(out, 4, "knots", knots);
-                    curve(out, 4, "others", others);
-                    out.line(3, "}],");
-                }
-                None => out.line(3, &format!("rising: {},", no_rising(layout))),
-            }
+            curve(out, 3, "knots: ", &novelty.knots);
+            laws(out, &novelty.laws);
+            out.line(3, &format!("freedom: {},", number(novelty.freedom)));
             out.line(3, &format!("limit: {},", number(novelty.limit)));
             out.line(2, "},");
         }
@@ -326,13 +319,18 @@ fn classifier(out: &mut Source, classifier: &Classifier<RunTime>, layout: &Layou
     out.line(1, "},");
 }
 
-/// The rising coordinates of a gate without any.
-fn no_rising(layout: &Layout) -> &'static str {
-    if layout.shaft.is_some() { "[Rising::NONE]" } else { "[]" }
+fn laws(out: &mut Source, laws: &[Law]) {
+    if laws.is_empty() {
+        return out.line(3, "laws: [],");
+    }
+    out.line(3, "laws: [");
+    laws.iter().for_each(|law| curve(out, 4, "", law));
+    out.line(3, "],");
 }
 
+/// Writes a law as a field with this name and a colon, or as an element without a name.
 fn curve(out: &mut Source, depth: usize, name: &str, knots: &[[f32; 2]]) {
-    out.line(depth, &format!("{name}: ["));
+    out.line(depth, &format!("{name}["));
     for knots in knots.chunks(4) {
         let knots: Vec<String> = knots.iter().map(|knot| list(knot)).collect();
         out.line(depth + 1, &format!("{},", knots.join(", ")));

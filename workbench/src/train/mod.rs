@@ -65,7 +65,7 @@ pub use novelty::{AlarmInterval, Alarms, Watch};
 pub use projection::{Keep, ProjectionKind};
 pub use ranking::{Gain, Ranked, Ranking, rank};
 pub use recipe::Recipe;
-pub use rotor::{NextToRotor, compared_turns, next_to_rotor};
+pub use rotor::{NextToRotor, Remedy, compared_turns, next_to_rotor};
 pub use scores::{Bin, Decomposition, Prediction, Score, Scores};
 pub use shaft::ShaftPlan;
 pub use shrinkage::{Shrink, Shrinkage};

@@ -171,16 +171,18 @@ fn strength(
     let total: f64 = weights.iter().sum();
     let first = &sums[0];
     // The power of a harmonic without twice what stays in phase from block to block; of what exceeds twice the noise of
-    // the control orders, twice as much is noise too, up to four times that of the control orders.
+    // the control orders, twice as much is noise too, up to four times that of the control orders; all of it without
+    // three times what stays in phase.
     let controls = |h: usize| variance((h + 1) as f64 * f64::from(order.order_q16) / 65_536.0);
     let at = |h: usize| {
         let control = controls(h);
         let norm = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>().sqrt();
         let lagged: Vec<f64> = sums[h].lags[1..].iter().map(|r| r.norm()).collect();
         let in_phase = norm(&lagged) / norm(&first.pairs[1..]) * first.pairs[0];
-        let own = (sums[h].lags[0].re - 2.0 * in_phase) / sums[h].weight;
+        let [own, rest] = [2.0, 3.0].map(|times| (sums[h].lags[0].re - times * in_phase) / sums[h].weight);
         let excess = if own.is_nan() { 0.0 } else { (own / control - 2.0).max(0.0) };
-        control * (1.0 + 2.0 * excess).min(4.0)
+        let limited = control * (1.0 + 2.0 * excess).min(4.0);
+        if rest > limited { rest } else { limited }
     };
     let base = controls(0);
     // ψ for a slip of one.

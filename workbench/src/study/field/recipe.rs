@@ -8,9 +8,12 @@ use crate::rig::field::LoadMeasurement;
 use crate::study::recipes;
 use crate::train::{Alarms, Recipe, ShaftPlan};
 
-/// Features of the detector: the friction at a usual velocity and load, what of it varies with velocity and with load,
-/// the torque constant, and the order of the outer race.
-pub const FEATURES: [&str; 5] = ["drag", "viscous", "inverse_kt", "load_friction", "order_outer"];
+/// Features of the detector: the torque constant, the friction that varies with load and with velocity, that at a usual
+/// velocity and load, and the order of the outer race.
+pub const FEATURES: [&str; 5] = ["inverse_kt", "load_friction", "viscous", "drag", "order_outer"];
+
+/// The friction that a defect only raises, as it only raises the order.
+pub const RISING: [&str; 2] = ["viscous", "drag"];
 
 /// The covariate of a row that knows the temperature.
 pub const TEMPERATURE: &str = "mean_temperature_c";
@@ -35,7 +38,8 @@ const WITHOUT_LOAD: Structure = Structure::new(2, 1, 0, 1, 1);
 pub fn recipe(condition: &Condition, features: &[String]) -> Recipe {
     let alarms = Alarms { healthy: Some(0), false_alarm: FALSE_ALARM, required: true, ..Alarms::default() };
     let mut features = if features.is_empty() { FEATURES.map(String::from).to_vec() } else { features.to_vec() };
-    let mut base = Recipe { size_spread: recipes::SIZE_SPREAD, ..recipes::shaft() };
+    let rising = RISING.map(String::from).into_iter().filter(|name| features.contains(name)).collect();
+    let mut base = Recipe { rising, size_spread: recipes::SIZE_SPREAD, ..recipes::shaft() };
     if let Some(shaft) = &mut base.shaft {
         shaft.slip = SLIP;
     }
@@ -79,7 +83,7 @@ mod tests {
             if load {
                 assert_eq!(format!("{own:?}"), format!("{mix:?}"), "{}", condition.name);
             } else {
-                assert_eq!(own.features, ["drag", "viscous", "order_outer"]);
+                assert_eq!(own.features, ["viscous", "drag", "order_outer"]);
             }
         }
         let asked = ["order_outer".to_string()];

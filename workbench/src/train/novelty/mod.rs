@@ -381,17 +381,16 @@ impl Healthy {
         let others = (first > 0).then(of_others).transpose()?;
         let singular = || Error::Training("the healthy covariance is singular".into());
         let scores = self.conditional(healthy).ok_or_else(singular)?;
-        let columns = first..names.len();
-        let law = if self.runs.is_some() {
-            let each = |k: usize| law(scores.select(&[k]), &names[k..=k]);
-            DistanceLaw::mean(columns.map(each).collect::<Result<_, _>>()?)
-        } else {
-            // The scores are independent of each other: their tails together tell more than those of each.
-            let squared: Option<Vec<Vec<f64>>> = columns.map(|k| left_out(&scores.select(&[k]))).collect();
-            let rows = rows_of(&scores, 0).0.saturating_sub(self.fitted + first).max(2);
-            DistanceLaw::of(1, rows, &squared.ok_or_else(singular)?.concat())
+        let each = |k: usize| {
+            let own = scores.select(&[k]);
+            if self.runs.is_some() {
+                return law(own, &names[k..=k]);
+            }
+            let rows = own.with(0, 0).count().saturating_sub(self.fitted + k).max(2);
+            Ok(DistanceLaw::of(1, rows, &left_out(&own).ok_or_else(singular)?))
         };
-        Ok(Some(Rising { count, freedom, law, others }))
+        let laws = (first..names.len()).map(each).collect::<Result<_, _>>()?;
+        Ok(Some(Rising { freedom, laws, others }))
     }
 
     /// Returns each value less its mean given those before it, in standard deviations.

@@ -1,50 +1,47 @@
 //! Coordinates of which only larger values than usual are a defect, as in the core, in double precision.
 //!
 //! ```text
-//! u_i = y_i/√(1 + d²_{i−1}/ν),   s_u = −ln(1 − (1 − P(U ≥ max u_i))^K)     (1)  y_i: score given those before it
-//! s   = S − ln(1 + S),   S = s_d + s_u                                   (2)  s_d: of the distance of the others
+//! u_i = y_i/√(1 + d²_{i−1}/ν),   s = −ln(1 − (1 − min p)^M)                (1)  y_i: score given those before it
+//! p: of the distance of the others, and P(U_i ≥ u_i) of each rising coordinate, M in all
 //! ```
 //!
 //! U² has the law of the distance in one coordinate. It follows from the scores `y_i` of the healthy segments
-//! themselves, those of all rising coordinates together, less the degrees of freedom of the regression on the others.
-//! If the rate is that of the next run, it is the mean of the laws of gates of one coordinate each.
+//! themselves, less the degrees of freedom of the regression on the others. Each coordinate has a law of its own: the
+//! friction of a drive has heavier tails than the score of an order.
 
 use std::f64::consts::LN_2;
 
-use bearing_watch::model::{self, KNOTS};
+use bearing_watch::model::{KNOTS, Law};
 use nalgebra::{DMatrix, DVector};
 
 use super::knots::knots;
 use super::law::{DistanceLaw, equivalent};
 use crate::train::moments;
 
-/// The rising coordinates of a gate, its last ones; fields as in [`bearing_watch::model::Rising`].
+/// The rising coordinates of a gate, its last ones.
 #[derive(Clone, Debug)]
 pub struct Rising {
-    /// Their number.
-    pub count: usize,
     /// ν.
     pub freedom: f64,
-    /// The law of u².
-    pub law: DistanceLaw,
+    /// The law of u² of each.
+    pub laws: Vec<DistanceLaw>,
     /// The law of the distance of the others, if there are any.
     pub others: Option<DistanceLaw>,
 }
 
 impl Rising {
-    /// Returns (2); `None` if the covariance is singular.
+    /// Returns s of (1); `None` if the covariance is singular.
     pub(super) fn surprise(
         &self,
         healthy: (&DVector<f64>, &DMatrix<f64>),
         (value, variance): (&DVector<f64>, &DVector<f64>),
     ) -> Option<f64> {
         let scores = moments::conditional_scores(healthy, value, variance)?;
-        let first = value.len() - self.count;
-        let (mut squared, mut of_others, mut largest, mut count) = (0.0, None, f64::NEG_INFINITY, 0);
+        let first = value.len() - self.laws.len();
+        let (mut squared, mut of_others, mut each) = (0.0, None, Vec::new());
         for (place, (k, y)) in scores.iter().enumerate() {
             if *k >= first {
-                largest = largest.max(y / (1.0 + squared / self.freedom).sqrt());
-                count += 1;
+                each.push(one_sided(&self.laws[*k - first], y / (1.0 + squared / self.freedom).sqrt()));
             }
             squared += y * y;
             if *k < first
@@ -53,25 +50,53 @@ impl Rising {
                 of_others = Some(law.surprise(equivalent(squared, place + 1, first)));
             }
         }
-        let of_rising = (count > 0).then(|| self.of_largest(largest, count));
-        Some(match (of_others, of_rising) {
-            (Some(a), Some(b)) => a + b - (a + b).ln_1p(),
-            (a, b) => a.or(b).unwrap_or(0.0),
-        })
+        each.extend(of_others);
+        Some(rarest(&each))
     }
 
-    /// Returns s_u.
-    fn of_largest(&self, u: f64, count: i32) -> f64 {
-        let half = (-self.law.surprise(u * u) - LN_2).exp();
-        let p = if u < 0.0 { 1.0 - half } else { half };
-        -(-(f64::from(count) * (-p).ln_1p()).exp_m1()).ln()
-    }
-
-    /// Returns the core's form for a gate with this limit.
+    /// Returns the core's laws for a gate with this limit.
     #[must_use]
-    pub fn core(&self, limit: f64) -> model::Rising {
-        let curve = |law: &DistanceLaw| knots(law, limit).map(|knot| knot.map(|x| x as f32));
-        let others = self.others.as_ref().map_or([[0.0; 2]; KNOTS], curve);
-        model::Rising { count: self.count as u8, freedom: self.freedom as f32, knots: curve(&self.law), others }
+    pub fn core(&self, limit: f64) -> Vec<Law> {
+        // The knot at the limit is that of one of all values.
+        let own = -(-(-limit).exp()).ln_1p() / (self.laws.len() + usize::from(self.others.is_some())) as f64;
+        let own = -(-(-own).exp_m1()).ln();
+        let curve = |law: &DistanceLaw, limit: f64| knots(law, limit).map(|knot| knot.map(|x| x as f32));
+        let others = self.others.as_ref().map_or([[0.0; 2]; KNOTS], |law| curve(law, own));
+        std::iter::once(others).chain(self.laws.iter().map(|law| curve(law, own - LN_2))).collect()
+    }
+}
+
+/// Returns −ln P(U ≥ u) by the law of U².
+fn one_sided(law: &DistanceLaw, u: f64) -> f64 {
+    let far = law.surprise(u * u) + LN_2;
+    if u < 0.0 { -(-(-far).exp()).ln_1p() } else { far }
+}
+
+/// Returns s of (1) of surprises; 0 without any.
+fn rarest(surprises: &[f64]) -> f64 {
+    let p = (-surprises.iter().fold(0.0_f64, |most, s| most.max(*s))).exp();
+    let count = surprises.len() as f64;
+    if p >= 1.0 { 0.0 } else { -(-(count * (-p).ln_1p()).exp_m1()).ln() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn knots_of_each_law_are_where_the_limit_is_reached() {
+        let law = DistanceLaw::gaussian(1, 200);
+        let rising = Rising { freedom: 199.0, laws: vec![law.clone(); 2], others: Some(DistanceLaw::gaussian(2, 200)) };
+        let limit = 100_f64.ln();
+        let laws = rising.core(limit);
+        // 1 % of three values is 0.33445 % of one.
+        let of_one = 1.0 - 0.99_f64.powf(1.0 / 3.0);
+        for (law, expected) in [(laws[0], -of_one.ln()), (laws[1], -(2.0 * of_one).ln())] {
+            // The rounding of single precision.
+            assert!(law.iter().any(|[_, s]| (f64::from(*s) - expected).abs() < 1e-5), "{expected}");
+        }
+        let u = law.squared_at(-(2.0 * of_one).ln()).sqrt();
+        assert!((rarest(&[one_sided(&law, u), 0.3, one_sided(&law, -1.0)]) - limit).abs() < 1e-9);
+        assert!(rarest(&[]).abs() < 1e-15 && rarest(&[0.0]).abs() < 1e-15);
     }
 }
