@@ -125,7 +125,7 @@ fn plans() {
     opaque([Layout::parameters(&layout), Layout::covariance(&layout), Layout::delays(&layout)]);
     opaque([Layout::filters(&layout), Layout::watched(&layout), Layout::orders(&layout), Layout::map(&layout)]);
     opaque([Layout::density(&layout), Layout::densities(&layout), Layout::means(&layout), Layout::costs(&layout)]);
-    opaque((Layout::averages(&layout), Layout::explained(&layout), Signal::mask(signal)));
+    opaque((Layout::averages(&layout), Layout::explained(&layout), Layout::laws(&layout), Signal::mask(signal)));
     let covariate = opaque(Covariate::BLANK);
     let departures = opaque([Covariate::departure(&covariate, opaque(FeatureValue::MISSING)); 2]);
     let covariates = opaque(Covariates::<Explaining> { list: [covariate; 2], map: [[0.5, 0.25]; 2] });

@@ -36,7 +36,7 @@ bearing_watch::plan! {
         }),
         features: 9,
         coordinates: 3,
-        rising: 2,
+        rising: 1,
         classes: 3,
         discriminant: Kind::Quadratic,
         ..Layout::EMPTY
@@ -60,7 +60,7 @@ bearing_watch::plan! {
         }),
         features: 9,
         coordinates: 3,
-        rising: 2,
+        rising: 1,
         classes: 3,
         discriminant: Kind::Quadratic,
         ..Layout::EMPTY
@@ -162,7 +162,7 @@ pub static MODEL: Model<Watched> = match Watched::model(Constants {
         ],
         Some(0),
         LAW,
-        [LAW; 3]
+        [LAW; 2]
     ),
     evidence: EvidenceConstants::NONE,
     labels: LABELS,
@@ -195,7 +195,7 @@ pub static LOADLESS: Model<Loadless> = match Loadless::model(Constants {
         ],
         Some(0),
         LAW,
-        [LAW; 3]
+        [LAW; 2]
     ),
     evidence: EvidenceConstants::NONE,
     labels: LABELS,

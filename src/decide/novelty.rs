@@ -121,6 +121,7 @@ impl<P: Plan> Novelty<P> {
 }
 
 /// Surprise on a curve of knots, as [`Novelty::surprise`].
+#[inline(never)]
 pub(super) fn surprise(knots: &[[f32; 2]], squared: f32) -> f32 {
     let [[x0, s0], [x1, s1]] = nearest(knots, squared);
     let surprise = s0 + (squared - x0) * ((s1 - s0) / (x1 - x0));
