@@ -155,8 +155,7 @@ impl<P: Plan> Classification<P> {
             // A plan without rising coordinates carries no code for them.
             Stage::Rising if plan.layout().rising > 0 => {
                 let (laws, judged) = (classifier.novelty.laws.cells(), self.judged.cells_mut());
-                let all = self.coordinates.cells().len().saturating_sub(laws.len().saturating_sub(1));
-                rising::judge(laws, judged, self.k, [self.others, all]);
+                rising::judge(laws, judged, self.k, [self.others, self.coordinates.cells().len()]);
                 self.k = self.k.wrapping_add(1);
                 if self.k >= rising::steps(judged.len()) {
                     decision.surprise = judged.first().copied().unwrap_or(0.0);

@@ -93,9 +93,8 @@ impl<P: Plan> Novelty<P> {
         if laws.is_empty() {
             return found;
         }
-        let all = z.len().saturating_sub(laws.len().saturating_sub(1));
         for k in 0..rising::steps(laws.len()) {
-            rising::judge(laws, judged.cells_mut(), k, [scores.others, all]);
+            rising::judge(laws, judged.cells_mut(), k, [scores.others, z.len()]);
         }
         Departure { surprise: judged.cells().first().copied().unwrap_or(0.0), ..found }
     }

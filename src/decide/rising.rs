@@ -67,12 +67,12 @@ pub(super) const fn steps(values: usize) -> usize {
     values.saturating_add(2)
 }
 
-/// Does step k of so many values, of which the first is d² of the others, with so many available of so many; after the
-/// last step the first value is s of (3).
+/// Does step k of so many values, of which the first is d² of the others, so many of which are available, with so many
+/// coordinates in all; after the last step the first value is s of (3).
 #[inline(never)]
-pub(super) fn judge(laws: &[Law], judged: &mut [f32], k: usize, of_others: [usize; 2]) {
+pub(super) fn judge(laws: &[Law], judged: &mut [f32], k: usize, [others, coordinates]: [usize; 2]) {
     match k.checked_sub(laws.len()) {
-        None => judge_one(laws, judged, k, of_others),
+        None => judge_one(laws, judged, k, [others, coordinates.saturating_sub(laws.len().saturating_sub(1))]),
         Some(0) => smallest(judged),
         Some(_) => together(judged),
     }
@@ -156,7 +156,7 @@ mod tests {
         for (k, [y, pivot]) in values.iter().enumerate() {
             scores.add(*y, *pivot, values.len() - 1 - k, 10.0, &mut judged);
         }
-        (0..steps(laws.len())).for_each(|k| judge(&laws, &mut judged, k, [scores.others, 2]));
+        (0..steps(laws.len())).for_each(|k| judge(&laws, &mut judged, k, [scores.others, values.len()]));
         judged[0]
     }
 

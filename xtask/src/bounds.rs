@@ -50,7 +50,7 @@ pub const BOUNDS: [Bound; 49] = [
     bound("LS and shaft, 4 orders of 3 harmonics, collect, mean sample", Some(4), 1600),
     bound("LS and shaft, 4 orders of 3 harmonics, collect, longest sample", Some(4), 2010),
     bound("LS and shaft, 4 orders of 3 harmonics, collect, sample that closes", Some(4), 7080),
-    // The model has a gate with a rising coordinate, which takes 2400 of them.
+    // The model has a gate with a rising coordinate, which takes 2000 of them.
     bound("LS and shaft, 4 orders of 3 harmonics, conclude", Some(4), 63_200),
     bound("LS and shaft, 4 orders of 3 harmonics, longest piece", Some(4), 450),
     bound("shaft alone, 1 order without load, collect, mean sample", Some(1), 715),

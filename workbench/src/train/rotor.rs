@@ -13,7 +13,7 @@ use bearing_watch::internals::LAGS;
 use bearing_watch::model::{TrackedOrder, Tracking};
 use bearing_watch::plan::RunTime;
 
-use super::shaft::{BLOCKS_A_RECORD, cell_turns_log2};
+use super::shaft::{BLOCKS_A_RECORD, CELLS_LOG2, cell_turns_log2};
 
 /// Blocks over which phases are compared.
 const COMPARED: f64 = LAGS as f64 + 1.0;
@@ -61,15 +61,15 @@ fn compared(log2: i8) -> f64 {
 #[must_use]
 pub fn next_to_rotor(tracking: &Tracking<RunTime>) -> Vec<NextToRotor> {
     let searched = f64::from(tracking.blocks.slip);
-    let highest = tracking.orders.iter().map(|own| f64::from(own.order())).fold(0.0, f64::max);
+    let orders = || tracking.orders.iter().map(|own| f64::from(own.order()));
     let each = |(place, own): (usize, &TrackedOrder)| {
         let order = f64::from(own.order());
         let rotor = order.round().max(1.0);
         let apart = |slip: f64| (order - rotor).abs() - order * f64::from(own.slip_ratio.abs()) * slip;
         // Turns of a record whose blocks resolve the difference at this slip.
         let needed = |slip: f64| {
-            let longest = cell_turns_log2(highest, slip, f64::INFINITY);
-            let mut enough = (-6..=longest).filter(|log2| apart(slip) * compared(*log2) > 1.0);
+            let longest = cell_turns_log2(orders(), slip, f64::INFINITY);
+            let mut enough = (CELLS_LOG2[0]..=longest).filter(|log2| apart(slip) * compared(*log2) > 1.0);
             enough.next().map(|log2| BLOCKS_A_RECORD * f64::from(log2).exp2())
         };
         let remedy = || match needed(searched) {

@@ -41,10 +41,15 @@ const SPARED: [FrictionTerm; 3] = [FrictionTerm::Offset, FrictionTerm::LoadFrict
 /// Rows from which a segment's own parameters are compared with the nominal ones.
 pub(super) const OWN_FROM_ROWS: u16 = 48;
 
-/// Returns the binary logarithm of the widest cell (4) for the highest order, the slip, and the turns of a record.
-pub(super) fn cell_turns_log2(highest: f64, slip: f64, turns: f64) -> i8 {
+/// Binary logarithms of the narrowest and the widest cell, turns.
+pub(super) const CELLS_LOG2: [i8; 2] = [-6, 6];
+
+/// Returns the binary logarithm of the widest cell (4) for these orders, the slip, and the turns of a record.
+pub(super) fn cell_turns_log2(orders: impl Iterator<Item = f64>, slip: f64, turns: f64) -> i8 {
+    let highest = orders.fold(0.1, f64::max);
+    let [narrowest, most] = CELLS_LOG2.map(f64::from);
     let widest = (0.5 / (highest * slip.max(1e-4))).min(turns / BLOCKS_A_RECORD);
-    widest.log2().floor().clamp(-6.0, 6.0) as i8
+    widest.log2().floor().clamp(narrowest, most) as i8
 }
 
 /// Plan of the shaft: tracked orders, delay and filter.
@@ -107,12 +112,11 @@ impl ShaftPlan {
             slip_ratio: ratio(name) as f32,
             ..TrackedOrder::new(*order as f32, weights)
         };
-        let highest = self.orders.iter().map(|(_, order)| *order).fold(0.1, f64::max);
         Tracking {
             orders: self.orders.iter().map(order).collect(),
             blocks: Blocks {
                 controls: controls(&self.orders, self.slip, harmonics(&self.weights)).map(|order| q16(order as f32)),
-                cell_turns_log2: cell_turns_log2(highest, self.slip, turns),
+                cell_turns_log2: cell_turns_log2(self.orders.iter().map(|(_, order)| *order), self.slip, turns),
                 slip: self.slip as f32,
                 slowest_rad_s: slowest_rad_s as f32,
                 pole: 0.9,

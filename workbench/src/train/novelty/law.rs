@@ -99,14 +99,6 @@ impl DistanceLaw {
         Self { parts }
     }
 
-    /// Returns the mean of laws of the same probability.
-    #[must_use]
-    pub fn mean(laws: Vec<Self>) -> Self {
-        let part = 1.0 / laws.len().max(1) as f64;
-        let all = laws.into_iter().flat_map(|law| law.parts).map(|(own, law)| (own * part, law));
-        Self { parts: all.collect() }
-    }
-
     /// Returns the probability that the features are Gaussian, among the laws considered.
     #[must_use]
     pub fn gaussian_probability(&self) -> f64 {
