@@ -93,11 +93,12 @@ pub(super) struct SlipSearch {
     constant: f32,
     /// The first sum of (7).
     slopes: f32,
+    /// P at the last slip on each side of zero.
+    last: [f32; 2],
+    /// The largest P, its slip, and P at the slips below and above it.
     best: f32,
     best_at: i8,
-    /// P before and after the best one.
     around: [f32; 2],
-    last: f32,
     found: OrderStrength,
     /// Of the prominence.
     cube_root: f32,
@@ -134,10 +135,10 @@ impl SlipSearch {
             terms: [[0.0; 2]; COMBINED],
             constant: 0.0,
             slopes: 0.0,
+            last: [f32::NEG_INFINITY; 2],
             best: f32::NEG_INFINITY,
             best_at: 0,
             around: [f32::NEG_INFINITY; 2],
-            last: 0.0,
             found: OrderStrength::NONE,
             cube_root: 0.0,
             variance: 0.0,
@@ -166,7 +167,7 @@ impl SlipSearch {
         let next = self.next;
         self.next = next.wrapping_add(1);
         match next {
-            FIRST..=SIDE => self.compare(next, self.spectrum(turns(order, range, f32::from(next) / f32::from(SIDE)))),
+            0..=SIDE => self.compare(next, turns(order, range, f32::from(next) / f32::from(SIDE))),
             PROMINENCE => self.prominence(order, range),
             NOISE => self.noise(sums),
             LAW => self.law(sums, order, range),
@@ -221,22 +222,27 @@ impl SlipSearch {
         }
     }
 
-    /// (1), where ψ is so many turns.
-    fn spectrum(&self, turns: f32) -> f32 {
-        self.constant + real_sum(&self.terms, turns)
+    /// (1) at two opposite slips, `k` steps from zero, where ψ is so many turns at the upper one. Of equal values, as
+    /// those of an order that does not slip, that nearest to slip zero is the largest.
+    fn compare(&mut self, k: i8, turns: f32) {
+        let (even, odd) = parts(&self.terms, turns);
+        let [low, high] = [self.constant + even - odd, self.constant + even + odd];
+        let [last_low, last_high] = self.last;
+        self.add(k.wrapping_neg(), low, [f32::NEG_INFINITY, last_low]);
+        self.add(k, high, [last_high, f32::NEG_INFINITY]);
+        self.last = [low, high];
     }
 
-    fn compare(&mut self, k: i8, value: f32) {
-        if k == self.best_at.wrapping_add(1) && self.best_at != k {
-            let [_, after] = &mut self.around;
-            *after = value;
+    /// Takes P at a slip, of whose neighbours those next to zero are known.
+    fn add(&mut self, at: i8, value: f32, around: [f32; 2]) {
+        let [below, above] = &mut self.around;
+        if value > self.best {
+            (self.best, self.best_at, self.around) = (value, at, around);
+        } else if at == self.best_at.wrapping_sub(1) {
+            *below = value;
+        } else if at == self.best_at.wrapping_add(1) {
+            *above = value;
         }
-        // Of equal values, as those of an order that does not slip, the nearest to zero.
-        if value > self.best || (k <= 0 && value >= self.best) {
-            (self.best, self.best_at) = (value, k);
-            self.around = [if k > -SIDE { self.last } else { f32::NEG_INFINITY }, f32::NEG_INFINITY];
-        }
-        self.last = value;
     }
 
     /// Slip and (3).
@@ -299,8 +305,8 @@ impl SlipSearch {
             let t = taper(f32::from(d));
             (*x, *y) = (*x * t, *y * t);
         }
-        let own = real_sum(&lags, turns(order, range, self.found.slip / range.slip.max(f32::MIN_POSITIVE)));
-        self.power = (own / self.steady).max(0.0);
+        let (even, odd) = parts(&lags, turns(order, range, self.found.slip / range.slip.max(f32::MIN_POSITIVE)));
+        self.power = ((even + odd) / self.steady).max(0.0);
         self.found.amplitude = 2.0 * libm::sqrtf(self.power);
     }
 
@@ -330,9 +336,8 @@ impl SlipSearch {
     }
 }
 
-/// The first slip; before it the noise and a step for each harmonic, after the last one the results.
-const FIRST: i8 = -SIDE;
-const COMBINE: i8 = FIRST - 3;
+/// Before the first slip the noise and a step for each harmonic, after the last one the results.
+const COMBINE: i8 = -3;
 const NOISE: i8 = COMBINE - 1;
 const LEVEL: i8 = NOISE - 1;
 const PROMINENCE: i8 = SIDE + 1;
@@ -351,16 +356,20 @@ fn turns(order: &TrackedOrder, range: &SlipRange, part: f32) -> f32 {
     order.order() * order.slip_ratio * range.slip * range.cell_turns * part
 }
 
-/// `Re Σ_m r_m e^{−2πj m turns}`, m from one on, by Horner's rule from the last.
-#[inline(always)]
+/// `Σ_m Re r_m cos(m θ)` and `Σ_m Im r_m sin(m θ)`, m from one on, θ so many turns, by Clenshaw's recurrence: their sum
+/// is `Re Σ_m r_m e^{−jmθ}`, their difference the same at −θ.
+#[inline(never)]
 #[expect(clippy::cast_possible_truncation, reason = "takes the fraction of a turn")]
-fn real_sum(terms: &[[f32; 2]], turns: f32) -> f32 {
+fn parts(terms: &[[f32; 2]], turns: f32) -> (f32, f32) {
     let fraction = turns - turns as i32 as f32;
     let (cos, sin) = phasor(((fraction * 2_147_483_648.0) as i32).cast_unsigned() << 1);
-    let (mut x, mut y) = (0.0, 0.0);
-    for [rx, ry] in terms.iter().rev() {
-        let (ax, ay) = (x + rx, y + ry);
-        (x, y) = (ax * cos + ay * sin, ay * cos - ax * sin);
+    let twice = 2.0 * cos;
+    let ([mut x, mut y], [mut next_x, mut next_y]) = ([0.0; 2], [0.0; 2]);
+    // Their number is even; in pairs, no values have to be moved.
+    for pair in terms.as_chunks::<2>().0.iter().rev() {
+        let [[ax, ay], [bx, by]] = pair;
+        (next_x, next_y) = (bx + twice * x - next_x, by + twice * y - next_y);
+        (x, y) = (ax + twice * next_x - x, ay + twice * next_y - y);
     }
-    x
+    (x * cos - next_x, y * sin)
 }
