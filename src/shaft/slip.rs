@@ -80,6 +80,8 @@ impl Default for OrderStrength {
 
 /// Products d h in (1): phases of its terms, in ψ.
 const COMBINED: usize = LAGS * MAX_HARMONICS;
+// `parts` takes terms in pairs, those of a harmonic too.
+const _: () = assert!(LAGS.is_multiple_of(2));
 
 /// The search under way, one slip a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -365,7 +367,7 @@ fn parts(terms: &[[f32; 2]], turns: f32) -> (f32, f32) {
     let (cos, sin) = phasor(((fraction * 2_147_483_648.0) as i32).cast_unsigned() << 1);
     let twice = 2.0 * cos;
     let ([mut x, mut y], [mut next_x, mut next_y]) = ([0.0; 2], [0.0; 2]);
-    // Their number is even; in pairs, no values have to be moved.
+    // In pairs, no values have to be moved.
     for pair in terms.as_chunks::<2>().0.iter().rev() {
         let [[ax, ay], [bx, by]] = pair;
         (next_x, next_y) = (bx + twice * x - next_x, by + twice * y - next_y);
