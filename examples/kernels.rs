@@ -12,12 +12,12 @@ use bearing_watch::model::{
     Channel, Classifier, Covariates, Discriminant, Feature, FeatureValue, Forgetting, Novelty, Projection, Regression,
 };
 use bearing_watch::plan::{Array, Cells, Fixed, Kind, Layout, Memory, Method, Plan, RegressionLayout, Structure};
-use bearing_watch::{AlphaBeta, Angle, BlockMean, Detector, FrontEnd, Model, Park};
+use bearing_watch::{AlphaBeta, Angle, BlockMean, Detector, Model, Park, RotorFrame};
 
 use support::hash::Hash;
 use support::numbers::Numbers;
 use support::shaft::{self, Motion};
-use support::{decimation, refined, squares};
+use support::{decimation, raw, refined, squares};
 
 type Three = Fixed<3>;
 type Zero = Fixed<0>;
@@ -49,6 +49,7 @@ bearing_watch::plan! {
 main!(run);
 
 fn run() {
+    say!("known answers {:?}", bearing_watch::known_answer_test());
     front_end();
     macro_rules! sizes { ($($m:literal)+) => { $(triangle::<$m, { $m * ($m - 1) / 2 }>();)+ }; }
     sizes!(2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21);
@@ -69,17 +70,20 @@ fn run() {
     let mut hash = Hash::new();
     decimation::bits(|output| hash.add(output));
     say!("decimation {:08x}", hash.bits());
+    let mut hash = Hash::new();
+    raw::bits(|output| hash.add(output));
+    say!("raw samples {:08x}", hash.bits());
 }
 
 fn front_end() {
     let mut hash = Hash::new();
-    let front = FrontEnd { pole_pairs: 6, electrical_offset: Angle::from_bits(12_345), park: Park::Standard };
+    let frame = RotorFrame { pole_pairs: 6, electrical_offset: Angle::from_bits(12_345), park: Park::Standard };
     let mut numbers = Numbers(1);
     let mut mean = BlockMean::new();
     for k in 0..20_000_u32 {
         let angle = Angle::from_bits(k.wrapping_mul(0x9E37_79B9));
         let sc = angle.sin_cos();
-        let dq = front.transform(AlphaBeta::from_two(numbers.next(), numbers.next()), angle);
+        let dq = frame.transform(AlphaBeta::from_two(numbers.next(), numbers.next()), angle);
         let back = Park::Thesis.inverse(dq, sc).inverse_clarke();
         hash.add(&[sc.sin, sc.cos, dq.d, dq.q, back.a, back.b, back.c, angle.radians()]);
         if let Some(mean) = mean.push([dq.d, dq.q], 7) {

@@ -12,7 +12,7 @@ use core::hint::black_box;
 use bearing_watch::internals::{Alone, Triangle};
 use bearing_watch::model::{Channel, FeatureValue, Forgetting, Regression};
 use bearing_watch::plan::{Cells, Plan};
-use bearing_watch::{AlphaBeta, Angle, Detector, FrontEnd, Model, Park, Segment, Solver};
+use bearing_watch::{AlphaBeta, Angle, Detector, Model, Park, RotorFrame, Segment, Solver};
 
 use support::count::Counter;
 use support::numbers::Numbers;
@@ -54,6 +54,9 @@ fn run() {
     decimation::measure(counter, |name, factor, instructions, bytes| {
         report(name, factor, instructions, bytes);
     });
+    support::front_end::measure(counter, |name, factor, instructions, bytes| {
+        line(format_args!("front end, {name}"), factor, instructions, Some(bytes));
+    });
 }
 
 fn front_end(counter: &mut Counter) {
@@ -67,13 +70,13 @@ fn front_end(counter: &mut Counter) {
         black_box(Park::Standard.forward(AlphaBeta::from_two(a, b), black_box(sc)));
     });
     report("Clarke + Park, sin_cos given", None, given, 0);
-    let front = FrontEnd { pole_pairs: 6, electrical_offset: Angle::ZERO, park: Park::Standard };
+    let frame = RotorFrame { pole_pairs: 6, electrical_offset: Angle::ZERO, park: Park::Standard };
     let whole = counter.instructions_per_call(CALLS, |k| {
         let (a, b) = black_box((1.5_f32, -0.25_f32));
         let shaft = Angle::from_bits(black_box(k.wrapping_mul(0x1234_5678)));
-        black_box(front.transform(AlphaBeta::from_two(a, b), shaft));
+        black_box(frame.transform(AlphaBeta::from_two(a, b), shaft));
     });
-    report("sin_cos + Clarke + Park", None, whole, size_of_val(&front));
+    report("sin_cos + Clarke + Park", None, whole, size_of_val(&frame));
 }
 
 fn updates<const M: usize, const P: usize>(counter: &mut Counter, name: &str, n: usize) {

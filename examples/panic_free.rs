@@ -7,12 +7,19 @@
 
 #[path = "support/classifier.rs"]
 mod classifier;
+#[path = "support/converter.rs"]
+mod converter;
+#[path = "support/drive_calls.rs"]
+mod drive_calls;
 #[allow(dead_code, reason = "its samples are not wanted here")]
 #[path = "support/standard_rig/model.rs"]
 mod model;
 #[allow(dead_code, reason = "only arrays of numbers are wanted here")]
 #[path = "support/numbers.rs"]
 mod numbers;
+#[allow(dead_code, reason = "no bits are wanted here")]
+#[path = "support/raw.rs"]
+mod raw;
 #[allow(dead_code, reason = "the plant is not wanted here")]
 #[path = "support/refined.rs"]
 mod refined;
@@ -31,8 +38,14 @@ use classifier::classifier;
 use numbers::Numbers;
 
 fn run() {
+    if let Err(kernel) = known_answer_test() {
+        opaque(Kernel::message(kernel));
+        show(kernel);
+    }
     front_end();
+    drive_calls::front_end(|error| show(error));
     decimation();
+    converter::run(|error| show(error));
     plans();
     constants();
     detector(&model::MODEL, |[current_a, velocity_ref_rad_s, load_torque_nm, ..]| model::Sample {
@@ -62,8 +75,8 @@ fn front_end() {
         let rotor = Park::forward(park, opaque(stator), electrical);
         let back = Park::inverse(park, opaque(rotor), electrical);
         opaque(Abc::clarke(AlphaBeta::inverse_clarke(opaque(back))));
-        let front = FrontEnd { pole_pairs: opaque(6), electrical_offset: opaque(other), park };
-        opaque(FrontEnd::transform(&front, opaque(stator), opaque(angle)));
+        let frame = RotorFrame { pole_pairs: opaque(6), electrical_offset: opaque(other), park };
+        opaque(RotorFrame::transform(&frame, opaque(stator), opaque(angle)));
     }
 }
 
@@ -181,6 +194,7 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
     for _ in 0..opaque(50) {
         let sample = opaque(sample(numbers.array()));
         opaque((Signals::value(&sample, opaque(1)), Signals::angle(&sample)));
+        let sample: P::Sample = Signals::of(opaque(&numbers.array::<4>()), Angle::from_bits(opaque(9)));
         if let Some(report) = opaque(Detector::step(&mut detector, &sample)) {
             opaque(Evidence::observe(&mut evidence, report.decision.as_ref()));
             opaque(Evidence::end_run(&mut evidence));
@@ -224,8 +238,8 @@ fn about<P: Plan>(model: &Model<P>) {
     if let Err(error) = Model::check_interval(model, opaque(0.001)) {
         show(error);
     }
-    let front = FrontEnd { pole_pairs: opaque(6), electrical_offset: Angle::ZERO, park: opaque(Park::Thesis) };
-    if let Err(error) = Model::check_front_end(model, &front) {
+    let frame = RotorFrame { pole_pairs: opaque(6), electrical_offset: Angle::ZERO, park: opaque(Park::Thesis) };
+    if let Err(error) = Model::check_rotor_frame(model, &frame) {
         show(error);
     }
     if let Err(error) = opaque(Model::new(plan, opaque(constants.clone()))) {

@@ -26,7 +26,7 @@
 //! ```
 //!
 //! ```text
-//! drive       phase currents, angle ─► Clarke, Park ─► quadrature current, decimation
+//! drive       raw counts ─► currents, angle ─► quadrature current, velocity, decimation
 //! plan        what a detector is made of: channels, structure, sizes
 //! sample         ▼ gate: which channels may be used                average  means of channels
 //! regression  δ-form rows by least squares or instruments ─┐      shaft   torque balance ─► Friction
@@ -45,8 +45,8 @@
 //! sample is counted and skipped; no function panics.
 //!
 //! Features: `defmt` (formats, and a log line for each segment), `nalgebra` (conversions of covariance and projection),
-//! `alloc` (the plan `RunTime` of host programs), `internals` (parts for this repository's tests and measurements; not
-//! stable).
+//! `alloc` (the plan `RunTime` of host programs), `bounded` (array lengths that a model brings, without an allocator, as
+//! the C interface needs them), `internals` (parts for this repository's tests and measurements; not stable).
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(
@@ -72,6 +72,7 @@ mod detector;
 mod drive;
 mod estimate;
 mod factor;
+mod known_answers;
 pub mod model;
 pub mod plan;
 mod reason;
@@ -83,9 +84,18 @@ mod unroll;
 pub use average::Average;
 pub use decide::{Alarm, Baseline, Cause, Decision, Evidence, Trend};
 pub use detector::{Detector, Report, Segment, Solver, Verdict};
-pub use drive::{Abc, AlphaBeta, Angle, BlockMean, Dq0, FirDecimator, FrontEnd, HalfBandDecimator, HalfBandTaps};
-pub use drive::{Park, SinCos};
+#[cfg(feature = "embedded-hal")]
+pub use drive::ad2s1210;
+pub use drive::{Abc, AlphaBeta, Angle, BlockMean, Dq0, FirDecimator, HalfBandDecimator, HalfBandTaps, Park, SinCos};
+pub use drive::{
+    BalanceLimits, CurrentBalance, CurrentSensors, Imbalance, Phase, PhaseCounts, PhaseFaults, PhaseSensor,
+};
+pub use drive::{CalibrationError, CalibrationLimits, OffsetCalibration};
+pub use drive::{CleanSample, Faults, FrontEnd, FrontEndConstants, FrontEndError, RawSample, RotorFrame};
+pub use drive::{Lock, Position, PositionFaults, PositionTracker, Tracked, TrackingConstants};
+pub use drive::{ResolverFaults, ResolverLimits};
 pub use estimate::Estimate;
+pub use known_answers::{Kernel, known_answer_test};
 pub use model::{Model, ModelError};
 pub use plan::Structure;
 pub use reason::{FrictionTerm, Part, Reason};

@@ -11,10 +11,14 @@ pub mod classifier;
 pub mod count;
 #[allow(dead_code, reason = "not every example decimates")]
 pub mod decimation;
+#[allow(dead_code, reason = "only `measure` and `measure_front_end` count those of the front end")]
+pub mod front_end;
 #[allow(dead_code, reason = "only two examples compare bits by hashes")]
 pub mod hash;
 #[allow(dead_code, reason = "`monitor` has a recording instead")]
 pub mod numbers;
+#[allow(dead_code, reason = "not every example has a front end")]
+pub mod raw;
 #[allow(dead_code, reason = "not every example estimates by instrumental variables")]
 pub mod refined;
 #[allow(dead_code, reason = "not every example watches the shaft")]

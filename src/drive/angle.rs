@@ -47,7 +47,7 @@ const C2: f32 = 4.166_664_6e-2;
 const C3: f32 = -1.388_731_6e-3;
 const C4: f32 = 2.443_315_7e-5;
 /// Radians per count of the 32-bit angle, 2π/2³².
-const RAD: f32 = PI / 2_147_483_648.0;
+pub(super) const RAD: f32 = PI / 2_147_483_648.0;
 
 impl Angle {
     /// The zero angle.
@@ -125,6 +125,13 @@ impl Angle {
     #[must_use]
     pub const fn plus(self, other: Self) -> Self {
         Self(self.0.wrapping_add(other.0))
+    }
+
+    /// The angle `counts` of 2⁻³² turn further on.
+    #[inline]
+    #[must_use]
+    pub(super) const fn turned(self, counts: i32) -> Self {
+        Self(self.0.wrapping_add_signed(counts))
     }
 
     /// The shorter rotation from `earlier` to `self`, in counts of 2⁻³² turn; negative means backward.

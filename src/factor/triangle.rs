@@ -75,7 +75,8 @@ impl<D: Cells<f32>, R: Cells<f32>> Triangle<D, R> {
     #[inline(always)]
     fn rotate<const FORGET: bool>(&mut self, row: &[f32], weight: f32, forgetting: Forgetting) {
         let (d, r) = (self.d.cells_mut(), self.r.cells_mut());
-        if !kernels::rotate_straight::<FORGET>(d, r, row, weight, forgetting) {
+        let straight = D::STRAIGHT && kernels::rotate_straight::<FORGET>(d, r, row, weight, forgetting);
+        if !straight {
             let mut x = D::from_fn(d.len(), |k| row.get(k).copied().unwrap_or(0.0));
             kernels::rotate_loop::<FORGET>(d, r, x.cells_mut(), weight, forgetting);
         }

@@ -26,7 +26,7 @@ pub use parts::{Parts, RegressionParts, ShaftParts};
 pub use validate::check;
 
 use crate::decide::{Baseline, Evidence};
-use crate::drive::{FrontEnd, Park};
+use crate::drive::{Park, RotorFrame};
 use crate::plan::{Array, Cells, Plan};
 
 /// Longest block mean: plain sums of more samples lose digits.
@@ -112,13 +112,13 @@ impl<P: Plan> Model<P> {
         self.constants.labels.cells().get(class as usize).map_or("", Label::as_str)
     }
 
-    /// Checks that a front end transforms currents as the recordings were transformed on which the model was trained.
+    /// Checks that a rotor frame transforms currents as the recordings were transformed on which the model was trained.
     ///
     /// # Errors
     /// [`ModelError::Park`] if the sign conventions differ.
-    pub fn check_front_end(&self, front_end: &FrontEnd) -> Result<(), ModelError> {
+    pub fn check_rotor_frame(&self, frame: &RotorFrame) -> Result<(), ModelError> {
         match self.constants.sampling.park {
-            Some(trained) if trained != front_end.park => Err(ModelError::Park { trained, given: front_end.park }),
+            Some(trained) if trained != frame.park => Err(ModelError::Park { trained, given: frame.park }),
             _ => Ok(()),
         }
     }

@@ -23,6 +23,8 @@ pub use layout::{
 };
 #[cfg(any(test, feature = "alloc"))]
 pub use run_time::{RunTime, RunTimeSample};
+#[cfg(any(test, feature = "bounded"))]
+pub use size::Bounded;
 pub use size::{Array, Size};
 // For the macro `plan!` and for this repository's programs.
 #[doc(hidden)]
@@ -41,6 +43,9 @@ use crate::drive::Angle;
 
 /// One sample of all channels of a plan.
 pub trait Signals: Clone + PartialEq + Printable {
+    /// The sample of these values of the channels, in their order; 0 where there is none.
+    fn of(values: &[f32], angle: Angle) -> Self;
+
     /// The value of a channel by its place; 0 beyond the last.
     fn value(&self, channel: usize) -> f32;
 
@@ -215,6 +220,15 @@ macro_rules! plan {
             };
 
             impl $crate::plan::Signals for $sample {
+                #[inline(always)]
+                #[allow(unused_variables, reason = "not every sample has an angle")]
+                fn of(values: &[f32], angle: $crate::Angle) -> Self {
+                    Self {
+                        $($channel: values.get(Place::$channel as usize).copied().unwrap_or(0.0),)+
+                        $($angle: angle,)?
+                    }
+                }
+
                 #[inline(always)]
                 fn value(&self, channel: usize) -> f32 {
                     $(if channel == Place::$channel as usize {

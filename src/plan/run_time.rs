@@ -21,6 +21,10 @@ pub struct RunTimeSample {
 }
 
 impl Signals for RunTimeSample {
+    fn of(values: &[f32], angle: Angle) -> Self {
+        Self { values: values.to_vec(), angle }
+    }
+
     #[inline(always)]
     fn value(&self, channel: usize) -> f32 {
         self.values.get(channel).copied().unwrap_or(0.0)

@@ -2,7 +2,8 @@
 //!
 //! Stable Rust accepts no expression of a type's constants as an array length inside a generic type. A [`Size`] carries
 //! the length instead: [`Fixed`] stands for an array of `N` elements, `Heap` (feature `alloc`) for a vector whose
-//! length is known at run time only. A length of 0 or 1 stands for a part that a plan leaves out or has.
+//! length is known at run time only, and `Bounded` (feature `bounded`) for such a vector in an array of `N` places,
+//! without an allocator. A length of 0 or 1 stands for a part that a plan leaves out or has.
 
 use core::fmt::Debug;
 
@@ -24,6 +25,10 @@ impl<T: Clone + PartialEq + Printable> Item for T {}
 
 /// Elements of one type, as many as a [`Size`] says.
 pub trait Cells<T>: Clone + PartialEq + Printable {
+    /// Whether kernels for each length are worth their flash. Where the length is known at run time only, none of them
+    /// can be left out.
+    const STRAIGHT: bool = true;
+
     /// `length` elements; an array has its own length and ignores the argument.
     fn from_fn(length: usize, element: impl FnMut(usize) -> T) -> Self;
 
@@ -191,10 +196,87 @@ impl<T: Item> Cells<T> for alloc::vec::Vec<T> {
     }
 }
 
+/// A length known at run time only, at most `N`; elements beyond are dropped. [`Plan::of`](super::Plan::of) must refuse
+/// layouts with longer arrays.
+#[cfg(any(test, feature = "bounded"))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Bounded<const N: usize>;
+
+#[cfg(any(test, feature = "bounded"))]
+impl<const N: usize> Size for Bounded<N> {
+    type Array<T: Item> = heapless::Vec<T, N>;
+
+    fn map<T: Item, U: Item>(from: &heapless::Vec<T, N>, element: impl FnMut(&T) -> U) -> heapless::Vec<U, N> {
+        first(from.iter().map(element))
+    }
+}
+
+#[cfg(any(test, feature = "bounded"))]
+impl<const N: usize> Presence for Bounded<N> {
+    fn part<T: Item>(present: bool, part: impl FnOnce() -> T) -> heapless::Vec<T, N> {
+        first(present.then(part).into_iter())
+    }
+
+    fn map_part<T: Item, U: Item>(from: &heapless::Vec<T, N>, part: impl FnOnce(&T) -> U) -> heapless::Vec<U, N> {
+        first(from.first().map(part).into_iter())
+    }
+}
+
+#[cfg(any(test, feature = "bounded"))]
+impl<T: Item, const N: usize> Cells<T> for heapless::Vec<T, N> {
+    const STRAIGHT: bool = false;
+
+    fn from_fn(length: usize, element: impl FnMut(usize) -> T) -> Self {
+        first((0..length).map(element))
+    }
+
+    #[inline(always)]
+    fn cells(&self) -> &[T] {
+        self
+    }
+
+    #[inline(always)]
+    fn cells_mut(&mut self) -> &mut [T] {
+        self
+    }
+}
+
+/// The first `N` elements. Not by `collect`, which panics if there are more.
+#[cfg(any(test, feature = "bounded"))]
+#[inline(always)]
+fn first<T, const N: usize>(elements: impl Iterator<Item = T>) -> heapless::Vec<T, N> {
+    let mut cells = heapless::Vec::new();
+    for element in elements.take(N) {
+        // Never full: at most N elements come.
+        let _full = cells.push(element);
+    }
+    cells
+}
+
 mod sealed {
     pub trait Sealed {}
     impl<const N: usize> Sealed for super::Fixed<N> {}
     impl<const N: usize> Sealed for super::Present<N> {}
     #[cfg(any(test, feature = "alloc"))]
     impl Sealed for super::Heap {}
+    #[cfg(any(test, feature = "bounded"))]
+    impl<const N: usize> Sealed for super::Bounded<N> {}
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounded_lengths_are_those_asked_for_up_to_the_bound() {
+        let cells = <Array<Bounded<3>, usize> as Cells<usize>>::from_fn(2, |k| 10 * k);
+        assert_eq!(cells.cells(), [0, 10]);
+        assert_eq!(Bounded::<3>::map(&cells, |x| x + 1).cells(), [1, 11]);
+        assert_eq!(<Array<Bounded<3>, u8> as Cells<u8>>::filled(5, 7).cells(), [7; 3]);
+        let part = Bounded::<1>::part(true, || 2.5);
+        assert_eq!(Bounded::<1>::map_part(&part, |x| 2.0 * x).part(), Some(&5.0));
+        assert_eq!(Bounded::<1>::part(false, || 2.5).part(), None);
+        assert_eq!(Bounded::<0>::part(true, || 2.5).part(), None);
+    }
 }

@@ -20,7 +20,7 @@ pub struct Bound {
 }
 
 /// What is promised.
-pub const BOUNDS: [Bound; 49] = [
+pub const BOUNDS: [Bound; 53] = [
     bound("LS update", Some(8), 285),
     bound("LS update", Some(15), 735),
     bound("LS update, lambda 1", Some(8), 245),
@@ -39,6 +39,10 @@ pub const BOUNDS: [Bound; 49] = [
     bound("half-band decimation, 3 channels, mean sample", Some(8), 160),
     bound("half-band decimation, 3 channels, worst sample", Some(8), 205),
     bound("sin_cos + Clarke + Park", None, 60),
+    bound("front end, converter, 2 currents, mean sample", Some(8), 415),
+    bound("front end, converter, 2 currents, worst sample", Some(8), 480),
+    bound("front end, resolver, 3 currents, 2 further, mean sample", Some(8), 620),
+    bound("front end, resolver, 3 currents, 2 further, worst sample", Some(8), 750),
     bound("LS detector, collect, mean sample", Some(8), 460),
     bound("LS detector, collect, sample that closes", Some(8), 1320),
     bound("LS detector, conclude", Some(8), 18_500),

@@ -9,7 +9,9 @@ use anyhow::{Context, Result};
 use crate::workspace;
 
 /// The files of the core that export names.
-const EXPORTING: [&str; 3] = ["lib.rs", "model/mod.rs", "plan/mod.rs"];
+const EXPORTING: [&str; 4] = ["lib.rs", "drive/ad2s1210.rs", "model/mod.rs", "plan/mod.rs"];
+/// The files of the example.
+const CALLING: [&str; 3] = ["panic_free.rs", "support/converter.rs", "support/drive_calls.rs"];
 /// Not for programs of a drive: conversions of the feature `nalgebra`, and hidden helpers of macros and constants.
 const ELSEWHERE: [&str; 5] =
     ["Estimate::covariance_matrix", "Projection::to_matrices", "Model::checked", "ModelError::name", "check"];
@@ -21,8 +23,11 @@ const OF_TRAIT: &[&str] = &["fn "];
 
 /// Functions by their full names, `Type::name`, or `name` outside an `impl`.
 pub fn forgotten() -> Result<Vec<String>> {
-    let example = workspace::root().join("examples/panic_free.rs");
-    let calls = fs::read_to_string(&example).with_context(|| format!("cannot read {}", example.display()))?;
+    let mut calls = String::new();
+    for file in CALLING {
+        let path = workspace::root().join("examples").join(file);
+        calls += &fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    }
     let calls = without_generics(&calls);
     let mut names = exported_functions()?;
     names.retain(|name| !is_called(&calls, name));

@@ -1,5 +1,6 @@
 //! The core: each of its rooms against oracles in double precision, and on streams that no laboratory would record.
 
+mod ad2s1210;
 mod covariates;
 mod delta_form;
 mod detector;

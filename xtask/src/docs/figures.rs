@@ -16,7 +16,7 @@ pub const NAME: &str = "target";
 type Picks = (&'static [&'static str], &'static [Option<u64>]);
 
 /// Kernels: a title, the figures of its instructions, and those of its bytes.
-const KERNELS: [(&str, Picks, Picks); 14] = [
+const KERNELS: [(&str, Picks, Picks); 16] = [
     kernel("sine and cosine of a binary angle", &["sin_cos"], ONE, NO_BYTES),
     kernel("the same with Clarke and Park transforms", &["sin_cos + Clarke + Park"], ONE, NO_BYTES),
     kernel("least-squares update, 5 / 8 / 12 / 15 parameters", &["LS update, lambda 1"], ALL, &["LS update"]),
@@ -36,6 +36,13 @@ const KERNELS: [(&str, Picks, Picks); 14] = [
     kernel("quadratic discriminant with posterior probabilities and costs", &[DISCRIMINANT], ONE, NO_BYTES),
     kernel("half-band decimation of 3 channels by 8: mean / worst sample", HALF_BAND, EIGHT, &[HALF_BAND_MEAN]),
     kernel("FIR decimation of 3 channels by 8: mean / worst sample", FIR, EIGHT, &[FIR_MEAN]),
+    kernel("front end by 8, 2 currents and a converter: mean / worst sample", CONVERTER, EIGHT, &[CONVERTER_MEAN]),
+    kernel(
+        "front end by 8, 3 currents, a resolver and 2 further channels: mean / worst sample",
+        RESOLVER,
+        EIGHT,
+        &[RESOLVER_MEAN],
+    ),
 ];
 
 const ONE: &[Option<u64>] = &[None];
@@ -50,6 +57,11 @@ const HALF_BAND_MEAN: &str = "half-band decimation, 3 channels, mean sample";
 const HALF_BAND: &[&str] = &[HALF_BAND_MEAN, "half-band decimation, 3 channels, worst sample"];
 const FIR_MEAN: &str = "FIR decimation, 3 channels, mean sample";
 const FIR: &[&str] = &[FIR_MEAN, "FIR decimation, 3 channels, worst sample"];
+
+const CONVERTER_MEAN: &str = "front end, converter, 2 currents, mean sample";
+const CONVERTER: &[&str] = &[CONVERTER_MEAN, "front end, converter, 2 currents, worst sample"];
+const RESOLVER_MEAN: &str = "front end, resolver, 3 currents, 2 further, mean sample";
+const RESOLVER: &[&str] = &[RESOLVER_MEAN, "front end, resolver, 3 currents, 2 further, worst sample"];
 
 const fn kernel(
     title: &'static str,

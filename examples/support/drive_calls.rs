@@ -1,0 +1,77 @@
+//! Calls of the drive's front end for the example `panic_free`, which is too long for them.
+
+use core::fmt;
+use core::hint::black_box as opaque;
+
+use bearing_watch::*;
+
+use super::raw::{CONSTANTS, Motor, Sensors};
+
+/// Every public function; `show` writes an error.
+pub fn front_end(mut show: impl FnMut(&dyn fmt::Display)) {
+    let mut constants = opaque(CONSTANTS);
+    if let Err(error) = FrontEndConstants::check(&constants) {
+        opaque(FrontEndError::message(error));
+        show(&error);
+    }
+    let limits = CalibrationLimits { samples: opaque(100), offset_counts: [0.0, 4096.0], deviation_counts: [0.1, 8.0] };
+    let mut calibration = opaque(OffsetCalibration::new(limits));
+    let mut motor = Motor::<2>::new(opaque(Sensors::Resolver));
+    for _ in 0..opaque(100) {
+        opaque(OffsetCalibration::push(&mut calibration, &opaque(motor.sample().currents)));
+    }
+    match OffsetCalibration::finish(&calibration, opaque(constants.sensors)) {
+        Ok(sensors) => constants.sensors = sensors,
+        Err(error) => {
+            opaque(CalibrationError::message(&error));
+            show(&error);
+        }
+    }
+    parts(&constants, &mut motor);
+    match FrontEnd::<2, 2>::new(&opaque(constants)) {
+        Ok(front_end) => chain(opaque(front_end), &mut motor),
+        Err(error) => show(&error),
+    }
+    match FrontEnd::<0, 0>::new(&opaque(constants)) {
+        Ok(front_end) => chain(opaque(front_end), &mut Motor::<0>::new(opaque(Sensors::Converter))),
+        Err(error) => show(&error),
+    }
+}
+
+fn parts(constants: &FrontEndConstants, motor: &mut Motor<2>) {
+    let [sensor, ..] = constants.sensors;
+    opaque(PhaseSensor::amperes(&sensor, opaque(5)));
+    let mut sensors = opaque(CurrentSensors::new(opaque([sensor; 3]), opaque(20)));
+    let mut balance = opaque(CurrentBalance::new(opaque(constants.balance)));
+    let mut tracker = opaque(PositionTracker::new(&opaque(constants.tracking), opaque(10_000.0)));
+    for _ in 0..opaque(200) {
+        let RawSample { currents, position, .. } = opaque(motor.sample());
+        opaque(PhaseCounts::as_slice(&currents));
+        opaque(CurrentSensors::clarke(&mut sensors, &currents));
+        let currents = CurrentSensors::convert(&mut sensors, &currents);
+        if let Some(tracked) = opaque(PositionTracker::push(&mut tracker, &position)) {
+            let electrical = RotorFrame::electrical(&constants.frame, Tracked::measured(&tracked));
+            opaque(CurrentBalance::push(&mut balance, opaque(currents), electrical));
+        }
+        opaque((PositionTracker::lock(&tracker), PositionTracker::velocity_rad_s(&tracker)));
+    }
+    PositionTracker::skip(&mut tracker, opaque(7));
+    opaque((PositionTracker::acceleration_constant(&tracker), PositionTracker::faults(&tracker)));
+    PositionTracker::clear_faults(opaque(&mut tracker));
+    opaque((CurrentBalance::imbalance(&balance), CurrentBalance::unbalanced_windows(&balance)));
+    CurrentBalance::clear_faults(opaque(&mut balance));
+    opaque(CurrentSensors::faults(&sensors));
+    CurrentSensors::clear_faults(opaque(&mut sensors));
+}
+
+fn chain<const FURTHER: usize, const EARLY: usize>(
+    mut front_end: FrontEnd<FURTHER, EARLY>,
+    motor: &mut Motor<FURTHER>,
+) {
+    for _ in 0..opaque(500) {
+        opaque(FrontEnd::push(&mut front_end, &opaque(motor.sample())));
+    }
+    opaque(Faults::is_clear(&opaque(FrontEnd::faults(&front_end))));
+    opaque((FrontEnd::tracker(&front_end), FrontEnd::frame(&front_end)));
+    FrontEnd::clear_faults(opaque(&mut front_end));
+}

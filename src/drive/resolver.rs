@@ -1,0 +1,212 @@
+//! Sine and cosine of a resolver: error of a predicted angle, and what is wrong with the signals.
+//!
+//! ```text
+//! e = tan(θ − θ̂) = (s cos θ̂ − c sin θ̂) / (c cos θ̂ + s sin θ̂)            (1) for less than 45°, else ±1
+//! A² = s² + c²                                                           (2)
+//! ```
+//!
+//! s = A sin θ, c = A cos θ. The quotient (1) does not depend on the amplitude A, costs one division and no root, and
+//! exceeds the angle by e³/3. Beyond 45° the error is ±1 with the sign of the sine, so the loop turns to the only
+//! stable angle from everywhere.
+//!
+//! The signals are *lost* if A is below its lowest value and *too high* above its highest one, where converters clip;
+//! such a sample is missing. A relative difference δ of the two gains moves the angle by up to δ/2 rad, at twice the
+//! speed. A then varies over half a turn: the gains are *mismatched* if the largest A of a half turn exceeds the least
+//! by more than the limit, and samples are missing until a later half turn is better.
+
+use super::{Angle, SinCos};
+
+/// What the amplitude of resolver signals must be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ResolverLimits {
+    /// Lowest amplitude, in the unit of the signals.
+    pub low: f32,
+    /// Highest amplitude.
+    pub high: f32,
+    /// Largest relative difference of the amplitudes of sine and cosine, noise included.
+    pub mismatch: f32,
+}
+
+impl ResolverLimits {
+    pub(super) fn is_valid(&self) -> bool {
+        let band = self.low > 0.0 && self.low < self.high && self.high <= 1e9;
+        band && self.mismatch > 0.0 && self.mismatch <= 1.0
+    }
+}
+
+/// Refused samples of resolver signals.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ResolverFaults {
+    /// Samples with too low an amplitude, or not a number.
+    pub lost: u32,
+    /// Samples with too high an amplitude.
+    pub too_high: u32,
+    /// Samples while the gains of sine and cosine differed too much.
+    pub mismatched: u32,
+}
+
+/// The signals of a resolver.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct ResolverSignal {
+    /// Squares of the lowest and highest amplitude.
+    low: f32,
+    high: f32,
+    /// Largest ratio of squared amplitudes.
+    ratio: f32,
+    /// Extremes of A² since the last half turn was complete.
+    least: f32,
+    most: f32,
+    /// The angle of the last amplitude taken.
+    taken: Angle,
+    /// Octants of the half turn that have been visited, a bit each.
+    octants: u8,
+    mismatched: bool,
+    faults: ResolverFaults,
+}
+
+/// 1/32 turn: amplitudes are taken at angles at least that far apart, and not at rest.
+const STEP: u32 = 1 << 27;
+/// The four octants of a half turn.
+const HALF_TURN: u8 = 0b1111;
+
+impl ResolverSignal {
+    pub(super) fn new(limits: &ResolverLimits) -> Self {
+        let ResolverLimits { low, high, mismatch } = *limits;
+        Self {
+            low: low * low,
+            high: high * high,
+            ratio: (1.0 + mismatch) * (1.0 + mismatch),
+            least: f32::INFINITY,
+            most: 0.0,
+            taken: Angle::ZERO,
+            octants: 0,
+            mismatched: false,
+            faults: ResolverFaults::default(),
+        }
+    }
+
+    /// The error (1) of a predicted angle; `None` if the signals are wrong.
+    #[inline(always)]
+    pub(super) fn error(&mut self, s: f32, c: f32, predicted: Angle) -> Option<f32> {
+        self.check(s, c, predicted)?;
+        let SinCos { sin, cos } = predicted.sin_cos();
+        let (across, along) = (s * cos - c * sin, c * cos + s * sin);
+        Some(if across.abs() < along { across / along } else { 1.0_f32.copysign(across) }) // (1)
+    }
+
+    /// The angle by itself; `None` if the signals are wrong.
+    pub(super) fn coarse(&mut self, s: f32, c: f32) -> Option<Angle> {
+        let angle = Angle::from_radians(libm::atan2f(s, c));
+        self.check(s, c, angle).map(|()| angle)
+    }
+
+    #[inline(always)]
+    fn check(&mut self, s: f32, c: f32, angle: Angle) -> Option<()> {
+        let square = s * s + c * c; // (2)
+        if !(square >= self.low && square <= self.high) {
+            self.refuse(square);
+            return None;
+        }
+        if angle.since(self.taken).unsigned_abs() >= STEP {
+            self.take(square, angle);
+        }
+        if self.mismatched {
+            self.faults.mismatched = self.faults.mismatched.saturating_add(1);
+            return None;
+        }
+        Some(())
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn refuse(&mut self, square: f32) {
+        let count = if square > self.high { &mut self.faults.too_high } else { &mut self.faults.lost };
+        *count = count.saturating_add(1);
+    }
+
+    /// Takes an amplitude for the comparison over half a turn.
+    #[inline(never)]
+    fn take(&mut self, square: f32, angle: Angle) {
+        self.taken = angle;
+        self.least = if square < self.least { square } else { self.least };
+        self.most = if square > self.most { square } else { self.most };
+        self.octants |= 1_u8.wrapping_shl((angle.bits() >> 29) & 3);
+        if self.octants != HALF_TURN {
+            return;
+        }
+        self.mismatched = self.most > self.ratio * self.least;
+        (self.least, self.most, self.octants) = (f32::INFINITY, 0.0, 0);
+    }
+
+    pub(super) const fn faults(&self) -> ResolverFaults {
+        self.faults
+    }
+
+    pub(super) fn clear_faults(&mut self) {
+        self.faults = ResolverFaults::default();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMITS: ResolverLimits = ResolverLimits { low: 0.5, high: 2.0, mismatch: 0.05 };
+
+    fn signals(angle: f64, gain: f64) -> (f32, f32) {
+        ((gain * angle.sin()) as f32, angle.cos() as f32)
+    }
+
+    #[test]
+    fn the_error_is_the_tangent_of_the_difference_from_everywhere() {
+        let mut signal = ResolverSignal::new(&LIMITS);
+        for k in 0..4000_u32 {
+            let (angle, predicted) = (0.01 * f64::from(k), Angle::from_bits(k.wrapping_mul(0x9E37_79B9)));
+            let (s, c) = signals(angle, 1.0);
+            let difference = angle - core::f64::consts::TAU * f64::from(predicted.bits()) / 4_294_967_296.0;
+            let exact =
+                if difference.cos() > difference.sin().abs() { difference.tan() } else { difference.sin().signum() };
+            let error = f64::from(signal.error(s, c, predicted).unwrap());
+            // Products and a quotient of numbers up to 1, and a sine within 2e-7.
+            assert!(
+                (error - exact).abs() < 1e-6 || (error.abs() > 0.999 && exact.abs() > 0.999),
+                "{k}: {error} {exact}"
+            );
+            let coarse = signal.coarse(s, c).unwrap();
+            let (sin, cos) = angle.sin_cos();
+            let exact = Angle::from_radians(sin.atan2(cos) as f32);
+            assert!(coarse.since(exact).abs() < 1000, "{k}: 1e-6 rad");
+        }
+    }
+
+    #[test]
+    fn amplitudes_out_of_the_band_are_counted_by_kind() {
+        let mut signal = ResolverSignal::new(&LIMITS);
+        let mut taken = |s, c| signal.error(s, c, Angle::ZERO).is_some();
+        assert_eq!([taken(0.0, 0.49), taken(0.3, -0.3), taken(f32::NAN, 1.0)], [false; 3]);
+        assert_eq!([taken(2.1, 0.0), taken(1.5, 1.5), taken(1.9, 0.0), taken(0.0, -0.51)], [false, false, true, true]);
+        assert_eq!(signal.faults(), ResolverFaults { lost: 3, too_high: 2, mismatched: 0 });
+        signal.clear_faults();
+        assert_eq!(signal.faults(), ResolverFaults::default());
+    }
+
+    #[test]
+    fn mismatched_gains_are_found_within_a_half_turn_and_forgotten_after_a_better_one() {
+        let mut signal = ResolverSignal::new(&LIMITS);
+        let mut taken = |k: u32, gain: f64| {
+            let angle = core::f64::consts::TAU * f64::from(k) / 1000.0;
+            let (s, c) = signals(angle, gain);
+            signal.error(s, c, Angle::from_radians(angle as f32)).is_some()
+        };
+        assert!((0..2000).all(|k| taken(k, 1.04)), "within the limit");
+        let lost: std::vec::Vec<bool> = (0..2000).map(|k| taken(k, 1.08)).collect();
+        // The half turn that is open when the gains change may be the first to show it; then the next one does.
+        assert!(lost[1000..].iter().all(|taken| !taken), "mismatch of 8 %");
+        let better: std::vec::Vec<bool> = (0..2000).map(|k| taken(k, 1.0)).collect();
+        assert!(better[1000..].iter().all(|taken| *taken));
+        assert!(signal.faults().mismatched >= 1000);
+    }
+}

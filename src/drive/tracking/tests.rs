@@ -1,0 +1,226 @@
+//! The loop against motions in f64.
+
+#![expect(clippy::cast_sign_loss, reason = "counts of an angle are positive")]
+
+use core::f64::consts::TAU as TURN;
+
+use super::*;
+
+const RATE_HZ: f64 = 10_000.0;
+const RESOLVER: ResolverLimits = ResolverLimits { low: 0.7, high: 1.3, mismatch: 0.1 };
+/// ωₙ = 2π 146 rad/s.
+const CONSTANTS: TrackingConstants = TrackingConstants {
+    bandwidth_hz: 300.0,
+    damping: 0.707,
+    error_limit_rad: 0.1,
+    lost_samples: 20,
+    settle_samples: 20,
+    resolver: RESOLVER,
+};
+
+/// Numbers in −1 … 1.
+struct Noise(u32);
+
+impl Noise {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(self.0 >> 8) / 8_388_608.0 - 1.0
+    }
+}
+
+/// 14 bits, with up to one count of noise.
+fn converter(angle: f64, noise: &mut Noise) -> Position {
+    let counts = (angle / TURN * 16_384.0 + noise.next()).floor();
+    Position::Absolute(Angle::from_counts(counts.rem_euclid(16_384.0) as u32, 14))
+}
+
+/// Amplitude 1 with noise of 0.001, in steps of a 12-bit converter of ± 1.5.
+fn resolver(angle: f64, noise: &mut Noise) -> Position {
+    let mut step = |x: f64| (((x + 0.001 * noise.next()) * 1365.0).round() / 1365.0) as f32;
+    Position::Resolver { sin: step(angle.sin()), cos: step(angle.cos()) }
+}
+
+/// The shorter way from a true angle to an angle, degrees.
+fn departure_deg(angle: Angle, truth: f64) -> f64 {
+    let turns = f64::from(angle.bits()) / 4_294_967_296.0 - truth / TURN;
+    360.0 * (turns - turns.round())
+}
+
+type Sensor = fn(f64, &mut Noise) -> Position;
+const SENSORS: [Sensor; 2] = [converter, resolver];
+
+#[test]
+fn the_gains_place_the_poles() {
+    for (bandwidth_hz, damping) in [(5.0_f32, 0.5_f32), (300.0, 0.707), (1000.0, 1.0)] {
+        let constants = TrackingConstants { bandwidth_hz, damping, ..CONSTANTS };
+        let [k1, k2] = constants.gains(RATE_HZ as f32).map(f64::from);
+        let (z, u) = (f64::from(damping), 1.0 + 2.0 * f64::from(damping).powi(2));
+        let turn = TURN * f64::from(bandwidth_hz) / RATE_HZ / (u + (u * u + 1.0).sqrt()).sqrt();
+        let (sum, product) = (2.0 * (-z * turn).exp() * (turn * (1.0 - z * z).sqrt()).cos(), (-2.0 * z * turn).exp());
+        // z² − (2 − K₁) z + 1 − K₁ + K₂
+        let (exact1, exact2) = (2.0 - sum, product + 1.0 - sum);
+        assert!((k1 / exact1 - 1.0).abs() < 1e-5 && (k2 / exact2 - 1.0).abs() < 1e-5, "{k1} {exact1} {k2} {exact2}");
+    }
+}
+
+/// Largest and mean departure of the loop's angle, degrees, in the last half of `samples` samples.
+fn departures(sensor: Sensor, samples: usize, motion: impl Fn(f64) -> f64) -> (f64, f64, PositionTracker) {
+    let (mut tracker, mut noise) = (PositionTracker::new(&CONSTANTS, RATE_HZ as f32), Noise(3));
+    let (mut largest, mut sum) = (0.0_f64, 0.0);
+    for k in 0..samples {
+        let truth = motion(k as f64 / RATE_HZ);
+        let tracked = tracker.push(&sensor(truth, &mut noise));
+        if k >= samples / 2 {
+            let departure = departure_deg(tracked.expect("locked").angle, truth);
+            largest = largest.max(departure.abs());
+            sum += departure;
+        }
+    }
+    (largest, sum / (samples - samples / 2) as f64, tracker)
+}
+
+#[test]
+fn at_constant_speed_the_angle_is_within_a_tenth_of_a_degree() {
+    for sensor in SENSORS {
+        for rpm in [0.0, 10.0, -60.0, 1000.0, -3000.0, 4572.0] {
+            let velocity = rpm * TURN / 60.0;
+            let (largest, _, tracker) = departures(sensor, 10_000, |t| 1.0 + velocity * t);
+            std::println!("{rpm} rpm: {largest:.4}°, velocity {}", tracker.velocity_rad_s());
+            assert!(largest <= 0.1, "{rpm} rpm: {largest}°");
+            // Noise of 0.001 rad at K₂ = 0.008 moves the velocity by some 0.1 rad/s.
+            assert!((f64::from(tracker.velocity_rad_s()) - velocity).abs() < 0.5);
+            assert_eq!(tracker.faults(), PositionFaults::default());
+        }
+    }
+}
+
+#[test]
+fn under_acceleration_the_angle_lags_by_the_acceleration_constant() {
+    for sensor in SENSORS {
+        for acceleration in [1000.0, -1000.0] {
+            let start = if acceleration > 0.0 { -250.0 } else { 250.0 };
+            let (largest, mean, tracker) = departures(sensor, 5000, |t| start * t + 0.5 * acceleration * t * t);
+            let lag = -(acceleration / f64::from(tracker.acceleration_constant())).to_degrees();
+            std::println!("{acceleration} rad/s²: largest {largest:.4}°, mean {mean:.4}°, α/Ka {lag:.4}°");
+            assert!(largest <= 0.5, "{largest}°");
+            // The converter floors: half a count is 0.011°.
+            assert!((mean - lag).abs() < 0.015, "{mean} {lag}");
+        }
+    }
+}
+
+#[test]
+fn the_bandwidth_is_where_the_angle_has_lost_three_decibels() {
+    for bandwidth_hz in [30.0_f32, 300.0] {
+        let mut tracker = PositionTracker::new(&TrackingConstants { bandwidth_hz, ..CONSTANTS }, RATE_HZ as f32);
+        let (mut re, mut im) = (0.0, 0.0);
+        let period = (RATE_HZ / f64::from(bandwidth_hz)).round();
+        for k in 0..20_000 {
+            let (sin, cos) = (TURN * f64::from(k) / period).sin_cos();
+            let angle = Angle::from_radians((0.01 * sin) as f32);
+            if let Some(tracked) = tracker.push(&Position::Absolute(angle))
+                && k >= 20_000 - 40 * period as i32
+            {
+                re += f64::from(tracked.angle.radians()) * sin;
+                im += f64::from(tracked.angle.radians()) * cos;
+            }
+        }
+        let gain = re.hypot(im) / (0.01 * 20.0 * period);
+        std::println!("gain at {bandwidth_hz} Hz: {gain:.4}");
+        // (4) holds for a continuous loop; the zero of the discrete one adds a few percent at 0.03 of the rate.
+        assert!((gain - 0.5_f64.sqrt()).abs() < 0.05, "{gain}");
+    }
+}
+
+#[test]
+fn the_loop_locks_from_every_angle_at_every_speed() {
+    let mut longest = 0;
+    for sensor in SENSORS {
+        for start in 0..64 {
+            for velocity in [0.0, 50.0, -478.8, 478.8] {
+                let (mut tracker, mut noise) = (PositionTracker::new(&CONSTANTS, RATE_HZ as f32), Noise(start + 1));
+                let truth = |k: i32| TURN * f64::from(start) / 64.0 + velocity * f64::from(k) / RATE_HZ;
+                let locked = (0..200).find(|k| tracker.push(&sensor(truth(*k), &mut noise)).is_some());
+                longest = longest.max(locked.expect("locked within 20 ms"));
+            }
+        }
+    }
+    std::println!("longest time to lock: {longest} samples");
+    // Two samples to find angle and velocity, twenty to settle, and one that is followed.
+    assert!((22..=120).contains(&longest));
+}
+
+#[test]
+fn the_measured_angle_is_the_reading() {
+    let mut tracker = PositionTracker::new(&CONSTANTS, RATE_HZ as f32);
+    let mut noise = Noise(1);
+    for k in 0..2000_u32 {
+        let reading = Angle::from_bits(k.wrapping_mul(3_000_000)).turned((5e6 * noise.next()) as i32);
+        if let Some(tracked) = tracker.push(&Position::Absolute(reading)) {
+            // The error has 24 bits of at most 2²³ counts.
+            assert!(tracked.measured().since(reading).abs() <= 2);
+        }
+    }
+    assert_eq!(tracker.lock(), Lock::Locked);
+}
+
+#[test]
+fn one_wrong_reading_costs_one_sample() {
+    let (mut tracker, mut noise) = (PositionTracker::new(&CONSTANTS, RATE_HZ as f32), Noise(9));
+    for k in 0..3000 {
+        let truth = 200.0 * f64::from(k) / RATE_HZ;
+        let wrong = k >= 1000 && k % 100 == 0;
+        let tracked = tracker.push(&converter(if wrong { truth + 2.0 } else { truth }, &mut noise));
+        assert_eq!(tracked.is_some(), k >= 22 && !wrong, "sample {k}");
+        assert!(tracked.is_none_or(|tracked| departure_deg(tracked.angle, truth).abs() < 0.1));
+    }
+    assert_eq!((tracker.faults().strayed, tracker.faults().losses), (20, 0));
+}
+
+#[test]
+fn a_short_loss_is_bridged_and_a_long_one_found_again() {
+    for (lost, losses) in [(19, 0), (20, 1), (3000, 1)] {
+        let (mut tracker, mut noise) = (PositionTracker::new(&CONSTANTS, RATE_HZ as f32), Noise(4));
+        let mut missing = 0;
+        for k in 0..6000 {
+            let t = f64::from(k) / RATE_HZ;
+            let truth = 300.0 * t + 0.5 * (30.0 * t).sin();
+            let position = match (k - 2000, k % 2) {
+                (0.., 0) if k < 2000 + lost => Position::Resolver { sin: 0.1, cos: f32::NAN },
+                (0.., _) if k < 2000 + lost => Position::Missing,
+                _ => resolver(truth, &mut noise),
+            };
+            match tracker.push(&position) {
+                Some(tracked) if k >= 100 => assert!(departure_deg(tracked.angle, truth).abs() < 0.5, "sample {k}"),
+                None if k >= 100 => missing += 1,
+                _ => {}
+            }
+        }
+        let faults = tracker.faults();
+        std::println!("{lost} samples lost: {missing} missing, {faults:?}");
+        assert_eq!((faults.losses, tracker.lock()), (losses, Lock::Locked));
+        assert_eq!(faults.missing + faults.resolver.lost, lost as u32);
+        assert!(missing >= lost && missing <= lost + 100 * losses as i32, "{missing}");
+        tracker.clear_faults();
+        assert_eq!(tracker.faults(), PositionFaults::default());
+    }
+}
+
+#[test]
+fn samples_that_were_never_taken_are_passed_at_the_same_velocity() {
+    for (gap, losses) in [(15, 0), (25, 1)] {
+        let (mut tracker, mut noise) = (PositionTracker::new(&CONSTANTS, RATE_HZ as f32), Noise(4));
+        let mut worst = 0.0_f64;
+        for k in (0..2000).chain(2000 + gap..4000) {
+            if k == 2000 + gap {
+                tracker.skip(gap as u32);
+            }
+            let truth = 400.0 * f64::from(k) / RATE_HZ;
+            if let Some(tracked) = tracker.push(&converter(truth, &mut noise)) {
+                worst = if k > 100 { worst.max(departure_deg(tracked.angle, truth).abs()) } else { 0.0 };
+            }
+        }
+        assert!(worst < 0.15, "{gap}: {worst}°");
+        assert_eq!((tracker.faults().losses, tracker.lock()), (losses, Lock::Locked));
+    }
+}
