@@ -10,6 +10,7 @@ use crate::Error;
 use crate::report::pages::demo::page;
 use crate::study::demo::{self, Draw, Row, Settings, rows};
 use crate::trace::{Channels, Preparation};
+use crate::train::c_header::c_header;
 use crate::train::export;
 
 /// The whole chain on the simulated standard rig: traces, training, verdicts of the embedded detector, plots
@@ -28,8 +29,8 @@ pub(super) struct Args {
     /// Seed
     #[arg(long, default_value_t = 1)]
     seed: u16,
-    /// Also write the model of the first draw (model.bwm, model.rs) and one held-out trace of each class as converter
-    /// counts (held_out.bin, for the firmware example) into this folder
+    /// Also write the model of the first draw (model.bwm, model.rs, model.h) and one held-out trace of each class as
+    /// converter counts (held_out.bin, for the firmware example) into this folder
     #[arg(long, value_name = "DIR")]
     model: Option<PathBuf>,
     /// Print JSON
@@ -40,7 +41,7 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> Result<(), Error> {
     let settings = Settings { repetitions: args.repetitions, traces: args.traces, seed: u32::from(args.seed) };
     let model_files =
-        args.model.as_ref().map(|folder| ["model.rs", "model.bwm", "held_out.bin"].map(|f| folder.join(f)));
+        args.model.as_ref().map(|folder| ["model.rs", "model.h", "model.bwm", "held_out.bin"].map(|f| folder.join(f)));
     if let Some(folder) = &args.model {
         std::fs::create_dir_all(folder).map_err(Error::io(folder))?;
     }
@@ -63,12 +64,13 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     if args.json { print_json(&first, &rows) } else { print(&settings, &first, &rows, args) }
 }
 
-/// Returns the model as Rust source and in binary form, and the recording of held-out traces.
-fn model_contents(first: &Draw) -> Result<[Vec<u8>; 3], Error> {
+/// Returns the model as Rust source, as C header and in binary form, and the recording of held-out traces.
+fn model_contents(first: &Draw) -> Result<[Vec<u8>; 4], Error> {
     let lines = ["Standard DC-motor rig: y = current, u1 = velocity reference, u2 = load torque.".to_string()];
     let notes = Notes::new(&channels(), Preparation::NONE, (&first.trained.feature_names, vec![]), &first.training);
     Ok([
         export::rust_source(&first.trained, &lines)?.into_bytes(),
+        c_header(&first.trained.to_core()?, &lines)?.into_bytes(),
         first.trained.to_bytes(&notes.to_text())?,
         converter_counts(first),
     ])

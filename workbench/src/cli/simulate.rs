@@ -1,14 +1,19 @@
 //! `bearing-watch simulate`
 
-use std::path::{Path, PathBuf};
+mod choices;
+mod dc;
+mod ema;
+mod files;
+
+use std::path::PathBuf;
 
 use clap::ValueEnum;
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use rayon::prelude::*;
 
 use super::output;
 use crate::Error;
-use crate::rig::{Condition, Defect, DefectKind, Duty, RigTrace, Scenario, Waveform, simulate, trace_seed};
+use crate::rig::ema::Race;
+use crate::rig::{DefectKind, Waveform, trace_seed};
 
 /// Simulate traces of a rig: one CSV a trace, and labels.csv
 #[derive(Debug, clap::Args)]
@@ -17,17 +22,24 @@ use crate::rig::{Condition, Defect, DefectKind, Duty, RigTrace, Scenario, Wavefo
   bearing-watch simulate --class spall,weak-magnet --severity 0.5 --condition frequency-2 --seed 2 --out other
   bearing-watch simulate --class healthy --condition mix --waveform square --seed 3 --out traces
   bearing-watch simulate --class healthy,spall --condition field-duties --seed 4 --out field
+  bearing-watch simulate --rig ema --class healthy,spall-and-roughness --condition moog-1-mix --out moog
 
 Names of traces tell class, severity (unless 1), condition (unless standard), waveform (where it is not a sine) and \
-seed. Missing samples are NaN in all columns but t_s; without a load sensor there is no column load_torque_nm, and only with an effect of the temperature is there \
-temperature_c. \
-The same seed draws the same noise under every condition; take another one for traces to validate on.")]
+seed. Missing samples are NaN in all columns but t_s; without a load sensor there is no column \
+load_torque_nm, and only with an effect of the temperature is there temperature_c. \
+The same seed draws the same noise under every condition; take another one for traces to validate on.
+
+Traces of the EMA rig start with ema (ema-outer for a spall of the outer race). They have the position command and the \
+measured position, the velocity command, the q and d currents from the phase currents and the resolver (current_a, \
+current_d_a; positive drives forward), the phase currents, resolver_counts, load_n, and the commanded dq voltages. \
+standard and mix are those of the chosen rig. roughness is lost lubrication, and spall-and-roughness is the degraded \
+actuator of the thesis.")]
 pub(super) struct Args {
     /// Which rig
     #[arg(long, value_enum, default_value = "dc")]
     rig: Rig,
     /// Class of each trace: the defect, or healthy; several separated by commas
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', required = true, value_parser = classes())]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', required = true, value_parser = choices::classes())]
     class: Vec<DefectKind>,
     /// Traces of each class
     #[arg(long, default_value_t = 20)]
@@ -39,14 +51,22 @@ pub(super) struct Args {
     #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
     severity: f64,
     /// Condition that differs from the standard rig
-    #[arg(long, value_name = "NAME", default_value = "standard", hide_default_value = true, value_parser = conditions())]
-    condition: Condition,
+    #[arg(long, value_name = "NAME", default_value = "standard", hide_default_value = true,
+        value_parser = choices::conditions())]
+    condition: &'static str,
     /// Shape of the velocity reference [default: sine, or that of the condition]
-    #[arg(long, value_name = "SHAPE", value_parser = waveforms())]
+    #[arg(long, value_name = "SHAPE", value_parser = choices::waveforms())]
     waveform: Option<Waveform>,
     /// Resolution of the recorded angle, bits of a turn [default: exact, or that of the condition]
     #[arg(long, value_name = "BITS")]
     angle_bits: Option<u32>,
+    /// Race with the spall, EMA rig only [default: inner]
+    #[arg(long, value_name = "RACE", value_parser = choices::races())]
+    race: Option<Race>,
+    /// Record every Nth control interval (1/12 000 s; of the RIT rig 1/10 000 s) for the same time, without holding
+    /// values; EMA rig only [default: that of the condition]
+    #[arg(long, value_name = "N")]
+    log_every: Option<u32>,
     /// Short for --condition mix
     #[arg(long, conflicts_with = "condition")]
     mix: bool,
@@ -59,146 +79,84 @@ pub(super) struct Args {
 enum Rig {
     /// PM DC motor under velocity control (thesis Fig. 3.1)
     Dc,
+    /// Electromechanical actuator under position control (thesis chapter 5)
+    Ema,
 }
 
-/// Returns a parser for the name of one of `choices`: name, note for the help, value.
-fn one_of<T>(choices: Vec<(&'static str, &'static str, T)>) -> impl TypedValueParser<Value = T>
-where
-    T: Copy + Send + Sync + 'static,
-{
-    let values = choices.iter().map(|(name, about, _)| PossibleValue::new(*name).help(*about));
-    PossibleValuesParser::new(values).try_map(move |given| {
-        let choice = choices.iter().find(|(name, _, _)| *name == given);
-        choice.map(|(_, _, value)| *value).ok_or_else(|| format!("no such choice: {given}"))
-    })
+/// A simulated trace.
+struct Simulated {
+    csv: String,
+    /// Shape of the reference.
+    shape: &'static str,
 }
 
-fn classes() -> impl TypedValueParser<Value = DefectKind> {
-    one_of(DefectKind::ALL.map(|kind| (kind.name(), kind.about(), kind)).to_vec())
-}
-
-fn conditions() -> impl TypedValueParser<Value = Condition> {
-    one_of(Condition::all().map(|condition| (condition.name, condition.about, condition)).collect())
-}
-
-fn waveforms() -> impl TypedValueParser<Value = Waveform> {
-    one_of(Waveform::ALL.map(|shape| (shape.name(), shape.about(), shape)).to_vec())
+/// The experiment that the options choose on one rig.
+trait Experiment: Sync {
+    /// Returns an error if traces of this class cannot be simulated.
+    fn validate(&self, kind: DefectKind) -> Result<(), Error>;
+    /// Name of the condition.
+    fn condition(&self) -> &'static str;
+    /// First part of the file names of a class, before its name.
+    fn prefix(&self, kind: DefectKind) -> Option<&'static str>;
+    /// Last part of the file names of a class.
+    fn suffix(&self) -> Option<&'static str>;
+    /// Simulates one trace.
+    fn simulate(&self, kind: DefectKind, seed: u64) -> Result<Simulated, Error>;
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
-    let Rig::Dc = args.rig;
     let jobs: Vec<(DefectKind, u32)> =
         args.class.iter().flat_map(|&kind| (0..args.count).map(move |k| (kind, k))).collect();
     if jobs.is_empty() {
         return Err(Error::Usage("--count 0 makes no traces; give at least 1".into()));
     }
-    let condition = args.condition();
-    let shaped = condition.reference_waveform.is_some() || condition.duty.is_some();
-    if shaped && args.waveform.is_some() {
-        let name = condition.name;
-        return Err(Error::Usage(format!("--condition {name} sets the reference already; leave out --waveform")));
-    }
+    let experiment: Box<dyn Experiment> = match args.rig {
+        Rig::Dc => Box::new(dc::Dc::new(args)?),
+        Rig::Ema => Box::new(ema::Ema::new(args)?),
+    };
     for (k, kind) in args.class.iter().enumerate() {
         if args.class[..k].contains(kind) {
             return Err(Error::Usage(format!("--class names {} twice", kind.name())));
         }
-        args.scenario(*kind, 0).validate()?;
+        experiment.validate(*kind)?;
     }
     let labels = args.out.join("labels.csv");
-    let old = old_labels(&labels)?;
+    let old = files::old_labels(&labels)?;
     std::fs::create_dir_all(&args.out).map_err(Error::io(&args.out))?;
     let bar = output::progress("simulating", jobs.len());
     let rows = jobs
         .par_iter()
         .map(|&(kind, k)| {
-            let seed = trace_seed(args.seed, kind, k);
-            let scenario = args.scenario(kind, seed);
-            let name = format!("{}_{}_{k:03}.csv", args.stem(kind), args.seed);
-            output::write(&args.out.join(&name), csv(&simulate(&scenario, seed)?))?;
+            let simulated = experiment.simulate(kind, trace_seed(args.seed, kind, k))?;
+            let name = format!("{}_{}_{k:03}.csv", args.stem(experiment.as_ref(), kind), args.seed);
+            output::write(&args.out.join(&name), simulated.csv)?;
             bar.inc(1);
             let severity = if kind == DefectKind::Healthy { 0.0 } else { args.severity };
-            let shape = reference_name(&scenario, seed);
             let [severity, seed] = [severity.to_string(), args.seed.to_string()];
-            Ok([name, kind.name().into(), severity, seed, condition.name.into(), shape.into()])
+            Ok([name, kind.name().into(), severity, seed, experiment.condition().into(), simulated.shape.into()])
         })
         .collect::<Result<Vec<_>, Error>>()?;
     bar.finish_and_clear();
-    write_labels(&labels, &old, &rows)?;
+    files::write_labels(&labels, &old, &rows)?;
     output::say(format!("{} traces and labels.csv in {}", rows.len(), args.out.display()))
 }
 
-/// Returns the name of the velocity reference of a trace.
-fn reference_name(scenario: &Scenario, seed: u64) -> &'static str {
-    match scenario.duty.of_record(seed) {
-        Duty::Waveform => scenario.reference_waveform.name(),
-        duty => duty.name(),
-    }
-}
-
 impl Args {
-    fn condition(&self) -> Condition {
-        if self.mix { Condition::MIX } else { self.condition }
-    }
-
-    fn scenario(&self, kind: DefectKind, seed: u64) -> Scenario {
-        let rig = Scenario { angle_bits: self.angle_bits, ..Scenario::STANDARD };
-        let standard = rig.with_defect(Defect { kind, severity: self.severity });
-        let scenario = self.condition().apply(standard, seed);
-        Scenario { reference_waveform: self.waveform.unwrap_or(scenario.reference_waveform), ..scenario }
+    const fn condition_name(&self) -> &'static str {
+        if self.mix { "mix" } else { self.condition }
     }
 
     /// Returns the file name of the traces of one class, without seed and number.
-    fn stem(&self, kind: DefectKind) -> String {
-        let mut parts = vec![kind.name().to_string()];
+    fn stem(&self, experiment: &dyn Experiment, kind: DefectKind) -> String {
+        let mut parts: Vec<String> = experiment.prefix(kind).map(String::from).into_iter().collect();
+        parts.push(kind.name().into());
         if kind != DefectKind::Healthy && self.severity != 1.0 {
             parts.push(self.severity.to_string());
         }
-        let condition = self.condition();
-        if condition != Condition::STANDARD {
-            parts.push(condition.name.into());
+        if experiment.condition() != "standard" {
+            parts.push(experiment.condition().into());
         }
-        parts.extend(self.waveform.filter(|shape| *shape != Waveform::Sine).map(|shape| shape.name().into()));
+        parts.extend(experiment.suffix().map(String::from));
         parts.join("_")
     }
-}
-
-/// Returns the trace as CSV. Nine significant digits are far finer than the noise, and keep the files small.
-fn csv(trace: &RigTrace) -> String {
-    let columns = trace.recorded();
-    let names: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
-    let mut out = names.join(",") + "\n";
-    for k in 0..trace.len() {
-        let cells = columns.iter().map(|(_, column)| {
-            let digits = format!("{:.8e}", column[k]);
-            digits.parse::<f64>().map_or(digits, |rounded| rounded.to_string())
-        });
-        let cells: Vec<String> = cells.collect();
-        out.push_str(&cells.join(","));
-        out.push('\n');
-    }
-    out
-}
-
-const HEADER: &str = "trace,class_name,severity,seed,condition,waveform";
-
-/// Returns the rows of an existing labels file; none if the file is absent.
-fn old_labels(path: &Path) -> Result<Vec<String>, Error> {
-    if !path.exists() {
-        return Ok(vec![]);
-    }
-    let text = std::fs::read_to_string(path).map_err(Error::io(path))?;
-    let mut lines = text.lines();
-    if lines.next() != Some(HEADER) {
-        return Err(Error::content(path, "line 1", "not labels of simulated traces; choose another --out"));
-    }
-    Ok(lines.filter(|line| !line.is_empty()).map(String::from).collect())
-}
-
-/// Writes the labels of a folder; old rows of the same traces are replaced.
-fn write_labels(path: &Path, old: &[String], rows: &[[String; 6]]) -> Result<(), Error> {
-    let replaced = |line: &str| rows.iter().any(|row| line.split(',').next() == Some(row[0].as_str()));
-    let kept = old.iter().filter(|line| !replaced(line)).cloned();
-    let lines: Vec<String> =
-        std::iter::once(HEADER.to_string()).chain(kept).chain(rows.iter().map(|row| row.join(","))).collect();
-    output::write(path, lines.join("\n") + "\n")
 }

@@ -48,7 +48,7 @@ pub(crate) const TORQUE_RIPPLE: f64 = 0.03;
 /// ΔB at severity 1. Smaller values hardly change the a-parameters of the models in the thesis.
 pub(crate) const ADDED_FRICTION_NM_S_PER_RAD: f64 = 2e-3;
 /// Fraction of Kt and Ke that a magnet has lost at severity 1.
-const MAGNET_LOSS: f64 = 0.05;
+pub(super) const MAGNET_LOSS: f64 = 0.05;
 
 /// Dimensions of a ball bearing.
 #[derive(Debug, Clone, Copy, PartialEq)]

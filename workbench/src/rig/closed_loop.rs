@@ -29,7 +29,7 @@ use super::{
 const INNER_STEP_S: f64 = 1e-4;
 
 /// Start angles cover ten shaft turns: orders are not integers, so each further turn is a different phase of the balls.
-const START_ANGLE_RAD: f64 = 10.0 * TAU;
+pub(super) const START_ANGLE_RAD: f64 = 10.0 * TAU;
 
 /// The digital controller of (1).
 #[derive(Debug)]
@@ -68,7 +68,7 @@ struct Shaft {
 
 impl Shaft {
     fn new(scenario: &Scenario, values: &FieldValues, start: PlantState, seed: u64) -> Result<Self, RigError> {
-        let inner_steps = inner_steps(scenario.sample_time_s);
+        let inner_steps = inner_steps(scenario.sample_time_s, INNER_STEP_S);
         let step_s = scenario.sample_time_s / f64::from(inner_steps);
         let motor = motor(scenario, values);
         let own = values.mechanics.map_or(1.0, |mechanics| 1.0 - mechanics.load_share);
@@ -118,15 +118,15 @@ fn start(motor: &MotorParameters, velocity_rad_s: f64, seed: u64) -> PlantState 
     }
 }
 
-/// Number of equal steps of at most [`INNER_STEP_S`] in a sampling interval.
+/// Number of equal steps of at most `longest_s` in a sampling interval.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "clamped to the range of u32 before the cast"
 )]
-fn inner_steps(sample_time_s: f64) -> u32 {
+pub(super) fn inner_steps(sample_time_s: f64, longest_s: f64) -> u32 {
     // The tolerance prevents that rounding of an exact multiple adds a step.
-    let steps = (sample_time_s / INNER_STEP_S - 1e-9).ceil();
+    let steps = (sample_time_s / longest_s - 1e-9).ceil();
     steps.clamp(1.0, f64::from(u32::MAX)) as u32
 }
 
@@ -224,10 +224,10 @@ mod tests {
 
     #[test]
     fn an_interval_is_cut_into_whole_steps() {
-        assert_eq!(inner_steps(0.002), 20);
-        assert_eq!(inner_steps(1e-4), 1);
-        assert_eq!(inner_steps(1e-5), 1);
-        assert_eq!(inner_steps(2.5e-4), 3);
+        assert_eq!(inner_steps(0.002, INNER_STEP_S), 20);
+        assert_eq!(inner_steps(1e-4, INNER_STEP_S), 1);
+        assert_eq!(inner_steps(1e-5, INNER_STEP_S), 1);
+        assert_eq!(inner_steps(2.5e-4, INNER_STEP_S), 3);
     }
 
     #[test]

@@ -25,6 +25,7 @@
 //! | [`levels`] | signal levels, and noise for a given signal-to-noise ratio |
 //! | [`conditions`] | named changes of a scenario: excitation, load, motor or noise; severities |
 //! | [`field_conditions`] | named conditions for the effects of the field |
+//! | [`ema`] | the other rig: an electromechanical actuator |
 //!
 //! All values are `f64`, and sines and hyperbolic tangents are computed by `libm`, so that a seed produces the same
 //! trace on every machine. The rig deliberately has its own equations: it shares no code with the estimators that
@@ -47,6 +48,7 @@ pub mod bearing;
 pub mod closed_loop;
 pub mod conditions;
 pub mod dc_motor;
+pub mod ema;
 pub mod field;
 pub mod field_conditions;
 pub mod levels;

@@ -79,6 +79,10 @@ pub enum Stream {
     Session,
     /// Noise of the temperature sensor.
     TemperatureSensor,
+    /// Noise of the position measurement.
+    PositionNoise,
+    /// Noise of the angle measurement.
+    ResolverNoise,
 }
 
 impl Stream {
@@ -108,6 +112,8 @@ impl Stream {
             Self::Unit => 21,
             Self::Session => 22,
             Self::TemperatureSensor => 23,
+            Self::PositionNoise => 24,
+            Self::ResolverNoise => 25,
         }
     }
 }

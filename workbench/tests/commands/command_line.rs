@@ -18,11 +18,13 @@ fn the_main_job_from_files_to_files() {
     assert_eq!(labels.lines().count(), 13, "three classes merged into one file of labels\n{labels}");
 
     let train = format!("train --labels train/labels.csv {SIGNALS} --order 2,1,2,1,1 --model m.bwm");
-    let said = succeed(dir, &format!("{train} --rust m.rs --report m.html"));
+    let said = succeed(dir, &format!("{train} --rust m.rs --c m.h --report m.html"));
     assert!(said.contains("8 healthy, 8 spall, 8 roughness"), "{said}");
     let source = std::fs::read_to_string(dir.join("m.rs")).expect("source");
     let sample = r#"pub struct Sample { current_a: "A", velocity_ref_rad_s: "rad/s", load_torque_nm: "N·m" }"#;
     assert!(source.contains(sample) && source.contains("pub static MODEL: Model<Drive>"), "{source}");
+    let header = std::fs::read_to_string(dir.join("m.h")).expect("header");
+    assert!(header.contains("BW_MODEL_CHANNEL_LOAD_TORQUE_NM = 2") && header.contains(" *   "), "{header}");
     let page = std::fs::read_to_string(dir.join("m.html")).expect("page");
     assert!(page.contains("<svg") && !page.contains("http://") | page.contains("w3.org"), "self-contained");
 

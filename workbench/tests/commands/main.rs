@@ -8,6 +8,7 @@ mod field_command;
 mod grey_box_commands;
 mod rising_commands;
 mod simulate_command;
+mod simulate_ema_command;
 mod structure_command;
 mod tables_command;
 mod train_methods;

@@ -4,7 +4,8 @@ use rayon::prelude::*;
 
 use super::experiments::{Training, full_size};
 use super::run::{class_names, ours, training_set};
-use super::sets::{Cell, Purpose, map_traces};
+use super::seeds::Purpose;
+use super::sets::{Cell, map_traces};
 use crate::Error;
 use crate::rig::{Condition, Defect, DefectKind, Scenario};
 use crate::train::train;

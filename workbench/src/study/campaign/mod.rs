@@ -3,7 +3,8 @@
 //!
 //! | module | content |
 //! |---|---|
-//! | [`sets`] | cells, their seeds, and the traces in them |
+//! | [`sets`] | cells and the traces in them |
+//! | [`seeds`] | seeds that encode their trace |
 //! | [`experiments`] | training set, test set, counted outcome and goal of each experiment |
 //! | [`run`] | repetitions of the experiments with the embedded detector |
 //! | [`alarms`] | false-alarm rates, and number of records until a defect alarms |
@@ -13,6 +14,7 @@ pub mod alarms;
 pub mod experiments;
 pub mod render;
 pub mod run;
+pub mod seeds;
 pub mod sets;
 
 use super::statistics::mean_sd;
@@ -23,7 +25,8 @@ use experiments::Experiment;
 use run::Count;
 
 pub use experiments::Goal;
-pub use sets::{Cell, Purpose, Recording, map_traces, record};
+pub use seeds::{Purpose, SeedKey};
+pub use sets::{Cell, Recording, map_traces, record};
 
 /// Size of a campaign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,7 +6,8 @@ use std::collections::hash_map::Entry;
 use rayon::prelude::*;
 
 use super::experiments::{Experiment, Judge, Training};
-use super::sets::{Cell, Purpose, Recording, map_traces};
+use super::seeds::Purpose;
+use super::sets::{Cell, Recording, map_traces};
 use crate::Error;
 use crate::core::{Embedded, Finding, SegmentReport};
 use crate::rig::{Condition, Defect, Scenario};
