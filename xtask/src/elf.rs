@@ -1,10 +1,12 @@
 //! What an ELF file takes of the chip: bytes of flash and of static RAM.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use object::Object as _;
+use object::read::archive::ArchiveFile;
 use object::read::elf::{ElfFile32, SectionHeader};
 use object::{Endianness, ObjectSection, ObjectSymbol, elf};
 
@@ -46,6 +48,20 @@ pub fn symbols_with(path: &Path, piece: &str) -> Result<Vec<String>> {
     // An ELF file without its symbols would pass any such check.
     ensure!(names.contains(&"main"), "{} has no symbols", path.display());
     Ok(names.into_iter().filter(|name| name.contains(piece)).map(ToOwned::to_owned).collect())
+}
+
+/// Names of the symbols of a static library that replace those of another library: global, defined and not weak.
+pub fn strong_symbols(path: &Path) -> Result<BTreeSet<String>> {
+    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let archive = ArchiveFile::parse(&*bytes).with_context(|| format!("{} is no library", path.display()))?;
+    let mut names = BTreeSet::new();
+    for member in archive.members() {
+        // What is no ELF file, such as a compiler's notes, defines no symbol for the linker.
+        let Ok(file) = ElfFile32::<Endianness>::parse(member?.data(&*bytes)?) else { continue };
+        let strong = file.symbols().filter(|own| own.is_global() && own.is_definition() && !own.is_weak());
+        names.extend(strong.filter_map(|own| own.name().ok()).map(ToOwned::to_owned));
+    }
+    Ok(names)
 }
 
 impl Sizes {

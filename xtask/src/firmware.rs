@@ -47,7 +47,22 @@ pub fn build_small(way: Way, board: Board, example: &str) -> Result<PathBuf> {
 /// also built with its own features, and building takes minutes.
 pub fn check_all_features(way: Way, board: Board) -> Result<()> {
     let (mut cargo, _) = cargo_to("check", way, board);
-    child::succeed(cargo.args(["--package", "bearing-watch", "--examples", "--features", "defmt,nalgebra,internals"]))
+    child::succeed(cargo.args([
+        "--package",
+        "bearing-watch",
+        "--examples",
+        "--features",
+        "defmt,embedded-hal,nalgebra,internals",
+    ]))
+}
+
+/// Builds the C interface as a static library, for an exported plan or, if that is empty, for any model; returns its
+/// file, which is the same for all plans.
+pub fn build_c_library(way: Way, board: Board, plan: &str) -> Result<PathBuf> {
+    let (mut cargo, folder) = cargo(way, board);
+    cargo.env("BEARING_WATCH_PLAN", plan);
+    child::succeed(cargo.args(["--package", "bearing-watch-c", "--lib"]))?;
+    existing(folder.join("libbearing_watch_c.a"))
 }
 
 /// Builds the chip's program of the peers, a workspace of its own, against CMSIS-DSP's sources; returns its ELF file.
@@ -94,6 +109,7 @@ pub fn features(example: &str) -> &'static [&'static str] {
     match example {
         "logging" => &["--features", "defmt"],
         "kernels" | "measure" => &["--features", "internals"],
+        "panic_free" => &["--features", "embedded-hal"],
         _ => &[],
     }
 }

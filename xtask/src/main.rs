@@ -1,7 +1,8 @@
-//! What the repository's own commands do: `cargo xtask test | long | firmware | measure | peers | docs | setup`.
+//! What the repository's own commands do: `cargo xtask test | long | firmware | c | measure | peers | docs | setup`.
 
 mod board;
 mod bounds;
+mod c_library;
 mod child;
 mod docs;
 mod elf;
@@ -55,6 +56,9 @@ enum Command {
         #[arg(default_value = "monitor")]
         example: String,
     },
+    /// Builds the C library and its examples for the drive's chip, as C and as C++, runs them in the emulator, and
+    /// compares their lines with those of the Rust example on the host.
+    C,
     /// Counts the kernels' instructions and bytes on the emulated chip.
     Measure {
         /// A JSON list instead of a table.
@@ -111,6 +115,7 @@ fn run(arguments: &Arguments) -> Result<bool> {
             let elf = firmware::build(way, DRIVE, example)?;
             qemu::run(&elf, DRIVE.machine, qemu::Echo::On)?;
         }
+        Command::C => return c_library::run(way),
         Command::Measure { peers: true, .. } => print!("{}", rivals::table(way)?),
         Command::Measure { json, .. } => {
             let figures = measure::figures(way)?;

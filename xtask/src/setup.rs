@@ -28,6 +28,20 @@ pub fn ensure(way: Way) -> Result<()> {
     if wanted.is_empty() { Ok(()) } else { install(&wanted).with_context(|| missing(way, &wanted)) }
 }
 
+/// Returns when the C compiler for the chip and its C library are there.
+pub fn ensure_c() -> Result<()> {
+    const PACKAGES: [&str; 2] = ["gcc-arm-none-eabi", "libnewlib-arm-none-eabi"];
+    if child::on_path("arm-none-eabi-gcc") {
+        return Ok(());
+    }
+    install(&PACKAGES).with_context(|| {
+        format!(
+            "arm-none-eabi-gcc is not installed; on Debian\n    sudo apt-get install --yes {}\nreason",
+            PACKAGES.join(" ")
+        )
+    })
+}
+
 /// What the user is told when installing fails or is not allowed.
 fn missing(way: Way, wanted: &[&str]) -> String {
     let list = wanted.join(" ");

@@ -19,7 +19,8 @@ const EVERYWHERE: [&str; 2] = ["kernels", "deferred"];
 /// A way to build an example for a board.
 type Build = fn(Way, Board, &str) -> Result<PathBuf>;
 
-const NO_TOOLS: &str = "no firmware tools, see set-up";
+/// Why target checks are skipped.
+pub const NO_TOOLS: &str = "no firmware tools, see set-up";
 
 /// Every example builds for the chip, also with all features.
 pub fn builds(tally: &mut Tally, way: Option<Way>) {
@@ -170,7 +171,8 @@ fn compare(way: Way, board: Board, example: &str) -> Result<String> {
     Ok(format!("{} lines", host.len()))
 }
 
-fn on_host(example: &str) -> Result<Vec<String>> {
+/// The lines that an example prints on the host.
+pub fn on_host(example: &str) -> Result<Vec<String>> {
     // Not by package: the core runs here with the features that it has inside the workbench.
     let mut cargo = workspace::cargo(&["run", "--quiet", "--example", example]);
     cargo.args(firmware::features(example));
@@ -181,6 +183,6 @@ fn on_host(example: &str) -> Result<Vec<String>> {
 }
 
 /// The whole chain of causes in one text.
-fn brief<T>(outcome: Result<T>) -> Result<T, String> {
+pub fn brief<T>(outcome: Result<T>) -> Result<T, String> {
     outcome.map_err(|error| format!("{error:#}"))
 }

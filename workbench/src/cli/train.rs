@@ -26,6 +26,7 @@ use crate::evaluate::{self, Confusion, FalseAlarms};
 use crate::report::pages::model::{self, Worth};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Channels, Condition, Preparation};
+use crate::train::c_header::c_header;
 use crate::train::{
     Choice, Explained, Forward, Keep, ProjectionKind, Ranking, Recipe, Scores, ShaftPlan, Shrink, Shrinkage, Trained,
     Validation, VelocitySource, export,
@@ -110,6 +111,9 @@ pub(super) struct Args {
     /// The model as Rust constants
     #[arg(long, value_name = "FILE")]
     rust: Option<PathBuf>,
+    /// The model as a C header, for the library of `c-api`
+    #[arg(long, value_name = "FILE")]
+    c: Option<PathBuf>,
     /// A page with the features, the decision regions and the held-out result
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
@@ -167,7 +171,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         return Err(Error::Usage("--variance is a part of the whole: above 0, at most 1".into()));
     }
     let selection = args.selection.read(&channels)?;
-    let files = [Some(args.model.as_path()), args.rust.as_deref(), args.report.as_deref()];
+    let files = [Some(args.model.as_path()), args.rust.as_deref(), args.c.as_deref(), args.report.as_deref()];
     output::plan(&files.into_iter().flatten().collect::<Vec<_>>(), &selection.inputs(&args.selection.labels))?;
     let (classes, training) = selection.rows(&args.train_where)?;
     warn_irregular(training.iter().map(|t| &t.trace));
@@ -193,6 +197,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let bytes = trained.to_bytes(&notes.to_text())?;
     let rust = args.rust.as_ref().map(|_| export::rust_source(&trained, &description));
     let rust = rust.transpose()?;
+    let c = args.c.as_ref().map(|_| c_header(&trained.to_core()?, &description)).transpose()?;
 
     let held_out = args.evaluate(&selection, &trained, &training, &classes, host)?;
     let found = Found {
@@ -208,7 +213,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         model::training(&trained, &channels, &examples, found.worth())
     });
     let report = report.transpose()?;
-    let texts = [(&args.rust, &rust), (&args.report, &report)];
+    let texts = [(&args.rust, &rust), (&args.c, &c), (&args.report, &report)];
     let texts = texts.into_iter().filter_map(|(path, text)| Some((path.as_deref()?, text.as_ref()?.as_bytes())));
     output::write_all(&texts.chain([(args.model.as_path(), bytes.as_slice())]).collect::<Vec<_>>())?;
     args.print(&trained, &training, bytes.len(), &found)

@@ -7,6 +7,7 @@
 //! covariances account for both (`moments`). Rows without any of the chosen features are left out. The quality of the
 //! model is measured by running the core on other traces ([`crate::evaluate`]), not here.
 
+pub mod c_header;
 mod core_features;
 mod core_form;
 mod covariates;

@@ -1,0 +1,26 @@
+//! Gives the library the plan that an environment variable names.
+
+use std::env;
+use std::path::Path;
+
+/// Names a file that `bearing-watch train --rust` wrote, from the folder of this crate or absolute. If it is unset or
+/// empty, the library takes every model up to fixed sizes.
+const VARIABLE: &str = "BEARING_WATCH_PLAN";
+
+fn main() {
+    println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-env-changed={VARIABLE}");
+    println!("cargo::rustc-check-cfg=cfg(bearing_watch_plan)");
+    let file = env::var(VARIABLE).unwrap_or_default();
+    if file.is_empty() {
+        return;
+    }
+    let path = Path::new(&env::var("CARGO_MANIFEST_DIR").unwrap_or_default()).join(&file);
+    println!("cargo::rerun-if-changed={}", path.display());
+    if path.is_file() {
+        println!("cargo::rustc-cfg=bearing_watch_plan");
+        println!("cargo::rustc-env=BEARING_WATCH_PLAN_FILE={}", path.display());
+    } else {
+        println!("cargo::error={VARIABLE}={file}: there is no {}", path.display());
+    }
+}

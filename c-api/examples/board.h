@@ -1,0 +1,22 @@
+/* The little that the examples need of a board. A CubeMX or Zephyr project brings all of it. */
+#ifndef BOARD_H
+#define BOARD_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The sampling interrupt: written by the program, called every `ticks` of the core's clock. */
+void SysTick_Handler(void);
+void board_start_sampling(uint32_t ticks);
+
+static inline void board_mask_interrupts(void) { __asm__ volatile("cpsid i" ::: "memory"); }
+static inline void board_unmask_interrupts(void) { __asm__ volatile("cpsie i" ::: "memory"); }
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,129 @@
+/* Interrupt and main loop of a drive: the interrupt collects samples, the main loop solves closed segments by pieces.
+ *
+ * The samples are recorded traces of the simulated standard rig, as counts of a converter; the model is trained for
+ * them (`bearing-watch train --c model.h`). `cargo xtask c` builds this file as C and as C++, runs it in QEMU, and
+ * compares every line with what the Rust example `monitor` prints on the host. */
+#include "bearing_watch.h"
+#include "board.h"
+#include "model.h"
+
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Ticks between two samples: 3 ms at 168 MHz, in which the emulator executes 11700 instructions. */
+#define SAMPLING_TICKS 504000u
+
+/* The recording of `held_out.s`: one 16-bit count a channel and sample. */
+#ifdef __cplusplus
+extern "C" {
+#endif
+extern const int16_t held_out_start[], held_out_end[];
+#ifdef __cplusplus
+}
+#endif
+
+static const float limits[BW_MODEL_CHANNELS] = BW_MODEL_CHANNEL_LIMITS;
+static const char *const names[BW_MODEL_CHANNELS] = BW_MODEL_CHANNEL_NAMES;
+static const char *const units[BW_MODEL_CHANNELS] = BW_MODEL_CHANNEL_UNITS;
+
+/* The state of the detector; uint64_t aligns it. */
+static uint64_t memory[BW_STATE_SIZE / sizeof(uint64_t)];
+static BwState *detector;
+
+static const int16_t *volatile next_count = held_out_start;
+static volatile uint32_t samples, last_sample;
+static volatile BwCode failure = BW_CODE_OK;
+
+void SysTick_Handler(void) {
+    float values[BW_MODEL_CHANNELS];
+    if (next_count >= held_out_end) {
+        return;
+    }
+    for (size_t k = 0; k < BW_MODEL_CHANNELS; k++) {
+        values[k] = (float)*next_count++ * (limits[k] / 32768.0f);
+    }
+    samples = samples + 1;
+    BwCode code = bw_collect(detector, values, BW_MODEL_CHANNELS, 0);
+    if (code == BW_CODE_SEGMENT) {
+        last_sample = samples;
+        /* The next recorded trace does not continue from this one. A running drive would not restart. */
+        bw_restart(detector);
+    } else if (code != BW_CODE_OK) {
+        failure = code;
+    }
+}
+
+static int failed(const char *what, BwCode code) {
+    printf("%s: %s\n", what, bw_error_text(code));
+    return 1;
+}
+
+/* The bits of a number. */
+static unsigned long bits(float x) {
+    uint32_t word;
+    memcpy(&word, &x, sizeof word);
+    return word;
+}
+
+static void print_report(void) {
+    static const char *const verdicts[] = {"class", "novel", "ambiguous", "undetermined"};
+    BwReport report;
+    float parameters[BW_MAX_PARAMETERS], likelihoods[BW_MAX_CLASSES], posteriors[BW_MAX_CLASSES];
+    size_t count = 0;
+    char label[17];
+    bw_report(detector, &report);
+    printf("segment ending at sample %lu\n", (unsigned long)last_sample);
+    bw_values(detector, BW_VALUES_PARAMETERS, parameters, BW_MAX_PARAMETERS, &count);
+    for (size_t k = 0; k < count; k++) {
+        printf("  parameter %u  %08lx\n", (unsigned)k, bits(parameters[k]));
+    }
+    bw_values(detector, BW_VALUES_POSTERIORS, posteriors, BW_MAX_CLASSES, &count);
+    bw_values(detector, BW_VALUES_LOG_LIKELIHOODS, likelihoods, BW_MAX_CLASSES, &count);
+    for (size_t k = 0; k < count; k++) {
+        bw_label(detector, (uint8_t)k, label, sizeof label);
+        printf("  %-10s log-likelihood %08lx, posterior %08lx\n", label, bits(likelihoods[k]), bits(posteriors[k]));
+    }
+    bw_label(detector, report.class_index, label, sizeof label);
+    printf("verdict: %s\n", report.verdict == BW_VERDICT_CLASS ? label : verdicts[report.verdict]);
+}
+
+int main(void) {
+    BwCode code = bw_init(memory, sizeof memory, bw_model, BW_MODEL_LENGTH, &detector);
+    if (code < 0) {
+        return failed("bw_init", code);
+    }
+    /* A model that is read from a flash sector may be newer than this program: check what it wants. */
+    for (uint8_t k = 0; k < BW_MODEL_CHANNELS; k++) {
+        code = bw_check_channel(detector, k, names[k], units[k]);
+        if (code < 0) {
+            return failed(names[k], code);
+        }
+    }
+    code = bw_check_interval(detector, 0.002f);
+    if (code < 0) {
+        return failed("sampling", code);
+    }
+
+    board_start_sampling(SAMPLING_TICKS);
+    for (;;) {
+        if (failure != BW_CODE_OK) {
+            return failed("sampling", failure);
+        }
+        /* Asked before the next piece: the last segment is closed by then. */
+        int ended = next_count >= held_out_end;
+        code = bw_advance(detector);
+        if (code < 0) {
+            return failed("bw_advance", code);
+        }
+        if (code == BW_CODE_REPORT) {
+            board_mask_interrupts();
+            bw_adopt(detector); /* for models by instrumental variables */
+            board_unmask_interrupts();
+            print_report();
+        } else if (code == BW_CODE_IDLE && ended) {
+            return 0;
+        }
+        /* The other work of the main loop. */
+    }
+}

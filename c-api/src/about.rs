@@ -1,0 +1,186 @@
+//! What the library and the model say of themselves.
+
+use core::ffi::{CStr, c_char};
+
+use bearing_watch::plan::Plan as _;
+use bearing_watch::{Angle, Park, RotorFrame};
+
+use crate::code::{BwCode, Outcome, code};
+use crate::state::{BwState, at, check, put};
+
+const VERSION: &CStr = match CStr::from_bytes_with_nul(concat!(env!("CARGO_PKG_VERSION"), "\0").as_bytes()) {
+    Ok(version) => version,
+    Err(_) => c"",
+};
+
+/// Sign convention of the Park transform.
+#[repr(i32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BwPark {
+    /// The current is not from a Park transform, or the model does not say.
+    Unknown = 0,
+    /// With the angle on the magnet axis, positive q current produces positive torque.
+    Standard = 1,
+    /// The +sin row of the source's Eq. 5.1.
+    Thesis = 2,
+}
+
+/// What the model wants.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BwInfo {
+    /// Number of channels of a sample.
+    pub channels: u8,
+    /// Number of classes.
+    pub classes: u8,
+    /// Number of features.
+    pub features: u8,
+    /// Number of bearing orders.
+    pub orders: u8,
+    /// Whether samples need the angle of the shaft.
+    pub needs_angle: bool,
+    /// Sampling interval, s; 0 if it is unknown.
+    pub interval_s: f32,
+    /// Samples averaged into one before the regression.
+    pub block_mean: u32,
+    /// Samples of a segment, after averaging.
+    pub segment_samples: u32,
+    /// Samples of a segment within which `bw_adopt` must come.
+    pub handover: u32,
+    /// Sign convention of the quadrature current.
+    pub park: BwPark,
+}
+
+/// Returns the version of the library, a text that ends in a zero byte.
+#[unsafe(no_mangle)]
+pub extern "C" fn bw_version() -> *const c_char {
+    VERSION.as_ptr()
+}
+
+/// Gives what the model wants.
+///
+/// # Safety
+/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `info` is NULL or writable.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_info(state: *const BwState, info: *mut BwInfo) -> BwCode {
+    // SAFETY: the same contract.
+    let found = unsafe { at(state) }.map(about);
+    // SAFETY: the same contract.
+    code(found.and_then(|found| unsafe { put(info, found) }).map(|()| BwCode::Ok))
+}
+
+fn about(state: &BwState) -> BwInfo {
+    let (layout, constants) = (state.model.plan().layout(), state.model.constants());
+    let sampling = &constants.sampling;
+    BwInfo {
+        channels: layout.channels,
+        classes: layout.classes,
+        features: layout.features,
+        orders: layout.shaft.map_or(0, |shaft| shaft.orders),
+        needs_angle: layout.needs_angle(),
+        interval_s: sampling.interval_s,
+        block_mean: sampling.block_mean.into(),
+        segment_samples: sampling.segment_samples,
+        handover: constants.regression.first().map_or(0, |regression| regression.handover.into()),
+        park: match sampling.park {
+            None => BwPark::Unknown,
+            Some(Park::Standard) => BwPark::Standard,
+            Some(Park::Thesis) => BwPark::Thesis,
+        },
+    }
+}
+
+/// Writes the name of a class, ending in a zero byte, into `text`: 17 bytes are enough for every name.
+///
+/// Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` if there is no such class, or `BW_CODE_BUFFER_TOO_SMALL`.
+///
+/// # Safety
+/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `text` is NULL or has `capacity`
+/// writable bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_label(
+    state: *const BwState,
+    class_index: u8,
+    text: *mut c_char,
+    capacity: usize,
+) -> BwCode {
+    // SAFETY: the same contract.
+    code(unsafe { at(state) }.and_then(|state| {
+        let label = state.model.constants().labels.get(usize::from(class_index)).ok_or(BwCode::OutOfRange)?;
+        check(text)?;
+        let bytes = label.as_str().as_bytes();
+        if bytes.len() >= capacity {
+            return Err(BwCode::BufferTooSmall);
+        }
+        // SAFETY: bytes and the zero byte are within the capacity that the caller promises.
+        unsafe {
+            text.cast::<u8>().copy_from_nonoverlapping(bytes.as_ptr(), bytes.len());
+            text.add(bytes.len()).write(0);
+        }
+        Ok(BwCode::Ok)
+    }))
+}
+
+/// Checks that a channel of the model has this name and unit, such as `current_a` and `A`. A program that passes its
+/// channels in a fixed order does so at start.
+///
+/// Returns `BW_CODE_OK`, `BW_CODE_MODEL_CHANNEL`, or `BW_CODE_OUT_OF_RANGE` if there is no such channel.
+///
+/// # Safety
+/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `name` and `unit` are NULL or
+/// readable up to a zero byte.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_check_channel(
+    state: *const BwState,
+    channel: u8,
+    name: *const c_char,
+    unit: *const c_char,
+) -> BwCode {
+    // SAFETY: the same contract.
+    code(unsafe { at(state) }.and_then(|state| {
+        check(name)?;
+        check(unit)?;
+        let own = state.model.constants().channels.get(usize::from(channel)).ok_or(BwCode::OutOfRange)?;
+        // SAFETY: not NULL, and texts by the contract.
+        let (name, unit) = unsafe { (CStr::from_ptr(name), CStr::from_ptr(unit)) };
+        let same = own.name.as_str().as_bytes() == name.to_bytes() && own.unit.as_str().as_bytes() == unit.to_bytes();
+        if same { Ok(BwCode::Ok) } else { Err(BwCode::ModelChannel) }
+    }))
+}
+
+/// Checks that the drive samples as the recordings were sampled on which the model was trained, to 1 %.
+///
+/// Returns `BW_CODE_OK`, also if either interval is unknown (0), or `BW_CODE_MODEL_INTERVAL`.
+///
+/// # Safety
+/// `state` is NULL, or was given by `bw_init` or has as many readable bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_check_interval(state: *const BwState, interval_s: f32) -> BwCode {
+    // SAFETY: the same contract.
+    code(unsafe { at(state) }.and_then(|state| {
+        state.model.check_interval(interval_s)?;
+        Ok(BwCode::Ok)
+    }))
+}
+
+/// Checks that the drive's quadrature current has the sign convention of the recordings, `park` of `BwPark`.
+///
+/// Returns `BW_CODE_OK`, also if the model does not say, `BW_CODE_MODEL_PARK`, or `BW_CODE_OUT_OF_RANGE`.
+///
+/// # Safety
+/// `state` is NULL, or was given by `bw_init` or has as many readable bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_check_park(state: *const BwState, park: i32) -> BwCode {
+    // SAFETY: the same contract.
+    code(unsafe { at(state) }.and_then(|state| check_park(state, park)))
+}
+
+fn check_park(state: &BwState, park: i32) -> Outcome {
+    let park = match park {
+        1 => Park::Standard,
+        2 => Park::Thesis,
+        _ => return Err(BwCode::OutOfRange),
+    };
+    state.model.check_rotor_frame(&RotorFrame { pole_pairs: 1, electrical_offset: Angle::ZERO, park })?;
+    Ok(BwCode::Ok)
+}

@@ -1,0 +1,110 @@
+//! The evidence of all segments.
+
+use bearing_watch::Cause;
+
+use crate::code::{BwCode, code};
+use crate::state::{BwState, Solving, Work, at, put};
+
+/// The alarm, and what leads to it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BwAlarm {
+    /// Whether there is an alarm. It stays until `bw_reset`.
+    pub raised: bool,
+    /// Whether its cause is a trained defect, `class_index`.
+    pub known: bool,
+    /// The defect that caused it.
+    pub class_index: u8,
+    /// Number of the segment that raised it; the first is 1.
+    pub segment: u32,
+    /// Segments observed.
+    pub segments: u32,
+    /// Of these, segments without a verdict.
+    pub undetermined: u32,
+    /// Evidence of the runs that have ended, nats.
+    pub score: f32,
+    /// The score that raises the alarm, nats; infinite if the model has none.
+    pub limit: f32,
+    /// Trend of the distance from healthy, standard deviations a segment; NaN with fewer than four decided segments.
+    pub slope: f32,
+    /// Lower end of its 95 % interval: above zero the distance grows.
+    pub slope_low: f32,
+    /// Upper end.
+    pub slope_high: f32,
+}
+
+/// Gives the alarm.
+///
+/// # Safety
+/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `alarm` is NULL or writable.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_alarm(state: *mut BwState, alarm: *mut BwAlarm) -> BwCode {
+    // SAFETY: the same contract.
+    let found = unsafe { at(state) }.and_then(|state| {
+        let limit = state.model.constants().evidence.limit;
+        state.solving.with(|solving| {
+            let evidence = &solving.evidence;
+            let (segments, undetermined) = evidence.segments();
+            let (raised, cause) = (evidence.alarm(), evidence.alarm().map(|alarm| alarm.cause));
+            let class = match cause {
+                Some(Cause::Class(class)) => Some(class),
+                _ => None,
+            };
+            let trend = evidence.trend();
+            let of_trend = |value: fn(bearing_watch::Trend) -> f32| trend.map_or(f32::NAN, value);
+            BwAlarm {
+                raised: raised.is_some(),
+                known: class.is_some(),
+                class_index: class.unwrap_or(0),
+                segment: raised.map_or(0, |alarm| alarm.segment),
+                segments,
+                undetermined,
+                score: evidence.score(),
+                limit,
+                slope: of_trend(|own| own.slope),
+                slope_low: of_trend(|own| own.low),
+                slope_high: of_trend(|own| own.high),
+            }
+        })
+    });
+    // SAFETY: the same contract.
+    code(found.and_then(|found| unsafe { put(alarm, found) }).map(|()| BwCode::Ok))
+}
+
+/// Ends a run (from power-up to power-up, a session), whose segments depend on each other. Call it at power-down or
+/// where a session ends, unless the model was trained with `--segments-a-run`.
+///
+/// # Safety
+/// `state` is NULL, or was given by `bw_init` or has as many readable bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_end_run(state: *mut BwState) -> BwCode {
+    // SAFETY: the same contract.
+    let found = unsafe { at(state) };
+    let ended = found.and_then(|state| state.solving.with(|solving| solving.evidence.end_run()));
+    code(ended.map(|_| BwCode::Ok))
+}
+
+/// Starts afresh, as after a repair: open and closed segment, report, alarm, scores and trend. With the interrupt
+/// masked. `BW_CODE_BUSY` if another function works on the state; nothing is then changed.
+///
+/// # Safety
+/// `state` is NULL, or was given by `bw_init` or has as many readable bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_reset(state: *mut BwState) -> BwCode {
+    // SAFETY: the same contract.
+    let found = unsafe { at(state) };
+    let reset = found.and_then(|state| {
+        let all = |solving: &mut Solving| {
+            state.sampling.with(|detector| {
+                detector.restart();
+                state.missed.store(0, core::sync::atomic::Ordering::Relaxed);
+                // SAFETY: both halves of the state are held here.
+                unsafe { state.closed.empty(drop) };
+                solving.work = Work::Empty;
+                solving.evidence.reset();
+            })
+        };
+        state.solving.with(all).flatten()
+    });
+    code(reset.map(|()| BwCode::Ok))
+}

@@ -1,0 +1,56 @@
+//! The C interface of bearing-watch: a static library, and the header `include/bearing_watch.h`, which a test makes
+//! from this source and compares.
+//!
+//! ```text
+//! bw_init      memory of the caller, bytes of a model ─► state
+//! interrupt    bw_collect   a sample; now and then BW_CODE_SEGMENT: a segment is closed
+//! main loop    bw_advance, or bw_conclude   the closed segment ─► BW_CODE_REPORT
+//!              bw_report, bw_values         verdict, and the numbers behind it
+//!              bw_adopt                     its estimate becomes the next auxiliary model (interrupt masked)
+//!              bw_alarm                     the evidence of all segments
+//! or at once   bw_step                      a sample; now and then BW_CODE_REPORT
+//! ```
+//!
+//! No function allocates, blocks, panics or has global state. Pointers that are NULL or not aligned, memory that is too
+//! small or holds no state, and calls in another order are refused by a code. The results have the same bits as those
+//! of the Rust core.
+//!
+//! The library serves every model whose sizes are at most `BW_MAX_…`. If `BEARING_WATCH_PLAN` names a file of
+//! `bearing-watch train --rust` when the library is built, it serves the models of that plan only: it is several times
+//! smaller and faster, since the compiler then knows every length. The functions are the same.
+#![cfg_attr(target_os = "none", no_std)]
+#![cfg_attr(
+    test,
+    allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing, clippy::float_cmp)
+)]
+
+mod about;
+mod alarm;
+mod code;
+mod plan;
+mod report;
+mod sampling;
+mod solving;
+mod state;
+
+pub use about::{BwInfo, BwPark, bw_check_channel, bw_check_interval, bw_check_park, bw_info, bw_label, bw_version};
+pub use alarm::{BwAlarm, bw_alarm, bw_end_run, bw_reset};
+pub use code::{BwCode, bw_error_text};
+pub use plan::{
+    AnyModel, BW_MAX_AVERAGED, BW_MAX_CHANNELS, BW_MAX_CLASSES, BW_MAX_COLUMNS, BW_MAX_COORDINATES, BW_MAX_COVARIATES,
+    BW_MAX_DELAYS, BW_MAX_DENSITIES, BW_MAX_FEATURES, BW_MAX_FILTERS, BW_MAX_ORDERS, BW_MAX_PARAMETERS,
+    BW_MAX_PROJECTION, BW_MAX_RISING, Values,
+};
+pub use report::{BwPart, BwReason, BwReport, BwValues, BwVerdict, bw_report, bw_values};
+pub use sampling::{bw_angle, bw_collect, bw_pending, bw_restart, bw_step};
+pub use solving::{bw_adopt, bw_advance, bw_conclude};
+pub use state::{BW_STATE_ALIGN, BW_STATE_SIZE, BwState, bw_init, bw_state_size};
+
+/// The core never panics: this is for the linker.
+#[cfg(target_os = "none")]
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    loop {
+        core::hint::spin_loop();
+    }
+}

@@ -1,0 +1,264 @@
+//! What the sampling interrupt calls.
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use bearing_watch::plan::{MAX_CHANNELS, Plan, Signals as _};
+use bearing_watch::{Angle, Detector, Segment};
+
+use crate::code::{BwCode, Outcome, code};
+use crate::plan::Own;
+use crate::solving::conclude;
+use crate::state::{BwState, Solving, Work, at, check, elements, put};
+
+type Sample = <Own as Plan>::Sample;
+
+/// Most lost samples that are made up for at once: more than the shaft bridges, so that everything starts anew.
+const MOST_MISSED: u32 = 16;
+
+/// Takes one sample in the sampling interrupt, in time that hardly depends on the data. `values` are the channels in
+/// the order of the model, in the unit that each name says; `angle` is the shaft's (`bw_angle`), 0 if the model needs
+/// none. Bad values, such as NaN, are counted and left out.
+///
+/// Returns `BW_CODE_OK`; `BW_CODE_SEGMENT` with the sample that closes a segment, which the main loop then concludes by
+/// `bw_advance` or `bw_conclude`; `BW_CODE_SEGMENT_LOST` if it has not done so with the segment before; or
+/// `BW_CODE_BUSY` if the interrupt came during `bw_adopt`, `bw_restart`, `bw_pending`, `bw_step` or `bw_reset`. The
+/// sample is then lost, and counts as one with bad values.
+///
+/// # Safety
+/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `values` is NULL or has `count`
+/// readable values.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_collect(state: *mut BwState, values: *const f32, count: usize, angle: u32) -> BwCode {
+    // SAFETY: the same contract.
+    code(unsafe { sample(state, values, count, angle) }.and_then(|(state, sample)| collect(state, &sample)))
+}
+
+/// The state and the sample, if both are good.
+#[inline]
+unsafe fn sample<'a>(
+    state: *const BwState,
+    values: *const f32,
+    count: usize,
+    angle: u32,
+) -> Outcome<(&'a BwState, Sample)> {
+    // SAFETY: the contract of the caller.
+    let state = unsafe { at(state)? };
+    check(values)?;
+    if count != usize::from(state.model.plan().layout().channels) {
+        return Err(BwCode::WrongChannelCount);
+    }
+    // SAFETY: the contract of the caller.
+    let values = unsafe { elements(values, count)? };
+    Ok((state, Sample::of(values, Angle::from_bits(angle))))
+}
+
+fn collect(state: &BwState, sample: &Sample) -> Outcome {
+    // The segment stays in its place until it is known to be there: each move of an option copies all of its bytes.
+    let collect = |detector: &mut Detector<'static, Own>| {
+        let made_up = make_up(state, sample, |gap| match detector.collect(gap) {
+            Some(segment) => keep(state, segment),
+            None => Ok(BwCode::Ok),
+        });
+        match detector.collect(sample) {
+            Some(segment) => keep(state, segment),
+            None => made_up,
+        }
+    };
+    state.sampling.with(collect).unwrap_or_else(|busy| lose(state, busy))
+}
+
+/// Counts a sample that the detector could not take.
+#[cold]
+fn lose<T>(state: &BwState, why: BwCode) -> Outcome<T> {
+    count(&state.lost_samples);
+    count(&state.missed);
+    Err(why)
+}
+
+/// Gives the detector samples without values for those that were lost since the last one: without them it would take the
+/// samples before and after the gap for neighbours. Returns the code of a segment that they close.
+#[inline(always)]
+fn make_up(state: &BwState, next: &Sample, take: impl FnMut(&Sample) -> Outcome) -> Outcome {
+    if state.missed.load(Ordering::Relaxed) == 0 { Ok(BwCode::Ok) } else { fill_gap(state, next, take) }
+}
+
+#[cold]
+#[inline(never)]
+fn fill_gap(state: &BwState, next: &Sample, mut take: impl FnMut(&Sample) -> Outcome) -> Outcome {
+    let missed = state.missed.swap(0, Ordering::Relaxed).min(MOST_MISSED);
+    let gap = Sample::of(&[f32::NAN; MAX_CHANNELS], next.angle());
+    let mut outcome = Ok(BwCode::Ok);
+    for _ in 0..missed {
+        match take(&gap) {
+            Ok(BwCode::Ok) => {}
+            closed => outcome = closed,
+        }
+    }
+    outcome
+}
+
+/// Keeps a closed segment for the main loop.
+#[cold]
+#[inline(never)]
+fn keep(state: &BwState, segment: Segment<Own>) -> Outcome {
+    // SAFETY: the caller holds the sampling half of the state.
+    if unsafe { state.closed.fill(segment) } {
+        Ok(BwCode::Segment)
+    } else {
+        count(&state.lost_segments);
+        Err(BwCode::SegmentLost)
+    }
+}
+
+/// Adds one. By load and store: only the holder of the part counts, and a lost count would only be a lost count.
+fn count(counter: &AtomicU32) {
+    counter.store(counter.load(Ordering::Relaxed).saturating_add(1), Ordering::Relaxed);
+}
+
+/// Takes one sample, as `bw_collect`, and solves at once when it closes a segment: for programs without interrupts. The
+/// alarm takes account of the report.
+///
+/// Returns `BW_CODE_OK`, `BW_CODE_REPORT` with the sample that closes a segment, or `BW_CODE_BUSY` as `bw_collect` does,
+/// and while a segment of `bw_collect` is not concluded.
+///
+/// # Safety
+/// As `bw_collect`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_step(state: *mut BwState, values: *const f32, count: usize, angle: u32) -> BwCode {
+    // SAFETY: the same contract.
+    code(unsafe { sample(state, values, count, angle) }.and_then(|(state, sample)| step(state, &sample)))
+}
+
+fn step(state: &BwState, sample: &Sample) -> Outcome {
+    let step = |solving: &mut Solving| {
+        // A segment of `bw_collect` is older, and has to be concluded first.
+        if state.closed.is_full() || matches!(solving.work, Work::Solving(_)) {
+            return Err(BwCode::Busy);
+        }
+        let mut take = |detector: &mut Detector<'static, Own>, sample: &Sample| match detector.step(sample) {
+            Some(report) => {
+                conclude(solving, report);
+                BwCode::Report
+            }
+            None => BwCode::Ok,
+        };
+        state.sampling.with(|detector| {
+            let made_up = make_up(state, sample, |gap| Ok(take(detector, gap)));
+            match take(detector, sample) {
+                BwCode::Ok => made_up,
+                closed => Ok(closed),
+            }
+        })
+    };
+    state.solving.with(step).flatten().flatten().or_else(|why| lose(state, why))
+}
+
+/// Starts the open segment afresh, for a stream that does not continue from the last sample: after a pause, or at
+/// power-up of the motor. A closed segment, report and alarm remain. In the interrupt, or with the interrupt masked.
+///
+/// # Safety
+/// `state` is NULL, or was given by `bw_init` or has as many readable bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_restart(state: *mut BwState) -> BwCode {
+    // SAFETY: the same contract.
+    let found = unsafe { at(state) };
+    let restart = |state: &BwState| {
+        state.sampling.with(|detector| {
+            state.missed.store(0, Ordering::Relaxed);
+            detector.restart();
+        })
+    };
+    code(found.and_then(restart).map(|()| BwCode::Ok))
+}
+
+/// Gives the number of samples in the open segment, after averaging. In the interrupt, or with the interrupt masked.
+///
+/// # Safety
+/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `samples` is NULL or writable.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_pending(state: *mut BwState, samples: *mut u32) -> BwCode {
+    // SAFETY: the same contract.
+    let pending = unsafe { at(state) }.and_then(|state| state.sampling.with(|detector| detector.pending()));
+    // SAFETY: the same contract.
+    code(pending.and_then(|pending| unsafe { put(samples, pending) }).map(|()| BwCode::Ok))
+}
+
+/// Returns the angle of a converter with `resolution_bits` bits a turn as the fraction of a turn that `bw_collect`
+/// takes: 2^32 is one turn.
+#[unsafe(no_mangle)]
+pub extern "C" fn bw_angle(counts: u32, resolution_bits: u32) -> u32 {
+    Angle::from_counts(counts, resolution_bits).bits()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::state::bw_init;
+    use crate::{BW_STATE_SIZE, bw_advance, bw_conclude, bw_reset};
+
+    static FILE: &[u8] = include_bytes!("../../examples/support/standard_rig/model.bwm");
+
+    #[test]
+    fn an_interrupt_in_another_function_is_refused_and_its_sample_counted() {
+        let mut memory = vec![0_u64; BW_STATE_SIZE / 8];
+        let (mut own, values) = (core::ptr::null_mut(), [0.5; 3]);
+        let sample = values.as_ptr();
+        // SAFETY: the memory is there as long as the state is used.
+        unsafe {
+            let code = bw_init(memory.as_mut_ptr().cast(), BW_STATE_SIZE, FILE.as_ptr(), FILE.len(), &raw mut own);
+            assert_eq!(code, BwCode::Ok);
+            let state = at(own).unwrap();
+            let during = || [bw_collect(own, sample, 3, 0), bw_step(own, sample, 3, 0), bw_restart(own), bw_reset(own)];
+            assert_eq!(state.sampling.with(|_| during()), Ok([BwCode::Busy; 4]));
+            assert_eq!(state.lost_samples.load(Ordering::Relaxed), 2);
+            let during = || (bw_collect(own, sample, 3, 0), bw_step(own, sample, 3, 0));
+            assert_eq!(state.solving.with(|_| during()), Ok((BwCode::Ok, BwCode::Busy)), "the halves are independent");
+            assert_eq!(state.lost_samples.load(Ordering::Relaxed), 3);
+            assert_eq!([bw_step(own, sample, 3, 0), bw_reset(own)], [BwCode::Ok; 2], "free again");
+        }
+    }
+
+    /// The detector must know of a gap, or it takes the samples on both sides for neighbours.
+    #[test]
+    fn lost_samples_count_as_refused_ones_in_the_segment() {
+        let mut memory = vec![0_u64; BW_STATE_SIZE / 8];
+        let (mut own, values) = (core::ptr::null_mut(), [0.5; 3]);
+        let sample = values.as_ptr();
+        // SAFETY: the memory is there as long as the state is used.
+        unsafe {
+            bw_init(memory.as_mut_ptr().cast(), BW_STATE_SIZE, FILE.as_ptr(), FILE.len(), &raw mut own);
+            let state = at(own).unwrap();
+            let counted = || state.sampling.with(|detector| (detector.pending(), detector.counts().rejected)).unwrap();
+            bw_collect(own, sample, 3, 0);
+            assert_eq!(counted(), (1, 0));
+            let _busy = state.sampling.with(|_| [0; 3].map(|_| bw_collect(own, sample, 3, 0)));
+            assert_eq!(counted(), (1, 0));
+            assert_eq!(bw_collect(own, sample, 3, 0), BwCode::Ok);
+            assert_eq!(counted(), (5, 3));
+            let _busy = state.sampling.with(|_| [0; 40].map(|_| bw_collect(own, sample, 3, 0)));
+            assert_eq!(bw_step(own, sample, 3, 0), BwCode::Ok);
+            assert_eq!(counted(), (6 + MOST_MISSED, 3 + MOST_MISSED));
+            let _busy = state.sampling.with(|_| bw_collect(own, sample, 3, 0));
+            bw_restart(own);
+            bw_collect(own, sample, 3, 0);
+            assert_eq!(counted().0, 1, "a new stream has no gap");
+        }
+    }
+
+    #[test]
+    fn a_step_waits_for_the_segment_of_the_interrupt() {
+        let mut memory = vec![0_u64; BW_STATE_SIZE / 8];
+        let (mut own, values) = (core::ptr::null_mut(), [0.5; 3]);
+        let sample = values.as_ptr();
+        // SAFETY: the memory is there as long as the state is used.
+        unsafe {
+            bw_init(memory.as_mut_ptr().cast(), BW_STATE_SIZE, FILE.as_ptr(), FILE.len(), &raw mut own);
+            while bw_collect(own, sample, 3, 0) != BwCode::Segment {}
+            assert_eq!(bw_step(own, sample, 3, 0), BwCode::Busy, "it waits to be solved");
+            assert_eq!(bw_advance(own), BwCode::Ok);
+            assert_eq!(bw_step(own, sample, 3, 0), BwCode::Busy, "it is being solved");
+            assert_eq!(bw_conclude(own), BwCode::Report);
+            assert_eq!(bw_step(own, sample, 3, 0), BwCode::Ok);
+        }
+    }
+}

@@ -1,0 +1,310 @@
+//! Wrong pointers, wrong memory, wrong models and calls out of order are refused by their codes, and change nothing.
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::expect_used,
+    clippy::float_cmp,
+    clippy::indexing_slicing,
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "a test fails by a panic"
+)]
+
+#[allow(dead_code, reason = "other tests use the rest")]
+mod support;
+
+use core::ffi::{CStr, c_char};
+use core::mem::MaybeUninit;
+use core::ptr::{null, null_mut};
+
+use bearing_watch_c::*;
+
+use support::{FILE, Memory};
+
+const SAMPLE: [f32; 3] = [0.5, 20.0, 0.1];
+/// Samples of a segment of the standard rig's model.
+const SEGMENT: usize = 5000;
+
+/// Calls a function that takes a state, on memory of the test.
+macro_rules! call {
+    ($($call:tt)*) => {
+        // SAFETY: every pointer is NULL, misaligned, or that of memory that the test owns.
+        unsafe { $($call)* }
+    };
+}
+
+fn text(text: *const c_char) -> &'static str {
+    // SAFETY: the library gives texts that end in a zero byte and live as long as the program.
+    unsafe { CStr::from_ptr(text) }.to_str().expect("text")
+}
+
+/// Takes samples that move; returns the last code.
+fn collect(state: *mut BwState, samples: usize) -> BwCode {
+    let sample = |k: usize| [0.3 * (k % 7) as f32, 10.0 * (k % 5) as f32, 0.1 * (k % 3) as f32];
+    let collect = |k| call!(bw_collect(state, sample(k).as_ptr(), 3, 0));
+    (0..samples).fold(None, |_, k| Some(collect(k))).expect("a sample")
+}
+
+/// What every function says to this state.
+fn all(state: *mut BwState) -> Vec<BwCode> {
+    let (mut values, mut count, mut pending) = ([0.0; 32], 0, 0);
+    let (mut report, mut alarm, mut info) = (MaybeUninit::uninit(), MaybeUninit::uninit(), MaybeUninit::uninit());
+    let mut name = [0; 17];
+    call!(vec![
+        bw_collect(state, SAMPLE.as_ptr(), 3, 0),
+        bw_step(state, SAMPLE.as_ptr(), 3, 0),
+        bw_restart(state),
+        bw_pending(state, &raw mut pending),
+        bw_advance(state),
+        bw_conclude(state),
+        bw_adopt(state),
+        bw_report(state, report.as_mut_ptr()),
+        bw_values(state, 0, values.as_mut_ptr(), values.len(), &raw mut count),
+        bw_alarm(state, alarm.as_mut_ptr()),
+        bw_end_run(state),
+        bw_reset(state),
+        bw_info(state, info.as_mut_ptr()),
+        bw_label(state, 0, name.as_mut_ptr(), name.len()),
+        bw_check_channel(state, 0, c"current_a".as_ptr(), c"A".as_ptr()),
+        bw_check_interval(state, 0.002),
+        bw_check_park(state, 1),
+    ])
+}
+
+#[test]
+fn every_function_refuses_what_is_no_state() {
+    let mut memory = Memory::new();
+    assert!(all(null_mut()).iter().all(|code| *code == BwCode::Null));
+    assert!(all(memory.address().wrapping_byte_add(1).cast()).iter().all(|code| *code == BwCode::Misaligned));
+    assert!(all(memory.address().cast()).iter().all(|code| *code == BwCode::NotInitialised));
+}
+
+#[test]
+fn a_copied_state_is_refused() {
+    let (mut memory, mut other) = (Memory::new(), Memory::new());
+    let state = memory.state(FILE).expect("good model");
+    call!(other.address().cast::<u8>().copy_from(state.cast::<u8>(), BW_STATE_SIZE));
+    assert!(all(other.address().cast()).iter().all(|code| *code == BwCode::NotInitialised));
+    assert_eq!(collect(state, 1), BwCode::Ok);
+}
+
+#[test]
+fn memory_that_is_wrong_is_refused() {
+    let mut memory = Memory::new();
+    let (own, model, length) = (memory.address(), FILE.as_ptr(), FILE.len());
+    let mut state = null_mut();
+    let place = &raw mut state;
+    call!({
+        assert_eq!(bw_init(null_mut(), BW_STATE_SIZE, model, length, place), BwCode::Null);
+        assert_eq!(bw_init(own, BW_STATE_SIZE, null(), length, place), BwCode::Null);
+        assert_eq!(bw_init(own, BW_STATE_SIZE, model, length, null_mut()), BwCode::Null);
+        for byte in 1..BW_STATE_ALIGN {
+            let memory = own.wrapping_byte_add(byte);
+            assert_eq!(bw_init(memory, BW_STATE_SIZE, model, length, place), BwCode::Misaligned, "{byte}");
+        }
+        for size in [0, 1, bw_state_size() - 1] {
+            assert_eq!(bw_init(own, size, model, length, place), BwCode::MemoryTooSmall, "{size}");
+        }
+        assert!((0.9..=1.0).contains(&(bw_state_size() as f64 / BW_STATE_SIZE as f64)), "{}", bw_state_size());
+        assert!(state.is_null());
+        assert_eq!(bw_init(own, BW_STATE_SIZE, model, length, place), BwCode::Ok);
+    });
+    assert_eq!(state.cast(), own);
+}
+
+#[test]
+fn models_that_are_wrong_are_refused_and_change_nothing() {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("good model");
+    assert_eq!(collect(state, 10), BwCode::Ok);
+    for length in 0..FILE.len() {
+        let expected = if length < 4 { BwCode::NotAModel } else { BwCode::ModelTruncated };
+        assert_eq!(memory.state(&FILE[..length]), Err(expected), "{length} bytes");
+    }
+    let changed = |place: usize, byte: u8| {
+        let mut bytes = FILE.to_vec();
+        bytes[place] = byte;
+        bytes
+    };
+    assert_eq!(memory.state(&changed(0, b'X')), Err(BwCode::NotAModel));
+    assert_eq!(memory.state(&changed(4, 1)), Err(BwCode::ModelVersion));
+    assert_eq!(memory.state(&changed(6, 1)), Err(BwCode::ModelValue), "header flags");
+    assert_eq!(memory.state(&changed(100, !FILE[100])), Err(BwCode::ModelChecksum));
+    assert_eq!(memory.state(&changed(FILE.len() - 1, !FILE[FILE.len() - 1])), Err(BwCode::ModelChecksum));
+    let mut pending = 0;
+    assert_eq!(call!(bw_pending(state, &raw mut pending)), BwCode::Ok);
+    assert_eq!(pending, 10, "the detector goes on");
+    assert_eq!(memory.state(&[FILE, &[0xFF; 300]].concat()), Ok(state), "the erased rest of a flash sector");
+    assert_eq!(call!(bw_pending(state, &raw mut pending)), BwCode::Ok);
+    assert_eq!(pending, 0, "initialised again");
+}
+
+#[test]
+fn a_model_that_is_too_large_is_refused() {
+    mod large {
+        use bearing_watch::plan::{Layout, ShaftLayout};
+        bearing_watch::plan! {
+            pub struct Large;
+            pub struct Sample with angle { current_a: "A", velocity_rad_s: "rad/s" }
+            layout: Layout {
+                shaft: Some(ShaftLayout {
+                    current: current_a,
+                    velocity: Some(velocity_rad_s),
+                    load: None,
+                    orders: 7,
+                    harmonics: 1,
+                }),
+                features: 1,
+                coordinates: 1,
+                classes: 1,
+                ..Layout::EMPTY
+            }
+        }
+    }
+    use bearing_watch::plan::Plan as _;
+    let layout = large::Large.layout();
+    assert_eq!(AnyModel::of(layout), None);
+    // The header and the layout of such a model, with a good checksum: the layout alone decides.
+    let regression = [layout.channels, 0];
+    let shaft = [1, 0, 0xFF, 1, 0xFF, 0xFF, 0xFF, 7, 1];
+    let rest = [0, 0, 1, 0, 1, 0, 1, 0];
+    let payload = [&regression[..], &shaft, &rest].concat();
+    let mut bytes =
+        [b"BWMD".as_slice(), &FILE[4..8], &(payload.len() as u32).to_le_bytes(), &[0; 4], &payload].concat();
+    bytes.extend(crc(&bytes).to_le_bytes());
+    assert_eq!(bearing_watch::model::layout(&bytes), Ok(layout));
+    assert_eq!(Memory::new().state(&bytes), Err(BwCode::ModelDoesNotFit));
+}
+
+/// CRC-32 of zip and Ethernet.
+fn crc(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(u32::MAX, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| if crc & 1 == 1 { (crc >> 1) ^ 0xEDB8_8320 } else { crc >> 1 })
+    })
+}
+
+#[test]
+fn samples_that_are_wrong_are_refused() {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("good model");
+    let (values, mut pending) = (SAMPLE.as_ptr(), 0);
+    call!({
+        for take in [bw_collect, bw_step] {
+            assert_eq!(take(state, null(), 3, 0), BwCode::Null);
+            assert_eq!(take(state, values.wrapping_byte_add(2), 2, 0), BwCode::Misaligned);
+            assert_eq!(take(state, values, 2, 0), BwCode::WrongChannelCount);
+            assert_eq!(take(state, [0.0; 4].as_ptr(), 4, 0), BwCode::WrongChannelCount);
+        }
+        assert_eq!(bw_pending(state, &raw mut pending), BwCode::Ok);
+    });
+    assert_eq!(pending, 0);
+}
+
+#[test]
+fn calls_out_of_order_are_harmless() {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("good model");
+    let (mut report, mut alarm) = (MaybeUninit::<BwReport>::uninit(), MaybeUninit::<BwAlarm>::uninit());
+    let (mut values, mut count) = ([0.0; 8], 0_usize);
+    call!({
+        assert_eq!([bw_advance(state), bw_conclude(state)], [BwCode::Idle; 2], "nothing to solve");
+        assert_eq!(bw_adopt(state), BwCode::NoReport);
+        assert_eq!(bw_report(state, report.as_mut_ptr()), BwCode::NoReport);
+        assert_eq!(bw_values(state, 0, values.as_mut_ptr(), 8, &raw mut count), BwCode::NoReport);
+        assert_eq!(bw_end_run(state), BwCode::Ok);
+    });
+    assert_eq!(collect(state, SEGMENT), BwCode::Segment);
+    assert_eq!(collect(state, SEGMENT), BwCode::SegmentLost, "the first one still waits");
+    call!({
+        assert_eq!(bw_advance(state), BwCode::Ok);
+        assert_eq!(bw_report(state, report.as_mut_ptr()), BwCode::NoReport, "being solved");
+        assert_eq!(bw_adopt(state), BwCode::NoReport);
+        assert_eq!(bw_restart(state), BwCode::Ok);
+    });
+    assert_eq!(collect(state, SEGMENT), BwCode::Segment, "the next one can wait while this one is solved");
+    call!({
+        assert_eq!(
+            [bw_conclude(state), bw_conclude(state), bw_conclude(state)],
+            [BwCode::Report, BwCode::Report, BwCode::Idle]
+        );
+        assert_eq!(bw_report(state, report.as_mut_ptr()), BwCode::Ok);
+        assert_eq!(bw_adopt(state), BwCode::NotAdopted, "least squares has no use for it");
+        let report = report.assume_init();
+        assert_eq!((report.segment, report.lost_segments, report.lost_samples), (2, 1, 0));
+        assert_eq!(bw_reset(state), BwCode::Ok);
+        assert_eq!(bw_report(state, null_mut()), BwCode::NoReport);
+        assert_eq!(bw_alarm(state, alarm.as_mut_ptr()), BwCode::Ok);
+        let alarm = alarm.assume_init();
+        assert_eq!((alarm.raised, alarm.segments, alarm.slope.is_nan()), (false, 0, true));
+        assert_eq!([bw_advance(state), bw_conclude(state)], [BwCode::Idle; 2]);
+    });
+}
+
+#[test]
+fn results_need_a_good_place() {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("good model");
+    assert_eq!(collect(state, SEGMENT), BwCode::Segment);
+    let (mut values, mut count) = ([0.0_f32; 8], 0_usize);
+    let (at, number) = (values.as_mut_ptr(), &raw mut count);
+    call!({
+        assert_eq!(bw_conclude(state), BwCode::Report);
+        assert_eq!([bw_report(state, null_mut()), bw_alarm(state, null_mut())], [BwCode::Null; 2]);
+        assert_eq!([bw_info(state, null_mut()), bw_pending(state, null_mut())], [BwCode::Null; 2]);
+        assert_eq!(bw_values(state, 0, null_mut(), 8, number), BwCode::Null);
+        assert_eq!(bw_values(state, 0, at, 8, null_mut()), BwCode::Null);
+        assert_eq!(bw_values(state, 0, at.wrapping_byte_add(1), 1, number), BwCode::Misaligned);
+        assert_eq!([bw_values(state, -1, at, 8, number), bw_values(state, 15, at, 8, number)], [BwCode::OutOfRange; 2]);
+        assert_eq!(
+            (bw_values(state, BwValues::Parameters as i32, at, 2, number), *number),
+            (BwCode::BufferTooSmall, 5)
+        );
+        assert_eq!((bw_values(state, BwValues::Friction as i32, at, 8, number), *number), (BwCode::Ok, 0));
+    });
+    assert_eq!(values[2..], [0.0; 6], "nothing is written beyond the capacity");
+}
+
+#[test]
+fn the_model_says_what_it_is() {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("good model");
+    let (mut info, mut name) = (MaybeUninit::<BwInfo>::uninit(), [1; 17]);
+    let label = name.as_mut_ptr();
+    call!({
+        assert_eq!(bw_info(state, info.as_mut_ptr()), BwCode::Ok);
+        let info = info.assume_init();
+        assert_eq!((info.channels, info.classes, info.features, info.orders), (3, 3, 5, 0));
+        assert_eq!((info.segment_samples, info.block_mean, info.needs_angle), (5000, 1, false));
+        assert_eq!(bw_label(state, 0, label, 17), BwCode::Ok);
+        assert_eq!(text(label), "healthy");
+        assert_eq!((bw_label(state, 0, label, 7), bw_label(state, 0, label, 8)), (BwCode::BufferTooSmall, BwCode::Ok));
+        assert_eq!(
+            (bw_label(state, 3, label, 17), bw_label(state, 0, null_mut(), 17)),
+            (BwCode::OutOfRange, BwCode::Null)
+        );
+        let channel = |place, name: &CStr, unit: &CStr| bw_check_channel(state, place, name.as_ptr(), unit.as_ptr());
+        assert_eq!(channel(2, c"load_torque_nm", c"N·m"), BwCode::Ok);
+        assert_eq!(
+            [channel(2, c"load_torque", c"N·m"), channel(2, c"load_torque_nm", c"Nm")],
+            [BwCode::ModelChannel; 2]
+        );
+        assert_eq!(channel(3, c"load_torque_nm", c"N·m"), BwCode::OutOfRange);
+        assert_eq!(bw_check_channel(state, 0, null(), c"A".as_ptr()), BwCode::Null);
+        assert_eq!(bw_check_channel(state, 0, c"current_a".as_ptr(), null()), BwCode::Null);
+        assert_eq!(
+            (bw_check_interval(state, 0.002), bw_check_interval(state, 0.0021)),
+            (BwCode::Ok, BwCode::ModelInterval)
+        );
+        assert_eq!((bw_check_park(state, 2), bw_check_park(state, 0)), (BwCode::Ok, BwCode::OutOfRange));
+    });
+}
+
+#[test]
+fn every_code_has_its_text() {
+    let texts: Vec<_> =
+        (-40..10).map(|code| text(bw_error_text(code))).filter(|text| *text != "unknown code").collect();
+    let distinct: std::collections::BTreeSet<_> = texts.iter().collect();
+    assert_eq!((texts.len(), distinct.len()), (24, 24), "{texts:?}");
+    assert_eq!(text(bw_error_text(i32::MIN)), "unknown code");
+    assert_eq!(text(bw_version()), env!("CARGO_PKG_VERSION"));
+    assert_eq!(bw_angle(1024, 12), 1 << 30);
+}
