@@ -75,6 +75,7 @@ mod factor;
 mod known_answers;
 pub mod model;
 pub mod plan;
+mod printable;
 mod reason;
 mod regression;
 mod sample;
@@ -86,10 +87,11 @@ pub use decide::{Alarm, Baseline, Cause, Decision, Evidence, Trend};
 pub use detector::{Detector, Report, Segment, Solver, Verdict};
 #[cfg(feature = "embedded-hal")]
 pub use drive::ad2s1210;
-pub use drive::{Abc, AlphaBeta, Angle, BlockMean, Dq0, FirDecimator, HalfBandDecimator, HalfBandTaps, Park, SinCos};
+pub use drive::{Abc, AlphaBeta, Angle, Dq0, Park, SinCos};
 pub use drive::{
     BalanceLimits, CurrentBalance, CurrentSensors, Imbalance, Phase, PhaseCounts, PhaseFaults, PhaseSensor,
 };
+pub use drive::{BlockMean, By, Decimate, Factor, FirDecimator, HalfBandDecimator, HalfBandTaps};
 pub use drive::{CalibrationError, CalibrationLimits, OffsetCalibration};
 pub use drive::{CleanSample, Faults, FrontEnd, FrontEndConstants, FrontEndError, RawSample, RotorFrame};
 pub use drive::{Lock, Position, PositionFaults, PositionTracker, Tracked, TrackingConstants};

@@ -28,11 +28,11 @@ pub fn front_end(mut show: impl FnMut(&dyn fmt::Display)) {
         }
     }
     parts(&constants, &mut motor);
-    match FrontEnd::<2, 2>::new(&opaque(constants)) {
+    match FrontEnd::<2, 8>::new(&opaque(constants)) {
         Ok(front_end) => chain(opaque(front_end), &mut motor),
         Err(error) => show(&error),
     }
-    match FrontEnd::<0, 0>::new(&opaque(constants)) {
+    match FrontEnd::<0, 10>::new(&opaque(constants)) {
         Ok(front_end) => chain(opaque(front_end), &mut Motor::<0>::new(opaque(Sensors::Converter))),
         Err(error) => show(&error),
     }
@@ -64,10 +64,12 @@ fn parts(constants: &FrontEndConstants, motor: &mut Motor<2>) {
     CurrentSensors::clear_faults(opaque(&mut sensors));
 }
 
-fn chain<const FURTHER: usize, const EARLY: usize>(
-    mut front_end: FrontEnd<FURTHER, EARLY>,
+fn chain<const FURTHER: usize, const FACTOR: usize>(
+    mut front_end: FrontEnd<FURTHER, FACTOR>,
     motor: &mut Motor<FURTHER>,
-) {
+) where
+    By<FACTOR>: Factor,
+{
     for _ in 0..opaque(500) {
         opaque(FrontEnd::push(&mut front_end, &opaque(motor.sample())));
     }

@@ -1,7 +1,7 @@
 //! Raw samples of a turning motor, and the bits of its front end.
 
 use bearing_watch::{
-    Angle, BalanceLimits, FrontEnd, FrontEndConstants, Park, PhaseCounts, PhaseSensor, Position, RawSample,
+    Angle, BalanceLimits, By, Factor, FrontEnd, FrontEndConstants, Park, PhaseCounts, PhaseSensor, Position, RawSample,
     ResolverLimits, RotorFrame, TrackingConstants,
 };
 
@@ -75,8 +75,11 @@ impl<const FURTHER: usize> Motor<FURTHER> {
 
 /// Hands every output of both kinds of sensors to `add`, for a hash: equal on host and target.
 pub fn bits(mut add: impl FnMut(&[f32])) {
-    fn one(sensors: Sensors, add: &mut impl FnMut(&[f32])) {
-        let Ok(mut front_end) = FrontEnd::<2, 2>::new(&CONSTANTS) else { return };
+    fn one<const FACTOR: usize>(sensors: Sensors, add: &mut impl FnMut(&[f32]))
+    where
+        By<FACTOR>: Factor,
+    {
+        let Ok(mut front_end) = FrontEnd::<2, FACTOR>::new(&CONSTANTS) else { return };
         let mut motor = Motor::<2>::new(sensors);
         for _ in 0..4000 {
             // The bits of a NaN differ between processors.
@@ -86,6 +89,7 @@ pub fn bits(mut add: impl FnMut(&[f32])) {
             }
         }
     }
-    one(Sensors::Resolver, &mut add);
-    one(Sensors::Converter, &mut add);
+    one::<8>(Sensors::Resolver, &mut add);
+    one::<10>(Sensors::Converter, &mut add);
+    one::<12>(Sensors::Converter, &mut add);
 }

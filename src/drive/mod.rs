@@ -29,7 +29,7 @@ pub use angle::{Angle, SinCos};
 pub use balance::{BalanceLimits, CurrentBalance, Imbalance};
 pub use calibration::{CalibrationError, CalibrationLimits, OffsetCalibration};
 pub use current::{CurrentSensors, Phase, PhaseCounts, PhaseFaults, PhaseSensor};
-pub use decimate::{BlockMean, FirDecimator, HalfBandDecimator, HalfBandTaps};
+pub use decimate::{BlockMean, By, Decimate, Factor, FirDecimator, HalfBandDecimator, HalfBandTaps};
 pub use frame::{Abc, AlphaBeta, Dq0, Park};
 pub use front_end::{CleanSample, Faults, FrontEnd, FrontEndConstants, FrontEndError, RawSample};
 pub use resolver::{ResolverFaults, ResolverLimits};

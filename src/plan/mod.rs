@@ -31,7 +31,7 @@ pub use size::{Array, Size};
 #[cfg(any(test, feature = "alloc"))]
 pub use size::Heap;
 #[doc(hidden)]
-pub use size::{Cells, Fixed, Item, Presence, Present, Printable};
+pub use size::{Cells, Fixed, Item, Presence, Present};
 pub use structure::Structure;
 
 pub(crate) use lengths::filter_cells;
@@ -40,6 +40,8 @@ pub(crate) use lengths::filter_cells;
 pub mod testing;
 
 use crate::drive::Angle;
+#[doc(hidden)]
+pub use crate::printable::Printable;
 
 /// One sample of all channels of a plan.
 pub trait Signals: Clone + PartialEq + Printable {

@@ -5,19 +5,7 @@
 //! length is known at run time only, and `Bounded` (feature `bounded`) for such a vector in an array of `N` places,
 //! without an allocator. A length of 0 or 1 stands for a part that a plan leaves out or has.
 
-use core::fmt::Debug;
-
-/// What can be printed: `Debug`, and with the feature `defmt` also `defmt::Format`.
-#[cfg(feature = "defmt")]
-pub trait Printable: Debug + defmt::Format {}
-#[cfg(feature = "defmt")]
-impl<T: Debug + defmt::Format> Printable for T {}
-
-/// What can be printed: `Debug`, and with the feature `defmt` also `defmt::Format`.
-#[cfg(not(feature = "defmt"))]
-pub trait Printable: Debug {}
-#[cfg(not(feature = "defmt"))]
-impl<T: Debug> Printable for T {}
+use crate::printable::Printable;
 
 /// An element of an array whose length a plan fixes.
 pub trait Item: Clone + PartialEq + Printable {}

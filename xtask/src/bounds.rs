@@ -20,7 +20,7 @@ pub struct Bound {
 }
 
 /// What is promised.
-pub const BOUNDS: [Bound; 53] = [
+pub const BOUNDS: [Bound; 55] = [
     bound("LS update", Some(8), 285),
     bound("LS update", Some(15), 735),
     bound("LS update, lambda 1", Some(8), 245),
@@ -41,6 +41,8 @@ pub const BOUNDS: [Bound; 53] = [
     bound("sin_cos + Clarke + Park", None, 60),
     bound("front end, converter, 2 currents, mean sample", Some(8), 415),
     bound("front end, converter, 2 currents, worst sample", Some(8), 480),
+    bound("front end, converter, 2 currents, mean sample", Some(10), 400),
+    bound("front end, converter, 2 currents, worst sample", Some(10), 600),
     bound("front end, resolver, 3 currents, 2 further, mean sample", Some(8), 620),
     bound("front end, resolver, 3 currents, 2 further, worst sample", Some(8), 750),
     bound("LS detector, collect, mean sample", Some(8), 460),

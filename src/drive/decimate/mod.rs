@@ -8,7 +8,8 @@
 //! | [`HalfBandDecimator`] | 2ˢ | −80 dB, up to 0.8 of the new Nyquist frequency | by 8: 147, 181; by 16: 148, 184 |
 //! | [`FirDecimator`] | any | depends on its taps | for the same bands, by 8: 313, 438; by 16: 315, 449 |
 //!
-//! All are causal with a constant delay and do not output the start-up transient. An odd factor must be the last:
+//! All are causal with a constant delay and do not output the start-up transient. [`By`] names the chain of a factor that
+//! [`FrontEnd`](crate::FrontEnd) uses. With a long filter of one's own, an odd factor can be the last:
 //!
 //! ```
 //! use bearing_watch::{FirDecimator, HalfBandDecimator, HalfBandTaps};
@@ -24,10 +25,12 @@
 //! measure_decimate`.
 
 pub mod block_mean;
+pub mod factor;
 pub mod fir;
 pub mod half_band;
 mod stage;
 
 pub use block_mean::BlockMean;
+pub use factor::{By, Decimate, Factor};
 pub use fir::FirDecimator;
 pub use half_band::{HalfBandDecimator, HalfBandTaps};

@@ -5,8 +5,8 @@
 
 use crate::drive::Angle;
 
-/// The delay of a half-band chain is below 16.5 outputs for any factor; one more cell holds the newest angle.
-const CELLS: u8 = 17;
+/// The delay of every chain of filters is below 16.5 outputs; one more cell holds the newest angle.
+pub(super) const CELLS: u8 = 17;
 
 /// The angles at the centres of the last and the next outputs.
 #[derive(Clone, Debug, PartialEq)]

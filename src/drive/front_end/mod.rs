@@ -18,17 +18,17 @@
 //! integers, and has the same delay as the other channels; its gain is sin(x)/x with x = 2π f T, 0.984 at 500 Hz and
 //! T = 100 µs.
 //!
-//! All channels pass the same half-band filters ([`HalfBandTaps::SHARP`]) and have the same delay,
-//! [`FrontEnd::DELAY`] samples: a sample of the detector is one instant.
+//! All channels pass the same filters ([`By`]) and have the same delay, [`FrontEnd::DELAY`] samples: a sample of the
+//! detector is one instant.
 //!
 //! **Faults.** A channel without a true value is NaN. The filters make those outputs NaN whose taps met it, 32 samples
 //! of the detector at most, and the detector refuses these. Without an angle there is no Park transform: current,
 //! velocity and angle are missing. While the three currents do not fit each other, the current is missing. A gap in the
 //! numbers of the samples makes every output NaN that has taps on both sides.
 //!
-//! **Cost** by 8 on a Cortex-M4F: 399 instructions on average and 459 at most with two currents and a converter; 597
-//! and 720 with three currents, a resolver and two further channels. The filters take 150 for the three own channels,
-//! and sine and cosine 39 each time.
+//! **Cost** by 8 on a Cortex-M4F: 394 instructions on average and 454 at most with two currents and a converter; 593
+//! and 715 with three currents, a resolver and two further channels. By 10 the former are 378 and 567. The filters take
+//! 150 for the three own channels, and sine and cosine 39 each time.
 
 mod constants;
 mod delay;
@@ -37,13 +37,13 @@ pub use constants::{FrontEndConstants, FrontEndError};
 
 use crate::drive::angle::RAD;
 use crate::drive::{
-    Angle, CurrentBalance, CurrentSensors, HalfBandDecimator, HalfBandTaps, Imbalance, Lock, PhaseCounts, PhaseFaults,
-    Position, PositionFaults, PositionTracker, RotorFrame, Tracked,
+    Angle, By, CurrentBalance, CurrentSensors, Decimate, Factor, Imbalance, Lock, PhaseCounts, PhaseFaults, Position,
+    PositionFaults, PositionTracker, RotorFrame, Tracked,
 };
-use delay::Centres;
+use delay::{CELLS, Centres};
 
 /// The filters of one or more channels.
-type Filters<const CH: usize, const EARLY: usize> = HalfBandDecimator<CH, EARLY, 4, 13>;
+type Filters<const CH: usize, const FACTOR: usize> = <By<FACTOR> as Factor>::Chain<CH>;
 
 /// What the drive reads at one instant of its control loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,8 +124,8 @@ impl<const FURTHER: usize> Held<FURTHER> {
     };
 }
 
-/// Raw samples at the control rate → clean samples, by 2^(`EARLY` + 1), with `FURTHER` channels besides current,
-/// velocity and angle.
+/// Raw samples at the control rate → clean samples, one of `FACTOR`, with `FURTHER` channels besides current, velocity
+/// and angle. There are filters for the factors 1, 2, 4, 8, 16, 32, 6, 12, 24, 48, 10, 20 and 40.
 ///
 /// ```
 /// # mod model { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/support/standard_rig/model.rs")); }
@@ -134,7 +134,7 @@ impl<const FURTHER: usize> Held<FURTHER> {
 ///
 /// // 4 kHz → 500 Hz, with two further channels: command and load.
 /// const SENSOR: PhaseSensor = PhaseSensor { offset_counts: 2048.0, gain_a: 0.01, usable: [16, 4079] };
-/// let mut front_end = FrontEnd::<2, 2>::new(&FrontEndConstants {
+/// let mut front_end = FrontEnd::<2, 8>::new(&FrontEndConstants {
 ///     control_rate_hz: 4000.0,
 ///     sensors: [SENSOR; 3],
 ///     stuck_samples: 0,
@@ -166,7 +166,10 @@ impl<const FURTHER: usize> Held<FURTHER> {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct FrontEnd<const FURTHER: usize, const EARLY: usize> {
+pub struct FrontEnd<const FURTHER: usize, const FACTOR: usize>
+where
+    By<FACTOR>: Factor,
+{
     sensors: CurrentSensors,
     balance: CurrentBalance,
     tracker: PositionTracker,
@@ -179,12 +182,12 @@ pub struct FrontEnd<const FURTHER: usize, const EARLY: usize> {
     /// Angles measured in a row, at most three: as many as (3) needs.
     measured: u8,
     /// Decimates current, velocity and error of the angle.
-    filters: Filters<3, EARLY>,
+    filters: Filters<3, FACTOR>,
     /// Decimates the further channels.
-    further: Filters<FURTHER, EARLY>,
+    further: Filters<FURTHER, FACTOR>,
     centres: Centres,
-    /// Samples given to the filters.
-    filtered: u32,
+    /// Samples until the next centre of an output.
+    to_centre: u16,
     /// The number that the next sample must have.
     next: Option<u32>,
     /// Samples to spoil after a gap.
@@ -192,21 +195,30 @@ pub struct FrontEnd<const FURTHER: usize, const EARLY: usize> {
     gaps: u32,
 }
 
-/// One in two taps of a half-band filter is zero: two spoilt samples meet every filter that has taps on both sides.
+/// One in two taps of a half-band filter is zero: two spoilt samples meet every filter that has taps on both sides. A
+/// low-pass before it makes of them two or more spoilt outputs.
 const SPOILT: u8 = 2;
 
-impl<const FURTHER: usize, const EARLY: usize> FrontEnd<FURTHER, EARLY> {
+impl<const FURTHER: usize, const FACTOR: usize> FrontEnd<FURTHER, FACTOR>
+where
+    By<FACTOR>: Factor,
+{
     /// Number of raw samples per clean sample.
-    pub const FACTOR: usize = Filters::<3, EARLY>::FACTOR;
+    pub const FACTOR: usize = FACTOR;
+    /// Samples between the centre of the taps of an output and the call that returns it.
+    const LAG: usize = Filters::<3, FACTOR>::DELAY + Filters::<3, FACTOR>::LATENCY;
     /// Raw samples between the instant of a clean sample and the call that returns it.
-    pub const DELAY: usize = Filters::<3, EARLY>::DELAY + Filters::<3, EARLY>::LATENCY + 1;
-    const MASK: u32 = (1 << (EARLY + 1)) - 1;
-    /// Samples, modulo the factor, that are the centre of an output.
-    #[expect(clippy::cast_possible_truncation, reason = "only the part below the factor is used")]
-    const CENTRE: u32 = Self::MASK.wrapping_sub(Filters::<3, EARLY>::DELAY as u32) & Self::MASK;
+    pub const DELAY: usize = Self::LAG + 1;
+    /// Samples before the first centre of an output.
+    #[expect(clippy::cast_possible_truncation, reason = "below the factor, at most 48")]
+    const FIRST_CENTRE: u16 =
+        ((Filters::<3, FACTOR>::NEWEST + FACTOR * CELLS as usize - Filters::<3, FACTOR>::DELAY) % FACTOR) as u16;
     /// Centres kept since that of an output.
-    #[expect(clippy::cast_possible_truncation, reason = "a delay of less than 16.5 outputs")]
-    const BACK: u8 = ((Self::DELAY - 1) >> (EARLY + 1)) as u8;
+    #[expect(clippy::cast_possible_truncation, reason = "checked")]
+    const BACK: u8 = {
+        assert!(Self::LAG / FACTOR < CELLS as usize, "cells for the delay");
+        (Self::LAG / FACTOR) as u8
+    };
 
     /// Checks the constants and creates a chain without samples.
     ///
@@ -223,10 +235,10 @@ impl<const FURTHER: usize, const EARLY: usize> FrontEnd<FURTHER, EARLY> {
             held: Held::MISSING,
             before: Angle::ZERO,
             measured: 0,
-            filters: Filters::new(),
-            further: Filters::new(),
+            filters: Filters::<3, FACTOR>::NEW,
+            further: Filters::<FURTHER, FACTOR>::NEW,
             centres: Centres::NEW,
-            filtered: 0,
+            to_centre: Self::FIRST_CENTRE,
             next: None,
             spoilt: 0,
             gaps: 0,
@@ -274,12 +286,13 @@ impl<const FURTHER: usize, const EARLY: usize> FrontEnd<FURTHER, EARLY> {
     #[expect(clippy::cast_possible_truncation, reason = "an error of the angle below π; `as` saturates")]
     fn filter(&mut self, held: Held<FURTHER>, velocity_rad_s: f32) -> Option<CleanSample<FURTHER>> {
         let (own, further) = ([held.current_a, velocity_rad_s, held.error_rad], held.further);
-        if self.filtered & Self::MASK == Self::CENTRE {
+        if self.to_centre == 0 {
             self.centres.put(held.angle);
+            self.to_centre = const { FACTOR as u16 };
         }
-        self.filtered = self.filtered.wrapping_add(1);
-        let further = self.further.push(&HalfBandTaps::SHARP, further);
-        let [current_a, velocity_rad_s, error_rad] = self.filters.push(&HalfBandTaps::SHARP, own)?;
+        self.to_centre = self.to_centre.wrapping_sub(1);
+        let further = self.further.push(further);
+        let [current_a, velocity_rad_s, error_rad] = self.filters.push(own)?;
         let angle = self.centres.get(Self::BACK).turned((error_rad * (1.0 / RAD)) as i32); // (1)
         Some(CleanSample { current_a, velocity_rad_s, angle, further: further.unwrap_or([f32::NAN; FURTHER]) })
     }

@@ -82,16 +82,19 @@ impl Drive {
 /// its error, and 3·10⁻⁴ of 0.002 rad. A sample of delay would be 0.1 A, 0.15 rad/s, 0.01 rad and 0.3.
 const TOLERANCES: [f64; 4] = [3e-3, 5e-3, 2e-5, 2e-3];
 
-fn aligned<const EARLY: usize>() {
-    let mut front_end = FrontEnd::<2, EARLY>::new(&CONSTANTS).unwrap();
-    let factor = FrontEnd::<2, EARLY>::FACTOR;
+fn aligned<const FACTOR: usize>()
+where
+    By<FACTOR>: Factor,
+{
+    let mut front_end = FrontEnd::<2, FACTOR>::new(&CONSTANTS).unwrap();
+    let factor = FrontEnd::<2, FACTOR>::FACTOR;
     let drive = Drive { passed_hz: 0.25 * RATE_HZ / factor as f64 };
     let (mut worst, mut outputs) = ([0.0_f64; 4], 0);
     for number in 0..40_000 {
         let Some(clean) = front_end.push(&drive.raw(number, if factor > 4 { 1.5 } else { 0.0 })) else { continue };
         outputs += 1;
-        if number as usize > 2 * FrontEnd::<2, EARLY>::DELAY + 100 {
-            let departures = drive.departures(&clean, number as usize - FrontEnd::<2, EARLY>::DELAY);
+        if number as usize > 2 * FrontEnd::<2, FACTOR>::DELAY + 100 {
+            let departures = drive.departures(&clean, number as usize - FrontEnd::<2, FACTOR>::DELAY);
             worst.iter_mut().zip(departures).for_each(|(w, d)| *w = if d > *w || d.is_nan() { d } else { *w });
         }
     }
@@ -105,15 +108,24 @@ fn aligned<const EARLY: usize>() {
 fn all_channels_are_those_of_one_instant() {
     aligned::<1>();
     aligned::<2>();
-    aligned::<3>();
     aligned::<4>();
+    aligned::<8>();
+    aligned::<16>();
+    aligned::<32>();
+    aligned::<6>();
+    aligned::<12>();
+    aligned::<24>();
+    aligned::<48>();
+    aligned::<10>();
+    aligned::<20>();
+    aligned::<40>();
 }
 
 /// The clean samples by 8 of raw samples that `change` has changed, with the number of the instant of each; all that is
 /// not missing must be true.
 fn cleaned(samples: u32, mut change: impl FnMut(&mut RawSample<2>)) -> (Vec<(u32, CleanSample<2>)>, Faults) {
-    let mut front_end = FrontEnd::<2, 2>::new(&CONSTANTS).unwrap();
-    let (drive, delay) = (Drive { passed_hz: 300.0 }, FrontEnd::<2, 2>::DELAY);
+    let mut front_end = FrontEnd::<2, 8>::new(&CONSTANTS).unwrap();
+    let (drive, delay) = (Drive { passed_hz: 300.0 }, FrontEnd::<2, 8>::DELAY);
     let (mut taken, mut outputs) = (Vec::new(), Vec::new());
     for number in 0..samples {
         let mut raw = drive.raw(number, 0.0);
@@ -234,7 +246,7 @@ fn no_sample_is_wrong_whatever_fails() {
 
 #[test]
 fn a_wrong_gain_is_named_and_stops_the_current_until_it_is_right() {
-    let mut front_end = FrontEnd::<2, 2>::new(&CONSTANTS).unwrap();
+    let mut front_end = FrontEnd::<2, 8>::new(&CONSTANTS).unwrap();
     let drive = Drive { passed_hz: 300.0 };
     let mut seen = None;
     for number in 0..10_000 {
@@ -264,7 +276,7 @@ fn constants_out_of_range_are_refused_by_name() {
     let refused = |change: fn(&mut FrontEndConstants)| {
         let mut constants = CONSTANTS;
         change(&mut constants);
-        FrontEnd::<0, 2>::new(&constants).err()
+        FrontEnd::<0, 8>::new(&constants).err()
     };
     assert_eq!(refused(|_| {}), None);
     assert_eq!(refused(|c| c.control_rate_hz = f32::NAN), Some(FrontEndError::ControlRate));

@@ -2,32 +2,21 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Designs the filter with the least maximum error in the pass band, by least squares whose weights increase where the
-/// error is large (Lawson's method).
+use super::minimax::minimax;
+
+/// Designs the filter with the least maximum error in the pass band.
 ///
 /// `pairs` is the number of pairs of equal taps, outermost first; `pass_band` is a fraction of the filter's own
 /// sampling rate, below 0.25. The stop band begins at 0.5 − `pass_band`. The gain for constants is one.
 #[must_use]
 pub fn design(pairs: usize, pass_band: f64) -> Vec<f64> {
     const FREQUENCIES: usize = 400;
-    const ROUNDS: usize = 200;
     // Response without the middle tap, which must be ½ in the pass band: Σ 2 c(k) cos(2π f (2k + 1)).
     let frequency = |row: usize| pass_band * row as f64 / (FREQUENCIES - 1) as f64;
     let cosines = DMatrix::from_fn(FREQUENCIES, pairs, |row, k| {
         2.0 * (std::f64::consts::TAU * frequency(row) * (2 * k + 1) as f64).cos()
     });
-    let half = DVector::from_element(FREQUENCIES, 0.5);
-    let mut weights = DVector::from_element(FREQUENCIES, 1.0 / FREQUENCIES as f64);
-    let mut taps = DVector::zeros(pairs);
-    for _ in 0..ROUNDS {
-        let roots = weights.map(f64::sqrt);
-        let weighted = DMatrix::from_fn(FREQUENCIES, pairs, |row, k| roots[row] * cosines[(row, k)]);
-        let (q, r) = weighted.qr().unpack();
-        let target = q.transpose() * roots.component_mul(&half);
-        taps = r.solve_upper_triangular(&target).unwrap_or(taps);
-        weights.component_mul_assign(&(&cosines * &taps - &half).abs());
-        weights /= weights.sum();
-    }
+    let taps = minimax(&cosines, &DVector::from_element(FREQUENCIES, 0.5));
     let to_one = 0.25 / taps.sum();
     taps.iter().rev().map(|tap| tap * to_one).collect()
 }

@@ -3,6 +3,8 @@
 mod csv_reader;
 pub mod half_band;
 pub mod labels;
+pub mod low_pass;
+mod minimax;
 pub mod prepare;
 mod record;
 

@@ -24,7 +24,10 @@ fn the_main_job_from_files_to_files() {
     let sample = r#"pub struct Sample { current_a: "A", velocity_ref_rad_s: "rad/s", load_torque_nm: "N·m" }"#;
     assert!(source.contains(sample) && source.contains("pub static MODEL: Model<Drive>"), "{source}");
     let header = std::fs::read_to_string(dir.join("m.h")).expect("header");
-    assert!(header.contains("BW_MODEL_CHANNEL_LOAD_TORQUE_NM = 2") && header.contains(" *   "), "{header}");
+    assert!(
+        header.contains("BW_MODEL_CHANNEL_LOAD_TORQUE_NM = 2") && header.contains(" * Estimated by least squares"),
+        "{header}"
+    );
     let page = std::fs::read_to_string(dir.join("m.html")).expect("page");
     assert!(page.contains("<svg") && !page.contains("http://") | page.contains("w3.org"), "self-contained");
 
