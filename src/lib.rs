@@ -91,7 +91,7 @@ pub use drive::{Abc, AlphaBeta, Angle, Dq0, Park, SinCos};
 pub use drive::{
     BalanceLimits, CurrentBalance, CurrentSensors, Imbalance, Phase, PhaseCounts, PhaseFaults, PhaseSensor,
 };
-pub use drive::{BlockMean, By, Decimate, Factor, FirDecimator, HalfBandDecimator, HalfBandTaps};
+pub use drive::{BlockMean, By, Factor, FirDecimator, HalfBandDecimator, HalfBandTaps};
 pub use drive::{CalibrationError, CalibrationLimits, OffsetCalibration};
 pub use drive::{CleanSample, Faults, FrontEnd, FrontEndConstants, FrontEndError, RawSample, RotorFrame};
 pub use drive::{Lock, Position, PositionFaults, PositionTracker, Tracked, TrackingConstants};
