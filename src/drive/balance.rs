@@ -11,7 +11,8 @@
 //! A sample is taken when the electrical angle has moved by 1/16 turn since the last one, so that the means ⟨·⟩ are
 //! about uniform over the angle and nothing is concluded from a current that stands still: at some angles a phase
 //! carries none. A phase is named for its gain if it explains at least 80 % of s and no other one more than 60 % (over
-//! a turn: 100 and 25 %). (5) is only concluded if the window contains all octants.
+//! a turn: 100 and 25 %); a phase without current (5) has no gain. (5) is only concluded if the window contains all
+//! octants.
 //!
 //! A common error of all three gains leaves the sum at zero and is not seen. Cost: nine numbers of state; a sum of six
 //! products at most 16 times an electrical turn.
@@ -175,7 +176,7 @@ impl CurrentBalance {
                 }
             }
         }
-        unbalanced.then(|| named(ss, [sa, sb, sc], squares))
+        unbalanced.then(|| named(ss, [sa, sb, sc], squares, floor))
     }
 
     /// What the last closed window found; `None` if the currents were balanced.
@@ -197,10 +198,11 @@ impl CurrentBalance {
     }
 }
 
-/// The phase whose gain explains the sum.
-fn named(ss: f32, products: [f32; 3], squares: [f32; 3]) -> Imbalance {
+/// The phase whose gain explains the sum, among those with a mean square of at least `floor`.
+fn named(ss: f32, products: [f32; 3], squares: [f32; 3], floor: f32) -> Imbalance {
     let (mut best, mut second) = ((0.0, Phase::A, 0.0), 0.0);
-    for ((product, square), phase) in products.into_iter().zip(squares).zip(Phase::ALL) {
+    let carry_current = products.into_iter().zip(squares).zip(Phase::ALL).filter(|((_, square), _)| *square >= floor);
+    for ((product, square), phase) in carry_current {
         let explained = product * product / (ss * square); // (3)
         if explained > best.0 {
             second = best.0;
@@ -294,6 +296,20 @@ mod tests {
             };
             assert_eq!(found(10.0, 100.0, [1.0; 3], open), Some(Imbalance::Open(phase)));
         }
+    }
+
+    #[test]
+    fn a_silent_sensor_has_no_gain_error_at_a_current_too_small_to_name_it() {
+        let limits = BalanceLimits { noise_a: 1.0, ..LIMITS };
+        let mut balance = CurrentBalance::new(limits);
+        for k in 0..20_000 {
+            let angle = core::f64::consts::TAU * f64::from(k) / 200.0;
+            let [a, b, _] = three(5.0, angle).map(|i| i as f32);
+            let electrical = Angle::from_bits((f64::from(k % 200) / 200.0 * 4_294_967_296.0) as u32);
+            let _ = balance.push(Abc { a, b, c: 0.0 }, electrical);
+        }
+        // 12.5 A² are less than 50 times the square of the noise.
+        assert_eq!(balance.imbalance(), Some(Imbalance::Unnamed));
     }
 
     #[test]
