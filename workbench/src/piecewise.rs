@@ -243,7 +243,7 @@ mod tests {
             y.push(0.9 * y[t - 1] + 0.5 * u1[t - 1] - 0.2 * u2[t - 1]);
         }
         let trace =
-            Trace { id: "x".into(), interval_s: None, irregular_steps: 0, y, u1, u2, motion: None, further: vec![] };
+            Trace { id: "x".into(), interval_s: None, irregular_steps: 0, y, u1, u2, motion: None, ..Trace::default() };
         let pieces = estimate(&trace, &Cutting { min_samples: 100, ..Cutting::default() }).expect("runs");
         assert!(pieces.runs.len() > 8);
         for theta in &pieces.theta {

@@ -22,7 +22,7 @@ fn agrees_with_the_workbench_in_open_loop() {
             u1,
             u2,
             motion: None,
-            further: vec![],
+            ..Trace::default()
         };
         let other = estimate(&trace, structure, Method::Sriv).expect("well posed");
         let (own, passes) =

@@ -30,7 +30,7 @@ fn offline(x: &[f64]) -> Vec<f64> {
         u2: y.clone(),
         y,
         motion: None,
-        further: vec![],
+        ..Trace::default()
     };
     Preparation { block_mean: 1, decimate: FACTOR }.apply(&trace).expect("long enough").y
 }

@@ -129,7 +129,7 @@ fn what_is_not_excited_is_said_by_both_halves() {
         u1,
         u2,
         motion: None,
-        further: vec![],
+        ..Trace::default()
     };
     let swinging = (0..5000).map(|k| f64::from(k).sin()).collect();
     let steady = trace("steady", [swinging, vec![2.0; 5000], vec![0.5; 5000]]);

@@ -277,7 +277,7 @@ fn what_does_not_converge_is_flagged_and_finite() {
             u1,
             u2,
             motion: None,
-            further: vec![],
+            ..Trace::default()
         };
         for method in ALL {
             let Ok(found) = estimate(&trace, structure, method) else { continue };

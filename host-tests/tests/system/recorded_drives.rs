@@ -79,7 +79,7 @@ fn first_order(folder: &Path, file: &str) -> Trace {
         u1: force,
         u2: direction,
         motion: None,
-        further: vec![],
+        ..Trace::default()
     };
     Preparation { block_mean: 5, decimate: 1 }.apply(&trace).expect("long enough")
 }
@@ -118,7 +118,7 @@ fn dynamometer(folder: &Path, file: &str) -> [Trace; 2] {
         u1: u1[range.clone()].to_vec(),
         u2: u2[range].to_vec(),
         motion: None,
-        further: vec![],
+        ..Trace::default()
     };
     [cut(0..half), cut(half..y.len())]
 }

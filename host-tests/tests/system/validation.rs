@@ -75,7 +75,7 @@ impl System {
             u1: kept(u1),
             u2: kept(u2),
             motion: None,
-            further: vec![],
+            ..Trace::default()
         }
     }
 }
@@ -230,7 +230,7 @@ fn rig_trace(seed: u64, error: bool) -> Trace {
         u1,
         u2: rig.load_torque_nm,
         motion: None,
-        further: vec![],
+        ..Trace::default()
     }
 }
 

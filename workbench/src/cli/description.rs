@@ -39,6 +39,7 @@ pub(super) fn lines(trained: &Trained, channels: &Channels, host: Preparation) -
     let Preparation { block_mean, decimate } = host;
     let step_s = trained.interval_s as f32;
     let mut fed = match (block_mean, decimate) {
+        (1, 1) if channels.front_end.is_some() => "Feed every sample of the front end".to_string(),
         (1, 1) => "Feed every sample as recorded".to_string(),
         (_, 1) => format!("Feed means of {block_mean} recorded samples"),
         (1, _) => format!("Feed every {decimate}-th recorded sample behind an anti-alias filter"),

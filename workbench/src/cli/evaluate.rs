@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use bearing_watch::Counts;
 
-use super::args::traces::{SelectionArgs, warn_irregular};
+use super::args::traces::{SelectionArgs, warn_irregular, warn_refused};
 use super::model_file::{check_rate, prepare, read_model};
 use super::output;
 use crate::Error;
@@ -66,6 +66,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         output::warn(format!("{seen} of {} traces were trained on: the rates flatter the model", traces.len()));
     }
     warn_irregular(traces.iter().map(|t| &t.trace));
+    warn_refused(traces.iter().map(|t| &t.trace));
     check_rate(&model, notes.preparation(), traces.iter().map(|t| &t.trace))?;
     let runs = selection.groups(args.group.as_deref(), &traces)?;
     if runs.is_some() && model.healthy().is_none() {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::Error;
 use crate::core::Embedded;
 use crate::trace::labels::LabelledTrace;
-use crate::trace::{self, Channels, Preparation, ShaftChannels, Trace, same_interval};
+use crate::trace::{self, Channels, FrontEndFile, Preparation, ShaftChannels, Trace, same_interval};
 
 /// Returns an error if the sampling rate of a trace differs from that of the model. The model's interval is the one
 /// after the preparation on the host.
@@ -46,6 +46,9 @@ pub(super) struct Notes {
     /// Columns that are used for their averages alone.
     #[serde(default)]
     further: Vec<String>,
+    /// The front end that the recordings pass.
+    #[serde(default)]
+    pub(super) front_end: Option<FrontEndFile>,
     /// Preparation on the host, before the detector.
     host_block_mean: usize,
     decimate: usize,
@@ -65,13 +68,14 @@ impl Notes {
         (features, orders): (&[String], Vec<String>),
         training: &[LabelledTrace],
     ) -> Self {
-        let Channels { y, u1, u2, shaft, further } = channels.clone();
+        let Channels { y, u1, u2, shaft, further, front_end } = channels.clone();
         Self {
             y,
             u1,
             u2,
             shaft,
             further,
+            front_end,
             host_block_mean: host.block_mean,
             decimate: host.decimate,
             orders,
@@ -84,6 +88,7 @@ impl Notes {
         Channels {
             shaft: self.shaft.clone(),
             further: self.further.clone(),
+            front_end: self.front_end.clone(),
             ..Channels::new(&self.y, &self.u1, &self.u2)
         }
     }

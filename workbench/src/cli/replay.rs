@@ -6,13 +6,15 @@ use bearing_watch::plan::RunTime;
 use bearing_watch::{Baseline, FrictionTerm, Trend};
 use serde_json::json;
 
-use super::args::traces::warn_irregular;
-use super::model_file::{check_rate, read_model};
+use super::args::traces::{warn_irregular, warn_refused};
+use super::model_file::{Notes, check_rate, read_model};
 use super::output;
 use crate::Error;
 use crate::core::{Embedded, SegmentReport, Watched, denied, features, stuck_channels};
 use crate::identify::Terms;
+use crate::trace::front_end::raw_rows;
 use crate::trace::{self, Trace};
+use crate::train::front_end_source::further_channels;
 
 /// Run traces through the embedded detector and print its verdict on every segment, and the alarm
 ///
@@ -36,6 +38,9 @@ pub(super) struct Args {
     /// evidence. Without it, a run ends after the number of segments in the model
     #[arg(long)]
     run_a_trace: bool,
+    /// Also writes the rows of one recording as the drive reads them, for `cargo xtask pil`; the model needs a front end
+    #[arg(long, value_name = "FILE")]
+    rows: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -47,7 +52,9 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let mut baseline = args.baseline(&model)?;
     let traces = trace::read(&args.traces, &notes.channels())?;
     warn_irregular(traces.iter());
+    warn_refused(traces.iter());
     check_rate(&model, notes.preparation(), traces.iter())?;
+    args.write_rows(&model, &notes)?;
     let (mut watcher, mut raised, mut trend) = (model.watcher(), false, None);
     for trace in traces {
         let prepared = notes.preparation().apply(&trace)?;
@@ -88,6 +95,16 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
 }
 
 impl Args {
+    fn write_rows(&self, model: &Embedded, notes: &Notes) -> Result<(), Error> {
+        let Some(file) = &self.rows else { return Ok(()) };
+        let ([trace], Some(front_end)) = (&self.traces[..], &notes.front_end) else {
+            return Err(Error::Usage(
+                "--rows takes one recording, and a model that was trained with --front-end".into(),
+            ));
+        };
+        output::write(file, raw_rows(trace, front_end, &further_channels(model.model()))?)
+    }
+
     fn baseline(&self, model: &Embedded) -> Result<Option<Baseline<RunTime>>, Error> {
         let Some(segments) = self.follow else { return Ok(None) };
         let refuse = || {

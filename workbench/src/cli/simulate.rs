@@ -14,6 +14,7 @@ use super::output;
 use crate::Error;
 use crate::rig::ema::Race;
 use crate::rig::{DefectKind, Waveform, trace_seed};
+use crate::trace::FrontEndFile;
 
 /// Simulate traces of a rig: one CSV a trace, and labels.csv
 #[derive(Debug, clap::Args)]
@@ -32,6 +33,7 @@ The same seed draws the same noise under every condition; take another one for t
 Traces of the EMA rig start with ema (ema-outer for a spall of the outer race). They have the position command and the \
 measured position, the velocity command, the q and d currents from the phase currents and the resolver (current_a, \
 current_d_a; positive drives forward), the phase currents, resolver_counts, load_n, and the commanded dq voltages. \
+With rows at 2 kHz or more and no held values (--log-every 1) there is front_end.toml, for --front-end. \
 standard and mix are those of the chosen rig. roughness is lost lubrication, and spall-and-roughness is the degraded \
 actuator of the thesis.")]
 pub(super) struct Args {
@@ -100,6 +102,8 @@ trait Experiment: Sync {
     fn prefix(&self, kind: DefectKind) -> Option<&'static str>;
     /// Last part of the file names of a class.
     fn suffix(&self) -> Option<&'static str>;
+    /// The front end of the traces, if they are raw samples.
+    fn front_end(&self) -> Option<FrontEndFile>;
     /// Simulates one trace.
     fn simulate(&self, kind: DefectKind, seed: u64) -> Result<Simulated, Error>;
 }
@@ -138,6 +142,10 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         .collect::<Result<Vec<_>, Error>>()?;
     bar.finish_and_clear();
     files::write_labels(&labels, &old, &rows)?;
+    if let Some(front_end) = experiment.front_end() {
+        let text = front_end.to_text().map_err(|error| Error::Usage(format!("front_end.toml: {error}")))?;
+        output::write(&args.out.join("front_end.toml"), text)?;
+    }
     output::say(format!("{} traces and labels.csv in {}", rows.len(), args.out.display()))
 }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use super::args::traces::{ChannelArgs, PreparationArgs, warn_irregular};
+use super::args::traces::{ChannelArgs, PreparationArgs, refuse_gaps, warn_irregular};
 use super::output;
 use crate::Error;
 use crate::identify::{Structure, Terms, parse_order};
@@ -87,8 +87,9 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
 impl Args {
     fn read(&self, path: &Path) -> Result<Vec<Trace>, Error> {
         let preparation = self.preparation.preparation()?;
-        let traces = trace::read(&[path.to_path_buf()], &self.channels.channels())?;
+        let traces = trace::read(&[path.to_path_buf()], &self.channels.channels()?)?;
         warn_irregular(traces.iter());
+        traces.iter().try_for_each(refuse_gaps)?;
         traces.iter().map(|trace| preparation.apply(trace)).collect()
     }
 
@@ -108,7 +109,7 @@ impl Args {
     }
 
     fn lead(&self, count: usize, train: &[Trace], validate: &[Trace]) -> String {
-        let crate::trace::Channels { y, u1, u2, .. } = self.channels.channels();
+        let crate::trace::Channels { y, u1, u2, .. } = self.channels.signals();
         let ids = |traces: &[Trace]| match traces {
             [one] => one.id.clone(),
             [first, ..] => format!("{} traces from {}", traces.len(), first.id),

@@ -14,7 +14,7 @@ use super::args::estimation::EstimationArgs;
 use super::args::odds::{costs, priors};
 use super::args::shaft::ShaftArgs;
 use super::args::traces::{
-    ChannelArgs, PreparationArgs, Selection, SelectionArgs, StructureArgs, ValidationArgs, warn_irregular,
+    ChannelArgs, PreparationArgs, Selection, SelectionArgs, StructureArgs, ValidationArgs, warn_irregular, warn_refused,
 };
 use super::description::{self, estimated_by, method_word};
 use super::evidence::{self, Orders};
@@ -25,8 +25,9 @@ use crate::core::features;
 use crate::evaluate::{self, Confusion, FalseAlarms};
 use crate::report::pages::model::{self, Worth};
 use crate::trace::labels::LabelledTrace;
-use crate::trace::{Channels, Condition, Preparation};
+use crate::trace::{Channels, Condition, FrontEndFile, Preparation};
 use crate::train::c_header::c_header;
+use crate::train::front_end_source::front_end_source;
 use crate::train::{
     Choice, Explained, Forward, Keep, ProjectionKind, Ranking, Recipe, Scores, ShaftPlan, Shrink, Shrinkage, Trained,
     Validation, VelocitySource, export,
@@ -162,7 +163,7 @@ enum DiscriminantKind {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
-    let mut channels = args.channels.channels();
+    let mut channels = args.channels.channels()?;
     let (shaft_channels, plan) = args.shaft.shaft(&channels.y)?.unzip();
     channels.shaft = shaft_channels;
     let preparation = args.preparation.preparation()?;
@@ -175,8 +176,10 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     output::plan(&files.into_iter().flatten().collect::<Vec<_>>(), &selection.inputs(&args.selection.labels))?;
     let (classes, training) = selection.rows(&args.train_where)?;
     warn_irregular(training.iter().map(|t| &t.trace));
+    warn_refused(training.iter().map(|t| &t.trace));
     let validation = args.validation.validation(&selection, &training)?;
-    let mut recipe = Recipe { validation, columns: channels.clone(), ..args.recipe(&classes, plan)? };
+    let park = args.park(&channels)?;
+    let mut recipe = Recipe { validation, park, columns: channels.clone(), ..args.recipe(&classes, plan)? };
     recipe.alarms.by_run = !recipe.validation.groups.is_empty();
     let prepared = prepare(&training, preparation)?;
     let mut trained = crate::train::train(&prepared, &classes, &recipe)?;
@@ -195,8 +198,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         &training,
     );
     let bytes = trained.to_bytes(&notes.to_text())?;
-    let rust = args.rust.as_ref().map(|_| export::rust_source(&trained, &description));
-    let rust = rust.transpose()?;
+    let rust = args.rust.as_ref().map(|_| rust_source(&trained, &description, &channels)).transpose()?;
     let c = args.c.as_ref().map(|_| c_header(&trained.to_core()?, &description)).transpose()?;
 
     let held_out = args.evaluate(&selection, &trained, &training, &classes, host)?;
@@ -220,6 +222,17 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
 }
 
 impl Args {
+    /// The sign convention of the recordings: that of the front end, if there is one.
+    fn park(&self, channels: &Channels) -> Result<Option<Park>, Error> {
+        let asked = self.park.map(ParkConvention::core);
+        match (asked, channels.front_end.as_ref().map(FrontEndFile::park)) {
+            (Some(asked), Some(own)) if asked != own => {
+                Err(Error::Usage("--park differs from the convention of --front-end".into()))
+            }
+            (asked, own) => Ok(own.or(asked)),
+        }
+    }
+
     /// Adds the columns that averages name and no other part uses.
     fn with_averaged_columns(
         &self,
@@ -252,7 +265,7 @@ impl Args {
         let structure = self.structure.structure();
         Ok(Recipe {
             columns: Channels::new("", "", ""),
-            park: self.park.map(ParkConvention::core),
+            park: None,
             structure,
             shaft,
             estimation: self.estimation.estimation(structure, classes)?,
@@ -379,6 +392,15 @@ impl Args {
             false_alarms.as_ref().map_or(Ok(()), |found| output::say(format!("false alarms {found}")))?;
         }
         found.ranking.as_ref().map_or(Ok(()), |ranking| output::say(ranking.to_string()))
+    }
+}
+
+/// The model as Rust source, with the front end that its recordings passed.
+fn rust_source(trained: &Trained, notes: &[String], channels: &Channels) -> Result<String, Error> {
+    let model = export::rust_source(trained, notes)?;
+    match &channels.front_end {
+        Some(front_end) => Ok(format!("{model}\n{}", front_end_source(&trained.to_core()?, channels, front_end)?)),
+        None => Ok(model),
     }
 }
 

@@ -150,7 +150,7 @@ fn to_json(outcome: &Outcome) -> serde_json::Value {
 
 /// Returns the text below the title of the page.
 fn lead(args: &Args, first: &Trace) -> String {
-    let channels = args.input.channels.channels();
+    let channels = args.input.channels.signals();
     let order = args.structure.structure().orders();
     format!(
         "y = {}, u1 = {}, u2 = {}; order {order:?}{}, estimated by {} from {} samples.",

@@ -105,7 +105,7 @@ mod tests {
             u1: measured,
             u2: command,
             motion: None,
-            further: vec![],
+            ..Trace::default()
         };
         let structure = Structure::new(1, 1, 0, 1, 1);
         let ls = by_command(&trace, structure, 0).expect("excited");

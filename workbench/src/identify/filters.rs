@@ -89,7 +89,7 @@ mod tests {
             u1: wave(0.5),
             u2: wave(0.23),
             motion: None,
-            further: vec![],
+            ..Trace::default()
         }
     }
 

@@ -121,7 +121,7 @@ fn trace(id: String, recorded: RigTrace, input: FirstInput) -> Trace {
         u1,
         u2: recorded.load_torque_nm,
         motion: Some(motion),
-        further: vec![],
+        ..Trace::default()
     }
 }
 

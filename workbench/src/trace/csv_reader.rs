@@ -8,12 +8,13 @@ use crate::Error;
 
 /// Column of one signal: `plus`, or the difference `plus` − `minus`.
 #[derive(Clone, Copy)]
-struct Source {
-    plus: usize,
-    minus: Option<usize>,
+pub(super) struct Source {
+    pub(super) plus: usize,
+    pub(super) minus: Option<usize>,
 }
 
-struct Header {
+/// The names of the columns.
+pub(super) struct Header {
     names: Vec<String>,
     trace: Option<usize>,
     time: Option<usize>,
@@ -21,17 +22,24 @@ struct Header {
 
 impl Header {
     fn new(record: &csv::StringRecord) -> Self {
-        let names: Vec<String> = record.iter().map(|name| name.trim().trim_start_matches('\u{feff}').into()).collect();
+        Self::of(record.iter().map(|name| name.trim().trim_start_matches('\u{feff}').into()).collect())
+    }
+
+    pub(super) fn of(names: Vec<String>) -> Self {
         let find = |wanted: &str| names.iter().position(|name| name == wanted);
         Self { trace: find("trace"), time: find("t_s"), names }
     }
 
-    fn place(&self, name: &str) -> Option<usize> {
+    pub(super) fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    pub(super) fn place(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|column| column == name)
     }
 
     /// Reason why the header does not contain a channel.
-    fn lacks(&self, channel: &str) -> String {
+    pub(super) fn lacks(&self, channel: &str) -> String {
         let wrong_separator = self.names.iter().find_map(|name| name.chars().find(|c| matches!(c, ';' | '\t')));
         match wrong_separator {
             _ if self.names.iter().all(String::is_empty) => "the file is empty".into(),
@@ -65,7 +73,7 @@ impl Header {
 
     /// Sources of y, u1, u2, of the further columns, and, if the shaft is watched, of current and angle, and of
     /// velocity and load if measured.
-    fn sources(&self, channels: &Channels) -> Result<Vec<Source>, String> {
+    pub(super) fn sources(&self, channels: &Channels) -> Result<Vec<Source>, String> {
         let find = |channel: &String| self.source(channel).ok_or_else(|| channel.clone());
         let shaft = channels.shaft.iter().flat_map(|shaft| {
             let ShaftChannels { current, velocity, load, angle } = shaft;
@@ -97,10 +105,14 @@ fn header(path: &Path, reader: &mut csv::Reader<std::fs::File>) -> Result<Header
     Ok(Header::new(reader.headers().map_err(|e| csv_error(path, &e))?))
 }
 
+/// The names of the columns of a file.
+pub(super) fn header_of(path: &Path) -> Result<Header, Error> {
+    header(path, &mut open(path)?)
+}
+
 /// Whether the file can be read and its header has every wanted column.
 pub(super) fn has_columns(path: &Path, channels: &Channels) -> bool {
-    let header = open(path).and_then(|mut reader| header(path, &mut reader));
-    header.is_ok_and(|header| header.sources(channels).is_ok())
+    header_of(path).is_ok_and(|header| header.sources(channels).is_ok())
 }
 
 /// Reads the wanted traces of one file; only the wanted columns must be numeric.
@@ -188,7 +200,7 @@ impl Row<'_> {
 }
 
 /// Collects rows by trace id, in the order of the first occurrence of each id.
-struct Collector {
+pub(super) struct Collector {
     file_id: String,
     /// Number of further columns.
     further: usize,
@@ -199,14 +211,14 @@ struct Collector {
 }
 
 impl Collector {
-    fn new(path: &Path, channels: &Channels) -> Self {
+    pub(super) fn new(path: &Path, channels: &Channels) -> Self {
         let file_id = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         let velocity = channels.shaft.as_ref().is_some_and(|shaft| shaft.velocity.is_some());
         Self { file_id, further: channels.further.len(), velocity, places: HashMap::new(), traces: Vec::new() }
     }
 
     /// Adds a row; returns `false` if its time is before that of the previous row.
-    fn push(&mut self, id: Option<&str>, time: Option<f64>, values: &[f64]) -> bool {
+    pub(super) fn push(&mut self, id: Option<&str>, time: Option<f64>, values: &[f64]) -> bool {
         let id = id.unwrap_or(&self.file_id);
         let place = self.places.get(id).copied().unwrap_or_else(|| {
             let id_of = id.into();
@@ -238,7 +250,7 @@ impl Collector {
         forward
     }
 
-    fn finish(self) -> Vec<Trace> {
+    pub(super) fn finish(self) -> Vec<Trace> {
         let finish = |(mut trace, times): (Trace, Vec<f64>)| {
             let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
             steps.sort_by(f64::total_cmp);

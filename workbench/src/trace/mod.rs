@@ -1,6 +1,8 @@
 //! Recorded or simulated signals: from files to the input of identification.
 
+mod cleaned_reader;
 mod csv_reader;
+pub mod front_end;
 pub mod half_band;
 pub mod labels;
 pub mod low_pass;
@@ -12,6 +14,7 @@ use std::path::{Path, PathBuf};
 
 use crate::Error;
 
+pub use front_end::FrontEndFile;
 pub use labels::{Condition, Labels};
 pub use prepare::Preparation;
 pub(crate) use record::bridged;
@@ -37,6 +40,20 @@ pub fn read_wanted(paths: &[PathBuf], channels: &Channels, wanted: &dyn Fn(&str)
     read_files(paths, channels, Some(wanted))
 }
 
+fn read_file(path: &Path, channels: &Channels, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Trace>, Error> {
+    match &channels.front_end {
+        Some(front_end) => cleaned_reader::read(path, channels, front_end, wanted),
+        None => csv_reader::read(path, channels, wanted),
+    }
+}
+
+fn has_columns(path: &Path, channels: &Channels) -> bool {
+    match &channels.front_end {
+        Some(front_end) => cleaned_reader::has_columns(path, channels, front_end),
+        None => csv_reader::has_columns(path, channels),
+    }
+}
+
 fn read_files(
     paths: &[PathBuf],
     channels: &Channels,
@@ -52,10 +69,10 @@ fn read_files(
         let mut files = vec![path.clone()];
         if path.is_dir() {
             files = csv_files(path)?;
-            files.retain(|file| asked_for(file) || csv_reader::has_columns(file, channels));
+            files.retain(|file| asked_for(file) || has_columns(file, channels));
         }
         for file in files {
-            for trace in csv_reader::read(&file, channels, wanted.unwrap_or(&|_| true))? {
+            for trace in read_file(&file, channels, wanted.unwrap_or(&|_| true))? {
                 if let Some(first) = origin.insert(stem(&trace.id).to_string(), file.clone()) {
                     let (first, second) = (first.display(), file.display());
                     let problem = format!("comes twice, in {first} and {second}; give each id once");

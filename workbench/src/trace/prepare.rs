@@ -56,6 +56,7 @@ impl Preparation {
             u2: prepare(&trace.u2),
             motion: if factor == 1 { trace.motion.clone() } else { None },
             further: trace.further.iter().map(|x| prepare(x)).collect(),
+            refused: trace.refused,
         })
     }
 }
@@ -223,7 +224,7 @@ mod tests {
             u1: vec![0.0; 3],
             u2: vec![1.0; 3],
             motion: None,
-            further: vec![],
+            ..Trace::default()
         };
         let out = Preparation { block_mean: 2, decimate: 1 }.apply(&trace).expect("long enough");
         assert_eq!((out.y, out.interval_s), (vec![2.0], Some(0.2)));

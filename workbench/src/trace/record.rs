@@ -1,5 +1,6 @@
 //! A record of signals, and the names of its columns.
 
+use super::front_end::{FrontEndFile, Refused};
 use crate::rig::RigTrace;
 
 /// Signals of the shaft; each column is as long as the trace.
@@ -66,10 +67,12 @@ pub struct Trace {
     pub motion: Option<MotionTrace>,
     /// Further columns, in the order of [`Channels::further`].
     pub further: Vec<Vec<f64>>,
+    /// What the front end refused, if anything; these samples are NaN.
+    pub refused: Option<Refused>,
 }
 
 /// The columns of the three signals: a column's name, or a difference `a-b` of two columns.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Channels {
     /// Output.
     pub y: String,
@@ -81,6 +84,8 @@ pub struct Channels {
     pub shaft: Option<ShaftChannels>,
     /// Columns that are used for their averages alone.
     pub further: Vec<String>,
+    /// Makes the columns of recordings at the control rate; `None` if they are recorded as they are used.
+    pub front_end: Option<FrontEndFile>,
 }
 
 /// The columns of the shaft's signals, in the same format.
@@ -113,7 +118,17 @@ impl Channels {
     /// Three signals, no shaft.
     #[must_use]
     pub fn new(y: impl Into<String>, u1: impl Into<String>, u2: impl Into<String>) -> Self {
-        Self { y: y.into(), u1: u1.into(), u2: u2.into(), shaft: None, further: vec![] }
+        Self { y: y.into(), u1: u1.into(), u2: u2.into(), shaft: None, further: vec![], front_end: None }
+    }
+
+    /// All names, columns and differences.
+    #[must_use]
+    pub fn names(&self) -> Vec<&str> {
+        let shaft = self.shaft.iter().flat_map(|shaft| {
+            let ShaftChannels { current, velocity, load, angle } = shaft;
+            [Some(current), velocity.as_ref(), load.as_ref(), Some(angle)].into_iter().flatten()
+        });
+        [&self.y, &self.u1, &self.u2].into_iter().chain(shaft).chain(&self.further).map(String::as_str).collect()
     }
 }
 

@@ -344,7 +344,7 @@ mod tests {
             u1,
             u2,
             motion: None,
-            further: vec![],
+            ..Trace::default()
         };
         let traces = [LabelledTrace { trace, class: 0 }];
         let scales = [1.0, 2.0, 0.5, 1.0];

@@ -193,7 +193,7 @@ mod tests {
             let noise = f64::from(u8::try_from(t * 7 % 11).expect("small")) - 5.0;
             y[t] = 0.6 * y[t - 1] + u1[t - 1] + 0.3 * u2[t - 1] + 0.5 * noise;
         }
-        Trace { id: "hand".into(), interval_s: None, irregular_steps: 0, y, u1, u2, motion: None, further: vec![] }
+        Trace { id: "hand".into(), interval_s: None, irregular_steps: 0, y, u1, u2, motion: None, ..Trace::default() }
     }
 
     #[test]

@@ -5,6 +5,7 @@ mod command_line;
 mod common;
 mod covariate_commands;
 mod field_command;
+mod front_end_commands;
 mod grey_box_commands;
 mod rising_commands;
 mod simulate_command;

@@ -8,7 +8,7 @@ use crate::Error;
 use crate::cli::output;
 use crate::identify::{Structure, parse_order};
 use crate::trace::labels::LabelledTrace;
-use crate::trace::{self, Channels, Condition, Labels, Preparation, Trace};
+use crate::trace::{self, Channels, Condition, FrontEndFile, Labels, Preparation, Trace};
 use crate::train::Validation;
 
 /// The columns of the three signals.
@@ -23,10 +23,20 @@ pub(in crate::cli) struct ChannelArgs {
     /// Second input (load)
     #[arg(long, value_name = "CHANNEL")]
     u2: String,
+    /// Recordings at the control rate pass this front end (TOML); it makes the columns current_a, velocity_rad_s and
+    /// angle_rad, and decimates every other column. `simulate --rig ema` writes an example
+    #[arg(long, value_name = "FILE")]
+    front_end: Option<PathBuf>,
 }
 
 impl ChannelArgs {
-    pub(in crate::cli) fn channels(&self) -> Channels {
+    pub(in crate::cli) fn channels(&self) -> Result<Channels, Error> {
+        let front_end = self.front_end.as_deref().map(FrontEndFile::read).transpose()?;
+        Ok(Channels { front_end, ..self.signals() })
+    }
+
+    /// The channels without the front end.
+    pub(in crate::cli) fn signals(&self) -> Channels {
         Channels::new(&self.y, &self.u1, &self.u2)
     }
 }
@@ -44,8 +54,9 @@ pub(in crate::cli) struct TraceArgs {
 impl TraceArgs {
     /// Reads the traces, and warns of those with irregular sampling.
     pub(in crate::cli) fn read(&self) -> Result<Vec<Trace>, Error> {
-        let traces = trace::read(&self.traces, &self.channels.channels())?;
+        let traces = trace::read(&self.traces, &self.channels.channels()?)?;
         warn_irregular(traces.iter());
+        traces.iter().try_for_each(refuse_gaps)?;
         Ok(traces)
     }
 }
@@ -193,6 +204,20 @@ impl ValidationArgs {
         traces: &[LabelledTrace],
     ) -> Result<Option<Vec<String>>, Error> {
         selection.groups(self.group.as_deref(), traces)
+    }
+}
+
+/// Returns an error if the front end refused samples within a trace: batch methods need all of them.
+pub(in crate::cli) fn refuse_gaps(trace: &Trace) -> Result<(), Error> {
+    trace.refused.map_or(Ok(()), |refused| {
+        Err(Error::trace(&trace.id, format!("{refused}; record it again, or cut the recording around them")))
+    })
+}
+
+/// Warns of traces of which the front end refused samples; the detector counts them and goes on.
+pub(in crate::cli) fn warn_refused<'a>(traces: impl Iterator<Item = &'a Trace>) {
+    for (trace, refused) in traces.filter_map(|trace| Some((trace, trace.refused?))) {
+        output::warn(format!("trace {}: {refused}", trace.id));
     }
 }
 

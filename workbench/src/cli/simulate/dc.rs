@@ -4,6 +4,7 @@ use super::files::csv;
 use super::{Args, Experiment, Simulated};
 use crate::Error;
 use crate::rig::{Condition, Defect, DefectKind, Duty, Scenario, Waveform, simulate};
+use crate::trace::FrontEndFile;
 
 /// What the options choose on the DC-motor rig.
 #[derive(Debug)]
@@ -59,6 +60,10 @@ impl Experiment for Dc {
 
     fn suffix(&self) -> Option<&'static str> {
         self.waveform.filter(|shape| *shape != Waveform::Sine).map(Waveform::name)
+    }
+
+    fn front_end(&self) -> Option<FrontEndFile> {
+        None
     }
 
     fn simulate(&self, kind: DefectKind, seed: u64) -> Result<Simulated, Error> {

@@ -5,6 +5,7 @@ use super::{Args, Experiment, Simulated};
 use crate::Error;
 use crate::rig::DefectKind;
 use crate::rig::ema::{EmaCondition, EmaDefect, EmaScenario, Logging, Race, simulate};
+use crate::trace::FrontEndFile;
 
 /// What the options choose on the EMA rig.
 #[derive(Debug)]
@@ -61,6 +62,10 @@ impl Experiment for Ema {
 
     fn suffix(&self) -> Option<&'static str> {
         None
+    }
+
+    fn front_end(&self) -> Option<FrontEndFile> {
+        FrontEndFile::of_rig(&self.scenario(DefectKind::Healthy, 0))
     }
 
     fn simulate(&self, kind: DefectKind, seed: u64) -> Result<Simulated, Error> {

@@ -79,7 +79,7 @@ mod tests {
             u1: wave(0.7),
             u2: wave(1.1),
             motion: None,
-            further: vec![],
+            ..Trace::default()
         }
     }
 

@@ -56,6 +56,7 @@ pub fn labelled(recording: Recording, class: usize) -> LabelledTrace {
         u1: recorded.velocity_ref_rad_s,
         motion: Some(motion),
         further: vec![recorded.temperature_c],
+        refused: None,
     };
     LabelledTrace { trace, class }
 }

@@ -1,0 +1,118 @@
+//! The front end that a model was trained with, as Rust source behind the model.
+
+use std::fmt::Write as _;
+
+use bearing_watch::model::Channel;
+use bearing_watch::plan::{Plan, RunTime};
+use bearing_watch::{FrontEndConstants, Model, Park, PhaseSensor};
+
+use crate::Error;
+use crate::trace::front_end::Columns;
+use crate::trace::{Channels, FrontEndFile};
+
+/// Returns the source: type and constants of the front end, the position from the sensor's counts, and the conversion
+/// of its samples to those of the detector.
+///
+/// # Errors
+/// A model with a channel that is a difference of columns: the front end makes columns only.
+pub fn front_end_source(model: &Model<RunTime>, recorded: &Channels, file: &FrontEndFile) -> Result<String, Error> {
+    let channels = &model.constants().channels;
+    let further = further_channels(model);
+    let columns = recorded.names();
+    if let Some(name) = further.iter().find(|name| !columns.contains(*name)) {
+        let problem =
+            format!("--rust: the front end makes no channel {name}, a difference of columns; use its columns");
+        return Err(Error::Usage(problem));
+    }
+    let (count, factor) = (further.len(), file.factor);
+    let mut out = String::new();
+    let mut line = |text: &str| {
+        let _ = writeln!(out, "{text}");
+    };
+    let listed = if further.is_empty() { "none".into() } else { further.join(", ") };
+    line("/// The front end that the recordings passed. Its further channels, in this order:");
+    line(&format!("/// {listed}."));
+    line(&format!("pub type DriveFrontEnd = bearing_watch::FrontEnd<FURTHER, {factor}>;"));
+    line("");
+    line("/// Number of its further channels.");
+    line(&format!("pub const FURTHER: usize = {count};"));
+    line("");
+    line("/// The constants of this front end; `bearing_watch::OffsetCalibration` measures the offsets of a drive.");
+    line("#[rustfmt::skip]");
+    line("pub const FRONT_END: bearing_watch::FrontEndConstants = bearing_watch::FrontEndConstants {");
+    constants(&file.constants()).iter().for_each(|text| line(&format!("    {text}")));
+    line("};");
+    if let Columns::Counts { bits, .. } = &file.position {
+        line("");
+        line("/// The reading of the position sensor.");
+        line("#[must_use]");
+        line("pub const fn position(counts: u32) -> bearing_watch::Position {");
+        line(&format!("    bearing_watch::Position::Absolute(bearing_watch::Angle::from_counts(counts, {bits}))"));
+        line("}");
+    }
+    line("");
+    line("#[rustfmt::skip]");
+    line("impl From<bearing_watch::CleanSample<FURTHER>> for Sample {");
+    line("    fn from(clean: bearing_watch::CleanSample<FURTHER>) -> Self {");
+    line(&format!("        let [{}] = clean.further;", further.join(", ")));
+    let field = |channel: &Channel| {
+        let name = channel.name.as_str();
+        if own(channel) { format!("{name}: clean.{name}") } else { name.to_string() }
+    };
+    let angle = model.plan().layout().needs_angle().then(|| "angle: clean.angle".to_string());
+    let fields: Vec<String> = channels.iter().map(field).chain(angle).collect();
+    line(&format!("        Self {{ {} }}", fields.join(", ")));
+    line("    }");
+    line("}");
+    Ok(out)
+}
+
+/// The channels of a model that the front end takes as further ones, in their order.
+#[must_use]
+pub fn further_channels(model: &Model<RunTime>) -> Vec<&str> {
+    model.constants().channels.iter().filter(|channel| !own(channel)).map(|channel| channel.name.as_str()).collect()
+}
+
+/// Whether the front end makes the channel from currents and angle.
+fn own(channel: &Channel) -> bool {
+    matches!(channel.name.as_str(), "current_a" | "velocity_rad_s")
+}
+
+fn constants(constants: &FrontEndConstants) -> Vec<String> {
+    let FrontEndConstants { control_rate_hz, sensors, stuck_samples, balance, tracking, frame } = constants;
+    let sensor = |own: &PhaseSensor| {
+        let PhaseSensor { offset_counts, gain_a, usable } = own;
+        format!(
+            "    bearing_watch::PhaseSensor {{ offset_counts: {offset_counts:?}, gain_a: {gain_a:?}, usable: {usable:?} }},"
+        )
+    };
+    let park = match frame.park {
+        Park::Standard => "Standard",
+        Park::Thesis => "Thesis",
+    };
+    let mut lines = vec![format!("control_rate_hz: {control_rate_hz:?},"), "sensors: [".into()];
+    lines.extend(sensors.iter().map(sensor));
+    lines.push("],".into());
+    lines.push(format!("stuck_samples: {stuck_samples},"));
+    lines.push(format!("balance: bearing_watch::{balance:?},"));
+    let resolver = tracking.resolver;
+    lines.push("tracking: bearing_watch::TrackingConstants {".into());
+    for (name, value) in [
+        ("bandwidth_hz", format!("{:?}", tracking.bandwidth_hz)),
+        ("damping", format!("{:?}", tracking.damping)),
+        ("error_limit_rad", format!("{:?}", tracking.error_limit_rad)),
+        ("lost_samples", tracking.lost_samples.to_string()),
+        ("settle_samples", tracking.settle_samples.to_string()),
+        ("resolver", format!("bearing_watch::{resolver:?}")),
+    ] {
+        lines.push(format!("    {name}: {value},"));
+    }
+    lines.push("},".into());
+    let offset = frame.electrical_offset.bits();
+    lines.push("frame: bearing_watch::RotorFrame {".into());
+    lines.push(format!("    pole_pairs: {},", frame.pole_pairs));
+    lines.push(format!("    electrical_offset: bearing_watch::Angle::from_bits({offset}),"));
+    lines.push(format!("    park: bearing_watch::Park::{park},"));
+    lines.push("},".into());
+    lines
+}
