@@ -1,5 +1,5 @@
-//! Gives the examples for bare chips the memory map of a board, and with the feature `defmt` its linker script. Crates
-//! that use this one get nothing from it.
+//! Gives the examples for bare chips the memory map of a board, and with the feature `defmt` its linker script; and the
+//! example `drive` its model. Crates that use this one get nothing from it.
 
 use std::env;
 use std::path::Path;
@@ -7,8 +7,12 @@ use std::path::Path;
 /// Names a folder of `boards`. If it is unset or empty, the linker reads the `memory.x` at the top of the repository.
 const VARIABLE: &str = "BEARING_WATCH_BOARD";
 
+/// Names a file that `bearing-watch train --front-end … --rust` wrote, from the top of the repository or absolute.
+const MODEL: &str = "BEARING_WATCH_MODEL";
+
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
+    model_of_drive();
     if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
         return;
     }
@@ -31,4 +35,13 @@ fn main() {
     } else {
         println!("cargo::error={VARIABLE}={board}: there is no {}", map.display());
     }
+}
+
+fn model_of_drive() {
+    println!("cargo::rerun-if-env-changed={MODEL}");
+    let file = env::var(MODEL).ok().filter(|file| !file.is_empty());
+    let file = file.unwrap_or_else(|| "examples/support/actuator/model.rs".into());
+    let path = Path::new(&env::var("CARGO_MANIFEST_DIR").unwrap_or_default()).join(&file);
+    println!("cargo::rerun-if-changed={}", path.display());
+    println!("cargo::rustc-env=BEARING_WATCH_MODEL_FILE={}", path.display());
 }

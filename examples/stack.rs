@@ -9,10 +9,6 @@ mod support;
 mod model;
 
 #[cfg(target_os = "none")]
-#[path = "support/paint.rs"]
-mod paint;
-
-#[cfg(target_os = "none")]
 use core::hint::black_box;
 
 #[cfg(target_os = "none")]
@@ -20,7 +16,7 @@ use bearing_watch::plan::Plan;
 #[cfg(target_os = "none")]
 use bearing_watch::{Detector, Model, Solver, Verdict};
 #[cfg(target_os = "none")]
-use paint::stack_of;
+use support::paint::stack_of;
 #[cfg(target_os = "none")]
 use support::{refined, shaft};
 

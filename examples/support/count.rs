@@ -29,6 +29,11 @@ impl Counter {
     pub fn instructions_per_call(&mut self, _calls: u32, _kernel: impl FnMut(u32)) -> u32 {
         0
     }
+
+    /// Never reached: the host gets no counter.
+    pub fn instructions_once(&mut self, _work: impl FnOnce()) -> u32 {
+        0
+    }
 }
 
 #[cfg(target_os = "none")]
@@ -69,6 +74,16 @@ mod on_target {
             });
             let full = self.batch(calls, |k| kernel(black_box(k)));
             (full.saturating_sub(empty) + calls / 2) / calls
+        }
+
+        /// Instructions of one call.
+        pub fn instructions_once(&mut self, work: impl FnOnce()) -> u32 {
+            let mut work = Some(work);
+            self.instructions_per_call(1, |_| {
+                if let Some(work) = work.take() {
+                    work();
+                }
+            })
         }
 
         /// Not inlined, so that every kernel gets the same loop and the same two readings.

@@ -17,6 +17,9 @@ pub mod front_end;
 pub mod hash;
 #[allow(dead_code, reason = "`monitor` has a recording instead")]
 pub mod numbers;
+#[allow(dead_code, reason = "not every example measures its stack")]
+#[cfg(target_os = "none")]
+pub mod paint;
 #[allow(dead_code, reason = "not every example has a front end")]
 pub mod raw;
 #[allow(dead_code, reason = "not every example estimates by instrumental variables")]

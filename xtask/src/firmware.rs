@@ -15,12 +15,22 @@ const LINKER: &str = r#"target.'cfg(all(target_arch = "arm", target_os = "none")
 /// Selects the memory map, see `build.rs`.
 const BOARD: &str = "BEARING_WATCH_BOARD";
 
+/// Names the model of the example `drive`, see `build.rs`.
+pub const MODEL: &str = "BEARING_WATCH_MODEL";
+
 /// Builds one example in release and returns its ELF file. Boards of one target share the place of that file: use it
 /// before building for another.
 pub fn build(way: Way, board: Board, example: &str) -> Result<PathBuf> {
     let (mut cargo, folder) = cargo(way, board);
     // By package, so that features which only host packages want do not leak in.
     child::succeed(cargo.args(["--package", "bearing-watch", "--example", example]).args(features(example)))?;
+    existing(folder.join("examples").join(example))
+}
+
+/// Builds the example `drive` with the model of a source file.
+pub fn build_with_model(way: Way, board: Board, example: &str, source: &Path) -> Result<PathBuf> {
+    let (mut cargo, folder) = cargo(way, board);
+    child::succeed(cargo.args(["--package", "bearing-watch", "--example", example]).env(MODEL, source))?;
     existing(folder.join("examples").join(example))
 }
 

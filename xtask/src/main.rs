@@ -1,4 +1,5 @@
-//! What the repository's own commands do: `cargo xtask test | long | firmware | c | measure | peers | docs | setup`.
+//! What the repository's own commands do: `cargo xtask test | long | firmware | c | pil | measure | peers |
+//! docs | setup`.
 
 mod board;
 mod bounds;
@@ -12,6 +13,7 @@ mod log;
 mod long;
 mod measure;
 mod peers;
+mod pil;
 mod public;
 mod qemu;
 mod rivals;
@@ -23,6 +25,7 @@ mod test;
 mod toolchain;
 mod workspace;
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::Result;
@@ -59,6 +62,18 @@ enum Command {
     /// Builds the C library and its examples for the drive's chip, as C and as C++, runs them in the emulator, and
     /// compares their lines with those of the Rust example on the host.
     C,
+    /// Processor in the loop: runs a recording of raw counts through the whole drive in the emulator (the example
+    /// `drive`), compares every report with the host's, and counts the instructions of the interrupt.
+    Pil {
+        /// The recording, a CSV file at the control rate.
+        trace: PathBuf,
+        /// The binary model, trained with `--front-end`.
+        #[arg(long)]
+        model: PathBuf,
+        /// The source that `train --rust` wrote with it.
+        #[arg(long)]
+        rust: PathBuf,
+    },
     /// Counts the kernels' instructions and bytes on the emulated chip.
     Measure {
         /// A JSON list instead of a table.
@@ -116,6 +131,10 @@ fn run(arguments: &Arguments) -> Result<bool> {
             qemu::run(&elf, DRIVE.machine, qemu::Echo::On)?;
         }
         Command::C => return c_library::run(way),
+        Command::Pil { trace, model, rust } => {
+            let [trace, binary, source] = [trace, model, rust].map(|path| std::path::absolute(path));
+            pil::run(way, &trace?, &pil::Model { binary: binary?, source: source? })?;
+        }
         Command::Measure { peers: true, .. } => print!("{}", rivals::table(way)?),
         Command::Measure { json, .. } => {
             let figures = measure::figures(way)?;

@@ -28,14 +28,20 @@ pub enum Echo {
 /// Runs an ELF file on a machine and returns its lines, decoded where it logs by `defmt`. Fails when it does not end by
 /// itself, or ends with a failing status.
 pub fn run(elf: &Path, machine: &str, echo: Echo) -> Result<Vec<String>> {
+    run_in(Path::new("."), elf, machine, echo)
+}
+
+/// The same in a folder, whose files the firmware reads by semihosting.
+pub fn run_in(folder: &Path, elf: &Path, machine: &str, echo: Echo) -> Result<Vec<String>> {
     let mut emulator = Command::new(PROGRAM);
     emulator
+        .current_dir(folder)
         .args(["-machine", machine, "-nographic"])
         .args(["-semihosting-config", "enable=on,target=native"])
         // Every instruction takes 2⁸ ns of emulated time: the count of instructions is exact.
         .args(["-icount", "shift=8"])
         .arg("-kernel")
-        .arg(elf);
+        .arg(std::path::absolute(elf)?);
     let what = elf.file_stem().unwrap_or_default().to_string_lossy();
     within(&mut emulator, PATIENCE, echo, log::table(elf)?).with_context(|| format!("{what} on {machine}"))
 }

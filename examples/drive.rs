@@ -1,0 +1,181 @@
+//! A whole drive on a recording: counts of the converters at the control rate → front end → detector → alarm.
+//!
+//! ```text
+//! interrupt   row ─► FrontEnd ─► Sample ─► Detector::collect ─► queue
+//! main loop   queue ─► Solver::advance, a piece between two rows ─► adopt, verdict, evidence, alarm
+//! ```
+//!
+//! The recording is the file `rows.bin` of the working directory, which `bearing-watch replay --rows` writes, and the
+//! model is that of `support/actuator` or, with `BEARING_WATCH_MODEL=/path/to/model.rs`, any that was trained with
+//! `--front-end`. `cargo xtask pil TRACE --model out.bwm --rust model.rs` does all of it in the emulator, and compares
+//! every line with the host's. Of a chip it also prints the instructions of the interrupt, and the stack.
+//!
+//! The model of `support/actuator` is trained on a simulated actuator, sampled at 10 kHz and decimated to 1 kHz:
+//!
+//! ```text
+//! bearing-watch simulate --rig ema --condition rit-mix --class healthy,spall,roughness --count 30 --seed 1 --out t
+//! bearing-watch train --labels t/labels.csv --front-end t/front_end.toml --y current_a --u1 velocity_ref_rad_s \
+//!     --u2 load_torque_nm --order 3,3,2,1,1 --angle angle_rad --velocity velocity_rad_s --load load_torque_nm \
+//!     --bearing 9,3,17,0.1745 --features drag,viscous,order_inner --shrinkage 0,0.5 --healthy healthy \
+//!     --alarm-interval-h 1000 --segment 2400 --model model.bwm --rust model.rs
+//! ```
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[macro_use]
+mod support;
+
+#[path = "support/rows.rs"]
+mod rows;
+
+/// Written by `bearing-watch train --front-end … --rust`.
+#[allow(dead_code, reason = "rows contain angles, not counts of the position")]
+mod model {
+    include!(env!("BEARING_WATCH_MODEL_FILE"));
+}
+
+use core::hint::black_box;
+
+use bearing_watch::{Detector, Evidence, RawSample, Report, Segment, Solver, Verdict};
+use heapless::spsc::{Consumer, Producer, Queue};
+use support::count::Counter;
+use support::hash::Hash;
+
+use model::{Drive, DriveFrontEnd, FRONT_END, FURTHER, MODEL};
+use rows::Rows;
+
+main!(run);
+
+/// What the interrupt works on.
+struct Interrupt<'a> {
+    front_end: DriveFrontEnd,
+    detector: Detector<'static, Drive>,
+    closed: Producer<'a, Segment<Drive>>,
+    /// Whether the angle is known: segments start there, as they do in training.
+    started: bool,
+    /// Closed segments for which the queue had no room.
+    lost: u32,
+}
+
+impl Interrupt<'_> {
+    fn sample(&mut self, raw: &RawSample<FURTHER>) {
+        let Some(clean) = self.front_end.push(raw) else { return };
+        self.started |= clean.velocity_rad_s.is_finite() && clean.current_a.is_finite();
+        if self.started
+            && let Some(segment) = self.detector.collect(&clean.into())
+            && self.closed.enqueue(segment).is_err()
+        {
+            self.lost += 1;
+        }
+    }
+}
+
+/// What the main loop works on.
+struct MainLoop<'a> {
+    closed: Consumer<'a, Segment<Drive>>,
+    solver: Option<Solver<'static, Drive>>,
+    evidence: Evidence<Drive>,
+    segments: u32,
+}
+
+impl MainLoop<'_> {
+    /// One piece of work.
+    fn turn(&mut self, detector: &mut Detector<'static, Drive>) {
+        if self.solver.is_none() {
+            self.solver = self.closed.dequeue().map(|segment| Solver::new(&MODEL, segment));
+            return;
+        }
+        let Some(report) = self.solver.as_mut().and_then(|solver| solver.advance()) else { return };
+        // On a chip with the interrupt disabled. A drive sends the report instead of printing it.
+        let _in_time = detector.adopt(report);
+        let alarm = self.evidence.observe(report.decision.as_ref()).is_some();
+        print(self.segments, report, alarm);
+        self.segments += 1;
+        self.solver = None;
+    }
+}
+
+fn run() {
+    let mut queue: Queue<Segment<Drive>, 2> = Queue::new();
+    let (producer, consumer) = queue.split();
+    let Ok(front_end) = DriveFrontEnd::new(&FRONT_END) else { panic!("the constants of the front end") };
+    let mut interrupt =
+        Interrupt { front_end, detector: Detector::new(&MODEL), closed: producer, started: false, lost: 0 };
+    let mut main_loop = MainLoop { closed: consumer, solver: None, evidence: MODEL.evidence(), segments: 0 };
+    let Some(mut rows) = Rows::<FURTHER>::open() else {
+        say!("no recording rows.bin: see cargo xtask pil");
+        return;
+    };
+    let mut cost = Cost::new();
+    cost.stack(|cost| {
+        for raw in &mut rows {
+            cost.interrupt(|| interrupt.sample(black_box(&raw)));
+            main_loop.turn(&mut interrupt.detector);
+        }
+        while main_loop.solver.is_some() || main_loop.closed.ready() {
+            main_loop.turn(&mut interrupt.detector);
+        }
+    });
+    let faults = interrupt.front_end.faults();
+    say!("{} segments, {} lost, front end clear: {}", main_loop.segments, interrupt.lost, faults.is_clear());
+    cost.print();
+}
+
+/// Prints a report with the hash of all its numbers.
+fn print(number: u32, report: &Report<Drive>, alarm: bool) {
+    let mut hash = Hash::new();
+    report.estimate().into_iter().for_each(|estimate| hash.add_estimate(estimate));
+    report.shaft().into_iter().for_each(|shaft| hash.add_shaft(shaft));
+    report.decision.iter().for_each(|decision| hash.add(decision.log_likelihoods()));
+    let (rows, bits) = (report.rows, hash.bits());
+    let end = if alarm { ", ALARM" } else { "" };
+    match report.verdict {
+        Verdict::Class(class) => say!("segment {number}: {rows} rows, {bits:08x}, {}{end}", MODEL.label(class)),
+        Verdict::Novel => say!("segment {number}: {rows} rows, {bits:08x}, novel{end}"),
+        Verdict::Ambiguous => say!("segment {number}: {rows} rows, {bits:08x}, ambiguous{end}"),
+        Verdict::Undetermined(reason) => say!("segment {number}: {rows} rows, {bits:08x}, {reason}{end}"),
+    }
+}
+
+/// Instructions of the interrupt and bytes of stack, on a chip; the host counts nothing.
+struct Cost {
+    counter: Option<Counter>,
+    sum: u64,
+    longest: u32,
+    count: u32,
+    stack: usize,
+}
+
+impl Cost {
+    fn new() -> Self {
+        Self { counter: Counter::new(), sum: 0, longest: 0, count: 0, stack: 0 }
+    }
+
+    fn interrupt(&mut self, work: impl FnOnce()) {
+        let Some(counter) = &mut self.counter else { return work() };
+        let taken = counter.instructions_once(work);
+        self.sum += u64::from(taken);
+        self.longest = self.longest.max(taken);
+        self.count += 1;
+    }
+
+    /// Runs `work` and measures its stack, that of printing included.
+    fn stack(&mut self, work: impl FnOnce(&mut Self)) {
+        #[cfg(target_os = "none")]
+        let stack = support::paint::stack_of(|| work(self));
+        #[cfg(not(target_os = "none"))]
+        let stack = {
+            work(self);
+            0
+        };
+        self.stack = stack;
+    }
+
+    fn print(&self) {
+        if self.counter.is_some() {
+            let Self { sum, longest, count, stack, .. } = self;
+            let mean = sum / u64::from(*count).max(1);
+            say!("cost: {mean} instructions a row on average, {longest} at most, {count} rows");
+            say!("cost: {stack} bytes of stack");
+        }
+    }
+}

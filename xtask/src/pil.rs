@@ -1,0 +1,102 @@
+//! `cargo xtask pil`: a recording of raw counts through the whole drive, on the host and in the emulated chip.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail, ensure};
+
+use crate::board::DRIVE;
+use crate::tally::Tally;
+use crate::target::{NO_TOOLS, brief};
+use crate::toolchain::Way;
+use crate::{child, firmware, qemu, workspace};
+
+/// The firmware that reads the rows.
+const EXAMPLE: &str = "drive";
+/// What only the chip prints.
+const COST: &str = "cost: ";
+
+/// A model and its export as Rust.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// The binary model.
+    pub binary: PathBuf,
+    /// The source that `train --rust` wrote with it.
+    pub source: PathBuf,
+}
+
+impl Model {
+    fn of_example() -> Self {
+        let folder = workspace::root().join("examples/support/actuator");
+        Self { binary: folder.join("model.bwm"), source: folder.join("model.rs") }
+    }
+}
+
+/// Runs the recording and prints the verdicts of `replay`, the lines of the chip, and what they cost. Fails if host and
+/// chip differ in a bit.
+pub fn run(way: Way, trace: &Path, model: &Model) -> Result<()> {
+    let (lines, cost) = compare(way, trace, model)?;
+    lines.iter().chain(&cost).for_each(|line| println!("{line}"));
+    println!("all {} lines equal those of the host", lines.len());
+    Ok(())
+}
+
+/// A simulated recording through the example's model.
+pub fn check(tally: &mut Tally, way: Option<Way>) {
+    const TITLE: &str = "raw recording through the whole drive";
+    let Some(way) = way else { return tally.skip(TITLE, NO_TOOLS) };
+    let outcome = simulated().and_then(|trace| compare(way, &trace, &Model::of_example())).and_then(|(lines, cost)| {
+        ensure!(lines.iter().any(|line| line.contains("spall")), "no segment is called a spall: {lines:?}");
+        Ok(format!("{} lines; {}", lines.len(), cost.join(", ")))
+    });
+    tally.check(TITLE, brief(outcome));
+}
+
+/// A recording of a spall with a seed that the model was not trained with.
+fn simulated() -> Result<PathBuf> {
+    let folder = folder()?.join("recording");
+    let mut simulate = workbench();
+    simulate.args(["simulate", "--rig", "ema", "--class", "spall", "--condition", "rit-mix", "--count", "1"]);
+    child::succeed(simulate.args(["--seed", "2", "--out"]).arg(&folder))?;
+    Ok(folder.join("ema_spall_rit-mix_2_000.csv"))
+}
+
+/// Lines of the firmware that equal those of the host, and those of its cost.
+fn compare(way: Way, trace: &Path, model: &Model) -> Result<(Vec<String>, Vec<String>)> {
+    let folder = folder()?;
+    let mut replay = workbench();
+    replay.args(["replay", "--rows"]).arg(folder.join("rows.bin")).arg("--model").arg(&model.binary).arg(trace);
+    child::succeed(&mut replay)?;
+    let source = std::path::absolute(&model.source)?;
+    let host = on_host(&folder, &source)?;
+    let elf = firmware::build_with_model(way, DRIVE, EXAMPLE, &source)?;
+    let target = qemu::run_in(&folder, &elf, DRIVE.machine, qemu::Echo::Off)?;
+    let (cost, target): (Vec<String>, Vec<String>) = target.into_iter().partition(|line| line.starts_with(COST));
+    for (host, target) in host.iter().zip(&target) {
+        if host != target {
+            bail!("host `{host}`, chip `{target}`");
+        }
+    }
+    ensure!(host.len() == target.len(), "{} lines on the host, {} on the chip", host.len(), target.len());
+    ensure!(host.len() > 1, "no segment was closed: {host:?}");
+    Ok((target, cost))
+}
+
+fn on_host(folder: &Path, source: &Path) -> Result<Vec<String>> {
+    let mut cargo = workspace::cargo(&["run", "--quiet", "--example", EXAMPLE, "--manifest-path"]);
+    cargo.arg(workspace::root().join("Cargo.toml")).current_dir(folder).env(firmware::MODEL, source);
+    let mut lines = Vec::new();
+    let status = child::lines(&mut cargo, |line| lines.push(line.to_owned()))?;
+    ensure!(status.success(), "on the host: {status}");
+    Ok(lines)
+}
+
+fn workbench() -> std::process::Command {
+    workspace::cargo(&["run", "--quiet", "--package", "bearing-watch-workbench", "--bin", "bearing-watch", "--"])
+}
+
+/// Where the rows are.
+fn folder() -> Result<PathBuf> {
+    let folder = workspace::target_dir().join("pil");
+    std::fs::create_dir_all(&folder).with_context(|| format!("cannot create {}", folder.display()))?;
+    Ok(folder)
+}
