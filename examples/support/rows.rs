@@ -77,7 +77,7 @@ mod file {
 /// Files of the host by semihosting.
 #[cfg(target_os = "none")]
 mod file {
-    use cortex_m_semihosting::{nr, syscall};
+    use cortex_m_semihosting::syscall;
 
     /// Bytes of one call to the host.
     const BLOCK: usize = 4096;
