@@ -78,7 +78,7 @@ pub fn draw(experiments: &[Experiment], (draw, count): (u32, u32), done: impl Fn
     };
     let [training, validation] = [Purpose::Training, Purpose::Validation].map(|purpose| set(MIX, purpose));
     let (training, validation) = (training?, validation?);
-    let judge = |trained_on: EmaCondition, set: &[Record]| -> Result<Judge, Error> {
+    let judge = |trained_on: EmaCondition, set: &[Record]| -> Result<Judge<'_>, Error> {
         Ok(Judge { trained: trained_on, model: trained(set)?, known: &validation, verdicts: vec![] })
     };
     let mut judges = vec![judge(MIX, &training)?];

@@ -33,10 +33,10 @@ pub fn intro(settings: &Settings) -> Vec<String> {
         ours::DESCRIPTION.to_string(),
         format!(
             "Chapter 5 is reproduced on the simulated actuator with defects at full size, {} draws. The thesis says \
-             neither which command and load belong to which condition, nor a size of the defects. Of the \
-             a-parameters by iv4 only those of the orders with one a are determined: fits far below zero are models whose \
-             simulation runs away. The rig's velocity command is the position error times a constant, so Tables 5.12 \
-             and 5.13 are the same, as in the source.",
+             neither which command and load belong to which condition, nor a size of the defects. A fit \
+             far below zero is that of a model by iv4 whose simulation runs away: the signals do not determine its \
+             a-parameters. The rig's velocity command is the position error times a constant, so that the a-parameters \
+             of Tables 5.12 and 5.13 are the same; the source saw no difference either.",
             settings.actuator_repetitions()
         ),
         chapter5::ours::DESCRIPTION.to_string(),
