@@ -148,7 +148,8 @@ fn the_actuator_is_judged_by_the_core_where_the_source_guesses() {
     assert!((15.0..=85.0).contains(&guessed), "{guessed}");
     // The fits vary little: see docs/tables.md.
     assert!((mean(reference, literal, "healthy fit") - 82.7).abs() < 0.5);
-    assert!(mean(rit, literal, "healthy fit") > 99.0);
+    // A position hardly changes from row to row; iv4 does not determine its model.
+    assert!(mean(rit, "the same, LS in place of iv4", "healthy fit") > 99.0);
 }
 
 #[test]

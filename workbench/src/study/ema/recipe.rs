@@ -9,8 +9,7 @@ use crate::study::recipes;
 use crate::trace::Channels;
 use crate::train::{Alarms, Recipe, ShaftPlan, Shrink, Shrinkage};
 
-/// Friction at a usual speed and load, and the orders of both races. The torque constant, which the temperature of the
-/// magnet changes, is no feature: what a detector learned of it under one temperature does not hold under others.
+/// Friction at a usual speed and load, and the orders of both races.
 pub const FEATURES: [&str; 3] = ["drag_log", "order_inner", "order_outer"];
 
 /// Set false-alarm rate of the gate.
