@@ -27,6 +27,18 @@ pub(super) const COLUMNS: [&str; 5] =
 /// # Errors
 /// Returns an error if a trace cannot be estimated or features are singular.
 pub(super) fn measure(published: &Published, draw: &Draw) -> Result<Table, Error> {
+    Ok(Table {
+        id: published.number,
+        title: title(published),
+        conditions: conditions(published, draw),
+        columns: COLUMNS.iter().map(|name| Column::new(*name, Digits::Fixed(1))).collect(),
+        rows: rows(published, draw)?,
+        words: vec![],
+        figures: vec![],
+    })
+}
+
+fn rows(published: &Published, draw: &Draw) -> Result<Vec<Row>, Error> {
     let iv4 = draw.estimates(published, Method::Iv4)?;
     let ls = draw.estimates(published, Method::Ls)?;
     let asked = source::groups(published.order);
@@ -47,15 +59,7 @@ pub(super) fn measure(published: &Published, draw: &Draw) -> Result<Table, Error
     rows.push(fits(row(name, None, errors(&squares, squares.to_two(), Kind::Linear)?[1]), None, &ls[1]));
     rows.push(all_parameters(&chosen(published, &ls, &[])?));
     rows.push(row(ours::NAME, None, ours::judge(draw)?.error_rate().value));
-    Ok(Table {
-        id: published.number,
-        title: title(published),
-        conditions: conditions(published, draw),
-        columns: COLUMNS.iter().map(|name| Column::new(*name, Digits::Fixed(1))).collect(),
-        rows,
-        words: vec![],
-        figures: vec![],
-    })
+    Ok(rows)
 }
 
 /// The row of all parameters. Of a command that stands most of the time they may be linearly dependent over the training
