@@ -1,5 +1,6 @@
 //! The whole system on simulated and recorded traces: rigs, identification, training, and the verdicts of the core.
 
+mod actuator;
 mod campaign;
 mod consistency;
 mod dc_motor_recordings;

@@ -6,12 +6,14 @@
 //! | [`demo`] | labelled traces of the standard rig, and one draw of the whole chain |
 //! | [`literal`] | the source's own method |
 //! | [`campaign`] | experiments over many conditions and repetitions |
+//! | [`ema`] | the actuator, from phase currents and resolver counts to verdicts |
 //! | [`field`] | the effects of the field, one by one and together |
 //! | [`tables`] | the source's tables |
 //! | [`statistics`] | mean and standard deviation over repetitions |
 
 pub mod campaign;
 pub mod demo;
+pub mod ema;
 pub mod field;
 pub mod literal;
 pub mod recipes;

@@ -68,7 +68,8 @@ fn block_mean(x: &[f64], block: usize) -> Vec<f64> {
 
 /// Every `factor`-th sample after a linear-phase FIR filter whose delay is compensated. Ends are extended by point
 /// reflection, so that a ramp remains a ramp.
-fn decimate(x: &[f64], factor: usize) -> Vec<f64> {
+#[must_use]
+pub fn decimate(x: &[f64], factor: usize) -> Vec<f64> {
     if factor == 1 {
         return x.to_vec();
     }

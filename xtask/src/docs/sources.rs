@@ -20,7 +20,7 @@ pub struct Source {
 }
 
 /// All sources, in the order in which they run.
-pub const SOURCES: [Source; 14] = [
+pub const SOURCES: [Source; 15] = [
     quick(figures::NAME, figures::TOLERANCE, target),
     quick("demo", Tolerance::Exact, |_| printed("demo", "README.md", "standard_rig::twenty_draws")),
     quick("instruments", Tolerance::Exact, |_| {
@@ -38,7 +38,8 @@ pub const SOURCES: [Source; 14] = [
     slow("field-peers", Tolerance::Any, |_| {
         Ok(vec![Block::new("docs/field-peers.md", "field-peers", &field_peers::measure(Some(field_peers::SHORT))?.0)])
     }),
-    slow("tables", Tolerance::Exact, |_| workbench("tables", "tables", "docs/tables.md")),
+    slow("ema", Tolerance::Exact, |_| workbench("campaign --ema --draws 1 --traces 16", "ema", "docs/ema.md")),
+    slow("tables", Tolerance::Exact, |_| workbench(TABLES, "tables", "docs/tables.md")),
     slow("recorded", Tolerance::Exact, |_| printed("recorded", "docs/recorded.md", "recorded_")),
     slow("endurance", Tolerance::Exact, |_| endurance()),
     slow("peers", Tolerance::Any, |_| Ok(vec![Block::new("docs/peers.md", "peers", &peers::measure()?.0)])),
@@ -47,6 +48,9 @@ pub const SOURCES: [Source; 14] = [
 
 /// The table of the field, and its picture.
 const FIELD: &str = "campaign --field --draws 2 --picture docs/pictures/field.svg";
+
+/// The source's tables, and Figure 5.35.
+const TABLES: &str = "tables --picture docs/pictures/park.svg";
 
 type Blocks = fn(Option<Way>) -> Result<Vec<Block>>;
 

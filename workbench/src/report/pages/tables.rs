@@ -3,17 +3,18 @@
 use nalgebra::DVector;
 
 use crate::report::page::{Page, or_reason, paragraph};
-use crate::report::plot::{self, Density, ScatterClass};
-use crate::report::{Class, table};
+use crate::report::palette::Color;
+use crate::report::plot::{self, Density, Panel, ScatterClass, Series};
+use crate::report::{Class, ReportError, table};
 use crate::study::tables::render::written;
-use crate::study::tables::result::{Figure, Plane, PlaneClass, Spread};
+use crate::study::tables::result::{Curve, Curves, Figure, Plane, PlaneClass, Spread};
 use crate::study::tables::{Settings, Table};
 
 /// Creates the page.
 #[must_use]
 pub fn page(settings: &Settings, intro: &[String], tables: &[Table]) -> String {
     let lead = format!(
-        "Simulated DC-motor rig, {} draws of training and validation sets, seeds from {}; mean ± standard deviation of \
+        "Simulated rigs, {} draws of training and validation sets, seeds from {}; mean ± standard deviation of \
          one draw.",
         settings.repetitions, settings.seed
     );
@@ -48,12 +49,35 @@ fn cells(mut row: Vec<String>) -> Vec<String> {
 
 fn figure(figure: &Figure) -> String {
     match figure {
+        Figure::Curves(curves) => or_reason(plot::signals(&curves.title, &curves.x_label, &panels(curves))),
         Figure::Spread(spread) => or_reason(densities(spread)),
         Figure::Plane(plane) => or_reason(scatter(plane)),
     }
 }
 
-fn densities(spread: &Spread) -> Result<String, crate::report::ReportError> {
+/// The first curves of the tables as an SVG file.
+///
+/// # Errors
+/// No table has curves, or they have no finite point.
+pub fn picture(tables: &[Table]) -> Result<String, ReportError> {
+    let curves = tables.iter().flat_map(|table| &table.figures).find_map(|figure| match figure {
+        Figure::Curves(curves) => Some(curves),
+        Figure::Spread(_) | Figure::Plane(_) => None,
+    });
+    let curves = curves.ok_or_else(|| ReportError::Empty { title: "curves".into() })?;
+    plot::picture(&curves.title, &curves.x_label, &panels(curves))
+}
+
+fn panels(curves: &Curves) -> Vec<Panel> {
+    let panel = |(label, curves): &(String, Vec<_>)| {
+        let series =
+            |(k, curve): (usize, &Curve)| Series::new(curve.name.clone(), Color::of(k), curve.points.iter().copied());
+        Panel::new(label.clone(), curves.iter().enumerate().map(series).collect())
+    };
+    curves.panels.iter().map(panel).collect()
+}
+
+fn densities(spread: &Spread) -> Result<String, ReportError> {
     let Spread { title, feature, classes } = spread;
     let one = |(k, (name, samples)): (usize, &(String, Vec<f64>))| Density {
         class: Class::new(k, name.clone()),
@@ -62,7 +86,7 @@ fn densities(spread: &Spread) -> Result<String, crate::report::ReportError> {
     plot::densities(title, feature, &classes.iter().enumerate().map(one).collect::<Vec<_>>())
 }
 
-fn scatter(plane: &Plane) -> Result<String, crate::report::ReportError> {
+fn scatter(plane: &Plane) -> Result<String, ReportError> {
     let one = |(k, one): (usize, &PlaneClass)| ScatterClass {
         class: Class::new(k, one.name.clone()),
         training: one.training.clone(),

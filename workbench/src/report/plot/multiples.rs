@@ -46,9 +46,7 @@ pub fn multiples(title: &str, panels: &[(String, Vec<SizeSeries>)]) -> String {
         let (left, top) = (LEFT + ACROSS * (place % COLUMNS) as f64, TOP + 16.0 + DOWN * (place / COLUMNS) as f64);
         panel(&mut svg, (left, top), octaves, (name, all));
     }
-    let own = format!("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" ", num(WIDTH), num(height));
-    let text = svg.finish(title, WIDTH, height).replacen("<svg ", &own, 1);
-    text.replacen('>', &format!("><style>{STYLE}</style>"), 1) + "\n"
+    svg.standalone(title, (WIDTH, height), STYLE)
 }
 
 fn panel(svg: &mut Svg, (left, top): (f64, f64), octaves: f64, (name, all): (&str, &[SizeSeries])) {

@@ -12,6 +12,7 @@ use super::super::palette::Marker;
 /// Horizontal alignment of a text relative to its position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Anchor {
+    Start,
     Middle,
     End,
 }
@@ -43,6 +44,7 @@ impl Svg {
     /// Adds text centred vertically on `y`, without using the metrics of the font.
     pub(super) fn text(&mut self, attributes: &str, anchor: Anchor, x: f64, y: f64, text: &str) {
         let anchor = match anchor {
+            Anchor::Start => "start",
             Anchor::Middle => "middle",
             Anchor::End => "end",
         };
@@ -57,6 +59,16 @@ impl Svg {
     pub(super) fn finish(&self, label: &str, width: f64, height: f64) -> String {
         let (label, width, height) = (escape(label), num(width), num(height));
         format!("<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{label}\">{}</svg>", self.body)
+    }
+}
+
+impl Svg {
+    /// The finished element as a file with a style sheet of its own.
+    pub(super) fn standalone(&self, label: &str, (width, height): (f64, f64), style: &str) -> String {
+        let own =
+            format!("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" ", num(width), num(height));
+        let text = self.finish(label, width, height).replacen("<svg ", &own, 1);
+        text.replacen('>', &format!("><style>{style}</style>"), 1) + "\n"
     }
 }
 

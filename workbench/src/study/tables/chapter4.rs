@@ -2,6 +2,7 @@
 
 use bearing_watch::plan::Kind;
 
+use super::chosen::Chosen;
 use super::draw::{Draw, Model, choose};
 use super::ours;
 use super::published::{Simulation, written_order};
@@ -32,7 +33,7 @@ pub(super) fn measure(published: &Simulation, draw: &Draw) -> Result<Table, Erro
     let ls = Features::new(draw, model(Method::Ls))?;
     let a = &iv4.a;
     let without = a.first_two().rule(ProjectionKind::None, Kind::Linear)?;
-    let with = a.rule(principal(a.names.len()), Kind::Linear)?;
+    let with = a.rule(a.to_two(), Kind::Linear)?;
 
     let mut rows = Vec::new();
     let [training, validation] = a.first_two().judge(&without);
@@ -45,7 +46,7 @@ pub(super) fn measure(published: &Simulation, draw: &Draw) -> Result<Table, Erro
         let [_, validation] = set.judge(&set.rule(projection, kind)?);
         Ok(validation)
     };
-    let two = principal(a.names.len());
+    let two = a.to_two();
     rows.push(row("the same, quadratic", None, &held_out(a, two, Kind::Quadratic)?));
     rows.push(row("the same, LS in place of iv4", None, &held_out(&ls.a, two, Kind::Linear)?).fit(ls.fit));
     rows.push(row("iv4, a b c, PCA to 2", None, &held_out(&iv4.all, principal(2), Kind::Linear)?));
@@ -71,29 +72,6 @@ pub(super) fn measure(published: &Simulation, draw: &Draw) -> Result<Table, Erro
         words: vec![],
         figures: vec![plane(published, a, with)],
     })
-}
-
-/// Selected features of both sets.
-struct Chosen {
-    names: Vec<String>,
-    training: FeatureTable,
-    validation: FeatureTable,
-}
-
-impl Chosen {
-    /// a₁ and a₂, the only features of the source without PCA (§3.3).
-    fn first_two(&self) -> Self {
-        let select = |table: &FeatureTable| table.select(&[0, 1]);
-        Self { names: self.names[..2].to_vec(), training: select(&self.training), validation: select(&self.validation) }
-    }
-
-    fn rule(&self, projection: ProjectionKind, kind: Kind) -> Result<Rule, Error> {
-        Rule::train(&self.training, &self.names, projection, kind)
-    }
-
-    fn judge(&self, rule: &Rule) -> [Judged; 2] {
-        [rule.judge(&self.training), rule.judge(&self.validation)]
-    }
 }
 
 /// Feature sets of one model.

@@ -1,4 +1,4 @@
-//! The source's tables on the standard rig, compared with the published figures.
+//! The source's tables on the standard rigs, compared with the published figures.
 //!
 //! ```text
 //! seed ─► draw: traces, estimates (shared) ─► distributions 2.2, chapter3, chapter4, pieces ─► Table, a value per cell
@@ -11,6 +11,8 @@
 
 mod chapter3;
 mod chapter4;
+pub mod chapter5;
+mod chosen;
 mod distributions;
 pub mod draw;
 pub mod ours;
@@ -25,6 +27,7 @@ mod settings;
 pub mod words;
 
 use crate::Error;
+use crate::rig::ema::EmaCondition;
 use draw::Draw;
 pub use result::{Cell, Statistic, Table};
 pub use settings::{Id, Settings};
@@ -37,20 +40,18 @@ pub use settings::{Id, Settings};
 /// # Errors
 /// Returns an error if a trace cannot be simulated or estimated, or features are singular.
 pub fn run(settings: &Settings, done: impl Fn()) -> Result<Vec<Table>, Error> {
-    let chapter_3 = settings.tables.iter().any(|id| id.name().starts_with('3'));
     let mut all: Vec<Table> = vec![];
     for repetition in 0..settings.repetitions {
-        let draw = Draw::new(settings.sets(repetition), chapter_3)?;
+        let mut draws = Draws::new(settings, repetition)?;
         done();
-        let mut tables = Vec::new();
-        for id in &settings.tables {
-            tables.extend(measure(*id, &draw)?);
+        for id in settings.of(repetition) {
+            for table in draws.measure(id)? {
+                match all.iter_mut().find(|known| known.title == table.title) {
+                    Some(known) => known.absorb(table),
+                    None => all.push(table),
+                }
+            }
             done();
-        }
-        if all.is_empty() {
-            all = tables;
-        } else {
-            all.iter_mut().zip(tables).for_each(|(table, more)| table.absorb(more));
         }
     }
     for table in &mut all {
@@ -59,6 +60,48 @@ pub fn run(settings: &Settings, done: impl Fn()) -> Result<Vec<Table>, Error> {
     Ok(overview::of(&all).into_iter().chain(all).collect())
 }
 
+/// The draws of one repetition.
+struct Draws {
+    sets: (u32, u32),
+    /// That of the DC motor, if a table needs it.
+    motor: Option<Draw>,
+    /// That of the actuator's last condition: tables of one condition follow each other.
+    actuator: Option<chapter5::draw::Draw>,
+}
+
+impl Draws {
+    fn new(settings: &Settings, repetition: u32) -> Result<Self, Error> {
+        let sets = settings.sets(repetition);
+        let chapter_3 = settings.tables.iter().any(|id| id.name().starts_with('3'));
+        let needed = settings.tables.iter().any(|id| !id.is_chapter_5());
+        let motor = needed.then(|| Draw::new(sets, chapter_3)).transpose()?;
+        Ok(Self { sets, motor, actuator: None })
+    }
+
+    fn measure(&mut self, id: Id) -> Result<Vec<Table>, Error> {
+        if id == Id::PARK {
+            return Ok(vec![chapter5::park::measure(self.sets)?]);
+        }
+        if let Some(published) = chapter5::published::CHAPTER_5.iter().find(|table| table.number == id.name()) {
+            return Ok(vec![chapter5::measure(published, self.actuator(published)?)?]);
+        }
+        self.motor.as_ref().map_or(Ok(vec![]), |draw| measure(id, draw))
+    }
+
+    fn actuator(&mut self, published: &chapter5::published::Published) -> Result<&chapter5::draw::Draw, Error> {
+        let draw = match self.actuator.take().filter(|draw| draw.condition().name == published.condition) {
+            Some(draw) => draw,
+            None => {
+                let condition = EmaCondition::named(published.condition);
+                let unknown = || Error::Usage(format!("no condition {}", published.condition));
+                chapter5::draw::Draw::new(&condition.ok_or_else(unknown)?, self.sets)?
+            }
+        };
+        Ok(self.actuator.insert(draw))
+    }
+}
+
+/// The tables of the DC motor.
 fn measure(id: Id, draw: &Draw) -> Result<Vec<Table>, Error> {
     match id.name() {
         "2.2" => Ok(vec![distributions::first_order(draw)?, distributions::separations(draw)?]),

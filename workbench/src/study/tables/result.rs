@@ -106,7 +106,7 @@ impl Cell {
     pub fn write(&self, digits: Digits) -> String {
         match (self, self.statistic()) {
             // The number of digits that the source printed.
-            (Self::Published(value), _) if value.abs() < 1e-3 => format!("{value:e}"),
+            (Self::Published(value), _) if *value != 0.0 && value.abs() < 1e-3 => format!("{value:e}"),
             (Self::Published(value), _) => value.to_string(),
             (_, Some(Statistic { mean, sd: Some(sd), .. })) => digits.write_both(mean, sd),
             (_, Some(Statistic { mean, .. })) => digits.write(mean),
@@ -157,9 +157,31 @@ pub struct PlaneClass {
     pub held_out: Vec<(f64, f64)>,
 }
 
+/// A named curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// Name in the legend.
+    pub name: String,
+    /// Points.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// Curves in stacked panels, from the first repetition.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curves {
+    /// Title of the plot.
+    pub title: String,
+    /// Title of the common horizontal axis.
+    pub x_label: String,
+    /// Titles of the vertical axes, with their curves; each panel has the same ones.
+    pub panels: Vec<(String, Vec<Curve>)>,
+}
+
 /// A plot of a table.
 #[derive(Clone, Debug)]
 pub enum Figure {
+    /// Curves over a common axis.
+    Curves(Box<Curves>),
     /// Densities of a feature.
     Spread(Spread),
     /// Decision regions.
