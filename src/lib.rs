@@ -67,6 +67,7 @@ extern crate alloc;
 extern crate std;
 
 mod average;
+mod checksum;
 mod decide;
 mod detector;
 mod drive;
@@ -79,11 +80,14 @@ mod printable;
 mod reason;
 mod regression;
 mod sample;
+mod saved;
 mod shaft;
+#[cfg(feature = "embedded-storage")]
+pub mod storage;
 mod unroll;
 
 pub use average::Average;
-pub use decide::{Alarm, Baseline, Cause, Decision, Evidence, Trend};
+pub use decide::{Alarm, Baseline, Cause, Commissioning, CommissioningError, Decision, Evidence, Trend};
 pub use detector::{Detector, Report, Segment, Solver, Verdict};
 #[cfg(feature = "embedded-hal")]
 pub use drive::ad2s1210;
@@ -102,6 +106,7 @@ pub use model::{Model, ModelError};
 pub use plan::Structure;
 pub use reason::{FrictionTerm, Part, Reason};
 pub use sample::{ChannelSet, Counts};
+pub use saved::StateError;
 pub use shaft::{Bearing, Friction, OrderStrength, Parameter, ShaftEstimate};
 
 #[cfg(feature = "defmt")]
