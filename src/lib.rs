@@ -35,8 +35,10 @@
 //!             Estimate: parameters, covariance, σ² ◄───────┘                 │
 //! decide         ▼ features ─► covariates ─► projection ─► discriminant, novelty ◄─────────┘
 //!             Decision ─► Verdict;   Evidence ─► Alarm, Trend;   Baseline: follows slow changes, on request
+//!             Commissioning: a healthy class learned on the drive, on request
 //! model       trained constants: checked at compile time, or read from bytes
 //! detector    ties them: one sample in, one Report a segment out
+//! saved       alarm and baseline as bytes;   storage  records in flash that survive power-off
 //! ```
 //!
 //! A [`Model`] holds trained constants (flash), a [`Detector`] holds running state (RAM); both take one type parameter,
@@ -44,7 +46,8 @@
 //! `unsafe`, and uses no fused multiply-add: the same samples give the same bits on a host and on a Cortex-M4F. A bad
 //! sample is counted and skipped; no function panics.
 //!
-//! Features: `defmt` (formats, and a log line for each segment), `nalgebra` (conversions of covariance and projection),
+//! Features: `defmt` (formats, and a log line for each segment), `embedded-hal` (a driver of a resolver converter),
+//! `embedded-storage` (records in flash), `nalgebra` (conversions of covariance and projection),
 //! `alloc` (the plan `RunTime` of host programs), `bounded` (array lengths that a model brings, without an allocator, as
 //! the C interface needs them), `internals` (parts for this repository's tests and measurements; not stable).
 #![no_std]

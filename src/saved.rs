@@ -79,7 +79,9 @@ impl fmt::Display for StateError {
             Self::Version { found, supported } => {
                 write!(f, "state format version {found}, but this build reads version {supported}")
             }
-            Self::OtherModel { saved, own } => write!(f, "the state is that of model {saved}, not of model {own}"),
+            Self::OtherModel { saved, own } => {
+                write!(f, "the state is that of model {saved:08x}, not of model {own:08x}")
+            }
             other => f.write_str(other.message()),
         }
     }

@@ -30,7 +30,7 @@ fn calls(pair: SlotPair<64>, flash: &mut Flash, show: &mut impl FnMut(&dyn fmt::
     let newest = opaque(SlotPair::newest(&pair, flash));
     let loaded =
         SlotPair::load(&pair, flash, &mut buffer, |record, bytes| opaque(record.label == label).then_some(bytes.len()));
-    for error in [stored.err(), newest.err(), loaded.err()].into_iter().flatten() {
+    for error in [stored.err(), newest.err(), loaded.err(), SlotPair::erase(&pair, flash).err()].into_iter().flatten() {
         opaque(StorageError::<NorFlashErrorKind>::message(&error));
         show(&error);
     }

@@ -89,6 +89,9 @@ impl<const READ: usize, const WRITE: usize, const ERASE: usize> NorFlash for Fla
     fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {
         check_erase(self, from, to)?;
         for sector in from as usize / ERASE..to as usize / ERASE {
+            if self.left == Some(0) {
+                return Err(NorFlashErrorKind::Other);
+            }
             self.erasures[sector] += 1;
             let cells = sector * ERASE..(sector + 1) * ERASE;
             if cells.clone().all(|_| self.power()) {
@@ -107,6 +110,9 @@ impl<const READ: usize, const WRITE: usize, const ERASE: usize> NorFlash for Fla
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Self::Error> {
         check_write(self, offset, bytes.len())?;
         for (place, word) in (offset as usize..).step_by(WRITE).zip(bytes.chunks(WRITE)) {
+            if self.left == Some(0) {
+                return Err(NorFlashErrorKind::Other);
+            }
             let cells = place..place + WRITE;
             assert!(self.bytes[cells.clone()].iter().all(|byte| *byte == 0xFF), "a word is written only once erased");
             if word.iter().all(|_| self.power()) {

@@ -21,6 +21,14 @@ pub struct SlotPair<const PAGE: usize> {
     kind: RecordKind,
 }
 
+/// What the slots hold.
+enum Found {
+    /// The newest good record, and whether it is in the second slot.
+    Record { second: bool, record: Record },
+    /// No record; the slot to begin with.
+    Nothing { second: bool },
+}
+
 impl<const PAGE: usize> SlotPair<PAGE> {
     /// Two slots of `slot_bytes` each, from the address `start` of this flash on.
     ///
@@ -51,9 +59,12 @@ impl<const PAGE: usize> SlotPair<PAGE> {
     /// The newest good record; `None` if there is none.
     ///
     /// # Errors
-    /// [`StorageError::Flash`] if there is none and a slot cannot be read.
+    /// [`StorageError::Flash`] if neither slot can be read.
     pub fn newest<F: NorFlash>(&self, flash: &mut F) -> Result<Option<Record>, StorageError<F::Error>> {
-        self.newest_slot(flash).map(|found| found.map(|(_, record)| record))
+        Ok(match self.newest_slot(flash)? {
+            Found::Record { record, .. } => Some(record),
+            Found::Nothing { .. } => None,
+        })
     }
 
     /// Reads the newest good record that `accept` accepts, which gets the payload and returns what to make of it; the
@@ -68,8 +79,8 @@ impl<const PAGE: usize> SlotPair<PAGE> {
         mut accept: impl FnMut(&Record, &[u8]) -> Option<T>,
     ) -> Result<T, StorageError<F::Error>> {
         let mut reason = StorageError::NoRecord;
-        let Some((newest, _)) = self.newest_slot(flash)? else { return Err(reason) };
-        for slot in [newest, !newest] {
+        let Found::Record { second, .. } = self.newest_slot(flash)? else { return Err(reason) };
+        for slot in [second, !second] {
             match self.read(flash, slot, Some(&mut *buffer)) {
                 Ok(Some(record)) => {
                     let payload = buffer.get(..record.length as usize).unwrap_or_default();
@@ -85,7 +96,7 @@ impl<const PAGE: usize> SlotPair<PAGE> {
     }
 
     /// Stores a record in place of the older one. Whatever happens on the way, the newest record is still there or this
-    /// one is complete.
+    /// one is complete. Nothing is erased if neither slot can be read: then [`SlotPair::erase`] starts afresh.
     ///
     /// # Errors
     /// [`StorageError::TooLong`], [`StorageError::Flash`], [`StorageError::NotWritten`].
@@ -99,12 +110,9 @@ impl<const PAGE: usize> SlotPair<PAGE> {
         let length = u32::try_from(payload.len()).ok().filter(|length| *length as usize <= capacity);
         let too_long = || StorageError::TooLong { capacity: u32::try_from(capacity).unwrap_or(u32::MAX) };
         let length = length.ok_or_else(too_long)?;
-        let (second, counter) = match self.newest_slot(flash) {
-            Ok(Some((second, newest))) => (!second, newest.counter.wrapping_add(1)),
-            Ok(None) => (false, 1),
-            // A slot that cannot be read holds nothing: erasing is what helps.
-            Err(StorageError::Flash(_)) => (false, 1),
-            Err(other) => return Err(other),
+        let (second, counter) = match self.newest_slot(flash)? {
+            Found::Record { second, record } => (!second, record.counter.wrapping_add(1)),
+            Found::Nothing { second } => (second, 1),
         };
         let record = Record { label: *label, counter, length, check: crc32(payload) };
         let at = self.address(second);
@@ -117,6 +125,15 @@ impl<const PAGE: usize> SlotPair<PAGE> {
         Ok(record)
     }
 
+    /// Erases both slots with all records.
+    ///
+    /// # Errors
+    /// [`StorageError::Flash`].
+    pub fn erase<F: NorFlash>(&self, flash: &mut F) -> Result<(), StorageError<F::Error>> {
+        let end = self.address(true).saturating_add(self.slot_bytes);
+        flash.erase(self.start, end).map_err(StorageError::Flash)
+    }
+
     /// Number of bytes of a header in this flash.
     fn header<F: NorFlash>() -> usize {
         rounded(HEADER, unit::<F>())
@@ -126,19 +143,20 @@ impl<const PAGE: usize> SlotPair<PAGE> {
         if second { self.start.saturating_add(self.slot_bytes) } else { self.start }
     }
 
-    /// The newest good record, and whether it is in the second slot.
-    fn newest_slot<F: NorFlash>(&self, flash: &mut F) -> Result<Option<(bool, Record)>, StorageError<F::Error>> {
+    /// Reads both slots. One that cannot be read counts as empty.
+    fn newest_slot<F: NorFlash>(&self, flash: &mut F) -> Result<Found, StorageError<F::Error>> {
         let slots = [self.read(flash, false, None), self.read(flash, true, None)];
-        match slots {
+        Ok(match slots {
             [Ok(Some(first)), Ok(Some(second))] => {
                 let newer = second.is_newer_than(&first);
-                Ok(Some((newer, if newer { second } else { first })))
+                Found::Record { second: newer, record: if newer { second } else { first } }
             }
-            [Ok(Some(first)), _] => Ok(Some((false, first))),
-            [_, Ok(Some(second))] => Ok(Some((true, second))),
-            [Err(error), _] | [_, Err(error)] => Err(error),
-            [Ok(None), Ok(None)] => Ok(None),
-        }
+            [Ok(Some(record)), _] => Found::Record { second: false, record },
+            [_, Ok(Some(record))] => Found::Record { second: true, record },
+            [Ok(None), _] => Found::Nothing { second: false },
+            [Err(_), Ok(None)] => Found::Nothing { second: true },
+            [Err(error), Err(_)] => return Err(error),
+        })
     }
 
     /// Reads the record of a slot into a buffer, if there is one, and checks it; `None` if it is not good.

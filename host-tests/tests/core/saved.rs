@@ -30,7 +30,9 @@ fn decision<P: Plan>(model: &Model<P>, k: u32) -> Decision<P> {
 /// Evidence after so many segments, every fifth of them undetermined.
 pub fn evidence_after<P: Plan>(model: &Model<P>, segments: u32) -> Evidence<P> {
     let mut evidence = model.evidence();
-    (0..segments).for_each(|k| drop(evidence.observe((k % 5 != 4).then(|| decision(model, k)).as_ref())));
+    for k in 0..segments {
+        evidence.observe((k % 5 != 4).then(|| decision(model, k)).as_ref());
+    }
     evidence
 }
 

@@ -168,6 +168,22 @@ fn the_older_record_serves_if_the_newer_one_is_refused_or_damaged() {
     let states = SlotPair::<64>::new(&flash, 0, 256, RecordKind::State).expect("fits");
     pair.store(&mut flash, &label, b"again").expect("stores");
     assert_eq!(states.newest(&mut flash), Ok(None));
+    assert!(pair.newest(&mut flash).expect("readable").is_some());
+    pair.erase(&mut flash).expect("erases");
+    assert_eq!((pair.newest(&mut flash), &flash.bytes[..]), (Ok(None), &[0xFF; 512][..]));
+}
+
+#[test]
+fn nothing_is_erased_if_the_flash_cannot_be_read() {
+    let mut flash = Flash::<1, 1, 64>::new(8, 9);
+    let pair = SlotPair::<64>::new(&flash, 0, 256, RecordKind::Model).expect("fits");
+    let label = RecordLabel { model: 1, drive: DRIVE };
+    pair.store(&mut flash, &label, b"kept").expect("stores");
+    flash.fail_after(0);
+    assert_eq!(pair.newest(&mut flash), Err(StorageError::Flash(NorFlashErrorKind::Other)));
+    assert_eq!(pair.store(&mut flash, &label, b"lost"), Err(StorageError::Flash(NorFlashErrorKind::Other)));
+    assert!(flash.power_up());
+    assert_eq!(load(&pair, &mut flash).1, b"kept");
 }
 
 #[test]
