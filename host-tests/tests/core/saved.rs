@@ -7,7 +7,7 @@ use bearing_watch::{Alarm, Baseline, Decision, Evidence, Model, StateError};
 use crate::exported::{Drive, MODEL};
 
 /// The exported model with a gate and an alarm, which it does not have.
-fn alarming() -> Model<Drive> {
+pub fn alarming() -> Model<Drive> {
     let mut constants = MODEL.constants().clone();
     constants.evidence = EvidenceConstants { bet: 0.2, limit: 9.0, cap: 4.0, segments_a_run: 2, ..constants.evidence };
     let factor = core::array::from_fn(|k| constants.classifier.discriminant.factors[k]);

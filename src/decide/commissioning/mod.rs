@@ -196,7 +196,8 @@ impl<P: Plan> Commissioning<P> {
         let density = Density::<P>::of(trained.factor.cells(), &[], z.len());
         let distance = libm::sqrtf(density.squared_distance(trained.mean.cells(), z));
         // Written so that NaN is too far.
-        if !(distance <= self.constants.farthest) {
+        let near = distance <= self.constants.farthest;
+        if !near {
             self.far = self.far.saturating_add(1);
             return Err(CommissioningError::TooFar { distance });
         }
@@ -241,7 +242,8 @@ impl<P: Plan> Commissioning<P> {
         let layout = plan.layout();
         let (all, rising) = (layout.coordinates as usize, layout.rising as usize);
         let ratio = self.own_scatter / (all as f32 * (gathered as f32 - 1.0));
-        if !(ratio <= widest) {
+        let narrow = ratio <= widest;
+        if !narrow {
             return Err(CommissioningError::TooWide { ratio });
         }
         let mut made = trained.clone();
