@@ -20,8 +20,8 @@ pub enum CommissioningError {
         /// Place of the coordinate.
         coordinate: u8,
     },
-    /// The variance of the coordinate's error exceeds its variance over the trained healthy segments. The segment is not
-    /// used.
+    /// The variance of the coordinate's error exceeds ten times its variance over the trained healthy segments. The
+    /// segment is not used.
     Uncertain {
         /// Place of the coordinate.
         coordinate: u8,

@@ -5,25 +5,29 @@
 //!
 //! ```text
 //! prior   mean m₀ counts as κ₀ segments, covariance S₀ as ν₀; the model has m₀ and S₀         (1)
-//! segment Ψ ← Ψ + κ/(κ + 1) (z − m)(z − m)ᵀ,  m ← m + (z − m)/(κ + 1),  κ ← κ + 1             (2)
+//! segment Ψ ← Ψ + κ/(κ + 1) x xᵀ,  m ← m + x/(κ + 1),  κ ← κ + 1,   x = z − m                 (2)
 //! start   m = m₀,  κ = κ₀,  Ψ = ν₀ S₀,  f = ν₀;  f ← f + 1 with each segment where κ > 0      (3)
 //! gate    mean m,  covariance S = Ψ/f,  laws of f and κ (`law`)                               (4)
 //! classes every mean of the discriminant moves by m − m₀                                      (5)
+//! errors  x_k √w_k in Ψ,   w_k = s_k/(s_k + v_k),   m_k ← m_k + w_k x_k/(κ_k + w_k)           (6)
 //! ```
 //!
 //! (2) is the conjugate update of a normal-inverse-Wishart prior (Gelman et al., Bayesian Data Analysis, §3.6), and with
 //! κ₀ = 0 Welford's recursion. Ψ is kept as its factor Rᵀ D R, which (2) rotates ([`super::density`]), so it stays
 //! positive definite.
 //!
+//! A coordinate with an excess variance v of its error counts by (6), where s is its variance in S₀: x then has the
+//! scatter of one without errors if the variance of this drive is s, and a larger one if it is smaller, so that S is too
+//! wide rather than too narrow. κ_k is the sum of the weights of coordinate k.
+//!
 //! **Weights.** If S₀ is that of one drive on the bench, a drive whose constants differ has the same scatter about
 //! another mean: κ₀ small, about (scatter of a drive/scatter between drives)², ν₀ as large as S₀ is trusted. If S₀ is
 //! that of many drives together, it is wider than that of this drive, and ν₀ small. A defect that the drive has already
 //! is learned as healthy: `farthest` limits how large it can be, in trained standard deviations.
 //!
-//! **What is refused.** A segment without a verdict, with a missing coordinate, with an error of a coordinate beyond its
-//! trained variance, or too far from m₀ ([`CommissioningError`]). The whole, if segments are too few, if more than a
-//! tenth of them were too far, or if their mean variance exceeds `widest` times the trained one. Errors of coordinates
-//! that are accepted widen S.
+//! **What is refused.** A segment without a verdict, with a missing coordinate, with a coordinate of a weight (6) below
+//! 1/11, or too far from m₀ ([`CommissioningError`]). The whole, if segments are too few, if more than a tenth of them
+//! were too far, or if their mean variance exceeds `widest` times the trained one.
 //!
 //! The gate's limit remains: its rate of false alarms is the trained one in the mean over drives, if the segments are
 //! like those that follow. Segments of one power-up are alike: gather over several of them, and over all speeds, loads
@@ -52,6 +56,8 @@ use law::Size;
 pub const MAX_SEGMENTS: u32 = 10_000;
 /// Least degrees of freedom ν of the law of the distance.
 const LEAST_FREEDOM: f32 = 3.0;
+/// Most variance of an error, that of the coordinate in S₀ being 1.
+const MOST_ERROR: f32 = 10.0;
 /// One segment in so many may be too far.
 const FAR_SHARE: u32 = 10;
 
@@ -111,8 +117,9 @@ impl CommissioningConstants {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Commissioning<P: Plan> {
     constants: CommissioningConstants,
-    /// m, κ and f of (2) and (3).
+    /// m, κ and f of (2) and (3), and κ_k of (6).
     mean: Array<P::Coordinates, f32>,
+    weights: Array<P::Coordinates, f32>,
     weight: f32,
     freedom: f32,
     /// Ψ as D and R.
@@ -146,6 +153,7 @@ impl<P: Plan> Commissioning<P> {
         Ok(Self {
             constants,
             mean: novelty.mean.clone(),
+            weights: Cells::filled(layout.coordinates as usize, constants.mean_weight),
             weight: constants.mean_weight,
             freedom: constants.covariance_weight,
             scatter,
@@ -192,8 +200,9 @@ impl<P: Plan> Commissioning<P> {
         if self.gathered >= MAX_SEGMENTS {
             return Err(CommissioningError::Full);
         }
-        check_errors(trained.factor.cells(), z, variances)?;
-        let density = Density::<P>::of(trained.factor.cells(), &[], z.len());
+        let mut shares: Array<P::Coordinates, f32> = Cells::filled(z.len(), 1.0);
+        share(trained.factor.cells(), variances, shares.cells_mut())?;
+        let density = Density::<P>::of(trained.factor.cells(), variances, z.len());
         let distance = libm::sqrtf(density.squared_distance(trained.mean.cells(), z));
         // Written so that NaN is too far.
         let near = distance <= self.constants.farthest;
@@ -206,16 +215,21 @@ impl<P: Plan> Commissioning<P> {
         self.own_scatter += before / count * density.squared_distance(self.own_mean.cells(), z);
         pairs(self.own_mean.cells_mut(), z).for_each(|(mean, z)| *mean += (z - *mean) / count);
         self.gathered = self.gathered.saturating_add(1);
-        self.merge(z);
+        self.merge(z, shares.cells());
         Ok(())
     }
 
-    /// (2).
-    fn merge(&mut self, z: &[f32]) {
+    /// (2) with the weights (6).
+    fn merge(&mut self, z: &[f32], shares: &[f32]) {
         let after = self.weight + 1.0;
         let mut away = self.mean.clone();
-        pairs(away.cells_mut(), z).for_each(|(cell, z)| *cell = z - *cell);
-        pairs(self.mean.cells_mut(), away.cells()).for_each(|(mean, away)| *mean += away / after);
+        let means = pairs(self.mean.cells_mut(), self.weights.cells_mut());
+        for ((x, (mean, weight)), (z, share)) in pairs(pairs(away.cells_mut(), means), pairs(z, shares)) {
+            *x = z - *x;
+            *weight += share;
+            *mean += share / *weight * *x;
+            *x *= libm::sqrtf(*share);
+        }
         let mut weight = self.weight / after;
         let (mut x, mut rest) = (away.cells_mut(), self.scatter.cells_mut());
         while let [first, later @ ..] = x {
@@ -297,24 +311,26 @@ fn each_pivot(factor: &mut [f32], coordinates: u8, mut work: impl FnMut(&mut f32
     }
 }
 
-/// Whether no coordinate is missing, nor has an error whose variance exceeds its own, Σ_i D_i r_ik².
-fn check_errors(factor: &[f32], z: &[f32], variances: &[f32]) -> Result<(), CommissioningError> {
-    for (k, variance) in (0_u8..).zip(variances) {
+/// The weights w of (6), where s_k = Σ_i D_i r_ik²; coordinates without a variance keep theirs.
+fn share(factor: &[f32], variances: &[f32], shares: &mut [f32]) -> Result<(), CommissioningError> {
+    let coordinates = shares.len();
+    for (k, (variance, share)) in (0_u8..).zip(pairs(variances, shares)) {
         if !variance.is_finite() {
             return Err(CommissioningError::Missing { coordinate: k });
         }
         let (mut rest, mut own) = (factor, 0.0);
         for row in 0..=k {
-            let length = z.len().saturating_sub(row as usize);
+            let length = coordinates.saturating_sub(row as usize);
             let Some((cells, below)) = rest.split_at_checked(length) else { break };
             let pivot = cells.first().copied().unwrap_or(0.0);
             let r = if row == k { 1.0 } else { cells.get(k.wrapping_sub(row) as usize).copied().unwrap_or(0.0) };
             own += pivot * r * r;
             rest = below;
         }
-        if *variance > own {
+        if *variance > MOST_ERROR * own {
             return Err(CommissioningError::Uncertain { coordinate: k });
         }
+        *share = own / (own + variance.max(0.0));
     }
     Ok(())
 }

@@ -9,7 +9,6 @@
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use super::rows::COLUMNS;
 use super::sessions::{Fleet, recipe_of, record_of, records};
 use super::tally::{Tally, rate};
 use crate::Error;
@@ -18,6 +17,21 @@ use crate::rig::{Condition, Defect, DefectKind};
 use crate::study::campaign::render::grid;
 use crate::study::campaign::{Cell, Purpose};
 use crate::train::train;
+
+/// Judged records: healthy ones, and defects below those that the bench's gate finds in every record.
+const COLUMNS: [Defect; 7] = [
+    Defect::HEALTHY,
+    sized(DefectKind::Spall, 1.0 / 8.0),
+    sized(DefectKind::Spall, 1.0 / 16.0),
+    sized(DefectKind::Spall, 1.0 / 32.0),
+    sized(DefectKind::Roughness, 1.0 / 32.0),
+    sized(DefectKind::Roughness, 1.0 / 64.0),
+    sized(DefectKind::Roughness, 1.0 / 128.0),
+];
+
+const fn sized(kind: DefectKind, severity: f64) -> Defect {
+    Defect { kind, severity }
+}
 
 /// Size of the study.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +56,7 @@ impl Settings {
         Self { bench: Fleet::STANDARD, rate: 0.01, drives: 8, gathered: 30, healthy: 50, defects: 10 };
 }
 
-/// Verdicts of one draw: of each of [`COLUMNS`] those of the bench's gate and of the commissioned one.
+/// Verdicts of one draw: of each kind of record those of the bench's gate and of the commissioned one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Draw {
     /// The tallies.
@@ -135,7 +149,7 @@ const fn sum(a: Tally, b: Tally) -> Tally {
 fn name(defect: Defect) -> String {
     match defect.kind {
         DefectKind::Healthy => "healthy: false alarms".into(),
-        kind => format!("{} at {:.3}", kind.name(), defect.severity),
+        kind => format!("{} at 1/{:.0}", kind.name(), 1.0 / defect.severity),
     }
 }
 
