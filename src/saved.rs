@@ -79,9 +79,6 @@ impl fmt::Display for StateError {
             Self::Version { found, supported } => {
                 write!(f, "state format version {found}, but this build reads version {supported}")
             }
-            Self::OtherModel { saved, own } => {
-                write!(f, "the state is that of model {saved:08x}, not of model {own:08x}")
-            }
             other => f.write_str(other.message()),
         }
     }
