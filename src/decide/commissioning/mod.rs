@@ -288,10 +288,11 @@ impl<P: Plan> Commissioning<P> {
     /// (5).
     fn move_classes(&self, trained: &Classifier<P>, made: &mut Classifier<P>) {
         let moves = pairs(self.mean.cells(), trained.novelty.mean.cells());
-        let coordinates = self.mean.cells().len();
-        for (k, (own, trained)) in (0_usize..).zip(moves) {
+        let (coordinates, mut k) = (self.mean.cells().len(), 0_usize);
+        for (own, trained) in moves {
             let places = made.discriminant.means.cells_mut().get_mut(k..).unwrap_or_default();
             places.iter_mut().step_by(coordinates.max(1)).for_each(|mean| *mean += own - trained);
+            k = k.wrapping_add(1);
         }
     }
 
@@ -313,8 +314,8 @@ fn each_pivot(factor: &mut [f32], coordinates: u8, mut work: impl FnMut(&mut f32
 
 /// The weights w of (6), where s_k = Σ_i D_i r_ik²; coordinates without a variance keep theirs.
 fn share(factor: &[f32], variances: &[f32], shares: &mut [f32]) -> Result<(), CommissioningError> {
-    let coordinates = shares.len();
-    for (k, (variance, share)) in (0_u8..).zip(pairs(variances, shares)) {
+    let (coordinates, mut k) = (shares.len(), 0_u8);
+    for (variance, share) in pairs(variances, shares) {
         if !variance.is_finite() {
             return Err(CommissioningError::Missing { coordinate: k });
         }
@@ -331,6 +332,7 @@ fn share(factor: &[f32], variances: &[f32], shares: &mut [f32]) -> Result<(), Co
             return Err(CommissioningError::Uncertain { coordinate: k });
         }
         *share = own / (own + variance.max(0.0));
+        k = k.wrapping_add(1);
     }
     Ok(())
 }
