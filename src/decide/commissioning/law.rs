@@ -142,7 +142,7 @@ fn fraction(a: f32, b: f32, x: f32) -> f32 {
 #[inline(never)]
 fn ln_beta(a: f32, b: f32) -> f32 {
     // ln Γ(b) from Γ(1) = 1 or Γ(½) = √π upwards.
-    let (mut own, mut of_b) = if 2.0 * (b - libm::floorf(b)) >= 1.0 { (0.5, 0.572_364_94) } else { (1.0, 0.0) };
+    let (mut own, mut of_b) = if 2.0 * (b - libm::floorf(b)) >= 1.0 { (0.5, 0.572_364_9) } else { (1.0, 0.0) };
     while own < b {
         of_b += ln(own);
         own += 1.0;

@@ -18,7 +18,7 @@
 //!
 //! A coordinate with an excess variance v of its error counts by (6), where s is its variance in S₀: x then has the
 //! scatter of one without errors if the variance of this drive is s, and a larger one if it is smaller, so that S is too
-//! wide rather than too narrow. κ_k is the sum of the weights of coordinate k.
+//! wide rather than too narrow. `κ_k` is the sum of the weights of coordinate k.
 //!
 //! **Weights.** If S₀ is that of one drive on the bench, a drive whose constants differ has the same scatter about
 //! another mean: κ₀ small, about (scatter of a drive/scatter between drives)², ν₀ as large as S₀ is trusted. If S₀ is
@@ -104,7 +104,7 @@ impl CommissioningConstants {
         let Self { mean_weight, covariance_weight, fewest, farthest, widest, trained_freedom, .. } = *self;
         let weighed = mean_weight >= 0.0 && covariance_weight >= 1.0 && mean_weight.max(covariance_weight) <= 1e5;
         let limited = farthest > 0.0 && widest > 0.0 && trained_freedom >= 1.0;
-        let counted = fewest >= 2 && fewest <= MAX_SEGMENTS;
+        let counted = (2..=MAX_SEGMENTS).contains(&fewest);
         let freedom = covariance_weight + fewest as f32 - f32::from(coordinates);
         weighed && limited && counted && freedom >= LEAST_FREEDOM
     }
@@ -117,7 +117,7 @@ impl CommissioningConstants {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Commissioning<P: Plan> {
     constants: CommissioningConstants,
-    /// m, κ and f of (2) and (3), and κ_k of (6).
+    /// m, κ and f of (2) and (3), and `κ_k` of (6).
     mean: Array<P::Coordinates, f32>,
     weights: Array<P::Coordinates, f32>,
     weight: f32,
@@ -312,7 +312,7 @@ fn each_pivot(factor: &mut [f32], coordinates: u8, mut work: impl FnMut(&mut f32
     }
 }
 
-/// The weights w of (6), where s_k = Σ_i D_i r_ik²; coordinates without a variance keep theirs.
+/// The weights w of (6), where `s_k = Σ_i D_i r_ik²`; coordinates without a variance keep theirs.
 fn share(factor: &[f32], variances: &[f32], shares: &mut [f32]) -> Result<(), CommissioningError> {
     let (coordinates, mut k) = (shares.len(), 0_u8);
     for (variance, share) in pairs(variances, shares) {
