@@ -259,7 +259,7 @@ fn commission<P: Plan>(model: &Model<P>, report: &Report<P>) {
 }
 
 /// The state of alarm and baseline as bytes.
-fn saved<P: Plan>(model: &Model<P>, evidence: &mut Evidence<P>, mut baseline: Option<&mut Baseline<P>>) {
+fn saved<P: Plan>(model: &Model<P>, evidence: &mut Evidence<P>, baseline: Option<&mut Baseline<P>>) {
     let mut buffer = opaque([0; 512]);
     opaque((Model::id(model), Model::saved_len(model)));
     let length = match Model::save(model, evidence, baseline.as_deref(), &mut buffer) {
@@ -267,7 +267,7 @@ fn saved<P: Plan>(model: &Model<P>, evidence: &mut Evidence<P>, mut baseline: Op
         Err(error) => return show(error),
     };
     let bytes = opaque(&buffer).get(..length).unwrap_or_default();
-    if let Err(error) = Model::restore(model, bytes, evidence, baseline.as_deref_mut()) {
+    if let Err(error) = Model::restore(model, bytes, evidence, baseline) {
         opaque(StateError::message(&error));
         show(error);
     }
