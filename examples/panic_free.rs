@@ -11,6 +11,8 @@ mod classifier;
 mod converter;
 #[path = "support/drive_calls.rs"]
 mod drive_calls;
+#[path = "support/flash.rs"]
+mod flash;
 #[allow(dead_code, reason = "its samples are not wanted here")]
 #[path = "support/standard_rig/model.rs"]
 mod model;
@@ -26,6 +28,8 @@ mod refined;
 #[allow(dead_code, reason = "the plant is not wanted here")]
 #[path = "support/shaft.rs"]
 mod shaft;
+#[path = "support/storage_calls.rs"]
+mod storage_calls;
 
 use core::fmt::{self, Write};
 use core::hint::black_box as opaque;
@@ -46,6 +50,7 @@ fn run() {
     drive_calls::front_end(|error| show(error));
     decimation();
     converter::run(|error| show(error));
+    storage_calls::run(|error| show(error));
     plans();
     constants();
     detector(&model::MODEL, |[current_a, velocity_ref_rad_s, load_torque_nm, ..]| model::Sample {
@@ -199,6 +204,8 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
             opaque(Evidence::observe(&mut evidence, report.decision.as_ref()));
             opaque(Evidence::end_run(&mut evidence));
             told(model, &report);
+            commission(model, &report);
+            saved(model, &mut evidence, baseline.as_mut());
             if let Some(baseline) = &mut baseline {
                 follow(model, baseline, &mut opaque(report));
             }
@@ -227,6 +234,43 @@ fn follow<P: Plan>(model: &Model<P>, baseline: &mut Baseline<P>, report: &mut Re
     opaque((Baseline::offset(baseline), Baseline::at_bound(baseline)));
     opaque(Baseline::restore(baseline, &opaque([0.5, f32::NAN]), opaque(true)));
     Baseline::reset(opaque(baseline));
+}
+
+/// A commissioning over one report.
+fn commission<P: Plan>(model: &Model<P>, report: &Report<P>) {
+    let constants = opaque(CommissioningConstants::new(opaque(20), opaque(3.0)));
+    let refused = |error: CommissioningError| {
+        opaque(CommissioningError::message(&error));
+        show(error);
+    };
+    let mut commissioning = match Model::commissioning(model, constants) {
+        Ok(commissioning) => opaque(commissioning),
+        Err(error) => return refused(error),
+    };
+    if let Err(error) = Model::gather(model, &mut commissioning, report) {
+        refused(error);
+    }
+    opaque((Commissioning::gathered(&commissioning), Commissioning::far(&commissioning)));
+    opaque(Commissioning::mean(&commissioning));
+    match Model::commissioned(model, &commissioning) {
+        Ok(model) => drop(opaque(model)),
+        Err(error) => refused(error),
+    }
+}
+
+/// The state of alarm and baseline as bytes.
+fn saved<P: Plan>(model: &Model<P>, evidence: &mut Evidence<P>, baseline: Option<&mut Baseline<P>>) {
+    let mut buffer = opaque([0; 512]);
+    opaque((Model::id(model), Model::saved_len(model)));
+    let length = match Model::save(model, evidence, baseline.as_deref(), &mut buffer) {
+        Ok(length) => opaque(length),
+        Err(error) => return show(error),
+    };
+    let bytes = opaque(&buffer).get(..length).unwrap_or_default();
+    if let Err(error) = Model::restore(model, bytes, evidence, baseline) {
+        opaque(StateError::message(&error));
+        show(error);
+    }
 }
 
 /// What a model says of itself, and its bytes.

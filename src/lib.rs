@@ -35,8 +35,10 @@
 //!             Estimate: parameters, covariance, σ² ◄───────┘                 │
 //! decide         ▼ features ─► covariates ─► projection ─► discriminant, novelty ◄─────────┘
 //!             Decision ─► Verdict;   Evidence ─► Alarm, Trend;   Baseline: follows slow changes, on request
+//!             Commissioning: a healthy class learned on the drive, on request
 //! model       trained constants: checked at compile time, or read from bytes
 //! detector    ties them: one sample in, one Report a segment out
+//! saved       alarm and baseline as bytes;   storage  records in flash that survive power-off
 //! ```
 //!
 //! A [`Model`] holds trained constants (flash), a [`Detector`] holds running state (RAM); both take one type parameter,
@@ -44,7 +46,8 @@
 //! `unsafe`, and uses no fused multiply-add: the same samples give the same bits on a host and on a Cortex-M4F. A bad
 //! sample is counted and skipped; no function panics.
 //!
-//! Features: `defmt` (formats, and a log line for each segment), `nalgebra` (conversions of covariance and projection),
+//! Features: `defmt` (formats, and a log line for each segment), `embedded-hal` (a driver of a resolver converter),
+//! `embedded-storage` (records in flash), `nalgebra` (conversions of covariance and projection),
 //! `alloc` (the plan `RunTime` of host programs), `bounded` (array lengths that a model brings, without an allocator, as
 //! the C interface needs them), `internals` (parts for this repository's tests and measurements; not stable).
 #![no_std]
@@ -67,6 +70,7 @@ extern crate alloc;
 extern crate std;
 
 mod average;
+mod checksum;
 mod decide;
 mod detector;
 mod drive;
@@ -79,11 +83,14 @@ mod printable;
 mod reason;
 mod regression;
 mod sample;
+mod saved;
 mod shaft;
+#[cfg(feature = "embedded-storage")]
+pub mod storage;
 mod unroll;
 
 pub use average::Average;
-pub use decide::{Alarm, Baseline, Cause, Decision, Evidence, Trend};
+pub use decide::{Alarm, Baseline, Cause, Commissioning, CommissioningError, Decision, Evidence, Trend};
 pub use detector::{Detector, Report, Segment, Solver, Verdict};
 #[cfg(feature = "embedded-hal")]
 pub use drive::ad2s1210;
@@ -102,6 +109,7 @@ pub use model::{Model, ModelError};
 pub use plan::Structure;
 pub use reason::{FrictionTerm, Part, Reason};
 pub use sample::{ChannelSet, Counts};
+pub use saved::StateError;
 pub use shaft::{Bearing, Friction, OrderStrength, Parameter, ShaftEstimate};
 
 #[cfg(feature = "defmt")]

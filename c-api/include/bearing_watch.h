@@ -115,6 +115,10 @@ enum BwCode
   BW_CODE_MODEL_INTERVAL = -27,
   // The model was trained with the other Park convention.
   BW_CODE_MODEL_PARK = -28,
+  // The bytes are not a saved state of this version and of these sizes, or are corrupted.
+  BW_CODE_SAVED_STATE = -35,
+  // The saved state is that of another model.
+  BW_CODE_OTHER_MODEL = -36,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -502,6 +506,33 @@ BwCode bw_end_run(struct BwState *state);
 // # Safety
 // `state` is NULL, or was given by `bw_init` or has as many readable bytes.
 BwCode bw_reset(struct BwState *state);
+
+// Gives the number of bytes that `bw_save` writes for the model of this state.
+//
+// # Safety
+// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `length` is NULL or writable.
+BwCode bw_saved_size(const struct BwState *state, size_t *length);
+
+// Writes alarm, scores and trend into `bytes`, to be stored where they survive power-off. Call `bw_end_run` before, at
+// power-down where a run is from power-up to power-up. The open segment is not saved.
+//
+// Returns `BW_CODE_OK`, `BW_CODE_BUFFER_TOO_SMALL` if `capacity` is less than `bw_saved_size` gives, or
+// `BW_CODE_BUSY`.
+//
+// # Safety
+// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `bytes` is NULL or has `capacity` writable
+// bytes.
+BwCode bw_save(struct BwState *state, uint8_t *bytes, size_t capacity);
+
+// Continues from the alarm, scores and trend that `bw_save` wrote, for this model. In case of an error nothing changes.
+//
+// Returns `BW_CODE_OK`, `BW_CODE_SAVED_STATE` if the bytes are not a saved state of this version or are corrupted,
+// `BW_CODE_OTHER_MODEL` if they are that of another model, or `BW_CODE_BUSY`.
+//
+// # Safety
+// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `bytes` is NULL or has `length` readable
+// bytes.
+BwCode bw_restore(struct BwState *state, const uint8_t *bytes, size_t length);
 
 // Returns the version of the library, a text that ends in a zero byte.
 const char *bw_version(void);

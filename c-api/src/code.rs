@@ -57,10 +57,14 @@ pub enum BwCode {
     ModelInterval = -27,
     /// The model was trained with the other Park convention.
     ModelPark = -28,
+    /// The bytes are not a saved state of this version and of these sizes, or are corrupted.
+    SavedState = -35,
+    /// The saved state is that of another model.
+    OtherModel = -36,
 }
 
 impl BwCode {
-    const ALL: [Self; 24] = [
+    const ALL: [Self; 26] = [
         Self::Ok,
         Self::Segment,
         Self::Report,
@@ -85,6 +89,8 @@ impl BwCode {
         Self::ModelChannel,
         Self::ModelInterval,
         Self::ModelPark,
+        Self::SavedState,
+        Self::OtherModel,
     ];
 
     const fn text(self) -> &'static CStr {
@@ -113,6 +119,8 @@ impl BwCode {
             Self::ModelChannel => c"a channel of the model has another name or unit",
             Self::ModelInterval => c"the sampling interval differs from that of the model",
             Self::ModelPark => c"the model was trained with the other Park convention",
+            Self::SavedState => c"these bytes are not a saved state, or are corrupted",
+            Self::OtherModel => c"the saved state is that of another model",
         }
     }
 }

@@ -8,6 +8,7 @@
 //!              bw_report, bw_values         verdict, and the numbers behind it
 //!              bw_adopt                     its estimate becomes the next auxiliary model (interrupt masked)
 //!              bw_alarm                     the evidence of all segments
+//!              bw_save, bw_restore          the same as bytes, which survive power-off
 //! or at once   bw_step                      a sample; now and then BW_CODE_REPORT
 //! ```
 //!
@@ -30,6 +31,7 @@ mod code;
 mod plan;
 mod report;
 mod sampling;
+mod saved;
 mod solving;
 mod state;
 
@@ -43,6 +45,7 @@ pub use plan::{
 };
 pub use report::{BwPart, BwReason, BwReport, BwValues, BwVerdict, bw_report, bw_values};
 pub use sampling::{bw_angle, bw_collect, bw_pending, bw_restart, bw_step};
+pub use saved::{bw_restore, bw_save, bw_saved_size};
 pub use solving::{bw_adopt, bw_advance, bw_conclude};
 pub use state::{BW_STATE_ALIGN, BW_STATE_SIZE, BwState, bw_init, bw_state_size};
 

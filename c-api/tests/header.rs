@@ -18,7 +18,7 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, La
 const WRITE: &str = "BEARING_WATCH_WRITE_HEADER";
 
 /// The files with public items, in the order of the header.
-const SOURCES: [&str; 7] = ["code", "plan", "state", "sampling", "solving", "report", "alarm"];
+const SOURCES: [&str; 8] = ["code", "plan", "state", "sampling", "solving", "report", "alarm", "saved"];
 
 const HEAD: &str = "\
 /* The C interface of bearing-watch. Made by cbindgen from c-api/src: do not edit. README.md has an example.

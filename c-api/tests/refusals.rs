@@ -48,7 +48,7 @@ fn collect(state: *mut BwState, samples: usize) -> BwCode {
 fn all(state: *mut BwState) -> Vec<BwCode> {
     let (mut values, mut count, mut pending) = ([0.0; 32], 0, 0);
     let (mut report, mut alarm, mut info) = (MaybeUninit::uninit(), MaybeUninit::uninit(), MaybeUninit::uninit());
-    let mut name = [0; 17];
+    let (mut name, mut bytes) = ([0; 17], [0; 256]);
     call!(vec![
         bw_collect(state, SAMPLE.as_ptr(), 3, 0),
         bw_step(state, SAMPLE.as_ptr(), 3, 0),
@@ -61,6 +61,9 @@ fn all(state: *mut BwState) -> Vec<BwCode> {
         bw_values(state, 0, values.as_mut_ptr(), values.len(), &raw mut count),
         bw_alarm(state, alarm.as_mut_ptr()),
         bw_end_run(state),
+        bw_saved_size(state, &raw mut count),
+        bw_save(state, bytes.as_mut_ptr(), bytes.len()),
+        bw_restore(state, bytes.as_ptr(), bytes.len()),
         bw_reset(state),
         bw_info(state, info.as_mut_ptr()),
         bw_label(state, 0, name.as_mut_ptr(), name.len()),
@@ -299,11 +302,55 @@ fn the_model_says_what_it_is() {
 }
 
 #[test]
+fn a_saved_alarm_is_restored_and_other_bytes_are_refused() {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("good model");
+    for _ in 0..3 {
+        assert_eq!(collect(state, SEGMENT), BwCode::Segment);
+        assert_eq!(call!(bw_conclude(state)), BwCode::Report);
+    }
+    let told = |state| {
+        let mut alarm = MaybeUninit::<BwAlarm>::uninit();
+        assert_eq!(call!(bw_alarm(state, alarm.as_mut_ptr())), BwCode::Ok);
+        let BwAlarm { segments, undetermined, raised, score, .. } = call!(alarm.assume_init());
+        (segments, undetermined, raised, score.to_bits())
+    };
+    let (mut bytes, mut size) = ([0xA5; 256], 0);
+    let place = bytes.as_mut_ptr();
+    call!({
+        assert_eq!(bw_saved_size(state, &raw mut size), BwCode::Ok);
+        assert_eq!(bw_saved_size(state, null_mut()), BwCode::Null);
+        assert_eq!(bw_save(state, null_mut(), 256), BwCode::Null);
+        assert_eq!(bw_save(state, place, size - 1), BwCode::BufferTooSmall);
+    });
+    assert_eq!(bytes, [0xA5; 256]);
+    assert_eq!(call!(bw_save(state, place, 256)), BwCode::Ok);
+    assert_eq!(bytes[size..], [0xA5; 256][size..], "nothing is written beyond the size");
+    let before = told(state);
+    assert_eq!(before.0, 3);
+    let state = memory.state(FILE).expect("good model");
+    assert_eq!(told(state).0, 0);
+    call!({
+        assert_eq!(bw_restore(state, null(), size), BwCode::Null);
+        assert_eq!(bw_restore(state, bytes.as_ptr(), size - 1), BwCode::SavedState);
+        assert_eq!(bw_restore(state, FILE.as_ptr(), FILE.len()), BwCode::SavedState);
+    });
+    assert_eq!(told(state).0, 0);
+    assert_eq!(call!(bw_restore(state, bytes.as_ptr(), size)), BwCode::Ok);
+    assert_eq!(told(state), before);
+    // The id of another model, with the checksum that fits.
+    bytes[12] ^= 1;
+    let check = crc(&bytes[..size - 4]).to_le_bytes();
+    bytes[size - 4..size].copy_from_slice(&check);
+    assert_eq!(call!(bw_restore(state, bytes.as_ptr(), size)), BwCode::OtherModel);
+}
+
+#[test]
 fn every_code_has_its_text() {
     let texts: Vec<_> =
         (-40..10).map(|code| text(bw_error_text(code))).filter(|text| *text != "unknown code").collect();
     let distinct: std::collections::BTreeSet<_> = texts.iter().collect();
-    assert_eq!((texts.len(), distinct.len()), (24, 24), "{texts:?}");
+    assert_eq!((texts.len(), distinct.len()), (26, 26), "{texts:?}");
     assert_eq!(text(bw_error_text(i32::MIN)), "unknown code");
     assert_eq!(text(bw_version()), env!("CARGO_PKG_VERSION"));
     assert_eq!(bw_angle(1024, 12), 1 << 30);

@@ -1,6 +1,7 @@
 //! What the tests of the core and the workbench share; the tests themselves live in `tests/`.
 
 pub mod documents;
+pub mod flash;
 pub mod oracle;
 pub mod plans;
 pub mod plants;

@@ -91,6 +91,30 @@ impl<P: Plan> Baseline<P> {
         fits
     }
 
+    /// Number of words of the state for so many coordinates.
+    pub(crate) const fn words(coordinates: u8) -> usize {
+        (coordinates as usize).saturating_add(1)
+    }
+
+    /// Hands out the words in their order.
+    pub(crate) fn save(&self, put: &mut impl FnMut(u32)) {
+        put(self.at_bound.into());
+        self.offset().iter().for_each(|x| put(x.to_bits()));
+    }
+
+    /// Takes the words in their order; `None` if one is missing or out of range. The state is then of no use.
+    pub(crate) fn restore_words(&mut self, take: &mut impl FnMut() -> Option<u32>) -> Option<()> {
+        self.at_bound = match take()? {
+            0 => false,
+            1 => true,
+            _ => return None,
+        };
+        for cell in self.offset.cells_mut() {
+            *cell = Some(f32::from_bits(take()?)).filter(|x| x.is_finite())?;
+        }
+        Some(())
+    }
+
     /// Starts afresh, as after a repair.
     pub fn reset(&mut self) {
         self.offset.cells_mut().fill(0.0);

@@ -47,6 +47,8 @@
 //! Cost: a few operations a class, and an exponential and a logarithm a class for runs of several segments.
 //! Undetermined segments add nothing and do not count; a value that is not a number makes its segment undetermined.
 
+mod words;
+
 use super::discriminant::Decision;
 use super::trend::{Drift, Trend};
 use crate::plan::{Array, Cells, Plan};

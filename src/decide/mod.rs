@@ -5,6 +5,7 @@
 
 mod baseline;
 mod classification;
+mod commissioning;
 mod covariates;
 mod density;
 mod discriminant;
@@ -17,6 +18,7 @@ mod trend;
 
 pub use baseline::{Baseline, BaselineConstants};
 pub use classification::Classification;
+pub use commissioning::{Commissioning, CommissioningConstants, CommissioningError};
 pub use covariates::{Covariate, Covariates};
 pub use discriminant::{Decision, Discriminant};
 pub use evidence::{Alarm, Cause, Evidence, EvidenceConstants};

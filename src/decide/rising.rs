@@ -67,6 +67,13 @@ pub(super) const fn steps(values: usize) -> usize {
     values.saturating_add(2)
 }
 
+/// The surprise of one of M values at which s of (3) is `limit`, with K rising coordinates and perhaps others.
+pub(super) fn limit_of_one(limit: f32, rising: usize, others: bool) -> f32 {
+    let count = rising as f32 + if others { 1.0 } else { 0.0 };
+    let all = libm::log1pf(-libm::expf(-limit));
+    -ln(-libm::expm1f(all / count))
+}
+
 /// Does step k of so many values, of which the first is d² of the others, so many of which are available, with so many
 /// coordinates in all; after the last step the first value is s of (3).
 #[inline(never)]

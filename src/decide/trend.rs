@@ -63,6 +63,23 @@ impl Drift {
         self.spread += before * (distance - self.mean);
     }
 
+    /// The sums as words.
+    pub(super) const fn words(&self) -> [u32; 4] {
+        [self.count, self.mean.to_bits(), self.joint.to_bits(), self.spread.to_bits()]
+    }
+
+    /// The sums of these words; `None` if distances cannot have them.
+    pub(super) fn from_words([count, mean, joint, spread]: [u32; 4]) -> Option<Self> {
+        let [mean, joint, spread] = [mean, joint, spread].map(f32::from_bits);
+        let finite = mean.is_finite() && joint.is_finite() && spread.is_finite();
+        (finite && count <= MAX_TREND_SEGMENTS && mean >= 0.0 && spread >= 0.0).then_some(Self {
+            count,
+            mean,
+            joint,
+            spread,
+        })
+    }
+
     pub(super) fn trend(&self) -> Option<Trend> {
         let n = self.count as f32;
         if self.count < 4 {

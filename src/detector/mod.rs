@@ -10,6 +10,7 @@
 //! [`Model::conclude`] or [`Solver`] makes the report in the main loop, and [`Detector::adopt`] returns it. Programs
 //! without interrupts call [`Detector::step`], which does all of it.
 
+mod commissioning;
 mod report;
 mod solver;
 

@@ -9,8 +9,9 @@
 //! of its own layout. The notes are text for people and tools (preparation, training set); the firmware ignores them.
 
 use super::reader::{Reader, read};
-use super::writer::{Writer, write};
+use super::writer::{Buffer, Sum, Writer, write};
 use super::{Field, Model, ModelError};
+use crate::checksum::{Crc32, crc32};
 use crate::plan::{Layout, Plan};
 
 const MAGIC: [u8; 4] = *b"BWMD";
@@ -18,18 +19,6 @@ const VERSION: u16 = 9;
 const HEADER: usize = 16;
 /// Largest length of payload and of notes; a length field beyond it is corruption.
 pub const MAX_BYTES: usize = 1 << 20;
-
-/// CRC-32/ISO-HDLC, bit by bit: 8 instructions a bit, no table in flash.
-fn crc32(bytes: &[u8]) -> u32 {
-    let mut crc = u32::MAX;
-    for &byte in bytes {
-        crc ^= u32::from(byte);
-        for _ in 0..8 {
-            crc = (crc >> 1) ^ (0xEDB8_8320 & 0_u32.wrapping_sub(crc & 1));
-        }
-    }
-    !crc
-}
 
 /// Number of bytes of the model that these bytes start with, so that a flash sector with an erased tail can be read.
 ///
@@ -123,35 +112,43 @@ impl<P: Plan> Model<P> {
     /// # Errors
     /// [`ModelError::BufferTooSmall`].
     pub fn to_bytes(&self, notes: &str, buffer: &mut [u8]) -> Result<usize, ModelError> {
-        let mut writer = Writer { free: buffer, written: HEADER };
+        let mut writer = Writer(Buffer { free: buffer, written: HEADER });
         writer.layout(&self.plan().layout())?;
         write(&mut writer, self.constants())?;
-        let payload = writer.written.saturating_sub(HEADER);
+        let payload = writer.0.written.saturating_sub(HEADER);
         writer.bytes(notes.as_bytes())?;
-        let end = writer.written;
-        if payload > MAX_BYTES || notes.len() > MAX_BYTES {
-            return Err(ModelError::BufferTooSmall);
-        }
-        let length = |n: usize| u32::try_from(n).map_err(|_| ModelError::BufferTooSmall);
-        writer.written = 0;
-        writer.bytes(&MAGIC)?;
-        writer.bytes(&VERSION.to_le_bytes())?;
-        writer.bytes(&0_u16.to_le_bytes())?;
-        writer.bytes(&length(payload)?.to_le_bytes())?;
-        writer.bytes(&length(notes.len())?.to_le_bytes())?;
-        writer.written = end;
-        let check = crc32(writer.free.get(..end).ok_or(ModelError::BufferTooSmall)?);
+        let end = writer.0.written;
+        writer.0.written = 0;
+        writer.bytes(&header_of(payload, notes.len())?)?;
+        writer.0.written = end;
+        let check = crc32(writer.0.free.get(..end).ok_or(ModelError::BufferTooSmall)?);
         writer.bytes(&check.to_le_bytes())?;
-        Ok(writer.written)
+        Ok(writer.0.written)
+    }
+
+    /// Id of the model: the checksum of its binary form without notes, as the C header of the workbench has it. Models
+    /// with other numbers have other ids, but for one pair in 2³². Cost: about as reading the model.
+    #[must_use]
+    pub fn id(&self) -> u32 {
+        let mut measured = Writer(Sum { crc: Crc32::START, count: 0 });
+        let mut all = Writer(Sum { crc: Crc32::START, count: 0 });
+        // Neither sum has a bound that a model could exceed: a model too long for its binary form is still summed.
+        let _never = measured.layout(&self.plan().layout()).and_then(|()| write(&mut measured, self.constants()));
+        let header = header_of(measured.0.count, 0).unwrap_or([0; HEADER]);
+        let written = all.bytes(&header).and_then(|()| all.layout(&self.plan().layout()));
+        let _never = written.and_then(|()| write(&mut all, self.constants()));
+        all.0.crc.value()
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn crc_check_value() {
-        assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
+/// The header before so many bytes of payload and notes.
+fn header_of(payload: usize, notes: usize) -> Result<[u8; HEADER], ModelError> {
+    if payload > MAX_BYTES || notes > MAX_BYTES {
+        return Err(ModelError::BufferTooSmall);
     }
+    let length = |n: usize| u32::try_from(n).map(u32::to_le_bytes).map_err(|_| ModelError::BufferTooSmall);
+    let [m0, m1, m2, m3] = MAGIC;
+    let [v0, v1] = VERSION.to_le_bytes();
+    let ([p0, p1, p2, p3], [n0, n1, n2, n3]) = (length(payload)?, length(notes)?);
+    Ok([m0, m1, m2, m3, v0, v1, 0, 0, p0, p1, p2, p3, n0, n1, n2, n3])
 }

@@ -9,8 +9,8 @@ mod validate;
 mod writer;
 
 pub use crate::decide::{
-    BaselineConstants, Classifier, Covariate, Covariates, Departure, Discriminant, Estimates, EvidenceConstants,
-    Feature, FeatureValue, KNOTS, Law, Novelty, Projection,
+    BaselineConstants, Classifier, CommissioningConstants, Covariate, Covariates, Departure, Discriminant, Estimates,
+    EvidenceConstants, Feature, FeatureValue, KNOTS, Law, Novelty, Projection,
 };
 pub use crate::factor::{Forgetting, MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
 pub use crate::regression::Regression;

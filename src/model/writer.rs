@@ -5,23 +5,52 @@ use super::{
     Blocks, Channel, Classifier, Constants, Covariate, Discriminant, Feature, Lags, ModelError, Regression,
     ShaftConstants, StateVariable,
 };
+use crate::checksum::Crc32;
 use crate::drive::Park;
 use crate::plan::{Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal};
 use crate::reason::FrictionTerm;
 
+/// Where the bytes go.
+pub(super) trait Sink {
+    fn take(&mut self, bytes: &[u8]) -> Result<(), ModelError>;
+}
+
 /// A buffer, and how much of it is written.
-pub(super) struct Writer<'a> {
+pub(super) struct Buffer<'a> {
     pub(super) free: &'a mut [u8],
     pub(super) written: usize,
 }
 
-impl Writer<'_> {
-    pub(super) fn bytes(&mut self, bytes: &[u8]) -> Result<(), ModelError> {
+impl Sink for Buffer<'_> {
+    fn take(&mut self, bytes: &[u8]) -> Result<(), ModelError> {
         let end = self.written.saturating_add(bytes.len());
         let cells = self.free.get_mut(self.written..end).ok_or(ModelError::BufferTooSmall)?;
         cells.iter_mut().zip(bytes).for_each(|(cell, byte)| *cell = *byte);
         self.written = end;
         Ok(())
+    }
+}
+
+/// Checksum and number of the bytes, without a buffer.
+pub(super) struct Sum {
+    pub(super) crc: Crc32,
+    pub(super) count: usize,
+}
+
+impl Sink for Sum {
+    fn take(&mut self, bytes: &[u8]) -> Result<(), ModelError> {
+        self.crc.add(bytes);
+        self.count = self.count.saturating_add(bytes.len());
+        Ok(())
+    }
+}
+
+/// Writes numbers as bytes.
+pub(super) struct Writer<S>(pub(super) S);
+
+impl<S: Sink> Writer<S> {
+    pub(super) fn bytes(&mut self, bytes: &[u8]) -> Result<(), ModelError> {
+        self.0.take(bytes)
     }
 
     fn floats(&mut self, values: &[f32]) -> Result<(), ModelError> {
@@ -79,7 +108,7 @@ impl Writer<'_> {
     }
 }
 
-pub(super) fn write<P: Plan>(writer: &mut Writer<'_>, constants: &Constants<P>) -> Result<(), ModelError> {
+pub(super) fn write<P: Plan>(writer: &mut Writer<impl Sink>, constants: &Constants<P>) -> Result<(), ModelError> {
     let Constants { sampling, channels, regression, shaft, classifier, evidence, labels } = constants;
     let park = match sampling.park {
         None => 0,
@@ -105,7 +134,7 @@ pub(super) fn write<P: Plan>(writer: &mut Writer<'_>, constants: &Constants<P>) 
     labels.cells().iter().try_for_each(|label| writer.bytes(&label.to_bytes()))
 }
 
-fn write_regression<P: Plan>(writer: &mut Writer<'_>, regression: &Regression<P>) -> Result<(), ModelError> {
+fn write_regression<P: Plan>(writer: &mut Writer<impl Sink>, regression: &Regression<P>) -> Result<(), ModelError> {
     let Regression { scale, nominal, deviation, forgetting, huber, rest, settle, handover } = regression;
     writer.floats(scale.cells())?;
     writer.floats(nominal.cells())?;
@@ -114,7 +143,7 @@ fn write_regression<P: Plan>(writer: &mut Writer<'_>, regression: &Regression<P>
     writer.bytes(&handover.to_le_bytes())
 }
 
-fn write_shaft<P: Plan>(writer: &mut Writer<'_>, shaft: &ShaftConstants<P>) -> Result<(), ModelError> {
+fn write_shaft<P: Plan>(writer: &mut Writer<impl Sink>, shaft: &ShaftConstants<P>) -> Result<(), ModelError> {
     let ShaftConstants { lags: Lags { current, velocity, load }, balance, tracking } = shaft;
     let StateVariable { gain, damping, rate_per_s } = balance.filter;
     writer.floats(&[*current, *velocity, *load, balance.interval_s, gain, damping, rate_per_s])?;
@@ -138,7 +167,7 @@ fn write_shaft<P: Plan>(writer: &mut Writer<'_>, shaft: &ShaftConstants<P>) -> R
     writer.floats(&[slip, slowest_rad_s, pole, high_pass])
 }
 
-fn write_classifier<P: Plan>(writer: &mut Writer<'_>, classifier: &Classifier<P>) -> Result<(), ModelError> {
+fn write_classifier<P: Plan>(writer: &mut Writer<impl Sink>, classifier: &Classifier<P>) -> Result<(), ModelError> {
     let Classifier { features, covariates, projection, discriminant, novelty } = classifier;
     features.cells().iter().try_for_each(|feature| writer.feature(*feature))?;
     for Covariate { feature, centre, low, high, usual } in covariates.list.cells() {

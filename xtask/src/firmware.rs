@@ -62,7 +62,7 @@ pub fn check_all_features(way: Way, board: Board) -> Result<()> {
         "bearing-watch",
         "--examples",
         "--features",
-        "defmt,embedded-hal,nalgebra,internals",
+        "defmt,embedded-hal,embedded-storage,nalgebra,internals",
     ]))
 }
 
@@ -119,7 +119,8 @@ pub fn features(example: &str) -> &'static [&'static str] {
     match example {
         "logging" => &["--features", "defmt"],
         "kernels" | "measure" => &["--features", "internals"],
-        "panic_free" => &["--features", "embedded-hal"],
+        "panic_free" => &["--features", "embedded-hal,embedded-storage"],
+        "storage" => &["--features", "embedded-storage"],
         _ => &[],
     }
 }

@@ -1,6 +1,7 @@
 //! The core: each of its rooms against oracles in double precision, and on streams that no laboratory would record.
 
 mod ad2s1210;
+mod commissioning;
 mod covariates;
 mod delta_form;
 mod detector;
@@ -24,7 +25,9 @@ mod resampling;
 mod rig;
 mod rising;
 mod robustness;
+mod saved;
 mod shaft;
 mod shaft_streams;
+mod storage;
 mod streaming;
 mod streaming_consistency;

@@ -28,6 +28,19 @@ fn binary_and_rust_exports_are_the_same_model() {
 }
 
 #[test]
+fn the_id_is_the_checksum_of_the_bytes_without_notes() {
+    let mut buffer = vec![0; FILE.len()];
+    let length = MODEL.to_bytes("", &mut buffer).expect("fits");
+    let check = buffer[..length].last_chunk().expect("a checksum");
+    assert_eq!(MODEL.id(), u32::from_le_bytes(*check));
+    assert_eq!(read(FILE).expect("good model").id(), MODEL.id());
+    assert_eq!(Model::<RunTime>::from_bytes(FILE).expect("good model").id(), MODEL.id());
+    let mut constants = MODEL.constants().clone();
+    constants.classifier.discriminant.reject_cost = 0.5;
+    assert_ne!(Model::new(Drive, constants).expect("good model").id(), MODEL.id());
+}
+
+#[test]
 fn every_corrupted_byte_is_found() {
     for place in 0..FILE.len() {
         for change in (0..8).map(|bit| 1 << bit).chain([0xFF, 0x55]) {

@@ -8,6 +8,7 @@ use crate::report::pages::campaign::page;
 use crate::rig::Condition;
 use crate::study::campaign::{Settings, campaign, render};
 use crate::study::ema;
+use crate::study::field::commissioned;
 use crate::study::field::picture::picture;
 use crate::study::field::sessions::{self, Fleet};
 use crate::study::field::{self, bounds};
@@ -23,6 +24,7 @@ use crate::study::field::{self, bounds};
   bearing-watch campaign --field --bounds --draws 1
   bearing-watch campaign --field --sessions --draws 10
   bearing-watch campaign --ema --draws 5
+  bearing-watch campaign --field --commissioned --draws 5
 
 With --ema the records are those of the simulated actuator: phase currents and resolver counts at 12 kHz, through the \
 core's front end to 1 kHz, under random conditions, beside the source's method and its calibration. \
@@ -57,8 +59,11 @@ pub(super) struct Args {
     /// False alarms of a fleet, session by session on drives that were not in training, and mean time of its alarm
     #[arg(long, requires = "field", conflicts_with_all = ["out", "bounds", "only", "features"])]
     sessions: bool,
+    /// Gates learned on the drive, merged with the one of the test bench, beside the latter alone
+    #[arg(long, requires = "field", conflicts_with_all = ["out", "bounds", "only", "features", "sessions"])]
+    commissioned: bool,
     /// Draw the field's table into an SVG file
-    #[arg(long, value_name = "FILE", requires = "field", conflicts_with_all = ["bounds", "sessions"])]
+    #[arg(long, value_name = "FILE", requires = "field", conflicts_with_all = ["bounds", "sessions", "commissioned"])]
     picture: Option<PathBuf>,
     /// Draw a table of the field that was printed before, for example docs/field.md, and compute nothing
     #[arg(long, value_name = "FILE", requires = "picture")]
@@ -123,6 +128,9 @@ fn run_field(args: &Args) -> Result<(), Error> {
     if args.sessions {
         return run_sessions(args);
     }
+    if args.commissioned {
+        return run_commissioned(args);
+    }
     let rows = field::rows::named(&args.only)?;
     field::recipe::recipe(&Condition::MIX, &args.features).catalogue().choose(&args.features)?;
     let settings =
@@ -164,6 +172,16 @@ fn run_sessions(args: &Args) -> Result<(), Error> {
         return output::json(&sessions::to_json(&all));
     }
     output::say(sessions::text(&all, Fleet::STANDARD, args.repetitions).trim_end())
+}
+
+fn run_commissioned(args: &Args) -> Result<(), Error> {
+    let settings = commissioned::Settings::STANDARD;
+    let draws: Vec<u32> = (args.first..args.first + args.repetitions).collect();
+    let all = each("commissioned", &draws, |draw| commissioned::draw(&settings, *draw))?;
+    if args.json {
+        return output::json(&commissioned::to_json(&all));
+    }
+    output::say(commissioned::text(&all, &settings).trim_end())
 }
 
 /// Results of `of` for all items, with progress.

@@ -21,8 +21,7 @@ pub fn c_header(model: &Model<RunTime>, notes: &[String]) -> Result<String, Erro
     let mut buffer = vec![0; MAX_BYTES];
     let length = model.to_bytes("", &mut buffer).map_err(|error| Error::Training(error.to_string()))?;
     let bytes = &buffer[..length];
-    // The checksum of the content tells models apart.
-    let id = bytes.last_chunk().map_or(0, |checksum| u32::from_le_bytes(*checksum));
+    let id = model.id();
     let (layout, constants) = (model.plan().layout(), model.constants());
     let channels = &constants.channels;
     let labels: Vec<&str> = constants.labels.iter().map(|label| label.as_str()).collect();

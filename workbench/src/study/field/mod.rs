@@ -14,10 +14,12 @@
 //! | [`rows`] | conditions, defects, and the cells of their traces |
 //! | [`run`] | one draw of one row |
 //! | [`tally`] | counts, and rates with intervals |
+//! | [`commissioned`] | gates learned on the drive beside the gate of the test bench |
 //! | [`sessions`] | false alarms of a fleet, drive by drive and day by day |
 //! | [`render`] | the table as text, rows and JSON |
 
 pub mod bounds;
+pub mod commissioned;
 pub mod picture;
 pub mod recipe;
 pub mod render;

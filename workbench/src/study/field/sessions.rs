@@ -120,7 +120,7 @@ fn one_draw(condition: Condition, fleet: Fleet, draw: u32) -> Result<Draw, Error
 }
 
 /// The recipe of the field's table for the next session of another drive.
-fn recipe_of(condition: Condition, fleet: Fleet, rate: f64) -> Recipe {
+pub(super) fn recipe_of(condition: Condition, fleet: Fleet, rate: f64) -> Recipe {
     let mut recipe = recipe(&condition, &[]);
     recipe.validation.groups = drives(fleet).map(|(unit, _)| format!("drive {unit}")).collect();
     recipe.alarms = Alarms {
@@ -140,22 +140,27 @@ fn drives(fleet: Fleet) -> impl Iterator<Item = (u32, u32)> {
 }
 
 /// Number of the set of drives: another one for training and validation of each draw.
-fn set_of(purpose: Purpose, draw: u32) -> u32 {
+pub(super) fn set_of(purpose: Purpose, draw: u32) -> u32 {
     2 * draw + u32::from(purpose == Purpose::Training)
 }
 
 /// One healthy record a session. Drives of training and validation are of different sets.
-fn records(condition: Condition, fleet: Fleet, (purpose, draw): (Purpose, u32)) -> Result<Vec<LabelledTrace>, Error> {
+pub(super) fn records(
+    condition: Condition,
+    fleet: Fleet,
+    (purpose, draw): (Purpose, u32),
+) -> Result<Vec<LabelledTrace>, Error> {
     let cell = Cell { purpose, repetition: draw, condition, defect: Defect::HEALTHY };
-    let set = set_of(purpose, draw);
     let numbered: Vec<(u32, (u32, u32))> = (0..).zip(drives(fleet)).collect();
-    let record = |&(number, (unit, session)): &(u32, (u32, u32))| {
-        let seed = cell.seed(number)?;
-        let drive = Some(Drive { set, unit, session });
-        let trace = simulate(&Scenario { drive, ..cell.scenario(&Scenario::WITH_RESOLVER, seed) }, seed)?;
-        Ok(labelled(Recording { cell, number, seed, trace }, 0))
-    };
-    numbered.par_iter().map(record).collect()
+    numbered.par_iter().map(|&(number, (unit, session))| record_of(cell, number, (unit, session))).collect()
+}
+
+/// The record of a session of a drive.
+pub(super) fn record_of(cell: Cell, number: u32, (unit, session): (u32, u32)) -> Result<LabelledTrace, Error> {
+    let seed = cell.seed(number)?;
+    let drive = Some(Drive { set: set_of(cell.purpose, cell.repetition), unit, session });
+    let trace = simulate(&Scenario { drive, ..cell.scenario(&Scenario::WITH_RESOLVER, seed) }, seed)?;
+    Ok(labelled(Recording { cell, number, seed, trace }, 0))
 }
 
 /// Alarms and sessions of the sequences of all drives, from the segments of each of their sessions.

@@ -17,6 +17,7 @@
 
 pub mod alarm;
 pub mod baseline;
+mod commissioning;
 mod knots;
 pub mod law;
 mod ratios;

@@ -1,0 +1,70 @@
+//! The state of the alarm as bytes, so that it survives power-off.
+
+use bearing_watch::StateError;
+
+use crate::code::{BwCode, code};
+use crate::state::{BwState, at, check, elements, put};
+
+/// Gives the number of bytes that `bw_save` writes for the model of this state.
+///
+/// # Safety
+/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `length` is NULL or writable.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_saved_size(state: *const BwState, length: *mut usize) -> BwCode {
+    // SAFETY: the same contract.
+    let found = unsafe { at(state) }.map(|state| state.model.saved_len());
+    // SAFETY: the same contract.
+    code(found.and_then(|found| unsafe { put(length, found) }).map(|()| BwCode::Ok))
+}
+
+/// Writes alarm, scores and trend into `bytes`, to be stored where they survive power-off. Call `bw_end_run` before, at
+/// power-down where a run is from power-up to power-up. The open segment is not saved.
+///
+/// Returns `BW_CODE_OK`, `BW_CODE_BUFFER_TOO_SMALL` if `capacity` is less than `bw_saved_size` gives, or
+/// `BW_CODE_BUSY`.
+///
+/// # Safety
+/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `bytes` is NULL or has `capacity` writable
+/// bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_save(state: *mut BwState, bytes: *mut u8, capacity: usize) -> BwCode {
+    // SAFETY: the same contract.
+    code(unsafe { at(state) }.and_then(|state| {
+        check(bytes)?;
+        if capacity < state.model.saved_len() {
+            return Err(BwCode::BufferTooSmall);
+        }
+        // SAFETY: writable by the contract; no other reference to them exists during this call.
+        let buffer = unsafe { core::slice::from_raw_parts_mut(bytes, state.model.saved_len()) };
+        state.solving.with(|solving| state.model.save(&solving.evidence, None, buffer))?.map_err(refusal)?;
+        Ok(BwCode::Ok)
+    }))
+}
+
+/// Continues from the alarm, scores and trend that `bw_save` wrote, for this model. In case of an error nothing changes.
+///
+/// Returns `BW_CODE_OK`, `BW_CODE_SAVED_STATE` if the bytes are not a saved state of this version or are corrupted,
+/// `BW_CODE_OTHER_MODEL` if they are that of another model, or `BW_CODE_BUSY`.
+///
+/// # Safety
+/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `bytes` is NULL or has `length` readable
+/// bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_restore(state: *mut BwState, bytes: *const u8, length: usize) -> BwCode {
+    // SAFETY: the same contract.
+    code(unsafe { at(state) }.and_then(|state| {
+        // SAFETY: the same contract.
+        let bytes = unsafe { elements(bytes, length) }?;
+        let restored = state.solving.with(|solving| state.model.restore(bytes, &mut solving.evidence, None))?;
+        restored.map(|()| BwCode::Ok).map_err(refusal)
+    }))
+}
+
+fn refusal(error: StateError) -> BwCode {
+    match error {
+        StateError::BufferTooSmall => BwCode::BufferTooSmall,
+        StateError::OtherModel { .. } => BwCode::OtherModel,
+        // Not a state, of another version or length, corrupted, and what a later version of the core adds.
+        _ => BwCode::SavedState,
+    }
+}

@@ -1,0 +1,37 @@
+//! Calls of the storage for the example `panic_free`, which is too long for them.
+
+use core::fmt;
+use core::hint::black_box as opaque;
+
+use bearing_watch::model::Label;
+use bearing_watch::storage::{RecordKind, RecordLabel, SlotPair, StorageError};
+use embedded_storage::nor_flash::NorFlashErrorKind;
+
+use super::flash::Flash;
+
+/// Every public function; `show` writes an error.
+pub fn run(mut show: impl FnMut(&dyn fmt::Display)) {
+    let mut flash = Flash::new();
+    Flash::power_up(&mut flash);
+    Flash::fail_after(&mut flash, opaque(100_000));
+    for kind in opaque([RecordKind::Model, RecordKind::State]) {
+        match SlotPair::<64>::new(&flash, opaque(0), opaque(2048), kind) {
+            Ok(pair) => calls(opaque(pair), &mut flash, &mut show),
+            Err(error) => show(&error),
+        }
+    }
+}
+
+fn calls(pair: SlotPair<64>, flash: &mut Flash, show: &mut impl FnMut(&dyn fmt::Display)) {
+    let label = opaque(RecordLabel { model: 7, drive: Label::constant("drive") });
+    let (payload, mut buffer) = (opaque([1; 300]), opaque([0; 400]));
+    opaque(SlotPair::capacity::<Flash>(&pair));
+    let stored = SlotPair::store(&pair, flash, &label, payload.get(..opaque(200)).unwrap_or_default());
+    let newest = opaque(SlotPair::newest(&pair, flash));
+    let loaded =
+        SlotPair::load(&pair, flash, &mut buffer, |record, bytes| opaque(record.label == label).then_some(bytes.len()));
+    for error in [stored.err(), newest.err(), loaded.err(), SlotPair::erase(&pair, flash).err()].into_iter().flatten() {
+        opaque(StorageError::<NorFlashErrorKind>::message(&error));
+        show(&error);
+    }
+}

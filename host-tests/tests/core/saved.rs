@@ -1,0 +1,155 @@
+//! The saved state of alarm and baseline: it continues as if power had not failed, and nothing altered passes.
+
+use bearing_watch::model::{BaselineConstants, EvidenceConstants, Novelty};
+use bearing_watch::plan::Plan;
+use bearing_watch::{Alarm, Baseline, Decision, Evidence, Model, StateError};
+
+use crate::exported::{Drive, MODEL};
+
+/// The exported model with a gate and an alarm, which it does not have.
+pub fn alarming() -> Model<Drive> {
+    let mut constants = MODEL.constants().clone();
+    constants.evidence = EvidenceConstants { bet: 0.2, limit: 9.0, cap: 4.0, segments_a_run: 2, ..constants.evidence };
+    let factor = core::array::from_fn(|k| constants.classifier.discriminant.factors[k]);
+    let knots = core::array::from_fn(|k| [2.0 * k as f32, k as f32]);
+    let novelty = constants.classifier.novelty.clone();
+    constants.classifier.novelty = Novelty { class: Some(0), factor, knots, limit: 4.6, ..novelty };
+    Model::new(MODEL.plan(), constants).expect("a good model")
+}
+
+/// A decision whose distance grows.
+fn decision<P: Plan>(model: &Model<P>, k: u32) -> Decision<P> {
+    let classes = usize::from(model.plan().layout().classes);
+    let likelihoods: Vec<f32> = (0..classes).map(|class| 0.1 * (k % 7) as f32 - 0.3 * class as f32).collect();
+    let classifier = &model.constants().classifier;
+    let mut decision = classifier.decide(model.plan(), &likelihoods, 1.0 + 0.2 * k as f32).expect("finite");
+    decision.distance = 1.0 + 0.05 * k as f32;
+    decision
+}
+
+/// Evidence after so many segments, every fifth of them undetermined.
+pub fn evidence_after<P: Plan>(model: &Model<P>, segments: u32) -> Evidence<P> {
+    let mut evidence = model.evidence();
+    for k in 0..segments {
+        evidence.observe((k % 5 != 4).then(|| decision(model, k)).as_ref());
+    }
+    evidence
+}
+
+fn saved<P: Plan>(model: &Model<P>, evidence: &Evidence<P>, baseline: Option<&Baseline<P>>) -> Vec<u8> {
+    let mut bytes = vec![0xA5; model.saved_len() + 3];
+    assert_eq!(model.save(evidence, baseline, &mut bytes), Ok(model.saved_len()));
+    assert_eq!(&bytes[model.saved_len()..], [0xA5; 3]);
+    bytes.truncate(model.saved_len());
+    bytes
+}
+
+fn baseline<P: Plan>(model: &Model<P>) -> Baseline<P> {
+    model.baseline(BaselineConstants::new(50.0, 2.0)).expect("a healthy class")
+}
+
+#[test]
+fn a_restored_alarm_continues_as_the_saved_one() {
+    let model = alarming();
+    for segments in [0, 1, 3, 4, 7, 40, 41] {
+        let mut own = evidence_after(&model, segments);
+        let mut other = model.evidence();
+        assert_eq!(model.restore(&saved(&model, &own, None), &mut other, None), Ok(()));
+        assert_eq!(other, own, "{segments}");
+        for k in segments..segments + 60 {
+            let decision = decision(&model, k / 2);
+            assert_eq!(own.observe(Some(&decision)), other.observe(Some(&decision)));
+        }
+        assert_eq!(own, other);
+        assert!(own.alarm().is_some() && own.trend().is_some());
+    }
+    let Some(Alarm { segment, .. }) = evidence_after(&model, 60).alarm() else { panic!("no alarm") };
+    println!("alarm at segment {segment}");
+}
+
+#[test]
+fn a_baseline_is_saved_beside_the_alarm() {
+    let model = alarming();
+    let mut own = baseline(&model);
+    let offset: Vec<f32> = own.offset().iter().zip(1_u8..).map(|(_, k)| 0.25 * f32::from(k)).collect();
+    assert!(own.restore(&offset, true));
+    let bytes = saved(&model, &evidence_after(&model, 9), Some(&own));
+    let (mut evidence, mut other) = (model.evidence(), baseline(&model));
+    assert_eq!(model.restore(&bytes, &mut evidence, Some(&mut other)), Ok(()));
+    assert_eq!((&evidence, &other), (&evidence_after(&model, 9), &own));
+    // A state without a baseline leaves it; a program without one ignores it.
+    let without = saved(&model, &model.evidence(), None);
+    assert_eq!(without.len(), bytes.len());
+    assert_eq!(model.restore(&without, &mut evidence, Some(&mut other)), Ok(()));
+    assert_eq!((&evidence, &other), (&model.evidence(), &own));
+    assert_eq!(model.restore(&bytes, &mut evidence, None), Ok(()));
+}
+
+/// Refuses to restore these bytes, and changes nothing.
+fn refusal<P: Plan>(model: &Model<P>, bytes: &[u8]) -> StateError {
+    let (mut evidence, mut own) = (evidence_after(model, 5), baseline(model));
+    let before = (evidence.clone(), own.clone());
+    let error = model.restore(bytes, &mut evidence, Some(&mut own)).expect_err("altered");
+    assert_eq!((evidence, own), before);
+    error
+}
+
+#[test]
+fn altered_bytes_other_models_and_other_lengths_are_refused() {
+    let model = alarming();
+    let bytes = saved(&model, &evidence_after(&model, 40), Some(&baseline(&model)));
+    for place in 0..bytes.len() * 8 {
+        let mut other = bytes.clone();
+        other[place / 8] ^= 1 << (place % 8);
+        refusal(&model, &other);
+    }
+    for length in 0..bytes.len() {
+        let error = refusal(&model, &bytes[..length]);
+        assert!(matches!(error, StateError::NotAState | StateError::Truncated), "{length}: {error}");
+    }
+    assert_eq!(refusal(&model, &[&bytes[..], &[0]].concat()), StateError::Truncated);
+    assert_eq!(refusal(&model, b"BWMD and so on"), StateError::NotAState);
+    let error = MODEL.restore(&bytes, &mut MODEL.evidence(), None);
+    assert_eq!(error, Err(StateError::OtherModel { saved: model.id(), own: MODEL.id() }));
+    let mut short = vec![0; model.saved_len() - 1];
+    assert_eq!(model.save(&model.evidence(), None, &mut short), Err(StateError::BufferTooSmall));
+}
+
+/// The bytes with another word behind the header, and the checksum that fits.
+fn with_word(bytes: &[u8], place: usize, word: u32) -> Vec<u8> {
+    let mut other = bytes.to_vec();
+    other[16 + 4 * place..][..4].copy_from_slice(&word.to_le_bytes());
+    let end = other.len() - 4;
+    let mut crc = u32::MAX;
+    for byte in &other[..end] {
+        crc ^= u32::from(*byte);
+        (0..8).for_each(|_| crc = (crc >> 1) ^ (0xEDB8_8320 * (crc & 1)));
+    }
+    other[end..].copy_from_slice(&(!crc).to_le_bytes());
+    other
+}
+
+#[test]
+fn numbers_that_a_state_cannot_have_are_refused() {
+    let model = alarming();
+    let own = baseline(&model);
+    let bytes = saved(&model, &evidence_after(&model, 40), Some(&own));
+    let layout = model.plan().layout();
+    let classes = usize::from(layout.classes);
+    let words = (bytes.len() - 20) / 4;
+    // Each float: counts are the first five words, the count of the trend and the flag of the baseline are whole numbers.
+    let trend = 5 + 2 + 3 * classes;
+    let floats = (5..words).filter(|place| ![trend, trend + 4].contains(place));
+    for place in floats {
+        for bad in [f32::NAN, f32::INFINITY] {
+            assert_eq!(refusal(&model, &with_word(&bytes, place, bad.to_bits())), StateError::Value, "{place}");
+        }
+    }
+    // More undetermined segments, a longer run than segments; an alarm of no class, of the healthy one, of the future.
+    for (place, bad) in [(1, 41), (2, 41), (3, 2), (3, 2 + classes as u32), (3, u32::MAX), (4, 0), (4, 41)] {
+        assert_eq!(refusal(&model, &with_word(&bytes, place, bad)), StateError::Value, "{place} {bad}");
+    }
+    assert_eq!(refusal(&model, &with_word(&bytes, trend, u32::MAX)), StateError::Value);
+    assert_eq!(refusal(&model, &with_word(&bytes, trend + 4, 2)), StateError::Value);
+    assert_eq!(refusal(&model, &with_word(&bytes, trend + 3, (-1.0_f32).to_bits())), StateError::Value);
+}
