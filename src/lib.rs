@@ -45,6 +45,7 @@
 //! sample is counted and skipped; no function panics.
 //!
 //! Features: `defmt` (formats, and a log line for each segment), `nalgebra` (conversions of covariance and projection),
+//! `embedded-hal` (the driver `ad2s1210`), `telemetry` (frames for a serial line),
 //! `alloc` (the plan `RunTime` of host programs), `bounded` (array lengths that a model brings, without an allocator, as
 //! the C interface needs them), `internals` (parts for this repository's tests and measurements; not stable).
 #![no_std]
@@ -80,6 +81,8 @@ mod reason;
 mod regression;
 mod sample;
 mod shaft;
+#[cfg(feature = "telemetry")]
+pub mod telemetry;
 mod unroll;
 
 pub use average::Average;

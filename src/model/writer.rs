@@ -10,9 +10,9 @@ use crate::plan::{Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, S
 use crate::reason::FrictionTerm;
 
 /// A buffer, and how much of it is written.
-pub(super) struct Writer<'a> {
-    pub(super) free: &'a mut [u8],
-    pub(super) written: usize,
+pub(crate) struct Writer<'a> {
+    pub(crate) free: &'a mut [u8],
+    pub(crate) written: usize,
 }
 
 impl Writer<'_> {
@@ -59,7 +59,7 @@ impl Writer<'_> {
         self.bytes(&[features, covariates, coordinates, rising, classes, quadratic])
     }
 
-    fn feature(&mut self, feature: Feature) -> Result<(), ModelError> {
+    pub(crate) fn feature(&mut self, feature: Feature) -> Result<(), ModelError> {
         let place = |term: FrictionTerm| {
             let places = (0_u8..).zip(FrictionTerm::ALL);
             places.into_iter().find(|(_, other)| *other == term).map_or(0, |(place, _)| place)
