@@ -26,6 +26,8 @@ mod refined;
 #[allow(dead_code, reason = "the plant is not wanted here")]
 #[path = "support/shaft.rs"]
 mod shaft;
+#[path = "support/telemetry_calls.rs"]
+mod telemetry_calls;
 
 use core::fmt::{self, Write};
 use core::hint::black_box as opaque;
@@ -199,10 +201,12 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
             opaque(Evidence::observe(&mut evidence, report.decision.as_ref()));
             opaque(Evidence::end_run(&mut evidence));
             told(model, &report);
+            telemetry_calls::encode(model, &report, &evidence, |error| show(error));
             if let Some(baseline) = &mut baseline {
                 follow(model, baseline, &mut opaque(report));
             }
         }
+        telemetry_calls::record(model, &sample, |error| show(error));
         if let Some(segment) = opaque(Detector::collect(&mut detector, &sample)) {
             let report = Model::conclude(model, opaque(segment.clone()));
             opaque(Detector::adopt(&mut detector, &report));

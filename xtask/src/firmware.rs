@@ -52,7 +52,7 @@ pub fn check_all_features(way: Way, board: Board) -> Result<()> {
         "bearing-watch",
         "--examples",
         "--features",
-        "defmt,embedded-hal,nalgebra,internals",
+        "defmt,embedded-hal,nalgebra,internals,telemetry",
     ]))
 }
 
@@ -109,7 +109,8 @@ pub fn features(example: &str) -> &'static [&'static str] {
     match example {
         "logging" => &["--features", "defmt"],
         "kernels" | "measure" => &["--features", "internals"],
-        "panic_free" => &["--features", "embedded-hal"],
+        "panic_free" => &["--features", "embedded-hal,telemetry"],
+        "telemetry" => &["--features", "telemetry"],
         _ => &[],
     }
 }
