@@ -104,7 +104,8 @@ impl<'a> Hello<'a> {
             features,
             texts,
         };
-        let ends = texts.iter().filter(|byte| **byte == 0).count();
+        // Not by `count`, whose overflow check stays.
+        let ends = texts.iter().fold(0_usize, |ends, byte| ends.saturating_add(usize::from(*byte == 0)));
         let wanted = 2 * usize::from(fields.channels) + usize::from(fields.classes);
         let whole = ends == wanted && texts.last().is_none_or(|byte| *byte == 0);
         let readable = whole && core::str::from_utf8(texts).is_ok() && hello.features().all(|own| own.is_some());
@@ -128,6 +129,7 @@ impl<'a> Hello<'a> {
 
     /// The features of the model, in the order of [`Summary::features`](super::Summary::features).
     pub fn features(&self) -> impl Iterator<Item = Option<Feature>> + use<'a> {
-        self.features.chunks_exact(2).map(|code| Reader(code).feature().ok())
+        let (codes, _) = self.features.as_chunks::<2>();
+        codes.iter().map(|code| Reader(code).feature().ok())
     }
 }

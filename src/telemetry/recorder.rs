@@ -42,12 +42,13 @@ impl<P: Plan, const BYTES: usize> Recorder<P, BYTES> {
             self.closed = true;
             return true;
         };
-        let mut words = cells.chunks_exact_mut(4);
-        for (channel, cell) in (0..layout.channels as usize).zip(&mut words) {
-            cell.copy_from_slice(&sample.value(channel).to_le_bytes());
+        let (words, _) = cells.as_chunks_mut();
+        let mut words = words.iter_mut();
+        for (channel, word) in (0..layout.channels as usize).zip(&mut words) {
+            *word = sample.value(channel).to_le_bytes();
         }
-        if let Some(cell) = words.next() {
-            cell.copy_from_slice(&sample.angle().bits().to_le_bytes());
+        if let Some(word) = words.next() {
+            *word = sample.angle().bits().to_le_bytes();
         }
         if self.used == 0 {
             self.first = number;

@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 
 use crate::Error;
 
+pub(crate) use csv_reader::LARGEST;
 pub use labels::{Condition, Labels};
 pub use prepare::Preparation;
 pub(crate) use record::bridged;
