@@ -28,3 +28,4 @@ mod shaft;
 mod shaft_streams;
 mod streaming;
 mod streaming_consistency;
+mod telemetry;

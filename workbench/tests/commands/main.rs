@@ -6,6 +6,7 @@ mod common;
 mod covariate_commands;
 mod field_command;
 mod grey_box_commands;
+mod listen_command;
 mod rising_commands;
 mod simulate_command;
 mod simulate_ema_command;

@@ -14,7 +14,6 @@ use std::time::{Duration, Instant};
 
 use bearing_watch::telemetry::Decoder;
 
-use super::output;
 use crate::Error;
 use receiver::Receiver;
 use traces::Traces;
