@@ -110,7 +110,7 @@ pub fn features(example: &str) -> &'static [&'static str] {
         "logging" => &["--features", "defmt"],
         "kernels" | "measure" => &["--features", "internals"],
         "panic_free" => &["--features", "embedded-hal,telemetry"],
-        "telemetry" => &["--features", "telemetry"],
+        "measure_telemetry" | "telemetry" => &["--features", "telemetry"],
         _ => &[],
     }
 }

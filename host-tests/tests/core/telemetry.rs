@@ -89,6 +89,35 @@ fn samples_and_reports_arrive_as_they_were() {
     assert_eq!((next, hellos, reports.next()), (15_000, 3, None));
     assert_eq!(decoder.counts(), LinkCounts { frames: frames.len() as u32, ..LinkCounts::default() });
     println!("bytes of a frame: hello {}, report of 3 classes and 5 features {}", longest[0], longest[1]);
+    // README quotes the report's.
+    assert_eq!(longest, [131, 111]);
+}
+
+/// The hello of the example, put together by hand from the list of the module's documentation.
+#[test]
+fn the_format_is_the_documented_one() {
+    let fields = [1_u32.to_le_bytes(), 1_u32.to_le_bytes(), 0.002_f32.to_le_bytes()].concat();
+    let lists = [&[1, 0, 0x88, 0x13, 0, 0, 3, 0, 3, 0, 5, 0][..], &[0, 0, 0, 1, 0, 2, 0, 3, 0, 4]].concat();
+    let texts = "current_a\0A\0velocity_ref_rad_s\0rad/s\0load_torque_nm\0N·m\0healthy\0spall\0roughness\0";
+    let content = [fields, lists, texts.as_bytes().to_vec()].concat();
+    let stream = crc32(&content);
+    let mut whole = [&[1, 0][..], &stream.to_le_bytes(), &0_u32.to_le_bytes(), &content].concat();
+    whole.extend(crc32(&whole).to_le_bytes());
+    assert_eq!(sent().0[0], stuffed(&whole));
+}
+
+/// CRC-32/ISO-HDLC bit by bit.
+fn crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(u32::MAX, |crc, byte| {
+        (0..8).fold(crc ^ u32::from(*byte), |crc, _| (crc >> 1) ^ if crc & 1 == 1 { 0xEDB8_8320 } else { 0 })
+    })
+}
+
+/// COBS of bytes with fewer than 254 between zeros: each zero becomes the distance to the next.
+fn stuffed(bytes: &[u8]) -> Vec<u8> {
+    let parts = bytes.split(|byte| *byte == 0);
+    let each = parts.flat_map(|part| std::iter::once(part.len() as u8 + 1).chain(part.iter().copied()));
+    each.chain([0]).collect()
 }
 
 #[test]
