@@ -75,9 +75,10 @@ fn counts_tell_what_is_wrong() {
     assert_eq!(feed(&frame(header(3), &[3, 0, 0, 0, 0, 0])), 0, "no channel");
     assert_eq!(feed(&[0, 0, 0]), 0, "nothing between zeros");
     assert_eq!(feed(&[7, 1, 2, 0]), 0, "cut short");
+    assert_eq!(feed(&[1, 1, 1, 1, 1, 0]), 0, "nothing, and its checksum");
     assert_eq!(feed(&frame(header(4), &block(2))), 1);
     assert_eq!(feed(&frame(header(4), &block(2))), 0);
-    let expected = LinkCounts { frames: 2, bad: 4, oversize: 1, unknown: 2, lost: 3, repeated: 1 };
+    let expected = LinkCounts { frames: 2, bad: 5, oversize: 1, unknown: 2, lost: 3, repeated: 1 };
     assert_eq!(decoder.counts(), expected);
 }
 

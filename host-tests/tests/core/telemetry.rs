@@ -153,7 +153,9 @@ fn orders_and_angles_arrive_too() {
                 for k in 0..block.len() {
                     let own = &samples[block.first as usize + k];
                     assert_eq!(block.angle(k), Some(own.angle));
-                    assert!((0..4).all(|channel| block.value(k, channel) == Some(own.value(channel))));
+                    let same =
+                        |channel| block.value(k, channel).map(f32::to_bits) == Some(own.value(channel).to_bits());
+                    assert!((0..4).all(same));
                 }
             });
             recorder.clear();

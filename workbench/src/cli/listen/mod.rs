@@ -72,7 +72,9 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let counts = decoder.counts();
     if let Some(error) = failure {
         // What came before the failure is kept.
-        receiver.end(counts)?;
+        if counts.frames > 0 {
+            receiver.end(counts)?;
+        }
         return Err(Error::io(&args.source)(error));
     }
     if counts.frames == 0 {
