@@ -122,7 +122,7 @@ fn of_a_disturbed_line_only_right_samples_are_written() {
 fn received_traces_train_the_model_of_the_sent_ones() {
     let folder = tempfile::tempdir().expect("folder");
     let dir = folder.path();
-    succeed(dir, "simulate --class healthy,spall --count 3 --seed 4 --out simulated");
+    succeed(dir, "simulate --class healthy,spall --count 5 --seed 4 --out simulated");
     let simulated = std::fs::read_to_string(dir.join("simulated/labels.csv")).expect("labels");
     let mut encoder = Encoder::new(&MODEL, Source::default());
     let mut recorder = Recorder::<_, 480>::new(MODEL.plan());
