@@ -1,7 +1,7 @@
 use super::sink::Sink;
 use super::*;
 use crate::drive::Angle;
-use crate::plan::{Layout, Memory, Method, RegressionLayout, ShaftLayout, Structure};
+use crate::plan::{Layout, Memory, Method, Plan, RunTime, RunTimeSample, ShaftLayout, Structure, testing};
 use std::vec::Vec;
 
 crate::plan! {
@@ -14,25 +14,6 @@ crate::plan! {
             load: None,
             orders: 1,
             harmonics: 3,
-        }),
-        features: 1,
-        coordinates: 1,
-        classes: 1,
-        ..Layout::EMPTY
-    }
-}
-
-crate::plan! {
-    struct Still;
-    struct Pair { y: "A", u: "V" }
-    layout: Layout {
-        regression: Some(RegressionLayout {
-            structure: Structure::new(1, 1, 0, 1, 0),
-            method: Method::LeastSquares,
-            memory: Memory::Segment,
-            y,
-            u1: u,
-            u2: u,
         }),
         features: 1,
         coordinates: 1,
@@ -128,12 +109,17 @@ fn a_full_block_waits_and_the_next_one_shows_the_gap() {
 
 #[test]
 fn a_sample_without_an_angle_has_none() {
-    let mut recorder = Recorder::<_, 16>::new(Still);
-    assert!(!recorder.push(&Pair { y: 1.0, u: 2.0 }));
-    assert!(recorder.push(&Pair { y: 3.0, u: 4.0 }));
+    let layout = testing::regression(Structure::new(1, 1, 0, 1, 0), Method::LeastSquares, Memory::Segment);
+    let plan = RunTime::of(layout).unwrap();
+    let values = |first: f32| (0..layout.channels).map(|k| first + f32::from(k)).collect::<Vec<f32>>();
+    let sample = |first| RunTimeSample { values: values(first), angle: Angle::from_bits(7) };
+    let bytes = 4 * usize::from(layout.channels);
+    let mut recorder = Recorder::<_, 24>::new(plan);
+    let fit = 24 / bytes;
+    assert_eq!((0..fit).map(|k| recorder.push(&sample(10.0 * k as f32))).filter(|full| *full).count(), 1);
     let block = recorder.block();
-    assert_eq!((block.len(), block.value(1, 0), block.angle(1)), (2, Some(3.0), None));
-    let mut small = Recorder::<_, 7>::new(Still);
-    assert!(small.push(&Pair { y: 1.0, u: 2.0 }), "less than a sample");
+    assert_eq!((block.len(), block.value(1, 0), block.angle(1)), (fit, Some(10.0), None));
+    let mut small = Recorder::<_, 7>::new(plan);
+    assert!(small.push(&sample(1.0)), "less than a sample");
     assert!(small.block().is_empty());
 }
