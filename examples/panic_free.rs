@@ -30,6 +30,8 @@ mod refined;
 mod shaft;
 #[path = "support/storage_calls.rs"]
 mod storage_calls;
+#[path = "support/telemetry_calls.rs"]
+mod telemetry_calls;
 
 use core::fmt::{self, Write};
 use core::hint::black_box as opaque;
@@ -206,10 +208,12 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
             told(model, &report);
             commission(model, &report);
             saved(model, &mut evidence, baseline.as_mut());
+            telemetry_calls::encode(model, &report, &evidence, |error| show(error));
             if let Some(baseline) = &mut baseline {
                 follow(model, baseline, &mut opaque(report));
             }
         }
+        telemetry_calls::record(model, &sample, |error| show(error));
         if let Some(segment) = opaque(Detector::collect(&mut detector, &sample)) {
             let report = Model::conclude(model, opaque(segment.clone()));
             opaque(Detector::adopt(&mut detector, &report));

@@ -46,8 +46,9 @@
 //! `unsafe`, and uses no fused multiply-add: the same samples give the same bits on a host and on a Cortex-M4F. A bad
 //! sample is counted and skipped; no function panics.
 //!
-//! Features: `defmt` (formats, and a log line for each segment), `embedded-hal` (a driver of a resolver converter),
-//! `embedded-storage` (records in flash), `nalgebra` (conversions of covariance and projection),
+//! Features: `defmt` (formats, and a log line for each segment), `embedded-hal` (the driver `ad2s1210`),
+//! `embedded-storage` (records in flash), `telemetry` (frames for a serial line), `nalgebra` (conversions of covariance
+//! and projection),
 //! `alloc` (the plan `RunTime` of host programs), `bounded` (array lengths that a model brings, without an allocator, as
 //! the C interface needs them), `internals` (parts for this repository's tests and measurements; not stable).
 #![no_std]
@@ -87,6 +88,8 @@ mod saved;
 mod shaft;
 #[cfg(feature = "embedded-storage")]
 pub mod storage;
+#[cfg(feature = "telemetry")]
+pub mod telemetry;
 mod unroll;
 
 pub use average::Average;

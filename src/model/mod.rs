@@ -24,6 +24,11 @@ pub use error::{Field, ModelError};
 pub use parts::{Parts, RegressionParts, ShaftParts};
 #[doc(hidden)]
 pub use validate::check;
+#[cfg(feature = "telemetry")]
+pub(crate) use {
+    reader::Reader,
+    writer::{Buffer, Writer},
+};
 
 use crate::decide::{Baseline, Evidence};
 use crate::drive::{Park, RotorFrame};

@@ -17,7 +17,7 @@ use crate::reason::FrictionTerm;
 pub(super) const NONE: u8 = u8::MAX;
 
 /// What is left to be read.
-pub(super) struct Reader<'a>(pub(super) &'a [u8]);
+pub(crate) struct Reader<'a>(pub(crate) &'a [u8]);
 
 impl Reader<'_> {
     pub(super) fn array<const N: usize>(&mut self) -> Result<[u8; N], ModelError> {
@@ -99,7 +99,7 @@ impl Reader<'_> {
         Ok(layout)
     }
 
-    fn feature(&mut self) -> Result<Feature, ModelError> {
+    pub(crate) fn feature(&mut self) -> Result<Feature, ModelError> {
         let [kind, place] = self.array()?;
         let term = || FrictionTerm::ALL.get(place as usize).copied().ok_or(ModelError::OutOfRange(Field::Feature));
         Ok(match kind {

@@ -11,14 +11,14 @@ use crate::plan::{Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, S
 use crate::reason::FrictionTerm;
 
 /// Where the bytes go.
-pub(super) trait Sink {
+pub(crate) trait Sink {
     fn take(&mut self, bytes: &[u8]) -> Result<(), ModelError>;
 }
 
 /// A buffer, and how much of it is written.
-pub(super) struct Buffer<'a> {
-    pub(super) free: &'a mut [u8],
-    pub(super) written: usize,
+pub(crate) struct Buffer<'a> {
+    pub(crate) free: &'a mut [u8],
+    pub(crate) written: usize,
 }
 
 impl Sink for Buffer<'_> {
@@ -46,7 +46,7 @@ impl Sink for Sum {
 }
 
 /// Writes numbers as bytes.
-pub(super) struct Writer<S>(pub(super) S);
+pub(crate) struct Writer<S>(pub(crate) S);
 
 impl<S: Sink> Writer<S> {
     pub(super) fn bytes(&mut self, bytes: &[u8]) -> Result<(), ModelError> {
@@ -88,7 +88,7 @@ impl<S: Sink> Writer<S> {
         self.bytes(&[features, covariates, coordinates, rising, classes, quadratic])
     }
 
-    fn feature(&mut self, feature: Feature) -> Result<(), ModelError> {
+    pub(crate) fn feature(&mut self, feature: Feature) -> Result<(), ModelError> {
         let place = |term: FrictionTerm| {
             let places = (0_u8..).zip(FrictionTerm::ALL);
             places.into_iter().find(|(_, other)| *other == term).map_or(0, |(place, _)| place)

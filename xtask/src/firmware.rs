@@ -62,7 +62,7 @@ pub fn check_all_features(way: Way, board: Board) -> Result<()> {
         "bearing-watch",
         "--examples",
         "--features",
-        "defmt,embedded-hal,embedded-storage,nalgebra,internals",
+        "defmt,embedded-hal,embedded-storage,nalgebra,internals,telemetry",
     ]))
 }
 
@@ -119,8 +119,9 @@ pub fn features(example: &str) -> &'static [&'static str] {
     match example {
         "logging" => &["--features", "defmt"],
         "kernels" | "measure" => &["--features", "internals"],
-        "panic_free" => &["--features", "embedded-hal,embedded-storage"],
+        "panic_free" => &["--features", "embedded-hal,embedded-storage,telemetry"],
         "storage" => &["--features", "embedded-storage"],
+        "measure_telemetry" | "telemetry" => &["--features", "telemetry"],
         _ => &[],
     }
 }

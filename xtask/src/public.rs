@@ -9,10 +9,16 @@ use anyhow::{Context, Result};
 use crate::workspace;
 
 /// The files of the core that export names.
-const EXPORTING: [&str; 5] = ["lib.rs", "drive/ad2s1210.rs", "model/mod.rs", "plan/mod.rs", "storage/mod.rs"];
+const EXPORTING: [&str; 6] =
+    ["lib.rs", "drive/ad2s1210.rs", "model/mod.rs", "plan/mod.rs", "storage/mod.rs", "telemetry/mod.rs"];
 /// The files of the example.
-const CALLING: [&str; 4] =
-    ["panic_free.rs", "support/converter.rs", "support/drive_calls.rs", "support/storage_calls.rs"];
+const CALLING: [&str; 5] = [
+    "panic_free.rs",
+    "support/converter.rs",
+    "support/drive_calls.rs",
+    "support/storage_calls.rs",
+    "support/telemetry_calls.rs",
+];
 /// Not for programs of a drive: conversions of the feature `nalgebra`, and hidden helpers of macros and constants.
 const ELSEWHERE: [&str; 5] =
     ["Estimate::covariance_matrix", "Projection::to_matrices", "Model::checked", "ModelError::name", "check"];

@@ -31,3 +31,4 @@ mod shaft_streams;
 mod storage;
 mod streaming;
 mod streaming_consistency;
+mod telemetry;

@@ -8,6 +8,7 @@ mod evaluate;
 mod evidence;
 mod grey_box;
 mod identify;
+mod listen;
 mod model_file;
 mod output;
 mod piecewise;
@@ -42,6 +43,7 @@ enum Command {
     Train(Box<train::Args>),
     Evaluate(evaluate::Args),
     Replay(replay::Args),
+    Listen(listen::Args),
     Campaign(campaign::Args),
     Tables(tables::Args),
 }
@@ -65,6 +67,7 @@ pub fn run() -> ExitCode {
         Command::Train(args) => train::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Replay(args) => replay::run(&args),
+        Command::Listen(args) => listen::run(&args),
         Command::Campaign(args) => campaign::run(&args),
         Command::Tables(args) => tables::run(&args),
     };

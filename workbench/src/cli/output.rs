@@ -53,10 +53,16 @@ pub(super) fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Error>
 }
 
 fn stage(path: &Path, content: &[u8]) -> Result<NamedTempFile, Error> {
+    let mut file = temporary(path)?;
+    file.write_all(content).map_err(Error::io(path))?;
+    Ok(file)
+}
+
+/// Returns a temporary file in the folder of this file, with the permissions of an output.
+pub(super) fn temporary(path: &Path) -> Result<NamedTempFile, Error> {
     // The error names the requested file, not the temporary one.
     let named = |error: std::io::Error| Error::Io { path: path.into(), source: error.kind().into() };
-    let mut file = tempfile::Builder::new().prefix(".bearing-watch").tempfile_in(folder_of(path)).map_err(named)?;
-    file.write_all(content).map_err(Error::io(path))?;
+    let file = tempfile::Builder::new().prefix(".bearing-watch").tempfile_in(folder_of(path)).map_err(named)?;
     #[cfg(unix)]
     {
         // Temporary files are readable by their owner only; an output has the usual permissions.

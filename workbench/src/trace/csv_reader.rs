@@ -161,7 +161,7 @@ pub(super) fn read(path: &Path, channels: &Channels, wanted: &dyn Fn(&str) -> bo
 }
 
 /// No sensor measures larger values in any unit; their squares and products would overflow single precision.
-const LARGEST: f64 = 1e15;
+pub(crate) const LARGEST: f64 = 1e15;
 
 struct Row<'a> {
     path: &'a Path,

@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 
 use crate::Error;
 
+pub(crate) use csv_reader::LARGEST;
 pub use front_end::FrontEndFile;
 pub use labels::{Condition, Labels};
 pub use prepare::Preparation;

@@ -7,6 +7,7 @@ mod covariate_commands;
 mod field_command;
 mod front_end_commands;
 mod grey_box_commands;
+mod listen_command;
 mod rising_commands;
 mod simulate_command;
 mod simulate_ema_command;

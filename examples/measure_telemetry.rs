@@ -1,0 +1,89 @@
+//! Counts the instructions of frames, as lines of JSON; `bytes` are those of the frame.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[macro_use]
+mod support;
+
+#[path = "support/standard_rig/mod.rs"]
+mod standard_rig;
+
+use core::hint::black_box;
+
+use bearing_watch::telemetry::{Decoder, Encoder, Recorder, Source};
+use bearing_watch::{Detector, Report};
+
+use standard_rig::model::{Drive, MODEL};
+use support::count::Counter;
+
+const CALLS: u32 = 20;
+
+main!(run);
+
+fn run() {
+    let Some(mut counter) = Counter::new() else {
+        say!("instructions are counted on the target only: cargo xtask firmware --example measure_telemetry");
+        return;
+    };
+    let mut monitor = Detector::new(&MODEL);
+    let Some(report) = standard_rig::samples().find_map(|sample| monitor.step(&sample)) else { return };
+    frames(&mut counter, &report);
+    samples(&mut counter);
+}
+
+fn frames(counter: &mut Counter, report: &Report<Drive>) {
+    let mut evidence = MODEL.evidence();
+    evidence.observe(report.decision.as_ref());
+    let mut buffer = [0; 512];
+    let mut encoder = Encoder::new(&MODEL, Source::default());
+    let new = counter.instructions_per_call(CALLS, |_| {
+        black_box(Encoder::new(black_box(&MODEL), Source::default()));
+    });
+    line("new encoder", new, size_of_val(&encoder));
+    let mut bytes = 0;
+    let hello = counter.instructions_per_call(CALLS, |_| {
+        bytes = black_box(&mut encoder).hello(black_box(&mut buffer)).map_or(0, <[u8]>::len);
+    });
+    line("hello, 3 channels, 3 classes", hello, bytes);
+    let whole = counter.instructions_per_call(CALLS, |_| {
+        let frame = black_box(&mut encoder).report(black_box(report), black_box(&evidence), black_box(&mut buffer));
+        bytes = frame.map_or(0, <[u8]>::len);
+    });
+    line("report, 3 classes, 5 features", whole, bytes);
+    let mut decoder = Decoder::<512>::new();
+    let frame = buffer.get(..bytes).unwrap_or_default();
+    // The first call only: others would find a repeated frame.
+    let mut found = false;
+    let received = counter.instructions_per_call(1, |_| {
+        for byte in black_box(frame) {
+            found |= black_box(&mut decoder).push(*byte).is_some();
+        }
+    });
+    line("decoding that report", received, if found { bytes } else { 0 });
+}
+
+fn samples(counter: &mut Counter) {
+    let mut recorder = Recorder::<_, 480>::new(MODEL.plan());
+    let mut buffer = [0; 512];
+    let mut encoder = Encoder::new(&MODEL, Source::default());
+    let mut next = standard_rig::samples();
+    let Some(sample) = next.next() else { return };
+    let push = counter.instructions_per_call(39, |_| {
+        black_box(black_box(&mut recorder).push(black_box(&sample)));
+    });
+    line("recorder, a sample of 3 channels", push, 12);
+    recorder.push(&sample);
+    let taken = counter.instructions_per_call(1, |_| {
+        black_box(black_box(&mut recorder).clone());
+    });
+    line("recorder, copy of a block of 40 samples", taken, size_of_val(&recorder));
+    let mut bytes = 0;
+    let block = counter.instructions_per_call(CALLS, |_| {
+        let frame = black_box(&mut encoder).samples(&black_box(&recorder).block(), black_box(&mut buffer));
+        bytes = frame.map_or(0, <[u8]>::len);
+    });
+    line("block of 40 samples of 3 channels", block, bytes);
+}
+
+fn line(name: &str, instructions: u32, bytes: usize) {
+    say!(r#"{{"name":"telemetry, {name}","n":null,"instructions":{instructions},"bytes":{bytes}}}"#);
+}

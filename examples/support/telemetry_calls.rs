@@ -1,0 +1,82 @@
+//! Calls of the frames for the example `panic_free`.
+
+use core::hint::black_box as opaque;
+
+use bearing_watch::plan::Plan;
+use bearing_watch::telemetry::{Block, Body, Decoder, Encoder, Hello, LinkCounts, Numbers, Recorder, Source, Summary};
+use bearing_watch::{Evidence, Model, Report};
+
+/// Frames of a report and of samples; `show` writes an error.
+pub fn encode<P: Plan>(
+    model: &Model<P>,
+    report: &Report<P>,
+    evidence: &Evidence<P>,
+    show: impl Fn(&dyn core::fmt::Display),
+) {
+    let mut encoder = opaque(Encoder::new(model, opaque(Source { model_id: 3, session: 4 })));
+    let mut buffer = [0; 512];
+    let length = opaque(512);
+    let buffer = buffer.get_mut(..length).unwrap_or_default();
+    match Encoder::hello(&mut encoder, buffer) {
+        Ok(frame) => decode(frame),
+        Err(error) => show(&error),
+    }
+    match Encoder::report(&mut encoder, opaque(report), opaque(evidence), buffer) {
+        Ok(frame) => decode(frame),
+        Err(error) => show(&error),
+    }
+}
+
+/// Samples of a plan as a frame.
+pub fn record<P: Plan>(model: &Model<P>, sample: &P::Sample, show: impl Fn(&dyn core::fmt::Display)) {
+    let mut encoder = opaque(Encoder::new(model, opaque(Source::default())));
+    let mut recorder = opaque(Recorder::<P, 100>::new(Model::plan(model)));
+    for _ in 0..opaque(9) {
+        if opaque(Recorder::push(&mut recorder, opaque(sample))) {
+            let whole = opaque(Recorder::take(&mut recorder));
+            let mut buffer = opaque([0; 200]);
+            match Encoder::samples(&mut encoder, &Recorder::block(&whole), &mut buffer) {
+                Ok(frame) => decode(frame),
+                Err(error) => show(&error),
+            }
+        }
+    }
+    Recorder::skip(&mut recorder, opaque(7));
+    Recorder::clear(opaque(&mut recorder));
+}
+
+fn decode(bytes: &[u8]) {
+    let mut decoder = opaque(Decoder::<512>::new());
+    for byte in bytes {
+        match Decoder::push(&mut decoder, opaque(*byte)).map(|frame| frame.body) {
+            Some(Body::Hello(hello)) => greeted(&opaque(hello)),
+            Some(Body::Report(summary)) => reported(&opaque(summary)),
+            Some(Body::Samples(block)) => {
+                let block = opaque(block);
+                opaque((Block::len(&block), Block::is_empty(&block)));
+                opaque((Block::value(&block, opaque(1), opaque(2)), Block::angle(&block, opaque(1))));
+            }
+            None => {}
+        }
+    }
+    let counts: LinkCounts = Decoder::counts(opaque(&decoder));
+    opaque(counts);
+}
+
+fn greeted(hello: &Hello<'_>) {
+    Hello::channels(hello).for_each(|channel| {
+        opaque(channel);
+    });
+    Hello::classes(hello).for_each(|class| {
+        opaque(class);
+    });
+    Hello::features(hello).for_each(|feature| {
+        opaque(feature);
+    });
+}
+
+fn reported(summary: &Summary<'_>) {
+    let numbers = &summary.posteriors;
+    opaque((Numbers::len(numbers), Numbers::is_empty(numbers), Numbers::get(numbers, opaque(2))));
+    opaque(Numbers::iter(numbers).sum::<f32>());
+}

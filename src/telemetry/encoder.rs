@@ -1,0 +1,103 @@
+//! Reports and blocks of samples → frames.
+
+use core::fmt;
+
+use super::samples::Block;
+use super::sink::Sink;
+use super::{HELLO, Header, REPORT, SAMPLES, VERSION, hello, summary};
+use crate::decide::Evidence;
+use crate::detector::Report;
+use crate::model::Model;
+use crate::plan::Plan;
+
+/// Where frames come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Source {
+    /// Any number that identifies the model, for instance the checksum of its binary form (its last four bytes).
+    pub model_id: u32,
+    /// A number that changes with each power-up, such as a count of them or a random number. With equal numbers a
+    /// receiver sees a restart only by its hello.
+    pub session: u32,
+}
+
+/// The buffer is too small for the frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct TooSmall;
+
+impl fmt::Display for TooSmall {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("the buffer is too small for the frame")
+    }
+}
+
+impl core::error::Error for TooSmall {}
+
+/// Makes frames and counts them.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Encoder<'m, P: Plan> {
+    model: &'m Model<P>,
+    source: Source,
+    stream: u32,
+    sequence: u32,
+}
+
+impl<'m, P: Plan> Encoder<'m, P> {
+    /// No frame sent yet. Another model needs another encoder.
+    #[must_use]
+    pub fn new(model: &'m Model<P>, source: Source) -> Self {
+        let mut sum = Sink::sum();
+        // Never too small: nothing is stored.
+        let _stored = hello::write(model, source, &mut sum);
+        Self { model, source, stream: sum.checksum(), sequence: 0 }
+    }
+
+    /// The names and constants that a receiver needs for the other frames.
+    ///
+    /// # Errors
+    /// [`TooSmall`].
+    pub fn hello<'b>(&mut self, buffer: &'b mut [u8]) -> Result<&'b [u8], TooSmall> {
+        let (model, source) = (self.model, self.source);
+        self.frame(HELLO, buffer, |sink| hello::write(model, source, sink))
+    }
+
+    /// The report of a segment, and the evidence that has observed it.
+    ///
+    /// # Errors
+    /// [`TooSmall`].
+    pub fn report<'b>(
+        &mut self,
+        report: &Report<P>,
+        evidence: &Evidence<P>,
+        buffer: &'b mut [u8],
+    ) -> Result<&'b [u8], TooSmall> {
+        let model = self.model;
+        self.frame(REPORT, buffer, |sink| summary::write(model, report, evidence, sink))
+    }
+
+    /// A block of samples.
+    ///
+    /// # Errors
+    /// [`TooSmall`].
+    pub fn samples<'b>(&mut self, block: &Block<'_>, buffer: &'b mut [u8]) -> Result<&'b [u8], TooSmall> {
+        self.frame(SAMPLES, buffer, |sink| block.write(sink))
+    }
+
+    /// A frame with this content after the header. One that does not fit is not counted.
+    fn frame<'b>(
+        &mut self,
+        kind: u8,
+        buffer: &'b mut [u8],
+        content: impl FnOnce(&mut Sink<'_>) -> Result<(), TooSmall>,
+    ) -> Result<&'b [u8], TooSmall> {
+        let mut sink = Sink::frame(buffer);
+        sink.fields(&Header { version: VERSION, kind, stream: self.stream, sequence: self.sequence })?;
+        content(&mut sink)?;
+        let end = sink.close()?;
+        *buffer.get_mut(end).ok_or(TooSmall)? = 0;
+        self.sequence = self.sequence.wrapping_add(1);
+        buffer.get(..=end).ok_or(TooSmall)
+    }
+}
