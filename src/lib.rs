@@ -100,7 +100,7 @@ pub use estimate::Estimate;
 pub use known_answers::{Kernel, known_answer_test};
 pub use model::{Model, ModelError};
 pub use plan::Structure;
-pub use reason::{FrictionTerm, Part, Reason};
+pub use reason::{FrictionTerm, Implausible, Part, Reason};
 pub use sample::{ChannelSet, Counts};
 pub use shaft::{Bearing, Friction, OrderStrength, Parameter, ShaftEstimate};
 

@@ -33,6 +33,7 @@ pub struct Segment<P: Plan> {
 enum Stage {
     Regression,
     Shaft,
+    Plausibility,
     Classification,
     Done,
 }
@@ -141,9 +142,18 @@ impl<P: Plan> Solve<P> {
                     true
                 };
                 if done {
-                    self.stage = Stage::Classification;
-                    report.decision = Some(Decision::empty(plan));
+                    self.stage = Stage::Plausibility;
                 }
+            }
+            Stage::Plausibility => {
+                let shaft = report.shaft.part().zip(constants.shaft.part());
+                if let Some(error) = shaft.and_then(|(estimate, own)| estimate.implausible(own)) {
+                    report.verdict = Verdict::Undetermined(Reason::Implausible(error));
+                    self.stage = Stage::Done;
+                    return true;
+                }
+                self.stage = Stage::Classification;
+                report.decision = Some(Decision::empty(plan));
             }
             Stage::Classification => {
                 let estimates = (report.estimate.part(), report.shaft.part(), report.averages.cells());

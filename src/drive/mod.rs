@@ -8,6 +8,7 @@
 //! balance                three currents against each other
 //! resolver, tracking     sine and cosine, or an angle ─► loop, lock
 //! angle, frame           binary angles; Clarke, Park ─► rotor_frame
+//! travel                 velocity against angle
 //! decimate               from the control rate to that of identification
 //! front_end              ties them
 //! ```
@@ -24,6 +25,7 @@ pub mod front_end;
 pub mod resolver;
 pub mod rotor_frame;
 pub mod tracking;
+pub mod travel;
 
 pub use angle::{Angle, SinCos};
 pub use balance::{BalanceLimits, CurrentBalance, Imbalance};

@@ -27,6 +27,7 @@ mod line;
 mod noise;
 mod orders;
 mod phasor;
+mod plausibility;
 mod residual;
 mod slip;
 mod solve;
@@ -45,8 +46,9 @@ pub use state_variable::StateVariable;
 use core::f32::consts::TAU;
 
 use crate::drive::Angle;
+use crate::drive::travel::{Travel, TravelSums};
 use crate::plan::{Array, Cells, Plan, ShaftLayout, Signals};
-use crate::reason::{Part, Reason};
+use crate::reason::{Implausible, Part, Reason};
 use crate::regression::read;
 use balance::{BalanceState, BalanceSums};
 use orders::{OrderSums, OrderTracking};
@@ -59,6 +61,9 @@ pub const MAX_LAG: f32 = 5.0;
 const RING: u8 = 8;
 /// A count of 2⁻³² turn, rad.
 const RAD_A_COUNT: f32 = TAU / 4_294_967_296.0;
+/// Velocity from which motion is compared with the angle, in [`Balance::sign_velocity_rad_s`]: there an offset of a
+/// deviation of the velocity's noise, a third of that, is 1/12 of the velocity.
+const SLOWEST: f32 = 4.0;
 /// Lost samples in a row that are bridged.
 pub const BRIDGE: u8 = 8;
 
@@ -99,6 +104,9 @@ pub struct ShaftEstimate<P: Plan> {
     pub orders_reason: Option<Reason>,
     /// Part of the segment's samples with a residual of measured samples only, 0 … 1.
     pub usable: f32,
+    /// The integral of the velocity over the motion of the angle, 1 if rate, unit and sign are right; `None` without a
+    /// channel of the velocity, or if the shaft hardly moved.
+    pub velocity_ratio: Option<f32>,
 }
 
 impl<P: Plan> ShaftEstimate<P> {
@@ -111,7 +119,14 @@ impl<P: Plan> ShaftEstimate<P> {
             orders: Cells::filled(plan.layout().orders(), OrderStrength::default()),
             orders_reason: few(Part::Orders),
             usable: 0.0,
+            velocity_ratio: None,
         }
+    }
+
+    /// What is wrong with the signals, by torque balance and motion; `None` if nothing is, or nothing is known.
+    pub(crate) fn implausible(&self, constants: &ShaftConstants<P>) -> Option<Implausible> {
+        let friction = self.friction_reason.is_none().then_some(&self.friction);
+        plausibility::implausible(&constants.balance, friction, self.velocity_ratio)
     }
 
     /// The bearing orders, in the order of [`Tracking::orders`], amplitudes in A; zeros if there is a reason.
@@ -198,6 +213,7 @@ pub struct Shaft<P: Plan> {
     /// The delayed angle of the last sample. Its start has no effect, since the phases of the orders may start anywhere.
     angle: Angle,
     usage: Usage,
+    travel: Travel,
     balance: BalanceState,
     residual: ResidualState,
     orders: OrderTracking<P>,
@@ -210,6 +226,7 @@ pub struct ShaftSums<P: Plan> {
     balance: BalanceSums,
     orders: OrderSums<P>,
     usage: Usage,
+    travel: TravelSums,
 }
 
 impl<P: Plan> Shaft<P> {
@@ -226,6 +243,7 @@ impl<P: Plan> Shaft<P> {
             delays: Delays::of(&constants.lags),
             angle: Angle::ZERO,
             usage: Usage::default(),
+            travel: Travel::default(),
             balance: BalanceState::new(&constants.balance, load),
             residual: ResidualState::new(),
             orders: OrderTracking::new(plan),
@@ -257,6 +275,7 @@ impl<P: Plan> Shaft<P> {
         if let Some(cell) = self.ring.get_mut(self.place as usize) {
             *cell = moment;
         }
+        let watched = velocity.is_some();
         let Delays { current, velocity, load, angle, .. } = self.delays;
         let now = Torques {
             current_a: self.between(current, |moment| moment.torques.current_a),
@@ -267,6 +286,7 @@ impl<P: Plan> Shaft<P> {
         let turned = angle.since(core::mem::replace(&mut self.angle, angle));
         self.usage.seen = self.usage.seen.saturating_add(1);
         if self.filling > 0 {
+            self.travel.restart();
             self.orders.turn_unwatched(turned);
             self.fill(constants, &now);
             return;
@@ -276,6 +296,11 @@ impl<P: Plan> Shaft<P> {
             self.usage.used = self.usage.used.saturating_add(1);
         } else {
             self.spoilt = self.spoilt.wrapping_sub(1);
+            self.travel.restart();
+        }
+        // A velocity of the angle agrees with it.
+        if watched && clean && self.travel.step(turned, now.velocity_rad_s) {
+            self.travel.close(SLOWEST * constants.balance.sign_velocity_rad_s * constants.balance.interval_s);
         }
         let frictions = constants.balance.frictions(&now);
         self.balance.step(&constants.balance, has_load, &now, &frictions, clean);
@@ -349,7 +374,7 @@ impl<P: Plan> Shaft<P> {
     #[inline(always)]
     #[must_use]
     pub fn sums(&self) -> ShaftSums<P> {
-        ShaftSums { balance: self.balance.sums().clone(), orders: self.orders.sums(), usage: self.usage }
+        ShaftSums { balance: self.balance.sums().clone(), orders: self.orders.sums(), usage: self.usage, travel: self.travel.sums() }
     }
 
     /// Starts a segment; filters and phases continue.
@@ -359,6 +384,7 @@ impl<P: Plan> Shaft<P> {
         self.balance.next_segment(&constants.balance, load);
         self.orders.next_segment();
         self.usage = Usage::default();
+        self.travel.next_segment();
     }
 }
 

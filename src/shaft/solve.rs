@@ -63,6 +63,7 @@ impl ShaftSolve {
                 Some(outcome) => estimate.friction_reason = outcome.err(),
             }
             self.balanced = true;
+            estimate.velocity_ratio = sums.travel.ratio(constants.balance.interval_s);
             estimate.orders_reason = sums.orders.reason();
             return false;
         }
