@@ -96,6 +96,7 @@ pub use drive::{CalibrationError, CalibrationLimits, OffsetCalibration};
 pub use drive::{CleanSample, Faults, FrontEnd, FrontEndConstants, FrontEndError, RawSample, RotorFrame};
 pub use drive::{Lock, Position, PositionFaults, PositionTracker, Tracked, TrackingConstants};
 pub use drive::{ResolverFaults, ResolverLimits};
+pub use drive::{Wiring, WiringCheck, WiringFault, WiringLimits};
 pub use estimate::Estimate;
 pub use known_answers::{Kernel, known_answer_test};
 pub use model::{Model, ModelError};

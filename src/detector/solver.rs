@@ -143,17 +143,17 @@ impl<P: Plan> Solve<P> {
                 };
                 if done {
                     self.stage = Stage::Plausibility;
+                    report.decision = Some(Decision::empty(plan));
                 }
             }
             Stage::Plausibility => {
                 let shaft = report.shaft.part().zip(constants.shaft.part());
                 if let Some(error) = shaft.and_then(|(estimate, own)| estimate.implausible(own)) {
-                    report.verdict = Verdict::Undetermined(Reason::Implausible(error));
+                    (report.verdict, report.decision) = (Verdict::Undetermined(Reason::Implausible(error)), None);
                     self.stage = Stage::Done;
                     return true;
                 }
                 self.stage = Stage::Classification;
-                report.decision = Some(Decision::empty(plan));
             }
             Stage::Classification => {
                 let estimates = (report.estimate.part(), report.shaft.part(), report.averages.cells());

@@ -126,7 +126,7 @@ impl<P: Plan> ShaftEstimate<P> {
     /// What is wrong with the signals, by torque balance and motion; `None` if nothing is, or nothing is known.
     pub(crate) fn implausible(&self, constants: &ShaftConstants<P>) -> Option<Implausible> {
         let friction = self.friction_reason.is_none().then_some(&self.friction);
-        plausibility::implausible(&constants.balance, friction, self.velocity_ratio)
+        plausibility::of_motion(self.velocity_ratio).or_else(|| plausibility::of_balance(&constants.balance, friction?))
     }
 
     /// The bearing orders, in the order of [`Tracking::orders`], amplitudes in A; zeros if there is a reason.
@@ -153,15 +153,13 @@ impl Delay {
     }
 }
 
-/// The delays of all signals.
+/// The delays of current, velocity and load, and that to the middle of the last interval, to which the residual refers.
+/// Two lists, since four [`Delay`]s would take twelve bytes more.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 struct Delays {
-    current: Delay,
-    velocity: Delay,
-    load: Delay,
-    /// To the middle of the last interval, to which the residual refers.
-    angle: Delay,
+    whole: [u8; 4],
+    part: [f32; 4],
     /// Samples that a lost one spoils.
     spoilt: u8,
 }
@@ -171,13 +169,21 @@ impl Delays {
         let Lags { current, velocity, load } = *lags;
         let longest = current.max(velocity).max(load);
         let angle = Delay::of(longest + 0.5);
-        Self {
-            current: Delay::of(longest - current),
-            velocity: Delay::of(longest - velocity),
-            load: Delay::of(longest - load),
-            angle,
-            spoilt: angle.whole.saturating_add(3),
-        }
+        let all = [Delay::of(longest - current), Delay::of(longest - velocity), Delay::of(longest - load), angle];
+        let (whole, part) = (all.map(|delay| delay.whole), all.map(|delay| delay.part));
+        Self { whole, part, spoilt: angle.whole.saturating_add(3) }
+    }
+
+    /// Those of current, velocity, load and angle.
+    #[inline(always)]
+    const fn all(&self) -> [Delay; 4] {
+        let ([w0, w1, w2, w3], [p0, p1, p2, p3]) = (self.whole, self.part);
+        [
+            Delay { whole: w0, part: p0 },
+            Delay { whole: w1, part: p1 },
+            Delay { whole: w2, part: p2 },
+            Delay { whole: w3, part: p3 },
+        ]
     }
 }
 
@@ -276,7 +282,7 @@ impl<P: Plan> Shaft<P> {
             *cell = moment;
         }
         let watched = velocity.is_some();
-        let Delays { current, velocity, load, angle, .. } = self.delays;
+        let [current, velocity, load, angle] = self.delays.all();
         let now = Torques {
             current_a: self.between(current, |moment| moment.torques.current_a),
             velocity_rad_s: self.between(velocity, |moment| moment.torques.velocity_rad_s),
@@ -374,7 +380,12 @@ impl<P: Plan> Shaft<P> {
     #[inline(always)]
     #[must_use]
     pub fn sums(&self) -> ShaftSums<P> {
-        ShaftSums { balance: self.balance.sums().clone(), orders: self.orders.sums(), usage: self.usage, travel: self.travel.sums() }
+        ShaftSums {
+            balance: self.balance.sums().clone(),
+            orders: self.orders.sums(),
+            usage: self.usage,
+            travel: self.travel.sums(),
+        }
     }
 
     /// Starts a segment; filters and phases continue.
