@@ -302,7 +302,8 @@ impl WiringCheck {
             if ratio < 0.0 {
                 return Err(WiringFault::VelocityDirection);
             }
-            if !((ratio - 1.0).abs() <= self.limits.velocity_tolerance) {
+            let agrees = (ratio - 1.0).abs() <= self.limits.velocity_tolerance;
+            if !agrees {
                 return Err(WiringFault::RateOrUnit { ratio });
             }
         }

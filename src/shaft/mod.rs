@@ -124,6 +124,8 @@ impl<P: Plan> ShaftEstimate<P> {
     }
 
     /// What is wrong with the signals, by torque balance and motion; `None` if nothing is, or nothing is known.
+    // Out of line, so that it takes no stack during the solve.
+    #[inline(never)]
     pub(crate) fn implausible(&self, constants: &ShaftConstants<P>) -> Option<Implausible> {
         let friction = self.friction_reason.is_none().then_some(&self.friction);
         plausibility::of_motion(self.velocity_ratio).or_else(|| plausibility::of_balance(&constants.balance, friction?))

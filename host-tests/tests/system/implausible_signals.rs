@@ -1,7 +1,13 @@
-//! Signals with a wrong sign, scale or sampling rate have no verdict, and the reason names them; healthy and defective
-//! records of the rigs are never refused.
+//! Trained models on the rig: wrongly wired signals have no verdict, and the reason names them; healthy and defective
+//! records are never refused.
 
-use bearing_watch::{Implausible, Reason, Verdict};
+use std::f64::consts::TAU;
+
+use bearing_watch::Implausible::{
+    self, CurrentScale, CurrentSign, LoadScale, LoadSign, MotionScale, MotionSign, Scale, Sign, VelocityScale,
+    VelocitySign,
+};
+use bearing_watch::{Reason, Verdict};
 use workbench::core::Embedded;
 use workbench::rig::{Condition, Defect, DefectKind, RigTrace, Scenario};
 use workbench::study::campaign::run::labelled;
@@ -12,6 +18,10 @@ use workbench::train::{VelocitySource, train};
 
 /// A number far from those of the documents, so that these are other records.
 const REPETITION: u32 = 700;
+
+fn named(name: &str) -> Condition {
+    Condition::named(name).expect("a known condition")
+}
 
 fn records(condition: Condition, purpose: Purpose, defect: Defect, count: u32) -> Vec<Recording> {
     let cell = Cell { purpose, repetition: REPETITION, condition, defect };
@@ -44,103 +54,110 @@ const KINDS: [Defect; 4] = [
     Defect::full(DefectKind::WeakMagnet),
 ];
 
+/// Refused records of all kinds, `count` of each.
+fn refused(name: &str, velocity: VelocitySource, count: u32) -> Vec<Implausible> {
+    let condition = named(name);
+    let model = trained(condition, velocity);
+    let all = KINDS.into_iter().flat_map(|kind| records(condition, Purpose::Validation, kind, count));
+    all.filter_map(|recording| refusal(&model, recording)).collect()
+}
+
 #[test]
-fn no_record_of_the_rigs_is_refused() {
-    let names = std::env::var("CONDITIONS").unwrap_or_else(|_| "mix".into());
-    let count: u32 = std::env::var("COUNT").map_or(5, |x| x.parse().unwrap());
-    let all: Vec<&str> = Condition::FIELD.iter().map(|c| c.name).collect();
-    let names: Vec<&str> = if names == "all" { all } else { names.split(',').collect() };
-    for name in names {
-        let condition = Condition::named(name).expect("known");
-        for source in [VelocitySource::Channel, VelocitySource::Angle] {
-            let model = trained(condition, source);
-            let balance = model.shaft().unwrap().balance;
-            println!("{name} {source:?} nominal {:?} prior {:?}", balance.nominal, balance.prior);
-            let mut range = [[f32::MAX, f32::MIN]; 5];
-            let mut refused = 0;
-            for defect in KINDS {
-                for recording in records(condition, Purpose::Validation, defect, count) {
-                    let report = model.whole(&labelled(recording, 0).trace);
-                    let shaft = report.shaft().unwrap();
-                    let f = &shaft.friction;
-                    let k = f.inverse_torque_constant.unwrap_or_default();
-                    for (r, x) in range.iter_mut().zip([
-                        f.inertia.value / balance.nominal[0],
-                        f.inertia.deviation / balance.nominal[0],
-                        k.value / balance.nominal[3],
-                        k.deviation / balance.nominal[3],
-                        shaft.velocity_ratio.unwrap_or(1.0),
-                    ]) {
-                        *r = [r[0].min(x), r[1].max(x)];
-                    }
-                    if let Verdict::Undetermined(Reason::Implausible(error)) = report.verdict {
-                        refused += 1;
-                        println!(
-                            "   {defect:?} {error:?} {:?} {:?} {:?} {:?}",
-                            f.inertia, k, shaft.velocity_ratio, shaft.friction_reason
-                        );
-                    }
-                }
-            }
-            println!(
-                "  J {:?} ± {:?}  1/Kt {:?} ± {:?} ratio {:?}: refused {refused}",
-                range[0], range[1], range[2], range[3], range[4]
-            );
-            let faults: [(&str, fn(&mut RigTrace)); 10] = [
-                ("load", |t| t.load_torque_nm.iter_mut().for_each(|x| *x = -*x)),
-                ("current", |t| t.current_a.iter_mut().for_each(|x| *x = -*x)),
-                ("current x2", |t| t.current_a.iter_mut().for_each(|x| *x *= 2.0)),
-                ("load x2", |t| t.load_torque_nm.iter_mut().for_each(|x| *x *= 2.0)),
-                ("angle", |t| t.angle_rad.iter_mut().for_each(|x| *x = -*x)),
-                ("velocity", |t| t.velocity_rad_s.iter_mut().for_each(|x| *x = -*x)),
-                ("angle and velocity", |t| {
-                    t.angle_rad.iter_mut().for_each(|x| *x = -*x);
-                    t.velocity_rad_s.iter_mut().for_each(|x| *x = -*x)
-                }),
-                ("rpm", |t| t.velocity_rad_s.iter_mut().for_each(|x| *x *= 60.0 / std::f64::consts::TAU)),
-                ("half", |t| {
-                    for c in [
-                        &mut t.current_a,
-                        &mut t.load_torque_nm,
-                        &mut t.angle_rad,
-                        &mut t.velocity_rad_s,
-                        &mut t.velocity_ref_rad_s,
-                        &mut t.t_s,
-                        &mut t.temperature_c,
-                    ] {
-                        let mut k = 0;
-                        c.retain(|_| {
-                            k += 1;
-                            k % 2 == 0
-                        });
-                    }
-                }),
-                ("double", |t| {
-                    for c in [
-                        &mut t.current_a,
-                        &mut t.load_torque_nm,
-                        &mut t.angle_rad,
-                        &mut t.velocity_rad_s,
-                        &mut t.velocity_ref_rad_s,
-                        &mut t.t_s,
-                        &mut t.temperature_c,
-                    ] {
-                        *c = c.iter().flat_map(|x| [*x, *x]).collect::<Vec<_>>();
-                        let n = c.len();
-                        for k in (1..n.max(2) - 1).step_by(2) {
-                            c[k] = 0.5 * (c[k - 1] + c[k + 1]);
-                        }
-                    }
-                }),
-            ];
-            for (fault, change) in faults {
-                let mut found = std::collections::BTreeMap::<String, u32>::new();
-                for mut recording in records(condition, Purpose::Validation, Defect::HEALTHY, count) {
-                    change(&mut recording.trace);
-                    *found.entry(format!("{:?}", refusal(&model, recording))).or_default() += 1;
-                }
-                println!("  {fault}: {found:?}");
-            }
+fn no_record_of_the_rig_is_refused() {
+    for name in ["mix", "payload", "duty-constant", "field-sine", "field-any"] {
+        assert_eq!(refused(name, VelocitySource::Best, 3), [], "{name}");
+    }
+}
+
+/// All conditions of the field with either velocity. It takes minutes.
+#[test]
+#[ignore = "minutes; a check of new limits"]
+fn no_record_of_any_condition_is_refused() {
+    for condition in Condition::FIELD.into_iter().chain([Condition::MIX]) {
+        for velocity in [VelocitySource::Channel, VelocitySource::Angle] {
+            let found = refused(condition.name, velocity, 15);
+            println!("{} {velocity:?}: {found:?}", condition.name);
+            assert_eq!(found, [], "{} {velocity:?}", condition.name);
         }
     }
+}
+
+fn scale(column: &mut [f64], factor: f64) {
+    column.iter_mut().for_each(|x| *x *= factor);
+}
+
+/// The columns at another rate: `half` of the samples, or twice as many.
+fn resample(trace: &mut RigTrace, half: bool) {
+    let RigTrace { velocity_ref_rad_s, velocity_rad_s, current_a, load_torque_nm, angle_rad, temperature_c, .. } =
+        trace;
+    for column in [velocity_ref_rad_s, velocity_rad_s, current_a, load_torque_nm, angle_rad, temperature_c] {
+        *column = if half {
+            column.iter().copied().step_by(2).collect()
+        } else {
+            let next = column.iter().skip(1).chain(column.last());
+            column.iter().zip(next).flat_map(|(x, next)| [*x, 0.5 * (x + next)]).collect()
+        };
+    }
+}
+
+/// A fault of the wiring, its own name, and a name with less detail if the record tells less.
+type Fault = (&'static str, fn(&mut RigTrace), [Implausible; 2]);
+
+const BY_BALANCE: [Fault; 4] = [
+    ("load", |t| scale(&mut t.load_torque_nm, -1.0), [LoadSign, Sign]),
+    ("current", |t| scale(&mut t.current_a, -1.0), [CurrentSign, Sign]),
+    ("twice the current", |t| scale(&mut t.current_a, 2.0), [CurrentScale, Scale]),
+    ("twice the load", |t| scale(&mut t.load_torque_nm, 2.0), [LoadScale, Scale]),
+];
+const OF_CHANNEL: [Fault; 6] = [
+    ("angle", |t| scale(&mut t.angle_rad, -1.0), [VelocitySign; 2]),
+    ("velocity", |t| scale(&mut t.velocity_rad_s, -1.0), [VelocitySign; 2]),
+    (
+        "angle and velocity",
+        |t| {
+            scale(&mut t.angle_rad, -1.0);
+            scale(&mut t.velocity_rad_s, -1.0);
+        },
+        [MotionSign; 2],
+    ),
+    ("rpm", |t| scale(&mut t.velocity_rad_s, 60.0 / TAU), [VelocityScale; 2]),
+    ("half the rate", |t| resample(t, true), [VelocityScale; 2]),
+    ("twice the rate", |t| resample(t, false), [VelocityScale; 2]),
+];
+const OF_ANGLE: [Fault; 3] = [
+    ("angle", |t| scale(&mut t.angle_rad, -1.0), [MotionSign; 2]),
+    ("half the rate", |t| resample(t, true), [MotionScale; 2]),
+    ("twice the rate", |t| resample(t, false), [MotionScale; 2]),
+];
+
+/// Every record of every fault is refused by one of its names, and the own one comes in at least `own` of four.
+fn faults_are_named(name: &str, velocity: VelocitySource, faults: &[Fault], own: usize) {
+    let condition = named(name);
+    let model = trained(condition, velocity);
+    for (fault, change, names) in faults {
+        let found: Vec<Option<Implausible>> = records(condition, Purpose::Validation, Defect::HEALTHY, 4)
+            .into_iter()
+            .map(|mut recording| {
+                change(&mut recording.trace);
+                refusal(&model, recording)
+            })
+            .collect();
+        println!("{name} {velocity:?}, {fault}: {found:?}");
+        assert!(found.iter().all(|own| own.is_some_and(|own| names.contains(&own))), "{name}, {fault}: {found:?}");
+        let named = found.iter().filter(|found| **found == Some(names[0])).count();
+        assert!(named >= own, "{name}, {fault}: {found:?}");
+    }
+}
+
+#[test]
+fn the_balance_names_wrong_signs_and_scales() {
+    // In MIX a tight prior hides which signal it is in part of the records.
+    faults_are_named("mix", VelocitySource::Channel, &BY_BALANCE, 0);
+    faults_are_named("temperature", VelocitySource::Channel, &BY_BALANCE, 1);
+}
+
+#[test]
+fn motion_and_rate_are_named_with_either_velocity() {
+    faults_are_named("mix", VelocitySource::Channel, &OF_CHANNEL, 4);
+    faults_are_named("mix", VelocitySource::Angle, &OF_ANGLE, 4);
 }
