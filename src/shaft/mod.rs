@@ -22,6 +22,7 @@
 mod balance;
 mod balance_solve;
 mod bearing;
+mod delays;
 mod friction;
 mod line;
 mod noise;
@@ -51,6 +52,7 @@ use crate::plan::{Array, Cells, Plan, ShaftLayout, Signals};
 use crate::reason::{Implausible, Part, Reason};
 use crate::regression::read;
 use balance::{BalanceState, BalanceSums};
+use delays::{Delay, Delays};
 use orders::{OrderSums, OrderTracking};
 use residual::ResidualState;
 
@@ -123,10 +125,10 @@ impl<P: Plan> ShaftEstimate<P> {
         }
     }
 
-    /// What is wrong with the signals, by torque balance and motion; `None` if nothing is, or nothing is known.
-    // Out of line, so that it takes no stack during the solve.
-    #[inline(never)]
-    pub(crate) fn implausible(&self, constants: &ShaftConstants<P>) -> Option<Implausible> {
+    /// Compares velocity and angle by the sums; returns what is wrong with the signals by motion and torque balance,
+    /// `None` if nothing is, or nothing is known.
+    pub(crate) fn contradiction(&mut self, constants: &ShaftConstants<P>, sums: &ShaftSums<P>) -> Option<Implausible> {
+        self.velocity_ratio = sums.travel.ratio(constants.balance.interval_s);
         let friction = self.friction_reason.is_none().then_some(&self.friction);
         plausibility::of_motion(self.velocity_ratio).or_else(|| plausibility::of_balance(&constants.balance, friction?))
     }
@@ -135,57 +137,6 @@ impl<P: Plan> ShaftEstimate<P> {
     #[must_use]
     pub fn orders(&self) -> &[OrderStrength] {
         self.orders.cells()
-    }
-}
-
-/// How far the ring is read back for one signal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-struct Delay {
-    whole: u8,
-    /// The part of a sample beyond the whole ones.
-    part: f32,
-}
-
-impl Delay {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 … 6 in a validated model")]
-    fn of(samples: f32) -> Self {
-        let whole = (samples as u8).min(RING - 2);
-        Self { whole, part: samples - f32::from(whole) }
-    }
-}
-
-/// The delays of current, velocity and load, and that to the middle of the last interval, to which the residual refers.
-/// Two lists, since four [`Delay`]s would take twelve bytes more.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-struct Delays {
-    whole: [u8; 4],
-    part: [f32; 4],
-    /// Samples that a lost one spoils.
-    spoilt: u8,
-}
-
-impl Delays {
-    fn of(lags: &Lags) -> Self {
-        let Lags { current, velocity, load } = *lags;
-        let longest = current.max(velocity).max(load);
-        let angle = Delay::of(longest + 0.5);
-        let all = [Delay::of(longest - current), Delay::of(longest - velocity), Delay::of(longest - load), angle];
-        let (whole, part) = (all.map(|delay| delay.whole), all.map(|delay| delay.part));
-        Self { whole, part, spoilt: angle.whole.saturating_add(3) }
-    }
-
-    /// Those of current, velocity, load and angle.
-    #[inline(always)]
-    const fn all(&self) -> [Delay; 4] {
-        let ([w0, w1, w2, w3], [p0, p1, p2, p3]) = (self.whole, self.part);
-        [
-            Delay { whole: w0, part: p0 },
-            Delay { whole: w1, part: p1 },
-            Delay { whole: w2, part: p2 },
-            Delay { whole: w3, part: p3 },
-        ]
     }
 }
 
