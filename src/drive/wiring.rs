@@ -260,7 +260,6 @@ impl WiringCheck {
         self.travel.restart();
     }
 
-    #[expect(clippy::cast_possible_truncation, reason = "a sixteenth of a turn: 0 … 15")]
     fn take(&mut self, AlphaBeta { alpha, beta, .. }: AlphaBeta, power: f32, shaft: Angle, turned: i32) {
         self.taken = self.taken.saturating_add(1);
         self.sectors |= 1 << ((shaft.bits() >> 28) as u16);

@@ -28,11 +28,12 @@ fn records(condition: Condition, purpose: Purpose, defect: Defect, count: u32) -
     map_traces(&Scenario::WITH_RESOLVER, &[cell], count, Ok).expect("the rig")
 }
 
-/// The gate of the field, trained on healthy records of a condition.
+/// A gate of the torque balance, trained on healthy records of a condition; orders would only take time.
 fn trained(condition: Condition, velocity: VelocitySource) -> Embedded {
-    let mut recipe = recipe(&condition, &[]);
+    let mut recipe = recipe(&condition, &["viscous", "drag"].map(String::from));
     if let Some(shaft) = &mut recipe.shaft {
         shaft.velocity = velocity;
+        shaft.orders.clear();
     }
     let healthy = records(condition, Purpose::Training, Defect::HEALTHY, 40);
     let set: Vec<LabelledTrace> = healthy.into_iter().map(|own| labelled(own, 0)).collect();
@@ -65,7 +66,7 @@ fn refused(name: &str, velocity: VelocitySource, count: u32) -> Vec<Implausible>
 #[test]
 fn no_record_of_the_rig_is_refused() {
     for name in ["mix", "payload", "duty-constant", "field-sine", "field-any"] {
-        assert_eq!(refused(name, VelocitySource::Best, 3), [], "{name}");
+        assert_eq!(refused(name, VelocitySource::Channel, 3), [], "{name}");
     }
 }
 
