@@ -80,11 +80,10 @@ fn wiring(constants: &FrontEndConstants, motor: &mut Motor<2>, show: &mut impl F
     }
     WiringCheck::push(&mut check, opaque(AlphaBeta::default()), opaque(Angle::ZERO), opaque(f32::NAN));
     WiringCheck::skip(&mut check);
-    for fault in [opaque(WiringCheck::conclude(&check)).err(), opaque(Some(WiringFault::PhaseOrder))] {
-        if let Some(fault) = fault {
-            opaque(WiringFault::message(&fault));
-            show(&fault);
-        }
+    let faults = [opaque(WiringCheck::conclude(&check)).err(), opaque(Some(WiringFault::PhaseOrder))];
+    for fault in faults.into_iter().flatten() {
+        opaque(WiringFault::message(&fault));
+        show(&fault);
     }
 }
 
