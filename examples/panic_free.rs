@@ -179,6 +179,8 @@ fn constants() {
     opaque(TrackedOrder::order(&opaque(TrackedOrder::new(opaque(3.7), opaque([1.0; 3])))));
     opaque((FrictionTerm::name(opaque(FrictionTerm::Drag)), FrictionTerm::needs_load(opaque(FrictionTerm::Drag))));
     opaque(q16(opaque(3.7)));
+    opaque(Implausible::message(opaque(Implausible::LoadSign)));
+    show(opaque(Implausible::Scale));
     opaque(Field::name(opaque(Field::SamplingInterval)));
     for error in opaque([ModelError::OtherPlan, ModelError::Channel { place: 1 }]) {
         opaque(ModelError::message(&error));

@@ -84,6 +84,65 @@ impl Part {
     }
 }
 
+/// What is wrong with the signals of a segment: its torque balance contradicts the healthy one of the model, or its
+/// velocity the angle.
+///
+/// Signs and scales are relative to the signals of training. A name is given to the signal whose error explains
+/// inertia J/Kt and torque constant 1/Kt together: both change with the current, 1/Kt alone with the load, J/Kt alone
+/// with velocity, angle and sampling rate. Errors of two signals may look like one of the third.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Implausible {
+    /// The current has the opposite sign.
+    CurrentSign,
+    /// The load has the opposite sign.
+    LoadSign,
+    /// Velocity and angle, or the angle alone in a plan that differentiates it, have the opposite sign.
+    MotionSign,
+    /// A signal has the opposite sign; which one is not known, as inertia or torque constant is not determined.
+    Sign,
+    /// The gain or unit of the current is wrong.
+    CurrentScale,
+    /// The gain or unit of the load is wrong.
+    LoadScale,
+    /// The sampling rate or the unit of the velocity is wrong, or the shaft drives another inertia.
+    MotionScale,
+    /// The gain of a signal or the sampling rate is wrong; which one is not known, as inertia or torque constant is not
+    /// determined.
+    Scale,
+    /// The velocity has the sign opposite to the motion of the angle.
+    VelocitySign,
+    /// The integral of the velocity is not the motion of the angle: the sampling rate or the unit of the velocity is
+    /// wrong.
+    VelocityScale,
+}
+
+impl Implausible {
+    /// The error in words.
+    #[must_use]
+    pub const fn message(self) -> &'static str {
+        match self {
+            Self::CurrentSign => "the current has the wrong sign",
+            Self::LoadSign => "the load has the wrong sign",
+            Self::MotionSign => "velocity and angle have the wrong sign",
+            Self::Sign => "current, load or velocity has the wrong sign",
+            Self::CurrentScale => "gain or unit of the current is wrong",
+            Self::LoadScale => "gain or unit of the load is wrong",
+            Self::MotionScale => "sampling rate, unit of the velocity or inertia is wrong",
+            Self::Scale => "gain of current or load, unit of the velocity or sampling rate is wrong",
+            Self::VelocitySign => "velocity and angle have opposite signs",
+            Self::VelocityScale => "the velocity is not that of the angle: sampling rate or unit is wrong",
+        }
+    }
+}
+
+impl fmt::Display for Implausible {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.message())
+    }
+}
+
 /// Why a part of a segment has no result, or a segment no verdict. A segment in which other parts have results has a
 /// verdict without the features of this part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -131,6 +190,8 @@ pub enum Reason {
     },
     /// A result of the part is not a finite number.
     NotFinite(Part),
+    /// The signals contradict the model or each other: wrong wiring, unit or sampling rate.
+    Implausible(Implausible),
 }
 
 impl fmt::Display for Reason {
@@ -159,6 +220,7 @@ impl fmt::Display for Reason {
                 write!(f, "covariate {} is outside the range of the training records", u16::from(*covariate) + 1)
             }
             Self::NotFinite(part) => write!(f, "a result of {} is not a finite number", part.name()),
+            Self::Implausible(error) => f.write_str(error.message()),
         }
     }
 }

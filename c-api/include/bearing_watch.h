@@ -181,6 +181,11 @@ enum BwReason
   BW_REASON_NOT_FINITE = 10,
   // A reason that this interface does not know.
   BW_REASON_OTHER = 11,
+  // The signals contradict the model or each other: wrong wiring, unit or sampling rate. `place` says which: the sign
+  // of 0 the current, 1 the load, 2 velocity and angle, 3 one of them; the gain, unit or rate of 4 the current, 5 the
+  // load, 6 the velocity, 7 one of them; the velocity against the angle, 8 its sign, 9 its unit or the rate. 255: what
+  // this interface does not know.
+  BW_REASON_IMPLAUSIBLE = 12,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -293,7 +298,7 @@ typedef struct BwReport {
   BwVerdict verdict;
   // The class of least expected cost, for any verdict but undetermined: `bw_label` gives its name.
   uint8_t class_index;
-  // Parameter, term, channel or covariate of the reason.
+  // Parameter, term, channel, covariate or error of the reason.
   uint8_t place;
   // Segments in a row, before this one, whose estimate could not serve as auxiliary model.
   uint8_t refused;

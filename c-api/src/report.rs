@@ -1,7 +1,7 @@
 //! The report of the last segment.
 
 use bearing_watch::plan::MAX_CHANNELS;
-use bearing_watch::{FrictionTerm, OrderStrength, Parameter, Part, Reason, Report, Verdict};
+use bearing_watch::{FrictionTerm, Implausible, OrderStrength, Parameter, Part, Reason, Report, Verdict};
 
 use crate::code::{BwCode, Outcome, code};
 use crate::plan::Own;
@@ -49,6 +49,11 @@ pub enum BwReason {
     NotFinite = 10,
     /// A reason that this interface does not know.
     Other = 11,
+    /// The signals contradict the model or each other: wrong wiring, unit or sampling rate. `place` says which: the sign
+    /// of 0 the current, 1 the load, 2 velocity and angle, 3 one of them; the gain, unit or rate of 4 the current, 5 the
+    /// load, 6 the velocity, 7 one of them; the velocity against the angle, 8 its sign, 9 its unit or the rate. 255: what
+    /// this interface does not know.
+    Implausible = 12,
 }
 
 /// A part of the detector.
@@ -77,7 +82,7 @@ pub struct BwReport {
     pub verdict: BwVerdict,
     /// The class of least expected cost, for any verdict but undetermined: `bw_label` gives its name.
     pub class_index: u8,
-    /// Parameter, term, channel or covariate of the reason.
+    /// Parameter, term, channel, covariate or error of the reason.
     pub place: u8,
     /// Segments in a row, before this one, whose estimate could not serve as auxiliary model.
     pub refused: u8,
@@ -253,8 +258,26 @@ fn why(reason: Reason) -> Why {
         Reason::LostSamples { channel } => Why { place: channel, ..plain(BwReason::LostSamples) },
         Reason::OutOfRange { covariate } => Why { place: covariate, ..plain(BwReason::OutOfRange) },
         Reason::NotFinite(own) => Why { part: part(own), ..plain(BwReason::NotFinite) },
+        Reason::Implausible(error) => Why { place: error_place(error), ..plain(BwReason::Implausible) },
         // What a later version of the core adds.
         _ => plain(BwReason::Other),
+    }
+}
+
+const fn error_place(error: Implausible) -> u8 {
+    match error {
+        Implausible::CurrentSign => 0,
+        Implausible::LoadSign => 1,
+        Implausible::MotionSign => 2,
+        Implausible::Sign => 3,
+        Implausible::CurrentScale => 4,
+        Implausible::LoadScale => 5,
+        Implausible::MotionScale => 6,
+        Implausible::Scale => 7,
+        Implausible::VelocitySign => 8,
+        Implausible::VelocityScale => 9,
+        // What a later version of the core adds.
+        _ => u8::MAX,
     }
 }
 

@@ -28,8 +28,8 @@ mod support;
 use bearing_watch::plan::{Plan, Signals};
 use bearing_watch::{Alarm, Cause, Detector, Evidence, FrictionTerm, Model, Report, Verdict};
 use bearing_watch_c::{
-    BwAlarm, BwCode, BwReport, BwState, BwValues, BwVerdict, bw_adopt, bw_advance, bw_alarm, bw_collect, bw_conclude,
-    bw_report, bw_step,
+    BwAlarm, BwCode, BwReason, BwReport, BwState, BwValues, BwVerdict, bw_adopt, bw_advance, bw_alarm, bw_collect,
+    bw_conclude, bw_report, bw_step,
 };
 
 use support::{Memory, bytes, channels, values};
@@ -178,4 +178,27 @@ fn friction_and_bearing_orders() {
     assert_eq!(compare(&shaft::MODEL, (0..4 * segment).map(|_| plant.motion().into())), 4);
     let segment = shaft::LOADLESS.constants().sampling.segment_samples;
     assert_eq!(compare(&shaft::LOADLESS, (0..3 * segment).map(|_| plant.motion().into())), 3);
+}
+
+#[test]
+fn a_load_of_the_wrong_sign_has_a_reason_and_no_verdict() {
+    let bytes = bytes(&shaft::MODEL);
+    let mut memory = Memory::new();
+    let state = memory.state(&bytes).expect("a model that fits");
+    let mut plant = shaft::Plant::new(3);
+    let mut reported = false;
+    for _ in 0..shaft::MODEL.constants().sampling.segment_samples {
+        let motion = plant.motion();
+        let sample = shaft::Motion { load_nm: -motion.load_nm, ..motion }.into();
+        reported = take(state, Way::AtOnce, &channels(&shaft::MODEL, &sample), sample.angle().bits());
+    }
+    assert!(reported);
+    let mut own = core::mem::MaybeUninit::<BwReport>::uninit();
+    // SAFETY: the state is initialised; the report is written if the code says so.
+    let own = unsafe {
+        assert_eq!(bw_report(state, own.as_mut_ptr()), BwCode::Ok);
+        own.assume_init()
+    };
+    // 1: the sign of the load.
+    assert_eq!((own.verdict, own.reason, own.place), (BwVerdict::Undetermined, BwReason::Implausible, 1));
 }

@@ -28,6 +28,7 @@ pub fn front_end(mut show: impl FnMut(&dyn fmt::Display)) {
         }
     }
     parts(&constants, &mut motor);
+    wiring(&constants, &mut motor, &mut show);
     match FrontEnd::<2, 8>::new(&opaque(constants)) {
         Ok(front_end) => chain(opaque(front_end), &mut motor),
         Err(error) => show(&error),
@@ -62,6 +63,28 @@ fn parts(constants: &FrontEndConstants, motor: &mut Motor<2>) {
     CurrentBalance::clear_faults(opaque(&mut balance));
     opaque(CurrentSensors::faults(&sensors));
     CurrentSensors::clear_faults(opaque(&mut sensors));
+}
+
+fn wiring(constants: &FrontEndConstants, motor: &mut Motor<2>, show: &mut impl FnMut(&dyn fmt::Display)) {
+    let Ok(mut front_end) = FrontEnd::<2, 8>::new(&opaque(*constants)) else { return };
+    let limits = WiringLimits {
+        least_current_a: opaque(0.5),
+        offset_rad: 0.1,
+        delay_s: 1e-4,
+        velocity_tolerance: 0.05,
+        slowest_rad_s: 5.0,
+    };
+    let mut check = opaque(WiringCheck::new(constants.frame, constants.control_rate_hz, limits));
+    for _ in 0..opaque(500) {
+        FrontEnd::check_wiring(&mut front_end, &opaque(motor.sample()), opaque(40.0), &mut check);
+    }
+    WiringCheck::push(&mut check, opaque(AlphaBeta::default()), opaque(Angle::ZERO), opaque(f32::NAN));
+    WiringCheck::skip(&mut check);
+    let faults = [opaque(WiringCheck::conclude(&check)).err(), opaque(Some(WiringFault::PhaseOrder))];
+    for fault in faults.into_iter().flatten() {
+        opaque(WiringFault::message(&fault));
+        show(&fault);
+    }
 }
 
 fn chain<const FURTHER: usize, const FACTOR: usize>(

@@ -33,6 +33,7 @@ pub struct Segment<P: Plan> {
 enum Stage {
     Regression,
     Shaft,
+    Plausibility,
     Classification,
     Done,
 }
@@ -128,6 +129,7 @@ impl<P: Plan> Solve<P> {
             Stage::Shaft => {
                 let parts = (self.shaft.part_mut(), segment.shaft.part_mut(), layout.shaft);
                 let own = (constants.shaft.part(), report.shaft.part_mut());
+                let mut next = Stage::Classification;
                 let done = if let ((Some(solve), Some(sums), Some(part)), (Some(shaft), Some(estimate))) = (parts, own)
                 {
                     let reason = reason(part.mask());
@@ -135,15 +137,23 @@ impl<P: Plan> Solve<P> {
                         (estimate.friction_reason, estimate.orders_reason) = (reason, reason);
                         true
                     } else {
+                        next = Stage::Plausibility;
                         solve.advance(plan, shaft, sums, estimate, budget)
                     }
                 } else {
                     true
                 };
                 if done {
-                    self.stage = Stage::Classification;
+                    self.stage = next;
                     report.decision = Some(Decision::empty(plan));
                 }
+            }
+            Stage::Plausibility => {
+                if contradicts(model, segment, report) {
+                    self.stage = Stage::Done;
+                    return true;
+                }
+                self.stage = Stage::Classification;
             }
             Stage::Classification => {
                 let estimates = (report.estimate.part(), report.shaft.part(), report.averages.cells());
@@ -169,6 +179,18 @@ impl<P: Plan> Solve<P> {
             }
         }
     }
+}
+
+/// Whether the signals contradict the model or each other; then that is the reason for no verdict.
+// Out of line, so that it takes no stack during the solve.
+#[inline(never)]
+fn contradicts<P: Plan>(model: &Model<P>, segment: &Segment<P>, report: &mut Report<P>) -> bool {
+    let sums = (segment.shaft.part(), model.constants().shaft.part());
+    let (Some(estimate), (Some(sums), Some(constants))) = (report.shaft.part_mut(), sums) else { return false };
+    let Some(error) = estimate.contradiction(constants, sums) else { return false };
+    report.verdict = Verdict::Undetermined(Reason::Implausible(error));
+    report.decision = None;
+    true
 }
 
 /// The verdict of a classified segment.

@@ -8,6 +8,7 @@
 //! balance                three currents against each other
 //! resolver, tracking     sine and cosine, or an angle ─► loop, lock
 //! angle, frame           binary angles; Clarke, Park ─► rotor_frame
+//! travel, wiring         velocity against angle; phases, pole pairs, offset and rate at commissioning
 //! decimate               from the control rate to that of identification
 //! front_end              ties them
 //! ```
@@ -24,6 +25,8 @@ pub mod front_end;
 pub mod resolver;
 pub mod rotor_frame;
 pub mod tracking;
+pub mod travel;
+pub mod wiring;
 
 pub use angle::{Angle, SinCos};
 pub use balance::{BalanceLimits, CurrentBalance, Imbalance};
@@ -35,3 +38,4 @@ pub use front_end::{CleanSample, Faults, FrontEnd, FrontEndConstants, FrontEndEr
 pub use resolver::{ResolverFaults, ResolverLimits};
 pub use rotor_frame::RotorFrame;
 pub use tracking::{Lock, Position, PositionFaults, PositionTracker, Tracked, TrackingConstants};
+pub use wiring::{Wiring, WiringCheck, WiringFault, WiringLimits};

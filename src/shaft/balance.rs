@@ -27,6 +27,8 @@
 //!
 //! State: 90 words. Cost: `cargo xtask measure` prints it.
 
+use core::hint::black_box;
+
 use super::state_variable::{Cell, StateVariable};
 use crate::factor::NEVER;
 use crate::factor::kernels::{packed, pairs, rotate_pivot, rotate_pivot_small};
@@ -140,7 +142,8 @@ impl BalanceSums {
     pub(super) fn new(balance: &Balance, load: bool) -> Self {
         let zero =
             Self { d: [0.0; COLUMNS], r: [0.0; PACKED], row: [0.0; COLUMNS], weight: 0.0, pivot: COLUMNS, rows: 0 };
-        let (terms, target) = (Balance::terms(load), balance.scale_of(TERMS));
+        // Hidden from the compiler, which would unroll the loop to a kilobyte.
+        let (terms, target) = (black_box(Balance::terms(load)), balance.scale_of(TERMS));
         let mut sums = zero;
         for (k, &term) in (0_usize..).zip(terms) {
             let at = |list: &[f32; TERMS]| list.get(term).copied().unwrap_or(1.0);
@@ -325,7 +328,7 @@ impl BalanceState {
         self.left = k;
         if k == 0 {
             let target = balance.scale_of(TERMS);
-            for (&term, scaled) in pairs(terms, &self.scaled) {
+            for (&term, scaled) in pairs(black_box(terms), &self.scaled) {
                 if let Some(cell) = self.present.get_mut(term) {
                     *cell = scaled * balance.scale_of(term) / target;
                 }

@@ -22,11 +22,13 @@
 mod balance;
 mod balance_solve;
 mod bearing;
+mod delays;
 mod friction;
 mod line;
 mod noise;
 mod orders;
 mod phasor;
+mod plausibility;
 mod residual;
 mod slip;
 mod solve;
@@ -45,10 +47,12 @@ pub use state_variable::StateVariable;
 use core::f32::consts::TAU;
 
 use crate::drive::Angle;
+use crate::drive::travel::{Travel, TravelSums};
 use crate::plan::{Array, Cells, Plan, ShaftLayout, Signals};
-use crate::reason::{Part, Reason};
+use crate::reason::{Implausible, Part, Reason};
 use crate::regression::read;
 use balance::{BalanceState, BalanceSums};
+use delays::{Delay, Delays};
 use orders::{OrderSums, OrderTracking};
 use residual::ResidualState;
 
@@ -59,6 +63,9 @@ pub const MAX_LAG: f32 = 5.0;
 const RING: u8 = 8;
 /// A count of 2⁻³² turn, rad.
 const RAD_A_COUNT: f32 = TAU / 4_294_967_296.0;
+/// Velocity from which motion is compared with the angle, in [`Balance::sign_velocity_rad_s`]: there an offset of a
+/// deviation of the velocity's noise, a third of that, is 1/12 of the velocity.
+const SLOWEST: f32 = 4.0;
 /// Lost samples in a row that are bridged.
 pub const BRIDGE: u8 = 8;
 
@@ -99,6 +106,9 @@ pub struct ShaftEstimate<P: Plan> {
     pub orders_reason: Option<Reason>,
     /// Part of the segment's samples with a residual of measured samples only, 0 … 1.
     pub usable: f32,
+    /// The integral of the velocity over the motion of the angle, 1 if rate, unit and sign are right; `None` without a
+    /// channel of the velocity, or if the shaft hardly moved.
+    pub velocity_ratio: Option<f32>,
 }
 
 impl<P: Plan> ShaftEstimate<P> {
@@ -111,58 +121,22 @@ impl<P: Plan> ShaftEstimate<P> {
             orders: Cells::filled(plan.layout().orders(), OrderStrength::default()),
             orders_reason: few(Part::Orders),
             usable: 0.0,
+            velocity_ratio: None,
         }
+    }
+
+    /// Compares velocity and angle by the sums; returns what is wrong with the signals by motion and torque balance,
+    /// `None` if nothing is, or nothing is known.
+    pub(crate) fn contradiction(&mut self, constants: &ShaftConstants<P>, sums: &ShaftSums<P>) -> Option<Implausible> {
+        self.velocity_ratio = sums.travel.ratio(constants.balance.interval_s);
+        let friction = self.friction_reason.is_none().then_some(&self.friction);
+        plausibility::of_motion(self.velocity_ratio).or_else(|| plausibility::of_balance(&constants.balance, friction?))
     }
 
     /// The bearing orders, in the order of [`Tracking::orders`], amplitudes in A; zeros if there is a reason.
     #[must_use]
     pub fn orders(&self) -> &[OrderStrength] {
         self.orders.cells()
-    }
-}
-
-/// How far the ring is read back for one signal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-struct Delay {
-    whole: u8,
-    /// The part of a sample beyond the whole ones.
-    part: f32,
-}
-
-impl Delay {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 … 6 in a validated model")]
-    fn of(samples: f32) -> Self {
-        let whole = (samples as u8).min(RING - 2);
-        Self { whole, part: samples - f32::from(whole) }
-    }
-}
-
-/// The delays of all signals.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-struct Delays {
-    current: Delay,
-    velocity: Delay,
-    load: Delay,
-    /// To the middle of the last interval, to which the residual refers.
-    angle: Delay,
-    /// Samples that a lost one spoils.
-    spoilt: u8,
-}
-
-impl Delays {
-    fn of(lags: &Lags) -> Self {
-        let Lags { current, velocity, load } = *lags;
-        let longest = current.max(velocity).max(load);
-        let angle = Delay::of(longest + 0.5);
-        Self {
-            current: Delay::of(longest - current),
-            velocity: Delay::of(longest - velocity),
-            load: Delay::of(longest - load),
-            angle,
-            spoilt: angle.whole.saturating_add(3),
-        }
     }
 }
 
@@ -198,6 +172,7 @@ pub struct Shaft<P: Plan> {
     /// The delayed angle of the last sample. Its start has no effect, since the phases of the orders may start anywhere.
     angle: Angle,
     usage: Usage,
+    travel: Travel,
     balance: BalanceState,
     residual: ResidualState,
     orders: OrderTracking<P>,
@@ -210,6 +185,7 @@ pub struct ShaftSums<P: Plan> {
     balance: BalanceSums,
     orders: OrderSums<P>,
     usage: Usage,
+    travel: TravelSums,
 }
 
 impl<P: Plan> Shaft<P> {
@@ -226,6 +202,7 @@ impl<P: Plan> Shaft<P> {
             delays: Delays::of(&constants.lags),
             angle: Angle::ZERO,
             usage: Usage::default(),
+            travel: Travel::default(),
             balance: BalanceState::new(&constants.balance, load),
             residual: ResidualState::new(),
             orders: OrderTracking::new(plan),
@@ -257,7 +234,8 @@ impl<P: Plan> Shaft<P> {
         if let Some(cell) = self.ring.get_mut(self.place as usize) {
             *cell = moment;
         }
-        let Delays { current, velocity, load, angle, .. } = self.delays;
+        let watched = velocity.is_some();
+        let [current, velocity, load, angle] = self.delays.all();
         let now = Torques {
             current_a: self.between(current, |moment| moment.torques.current_a),
             velocity_rad_s: self.between(velocity, |moment| moment.torques.velocity_rad_s),
@@ -267,6 +245,7 @@ impl<P: Plan> Shaft<P> {
         let turned = angle.since(core::mem::replace(&mut self.angle, angle));
         self.usage.seen = self.usage.seen.saturating_add(1);
         if self.filling > 0 {
+            self.travel.restart();
             self.orders.turn_unwatched(turned);
             self.fill(constants, &now);
             return;
@@ -276,6 +255,11 @@ impl<P: Plan> Shaft<P> {
             self.usage.used = self.usage.used.saturating_add(1);
         } else {
             self.spoilt = self.spoilt.wrapping_sub(1);
+            self.travel.restart();
+        }
+        // A velocity of the angle agrees with it.
+        if watched && clean && self.travel.step(turned, now.velocity_rad_s) {
+            self.travel.close(SLOWEST * constants.balance.sign_velocity_rad_s * constants.balance.interval_s);
         }
         let frictions = constants.balance.frictions(&now);
         self.balance.step(&constants.balance, has_load, &now, &frictions, clean);
@@ -349,7 +333,12 @@ impl<P: Plan> Shaft<P> {
     #[inline(always)]
     #[must_use]
     pub fn sums(&self) -> ShaftSums<P> {
-        ShaftSums { balance: self.balance.sums().clone(), orders: self.orders.sums(), usage: self.usage }
+        ShaftSums {
+            balance: self.balance.sums().clone(),
+            orders: self.orders.sums(),
+            usage: self.usage,
+            travel: self.travel.sums(),
+        }
     }
 
     /// Starts a segment; filters and phases continue.
@@ -359,6 +348,7 @@ impl<P: Plan> Shaft<P> {
         self.balance.next_segment(&constants.balance, load);
         self.orders.next_segment();
         self.usage = Usage::default();
+        self.travel.next_segment();
     }
 }
 

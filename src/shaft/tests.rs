@@ -10,8 +10,8 @@ fn plan() -> RunTime {
     RunTime::of(layout).unwrap()
 }
 
-fn constants(current_lag: f32) -> ShaftConstants<RunTime> {
-    let balance = Balance {
+pub(super) fn balance() -> Balance {
+    Balance {
         interval_s: 0.001,
         filter: StateVariable::new(0.05, 0.001),
         row_interval: 4,
@@ -26,7 +26,11 @@ fn constants(current_lag: f32) -> ShaftConstants<RunTime> {
         prior: [0.05, 0.02, 1.0, 200.0, 1.0, 20.0, 1.0],
         deviation: 0.001,
         own_from_rows: 48,
-    };
+    }
+}
+
+fn constants(current_lag: f32) -> ShaftConstants<RunTime> {
+    let balance = balance();
     let tracking = Tracking { orders: vec![], blocks: Blocks::EMPTY };
     ShaftConstants { lags: Lags { current: current_lag, ..Lags::default() }, balance, tracking }
 }

@@ -4,7 +4,7 @@ use bearing_watch::model::{Channel, Constants, Feature, Regression};
 use bearing_watch::plan::{
     Cells, Layout, Memory, Method, Plan, RegressionLayout, RunTime, RunTimeSample, ShaftLayout, Structure,
 };
-use bearing_watch::{Detector, FrictionTerm, Model, Part, Reason, Report, Solver, Verdict};
+use bearing_watch::{Detector, FrictionTerm, Implausible, Model, Part, Reason, Report, Solver, Verdict};
 use host_tests::plans::constants;
 use workbench::rig::DefectKind;
 
@@ -303,6 +303,7 @@ fn reasons_name_the_term_the_channel_and_the_part() {
         (Reason::WeakInstruments(Part::TorqueBalance), "instruments of the torque balance"),
         (Reason::NotFinite(Part::Classifier), "classifier"),
         (Reason::AtRest, "at rest"),
+        (Reason::Implausible(Implausible::LoadSign), "the load has the wrong sign"),
     ] {
         assert!(reason.to_string().contains(text), "{reason}");
     }

@@ -9,6 +9,7 @@ mod embedded_estimates;
 mod estimators;
 mod field_table;
 mod identification;
+mod implausible_signals;
 mod instruments_model;
 mod piecewise;
 mod priors_and_costs;

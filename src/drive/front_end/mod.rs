@@ -38,7 +38,7 @@ pub use constants::{FrontEndConstants, FrontEndError};
 use crate::drive::angle::RAD;
 use crate::drive::{
     Angle, By, CurrentBalance, CurrentSensors, Decimate, Factor, Imbalance, Lock, PhaseCounts, PhaseFaults, Position,
-    PositionFaults, PositionTracker, RotorFrame, Tracked,
+    PositionFaults, PositionTracker, RotorFrame, Tracked, WiringCheck,
 };
 use delay::{CELLS, Centres};
 
@@ -279,6 +279,23 @@ where
             (held, velocity_rad_s) = (Held::MISSING, f32::NAN);
         }
         self.filter(held, velocity_rad_s)
+    }
+
+    /// Takes a raw sample at commissioning, for a check of the wiring instead of the filters; the velocity is one of the
+    /// drive's own, rad/s, NaN if there is none.
+    pub fn check_wiring(&mut self, raw: &RawSample<FURTHER>, velocity_rad_s: f32, check: &mut WiringCheck) {
+        if self.next != Some(raw.number) {
+            self.resume(raw.number);
+            check.skip();
+        }
+        self.next = Some(raw.number.wrapping_add(1));
+        // The filters do not see this sample: what they hold is of before.
+        (self.measured, self.spoilt) = (0, SPOILT + 1);
+        let currents = self.sensors.convert(&raw.currents).clarke();
+        match self.tracker.push(&raw.position) {
+            Some(tracked) => check.push(currents, tracked.measured(), velocity_rad_s),
+            None => check.skip(),
+        }
     }
 
     /// Decimates the sample that was held.

@@ -1,0 +1,123 @@
+use super::*;
+use crate::drive::Park;
+
+const RATE_HZ: f32 = 10_000.0;
+const LIMITS: WiringLimits =
+    WiringLimits { least_current_a: 0.5, offset_rad: 0.1, delay_s: 2e-5, velocity_tolerance: 0.05, slowest_rad_s: 5.0 };
+
+/// A motor and how it is wired.
+#[derive(Clone, Copy)]
+struct Rig {
+    /// Pole pairs of the motor; those of the frame are five.
+    pole_pairs: f64,
+    offset_rad: f64,
+    delay_s: f64,
+    current_a: f64,
+    /// Largest angle from the start, rad.
+    reach_rad: f64,
+    /// Signs of phase order, angle and velocity.
+    signs: [f64; 3],
+    /// Of the velocity; no velocity if it is not a number.
+    scale: f64,
+}
+
+const RIGHT: Rig =
+    Rig { pole_pairs: 5.0, offset_rad: 0.0, delay_s: 0.0, current_a: 3.0, reach_rad: 9.0, signs: [1.0; 3], scale: 1.0 };
+
+impl Rig {
+    /// Two periods of to and fro at 2 Hz, the current in phase with the acceleration and the velocity.
+    fn check(self) -> Result<Wiring, WiringFault> {
+        let frame = RotorFrame { pole_pairs: 5, electrical_offset: Angle::from_radians(0.3), park: Park::Standard };
+        let mut check = WiringCheck::new(frame, RATE_HZ, LIMITS);
+        let [order, way, velocity_sign] = self.signs;
+        for k in 0..10_000_u16 {
+            let t = f64::from(k) / f64::from(RATE_HZ);
+            let at = |t: f64| self.reach_rad * (4.0 * core::f64::consts::PI * t).sin();
+            let slope = |t: f64| self.reach_rad * 4.0 * core::f64::consts::PI * (4.0 * core::f64::consts::PI * t).cos();
+            let electrical = self.pole_pairs * at(t - self.delay_s) + 0.3 + self.offset_rad;
+            let q = self.current_a * (4.0 * core::f64::consts::PI * t + 2.0).sin();
+            let currents = AlphaBeta {
+                alpha: (-q * electrical.sin()) as f32,
+                beta: (order * q * electrical.cos()) as f32,
+                zero: 0.0,
+            };
+            let shaft = Angle::from_radians((way * at(t)) as f32);
+            check.push(currents, shaft, (velocity_sign * self.scale * slope(t)) as f32);
+        }
+        check.conclude()
+    }
+}
+
+#[test]
+fn a_right_wiring_has_no_fault() {
+    let wiring = RIGHT.check().unwrap();
+    assert!((wiring.coherence - 1.0).abs() < 1e-4 && wiring.offset_rad.abs() < 1e-4, "{wiring:?}");
+    // The angle moved over the whole interval, at the end of which the velocity is sampled.
+    assert!((wiring.velocity_ratio.unwrap() - 1.0).abs() < 1e-3 && wiring.delay_s.unwrap().abs() < 1e-7, "{wiring:?}");
+}
+
+#[test]
+fn pole_pairs_that_fit_are_named() {
+    for (pole_pairs, order, fits) in [(3.0, 1.0, 3), (16.0, 1.0, 16), (7.0, -1.0, -7)] {
+        let rig = Rig { pole_pairs, signs: [order, 1.0, 1.0], ..RIGHT };
+        assert_eq!(rig.check(), Err(WiringFault::PolePairs { fits }));
+    }
+    // Twenty pole pairs fit none of the numbers that are tried.
+    let many = Rig { pole_pairs: 20.0, ..RIGHT }.check();
+    assert!(matches!(many, Err(WiringFault::NotTurning { coherence }) if coherence < 0.5), "{many:?}");
+}
+
+#[test]
+fn the_direction_that_differs_from_the_other_two_is_named() {
+    use WiringFault::{AngleDirection, PhaseOrder, PhaseOrderOrAngle, VelocityDirection};
+    let faults = [[-1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, -1.0]].into_iter();
+    for (signs, fault) in faults.zip([PhaseOrder, AngleDirection, VelocityDirection]) {
+        assert_eq!(Rig { signs, ..RIGHT }.check(), Err(fault));
+        // Reversed are the other two: the same to one who sees only the three.
+        assert_eq!(Rig { signs: signs.map(|sign| -sign), ..RIGHT }.check(), Err(fault));
+    }
+    let blind = Rig { signs: [-1.0, 1.0, 1.0], scale: f64::NAN, ..RIGHT };
+    assert_eq!(blind.check(), Err(PhaseOrderOrAngle));
+}
+
+#[test]
+fn offset_delay_and_rate_are_measured() {
+    for error in [0.3, -0.3, 1.5, -1.5] {
+        let found = Rig { offset_rad: error, delay_s: 1e-5, ..RIGHT }.check();
+        let Err(WiringFault::Offset { error_rad }) = found else { panic!("{found:?}") };
+        assert!((f64::from(error_rad) - error).abs() < 2e-3, "{error} {error_rad}");
+    }
+    for delay in [1e-4, -5e-5] {
+        let found = Rig { delay_s: delay, ..RIGHT }.check();
+        let Err(WiringFault::Delay { delay_s }) = found else { panic!("{found:?}") };
+        // One delay for all speeds, weighted by the current at the mean one.
+        assert!((f64::from(delay_s) / delay - 1.0).abs() < 0.2, "{delay} {delay_s}");
+    }
+    for scale in [0.5, 2.0, 9.549_3] {
+        let found = Rig { scale, ..RIGHT }.check();
+        let Err(WiringFault::RateOrUnit { ratio }) = found else { panic!("{found:?}") };
+        assert!((f64::from(ratio) / scale - 1.0).abs() < 1e-3, "{scale} {ratio}");
+    }
+}
+
+#[test]
+fn without_motion_or_current_nothing_is_passed() {
+    let small = Rig { reach_rad: 2.0, ..RIGHT }.check();
+    assert!(matches!(small, Err(WiringFault::TooLittleMotion { sectors: 9..=13 })), "{small:?}");
+    let weak = Rig { current_a: 0.5, ..RIGHT }.check();
+    assert!(matches!(weak, Err(WiringFault::TooLittleCurrent { rms_a }) if (0.3..0.42).contains(&rms_a)), "{weak:?}");
+    let frame = RotorFrame { pole_pairs: 5, electrical_offset: Angle::ZERO, park: Park::Standard };
+    let mut none = WiringCheck::new(frame, RATE_HZ, LIMITS);
+    assert_eq!(none.conclude(), Err(WiringFault::TooLittleMotion { sectors: 0 }));
+    for _ in 0..1000 {
+        none.push(AlphaBeta { alpha: f32::NAN, beta: 1.0, zero: 0.0 }, Angle::ZERO, 1.0);
+        none.skip();
+    }
+    assert_eq!(none.conclude(), Err(WiringFault::TooLittleMotion { sectors: 0 }));
+}
+
+#[test]
+fn faults_have_words() {
+    let text = std::format!("{}", WiringFault::PolePairs { fits: 4 });
+    assert_eq!(text, WiringFault::PolePairs { fits: 4 }.message());
+}

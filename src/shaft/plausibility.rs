@@ -1,0 +1,170 @@
+//! Torque balance and motion of a segment against the healthy drive → what is wrong with the signals.
+//!
+//! ```text
+//! v = 1 + (p/n − 1)/(1 − ρ),   e = k σ/(|n| (1 − ρ)),   ρ = σ² σ₀²/(prior² s²)   (1)
+//! refused:   v + e < min(1/√2, 1 − w)   or   v − e > max(√2, 1 + w),   w = prior/|n|                      (2)
+//! refused:   velocity/angle outside 1/√2 … √2                                                           (3)
+//! ```
+//!
+//! p is J/Kt or 1/Kt with deviation σ, n its nominal value, s² the variance of the residual, and σ₀² that of healthy
+//! ones. (1) removes what the prior contributes to p: a tight one would hold it near n whatever the signals say. √2 is
+//! the geometric mean of a right signal and one that is wrong by two, as at half or double the sampling rate; the prior
+//! is three healthy deviations. A defect of a bearing changes friction, but not J/Kt and 1/Kt. The ratio (3) of
+//! [`Travel`](crate::drive::travel) names the velocity whatever the balance.
+//!
+//! Not seen: scales and rates that are wrong by less than √2, or less than the model's own spread; signals of a shaft
+//! at constant speed under constant load, and of one whose load is not measured, except for (3); all signals of a plan
+//! without a shaft.
+
+use super::balance::Balance;
+use super::friction::{Friction, Parameter};
+use crate::reason::Implausible::{
+    self, CurrentScale, CurrentSign, LoadScale, LoadSign, MotionScale, MotionSign, Scale, Sign, VelocityScale,
+    VelocitySign,
+};
+
+/// k of (1): the deviation takes the residuals of the rows as independent, which those of a real shaft are not.
+const DEVIATIONS: f32 = 5.0;
+const LOW: f32 = core::f32::consts::FRAC_1_SQRT_2;
+const HIGH: f32 = core::f32::consts::SQRT_2;
+
+/// What (2) says of a parameter; a place in [`CAUSES`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Fit {
+    /// Within 1/√2 … √2 with its error.
+    Plausible,
+    Above,
+    Below,
+    Negative,
+    Unknown,
+}
+
+/// What explains inertia (row) and torque constant (column) together, in the order of [`Fit`].
+const CAUSES: [[Option<Implausible>; 5]; 5] = [
+    [None, Some(LoadScale), Some(LoadScale), Some(LoadSign), None],
+    [Some(MotionScale), Some(CurrentScale), Some(Scale), Some(Sign), Some(Scale)],
+    [Some(MotionScale), Some(Scale), Some(CurrentScale), Some(Sign), Some(Scale)],
+    [Some(MotionSign), Some(Sign), Some(Sign), Some(CurrentSign), Some(Sign)],
+    [None, Some(Scale), Some(Scale), Some(Sign), None],
+];
+
+impl Fit {
+    /// (2); `spread` is s²/σ₀².
+    #[inline(never)]
+    fn of(parameter: Parameter, nominal: f32, prior: f32, spread: f32) -> Self {
+        let ratio = parameter.deviation / prior;
+        let left = 1.0 - ratio * ratio / spread;
+        // Written so that a value that is not a number is not determined.
+        let determined = left > 0.5 && nominal != 0.0;
+        if !determined {
+            return Self::Unknown;
+        }
+        let value = 1.0 + (parameter.value / nominal - 1.0) / left; // (1)
+        let error = (DEVIATIONS * parameter.deviation / (left * nominal)).abs();
+        let width = (prior / nominal).abs();
+        let (low, high) = (value - error, value + error);
+        if high < LOW.min(1.0 - width) {
+            if high < 0.0 { Self::Negative } else { Self::Below }
+        } else if low > HIGH.max(1.0 + width) {
+            Self::Above
+        } else if low > LOW && high < HIGH {
+            Self::Plausible
+        } else {
+            Self::Unknown
+        }
+    }
+}
+
+/// What is wrong with the velocity; `ratio` is `None` without enough motion.
+#[inline(always)]
+pub fn of_motion(ratio: Option<f32>) -> Option<Implausible> {
+    let ratio = ratio?;
+    if ratio < 0.0 {
+        return Some(VelocitySign);
+    }
+    let agrees = (LOW..=HIGH).contains(&ratio); // (3)
+    (!agrees).then_some(VelocityScale)
+}
+
+/// What is wrong with the signals of a torque balance.
+#[inline(never)]
+pub fn of_balance(balance: &Balance, friction: &Friction) -> Option<Implausible> {
+    let ([n0, _, _, n3, ..], [w0, _, _, w3, ..]) = (balance.nominal, balance.prior);
+    let spread = friction.variance / (balance.deviation * balance.deviation);
+    let inertia = Fit::of(friction.inertia, n0, w0, spread);
+    let torque = friction.inverse_torque_constant.map_or(Fit::Unknown, |own| Fit::of(own, n3, w3, spread));
+    CAUSES.get(inertia as usize).and_then(|row| row.get(torque as usize)).copied().flatten()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// With a nominal value of 2 and a prior of 0.2; a deviation of 0.02 leaves 0.99 to the rows.
+    fn fit(value: f32, deviation: f32) -> Fit {
+        let [one, other] = [1.0, -1.0].map(|sign| {
+            let parameter = Parameter { value: sign * value, deviation, score: 0.0 };
+            Fit::of(parameter, sign * 2.0, 0.2, 1.0)
+        });
+        assert_eq!(one, other, "a negative nominal value");
+        one
+    }
+
+    #[test]
+    fn a_parameter_is_refused_beyond_its_limits_only() {
+        // v ± e of (1): 1 + (p/2 − 1)/0.99 ± 0.0505.
+        let cases = [(2.0, Fit::Plausible), (4.0, Fit::Above), (1.0, Fit::Below), (-2.0, Fit::Negative)];
+        assert_eq!(cases.map(|(value, _)| fit(value, 0.02)), cases.map(|(_, fit)| fit));
+        // 0.707 and 1.414 with their errors.
+        assert_eq!(
+            [1.30, 1.33, 2.91, 2.95].map(|p| fit(p, 0.02)),
+            [Fit::Below, Fit::Unknown, Fit::Unknown, Fit::Above]
+        );
+        assert_eq!([0.15, 0.3, f32::NAN].map(|deviation| fit(-2.0, deviation)), [Fit::Unknown; 3]);
+        let zero = Parameter { value: -2.0, deviation: 0.02, score: 0.0 };
+        assert_eq!(Fit::of(zero, 0.0, 0.2, 1.0), Fit::Unknown);
+        // A model whose healthy values spread by 0.6 about 2 knows no limit at √2, but 1.6.
+        let spread = |value| Fit::of(Parameter { value, deviation: 0.02, score: 0.0 }, 2.0, 1.2, 1.0);
+        assert_eq!(
+            [0.6, 1.0, 3.1, 3.5, -1.0].map(spread),
+            [Fit::Below, Fit::Unknown, Fit::Unknown, Fit::Above, Fit::Negative]
+        );
+    }
+
+    #[test]
+    fn what_the_prior_contributes_is_removed() {
+        // Rows alone say −2 ± 0.02, the prior 2 ± 0.02: together 0 ± 0.014, half of it from the prior.
+        let half = Parameter { value: 0.08, deviation: 0.0138, score: 0.0 };
+        assert_eq!(Fit::of(half, 2.0, 0.02, 1.0), Fit::Negative);
+    }
+
+    #[test]
+    fn the_velocity_is_that_of_the_angle() {
+        let found = [None, Some(1.0), Some(0.72), Some(1.4), Some(0.5), Some(2.0), Some(-1.0), Some(f32::NAN)];
+        let scale = Some(VelocityScale);
+        assert_eq!(found.map(of_motion), [None, None, None, None, scale, scale, Some(VelocitySign), scale]);
+    }
+
+    #[test]
+    fn inertia_and_torque_constant_name_the_signal() {
+        let balance = Balance {
+            nominal: [2.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0],
+            prior: [0.2; 7],
+            deviation: 1.0,
+            ..crate::shaft::tests::balance()
+        };
+        let parameter = |value| Parameter { value, deviation: 0.02, score: 0.0 };
+        let cause = |inertia, torque: Option<f32>| {
+            let inverse_torque_constant = torque.map(parameter);
+            let friction =
+                Friction { inertia: parameter(inertia), inverse_torque_constant, variance: 1.0, ..Friction::default() };
+            of_balance(&balance, &friction)
+        };
+        assert_eq!(cause(2.0, Some(2.0)), None);
+        assert_eq!([cause(2.0, Some(-2.0)), cause(-2.0, Some(-2.0))], [Some(LoadSign), Some(CurrentSign)]);
+        assert_eq!([cause(-2.0, Some(2.0)), cause(-2.0, None)], [Some(MotionSign), Some(Sign)]);
+        assert_eq!([cause(4.0, Some(4.0)), cause(1.0, Some(1.0))], [Some(CurrentScale); 2]);
+        assert_eq!([cause(2.0, Some(4.0)), cause(4.0, Some(2.0))], [Some(LoadScale), Some(MotionScale)]);
+        assert_eq!([cause(0.5, Some(4.0)), cause(4.0, None), cause(2.0, None)], [Some(Scale), Some(Scale), None]);
+    }
+}
