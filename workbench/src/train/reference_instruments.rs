@@ -67,3 +67,86 @@ fn stribeck(balance: &Balance, velocity: f64) -> f64 {
     let ratio = velocity / f64::from(balance.stribeck_velocity_rad_s);
     sign(balance, velocity) / (1.0 + ratio * ratio)
 }
+
+#[cfg(test)]
+mod tests {
+    use bearing_watch::model::StateVariable;
+
+    use super::*;
+    use crate::rig::{Condition, Scenario, simulate};
+
+    const INTERVAL_S: f64 = 0.002;
+    const CUTOFF_HZ: f64 = 4.0;
+
+    fn balance() -> Balance {
+        let gain = (std::f64::consts::PI * CUTOFF_HZ * INTERVAL_S).tan() as f32;
+        Balance {
+            interval_s: INTERVAL_S as f32,
+            filter: StateVariable::new(gain, INTERVAL_S as f32),
+            row_interval: 16,
+            settle: 200,
+            sign_velocity_rad_s: 2.0,
+            stribeck_velocity_rad_s: 6.0,
+            usual_velocity_rad_s: 30.0,
+            usual_load_nm: 0.0,
+            row_spread: 3.5,
+            scale: [1.0; TERMS + 1],
+            nominal: [0.0; TERMS],
+            prior: [1.0; TERMS],
+            deviation: 1.0,
+            own_from_rows: 48,
+        }
+    }
+
+    fn middle(mut values: Vec<f64>) -> f64 {
+        values.sort_by(f64::total_cmp);
+        values[values.len() / 2]
+    }
+
+    #[test]
+    fn an_exact_balance_is_found() {
+        // A velocity of two sines; i = 0.005 ω̇ + 0.02 ω + 0.3 s + 0.1, with ω̇ by central differences.
+        let velocity: Vec<f64> = (0..5000)
+            .map(|k| f64::from(k) * INTERVAL_S)
+            .map(|t| 30.0 * (1.3 * t).sin() + 10.0 * (4.1 * t).sin())
+            .collect();
+        let slope = |k: usize| match k {
+            0 | 4999 => 0.0,
+            _ => (velocity[k + 1] - velocity[k - 1]) / (2.0 * INTERVAL_S),
+        };
+        let balance = balance();
+        let current = |(k, w): (usize, &f64)| 0.005 * slope(k) + 0.02 * w + 0.3 * sign(&balance, *w) + 0.1;
+        let current_a = velocity.iter().enumerate().map(current).collect();
+        let mut motion = MotionTrace { current_a, velocity_rad_s: velocity.clone(), ..MotionTrace::default() };
+        assert_eq!(estimate(&motion, &balance, CUTOFF_HZ), None, "no reference");
+        motion.reference_rad_s = velocity;
+        let found = estimate(&motion, &balance, CUTOFF_HZ).expect("moves");
+        for (term, exact) in [(0, 0.005), (1, 0.02), (2, 0.3), (4, 0.1), (6, 0.0)] {
+            let (value, deviation) = found[term].expect("a term without a load");
+            // Central differences of the fastest sine are short by a part in 10⁵.
+            assert!((value - exact).abs() < 1e-4 && deviation < 1e-3, "{term}: {value} ± {deviation}");
+        }
+        assert!(found[3].is_none() && found[5].is_none());
+    }
+
+    #[test]
+    fn a_load_that_is_not_measured_biases_least_squares_but_not_instruments() {
+        let records: Vec<MotionTrace> = (0..80)
+            .map(|seed| {
+                let scenario = Condition::MIX.apply(Scenario::STANDARD, 900 + seed);
+                MotionTrace::from(&simulate(&scenario, 900 + seed).expect("valid"))
+            })
+            .collect();
+        let inertia = |of: &dyn Fn(&MotionTrace) -> MotionTrace| {
+            let each = |record| estimate(&of(record), &balance(), CUTOFF_HZ).and_then(|own| own[0]);
+            middle(records.iter().filter_map(each).map(|(value, _)| value).collect())
+        };
+        let instruments = inertia(&MotionTrace::clone);
+        // With the velocity as its own instrument, (2) is least squares.
+        let squares =
+            inertia(&|record| MotionTrace { reference_rad_s: record.velocity_rad_s.clone(), ..record.clone() });
+        println!("J/Kt: instruments {instruments}, least squares {squares}");
+        // J/Kt is 0.005 A s²/rad; the middle of 80 records of a deviation of 0.004 has one of 0.0006.
+        assert!((0.0035..0.0075).contains(&instruments) && squares > 0.009, "{instruments} {squares}");
+    }
+}
