@@ -119,6 +119,20 @@ pub enum Implausible {
 }
 
 impl Implausible {
+    /// All errors, in the order of their numbers in the C interface and in frames.
+    pub const ALL: [Self; 10] = [
+        Self::CurrentSign,
+        Self::LoadSign,
+        Self::MotionSign,
+        Self::Sign,
+        Self::CurrentScale,
+        Self::LoadScale,
+        Self::MotionScale,
+        Self::Scale,
+        Self::VelocitySign,
+        Self::VelocityScale,
+    ];
+
     /// The error in words.
     #[must_use]
     pub const fn message(self) -> &'static str {

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::decide::{Alarm, Cause};
 use crate::detector::Verdict;
-use crate::reason::{FrictionTerm, Part, Reason};
+use crate::reason::{FrictionTerm, Implausible, Part, Reason};
 
 /// A verdict: 0 class, 1 novel, 2 ambiguous, 3 undetermined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -12,7 +12,7 @@ pub struct VerdictCode {
     verdict: u8,
     /// The class, or the number of the reason.
     detail: u8,
-    /// Part, parameter, term, channel or covariate of the reason.
+    /// Part, parameter, term, channel, covariate or error of the reason.
     place: u8,
     /// Rows of the reason.
     #[serde(with = "postcard::fixint::le")]
@@ -30,9 +30,9 @@ fn part_code(part: Part) -> u8 {
     }
 }
 
-fn term_code(term: FrictionTerm) -> u8 {
-    let mut places = (0_u8..).zip(FrictionTerm::ALL);
-    places.find(|(_, other)| *other == term).map_or(u8::MAX, |(place, _)| place)
+/// The place of a value among all, 255 if it is none of them.
+fn place_in<T: PartialEq, const N: usize>(all: [T; N], value: &T) -> u8 {
+    (0_u8..).zip(all).find(|(_, other)| other == value).map_or(u8::MAX, |(place, _)| place)
 }
 
 impl From<Verdict> for VerdictCode {
@@ -50,12 +50,13 @@ impl From<Verdict> for VerdictCode {
             Reason::ShortSegment { rows } => Self { rows, ..of(2, 0) },
             Reason::AtRest => of(3, 0),
             Reason::ParameterNotExcited(place) => of(4, place),
-            Reason::TermNotExcited(term) => of(5, term_code(term)),
+            Reason::TermNotExcited(term) => of(5, place_in(FrictionTerm::ALL, &term)),
             Reason::WeakInstruments(part) => of(6, part_code(part)),
             Reason::Stuck { channel } => of(7, channel),
             Reason::LostSamples { channel } => of(8, channel),
             Reason::OutOfRange { covariate } => of(9, covariate),
             Reason::NotFinite(part) => of(10, part_code(part)),
+            Reason::Implausible(error) => of(12, place_in(Implausible::ALL, &error)),
         }
     }
 }
@@ -86,6 +87,7 @@ impl VerdictCode {
             8 => Reason::LostSamples { channel: place },
             9 => Reason::OutOfRange { covariate: place },
             10 => Reason::NotFinite(part()?),
+            12 => Reason::Implausible(*Implausible::ALL.get(place as usize)?),
             _ => return None,
         })
     }
@@ -145,7 +147,8 @@ mod tests {
             Reason::LostSamples { channel: 15 },
             Reason::OutOfRange { covariate: 1 },
         ];
-        let reasons = of_terms.into_iter().chain(of_parts.into_iter().flatten()).chain(others);
+        let of_errors = Implausible::ALL.map(Reason::Implausible);
+        let reasons = of_terms.into_iter().chain(of_parts.into_iter().flatten()).chain(of_errors).chain(others);
         verdicts.extend(reasons.map(Verdict::Undetermined));
         for verdict in verdicts {
             assert_eq!(VerdictCode::from(verdict).verdict(), Some(verdict));
@@ -161,6 +164,7 @@ mod tests {
         let code = |verdict, detail, place| VerdictCode { verdict, detail, place, rows: 0 }.verdict();
         assert_eq!([code(4, 0, 0), code(3, 0, 0), code(3, 11, 0)], [None; 3]);
         assert_eq!([code(3, 1, 0), code(3, 1, 5), code(3, 5, 8)], [None; 3], "no such part or term");
+        assert_eq!(code(3, 12, 10), None, "no such error");
         assert_eq!(AlarmCode { alarm: 3, cause: 0, segment: 0 }.alarm(), None);
     }
 }

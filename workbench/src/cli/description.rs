@@ -53,7 +53,7 @@ pub(super) fn lines(trained: &Trained, channels: &Channels, host: Preparation) -
         format!("Estimated by {}.", estimated_by(trained)),
         fed,
     ];
-    if let (Some(ShaftChannels { current, velocity, load, angle }), Some(plan)) = (shaft, &trained.recipe.shaft) {
+    if let (Some(ShaftChannels { current, velocity, load, angle, .. }), Some(plan)) = (shaft, &trained.recipe.shaft) {
         let orders: Vec<String> = plan.orders.iter().map(|(name, order)| format!("{name} {order:.5}")).collect();
         let load = load.as_deref().unwrap_or("not measured, 0");
         let velocity = velocity.as_deref().unwrap_or("the differences of the angle");

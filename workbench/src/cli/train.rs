@@ -445,12 +445,13 @@ impl Found {
     }
 }
 
-/// The channels that the model reads: without that of the velocity if it is taken from the angle.
+/// The channels that the model reads: without the reference, and without the velocity if it is taken from the angle.
 fn read_by(trained: &Trained, mut channels: Channels) -> Channels {
-    if let (Some(shaft), Some(plan)) = (&mut channels.shaft, &trained.recipe.shaft)
-        && plan.velocity == VelocitySource::Angle
-    {
-        shaft.velocity = None;
+    if let (Some(shaft), Some(plan)) = (&mut channels.shaft, &trained.recipe.shaft) {
+        shaft.reference = None;
+        if plan.velocity == VelocitySource::Angle {
+            shaft.velocity = None;
+        }
     }
     channels
 }

@@ -314,6 +314,7 @@ mod tests {
             velocity_rad_s: column(f64::NAN),
             load_nm: column(f64::NAN),
             angle_rad: column(f64::NAN),
+            reference_rad_s: vec![],
         };
         let trace = Trace { motion: Some(motion.clone()), ..Trace::default() };
         let mut feed = Feed::new(&trace, &[Field::Current, Field::Velocity, Field::Load], true);

@@ -72,12 +72,12 @@ impl Header {
     }
 
     /// Sources of y, u1, u2, of the further columns, and, if the shaft is watched, of current and angle, and of
-    /// velocity and load if measured.
+    /// velocity, load and reference if they are given.
     pub(super) fn sources(&self, channels: &Channels) -> Result<Vec<Source>, String> {
         let find = |channel: &String| self.source(channel).ok_or_else(|| channel.clone());
         let shaft = channels.shaft.iter().flat_map(|shaft| {
-            let ShaftChannels { current, velocity, load, angle } = shaft;
-            [current, angle].into_iter().chain(velocity).chain(load)
+            let ShaftChannels { current, velocity, load, angle, reference } = shaft;
+            [current, angle].into_iter().chain(velocity).chain(load).chain(reference)
         });
         [&channels.y, &channels.u1, &channels.u2].into_iter().chain(&channels.further).chain(shaft).map(find).collect()
     }
@@ -204,8 +204,9 @@ pub(super) struct Collector {
     file_id: String,
     /// Number of further columns.
     further: usize,
-    /// Whether the shaft's velocity is measured.
+    /// Whether the shaft's velocity and its load are measured.
     velocity: bool,
+    load: bool,
     places: HashMap<String, usize>,
     traces: Vec<(Trace, Vec<f64>)>,
 }
@@ -213,8 +214,11 @@ pub(super) struct Collector {
 impl Collector {
     pub(super) fn new(path: &Path, channels: &Channels) -> Self {
         let file_id = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        let velocity = channels.shaft.as_ref().is_some_and(|shaft| shaft.velocity.is_some());
-        Self { file_id, further: channels.further.len(), velocity, places: HashMap::new(), traces: Vec::new() }
+        let has = |pick: fn(&ShaftChannels) -> &Option<String>| {
+            channels.shaft.as_ref().is_some_and(|own| pick(own).is_some())
+        };
+        let (velocity, load) = (has(|own| &own.velocity), has(|own| &own.load));
+        Self { file_id, further: channels.further.len(), velocity, load, places: HashMap::new(), traces: Vec::new() }
     }
 
     /// Adds a row; returns `false` if its time is before that of the previous row.
@@ -237,13 +241,15 @@ impl Collector {
             column.push(*value);
         }
         if let [current, angle, rest @ ..] = shaft {
-            let (velocity, load) = rest.split_at(usize::from(self.velocity));
+            let (velocity, rest) = rest.split_at(usize::from(self.velocity));
+            let (load, reference) = rest.split_at(usize::from(self.load));
             let one = |measured: &[f64]| measured.first().copied().unwrap_or(0.0);
             let motion = trace.motion.get_or_insert_with(MotionTrace::default);
             motion.current_a.push(*current);
             motion.angle_rad.push(*angle);
             motion.velocity_rad_s.push(one(velocity));
             motion.load_nm.push(one(load));
+            motion.reference_rad_s.extend(reference);
         }
         let forward = times.last().zip(time).is_none_or(|(before, now)| now >= *before);
         times.extend(time);

@@ -14,6 +14,8 @@ pub struct MotionTrace {
     pub load_nm: Vec<f64>,
     /// Angle of the shaft, wrapped or not.
     pub angle_rad: Vec<f64>,
+    /// Reference of the velocity; empty if it is not given.
+    pub reference_rad_s: Vec<f64>,
 }
 
 impl From<&RigTrace> for MotionTrace {
@@ -23,6 +25,7 @@ impl From<&RigTrace> for MotionTrace {
             velocity_rad_s: recorded.velocity_rad_s.clone(),
             load_nm: recorded.recorded_load_nm(),
             angle_rad: recorded.angle_rad.clone(),
+            reference_rad_s: recorded.velocity_ref_rad_s.clone(),
         }
     }
 }
@@ -44,6 +47,7 @@ impl MotionTrace {
             velocity_rad_s: part(&self.velocity_rad_s),
             load_nm: part(&self.load_nm),
             angle_rad: part(&self.angle_rad),
+            reference_rad_s: if self.reference_rad_s.is_empty() { vec![] } else { part(&self.reference_rad_s) },
         }
     }
 }
@@ -99,6 +103,9 @@ pub struct ShaftChannels {
     pub load: Option<String>,
     /// Angle, rad.
     pub angle: String,
+    /// Reference of the velocity, rad/s, if it is given. Only training without a load sensor uses it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference: Option<String>,
 }
 
 impl ShaftChannels {
@@ -110,6 +117,7 @@ impl ShaftChannels {
             velocity: Some("velocity_rad_s".into()),
             load: Some("load_torque_nm".into()),
             angle: "angle_rad".into(),
+            reference: None,
         }
     }
 }
@@ -125,8 +133,8 @@ impl Channels {
     #[must_use]
     pub fn names(&self) -> Vec<&str> {
         let shaft = self.shaft.iter().flat_map(|shaft| {
-            let ShaftChannels { current, velocity, load, angle } = shaft;
-            [Some(current), velocity.as_ref(), load.as_ref(), Some(angle)].into_iter().flatten()
+            let ShaftChannels { current, velocity, load, angle, reference } = shaft;
+            [current, angle].into_iter().chain(velocity).chain(load).chain(reference)
         });
         [&self.y, &self.u1, &self.u2].into_iter().chain(shaft).chain(&self.further).map(String::as_str).collect()
     }

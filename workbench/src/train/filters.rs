@@ -38,13 +38,16 @@ pub(super) fn best(
         own.tracking.blocks.high_pass = 1.0 - (-2.0 * half * slow_hz).exp();
         own
     };
-    let slow = [OWN_FROM_ROWS, u16::MAX].into_iter().flat_map(|rows| SLOW_HZ.map(|slow_hz| with(rows, slow_hz)));
+    // What is never formed with own parameters stays so.
+    let rows = if constants.balance.own_from_rows == u16::MAX { &[u16::MAX][..] } else { &[OWN_FROM_ROWS, u16::MAX] };
+    let slow = rows.iter().flat_map(|rows| SLOW_HZ.map(|slow_hz| with(*rows, slow_hz)));
     let best = least(bench, slow.collect(), healthy)?.map_or(constants, |(_, best)| best);
     Ok(least(bench, poles(&best), healthy)?.map_or(best, |(_, best)| best))
 }
 
 /// Returns the least cost (1) of any low-pass.
 pub(super) fn cost(bench: &Bench, constants: &ShaftConstants<RunTime>, healthy: &[Watched<'_>]) -> Result<f64, Error> {
+    let healthy = &healthy[..healthy.len().min(MOST_COMPARED)];
     Ok(least(bench, poles(constants), healthy)?.map_or(f64::INFINITY, |(cost, _)| cost))
 }
 

@@ -129,6 +129,7 @@ mod tests {
                         velocity_rad_s: trace.velocity_rad_s.clone(),
                         load_nm: load,
                         angle_rad: trace.angle_rad.clone(),
+                        reference_rad_s: vec![],
                     }
                 })
                 .collect();

@@ -25,10 +25,12 @@ mod left_out;
 #[cfg(test)]
 mod missing_features;
 mod moments;
+mod nominal;
 pub mod novelty;
 pub(crate) mod projection;
 mod ranking;
 mod recipe;
+mod reference_instruments;
 #[cfg(test)]
 mod reference_values;
 mod rotor;

@@ -3,26 +3,25 @@
 //! ```text
 //! scales     powers of two that scale the columns of the balance and i to rms ≈ 1
 //! sign       three standard deviations of the velocity's noise, from its second differences              (1)
-//! nominal    median p over the traces of the nominal class that determine it, estimated by the core       (2)
-//! prior      three times the deviation of p over these traces; for terms on which a defect has no effect, 1.5
-//!            times what of it the deviations of the estimates do not explain                           (3)
-//! cell       as wide as the slip allows, but at most a sixteenth of a trace's turns                        (4)
-//! controls   orders far from all integers and from all harmonics of the tracked orders                 (5)
+//! cell       as wide as the slip allows, but at most a sixteenth of a trace's turns                        (2)
+//! controls   orders far from all integers and from all harmonics of the tracked orders                 (3)
 //! ```
 //!
-//! [`super::lags`] finds the lags, and [`super::filters`] the filters of the residual.
+//! [`super::lags`] finds the lags, [`super::nominal`] the parameters, and [`super::filters`] the filters of the
+//! residual.
 
 use bearing_watch::model::{
     Balance, Blocks, CONTROLS, Channel, Lags, MAX_LAG, Sampling, ShaftConstants, StateVariable, TERMS, TrackedOrder,
     Tracking, q16,
 };
 use bearing_watch::plan::{RunTime, ShaftLayout};
-use bearing_watch::{Friction, FrictionTerm, ShaftEstimate};
+use bearing_watch::{Friction, ShaftEstimate};
 use rayon::prelude::*;
 
 use super::core_form::refused;
 use super::estimation::successful;
-use super::{VelocitySource, filters, lags};
+use super::nominal::median;
+use super::{VelocitySource, filters, lags, nominal};
 use crate::Error;
 use crate::core::{Embedded, MAX_ORDERS, Measured, Parts, ShaftSignals, Wiring};
 use crate::grey_box::filter::LowPass;
@@ -35,16 +34,13 @@ pub(super) const BLOCKS_A_RECORD: f64 = 16.0;
 /// Limits of the channels, in multiples of the largest magnitude in training.
 const LIMIT: f64 = 10.0;
 
-/// Terms on which a defect of a bearing has no effect: their spread over healthy traces is that over all traces.
-const SPARED: [FrictionTerm; 3] = [FrictionTerm::Offset, FrictionTerm::LoadFriction, FrictionTerm::Stribeck];
-
 /// Rows from which a segment's own parameters are compared with the nominal ones.
 pub(super) const OWN_FROM_ROWS: u16 = 48;
 
 /// Binary logarithms of the narrowest and the widest cell, turns.
 pub(super) const CELLS_LOG2: [i8; 2] = [-6, 6];
 
-/// Returns the binary logarithm of the widest cell (4) for these orders, the slip, and the turns of a record.
+/// Returns the binary logarithm of the widest cell (2) for these orders, the slip, and the turns of a record.
 pub(super) fn cell_turns_log2(orders: impl Iterator<Item = f64>, slip: f64, turns: f64) -> i8 {
     let highest = orders.fold(0.1, f64::max);
     let [narrowest, most] = CELLS_LOG2.map(f64::from);
@@ -98,7 +94,7 @@ impl ShaftPlan {
         self.orders.iter().map(|(name, _)| name.clone()).collect()
     }
 
-    /// Returns the orders, cells (4) and control orders (5) for records of this number of turns. The filters are those
+    /// Returns the orders, cells (2) and control orders (3) for records of this number of turns. The filters are those
     /// before training.
     #[must_use]
     pub fn tracking(&self, turns: f64, slowest_rad_s: f64) -> Tracking<RunTime> {
@@ -196,7 +192,7 @@ pub(super) fn cost(
 /// Learns lags and torque balance of the nominal class, then does `rest`.
 fn with_balance<T>(
     traces: &[LabelledTrace],
-    (nominal, interval_s): (usize, f64),
+    (class, interval_s): (usize, f64),
     plan: &ShaftPlan,
     wiring: &Wiring,
     rest: impl FnOnce(&Bench, ShaftConstants<RunTime>, &[Watched<'_>]) -> Result<T, Error>,
@@ -211,7 +207,7 @@ fn with_balance<T>(
         return Err(Error::Training("a trace lacks the channels of the shaft, but its features are requested".into()));
     }
     let all: Vec<&MotionTrace> = motions.iter().map(AsRef::as_ref).collect();
-    let own: Vec<Watched<'_>> = traces.iter().zip(all.iter().copied()).filter(|(t, _)| t.class == nominal).collect();
+    let own: Vec<Watched<'_>> = traces.iter().zip(all.iter().copied()).filter(|(t, _)| t.class == class).collect();
     let bench = Bench::new(&own, plan, wiring)?;
     let healthy: Vec<&MotionTrace> = own.iter().map(|(_, motion)| *motion).collect();
     let mut constants = untrained(&all, interval_s, plan)?;
@@ -228,7 +224,10 @@ fn with_balance<T>(
         (VelocitySource::Best | VelocitySource::Channel, _) => constants.lags,
     };
     let trained = bench.frictions(&constants, &own)?;
-    learn(&mut constants.balance, &trained);
+    nominal::learn(&mut constants.balance, &trained);
+    if !plan.load {
+        nominal::correct(&mut constants.balance, &healthy, plan.cutoff_hz);
+    }
     rest(&bench, constants, &own)
 }
 
@@ -251,42 +250,6 @@ fn layout(plan: &ShaftPlan, wiring: &Wiring) -> Result<ShaftLayout, Error> {
 /// Number of harmonics with a weight.
 fn harmonics(weights: &[f64; 3]) -> u8 {
     3 - weights.iter().rev().take_while(|w| **w <= 0.0).count() as u8
-}
-
-/// Sets nominal parameters (2), their prior deviations (3), and the deviation of a row.
-fn learn(balance: &mut Balance, estimates: &[Friction]) {
-    for (term, (nominal, prior)) in
-        FrictionTerm::ALL.into_iter().zip(balance.nominal.iter_mut().zip(&mut balance.prior))
-    {
-        let all: Vec<(f64, f64)> = estimates
-            .iter()
-            .filter_map(|friction| friction.parameter(term))
-            .map(|own| (f64::from(own.value), f64::from(own.deviation)))
-            .collect();
-        let usual = median(all.iter().map(|(_, deviation)| *deviation).collect());
-        let determined: Vec<f64> = all.iter().filter(|(_, own)| *own <= 2.0 * usual).map(|(value, _)| *value).collect();
-        if determined.is_empty() {
-            continue;
-        }
-        let middle = median(determined.clone());
-        let spread = 1.483 * median(determined.iter().map(|value| (value - middle).abs()).collect());
-        *nominal = middle as f32;
-        let width = if SPARED.contains(&term) {
-            let own = (spread * spread - usual * usual).max(0.0).sqrt();
-            (1.5 * own).max(0.25 * usual)
-        } else {
-            (3.0 * spread).max(usual)
-        };
-        *prior = width.max(0.01 * middle.abs()).max(1e-9) as f32;
-    }
-    let variance = median(estimates.iter().map(|friction| f64::from(friction.variance)).collect());
-    balance.deviation = variance.sqrt().max(1e-6) as f32;
-}
-
-/// The median; zero of nothing.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// Runs the shaft of the core alone over whole traces.
@@ -395,7 +358,7 @@ fn tracking(traces: &[&MotionTrace], plan: &ShaftPlan, sign_velocity: f64) -> Tr
     plan.tracking(median(traces.iter().map(|trace| trace.turns()).collect()), 1.2 * sign_velocity)
 }
 
-/// Control orders (5), spread evenly in the logarithm over the harmonics of the tracked orders.
+/// Control orders (3), spread evenly in the logarithm over the harmonics of the tracked orders.
 fn controls(orders: &[(String, f64)], slip: f64, harmonics: u8) -> [f64; CONTROLS] {
     let lines: Vec<f64> =
         orders.iter().flat_map(|(_, order)| (1..=harmonics).map(move |h| order * f64::from(h))).collect();

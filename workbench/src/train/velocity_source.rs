@@ -86,7 +86,9 @@ pub(super) fn resolved(traces: &[LabelledTrace], interval_s: f64, recipe: &Recip
         return with(VelocitySource::Channel);
     }
     let nominal = recipe.estimation.nominal;
-    let healthy = traces.iter().filter(|own| own.class == nominal).take(filters::MOST_COMPARED);
+    // Instruments, which replace the load, need all of them.
+    let most = if plan.load { filters::MOST_COMPARED } else { usize::MAX };
+    let healthy = traces.iter().filter(|own| own.class == nominal).take(most);
     let healthy: Vec<LabelledTrace> = healthy.cloned().collect();
     let cost = |velocity| {
         let wiring = with(velocity).wiring(&recipe.columns);
@@ -108,7 +110,13 @@ mod tests {
 
     fn motion(angle_rad: Vec<f64>) -> MotionTrace {
         let zeros = vec![0.0; angle_rad.len()];
-        MotionTrace { current_a: zeros.clone(), velocity_rad_s: zeros.clone(), load_nm: zeros, angle_rad }
+        MotionTrace {
+            current_a: zeros.clone(),
+            velocity_rad_s: zeros.clone(),
+            load_nm: zeros,
+            angle_rad,
+            ..MotionTrace::default()
+        }
     }
 
     #[test]

@@ -64,6 +64,35 @@ fn the_source_is_chosen_or_given() {
     assert_eq!(of_bare, of_whole);
 }
 
+/// The nominal J/Kt that `command` exports.
+fn inertia(dir: &Path, command: &str) -> f64 {
+    let exported = exported_by(dir, command);
+    let (_, balance) = exported.split_once("balance: ").expect("a balance");
+    let (_, nominal) = balance.split_once("nominal: [").expect("parameters");
+    nominal.split(',').next().and_then(|first| first.trim().parse().ok()).expect("a number")
+}
+
+#[test]
+fn without_a_load_the_reference_corrects_the_inertia() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy --count 40 --seed 5 --mix --angle-bits 14 --out train");
+    let blind = TRAIN.replace("--load load_torque_nm", "");
+    let (squares, instruments) =
+        (inertia(dir, &blind), inertia(dir, &format!("{blind} --velocity-ref velocity_ref_rad_s")));
+    println!("{squares} {instruments}");
+    // 0.005 A s²/rad; 40 records determine it to about a fifth.
+    assert!(squares > 0.009 && (0.003..0.0085).contains(&instruments), "{squares} {instruments}");
+    // The detector does not read the reference.
+    let trace = std::fs::read_to_string(dir.join("train/healthy_mix_5_000.csv")).expect("trace");
+    assert!(trace.contains("velocity_ref_rad_s"));
+    let judged = succeed(dir, "replay --model m.bwm train/healthy_mix_5_000.csv");
+    assert!(judged.contains("healthy"), "{judged}");
+    // With a load it is of no use.
+    let with = exported_by(dir, &format!("{TRAIN} --velocity-ref velocity_ref_rad_s"));
+    assert_eq!(with, exported_by(dir, TRAIN));
+}
+
 #[test]
 fn wrong_arguments_are_refused() {
     let folder = tempfile::tempdir().expect("folder");

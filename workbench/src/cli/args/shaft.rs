@@ -20,8 +20,8 @@ pub(in crate::cli) struct ShaftArgs {
     /// Where the shaft takes the velocity from
     #[arg(long, value_name = "SOURCE", value_enum, default_value_t = Source::Best, requires = "angle")]
     velocity_from: Source,
-    /// No longer used; accepted so that scripts keep working
-    #[arg(long, value_name = "CHANNEL", hide = true)]
+    /// Reference of the velocity, rad/s: without --load, training needs it for a torque balance without bias
+    #[arg(long, value_name = "CHANNEL", requires = "angle")]
     velocity_ref: Option<String>,
     /// Current, A; same as --y if not given
     #[arg(long, value_name = "CHANNEL", requires = "angle")]
@@ -74,8 +74,6 @@ impl From<Source> for VelocitySource {
 impl ShaftArgs {
     /// Returns the channels and the plan if the shaft is watched.
     pub(in crate::cli) fn shaft(&self, y: &str) -> Result<Option<(ShaftChannels, ShaftPlan)>, Error> {
-        // The torque balance needs no reference.
-        let _ = &self.velocity_ref;
         let Some(angle) = &self.angle else {
             return Ok(None);
         };
@@ -91,6 +89,7 @@ impl ShaftArgs {
             velocity: self.velocity.clone(),
             load: self.load.clone(),
             angle: angle.clone(),
+            reference: self.velocity_ref.clone(),
         };
         let mut plan = ShaftPlan { load: self.load.is_some(), ..ShaftPlan::new(self.orders()?) };
         plan.current_delay = self.current_delay;

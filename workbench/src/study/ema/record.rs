@@ -59,6 +59,7 @@ impl Signals {
             velocity_rad_s: self.velocity_rad_s,
             load_nm: self.load_torque_nm.clone(),
             angle_rad: self.angle_rad,
+            reference_rad_s: self.velocity_ref_rad_s.clone(),
         };
         Trace {
             id,

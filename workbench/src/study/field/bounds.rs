@@ -16,17 +16,21 @@
 //! parameter of the record but friction, phase and slip, and loses no sample; a load that is measured is exact. Under
 //! cogging, angle errors, a bad load sensor, compliance or a current chain the noise at the bearing's order is not that
 //! of the sensors: it is what the core finds there in other healthy records, with the filters that training has chosen.
+//!
+//! A detector that searches the slip, compares phases over a few blocks and does not know the noise finds less than (1):
+//! the module `search` simulates its statistic.
 
 pub mod energy;
 pub mod render;
 pub mod roughness;
+mod search;
 
 use bearing_watch::plan::RunTime;
 use bearing_watch::{FrictionTerm, ShaftEstimate};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
-use statrs::statistics::Statistics;
+use statrs::statistics::{Data, OrderStatistics, Statistics};
 
 use super::recipe::{FALSE_ALARM, recipe};
 use super::rows::{COLUMNS, Row};
@@ -41,6 +45,7 @@ use crate::trace::labels::LabelledTrace;
 use crate::train::train;
 use energy::{HARMONICS, Spall};
 use roughness::{Population, RoughnessBound};
+use search::Search;
 
 /// Rows that are bounded by default: those that find little, and MIX for comparison.
 pub const ROWS: [&str; 19] = [
@@ -79,6 +84,8 @@ pub struct Bound {
     pub non_centrality: f64,
     /// (1), (2), and the largest of (1) to (3), each averaged over records.
     pub order: f64,
+    /// The order alone by the statistic of the detector, averaged over records.
+    pub searched: f64,
     /// (2).
     pub friction: f64,
     /// The largest of (1) to (3).
@@ -119,6 +126,8 @@ pub fn bound(row: &Row, settings: &Settings) -> Result<Bounded, Error> {
     let core_floor_nm = root_mean_square(&core_floors);
     let spalls = spalls(&row, if is_disturbed(&row.judged) { &core_floors } else { &[] })?;
     let population = healthy_precision(&row);
+    let turns = Data::new(spalls.iter().map(|spall| spall.turns).collect::<Vec<_>>()).median();
+    let search = recipe(&row.trained, &[]).shaft.and_then(|plan| Search::new(&plan, turns));
     let of = |draws: &[Vec<Tally>], kind: DefectKind, severity: f64| {
         let column = COLUMNS.iter().position(|own| *own == Defect { kind, severity })?;
         let tallies: Vec<Tally> = draws.iter().map(|own| own[column]).collect();
@@ -132,6 +141,7 @@ pub fn bound(row: &Row, settings: &Settings) -> Result<Bounded, Error> {
             severity,
             non_centrality: severity * severity * energies / spalls.len() as f64,
             order: mean(0),
+            searched: search.as_ref().map_or(f64::NAN, |own| own.power(&spalls, severity)),
             friction: mean(1),
             all: mean(2),
             found_by_order: of(&found[0], DefectKind::Spall, severity),

@@ -1,0 +1,82 @@
+//! The nominal parameters of the torque balance, and how much they vary, from healthy traces.
+//!
+//! ```text
+//! nominal    median p over the traces that determine it, estimated by the core                            (1)
+//! prior      three times the deviation of p over these traces; for terms on which a defect has no effect, 1.5
+//!            times what of it the deviations of the estimates do not explain                           (2)
+//! ```
+//!
+//! Without a load sensor the estimates of the core are biased. The residual of the orders is then formed with nominal
+//! parameters by instruments from the velocity reference ([`super::reference_instruments`]), if the traces have it, and
+//! never with a segment's own ones.
+
+use bearing_watch::model::Balance;
+use bearing_watch::{Friction, FrictionTerm};
+
+use super::reference_instruments;
+use crate::trace::MotionTrace;
+
+/// Terms on which a defect of a bearing has no effect: their spread over healthy traces is that over all traces.
+const SPARED: [FrictionTerm; 3] = [FrictionTerm::Offset, FrictionTerm::LoadFriction, FrictionTerm::Stribeck];
+
+/// Sets nominal parameters (1), their prior deviations (2), and the deviation of a row.
+pub(super) fn learn(balance: &mut Balance, estimates: &[Friction]) {
+    for (term, (nominal, prior)) in
+        FrictionTerm::ALL.into_iter().zip(balance.nominal.iter_mut().zip(&mut balance.prior))
+    {
+        let all: Vec<(f64, f64)> = estimates
+            .iter()
+            .filter_map(|friction| friction.parameter(term))
+            .map(|own| (f64::from(own.value), f64::from(own.deviation)))
+            .collect();
+        let (usual, determined) = (usual(&all), determined(&all));
+        if determined.is_empty() {
+            continue;
+        }
+        let middle = median(determined.clone());
+        let spread = 1.483 * median(determined.iter().map(|value| (value - middle).abs()).collect());
+        *nominal = middle as f32;
+        let width = if SPARED.contains(&term) {
+            let own = (spread * spread - usual * usual).max(0.0).sqrt();
+            (1.5 * own).max(0.25 * usual)
+        } else {
+            (3.0 * spread).max(usual)
+        };
+        *prior = width.max(0.01 * middle.abs()).max(1e-9) as f32;
+    }
+    let variance = median(estimates.iter().map(|friction| f64::from(friction.variance)).collect());
+    balance.deviation = variance.sqrt().max(1e-6) as f32;
+}
+
+/// Replaces the nominal parameters by those of instruments, if a trace has a reference that moves the shaft.
+pub(super) fn correct(balance: &mut Balance, healthy: &[&MotionTrace], cutoff_hz: f64) {
+    let each = |motion: &&MotionTrace| reference_instruments::estimate(motion, balance, cutoff_hz);
+    let estimates: Vec<_> = healthy.iter().filter_map(each).collect();
+    if estimates.is_empty() {
+        return;
+    }
+    for (term, nominal) in balance.nominal.iter_mut().enumerate() {
+        let determined = determined(&estimates.iter().filter_map(|own| own[term]).collect::<Vec<_>>());
+        if !determined.is_empty() {
+            *nominal = median(determined) as f32;
+        }
+    }
+    balance.own_from_rows = u16::MAX;
+}
+
+/// The values whose deviation is at most twice the usual one.
+fn determined(all: &[(f64, f64)]) -> Vec<f64> {
+    let usual = usual(all);
+    all.iter().filter(|(_, own)| *own <= 2.0 * usual).map(|(value, _)| *value).collect()
+}
+
+/// The median deviation of values.
+fn usual(all: &[(f64, f64)]) -> f64 {
+    median(all.iter().map(|(_, deviation)| *deviation).collect())
+}
+
+/// The median; zero of nothing.
+pub(super) fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
