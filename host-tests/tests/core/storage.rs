@@ -53,9 +53,12 @@ fn load<F: NorFlash<Error = NorFlashErrorKind>, const PAGE: usize>(
     pair.load(flash, &mut buffer, |record, bytes| Some((*record, bytes.to_vec()))).expect("a record is always there")
 }
 
-/// Cuts the power of updates of model and state in turn, each a byte later than the one before; returns how often the
+/// Cuts the power of updates of model and state in turn, each `stride` bytes later than the one before; returns how often the
 /// old and the new record was found.
-fn cuts<const READ: usize, const WRITE: usize, const ERASE: usize, const PAGE: usize>(count: usize) -> [usize; 2] {
+fn cuts<const READ: usize, const WRITE: usize, const ERASE: usize, const PAGE: usize>(
+    count: usize,
+    stride: u64,
+) -> [usize; 2] {
     let slot = 2048.max(ERASE as u32);
     let mut flash = Flash::<READ, WRITE, ERASE>::new(4 * slot as usize / ERASE, 7);
     let stored = Stored::<PAGE>::new(&flash, slot);
@@ -78,7 +81,7 @@ fn cuts<const READ: usize, const WRITE: usize, const ERASE: usize, const PAGE: u
         let outcome = pair.store(&mut flash, &label, new);
         let failed = flash.power_up();
         // Once an update ends before the cut, the cuts start again at the first byte.
-        at[which] = if failed { at[which] + 1 } else { 0 };
+        at[which] = if failed { at[which] + stride } else { 0 };
         let (after, bytes) = load(pair, &mut flash);
         let is_new = bytes == *new;
         assert!(is_new || (bytes == old && after == before), "cut {cut} at {at:?}");
@@ -101,10 +104,10 @@ fn cuts<const READ: usize, const WRITE: usize, const ERASE: usize, const PAGE: u
 fn power_that_fails_at_any_byte_leaves_the_old_record_or_the_new_one() {
     // Byte-wise flash of small sectors; words and sectors of an STM32F4; of an STM32H7; of an STM32G4.
     let found = [
-        cuts::<1, 1, 256, 48>(CUTS),
-        cuts::<1, 4, 16384, 64>(CUTS / 10),
-        cuts::<1, 32, 2048, 256>(CUTS / 5),
-        cuts::<8, 8, 2048, 64>(CUTS / 5),
+        cuts::<1, 1, 256, 48>(CUTS, 1),
+        cuts::<1, 4, 16384, 64>(CUTS / 5, 37),
+        cuts::<1, 32, 2048, 256>(CUTS / 5, 7),
+        cuts::<8, 8, 2048, 64>(CUTS / 5, 7),
     ];
     println!("old and new records after the cuts: {found:?}");
     for [old, new] in found {

@@ -200,14 +200,15 @@ mod tests {
         }
         let limit = 4.605_17;
         let known = Size { freedom: 1e5, factor: 1.0, trained_freedom: 1.0 };
-        for (p, degrees) in [(1.0, 8.0), (3.0, 30.0), (6.0, 15.0)] {
+        for (count, degrees) in [(1_u8, 8.0), (3, 30.0), (6, 15.0)] {
+            let (p, place) = (f32::from(count), [0, usize::from(count)]);
             let heavy = grid.map(|[_, s]| [5.0 * quantile(p, degrees, s), s]);
             let found = heaviness(&heavy, p, limit);
             assert!((found * degrees - 1.0).abs() < 0.02, "{p} {degrees}: {found}");
-            let law = known.law(&heavy, [0, p as usize], limit);
+            let law = known.law(&heavy, place, limit);
             assert!(law.windows(2).all(|pair| pair[0][0] < pair[1][0]), "{law:?}");
             // Of known mean and covariance the normal law remains.
-            let normal = Size { trained_freedom: degrees + p - 1.0, ..known }.law(&heavy, [0, p as usize], limit);
+            let normal = Size { trained_freedom: degrees + p - 1.0, ..known }.law(&heavy, place, limit);
             let at = normal.iter().find(|[_, s]| *s >= limit).unwrap();
             assert!((at[0] / p / quantile(p, 1e5, at[1]) - 1.0).abs() < 0.02, "{at:?}");
         }

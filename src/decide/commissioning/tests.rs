@@ -143,18 +143,18 @@ fn estimated(known: &Classifier<RunTime>, freedom: u32, draw: &mut impl FnMut() 
 /// from as many segments as it counts.
 fn rate(
     [coordinates, rising]: [u8; 2],
-    (fewest, mean_weight, covariance_weight): (u32, f32, f32),
+    (fewest, mean_weight, counted): (u32, f32, u16),
     (away, part): (f32, Option<f32>),
 ) -> f32 {
     const DRIVES: u64 = 600;
     const JUDGED: usize = 100;
+    let covariance_weight = f32::from(counted);
     let known = classifier(coordinates, rising, 1.0 / part.unwrap_or(1.0));
     let (plan, n) = (plan(coordinates, rising), coordinates as usize);
     let mut novel = 0;
     for drive in 0..DRIVES {
         let mut draw = noise(1000 + drive);
-        let trained =
-            if part.is_some() { known.clone() } else { estimated(&known, covariance_weight as u32, &mut draw) };
+        let trained = if part.is_some() { known.clone() } else { estimated(&known, counted.into(), &mut draw) };
         let offset: Vec<f32> = (0..n).map(|_| away * draw()).collect();
         let mut segment = || offset.iter().map(|own| own + draw()).collect::<Vec<f32>>();
         let limits = CommissioningConstants { farthest: 1e6, widest: 1e6, ..constants(fewest, 1.0, 1.0) };
@@ -173,14 +173,14 @@ fn the_rate_is_the_set_one_whatever_the_number_of_segments() {
     // 600 alarms among 60 000 segments. The rates of single gates scatter by 2.5 % for 12 segments of one coordinate,
     // and less for the others: the standard error is at most 0.11 %.
     for ([coordinates, rising], fewest, weight) in [
-        ([1, 0], 12, 1.0),
-        ([2, 0], 15, 3.0),
-        ([3, 0], 20, 5.0),
-        ([3, 0], 40, 10.0),
-        ([5, 0], 30, 8.0),
-        ([3, 1], 20, 4.0),
-        ([4, 2], 30, 5.0),
-        ([2, 2], 25, 3.0),
+        ([1, 0], 12, 1),
+        ([2, 0], 15, 3),
+        ([3, 0], 20, 5),
+        ([3, 0], 40, 10),
+        ([5, 0], 30, 8),
+        ([3, 1], 20, 4),
+        ([4, 2], 30, 5),
+        ([2, 2], 25, 3),
     ] {
         let found = rate([coordinates, rising], (fewest, 0.0, weight), (5.0, None));
         std::println!(
@@ -193,7 +193,7 @@ fn the_rate_is_the_set_one_whatever_the_number_of_segments() {
 #[test]
 fn a_wide_prior_lowers_the_rate_by_its_weight_only() {
     // The trained variance is four times that of the drive, whose mean scatters with it: with weight 2 of 32.
-    let found = rate([3, 0], (30, 0.5, 2.0), (1.7, Some(0.25)));
+    let found = rate([3, 0], (30, 0.5, 2), (1.7, Some(0.25)));
     std::println!("a prior of four times the variance: {found:.2} % for 1 %");
     assert!((0.1..1.0).contains(&found), "{found}");
 }
@@ -218,7 +218,7 @@ fn the_rate_stays_with_errors_in_half_of_the_segments() {
         let mut draw = noise(5000 + drive);
         let offset = [0; 3].map(|_| 5.0 * draw());
         let mut segment = |k: usize| {
-            let error = if k % 2 == 0 { 0.0 } else { (k % 9) as f32 * 0.5 };
+            let error = if k.is_multiple_of(2) { 0.0 } else { (k % 9) as f32 * 0.5 };
             let mut z = offset.map(|own| own + draw());
             z[1] += error.sqrt() * draw();
             (z, [0.0, error, 0.0])

@@ -95,6 +95,9 @@ pub fn draw(settings: &Settings, draw: u32) -> Result<Draw, Error> {
             .collect::<Result<_, _>>()?;
         let mut commissioning = bench.model().commissioning(constants).map_err(refused)?;
         for own in &healthy {
+            if commissioning.gathered() >= settings.gathered {
+                break;
+            }
             // A record that is refused is not used; what matters is the end.
             let _ = bench.model().gather(&mut commissioning, &bench.whole(&own.trace));
         }
@@ -107,7 +110,7 @@ pub fn draw(settings: &Settings, draw: u32) -> Result<Draw, Error> {
         };
         for (tallies, defect) in found.columns.iter_mut().zip(COLUMNS) {
             let count = if defect == Defect::HEALTHY { settings.healthy } else { settings.defects };
-            let sessions = settings.gathered..settings.gathered + count;
+            let sessions = settings.offered()..settings.offered() + count;
             let judged = |session: u32| {
                 let own = record(defect, session)?;
                 Ok([&bench, &commissioned].map(|gate| detected(gate, &own.trace)))
@@ -125,7 +128,12 @@ impl Settings {
     /// Number of sessions of a judged drive.
     const fn sessions(&self) -> u32 {
         let judged = if self.healthy > self.defects { self.healthy } else { self.defects };
-        self.gathered + judged
+        self.offered() + judged
+    }
+
+    /// Number of healthy sessions from which a drive can gather: some are refused.
+    const fn offered(&self) -> u32 {
+        self.gathered + self.gathered / 2
     }
 }
 
