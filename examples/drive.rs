@@ -97,7 +97,13 @@ impl MainLoop<'_> {
 fn run() {
     let mut queue: Queue<Segment<Drive>, 2> = Queue::new();
     let (producer, consumer) = queue.split();
-    let Ok(front_end) = DriveFrontEnd::new(&FRONT_END) else { panic!("the constants of the front end") };
+    let front_end = match DriveFrontEnd::new(&FRONT_END) {
+        Ok(front_end) => front_end,
+        Err(error) => {
+            say!("{}", error.message());
+            return;
+        }
+    };
     let mut interrupt =
         Interrupt { front_end, detector: Detector::new(&MODEL), closed: producer, started: false, lost: 0 };
     let mut main_loop = MainLoop { closed: consumer, solver: None, evidence: MODEL.evidence(), segments: 0 };

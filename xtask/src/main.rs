@@ -132,7 +132,7 @@ fn run(arguments: &Arguments) -> Result<bool> {
         }
         Command::C => return c_library::run(way),
         Command::Pil { trace, model, rust } => {
-            let [trace, binary, source] = [trace, model, rust].map(|path| std::path::absolute(path));
+            let [trace, binary, source] = [trace, model, rust].map(std::path::absolute);
             pil::run(way, &trace?, &pil::Model { binary: binary?, source: source? })?;
         }
         Command::Measure { peers: true, .. } => print!("{}", rivals::table(way)?),

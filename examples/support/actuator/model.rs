@@ -185,7 +185,7 @@ pub static MODEL: Model<Drive> = match Drive::model(Constants {
 };
 
 /// The front end that the recordings passed. Its further channels, in this order:
-/// load_torque_nm, velocity_ref_rad_s.
+/// `load_torque_nm`, `velocity_ref_rad_s`.
 pub type DriveFrontEnd = bearing_watch::FrontEnd<FURTHER, 10>;
 
 /// Number of its further channels.

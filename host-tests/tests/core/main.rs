@@ -9,8 +9,6 @@ mod endurance;
 mod estimator_edges;
 mod evidence;
 mod evidence_of_drives;
-#[path = "../../../examples/support/standard_rig/model.rs"]
-mod exported;
 mod fixed_plans;
 mod frames;
 mod half_band;
@@ -29,8 +27,12 @@ mod robustness;
 mod saved;
 mod shaft;
 mod shaft_streams;
+#[path = "../../../examples/support/standard_rig/mod.rs"]
+mod standard_rig;
 mod storage;
 mod streaming;
 mod streaming_consistency;
 mod telemetry;
 mod wiring;
+
+use standard_rig::model as exported;

@@ -12,16 +12,15 @@ mod sender;
 #[allow(dead_code, reason = "only a model and its plant are used")]
 #[path = "../../../examples/support/shaft.rs"]
 mod shaft;
-#[path = "../../../examples/support/standard_rig/mod.rs"]
-mod standard_rig;
 
+use crate::exported::MODEL;
+use crate::standard_rig;
 use bearing_watch::model::Feature;
 use bearing_watch::plan::Signals;
 use bearing_watch::telemetry::{Body, Decoder, Encoder, LinkCounts, Recorder, Source, TooSmall};
 use bearing_watch::{Detector, Verdict};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use standard_rig::model::MODEL;
 
 /// Frames of the example, and the bits of its samples.
 fn sent() -> (Vec<Vec<u8>>, Vec<[u32; 3]>) {

@@ -29,7 +29,8 @@ pub fn front_end_source(model: &Model<RunTime>, recorded: &Channels, file: &Fron
     let mut line = |text: &str| {
         let _ = writeln!(out, "{text}");
     };
-    let listed = if further.is_empty() { "none".into() } else { further.join(", ") };
+    let quoted: Vec<String> = further.iter().map(|name| format!("`{name}`")).collect();
+    let listed = if quoted.is_empty() { "none".into() } else { quoted.join(", ") };
     line("/// The front end that the recordings passed. Its further channels, in this order:");
     line(&format!("/// {listed}."));
     line(&format!("pub type DriveFrontEnd = bearing_watch::FrontEnd<FURTHER, {factor}>;"));

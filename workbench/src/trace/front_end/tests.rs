@@ -16,9 +16,9 @@ fn rows(count: usize, current_a: f64, velocity_rad_s: f64) -> Vec<Vec<f64>> {
     let mut columns = vec![vec![]; 4];
     for row in 0..count {
         let angle = velocity_rad_s * row as f64 / 4000.0;
-        for phase in 0..3 {
+        for (phase, column) in columns.iter_mut().take(3).enumerate() {
             // Iq of the standard convention is along −sin.
-            columns[phase].push(-current_a * (6.0 * angle - phase as f64 * TAU / 3.0).sin());
+            column.push(-current_a * (6.0 * angle - phase as f64 * TAU / 3.0).sin());
         }
         columns[3].push((angle / TAU * 16_384.0).round().rem_euclid(16_384.0));
     }
