@@ -76,12 +76,13 @@ fn inertia(dir: &Path, command: &str) -> f64 {
 fn without_a_load_the_reference_corrects_the_inertia() {
     let folder = tempfile::tempdir().expect("folder");
     let dir = folder.path();
-    succeed(dir, "simulate --class healthy --count 40 --seed 5 --mix --angle-bits 14 --out train");
+    succeed(dir, "simulate --class healthy --count 80 --seed 5 --mix --angle-bits 14 --out train");
     let blind = TRAIN.replace("--load load_torque_nm", "");
     let (squares, instruments) =
         (inertia(dir, &blind), inertia(dir, &format!("{blind} --velocity-ref velocity_ref_rad_s")));
     println!("{squares} {instruments}");
-    // 0.005 A s²/rad; 40 records determine it to about a fifth.
+    // 0.005 A s²/rad; the middle of 80 records has a deviation of 0.0006, 10 s keep a part of the bias, and 40 records
+    // gave 0.0088.
     assert!(squares > 0.009 && (0.003..0.0085).contains(&instruments), "{squares} {instruments}");
     // The detector does not read the reference.
     let trace = std::fs::read_to_string(dir.join("train/healthy_mix_5_000.csv")).expect("trace");
