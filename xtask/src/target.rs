@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
 
-use crate::board::{Board, DRIVE, OTHERS};
+use crate::board::{Board, DRIVE, NOT_EMULATED, OTHERS};
 use crate::bounds::BOUNDS;
 use crate::tally::Tally;
 use crate::toolchain::{self, Way};
@@ -31,12 +31,19 @@ pub fn builds(tally: &mut Tally, way: Option<Way>) {
     };
     let Some(way) = way else {
         names.iter().for_each(|name| tally.skip(name, NO_TOOLS));
-        return tally.skip(ALL_FEATURES, NO_TOOLS);
+        tally.skip(ALL_FEATURES, NO_TOOLS);
+        return NOT_EMULATED.iter().for_each(|board| tally.skip(&format!("monitor for {}", board.machine), NO_TOOLS));
     };
     for name in names {
         tally.check(&name, brief(firmware::build(way, DRIVE, &name).map(|_| "")));
     }
     tally.check(ALL_FEATURES, brief(firmware::check_all_features(way, DRIVE).map(|()| "")));
+    for board in NOT_EMULATED {
+        tally.check(
+            &format!("monitor for {}", board.machine),
+            brief(firmware::build(way, board, "monitor").map(|_| "")),
+        );
+    }
 }
 
 /// The same source gives the same bits, on the drive's chip and on other processors.
