@@ -6,6 +6,7 @@ use serde_json::Value;
 use super::{Recipe, Trained, train};
 use crate::core::Finding;
 use crate::report::pages::model::{Worth, training};
+use crate::rig::noise::{NoiseSource, Stream};
 use crate::rig::{Condition, Defect, DefectKind};
 use crate::study::campaign::experiments::Training;
 use crate::study::campaign::run::{class_names, ours, training_set};
@@ -24,11 +25,12 @@ fn set(velocity: f64) -> (Vec<LabelledTrace>, Vec<String>) {
     let mut traces = training_set(&set, 41).expect("the standard rig");
     let steady = &mut traces[2].trace;
     let motion = steady.motion.as_mut().expect("watched");
+    let mut noise = NoiseSource::new(1, Stream::CurrentNoise);
     for k in 0..steady.y.len() {
         (steady.u1[k], motion.velocity_rad_s[k]) = (velocity, velocity);
         motion.angle_rad[k] = velocity * 0.002 * k as f64;
-        // The current of friction alone, with the noise of the record.
-        motion.current_a[k] = 0.1 + 0.01 * motion.current_a[k];
+        // The current of load and friction, with the noise of the rig.
+        motion.current_a[k] = 0.1 + motion.load_nm[k] / 0.05 + 0.13 * noise.gaussian();
         steady.y[k] = motion.current_a[k];
     }
     (traces, class_names(&set.classes))

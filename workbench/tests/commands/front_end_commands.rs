@@ -31,7 +31,7 @@ fn raw_recordings_pass_the_front_end_in_training_evaluation_and_replay() {
         "pub const FURTHER: usize = 2;",
         "pub const FRONT_END: bearing_watch::FrontEndConstants",
         "pub const fn position(counts: u32)",
-        "let [velocity_ref_rad_s, load_torque_nm] = clean.further;",
+        "let [load_torque_nm, velocity_ref_rad_s] = clean.further;",
         "Feed every sample of the front end",
     ] {
         assert!(source.contains(words), "{words} in {source}");

@@ -38,7 +38,7 @@ pub const SOURCES: [Source; 15] = [
     slow("field-peers", Tolerance::Any, |_| {
         Ok(vec![Block::new("docs/field-peers.md", "field-peers", &field_peers::measure(Some(field_peers::SHORT))?.0)])
     }),
-    slow("ema", Tolerance::Exact, |_| workbench("campaign --ema --draws 1 --traces 16", "ema", "docs/ema.md")),
+    slow("ema", Tolerance::Exact, |_| workbench("campaign --ema --draws 5", "ema", "docs/ema.md")),
     slow("tables", Tolerance::Exact, |_| workbench(TABLES, "tables", "docs/tables.md")),
     slow("recorded", Tolerance::Exact, |_| printed("recorded", "docs/recorded.md", "recorded_")),
     slow("endurance", Tolerance::Exact, |_| endurance()),
