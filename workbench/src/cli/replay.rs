@@ -97,7 +97,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
 impl Args {
     fn write_rows(&self, model: &Embedded, notes: &Notes) -> Result<(), Error> {
         let Some(file) = &self.rows else { return Ok(()) };
-        let ([trace], Some(front_end)) = (&self.traces[..], &notes.front_end) else {
+        let ([trace], Some(front_end), false) = (&self.traces[..], &notes.front_end, self.traces[0].is_dir()) else {
             return Err(Error::Usage(
                 "--rows takes one recording, and a model that was trained with --front-end".into(),
             ));
