@@ -92,6 +92,7 @@ impl<P: Plan> Classifier<P> {
 
     /// Compares a decision with the limits. Novelty is checked before ambiguity, so that the false-alarm rate is the
     /// set rate.
+    #[inline]
     #[must_use]
     pub fn finding(&self, decision: &Decision<P>) -> Finding {
         if Some(decision.class) == self.novelty.class && decision.surprise >= self.novelty.limit {

@@ -149,7 +149,8 @@ impl<P: Plan> Solve<P> {
                 }
             }
             Stage::Plausibility => {
-                if contradicts(model, segment, report) {
+                // The first condition leaves no code in a plan without a shaft.
+                if layout.watched() == 1 && contradicts(model, segment, report) {
                     self.stage = Stage::Done;
                     return true;
                 }

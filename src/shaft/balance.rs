@@ -145,7 +145,7 @@ impl BalanceSums {
         // Hidden from the compiler, which would unroll the loop to a kilobyte.
         let (terms, target) = (black_box(Balance::terms(load)), balance.scale_of(TERMS));
         let mut sums = zero;
-        for (k, &term) in (0_usize..).zip(terms) {
+        for (k, &term) in (0..COLUMNS).zip(terms) {
             let at = |list: &[f32; TERMS]| list.get(term).copied().unwrap_or(1.0);
             let own = balance.scale_of(term);
             let ratio = balance.deviation * own / at(&balance.prior);
