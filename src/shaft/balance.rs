@@ -145,7 +145,8 @@ impl BalanceSums {
         // Hidden from the compiler, which would unroll the loop to a kilobyte.
         let (terms, target) = (black_box(Balance::terms(load)), balance.scale_of(TERMS));
         let mut sums = zero;
-        for (k, &term) in (0..COLUMNS).zip(terms) {
+        let mut k = 0_usize;
+        for &term in terms {
             let at = |list: &[f32; TERMS]| list.get(term).copied().unwrap_or(1.0);
             let own = balance.scale_of(term);
             let ratio = balance.deviation * own / at(&balance.prior);
@@ -156,6 +157,7 @@ impl BalanceSums {
             if let Some(r) = sums.r.get_mut(packed(columns, k, columns.wrapping_sub(1))) {
                 *r = at(&balance.nominal) * target / own;
             }
+            k = k.wrapping_add(1);
         }
         sums
     }
