@@ -93,8 +93,8 @@ fn the_order_alone_stays_below_its_bound() {
     assert_eq!(rows.len(), 76);
     let mut near = 0;
     for row in rows {
-        let [bound, together] = [5, 7].map(|column| number(row[column]));
-        let [[order, order_low], [_, found_low]] = [8, 9].map(|column| interval(row[column]));
+        let [bound, together] = [5, 8].map(|column| number(row[column]));
+        let [[order, order_low], [_, found_low]] = [9, 10].map(|column| interval(row[column]));
         // A gate of 150 records may exceed its set rate by a factor of two.
         assert!(order_low <= bound + 1.0 && found_low <= together + 1.0, "{row:?}");
         near += usize::from(order > 0.5 * bound);
