@@ -1,6 +1,6 @@
 //! Alarm and model survive power-off: a drive boots, watches, saves, loses power while it saves or takes a new model,
-//! and boots again. The flash is one in RAM, so that the same file runs on the host and on a chip; on a board its driver
-//! takes this place.
+//! and boots again. The flash is one in RAM, so that the same file runs on the host and on a chip; on a board its
+//! driver takes this place.
 //!
 //! ```text
 //! 0x0000  two slots for the model      0x1000  two slots for the state of the alarm

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! The number of bytes depends on the plan only. Bytes of another model, by [`Model::id`], are refused: scores and
-//! offset are relative to its healthy class. The bytes say nothing of the open segment, which is lost at power-off, nor
+//! offset are relative to its healthy class. The bytes do not contain the open segment, which is lost at power-off, nor
 //! do they end the run: call [`Evidence::end_run`] before saving at power-down, where a run is from power-up to
 //! power-up.
 //!

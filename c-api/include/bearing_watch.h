@@ -181,10 +181,10 @@ enum BwReason
   BW_REASON_NOT_FINITE = 10,
   // A reason that this interface does not know.
   BW_REASON_OTHER = 11,
-  // The signals contradict the model or each other: wrong wiring, unit or sampling rate. `place` says which: the sign
-  // of 0 the current, 1 the load, 2 velocity and angle, 3 one of them; the gain, unit or rate of 4 the current, 5 the
-  // load, 6 the velocity, 7 one of them; the velocity against the angle, 8 its sign, 9 its unit or the rate. 255: what
-  // this interface does not know.
+  // The signals contradict the model or each other: wrong wiring, unit or sampling rate. `place` says which: the
+  // sign of 0 the current, 1 the load, 2 velocity and angle, 3 one of them; the gain, unit or rate of 4 the current,
+  // 5 the load, 6 the velocity, 7 one of them; the velocity against the angle, 8 its sign, 9 its unit or the rate.
+  // 255: what this interface does not know.
   BW_REASON_IMPLAUSIBLE = 12,
 };
 #ifndef __cplusplus
@@ -529,7 +529,8 @@ BwCode bw_saved_size(const struct BwState *state, size_t *length);
 // bytes.
 BwCode bw_save(struct BwState *state, uint8_t *bytes, size_t capacity);
 
-// Continues from the alarm, scores and trend that `bw_save` wrote, for this model. In case of an error nothing changes.
+// Continues from the alarm, scores and trend that `bw_save` wrote, for this model. In case of an error nothing
+// changes.
 //
 // Returns `BW_CODE_OK`, `BW_CODE_SAVED_STATE` if the bytes are not a saved state of this version or are corrupted,
 // `BW_CODE_OTHER_MODEL` if they are that of another model, or `BW_CODE_BUSY`.

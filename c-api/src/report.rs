@@ -49,10 +49,10 @@ pub enum BwReason {
     NotFinite = 10,
     /// A reason that this interface does not know.
     Other = 11,
-    /// The signals contradict the model or each other: wrong wiring, unit or sampling rate. `place` says which: the sign
-    /// of 0 the current, 1 the load, 2 velocity and angle, 3 one of them; the gain, unit or rate of 4 the current, 5 the
-    /// load, 6 the velocity, 7 one of them; the velocity against the angle, 8 its sign, 9 its unit or the rate. 255: what
-    /// this interface does not know.
+    /// The signals contradict the model or each other: wrong wiring, unit or sampling rate. `place` says which: the
+    /// sign of 0 the current, 1 the load, 2 velocity and angle, 3 one of them; the gain, unit or rate of 4 the current,
+    /// 5 the load, 6 the velocity, 7 one of them; the velocity against the angle, 8 its sign, 9 its unit or the rate.
+    /// 255: what this interface does not know.
     Implausible = 12,
 }
 

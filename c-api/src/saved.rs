@@ -41,7 +41,8 @@ pub unsafe extern "C" fn bw_save(state: *mut BwState, bytes: *mut u8, capacity: 
     }))
 }
 
-/// Continues from the alarm, scores and trend that `bw_save` wrote, for this model. In case of an error nothing changes.
+/// Continues from the alarm, scores and trend that `bw_save` wrote, for this model. In case of an error nothing
+/// changes.
 ///
 /// Returns `BW_CODE_OK`, `BW_CODE_SAVED_STATE` if the bytes are not a saved state of this version or are corrupted,
 /// `BW_CODE_OTHER_MODEL` if they are that of another model, or `BW_CODE_BUSY`.

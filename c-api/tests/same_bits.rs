@@ -1,5 +1,5 @@
-//! Through the C functions the detector gives the bits of the Rust detector with its plan fixed when compiling: at once,
-//! deferred as a whole, and by pieces.
+//! Through the C functions the detector gives the bits of the Rust detector with its plan fixed when compiling: at
+//! once, deferred as a whole, and by pieces.
 #![allow(
     clippy::cast_possible_truncation,
     clippy::expect_used,

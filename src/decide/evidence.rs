@@ -23,10 +23,10 @@
 //! segments only: for the drive at hand the mean of (1) or (2) differs from (7) or 1, as long as this model is in use.
 //! The trained ln μ is therefore the mean that 95 % of baselines of this size do not exceed.
 //!
-//! Segments of one run (from one power-up to the next, say) have an offset in common. The mean of e-values is an e-value
-//! whatever the dependence between them (Vovk and Wang 2021), their product is not: (3) averages within a run, and (4)
-//! multiplies over runs. A run ends by [`Evidence::end_run`], or after `segments_a_run` segments: 1 for independent
-//! segments.
+//! Segments of one run (from one power-up to the next, say) have an offset in common. The mean of e-values is an
+//! e-value whatever the dependence between them (Vovk and Wang 2021), their product is not: (3) averages within a run,
+//! and (4) multiplies over runs. A run ends by [`Evidence::end_run`], or after `segments_a_run` segments: 1 for
+//! independent segments.
 //!
 //! Let run t have an e-value E and n segments, where E is independent of the runs before given the baseline, and n does
 //! not depend on E. Then the recursion

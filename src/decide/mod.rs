@@ -1,7 +1,7 @@
 //! Estimates → [`Decision`], and decisions of many segments → alarm.
 //!
-//! Features → covariates → projection → discriminant and novelty, once a segment; [`Evidence`] collects decisions. A feature without
-//! a result is missing: the decision uses the others, and says which were missing.
+//! Features → covariates → projection → discriminant and novelty, once a segment; [`Evidence`] collects decisions. A
+//! feature without a result is missing: the decision uses the others, and says which were missing.
 
 mod baseline;
 mod classification;

@@ -1,5 +1,5 @@
-//! The wiring of a drive at commissioning: phase order, pole pairs, electrical offset, delay, direction and rate, from a
-//! motion under current control.
+//! The wiring of a drive at commissioning: phase order, pole pairs, electrical offset, delay, direction and rate, from
+//! a motion under current control.
 //!
 //! ```text
 //! i = j i_q exp(j (p θ + φ)),   i_d = 0                                          field-oriented control (1)
@@ -9,10 +9,10 @@
 //! ```
 //!
 //! The current vector turns with the rotor, to and fro along its q axis. Its square does not depend on the sign of
-//! `i_q`: R is 1 for the true number of pole pairs, negative if the phases or the angle run backward, and less for every
-//! other k once the shaft has been at all angles. (3) gives the error of the offset φ₀ and, if the shaft turned both
-//! ways, the delay τ of the current behind the angle. A sample is taken when the shaft has moved by 1/128 turn. The
-//! velocity, if there is one, is compared with the angle by [`Travel`].
+//! `i_q`: R is 1 for the true number of pole pairs, negative if the phases or the angle run backward, and less for
+//! every other k once the shaft has been at all angles. (3) gives the error of the offset φ₀ and, if the shaft turned
+//! both ways, the delay τ of the current behind the angle. A sample is taken when the shaft has moved by 1/128 turn.
+//! The velocity, if there is one, is compared with the angle by [`Travel`].
 //!
 //! Directions are relative: of phase order, angle and velocity the one that differs from the other two is named. Not
 //! seen: an offset that is wrong by half a turn and the sign of all currents, which the torque balance of the first

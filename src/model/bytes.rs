@@ -126,7 +126,7 @@ impl<P: Plan> Model<P> {
         Ok(writer.0.written)
     }
 
-    /// Id of the model: the checksum of its binary form without notes, as the C header of the workbench has it. Models
+    /// Id of the model: the checksum of its binary form without notes; `train --c` writes it into the header. Models
     /// with other numbers have other ids, but for one pair in 2³². Cost: about as reading the model.
     #[must_use]
     pub fn id(&self) -> u32 {

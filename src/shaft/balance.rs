@@ -11,10 +11,10 @@
 //! ```
 //!
 //! p₅ is friction in proportion to the load (μ = 1/η − 1 of a screw of efficiency η), p₆ the Stribeck part of friction:
-//! what break-away Ts exceeds sliding. All signals of (1) pass the same [`StateVariable`] filter, which gives ω̇ without
-//! differentiating noise; every n-th filtered sample is a row. The sign (2) is that of the *measured* velocity: under a
-//! fluctuating load the velocity reverses when the reference does not, and friction follows the velocity. The current is
-//! the output because the load is usually known better; therefore all parameters are in amperes.
+//! what break-away Ts exceeds sliding. All signals of (1) pass the same [`StateVariable`] filter, which gives ω̇
+//! without differentiating noise; every n-th filtered sample is a row. The sign (2) is that of the *measured* velocity:
+//! under a fluctuating load the velocity reverses when the reference does not, and friction follows the velocity. The
+//! current is the output because the load is usually known better; therefore all parameters are in amperes.
 //!
 //! Each segment starts from a weak prior, the healthy parameters with [`Balance::prior`] as their deviations, as if
 //! earlier rows had given them. What the motion does not excite keeps its prior and a large deviation: at constant

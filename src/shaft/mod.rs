@@ -169,7 +169,8 @@ pub struct Shaft<P: Plan> {
     /// Samples until the residual contains measured ones only.
     spoilt: u8,
     delays: Delays,
-    /// The delayed angle of the last sample. Its start has no effect, since the phases of the orders may start anywhere.
+    /// The delayed angle of the last sample. Its start has no effect, since the phases of the orders may start
+    /// anywhere.
     angle: Angle,
     usage: Usage,
     travel: Travel,

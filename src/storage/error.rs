@@ -22,7 +22,8 @@ pub enum StorageError<E> {
         /// Number of bytes of the payload.
         needed: u32,
     },
-    /// What was read back is not what was written: the flash is worn, or is not erased. The older record is still there.
+    /// What was read back is not what was written: the flash is worn, or is not erased. The older record is still
+    /// there.
     NotWritten,
     /// No slot has a record of this kind that is good and accepted.
     NoRecord,

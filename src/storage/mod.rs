@@ -20,12 +20,12 @@
 //! twice to write: at least 44, rounded up to the size of a write.
 //!
 //! **Wear.** A store erases one slot once, and stores alternate between the slots: a flash of 10 000 erasures endures
-//! 20 000 stores. A state that is saved once an hour lasts two years, once a day fifty. Save at power-down, at the end of
-//! a run or where an alarm is raised, not after each segment.
+//! 20 000 stores. A state that is saved once an hour lasts two years, once a day fifty. Save at power-down, at the end
+//! of a run or where an alarm is raised, not after each segment.
 //!
 //! **Limits.** A cut can leave a cell between 0 and 1, which reads differently at different times. Such a record is
-//! either complete or refused by its checksum, but it may be the newest at one boot and refused at the next: store again
-//! after a boot that found a record to be older than expected. Two kinds of records need two pairs.
+//! either complete or refused by its checksum, but it may be the newest at one boot and refused at the next: store
+//! again after a boot that found a record to be older than expected. Two kinds of records need two pairs.
 //!
 //! ```
 //! use bearing_watch::storage::{RecordKind, RecordLabel, SlotPair};

@@ -1,7 +1,7 @@
 //! Reports and raw samples as frames for a serial line, and their decoder.
 //!
-//! Enters: reports, and samples in blocks of a [`Recorder`]. Leaves: frames of [`Encoder`] in the caller's buffer. At the
-//! other end [`Decoder`] takes bytes and returns [`Frame`]s; `bearing-watch listen` shows and stores them.
+//! Enters: reports, and samples in blocks of a [`Recorder`]. Leaves: frames of [`Encoder`] in the caller's buffer. At
+//! the other end [`Decoder`] takes bytes and returns [`Frame`]s; `bearing-watch listen` shows and stores them.
 //!
 //! ```
 //! # mod model { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/support/standard_rig/model.rs")); }
@@ -63,8 +63,9 @@
 //!
 //! *Stream* is the CRC-32 of the hello's fields and lists. A report or block belongs to the hello of the same stream:
 //! names of another model, drive or session are never applied to it. Send the hello at the start and again every few
-//! seconds, for listeners that join later. *Sequence* counts the frames of an encoder; a gap is a number of lost frames,
-//! and a frame that comes again is dropped. *First* counts samples; a gap between blocks is a number of lost samples.
+//! seconds, for listeners that join later. *Sequence* counts the frames of an encoder; a gap is a number of lost
+//! frames, and a frame that comes again is dropped. *First* counts samples; a gap between blocks is a number of lost
+//! samples.
 //!
 //! A frame has at most content · 255/254 + 6 bytes; the content is 10 bytes, the fields, and the lists.
 

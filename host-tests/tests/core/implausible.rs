@@ -106,7 +106,7 @@ fn the_velocity_must_be_that_of_the_angle() {
         assert!((ratio / factor - 1.0).abs() < 0.01, "{factor}: {ratio}");
         assert_eq!(refusal(&report), Some(Implausible::VelocityScale));
     }
-    // At rest the noise of the velocity says nothing.
+    // At rest the velocity is noise, and is not compared with the angle.
     let rest = recorded(|motion| {
         motion.angle = Angle::from_counts(u32::from(motion.current_a > 0.0), 14);
         motion.velocity_rad_s *= 0.01;

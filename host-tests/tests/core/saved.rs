@@ -137,7 +137,8 @@ fn numbers_that_a_state_cannot_have_are_refused() {
     let layout = model.plan().layout();
     let classes = usize::from(layout.classes);
     let words = (bytes.len() - 20) / 4;
-    // Each float: counts are the first five words, the count of the trend and the flag of the baseline are whole numbers.
+    // Each float: counts are the first five words, the count of the trend and the flag of the baseline are whole
+    // numbers.
     let trend = 5 + 2 + 3 * classes;
     let floats = (5..words).filter(|place| ![trend, trend + 4].contains(place));
     for place in floats {

@@ -53,8 +53,8 @@ fn load<F: NorFlash<Error = NorFlashErrorKind>, const PAGE: usize>(
     pair.load(flash, &mut buffer, |record, bytes| Some((*record, bytes.to_vec()))).expect("a record is always there")
 }
 
-/// Cuts the power of updates of model and state in turn, each `stride` bytes later than the one before; returns how often the
-/// old and the new record was found.
+/// Cuts the power of updates of model and state in turn, each `stride` bytes later than the one before; returns how
+/// often the old and the new record was found.
 fn cuts<const READ: usize, const WRITE: usize, const ERASE: usize, const PAGE: usize>(
     count: usize,
     stride: u64,

@@ -3,15 +3,15 @@
 //! ```text
 //! d² ~ a F(p, ν),  a = p f g/ν,  ν = f − p + 1                           (1)  f: degrees of freedom of the covariance
 //! g  = 1 + 1/κ                                                           (2)  κ: number of segments of the mean
-//! u_i² ~ as (1) with p = 1, ν = f − i + 1                                (3)  of the i-th coordinate given those before
+//! u_i² ~ as (1) with p = 1, ν = f − i + 1                               (3)  of the i-th coordinate given those before
 //! 1/ν' = 1/ν + h,  a chosen so that E d² is as in (1)                    (4)  h: tails heavier than normal
 //! P(F ≥ x) = I_y(ν/2, p/2),  y = ν/(ν + p x)                             (5)  regularised incomplete beta function
 //! ```
 //!
 //! (1) is Hotelling's distribution (1931), (3) its step-down form (Rao 1973, §8b.4): [`super::super::rising`] divides
 //! by the distance of the coordinates before. h of (4) is that of the trained law: from two of its knots follow the
-//! degrees of freedom of an F of the same shape, less those of the trained covariance. (5) is evaluated by its continued
-//! fraction (Press et al., Numerical Recipes, §6.4), whose number of terms grows as √ν.
+//! degrees of freedom of an F of the same shape, less those of the trained covariance. (5) is evaluated by its
+//! continued fraction (Press et al., Numerical Recipes, §6.4), whose number of terms grows as √ν.
 
 use super::super::ln;
 use super::super::novelty::{KNOTS, Law};

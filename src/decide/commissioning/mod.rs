@@ -12,13 +12,13 @@
 //! errors  x_k √w_k in Ψ,   w_k = s_k/(s_k + v_k),   m_k ← m_k + w_k x_k/(κ_k + w_k)           (6)
 //! ```
 //!
-//! (2) is the conjugate update of a normal-inverse-Wishart prior (Gelman et al., Bayesian Data Analysis, §3.6), and with
-//! κ₀ = 0 Welford's recursion. Ψ is kept as its factor Rᵀ D R, which (2) rotates ([`super::density`]), so it stays
+//! (2) is the conjugate update of a normal-inverse-Wishart prior (Gelman et al., Bayesian Data Analysis, §3.6), and
+//! with κ₀ = 0 Welford's recursion. Ψ is kept as its factor Rᵀ D R, which (2) rotates ([`super::density`]), so it stays
 //! positive definite.
 //!
 //! A coordinate with an excess variance v of its error counts by (6), where s is its variance in S₀: x then has the
-//! scatter of one without errors if the variance of this drive is s, and a larger one if it is smaller, so that S is too
-//! wide rather than too narrow. `κ_k` is the sum of the weights of coordinate k.
+//! scatter of one without errors if the variance of this drive is s, and a larger one if it is smaller, so that S is
+//! too wide rather than too narrow. `κ_k` is the sum of the weights of coordinate k.
 //!
 //! **Weights.** If S₀ is that of one drive on the bench, a drive whose constants differ has the same scatter about
 //! another mean: κ₀ small, about (scatter of a drive/scatter between drives)², ν₀ as large as S₀ is trusted. If S₀ is

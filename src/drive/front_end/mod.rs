@@ -281,8 +281,8 @@ where
         self.filter(held, velocity_rad_s)
     }
 
-    /// Takes a raw sample at commissioning, for a check of the wiring instead of the filters; the velocity is one of the
-    /// drive's own, rad/s, NaN if there is none.
+    /// Takes a raw sample at commissioning, for a check of the wiring instead of the filters; the velocity is one of
+    /// the drive's own, rad/s, NaN if there is none.
     pub fn check_wiring(&mut self, raw: &RawSample<FURTHER>, velocity_rad_s: f32, check: &mut WiringCheck) {
         if self.next != Some(raw.number) {
             self.resume(raw.number);

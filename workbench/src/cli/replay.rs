@@ -38,7 +38,8 @@ pub(super) struct Args {
     /// evidence. Without it, a run ends after the number of segments in the model
     #[arg(long)]
     run_a_trace: bool,
-    /// Also writes the rows of one recording as the drive reads them, for `cargo xtask pil`; the model needs a front end
+    /// Also writes the rows of one recording as the drive reads them, for `cargo xtask pil`; the model needs a front
+    /// end
     #[arg(long, value_name = "FILE")]
     rows: Option<PathBuf>,
     /// Print JSON

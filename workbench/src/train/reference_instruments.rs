@@ -6,10 +6,11 @@
 //! Cov p = n σ² (Zᵀ X)⁻¹ Zᵀ Z (Xᵀ Z)⁻¹,   n: rows per independent row                                   (3)
 //! ```
 //!
-//! The controller answers a load with current, and the load moves the shaft: velocity and load depend on each other, and
-//! least squares on (1) gives wrong parameters, the inertia of the simulated rig more than twice too large. The
+//! The controller answers a load with current, and the load moves the shaft: velocity and load depend on each other,
+//! and least squares on (1) gives wrong parameters, the inertia of the simulated rig more than twice too large. The
 //! reference r does not depend on the load, so instruments (2) are consistent (Söderström and Stoica, *Instrumental
-//! Variable Methods for System Identification*, §3); in records of few periods they keep a part of the bias. All signals pass the filter of the core's torque balance.
+//! Variable Methods for System Identification*, §3); in records of few periods they keep a part of the bias. All
+//! signals pass the filter of the core's torque balance.
 
 use bearing_watch::model::{Balance, TERMS};
 use nalgebra::{DMatrix, DVector};

@@ -25,9 +25,9 @@ const PATIENCE: Duration = Duration::from_millis(50);
 
 /// Show the reports of a drive as they come, and write its recorded samples as traces
 ///
-/// Takes the frames of the core's `telemetry`. Lost, doubled and damaged frames are counted. Samples become one CSV file
-/// for each uninterrupted series, with the channels' names as columns: at a missing sample, and at one that is no number,
-/// a new file starts. The end of the source, --seconds or Ctrl-C ends it.
+/// Takes the frames of the core's `telemetry`. Lost, doubled and damaged frames are counted. Samples become one CSV
+/// file for each uninterrupted series, with the channels' names as columns: at a missing sample, and at one that is no
+/// number, a new file starts. The end of the source, --seconds or Ctrl-C ends it.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  bearing-watch listen /dev/ttyUSB0 --baud 921600 --out traces")]
 pub(super) struct Args {

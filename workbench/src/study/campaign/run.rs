@@ -17,8 +17,8 @@ use crate::trace::labels::LabelledTrace;
 use crate::trace::{MotionTrace, Trace};
 use crate::train::{Alarms, Recipe, train};
 
-/// The configuration of all experiments: [`recipes::shaft`] with [`recipes::SIZE_SPREAD`] and a novelty gate at the given
-/// false-alarm rate.
+/// The configuration of all experiments: [`recipes::shaft`] with [`recipes::SIZE_SPREAD`] and a novelty gate at the
+/// given false-alarm rate.
 #[must_use]
 pub fn ours(false_alarm: f64) -> Recipe {
     let alarms = Alarms { healthy: Some(0), false_alarm, required: true, ..Alarms::default() };

@@ -71,7 +71,7 @@ pub struct Findings {
     pub calibration: Vec<Calibration>,
 }
 
-/// Records per class and set of the calibration, as many as the source had from Moog.
+/// Records per class and set of the calibration: the number that the source has of the rig at Moog.
 const CALIBRATION_RECORDS: u32 = TRACES_MOOG;
 
 /// Conditions and sizes of the calibration: fixed conditions, and random ones.

@@ -17,8 +17,8 @@
 //! cogging, angle errors, a bad load sensor, compliance or a current chain the noise at the bearing's order is not that
 //! of the sensors: it is what the core finds there in other healthy records, with the filters that training has chosen.
 //!
-//! A detector that searches the slip, compares phases over a few blocks and does not know the noise finds less than (1):
-//! the module `search` simulates its statistic.
+//! A detector that searches the slip, compares phases over a few blocks and does not know the noise finds less than
+//! (1): the module `search` simulates its statistic.
 
 pub mod energy;
 pub mod render;

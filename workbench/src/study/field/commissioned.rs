@@ -1,8 +1,8 @@
 //! Gates that are learned on the drive, beside the one of the test bench alone.
 //!
 //! The constants of a drive differ from those of others, and from day to day ([`Units`](crate::rig::field::Units)). A
-//! gate is trained on the bench for the next session of another drive, as in [`super::sessions`]. Each judged drive then
-//! gathers healthy records, one a session, and merges them with this gate by the core's commissioning, on its
+//! gate is trained on the bench for the next session of another drive, as in [`super::sessions`]. Each judged drive
+//! then gathers healthy records, one a session, and merges them with this gate by the core's commissioning, on its
 //! single-precision reports. Both gates judge later sessions of the drive: healthy ones, and ones with defects. A drive
 //! whose commissioning is refused keeps the gate of the bench, as in service.
 

@@ -36,9 +36,9 @@
 //! park = "standard"                                    # or "thesis"
 //! ```
 //!
-//! A trace behind it has the columns `current_a`, `velocity_rad_s` and `angle_rad`, which hide recorded columns of these
-//! names, and every other recorded column, decimated by the same filters. Currents recorded in amperes are rounded to
-//! counts first, as the converter of the drive does.
+//! A trace behind it has the columns `current_a`, `velocity_rad_s` and `angle_rad`, which hide recorded columns of
+//! these names, and every other recorded column, decimated by the same filters. Currents recorded in amperes are
+//! rounded to counts first, as the converter of the drive does.
 
 mod clean;
 mod refused;

@@ -7,10 +7,10 @@
 //! P = max over 17 slips of Σ_h w_h [R(h, 0) + 2 Σ_d (1 − d/7) Re(R(h, d) e^{−jdhψ})]/σ²(hO)                 (3)
 //! ```
 //!
-//! (1) is a block of unit noise with a defect of non-centrality λ in the record; it does not slip. (2) and (3) are those
-//! of the core; N, the controls and the slips are those of the trained plan. The limit is that of 1 % of the records
-//! without a defect. The core's further steps are left out: what it takes for noise if it does not stay in phase, and
-//! passages that come back through the same cell.
+//! (1) is a block of unit noise with a defect of non-centrality λ in the record; it does not slip. (2) and (3) are
+//! those of the core; N, the controls and the slips are those of the trained plan. The limit is that of 1 % of the
+//! records without a defect. The core's further steps are left out: what it takes for noise if it does not stay in
+//! phase, and passages that come back through the same cell.
 
 use std::f64::consts::PI;
 

@@ -62,8 +62,8 @@ fn rows(published: &Published, draw: &Draw) -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
-/// The row of all parameters. Of a command that stands most of the time they may be linearly dependent over the training
-/// set; then there is no discriminant, and the cell is empty.
+/// The row of all parameters. Of a command that stands most of the time they may be linearly dependent over the
+/// training set; then there is no discriminant, and the cell is empty.
 fn all_parameters(chosen: &Chosen) -> Row {
     let mut row = row("LS, a b c, no projection", None, f64::NAN);
     row.cells[1] = match errors(chosen, ProjectionKind::None, Kind::Linear) {
