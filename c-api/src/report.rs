@@ -252,32 +252,17 @@ fn why(reason: Reason) -> Why {
         Reason::ShortSegment { rows } => Why { rows, ..plain(BwReason::ShortSegment) },
         Reason::AtRest => plain(BwReason::AtRest),
         Reason::ParameterNotExcited(place) => Why { place, ..plain(BwReason::ParameterNotExcited) },
-        Reason::TermNotExcited(term) => Why { place: place(term), ..plain(BwReason::TermNotExcited) },
+        Reason::TermNotExcited(term) => {
+            Why { place: place_in(FrictionTerm::ALL, &term), ..plain(BwReason::TermNotExcited) }
+        }
         Reason::WeakInstruments(own) => Why { part: part(own), ..plain(BwReason::WeakInstruments) },
         Reason::Stuck { channel } => Why { place: channel, ..plain(BwReason::Stuck) },
         Reason::LostSamples { channel } => Why { place: channel, ..plain(BwReason::LostSamples) },
         Reason::OutOfRange { covariate } => Why { place: covariate, ..plain(BwReason::OutOfRange) },
         Reason::NotFinite(own) => Why { part: part(own), ..plain(BwReason::NotFinite) },
-        Reason::Implausible(error) => Why { place: error_place(error), ..plain(BwReason::Implausible) },
+        Reason::Implausible(error) => Why { place: place_in(Implausible::ALL, &error), ..plain(BwReason::Implausible) },
         // What a later version of the core adds.
         _ => plain(BwReason::Other),
-    }
-}
-
-const fn error_place(error: Implausible) -> u8 {
-    match error {
-        Implausible::CurrentSign => 0,
-        Implausible::LoadSign => 1,
-        Implausible::MotionSign => 2,
-        Implausible::Sign => 3,
-        Implausible::CurrentScale => 4,
-        Implausible::LoadScale => 5,
-        Implausible::MotionScale => 6,
-        Implausible::Scale => 7,
-        Implausible::VelocitySign => 8,
-        Implausible::VelocityScale => 9,
-        // What a later version of the core adds.
-        _ => u8::MAX,
     }
 }
 
@@ -290,9 +275,9 @@ const fn part(part: Part) -> BwPart {
     }
 }
 
-/// Place of a term in the list of `BW_VALUES_FRICTION`.
-fn place(term: FrictionTerm) -> u8 {
-    (0_u8..).zip(FrictionTerm::ALL).find(|(_, other)| *other == term).map_or(u8::MAX, |(place, _)| place)
+/// The place of a value among all; 255 for what a later version of the core adds.
+fn place_in<T: PartialEq, const N: usize>(all: [T; N], value: &T) -> u8 {
+    (0..).zip(all).find(|(_, other)| other == value).map_or(u8::MAX, |(place, _)| place)
 }
 
 /// Gives a list of numbers behind the last report, `what` of `BwValues`, and in `count` how many there are: 0 if the
