@@ -39,6 +39,7 @@
 //! model       trained constants: checked at compile time, or read from bytes
 //! detector    ties them: one sample in, one Report a segment out
 //! saved       alarm and baseline as bytes;   storage  records in flash that survive power-off
+//! telemetry   reports and samples as frames for a serial line, and their decoder
 //! ```
 //!
 //! A [`Model`] holds trained constants (flash), a [`Detector`] holds running state (RAM); both take one type parameter,
