@@ -7,15 +7,13 @@ fn main() {
     let readme = Path::new(&folder).join("../README.md");
     println!("cargo::rerun-if-changed={}", readme.display());
     let text = fs::read_to_string(&readme).unwrap_or_default();
-    let block =
-        text.split("<!-- compiled by host-tests -->\n```rust\n").nth(1).and_then(|rest| rest.split("```").next());
-    let model = "mod model { include!(concat!(env!(\"CARGO_MANIFEST_DIR\"), \"/../examples/support/standard_rig/model.rs\")); }";
+    let block = text.split("<!-- src/detector.rs -->\n```rust\n").nth(1).and_then(|rest| rest.split("```").next());
     match (block, env::var("OUT_DIR")) {
-        (Some(code), Ok(out)) if code.starts_with("mod model;") => {
-            if let Err(error) = fs::write(Path::new(&out).join("readme.rs"), code.replacen("mod model;", model, 1)) {
+        (Some(code), Ok(out)) if code.contains("pub fn interrupt(") => {
+            if let Err(error) = fs::write(Path::new(&out).join("readme.rs"), code) {
                 println!("cargo::error=cannot write the code of README.md: {error}");
             }
         }
-        _ => println!("cargo::error=README.md has no firmware code that starts with `mod model;`"),
+        _ => println!("cargo::error=README.md has no firmware code of `src/detector.rs`"),
     }
 }

@@ -1,0 +1,52 @@
+use bearing_watch::{
+    Detector, Evidence, FrontEndError, Kernel, PhaseCounts, RawSample, Report, Segment, Verdict, known_answer_test,
+};
+
+use super::model::{Drive, DriveFrontEnd, FRONT_END, MODEL, position};
+
+/// What the drive reads at one instant.
+#[derive(Clone, Copy, Debug)]
+pub struct Reading {
+    pub number: u32, // of the instant: a missed interrupt leaves a gap
+    pub phases: [u16; 3],
+    pub position: u16,
+    pub load_torque_nm: f32,
+    pub velocity_ref_rad_s: f32,
+}
+
+/// At boot.
+pub fn start() -> Result<(DriveFrontEnd, Detector<'static, Drive>, Evidence<Drive>), &'static str> {
+    known_answer_test().map_err(Kernel::message)?; // this chip computes what the host computed in training
+    let front_end = DriveFrontEnd::new(&FRONT_END).map_err(FrontEndError::message)?;
+    // Refuses a model that was trained with the other Park convention.
+    MODEL.check_rotor_frame(front_end.frame()).map_err(|error| error.message())?;
+    Ok((front_end, Detector::new(&MODEL), MODEL.evidence()))
+}
+
+/// The interrupt of the control loop: counts of the converters in; a closed segment once in a few seconds.
+pub fn interrupt(
+    front_end: &mut DriveFrontEnd,
+    detector: &mut Detector<'static, Drive>,
+    reading: &Reading,
+) -> Option<Segment<Drive>> {
+    let clean = front_end.push(&RawSample {
+        number: reading.number,
+        currents: PhaseCounts::Three(reading.phases),
+        position: position(reading.position.into()),
+        further: [reading.load_torque_nm, reading.velocity_ref_rad_s], // in the order that `model.rs` says
+    })?;
+    detector.collect(&clean.into())
+}
+
+/// The main loop: the report, the name of the class, and whether there is an alarm.
+pub fn conclude(evidence: &mut Evidence<Drive>, segment: Segment<Drive>) -> (Report<Drive>, &'static str, bool) {
+    let report = MODEL.conclude(segment);
+    let class = match report.verdict {
+        Verdict::Class(class) => MODEL.label(class),
+        Verdict::Novel => "novel",
+        Verdict::Ambiguous => "ambiguous",
+        Verdict::Undetermined(_reason) => "undetermined",
+    };
+    let alarm = evidence.observe(report.decision.as_ref()).is_some();
+    (report, class, alarm)
+}
