@@ -117,6 +117,11 @@ fn check(way: Way, plan: Plan, language: Language) -> Result<String> {
     Ok(format!("{lines} lines, {} bytes of flash, {} of RAM", sizes.flash, sizes.ram))
 }
 
+/// The library for the plan of the examples' model, the last one that [`checks`] builds.
+pub fn of_example(way: Way) -> Result<PathBuf> {
+    firmware::build_c_library(way, DRIVE, Plan::Exported.file())
+}
+
 /// Where objects and programs are put.
 fn folder() -> PathBuf {
     workspace::target_dir().join("c")

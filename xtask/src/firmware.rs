@@ -75,6 +75,13 @@ pub fn build_c_library(way: Way, board: Board, plan: &str) -> Result<PathBuf> {
     existing(folder.join("libbearing_watch_c.a"))
 }
 
+/// Builds a crate outside the workspace, in its folder and with its configuration, and returns its ELF file.
+pub fn build_crate(way: Way, folder: &Path, name: &str) -> Result<PathBuf> {
+    let (mut cargo, built) = cargo(way, DRIVE);
+    child::succeed(cargo.current_dir(folder))?;
+    existing(built.join(name))
+}
+
 /// Builds the chip's program of the peers, a workspace of its own, against CMSIS-DSP's sources; returns its ELF file.
 pub fn build_peers(way: Way, cmsis: &Path) -> Result<PathBuf> {
     let (mut cargo, folder) = cargo(way, DRIVE);

@@ -1,4 +1,4 @@
-//! What the repository's own commands do: `cargo xtask test | long | firmware | c | pil | measure | peers |
+//! What the repository's own commands do: `cargo xtask test | long | firmware | c | pil | newcomer | measure | peers |
 //! docs | setup`.
 
 mod board;
@@ -12,6 +12,7 @@ mod firmware;
 mod log;
 mod long;
 mod measure;
+mod newcomer;
 mod peers;
 mod pil;
 mod public;
@@ -74,6 +75,9 @@ enum Command {
         #[arg(long)]
         rust: PathBuf,
     },
+    /// Follows the documents into firmware, in an empty crate, in a copy of the template and in an empty C project, and
+    /// compares the verdicts in the emulator with the host's.
+    Newcomer,
     /// Counts the kernels' instructions and bytes on the emulated chip.
     Measure {
         /// A JSON list instead of a table.
@@ -131,6 +135,7 @@ fn run(arguments: &Arguments) -> Result<bool> {
             qemu::run(&elf, DRIVE.machine, qemu::Echo::On)?;
         }
         Command::C => return c_library::run(way),
+        Command::Newcomer => return Ok(newcomer::run(way)),
         Command::Pil { trace, model, rust } => {
             let [trace, binary, source] = [trace, model, rust].map(std::path::absolute);
             pil::run(way, &trace?, &pil::Model { binary: binary?, source: source? })?;

@@ -46,6 +46,12 @@ pub fn run_in(folder: &Path, elf: &Path, machine: &str, echo: Echo) -> Result<Ve
     within(&mut emulator, PATIENCE, echo, log::table(elf)?).with_context(|| format!("{what} on {machine}"))
 }
 
+/// Runs an ELF file by a command that takes it as its last argument, as cargo calls a runner.
+pub fn run_by(mut runner: Command, elf: &Path) -> Result<Vec<String>> {
+    runner.arg(std::path::absolute(elf)?);
+    within(&mut runner, PATIENCE, Echo::Off, None).with_context(|| format!("{runner:?}"))
+}
+
 fn within(command: &mut Command, patience: Duration, echo: Echo, table: Option<Table>) -> Result<Vec<String>> {
     let mut child = command.stdin(Stdio::null()).stdout(Stdio::piped()).spawn().context("cannot start the emulator")?;
     let output = child.stdout.take().context("the emulator has no output")?;

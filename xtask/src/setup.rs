@@ -30,15 +30,17 @@ pub fn ensure(way: Way) -> Result<()> {
 
 /// Returns when the C compiler for the chip and its C library are there.
 pub fn ensure_c() -> Result<()> {
-    const PACKAGES: [&str; 2] = ["gcc-arm-none-eabi", "libnewlib-arm-none-eabi"];
-    if child::on_path("arm-none-eabi-gcc") {
+    ensure_program("arm-none-eabi-gcc", &["gcc-arm-none-eabi", "libnewlib-arm-none-eabi"])
+}
+
+/// Returns when a program is there that these Debian packages have.
+pub fn ensure_program(program: &str, packages: &[&str]) -> Result<()> {
+    if child::on_path(program) {
         return Ok(());
     }
-    install(&PACKAGES).with_context(|| {
-        format!(
-            "arm-none-eabi-gcc is not installed; on Debian\n    sudo apt-get install --yes {}\nreason",
-            PACKAGES.join(" ")
-        )
+    let list = packages.join(" ");
+    install(packages).with_context(|| {
+        format!("{program} is not installed; on Debian\n    sudo apt-get install --yes {list}\nreason")
     })
 }
 

@@ -1,0 +1,80 @@
+//! The way of c-api/README.md into an empty C project, by its Makefile and by its files for CMake.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use anyhow::{Context, Result};
+
+use super::{Folder, blocks, commands, copy, same_classes};
+use crate::board::DRIVE;
+use crate::tally::Tally;
+use crate::target::{NO_TOOLS, brief, on_host};
+use crate::toolchain::Way;
+use crate::{c_library, child, log, qemu, setup, workspace};
+
+const README: &str = "c-api/README.md";
+/// What the project takes of a checkout.
+const PARTS: [&str; 3] = ["c-api/include", "c-api/examples", "examples/support/standard_rig"];
+/// Where the document has the library in a checkout; the Debian way builds it elsewhere.
+const LIBRARY: &str = "target/thumbv7em-none-eabihf/release/libbearing_watch_c.a";
+
+/// A program that builds the project.
+struct Builder {
+    title: &'static str,
+    /// The program and the Debian package that has it.
+    program: &'static str,
+    /// The arguments of each call.
+    calls: &'static [&'static [&'static str]],
+    /// What they build.
+    result: &'static str,
+}
+
+const BUILDERS: [Builder; 2] = [
+    Builder { title: "README of the C interface, make", program: "make", calls: &[&[]], result: "drive" },
+    Builder {
+        title: "README of the C interface, CMake",
+        program: "cmake",
+        calls: &[&["-S", ".", "-B", "build"], &["--build", "build"]],
+        result: "build/drive",
+    },
+];
+
+/// Both builds must print the classes of the Rust example on the host.
+pub fn checks(tally: &mut Tally, way: Option<Way>) {
+    for builder in &BUILDERS {
+        let Some(way) = way else {
+            tally.skip(builder.title, NO_TOOLS);
+            continue;
+        };
+        match setup::ensure_c().and_then(|()| setup::ensure_program(builder.program, &[builder.program])) {
+            Ok(()) => tally.check(builder.title, brief(walk(way, builder))),
+            Err(error) => tally.skip(builder.title, &format!("{error:#}")),
+        }
+    }
+}
+
+fn walk(way: Way, builder: &Builder) -> Result<String> {
+    let (folder, checkout) = (Folder::new(builder.program)?, Folder::new("checkout")?);
+    fill(checkout.path(), way)?;
+    let blocks = blocks::of_document(README)?;
+    blocks::write(&blocks, folder.path(), checkout.path())?;
+    commands(&blocks, folder.path(), checkout.path())?;
+    for arguments in builder.calls {
+        child::succeed(Command::new(builder.program).args(*arguments).current_dir(folder.path()))?;
+    }
+    let target = qemu::run(&folder.path().join(builder.result), DRIVE.machine, qemu::Echo::Off)?;
+    let host: Vec<String> = log::verdicts(&on_host("monitor")?).into_iter().map(ToOwned::to_owned).collect();
+    same_classes(&host, &target)
+}
+
+/// A checkout after the library was built in it.
+fn fill(checkout: &Path, way: Way) -> Result<()> {
+    for part in PARTS {
+        copy(&workspace::root().join(part), &checkout.join(part))?;
+    }
+    let library = checkout.join(LIBRARY);
+    fs::create_dir_all(library.parent().context("no folder of the library")?)?;
+    fs::copy(c_library::of_example(way)?, library)?;
+    Ok(())
+}

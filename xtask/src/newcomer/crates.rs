@@ -1,0 +1,91 @@
+//! The ways of README.md into a crate.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+use serde_json::Value;
+
+use super::{Folder, blocks, commands, copy, same_classes};
+use crate::toolchain::Way;
+use crate::{child, firmware, qemu, workspace};
+
+const README: &str = "README.md";
+/// The package of both crates.
+const PACKAGE: &str = "drive-monitor";
+/// Where a crate says how it is run.
+const CONFIGURATION: &str = ".cargo/config.toml";
+/// The model and the recording of README's commands.
+const MODEL: &str = "examples/support/actuator/model.bwm";
+const TRACE: &str = "start.csv";
+
+/// README's blocks and commands in an empty folder.
+pub fn by_readme(way: Way) -> Result<String> {
+    let folder = Folder::new("crate")?;
+    let blocks = blocks::of_document(README)?;
+    blocks::write(&blocks, folder.path(), &workspace::root())?;
+    commands(&blocks, folder.path(), &workspace::root())?;
+    verdicts(way, folder.path())
+}
+
+/// The template as a user copies it, with README's recording.
+pub fn by_template(way: Way) -> Result<String> {
+    let (folder, recorded) = (Folder::new("template")?, Folder::new("recorded")?);
+    let blocks = blocks::of_document(README)?;
+    copy(&workspace::root().join("template"), folder.path())?;
+    blocks::write(&[blocks::named(&blocks, "Cargo.toml")?.clone()], folder.path(), &workspace::root())?;
+    commands(&blocks, recorded.path(), &workspace::root())?;
+    for file in ["rows.bin", TRACE] {
+        fs::copy(recorded.path().join(file), folder.path().join(file))?;
+    }
+    verdicts(way, folder.path())
+}
+
+/// Builds the crate of a folder and runs it as its configuration says. The classes must be those that `replay` prints
+/// for the same recording, and README must quote the first line.
+fn verdicts(way: Way, folder: &Path) -> Result<String> {
+    // The versions of the workspace, so that the outcome does not depend on the day.
+    fs::copy(workspace::root().join("Cargo.lock"), folder.join("Cargo.lock"))?;
+    let elf = firmware::build_crate(way, folder, PACKAGE)?;
+    let lines = qemu::run_by(runner(&fs::read_to_string(folder.join(CONFIGURATION))?)?, &elf)?;
+    let classes: Vec<String> = lines.iter().map(|line| line.split(',').next().unwrap_or_default().to_owned()).collect();
+    let outcome = same_classes(&replayed(&folder.join(TRACE))?, &classes)?;
+    let quoted = lines.first().map(|line| format!("`{line}`")).unwrap_or_default();
+    let readme = fs::read_to_string(workspace::root().join(README))?;
+    ensure!(readme.contains(&quoted), "README does not quote {quoted}");
+    Ok(outcome)
+}
+
+/// The classes that the host prints.
+fn replayed(trace: &Path) -> Result<Vec<String>> {
+    let mut replay = workspace::cargo(&["run", "--quiet", "--package", "bearing-watch-workbench", "--bin"]);
+    replay.args(["bearing-watch", "--", "replay", "--json", "--model"]).arg(workspace::root().join(MODEL)).arg(trace);
+    let text = child::output(&mut replay).context("replay failed")?;
+    let segments: Vec<Value> = serde_json::from_str(&text).context("replay printed no list")?;
+    let verdict = |segment: &Value| segment.get("verdict").and_then(Value::as_str).map(ToOwned::to_owned);
+    segments.iter().map(|segment| verdict(segment).context("a segment has no verdict")).collect()
+}
+
+/// The command of the configuration's line `runner = "…"`.
+fn runner(configuration: &str) -> Result<Command> {
+    let line = configuration.lines().find_map(|line| line.strip_prefix("runner = \"")).context("no runner")?;
+    let mut words = line.trim_end_matches('"').split_whitespace();
+    let mut command = Command::new(words.next().context("an empty runner")?);
+    command.args(words);
+    Ok(command)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_runner_is_the_line_that_is_no_comment() -> Result<()> {
+        let command = runner("[target.x]\n# For a board: runner = \"probe-rs run\"\nrunner = \"qemu -kernel\"\n")?;
+        assert_eq!(command.get_program(), "qemu");
+        assert_eq!(command.get_args().collect::<Vec<_>>(), ["-kernel"]);
+        assert!(runner("[build]\n").is_err());
+        Ok(())
+    }
+}

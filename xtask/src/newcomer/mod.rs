@@ -1,0 +1,139 @@
+//! `cargo xtask newcomer`: the documents' way into firmware, step by step, in an empty crate and in an empty C project;
+//! and the crate to copy. Each must end with the verdicts of the host.
+//!
+//! Folders are outside the checkout, since cargo would merge the configuration of the checkout with theirs.
+
+mod blocks;
+mod c;
+mod crates;
+
+use std::env;
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+
+use crate::tally::{Stages, Tally};
+use crate::target::{NO_TOOLS, brief};
+use crate::toolchain::Way;
+use crate::{child, workspace};
+
+/// Runs the checks and prints them; whether nothing failed.
+pub fn run(way: Way) -> bool {
+    let mut stages = Stages::default();
+    stages.stage("newcomer", |tally| checks(tally, Some(way)));
+    let total = stages.total();
+    println!("\n{total}");
+    total.failed == 0
+}
+
+/// All walks; without firmware tools they are skipped.
+pub fn checks(tally: &mut Tally, way: Option<Way>) {
+    const CRATES: [(&str, fn(Way) -> Result<String>); 2] =
+        [("README in an empty crate", crates::by_readme), ("the template, copied", crates::by_template)];
+    for (title, walk) in CRATES {
+        match way {
+            Some(way) => tally.check(title, brief(walk(way))),
+            None => tally.skip(title, NO_TOOLS),
+        }
+    }
+    c::checks(tally, way);
+}
+
+/// An empty folder outside the checkout, which is removed at the end.
+#[derive(Debug)]
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Result<Self> {
+        let path = env::temp_dir().join(format!("bearing-watch-newcomer-{}", std::process::id())).join(name);
+        if path.exists() {
+            fs::remove_dir_all(&path)?;
+        }
+        fs::create_dir_all(&path).with_context(|| format!("cannot create {}", path.display()))?;
+        Ok(Self(path))
+    }
+
+    fn path(&self) -> &Path {
+        &self.0
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        // What cannot be removed stays in the system's folder for temporary files.
+        let _ = fs::remove_dir_all(&self.0);
+        let _ = self.0.parent().map(fs::remove_dir);
+    }
+}
+
+/// Runs the commands of a document in a folder, with `bearing-watch` on the search path.
+fn commands(blocks: &[blocks::Block], folder: &Path, checkout: &Path) -> Result<()> {
+    child::succeed(&mut workspace::cargo(&[
+        "build",
+        "--package",
+        "bearing-watch-workbench",
+        "--bin",
+        "bearing-watch",
+    ]))?;
+    let mut shell = Command::new("bash");
+    shell.args(["-e", "-c", &blocks::named(blocks, blocks::COMMANDS)?.text]).current_dir(folder);
+    child::succeed(shell.env("BEARING_WATCH", checkout).env("PATH", search_path()?))
+}
+
+/// The search path with the programs that this workspace builds before all others.
+fn search_path() -> Result<OsString> {
+    let own = workspace::target_dir().join("debug");
+    let rest = env::var_os("PATH").unwrap_or_default();
+    Ok(env::join_paths([own].into_iter().chain(env::split_paths(&rest)))?)
+}
+
+/// Copies a folder with all folders in it.
+fn copy(from: &Path, to: &Path) -> Result<()> {
+    fs::create_dir_all(to)?;
+    for entry in from.read_dir().with_context(|| format!("no folder {}", from.display()))? {
+        let entry = entry?;
+        let target = to.join(entry.file_name());
+        if entry.file_type()?.is_dir() {
+            copy(&entry.path(), &target)?;
+        } else {
+            fs::copy(entry.path(), target)?;
+        }
+    }
+    Ok(())
+}
+
+/// Compares classes; both sides must have some, and a verdict in each segment.
+fn same_classes(host: &[String], target: &[String]) -> Result<String> {
+    ensure!(!host.is_empty() && host.iter().all(|class| class != "undetermined"), "no verdict on the host: {host:?}");
+    ensure!(host == target, "host {host:?}, firmware {target:?}");
+    Ok(target.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_classes_are_required_on_both_sides() {
+        let some = ["spall".to_owned()];
+        assert!(same_classes(&some, &some).is_ok());
+        assert!(same_classes(&some, &[]).is_err() && same_classes(&[], &[]).is_err());
+        let none = ["undetermined".to_owned()];
+        assert!(same_classes(&some, &none).is_err() && same_classes(&none, &none).is_err());
+    }
+
+    #[test]
+    fn a_folder_is_empty_and_is_removed() -> Result<()> {
+        let folder = Folder::new("test")?;
+        let path = folder.path().to_owned();
+        fs::write(path.join("file"), "x")?;
+        let again = Folder::new("test")?;
+        assert_eq!(again.path().read_dir()?.count(), 0);
+        drop((folder, again));
+        assert!(!path.exists());
+        Ok(())
+    }
+}
