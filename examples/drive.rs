@@ -24,6 +24,8 @@
 #[macro_use]
 mod support;
 
+#[path = "support/drive_parts.rs"]
+mod drive_parts;
 #[path = "support/rows.rs"]
 mod rows;
 
@@ -35,36 +37,28 @@ mod model {
 
 use core::hint::black_box;
 
-use bearing_watch::{Detector, Evidence, RawSample, Report, Segment, Solver, Verdict};
+use bearing_watch::{Detector, RawSample, Segment, Solver};
 use heapless::spsc::{Consumer, Producer, Queue};
 use support::count::Counter;
-use support::hash::Hash;
 
-use model::{Drive, DriveFrontEnd, FRONT_END, FURTHER, MODEL};
+use drive_parts::{Sampler, Watch};
+use model::{Drive, FURTHER, MODEL};
 use rows::Rows;
 
 main!(run);
 
-/// What the interrupt works on.
+/// The interrupt: the sampler, and the queue to the main loop.
 struct Interrupt<'a> {
-    front_end: DriveFrontEnd,
-    detector: Detector<'static, Drive>,
+    sampler: Sampler,
     closed: Producer<'a, Segment<Drive>>,
-    /// Whether the angle is known: segments start there, as they do in training.
-    started: bool,
-    /// Closed segments for which the queue had no room.
-    lost: u32,
 }
 
 impl Interrupt<'_> {
     fn sample(&mut self, raw: &RawSample<FURTHER>) {
-        let Some(clean) = self.front_end.push(raw) else { return };
-        self.started |= clean.velocity_rad_s.is_finite() && clean.current_a.is_finite();
-        if self.started
-            && let Some(segment) = self.detector.collect(&clean.into())
+        if let Some(segment) = self.sampler.sample(raw)
             && self.closed.enqueue(segment).is_err()
         {
-            self.lost += 1;
+            self.sampler.lost += 1;
         }
     }
 }
@@ -73,8 +67,7 @@ impl Interrupt<'_> {
 struct MainLoop<'a> {
     closed: Consumer<'a, Segment<Drive>>,
     solver: Option<Solver<'static, Drive>>,
-    evidence: Evidence<Drive>,
-    segments: u32,
+    watch: Watch,
 }
 
 impl MainLoop<'_> {
@@ -85,11 +78,9 @@ impl MainLoop<'_> {
             return;
         }
         let Some(report) = self.solver.as_mut().and_then(|solver| solver.advance()) else { return };
-        // On a chip with the interrupt disabled. A drive sends the report instead of printing it.
+        // On a chip with the interrupt disabled.
         let _in_time = detector.adopt(report);
-        let alarm = self.evidence.observe(report.decision.as_ref()).is_some();
-        print(self.segments, report, alarm);
-        self.segments += 1;
+        self.watch.observe(report);
         self.solver = None;
     }
 }
@@ -97,16 +88,12 @@ impl MainLoop<'_> {
 fn run() {
     let mut queue: Queue<Segment<Drive>, 2> = Queue::new();
     let (producer, consumer) = queue.split();
-    let front_end = match DriveFrontEnd::new(&FRONT_END) {
-        Ok(front_end) => front_end,
-        Err(error) => {
-            say!("{}", error.message());
-            return;
-        }
+    let sampler = match Sampler::new() {
+        Ok(sampler) => sampler,
+        Err(message) => return say!("{message}"),
     };
-    let mut interrupt =
-        Interrupt { front_end, detector: Detector::new(&MODEL), closed: producer, started: false, lost: 0 };
-    let mut main_loop = MainLoop { closed: consumer, solver: None, evidence: MODEL.evidence(), segments: 0 };
+    let mut interrupt = Interrupt { sampler, closed: producer };
+    let mut main_loop = MainLoop { closed: consumer, solver: None, watch: Watch::new() };
     let Some(mut rows) = Rows::<FURTHER>::open() else {
         say!("no recording rows.bin: see cargo xtask pil");
         return;
@@ -115,31 +102,14 @@ fn run() {
     cost.stack(|cost| {
         for raw in &mut rows {
             cost.interrupt(|| interrupt.sample(black_box(&raw)));
-            main_loop.turn(&mut interrupt.detector);
+            main_loop.turn(&mut interrupt.sampler.detector);
         }
         while main_loop.solver.is_some() || main_loop.closed.ready() {
-            main_loop.turn(&mut interrupt.detector);
+            main_loop.turn(&mut interrupt.sampler.detector);
         }
     });
-    let faults = interrupt.front_end.faults();
-    say!("{} segments, {} lost, front end clear: {}", main_loop.segments, interrupt.lost, faults.is_clear());
+    main_loop.watch.end(&interrupt.sampler);
     cost.print();
-}
-
-/// Prints a report with the hash of all its numbers.
-fn print(number: u32, report: &Report<Drive>, alarm: bool) {
-    let mut hash = Hash::new();
-    report.estimate().into_iter().for_each(|estimate| hash.add_estimate(estimate));
-    report.shaft().into_iter().for_each(|shaft| hash.add_shaft(shaft));
-    report.decision.iter().for_each(|decision| hash.add(decision.log_likelihoods()));
-    let (rows, bits) = (report.rows, hash.bits());
-    let end = if alarm { ", ALARM" } else { "" };
-    match report.verdict {
-        Verdict::Class(class) => say!("segment {number}: {rows} rows, {bits:08x}, {}{end}", MODEL.label(class)),
-        Verdict::Novel => say!("segment {number}: {rows} rows, {bits:08x}, novel{end}"),
-        Verdict::Ambiguous => say!("segment {number}: {rows} rows, {bits:08x}, ambiguous{end}"),
-        Verdict::Undetermined(reason) => say!("segment {number}: {rows} rows, {bits:08x}, {reason}{end}"),
-    }
 }
 
 /// Instructions of the interrupt and bytes of stack, on a chip; the host counts nothing.

@@ -1,5 +1,5 @@
-//! What the repository's own commands do: `cargo xtask test | long | firmware | c | pil | newcomer | measure | peers |
-//! docs | setup`.
+//! What the repository's own commands do: `cargo xtask test | long | firmware | c | pil | frameworks | newcomer |
+//! measure | peers | docs | setup`.
 
 mod board;
 mod bounds;
@@ -9,6 +9,7 @@ mod docs;
 mod elf;
 mod field_peers;
 mod firmware;
+mod frameworks;
 mod log;
 mod long;
 mod measure;
@@ -75,6 +76,9 @@ enum Command {
         #[arg(long)]
         rust: PathBuf,
     },
+    /// Builds the drive monitor under RTIC and embassy, runs both in the emulator on a simulated recording, and compares
+    /// every line with the host's.
+    Frameworks,
     /// Follows the documents into firmware, in an empty crate, in a copy of the template and in an empty C project, and
     /// compares the verdicts in the emulator with the host's.
     Newcomer,
@@ -135,6 +139,7 @@ fn run(arguments: &Arguments) -> Result<bool> {
             qemu::run(&elf, DRIVE.machine, qemu::Echo::On)?;
         }
         Command::C => return c_library::run(way),
+        Command::Frameworks => return Ok(frameworks::run(way)),
         Command::Newcomer => return Ok(newcomer::run(way)),
         Command::Pil { trace, model, rust } => {
             let [trace, binary, source] = [trace, model, rust].map(std::path::absolute);

@@ -60,25 +60,41 @@ fn simulated() -> Result<PathBuf> {
     Ok(folder.join("ema_spall_rit-mix_2_000.csv"))
 }
 
-/// Lines of the firmware that equal those of the host, and those of its cost.
-fn compare(way: Way, trace: &Path, model: &Model) -> Result<(Vec<String>, Vec<String>)> {
+/// The folder with the rows of a simulated recording, and the lines of the example on the host.
+pub fn example_on_host() -> Result<(PathBuf, Vec<String>)> {
+    rows_and_lines(&simulated()?, &Model::of_example())
+}
+
+/// Writes the rows of a recording and runs the example on the host.
+fn rows_and_lines(trace: &Path, model: &Model) -> Result<(PathBuf, Vec<String>)> {
     let folder = folder()?;
     let mut replay = workbench();
     replay.args(["replay", "--rows"]).arg(folder.join("rows.bin")).arg("--model").arg(&model.binary).arg(trace);
     child::succeed(&mut replay)?;
-    let source = std::path::absolute(&model.source)?;
-    let host = on_host(&folder, &source)?;
-    let elf = firmware::build_with_model(way, DRIVE, EXAMPLE, &source)?;
+    let host = on_host(&folder, &std::path::absolute(&model.source)?)?;
+    Ok((folder, host))
+}
+
+/// Lines of the firmware that equal those of the host, and those of its cost.
+fn compare(way: Way, trace: &Path, model: &Model) -> Result<(Vec<String>, Vec<String>)> {
+    let (folder, host) = rows_and_lines(trace, model)?;
+    let elf = firmware::build_with_model(way, DRIVE, EXAMPLE, &std::path::absolute(&model.source)?)?;
     let target = qemu::run_in(&folder, &elf, DRIVE.machine, qemu::Echo::Off)?;
     let (cost, target): (Vec<String>, Vec<String>) = target.into_iter().partition(|line| line.starts_with(COST));
-    for (host, target) in host.iter().zip(&target) {
+    same_lines(&host, &target)?;
+    Ok((target, cost))
+}
+
+/// Fails if host and chip differ, or if no segment was closed.
+pub fn same_lines(host: &[String], target: &[String]) -> Result<()> {
+    for (host, target) in host.iter().zip(target) {
         if host != target {
             bail!("host `{host}`, chip `{target}`");
         }
     }
     ensure!(host.len() == target.len(), "{} lines on the host, {} on the chip", host.len(), target.len());
     ensure!(host.len() > 1, "no segment was closed: {host:?}");
-    Ok((target, cost))
+    Ok(())
 }
 
 fn on_host(folder: &Path, source: &Path) -> Result<Vec<String>> {

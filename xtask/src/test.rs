@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 
 use crate::tally::{Stages, Tally};
 use crate::toolchain::{self, Way};
-use crate::{c_library, child, newcomer, pil, setup, target, workspace};
+use crate::{c_library, child, frameworks, newcomer, pil, setup, target, workspace};
 
 /// Runs all stages, prints the table and the count; whether nothing failed. A failing stage does
 /// not keep later ones from running, unless they need it.
@@ -22,6 +22,7 @@ pub fn run(asked: Option<Way>) -> bool {
     stages.stage("host = target", |tally| target::same_lines(tally, way));
     stages.stage("processor in the loop", |tally| pil::check(tally, way));
     stages.stage("C library", |tally| c_library::checks(tally, way));
+    stages.stage("frameworks", |tally| frameworks::checks(tally, way));
     stages.stage("newcomer", |tally| newcomer::checks(tally, way));
     stages.stage("logging", |tally| target::logging(tally, way));
     stages.stage("no panic", |tally| target::no_panic(tally, way));

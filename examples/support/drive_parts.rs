@@ -1,0 +1,73 @@
+//! The work of interrupt and main loop of a drive on a recording, without what connects them: `drive` and the crates of
+//! `frameworks` share it.
+
+use bearing_watch::{Detector, Evidence, RawSample, Report, Segment, Verdict};
+
+use crate::model::{Drive, DriveFrontEnd, FRONT_END, FURTHER, MODEL};
+use crate::support::hash::Hash;
+
+/// What the interrupt works on.
+pub struct Sampler {
+    pub front_end: DriveFrontEnd,
+    pub detector: Detector<'static, Drive>,
+    /// Whether the angle is known: segments start there, as they do in training.
+    started: bool,
+    /// Closed segments that the main loop had no room for.
+    pub lost: u32,
+}
+
+impl Sampler {
+    /// Returns the text of the error if the constants of the front end are not valid.
+    pub fn new() -> Result<Self, &'static str> {
+        let front_end = DriveFrontEnd::new(&FRONT_END).map_err(|error| error.message())?;
+        Ok(Self { front_end, detector: Detector::new(&MODEL), started: false, lost: 0 })
+    }
+
+    /// A row of the recording in; a closed segment once in seconds.
+    pub fn sample(&mut self, raw: &RawSample<FURTHER>) -> Option<Segment<Drive>> {
+        let clean = self.front_end.push(raw)?;
+        self.started |= clean.velocity_rad_s.is_finite() && clean.current_a.is_finite();
+        if self.started { self.detector.collect(&clean.into()) } else { None }
+    }
+}
+
+/// What the main loop works on, but for the solver.
+pub struct Watch {
+    evidence: Evidence<Drive>,
+    segments: u32,
+}
+
+impl Watch {
+    pub fn new() -> Self {
+        Self { evidence: MODEL.evidence(), segments: 0 }
+    }
+
+    /// Adds the evidence of a report and prints it. A drive sends the report instead.
+    pub fn observe(&mut self, report: &Report<Drive>) {
+        let alarm = self.evidence.observe(report.decision.as_ref()).is_some();
+        print(self.segments, report, alarm);
+        self.segments += 1;
+    }
+
+    /// Prints the last line.
+    pub fn end(&self, sampler: &Sampler) {
+        let (segments, lost, clear) = (self.segments, sampler.lost, sampler.front_end.faults().is_clear());
+        say!("{segments} segments, {lost} lost, front end clear: {clear}");
+    }
+}
+
+/// Prints a report with the hash of all its numbers.
+fn print(number: u32, report: &Report<Drive>, alarm: bool) {
+    let mut hash = Hash::new();
+    report.estimate().into_iter().for_each(|estimate| hash.add_estimate(estimate));
+    report.shaft().into_iter().for_each(|shaft| hash.add_shaft(shaft));
+    report.decision.iter().for_each(|decision| hash.add(decision.log_likelihoods()));
+    let (rows, bits) = (report.rows, hash.bits());
+    let end = if alarm { ", ALARM" } else { "" };
+    match report.verdict {
+        Verdict::Class(class) => say!("segment {number}: {rows} rows, {bits:08x}, {}{end}", MODEL.label(class)),
+        Verdict::Novel => say!("segment {number}: {rows} rows, {bits:08x}, novel{end}"),
+        Verdict::Ambiguous => say!("segment {number}: {rows} rows, {bits:08x}, ambiguous{end}"),
+        Verdict::Undetermined(reason) => say!("segment {number}: {rows} rows, {bits:08x}, {reason}{end}"),
+    }
+}

@@ -1,0 +1,115 @@
+//! The drive monitor of `examples/drive.rs` under embassy.
+//!
+//! ```text
+//! control  interrupt, every control period   row ─► FrontEnd ─► Sample ─► Detector::collect ─► CLOSED
+//! main     task of the thread executor       CLOSED ─► Solver::advance, a piece at a time ─► adopt, evidence, alarm
+//! ```
+//!
+//! Between two pieces other tasks run. `cargo xtask frameworks` runs it in the emulator.
+
+#![no_std]
+#![no_main]
+
+#[allow(unused_macros, reason = "the framework has its own entry")]
+#[macro_use]
+#[path = "../../../examples/support/mod.rs"]
+mod support;
+
+#[path = "../../../examples/support/drive_parts.rs"]
+mod drive_parts;
+#[allow(dead_code, reason = "rows contain angles, not counts of the position")]
+#[path = "../../../examples/support/actuator/model.rs"]
+mod model;
+#[path = "../../../examples/support/rows.rs"]
+mod rows;
+
+use core::cell::RefCell;
+
+use bearing_watch::{Report, Segment, Solver};
+use cortex_m::peripheral::Peripherals;
+use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m_rt::exception;
+use embassy_executor::Spawner;
+use embassy_futures::yield_now;
+use embassy_sync::blocking_mutex::Mutex;
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use embassy_sync::channel::Channel;
+
+use drive_parts::{Sampler, Watch};
+use model::{Drive, FURTHER, MODEL};
+use rows::Rows;
+use support::target;
+
+/// Clock cycles of a control period: 0.5 ms at 168 MHz. The emulator executes only 3.9 instructions in 1 µs, so the
+/// recording of 10 kHz is played at 2 kHz.
+const CYCLES: u32 = 84_000;
+
+/// What the interrupt works on.
+struct Control {
+    rows: Rows<FURTHER>,
+    sampler: Sampler,
+}
+
+static CONTROL: Mutex<CriticalSectionRawMutex, RefCell<Option<Control>>> = Mutex::new(RefCell::new(None));
+
+/// From the interrupt to the task: closed segments, and `None` when the recording has ended.
+static CLOSED: Channel<CriticalSectionRawMutex, Option<Segment<Drive>>, 2> = Channel::new();
+
+/// Runs `work` on the interrupt's data, with interrupts masked.
+fn masked<T>(work: impl FnOnce(&mut Control) -> T) -> Option<T> {
+    CONTROL.lock(|control| control.borrow_mut().as_mut().map(work))
+}
+
+/// On a board, the interrupt at the end of the current conversion.
+#[exception]
+fn SysTick() {
+    masked(|control| match control.rows.next() {
+        Some(raw) => {
+            if let Some(segment) = control.sampler.sample(&raw)
+                && CLOSED.try_send(Some(segment)).is_err()
+            {
+                control.sampler.lost += 1;
+            }
+        }
+        // If there is no room, the next period tries again.
+        None => drop(CLOSED.try_send(None)),
+    });
+}
+
+#[embassy_executor::main]
+async fn main(_spawner: Spawner) {
+    let sampler = match Sampler::new() {
+        Ok(sampler) => sampler,
+        Err(message) => panic!("{message}"),
+    };
+    let Some(rows) = Rows::open() else { panic!("no recording rows.bin: see cargo xtask pil") };
+    CONTROL.lock(|control| control.replace(Some(Control { rows, sampler })));
+    start_interrupt();
+    let mut watch = Watch::new();
+    while let Some(segment) = CLOSED.receive().await {
+        let report = solve(segment).await;
+        masked(|control| control.sampler.detector.adopt(&report));
+        watch.observe(&report);
+    }
+    masked(|control| watch.end(&control.sampler));
+    target::succeed()
+}
+
+/// Solves a segment by pieces.
+async fn solve(segment: Segment<Drive>) -> Report<Drive> {
+    let mut solver = Solver::new(&MODEL, segment);
+    while solver.advance().is_none() {
+        yield_now().await;
+    }
+    solver.finish()
+}
+
+fn start_interrupt() {
+    let Some(peripherals) = Peripherals::take() else { panic!("the peripherals are taken") };
+    let mut timer = peripherals.SYST;
+    timer.set_clock_source(SystClkSource::Core);
+    timer.set_reload(CYCLES - 1);
+    timer.clear_current();
+    timer.enable_counter();
+    timer.enable_interrupt();
+}

@@ -1,0 +1,41 @@
+//! `cargo xtask frameworks`: the drive monitor under RTIC and embassy, in the emulated chip.
+
+use anyhow::{Result, ensure};
+
+use crate::board::DRIVE;
+use crate::tally::{Stages, Tally};
+use crate::target::{NO_TOOLS, brief};
+use crate::toolchain::Way;
+use crate::{firmware, pil, qemu, workspace};
+
+/// The crates in the folder `frameworks`; their packages have the prefix `drive-`.
+const CRATES: [&str; 2] = ["rtic", "embassy"];
+
+/// Runs the checks and prints them; whether nothing failed.
+pub fn run(way: Way) -> bool {
+    let mut stages = Stages::default();
+    stages.stage("frameworks", |tally| checks(tally, Some(way)));
+    let total = stages.total();
+    println!("\n{total}");
+    total.failed == 0
+}
+
+/// Each program must print the lines of the example `drive` on the host.
+pub fn checks(tally: &mut Tally, way: Option<Way>) {
+    for name in CRATES {
+        let title = format!("drive under {name}");
+        match way {
+            Some(way) => tally.check(&title, brief(compare(way, name))),
+            None => tally.skip(&title, NO_TOOLS),
+        }
+    }
+}
+
+fn compare(way: Way, name: &str) -> Result<String> {
+    let (folder, host) = pil::example_on_host()?;
+    let elf = firmware::build_crate(way, &workspace::root().join("frameworks").join(name), &format!("drive-{name}"))?;
+    let target = qemu::run_in(&folder, &elf, DRIVE.machine, qemu::Echo::Off)?;
+    pil::same_lines(&host, &target)?;
+    ensure!(host.iter().any(|line| line.contains("spall")), "no segment is called a spall: {host:?}");
+    Ok(format!("{} lines", target.len()))
+}
