@@ -55,11 +55,7 @@ struct Interrupt<'a> {
 
 impl Interrupt<'_> {
     fn sample(&mut self, raw: &RawSample<FURTHER>) {
-        if let Some(segment) = self.sampler.sample(raw)
-            && self.closed.enqueue(segment).is_err()
-        {
-            self.sampler.lost += 1;
-        }
+        self.sampler.sample(raw, |segment| self.closed.enqueue(segment).is_ok());
     }
 }
 
@@ -71,7 +67,8 @@ struct MainLoop<'a> {
 }
 
 impl MainLoop<'_> {
-    /// One piece of work.
+    /// One piece of work. Not inlined, so that what it moves takes no stack during the interrupt.
+    #[inline(never)]
     fn turn(&mut self, detector: &mut Detector<'static, Drive>) {
         if self.solver.is_none() {
             self.solver = self.closed.dequeue().map(|segment| Solver::new(&MODEL, segment));

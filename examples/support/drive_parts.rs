@@ -12,8 +12,8 @@ pub struct Sampler {
     pub detector: Detector<'static, Drive>,
     /// Whether the angle is known: segments start there, as they do in training.
     started: bool,
-    /// Closed segments that the main loop had no room for.
-    pub lost: u32,
+    /// Closed segments for which there was no room.
+    lost: u32,
 }
 
 impl Sampler {
@@ -23,11 +23,17 @@ impl Sampler {
         Ok(Self { front_end, detector: Detector::new(&MODEL), started: false, lost: 0 })
     }
 
-    /// A row of the recording in; a closed segment once in seconds.
-    pub fn sample(&mut self, raw: &RawSample<FURTHER>) -> Option<Segment<Drive>> {
-        let clean = self.front_end.push(raw)?;
+    /// Takes a row of the recording. Once in seconds it gives a closed segment to `hand_over`, which returns whether
+    /// there is room for it.
+    pub fn sample(&mut self, raw: &RawSample<FURTHER>, hand_over: impl FnOnce(Segment<Drive>) -> bool) {
+        let Some(clean) = self.front_end.push(raw) else { return };
         self.started |= clean.velocity_rad_s.is_finite() && clean.current_a.is_finite();
-        if self.started { self.detector.collect(&clean.into()) } else { None }
+        if self.started
+            && let Some(segment) = self.detector.collect(&clean.into())
+            && !hand_over(segment)
+        {
+            self.lost += 1;
+        }
     }
 }
 

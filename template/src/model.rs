@@ -9,8 +9,8 @@
 
 #[rustfmt::skip]
 use bearing_watch::model::{Balance, Blocks, Channel, Classifier, Constants, Covariates, Discriminant, EvidenceConstants, Feature, Forgetting, Label, Lags, Novelty, Projection, Regression, Sampling, ShaftConstants, StateVariable, TrackedOrder, Tracking};
-use bearing_watch::{FrictionTerm, Model};
 use bearing_watch::plan::{Kind, Layout, Memory, Method, RegressionLayout, ShaftLayout, Structure};
+use bearing_watch::{FrictionTerm, Model};
 
 bearing_watch::plan! {
     /// The plan of the detector.

@@ -45,8 +45,10 @@ fn set_up(tally: &mut Tally, asked: Option<Way>) -> Option<Way> {
 
 fn format(tally: &mut Tally) {
     if component(tally, "fmt", "rustfmt") {
-        let mut cargo = workspace::cargo(&["fmt", "--all", "--check"]);
-        tally.check("cargo fmt", silent(&mut cargo));
+        for manifest in ["Cargo.toml", "frameworks/Cargo.toml", "template/Cargo.toml"] {
+            let mut cargo = workspace::cargo(&["fmt", "--all", "--check", "--manifest-path", manifest]);
+            tally.check(&format!("cargo fmt, {manifest}"), silent(&mut cargo));
+        }
     }
 }
 

@@ -64,13 +64,7 @@ fn masked<T>(work: impl FnOnce(&mut Control) -> T) -> Option<T> {
 #[exception]
 fn SysTick() {
     masked(|control| match control.rows.next() {
-        Some(raw) => {
-            if let Some(segment) = control.sampler.sample(&raw)
-                && CLOSED.try_send(Some(segment)).is_err()
-            {
-                control.sampler.lost += 1;
-            }
-        }
+        Some(raw) => control.sampler.sample(&raw, |segment| CLOSED.try_send(Some(segment)).is_ok()),
         // If there is no room, the next period tries again.
         None => drop(CLOSED.try_send(None)),
     });

@@ -81,13 +81,7 @@ mod app {
             let _ = end::spawn();
             return;
         };
-        cx.shared.sampler.lock(|sampler| {
-            if let Some(segment) = sampler.sample(&raw)
-                && solve::spawn(segment).is_err()
-            {
-                sampler.lost += 1;
-            }
-        });
+        cx.shared.sampler.lock(|sampler| sampler.sample(&raw, |segment| solve::spawn(segment).is_ok()));
     }
 
     #[task(priority = 1, shared = [sampler, watch])]

@@ -118,11 +118,17 @@ fn imports(out: &mut Source, layout: &Layout, features: &[Feature], covariates: 
     let of_friction = |feature: &Feature| feature_with_term(*feature).is_some();
     let features = features.iter().chain(covariates.iter().map(|own| &own.feature));
     let mut features = features;
-    let root = if features.any(of_friction) { "{FrictionTerm, Model}" } else { "Model" };
+    let plan = format!("use bearing_watch::plan::{{{}}};", plan.join(", "));
     out.line(0, "#[rustfmt::skip]");
     out.line(0, &format!("use bearing_watch::model::{{{}}};", model.join(", ")));
-    out.line(0, &format!("use bearing_watch::{root};"));
-    out.line(0, &format!("use bearing_watch::plan::{{{}}};", plan.join(", ")));
+    // In the order of rustfmt.
+    if features.any(of_friction) {
+        out.line(0, &plan);
+        out.line(0, "use bearing_watch::{FrictionTerm, Model};");
+    } else {
+        out.line(0, "use bearing_watch::Model;");
+        out.line(0, &plan);
+    }
 }
 
 /// Writes the call of the macro that defines plan and sample.

@@ -96,6 +96,15 @@ mod tests {
     }
 
     #[test]
+    fn the_template_records_as_the_readme_does() -> Result<()> {
+        let (blocks, own) = (of_document("README.md")?, template("README.md"));
+        let commands = named(&blocks, COMMANDS)?.text.lines().filter_map(|line| line.split("  #").next());
+        let commands: Vec<_> = commands.map(str::trim_end).filter(|line| line.contains("traces")).collect();
+        assert!(commands.len() == 2 && commands.iter().all(|line| own.contains(line)), "{commands:?}");
+        Ok(())
+    }
+
+    #[test]
     fn the_template_has_the_model_and_the_memory_map_of_the_examples() -> Result<()> {
         for (file, origin) in [("src/model.rs", "examples/support/actuator/model.rs"), ("memory.x", "memory.x")] {
             assert!(template(file) == fs::read_to_string(workspace::root().join(origin))?, "{file} is not {origin}");
