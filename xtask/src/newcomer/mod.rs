@@ -20,6 +20,9 @@ use crate::target::{NO_TOOLS, brief};
 use crate::toolchain::Way;
 use crate::{child, workspace};
 
+/// Follows a document and returns the classes that the firmware prints.
+type Walk = fn(Way) -> Result<String>;
+
 /// Runs the checks and prints them; whether nothing failed.
 pub fn run(way: Way) -> bool {
     let mut stages = Stages::default();
@@ -31,9 +34,9 @@ pub fn run(way: Way) -> bool {
 
 /// All walks; without firmware tools they are skipped.
 pub fn checks(tally: &mut Tally, way: Option<Way>) {
-    const CRATES: [(&str, fn(Way) -> Result<String>); 2] =
+    let crates: [(&str, Walk); 2] =
         [("README in an empty crate", crates::by_readme), ("the template, copied", crates::by_template)];
-    for (title, walk) in CRATES {
+    for (title, walk) in crates {
         match way {
             Some(way) => tally.check(title, brief(walk(way))),
             None => tally.skip(title, NO_TOOLS),
