@@ -38,7 +38,8 @@ pub fn interrupt(
     detector.collect(&clean.into())
 }
 
-/// The main loop: the report, the name of the class, and whether there is an alarm.
+/// The main loop: the report, the name of the class, and whether there is an alarm. `Detector::adopt` takes the report
+/// with the interrupt masked.
 pub fn conclude(evidence: &mut Evidence<Drive>, segment: Segment<Drive>) -> (Report<Drive>, &'static str, bool) {
     let report = MODEL.conclude(segment);
     let class = match report.verdict {
