@@ -60,6 +60,10 @@ impl Interrupt<'_> {
     fn sample(&mut self, raw: &RawSample<FURTHER>) {
         let Some(clean) = self.front_end.push(raw) else { return };
         self.started |= clean.velocity_rad_s.is_finite() && clean.current_a.is_finite();
+        if clean.found_late {
+            // A fault that shows only after a window of samples: those before were wrong.
+            let _segment_before_in_doubt = self.detector.discard();
+        }
         if self.started
             && let Some(segment) = self.detector.collect(&clean.into())
             && self.closed.enqueue(segment).is_err()
