@@ -8,6 +8,7 @@
 //! model is measured by running the core on other traces ([`crate::evaluate`]), not here.
 
 pub mod c_header;
+pub mod commissioning_source;
 mod core_features;
 mod core_form;
 mod covariates;
