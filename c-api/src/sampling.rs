@@ -6,9 +6,10 @@ use bearing_watch::plan::{MAX_CHANNELS, Plan, Signals as _};
 use bearing_watch::{Angle, Detector, Segment};
 
 use crate::code::{BwCode, Outcome, code};
+use crate::memory::{at, check, elements, put};
 use crate::plan::Own;
 use crate::solving::conclude;
-use crate::state::{BwState, Solving, Work, at, check, elements, put};
+use crate::state::{BwState, Solving, Work};
 
 type Sample = <Own as Plan>::Sample;
 
