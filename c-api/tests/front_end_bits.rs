@@ -217,7 +217,6 @@ fn standing(k: u16) -> PhaseCounts {
 }
 
 /// Constants after a calibration in C and in Rust, or the refusals.
-#[expect(clippy::type_complexity, reason = "the results of both")]
 fn calibrated(
     limits: CalibrationLimits,
     samples: u16,
