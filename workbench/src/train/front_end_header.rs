@@ -103,3 +103,65 @@ fn constants(own: &FrontEndConstants, factor: usize, further: usize) -> Vec<(Str
         (park.to_owned(), "park"),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::c_header::c_header;
+    use super::*;
+    use crate::rig::ema::EmaScenario;
+
+    const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+
+    fn text(path: &str) -> String {
+        std::fs::read_to_string(format!("{ROOT}/{path}")).unwrap_or_else(|error| panic!("{path}: {error}"))
+    }
+
+    /// The channels of the committed model, from the front end of its rig.
+    fn recorded() -> Channels {
+        let name = String::from;
+        Channels {
+            y: name("current_a"),
+            u1: name("velocity_ref_rad_s"),
+            u2: name("load_torque_nm"),
+            shaft: None,
+            further: vec![name("velocity_rad_s")],
+            front_end: Some(FrontEndFile::of_rig(&EmaScenario::RIT).expect("raw rows")),
+        }
+    }
+
+    fn model() -> Model<RunTime> {
+        let file = std::fs::read(format!("{ROOT}/examples/support/actuator/model.bwm")).expect("the committed model");
+        Model::from_bytes(&file).expect("a model")
+    }
+
+    #[test]
+    fn the_committed_header_is_that_of_the_committed_model() {
+        let source = text("examples/support/actuator/model.rs");
+        let notes = source.lines().skip(2).map_while(|line| line.strip_prefix("// ")).map(String::from);
+        let header = c_header(&model(), &notes.collect::<Vec<_>>(), Some(&recorded())).expect("a header");
+        let same = header == text("examples/support/actuator/model.h");
+        assert!(same, "the commands in `examples/drive.rs` write it anew:\n{header}");
+    }
+
+    /// The fields have no designators: their order is that of the interface.
+    #[test]
+    fn names_and_order_are_those_of_the_interface() {
+        let interface = text("c-api/include/bearing_watch.h");
+        let (_, rest) = interface.split_once("typedef struct BwFrontEndConstants {").expect("the type");
+        let fields = rest.split_once('}').expect("its end").0.lines().map(str::trim);
+        let fields = fields.filter(|line| !line.starts_with("//")).filter_map(|line| line.strip_suffix(';'));
+        let fields: Vec<&str> = fields.filter_map(|line| line.split_whitespace().last()?.split('[').next()).collect();
+        let file = recorded().front_end.expect("a front end");
+        let written = constants(&file.constants(), file.factor, 2);
+        let written: Vec<&str> = written.iter().filter_map(|(_, name)| name.split(':').next()).collect();
+        assert_eq!(written, fields);
+        assert!(interface.contains(&format!("#define BW_MAX_FURTHER {MAX_FURTHER}\n")));
+    }
+
+    #[test]
+    fn a_channel_that_the_front_end_does_not_make_is_refused() {
+        let without = Channels { u2: "load_torque_nm-other".into(), ..recorded() };
+        let problem = c_header(&model(), &[], Some(&without)).expect_err("a difference").to_string();
+        assert!(problem.contains("--c") && problem.contains("load_torque_nm"), "{problem}");
+    }
+}
