@@ -7,9 +7,7 @@
 #include "bearing_watch.h"
 #include "board.h"
 #include "model.h"
-
-#include <stdio.h>
-#include <string.h>
+#include "print.h"
 
 /* A row of the recording, in the byte order of the chip. */
 typedef struct {
@@ -60,18 +58,6 @@ static void control_interrupt(const Row *row) {
 
 /* Not used: the recording stands for the interrupt. */
 void SysTick_Handler(void) {}
-
-static int failed(const char *what, BwCode code) {
-    printf("%s: %s\n", what, bw_error_text(code));
-    return 1;
-}
-
-/* The bits of a number. */
-static unsigned long bits(float x) {
-    uint32_t word;
-    memcpy(&word, &x, sizeof word);
-    return word;
-}
 
 static void print_report(void) {
     static const char *const verdicts[] = {"class", "novel", "ambiguous", "undetermined"};
