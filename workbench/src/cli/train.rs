@@ -203,7 +203,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     );
     let bytes = trained.to_bytes(&notes.to_text())?;
     let rust = args.rust.as_ref().map(|_| args.rust_source(&trained, &description, &channels)).transpose()?;
-    let c = args.c.as_ref().map(|_| c_header(&trained.to_core()?, &description)).transpose()?;
+    let c = args.c.as_ref().map(|_| c_header(&trained.to_core()?, &description, Some(&channels))).transpose()?;
 
     let held_out = args.evaluate(&selection, &trained, &training, &classes, host)?;
     let found = Found {

@@ -20,6 +20,7 @@ mod filters;
 mod fit;
 mod folds;
 mod forward;
+pub mod front_end_header;
 pub mod front_end_source;
 mod lags;
 mod left_out;
