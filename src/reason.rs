@@ -102,6 +102,9 @@ pub enum Implausible {
     MotionSign,
     /// A signal has the opposite sign; which one is not known, as inertia or torque constant is not determined.
     Sign,
+    /// The current follows neither motion nor load: it is transformed at a wrong angle (pole pairs, phase order,
+    /// electrical offset), or that of another motor.
+    Current,
     /// The gain or unit of the current is wrong.
     CurrentScale,
     /// The gain or unit of the load is wrong.
@@ -120,7 +123,7 @@ pub enum Implausible {
 
 impl Implausible {
     /// All errors, in the order of their numbers in the C interface and in frames.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::CurrentSign,
         Self::LoadSign,
         Self::MotionSign,
@@ -131,6 +134,7 @@ impl Implausible {
         Self::Scale,
         Self::VelocitySign,
         Self::VelocityScale,
+        Self::Current,
     ];
 
     /// The error in words.
@@ -141,6 +145,9 @@ impl Implausible {
             Self::LoadSign => "the load has the wrong sign",
             Self::MotionSign => "velocity and angle have the wrong sign",
             Self::Sign => "current, load or velocity has the wrong sign",
+            Self::Current => {
+                "the current follows neither motion nor load: pole pairs, phase order or electrical offset"
+            }
             Self::CurrentScale => "gain or unit of the current is wrong",
             Self::LoadScale => "gain or unit of the load is wrong",
             Self::MotionScale => "sampling rate, unit of the velocity or inertia is wrong",

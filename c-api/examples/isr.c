@@ -6,10 +6,7 @@
 #include "bearing_watch.h"
 #include "board.h"
 #include "model.h"
-
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
+#include "print.h"
 
 /* Ticks between two samples: 3 ms at 168 MHz, in which the emulator executes 11700 instructions. */
 #define SAMPLING_TICKS 504000u
@@ -52,18 +49,6 @@ void SysTick_Handler(void) {
     } else if (code != BW_CODE_OK) {
         failure = code;
     }
-}
-
-static int failed(const char *what, BwCode code) {
-    printf("%s: %s\n", what, bw_error_text(code));
-    return 1;
-}
-
-/* The bits of a number. */
-static unsigned long bits(float x) {
-    uint32_t word;
-    memcpy(&word, &x, sizeof word);
-    return word;
 }
 
 static void print_report(void) {

@@ -1,21 +1,8 @@
-/* Instructions and stack of the C functions, counted by the emulator. It executes one instruction in 256 ns of its
- * time, which are 43.008 ticks of the core's clock of 168 MHz. `cargo xtask c` prints the lines. */
+/* Instructions and stack of the functions of the detector. `cargo xtask c` prints the lines. */
 #include "bearing_watch.h"
 #include "board.h"
+#include "count.h"
 #include "model.h"
-
-#include <stdint.h>
-#include <stdio.h>
-
-#define SYST_CSR (*(volatile uint32_t *)0xE000E010u)
-#define SYST_RVR (*(volatile uint32_t *)0xE000E014u)
-#define SYST_CVR (*(volatile uint32_t *)0xE000E018u)
-#define LARGEST_COUNT 0xFFFFFFu
-
-/* Words of stack that are painted, and words next to the stack pointer that the painting itself uses. */
-#define PAINTED 20000
-#define OWN 32
-#define PAINT 0xA5A5A5A5u
 
 extern const int16_t held_out_start[];
 
@@ -26,11 +13,6 @@ static const int16_t *next_count;
 static BwCode code;
 
 void SysTick_Handler(void) {}
-
-static uint32_t instructions_since(uint32_t start) {
-    uint32_t ticks = (start - SYST_CVR) & LARGEST_COUNT;
-    return (uint32_t)((uint64_t)ticks * 1000u / 43008u);
-}
 
 static void init(void) { code = bw_init(memory, sizeof memory, bw_model, BW_MODEL_LENGTH, &detector); }
 
@@ -45,33 +27,6 @@ static void collect(void) {
 static void advance(void) { code = bw_advance(detector); }
 static void conclude(void) { code = bw_conclude(detector); }
 
-/* Bytes of stack that a function takes. */
-static __attribute__((noinline)) uint32_t stack_of(void (*function)(void)) {
-    /* By the register: the compiler knows the bounds of a variable. */
-    volatile uint32_t *top;
-    __asm__ volatile("mov %0, sp" : "=r"(top));
-    uint32_t deepest = OWN;
-    for (uint32_t k = OWN; k < PAINTED; k++) {
-        *(top - k) = PAINT;
-    }
-    function();
-    for (uint32_t k = OWN; k < PAINTED; k++) {
-        if (*(top - k) != PAINT) {
-            deepest = k;
-        }
-    }
-    return 4u * deepest;
-}
-
-/* Instructions of a call. */
-static uint32_t instructions_of(void (*function)(void)) {
-    uint32_t start = SYST_CVR;
-    function();
-    return instructions_since(start);
-}
-
-static void print(const char *what, uint32_t number) { printf("%s: %lu\n", what, (unsigned long)number); }
-
 /* Samples up to the one that closes a segment. */
 static void fill(void) {
     for (uint32_t k = 1; k < BW_MODEL_SEGMENT_SAMPLES; k++) {
@@ -80,9 +35,7 @@ static void fill(void) {
 }
 
 int main(void) {
-    SYST_RVR = LARGEST_COUNT;
-    SYST_CVR = 0;
-    SYST_CSR = 5; /* the core's clock, no interrupt, on */
+    start_counting();
     next_count = held_out_start;
     print("bytes of state", (uint32_t)bw_state_size());
     print("instructions of bw_init", instructions_of(init));

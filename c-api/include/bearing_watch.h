@@ -1,7 +1,7 @@
 /* The C interface of bearing-watch. Made by cbindgen from c-api/src: do not edit. README.md has an example.
  *
  * Every function may be called with any pointer that is NULL or fulfils its "Safety" section; it returns a code,
- * BW_CODE_OK or above if it did what it says, and below 0 if it did nothing; BwCode names two exceptions. */
+ * BW_CODE_OK or above if it did what it says, and below 0 if it did nothing; BwCode names three exceptions. */
 
 #ifndef BEARING_WATCH_H
 #define BEARING_WATCH_H
@@ -57,11 +57,26 @@
 // exactly is needed.
 #define BW_STATE_SIZE 20480
 
-// Alignment of that memory, bytes.
+// Alignment of that memory, bytes, and of the memory of all other objects.
 #define BW_STATE_ALIGN 8
 
+// Largest number of further channels: as many as the largest model of `BW_MAX_CHANNELS` has besides current and
+// velocity.
+#define BW_MAX_FURTHER 6
+
+// Bytes of memory that are enough for `bw_front_end_init` of a library without a plan of its own;
+// `bw_front_end_size` returns what exactly is needed. The memory is aligned to `BW_STATE_ALIGN` bytes.
+#define BW_FRONT_END_SIZE 3072
+
+// Bytes of memory that are enough for `bw_calibration_init`, aligned to `BW_STATE_ALIGN` bytes.
+#define BW_CALIBRATION_SIZE 128
+
+// Bytes of memory that are enough for `bw_wiring_init`, aligned to `BW_STATE_ALIGN` bytes.
+#define BW_WIRING_SIZE 512
+
 // What a function returns: 0 or above if it did what it says, below 0 if it did nothing. But with
-// `BW_CODE_SEGMENT_LOST` the sample is taken, and with `BW_CODE_BUFFER_TOO_SMALL` `bw_values` has filled the buffer.
+// `BW_CODE_SEGMENT_LOST` the sample is taken, with `BW_CODE_BUFFER_TOO_SMALL` `bw_values` has filled the buffer, and
+// with a `BW_CODE_CALIBRATION_…` `bw_calibration_finish` names the refused sensor.
 enum BwCode
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : int32_t
@@ -77,13 +92,17 @@ enum BwCode
   BW_CODE_NOT_ADOPTED = 3,
   // There is no closed segment to solve.
   BW_CODE_IDLE = 4,
+  // A clean sample came out of the front end.
+  BW_CODE_CLEAN_SAMPLE = 5,
+  // The calibration has as many samples as it needs.
+  BW_CODE_ENOUGH_SAMPLES = 6,
   // A pointer is NULL.
   BW_CODE_NULL = -1,
-  // A pointer is not aligned: the memory of the state to `BW_STATE_ALIGN` bytes, other pointers to their type.
+  // A pointer is not aligned: the memory of an object to `BW_STATE_ALIGN` bytes, other pointers to their type.
   BW_CODE_MISALIGNED = -2,
-  // The memory has less than `bw_state_size()` bytes.
+  // The memory has less than `bw_state_size()` bytes, or what another object needs.
   BW_CODE_MEMORY_TOO_SMALL = -3,
-  // No state was initialised at this address; a copied state does not count.
+  // No state, or other object, was initialised at this address; a copied one does not count.
   BW_CODE_NOT_INITIALISED = -4,
   // The function interrupted another one that works on the same part of the state. A sample is lost.
   BW_CODE_BUSY = -5,
@@ -91,7 +110,7 @@ enum BwCode
   BW_CODE_SEGMENT_LOST = -6,
   // There is no report yet, or the next segment is being solved.
   BW_CODE_NO_REPORT = -7,
-  // The number of values is not the number of channels of the model.
+  // The number of values is not the number of channels of the model, or of further channels of the front end.
   BW_CODE_WRONG_CHANNEL_COUNT = -8,
   // No such thing: an index or a choice is out of range.
   BW_CODE_OUT_OF_RANGE = -9,
@@ -119,6 +138,30 @@ enum BwCode
   BW_CODE_SAVED_STATE = -35,
   // The saved state is that of another model.
   BW_CODE_OTHER_MODEL = -36,
+  // The control rate is not within 100 Hz and 1 MHz.
+  BW_CODE_FRONT_END_CONTROL_RATE = -40,
+  // Offset, gain or usable range of a current sensor is out of range.
+  BW_CODE_FRONT_END_SENSOR = -41,
+  // Noise, tolerance or window of the sum of the currents is out of range.
+  BW_CODE_FRONT_END_BALANCE = -42,
+  // Bandwidth, damping, limit or times of the tracking loop are out of range.
+  BW_CODE_FRONT_END_TRACKING = -43,
+  // The amplitudes of the resolver are out of range.
+  BW_CODE_FRONT_END_RESOLVER = -44,
+  // A motor has at least one pole pair.
+  BW_CODE_FRONT_END_POLE_PAIRS = -45,
+  // There are no filters for this factor of decimation, or the plan of this library has another one.
+  BW_CODE_FRONT_END_FACTOR = -46,
+  // There are more further channels than `BW_MAX_FURTHER`, or not as many as the plan of this library has.
+  BW_CODE_FRONT_END_FURTHER = -47,
+  // There are not enough samples for the offsets of the current sensors yet.
+  BW_CODE_CALIBRATION_TOO_FEW = -50,
+  // A current sensor is too noisy: the motor turns, a current flows, or the sensor is broken.
+  BW_CODE_CALIBRATION_NOISY = -51,
+  // The converter of a current sensor repeats itself.
+  BW_CODE_CALIBRATION_STUCK = -52,
+  // The offset of a current sensor is not plausible: a current flows, or the sensor is broken.
+  BW_CODE_CALIBRATION_OUT_OF_BAND = -53,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -220,6 +263,96 @@ typedef int32_t BwPart;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// Why the three currents do not fit each other.
+enum BwImbalance
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // They do, or there are two only.
+  BW_IMBALANCE_NONE = 0,
+  // No current in a phase, and the other two sum to zero: the winding or its lead is open.
+  BW_IMBALANCE_OPEN = 1,
+  // A sensor reads no current, but the other two do not sum to zero: the sensor or its wire is broken.
+  BW_IMBALANCE_SILENT = 2,
+  // The gain of a sensor is wrong.
+  BW_IMBALANCE_GAIN = 3,
+  // The currents do not sum to zero, and no single gain explains it: offsets, several sensors, current to earth.
+  BW_IMBALANCE_UNNAMED = 4,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum BwImbalance BwImbalance;
+#else
+typedef int32_t BwImbalance;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// How far the loop has found the angle of the shaft.
+enum BwLock
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // No reading yet, or lost.
+  BW_LOCK_SEARCHING = 0,
+  // One reading: the next one gives the velocity.
+  BW_LOCK_FOUND = 1,
+  // The loop follows, but its errors have not been small for long enough.
+  BW_LOCK_SETTLING = 2,
+  // The loop follows.
+  BW_LOCK_LOCKED = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum BwLock BwLock;
+#else
+typedef int32_t BwLock;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What is wrong with the wiring, or why nothing can be said. The value is that of `BwWiring`.
+enum BwWiringFault
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // Nothing is wrong.
+  BW_WIRING_FAULT_NONE = 0,
+  // The shaft has not been at all angles of a turn; value: sectors of 1/16 turn in which it was.
+  BW_WIRING_FAULT_TOO_LITTLE_MOTION = 1,
+  // The current is too small; value: its root mean square, A.
+  BW_WIRING_FAULT_TOO_LITTLE_CURRENT = 2,
+  // The current vector does not turn with the shaft: wrong phases or sensors, a slipping or multiplied angle, or no
+  // field-oriented control; value: the largest coherence.
+  BW_WIRING_FAULT_NOT_TURNING = 3,
+  // The number of pole pairs is wrong; value: the one that fits, negative if the phases also run against the angle.
+  BW_WIRING_FAULT_POLE_PAIRS = 4,
+  // The phases run against angle and velocity: two are exchanged.
+  BW_WIRING_FAULT_PHASE_ORDER = 5,
+  // The angle runs against phases and velocity.
+  BW_WIRING_FAULT_ANGLE_DIRECTION = 6,
+  // The velocity runs against phases and angle.
+  BW_WIRING_FAULT_VELOCITY_DIRECTION = 7,
+  // Phases and angle run against each other; there is no velocity to decide which is wrong.
+  BW_WIRING_FAULT_PHASE_ORDER_OR_ANGLE = 8,
+  // The unit of the velocity or the control rate is wrong; value: integral of the velocity over motion of the angle.
+  BW_WIRING_FAULT_RATE_OR_UNIT = 9,
+  // The electrical offset is wrong; value: what must be added to it, rad, but for half a turn.
+  BW_WIRING_FAULT_OFFSET = 10,
+  // Current and angle are not of one instant; value: delay of the current behind the angle, s.
+  BW_WIRING_FAULT_DELAY = 11,
+  // A fault that this interface does not know.
+  BW_WIRING_FAULT_OTHER = 12,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum BwWiringFault BwWiringFault;
+#else
+typedef int32_t BwWiringFault;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 // Sign convention of the Park transform.
 enum BwPark
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -287,8 +420,38 @@ typedef int32_t BwValues;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// What a raw sample has of the position sensor.
+enum BwPosition
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // No reading, or one that the sensor says is wrong.
+  BW_POSITION_MISSING = 0,
+  // The angle from a converter or an absolute encoder.
+  BW_POSITION_ABSOLUTE = 1,
+  // Demodulated sine and cosine of a resolver, or of a sine/cosine encoder.
+  BW_POSITION_RESOLVER = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum BwPosition BwPosition;
+#else
+typedef int32_t BwPosition;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// The calibration of one drive, in memory of the caller.
+typedef struct BwCalibration BwCalibration;
+
+// The front end of one drive, in memory of the caller.
+typedef struct BwFrontEnd BwFrontEnd;
+
 // A detector of one drive, in memory of the caller.
 typedef struct BwState BwState;
+
+// The check of one drive, in memory of the caller.
+typedef struct BwWiringCheck BwWiringCheck;
 
 // The verdict on one segment.
 typedef struct BwReport {
@@ -358,6 +521,184 @@ typedef struct BwAlarm {
   float slope_high;
 } BwAlarm;
 
+// One current sensor with its converter.
+typedef struct BwPhaseSensor {
+  // Counts at no current; `bw_calibration_finish` measures them.
+  float offset_counts;
+  // Amperes a count; negative if the sensor counts against the direction into the motor.
+  float gain_a;
+  // Lowest usable count; below it sensor or converter is saturated.
+  uint16_t lowest_counts;
+  // Highest usable count.
+  uint16_t highest_counts;
+} BwPhaseSensor;
+
+// What a front end is made of. `bearing-watch train --front-end … --c model.h` writes it as `bw_front_end`.
+typedef struct BwFrontEndConstants {
+  // Rate of the raw samples, Hz: 100 … 1e6.
+  float control_rate_hz;
+  // Number of raw samples per clean sample: 1, 2, 4, 8, 16, 32, 6, 12, 24, 48, 10, 20 or 40.
+  uint16_t factor;
+  // Number of further channels, at most `BW_MAX_FURTHER`.
+  uint16_t further;
+  // Current sensors of phases a, b, c; with two sensors the third is not used, but must be valid.
+  struct BwPhaseSensor sensors[3];
+  // Equal counts in a row that mean a stuck converter; 0 if a quiet converter may repeat itself for ever.
+  uint16_t stuck_samples;
+  // Samples in a window of the sum of three currents, at least 16: sixteen are an electrical turn.
+  uint16_t balance_window_samples;
+  // Expected rms of the sum of the three currents, with noise and errors of the offsets, A.
+  float balance_noise_a;
+  // Tolerated relative error of a gain.
+  float balance_gain_tolerance;
+  // Bandwidth of the loop that follows the shaft angle, Hz: 1/2000 … 1/10 of the control rate.
+  float tracking_bandwidth_hz;
+  // Its damping, 0.5 … 1.
+  float tracking_damping;
+  // Largest error of the locked loop, rad: 0.001 … 0.5.
+  float tracking_error_limit_rad;
+  // Samples in a row, missing or beyond the limit, after which the loop searches again; at least 1.
+  uint16_t tracking_lost_samples;
+  // Samples in a row below half of the limit that make the lock; at least 1.
+  uint16_t tracking_settle_samples;
+  // Lowest amplitude of resolver signals, in their unit; valid, but not used, for absolute angles.
+  float resolver_lowest_amplitude;
+  // Highest amplitude.
+  float resolver_highest_amplitude;
+  // Largest relative difference of the amplitudes of sine and cosine, noise included.
+  float resolver_mismatch;
+  // Pole pairs of the motor.
+  uint32_t pole_pairs;
+  // Electrical angle of the magnet axis when the shaft angle is zero; 2^32 is one turn. A negative angle wraps.
+  uint32_t electrical_offset_turn32;
+  // Sign convention of the quadrature current, `BW_PARK_STANDARD` or `BW_PARK_THESIS`.
+  int32_t park;
+} BwFrontEndConstants;
+
+// What the drive reads at one instant of its control loop.
+typedef struct BwRawSample {
+  // Number of the sampling instant: one more each time, with wrap-around. A missed interrupt shows as a gap.
+  uint32_t number;
+  // Converter counts of the currents of phases a, b, c; c is not used with two phases.
+  uint16_t counts[3];
+  // Number of measured phases, 2 or 3. With two, the third current is minus the sum, and nothing checks the sensors
+  // against each other.
+  uint8_t phases;
+  // What there is of the position, `BW_POSITION_…`.
+  uint8_t position;
+  // Mechanical angle of the shaft as `bw_angle` returns it, for `BW_POSITION_ABSOLUTE`.
+  uint32_t angle;
+  // Amplitude times sine, for `BW_POSITION_RESOLVER`, in the unit of `resolver_lowest_amplitude`.
+  float sin;
+  // Amplitude times cosine.
+  float cos;
+} BwRawSample;
+
+// All signals at one instant, some raw samples ago.
+typedef struct BwCleanSample {
+  // Quadrature current, A; NaN if missing.
+  float current_a;
+  // Mechanical velocity, rad/s; NaN if missing.
+  float velocity_rad_s;
+  // Mechanical angle as `bw_collect` takes it, 2^32 is one turn; without meaning if the velocity is NaN.
+  uint32_t angle;
+  // The further channels, NaN if missing; those that are not in use are 0.
+  float further[BW_MAX_FURTHER];
+  // 1 if a fault was found since the clean sample before that shows only after a window of samples (a stuck
+  // converter, currents that do not fit each other, unequal gains of a resolver): samples before were wrong. Call
+  // `bw_discard`.
+  uint8_t found_late;
+} BwCleanSample;
+
+// What was refused since the start or `bw_front_end_clear_faults`, in samples where nothing else is said, and what is
+// wrong now.
+typedef struct BwFrontEndFaults {
+  // Whether the angle is known, and nothing was refused.
+  bool clear;
+  // The phase of the imbalance: 0, 1, 2 for a, b, c.
+  uint8_t imbalance_phase;
+  // Why the currents are missing now.
+  BwImbalance imbalance;
+  // Relative error of the gain, for `BW_IMBALANCE_GAIN`.
+  float gain_error;
+  // Number of windows in which the currents did not fit each other.
+  uint32_t unbalanced_windows;
+  // Counts of phases a, b, c outside the usable range.
+  uint32_t saturated[3];
+  // Counts of phases a, b, c that repeated too often.
+  uint32_t stuck[3];
+  // `BW_POSITION_MISSING`.
+  uint32_t position_missing;
+  // Errors of the locked loop beyond its limit.
+  uint32_t position_strayed;
+  // Number of times that the lock was lost.
+  uint32_t lock_losses;
+  // Resolver signals with too low an amplitude, or not a number.
+  uint32_t resolver_lost;
+  // Resolver signals with too high an amplitude.
+  uint32_t resolver_too_high;
+  // Resolver signals while the gains of sine and cosine differed too much.
+  uint32_t resolver_mismatched;
+  // Whether the angle is known now.
+  BwLock lock;
+  // Number of gaps in the numbers of the samples.
+  uint32_t gaps;
+} BwFrontEndFaults;
+
+// What a calibration must look like.
+typedef struct BwCalibrationLimits {
+  // Number of samples, at least 2.
+  uint16_t samples;
+  // Lowest plausible offset, counts.
+  float lowest_offset_counts;
+  // Highest plausible offset, counts.
+  float highest_offset_counts;
+  // Lowest plausible standard deviation, counts: less noise means a stuck converter; 0 accepts a constant.
+  float lowest_deviation_counts;
+  // Highest plausible standard deviation, counts.
+  float highest_deviation_counts;
+} BwCalibrationLimits;
+
+// A current sensor whose offset was refused.
+typedef struct BwRefusedOffset {
+  // The phase, 0, 1, 2 for a, b, c; 0 for `BW_CODE_CALIBRATION_TOO_FEW`.
+  uint8_t phase;
+  // Standard deviation for `BW_CODE_CALIBRATION_NOISY` and offset for `BW_CODE_CALIBRATION_OUT_OF_BAND`, counts;
+  // number of samples for `BW_CODE_CALIBRATION_TOO_FEW`; 0 for `BW_CODE_CALIBRATION_STUCK`.
+  float value;
+} BwRefusedOffset;
+
+// What a wiring must be like.
+typedef struct BwWiringLimits {
+  // Least root mean square of the current vector, A; several times the noise of the sensors.
+  float least_current_a;
+  // Largest error of the electrical offset, rad.
+  float offset_rad;
+  // Largest delay between current and angle, s.
+  float delay_s;
+  // Largest relative difference of velocity and motion of the angle.
+  float velocity_tolerance;
+  // Velocity below which it is not compared with the angle, rad/s.
+  float slowest_rad_s;
+} BwWiringLimits;
+
+// The wiring.
+typedef struct BwWiring {
+  // The first fault. After a remedy check again.
+  BwWiringFault fault;
+  // The value that `BwWiringFault` names, NaN if it names none.
+  float value;
+  // How well the current turns with the shaft, 1 at best. NaN, like what follows, if there is a fault.
+  float coherence;
+  // Error of the electrical offset, rad.
+  float offset_rad;
+  // Delay of the current behind the angle, s; NaN if the shaft turned one way only.
+  float delay_s;
+  // Integral of the velocity over motion of the angle; NaN without a velocity: then its sign, its unit and the
+  // control rate are not checked.
+  float velocity_ratio;
+} BwWiring;
+
 // What the model wants.
 typedef struct BwInfo {
   // Number of channels of a sample.
@@ -410,8 +751,8 @@ BwCode bw_init(void *memory, size_t size, const uint8_t *model, size_t length, s
 //
 // Returns `BW_CODE_OK`; `BW_CODE_SEGMENT` with the sample that closes a segment, which the main loop then concludes by
 // `bw_advance` or `bw_conclude`; `BW_CODE_SEGMENT_LOST` if it has not done so with the segment before; or
-// `BW_CODE_BUSY` if the interrupt came during `bw_adopt`, `bw_restart`, `bw_pending`, `bw_step` or `bw_reset`. The
-// sample is then lost, and counts as one with bad values.
+// `BW_CODE_BUSY` if the interrupt came during `bw_adopt`, `bw_discard`, `bw_restart`, `bw_pending`, `bw_step` or
+// `bw_reset`. The sample is then lost, and counts as one with bad values.
 //
 // # Safety
 // `state` is NULL, or was given by `bw_init` or has as many readable bytes. `values` is NULL or has `count`
@@ -434,6 +775,16 @@ BwCode bw_step(struct BwState *state, const float *values, size_t count, uint32_
 // # Safety
 // `state` is NULL, or was given by `bw_init` or has as many readable bytes.
 BwCode bw_restart(struct BwState *state);
+
+// Discards what the open segment has taken, which was found to be wrong after it was taken: `found_late` of
+// `BwCleanSample`. The segment closes where it would have, and has a verdict if half of it follows this call and is
+// usable. `before_in_doubt` gets 1 if less than half of the segment had passed: the fault may have begun in the
+// segment before, whose report is in doubt, too; NULL if that is not wanted. In the interrupt, or with the interrupt
+// masked.
+//
+// # Safety
+// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `before_in_doubt` is NULL or writable.
+BwCode bw_discard(struct BwState *state, uint8_t *before_in_doubt);
 
 // Gives the number of samples in the open segment, after averaging. In the interrupt, or with the interrupt masked.
 //
@@ -539,6 +890,138 @@ BwCode bw_save(struct BwState *state, uint8_t *bytes, size_t capacity);
 // `state` is NULL, or was given by `bw_init` or has as many readable bytes. `bytes` is NULL or has `length` readable
 // bytes.
 BwCode bw_restore(struct BwState *state, const uint8_t *bytes, size_t length);
+
+// Returns the number of bytes of memory that `bw_front_end_init` needs: with a plan of its own a library needs less.
+size_t bw_front_end_size(void);
+
+// Makes a front end without samples in memory of the caller, and gives its address in `front_end`. The constants are
+// not needed afterwards. In case of an error the memory is unchanged. A front end can be initialised again, to start
+// afresh, while no other function works on it.
+//
+// Returns `BW_CODE_OK`, or what is wrong with memory or constants: `BW_CODE_FRONT_END_…`, or `BW_CODE_OUT_OF_RANGE` for
+// `park`.
+//
+// # Safety
+// `memory` is NULL or has `size` writable bytes, which nothing else writes until the front end is used no more.
+// `constants` is NULL or readable. `front_end` is NULL or writable. No other function works on the front end.
+BwCode bw_front_end_init(void *memory,
+                         size_t size,
+                         const struct BwFrontEndConstants *constants,
+                         struct BwFrontEnd **front_end);
+
+// Takes a raw sample in the interrupt of the control loop. `further` are the further channels in their order and units,
+// NaN if missing; it may be NULL if `count`, their number, is 0. One in `factor` calls gives a clean sample once the
+// filters are filled: pass it to `bw_collect`. Wrong counts, angles and values are counted, and are missing from the
+// clean samples: their channels are NaN.
+//
+// Returns `BW_CODE_OK`; `BW_CODE_CLEAN_SAMPLE` if `clean` was written; `BW_CODE_WRONG_CHANNEL_COUNT`;
+// `BW_CODE_OUT_OF_RANGE` if `phases` or `position` of the sample is; or `BW_CODE_BUSY` if the interrupt came during
+// another function of this front end. A sample that is not taken is a gap in the numbers.
+//
+// # Safety
+// `front_end` is NULL, or was given by `bw_front_end_init` or has as many readable bytes. `raw` is NULL or readable.
+// `further` is NULL or has `count` readable values. `clean` is NULL or writable.
+BwCode bw_front_end_push(struct BwFrontEnd *front_end,
+                         const struct BwRawSample *raw,
+                         const float *further,
+                         size_t count,
+                         struct BwCleanSample *clean);
+
+// Takes a raw sample at commissioning, for a check of the wiring instead of the filters. `velocity_rad_s` is one of the
+// drive's own, NaN if there is none.
+//
+// Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` if `phases` or `position` of the sample is, or `BW_CODE_BUSY`.
+//
+// # Safety
+// `front_end` is NULL, or was given by `bw_front_end_init` or has as many readable bytes; likewise `wiring` by
+// `bw_wiring_init`. `raw` is NULL or readable.
+BwCode bw_front_end_check_wiring(struct BwFrontEnd *front_end,
+                                 const struct BwRawSample *raw,
+                                 float velocity_rad_s,
+                                 struct BwWiringCheck *wiring);
+
+// Checks that a front end gives samples like those on which the model was trained: the interval, to 1 %, and the sign
+// convention of the quadrature current.
+//
+// Returns `BW_CODE_OK`, also if the model does not say, `BW_CODE_MODEL_INTERVAL`, `BW_CODE_MODEL_PARK`, or what is wrong
+// with the constants.
+//
+// # Safety
+// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `constants` is NULL or readable.
+BwCode bw_check_front_end(const struct BwState *state,
+                          const struct BwFrontEndConstants *constants);
+
+// Gives what was refused, and what is wrong now. In the interrupt, or with the interrupt masked.
+//
+// # Safety
+// `front_end` is NULL, or was given by `bw_front_end_init` or has as many readable bytes. `faults` is NULL or
+// writable.
+BwCode bw_front_end_faults(struct BwFrontEnd *front_end, struct BwFrontEndFaults *faults);
+
+// Counts refusals from zero; what is wrong now stays. In the interrupt, or with the interrupt masked.
+//
+// # Safety
+// `front_end` is NULL, or was given by `bw_front_end_init` or has as many readable bytes.
+BwCode bw_front_end_clear_faults(struct BwFrontEnd *front_end);
+
+// Makes a calibration without samples in memory of the caller, and gives its address in `calibration`.
+//
+// # Safety
+// `memory` is NULL or has `size` writable bytes, which nothing else writes until the calibration is used no more.
+// `limits` is NULL or readable. `calibration` is NULL or writable. No other function works on the calibration.
+BwCode bw_calibration_init(void *memory,
+                           size_t size,
+                           const struct BwCalibrationLimits *limits,
+                           struct BwCalibration **calibration);
+
+// Takes the counts of the phases a, b, and c if `phases` is 3 and not 2, in the interrupt of the converter with the
+// inverter off.
+//
+// Returns `BW_CODE_OK`, `BW_CODE_ENOUGH_SAMPLES`, `BW_CODE_OUT_OF_RANGE` for another number of phases, or
+// `BW_CODE_BUSY`. Samples beyond the last one are ignored.
+//
+// # Safety
+// `calibration` is NULL, or was given by `bw_calibration_init` or has as many readable bytes. `counts` is NULL or has
+// `phases` readable values.
+BwCode bw_calibration_push(struct BwCalibration *calibration, const uint16_t *counts, uint8_t phases);
+
+// Puts the measured offsets into constants of a front end; a third phase that was never sampled keeps its own. If one is
+// refused, the constants are unchanged, and `refused` names the first one.
+//
+// Returns `BW_CODE_OK`, `BW_CODE_CALIBRATION_…`, or `BW_CODE_BUSY`.
+//
+// # Safety
+// `calibration` is NULL, or was given by `bw_calibration_init` or has as many readable bytes. `constants` is NULL, or
+// readable and writable. `refused` is NULL or writable.
+BwCode bw_calibration_finish(struct BwCalibration *calibration,
+                             struct BwFrontEndConstants *constants,
+                             struct BwRefusedOffset *refused);
+
+// Makes a check without samples in memory of the caller, and gives its address in `wiring`. Feed it by
+// `bw_front_end_check_wiring` while the drive moves under current control by a turn or more, best to and fro.
+//
+// Returns `BW_CODE_OK`, or what is wrong with memory or constants.
+//
+// # Safety
+// `memory` is NULL or has `size` writable bytes, which nothing else writes until the check is used no more.
+// `constants` and `limits` are NULL or readable. `wiring` is NULL or writable. No other function works on the check.
+BwCode bw_wiring_init(void *memory,
+                      size_t size,
+                      const struct BwFrontEndConstants *constants,
+                      const struct BwWiringLimits *limits,
+                      struct BwWiringCheck **wiring);
+
+// Gives the wiring, or what is wrong with it.
+//
+// Returns `BW_CODE_OK`, also if there is a fault, or `BW_CODE_BUSY`.
+//
+// # Safety
+// `wiring` is NULL, or was given by `bw_wiring_init` or has as many readable bytes. `result` is NULL or writable.
+BwCode bw_wiring_conclude(struct BwWiringCheck *wiring, struct BwWiring *result);
+
+// Returns a text for a fault of the wiring, `BW_WIRING_FAULT_…`, ending in a zero byte; "unknown fault" for other
+// numbers. Never NULL.
+const char *bw_wiring_text(int32_t fault);
 
 // Returns the version of the library, a text that ends in a zero byte.
 const char *bw_version(void);

@@ -6,7 +6,8 @@ use bearing_watch::plan::Plan as _;
 use bearing_watch::{Angle, Park, RotorFrame};
 
 use crate::code::{BwCode, Outcome, code};
-use crate::state::{BwState, at, check, put};
+use crate::memory::{at, check, put};
+use crate::state::BwState;
 
 const VERSION: &CStr = match CStr::from_bytes_with_nul(concat!(env!("CARGO_PKG_VERSION"), "\0").as_bytes()) {
     Ok(version) => version,
@@ -175,12 +176,20 @@ pub unsafe extern "C" fn bw_check_park(state: *const BwState, park: i32) -> BwCo
     code(unsafe { at(state) }.and_then(|state| check_park(state, park)))
 }
 
-fn check_park(state: &BwState, park: i32) -> Outcome {
-    let park = match park {
-        1 => Park::Standard,
-        2 => Park::Thesis,
-        _ => return Err(BwCode::OutOfRange),
-    };
-    state.model.check_rotor_frame(&RotorFrame { pole_pairs: 1, electrical_offset: Angle::ZERO, park })?;
+fn check_park(state: &BwState, number: i32) -> Outcome {
+    let frame = RotorFrame { pole_pairs: 1, electrical_offset: Angle::ZERO, park: park(number)? };
+    state.model.check_rotor_frame(&frame)?;
     Ok(BwCode::Ok)
+}
+
+/// The sign convention with a number of [`BwPark`].
+///
+/// # Errors
+/// [`BwCode::OutOfRange`], also for [`BwPark::Unknown`].
+pub(crate) const fn park(number: i32) -> Outcome<Park> {
+    match number {
+        1 => Ok(Park::Standard),
+        2 => Ok(Park::Thesis),
+        _ => Err(BwCode::OutOfRange),
+    }
 }

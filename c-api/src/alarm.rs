@@ -3,7 +3,8 @@
 use bearing_watch::Cause;
 
 use crate::code::{BwCode, code};
-use crate::state::{BwState, Solving, Work, at, put};
+use crate::memory::{at, put};
+use crate::state::{BwState, Solving, Work};
 
 /// The alarm, and what leads to it.
 #[repr(C)]

@@ -2,10 +2,11 @@
 
 use core::ffi::{CStr, c_char};
 
-use bearing_watch::ModelError;
+use bearing_watch::{CalibrationError, FrontEndError, ModelError};
 
 /// What a function returns: 0 or above if it did what it says, below 0 if it did nothing. But with
-/// `BW_CODE_SEGMENT_LOST` the sample is taken, and with `BW_CODE_BUFFER_TOO_SMALL` `bw_values` has filled the buffer.
+/// `BW_CODE_SEGMENT_LOST` the sample is taken, with `BW_CODE_BUFFER_TOO_SMALL` `bw_values` has filled the buffer, and
+/// with a `BW_CODE_CALIBRATION_…` `bw_calibration_finish` names the refused sensor.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BwCode {
@@ -19,13 +20,17 @@ pub enum BwCode {
     NotAdopted = 3,
     /// There is no closed segment to solve.
     Idle = 4,
+    /// A clean sample came out of the front end.
+    CleanSample = 5,
+    /// The calibration has as many samples as it needs.
+    EnoughSamples = 6,
     /// A pointer is NULL.
     Null = -1,
-    /// A pointer is not aligned: the memory of the state to `BW_STATE_ALIGN` bytes, other pointers to their type.
+    /// A pointer is not aligned: the memory of an object to `BW_STATE_ALIGN` bytes, other pointers to their type.
     Misaligned = -2,
-    /// The memory has less than `bw_state_size()` bytes.
+    /// The memory has less than `bw_state_size()` bytes, or what another object needs.
     MemoryTooSmall = -3,
-    /// No state was initialised at this address; a copied state does not count.
+    /// No state, or other object, was initialised at this address; a copied one does not count.
     NotInitialised = -4,
     /// The function interrupted another one that works on the same part of the state. A sample is lost.
     Busy = -5,
@@ -33,7 +38,7 @@ pub enum BwCode {
     SegmentLost = -6,
     /// There is no report yet, or the next segment is being solved.
     NoReport = -7,
-    /// The number of values is not the number of channels of the model.
+    /// The number of values is not the number of channels of the model, or of further channels of the front end.
     WrongChannelCount = -8,
     /// No such thing: an index or a choice is out of range.
     OutOfRange = -9,
@@ -61,15 +66,41 @@ pub enum BwCode {
     SavedState = -35,
     /// The saved state is that of another model.
     OtherModel = -36,
+    /// The control rate is not within 100 Hz and 1 MHz.
+    FrontEndControlRate = -40,
+    /// Offset, gain or usable range of a current sensor is out of range.
+    FrontEndSensor = -41,
+    /// Noise, tolerance or window of the sum of the currents is out of range.
+    FrontEndBalance = -42,
+    /// Bandwidth, damping, limit or times of the tracking loop are out of range.
+    FrontEndTracking = -43,
+    /// The amplitudes of the resolver are out of range.
+    FrontEndResolver = -44,
+    /// A motor has at least one pole pair.
+    FrontEndPolePairs = -45,
+    /// There are no filters for this factor of decimation, or the plan of this library has another one.
+    FrontEndFactor = -46,
+    /// There are more further channels than `BW_MAX_FURTHER`, or not as many as the plan of this library has.
+    FrontEndFurther = -47,
+    /// There are not enough samples for the offsets of the current sensors yet.
+    CalibrationTooFew = -50,
+    /// A current sensor is too noisy: the motor turns, a current flows, or the sensor is broken.
+    CalibrationNoisy = -51,
+    /// The converter of a current sensor repeats itself.
+    CalibrationStuck = -52,
+    /// The offset of a current sensor is not plausible: a current flows, or the sensor is broken.
+    CalibrationOutOfBand = -53,
 }
 
 impl BwCode {
-    const ALL: [Self; 26] = [
+    const ALL: [Self; 40] = [
         Self::Ok,
         Self::Segment,
         Self::Report,
         Self::NotAdopted,
         Self::Idle,
+        Self::CleanSample,
+        Self::EnoughSamples,
         Self::Null,
         Self::Misaligned,
         Self::MemoryTooSmall,
@@ -91,6 +122,18 @@ impl BwCode {
         Self::ModelPark,
         Self::SavedState,
         Self::OtherModel,
+        Self::FrontEndControlRate,
+        Self::FrontEndSensor,
+        Self::FrontEndBalance,
+        Self::FrontEndTracking,
+        Self::FrontEndResolver,
+        Self::FrontEndPolePairs,
+        Self::FrontEndFactor,
+        Self::FrontEndFurther,
+        Self::CalibrationTooFew,
+        Self::CalibrationNoisy,
+        Self::CalibrationStuck,
+        Self::CalibrationOutOfBand,
     ];
 
     const fn text(self) -> &'static CStr {
@@ -100,14 +143,16 @@ impl BwCode {
             Self::Report => c"there is a new report",
             Self::NotAdopted => c"the estimate was not adopted",
             Self::Idle => c"there is no closed segment to solve",
+            Self::CleanSample => c"there is a clean sample",
+            Self::EnoughSamples => c"the calibration has enough samples",
             Self::Null => c"a pointer is NULL",
             Self::Misaligned => c"a pointer is not aligned",
-            Self::MemoryTooSmall => c"the memory has less than bw_state_size() bytes",
-            Self::NotInitialised => c"no state was initialised at this address",
+            Self::MemoryTooSmall => c"the memory has fewer bytes than the state or object needs",
+            Self::NotInitialised => c"no state or object was initialised at this address",
             Self::Busy => c"another function works on the same part of the state",
             Self::SegmentLost => c"a segment is lost: the one before it was not taken",
             Self::NoReport => c"there is no report",
-            Self::WrongChannelCount => c"the number of values is not that of the model's channels",
+            Self::WrongChannelCount => c"the number of values is not that of the channels",
             Self::OutOfRange => c"an index or a choice is out of range",
             Self::BufferTooSmall => c"the buffer is too small",
             Self::NotAModel => c"these bytes are not a bearing-watch model",
@@ -121,6 +166,18 @@ impl BwCode {
             Self::ModelPark => c"the model was trained with the other Park convention",
             Self::SavedState => c"these bytes are not a saved state, or are corrupted",
             Self::OtherModel => c"the saved state is that of another model",
+            Self::FrontEndControlRate => c"the control rate is not within 100 Hz and 1 MHz",
+            Self::FrontEndSensor => c"offset, gain or usable range of a current sensor is out of range",
+            Self::FrontEndBalance => c"noise, tolerance or window of the sum of the currents is out of range",
+            Self::FrontEndTracking => c"bandwidth, damping, limit or times of the tracking loop are out of range",
+            Self::FrontEndResolver => c"the amplitudes of the resolver are out of range",
+            Self::FrontEndPolePairs => c"a motor has at least one pole pair",
+            Self::FrontEndFactor => c"there are no filters for this factor of decimation in this library",
+            Self::FrontEndFurther => c"the library has no front end with this number of further channels",
+            Self::CalibrationTooFew => c"too few samples for offsets of the current sensors",
+            Self::CalibrationNoisy => c"a current sensor is too noisy for an offset",
+            Self::CalibrationStuck => c"the converter of a current sensor is stuck",
+            Self::CalibrationOutOfBand => c"the offset of a current sensor is out of its band",
         }
     }
 }
@@ -139,6 +196,34 @@ impl From<ModelError> for BwCode {
             ModelError::BufferTooSmall => Self::BufferTooSmall,
             // Layout, Length, OutOfRange, and what a later version of the core adds.
             _ => Self::ModelValue,
+        }
+    }
+}
+
+impl From<FrontEndError> for BwCode {
+    fn from(error: FrontEndError) -> Self {
+        match error {
+            FrontEndError::ControlRate => Self::FrontEndControlRate,
+            FrontEndError::Sensor => Self::FrontEndSensor,
+            FrontEndError::Balance => Self::FrontEndBalance,
+            FrontEndError::Tracking => Self::FrontEndTracking,
+            FrontEndError::Resolver => Self::FrontEndResolver,
+            FrontEndError::PolePairs => Self::FrontEndPolePairs,
+            // What a later version of the core adds.
+            _ => Self::OutOfRange,
+        }
+    }
+}
+
+impl From<CalibrationError> for BwCode {
+    fn from(error: CalibrationError) -> Self {
+        match error {
+            CalibrationError::TooFew { .. } => Self::CalibrationTooFew,
+            CalibrationError::Noisy { .. } => Self::CalibrationNoisy,
+            CalibrationError::Stuck { .. } => Self::CalibrationStuck,
+            CalibrationError::OutOfBand { .. } => Self::CalibrationOutOfBand,
+            // What a later version of the core adds.
+            _ => Self::OutOfRange,
         }
     }
 }

@@ -10,6 +10,11 @@
 //!              bw_alarm                     the evidence of all segments
 //!              bw_save, bw_restore          the same as bytes, which survive power-off
 //! or at once   bw_step                      a sample; now and then BW_CODE_REPORT
+//!
+//! bw_front_end_init    memory of the caller, constants ─► front end, for drives without Clarke, Park and decimation
+//! control interrupt    bw_front_end_push   raw counts; now and then BW_CODE_CLEAN_SAMPLE, for bw_collect
+//! commissioning        bw_calibration_…    offsets of the current sensors at standstill
+//!                      bw_wiring_…         phase order, pole pairs, electrical offset, delay, directions
 //! ```
 //!
 //! No function allocates, blocks, panics or has global state. Pointers that are NULL or not aligned, memory that is too
@@ -27,27 +32,46 @@
 
 mod about;
 mod alarm;
+mod calibration;
 mod code;
+mod front_end;
+mod memory;
 mod plan;
 mod report;
 mod sampling;
 mod saved;
 mod solving;
 mod state;
+mod wiring;
 
 pub use about::{BwInfo, BwPark, bw_check_channel, bw_check_interval, bw_check_park, bw_info, bw_label, bw_version};
 pub use alarm::{BwAlarm, bw_alarm, bw_end_run, bw_reset};
+pub use calibration::{
+    BW_CALIBRATION_SIZE, BwCalibration, BwCalibrationLimits, BwRefusedOffset, bw_calibration_finish,
+    bw_calibration_init, bw_calibration_push,
+};
 pub use code::{BwCode, bw_error_text};
+pub use front_end::constants::{BwFrontEndConstants, BwPhaseSensor, bw_check_front_end};
+pub use front_end::faults::{BwFrontEndFaults, BwImbalance, BwLock, bw_front_end_clear_faults, bw_front_end_faults};
+pub use front_end::sample::{BwCleanSample, BwPosition, BwRawSample};
+pub use front_end::{
+    BW_FRONT_END_SIZE, BW_MAX_FURTHER, BwFrontEnd, bw_front_end_check_wiring, bw_front_end_init, bw_front_end_push,
+    bw_front_end_size,
+};
 pub use plan::{
     AnyModel, BW_MAX_AVERAGED, BW_MAX_CHANNELS, BW_MAX_CLASSES, BW_MAX_COLUMNS, BW_MAX_COORDINATES, BW_MAX_COVARIATES,
     BW_MAX_DELAYS, BW_MAX_DENSITIES, BW_MAX_FEATURES, BW_MAX_FILTERS, BW_MAX_ORDERS, BW_MAX_PARAMETERS,
     BW_MAX_PROJECTION, BW_MAX_RISING, Values,
 };
 pub use report::{BwPart, BwReason, BwReport, BwValues, BwVerdict, bw_report, bw_values};
-pub use sampling::{bw_angle, bw_collect, bw_pending, bw_restart, bw_step};
+pub use sampling::{bw_angle, bw_collect, bw_discard, bw_pending, bw_restart, bw_step};
 pub use saved::{bw_restore, bw_save, bw_saved_size};
 pub use solving::{bw_adopt, bw_advance, bw_conclude};
 pub use state::{BW_STATE_ALIGN, BW_STATE_SIZE, BwState, bw_init, bw_state_size};
+pub use wiring::{
+    BW_WIRING_SIZE, BwWiring, BwWiringCheck, BwWiringFault, BwWiringLimits, bw_wiring_conclude, bw_wiring_init,
+    bw_wiring_text,
+};
 
 /// The core never panics: this is for the linker.
 #[cfg(target_os = "none")]

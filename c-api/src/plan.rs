@@ -11,6 +11,8 @@ use bearing_watch::plan::{Bounded, Layout, Plan, Signals};
 pub(crate) use self::AnyModel as Own;
 #[cfg(bearing_watch_plan)]
 pub(crate) use exported::Drive as Own;
+#[cfg(bearing_watch_front_end)]
+pub(crate) use exported::{DriveFrontEnd, FURTHER};
 
 /// What `bearing-watch train --rust` wrote.
 #[cfg(bearing_watch_plan)]

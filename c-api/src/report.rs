@@ -4,8 +4,9 @@ use bearing_watch::plan::MAX_CHANNELS;
 use bearing_watch::{FrictionTerm, Implausible, OrderStrength, Parameter, Part, Reason, Report, Verdict};
 
 use crate::code::{BwCode, Outcome, code};
+use crate::memory::{at, check, put};
 use crate::plan::Own;
-use crate::state::{BwState, Work, at, check, put};
+use crate::state::{BwState, Work};
 
 /// The state of the bearing in one segment.
 #[repr(i32)]

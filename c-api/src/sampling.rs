@@ -6,9 +6,10 @@ use bearing_watch::plan::{MAX_CHANNELS, Plan, Signals as _};
 use bearing_watch::{Angle, Detector, Segment};
 
 use crate::code::{BwCode, Outcome, code};
+use crate::memory::{at, check, elements, put};
 use crate::plan::Own;
 use crate::solving::conclude;
-use crate::state::{BwState, Solving, Work, at, check, elements, put};
+use crate::state::{BwState, Solving, Work};
 
 type Sample = <Own as Plan>::Sample;
 
@@ -21,8 +22,8 @@ const MOST_MISSED: u32 = 16;
 ///
 /// Returns `BW_CODE_OK`; `BW_CODE_SEGMENT` with the sample that closes a segment, which the main loop then concludes by
 /// `bw_advance` or `bw_conclude`; `BW_CODE_SEGMENT_LOST` if it has not done so with the segment before; or
-/// `BW_CODE_BUSY` if the interrupt came during `bw_adopt`, `bw_restart`, `bw_pending`, `bw_step` or `bw_reset`. The
-/// sample is then lost, and counts as one with bad values.
+/// `BW_CODE_BUSY` if the interrupt came during `bw_adopt`, `bw_discard`, `bw_restart`, `bw_pending`, `bw_step` or
+/// `bw_reset`. The sample is then lost, and counts as one with bad values.
 ///
 /// # Safety
 /// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `values` is NULL or has `count`
@@ -169,6 +170,25 @@ pub unsafe extern "C" fn bw_restart(state: *mut BwState) -> BwCode {
         })
     };
     code(found.and_then(restart).map(|()| BwCode::Ok))
+}
+
+/// Discards what the open segment has taken, which was found to be wrong after it was taken: `found_late` of
+/// `BwCleanSample`. The segment closes where it would have, and has a verdict if half of it follows this call and is
+/// usable. `before_in_doubt` gets 1 if less than half of the segment had passed: the fault may have begun in the
+/// segment before, whose report is in doubt, too; NULL if that is not wanted. In the interrupt, or with the interrupt
+/// masked.
+///
+/// # Safety
+/// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `before_in_doubt` is NULL or writable.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_discard(state: *mut BwState, before_in_doubt: *mut u8) -> BwCode {
+    // SAFETY: the same contract.
+    let in_doubt = unsafe { at(state) }.and_then(|state| state.sampling.with(Detector::discard));
+    let told = |in_doubt: bool| {
+        // SAFETY: the same contract.
+        if before_in_doubt.is_null() { Ok(()) } else { unsafe { put(before_in_doubt, in_doubt.into()) } }
+    };
+    code(in_doubt.and_then(told).map(|()| BwCode::Ok))
 }
 
 /// Gives the number of samples in the open segment, after averaging. In the interrupt, or with the interrupt masked.

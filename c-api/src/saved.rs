@@ -3,7 +3,8 @@
 use bearing_watch::StateError;
 
 use crate::code::{BwCode, code};
-use crate::state::{BwState, at, check, elements, put};
+use crate::memory::{at, check, elements, put};
+use crate::state::BwState;
 
 /// Gives the number of bytes that `bw_save` writes for the model of this state.
 ///

@@ -3,8 +3,9 @@
 use bearing_watch::{Report, Solver};
 
 use crate::code::{BwCode, Outcome, code};
+use crate::memory::at;
 use crate::plan::Own;
-use crate::state::{BwState, Solving, Work, at};
+use crate::state::{BwState, Solving, Work};
 
 /// Does a bounded piece of the solve of the closed segment; call it again and again in the main loop. The first piece
 /// takes the segment, so that the interrupt can close the next one. The alarm takes account of the report.

@@ -7,30 +7,27 @@
 
 use core::cell::UnsafeCell;
 use core::ffi::c_void;
-use core::mem::{ManuallyDrop, MaybeUninit};
+use core::mem::{ManuallyDrop, MaybeUninit, offset_of};
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use bearing_watch::{Detector, Evidence, Model, Report, Segment, Solver};
 
 use crate::code::{BwCode, Outcome, code};
+use crate::memory::{Object, check, elements, put, room, tag};
 use crate::plan::Own;
 
 /// Bytes of memory that are enough for `bw_init` of a library without a plan of its own; `bw_state_size` returns what
 /// exactly is needed.
 pub const BW_STATE_SIZE: usize = 20480;
-/// Alignment of that memory, bytes.
+/// Alignment of that memory, bytes, and of the memory of all other objects.
 pub const BW_STATE_ALIGN: usize = 8;
 
 const _: () = assert!(size_of::<BwState>() <= BW_STATE_SIZE || cfg!(bearing_watch_plan));
 const _: () = assert!(align_of::<BwState>() <= BW_STATE_ALIGN);
 
-/// Marks an initialised state, together with its address.
-const TAG: u32 = 0x4257_4331;
-
 /// A detector of one drive, in memory of the caller.
 #[derive(Debug)]
 pub struct BwState {
-    /// [`TAG`] and the address, so that neither other memory nor a copy passes.
     tag: AtomicU32,
     /// Samples that were lost because a function was busy, and segments that were not taken.
     pub(crate) lost_samples: AtomicU32,
@@ -41,6 +38,11 @@ pub struct BwState {
     pub(crate) sampling: Lock<Detector<'static, Own>>,
     pub(crate) closed: Slot<Segment<Own>>,
     pub(crate) solving: Lock<Solving>,
+}
+
+impl Object for BwState {
+    const MARK: u32 = 0x4257_4331;
+    const PLACE_OF_TAG: usize = offset_of!(Self, tag);
 }
 
 /// What the main loop works on.
@@ -70,7 +72,7 @@ pub(crate) struct Lock<T> {
 unsafe impl<T: Send> Sync for Lock<T> {}
 
 impl<T> Lock<T> {
-    const fn new(value: T) -> Self {
+    pub(crate) const fn new(value: T) -> Self {
         Self { taken: AtomicBool::new(false), value: UnsafeCell::new(value) }
     }
 
@@ -141,68 +143,6 @@ impl<T> Slot<T> {
     }
 }
 
-/// [`TAG`] for this address.
-#[expect(clippy::cast_possible_truncation, reason = "on a host the lower half of the address is enough")]
-fn tag(state: *const BwState) -> u32 {
-    TAG ^ state.addr() as u32
-}
-
-/// Checks a pointer.
-///
-/// # Errors
-/// [`BwCode::Null`] or [`BwCode::Misaligned`].
-pub(crate) fn check<T>(pointer: *const T) -> Outcome<()> {
-    if pointer.is_null() {
-        Err(BwCode::Null)
-    } else if !pointer.is_aligned() {
-        Err(BwCode::Misaligned)
-    } else {
-        Ok(())
-    }
-}
-
-/// The state at an address.
-///
-/// # Safety
-/// The address is NULL, or that of as many readable bytes as a state has, that live as long as the result.
-pub(crate) unsafe fn at<'a>(state: *const BwState) -> Outcome<&'a BwState> {
-    check(state)?;
-    // SAFETY: aligned, and readable by the contract; an atomic of any bits is valid.
-    let found = unsafe { AtomicU32::from_ptr((&raw const (*state).tag).cast_mut().cast()) }.load(Ordering::Acquire);
-    if found != tag(state) {
-        return Err(BwCode::NotInitialised);
-    }
-    // SAFETY: `bw_init` has written the whole state before its tag.
-    Ok(unsafe { &*state })
-}
-
-/// Elements at an address.
-///
-/// # Errors
-/// As [`check`].
-///
-/// # Safety
-/// The address is NULL, or that of `count` readable elements that live as long as the result.
-pub(crate) unsafe fn elements<'a, T>(first: *const T, count: usize) -> Outcome<&'a [T]> {
-    check(first)?;
-    // SAFETY: aligned, and readable by the contract.
-    Ok(unsafe { core::slice::from_raw_parts(first, count) })
-}
-
-/// Writes a value to an address.
-///
-/// # Errors
-/// As [`check`].
-///
-/// # Safety
-/// The address is NULL or writable.
-pub(crate) unsafe fn put<T>(place: *mut T, value: T) -> Outcome<()> {
-    check(place)?;
-    // SAFETY: aligned, and writable by the contract.
-    unsafe { place.write(value) };
-    Ok(())
-}
-
 /// Returns the number of bytes of memory that `bw_init` needs: with a plan of its own a library needs less.
 #[unsafe(no_mangle)]
 pub extern "C" fn bw_state_size() -> usize {
@@ -237,15 +177,8 @@ unsafe fn init(
     (model, length): (*const u8, usize),
     state: *mut *mut BwState,
 ) -> Outcome {
-    check(memory)?;
     check(state)?;
-    if !memory.addr().is_multiple_of(BW_STATE_ALIGN) {
-        return Err(BwCode::Misaligned);
-    }
-    if size < bw_state_size() {
-        return Err(BwCode::MemoryTooSmall);
-    }
-    let own: *mut BwState = memory.cast();
+    let own: *mut BwState = room(memory, size)?;
     // SAFETY: the memory is large enough, aligned, and writable by the contract, and no other function works on it;
     // the bytes are readable by the contract. What was there owns nothing that would have to be dropped. The model is
     // never changed, and stays where it is as long as the detector that borrows it: both are in this memory.

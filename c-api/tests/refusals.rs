@@ -53,6 +53,7 @@ fn all(state: *mut BwState) -> Vec<BwCode> {
         bw_collect(state, SAMPLE.as_ptr(), 3, 0),
         bw_step(state, SAMPLE.as_ptr(), 3, 0),
         bw_restart(state),
+        bw_discard(state, null_mut()),
         bw_pending(state, &raw mut pending),
         bw_advance(state),
         bw_conclude(state),
@@ -203,6 +204,27 @@ fn samples_that_are_wrong_are_refused() {
 }
 
 #[test]
+fn a_discarded_segment_closes_where_it_would_have_without_a_verdict() {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("good model");
+    let mut report = MaybeUninit::<BwReport>::uninit();
+    assert_eq!(collect(state, SEGMENT / 4), BwCode::Ok);
+    let (mut pending, mut in_doubt) = (0, [7_u8; 2]);
+    assert_eq!(call!(bw_discard(state, in_doubt.as_mut_ptr())), BwCode::Ok);
+    assert_eq!(call!(bw_pending(state, &raw mut pending)), BwCode::Ok);
+    assert_eq!(collect(state, SEGMENT / 2), BwCode::Ok);
+    assert_eq!(call!(bw_discard(state, in_doubt.as_mut_ptr().wrapping_add(1))), BwCode::Ok);
+    assert_eq!((pending, in_doubt), (SEGMENT as u32 / 4, [1, 0]));
+    assert_eq!(collect(state, SEGMENT - SEGMENT / 4 - SEGMENT / 2), BwCode::Segment);
+    call!({
+        assert_eq!(bw_conclude(state), BwCode::Report);
+        assert_eq!(bw_report(state, report.as_mut_ptr()), BwCode::Ok);
+        let report = report.assume_init();
+        assert_eq!((report.verdict, report.reason), (BwVerdict::Undetermined, BwReason::ShortSegment));
+    });
+}
+
+#[test]
 fn calls_out_of_order_are_harmless() {
     let mut memory = Memory::new();
     let state = memory.state(FILE).expect("good model");
@@ -348,9 +370,9 @@ fn a_saved_alarm_is_restored_and_other_bytes_are_refused() {
 #[test]
 fn every_code_has_its_text() {
     let texts: Vec<_> =
-        (-40..10).map(|code| text(bw_error_text(code))).filter(|text| *text != "unknown code").collect();
+        (-60..10).map(|code| text(bw_error_text(code))).filter(|text| *text != "unknown code").collect();
     let distinct: std::collections::BTreeSet<_> = texts.iter().collect();
-    assert_eq!((texts.len(), distinct.len()), (26, 26), "{texts:?}");
+    assert_eq!((texts.len(), distinct.len()), (40, 40), "{texts:?}");
     assert_eq!(text(bw_error_text(i32::MIN)), "unknown code");
     assert_eq!(text(bw_version()), env!("CARGO_PKG_VERSION"));
     assert_eq!(bw_angle(1024, 12), 1 << 30);

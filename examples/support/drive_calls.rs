@@ -58,10 +58,11 @@ fn parts(constants: &FrontEndConstants, motor: &mut Motor<2>) {
     }
     PositionTracker::skip(&mut tracker, opaque(7));
     opaque((PositionTracker::acceleration_constant(&tracker), PositionTracker::faults(&tracker)));
+    opaque(PositionTracker::mismatched(&tracker));
     PositionTracker::clear_faults(opaque(&mut tracker));
     opaque((CurrentBalance::imbalance(&balance), CurrentBalance::unbalanced_windows(&balance)));
     CurrentBalance::clear_faults(opaque(&mut balance));
-    opaque(CurrentSensors::faults(&sensors));
+    opaque((CurrentSensors::faults(&sensors), CurrentSensors::any_stuck(&sensors)));
     CurrentSensors::clear_faults(opaque(&mut sensors));
 }
 

@@ -28,6 +28,10 @@ impl Sampler {
     pub fn sample(&mut self, raw: &RawSample<FURTHER>, hand_over: impl FnOnce(Segment<Drive>) -> bool) {
         let Some(clean) = self.front_end.push(raw) else { return };
         self.started |= clean.velocity_rad_s.is_finite() && clean.current_a.is_finite();
+        if clean.found_late {
+            // A fault that shows only after a window of samples: those before were wrong.
+            let _segment_before_in_doubt = self.detector.discard();
+        }
         if self.started
             && let Some(segment) = self.detector.collect(&clean.into())
             && !hand_over(segment)

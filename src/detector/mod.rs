@@ -228,6 +228,19 @@ impl<'m, P: Plan> Detector<'m, P> {
         report
     }
 
+    /// Discards what the open segment has taken, which was found to be wrong after it was taken:
+    /// [`CleanSample::found_late`](crate::CleanSample::found_late). The segment closes where it would have, and has a
+    /// verdict if half of it follows this call and is usable. Fading memory begins anew.
+    ///
+    /// Returns whether less than half of the segment had passed: the fault may have begun in the segment before, whose
+    /// report is in doubt, too. Firmware that keeps each report until the next segment has closed can withdraw it; an
+    /// alarm needs more than one segment in any case.
+    pub fn discard(&mut self) -> bool {
+        let (gate, samples) = (self.gate.clone(), self.samples);
+        *self = Self { gate, samples, ..Self::new(self.model) };
+        samples < self.model.constants().sampling.segment_samples / 2
+    }
+
     /// Starts afresh without a report, for a stream that does not continue from the last sample: lags, sums and
     /// auxiliary model.
     pub fn restart(&mut self) {

@@ -3,23 +3,26 @@
 //! ```text
 //! s = i_a + i_b + i_c                                                    (1) zero but for noise and sensor errors
 //! unbalanced if  ⟨s²⟩ > 4 σ² + g² (⟨i_a²⟩ + ⟨i_b²⟩ + ⟨i_c²⟩)             (2) σ: rms of s, g: tolerance of the gains
-//! phase x explains  R_x = ⟨s i_x⟩² / (⟨s²⟩ ⟨i_x²⟩)  of s                 (3)
-//! relative error of its gain  ε = r/(1 − r),  r = ⟨s i_x⟩ / ⟨i_x²⟩       (4)
-//! phase x carries no current if  ⟨i_x²⟩ < m/50,  m/50 > σ²               (5) m: largest mean square of the phases
+//! or if any    |⟨s i_x⟩| > 2 g ⟨i_x²⟩ + σ²/3 + 6 σ √(⟨i_x²⟩/n)           (3) n: samples in the window
+//! phase x explains  q_x = ⟨s i_x⟩² / ⟨i_x²⟩  of ⟨s²⟩                     (4)
+//! relative error of its gain  ε = r/(1 − r),  r = ⟨s i_x⟩ / ⟨i_x²⟩       (5)
+//! phase x carries no current if  ⟨i_x²⟩ < m/50,  m/50 > σ²               (6) m: largest mean square of the phases
 //! ```
 //!
 //! A sample is taken when the electrical angle has moved by 1/16 turn since the last one, so that the means ⟨·⟩ are
 //! about uniform over the angle and nothing is concluded from a current that stands still: at some angles a phase
-//! carries none. A phase is named for its gain if it explains at least 80 % of s and no other one more than 60 % (over
-//! a turn: 100 and 25 %); a phase without current (5) has no gain. (5) is only concluded if the window contains all
-//! octants.
+//! carries none. (3) finds a gain error that noise hides from (2): in the mean product of sum and current, the noise of
+//! the own sensor is σ²/3 at most, and all other noise has the standard deviation of the last term, without its 6. A
+//! phase is named for its gain if it
+//! explains at least 80 % of ⟨s²⟩, or all but 4 σ², and no other one more than three quarters of that (over a turn: a
+//! quarter); a phase without current (6) has no gain. (6) is only concluded if the window contains all octants.
 //!
 //! A common error of all three gains leaves the sum at zero and is not seen. Cost: nine numbers of state; a sum of six
 //! products at most 16 times an electrical turn.
 
 use super::{Abc, Angle, Phase};
 
-/// What (2) and (5) expect.
+/// What (2), (3) and (6) expect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BalanceLimits {
@@ -50,7 +53,7 @@ pub enum Imbalance {
     Gain {
         /// The phase of the sensor.
         phase: Phase,
-        /// Relative error (4) of its gain.
+        /// Relative error (5) of its gain.
         error: f32,
     },
     /// The currents do not sum to zero, and no single gain explains it: offsets, several sensors, current to earth.
@@ -167,16 +170,26 @@ impl CurrentBalance {
         let squares = [aa, bb, cc].map(|sum| sum / n);
         let noise = self.limits.noise_a * self.limits.noise_a;
         let tolerance = self.limits.gain_tolerance * self.limits.gain_tolerance;
-        let unbalanced = ss > 4.0 * noise + tolerance * squares.iter().sum::<f32>(); // (2)
+        let loud = ss > 4.0 * noise + tolerance * squares.iter().sum::<f32>(); // (2)
+        let products = [sa, sb, sc];
+        let unbalanced =
+            loud || products.into_iter().zip(squares).any(|(product, square)| self.follows(product, square, n));
         let floor = squares.iter().fold(0.0, |most: f32, square| if *square > most { *square } else { most }) / 50.0;
         if self.octants == u8::MAX && floor > noise {
             for (square, phase) in squares.iter().zip(Phase::ALL) {
                 if *square < floor {
-                    return Some(if unbalanced { Imbalance::Silent(phase) } else { Imbalance::Open(phase) }); // (5)
+                    return Some(if unbalanced { Imbalance::Silent(phase) } else { Imbalance::Open(phase) }); // (6)
                 }
             }
         }
-        unbalanced.then(|| named(ss, [sa, sb, sc], squares, floor))
+        unbalanced.then(|| named([ss, 4.0 * noise], products, squares, floor))
+    }
+
+    /// (3)
+    fn follows(&self, product: f32, square: f32, n: f32) -> bool {
+        let BalanceLimits { noise_a, gain_tolerance, .. } = self.limits;
+        let noise = noise_a * (noise_a / 3.0 + 6.0 * libm::sqrtf(square / n));
+        product.abs() > 2.0 * gain_tolerance * square + noise
     }
 
     /// What the last closed window found; `None` if the currents were balanced.
@@ -198,12 +211,13 @@ impl CurrentBalance {
     }
 }
 
-/// The phase whose gain explains the sum, among those with a mean square of at least `floor`.
-fn named(ss: f32, products: [f32; 3], squares: [f32; 3], floor: f32) -> Imbalance {
+/// The phase whose gain explains the mean square of the sum, or all of it but the noise, among those with a mean square
+/// of at least `floor`.
+fn named([ss, noise]: [f32; 2], products: [f32; 3], squares: [f32; 3], floor: f32) -> Imbalance {
     let (mut best, mut second) = ((0.0, Phase::A, 0.0), 0.0);
     let carry_current = products.into_iter().zip(squares).zip(Phase::ALL).filter(|((_, square), _)| *square >= floor);
     for ((product, square), phase) in carry_current {
-        let explained = product * product / (ss * square); // (3)
+        let explained = product * product / square; // (4)
         if explained > best.0 {
             second = best.0;
             best = (explained, phase, product / square);
@@ -212,8 +226,9 @@ fn named(ss: f32, products: [f32; 3], squares: [f32; 3], floor: f32) -> Imbalanc
         }
     }
     let (explained, phase, r) = best;
-    if explained >= 0.8 && second <= 0.6 && r < 1.0 {
-        Imbalance::Gain { phase, error: r / (1.0 - r) } // (4)
+    let left = ss - explained;
+    if (left <= 0.2 * ss || left <= noise) && second <= 0.75 * explained && r < 1.0 {
+        Imbalance::Gain { phase, error: r / (1.0 - r) } // (5)
     } else {
         Imbalance::Unnamed
     }
@@ -280,6 +295,17 @@ mod tests {
                 assert!(named == phase && (f64::from(measured) - error).abs() < 0.004, "{phase:?} {error} {measured}");
             }
         }
+    }
+
+    #[test]
+    fn a_gain_error_below_the_noise_of_the_sum_is_named() {
+        // ⟨s²⟩ is 0.0075 A² of noise and 0.02 A² of the gain, half of the limit of (2).
+        let Some(Imbalance::Gain { phase: Phase::B, error }) = found(1.0, 100.0, [1.0, 1.2, 1.0], three) else {
+            panic!("not named");
+        };
+        // Noise of 0.09 A in 320 samples of a current of 0.7 A rms: 0.007, and each sensor's own noise 0.005.
+        assert!((error - 0.2).abs() < 0.03, "{error}");
+        assert_eq!(found(1.0, 100.0, [1.015, 0.99, 1.01], three), None);
     }
 
     #[test]

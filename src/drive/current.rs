@@ -218,6 +218,12 @@ impl CurrentSensors {
         self.convert(counts).clarke()
     }
 
+    /// Whether a converter is stuck now. Samples of the window before were used.
+    #[must_use]
+    pub const fn any_stuck(&self) -> bool {
+        self.window.any_stuck
+    }
+
     /// What was refused since the start or [`Self::clear_faults`], of phases a, b, c.
     #[must_use]
     pub const fn faults(&self) -> [PhaseFaults; 3] {

@@ -141,6 +141,10 @@ impl ResolverSignal {
         (self.least, self.most, self.octants) = (f32::INFINITY, 0.0, 0);
     }
 
+    pub(super) const fn mismatched(&self) -> bool {
+        self.mismatched
+    }
+
     pub(super) const fn faults(&self) -> ResolverFaults {
         self.faults
     }

@@ -335,6 +335,13 @@ impl PositionTracker {
         k2 * RAD * self.rate_hz * self.rate_hz
     }
 
+    /// Whether the gains of the resolver's sine and cosine differ too much now. Samples of the half turn before were
+    /// used.
+    #[must_use]
+    pub const fn mismatched(&self) -> bool {
+        self.signal.mismatched()
+    }
+
     /// What was refused since the start or [`Self::clear_faults`].
     #[must_use]
     pub const fn faults(&self) -> PositionFaults {

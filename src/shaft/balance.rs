@@ -201,6 +201,21 @@ impl BalanceSums {
         self.pivot > before
     }
 
+    /// Sum of squares of the target that the terms and the prior explain, relative to that of the residual.
+    #[inline(never)]
+    pub(super) fn explained(&self, load: bool) -> f32 {
+        let columns = columns(load);
+        let last = columns.wrapping_sub(1);
+        let mut sum = 0.0;
+        let mut k = 0_usize;
+        for d in self.d.iter().take(last) {
+            let r = self.r.get(packed(columns, k, last)).copied().unwrap_or(0.0);
+            sum += d * r * r;
+            k = k.wrapping_add(1);
+        }
+        sum / self.d.get(last).copied().unwrap_or(0.0)
+    }
+
     /// Scaled parameter k by back substitution; `later` holds those after it.
     #[inline(always)]
     fn substitute(&self, columns: usize, k: usize, later: &[f32]) -> f32 {

@@ -130,7 +130,11 @@ impl<P: Plan> ShaftEstimate<P> {
     pub(crate) fn contradiction(&mut self, constants: &ShaftConstants<P>, sums: &ShaftSums<P>) -> Option<Implausible> {
         self.velocity_ratio = sums.travel.ratio(constants.balance.interval_s);
         let friction = self.friction_reason.is_none().then_some(&self.friction);
-        plausibility::of_motion(self.velocity_ratio).or_else(|| plausibility::of_balance(&constants.balance, friction?))
+        plausibility::of_motion(self.velocity_ratio).or_else(|| {
+            let friction = friction?;
+            let explained = sums.balance.explained(friction.inverse_torque_constant.is_some());
+            plausibility::of_balance(&constants.balance, friction, explained)
+        })
     }
 
     /// The bearing orders, in the order of [`Tracking::orders`], amplitudes in A; zeros if there is a reason.

@@ -4,27 +4,33 @@
 //! v = 1 + (p/n − 1)/(1 − ρ),   e = k σ/(|n| (1 − ρ)),   ρ = σ² σ₀²/(prior² s²)   (1)
 //! refused:   v + e < min(1/√2, 1 − w)   or   v − e > max(√2, 1 + w),   w = prior/|n|                      (2)
 //! refused:   velocity/angle outside 1/√2 … √2                                                           (3)
+//! refused:   s > 5 σ₀   and   2 R/(1 − c) > E + R                                                       (4)
 //! ```
 //!
 //! p is J/Kt or 1/Kt with deviation σ, n its nominal value, s² the variance of the residual, and σ₀² that of healthy
 //! ones. (1) removes what the prior contributes to p: a tight one would hold it near n whatever the signals say. √2 is
 //! the geometric mean of a right signal and one that is wrong by two, as at half or double the sampling rate; the prior
 //! is three healthy deviations. A defect of a bearing changes friction, but not J/Kt and 1/Kt. The ratio (3) of
-//! [`Travel`](crate::drive::travel) names the velocity whatever the balance.
+//! [`Travel`](crate::drive::travel) names the velocity whatever the balance. R is the sum of squares of the residual,
+//! E that of the current which the terms explain, and c the part of the rows that the terms fit by chance: a current that was transformed at another angle than that of the
+//! rotor (pole pairs, phase order, electrical offset) follows neither motion nor load, while a defect adds friction,
+//! which the terms explain, and pulses far below the current of the load (4).
 //!
 //! Not seen: scales and rates that are wrong by less than √2, or less than the model's own spread; signals of a shaft
 //! at constant speed under constant load, and of one whose load is not measured, except for (3); all signals of a plan
 //! without a shaft.
 
-use super::balance::Balance;
+use super::balance::{Balance, TERMS};
 use super::friction::{Friction, Parameter};
 use crate::reason::Implausible::{
-    self, CurrentScale, CurrentSign, LoadScale, LoadSign, MotionScale, MotionSign, Scale, Sign, VelocityScale,
+    self, Current, CurrentScale, CurrentSign, LoadScale, LoadSign, MotionScale, MotionSign, Scale, Sign, VelocityScale,
     VelocitySign,
 };
 
 /// k of (1): the deviation takes the residuals of the rows as independent, which those of a real shaft are not.
 const DEVIATIONS: f32 = 5.0;
+/// Deviations of a healthy residual, for (4).
+const UNUSUAL: f32 = 5.0;
 const LOW: f32 = core::f32::consts::FRAC_1_SQRT_2;
 const HIGH: f32 = core::f32::consts::SQRT_2;
 
@@ -86,9 +92,15 @@ pub fn of_motion(ratio: Option<f32>) -> Option<Implausible> {
     (!agrees).then_some(VelocityScale)
 }
 
-/// What is wrong with the signals of a torque balance.
+/// What is wrong with the signals of a torque balance; `explained` is E/R.
 #[inline(never)]
-pub fn of_balance(balance: &Balance, friction: &Friction) -> Option<Implausible> {
+pub fn of_balance(balance: &Balance, friction: &Friction, explained: f32) -> Option<Implausible> {
+    let unusual = UNUSUAL * balance.deviation;
+    let terms = if friction.inverse_torque_constant.is_some() { TERMS } else { TERMS - 2 };
+    let left = 1.0 - balance.row_spread * terms as f32 / friction.rows as f32;
+    if friction.variance > unusual * unusual && (explained + 1.0) * left < 2.0 {
+        return Some(Current); // (4)
+    }
     let ([n0, _, _, n3, ..], [w0, _, _, w3, ..]) = (balance.nominal, balance.prior);
     let spread = friction.variance / (balance.deviation * balance.deviation);
     let inertia = Fit::of(friction.inertia, n0, w0, spread);
@@ -158,7 +170,7 @@ mod tests {
             let inverse_torque_constant = torque.map(parameter);
             let friction =
                 Friction { inertia: parameter(inertia), inverse_torque_constant, variance: 1.0, ..Friction::default() };
-            of_balance(&balance, &friction)
+            of_balance(&balance, &friction, 10.0)
         };
         assert_eq!(cause(2.0, Some(2.0)), None);
         assert_eq!([cause(2.0, Some(-2.0)), cause(-2.0, Some(-2.0))], [Some(LoadSign), Some(CurrentSign)]);
@@ -166,5 +178,20 @@ mod tests {
         assert_eq!([cause(4.0, Some(4.0)), cause(1.0, Some(1.0))], [Some(CurrentScale); 2]);
         assert_eq!([cause(2.0, Some(4.0)), cause(4.0, Some(2.0))], [Some(LoadScale), Some(MotionScale)]);
         assert_eq!([cause(0.5, Some(4.0)), cause(4.0, None), cause(2.0, None)], [Some(Scale), Some(Scale), None]);
+    }
+
+    #[test]
+    fn a_current_that_nothing_explains_is_refused_if_the_residual_is_unusual() {
+        let balance = Balance { deviation: 1.0, ..crate::shaft::tests::balance() };
+        let cause = |variance, explained| {
+            let friction = Friction { variance, rows: 1_000_000, ..Friction::default() };
+            of_balance(&balance, &friction, explained) == Some(Current)
+        };
+        assert_eq!([cause(26.0, 0.9), cause(24.0, 0.9), cause(26.0, 1.1)], [true, false, false]);
+        // Five terms fit half of ten independent rows by chance.
+        let balance = Balance { row_spread: 1.0, ..balance };
+        let cause =
+            |explained| of_balance(&balance, &Friction { variance: 26.0, rows: 10, ..Friction::default() }, explained);
+        assert_eq!([cause(2.9), cause(3.1)], [Some(Current), None]);
     }
 }

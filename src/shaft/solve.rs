@@ -38,7 +38,8 @@ impl ShaftSolve {
     }
 
     /// Does about `budget` instructions; `true` once the estimate is complete. Friction and orders do not depend on
-    /// each other: at constant speed there are orders only.
+    /// each other: at constant speed there are orders only. But if gaps leave too few rows for the friction, there are
+    /// no orders either.
     // In the caller's frame: one of its own takes forty bytes of stack more.
     #[inline(always)]
     pub fn advance<P: Plan>(
@@ -65,7 +66,10 @@ impl ShaftSolve {
                 Some(outcome) => estimate.friction_reason = outcome.err(),
             }
             self.balanced = true;
-            estimate.orders_reason = sums.orders.reason();
+            // The residual is that of parameters which gaps left undetermined: the error of the friction is in it.
+            let gaps = used < seen.wrapping_sub(seen / 16);
+            let undetermined = matches!(estimate.friction_reason, Some(Reason::TooFewRows { .. }));
+            estimate.orders_reason = if gaps && undetermined { estimate.friction_reason } else { sums.orders.reason() };
             return false;
         }
         let tracking = &constants.tracking;

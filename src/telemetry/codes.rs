@@ -164,7 +164,7 @@ mod tests {
         let code = |verdict, detail, place| VerdictCode { verdict, detail, place, rows: 0 }.verdict();
         assert_eq!([code(4, 0, 0), code(3, 0, 0), code(3, 11, 0)], [None; 3]);
         assert_eq!([code(3, 1, 0), code(3, 1, 5), code(3, 5, 8)], [None; 3], "no such part or term");
-        assert_eq!(code(3, 12, 10), None, "no such error");
+        assert_eq!(code(3, 12, 11), None, "no such error");
         assert_eq!(AlarmCode { alarm: 3, cause: 0, segment: 0 }.alarm(), None);
     }
 }

@@ -8,13 +8,11 @@ use anyhow::{Context, Result, ensure};
 use crate::board::DRIVE;
 use crate::tally::{Stages, Tally};
 use crate::toolchain::Way;
-use crate::{child, elf, firmware, qemu, setup, target, workspace};
+use crate::{child, elf, firmware, pil, qemu, setup, target, workspace};
 
-/// The example, which prints the lines of the Rust example [`TWIN`] but for [`LEFT_OUT`].
-const EXAMPLE: &str = "isr";
-const TWIN: &str = "monitor";
-/// The variance of the residual and the covariance.
-const LEFT_OUT: &str = "variance ";
+/// What Rust prints of numbers that the C interface does not give: the variance of the residual and the covariance, and
+/// the hash of all numbers.
+const LEFT_OUT: [&str; 2] = ["variance ", "all numbers "];
 
 const COMPILER: &str = "arm-none-eabi-gcc";
 /// The chip of [`DRIVE`].
@@ -33,7 +31,7 @@ enum Language {
 impl Language {
     const fn flags(self) -> &'static [&'static str] {
         match self {
-            Self::C => &["-std=c11"],
+            Self::C => &["-std=c99"],
             // Without the library of C++, which the package of the compiler does not have.
             Self::Cpp => &["-x", "c++", "-std=c++17", "-nostdinc++", "-fno-exceptions", "-fno-rtti"],
         }
@@ -52,39 +50,104 @@ impl Language {
 enum Plan {
     /// Every model up to fixed sizes.
     Any,
-    /// The exported plan of the example's model.
-    Exported,
+    /// The exported plan of this model.
+    Exported(Model),
 }
 
 impl Plan {
-    const fn file(self) -> &'static str {
+    fn file(self) -> String {
         match self {
-            Self::Any => "",
-            Self::Exported => "../examples/support/standard_rig/model.rs",
+            Self::Any => String::new(),
+            Self::Exported(model) => format!("../{}/model.rs", model.folder()),
         }
     }
 
     const fn name(self) -> &'static str {
         match self {
             Self::Any => "any model",
-            Self::Exported => "one plan",
+            Self::Exported(_) => "one plan",
         }
     }
 }
 
-/// What is built and compared.
-const BUILDS: [(Plan, Language); 3] =
-    [(Plan::Any, Language::C), (Plan::Any, Language::Cpp), (Plan::Exported, Language::C)];
+/// The model of an example.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Model {
+    /// Of samples, with recorded traces.
+    StandardRig,
+    /// Of raw counts: it has a front end.
+    Actuator,
+}
+
+impl Model {
+    const fn folder(self) -> &'static str {
+        match self {
+            Self::StandardRig => "examples/support/standard_rig",
+            Self::Actuator => "examples/support/actuator",
+        }
+    }
+
+    /// The example, which prints the lines of the Rust example [`Self::twin`] but for [`LEFT_OUT`].
+    const fn example(self) -> &'static str {
+        match self {
+            Self::StandardRig => "isr",
+            Self::Actuator => "drive",
+        }
+    }
+
+    const fn twin(self) -> &'static str {
+        match self {
+            Self::StandardRig => "monitor",
+            Self::Actuator => "drive",
+        }
+    }
+
+    /// The program that counts instructions and bytes.
+    const fn measure(self) -> &'static str {
+        match self {
+            Self::StandardRig => "measure",
+            Self::Actuator => "measure_front_end",
+        }
+    }
+
+    /// Where the program runs, and the lines of its twin on the host.
+    fn on_host(self) -> Result<(PathBuf, Vec<String>)> {
+        match self {
+            Self::StandardRig => Ok((PathBuf::from("."), target::on_host(self.twin())?)),
+            Self::Actuator => pil::host_lines(),
+        }
+    }
+}
+
+/// What is built and compared: builds of one library follow each other.
+const BUILDS: [(Plan, Model, Language); 6] = [
+    (Plan::Any, Model::StandardRig, Language::C),
+    (Plan::Any, Model::StandardRig, Language::Cpp),
+    (Plan::Any, Model::Actuator, Language::C),
+    (Plan::Any, Model::Actuator, Language::Cpp),
+    (Plan::Exported(Model::StandardRig), Model::StandardRig, Language::C),
+    (Plan::Exported(Model::Actuator), Model::Actuator, Language::C),
+];
+
+/// What is measured.
+const MEASURED: [(Plan, &[Model]); 3] = [
+    (Plan::Any, &[Model::StandardRig, Model::Actuator]),
+    (Plan::Exported(Model::StandardRig), &[Model::StandardRig]),
+    (Plan::Exported(Model::Actuator), &[Model::Actuator]),
+];
 
 /// Runs all checks and prints them, and what the library takes; whether nothing failed.
 pub fn run(way: Way) -> Result<bool> {
     setup::ensure_c()?;
     let mut stages = Stages::default();
     stages.stage("C library", |tally| checks(tally, Some(way)));
-    for plan in [Plan::Any, Plan::Exported] {
+    for (plan, models) in MEASURED {
         println!("\nlibrary for {}", plan.name());
-        let library = firmware::build_c_library(way, DRIVE, plan.file())?;
-        qemu::run(&build("measure", Language::C, &library)?, DRIVE.machine, qemu::Echo::On)?;
+        let library = firmware::build_c_library(way, DRIVE, &plan.file())?;
+        for model in models {
+            let program = build(model.measure(), *model, Language::C, &library)?;
+            qemu::run(&program, DRIVE.machine, qemu::Echo::On)?;
+        }
     }
     let total = stages.total();
     println!("\n{total}");
@@ -95,10 +158,10 @@ pub fn run(way: Way) -> Result<bool> {
 pub fn checks(tally: &mut Tally, way: Option<Way>) {
     let ready = way.ok_or_else(|| target::NO_TOOLS.to_owned());
     let ready = ready.and_then(|way| setup::ensure_c().map(|()| way).map_err(|error| format!("{error:#}")));
-    for (plan, language) in BUILDS {
-        let title = format!("isr as {} with the library for {}", language.name(), plan.name());
+    for (plan, model, language) in BUILDS {
+        let title = format!("{} as {} with the library for {}", model.example(), language.name(), plan.name());
         match &ready {
-            Ok(way) => tally.check(&title, target::brief(check(*way, plan, language))),
+            Ok(way) => tally.check(&title, target::brief(check(*way, plan, model, language))),
             Err(reason) => tally.skip(&title, reason),
         }
     }
@@ -106,20 +169,20 @@ pub fn checks(tally: &mut Tally, way: Option<Way>) {
 
 /// The library replaces no function of a C library, and the example links with it, holds no call of the panic machinery,
 /// and prints the lines of Rust. Returns their number and the bytes of the program.
-fn check(way: Way, plan: Plan, language: Language) -> Result<String> {
-    let library = firmware::build_c_library(way, DRIVE, plan.file())?;
+fn check(way: Way, plan: Plan, model: Model, language: Language) -> Result<String> {
+    let library = firmware::build_c_library(way, DRIVE, &plan.file())?;
     symbols(&library)?;
-    let program = build(EXAMPLE, language, &library)?;
+    let program = build(model.example(), model, language, &library)?;
     let panics = elf::symbols_with(&program, "core9panicking")?;
     ensure!(panics.is_empty(), "it calls {}", panics.join(", "));
-    let lines = same_lines(&program)?;
+    let lines = same_lines(&program, model)?;
     let sizes = elf::sizes(&program)?;
     Ok(format!("{lines} lines, {} bytes of flash, {} of RAM", sizes.flash, sizes.ram))
 }
 
-/// The library for the plan of the examples' model, the last one that [`checks`] builds.
+/// The library for the plan of the standard rig.
 pub fn of_example(way: Way) -> Result<PathBuf> {
-    firmware::build_c_library(way, DRIVE, Plan::Exported.file())
+    firmware::build_c_library(way, DRIVE, &Plan::Exported(Model::StandardRig).file())
 }
 
 /// Where objects and programs are put.
@@ -142,11 +205,11 @@ fn is_mangled(name: &str) -> bool {
     ["_ZN", "_R", "anon."].iter().any(|start| name.starts_with(start)) || name.contains(".llvm.")
 }
 
-/// Compares the lines of a program with those of [`TWIN`]; returns their number.
-fn same_lines(program: &Path) -> Result<usize> {
-    let target = qemu::run(program, DRIVE.machine, qemu::Echo::Off)?;
-    let mut host = target::on_host(TWIN)?;
-    host.retain(|line| !line.contains(LEFT_OUT));
+/// Compares the lines of a program with those of its twin; returns their number.
+fn same_lines(program: &Path, model: Model) -> Result<usize> {
+    let (folder, mut host) = model.on_host()?;
+    let target = qemu::run_in(&folder, program, DRIVE.machine, qemu::Echo::Off)?;
+    host.retain(|line| !LEFT_OUT.iter().any(|words| line.contains(words)));
     for (number, (host, target)) in host.iter().zip(&target).enumerate() {
         ensure!(host == target, "line {}: Rust `{host}`, C `{target}`", number + 1);
     }
@@ -156,17 +219,17 @@ fn same_lines(program: &Path) -> Result<usize> {
 }
 
 /// Compiles an example and links it with the library.
-fn build(example: &str, language: Language, library: &Path) -> Result<PathBuf> {
+fn build(example: &str, model: Model, language: Language, library: &Path) -> Result<PathBuf> {
     let (root, folder) = (workspace::root(), folder());
     std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
     let examples = root.join("c-api/examples");
-    let includes = [root.join("c-api/include"), root.join("examples/support/standard_rig")];
+    let includes = [root.join("c-api/include"), root.join(model.folder())];
+    let mut sources = vec![(format!("{example}.c"), language.flags()), ("board.c".to_owned(), Language::C.flags())];
+    if model == Model::StandardRig {
+        sources.push(("held_out.s".to_owned(), &[]));
+    }
     let mut objects = Vec::new();
-    for (source, flags) in [
-        (format!("{example}.c"), language.flags()),
-        ("board.c".to_owned(), Language::C.flags()),
-        ("held_out.s".to_owned(), &[]),
-    ] {
+    for (source, flags) in sources {
         let object = folder.join(&source).with_extension("o");
         let mut compiler = Command::new(COMPILER);
         compiler.args(CHIP).args(WARNINGS).args(["-O2", "-ffunction-sections", "-fdata-sections"]);

@@ -32,7 +32,7 @@ pub fn checks(tally: &mut Tally, way: Option<Way>) {
 }
 
 fn compare(way: Way, name: &str) -> Result<String> {
-    let (folder, host) = pil::example_on_host()?;
+    let (folder, host) = pil::host_lines()?;
     let elf = firmware::build_crate(way, &workspace::root().join("frameworks").join(name), &format!("drive-{name}"))?;
     let target = qemu::run_in(&folder, &elf, DRIVE.machine, qemu::Echo::Off)?;
     pil::same_lines(&host, &target)?;

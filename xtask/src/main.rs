@@ -62,7 +62,7 @@ enum Command {
         example: String,
     },
     /// Builds the C library and its examples for the drive's chip, as C and as C++, runs them in the emulator, and
-    /// compares their lines with those of the Rust example on the host.
+    /// compares their lines with those of the Rust examples on the host.
     C,
     /// Processor in the loop: runs a recording of raw counts through the whole drive in the emulator (the example
     /// `drive`), compares every report with the host's, and counts the instructions of the interrupt.

@@ -60,25 +60,27 @@ fn simulated() -> Result<PathBuf> {
     Ok(folder.join("ema_spall_rit-mix_2_000.csv"))
 }
 
-/// The folder with the rows of a simulated recording, and the lines of the example on the host.
-pub fn example_on_host() -> Result<(PathBuf, Vec<String>)> {
-    rows_and_lines(&simulated()?, &Model::of_example())
+/// Writes the rows of the simulated recording for the example's model. Returns the folder where firmware reads them, and
+/// the lines that the example prints on the host.
+pub fn host_lines() -> Result<(PathBuf, Vec<String>)> {
+    replayed(&simulated()?, &Model::of_example())
 }
 
-/// Writes the rows of a recording and runs the example on the host.
-fn rows_and_lines(trace: &Path, model: &Model) -> Result<(PathBuf, Vec<String>)> {
+/// The same for a recording and a model.
+fn replayed(trace: &Path, model: &Model) -> Result<(PathBuf, Vec<String>)> {
     let folder = folder()?;
     let mut replay = workbench();
     replay.args(["replay", "--rows"]).arg(folder.join("rows.bin")).arg("--model").arg(&model.binary).arg(trace);
     child::succeed(&mut replay)?;
-    let host = on_host(&folder, &std::path::absolute(&model.source)?)?;
-    Ok((folder, host))
+    let lines = on_host(&folder, &std::path::absolute(&model.source)?)?;
+    Ok((folder, lines))
 }
 
 /// Lines of the firmware that equal those of the host, and those of its cost.
 fn compare(way: Way, trace: &Path, model: &Model) -> Result<(Vec<String>, Vec<String>)> {
-    let (folder, host) = rows_and_lines(trace, model)?;
-    let elf = firmware::build_with_model(way, DRIVE, EXAMPLE, &std::path::absolute(&model.source)?)?;
+    let (folder, host) = replayed(trace, model)?;
+    let source = std::path::absolute(&model.source)?;
+    let elf = firmware::build_with_model(way, DRIVE, EXAMPLE, &source)?;
     let target = qemu::run_in(&folder, &elf, DRIVE.machine, qemu::Echo::Off)?;
     let (cost, target): (Vec<String>, Vec<String>) = target.into_iter().partition(|line| line.starts_with(COST));
     same_lines(&host, &target)?;

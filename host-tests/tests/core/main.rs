@@ -13,6 +13,7 @@ mod fixed_plans;
 mod frames;
 mod half_band;
 mod implausible;
+mod injected_faults;
 mod missing;
 mod model_file;
 mod model_ranges;

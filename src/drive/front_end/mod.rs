@@ -22,7 +22,8 @@
 //! detector is one instant.
 //!
 //! **Faults.** A channel without a true value is NaN. The filters make those outputs NaN whose taps met it, 32 samples
-//! of the detector at most, and the detector refuses these. Without an angle there is no Park transform: current,
+//! of the detector at most, and the detector refuses these. Three faults show only after a window of samples that were
+//! used: [`CleanSample::found_late`] tells. Without an angle there is no Park transform: current,
 //! velocity and angle are missing. While the three currents do not fit each other, the current is missing. A gap in the
 //! numbers of the samples makes every output NaN that has taps on both sides.
 //!
@@ -71,6 +72,11 @@ pub struct CleanSample<const FURTHER: usize> {
     pub angle: Angle,
     /// The further channels, NaN if missing.
     pub further: [f32; FURTHER],
+    /// A converter was found stuck, the currents were found not to fit each other, or the gains of the resolver were
+    /// found to differ, and it was not so in the clean sample before. The fault began earlier, at most two windows or
+    /// half a turn: earlier samples were wrong. Hand it to
+    /// [`Detector::discard`](crate::Detector::discard).
+    pub found_late: bool,
 }
 
 /// What was refused since the start or [`FrontEnd::clear_faults`], and what is wrong now.
@@ -193,6 +199,8 @@ where
     /// Samples to spoil after a gap.
     spoilt: u8,
     gaps: u32,
+    /// Whether there was a fault at the last output that shows only after a window of samples.
+    late: bool,
 }
 
 /// One in two taps of a half-band filter is zero: two spoilt samples meet every filter that has taps on both sides. A
@@ -242,6 +250,7 @@ where
             next: None,
             spoilt: 0,
             gaps: 0,
+            late: false,
         })
     }
 
@@ -311,7 +320,16 @@ where
         let further = self.further.push(further);
         let [current_a, velocity_rad_s, error_rad] = self.filters.push(own)?;
         let angle = self.centres.get(Self::BACK).turned((error_rad * (1.0 / RAD)) as i32); // (1)
-        Some(CleanSample { current_a, velocity_rad_s, angle, further: further.unwrap_or([f32::NAN; FURTHER]) })
+        let further = further.unwrap_or([f32::NAN; FURTHER]);
+        Some(CleanSample { current_a, velocity_rad_s, angle, further, found_late: self.found_late() })
+    }
+
+    /// Whether a fault that shows only after a window of samples is there now, and was not at the last output.
+    #[inline(always)]
+    fn found_late(&mut self) -> bool {
+        let late = self.sensors.any_stuck() || self.balance.imbalance().is_some() || self.tracker.mismatched();
+        let before = core::mem::replace(&mut self.late, late);
+        late && !before
     }
 
     /// The first sample, or the first one after a gap.

@@ -70,7 +70,7 @@ fn model_contents(first: &Draw) -> Result<[Vec<u8>; 4], Error> {
     let notes = Notes::new(&channels(), Preparation::NONE, (&first.trained.feature_names, vec![]), &first.training);
     Ok([
         export::rust_source(&first.trained, &lines)?.into_bytes(),
-        c_header(&first.trained.to_core()?, &lines)?.into_bytes(),
+        c_header(&first.trained.to_core()?, &lines, None)?.into_bytes(),
         first.trained.to_bytes(&notes.to_text())?,
         converter_counts(first),
     ])

@@ -27,6 +27,7 @@ use crate::report::pages::model::{self, Worth};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Channels, Condition, FrontEndFile, Preparation};
 use crate::train::c_header::c_header;
+use crate::train::commissioning_source::commissioning_source;
 use crate::train::front_end_source::front_end_source;
 use crate::train::{
     Choice, Explained, Forward, Keep, ProjectionKind, Ranking, Recipe, Scores, ShaftPlan, Shrink, Shrinkage, Trained,
@@ -112,6 +113,9 @@ pub(super) struct Args {
     /// The model as Rust constants
     #[arg(long, value_name = "FILE")]
     rust: Option<PathBuf>,
+    /// With --rust, also the constants for `Model::commissioning` with so many healthy segments of a drive
+    #[arg(long, value_name = "SEGMENTS", requires = "rust", value_parser = clap::value_parser!(u32).range(2..=10_000))]
+    commissioning: Option<u32>,
     /// The model as a C header, for the library of `c-api`
     #[arg(long, value_name = "FILE")]
     c: Option<PathBuf>,
@@ -198,8 +202,8 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         &training,
     );
     let bytes = trained.to_bytes(&notes.to_text())?;
-    let rust = args.rust.as_ref().map(|_| rust_source(&trained, &description, &channels)).transpose()?;
-    let c = args.c.as_ref().map(|_| c_header(&trained.to_core()?, &description)).transpose()?;
+    let rust = args.rust.as_ref().map(|_| args.rust_source(&trained, &description, &channels)).transpose()?;
+    let c = args.c.as_ref().map(|_| c_header(&trained.to_core()?, &description, Some(&channels))).transpose()?;
 
     let held_out = args.evaluate(&selection, &trained, &training, &classes, host)?;
     let found = Found {
@@ -249,6 +253,18 @@ impl Args {
         let (features, covariates) = (self.features.clone(), self.covariates.clone());
         let plain = Recipe { features, covariates, columns, ..Recipe::new(self.structure.structure()) };
         Ok(Recipe { shaft: shaft.cloned(), ..plain }.with_averaged_columns().columns)
+    }
+
+    /// The model as Rust source, with the front end that its recordings passed and the constants of a commissioning.
+    fn rust_source(&self, trained: &Trained, notes: &[String], channels: &Channels) -> Result<String, Error> {
+        let mut source = export::rust_source(trained, notes)?;
+        if let Some(front_end) = &channels.front_end {
+            source = format!("{source}\n{}", front_end_source(&trained.to_core()?, channels, front_end)?);
+        }
+        if let Some(segments) = self.commissioning {
+            source = format!("{source}\n{}", commissioning_source(trained, segments)?);
+        }
+        Ok(source)
     }
 
     fn recipe(&self, classes: &[String], shaft: Option<ShaftPlan>) -> Result<Recipe, Error> {
@@ -392,15 +408,6 @@ impl Args {
             false_alarms.as_ref().map_or(Ok(()), |found| output::say(format!("false alarms {found}")))?;
         }
         found.ranking.as_ref().map_or(Ok(()), |ranking| output::say(ranking.to_string()))
-    }
-}
-
-/// The model as Rust source, with the front end that its recordings passed.
-fn rust_source(trained: &Trained, notes: &[String], channels: &Channels) -> Result<String, Error> {
-    let model = export::rust_source(trained, notes)?;
-    match &channels.front_end {
-        Some(front_end) => Ok(format!("{model}\n{}", front_end_source(&trained.to_core()?, channels, front_end)?)),
-        None => Ok(model),
     }
 }
 

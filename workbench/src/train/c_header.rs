@@ -7,17 +7,20 @@ use bearing_watch::Model;
 use bearing_watch::model::{Channel, MAX_BYTES};
 use bearing_watch::plan::{Plan, RunTime};
 
+use super::front_end_header::front_end_header;
 use crate::Error;
+use crate::trace::Channels;
 
 /// Bytes of a row of the array.
 const ROW: usize = 16;
 
 /// Returns the C header of the model; `notes` become a comment at its head. The bytes are those of the model file
-/// without its notes, which are for the workbench.
+/// without its notes, which are for the workbench. If the `recorded` channels passed a front end, the header has it, too.
 ///
 /// # Errors
-/// A model that is too large for its binary form.
-pub fn c_header(model: &Model<RunTime>, notes: &[String]) -> Result<String, Error> {
+/// A model that is too large for its binary form, or whose front end has no place in the C interface.
+pub fn c_header(model: &Model<RunTime>, notes: &[String], recorded: Option<&Channels>) -> Result<String, Error> {
+    let front_end = recorded.and_then(|recorded| Some((recorded, recorded.front_end.as_ref()?)));
     let mut buffer = vec![0; MAX_BYTES];
     let length = model.to_bytes("", &mut buffer).map_err(|error| Error::Training(error.to_string()))?;
     let bytes = &buffer[..length];
@@ -35,6 +38,9 @@ pub fn c_header(model: &Model<RunTime>, notes: &[String]) -> Result<String, Erro
         line(&mut out, &format!(" * {}", comment(note)));
     }
     out += " */\n#ifndef BEARING_WATCH_MODEL_H\n#define BEARING_WATCH_MODEL_H\n\n#include <stdint.h>\n\n";
+    if front_end.is_some() {
+        out += "#include \"bearing_watch.h\"\n\n";
+    }
     line(&mut out, "/* Checksum of the model: another model has another one. */");
     line(&mut out, &format!("#define BW_MODEL_ID 0x{id:08x}u"));
     line(&mut out, "/* Number of bytes. */");
@@ -62,11 +68,15 @@ pub fn c_header(model: &Model<RunTime>, notes: &[String]) -> Result<String, Erro
         let row: Vec<String> = row.iter().map(|byte| format!("0x{byte:02x},")).collect();
         line(&mut out, &format!("    {}", row.join(" ")));
     }
-    out += "};\n\n#endif\n";
+    out += "};\n";
+    if let Some((recorded, file)) = front_end {
+        out += &front_end_header(model, recorded, file)?;
+    }
+    out += "\n#endif\n";
     Ok(out)
 }
 
-fn line(out: &mut String, text: &str) {
+pub(super) fn line(out: &mut String, text: &str) {
     let _ = writeln!(out, "{text}");
 }
 
@@ -75,7 +85,7 @@ fn comment(text: &str) -> String {
     text.replace(['\r', '\n'], " ").replace("*/", "* /").replace("/*", "/ *")
 }
 
-fn enumeration(out: &mut String, prefix: &str, names: &[&str]) {
+pub(super) fn enumeration(out: &mut String, prefix: &str, names: &[&str]) {
     let mut used: Vec<String> = Vec::new();
     for name in names {
         let plain = format!("{prefix}{}", identifier(name));
@@ -91,7 +101,7 @@ fn identifier(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_uppercase() } else { '_' }).collect()
 }
 
-fn texts(names: &[&str]) -> String {
+pub(super) fn texts(names: &[&str]) -> String {
     format!("{{ {} }}", names.iter().map(|name| literal(name)).collect::<Vec<_>>().join(", "))
 }
 
@@ -109,7 +119,7 @@ fn limits(channels: &[Channel]) -> String {
 }
 
 /// Returns the shortest decimal that a C compiler reads as the same `float`.
-fn number(x: f32) -> String {
+pub(super) fn number(x: f32) -> String {
     format!("{x:?}f")
 }
 
@@ -129,7 +139,7 @@ mod tests {
     fn the_bytes_are_those_of_the_model() {
         let file = std::fs::read(format!("{FOLDER}/model.bwm")).expect("the committed model");
         let model = Model::<RunTime>::from_bytes(&file).expect("a model");
-        let header = c_header(&model, &["ends */ here".into()]).expect("a header");
+        let header = c_header(&model, &["ends */ here".into()], None).expect("a header");
         let (_, array) = header.split_once("= {\n").expect("an array");
         let array = array.split_once("};").expect("the end of the array").0;
         let bytes = array.split_terminator(',').map(str::trim).filter(|byte| !byte.is_empty());
@@ -151,7 +161,7 @@ mod tests {
         let model = Model::<RunTime>::from_bytes(&file).expect("a model");
         let note = "Standard DC-motor rig: y = current, u1 = velocity reference, u2 = load torque.";
         let committed = std::fs::read_to_string(format!("{FOLDER}/model.h")).expect("the committed header");
-        let same = c_header(&model, &[note.into()]).expect("a header") == committed;
+        let same = c_header(&model, &[note.into()], None).expect("a header") == committed;
         assert!(same, "`cargo demo --model examples/support/standard_rig` writes it anew");
     }
 

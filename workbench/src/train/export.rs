@@ -383,7 +383,7 @@ const fn feature_with_term(feature: Feature) -> Option<(&'static str, FrictionTe
     }
 }
 
-fn evidence(constants: &EvidenceConstants) -> String {
+pub(super) fn evidence(constants: &EvidenceConstants) -> String {
     let EvidenceConstants { bet, limit, cap, segments_a_run, log_mean, defect_log_mean } = *constants;
     if *constants == EvidenceConstants::NONE {
         return "EvidenceConstants::NONE".into();
@@ -397,7 +397,7 @@ fn evidence(constants: &EvidenceConstants) -> String {
 }
 
 /// Returns the shortest decimal that parses to the same `f32`.
-fn number(x: f32) -> String {
+pub(super) fn number(x: f32) -> String {
     if x == f32::INFINITY { "f32::INFINITY".into() } else { format!("{x:?}") }
 }
 

@@ -17,13 +17,7 @@ use crate::trace::{Channels, FrontEndFile};
 /// A model with a channel that is a difference of columns: the front end makes columns only.
 pub fn front_end_source(model: &Model<RunTime>, recorded: &Channels, file: &FrontEndFile) -> Result<String, Error> {
     let channels = &model.constants().channels;
-    let further = further_channels(model);
-    let columns = recorded.names();
-    if let Some(name) = further.iter().find(|name| !columns.contains(*name)) {
-        let problem =
-            format!("--rust: the front end makes no channel {name}, a difference of columns; use its columns");
-        return Err(Error::Usage(problem));
-    }
+    let further = further_columns(model, recorded, "--rust")?;
     let (count, factor) = (further.len(), file.factor);
     let mut out = String::new();
     let mut line = |text: &str| {
@@ -74,8 +68,25 @@ pub fn further_channels(model: &Model<RunTime>) -> Vec<&str> {
     model.constants().channels.iter().filter(|channel| !own(channel)).map(|channel| channel.name.as_str()).collect()
 }
 
+/// The same, if the front end makes them from recorded columns; otherwise an error about an option.
+pub(super) fn further_columns<'a>(
+    model: &'a Model<RunTime>,
+    recorded: &Channels,
+    option: &str,
+) -> Result<Vec<&'a str>, Error> {
+    let (further, columns) = (further_channels(model), recorded.names());
+    match further.iter().find(|name| !columns.contains(*name)) {
+        None => Ok(further),
+        Some(name) => {
+            let problem =
+                format!("{option}: the front end makes no channel {name}, a difference of columns; use its columns");
+            Err(Error::Usage(problem))
+        }
+    }
+}
+
 /// Whether the front end makes the channel from currents and angle.
-fn own(channel: &Channel) -> bool {
+pub(super) fn own(channel: &Channel) -> bool {
     matches!(channel.name.as_str(), "current_a" | "velocity_rad_s")
 }
 

@@ -8,6 +8,7 @@
 //! model is measured by running the core on other traces ([`crate::evaluate`]), not here.
 
 pub mod c_header;
+pub mod commissioning_source;
 mod core_features;
 mod core_form;
 mod covariates;
@@ -19,6 +20,7 @@ mod filters;
 mod fit;
 mod folds;
 mod forward;
+pub mod front_end_header;
 pub mod front_end_source;
 mod lags;
 mod left_out;

@@ -24,7 +24,7 @@ fn raw_recordings_pass_the_front_end_in_training_evaluation_and_replay() {
     succeed(dir, &format!("{simulate} --count 2 --seed 2 --out v"));
 
     let train = format!("{TRAIN} {CHANNELS} --front-end t/front_end.toml");
-    succeed(dir, &format!("{train} --model m.bwm --rust m.rs"));
+    succeed(dir, &format!("{train} --model m.bwm --rust m.rs --c m.h"));
     let source = text(&dir.join("m.rs"));
     for words in [
         "pub type DriveFrontEnd = bearing_watch::FrontEnd<FURTHER, 4>;",
@@ -35,6 +35,17 @@ fn raw_recordings_pass_the_front_end_in_training_evaluation_and_replay() {
         "Feed every sample of the front end",
     ] {
         assert!(source.contains(words), "{words} in {source}");
+    }
+    let header = text(&dir.join("m.h"));
+    for words in [
+        "#include \"bearing_watch.h\"",
+        "#define BW_FRONT_END_FACTOR 4u",
+        "#define BW_FRONT_END_POSITION_BITS 14u",
+        "enum { BW_FRONT_END_FURTHER_LOAD_TORQUE_NM = 0, BW_FRONT_END_FURTHER_VELOCITY_REF_RAD_S = 1 };",
+        "4000.0f, /* control_rate_hz */",
+        "values[1] = clean->velocity_rad_s;",
+    ] {
+        assert!(header.contains(words), "{words} in {header}");
     }
     // The model knows its front end.
     let judged = succeed(dir, "evaluate --model m.bwm --labels v/labels.csv --json");
@@ -71,5 +82,6 @@ fn raw_recordings_pass_the_front_end_in_training_evaluation_and_replay() {
     refuse(dir, &format!("{train} --park thesis --model o.bwm"), &["--park", "--front-end"]);
     let difference = train.replace("--u1 velocity_ref_rad_s", "--u1 velocity_ref_rad_s-position_m");
     refuse(dir, &format!("{difference} --model o.bwm --rust o.rs"), &["--rust", "a difference of columns"]);
+    refuse(dir, &format!("{difference} --model o.bwm --c o.h"), &["--c", "a difference of columns"]);
     refuse(dir, &format!("{train} --front-end missing.toml --model o.bwm"), &["--front-end"]);
 }

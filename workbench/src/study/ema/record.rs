@@ -43,7 +43,8 @@ pub struct Signals {
 
 impl Signals {
     fn push(&mut self, sample: &CleanSample<FURTHER>) {
-        let CleanSample { current_a, velocity_rad_s, angle, further: [velocity_ref_rad_s, load_torque_nm] } = *sample;
+        let CleanSample { current_a, velocity_rad_s, angle, further: [velocity_ref_rad_s, load_torque_nm], .. } =
+            *sample;
         self.current_a.push(current_a.into());
         self.velocity_rad_s.push(velocity_rad_s.into());
         self.angle_rad.push(angle.radians().into());

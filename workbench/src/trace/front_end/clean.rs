@@ -67,7 +67,9 @@ where
     let mut columns = vec![vec![]; OWN.len() + further.len()];
     for row in 0..rows {
         let raw = raw_sample(file, recorded, further, times_s, row);
-        let Some(CleanSample { current_a, velocity_rad_s, angle, further }) = front_end.push(&raw) else { continue };
+        let Some(CleanSample { current_a, velocity_rad_s, angle, further, .. }) = front_end.push(&raw) else {
+            continue;
+        };
         let values = [current_a, velocity_rad_s, angle.radians()].into_iter().chain(further);
         let complete = velocity_rad_s.is_finite() && current_a.is_finite();
         if complete || !columns[0].is_empty() {

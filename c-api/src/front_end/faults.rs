@@ -1,0 +1,142 @@
+//! What a front end has refused.
+
+use bearing_watch::{Faults, Imbalance, Lock, Phase};
+
+use super::BwFrontEnd;
+use crate::code::{BwCode, code};
+use crate::memory::{at, put};
+
+/// Why the three currents do not fit each other.
+#[repr(i32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BwImbalance {
+    /// They do, or there are two only.
+    None = 0,
+    /// No current in a phase, and the other two sum to zero: the winding or its lead is open.
+    Open = 1,
+    /// A sensor reads no current, but the other two do not sum to zero: the sensor or its wire is broken.
+    Silent = 2,
+    /// The gain of a sensor is wrong.
+    Gain = 3,
+    /// The currents do not sum to zero, and no single gain explains it: offsets, several sensors, current to earth.
+    Unnamed = 4,
+}
+
+/// How far the loop has found the angle of the shaft.
+#[repr(i32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BwLock {
+    /// No reading yet, or lost.
+    Searching = 0,
+    /// One reading: the next one gives the velocity.
+    Found = 1,
+    /// The loop follows, but its errors have not been small for long enough.
+    Settling = 2,
+    /// The loop follows.
+    Locked = 3,
+}
+
+/// What was refused since the start or `bw_front_end_clear_faults`, in samples where nothing else is said, and what is
+/// wrong now.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BwFrontEndFaults {
+    /// Whether the angle is known, and nothing was refused.
+    pub clear: bool,
+    /// The phase of the imbalance: 0, 1, 2 for a, b, c.
+    pub imbalance_phase: u8,
+    /// Why the currents are missing now.
+    pub imbalance: BwImbalance,
+    /// Relative error of the gain, for `BW_IMBALANCE_GAIN`.
+    pub gain_error: f32,
+    /// Number of windows in which the currents did not fit each other.
+    pub unbalanced_windows: u32,
+    /// Counts of phases a, b, c outside the usable range.
+    pub saturated: [u32; 3],
+    /// Counts of phases a, b, c that repeated too often.
+    pub stuck: [u32; 3],
+    /// `BW_POSITION_MISSING`.
+    pub position_missing: u32,
+    /// Errors of the locked loop beyond its limit.
+    pub position_strayed: u32,
+    /// Number of times that the lock was lost.
+    pub lock_losses: u32,
+    /// Resolver signals with too low an amplitude, or not a number.
+    pub resolver_lost: u32,
+    /// Resolver signals with too high an amplitude.
+    pub resolver_too_high: u32,
+    /// Resolver signals while the gains of sine and cosine differed too much.
+    pub resolver_mismatched: u32,
+    /// Whether the angle is known now.
+    pub lock: BwLock,
+    /// Number of gaps in the numbers of the samples.
+    pub gaps: u32,
+}
+
+impl From<Faults> for BwFrontEndFaults {
+    fn from(faults: Faults) -> Self {
+        let (imbalance, phase, gain_error) = match faults.imbalance {
+            None => (BwImbalance::None, Phase::A, 0.0),
+            Some(Imbalance::Open(phase)) => (BwImbalance::Open, phase, 0.0),
+            Some(Imbalance::Silent(phase)) => (BwImbalance::Silent, phase, 0.0),
+            Some(Imbalance::Gain { phase, error }) => (BwImbalance::Gain, phase, error),
+            Some(Imbalance::Unnamed) => (BwImbalance::Unnamed, Phase::A, 0.0),
+        };
+        let position = faults.position;
+        Self {
+            clear: faults.is_clear(),
+            imbalance_phase: place_of(phase),
+            imbalance,
+            gain_error,
+            unbalanced_windows: faults.unbalanced_windows,
+            saturated: faults.currents.map(|own| own.saturated),
+            stuck: faults.currents.map(|own| own.stuck),
+            position_missing: position.missing,
+            position_strayed: position.strayed,
+            lock_losses: position.losses,
+            resolver_lost: position.resolver.lost,
+            resolver_too_high: position.resolver.too_high,
+            resolver_mismatched: position.resolver.mismatched,
+            lock: match faults.lock {
+                Lock::Searching => BwLock::Searching,
+                Lock::Found(_) => BwLock::Found,
+                Lock::Settling(_) => BwLock::Settling,
+                Lock::Locked => BwLock::Locked,
+            },
+            gaps: faults.gaps,
+        }
+    }
+}
+
+/// 0, 1, 2 for the phases a, b, c.
+pub(crate) const fn place_of(phase: Phase) -> u8 {
+    match phase {
+        Phase::A => 0,
+        Phase::B => 1,
+        Phase::C => 2,
+    }
+}
+
+/// Gives what was refused, and what is wrong now. In the interrupt, or with the interrupt masked.
+///
+/// # Safety
+/// `front_end` is NULL, or was given by `bw_front_end_init` or has as many readable bytes. `faults` is NULL or
+/// writable.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_front_end_faults(front_end: *mut BwFrontEnd, faults: *mut BwFrontEndFaults) -> BwCode {
+    // SAFETY: the same contract.
+    let found = unsafe { at(front_end) }.and_then(|own| own.chain.with(|chain| chain.faults()));
+    // SAFETY: the same contract.
+    code(found.and_then(|found| unsafe { put(faults, found.into()) }).map(|()| BwCode::Ok))
+}
+
+/// Counts refusals from zero; what is wrong now stays. In the interrupt, or with the interrupt masked.
+///
+/// # Safety
+/// `front_end` is NULL, or was given by `bw_front_end_init` or has as many readable bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_front_end_clear_faults(front_end: *mut BwFrontEnd) -> BwCode {
+    // SAFETY: the same contract.
+    let cleared = unsafe { at(front_end) }.and_then(|own| own.chain.with(|chain| chain.clear_faults()));
+    code(cleared.map(|()| BwCode::Ok))
+}

@@ -1,0 +1,102 @@
+//! What enters a front end, and what leaves it.
+
+use bearing_watch::{Angle, CleanSample, PhaseCounts, Position, RawSample};
+
+use super::{BW_MAX_FURTHER, FURTHER};
+use crate::code::{BwCode, Outcome};
+
+/// What a raw sample has of the position sensor.
+#[repr(i32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BwPosition {
+    /// No reading, or one that the sensor says is wrong.
+    Missing = 0,
+    /// The angle from a converter or an absolute encoder.
+    Absolute = 1,
+    /// Demodulated sine and cosine of a resolver, or of a sine/cosine encoder.
+    Resolver = 2,
+}
+
+/// What the drive reads at one instant of its control loop.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BwRawSample {
+    /// Number of the sampling instant: one more each time, with wrap-around. A missed interrupt shows as a gap.
+    pub number: u32,
+    /// Converter counts of the currents of phases a, b, c; c is not used with two phases.
+    pub counts: [u16; 3],
+    /// Number of measured phases, 2 or 3. With two, the third current is minus the sum, and nothing checks the sensors
+    /// against each other.
+    pub phases: u8,
+    /// What there is of the position, `BW_POSITION_…`.
+    pub position: u8,
+    /// Mechanical angle of the shaft as `bw_angle` returns it, for `BW_POSITION_ABSOLUTE`.
+    pub angle: u32,
+    /// Amplitude times sine, for `BW_POSITION_RESOLVER`, in the unit of `resolver_lowest_amplitude`.
+    pub sin: f32,
+    /// Amplitude times cosine.
+    pub cos: f32,
+}
+
+/// All signals at one instant, some raw samples ago.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BwCleanSample {
+    /// Quadrature current, A; NaN if missing.
+    pub current_a: f32,
+    /// Mechanical velocity, rad/s; NaN if missing.
+    pub velocity_rad_s: f32,
+    /// Mechanical angle as `bw_collect` takes it, 2^32 is one turn; without meaning if the velocity is NaN.
+    pub angle: u32,
+    /// The further channels, NaN if missing; those that are not in use are 0.
+    pub further: [f32; BW_MAX_FURTHER],
+    /// 1 if a fault was found since the clean sample before that shows only after a window of samples (a stuck
+    /// converter, currents that do not fit each other, unequal gains of a resolver): samples before were wrong. Call
+    /// `bw_discard`.
+    pub found_late: u8,
+}
+
+impl BwRawSample {
+    /// The sample of the core.
+    ///
+    /// # Errors
+    /// [`BwCode::OutOfRange`]
+    #[inline]
+    pub(super) fn core(&self, further: &[f32]) -> Outcome<RawSample<FURTHER>> {
+        let position = match self.position {
+            0 => Position::Missing,
+            1 => Position::Absolute(Angle::from_bits(self.angle)),
+            2 => Position::Resolver { sin: self.sin, cos: self.cos },
+            _ => return Err(BwCode::OutOfRange),
+        };
+        let currents = phase_counts(&self.counts, self.phases)?;
+        let mut all = [0.0; FURTHER];
+        all.iter_mut().zip(further).for_each(|(cell, value)| *cell = *value);
+        Ok(RawSample { number: self.number, currents, position, further: all })
+    }
+}
+
+/// The counts of two or three phases.
+///
+/// # Errors
+/// [`BwCode::OutOfRange`] for another number of phases.
+#[inline]
+pub(crate) fn phase_counts(counts: &[u16], phases: u8) -> Outcome<PhaseCounts> {
+    match (phases, counts) {
+        (2, [a, b, ..]) => Ok(PhaseCounts::Two([*a, *b])),
+        (3, [a, b, c, ..]) => Ok(PhaseCounts::Three([*a, *b, *c])),
+        _ => Err(BwCode::OutOfRange),
+    }
+}
+
+impl BwCleanSample {
+    /// The sample with so many further channels in use.
+    #[inline]
+    pub(super) fn of(clean: CleanSample<FURTHER>, used: u16) -> Self {
+        let mut further = [0.0; BW_MAX_FURTHER];
+        let values = clean.further.into_iter().take(used.into());
+        further.iter_mut().zip(values).for_each(|(cell, value)| *cell = value);
+        let CleanSample { current_a, velocity_rad_s, angle, found_late, .. } = clean;
+        Self { current_a, velocity_rad_s, angle: angle.bits(), further, found_late: found_late.into() }
+    }
+}

@@ -1,0 +1,283 @@
+//! Faults of the drive's electronics, alone and in pairs, in the raw counts of a healthy actuator: front end, detector
+//! and alarm of the drive's example behind them.
+
+use bearing_watch::{
+    Angle, BalanceLimits, Detector, Faults, FrontEnd, FrontEndConstants, Imbalance, Implausible, Phase, PhaseCounts,
+    Position, RawSample, Reason, Report, Verdict,
+};
+use workbench::rig::ema::{EmaScenario, EmaTrace, simulate};
+
+/// Written by `bearing-watch train --front-end … --rust`.
+#[allow(dead_code, reason = "the position is made here")]
+mod actuator {
+    include!("../../../examples/support/actuator/model.rs");
+}
+use actuator::{Drive, FRONT_END, FURTHER, MODEL, position};
+
+type Raw = RawSample<FURTHER>;
+
+/// Counts at no current.
+const ZERO: u16 = 2048;
+/// A row of the converters a control interval of 0.1 ms: four segments and a half.
+const ROWS: usize = 112_000;
+/// Rows of a fault.
+const LENGTH: usize = 36_000;
+/// Rows of a segment.
+const SEGMENT: usize = 24_000;
+
+/// A fault in the row with this number, which is counted from the start of the fault. `false` takes the row away.
+type Inject = fn(&mut Raw, u32) -> bool;
+
+struct Fault {
+    name: &'static str,
+    inject: Inject,
+    /// Whether the front end has named it.
+    named: fn(&Faults) -> bool,
+}
+
+/// A number that hardly depends on the one before, of 32 bits.
+fn scattered(k: u32) -> u32 {
+    let mixed = (k ^ k >> 16).wrapping_mul(0x7feb_352d);
+    let mixed = (mixed ^ mixed >> 15).wrapping_mul(0x846c_a68b);
+    mixed ^ mixed >> 16
+}
+
+fn counts(raw: &mut Raw) -> &mut [u16; 3] {
+    match &mut raw.currents {
+        PhaseCounts::Three(counts) => counts,
+        PhaseCounts::Two(_) => panic!("three sensors"),
+    }
+}
+
+/// Counts of a current `scale` times as large.
+fn scaled(counts: u16, scale: f32) -> u16 {
+    (f32::from(ZERO) + scale * (f32::from(counts) - f32::from(ZERO))).round() as u16
+}
+
+const FAULTS: [Fault; 9] = [
+    Fault {
+        name: "phase c open",
+        inject: |raw, k| {
+            let [a, b, c] = counts(raw);
+            let half = (i32::from(*a) - i32::from(*b)) / 2;
+            let around = |by: i32| (i32::from(ZERO) + by) as u16;
+            (*a, *b, *c) = (around(half), around(-half), around((scattered(k) % 7) as i32 - 3));
+            true
+        },
+        named: |faults| matches!(faults.imbalance, Some(Imbalance::Open(Phase::C) | Imbalance::Silent(Phase::C))),
+    },
+    Fault {
+        name: "gain of phase b + 20 %",
+        inject: |raw, _| {
+            let [_, b, _] = counts(raw);
+            *b = scaled(*b, 1.2);
+            true
+        },
+        named: |faults| matches!(faults.imbalance, Some(Imbalance::Gain { phase: Phase::B, error }) if (error - 0.2).abs() < 0.02),
+    },
+    Fault {
+        name: "no reading of the converter",
+        inject: |raw, _| {
+            raw.position = Position::Missing;
+            true
+        },
+        named: |faults| faults.position.missing > 0 && faults.position.losses > 0,
+    },
+    Fault {
+        name: "resolver without excitation",
+        inject: |raw, k| {
+            raw.position = Position::Resolver { sin: 0.01, cos: 0.001 * (k % 7) as f32 };
+            true
+        },
+        named: |faults| faults.position.resolver.lost > 0 && faults.position.losses > 0,
+    },
+    Fault {
+        name: "converter of phase a stuck",
+        inject: |raw, _| {
+            counts(raw)[0] = 2100;
+            true
+        },
+        named: |faults| faults.currents[0].stuck > 0,
+    },
+    Fault {
+        name: "converter of phase a saturated",
+        inject: |raw, _| {
+            counts(raw)[0] = 4095;
+            true
+        },
+        named: |faults| faults.currents[0].saturated > 0,
+    },
+    Fault {
+        name: "bursts in the currents",
+        inject: |raw, k| {
+            if k % 100 < 5 {
+                let bits = scattered(k);
+                *counts(raw) = [bits & 0xfff, bits >> 8 & 0xfff, bits >> 16 & 0xfff].map(|bits| bits as u16);
+            }
+            true
+        },
+        named: |faults| faults.unbalanced_windows > 0 || faults.currents.iter().any(|phase| phase.saturated > 0),
+    },
+    Fault {
+        name: "bursts in the angle",
+        inject: |raw, k| {
+            if k % 100 < 5 {
+                raw.position = Position::Absolute(Angle::from_bits(scattered(k)));
+            }
+            true
+        },
+        named: |faults| faults.position.strayed > 0,
+    },
+    Fault { name: "missed interrupts", inject: |_, k| k % 2000 >= 30, named: |faults| faults.gaps > 0 },
+];
+
+/// A record of a healthy actuator with a seed that its model was not trained with.
+fn trace(seed: u64, amplitude_m: f64) -> EmaTrace {
+    simulate(&EmaScenario { rows: ROWS, amplitude_m, ..EmaScenario::RIT }, seed).expect("simulates")
+}
+
+/// The front end with calibrated offsets, so that only the noise of the three sensors is left in their sum.
+fn constants(trace: &EmaTrace) -> FrontEndConstants {
+    let mut own = FrontEndConstants { stuck_samples: 200, ..FRONT_END };
+    // Three sensors with a noise of 0.25 A.
+    own.balance = BalanceLimits { noise_a: 0.45, gain_tolerance: 0.02, window: 128 };
+    let phases = [&trace.phase_a_a, &trace.phase_b_a, &trace.phase_c_a];
+    for (sensor, phase) in own.sensors.iter_mut().zip(phases) {
+        sensor.offset_counts = f32::from(ZERO) + phase.iter().sum::<f64>() as f32 / phase.len() as f32 / 0.025;
+    }
+    own
+}
+
+fn raw(trace: &EmaTrace, k: usize) -> Raw {
+    let counts = |current_a: f64| (f64::from(ZERO) + current_a / 0.025).round() as u16;
+    RawSample {
+        number: k as u32,
+        currents: PhaseCounts::Three([trace.phase_a_a[k], trace.phase_b_a[k], trace.phase_c_a[k]].map(counts)),
+        position: position(trace.resolver_counts[k]),
+        further: [trace.load_torque_nm[k] as f32, trace.velocity_ref_rad_s[k] as f32],
+    }
+}
+
+/// What a drive reports of a record.
+struct Outcome {
+    verdicts: Vec<Verdict>,
+    /// Whether each fault was named within a segment.
+    named: Vec<bool>,
+    alarm: bool,
+    withdrawn: usize,
+}
+
+fn watch(trace: &EmaTrace, constants: &FrontEndConstants, start: usize, faults: &[&Fault]) -> Outcome {
+    let mut front_end = FrontEnd::<FURTHER, 10>::new(constants).expect("good constants");
+    let mut detector = Detector::<Drive>::new(&MODEL);
+    let mut evidence = MODEL.evidence();
+    let mut outcome = Outcome { verdicts: vec![], named: vec![false; faults.len()], alarm: false, withdrawn: 0 };
+    let mut started = false;
+    // Each report is kept until the next segment has closed.
+    let mut held: Option<Report<Drive>> = None;
+    let mut judge = |outcome: &mut Outcome, report: Option<Report<Drive>>| {
+        let Some(report) = report else { return };
+        outcome.alarm |= evidence.observe(report.decision.as_ref()).is_some();
+        outcome.verdicts.push(report.verdict);
+    };
+    for k in 0..trace.len() {
+        let mut sample = raw(trace, k);
+        let faulty = (start..start + LENGTH).contains(&k);
+        let since = k.wrapping_sub(start) as u32;
+        if faulty && !faults.iter().all(|fault| (fault.inject)(&mut sample, since)) {
+            continue;
+        }
+        let clean = front_end.push(&sample);
+        if faulty && k < start + SEGMENT {
+            let found = front_end.faults();
+            outcome.named.iter_mut().zip(faults).for_each(|(named, fault)| *named |= (fault.named)(&found));
+        }
+        let Some(clean) = clean else { continue };
+        if clean.found_late && detector.discard() && held.take().is_some() {
+            outcome.withdrawn += 1;
+        }
+        started |= clean.velocity_rad_s.is_finite() && clean.current_a.is_finite();
+        if started && let Some(report) = detector.step(&clean.into()) {
+            judge(&mut outcome, held.replace(report));
+        }
+    }
+    judge(&mut outcome, held);
+    outcome
+}
+
+/// Whether a verdict is one that a healthy drive may have: healthy, or none.
+fn right(verdict: &Verdict) -> bool {
+    matches!(verdict, Verdict::Class(0) | Verdict::Undetermined(_))
+}
+
+/// The two records, with rather small and with large currents: 3.4 and 4.8 A rms.
+fn traces() -> [EmaTrace; 2] {
+    [trace(0xfa17, 0.025), trace(0xfa18, 0.035)]
+}
+
+#[test]
+fn a_fault_is_named_within_a_segment_and_never_becomes_a_defect() {
+    for trace in traces() {
+        let constants = constants(&trace);
+        let whole = watch(&trace, &constants, 0, &[]);
+        assert_eq!(whole.verdicts, [Verdict::Class(0); 4]);
+        for fault in &FAULTS {
+            // Over a segment, down to 50 ms before its end: what is wrong before it is found is in the next one.
+            for start in (24_000..48_000).step_by(4_000).chain([47_900]) {
+                let outcome = watch(&trace, &constants, start, &[fault]);
+                let Outcome { verdicts, named, alarm, .. } = &outcome;
+                assert_eq!(*named, [true], "{} at {start}", fault.name);
+                assert!(verdicts.iter().all(right) && !alarm, "{} at {start}: {verdicts:?}", fault.name);
+                if start + LENGTH < 3 * SEGMENT {
+                    assert_eq!(verdicts.last(), Some(&Verdict::Class(0)), "{} at {start}", fault.name);
+                }
+                assert_eq!(verdicts.len() + outcome.withdrawn, 4);
+            }
+        }
+    }
+}
+
+#[test]
+fn of_two_faults_one_is_named_and_they_never_become_a_defect() {
+    let mut both = 0;
+    for trace in traces() {
+        let constants = constants(&trace);
+        for (k, one) in FAULTS.iter().enumerate() {
+            for other in &FAULTS[k + 1..] {
+                for start in [28_000, 36_000, 44_000] {
+                    let Outcome { verdicts, named, alarm, .. } = watch(&trace, &constants, start, &[one, other]);
+                    let names = format!("{} with {} at {start}", one.name, other.name);
+                    assert!(named.contains(&true), "{names}");
+                    assert!(verdicts.iter().all(right) && !alarm, "{names}: {verdicts:?}");
+                    both += usize::from(named == [true; 2]);
+                }
+            }
+        }
+    }
+    println!("both named in {both} of {} pairs", 36 * 6);
+    // A phase that reads nothing hides its gain, and without an angle the currents are not compared.
+    assert!((100..216).contains(&both), "{both}");
+}
+
+#[test]
+fn wrong_pole_pairs_and_phase_order_have_no_verdict_alone_and_with_any_fault() {
+    for trace in traces() {
+        let right = constants(&trace);
+        for (pole_pairs, order) in [(5, [0, 1, 2]), (7, [0, 1, 2]), (6, [0, 2, 1]), (6, [1, 0, 2])] {
+            let mut own = right;
+            own.frame.pole_pairs = pole_pairs;
+            own.sensors = order.map(|phase| right.sensors[phase]);
+            let mut wired = trace.clone();
+            let phases = [&trace.phase_a_a, &trace.phase_b_a, &trace.phase_c_a];
+            [wired.phase_a_a, wired.phase_b_a, wired.phase_c_a] = order.map(|phase| phases[phase].clone());
+            let alone = watch(&wired, &own, 0, &[]);
+            let refused = Verdict::Undetermined(Reason::Implausible(Implausible::Current));
+            assert_eq!(alone.verdicts, [refused; 4], "{pole_pairs} pole pairs, phases {order:?}");
+            for fault in &FAULTS {
+                let Outcome { verdicts, alarm, .. } = watch(&wired, &own, 36_000, &[fault]);
+                let none = verdicts.iter().all(|verdict| matches!(verdict, Verdict::Undetermined(_)));
+                assert!(none && !alarm, "{} with {pole_pairs}, {order:?}: {verdicts:?}", fault.name);
+            }
+        }
+    }
+}
