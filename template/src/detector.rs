@@ -35,6 +35,10 @@ pub fn interrupt(
         position: position(reading.position.into()),
         further: [reading.load_torque_nm, reading.velocity_ref_rad_s], // in the order that `model.rs` says
     })?;
+    if clean.found_late {
+        // A fault that shows only after a window of samples: those before were wrong.
+        let _segment_before_in_doubt = detector.discard();
+    }
     detector.collect(&clean.into())
 }
 
