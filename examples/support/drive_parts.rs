@@ -66,18 +66,22 @@ impl Watch {
     }
 }
 
-/// Prints a report with the hash of all its numbers.
+/// Prints a report with the bits of its log-likelihoods and the hash of all its numbers.
 fn print(number: u32, report: &Report<Drive>, alarm: bool) {
+    let rows = report.rows;
+    let end = if alarm { ", ALARM" } else { "" };
+    match report.verdict {
+        Verdict::Class(class) => say!("segment {number}: {rows} rows, {}{end}", MODEL.label(class)),
+        Verdict::Novel => say!("segment {number}: {rows} rows, novel{end}"),
+        Verdict::Ambiguous => say!("segment {number}: {rows} rows, ambiguous{end}"),
+        Verdict::Undetermined(reason) => say!("segment {number}: {rows} rows, {reason}{end}"),
+    }
     let mut hash = Hash::new();
     report.estimate().into_iter().for_each(|estimate| hash.add_estimate(estimate));
     report.shaft().into_iter().for_each(|shaft| hash.add_shaft(shaft));
-    report.decision.iter().for_each(|decision| hash.add(decision.log_likelihoods()));
-    let (rows, bits) = (report.rows, hash.bits());
-    let end = if alarm { ", ALARM" } else { "" };
-    match report.verdict {
-        Verdict::Class(class) => say!("segment {number}: {rows} rows, {bits:08x}, {}{end}", MODEL.label(class)),
-        Verdict::Novel => say!("segment {number}: {rows} rows, {bits:08x}, novel{end}"),
-        Verdict::Ambiguous => say!("segment {number}: {rows} rows, {bits:08x}, ambiguous{end}"),
-        Verdict::Undetermined(reason) => say!("segment {number}: {rows} rows, {bits:08x}, {reason}{end}"),
+    for (class, value) in report.decision.iter().flat_map(|decision| decision.log_likelihoods()).enumerate() {
+        hash.add(&[*value]);
+        say!("  log-likelihood {class} {:08x}", value.to_bits());
     }
+    say!("  all numbers {:08x}", hash.bits());
 }

@@ -235,6 +235,8 @@ impl<'m, P: Plan> Detector<'m, P> {
     /// Returns whether less than half of the segment had passed: the fault may have begun in the segment before, whose
     /// report is in doubt, too. Firmware that keeps each report until the next segment has closed can withdraw it; an
     /// alarm needs more than one segment in any case.
+    #[cold]
+    #[inline(never)]
     pub fn discard(&mut self) -> bool {
         let (gate, samples) = (self.gate.clone(), self.samples);
         *self = Self { gate, samples, ..Self::new(self.model) };
