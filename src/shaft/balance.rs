@@ -204,14 +204,16 @@ impl BalanceSums {
     /// Sum of squares of the target that the terms and the prior explain, relative to that of the residual.
     #[inline(never)]
     pub(super) fn explained(&self, load: bool) -> f32 {
-        let columns = columns(load);
-        let last = columns.wrapping_sub(1);
-        let mut sum = 0.0;
-        let mut k = 0_usize;
-        for d in self.d.iter().take(last) {
-            let r = self.r.get(packed(columns, k, last)).copied().unwrap_or(0.0);
-            sum += d * r * r;
-            k = k.wrapping_add(1);
+        let last = columns(load).wrapping_sub(1);
+        // r is stored by rows, each one element shorter than the one before: these are the last ones.
+        let (mut k, mut place, mut sum) = (0_usize, last, 0.0);
+        while k < last {
+            let (d, r) = (self.d.get(k).copied(), self.r.get(place.wrapping_sub(1)).copied());
+            let r = r.unwrap_or(0.0);
+            sum += d.unwrap_or(0.0) * r * r;
+            // Hidden from the compiler, which would unroll the loop to three times its size.
+            k = black_box(k.wrapping_add(1));
+            place = place.wrapping_add(last).wrapping_sub(k);
         }
         sum / self.d.get(last).copied().unwrap_or(0.0)
     }
