@@ -14,7 +14,8 @@
 //! [`Travel`](crate::drive::travel) names the velocity whatever the balance. R is the sum of squares of the residual,
 //! E that of the current which the terms explain, and c the part of the rows that the terms fit by chance: a current that was transformed at another angle than that of the
 //! rotor (pole pairs, phase order, electrical offset) follows neither motion nor load, while a defect adds friction,
-//! which the terms explain, and pulses far below the current of the load (4).
+//! which the terms explain, and pulses far below the current of the load (4). Without a measured load that load may be
+//! most of the current, and (4) is not asked.
 //!
 //! Not seen: scales and rates that are wrong by less than √2, or less than the model's own spread; signals of a shaft
 //! at constant speed under constant load, and of one whose load is not measured, except for (3); all signals of a plan
@@ -96,9 +97,9 @@ pub fn of_motion(ratio: Option<f32>) -> Option<Implausible> {
 #[inline(never)]
 pub fn of_balance(balance: &Balance, friction: &Friction, explained: f32) -> Option<Implausible> {
     let unusual = UNUSUAL * balance.deviation;
-    let terms = if friction.inverse_torque_constant.is_some() { TERMS } else { TERMS - 2 };
-    let left = 1.0 - balance.row_spread * terms as f32 / friction.rows as f32;
-    if friction.variance > unusual * unusual && (explained + 1.0) * left < 2.0 {
+    let left = 1.0 - balance.row_spread * TERMS as f32 / friction.rows as f32;
+    let loaded = friction.inverse_torque_constant.is_some();
+    if loaded && friction.variance > unusual * unusual && (explained + 1.0) * left < 2.0 {
         return Some(Current); // (4)
     }
     let ([n0, _, _, n3, ..], [w0, _, _, w3, ..]) = (balance.nominal, balance.prior);
@@ -183,15 +184,19 @@ mod tests {
     #[test]
     fn a_current_that_nothing_explains_is_refused_if_the_residual_is_unusual() {
         let balance = Balance { deviation: 1.0, ..crate::shaft::tests::balance() };
-        let cause = |variance, explained| {
-            let friction = Friction { variance, rows: 1_000_000, ..Friction::default() };
+        let load = Some(Parameter { value: 0.0, deviation: f32::INFINITY, score: 0.0 });
+        let cause = |variance, explained, inverse_torque_constant| {
+            let friction = Friction { variance, inverse_torque_constant, rows: 1_000_000, ..Friction::default() };
             of_balance(&balance, &friction, explained) == Some(Current)
         };
-        assert_eq!([cause(26.0, 0.9), cause(24.0, 0.9), cause(26.0, 1.1)], [true, false, false]);
-        // Five terms fit half of ten independent rows by chance.
+        assert_eq!([cause(26.0, 0.9, load), cause(24.0, 0.9, load), cause(26.0, 1.1, load)], [true, false, false]);
+        assert!(!cause(26.0, 0.9, None), "the load may be most of the current");
+        // Seven terms fit half of fourteen independent rows by chance.
         let balance = Balance { row_spread: 1.0, ..balance };
-        let cause =
-            |explained| of_balance(&balance, &Friction { variance: 26.0, rows: 10, ..Friction::default() }, explained);
-        assert_eq!([cause(2.9), cause(3.1)], [Some(Current), None]);
+        let cause = |explained| {
+            let friction = Friction { variance: 26.0, rows: 14, inverse_torque_constant: load, ..Friction::default() };
+            of_balance(&balance, &friction, explained) == Some(Current)
+        };
+        assert_eq!([cause(2.9), cause(3.1)], [true, false]);
     }
 }
