@@ -1,10 +1,11 @@
-//! Counts executed instructions on QEMU's netduinoplus2, to the instruction.
+//! Counts executed instructions on two of QEMU's machines, to the instruction.
 //!
-//! Under `-icount shift=8` every instruction takes 2⁸ ns of the emulated time. `SysTick` runs there
-//! from its reference clock, an eighth of 168 MHz:
+//! Under `-icount shift=8` every instruction takes 2⁸ ns of the emulated time. `SysTick` runs from
+//! its reference clock, on netduinoplus2 an eighth of 168 MHz, or without one from the processor's,
+//! on microbit 16 MHz:
 //!
 //! ```text
-//! ticks an instruction = 256 ns · 21 MHz = 5.376 = 672 / 125
+//! ticks an instruction = 256 ns · 21 MHz = 5.376 = 672 / 125,   256 ns · 16 MHz = 4.096 = 512 / 125
 //! ```
 //!
 //! More than one tick an instruction, so rounding the ticks gives the exact count. The 24-bit
@@ -16,6 +17,9 @@
 pub struct Counter {
     #[cfg(target_os = "none")]
     timer: cortex_m::peripheral::SYST,
+    /// Ticks of 125 instructions.
+    #[cfg(target_os = "none")]
+    ticks: u32,
 }
 
 #[cfg(not(target_os = "none"))]
@@ -47,6 +51,9 @@ mod on_target {
 
     const LAST: u32 = 0x00ff_ffff;
 
+    /// Ticks of 125 instructions, on each machine.
+    const CLOCKS: [u32; 2] = [672, 512];
+
     impl Counter {
         /// The counter; there is one. It first counts a stretch whose length is known, because an
         /// emulator that clocks its `SysTick` otherwise would give plausible, wrong figures.
@@ -54,15 +61,20 @@ mod on_target {
             let mut timer = Peripherals::take()?.SYST;
             timer.set_clock_source(SystClkSource::External);
             timer.set_reload(LAST);
-            let mut counter = Self { timer };
-            let four = counter.instructions_per_call(100, |_| {
-                asm::nop();
-                asm::nop();
-                asm::nop();
-                asm::nop();
-            });
-            assert_eq!(four, 4, "not the SysTick clock this counter was made for");
-            Some(counter)
+            let mut counter = Self { timer, ticks: 0 };
+            for ticks in CLOCKS {
+                counter.ticks = ticks;
+                let four = counter.instructions_per_call(100, |_| {
+                    asm::nop();
+                    asm::nop();
+                    asm::nop();
+                    asm::nop();
+                });
+                if four == 4 {
+                    return Some(counter);
+                }
+            }
+            panic!("not a SysTick clock this counter was made for");
         }
 
         /// Instructions of one `kernel(k)`, averaged over k = 0 … `calls` − 1 and rounded; the
@@ -98,13 +110,13 @@ mod on_target {
             let end = SYST::get_current();
             assert!(!self.timer.has_wrapped(), "too many calls for the 24-bit counter");
             self.timer.disable_counter();
-            instructions(start.wrapping_sub(end) & LAST)
+            instructions(start.wrapping_sub(end) & LAST, self.ticks)
         }
     }
 
-    /// Ticks to instructions, 125/672 of them, rounded.
-    const fn instructions(ticks: u32) -> u32 {
-        // In parts, since ticks · 125 overflows; 672 ticks are exactly 125 instructions.
-        ticks / 672 * 125 + (ticks % 672 * 125 + 336) / 672
+    /// Ticks to instructions, rounded; so many are exactly 125 instructions.
+    const fn instructions(ticks: u32, of_125: u32) -> u32 {
+        // In parts, since ticks · 125 overflows.
+        ticks / of_125 * 125 + (ticks % of_125 * 125 + of_125 / 2) / of_125
     }
 }

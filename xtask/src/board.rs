@@ -24,6 +24,10 @@ pub const OTHERS: [Board; 3] = [
     Board { core: "Cortex-M3", machine: "mps2-an385", target: "thumbv7m-none-eabi", memory: "mps2" },
 ];
 
+/// A processor without a floating-point unit, on which the cost of a sample is counted.
+pub const NO_FPU: Board =
+    Board { core: "Cortex-M0", machine: "microbit", target: "thumbv6m-none-eabi", memory: "nrf51" };
+
 /// Chips of drives that the emulator does not have: firmware is built for them, and not run.
 pub const NOT_EMULATED: [Board; 2] = [
     Board { core: "Cortex-M4F", machine: "STM32G474", target: "thumbv7em-none-eabihf", memory: "stm32g474" },
@@ -38,7 +42,7 @@ mod tests {
     #[test]
     fn every_board_has_its_memory_map_and_a_machine_of_its_own() {
         let mut machines = Vec::new();
-        for board in OTHERS.iter().chain(&NOT_EMULATED).chain([&DRIVE]) {
+        for board in OTHERS.iter().chain(&NOT_EMULATED).chain([&DRIVE, &NO_FPU]) {
             let root = workspace::root();
             let folder = if board.memory.is_empty() { root } else { root.join("boards").join(board.memory) };
             let map = folder.join("memory.x");

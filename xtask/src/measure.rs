@@ -7,8 +7,8 @@ use std::path::Path;
 use anyhow::{Context, Result, ensure};
 use serde_json::{Value, json};
 
-use crate::board::DRIVE;
-use crate::toolchain::Way;
+use crate::board::{Board, DRIVE, NO_FPU};
+use crate::toolchain::{self, Way};
 use crate::{elf, firmware, qemu, workspace};
 
 /// One measured kernel, or a size of the whole monitor.
@@ -44,7 +44,12 @@ pub fn figures(way: Way) -> Result<Vec<Figure>> {
 pub fn kernels(way: Way) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for example in ["measure", "stack"] {
-        figures.extend(printed(&firmware::build(way, DRIVE, example)?)?);
+        figures.extend(printed(&firmware::build(way, DRIVE, example)?, DRIVE)?);
+    }
+    if toolchain::hindrance(way, NO_FPU.target).is_none() {
+        for figure in printed(&firmware::build(way, NO_FPU, "measure_no_fpu")?, NO_FPU)? {
+            figures.push(Figure { name: format!("{}, on a {}", figure.name, NO_FPU.core), ..figure });
+        }
     }
     let flash = |example: &str| Ok::<_, anyhow::Error>(elf::sizes(&firmware::build(way, DRIVE, example)?)?.flash);
     let without = flash("footprint_none")?;
@@ -58,9 +63,9 @@ pub fn kernels(way: Way) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// What a program prints on the drive's chip.
-pub fn printed(elf: &Path) -> Result<Vec<Figure>> {
-    let lines = qemu::run(elf, DRIVE.machine, qemu::Echo::Off)?;
+/// What a program prints on a board.
+pub fn printed(elf: &Path, board: Board) -> Result<Vec<Figure>> {
+    let lines = qemu::run(elf, board.machine, qemu::Echo::Off)?;
     ensure!(!lines.is_empty(), "{} printed nothing", elf.display());
     lines.iter().map(|line| figure(line)).collect()
 }

@@ -40,7 +40,7 @@ const PROGRAMS: [&str; 3] = ["footprint_squares", "footprint_refined", "footprin
 
 /// The figure that grows most, if none grows more than allowed.
 pub fn instructions(way: Way, fast: &[Figure]) -> Result<String, String> {
-    let small = firmware::build_small(way, DRIVE, "measure").and_then(|elf| measure::printed(&elf));
+    let small = firmware::build_small(way, DRIVE, "measure").and_then(|elf| measure::printed(&elf, DRIVE));
     compare(fast, &small.map_err(|error| format!("{error:#}"))?)
 }
 

@@ -5,6 +5,7 @@
 use core::f64::consts::TAU as TURN;
 
 use super::*;
+use crate::drive::{AlphaBeta, Park, RotorFrame};
 
 const RATE_HZ: f64 = 10_000.0;
 const RESOLVER: ResolverLimits = ResolverLimits { low: 0.7, high: 1.3, mismatch: 0.1 };
@@ -106,6 +107,31 @@ fn under_acceleration_the_angle_lags_by_the_acceleration_constant() {
             // The converter floors: half a count is 0.011°.
             assert!((mean - lag).abs() < 0.015, "{mean} {lag}");
         }
+    }
+}
+
+#[test]
+fn the_angle_alone_moves_the_quadrature_current_by_a_fifth_of_a_percent_at_most() {
+    let frame = RotorFrame { pole_pairs: 6, electrical_offset: Angle::ZERO, park: Park::Standard };
+    for sensor in SENSORS {
+        // From rest to full speed and back at ± 1000 rad/s², a second long.
+        let motion = |t: f64| if t < 0.45 { 500.0 * t * t } else { 450.0 * t - 500.0 * (t - 0.45).powi(2) - 101.25 };
+        let (mut tracker, mut noise, mut sum) = (PositionTracker::new(&CONSTANTS, RATE_HZ as f32), Noise(3), 0.0);
+        let samples = 1000_i32..9000;
+        for k in 0..samples.end {
+            let truth = motion(f64::from(k) / RATE_HZ);
+            let Some(tracked) = tracker.push(&sensor(truth, &mut noise)) else { continue };
+            // A quadrature current of 10 A in the true frame.
+            let (sin, cos) = (6.0 * truth).sin_cos();
+            let stationary = AlphaBeta { alpha: (-10.0 * sin) as f32, beta: (10.0 * cos) as f32, zero: 0.0 };
+            let found = frame.transform(stationary, tracked.angle);
+            sum += if k < samples.start { 0.0 } else { (f64::from(found.q) - 10.0).powi(2) };
+        }
+        let part = (sum / samples.len() as f64).sqrt() / 10.0;
+        std::println!("quadrature current: {:.3} % rms", 100.0 * part);
+        // Lag of the loop: 6 α/Ka, of which the cosine is lost.
+        let lost = 1.0 - (6.0 * 1000.0 / f64::from(tracker.acceleration_constant())).cos();
+        assert!(part <= 0.002 && (0.8 * lost..1.3 * lost).contains(&part), "{part} for {lost}");
     }
 }
 
