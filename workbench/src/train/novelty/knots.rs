@@ -14,12 +14,17 @@ const GRID: usize = 200;
 /// error of the interpolation is about the same in every interval.
 #[must_use]
 pub fn knots(law: &DistanceLaw, limit: f64) -> [[f64; 2]; KNOTS] {
-    // Denser near zero, where the curvature is largest.
+    knots_of(|surprise| law.squared_at(surprise), 0.0, limit)
+}
+
+/// Returns the knots of a curve from its `least` surprise on, as [`knots`]; it is asked for larger and larger surprises.
+pub(super) fn knots_of(mut at: impl FnMut(f64) -> f64, least: f64, limit: f64) -> [[f64; 2]; KNOTS] {
+    // Denser at the start, where the curvature is largest.
     let part = |k: usize| (k as f64 / GRID as f64).powi(2);
-    let mut surprises: Vec<f64> = (0..=GRID).map(|k| FOLLOWED * part(k)).collect();
+    let mut surprises: Vec<f64> = (0..=GRID).map(|k| least + (FOLLOWED - least) * part(k)).collect();
     let gate = surprises.iter().position(|s| *s >= limit).unwrap_or(GRID);
-    surprises[gate] = limit.min(FOLLOWED);
-    let curve: Vec<[f64; 2]> = surprises.iter().map(|s| [law.squared_at(*s), *s]).collect();
+    surprises[gate] = limit.clamp(least, FOLLOWED);
+    let curve: Vec<[f64; 2]> = surprises.iter().map(|s| [at(*s), *s]).collect();
     let (mut fine, mut coarse) = (1e-6_f64, 1.0_f64);
     for _ in 0..40 {
         let middle = (fine * coarse).sqrt();
@@ -29,7 +34,7 @@ pub fn knots(law: &DistanceLaw, limit: f64) -> [[f64; 2]; KNOTS] {
     let mut further = FOLLOWED;
     while chosen.len() < KNOTS {
         further += 1.0;
-        chosen.push([law.squared_at(further), further]);
+        chosen.push([at(further), further]);
     }
     std::array::from_fn(|k| chosen[k])
 }

@@ -22,7 +22,7 @@ use statrs::function::beta::{beta_reg, ln_beta};
 /// the gate of Gaussian features would be far out.
 const GAUSSIAN: f64 = 0.6;
 /// Number of heavier laws, up to the largest 1/τ: the heaviest tail is about 1/d⁶.
-const HEAVIER: usize = 16;
+pub(super) const HEAVIER: usize = 16;
 const HEAVIEST: f64 = 0.33;
 /// Degrees of freedom below which the values of τ cannot be distinguished and E d² hardly exists.
 const LEAST_DEGREES: f64 = 3.0;
@@ -31,10 +31,10 @@ const NEGLIGIBLE: f64 = 1e-4;
 
 /// d² ~ scale · F(coordinates, degrees).
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Scaled {
+pub(super) struct Scaled {
     coordinates: f64,
-    degrees: f64,
-    scale: f64,
+    pub(super) degrees: f64,
+    pub(super) scale: f64,
 }
 
 /// (3).
@@ -76,27 +76,20 @@ impl DistanceLaw {
 
     /// Averages over the heavier forms of a law, by the distances `left_out` and their law `others`.
     fn averaged(law: Scaled, others: Scaled, left_out: &[f64]) -> Self {
-        if others.degrees < LEAST_DEGREES {
+        if !others.tells_tails() {
             return Self { parts: vec![(1.0, law)] };
         }
-        // Denser at light tails, where the laws differ most at the observed distances.
-        let steps = HEAVIER as f64;
         let each = |k: usize| {
-            let weight = HEAVIEST * (k as f64 / steps).powi(2);
-            let before = if k == 0 { GAUSSIAN } else { (1.0 - GAUSSIAN) * 2.0 * k as f64 / (steps * (steps + 1.0)) };
+            let (weight, before) = tail(k);
             let likelihood: f64 = left_out.iter().map(|d| others.heavier(weight).ln_density(*d)).sum();
             (before.ln() + likelihood, law.heavier(weight))
         };
-        let judged: Vec<(f64, Scaled)> = (0..=HEAVIER).map(each).collect();
-        let most = judged.iter().map(|(ln, _)| *ln).fold(f64::NEG_INFINITY, f64::max);
-        let kept = |(k, (ln, law)): (usize, (f64, Scaled))| {
-            let part = (ln - most).exp();
-            (k == 0 || part > NEGLIGIBLE).then_some((part, law))
-        };
-        let mut parts: Vec<(f64, Scaled)> = judged.into_iter().enumerate().filter_map(kept).collect();
-        let total: f64 = parts.iter().map(|(part, _)| part).sum();
-        parts.iter_mut().for_each(|(part, _)| *part /= total);
-        Self { parts }
+        Self { parts: probabilities((0..=HEAVIER).map(each).collect()) }
+    }
+
+    /// The probabilities and laws of (3).
+    pub(super) fn parts(&self) -> impl Iterator<Item = (f64, Scaled)> {
+        self.parts.iter().copied()
     }
 
     /// Returns the probability that the features are Gaussian, among the laws considered.
@@ -127,20 +120,45 @@ impl DistanceLaw {
     }
 }
 
+/// Returns 1/τ of the k-th law and its prior probability.
+pub(super) fn tail(k: usize) -> (f64, f64) {
+    // Denser at light tails, where the laws differ most at the observed distances.
+    let steps = HEAVIER as f64;
+    let prior = if k == 0 { GAUSSIAN } else { (1.0 - GAUSSIAN) * 2.0 * k as f64 / (steps * (steps + 1.0)) };
+    (HEAVIEST * (k as f64 / steps).powi(2), prior)
+}
+
+/// Returns the laws that are not negligible, and the first one, with their probabilities, of the logarithms of these up
+/// to a common factor.
+pub(super) fn probabilities<T>(judged: Vec<(f64, T)>) -> Vec<(f64, T)> {
+    let most = judged.iter().map(|(ln, _)| *ln).fold(f64::NEG_INFINITY, f64::max);
+    let relative = judged.into_iter().map(|(ln, law)| ((ln - most).exp(), law));
+    let kept = relative.enumerate().filter(|(k, (part, _))| *k == 0 || *part > NEGLIGIBLE);
+    let mut kept: Vec<(f64, T)> = kept.map(|(_, part)| part).collect();
+    let total: f64 = kept.iter().map(|(part, _)| part).sum();
+    kept.iter_mut().for_each(|(part, _)| *part /= total);
+    kept
+}
+
 impl Scaled {
-    fn gaussian(coordinates: usize, rows: usize) -> Self {
+    pub(super) fn gaussian(coordinates: usize, rows: usize) -> Self {
         let (p, n) = (coordinates as f64, rows as f64);
         Self { coordinates: p, degrees: n - p, scale: p * (n * n - 1.0) / (n * (n - p)) }
     }
 
     /// Returns the law (2) with 1/τ = `weight`.
-    fn heavier(self, weight: f64) -> Self {
+    pub(super) fn heavier(self, weight: f64) -> Self {
         if weight <= 0.0 {
             return self;
         }
         let degrees = (1.0 / (1.0 / self.degrees + weight)).max(2.05);
         let mean = |degrees: f64| degrees / (degrees - 2.0);
         Self { degrees, scale: self.scale * mean(self.degrees) / mean(degrees), ..self }
+    }
+
+    /// Whether values of τ can be told apart, and E d² exists.
+    pub(super) fn tells_tails(&self) -> bool {
+        self.degrees >= LEAST_DEGREES
     }
 
     fn beyond(&self, squared: f64) -> f64 {

@@ -23,6 +23,7 @@ pub mod law;
 mod ratios;
 pub mod rising;
 pub mod runs;
+pub mod score;
 pub mod spread;
 
 use bearing_watch::model::EvidenceConstants;
@@ -37,6 +38,7 @@ use crate::Error;
 use law::DistanceLaw;
 use rising::Rising;
 use runs::RunSpread;
+use score::ScoreLaw;
 
 /// κ of the evidence: a mean surprise of 5 nats is detected fastest, and a mean surprise of 2 instead of 1 in the
 /// healthy state does not yet cause an alarm.
@@ -385,10 +387,10 @@ impl Healthy {
         let each = |k: usize| {
             let own = scores.select(&[k]);
             if self.runs.is_some() {
-                return law(own, &names[k..=k]);
+                return law(own, &names[k..=k]).map(|law| ScoreLaw::symmetric(&law));
             }
             let rows = own.with(0, 0).count().saturating_sub(self.fitted + k).max(2);
-            Ok(DistanceLaw::of(1, rows, &left_out(&own).ok_or_else(singular)?))
+            Ok(ScoreLaw::of(rows, &left_out(&own).ok_or_else(singular)?))
         };
         let laws = (first..names.len()).map(each).collect::<Result<_, _>>()?;
         Ok(Some(Rising { freedom, laws, others }))
@@ -406,11 +408,15 @@ impl Healthy {
     }
 }
 
-/// Returns the d² of each value of one coordinate that is available, from the others; `None` if they are constant.
+/// Returns each value of one coordinate that is available less the mean of the others, in their standard deviations;
+/// `None` if they are constant.
 fn left_out(scores: &FeatureTable) -> Option<Vec<f64>> {
     let found = moments::moments(&scores.observed(), 1);
+    let mean = found.means.first()?[0];
     let squared = moments::left_out(&scores.observed(), &found)?;
-    Some(squared.into_iter().filter(|(_, available)| *available > 0).map(|(squared, _)| squared).collect())
+    let all = squared.into_iter().zip(&scores.rows).filter(|((_, available), _)| *available > 0);
+    // The mean of the others is on the same side of the value as that of all.
+    Some(all.map(|((squared, _), row)| squared.sqrt().copysign(row[0] - mean)).collect())
 }
 
 impl Gate {

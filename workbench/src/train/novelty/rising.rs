@@ -5,17 +5,18 @@
 //! p: of the distance of the others, and P(U_i ≥ u_i) of each rising coordinate, M in all
 //! ```
 //!
-//! U² has the law of the distance in one coordinate. It follows from the scores `y_i` of the healthy segments
-//! themselves, less the degrees of freedom of the regression on the others. Each coordinate has a law of its own: the
-//! friction of a drive has heavier tails than the score of an order.
+//! The law of U (`super::score`) follows from the scores `y_i` of the healthy segments themselves, less the degrees of
+//! freedom of the regression on the others; if runs count, it is symmetric and that of a run's distance. Each coordinate
+//! has a law of its own: the friction of a drive has heavier tails than the score of an order.
 
 use std::f64::consts::LN_2;
 
 use bearing_watch::model::{KNOTS, Law};
 use nalgebra::{DMatrix, DVector};
 
-use super::knots::knots;
+use super::knots::{knots, knots_of};
 use super::law::{DistanceLaw, equivalent};
+use super::score::ScoreLaw;
 use crate::train::moments;
 
 /// The rising coordinates of a gate, its last ones.
@@ -23,8 +24,8 @@ use crate::train::moments;
 pub struct Rising {
     /// ν.
     pub freedom: f64,
-    /// The law of u² of each.
-    pub laws: Vec<DistanceLaw>,
+    /// The law of u of each.
+    pub laws: Vec<ScoreLaw>,
     /// The law of the distance of the others, if there are any.
     pub others: Option<DistanceLaw>,
 }
@@ -60,15 +61,25 @@ impl Rising {
         // The knot at the limit is that of one of all values.
         let own = -(-(-limit).exp()).ln_1p() / (self.laws.len() + usize::from(self.others.is_some())) as f64;
         let own = -(-(-own).exp_m1()).ln();
-        let curve = |law: &DistanceLaw, limit: f64| knots(law, limit).map(|knot| knot.map(|x| x as f32));
-        let others = self.others.as_ref().map_or([[0.0; 2]; KNOTS], |law| curve(law, own));
-        std::iter::once(others).chain(self.laws.iter().map(|law| curve(law, own - LN_2))).collect()
+        let core = |knots: [[f64; 2]; KNOTS]| knots.map(|knot| knot.map(|x| x as f32));
+        let others = self.others.as_ref().map_or([[0.0; 2]; KNOTS], |law| core(knots(law, own)));
+        // −ln 2 P(U ≥ u) over u², from the u ≥ 0 on at which it is zero.
+        let each = |law: &ScoreLaw| {
+            let (least, mut u) = ((law.surprise(0.0) - LN_2).max(0.0), 0.0);
+            let at = |surprise: f64| {
+                u = law.at(surprise + LN_2, u);
+                u * u
+            };
+            core(knots_of(at, least, own - LN_2))
+        };
+        std::iter::once(others).chain(self.laws.iter().map(each)).collect()
     }
 }
 
-/// Returns −ln P(U ≥ u) by the law of U².
-fn one_sided(law: &DistanceLaw, u: f64) -> f64 {
-    let far = law.surprise(u * u) + LN_2;
+/// Returns −ln P(U ≥ u), at most ½ for u ≥ 0; for u < 0 the probability that the law leaves to U < |u|, as in the core.
+/// The exact one matters to no gate: no value below the mean is rare.
+fn one_sided(law: &ScoreLaw, u: f64) -> f64 {
+    let far = law.surprise(u.abs()).max(LN_2);
     if u < 0.0 { -(-(-far).exp()).ln_1p() } else { far }
 }
 
@@ -85,7 +96,7 @@ mod tests {
 
     #[test]
     fn knots_of_each_law_are_where_the_limit_is_reached() {
-        let law = DistanceLaw::gaussian(1, 200);
+        let law = ScoreLaw::symmetric(&DistanceLaw::gaussian(1, 200));
         let rising = Rising { freedom: 199.0, laws: vec![law.clone(); 2], others: Some(DistanceLaw::gaussian(2, 200)) };
         let limit = 100_f64.ln();
         let laws = rising.core(limit);
@@ -95,8 +106,24 @@ mod tests {
             // The rounding of single precision.
             assert!(law.iter().any(|[_, s]| (f64::from(*s) - expected).abs() < 1e-5), "{expected}");
         }
-        let u = law.squared_at(-(2.0 * of_one).ln()).sqrt();
+        let u = law.at(-of_one.ln(), 0.0);
         assert!((rarest(&[one_sided(&law, u), 0.3, one_sided(&law, -1.0)]) - limit).abs() < 1e-9);
         assert!(rarest(&[]).abs() < 1e-15 && rarest(&[0.0]).abs() < 1e-15);
+    }
+
+    #[test]
+    fn knots_of_skewed_laws_are_laws_of_the_core() {
+        // Scores of both skews: their mean is not their median.
+        let skewed: Vec<f64> = (0..150).map(|k| (f64::from(k) / 50.0 - 1.0).exp() - 1.17).collect();
+        let mirrored: Vec<f64> = skewed.iter().map(|y| -y).collect();
+        let [far, near] = [skewed, mirrored].map(|scores| ScoreLaw::of(150, &scores));
+        assert!(far.surprise(0.0) > LN_2 + 0.05 && near.surprise(0.0) < LN_2 - 0.05, "{}", far.surprise(0.0));
+        let rising = Rising { freedom: 149.0, laws: vec![far, near], others: None };
+        for limit in [0.4, 100_f64.ln()] {
+            for law in &rising.core(limit)[1..] {
+                assert!(law.windows(2).all(|two| two[0][0] < two[1][0] && two[0][1] < two[1][1]), "{law:?}");
+                assert!(law[0][0] >= 0.0 && law[0][1] >= 0.0, "{law:?}");
+            }
+        }
     }
 }
