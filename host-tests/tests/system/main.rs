@@ -8,6 +8,7 @@ mod dc_motor_rig;
 mod embedded_estimates;
 mod estimators;
 mod field_table;
+mod formats;
 mod identification;
 mod implausible_signals;
 mod instruments_model;

@@ -2,6 +2,7 @@
 
 mod args;
 mod campaign;
+mod convert;
 mod demo;
 mod description;
 mod evaluate;
@@ -44,6 +45,8 @@ enum Command {
     Evaluate(evaluate::Args),
     Replay(replay::Args),
     Listen(listen::Args),
+    Convert(convert::ConvertArgs),
+    Resample(convert::ResampleArgs),
     Campaign(campaign::Args),
     Tables(tables::Args),
 }
@@ -68,6 +71,8 @@ pub fn run() -> ExitCode {
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Replay(args) => replay::run(&args),
         Command::Listen(args) => listen::run(&args),
+        Command::Convert(args) => convert::convert(&args),
+        Command::Resample(args) => convert::resample(&args),
         Command::Campaign(args) => campaign::run(&args),
         Command::Tables(args) => tables::run(&args),
     };

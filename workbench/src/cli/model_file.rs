@@ -46,6 +46,11 @@ pub(super) struct Notes {
     /// Columns that are used for their averages alone.
     #[serde(default)]
     further: Vec<String>,
+    /// The time column and the rate of the recordings, if they were given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    time: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    rate_hz: Option<f64>,
     /// The front end that the recordings pass.
     #[serde(default)]
     pub(super) front_end: Option<FrontEndFile>,
@@ -68,13 +73,15 @@ impl Notes {
         (features, orders): (&[String], Vec<String>),
         training: &[LabelledTrace],
     ) -> Self {
-        let Channels { y, u1, u2, shaft, further, front_end } = channels.clone();
+        let Channels { y, u1, u2, shaft, further, time, rate_hz, front_end } = channels.clone();
         Self {
             y,
             u1,
             u2,
             shaft,
             further,
+            time,
+            rate_hz,
             front_end,
             host_block_mean: host.block_mean,
             decimate: host.decimate,
@@ -88,6 +95,8 @@ impl Notes {
         Channels {
             shaft: self.shaft.clone(),
             further: self.further.clone(),
+            time: self.time.clone(),
+            rate_hz: self.rate_hz,
             front_end: self.front_end.clone(),
             ..Channels::new(&self.y, &self.u1, &self.u2)
         }

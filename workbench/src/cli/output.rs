@@ -34,7 +34,7 @@ pub(super) fn plan(outputs: &[&Path], inputs: &[PathBuf]) -> Result<(), Error> {
     Ok(())
 }
 
-fn folder_of(path: &Path) -> &Path {
+pub(super) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 

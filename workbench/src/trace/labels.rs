@@ -92,7 +92,7 @@ impl Labels {
                 let line = pos.as_ref().map_or_else(|| "content".into(), |p| format!("line {}", p.line()));
                 Error::content(path, line, format!("{len} cells where the header has {expected_len}; complete the row"))
             }
-            _ => super::csv_reader::csv_error(path, &error),
+            _ => super::table::csv_error(path, &error),
         };
         let columns: Vec<String> = reader.headers().map_err(problem)?.iter().map(String::from).collect();
         let rows = reader.records().map(|r| Ok(r.map_err(problem)?.iter().map(String::from).collect()));

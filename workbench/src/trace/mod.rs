@@ -1,30 +1,35 @@
 //! Recorded or simulated signals: from files to the input of identification.
 
 mod cleaned_reader;
-mod csv_reader;
 pub mod front_end;
 pub mod half_band;
 pub mod labels;
 pub mod low_pass;
 mod minimax;
 pub mod prepare;
+pub(crate) mod reader;
 mod record;
+pub(crate) mod resample;
+mod signal;
+pub(crate) mod table;
+pub(crate) mod units;
 
 use std::path::{Path, PathBuf};
 
 use crate::Error;
 
-pub(crate) use csv_reader::LARGEST;
 pub use front_end::FrontEndFile;
 pub use labels::{Condition, Labels};
 pub use prepare::Preparation;
 pub(crate) use record::bridged;
-pub use record::{Channels, MotionTrace, ShaftChannels, Trace, same_interval, stem};
+pub use record::{Channels, MotionTrace, ShaftChannels, Trace, same_interval};
+pub(crate) use table::LARGEST;
+pub use table::stem;
 
 /// Reads every trace of the given files and folders.
 ///
-/// In a folder, the `.csv` files with the wanted columns are read (others, for example labels or parameter tables, are
-/// skipped); a file given directly must have the columns.
+/// In a folder, the files of known formats with the wanted columns are read (others, for example labels or parameter
+/// tables, are skipped); a file given directly must have the columns.
 ///
 /// # Errors
 /// Unreadable files; missing columns; ragged, non-numeric or non-finite cells; an id that occurs twice; no trace.
@@ -32,7 +37,7 @@ pub fn read(paths: &[PathBuf], channels: &Channels) -> Result<Vec<Trace>, Error>
     read_files(paths, channels, None)
 }
 
-/// Reads only the traces for whose id (without `.csv`) `wanted` is true; others are skipped and not checked. A wanted
+/// Reads only the traces for whose id (without the extension of its format) `wanted` is true; others are skipped and not checked. A wanted
 /// trace must have the columns.
 ///
 /// # Errors
@@ -44,14 +49,14 @@ pub fn read_wanted(paths: &[PathBuf], channels: &Channels, wanted: &dyn Fn(&str)
 fn read_file(path: &Path, channels: &Channels, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Trace>, Error> {
     match &channels.front_end {
         Some(front_end) => cleaned_reader::read(path, channels, front_end, wanted),
-        None => csv_reader::read(path, channels, wanted),
+        None => reader::read(path, channels, wanted),
     }
 }
 
 fn has_columns(path: &Path, channels: &Channels) -> bool {
     match &channels.front_end {
         Some(front_end) => cleaned_reader::has_columns(path, channels, front_end),
-        None => csv_reader::has_columns(path, channels),
+        None => reader::has_columns(path, channels),
     }
 }
 
@@ -69,7 +74,7 @@ fn read_files(
     for path in paths {
         let mut files = vec![path.clone()];
         if path.is_dir() {
-            files = csv_files(path)?;
+            files = known_files(path)?;
             files.retain(|file| asked_for(file) || has_columns(file, channels));
         }
         for file in files {
@@ -94,10 +99,23 @@ fn read_files(
     Ok(traces)
 }
 
-fn csv_files(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+/// The files among these files and in these folders, in known formats; labels in a folder are left out.
+pub(crate) fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
+    let mut found = Vec::new();
+    for path in paths {
+        if !path.is_dir() {
+            found.push(path.clone());
+            continue;
+        }
+        found.extend(known_files(path)?.into_iter().filter(|file| !reader::is_labels(file)));
+    }
+    Ok(found)
+}
+
+fn known_files(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let entries = std::fs::read_dir(folder).map_err(Error::io(folder))?;
     let mut files: Vec<PathBuf> = entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
-    files.retain(|file| file.is_file() && file.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")));
+    files.retain(|file| file.is_file() && table::is_known(file));
     files.sort();
     Ok(files)
 }

@@ -57,9 +57,9 @@ impl MotionTrace {
 pub struct Trace {
     /// Name of its file, or the `trace` cell of a tidy table.
     pub id: String,
-    /// Median step of the `t_s` column, s, if this column exists.
+    /// Median step of the time column, or one over the rate that was given instead, s.
     pub interval_s: Option<f64>,
-    /// Number of steps of `t_s` that differ from the median by more than a tenth of it.
+    /// Number of steps of the time that differ from the median by more than a tenth of it.
     pub irregular_steps: usize,
     /// Output.
     pub y: Vec<f64>,
@@ -75,7 +75,8 @@ pub struct Trace {
     pub refused: Option<Refused>,
 }
 
-/// The columns of the three signals: a column's name, or a difference `a-b` of two columns.
+/// The columns of the three signals: a column's name, or a formula of columns such as `a-b`, `0.5*(a + b)`,
+/// `speed_rpm rad/s` or `integrate(speed_rpm) rad`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channels {
     /// Output.
@@ -88,6 +89,10 @@ pub struct Channels {
     pub shaft: Option<ShaftChannels>,
     /// Columns that are used for their averages alone.
     pub further: Vec<String>,
+    /// The time column; by its usual names if none is given, and no time at all if it is `none`.
+    pub time: Option<String>,
+    /// Rows a second, for files without a time.
+    pub rate_hz: Option<f64>,
     /// Makes the columns of recordings at the control rate; `None` if they are recorded as they are used.
     pub front_end: Option<FrontEndFile>,
 }
@@ -126,7 +131,16 @@ impl Channels {
     /// Three signals, no shaft.
     #[must_use]
     pub fn new(y: impl Into<String>, u1: impl Into<String>, u2: impl Into<String>) -> Self {
-        Self { y: y.into(), u1: u1.into(), u2: u2.into(), shaft: None, further: vec![], front_end: None }
+        Self {
+            y: y.into(),
+            u1: u1.into(),
+            u2: u2.into(),
+            shaft: None,
+            further: vec![],
+            time: None,
+            rate_hz: None,
+            front_end: None,
+        }
     }
 
     /// All names, columns and differences.
@@ -138,12 +152,6 @@ impl Channels {
         });
         [&self.y, &self.u1, &self.u2].into_iter().chain(shaft).chain(&self.further).map(String::as_str).collect()
     }
-}
-
-/// The id of a trace without the extension `.csv`, for comparisons.
-#[must_use]
-pub fn stem(id: &str) -> &str {
-    id.strip_suffix(".csv").or_else(|| id.strip_suffix(".CSV")).unwrap_or(id)
 }
 
 /// Whether two sampling intervals are equal except for rounding of the recorded times.

@@ -125,6 +125,8 @@ mod tests {
             u2: name("load_torque_nm"),
             shaft: None,
             further: vec![name("velocity_rad_s")],
+            time: None,
+            rate_hz: None,
             front_end: Some(FrontEndFile::of_rig(&EmaScenario::RIT).expect("raw rows")),
         }
     }

@@ -156,7 +156,7 @@ fn bad_input_is_one_line_with_file_place_and_remedy() {
     write("short.csv", "y,u1,u2\n1,2,3\n4,5,6\n");
     write("flat.csv", &format!("y,u1,u2\n{}", "1,2,3\n".repeat(50)));
     write("steady.csv", &format!("y,u1,u2\n{}", "1,2,3\n2,2,3\n4,2,3\n".repeat(20)));
-    write("semicolons.csv", "y;u1;u2\n1;2;3\n");
+    write("letters.csv", "y;u1;u2\n1,5;2;3\n1,5;2;x\n");
     write("huge.csv", "y,u1,u2\n1,2,1e300\n");
     write("backwards.csv", "t_s,y,u1,u2\n0,1,2,3\n-1,1,2,3\n");
     write("columns.csv", "y,u1\n1,2\n");
@@ -172,7 +172,7 @@ fn bad_input_is_one_line_with_file_place_and_remedy() {
     refuse(dir, &identify("short.csv"), &["short.csv", "2 samples for 3 parameters", "record more"]);
     refuse(dir, &identify("flat.csv"), &["flat.csv", "the output is constant", "check --y"]);
     refuse(dir, &identify("steady.csv"), &["steady.csv", "do not excite parameter c1", "richer command"]);
-    refuse(dir, &identify("semicolons.csv"), &["semicolons.csv, header", "separated by semicolons"]);
+    refuse(dir, &identify("letters.csv"), &["letters.csv, line 3, column u2: \"x\" is not a number"]);
     refuse(dir, &identify("huge.csv"), &["huge.csv, line 2, column u2", "no measured value"]);
     refuse(dir, &identify("backwards.csv"), &["backwards.csv, line 3, column t_s", "time runs backwards"]);
     refuse(dir, &identify("t0.csv").replace("out.csv", "t0.csv"), &["t0.csv is an input"]);

@@ -5,6 +5,7 @@ mod command_line;
 mod common;
 mod covariate_commands;
 mod field_command;
+mod format_commands;
 mod front_end_commands;
 mod grey_box_commands;
 mod listen_command;

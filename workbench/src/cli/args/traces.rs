@@ -14,7 +14,8 @@ use crate::train::Validation;
 /// The columns of the three signals.
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct ChannelArgs {
-    /// Output: a column, or a difference a-b of two (as a rule the quadrature current)
+    /// Output: a column, or a formula of columns (as a rule the quadrature current): a-b, 0.5*(a + b),
+    /// "speed_rpm rad/s", "integrate(speed_rpm) rad"
     #[arg(long, value_name = "CHANNEL")]
     y: String,
     /// First input (reference, or reference-measured, of the controlled variable)
@@ -27,6 +28,26 @@ pub(in crate::cli) struct ChannelArgs {
     /// angle_rad, and decimates every other column. `simulate --rig ema` writes an example
     #[arg(long, value_name = "FILE")]
     front_end: Option<PathBuf>,
+    #[command(flatten)]
+    times: TimeArgs,
+}
+
+/// The time of the rows.
+#[derive(Clone, Debug, Default, Args)]
+pub(in crate::cli) struct TimeArgs {
+    /// Time column, in s or in the unit at the end of its name; by default the one with a usual name (t_s, "Time [ms]",
+    /// timestamp …). "none" leaves it out
+    #[arg(long, value_name = "COLUMN")]
+    pub(in crate::cli) time: Option<String>,
+    /// Rows a second, for files without a time column
+    #[arg(long, value_name = "HZ", value_parser = rate)]
+    pub(in crate::cli) rate_hz: Option<f64>,
+}
+
+/// A rate above zero.
+pub(in crate::cli) fn rate(text: &str) -> Result<f64, String> {
+    let rate = text.parse::<f64>().ok().filter(|rate| *rate > 0.0 && rate.is_finite());
+    rate.ok_or_else(|| "give a number above 0".into())
 }
 
 impl ChannelArgs {
@@ -37,7 +58,8 @@ impl ChannelArgs {
 
     /// The channels without the front end.
     pub(in crate::cli) fn signals(&self) -> Channels {
-        Channels::new(&self.y, &self.u1, &self.u2)
+        let TimeArgs { time, rate_hz } = self.times.clone();
+        Channels { time, rate_hz, ..Channels::new(&self.y, &self.u1, &self.u2) }
     }
 }
 

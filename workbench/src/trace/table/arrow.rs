@@ -1,0 +1,144 @@
+//! Parquet files and Arrow's files, of which only the wanted columns are read.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use arrow_array::cast::AsArray as _;
+use arrow_array::types::{
+    Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, UInt8Type, UInt16Type, UInt32Type, UInt64Type,
+};
+use arrow_array::{Array, ArrowPrimitiveType, RecordBatch};
+use arrow_ipc::reader::FileReader;
+use parquet::arrow::ProjectionMask;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+
+use super::{Columns, Wanted};
+use crate::Error;
+
+/// Rows of one batch.
+const BATCH: usize = 65_536;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Parquet,
+    Ipc,
+}
+
+fn wrong(path: &Path, kind: Kind) -> impl Fn(String) -> Error {
+    let name = if kind == Kind::Parquet { "Parquet" } else { "an Arrow file" };
+    move |problem| Error::content(path, "content", format!("not readable as {name}: {problem}"))
+}
+
+fn parquet(path: &Path) -> Result<ParquetRecordBatchReaderBuilder<File>, Error> {
+    let file = File::open(path).map_err(Error::io(path))?;
+    let wrong = wrong(path, Kind::Parquet);
+    ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| wrong(error.to_string()))
+}
+
+fn ipc(path: &Path, columns: Option<Vec<usize>>) -> Result<FileReader<BufReader<File>>, Error> {
+    let file = File::open(path).map_err(Error::io(path))?;
+    let wrong = wrong(path, Kind::Ipc);
+    FileReader::try_new(BufReader::new(file), columns).map_err(|error| wrong(error.to_string()))
+}
+
+/// Names of the columns.
+pub(super) fn names(path: &Path, kind: Kind) -> Result<Vec<String>, Error> {
+    let schema = match kind {
+        Kind::Parquet => parquet(path)?.schema().clone(),
+        Kind::Ipc => ipc(path, None)?.schema(),
+    };
+    Ok(schema.fields().iter().map(|field| field.name().clone()).collect())
+}
+
+/// Reads the wanted columns.
+pub(super) fn read((path, names): (&Path, &[String]), kind: Kind, wanted: Wanted<'_>) -> Result<Columns, Error> {
+    let wrong = wrong(path, kind);
+    // Readers give each column once, in the order of the file.
+    let mut places: Vec<usize> = wanted.numbers.iter().copied().chain(wanted.text).collect();
+    places.sort_unstable();
+    places.dedup();
+    let batches: Box<dyn Iterator<Item = Result<RecordBatch, String>>> = match kind {
+        Kind::Parquet => {
+            let builder = parquet(path)?;
+            let mask = ProjectionMask::roots(builder.parquet_schema(), places.iter().copied());
+            let reader = builder.with_projection(mask).with_batch_size(BATCH).build();
+            Box::new(reader.map_err(|error| wrong(error.to_string()))?.map(|batch| batch.map_err(|e| e.to_string())))
+        }
+        Kind::Ipc => Box::new(ipc(path, Some(places.clone()))?.map(|batch| batch.map_err(|error| error.to_string()))),
+    };
+    let mut columns = Columns {
+        numbers: vec![Vec::new(); wanted.numbers.len()],
+        texts: wanted.text.map(|_| Vec::new()),
+        ..Columns::default()
+    };
+    for batch in batches {
+        let batch = batch.map_err(&wrong)?;
+        let own = |place: &usize| batch.column(places.iter().position(|other| other == place).unwrap_or(0));
+        let no_numbers = |place: &usize| {
+            Error::content(
+                path,
+                format!("column {}", names[*place]),
+                format!("no numbers but {}", own(place).data_type()),
+            )
+        };
+        let kept = match wanted.text {
+            Some(place) => {
+                let cells = texts(own(&place)).ok_or_else(|| {
+                    Error::content(path, format!("column {}", names[place]), "no text or whole numbers")
+                })?;
+                let kept: Vec<usize> = (0..cells.len()).filter(|row| (wanted.row)(&cells[*row])).collect();
+                columns.texts.get_or_insert_default().extend(kept.iter().map(|row| cells[*row].clone()));
+                Some(kept)
+            }
+            None => None,
+        };
+        for (column, place) in columns.numbers.iter_mut().zip(wanted.numbers) {
+            let values = numbers(own(place)).ok_or_else(|| no_numbers(place))?;
+            match &kept {
+                Some(kept) => column.extend(kept.iter().map(|row| values[*row])),
+                None => column.extend(values),
+            }
+        }
+    }
+    Ok(columns)
+}
+
+/// The numbers of an array, NaN for missing ones; `None` of an array without numbers.
+fn numbers(array: &dyn Array) -> Option<Vec<f64>> {
+    macro_rules! each {
+        ($($kind:ty => $convert:expr),+) => {
+            $(if let Some(array) = array.as_primitive_opt::<$kind>() {
+                let values = array.values().iter().map($convert);
+                return Some(with_missing(array, values.collect()));
+            })+
+        };
+    }
+    fn with_missing<T: ArrowPrimitiveType>(array: &arrow_array::PrimitiveArray<T>, mut values: Vec<f64>) -> Vec<f64> {
+        if array.null_count() > 0 {
+            (0..values.len()).filter(|row| array.is_null(*row)).for_each(|row| values[row] = f64::NAN);
+        }
+        values
+    }
+    each!(
+        Float64Type => |x| *x, Float32Type => |x| f64::from(*x),
+        Int8Type => |x| f64::from(*x), Int16Type => |x| f64::from(*x), Int32Type => |x| f64::from(*x),
+        Int64Type => |x| *x as f64, UInt8Type => |x| f64::from(*x), UInt16Type => |x| f64::from(*x),
+        UInt32Type => |x| f64::from(*x), UInt64Type => |x| *x as f64
+    );
+    let flags = array.as_boolean_opt()?;
+    Some(flags.iter().map(|flag| flag.map_or(f64::NAN, |flag| f64::from(u8::from(flag)))).collect())
+}
+
+/// The cells of a column of text, or of whole numbers as text.
+fn texts(array: &dyn Array) -> Option<Vec<String>> {
+    let owned = |cell: Option<&str>| cell.unwrap_or_default().to_string();
+    if let Some(array) = array.as_string_opt::<i32>() {
+        return Some(array.iter().map(owned).collect());
+    }
+    if let Some(array) = array.as_string_opt::<i64>() {
+        return Some(array.iter().map(owned).collect());
+    }
+    let array = array.as_primitive_opt::<Int64Type>()?;
+    Some(array.iter().map(|cell| cell.map_or_else(String::new, |number| number.to_string())).collect())
+}

@@ -1,0 +1,192 @@
+//! Files of named columns: text, MATLAB, Parquet, Arrow and NumPy, plain or compressed.
+//!
+//! ```text
+//! .csv .tsv .txt .dat  text ([`text`]), also with .gz or .zst
+//! .mat                 MATLAB 5 to 7.3 ([`matlab`])
+//! .parquet             Parquet, .arrow .feather: Arrow's file format ([`arrow`])
+//! .npz                 arrays of NumPy ([`numpy`])
+//! ```
+
+mod arrow;
+mod layout;
+mod matlab;
+mod matlab_value;
+mod numpy;
+mod text;
+mod write;
+
+use std::path::{Path, PathBuf};
+
+use crate::Error;
+
+pub(crate) use text::csv_error;
+pub(crate) use write::write;
+
+/// No sensor measures larger values in any unit; their squares and products would overflow single precision.
+pub(crate) const LARGEST: f64 = 1e15;
+
+/// Extensions of the files that can be read.
+const EXTENSIONS: [&str; 9] = ["csv", "tsv", "txt", "dat", "mat", "parquet", "arrow", "feather", "npz"];
+/// Extensions of compressed text.
+const COMPRESSED: [&str; 2] = ["gz", "zst"];
+
+/// A file whose columns are known and not yet read.
+#[derive(Debug)]
+pub(crate) struct Table {
+    path: PathBuf,
+    names: Vec<String>,
+    content: Content,
+}
+
+#[derive(Debug)]
+enum Content {
+    Text(text::Text),
+    Columns(Vec<Vec<f64>>),
+    Arrow(arrow::Kind),
+}
+
+/// Columns of numbers, in the order in which they were asked for, and the cells of a column of text.
+#[derive(Debug, Default)]
+pub(crate) struct Columns {
+    pub(crate) numbers: Vec<Vec<f64>>,
+    /// The cells of the column of text, if one was asked for, in the rows that were wanted.
+    pub(crate) texts: Option<Vec<String>>,
+    /// Line of each row; empty if rows have no lines.
+    lines: Vec<u64>,
+}
+
+/// What is read of a file.
+#[derive(Clone, Copy)]
+pub(crate) struct Wanted<'a> {
+    /// Places of columns of numbers.
+    pub(crate) numbers: &'a [usize],
+    /// Place of a column of text, by whose cells rows are chosen.
+    pub(crate) text: Option<usize>,
+    /// Whether rows with this cell are read.
+    pub(crate) row: &'a dyn Fn(&str) -> bool,
+}
+
+/// Extensions of a name, in lower case: that of the format, and of the compression.
+fn extensions(name: &str) -> Option<(String, bool)> {
+    let lower = name.to_ascii_lowercase();
+    let compressed = COMPRESSED.iter().find_map(|end| lower.strip_suffix(&format!(".{end}")));
+    let plain = compressed.unwrap_or(&lower);
+    let own = EXTENSIONS.iter().find(|end| plain.strip_suffix(**end).is_some_and(|rest| rest.ends_with('.')))?;
+    Some(((*own).to_string(), compressed.is_some()))
+}
+
+/// Whether the name is that of a file that can be read.
+pub(crate) fn is_known(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| extensions(&name.to_string_lossy()).is_some())
+}
+
+/// The name of a file without the extensions of formats that can be read.
+#[must_use]
+pub fn stem(name: &str) -> &str {
+    match extensions(name) {
+        Some((own, compressed)) => {
+            let end = COMPRESSED.iter().find(|end| compressed && name.to_ascii_lowercase().ends_with(**end));
+            &name[..name.len() - own.len() - 1 - end.map_or(0, |end| end.len() + 1)]
+        }
+        None => name,
+    }
+}
+
+impl Table {
+    /// Opens a file by its extension; one without a known extension is text.
+    pub(crate) fn open(path: &Path) -> Result<Self, Error> {
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let (extension, compressed) = extensions(&name).unwrap_or_default();
+        let binary = ["mat", "parquet", "arrow", "feather", "npz"].contains(&extension.as_str());
+        if compressed && binary {
+            let problem = format!("a .{extension} file is compressed by itself; unpack it once");
+            return Err(Error::content(path, "name", problem));
+        }
+        let (names, content) = match extension.as_str() {
+            "mat" => {
+                let (names, columns) = matlab::read(path)?;
+                (names, Content::Columns(columns))
+            }
+            "npz" => {
+                let (names, columns) = numpy::read(path)?;
+                (names, Content::Columns(columns))
+            }
+            "parquet" | "arrow" | "feather" => {
+                let kind = if extension == "parquet" { arrow::Kind::Parquet } else { arrow::Kind::Ipc };
+                (arrow::names(path, kind)?, Content::Arrow(kind))
+            }
+            _ => {
+                let text = text::Text::open(path)?;
+                (text.names(path)?, Content::Text(text))
+            }
+        };
+        Ok(Self { path: path.to_path_buf(), names, content })
+    }
+
+    /// Names of the columns.
+    pub(crate) fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Reads columns.
+    ///
+    /// # Errors
+    /// A cell that is no finite number of a wanted column, or a row without the cells.
+    pub(crate) fn read(&self, wanted: Wanted<'_>) -> Result<Columns, Error> {
+        let columns = match &self.content {
+            Content::Text(text) => return text.read((&self.path, &self.names), wanted),
+            Content::Columns(columns) => Columns {
+                numbers: wanted.numbers.iter().map(|place| columns[*place].clone()).collect(),
+                ..Columns::default()
+            },
+            Content::Arrow(kind) => arrow::read((&self.path, &self.names), *kind, wanted)?,
+        };
+        for (place, column) in wanted.numbers.iter().zip(&columns.numbers) {
+            if let Some(row) = column.iter().position(|value| value.abs() > LARGEST || value.is_nan()) {
+                let place = format!("{}, column {}", columns.place(row), self.names[*place]);
+                return Err(Error::content(&self.path, place, unusable(column[row], &column[row].to_string())));
+            }
+        }
+        Ok(columns)
+    }
+}
+
+impl Columns {
+    /// Where a row is, for messages.
+    pub(crate) fn place(&self, row: usize) -> String {
+        self.lines.get(row).map_or_else(|| format!("row {}", row + 1), |line| format!("line {line}"))
+    }
+}
+
+/// Why a number is not taken.
+fn unusable(value: f64, cell: &str) -> String {
+    if value.is_finite() {
+        format!("{cell} is no measured value; repair the sample")
+    } else {
+        format!("{cell} is not a finite number; cut the trace there or repair the sample")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_lose_the_extensions_of_known_formats() {
+        for (name, expected) in [
+            ("a.csv", "a"),
+            ("a.CSV", "a"),
+            ("a.b.csv.gz", "a.b"),
+            ("a.txt.ZST", "a"),
+            ("a.mat", "a"),
+            ("a.parquet", "a"),
+            ("a.gz", "a.gz"),
+            ("a.log", "a.log"),
+            ("a", "a"),
+            ("csv", "csv"),
+        ] {
+            assert_eq!(stem(name), expected, "{name}");
+        }
+        assert!(is_known(Path::new("x/a.tsv.gz")) && !is_known(Path::new("x/a.bwm")));
+    }
+}

@@ -1,0 +1,212 @@
+//! Text files: a header, and one row a line.
+
+use std::io::Read as _;
+use std::path::Path;
+
+use super::layout::{Header, Layout};
+use super::{Columns, LARGEST, Wanted, unusable};
+use crate::Error;
+
+/// A text file and its layout.
+#[derive(Debug)]
+pub(super) struct Text {
+    text: String,
+    layout: Layout,
+}
+
+impl Text {
+    pub(super) fn open(path: &Path) -> Result<Self, Error> {
+        let mut bytes = std::fs::read(path).map_err(Error::io(path))?;
+        let compressed =
+            |error: std::io::Error| Error::content(path, "content", format!("cannot be unpacked: {error}"));
+        if bytes.starts_with(&[0x1f, 0x8b]) {
+            let mut plain = Vec::new();
+            flate2::read::MultiGzDecoder::new(&bytes[..]).read_to_end(&mut plain).map_err(compressed)?;
+            bytes = plain;
+        } else if bytes.starts_with(&[0x28, 0xb5, 0x2f, 0xfd]) {
+            bytes = zstd::decode_all(&bytes[..]).map_err(compressed)?;
+        }
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let valid = error.utf8_error().valid_up_to();
+            let line = error.as_bytes()[..valid].iter().filter(|byte| **byte == b'\n').count() + 1;
+            Error::content(path, format!("line {line}"), "the text is not UTF-8; save it as UTF-8")
+        })?;
+        let layout = Layout::of(&text);
+        Ok(Self { text, layout })
+    }
+
+    /// Names of the columns.
+    pub(super) fn names(&self, path: &Path) -> Result<Vec<String>, Error> {
+        let clean = |name: &str| name.trim().trim_start_matches('\u{feff}').to_string();
+        let first = |line: &str| -> Result<Vec<String>, Error> {
+            let mut reader = self.reader(line);
+            let mut record = csv::StringRecord::new();
+            reader.read_record(&mut record).map_err(|error| csv_error(path, &error))?;
+            Ok(record.iter().map(clean).collect())
+        };
+        match &self.layout.header {
+            Header::Comment(line) => first(line),
+            Header::First => first(&self.text),
+            Header::None => Ok((1..=first(&self.text)?.len()).map(|k| format!("c{k}")).collect()),
+        }
+    }
+
+    fn reader<'a>(&self, text: &'a str) -> csv::Reader<Blanks<'a>> {
+        let mut builder = csv::ReaderBuilder::new();
+        builder.flexible(true).has_headers(false).comment(self.layout.comment);
+        builder.delimiter(if self.layout.separator == b' ' { b',' } else { self.layout.separator });
+        builder.from_reader(Blanks { rest: text.as_bytes(), squeeze: self.layout.separator == b' ', inside: false })
+    }
+
+    pub(super) fn read(&self, (path, names): (&Path, &[String]), wanted: Wanted<'_>) -> Result<Columns, Error> {
+        let mut reader = self.reader(&self.text);
+        let mut record = csv::StringRecord::new();
+        let mut read =
+            |record: &mut csv::StringRecord| reader.read_record(record).map_err(|error| csv_error(path, &error));
+        if self.layout.header == Header::First {
+            read(&mut record)?;
+        }
+        let mut columns = Columns {
+            numbers: vec![Vec::new(); wanted.numbers.len()],
+            texts: wanted.text.map(|_| Vec::new()),
+            lines: Vec::new(),
+        };
+        let mut rows = 0;
+        while read(&mut record)? {
+            let line = record.position().map_or(0, csv::Position::line);
+            rows += 1;
+            if record.len() != names.len() {
+                let problem = format!(
+                    "{} cells where the header has {}; complete the row or remove it",
+                    record.len(),
+                    names.len()
+                );
+                return Err(Error::content(path, format!("line {line}"), problem));
+            }
+            if let Some(place) = wanted.text {
+                let text = record[place].trim();
+                if !(wanted.row)(text) {
+                    continue;
+                }
+                columns.texts.get_or_insert_default().push(text.to_string());
+            }
+            for (column, place) in columns.numbers.iter_mut().zip(wanted.numbers) {
+                let number = self.number(record[*place].trim());
+                let wrong = |problem| Error::content(path, format!("line {line}, column {}", names[*place]), problem);
+                column.push(number.map_err(wrong)?);
+            }
+            columns.lines.push(line);
+        }
+        if rows == 0 {
+            return Err(Error::content(path, "line 2", "no rows after the header; record the trace again"));
+        }
+        Ok(columns)
+    }
+
+    fn number(&self, cell: &str) -> Result<f64, String> {
+        match self.layout.number(cell) {
+            Some(value) if value.abs() <= LARGEST => Ok(value),
+            Some(value) => Err(unusable(value, cell)),
+            None if cell.is_empty() => Err("empty cell; cut the trace there or repair the sample".into()),
+            None => Err(format!("\"{cell}\" is not a number")),
+        }
+    }
+}
+
+/// Text whose blanks between cells become commas.
+struct Blanks<'a> {
+    rest: &'a [u8],
+    squeeze: bool,
+    /// Whether a cell of this line has begun.
+    inside: bool,
+}
+
+impl std::io::Read for Blanks<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        if !self.squeeze {
+            return self.rest.read(buffer);
+        }
+        let mut written = 0;
+        while let ([first, rest @ ..], Some(cell)) = (self.rest, buffer.get_mut(written)) {
+            self.rest = rest;
+            match first {
+                b' ' | b'\t' => {
+                    // Blanks at the ends of a line separate nothing.
+                    let next = rest.first().copied().unwrap_or(b'\n');
+                    if !self.inside || matches!(next, b' ' | b'\t' | b'\r' | b'\n') {
+                        continue;
+                    }
+                    *cell = b',';
+                }
+                other => {
+                    self.inside = *other != b'\n';
+                    *cell = *other;
+                }
+            }
+            written += 1;
+        }
+        Ok(written)
+    }
+}
+
+pub(crate) fn csv_error(path: &Path, error: &csv::Error) -> Error {
+    let line = error.position().map_or_else(|| "content".into(), |p| format!("line {}", p.line()));
+    let problem = match error.kind() {
+        csv::ErrorKind::Utf8 { .. } => "the text is not UTF-8".into(),
+        csv::ErrorKind::Io(io) => io.to_string(),
+        _ => error.to_string(),
+    };
+    Error::content(path, line, format!("not readable as CSV: {problem}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Table;
+    use super::*;
+
+    fn table(name: &str, content: &[u8]) -> Result<(Vec<String>, Columns), String> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join(name);
+        std::fs::write(&path, content).expect("writable");
+        let table = Table::open(&path).map_err(|error| error.to_string())?;
+        let numbers: Vec<usize> = (0..table.names().len()).collect();
+        let wanted = Wanted { numbers: &numbers, text: None, row: &|_| true };
+        let columns = table.read(wanted).map_err(|error| error.to_string())?;
+        Ok((table.names().to_vec(), columns))
+    }
+
+    #[test]
+    fn the_same_numbers_in_every_layout() {
+        let layouts = [
+            ("a.csv", "t,i\n0.5,-1\n1.5,2e-3\n"),
+            ("a.csv", "\u{feff}t;i\r\n0,5;-1\r\n1,5;2e-3\r\n"),
+            ("a.tsv", "t\ti\n0.5\t-1\n1.5\t0.002\n"),
+            ("a.txt", "  t   i \n 0.5  -1\n1.5 \t 0.002  \n"),
+            ("a.dat", "# logger\n# t i\n0.5 -1\n1.5 0.002\n"),
+            ("a.csv", "% logger\nt|i\n0.5|-1\n\n% gap\n1.5|0.002\n"),
+        ];
+        for (name, text) in layouts {
+            let (names, columns) = table(name, text.as_bytes()).expect(text);
+            assert_eq!(names, ["t", "i"], "{text}");
+            assert_eq!(columns.numbers, [vec![0.5, 1.5], vec![-1.0, 0.002]], "{text}");
+        }
+        let (names, columns) = table("a.csv", b"1,2\n3,4\n").expect("without a header");
+        assert_eq!((names, columns.numbers[0].len()), (vec!["c1".to_string(), "c2".into()], 2));
+    }
+
+    #[test]
+    fn compressed_text_is_unpacked_and_broken_text_refused() {
+        use std::io::Write as _;
+        let text = b"t,i\n0.5,-1\n";
+        let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+        gzip.write_all(text).expect("in memory");
+        let packed = gzip.finish().expect("in memory");
+        assert_eq!(table("a.csv.gz", &packed).expect("gzip").1.numbers[1], [-1.0]);
+        let zst = zstd::encode_all(&text[..], 1).expect("in memory");
+        assert_eq!(table("a.csv.zst", &zst).expect("zstd").1.numbers[0], [0.5]);
+        assert!(table("a.csv.gz", &packed[..packed.len() - 9]).expect_err("cut").contains("cannot be unpacked"));
+        assert!(table("a.csv", b"t,\xb0C\n1,2\n").expect_err("Latin-1").contains("line 1: the text is not UTF-8"));
+        let wrong = table("a.csv", b"# note\nt;i\n0,5;1\n0,6;x\n").expect_err("a word");
+        assert!(wrong.contains("line 4, column i: \"x\" is not a number"), "{wrong}");
+    }
+}
