@@ -97,8 +97,11 @@ fn turn(name: &str) -> Option<f64> {
 /// Id, times and columns of a trace that is written.
 type Written = (String, Option<Vec<f64>>, Vec<Vec<f64>>);
 
+/// Makes what is written of a trace, by the names and channels of its columns.
+type Make<'a> = &'a dyn Fn(&[(String, String)], Series) -> Result<Vec<Written>, Error>;
+
 impl Files {
-    fn run(&self, make: &dyn Fn(&[(String, String)], Series) -> Result<Vec<Written>, Error>) -> Result<(), Error> {
+    fn run(&self, make: Make<'_>) -> Result<(), Error> {
         let files = trace::files(&self.traces)?;
         let into_folder = self.out.is_dir();
         if !into_folder {

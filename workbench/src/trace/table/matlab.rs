@@ -91,7 +91,7 @@ fn columns(name: &str, value: &Value, found: &mut Vec<(String, Vec<f64>)>) {
 }
 
 fn arrays(name: &str, rows: usize, values: &[f64], found: &mut Vec<(String, Vec<f64>)>) {
-    let across = if rows == 0 { 0 } else { values.len() / rows };
+    let across = values.len().checked_div(rows).unwrap_or(0);
     if rows <= 1 || across <= 1 {
         if !values.is_empty() {
             found.push((name.to_string(), values.to_vec()));

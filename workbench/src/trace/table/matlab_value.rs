@@ -15,9 +15,9 @@ pub(super) enum Value {
     },
     Text(String),
     /// The fields of a structure.
-    Fields(Vec<(String, Value)>),
+    Fields(Vec<(String, Self)>),
     /// The elements of a structure array or cell array.
-    List(Vec<Value>),
+    List(Vec<Self>),
     /// Complex or sparse numbers, functions, objects.
     Other,
 }

@@ -89,9 +89,9 @@ impl ScoreLaw {
             let density: f64 = self.parts.iter().map(|(part, law)| part * law.ln_density(u).exp()).sum();
             let missing = surprise + tail.ln();
             if missing > 0.0 {
-                low = u
+                low = u;
             } else {
-                high = u
+                high = u;
             }
             let step = missing * tail / density;
             if step.abs() <= 1e-10 * u.abs() || high <= low {
