@@ -47,8 +47,10 @@ pub(super) fn lines(trained: &Trained, channels: &Channels, host: Preparation) -
     };
     fed += &if step_s > 0.0 { format!(", one every {step_s} s.") } else { ".".into() };
     let Channels { y, u1, u2, shaft, .. } = channels;
+    let has_second = trained.recipe.structure.nc > 0;
+    let inputs = if has_second { format!("y = {y}, u1 = {u1}, u2 = {u2}") } else { format!("y = {y}, u1 = {u1}") };
     let mut lines = vec![
-        format!("y = {y}, u1 = {u1}, u2 = {u2}; classes {}.", trained.classes.join(", ")),
+        format!("{inputs}; classes {}.", trained.classes.join(", ")),
         format!("Features {}; {} discriminant.", trained.feature_names.join(", "), trained.kind_name()),
         format!("Estimated by {}.", estimated_by(trained)),
         fed,

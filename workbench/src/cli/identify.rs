@@ -41,6 +41,7 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
+    args.input.channels.require(args.structure.structure())?;
     let preparation = args.preparation.preparation()?;
     output::plan(&args.out.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &args.input.traces)?;
     let traces = args.input.read()?;

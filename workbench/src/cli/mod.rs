@@ -5,6 +5,7 @@ mod campaign;
 mod convert;
 mod demo;
 mod description;
+mod drive;
 mod evaluate;
 mod evidence;
 mod grey_box;
@@ -20,9 +21,12 @@ mod tables;
 mod train;
 mod validate;
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
+
+use crate::Error;
 
 /// Bearing-fault detection for motor drives: simulate, identify, train, evaluate, and export to firmware.
 #[derive(Debug, Parser)]
@@ -30,11 +34,15 @@ use clap::{Parser, Subcommand};
 struct Cli {
     #[command(subcommand)]
     command: Command,
+    /// Also write the settings of this command as a drive file, which takes their place next time
+    #[arg(long, global = true, value_name = "DRIVE_TOML")]
+    save: Option<PathBuf>,
 }
 
 #[derive(Debug, Subcommand)]
 enum Command {
     Demo(demo::Args),
+    Init(drive::init::Args),
     Simulate(simulate::Args),
     Identify(identify::Args),
     Structure(structure::Args),
@@ -55,12 +63,24 @@ enum Command {
 /// its place, and returns 2.
 #[must_use]
 pub fn run() -> ExitCode {
-    let command = match Cli::try_parse() {
-        Ok(cli) => cli.command,
+    let mut commands = Cli::command();
+    commands.build();
+    let given = match drive::arguments(&commands, std::env::args_os().collect()) {
+        Ok(given) => given,
+        Err(error) => return refuse(&error),
+    };
+    let parsed =
+        Cli::command().try_get_matches_from(given).and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
+    let (Cli { command, save }, matches) = match parsed {
+        Ok(parsed) => parsed,
         Err(error) => return usage(&error),
     };
+    if let Some(Err(error)) = save.map(|path| drive::save(&path, &commands, &matches)) {
+        return refuse(&error);
+    }
     let outcome = match command {
         Command::Demo(args) => demo::run(&args),
+        Command::Init(args) => drive::init::run(&args),
         Command::Simulate(args) => simulate::run(&args),
         Command::Identify(args) => identify::run(&args),
         Command::Structure(args) => structure::run(&args),
@@ -78,11 +98,13 @@ pub fn run() -> ExitCode {
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {}", error.to_string().replace('\n', " "));
-            ExitCode::from(2)
-        }
+        Err(error) => refuse(&error),
     }
+}
+
+fn refuse(error: &Error) -> ExitCode {
+    eprintln!("error: {}", error.to_string().replace('\n', " "));
+    ExitCode::from(2)
 }
 
 /// Prints help and version unchanged, and an error in the arguments as one line.

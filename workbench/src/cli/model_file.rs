@@ -54,6 +54,9 @@ pub(super) struct Notes {
     /// The front end that the recordings pass.
     #[serde(default)]
     pub(super) front_end: Option<FrontEndFile>,
+    /// The drive file that it was trained with.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    drive: Option<String>,
     /// Preparation on the host, before the detector.
     host_block_mean: usize,
     decimate: usize,
@@ -83,6 +86,7 @@ impl Notes {
             time,
             rate_hz,
             front_end,
+            drive: super::drive::given().map(String::from),
             host_block_mean: host.block_mean,
             decimate: host.decimate,
             orders,

@@ -37,6 +37,7 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
     let preparation = args.preparation.preparation()?;
+    args.input.channels.require(crate::identify::Structure::new(1, 1, 1, 0, 0))?;
     output::plan(&args.out.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &args.input.traces)?;
     let traces = args.input.read()?;
     let Args { threshold, min_run: min_samples, cutoff_ratio, .. } = *args;

@@ -27,7 +27,7 @@ pub(super) struct Args {
     validate: PathBuf,
     #[command(flatten)]
     channels: ChannelArgs,
-    /// Greatest na,nb,nc,nkb,nkc
+    /// Greatest na,nb,nc,nkb,nkc; nc = 0 without a second input
     #[arg(long, value_parser = numbers, value_name = "ORDER")]
     max: Structure,
     /// Least na,nb,nc,nkb,nkc; with a delay of 0 the output depends on the present input
@@ -63,6 +63,7 @@ fn numbers(text: &str) -> Result<Structure, String> {
 pub(super) fn run(args: &Args) -> Result<(), Error> {
     let grid = Grid { min: args.min, max: args.max, offset: args.offset };
     let structures = grid.structures()?;
+    structures.iter().chain(&args.compare).try_for_each(|structure| args.channels.require(*structure))?;
     let inputs = [args.train.clone(), args.validate.clone()];
     output::plan(&args.report.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &inputs)?;
     let (train, validate) = (args.read(&args.train)?, args.read(&args.validate)?);
@@ -79,7 +80,8 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let pick = args.pick(&train, &validate, &found)?;
     if let Some(path) = &args.report {
         let lead = args.lead(structures.len(), &train, &validate);
-        output::write(path, page("Structure selection", &lead, &found, pick.as_ref()).render())?;
+        let page = page("Structure selection", &lead, &found, pick.as_ref()).render();
+        output::write(path, super::drive::on_page(page))?;
     }
     if args.json { output::json(&to_json(&found, pick.as_ref())) } else { print(&found, best, pick.as_ref()) }
 }

@@ -167,6 +167,7 @@ enum DiscriminantKind {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
+    args.channels.require(args.structure.structure())?;
     let mut channels = args.channels.channels()?;
     let (shaft_channels, plan) = args.shaft.shaft(&channels.y)?.unzip();
     channels.shaft = shaft_channels;
@@ -218,7 +219,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
             (0..classes.len()).filter_map(|k| prepared.iter().find(|t| t.class == k).map(|t| (&t.trace, k))).collect();
         model::training(&trained, &channels, &examples, found.worth())
     });
-    let report = report.transpose()?;
+    let report = report.transpose()?.map(super::drive::on_page);
     let texts = [(&args.rust, &rust), (&args.c, &c), (&args.report, &report)];
     let texts = texts.into_iter().filter_map(|(path, text)| Some((path.as_deref()?, text.as_ref()?.as_bytes())));
     output::write_all(&texts.chain([(args.model.as_path(), bytes.as_slice())]).collect::<Vec<_>>())?;

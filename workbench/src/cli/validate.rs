@@ -53,6 +53,7 @@ fn errors_of(method: Method) -> Errors {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
+    args.input.channels.require(args.structure.structure())?;
     let preparation = args.preparation.preparation()?;
     output::plan(&args.report.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &args.input.traces)?;
     let traces = args.input.read()?;
@@ -76,7 +77,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         ));
     }
     if let Some(path) = &args.report {
-        output::write(path, page(&lead(args, &outcomes[0].trace), &outcomes))?;
+        output::write(path, super::drive::on_page(page(&lead(args, &outcomes[0].trace), &outcomes)))?;
     }
     if args.json {
         return output::json(&json!(outcomes.iter().map(to_json).collect::<Vec<_>>()));

@@ -25,14 +25,19 @@ impl Grid {
         Self { min: Structure::new(1, 1, 1, 1, 1), max, offset }
     }
 
-    /// The structures of the grid; the last number varies fastest.
+    /// The structures of the grid; the last number varies fastest. Without a second input, nc = 0 in the maximum, its
+    /// terms and delay do not vary.
     ///
     /// # Errors
     /// An empty range, a number of terms below 1, or more structures than the upper limit.
     pub fn structures(&self) -> Result<Vec<Structure>, Error> {
-        let (min, max) = (self.min.orders(), self.max.orders());
+        let (mut min, mut max) = (self.min.orders(), self.max.orders());
+        let single = max[2] == 0;
+        if single {
+            (min[2], min[4], max[4]) = (0, 0, 0);
+        }
         for (k, name) in ["na", "nb", "nc", "nkb", "nkc"].into_iter().enumerate() {
-            if k < 3 && min[k] == 0 {
+            if k < 3 && min[k] == 0 && !(single && k == 2) {
                 return Err(Error::Usage(format!(
                     "--min starts {name} at 0; every signal needs a term, give 1 or more"
                 )));

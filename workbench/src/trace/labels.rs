@@ -80,6 +80,12 @@ pub struct LabelledTrace {
 }
 
 impl Labels {
+    /// The names of the columns.
+    #[must_use]
+    pub fn columns(&self) -> &[String] {
+        &self.columns
+    }
+
     /// Reads a labels file.
     ///
     /// # Errors

@@ -4,6 +4,7 @@ mod alarm_commands;
 mod command_line;
 mod common;
 mod covariate_commands;
+mod drive_file_commands;
 mod field_command;
 mod format_commands;
 mod front_end_commands;

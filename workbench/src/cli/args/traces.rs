@@ -21,9 +21,9 @@ pub(in crate::cli) struct ChannelArgs {
     /// First input (reference, or reference-measured, of the controlled variable)
     #[arg(long, value_name = "CHANNEL")]
     u1: String,
-    /// Second input (load)
+    /// Second input (load); without one, an order with nc = 0
     #[arg(long, value_name = "CHANNEL")]
-    u2: String,
+    u2: Option<String>,
     /// Recordings at the control rate pass this front end (TOML); it makes the columns current_a, velocity_rad_s and
     /// angle_rad, and decimates every other column. `simulate --rig ema` writes an example
     #[arg(long, value_name = "FILE")]
@@ -56,10 +56,19 @@ impl ChannelArgs {
         Ok(Channels { front_end, ..self.signals() })
     }
 
-    /// The channels without the front end.
+    /// Returns an error if the structure has terms of a second input, and none is given.
+    pub(in crate::cli) fn require(&self, structure: Structure) -> Result<(), Error> {
+        if self.u2.is_some() || structure.nc == 0 {
+            return Ok(());
+        }
+        let nc = structure.nc;
+        Err(Error::Usage(format!("the order has {nc} terms of a second input; give --u2, or an order with nc = 0")))
+    }
+
+    /// The channels without the front end; without a second input the first one takes its place, which no order uses.
     pub(in crate::cli) fn signals(&self) -> Channels {
         let TimeArgs { time, rate_hz } = self.times.clone();
-        Channels { time, rate_hz, ..Channels::new(&self.y, &self.u1, &self.u2) }
+        Channels { time, rate_hz, ..Channels::new(&self.y, &self.u1, self.u2.as_ref().unwrap_or(&self.u1)) }
     }
 }
 

@@ -1,0 +1,55 @@
+//! `drive.toml`: what a drive is, said once. Its keys stand for options; those on the command line go first.
+//!
+//! ```text
+//! bearing-watch train drive.toml --model m.bwm
+//! [data]      traces = ["runs"]  labels = "labels.csv"       files, relative to this one
+//! [channels]  y = "iq_A"  u1 = "speed_ref_rpm-speed_rpm"     as --y, --u1
+//! [model]     order = [2, 2, 0, 1, 1]                        as --order 2,2,0,1,1
+//! ```
+
+mod expand;
+mod guess;
+pub(super) mod init;
+mod schema;
+
+use std::ffi::OsString;
+use std::path::Path;
+use std::sync::OnceLock;
+
+use clap::ArgMatches;
+
+use crate::Error;
+
+/// The text of the file that this process was given.
+static GIVEN: OnceLock<String> = OnceLock::new();
+
+/// Returns the arguments with those of the drive file that follows the command, if one does.
+pub(super) fn arguments(command: &clap::Command, given: Vec<OsString>) -> Result<Vec<OsString>, Error> {
+    let Some(at) = expand::place(command, &given) else { return Ok(given) };
+    let path = Path::new(&given[at]).to_path_buf();
+    let text = std::fs::read_to_string(&path).map_err(Error::io(&path))?;
+    let entries = schema::entries(&path, &text)?;
+    let rest: Vec<OsString> = given[..at].iter().chain(&given[at + 1..]).cloned().collect();
+    let arguments = expand::with_entries(command, rest, &path, &entries)?;
+    let _first_one_stays = GIVEN.set(text);
+    Ok(arguments)
+}
+
+/// The text of the drive file of this process, if it was given one.
+pub(super) fn given() -> Option<&'static str> {
+    GIVEN.get().map(String::as_str)
+}
+
+/// Adds the drive file of this process to a page.
+pub(super) fn on_page(page: String) -> String {
+    let Some(text) = given() else { return page };
+    let section =
+        format!("<section><h2>Drive file</h2><pre>{}</pre></section>\n</main>", crate::report::escape::escape(text));
+    page.replacen("</main>", &section, 1)
+}
+
+/// Writes the options of this command line that a drive file can have.
+pub(super) fn save(path: &Path, command: &clap::Command, matches: &ArgMatches) -> Result<(), Error> {
+    super::output::plan(&[path], &[])?;
+    super::output::write(path, expand::text(path, command, matches))
+}

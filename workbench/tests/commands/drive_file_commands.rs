@@ -1,0 +1,85 @@
+//! Command-line tests of drive files: written by `init` and `--save`, taken by every command.
+
+use super::common::{refuse, succeed};
+
+const FLAGS: &str = "--y current_a --u1 velocity_ref_rad_s-velocity_rad_s --u2 load_torque_nm --order 2,2,2,1,1 \
+    --features a,b --healthy healthy --false-alarm 0.05 --classes healthy,spall";
+
+#[test]
+fn a_file_stands_for_its_options() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy,spall --count 12 --seed 5 --out runs");
+    let first = succeed(dir, &format!("train --labels runs/labels.csv {FLAGS} --model flags.bwm --save drive.toml"));
+    let saved = std::fs::read_to_string(dir.join("drive.toml")).expect("saved");
+    for line in ["labels = \"runs/labels.csv\"", "features = [\"a\", \"b\"]", "false_alarm = 0.05", "[channels]"] {
+        assert!(saved.contains(line), "{line} in {saved}");
+    }
+    let again = succeed(dir, "train drive.toml --model file.bwm --report page.html");
+    assert_eq!(again.lines().count(), first.lines().count());
+    let page = std::fs::read_to_string(dir.join("page.html")).expect("a page");
+    assert!(page.contains("<h2>Drive file</h2>") && page.contains("false_alarm = 0.05"));
+    // Without the text of the file, which the model carries, the models are the same.
+    let bytes = |name: &str| std::fs::read(dir.join(name)).expect("a model");
+    let (flags, file) = (bytes("flags.bwm"), bytes("file.bwm"));
+    let carried = |bytes: &[u8]| String::from_utf8_lossy(bytes).contains("[channels]");
+    assert!(carried(&file) && !carried(&flags));
+    let estimates = succeed(dir, "identify drive.toml runs/healthy_5_000.csv");
+    assert!(estimates.contains("healthy_5_000") && !estimates.contains("spall"), "traces of the command line go first");
+    assert!(succeed(dir, "evaluate drive.toml --model file.bwm").contains("healthy"));
+    // An option of the command line goes first.
+    succeed(dir, "train drive.toml --features a --model one.bwm --json --save other.toml");
+    let other = std::fs::read_to_string(dir.join("other.toml")).expect("saved");
+    assert!(other.contains("features = [\"a\"]") && other.contains("order = \"2,2,2,1,1\""), "{other}");
+}
+
+#[test]
+fn problems_name_file_line_and_key() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    let write = |text: &str| std::fs::write(dir.join("d.toml"), text).expect("writable");
+    write("[data]\nlabel = \"labels.csv\"\n");
+    refuse(dir, "train d.toml --model m.bwm", &["d.toml, line 2: there is no key label; did you mean labels?"]);
+    write("[model]\noffset = 3\n");
+    refuse(dir, "train d.toml --model m.bwm", &["d.toml, line 2: offset is true or false"]);
+    write("[model]\norder = [2, 2\n");
+    refuse(dir, "train d.toml --model m.bwm", &["d.toml, line "]);
+    refuse(dir, "train missing.toml --model m.bwm", &["missing.toml: No such file"]);
+    write("[channels]\ny = \"i\"\n");
+    refuse(dir, "train d.toml --model m.bwm", &["--u1", "--order"]);
+}
+
+#[test]
+fn init_describes_what_it_sees() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy,spall --count 12 --seed 6 --out runs");
+    let told = succeed(dir, "init runs");
+    assert!(told.contains("runs/drive.toml: 24 files; current current_a, velocity velocity_rad_s"), "{told}");
+    let text = std::fs::read_to_string(dir.join("runs/drive.toml")).expect("written");
+    for line in ["traces = [\".\"]", "labels = \"labels.csv\"", "healthy = \"healthy\"", "u2 = \"load_torque_nm\""] {
+        assert!(text.contains(&format!("\n{line}\n")), "{line} in {text}");
+    }
+    // Ready to train, without any other option.
+    succeed(dir, "train runs/drive.toml --model m.bwm");
+    succeed(dir, "evaluate runs/drive.toml --model m.bwm --json");
+    refuse(dir, "init runs", &["runs/drive.toml exists"]);
+    succeed(dir, "init runs --force");
+    std::fs::create_dir(dir.join("empty")).expect("a folder");
+    refuse(dir, "init empty", &["no file with columns of numbers in empty"]);
+}
+
+#[test]
+fn a_single_input_needs_no_second_one() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy --count 2 --seed 7 --out runs");
+    let channels = "--y current_a --u1 velocity_ref_rad_s";
+    let file = "runs/healthy_7_000.csv";
+    assert!(succeed(dir, &format!("identify {file} {channels} --order 2,2,0,1,0")).contains("healthy_7_000"));
+    assert!(succeed(dir, &format!("validate {file} {channels} --order 2,2,0,1,0")).contains("healthy_7_000"));
+    let search = format!("structure {file} runs/healthy_7_001.csv {channels} --max 3,3,0,1,0");
+    assert!(succeed(dir, &search).contains("best fit     1,2,0,1,0"));
+    refuse(dir, &format!("identify {file} {channels} --order 2,2,1,1,1"), &["1 terms of a second input; give --u2"]);
+    refuse(dir, &format!("piecewise {file} {channels}"), &["give --u2"]);
+}
