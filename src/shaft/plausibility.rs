@@ -12,14 +12,15 @@
 //! the geometric mean of a right signal and one that is wrong by two, as at half or double the sampling rate; the prior
 //! is three healthy deviations. A defect of a bearing changes friction, but not J/Kt and 1/Kt. The ratio (3) of
 //! [`Travel`](crate::drive::travel) names the velocity whatever the balance. R is the sum of squares of the residual,
-//! E that of the current which the terms explain, and c the part of the rows that the terms fit by chance: a current that was transformed at another angle than that of the
-//! rotor (pole pairs, phase order, electrical offset) follows neither motion nor load, while a defect adds friction,
-//! which the terms explain, and pulses far below the current of the load (4). Without a measured load that load may be
-//! most of the current, and (4) is not asked.
+//! E that of the current which the terms explain, and c the part of the rows that the terms fit by chance: a current
+//! that was transformed at another angle than that of the rotor (pole pairs, phase order, electrical offset) follows
+//! neither motion nor load, while a defect adds friction, which the terms explain, and pulses far below the current of
+//! the load (4). A load that is not measured may be most of the current, and moves the inertia by more than its
+//! deviation says: without it, (2) names signs only, and (4) is not asked.
 //!
 //! Not seen: scales and rates that are wrong by less than √2, or less than the model's own spread; signals of a shaft
-//! at constant speed under constant load, and of one whose load is not measured, except for (3); all signals of a plan
-//! without a shaft.
+//! at constant speed under constant load; scales of one whose load is not measured, except for (3); all signals of a
+//! plan without a shaft.
 
 use super::balance::{Balance, TERMS};
 use super::friction::{Friction, Parameter};
@@ -105,6 +106,7 @@ pub fn of_balance(balance: &Balance, friction: &Friction, explained: f32) -> Opt
     let ([n0, _, _, n3, ..], [w0, _, _, w3, ..]) = (balance.nominal, balance.prior);
     let spread = friction.variance / (balance.deviation * balance.deviation);
     let inertia = Fit::of(friction.inertia, n0, w0, spread);
+    let inertia = if loaded || inertia == Fit::Negative { inertia } else { Fit::Unknown };
     let torque = friction.inverse_torque_constant.map_or(Fit::Unknown, |own| Fit::of(own, n3, w3, spread));
     CAUSES.get(inertia as usize).and_then(|row| row.get(torque as usize)).copied().flatten()
 }
@@ -178,7 +180,7 @@ mod tests {
         assert_eq!([cause(-2.0, Some(2.0)), cause(-2.0, None)], [Some(MotionSign), Some(Sign)]);
         assert_eq!([cause(4.0, Some(4.0)), cause(1.0, Some(1.0))], [Some(CurrentScale); 2]);
         assert_eq!([cause(2.0, Some(4.0)), cause(4.0, Some(2.0))], [Some(LoadScale), Some(MotionScale)]);
-        assert_eq!([cause(0.5, Some(4.0)), cause(4.0, None), cause(2.0, None)], [Some(Scale), Some(Scale), None]);
+        assert_eq!([cause(0.5, Some(4.0)), cause(4.0, None), cause(2.0, None)], [Some(Scale), None, None]);
     }
 
     #[test]

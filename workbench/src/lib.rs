@@ -3,6 +3,7 @@
 //! Traces are identified in double precision; models are *evaluated* by running the same code as the firmware, the core
 //! crate in single precision.
 
+pub mod audit;
 pub mod cli;
 pub mod core;
 pub mod error;

@@ -1,6 +1,7 @@
 //! The command line: `bearing-watch COMMAND`.
 
 mod args;
+mod audit;
 mod campaign;
 mod convert;
 mod demo;
@@ -43,6 +44,7 @@ struct Cli {
 enum Command {
     Demo(demo::Args),
     Init(drive::init::Args),
+    Audit(audit::Args),
     Simulate(simulate::Args),
     Identify(identify::Args),
     Structure(structure::Args),
@@ -81,6 +83,10 @@ pub fn run() -> ExitCode {
     let outcome = match command {
         Command::Demo(args) => demo::run(&args),
         Command::Init(args) => drive::init::run(&args),
+        Command::Audit(args) => match audit::run(&args) {
+            Ok(true) => return ExitCode::FAILURE,
+            other => other.map(|_| ()),
+        },
         Command::Simulate(args) => simulate::run(&args),
         Command::Identify(args) => identify::run(&args),
         Command::Structure(args) => structure::run(&args),

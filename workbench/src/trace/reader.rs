@@ -166,6 +166,11 @@ pub(crate) fn numeric(path: &Path, time: Option<&str>) -> Result<(Vec<String>, V
     Ok((kept.into_iter().map(|place| header.names[place].clone()).collect(), problems))
 }
 
+/// Whether a file has a time column.
+pub(crate) fn has_time(path: &Path, time: Option<&str>) -> bool {
+    header_of(path, time).is_ok_and(|header| header.time.is_some())
+}
+
 /// Whether a file has the columns of labels, and is no trace.
 pub(crate) fn is_labels(path: &Path) -> bool {
     let has = |names: &[String], wanted: &str| names.iter().any(|name| name == wanted);

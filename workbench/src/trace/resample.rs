@@ -78,7 +78,7 @@ pub(crate) fn at_rate(
 }
 
 /// An angle without its jumps by whole turns.
-fn unwrapped(angle: &[f64], turn: f64) -> Vec<f64> {
+pub(crate) fn unwrapped(angle: &[f64], turn: f64) -> Vec<f64> {
     let (mut turns, mut last) = (0.0, angle.first().copied().unwrap_or(0.0));
     let each = |value: &f64| {
         turns -= ((value - last) / turn).round();

@@ -86,6 +86,12 @@ impl Unit {
                 return Self::named(unit);
             }
         }
+        // A column may be called by its unit, and a letter says too little.
+        if name.len() > 2
+            && let Some(unit) = Self::named(name)
+        {
+            return Some(unit);
+        }
         // The longest end that is a unit: m_s before s.
         name.match_indices('_').find_map(|(at, _)| Self::named(&name[at + 1..]))
     }
@@ -126,11 +132,12 @@ mod tests {
             ("angle (deg)", "deg"),
             ("torque_Nm", "Nm"),
             ("current_a", "A"),
+            ("RPM", "rpm"),
         ] {
             assert_eq!(Unit::of_column(name), Unit::named(unit), "{name}");
             assert!(Unit::of_column(name).is_some(), "{name}");
         }
-        assert!(Unit::of_column("speed").is_none() && Unit::of_column("RPM").is_none());
+        assert!(Unit::of_column("speed").is_none() && Unit::of_column("i").is_none());
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Command-line tests, each in its own folder.
 
 mod alarm_commands;
+mod audit_command;
 mod command_line;
 mod common;
 mod covariate_commands;

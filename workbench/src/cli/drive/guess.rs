@@ -4,13 +4,13 @@ use crate::trace::units::{Quantity, Unit};
 
 /// Channels that were found; each is a column, with its unit converted where that is needed.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Guess {
-    pub(super) current: Option<String>,
-    pub(super) velocity: Option<String>,
-    pub(super) velocity_ref: Option<String>,
-    pub(super) current_ref: Option<String>,
-    pub(super) angle: Option<String>,
-    pub(super) load: Option<String>,
+pub(in crate::cli) struct Guess {
+    pub(in crate::cli) current: Option<String>,
+    pub(in crate::cli) velocity: Option<String>,
+    pub(in crate::cli) velocity_ref: Option<String>,
+    pub(in crate::cli) current_ref: Option<String>,
+    pub(in crate::cli) angle: Option<String>,
+    pub(in crate::cli) load: Option<String>,
 }
 
 /// Parts of names, the most telling first.
@@ -45,6 +45,11 @@ fn words(name: &str) -> Vec<String> {
     words
 }
 
+/// Whether the name is that of a wanted value rather than a measured one.
+pub(in crate::cli) fn is_reference(name: &str) -> bool {
+    words(name).iter().any(|word| REFERENCE.contains(&word.as_str()))
+}
+
 /// How well a name fits: the rank of its most telling part, worse if it is computed.
 fn rank(name: &str, parts: &[&str], reference: bool) -> Option<usize> {
     let words = words(name);
@@ -60,7 +65,7 @@ fn rank(name: &str, parts: &[&str], reference: bool) -> Option<usize> {
 
 impl Guess {
     /// By the names of columns of numbers.
-    pub(super) fn of(names: &[String]) -> Self {
+    pub(in crate::cli) fn of(names: &[String]) -> Self {
         let best = |parts: &[&str], reference: bool, refused: &[Quantity]| {
             let fits = |name: &&String| Unit::of_column(name).is_none_or(|unit| !refused.contains(&unit.quantity));
             let ranked = names.iter().filter(fits).filter_map(|name| Some((rank(name, parts, reference)?, name)));
@@ -126,7 +131,7 @@ mod tests {
         let log = of(&["velocity_ref_rad_s", "velocity_rad_s", "current_a", "load_torque_nm", "angle_rad"]);
         assert_eq!((log.velocity_ref, log.load), (some("velocity_ref_rad_s"), some("load_torque_nm")));
         let log = of(&["IQ", "RPM"]);
-        assert_eq!((log.current, log.velocity, log.load), (some("IQ"), some("RPM"), None));
+        assert_eq!((log.current, log.velocity, log.load), (some("IQ"), some("(RPM)rad/s"), None));
         let log = of(&["current_a", "velocity_mm_s", "velocity_ref_mm_s", "position_mm", "position_ref_mm"]);
         assert_eq!(
             (log.velocity, log.velocity_ref, log.angle),

@@ -12,6 +12,8 @@ mod guess;
 pub(super) mod init;
 mod schema;
 
+pub(super) use guess::{Guess, is_reference};
+
 use std::ffi::OsString;
 use std::path::Path;
 use std::sync::OnceLock;

@@ -1,0 +1,59 @@
+//! The times of a trace: rate, jitter, gaps, times that stand.
+
+use super::median;
+
+/// Usual steps that a gap is longer than.
+const GAP: f64 = 1.5;
+
+/// What was found in the times.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Times {
+    /// Rows a second: one over the median step.
+    pub rate_hz: f64,
+    /// Standard deviation of the steps that are no gaps, relative to the usual one.
+    pub jitter: f64,
+    /// Steps of more than 1.5 usual ones, and the longest one, s.
+    pub gaps: usize,
+    pub longest_gap_s: f64,
+    /// Steps of zero.
+    pub standing: usize,
+}
+
+impl Times {
+    /// Of at least two times, s.
+    #[must_use]
+    pub fn of(times_s: &[f64]) -> Option<Self> {
+        let steps: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let usual = median(&steps);
+        if usual.is_nan() || usual <= 0.0 {
+            return None;
+        }
+        let (gaps, plain): (Vec<f64>, Vec<f64>) = steps.iter().partition(|step| **step > GAP * usual);
+        let scatter = plain.iter().map(|step| (step - usual).powi(2)).sum::<f64>() / plain.len().max(1) as f64;
+        Some(Self {
+            rate_hz: 1.0 / usual,
+            jitter: scatter.sqrt() / usual,
+            gaps: gaps.len(),
+            longest_gap_s: gaps.iter().copied().fold(0.0, f64::max),
+            standing: steps.iter().filter(|step| **step == 0.0).count(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gaps_jitter_and_standing_times_are_counted() {
+        let mut times: Vec<f64> = (0..1000).map(|k| 0.01 * f64::from(k) + 0.001 * f64::from(k % 2)).collect();
+        times.iter_mut().skip(600).for_each(|t| *t += 0.3);
+        times[100] = times[99];
+        let found = Times::of(&times).expect("times");
+        // Steps of 9 and 11 ms: the median is one of them.
+        assert!((found.rate_hz - 1.0 / 0.009).abs() < 1e-6 || (found.rate_hz - 1.0 / 0.011).abs() < 1e-6, "{found:?}");
+        assert!((0.05..0.2).contains(&found.jitter), "{found:?}");
+        assert!(found.standing == 1 && found.gaps >= 1 && (found.longest_gap_s - 0.309).abs() < 0.003, "{found:?}");
+        assert!(Times::of(&[1.0]).is_none() && Times::of(&[1.0, 1.0]).is_none());
+    }
+}

@@ -1,0 +1,356 @@
+//! `bearing-watch audit`
+
+use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+use super::args::traces::TimeArgs;
+use super::drive::{Guess, is_reference};
+use super::output;
+use crate::Error;
+use crate::audit::column::Column;
+use crate::audit::orders::{self, angle, floor, rate, smallest_line, turns};
+use crate::audit::pairs::{self, COLLINEAR, correlation, lag};
+use crate::audit::times::Times;
+use crate::audit::{median, moments};
+use crate::trace::reader::{self, Series};
+use crate::trace::resample::unwrapped;
+use crate::trace::{self, stem};
+
+/// What recordings are worth: rate, gaps, held and saturated samples, lags, equal traces, the smallest line of an order
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Ends with exit code 1 if it finds something.\n\nExample:\n  bearing-watch audit drive.toml --json"
+)]
+pub(super) struct Args {
+    /// Trace files or folders; without any, the folder of the labels
+    #[arg(value_name = "TRACES")]
+    traces: Vec<PathBuf>,
+    /// Labels; only their folder is used
+    #[arg(long, value_name = "FILE", required_unless_present = "traces")]
+    labels: Option<PathBuf>,
+    #[command(flatten)]
+    times: TimeArgs,
+    /// Signal in which orders are looked for; by default the likely current
+    #[arg(long, value_name = "CHANNEL")]
+    y: Option<String>,
+    /// Velocity, rad/s; by default the likely one
+    #[arg(long, value_name = "CHANNEL")]
+    velocity: Option<String>,
+    /// Angle of the shaft, rad; by default the likely one, or the integral of the velocity
+    #[arg(long, value_name = "CHANNEL")]
+    angle: Option<String>,
+    /// Reference of the velocity; by default the likely one
+    #[arg(long, value_name = "CHANNEL")]
+    velocity_ref: Option<String>,
+    /// False-alarm rate of the smallest line
+    #[arg(long, value_name = "RATE", default_value_t = 0.01)]
+    false_alarm: f64,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Rows of the shortest trace; shorter ones are tables of something else.
+const FEWEST: usize = 8;
+
+/// One trace: its columns by name, and the channels that were chosen.
+struct Audited {
+    id: String,
+    names: Vec<String>,
+    times: Option<Times>,
+    columns: Vec<Column>,
+    values: Vec<Vec<f64>>,
+    y: Option<Vec<f64>>,
+    velocity: Option<Vec<f64>>,
+    angle: Option<Vec<f64>>,
+    velocity_ref: Option<Vec<f64>>,
+}
+
+/// A finding, and the traces that have it.
+struct Finding {
+    what: String,
+    traces: Vec<String>,
+}
+
+/// Runs the audit; returns whether something was found.
+pub(super) fn run(args: &Args) -> Result<bool, Error> {
+    if !(1e-9..=0.5).contains(&args.false_alarm) {
+        return Err(Error::Usage("--false-alarm: give a rate from 1e-9 to 0.5".into()));
+    }
+    let folder = args.labels.iter().map(|labels| output::folder_of(labels).to_path_buf());
+    let paths: Vec<PathBuf> = if args.traces.is_empty() { folder.collect() } else { args.traces.clone() };
+    let files = trace::files(&paths)?;
+    let bar = output::progress("auditing", files.len());
+    let each = |file: &PathBuf| {
+        let found = args.look(file);
+        bar.inc(1);
+        found
+    };
+    let all: Vec<Result<Vec<Audited>, Error>> = files.par_iter().map(each).collect();
+    bar.finish_and_clear();
+    let (mut traces, mut findings) = (Vec::new(), Vec::new());
+    for (file, found) in files.iter().zip(all) {
+        match found {
+            Ok(found) => traces.extend(found),
+            Err(problem) => add(&mut findings, problem.to_string(), &file.display().to_string()),
+        }
+    }
+    if traces.is_empty() {
+        let problem = findings.first().map_or_else(|| "no trace".to_string(), |finding| finding.what.clone());
+        return Err(Error::Usage(problem));
+    }
+    let short = traces.len();
+    traces.retain(|trace: &Audited| trace.values.first().is_some_and(|column| column.len() >= FEWEST));
+    if traces.is_empty() {
+        return Err(Error::Usage(format!("{short} traces, none of {FEWEST} rows")));
+    }
+    for trace in &traces {
+        trace.findings(&mut findings);
+    }
+    equal_traces(&traces, &mut findings);
+    let rotor = args.rotor_rate(&traces, &mut findings);
+    let lines = args.lines(&traces, rotor);
+    if args.json {
+        output::json(&to_json(&traces, &findings, rotor, &lines))?;
+    } else {
+        print(&traces, &findings, rotor, (&lines, args.false_alarm))?;
+    }
+    Ok(!findings.is_empty())
+}
+
+fn add(findings: &mut Vec<Finding>, what: String, trace: &str) {
+    match findings.iter_mut().find(|finding| finding.what == what) {
+        Some(finding) => finding.traces.push(trace.to_string()),
+        None => findings.push(Finding { what, traces: vec![trace.to_string()] }),
+    }
+}
+
+impl Args {
+    fn look(&self, file: &Path) -> Result<Vec<Audited>, Error> {
+        let time = self.times.time.as_deref();
+        let (names, _) = reader::numeric(file, time)?;
+        let guess = Guess::of(&names);
+        let chosen = [
+            (&self.y, guess.current),
+            (&self.velocity, guess.velocity),
+            (&self.angle, guess.angle),
+            (&self.velocity_ref, guess.velocity_ref),
+        ];
+        let chosen = chosen.map(|(given, likely)| given.clone().or(likely));
+        let channels: Vec<String> = names.iter().chain(chosen.iter().flatten()).cloned().collect();
+        let read = reader::series(file, (time, self.times.rate_hz), &channels)?;
+        let each = |series: Series| {
+            let mut values = series.columns;
+            let mut further = values.split_off(names.len()).into_iter();
+            let [y, velocity, angle, velocity_ref] = chosen.clone().map(|channel| channel.and_then(|_| further.next()));
+            let recorded = reader::has_time(file, time);
+            Audited {
+                id: stem(&series.id).to_string(),
+                names: names.clone(),
+                times: series.times_s.as_deref().filter(|_| recorded).and_then(Times::of),
+                columns: values.iter().map(|column| Column::of(column)).collect(),
+                values,
+                y,
+                velocity,
+                angle,
+                velocity_ref,
+            }
+        };
+        Ok(read.into_iter().map(each).collect())
+    }
+
+    /// The rate by the lines of the rotor, for traces without a time.
+    fn rotor_rate(&self, traces: &[Audited], findings: &mut Vec<Finding>) -> Option<f64> {
+        let given = self.times.rate_hz?;
+        let pairs: Vec<(&[f64], &[f64])> = traces
+            .iter()
+            .filter(|trace| trace.times.is_none())
+            .filter_map(|trace| Some((trace.y.as_deref()?, trace.velocity.as_deref()?)))
+            .collect();
+        let (found, sharpness) = rate(&pairs, given)?;
+        if (found / given - 1.0).abs() > 2e-3 {
+            let what = format!(
+                "the lines of the rotor are sharp at {found:.1} rows a second, not at the given {given} \
+                 ({sharpness:.0} times the power); set rate_hz"
+            );
+            add(findings, what, "all without a time");
+        }
+        Some(found)
+    }
+
+    /// Floor, smallest line and turns of each trace with a signal and an angle.
+    fn lines(&self, traces: &[Audited], rotor: Option<f64>) -> Vec<Line> {
+        let each = |trace: &Audited| {
+            let y = trace.y.as_deref()?;
+            let rate_hz = trace.times.map(|times| times.rate_hz).or(rotor).or(self.times.rate_hz);
+            let integrated = || Some(angle(trace.velocity.as_deref()?, rate_hz?));
+            let angle = trace.angle.as_ref().map(|angle| unwrapped(angle, TAU)).or_else(integrated)?;
+            let turns = turns(&angle);
+            let floor = floor(y, &angle);
+            let first = orders::amplitude(y, &angle, 1.0);
+            (turns > 3.0).then(|| Line {
+                trace: trace.id.clone(),
+                turns,
+                floor,
+                smallest: smallest_line(floor, self.false_alarm),
+                first,
+            })
+        };
+        traces.iter().filter_map(each).collect()
+    }
+}
+
+/// Lines of orders in one trace, in the unit of the signal.
+struct Line {
+    trace: String,
+    turns: f64,
+    floor: f64,
+    smallest: f64,
+    /// The line of order 1.
+    first: f64,
+}
+
+impl Audited {
+    fn findings(&self, findings: &mut Vec<Finding>) {
+        let id = &self.id;
+        if let Some(Times { jitter, gaps, longest_gap_s, standing, rate_hz }) = self.times {
+            if jitter > 0.05 {
+                add(findings, "irregular times (jitter above 5 % of a step); resample".into(), id);
+            }
+            if gaps > 0 {
+                add(findings, format!("gaps in time, up to {:.0} steps", longest_gap_s * rate_hz), id);
+            }
+            if standing > 0 {
+                add(findings, "times that stand; several rows have one time".into(), id);
+            }
+        }
+        // What is wanted rather than measured may stand, and have few values.
+        let measured = self.names.iter().zip(&self.columns).filter(|(name, _)| !is_reference(name));
+        for (name, column) in measured {
+            for finding in column.findings() {
+                add(findings, format!("column {name}: {finding}"), id);
+            }
+        }
+        for (k, one) in self.values.iter().enumerate() {
+            for (j, other) in self.values.iter().enumerate().take(k) {
+                let found = correlation(one, other);
+                if found.abs() > COLLINEAR {
+                    add(findings, format!("columns {} and {} say the same", self.names[j], self.names[k]), id);
+                }
+            }
+        }
+        if let (Some(velocity), Some(angle)) = (&self.velocity, &self.angle) {
+            let differences: Vec<f64> = unwrapped(angle, TAU).windows(2).map(|pair| pair[1] - pair[0]).collect();
+            if let Some((rows, _)) = lag(&differences, velocity).filter(|(rows, _)| rows.abs() > 0.75) {
+                add(findings, format!("the velocity comes {rows:.1} rows after the angle's differences"), id);
+            }
+        }
+        if let (Some(y), Some(u)) = (&self.y, self.velocity_ref.as_ref().or(self.velocity.as_ref()))
+            && moments(u).1 < 1e-3 * moments(u).0.abs()
+            && moments(y).1 > 0.0
+        {
+            add(findings, "constant speed: inertia and friction cannot be told apart".into(), id);
+        }
+    }
+}
+
+fn equal_traces(traces: &[Audited], findings: &mut Vec<Finding>) {
+    let columns: Vec<&[Vec<f64>]> = traces.iter().map(|trace| trace.values.as_slice()).collect();
+    for [one, other] in pairs::equal(&columns) {
+        let what = format!("the same recording as {}", traces[one].id);
+        add(findings, what, &traces[other].id);
+    }
+}
+
+fn print(
+    traces: &[Audited],
+    findings: &[Finding],
+    rotor: Option<f64>,
+    (lines, false_alarm): (&[Line], f64),
+) -> Result<(), Error> {
+    let rows: usize = traces.iter().map(|trace| trace.values.first().map_or(0, Vec::len)).sum();
+    output::say(format!("{} traces, {rows} rows", traces.len()))?;
+    let rates: Vec<f64> = traces.iter().filter_map(|trace| trace.times).map(|times| times.rate_hz).collect();
+    match (rates.is_empty(), rotor) {
+        (false, _) => {
+            let jitters: Vec<f64> = traces.iter().filter_map(|trace| trace.times).map(|times| times.jitter).collect();
+            let (rate, jitter) = (median(&rates), 100.0 * median(&jitters));
+            output::say(format!("rate: {rate:.4} rows a second, steps scatter by {jitter:.2} %"))?;
+        }
+        (true, Some(rate)) => output::say(format!("rate: no time; {rate:.1} rows a second by the lines of the rotor"))?,
+        (true, None) => output::say("rate: no time column; give --rate-hz")?,
+    }
+    let first = &traces[0];
+    let width = first.names.iter().map(|name| name.chars().count()).max().unwrap_or(0).max("column".len());
+    let head = format!(
+        "{:width$}  {:>12}  {:>12}  {:>12}  {:>12}  {:>12}",
+        "column", "mean", "deviation", "least", "largest", "step"
+    );
+    output::say(format!("\n{head}   ({})", first.id))?;
+    for (name, column) in first.names.iter().zip(&first.columns) {
+        let Column { mean, deviation, range: [least, largest], step, .. } = column;
+        output::say(format!(
+            "{name:width$}  {mean:>12.5}  {deviation:>12.5}  {least:>12.5}  {largest:>12.5}  {step:>12.3e}"
+        ))?;
+    }
+    if !lines.is_empty() {
+        let all = |pick: fn(&Line) -> f64| median(&lines.iter().map(pick).collect::<Vec<_>>());
+        let (turns, floor, smallest) = (all(|line| line.turns), all(|line| line.floor), all(|line| line.smallest));
+        output::say(format!(
+            "\nlines of orders, median of {} traces of {turns:.0} turns: floor {floor:.4}; a line of {smallest:.4} stands \
+             out at a false-alarm rate of {false_alarm} (units of y)",
+            lines.len()
+        ))?;
+        let firsts: Vec<f64> = lines.iter().map(|line| line.first / line.floor).collect();
+        let most = firsts.iter().copied().fold(0.0, f64::max);
+        output::say(format!("order 1 over the floor: median {:.1}, largest {most:.1}", median(&firsts)))?;
+    }
+    output::say(if findings.is_empty() { "\nnothing found" } else { "\nfound:" })?;
+    for Finding { what, traces: own } in findings {
+        let which = match &own[..] {
+            [one] => one.clone(),
+            [first, ..] => format!("{} traces, first {first}", own.len()),
+            [] => String::new(),
+        };
+        output::say(format!("  {what}: {which}"))?;
+    }
+    Ok(())
+}
+
+fn to_json(traces: &[Audited], findings: &[Finding], rotor: Option<f64>, lines: &[Line]) -> Value {
+    let column = |(name, column): (&String, &Column)| {
+        let Column { mean, deviation, range: [least, largest], step, every, changing, held, saturated } = column;
+        json!({
+            "column": name, "mean": mean, "deviation": deviation, "least": least, "largest": largest, "step": step,
+            "changes_every_rows": every, "changing": changing, "held": held, "saturated": saturated
+        })
+    };
+    let trace = |trace: &Audited| {
+        let times = trace.times.map(|times| {
+            json!({
+                "rate_hz": times.rate_hz, "jitter": times.jitter, "gaps": times.gaps,
+                "longest_gap_s": times.longest_gap_s, "standing": times.standing
+            })
+        });
+        json!({
+            "trace": trace.id, "rows": trace.values.first().map_or(0, Vec::len), "times": times,
+            "columns": trace.names.iter().zip(&trace.columns).map(column).collect::<Vec<_>>()
+        })
+    };
+    let line = |line: &Line| {
+        json!({
+            "trace": line.trace, "turns": line.turns, "floor": line.floor, "smallest_line": line.smallest,
+            "order_1": line.first
+        })
+    };
+    let finding = |finding: &Finding| json!({ "finding": finding.what, "traces": finding.traces });
+    json!({
+        "rotor_rate_hz": rotor,
+        "traces": traces.iter().map(trace).collect::<Vec<_>>(),
+        "lines": lines.iter().map(line).collect::<Vec<_>>(),
+        "findings": findings.iter().map(finding).collect::<Vec<_>>(),
+    })
+}
