@@ -13,6 +13,7 @@
 use std::path::Path;
 
 use super::matlab_value::Value;
+use super::of_one_length;
 use crate::Error;
 
 /// What a file of format 7.3 has behind its text header.
@@ -32,15 +33,10 @@ pub(super) fn read(path: &Path) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
     for (name, value) in &variables {
         columns(name, value, &mut found);
     }
-    let Some(rows) = found.iter().map(|(_, column)| column.len()).max() else {
-        return Err(Error::content(path, "content", "no arrays of numbers"));
-    };
-    found.retain(|(_, column)| column.len() == rows || column.len() == 1);
     if let Some(alone) = only_variable(&found) {
         found.iter_mut().for_each(|(name, _)| *name = name[alone..].to_string());
     }
-    let constant = |column: Vec<f64>| if column.len() == rows { column } else { vec![column[0]; rows] };
-    Ok(found.into_iter().map(|(name, column)| (name, constant(column))).unzip())
+    of_one_length(path, found)
 }
 
 /// Reads the variables of format 5 to 7. The reader panics at some damaged files.

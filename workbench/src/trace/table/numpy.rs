@@ -7,6 +7,7 @@ use std::path::Path;
 use npyz::{DType, NpyFile, Order, TypeChar};
 use zip::ZipArchive;
 
+use super::of_one_length;
 use crate::Error;
 
 /// Returns names and columns. Arrays of one number are constant columns; arrays of other lengths than the longest, and
@@ -21,12 +22,7 @@ pub(super) fn read(path: &Path) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
         let Some(name) = file.name().strip_suffix(".npy").map(String::from) else { continue };
         found.extend(columns(&name, NpyFile::new(file).map_err(wrong)?).map_err(wrong)?);
     }
-    let Some(rows) = found.iter().map(|(_, column)| column.len()).max() else {
-        return Err(Error::content(path, "content", "no arrays of numbers"));
-    };
-    found.retain(|(_, column)| column.len() == rows || column.len() == 1);
-    let constant = |column: Vec<f64>| if column.len() == rows { column } else { vec![column[0]; rows] };
-    Ok(found.into_iter().map(|(name, column)| (name, constant(column))).unzip())
+    of_one_length(path, found)
 }
 
 fn columns<R: Read>(name: &str, array: NpyFile<R>) -> std::io::Result<Vec<(String, Vec<f64>)>> {
