@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use host_tests::data;
+use workbench::audit::orders;
 use workbench::trace::{self, Channels, Trace};
 
 /// Σ (2k + 1) bits of the k-th value, modulo 2⁶⁴.
@@ -65,4 +66,28 @@ fn logs_have_the_bits_of_pandas() {
     let columns = Channels::new("vel1_rad_s", "iq1_A", "iq1_cmd_A");
     let log = read(folder.join("ex8__06_05_2021_17-22-41.csv"), columns);
     assert_eq!((log.y.len(), sum(&log.y)), (9247, 2_233_479_080_335_344_407));
+}
+
+/// The logger's maker says 2000 rows a second; the fifth order of the rotor says 1919.
+#[test]
+fn the_rotor_tells_the_rate_of_a_logger_and_an_unbalanced_load() {
+    let Some(folder) = data("microchip_pmsm") else { return };
+    let columns = Channels { rate_hz: Some(2000.0), ..Channels::new("IQ", "(RPM)rad/s", "RPM") };
+    let logs = trace::read(&[folder], &columns).expect("readable");
+    let pairs: Vec<(&[f64], &[f64])> = logs.iter().map(|log| (log.y.as_slice(), log.u1.as_slice())).collect();
+    let (rate_hz, sharpness) = orders::rate(&pairs, 2000.0).expect("lines of the rotor");
+    println!("{rate_hz:.1} rows a second, {sharpness:.0} times the power of other rates");
+    // Two steps of the search.
+    assert!((rate_hz / 1919.0 - 1.0).abs() < 5e-4, "{rate_hz}");
+    let (mut normal, mut unbalanced) = (vec![], vec![]);
+    for log in &logs {
+        let angle = orders::angle(&log.u1, rate_hz);
+        let ratio = orders::amplitude(&log.y, &angle, 1.0) / orders::floor(&log.y, &angle);
+        let is_unbalanced = log.id.starts_with("unbalanced");
+        if is_unbalanced { &mut unbalanced } else { &mut normal }.push(ratio);
+    }
+    let largest = normal.iter().copied().fold(0.0, f64::max);
+    let least = unbalanced.iter().copied().fold(f64::INFINITY, f64::min);
+    println!("order 1 over the floor: normal up to {largest:.1}, unbalanced from {least:.1}");
+    assert!((normal.len(), unbalanced.len()) == (11, 11) && 5.0 * largest < least, "{normal:?} {unbalanced:?}");
 }

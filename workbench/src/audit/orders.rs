@@ -21,7 +21,7 @@ const ROTOR: u32 = 12;
 const SEARCHED: f64 = 0.1;
 const STEP: f64 = 2.5e-4;
 /// Least ratio of the lines at the best rate to those at the typical one.
-const SHARP: f64 = 3.0;
+const SHARP: f64 = 20.0;
 
 /// (1).
 #[must_use]

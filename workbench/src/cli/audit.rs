@@ -33,9 +33,9 @@ pub(super) struct Args {
     labels: Option<PathBuf>,
     #[command(flatten)]
     times: TimeArgs,
-    /// Signal in which orders are looked for; by default the likely current
+    /// Current, in which orders are looked for; by default the likely one
     #[arg(long, value_name = "CHANNEL")]
-    y: Option<String>,
+    current: Option<String>,
     /// Velocity, rad/s; by default the likely one
     #[arg(long, value_name = "CHANNEL")]
     velocity: Option<String>,
@@ -63,7 +63,7 @@ struct Audited {
     times: Option<Times>,
     columns: Vec<Column>,
     values: Vec<Vec<f64>>,
-    y: Option<Vec<f64>>,
+    current: Option<Vec<f64>>,
     velocity: Option<Vec<f64>>,
     angle: Option<Vec<f64>>,
     velocity_ref: Option<Vec<f64>>,
@@ -134,7 +134,7 @@ impl Args {
         let (names, _) = reader::numeric(file, time)?;
         let guess = Guess::of(&names);
         let chosen = [
-            (&self.y, guess.current),
+            (&self.current, guess.current),
             (&self.velocity, guess.velocity),
             (&self.angle, guess.angle),
             (&self.velocity_ref, guess.velocity_ref),
@@ -145,7 +145,8 @@ impl Args {
         let each = |series: Series| {
             let mut values = series.columns;
             let mut further = values.split_off(names.len()).into_iter();
-            let [y, velocity, angle, velocity_ref] = chosen.clone().map(|channel| channel.and_then(|_| further.next()));
+            let [current, velocity, angle, velocity_ref] =
+                chosen.clone().map(|channel| channel.and_then(|_| further.next()));
             let recorded = reader::has_time(file, time);
             Audited {
                 id: stem(&series.id).to_string(),
@@ -153,7 +154,7 @@ impl Args {
                 times: series.times_s.as_deref().filter(|_| recorded).and_then(Times::of),
                 columns: values.iter().map(|column| Column::of(column)).collect(),
                 values,
-                y,
+                current,
                 velocity,
                 angle,
                 velocity_ref,
@@ -168,7 +169,7 @@ impl Args {
         let pairs: Vec<(&[f64], &[f64])> = traces
             .iter()
             .filter(|trace| trace.times.is_none())
-            .filter_map(|trace| Some((trace.y.as_deref()?, trace.velocity.as_deref()?)))
+            .filter_map(|trace| Some((trace.current.as_deref()?, trace.velocity.as_deref()?)))
             .collect();
         let (found, sharpness) = rate(&pairs, given)?;
         if (found / given - 1.0).abs() > 2e-3 {
@@ -184,7 +185,7 @@ impl Args {
     /// Floor, smallest line and turns of each trace with a signal and an angle.
     fn lines(&self, traces: &[Audited], rotor: Option<f64>) -> Vec<Line> {
         let each = |trace: &Audited| {
-            let y = trace.y.as_deref()?;
+            let y = trace.current.as_deref()?;
             let rate_hz = trace.times.map(|times| times.rate_hz).or(rotor).or(self.times.rate_hz);
             let integrated = || Some(angle(trace.velocity.as_deref()?, rate_hz?));
             let angle = trace.angle.as_ref().map(|angle| unwrapped(angle, TAU)).or_else(integrated)?;
@@ -248,7 +249,7 @@ impl Audited {
                 add(findings, format!("the velocity comes {rows:.1} rows after the angle's differences"), id);
             }
         }
-        if let (Some(y), Some(u)) = (&self.y, self.velocity_ref.as_ref().or(self.velocity.as_ref()))
+        if let (Some(y), Some(u)) = (&self.current, self.velocity_ref.as_ref().or(self.velocity.as_ref()))
             && moments(u).1 < 1e-3 * moments(u).0.abs()
             && moments(y).1 > 0.0
         {
@@ -301,7 +302,7 @@ fn print(
         let (turns, floor, smallest) = (all(|line| line.turns), all(|line| line.floor), all(|line| line.smallest));
         output::say(format!(
             "\nlines of orders, median of {} traces of {turns:.0} turns: floor {floor:.4}; a line of {smallest:.4} stands \
-             out at a false-alarm rate of {false_alarm} (units of y)",
+             out at a false-alarm rate of {false_alarm} (units of the current)",
             lines.len()
         ))?;
         let firsts: Vec<f64> = lines.iter().map(|line| line.first / line.floor).collect();
