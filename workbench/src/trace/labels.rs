@@ -80,6 +80,14 @@ pub struct LabelledTrace {
 }
 
 impl Labels {
+    /// The number of different cells of a column; 0 if there is no such column.
+    #[must_use]
+    pub fn different(&self, column: &str) -> usize {
+        let place = self.columns.iter().position(|own| own == column);
+        let cells = place.into_iter().flat_map(|place| self.rows.iter().map(move |row| row[place].as_str()));
+        cells.collect::<std::collections::HashSet<_>>().len()
+    }
+
     /// The names of the columns.
     #[must_use]
     pub fn columns(&self) -> &[String] {

@@ -70,6 +70,27 @@ fn init_describes_what_it_sees() {
 }
 
 #[test]
+fn init_offers_no_gate_that_so_few_runs_do_not_support() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy,spall --count 12 --seed 8 --out runs");
+    let labels = std::fs::read_to_string(dir.join("runs/labels.csv")).expect("labels");
+    let with_run =
+        |(k, line): (usize, &str)| if k == 0 { format!("{line},run\n") } else { format!("{line},{}\n", k % 4) };
+    std::fs::write(dir.join("runs/labels.csv"), labels.lines().enumerate().map(with_run).collect::<String>())
+        .expect("written");
+    succeed(dir, "init runs");
+    let text = std::fs::read_to_string(dir.join("runs/drive.toml")).expect("written");
+    assert!(text.contains("\ngroup = \"run\"\n"), "{text}");
+    assert!(
+        text.contains("# healthy = \"healthy\"  # 4 runs support no false-alarm rate of 0.01 with 7 features"),
+        "{text}"
+    );
+    succeed(dir, "train runs/drive.toml --model m.bwm");
+    succeed(dir, "evaluate runs/drive.toml --model m.bwm");
+}
+
+#[test]
 fn a_single_input_needs_no_second_one() {
     let folder = tempfile::tempdir().expect("folder");
     let dir = folder.path();

@@ -12,6 +12,7 @@ use crate::cli::args::traces::TimeArgs;
 use crate::cli::output;
 use crate::trace::labels::Labels;
 use crate::trace::{self, reader};
+use crate::train::novelty::runs::fewest;
 
 /// Write drive.toml: columns, rate, labels and likely channels, by looking at the files
 #[derive(Debug, clap::Args)]
@@ -35,6 +36,8 @@ pub(in crate::cli) struct Args {
     force: bool,
 }
 
+/// The usual false-alarm rate of a gate.
+const RATE: f64 = 0.01;
 /// Class names of machines without a defect.
 const HEALTHY: [&str; 6] = ["healthy", "normal", "good", "ok", "nominal", "baseline"];
 /// Columns of labels whose rows of one value are of one run.
@@ -101,7 +104,8 @@ struct Found {
     /// Rows and usual step of the first trace.
     rows: usize,
     interval_s: Option<f64>,
-    labels: Option<(PathBuf, Vec<String>, Vec<String>)>,
+    /// File and content of the labels, and the classes.
+    labels: Option<(PathBuf, Labels, Vec<String>)>,
 }
 
 impl Found {
@@ -134,7 +138,7 @@ impl Found {
         let labels = args.labels.clone().or(beside).map(|file| {
             let labels = Labels::read(&file)?;
             let classes = labels.classes(&labels.select(&[])?, &[])?;
-            Ok::<_, Error>((file, classes, labels.columns().to_vec()))
+            Ok::<_, Error>((file, labels, classes))
         });
         let guess = Guess::of(&names);
         let others = files.len() - own.files.len();
@@ -142,9 +146,9 @@ impl Found {
         Ok(Self { files, others, traces, names, guess, rows, interval_s, disorder, labels: labels.transpose()? })
     }
 
-    /// The value of each key that is known.
-    fn values(&self, out: &Path, args: &Args) -> BTreeMap<&'static str, String> {
-        let mut values = BTreeMap::new();
+    /// The value of each key that is known; and the healthy class with why it cannot be used, if it cannot.
+    fn values(&self, out: &Path, args: &Args) -> (BTreeMap<&'static str, String>, Option<String>) {
+        let (mut values, mut refused) = (BTreeMap::new(), None);
         let text = literal;
         let from_here = |path: &Path| super::expand::from_here(out, "traces", &path.to_string_lossy());
         let paths: Vec<String> = self.traces.iter().map(|path| text(&from_here(path))).collect();
@@ -186,22 +190,30 @@ impl Found {
         }
         values.insert("order", (if load.is_some() { "[2, 2, 2, 1, 1]" } else { "[2, 2, 0, 1, 1]" }).into());
         values.insert("offset", "true".into());
-        if let Some((file, classes, columns)) = &self.labels {
+        if let Some((file, labels, classes)) = &self.labels {
             values.insert("labels", text(&from_here(file)));
             let healthy = classes.iter().find(|name| HEALTHY.iter().any(|word| name.to_lowercase().contains(word)));
+            let group = GROUPS.iter().find(|group| labels.columns().iter().any(|column| column == *group));
             if let Some(healthy) = healthy {
                 values.insert("healthy", text(healthy));
                 values.insert("nominal", text(healthy));
             }
-            if let Some(group) = GROUPS.iter().find(|group| columns.iter().any(|column| column == *group)) {
+            if let Some(group) = group {
                 values.insert("group", text(group));
             }
+            let coordinates = if load.is_some() { 7 } else { 5 };
+            let (runs, least) = (group.map(|group| labels.different(group)), fewest(coordinates, RATE));
+            if let (Some(healthy), Some(runs)) = (healthy, runs.filter(|runs| *runs < least)) {
+                values.remove("healthy");
+                let why = format!("{runs} runs support no false-alarm rate of {RATE} with {coordinates} features");
+                refused = Some(format!("{}  # {why}; at least {least} do", text(healthy)));
+            }
         }
-        values
+        (values, refused)
     }
 
     fn text(&self, out: &Path, args: &Args) -> String {
-        let values = self.values(out, args);
+        let (values, refused) = self.values(out, args);
         let mut text =
             String::from("# What this drive is. Every command takes this file: bearing-watch train drive.toml …\n");
         let rate = self.interval_s.map_or_else(
@@ -216,12 +228,14 @@ impl Found {
             let _never_fails = writeln!(text, "# The time is not used: {problem}");
         }
         let _never_fails = writeln!(text, "# Columns: {}", self.names.join(", "));
-        if let Some((_, classes, columns)) = &self.labels {
-            let _never_fails = writeln!(text, "# Labels: {}; classes {}", columns.join(", "), classes.join(", "));
+        if let Some((_, labels, classes)) = &self.labels {
+            let columns = labels.columns().join(", ");
+            let _never_fails = writeln!(text, "# Labels: {columns}; classes {}", classes.join(", "));
         }
         for section in &SECTIONS {
             let _never_fails = writeln!(text, "\n# {}\n[{}]", section.about, section.name);
             for (key, hint) in section.keys.iter().map(|key| (key, hint(key))) {
+                let hint = refused.as_deref().filter(|_| *key == "healthy").or(hint);
                 match (values.get(key), hint) {
                     (Some(value), _) => drop(writeln!(text, "{key} = {value}")),
                     (None, Some(hint)) => drop(writeln!(text, "# {key} = {hint}")),
