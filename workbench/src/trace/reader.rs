@@ -216,7 +216,16 @@ fn parts(
     }
     places.sort_unstable();
     places.dedup();
-    let columns = table.read(Wanted { numbers: &places, text: header.trace, row: &|cell| wanted(stem(cell)) })?;
+    let read = table.read(Wanted { numbers: &places, text: header.trace, row: &|cell| wanted(stem(cell)) });
+    let columns = read.map_err(|problem| match (header.time(), problem) {
+        // A time that nobody asked for can be left out.
+        (Some(own), Error::Content { path, place, problem })
+            if time.is_none() && place.ends_with(&format!("column {}", header.names[own])) =>
+        {
+            Error::Content { path, place, problem: problem + "; --time none leaves the time out" }
+        }
+        (_, other) => other,
+    })?;
     let each = |rows: Rows| -> Result<Part, Error> {
         let own = columns.numbers.iter().map(|column| rows.of(column)).collect();
         let mut part = Part { id: rows.id.clone(), places: places.clone(), columns: own, times_s: None };
@@ -405,5 +414,8 @@ mod tests {
         assert_eq!((with(None, Some(4.0)), with(Some("none"), None)), (Ok(Some(0.25)), Ok(None)));
         assert!(with(Some("clock"), Some(4.0)).expect_err("another rate").contains("has 1.00000 rows a second, not 4"));
         assert!(with(Some("t"), None).expect_err("no column").contains("no column t for the time"));
+        let f = file("timestamp,i,ref,v,load-cell\n12:30:01,1,2,3,4\n12:30:02,1,2,3,4\n");
+        let words = read(f.path(), &channels(), &|_| true).expect_err("words").to_string();
+        assert!(words.ends_with("column timestamp: \"12:30:01\" is not a number; --time none leaves the time out"));
     }
 }

@@ -11,6 +11,7 @@
 //! The longest arrays are the columns; arrays of other lengths, text and objects are left out.
 
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 use super::matlab_value::Value;
 use super::of_one_length;
@@ -24,7 +25,7 @@ const HDF5: &[u8] = b"\x89HDF";
 pub(super) fn read(path: &Path) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
     let bytes = std::fs::read(path).map_err(Error::io(path))?;
     let is_hdf5 = bytes.starts_with(HDF5) || bytes.get(HDF5_AT..).is_some_and(|rest| rest.starts_with(HDF5));
-    let value = if is_hdf5 { hdf5_pure::mat::from_bytes(&bytes).ok() } else { variables(&bytes) };
+    let value = quietly(|| if is_hdf5 { hdf5_pure::mat::from_bytes(&bytes).ok() } else { variables(&bytes) });
     let Some(Value::Fields(variables)) = value else {
         let problem = "not readable as a MATLAB file of format 5 to 7.3; save it again, e.g. with -v7";
         return Err(Error::content(path, "content", problem));
@@ -39,17 +40,17 @@ pub(super) fn read(path: &Path) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
     of_one_length(path, found)
 }
 
-/// Reads the variables of format 5 to 7. The reader panics at some damaged files.
+/// Reads the variables of format 5 to 7.
 fn variables(bytes: &[u8]) -> Option<Value> {
-    let load = || {
-        let file = matrw::load_matfile_from_u8(bytes).ok()?;
-        Some(Value::Fields(file.iter().map(|(name, value)| (name.clone(), value.into())).collect()))
-    };
-    quietly(load)
+    let file = matrw::load_matfile_from_u8(bytes).ok()?;
+    Some(Value::Fields(file.iter().map(|(name, value)| (name.clone(), value.into())).collect()))
 }
 
-/// Runs what may panic, without a message of the panic.
+/// Runs a reader, which panics at some damaged files, without a message of the panic.
 fn quietly<T>(run: impl FnOnce() -> Option<T> + std::panic::UnwindSafe) -> Option<T> {
+    // The hook is that of the process: one thread at a time may replace it.
+    static ONE: Mutex<()> = Mutex::new(());
+    let _alone = ONE.lock().unwrap_or_else(PoisonError::into_inner);
     let before = std::panic::take_hook();
     std::panic::set_hook(Box::new(|_| {}));
     let found = std::panic::catch_unwind(run);
