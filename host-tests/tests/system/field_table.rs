@@ -79,10 +79,11 @@ fn number(text: &str) -> f64 {
     text.parse().unwrap_or_else(|_| panic!("{text} is no number"))
 }
 
-/// A rate and the lower end of its interval.
-fn interval(text: &str) -> [f64; 2] {
+/// A rate, and both ends of its interval.
+fn interval(text: &str) -> [f64; 3] {
     let (value, rest) = text.split_once(" [").expect("an interval");
-    [number(value), number(rest.split_once(',').expect("two ends").0)]
+    let (low, high) = rest.split_once(',').expect("two ends");
+    [number(value), number(low), number(high.trim_matches([' ', ']']))]
 }
 
 /// The bounds in the document: nothing is found that an ideal detector could not find, and the order alone is of use.
@@ -94,7 +95,7 @@ fn the_order_alone_stays_below_its_bound() {
     let mut near = 0;
     for row in rows {
         let [bound, together] = [5, 8].map(|column| number(row[column]));
-        let [[order, order_low], [_, found_low]] = [9, 10].map(|column| interval(row[column]));
+        let [[order, order_low, _], [_, found_low, _]] = [9, 10].map(|column| interval(row[column]));
         // A gate of 150 records may exceed its set rate by a factor of two.
         assert!(order_low <= bound + 1.0 && found_low <= together + 1.0, "{row:?}");
         near += usize::from(order > 0.5 * bound);
@@ -111,10 +112,11 @@ fn roughness_stays_below_its_bound() {
     assert_eq!(rows.len(), 18);
     for row in rows {
         let [exact, with_error] = [3, 4].map(|column| number(row[column]));
-        let [found, found_low] = interval(row[5]);
+        let [_, found_low, found_high] = interval(row[5]);
         // A rate over 4000 drives scatters by up to 0.8; a gate of 150 records may exceed its set rate by a factor of
         // two.
         assert!(with_error <= exact + 1.6 && found_low <= exact + 1.0, "{row:?}");
-        assert!(row[2] != "roughness 1" || found > 90.0, "{row:?}");
+        // Full-size roughness is found in 95 % of all records, of which one draw has 60.
+        assert!(row[2] != "roughness 1" || found_high > 95.0, "{row:?}");
     }
 }

@@ -70,6 +70,18 @@ fn init_describes_what_it_sees() {
 }
 
 #[test]
+fn names_of_files_become_labels() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy,spall --count 12 --seed 9 --out runs");
+    std::fs::remove_file(dir.join("runs/labels.csv")).expect("labels");
+    succeed(dir, "init runs --labels-from-names classes.csv --out drive.toml");
+    let labels = std::fs::read_to_string(dir.join("classes.csv")).expect("written");
+    assert!(labels.contains("healthy_9_000,healthy\n") && labels.contains(",spall\n"), "{labels}");
+    succeed(dir, "train drive.toml --model m.bwm");
+}
+
+#[test]
 fn init_offers_no_gate_that_so_few_runs_do_not_support() {
     let folder = tempfile::tempdir().expect("folder");
     let dir = folder.path();

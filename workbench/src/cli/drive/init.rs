@@ -11,7 +11,7 @@ use crate::Error;
 use crate::cli::args::traces::TimeArgs;
 use crate::cli::output;
 use crate::trace::labels::Labels;
-use crate::trace::{self, reader};
+use crate::trace::{self, reader, stem};
 use crate::train::novelty::runs::fewest;
 
 /// Write drive.toml: columns, rate, labels and likely channels, by looking at the files
@@ -26,6 +26,9 @@ pub(in crate::cli) struct Args {
     /// Labels, if they are not the labels.csv beside the traces
     #[arg(long, value_name = "FILE")]
     labels: Option<PathBuf>,
+    /// Write labels here first, with the words of each file's name as its class: unbalanced_800_3.csv is unbalanced
+    #[arg(long, value_name = "FILE", conflicts_with = "labels")]
+    labels_from_names: Option<PathBuf>,
     #[command(flatten)]
     times: TimeArgs,
     /// The file; by default drive.toml in the folder of the first trace, or here if that cannot be written
@@ -36,6 +39,8 @@ pub(in crate::cli) struct Args {
     force: bool,
 }
 
+/// Words of names that say what a file is for, not what it shows.
+const SETS: [&str; 5] = ["test", "train", "training", "validation", "log"];
 /// The usual false-alarm rate of a gate.
 const RATE: f64 = 0.01;
 /// Class names of machines without a defect.
@@ -54,9 +59,26 @@ pub(in crate::cli) fn run(args: &Args) -> Result<(), Error> {
     if out.exists() && !args.force {
         return Err(Error::Usage(format!("{} exists; give another name with --out, or --force", out.display())));
     }
+    if let Some(labels) = &args.labels_from_names {
+        output::plan(&[labels, &out], &files)?;
+        output::write(labels, labels_of(&files)?)?;
+    }
     let found = Found::look(args, &files, &folder)?;
     output::write(&out, found.text(&out, args))?;
     output::say(found.told(&out))
+}
+
+/// Labels of files by the words of their names, in lower case; numbers are no words.
+fn labels_of(files: &[PathBuf]) -> Result<String, Error> {
+    let mut rows = vec![vec!["trace".to_string(), "class_name".to_string()]];
+    for file in files {
+        let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let lower = stem(&name).to_lowercase();
+        let words = lower.split(|c: char| !c.is_alphabetic()).filter(|word| word.len() > 1 && !SETS.contains(word));
+        let class = words.collect::<Vec<_>>().join("_");
+        rows.push(vec![stem(&name).to_string(), if class.is_empty() { "unnamed".into() } else { class }]);
+    }
+    output::csv(&rows)
 }
 
 fn folder_of(path: &Path) -> PathBuf {
@@ -135,7 +157,7 @@ impl Found {
             (one.columns[0].len(), steps.get(steps.len() / 2).copied().filter(|step| *step > 0.0))
         });
         let beside = Some(folder.join("labels.csv")).filter(|file| file.is_file());
-        let labels = args.labels.clone().or(beside).map(|file| {
+        let labels = args.labels.clone().or_else(|| args.labels_from_names.clone()).or(beside).map(|file| {
             let labels = Labels::read(&file)?;
             let classes = labels.classes(&labels.select(&[])?, &[])?;
             Ok::<_, Error>((file, labels, classes))
