@@ -214,7 +214,9 @@ impl Found {
         values.insert("offset", "true".into());
         if let Some((file, labels, classes)) = &self.labels {
             values.insert("labels", text(&from_here(file)));
-            let healthy = classes.iter().find(|name| HEALTHY.iter().any(|word| name.to_lowercase().contains(word)));
+            let is_named = |name: &&String| HEALTHY.contains(&name.to_lowercase().as_str());
+            let has_word = |name: &&String| HEALTHY.iter().any(|word| name.to_lowercase().contains(word));
+            let healthy = classes.iter().find(is_named).or_else(|| classes.iter().find(has_word));
             let group = GROUPS.iter().find(|group| labels.columns().iter().any(|column| column == *group));
             if let Some(healthy) = healthy {
                 values.insert("healthy", text(healthy));
