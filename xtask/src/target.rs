@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
 
-use crate::board::{Board, DRIVE, NOT_EMULATED, OTHERS};
+use crate::board::{Board, DRIVE, NO_FPU, NOT_EMULATED, OTHERS};
 use crate::bounds::BOUNDS;
 use crate::tally::Tally;
 use crate::toolchain::{self, Way};
@@ -157,8 +157,12 @@ pub fn bounds(tally: &mut Tally, way: Option<Way>) {
         }
     };
     print!("{}", measure::table(&figures));
+    let no_fpu = toolchain::hindrance(way, NO_FPU.target);
     for bound in BOUNDS {
-        tally.check(&bound.title(), bound.check(&figures));
+        match &no_fpu {
+            Some(hindrance) if bound.name.ends_with(NO_FPU.core) => tally.skip(&bound.title(), hindrance),
+            _ => tally.check(&bound.title(), bound.check(&figures)),
+        }
     }
     tally.check(SMALL, size_profile::instructions(way, &figures));
     tally.check(SMALL_FLASH, brief(size_profile::flash(way)));
