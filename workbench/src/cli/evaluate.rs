@@ -70,6 +70,9 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     check_rate(&model, notes.preparation(), traces.iter().map(|t| &t.trace))?;
     let mut runs = selection.groups(args.group.as_deref(), &traces)?;
     if runs.is_some() && model.healthy().is_none() {
+        if super::drive::given().is_none() {
+            return Err(Error::Usage("--group gives false alarms, but the model has no healthy class".into()));
+        }
         output::warn("the model has no healthy class: no false alarms by run");
         runs = None;
     }
