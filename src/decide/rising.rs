@@ -14,10 +14,10 @@
 //! an order that is 2.3 standard deviations too strong is improbable at 1 % by itself, but in the distance in five
 //! coordinates it takes 3.9. By (3), one of three rising coordinates beside a distance takes 2.8. (2) is the score of a
 //! coordinate given those before it, independent of their distance if all are normal; mean and covariance are estimated
-//! with ν degrees of freedom, which its second factor and the laws of d² and u account for. Each u has a law of its own,
-//! whose knots are −ln 2 P(U ≥ u) over u², u ≥ 0. Values below the mean are never rare: for u < 0 the probability is
-//! what P(U ≥ |u|) leaves. For independent values (3) is exact; if they scatter together and their laws are known, the
-//! rate is lower than the set one.
+//! with ν degrees of freedom, which its second factor and the laws of d² and u account for. Each u has a law of its
+//! own, whose knots are −ln 2 P(U ≥ u) over u², u ≥ 0. Values below the mean are never rare: for u < 0 the probability
+//! is what P(U ≥ |u|) leaves. For independent values (3) is exact; if they scatter together and their laws are known,
+//! the rate is lower than the set one.
 
 use core::f32::consts::LN_2;
 

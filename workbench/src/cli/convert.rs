@@ -42,7 +42,7 @@ pub(super) struct ConvertArgs {
     files: Files,
 }
 
-/// Write traces at a constant rate, behind an anti-alias filter; gaps are told, and cut the trace
+/// Resample traces to a constant rate with an anti-alias filter; a gap is reported, and the trace is split there
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  bearing-watch resample log.csv --to-hz 100 --out log_100hz.csv")]
 pub(super) struct ResampleArgs {

@@ -17,7 +17,8 @@ pub fn knots(law: &DistanceLaw, limit: f64) -> [[f64; 2]; KNOTS] {
     knots_of(|surprise| law.squared_at(surprise), 0.0, limit)
 }
 
-/// Returns the knots of a curve from its `least` surprise on, as [`knots`]; it is asked for larger and larger surprises.
+/// Returns the knots of a curve from its `least` surprise on, as [`knots`]. The surprises that `at` is called with
+/// increase.
 pub(super) fn knots_of(mut at: impl FnMut(f64) -> f64, least: f64, limit: f64) -> [[f64; 2]; KNOTS] {
     // Denser at the start, where the curvature is largest.
     let part = |k: usize| (k as f64 / GRID as f64).powi(2);

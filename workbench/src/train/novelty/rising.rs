@@ -6,8 +6,8 @@
 //! ```
 //!
 //! The law of U (`super::score`) follows from the scores `y_i` of the healthy segments themselves, less the degrees of
-//! freedom of the regression on the others; if runs count, it is symmetric and that of a run's distance. Each coordinate
-//! has a law of its own: the friction of a drive has heavier tails than the score of an order.
+//! freedom of the regression on the others; if runs count, it is symmetric and that of a run's distance. Each
+//! coordinate has a law of its own: the friction of a drive has heavier tails than the score of an order.
 
 use std::f64::consts::LN_2;
 
