@@ -1,6 +1,6 @@
 //! A column by itself: its step, and whether it is held, saturated or constant.
 
-use super::moments;
+use crate::study::statistics::mean_sd;
 
 /// Rows of one value that count as held, if the step is fine.
 const HELD: usize = 8;
@@ -22,7 +22,7 @@ pub struct Column {
     pub range: [f64; 2],
     /// The smallest difference of two values.
     pub step: f64,
-    /// Changes come every so many rows: the channel is slower than the recording.
+    /// Number of rows from one change of the value to the next; above 1 the sensor is slower than the recording.
     pub every: usize,
     /// Part of the rows that differ from the one before.
     pub changing: f64,
@@ -36,7 +36,7 @@ impl Column {
     /// Of values of one trace.
     #[must_use]
     pub fn of(x: &[f64]) -> Self {
-        let (mean, scatter) = moments(x);
+        let (mean, scatter) = mean_sd(x);
         let mut sorted = x.to_vec();
         sorted.sort_by(f64::total_cmp);
         let range = [sorted.first().copied().unwrap_or(f64::NAN), sorted.last().copied().unwrap_or(f64::NAN)];
@@ -96,7 +96,7 @@ fn runs(x: &[f64]) -> Vec<(f64, usize)> {
     x.chunk_by(|one, other| one == other).map(|run| (run[0], run.len())).collect()
 }
 
-/// The number of rows between changes, if nearly all changes are so many rows apart or a multiple of it; else 1.
+/// The period of the changes, rows: nearly all are a multiple of it apart. 1 if there is no such period.
 fn every(x: &[f64]) -> usize {
     let changes: Vec<usize> = (1..x.len()).filter(|row| x[*row] != x[row - 1]).collect();
     if changes.len() < 20 {
@@ -106,7 +106,7 @@ fn every(x: &[f64]) -> usize {
         let most = (0..*k).map(|rest| changes.iter().filter(|row| *row % k == rest).count()).max().unwrap_or(0);
         most * 50 >= changes.len() * 49
     };
-    // The changes must also be as many as such rows allow, or any slow signal would fit.
+    // At least half of the periods must have a change: the few changes of a slow signal may fit any period.
     (2..=32).rev().find(|k| fits(k) && changes.len() * k * 2 > x.len()).unwrap_or(1)
 }
 

@@ -13,6 +13,8 @@ use std::f64::consts::TAU;
 
 use rayon::prelude::*;
 
+use crate::trace::median;
+
 /// Orders between those of a rotor, and no bearing's.
 const CONTROLS: [f64; 8] = [0.83, 0.91, 1.09, 1.17, 1.29, 2.31, 2.73, 3.37];
 /// Orders of a rotor that are looked at.
@@ -69,7 +71,7 @@ pub fn rate(traces: &[(&[f64], &[f64])], given_hz: f64) -> Option<(f64, f64)> {
     let count = traces.len().max(1) as f64;
     let best = (0..rates.len()).max_by(|one, other| likeness[*one].total_cmp(&likeness[*other]))?;
     // Of a ratio of powers, per trace.
-    let sharpness = ((likeness[best] - super::median(&likeness)) / count).exp();
+    let sharpness = ((likeness[best] - median(&likeness)) / count).exp();
     (sharpness > SHARP).then_some((rates[best], sharpness))
 }
 

@@ -1,6 +1,6 @@
 //! Two columns, or two traces: collinear channels, lags, equal recordings.
 
-use super::moments;
+use crate::study::statistics::mean_sd;
 
 /// Correlation from which on two channels say the same.
 pub const COLLINEAR: f64 = 0.995;
@@ -14,9 +14,9 @@ const SAME: f64 = 1e-3;
 /// Correlation of two columns; 0 if one is constant.
 #[must_use]
 pub fn correlation(x: &[f64], y: &[f64]) -> f64 {
-    let ((mx, sx), (my, sy)) = (moments(x), moments(y));
-    let products = x.iter().zip(y).map(|(x, y)| (x - mx) * (y - my)).sum::<f64>() / x.len().max(1) as f64;
-    if sx * sy > 0.0 { products / (sx * sy) } else { 0.0 }
+    let ((mx, sx), (my, sy)) = (mean_sd(x), mean_sd(y));
+    let products: f64 = x.iter().zip(y).map(|(x, y)| (x - mx) * (y - my)).sum();
+    if sx * sy > 0.0 { products / ((x.len() - 1) as f64 * sx * sy) } else { 0.0 }
 }
 
 /// Rows by which `y` comes later than `x`, by the largest correlation of their changes, and this correlation; `None`
@@ -51,8 +51,11 @@ pub fn equal(traces: &[&[Vec<f64>]]) -> Vec<[usize; 2]> {
     let head = |columns: &[Vec<f64>]| -> Vec<f64> {
         columns.iter().flat_map(|column| column.iter().take(COMPARED).copied()).collect()
     };
-    let heads: Vec<(Vec<f64>, f64)> =
-        traces.iter().map(|columns| head(columns)).map(|x| (x.clone(), moments(&x).1)).collect();
+    let with_scale = |x: Vec<f64>| {
+        let (_, scale) = mean_sd(&x);
+        (x, scale)
+    };
+    let heads: Vec<(Vec<f64>, f64)> = traces.iter().map(|columns| with_scale(head(columns))).collect();
     let mut found = Vec::new();
     for (k, (one, scale)) in heads.iter().enumerate() {
         for (j, (other, _)) in heads.iter().enumerate().take(k) {

@@ -1,6 +1,6 @@
 //! The times of a trace: rate, jitter, gaps, times that stand.
 
-use super::median;
+use crate::trace::median;
 
 /// Usual steps that a gap is longer than.
 const GAP: f64 = 1.5;

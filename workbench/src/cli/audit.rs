@@ -14,10 +14,10 @@ use crate::audit::column::Column;
 use crate::audit::orders::{self, angle, floor, rate, smallest_line, turns};
 use crate::audit::pairs::{self, COLLINEAR, correlation, lag};
 use crate::audit::times::Times;
-use crate::audit::{median, moments};
+use crate::study::statistics::mean_sd;
 use crate::trace::reader::{self, Series};
 use crate::trace::resample::unwrapped;
-use crate::trace::{self, stem};
+use crate::trace::{self, median, stem};
 
 /// What recordings are worth: rate, gaps, held and saturated samples, lags, equal traces, the smallest line of an order
 #[derive(Debug, clap::Args)]
@@ -142,12 +142,12 @@ impl Args {
         let chosen = chosen.map(|(given, likely)| given.clone().or(likely));
         let channels: Vec<String> = names.iter().chain(chosen.iter().flatten()).cloned().collect();
         let read = reader::series(file, (time, self.times.rate_hz), &channels)?;
+        let recorded = reader::has_time(file, time);
         let each = |series: Series| {
             let mut values = series.columns;
             let mut further = values.split_off(names.len()).into_iter();
             let [current, velocity, angle, velocity_ref] =
                 chosen.clone().map(|channel| channel.and_then(|_| further.next()));
-            let recorded = reader::has_time(file, time);
             Audited {
                 id: stem(&series.id).to_string(),
                 names: names.clone(),
@@ -250,8 +250,9 @@ impl Audited {
             }
         }
         if let (Some(y), Some(u)) = (&self.current, self.velocity_ref.as_ref().or(self.velocity.as_ref()))
-            && moments(u).1 < 1e-3 * moments(u).0.abs()
-            && moments(y).1 > 0.0
+            && let (mean, deviation) = mean_sd(u)
+            && deviation < 1e-3 * mean.abs()
+            && mean_sd(y).1 > 0.0
         {
             add(findings, "constant speed: inertia and friction cannot be told apart".into(), id);
         }

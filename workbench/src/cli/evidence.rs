@@ -3,8 +3,8 @@
 use serde_json::{Value, json};
 
 use crate::Error;
-use crate::trace::MotionTrace;
 use crate::trace::labels::LabelledTrace;
+use crate::trace::{MotionTrace, median};
 use crate::train::{Trained, compared_turns};
 
 /// Healthy records in which the noise of the orders is measured.
@@ -44,14 +44,9 @@ impl Orders {
             }
         }
         let coherent = compared_turns(&shaft.tracking);
-        let named = plan.names().into_iter().zip(deviations.into_iter().map(median)).collect();
-        Ok(Some(Self { turns: median(turns), coherent, deviations: named }))
+        let named = plan.names().into_iter().zip(deviations.iter().map(|all| median(all))).collect();
+        Ok(Some(Self { turns: median(&turns), coherent, deviations: named }))
     }
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 /// A short paragraph; `None` if there is neither a gate nor an order.

@@ -71,8 +71,8 @@ pub fn run() -> ExitCode {
         Ok(given) => given,
         Err(error) => return refuse(&error),
     };
-    let parsed =
-        Cli::command().try_get_matches_from(given).and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
+    let parsed = commands.try_get_matches_from_mut(given);
+    let parsed = parsed.and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
     let (Cli { command, save }, matches) = match parsed {
         Ok(parsed) => parsed,
         Err(error) => return usage(&error),

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::front_end::{FrontEndFile, OWN, clean};
 use super::reader::{self, Header};
-use super::signal::Signal;
+use super::signal::{self, Signal};
 use super::{Channels, Trace, same_interval};
 use crate::Error;
 
@@ -27,8 +27,7 @@ impl Wanted {
     fn new(header: &Header, channels: &Channels, front_end: &FrontEndFile) -> Result<Self, String> {
         let own: Vec<String> = front_end.columns().into_iter().map(String::from).collect();
         if let Some(missing) = own.iter().find(|name| header.place(name).is_none()) {
-            let names = header.names().join(", ");
-            return Err(format!("no column (or difference of columns) {missing}; there are {names}"));
+            return Err(signal::missing(missing, header.names()));
         }
         let both = OWN.iter().map(ToString::to_string).chain(header.names().to_vec()).collect();
         let both = Header::of(both, Some(reader::NO_TIME))?;

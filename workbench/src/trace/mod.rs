@@ -5,6 +5,7 @@ pub mod front_end;
 pub mod half_band;
 pub mod labels;
 pub mod low_pass;
+mod median;
 mod minimax;
 pub mod prepare;
 pub(crate) mod reader;
@@ -20,6 +21,7 @@ use crate::Error;
 
 pub use front_end::FrontEndFile;
 pub use labels::{Condition, Labels};
+pub(crate) use median::median;
 pub use prepare::Preparation;
 pub(crate) use record::bridged;
 pub use record::{Channels, MotionTrace, ShaftChannels, Trace, same_interval};
@@ -37,8 +39,8 @@ pub fn read(paths: &[PathBuf], channels: &Channels) -> Result<Vec<Trace>, Error>
     read_files(paths, channels, None)
 }
 
-/// Reads only the traces for whose id (without the extension of its format) `wanted` is true; others are skipped and not checked. A wanted
-/// trace must have the columns.
+/// Reads only the traces for whose id (without the extension of its format) `wanted` is true; others are skipped and
+/// not checked. A wanted trace must have the columns.
 ///
 /// # Errors
 /// The errors of [`read`].

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::signal::Signal;
 use super::table::{Columns, Table, Wanted};
 use super::units::{Quantity, Unit};
-use super::{Channels, MotionTrace, ShaftChannels, Trace, stem};
+use super::{Channels, MotionTrace, ShaftChannels, Trace, median, stem};
 use crate::Error;
 
 /// The word for no time column.
@@ -218,7 +218,7 @@ fn parts(
     places.dedup();
     let read = table.read(Wanted { numbers: &places, text: header.trace, row: &|cell| wanted(stem(cell)) });
     let columns = read.map_err(|problem| match (header.time(), problem) {
-        // A time that nobody asked for can be left out.
+        // The time column was found by its name, not requested: the user can exclude it.
         (Some(own), Error::Content { path, place, problem })
             if time.is_none() && place.ends_with(&format!("column {}", header.names[own])) =>
         {
@@ -296,11 +296,10 @@ pub(super) fn assemble<'c>(
 ) -> Result<Trace, Error> {
     let mut trace = Trace { id, ..Trace::default() };
     if let Some(times) = times {
-        let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        steps.sort_by(f64::total_cmp);
-        trace.interval_s = steps.get(steps.len() / 2).copied().filter(|step| *step > 0.0);
-        let median = trace.interval_s.unwrap_or(0.0);
-        trace.irregular_steps = steps.iter().filter(|step| (*step - median).abs() > 0.1 * median).count();
+        let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        trace.interval_s = Some(median(&steps)).filter(|step| *step > 0.0);
+        let usual = trace.interval_s.unwrap_or(0.0);
+        trace.irregular_steps = steps.iter().filter(|step| (*step - usual).abs() > 0.1 * usual).count();
     }
     let given = channels.rate_hz.map(|rate| 1.0 / rate);
     if let (Some(given), Some(found)) = (given, trace.interval_s)

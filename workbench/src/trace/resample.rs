@@ -8,6 +8,7 @@
 //! A step of more than [`GAP`] usual ones is a gap: columns are cut there, since straight lines across it would be
 //! invented. An angle that jumps by more than half a turn is unwrapped first, and is not limited to one turn after.
 
+use super::median;
 use super::prepare::{decimate, resample};
 use crate::Error;
 
@@ -44,12 +45,11 @@ pub(crate) fn at_rate(
     turns: &[Option<f64>],
     rate_hz: f64,
 ) -> Result<Resampled, Error> {
-    let mut steps: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let steps: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     if let Some(at) = steps.iter().position(|step| *step <= 0.0 || step.is_nan()) {
         return Err(Error::Usage(format!("row {} is not later than the one before it", at + 2)));
     }
-    steps.sort_by(f64::total_cmp);
-    let usual_s = steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY);
+    let usual_s = if steps.is_empty() { f64::INFINITY } else { median(&steps) };
     let breaks: Vec<usize> =
         (1..times_s.len()).filter(|row| times_s[*row] - times_s[row - 1] > GAP * usual_s).collect();
     if times_s.len() < FEWEST || rate_hz * usual_s > 1.02 {

@@ -103,6 +103,11 @@ impl Signal {
     }
 }
 
+/// Says that there is no such column.
+pub(super) fn missing(name: &str, names: &[String]) -> String {
+    format!("no column (or difference of columns) {name}; there are {}", names.join(", "))
+}
+
 fn place(names: &[String], name: &str) -> Option<usize> {
     names.iter().position(|column| column == name)
 }
@@ -235,9 +240,8 @@ impl Parser<'_> {
             return Ok((Signal::Constant(value), None));
         }
         let end = self.rest.find([' ', '+', '*', ')', '(']).unwrap_or(self.rest.len());
-        let (names, missing) = (self.names.join(", "), &self.rest[..end]);
-        let missing = if missing.is_empty() || self.text.contains('-') { self.text } else { missing };
-        Err(format!("no column (or difference of columns) {missing}; there are {names}"))
+        let word = &self.rest[..end];
+        Err(missing(if word.is_empty() || self.text.contains('-') { self.text } else { word }, self.names))
     }
 
     /// Length of the longest name of a column that the rest begins with.

@@ -8,6 +8,7 @@ use super::expand::literal;
 use super::guess::Guess;
 use super::schema::{SECTIONS, section_of};
 use crate::Error;
+use crate::audit::times::Times;
 use crate::cli::args::traces::TimeArgs;
 use crate::cli::output;
 use crate::trace::labels::Labels;
@@ -123,9 +124,9 @@ struct Found {
     disorder: Option<String>,
     names: Vec<String>,
     guess: Guess,
-    /// Rows and usual step of the first trace.
+    /// Rows of the first trace, and rows a second.
     rows: usize,
-    interval_s: Option<f64>,
+    rate_hz: Option<f64>,
     /// File and content of the labels, and the classes.
     labels: Option<(PathBuf, Labels, Vec<String>)>,
 }
@@ -150,12 +151,8 @@ impl Found {
             Err(problem) if time.is_none() => (read(Some(reader::NO_TIME))?, Some(problem.to_string())),
             other => (other?, None),
         };
-        let (rows, interval_s) = series.first().map_or((0, None), |one| {
-            let mut steps: Vec<f64> = one.times_s.iter().flatten().copied().collect();
-            steps = steps.windows(2).map(|pair| pair[1] - pair[0]).collect();
-            steps.sort_by(f64::total_cmp);
-            (one.columns[0].len(), steps.get(steps.len() / 2).copied().filter(|step| *step > 0.0))
-        });
+        let rows = series.first().map_or(0, |one| one.columns[0].len());
+        let rate_hz = series.first().and_then(|one| Times::of(one.times_s.as_deref()?)).map(|times| times.rate_hz);
         let beside = Some(folder.join("labels.csv")).filter(|file| file.is_file());
         let labels = args.labels.clone().or_else(|| args.labels_from_names.clone()).or(beside).map(|file| {
             let labels = Labels::read(&file)?;
@@ -165,7 +162,7 @@ impl Found {
         let guess = Guess::of(&names);
         let others = files.len() - own.files.len();
         let files = own.files.len();
-        Ok(Self { files, others, traces, names, guess, rows, interval_s, disorder, labels: labels.transpose()? })
+        Ok(Self { files, others, traces, names, guess, rows, rate_hz, disorder, labels: labels.transpose()? })
     }
 
     /// The value of each key that is known; and the healthy class with why it cannot be used, if it cannot.
@@ -240,10 +237,10 @@ impl Found {
         let (values, refused) = self.values(out, args);
         let mut text =
             String::from("# What this drive is. Every command takes this file: bearing-watch train drive.toml …\n");
-        let rate = self.interval_s.map_or_else(
-            || "no time column: set rate_hz".to_string(),
-            |step| format!("{:.6} rows a second", 1.0 / step),
-        );
+        let rate = match self.rate_hz {
+            Some(rate_hz) => format!("{rate_hz:.6} rows a second"),
+            None => "no time column: set rate_hz".to_string(),
+        };
         let _never_fails = writeln!(text, "# Found: {} files, {} rows in the first, {rate}", self.files, self.rows);
         if self.others > 0 {
             let _never_fails = writeln!(text, "# {} files have other columns", self.others);
