@@ -48,7 +48,7 @@ fn noise_in_the_field_misleads_least_squares_and_not_instruments() {
         let held_out = set(&Scenario { current_noise_a, ..Scenario::STANDARD }, 710 + k, 40);
         let [by_squares, by_instruments] = models.each_ref().map(|model| {
             let verdicts = evaluate::run(model, &held_out, || ()).expect("runs");
-            100.0 * evaluate::count(&demo::class_names(), &verdicts, false).error_rate().value
+            100.0 * evaluate::count(&demo::class_names(), &verdicts, None, false).error_rate().value
         });
         table.push(vec![names[k as usize].to_owned(), format!("{by_squares:.1} %"), format!("{by_instruments:.1} %")]);
         assert!(squares.contains(&by_squares) && instruments.contains(&by_instruments), "{factor}");

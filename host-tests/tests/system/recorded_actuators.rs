@@ -20,7 +20,7 @@ fn test(strokes: &[Stroke], other: &str, kind: Kind) -> Confusion {
     let (training, held_out): (Vec<&Stroke>, Vec<&Stroke>) = strokes.iter().partition(|s| s.run <= 4);
     assert!(held_out.iter().all(|t| training.iter().all(|s| s.trace.id != t.trace.id)), "leakage");
     let trained = detector(&training, &classes, class, &recipe).expect("regular classes");
-    evaluate::count(&classes, &judge(&trained, &held_out, class), false)
+    evaluate::count(&classes, &judge(&trained, &held_out, class), None, false)
 }
 
 #[test]

@@ -225,7 +225,7 @@ fn a_load_that_training_did_not_see() {
         for discriminant in DISCRIMINANTS {
             let recipe = Recipe { priors: vec![], cost: vec![], ..recipe(ORDERS[0], SETS[0], discriminant) };
             let trained = detector(&training, &two, class, &recipe).expect("regular classes");
-            let found = evaluate::count(&two, &judge(&trained, &held_out, class), false).balanced_accuracy();
+            let found = evaluate::count(&two, &judge(&trained, &held_out, class), None, false).balanced_accuracy();
             println!("without {load} kgf, normal against lackLubrication2, {}: {found}", discriminant.0);
             // An independent prototype: 100, 100 and 82 %; at −40 kgf a linear border finds nothing.
             let wanted = match (*load, discriminant.1) {

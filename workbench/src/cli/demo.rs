@@ -67,7 +67,8 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
 /// Returns the model as Rust source, as C header and in binary form, and the recording of held-out traces.
 fn model_contents(first: &Draw) -> Result<[Vec<u8>; 4], Error> {
     let lines = ["Standard DC-motor rig: y = current, u1 = velocity reference, u2 = load torque.".to_string()];
-    let notes = Notes::new(&channels(), Preparation::NONE, (&first.trained.feature_names, vec![]), &first.training);
+    let notes =
+        Notes::new(&channels(), Preparation::NONE, (&first.trained.feature_names, vec![]), &first.training, &[]);
     Ok([
         export::rust_source(&first.trained, &lines)?.into_bytes(),
         c_header(&first.trained.to_core()?, &lines, None)?.into_bytes(),

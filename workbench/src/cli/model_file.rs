@@ -67,6 +67,9 @@ pub(super) struct Notes {
     pub(super) features: Vec<String>,
     /// Ids of the training traces, used to warn if the model is evaluated on them.
     pub(super) trained_on: Vec<String>,
+    /// The units (drives) of the training traces, if they were given.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) units: Vec<String>,
 }
 
 impl Notes {
@@ -75,7 +78,11 @@ impl Notes {
         host: Preparation,
         (features, orders): (&[String], Vec<String>),
         training: &[LabelledTrace],
+        units: &[String],
     ) -> Self {
+        let mut units = units.to_vec();
+        units.sort_unstable();
+        units.dedup();
         let Channels { y, u1, u2, shaft, further, time, rate_hz, front_end } = channels.clone();
         Self {
             y,
@@ -92,6 +99,7 @@ impl Notes {
             orders,
             features: features.to_vec(),
             trained_on: training.iter().map(|t| trace::stem(&t.trace.id).to_string()).collect(),
+            units,
         }
     }
 

@@ -14,7 +14,8 @@ use super::args::estimation::EstimationArgs;
 use super::args::odds::{costs, priors};
 use super::args::shaft::ShaftArgs;
 use super::args::traces::{
-    ChannelArgs, PreparationArgs, Selection, SelectionArgs, StructureArgs, ValidationArgs, warn_irregular, warn_refused,
+    ChannelArgs, Groups, PreparationArgs, Selection, SelectionArgs, StructureArgs, ValidationArgs, warn_irregular,
+    warn_refused,
 };
 use super::description::{self, estimated_by, method_word};
 use super::evidence::{self, Orders};
@@ -22,7 +23,7 @@ use super::model_file::{Notes, check_rate, prepare};
 use super::output;
 use crate::Error;
 use crate::core::features;
-use crate::evaluate::{self, Confusion, FalseAlarms};
+use crate::evaluate::{self, Confusion, FalseAlarms, Rate};
 use crate::report::pages::model::{self, Worth};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Channels, Condition, FrontEndFile, Preparation};
@@ -183,6 +184,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     warn_irregular(training.iter().map(|t| &t.trace));
     warn_refused(training.iter().map(|t| &t.trace));
     let validation = args.validation.validation(&selection, &training)?;
+    let held_out = args.held_out(&selection, (&classes, &training), &validation.units)?;
     let park = args.park(&channels)?;
     let mut recipe = Recipe { validation, park, columns: channels.clone(), ..args.recipe(&classes, plan)? };
     recipe.alarms.by_run = !recipe.validation.groups.is_empty();
@@ -201,12 +203,13 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         host,
         (&trained.feature_names, trained.recipe.catalogue().orders.unwrap_or_default()),
         &training,
+        &trained.recipe.validation.units,
     );
     let bytes = trained.to_bytes(&notes.to_text())?;
     let rust = args.rust.as_ref().map(|_| args.rust_source(&trained, &description, &channels)).transpose()?;
     let c = args.c.as_ref().map(|_| c_header(&trained.to_core()?, &description, Some(&channels))).transpose()?;
 
-    let held_out = args.evaluate(&selection, &trained, &training, &classes, host)?;
+    let held_out = held_out.map(|held_out| Args::evaluate(held_out, &trained, host)).transpose()?;
     let found = Found {
         cross_validated: held_out.is_none().then(|| trained.cross_validated()),
         forward: if held_out.is_none() { trained.forward() } else { vec![] },
@@ -316,14 +319,13 @@ impl Args {
         })
     }
 
-    fn evaluate(
+    /// Reads the traces of `--test-where`; those of training, and units of theirs, are refused.
+    fn held_out(
         &self,
         selection: &Selection,
-        trained: &Trained,
-        training: &[LabelledTrace],
-        classes: &[String],
-        host: Preparation,
-    ) -> Result<Option<HeldOut>, Error> {
+        (classes, training): (&[String], &[LabelledTrace]),
+        units: &[String],
+    ) -> Result<Option<(Vec<LabelledTrace>, Groups)>, Error> {
         if self.test_where.is_empty() {
             return Ok(None);
         }
@@ -340,16 +342,27 @@ impl Args {
                 "trace {id} is in both --train-where and --test-where; make them disjoint"
             )));
         }
+        let groups = self.validation.groups.read(selection, &traces)?;
+        groups.refuse_known(units)?;
+        Ok(Some((traces, groups)))
+    }
+
+    fn evaluate(
+        (traces, groups): (Vec<LabelledTrace>, Groups),
+        trained: &Trained,
+        host: Preparation,
+    ) -> Result<HeldOut, Error> {
         let model = trained.embed()?;
         check_rate(&model, host, traces.iter().map(|t| &t.trace))?;
         let bar = output::progress("evaluating", traces.len());
         let verdicts = evaluate::run(&model, &prepare(&traces, host)?, || bar.inc(1))?;
         bar.finish_and_clear();
         let scores = Scores::of_verdicts(&verdicts, &model.priors(), false);
-        let confusion = Confusion { healthy: model.healthy(), ..evaluate::count(classes, &verdicts, false) };
-        let by_run = self.validation.groups(selection, &traces)?.zip(model.healthy());
+        let confusion = evaluate::count(&trained.classes, &verdicts, groups.clusters(), false);
+        let confusion = Confusion { healthy: model.healthy(), ..confusion };
+        let by_run = groups.runs.zip(model.healthy());
         let false_alarms = by_run.map(|(runs, healthy)| FalseAlarms::of(&verdicts, &runs, healthy, false));
-        Ok(Some(HeldOut { confusion, verdicts, scores, false_alarms }))
+        Ok(HeldOut { confusion, verdicts, scores, false_alarms })
     }
 
     fn print(&self, trained: &Trained, training: &[LabelledTrace], bytes: usize, found: &Found) -> Result<(), Error> {
@@ -397,7 +410,10 @@ impl Args {
         match &found.cross_validated {
             Some(Ok(scores)) => {
                 let error = 100.0 * scores.error;
-                output::say(format!("cross-validated: error {error:.1} %, {}", scores.summary()))?;
+                let interval = scores.error_by_group.map_or_else(String::new, |Rate { low, high, .. }| {
+                    format!(" [{:.1}, {:.1}]", 100.0 * low, 100.0 * high)
+                });
+                output::say(format!("cross-validated: error {error:.1} %{interval}, {}", scores.summary()))?;
             }
             Some(Err(reason)) => output::say(format!("not cross-validated: {reason}"))?,
             None => {}

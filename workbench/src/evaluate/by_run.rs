@@ -1,7 +1,6 @@
 //! False alarms of each run in order, with an interval that counts runs.
 //!
-//! Segments of a run are alike, so that Wilson's interval of all segments is too narrow. Here the number of
-//! observations is the number of runs: the interval is valid for any correlation of the segments within a run.
+//! Segments of a run are alike, so that Wilson's interval of all segments is too narrow.
 
 use serde_json::{Value, json};
 
@@ -58,12 +57,10 @@ impl FalseAlarms {
         self.runs.iter().fold((0, 0), |(alarms, judged), run| (alarms + run.alarms, judged + run.judged))
     }
 
-    /// Rate of false alarms, with Wilson's interval for as many observations as runs.
+    /// Rate of false alarms, with an interval that counts runs ([`Rate::clustered`]).
     #[must_use]
     pub fn rate(&self) -> Rate {
-        let (alarms, judged) = self.total();
-        let runs = self.runs.len() as f64;
-        Rate::wilson_of(alarms as f64 / judged.max(1) as f64 * runs, runs)
+        Rate::clustered(&self.runs.iter().map(|run| (run.alarms, run.judged)).collect::<Vec<_>>())
     }
 
     /// Number of runs with an alarm.

@@ -138,7 +138,7 @@ pub fn validate(
     let trained = train(training, &classes, recipe)?;
     let model = trained.embed()?;
     let verdicts = evaluate::run(&model, validation, || ())?;
-    let confusion = evaluate::count(&classes, &verdicts, false);
+    let confusion = evaluate::count(&classes, &verdicts, None, false);
     Ok((trained, model, verdicts, confusion))
 }
 

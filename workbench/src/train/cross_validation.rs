@@ -49,7 +49,8 @@ impl Trained {
         let chosen = self.candidates.places(&self.feature_names);
         let candidates = self.candidates.select(&chosen);
         let folds = Folds::new(&candidates, &self.recipe.validation)?;
-        Ok(Scores::new(&predict(&candidates, &self.recipe, &folds)?, &self.densities.priors))
+        let predictions = predict(&candidates, &self.recipe, &folds)?;
+        Ok(Scores::by_group(&predictions, &self.densities.priors, &candidates.groups))
     }
 }
 

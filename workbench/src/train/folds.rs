@@ -1,5 +1,5 @@
-//! Training rows, and their split into folds: rows of one group (segments of a trace, strokes of a run) are in the same
-//! fold.
+//! Training rows, and their split into folds: rows of one group (segments of a trace, strokes of a run), or of
+//! one unit (drive) with several groups, are in the same fold.
 
 use std::collections::BTreeMap;
 
@@ -17,13 +17,23 @@ pub struct Validation {
     pub folds: usize,
     /// Seed of the split.
     pub seed: u64,
-    /// Group of each training trace; if empty, each trace is a group of its own.
+    /// Group (run) of each training trace; if empty, each trace is a group of its own.
     pub groups: Vec<String>,
+    /// Unit (drive) of each training trace, which contains whole groups and stays in one fold; if empty, groups do.
+    pub units: Vec<String>,
 }
 
 impl Default for Validation {
     fn default() -> Self {
-        Self { folds: 10, seed: 1, groups: vec![] }
+        Self { folds: 10, seed: 1, groups: vec![], units: vec![] }
+    }
+}
+
+impl Validation {
+    /// The number of what must not be split: the first trace of the group's unit, or the group without units.
+    fn whole(&self, group: usize) -> usize {
+        let unit = self.units.get(group);
+        unit.and_then(|unit| self.units.iter().position(|other| other == unit)).unwrap_or(group)
     }
 }
 
@@ -91,7 +101,8 @@ impl Folds {
     pub fn new(candidates: &Candidates, validation: &Validation) -> Result<Self, Error> {
         let classes = candidates.table.names.len();
         let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-        for (&group, &class) in candidates.groups.iter().zip(&candidates.table.classes) {
+        let whole = |group: usize| validation.whole(group);
+        for (group, &class) in candidates.groups.iter().map(|&group| whole(group)).zip(&candidates.table.classes) {
             groups.entry(group).or_insert_with(|| vec![0; classes])[class] += 1;
         }
         let with = |class: usize| groups.values().filter(|counts| counts[class] > 0).count();
@@ -102,7 +113,8 @@ impl Folds {
             let problem = if validation.folds < 2 {
                 "cross-validation needs at least 2 folds".into()
             } else {
-                format!("all training traces of class {name} are of one group; cross-validation needs at least 2")
+                let one = if validation.units.is_empty() { "group" } else { "unit" };
+                format!("all training traces of class {name} are of one {one}; cross-validation needs at least 2")
             };
             return Err(Error::Training(problem));
         }
@@ -121,7 +133,7 @@ impl Folds {
             held[fold].iter_mut().zip(&counts).for_each(|(there, here)| *there += here);
             fold_of.insert(group, fold);
         }
-        Ok(Self { of_row: candidates.groups.iter().map(|group| fold_of[group]).collect(), count })
+        Ok(Self { of_row: candidates.groups.iter().map(|&group| fold_of[&whole(group)]).collect(), count })
     }
 
     /// Returns the rows to train on and the held-out rows.

@@ -58,6 +58,7 @@ use crate::identify::{Estimate, least_squares};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Trace, same_interval};
 
+pub(crate) use core_features::row as features_of;
 pub use covariates::{Coefficient, Explained, Explaining};
 pub use cross_validation::predict;
 pub use discriminant::GaussianClasses;

@@ -17,6 +17,8 @@
 //! variation of the posteriors within a bin. The expected calibration error is the mean of |(3)| over rows and classes.
 //! A score must be compared with that of the priors, which do not depend on the row.
 
+use std::collections::BTreeMap;
+
 use serde_json::{Value, json};
 
 use crate::core::Finding;
@@ -38,6 +40,12 @@ pub struct Prediction {
     pub log_posteriors: Vec<f64>,
     /// The weight of the row.
     pub weight: f64,
+}
+
+impl Prediction {
+    fn is_wrong(&self) -> bool {
+        self.decided != Some(self.truth)
+    }
 }
 
 /// Mean of a score, with its standard error and that of the priors.
@@ -84,6 +92,8 @@ pub struct Scores {
     pub count: usize,
     /// Share of rows with a wrong decision or none.
     pub error: f64,
+    /// The same with an interval that considers groups of rows that are alike, if they are given.
+    pub error_by_group: Option<Rate>,
     /// (1).
     pub log: Score,
     /// (5).
@@ -116,7 +126,8 @@ impl Scores {
         let base = |class: usize| mean(&|p| f64::from(u8::from(p.truth == class)));
         Self {
             count: predictions.len(),
-            error: mean(&|p| f64::from(u8::from(p.decided != Some(p.truth)))),
+            error: mean(&|p| f64::from(u8::from(p.is_wrong()))),
+            error_by_group: None,
             log: score(&log_score),
             guarded: score(&|log_posteriors, truth| guarded_score(log_posteriors, truth, priors)),
             brier: score(&brier_score),
@@ -124,6 +135,19 @@ impl Scores {
             calibration_error: bins.iter().flatten().map(|b| b.share * b.gap().abs()).sum::<f64>() / bins.len() as f64,
             bins,
         }
+    }
+
+    /// Same as [`Scores::new`], with the group (run, drive) of each prediction.
+    #[must_use]
+    pub fn by_group(predictions: &[Prediction], priors: &[f64], groups: &[usize]) -> Self {
+        let mut sums = BTreeMap::<usize, (f64, f64)>::new();
+        for (prediction, group) in predictions.iter().zip(groups) {
+            let sum = sums.entry(*group).or_default();
+            sum.0 += if prediction.is_wrong() { prediction.weight } else { 0.0 };
+            sum.1 += prediction.weight;
+        }
+        let rate = Rate::clustered_of(&sums.into_values().collect::<Vec<_>>());
+        Self { error_by_group: Some(rate), ..Self::new(predictions, priors) }
     }
 
     /// Computes the scores of the embedded detector's verdicts; for an undetermined verdict the posteriors are the

@@ -6,6 +6,7 @@ mod command_line;
 mod common;
 mod covariate_commands;
 mod drive_file_commands;
+mod evaluate_commands;
 mod field_command;
 mod format_commands;
 mod front_end_commands;

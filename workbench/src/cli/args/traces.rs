@@ -189,14 +189,9 @@ impl Selection {
         Ok((classes, traces))
     }
 
-    /// Returns the cells of a column of the labels, one for each trace, if a column is given.
-    pub(in crate::cli) fn groups(
-        &self,
-        column: Option<&str>,
-        traces: &[LabelledTrace],
-    ) -> Result<Option<Vec<String>>, Error> {
-        let ids = || traces.iter().map(|t| t.trace.id.as_str());
-        column.map(|column| self.labels.cells(column, ids())).transpose()
+    /// Returns the cells of a column of the labels, one for each trace.
+    pub(in crate::cli) fn cells(&self, column: &str, traces: &[LabelledTrace]) -> Result<Vec<String>, Error> {
+        self.labels.cells(column, traces.iter().map(|t| t.trace.id.as_str()))
     }
 }
 
@@ -206,10 +201,8 @@ pub(in crate::cli) struct ValidationArgs {
     /// Folds of the cross-validation
     #[arg(long, value_name = "N", default_value_t = 10)]
     folds: usize,
-    /// Traces with the same value in this column of the labels are of one run: they stay in one fold, and the
-    /// false-alarm rate is that of the next run
-    #[arg(long, value_name = "COLUMN")]
-    group: Option<String>,
+    #[command(flatten)]
+    pub(in crate::cli) groups: GroupArgs,
     /// Seed of the split into folds
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     fold_seed: u64,
@@ -224,17 +217,64 @@ impl ValidationArgs {
         if self.folds < 2 {
             return Err(Error::Usage(format!("--folds {}: at least 2", self.folds)));
         }
-        let groups = selection.groups(self.group.as_deref(), traces)?.unwrap_or_default();
-        Ok(Validation { folds: self.folds, seed: self.fold_seed, groups })
+        let Groups { runs, units } = self.groups.read(selection, traces)?;
+        let [groups, units] = [runs, units].map(Option::unwrap_or_default);
+        Ok(Validation { folds: self.folds, seed: self.fold_seed, groups, units })
+    }
+}
+
+/// Which traces are alike.
+#[derive(Clone, Debug, Args)]
+pub(in crate::cli) struct GroupArgs {
+    /// Traces with the same value in this column of the labels are of one run: they stay in one fold, intervals count
+    /// runs, the gate's false-alarm rate is that of the next run, and false alarms are given by run in the order of the
+    /// labels
+    #[arg(long, value_name = "COLUMN")]
+    pub(in crate::cli) group: Option<String>,
+    /// Traces with the same value in this column of the labels are of one unit (drive): units stay in one fold and are
+    /// not in both training and test, and intervals count units. Without --group, units are the runs
+    #[arg(long, value_name = "COLUMN")]
+    pub(in crate::cli) unit: Option<String>,
+}
+
+/// The run and the unit of each trace, if they are known; the name of a run starts with that of its unit.
+#[derive(Debug)]
+pub(in crate::cli) struct Groups {
+    pub(in crate::cli) runs: Option<Vec<String>>,
+    pub(in crate::cli) units: Option<Vec<String>>,
+}
+
+impl GroupArgs {
+    pub(in crate::cli) fn read(&self, selection: &Selection, traces: &[LabelledTrace]) -> Result<Groups, Error> {
+        let column = |name: &Option<String>| name.as_ref().map(|name| selection.cells(name, traces)).transpose();
+        let (runs, units) = (column(&self.group)?, column(&self.unit)?);
+        let empty = units.iter().flatten().position(String::is_empty);
+        if let (Some(place), Some(column)) = (empty, &self.unit) {
+            return Err(Error::trace(&traces[place].trace.id, format!("no unit in column {column} of the labels")));
+        }
+        let runs = match (runs, &units) {
+            (Some(runs), Some(units)) if self.group != self.unit => {
+                Some(units.iter().zip(&runs).map(|(unit, run)| format!("{unit}/{run}")).collect())
+            }
+            (runs, units) => runs.or_else(|| units.clone()),
+        };
+        Ok(Groups { runs, units })
+    }
+}
+
+impl Groups {
+    /// What intervals count: units, or runs without them.
+    pub(in crate::cli) fn clusters(&self) -> Option<&[String]> {
+        self.units.as_deref().or(self.runs.as_deref())
     }
 
-    /// Returns the run of each trace, if the column is given.
-    pub(in crate::cli) fn groups(
-        &self,
-        selection: &Selection,
-        traces: &[LabelledTrace],
-    ) -> Result<Option<Vec<String>>, Error> {
-        selection.groups(self.group.as_deref(), traces)
+    /// Returns an error if a unit is among those of the training.
+    pub(in crate::cli) fn refuse_known(&self, trained: &[String]) -> Result<(), Error> {
+        let shared = self.units.iter().flatten().find(|unit| trained.contains(unit));
+        shared.map_or(Ok(()), |unit| {
+            let problem = format!("unit {unit} is both in training and in test; give other units to one of them");
+            Err(Error::Usage(format!("{problem}, or leave out --unit to judge later runs of known drives")))
+        })
     }
 }
 

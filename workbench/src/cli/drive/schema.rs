@@ -62,8 +62,8 @@ pub(super) const SECTIONS: [Section; 6] = [
     ),
     section(
         "validation",
-        "Which records train, and which are of one run",
-        &["train_where", "test_where", "group", "folds", "fold_seed"],
+        "Which records train, which are of one run or unit, and negative controls",
+        &["train_where", "test_where", "group", "unit", "by", "controls", "control_classes", "folds", "fold_seed"],
     ),
     section(
         "alarm",

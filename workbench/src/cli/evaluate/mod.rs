@@ -1,22 +1,25 @@
 //! `bearing-watch evaluate`
 
+mod found;
+
 use std::path::PathBuf;
 
 use bearing_watch::Counts;
 
-use super::args::traces::{SelectionArgs, warn_irregular, warn_refused};
-use super::model_file::{check_rate, prepare, read_model};
-use super::output;
 use crate::Error;
-use crate::core::{Embedded, Finding, stuck_channels};
-use crate::evaluate::{self, Confusion, FalseAlarms, Rate, TraceVerdict};
+use crate::cli::args::traces::{GroupArgs, SelectionArgs, warn_irregular, warn_refused};
+use crate::cli::model_file::{check_rate, prepare, read_model};
+use crate::cli::output;
+use crate::core::{Embedded, stuck_channels};
+use crate::evaluate::{self, Breakdown, Chance, Confusion, Control, FalseAlarms, Judged, TraceVerdict};
 use crate::trace::{Condition, stem};
 use crate::train::Scores;
+use found::{Found, stabilities, untrained};
 
 /// Classify labelled traces by the embedded detector: confusion matrix and rates with 95 % intervals
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  bearing-watch evaluate --model model.bwm --labels held-out/labels.csv --json")]
-pub(super) struct Args {
+pub(in crate::cli) struct Args {
     /// The binary model; it contains its channels and preparation
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
@@ -28,20 +31,29 @@ pub(super) struct Args {
     /// Count segments instead of traces
     #[arg(long)]
     per_segment: bool,
-    /// Give false alarms of healthy traces by the value in this column of the labels, e.g. run, in the order of the
-    /// labels
-    #[arg(long, value_name = "COLUMN")]
-    group: Option<String>,
+    #[command(flatten)]
+    groups: GroupArgs,
+    /// Break the rates down by the values of these columns of the labels, e.g. load_kgf,level
+    #[arg(long, value_name = "COLUMNS", value_delimiter = ',')]
+    by: Vec<String>,
+    /// Negative controls: columns of the labels that say nothing of the bearing, e.g. session; verdicts on healthy
+    /// traces should not depend on them
+    #[arg(long, value_name = "COLUMNS", value_delimiter = ',')]
+    controls: Vec<String>,
+    /// Negative controls: classes without a defect that the model was not trained on, e.g. regreased; they should be
+    /// called healthy
+    #[arg(long, value_name = "CLASSES", value_delimiter = ',')]
+    control_classes: Vec<String>,
     /// Write every verdict to this CSV
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Print JSON: classes, confusion, error_rate, balanced_accuracy, log_score, brier_score, each with its interval;
-    /// with --group false_alarms_by_run
+    /// Print JSON: classes, confusion, error_rate, balanced_accuracy, log_score, brier_score, each with its interval,
+    /// and chance; with --group false_alarms_by_run and features_by_run; with --by and --controls by and controls
     #[arg(long)]
     json: bool,
 }
 
-pub(super) fn run(args: &Args) -> Result<(), Error> {
+pub(in crate::cli) fn run(args: &Args) -> Result<(), Error> {
     let (model, notes) = read_model(&args.model)?;
     let selection = args.selection.read(&notes.channels())?;
     let inputs = [selection.inputs(&args.selection.labels), vec![args.model.clone()]].concat();
@@ -61,6 +73,8 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         }
         labelled.class = classes.iter().position(|class| class == name).unwrap_or(0);
     }
+    let groups = args.groups.read(&selection, &traces)?;
+    groups.refuse_known(&notes.units)?;
     let seen = traces.iter().filter(|t| notes.trained_on.iter().any(|id| id == stem(&t.trace.id))).count();
     if seen > 0 {
         output::warn(format!("{seen} of {} traces were trained on: the rates flatter the model", traces.len()));
@@ -68,14 +82,6 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     warn_irregular(traces.iter().map(|t| &t.trace));
     warn_refused(traces.iter().map(|t| &t.trace));
     check_rate(&model, notes.preparation(), traces.iter().map(|t| &t.trace))?;
-    let mut runs = selection.groups(args.group.as_deref(), &traces)?;
-    if runs.is_some() && model.healthy().is_none() {
-        if super::drive::given().is_none() {
-            return Err(Error::Usage("--group gives false alarms, but the model has no healthy class".into()));
-        }
-        output::warn("the model has no healthy class: no false alarms by run");
-        runs = None;
-    }
     let bar = output::progress("evaluating", traces.len());
     let verdicts = evaluate::run(&model, &prepare(&traces, notes.preparation())?, || bar.inc(1))?;
     bar.finish_and_clear();
@@ -91,54 +97,62 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
              verdict lacks the features that it explains"
         ));
     }
-    let by_run = runs.zip(model.healthy());
-    let by_run = by_run.map(|(runs, healthy)| FalseAlarms::of(&verdicts, &runs, healthy, args.per_segment));
-    let (verdicts, strange): (Vec<_>, Vec<_>) = verdicts.into_iter().partition(|v| v.class < model.classes.len());
-    let untrained = untrained(&model, &classes, &strange, args.per_segment);
-    let confusion =
-        Confusion { healthy: model.healthy(), ..evaluate::count(&model.classes, &verdicts, args.per_segment) };
+    if let Some(name) = args.control_classes.iter().find(|name| !classes[model.classes.len()..].contains(name)) {
+        let problem = "is no class of these traces that the model was not trained on";
+        return Err(Error::Usage(format!("--control-classes: {name} {problem}")));
+    }
+    let judged = Judged {
+        verdicts: &verdicts,
+        classes: &classes,
+        trained: model.classes.len(),
+        healthy: model.healthy(),
+        groups: groups.clusters(),
+        per_segment: args.per_segment,
+    };
+    let cells = |column: &String| Ok((column.clone(), selection.cells(column, &traces)?));
+    let columns = |names: &[String]| names.iter().map(cells).collect::<Result<Vec<_>, Error>>();
+    let found = Found {
+        by_run: groups
+            .runs
+            .as_ref()
+            .zip(model.healthy())
+            .map(|(runs, healthy)| FalseAlarms::of(&verdicts, runs, healthy, args.per_segment)),
+        chance: Chance::of(&judged),
+        by: columns(&args.by)?.iter().map(|(column, cells)| Breakdown::of(&judged, column, cells)).collect(),
+        controls: columns(&args.controls)?.iter().map(|(column, cells)| Control::of(&judged, column, cells)).collect(),
+        untrained: untrained(&judged, &args.control_classes),
+        stability: groups
+            .runs
+            .as_ref()
+            .map_or_else(Vec::new, |runs| stabilities(&judged, runs, &model.catalogue(&notes.orders), &notes.features)),
+    };
+    let is_trained: Vec<bool> = verdicts.iter().map(|verdict| verdict.class < model.classes.len()).collect();
+    let clusters = groups.clusters().map(|names| kept(names, &is_trained));
+    let verdicts = kept(&verdicts, &is_trained);
+    let confusion = evaluate::count(&model.classes, &verdicts, clusters.as_deref(), args.per_segment);
+    let confusion = Confusion { healthy: model.healthy(), ..confusion };
     let scores = Scores::of_verdicts(&verdicts, &model.priors(), args.per_segment);
     if args.json {
         let mut value = confusion.to_json();
-        let rates = untrained.iter().map(|(name, rate)| (name.clone(), rate.to_json()));
-        value["untrained_not_called_healthy"] = serde_json::Value::Object(rates.collect());
         value["trained_on"] = seen.into();
         value["covariates_out_of_range"] = outside.into();
-        if let Some(found) = &by_run {
-            value["false_alarms_by_run"] = found.to_json();
-        }
+        found.add_to(&mut value);
         scores.add_to(&mut value);
         output::json(&value)
     } else {
         // The confusion matrix is empty without a trace of a trained class.
         if confusion.total() > 0 {
             output::say(format!("{confusion}\n{}", scores.summary()))?;
+            let column = args.groups.unit.as_ref().or(args.groups.group.as_ref());
+            column.map_or(Ok(()), |column| output::say(format!("intervals count values of {column}")))?;
         }
-        by_run.map_or(Ok(()), |found| output::say(format!("false alarms {found}")))?;
-        untrained
-            .iter()
-            .try_for_each(|(name, rate)| output::say(format!("{name}, not trained: not called healthy {rate}")))
+        found.print()
     }
 }
 
-/// Returns, for each untrained class, the rate of traces or segments that are not classified as healthy.
-fn untrained(
-    model: &Embedded,
-    classes: &[String],
-    verdicts: &[TraceVerdict],
-    per_segment: bool,
-) -> Vec<(String, Rate)> {
-    let healthy = model.healthy().map(Finding::Class);
-    let rate = |(class, name): (usize, &String)| {
-        let own = verdicts.iter().filter(|v| v.class == class);
-        let found: Vec<Option<Finding>> = if per_segment {
-            own.flat_map(|v| v.segments.iter().map(|s| s.verdict.clone().ok())).collect()
-        } else {
-            own.map(|v| v.decided).collect()
-        };
-        (name.clone(), Rate::wilson(found.iter().filter(|found| **found != healthy).count(), found.len()))
-    };
-    classes.iter().enumerate().skip(model.classes.len()).map(rate).collect()
+/// Returns the elements whose flag is set.
+fn kept<T: Clone>(all: &[T], flags: &[bool]) -> Vec<T> {
+    all.iter().zip(flags).filter(|(_, flag)| **flag).map(|(element, _)| element.clone()).collect()
 }
 
 /// Returns a CSV table with one row per segment.

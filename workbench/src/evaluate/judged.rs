@@ -1,0 +1,46 @@
+//! Verdicts with what is needed to count them: classes, and the groups in which they are alike.
+
+use super::{Rate, TraceVerdict, numbered};
+use crate::core::Finding;
+
+/// Verdicts on labelled traces, some of classes that the model was not trained on.
+#[derive(Clone, Copy, Debug)]
+pub struct Judged<'a> {
+    /// The verdicts; their classes are indices into `classes`.
+    pub verdicts: &'a [TraceVerdict],
+    /// Names of the trained classes, then of the others.
+    pub classes: &'a [String],
+    /// Number of trained classes.
+    pub trained: usize,
+    /// Index of the healthy class, if there is one.
+    pub healthy: Option<usize>,
+    /// The group (run, drive) of each verdict, if it is known.
+    pub groups: Option<&'a [String]>,
+    /// Whether segments are counted instead of traces.
+    pub per_segment: bool,
+}
+
+impl Judged<'_> {
+    /// Whether a finding on a trace is right: its own class, or for a class that was not trained anything but healthy.
+    #[must_use]
+    pub fn is_right(&self, class: usize, finding: Option<Finding>) -> bool {
+        let healthy = self.healthy.map(Finding::Class);
+        if class < self.trained { finding == Some(Finding::Class(class)) } else { finding != healthy }
+    }
+
+    /// The rate of right findings on the traces that `chosen` accepts, by their places; `None` if there are none. The
+    /// interval considers the groups; without groups, traces are independent and segments of a trace are alike.
+    #[must_use]
+    pub fn right(&self, chosen: impl Fn(usize) -> bool) -> Option<Rate> {
+        let (places, count) =
+            self.groups.map_or_else(|| ((0..self.verdicts.len()).collect(), self.verdicts.len()), numbered);
+        let mut groups = vec![(0, 0); count];
+        for (k, verdict) in self.verdicts.iter().enumerate().filter(|(k, _)| chosen(*k)) {
+            for finding in verdict.findings(self.per_segment) {
+                groups[places[k]].0 += usize::from(self.is_right(verdict.class, finding));
+                groups[places[k]].1 += 1;
+            }
+        }
+        groups.iter().any(|group| group.1 > 0).then(|| Rate::clustered(&groups))
+    }
+}

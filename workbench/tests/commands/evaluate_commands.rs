@@ -1,0 +1,90 @@
+//! Command-line tests of rates by run and unit, breakdowns, and negative controls.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::common::{refuse, succeed};
+
+const TRAIN: &str = "train --y current_a --u1 velocity_ref_rad_s-velocity_rad_s --u2 load_torque_nm \
+    --order 2,2,2,1,1 --healthy healthy --false-alarm 0.35 --model m.bwm";
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).expect("JSON")
+}
+
+/// Labels with columns: six runs of four traces a class; odd runs of unit A, even ones of unit B; sessions that alternate
+/// within a run.
+fn label(dir: &Path) {
+    let labels = std::fs::read_to_string(dir.join("runs/labels.csv")).expect("labels");
+    let mut text = String::from("trace,class_name,run,unit,session\n");
+    let mut seen = std::collections::HashMap::new();
+    for row in labels.lines().skip(1) {
+        let cells: Vec<&str> = row.split(',').collect();
+        let k = seen.entry(cells[1]).or_insert(0);
+        let (run, unit, session) = (*k / 4 + 1, if *k / 4 % 2 == 0 { "A" } else { "B" }, *k % 2);
+        writeln!(text, "{},{},{run},{unit},{session}", cells[0], cells[1]).expect("a string");
+        *k += 1;
+    }
+    std::fs::write(dir.join("runs/labels.csv"), text).expect("writable");
+}
+
+#[test]
+fn rates_count_runs_and_units() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy,spall,roughness --count 24 --seed 11 --out runs");
+    label(dir);
+    let labels = "--labels runs/labels.csv";
+    succeed(dir, &format!("{TRAIN} --features a {labels} --classes healthy,roughness --group run --train-where run<=4"));
+
+    let evaluate = format!("evaluate --model m.bwm {labels} --where run>4");
+    let plain = json(&succeed(dir, &format!("{evaluate} --json")));
+    let by_run = format!("{evaluate} --group run --by unit,session --controls session,run --control-classes spall");
+    let found = json(&succeed(dir, &format!("{by_run} --json")));
+    let width = |of: &Value| of["high"].as_f64().expect("a number") - of["low"].as_f64().expect("a number");
+    assert_eq!(plain["error_rate"]["value"], found["error_rate"]["value"]);
+    assert!(width(&found["error_rate"]) > 1.5 * width(&plain["error_rate"]), "2 runs, not 16 traces: {found}");
+    // Roughness is told from healthy traces: 1 of the 70² exchanges within two runs of 4 + 4 is as good.
+    let chance = &found["chance"];
+    assert!(chance["p"].as_f64().expect("p") < 0.002 && chance["exchanged"] == "within runs", "{found}");
+    let units = found["by"]["unit"].as_array().expect("values");
+    assert_eq!(units.iter().map(|row| row["traces"].as_u64()).collect::<Vec<_>>(), [Some(12), Some(12)]);
+    assert!(units.iter().all(|row| row["right"]["roughness"]["value"] == 1.0), "{units:?}");
+    // A class without a defect that is called novel counts against the model.
+    assert!(found["controls_not_called_healthy"]["spall"]["value"].is_number());
+    let [session, run] = [0, 1].map(|k| &found["controls"][k]);
+    assert!(session["p"].as_f64().expect("p") > 0.01 && session["exchanged"] == "within runs", "{session}");
+    assert!(run["p"].is_null(), "two runs of one value each: {run}");
+    let told = succeed(dir, &by_run);
+    for line in ["intervals count values of run", "right by unit", "spall, negative control", "nothing to compare"]
+    {
+        assert!(told.contains(line), "{line} in {told}");
+    }
+    let all = json(&succeed(dir, &format!("evaluate --model m.bwm {labels} --group run --json")));
+    let features = all["features_by_run"]["healthy"].as_array().expect("features");
+    assert!(features.len() == 2 && features.iter().all(|row| row["runs"] == 6), "{features:?}");
+    refuse(dir, &format!("{evaluate} --control-classes roughness"), &["roughness is no class", "not trained on"]);
+    refuse(dir, &format!("{evaluate} --by rum"), &["no column rum"]);
+}
+
+#[test]
+fn training_and_test_share_no_unit() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy,spall --count 24 --seed 12 --out runs");
+    label(dir);
+    let train = format!("{TRAIN} --features a1 --labels runs/labels.csv --group run --unit unit");
+    let shared = format!("{train} --train-where run<=4 --test-where run>4");
+    refuse(dir, &shared, &["unit A is both in training and in test", "leave out --unit"]);
+    let told = succeed(dir, &format!("{train} --train-where unit=A --test-where unit=B"));
+    assert!(told.contains("B/2 ") && told.contains("B/6 "), "runs are those of their unit: {told}");
+    // The model knows its units.
+    let evaluate = "evaluate --model m.bwm --labels runs/labels.csv";
+    refuse(dir, &format!("{evaluate} --unit unit"), &["unit A is both in training and in test"]);
+    succeed(dir, &format!("{evaluate} --unit unit --test-where unit=B"));
+    // With one unit nothing can be held out.
+    let alone = succeed(dir, &format!("{train} --train-where unit=A"));
+    assert!(alone.contains("not cross-validated") && alone.contains("of one unit"), "{alone}");
+}
