@@ -10,7 +10,7 @@ use super::args::traces::warn_irregular;
 use super::output;
 use crate::Error;
 use crate::grey_box::linear::{self, Asymmetry, Friction, LinearRecord, LinearSettings};
-use crate::grey_box::motor::{self, MotorRecord, MotorSettings};
+use crate::grey_box::motor::{self, Load, MotorRecord, MotorSettings};
 use crate::grey_box::physical::{self, ElectricalRecord};
 use crate::grey_box::{GreyBox, Quantity};
 use crate::trace::{self, Channels, Trace};
@@ -33,12 +33,15 @@ enum Drive {
     Electrical(ElectricalArgs),
 }
 
-/// Mass, friction and offset of a linear drive from position and force
+/// Mass, friction and offset of a linear drive from position and force, or of a rotary one from angle and torque
 #[derive(Debug, clap::Args)]
 struct LinearArgs {
     /// Trace files or folders
     #[arg(value_name = "TRACES", required = true)]
     traces: Vec<PathBuf>,
+    /// The drive is rotary: position is its angle, rad, and force its torque, N·m
+    #[arg(long)]
+    rotary: bool,
     /// Measured position, m
     #[arg(long, value_name = "CHANNEL")]
     position: String,
@@ -65,6 +68,8 @@ struct LinearArgs {
 }
 
 /// Inertia, friction and torque constant of a motor from its torque balance
+///
+/// The load torque must be measured, or the torque constant be known.
 #[derive(Debug, clap::Args)]
 struct MotorArgs {
     /// Trace files or folders
@@ -79,9 +84,12 @@ struct MotorArgs {
     /// Velocity reference, rad/s
     #[arg(long, value_name = "CHANNEL", default_value = "velocity_ref_rad_s")]
     reference: String,
-    /// Load torque opposing positive rotation, N·m
+    /// Load torque opposing positive rotation, N·m: a channel, "constant" for an unknown constant one, or "none"
     #[arg(long, value_name = "CHANNEL", default_value = "load_torque_nm")]
     load: String,
+    /// Torque constant, N·m/A, if it is known, for example from the data sheet
+    #[arg(long, value_name = "KT", value_parser = super::args::traces::rate)]
+    kt: Option<f64>,
     /// Cut-off of the state-variable filter, Hz
     #[arg(long, value_name = "HZ", default_value_t = MotorSettings::default().cutoff_hz)]
     cutoff: f64,
@@ -141,7 +149,7 @@ fn linear(args: &LinearArgs) -> Result<(), Error> {
         return Err(Error::Usage("--force-gain takes a number other than zero".into()));
     }
     let friction = if args.asymmetric { Friction::OneSided } else { Friction::Symmetric };
-    let settings = LinearSettings { friction, cutoff_hz: args.cutoff, decimate: args.decimate };
+    let settings = LinearSettings { friction, cutoff_hz: args.cutoff, decimate: args.decimate, rotary: args.rotary };
     let channels = Channels::new(args.position.clone(), args.force.clone(), args.force.clone());
     let read = |paths: &[PathBuf]| -> Result<Vec<Trace>, Error> {
         let mut traces = trace::read(paths, &channels)?;
@@ -185,8 +193,10 @@ fn read_four(paths: &[PathBuf], [y, first, second, u2]: [&String; 4]) -> Result<
 }
 
 fn motor(args: &MotorArgs) -> Result<(), Error> {
-    let settings = MotorSettings { cutoff_hz: args.cutoff, ..MotorSettings::default() };
-    let traces = read_four(&args.traces, [&args.current, &args.velocity, &args.reference, &args.load])?;
+    let settings = MotorSettings { cutoff_hz: args.cutoff, torque_constant_nm_a: args.kt, ..MotorSettings::default() };
+    let is_measured = !matches!(args.load.as_str(), "constant" | "none");
+    let load = if is_measured { &args.load } else { &args.current };
+    let traces = read_four(&args.traces, [&args.current, &args.velocity, &args.reference, load])?;
     let each = |(trace, reference): &(Trace, Vec<f64>)| {
         let record = MotorRecord {
             id: &trace.id,
@@ -194,7 +204,11 @@ fn motor(args: &MotorArgs) -> Result<(), Error> {
             current_a: &trace.y,
             velocity_rad_s: &trace.u1,
             velocity_ref_rad_s: reference,
-            load_torque_nm: &trace.u2,
+            load: match args.load.as_str() {
+                "none" => Load::Absent,
+                "constant" => Load::Constant,
+                _ => Load::Measured(&trace.u2),
+            },
         };
         Ok(Row { id: trace.id.clone(), found: motor::estimate(&record, &settings)?, validation: vec![] })
     };

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use rayon::prelude::*;
 use serde_json::json;
 
+use super::args::method::MethodArgs;
 use super::args::traces::{PreparationArgs, StructureArgs, TraceArgs};
 use super::output;
 use crate::Error;
-use crate::identify::{Estimate, Method, Noise, Options, Structure, Terms, estimate_with};
+use crate::identify::{Estimate, Noise, Options, Structure, Terms};
 
 /// Estimate the difference model of each trace
 #[derive(Debug, clap::Args)]
@@ -21,9 +22,8 @@ pub(super) struct Args {
     input: TraceArgs,
     #[command(flatten)]
     structure: StructureArgs,
-    /// Estimator
-    #[arg(long, value_enum, default_value = "ls")]
-    method: Method,
+    #[command(flatten)]
+    method: MethodArgs,
     /// Passes of --method iv, 1 to 3
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=3))]
     passes: u8,
@@ -44,7 +44,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     args.input.channels.require(args.structure.structure())?;
     let preparation = args.preparation.preparation()?;
     output::plan(&args.out.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &args.input.traces)?;
-    let traces = args.input.read()?;
+    let traces = args.input.read_with(|channels| args.method.with_command(channels))?;
     let structure = args.structure.structure();
     let options = Options { passes: args.passes.into(), noise_order: args.noise_order.map(usize::from) };
     let bar = output::progress("estimating", traces.len());
@@ -52,7 +52,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         .par_iter()
         .map(|trace| {
             let prepared = preparation.apply(trace)?;
-            let estimate = estimate_with(&prepared, structure, args.method, options)?;
+            let estimate = args.method.estimate(&prepared, structure, options)?;
             bar.inc(1);
             let undetermined = estimate.undetermined(&prepared);
             Ok((trace.id.as_str(), estimate, undetermined))
@@ -73,6 +73,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     }
     let estimates: Vec<(&str, Estimate)> = estimates.into_iter().map(|(id, estimate, _)| (id, estimate)).collect();
     warn_of_trouble(&estimates);
+    args.method.warn_of_colour(estimates.iter().map(|(id, estimate)| (*id, estimate)));
     if args.json {
         let rows: Vec<_> = estimates.iter().map(|(id, estimate)| row_json(id, estimate)).collect();
         return output::json(&json!(rows));

@@ -288,7 +288,7 @@ impl Args {
             park: None,
             structure,
             shaft,
-            estimation: self.estimation.estimation(structure, classes)?,
+            estimation: self.estimation.estimation(structure, classes, self.alarms.healthy_class(classes)?)?,
             features: self.features.clone(),
             covariates: self.covariates.clone(),
             rising: self.rising.clone(),

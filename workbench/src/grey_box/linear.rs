@@ -1,4 +1,5 @@
-//! Mass and friction of a linear drive.
+//! Mass and friction of a linear drive, or inertia and friction of a rotary one: position is then the angle in rad,
+//! force the torque in N·m.
 //!
 //! Input: position and force at a constant rate. Output: M, Fv, Fc and offset, or M with one-sided friction.
 //!
@@ -57,11 +58,13 @@ pub struct LinearSettings {
     pub cutoff_hz: f64,
     /// Decimation factor: samples per row.
     pub decimate: usize,
+    /// Angle and torque instead of position and force.
+    pub rotary: bool,
 }
 
 impl Default for LinearSettings {
     fn default() -> Self {
-        Self { friction: Friction::Symmetric, cutoff_hz: 100.0, decimate: 10 }
+        Self { friction: Friction::Symmetric, cutoff_hz: 100.0, decimate: 10, rotary: false }
     }
 }
 
@@ -69,6 +72,9 @@ impl Default for LinearSettings {
 const DROPPED_PERIODS: f64 = 5.0;
 
 const SYMMETRIC: [(&str, &str); 4] = [("M", "kg"), ("Fv", "N·s/m"), ("Fc", "N"), ("offset", "N")];
+const ROTARY: [(&str, &str); 4] = [("J", "kg·m²"), ("B", "N·m·s/rad"), ("Tc", "N·m"), ("offset", "N·m")];
+const ROTARY_ONE_SIDED: [(&str, &str); 5] =
+    [("J", "kg·m²"), ("B+", "N·m·s/rad"), ("Tc+", "N·m"), ("B-", "N·m·s/rad"), ("Tc-", "N·m")];
 const ONE_SIDED: [(&str, &str); 5] = [("M", "kg"), ("Fv+", "N·s/m"), ("Fc+", "N"), ("Fv-", "N·s/m"), ("Fc-", "N")];
 
 /// Estimates (1) or (2) by least squares.
@@ -77,7 +83,7 @@ const ONE_SIDED: [(&str, &str); 5] = [("M", "kg"), ("Fv+", "N·s/m"), ("Fc+", "N
 /// Settings that are invalid at the record's rate; a record that is too short or does not move in both directions.
 pub fn estimate(record: &LinearRecord, settings: &LinearSettings) -> Result<GreyBox, Error> {
     let (x, force) = rows(record, settings)?;
-    let names = names(settings.friction);
+    let names = names(settings);
     if x.nrows() < 4 * names.len() {
         let problem = format!("{} rows after decimation are too few; record more or decimate less", x.nrows());
         return Err(Error::trace(record.id, problem));
@@ -126,7 +132,8 @@ pub fn asymmetries(found: &GreyBox) -> Vec<Asymmetry> {
         let value = found.quantities[b].value - found.quantities[f].value;
         Some(Asymmetry { name, unit: found.quantities[f].unit, value, sd: variance.sqrt() })
     };
-    [("Fv", "Fv+", "Fv-"), ("Fc", "Fc+", "Fc-")].into_iter().filter_map(each).collect()
+    let pairs = [("Fv", "Fv+", "Fv-"), ("Fc", "Fc+", "Fc-"), ("B", "B+", "B-"), ("Tc", "Tc+", "Tc-")];
+    pairs.into_iter().filter_map(each).collect()
 }
 
 /// 100 ‖F − F̂‖/‖F‖ on this record, for constants estimated from another record.
@@ -142,10 +149,12 @@ pub fn cross_validate(record: &LinearRecord, settings: &LinearSettings, found: &
     Ok(100.0 * (&force - x * theta).norm() / force.norm())
 }
 
-fn names(friction: Friction) -> &'static [(&'static str, &'static str)] {
-    match friction {
-        Friction::Symmetric => &SYMMETRIC,
-        Friction::OneSided => &ONE_SIDED,
+fn names(settings: &LinearSettings) -> &'static [(&'static str, &'static str)] {
+    match (settings.friction, settings.rotary) {
+        (Friction::Symmetric, false) => &SYMMETRIC,
+        (Friction::OneSided, false) => &ONE_SIDED,
+        (Friction::Symmetric, true) => &ROTARY,
+        (Friction::OneSided, true) => &ROTARY_ONE_SIDED,
     }
 }
 
@@ -182,7 +191,7 @@ fn rows(record: &LinearRecord, settings: &LinearSettings) -> Result<(DMatrix<f64
         (Friction::OneSided, 3) => v[t].min(0.0),
         (Friction::OneSided, _) => s[t].min(0.0),
     };
-    Ok((DMatrix::from_fn(a.len(), names(settings.friction).len(), row), DVector::from_vec(force)))
+    Ok((DMatrix::from_fn(a.len(), names(settings).len(), row), DVector::from_vec(force)))
 }
 
 /// `f64::signum` of zero is one; here it is zero at standstill.

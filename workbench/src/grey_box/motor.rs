@@ -9,10 +9,16 @@
 //! Kt = 1/θ₅,  J = θ₁/θ₅,  B = θ₂/θ₅,  Tc = θ₃/θ₅,  lag = −θ₄/θ₅                              (3)
 //! ```
 //!
-//! The load torque determines the scale, so it must be measured. A filter of the current measurement delays the current
+//! The load torque determines the scale, so it must be measured, or Kt known. With a known Kt,
+//!
+//! ```text
+//! Kt i − T_load = J dω/dt + B ω + Tc sign ω − lag dT_load/dt             measured load             (4)
+//! Kt i          = J dω/dt + B ω + Tc sign ω + T0                         constant load T0, or none (5)
+//! ```
+//! A filter of the current measurement delays the current
 //! against the load torque (a filter of the load measurement: negative delay); θ₄ accounts for it, otherwise it would
 //! count as noise. Every signal of (2) passes one second-order Butterworth filter, whose state also provides the
-//! derivative; no noisy signal is differenced. The velocity is noisy and in a feedback loop: (2) is solved by
+//! derivative; no noisy signal is differenced. The velocity is noisy and in a feedback loop: all are solved by
 //! instrumental variables, with dω/dt and ω replaced by those of the *reference*. The direction of motion is also taken
 //! from the reference, so the drive must follow it. Standard deviations are propagated through (3) by its Jacobian.
 
@@ -35,8 +41,19 @@ pub struct MotorRecord<'a> {
     pub velocity_rad_s: &'a [f64],
     /// Velocity reference.
     pub velocity_ref_rad_s: &'a [f64],
-    /// Measured load torque, opposing positive rotation.
-    pub load_torque_nm: &'a [f64],
+    /// The load torque, opposing positive rotation.
+    pub load: Load<'a>,
+}
+
+/// What is known of the load torque.
+#[derive(Clone, Copy, Debug)]
+pub enum Load<'a> {
+    /// Measured, N·m.
+    Measured(&'a [f64]),
+    /// Constant but unknown.
+    Constant,
+    /// There is none.
+    Absent,
 }
 
 /// Filter settings.
@@ -46,20 +63,24 @@ pub struct MotorSettings {
     pub cutoff_hz: f64,
     /// ω₀ of (2): below this velocity the direction term decreases smoothly.
     pub direction_rad_s: f64,
+    /// Kt, if it is known.
+    pub torque_constant_nm_a: Option<f64>,
 }
 
 impl Default for MotorSettings {
     fn default() -> Self {
-        Self { cutoff_hz: 8.0, direction_rad_s: 2.0 }
+        Self { cutoff_hz: 8.0, direction_rad_s: 2.0, torque_constant_nm_a: None }
     }
 }
 
 /// Time dropped at the start, in periods of the cut-off: the initial transient of the filter has decayed to e⁻⁷.
 const DROPPED_PERIODS: f64 = 1.6;
 
-const NAMES: [(&str, &str); 5] = [("J", "kg·m²"), ("B", "N·m·s/rad"), ("Tc", "N·m"), ("lag", "s"), ("Kt", "N·m/A")];
+const KT: (&str, &str) = ("Kt", "N·m/A");
+const LAG: (&str, &str) = ("lag", "s");
+const NAMES: [(&str, &str); 3] = [("J", "kg·m²"), ("B", "N·m·s/rad"), ("Tc", "N·m")];
 
-/// Estimates (1).
+/// Estimates (2), or (4) or (5) with a known torque constant.
 ///
 /// # Errors
 /// A cut-off that is invalid at the record's rate; too few samples; signals that do not determine a constant.
@@ -73,40 +94,91 @@ pub fn estimate(record: &MotorRecord, settings: &MotorSettings) -> Result<GreyBo
         )));
     }
     let dropped = (DROPPED_PERIODS / cutoff).ceil() as usize;
-    let samples = [record.current_a, record.velocity_rad_s, record.velocity_ref_rad_s, record.load_torque_nm];
-    let count = samples.iter().map(|x| x.len()).min().unwrap_or(0);
+    let measured = match record.load {
+        Load::Measured(load) => Some(load),
+        Load::Constant | Load::Absent => None,
+    };
+    if measured.is_none() && settings.torque_constant_nm_a.is_none() {
+        let problem = "without a measured load torque, the torque constant must be known: give --kt, N·m/A";
+        return Err(Error::Usage(problem.into()));
+    }
+    let samples = [Some(record.current_a), Some(record.velocity_rad_s), Some(record.velocity_ref_rad_s), measured];
+    let count = samples.iter().flatten().map(|x| x.len()).min().unwrap_or(0);
     if count < 4 * dropped + 16 {
         let problem = format!("{count} samples are too few for a filter of {} Hz; record more", settings.cutoff_hz);
         return Err(Error::trace(record.id, problem));
     }
-    let [current, velocity, reference, load] = samples.map(|x| &x[..count]);
+    let [current, velocity, reference] =
+        [record.current_a, record.velocity_rad_s, record.velocity_ref_rad_s].map(|x| &x[..count]);
     let filter = LowPass::butterworth(1, cutoff);
     let smooth = |x: &[f64]| filter.forward(x)[dropped..].to_vec();
     let slope =
         |x: &[f64]| -> Vec<f64> { filter.derivative(x)[dropped..].iter().map(|d| d / record.interval_s).collect() };
     let direction: Vec<f64> = reference.iter().map(|r| (r / settings.direction_rad_s).tanh()).collect();
-    let (direction, load_slope, load) = (smooth(&direction), slope(load), smooth(load));
+    let direction = smooth(&direction);
+    let load = measured.map(|load| (slope(&load[..count]), smooth(&load[..count])));
+    let (mut names, mut further, mut target) = (NAMES.to_vec(), vec![], smooth(current));
+    if let Some(kt) = settings.torque_constant_nm_a {
+        target.iter_mut().for_each(|current| *current *= kt);
+    }
+    match (load, settings.torque_constant_nm_a) {
+        (Some((load_slope, load)), None) => {
+            names.extend([LAG, KT]);
+            further.extend([load_slope, load]);
+        }
+        (Some((mut load_slope, load)), Some(_)) => {
+            names.push(LAG);
+            target.iter_mut().zip(load).for_each(|(torque, load)| *torque -= load);
+            load_slope.iter_mut().for_each(|slope| *slope = -*slope);
+            further.push(load_slope);
+        }
+        (None, _) if matches!(record.load, Load::Constant) => {
+            names.push(("T0", "N·m"));
+            further.push(vec![1.0; target.len()]);
+        }
+        (None, _) => {}
+    }
     let matrix = |speed: &[f64]| {
-        let columns = [slope(speed), smooth(speed), direction.clone(), load_slope.clone(), load.clone()];
-        DMatrix::from_columns(&columns.map(DVector::from_vec))
+        let columns = [vec![slope(speed), smooth(speed), direction.clone()], further.clone()].concat();
+        DMatrix::from_columns(&columns.into_iter().map(DVector::from_vec).collect::<Vec<_>>())
     };
     let (x, z) = (matrix(velocity), matrix(reference));
     // The memory of the filter, over which residuals are correlated.
     let lags = dropped;
-    let solution = regression::solve(&x, &z, &DVector::from_vec(smooth(current)), lags).map_err(|column| {
-        let problem = format!(
-            "the signals do not determine {}; the load torque must be measured and vary, the motor run both ways",
-            if column < 3 { NAMES[column].0 } else { "Kt" }
-        );
-        Error::trace(record.id, problem)
+    let solution = regression::solve(&x, &z, &DVector::from_vec(target), lags).map_err(|column| {
+        let unknown_scale = column >= NAMES.len() && settings.torque_constant_nm_a.is_none();
+        let name = if unknown_scale { KT.0 } else { names[column].0 };
+        let remedy = match record.load {
+            Load::Measured(_) => "the load torque must vary, the motor run both ways at several speeds",
+            Load::Constant => {
+                "the motor must run both ways at several speeds: a constant load is not told from friction in one"
+            }
+            Load::Absent => "the motor must run both ways at several speeds",
+        };
+        Error::trace(record.id, format!("the signals do not determine {name}; {remedy}"))
     })?;
+    let found = (solution.relative_error, x.nrows());
+    let mut grey_box = match settings.torque_constant_nm_a {
+        Some(_) => GreyBox::new(&names, solution.theta.as_slice(), solution.covariance, found),
+        None => scaled(record.id, &names, &solution, found)?,
+    };
+    grey_box.note_undetermined();
+    Ok(grey_box)
+}
+
+/// The constants (3).
+fn scaled(
+    id: &str,
+    names: &[(&'static str, &'static str)],
+    solution: &regression::Solution,
+    found: (f64, usize),
+) -> Result<GreyBox, Error> {
     let theta = &solution.theta;
     let scale = theta[4];
     if scale <= 0.0 {
         let problem = "the current falls as the load grows; check the sign of the load torque (it opposes rotation)";
-        return Err(Error::trace(record.id, problem));
+        return Err(Error::trace(id, problem));
     }
-    // (3)
     let values = [theta[0] / scale, theta[1] / scale, theta[2] / scale, -theta[3] / scale, 1.0 / scale];
     let jacobian = DMatrix::from_fn(5, 5, |row, column| match (row, column) {
         (_, 4) => -values[row] / scale,
@@ -114,10 +186,8 @@ pub fn estimate(record: &MotorRecord, settings: &MotorSettings) -> Result<GreyBo
         (row, column) if row == column => 1.0 / scale,
         _ => 0.0,
     });
-    let covariance = &jacobian * solution.covariance * jacobian.transpose();
-    let mut grey_box = GreyBox::new(&NAMES, &values, covariance, (solution.relative_error, x.nrows()));
-    grey_box.note_undetermined();
-    Ok(grey_box)
+    let covariance = &jacobian * &solution.covariance * jacobian.transpose();
+    Ok(GreyBox::new(names, &values, covariance, found))
 }
 
 #[cfg(test)]
@@ -132,7 +202,7 @@ mod tests {
             current_a: &trace.current_a,
             velocity_rad_s: &trace.velocity_rad_s,
             velocity_ref_rad_s: &trace.velocity_ref_rad_s,
-            load_torque_nm: &trace.load_torque_nm,
+            load: Load::Measured(&trace.load_torque_nm),
         }
     }
 
@@ -184,5 +254,32 @@ mod tests {
         trace.load_torque_nm.fill(0.0);
         let message = estimate(&record(&trace), &MotorSettings::default()).expect_err("no load").to_string();
         assert!(message.contains("do not determine Kt"), "{message}");
+    }
+
+    /// With a known Kt, a measured, constant or absent load gives the same constants.
+    #[test]
+    fn a_known_torque_constant_does_without_a_load_sensor() {
+        let settings = MotorSettings { torque_constant_nm_a: Some(0.05), ..MotorSettings::default() };
+        let loaded = simulate(&Scenario::STANDARD, 5).expect("valid");
+        let measured = estimate(&record(&loaded), &settings).expect("rich signals");
+        // A constant load of 0.4 N·m is held by 8 A.
+        let free = Scenario { load_amplitude_nm: 0.0, load_fluctuation_nm: 0.0, ..Scenario::STANDARD };
+        let mut constant = simulate(&free, 5).expect("valid");
+        constant.current_a.iter_mut().for_each(|current| *current += 8.0);
+        let expected = found(&loaded);
+        let without = |load| estimate(&MotorRecord { load, ..record(&constant) }, &settings).expect("rich signals");
+        let of_constant = without(Load::Constant);
+        for name in ["J", "B", "Tc"] {
+            for found in [&measured, &of_constant] {
+                let (found, expected) = (found.get(name).expect("named"), expected.get(name).expect("named"));
+                let sd = found.sd.hypot(expected.sd);
+                assert!((found.value - expected.value).abs() < 4.0 * sd, "{found:?} {expected:?}");
+            }
+        }
+        let load = of_constant.get("T0").expect("named");
+        assert!((load.value - 0.4).abs() < 4.0 * load.sd + 4e-3, "{load:?}");
+        assert!(without(Load::Absent).relative_error_percent > 3.0 * of_constant.relative_error_percent);
+        let unknown = estimate(&MotorRecord { load: Load::Absent, ..record(&constant) }, &MotorSettings::default());
+        assert!(unknown.expect_err("no scale").to_string().contains("--kt"));
     }
 }

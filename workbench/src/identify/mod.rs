@@ -5,6 +5,7 @@
 
 mod armax;
 mod autoregression;
+mod external;
 pub(crate) mod filters;
 mod gauss_newton;
 mod instruments;
@@ -16,6 +17,7 @@ mod output_error;
 mod poles;
 mod regression;
 mod result;
+mod robust;
 mod simulate;
 mod sriv;
 mod steiglitz_mcbride;
@@ -25,12 +27,14 @@ use crate::trace::Trace;
 pub use bearing_watch::Structure;
 
 pub use armax::armax;
+pub use external::external_instruments;
 pub use iv::instrumental_variables;
 pub use iv4::iv4;
 pub use ls::least_squares;
 pub use output_error::output_error;
 pub use poles::{poles, reflect_unstable};
 pub use result::{Convergence, Estimate, Noise};
+pub use robust::robust;
 pub use simulate::{fit_percent, simulate};
 pub use sriv::sriv;
 pub use steiglitz_mcbride::steiglitz_mcbride;
@@ -42,6 +46,8 @@ pub enum Method {
     Ls,
     /// Basic instrumental variables (Eq. 2.22): any noise, not efficient
     Iv,
+    /// Instrumental variables from the command of the loop (--instruments): any noise, any feedback
+    IvCommand,
     /// The four-stage instrumental-variable method of the source: autoregressive equation error
     Iv4,
     /// Refined instrumental variables (Young): white output noise
@@ -78,14 +84,20 @@ pub fn estimate(trace: &Trace, structure: Structure, method: Method) -> Result<E
     estimate_with(trace, structure, method, Options::default())
 }
 
-/// Estimates one trace.
+/// Estimates one trace. The command of [`Method::IvCommand`] is the first further column of the trace.
 ///
 /// # Errors
-/// The errors of [`estimate`].
+/// The errors of [`estimate`], and a missing command.
 pub fn estimate_with(trace: &Trace, structure: Structure, method: Method, options: Options) -> Result<Estimate, Error> {
     match method {
         Method::Ls => least_squares(trace, structure),
         Method::Iv => instrumental_variables(trace, structure, options.passes),
+        Method::IvCommand => match trace.further.first() {
+            Some(command) => external_instruments(trace, structure, command),
+            None => {
+                Err(Error::Usage("--method iv-command needs the command: give its channel by --instruments".into()))
+            }
+        },
         Method::Iv4 => iv4(trace, structure),
         Method::Sriv => sriv(trace, structure),
         Method::Sm => steiglitz_mcbride(trace, structure),

@@ -8,7 +8,8 @@
 //!
 //! (1) and (2) use one feature alone, in the rows that have it. (3) is computed beside other features: by removing the
 //! feature from all ("drop one"), and by adding it to those already chosen (forward selection, which stops if the best
-//! gain is below twice its standard error). The features are not projected. The score of the chosen set on the rows of
+//! gain is below twice its standard error). If no feature alone is of use but all together are, features are removed
+//! instead, one by one, while the loss is below twice its standard error. The features are not projected. The score of the chosen set on the rows of
 //! the choice is too optimistic; the selection is therefore repeated within every fold, which measures its real
 //! quality.
 
@@ -40,6 +41,10 @@ pub struct Ranking {
     pub honest: Option<Scores>,
     /// Number of folds.
     pub folds: usize,
+    /// Gain of all features together over the priors; `None` if their covariance is singular.
+    pub gain_of_all: Option<Gain>,
+    /// Number of groups (runs, traces) over which gains are judged.
+    pub groups: usize,
 }
 
 impl Ranking {
@@ -92,7 +97,14 @@ impl Ranking {
         let dropped = self.features.iter().filter(|f| !f.kept).count();
         let names = self.names();
         let what = match (names.len(), dropped) {
-            (0, _) => "No feature tells these classes apart better than the priors do.".to_string(),
+            (0, _) => match self.gain_of_all.filter(|gain| gain.log > gain.standard_error) {
+                Some(Gain { log, standard_error, .. }) => format!(
+                    "Too few groups: over {} of them, all features together gain {log:.3} ± {standard_error:.3} over the \
+                     priors, and no single one surely gains; give more traces or runs.",
+                    self.groups
+                ),
+                None => "No feature tells these classes apart better than the priors do.".to_string(),
+            },
             (_, 0) => "Every feature earns its place.".to_string(),
             (_, dropped) => format!("Keep {}; drop the other {dropped}.", names.join(", ")),
         };
@@ -132,7 +144,7 @@ pub fn rank(candidates: &Candidates, recipe: &Recipe) -> Result<Ranking, Error> 
     let judge = Judge::new(candidates, &recipe)?;
     let everything: Vec<usize> = (0..candidates.features.len()).collect();
     let all = judge.predict(&everything);
-    let path = judge.forward();
+    let path = judge.select();
     let among_all = |&feature: &usize| {
         let others: Vec<usize> = everything.iter().copied().filter(|k| *k != feature).collect();
         Some(judge.gain(&judge.predict(&others)?, all.as_ref()?))
@@ -167,6 +179,8 @@ pub fn rank(candidates: &Candidates, recipe: &Recipe) -> Result<Ranking, Error> 
         kept: judge.predict(&path.chosen).as_ref().map(scores),
         honest: honest.as_ref().map(scores),
         folds: judge.folds.count,
+        gain_of_all: judge.gain_of_all(),
+        groups: candidates.groups.iter().collect::<std::collections::HashSet<_>>().len(),
     })
 }
 
@@ -273,5 +287,27 @@ mod tests {
         let (first, second) = if of("shift").kept { ("copy", "shift") } else { ("shift", "copy") };
         assert!(of(first).reason.contains("is a combination of those kept"), "{}", of(first).reason);
         assert!(of(second).kept && ranking.all.is_none() && of("other").among_all.is_none());
+    }
+
+    /// Two features of which only the sum tells the classes apart: the large common part hides it from each alone.
+    #[test]
+    fn features_that_only_help_together_are_kept() {
+        let mut rng = ChaCha8Rng::seed_from_u64(31);
+        let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
+        let classes: Vec<usize> = (0..60).map(|k| k % 2).collect();
+        let row = |class: &usize| {
+            let (common, shift) = (10.0 * draw(), *class as f64);
+            DVector::from_vec(vec![common, shift - common + 0.1 * draw(), draw()])
+        };
+        let table =
+            FeatureTable::exact(classes.iter().map(row).collect(), classes, ["a", "b"].map(String::from).into());
+        let features = ["one", "other", "noise"].map(String::from).into();
+        let candidates = Candidates { table, features, groups: (0..60).collect(), covariates: None };
+        let ranking = rank(&candidates, &recipe()).expect("regular");
+        let mut kept = ranking.names();
+        kept.sort_unstable();
+        assert_eq!(kept, ["one", "other"], "{ranking:#?}");
+        assert!(ranking.features[0].reason.contains("over the others kept"), "{ranking:#?}");
+        assert!(ranking.kept.expect("regular").error < 0.05 && ranking.honest.expect("regular").error < 0.1);
     }
 }

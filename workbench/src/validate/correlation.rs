@@ -11,6 +11,8 @@
 //! zero. Lags fixed in this way are not tested. The colour of v is the autoregressive model of module `noise`; the
 //! whiteness test assumes white v, which is its hypothesis. u is centred if a constant is estimated.
 //!
+//! The bounds of a model from another trace are wider instead, by the covariance of its parameters.
+//!
 //! Neighbouring lags of a coloured input are correlated, so the number of lags outside is not binomial. The allowed
 //! number, and the limit of the largest |r|/sd, are quantiles of 4000 seeded draws of all tested lags from their joint
 //! normal distribution; a true model exceeds each of them in 0.5 % of records.
@@ -108,7 +110,8 @@ fn correlate(
     (noise, scale): &(Noise, f64),
 ) -> Correlation {
     let norm = linear.residuals.norm() * undelayed.norm();
-    let mut sources = DMatrix::zeros(linear.residuals.len(), lags.len());
+    let (rows, further) = (linear.residuals.len(), linear.spread(undelayed).len());
+    let mut sources = DMatrix::zeros(rows + further, lags.len());
     let mut value = vec![0.0; lags.len()];
     let mut bound = vec![0.0; lags.len()];
     for (k, &lag) in lags.iter().enumerate() {
@@ -117,7 +120,9 @@ fn correlate(
         if norm <= 0.0 || weight.norm_squared() <= FIXED * signal.norm_squared() {
             continue;
         }
-        let source = DVector::from_vec(noise.color(weight.as_slice())) * *scale;
+        let colored = DVector::from_vec(noise.color(weight.as_slice())) * *scale;
+        let mut source = colored.resize_vertically(rows + further, 0.0);
+        source.rows_mut(rows, further).copy_from(&linear.spread(&signal));
         value[k] = linear.residuals.dot(&signal) / norm;
         bound[k] = NORMAL_99 * source.norm() / norm;
         sources.set_column(k, &source);

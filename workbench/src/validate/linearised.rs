@@ -15,6 +15,12 @@
 //! | prediction errors of armax | 1/D-filtered X and delayed ε, because the terms of D are estimated too | S (SᵀS)⁻¹ |
 //! | simulation errors (oe; sriv, sm asymptotically) | 1/A-filtered regressors Ψ of the simulated output | Ψ (ΨᵀΨ)⁻¹ |
 //!
+//! A model that was given has its deviation θ − θ₀ from another trace, with the covariance P, independent of v:
+//!
+//! ```text
+//! uᵀ ε = uᵀ v − uᵀ X (θ − θ₀),   var of the last term uᵀ X P Xᵀ u                            (4)
+//! ```
+//!
 //! By (3), estimated parameters narrow the bounds of some lags: for least squares w is zero if u is itself a regressor.
 
 use nalgebra::{DMatrix, DVector};
@@ -36,6 +42,8 @@ pub enum Errors {
     Simulation,
     /// (A y − B u1 − C u2 − constant)/D with the noise polynomial D of armax: one-step prediction errors.
     Prediction,
+    /// A y − B u1 − C u2 − constant of a model from another trace: no parameter was estimated on this one.
+    Given,
 }
 
 /// Residuals with S and K of (1) and (2).
@@ -47,6 +55,8 @@ pub struct Linearised {
     pub residuals: DVector<f64>,
     sensitivity: DMatrix<f64>,
     gain: DMatrix<f64>,
+    /// Of a model from another trace: P^½ Xᵀ, P the covariance of its parameters.
+    spread: Option<DMatrix<f64>>,
 }
 
 impl Linearised {
@@ -63,7 +73,15 @@ impl Linearised {
         let from_first = |m: &DMatrix<f64>| m.rows(first, m.nrows() - first).into_owned();
         let rows = trace.y.len() - first;
         let equation = of_equation.rows(first, rows).into_owned();
+        let mut spread = None;
         let (residuals, sensitivity, gain) = match errors {
+            Errors::Given => {
+                let x = from_first(&x);
+                let eigen = estimate.covariance.clone().symmetric_eigen();
+                let roots = eigen.eigenvalues.map(|value| value.max(0.0).sqrt());
+                spread = Some(DMatrix::from_diagonal(&roots) * eigen.eigenvectors.transpose() * x.transpose());
+                (equation, DMatrix::zeros(rows, 0), Some(DMatrix::zeros(rows, 0)))
+            }
             Errors::LeastSquares => {
                 let x = from_first(&x);
                 let gain = pseudo_inverse(&x);
@@ -95,13 +113,19 @@ impl Linearised {
             let problem = "the signals do not determine the parameters; reduce the order or record a richer command";
             Error::trace(&trace.id, problem)
         })?;
-        Ok(Self { first, residuals, sensitivity, gain })
+        Ok(Self { first, residuals, sensitivity, gain, spread })
     }
 
     /// w of (3).
     #[must_use]
     pub fn weight(&self, signal: &DVector<f64>) -> DVector<f64> {
         signal - &self.gain * self.sensitivity.tr_mul(signal)
+    }
+
+    /// The last term of (4) as a sum of independent sources of variance 1; empty if parameters are estimated here.
+    #[must_use]
+    pub fn spread(&self, signal: &DVector<f64>) -> DVector<f64> {
+        self.spread.as_ref().map_or_else(|| DVector::zeros(0), |spread| spread * signal)
     }
 
     /// Number of estimated parameters.

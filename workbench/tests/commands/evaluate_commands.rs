@@ -37,7 +37,10 @@ fn rates_count_runs_and_units() {
     succeed(dir, "simulate --class healthy,spall,roughness --count 24 --seed 11 --out runs");
     label(dir);
     let labels = "--labels runs/labels.csv";
-    succeed(dir, &format!("{TRAIN} --features a {labels} --classes healthy,roughness --group run --train-where run<=4"));
+    succeed(
+        dir,
+        &format!("{TRAIN} --features a {labels} --classes healthy,roughness --group run --train-where run<=4"),
+    );
 
     let evaluate = format!("evaluate --model m.bwm {labels} --where run>4");
     let plain = json(&succeed(dir, &format!("{evaluate} --json")));
@@ -58,8 +61,7 @@ fn rates_count_runs_and_units() {
     assert!(session["p"].as_f64().expect("p") > 0.01 && session["exchanged"] == "within runs", "{session}");
     assert!(run["p"].is_null(), "two runs of one value each: {run}");
     let told = succeed(dir, &by_run);
-    for line in ["intervals count values of run", "right by unit", "spall, negative control", "nothing to compare"]
-    {
+    for line in ["intervals count values of run", "right by unit", "spall, negative control", "nothing to compare"] {
         assert!(told.contains(line), "{line} in {told}");
     }
     let all = json(&succeed(dir, &format!("evaluate --model m.bwm {labels} --group run --json")));

@@ -50,3 +50,65 @@ fn bad_input_is_one_line() {
         assert!(error.contains(words), "{error}");
     }
 }
+
+/// A model is written by `identify`, and tested on a trace that it has not seen.
+#[test]
+fn a_model_is_tested_on_another_trace() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    assert!(run(dir, "simulate --class healthy,roughness --count 2 --seed 3 --out t").status.success());
+    let said = |arguments: &str| {
+        let output = run(dir, arguments);
+        let [out, err] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned());
+        (output.status.code(), out, err)
+    };
+    let (_, model, warned) = said(&format!("identify t/healthy_3_000.csv {SIGNALS} --json"));
+    assert!(warned.contains("the residuals of 1 of 1 models are coloured") && warned.contains("--robust"), "{warned}");
+    std::fs::write(dir.join("m.json"), model).expect("writable");
+    let fit = |arguments: &str| {
+        let (_, out, err) = said(&format!("validate {arguments} {SIGNALS} --json"));
+        let json: serde_json::Value = serde_json::from_str(&out).expect(&err);
+        json[0]["simulation_fit_percent"].as_f64().expect("a number")
+    };
+    let (own, healthy, rough) = (
+        fit("t/healthy_3_000.csv"),
+        fit("t/healthy_3_001.csv --params m.json"),
+        fit("t/roughness_3_000.csv --params m.json"),
+    );
+    assert!(healthy > own - 3.0 && rough < healthy - 3.0, "{own} {healthy} {rough}");
+    said(&format!("identify t {SIGNALS} --out all.csv"));
+    let (code, _, error) = said(&format!("validate t/healthy_3_001.csv --params all.csv {SIGNALS}"));
+    assert!(code == Some(2) && error.contains("4 models; name one by --params-of, e.g. healthy_3_000"), "{error}");
+    let one = "validate t/healthy_3_001.csv --params all.csv --params-of healthy_3_000";
+    let (_, out, warned) = said(&format!("{one} {SIGNALS}"));
+    assert!(out.contains("independence") && warned.contains("no covariance"), "{out} {warned}");
+    let (code, _, error) = said(&format!("{one} {}", SIGNALS.replace("2,2,2,1,1", "2,3,2,1,1")));
+    assert!(code == Some(2) && error.contains("the model lacks b3"), "{error}");
+}
+
+/// Instruments from the command, and standard deviations that allow for coloured residuals.
+#[test]
+fn the_noise_of_the_loop_is_allowed_for() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    assert!(run(dir, "simulate --class healthy --count 1 --seed 4 --out t").status.success());
+    let found = |method: &str| {
+        let output = run(dir, &format!("identify t {} {method} --json", SIGNALS.replace("2,2,2,1,1", "1,1,1,1,1")));
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        (json[0]["parameters"]["a1"].as_f64().expect("a1"), json[0]["sd"]["a1"].as_f64().expect("a1"))
+    };
+    let (plain, robust, command) =
+        (found("--method ls"), found("--robust"), found("--method iv-command --instruments velocity_ref_rad_s"));
+    assert!((plain.0 - robust.0).abs() < f64::EPSILON && robust.1 > 1.2 * plain.1, "{plain:?} {robust:?}");
+    assert!((command.0 - plain.0).abs() > 3.0 * plain.1, "least squares is biased: {command:?} {plain:?}");
+    for (arguments, words) in [
+        ("--method iv-command", "--instruments"),
+        ("--instruments velocity_ref_rad_s", "goes with --method iv-command"),
+        ("--robust --method oe", "--robust goes with --method ls"),
+    ] {
+        let output = run(dir, &format!("identify t {SIGNALS} {arguments}"));
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && error.contains(words), "{error}");
+    }
+}

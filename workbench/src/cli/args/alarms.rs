@@ -1,6 +1,6 @@
 //! Arguments of the novelty gate, the reject option and the alarm.
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use crate::Error;
 use crate::train::{AlarmInterval, Alarms};
@@ -8,8 +8,20 @@ use crate::train::{AlarmInterval, Alarms};
 /// Names of the healthy class if none is given.
 const USUAL: [&str; 2] = ["healthy", "normal"];
 
+/// Whether a model has a novelty gate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Novelty {
+    /// If there is a healthy class, and its traces support the rate
+    Gate,
+    /// No gate and no alarm: the nearest class is the verdict
+    None,
+}
+
 #[derive(Clone, Debug, Args)]
 pub(in crate::cli) struct AlarmArgs {
+    /// Whether verdicts can be novel
+    #[arg(long, value_enum, default_value = "gate")]
+    novelty: Novelty,
     /// The healthy class, for novelty gate and alarm; if not given, the class named healthy or normal, or the only
     /// class
     #[arg(long, value_name = "CLASS")]
@@ -39,20 +51,31 @@ pub(in crate::cli) struct AlarmArgs {
 }
 
 impl AlarmArgs {
-    pub(in crate::cli) fn alarms(&self, classes: &[String]) -> Result<Alarms, Error> {
+    /// The class that is named, or has a usual name.
+    pub(in crate::cli) fn healthy_class(&self, classes: &[String]) -> Result<Option<usize>, Error> {
         let place = |name: &str| classes.iter().position(|class| class == name.trim());
-        let healthy = match &self.healthy {
-            Some(name) => Some(place(name).ok_or_else(|| {
-                Error::Usage(format!("--healthy: unknown class {name}; there are {}", classes.join(", ")))
-            })?),
-            None => USUAL.iter().find_map(|name| place(name)),
-        };
+        let Some(name) = &self.healthy else { return Ok(USUAL.iter().find_map(|name| place(name))) };
+        let unknown = || Error::Usage(format!("--healthy: unknown class {name}; there are {}", classes.join(", ")));
+        place(name).map(Some).ok_or_else(unknown)
+    }
+
+    pub(in crate::cli) fn alarms(&self, classes: &[String]) -> Result<Alarms, Error> {
+        let healthy = self.healthy_class(classes)?;
         let only = (classes.len() == 1).then_some(0);
         let interval = match (self.alarm_interval_h, self.alarm_interval_segments) {
             (Some(hours), _) => AlarmInterval::Hours(hours),
             (None, Some(segments)) => AlarmInterval::Segments(segments),
             (None, None) => AlarmInterval::Usual,
         };
+        if self.novelty == Novelty::None {
+            return match (only, self.false_alarm, interval) {
+                (None, None, AlarmInterval::Usual) => Ok(Alarms { reject_cost: self.reject_cost, ..Alarms::default() }),
+                (Some(_), ..) => {
+                    Err(Error::Usage("a model of one class needs its gate; leave out --novelty none".into()))
+                }
+                _ => Err(Error::Usage("--novelty none has no rate of false alarms; leave out one of them".into())),
+            };
+        }
         let asked = self.healthy.is_some() || self.false_alarm.is_some() || interval != AlarmInterval::Usual;
         if asked && healthy.or(only).is_none() {
             return Err(Error::Usage("a false-alarm rate needs a healthy class; name it by --healthy".into()));

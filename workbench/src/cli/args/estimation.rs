@@ -14,7 +14,8 @@ pub(in crate::cli) struct EstimationArgs {
     /// How the detector estimates a segment's parameters
     #[arg(long, value_enum, default_value = "ls")]
     pub(in crate::cli) method: Method,
-    /// The class whose mean is the nominal model, the starting point of the estimation; the first if not given
+    /// The class whose mean is the nominal model, the starting point of the estimation; the healthy
+    /// class if not given, or else the first
     #[arg(long, value_name = "CLASS")]
     nominal: Option<String>,
     /// Samples per segment (after averaging and decimation); the longest training trace if not given
@@ -56,7 +57,13 @@ impl Method {
 }
 
 impl EstimationArgs {
-    pub(in crate::cli) fn estimation(&self, structure: Structure, classes: &[String]) -> Result<Estimation, Error> {
+    /// `healthy` is the index of the healthy class, if there is one.
+    pub(in crate::cli) fn estimation(
+        &self,
+        structure: Structure,
+        classes: &[String],
+        healthy: Option<usize>,
+    ) -> Result<Estimation, Error> {
         let method = self.method.core();
         if let Some(segment) = self.segment {
             let outputs = if self.method == Method::Instruments { structure.na as usize } else { 0 };
@@ -72,7 +79,7 @@ impl EstimationArgs {
             _ => return Err(Error::Usage("--saturation: three magnitudes Y,U1,U2, e.g. 20,300,5".into())),
         };
         let nominal = match &self.nominal {
-            None => 0,
+            None => healthy.unwrap_or(0),
             Some(name) => classes.iter().position(|class| class == name).ok_or_else(|| {
                 Error::Usage(format!("--nominal: unknown class {name}; there are {}", classes.join(", ")))
             })?,

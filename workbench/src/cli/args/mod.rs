@@ -2,6 +2,7 @@
 
 pub(super) mod alarms;
 pub(super) mod estimation;
+pub(super) mod method;
 pub(super) mod odds;
 pub(super) mod shaft;
 pub(super) mod traces;

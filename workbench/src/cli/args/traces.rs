@@ -85,7 +85,15 @@ pub(in crate::cli) struct TraceArgs {
 impl TraceArgs {
     /// Reads the traces, and warns of those with irregular sampling.
     pub(in crate::cli) fn read(&self) -> Result<Vec<Trace>, Error> {
-        let traces = trace::read(&self.traces, &self.channels.channels()?)?;
+        self.read_with(Ok)
+    }
+
+    /// The same with further channels.
+    pub(in crate::cli) fn read_with(
+        &self,
+        add: impl FnOnce(Channels) -> Result<Channels, Error>,
+    ) -> Result<Vec<Trace>, Error> {
+        let traces = trace::read(&self.traces, &add(self.channels.channels()?)?)?;
         warn_irregular(traces.iter());
         traces.iter().try_for_each(refuse_gaps)?;
         Ok(traces)

@@ -70,6 +70,7 @@ pub(super) const SECTIONS: [Section; 6] = [
         "Healthy class, rates and costs",
         &[
             "healthy",
+            "novelty",
             "false_alarm",
             "reject_cost",
             "alarm_interval_h",

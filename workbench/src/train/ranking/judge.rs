@@ -1,4 +1,4 @@
-//! Scores of sets of features on one split, and forward selection.
+//! Scores of sets of features on one split, and the selection.
 
 use std::collections::BTreeMap;
 
@@ -29,11 +29,20 @@ pub(super) struct Judge<'a> {
     weights: Vec<f64>,
 }
 
-/// Result of the forward selection.
+/// Result of the selection.
 pub(super) struct Path {
     pub(super) chosen: Vec<usize>,
     /// Gain of each feature when it was chosen, or beside all chosen features.
     pub(super) gains: BTreeMap<usize, Gain>,
+    /// Whether features were removed from all of them, because none is of use alone.
+    pub(super) backward: bool,
+}
+
+impl Gain {
+    /// Whether the gain is more than chance.
+    pub(super) fn is_sure(&self) -> bool {
+        self.log > SURE * self.standard_error
+    }
 }
 
 impl<'a> Judge<'a> {
@@ -80,8 +89,43 @@ impl<'a> Judge<'a> {
         Gain { log, standard_error: (squares * n / (n - 1.0)).sqrt(), error }
     }
 
-    pub(super) fn forward(&self) -> Path {
-        let mut path = Path { chosen: vec![], gains: BTreeMap::new() };
+    /// Forward selection; if no feature alone is better than the priors, but all together are, backward elimination.
+    pub(super) fn select(&self) -> Path {
+        let forward = self.forward();
+        if forward.chosen.is_empty() { self.backward().unwrap_or(forward) } else { forward }
+    }
+
+    /// The gain of all features together over the priors; `None` if their covariance is singular.
+    pub(super) fn gain_of_all(&self) -> Option<Gain> {
+        let everything: Vec<usize> = (0..self.candidates.features.len()).collect();
+        Some(self.gain(&self.predict(&[])?, &self.predict(&everything)?))
+    }
+
+    /// Removes the feature that is missed least, until every one is missed; `None` if all features together are not
+    /// surely better than the priors.
+    fn backward(&self) -> Option<Path> {
+        self.gain_of_all().filter(Gain::is_sure)?;
+        let everything = (0..self.candidates.features.len()).collect();
+        let mut path = Path { chosen: everything, gains: BTreeMap::new(), backward: true };
+        loop {
+            let whole = self.predict(&path.chosen)?;
+            let without = |&feature: &usize| {
+                let others: Vec<usize> = path.chosen.iter().copied().filter(|other| *other != feature).collect();
+                Some((feature, self.gain(&self.predict(&others)?, &whole)))
+            };
+            let gains: Vec<(usize, Gain)> = path.chosen.par_iter().map(without).collect::<Option<_>>()?;
+            path.gains.extend(gains.iter().copied());
+            let least = gains.into_iter().min_by(|(_, a), (_, b)| a.log.total_cmp(&b.log));
+            let Some((feature, _)) = least.filter(|(_, gain)| !gain.is_sure() && path.chosen.len() > 1) else {
+                path.chosen.sort_by(|a, b| path.gains[b].log.total_cmp(&path.gains[a].log));
+                return Some(path);
+            };
+            path.chosen.retain(|other| *other != feature);
+        }
+    }
+
+    fn forward(&self) -> Path {
+        let mut path = Path { chosen: vec![], gains: BTreeMap::new(), backward: false };
         let mut before = self.predict(&[]).unwrap_or_default();
         loop {
             let rest: Vec<usize> = (0..self.candidates.features.len()).filter(|k| !path.chosen.contains(k)).collect();
@@ -94,7 +138,7 @@ impl<'a> Judge<'a> {
             path.gains.retain(|feature, _| path.chosen.contains(feature));
             path.gains.extend(tried.iter().map(|(feature, gain, _)| (*feature, *gain)));
             let best = tried.into_iter().max_by(|(_, a, _), (_, b, _)| a.log.total_cmp(&b.log));
-            let Some((feature, _, after)) = best.filter(|(_, gain, _)| gain.log > SURE * gain.standard_error) else {
+            let Some((feature, _, after)) = best.filter(|(_, gain, _)| gain.is_sure()) else {
                 return path;
             };
             path.chosen.push(feature);
@@ -110,7 +154,7 @@ impl<'a> Judge<'a> {
             let rows = self.candidates.rows(&seen);
             check(&rows).ok()?;
             let inner = Judge::new(&rows, recipe).ok()?;
-            let chosen = inner.forward().chosen;
+            let chosen = inner.select().chosen;
             if chosen.is_empty() {
                 let guessed = self.predict(&[])?;
                 return Some(held_out.into_iter().map(|row| (row, guessed[row].clone())).collect());
@@ -131,7 +175,11 @@ impl<'a> Judge<'a> {
         let gain = |gain: &Gain| format!("{} ± {:.3}", signed(gain.log), gain.standard_error);
         if ranked.kept {
             let place = path.chosen.iter().position(|k| *k == feature).unwrap_or(0);
-            let beside = if place == 0 { "the priors" } else { "those above" };
+            let beside = match (path.backward, place) {
+                (true, _) if path.chosen.len() > 1 => "the others kept",
+                (_, 0) => "the priors",
+                _ => "those above",
+            };
             return ranked.beside_chosen.map_or_else(String::new, |g| format!("gains {} over {beside}", gain(&g)));
         }
         let Ok(own) = moments(&self.corrected, &[feature]) else {

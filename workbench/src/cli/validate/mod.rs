@@ -1,15 +1,18 @@
 //! `bearing-watch validate`
 
+mod given;
+
 use std::path::PathBuf;
 
 use clap::ValueEnum as _;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::args::traces::{PreparationArgs, StructureArgs, TraceArgs};
-use super::output;
 use crate::Error;
-use crate::identify::{Method, estimate};
+use crate::cli::args::method::MethodArgs;
+use crate::cli::args::traces::{PreparationArgs, StructureArgs, TraceArgs};
+use crate::cli::output;
+use crate::identify::{Method, Options};
 use crate::report::pages::validation::{Outcome, cancellation, page};
 use crate::trace::Trace;
 use crate::validate::roots::Root;
@@ -21,14 +24,20 @@ use crate::validate::{Correlation, Errors, Test, validate};
     after_help = "Example:\n  bearing-watch validate trace.csv --y current_a --u1 velocity_ref_rad_s-velocity_rad_s \
 --u2 load_torque_nm --order 2,2,2,1,1 --report model.html"
 )]
-pub(super) struct Args {
+pub(in crate::cli) struct Args {
     #[command(flatten)]
     input: TraceArgs,
     #[command(flatten)]
     structure: StructureArgs,
-    /// Estimator
-    #[arg(long, value_enum, default_value = "ls")]
-    method: Method,
+    #[command(flatten)]
+    method: MethodArgs,
+    /// Test this model instead of estimating one on each trace: the table or JSON of `identify`, of one trace or with
+    /// the row --params-of. JSON has the covariance, which widens the bounds
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["method", "robust", "instruments"])]
+    params: Option<PathBuf>,
+    /// The trace on which the model of --params was estimated
+    #[arg(long, value_name = "TRACE", requires = "params")]
+    params_of: Option<String>,
     #[command(flatten)]
     preparation: PreparationArgs,
     /// Largest lag of the correlations, on either side
@@ -46,22 +55,31 @@ pub(super) struct Args {
 fn errors_of(method: Method) -> Errors {
     match method {
         Method::Ls => Errors::LeastSquares,
-        Method::Iv | Method::Iv4 => Errors::Instruments,
+        Method::Iv | Method::IvCommand | Method::Iv4 => Errors::Instruments,
         Method::Armax => Errors::Prediction,
         Method::Sriv | Method::Sm | Method::Oe => Errors::Simulation,
     }
 }
 
-pub(super) fn run(args: &Args) -> Result<(), Error> {
+pub(in crate::cli) fn run(args: &Args) -> Result<(), Error> {
     args.input.channels.require(args.structure.structure())?;
     let preparation = args.preparation.preparation()?;
     output::plan(&args.report.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &args.input.traces)?;
-    let traces = args.input.read()?;
+    let structure = args.structure.structure();
+    let given =
+        args.params.as_deref().map(|path| given::read(path, args.params_of.as_deref(), structure)).transpose()?;
+    let traces = args.input.read_with(|channels| args.method.with_command(channels))?;
     let bar = output::progress("validating", traces.len());
     let one = |trace: &Trace| {
         let trace = preparation.apply(trace)?;
-        let estimate = estimate(&trace, args.structure.structure(), args.method)?;
-        let found = validate(&trace, &estimate, errors_of(args.method), usize::from(args.lags))?;
+        let (estimate, errors) = match &given {
+            Some(given) => (given.clone(), Errors::Given),
+            None => {
+                let estimate = args.method.estimate(&trace, structure, Options::default())?;
+                (estimate, errors_of(args.method.method))
+            }
+        };
+        let found = validate(&trace, &estimate, errors, usize::from(args.lags))?;
         bar.inc(1);
         Ok(Outcome { trace, estimate, found })
     };
@@ -69,6 +87,9 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     bar.finish_and_clear();
     // Collects all results first, so that every run reports the error of the first bad trace.
     let outcomes = outcomes.into_iter().collect::<Result<Vec<_>, Error>>()?;
+    if given.is_none() {
+        args.method.warn_of_colour(outcomes.iter().map(|outcome| (outcome.trace.id.as_str(), &outcome.estimate)));
+    }
     let unstable = outcomes.iter().filter(|outcome| !outcome.estimate.is_stable()).count();
     if unstable > 0 {
         output::warn(format!(
@@ -77,7 +98,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         ));
     }
     if let Some(path) = &args.report {
-        output::write(path, super::drive::on_page(page(&lead(args, &outcomes[0].trace), &outcomes)))?;
+        output::write(path, crate::cli::drive::on_page(page(&lead(args, &outcomes[0].trace), &outcomes)))?;
     }
     if args.json {
         return output::json(&json!(outcomes.iter().map(to_json).collect::<Vec<_>>()));
@@ -153,13 +174,20 @@ fn to_json(outcome: &Outcome) -> serde_json::Value {
 fn lead(args: &Args, first: &Trace) -> String {
     let channels = args.input.channels.signals();
     let order = args.structure.structure().orders();
+    let by = match &args.params {
+        Some(path) => format!("from {}, tested on", path.display()),
+        None => {
+            let value = args.method.method.to_possible_value();
+            let name = value.map_or_else(String::new, |method| method.get_name().to_string());
+            format!("estimated by {name} from")
+        }
+    };
     format!(
-        "y = {}, u1 = {}, u2 = {}; order {order:?}{}, estimated by {} from {} samples.",
+        "y = {}, u1 = {}, u2 = {}; order {order:?}{}, {by} {} samples.",
         channels.y,
         channels.u1,
         channels.u2,
         if args.structure.structure().offset { " with a constant" } else { "" },
-        args.method.to_possible_value().map_or_else(String::new, |method| method.get_name().to_string()),
         first.y.len()
     )
 }
