@@ -2,6 +2,8 @@
 //! smallest line of an order that would stand out.
 
 pub mod column;
+pub mod friction;
 pub mod orders;
 pub mod pairs;
+pub mod sessions;
 pub mod times;

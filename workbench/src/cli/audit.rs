@@ -1,23 +1,27 @@
 //! `bearing-watch audit`
 
+use std::collections::HashSet;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
+use super::args::alarms::healthy_class;
 use super::args::traces::TimeArgs;
 use super::drive::{Guess, is_reference};
 use super::output;
 use crate::Error;
 use crate::audit::column::Column;
+use crate::audit::friction::{Excited, Motion, Terms, excited};
 use crate::audit::orders::{self, angle, floor, rate, smallest_line, turns};
 use crate::audit::pairs::{self, COLLINEAR, correlation, lag};
+use crate::audit::sessions::apart;
 use crate::audit::times::Times;
 use crate::study::statistics::mean_sd;
 use crate::trace::reader::{self, Series};
 use crate::trace::resample::unwrapped;
-use crate::trace::{self, median, stem};
+use crate::trace::{self, Condition, Labels, median, stem};
 
 /// What recordings are worth: rate, gaps, held and saturated samples, lags, equal traces, the smallest line of an order
 #[derive(Debug, clap::Args)]
@@ -28,9 +32,18 @@ pub(super) struct Args {
     /// Trace files or folders; without any, the folder of the labels
     #[arg(value_name = "TRACES")]
     traces: Vec<PathBuf>,
-    /// Labels; only their folder is used
+    /// Labels: the classes of the traces; without TRACES, their folder is read
     #[arg(long, value_name = "FILE", required_unless_present = "traces")]
     labels: Option<PathBuf>,
+    /// Only traces whose labels meet this condition, e.g. load_kgf=20; may be repeated, all must hold
+    #[arg(long = "where", value_name = "CONDITION", requires = "labels")]
+    conditions: Vec<Condition>,
+    /// The healthy class; by default the one named healthy or normal
+    #[arg(long, value_name = "CLASS")]
+    healthy: Option<String>,
+    /// Load; by default the likely channel
+    #[arg(long, value_name = "CHANNEL")]
+    load: Option<String>,
     #[command(flatten)]
     times: TimeArgs,
     /// Current, in which orders are looked for; by default the likely one
@@ -67,6 +80,7 @@ struct Audited {
     velocity: Option<Vec<f64>>,
     angle: Option<Vec<f64>>,
     velocity_ref: Option<Vec<f64>>,
+    load: Option<Vec<f64>>,
 }
 
 /// A finding, and the traces that have it.
@@ -107,16 +121,29 @@ pub(super) fn run(args: &Args) -> Result<bool, Error> {
     if traces.is_empty() {
         return Err(Error::Usage(format!("{short} traces, none of {FEWEST} rows")));
     }
+    if let Some(labels) = args.labels.as_ref().filter(|_| !args.conditions.is_empty()) {
+        let chosen = Labels::read(labels)?.select(&args.conditions)?;
+        let chosen: HashSet<&str> = chosen.iter().map(|(id, _)| id.as_str()).collect();
+        traces.retain(|trace| chosen.contains(trace.id.as_str()));
+        if traces.is_empty() {
+            return Err(Error::Usage("--where: no trace that meets the conditions was found".into()));
+        }
+    }
     for trace in &traces {
         trace.findings(&mut findings);
     }
     equal_traces(&traces, &mut findings);
     let rotor = args.rotor_rate(&traces, &mut findings);
+    let classes = args.classes(&traces)?;
+    session_sets(&traces, &classes, &mut findings);
     let lines = args.lines(&traces, rotor);
+    let terms = args.terms(&traces, &classes, rotor)?;
     if args.json {
-        output::json(&to_json(&traces, &findings, rotor, &lines))?;
+        let mut value = to_json(&traces, &findings, rotor, &lines);
+        value["friction"] = terms.iter().map(Excited::to_json).collect();
+        output::json(&value)?;
     } else {
-        print(&traces, &findings, rotor, (&lines, args.false_alarm))?;
+        print(&traces, &findings, rotor, (&lines, &terms, args.false_alarm))?;
     }
     Ok(!findings.is_empty())
 }
@@ -138,6 +165,7 @@ impl Args {
             (&self.velocity, guess.velocity),
             (&self.angle, guess.angle),
             (&self.velocity_ref, guess.velocity_ref),
+            (&self.load, guess.load),
         ];
         let chosen = chosen.map(|(given, likely)| given.clone().or(likely));
         let channels: Vec<String> = names.iter().chain(chosen.iter().flatten()).cloned().collect();
@@ -146,7 +174,7 @@ impl Args {
         let each = |series: Series| {
             let mut values = series.columns;
             let mut further = values.split_off(names.len()).into_iter();
-            let [current, velocity, angle, velocity_ref] =
+            let [current, velocity, angle, velocity_ref, load] =
                 chosen.clone().map(|channel| channel.and_then(|_| further.next()));
             Audited {
                 id: stem(&series.id).to_string(),
@@ -158,6 +186,7 @@ impl Args {
                 velocity,
                 angle,
                 velocity_ref,
+                load,
             }
         };
         Ok(read.into_iter().map(each).collect())
@@ -180,6 +209,32 @@ impl Args {
             add(findings, what, "all without a time");
         }
         Some(found)
+    }
+
+    /// The class of each trace; empty without labels, and for a trace that has none.
+    fn classes(&self, traces: &[Audited]) -> Result<Vec<String>, Error> {
+        let Some(path) = &self.labels else { return Ok(vec![]) };
+        Labels::read(path)?.cells("class_name", traces.iter().map(|trace| trace.id.as_str()))
+    }
+
+    /// Excitation and smallest change of the terms of friction and inertia.
+    fn terms(&self, traces: &[Audited], classes: &[String], rotor: Option<f64>) -> Result<Vec<Excited>, Error> {
+        let mut names: Vec<String> = classes.to_vec();
+        names.sort_unstable();
+        names.dedup();
+        let healthy = healthy_class(self.healthy.as_deref(), &names)?.map(|place| names[place].clone());
+        let is_healthy = |k: usize| healthy.is_some() && classes.get(k) == healthy.as_ref();
+        let each = |(k, trace): (usize, &Audited)| {
+            let motion = Motion {
+                current: trace.current.as_deref()?,
+                velocity: trace.velocity.as_deref()?,
+                load: trace.load.as_deref(),
+                rate_hz: trace.times.map(|times| times.rate_hz).or(rotor).or(self.times.rate_hz)?,
+            };
+            Some((Terms::of(&motion)?, is_healthy(k)))
+        };
+        let all: Vec<(Terms, bool)> = traces.par_iter().enumerate().filter_map(each).collect();
+        Ok(excited(&all, self.false_alarm))
     }
 
     /// Floor, smallest line and turns of each trace with a signal and an angle.
@@ -244,8 +299,9 @@ impl Audited {
             }
         }
         if let (Some(velocity), Some(angle)) = (&self.velocity, &self.angle) {
+            // A difference is half a row later than the first of its two angles.
             let differences: Vec<f64> = unwrapped(angle, TAU).windows(2).map(|pair| pair[1] - pair[0]).collect();
-            if let Some((rows, _)) = lag(&differences, velocity).filter(|(rows, _)| rows.abs() > 0.75) {
+            if let Some((rows, _)) = lag(&differences, velocity).filter(|(rows, _)| (rows - 0.5).abs() > 0.75) {
                 add(findings, format!("the velocity comes {rows:.1} rows after the angle's differences"), id);
             }
         }
@@ -257,6 +313,43 @@ impl Audited {
             add(findings, "constant speed: inertia and friction cannot be told apart".into(), id);
         }
     }
+}
+
+/// Finds classes that differ in what no bearing changes.
+fn session_sets(traces: &[Audited], classes: &[String], findings: &mut Vec<Finding>) {
+    if classes.is_empty() {
+        return;
+    }
+    let mean = |signal: &Option<Vec<f64>>| signal.as_ref().map_or(f64::NAN, |signal| mean_sd(signal).0);
+    let step = |trace: &Audited, name: &str| {
+        let place = trace.names.iter().position(|own| own == name);
+        place.map_or(f64::NAN, |place| trace.columns[place].step)
+    };
+    let time = |of: fn(&Times) -> f64| move |trace: &Audited| trace.times.as_ref().map_or(f64::NAN, of);
+    let mut compare = |property: &str, of: &dyn Fn(&Audited) -> f64, size: Option<f64>| {
+        let values: Vec<f64> = traces.iter().map(of).collect();
+        let known: Vec<f64> =
+            values.iter().zip(classes).map(|(x, class)| if class.is_empty() { f64::NAN } else { *x }).collect();
+        for found in apart(property, (&known, size), classes) {
+            add(findings, found.to_string(), "all of both");
+        }
+    };
+    compare("the rate", &time(|times| times.rate_hz), None);
+    compare("the jitter of the times", &time(|times| times.jitter), None);
+    compare("the number of rows", &|trace| trace.values.first().map_or(f64::NAN, |column| column.len() as f64), None);
+    // Of a controlled velocity the reference says what was asked for; the friction changes the velocity itself.
+    let asked: fn(&Audited) -> &Option<Vec<f64>> =
+        if traces.iter().any(|trace| trace.velocity_ref.is_some()) { |t| &t.velocity_ref } else { |t| &t.velocity };
+    let sizes: Vec<f64> = traces.iter().filter_map(|trace| asked(trace).as_deref()).map(largest).collect();
+    compare("the mean speed", &|trace| mean(asked(trace)), Some(median(&sizes)));
+    for name in &traces[0].names {
+        compare(&format!("the step of {name}"), &|trace| step(trace, name), None);
+    }
+}
+
+/// The largest magnitude.
+fn largest(signal: &[f64]) -> f64 {
+    signal.iter().fold(0.0, |most, x| x.abs().max(most))
 }
 
 fn equal_traces(traces: &[Audited], findings: &mut Vec<Finding>) {
@@ -271,7 +364,7 @@ fn print(
     traces: &[Audited],
     findings: &[Finding],
     rotor: Option<f64>,
-    (lines, false_alarm): (&[Line], f64),
+    (lines, terms, false_alarm): (&[Line], &[Excited], f64),
 ) -> Result<(), Error> {
     let rows: usize = traces.iter().map(|trace| trace.values.first().map_or(0, Vec::len)).sum();
     output::say(format!("{} traces, {rows} rows", traces.len()))?;
@@ -309,6 +402,11 @@ fn print(
         let firsts: Vec<f64> = lines.iter().map(|line| line.first / line.floor).collect();
         let most = firsts.iter().copied().fold(0.0, f64::max);
         output::say(format!("order 1 over the floor: median {:.1}, largest {most:.1}", median(&firsts)))?;
+    }
+    if !terms.is_empty() {
+        output::say(format!("\nfriction and inertia, at a false-alarm rate of {false_alarm} (units of the current)"))?;
+        output::say(Excited::heading())?;
+        terms.iter().try_for_each(|term| output::say(term.to_string()))?;
     }
     output::say(if findings.is_empty() { "\nnothing found" } else { "\nfound:" })?;
     for Finding { what, traces: own } in findings {

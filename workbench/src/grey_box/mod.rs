@@ -9,7 +9,7 @@ pub(crate) mod filter;
 pub mod linear;
 pub mod motor;
 pub mod physical;
-mod regression;
+pub(crate) mod regression;
 
 use nalgebra::DMatrix;
 

@@ -16,7 +16,7 @@ const DEPENDENT: f64 = 1e-10;
 
 /// θ with its covariance (2).
 #[derive(Clone, Debug)]
-pub(super) struct Solution {
+pub(crate) struct Solution {
     pub theta: DVector<f64>,
     pub covariance: DMatrix<f64>,
     /// ‖y − Xθ‖ / ‖y‖.
@@ -24,7 +24,7 @@ pub(super) struct Solution {
 }
 
 /// Solves (1); the error is the first column that the data do not determine.
-pub(super) fn solve(
+pub(crate) fn solve(
     x: &DMatrix<f64>,
     instruments: &DMatrix<f64>,
     y: &DVector<f64>,

@@ -46,3 +46,34 @@ fn sound_recordings_have_no_findings_and_damaged_ones_name_theirs() {
     refuse(dir, "audit nothing", &["nothing"]);
     refuse(dir, "audit runs --false-alarm 2", &["give a rate from"]);
 }
+
+/// What friction could show, and sets that differ in more than the defect.
+#[test]
+fn excitation_and_sessions_are_told() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy,roughness --count 6 --seed 8 --out runs");
+    let found: Value = serde_json::from_str(&succeed(dir, "audit --labels runs/labels.csv --json")).expect("JSON");
+    let terms = found["friction"].as_array().expect("terms");
+    let of = |name: &str| terms.iter().find(|own| own["term"] == name).expect("excited");
+    let viscous = of("viscous friction");
+    assert_eq!((&viscous["determined"], &viscous["healthy_traces"]), (&12.into(), &6.into()));
+    let number = |key: &str| viscous[key].as_f64().expect("a number");
+    assert!(0.0 < number("smallest_by_noise") && number("own_part") < 0.5, "{viscous}");
+    assert!(of("load")["own_part"].as_f64().expect("a number") > 0.9);
+    // Roughness was recorded by another logger: a row in two.
+    for k in 0..6 {
+        let path = dir.join(format!("runs/roughness_8_00{k}.csv"));
+        let text = std::fs::read_to_string(&path).expect("a trace");
+        let rows: Vec<&str> = text.lines().collect();
+        let kept = rows.iter().take(1).chain(rows.iter().skip(1).step_by(2)).map(|row| format!("{row}\n"));
+        std::fs::write(&path, kept.collect::<String>()).expect("writable");
+    }
+    let output = run(dir, "audit --labels runs/labels.csv");
+    let told = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(told.contains("classes healthy and roughness differ in the rate (500.0000 and 250.0000)"), "{told}");
+    assert!(told.contains("differ in the number of rows") && told.contains("a model could tell sessions"), "{told}");
+    let one = succeed(dir, "audit --labels runs/labels.csv --where class_name=healthy");
+    assert!(one.starts_with("6 traces") && one.contains("nothing found"), "{one}");
+}

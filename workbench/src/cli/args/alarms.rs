@@ -50,13 +50,18 @@ pub(in crate::cli) struct AlarmArgs {
     other_drive: bool,
 }
 
+/// The class of this name, or without one the class with a usual name.
+pub(in crate::cli) fn healthy_class(given: Option<&str>, classes: &[String]) -> Result<Option<usize>, Error> {
+    let place = |name: &str| classes.iter().position(|class| class == name.trim());
+    let Some(name) = given else { return Ok(USUAL.iter().find_map(|name| place(name))) };
+    let unknown = || Error::Usage(format!("--healthy: unknown class {name}; there are {}", classes.join(", ")));
+    place(name).map(Some).ok_or_else(unknown)
+}
+
 impl AlarmArgs {
-    /// The class that is named, or has a usual name.
+    /// The healthy class, if it is named or has a usual name.
     pub(in crate::cli) fn healthy_class(&self, classes: &[String]) -> Result<Option<usize>, Error> {
-        let place = |name: &str| classes.iter().position(|class| class == name.trim());
-        let Some(name) = &self.healthy else { return Ok(USUAL.iter().find_map(|name| place(name))) };
-        let unknown = || Error::Usage(format!("--healthy: unknown class {name}; there are {}", classes.join(", ")));
-        place(name).map(Some).ok_or_else(unknown)
+        healthy_class(self.healthy.as_deref(), classes)
     }
 
     pub(in crate::cli) fn alarms(&self, classes: &[String]) -> Result<Alarms, Error> {
