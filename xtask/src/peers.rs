@@ -15,9 +15,27 @@ use crate::{child, field_peers, workspace};
 pub fn run() -> Result<bool> {
     let (text, met) = measure()?;
     print!("{text}");
+    let (text, quick) = reading()?;
+    print!("\n{text}");
     let (text, ahead) = field_peers::measure(None)?;
     print!("\n{text}");
-    Ok(met && ahead)
+    Ok(met && quick && ahead)
+}
+
+/// Reads a recording of a million rows with the workbench, pandas and pyarrow. Returns the table, and whether every
+/// ratio asked for is met.
+fn reading() -> Result<(String, bool)> {
+    let folder = folder().join("data");
+    fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    let python = python_with_packages()?;
+    let build = ["build", "--release", "--quiet", "--package", "bearing-watch-workbench", "--example", "reading"];
+    child::succeed(&mut workspace::cargo(&build))?;
+    let program = workspace::target_dir().join("release/examples/reading");
+    let mut script = Command::new(python);
+    script.arg(scripts().join("reading.py")).arg(&folder).arg(program);
+    let mut text = String::new();
+    let status = child::lines(&mut script, |line| text = format!("{text}{line}\n"))?;
+    Ok((text, status.success()))
 }
 
 /// Installs and measures. Returns the text to print, and whether every ratio asked for is met.
@@ -61,7 +79,7 @@ pub fn scripts() -> PathBuf {
 /// The Python of the peers' virtual environment with the packages of the peers' scripts.
 pub fn python_with_packages() -> Result<PathBuf> {
     let python = python()?;
-    if !child::works(Command::new(&python).args(["-c", "import numpy, scipy, sippy_unipi"])) {
+    if !child::works(Command::new(&python).args(["-c", "import numpy, pandas, pyarrow, scipy, sippy_unipi"])) {
         let install = ["-m", "pip", "install", "--quiet", "--requirement"];
         child::succeed(Command::new(&python).args(install).arg(scripts().join("requirements.txt")))?;
     }

@@ -67,7 +67,7 @@ pub(super) fn read(
     path: &Path,
     channels: &Channels,
     front_end: &FrontEndFile,
-    id: &dyn Fn(&str) -> bool,
+    id: &(dyn Fn(&str) -> bool + Sync),
 ) -> Result<Vec<Trace>, Error> {
     let header = reader::header_of(path, channels.time.as_deref())?;
     let wanted =

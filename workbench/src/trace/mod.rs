@@ -44,11 +44,15 @@ pub fn read(paths: &[PathBuf], channels: &Channels) -> Result<Vec<Trace>, Error>
 ///
 /// # Errors
 /// The errors of [`read`].
-pub fn read_wanted(paths: &[PathBuf], channels: &Channels, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Trace>, Error> {
+pub fn read_wanted(
+    paths: &[PathBuf],
+    channels: &Channels,
+    wanted: &(dyn Fn(&str) -> bool + Sync),
+) -> Result<Vec<Trace>, Error> {
     read_files(paths, channels, Some(wanted))
 }
 
-fn read_file(path: &Path, channels: &Channels, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Trace>, Error> {
+fn read_file(path: &Path, channels: &Channels, wanted: &(dyn Fn(&str) -> bool + Sync)) -> Result<Vec<Trace>, Error> {
     match &channels.front_end {
         Some(front_end) => cleaned_reader::read(path, channels, front_end, wanted),
         None => reader::read(path, channels, wanted),
@@ -65,7 +69,7 @@ fn has_columns(path: &Path, channels: &Channels) -> bool {
 fn read_files(
     paths: &[PathBuf],
     channels: &Channels,
-    wanted: Option<&dyn Fn(&str) -> bool>,
+    wanted: Option<&(dyn Fn(&str) -> bool + Sync)>,
 ) -> Result<Vec<Trace>, Error> {
     let asked_for = |file: &Path| {
         let name = file.file_name().map(|name| name.to_string_lossy());

@@ -109,7 +109,11 @@ pub(super) fn has_columns(path: &Path, channels: &Channels) -> bool {
 }
 
 /// Reads the wanted traces of one file; only the wanted columns must be numeric.
-pub(super) fn read(path: &Path, channels: &Channels, wanted: &dyn Fn(&str) -> bool) -> Result<Vec<Trace>, Error> {
+pub(super) fn read(
+    path: &Path,
+    channels: &Channels,
+    wanted: &(dyn Fn(&str) -> bool + Sync),
+) -> Result<Vec<Trace>, Error> {
     let time = channels.time.as_deref();
     let (signals, parts) = parts(path, time, &|header| header.signals(channels), wanted)?;
     let each = |part: Part| {
@@ -199,7 +203,7 @@ fn parts(
     path: &Path,
     time: Option<&str>,
     signals: &dyn Fn(&Header) -> Result<Vec<Signal>, String>,
-    wanted: &dyn Fn(&str) -> bool,
+    wanted: &(dyn Fn(&str) -> bool + Sync),
 ) -> Result<(Vec<Signal>, Vec<Part>), Error> {
     let wrong = |problem: String| Error::content(path, "header", problem);
     let id = file_id(path);
@@ -217,7 +221,7 @@ fn parts(
     places.sort_unstable();
     places.dedup();
     let read = table.read(Wanted { numbers: &places, text: header.trace, row: &|cell| wanted(stem(cell)) });
-    let columns = read.map_err(|problem| match (header.time(), problem) {
+    let mut columns = read.map_err(|problem| match (header.time(), problem) {
         // The time column was found by its name, not requested: the user can exclude it.
         (Some(own), Error::Content { path, place, problem })
             if time.is_none() && place.ends_with(&format!("column {}", header.names[own])) =>
@@ -226,8 +230,13 @@ fn parts(
         }
         (_, other) => other,
     })?;
+    let rows = Rows::split(path, &columns, &id)?;
+    let mut whole = Some(std::mem::take(&mut columns.numbers));
     let each = |rows: Rows| -> Result<Part, Error> {
-        let own = columns.numbers.iter().map(|column| rows.of(column)).collect();
+        let own = match rows.rows {
+            None => whole.take().unwrap_or_default(),
+            Some(_) => whole.iter().flatten().map(|column| rows.of(column)).collect(),
+        };
         let mut part = Part { id: rows.id.clone(), places: places.clone(), columns: own, times_s: None };
         let in_seconds = |(place, factor): (usize, f64)| part.column(place).iter().map(|t| t * factor).collect();
         part.times_s = header.time.map(in_seconds);
@@ -238,7 +247,7 @@ fn parts(
         }
         Ok(part)
     };
-    let parts = Rows::split(path, &columns, &id)?.into_iter().map(each).collect::<Result<_, Error>>()?;
+    let parts = rows.into_iter().map(each).collect::<Result<_, Error>>()?;
     Ok((signals, parts))
 }
 
@@ -274,10 +283,7 @@ impl Rows {
     }
 
     fn of(&self, column: &[f64]) -> Vec<f64> {
-        match &self.rows {
-            Some(rows) => rows.iter().map(|row| column[*row]).collect(),
-            None => column.to_vec(),
-        }
+        self.rows.iter().flatten().map(|row| column[*row]).collect()
     }
 
     /// The row of the table.

@@ -12,6 +12,7 @@ use arrow_array::{Array, ArrowPrimitiveType, RecordBatch};
 use arrow_ipc::reader::FileReader;
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use rayon::prelude::*;
 
 use super::{Columns, Wanted};
 use crate::Error;
@@ -51,8 +52,24 @@ pub(super) fn names(path: &Path, kind: Kind) -> Result<Vec<String>, Error> {
     Ok(schema.fields().iter().map(|field| field.name().clone()).collect())
 }
 
-/// Reads the wanted columns.
-pub(super) fn read((path, names): (&Path, &[String]), kind: Kind, wanted: Wanted<'_>) -> Result<Columns, Error> {
+/// Reads the wanted columns; those of a Parquet file, which are packed one by one, in parallel.
+pub(super) fn read(file: (&Path, &[String]), kind: Kind, wanted: Wanted<'_>) -> Result<Columns, Error> {
+    if kind == Kind::Ipc || wanted.text.is_some() || wanted.numbers.len() < 2 {
+        return read_some(file, kind, wanted);
+    }
+    let part = wanted.numbers.len().div_ceil(rayon::current_num_threads());
+    let parts: Vec<&[usize]> = wanted.numbers.chunks(part).collect();
+    let row = wanted.row;
+    let parts = parts.into_par_iter().map(|numbers| read_some(file, kind, Wanted { numbers, text: None, row }));
+    let parts: Vec<Result<Columns, Error>> = parts.collect();
+    let mut all = Columns::default();
+    for part in parts {
+        all.numbers.extend(part?.numbers);
+    }
+    Ok(all)
+}
+
+fn read_some((path, names): (&Path, &[String]), kind: Kind, wanted: Wanted<'_>) -> Result<Columns, Error> {
     let wrong = wrong(path, kind);
     // Readers give each column once, in the order of the file.
     let mut places: Vec<usize> = wanted.numbers.iter().copied().chain(wanted.text).collect();
@@ -94,7 +111,14 @@ pub(super) fn read((path, names): (&Path, &[String]), kind: Kind, wanted: Wanted
             None => None,
         };
         for (column, place) in columns.numbers.iter_mut().zip(wanted.numbers) {
-            let values = numbers(own(place)).ok_or_else(|| no_numbers(place))?;
+            let array = own(place);
+            if let (Some(plain), None) =
+                (array.as_primitive_opt::<Float64Type>().filter(|_| array.null_count() == 0), &kept)
+            {
+                column.extend_from_slice(plain.values());
+                continue;
+            }
+            let values = numbers(array).ok_or_else(|| no_numbers(place))?;
             match &kept {
                 Some(kept) => column.extend(kept.iter().map(|row| values[*row])),
                 None => column.extend(values),

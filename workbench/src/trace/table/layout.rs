@@ -37,9 +37,9 @@ impl Layout {
             matches!(first, b'#' | b'%').then_some(first)
         });
         let is_comment = |line: &&str| comment.is_some_and(|mark| line.as_bytes().first() == Some(&mark));
-        let lines: Vec<&str> = text.lines().map(|line| line.trim_start_matches('\u{feff}')).collect();
-        let comments: Vec<&str> = lines.iter().copied().take_while(|l| is_comment(l) || l.trim().is_empty()).collect();
-        let content = lines.iter().copied().filter(|line| !is_comment(line) && !line.trim().is_empty());
+        let lines = || text.lines().map(|line| line.trim_start_matches('\u{feff}'));
+        let comments: Vec<&str> = lines().take_while(|line| is_comment(line) || line.trim().is_empty()).collect();
+        let content = lines().filter(|line| !is_comment(line) && !line.trim().is_empty());
         let content: Vec<&str> = content.take(LINES).collect();
         let separator = separator(&content);
         let first_data = content.get(1).or(content.first()).copied().unwrap_or("");

@@ -12,6 +12,7 @@ mod layout;
 mod matlab;
 mod matlab_value;
 mod numpy;
+mod plain;
 mod text;
 mod write;
 
@@ -63,7 +64,7 @@ pub(crate) struct Wanted<'a> {
     /// Place of a column of text, by whose cells rows are chosen.
     pub(crate) text: Option<usize>,
     /// Whether rows with this cell are read.
-    pub(crate) row: &'a dyn Fn(&str) -> bool,
+    pub(crate) row: &'a (dyn Fn(&str) -> bool + Sync),
 }
 
 /// Extensions of a name, in lower case: that of the format, and of the compression.

@@ -4,6 +4,7 @@ use std::io::Read as _;
 use std::path::Path;
 
 use super::layout::{Header, Layout};
+use super::plain::{self, Form, Refusal};
 use super::{Columns, LARGEST, Wanted, unusable};
 use crate::Error;
 
@@ -59,6 +60,11 @@ impl Text {
     }
 
     pub(super) fn read(&self, (path, names): (&Path, &[String]), wanted: Wanted<'_>) -> Result<Columns, Error> {
+        let is_twice = |k: usize| wanted.numbers[..k].contains(&wanted.numbers[k]);
+        let spaced = self.layout.separator == b' ';
+        if !spaced && plain::suits(&self.text) && !(0..wanted.numbers.len()).any(is_twice) {
+            return self.read_plain((path, names), wanted);
+        }
         let mut reader = self.reader(&self.text);
         let mut record = csv::StringRecord::new();
         let mut read =
@@ -76,12 +82,7 @@ impl Text {
             let line = record.position().map_or(0, csv::Position::line);
             rows += 1;
             if record.len() != names.len() {
-                let problem = format!(
-                    "{} cells where the header has {}; complete the row or remove it",
-                    record.len(),
-                    names.len()
-                );
-                return Err(Error::content(path, format!("line {line}"), problem));
+                return Err(ragged(path, line, record.len(), names.len()));
             }
             if let Some(place) = wanted.text {
                 let text = record[place].trim();
@@ -97,10 +98,46 @@ impl Text {
             }
             columns.lines.push(line);
         }
-        if rows == 0 {
-            return Err(Error::content(path, "line 2", "no rows after the header; record the trace again"));
+        if rows == 0 { Err(no_rows(path)) } else { Ok(columns) }
+    }
+
+    /// The same for text without quotes.
+    fn read_plain(&self, (path, names): (&Path, &[String]), wanted: Wanted<'_>) -> Result<Columns, Error> {
+        let (rest, first) = match self.layout.header {
+            Header::First => self.after_header(),
+            Header::Comment(_) | Header::None => (self.text.as_str(), 0),
+        };
+        let Wanted { numbers, text, row } = wanted;
+        let Layout { separator, comment, .. } = self.layout;
+        let number = |cell: &str| self.number(cell);
+        let form = Form { separator, comment, cells: names.len(), numbers, text, row, number: &number };
+        let rows = plain::rows(rest, first, &form).map_err(|(line, refusal)| match refusal {
+            Refusal::Cells(count) => ragged(path, line, count, names.len()),
+            Refusal::Number(place, problem) => {
+                Error::content(path, format!("line {line}, column {}", names[place]), problem)
+            }
+        })?;
+        if rows.count == 0 {
+            return Err(no_rows(path));
         }
-        Ok(columns)
+        let texts = text.map(|_| rows.texts);
+        Ok(Columns { numbers: rows.numbers, texts, lines: rows.lines })
+    }
+
+    /// The text after the header, and the line of the header.
+    fn after_header(&self) -> (&str, u64) {
+        let mut rest = self.text.as_str();
+        let mut line = 0;
+        while !rest.is_empty() {
+            let (own, later) = rest.split_once('\n').unwrap_or((rest, ""));
+            (rest, line) = (later, line + 1);
+            let own = own.strip_suffix('\r').unwrap_or(own);
+            let is_comment = self.layout.comment.is_some_and(|mark| own.as_bytes().first() == Some(&mark));
+            if !own.is_empty() && !is_comment {
+                break;
+            }
+        }
+        (rest, line)
     }
 
     fn number(&self, cell: &str) -> Result<f64, String> {
@@ -111,6 +148,15 @@ impl Text {
             None => Err(format!("\"{cell}\" is not a number")),
         }
     }
+}
+
+fn ragged(path: &Path, line: u64, cells: usize, columns: usize) -> Error {
+    let problem = format!("{cells} cells where the header has {columns}; complete the row or remove it");
+    Error::content(path, format!("line {line}"), problem)
+}
+
+fn no_rows(path: &Path) -> Error {
+    Error::content(path, "line 2", "no rows after the header; record the trace again")
 }
 
 /// Text whose blanks between cells become commas.
