@@ -108,7 +108,10 @@ fn identification_table() {
         sine.status.success() && warning.contains("hardly determine") && warning.contains("b1, b2, b3"),
         "{warning}"
     );
-    assert!(run(dir, &identify).stderr.is_empty(), "and nothing is said of a good model");
+    // The noise of the sensors colours the residuals of least squares; instruments allow for it.
+    let told = String::from_utf8_lossy(&run(dir, &identify).stderr).into_owned();
+    assert!(told.lines().count() == 1 && told.contains("residuals of 2 of 2 models are coloured"), "{told}");
+    assert!(run(dir, &format!("{identify} --method iv")).stderr.is_empty(), "and nothing is said of a good model");
     for method in ["iv --passes 2", "sriv", "sm", "oe", "armax --noise-order 1"] {
         let json: serde_json::Value =
             serde_json::from_str(&succeed(dir, &format!("{identify} --method {method} --json"))).expect("JSON");
