@@ -2,6 +2,7 @@
 
 mod args;
 mod audit;
+pub mod call;
 mod campaign;
 mod convert;
 mod demo;
@@ -20,6 +21,7 @@ mod simulate;
 mod structure;
 mod tables;
 mod train;
+mod training;
 mod validate;
 
 use std::path::PathBuf;
@@ -119,11 +121,15 @@ fn usage(error: &clap::Error) -> ExitCode {
         let _ = error.print();
         return ExitCode::SUCCESS;
     }
+    eprintln!("{} (more by --help)", usage_line(error));
+    ExitCode::from(2)
+}
+
+/// An error in the arguments as one line.
+fn usage_line(error: &clap::Error) -> String {
     let text = error.to_string();
     let said = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage:"));
     let said: Vec<&str> = said.filter(|line| !line.is_empty()).collect();
     // If the command is missing, clap returns the whole help instead of an error.
-    let line = if text.starts_with("error:") { said.join(" ") } else { "error: a command is missing".into() };
-    eprintln!("{line} (more by --help)");
-    ExitCode::from(2)
+    if text.starts_with("error:") { said.join(" ") } else { "error: a command is missing".into() }
 }

@@ -93,7 +93,7 @@ impl Notes {
             time,
             rate_hz,
             front_end,
-            drive: super::drive::given().map(String::from),
+            drive: super::drive::given(),
             host_block_mean: host.block_mean,
             decimate: host.decimate,
             orders,
@@ -125,7 +125,11 @@ impl Notes {
 
 /// Reads a model file.
 pub(super) fn read_model(path: &Path) -> Result<(Embedded, Notes), Error> {
-    let bytes = std::fs::read(path).map_err(Error::io(path))?;
+    of_bytes(path, &std::fs::read(path).map_err(Error::io(path))?)
+}
+
+/// Reads the bytes of a model file.
+pub(super) fn of_bytes(path: &Path, bytes: &[u8]) -> Result<(Embedded, Notes), Error> {
     let wrong = |problem: bearing_watch::ModelError| {
         let remedy = match problem {
             bearing_watch::ModelError::Version { .. } => " with `bearing-watch train`",
@@ -133,8 +137,8 @@ pub(super) fn read_model(path: &Path) -> Result<(Embedded, Notes), Error> {
         };
         Error::content(path, "model", format!("{problem}{remedy}"))
     };
-    let model = Embedded::from_bytes(&bytes).map_err(wrong)?;
-    let notes = bearing_watch::model::notes(&bytes).map_err(wrong)?;
+    let model = Embedded::from_bytes(bytes).map_err(wrong)?;
+    let notes = bearing_watch::model::notes(bytes).map_err(wrong)?;
     let notes = serde_json::from_str(notes).map_err(|_| {
         Error::content(path, "notes", "no channel names in this model; train it again with `bearing-watch train`")
     })?;

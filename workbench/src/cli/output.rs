@@ -1,5 +1,6 @@
 //! Output: files that are complete or absent, lines on standard output, and progress bars.
 
+use std::cell::RefCell;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -81,9 +82,24 @@ pub(super) fn say(text: impl AsRef<str>) -> Result<(), Error> {
     }
 }
 
-/// Prints a warning on standard error.
+thread_local! {
+    /// The warnings of this thread, if a program that calls the workbench collects them.
+    static COLLECTED: RefCell<Option<Vec<String>>> = const { RefCell::new(None) };
+}
+
+/// Prints a warning on standard error, unless it is collected.
 pub(super) fn warn(text: impl AsRef<str>) {
-    eprintln!("warning: {}", text.as_ref());
+    COLLECTED.with_borrow_mut(|collected| match collected {
+        Some(collected) => collected.push(text.as_ref().into()),
+        None => eprintln!("warning: {}", text.as_ref()),
+    });
+}
+
+/// Runs work, and returns the warnings that it gave on this thread.
+pub(super) fn with_warnings<T>(work: impl FnOnce() -> T) -> (T, Vec<String>) {
+    let before = COLLECTED.replace(Some(vec![]));
+    let result = work();
+    (result, COLLECTED.replace(before).unwrap_or_default())
 }
 
 /// Returns the rows as CSV, quoted if needed.

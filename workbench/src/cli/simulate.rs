@@ -14,7 +14,7 @@ use super::output;
 use crate::Error;
 use crate::rig::ema::Race;
 use crate::rig::{DefectKind, Waveform, trace_seed};
-use crate::trace::FrontEndFile;
+use crate::trace::{Cells, FrontEndFile, Recorded};
 
 /// Simulate traces of a rig: one CSV a trace, and labels.csv
 #[derive(Debug, clap::Args)]
@@ -37,6 +37,16 @@ With rows at 2 kHz or more and no held values (--log-every 1) there is front_end
 standard and mix are those of the chosen rig. roughness is lost lubrication, and spall-and-roughness is the degraded \
 actuator of the thesis.")]
 pub(super) struct Args {
+    #[command(flatten)]
+    choice: Choice,
+    /// Folder for the traces; created if absent. Traces and labels of the same name are replaced, others are kept
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+/// Which traces are simulated.
+#[derive(Clone, Debug, clap::Args)]
+pub(super) struct Choice {
     /// Which rig
     #[arg(long, value_enum, default_value = "dc")]
     rig: Rig,
@@ -72,9 +82,6 @@ pub(super) struct Args {
     /// Short for --condition mix
     #[arg(long, conflicts_with = "condition")]
     mix: bool,
-    /// Folder for the traces; created if absent. Traces and labels of the same name are replaced, others are kept
-    #[arg(long, value_name = "DIR")]
-    out: PathBuf,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -87,7 +94,7 @@ enum Rig {
 
 /// A simulated trace.
 struct Simulated {
-    csv: String,
+    table: files::Table,
     /// Shape of the reference.
     shape: &'static str,
 }
@@ -109,37 +116,21 @@ trait Experiment: Sync {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
-    let jobs: Vec<(DefectKind, u32)> =
-        args.class.iter().flat_map(|&kind| (0..args.count).map(move |k| (kind, k))).collect();
-    if jobs.is_empty() {
-        return Err(Error::Usage("--count 0 makes no traces; give at least 1".into()));
-    }
-    let experiment: Box<dyn Experiment> = match args.rig {
-        Rig::Dc => Box::new(dc::Dc::new(args)?),
-        Rig::Ema => Box::new(ema::Ema::new(args)?),
-    };
-    for (k, kind) in args.class.iter().enumerate() {
-        if args.class[..k].contains(kind) {
-            return Err(Error::Usage(format!("--class names {} twice", kind.name())));
-        }
-        experiment.validate(*kind)?;
-    }
+    let (choice, experiment) = (&args.choice, args.choice.experiment()?);
     let labels = args.out.join("labels.csv");
     let old = files::old_labels(&labels)?;
     std::fs::create_dir_all(&args.out).map_err(Error::io(&args.out))?;
-    let bar = output::progress("simulating", jobs.len());
-    let rows = jobs
-        .par_iter()
-        .map(|&(kind, k)| {
-            let simulated = experiment.simulate(kind, trace_seed(args.seed, kind, k))?;
-            let name = format!("{}_{}_{k:03}.csv", args.stem(experiment.as_ref(), kind), args.seed);
-            output::write(&args.out.join(&name), simulated.csv)?;
-            bar.inc(1);
-            let severity = if kind == DefectKind::Healthy { 0.0 } else { args.severity };
-            let [severity, seed] = [severity.to_string(), args.seed.to_string()];
-            Ok([name, kind.name().into(), severity, seed, experiment.condition().into(), simulated.shape.into()])
-        })
-        .collect::<Result<Vec<_>, Error>>()?;
+    let bar = output::progress("simulating", choice.jobs().len());
+    let each = |(kind, k)| {
+        let (name, simulated) = choice.simulate(experiment.as_ref(), kind, k)?;
+        let name = format!("{name}.csv");
+        output::write(&args.out.join(&name), files::csv(&simulated.table))?;
+        bar.inc(1);
+        let severity = if kind == DefectKind::Healthy { 0.0 } else { choice.severity };
+        let [severity, seed] = [severity.to_string(), choice.seed.to_string()];
+        Ok([name, kind.name().into(), severity, seed, experiment.condition().into(), simulated.shape.into()])
+    };
+    let rows = choice.jobs().into_par_iter().map(each).collect::<Result<Vec<_>, Error>>()?;
     bar.finish_and_clear();
     files::write_labels(&labels, &old, &rows)?;
     if let Some(front_end) = experiment.front_end() {
@@ -149,7 +140,47 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     output::say(format!("{} traces and labels.csv in {}", rows.len(), args.out.display()))
 }
 
-impl Args {
+impl Choice {
+    /// The experiment, once every class can be simulated.
+    fn experiment(&self) -> Result<Box<dyn Experiment>, Error> {
+        if self.jobs().is_empty() {
+            return Err(Error::Usage("--count 0 makes no traces; give at least 1".into()));
+        }
+        let experiment: Box<dyn Experiment> = match self.rig {
+            Rig::Dc => Box::new(dc::Dc::new(self)?),
+            Rig::Ema => Box::new(ema::Ema::new(self)?),
+        };
+        for (k, kind) in self.class.iter().enumerate() {
+            if self.class[..k].contains(kind) {
+                return Err(Error::Usage(format!("--class names {} twice", kind.name())));
+            }
+            experiment.validate(*kind)?;
+        }
+        Ok(experiment)
+    }
+
+    /// Class and number of each trace.
+    fn jobs(&self) -> Vec<(DefectKind, u32)> {
+        self.class.iter().flat_map(|&kind| (0..self.count).map(move |k| (kind, k))).collect()
+    }
+
+    /// Simulates one trace, and returns its name.
+    fn simulate(&self, experiment: &dyn Experiment, kind: DefectKind, k: u32) -> Result<(String, Simulated), Error> {
+        let simulated = experiment.simulate(kind, trace_seed(self.seed, kind, k))?;
+        Ok((format!("{}_{}_{k:03}", self.stem(experiment, kind), self.seed), simulated))
+    }
+
+    /// Simulates all traces in memory, and returns their classes too.
+    pub(super) fn tables(&self) -> Result<Vec<(Recorded, &'static str)>, Error> {
+        let experiment = self.experiment()?;
+        let each = |(kind, k): (DefectKind, u32)| {
+            let (name, simulated) = self.simulate(experiment.as_ref(), kind, k)?;
+            let column = |(name, column): (&str, Vec<f64>)| (name.to_string(), Cells::Numbers(column));
+            Ok((Recorded::new(name, simulated.table.into_iter().map(column).collect())?, kind.name()))
+        };
+        self.jobs().into_par_iter().map(each).collect()
+    }
+
     const fn condition_name(&self) -> &'static str {
         if self.mix { "mix" } else { self.condition }
     }

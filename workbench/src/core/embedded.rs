@@ -6,6 +6,7 @@ use bearing_watch::{Baseline, Detector, Model, ModelError, Reason, Report, Verdi
 
 use super::features::{Catalogue, shaft_values};
 use super::segment::{Finding, SegmentReport};
+use super::stream::Stream;
 use super::watch::{self, Watched, Watcher};
 use super::wiring::{Feed, Field, fields};
 use super::words::explain;
@@ -67,38 +68,19 @@ impl Embedded {
     /// As [`Embedded::run`], with a baseline that follows slow changes from trace to trace.
     #[must_use]
     pub fn run_following(&self, trace: &Trace, mut baseline: Option<&mut Baseline<RunTime>>) -> Vec<SegmentReport> {
-        let mut judged = |mut report: Report<RunTime>| {
-            let followed = baseline.as_mut().map(|own| {
-                self.model.follow(own, &mut report);
-                (own.offset().to_vec(), own.at_bound())
-            });
-            SegmentReport { followed, ..self.segment(&report) }
-        };
-        let mut detector = Detector::new(&self.model);
-        let mut segments = Vec::new();
-        let mut start = 0;
-        let mut feed = self.feed(trace);
-        for k in 0..trace.y.len() {
-            if let Some(report) = detector.step(feed.at(k)) {
-                segments.push(SegmentReport { start, length: k + 1 - start, ..judged(report) });
-                start = k + 1;
-            }
-        }
-        // The model contains the spread of complete segments, so a segment of less than half the length has no verdict.
-        let (pending, whole) = (detector.pending(), self.sampling().segment_samples);
-        if pending > whole / 2 || segments.is_empty() {
-            let (length, report) = (trace.y.len() - start, detector.finish());
-            segments.push(if pending <= whole / 2 {
-                let rest = SegmentReport { start, length, ..self.segment(&report) };
-                rest.undetermined(format!("{pending} samples are no more than half a segment of {whole}"))
-            } else {
-                SegmentReport { start, length, ..judged(report) }
-            });
-        }
+        let mut stream = self.stream();
+        let mut segments = stream.take(trace, baseline.as_deref_mut());
+        segments.extend(stream.finish(baseline));
         segments
     }
 
-    fn feed<'a>(&self, trace: &'a Trace) -> Feed<'a> {
+    /// The detector before the first sample of a trace that comes in pieces.
+    #[must_use]
+    pub fn stream(&self) -> Stream<'_> {
+        Stream::new(self, Detector::new(&self.model))
+    }
+
+    pub(super) fn feed<'a>(&self, trace: &'a Trace) -> Feed<'a> {
         Feed::new(trace, &self.fields, self.model.plan().layout().needs_angle())
     }
 
@@ -131,7 +113,7 @@ impl Embedded {
         closed.unwrap_or_else(|| detector.finish())
     }
 
-    fn segment(&self, report: &Report<RunTime>) -> SegmentReport {
+    pub(super) fn segment(&self, report: &Report<RunTime>) -> SegmentReport {
         let decided = |pick: fn(&bearing_watch::Decision<RunTime>) -> &[f32]| {
             report.decision.as_ref().map_or_else(Vec::new, |decision| pick(decision).to_vec())
         };

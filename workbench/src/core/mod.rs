@@ -3,7 +3,7 @@
 //! ```text
 //! columns of traces ─► wiring: channels of the model, samples
 //! model: constants of any layout ─► embedded: detector over a trace ─► segment: SegmentReport (words: reasons)
-//!                                                                       └─► watch: evidence, alarm
+//!                                        (stream: in pieces)            └─► watch: evidence, alarm
 //! features: names of the features, and the maps between raw and δ-parameters
 //! ```
 
@@ -11,6 +11,7 @@ mod embedded;
 pub mod features;
 mod model;
 mod segment;
+mod stream;
 mod watch;
 mod wiring;
 mod words;
@@ -18,6 +19,7 @@ mod words;
 pub use embedded::Embedded;
 pub use model::{Parts, plan};
 pub use segment::{Finding, SegmentReport};
+pub use stream::Stream;
 pub use watch::{Watched, Watcher};
 pub use wiring::{Field, MAX_ORDERS, Measured, ShaftSignals, Wiring};
 pub use words::{denied, stuck_channels};

@@ -43,9 +43,14 @@ impl<'a> Watcher<'a> {
     pub fn observe(&mut self, segment: &SegmentReport, last: bool) -> Watched {
         self.evidence.observe(decision(self.model, segment).as_ref());
         if last {
-            self.evidence.end_run();
+            self.end_run();
         }
         Watched { score: self.evidence.score(), alarm: self.evidence.alarm(), trend: self.evidence.trend() }
+    }
+
+    /// Ends a run after the last segment.
+    pub fn end_run(&mut self) {
+        self.evidence.end_run();
     }
 }
 

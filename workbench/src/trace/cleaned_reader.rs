@@ -5,6 +5,7 @@ use std::path::Path;
 use super::front_end::{FrontEndFile, OWN, clean};
 use super::reader::{self, Header};
 use super::signal::{self, Signal};
+use super::table::Table;
 use super::{Channels, Trace, same_interval};
 use crate::Error;
 
@@ -58,22 +59,22 @@ impl Wanted {
 
 /// Whether the file can be read and its header has every wanted column.
 pub(super) fn has_columns(path: &Path, channels: &Channels, front_end: &FrontEndFile) -> bool {
-    reader::header_of(path, channels.time.as_deref())
-        .is_ok_and(|header| Wanted::new(&header, channels, front_end).is_ok())
+    let header = Table::open(path).and_then(|table| reader::header_of(&table, channels.time.as_deref()));
+    header.is_ok_and(|header| Wanted::new(&header, channels, front_end).is_ok())
 }
 
-/// Reads the wanted traces of one file.
+/// Reads the wanted traces of one table.
 pub(super) fn read(
-    path: &Path,
+    table: &Table,
     channels: &Channels,
     front_end: &FrontEndFile,
     id: &(dyn Fn(&str) -> bool + Sync),
 ) -> Result<Vec<Trace>, Error> {
-    let header = reader::header_of(path, channels.time.as_deref())?;
+    let header = reader::header_of(table, channels.time.as_deref())?;
     let wanted =
-        Wanted::new(&header, channels, front_end).map_err(|problem| Error::content(path, "header", problem))?;
+        Wanted::new(&header, channels, front_end).map_err(|problem| Error::content(table.path(), "header", problem))?;
     let mut traces = Vec::new();
-    for raw in reader::read(path, &wanted.raw, id)? {
+    for raw in reader::read(table, &wanted.raw, id)? {
         traces.push(cleaned(&raw, channels, front_end, &wanted)?);
     }
     Ok(traces)

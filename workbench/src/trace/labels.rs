@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use super::{Trace, stem};
+use super::{Recorded, Trace, stem};
 use crate::Error;
 
 /// A condition on a column of the labels: `load_kgf=20`, `run<=4`, `class_name!=backlash1`.
@@ -110,7 +110,20 @@ impl Labels {
         };
         let columns: Vec<String> = reader.headers().map_err(problem)?.iter().map(String::from).collect();
         let rows = reader.records().map(|r| Ok(r.map_err(problem)?.iter().map(String::from).collect()));
-        let labels = Self { path: path.into(), columns, rows: rows.collect::<Result<_, Error>>()? };
+        Self { path: path.into(), columns, rows: rows.collect::<Result<_, Error>>()? }.checked()
+    }
+
+    /// Takes the labels of a table in memory.
+    ///
+    /// # Errors
+    /// As [`Labels::read`].
+    pub fn of(table: &Recorded) -> Result<Self, Error> {
+        let columns = table.names().map(|name| name.trim().to_string()).collect();
+        Self { path: table.name().into(), columns, rows: table.rows()? }.checked()
+    }
+
+    fn checked(self) -> Result<Self, Error> {
+        let (labels, path) = (&self, &self.path);
         let trace = labels.column("trace")?;
         let class = labels.column("class_name")?;
         let mut seen = HashMap::new();
@@ -125,7 +138,7 @@ impl Labels {
                 return Err(Error::content(path, format!("line {}, column class_name", k + 2), problem));
             }
         }
-        Ok(labels)
+        Ok(self)
     }
 
     fn column(&self, name: &str) -> Result<usize, Error> {

@@ -15,7 +15,9 @@ mod signal;
 pub(crate) mod table;
 pub(crate) mod units;
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::Error;
 
@@ -26,7 +28,8 @@ pub use prepare::Preparation;
 pub(crate) use record::bridged;
 pub use record::{Channels, MotionTrace, ShaftChannels, Trace, same_interval};
 pub(crate) use table::LARGEST;
-pub use table::stem;
+use table::Table;
+pub use table::{Cells, Recorded, stem};
 
 /// Reads every trace of the given files and folders.
 ///
@@ -39,23 +42,93 @@ pub fn read(paths: &[PathBuf], channels: &Channels) -> Result<Vec<Trace>, Error>
     read_files(paths, channels, None)
 }
 
-/// Reads only the traces for whose id (without the extension of its format) `wanted` is true; others are skipped and
-/// not checked. A wanted trace must have the columns.
-///
-/// # Errors
-/// The errors of [`read`].
-pub fn read_wanted(
-    paths: &[PathBuf],
-    channels: &Channels,
-    wanted: &(dyn Fn(&str) -> bool + Sync),
-) -> Result<Vec<Trace>, Error> {
-    read_files(paths, channels, Some(wanted))
+/// Where traces come from.
+#[derive(Clone, Debug)]
+pub enum Source {
+    /// Files, and folders of files.
+    Files(Vec<PathBuf>),
+    /// Tables in memory.
+    Memory(Vec<Arc<Recorded>>),
 }
 
-fn read_file(path: &Path, channels: &Channels, wanted: &(dyn Fn(&str) -> bool + Sync)) -> Result<Vec<Trace>, Error> {
-    match &channels.front_end {
-        Some(front_end) => cleaned_reader::read(path, channels, front_end, wanted),
-        None => reader::read(path, channels, wanted),
+impl Source {
+    /// The files and folders; none of tables in memory.
+    #[must_use]
+    pub fn paths(&self) -> &[PathBuf] {
+        match self {
+            Self::Files(paths) => paths,
+            Self::Memory(_) => &[],
+        }
+    }
+
+    /// Reads only the traces for whose id (without the extension of its format) `wanted` is true; others are skipped
+    /// and not checked. A wanted trace must have the columns.
+    ///
+    /// # Errors
+    /// The errors of [`read`].
+    pub fn read_wanted(
+        &self,
+        channels: &Channels,
+        wanted: &(dyn Fn(&str) -> bool + Sync),
+    ) -> Result<Vec<Trace>, Error> {
+        match self {
+            Self::Files(paths) => read_files(paths, channels, Some(wanted)),
+            Self::Memory(tables) => {
+                let mut gathered = Gathered::default();
+                for table in tables {
+                    gathered.add(&Table::of(table), channels, wanted)?;
+                }
+                gathered.complete(channels, &[format!("{} tables", tables.len())])
+            }
+        }
+    }
+
+    /// Reads every trace.
+    ///
+    /// # Errors
+    /// The errors of [`read`].
+    pub fn read(&self, channels: &Channels) -> Result<Vec<Trace>, Error> {
+        match self {
+            Self::Files(paths) => read_files(paths, channels, None),
+            Self::Memory(_) => self.read_wanted(channels, &|_| true),
+        }
+    }
+}
+
+/// The traces read so far.
+#[derive(Default)]
+struct Gathered {
+    traces: Vec<Trace>,
+    /// The table of each id.
+    origin: HashMap<String, PathBuf>,
+}
+
+impl Gathered {
+    fn add(&mut self, table: &Table, channels: &Channels, wanted: &(dyn Fn(&str) -> bool + Sync)) -> Result<(), Error> {
+        let found = match &channels.front_end {
+            Some(front_end) => cleaned_reader::read(table, channels, front_end, wanted)?,
+            None => reader::read(table, channels, wanted)?,
+        };
+        for trace in found {
+            if let Some(first) = self.origin.insert(stem(&trace.id).to_string(), table.path().to_path_buf()) {
+                let (first, second) = (first.display(), table.path().display());
+                let problem = format!("comes twice, in {first} and {second}; give each id once");
+                return Err(Error::trace(&trace.id, problem));
+            }
+            self.traces.push(trace);
+        }
+        Ok(())
+    }
+
+    fn complete(self, channels: &Channels, names: &[String]) -> Result<Vec<Trace>, Error> {
+        if !self.traces.is_empty() {
+            return Ok(self.traces);
+        }
+        let Channels { y, u1, u2, .. } = channels;
+        Err(Error::Usage(format!(
+            "no trace with the columns of {y}, {u1}, {u2} in {}; check the path and --y, --u1, --u2",
+            names.join(", ")
+        )))
     }
 }
 
@@ -75,8 +148,7 @@ fn read_files(
         let name = file.file_name().map(|name| name.to_string_lossy());
         wanted.zip(name).is_some_and(|(wanted, name)| wanted(stem(&name)))
     };
-    let mut traces: Vec<Trace> = Vec::new();
-    let mut origin = std::collections::HashMap::new();
+    let mut gathered = Gathered::default();
     for path in paths {
         let mut files = vec![path.clone()];
         if path.is_dir() {
@@ -84,25 +156,10 @@ fn read_files(
             files.retain(|file| asked_for(file) || has_columns(file, channels));
         }
         for file in files {
-            for trace in read_file(&file, channels, wanted.unwrap_or(&|_| true))? {
-                if let Some(first) = origin.insert(stem(&trace.id).to_string(), file.clone()) {
-                    let (first, second) = (first.display(), file.display());
-                    let problem = format!("comes twice, in {first} and {second}; give each id once");
-                    return Err(Error::trace(&trace.id, problem));
-                }
-                traces.push(trace);
-            }
+            gathered.add(&Table::open(&file)?, channels, wanted.unwrap_or(&|_| true))?;
         }
     }
-    if traces.is_empty() {
-        let names: Vec<_> = paths.iter().map(|path| path.display().to_string()).collect();
-        let Channels { y, u1, u2, .. } = channels;
-        return Err(Error::Usage(format!(
-            "no trace with the columns of {y}, {u1}, {u2} in {}; check the path and --y, --u1, --u2",
-            names.join(", ")
-        )));
-    }
-    Ok(traces)
+    gathered.complete(channels, &paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>())
 }
 
 /// The files among these files and in these folders, in known formats; labels in a folder are left out.

@@ -97,25 +97,25 @@ fn usual_time(name: &str) -> Option<f64> {
     }
 }
 
-/// The header of a file.
-pub(super) fn header_of(path: &Path, time: Option<&str>) -> Result<Header, Error> {
-    let names = Table::open(path)?.names().to_vec();
-    Header::of(names, time).map_err(|problem| Error::content(path, "header", problem))
+/// The header of a table.
+pub(super) fn header_of(table: &Table, time: Option<&str>) -> Result<Header, Error> {
+    Header::of(table.names().to_vec(), time).map_err(|problem| Error::content(table.path(), "header", problem))
 }
 
 /// Whether the file can be read and its header has every wanted column.
 pub(super) fn has_columns(path: &Path, channels: &Channels) -> bool {
-    header_of(path, channels.time.as_deref()).is_ok_and(|header| header.signals(channels).is_ok())
+    let header = Table::open(path).and_then(|table| header_of(&table, channels.time.as_deref()));
+    header.is_ok_and(|header| header.signals(channels).is_ok())
 }
 
-/// Reads the wanted traces of one file; only the wanted columns must be numeric.
+/// Reads the wanted traces of one table; only the wanted columns must be numeric.
 pub(super) fn read(
-    path: &Path,
+    table: &Table,
     channels: &Channels,
     wanted: &(dyn Fn(&str) -> bool + Sync),
 ) -> Result<Vec<Trace>, Error> {
     let time = channels.time.as_deref();
-    let (signals, parts) = parts(path, time, &|header| header.signals(channels), wanted)?;
+    let (signals, parts) = parts(table, time, &|header| header.signals(channels), wanted)?;
     let each = |part: Part| {
         let column = |place: usize| part.column(place);
         assemble(part.id.clone(), channels, &signals, &column, part.times_s.as_deref())
@@ -141,7 +141,7 @@ pub(crate) fn series(
     channels: &[String],
 ) -> Result<Vec<Series>, Error> {
     let signals = |header: &Header| channels.iter().map(|channel| Signal::parse(channel, &header.names)).collect();
-    let (signals, parts) = parts(path, time, &signals, &|_| true)?;
+    let (signals, parts) = parts(&Table::open(path)?, time, &signals, &|_| true)?;
     let each = |part: Part| {
         let rows = part.columns.first().map_or(0, Vec::len);
         let by_rate = || rate_hz.map(|rate| (0..rows).map(|row| row as f64 / rate).collect());
@@ -160,7 +160,7 @@ pub(crate) fn series(
 /// The names of the columns of a file that hold numbers, but for its time, and why others do not.
 pub(crate) fn numeric(path: &Path, time: Option<&str>) -> Result<(Vec<String>, Vec<Error>), Error> {
     let table = Table::open(path)?;
-    let header = Header::of(table.names().to_vec(), time).map_err(|problem| Error::content(path, "header", problem))?;
+    let header = header_of(&table, time)?;
     let own = |place: &usize| Some(*place) != header.trace && Some(*place) != header.time();
     let places: Vec<usize> = (0..header.names.len()).filter(own).collect();
     let read = |places: &[usize]| table.read(Wanted { numbers: places, text: None, row: &|_| true });
@@ -172,7 +172,8 @@ pub(crate) fn numeric(path: &Path, time: Option<&str>) -> Result<(Vec<String>, V
 
 /// Whether a file has a time column.
 pub(crate) fn has_time(path: &Path, time: Option<&str>) -> bool {
-    header_of(path, time).is_ok_and(|header| header.time.is_some())
+    let header = Table::open(path).and_then(|table| header_of(&table, time));
+    header.is_ok_and(|header| header.time.is_some())
 }
 
 /// Whether a file has the columns of labels, and is no trace.
@@ -200,15 +201,15 @@ impl Part {
 
 /// Reads the columns of signals, one part for each trace.
 fn parts(
-    path: &Path,
+    table: &Table,
     time: Option<&str>,
     signals: &dyn Fn(&Header) -> Result<Vec<Signal>, String>,
     wanted: &(dyn Fn(&str) -> bool + Sync),
 ) -> Result<(Vec<Signal>, Vec<Part>), Error> {
+    let path = table.path();
     let wrong = |problem: String| Error::content(path, "header", problem);
-    let id = file_id(path);
-    let table = Table::open(path)?;
-    let header = Header::of(table.names().to_vec(), time).map_err(wrong)?;
+    let id = table.id();
+    let header = header_of(table, time)?;
     if header.trace.is_none() && !wanted(stem(&id)) {
         return Ok((vec![], vec![]));
     }
@@ -249,11 +250,6 @@ fn parts(
     };
     let parts = rows.into_iter().map(each).collect::<Result<_, Error>>()?;
     Ok((signals, parts))
-}
-
-/// The name of a file.
-fn file_id(path: &Path) -> String {
-    path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }
 
 /// The rows of one trace.
@@ -355,14 +351,18 @@ mod tests {
         file
     }
 
+    fn of_file(file: &tempfile::NamedTempFile, channels: &Channels) -> Result<Vec<Trace>, Error> {
+        read(&Table::open(file.path())?, channels, &|_| true)
+    }
+
     fn message(content: &str) -> String {
-        read(file(content).path(), &channels(), &|_| true).expect_err("bad input").to_string()
+        of_file(&file(content), &channels()).expect_err("bad input").to_string()
     }
 
     #[test]
     fn single_file_with_difference_and_dashed_name() {
         let f = file("t_s,i,ref,v,load-cell,comment\n0,1,10,4,7,start\n0.5,2,11,4,8,\n");
-        let traces = read(f.path(), &channels(), &|_| true).expect("good file");
+        let traces = of_file(&f, &channels()).expect("good file");
         assert_eq!(traces.len(), 1);
         assert_eq!((traces[0].y.clone(), traces[0].u1.clone()), (vec![1.0, 2.0], vec![6.0, 7.0]));
         assert_eq!((traces[0].u2.clone(), traces[0].interval_s), (vec![7.0, 8.0], Some(0.5)));
@@ -371,7 +371,7 @@ mod tests {
     #[test]
     fn tidy_table_keeps_first_appearance_order() {
         let f = file("trace,i,ref,v,load-cell\nb,1,0,0,0\na,2,0,0,0\nb,3,0,0,0\n");
-        let traces = read(f.path(), &channels(), &|_| true).expect("good file");
+        let traces = of_file(&f, &channels()).expect("good file");
         let ids: Vec<_> = traces.iter().map(|t| t.id.as_str()).collect();
         assert_eq!((ids, traces[0].y.clone()), (vec!["b", "a"], vec![1.0, 3.0]));
     }
@@ -403,7 +403,7 @@ mod tests {
             ("t (s)", 0.5, 0.5),
         ] {
             let f = file(&format!("{name},i,ref,v,load-cell\n0,1,2,3,4\n{step},1,2,3,4\n"));
-            let trace = &read(f.path(), &channels(), &|_| true).expect(name)[0];
+            let trace = &of_file(&f, &channels()).expect(name)[0];
             assert!(
                 trace.interval_s.is_some_and(|found| (found - seconds).abs() < 1e-12),
                 "{name}: {:?}",
@@ -413,14 +413,14 @@ mod tests {
         let f = file("T1,clock,i,ref,v,load-cell\n0,9,1,2,3,4\n2,10,1,2,3,4\n");
         let with = |time: Option<&str>, rate_hz: Option<f64>| {
             let channels = Channels { time: time.map(String::from), rate_hz, ..channels() };
-            read(f.path(), &channels, &|_| true).map(|traces| traces[0].interval_s).map_err(|error| error.to_string())
+            of_file(&f, &channels).map(|traces| traces[0].interval_s).map_err(|error| error.to_string())
         };
         assert_eq!((with(None, None), with(Some("T1"), None)), (Ok(None), Ok(Some(2.0))));
         assert_eq!((with(None, Some(4.0)), with(Some("none"), None)), (Ok(Some(0.25)), Ok(None)));
         assert!(with(Some("clock"), Some(4.0)).expect_err("another rate").contains("has 1.00000 rows a second, not 4"));
         assert!(with(Some("t"), None).expect_err("no column").contains("no column t for the time"));
         let f = file("timestamp,i,ref,v,load-cell\n12:30:01,1,2,3,4\n12:30:02,1,2,3,4\n");
-        let words = read(f.path(), &channels(), &|_| true).expect_err("words").to_string();
+        let words = of_file(&f, &channels()).expect_err("words").to_string();
         assert!(words.ends_with("column timestamp: \"12:30:01\" is not a number; --time none leaves the time out"));
     }
 }

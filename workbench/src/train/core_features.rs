@@ -47,8 +47,10 @@ pub(super) fn run(
     Ok((table.with_usual_errors(), origins, reasons))
 }
 
-/// Returns the features of a segment and the variances of their errors; a missing one has the variance ∞.
-pub(crate) fn row(segment: &SegmentReport, catalogue: &Catalogue) -> (DVector<f64>, DVector<f64>) {
+/// Returns the features of a segment, in the order of [`Catalogue::names`], and the variances of their errors; a
+/// missing one has the variance ∞.
+#[must_use]
+pub fn row(segment: &SegmentReport, catalogue: &Catalogue) -> (DVector<f64>, DVector<f64>) {
     let structure = catalogue.structure;
     let own = features::of_core(structure, &segment.delta, segment.variance);
     let (shaft, determined) = (catalogue.shaft().len(), segment.verdict.is_ok());

@@ -24,6 +24,7 @@ pub mod front_end_header;
 pub mod front_end_source;
 mod lags;
 mod left_out;
+mod matrix;
 #[cfg(test)]
 mod missing_features;
 mod moments;
@@ -58,7 +59,7 @@ use crate::identify::{Estimate, least_squares};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Trace, same_interval};
 
-pub(crate) use core_features::row as features_of;
+pub use core_features::row as features_of;
 pub use covariates::{Coefficient, Explained, Explaining};
 pub use cross_validation::predict;
 pub use discriminant::GaussianClasses;
@@ -67,6 +68,7 @@ pub use folds::{Candidates, Folds, Validation};
 pub use forward::Forward;
 use left_out::Estimated;
 pub use left_out::LeftOut;
+pub use matrix::{Matrix, RowClassifier, RowGate};
 use novelty::Rows;
 pub use novelty::{AlarmInterval, Alarms, Watch};
 pub use projection::{Keep, ProjectionKind};

@@ -28,7 +28,7 @@ use nalgebra::{DMatrix, DVector};
 use super::noise::Noise;
 use crate::Error;
 use crate::identify::filters::all_pole;
-use crate::identify::{Estimate, Noise as NoiseModel, Structure, Terms, reflect_unstable, simulate};
+use crate::identify::{Estimate, Method, Noise as NoiseModel, Structure, Terms, reflect_unstable, simulate};
 use crate::trace::Trace;
 
 /// The type of residuals, and the estimator of the parameters; see the table of this module.
@@ -44,6 +44,19 @@ pub enum Errors {
     Prediction,
     /// A y − B u1 − C u2 − constant of a model from another trace: no parameter was estimated on this one.
     Given,
+}
+
+impl Errors {
+    /// The residuals that a method minimises.
+    #[must_use]
+    pub const fn of(method: Method) -> Self {
+        match method {
+            Method::Ls => Self::LeastSquares,
+            Method::Iv | Method::IvCommand | Method::Iv4 => Self::Instruments,
+            Method::Armax => Self::Prediction,
+            Method::Sriv | Method::Sm | Method::Oe => Self::Simulation,
+        }
+    }
 }
 
 /// Residuals with S and K of (1) and (2).

@@ -1,6 +1,7 @@
 //! Arguments on traces: channels, structure, preparation, selection by labels, and folds.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
 
@@ -8,7 +9,7 @@ use crate::Error;
 use crate::cli::output;
 use crate::identify::{Structure, parse_order};
 use crate::trace::labels::LabelledTrace;
-use crate::trace::{self, Channels, Condition, FrontEndFile, Labels, Preparation, Trace};
+use crate::trace::{self, Channels, Condition, FrontEndFile, Labels, Preparation, Recorded, Source, Trace};
 use crate::train::Validation;
 
 /// The columns of the three signals.
@@ -156,22 +157,38 @@ fn trimmed(text: &str) -> Result<String, std::convert::Infallible> {
     Ok(text.trim().into())
 }
 
-/// The labels, and the paths of their traces.
+/// What a program that calls the workbench has in memory, in place of files.
+#[derive(Clone, Debug, Default)]
+pub(in crate::cli) struct Given {
+    /// Tables of the traces.
+    pub(in crate::cli) traces: Option<Vec<Arc<Recorded>>>,
+    /// The labels.
+    pub(in crate::cli) labels: Option<Arc<Recorded>>,
+}
+
+/// The labels, and where their traces are.
 #[derive(Debug)]
 pub(in crate::cli) struct Selection {
+    /// The file of the labels, if they are in one.
+    file: Option<PathBuf>,
     labels: Labels,
-    paths: Vec<PathBuf>,
+    source: Source,
     channels: Channels,
     conditions: Vec<Condition>,
     asked: Vec<String>,
 }
 
 impl SelectionArgs {
-    pub(in crate::cli) fn read(&self, channels: &Channels) -> Result<Selection, Error> {
+    pub(in crate::cli) fn read(&self, channels: &Channels, given: Given) -> Result<Selection, Error> {
         let folder = self.labels.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         Ok(Selection {
-            labels: Labels::read(&self.labels)?,
-            paths: if self.traces.is_empty() { vec![folder.to_path_buf()] } else { self.traces.clone() },
+            file: given.labels.is_none().then(|| self.labels.clone()),
+            labels: given.labels.map_or_else(|| Labels::read(&self.labels), |table| Labels::of(&table))?,
+            source: match given.traces {
+                Some(tables) => Source::Memory(tables),
+                None if self.traces.is_empty() => Source::Files(vec![folder.to_path_buf()]),
+                None => Source::Files(self.traces.clone()),
+            },
             channels: channels.clone(),
             conditions: self.conditions.clone(),
             asked: self.classes.clone(),
@@ -181,8 +198,8 @@ impl SelectionArgs {
 
 impl Selection {
     /// Returns the files that are read; no output may replace them.
-    pub(in crate::cli) fn inputs(&self, labels: &Path) -> Vec<PathBuf> {
-        [&self.paths[..], &[labels.to_path_buf()]].concat()
+    pub(in crate::cli) fn inputs(&self) -> Vec<PathBuf> {
+        self.source.paths().iter().chain(&self.file).cloned().collect()
     }
 
     /// Returns the class names and the traces of the rows that meet the common conditions and these further ones.
@@ -192,7 +209,7 @@ impl Selection {
         let classes = self.labels.classes(&chosen, &self.asked)?;
         let wanted: std::collections::HashSet<&str> =
             chosen.iter().filter(|(_, name)| classes.contains(name)).map(|(id, _)| id.as_str()).collect();
-        let traces = trace::read_wanted(&self.paths, &self.channels, &|id| wanted.contains(id))?;
+        let traces = self.source.read_wanted(&self.channels, &|id| wanted.contains(id))?;
         let traces = self.labels.join(&chosen, &classes, &traces)?;
         Ok((classes, traces))
     }

@@ -7,7 +7,7 @@ use std::path::Path;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command};
 
-use super::schema::{Entry, FILES, OF_TRAINING, SECTIONS, Value};
+use super::schema::{Entry, FILES, OF_TRAINING, SECTIONS, Value, nearest};
 use crate::Error;
 
 /// The place of a drive file: right after the command and its subcommand.
@@ -56,33 +56,60 @@ pub(super) fn with_entries(
         if is_given(arg) || rival {
             continue;
         }
-        let wrong = |problem: &str| Error::content(path, format!("line {line}"), format!("{key} {problem}"));
-        let is_flag = matches!(arg.get_action(), ArgAction::SetTrue);
-        let values = match value {
-            Value::Flag(flag) if is_flag => {
-                arguments.extend(flag.then(|| format!("--{}", key.replace('_', "-")).into()));
-                continue;
-            }
-            Value::Flag(_) => return Err(wrong("takes no true or false")),
-            _ if is_flag => return Err(wrong("is true or false")),
-            Value::One(one) => std::slice::from_ref(one),
-            Value::Many(many) => many,
-        };
-        let values: Vec<String> = values.iter().map(|value| beside(path, key, value)).collect();
-        if arg.is_positional() {
-            positional.extend(values.into_iter().map(OsString::from));
-            continue;
-        }
-        let repeated = matches!(arg.get_action(), ArgAction::Append) && arg.get_value_delimiter().is_none();
-        let words = if repeated { values } else { vec![values.join(",")] };
-        let option = |word: String| OsString::from(format!("--{}={word}", key.replace('_', "-")));
-        arguments.extend(words.into_iter().map(option));
+        let words = words(arg, key, value, &|value| beside(path, key, value));
+        let place = || format!("line {line}");
+        let words = words.map_err(|problem| Error::content(path, place(), format!("{key} {problem}")))?;
+        if arg.is_positional() { &mut positional } else { &mut arguments }.extend(words);
     }
     if !positional.is_empty() {
         arguments.push("--".into());
         arguments.extend(positional);
     }
     Ok(arguments)
+}
+
+/// The words of an option, or those of a positional argument.
+fn words(arg: &Arg, key: &str, value: &Value, each: &dyn Fn(&str) -> String) -> Result<Vec<OsString>, &'static str> {
+    let name = key.replace('_', "-");
+    let is_flag = matches!(arg.get_action(), ArgAction::SetTrue);
+    let values = match value {
+        Value::Flag(flag) if is_flag => return Ok(flag.then(|| format!("--{name}").into()).into_iter().collect()),
+        Value::Flag(_) => return Err("takes no true or false"),
+        _ if is_flag => return Err("is true or false"),
+        Value::One(one) => std::slice::from_ref(one),
+        Value::Many(many) => many,
+    };
+    let values: Vec<String> = values.iter().map(|value| each(value)).collect();
+    if arg.is_positional() {
+        return Ok(values.into_iter().map(OsString::from).collect());
+    }
+    let repeated = matches!(arg.get_action(), ArgAction::Append) && arg.get_value_delimiter().is_none();
+    let words = if repeated { values } else { vec![values.join(",")] };
+    Ok(words.into_iter().map(|word| OsString::from(format!("--{name}={word}"))).collect())
+}
+
+/// The arguments of a command with these options.
+pub(super) fn of_options(command: &Command, options: &[(String, Value)]) -> Result<Vec<OsString>, Error> {
+    // Before the options, since those of a drive file follow.
+    let (mut arguments, mut positional) = (Vec::new(), vec![OsString::from(command.get_name())]);
+    for (key, value) in options {
+        let Some(arg) = argument(command, key) else {
+            let known: Vec<String> = command.get_arguments().map(key_of).collect();
+            let near = nearest(key, known.iter().map(String::as_str));
+            return Err(Error::Usage(format!("{} has no option {key}{near}", command.get_name())));
+        };
+        let is_file = arg.is_positional();
+        let each = |value: &str| if is_file && value.starts_with('-') { format!("./{value}") } else { value.into() };
+        let words = words(arg, key, value, &each);
+        let words = words.map_err(|problem| Error::Usage(format!("{key} {problem}")))?;
+        if is_file { &mut positional } else { &mut arguments }.extend(words);
+    }
+    positional.extend(arguments);
+    Ok(positional)
+}
+
+fn key_of(arg: &Arg) -> String {
+    arg.get_long().unwrap_or(arg.get_id().as_str()).replace('-', "_")
 }
 
 /// A file is relative to the drive file.

@@ -13,17 +13,20 @@ pub(super) mod init;
 mod schema;
 
 pub(super) use guess::{Guess, is_reference};
+pub use schema::Value;
 
+use std::cell::RefCell;
 use std::ffi::OsString;
 use std::path::Path;
-use std::sync::OnceLock;
 
 use clap::ArgMatches;
 
 use crate::Error;
 
-/// The text of the file that this process was given.
-static GIVEN: OnceLock<String> = OnceLock::new();
+thread_local! {
+    /// The text of the file that the command of this thread was given.
+    static GIVEN: RefCell<Option<String>> = const { RefCell::new(None) };
+}
 
 /// Returns the arguments with those of the drive file that follows the command, if one does.
 pub(super) fn arguments(command: &clap::Command, given: Vec<OsString>) -> Result<Vec<OsString>, Error> {
@@ -33,20 +36,36 @@ pub(super) fn arguments(command: &clap::Command, given: Vec<OsString>) -> Result
     let entries = schema::entries(&path, &text)?;
     let rest: Vec<OsString> = given[..at].iter().chain(&given[at + 1..]).cloned().collect();
     let arguments = expand::with_entries(command, rest, &path, &entries)?;
-    let _first_one_stays = GIVEN.set(text);
+    GIVEN.set(Some(text));
     Ok(arguments)
 }
 
-/// The text of the drive file of this process, if it was given one.
-pub(super) fn given() -> Option<&'static str> {
-    GIVEN.get().map(String::as_str)
+/// Returns the arguments of a command without subcommands: these options, and those of the drive file that they do not
+/// have.
+pub(super) fn of_options(
+    command: &clap::Command,
+    options: &[(String, Value)],
+    path: Option<&Path>,
+) -> Result<Vec<OsString>, Error> {
+    GIVEN.set(None);
+    let given = expand::of_options(command, options)?;
+    let Some(path) = path else { return Ok(given) };
+    let text = std::fs::read_to_string(path).map_err(Error::io(path))?;
+    let arguments = expand::with_entries(command, given, path, &schema::entries(path, &text)?)?;
+    GIVEN.set(Some(text));
+    Ok(arguments)
 }
 
-/// Adds the drive file of this process to a page.
+/// The text of the drive file that the command was given, if it was.
+pub(super) fn given() -> Option<String> {
+    GIVEN.with_borrow(Clone::clone)
+}
+
+/// Adds the drive file of the command to a page.
 pub(super) fn on_page(page: String) -> String {
     let Some(text) = given() else { return page };
     let section =
-        format!("<section><h2>Drive file</h2><pre>{}</pre></section>\n</main>", crate::report::escape::escape(text));
+        format!("<section><h2>Drive file</h2><pre>{}</pre></section>\n</main>", crate::report::escape::escape(&text));
     page.replacen("</main>", &section, 1)
 }
 

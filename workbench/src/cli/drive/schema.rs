@@ -96,10 +96,14 @@ pub(super) struct Entry {
     pub(super) line: usize,
 }
 
+/// The value of an option.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Value {
+pub enum Value {
+    /// A text, or a number as text.
     One(String),
+    /// A list of them.
     Many(Vec<String>),
+    /// Whether an option without a value is given.
     Flag(bool),
 }
 
@@ -162,7 +166,7 @@ pub(super) fn section_of(key: &str) -> Option<&'static Section> {
 }
 
 /// "; did you mean …", if a known word is near.
-fn nearest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> String {
+pub(super) fn nearest<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> String {
     let near = known.map(|other| (strsim::jaro_winkler(word, other), other));
     match near.max_by(|one, other| one.0.total_cmp(&other.0)) {
         Some((likeness, other)) if likeness > 0.75 => format!("; did you mean {other}?"),

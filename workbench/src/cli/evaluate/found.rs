@@ -2,8 +2,6 @@
 
 use serde_json::{Map, Value};
 
-use crate::Error;
-use crate::cli::output;
 use crate::core::features::Catalogue;
 use crate::evaluate::{Breakdown, Chance, Control, FalseAlarms, Judged, Rate, Stability, stability};
 use crate::train::features_of;
@@ -40,25 +38,23 @@ impl Found {
         }
     }
 
-    pub(super) fn print(&self) -> Result<(), Error> {
+    pub(super) fn lines(&self) -> Vec<String> {
         let chance = self.chance.iter().map(ToString::to_string);
         let by_run = self.by_run.iter().map(|found| format!("false alarms {found}"));
         let by = self.by.iter().map(ToString::to_string);
         let controls = self.controls.iter().map(ToString::to_string);
-        chance.chain(by_run).chain(by).chain(controls).try_for_each(output::say)?;
-        for Untrained { name, rate, control } in &self.untrained {
+        let untrained = self.untrained.iter().map(|Untrained { name, rate, control }| {
             let what = if *control { "negative control" } else { "not trained" };
-            output::say(format!("{name}, {what}: not called healthy {rate}"))?;
-        }
+            format!("{name}, {what}: not called healthy {rate}")
+        });
+        let mut lines: Vec<String> = chance.chain(by_run).chain(by).chain(controls).chain(untrained).collect();
         for (class, rows) in &self.stability {
-            output::say(format!(
-                "features of {class} over {} runs: likeness within a run (ICC), drift a run in",
-                rows[0].runs
-            ))?;
-            output::say("  standard deviations within a run, its p")?;
-            rows.iter().try_for_each(|row| output::say(format!("  {row}")))?;
+            let runs = rows[0].runs;
+            lines.push(format!("features of {class} over {runs} runs: likeness within a run (ICC), drift a run in"));
+            lines.push("  standard deviations within a run, its p".into());
+            lines.extend(rows.iter().map(|row| format!("  {row}")));
         }
-        Ok(())
+        lines
     }
 }
 

@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use bearing_watch::Counts;
 
 use crate::Error;
-use crate::cli::args::traces::{GroupArgs, SelectionArgs, warn_irregular, warn_refused};
-use crate::cli::model_file::{check_rate, prepare, read_model};
+use crate::cli::args::traces::{Given, GroupArgs, Selection, SelectionArgs, warn_irregular, warn_refused};
+use crate::cli::model_file::{Notes, check_rate, prepare, read_model};
 use crate::cli::output;
 use crate::core::{Embedded, stuck_channels};
 use crate::evaluate::{self, Breakdown, Chance, Confusion, Control, FalseAlarms, Judged, TraceVerdict};
@@ -23,6 +23,20 @@ pub(in crate::cli) struct Args {
     /// The binary model; it contains its channels and preparation
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
+    #[command(flatten)]
+    choice: Choice,
+    /// Write every verdict to this CSV
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Print JSON: classes, confusion, error_rate, balanced_accuracy, log_score, brier_score, each with its interval,
+    /// and chance; with --group false_alarms_by_run and features_by_run; with --by and --controls by and controls
+    #[arg(long)]
+    json: bool,
+}
+
+/// What a model is evaluated on, and what is counted.
+#[derive(Clone, Debug, clap::Args)]
+pub(in crate::cli) struct Choice {
     #[command(flatten)]
     selection: SelectionArgs,
     /// Only the rows with this, e.g. 'run>4'; may be repeated, all must hold
@@ -44,109 +58,140 @@ pub(in crate::cli) struct Args {
     /// called healthy
     #[arg(long, value_name = "CLASSES", value_delimiter = ',')]
     control_classes: Vec<String>,
-    /// Write every verdict to this CSV
-    #[arg(long, value_name = "FILE")]
-    out: Option<PathBuf>,
-    /// Print JSON: classes, confusion, error_rate, balanced_accuracy, log_score, brier_score, each with its interval,
-    /// and chance; with --group false_alarms_by_run and features_by_run; with --by and --controls by and controls
-    #[arg(long)]
-    json: bool,
+}
+
+/// The verdicts of a model on labelled traces, and their rates.
+pub(in crate::cli) struct Evaluation {
+    /// Trained classes, then others.
+    classes: Vec<String>,
+    verdicts: Vec<TraceVerdict>,
+    confusion: Confusion,
+    scores: Scores,
+    found: Found,
+    /// Column of the labels whose values the intervals count.
+    column: Option<String>,
+    /// Number of traces that the model was trained on.
+    seen: usize,
+    /// Number of segments with a covariate out of its range.
+    outside: usize,
 }
 
 pub(in crate::cli) fn run(args: &Args) -> Result<(), Error> {
     let (model, notes) = read_model(&args.model)?;
-    let selection = args.selection.read(&notes.channels())?;
-    let inputs = [selection.inputs(&args.selection.labels), vec![args.model.clone()]].concat();
+    let selection = args.choice.selection.read(&notes.channels(), Given::default())?;
+    let inputs = [selection.inputs(), vec![args.model.clone()]].concat();
     output::plan(&args.out.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &inputs)?;
-    let (names, mut traces) = selection.rows(&args.test_where)?;
-    // Untrained classes follow the trained ones: a gate can still distinguish them from healthy.
-    let mut classes = model.classes.clone();
-    for labelled in &mut traces {
-        let name = &names[labelled.class];
-        if !classes.contains(name) {
-            if model.healthy().is_none() {
-                let known = model.classes.join(", ");
-                let problem = format!("unknown class {name}: the model has {known}; select with --classes");
-                return Err(Error::trace(&labelled.trace.id, problem));
-            }
-            classes.push(name.clone());
-        }
-        labelled.class = classes.iter().position(|class| class == name).unwrap_or(0);
-    }
-    let groups = args.groups.read(&selection, &traces)?;
-    groups.refuse_known(&notes.units)?;
-    let seen = traces.iter().filter(|t| notes.trained_on.iter().any(|id| id == stem(&t.trace.id))).count();
-    if seen > 0 {
-        output::warn(format!("{seen} of {} traces were trained on: the rates flatter the model", traces.len()));
-    }
-    warn_irregular(traces.iter().map(|t| &t.trace));
-    warn_refused(traces.iter().map(|t| &t.trace));
-    check_rate(&model, notes.preparation(), traces.iter().map(|t| &t.trace))?;
-    let bar = output::progress("evaluating", traces.len());
-    let verdicts = evaluate::run(&model, &prepare(&traces, notes.preparation())?, || bar.inc(1))?;
-    bar.finish_and_clear();
+    let found = args.choice.of_selection((&model, &notes), &selection)?;
     if let Some(path) = &args.out {
-        output::write(path, csv(&model, &classes, &verdicts)?)?;
+        output::write(path, csv(&model, &found.classes, &found.verdicts)?)?;
     }
-    let segments = || verdicts.iter().flat_map(|verdict| &verdict.segments);
-    let outside = segments().filter(|segment| segment.outside.contains(&true)).count();
-    if outside > 0 {
-        let of = segments().count();
-        output::warn(format!(
-            "in {outside} of {of} segments a covariate is missing or outside the range of the training traces: the \
-             verdict lacks the features that it explains"
-        ));
+    if args.json { output::json(&found.to_json()) } else { found.lines().iter().try_for_each(output::say) }
+}
+
+impl Choice {
+    /// Evaluates a model on what is given in memory, and on files for the rest.
+    pub(in crate::cli) fn evaluate(&self, model: (&Embedded, &Notes), given: Given) -> Result<Evaluation, Error> {
+        self.of_selection(model, &self.selection.read(&model.1.channels(), given)?)
     }
-    if let Some(name) = args.control_classes.iter().find(|name| !classes[model.classes.len()..].contains(name)) {
-        let problem = "is no class of these traces that the model was not trained on";
-        return Err(Error::Usage(format!("--control-classes: {name} {problem}")));
-    }
-    let judged = Judged {
-        verdicts: &verdicts,
-        classes: &classes,
-        trained: model.classes.len(),
-        healthy: model.healthy(),
-        groups: groups.clusters(),
-        per_segment: args.per_segment,
-    };
-    let cells = |column: &String| Ok((column.clone(), selection.cells(column, &traces)?));
-    let columns = |names: &[String]| names.iter().map(cells).collect::<Result<Vec<_>, Error>>();
-    let found = Found {
-        by_run: groups
-            .runs
-            .as_ref()
-            .zip(model.healthy())
-            .map(|(runs, healthy)| FalseAlarms::of(&verdicts, runs, healthy, args.per_segment)),
-        chance: Chance::of(&judged),
-        by: columns(&args.by)?.iter().map(|(column, cells)| Breakdown::of(&judged, column, cells)).collect(),
-        controls: columns(&args.controls)?.iter().map(|(column, cells)| Control::of(&judged, column, cells)).collect(),
-        untrained: untrained(&judged, &args.control_classes),
-        stability: groups
-            .runs
-            .as_ref()
-            .map_or_else(Vec::new, |runs| stabilities(&judged, runs, &model.catalogue(&notes.orders), &notes.features)),
-    };
-    let is_trained: Vec<bool> = verdicts.iter().map(|verdict| verdict.class < model.classes.len()).collect();
-    let clusters = groups.clusters().map(|names| kept(names, &is_trained));
-    let verdicts = kept(&verdicts, &is_trained);
-    let confusion = evaluate::count(&model.classes, &verdicts, clusters.as_deref(), args.per_segment);
-    let confusion = Confusion { healthy: model.healthy(), ..confusion };
-    let scores = Scores::of_verdicts(&verdicts, &model.priors(), args.per_segment);
-    if args.json {
-        let mut value = confusion.to_json();
-        value["trained_on"] = seen.into();
-        value["covariates_out_of_range"] = outside.into();
-        found.add_to(&mut value);
-        scores.add_to(&mut value);
-        output::json(&value)
-    } else {
-        // The confusion matrix is empty without a trace of a trained class.
-        if confusion.total() > 0 {
-            output::say(format!("{confusion}\n{}", scores.summary()))?;
-            let column = args.groups.unit.as_ref().or(args.groups.group.as_ref());
-            column.map_or(Ok(()), |column| output::say(format!("intervals count values of {column}")))?;
+
+    fn of_selection(&self, (model, notes): (&Embedded, &Notes), selection: &Selection) -> Result<Evaluation, Error> {
+        let (names, mut traces) = selection.rows(&self.test_where)?;
+        // Untrained classes follow the trained ones: a gate can still distinguish them from healthy.
+        let mut classes = model.classes.clone();
+        for labelled in &mut traces {
+            let name = &names[labelled.class];
+            if !classes.contains(name) {
+                if model.healthy().is_none() {
+                    let known = model.classes.join(", ");
+                    let problem = format!("unknown class {name}: the model has {known}; select with --classes");
+                    return Err(Error::trace(&labelled.trace.id, problem));
+                }
+                classes.push(name.clone());
+            }
+            labelled.class = classes.iter().position(|class| class == name).unwrap_or(0);
         }
-        found.print()
+        let groups = self.groups.read(selection, &traces)?;
+        groups.refuse_known(&notes.units)?;
+        let seen = traces.iter().filter(|t| notes.trained_on.iter().any(|id| id == stem(&t.trace.id))).count();
+        if seen > 0 {
+            output::warn(format!("{seen} of {} traces were trained on: the rates flatter the model", traces.len()));
+        }
+        warn_irregular(traces.iter().map(|t| &t.trace));
+        warn_refused(traces.iter().map(|t| &t.trace));
+        check_rate(model, notes.preparation(), traces.iter().map(|t| &t.trace))?;
+        let bar = output::progress("evaluating", traces.len());
+        let verdicts = evaluate::run(model, &prepare(&traces, notes.preparation())?, || bar.inc(1))?;
+        bar.finish_and_clear();
+        let segments = || verdicts.iter().flat_map(|verdict| &verdict.segments);
+        let outside = segments().filter(|segment| segment.outside.contains(&true)).count();
+        if outside > 0 {
+            let of = segments().count();
+            output::warn(format!(
+                "in {outside} of {of} segments a covariate is missing or outside the range of the training traces: the \
+                 verdict lacks the features that it explains"
+            ));
+        }
+        if let Some(name) = self.control_classes.iter().find(|name| !classes[model.classes.len()..].contains(name)) {
+            let problem = "is no class of these traces that the model was not trained on";
+            return Err(Error::Usage(format!("--control-classes: {name} {problem}")));
+        }
+        let judged = Judged {
+            verdicts: &verdicts,
+            classes: &classes,
+            trained: model.classes.len(),
+            healthy: model.healthy(),
+            groups: groups.clusters(),
+            per_segment: self.per_segment,
+        };
+        let cells = |column: &String| Ok((column.clone(), selection.cells(column, &traces)?));
+        let columns = |names: &[String]| names.iter().map(cells).collect::<Result<Vec<_>, Error>>();
+        let found = Found {
+            by_run: groups
+                .runs
+                .as_ref()
+                .zip(model.healthy())
+                .map(|(runs, healthy)| FalseAlarms::of(&verdicts, runs, healthy, self.per_segment)),
+            chance: Chance::of(&judged),
+            by: columns(&self.by)?.iter().map(|(column, cells)| Breakdown::of(&judged, column, cells)).collect(),
+            controls: columns(&self.controls)?
+                .iter()
+                .map(|(column, cells)| Control::of(&judged, column, cells))
+                .collect(),
+            untrained: untrained(&judged, &self.control_classes),
+            stability: groups.runs.as_ref().map_or_else(Vec::new, |runs| {
+                stabilities(&judged, runs, &model.catalogue(&notes.orders), &notes.features)
+            }),
+        };
+        let is_trained: Vec<bool> = verdicts.iter().map(|verdict| verdict.class < model.classes.len()).collect();
+        let clusters = groups.clusters().map(|names| kept(names, &is_trained));
+        let known = kept(&verdicts, &is_trained);
+        let confusion = evaluate::count(&model.classes, &known, clusters.as_deref(), self.per_segment);
+        let confusion = Confusion { healthy: model.healthy(), ..confusion };
+        let scores = Scores::of_verdicts(&known, &model.priors(), self.per_segment);
+        let column = self.groups.unit.as_ref().or(self.groups.group.as_ref()).cloned();
+        Ok(Evaluation { classes, verdicts, confusion, scores, found, column, seen, outside })
+    }
+}
+
+impl Evaluation {
+    pub(in crate::cli) fn to_json(&self) -> serde_json::Value {
+        let mut value = self.confusion.to_json();
+        value["trained_on"] = self.seen.into();
+        value["covariates_out_of_range"] = self.outside.into();
+        self.found.add_to(&mut value);
+        self.scores.add_to(&mut value);
+        value
+    }
+
+    pub(in crate::cli) fn lines(&self) -> Vec<String> {
+        let mut lines = vec![];
+        // The confusion matrix is empty without a trace of a trained class.
+        if self.confusion.total() > 0 {
+            lines.push(format!("{}\n{}", self.confusion, self.scores.summary()));
+            lines.extend(self.column.as_ref().map(|column| format!("intervals count values of {column}")));
+        }
+        lines.extend(self.found.lines());
+        lines
     }
 }
 

@@ -1,7 +1,7 @@
 //! Traces of the DC-motor rig.
 
-use super::files::csv;
-use super::{Args, Experiment, Simulated};
+use super::files::table;
+use super::{Choice, Experiment, Simulated};
 use crate::Error;
 use crate::rig::{Condition, Defect, DefectKind, Duty, Scenario, Waveform, simulate};
 use crate::trace::FrontEndFile;
@@ -16,7 +16,7 @@ pub(super) struct Dc {
 }
 
 impl Dc {
-    pub(super) fn new(args: &Args) -> Result<Self, Error> {
+    pub(super) fn new(args: &Choice) -> Result<Self, Error> {
         let refused = |option: &str| {
             Err(Error::Usage(format!("{option} belongs to the EMA rig; add --rig ema, or leave {option} out")))
         };
@@ -68,7 +68,8 @@ impl Experiment for Dc {
 
     fn simulate(&self, kind: DefectKind, seed: u64) -> Result<Simulated, Error> {
         let scenario = self.scenario(kind, seed);
-        Ok(Simulated { csv: csv(&simulate(&scenario, seed)?.recorded()), shape: reference_name(&scenario, seed) })
+        let table = table(simulate(&scenario, seed)?.recorded());
+        Ok(Simulated { table, shape: reference_name(&scenario, seed) })
     }
 }
 

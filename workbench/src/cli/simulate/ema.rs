@@ -1,7 +1,7 @@
 //! Traces of the EMA rig.
 
-use super::files::csv;
-use super::{Args, Experiment, Simulated};
+use super::files::table;
+use super::{Choice, Experiment, Simulated};
 use crate::Error;
 use crate::rig::DefectKind;
 use crate::rig::ema::{EmaCondition, EmaDefect, EmaScenario, Logging, Race, simulate};
@@ -17,7 +17,7 @@ pub(super) struct Ema {
 }
 
 impl Ema {
-    pub(super) fn new(args: &Args) -> Result<Self, Error> {
+    pub(super) fn new(args: &Choice) -> Result<Self, Error> {
         let refused = |message: String| Err(Error::Usage(message));
         if args.waveform.is_some() {
             return refused("--rig ema takes its command from --condition; leave out --waveform".into());
@@ -70,8 +70,7 @@ impl Experiment for Ema {
 
     fn simulate(&self, kind: DefectKind, seed: u64) -> Result<Simulated, Error> {
         let scenario = self.scenario(kind, seed);
-        let recorded = simulate(&scenario, seed)?.recorded();
-        let columns: Vec<(&str, &[f64])> = recorded.iter().map(|(name, column)| (*name, column.as_slice())).collect();
-        Ok(Simulated { csv: csv(&columns), shape: scenario.command.name() })
+        let table = table(simulate(&scenario, seed)?.recorded());
+        Ok(Simulated { table, shape: scenario.command.name() })
     }
 }

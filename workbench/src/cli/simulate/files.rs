@@ -5,17 +5,21 @@ use std::path::Path;
 use crate::Error;
 use crate::cli::output;
 
-/// Returns columns of the same length as CSV. Nine significant digits are far finer than the noise, and keep the files
-/// small.
-pub(super) fn csv(columns: &[(&str, &[f64])]) -> String {
+/// Columns with their names.
+pub(super) type Table = Vec<(&'static str, Vec<f64>)>;
+
+/// Returns columns with nine significant digits, which are far finer than the noise and keep files small.
+pub(super) fn table<C: AsRef<[f64]>>(columns: Vec<(&'static str, C)>) -> Table {
+    let rounded = |x: &f64| format!("{x:.8e}").parse().unwrap_or(*x);
+    columns.into_iter().map(|(name, column)| (name, column.as_ref().iter().map(rounded).collect())).collect()
+}
+
+/// Returns columns of the same length as CSV.
+pub(super) fn csv(columns: &Table) -> String {
     let names: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
     let mut out = names.join(",") + "\n";
     for k in 0..columns.first().map_or(0, |(_, column)| column.len()) {
-        let cells = columns.iter().map(|(_, column)| {
-            let digits = format!("{:.8e}", column[k]);
-            digits.parse::<f64>().map_or(digits, |rounded| rounded.to_string())
-        });
-        let cells: Vec<String> = cells.collect();
+        let cells: Vec<String> = columns.iter().map(|(_, column)| column[k].to_string()).collect();
         out.push_str(&cells.join(","));
         out.push('\n');
     }

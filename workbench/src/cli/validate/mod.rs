@@ -12,7 +12,7 @@ use crate::Error;
 use crate::cli::args::method::MethodArgs;
 use crate::cli::args::traces::{PreparationArgs, StructureArgs, TraceArgs};
 use crate::cli::output;
-use crate::identify::{Method, Options};
+use crate::identify::Options;
 use crate::report::pages::validation::{Outcome, cancellation, page};
 use crate::trace::Trace;
 use crate::validate::roots::Root;
@@ -51,16 +51,6 @@ pub(in crate::cli) struct Args {
     json: bool,
 }
 
-/// Returns which residuals the estimator minimises.
-fn errors_of(method: Method) -> Errors {
-    match method {
-        Method::Ls => Errors::LeastSquares,
-        Method::Iv | Method::IvCommand | Method::Iv4 => Errors::Instruments,
-        Method::Armax => Errors::Prediction,
-        Method::Sriv | Method::Sm | Method::Oe => Errors::Simulation,
-    }
-}
-
 pub(in crate::cli) fn run(args: &Args) -> Result<(), Error> {
     args.input.channels.require(args.structure.structure())?;
     let preparation = args.preparation.preparation()?;
@@ -76,7 +66,7 @@ pub(in crate::cli) fn run(args: &Args) -> Result<(), Error> {
             Some(given) => (given.clone(), Errors::Given),
             None => {
                 let estimate = args.method.estimate(&trace, structure, Options::default())?;
-                (estimate, errors_of(args.method.method))
+                (estimate, Errors::of(args.method.method))
             }
         };
         let found = validate(&trace, &estimate, errors, usize::from(args.lags))?;

@@ -15,6 +15,7 @@ use bearing_watch::{PhaseCounts, Position, RawSample};
 use super::FrontEndFile;
 use super::clean::raw_sample;
 use crate::Error;
+use crate::trace::table::Table;
 use crate::trace::{Channels, reader};
 
 /// Returns the rows of the only trace of a file, with the further channels in the given order.
@@ -22,12 +23,13 @@ use crate::trace::{Channels, reader};
 /// # Errors
 /// A file without these columns or with several traces; a front end that reads sine and cosine of a resolver.
 pub fn raw_rows(path: &Path, front_end: &FrontEndFile, further: &[&str]) -> Result<Vec<u8>, Error> {
-    let header = reader::header_of(path, None)?;
+    let table = Table::open(path)?;
+    let header = reader::header_of(&table, None)?;
     let own = front_end.columns();
     let timed = header.time().map(|place| header.names()[place].as_str());
     let names: Vec<String> = own.iter().chain(further).copied().chain(timed).map(String::from).collect();
     let channels = Channels { further: names, ..Channels::new(own[0], own[0], own[0]) };
-    let traces = reader::read(path, &channels, &|_| true)?;
+    let traces = reader::read(&table, &channels, &|_| true)?;
     let [trace] = &traces[..] else {
         return Err(Error::content(path, "trace", "contains several traces; give a file of one"));
     };

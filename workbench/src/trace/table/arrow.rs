@@ -14,7 +14,7 @@ use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use rayon::prelude::*;
 
-use super::{Columns, Wanted};
+use super::{Cells, Columns, Wanted};
 use crate::Error;
 
 /// Rows of one batch.
@@ -154,7 +154,16 @@ fn numbers(array: &dyn Array) -> Option<Vec<f64>> {
     Some(flags.iter().map(|flag| flag.map_or(f64::NAN, |flag| f64::from(u8::from(flag)))).collect())
 }
 
-/// The cells of a column of text, or of whole numbers as text.
+/// The cells of the chunks of a column.
+pub(super) fn cells<'a>(chunks: impl Iterator<Item = &'a dyn Array> + Clone) -> Cells {
+    let kind = chunks.clone().next().map_or_else(String::new, |array| array.data_type().to_string());
+    if let Some(found) = chunks.clone().map(numbers).collect::<Option<Vec<_>>>() {
+        return Cells::Numbers(found.concat());
+    }
+    chunks.map(texts).collect::<Option<Vec<_>>>().map_or(Cells::Other(kind), |found| Cells::Texts(found.concat()))
+}
+
+/// The cells of a column of text, also of a dictionary, or of whole numbers as text.
 fn texts(array: &dyn Array) -> Option<Vec<String>> {
     let owned = |cell: Option<&str>| cell.unwrap_or_default().to_string();
     if let Some(array) = array.as_string_opt::<i32>() {
@@ -162,6 +171,16 @@ fn texts(array: &dyn Array) -> Option<Vec<String>> {
     }
     if let Some(array) = array.as_string_opt::<i64>() {
         return Some(array.iter().map(owned).collect());
+    }
+    if let Some(array) = array.as_string_view_opt() {
+        return Some(array.iter().map(owned).collect());
+    }
+    if let Some(array) = array.as_any_dictionary_opt() {
+        let words = texts(array.values().as_ref())?;
+        let keys = array.normalized_keys().into_iter().enumerate();
+        return Some(
+            keys.map(|(row, key)| if array.is_null(row) { String::new() } else { words[key].clone() }).collect(),
+        );
     }
     let array = array.as_primitive_opt::<Int64Type>()?;
     Some(array.iter().map(|cell| cell.map_or_else(String::new, |number| number.to_string())).collect())

@@ -6,6 +6,8 @@
 //! .parquet             Parquet, .arrow .feather: Arrow's file format ([`arrow`])
 //! .npz                 arrays of NumPy ([`numpy`])
 //! ```
+//!
+//! A table may also be in memory ([`recorded`]).
 
 mod arrow;
 mod layout;
@@ -13,13 +15,16 @@ mod matlab;
 mod matlab_value;
 mod numpy;
 mod plain;
+mod recorded;
 mod text;
 mod write;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::Error;
 
+pub use recorded::{Cells, Recorded};
 pub(crate) use text::csv_error;
 pub(crate) use write::write;
 
@@ -31,7 +36,7 @@ const EXTENSIONS: [&str; 9] = ["csv", "tsv", "txt", "dat", "mat", "parquet", "ar
 /// Extensions of compressed text.
 const COMPRESSED: [&str; 2] = ["gz", "zst"];
 
-/// A file whose columns are known and not yet read.
+/// A file whose columns are known and not yet read, or a table in memory.
 #[derive(Debug)]
 pub(crate) struct Table {
     path: PathBuf,
@@ -44,6 +49,7 @@ enum Content {
     Text(text::Text),
     Columns(Vec<Vec<f64>>),
     Arrow(arrow::Kind),
+    Memory(Arc<Recorded>),
 }
 
 /// Columns of numbers, in the order in which they were asked for, and the cells of a column of text.
@@ -124,6 +130,25 @@ impl Table {
         Ok(Self { path: path.to_path_buf(), names, content })
     }
 
+    /// A table in memory; messages name it as a file.
+    pub(crate) fn of(recorded: &Arc<Recorded>) -> Self {
+        let names = recorded.names().map(String::from).collect();
+        Self { path: recorded.name().into(), names, content: Content::Memory(Arc::clone(recorded)) }
+    }
+
+    /// The file, for messages.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Id of the only trace of the table: the name of its file without folder, or of a table in memory.
+    pub(crate) fn id(&self) -> String {
+        match &self.content {
+            Content::Memory(recorded) => recorded.name().into(),
+            _ => self.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+        }
+    }
+
     /// Names of the columns.
     pub(crate) fn names(&self) -> &[String] {
         &self.names
@@ -141,6 +166,7 @@ impl Table {
                 ..Columns::default()
             },
             Content::Arrow(kind) => arrow::read((&self.path, &self.names), *kind, wanted)?,
+            Content::Memory(recorded) => recorded.read(wanted)?,
         };
         for (place, column) in wanted.numbers.iter().zip(&columns.numbers) {
             if let Some(row) = column.iter().position(|value| value.abs() > LARGEST || value.is_nan()) {
