@@ -1,5 +1,5 @@
 //! What the repository's own commands do: `cargo xtask test | long | firmware | c | pil | frameworks | newcomer |
-//! measure | peers | docs | setup`.
+//! measure | peers | python | docs | setup`.
 
 mod board;
 mod bounds;
@@ -17,6 +17,7 @@ mod newcomer;
 mod peers;
 mod pil;
 mod public;
+mod python;
 mod qemu;
 mod rivals;
 mod setup;
@@ -94,6 +95,8 @@ enum Command {
     /// Times the workbench and other identification programs on the same traces, and compares the table of the field
     /// with that of a plain program; installs them in a virtual environment.
     Peers,
+    /// Builds the Python package, installs it in a virtual environment of the target directory, and runs its tests.
+    Python,
     /// Writes the figures that README and docs quote: those of commands that take seconds, or those named.
     Docs {
         /// Blocks of documents, for example `target`, `campaign`, `tables`.
@@ -125,6 +128,9 @@ fn run(arguments: &Arguments) -> Result<bool> {
     if matches!(arguments.command, Command::Peers) {
         return peers::run();
     }
+    if matches!(arguments.command, Command::Python) {
+        return Ok(python::run());
+    }
     if matches!(arguments.command, Command::Long) {
         return long::run();
     }
@@ -155,7 +161,7 @@ fn run(arguments: &Arguments) -> Result<bool> {
             }
         }
         Command::Setup => println!("ready: firmware the {way} way, emulator {}", qemu::PROGRAM),
-        Command::Test | Command::Long | Command::Peers | Command::Docs { .. } => {}
+        Command::Test | Command::Long | Command::Peers | Command::Python | Command::Docs { .. } => {}
     }
     Ok(true)
 }

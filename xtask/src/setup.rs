@@ -44,6 +44,11 @@ pub fn ensure_program(program: &str, packages: &[&str]) -> Result<()> {
     })
 }
 
+/// Installs Debian packages, where the system allows it.
+pub fn install_packages(packages: &[&str]) -> Result<()> {
+    install(packages)
+}
+
 /// What the user is told when installing fails or is not allowed.
 fn missing(way: Way, wanted: &[&str]) -> String {
     let list = wanted.join(" ");

@@ -48,6 +48,23 @@ impl Tally {
         }
     }
 
+    /// Adds a line such as `2 failed, 121 passed, 1 skipped, 3 xfailed, 1 error in 4.50s`, the last one of pytest.
+    pub fn add_pytest(&mut self, line: &str) {
+        let line = line.trim_matches(['=', ' ']);
+        let Some((counts, _)) = line.rsplit_once(" in ").filter(|(_, time)| time.contains('s')) else { return };
+        let counts = counts.split(", ").map(|part| part.split_once(' '));
+        let counts = counts.map(|part| part.and_then(|(number, word)| Some((number.parse().ok()?, word))));
+        let Some(counts) = counts.collect::<Option<Vec<(u64, &str)>>>() else { return };
+        for (number, word) in counts {
+            match word {
+                "passed" | "xfailed" => self.passed += number,
+                "failed" | "error" | "errors" | "xpassed" => self.failed += number,
+                "skipped" => self.skipped += number,
+                _ => {}
+            }
+        }
+    }
+
     fn add(&mut self, other: Self) {
         self.passed += other.passed;
         self.failed += other.failed;
@@ -132,6 +149,17 @@ mod tests {
         );
         tally.add_libtest("test passed ... ok");
         assert_eq!(tally.to_string(), "6 passed, 3 failed, 2 skipped");
+    }
+
+    #[test]
+    fn the_last_line_of_pytest_adds_up() {
+        let mut tally = Tally::default();
+        tally.add_pytest("= 2 failed, 121 passed, 1 skipped, 3 xfailed, 4 warnings, 1 error in 405.51s (0:06:45) =");
+        tally.add_pytest("tests/test_x.py ....    [ 12%]");
+        tally.add_pytest("9 bottles hang in 3 rows");
+        assert_eq!(tally.to_string(), "124 passed, 3 failed, 1 skipped");
+        tally.add_pytest("5 passed in 1.20s");
+        assert_eq!(tally.passed, 129);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 
 use crate::tally::{Stages, Tally};
 use crate::toolchain::{self, Way};
-use crate::{c_library, child, frameworks, newcomer, pil, setup, target, workspace};
+use crate::{c_library, child, frameworks, newcomer, pil, python, setup, target, workspace};
 
 /// Runs all stages, prints the table and the count; whether nothing failed. A failing stage does
 /// not keep later ones from running, unless they need it.
@@ -18,6 +18,7 @@ pub fn run(asked: Option<Way>) -> bool {
     stages.stage("lints", lints);
     stages.stage("documentation", documentation);
     stages.stage("host tests", host_tests);
+    stages.stage("Python", python::checks);
     stages.stage("firmware builds", |tally| target::builds(tally, way));
     stages.stage("host = target", |tally| target::same_lines(tally, way));
     stages.stage("processor in the loop", |tally| pil::check(tally, way));

@@ -1,5 +1,5 @@
-//! Commands as functions, for programs that call the workbench, such as the Python package: options and tables in memory
-//! come in, results and warnings go out. The results are those of the command line, to the last bit.
+//! Commands as functions, for programs that call the workbench, such as the Python package: options and tables in
+//! memory come in, results and warnings go out. The results are those of the command line, to the last bit.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

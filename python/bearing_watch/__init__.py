@@ -1,0 +1,51 @@
+"""Bearing-fault detection from the signals that a motor drive already has.
+
+The functions run the Rust library of bearing-watch on arrays and tables:
+
+* :func:`identify`, :func:`structure`, :func:`validate`: linear difference models of recorded signals;
+* :func:`train`, :func:`evaluate`, :class:`Model`: the models of detectors, equal to those of the command line to the
+  last byte;
+* :class:`Detector`: the detector of the firmware, in single precision with the same bits;
+* :func:`simulate`: recordings of the simulated rigs;
+* :mod:`bearing_watch.sklearn`: the classifier and the novelty gate on matrices of features, as estimators of
+  scikit-learn.
+"""
+
+from bearing_watch._core import BearingWatchError
+from bearing_watch._detector import Detector, Verdicts
+from bearing_watch._model import Evaluation, Model, evaluate, train
+from bearing_watch._simulate import Recording, simulate
+from bearing_watch._signals import (
+    Correlation,
+    Estimate,
+    ResidualTest,
+    Roots,
+    StructureSearch,
+    Validation,
+    identify,
+    structure,
+    validate,
+)
+from bearing_watch._tables import BearingWatchWarning
+
+__all__ = [
+    "BearingWatchError",
+    "BearingWatchWarning",
+    "Correlation",
+    "Detector",
+    "Estimate",
+    "Evaluation",
+    "Model",
+    "Recording",
+    "ResidualTest",
+    "Roots",
+    "StructureSearch",
+    "Validation",
+    "Verdicts",
+    "evaluate",
+    "identify",
+    "simulate",
+    "structure",
+    "train",
+    "validate",
+]

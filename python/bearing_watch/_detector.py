@@ -1,0 +1,217 @@
+"""The detector of the firmware on arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any, Optional, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from bearing_watch import _core
+from bearing_watch._model import Model
+from bearing_watch._tables import Path, Table, table
+
+_Single = npt.NDArray[np.float32]
+_Count = npt.NDArray[np.int64]
+_Text = npt.NDArray[np.str_]
+
+
+@dataclass(frozen=True)
+class Verdicts:
+    """What the detector reports on s segments: the numbers of ``bearing-watch replay``, to the last bit.
+
+    Attributes
+    ----------
+    start, length : ndarray of int, shape (s,)
+        First sample of the segment in its trace, and number of samples.
+    verdict : ndarray of str, shape (s,)
+        Name of the class, ``novel``, ``ambiguous`` or ``undetermined``.
+    undetermined : ndarray of str, shape (s,)
+        Why there is no verdict; empty if there is one.
+    posterior, log_likelihood : ndarray of float32, shape (s, classes)
+        Of each class; NaN without a verdict.
+    distance : ndarray of float32, shape (s,)
+        Distance from the healthy class in its standard deviations.
+    surprise : ndarray of float32, shape (s,)
+        −ln of the probability that a healthy segment is as distant, nats.
+    score : ndarray of float32, shape (s,)
+        Evidence so far, nats.
+    alarm : ndarray of bool, shape (s,)
+        Whether the alarm was raised by then.
+    cause : ndarray of str, shape (s,)
+        The class that it names, or ``unknown``.
+    trend : ndarray of float32, shape (s, 3)
+        Slope of the distance a segment, and the ends of its interval.
+    features : ndarray of float64, shape (s, features)
+        The features of the model; NaN for missing ones.
+    parameters : ndarray of float32, shape (s, p)
+        Parameters of the difference model; NaN without an estimate.
+    variance : ndarray of float32, shape (s,)
+        Variance of its residuals.
+    prominence, amplitude, slip : ndarray of float32, shape (s, orders)
+        Of each bearing order: strength relative to the noise, amplitude in A, relative slip of the cage.
+    friction : ndarray of float32, shape (s, 8) or (s, 0)
+        J/Kt (A·s²/rad), B/Kt (A·s/rad), Tc/Kt (A), 1/Kt (A/(N·m)), offset (A), load friction (A/(N·m)), Stribeck
+        friction (A), drag (A); NaN for what was not estimated.
+    rows, rejected, saturated : ndarray of int, shape (s,)
+        Rows of the regression, and samples that were not used.
+    lacking : ndarray of str, shape (s,)
+        Names of missing features, and of covariates out of range.
+    class_names, feature_names, parameter_names, order_names : list of str
+        Names of the columns of the arrays.
+    """
+
+    start: _Count
+    length: _Count
+    verdict: _Text
+    undetermined: _Text
+    posterior: _Single
+    log_likelihood: _Single
+    distance: _Single
+    surprise: _Single
+    score: _Single
+    alarm: npt.NDArray[np.bool_]
+    cause: _Text
+    trend: _Single
+    features: npt.NDArray[np.float64]
+    parameters: _Single
+    variance: _Single
+    prominence: _Single
+    amplitude: _Single
+    slip: _Single
+    friction: _Single
+    rows: _Count
+    rejected: _Count
+    saturated: _Count
+    lacking: _Text
+    class_names: list[str]
+    feature_names: list[str]
+    parameter_names: list[str]
+    order_names: list[str]
+
+    def __len__(self) -> int:
+        return len(self.start)
+
+    def to_numpy(self) -> npt.NDArray[np.void]:
+        """Return a structured array of shape (s,); a field is one of the arrays above."""
+        arrays = {own.name: getattr(self, own.name) for own in fields(self) if not own.name.endswith("_names")}
+        kinds = [(name, array.dtype, array.shape[1:]) for name, array in arrays.items()]
+        structured = np.empty(len(self), dtype=kinds)
+        for name, array in arrays.items():
+            structured[name] = array
+        return structured
+
+    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> npt.NDArray[Any]:
+        array = self.to_numpy()
+        return array if dtype is None else array.astype(dtype)
+
+    def columns(self) -> dict[str, npt.NDArray[Any]]:
+        """Return columns of shape (s,), one for each class, feature, parameter and order."""
+        names = {
+            "posterior": ("p", self.class_names),
+            "features": ("feature", self.feature_names),
+            "parameters": ("parameter", self.parameter_names),
+            "prominence": ("prominence", self.order_names),
+            "amplitude": ("amplitude", self.order_names),
+            "slip": ("slip", self.order_names),
+        }
+        columns = {}
+        for own in fields(self):
+            array = getattr(self, own.name)
+            if own.name in names:
+                prefix, each = names[own.name]
+                columns.update({f"{prefix}_{name}": array[:, k] for k, name in enumerate(each)})
+            elif isinstance(array, np.ndarray) and array.ndim == 1:
+                columns[own.name] = array
+        return columns
+
+    def __arrow_c_stream__(self, requested_schema: object = None) -> object:
+        """Return :meth:`columns` as an Arrow stream, for pyarrow, polars and others."""
+        columns = {
+            name: array.tolist() if array.dtype.kind == "U" else np.ascontiguousarray(array)
+            for name, array in self.columns().items()
+        }
+        return _core.arrow_stream(columns)
+
+
+class Detector:
+    """The detector of a model: the code and the bits of the firmware, in single precision.
+
+    Parameters
+    ----------
+    model : Model or path_like
+        The model, or its file.
+    follow : float, optional
+        Let the healthy mean follow slow changes, with this time constant in segments.
+    follow_bound : float
+        Bound of what is followed, in healthy standard deviations.
+    run_a_trace : bool
+        Each trace is a run, from power-up to power-up: its segments depend on each other, and the alarm averages their
+        evidence.
+
+    Notes
+    -----
+    The samples go in by the names of the recorded columns that the model reads (``Model.columns`` has them, or formulas
+    of them). Evidence for the alarm goes on from trace to trace, until :meth:`reset`.
+
+    Examples
+    --------
+    >>> detector = bearing_watch.Detector(model)                              # doctest: +SKIP
+    >>> detector.run(current_a=i, velocity_rad_s=w, load_torque_nm=t).verdict  # doctest: +SKIP
+    """
+
+    def __init__(
+        self,
+        model: Union[Model, Path],
+        *,
+        follow: Optional[float] = None,
+        follow_bound: float = 2.0,
+        run_a_trace: bool = False,
+    ) -> None:
+        self.model = model if isinstance(model, Model) else Model.load(model)
+        self._core = _core.Detector(self.model._core, follow, follow_bound, run_a_trace)
+
+    def run(self, trace: Optional[Table] = None, /, **columns: npt.ArrayLike) -> Verdicts:
+        """Run a whole trace.
+
+        Parameters
+        ----------
+        trace : table, optional
+            The recorded columns: a mapping of arrays of shape (n,), or a table of pandas, polars or pyarrow.
+        **columns : array_like, shape (n,)
+            The recorded columns by name instead.
+
+        Returns
+        -------
+        Verdicts
+            Of every segment; a last one of no more than half a segment is left out.
+        """
+        return self._verdicts(self._core.run(_columns(trace, columns)))
+
+    def step(self, samples: Optional[Table] = None, /, **columns: npt.ArrayLike) -> Verdicts:
+        """Take the next samples of a trace, and return the verdicts on the segments that end with them.
+
+        Pieces of any length give the verdicts of :meth:`run` on the whole trace; :meth:`finish` ends the trace.
+        """
+        return self._verdicts(self._core.step(_columns(samples, columns)))
+
+    def finish(self) -> Verdicts:
+        """End a trace whose samples came by :meth:`step`, and return the verdict on its last segment."""
+        return self._verdicts(self._core.finish())
+
+    def reset(self) -> None:
+        """Forget all samples and all evidence."""
+        self._core.reset()
+
+    def _verdicts(self, found: dict[str, Any]) -> Verdicts:
+        for name in ("verdict", "undetermined", "cause", "lacking"):
+            found[name] = np.asarray(found[name], dtype=np.str_)
+        model = self.model
+        return Verdicts(**found, class_names=model.classes, feature_names=model.features, order_names=model.orders)
+
+
+def _columns(given: Optional[Table], columns: dict[str, Any]) -> Any:
+    if given is not None and columns:
+        raise TypeError("give one table, or columns by name")
+    return table(columns if given is None else given)

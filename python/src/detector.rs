@@ -1,0 +1,251 @@
+//! The core's detector over whole traces, and over traces that come in pieces.
+
+use std::sync::Arc;
+
+use bearing_watch::plan::RunTime;
+use bearing_watch::{Baseline, FrictionTerm};
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use self_cell::self_cell;
+use workbench::Error;
+use workbench::core::{SegmentReport, Stream, Watched, Watcher};
+use workbench::identify::Terms as _;
+use workbench::trace::{Channels, Recorded, Source, Trace};
+use workbench::train::features_of;
+
+use crate::errors::{raised, refused};
+use crate::model::{Model, Own};
+use crate::tables::table;
+
+/// What runs on a model.
+struct Running<'m> {
+    stream: Stream<'m>,
+    watcher: Watcher<'m>,
+    baseline: Option<Baseline<RunTime>>,
+}
+
+self_cell!(
+    struct State {
+        owner: Arc<Own>,
+        #[covariant]
+        dependent: Running,
+    }
+);
+
+/// A segment with the evidence after it.
+type Judged = (SegmentReport, Watched);
+
+/// The detector of a model.
+#[pyclass(module = "bearing_watch._core")]
+pub(crate) struct Detector {
+    state: State,
+    follow: Option<(f32, f32)>,
+    run_a_trace: bool,
+    /// Why traces cannot come in pieces.
+    whole_only: Option<&'static str>,
+}
+
+impl std::fmt::Debug for Detector {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Detector").field("run_a_trace", &self.run_a_trace).finish_non_exhaustive()
+    }
+}
+
+fn start(own: &Arc<Own>, follow: Option<(f32, f32)>) -> PyResult<State> {
+    let begin = |own: &Arc<Own>| {
+        let model = &own.file.model;
+        let baseline = follow.map(|(segments, bound)| {
+            let problem = "follow is at least 1 segment, follow_bound is above 0, and the model needs a healthy class";
+            model.baseline(segments, bound).ok_or_else(|| refused(problem))
+        });
+        baseline.transpose()
+    };
+    let baseline = begin(own)?;
+    Ok(State::new(Arc::clone(own), |own| {
+        let model = &own.file.model;
+        Running { stream: model.stream(), watcher: model.watcher(), baseline }
+    }))
+}
+
+#[pymethods]
+impl Detector {
+    #[new]
+    fn new(model: &Model, follow: Option<f32>, follow_bound: f32, run_a_trace: bool) -> PyResult<Self> {
+        let follow = follow.map(|segments| (segments, follow_bound));
+        let whole_only = model.own.file.refuses_pieces();
+        Ok(Self { state: start(&model.own, follow)?, follow, run_a_trace, whole_only })
+    }
+
+    /// Runs a whole trace; the evidence goes on from the traces before.
+    fn run<'py>(&mut self, py: Python<'py>, columns: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
+        self.require_between()?;
+        let table = table("trace", columns)?;
+        let judged = py.detach(|| {
+            let trace = self.state.borrow_owner().file.trace(&table)?;
+            let mut segments = self.advance(&trace);
+            segments.extend(self.end());
+            Ok::<_, Error>(self.judged(segments, self.run_a_trace))
+        });
+        self.to_dict(py, &judged.map_err(raised)?)
+    }
+
+    /// Takes the next samples of a trace.
+    fn step<'py>(&mut self, py: Python<'py>, columns: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
+        if let Some(reason) = self.whole_only {
+            return Err(refused(format!("this model takes whole traces (run): {reason}")));
+        }
+        let table = table("samples", columns)?;
+        let judged = py.detach(|| {
+            let piece = piece(self.state.borrow_owner(), table)?;
+            let segments = self.advance(&piece);
+            Ok::<_, Error>(self.judged(segments, false))
+        });
+        self.to_dict(py, &judged.map_err(raised)?)
+    }
+
+    /// Ends the trace whose samples came by step.
+    fn finish<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        if self.taken() == 0 {
+            return self.to_dict(py, &[]);
+        }
+        let segments = self.end();
+        let judged = self.judged(segments.into_iter().collect(), self.run_a_trace);
+        self.to_dict(py, &judged)
+    }
+
+    /// Forgets all samples and evidence.
+    fn reset(&mut self) -> PyResult<()> {
+        self.state = start(self.state.borrow_owner(), self.follow)?;
+        Ok(())
+    }
+}
+
+/// The samples of a piece, whose time is not read.
+fn piece(own: &Own, table: Arc<Recorded>) -> Result<Trace, Error> {
+    let channels = Channels { time: Some("none".into()), rate_hz: None, ..own.file.channels() };
+    let mut traces = Source::Memory(vec![table]).read(&channels)?;
+    traces.pop().filter(|_| traces.is_empty()).ok_or_else(|| Error::Usage("the samples are of several traces".into()))
+}
+
+impl Detector {
+    fn taken(&self) -> usize {
+        self.state.borrow_dependent().stream.taken()
+    }
+
+    fn require_between(&self) -> PyResult<()> {
+        let open = "a trace is open, whose samples came by step; call finish or reset first";
+        if self.taken() == 0 { Ok(()) } else { Err(refused(open)) }
+    }
+
+    fn advance(&mut self, trace: &Trace) -> Vec<SegmentReport> {
+        self.state.with_dependent_mut(|_, running| running.stream.take(trace, running.baseline.as_mut()))
+    }
+
+    fn end(&mut self) -> Option<SegmentReport> {
+        self.state.with_dependent_mut(|_, running| running.stream.finish(running.baseline.as_mut()))
+    }
+
+    /// The evidence after each segment; a run may end with the last one, or without another one.
+    fn judged(&mut self, segments: Vec<SegmentReport>, run_ends: bool) -> Vec<Judged> {
+        self.state.with_dependent_mut(|_, running| {
+            let count = segments.len();
+            if run_ends && count == 0 {
+                running.watcher.end_run();
+            }
+            let each = |(k, segment): (usize, SegmentReport)| {
+                let watched = running.watcher.observe(&segment, run_ends && k + 1 == count);
+                (segment, watched)
+            };
+            segments.into_iter().enumerate().map(each).collect()
+        })
+    }
+
+    fn to_dict<'py>(&self, py: Python<'py>, judged: &[Judged]) -> PyResult<Bound<'py, PyDict>> {
+        let file = &self.state.borrow_owner().file;
+        let model = &file.model;
+        let result = PyDict::new(py);
+        let column = |of: &dyn Fn(&Judged) -> f32| PyArray1::from_iter(py, judged.iter().map(of));
+        let count = |of: &dyn Fn(&Judged) -> usize| PyArray1::from_iter(py, judged.iter().map(|own| of(own) as i64));
+        let wide = |width: usize, of: &dyn Fn(&Judged) -> Vec<f32>| -> PyResult<Bound<'py, PyArray2<f32>>> {
+            let rows = judged.iter().map(|own| {
+                let mut row = of(own);
+                row.resize(width, f32::NAN);
+                row
+            });
+            rows_to_array(py, rows.collect(), width)
+        };
+        let classes = model.classes.len();
+        result.set_item("start", count(&|(own, _)| own.start))?;
+        result.set_item("length", count(&|(own, _)| own.length))?;
+        let verdict = |(own, _): &Judged| {
+            own.verdict.as_ref().map_or_else(|_| "undetermined".to_string(), |found| found.name(&model.classes).into())
+        };
+        result.set_item("verdict", judged.iter().map(verdict).collect::<Vec<_>>())?;
+        let reason = |(own, _): &Judged| own.verdict.as_ref().err().cloned().unwrap_or_default();
+        result.set_item("undetermined", judged.iter().map(reason).collect::<Vec<_>>())?;
+        result.set_item("posterior", wide(classes, &|(own, _)| own.posteriors.clone())?)?;
+        result.set_item("log_likelihood", wide(classes, &|(own, _)| own.log_likelihoods.clone())?)?;
+        result.set_item("distance", column(&|(own, _)| own.distance))?;
+        result.set_item("surprise", column(&|(own, _)| own.surprise))?;
+        result.set_item("score", column(&|(_, watched)| watched.score))?;
+        result.set_item("alarm", PyArray1::from_iter(py, judged.iter().map(|(_, own)| own.alarm.is_some())))?;
+        let cause = |(_, own): &Judged| own.cause(&model.classes).unwrap_or_default().to_string();
+        result.set_item("cause", judged.iter().map(cause).collect::<Vec<_>>())?;
+        let trend = |(_, own): &Judged| own.trend.map_or_else(Vec::new, |own| vec![own.slope, own.low, own.high]);
+        result.set_item("trend", wide(3, &trend)?)?;
+        let names = model.structure().map_or_else(Vec::new, |own| own.names());
+        let raw = |(own, _): &Judged| if own.estimated { own.raw.clone() } else { vec![] };
+        result.set_item("parameters", wide(names.len(), &raw)?)?;
+        result.set_item("variance", column(&|(own, _)| if own.estimated { own.variance } else { f32::NAN }))?;
+        result.set_item("features", self.features(py, judged)?)?;
+        let orders = file.orders().len();
+        result.set_item("prominence", wide(orders, &|(own, _)| own.orders.iter().map(|o| o.prominence).collect())?)?;
+        result.set_item("amplitude", wide(orders, &|(own, _)| own.orders.iter().map(|o| o.amplitude).collect())?)?;
+        result.set_item("slip", wide(orders, &|(own, _)| own.orders.iter().map(|o| o.slip).collect())?)?;
+        let friction = |(own, _): &Judged| {
+            let of = own.friction.filter(|own| own.rows > 0);
+            let each = |own: bearing_watch::Friction| {
+                FrictionTerm::ALL.map(|term| own.parameter(term).map_or(f32::NAN, |own| own.value)).to_vec()
+            };
+            of.map_or_else(Vec::new, each)
+        };
+        let watched = if model.shaft().is_some() { FrictionTerm::ALL.len() } else { 0 };
+        result.set_item("friction", wide(watched, &friction)?)?;
+        result.set_item("rows", count(&|(own, _)| own.rows as usize))?;
+        result.set_item("rejected", count(&|(own, _)| own.counts.rejected as usize))?;
+        result.set_item("saturated", count(&|(own, _)| own.counts.saturated as usize))?;
+        result.set_item("lacking", judged.iter().map(|(own, _)| file.lacking(own).join(" ")).collect::<Vec<_>>())?;
+        result.set_item("parameter_names", names)?;
+        Ok(result)
+    }
+
+    /// The features in use of each segment; NaN for missing ones.
+    fn features<'py>(&self, py: Python<'py>, judged: &[Judged]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let file = &self.state.borrow_owner().file;
+        let catalogue = file.model.catalogue(file.orders());
+        let names = catalogue.names();
+        let places: Vec<Option<usize>> =
+            file.features().iter().map(|name| names.iter().position(|own| own == name)).collect();
+        let rows = judged.iter().map(|(own, _)| {
+            let (values, variances) = features_of(own, &catalogue);
+            let value = |place: &Option<usize>| match place.and_then(|k| Some((values.get(k)?, variances.get(k)?))) {
+                Some((value, variance)) if variance.is_finite() => *value,
+                _ => f64::NAN,
+            };
+            places.iter().map(value).collect()
+        });
+        rows_to_array(py, rows.collect(), places.len())
+    }
+}
+
+/// Rows of this width as an array, also without rows.
+fn rows_to_array<T: numpy::Element + Copy>(
+    py: Python<'_>,
+    rows: Vec<Vec<T>>,
+    width: usize,
+) -> PyResult<Bound<'_, PyArray2<T>>> {
+    use numpy::PyArrayMethods as _;
+    let count = rows.len();
+    PyArray1::from_vec(py, rows.concat()).reshape([count, width])
+}

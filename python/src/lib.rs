@@ -1,0 +1,40 @@
+//! The extension module `bearing_watch._core`: the workbench on arrays and tables. The package around it, in Python,
+//! checks arguments and gives results their form.
+//!
+//! ```text
+//! tables      mappings of arrays, Arrow streams ─► tables in memory, and arrays ─► Arrow streams
+//! options     keyword arguments ─► options of a command
+//! signals     identify, structure, validate
+//! model       train, Model, evaluate, simulate
+//! detector    Detector: the core on whole traces and on pieces
+//! learning    classifier and novelty gate on matrices of features
+//! ```
+//!
+//! Long work releases the interpreter's lock. Errors are exceptions with the text of the command line.
+
+mod arrow;
+mod detector;
+mod errors;
+mod learning;
+mod model;
+mod options;
+mod signals;
+mod tables;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+mod _core {
+    #[pymodule_export]
+    use super::arrow::arrow_stream;
+    #[pymodule_export]
+    use super::detector::Detector;
+    #[pymodule_export]
+    use super::errors::BearingWatchError;
+    #[pymodule_export]
+    use super::learning::{RowClassifier, RowGate};
+    #[pymodule_export]
+    use super::model::{Model, simulate, train};
+    #[pymodule_export]
+    use super::signals::{identify, structure, validate};
+}

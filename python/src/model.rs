@@ -1,0 +1,182 @@
+//! Trained models: training, evaluation, exports.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use numpy::IntoPyArray;
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyList};
+use workbench::cli::call::{self, Done, ModelFile, Report};
+use workbench::trace::Cells;
+
+use crate::errors::{raised, refused};
+use crate::options::call;
+
+/// A model with its file, and with the training that it comes from unless it was loaded.
+#[derive(Debug)]
+pub(crate) struct Own {
+    pub(crate) file: ModelFile,
+    bytes: Vec<u8>,
+    done: Option<Done>,
+}
+
+/// A trained model.
+#[pyclass(frozen, module = "bearing_watch._core")]
+#[derive(Clone, Debug)]
+pub(crate) struct Model {
+    pub(crate) own: Arc<Own>,
+}
+
+/// Lines and JSON of a report, and the warnings.
+type Reported = (Vec<String>, String, Vec<String>);
+
+fn reported(report: &Report, warnings: Vec<String>) -> Reported {
+    (report.lines.clone(), report.json.to_string(), warnings)
+}
+
+/// Trains a model; returns it with the warnings.
+#[pyfunction]
+pub(crate) fn train(
+    py: Python<'_>,
+    drive: Option<PathBuf>,
+    options: &Bound<'_, PyDict>,
+    traces: Option<&Bound<'_, PyList>>,
+    labels: Option<&Bound<'_, PyAny>>,
+) -> PyResult<(Model, Vec<String>)> {
+    let call = call(drive, options, traces, labels)?;
+    py.detach(|| {
+        let (done, warnings) = call::train(call);
+        let done = done.map_err(raised)?;
+        let bytes = done.training.bytes.clone();
+        let file = ModelFile::new(Path::new("model"), &bytes).map_err(raised)?;
+        Ok((Model { own: Arc::new(Own { file, bytes, done: Some(done) }) }, warnings))
+    })
+}
+
+/// Simulates traces; returns a list of (name, class, columns).
+#[pyfunction]
+pub(crate) fn simulate<'py>(py: Python<'py>, options: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyList>> {
+    let call = call(None, options, None, None)?;
+    let tables = py.detach(|| call::simulate(call)).map_err(raised)?;
+    let each = |(table, class): (workbench::trace::Recorded, &'static str)| {
+        let columns = PyDict::new(py);
+        let name = table.name().to_string();
+        for (name, cells) in table.into_columns() {
+            if let Cells::Numbers(numbers) = cells {
+                columns.set_item(name, numbers.into_pyarray(py))?;
+            }
+        }
+        Ok((name, class, columns))
+    };
+    PyList::new(py, tables.into_iter().map(each).collect::<PyResult<Vec<_>>>()?)
+}
+
+#[pymethods]
+impl Model {
+    /// Reads the bytes of a model file; errors name it so.
+    #[staticmethod]
+    fn from_bytes(name: PathBuf, bytes: &[u8]) -> PyResult<Self> {
+        let file = ModelFile::new(&name, bytes).map_err(raised)?;
+        Ok(Self { own: Arc::new(Own { file, bytes: bytes.to_vec(), done: None }) })
+    }
+
+    /// The model file.
+    fn to_bytes<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &self.own.bytes)
+    }
+
+    #[getter]
+    fn classes(&self) -> Vec<String> {
+        self.own.file.model.classes.clone()
+    }
+
+    #[getter]
+    fn healthy(&self) -> Option<String> {
+        let model = &self.own.file.model;
+        model.healthy().map(|class| model.classes[class].clone())
+    }
+
+    #[getter]
+    fn features(&self) -> Vec<String> {
+        self.own.file.features().to_vec()
+    }
+
+    #[getter]
+    fn orders(&self) -> Vec<String> {
+        self.own.file.orders().to_vec()
+    }
+
+    /// The columns or formulas of columns that the model reads.
+    #[getter]
+    fn columns(&self) -> Vec<String> {
+        let mut names: Vec<String> = vec![];
+        for name in self.own.file.channels().names() {
+            if !names.iter().any(|own| own == name) {
+                names.push(name.into());
+            }
+        }
+        names
+    }
+
+    #[getter]
+    fn trained_on(&self) -> Vec<String> {
+        self.own.file.trained_on().to_vec()
+    }
+
+    #[getter]
+    fn segment_samples(&self) -> u32 {
+        self.own.file.model.sampling().segment_samples
+    }
+
+    /// Interval of the detector's input, s; 0 if it is not known.
+    #[getter]
+    fn interval_s(&self) -> f32 {
+        self.own.file.model.sampling().interval_s
+    }
+
+    /// The model as Rust source.
+    fn to_rust(&self, commissioning: Option<u32>) -> PyResult<String> {
+        if commissioning.is_some_and(|segments| !(2..=10_000).contains(&segments)) {
+            return Err(refused("commissioning is 2 to 10000 segments"));
+        }
+        self.done()?.training.rust_source(commissioning).map_err(raised)
+    }
+
+    /// The model as a C header.
+    fn to_c(&self) -> PyResult<String> {
+        match &self.own.done {
+            Some(done) => done.training.c_header(),
+            None => self.own.file.c_header(),
+        }
+        .map_err(raised)
+    }
+
+    /// Lines and JSON of the report of the training, with the warnings.
+    fn report(&self, py: Python<'_>, rank: bool) -> PyResult<Reported> {
+        let done = self.done()?;
+        py.detach(|| done.report(rank)).map(|report| reported(&report, vec![])).map_err(raised)
+    }
+
+    /// Evaluates on labelled traces.
+    fn evaluate(
+        &self,
+        py: Python<'_>,
+        drive: Option<PathBuf>,
+        options: &Bound<'_, PyDict>,
+        traces: Option<&Bound<'_, PyList>>,
+        labels: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Reported> {
+        let call = call(drive, options, traces, labels)?;
+        let own = Arc::clone(&self.own);
+        let (report, warnings) = py.detach(move || own.file.evaluate(call));
+        report.map(|report| reported(&report, warnings)).map_err(raised)
+    }
+}
+
+impl Model {
+    fn done(&self) -> PyResult<&Done> {
+        let gone = "a model that was loaded from a file does not have the data of its training; use the model that \
+                    train returned";
+        self.own.done.as_ref().ok_or_else(|| refused(gone))
+    }
+}

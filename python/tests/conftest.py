@@ -1,0 +1,96 @@
+"""What the tests share: the command line, and one simulated bench as files and as arrays."""
+
+import csv
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import bearing_watch as bw
+import numpy as np
+import pytest
+
+#: Options of a model of the regression alone, as keywords.
+PLAIN = {
+    "y": "current_a",
+    "u1": "velocity_ref_rad_s - velocity_rad_s",
+    "u2": "load_torque_nm",
+    "order": (2, 1, 2, 1, 1),
+    "segment": 1000,
+    "healthy": "healthy",
+}
+
+#: Those of a model that watches the shaft too.
+MODEL = {
+    **PLAIN,
+    "angle": "angle_rad",
+    "velocity": "velocity_rad_s",
+    "load": "load_torque_nm",
+    "bearing": (9, 3, 17, 0.1745),
+    "features": ["a", "drag", "order_outer"],
+    "false_alarm": 0.05,
+}
+
+
+def words(options):
+    """The options as words of the command line."""
+
+    def text(value):
+        return ",".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)
+
+    return [f"--{key.replace('_', '-')}={text(value)}" for key, value in options.items()]
+
+
+@pytest.fixture(scope="session")
+def command():
+    """Runs the command line; returns what it prints."""
+    program = os.environ.get("BEARING_WATCH_PROGRAM")
+    if program is None:
+        pytest.skip("the variable BEARING_WATCH_PROGRAM does not name the command line")
+
+    def run(*arguments, fails=False):
+        done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, check=False)
+        assert (done.returncode != 0) == fails, done.stderr
+        return done.stderr if fails else done.stdout
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def bench():
+    """Simulated recordings of three classes."""
+    return bw.simulate(count=4, seed=3)
+
+
+@pytest.fixture(scope="session")
+def folder(command, tmp_path_factory):
+    """The same recordings, written by the command line."""
+    folder = tmp_path_factory.mktemp("bench")
+    command("simulate", "--class", "healthy,spall,roughness", "--count", 4, "--seed", 3, "--out", folder)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def model(bench):
+    """A model of the bench."""
+    return quietly(lambda: bw.train(bench.traces, bench.labels, **MODEL))
+
+
+def quietly(work):
+    """Runs work whose warnings are not of interest."""
+    import warnings
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", bw.BearingWatchWarning)
+        return work()
+
+
+def read_csv(path: Path):
+    """The columns of a file of numbers."""
+    with path.open() as file:
+        rows = list(csv.reader(file))
+    return {name: np.array([float(row[k]) for row in rows[1:]]) for k, name in enumerate(rows[0])}
+
+
+def from_json(text):
+    return json.loads(text)

@@ -1,0 +1,19 @@
+import doctest
+import inspect
+
+import bearing_watch as bw
+from bearing_watch import _signals
+
+
+def test_examples_of_the_docstrings_run():
+    failed, attempted = doctest.testmod(_signals)
+    assert failed == 0 and attempted >= 5
+
+
+def test_every_public_name_is_documented():
+    for name in bw.__all__:
+        own = getattr(bw, name)
+        assert inspect.getdoc(own), name
+        for method, body in inspect.getmembers(own, inspect.isfunction):
+            if not method.startswith("_") and own.__module__.startswith("bearing_watch"):
+                assert inspect.getdoc(body), f"{name}.{method}"

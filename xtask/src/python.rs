@@ -1,0 +1,143 @@
+//! `cargo xtask python`: builds the Python package as a wheel, installs it, and runs its tests.
+//!
+//! The virtual environment is in the target directory; what it installs comes from the extra `test` of the package.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, bail, ensure};
+
+use crate::tally::{Stages, Tally};
+use crate::{child, setup, workspace};
+
+/// Runs the checks and prints them; whether nothing failed.
+pub fn run() -> bool {
+    let mut stages = Stages::default();
+    stages.stage("Python", checks);
+    let total = stages.total();
+    println!("\n{total}");
+    total.failed == 0
+}
+
+/// The wheel, the tests of pytest, and the types.
+pub fn checks(tally: &mut Tally) {
+    let ready = match environment() {
+        Ok(python) => python,
+        Err(reason) => return tally.skip("Python package", &format!("{reason:#}").replace('\n', " ")),
+    };
+    let program = match build(&ready) {
+        Ok(program) => program,
+        Err(reason) => return tally.check::<&str, _>("wheel of the Python package", Err(format!("{reason:#}"))),
+    };
+    tally.check::<_, &str>("wheel of the Python package", Ok(""));
+    let before = tally.failed;
+    // Not in the folder of the package, whose source would go before the installed wheel.
+    let tests = package().join("tests");
+    let mut pytest = python(&ready, &["-m", "pytest", "-rs", "-q", "-p", "no:cacheprovider"], &tests);
+    let status = child::lines(pytest.env("BEARING_WATCH_PROGRAM", program), |line| {
+        println!("{line}");
+        tally.add_pytest(line);
+    });
+    match status {
+        Ok(status) if status.success() || tally.failed > before => {}
+        Ok(status) => tally.check::<&str, _>("pytest", Err(status.to_string())),
+        Err(error) => tally.check::<&str, _>("pytest", Err(format!("{error:#}"))),
+    }
+    tally.check("types of the package", succeed(python(&ready, &["-m", "mypy"], &package())));
+    let stubs = python(&ready, &["-m", "mypy.stubtest", "bearing_watch._core"], &tests);
+    tally.check("types of the extension module", succeed(stubs));
+}
+
+/// The folder of the package.
+fn package() -> PathBuf {
+    workspace::root().join("python")
+}
+
+/// Python of the environment, in a folder.
+fn python(program: &Path, arguments: &[&str], folder: &Path) -> Command {
+    let mut command = Command::new(program);
+    command.args(arguments).current_dir(folder);
+    command
+}
+
+fn succeed(mut command: Command) -> Result<&'static str> {
+    let status = child::lines(&mut command, |line| println!("{line}"))?;
+    ensure!(status.success(), "{status}");
+    Ok("")
+}
+
+/// Python of the virtual environment with what the tests need; it is made where it is missing.
+fn environment() -> Result<PathBuf> {
+    let venv = workspace::target_dir().join("python/venv");
+    let program = venv.join("bin/python");
+    let complete = venv.join("complete");
+    let wanted = fs::read_to_string(package().join("pyproject.toml"))?;
+    if fs::read_to_string(&complete).is_ok_and(|made| made == wanted) {
+        return Ok(program);
+    }
+    let usable = || child::works(Command::new("python3").args(["-c", "import ensurepip, venv"]));
+    if !usable() {
+        setup::install_packages(&["python3", "python3-venv"])
+            .context("python3 with venv is not installed; on Debian\n    sudo apt-get install --yes python3-venv")?;
+        ensure!(usable(), "python3 has no module venv");
+    }
+    child::succeed(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&venv))?;
+    // Compiling what is hardly used costs more than it saves.
+    let mut install = Command::new(&program);
+    install.args([
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--no-compile",
+        "--disable-pip-version-check",
+        "maturin>=1.9.4,<2",
+    ]);
+    child::succeed(install.args(packages(&wanted)?)).context("the packages of the tests cannot be installed")?;
+    fs::write(&complete, wanted)?;
+    Ok(program)
+}
+
+/// The packages of the extra `test`, and those that the package itself needs.
+fn packages(manifest: &str) -> Result<Vec<String>> {
+    let list = |key: &str| {
+        let (_, rest) = manifest.split_once(&format!("\n{key} = ["))?;
+        let (inside, _) = rest.split_once(']')?;
+        Some(inside.split('"').skip(1).step_by(2).map(String::from).collect::<Vec<_>>())
+    };
+    match (list("dependencies"), list("test")) {
+        (Some(own), Some(tests)) => Ok([own, tests].concat()),
+        _ => bail!("python/pyproject.toml has no list of dependencies, or no extra test"),
+    }
+}
+
+/// Builds the wheel and installs it; returns the command line, built in the same profile.
+fn build(program: &Path) -> Result<PathBuf> {
+    let wheels = workspace::target_dir().join("python/wheels");
+    if wheels.exists() {
+        fs::remove_dir_all(&wheels)?;
+    }
+    // With the features of all packages, of which the host tests have built the artefacts.
+    child::succeed(&mut workspace::cargo(&["build", "--workspace", "--bin", "bearing-watch"]))?;
+    let arguments = ["-m", "maturin", "build", "--profile", "dev", "--features", "of-workspace"];
+    let mut maturin = python(program, &arguments, &package());
+    child::succeed(maturin.arg("--out").arg(&wheels))?;
+    let wheel = fs::read_dir(&wheels)?.next().context("maturin wrote no wheel")??.path();
+    let arguments = ["-m", "pip", "install", "--quiet", "--no-deps", "--force-reinstall"];
+    let mut install = python(program, &arguments, &package());
+    child::succeed(install.arg("--disable-pip-version-check").arg(&wheel))?;
+    Ok(workspace::target_dir().join("debug/bearing-watch"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packages_are_those_of_the_manifest() {
+        let text = "[project]\ndependencies = [\"numpy>=1\"]\n[x]\ntest = [\n    \"mypy\",\n    \"pytest>=8\",\n]\n";
+        assert_eq!(packages(text).expect("both lists"), ["numpy>=1", "mypy", "pytest>=8"]);
+        assert!(packages("test = []").is_err());
+    }
+}
