@@ -106,9 +106,16 @@ pub(super) fn run(args: &Args) -> Result<bool, Error> {
     let all: Vec<Result<Vec<Audited>, Error>> = files.par_iter().map(each).collect();
     bar.finish_and_clear();
     let (mut traces, mut findings) = (Vec::new(), Vec::new());
+    // A file that has no label and none of the channels is a table of something else.
+    let labelled = args.labels.as_deref().map(Labels::read).transpose()?;
+    let is_other = |file: &Path| {
+        let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        labelled.as_ref().is_some_and(|labels| !labels.has(&name))
+    };
     for (file, found) in files.iter().zip(all) {
         match found {
             Ok(found) => traces.extend(found),
+            Err(_) if is_other(file) => {}
             Err(problem) => add(&mut findings, problem.to_string(), &file.display().to_string()),
         }
     }

@@ -88,6 +88,20 @@ impl Labels {
         cells.collect::<std::collections::HashSet<_>>().len()
     }
 
+    /// Whether a trace has a row.
+    #[must_use]
+    pub fn has(&self, trace: &str) -> bool {
+        let place = self.columns.iter().position(|own| own == "trace");
+        place.is_some_and(|place| self.rows.iter().any(|row| stem(&row[place]) == stem(trace)))
+    }
+
+    /// The number of rows of a class.
+    #[must_use]
+    pub fn count(&self, class: &str) -> usize {
+        let place = self.columns.iter().position(|own| own == "class_name");
+        place.map_or(0, |place| self.rows.iter().filter(|row| row[place] == class).count())
+    }
+
     /// The names of the columns.
     #[must_use]
     pub fn columns(&self) -> &[String] {

@@ -77,8 +77,53 @@ fn names_of_files_become_labels() {
     std::fs::remove_file(dir.join("runs/labels.csv")).expect("labels");
     succeed(dir, "init runs --labels-from-names classes.csv --out drive.toml");
     let labels = std::fs::read_to_string(dir.join("classes.csv")).expect("written");
-    assert!(labels.contains("healthy_9_000,healthy\n") && labels.contains(",spall\n"), "{labels}");
+    assert!(labels.contains("healthy_9_000,healthy,9,000\n") && labels.contains(",spall,9,"), "{labels}");
     succeed(dir, "train drive.toml --model m.bwm");
+    // Without an option, labels.csv beside the drive file.
+    let told = succeed(dir, "init runs");
+    assert!(told.contains("runs/labels.csv: by the names of the files"), "{told}");
+    succeed(dir, "train runs/drive.toml --model m.bwm");
+}
+
+/// One long recording of a machine that is taken as healthy: it is cut into segments, and novelty is found.
+#[test]
+fn a_single_recording_is_healthy_and_is_cut() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy,roughness --count 9 --seed 13 --out runs");
+    let read = |name: String| std::fs::read_to_string(dir.join("runs").join(name)).expect("a trace");
+    let join = |class: &str| {
+        let mut text = String::new();
+        for k in 0..9 {
+            let trace = read(format!("{class}_13_00{k}.csv"));
+            let (head, rows) = trace.split_once('\n').expect("a heading");
+            let own = if k == 0 { format!("{head}\n{rows}") } else { rows.to_string() };
+            text += &own;
+        }
+        // The time starts again in each trace.
+        let cell = |line: &str| line.split_once(',').map_or(String::new(), |(_, rest)| format!("{rest}\n"));
+        text.lines().map(cell).collect::<String>()
+    };
+    std::fs::create_dir(dir.join("one")).expect("a folder");
+    std::fs::write(dir.join("one/recording.csv"), join("healthy")).expect("written");
+    std::fs::write(dir.join("rough.csv"), join("roughness")).expect("written");
+    let told = succeed(dir, "init one --rate-hz 500");
+    assert!(told.contains("one/labels.csv: all healthy, since no name tells a class"), "{told}");
+    let text = std::fs::read_to_string(dir.join("one/drive.toml")).expect("written");
+    assert!(
+        text.contains("\nsegment = 1125  # samples: 40 segments") && text.contains("healthy = \"healthy\""),
+        "{text}"
+    );
+    succeed(dir, "train one/drive.toml --model m.bwm");
+    let novel = |file: &str| {
+        let json: serde_json::Value =
+            serde_json::from_str(&succeed(dir, &format!("replay --model m.bwm {file} --json"))).expect("JSON");
+        let segments = json.as_array().expect("a list").clone();
+        let novel = segments.iter().filter(|segment| segment["verdict"] == "novel").count();
+        novel as f64 / segments.len() as f64
+    };
+    let (own, rough) = (novel("one/recording.csv"), novel("rough.csv"));
+    assert!(own < 0.1 && rough > 0.5, "{own} {rough}");
 }
 
 #[test]
@@ -95,7 +140,8 @@ fn init_offers_no_gate_that_so_few_runs_do_not_support() {
     let text = std::fs::read_to_string(dir.join("runs/drive.toml")).expect("written");
     assert!(text.contains("\ngroup = \"run\"\n"), "{text}");
     assert!(
-        text.contains("# healthy = \"healthy\"  # 4 runs support no false-alarm rate of 0.01 with 7 features"),
+        text.contains("# healthy = \"healthy\"  # 4 runs support no false-alarm rate of 0.01 with 7 features")
+            && text.contains("\nnovelty = \"none\""),
         "{text}"
     );
     succeed(dir, "train runs/drive.toml --model m.bwm");

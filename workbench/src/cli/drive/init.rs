@@ -1,19 +1,18 @@
 //! `bearing-watch init`: writes a `drive.toml` by looking at recordings.
 
-use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::expand::literal;
 use super::guess::Guess;
+use super::names;
+use super::proposal::{Proposal, Values};
 use super::schema::{SECTIONS, section_of};
 use crate::Error;
 use crate::audit::times::Times;
 use crate::cli::args::traces::TimeArgs;
 use crate::cli::output;
 use crate::trace::labels::Labels;
-use crate::trace::{self, reader, stem};
-use crate::train::novelty::runs::fewest;
+use crate::trace::{self, reader};
 
 /// Write drive.toml: columns, rate, labels and likely channels, by looking at the files
 #[derive(Debug, clap::Args)]
@@ -27,11 +26,12 @@ pub(in crate::cli) struct Args {
     /// Labels, if they are not the labels.csv beside the traces
     #[arg(long, value_name = "FILE")]
     labels: Option<PathBuf>,
-    /// Write labels here first, with the words of each file's name as its class: unbalanced_800_3.csv is unbalanced
+    /// Where labels are written if there are none; by default labels.csv beside the drive file. The words of a file's
+    /// name are its class: unbalanced_800_3.csv is unbalanced. If the names tell no classes, all are healthy
     #[arg(long, value_name = "FILE", conflicts_with = "labels")]
     labels_from_names: Option<PathBuf>,
     #[command(flatten)]
-    times: TimeArgs,
+    pub(super) times: TimeArgs,
     /// The file; by default drive.toml in the folder of the first trace, or here if that cannot be written
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -39,15 +39,6 @@ pub(in crate::cli) struct Args {
     #[arg(long)]
     force: bool,
 }
-
-/// Words of names that say what a file is for, not what it shows.
-const SETS: [&str; 5] = ["test", "train", "training", "validation", "log"];
-/// The usual false-alarm rate of a gate.
-const RATE: f64 = 0.01;
-/// Class names of machines without a defect.
-const HEALTHY: [&str; 6] = ["healthy", "normal", "good", "ok", "nominal", "baseline"];
-/// Columns of labels whose rows of one value are of one run.
-const GROUPS: [&str; 6] = ["run", "session", "unit", "drive", "day", "batch"];
 
 pub(in crate::cli) fn run(args: &Args) -> Result<(), Error> {
     let folder = folder_of(&args.traces[0]);
@@ -60,26 +51,9 @@ pub(in crate::cli) fn run(args: &Args) -> Result<(), Error> {
     if out.exists() && !args.force {
         return Err(Error::Usage(format!("{} exists; give another name with --out, or --force", out.display())));
     }
-    if let Some(labels) = &args.labels_from_names {
-        output::plan(&[labels, &out], &files)?;
-        output::write(labels, labels_of(&files)?)?;
-    }
-    let found = Found::look(args, &files, &folder)?;
+    let found = Found::look(args, &files, (&folder, &out))?;
     output::write(&out, found.text(&out, args))?;
     output::say(found.told(&out))
-}
-
-/// Labels of files by the words of their names, in lower case; numbers are no words.
-fn labels_of(files: &[PathBuf]) -> Result<String, Error> {
-    let mut rows = vec![vec!["trace".to_string(), "class_name".to_string()]];
-    for file in files {
-        let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        let lower = stem(&name).to_lowercase();
-        let words = lower.split(|c: char| !c.is_alphabetic()).filter(|word| word.len() > 1 && !SETS.contains(word));
-        let class = words.collect::<Vec<_>>().join("_");
-        rows.push(vec![stem(&name).to_string(), if class.is_empty() { "unnamed".into() } else { class }]);
-    }
-    output::csv(&rows)
 }
 
 fn folder_of(path: &Path) -> PathBuf {
@@ -111,39 +85,59 @@ impl Kind {
         bar.finish_and_clear();
         (kinds, problem)
     }
+
+    /// The kind of most files, with the files of others that have its channels; of equals one with a current, then the
+    /// first.
+    fn most(kinds: Vec<Self>) -> Option<Self> {
+        let current = |kind: &Self| usize::from(Guess::of(&kind.names).current.is_some());
+        let most = (0..kinds.len()).rev().max_by_key(|&k| (kinds[k].files.len(), current(&kinds[k])))?;
+        let mut kinds = kinds;
+        let mut own = kinds.swap_remove(most);
+        for other in kinds {
+            let shared: Vec<String> = own.names.iter().filter(|name| other.names.contains(name)).cloned().collect();
+            if !shared.is_empty() && Proposal::of(&shared).stands_for(&Proposal::of(&own.names)) {
+                own.names = shared;
+                own.files.extend(other.files);
+            }
+        }
+        own.files.sort_unstable();
+        Some(own)
+    }
 }
 
 /// What the files have.
-struct Found {
+pub(super) struct Found {
     /// Number of files of the kind that is described, and of others.
-    files: usize,
+    pub(super) files: usize,
     others: usize,
     /// What the drive file names.
-    traces: Vec<PathBuf>,
+    pub(super) traces: Vec<PathBuf>,
     /// Why the time is not used.
-    disorder: Option<String>,
+    pub(super) disorder: Option<String>,
     names: Vec<String>,
-    guess: Guess,
     /// Rows of the first trace, and rows a second.
-    rows: usize,
-    rate_hz: Option<f64>,
+    pub(super) rows: usize,
+    pub(super) rate_hz: Option<f64>,
+    /// Whether the velocity of the first trace is constant.
+    pub(super) is_constant: bool,
     /// File and content of the labels, and the classes.
-    labels: Option<(PathBuf, Labels, Vec<String>)>,
+    pub(super) labels: (PathBuf, Labels, Vec<String>),
+    /// How the labels were made, if they were.
+    made: Option<&'static str>,
+    pub(super) proposal: Proposal,
 }
 
 impl Found {
-    fn look(args: &Args, files: &[PathBuf], folder: &Path) -> Result<Self, Error> {
+    fn look(args: &Args, files: &[PathBuf], (folder, out): (&Path, &Path)) -> Result<Self, Error> {
         let time = args.times.time.as_deref();
         let (kinds, problem) = Kind::of(files, time);
-        // The kind of most files; of equals one with a current, then the first.
-        let current = |kind: &Kind| usize::from(Guess::of(&kind.names).current.is_some());
-        let Some(own) = kinds.iter().rev().max_by_key(|kind| (kind.files.len(), current(kind))) else {
+        let Some(own) = Kind::most(kinds) else {
             return Err(problem.unwrap_or_else(|| {
                 let paths: Vec<String> = args.traces.iter().map(|path| path.display().to_string()).collect();
                 Error::Usage(format!("no file with columns of numbers in {}", paths.join(", ")))
             }));
         };
-        let names = own.names.clone();
+        let (names, proposal) = (own.names.clone(), Proposal::of(&own.names));
         // A single file among others of other kinds is named; several are found by their columns.
         let traces = if own.files.len() == 1 && files.len() > 1 { own.files.clone() } else { args.traces.clone() };
         let read = |time: Option<&str>| reader::series(&own.files[0], (time, args.times.rate_hz), &names);
@@ -151,90 +145,35 @@ impl Found {
             Err(problem) if time.is_none() => (read(Some(reader::NO_TIME))?, Some(problem.to_string())),
             other => (other?, None),
         };
-        let rows = series.first().map_or(0, |one| one.columns[0].len());
-        let rate_hz = series.first().and_then(|one| Times::of(one.times_s.as_deref()?)).map(|times| times.rate_hz);
+        let first = series.first();
+        let rows = first.map_or(0, |one| one.columns[0].len());
+        let rate_hz = first.and_then(|one| Times::of(one.times_s.as_deref()?)).map(|times| times.rate_hz);
+        let is_constant = first.is_some_and(|one| proposal.is_constant(&names, &one.columns));
         let beside = Some(folder.join("labels.csv")).filter(|file| file.is_file());
-        let labels = args.labels.clone().or_else(|| args.labels_from_names.clone()).or(beside).map(|file| {
-            let labels = Labels::read(&file)?;
-            let classes = labels.classes(&labels.select(&[])?, &[])?;
-            Ok::<_, Error>((file, labels, classes))
-        });
-        let guess = Guess::of(&names);
-        let others = files.len() - own.files.len();
+        let given = args.labels.clone().or(beside.filter(|_| args.labels_from_names.is_none()));
+        let (file, made) = match given {
+            Some(file) => (file, None),
+            None => {
+                let (text, told) = names::labels(&own.files)?;
+                let own_file = || output::folder_of(out).join("labels.csv");
+                let file = args.labels_from_names.clone().unwrap_or_else(own_file);
+                output::plan(&[&file, out], files)?;
+                output::write(&file, text)?;
+                (
+                    file,
+                    Some(if told { "by the names of the files" } else { "all healthy, since no name tells a class" }),
+                )
+            }
+        };
+        let labels = Labels::read(&file)?;
+        let classes = labels.classes(&labels.select(&[])?, &[])?;
+        let (labels, others) = ((file, labels, classes), files.len() - own.files.len());
         let files = own.files.len();
-        Ok(Self { files, others, traces, names, guess, rows, rate_hz, disorder, labels: labels.transpose()? })
-    }
-
-    /// The value of each key that is known; and the healthy class with why it cannot be used, if it cannot.
-    fn values(&self, out: &Path, args: &Args) -> (BTreeMap<&'static str, String>, Option<String>) {
-        let (mut values, mut refused) = (BTreeMap::new(), None);
-        let text = literal;
-        let from_here = |path: &Path| super::expand::from_here(out, "traces", &path.to_string_lossy());
-        let paths: Vec<String> = self.traces.iter().map(|path| text(&from_here(path))).collect();
-        values.insert("traces", format!("[{}]", paths.join(", ")));
-        let none = self.disorder.as_ref().map(|_| reader::NO_TIME.to_string());
-        if let Some(time) = args.times.time.as_ref().or(none.as_ref()) {
-            values.insert("time", text(time));
-        }
-        if let Some(rate) = args.times.rate_hz {
-            values.insert("rate_hz", rate.to_string());
-        }
-        let Guess { current, velocity, velocity_ref, current_ref, angle, load } = &self.guess;
-        let mut channel = |key: &'static str, found: &Option<String>| {
-            if let Some(found) = found {
-                values.insert(key, text(found));
-            }
-        };
-        channel("angle", angle);
-        if angle.is_some() {
-            channel("velocity", velocity);
-            channel("load", load);
-            channel("velocity_ref", velocity_ref);
-        }
-        // Without a reference of the velocity, the current drives the velocity.
-        let by_reference = velocity_ref.is_some() && velocity.is_some() || current.is_none() || velocity.is_none();
-        let input = match (velocity_ref, velocity) {
-            (Some(reference), Some(velocity)) => Some(format!("{reference}-{velocity}")),
-            (reference, velocity) => reference.clone().or_else(|| velocity.clone()),
-        };
-        let of_current = current_ref.clone().or_else(|| current.clone());
-        let (y, u1) = if by_reference { (current.clone(), input) } else { (velocity.clone(), of_current) };
-        if y.is_some() && u1.is_some() {
-            channel("y", &y);
-            channel("u1", &u1);
-        }
-        channel("u2", load);
-        if angle.is_some() && !by_reference {
-            channel("current", current);
-        }
-        values.insert("order", (if load.is_some() { "[2, 2, 2, 1, 1]" } else { "[2, 2, 0, 1, 1]" }).into());
-        values.insert("offset", "true".into());
-        if let Some((file, labels, classes)) = &self.labels {
-            values.insert("labels", text(&from_here(file)));
-            let is_named = |name: &&String| HEALTHY.contains(&name.to_lowercase().as_str());
-            let has_word = |name: &&String| HEALTHY.iter().any(|word| name.to_lowercase().contains(word));
-            let healthy = classes.iter().find(is_named).or_else(|| classes.iter().find(has_word));
-            let group = GROUPS.iter().find(|group| labels.columns().iter().any(|column| column == *group));
-            if let Some(healthy) = healthy {
-                values.insert("healthy", text(healthy));
-                values.insert("nominal", text(healthy));
-            }
-            if let Some(group) = group {
-                values.insert("group", text(group));
-            }
-            let coordinates = if load.is_some() { 7 } else { 5 };
-            let (runs, least) = (group.map(|group| labels.different(group)), fewest(coordinates, RATE));
-            if let (Some(healthy), Some(runs)) = (healthy, runs.filter(|runs| *runs < least)) {
-                values.remove("healthy");
-                let why = format!("{runs} runs support no false-alarm rate of {RATE} with {coordinates} features");
-                refused = Some(format!("{}  # {why}; at least {least} do", text(healthy)));
-            }
-        }
-        (values, refused)
+        Ok(Self { files, others, traces, disorder, names, rows, rate_hz, is_constant, labels, made, proposal })
     }
 
     fn text(&self, out: &Path, args: &Args) -> String {
-        let (values, refused) = self.values(out, args);
+        let Values { values, refused } = Values::of(self, out, args);
         let mut text =
             String::from("# What this drive is. Every command takes this file: bearing-watch train drive.toml …\n");
         let rate = match self.rate_hz {
@@ -249,14 +188,13 @@ impl Found {
             let _never_fails = writeln!(text, "# The time is not used: {problem}");
         }
         let _never_fails = writeln!(text, "# Columns: {}", self.names.join(", "));
-        if let Some((_, labels, classes)) = &self.labels {
-            let columns = labels.columns().join(", ");
-            let _never_fails = writeln!(text, "# Labels: {columns}; classes {}", classes.join(", "));
-        }
+        let (_, labels, classes) = &self.labels;
+        let columns = labels.columns().join(", ");
+        let _never_fails = writeln!(text, "# Labels: {columns}; classes {}", classes.join(", "));
         for section in &SECTIONS {
             let _never_fails = writeln!(text, "\n# {}\n[{}]", section.about, section.name);
             for (key, hint) in section.keys.iter().map(|key| (key, hint(key))) {
-                let hint = refused.as_deref().filter(|_| *key == "healthy").or(hint);
+                let hint = refused.get(key).map(String::as_str).or(hint);
                 match (values.get(key), hint) {
                     (Some(value), _) => drop(writeln!(text, "{key} = {value}")),
                     (None, Some(hint)) => drop(writeln!(text, "# {key} = {hint}")),
@@ -268,7 +206,7 @@ impl Found {
     }
 
     fn told(&self, out: &Path) -> String {
-        let Guess { current, velocity, velocity_ref, angle, load, .. } = &self.guess;
+        let Guess { current, velocity, velocity_ref, angle, load, .. } = &self.proposal.guess;
         let all = [
             ("current", current),
             ("velocity", velocity),
@@ -280,8 +218,11 @@ impl Found {
             Some(name) => format!("{what} {name}"),
             None => format!("no {what}"),
         });
+        let (file, ..) = &self.labels;
+        let made = self.made.map_or_else(String::new, |how| format!(" {}: {how}.", file.display()));
+        let rate = if self.rate_hz.is_none() { " The files have no time: set rate_hz." } else { "" };
         format!(
-            "{}: {} files; {}. Check the channels and their signs.",
+            "{}: {} files; {}. Check the channels and their signs.{made}{rate}",
             out.display(),
             self.files,
             said.collect::<Vec<_>>().join(", ")
@@ -295,7 +236,7 @@ fn hint(key: &str) -> Option<&'static str> {
     Some(match key {
         "labels" => "\"labels.csv\"  # trace,class_name and further columns",
         "where" => "[\"load_kgf=20\"]",
-        "rate_hz" => "1000  # if the files have no time",
+        "rate_hz" => "1000  # if the files have no time; audit checks it by the lines of the rotor",
         "y" => "\"current_a\"  # output: a column, or a formula of columns",
         "u1" => "\"velocity_ref_rad_s-velocity_rad_s\"  # input",
         "u2" => "\"load_torque_nm\"  # a second input",

@@ -10,6 +10,8 @@
 mod expand;
 mod guess;
 pub(super) mod init;
+mod names;
+mod proposal;
 mod schema;
 
 pub(super) use guess::{Guess, is_reference};

@@ -48,7 +48,8 @@ impl Found {
             format!("{name}, {what}: not called healthy {rate}")
         });
         let mut lines: Vec<String> = chance.chain(by_run).chain(by).chain(controls).chain(untrained).collect();
-        for (class, rows) in &self.stability {
+        // The first class stands for the others of a model without a healthy one; JSON has all.
+        for (class, rows) in self.stability.iter().take(1) {
             let runs = rows[0].runs;
             lines.push(format!("features of {class} over {runs} runs: likeness within a run (ICC), drift a run in"));
             lines.push("  standard deviations within a run, its p".into());
