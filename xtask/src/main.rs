@@ -105,7 +105,7 @@ enum Command {
         #[arg(long)]
         check: bool,
     },
-    /// Installs what firmware builds and emulator runs need, where the system allows it.
+    /// Installs what firmware builds, emulator runs and tests of pages need, where the system allows it.
     Setup,
 }
 
@@ -160,7 +160,10 @@ fn run(arguments: &Arguments) -> Result<bool> {
                 print!("{}", measure::table(&figures));
             }
         }
-        Command::Setup => println!("ready: firmware the {way} way, emulator {}", qemu::PROGRAM),
+        Command::Setup => {
+            let browser = setup::ensure_chromium()?;
+            println!("ready: firmware the {way} way, emulator {}, browser {browser}", qemu::PROGRAM);
+        }
         Command::Test | Command::Long | Command::Peers | Command::Python | Command::Docs { .. } => {}
     }
     Ok(true)

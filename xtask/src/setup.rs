@@ -49,6 +49,15 @@ pub fn install_packages(packages: &[&str]) -> Result<()> {
     install(packages)
 }
 
+/// Returns the name of a Chromium that is there, for the tests of pages and the pictures of documents.
+pub fn ensure_chromium() -> Result<&'static str> {
+    const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+    if let Some(name) = NAMES.into_iter().find(|name| child::on_path(name)) {
+        return Ok(name);
+    }
+    ensure_program(NAMES[0], &[NAMES[0]]).map(|()| NAMES[0])
+}
+
 /// What the user is told when installing fails or is not allowed.
 fn missing(way: Way, wanted: &[&str]) -> String {
     let list = wanted.join(" ");

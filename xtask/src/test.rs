@@ -41,6 +41,11 @@ fn set_up(tally: &mut Tally, asked: Option<Way>) -> Option<Way> {
     let way = ready.as_ref().ok().copied();
     let outcome = ready.map(|way| format!("the {way} way"));
     tally.check("firmware tools", outcome.map_err(|e| format!("{e:#}")));
+    match setup::ensure_chromium() {
+        // Continuous integration must not do without; elsewhere the tests of pages are left out.
+        Err(error) if env::var_os("CI").is_none() => tally.skip("browser", &format!("{error:#}")),
+        found => tally.check("browser", found.map_err(|error| format!("{error:#}"))),
+    }
     way
 }
 

@@ -175,6 +175,13 @@ impl Excited {
         })
     }
 
+    /// A change, and what it is of the usual value.
+    #[must_use]
+    pub fn part(&self, change: f64) -> String {
+        let percent = 100.0 * change / self.usual.abs();
+        if percent < 1e4 { format!("{change:.4} ({percent:.0} %)") } else { format!("{change:.4}") }
+    }
+
     /// The headings of the lines.
     #[must_use]
     pub fn heading() -> String {
@@ -188,16 +195,12 @@ impl Excited {
 impl std::fmt::Display for Excited {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { term, determined: [determined, traces], usual, own, by_noise, by_spread } = self;
-        let part = |change: f64| {
-            let percent = 100.0 * change / usual.abs();
-            if percent < 1e4 { format!("{change:.4} ({percent:.0} %)") } else { format!("{change:.4}") }
-        };
         let spread = match by_spread {
-            Some((change, n)) => format!("{} of {n}", part(*change)),
+            Some((change, n)) => format!("{} of {n}", self.part(*change)),
             None => "– (fewer than 4)".into(),
         };
         let count = format!("{determined}/{traces}");
-        write!(f, "{term:18} {count:>9} {own:>9.3} {usual:>10.4}   {}, {spread}", part(*by_noise))
+        write!(f, "{term:18} {count:>9} {own:>9.3} {usual:>10.4}   {}, {spread}", self.part(*by_noise))
     }
 }
 

@@ -38,6 +38,14 @@ pub fn amplitude(y: &[f64], angle_rad: &[f64], order: f64) -> f64 {
     2.0 * re.hypot(im) / y.len().max(1) as f64
 }
 
+/// (1) at these orders, from the first rows of a long record.
+#[must_use]
+pub fn spectrum(y: &[f64], angle_rad: &[f64], orders: &[f64]) -> Vec<f64> {
+    const ROWS: usize = 20_000;
+    let rows = y.len().min(angle_rad.len()).min(ROWS);
+    orders.par_iter().map(|order| amplitude(&y[..rows], &angle_rad[..rows], *order)).collect()
+}
+
 /// σ of (2).
 #[must_use]
 pub fn floor(y: &[f64], angle_rad: &[f64]) -> f64 {

@@ -4,12 +4,11 @@ use std::path::PathBuf;
 
 use super::output;
 use crate::Error;
-use crate::report::pages::campaign::page;
+use crate::report::pages::campaign::{field_page, page};
 use crate::rig::Condition;
 use crate::study::campaign::{Settings, campaign, render};
 use crate::study::ema;
 use crate::study::field::commissioned;
-use crate::study::field::picture::picture;
 use crate::study::field::sessions::{self, Fleet};
 use crate::study::field::{self, bounds};
 
@@ -45,7 +44,7 @@ pub(super) struct Args {
     #[arg(long)]
     quick: bool,
     /// One row for each effect of the field
-    #[arg(long, conflicts_with_all = ["traces", "quick", "report"])]
+    #[arg(long, conflicts_with_all = ["traces", "quick"])]
     field: bool,
     /// The actuator instead of the DC motor: phase currents and resolver counts to verdicts
     #[arg(long, conflicts_with_all = ["field", "quick", "report"])]
@@ -62,11 +61,8 @@ pub(super) struct Args {
     /// Gates learned on the drive, merged with the one of the test bench, beside the latter alone
     #[arg(long, requires = "field", conflicts_with_all = ["out", "bounds", "only", "features", "sessions"])]
     commissioned: bool,
-    /// Draw the field's table into an SVG file
-    #[arg(long, value_name = "FILE", requires = "field", conflicts_with_all = ["bounds", "sessions", "commissioned"])]
-    picture: Option<PathBuf>,
     /// Draw a table of the field that was printed before, for example docs/field.md, and compute nothing
-    #[arg(long, value_name = "FILE", requires = "picture")]
+    #[arg(long, value_name = "FILE", requires_all = ["field", "report"])]
     printed: Option<PathBuf>,
     /// Features of the field's detector, instead of those of its recipe
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "field")]
@@ -78,7 +74,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Write a page with tables and plots
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["bounds", "sessions", "commissioned"])]
     report: Option<PathBuf>,
 }
 
@@ -121,9 +117,9 @@ fn run_ema(args: &Args) -> Result<(), Error> {
 }
 
 fn run_field(args: &Args) -> Result<(), Error> {
-    if let (Some(path), Some(printed)) = (&args.picture, &args.printed) {
+    if let (Some(path), Some(printed)) = (&args.report, &args.printed) {
         let text = std::fs::read_to_string(printed).map_err(|source| Error::Io { path: printed.clone(), source })?;
-        return output::write(path, picture(&text)?);
+        return output::write(path, field_page(&text)?);
     }
     if args.sessions {
         return run_sessions(args);
@@ -145,8 +141,8 @@ fn run_field(args: &Args) -> Result<(), Error> {
         output::write(path, output::csv(&field::render::tidy(&findings, &settings))?)?;
     }
     let text = field::render::text(&findings, &settings);
-    if let Some(path) = &args.picture {
-        output::write(path, picture(&text)?)?;
+    if let Some(path) = &args.report {
+        output::write(path, field_page(&text)?)?;
     }
     if args.json {
         return output::json(&field::render::to_json(&findings, &settings));

@@ -17,12 +17,14 @@ mod model_file;
 mod output;
 mod piecewise;
 mod replay;
+mod serve;
 mod simulate;
 mod structure;
 mod tables;
 mod train;
 mod training;
 mod validate;
+mod view;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -56,6 +58,7 @@ enum Command {
     Train(Box<train::Args>),
     Evaluate(evaluate::Args),
     Replay(replay::Args),
+    View(view::Args),
     Listen(listen::Args),
     Convert(convert::ConvertArgs),
     Resample(convert::ResampleArgs),
@@ -98,6 +101,7 @@ pub fn run() -> ExitCode {
         Command::Train(args) => train::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Replay(args) => replay::run(&args),
+        Command::View(args) => view::run(&args),
         Command::Listen(args) => listen::run(&args),
         Command::Convert(args) => convert::convert(&args),
         Command::Resample(args) => convert::resample(&args),

@@ -118,6 +118,11 @@ impl Notes {
         Preparation { block_mean: self.host_block_mean.max(1), decimate: self.decimate.max(1) }
     }
 
+    /// The drive file that the model was trained with.
+    pub(super) fn drive(&self) -> Option<&str> {
+        self.drive.as_deref()
+    }
+
     pub(super) fn to_text(&self) -> String {
         serde_json::to_string(self).unwrap_or_default()
     }

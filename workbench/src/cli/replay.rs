@@ -1,17 +1,20 @@
 //! `bearing-watch replay`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use bearing_watch::plan::RunTime;
 use bearing_watch::{Baseline, FrictionTerm, Trend};
 use serde_json::json;
 
 use super::args::traces::{warn_irregular, warn_refused};
+use super::drive::on_page;
 use super::model_file::{Notes, check_rate, read_model};
 use super::output;
 use crate::Error;
-use crate::core::{Embedded, SegmentReport, Watched, denied, features, stuck_channels};
+use crate::core::{Embedded, SegmentReport, Watched, Watcher, denied, features, stuck_channels};
 use crate::identify::Terms;
+use crate::report::Page;
+use crate::report::pages::replay::{Replayed, page};
 use crate::trace::front_end::raw_rows;
 use crate::trace::{self, Trace};
 use crate::train::front_end_source::further_channels;
@@ -38,6 +41,9 @@ pub(super) struct Args {
     /// evidence. Without it, a run ends after the number of segments in the model
     #[arg(long)]
     run_a_trace: bool,
+    /// Write a page with signals, verdicts, distance and evidence over time
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     /// Also writes the rows of one recording as the drive reads them, for `cargo xtask pil`; the model needs a front
     /// end
     #[arg(long, value_name = "FILE")]
@@ -48,8 +54,10 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
+    let inputs = [&args.traces[..], std::slice::from_ref(&args.model)].concat();
+    output::plan(&args.report.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &inputs)?;
     let (model, notes) = read_model(&args.model)?;
-    let mut values = Vec::new();
+    let (mut values, mut replayed) = (Vec::new(), Vec::new());
     let mut baseline = args.baseline(&model)?;
     let traces = trace::read(&args.traces, &notes.channels())?;
     warn_irregular(traces.iter());
@@ -60,8 +68,8 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     for trace in traces {
         let prepared = notes.preparation().apply(&trace)?;
         let segments = model.run_following(&prepared, baseline.as_mut());
-        for (k, segment) in segments.iter().enumerate() {
-            let watched = &watcher.observe(segment, args.run_a_trace && k + 1 == segments.len());
+        let evidence = watched(&mut watcher, &segments, args.run_a_trace);
+        for (k, (segment, watched)) in segments.iter().zip(&evidence).enumerate() {
             if args.json {
                 values.push(value(
                     &model,
@@ -86,6 +94,13 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
             }
             trend = watched.trend;
         }
+        if args.report.is_some() {
+            replayed.push(Replayed { trace: prepared, segments, watched: evidence });
+        }
+    }
+    if let Some(path) = &args.report {
+        let title = format!("Replay through {}", args.model.display());
+        output::write(path, on_page(page(&title, &model, &notes.channels(), &replayed).render()))?;
     }
     if args.json {
         output::json(&json!(values))?;
@@ -93,6 +108,29 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         output::say(format!("distance changes by {slope:.4} [{low:.4}, {high:.4}] a segment over {segments}"))?;
     }
     Ok(())
+}
+
+/// The evidence after each segment of a trace; a run ends with the trace if each trace is one.
+fn watched(watcher: &mut Watcher, segments: &[SegmentReport], run_a_trace: bool) -> Vec<Watched> {
+    let last = |k: usize| run_a_trace && k + 1 == segments.len();
+    segments.iter().enumerate().map(|(k, segment)| watcher.observe(segment, last(k))).collect()
+}
+
+/// The page of traces through a model, with the usual settings.
+pub(super) fn page_of(file: &Path, traces: &[PathBuf]) -> Result<Page, Error> {
+    let (model, notes) = read_model(file)?;
+    let traces = trace::read(traces, &notes.channels())?;
+    check_rate(&model, notes.preparation(), traces.iter())?;
+    let mut watcher = model.watcher();
+    let mut judge = |trace: &Trace| {
+        let trace = notes.preparation().apply(trace)?;
+        let segments = model.run(&trace);
+        let watched = watched(&mut watcher, &segments, false);
+        Ok(Replayed { trace, segments, watched })
+    };
+    let replayed = traces.iter().map(&mut judge).collect::<Result<Vec<_>, Error>>()?;
+    let shown = |path: &Path| path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    Ok(page(&format!("Replay through {}", shown(file)), &model, &notes.channels(), &replayed))
 }
 
 impl Args {

@@ -4,14 +4,14 @@ use std::path::PathBuf;
 
 use super::output;
 use crate::Error;
-use crate::report::pages::tables::{page, picture};
+use crate::report::pages::tables::page;
 use crate::study::tables::{Id, Settings, render, run as make, words};
 
 /// The source's tables reproduced on the simulated rigs, beside the published figures, with a note to each
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   bearing-watch tables --only 4.1,4.3 --report tables.html --out tables.csv
-  bearing-watch tables --only 5.2,5.12,5.35 --repetitions 4 --picture park.svg
+  bearing-watch tables --only 5.2,5.12,5.35 --repetitions 4 --report actuator.html
 
 Tables 5.2 to 5.13 and the figure are those of the actuator; they have a quarter of the draws. 5.12 and 5.13 contain 5.14 \
 and 5.15.")]
@@ -34,19 +34,13 @@ pub(super) struct Args {
     /// Write a page with tables and plots
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
-    /// Draw Figure 5.35 into an SVG file
-    #[arg(long, value_name = "FILE")]
-    picture: Option<PathBuf>,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
-    let files = [&args.out, &args.report, &args.picture];
+    let files = [&args.out, &args.report];
     output::plan(&files.iter().filter_map(|file| file.as_deref()).collect::<Vec<_>>(), &[])?;
     let asked = |id: &Id| args.only.is_empty() || args.only.contains(id);
     let tables: Vec<Id> = Id::ALL.into_iter().filter(asked).collect();
-    if args.picture.is_some() && !tables.contains(&Id::PARK) {
-        return Err(Error::Usage("--picture draws Figure 5.35; add 5.35 to --only".into()));
-    }
     let settings = Settings { repetitions: args.repetitions, seed: u32::from(args.seed), tables };
     let bar = output::progress("tables", settings.steps());
     let tables = make(&settings, || bar.inc(1))?;
@@ -55,11 +49,9 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let intro = words::intro(&settings);
     let csv = output::csv(&render::tidy(&tables))?;
     let html = page(&settings, &intro, &tables);
-    let drawn =
-        if args.picture.is_some() { picture(&tables).map_err(|e| Error::Usage(e.to_string()))? } else { String::new() };
     let written: Vec<_> = files
         .into_iter()
-        .zip([&csv, &html, &drawn])
+        .zip([&csv, &html])
         .filter_map(|(file, content)| file.as_deref().map(|path| (path, content.as_bytes())))
         .collect();
     output::write_all(&written)?;

@@ -8,7 +8,7 @@ use super::args::traces::Given;
 use super::output;
 use super::training::{Found, Settings, Training, words};
 use crate::Error;
-use crate::report::pages::model;
+use crate::report::pages::model::{self, Worth};
 
 /// Train a model from labelled traces, for the detector in firmware
 #[derive(Debug, clap::Args)]
@@ -53,7 +53,8 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let report = args.report.as_ref().map(|_| {
         let first = |k| own.prepared.iter().find(|t| t.class == k).map(|t| (&t.trace, k));
         let examples: Vec<_> = (0..own.trained.classes.len()).filter_map(first).collect();
-        model::training(&own.trained, &own.channels, &examples, found.worth())
+        let seen = own.seen()?;
+        model::training(&own.trained, &own.channels, &examples, Worth { training: &seen, ..found.worth() })
     });
     let report = report.transpose()?.map(super::drive::on_page);
     let texts = [(&args.rust, &rust), (&args.c, &c), (&args.report, &report)];

@@ -2,12 +2,13 @@
 //!
 //! ```text
 //! points, posteriors, counts ──► plot::{signals, lines, scatter_regions, posteriors} ──┐
-//!                                table::{table, confusion_table}, page::paragraph   ──┼─► page::Page ──► String
+//!                                table::{table, confusion_table}, page::paragraph   ──┴─► page::Page ──► String
 //! ```
 //!
-//! Every function is pure: it converts data to a fragment of HTML with inline SVG. Fragments contain CSS classes
-//! only; colours for light, dark and print, and text sizes for desktop and phone, are defined in one style
-//! sheet that [`page::Page::render`] inserts into the page. The page loads no external files and contains no scripts.
+//! Every function is pure: it converts data to a fragment of HTML. A figure is a fragment with its data, which plotly's
+//! script draws when the page is open: zoom, cursor, legend and download work without a network, because
+//! [`page::Page::render`] writes the script into the page. Colours for light, dark and print are defined in one style
+//! sheet; figures name them.
 //!
 //! All names (classes, files, axis labels) are user input and are escaped by [`escape::escape`].
 

@@ -1,12 +1,27 @@
 //! Builds one self-contained page from titled sections of HTML.
 
 use std::fmt::Write as _;
+use std::sync::LazyLock;
 
 use super::ReportError;
 use super::escape::escape;
 
 /// The style sheet, in a separate file so that editors recognise its format.
 const STYLE: &str = include_str!("style.css");
+
+/// Draws the figures.
+const DRAW: &str = include_str!("plots.js");
+
+/// The script of plotly. The crate also brings a renderer of formulas, which no page needs.
+static PLOTLY: LazyLock<String> = LazyLock::new(|| {
+    const END: &str = "</script>";
+    let all = plotly::Plot::offline_js_sources();
+    let end = all.find(END).map_or(all.len(), |at| at + END.len());
+    all[..end].to_owned()
+});
+
+/// Nothing is loaded from outside the page.
+const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:";
 
 /// Smallest number of sections for which the page begins with links to them.
 const LINKS_FROM: usize = 4;
@@ -23,13 +38,14 @@ pub struct Page {
     title: String,
     lead: String,
     sections: Vec<(String, String)>,
+    live: Option<&'static str>,
 }
 
 impl Page {
     /// An empty page.
     #[must_use]
     pub fn new(title: impl Into<String>) -> Self {
-        Self { title: title.into(), lead: String::new(), sections: Vec::new() }
+        Self { title: title.into(), lead: String::new(), sections: Vec::new(), live: None }
     }
 
     /// A sentence below the title: what was tested, when, with which data.
@@ -46,14 +62,22 @@ impl Page {
         self
     }
 
+    /// Runs a script after the figures are drawn, which may ask the server of the page for news.
+    #[must_use]
+    pub fn live(self, script: &'static str) -> Self {
+        Self { live: Some(script), ..self }
+    }
+
     /// The page as one HTML document.
     #[must_use]
     pub fn render(&self) -> String {
         let title = escape(&self.title);
+        let own = if self.live.is_some() { "; connect-src 'self'" } else { "" };
         let mut out = format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <meta name=\"color-scheme\" content=\"light dark\">\n\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}{own}\">\n\
              <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n<header><h1>{title}</h1>"
         );
         if !self.lead.is_empty() {
@@ -70,7 +94,14 @@ impl Page {
         for (number, (heading, html)) in self.sections.iter().enumerate() {
             let _ = writeln!(out, "<section id=\"s{number}\"><h2>{}</h2>{html}</section>", escape(heading));
         }
-        out.push_str("</main>\n</body>\n</html>\n");
+        out.push_str("</main>\n");
+        if self.sections.iter().any(|(_, html)| html.contains("class=\"plot\"")) {
+            out.push_str(&PLOTLY);
+            for script in [Some(DRAW), self.live].into_iter().flatten() {
+                let _ = write!(out, "\n<script>{script}</script>");
+            }
+        }
+        out.push_str("\n</body>\n</html>\n");
         out
     }
 }
@@ -79,6 +110,18 @@ impl Page {
 #[must_use]
 pub fn paragraph(text: &str) -> String {
     text.split("\n\n").filter(|part| !part.trim().is_empty()).map(|part| format!("<p>{}</p>", escape(part))).collect()
+}
+
+/// A number of things: `1 trace`, `2 traces`.
+#[must_use]
+pub fn counted(count: usize, name: &str) -> String {
+    format!("{count} {name}{}", if count == 1 { "" } else { "s" })
+}
+
+/// Figures that share their horizontal axis: they zoom together, and one cursor crosses them.
+#[must_use]
+pub fn linked(figures: &str) -> String {
+    format!("<div class=\"linked\">{figures}</div>")
 }
 
 /// The plot or table, or the reason why it is missing, so that one empty plot does not make the whole report fail.
@@ -102,7 +145,14 @@ mod tests {
         assert_eq!(check(&html), Ok(()));
         assert!(html.contains("<title>a &lt;b&gt; &amp; &quot;c&quot;</title>") && html.contains("x &lt; y"));
         assert_eq!(html.matches("<p>first</p><p>second &amp; third</p>").count(), 5);
-        assert!(!html.contains("http") && !html.contains("<script") && !html.contains("url("));
+        assert!(!html.contains("://") && !html.contains("<script") && !html.contains("url("));
+    }
+
+    #[test]
+    fn a_page_with_a_figure_has_one_script_of_plotly_and_stays_small() {
+        let html = Page::new("t").section("s", "<div class=\"plot\"></div><div class=\"plot\"></div>").render();
+        assert_eq!(html.matches("plotly.js v").count(), 1);
+        assert!(html.len() < 4_800_000, "{} bytes", html.len());
     }
 
     #[test]

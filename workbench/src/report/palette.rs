@@ -4,9 +4,10 @@
 //! order puts the pairs with the largest difference in lightness first; yellow comes last because thin yellow lines are
 //! hardly visible on white paper, and black is replaced by a mid grey so that it is visible on a dark page too. Classes
 //! also differ by marker shape, so that they can be distinguished in a plot printed in grey.
-//! marker shape, which is what remains of a plot printed in grey.
 
 use std::fmt;
+
+use plotly::common::MarkerSymbol;
 
 /// An opaque sRGB colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,11 +44,9 @@ impl Color {
         OKABE_ITO[index % OKABE_ITO.len()]
     }
 
-    /// Black or white, whichever is easier to read on this colour (ITU-R BT.601 luma).
-    #[must_use]
-    pub fn text_on(self) -> Self {
-        let luma = 0.299 * f64::from(self.red) + 0.587 * f64::from(self.green) + 0.114 * f64::from(self.blue);
-        if luma > 100.0 { Self::rgb(0, 0, 0) } else { Self::rgb(255, 255, 255) }
+    /// The colour with this opacity, in CSS.
+    pub(super) fn tint(self, opacity: f64) -> String {
+        format!("rgba({},{},{},{opacity})", self.red, self.green, self.blue)
     }
 }
 
@@ -94,18 +93,32 @@ impl Marker {
         MARKERS[index % MARKERS.len()]
     }
 
-    /// The outline as SVG path steps relative to the centre, for a marker about as large as a circle of radius 4.
-    #[must_use]
-    pub(super) const fn steps(self) -> &'static str {
-        match self {
-            Self::Circle => "m-4 0a4 4 0 1 0 8 0a4 4 0 1 0-8 0z",
-            Self::Square => "m-3.6-3.6h7.2v7.2h-7.2z",
-            Self::TriangleUp => "m0-5l4.5 8h-9z",
-            Self::Diamond => "m0-5.2l4.4 5.2-4.4 5.2-4.4-5.2z",
-            Self::TriangleDown => "m0 5l4.5-8h-9z",
-            Self::Pentagon => "m0-4.6l4.4 3.2-1.7 5.1h-5.4l-1.7-5.1z",
-            Self::Star => "m0-5.8l1.5 4.3 4.3 1.5-4.3 1.5-1.5 4.3-1.5-4.3-4.3-1.5 4.3-1.5z",
-        }
+    /// The marker filled, of this diameter in pixels.
+    pub(super) fn filled(self, color: &str, size: usize) -> plotly::common::Marker {
+        let symbol = match self {
+            Self::Circle => MarkerSymbol::Circle,
+            Self::Square => MarkerSymbol::Square,
+            Self::TriangleUp => MarkerSymbol::TriangleUp,
+            Self::Diamond => MarkerSymbol::Diamond,
+            Self::TriangleDown => MarkerSymbol::TriangleDown,
+            Self::Pentagon => MarkerSymbol::Pentagon,
+            Self::Star => MarkerSymbol::StarDiamond,
+        };
+        plotly::common::Marker::new().symbol(symbol).color(color.to_owned()).size(size)
+    }
+
+    /// The outline of the marker.
+    pub(super) fn open(self, color: &str, size: usize) -> plotly::common::Marker {
+        let symbol = match self {
+            Self::Circle => MarkerSymbol::CircleOpen,
+            Self::Square => MarkerSymbol::SquareOpen,
+            Self::TriangleUp => MarkerSymbol::TriangleUpOpen,
+            Self::Diamond => MarkerSymbol::DiamondOpen,
+            Self::TriangleDown => MarkerSymbol::TriangleDownOpen,
+            Self::Pentagon => MarkerSymbol::PentagonOpen,
+            Self::Star => MarkerSymbol::StarDiamondOpen,
+        };
+        plotly::common::Marker::new().symbol(symbol).color(color.to_owned()).size(size)
     }
 }
 
@@ -125,6 +138,17 @@ impl Class {
     #[must_use]
     pub fn new(index: usize, name: impl Into<String>) -> Self {
         Self { name: name.into(), color: Color::of(index), marker: Marker::of(index) }
+    }
+
+    /// The classes, and after them the findings without a class: novel, ambiguous and undetermined.
+    #[must_use]
+    pub fn findings<S: AsRef<str>>(names: &[S]) -> Vec<Self> {
+        let others = [("novel", 0x8B_3F_C0), ("ambiguous", 0xB0_B0_B0), ("undetermined", 0x7A_7A_7A)];
+        let other = |(name, rgb): (&str, u32)| {
+            let [_, red, green, blue] = rgb.to_be_bytes();
+            Self { name: name.into(), color: Color { red, green, blue }, marker: Marker::Circle }
+        };
+        Self::all(names).into_iter().chain(others.map(other)).collect()
     }
 
     /// One class per name, in order.
@@ -150,11 +174,5 @@ mod tests {
         for (i, a) in classes.iter().enumerate() {
             assert!(classes[i + 1..].iter().all(|b| a != b), "class {i} repeats");
         }
-    }
-
-    #[test]
-    fn text_contrasts_with_its_ground() {
-        assert_eq!(Color::of(0).text_on(), Color::rgb(255, 255, 255));
-        assert_eq!(Color::of(2).text_on(), Color::rgb(0, 0, 0));
     }
 }

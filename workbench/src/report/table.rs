@@ -127,15 +127,9 @@ fn rate_cell(rate: Rate) -> String {
     }
     let percent = [rate.value, rate.low, rate.high].map(|r| 100.0 * r.clamp(0.0, 1.0));
     let [value, low, high] = percent;
-    let at = |p: f64| 2.0 + 0.76 * p;
     format!(
-        "<td class=\"rate\"><svg class=\"interval\" viewBox=\"0 0 80 12\" aria-hidden=\"true\">\
-         <path class=\"scale\" d=\"M2 6H78M2 3V9M40 4V8M78 3V9\"/>\
-         <path class=\"span\" d=\"M{:.1} 6H{:.1}\"/><path class=\"mean\" d=\"M{:.1} 1V11\"/></svg> \
-         {value:.1} % ({low:.1}–{high:.1})</td>",
-        at(low),
-        at(high),
-        at(value)
+        "<td class=\"rate\"><span class=\"interval\" style=\"--value:{value:.1}%;--low:{low:.1}%;--high:{high:.1}%\"></span> \
+         {value:.1} % ({low:.1}–{high:.1})</td>"
     )
 }
 

@@ -175,6 +175,11 @@ pub(crate) fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
     Ok(found)
 }
 
+/// Whether a file is a trace by its name alone: of a known format, and not called labels.
+pub(crate) fn is_trace(file: &Path) -> bool {
+    table::is_known(file) && stem(&file.file_name().unwrap_or_default().to_string_lossy()) != "labels"
+}
+
 fn known_files(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     let entries = std::fs::read_dir(folder).map_err(Error::io(folder))?;
     let mut files: Vec<PathBuf> = entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();

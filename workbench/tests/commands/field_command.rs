@@ -28,7 +28,7 @@ fn wrong_arguments_are_refused() {
     refuse(dir, "campaign --field --only slipp", &["no row slipp; there are mix, temperature"]);
     refuse(dir, "campaign --field --features drag_scores", &["no drag_scores in this model"]);
     refuse(dir, "campaign --only slip", &["--field"]);
-    for other in ["--quick", "--traces 20", "--report page.html"] {
+    for other in ["--quick", "--traces 20", "--bounds --report page.html"] {
         refuse(dir, &format!("campaign --field {other}"), &["cannot be used with"]);
     }
 }

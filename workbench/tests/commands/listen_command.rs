@@ -18,7 +18,7 @@ use standard_rig::model::{MODEL, Sample};
 
 use crate::common::{refuse, run, succeed};
 
-fn frames() -> Vec<Vec<u8>> {
+pub fn frames() -> Vec<Vec<u8>> {
     let mut frames = Vec::new();
     sender::run(|frame| frames.push(frame.to_vec())).expect("frames fit");
     frames

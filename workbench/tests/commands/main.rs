@@ -2,6 +2,7 @@
 
 mod alarm_commands;
 mod audit_command;
+mod browser;
 mod command_line;
 mod common;
 mod covariate_commands;
@@ -12,6 +13,7 @@ mod format_commands;
 mod front_end_commands;
 mod grey_box_commands;
 mod listen_command;
+mod pages;
 mod rising_commands;
 mod simulate_command;
 mod simulate_ema_command;
@@ -21,3 +23,4 @@ mod train_methods;
 mod training_worth;
 mod validate_command;
 mod velocity_commands;
+mod view_command;

@@ -89,7 +89,6 @@ fn bad_input_is_one_line() {
     refuse(dir, "tables --only 4.9", &["no table \"4.9\"", "2.2, 3.1"]);
     refuse(dir, "tables --only 4.1, --repetitions 1", &["no table \"\""]);
     refuse(dir, "tables --repetitions 0", &["--repetitions"]);
-    refuse(dir, "tables --only 4.1 --picture park.svg", &["add 5.35"]);
     refuse(dir, "tables --repetitions 1 --only 4.1 --out absent/t.csv", &["absent"]);
     refuse(dir, "tables --repetitions 1 --only 4.1 --out t.x --report t.x", &["two outputs"]);
 }

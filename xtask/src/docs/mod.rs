@@ -7,6 +7,7 @@ mod block;
 mod campaign;
 mod compare;
 mod figures;
+mod picture;
 mod sources;
 
 use std::fs;

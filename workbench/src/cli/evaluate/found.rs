@@ -38,16 +38,20 @@ impl Found {
         }
     }
 
-    pub(super) fn lines(&self) -> Vec<String> {
+    /// Chance, false alarms, controls and untrained classes, as sentences.
+    pub(super) fn notes(&self) -> Vec<String> {
         let chance = self.chance.iter().map(ToString::to_string);
         let by_run = self.by_run.iter().map(|found| format!("false alarms {found}"));
-        let by = self.by.iter().map(ToString::to_string);
         let controls = self.controls.iter().map(ToString::to_string);
         let untrained = self.untrained.iter().map(|Untrained { name, rate, control }| {
             let what = if *control { "negative control" } else { "not trained" };
             format!("{name}, {what}: not called healthy {rate}")
         });
-        let mut lines: Vec<String> = chance.chain(by_run).chain(by).chain(controls).chain(untrained).collect();
+        chance.chain(by_run).chain(controls).chain(untrained).collect()
+    }
+
+    pub(super) fn lines(&self) -> Vec<String> {
+        let mut lines: Vec<String> = self.by.iter().map(ToString::to_string).chain(self.notes()).collect();
         // The first class stands for the others of a model without a healthy one; JSON has all.
         for (class, rows) in self.stability.iter().take(1) {
             let runs = rows[0].runs;

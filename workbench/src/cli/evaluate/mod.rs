@@ -8,10 +8,13 @@ use bearing_watch::Counts;
 
 use crate::Error;
 use crate::cli::args::traces::{Given, GroupArgs, Selection, SelectionArgs, warn_irregular, warn_refused};
+use crate::cli::drive::on_page;
 use crate::cli::model_file::{Notes, check_rate, prepare, read_model};
 use crate::cli::output;
 use crate::core::{Embedded, stuck_channels};
 use crate::evaluate::{self, Breakdown, Chance, Confusion, Control, FalseAlarms, Judged, TraceVerdict};
+use crate::report::pages::evaluation;
+use crate::report::pages::segments::Chosen;
 use crate::trace::{Condition, stem};
 use crate::train::Scores;
 use found::{Found, stabilities, untrained};
@@ -28,6 +31,9 @@ pub(in crate::cli) struct Args {
     /// Write every verdict to this CSV
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Write a page with tables and plots
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     /// Print JSON: classes, confusion, error_rate, balanced_accuracy, log_score, brier_score, each with its interval,
     /// and chance; with --group false_alarms_by_run and features_by_run; with --by and --controls by and controls
     #[arg(long)]
@@ -65,6 +71,8 @@ pub(in crate::cli) struct Evaluation {
     /// Trained classes, then others.
     classes: Vec<String>,
     verdicts: Vec<TraceVerdict>,
+    /// The run of each trace, if it is known.
+    runs: Option<Vec<String>>,
     confusion: Confusion,
     scores: Scores,
     found: Found,
@@ -80,10 +88,15 @@ pub(in crate::cli) fn run(args: &Args) -> Result<(), Error> {
     let (model, notes) = read_model(&args.model)?;
     let selection = args.choice.selection.read(&notes.channels(), Given::default())?;
     let inputs = [selection.inputs(), vec![args.model.clone()]].concat();
-    output::plan(&args.out.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &inputs)?;
+    output::plan(&[&args.out, &args.report].into_iter().flatten().map(PathBuf::as_path).collect::<Vec<_>>(), &inputs)?;
     let found = args.choice.of_selection((&model, &notes), &selection)?;
     if let Some(path) = &args.out {
         output::write(path, csv(&model, &found.classes, &found.verdicts)?)?;
+    }
+    if let Some(path) = &args.report {
+        let lead =
+            format!("{} traces through the embedded detector of {}.", found.verdicts.len(), args.model.display());
+        output::write(path, on_page(found.page(&lead, &model, &notes)))?;
     }
     if args.json { output::json(&found.to_json()) } else { found.lines().iter().try_for_each(output::say) }
 }
@@ -169,11 +182,28 @@ impl Choice {
         let confusion = Confusion { healthy: model.healthy(), ..confusion };
         let scores = Scores::of_verdicts(&known, &model.priors(), self.per_segment);
         let column = self.groups.unit.as_ref().or(self.groups.group.as_ref()).cloned();
-        Ok(Evaluation { classes, verdicts, confusion, scores, found, column, seen, outside })
+        Ok(Evaluation { classes, verdicts, runs: groups.runs, confusion, scores, found, column, seen, outside })
     }
 }
 
 impl Evaluation {
+    fn page(&self, lead: &str, model: &Embedded, notes: &Notes) -> String {
+        let catalogue = model.catalogue(&notes.orders);
+        let all = evaluation::Evaluation {
+            model,
+            chosen: Chosen { catalogue: &catalogue, names: &notes.features },
+            classes: &self.classes,
+            verdicts: &self.verdicts,
+            runs: self.runs.as_deref(),
+            confusion: &self.confusion,
+            scores: &self.scores,
+            notes: &self.found.notes(),
+            by: &self.found.by,
+            stability: &self.found.stability,
+        };
+        evaluation::page(lead, all).render()
+    }
+
     pub(in crate::cli) fn to_json(&self) -> serde_json::Value {
         let mut value = self.confusion.to_json();
         value["trained_on"] = self.seen.into();

@@ -1,5 +1,6 @@
 //! `bearing-watch listen`
 
+mod live;
 mod names;
 mod receiver;
 mod source;
@@ -7,14 +8,15 @@ mod traces;
 mod words;
 
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
 use bearing_watch::telemetry::Decoder;
 
+use super::serve::stop_flag;
 use crate::Error;
+use live::View;
 use receiver::Receiver;
 use traces::Traces;
 
@@ -39,6 +41,10 @@ pub(super) struct Args {
     /// Folder for the traces, trace_000.csv and so on; existing files stay
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Also serve a page with the reports and samples as they come, on this port of 127.0.0.1; 0 is any free one. The
+    /// page stays after the end of the source, until --seconds or Ctrl-C
+    #[arg(long, value_name = "PORT")]
+    view: Option<u16>,
     /// End after this time
     #[arg(long)]
     seconds: Option<f64>,
@@ -53,9 +59,14 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let stopped = stop_flag()?;
     let chunks = source::open(&args.source, args.baud);
     let mut decoder = Decoder::<LONGEST>::new();
+    let view = args.view.map(|port| View::open(port, &stopped)).transpose()?;
     let mut receiver = Receiver::new(args.json, traces);
+    if let Some((view, address)) = view {
+        receiver.show(view, &address)?;
+    }
     let mut failure = None;
-    while !stopped.load(Ordering::Relaxed) && deadline.is_none_or(|end| Instant::now() < end) {
+    let goes_on = || !stopped.load(Ordering::Relaxed) && deadline.is_none_or(|end| Instant::now() < end);
+    while goes_on() {
         match chunks.recv_timeout(PATIENCE) {
             Ok(Ok(bytes)) => {
                 for byte in bytes {
@@ -68,6 +79,9 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => break,
         }
+    }
+    while args.view.is_some() && failure.is_none() && goes_on() {
+        std::thread::sleep(PATIENCE);
     }
     let counts = decoder.counts();
     if let Some(error) = failure {
@@ -91,13 +105,4 @@ impl Args {
         let refusal = || Error::Usage("--seconds is a number above 0".into());
         end.map(Some).ok_or_else(refusal)
     }
-}
-
-/// A flag that Ctrl-C sets, so that open traces are completed.
-fn stop_flag() -> Result<Arc<AtomicBool>, Error> {
-    let flag = Arc::new(AtomicBool::new(false));
-    let own = Arc::clone(&flag);
-    ctrlc::set_handler(move || own.store(true, Ordering::Relaxed))
-        .map_err(|error| Error::Usage(format!("Ctrl-C cannot be handled: {error}")))?;
-    Ok(flag)
 }

@@ -3,6 +3,7 @@
 use bearing_watch::Alarm;
 use bearing_watch::telemetry::{Block, Body, Frame, LinkCounts, Summary};
 
+use super::live::View;
 use super::names::Names;
 use super::traces::{Traces, Written};
 use super::words;
@@ -14,6 +15,7 @@ pub(super) struct Receiver {
     json: bool,
     names: Names,
     traces: Option<Traces>,
+    view: Option<View>,
     /// Stream and number of the last frame.
     last: Option<(u32, u32)>,
     /// The alarm that was shown.
@@ -24,7 +26,13 @@ pub(super) struct Receiver {
 
 impl Receiver {
     pub(super) fn new(json: bool, traces: Option<Traces>) -> Self {
-        Self { json, names: Names::default(), traces, last: None, alarm: None, unnamed: 0 }
+        Self { json, names: Names::default(), traces, view: None, last: None, alarm: None, unnamed: 0 }
+    }
+
+    /// Shows what comes on a page too.
+    pub(super) fn show(&mut self, view: View, address: &str) -> Result<(), Error> {
+        self.view = Some(view);
+        self.tell(words::view_line(address), words::view_value(address))
     }
 
     pub(super) fn take(&mut self, frame: &Frame<'_>) -> Result<(), Error> {
@@ -41,6 +49,7 @@ impl Receiver {
                 let names = Names::of(stream, &hello);
                 if names != self.names {
                     self.names = names;
+                    self.view.iter_mut().for_each(|view| view.hello(&self.names));
                     self.tell(words::hello_line(&self.names), words::hello_value(&self.names))?;
                 }
                 Ok(())
@@ -53,6 +62,7 @@ impl Receiver {
     fn report(&mut self, stream: u32, summary: &Summary<'_>) -> Result<(), Error> {
         let unknown = Names::default();
         let names = if self.names.stream == Some(stream) { &self.names } else { &unknown };
+        self.view.iter().for_each(|view| view.report(names, summary));
         self.tell(words::report_line(names, summary), words::report_value(names, summary))?;
         if summary.alarm != self.alarm && !self.json {
             self.alarm = summary.alarm;
@@ -64,6 +74,7 @@ impl Receiver {
     }
 
     fn samples(&mut self, stream: u32, block: &Block<'_>) -> Result<(), Error> {
+        self.view.iter_mut().for_each(|view| view.samples(block));
         let Some(traces) = &mut self.traces else { return Ok(()) };
         let names = &self.names;
         let shape = (usize::from(block.channels), block.with_angle) == (names.channels.len(), names.with_angle);

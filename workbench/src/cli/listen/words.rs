@@ -8,6 +8,14 @@ use super::names::Names;
 use super::traces::Written;
 use crate::core::{denied, stuck_channels};
 
+pub(super) fn view_line(address: &str) -> String {
+    format!("page at {address}")
+}
+
+pub(super) fn view_value(address: &str) -> Value {
+    json!({ "kind": "view", "address": address })
+}
+
 pub(super) fn hello_line(names: &Names) -> String {
     let channels: Vec<String> = names.channels.iter().map(|(name, unit)| format!("{name} in {unit}")).collect();
     let every = names.interval_s.map_or_else(String::new, |step| format!(" every {step} s"));

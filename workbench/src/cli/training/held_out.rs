@@ -43,6 +43,7 @@ pub(in crate::cli) struct Found {
 impl Found {
     pub(in crate::cli) fn worth(&self) -> Worth<'_> {
         Worth {
+            training: &[],
             held_out: self.held_out.as_ref().map(|h| (&h.confusion, h.verdicts.as_slice(), &h.scores)),
             cross_validated: self.cross_validated.as_ref().map(Result::as_ref),
             ranking: self.ranking.as_ref(),

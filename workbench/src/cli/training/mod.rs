@@ -13,6 +13,7 @@ use super::evidence::Orders;
 use super::model_file::{Notes, prepare};
 use super::output;
 use crate::Error;
+use crate::evaluate::{self, TraceVerdict};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Channels, Preparation};
 use crate::train::c_header::c_header;
@@ -103,6 +104,14 @@ impl Session {
 }
 
 impl Training {
+    /// Verdicts of the embedded detector on the training traces.
+    ///
+    /// # Errors
+    /// The core rejects the model.
+    pub fn seen(&self) -> Result<Vec<TraceVerdict>, Error> {
+        evaluate::run(&self.trained.embed()?, &prepare(&self.training, self.host)?, || {})
+    }
+
     /// The model as Rust source, with the front end that its recordings passed and the constants of a commissioning
     /// with so many segments.
     ///

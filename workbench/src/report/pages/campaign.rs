@@ -1,5 +1,6 @@
 //! One page with the tables and plots of a campaign.
 
+use crate::Error;
 use crate::report::page::{Page, or_reason, paragraph};
 use crate::report::palette::{Color, Marker};
 use crate::report::plot::{self, Series};
@@ -7,6 +8,7 @@ use crate::report::table;
 use crate::study::campaign::experiments::{Judge, part};
 use crate::study::campaign::render::{ALARM_HEAD, HEAD, RATE_HEAD, alarm_cells, cells, groups, rate_rows, rate_title};
 use crate::study::campaign::{Figure, Findings};
+use crate::study::field::picture::rates;
 
 /// One self-contained page with tables and plots.
 #[must_use]
@@ -64,4 +66,13 @@ fn sizes(name: &str, figures: &[&Figure]) -> String {
     };
     let least = part(2.0_f64.powi(-7));
     or_reason(plot::lines(name, &format!("log2 of the size (0 full size, −7 {least})"), what, &lines))
+}
+
+/// The page of the table of the field: detected records over the size of a defect.
+///
+/// # Errors
+/// [`Error::Usage`] if the text has no such table.
+pub fn field_page(text: &str) -> Result<String, Error> {
+    let page = Page::new("bearing-watch: conditions of the field");
+    Ok(page.section("Detected records", &rates(text)?).render())
 }

@@ -37,7 +37,7 @@ pub fn page(settings: &Settings, first: &Draw, rows: &[Row]) -> Result<String, E
         .section("The source's method on the same traces", &model::confusion_html(&first.repetition.literal.all_classes))
         .section("All draws", &methods)
         .section("Signals of each class", &signals(&classes, &examples))
-        .section("Features and decision regions", &model::scatter(&first.trained, &first.verdicts)?)
+        .section("Features and decision regions", &model::scatter(&first.trained, &[], &first.verdicts)?)
         .section("Posteriors over time: one held-out trace after another", &model::posteriors_by_trace(&classes, &first.verdicts))
         .section("Posteriors over time: while a segment fills", &filling(first, &examples)?);
     Ok(page.render())

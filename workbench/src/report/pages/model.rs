@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
+use super::segments::{self, Chosen, points};
 use super::worth;
 use crate::Error;
 use crate::core::{Embedded, Finding, SegmentReport};
@@ -17,6 +18,8 @@ use crate::train::{ClassStatistics, Ranking, Scores, Trained};
 /// Available results on the quality of a model.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Worth<'a> {
+    /// Verdicts of the embedded detector on the training traces.
+    pub training: &'a [TraceVerdict],
     /// Results of the embedded detector on held-out traces.
     pub held_out: Option<(&'a Confusion, &'a [TraceVerdict], &'a Scores)>,
     /// Cross-validated scores on the training segments, or the error.
@@ -46,7 +49,8 @@ pub fn training(
         if coordinates == 1 { "coordinate" } else { "coordinates" },
     ));
     page = page.section("Signals, one trace of each class", &signals(trained, channels, examples));
-    page = page.section("Features and decision regions", &scatter(trained, verdicts)?);
+    page = page.section("Features and decision regions", &scatter(trained, worth.training, verdicts)?);
+    page = page.section("Features over runs", &over_runs(trained, worth.training, verdicts));
     page = page.section("Distribution of each feature", &distributions(trained));
     if let Some((confusion, verdicts, scores)) = worth.held_out {
         page = page.section("Held-out traces, through the embedded detector", &confusion_html(confusion));
@@ -91,7 +95,7 @@ pub fn signals(trained: &Trained, channels: &Channels, examples: &[(&Trace, usiz
 ///
 /// # Errors
 /// Returns an error if the model cannot be embedded.
-pub fn scatter(trained: &Trained, held_out: &[TraceVerdict]) -> Result<String, Error> {
+pub fn scatter(trained: &Trained, seen: &[TraceVerdict], held_out: &[TraceVerdict]) -> Result<String, Error> {
     let model = trained.embed()?;
     let Some(plane) = Plane::new(trained) else {
         return Ok(paragraph("The features of the training set do not span a plane."));
@@ -101,9 +105,18 @@ pub fn scatter(trained: &Trained, held_out: &[TraceVerdict]) -> Result<String, E
         let table = &trained.coordinates;
         let own = |row: &usize| table.classes[*row] == k && !table.is_partial(*row);
         let training = (0..table.rows.len()).filter(own).map(|row| table.rows[row].clone());
-        let segments = held_out.iter().filter(|v| v.class == k).flat_map(|v| &v.segments);
-        let held_out = segments.filter(|s| s.verdict.is_ok()).filter_map(|s| coordinates(trained, s));
-        ScatterClass { class: classes[k].clone(), training: plane.points(training), held_out: plane.points(held_out) }
+        let of = |verdicts: &[TraceVerdict], novel: bool| -> Vec<DVector<f64>> {
+            let own = verdicts.iter().filter(|v| v.class == k).flat_map(|v| &v.segments);
+            let own = own.filter(|s| s.verdict.is_ok() && (s.verdict == Ok(Finding::Novel)) == novel);
+            own.filter_map(|s| coordinates(trained, s)).collect()
+        };
+        let novel = [of(held_out, true), of(seen, true)].concat();
+        ScatterClass {
+            class: classes[k].clone(),
+            training: plane.points(training),
+            held_out: plane.points(of(held_out, false).into_iter()),
+            novel: plane.points(novel.into_iter()),
+        }
     };
     let scattered: Vec<ScatterClass> = (0..classes.len()).map(of_class).collect();
     let decide = |x, y| decide(&model, &plane, x, y, classes.len());
@@ -124,6 +137,18 @@ pub fn scatter(trained: &Trained, held_out: &[TraceVerdict]) -> Result<String, E
         note += &format!(" {partial} of the training segments lack a coordinate and are not drawn.");
     }
     Ok(plot + &paragraph(&note))
+}
+
+/// The features of the training segments in the order of their runs, then those of the held-out ones.
+#[must_use]
+pub fn over_runs(trained: &Trained, training: &[TraceVerdict], held_out: &[TraceVerdict]) -> String {
+    let catalogue = trained.recipe.catalogue();
+    let chosen = Chosen { catalogue: &catalogue, names: &trained.feature_names };
+    let groups = &trained.recipe.validation.groups;
+    let later = vec!["held out".to_owned(); held_out.len()];
+    let mut all = points(chosen, training, Some(groups.as_slice()).filter(|groups| !groups.is_empty()));
+    all.extend(points(chosen, held_out, Some(&later)));
+    segments::over_runs(chosen.names, &trained.classes, &all)
 }
 
 /// Normal density of each feature in every class, from the training segments.

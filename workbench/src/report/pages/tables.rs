@@ -55,19 +55,6 @@ fn figure(figure: &Figure) -> String {
     }
 }
 
-/// The first curves of the tables as an SVG file.
-///
-/// # Errors
-/// No table has curves, or they have no finite point.
-pub fn picture(tables: &[Table]) -> Result<String, ReportError> {
-    let curves = tables.iter().flat_map(|table| &table.figures).find_map(|figure| match figure {
-        Figure::Curves(curves) => Some(curves),
-        Figure::Spread(_) | Figure::Plane(_) => None,
-    });
-    let curves = curves.ok_or_else(|| ReportError::Empty { title: "curves".into() })?;
-    plot::picture(&curves.title, &curves.x_label, &panels(curves))
-}
-
 fn panels(curves: &Curves) -> Vec<Panel> {
     let panel = |(label, curves): &(String, Vec<_>)| {
         let series =
@@ -91,6 +78,7 @@ fn scatter(plane: &Plane) -> Result<String, ReportError> {
         class: Class::new(k, one.name.clone()),
         training: one.training.clone(),
         held_out: one.held_out.clone(),
+        novel: vec![],
     };
     let classes: Vec<ScatterClass> = plane.classes.iter().enumerate().map(one).collect();
     let decide = |x, y| plane.rule.decide(&DVector::from_vec(vec![x, y]));

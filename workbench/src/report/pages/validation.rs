@@ -1,7 +1,7 @@
 //! The page of validated estimates.
 
 use crate::identify::{Estimate, Structure, Terms};
-use crate::report::page::{or_reason, paragraph};
+use crate::report::page::{linked, or_reason, paragraph};
 use crate::report::plot::{self, CorrelationPanel, Lag, MapGroup, MapPoint, Panel, Series};
 use crate::report::table::table;
 use crate::report::{Color, Page};
@@ -268,7 +268,7 @@ fn frequencies(trace: &Trace, estimate: &Estimate) -> String {
         ];
         html += &or_reason(plot::sweeps(&format!("Frequency response from {name}"), unit, &panels));
     }
-    html
+    linked(&html)
 }
 
 fn parameters(estimate: &Estimate) -> String {

@@ -1,13 +1,21 @@
 //! Stem plots of correlations over lags, stacked, with the bounds that hold for a correct model.
 
-use std::fmt::Write as _;
+use plotly::common::{Fill, HoverInfo, Line, LineShape, Marker, Mode};
+use plotly::layout::Axis;
+use plotly::{Bar, Scatter};
+use serde_json::json;
 
 use super::super::ReportError;
-use super::axis::{Axis, Range, usable};
-use super::frame::{Area, BOTTOM, Key, TOP, WIDTH, figure, gap_note, grid, panel_head, x_title};
-use super::svg::{Svg, num, polyline};
+use super::super::palette::Color;
+use super::figure::{Figure, text};
+use super::numbers::{Range, usable};
+use super::series::rounded;
+use super::stack::{Across, Row, axis_name, stack, vertical};
+use super::theme::SOFT;
 
 const HEIGHT: f64 = 150.0;
+/// Width of a stem, in lags.
+const STEM: f64 = 0.3;
 
 /// Correlation at one lag.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,46 +50,56 @@ pub fn correlations(title: &str, band: &str, panels: &[CorrelationPanel]) -> Res
     // All panels have the same scale, so that their correlations can be compared.
     let most = all.clone().filter(finite).map(|lag| lag.value.abs().max(lag.bound)).fold(1e-6, f64::max);
     let scale = Range { lo: -most, hi: most }.padded(0.06);
-    let area = Area::new(0.0, HEIGHT);
-    let y = Axis::vertical(scale, area.top, area.bottom);
-    let area = Area::new(y.label_width(), HEIGHT);
-    let x = Axis::horizontal(span, area.left, area.right);
-    let mut body = String::new();
-    for (index, panel) in panels.iter().enumerate() {
-        let last = index + 1 == panels.len();
-        let mut svg = Svg::new();
-        grid(&mut svg, area, &x, &y, last);
-        draw(&mut svg, &panel.lags.iter().copied().filter(|lag| finite(&lag)).collect::<Vec<_>>(), area, &x, &y);
-        let keys =
-            if index == 0 { vec![(Key::Limits, band.to_owned()), (Key::Out, "outside".to_owned())] } else { vec![] };
-        let below = if last { BOTTOM } else { TOP };
-        body += &panel_head(&y.title(&panel.label), &keys);
-        body += &svg.finish(&panel.label, WIDTH, area.bottom + below);
+    let mut figure = Figure::new(title, 0);
+    let mut rows = Vec::new();
+    for (k, panel) in panels.iter().enumerate() {
+        let lags: Vec<Lag> = panel.lags.iter().copied().filter(|lag| finite(&lag)).collect();
+        draw(&mut figure, &lags, (k, scale), band);
+        rows.push(Row { label: panel.label.clone(), height: HEIGHT, axis: vertical(scale).zero_line(true) });
     }
-    body += &x_title("lag / samples");
-    Ok(figure(title, &body, &gap_note(all.clone().count() - all.filter(finite).count())))
+    figure.note_gaps(all.clone().count() - all.filter(finite).count());
+    figure.set("barmode", json!("overlay"));
+    stack(&mut figure, Across { label: "lag / samples", axis: Axis::new().range(span.axis()) }, rows, true);
+    Ok(figure.html())
 }
 
-fn draw(svg: &mut Svg, lags: &[Lag], area: Area, x: &Axis, y: &Axis) {
+fn draw(figure: &mut Figure, lags: &[Lag], (panel, scale): (usize, Range), band: &str) {
+    let axis = axis_name(panel);
     // The bound is defined at each lag, so the band is a step function with one step around each lag.
-    let edge = |lag: &Lag, side: f64, sign: f64| (x.at(lag.lag as f64 + side), y.at(sign * lag.bound));
-    let upper = lags.iter().flat_map(|lag| [edge(lag, -0.5, 1.0), edge(lag, 0.5, 1.0)]);
-    let lower = lags.iter().rev().flat_map(|lag| [edge(lag, 0.5, -1.0), edge(lag, -0.5, -1.0)]);
-    svg.path("class=\"limits\"", &polyline(upper.chain(lower)));
-    svg.path("class=\"zero-line\"", &format!("M{} {}H{}", num(area.left), num(y.at(0.0)), num(area.right)));
-    let [mut within, mut outside] = [String::new(), String::new()];
-    for lag in lags {
-        let stems = if lag.value.abs() > lag.bound { &mut outside } else { &mut within };
-        // Writing to a String cannot fail.
-        let _ = write!(stems, "M{} {}V{}", num(x.at(lag.lag as f64)), num(y.at(0.0)), num(y.at(lag.value)));
+    for sign in [1.0, -1.0] {
+        let ends = lags.first().map(|lag| (lag.lag as f64 - 0.5, lag.bound)).into_iter();
+        let ends = ends.chain(lags.iter().map(|lag| (lag.lag as f64 + 0.5, lag.bound)));
+        let (x, y): (Vec<f64>, Vec<f64>) = ends.map(|(x, bound)| (x, scale.rounded(sign * bound))).unzip();
+        figure.add(
+            Scatter::new(x, y)
+                .name(text(band))
+                .legend_group(text(band))
+                .show_legend(panel == 0 && sign > 0.0)
+                .mode(Mode::Lines)
+                .line(Line::new().shape(LineShape::Vh).color(SOFT).width(1.0))
+                .fill(Fill::ToZeroY)
+                .fill_color(Color::of(6).tint(0.2))
+                .hover_info(HoverInfo::Skip)
+                .y_axis(&axis),
+        );
     }
-    svg.path("class=\"stem\"", &within);
-    svg.path("class=\"stem out\"", &outside);
+    for (name, color, out) in [("within", Color::of(0), false), ("outside", Color::of(1), true)] {
+        let own = || lags.iter().filter(|lag| (lag.value.abs() > lag.bound) == out);
+        let bar = Bar::new(own().map(|lag| lag.lag as f64).collect(), rounded(scale, own().map(|lag| lag.value)))
+            .name(name)
+            .legend_group(name)
+            .show_legend(panel == 0)
+            .width(STEM)
+            .marker(Marker::new().color(color.to_string()))
+            .y_axis(&axis);
+        figure.add(bar);
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::super::well_formed::check;
+    use super::super::figure::named;
     use super::*;
 
     fn panel(values: &[f64]) -> CorrelationPanel {
@@ -93,9 +111,9 @@ mod tests {
     fn lags_outside_stand_out() {
         let html = correlations("t", "99 %", &[panel(&[0.05, -0.3, 0.2]), panel(&[0.0, f64::NAN])]).expect("finite");
         assert_eq!(check(&html), Ok(()));
-        let out = html.split("stem out\" d=\"").nth(2).and_then(|rest| rest.split('"').next()).expect("stems outside");
-        assert_eq!(out.matches('V').count(), 2, "{out}");
-        assert!(html.contains("1 point is not finite") && html.contains("with &lt;u1&gt;"));
+        let outside = named(&html, "outside");
+        assert_eq!((&outside[0]["x"], &outside[1]["x"]), (&json!([0.0, 1.0]), &json!([])));
+        assert!(html.contains("1 point is not finite"));
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! their original order. The line covers the same pixels to within one column, and no peak is lost, however
 //! narrow: a mean or every n-th point would hide the narrow peaks that a bearing fault causes.
 
-use super::axis::usable;
+use super::numbers::usable;
 
 /// Splits `points` at non-finite coordinates, and reduces each run to at most two points per column
 /// (plus its first and last point).

@@ -6,14 +6,20 @@
 
 use std::f64::consts::TAU;
 
+use plotly::Scatter;
+use plotly::common::Mode;
+use plotly::layout::Axis;
+
 use super::super::ReportError;
 use super::super::palette::Class;
-use super::axis::{Axis, Range, usable};
-use super::frame::{Area, BOTTOM, WIDTH, figure, gap_note, grid, panel_head, x_title};
-use super::series::Series;
-use super::svg::{Svg, markers};
+use super::figure::{Figure, text};
+use super::numbers::{Range, usable};
+use super::series::{Drawing, Series, rounded};
+use super::stack::{Across, Row, stack, vertical};
 
 const HEIGHT: f64 = 280.0;
+/// Samples of a class that are drawn.
+const SAMPLES: usize = 100;
 
 /// A class and its samples of the feature.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,29 +63,36 @@ pub fn densities(title: &str, feature: &str, classes: &[Density]) -> Result<Stri
         series.push(Series::new(name, one.class.color, curve).with_band(band));
     }
     let samples = known.iter().flat_map(|(one, _, _)| one.samples.iter().copied());
-    let across = Range::of(samples.clone().chain(series.iter().flat_map(|s| s.points.iter().map(|p| p.0))));
-    let across = across.filter(|_| peak > 0.0).ok_or_else(|| ReportError::Empty { title: title.to_owned() })?;
+    let x = Range::of(samples.chain(series.iter().flat_map(|s| s.points.iter().map(|p| p.0))));
+    let x = x.filter(|_| peak > 0.0).ok_or_else(|| ReportError::Empty { title: title.to_owned() })?.padded(0.02);
     // Samples are drawn below zero, one row per class.
     let row = 0.07 * peak;
-    let up = Range { lo: -row * (known.len() as f64 + 0.5), hi: 1.05 * peak };
-    let area = Area::new(0.0, HEIGHT);
-    let y = Axis::vertical(up, area.top, area.bottom);
-    let area = Area::new(y.label_width(), HEIGHT);
-    let y = y.above_zero();
-    let x = Axis::horizontal(across.padded(0.02), area.left, area.right);
-    let mut svg = Svg::new();
-    grid(&mut svg, area, &x, &y, true);
+    let y = Range { lo: -row * (known.len() as f64 + 0.5), hi: 1.05 * peak };
+    let mut figure = Figure::new(title, 0);
     for (number, ((one, _, _), series)) in known.iter().zip(&series).enumerate() {
-        series.draw(&mut svg, area, &x, &y);
-        let at = y.at(-row * (number as f64 + 1.0));
-        let points = one.samples.iter().filter(|&&v| usable(v)).map(|&v| (x.at(v), at));
-        svg.path(&format!("class=\"open\" stroke=\"{}\"", one.class.color), &markers(one.class.marker, points));
+        let at = Drawing { axis: "y", x, y, columns: None, in_legend: true };
+        series.traces(at).into_iter().for_each(|trace| figure.add(trace));
+        let every = one.samples.len().div_ceil(SAMPLES).max(1);
+        let drawn: Vec<f64> = one.samples.iter().copied().filter(|&v| usable(v)).step_by(every).collect();
+        let below = vec![y.rounded(-row * (number as f64 + 1.0)); drawn.len()];
+        figure.add(
+            Scatter::new(rounded(x, drawn.into_iter()), below)
+                .name(text(&one.class.name))
+                .legend_group(text(&series.name))
+                .show_legend(false)
+                .mode(Mode::Markers)
+                .marker(one.class.marker.open(&one.class.color.to_string(), 7).opacity(0.75))
+                .hover_template("%{x}"),
+        );
+        if every > 1 {
+            figure.notes.push(format!("Of {}, every {every}th sample is drawn.", one.class.name));
+        }
     }
-    let missing = classes.iter().flat_map(|one| &one.samples).filter(|&&v| !usable(v)).count();
-    let keys: Vec<_> = series.iter().map(Series::key).collect();
-    let head = panel_head(&y.title("probability density"), &keys);
-    let drawing = svg.finish(title, WIDTH, area.bottom + BOTTOM);
-    Ok(figure(title, &format!("{head}{drawing}{}", x_title(&x.title(feature))), &gap_note(missing)))
+    figure.note_gaps(classes.iter().flat_map(|one| &one.samples).filter(|&&v| !usable(v)).count());
+    let rows = vec![Row { label: "probability density".into(), height: HEIGHT, axis: vertical(y).zero_line(true) }];
+    stack(&mut figure, Across { label: feature, axis: Axis::new().range(x.axis()) }, rows, true);
+    figure.set("hovermode", serde_json::json!("closest"));
+    Ok(figure.html())
 }
 
 /// Mean and standard deviation, rounded to two digits of the standard deviation.
@@ -93,6 +106,7 @@ fn with_sd(mean: f64, sd: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::super::super::well_formed::check;
+    use super::super::figure::named;
     use super::*;
 
     #[test]
@@ -103,9 +117,9 @@ mod tests {
         let html = densities("t", "a1", &[one]).expect("two samples");
         assert_eq!(check(&html), Ok(()));
         // ± 3.5 standard deviations is 3 to 17; with the variance instead it would be −4 to 24.
-        assert!(
-            html.contains("&lt;a&gt;: 10.0 ± 2.0 (sd)") && html.contains(">16</text>") && !html.contains(">18</text>")
-        );
+        let curve = &named(&html, "&lt;a&gt;: 10.0 ± 2.0 (sd)")[1];
+        assert_eq!((&curve["x"][0], &curve["x"][100]), (&3.0.into(), &17.0.into()));
+        assert_eq!(named(&html, "&lt;a&gt;")[0]["x"], serde_json::json!([8.0, 10.0, 12.0]));
     }
 
     #[test]

@@ -1,34 +1,39 @@
-//! Plots: each function converts data to a `<figure>` with a title, a legend and inline SVG.
+//! Plots: each function converts data to a `<figure>` that plotly draws when the page is open.
 //!
-//! Titles, axis titles and legends are HTML, so that they wrap and keep their size on a phone; the SVG contains only
-//! elements with a position. The SVG is written here and not by a plotting crate, because the figures need style-sheet
-//! classes (dark page, print, larger text on a phone), fractions of a unit, hatching and whole series in one path.
+//! ```text
+//! data ──► signals, scatter_regions, posteriors … ──► figure::Figure (traces, layout) ──► <figure> with JSON
+//!                                                     theme: colours by name, which the page's script replaces
+//! ```
+//!
+//! Panels of one figure share their horizontal axis: they zoom together, and the cursor crosses all of them. Figures in
+//! one [`super::page::linked`] do the same. Long series are reduced to the lowest and highest value of each column.
 
-mod axis;
 mod correlations;
 mod decimate;
 mod densities;
-mod frame;
-mod lines;
+mod figure;
 mod multiples;
-mod picture;
+mod numbers;
 mod pole_zero;
 mod posteriors;
 mod regions;
 mod reliability;
+mod runs;
 mod scatter;
 mod series;
 mod signals;
-mod svg;
+mod stack;
+mod strip;
+mod theme;
 
 pub use correlations::{CorrelationPanel, Lag, correlations};
 pub use densities::{Density, densities};
-pub use lines::lines;
 pub use multiples::{SizeSeries, multiples};
-pub use picture::picture;
 pub use pole_zero::{MapGroup, MapPoint, pole_zero};
 pub use posteriors::{Segment, posteriors};
 pub use reliability::{ReliabilityBin, ReliabilityClass, reliability};
-pub use scatter::{ScatterClass, scatter_regions};
+pub use runs::{RunPoint, features_over_runs};
+pub use scatter::{ScatterClass, scatter, scatter_regions};
 pub use series::Series;
-pub use signals::{Panel, signals, sweeps};
+pub use signals::{Event, Panel, lines, signals, signals_of_many, sweeps, timeline};
+pub use strip::{Span, Strip};

@@ -1,22 +1,24 @@
-//! Small multiples: rates with intervals over the size of a defect, one panel for each condition, as one SVG file.
+//! Small multiples: rates with intervals over the size of a defect, one panel for each condition.
 
-use std::fmt::Write as _;
+use plotly::Scatter;
+use plotly::common::{ErrorData, ErrorType, Line, Mode};
+use plotly::layout::Axis;
+use serde_json::json;
 
+use super::super::ReportError;
 use super::super::palette::{Color, Marker};
-use super::frame::WIDTH;
-use super::svg::{Anchor, Svg, markers, num, polyline};
+use super::figure::{Figure, text};
+use super::numbers::Range;
+use super::series::rounded;
+use super::theme::{BOTTOM, SOFT, TOP};
 use crate::evaluate::Rate;
 
 const COLUMNS: usize = 5;
-const PANEL_WIDTH: f64 = 112.0;
-const PANEL_HEIGHT: f64 = 80.0;
-const LEFT: f64 = 36.0;
-const ACROSS: f64 = 148.0;
-const DOWN: f64 = 124.0;
-/// Below the heading and the legend.
-const TOP: f64 = 52.0;
-const STYLE: &str = "text{font:11px sans-serif;fill:#222}.head{font-weight:bold}.name{font-size:10px}.grid{stroke:#ddd;fill:none}\
-                     .frame{stroke:#888;fill:none}.line{fill:none;stroke-width:1.5}.paper{fill:#fff}";
+const PANEL_HEIGHT: f64 = 84.0;
+/// Between two rows: tick labels and the name of the lower panel; between two columns, as a share of the width.
+const GAP: f64 = 44.0;
+const ASIDE: f64 = 0.035;
+const LEGEND: u32 = 34;
 
 /// One kind of defect: its name, and its rates over the size (1 is full size).
 #[derive(Debug, Clone, PartialEq)]
@@ -27,81 +29,102 @@ pub struct SizeSeries {
     pub rates: Vec<(f64, Rate)>,
 }
 
-/// A standalone picture; `panels` are titles with their series, which all have the same names.
-#[must_use]
-pub fn multiples(title: &str, panels: &[(String, Vec<SizeSeries>)]) -> String {
-    let height = TOP + DOWN * panels.len().div_ceil(COLUMNS) as f64;
-    let mut svg = Svg::new();
-    svg.rect("class=\"paper\"", 0.0, 0.0, WIDTH, height);
-    svg.text("class=\"head\"", Anchor::Middle, 0.5 * WIDTH, 12.0, title);
-    let names = panels.first().map(|(_, series)| series.as_slice()).unwrap_or_default();
-    for (k, series) in names.iter().enumerate() {
-        let at = 0.5 * WIDTH + 130.0 * (k as f64 - 0.5 * names.len() as f64);
-        svg.path(&format!("fill=\"{}\"", Color::of(k)), &markers(Marker::of(k), [(at, 32.0)]));
-        svg.text("", Anchor::Middle, at + 40.0, 32.0, &series.name);
-    }
-    let least = panels.iter().flat_map(|(_, all)| all).flat_map(|own| &own.rates).map(|(size, _)| *size);
-    let octaves = -least.fold(0.5, f64::min).log2();
+/// Panels with their titles and series, which all have the same names.
+///
+/// # Errors
+/// [`ReportError::Empty`] without a rate.
+pub fn multiples(title: &str, panels: &[(String, Vec<SizeSeries>)]) -> Result<String, ReportError> {
+    let sizes = panels.iter().flat_map(|(_, all)| all).flat_map(|own| &own.rates).map(|(size, _)| size.log2());
+    let sizes = Range::of(sizes).ok_or_else(|| ReportError::Empty { title: title.to_owned() })?;
+    let x = Range { lo: sizes.lo - 0.5, hi: sizes.hi.max(0.0) + 0.5 };
+    let rows = panels.len().div_ceil(COLUMNS);
+    let inner = PANEL_HEIGHT * rows as f64 + GAP * (rows - 1) as f64;
+    let width = (1.0 - ASIDE * (COLUMNS - 1) as f64) / COLUMNS as f64;
+    let mut figure = Figure::new(title, 0);
     for (place, (name, all)) in panels.iter().enumerate() {
-        let (left, top) = (LEFT + ACROSS * (place % COLUMNS) as f64, TOP + 16.0 + DOWN * (place / COLUMNS) as f64);
-        panel(&mut svg, (left, top), octaves, (name, all));
+        let number = if place == 0 { String::new() } else { (place + 1).to_string() };
+        let left = (width + ASIDE) * (place % COLUMNS) as f64;
+        let top = 1.0 - (PANEL_HEIGHT + GAP) * (place / COLUMNS) as f64 / inner;
+        for (k, series) in all.iter().enumerate() {
+            draw(&mut figure, series, k, (&number, x));
+        }
+        let (values, names) = ticks(sizes);
+        let across = Axis::new().range(x.axis()).domain(&[left, left + width]).anchor(format!("y{number}"));
+        let across = across.tick_values(values).tick_text(names).tick_angle(0.0);
+        figure.axis(format!("xaxis{number}"), across, &json!({ "matches": if place == 0 { None } else { Some("x") } }));
+        let up = Axis::new().range(Range { lo: -4.0, hi: 104.0 }.axis()).tick_values(vec![0.0, 50.0, 100.0]);
+        let bottom = (top - PANEL_HEIGHT / inner).max(0.0);
+        let up = up.domain(&[bottom, top]).anchor(format!("x{number}")).show_tick_labels(place % COLUMNS == 0);
+        figure.axis(format!("yaxis{number}"), up, &json!({}));
+        figure.push(
+            "annotations",
+            json!({ "text": text(name), "x": left, "xref": "paper", "xanchor": "left", "y": top, "yref": "paper",
+                    "yanchor": "bottom", "showarrow": false, "font": { "size": 11, "color": SOFT } }),
+        );
     }
-    svg.standalone(title, (WIDTH, height), STYLE)
+    figure.legend(inner, 22.0);
+    figure.set("margin", json!({ "l": 40, "r": 38, "t": TOP + LEGEND, "b": BOTTOM }));
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few thousand pixels")]
+    figure.height(inner as u32 + TOP + LEGEND + BOTTOM);
+    Ok(figure.html())
 }
 
-fn panel(svg: &mut Svg, (left, top): (f64, f64), octaves: f64, (name, all): (&str, &[SizeSeries])) {
-    let bottom = top + PANEL_HEIGHT;
-    // Half an octave of space on both sides.
-    let x = |size: f64| left + PANEL_WIDTH * (size.log2() + octaves + 0.5) / (octaves + 1.0);
-    let y = |rate: f64| bottom - PANEL_HEIGHT * (0.04 + 0.92 * rate);
-    svg.text("class=\"name\"", Anchor::Middle, left + 0.5 * PANEL_WIDTH, top - 9.0, name);
-    let mut grid = String::new();
-    for rate in [0.0, 0.5, 1.0] {
-        // Writing to a String cannot fail.
-        let _ = write!(grid, "M{} {}h{}", num(left), num(y(rate)), num(PANEL_WIDTH));
-        svg.text("", Anchor::End, left - 4.0, y(rate), &format!("{:.0}", 100.0 * rate));
-    }
-    svg.path("class=\"grid\"", &grid);
-    svg.rect("class=\"frame\"", left, top, PANEL_WIDTH, PANEL_HEIGHT);
-    let mut size = 1.0_f64;
-    while size.log2() >= -octaves - 1e-9 {
-        let label = if size < 1.0 { format!("1/{:.0}", 1.0 / size) } else { "1".into() };
-        svg.text("", Anchor::Middle, x(size), bottom + 9.0, &label);
-        size /= if size < 0.9 { 4.0 } else { 2.0 };
-    }
-    for (k, series) in all.iter().enumerate() {
-        let color = Color::of(k);
-        // Beside each other, so that intervals do not overlap.
-        let points: Vec<(f64, f64, Rate)> =
-            series.rates.iter().map(|(size, rate)| (x(*size) + 3.0 * k as f64, y(rate.value), *rate)).collect();
-        let mut bars = String::new();
-        for (at, _, rate) in &points {
-            let _ = write!(bars, "M{} {}V{}", num(*at), num(y(rate.low)), num(y(rate.high)));
-        }
-        let line = polyline(points.iter().map(|(at, value, _)| (*at, *value)));
-        svg.path(&format!("class=\"line\" stroke=\"{color}\""), &(line + &bars));
-        let places = points.iter().map(|(at, value, _)| (*at, *value));
-        svg.path(&format!("fill=\"{color}\""), &markers(Marker::of(k), places));
-    }
+/// Places and names of the sizes 1, 1/2, 1/8, 1/32 …
+fn ticks(sizes: Range) -> (Vec<f64>, Vec<String>) {
+    let places = std::iter::successors(Some(0.0), |at: &f64| Some(if *at > -0.5 { -1.0 } else { at - 2.0 }));
+    let places: Vec<f64> = places.take_while(|at| *at >= sizes.lo - 1e-9).collect();
+    let name = |at: &f64| if *at < 0.0 { format!("1/{:.0}", (-at).exp2()) } else { "1".into() };
+    let names = places.iter().map(name).collect();
+    (places, names)
+}
+
+fn draw(figure: &mut Figure, series: &SizeSeries, k: usize, (number, x): (&str, Range)) {
+    let percent = Range { lo: 0.0, hi: 100.0 };
+    let each = |pick: fn(&Rate) -> f64| rounded(percent, series.rates.iter().map(|(_, rate)| 100.0 * pick(rate)));
+    let color = Color::of(k).to_string();
+    let bars = ErrorData::new(ErrorType::Data)
+        .symmetric(false)
+        .array(each(|rate| rate.high - rate.value))
+        .array_minus(each(|rate| rate.value - rate.low))
+        .thickness(1.2)
+        .width(0)
+        .color(color.clone());
+    // Beside each other, so that intervals do not overlap.
+    let places = series.rates.iter().map(|(size, _)| size.log2() + 0.12 * k as f64);
+    figure.add(
+        Scatter::new(rounded(x, places), each(|rate| rate.value))
+            .name(text(&series.name))
+            .legend_group(text(&series.name))
+            .show_legend(number.is_empty())
+            .mode(Mode::LinesMarkers)
+            .line(Line::new().color(color.clone()).width(1.5))
+            .marker(Marker::of(k).filled(&color, 6))
+            .error_y(bars)
+            .x_axis(format!("x{number}"))
+            .y_axis(format!("y{number}")),
+    );
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::super::well_formed::check;
+    use super::super::figure::{drawn, named};
     use super::*;
 
     #[test]
-    fn a_picture_is_well_formed_and_has_every_panel() {
+    fn every_panel_has_its_axes_and_its_series() {
         let series = |name: &str| SizeSeries {
             name: name.into(),
             rates: [1.0, 0.25].map(|size| (size, Rate::wilson((20.0 * size) as usize, 60))).to_vec(),
         };
         let panels: Vec<_> =
             ["a<b", "c", "d", "e", "f", "g"].map(|n| (n.into(), vec![series("x"), series("y")])).into();
-        let text = multiples("t", &panels);
-        assert_eq!(check(&text), Ok(()), "{text}");
-        assert!(text.starts_with("<svg xmlns=") && text.contains(">a&lt;b</text>") && text.contains(">1/2</text>"));
-        assert_eq!(text.matches("class=\"frame\"").count(), 6);
-        assert_eq!(check(&multiples("none", &[])), Ok(()));
+        let html = multiples("t", &panels).expect("rates");
+        assert_eq!(check(&html), Ok(()));
+        let (own, layout) = (named(&html, "y"), &drawn(&html)["layout"]);
+        assert_eq!((own.len(), &own[5]["xaxis"]), (6, &json!("x6")));
+        assert_eq!(layout["xaxis6"]["ticktext"], json!(["1", "1/2"]));
+        assert_eq!(layout["annotations"][0]["text"], "a&lt;b");
+        assert!(multiples("none", &[]).is_err());
     }
 }

@@ -2,21 +2,26 @@
 //!
 //! Both axes have the same scale, so that the circle is round. Poles are crosses, zeros are circles; a region is the
 //! ellipse given by its outline, or a bar on the real axis. Very uncertain zeros would make the rest of the map too
-//! small: the map is limited to 2.5 around the origin, and the points outside are counted.
+//! small: the first view is limited to 2.5 around the origin, and the points outside are counted.
 
 use std::f64::consts::TAU;
-use std::fmt::Write as _;
+
+use plotly::Scatter;
+use plotly::common::{Fill, HoverInfo, Line, Marker, MarkerSymbol, Mode};
+use plotly::layout::Axis;
+use serde_json::json;
 
 use super::super::ReportError;
 use super::super::palette::Color;
-use super::axis::{Axis, Range, usable};
-use super::frame::{Area, BOTTOM, Key, WIDTH, figure, gap_note, grid, panel_head, x_title};
-use super::svg::{Svg, num, polyline};
+use super::figure::{Figure, text};
+use super::numbers::{Range, usable};
+use super::series::rounded;
+use super::theme::SOFT;
 
-/// Half width of the largest map.
+/// Half width of the largest first view; height of the figure.
 const FARTHEST: f64 = 2.5;
-/// Half size of a cross and radius of a circle, in drawing units.
-const SIZE: f64 = 5.0;
+const HEIGHT: u32 = 500;
+const INNER: f64 = 400.0;
 
 /// A pole or zero.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,9 +52,6 @@ pub struct MapGroup {
 pub fn pole_zero(title: &str, groups: &[MapGroup]) -> Result<String, ReportError> {
     let points = || groups.iter().flat_map(|group| &group.points);
     let finite = |p: &&MapPoint| usable(p.at.0) && usable(p.at.1);
-    if points().filter(finite).count() == 0 {
-        return Err(ReportError::Empty { title: title.to_owned() });
-    }
     let range = |pick: fn(&(f64, f64)) -> f64| {
         let values = points().filter(finite).flat_map(|p| p.outline.iter().chain([&p.at]).map(pick));
         let seen = values.filter(|&v| usable(v)).map(|v| v.clamp(-FARTHEST, FARTHEST));
@@ -58,101 +60,71 @@ pub fn pole_zero(title: &str, groups: &[MapGroup]) -> Result<String, ReportError
     let (Some(across), Some(up)) = (range(|p| p.0), range(|p| p.1)) else {
         return Err(ReportError::Empty { title: title.to_owned() });
     };
-    // The aspect ratio is fixed: the height follows from the width; if the height is limited, one range is widened.
-    let area = Area::new(50.0, 100.0);
-    let width = area.right - area.left;
-    let height = (width * (up.hi - up.lo) / (across.hi - across.lo)).clamp(320.0, 520.0);
-    let area = Area::new(50.0, height);
-    let scale = (width / (across.hi - across.lo)).min(height / (up.hi - up.lo));
-    let widened = |range: Range, length: f64| {
-        let (middle, half) = (0.5 * (range.lo + range.hi), 0.5 * length / scale);
-        Range { lo: middle - half, hi: middle + half }
-    };
-    let (across, up) = (widened(across, width), widened(up, height));
-    let x = Axis::horizontal(across, area.left, area.right);
-    let y = Axis::vertical(up, area.top, area.bottom);
-
-    let mut svg = Svg::new();
-    grid(&mut svg, area, &x, &y, true);
-    let place = |&(re, im): &(f64, f64)| (x.at(re), y.at(im));
-    let circle = (0..=180).map(|k| (TAU * f64::from(k) / 180.0).sin_cos()).map(|(s, c)| (c, s));
-    outline(&mut svg, "class=\"unit\"", circle.map(|p| place(&p)).collect(), area);
-    let mut outside = 0;
+    if points().filter(finite).count() == 0 {
+        return Err(ReportError::Empty { title: title.to_owned() });
+    }
+    let mut figure = Figure::new(title, HEIGHT);
+    let circle: Vec<(f64, f64)> = (0..=180).map(|k| (TAU * f64::from(k) / 180.0).sin_cos()).collect();
+    figure.add(
+        Scatter::new(rounded(across, circle.iter().map(|p| p.1)), rounded(up, circle.iter().map(|p| p.0)))
+            .name("unit circle")
+            .mode(Mode::Lines)
+            .line(Line::new().color(SOFT).width(1.0))
+            .hover_info(HoverInfo::Skip),
+    );
     for group in groups {
-        outside += draw(&mut svg, group, area, place, |p| across.contains(p.0) && up.contains(p.1));
+        draw(&mut figure, group, across, up);
     }
-    let keys: Vec<(Key, String)> = groups
-        .iter()
-        .map(|group| {
-            let name = if group.points.is_empty() { format!("{}: none", group.name) } else { group.name.clone() };
-            (if group.poles { Key::Cross(group.color) } else { Key::Zero(group.color) }, name)
-        })
-        .collect();
-    let mut notes = gap_note(points().count() - points().filter(finite).count());
-    match outside {
-        0 => {}
-        1 => notes.push("1 point lies outside the map.".to_owned()),
-        n => notes.push(format!("{n} points lie outside the map.")),
-    }
-    let drawing = svg.finish(title, WIDTH, area.bottom + BOTTOM);
-    Ok(figure(title, &format!("{}{drawing}{}", panel_head("imaginary part", &keys), x_title("real part")), &notes))
+    figure.note_gaps(points().count() - points().filter(finite).count());
+    let inside = |p: &&MapPoint| across.contains(p.at.0) && up.contains(p.at.1);
+    figure.note_outside(points().filter(finite).filter(|p| !inside(p)).count());
+    let title = |text: &str| json!({ "title": { "text": text } });
+    figure.axis("xaxis", Axis::new().range(across.axis()).zero_line(true), &title("real part"));
+    let y = Axis::new().range(up.axis()).zero_line(true).scale_anchor("x");
+    figure.axis("yaxis", y, &title("imaginary part"));
+    figure.legend(INNER, 8.0);
+    Ok(figure.html())
 }
 
-/// Draws one group; returns the number of its points outside the map.
-fn draw(
-    svg: &mut Svg,
-    group: &MapGroup,
-    area: Area,
-    place: impl Fn(&(f64, f64)) -> (f64, f64),
-    inside: impl Fn((f64, f64)) -> bool,
-) -> usize {
-    let (mut marks, mut outside) = (String::new(), 0);
-    for point in group.points.iter().filter(|p| usable(p.at.0) && usable(p.at.1)) {
-        let region: Vec<_> = point.outline.iter().filter(|p| usable(p.0) && usable(p.1)).map(&place).collect();
-        if let [(x0, y0), (x1, _)] = region[..] {
-            // A bar with end caps, because a region on the real axis has no height.
-            let (x0, x1) = (x0.max(area.left), x1.min(area.right));
-            if x0 < x1 && (area.top..=area.bottom).contains(&y0) {
-                let (x0, x1, y0) = (num(x0), num(x1), num(y0));
-                let d = format!("M{x0} {y0}H{x1}M{x0} {y0}m0 -4v8M{x1} {y0}m0 -4v8");
-                svg.path(&format!("class=\"extent\" stroke=\"{}\"", group.color), &d);
-            }
+fn draw(figure: &mut Figure, group: &MapGroup, across: Range, up: Range) {
+    let name = text(&if group.points.is_empty() { format!("{}: none", group.name) } else { group.name.clone() });
+    let color = group.color.to_string();
+    let own: Vec<&MapPoint> = group.points.iter().filter(|p| usable(p.at.0) && usable(p.at.1)).collect();
+    for point in &own {
+        let region = point.outline.iter().filter(|p| usable(p.0) && usable(p.1));
+        let (x, y): (Vec<f64>, Vec<f64>) = region.map(|p| (across.rounded(p.0), up.rounded(p.1))).unzip();
+        let outline = Scatter::new(x, y)
+            .name(&name)
+            .legend_group(&name)
+            .show_legend(false)
+            .hover_info(HoverInfo::Skip)
+            .line(Line::new().color(color.clone()).width(1.2));
+        figure.add(if point.outline.len() > 2 {
+            outline.mode(Mode::Lines).fill(Fill::ToSelf).fill_color(group.color.tint(0.14))
         } else {
-            outline(svg, &format!("class=\"extent\" stroke=\"{0}\" fill=\"{0}\"", group.color), region, area);
-        }
-        if !inside(point.at) {
-            outside += 1;
-            continue;
-        }
-        let (x, y) = place(&point.at);
-        // Writing to a String cannot fail.
-        let _ = if group.poles {
-            write!(marks, "M{} {}l{2} {2}m0-{2}l-{2} {2}", num(x - SIZE), num(y - SIZE), 2.0 * SIZE)
-        } else {
-            write!(
-                marks,
-                "M{} {}a{SIZE} {SIZE} 0 1 0 {2} 0a{SIZE} {SIZE} 0 1 0-{2} 0",
-                num(x - SIZE),
-                num(y),
-                2.0 * SIZE
+            // A bar with end marks, because a region on the real axis has no height.
+            let ends = Marker::new().symbol(MarkerSymbol::LineNSOpen).size(8).color(color.clone());
+            outline.mode(Mode::LinesMarkers).marker(ends)
+        });
+    }
+    let symbol = if group.poles { MarkerSymbol::XThinOpen } else { MarkerSymbol::CircleOpen };
+    let at = |pick: fn(&MapPoint) -> f64| own.iter().map(move |p| pick(p));
+    figure.add(
+        Scatter::new(rounded(across, at(|p| p.at.0)), rounded(up, at(|p| p.at.1)))
+            .name(&name)
+            .legend_group(&name)
+            .mode(Mode::Markers)
+            .marker(
+                Marker::new().symbol(symbol).size(10).color(color.clone()).line(Line::new().width(2.0).color(color)),
             )
-        };
-    }
-    svg.path(&format!("class=\"mark\" stroke=\"{}\"", group.color), &marks);
-    outside
-}
-
-/// A closed outline; parts outside the area are drawn along its edge.
-fn outline(svg: &mut Svg, attributes: &str, points: Vec<(f64, f64)>, area: Area) {
-    let clamp = |(x, y): (f64, f64)| (x.clamp(area.left, area.right), y.clamp(area.top, area.bottom));
-    if points.len() > 2 {
-        svg.path(attributes, &(polyline(points.into_iter().map(clamp)) + "z"));
-    }
+            .hover_template("%{x} %{y:+}i"),
+    );
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::super::well_formed::check;
+    use super::super::figure::{drawn, named};
     use super::*;
 
     fn group(poles: bool, points: &[(f64, f64)], half: f64) -> MapGroup {
@@ -161,32 +133,15 @@ mod tests {
     }
 
     #[test]
-    fn the_circle_is_round() {
-        let html = pole_zero("t", &[group(true, &[(0.5, 0.0)], 0.1)]).expect("a finite pole");
-        assert_eq!(check(&html), Ok(()));
-        let start = html.find("class=\"unit\" d=\"M").expect("the circle");
-        let d = html[start..].split('"').nth(3).expect("its path");
-        // The sum of relative steps is the extent; both extents must agree within 0.1, the rounding of the coordinates.
-        let (mut at, mut low, mut high) = ([0.0_f64; 2], [f64::MAX; 2], [f64::MIN; 2]);
-        for step in d.trim_start_matches('M').trim_end_matches('z').split('l') {
-            let split = step[1..].find([' ', '-']).map_or(step.len(), |k| k + 1);
-            let pair = [&step[..split], step[split..].trim()];
-            for k in 0..2 {
-                at[k] += pair[k].parse::<f64>().expect("a number");
-                (low[k], high[k]) = (low[k].min(at[k]), high[k].max(at[k]));
-            }
-        }
-        let size = [high[0] - low[0], high[1] - low[1]];
-        assert!((size[0] - size[1]).abs() < 0.5 && size[0] > 200.0, "{size:?}");
-    }
-
-    #[test]
-    fn far_and_missing_points_are_counted() {
+    fn far_and_missing_points_are_counted_and_the_circle_is_round() {
         let groups = [group(true, &[(0.5, 0.0), (9.0, 0.0), (f64::NAN, 0.0)], 99.0), group(false, &[], 0.0)];
         let html = pole_zero("t", &groups).expect("a finite pole");
         assert_eq!(check(&html), Ok(()));
         assert!(html.contains("1 point lies outside") && html.contains("1 point is not finite"));
-        assert!(html.contains("&lt;poles&gt;: none"));
+        let poles = named(&html, "&lt;poles&gt;");
+        assert_eq!((&poles[0]["x"][1], &poles[2]["x"]), (&json!(99.5), &json!([0.5, 9.0])));
+        assert_eq!(named(&html, "&lt;poles&gt;: none").len(), 1);
+        assert_eq!(drawn(&html)["layout"]["yaxis"]["scaleanchor"], "x");
         assert!(pole_zero("t", &groups[1..]).is_err());
     }
 }

@@ -7,22 +7,25 @@
 //!
 //! The classes are drawn side by side, because they would overlap near 0 and 1.
 
-use std::fmt::Write as _;
+use plotly::common::{ErrorData, ErrorType, HoverInfo, Line, Marker, Mode};
+use plotly::layout::{Axis, AxisType};
+use plotly::{Bar, Scatter};
+use serde_json::json;
 
 use super::super::ReportError;
 use super::super::palette::Class;
-use super::axis::{Axis, Range, usable};
-use super::frame::{Area, BOTTOM, Key, TOP, WIDTH, figure, gap_note, grid, panel_head, x_title};
-use super::svg::{Anchor, Svg, block, markers, num};
+use super::figure::{Figure, text};
+use super::numbers::{Range, usable};
+use super::series::rounded;
+use super::stack::{Across, Row, stack, vertical};
+use super::theme::SOFT;
 use crate::evaluate::Rate;
 
 const HEIGHT: f64 = 340.0;
 const COUNTS_HEIGHT: f64 = 130.0;
-/// Total width of the bars of one bin, and of the points at one position, in drawing units.
-const BARS: f64 = 48.0;
-const POINTS: f64 = 20.0;
-/// Half the width of the end caps of an interval.
-const CAP: f64 = 4.0;
+/// Total width of the bars of one bin, and of the points at one position, as posteriors.
+const BARS: f64 = 0.07;
+const POINTS: f64 = 0.03;
 
 /// Rows whose posterior of a class is in one bin.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,30 +61,36 @@ pub fn reliability(title: &str, rows: &str, classes: &[ReliabilityClass]) -> Res
         classes.iter().map(|class| class.bins.iter().copied().filter(finite).collect()).collect();
     let most = drawn.iter().flatten().map(|bin| bin.count).max();
     let most = most.ok_or_else(|| ReportError::Empty { title: title.to_owned() })?;
-
-    let unit = Range { lo: 0.0, hi: 1.0 };
-    let area = Area::new(0.0, HEIGHT);
-    let y = Axis::vertical(unit.padded(0.03), area.top, area.bottom);
-    let area = Area::new(y.label_width(), HEIGHT);
-    let x = Axis::horizontal(unit.padded(0.05), area.left, area.right);
-    let mut svg = Svg::new();
-    grid(&mut svg, area, &x, &y, false);
-    svg.path(
-        "class=\"unit\"",
-        &format!("M{} {}L{} {}", num(x.at(0.0)), num(y.at(0.0)), num(x.at(1.0)), num(y.at(1.0))),
+    let mut figure = Figure::new(title, 0);
+    figure.add(
+        Scatter::new(vec![0.0, 1.0], vec![0.0, 1.0])
+            .name("calibrated")
+            .mode(Mode::Lines)
+            .line(Line::new().color(SOFT).width(1.0))
+            .hover_info(HoverInfo::Skip),
     );
     for (place, (class, bins)) in classes.iter().zip(&drawn).enumerate() {
-        let across = |bin: &ReliabilityBin| x.at(bin.posterior) + POINTS * beside(place, classes.len());
-        intervals(&mut svg, class, bins, across, &y);
+        let beside = (place as f64 + 0.5) / classes.len() as f64 - 0.5;
+        draw(&mut figure, &class.class, bins, (beside, classes.len()));
     }
-    let keys: Vec<_> = classes.iter().map(|c| (key(&c.class), c.class.name.clone())).collect();
-    let mut body = panel_head("share of the class, with its 95 % interval", &keys);
-    body += &svg.finish(title, WIDTH, area.bottom + TOP);
-    body += &panel_head(&format!("{rows} in the bin"), &[]);
-    body += &counts(classes, &drawn, (most, rows), &x);
-    body += &x_title("posterior of the class, mean of the bin");
-    let missing = classes.iter().flat_map(|class| &class.bins).filter(|bin| !finite(bin)).count();
-    Ok(figure(title, &body, &gap_note(missing)))
+    figure.note_gaps(classes.iter().flat_map(|class| &class.bins).filter(|bin| !finite(bin)).count());
+    let unit = Range { lo: 0.0, hi: 1.0 };
+    // A bar of one row must be visible above the axis; logarithms.
+    let up = Range { lo: -0.25, hi: 1.25 * (most.max(2) as f64).log10() + 0.1 };
+    let counts = Axis::new().type_(AxisType::Log).range(up.axis()).dtick(1.0);
+    let rows = vec![
+        Row {
+            label: "share of the class, with its 95 % interval".into(),
+            height: HEIGHT,
+            axis: vertical(unit.padded(0.03)),
+        },
+        Row { label: format!("{rows} in the bin"), height: COUNTS_HEIGHT, axis: counts },
+    ];
+    let axis = Axis::new().range(unit.padded(0.05).axis());
+    stack(&mut figure, Across { label: "posterior of the class, mean of the bin", axis }, rows, true);
+    figure.set("barmode", json!("overlay"));
+    figure.set("hovermode", json!("closest"));
+    Ok(figure.html())
 }
 
 fn finite(bin: &ReliabilityBin) -> bool {
@@ -89,65 +98,41 @@ fn finite(bin: &ReliabilityBin) -> bool {
     [bin.posterior, value, low, high].into_iter().all(usable)
 }
 
-fn key(class: &Class) -> Key {
-    Key::Line { color: class.color, dashed: false, marker: Some(class.marker) }
-}
-
-/// Position of a class beside the others of a bin, as a fraction of the total width.
-fn beside(place: usize, classes: usize) -> f64 {
-    (place as f64 + 0.5) / classes as f64 - 0.5
-}
-
-fn intervals(
-    svg: &mut Svg,
-    class: &ReliabilityClass,
-    bins: &[ReliabilityBin],
-    across: impl Fn(&ReliabilityBin) -> f64,
-    y: &Axis,
-) {
-    let mut d = String::new();
-    for bin in bins {
-        let (at, low, high) = (across(bin), y.at(bin.observed.low), y.at(bin.observed.high));
-        let (left, right) = (num(at - CAP), num(at + CAP));
-        // Writing to a String cannot fail.
-        let _ = write!(d, "M{0} {1}V{2}M{3} {1}H{4}M{3} {2}H{4}", num(at), num(low), num(high), left, right);
-    }
-    let color = class.class.color;
-    svg.path(&format!("class=\"line\" stroke=\"{color}\""), &d);
-    let points = bins.iter().map(|bin| (across(bin), y.at(bin.observed.value)));
-    svg.path(&format!("class=\"dot\" fill=\"{color}\""), &markers(class.class.marker, points));
-}
-
-/// Bars with their numbers above.
-fn counts(
-    classes: &[ReliabilityClass],
-    drawn: &[Vec<ReliabilityBin>],
-    (most, rows): (usize, &str),
-    x: &Axis,
-) -> String {
-    // A bar of one row must be visible above the axis, and the number above the highest bar must be inside the frame.
-    let up = Range { lo: -0.25, hi: 1.25 * (most.max(2) as f64).log10() + 0.1 };
-    let area = Area::new(0.0, COUNTS_HEIGHT);
-    let y = Axis::vertical(up, area.top, area.bottom).without_ticks();
-    let area = Area { left: x.at(x.range.lo), ..area };
-    let mut svg = Svg::new();
-    grid(&mut svg, area, x, &y, true);
-    let half = 0.4 * BARS / classes.len() as f64;
-    for (place, (class, bins)) in classes.iter().zip(drawn).enumerate() {
-        let mut bars = String::new();
-        for bin in bins {
-            let (at, top) = (x.at(bin.middle) + BARS * beside(place, classes.len()), y.at((bin.count as f64).log10()));
-            bars += &block(at - half, top, at + half, area.bottom);
-            svg.text("class=\"roomy\"", Anchor::Middle, at, top - 8.0, &bin.count.to_string());
-        }
-        svg.path(&format!("class=\"area\" fill=\"{}\"", class.class.color), &bars);
-    }
-    svg.finish(&format!("{rows} in each bin"), WIDTH, area.bottom + BOTTOM)
+/// The shares and the counts of one class, `beside` those of the others.
+fn draw(figure: &mut Figure, class: &Class, bins: &[ReliabilityBin], (beside, classes): (f64, usize)) {
+    let (name, color) = (text(&class.name), class.color.to_string());
+    let unit = Range { lo: 0.0, hi: 1.0 };
+    let each = |pick: fn(&ReliabilityBin) -> f64| rounded(unit, bins.iter().map(pick));
+    let bars = ErrorData::new(ErrorType::Data)
+        .symmetric(false)
+        .array(each(|bin| bin.observed.high - bin.observed.value))
+        .array_minus(each(|bin| bin.observed.value - bin.observed.low))
+        .thickness(1.4)
+        .width(4);
+    figure.add(
+        Scatter::new(rounded(unit, bins.iter().map(|bin| bin.posterior + POINTS * beside)), each(|b| b.observed.value))
+            .name(&name)
+            .legend_group(&name)
+            .mode(Mode::Markers)
+            .marker(class.marker.filled(&color, 8))
+            .error_y(bars.color(color.clone())),
+    );
+    let at = bins.iter().map(|bin| bin.middle + BARS * beside);
+    figure.add(
+        Bar::new(rounded(unit, at), bins.iter().map(|bin| bin.count as f64).collect())
+            .name(&name)
+            .legend_group(&name)
+            .show_legend(false)
+            .width(0.8 * BARS / classes as f64)
+            .marker(Marker::new().color(color))
+            .y_axis("y2"),
+    );
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::super::well_formed::check;
+    use super::super::figure::named;
     use super::*;
 
     fn class(bins: &[(f64, usize, usize)]) -> ReliabilityClass {
@@ -162,26 +147,14 @@ mod tests {
 
     #[test]
     fn every_bin_has_its_interval_and_its_count() {
-        let html = reliability("t", "segments", &[class(&[(0.02, 1, 40), (0.97, 31, 32)])]).expect("bins");
+        let html = reliability("t", "segments", &[class(&[(0.25, 25, 100), (0.97, 31, 32)])]).expect("bins");
         assert_eq!(check(&html), Ok(()));
-        let intervals =
-            html.split("class=\"line\"").nth(2).and_then(|rest| rest.split("/>").next()).expect("intervals");
-        assert_eq!(intervals.matches('V').count(), 2, "{intervals}");
-        assert!(html.contains(">40</text>") && html.contains(">32</text>") && html.contains("&lt;a&gt;"));
-    }
-
-    #[test]
-    fn honest_posteriors_lie_on_the_diagonal() {
-        let html = reliability("t", "segments", &[class(&[(0.25, 25, 100)])]).expect("bins");
-        // The diagonal's ends and the marker's centre.
-        let path = |class: &str| html.split(class).nth(1).and_then(|rest| rest.split('"').nth(1)).map(String::from);
-        let line = path("class=\"unit\" d").expect("diagonal");
-        let numbers: Vec<f64> = line.split(['M', 'L', ' ']).filter_map(|s| s.parse().ok()).collect();
-        let dot = html.rsplit("class=\"dot\" fill=\"#0072B2\" d=\"M").next().expect("marker");
-        let centre: Vec<f64> = dot.split(['m', ' ']).take(2).filter_map(|s| s.parse().ok()).collect();
-        let along = |k: usize| (centre[k] - numbers[k]) / (numbers[k + 2] - numbers[k]);
-        // Coordinates of a few hundred units are rounded to a tenth.
-        assert!((along(0) - 0.25).abs() < 1e-3 && (along(1) - 0.25).abs() < 1e-3, "{line} {centre:?}");
+        let [shares, counts] = &named(&html, "&lt;a&gt;")[..] else { panic!("{html}") };
+        assert_eq!((&shares["x"][0], &shares["y"][0]), (&json!(0.25), &json!(0.25)));
+        let wilson = Rate::wilson(25, 100);
+        let high = shares["error_y"]["array"][0].as_f64().expect("a number");
+        assert!((high - (wilson.high - 0.25)).abs() < 1e-5, "{high}");
+        assert_eq!(counts["y"], json!([100.0, 32.0]));
     }
 
     #[test]

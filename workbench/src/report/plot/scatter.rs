@@ -2,14 +2,24 @@
 
 use std::collections::BTreeSet;
 
-use super::super::ReportError;
-use super::super::palette::{Class, Color};
-use super::axis::{Axis, Range, usable};
-use super::frame::{Area, BOTTOM, Key, RING, WIDTH, figure, gap_note, grid, panel_head, ring_class, x_title};
-use super::regions::shade;
-use super::svg::{Svg, markers, num};
+use plotly::Scatter;
+use plotly::common::{Line, Marker, MarkerSymbol, Mode};
+use plotly::layout::Axis;
+use serde_json::json;
 
-const HEIGHT: f64 = 460.0;
+use super::super::ReportError;
+use super::super::palette::Class;
+use super::figure::{Figure, text};
+use super::numbers::{Range, usable};
+use super::regions::shade;
+use super::series::rounded;
+use super::theme::INK;
+
+const HEIGHT: u32 = 540;
+const INNER: f64 = 440.0;
+/// Points closer than this share of the width are drawn once, if there are many.
+const PIXELS: f64 = 700.0;
+const MANY: usize = 1500;
 
 /// The points whose true class is this one.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,11 +30,13 @@ pub struct ScatterClass {
     pub training: Vec<(f64, f64)>,
     /// Points not used in training, drawn filled.
     pub held_out: Vec<(f64, f64)>,
+    /// Points of either kind that the detector calls novel; marked by a cross.
+    pub novel: Vec<(f64, f64)>,
 }
 
 impl ScatterClass {
     fn points(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
-        self.training.iter().chain(&self.held_out).copied()
+        self.training.iter().chain(&self.held_out).chain(&self.novel).copied()
     }
 }
 
@@ -35,11 +47,11 @@ struct Misses {
     undetermined: Vec<(f64, f64)>,
 }
 
-/// Decision regions, with training points open, held-out points filled and misclassified held-out points ringed.
+/// Decision regions, with training points open, held-out points filled, misclassified held-out points ringed and novel
+/// points crossed.
 ///
-/// `decide(x, y)` returns an index into `classes`; any larger value means undetermined, which is hatched. It is
-/// called about 50 000 times, at the centres of the cells. A few far outliers do not widen the axes; they are drawn on
-/// the edge and counted in a note.
+/// `decide(x, y)` returns an index into `classes`; any larger value means undetermined and stays blank. It is called
+/// about 20 000 times, at the centres of the cells. A few far outliers do not widen the first view; a note counts them.
 ///
 /// # Errors
 /// [`ReportError::NoClasses`] without classes, [`ReportError::Empty`] without a finite point.
@@ -50,35 +62,45 @@ pub fn scatter_regions(
     classes: &[ScatterClass],
     decide: impl Fn(f64, f64) -> usize,
 ) -> Result<String, ReportError> {
+    plane(title, (x_label, y_label), classes, Some(&decide))
+}
+
+/// The points without decision regions: no rule is known in this plane.
+///
+/// # Errors
+/// As [`scatter_regions`].
+pub fn scatter(title: &str, x_label: &str, y_label: &str, classes: &[ScatterClass]) -> Result<String, ReportError> {
+    plane(title, (x_label, y_label), classes, None)
+}
+
+fn plane(
+    title: &str,
+    labels: (&str, &str),
+    classes: &[ScatterClass],
+    decide: Option<&dyn Fn(f64, f64) -> usize>,
+) -> Result<String, ReportError> {
     if classes.is_empty() {
         return Err(ReportError::NoClasses { title: title.to_owned() });
     }
     let points = || classes.iter().flat_map(ScatterClass::points);
     let finite = || points().filter(|&(x, y)| usable(x) && usable(y));
     let empty = || ReportError::Empty { title: title.to_owned() };
-    let x_range = Range::robust(finite().map(|p| p.0)).ok_or_else(empty)?.padded(0.06);
-    let y_range = Range::robust(finite().map(|p| p.1)).ok_or_else(empty)?.padded(0.06);
-    let area = Area::new(0.0, HEIGHT);
-    let y = Axis::vertical(y_range, area.top, area.bottom);
-    let area = Area::new(y.label_width(), HEIGHT);
-    let x = Axis::horizontal(x_range, area.left, area.right);
-
-    let mut svg = Svg::new();
-    let colors: Vec<Color> = classes.iter().map(|one| one.class.color).collect();
-    let hatched = shade(&mut svg, area, (&x, &y), &colors, &decide);
-    grid(&mut svg, area, &x, &y, true);
-    let misses = misses(classes, decide);
-    draw_points(&mut svg, classes, &misses, |points| place(points, &x, &y));
-
-    let head = panel_head(&y.title(y_label), &keys(classes, &misses, hatched));
-    let drawing = svg.finish(title, WIDTH, area.bottom + BOTTOM);
-    let mut notes = gap_note(points().count() - finite().count());
-    match finite().filter(|&(px, py)| !x_range.contains(px) || !y_range.contains(py)).count() {
-        0 => {}
-        1 => notes.push("1 point lies outside the axes and is drawn on the edge.".to_owned()),
-        n => notes.push(format!("{n} points lie outside the axes and are drawn on the edge.")),
+    let x = Range::robust(finite().map(|p| p.0)).ok_or_else(empty)?.padded(0.06);
+    let y = Range::robust(finite().map(|p| p.1)).ok_or_else(empty)?.padded(0.06);
+    let mut figure = Figure::new(title, HEIGHT);
+    let names: Vec<Class> = classes.iter().map(|one| one.class.clone()).collect();
+    if decide.is_some_and(|decide| shade(&mut figure, (x, y), &names, decide)) {
+        figure.notes.push("Where the plane is blank, the rule decides for no class.".to_owned());
     }
-    Ok(figure(title, &format!("{head}{drawing}{}", x_title(&x.title(x_label))), &notes))
+    let misses = decide.map_or_else(Misses::default, |decide| misses(classes, decide));
+    draw_points(&mut figure, classes, &misses, (x, y));
+    figure.note_gaps(points().count() - finite().count());
+    figure.note_outside(finite().filter(|&(px, py)| !x.contains(px) || !y.contains(py)).count());
+    let title = |label: &str| json!({ "title": { "text": text(label) } });
+    figure.axis("xaxis", Axis::new().range(x.axis()), &title(labels.0));
+    figure.axis("yaxis", Axis::new().range(y.axis()), &title(labels.1));
+    figure.legend(INNER, 8.0);
+    Ok(figure.html())
 }
 
 fn misses(classes: &[ScatterClass], decide: impl Fn(f64, f64) -> usize) -> Misses {
@@ -95,60 +117,51 @@ fn misses(classes: &[ScatterClass], decide: impl Fn(f64, f64) -> usize) -> Misse
     misses
 }
 
-/// Positions in drawing units; points on the same pixel are drawn once, points outside are drawn on the edge.
-fn place(points: &[(f64, f64)], x: &Axis, y: &Axis) -> Vec<(f64, f64)> {
+/// The usable points; of many on the same pixel one is drawn.
+fn place(points: &[(f64, f64)], (x, y): (Range, Range)) -> Vec<(f64, f64)> {
     let mut taken = BTreeSet::new();
-    let inside = |axis: &Axis, value: f64| axis.at(value.clamp(axis.range.lo, axis.range.hi));
-    points
-        .iter()
-        .filter(|&&(px, py)| usable(px) && usable(py))
-        .map(|&(px, py)| (inside(x, px), inside(y, py)))
-        .filter(|&(px, py)| taken.insert((num(px.round()), num(py.round()))))
-        .collect()
+    let pixel = |range: Range, value: f64| ((value - range.lo) / range.width() * PIXELS).round() as i64;
+    let usable = points.iter().copied().filter(|&(px, py)| usable(px) && usable(py));
+    usable.filter(|&(px, py)| points.len() <= MANY || taken.insert((pixel(x, px), pixel(y, py)))).collect()
 }
 
-fn draw_points(
-    svg: &mut Svg,
-    classes: &[ScatterClass],
-    misses: &Misses,
-    place: impl Fn(&[(f64, f64)]) -> Vec<(f64, f64)>,
-) {
-    for ScatterClass { class, training, .. } in classes {
-        svg.path(&format!("class=\"open\" stroke=\"{}\"", class.color), &markers(class.marker, place(training)));
+fn draw_points(figure: &mut Figure, classes: &[ScatterClass], misses: &Misses, ranges: (Range, Range)) {
+    let (mut training, mut held_out) = (Vec::new(), Vec::new());
+    for ScatterClass { class, training: own, held_out: others, .. } in classes {
+        let color = class.color.to_string();
+        let line = Line::new().width(0.8).color("var(--paper)");
+        training.push((own, format!("{}, training", class.name), class.marker.open(&color, 8).opacity(0.75)));
+        held_out.push((others, format!("{}, held out", class.name), class.marker.filled(&color, 9).line(line)));
     }
-    for ScatterClass { class, held_out, .. } in classes {
-        svg.path(&format!("class=\"dot\" fill=\"{}\"", class.color), &markers(class.marker, place(held_out)));
+    let ring = |symbol: MarkerSymbol, size: usize| {
+        Marker::new().symbol(symbol).size(size).color(INK).line(Line::new().width(1.6).color(INK))
+    };
+    let novel: Vec<(f64, f64)> = classes.iter().flat_map(|one| one.novel.iter().copied()).collect();
+    let marks = [
+        (&misses.wrong, "misclassified", ring(MarkerSymbol::CircleOpen, 15)),
+        (&misses.undetermined, "held out, undetermined", ring(MarkerSymbol::SquareOpen, 15)),
+        (&novel, "novel", ring(MarkerSymbol::XThinOpen, 9)),
+    ];
+    let marks = marks.map(|(points, name, marker)| (points, format!("{name} ({})", points.len()), marker));
+    for (points, name, marker) in training.into_iter().chain(held_out).chain(marks) {
+        let placed = place(points, ranges);
+        if placed.is_empty() {
+            continue;
+        }
+        let along = |range: Range, pick: fn(&(f64, f64)) -> f64| rounded(range, placed.iter().map(pick));
+        figure.add(
+            Scatter::new(along(ranges.0, |p| p.0), along(ranges.1, |p| p.1))
+                .name(text(&name))
+                .mode(Mode::Markers)
+                .marker(marker),
+        );
     }
-    for (points, dashed) in [(&misses.wrong, false), (&misses.undetermined, true)] {
-        let rings: String = place(points).iter().map(|&(x, y)| format!("M{} {}{RING}", num(x), num(y))).collect();
-        svg.path(ring_class(dashed), &rings);
-    }
-}
-
-fn keys(classes: &[ScatterClass], misses: &Misses, hatched: bool) -> Vec<(Key, String)> {
-    let mut keys: Vec<(Key, String)> =
-        classes.iter().map(|one| (Key::Region(one.class.color, one.class.marker), one.class.name.clone())).collect();
-    let (training, held_out) =
-        (classes.iter().any(|one| !one.training.is_empty()), classes.iter().any(|one| !one.held_out.is_empty()));
-    if training {
-        keys.push((Key::Open, "training".to_owned()));
-    }
-    if held_out {
-        keys.push((Key::Filled, "held out".to_owned()));
-        keys.push((Key::Ring { dashed: false }, format!("misclassified ({})", misses.wrong.len())));
-    }
-    if !misses.undetermined.is_empty() {
-        keys.push((Key::Ring { dashed: true }, format!("held out, undetermined ({})", misses.undetermined.len())));
-    }
-    if hatched {
-        keys.push((Key::Hatch, "undetermined".to_owned()));
-    }
-    keys
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::super::well_formed::check;
+    use super::super::figure::named;
     use super::*;
 
     fn class(index: usize, training: &[(f64, f64)], held_out: &[(f64, f64)]) -> ScatterClass {
@@ -156,29 +169,24 @@ mod tests {
             class: Class::new(index, format!("<{index}>")),
             training: training.into(),
             held_out: held_out.into(),
+            novel: vec![],
         }
     }
 
     #[test]
-    fn misses_follow_the_rule() {
-        let classes =
+    fn misses_follow_the_rule_and_novel_points_are_marked() {
+        let mut classes =
             [class(0, &[], &[(-1.0, 0.0), (1.0, 0.0), (9.0, 0.0)]), class(1, &[], &[(1.0, 0.0), (-1.0, f64::NAN)])];
+        classes[1].novel = vec![(1.0, 0.0)];
         let decide = |x: f64, _: f64| if x > 5.0 { usize::MAX } else { usize::from(x > 0.0) };
-        let misses = misses(&classes, decide);
-        assert_eq!((misses.wrong, misses.undetermined), (vec![(1.0, 0.0)], vec![(9.0, 0.0)]));
         let html = scatter_regions("t", "x", "y", &classes, decide).expect("finite points");
         assert_eq!(check(&html), Ok(()));
-        assert!(
-            html.contains("misclassified (1)") && html.contains("class=\"hatch wide\"") && html.contains("&lt;0&gt;")
-        );
-    }
-
-    #[test]
-    fn degenerate_points_give_a_valid_plot() {
-        for points in [&[(2.0, 3.0)][..], &[(1.0, 1.0); 7], &[(f64::NAN, 0.0), (0.0, 0.0)], &[(0.0, 1.0), (0.0, 2.0)]] {
-            let html = scatter_regions("t", "x", "y", &[class(0, points, &[])], |_, _| 0).expect("finite point");
-            assert_eq!(check(&html), Ok(()), "{points:?}");
-        }
+        let at = |name: &str| named(&html, name)[0]["x"].clone();
+        assert_eq!(at("misclassified (1)"), json!([1.0]));
+        assert_eq!(at("held out, undetermined (1)"), json!([9.0]));
+        assert_eq!(at("novel (1)"), json!([1.0]));
+        assert_eq!(at("&lt;1&gt;, held out"), json!([1.0]));
+        assert!(html.contains("decides for no class") && html.contains("1 point is not finite"));
     }
 
     #[test]
@@ -194,6 +202,7 @@ mod tests {
         let mut points: Vec<(f64, f64)> = (0..3000).map(|i| (f64::from(i % 10), f64::from(i % 7))).collect();
         points.push((1e9, 0.0));
         let html = scatter_regions("t", "x", "y", &[class(0, &points, &[])], |_, _| 0).expect("finite points");
-        assert!(html.contains("1 point lies outside") && html.len() < 15_000, "{} bytes", html.len());
+        let drawn = named(&html, "&lt;0&gt;, training")[0]["x"].as_array().map(Vec::len);
+        assert!(html.contains("1 point lies outside") && drawn == Some(71), "{drawn:?}");
     }
 }

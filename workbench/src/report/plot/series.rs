@@ -1,10 +1,12 @@
 //! A named series of points, drawn as a line.
 
+use plotly::common::{DashType, Fill, HoverInfo, Line, Mode};
+use plotly::{Scatter, Trace};
+
 use super::super::palette::{Color, Marker};
-use super::axis::{Axis, Range, usable};
 use super::decimate::runs;
-use super::frame::{Area, Key};
-use super::svg::{Svg, markers, polyline};
+use super::figure::text;
+use super::numbers::{Range, usable};
 
 /// One line of a plot. Non-finite points leave a gap.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +23,19 @@ pub struct Series {
     pub marker: Option<Marker>,
     /// Shaded interval (x, low, high) around the line, for example a 95 % interval.
     pub band: Vec<(f64, f64, f64)>,
+}
+
+/// Where and how the series of a figure are drawn.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Drawing<'a> {
+    /// Name of the vertical axis, `y2`.
+    pub(super) axis: &'a str,
+    pub(super) x: Range,
+    pub(super) y: Range,
+    /// Columns to which a series is reduced; `None` draws all points.
+    pub(super) columns: Option<f64>,
+    /// Whether the legend has an entry for it.
+    pub(super) in_legend: bool,
 }
 
 impl Series {
@@ -49,10 +64,6 @@ impl Series {
         Self { band: band.into_iter().collect(), ..self }
     }
 
-    pub(super) fn key(&self) -> (Key, String) {
-        (Key::Line { color: self.color, dashed: self.dashed, marker: self.marker }, self.name.clone())
-    }
-
     fn finite(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         self.points.iter().copied().filter(|&(x, y)| usable(x) && usable(y))
     }
@@ -61,31 +72,70 @@ impl Series {
         self.band.iter().copied().filter(|&(x, low, high)| usable(x) && usable(low) && usable(high))
     }
 
+    /// Values that are not drawn. A point without a place is a gap on purpose.
     pub(super) fn missing(&self) -> usize {
-        self.points.len() - self.finite().count()
+        self.points.iter().filter(|&&(x, y)| !(x.is_nan() || usable(x) && usable(y))).count()
     }
 
-    /// Draws band, line and markers.
-    pub(super) fn draw(&self, svg: &mut Svg, area: Area, x: &Axis, y: &Axis) {
-        let Self { color, .. } = self;
-        let place = |&(px, py): &(f64, f64)| (x.at(px), y.at(py));
-        let lower = self.finite_band().map(|(at, low, _)| (at, low));
-        let upper = self.finite_band().rev().map(|(at, _, high)| (at, high));
-        let outline: Vec<(f64, f64)> = lower.chain(upper).collect();
-        svg.path(&format!("class=\"band\" fill=\"{color}\""), &polyline(outline.iter().map(place)));
-
-        let columns = area.right - area.left;
-        let line: String = runs(&self.points, x.range.lo, x.range.hi, columns)
-            .iter()
-            .map(|run| polyline(run.iter().map(place)))
-            .collect();
-        let class = if self.dashed { "line dashed" } else { "line" };
-        svg.path(&format!("class=\"{class}\" stroke=\"{color}\""), &line);
-        if let Some(marker) = self.marker {
-            let points = self.finite().map(|point| place(&point));
-            svg.path(&format!("class=\"dot\" fill=\"{color}\""), &markers(marker, points));
+    /// Band, then line and markers.
+    pub(super) fn traces(&self, at: Drawing) -> Vec<Box<dyn Trace>> {
+        let mut traces: Vec<Box<dyn Trace>> = Vec::new();
+        let (name, color) = (text(&self.name), self.color.to_string());
+        let Drawing { x, y, axis, in_legend, .. } = at;
+        if !self.band.is_empty() {
+            let lower = self.finite_band().map(|(at, low, _)| (at, low));
+            let upper = self.finite_band().rev().map(|(at, _, high)| (at, high));
+            let outline: Vec<(f64, f64)> = lower.chain(upper).collect();
+            traces.push(
+                Scatter::new(rounded(x, outline.iter().map(|p| p.0)), rounded(y, outline.iter().map(|p| p.1)))
+                    .name(&name)
+                    .legend_group(&name)
+                    .show_legend(false)
+                    .mode(Mode::None)
+                    .fill(Fill::ToSelf)
+                    .fill_color(self.color.tint(0.18))
+                    .hover_info(HoverInfo::Skip)
+                    .y_axis(axis),
+            );
         }
+        let drawn = self.reduced(x, at.columns);
+        let line = Line::new().color(color.clone()).width(1.4);
+        let line = if self.dashed { line.dash(DashType::Dash) } else { line };
+        let trace = Scatter::new(rounded(x, drawn.iter().map(|p| p.0)), rounded(y, drawn.iter().map(|p| p.1)))
+            .name(&name)
+            .legend_group(&name)
+            .show_legend(in_legend)
+            .line(line)
+            .y_axis(axis);
+        traces.push(match self.marker {
+            Some(marker) => trace.mode(Mode::LinesMarkers).marker(marker.filled(&color, 8)),
+            None => trace.mode(Mode::Lines),
+        });
+        traces
     }
+
+    /// The points as drawn: reduced, with a point without value in each gap.
+    fn reduced(&self, x: Range, columns: Option<f64>) -> Vec<(f64, f64)> {
+        let Some(columns) = columns else { return self.points.clone() };
+        let runs = runs(&self.points, x.lo, x.hi, columns);
+        let mut drawn: Vec<(f64, f64)> = Vec::new();
+        for run in runs {
+            if let (false, Some(first)) = (drawn.is_empty(), run.first()) {
+                drawn.push((first.0, f64::NAN));
+            }
+            drawn.extend(run);
+        }
+        drawn
+    }
+
+    /// Whether the reduction leaves points out.
+    pub(super) fn is_reduced(&self, x: Range, columns: Option<f64>) -> bool {
+        self.reduced(x, columns).len() < self.points.len()
+    }
+}
+
+pub(super) fn rounded(range: Range, values: impl Iterator<Item = f64>) -> Vec<f64> {
+    values.map(|value| range.rounded(value)).collect()
 }
 
 /// The range of all series and their bands along x; `None` without a finite point.

@@ -1,14 +1,23 @@
-//! Recorded signals in stacked panels over one time axis.
+//! Series in stacked panels over one horizontal axis: signals over time with events, spectra, rates over a size.
+
+use plotly::layout::{Axis, AxisType};
+use serde_json::json;
 
 use super::super::ReportError;
-use super::axis::{Axis, Range};
-use super::frame::{Area, BOTTOM, TOP, WIDTH, figure, gap_note, grid, panel_head, x_title};
-use super::series::{Series, x_range, y_range};
-use super::svg::{Anchor, Svg};
+use super::figure::{Figure, text};
+use super::numbers::{Range, usable};
+use super::series::{Drawing, Series, x_range, y_range};
+use super::stack::{Across, Row, axis_name, stack, vertical};
+use super::strip::Strip;
+use super::theme::SOFT;
 
-/// Height of a single panel, and of one of several panels.
-const HEIGHT_SINGLE: f64 = 260.0;
-const HEIGHT_STACKED: f64 = 125.0;
+/// Heights in pixels: of a plot of lines, of a single panel of signals, of one of several.
+const LINES: f64 = 320.0;
+const SINGLE: f64 = 260.0;
+const STACKED: f64 = 130.0;
+/// Points of one figure, so that a page stays small; columns of one series.
+const POINTS: f64 = 16_000.0;
+const COLUMNS: [f64; 2] = [100.0, 1500.0];
 
 /// Signals that share a vertical axis.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +36,29 @@ impl Panel {
     }
 }
 
+/// A moment that is marked in all panels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Event {
+    /// Place on the horizontal axis.
+    pub at: f64,
+    /// Short text at the mark; may be empty.
+    pub name: String,
+}
+
+/// A line plot with one vertical axis. The axis titles should contain the unit, for example `speed / rad·s⁻¹`.
+///
+/// # Errors
+/// [`ReportError::Empty`] if no series has a finite point.
+pub fn lines(title: &str, x_label: &str, y_label: &str, series: &[Series]) -> Result<String, ReportError> {
+    stacked(
+        title,
+        &Axes { label: x_label, logarithmic: false, padding: 0.02, height: LINES, points: POINTS },
+        &[Panel::new(y_label, series.to_vec())],
+        &[],
+        &[],
+    )
+}
+
 /// Stacked panels over one axis (`x_label`, usually the time in seconds), from the first to the last finite sample
 /// of any signal.
 ///
@@ -35,7 +67,30 @@ impl Panel {
 /// # Errors
 /// [`ReportError::Empty`] if no panel has a finite point.
 pub fn signals(title: &str, x_label: &str, panels: &[Panel]) -> Result<String, ReportError> {
-    stacked(title, x_label, panels, Axis::horizontal)
+    timeline(title, x_label, panels, &[], &[])
+}
+
+/// Same as [`signals`], with strips of named intervals below and events marked in all panels.
+///
+/// # Errors
+/// [`ReportError::Empty`] if no panel has a finite point.
+pub fn timeline(
+    title: &str,
+    x_label: &str,
+    panels: &[Panel],
+    strips: &[Strip],
+    events: &[Event],
+) -> Result<String, ReportError> {
+    stacked(title, &Axes::over_time(x_label, panels), panels, strips, events)
+}
+
+/// Same as [`signals`], one of so many figures of a page, which together have no more points than one.
+///
+/// # Errors
+/// [`ReportError::Empty`] if no panel has a finite point.
+pub fn signals_of_many(title: &str, x_label: &str, panels: &[Panel], figures: usize) -> Result<String, ReportError> {
+    let axes = Axes::over_time(x_label, panels);
+    stacked(title, &Axes { points: axes.points / figures.max(1) as f64, ..axes }, panels, &[], &[])
 }
 
 /// Same as [`signals`] over a logarithmic axis, for example the frequency of a Bode plot; points at x ≤ 0 are omitted.
@@ -43,63 +98,104 @@ pub fn signals(title: &str, x_label: &str, panels: &[Panel]) -> Result<String, R
 /// # Errors
 /// [`ReportError::Empty`] if no panel has a finite point.
 pub fn sweeps(title: &str, x_label: &str, panels: &[Panel]) -> Result<String, ReportError> {
-    let logarithmic = |series: &Series| {
-        let points = series.points.iter().filter(|p| p.0 > 0.0).map(|&(x, y)| (x.log10(), y)).collect();
-        let band = series.band.iter().filter(|p| p.0 > 0.0).map(|&(x, low, high)| (x.log10(), low, high)).collect();
+    let positive = |series: &Series| {
+        let points = series.points.iter().filter(|p| p.0 > 0.0).copied().collect();
+        let band = series.band.iter().filter(|p| p.0 > 0.0).copied().collect();
         Series { points, band, ..series.clone() }
     };
-    let panel = |panel: &Panel| Panel::new(panel.label.clone(), panel.series.iter().map(logarithmic).collect());
-    stacked(title, x_label, &panels.iter().map(panel).collect::<Vec<_>>(), Axis::decades)
+    let panel = |panel: &Panel| Panel::new(panel.label.clone(), panel.series.iter().map(positive).collect());
+    let axes = Axes { label: x_label, logarithmic: true, padding: 0.0, height: 180.0, points: POINTS };
+    stacked(title, &axes, &panels.iter().map(panel).collect::<Vec<_>>(), &[], &[])
+}
+
+struct Axes<'a> {
+    label: &'a str,
+    logarithmic: bool,
+    /// Share of the range on either side.
+    padding: f64,
+    /// Height of a panel.
+    height: f64,
+    /// Points of all series.
+    points: f64,
+}
+
+impl<'a> Axes<'a> {
+    fn over_time(label: &'a str, panels: &[Panel]) -> Self {
+        let height = if panels.len() == 1 { SINGLE } else { STACKED };
+        Self { label, logarithmic: false, padding: 0.0, height, points: POINTS }
+    }
 }
 
 fn stacked(
     title: &str,
-    x_label: &str,
+    axes: &Axes,
     panels: &[Panel],
-    horizontal: fn(Range, f64, f64) -> Axis,
+    strips: &[Strip],
+    events: &[Event],
 ) -> Result<String, ReportError> {
+    let all = || panels.iter().flat_map(|panel| &panel.series);
     let empty = || ReportError::Empty { title: title.to_owned() };
-    let all = panels.iter().flat_map(|panel| &panel.series);
-    let time = x_range(all.clone()).ok_or_else(empty)?.padded(0.0);
-    let height = if panels.len() == 1 { HEIGHT_SINGLE } else { HEIGHT_STACKED };
-    let area = Area::new(0.0, height);
-    let vertical = |panel: &Panel| {
-        let axis = |range: Range| Axis::vertical(range.padded(0.06), area.top, area.bottom);
-        y_range(&panel.series).map_or_else(|| axis(Range { lo: 0.0, hi: 0.0 }).without_ticks(), axis)
-    };
-    let axes: Vec<Axis> = panels.iter().map(vertical).collect();
-    // All panels have the same left margin, so that their time axes are aligned.
-    let area = Area::new(axes.iter().map(Axis::label_width).fold(0.0, f64::max), height);
-    let x = horizontal(time, area.left, area.right);
-
-    let mut body = String::new();
-    for (index, (panel, y)) in panels.iter().zip(&axes).enumerate() {
-        let last = index + 1 == panels.len();
-        body.push_str(&draw_panel(panel, area, &x, y, last));
+    let range = x_range(all()).ok_or_else(empty)?;
+    let x = range.padded(axes.padding);
+    // Columns of equal width do not suit a logarithmic axis, whose series are short.
+    let each = (axes.points / (2.0 * all().count().max(1) as f64)).clamp(COLUMNS[0], COLUMNS[1]).round();
+    let columns = (!axes.logarithmic).then_some(each);
+    let mut figure = Figure::new(title, 0);
+    let mut rows = Vec::new();
+    let mut named: Vec<&str> = Vec::new();
+    for (k, panel) in panels.iter().enumerate() {
+        let own = y_range(&panel.series);
+        let y = own.map_or(Range { lo: 0.0, hi: 1.0 }, |range| range.padded(0.06));
+        for series in &panel.series {
+            // One entry of the legend for the series of this name in all panels.
+            let in_legend = !named.contains(&series.name.as_str());
+            named.push(&series.name);
+            for trace in series.traces(Drawing { axis: &axis_name(k), x, y, columns, in_legend }) {
+                figure.add(trace);
+            }
+        }
+        let label = if own.is_none() { format!("{}: no finite value", panel.label) } else { panel.label.clone() };
+        rows.push(Row { label, height: axes.height, axis: vertical(y).show_tick_labels(own.is_some()) });
     }
-    body.push_str(&x_title(&x.title(x_label)));
-    Ok(figure(title, &body, &gap_note(all.map(Series::missing).sum())))
+    for strip in strips {
+        rows.push(strip.draw(&mut figure, rows.len(), x));
+    }
+    for event in events.iter().filter(|event| usable(event.at)) {
+        mark(&mut figure, x.rounded(event.at), &event.name);
+    }
+    if all().any(|series| series.is_reduced(x, columns)) {
+        figure
+            .notes
+            .push(format!("Drawn by the lowest and the highest sample in each of {each} columns of the width."));
+    }
+    figure.note_gaps(all().map(Series::missing).sum());
+    let axis = if axes.logarithmic { Axis::new().type_(AxisType::Log) } else { Axis::new().range(x.axis()) };
+    stack(&mut figure, Across { label: axes.label, axis }, rows, true);
+    Ok(figure.html())
 }
 
-fn draw_panel(panel: &Panel, area: Area, x: &Axis, y: &Axis, last: bool) -> String {
-    let mut svg = Svg::new();
-    grid(&mut svg, area, x, y, last);
-    for series in &panel.series {
-        series.draw(&mut svg, area, x, y);
+/// A vertical line through all panels, with its name at the top.
+fn mark(figure: &mut Figure, at: f64, name: &str) {
+    figure.push(
+        "shapes",
+        json!({ "type": "line", "x0": at, "x1": at, "xref": "x", "y0": 0, "y1": 1, "yref": "paper",
+                "line": { "color": SOFT, "width": 1, "dash": "dot" } }),
+    );
+    if name.is_empty() {
+        return;
     }
-    if y.ticks.is_empty() {
-        let (x, y) = (0.5 * (area.left + area.right), 0.5 * (area.top + area.bottom));
-        svg.text("class=\"tick\"", Anchor::Middle, x, y, "no finite value");
-    }
-    let keys: Vec<_> = panel.series.iter().map(Series::key).collect();
-    let below = if last { BOTTOM } else { TOP };
-    panel_head(&y.title(&panel.label), &keys) + &svg.finish(&panel.label, WIDTH, area.bottom + below)
+    figure.push(
+        "annotations",
+        json!({ "text": text(name), "x": at, "xref": "x", "xanchor": "left", "y": 1, "yref": "paper", "yanchor": "top",
+                "showarrow": false, "textangle": 0, "font": { "color": SOFT, "size": 11 } }),
+    );
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::palette::Color;
+    use super::super::super::palette::{Color, Marker};
     use super::super::super::well_formed::check;
+    use super::super::figure::{drawn, named};
     use super::*;
 
     fn series(values: &[f64]) -> Series {
@@ -107,27 +203,43 @@ mod tests {
     }
 
     #[test]
-    fn long_series_stay_small() {
-        let values: Vec<f64> = (0..5000).map(|i| (f64::from(i) * 0.7).sin() * 40.0).collect();
+    fn long_series_stay_small_and_keep_their_extremes() {
+        let mut values: Vec<f64> = (0..200_000).map(|i| (f64::from(i) * 0.7).sin() * 40.0).collect();
+        values[123_456] = 99.5;
         let html = signals("t", "time / s", &[Panel::new("current / A", vec![series(&values)])]).expect("finite");
-        assert!(html.len() < 20_000, "{} bytes", html.len());
-        assert_eq!(check(&html), Ok(()));
+        assert!(html.len() < 80_000 && html.contains("99.5"), "{} bytes", html.len());
+        assert!(html.contains("lowest and the highest") && check(&html) == Ok(()));
     }
 
     #[test]
-    fn degenerate_signals_give_a_valid_plot() {
-        for values in [&[1.0][..], &[2.0; 9], &[f64::NAN, 1.0, f64::NAN, 3.0]] {
-            let panels = [Panel::new("x", vec![series(values)]), Panel::new("dead", vec![series(&[f64::NAN])])];
-            let html = signals("t", "time / s", &panels).expect("one finite point");
-            assert_eq!(check(&html), Ok(()));
-            assert!(html.contains("no finite value"));
-        }
+    fn panels_share_one_axis_and_one_entry_of_the_legend() {
+        let panels = [Panel::new("x", vec![series(&[1.0, 2.0])]), Panel::new("dead", vec![series(&[f64::NAN])])];
+        let html = signals("t", "time / s", &panels).expect("one finite point");
+        let traces = named(&html, "a");
+        assert_eq!(
+            (traces.len(), &traces[0]["showlegend"], &traces[1]["showlegend"]),
+            (2, &json!(true), &json!(false))
+        );
+        assert_eq!(traces[1]["yaxis"], "y2");
+        assert!(html.contains("dead: no finite value") && html.contains("1 point is not finite"));
+        assert_eq!(drawn(&html)["layout"]["xaxis"]["anchor"], "y2");
+    }
+
+    #[test]
+    fn band_marker_and_gap_are_drawn() {
+        let points = [(0.0, 0.5), (1.0, f64::NAN), (2.0, 0.6)];
+        let one = Series::new("rate", Color::of(1), points).marked(Marker::Square).dashed();
+        let html = lines("t", "x & y", "y", &[one.with_band([(0.0, 0.1, 0.9), (2.0, 0.2, 0.95)])]).expect("finite");
+        let [band, line] = &named(&html, "rate")[..] else { panic!("{html}") };
+        assert_eq!((&band["fill"], &line["line"]["dash"]), (&json!("toself"), &json!("dash")));
+        assert_eq!((&line["marker"]["symbol"], &line["y"][1]), (&json!("square"), &serde_json::Value::Null));
     }
 
     #[test]
     fn nothing_finite_is_an_error() {
-        assert!(signals("t", "time / s", &[]).is_err());
-        assert!(signals("t", "time / s", &[Panel::new("x", vec![])]).is_err());
-        assert!(signals("t", "time / s", &[Panel::new("x", vec![series(&[f64::NAN; 5])])]).is_err());
+        let error = Err(ReportError::Empty { title: "t".into() });
+        assert_eq!(signals("t", "time / s", &[]), error);
+        assert_eq!(signals("t", "time / s", &[Panel::new("x", vec![series(&[f64::NAN; 5])])]), error);
+        assert_eq!(lines("t", "x", "y", &[]), error);
     }
 }
