@@ -53,6 +53,9 @@ pub(super) struct ResampleArgs {
     to_hz: f64,
 }
 
+/// Gaps of a trace that are told one by one.
+const TOLD: usize = 3;
+
 pub(super) fn convert(args: &ConvertArgs) -> Result<(), Error> {
     args.files.run(&|_, series| {
         let Series { id, times_s, columns } = series;
@@ -70,10 +73,15 @@ pub(super) fn resample(args: &ResampleArgs) -> Result<(), Error> {
         let turns: Vec<Option<f64>> = names.iter().map(|(name, _)| turn(name)).collect();
         let wrong = |problem: Error| Error::trace(&id, problem.to_string());
         let Resampled { pieces, gaps, usual_s } = at_rate(times, &series.columns, &turns, rate_hz).map_err(wrong)?;
-        for [start, length] in &gaps {
+        for [start, length] in gaps.iter().take(TOLD) {
             output::warn(format!(
                 "trace {id}: gap of {length:.4} s at {start:.4} s (a usual step is {usual_s:.5} s); the trace is cut there"
             ));
+        }
+        if gaps.len() > TOLD {
+            let longest = gaps.iter().map(|[_, length]| *length).fold(0.0, f64::max);
+            let more = gaps.len() - TOLD;
+            output::warn(format!("trace {id}: {more} more gaps, the longest of all {longest:.4} s; the trace is cut there"));
         }
         if pieces.is_empty() {
             return Err(Error::trace(&id, "no piece between gaps is long enough"));
@@ -103,7 +111,7 @@ type Make<'a> = &'a dyn Fn(&[(String, String)], Series) -> Result<Vec<Written>, 
 impl Files {
     fn run(&self, make: Make<'_>) -> Result<(), Error> {
         let files = trace::files(&self.traces)?;
-        let into_folder = self.out.is_dir();
+        let into_folder = self.out.is_dir() || self.out.extension().is_none();
         if !into_folder {
             output::plan(&[&self.out], &files)?;
         }
@@ -117,13 +125,16 @@ impl Files {
                 for (id, times, columns) in make(&names, series)? {
                     count += 1;
                     if into_folder {
+                        if !self.out.is_dir() {
+                            std::fs::create_dir(&self.out).map_err(Error::io(&self.out))?;
+                        }
                         let path = self.out.join(format!("{id}.{}", self.format));
                         output::plan(&[&path], &files)?;
                         save(&path, &names, times, columns)?;
                     } else if alone.replace((names.clone(), times, columns)).is_some() {
                         let out = self.out.display();
                         return Err(Error::Usage(format!(
-                            "{out} is one file for several traces; make a folder and give it"
+                            "{out} is one file for several traces; give a folder: a name without an ending"
                         )));
                     }
                 }

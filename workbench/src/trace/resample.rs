@@ -5,8 +5,8 @@
 //! every m-th             behind a zero-phase low pass (`super::prepare::decimate`)
 //! ```
 //!
-//! A step of more than [`GAP`] usual ones is a gap: columns are cut there, since straight lines across it would be
-//! invented. An angle that jumps by more than half a turn is unwrapped first, and is not limited to one turn after.
+//! A step of more than [`GAP`] usual ones and of more than [`BRIDGED`] new ones is a gap: columns are cut there, since
+//! straight lines across it would be invented. An angle that jumps by more than half a turn is unwrapped first, and is not limited to one turn after.
 
 use super::median;
 use super::prepare::{decimate, resample};
@@ -14,6 +14,8 @@ use crate::Error;
 
 /// Usual steps that a gap is longer than.
 pub(crate) const GAP: f64 = 3.0;
+/// Steps of the new rate that straight lines may bridge.
+const BRIDGED: f64 = 1.5;
 /// The fewest samples of a piece.
 const FEWEST: usize = 8;
 
@@ -50,8 +52,8 @@ pub(crate) fn at_rate(
         return Err(Error::Usage(format!("row {} is not later than the one before it", at + 2)));
     }
     let usual_s = if steps.is_empty() { f64::INFINITY } else { median(&steps) };
-    let breaks: Vec<usize> =
-        (1..times_s.len()).filter(|row| times_s[*row] - times_s[row - 1] > GAP * usual_s).collect();
+    let longest_s = (GAP * usual_s).max(BRIDGED / rate_hz);
+    let breaks: Vec<usize> = (1..times_s.len()).filter(|row| times_s[*row] - times_s[row - 1] > longest_s).collect();
     if times_s.len() < FEWEST || rate_hz * usual_s > 1.02 {
         let recorded = 1.0 / usual_s;
         return Err(Error::Usage(format!(
@@ -119,6 +121,15 @@ mod tests {
         let fast = &found.pieces[0].columns[0];
         // 60 Hz would be 10 Hz; the filter stops 60 dB.
         assert!((50..fast.len() - 50).all(|k| fast[k].abs() < 1.1e-3));
+    }
+
+    #[test]
+    fn a_gap_shorter_than_a_new_step_is_bridged() {
+        let times: Vec<f64> = (0..400).map(|k| 0.004 * f64::from(k + 3 * (k / 20))).collect();
+        let ramp = vec![times.clone()];
+        let slow = at_rate(&times, &ramp, &[None], 50.0).expect("resampled");
+        assert!(slow.gaps.is_empty() && slow.pieces.len() == 1, "{:?}", slow.gaps);
+        assert_eq!(at_rate(&times, &ramp, &[None], 200.0).expect("resampled").gaps.len(), 19);
     }
 
     #[test]

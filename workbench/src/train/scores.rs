@@ -198,6 +198,9 @@ impl Scores {
     #[must_use]
     pub fn summary(&self) -> String {
         let Self { log, brier, calibration_error, .. } = self;
+        if brier.of_prior.abs() < f64::EPSILON {
+            return "one class: log score, Brier score and calibration say nothing".into();
+        }
         format!(
             "log score {:.3} ± {:.3} (priors {:.3}), Brier score {:.3} ± {:.3} (priors {:.3}), calibration error {:.1} %",
             log.value,

@@ -71,5 +71,7 @@ fn resampling_tells_gaps_and_refuses_higher_rates() {
     assert!(
         String::from_utf8_lossy(&several.stderr).contains("one file for several traces") && !dir.join("x.csv").exists()
     );
+    succeed(dir, "resample log.csv --to-hz 50 --out fresh");
+    assert!(dir.join("fresh/log_2.csv").is_file());
     refuse(dir, "resample log.csv --to-hz 0 --out x.csv", &["give a number above 0"]);
 }

@@ -25,7 +25,9 @@ pub(super) fn print(
             output::say(format!("rate: {rate:.4} rows a second, steps scatter by {jitter:.2} %"))?;
         }
         (true, Some(rate)) => output::say(format!("rate: no time; {rate:.1} rows a second by the lines of the rotor"))?,
-        (true, None) => output::say("rate: no time column; give --rate-hz")?,
+        (true, None) => {
+            output::say("rate: no time column, and no given rate_hz near which the lines of the rotor are sharp")?
+        }
     }
     let first = &traces[0];
     let width = first.names.iter().map(|name| name.chars().count()).max().unwrap_or(0).max("column".len());

@@ -23,6 +23,9 @@ const REFERENCE: [&str; 7] = ["ref", "cmd", "command", "set", "target", "setpoin
 /// Parts of names of what is computed or of another machine.
 const SECONDARY: [&str; 6] = ["est", "estimated", "2", "error", "err", "filtered"];
 
+/// Parts of names of a power, and of what the motor gives, which are no load of the shaft.
+const NO_LOAD: [&str; 2] = ["power", "motor"];
+
 /// Words of a name, in lower case.
 fn words(name: &str) -> Vec<String> {
     let mut words: Vec<String> = vec![String::new()];
@@ -79,7 +82,8 @@ impl Guess {
         let in_unit = |found: Option<String>, unit: &str| found.map(|name| converted(&name, unit));
         let current = best(&CURRENT, false, &[&moving[..], &[Torque, Force, Voltage]].concat());
         let velocity = best(&VELOCITY, false, &velocity_as);
-        let load = best(&LOAD, false, &[&moving[..], &[Current, Voltage]].concat());
+        let load = best(&LOAD, false, &[&moving[..], &[Current, Voltage]].concat())
+            .filter(|name| !words(name).iter().any(|word| NO_LOAD.contains(&word.as_str())));
         let different =
             |found: Option<String>, other: &Option<String>| found.filter(|name| Some(name) != other.as_ref());
         Self {
@@ -143,6 +147,7 @@ mod tests {
         assert_eq!((log.current, log.velocity), (some("iq_A"), some("(speed_rpm)rad/s")));
         let log = of(&["motorCurrent_mA", "SpeedSetpoint"]);
         assert_eq!((log.current, log.velocity_ref), (some("(motorCurrent_mA)A"), some("SpeedSetpoint")));
+        assert_eq!(of(&["motor_iq_1", "motor_torque_1", "power_load_mech_1"]).load, None);
         assert_eq!(of(&["X131_DE_time", "time2"]), Guess::default());
     }
 }

@@ -129,6 +129,14 @@ impl Values {
         let integrated = integrated.map(|velocity| format!("integrate({velocity}) rad"));
         let angle = angle.clone().or_else(|| integrated.clone());
         self.channel("angle", &angle);
+        let turning = |name: &&String| name.ends_with(")rad/s") || name.to_lowercase().ends_with("rad_s");
+        if let (None, Some(velocity), Some(current)) = (&angle, velocity.as_ref().filter(turning), current) {
+            let integral = text(&format!("integrate({velocity}) rad"));
+            let (velocity, current) = (text(velocity), text(current));
+            let shaft =
+                format!("{integral}  # with velocity = {velocity} and current = {current}: friction and orders");
+            self.refused.insert("angle", shaft);
+        }
         if angle.is_some() {
             self.channel("velocity", velocity);
             self.channel("load", load);

@@ -321,7 +321,7 @@ impl Healthy {
         (rows.saturating_sub(self.fitted) < least).then(|| {
             format!(
                 "{rows} healthy segments{with} are too few for a novelty gate of {} coordinates at a false-alarm rate \
-                 of {rate}; give at least {least}, use fewer features, or a higher rate",
+                 of {rate}; give at least {least}, shorter segments, fewer features, or a higher rate",
                 names.len()
             )
         })
