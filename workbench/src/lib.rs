@@ -8,6 +8,7 @@ pub mod cli;
 pub mod core;
 pub mod error;
 pub mod evaluate;
+pub mod fleet;
 pub mod grey_box;
 pub mod identify;
 pub mod piecewise;

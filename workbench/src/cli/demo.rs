@@ -9,7 +9,7 @@ use super::output;
 use crate::Error;
 use crate::report::pages::demo::page;
 use crate::study::demo::{self, Draw, Row, Settings, rows};
-use crate::trace::{Channels, Preparation};
+use crate::trace::{Channels, Preparation, stem};
 use crate::train::c_header::c_header;
 use crate::train::export;
 
@@ -67,8 +67,8 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
 /// Returns the model as Rust source, as C header and in binary form, and the recording of held-out traces.
 fn model_contents(first: &Draw) -> Result<[Vec<u8>; 4], Error> {
     let lines = ["Standard DC-motor rig: y = current, u1 = velocity reference, u2 = load torque.".to_string()];
-    let notes =
-        Notes::new(&channels(), Preparation::NONE, (&first.trained.feature_names, vec![]), &first.training, &[]);
+    let ids = first.training.iter().map(|t| stem(&t.trace.id).to_string()).collect();
+    let notes = Notes::new(&channels(), Preparation::NONE, &first.trained, (ids, &[]));
     Ok([
         export::rust_source(&first.trained, &lines)?.into_bytes(),
         c_header(&first.trained.to_core()?, &lines, None)?.into_bytes(),

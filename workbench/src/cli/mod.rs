@@ -10,6 +10,8 @@ mod description;
 mod drive;
 mod evaluate;
 mod evidence;
+mod features;
+mod features_sum;
 mod grey_box;
 mod identify;
 mod listen;
@@ -19,9 +21,11 @@ mod piecewise;
 mod replay;
 mod serve;
 mod simulate;
+mod simulate_features;
 mod structure;
 mod tables;
 mod train;
+mod train_features;
 mod training;
 mod validate;
 mod view;
@@ -56,6 +60,11 @@ enum Command {
     Validate(validate::Args),
     Piecewise(piecewise::Args),
     Train(Box<train::Args>),
+    Features(Box<features::Args>),
+    FeaturesSum(features_sum::Args),
+    TrainFeatures(Box<train_features::Args>),
+    #[command(hide = true)]
+    SimulateFeatures(simulate_features::Args),
     Evaluate(evaluate::Args),
     Replay(replay::Args),
     View(view::Args),
@@ -99,6 +108,10 @@ pub fn run() -> ExitCode {
         Command::Validate(args) => validate::run(&args),
         Command::Piecewise(args) => piecewise::run(&args),
         Command::Train(args) => train::run(&args),
+        Command::Features(args) => features::run(&args),
+        Command::FeaturesSum(args) => features_sum::run(&args),
+        Command::TrainFeatures(args) => train_features::run(&args),
+        Command::SimulateFeatures(args) => simulate_features::run(&args),
         Command::Evaluate(args) => evaluate::run(&args),
         Command::Replay(args) => replay::run(&args),
         Command::View(args) => view::run(&args),

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use crate::Error;
 use crate::core::Embedded;
 use crate::trace::labels::LabelledTrace;
-use crate::trace::{self, Channels, FrontEndFile, Preparation, ShaftChannels, Trace, same_interval};
+use crate::trace::{Channels, FrontEndFile, Preparation, ShaftChannels, Trace, same_interval};
+use crate::train::Trained;
 
 /// Returns an error if the sampling rate of a trace differs from that of the model. The model's interval is the one
 /// after the preparation on the host.
@@ -73,12 +74,12 @@ pub(super) struct Notes {
 }
 
 impl Notes {
+    /// Of a model, the ids of the traces and the units with which it was trained.
     pub(super) fn new(
         channels: &Channels,
         host: Preparation,
-        (features, orders): (&[String], Vec<String>),
-        training: &[LabelledTrace],
-        units: &[String],
+        trained: &Trained,
+        (trained_on, units): (Vec<String>, &[String]),
     ) -> Self {
         let mut units = units.to_vec();
         units.sort_unstable();
@@ -96,9 +97,9 @@ impl Notes {
             drive: super::drive::given(),
             host_block_mean: host.block_mean,
             decimate: host.decimate,
-            orders,
-            features: features.to_vec(),
-            trained_on: training.iter().map(|t| trace::stem(&t.trace.id).to_string()).collect(),
+            orders: trained.recipe.catalogue().orders.unwrap_or_default(),
+            features: trained.feature_names.clone(),
+            trained_on,
             units,
         }
     }

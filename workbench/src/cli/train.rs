@@ -1,9 +1,10 @@
 //! `bearing-watch train`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
+use super::args::exports::ExportArgs;
 use super::args::traces::Given;
 use super::output;
 use super::training::{Found, Settings, Training, words};
@@ -22,18 +23,8 @@ pub(super) struct Args {
     /// Rank the features (those of --features, or all): Fisher ratios, cross-validated gains, and what to drop
     #[arg(long)]
     rank: bool,
-    /// The binary model
-    #[arg(long, value_name = "FILE")]
-    model: PathBuf,
-    /// The model as Rust constants
-    #[arg(long, value_name = "FILE")]
-    rust: Option<PathBuf>,
-    /// With --rust, also the constants for `Model::commissioning` with so many healthy segments of a drive
-    #[arg(long, value_name = "SEGMENTS", requires = "rust", value_parser = clap::value_parser!(u32).range(2..=10_000))]
-    commissioning: Option<u32>,
-    /// The model as a C header, for the library of `c-api`
-    #[arg(long, value_name = "FILE")]
-    c: Option<PathBuf>,
+    #[command(flatten)]
+    exports: ExportArgs,
     /// A page with the features, the decision regions and the held-out result
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
@@ -44,11 +35,10 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
     let session = args.settings.session(Given::default())?;
-    let files = [Some(args.model.as_path()), args.rust.as_deref(), args.c.as_deref(), args.report.as_deref()];
-    output::plan(&files.into_iter().flatten().collect::<Vec<_>>(), &session.selection.inputs())?;
+    let files: Vec<&Path> = args.exports.files().chain(args.report.as_deref()).collect();
+    output::plan(&files, &session.selection.inputs())?;
     let own = session.train()?;
-    let rust = args.rust.as_ref().map(|_| own.rust_source(args.commissioning)).transpose()?;
-    let c = args.c.as_ref().map(|_| own.c_header()).transpose()?;
+    let exported = args.exports.exported(own.bytes.clone(), |segments| own.rust_source(segments), || own.c_header())?;
     let found = session.found(&own, args.rank)?;
     let report = args.report.as_ref().map(|_| {
         let first = |k| own.prepared.iter().find(|t| t.class == k).map(|t| (&t.trace, k));
@@ -57,9 +47,8 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         model::training(&own.trained, &own.channels, &examples, Worth { training: &seen, ..found.worth() })
     });
     let report = report.transpose()?.map(super::drive::on_page);
-    let texts = [(&args.rust, &rust), (&args.c, &c), (&args.report, &report)];
-    let texts = texts.into_iter().filter_map(|(path, text)| Some((path.as_deref()?, text.as_ref()?.as_bytes())));
-    output::write_all(&texts.chain([(args.model.as_path(), own.bytes.as_slice())]).collect::<Vec<_>>())?;
+    let page = args.report.as_deref().zip(report.as_ref()).map(|(path, text)| (path, text.as_bytes()));
+    output::write_all(&args.exports.contents(&exported).into_iter().chain(page).collect::<Vec<_>>())?;
     own.warn();
     print(args, &own, &found)
 }
@@ -67,10 +56,10 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
 /// Prints the report of the training.
 fn print(args: &Args, own: &Training, found: &Found) -> Result<(), Error> {
     if args.json {
-        let mut value = json!({ "model": args.model });
+        let mut value = json!({ "model": args.exports.model });
         value.as_object_mut().into_iter().for_each(|object| object.extend(words::to_json(own, found)));
         return output::json(&value);
     }
-    let place = format!(" in {}", args.model.display());
+    let place = format!(" in {}", args.exports.model.display());
     words::lines(own, found, &place).iter().try_for_each(output::say)
 }

@@ -42,7 +42,12 @@ impl std::fmt::Display for Condition {
 }
 
 impl Condition {
-    fn holds(&self, cell: &str) -> Result<bool, String> {
+    /// The column.
+    pub(crate) fn column(&self) -> &str {
+        &self.column
+    }
+
+    pub(crate) fn holds(&self, cell: &str) -> Result<bool, String> {
         use std::cmp::Ordering::{Equal, Greater, Less};
         let ordering = match (cell.parse::<f64>(), self.value.parse::<f64>()) {
             (Ok(cell), Ok(value)) => cell.partial_cmp(&value),

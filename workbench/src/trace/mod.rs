@@ -99,22 +99,51 @@ impl Source {
 #[derive(Default)]
 struct Gathered {
     traces: Vec<Trace>,
-    /// The table of each id.
-    origin: HashMap<String, PathBuf>,
+    origins: Origins,
+}
+
+/// The file of each trace.
+#[derive(Debug, Default)]
+pub(crate) struct Origins(HashMap<String, PathBuf>);
+
+impl Origins {
+    /// Adds a trace.
+    ///
+    /// # Errors
+    /// An id that another file has too.
+    pub(crate) fn add(&mut self, id: &str, file: &Path) -> Result<(), Error> {
+        let Some(first) = self.0.insert(stem(id).to_string(), file.to_path_buf()) else { return Ok(()) };
+        let (first, second) = (first.display(), file.display());
+        Err(Error::trace(id, format!("comes twice, in {first} and {second}; give each id once")))
+    }
+
+    /// Whether a trace has come.
+    pub(crate) fn has(&self, id: &str) -> bool {
+        self.0.contains_key(id)
+    }
+}
+
+/// Reads the wanted traces of one table.
+fn read_table(table: &Table, channels: &Channels, wanted: &(dyn Fn(&str) -> bool + Sync)) -> Result<Vec<Trace>, Error> {
+    match &channels.front_end {
+        Some(front_end) => cleaned_reader::read(table, channels, front_end, wanted),
+        None => reader::read(table, channels, wanted),
+    }
+}
+
+/// Reads the wanted traces of one file.
+pub(crate) fn read_file(
+    path: &Path,
+    channels: &Channels,
+    wanted: &(dyn Fn(&str) -> bool + Sync),
+) -> Result<Vec<Trace>, Error> {
+    read_table(&Table::open(path)?, channels, wanted)
 }
 
 impl Gathered {
     fn add(&mut self, table: &Table, channels: &Channels, wanted: &(dyn Fn(&str) -> bool + Sync)) -> Result<(), Error> {
-        let found = match &channels.front_end {
-            Some(front_end) => cleaned_reader::read(table, channels, front_end, wanted)?,
-            None => reader::read(table, channels, wanted)?,
-        };
-        for trace in found {
-            if let Some(first) = self.origin.insert(stem(&trace.id).to_string(), table.path().to_path_buf()) {
-                let (first, second) = (first.display(), table.path().display());
-                let problem = format!("comes twice, in {first} and {second}; give each id once");
-                return Err(Error::trace(&trace.id, problem));
-            }
+        for trace in read_table(table, channels, wanted)? {
+            self.origins.add(&trace.id, table.path())?;
             self.traces.push(trace);
         }
         Ok(())
@@ -144,22 +173,33 @@ fn read_files(
     channels: &Channels,
     wanted: Option<&(dyn Fn(&str) -> bool + Sync)>,
 ) -> Result<Vec<Trace>, Error> {
+    let mut gathered = Gathered::default();
+    for file in files_with_traces(paths, channels, wanted)? {
+        gathered.add(&Table::open(&file)?, channels, wanted.unwrap_or(&|_| true))?;
+    }
+    gathered.complete(channels, &paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>())
+}
+
+/// The files with traces of these files and folders: of a folder, those with the columns, and the wanted ones.
+pub(crate) fn files_with_traces(
+    paths: &[PathBuf],
+    channels: &Channels,
+    wanted: Option<&(dyn Fn(&str) -> bool + Sync)>,
+) -> Result<Vec<PathBuf>, Error> {
     let asked_for = |file: &Path| {
         let name = file.file_name().map(|name| name.to_string_lossy());
         wanted.zip(name).is_some_and(|(wanted, name)| wanted(stem(&name)))
     };
-    let mut gathered = Gathered::default();
+    let mut all = Vec::new();
     for path in paths {
-        let mut files = vec![path.clone()];
         if path.is_dir() {
-            files = known_files(path)?;
-            files.retain(|file| asked_for(file) || has_columns(file, channels));
-        }
-        for file in files {
-            gathered.add(&Table::open(&file)?, channels, wanted.unwrap_or(&|_| true))?;
+            let files = known_files(path)?.into_iter();
+            all.extend(files.filter(|file| asked_for(file) || has_columns(file, channels)));
+        } else {
+            all.push(path.clone());
         }
     }
-    gathered.complete(channels, &paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>())
+    Ok(all)
 }
 
 /// The files among these files and in these folders, in known formats; labels in a folder are left out.

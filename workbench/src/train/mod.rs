@@ -27,7 +27,7 @@ mod left_out;
 mod matrix;
 #[cfg(test)]
 mod missing_features;
-mod moments;
+pub(crate) mod moments;
 mod nominal;
 pub mod novelty;
 pub(crate) mod projection;
@@ -91,15 +91,12 @@ pub use velocity_source::VelocitySource;
 /// the healthy one; a class without traces; features that are constant or collinear within classes; priors or costs
 /// that do not match the classes.
 pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> Result<Trained, Error> {
-    check_intervals(traces)?;
-    let longest = traces.iter().map(|t| t.trace.y.len()).max().unwrap_or(0);
-    let segment = recipe.estimation.segment.unwrap_or(longest.min(MAX_LONG_SEGMENT_ROWS as usize));
+    let segment = segment_of(traces, recipe);
     // The spread of the features depends on the segment length: trains on segments of the detector's length.
     let pieces = if recipe.estimation.segment.is_some() { cut(traces, segment) } else { traces.to_vec() };
     check_classes(&pieces, classes, recipe.alarms.healthy)?;
-    let interval_s = traces.iter().find_map(|t| t.trace.interval_s).unwrap_or(0.0);
-    let recipe = &velocity_source::resolved(traces, interval_s, recipe);
-    let parts = parts(traces, classes, recipe, (segment, interval_s))?;
+    let Estimating { recipe, parts, interval_s, .. } = estimating(traces, classes, recipe)?;
+    let recipe = &recipe;
     let catalogue = recipe.catalogue();
     let chosen = recipe.rising_last(&catalogue, catalogue.choose(&recipe.features)?)?;
     let explaining = covariate_places(&catalogue, recipe)?;
@@ -109,7 +106,8 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
     let Candidates { table: raw, features: feature_names, .. } = candidates.select(&chosen);
     let fit::Fitted { explained, projection, coordinates, coordinate_names, statistics, densities, choice } =
         fit::fit(&candidates.select(&chosen), recipe)?;
-    let (used, core_projection, core_usual) = compose(&candidates.table, &chosen, &catalogue, &projection);
+    let centre = (candidates.table.mean(), &candidates.table.usual);
+    let (used, core_projection, core_usual) = compose(centre, &chosen, &catalogue, &projection);
     let core_features = used.iter().map(|&place| catalogue.core_feature(place)).collect();
     let core_covariates = match &explained {
         Some(explained) => explained.core(&catalogue, &chosen, &used),
@@ -147,6 +145,47 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
         interval_s,
         block_mean: 1,
     })
+}
+
+/// The part of a model that estimates, whose constants are trained before any feature is known.
+pub(crate) struct Estimating {
+    /// The recipe with the source of the velocity chosen.
+    pub(crate) recipe: Recipe,
+    pub(crate) parts: Parts,
+    /// Samples in a segment.
+    pub(crate) segment: usize,
+    /// Sampling interval, s; 0 if unknown.
+    pub(crate) interval_s: f64,
+}
+
+/// Trains the part of a model that estimates.
+///
+/// # Errors
+/// Traces of several rates, or of which no nominal model can be estimated.
+pub(crate) fn estimating(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> Result<Estimating, Error> {
+    check_intervals(traces)?;
+    let segment = segment_of(traces, recipe);
+    let interval_s = traces.iter().find_map(|t| t.trace.interval_s).unwrap_or(0.0);
+    let recipe = velocity_source::resolved(traces, interval_s, recipe);
+    let parts = parts(traces, classes, &recipe, (segment, interval_s))?;
+    Ok(Estimating { recipe, parts, segment, interval_s })
+}
+
+/// Returns the usual variance of the error of each feature in these traces.
+pub(crate) fn usual_errors(
+    traces: &[LabelledTrace],
+    classes: &[String],
+    found: &Estimating,
+) -> Result<Vec<f64>, Error> {
+    let catalogue = found.recipe.catalogue();
+    let (table, ..) = core_features::run(traces, classes, (&found.parts, &catalogue), found.segment)?;
+    Ok(table.usual.iter().copied().collect())
+}
+
+/// Returns the number of samples in a segment: that of the recipe, or of the longest trace.
+fn segment_of(traces: &[LabelledTrace], recipe: &Recipe) -> usize {
+    let longest = traces.iter().map(|t| t.trace.y.len()).max().unwrap_or(0);
+    recipe.estimation.segment.unwrap_or(longest.min(MAX_LONG_SEGMENT_ROWS as usize))
 }
 
 /// Returns the core's channels, regression and shaft with their trained constants.
@@ -326,9 +365,9 @@ fn spans(length: usize, samples: usize) -> impl Iterator<Item = (usize, usize)> 
 }
 
 /// Returns the map from the core's δ-features: z = W (raw − m) = W T_S (δ − δ_m), with δ_m the training mean of δ, and
-/// the places of the δ-features that it uses.
-fn compose(
-    table: &FeatureTable,
+/// the places of the δ-features that it uses. `raw` and `usual` are the means and usual errors of all features.
+pub(crate) fn compose(
+    (mut raw, usual): (DVector<f64>, &DVector<f64>),
     chosen: &[usize],
     catalogue: &Catalogue,
     projection: &AffineMap,
@@ -336,12 +375,11 @@ fn compose(
     let map = catalogue.raw_from_delta().select_rows(chosen);
     let used: Vec<usize> = (0..map.ncols()).filter(|&k| map.column(k).amax() > 0.0).collect();
     // Both centres are the same point: of the chosen features the projection's centre, of the others any.
-    let mut raw = table.mean();
     chosen.iter().zip(projection.mean.iter()).for_each(|(&place, mean)| raw[place] = *mean);
     let mean = catalogue.delta_from_raw(&raw);
     let matrix = &projection.matrix * map.select_columns(&used);
     let centre = DVector::from_iterator(used.len(), used.iter().map(|&k| mean[k]));
     // The map from raw features leaves those with errors as they are.
-    let usual = DVector::from_iterator(used.len(), used.iter().map(|&k| table.usual[k]));
+    let usual = DVector::from_iterator(used.len(), used.iter().map(|&k| usual[k]));
     (used, AffineMap { matrix, mean: centre }, usual)
 }

@@ -67,7 +67,21 @@ pub(crate) struct Moments {
     pub(crate) covariance: DMatrix<f64>,
 }
 
-/// Sums over the rows at one covariance.
+/// Rows of one class whose values have the same variances of their errors.
+#[derive(Clone, Debug)]
+pub(crate) struct Cell {
+    pub(crate) class: usize,
+    /// Number of rows.
+    pub(crate) count: f64,
+    /// Variances of the errors.
+    pub(crate) variance: DVector<f64>,
+    /// Mean of the rows; of missing values any number.
+    pub(crate) mean: DVector<f64>,
+    /// Scatter of the rows about it; of missing values any number.
+    pub(crate) scatter: DMatrix<f64>,
+}
+
+/// Sums over the cells at one covariance.
 struct Sums {
     means: Vec<DVector<f64>>,
     /// P of each class.
@@ -79,11 +93,15 @@ struct Sums {
 /// Estimates the moments. Every class has at least one value of every feature. If the covariance of the values
 /// themselves is singular, it is the result; whitening it finds the feature.
 pub(crate) fn moments(rows: &[Observed<'_>], classes: usize) -> Moments {
-    let patterns = patterns(rows);
-    let errors = mean_errors(rows);
-    let mut found = start(rows, classes, &errors);
+    moments_of(&cells(rows), classes)
+}
+
+/// As [`moments`], of rows whose sums are given.
+pub(crate) fn moments_of(cells: &[Cell], classes: usize) -> Moments {
+    let errors = mean_errors(cells);
+    let mut found = start(cells, classes, &errors);
     // The iteration approaches a singular covariance without reaching it.
-    if let Some(singular) = singular(rows, classes) {
+    if let Some(singular) = singular(cells, classes) {
         return Moments { covariance: singular, ..found };
     }
     // Typical deviations of values with errors.
@@ -91,10 +109,10 @@ pub(crate) fn moments(rows: &[Observed<'_>], classes: usize) -> Moments {
     let size = |step: &DMatrix<f64>| step.map_with_location(|i, j, x| x / (deviation[i] * deviation[j]));
     let mut boldest = 1.0_f64;
     for _ in 0..MOST {
-        let Some((means, first)) = step(rows, &patterns, classes, &found.covariance) else { break };
+        let Some((means, first)) = step(cells, classes, &found.covariance) else { break };
         let middle = &found.covariance + &first;
         found.means = means;
-        let Some((means, second)) = step(rows, &patterns, classes, &middle) else { break };
+        let Some((means, second)) = step(cells, classes, &middle) else { break };
         let bend = &second - &first;
         let bold = (size(&first).norm() / size(&bend).norm()).clamp(1.0, boldest);
         let far = &found.covariance + &first * (2.0 * bold) + bend * (bold * bold);
@@ -111,41 +129,45 @@ pub(crate) fn moments(rows: &[Observed<'_>], classes: usize) -> Moments {
     found
 }
 
+/// Number of rows of cells.
+fn count(cells: &[Cell]) -> f64 {
+    cells.iter().map(|cell| cell.count).sum()
+}
+
 /// Mean variance of the errors of each feature's available values.
-fn mean_errors(rows: &[Observed<'_>]) -> DVector<f64> {
-    DVector::from_fn(rows.first().map_or(0, |row| row.value.len()), |feature, _| {
-        let errors = rows.iter().map(|row| row.variance[feature]).filter(|variance| variance.is_finite());
-        let (sum, count) = errors.fold((0.0, 0.0_f64), |(sum, count), variance| (sum + variance, count + 1.0));
+fn mean_errors(cells: &[Cell]) -> DVector<f64> {
+    DVector::from_fn(cells.first().map_or(0, |cell| cell.mean.len()), |feature, _| {
+        let errors = cells.iter().map(|cell| (cell.count, cell.variance[feature]));
+        let errors = errors.filter(|(_, variance)| variance.is_finite());
+        let (sum, count) = errors.fold((0.0, 0.0_f64), |(sum, all), (count, v)| (sum + count * v, all + count));
         sum / count.max(1.0)
     })
 }
 
 /// Means (1) and the step (2); `None` if a covariance is singular.
-fn step(
-    rows: &[Observed<'_>],
-    patterns: &[Vec<usize>],
-    classes: usize,
-    covariance: &DMatrix<f64>,
-) -> Option<(Vec<DVector<f64>>, DMatrix<f64>)> {
-    let Sums { means, slope, .. } = sums(rows, patterns, classes, covariance)?;
-    let freedom = rows.len().saturating_sub(classes).max(1) as f64;
+fn step(cells: &[Cell], classes: usize, covariance: &DMatrix<f64>) -> Option<(Vec<DVector<f64>>, DMatrix<f64>)> {
+    let Sums { means, slope, .. } = sums(cells, classes, covariance)?;
+    let freedom = (count(cells) - classes as f64).max(1.0);
     Some((means, symmetric(&(covariance * slope * covariance / freedom)))) // (2)
 }
 
 /// Means and variances of each feature alone; the part of the variance that the errors do not explain.
-fn start(rows: &[Observed<'_>], classes: usize, errors: &DVector<f64>) -> Moments {
+fn start(cells: &[Cell], classes: usize, errors: &DVector<f64>) -> Moments {
     let features = errors.len();
     let mut means = vec![DVector::zeros(features); classes];
     let mut variances = DVector::zeros(features);
     for feature in 0..features {
-        let own = || rows.iter().filter(move |row| row.variance[feature].is_finite());
-        let mut scatter = 0.0;
+        let own = || cells.iter().filter(move |cell| cell.variance[feature].is_finite());
+        let (mut scatter, mut rows) = (0.0, 0.0);
         for (class, mean) in means.iter_mut().enumerate() {
-            let values = || own().filter(move |row| row.class == class).map(move |row| row.value[feature]);
-            mean[feature] = values().sum::<f64>() / values().count().max(1) as f64;
-            scatter += values().map(|x| (x - mean[feature]).powi(2)).sum::<f64>();
+            let own = || own().filter(move |cell| cell.class == class);
+            let count = own().map(|cell| cell.count).sum::<f64>();
+            mean[feature] = own().map(|cell| cell.count * cell.mean[feature]).sum::<f64>() / count.max(1.0);
+            let about = |cell: &Cell| cell.count * (cell.mean[feature] - mean[feature]).powi(2);
+            scatter += own().map(|cell| cell.scatter[(feature, feature)] + about(cell)).sum::<f64>();
+            rows += count;
         }
-        let spread = scatter / own().count().saturating_sub(classes).max(1) as f64;
+        let spread = scatter / (rows - classes as f64).max(1.0);
         variances[feature] = (spread - errors[feature]).max(LEAST_PART * spread);
     }
     Moments { means, covariance: DMatrix::from_diagonal(&variances) }
@@ -153,30 +175,44 @@ fn start(rows: &[Observed<'_>], classes: usize, errors: &DVector<f64>) -> Moment
 
 /// The covariance of the complete rows without regard to their errors, if there are enough and it is singular. Errors
 /// are independent, so features with errors are neither constant nor combinations of others.
-fn singular(rows: &[Observed<'_>], classes: usize) -> Option<DMatrix<f64>> {
-    let complete: Vec<_> = rows.iter().filter(|row| row.variance.iter().all(|v| v.is_finite())).collect();
-    let features = rows.first()?.value.len();
-    let mut scatter = DMatrix::zeros(features, features);
+fn singular(cells: &[Cell], classes: usize) -> Option<DMatrix<f64>> {
+    let complete: Vec<&Cell> = cells.iter().filter(|cell| cell.variance.iter().all(|v| v.is_finite())).collect();
+    let features = cells.first()?.mean.len();
+    let (mut scatter, mut rows) = (DMatrix::zeros(features, features), 0.0);
     for class in 0..classes {
-        let own = || complete.iter().filter(move |row| row.class == class);
-        let mean = own().fold(DVector::zeros(features), |sum, row| sum + row.value) / own().count().max(1) as f64;
-        for row in own() {
+        let own = || complete.iter().filter(move |cell| cell.class == class);
+        let count = own().map(|cell| cell.count).sum::<f64>();
+        let mean = own().fold(DVector::zeros(features), |sum, cell| sum + &cell.mean * cell.count) / count.max(1.0);
+        for cell in own() {
+            let away = &cell.mean - &mean;
+            scatter.ger(cell.count, &away, &away, 1.0);
+            scatter += &cell.scatter;
+        }
+        rows += count;
+    }
+    let freedom = rows - classes as f64;
+    let covariance = scatter / freedom.max(1.0);
+    (freedom >= features as f64 && whitening(&covariance).is_err()).then_some(covariance)
+}
+
+/// Rows by class and variances.
+pub(crate) fn cells(rows: &[Observed<'_>]) -> Vec<Cell> {
+    let mut groups: BTreeMap<(Vec<u64>, usize), Vec<&Observed<'_>>> = BTreeMap::new();
+    for row in rows {
+        let bits = row.variance.iter().map(|v| v.to_bits()).collect();
+        groups.entry((bits, row.class)).or_default().push(row);
+    }
+    let cell = |((_, class), rows): ((_, usize), Vec<&Observed<'_>>)| {
+        let (count, features) = (rows.len() as f64, rows[0].value.len());
+        let mean = rows.iter().fold(DVector::zeros(features), |sum, row| sum + row.value) / count;
+        let mut scatter = DMatrix::zeros(features, features);
+        for row in &rows {
             let away = row.value - &mean;
             scatter.ger(1.0, &away, &away, 1.0);
         }
-    }
-    let freedom = complete.len().saturating_sub(classes);
-    let covariance = scatter / freedom.max(1) as f64;
-    (freedom >= features && whitening(&covariance).is_err()).then_some(covariance)
-}
-
-/// Rows with the same variances, which have the same W.
-fn patterns(rows: &[Observed<'_>]) -> Vec<Vec<usize>> {
-    let mut groups: BTreeMap<Vec<u64>, Vec<usize>> = BTreeMap::new();
-    for (place, row) in rows.iter().enumerate() {
-        groups.entry(row.variance.iter().map(|v| v.to_bits()).collect()).or_default().push(place);
-    }
-    groups.into_values().collect()
+        Cell { class, count, variance: rows[0].variance.clone(), mean, scatter }
+    };
+    groups.into_iter().map(cell).collect()
 }
 
 /// W; `None` if the covariance is singular.
@@ -192,33 +228,28 @@ fn weight(covariance: &DMatrix<f64>, variance: &DVector<f64>) -> Option<DMatrix<
     Some(weight)
 }
 
-fn sums(rows: &[Observed<'_>], patterns: &[Vec<usize>], classes: usize, covariance: &DMatrix<f64>) -> Option<Sums> {
+fn sums(cells: &[Cell], classes: usize, covariance: &DMatrix<f64>) -> Option<Sums> {
     let n = covariance.nrows();
-    let of_pattern = |places: &Vec<usize>| weight(covariance, rows[*places.first()?].variance);
-    let weights: Vec<DMatrix<f64>> = patterns.iter().map(of_pattern).collect::<Option<_>>()?;
+    let weights: Vec<DMatrix<f64>> =
+        cells.iter().map(|cell| weight(covariance, &cell.variance)).collect::<Option<_>>()?;
     let mut precision = vec![DMatrix::zeros(n, n); classes];
     let mut moment = vec![DVector::zeros(n); classes];
     let mut slope = DMatrix::zeros(n, n);
-    for (places, weight) in patterns.iter().zip(&weights) {
-        for row in places.iter().map(|&place| &rows[place]) {
-            precision[row.class] += weight;
-            moment[row.class] += weight * row.value;
-        }
-        slope -= weight * places.len() as f64;
+    for (cell, weight) in cells.iter().zip(&weights) {
+        precision[cell.class] += weight * cell.count;
+        moment[cell.class] += weight * (&cell.mean * cell.count);
+        slope -= weight * cell.count;
     }
     let inverses: Vec<DMatrix<f64>> =
         precision.iter().map(|p| Some(p.clone().cholesky()?.inverse())).collect::<Option<_>>()?;
     let means: Vec<DVector<f64>> = inverses.iter().zip(&moment).map(|(inverse, sum)| inverse * sum).collect(); // (1)
-    for (places, weight) in patterns.iter().zip(&weights) {
-        let mut counts = vec![0.0; classes];
-        for row in places.iter().map(|&place| &rows[place]) {
-            counts[row.class] += 1.0;
-            let residual = weight * (row.value - &means[row.class]);
-            slope.ger(1.0, &residual, &residual, 1.0);
+    for (cell, weight) in cells.iter().zip(&weights) {
+        let residual = weight * (&cell.mean - &means[cell.class]);
+        slope.ger(cell.count, &residual, &residual, 1.0);
+        if cell.count > 1.0 {
+            slope += weight * &cell.scatter * weight;
         }
-        for (count, inverse) in counts.into_iter().zip(&inverses).filter(|(count, _)| *count > 0.0) {
-            slope += weight * inverse * weight * count;
-        }
+        slope += weight * &inverses[cell.class] * weight * cell.count;
     }
     Some(Sums { means, precision, slope })
 }
@@ -285,7 +316,7 @@ pub(crate) fn log_density(
 pub(crate) fn left_out(rows: &[Observed<'_>], found: &Moments) -> Option<Vec<(f64, usize)>> {
     let Moments { means, covariance } = found;
     let (mean, n) = (means.first()?, rows.len() as f64);
-    let precision = sums(rows, &patterns(rows), 1, covariance)?.precision.pop()?;
+    let precision = sums(&cells(rows), 1, covariance)?.precision.pop()?;
     let each = |row: &Observed<'_>| {
         let weight = weight(covariance, row.variance)?;
         let residual = &weight * (row.value - mean);

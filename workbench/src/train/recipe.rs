@@ -90,7 +90,7 @@ impl Recipe {
     }
 
     /// Returns the number of coordinates that only rise with a defect; a projection mixes features, so that none do.
-    pub(super) fn rising(&self, names: &[String]) -> usize {
+    pub(crate) fn rising(&self, names: &[String]) -> usize {
         let catalogue = self.catalogue();
         let all = catalogue.names();
         let rises =
@@ -102,7 +102,7 @@ impl Recipe {
     ///
     /// # Errors
     /// [`Error::Usage`] if a name of [`Recipe::rising`] is none of the features, or a projection mixes them.
-    pub(super) fn rising_last(&self, catalogue: &Catalogue, mut places: Vec<usize>) -> Result<Vec<usize>, Error> {
+    pub(crate) fn rising_last(&self, catalogue: &Catalogue, mut places: Vec<usize>) -> Result<Vec<usize>, Error> {
         let unmixed = matches!(self.projection, ProjectionKind::None);
         if !unmixed && !self.rising.is_empty() {
             return Err(Error::Usage("--rising names features that no projection mixes: use --projection none".into()));

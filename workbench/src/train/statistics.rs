@@ -5,7 +5,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::moments::{Observed, moments, symmetric};
+use super::moments::{Cell, Observed, cells, moments_of, symmetric};
 use super::{AffineMap, FeatureTable};
 use crate::Error;
 
@@ -57,18 +57,53 @@ impl ClassStatistics {
         require_values(table, names)?;
         // Rows without any value, such as those of a defect outside the range of a covariate, tell nothing.
         let rows: Vec<Observed<'_>> = table.observed().into_iter().filter(Observed::has_any).collect();
-        let classes = table.names.len();
-        let pooled = moments(&rows, classes);
+        let count = |class: usize| table.classes.iter().filter(|c| **c == class).count();
+        Ok(Self::estimated(&cells(&rows), (0..table.names.len()).map(count).collect()))
+    }
+
+    /// Computes the moments of rows whose sums are given, of every class.
+    ///
+    /// # Errors
+    /// A feature that fewer than two rows of a class have.
+    pub(crate) fn of_cells(sums: &[Cell], classes: &[String], names: &[String]) -> Result<Self, Error> {
+        let of = |class: usize| sums.iter().filter(move |cell| cell.class == class);
+        let rows = |class: usize| of(class).map(|cell| cell.count).sum::<f64>() as usize;
+        for (class, class_name) in classes.iter().enumerate() {
+            for (feature, name) in names.iter().enumerate() {
+                let with = of(class).filter(|cell| cell.variance[feature].is_finite());
+                let found = with.map(|cell| cell.count).sum::<f64>() as usize;
+                if found < 2 {
+                    let problem =
+                        format!("{found} of the {} segments of class {class_name} have feature {name}", rows(class));
+                    return Err(Error::Training(problem + "; give more, or leave the feature or the class out"));
+                }
+            }
+        }
+        let counts: Vec<usize> = (0..classes.len()).map(rows).collect();
+        let exact = sums.len() == classes.len() && sums.iter().all(|cell| cell.variance.iter().all(|v| *v <= 0.0));
+        if !exact {
+            return Ok(Self::estimated(sums, counts));
+        }
+        let means: Vec<DVector<f64>> = sums.iter().map(|cell| cell.mean.clone()).collect();
+        let covariances = sums.iter().map(|cell| &cell.scatter / (cell.count - 1.0).max(1.0)).collect();
+        let freedom = counts.iter().sum::<usize>().saturating_sub(counts.len()).max(1) as f64;
+        let pooled = sums.iter().map(|cell| &cell.scatter).sum::<DMatrix<f64>>() / freedom;
+        let (total_mean, total) = total(&means, &counts, &pooled);
+        Ok(Self { total_mean, total, means, covariances, counts, pooled })
+    }
+
+    /// Estimates the moments of rows with errors or missing values, `counts` of each class.
+    fn estimated(sums: &[Cell], counts: Vec<usize>) -> Self {
+        let classes = counts.len();
+        let pooled = moments_of(sums, classes);
         let of_class = |class: usize| {
-            let own = rows.iter().filter(|row| row.class == class).map(|row| Observed { class: 0, ..*row });
-            moments(&own.collect::<Vec<_>>(), 1).covariance
+            let own = sums.iter().filter(|cell| cell.class == class).map(|cell| Cell { class: 0, ..cell.clone() });
+            moments_of(&own.collect::<Vec<_>>(), 1).covariance
         };
         let covariances =
             if classes > 1 { (0..classes).map(of_class).collect() } else { vec![pooled.covariance.clone()] };
-        let count = |class: usize| table.classes.iter().filter(|c| **c == class).count();
-        let counts: Vec<usize> = (0..classes).map(count).collect();
         let (total_mean, total) = total(&pooled.means, &counts, &pooled.covariance);
-        Ok(Self { total_mean, total, means: pooled.means, covariances, counts, pooled: pooled.covariance })
+        Self { total_mean, total, means: pooled.means, covariances, counts, pooled: pooled.covariance }
     }
 
     /// Computes the moments of a table without errors and missing values, in which every class has rows.
@@ -103,7 +138,8 @@ impl ClassStatistics {
         if coordinates.is_exact() { Self::new(coordinates) } else { self.map(map) }
     }
 
-    fn map(&self, map: &AffineMap) -> Self {
+    /// Returns the moments of the coordinates by this map.
+    pub(crate) fn map(&self, map: &AffineMap) -> Self {
         let matrix = |covariance: &DMatrix<f64>| symmetric(&(&map.matrix * covariance * map.matrix.transpose()));
         Self {
             total_mean: map.apply(&self.total_mean),

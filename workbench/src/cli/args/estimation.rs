@@ -57,6 +57,11 @@ impl Method {
 }
 
 impl EstimationArgs {
+    /// The length of a segment, if it is given.
+    pub(in crate::cli) const fn segment(&self) -> Option<usize> {
+        self.segment
+    }
+
     /// `healthy` is the index of the healthy class, if there is one.
     pub(in crate::cli) fn estimation(
         &self,

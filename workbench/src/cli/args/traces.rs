@@ -202,16 +202,41 @@ impl Selection {
         self.source.paths().iter().chain(&self.file).cloned().collect()
     }
 
+    /// Returns the class names, and id and class of each trace that meets the common conditions and these further ones.
+    pub(in crate::cli) fn chosen(&self, further: &[Condition]) -> Result<(Vec<String>, Vec<(String, String)>), Error> {
+        let conditions = [&self.conditions, further].concat();
+        let mut chosen = self.labels.select(&conditions)?;
+        let classes = self.labels.classes(&chosen, &self.asked)?;
+        chosen.retain(|(_, name)| classes.contains(name));
+        Ok((classes, chosen))
+    }
+
+    /// Files and folders of the traces.
+    pub(in crate::cli) fn paths(&self) -> &[PathBuf] {
+        self.source.paths()
+    }
+
+    /// The labels.
+    pub(in crate::cli) const fn labels(&self) -> &Labels {
+        &self.labels
+    }
+
     /// Returns the class names and the traces of the rows that meet the common conditions and these further ones.
     pub(in crate::cli) fn rows(&self, further: &[Condition]) -> Result<(Vec<String>, Vec<LabelledTrace>), Error> {
-        let conditions = [&self.conditions, further].concat();
-        let chosen = self.labels.select(&conditions)?;
-        let classes = self.labels.classes(&chosen, &self.asked)?;
-        let wanted: std::collections::HashSet<&str> =
-            chosen.iter().filter(|(_, name)| classes.contains(name)).map(|(id, _)| id.as_str()).collect();
-        let traces = self.source.read_wanted(&self.channels, &|id| wanted.contains(id))?;
-        let traces = self.labels.join(&chosen, &classes, &traces)?;
+        let (classes, chosen) = self.chosen(further)?;
+        let traces = self.read(&classes, &chosen)?;
         Ok((classes, traces))
+    }
+
+    /// Reads these of the chosen traces.
+    pub(in crate::cli) fn read(
+        &self,
+        classes: &[String],
+        chosen: &[(String, String)],
+    ) -> Result<Vec<LabelledTrace>, Error> {
+        let wanted: std::collections::HashSet<&str> = chosen.iter().map(|(id, _)| id.as_str()).collect();
+        let traces = self.source.read_wanted(&self.channels, &|id| wanted.contains(id))?;
+        self.labels.join(chosen, classes, &traces)
     }
 
     /// Returns the cells of a column of the labels, one for each trace.
@@ -319,13 +344,25 @@ pub(in crate::cli) fn warn_refused<'a>(traces: impl Iterator<Item = &'a Trace>) 
 
 /// Warns of traces with an irregular sampling interval.
 pub(in crate::cli) fn warn_irregular<'a>(traces: impl Iterator<Item = &'a Trace> + Clone) {
-    let irregular = traces.clone().filter(|trace| 50 * trace.irregular_steps > trace.y.len());
-    let count = irregular.clone().count();
-    if let Some(first) = irregular.clone().next() {
+    let irregular = traces.clone().filter(|trace| is_irregular(trace));
+    warn_of_irregular(
+        irregular.clone().count(),
+        traces.count(),
+        irregular.clone().next().map(|first| first.id.as_str()),
+    );
+}
+
+/// Whether more than 2 % of the steps are off by a tenth.
+pub(in crate::cli) const fn is_irregular(trace: &Trace) -> bool {
+    50 * trace.irregular_steps > trace.y.len()
+}
+
+/// Warns of so many traces with an irregular sampling interval, if there are any.
+pub(in crate::cli) fn warn_of_irregular(count: usize, all: usize, first: Option<&str>) {
+    if let Some(first) = first {
         output::warn(format!(
-            "{count} of {} traces are sampled irregularly (more than 2 % of the steps off by a tenth), first {}; resample them",
-            traces.count(),
-            first.id
+            "{count} of {all} traces are sampled irregularly (more than 2 % of the steps off by a tenth), first {first}; \
+             resample them"
         ));
     }
 }

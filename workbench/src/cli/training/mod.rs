@@ -7,6 +7,7 @@ pub(super) mod words;
 
 use bearing_watch::model::MAX_BLOCK_MEAN;
 
+use super::args::classifier::Averages;
 use super::args::traces::{Given, Groups, Selection, warn_irregular, warn_refused};
 use super::description;
 use super::evidence::Orders;
@@ -15,7 +16,7 @@ use super::output;
 use crate::Error;
 use crate::evaluate::{self, TraceVerdict};
 use crate::trace::labels::LabelledTrace;
-use crate::trace::{Channels, Preparation};
+use crate::trace::{Channels, Preparation, stem};
 use crate::train::c_header::c_header;
 use crate::train::commissioning_source::commissioning_source;
 use crate::train::front_end_source::front_end_source;
@@ -64,10 +65,9 @@ impl Settings {
         let (shaft_channels, plan) = self.shaft.shaft(&channels.y)?.unzip();
         channels.shaft = shaft_channels;
         let preparation = self.preparation.preparation()?;
-        channels = self.with_averaged_columns(channels, plan.as_ref(), preparation)?;
-        if self.variance.is_nan() || self.variance <= 0.0 || self.variance > 1.0 {
-            return Err(Error::Usage("--variance is a part of the whole: above 0, at most 1".into()));
-        }
+        let averages = Averages { features: &self.classifier.features, covariates: &self.covariates };
+        channels = averages.columns((self.structure.structure(), plan.as_ref()), channels, preparation)?;
+        self.classifier.check()?;
         let selection = self.selection.read(&channels, given)?;
         Ok(Session { settings: self.clone(), selection, channels, plan, preparation })
     }
@@ -82,7 +82,7 @@ impl Session {
         warn_refused(training.iter().map(|t| &t.trace));
         let validation = settings.validation.validation(selection, &training)?;
         let held_out = self.held_out((&classes, &training), &validation.units)?;
-        let park = settings.park(channels)?;
+        let park = settings.park.of(channels)?;
         let recipe = settings.recipe(&classes, plan.clone())?;
         let mut recipe = Recipe { validation, park, columns: channels.clone(), ..recipe };
         recipe.alarms.by_run = !recipe.validation.groups.is_empty();
@@ -96,8 +96,8 @@ impl Session {
         if host != Preparation::NONE {
             output::warn(format!("the detector does not decimate: {}", description[3]));
         }
-        let names = (&trained.feature_names[..], trained.recipe.catalogue().orders.unwrap_or_default());
-        let notes = Notes::new(&channels, host, names, &training, &trained.recipe.validation.units);
+        let ids = training.iter().map(|t| stem(&t.trace.id).to_string()).collect();
+        let notes = Notes::new(&channels, host, &trained, (ids, &trained.recipe.validation.units));
         let bytes = trained.to_bytes(&notes.to_text())?;
         Ok(Training { trained, bytes, channels, training, prepared, description, host, orders, held_out })
     }
@@ -118,15 +118,7 @@ impl Training {
     /// # Errors
     /// A model that the core does not accept, or one that cannot be commissioned.
     pub fn rust_source(&self, commissioning: Option<u32>) -> Result<String, Error> {
-        let (trained, channels) = (&self.trained, &self.channels);
-        let mut source = export::rust_source(trained, &self.description)?;
-        if let Some(front_end) = &channels.front_end {
-            source = format!("{source}\n{}", front_end_source(&trained.to_core()?, channels, front_end)?);
-        }
-        if let Some(segments) = commissioning {
-            source = format!("{source}\n{}", commissioning_source(trained, segments)?);
-        }
-        Ok(source)
+        rust_source(&self.trained, (&self.description, &self.channels), commissioning)
     }
 
     /// The model as a C header.
@@ -145,8 +137,24 @@ impl Training {
     }
 }
 
+/// A model as Rust source, as [`Training::rust_source`].
+pub(super) fn rust_source(
+    trained: &Trained,
+    (description, channels): (&[String], &Channels),
+    commissioning: Option<u32>,
+) -> Result<String, Error> {
+    let mut source = export::rust_source(trained, description)?;
+    if let Some(front_end) = &channels.front_end {
+        source = format!("{source}\n{}", front_end_source(&trained.to_core()?, channels, front_end)?);
+    }
+    if let Some(segments) = commissioning {
+        source = format!("{source}\n{}", commissioning_source(trained, segments)?);
+    }
+    Ok(source)
+}
+
 /// The channels that the model reads: without the reference, and without the velocity if it is taken from the angle.
-fn read_by(trained: &Trained, mut channels: Channels) -> Channels {
+pub(super) fn read_by(trained: &Trained, mut channels: Channels) -> Channels {
     if let (Some(shaft), Some(plan)) = (&mut channels.shaft, &trained.recipe.shaft) {
         shaft.reference = None;
         if plan.velocity == VelocitySource::Angle {

@@ -245,7 +245,7 @@ mod tests {
             slopes: vec![],
             drift: None,
         };
-        let law = DistanceLaw::of_freedom(2, (25.0, 1.03), (180, &[]));
+        let law = DistanceLaw::of_freedom(2, (25.0, 1.03), None);
         let of = |lasting: bool| {
             let means = Means::draw(&Size::of_runs(&spread, 200, lasting), &knots(&law, 100_f64.ln()), BET);
             let all = means.at(CAP).expect("within the knots");

@@ -54,37 +54,32 @@ impl DistanceLaw {
     /// Returns the law (3) of so many training segments; `left_out` are the d² of each from the others.
     #[must_use]
     pub fn of(coordinates: usize, rows: usize, left_out: &[f64]) -> Self {
-        let law = Scaled::gaussian(coordinates, rows);
-        Self::averaged(law, Scaled::gaussian(coordinates, rows - 1), left_out)
+        let tails = TailDensities::new(coordinates, rows - 1).map(|own| own.likelihoods(left_out));
+        Self::of_tails(coordinates, rows, tails)
+    }
+
+    /// Returns the law (3) of so many training segments, of which the likelihoods of the tails are given.
+    pub(crate) fn of_tails(coordinates: usize, rows: usize, tails: Option<Likelihoods>) -> Self {
+        Self::averaged(Scaled::gaussian(coordinates, rows), tails)
     }
 
     /// Returns the law (3) of a covariance with so many degrees of freedom, whose mean adds its error by a factor to
-    /// the variance; `left_out` are the d² of segments from `rows` others, from which the tails follow.
-    pub(super) fn of_freedom(
-        coordinates: usize,
-        (freedom, factor): (f64, f64),
-        (rows, left_out): (usize, &[f64]),
-    ) -> Self {
+    /// the variance, of which the likelihoods of the tails are given.
+    pub(super) fn of_freedom(coordinates: usize, (freedom, factor): (f64, f64), tails: Option<Likelihoods>) -> Self {
         let p = coordinates as f64;
         let degrees = freedom - p + 1.0;
         let law = Scaled { coordinates: p, degrees, scale: p * freedom * factor / degrees };
-        if rows <= coordinates || left_out.is_empty() {
-            return Self { parts: vec![(1.0, law)] };
-        }
-        Self::averaged(law, Scaled::gaussian(coordinates, rows), left_out)
+        Self::averaged(law, tails)
     }
 
-    /// Averages over the heavier forms of a law, by the distances `left_out` and their law `others`.
-    fn averaged(law: Scaled, others: Scaled, left_out: &[f64]) -> Self {
-        if !others.tells_tails() {
-            return Self { parts: vec![(1.0, law)] };
-        }
-        let each = |k: usize| {
+    /// Averages over the heavier forms of a law; without likelihoods there are none.
+    fn averaged(law: Scaled, tails: Option<Likelihoods>) -> Self {
+        let Some(tails) = tails else { return Self { parts: vec![(1.0, law)] } };
+        let each = |(k, likelihood): (usize, f64)| {
             let (weight, before) = tail(k);
-            let likelihood: f64 = left_out.iter().map(|d| others.heavier(weight).ln_density(*d)).sum();
             (before.ln() + likelihood, law.heavier(weight))
         };
-        Self { parts: probabilities((0..=HEAVIER).map(each).collect()) }
+        Self { parts: probabilities(tails.into_iter().enumerate().map(each).collect()) }
     }
 
     /// The probabilities and laws of (3).
@@ -117,6 +112,48 @@ impl DistanceLaw {
             if self.surprise(middle.exp()) < surprise { low = middle } else { high = middle }
         }
         high.exp()
+    }
+}
+
+/// ln of the probability density of the left-out distances for each tail, in the order of [`tail`]: a sum over the
+/// segments. Zeros tell nothing, and leave the prior probabilities.
+pub(crate) type Likelihoods = [f64; HEAVIER + 1];
+
+/// The densities of left-out distances for each tail.
+#[derive(Clone, Debug)]
+pub(crate) struct TailDensities([Density; HEAVIER + 1]);
+
+impl TailDensities {
+    /// Of distances from so many segments; `None` if tails cannot be told apart.
+    pub(crate) fn new(coordinates: usize, rows: usize) -> Option<Self> {
+        let others = Scaled::gaussian(coordinates, rows.max(coordinates));
+        others.tells_tails().then(|| Self(std::array::from_fn(|k| others.heavier(tail(k).0).density())))
+    }
+
+    /// ln of the density of one distance for each tail.
+    pub(crate) fn each(&self, squared: f64) -> Likelihoods {
+        std::array::from_fn(|k| self.0[k].ln(squared))
+    }
+
+    pub(super) fn likelihoods(&self, left_out: &[f64]) -> Likelihoods {
+        std::array::from_fn(|k| left_out.iter().map(|squared| self.0[k].ln(*squared)).sum())
+    }
+}
+
+/// A density of d², its constants computed once.
+#[derive(Clone, Copy, Debug)]
+struct Density {
+    constant: f64,
+    /// Exponents of x and of 1 + px/ν.
+    powers: [f64; 2],
+    /// 1/scale, and p/ν.
+    factors: [f64; 2],
+}
+
+impl Density {
+    fn ln(&self, squared: f64) -> f64 {
+        let x = (squared * self.factors[0]).max(f64::MIN_POSITIVE);
+        self.constant + self.powers[0] * x.ln() - self.powers[1] * (self.factors[1] * x).ln_1p()
     }
 }
 
@@ -166,11 +203,10 @@ impl Scaled {
         beta_reg(v / 2.0, p / 2.0, v / (v + p * squared / self.scale))
     }
 
-    fn ln_density(&self, squared: f64) -> f64 {
+    fn density(&self) -> Density {
         let (p, v) = (self.coordinates, self.degrees);
-        let x = (squared / self.scale).max(f64::MIN_POSITIVE);
-        let powers = 0.5 * p * (p / v).ln() + (0.5 * p - 1.0) * x.ln() - 0.5 * (p + v) * (p * x / v).ln_1p();
-        powers - ln_beta(p / 2.0, v / 2.0) - self.scale.ln()
+        let constant = 0.5 * p * (p / v).ln() - ln_beta(p / 2.0, v / 2.0) - self.scale.ln();
+        Density { constant, powers: [0.5 * p - 1.0, 0.5 * (p + v)], factors: [1.0 / self.scale, p / v] }
     }
 }
 
@@ -209,7 +245,7 @@ mod tests {
         for law in [Scaled::gaussian(3, 20), Scaled::gaussian(3, 20).heavier(0.2)] {
             let (x, h) = (4.0, 1e-4);
             let slope = (law.beyond(x - h) - law.beyond(x + h)) / (2.0 * h);
-            assert!((law.ln_density(x).exp() / slope - 1.0).abs() < 1e-6); // of order h²
+            assert!((law.density().ln(x).exp() / slope - 1.0).abs() < 1e-6); // of order h²
         }
     }
 

@@ -20,6 +20,7 @@ pub mod baseline;
 mod commissioning;
 mod knots;
 pub mod law;
+pub(crate) mod of_sums;
 mod ratios;
 pub mod rising;
 pub mod runs;
@@ -36,6 +37,7 @@ use super::statistics::{ClassStatistics, singular, whitening};
 use super::{FeatureTable, GaussianClasses, Recipe};
 use crate::Error;
 use law::DistanceLaw;
+use ratios::TrainingSet;
 use rising::Rising;
 use runs::RunSpread;
 use score::ScoreLaw;
@@ -163,8 +165,20 @@ pub(crate) fn train(
     recipe: &Recipe,
     densities: &GaussianClasses,
 ) -> Result<Watch, Error> {
-    let alarms = &recipe.alarms;
     let Rows { table, names, .. } = rows;
+    let rows_of_runs = TrainingSet::Rows { table, runs };
+    watch((names, segment_s), recipe, densities, &|alarms| gate(rows, runs, alarms), &rows_of_runs)
+}
+
+/// Returns the gate by `gate`, and the constants of the alarm.
+fn watch(
+    (names, segment_s): (&[String], Option<f64>),
+    recipe: &Recipe,
+    densities: &GaussianClasses,
+    gate: &dyn Fn(&Alarms) -> Result<Result<Gate, String>, Error>,
+    set: &TrainingSet<'_>,
+) -> Result<Watch, Error> {
+    let alarms = &recipe.alarms;
     if alarms.reject_cost.is_nan() || alarms.reject_cost < 0.0 {
         return Err(Error::Usage("--reject-cost is not negative".into()));
     }
@@ -172,15 +186,14 @@ pub(crate) fn train(
         return Ok(Watch::without(None));
     }
     let segments = segments_between(alarms.interval, segment_s)?;
-    let gate = match gate(rows, runs, alarms)? {
+    let gate = match gate(alarms)? {
         Ok(gate) => gate,
         Err(problem) => return Ok(Watch::without(Some(problem + "; none is set"))),
     };
     let usual = gate.runs.as_ref().filter(|_| !alarms.other_drive).map_or(1, |runs| runs.longest as u32);
     let run = (alarms.segments_a_run.unwrap_or(usual), alarms.other_drive);
-    let found = alarm::constants(&gate, table.names.len(), segments, run).map(|evidence| {
-        let defect_log_mean =
-            ratios::log_mean((table, names), recipe, (densities, gate.runs.as_ref(), runs), evidence.cap);
+    let found = alarm::constants(&gate, densities.means.len(), segments, run).map(|evidence| {
+        let defect_log_mean = ratios::log_mean((set, names), recipe, (densities, gate.runs.as_ref()), evidence.cap);
         EvidenceConstants { defect_log_mean, ..evidence }
     });
     let (evidence, refused) = match found {
@@ -204,16 +217,26 @@ fn gate(
     runs: Option<&[usize]>,
     alarms: &Alarms,
 ) -> Result<Result<Gate, String>, Error> {
+    let class = alarms.healthy.ok_or_else(|| Error::Training("no healthy class".into()))?;
+    let healthy = Healthy { fitted, ..Healthy::of(table, class, runs) };
+    let scarcity = healthy.scarcity(names, alarms.false_alarm);
+    checked(alarms, scarcity, || healthy.gate(class, (names, rising), alarms.false_alarm))
+}
+
+/// Returns the gate if rate and segments allow it.
+fn checked(
+    alarms: &Alarms,
+    scarcity: Option<String>,
+    gate: impl FnOnce() -> Result<Gate, Error>,
+) -> Result<Result<Gate, String>, Error> {
     let rate = alarms.false_alarm;
     if !(1e-9..=0.5).contains(&rate) {
         return Err(Error::Usage(format!("--false-alarm {rate}: give a rate from 1e-9 to 0.5 a segment")));
     }
-    let class = alarms.healthy.ok_or_else(|| Error::Training("no healthy class".into()))?;
-    let healthy = Healthy { fitted, ..Healthy::of(table, class, runs) };
-    match healthy.scarcity(names, rate) {
+    match scarcity {
         Some(problem) if alarms.required => Err(Error::Training(problem)),
         Some(problem) => Ok(Err(problem)),
-        None => healthy.gate(class, (names, rising), rate).map(Ok),
+        None => gate().map(Ok),
     }
 }
 
@@ -286,6 +309,33 @@ pub fn gate_of_rising(table: &FeatureTable, runs: Option<&[usize]>, rising: usiz
     required_gate(rows, runs, &Alarms { healthy: Some(0), false_alarm: rate, ..Alarms::default() })
 }
 
+/// What must suffice for the rate of a gate.
+enum Counted {
+    Runs(usize),
+    /// Rows that have the coordinate which is missing most often, and this coordinate.
+    Rows((usize, Option<usize>)),
+}
+
+/// Says why there are too few segments or runs for a gate at this rate.
+fn scarcity(counted: Counted, fitted: usize, names: &[String], rate: f64) -> Option<String> {
+    let (rows, scarce) = match counted {
+        Counted::Runs(count) => {
+            let count = count.saturating_sub(fitted);
+            return (count < runs::fewest(names.len(), rate)).then(|| runs::refusal(names.len(), count, rate));
+        }
+        Counted::Rows(own) => own,
+    };
+    let least = fewest(names.len(), rate);
+    let with = scarce.map_or_else(String::new, |k| format!(" with {}", names[k]));
+    (rows.saturating_sub(fitted) < least).then(|| {
+        format!(
+            "{rows} healthy segments{with} are too few for a novelty gate of {} coordinates at a false-alarm rate of \
+             {rate}; give at least {least}, shorter segments, fewer features, or a higher rate",
+            names.len()
+        )
+    })
+}
+
 /// The healthy rows of a table, and their runs if these count.
 struct Healthy {
     table: FeatureTable,
@@ -311,20 +361,11 @@ impl Healthy {
 
     /// Says why there are too few segments or runs for a gate at this rate.
     fn scarcity(&self, names: &[String], rate: f64) -> Option<String> {
-        if let Some((_, count)) = &self.runs {
-            let count = &count.saturating_sub(self.fitted);
-            return (*count < runs::fewest(names.len(), rate)).then(|| runs::refusal(names.len(), *count, rate));
-        }
-        let least = fewest(names.len(), rate);
-        let (rows, scarce) = rows_of(&self.table, 0);
-        let with = scarce.map_or_else(String::new, |k| format!(" with {}", names[k]));
-        (rows.saturating_sub(self.fitted) < least).then(|| {
-            format!(
-                "{rows} healthy segments{with} are too few for a novelty gate of {} coordinates at a false-alarm rate \
-                 of {rate}; give at least {least}, shorter segments, fewer features, or a higher rate",
-                names.len()
-            )
-        })
+        let counted = match &self.runs {
+            Some((_, count)) => Counted::Runs(*count),
+            None => Counted::Rows(rows_of(&self.table, 0)),
+        };
+        scarcity(counted, self.fitted, names, rate)
     }
 
     /// Factor of a covariance of so many rows or runs whose coefficients took degrees of freedom.

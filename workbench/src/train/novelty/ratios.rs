@@ -4,12 +4,16 @@
 //! E_k = ∫ min(p̂(z|k)/p̂(z|h), e^cap) p(z|h) dz                            (1)  h: healthy
 //!     ≈ Σ min(p̂(z|k)/p̂(z|h), e^cap) p(z|h)/q(z) / M,   z ~ q             (2)  q: p(z|h), its double width, each p(z|k)
 //! rows of run i, class c:  z = μ_c + Σ_c^½ (√λ b_i + √(1−λ) e)           (3)  b, e ~ N(0, I)
+//! mean ~ N(μ_c, (λ/k + (1−λ)/N) Σ_c),   scatter ~ Σ_c^½ [(λ N/k + 1 − λ) W(k−1) + (1 − λ) W(N−k)] Σ_c^½   (4)
 //! ```
 //!
 //! With the true densities p, (1) is at most 1. The estimated ones p̂ are from finite training sets: the trained means
 //! and covariances stand for the true ones (a parametric bootstrap), training sets of as many rows in as many runs are
 //! drawn by (3), and the discriminant is trained on each. ln μ is the 95 % quantile of the largest ln E_k, not below 0.
 //! q covers both densities, so that the weights of (2) are at most K + 1.
+//!
+//! Of sums ([`super::of_sums`]), means and scatters are drawn by (4), which is (3) for k runs of N/k rows each, W a
+//! Wishart matrix of I; runs of different classes then have no offset in common.
 //!
 //! This covers the errors of means and covariances of all classes, runs with an offset in common, and, for a model of
 //! other drives, the offset of the drive at hand. It does not cover features that are not normally distributed, errors
@@ -23,6 +27,7 @@ use rayon::prelude::*;
 
 use super::baseline::COVERED;
 use super::runs::RunSpread;
+use super::spread::wishart;
 use crate::train::discriminant::{log_density, of_statistics, shrunk};
 use crate::train::statistics::whitening;
 use crate::train::{ClassStatistics, FeatureTable, GaussianClasses, Recipe, Shrink};
@@ -39,16 +44,16 @@ const SEED: u64 = 0x0dd5;
 /// Returns ln μ of the defects for a cap: at most the cap, which leaves them no evidence, if training sets of this size
 /// have no densities.
 pub(super) fn log_mean(
-    (table, names): (&FeatureTable, &[String]),
+    (size, names): (&TrainingSet<'_>, &[String]),
     recipe: &Recipe,
-    (densities, spread, runs): (&GaussianClasses, Option<&RunSpread>, Option<&[usize]>),
+    (densities, spread): (&GaussianClasses, Option<&RunSpread>),
     cap: f32,
 ) -> f32 {
-    let Some(healthy) = recipe.alarms.healthy.filter(|_| table.names.len() > 1) else { return 0.0 };
-    let truth: Option<Vec<Normal>> =
-        (0..table.names.len()).map(|k| Normal::of(densities, healthy, (k, recipe))).collect();
+    let classes = densities.means.len();
+    let Some(healthy) = recipe.alarms.healthy.filter(|_| classes > 1) else { return 0.0 };
+    let truth: Option<Vec<Normal>> = (0..classes).map(|k| Normal::of(densities, healthy, (k, recipe))).collect();
     let Some(truth) = truth else { return cap };
-    let set = Set { table, names, recipe, healthy, runs, share: spread.map_or(0.0, |spread| spread.between), truth };
+    let set = Set { size, names, recipe, healthy, share: spread.map_or(0.0, |spread| spread.between), truth };
     let mean = |draw: u64| {
         let mut random = ChaCha8Rng::seed_from_u64(SEED);
         random.set_stream(draw);
@@ -98,13 +103,21 @@ impl Normal {
     }
 }
 
+/// The size of the training set.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum TrainingSet<'a> {
+    /// Rows with their classes, and the run of each if the runs count.
+    Rows { table: &'a FeatureTable, runs: Option<&'a [usize]> },
+    /// Numbers of rows and of runs of each class.
+    Counts(&'a [[usize; 2]]),
+}
+
 /// The training set and what stands for the truth.
 struct Set<'a> {
-    table: &'a FeatureTable,
+    size: &'a TrainingSet<'a>,
     names: &'a [String],
     recipe: &'a Recipe,
     healthy: usize,
-    runs: Option<&'a [usize]>,
     /// λ, the part of the variance between runs.
     share: f64,
     truth: Vec<Normal>,
@@ -141,22 +154,50 @@ impl Set<'_> {
 
     /// Returns the densities of one training set (3).
     fn estimate(&self, random: &mut ChaCha8Rng) -> Option<GaussianClasses> {
-        let own: Vec<usize> = (0..self.table.rows.len()).collect();
-        let runs = self.runs.unwrap_or(&own);
+        let statistics = match self.size {
+            TrainingSet::Rows { table, runs } => ClassStatistics::new(&self.rows(table, *runs, random)),
+            TrainingSet::Counts(sizes) => self.statistics(sizes, random),
+        };
+        // The names are those of errors, which are not told.
+        let classes = vec![String::new(); self.truth.len()];
+        let trained = match self.recipe.shrink {
+            Shrink::To(shrinkage) => shrunk(&statistics, self.names, self.recipe, shrinkage),
+            Shrink::Not | Shrink::Chosen => of_statistics(&statistics, (&classes, self.names), self.recipe),
+        };
+        trained.ok()
+    }
+
+    fn rows(&self, table: &FeatureTable, runs: Option<&[usize]>, random: &mut ChaCha8Rng) -> FeatureTable {
+        let own: Vec<usize> = (0..table.rows.len()).collect();
+        let runs = runs.unwrap_or(&own);
         let offsets: Vec<DVector<f64>> =
             (0..=runs.iter().copied().max().unwrap_or(0)).map(|_| self.standard(random)).collect();
         let row = |(class, run): (&usize, &usize)| {
             let within = self.standard(random);
             self.truth[*class].at(&(&offsets[*run] * self.share.sqrt() + within * (1.0 - self.share).sqrt()))
         };
-        let rows = self.table.classes.iter().zip(runs).map(row).collect();
-        let table = FeatureTable::exact(rows, self.table.classes.clone(), self.table.names.clone());
-        let statistics = ClassStatistics::new(&table);
-        let trained = match self.recipe.shrink {
-            Shrink::To(shrinkage) => shrunk(&statistics, self.names, self.recipe, shrinkage),
-            Shrink::Not | Shrink::Chosen => of_statistics(&statistics, (&table.names, self.names), self.recipe),
-        };
-        trained.ok()
+        let rows = table.classes.iter().zip(runs).map(row).collect();
+        FeatureTable::exact(rows, table.classes.clone(), table.names.clone())
+    }
+
+    /// Means and covariances of rows (3), drawn as such (4): no row is drawn.
+    fn statistics(&self, sizes: &[[usize; 2]], random: &mut ChaCha8Rng) -> ClassStatistics {
+        let p = self.names.len();
+        let (mut means, mut covariances, mut pooled) = (vec![], vec![], DMatrix::zeros(p, p));
+        for (truth, &[rows, runs]) in self.truth.iter().zip(sizes) {
+            let (n, k) = (rows as f64, runs as f64);
+            let of_mean = self.share / k + (1.0 - self.share) / n;
+            means.push(truth.at(&(self.standard(random) * of_mean.sqrt())));
+            let mut scatter = wishart(p, runs - 1, random) * (self.share * n / k + 1.0 - self.share);
+            scatter += wishart(p, rows - runs, random) * (1.0 - self.share);
+            let scatter = &truth.root * scatter * truth.root.transpose();
+            pooled += &scatter;
+            covariances.push(scatter / (n - 1.0).max(1.0));
+        }
+        let counts: Vec<usize> = sizes.iter().map(|[rows, _]| *rows).collect();
+        pooled /= counts.iter().sum::<usize>().saturating_sub(counts.len()).max(1) as f64;
+        // The densities do not use the moments of all rows.
+        ClassStatistics { total_mean: DVector::zeros(p), total: pooled.clone(), means, covariances, counts, pooled }
     }
 
     fn standard(&self, random: &mut ChaCha8Rng) -> DVector<f64> {
@@ -198,7 +239,8 @@ mod tests {
             slopes: vec![],
             drift: None,
         });
-        log_mean((&table, &names), &recipe, (&densities, spread.as_ref(), Some(&groups)), CAP)
+        let set = TrainingSet::Rows { table: &table, runs: Some(&groups) };
+        log_mean((&set, &names), &recipe, (&densities, spread.as_ref()), CAP)
     }
 
     #[test]

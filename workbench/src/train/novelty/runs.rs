@@ -43,7 +43,7 @@
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 
-use super::law::{DistanceLaw, equivalent};
+use super::law::{DistanceLaw, Likelihoods, TailDensities, equivalent};
 use crate::train::FeatureTable;
 use crate::train::moments::{self, Moments, Observed};
 use crate::train::statistics::whitening;
@@ -132,6 +132,31 @@ pub(super) fn complete(table: &FeatureTable, runs: &[usize]) -> (Vec<usize>, Vec
     (rows, numbers, order.len())
 }
 
+/// What (1) to (4) need of the runs.
+#[derive(Clone, Debug)]
+pub(crate) struct RunMoments {
+    /// k and N.
+    pub(crate) count: usize,
+    pub(crate) rows: usize,
+    /// Segments of the longest run.
+    pub(crate) longest: usize,
+    /// h.
+    pub(crate) inverse_size: f64,
+    /// m, B and W.
+    pub(crate) mean: DVector<f64>,
+    pub(crate) between: DMatrix<f64>,
+    pub(crate) within: DMatrix<f64>,
+}
+
+impl RunMoments {
+    /// The moments of z = W (f − m).
+    pub(crate) fn map(&self, matrix: &DMatrix<f64>, centre: &DVector<f64>) -> Self {
+        let covariance = |own: &DMatrix<f64>| moments::symmetric(&(matrix * own * matrix.transpose()));
+        let (between, within) = (covariance(&self.between), covariance(&self.within));
+        Self { mean: matrix * (&self.mean - centre), between, within, ..*self }
+    }
+}
+
 /// Computes (1) to (5) for healthy rows of runs numbered from 0 to `count` − 1, more rows than runs.
 ///
 /// # Errors
@@ -140,24 +165,41 @@ pub(super) fn next_run(table: &FeatureTable, runs: &[usize], count: usize) -> Re
     let of_runs = table.observed().into_iter().zip(runs).map(|(row, &class)| Observed { class, ..row });
     let observed: Vec<Observed<'_>> = of_runs.collect();
     let Moments { means, covariance: within } = moments::moments(&observed, count);
-    let (p, k) = (within.nrows(), count as f64);
+    let k = count as f64;
     let mean = means.iter().sum::<DVector<f64>>() / k;
     let between = means.iter().map(|own| (own - &mean) * (own - &mean).transpose()).sum::<DMatrix<f64>>() / (k - 1.0);
     let sizes: Vec<usize> = (0..count).map(|run| runs.iter().filter(|r| **r == run).count()).collect();
-    let h = sizes.iter().map(|&n| 1.0 / n as f64).sum::<f64>() / k;
-    let covariance = &between + &within * (1.0 - h); // (1)
+    let inverse_size = sizes.iter().map(|&n| 1.0 / n as f64).sum::<f64>() / k;
+    let longest = sizes.iter().copied().max().unwrap_or(1);
+    let tails = within_distances(table, &means, (runs, &sizes), &within).unwrap_or_default();
+    let densities = TailDensities::new(within.nrows(), table.rows.len() - count).filter(|_| !tails.is_empty());
+    let tails = densities.map(|densities| densities.likelihoods(&tails));
+    let rows = table.rows.len();
+    of_moments(RunMoments { count, rows, longest, inverse_size, mean, between, within }, tails, trend(&means))
+}
+
+/// Computes (1) to (5) from the moments of runs, the likelihoods of the tails, and the trend.
+///
+/// # Errors
+/// As [`next_run`].
+pub(super) fn of_moments(
+    moments: RunMoments,
+    tails: Option<Likelihoods>,
+    (slopes, trend): (Vec<Slope>, Option<Shift>),
+) -> Result<NextRun, usize> {
+    let RunMoments { count, rows, longest, inverse_size, mean, between, within } = moments;
+    let (p, k) = (within.nrows(), count as f64);
+    let covariance = &between + &within * (1.0 - inverse_size); // (1)
     let (root, _) = whitening(&covariance)?;
     let shares = (&root * &between * root.transpose()).symmetric_eigenvalues();
-    let larger = larger(count, table.rows.len());
+    let larger = larger(count, rows);
     let shares = shares.map(|e| {
         let odds = larger * e.clamp(0.0, 1.0);
         odds / (1.0 - e.clamp(0.0, 1.0) + odds) // (2)
     });
-    let freedom = freedom(&shares, count, table.rows.len());
+    let freedom = freedom(&shares, count, rows);
     let part = shares.mean();
-    let tails = within_distances(table, &means, (runs, &sizes), &within).unwrap_or_default();
-    let law = DistanceLaw::of_freedom(p, (freedom, 1.0 + part / k), (table.rows.len() - count, &tails)); // (4)
-    let (slopes, trend) = trend(&means);
+    let law = DistanceLaw::of_freedom(p, (freedom, 1.0 + part / k), tails); // (4)
     let deviation = |k: usize| covariance[(k, k)].sqrt();
     let relative =
         |(k, slope): (usize, &Slope)| Slope { value: slope.value / deviation(k), error: slope.error / deviation(k) };
@@ -167,8 +209,7 @@ pub(super) fn next_run(table: &FeatureTable, runs: &[usize], count: usize) -> Re
         Drift { coordinates: coordinates.clone(), distance }
     });
     let covariance = trend.map_or(covariance.clone(), |(_, shift)| covariance + &shift * shift.transpose()); // (5)
-    let longest = sizes.iter().copied().max().unwrap_or(1);
-    let spread = RunSpread { count, between: part, shares, inverse_size: h, longest, freedom, slopes, drift };
+    let spread = RunSpread { count, between: part, shares, inverse_size, longest, freedom, slopes, drift };
     Ok(NextRun { mean, covariance, law, spread })
 }
 
@@ -210,7 +251,7 @@ fn within_distances(
 }
 
 /// Coordinates with a significant trend, and δ of (5).
-type Shift = (Vec<usize>, DVector<f64>);
+pub(super) type Shift = (Vec<usize>, DVector<f64>);
 
 /// Returns the trend of the run means in each coordinate, and, if any is significant, these coordinates and the expected
 /// shift δ of the next run from the mean of all (5).

@@ -57,6 +57,11 @@ impl ScoreLaw {
     /// standard deviations.
     #[must_use]
     pub fn of(rows: usize, left_out: &[f64]) -> Self {
+        Self::of_counts(rows, &left_out.iter().map(|y| (*y, 1.0)).collect::<Vec<_>>())
+    }
+
+    /// As [`ScoreLaw::of`], of scores with the number of times that each came.
+    pub(crate) fn of_counts(rows: usize, left_out: &[(f64, f64)]) -> Self {
         let (law, others) = (Scaled::gaussian(1, rows), Scaled::gaussian(1, rows - 1));
         if !others.tells_tails() {
             return Self { parts: vec![(1.0, Skewed::new(law, 1.0))] };
@@ -67,7 +72,7 @@ impl ScoreLaw {
             let skewness = (MOST_SKEWED * f64::from(skew) / f64::from(SKEWED)).exp();
             let of_skewness = if skew == 0 { SYMMETRIC } else { (1.0 - SYMMETRIC) / f64::from(2 * SKEWED) };
             let observed = Skewed::new(others.heavier(weight), skewness);
-            let likelihood: f64 = left_out.iter().map(|y| observed.ln_density(*y)).sum();
+            let likelihood: f64 = left_out.iter().map(|(y, count)| count * observed.ln_density(*y)).sum();
             ((of_tail * of_skewness).ln() + likelihood, Skewed::new(law.heavier(weight), skewness))
         };
         Self { parts: probabilities(all.map(each).collect()) }
