@@ -38,7 +38,8 @@ const FILES: usize = 16;
 The first part takes the constants of the detector (scales, lags, filters, nominal model) from its traces and has them \
 as the plan in its metadata; further parts, on any machine, take the plan of the first one by --plan. All features of \
 the detector are computed, by the core as in firmware. Traces are read and written in turn: memory does not grow with \
-their number. Parts are read back in constant memory if their units ascend: name the files, or give them, by unit.")]
+their number. Rows are written by unit if each file is one trace; a table of several traces should have its rows by unit, \
+so that parts are read back in constant memory.")]
 pub(super) struct Args {
     #[command(flatten)]
     selection: SelectionArgs,
@@ -256,7 +257,12 @@ fn write<W: std::io::Write + Send>(
 ) -> Result<Met, Error> {
     let (estimator, catalogue) = (plan.estimator()?, plan.catalogue());
     let wanted = |id: &str| labels.of.contains_key(id);
-    let files = trace::files_with_traces(selection.paths(), channels, Some(&wanted))?;
+    let mut files = trace::files_with_traces(selection.paths(), channels, Some(&wanted))?;
+    // Files of one trace each, in the order of their units.
+    files.sort_by_cached_key(|file| {
+        let own = labels.of.get(stem(&file.file_name().unwrap_or_default().to_string_lossy()));
+        own.map(|([_, unit, run], _)| (unit.clone(), run.clone()))
+    });
     let bar = output::progress("features", files.len());
     let mut met = Met::default();
     for some in files.chunks(FILES) {

@@ -212,7 +212,8 @@ impl Fit {
         let [recorded_s, interval_s] = self.plan.intervals_s();
         let segment = self.plan.segment_samples();
         let segment_s = (interval_s > 0.0).then_some(segment as f64 * interval_s);
-        let tails = tails.map_or_else(of_sums::Tails::default, |tails| tails.found(self));
+        let unknown = Tails::new(self);
+        let tails = tails.unwrap_or(&unknown).found(self);
         let watch = of_sums::train(
             (self.healthy.as_ref(), &tails),
             (&self.coordinate_names, self.rising),

@@ -19,6 +19,8 @@ mod plan;
 mod simulate;
 mod sums;
 mod tails;
+#[cfg(test)]
+mod tests;
 
 pub use fingerprint::fingerprint;
 pub use fit::{Choice, Fit, Independent, classes};

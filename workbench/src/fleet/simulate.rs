@@ -25,7 +25,7 @@ use crate::train::statistics::ClassStatistics;
 use crate::train::{self, FeatureTable, Recipe};
 
 /// Traces of each class from which (1) is.
-const TRACES: u32 = 20;
+const TRACES: u32 = 12;
 /// Of ten drives, one is of each defect.
 const TENTHS: u64 = 10;
 const SHARES: [f64; 3] = [0.3, 0.2, 0.5];
@@ -33,7 +33,7 @@ const SHARES: [f64; 3] = [0.3, 0.2, 0.5];
 /// The fleet to simulate.
 #[derive(Clone, Debug)]
 pub struct Fleet {
-    plan: Plan,
+    pub(super) plan: Plan,
     classes: Vec<String>,
     means: Vec<DVector<f64>>,
     root: nalgebra::DMatrix<f64>,
@@ -99,7 +99,7 @@ impl Fleet {
     }
 
     /// The rows of one drive.
-    fn drive(&self, drive: u64) -> impl Iterator<Item = Row> {
+    pub(super) fn drive(&self, drive: u64) -> impl Iterator<Item = Row> {
         let mut random = ChaCha8Rng::seed_from_u64(self.seed);
         random.set_stream(drive);
         let mut normal =

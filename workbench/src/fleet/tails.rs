@@ -85,7 +85,8 @@ impl Tails {
         }
     }
 
-    fn new(fit: &Fit) -> Self {
+    /// No distance yet.
+    pub(super) fn new(fit: &Fit) -> Self {
         Self { of_runs: vec![Sum::default(); fit.rising], scores: vec![BTreeMap::new(); fit.rising], ..Self::default() }
     }
 }

@@ -8,6 +8,7 @@ mod common;
 mod covariate_commands;
 mod drive_file_commands;
 mod evaluate_commands;
+mod features_commands;
 mod field_command;
 mod format_commands;
 mod front_end_commands;
