@@ -63,9 +63,12 @@ fn slices(parts: &[Part]) -> (Vec<Slice>, bool) {
     };
     let mut starts: Vec<(&str, u64)> = bounds.iter().map(|(rows, [from, _])| (from.as_str(), *rows)).collect();
     starts.sort_unstable();
+    // Where a part begins, a slice does: the units of parts that follow each other are then complete at their end.
+    let first = |part: usize| all.iter().position(|(own, _)| *own == part).map(|place| bounds[place].1[0].as_str());
+    let begins: Vec<&str> = (0..parts.len()).filter_map(first).collect();
     let (mut cuts, mut rows) = (vec![], 0);
     for (from, more) in starts {
-        if rows >= SLICE && cuts.last().is_none_or(|last| *last != from) {
+        if (rows >= SLICE || begins.contains(&from)) && cuts.last().is_none_or(|last| *last != from) {
             (cuts, rows) = ([&cuts[..], &[from]].concat(), 0);
         }
         rows += more;
@@ -231,7 +234,10 @@ impl Visitor for Summing {
         }
         let (name, mut unit) = (std::mem::take(&mut self.name), std::mem::take(&mut self.unit));
         if self.parked.is_empty() {
-            self.close(&name, &mut unit)?;
+            // The first unit of a slice has none before it.
+            if !unit.is_empty() {
+                self.close(&name, &mut unit)?;
+            }
             self.unit = unit;
             return Ok(());
         }

@@ -219,7 +219,8 @@ impl Sums {
         remember: bool,
     ) -> Result<(), Error> {
         let all = self.all();
-        let mut runs = unit.iter().peekable();
+        // Of a run whose segments all lack a feature there is no row.
+        let mut runs = unit.iter().filter(|(_, own)| own.count > 0).peekable();
         while let Some(((class, _), first)) = runs.next() {
             let mut closed = first.close();
             let own = self.class(class);
