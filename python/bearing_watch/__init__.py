@@ -7,6 +7,7 @@ The functions run the Rust library of bearing-watch on arrays and tables:
   last byte;
 * :class:`Detector`: the detector of the firmware, in single precision with the same bits;
 * :func:`simulate`: recordings of the simulated rigs;
+* :mod:`bearing_watch.fleet`: features as tables, their sums and the model of a fleet, also on a cluster of Dask;
 * :mod:`bearing_watch.sklearn`: the classifier and the novelty gate on matrices of features, as estimators of
   scikit-learn.
 """

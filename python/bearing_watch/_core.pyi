@@ -19,6 +19,7 @@ __all__ = [
     "RowClassifier",
     "RowGate",
     "arrow_stream",
+    "fleet",
     "identify",
     "simulate",
     "structure",
@@ -29,6 +30,7 @@ __all__ = [
 class BearingWatchError(ValueError): ...
 
 def arrow_stream(columns: dict[str, Any]) -> object: ...
+def fleet(step: str, drive: Optional[_Path], options: dict[str, Any]) -> tuple[str, list[str]]: ...
 def identify(
     name: str,
     signals: _Table,

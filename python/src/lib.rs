@@ -7,6 +7,7 @@
 //! signals     identify, structure, validate
 //! model       train, Model, evaluate, simulate
 //! detector    Detector: the core on whole traces and on pieces
+//! fleet       features, sums and models, from files to files
 //! learning    classifier and novelty gate on matrices of features
 //! ```
 //!
@@ -15,6 +16,7 @@
 mod arrow;
 mod detector;
 mod errors;
+mod fleet;
 mod learning;
 mod model;
 mod options;
@@ -31,6 +33,8 @@ mod _core {
     use super::detector::Detector;
     #[pymodule_export]
     use super::errors::BearingWatchError;
+    #[pymodule_export]
+    use super::fleet::fleet;
     #[pymodule_export]
     use super::learning::{RowClassifier, RowGate};
     #[pymodule_export]

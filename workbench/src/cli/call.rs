@@ -100,6 +100,29 @@ pub fn simulate(call: Call) -> Result<Vec<(Recorded, &'static str)>, Error> {
     choice.tables()
 }
 
+/// A step of the training of a fleet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FleetStep {
+    /// `features`: the features of traces as a part.
+    Features,
+    /// `features-sum`: the sums of parts and of sums.
+    Sum,
+    /// `train-features`: the model of parts or sums.
+    Train,
+}
+
+/// Runs a step of the training of a fleet from files to files, and returns the warnings too.
+///
+/// # Errors
+/// The errors of the command.
+pub fn fleet(step: FleetStep, call: Call) -> (Result<Report, Error>, Vec<String>) {
+    output::with_warnings(|| match step {
+        FleetStep::Features => super::features::made(&call.parsed("features")?.0),
+        FleetStep::Sum => super::features_sum::made(&call.parsed("features-sum")?.0),
+        FleetStep::Train => super::train_features::made(&call.parsed("train-features")?.0),
+    })
+}
+
 /// A model file, read.
 #[derive(Debug)]
 pub struct ModelFile {

@@ -16,6 +16,7 @@ use super::args::traces::{
     ChannelArgs, Given, GroupArgs, PreparationArgs, Selection, SelectionArgs, StructureArgs, is_irregular,
     warn_of_irregular,
 };
+use super::call::Report;
 use super::output;
 use crate::Error;
 use crate::core::Embedded;
@@ -85,6 +86,11 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
+    output::report(made(args)?, args.json)
+}
+
+/// Writes the part, and returns what there is to say.
+pub(super) fn made(args: &Args) -> Result<Report, Error> {
     let start = Instant::now();
     args.channels.require(args.structure.structure())?;
     let mut channels = args.channels.channels()?;
@@ -122,16 +128,15 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     if !sorted {
         output::warn("units do not ascend: training keeps the sums of all of this part's units in memory");
     }
-    if args.json {
-        return output::json(&json!({
-            "part": args.out, "rows": rows, "traces": chosen.len(), "features": plan.features,
-            "without_features": found.empty, "units_ascend": sorted, "seconds": start.elapsed().as_secs_f64(),
-        }));
-    }
+    let json = json!({
+        "part": args.out, "rows": rows, "traces": chosen.len(), "features": plan.features,
+        "without_features": found.empty, "units_ascend": sorted, "seconds": start.elapsed().as_secs_f64(),
+    });
     let all = plan.features.len();
-    output::say(format!("{rows} segments of {} traces with {all} features in {}", chosen.len(), args.out.display()))?;
+    let said = format!("{rows} segments of {} traces with {all} features in {}", chosen.len(), args.out.display());
     let without = format!("{} segments have none: {}", found.empty, found.reason.unwrap_or_default());
-    if found.empty > 0 { output::say(without) } else { Ok(()) }
+    let lines = [Some(said), (found.empty > 0).then_some(without)];
+    Ok(Report { lines: lines.into_iter().flatten().collect(), json })
 }
 
 impl Args {

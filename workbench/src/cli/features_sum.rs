@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use serde_json::json;
 
+use super::call::Report;
 use super::output;
 use super::train_features::{Inputs, peak_memory_mb};
 use crate::Error;
@@ -44,6 +45,11 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
+    output::report(made(args)?, args.json)
+}
+
+/// Writes the sums, and returns what there is to say.
+pub(super) fn made(args: &Args) -> Result<Report, Error> {
     let start = Instant::now();
     output::plan(&[&args.out], &args.parts)?;
     let inputs = Inputs::open(&args.parts)?;
@@ -60,19 +66,18 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let bytes = sums.to_bytes()?;
     output::write(&args.out, &bytes)?;
     let [open, closed] = sums.units();
-    if args.json {
-        return output::json(&json!({
-            "sums": args.out, "rows": sums.rows, "features": sums.features, "bytes": bytes.len(),
-            "open_units": open, "complete_units": closed, "classes": sums.names().collect::<Vec<_>>(),
-            "seconds": start.elapsed().as_secs_f64(), "peak_memory_mb": peak_memory_mb(),
-        }));
-    }
-    output::say(format!(
+    let json = json!({
+        "sums": args.out, "rows": sums.rows, "features": sums.features, "bytes": bytes.len(),
+        "open_units": open, "complete_units": closed, "classes": sums.names().collect::<Vec<_>>(),
+        "seconds": start.elapsed().as_secs_f64(), "peak_memory_mb": peak_memory_mb(),
+    });
+    let said = format!(
         "sums of {} segments of {} drives ({open} open), features {}; {} bytes in {}",
         sums.rows,
         open + closed,
         sums.features.join(", "),
         bytes.len(),
         args.out.display()
-    ))
+    );
+    Ok(Report { lines: vec![said], json })
 }

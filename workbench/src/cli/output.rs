@@ -102,6 +102,11 @@ pub(super) fn with_warnings<T>(work: impl FnOnce() -> T) -> (T, Vec<String>) {
     (result, COLLECTED.replace(before).unwrap_or_default())
 }
 
+/// Prints a report, as JSON or as lines.
+pub(super) fn report(report: super::call::Report, as_json: bool) -> Result<(), Error> {
+    if as_json { json(&report.json) } else { report.lines.iter().try_for_each(say) }
+}
+
 /// Returns the rows as CSV, quoted if needed.
 pub(super) fn csv(rows: &[Vec<String>]) -> Result<String, Error> {
     let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());

@@ -9,6 +9,7 @@ use super::args::alarms::AlarmArgs;
 use super::args::classifier::ClassifierArgs;
 use super::args::exports::ExportArgs;
 use super::args::traces::GroupArgs;
+use super::call::Report;
 use super::description::{self, estimated_by, method_word};
 use super::model_file::Notes;
 use super::{output, training};
@@ -133,6 +134,11 @@ fn fold(parts: &[Part], wanted: &Wanted, units: Units) -> Result<Sums, Error> {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
+    output::report(made(args)?, args.json)
+}
+
+/// Writes the model, and returns what there is to say.
+pub(super) fn made(args: &Args) -> Result<Report, Error> {
     let start = Instant::now();
     output::plan(&args.exports.files().collect::<Vec<_>>(), &args.parts)?;
     let inputs = Inputs::open(&args.parts)?;
@@ -176,7 +182,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         output::warn(format!("the detector does not decimate: {}", description[3]));
     }
     let told = Told { sums: &sums, seconds: [first_s, start.elapsed().as_secs_f64()], tails: tails.is_some() };
-    args.print(&trained, exported.model.len(), &told)
+    args.report(&trained, exported.model.len(), &told)
 }
 
 /// The left-out distances, if the order of the rows allows it.
@@ -219,49 +225,46 @@ impl Args {
         })
     }
 
-    fn print(&self, trained: &Trained, bytes: usize, told: &Told<'_>) -> Result<(), Error> {
+    fn report(&self, trained: &Trained, bytes: usize, told: &Told<'_>) -> Result<Report, Error> {
         let Told { sums, seconds: [first, all], tails } = told;
         let (print, peak) = (fingerprint(trained)?, peak_memory_mb());
         let rotor = description::rotor_warnings(trained);
         trained.left_out.summary().iter().chain(&trained.watch.warning).chain(&rotor).for_each(output::warn);
         let counts = &trained.statistics.counts;
-        if self.json {
-            return output::json(&json!({
-                "model": self.exports.model,
-                "bytes": bytes,
-                "fingerprint": print,
-                "classes": trained.classes,
-                "segments": counts,
-                "rows": sums.rows,
-                "left_out": trained.left_out.count,
-                "features": trained.feature_names,
-                "method": method_word(trained.recipe.estimation.method),
-                "segment_samples": trained.segment_samples,
-                "novelty": description::gate_to_json(trained),
-                "tails_from_segments": tails,
-                "seconds": all,
-                "seconds_of_first_pass": first,
-                "rows_a_second": sums.rows as f64 / all,
-                "peak_memory_mb": peak,
-            }));
-        }
+        let json = json!({
+            "model": self.exports.model,
+            "bytes": bytes,
+            "fingerprint": print,
+            "classes": trained.classes,
+            "segments": counts,
+            "rows": sums.rows,
+            "left_out": trained.left_out.count,
+            "features": trained.feature_names,
+            "method": method_word(trained.recipe.estimation.method),
+            "segment_samples": trained.segment_samples,
+            "novelty": description::gate_to_json(trained),
+            "tails_from_segments": tails,
+            "seconds": all,
+            "seconds_of_first_pass": first,
+            "rows_a_second": sums.rows as f64 / all,
+            "peak_memory_mb": peak,
+        });
         let segments: Vec<String> = trained.classes.iter().zip(counts).map(|(name, n)| format!("{n} {name}")).collect();
-        output::say(format!(
-            "trained on segments: {}; features {}",
-            segments.join(", "),
-            trained.feature_names.join(", ")
-        ))?;
-        output::say(format!("estimated by {}", estimated_by(trained)))?;
-        output::say(format!(
-            "{} discriminant, coordinates: {}, segments of {} samples; {bytes} bytes in {}",
-            trained.kind_name(),
-            trained.core_projection.matrix.nrows(),
-            trained.segment_samples,
-            self.exports.model.display()
-        ))?;
-        description::gate(trained).map_or(Ok(()), output::say)?;
+        let mut lines = vec![
+            format!("trained on segments: {}; features {}", segments.join(", "), trained.feature_names.join(", ")),
+            format!("estimated by {}", estimated_by(trained)),
+            format!(
+                "{} discriminant, coordinates: {}, segments of {} samples; {bytes} bytes in {}",
+                trained.kind_name(),
+                trained.core_projection.matrix.nrows(),
+                trained.segment_samples,
+                self.exports.model.display()
+            ),
+        ];
+        lines.extend(description::gate(trained));
         let peak = peak.map_or_else(String::new, |peak| format!(", {peak:.0} MB at most"));
-        output::say(format!("fingerprint {print}; {} rows in {all:.2} s{peak}", sums.rows))
+        lines.push(format!("fingerprint {print}; {} rows in {all:.2} s{peak}", sums.rows));
+        Ok(Report { lines, json })
     }
 }
 
