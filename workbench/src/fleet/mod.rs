@@ -21,13 +21,15 @@ mod sums;
 mod tails;
 #[cfg(test)]
 mod tests;
+mod writer;
 
 pub use fingerprint::fingerprint;
 pub use fit::{Choice, Fit, Independent, classes};
 pub use fold::{Units, fold};
 pub use group::{Closed, Group, Level};
-pub use part::{Batch, Part, RESERVED, Row, Wanted, Writer};
+pub use part::{Batch, Part, RESERVED, Wanted};
 pub use plan::{Origin, Plan, VERSION};
 pub use simulate::Fleet;
 pub use sums::{ClassSums, MOST_FEATURES, PatternSums, Sums};
 pub use tails::{Tails, tails};
+pub use writer::{Row, Writer};

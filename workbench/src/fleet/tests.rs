@@ -149,7 +149,7 @@ fn a_part_gives_back_the_bits_of_its_features_and_the_detector_of_its_plan() {
     }
     let bits = |values: &[f64]| values.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
     let missing = |row: &&Row| row.values.iter().any(|x| x.is_nan());
-    assert_eq!(rows.iter().filter(missing).count(), 24);
+    assert_eq!(rows.iter().filter(missing).count(), 30);
     assert!(rows.iter().zip(&back).all(|(row, back)| bits(&row.values) == bits(back)) && rows.len() == back.len());
     let [one, other] = [&plan, &part.plan].map(|plan| format!("{:?}", plan.parts().expect("a detector")));
     assert_eq!(one, other);
