@@ -137,7 +137,8 @@ pub(super) fn each_slice<V: Visitor>(
     parts: &[Part],
     wanted: &Wanted,
     told: &(dyn Fn(u64) + Sync),
-    (new, join): (&(dyn Fn() -> Result<V, Error> + Sync), &(dyn Fn(V, V) -> Result<V, Error> + Sync)),
+    new: &(dyn Fn() -> Result<V, Error> + Sync),
+    join: &(dyn Fn(V, V) -> Result<V, Error> + Sync),
 ) -> Result<V, Error> {
     let (slices, sorted) = slices(parts);
     let one = |slice: &Slice| {
@@ -289,7 +290,7 @@ pub fn fold(parts: &[Part], wanted: &Wanted, units: Units, told: &(dyn Fn(u64) +
         }
         Ok(one)
     };
-    let Summing { mut sums, parked, .. } = each_slice(parts, wanted, told, (&new, &join))?;
+    let Summing { mut sums, parked, .. } = each_slice(parts, wanted, told, &new, &join)?;
     parked.into_iter().for_each(|(name, unit)| sums.keep(name, unit));
     Ok(sums)
 }

@@ -274,5 +274,5 @@ pub fn tails(parts: &[Part], fit: &Fit, wanted: &Wanted, told: &(dyn Fn(u64) + S
     let wanted = Wanted { features: fit.names.clone(), ..wanted.clone() };
     let healthy = fit.classes[class].as_str();
     let new = || Ok(Judging { judge: &judge, tails: Tails::new(fit), healthy, groups: BTreeMap::new() });
-    each_slice(parts, &wanted, told, (&new, &join)).map(|found| Some(found.tails))
+    each_slice(parts, &wanted, told, &new, &join).map(|found| Some(found.tails))
 }

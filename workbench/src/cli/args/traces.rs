@@ -178,6 +178,9 @@ pub(in crate::cli) struct Selection {
     asked: Vec<String>,
 }
 
+/// Class names, and id and class of each trace.
+pub(in crate::cli) type Chosen = (Vec<String>, Vec<(String, String)>);
+
 impl SelectionArgs {
     pub(in crate::cli) fn read(&self, channels: &Channels, given: Given) -> Result<Selection, Error> {
         let folder = self.labels.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -203,7 +206,7 @@ impl Selection {
     }
 
     /// Returns the class names, and id and class of each trace that meets the common conditions and these further ones.
-    pub(in crate::cli) fn chosen(&self, further: &[Condition]) -> Result<(Vec<String>, Vec<(String, String)>), Error> {
+    pub(in crate::cli) fn chosen(&self, further: &[Condition]) -> Result<Chosen, Error> {
         let conditions = [&self.conditions, further].concat();
         let mut chosen = self.labels.select(&conditions)?;
         let classes = self.labels.classes(&chosen, &self.asked)?;

@@ -127,6 +127,9 @@ pub struct Gate {
     pub rows_needed: usize,
 }
 
+/// A gate, or why there is none.
+type GateOrReason = Result<Gate, String>;
+
 /// Gate and alarm of a trained model.
 #[derive(Clone, Debug)]
 pub struct Watch {
@@ -175,7 +178,7 @@ fn watch(
     (names, segment_s): (&[String], Option<f64>),
     recipe: &Recipe,
     densities: &GaussianClasses,
-    gate: &dyn Fn(&Alarms) -> Result<Result<Gate, String>, Error>,
+    gate: &dyn Fn(&Alarms) -> Result<GateOrReason, Error>,
     set: &TrainingSet<'_>,
 ) -> Result<Watch, Error> {
     let alarms = &recipe.alarms;
@@ -216,7 +219,7 @@ fn gate(
     Rows { table, names, fitted, rising }: Rows<'_>,
     runs: Option<&[usize]>,
     alarms: &Alarms,
-) -> Result<Result<Gate, String>, Error> {
+) -> Result<GateOrReason, Error> {
     let class = alarms.healthy.ok_or_else(|| Error::Training("no healthy class".into()))?;
     let healthy = Healthy { fitted, ..Healthy::of(table, class, runs) };
     let scarcity = healthy.scarcity(names, alarms.false_alarm);
@@ -228,7 +231,7 @@ fn checked(
     alarms: &Alarms,
     scarcity: Option<String>,
     gate: impl FnOnce() -> Result<Gate, Error>,
-) -> Result<Result<Gate, String>, Error> {
+) -> Result<GateOrReason, Error> {
     let rate = alarms.false_alarm;
     if !(1e-9..=0.5).contains(&rate) {
         return Err(Error::Usage(format!("--false-alarm {rate}: give a rate from 1e-9 to 0.5 a segment")));
