@@ -26,7 +26,7 @@ pub(super) fn print(
         }
         (true, Some(rate)) => output::say(format!("rate: no time; {rate:.1} rows a second by the lines of the rotor"))?,
         (true, None) => {
-            output::say("rate: no time column, and no given rate_hz near which the lines of the rotor are sharp")?
+            output::say("rate: no time column, and no given rate_hz near which the lines of the rotor are sharp")?;
         }
     }
     let first = &traces[0];
