@@ -21,8 +21,8 @@ use crate::train::Recipe;
   bearing-watch train-features all.sums --model out.bwm
 
 Sums are exact: any order and any tree of merges gives the same model. A drive is complete when its parts are summed, \
-so that 8 bytes of it are kept; sums that share a drive are refused, unless they are made with --keep-units, which \
-keeps one to two kilobytes of each run. Sums do not tell the tails of the gate's law: see train-features.")]
+so that ten bytes of it are kept; sums that share a drive are refused, unless they are made with --keep-units, which \
+keeps the sums of each run, some hundred bytes. Sums do not tell the tails of the gate's law: see train-features.")]
 pub(super) struct Args {
     /// Parts, and sums of other parts
     #[arg(value_name = "PARTS", required = true)]
