@@ -19,6 +19,8 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use crate::Error;
 
 pub use front_end::FrontEndFile;
@@ -78,7 +80,7 @@ impl Source {
                 for table in tables {
                     gathered.add(&Table::of(table), channels, wanted)?;
                 }
-                gathered.complete(channels, &[format!("{} tables", tables.len())])
+                gathered.complete(channels, tables.len(), &[format!("{} tables", tables.len())])
             }
         }
     }
@@ -142,16 +144,25 @@ pub(crate) fn read_file(
 
 impl Gathered {
     fn add(&mut self, table: &Table, channels: &Channels, wanted: &(dyn Fn(&str) -> bool + Sync)) -> Result<(), Error> {
-        for trace in read_table(table, channels, wanted)? {
-            self.origins.add(&trace.id, table.path())?;
+        self.add_all(read_table(table, channels, wanted)?, table.path())
+    }
+
+    fn add_all(&mut self, traces: Vec<Trace>, file: &Path) -> Result<(), Error> {
+        for trace in traces {
+            self.origins.add(&trace.id, file)?;
             self.traces.push(trace);
         }
         Ok(())
     }
 
-    fn complete(self, channels: &Channels, names: &[String]) -> Result<Vec<Trace>, Error> {
+    /// The traces; none of so many files or tables is an error.
+    fn complete(self, channels: &Channels, files: usize, names: &[String]) -> Result<Vec<Trace>, Error> {
         if !self.traces.is_empty() {
             return Ok(self.traces);
+        }
+        if files > 0 {
+            let problem = "no trace that the labels select; compare their column trace with the names of the traces";
+            return Err(Error::Usage(format!("{}: {problem}", names.join(", "))));
         }
         let Channels { y, u1, u2, .. } = channels;
         Err(Error::Usage(format!(
@@ -173,11 +184,14 @@ fn read_files(
     channels: &Channels,
     wanted: Option<&(dyn Fn(&str) -> bool + Sync)>,
 ) -> Result<Vec<Trace>, Error> {
+    let files = files_with_traces(paths, channels, wanted)?;
+    let each = |file: &PathBuf| read_table(&Table::open(file)?, channels, wanted.unwrap_or(&|_| true));
+    let read: Vec<Result<Vec<Trace>, Error>> = files.par_iter().map(each).collect();
     let mut gathered = Gathered::default();
-    for file in files_with_traces(paths, channels, wanted)? {
-        gathered.add(&Table::open(&file)?, channels, wanted.unwrap_or(&|_| true))?;
+    for (file, traces) in files.iter().zip(read) {
+        gathered.add_all(traces?, file)?;
     }
-    gathered.complete(channels, &paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>())
+    gathered.complete(channels, files.len(), &paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>())
 }
 
 /// The files with traces of these files and folders: of a folder, those with the columns, and the wanted ones.

@@ -90,3 +90,14 @@ fn training_and_test_share_no_unit() {
     let alone = succeed(dir, &format!("{train} --train-where unit=A"));
     assert!(alone.contains("not cross-validated") && alone.contains("of one unit"), "{alone}");
 }
+
+/// Labels of other names than those of the traces are told as such.
+#[test]
+fn labels_of_other_traces_are_named_as_the_cause() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy --count 3 --seed 14 --out runs");
+    std::fs::write(dir.join("labels.csv"), "trace,class_name\nrun_1,healthy\nrun_2,healthy\n").expect("writable");
+    let train = format!("{TRAIN} --features a1 --labels labels.csv runs");
+    refuse(dir, &train, &["runs: no trace that the labels select; compare their column trace"]);
+}
