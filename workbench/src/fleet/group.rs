@@ -49,7 +49,7 @@ impl Group {
         Self { count: 0, first: zeros(features), second: zeros(features * (features + 1) / 2) }
     }
 
-    /// Adds a row without missing values, each of at most [`super::exact::LARGEST`].
+    /// Adds a row without missing values, each of at most 1e140 in magnitude.
     pub fn add(&mut self, row: &[f64]) {
         self.count += 1;
         self.first.iter_mut().zip(row).for_each(|(sum, x)| sum.add(*x));
