@@ -71,7 +71,12 @@ mod tests {
     #[test]
     fn the_rows_of_a_printed_table_are_drawn() {
         let drawn = rates(TABLE).expect("a table");
-        assert!(drawn.contains("\"mix\"") && drawn.contains("\"roughness\"") && drawn.contains("97.0"), "{drawn}");
+        assert!(
+            drawn.contains("\"mix\"") && drawn.contains("\"roughness\"") && drawn.contains("\"y\":[100.0,50.0]"),
+            "{drawn}"
+        );
+        // Down to 96.9 and 40 %.
+        assert!(drawn.contains("\"arrayminus\":[3.1,10.0]"), "{drawn}");
         assert!(rates("nothing").is_err() && rates(&TABLE.replace("50.0 [", "50.0 (")).is_err());
     }
 }
