@@ -44,6 +44,7 @@ use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 
 use super::law::{DistanceLaw, Likelihoods, TailDensities, equivalent};
+use super::scarcity::{fewest_near, is_near};
 use crate::train::FeatureTable;
 use crate::train::moments::{self, Moments, Observed};
 use crate::train::statistics::whitening;
@@ -283,7 +284,7 @@ fn trend(means: &[DVector<f64>]) -> (Vec<Slope>, Option<Shift>) {
 /// Returns the smallest number of runs that support a false-alarm rate.
 #[must_use]
 pub fn fewest(coordinates: usize, rate: f64) -> usize {
-    super::fewest_near(coordinates, rate, FARTHEST)
+    fewest_near(coordinates, rate, FARTHEST)
 }
 
 /// Returns the smallest false-alarm rate that so many runs support, with two digits: a gate of `coordinates` from
@@ -296,7 +297,7 @@ pub fn supported(coordinates: usize, runs: usize) -> Option<f64> {
     let rates = (2..=10).flat_map(|decade| (10..100).map(move |digits| f64::from(digits) / 10_f64.powi(decade)));
     let mut rates: Vec<f64> = rates.filter(|rate| *rate <= 0.5).collect();
     rates.sort_by(f64::total_cmp);
-    let first = rates.partition_point(|&rate| !super::is_near(coordinates, runs, rate, FARTHEST));
+    let first = rates.partition_point(|&rate| !is_near(coordinates, runs, rate, FARTHEST));
     rates.get(first).copied()
 }
 
