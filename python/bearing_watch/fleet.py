@@ -91,8 +91,8 @@ def train_features(parts: Parts, *, model: Path, **options: Any) -> dict[str, An
 def sum_on(client: Any, parts: Sequence[Path], folder: Path, *, branch: int = 8, **options: Any) -> _File:
     """Sum parts on a cluster, as a tree.
 
-    Each task sums one part, or merges the sums of ``branch`` tasks, and writes its file completely or not at all. A task
-    of a lost worker is done again by another one.
+    Each task sums one part, or merges the sums of ``branch`` tasks, and writes its file completely or not at all. The
+    task of a lost worker is done again by another one.
 
     Parameters
     ----------

@@ -70,25 +70,11 @@ pub fn run(model: &Embedded, traces: &[LabelledTrace], done: impl Fn() + Sync) -
     traces.par_iter().map(each).collect()
 }
 
-/// Counts verdicts per trace or per segment. `groups` names the group (run, drive) of each verdict; without it, segments
-/// of a trace are alike and traces independent.
+/// Counts verdicts per trace or per segment. `groups` names the group (run, drive) of each verdict; without it,
+/// segments of a trace are alike and traces independent.
 #[must_use]
 pub fn count(classes: &[String], verdicts: &[TraceVerdict], groups: Option<&[String]>, per_segment: bool) -> Confusion {
-    let (of_verdict, groups) = match groups {
-        Some(names) => numbered(names),
-        None if per_segment => ((0..verdicts.len()).collect(), verdicts.len()),
-        None => (vec![], 0),
-    };
-    let mut confusion = Confusion::of_groups(classes, groups);
-    for (place, verdict) in verdicts.iter().enumerate() {
-        for finding in verdict.findings(per_segment) {
-            match of_verdict.get(place) {
-                Some(&group) => confusion.add_of_group(group, verdict.class, finding),
-                None => confusion.add_finding(verdict.class, finding),
-            }
-        }
-    }
-    confusion
+    Judged { verdicts, classes, trained: classes.len(), healthy: None, groups, per_segment }.confusion()
 }
 
 /// The number of each name in the order of first appearance, and how many different ones there are.

@@ -77,8 +77,8 @@ enum Command {
         #[arg(long)]
         rust: PathBuf,
     },
-    /// Builds the drive monitor under RTIC and embassy, runs both in the emulator on a simulated recording, and compares
-    /// every line with the host's.
+    /// Builds the drive monitor under RTIC and embassy, runs both in the emulator on a simulated recording, and
+    /// compares every line with the host's.
     Frameworks,
     /// Follows the documents into firmware, in an empty crate, in a copy of the template and in an empty C project, and
     /// compares the verdicts in the emulator with the host's.

@@ -11,7 +11,8 @@ use anyhow::{Context, Result, ensure};
 
 use crate::{child, field_peers, workspace};
 
-/// Installs, measures, prints; whether every ratio asked for is met, and the detector is nowhere behind a plain program.
+/// Installs, measures, prints; whether every ratio asked for is met, and the detector is nowhere behind a plain
+/// program.
 pub fn run() -> Result<bool> {
     let (text, met) = measure()?;
     print!("{text}");

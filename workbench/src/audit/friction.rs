@@ -1,8 +1,8 @@
-//! What the motion of a trace tells of friction and inertia, and the smallest change of each that would stand out.
+//! Estimates of friction and inertia from a trace, and the smallest change of each that would be detected.
 //!
 //! ```text
 //! i = p₁ dω/dt + p₂ ω + p₃ tanh(ω/ω₀) + p₄ T_load + p₅ + e                                   (1)
-//! own part   1 − R² of a term on the other terms                                              (2)  1: nothing in common
+//! own part   1 − R² of a term on the other terms                                              (2)  1 if orthogonal
 //! smallest   (t √(1 + 1/n) + 1.28) s                                                          (3)
 //! ```
 //!

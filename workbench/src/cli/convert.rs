@@ -7,6 +7,7 @@ use super::output;
 use crate::Error;
 use crate::trace::reader::{self, Series};
 use crate::trace::resample::{Resampled, at_rate};
+use crate::trace::table::Table;
 use crate::trace::units::{Quantity, Unit};
 use crate::trace::{self, stem, table};
 
@@ -53,7 +54,7 @@ pub(super) struct ResampleArgs {
     to_hz: f64,
 }
 
-/// Gaps of a trace that are told one by one.
+/// Number of gaps of a trace that are listed; further ones are counted.
 const TOLD: usize = 3;
 
 pub(super) fn convert(args: &ConvertArgs) -> Result<(), Error> {
@@ -81,7 +82,8 @@ pub(super) fn resample(args: &ResampleArgs) -> Result<(), Error> {
         if gaps.len() > TOLD {
             let longest = gaps.iter().map(|[_, length]| *length).fold(0.0, f64::max);
             let more = gaps.len() - TOLD;
-            output::warn(format!("trace {id}: {more} more gaps, the longest of all {longest:.4} s; the trace is cut there"));
+            let all = format!("{more} more gaps, the longest of all {longest:.4} s");
+            output::warn(format!("trace {id}: {all}; the trace is cut there"));
         }
         if pieces.is_empty() {
             return Err(Error::trace(&id, "no piece between gaps is long enough"));
@@ -118,10 +120,11 @@ impl Files {
         let bar = output::progress("traces", files.len());
         let (mut count, mut alone) = (0, None);
         for file in &files {
-            let names = self.names(file)?;
+            let table = Table::open(file)?;
+            let names = self.names(&table)?;
             let channels: Vec<String> = names.iter().map(|(_, channel)| channel.clone()).collect();
             let times = (self.times.time.as_deref(), self.times.rate_hz);
-            for series in reader::series(file, times, &channels)? {
+            for series in reader::series(&table, times, &channels)? {
                 for (id, times, columns) in make(&names, series)? {
                     count += 1;
                     if into_folder {
@@ -149,7 +152,7 @@ impl Files {
     }
 
     /// Names and channels of the columns of a file.
-    fn names(&self, file: &Path) -> Result<Vec<(String, String)>, Error> {
+    fn names(&self, table: &Table) -> Result<Vec<(String, String)>, Error> {
         if !self.columns.is_empty() {
             let pair = |text: &String| {
                 let (name, channel) = text.split_once('=').unwrap_or((text, text));
@@ -157,12 +160,12 @@ impl Files {
             };
             return Ok(self.columns.iter().map(pair).collect());
         }
-        let (names, left_out) = reader::numeric(file, self.times.time.as_deref())?;
+        let (names, left_out) = reader::numeric(table, self.times.time.as_deref())?;
         for problem in left_out {
             output::warn(format!("{problem}; the column is left out"));
         }
         if names.is_empty() {
-            return Err(Error::content(file, "header", "no column of numbers"));
+            return Err(Error::content(table.path(), "header", "no column of numbers"));
         }
         Ok(names.into_iter().map(|name| (name.clone(), name)).collect())
     }

@@ -17,6 +17,18 @@ pub(super) const fn method_word(method: Method) -> &'static str {
     }
 }
 
+/// How the detector estimates and decides; the number of bytes of the model file follows.
+pub(super) fn built(trained: &Trained, bytes: usize, place: &str) -> [String; 2] {
+    let (kind, coordinates) = (trained.kind_name(), trained.core_projection.matrix.nrows());
+    let segments = trained.segment_samples;
+    [
+        format!("estimated by {}", estimated_by(trained)),
+        format!(
+            "{kind} discriminant, coordinates: {coordinates}, segments of {segments} samples; {bytes} bytes{place}"
+        ),
+    ]
+}
+
 /// Describes the estimation method and its memory in words.
 pub(super) fn estimated_by(trained: &Trained) -> String {
     let Some((layout, regression)) = &trained.parts.regression else { return "nothing".into() };

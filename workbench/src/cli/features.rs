@@ -23,7 +23,7 @@ use crate::core::Embedded;
 use crate::core::features::Catalogue;
 use crate::fleet::{Origin, Part, Plan, RESERVED, Row, Writer};
 use crate::trace::labels::LabelledTrace;
-use crate::trace::{self, Channels, Condition, Origins, Preparation, Trace, same_interval, stem};
+use crate::trace::{self, Candidate, Channels, Condition, Origins, Preparation, Trace, same_interval, stem};
 use crate::train::{self, Recipe, ShaftPlan};
 
 /// Files that are read at a time.
@@ -39,8 +39,8 @@ const FILES: usize = 16;
 The first part takes the constants of the detector (scales, lags, filters, nominal model) from its traces and has them \
 as the plan in its metadata; further parts, on any machine, take the plan of the first one by --plan. All features of \
 the detector are computed, by the core as in firmware. Traces are read and written in turn: memory does not grow with \
-their number. Rows are written by unit if each file is one trace; a table of several traces should have its rows by unit, \
-so that parts are read back in constant memory.")]
+their number. Rows are written by unit if each file is one trace; a table of several traces should have its rows by \
+unit, so that parts are read back in constant memory.")]
 pub(super) struct Args {
     #[command(flatten)]
     selection: SelectionArgs,
@@ -262,23 +262,23 @@ fn write<W: std::io::Write + Send>(
 ) -> Result<Met, Error> {
     let (estimator, catalogue) = (plan.estimator()?, plan.catalogue());
     let wanted = |id: &str| labels.of.contains_key(id);
-    let mut files = trace::files_with_traces(selection.paths(), channels, Some(&wanted))?;
+    let mut files = trace::candidates(selection.paths())?;
     // Files of one trace each, in the order of their units.
-    files.sort_by_cached_key(|file| {
-        let own = labels.of.get(stem(&file.file_name().unwrap_or_default().to_string_lossy()));
+    files.sort_by_cached_key(|candidate| {
+        let own = labels.of.get(stem(&candidate.file.file_name().unwrap_or_default().to_string_lossy()));
         own.map(|([_, unit, run], _)| (unit.clone(), run.clone()))
     });
     let bar = output::progress("features", files.len());
     let mut met = Met::default();
     for some in files.chunks(FILES) {
-        let read = |file: &PathBuf| trace::read_file(file, channels, &|id| labels.of.contains_key(id));
-        let traces: Vec<Result<Vec<Trace>, Error>> = some.par_iter().map(read).collect();
-        for (file, traces) in some.iter().zip(traces) {
-            let traces = traces?;
+        let read = |candidate: &Candidate| candidate.read(channels, Some(&wanted));
+        let traces: Vec<Result<Option<Vec<Trace>>, Error>> = some.par_iter().map(read).collect();
+        for (candidate, traces) in some.iter().zip(traces) {
+            let traces = traces?.unwrap_or_default();
             let rows = |trace: &Trace| rows((&estimator, &catalogue), plan, labels, trace, preparation);
             let found: Vec<_> = traces.par_iter().map(rows).collect();
             for (trace, found) in traces.iter().zip(found) {
-                met.origins.add(&trace.id, file)?;
+                met.origins.add(&trace.id, &candidate.file)?;
                 met.refused += usize::from(trace.refused.is_some());
                 if is_irregular(trace) {
                     met.irregular.0 += 1;

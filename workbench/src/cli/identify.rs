@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::args::method::MethodArgs;
-use super::args::traces::{PreparationArgs, StructureArgs, TraceArgs};
+use super::args::method::FitArgs;
 use super::output;
 use crate::Error;
 use crate::identify::{Estimate, Noise, Options, Structure, Terms};
@@ -19,19 +18,13 @@ use crate::identify::{Estimate, Noise, Options, Structure, Terms};
 )]
 pub(super) struct Args {
     #[command(flatten)]
-    input: TraceArgs,
-    #[command(flatten)]
-    structure: StructureArgs,
-    #[command(flatten)]
-    method: MethodArgs,
+    fit: FitArgs,
     /// Passes of --method iv, 1 to 3
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=3))]
     passes: u8,
     /// Terms of the noise polynomial of --method armax; na (at least one) if not given
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=32))]
     noise_order: Option<u8>,
-    #[command(flatten)]
-    preparation: PreparationArgs,
     /// Write the table here instead of to standard output
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -41,18 +34,15 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
-    args.input.channels.require(args.structure.structure())?;
-    let preparation = args.preparation.preparation()?;
-    output::plan(&args.out.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &args.input.traces)?;
-    let traces = args.input.read_with(|channels| args.method.with_command(channels))?;
-    let structure = args.structure.structure();
+    let (traces, preparation) = args.fit.read(args.out.as_ref())?;
+    let (structure, method) = (args.fit.structure.structure(), &args.fit.method);
     let options = Options { passes: args.passes.into(), noise_order: args.noise_order.map(usize::from) };
     let bar = output::progress("estimating", traces.len());
     let estimates = traces
         .par_iter()
         .map(|trace| {
             let prepared = preparation.apply(trace)?;
-            let estimate = args.method.estimate(&prepared, structure, options)?;
+            let estimate = method.estimate(&prepared, structure, options)?;
             bar.inc(1);
             let undetermined = estimate.undetermined(&prepared);
             Ok((trace.id.as_str(), estimate, undetermined))
@@ -73,7 +63,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     }
     let estimates: Vec<(&str, Estimate)> = estimates.into_iter().map(|(id, estimate, _)| (id, estimate)).collect();
     warn_of_trouble(&estimates);
-    args.method.warn_of_colour(estimates.iter().map(|(id, estimate)| (*id, estimate)));
+    method.warn_of_colour(estimates.iter().map(|(id, estimate)| (*id, estimate)));
     if args.json {
         let rows: Vec<_> = estimates.iter().map(|(id, estimate)| row_json(id, estimate)).collect();
         return output::json(&json!(rows));

@@ -4,8 +4,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::output;
 use crate::Error;
 use crate::core::Embedded;
+use crate::evaluate::{self, TraceVerdict};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Channels, FrontEndFile, Preparation, ShaftChannels, Trace, same_interval};
 use crate::train::Trained;
@@ -34,6 +36,15 @@ pub(super) fn check_rate<'a>(
 pub(super) fn prepare(traces: &[LabelledTrace], preparation: Preparation) -> Result<Vec<LabelledTrace>, Error> {
     let each = |t: &LabelledTrace| Ok(LabelledTrace { trace: preparation.apply(&t.trace)?, class: t.class });
     traces.iter().map(each).collect()
+}
+
+/// Runs prepared traces through a model, if their rate is its rate.
+pub(super) fn judge(model: &Embedded, traces: &[LabelledTrace], host: Preparation) -> Result<Vec<TraceVerdict>, Error> {
+    check_rate(model, host, traces.iter().map(|t| &t.trace))?;
+    let bar = output::progress("evaluating", traces.len());
+    let verdicts = evaluate::run(model, &prepare(traces, host)?, || bar.inc(1))?;
+    bar.finish_and_clear();
+    Ok(verdicts)
 }
 
 /// Notes in a model file for the workbench; the firmware ignores them.

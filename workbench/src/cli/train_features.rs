@@ -10,7 +10,7 @@ use super::args::classifier::ClassifierArgs;
 use super::args::exports::ExportArgs;
 use super::args::traces::GroupArgs;
 use super::call::Report;
-use super::description::{self, estimated_by, method_word};
+use super::description::{self, method_word};
 use super::model_file::Notes;
 use super::{output, training};
 use crate::Error;
@@ -24,9 +24,10 @@ use crate::train::{Recipe, Trained};
 #[command(after_help = "Example:
   bearing-watch train-features a.parquet b.parquet --features a,b --unit drive --model out.bwm --rust model.rs
 
-Means, covariances, projection, discriminant, and the spread of runs or drives are functions of sums: they are those of \
-`train` on the same segments. Different are:
-  - the features are always those of the core in single precision; `train` takes plain least squares in double precision;
+Means, covariances, projection, discriminant, and the spread of runs or drives are functions of sums: they are those \
+of `train` on the same segments. Different are:
+  - the features are always those of the core in single precision; `train` takes plain least squares in double \
+precision;
   - the tails of the gate's law come from a second pass over the parts (skipped by --one-pass); sums alone leave their \
 prior probabilities, and the gate is a little further out;
   - errors of features enter as the mean excess over the usual ones of the plan, by class, not by segment;
@@ -250,17 +251,12 @@ impl Args {
             "peak_memory_mb": peak,
         });
         let segments: Vec<String> = trained.classes.iter().zip(counts).map(|(name, n)| format!("{n} {name}")).collect();
-        let mut lines = vec![
-            format!("trained on segments: {}; features {}", segments.join(", "), trained.feature_names.join(", ")),
-            format!("estimated by {}", estimated_by(trained)),
-            format!(
-                "{} discriminant, coordinates: {}, segments of {} samples; {bytes} bytes in {}",
-                trained.kind_name(),
-                trained.core_projection.matrix.nrows(),
-                trained.segment_samples,
-                self.exports.model.display()
-            ),
-        ];
+        let mut lines = vec![format!(
+            "trained on segments: {}; features {}",
+            segments.join(", "),
+            trained.feature_names.join(", ")
+        )];
+        lines.extend(description::built(trained, bytes, &format!(" in {}", self.exports.model.display())));
         lines.extend(description::gate(trained));
         let peak = peak.map_or_else(String::new, |peak| format!(", {peak:.0} MB at most"));
         lines.push(format!("fingerprint {print}; {} rows in {all:.2} s{peak}", sums.rows));
@@ -268,7 +264,7 @@ impl Args {
     }
 }
 
-/// The largest resident memory of this process, MB, if the system tells it.
+/// The largest resident memory of this process, MB; `None` where the system does not give it.
 pub(super) fn peak_memory_mb() -> Option<f64> {
     let status = std::fs::read_to_string(Path::new("/proc/self/status")).ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

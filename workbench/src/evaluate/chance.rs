@@ -8,7 +8,7 @@
 //! of one label each exchange the labels of whole runs; if runs contain several labels, labels are exchanged within
 //! each run. Without runs, traces exchange theirs.
 //!
-//! A negative control is a column of the labels that says nothing of the bearing: session, day, operator. The statistic
+//! A negative control is a column of the labels that is unrelated to the bearing: session, day, operator. The statistic
 //! is the part of the variance of the ranks of the verdicts' scores, over healthy traces, that the column's values
 //! explain (η²). A small p means that the model answers to the session too, and that its rates are those of these
 //! sessions.
@@ -138,7 +138,7 @@ impl std::fmt::Display for Chance {
     }
 }
 
-/// A negative control: how much a column that says nothing of the bearing explains of the verdicts.
+/// A negative control: how much of the verdicts a column that is unrelated to the bearing explains.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Control {
     /// The column.

@@ -1,6 +1,6 @@
 //! Verdicts with what is needed to count them: classes, and the groups in which they are alike.
 
-use super::{Rate, TraceVerdict, numbered};
+use super::{Confusion, Rate, TraceVerdict, numbered};
 use crate::core::Finding;
 
 /// Verdicts on labelled traces, some of classes that the model was not trained on.
@@ -28,12 +28,17 @@ impl Judged<'_> {
         if class < self.trained { finding == Some(Finding::Class(class)) } else { finding != healthy }
     }
 
+    /// The number of each verdict's group, and how many groups there are. Without groups, traces are independent and
+    /// segments of a trace are alike.
+    fn groups(&self) -> (Vec<usize>, usize) {
+        self.groups.map_or_else(|| ((0..self.verdicts.len()).collect(), self.verdicts.len()), numbered)
+    }
+
     /// The rate of right findings on the traces that `chosen` accepts, by their places; `None` if there are none. The
-    /// interval considers the groups; without groups, traces are independent and segments of a trace are alike.
+    /// interval considers the groups.
     #[must_use]
     pub fn right(&self, chosen: impl Fn(usize) -> bool) -> Option<Rate> {
-        let (places, count) =
-            self.groups.map_or_else(|| ((0..self.verdicts.len()).collect(), self.verdicts.len()), numbered);
+        let (places, count) = self.groups();
         let mut groups = vec![(0, 0); count];
         for (k, verdict) in self.verdicts.iter().enumerate().filter(|(k, _)| chosen(*k)) {
             for finding in verdict.findings(self.per_segment) {
@@ -42,5 +47,19 @@ impl Judged<'_> {
             }
         }
         groups.iter().any(|group| group.1 > 0).then(|| Rate::clustered(&groups))
+    }
+
+    /// The counts of the trained classes.
+    #[must_use]
+    pub fn confusion(&self) -> Confusion {
+        let (places, count) = self.groups();
+        let mut confusion =
+            Confusion { healthy: self.healthy, ..Confusion::of_groups(&self.classes[..self.trained], count) };
+        for (verdict, group) in self.verdicts.iter().zip(places).filter(|(verdict, _)| verdict.class < self.trained) {
+            for finding in verdict.findings(self.per_segment) {
+                confusion.add_of_group(group, verdict.class, finding);
+            }
+        }
+        confusion
     }
 }

@@ -9,7 +9,7 @@
 //!
 //! The interval is Wilson's with n* decisions (Korn and Graubard 1998). z and t are the 97.5 % quantiles of the normal
 //! distribution and of Student's with g − 1 degrees of freedom. N²/Σ n_i² is n* if all decisions of a group are equal,
-//! which is the worst case; at p = 0 and 1, where (1) says nothing, it is used alone.
+//! which is the worst case; at p = 0 and 1, where (1) is zero, it is used alone.
 
 use serde_json::{Value, json};
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
@@ -152,7 +152,7 @@ mod tests {
             naive += inside(Rate::wilson(k, n));
         }
         let share = |count: usize| count as f64 / f64::from(draws);
-        // Standard deviation of the share at 95 %: 0.6 %; 12 groups are few for (1). An interval far too wide fails too.
+        // Standard deviation of the share at 95 %: 0.6 %; 12 groups are few for (1). Too wide an interval fails too.
         assert!((0.93..0.985).contains(&share(covered)), "{}", share(covered));
         assert!(share(naive) < 0.75, "{}", share(naive));
     }

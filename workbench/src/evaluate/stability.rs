@@ -7,8 +7,8 @@
 //! drift = slope of the runs' means over their order / √W,  t with g − 2          (3)
 //! ```
 //!
-//! ICC is 0 if a run tells nothing of the next value of the same run, and 1 if all values of a run are equal: then the
-//! number of runs counts, not that of segments.
+//! ICC is 0 if the values of a run are no more alike than those of different runs, and 1 if all values of a run are
+//! equal: then the number of runs counts, not that of segments.
 
 use serde_json::{Value, json};
 use statrs::distribution::{ContinuousCDF as _, FisherSnedecor, StudentsT};

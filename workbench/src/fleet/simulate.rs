@@ -4,8 +4,8 @@
 //! f = μ_c + L (√0.3 b_drive + √0.2 b_run + √0.5 e),   L Lᵀ = Σ,   b, e ~ N(0, I)              (1)
 //! ```
 //!
-//! μ_c and Σ are mean and pooled covariance of the features of traces of the DC rig, whose detector is the plan: a model
-//! of such a fleet runs on traces of the rig.
+//! μ_c and Σ are mean and pooled covariance of the features of traces of the DC rig, whose detector is the plan: a
+//! model of such a fleet runs on traces of the rig.
 
 use std::path::Path;
 

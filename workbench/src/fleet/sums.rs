@@ -58,7 +58,8 @@ pub struct PatternSums {
     pub excess: Vec<f64>,
 }
 
-/// Sums of an open drive, by class and run, of rows with all features. In the order of class and run if they are closed.
+/// Sums of an open drive, by class and run, of rows with all features. In the order of class and run if they are
+/// closed.
 pub(super) type Unit = Vec<((String, String), Group)>;
 
 /// Sums of parts.
@@ -100,8 +101,8 @@ impl ClassSums {
 
     fn pattern(&mut self, mask: u64) -> Result<&mut Pattern, Error> {
         if self.patterns.len() >= PATTERNS && !self.patterns.contains_key(&mask) {
-            let problem = "rows lack features in more than 256 different patterns; choose features of fewer parts of the \
-                           detector";
+            let problem = "rows lack features in more than 256 different patterns; choose features of fewer parts of \
+                           the detector";
             return Err(Error::Training(problem.into()));
         }
         let features = mask.count_ones() as usize;

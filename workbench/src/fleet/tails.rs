@@ -51,7 +51,7 @@ impl Sum {
     }
 }
 
-/// What the left-out distances of healthy segments tell of the tails.
+/// Likelihoods of the tails by the left-out distances of healthy segments.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Tails {
     all: Sum,

@@ -12,7 +12,8 @@ use crate::train::{Alarms, Recipe};
 
 const FEATURES: [&str; 6] = ["a1", "a2", "b1", "c1", "c2", "log_variance"];
 
-/// A fleet of 40 drives with 6 segments in 2 runs, and its rows. Every tenth segment lacks a feature, and all of the last drive.
+/// A fleet of 40 drives with 6 segments in 2 runs, and its rows. Every tenth segment lacks a feature, and all of the
+/// last drive.
 fn fleet() -> (Plan, Vec<Row>) {
     let fleet = Fleet::new(6, 2, 5).expect("the rig");
     let mut rows: Vec<Row> = (0..40).flat_map(|drive| fleet.drive(drive)).collect();

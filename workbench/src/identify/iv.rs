@@ -101,7 +101,8 @@ pub(super) fn solve_matrices(
     solve(&ls::columns(x), &ls::columns(z)[..own], 0, y.as_slice())
 }
 
-/// The cofactor of (1) with these regressors and instruments in units of the variance of the residual; `None` if the residual is too short for an AR model.
+/// The cofactor of (1) with these regressors and instruments in units of the variance of the residual; `None` if the
+/// residual is too short for an AR model.
 pub(super) fn coloured_cofactor(x: &DMatrix<f64>, z: DMatrix<f64>, residuals: &DVector<f64>) -> Option<DMatrix<f64>> {
     let rows = residuals.len();
     let order = COLOUR_ORDER.min(rows / 20);

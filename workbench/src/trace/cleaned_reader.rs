@@ -1,7 +1,5 @@
 //! Traces recorded at the control rate, through the front end of the drive.
 
-use std::path::Path;
-
 use super::front_end::{FrontEndFile, OWN, clean};
 use super::reader::{self, Header};
 use super::signal::{self, Signal};
@@ -57,9 +55,9 @@ impl Wanted {
     }
 }
 
-/// Whether the file can be read and its header has every wanted column.
-pub(super) fn has_columns(path: &Path, channels: &Channels, front_end: &FrontEndFile) -> bool {
-    let header = Table::open(path).and_then(|table| reader::header_of(&table, channels.time.as_deref()));
+/// Whether the header of a table has every wanted column.
+pub(super) fn has_columns(table: &Table, channels: &Channels, front_end: &FrontEndFile) -> bool {
+    let header = reader::header_of(table, channels.time.as_deref());
     header.is_ok_and(|header| Wanted::new(&header, channels, front_end).is_ok())
 }
 

@@ -133,15 +133,6 @@ fn read_table(table: &Table, channels: &Channels, wanted: &(dyn Fn(&str) -> bool
     }
 }
 
-/// Reads the wanted traces of one file.
-pub(crate) fn read_file(
-    path: &Path,
-    channels: &Channels,
-    wanted: &(dyn Fn(&str) -> bool + Sync),
-) -> Result<Vec<Trace>, Error> {
-    read_table(&Table::open(path)?, channels, wanted)
-}
-
 impl Gathered {
     fn add(&mut self, table: &Table, channels: &Channels, wanted: &(dyn Fn(&str) -> bool + Sync)) -> Result<(), Error> {
         self.add_all(read_table(table, channels, wanted)?, table.path())
@@ -172,10 +163,10 @@ impl Gathered {
     }
 }
 
-fn has_columns(path: &Path, channels: &Channels) -> bool {
+fn has_columns(table: &Table, channels: &Channels) -> bool {
     match &channels.front_end {
-        Some(front_end) => cleaned_reader::has_columns(path, channels, front_end),
-        None => reader::has_columns(path, channels),
+        Some(front_end) => cleaned_reader::has_columns(table, channels, front_end),
+        None => reader::has_columns(table, channels),
     }
 }
 
@@ -184,36 +175,62 @@ fn read_files(
     channels: &Channels,
     wanted: Option<&(dyn Fn(&str) -> bool + Sync)>,
 ) -> Result<Vec<Trace>, Error> {
-    let files = files_with_traces(paths, channels, wanted)?;
-    let each = |file: &PathBuf| read_table(&Table::open(file)?, channels, wanted.unwrap_or(&|_| true));
-    let read: Vec<Result<Vec<Trace>, Error>> = files.par_iter().map(each).collect();
-    let mut gathered = Gathered::default();
-    for (file, traces) in files.iter().zip(read) {
-        gathered.add_all(traces?, file)?;
+    let candidates = candidates(paths)?;
+    let read: Vec<Result<Option<Vec<Trace>>, Error>> =
+        candidates.par_iter().map(|candidate| candidate.read(channels, wanted)).collect();
+    let (mut gathered, mut files) = (Gathered::default(), 0);
+    for (candidate, traces) in candidates.iter().zip(read) {
+        if let Some(traces) = traces? {
+            gathered.add_all(traces, &candidate.file)?;
+            files += 1;
+        }
     }
-    gathered.complete(channels, files.len(), &paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>())
+    gathered.complete(channels, files, &paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>())
 }
 
-/// The files with traces of these files and folders: of a folder, those with the columns, and the wanted ones.
-pub(crate) fn files_with_traces(
-    paths: &[PathBuf],
-    channels: &Channels,
-    wanted: Option<&(dyn Fn(&str) -> bool + Sync)>,
-) -> Result<Vec<PathBuf>, Error> {
-    let asked_for = |file: &Path| {
-        let name = file.file_name().map(|name| name.to_string_lossy());
-        wanted.zip(name).is_some_and(|(wanted, name)| wanted(stem(&name)))
-    };
+/// A file that may have traces.
+#[derive(Debug)]
+pub(crate) struct Candidate {
+    pub(crate) file: PathBuf,
+    /// Whether it was found in a folder, where files without the columns have no traces.
+    of_folder: bool,
+}
+
+/// The files that may have traces: these files, and those of known formats in these folders.
+pub(crate) fn candidates(paths: &[PathBuf]) -> Result<Vec<Candidate>, Error> {
     let mut all = Vec::new();
     for path in paths {
         if path.is_dir() {
-            let files = known_files(path)?.into_iter();
-            all.extend(files.filter(|file| asked_for(file) || has_columns(file, channels)));
+            all.extend(known_files(path)?.into_iter().map(|file| Candidate { file, of_folder: true }));
         } else {
-            all.push(path.clone());
+            all.push(Candidate { file: path.clone(), of_folder: false });
         }
     }
     Ok(all)
+}
+
+impl Candidate {
+    /// Reads the wanted traces; `None` of a file in a folder that lacks the columns, unless a trace of its name is
+    /// wanted.
+    pub(crate) fn read(
+        &self,
+        channels: &Channels,
+        wanted: Option<&(dyn Fn(&str) -> bool + Sync)>,
+    ) -> Result<Option<Vec<Trace>>, Error> {
+        let asked_for = || {
+            let name = self.file.file_name().map(|name| name.to_string_lossy());
+            wanted.zip(name).is_some_and(|(wanted, name)| wanted(stem(&name)))
+        };
+        let may_lack = self.of_folder && !asked_for();
+        let table = match Table::open(&self.file) {
+            Err(_) if may_lack => return Ok(None),
+            table => table?,
+        };
+        if may_lack && !has_columns(&table, channels) {
+            return Ok(None);
+        }
+        read_table(&table, channels, wanted.unwrap_or(&|_| true)).map(Some)
+    }
 }
 
 /// The files among these files and in these folders, in known formats; labels in a folder are left out.
@@ -224,7 +241,8 @@ pub(crate) fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
             found.push(path.clone());
             continue;
         }
-        found.extend(known_files(path)?.into_iter().filter(|file| !reader::is_labels(file)));
+        let is_labels = |file: &PathBuf| Table::open(file).is_ok_and(|table| reader::is_labels(&table));
+        found.extend(known_files(path)?.into_iter().filter(|file| !is_labels(file)));
     }
     Ok(found)
 }

@@ -102,10 +102,9 @@ pub(super) fn header_of(table: &Table, time: Option<&str>) -> Result<Header, Err
     Header::of(table.names().to_vec(), time).map_err(|problem| Error::content(table.path(), "header", problem))
 }
 
-/// Whether the file can be read and its header has every wanted column.
-pub(super) fn has_columns(path: &Path, channels: &Channels) -> bool {
-    let header = Table::open(path).and_then(|table| header_of(&table, channels.time.as_deref()));
-    header.is_ok_and(|header| header.signals(channels).is_ok())
+/// Whether the header of a table has every wanted column.
+pub(super) fn has_columns(table: &Table, channels: &Channels) -> bool {
+    header_of(table, channels.time.as_deref()).is_ok_and(|header| header.signals(channels).is_ok())
 }
 
 /// Reads the wanted traces of one table; only the wanted columns must be numeric.
@@ -134,14 +133,14 @@ pub(crate) struct Series {
     pub(crate) columns: Vec<Vec<f64>>,
 }
 
-/// Reads channels of each trace of a file; `rate_hz` stands for the time of a file without one.
+/// Reads channels of each trace of a table; `rate_hz` stands for the time of a table without one.
 pub(crate) fn series(
-    path: &Path,
+    table: &Table,
     (time, rate_hz): (Option<&str>, Option<f64>),
     channels: &[String],
 ) -> Result<Vec<Series>, Error> {
     let signals = |header: &Header| channels.iter().map(|channel| Signal::parse(channel, &header.names)).collect();
-    let (signals, parts) = parts(&Table::open(path)?, time, &signals, &|_| true)?;
+    let (signals, parts) = parts(table, time, &signals, &|_| true)?;
     let each = |part: Part| {
         let rows = part.columns.first().map_or(0, Vec::len);
         let by_rate = || rate_hz.map(|rate| (0..rows).map(|row| row as f64 / rate).collect());
@@ -157,10 +156,9 @@ pub(crate) fn series(
     parts.into_iter().map(each).collect()
 }
 
-/// The names of the columns of a file that hold numbers, but for its time, and why others do not.
-pub(crate) fn numeric(path: &Path, time: Option<&str>) -> Result<(Vec<String>, Vec<Error>), Error> {
-    let table = Table::open(path)?;
-    let header = header_of(&table, time)?;
+/// The names of the columns of a table that hold numbers, but for its time, and why others do not.
+pub(crate) fn numeric(table: &Table, time: Option<&str>) -> Result<(Vec<String>, Vec<Error>), Error> {
+    let header = header_of(table, time)?;
     let own = |place: &usize| Some(*place) != header.trace && Some(*place) != header.time();
     let places: Vec<usize> = (0..header.names.len()).filter(own).collect();
     let read = |places: &[usize]| table.read(Wanted { numbers: places, text: None, row: &|_| true });
@@ -170,16 +168,15 @@ pub(crate) fn numeric(path: &Path, time: Option<&str>) -> Result<(Vec<String>, V
     Ok((kept.into_iter().map(|place| header.names[place].clone()).collect(), problems))
 }
 
-/// Whether a file has a time column.
-pub(crate) fn has_time(path: &Path, time: Option<&str>) -> bool {
-    let header = Table::open(path).and_then(|table| header_of(&table, time));
-    header.is_ok_and(|header| header.time.is_some())
+/// Whether a table has a time column.
+pub(crate) fn has_time(table: &Table, time: Option<&str>) -> bool {
+    header_of(table, time).is_ok_and(|header| header.time.is_some())
 }
 
-/// Whether a file has the columns of labels, and is no trace.
-pub(crate) fn is_labels(path: &Path) -> bool {
-    let has = |names: &[String], wanted: &str| names.iter().any(|name| name == wanted);
-    Table::open(path).is_ok_and(|table| has(table.names(), "trace") && has(table.names(), "class_name"))
+/// Whether a table has the columns of labels, and is no trace.
+pub(crate) fn is_labels(table: &Table) -> bool {
+    let has = |wanted: &str| table.names().iter().any(|name| name == wanted);
+    has("trace") && has("class_name")
 }
 
 const INTEGRAL: &str = "an integral needs the time; name its column with --time, or give --rate-hz";

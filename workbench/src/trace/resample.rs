@@ -6,7 +6,8 @@
 //! ```
 //!
 //! A step of more than [`GAP`] usual ones and of more than [`BRIDGED`] new ones is a gap: columns are cut there, since
-//! straight lines across it would be invented. An angle that jumps by more than half a turn is unwrapped first, and is not limited to one turn after.
+//! straight lines across it would be invented. An angle that jumps by more than half a turn is unwrapped first, and is
+//! not limited to one turn after.
 
 use super::median;
 use super::prepare::{decimate, resample};

@@ -9,9 +9,9 @@
 //! (1) and (2) use one feature alone, in the rows that have it. (3) is computed beside other features: by removing the
 //! feature from all ("drop one"), and by adding it to those already chosen (forward selection, which stops if the best
 //! gain is below twice its standard error). If no feature alone is of use but all together are, features are removed
-//! instead, one by one, while the loss is below twice its standard error. The features are not projected. The score of the chosen set on the rows of
-//! the choice is too optimistic; the selection is therefore repeated within every fold, which measures its real
-//! quality.
+//! instead, one by one, while the loss is below twice its standard error. The features are not projected. The score of
+//! the chosen set on the rows of the choice is too optimistic; the selection is therefore repeated within every fold,
+//! which measures its real quality.
 
 mod judge;
 mod ranked;

@@ -151,7 +151,8 @@ impl Scores {
     }
 
     /// Computes the scores of the embedded detector's verdicts; for an undetermined verdict the posteriors are the
-    /// priors. The single-precision posteriors are limited from below to the smallest normal number, e^−87.
+    /// priors. The single-precision posteriors are limited from below to the smallest normal number, e^−87. Traces of
+    /// classes without a prior, which were not trained, do not count.
     #[must_use]
     pub fn of_verdicts(verdicts: &[TraceVerdict], priors: &[f64], per_segment: bool) -> Self {
         let prediction = |truth: usize, decided: Option<usize>, posteriors: &[f32]| {
@@ -171,7 +172,8 @@ impl Scores {
                 vec![prediction(v.class, v.decided.and_then(Finding::class), &v.posteriors)]
             }
         };
-        Self::new(&verdicts.iter().flat_map(each).collect::<Vec<_>>(), priors)
+        let trained = verdicts.iter().filter(|verdict| verdict.class < priors.len());
+        Self::new(&trained.flat_map(each).collect::<Vec<_>>(), priors)
     }
 
     /// Adds the keys `log_score`, `brier_score`, `expected_calibration_error`.
@@ -199,7 +201,7 @@ impl Scores {
     pub fn summary(&self) -> String {
         let Self { log, brier, calibration_error, .. } = self;
         if brier.of_prior.abs() < f64::EPSILON {
-            return "one class: log score, Brier score and calibration say nothing".into();
+            return "one class: log score, Brier score and calibration do not apply".into();
         }
         format!(
             "log score {:.3} ± {:.3} (priors {:.3}), Brier score {:.3} ± {:.3} (priors {:.3}), calibration error {:.1} %",

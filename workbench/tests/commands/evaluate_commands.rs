@@ -14,8 +14,8 @@ fn json(text: &str) -> Value {
     serde_json::from_str(text).expect("JSON")
 }
 
-/// Labels with columns: six runs of four traces a class; odd runs of unit A, even ones of unit B; sessions that alternate
-/// within a run.
+/// Labels with columns: six runs of four traces a class; odd runs of unit A, even ones of unit B; sessions that
+/// alternate within a run.
 fn label(dir: &Path) {
     let labels = std::fs::read_to_string(dir.join("runs/labels.csv")).expect("labels");
     let mut text = String::from("trace,class_name,run,unit,session\n");

@@ -1,11 +1,14 @@
 //! Arguments of the batch estimators.
 
+use std::path::PathBuf;
+
 use clap::Args;
 
+use super::traces::{PreparationArgs, StructureArgs, TraceArgs};
 use crate::Error;
 use crate::cli::output;
 use crate::identify::{Estimate, Method, Options, Structure, estimate_with, robust};
-use crate::trace::{Channels, Trace};
+use crate::trace::{Channels, Preparation, Trace};
 use crate::validate::is_white;
 
 /// The estimator of a difference model.
@@ -22,9 +25,32 @@ pub(in crate::cli) struct MethodArgs {
     robust: bool,
 }
 
+/// Traces, and the model that is estimated on each.
+#[derive(Clone, Debug, Args)]
+pub(in crate::cli) struct FitArgs {
+    #[command(flatten)]
+    pub(in crate::cli) input: TraceArgs,
+    #[command(flatten)]
+    pub(in crate::cli) structure: StructureArgs,
+    #[command(flatten)]
+    pub(in crate::cli) method: MethodArgs,
+    #[command(flatten)]
+    preparation: PreparationArgs,
+}
+
+impl FitArgs {
+    /// Checks the settings and the output, and reads the traces.
+    pub(in crate::cli) fn read(&self, output: Option<&PathBuf>) -> Result<(Vec<Trace>, Preparation), Error> {
+        self.input.channels.require(self.structure.structure())?;
+        let preparation = self.preparation.preparation()?;
+        output::plan(&output.map(PathBuf::as_path).into_iter().collect::<Vec<_>>(), &self.input.traces)?;
+        Ok((self.input.read_with(|channels| self.method.with_command(channels))?, preparation))
+    }
+}
+
 impl MethodArgs {
     /// Adds the command to the channels.
-    pub(in crate::cli) fn with_command(&self, channels: Channels) -> Result<Channels, Error> {
+    fn with_command(&self, channels: Channels) -> Result<Channels, Error> {
         match (&self.instruments, self.method) {
             (Some(command), Method::IvCommand) => Ok(Channels { further: vec![command.clone()], ..channels }),
             (Some(_), _) => Err(Error::Usage("--instruments goes with --method iv-command".into())),

@@ -364,8 +364,8 @@ pub(in crate::cli) const fn is_irregular(trace: &Trace) -> bool {
 pub(in crate::cli) fn warn_of_irregular(count: usize, all: usize, first: Option<&str>) {
     if let Some(first) = first {
         output::warn(format!(
-            "{count} of {all} traces are sampled irregularly (more than 2 % of the steps off by a tenth), first {first}; \
-             resample them"
+            "{count} of {all} traces are sampled irregularly (more than 2 % of the steps off by a tenth), first \
+             {first}; resample them"
         ));
     }
 }

@@ -23,6 +23,7 @@ use crate::cli::drive::Guess;
 use crate::cli::output;
 use crate::trace::reader::{self, Series};
 use crate::trace::resample::unwrapped;
+use crate::trace::table::Table;
 use crate::trace::{self, Condition, Labels, stem};
 use findings::{add, equal_traces, session_sets};
 use words::{print, to_json};
@@ -143,10 +144,10 @@ impl Args {
         bar.finish_and_clear();
         let (mut traces, mut findings) = (Vec::new(), Vec::new());
         // A file that has no label and none of the channels is a table of something else.
-        let labelled = self.labels.as_deref().map(Labels::read).transpose()?;
+        let labels = self.labels.as_deref().map(Labels::read).transpose()?;
         let is_other = |file: &Path| {
             let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-            labelled.as_ref().is_some_and(|labels| !labels.has(&name))
+            labels.as_ref().is_some_and(|labels| !labels.has(&name))
         };
         for (file, found) in files.iter().zip(all) {
             match found {
@@ -164,8 +165,8 @@ impl Args {
         if traces.is_empty() {
             return Err(Error::Usage(format!("{short} traces, none of {FEWEST} rows")));
         }
-        if let Some(labels) = self.labels.as_ref().filter(|_| !self.conditions.is_empty()) {
-            let chosen = Labels::read(labels)?.select(&self.conditions)?;
+        if let Some(labels) = labels.as_ref().filter(|_| !self.conditions.is_empty()) {
+            let chosen = labels.select(&self.conditions)?;
             let chosen: HashSet<&str> = chosen.iter().map(|(id, _)| id.as_str()).collect();
             traces.retain(|trace| chosen.contains(trace.id.as_str()));
             if traces.is_empty() {
@@ -177,7 +178,9 @@ impl Args {
         }
         equal_traces(&traces, &mut findings);
         let rotor = self.rotor_rate(&traces, &mut findings);
-        let classes = self.classes(&traces)?;
+        // Empty without labels, and for a trace that has none.
+        let ids = traces.iter().map(|trace| trace.id.as_str());
+        let classes = labels.map_or(Ok(vec![]), |labels| labels.cells("class_name", ids))?;
         session_sets(&traces, &classes, &mut findings);
         let lines = self.lines(&traces, rotor);
         let terms = self.terms(&traces, &classes, rotor)?;
@@ -198,7 +201,8 @@ impl Args {
 
     fn look(&self, file: &Path) -> Result<Vec<Audited>, Error> {
         let time = self.times.time.as_deref();
-        let (names, _) = reader::numeric(file, time)?;
+        let table = Table::open(file)?;
+        let (names, _) = reader::numeric(&table, time)?;
         let guess = Guess::of(&names);
         let chosen = [
             (&self.current, guess.current),
@@ -209,8 +213,8 @@ impl Args {
         ];
         let chosen = chosen.map(|(given, likely)| given.clone().or(likely));
         let channels: Vec<String> = names.iter().chain(chosen.iter().flatten()).cloned().collect();
-        let read = reader::series(file, (time, self.times.rate_hz), &channels)?;
-        let recorded = reader::has_time(file, time);
+        let read = reader::series(&table, (time, self.times.rate_hz), &channels)?;
+        let recorded = reader::has_time(&table, time);
         let each = |series: Series| {
             let mut values = series.columns;
             let mut further = values.split_off(names.len()).into_iter();
@@ -250,12 +254,6 @@ impl Args {
             add(findings, what, "all without a time");
         }
         Some(found)
-    }
-
-    /// The class of each trace; empty without labels, and for a trace that has none.
-    fn classes(&self, traces: &[Audited]) -> Result<Vec<String>, Error> {
-        let Some(path) = &self.labels else { return Ok(vec![]) };
-        Labels::read(path)?.cells("class_name", traces.iter().map(|trace| trace.id.as_str()))
     }
 
     /// Excitation and smallest change of the terms of friction and inertia.

@@ -12,6 +12,7 @@ use crate::audit::times::Times;
 use crate::cli::args::traces::TimeArgs;
 use crate::cli::output;
 use crate::trace::labels::Labels;
+use crate::trace::table::Table;
 use crate::trace::{self, reader};
 
 /// Write drive.toml: columns, rate, labels and likely channels, by looking at the files
@@ -27,7 +28,7 @@ pub(in crate::cli) struct Args {
     #[arg(long, value_name = "FILE")]
     labels: Option<PathBuf>,
     /// Where labels are written if there are none; by default labels.csv beside the drive file. The words of a file's
-    /// name are its class: unbalanced_800_3.csv is unbalanced. If the names tell no classes, all are healthy
+    /// name are its class: unbalanced_800_3.csv is unbalanced. If no two classes follow, all files are healthy
     #[arg(long, value_name = "FILE", conflicts_with = "labels")]
     labels_from_names: Option<PathBuf>,
     #[command(flatten)]
@@ -72,7 +73,7 @@ impl Kind {
         let (mut kinds, mut problem): (Vec<Self>, _) = (Vec::new(), None);
         let bar = output::progress("files", files.len());
         for file in files {
-            match reader::numeric(file, time) {
+            match Table::open(file).and_then(|table| reader::numeric(&table, time)) {
                 Ok((names, _)) if names.is_empty() => {}
                 Ok((names, _)) => match kinds.iter_mut().find(|kind| kind.names == names) {
                     Some(kind) => kind.files.push(file.clone()),
@@ -140,7 +141,8 @@ impl Found {
         let (names, proposal) = (own.names.clone(), Proposal::of(&own.names));
         // A single file among others of other kinds is named; several are found by their columns.
         let traces = if own.files.len() == 1 && files.len() > 1 { own.files.clone() } else { args.traces.clone() };
-        let read = |time: Option<&str>| reader::series(&own.files[0], (time, args.times.rate_hz), &names);
+        let table = Table::open(&own.files[0])?;
+        let read = |time: Option<&str>| reader::series(&table, (time, args.times.rate_hz), &names);
         let (series, disorder) = match read(time) {
             Err(problem) if time.is_none() => (read(Some(reader::NO_TIME))?, Some(problem.to_string())),
             other => (other?, None),

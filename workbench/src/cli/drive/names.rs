@@ -5,7 +5,7 @@
 //! ```
 //!
 //! The words of a name are its class, in lower case. A word that only some files of a class have (normal_operation_1,
-//! normal_2) is none of its words. If the names tell no classes of several files, all are healthy.
+//! normal_2) is left out. If fewer than two classes of several files follow, all files are healthy.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ use crate::trace::stem;
 
 /// Words that say what a file is for, not what it shows.
 const SETS: [&str; 5] = ["test", "train", "training", "validation", "log"];
-/// The class of files whose names tell none.
+/// The class of files if their names give no classes.
 pub(super) const ALL_HEALTHY: &str = "healthy";
 
 /// One file: its name, and the parts of the name.
@@ -49,7 +49,7 @@ impl Name {
     }
 }
 
-/// The labels as CSV, and whether the names tell classes.
+/// The labels as CSV, and whether the names give classes.
 pub(super) fn labels(files: &[PathBuf]) -> Result<(String, bool), Error> {
     let names: Vec<Name> = files.iter().map(|file| Name::of(file)).collect();
     let all: BTreeSet<&Vec<String>> = names.iter().map(|name| &name.words).collect();
@@ -64,8 +64,8 @@ pub(super) fn labels(files: &[PathBuf]) -> Result<(String, bool), Error> {
         all.iter().flat_map(|words| words.iter().filter(|word| is_some_only(words, word)).cloned()).collect();
     let classes: Vec<String> = names.iter().map(|name| name.class(&left_out)).collect();
     let several = |class: &String| classes.iter().filter(|other| *other == class).count() > 1;
-    let told: BTreeSet<&String> = classes.iter().filter(|class| !class.is_empty() && several(class)).collect();
-    let are_told = told.len() > 1;
+    let found: BTreeSet<&String> = classes.iter().filter(|class| !class.is_empty() && several(class)).collect();
+    let are_found = found.len() > 1;
     let numbers = names.iter().map(|name| name.numbers.len()).max().unwrap_or(0);
     let has_sets = names.iter().any(|name| !name.set.is_empty());
     let mut header: Vec<String> = ["trace", "class_name"].map(String::from).to_vec();
@@ -73,7 +73,7 @@ pub(super) fn labels(files: &[PathBuf]) -> Result<(String, bool), Error> {
     header.extend(has_sets.then(|| "set".to_string()));
     let mut rows = vec![header];
     for (name, class) in names.iter().zip(classes) {
-        let class = match (are_told, class.is_empty()) {
+        let class = match (are_found, class.is_empty()) {
             (false, _) => ALL_HEALTHY.to_string(),
             (true, true) => "unnamed".into(),
             (true, false) => class,
@@ -85,7 +85,7 @@ pub(super) fn labels(files: &[PathBuf]) -> Result<(String, bool), Error> {
         row.extend(has_sets.then(|| set.to_string()));
         rows.push(row);
     }
-    Ok((output::csv(&rows)?, are_told))
+    Ok((output::csv(&rows)?, are_found))
 }
 
 #[cfg(test)]
@@ -101,15 +101,15 @@ mod tests {
             "bad-load_800_1.csv",
             "bad-load_800_2.csv",
         ];
-        let (text, told) = labels(&files.map(PathBuf::from)).expect("labels");
+        let (text, found) = labels(&files.map(PathBuf::from)).expect("labels");
         let rows: Vec<&str> = text.lines().collect();
-        assert!(told);
+        assert!(found);
         assert_eq!(
             rows[..3],
             ["trace,class_name,n1,n2,set", "Normal_operation_1000,normal,1000,,none", "normal_800_1,normal,800,1,none"]
         );
         assert_eq!(rows[3..5], ["normal_800_2_test,normal,800,2,test", "bad-load_800_1,bad_load,800,1,none"]);
-        let (text, told) = labels(&["park_50rpm.csv", "steps_1.csv"].map(PathBuf::from)).expect("labels");
-        assert!(!told && text.contains("park_50rpm,healthy,50\n") && text.contains("steps_1,healthy,1\n"), "{text}");
+        let (text, found) = labels(&["park_50rpm.csv", "steps_1.csv"].map(PathBuf::from)).expect("labels");
+        assert!(!found && text.contains("park_50rpm,healthy,50\n") && text.contains("steps_1,healthy,1\n"), "{text}");
     }
 }

@@ -9,10 +9,10 @@ use bearing_watch::Counts;
 use crate::Error;
 use crate::cli::args::traces::{Given, GroupArgs, Selection, SelectionArgs, warn_irregular, warn_refused};
 use crate::cli::drive::on_page;
-use crate::cli::model_file::{Notes, check_rate, prepare, read_model};
+use crate::cli::model_file::{Notes, judge, read_model};
 use crate::cli::output;
 use crate::core::{Embedded, stuck_channels};
-use crate::evaluate::{self, Breakdown, Chance, Confusion, Control, FalseAlarms, Judged, TraceVerdict};
+use crate::evaluate::{Breakdown, Chance, Confusion, Control, FalseAlarms, Judged, TraceVerdict};
 use crate::report::pages::evaluation;
 use crate::report::pages::segments::Chosen;
 use crate::trace::{Condition, stem};
@@ -56,7 +56,7 @@ pub(in crate::cli) struct Choice {
     /// Break the rates down by the values of these columns of the labels, e.g. load_kgf,level
     #[arg(long, value_name = "COLUMNS", value_delimiter = ',')]
     by: Vec<String>,
-    /// Negative controls: columns of the labels that say nothing of the bearing, e.g. session; verdicts on healthy
+    /// Negative controls: columns of the labels that are unrelated to the bearing, e.g. session; verdicts on healthy
     /// traces should not depend on them
     #[arg(long, value_name = "COLUMNS", value_delimiter = ',')]
     controls: Vec<String>,
@@ -131,10 +131,7 @@ impl Choice {
         }
         warn_irregular(traces.iter().map(|t| &t.trace));
         warn_refused(traces.iter().map(|t| &t.trace));
-        check_rate(model, notes.preparation(), traces.iter().map(|t| &t.trace))?;
-        let bar = output::progress("evaluating", traces.len());
-        let verdicts = evaluate::run(model, &prepare(&traces, notes.preparation())?, || bar.inc(1))?;
-        bar.finish_and_clear();
+        let verdicts = judge(model, &traces, notes.preparation())?;
         let segments = || verdicts.iter().flat_map(|verdict| &verdict.segments);
         let outside = segments().filter(|segment| segment.outside.contains(&true)).count();
         if outside > 0 {
@@ -175,12 +172,8 @@ impl Choice {
                 stabilities(&judged, runs, &model.catalogue(&notes.orders), &notes.features)
             }),
         };
-        let is_trained: Vec<bool> = verdicts.iter().map(|verdict| verdict.class < model.classes.len()).collect();
-        let clusters = groups.clusters().map(|names| kept(names, &is_trained));
-        let known = kept(&verdicts, &is_trained);
-        let confusion = evaluate::count(&model.classes, &known, clusters.as_deref(), self.per_segment);
-        let confusion = Confusion { healthy: model.healthy(), ..confusion };
-        let scores = Scores::of_verdicts(&known, &model.priors(), self.per_segment);
+        let confusion = judged.confusion();
+        let scores = Scores::of_verdicts(&verdicts, &model.priors(), self.per_segment);
         let column = self.groups.unit.as_ref().or(self.groups.group.as_ref()).cloned();
         Ok(Evaluation { classes, verdicts, runs: groups.runs, confusion, scores, found, column, seen, outside })
     }
@@ -223,11 +216,6 @@ impl Evaluation {
         lines.extend(self.found.lines());
         lines
     }
-}
-
-/// Returns the elements whose flag is set.
-fn kept<T: Clone>(all: &[T], flags: &[bool]) -> Vec<T> {
-    all.iter().zip(flags).filter(|(_, flag)| **flag).map(|(element, _)| element.clone()).collect()
 }
 
 /// Returns a CSV table with one row per segment.

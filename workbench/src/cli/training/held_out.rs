@@ -3,9 +3,8 @@
 use super::{Session, Training};
 use crate::Error;
 use crate::cli::args::traces::Groups;
-use crate::cli::model_file::{check_rate, prepare};
-use crate::cli::output;
-use crate::evaluate::{self, Confusion, FalseAlarms};
+use crate::cli::model_file::judge;
+use crate::evaluate::{Confusion, FalseAlarms, Judged, TraceVerdict};
 use crate::report::pages::model::Worth;
 use crate::trace::labels::LabelledTrace;
 use crate::train::{Forward, Ranking, Scores};
@@ -13,7 +12,7 @@ use crate::train::{Forward, Ranking, Scores};
 /// Traces that were not used in training, with their verdicts.
 pub(in crate::cli) struct HeldOut {
     pub(in crate::cli) confusion: Confusion,
-    verdicts: Vec<evaluate::TraceVerdict>,
+    verdicts: Vec<TraceVerdict>,
     pub(in crate::cli) scores: Scores,
     /// False alarms by run, if the runs are known.
     pub(in crate::cli) false_alarms: Option<FalseAlarms>,
@@ -96,13 +95,17 @@ impl Session {
 fn evaluate((traces, groups): &(Vec<LabelledTrace>, Groups), own: &Training) -> Result<HeldOut, Error> {
     let Training { trained, host, .. } = own;
     let model = trained.embed()?;
-    check_rate(&model, *host, traces.iter().map(|t| &t.trace))?;
-    let bar = output::progress("evaluating", traces.len());
-    let verdicts = evaluate::run(&model, &prepare(traces, *host)?, || bar.inc(1))?;
-    bar.finish_and_clear();
+    let verdicts = judge(&model, traces, *host)?;
     let scores = Scores::of_verdicts(&verdicts, &model.priors(), false);
-    let confusion = evaluate::count(&trained.classes, &verdicts, groups.clusters(), false);
-    let confusion = Confusion { healthy: model.healthy(), ..confusion };
+    let judged = Judged {
+        verdicts: &verdicts,
+        classes: &trained.classes,
+        trained: trained.classes.len(),
+        healthy: model.healthy(),
+        groups: groups.clusters(),
+        per_segment: false,
+    };
+    let confusion = judged.confusion();
     let by_run = groups.runs.as_ref().zip(model.healthy());
     let false_alarms = by_run.map(|(runs, healthy)| FalseAlarms::of(&verdicts, runs, healthy, false));
     Ok(HeldOut { confusion, verdicts, scores, false_alarms })

@@ -4,7 +4,7 @@ use bearing_watch::plan::Method;
 use serde_json::{Map, Value, json};
 
 use super::{Found, HeldOut, Training};
-use crate::cli::description::{self, estimated_by, method_word};
+use crate::cli::description::{self, method_word};
 use crate::cli::evidence;
 use crate::evaluate::Rate;
 use crate::train::{Choice, Explained, Forward, Ranking, Scores};
@@ -50,17 +50,9 @@ pub(in crate::cli) fn lines(own: &Training, found: &Found, place: &str) -> Vec<S
     let trained = &own.trained;
     let traces = trained.classes.iter().zip(own.counts()).map(|(name, n)| format!("{n} {name}"));
     let traces: Vec<String> = traces.collect();
-    let mut lines = vec![
-        format!("trained on {} traces; features {}", traces.join(", "), trained.feature_names.join(", ")),
-        format!("estimated by {}", estimated_by(trained)),
-        format!(
-            "{} discriminant, coordinates: {}, segments of {} samples; {} bytes{place}",
-            trained.kind_name(),
-            trained.core_projection.matrix.nrows(),
-            trained.segment_samples,
-            own.bytes.len(),
-        ),
-    ];
+    let mut lines =
+        vec![format!("trained on {} traces; features {}", traces.join(", "), trained.feature_names.join(", "))];
+    lines.extend(description::built(trained, own.bytes.len(), place));
     lines.extend(trained.explained.iter().flat_map(Explained::lines));
     lines.extend(description::gate(trained));
     lines.extend(evidence::text(trained, own.orders.as_ref()));

@@ -9,8 +9,7 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use crate::Error;
-use crate::cli::args::method::MethodArgs;
-use crate::cli::args::traces::{PreparationArgs, StructureArgs, TraceArgs};
+use crate::cli::args::method::FitArgs;
 use crate::cli::output;
 use crate::identify::Options;
 use crate::report::pages::validation::{Outcome, cancellation, page};
@@ -26,11 +25,7 @@ use crate::validate::{Correlation, Errors, Test, validate};
 )]
 pub(in crate::cli) struct Args {
     #[command(flatten)]
-    input: TraceArgs,
-    #[command(flatten)]
-    structure: StructureArgs,
-    #[command(flatten)]
-    method: MethodArgs,
+    fit: FitArgs,
     /// Test this model instead of estimating one on each trace: the table or JSON of `identify`, of one trace or with
     /// the row --params-of. JSON has the covariance, which widens the bounds
     #[arg(long, value_name = "FILE", conflicts_with_all = ["method", "robust", "instruments"])]
@@ -38,8 +33,6 @@ pub(in crate::cli) struct Args {
     /// The trace on which the model of --params was estimated
     #[arg(long, value_name = "TRACE", requires = "params")]
     params_of: Option<String>,
-    #[command(flatten)]
-    preparation: PreparationArgs,
     /// Largest lag of the correlations, on either side
     #[arg(long, default_value_t = 25, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=500))]
     lags: u16,
@@ -52,21 +45,18 @@ pub(in crate::cli) struct Args {
 }
 
 pub(in crate::cli) fn run(args: &Args) -> Result<(), Error> {
-    args.input.channels.require(args.structure.structure())?;
-    let preparation = args.preparation.preparation()?;
-    output::plan(&args.report.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &args.input.traces)?;
-    let structure = args.structure.structure();
+    let (structure, method) = (args.fit.structure.structure(), &args.fit.method);
     let given =
         args.params.as_deref().map(|path| given::read(path, args.params_of.as_deref(), structure)).transpose()?;
-    let traces = args.input.read_with(|channels| args.method.with_command(channels))?;
+    let (traces, preparation) = args.fit.read(args.report.as_ref())?;
     let bar = output::progress("validating", traces.len());
     let one = |trace: &Trace| {
         let trace = preparation.apply(trace)?;
         let (estimate, errors) = match &given {
             Some(given) => (given.clone(), Errors::Given),
             None => {
-                let estimate = args.method.estimate(&trace, structure, Options::default())?;
-                (estimate, Errors::of(args.method.method))
+                let estimate = method.estimate(&trace, structure, Options::default())?;
+                (estimate, Errors::of(method.method))
             }
         };
         let found = validate(&trace, &estimate, errors, usize::from(args.lags))?;
@@ -78,7 +68,7 @@ pub(in crate::cli) fn run(args: &Args) -> Result<(), Error> {
     // Collects all results first, so that every run reports the error of the first bad trace.
     let outcomes = outcomes.into_iter().collect::<Result<Vec<_>, Error>>()?;
     if given.is_none() {
-        args.method.warn_of_colour(outcomes.iter().map(|outcome| (outcome.trace.id.as_str(), &outcome.estimate)));
+        method.warn_of_colour(outcomes.iter().map(|outcome| (outcome.trace.id.as_str(), &outcome.estimate)));
     }
     let unstable = outcomes.iter().filter(|outcome| !outcome.estimate.is_stable()).count();
     if unstable > 0 {
@@ -162,12 +152,12 @@ fn to_json(outcome: &Outcome) -> serde_json::Value {
 
 /// Returns the text below the title of the page.
 fn lead(args: &Args, first: &Trace) -> String {
-    let channels = args.input.channels.signals();
-    let order = args.structure.structure().orders();
+    let channels = args.fit.input.channels.signals();
+    let order = args.fit.structure.structure().orders();
     let by = match &args.params {
         Some(path) => format!("from {}, tested on", path.display()),
         None => {
-            let value = args.method.method.to_possible_value();
+            let value = args.fit.method.method.to_possible_value();
             let name = value.map_or_else(String::new, |method| method.get_name().to_string());
             format!("estimated by {name} from")
         }
@@ -177,7 +167,7 @@ fn lead(args: &Args, first: &Trace) -> String {
         channels.y,
         channels.u1,
         channels.u2,
-        if args.structure.structure().offset { " with a constant" } else { "" },
+        if args.fit.structure.structure().offset { " with a constant" } else { "" },
         first.y.len()
     )
 }

@@ -37,7 +37,9 @@ pub(super) fn stack(figure: &mut Figure, across: Across, rows: Vec<Row>, legend:
     figure.axis(
         "xaxis",
         across.axis.anchor(&bottom_axis),
-        &json!({ "title": { "text": text(across.label) }, "showspikes": true, "spikemode": "across", "spikesnap": "cursor" }),
+        &json!({
+            "title": { "text": text(across.label) }, "showspikes": true, "spikemode": "across", "spikesnap": "cursor"
+        }),
     );
     let mut top = 1.0;
     for (k, row) in rows.into_iter().enumerate() {

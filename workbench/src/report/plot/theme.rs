@@ -17,7 +17,9 @@ pub(super) const BOTTOM: u32 = 46;
 pub(super) fn layout() -> Value {
     json!({
         "template": { "layout": { "xaxis": axis(), "yaxis": axis() } },
-        "font": { "family": "system-ui, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif", "size": 13, "color": INK },
+        "font": {
+            "family": "system-ui, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif", "size": 13, "color": INK
+        },
         "paper_bgcolor": CLEAR,
         "plot_bgcolor": CLEAR,
         "margin": { "l": 56, "r": 38, "t": TOP, "b": BOTTOM },

@@ -18,8 +18,8 @@
 //! many segments the run has and however they depend on each other.
 //!
 //! A model for other drives than those of its training set: groups are drives, and the offset u ~ N(0, Λ) of the drive
-//! at hand from the others also lasts. Then the quantile is that over m, S and u, and P is that for segments with mean u
-//! and covariance I − Λ.
+//! at hand from the others also lasts. Then the quantile is that over m, S and u, and P is that for segments with mean
+//! u and covariance I − Λ.
 //!
 //! (1) is found for normally distributed features; tails that are heavier are in the law of the distance already. It
 //! uses the saddle-point approximation of P ([`super::spread`]), whose relative error is below 5 %.

@@ -254,8 +254,8 @@ fn within_distances(
 /// Coordinates with a significant trend, and δ of (5).
 pub(super) type Shift = (Vec<usize>, DVector<f64>);
 
-/// Returns the trend of the run means in each coordinate, and, if any is significant, these coordinates and the expected
-/// shift δ of the next run from the mean of all (5).
+/// Returns the trend of the run means in each coordinate, and, if any is significant, these coordinates and the
+/// expected shift δ of the next run from the mean of all (5).
 fn trend(means: &[DVector<f64>]) -> (Vec<Slope>, Option<Shift>) {
     let k = means.len() as f64;
     let p = means.first().map_or(0, DVector::len);
