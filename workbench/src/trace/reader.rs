@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use super::signal::Signal;
+use super::signal::{Signal, values_of};
 use super::table::{Columns, Table, Wanted};
 use super::units::{Quantity, Unit};
 use super::{Channels, MotionTrace, ShaftChannels, Trace, median, stem};
@@ -116,8 +116,8 @@ pub(super) fn read(
     let time = channels.time.as_deref();
     let (signals, parts) = parts(table, time, &|header| header.signals(channels), wanted)?;
     let each = |part: Part| {
-        let column = |place: usize| part.column(place);
-        assemble(part.id.clone(), channels, &signals, &column, part.times_s.as_deref())
+        let Part { id, places, columns, times_s } = part;
+        assemble(id, channels, &signals, (&places, columns), times_s.as_deref())
     };
     parts.into_iter().map(each).collect()
 }
@@ -142,16 +142,16 @@ pub(crate) fn series(
     let signals = |header: &Header| channels.iter().map(|channel| Signal::parse(channel, &header.names)).collect();
     let (signals, parts) = parts(table, time, &signals, &|_| true)?;
     let each = |part: Part| {
-        let rows = part.columns.first().map_or(0, Vec::len);
+        let Part { id, places, columns, times_s } = part;
+        let rows = rows(&columns, times_s.as_deref());
         let by_rate = || rate_hz.map(|rate| (0..rows).map(|row| row as f64 / rate).collect());
-        let times_s = part.times_s.clone().or_else(by_rate);
+        let times_s = times_s.or_else(by_rate);
         if times_s.is_none() && signals.iter().any(Signal::integrates) {
-            return Err(Error::trace(&part.id, INTEGRAL));
+            return Err(Error::trace(&id, INTEGRAL));
         }
         let step = |row: usize| times_s.as_ref().map_or(0.0, |times| times[row + 1] - times[row]);
-        let column = |place: usize| part.column(place);
-        let columns = signals.iter().map(|signal| signal.values(rows, &column, &step)).collect();
-        Ok(Series { id: part.id.clone(), times_s, columns })
+        let columns = values_of(&signals, (&places, columns), rows, &step);
+        Ok(Series { id, times_s, columns })
     };
     parts.into_iter().map(each).collect()
 }
@@ -186,14 +186,20 @@ struct Part {
     id: String,
     /// Places of the columns in the file, sorted.
     places: Vec<usize>,
+    /// The columns; that of the time is empty unless a signal needs it.
     columns: Vec<Vec<f64>>,
     times_s: Option<Vec<f64>>,
 }
 
 impl Part {
-    fn column(&self, place: usize) -> &[f64] {
-        &self.columns[self.places.binary_search(&place).unwrap_or(0)]
+    fn column(&mut self, place: usize) -> &mut Vec<f64> {
+        &mut self.columns[self.places.binary_search(&place).unwrap_or(0)]
     }
+}
+
+/// Number of rows; a time column that no signal needs is not among the columns.
+fn rows(columns: &[Vec<f64>], times: Option<&[f64]>) -> usize {
+    columns.iter().map(Vec::len).max().or(times.map(<[f64]>::len)).unwrap_or(0)
 }
 
 /// Reads the columns of signals, one part for each trace.
@@ -211,8 +217,9 @@ fn parts(
         return Ok((vec![], vec![]));
     }
     let signals = signals(&header).map_err(wrong)?;
-    let mut places: Vec<usize> = header.time().into_iter().collect();
-    signals.iter().for_each(|signal| signal.columns(&mut places));
+    let mut needed = Vec::new();
+    signals.iter().for_each(|signal| signal.columns(&mut needed));
+    let mut places: Vec<usize> = header.time().into_iter().chain(needed.iter().copied()).collect();
     if let Some(name) = header.doubled(&places) {
         return Err(wrong(format!("column {name} comes twice; rename or remove one")));
     }
@@ -236,8 +243,12 @@ fn parts(
             Some(_) => whole.iter().flatten().map(|column| rows.of(column)).collect(),
         };
         let mut part = Part { id: rows.id.clone(), places: places.clone(), columns: own, times_s: None };
-        let in_seconds = |(place, factor): (usize, f64)| part.column(place).iter().map(|t| t * factor).collect();
-        part.times_s = header.time.map(in_seconds);
+        part.times_s = header.time.map(|(place, factor)| {
+            let column = part.column(place);
+            let mut times = if needed.contains(&place) { column.clone() } else { std::mem::take(column) };
+            times.iter_mut().for_each(|t| *t *= factor);
+            times
+        });
         if let Some(at) = part.times_s.as_ref().and_then(|times| times.windows(2).position(|pair| pair[1] < pair[0])) {
             let name = header.time().map_or("", |place| &header.names[place]);
             let place = format!("{}, column {name}", columns.place(rows.row(at + 1)));
@@ -285,20 +296,20 @@ impl Rows {
     }
 }
 
-/// Makes a trace of signals; `times` are in seconds.
-pub(super) fn assemble<'c>(
+/// Makes a trace of signals by columns and their places in ascending order; `times` are in seconds.
+pub(super) fn assemble(
     id: String,
     channels: &Channels,
     signals: &[Signal],
-    column: &dyn Fn(usize) -> &'c [f64],
+    (places, columns): (&[usize], Vec<Vec<f64>>),
     times: Option<&[f64]>,
 ) -> Result<Trace, Error> {
     let mut trace = Trace { id, ..Trace::default() };
     if let Some(times) = times {
-        let steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        trace.interval_s = Some(median(&steps)).filter(|step| *step > 0.0);
+        let steps = || times.windows(2).map(|pair| pair[1] - pair[0]);
+        trace.interval_s = Some(median(steps().collect::<Vec<_>>())).filter(|step| *step > 0.0);
         let usual = trace.interval_s.unwrap_or(0.0);
-        trace.irregular_steps = steps.iter().filter(|step| (*step - usual).abs() > 0.1 * usual).count();
+        trace.irregular_steps = steps().filter(|step| (step - usual).abs() > 0.1 * usual).count();
     }
     let given = channels.rate_hz.map(|rate| 1.0 / rate);
     if let (Some(given), Some(found)) = (given, trace.interval_s)
@@ -317,10 +328,8 @@ pub(super) fn assemble<'c>(
         return Err(Error::trace(&trace.id, INTEGRAL));
     }
     let step = |row: usize| times.map_or(interval.unwrap_or(0.0), |times| times[row + 1] - times[row]);
-    let mut first = Vec::new();
-    signals.iter().for_each(|signal| signal.columns(&mut first));
-    let rows = first.first().map_or(0, |place| column(*place).len());
-    let mut values = signals.iter().map(|signal| signal.values(rows, column, &step));
+    let rows = rows(&columns, times);
+    let mut values = values_of(signals, (places, columns), rows, &step).into_iter();
     let mut next = || values.next().unwrap_or_default();
     (trace.y, trace.u1, trace.u2) = (next(), next(), next());
     trace.further = channels.further.iter().map(|_| next()).collect();

@@ -71,12 +71,7 @@ impl Signal {
     }
 
     /// The values, `rows` of them, by the columns and the steps of time from each row to the next one.
-    pub(super) fn values<'c>(
-        &self,
-        rows: usize,
-        column: &dyn Fn(usize) -> &'c [f64],
-        step_s: &dyn Fn(usize) -> f64,
-    ) -> Vec<f64> {
+    fn values<'c>(&self, rows: usize, column: &dyn Fn(usize) -> &'c [f64], step_s: &dyn Fn(usize) -> f64) -> Vec<f64> {
         match self {
             Self::Column(place) => column(*place).to_vec(),
             Self::Constant(value) => vec![*value; rows],
@@ -101,6 +96,34 @@ impl Signal {
             }
         }
     }
+}
+
+/// The values of signals, `rows` of each, by columns at places in ascending order. A column that is a signal itself, and
+/// that nothing else needs, is moved.
+pub(super) fn values_of(
+    signals: &[Signal],
+    (places, mut columns): (&[usize], Vec<Vec<f64>>),
+    rows: usize,
+    step_s: &dyn Fn(usize) -> f64,
+) -> Vec<Vec<f64>> {
+    let slot = |place: usize| places.binary_search(&place).unwrap_or(0);
+    let mut needed = Vec::new();
+    signals.iter().for_each(|signal| signal.columns(&mut needed));
+    let moved = |signal: &Signal| match signal {
+        Signal::Column(place) if needed.iter().filter(|other| *other == place).count() == 1 => Some(slot(*place)),
+        _ => None,
+    };
+    let of = |signal: &Signal| match moved(signal) {
+        Some(_) => vec![],
+        None => signal.values(rows, &|place| &columns[slot(place)], step_s),
+    };
+    let mut values: Vec<Vec<f64>> = signals.iter().map(of).collect();
+    for (values, signal) in values.iter_mut().zip(signals) {
+        if let Some(slot) = moved(signal) {
+            *values = std::mem::take(&mut columns[slot]);
+        }
+    }
+    values
 }
 
 /// Says that there is no such column.
@@ -297,6 +320,18 @@ mod tests {
             let near = found.iter().zip(expected).all(|(one, other)| (one - other).abs() < 1e-12);
             assert!(near, "{text}: {found:?} for {expected:?}"); // rounding
         }
+    }
+
+    #[test]
+    fn a_column_is_moved_only_if_nothing_else_needs_it() {
+        let names = ["a", "b", "c"].map(String::from);
+        let signals: Vec<Signal> =
+            ["c", "a", "2*c", "b", "a"].iter().map(|text| Signal::parse(text, &names).expect(text)).collect();
+        let columns = vec![vec![1.0], vec![2.0], vec![3.0]];
+        let moved = columns[1].as_ptr();
+        let values = values_of(&signals, (&[0, 1, 2], columns), 1, &|_| 1.0);
+        assert_eq!(values, [[3.0], [1.0], [6.0], [2.0], [1.0]]);
+        assert_eq!(values[3].as_ptr(), moved);
     }
 
     #[test]

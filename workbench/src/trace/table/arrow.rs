@@ -19,6 +19,8 @@ use crate::Error;
 
 /// Rows of one batch.
 const BATCH: usize = 65_536;
+/// Rows for which memory is reserved at most, as the file's own count of rows may be wrong.
+const LARGEST_RESERVE: usize = 1 << 24;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -75,9 +77,11 @@ fn read_some((path, names): (&Path, &[String]), kind: Kind, wanted: Wanted<'_>) 
     let mut places: Vec<usize> = wanted.numbers.iter().copied().chain(wanted.text).collect();
     places.sort_unstable();
     places.dedup();
+    let mut rows = 0;
     let batches: Box<dyn Iterator<Item = Result<RecordBatch, String>>> = match kind {
         Kind::Parquet => {
             let builder = parquet(path)?;
+            rows = usize::try_from(builder.metadata().file_metadata().num_rows()).unwrap_or(0).min(LARGEST_RESERVE);
             let mask = ProjectionMask::roots(builder.parquet_schema(), places.iter().copied());
             let reader = builder.with_projection(mask).with_batch_size(BATCH).build();
             Box::new(reader.map_err(|error| wrong(error.to_string()))?.map(|batch| batch.map_err(|e| e.to_string())))
@@ -85,7 +89,7 @@ fn read_some((path, names): (&Path, &[String]), kind: Kind, wanted: Wanted<'_>) 
         Kind::Ipc => Box::new(ipc(path, Some(places.clone()))?.map(|batch| batch.map_err(|error| error.to_string()))),
     };
     let mut columns = Columns {
-        numbers: vec![Vec::new(); wanted.numbers.len()],
+        numbers: wanted.numbers.iter().map(|_| Vec::with_capacity(rows)).collect(),
         texts: wanted.text.map(|_| Vec::new()),
         ..Columns::default()
     };

@@ -11,6 +11,7 @@
 
 mod arrow;
 mod layout;
+mod lines;
 mod matlab;
 mod matlab_value;
 mod numpy;
@@ -23,6 +24,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::Error;
+use lines::Lines;
 
 pub use recorded::{Cells, Recorded};
 pub(crate) use text::csv_error;
@@ -59,7 +61,7 @@ pub(crate) struct Columns {
     /// The cells of the column of text, if one was asked for, in the rows that were wanted.
     pub(crate) texts: Option<Vec<String>>,
     /// Line of each row; empty if rows have no lines.
-    lines: Vec<u64>,
+    lines: Lines,
 }
 
 /// What is read of a file.
@@ -181,7 +183,7 @@ impl Table {
 impl Columns {
     /// Where a row is, for messages.
     pub(crate) fn place(&self, row: usize) -> String {
-        self.lines.get(row).map_or_else(|| format!("row {}", row + 1), |line| format!("line {line}"))
+        self.lines.of(row).map_or_else(|| format!("row {}", row + 1), |line| format!("line {line}"))
     }
 }
 

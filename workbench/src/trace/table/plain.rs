@@ -1,10 +1,12 @@
 //! Rows of text without quotes, read in parallel.
 //!
-//! The text is split at ends of lines; each piece is read by itself, and the pieces are joined in their order. What is
-//! read, and every message, is that of the general reader of [`super::text`].
+//! The text is split at ends of lines. Each piece is read by itself, into its part of the columns. What is read, and
+//! every message, is that of the general reader of [`super::text`].
 
 use memchr::{memchr, memchr_iter};
 use rayon::prelude::*;
+
+use super::Lines;
 
 /// Bytes of a piece.
 const PIECE: usize = 1 << 20;
@@ -12,6 +14,8 @@ const PIECE: usize = 1 << 20;
 /// How rows are written, and which cells are wanted.
 pub(super) struct Form<'a> {
     pub(super) separator: u8,
+    /// Whether numbers have decimal commas.
+    pub(super) decimal_comma: bool,
     /// Lines that start with it are left out.
     pub(super) comment: Option<u8>,
     /// Number of cells of a row.
@@ -40,41 +44,51 @@ pub(super) struct Rows {
     pub(super) numbers: Vec<Vec<f64>>,
     pub(super) texts: Vec<String>,
     /// Line of each row that was wanted.
-    pub(super) lines: Vec<u64>,
+    pub(super) lines: Lines,
     /// All rows, also those that were not wanted.
     pub(super) count: usize,
 }
 
 /// Whether the text can be read here: no quotes, and lines that end with a line feed.
 pub(super) fn suits(text: &str) -> bool {
+    let plain = |piece: &[u8], next: Option<&u8>| {
+        let feed = |place: usize| piece.get(place + 1).or(next) == Some(&b'\n');
+        memchr(b'"', piece).is_none() && memchr_iter(b'\r', piece).all(feed)
+    };
     let bytes = text.as_bytes();
-    memchr(b'"', bytes).is_none() && memchr_iter(b'\r', bytes).all(|place| bytes.get(place + 1) == Some(&b'\n'))
+    bytes.par_chunks(PIECE).enumerate().all(|(k, piece)| plain(piece, bytes.get((k + 1) * PIECE)))
 }
 
 /// Reads the rows after the line `first` of a text; the error has the line.
 pub(super) fn rows(text: &str, first: u64, form: &Form<'_>) -> Result<Rows, (u64, Refusal)> {
     let pieces = pieces(text);
-    let counts: Vec<u64> = pieces.par_iter().map(|piece| memchr_iter(b'\n', piece.as_bytes()).count() as u64).collect();
-    let starts = counts.iter().scan(first, |line, count| {
-        let start = *line;
-        *line += count;
-        Some(start)
-    });
-    let numbered: Vec<(&str, u64)> = pieces.iter().copied().zip(starts).collect();
-    let read: Vec<Result<Rows, _>> =
-        numbered.into_par_iter().map(|(piece, line)| piece_rows(piece, line, form)).collect();
-    let count = read.iter().flatten().map(|rows| rows.lines.len()).sum();
-    let numbers = vec![Vec::with_capacity(count); form.numbers.len()];
-    let mut all = Rows { numbers, lines: Vec::with_capacity(count), ..Rows::default() };
-    all.numbers.iter_mut().for_each(|column| column.reserve_exact(count));
-    for rows in read {
-        let rows = rows?;
-        all.numbers.iter_mut().zip(&rows.numbers).for_each(|(column, further)| column.extend_from_slice(further));
-        all.texts.extend(rows.texts);
-        all.lines.extend_from_slice(&rows.lines);
-        all.count += rows.count;
+    // A piece has at most as many rows as lines.
+    let bounds: Vec<usize> = pieces.par_iter().map(|piece| count_lines(piece)).collect();
+    let mut numbers = vec![vec![0.0; bounds.iter().sum()]; form.numbers.len()];
+    let mut parts: Vec<Piece<'_>> = Vec::with_capacity(pieces.len());
+    let mut rest: Vec<&mut [f64]> = numbers.iter_mut().map(Vec::as_mut_slice).collect();
+    let mut line = first;
+    for (text, rows) in pieces.into_iter().zip(&bounds) {
+        let (own, later) = rest.into_iter().map(|column| column.split_at_mut(*rows)).unzip();
+        parts.push(Piece { text, line, columns: own });
+        (rest, line) = (later, line + *rows as u64);
     }
-    Ok(all)
+    let read: Vec<Result<Rows, _>> = parts.into_par_iter().map(|piece| piece.read(form)).collect();
+    let mut all = Rows::default();
+    let (mut start, mut end) = (0, 0);
+    for (rows, bound) in read.into_iter().zip(&bounds) {
+        let mut rows = rows?;
+        let filled = rows.lines.rows();
+        if start != end {
+            numbers.iter_mut().for_each(|column| column.copy_within(start..start + filled, end));
+        }
+        all.texts.append(&mut rows.texts);
+        all.lines.append(&rows.lines);
+        all.count += rows.count;
+        (start, end) = (start + bound, end + filled);
+    }
+    numbers.iter_mut().for_each(|column| column.truncate(end));
+    Ok(Rows { numbers, ..all })
 }
 
 fn pieces(text: &str) -> Vec<&str> {
@@ -89,114 +103,124 @@ fn pieces(text: &str) -> Vec<&str> {
     pieces
 }
 
-fn piece_rows(piece: &str, first: u64, form: &Form<'_>) -> Result<Rows, (u64, Refusal)> {
-    let mut slots = vec![None; form.cells];
-    form.numbers.iter().enumerate().for_each(|(slot, place)| slots[*place] = Some(slot));
-    let mut rows = Rows { numbers: vec![Vec::new(); form.numbers.len()], ..Rows::default() };
-    let mut cells: Vec<&str> = Vec::with_capacity(form.cells);
-    let mut rest = piece;
-    let mut line = first;
-    while !rest.is_empty() {
-        let end = memchr(b'\n', rest.as_bytes()).unwrap_or(rest.len());
-        let own = &rest[..end];
-        rest = rest.get(end + 1..).unwrap_or("");
-        line += 1;
-        let own = own.strip_suffix('\r').unwrap_or(own);
-        if own.is_empty() || form.comment.is_some_and(|mark| own.as_bytes()[0] == mark) {
-            continue;
-        }
-        cells.clear();
-        let mut from = 0;
-        // Cells are short: looking at each byte is quicker than a search for the next separator.
-        for (at, byte) in own.bytes().enumerate() {
-            if byte == form.separator {
-                cells.push(&own[from..at]);
-                from = at + 1;
-            }
-        }
-        cells.push(&own[from..]);
-        rows.count += 1;
-        if cells.len() != form.cells {
-            return Err((line, Refusal::Cells(cells.len())));
-        }
-        if let Some(place) = form.text {
-            let text = cells[place].trim();
-            if !(form.row)(text) {
-                continue;
-            }
-            rows.texts.push(text.to_string());
-        }
-        for (place, (cell, slot)) in cells.iter().zip(&slots).enumerate() {
-            if let Some(slot) = slot {
-                let number = match short_decimal(cell.as_bytes()) {
-                    Some(number) => number,
-                    None => (form.number)(cell.trim()).map_err(|problem| (line, Refusal::Number(place, problem)))?,
-                };
-                rows.numbers[*slot].push(number);
-            }
-        }
-        rows.lines.push(line);
-    }
-    Ok(rows)
+/// Number of lines; the last one need not end.
+fn count_lines(text: &str) -> usize {
+    memchr_iter(b'\n', text.as_bytes()).count() + usize::from(!text.is_empty() && !text.ends_with('\n'))
 }
 
-/// A decimal number of at most 15 digits without an exponent: its digits and the power of ten are exact, so that their
-/// quotient is the nearest number, as of any correct parser. `None` of everything else.
-fn short_decimal(cell: &[u8]) -> Option<f64> {
-    /// Exact powers of ten.
-    const TENS: [f64; 16] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
-    let (negative, digits) = match cell {
-        [b'-', digits @ ..] => (true, digits),
-        digits => (false, digits),
-    };
-    let (mut value, mut seen, mut after) = (0_u64, 0, None);
-    for byte in digits {
-        match byte {
-            b'0'..=b'9' => {
-                value = 10 * value + u64::from(byte - b'0');
-                seen += 1;
-                if seen > 15 {
-                    return None;
-                }
-                after = after.map(|count| count + 1);
+/// A part of the text, the number of the line before it, and the columns for its numbers.
+struct Piece<'a> {
+    text: &'a str,
+    line: u64,
+    columns: Vec<&'a mut [f64]>,
+}
+
+impl Piece<'_> {
+    /// Reads the rows; those returned have no numbers, which are in the columns.
+    fn read(mut self, form: &Form<'_>) -> Result<Rows, (u64, Refusal)> {
+        let mut slots = vec![None; form.cells];
+        form.numbers.iter().enumerate().for_each(|(slot, place)| slots[*place] = Some(slot));
+        let mut rows = Rows::default();
+        let (mut rest, mut line, mut filled) = (self.text, self.line, 0);
+        while !rest.is_empty() {
+            let end = memchr(b'\n', rest.as_bytes()).unwrap_or(rest.len());
+            let own = &rest[..end];
+            rest = rest.get(end + 1..).unwrap_or("");
+            line += 1;
+            let own = own.strip_suffix('\r').unwrap_or(own);
+            if own.is_empty() || form.comment.is_some_and(|mark| own.as_bytes()[0] == mark) {
+                continue;
             }
-            b'.' if after.is_none() => after = Some(0),
-            _ => return None,
+            rows.count += 1;
+            if let Some(place) = form.text {
+                let text = own.split(char::from(form.separator)).nth(place).unwrap_or("").trim();
+                if !(form.row)(text) {
+                    form.complete(own).map_err(|refusal| (line, refusal))?;
+                    continue;
+                }
+                rows.texts.push(text.to_string());
+            }
+            self.numbers(own, (&slots, filled), form).map_err(|refusal| (line, refusal))?;
+            rows.lines.push(line);
+            filled += 1;
         }
+        Ok(rows)
     }
-    let number = value as f64 / TENS.get(after.unwrap_or(0))?;
-    (seen > 0).then_some(if negative { -number } else { number })
+
+    /// Reads the numbers of a line into a row of the columns.
+    fn numbers(&mut self, line: &str, (slots, row): (&[Option<usize>], usize), form: &Form<'_>) -> Result<(), Refusal> {
+        let bytes = line.as_bytes();
+        let mut from = 0;
+        for (place, slot) in slots.iter().enumerate() {
+            if from > bytes.len() {
+                return form.complete(line);
+            }
+            let rest = &bytes[from..];
+            let ends = |length: usize| rest.get(length).is_none_or(|byte| *byte == form.separator);
+            let quick = slot.filter(|_| !form.decimal_comma).and_then(|_| fast_float2::parse_partial(rest).ok());
+            let quick = quick.filter(|(number, length): &(f64, _)| ends(*length) && number.abs() <= super::LARGEST);
+            let (number, length) = match (quick, slot) {
+                (Some(found), _) => found,
+                (None, slot) => {
+                    let length = memchr(form.separator, rest).unwrap_or(rest.len());
+                    let number = slot.map(|_| (form.number)(line[from..from + length].trim())).transpose();
+                    let refused = |problem| form.complete(line).err().unwrap_or(Refusal::Number(place, problem));
+                    (number.map_err(refused)?.unwrap_or_default(), length)
+                }
+            };
+            if let Some(slot) = slot {
+                self.columns[*slot][row] = number;
+            }
+            from += length + 1;
+        }
+        if from == bytes.len() + 1 { Ok(()) } else { form.complete(line) }
+    }
+}
+
+impl Form<'_> {
+    /// Refuses a line with another number of cells.
+    fn complete(&self, line: &str) -> Result<(), Refusal> {
+        let cells = 1 + memchr_iter(self.separator, line.as_bytes()).count();
+        if cells == self.cells { Ok(()) } else { Err(Refusal::Cells(cells)) }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Bit by bit the numbers of the standard library's parser.
+    /// Bit by bit the numbers of the standard library's parser, and refused where it refuses.
     #[test]
-    fn short_decimals_are_exact() {
-        for text in
-            ["0", "-0.0", "1.5", "-2.675", "0.1", "123456.789012345", "999999999999999", "0.00000000000001", "5."]
-        {
-            let expected: f64 = text.parse().expect("a number");
-            assert_eq!(short_decimal(text.as_bytes()).map(f64::to_bits), Some(expected.to_bits()), "{text}");
-        }
+    fn numbers_are_those_of_the_general_reader() {
+        let number = |cell: &str| cell.parse::<f64>().map_err(|_| "no number".to_string());
+        let of = |text: &str| {
+            let form = Form {
+                separator: b',',
+                decimal_comma: false,
+                comment: None,
+                cells: 1,
+                numbers: &[0],
+                text: None,
+                row: &|_| true,
+                number: &number,
+            };
+            rows(text, 0, &form).map(|found| found.numbers[0][0].to_bits())
+        };
+        let plain = ["0", "-0.0", "1.5", "-2.675", "0.1", "999999999999999", "5.", ".5", "+1", " 1", "1e5", "1E-5"];
+        let odd = ["-", ".", "1.2.3", "1_0", "0x1", "1e", "e5", "--1", "1 2", "nano", "+-1"];
+        let mut texts: Vec<String> = plain.iter().chain(&odd).map(ToString::to_string).collect();
         let mut state = 1_u64;
         for _ in 0..20_000 {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             let (digits, places) = (state >> 16 & 0x1_ffff_ffff_ffff, (state >> 8) as usize % 16);
-            let text = format!("{}.{:0>1$}", digits % 97, places.min(13));
-            let long = format!("-{}.{}", digits % 1000, digits / 1000 % 10_000_000_000);
-            for text in [&text, &long] {
-                let expected: f64 = text.parse().expect("a number");
-                assert_eq!(short_decimal(text.as_bytes()).map(f64::to_bits), Some(expected.to_bits()), "{text}");
-            }
+            texts.push(format!("{}.{:0>1$}", digits % 97, places));
+            texts.push(format!("-{}.{digits}", digits % 1000));
+            texts.push(format!("{:e}", f64::from_bits(state)));
         }
-        assert!(
-            ["", "-", ".", "1e5", "+1", " 1", "1,5", "1.2.3", "1234567890123456", "nan"]
-                .iter()
-                .all(|text| { short_decimal(text.as_bytes()).is_none() })
-        );
+        for text in texts {
+            let expected = text.trim().parse::<f64>().ok().map(f64::to_bits);
+            assert_eq!(of(&text).ok(), expected, "{text}");
+        }
     }
 
     /// Pieces are joined in their order, and lines are counted over them.
@@ -210,6 +234,7 @@ mod tests {
         let number = |cell: &str| cell.parse::<f64>().map_err(|_| "no number".to_string());
         let form = Form {
             separator: b',',
+            decimal_comma: false,
             comment: Some(b'#'),
             cells: 3,
             numbers: &[1, 0],
@@ -221,7 +246,7 @@ mod tests {
         assert_eq!((found.count, found.numbers[0].len()), (count, count));
         assert!((0..count).all(|k| found.numbers[1][k] == k as f64 && found.numbers[0][k] == (k % 97) as f64));
         // Line 1 is the header before the text, 2 the comment, 3 empty.
-        assert!((0..count).all(|k| found.lines[k] == k as u64 + 4));
+        assert!((0..count).all(|k| found.lines.of(k) == Some(k as u64 + 4)));
         // The first of two bad rows in different pieces is told.
         let text = text.replace("\n250000,", "\n250000,7,").replace("\n290000,", "\nx,");
         assert_eq!(rows(&text, 1, &form).expect_err("four cells"), (250_004, Refusal::Cells(4)));

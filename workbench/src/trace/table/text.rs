@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::layout::{Header, Layout};
 use super::plain::{self, Form, Refusal};
-use super::{Columns, LARGEST, Wanted, unusable};
+use super::{Columns, LARGEST, Lines, Wanted, unusable};
 use crate::Error;
 
 /// A text file and its layout.
@@ -75,7 +75,7 @@ impl Text {
         let mut columns = Columns {
             numbers: vec![Vec::new(); wanted.numbers.len()],
             texts: wanted.text.map(|_| Vec::new()),
-            lines: Vec::new(),
+            lines: Lines::default(),
         };
         let mut rows = 0;
         while read(&mut record)? {
@@ -108,9 +108,10 @@ impl Text {
             Header::Comment(_) | Header::None => (self.text.as_str(), 0),
         };
         let Wanted { numbers, text, row } = wanted;
-        let Layout { separator, comment, .. } = self.layout;
+        let Layout { separator, decimal_comma, comment, .. } = self.layout;
         let number = |cell: &str| self.number(cell);
-        let form = Form { separator, comment, cells: names.len(), numbers, text, row, number: &number };
+        let cells = names.len();
+        let form = Form { separator, decimal_comma, comment, cells, numbers, text, row, number: &number };
         let rows = plain::rows(rest, first, &form).map_err(|(line, refusal)| match refusal {
             Refusal::Cells(count) => ragged(path, line, count, names.len()),
             Refusal::Number(place, problem) => {
