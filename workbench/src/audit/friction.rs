@@ -144,7 +144,7 @@ pub fn excited(traces: &[(Terms, bool)], false_alarm: f64) -> Vec<Excited> {
         let all: Vec<[f64; 3]> = traces.iter().filter_map(|(own, _)| own.of[term]).collect();
         let healthy = traces.iter().filter(|(_, healthy)| *healthy || !any).filter_map(|(own, _)| own.of[term]);
         let healthy: Vec<f64> = healthy.map(|[value, ..]| value).collect();
-        let middle = |place: usize| median(&all.iter().map(|own| own[place]).collect::<Vec<_>>());
+        let middle = |place: usize| median(all.iter().map(|own| own[place]).collect::<Vec<_>>());
         let n = healthy.len();
         let by_spread = (n >= FEWEST).then(|| {
             let law = StudentsT::new(0.0, 1.0, n as f64 - 1.0).ok().map(|law| law.inverse_cdf(1.0 - false_alarm));

@@ -44,7 +44,7 @@ impl Orders {
             }
         }
         let coherent = compared_turns(&shaft.tracking);
-        let named = plan.names().into_iter().zip(deviations.iter().map(|all| median(all))).collect();
+        let named = plan.names().into_iter().zip(deviations.iter().map(median)).collect();
         Ok(Some(Self { turns: median(&turns), coherent, deviations: named }))
     }
 }

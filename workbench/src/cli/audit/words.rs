@@ -43,7 +43,7 @@ pub(super) fn print(
         ))?;
     }
     if !lines.is_empty() {
-        let all = |pick: fn(&Line) -> f64| median(&lines.iter().map(pick).collect::<Vec<_>>());
+        let all = |pick: fn(&Line) -> f64| median(lines.iter().map(pick).collect::<Vec<_>>());
         let (turns, floor, smallest) = (all(|line| line.turns), all(|line| line.floor), all(|line| line.smallest));
         output::say(format!(
             "\nlines of orders, median of {} traces of {turns:.0} turns: floor {floor:.4}; a line of {smallest:.4} stands \
