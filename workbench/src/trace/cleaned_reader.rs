@@ -91,8 +91,8 @@ fn cleaned(raw: &Trace, channels: &Channels, front_end: &FrontEndFile, wanted: &
     let times = times.first().copied().filter(|_| wanted.timed);
     let clean = clean(front_end, own, further, times).map_err(|problem| Error::trace(&raw.id, problem))?;
     let times: Vec<f64> = (0..clean.columns[0].len()).map(|row| row as f64 * front_end.interval_s()).collect();
-    let places: Vec<usize> = (0..clean.columns.len()).collect();
+    let columns = clean.columns.into_iter().enumerate().collect();
     let given = Channels { rate_hz: None, ..channels.clone() };
-    let trace = reader::assemble(raw.id.clone(), &given, &wanted.signals, (&places, clean.columns), Some(&times))?;
+    let trace = reader::assemble(raw.id.clone(), &given, &wanted.signals, columns, Some(&times))?;
     Ok(Trace { refused: clean.refused, ..trace })
 }

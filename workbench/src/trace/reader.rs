@@ -1,9 +1,9 @@
 //! From the columns of a file to traces: one file a trace, or a tidy table with a `trace` column.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
-use super::signal::{Signal, values_of};
+use super::signal::{Signal, places_of, values_of};
 use super::table::{Columns, Table, Wanted};
 use super::units::{Quantity, Unit};
 use super::{Channels, MotionTrace, ShaftChannels, Trace, median, stem};
@@ -116,8 +116,8 @@ pub(super) fn read(
     let time = channels.time.as_deref();
     let (signals, parts) = parts(table, time, &|header| header.signals(channels), wanted)?;
     let each = |part: Part| {
-        let Part { id, places, columns, times_s } = part;
-        assemble(id, channels, &signals, (&places, columns), times_s.as_deref())
+        let Part { id, columns, times_s } = part;
+        assemble(id, channels, &signals, columns, times_s.as_deref())
     };
     parts.into_iter().map(each).collect()
 }
@@ -142,7 +142,7 @@ pub(crate) fn series(
     let signals = |header: &Header| channels.iter().map(|channel| Signal::parse(channel, &header.names)).collect();
     let (signals, parts) = parts(table, time, &signals, &|_| true)?;
     let each = |part: Part| {
-        let Part { id, places, columns, times_s } = part;
+        let Part { id, columns, times_s } = part;
         let rows = rows(&columns, times_s.as_deref());
         let by_rate = || rate_hz.map(|rate| (0..rows).map(|row| row as f64 / rate).collect());
         let times_s = times_s.or_else(by_rate);
@@ -150,7 +150,7 @@ pub(crate) fn series(
             return Err(Error::trace(&id, INTEGRAL));
         }
         let step = |row: usize| times_s.as_ref().map_or(0.0, |times| times[row + 1] - times[row]);
-        let columns = values_of(&signals, (&places, columns), rows, &step);
+        let columns = values_of(&signals, columns, rows, &step);
         Ok(Series { id, times_s, columns })
     };
     parts.into_iter().map(each).collect()
@@ -184,22 +184,14 @@ const INTEGRAL: &str = "an integral needs the time; name its column with --time,
 /// The columns of one trace.
 struct Part {
     id: String,
-    /// Places of the columns in the file, sorted.
-    places: Vec<usize>,
-    /// The columns; that of the time is empty unless a signal needs it.
-    columns: Vec<Vec<f64>>,
+    /// The columns that signals need, by their places in the file.
+    columns: BTreeMap<usize, Vec<f64>>,
     times_s: Option<Vec<f64>>,
 }
 
-impl Part {
-    fn column(&mut self, place: usize) -> &mut Vec<f64> {
-        &mut self.columns[self.places.binary_search(&place).unwrap_or(0)]
-    }
-}
-
-/// Number of rows; a time column that no signal needs is not among the columns.
-fn rows(columns: &[Vec<f64>], times: Option<&[f64]>) -> usize {
-    columns.iter().map(Vec::len).max().or(times.map(<[f64]>::len)).unwrap_or(0)
+/// Number of rows, also where signals need no column.
+fn rows(columns: &BTreeMap<usize, Vec<f64>>, times: Option<&[f64]>) -> usize {
+    columns.values().next().map(Vec::len).or(times.map(<[f64]>::len)).unwrap_or(0)
 }
 
 /// Reads the columns of signals, one part for each trace.
@@ -217,8 +209,7 @@ fn parts(
         return Ok((vec![], vec![]));
     }
     let signals = signals(&header).map_err(wrong)?;
-    let mut needed = Vec::new();
-    signals.iter().for_each(|signal| signal.columns(&mut needed));
+    let needed = places_of(&signals);
     let mut places: Vec<usize> = header.time().into_iter().chain(needed.iter().copied()).collect();
     if let Some(name) = header.doubled(&places) {
         return Err(wrong(format!("column {name} comes twice; rename or remove one")));
@@ -242,19 +233,18 @@ fn parts(
             None => whole.take().unwrap_or_default(),
             Some(_) => whole.iter().flatten().map(|column| rows.of(column)).collect(),
         };
-        let mut part = Part { id: rows.id.clone(), places: places.clone(), columns: own, times_s: None };
-        part.times_s = header.time.map(|(place, factor)| {
-            let column = part.column(place);
-            let mut times = if needed.contains(&place) { column.clone() } else { std::mem::take(column) };
+        let mut own: BTreeMap<usize, Vec<f64>> = places.iter().copied().zip(own).collect();
+        let times_s = header.time.and_then(|(place, factor)| {
+            let mut times = if needed.contains(&place) { own.get(&place).cloned() } else { own.remove(&place) }?;
             times.iter_mut().for_each(|t| *t *= factor);
-            times
+            Some(times)
         });
-        if let Some(at) = part.times_s.as_ref().and_then(|times| times.windows(2).position(|pair| pair[1] < pair[0])) {
+        if let Some(at) = times_s.as_ref().and_then(|times| times.windows(2).position(|pair| pair[1] < pair[0])) {
             let name = header.time().map_or("", |place| &header.names[place]);
             let place = format!("{}, column {name}", columns.place(rows.row(at + 1)));
             return Err(Error::content(path, place, "time runs backwards; sort the rows or split the trace there"));
         }
-        Ok(part)
+        Ok(Part { id: rows.id, columns: own, times_s })
     };
     let parts = rows.into_iter().map(each).collect::<Result<_, Error>>()?;
     Ok((signals, parts))
@@ -296,12 +286,12 @@ impl Rows {
     }
 }
 
-/// Makes a trace of signals by columns and their places in ascending order; `times` are in seconds.
+/// Makes a trace of signals by columns at their places; `times` are in seconds.
 pub(super) fn assemble(
     id: String,
     channels: &Channels,
     signals: &[Signal],
-    (places, columns): (&[usize], Vec<Vec<f64>>),
+    columns: BTreeMap<usize, Vec<f64>>,
     times: Option<&[f64]>,
 ) -> Result<Trace, Error> {
     let mut trace = Trace { id, ..Trace::default() };
@@ -329,7 +319,7 @@ pub(super) fn assemble(
     }
     let step = |row: usize| times.map_or(interval.unwrap_or(0.0), |times| times[row + 1] - times[row]);
     let rows = rows(&columns, times);
-    let mut values = values_of(signals, (places, columns), rows, &step).into_iter();
+    let mut values = values_of(signals, columns, rows, &step).into_iter();
     let mut next = || values.next().unwrap_or_default();
     (trace.y, trace.u1, trace.u2) = (next(), next(), next());
     trace.further = channels.further.iter().map(|_| next()).collect();

@@ -9,6 +9,8 @@
 //! integrate(speed_rpm) rad      the integral over time, from 0 at the first sample on
 //! ```
 
+use std::collections::BTreeMap;
+
 use super::units::{Unit, known};
 
 /// How a channel follows from columns, which have places.
@@ -37,7 +39,7 @@ impl Signal {
     }
 
     /// The places of its columns.
-    pub(super) fn columns(&self, found: &mut Vec<usize>) {
+    fn columns(&self, found: &mut Vec<usize>) {
         match self {
             Self::Column(place) => found.push(*place),
             Self::Constant(_) => {}
@@ -98,32 +100,28 @@ impl Signal {
     }
 }
 
-/// The values of signals, `rows` of each, by columns at places in ascending order. A column that is a signal itself, and
-/// that nothing else needs, is moved.
+/// The places of the columns of signals, each as often as it is needed.
+pub(super) fn places_of(signals: &[Signal]) -> Vec<usize> {
+    let mut places = Vec::new();
+    signals.iter().for_each(|signal| signal.columns(&mut places));
+    places
+}
+
+/// The values of signals, `rows` of each, by columns at their places. A column that is a signal itself, and that
+/// nothing else needs, is moved.
 pub(super) fn values_of(
     signals: &[Signal],
-    (places, mut columns): (&[usize], Vec<Vec<f64>>),
+    mut columns: BTreeMap<usize, Vec<f64>>,
     rows: usize,
     step_s: &dyn Fn(usize) -> f64,
 ) -> Vec<Vec<f64>> {
-    let slot = |place: usize| places.binary_search(&place).unwrap_or(0);
-    let mut needed = Vec::new();
-    signals.iter().for_each(|signal| signal.columns(&mut needed));
-    let moved = |signal: &Signal| match signal {
-        Signal::Column(place) if needed.iter().filter(|other| *other == place).count() == 1 => Some(slot(*place)),
-        _ => None,
+    let needed = places_of(signals);
+    let once = |place: &usize| needed.iter().filter(|other| *other == place).count() == 1;
+    let of = |signal: &Signal| match signal {
+        Signal::Column(place) if once(place) => columns.remove(place).unwrap_or_default(),
+        _ => signal.values(rows, &|place| &columns[&place], step_s),
     };
-    let of = |signal: &Signal| match moved(signal) {
-        Some(_) => vec![],
-        None => signal.values(rows, &|place| &columns[slot(place)], step_s),
-    };
-    let mut values: Vec<Vec<f64>> = signals.iter().map(of).collect();
-    for (values, signal) in values.iter_mut().zip(signals) {
-        if let Some(slot) = moved(signal) {
-            *values = std::mem::take(&mut columns[slot]);
-        }
-    }
-    values
+    signals.iter().map(of).collect()
 }
 
 /// Says that there is no such column.
@@ -329,7 +327,7 @@ mod tests {
             ["c", "a", "2*c", "b", "a"].iter().map(|text| Signal::parse(text, &names).expect(text)).collect();
         let columns = vec![vec![1.0], vec![2.0], vec![3.0]];
         let moved = columns[1].as_ptr();
-        let values = values_of(&signals, (&[0, 1, 2], columns), 1, &|_| 1.0);
+        let values = values_of(&signals, columns.into_iter().enumerate().collect(), 1, &|_| 1.0);
         assert_eq!(values, [[3.0], [1.0], [6.0], [2.0], [1.0]]);
         assert_eq!(values[3].as_ptr(), moved);
     }

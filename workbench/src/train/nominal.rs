@@ -14,7 +14,7 @@ use bearing_watch::model::Balance;
 use bearing_watch::{Friction, FrictionTerm};
 
 use super::reference_instruments;
-use crate::trace::MotionTrace;
+use crate::trace::{self, MotionTrace};
 
 /// Terms on which a defect of a bearing has no effect: their spread over healthy traces is that over all traces.
 const SPARED: [FrictionTerm; 3] = [FrictionTerm::Offset, FrictionTerm::LoadFriction, FrictionTerm::Stribeck];
@@ -76,7 +76,6 @@ fn usual(all: &[(f64, f64)]) -> f64 {
 }
 
 /// The median; zero of nothing.
-pub(super) fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
+pub(super) fn median(values: Vec<f64>) -> f64 {
+    if values.is_empty() { 0.0 } else { trace::median(values) }
 }

@@ -77,16 +77,19 @@ fn read_some((path, names): (&Path, &[String]), kind: Kind, wanted: Wanted<'_>) 
     let mut places: Vec<usize> = wanted.numbers.iter().copied().chain(wanted.text).collect();
     places.sort_unstable();
     places.dedup();
-    let mut rows = 0;
-    let batches: Box<dyn Iterator<Item = Result<RecordBatch, String>>> = match kind {
+    let (rows, batches): (usize, Box<dyn Iterator<Item = Result<RecordBatch, String>>>) = match kind {
         Kind::Parquet => {
             let builder = parquet(path)?;
-            rows = usize::try_from(builder.metadata().file_metadata().num_rows()).unwrap_or(0).min(LARGEST_RESERVE);
+            let rows = usize::try_from(builder.metadata().file_metadata().num_rows()).unwrap_or(0).min(LARGEST_RESERVE);
             let mask = ProjectionMask::roots(builder.parquet_schema(), places.iter().copied());
             let reader = builder.with_projection(mask).with_batch_size(BATCH).build();
-            Box::new(reader.map_err(|error| wrong(error.to_string()))?.map(|batch| batch.map_err(|e| e.to_string())))
+            let reader = reader.map_err(|error| wrong(error.to_string()))?;
+            (rows, Box::new(reader.map(|batch| batch.map_err(|error| error.to_string()))))
         }
-        Kind::Ipc => Box::new(ipc(path, Some(places.clone()))?.map(|batch| batch.map_err(|error| error.to_string()))),
+        Kind::Ipc => {
+            let reader = ipc(path, Some(places.clone()))?;
+            (0, Box::new(reader.map(|batch| batch.map_err(|error| error.to_string()))))
+        }
     };
     let mut columns = Columns {
         numbers: wanted.numbers.iter().map(|_| Vec::with_capacity(rows)).collect(),

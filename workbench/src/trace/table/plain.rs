@@ -64,7 +64,8 @@ pub(super) fn rows(text: &str, first: u64, form: &Form<'_>) -> Result<Rows, (u64
     let pieces = pieces(text);
     // A piece has at most as many rows as lines.
     let bounds: Vec<usize> = pieces.par_iter().map(|piece| count_lines(piece)).collect();
-    let mut numbers = vec![vec![0.0; bounds.iter().sum()]; form.numbers.len()];
+    // Zeros of the system, which is quicker than copies of a list of zeros.
+    let mut numbers: Vec<Vec<f64>> = form.numbers.iter().map(|_| vec![0.0; bounds.iter().sum()]).collect();
     let mut parts: Vec<Piece<'_>> = Vec::with_capacity(pieces.len());
     let mut rest: Vec<&mut [f64]> = numbers.iter_mut().map(Vec::as_mut_slice).collect();
     let mut line = first;
@@ -121,7 +122,7 @@ impl Piece<'_> {
         let mut slots = vec![None; form.cells];
         form.numbers.iter().enumerate().for_each(|(slot, place)| slots[*place] = Some(slot));
         let mut rows = Rows::default();
-        let (mut rest, mut line, mut filled) = (self.text, self.line, 0);
+        let (mut rest, mut line) = (self.text, self.line);
         while !rest.is_empty() {
             let end = memchr(b'\n', rest.as_bytes()).unwrap_or(rest.len());
             let own = &rest[..end];
@@ -140,9 +141,8 @@ impl Piece<'_> {
                 }
                 rows.texts.push(text.to_string());
             }
-            self.numbers(own, (&slots, filled), form).map_err(|refusal| (line, refusal))?;
+            self.numbers(own, (&slots, rows.lines.rows()), form).map_err(|refusal| (line, refusal))?;
             rows.lines.push(line);
-            filled += 1;
         }
         Ok(rows)
     }
@@ -156,21 +156,23 @@ impl Piece<'_> {
                 return form.complete(line);
             }
             let rest = &bytes[from..];
+            let next = || memchr(form.separator, rest).unwrap_or(rest.len());
+            let Some(slot) = slot else {
+                from += next() + 1;
+                continue;
+            };
             let ends = |length: usize| rest.get(length).is_none_or(|byte| *byte == form.separator);
-            let quick = slot.filter(|_| !form.decimal_comma).and_then(|_| fast_float2::parse_partial(rest).ok());
+            let quick = if form.decimal_comma { None } else { fast_float2::parse_partial(rest).ok() };
             let quick = quick.filter(|(number, length): &(f64, _)| ends(*length) && number.abs() <= super::LARGEST);
-            let (number, length) = match (quick, slot) {
-                (Some(found), _) => found,
-                (None, slot) => {
-                    let length = memchr(form.separator, rest).unwrap_or(rest.len());
-                    let number = slot.map(|_| (form.number)(line[from..from + length].trim())).transpose();
+            let (number, length) = match quick {
+                Some(found) => found,
+                None => {
+                    let length = next();
                     let refused = |problem| form.complete(line).err().unwrap_or(Refusal::Number(place, problem));
-                    (number.map_err(refused)?.unwrap_or_default(), length)
+                    ((form.number)(line[from..from + length].trim()).map_err(refused)?, length)
                 }
             };
-            if let Some(slot) = slot {
-                self.columns[*slot][row] = number;
-            }
+            self.columns[*slot][row] = number;
             from += length + 1;
         }
         if from == bytes.len() + 1 { Ok(()) } else { form.complete(line) }
