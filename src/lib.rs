@@ -72,6 +72,8 @@ extern crate alloc;
 extern crate std;
 
 mod average;
+#[cfg(doctest)]
+mod book;
 mod checksum;
 mod decide;
 mod detector;

@@ -1,7 +1,8 @@
 //! What the repository's own commands do: `cargo xtask test | long | firmware | c | pil | frameworks | newcomer |
-//! measure | peers | python | docs | setup`.
+//! measure | peers | python | docs | book | setup`.
 
 mod board;
+mod book;
 mod bounds;
 mod c_library;
 mod child;
@@ -10,6 +11,8 @@ mod elf;
 mod field_peers;
 mod firmware;
 mod frameworks;
+#[cfg(test)]
+mod links;
 mod log;
 mod long;
 mod measure;
@@ -105,6 +108,8 @@ enum Command {
         #[arg(long)]
         check: bool,
     },
+    /// Builds the book by mdBook, if it is installed.
+    Book,
     /// Installs what firmware builds, emulator runs and tests of pages need, where the system allows it.
     Setup,
 }
@@ -133,6 +138,10 @@ fn run(arguments: &Arguments) -> Result<bool> {
     }
     if matches!(arguments.command, Command::Long) {
         return long::run();
+    }
+    if matches!(arguments.command, Command::Book) {
+        println!("{}", book::build()?.display());
+        return Ok(true);
     }
     if let Command::Docs { names, check } = &arguments.command {
         return docs::run(names, *check, arguments.way);
@@ -164,7 +173,7 @@ fn run(arguments: &Arguments) -> Result<bool> {
             let browser = setup::ensure_chromium()?;
             println!("ready: firmware the {way} way, emulator {}, browser {browser}", qemu::PROGRAM);
         }
-        Command::Test | Command::Long | Command::Peers | Command::Python | Command::Docs { .. } => {}
+        Command::Test | Command::Long | Command::Peers | Command::Python | Command::Docs { .. } | Command::Book => {}
     }
     Ok(true)
 }

@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 
 use crate::tally::{Stages, Tally};
 use crate::toolchain::{self, Way};
-use crate::{c_library, child, frameworks, newcomer, pil, python, setup, target, workspace};
+use crate::{book, c_library, child, frameworks, newcomer, pil, python, setup, target, workspace};
 
 /// Runs all stages, prints the table and the count; whether nothing failed. A failing stage does
 /// not keep later ones from running, unless they need it.
@@ -71,6 +71,12 @@ fn documentation(tally: &mut Tally) {
     let flags = env::var("RUSTDOCFLAGS").unwrap_or_default();
     cargo.env("RUSTDOCFLAGS", format!("{flags} -Dwarnings"));
     tally.check("cargo doc", silent(&mut cargo));
+    // Includes and links are tests of this crate; mdBook only draws them.
+    if child::on_path("mdbook") {
+        tally.check("mdbook", book::build().map(|_| ""));
+    } else {
+        tally.skip("mdbook", "not installed (cargo install mdbook --locked)");
+    }
 }
 
 /// With overflow and debug checks on; the development profile is optimised, since the numeric tests simulate minutes

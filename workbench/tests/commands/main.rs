@@ -2,6 +2,7 @@
 
 mod alarm_commands;
 mod audit_command;
+mod book;
 mod browser;
 mod command_line;
 mod common;

@@ -4,6 +4,7 @@
 //! [`Source`] computes the lines of one or more blocks.
 
 mod block;
+mod book;
 mod campaign;
 mod compare;
 mod figures;
@@ -96,10 +97,11 @@ mod tests {
 
     #[test]
     fn every_block_of_a_document_has_a_source_and_is_there_once() -> Result<()> {
-        let documents = workspace::root().join("docs");
         let mut files = vec![workspace::root().join("README.md")];
-        for entry in documents.read_dir().context("no folder `docs`")? {
-            files.push(entry?.path());
+        for folder in ["docs", "book/src"] {
+            for entry in workspace::root().join(folder).read_dir().with_context(|| format!("no folder `{folder}`"))? {
+                files.push(entry?.path());
+            }
         }
         files.retain(|file| file.extension().is_some_and(|extension| extension == "md"));
         let mut found = Vec::new();

@@ -8,25 +8,56 @@ use anyhow::{Context, Result, ensure};
 
 use crate::{child, setup, workspace};
 
-/// Draws a figure of the page on white, with ids that are the same each time, and shows its text.
-const SAVE: &str = "<script>
+/// Draws a figure of the page on white, leaves out what is not seen, gives ids that are the same each time, and shows
+/// its text. The font is named once, and no clip path is kept that nothing uses: plotly writes one for each pair of
+/// axes.
+const SAVE: &str = r#"<script>
+const small = (text) => {
+  const svg = new DOMParser().parseFromString(text, 'image/svg+xml').documentElement;
+  svg.querySelectorAll('clipPath').forEach((own) => { if (!text.includes(`url(#${own.id})`)) own.remove(); });
+  svg.querySelectorAll('rect').forEach((own) => {
+    if (!own.closest('clipPath') && /fill-opacity: 0;/.test(own.getAttribute('style')) &&
+        /stroke-width: 0|stroke-opacity: 0/.test(own.getAttribute('style'))) own.remove();
+  });
+  for (let empty = true; empty;) {
+    const groups = [...svg.querySelectorAll('g, defs')].filter((own) => !own.childNodes.length);
+    groups.forEach((own) => own.remove());
+    empty = groups.length > 0;
+  }
+  const font = getComputedStyle(document.documentElement).fontFamily;
+  svg.setAttribute('font-family', font.replaceAll('"', "'"));
+  svg.querySelectorAll('[style]').forEach((own) => {
+    const plain = /^(font-family|white-space|vector-effect|pointer-events|opacity: 1$|.*-opacity: 1$|stroke-miterlimit)/;
+    const kept = own.getAttribute('style').split(';').map((part) => part.trim())
+      .filter((part) => part && !plain.test(part));
+    if (kept.length) own.setAttribute('style', kept.join(';').replaceAll(': ', ':').replaceAll(', ', ','));
+    else own.removeAttribute('style');
+  });
+  const round = (number) => String(Math.round(100 * number) / 100);
+  for (const name of ['d', 'transform', 'x', 'y', 'width', 'height']) {
+    svg.querySelectorAll(`[${name}]`).forEach((own) => {
+      own.setAttribute(name, own.getAttribute(name).replace(/-?\d+\.\d{3,}/g, round));
+    });
+  }
+  return new XMLSerializer().serializeToString(svg);
+};
 reportPlots.ready.then(async () => {
-  const named = (figure) => figure.querySelector('figcaption').textContent === TITLE;
+  const named = (figure) => figure.querySelector('figcaption').textContent.startsWith(TITLE);
   const plot = [...document.querySelectorAll('figure')].find(named).querySelector('.plot');
   await Plotly.relayout(plot, { paper_bgcolor: '#fff' });
   const svg = await Plotly.toImage(plot, { format: 'svg', width: 800, height: plot.offsetHeight, imageDataOnly: true });
   const shown = document.createElement('pre');
   shown.id = 'picture';
-  shown.textContent = svg.replaceAll(/clip([0-9a-f]{6})/.exec(svg)[1], 'figure');
+  shown.textContent = small(svg.replaceAll(/clip([0-9a-f]{6})/.exec(svg)[1], 'figure'));
   document.body.replaceChildren(shown);
 });
-</script>";
+</script>"#;
 
-/// Saves the figure of this title of a page.
+/// Saves the first figure of a page whose title starts so.
 pub fn save(page: &Path, title: &str, picture: &str) -> Result<()> {
     let browser = setup::ensure_chromium()?;
     let html = fs::read_to_string(page).with_context(|| format!("cannot read {}", page.display()))?;
-    let figure = html.split("<figure>").find(|own| own.contains(&format!("<figcaption>{title}</figcaption>")));
+    let figure = html.split("<figure>").find(|own| own.contains(&format!("<figcaption>{title}")));
     ensure!(figure.is_some(), "{} has no figure “{title}”", page.display());
     let script = SAVE.replace("TITLE", &format!("{title:?}"));
     let copy = page.with_extension("picture.html");
@@ -39,5 +70,7 @@ pub fn save(page: &Path, title: &str, picture: &str) -> Result<()> {
     let shown = drawn.split("<pre id=\"picture\">").nth(1).and_then(|rest| rest.split("</pre>").next());
     let svg = shown.context("Chromium drew no picture")?;
     let svg = svg.replace("&lt;", "<").replace("&gt;", ">").replace("&nbsp;", "\u{a0}").replace("&amp;", "&");
-    fs::write(workspace::root().join(picture), svg + "\n").with_context(|| format!("cannot write {picture}"))
+    let path = workspace::root().join(picture);
+    fs::create_dir_all(path.parent().unwrap_or(&path))?;
+    fs::write(path, svg + "\n").with_context(|| format!("cannot write {picture}"))
 }

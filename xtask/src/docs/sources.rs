@@ -4,7 +4,7 @@ use anyhow::{Result, ensure};
 
 use super::block::{self, Block};
 use super::compare::Tolerance;
-use super::{campaign, figures, picture, read};
+use super::{book, campaign, figures, picture, read};
 use crate::toolchain::{self, Way};
 use crate::{child, field_peers, long, measure, peers, rivals, setup, workspace};
 
@@ -20,7 +20,7 @@ pub struct Source {
 }
 
 /// All sources, in the order in which they run.
-pub const SOURCES: [Source; 15] = [
+pub const SOURCES: [Source; 16] = [
     quick(figures::NAME, figures::TOLERANCE, target),
     quick("demo", Tolerance::Exact, |_| printed("demo", "README.md", "standard_rig::twenty_draws")),
     quick("instruments", Tolerance::Exact, |_| {
@@ -30,7 +30,7 @@ pub const SOURCES: [Source; 15] = [
     quick("summary", Tolerance::Exact, |_| Ok(vec![campaign::block(&read(campaign::DOCUMENT)?)?])),
     slow("field", Tolerance::Exact, |_| {
         let blocks = workbench(FIELD, "field", "docs/field.md")?;
-        save("field", "Detected records, %, over the size of the defect, with 95 % intervals").map(|()| blocks)
+        save("field", "Detected records over the size of the defect (1 is full size), with 95 % intervals").map(|()| blocks)
     }),
     slow("field-bounds", Tolerance::Exact, |_| {
         workbench("campaign --field --bounds --draws 1", "field-bounds", "docs/field.md")
@@ -50,6 +50,7 @@ pub const SOURCES: [Source; 15] = [
     slow("endurance", Tolerance::Exact, |_| endurance()),
     slow("peers", Tolerance::Any, |_| Ok(vec![Block::new("docs/peers.md", "peers", &peers::measure()?.0)])),
     slow("peers-on-target", figures::TOLERANCE, peers_on_target),
+    slow(book::NAME, Tolerance::Exact, |_| book::blocks()),
 ];
 
 /// The table of the field, and the page with its picture.

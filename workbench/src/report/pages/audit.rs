@@ -11,6 +11,8 @@ use crate::report::{Color, Marker, Page};
 /// Orders of a spectrum: the last one and their number.
 const LAST_ORDER: f64 = 12.0;
 const ORDERS: u32 = 600;
+/// Below the order of a cage there are reference and load, whose lines would make all others small.
+const FIRST_ORDER: f64 = 0.3;
 /// Panels of one figure, and figures with all the points that one has.
 const PANELS: usize = 8;
 const DENSE: usize = 4;
@@ -123,7 +125,10 @@ fn spectra(shown: &[Recording]) -> String {
         let name = if series.len() > 1 { "smallest line, largest of the traces" } else { "smallest line" };
         series.push(Series::new(name, Color::of(6), [(0.0, smallest), (LAST_ORDER, smallest)]).dashed());
     }
-    or_reason(plot::lines("Amplitude of the current", "order of the shaft", "amplitude / unit of the current", &series))
+    let of_bearings = series.iter().flat_map(|one| &one.points).filter(|(order, _)| *order >= FIRST_ORDER);
+    let view = [0.0, of_bearings.map(|(_, amplitude)| *amplitude).fold(0.0, f64::max)];
+    let (x, y) = ("order of the shaft", "amplitude / unit of the current");
+    or_reason(plot::lines_within(view, "Amplitude of the current", x, y, &series))
         + &paragraph("A line above the dashed one stands out of the noise at the chosen rate of false alarms.")
 }
 

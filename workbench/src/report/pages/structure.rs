@@ -2,7 +2,7 @@
 
 use crate::identify::Structure;
 use crate::report::page::{or_reason, paragraph};
-use crate::report::plot::{Series, lines};
+use crate::report::plot::{Series, lines, lines_within};
 use crate::report::table::table;
 use crate::report::{Color, Marker, Page};
 use crate::structure::{Candidate, Search};
@@ -82,7 +82,9 @@ fn fits(search: &Search, counted: &[&Candidate], pick: Option<&Candidate>) -> St
         Series::new("median", Color::of(6), best.map(|(d, _)| median(d))).dashed().marked(Marker::Square),
     ];
     series.extend(pick.map(|c| Series::new("your pick", Color::of(1), [point(c)]).marked(Marker::Diamond)));
-    or_reason(lines("Free-run fit on the validation traces", "number of parameters", "fit / %", &series))
+    // A fit below zero is worse than the mean of the output, however far below.
+    let view = [0.0, f64::INFINITY];
+    or_reason(lines_within(view, "Free-run fit on the validation traces", "number of parameters", "fit / %", &series))
 }
 
 fn criteria(search: &Search) -> String {

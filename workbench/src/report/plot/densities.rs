@@ -1,4 +1,4 @@
-//! Normal densities of one feature in each class, with the samples below.
+//! Normal densities of one feature in each class, and its samples in a panel below.
 //!
 //! ```text
 //! p(x) = exp(−(x − μ)²/2σ²) / (σ √2π)        σ: the *standard deviation* of the samples, N − 1
@@ -17,7 +17,9 @@ use super::numbers::{Range, usable};
 use super::series::{Drawing, Series, rounded};
 use super::stack::{Across, Row, stack, vertical};
 
+/// Heights in pixels: of the densities, and of the samples of one class.
 const HEIGHT: f64 = 280.0;
+const SAMPLES_HEIGHT: f64 = 16.0;
 /// Samples of a class that are drawn.
 const SAMPLES: usize = 100;
 
@@ -42,7 +44,7 @@ impl Density {
     }
 }
 
-/// Normal densities over ± 3.5 standard deviations, each with its samples as marks below the axis.
+/// Normal densities over ± 3.5 standard deviations, and the samples of each as marks below.
 ///
 /// # Errors
 /// [`ReportError::Empty`] if no class has two different finite samples.
@@ -65,19 +67,20 @@ pub fn densities(title: &str, feature: &str, classes: &[Density]) -> Result<Stri
     let samples = known.iter().flat_map(|(one, _, _)| one.samples.iter().copied());
     let x = Range::of(samples.chain(series.iter().flat_map(|s| s.points.iter().map(|p| p.0))));
     let x = x.filter(|_| peak > 0.0).ok_or_else(|| ReportError::Empty { title: title.to_owned() })?.padded(0.02);
-    // Samples are drawn below zero, one row per class.
-    let row = 0.07 * peak;
-    let y = Range { lo: -row * (known.len() as f64 + 0.5), hi: 1.05 * peak };
+    let y = Range { lo: 0.0, hi: 1.05 * peak };
+    // One line of marks a class, the first on top.
+    let lines = Range { lo: -(known.len() as f64) + 0.5, hi: 0.5 };
     let mut figure = Figure::new(title, 0);
     for (number, ((one, _, _), series)) in known.iter().zip(&series).enumerate() {
         let at = Drawing { axis: "y", x, y, columns: None, in_legend: true };
         series.traces(at).into_iter().for_each(|trace| figure.add(trace));
         let every = one.samples.len().div_ceil(SAMPLES).max(1);
         let drawn: Vec<f64> = one.samples.iter().copied().filter(|&v| usable(v)).step_by(every).collect();
-        let below = vec![y.rounded(-row * (number as f64 + 1.0)); drawn.len()];
+        let line = vec![-(number as f64); drawn.len()];
         figure.add(
-            Scatter::new(rounded(x, drawn.into_iter()), below)
+            Scatter::new(rounded(x, drawn.into_iter()), line)
                 .name(text(&one.class.name))
+                .y_axis("y2")
                 .legend_group(text(&series.name))
                 .show_legend(false)
                 .mode(Mode::Markers)
@@ -89,7 +92,11 @@ pub fn densities(title: &str, feature: &str, classes: &[Density]) -> Result<Stri
         }
     }
     figure.note_gaps(classes.iter().flat_map(|one| &one.samples).filter(|&&v| !usable(v)).count());
-    let rows = vec![Row { label: "probability density".into(), height: HEIGHT, axis: vertical(y).zero_line(true) }];
+    let marks = vertical(lines).show_tick_labels(false).show_grid(false).fixed_range(true);
+    let rows = vec![
+        Row { label: "probability density".into(), height: HEIGHT, axis: vertical(y) },
+        Row { label: "samples".into(), height: SAMPLES_HEIGHT * known.len() as f64, axis: marks },
+    ];
     stack(&mut figure, Across { label: feature, axis: Axis::new().range(x.axis()) }, rows, true);
     figure.set("hovermode", serde_json::json!("closest"));
     Ok(figure.html())

@@ -35,5 +35,5 @@ pub use reliability::{ReliabilityBin, ReliabilityClass, reliability};
 pub use runs::{RunPoint, features_over_runs};
 pub use scatter::{ScatterClass, scatter, scatter_regions};
 pub use series::Series;
-pub use signals::{Event, Panel, lines, signals, signals_of_many, sweeps, timeline};
+pub use signals::{Event, Panel, lines, lines_within, signals, signals_of_many, sweeps, timeline};
 pub use strip::{Span, Strip};

@@ -1,7 +1,7 @@
 //! Small multiples: rates with intervals over the size of a defect, one panel for each condition.
 
 use plotly::Scatter;
-use plotly::common::{ErrorData, ErrorType, Line, Mode};
+use plotly::common::{HoverInfo, Line, Mode};
 use plotly::layout::Axis;
 use serde_json::json;
 
@@ -13,12 +13,14 @@ use super::series::rounded;
 use super::theme::{BOTTOM, SOFT, TOP};
 use crate::evaluate::Rate;
 
-const COLUMNS: usize = 5;
+const COLUMNS: usize = 4;
 const PANEL_HEIGHT: f64 = 84.0;
 /// Between two rows: tick labels and the name of the lower panel; between two columns, as a share of the width.
 const GAP: f64 = 44.0;
 const ASIDE: f64 = 0.035;
 const LEGEND: u32 = 34;
+/// Left of the panels, for tick labels and the title of the vertical axes.
+const LEFT: u32 = 58;
 
 /// One kind of defect: its name, and its rates over the size (1 is full size).
 #[derive(Debug, Clone, PartialEq)]
@@ -29,11 +31,11 @@ pub struct SizeSeries {
     pub rates: Vec<(f64, Rate)>,
 }
 
-/// Panels with their titles and series, which all have the same names.
+/// Panels with their titles and series, which all have the same names; `y_label` is the title of all vertical axes.
 ///
 /// # Errors
 /// [`ReportError::Empty`] without a rate.
-pub fn multiples(title: &str, panels: &[(String, Vec<SizeSeries>)]) -> Result<String, ReportError> {
+pub fn multiples(title: &str, y_label: &str, panels: &[(String, Vec<SizeSeries>)]) -> Result<String, ReportError> {
     let sizes = panels.iter().flat_map(|(_, all)| all).flat_map(|own| &own.rates).map(|(size, _)| size.log2());
     let sizes = Range::of(sizes).ok_or_else(|| ReportError::Empty { title: title.to_owned() })?;
     let x = Range { lo: sizes.lo - 0.5, hi: sizes.hi.max(0.0) + 0.5 };
@@ -51,7 +53,10 @@ pub fn multiples(title: &str, panels: &[(String, Vec<SizeSeries>)]) -> Result<St
         let (values, names) = ticks(sizes);
         let across = Axis::new().range(x.axis()).domain(&[left, left + width]).anchor(format!("y{number}"));
         let across = across.tick_values(values).tick_text(names).tick_angle(0.0);
-        figure.axis(format!("xaxis{number}"), across, &json!({ "matches": if place == 0 { None } else { Some("x") } }));
+        // A title below the last panel of each column.
+        let title = if place + COLUMNS < panels.len() { "" } else { "size of the defect" };
+        let further = json!({ "matches": if place == 0 { None } else { Some("x") }, "title": { "text": title } });
+        figure.axis(format!("xaxis{number}"), across, &further);
         let up = Axis::new().range(Range { lo: -4.0, hi: 104.0 }.axis()).tick_values(vec![0.0, 50.0, 100.0]);
         let bottom = (top - PANEL_HEIGHT / inner).max(0.0);
         let up = up.domain(&[bottom, top]).anchor(format!("x{number}")).show_tick_labels(place % COLUMNS == 0);
@@ -62,8 +67,13 @@ pub fn multiples(title: &str, panels: &[(String, Vec<SizeSeries>)]) -> Result<St
                     "yanchor": "bottom", "showarrow": false, "font": { "size": 11, "color": SOFT } }),
         );
     }
+    figure.push(
+        "annotations",
+        json!({ "text": text(y_label), "x": 0, "xref": "paper", "xanchor": "right", "xshift": -34, "y": 0.5,
+                "yref": "paper", "textangle": -90, "showarrow": false, "font": { "size": 13, "color": SOFT } }),
+    );
     figure.legend(inner, 22.0);
-    figure.set("margin", json!({ "l": 40, "r": 38, "t": TOP + LEGEND, "b": BOTTOM }));
+    figure.set("margin", json!({ "l": LEFT, "r": 38, "t": TOP + LEGEND, "b": BOTTOM }));
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few thousand pixels")]
     figure.height(inner as u32 + TOP + LEGEND + BOTTOM);
     Ok(figure.html())
@@ -80,28 +90,38 @@ fn ticks(sizes: Range) -> (Vec<f64>, Vec<String>) {
 
 fn draw(figure: &mut Figure, series: &SizeSeries, k: usize, (number, x): (&str, Range)) {
     let percent = Range { lo: 0.0, hi: 100.0 };
-    let each = |pick: fn(&Rate) -> f64| rounded(percent, series.rates.iter().map(|(_, rate)| 100.0 * pick(rate)));
     let color = Color::of(k).to_string();
-    let bars = ErrorData::new(ErrorType::Data)
-        .symmetric(false)
-        .array(each(|rate| rate.high - rate.value))
-        .array_minus(each(|rate| rate.value - rate.low))
-        .thickness(1.2)
-        .width(0)
-        .color(color.clone());
     // Beside each other, so that intervals do not overlap.
-    let places = series.rates.iter().map(|(size, _)| size.log2() + 0.12 * k as f64);
+    let at = |size: f64| size.log2() + 0.12 * k as f64;
+    // All intervals are one line with gaps: a picture with a path for each of them is several times as large.
+    let gap = f64::NAN;
+    let ends = series.rates.iter().flat_map(|(size, rate)| [(at(*size), rate.low), (at(*size), rate.high), (gap, gap)]);
+    let (places, ends): (Vec<f64>, Vec<f64>) = ends.unzip();
     figure.add(
-        Scatter::new(rounded(x, places), each(|rate| rate.value))
-            .name(text(&series.name))
+        Scatter::new(rounded(x, places.into_iter()), rounded(percent, ends.into_iter().map(|end| 100.0 * end)))
             .legend_group(text(&series.name))
-            .show_legend(number.is_empty())
-            .mode(Mode::LinesMarkers)
-            .line(Line::new().color(color.clone()).width(1.5))
-            .marker(Marker::of(k).filled(&color, 6))
-            .error_y(bars)
+            .show_legend(false)
+            .hover_info(HoverInfo::Skip)
+            .mode(Mode::Lines)
+            .line(Line::new().color(color.clone()).width(1.2))
             .x_axis(format!("x{number}"))
             .y_axis(format!("y{number}")),
+    );
+    let interval = |(_, rate): &(f64, Rate)| format!("{:.1} to {:.1}", 100.0 * rate.low, 100.0 * rate.high);
+    figure.add(
+        Scatter::new(
+            rounded(x, series.rates.iter().map(|(size, _)| at(*size))),
+            rounded(percent, series.rates.iter().map(|(_, rate)| 100.0 * rate.value)),
+        )
+        .name(text(&series.name))
+        .text_array(series.rates.iter().map(interval).collect())
+        .legend_group(text(&series.name))
+        .show_legend(number.is_empty())
+        .mode(Mode::LinesMarkers)
+        .line(Line::new().color(color.clone()).width(1.5))
+        .marker(Marker::of(k).filled(&color, 6))
+        .x_axis(format!("x{number}"))
+        .y_axis(format!("y{number}")),
     );
 }
 
@@ -119,12 +139,12 @@ mod tests {
         };
         let panels: Vec<_> =
             ["a<b", "c", "d", "e", "f", "g"].map(|n| (n.into(), vec![series("x"), series("y")])).into();
-        let html = multiples("t", &panels).expect("rates");
+        let html = multiples("t", "found / %", &panels).expect("rates");
         assert_eq!(check(&html), Ok(()));
         let (own, layout) = (named(&html, "y"), &drawn(&html)["layout"]);
         assert_eq!((own.len(), &own[5]["xaxis"]), (6, &json!("x6")));
         assert_eq!(layout["xaxis6"]["ticktext"], json!(["1", "1/2"]));
         assert_eq!(layout["annotations"][0]["text"], "a&lt;b");
-        assert!(multiples("none", &[]).is_err());
+        assert!(multiples("none", "found / %", &[]).is_err());
     }
 }

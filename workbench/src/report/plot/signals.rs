@@ -9,7 +9,7 @@ use super::numbers::{Range, usable};
 use super::series::{Drawing, Series, x_range, y_range};
 use super::stack::{Across, Row, axis_name, stack, vertical};
 use super::strip::Strip;
-use super::theme::SOFT;
+use super::theme::{INK, PAPER, SOFT};
 
 /// Heights in pixels: of a plot of lines, of a single panel of signals, of one of several.
 const LINES: f64 = 320.0;
@@ -18,6 +18,8 @@ const STACKED: f64 = 130.0;
 /// Points of one figure, so that a page stays small; columns of one series.
 const POINTS: f64 = 16_000.0;
 const COLUMNS: [f64; 2] = [100.0, 1500.0];
+/// A first view of all points.
+const WHOLE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 /// Signals that share a vertical axis.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,13 +52,22 @@ pub struct Event {
 /// # Errors
 /// [`ReportError::Empty`] if no series has a finite point.
 pub fn lines(title: &str, x_label: &str, y_label: &str, series: &[Series]) -> Result<String, ReportError> {
-    stacked(
-        title,
-        &Axes { label: x_label, logarithmic: false, padding: 0.02, height: LINES, points: POINTS },
-        &[Panel::new(y_label, series.to_vec())],
-        &[],
-        &[],
-    )
+    stacked(title, &Axes::of_lines(x_label), &[Panel::new(y_label, series.to_vec())], &[], &[])
+}
+
+/// Same as [`lines`], whose first view ends at `view` where points lie outside it; they are counted.
+///
+/// # Errors
+/// [`ReportError::Empty`] if no series has a finite point.
+pub fn lines_within(
+    view: [f64; 2],
+    title: &str,
+    x_label: &str,
+    y_label: &str,
+    series: &[Series],
+) -> Result<String, ReportError> {
+    let axes = Axes { view, ..Axes::of_lines(x_label) };
+    stacked(title, &axes, &[Panel::new(y_label, series.to_vec())], &[], &[])
 }
 
 /// Stacked panels over one axis (`x_label`, usually the time in seconds), from the first to the last finite sample
@@ -104,7 +115,7 @@ pub fn sweeps(title: &str, x_label: &str, panels: &[Panel]) -> Result<String, Re
         Series { points, band, ..series.clone() }
     };
     let panel = |panel: &Panel| Panel::new(panel.label.clone(), panel.series.iter().map(positive).collect());
-    let axes = Axes { label: x_label, logarithmic: true, padding: 0.0, height: 180.0, points: POINTS };
+    let axes = Axes { logarithmic: true, padding: 0.0, height: 180.0, ..Axes::of_lines(x_label) };
     stacked(title, &axes, &panels.iter().map(panel).collect::<Vec<_>>(), &[], &[])
 }
 
@@ -117,12 +128,18 @@ struct Axes<'a> {
     height: f64,
     /// Points of all series.
     points: f64,
+    /// The lowest and the highest value of the first view.
+    view: [f64; 2],
 }
 
 impl<'a> Axes<'a> {
+    fn of_lines(label: &'a str) -> Self {
+        Self { label, logarithmic: false, padding: 0.02, height: LINES, points: POINTS, view: WHOLE }
+    }
+
     fn over_time(label: &'a str, panels: &[Panel]) -> Self {
         let height = if panels.len() == 1 { SINGLE } else { STACKED };
-        Self { label, logarithmic: false, padding: 0.0, height, points: POINTS }
+        Self { padding: 0.0, height, ..Self::of_lines(label) }
     }
 }
 
@@ -142,9 +159,15 @@ fn stacked(
     let columns = (!axes.logarithmic).then_some(each);
     let mut figure = Figure::new(title, 0);
     let mut rows = Vec::new();
+    let mut outside = 0;
     let mut named: Vec<&str> = Vec::new();
     for (k, panel) in panels.iter().enumerate() {
-        let own = y_range(&panel.series);
+        let [low, high] = axes.view;
+        let all = y_range(&panel.series);
+        let own =
+            all.map(|all| Range { lo: all.lo.max(low), hi: all.hi.min(high) }).filter(|own| own.lo < own.hi).or(all);
+        let is_outside = |p: &&(f64, f64)| own.is_some_and(|own| usable(p.1) && !own.contains(p.1));
+        outside += panel.series.iter().flat_map(|series| &series.points).filter(is_outside).count();
         let y = own.map_or(Range { lo: 0.0, hi: 1.0 }, |range| range.padded(0.06));
         for series in &panel.series {
             // One entry of the legend for the series of this name in all panels.
@@ -161,7 +184,7 @@ fn stacked(
         rows.push(strip.draw(&mut figure, rows.len(), x));
     }
     for event in events.iter().filter(|event| usable(event.at)) {
-        mark(&mut figure, x.rounded(event.at), &event.name);
+        mark(&mut figure, x.rounded(event.at), &event.name, (x, rows.len()));
     }
     if all().any(|series| series.is_reduced(x, columns)) {
         figure
@@ -169,25 +192,32 @@ fn stacked(
             .push(format!("Drawn by the lowest and the highest sample in each of {each} columns of the width."));
     }
     figure.note_gaps(all().map(Series::missing).sum());
-    let axis = if axes.logarithmic { Axis::new().type_(AxisType::Log) } else { Axis::new().range(x.axis()) };
+    figure.note_outside(outside);
+    let axis = if axes.logarithmic { Axis::new().type_(AxisType::Log).dtick(1.0) } else { Axis::new().range(x.axis()) };
     stack(&mut figure, Across { label: axes.label, axis }, rows, true);
     Ok(figure.html())
 }
 
-/// A vertical line through all panels, with its name at the top.
-fn mark(figure: &mut Figure, at: f64, name: &str) {
-    figure.push(
-        "shapes",
-        json!({ "type": "line", "x0": at, "x1": at, "xref": "x", "y0": 0, "y1": 1, "yref": "paper",
-                "line": { "color": SOFT, "width": 1, "dash": "dot" } }),
-    );
+/// A vertical line through every panel, not through their labels, with its name at the top.
+fn mark(figure: &mut Figure, at: f64, name: &str, (x, rows): (Range, usize)) {
+    for row in 0..rows {
+        figure.push(
+            "shapes",
+            json!({ "type": "line", "x0": at, "x1": at, "xref": "x", "y0": 0, "y1": 1,
+                    "yref": format!("{} domain", axis_name(row)),
+                    "line": { "color": SOFT, "width": 1, "dash": "dot" } }),
+        );
+    }
     if name.is_empty() {
         return;
     }
+    // Beside the label of the first panel, or in the panel where that label would be covered.
+    let part = (at - x.lo) / x.width();
+    let (side, place) = (if part > 0.75 { "right" } else { "left" }, if part > 0.35 { "bottom" } else { "top" });
     figure.push(
         "annotations",
-        json!({ "text": text(name), "x": at, "xref": "x", "xanchor": "left", "y": 1, "yref": "paper", "yanchor": "top",
-                "showarrow": false, "textangle": 0, "font": { "color": SOFT, "size": 11 } }),
+        json!({ "text": text(name), "x": at, "xref": "x", "xanchor": side, "y": 1, "yref": "paper", "yanchor": place,
+                "showarrow": false, "textangle": 0, "bgcolor": PAPER, "font": { "color": INK, "size": 11 } }),
     );
 }
 

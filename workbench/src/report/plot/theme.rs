@@ -6,7 +6,7 @@ pub(super) const INK: &str = "var(--ink)";
 pub(super) const SOFT: &str = "var(--soft)";
 pub(super) const RULE: &str = "var(--rule)";
 const GRID: &str = "var(--grid)";
-const PAPER: &str = "var(--paper)";
+pub(super) const PAPER: &str = "var(--paper)";
 pub(super) const CLEAR: &str = "rgba(0,0,0,0)";
 
 /// Space above the first panel, for its label; around the figure.

@@ -7,6 +7,9 @@ use crate::evaluate::Rate;
 use crate::report::plot::{SizeSeries, multiples};
 use crate::study::campaign::render::grid_cells;
 
+/// The caption of the figure.
+const TITLE: &str = "Detected records over the size of the defect (1 is full size), with 95 % intervals";
+
 /// Draws the table in this text.
 ///
 /// # Errors
@@ -41,8 +44,7 @@ pub fn rates(text: &str) -> Result<String, Error> {
     if panels.is_empty() {
         return Err(refused("no rows"));
     }
-    multiples("Detected records, %, over the size of the defect, with 95 % intervals", &panels)
-        .map_err(|error| refused(&error.to_string()))
+    multiples(TITLE, "detected records / %", &panels).map_err(|error| refused(&error.to_string()))
 }
 
 /// `1` or `1/8`.
@@ -75,8 +77,8 @@ mod tests {
             drawn.contains("\"mix\"") && drawn.contains("\"roughness\"") && drawn.contains("\"y\":[100.0,50.0]"),
             "{drawn}"
         );
-        // Down to 96.9 and 40 %.
-        assert!(drawn.contains("\"arrayminus\":[3.1,10.0]"), "{drawn}");
+        // The intervals, one after the other.
+        assert!(drawn.contains("\"y\":[96.9,100.0,null,40.0,60.0,null]"), "{drawn}");
         assert!(rates("nothing").is_err() && rates(&TABLE.replace("50.0 [", "50.0 (")).is_err());
     }
 }
