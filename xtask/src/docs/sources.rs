@@ -30,7 +30,8 @@ pub const SOURCES: [Source; 16] = [
     quick("summary", Tolerance::Exact, |_| Ok(vec![campaign::block(&read(campaign::DOCUMENT)?)?])),
     slow("field", Tolerance::Exact, |_| {
         let blocks = workbench(FIELD, "field", "docs/field.md")?;
-        save("field", "Detected records over the size of the defect (1 is full size), with 95 % intervals").map(|()| blocks)
+        save("field", "Detected records over the size of the defect (1 is full size), with 95 % intervals")
+            .map(|()| blocks)
     }),
     slow("field-bounds", Tolerance::Exact, |_| {
         workbench("campaign --field --bounds --draws 1", "field-bounds", "docs/field.md")
