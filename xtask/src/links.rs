@@ -95,7 +95,8 @@ fn not_included(file: &Path, line: &str) -> Option<String> {
         return Some(format!("{line}: no such file"));
     };
     let marked = |what: &str| text.matches(&format!("{what}: {anchor} ")).count() == 1;
-    (!anchor.is_empty() && !(marked("ANCHOR") && marked("ANCHOR_END"))).then(|| format!("{line}: no such anchor"))
+    let found = anchor.is_empty() || marked("ANCHOR") && marked("ANCHOR_END");
+    (!found).then(|| format!("{line}: no such anchor"))
 }
 
 /// Whether a piece of code that is a path of the repository, or of a crate made from the template, does not exist.
