@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 
 use super::block::Block;
 use super::picture;
@@ -71,7 +71,9 @@ pub fn blocks() -> Result<Vec<Block>> {
     let program = workspace::target_dir().join("release/bearing-watch");
     for command in COMMANDS {
         let mut workbench = Command::new(&program);
-        child::succeed(workbench.args(arguments(command)).current_dir(&folder))?;
+        let status = child::lines(workbench.args(arguments(command)).current_dir(&folder), |_| ())?;
+        // An audit that has found something ends with 1.
+        ensure!(status.code().is_some_and(|code| code < 2), "bearing-watch {command}: {status}");
     }
     for (page, title, name) in PICTURES {
         picture::save(&folder.join(page).with_extension("html"), title, &format!("book/src/pictures/{name}.svg"))?;

@@ -33,10 +33,10 @@ const small = (text) => {
     if (kept.length) own.setAttribute('style', kept.join(';').replaceAll(': ', ':').replaceAll(', ', ','));
     else own.removeAttribute('style');
   });
-  const round = (number) => String(Math.round(100 * number) / 100);
+  const round = (number) => String(Math.round(10 * number) / 10);
   for (const name of ['d', 'transform', 'x', 'y', 'width', 'height']) {
     svg.querySelectorAll(`[${name}]`).forEach((own) => {
-      own.setAttribute(name, own.getAttribute(name).replace(/-?\d+\.\d{3,}/g, round));
+      own.setAttribute(name, own.getAttribute(name).replace(/-?\d+\.\d{2,}/g, round));
     });
   }
   return new XMLSerializer().serializeToString(svg);
@@ -65,7 +65,12 @@ pub fn save(page: &Path, title: &str, picture: &str) -> Result<()> {
     let mut command = Command::new(browser);
     // Its own sandbox does not work for root; the page is ours.
     command.args(["--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=20000", "--dump-dom"]);
+    // A profile of its own: a browser does not start while another one with its profile ends.
+    let profile = workspace::target_dir().join("chromium").join(Path::new(picture).file_stem().unwrap_or_default());
+    command.arg(format!("--user-data-dir={}", profile.display()));
     let drawn = child::output(command.arg(format!("file://{}", copy.display())));
+    // What a process of the browser still holds is removed next time.
+    let _ = fs::remove_dir_all(&profile);
     let drawn = drawn.context("Chromium drew nothing")?;
     let shown = drawn.split("<pre id=\"picture\">").nth(1).and_then(|rest| rest.split("</pre>").next());
     let svg = shown.context("Chromium drew no picture")?;
