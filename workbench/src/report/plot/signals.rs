@@ -266,6 +266,29 @@ mod tests {
     }
 
     #[test]
+    fn a_first_view_counts_what_it_leaves_out() {
+        let values = series(&[-4000.0, -1.0, 80.0, 90.0]);
+        let html = lines_within([0.0, 85.0], "t", "x", "y", std::slice::from_ref(&values)).expect("finite");
+        let range = drawn(&html)["layout"]["yaxis"]["range"].clone();
+        assert!(range[0].as_f64() > Some(-10.0) && range[1].as_f64() < Some(95.0), "{range}");
+        assert!(html.contains("3 points lie outside the first view"), "{html}");
+        // A view without any part of the range shows all.
+        let whole = lines_within([1e6, 2e6], "t", "x", "y", &[values]).expect("finite");
+        assert!(!whole.contains("outside the first view"));
+    }
+
+    #[test]
+    fn events_are_marked_in_every_panel_and_named_once() {
+        let panels = ["x", "y"].map(|label| Panel::new(label, vec![series(&[1.0, 2.0, 3.0])]));
+        let event = Event { at: 1.5e-3, name: "ALARM".into() };
+        let html = timeline("t", "time / s", &panels, &[], &[event]).expect("finite");
+        let layout = &drawn(&html)["layout"];
+        let places: Vec<_> = layout["shapes"].as_array().expect("lines").iter().map(|line| &line["yref"]).collect();
+        assert_eq!(places, ["y domain", "y2 domain"]);
+        assert_eq!(html.matches("ALARM").count(), 1);
+    }
+
+    #[test]
     fn nothing_finite_is_an_error() {
         let error = Err(ReportError::Empty { title: "t".into() });
         assert_eq!(signals("t", "time / s", &[]), error);
