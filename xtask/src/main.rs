@@ -1,5 +1,5 @@
 //! What the repository's own commands do: `cargo xtask test | long | firmware | c | pil | frameworks | newcomer |
-//! measure | peers | python | docs | book | setup`.
+//! measure | peers | python | fuzz | docs | book | setup`.
 
 mod board;
 mod book;
@@ -11,6 +11,7 @@ mod elf;
 mod field_peers;
 mod firmware;
 mod frameworks;
+mod fuzz;
 #[cfg(test)]
 mod links;
 mod log;
@@ -100,6 +101,9 @@ enum Command {
     Peers,
     /// Builds the Python package, installs it in a virtual environment of the target directory, and runs its tests.
     Python,
+    /// Attacks every door with any bytes, guided by coverage, and prints a table; what a door must hold is in
+    /// docs/trust.md.
+    Fuzz(fuzz::Options),
     /// Writes the figures that README and docs quote: those of commands that take seconds, or those named.
     Docs {
         /// Blocks of documents, for example `target`, `campaign`, `tables`.
@@ -146,6 +150,9 @@ fn run(arguments: &Arguments) -> Result<bool> {
     if let Command::Docs { names, check } = &arguments.command {
         return docs::run(names, *check, arguments.way);
     }
+    if let Command::Fuzz(options) = &arguments.command {
+        return fuzz::run(options);
+    }
     let way = toolchain::choose(arguments.way)?;
     setup::ensure(way)?;
     match &arguments.command {
@@ -173,7 +180,13 @@ fn run(arguments: &Arguments) -> Result<bool> {
             let browser = setup::ensure_chromium()?;
             println!("ready: firmware the {way} way, emulator {}, browser {browser}", qemu::PROGRAM);
         }
-        Command::Test | Command::Long | Command::Peers | Command::Python | Command::Docs { .. } | Command::Book => {}
+        Command::Test
+        | Command::Long
+        | Command::Peers
+        | Command::Python
+        | Command::Fuzz(_)
+        | Command::Docs { .. }
+        | Command::Book => {}
     }
     Ok(true)
 }

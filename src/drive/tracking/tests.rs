@@ -204,6 +204,25 @@ fn one_wrong_reading_costs_one_sample() {
 }
 
 #[test]
+fn a_wrong_first_reading_costs_few_samples() {
+    // Two readings give a velocity, here one of up to half a turn a sample that the shaft does not have.
+    let mut longest = 0;
+    for sensor in SENSORS {
+        for wrong in 0..64 {
+            let (mut tracker, mut noise) = (PositionTracker::new(&CONSTANTS, RATE_HZ as f32), Noise(5));
+            let own = sensor(TURN * f64::from(wrong) / 64.0, &mut noise);
+            let locked = (0..20_000).position(|k| {
+                let reading = if k == 0 { own } else { sensor(0.03 * f64::from(k), &mut noise) };
+                tracker.push(&reading).is_some()
+            });
+            longest = longest.max(locked.expect("locked within 2 s"));
+        }
+    }
+    std::println!("longest time to lock after a wrong first reading: {longest} samples");
+    assert!((22..=150).contains(&longest), "{longest}");
+}
+
+#[test]
 fn a_short_loss_is_bridged_and_a_long_one_found_again() {
     for (lost, losses) in [(19, 0), (20, 1), (3000, 1)] {
         let (mut tracker, mut noise) = (PositionTracker::new(&CONSTANTS, RATE_HZ as f32), Noise(4));

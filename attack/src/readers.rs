@@ -1,0 +1,154 @@
+//! The doors of the workbench: files of any bytes are read, or refused with a message.
+//!
+//! A reader may neither panic nor hang, nor take much more memory than the file: the binary limits it
+//! ([`crate::memory::LIMIT`]), and libFuzzer the time.
+
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+
+use workbench::cli::call::{Call, FleetStep, ModelFile, fleet, train};
+use workbench::fleet::Sums;
+use workbench::trace::{self, Channels, FrontEndFile, Labels};
+
+use crate::Door;
+use crate::checksum;
+use crate::input::Input;
+
+/// The doors.
+pub static DOORS: [Door; 10] = [
+    Door::new("text", "tables of text", |bytes| table("t.csv", bytes)),
+    Door::new("packed", "tables of text, with gzip or zstd", |bytes| table("t.csv.gz", bytes)),
+    Door::new("matlab", "MATLAB 5 to 7.3", |bytes| table("t.mat", bytes)),
+    Door::new("parquet", "Parquet, of traces and of features", parquet),
+    Door::new("arrow", "Arrow's files", |bytes| table("t.arrow", bytes)),
+    Door::new("numpy", "archives of NumPy", |bytes| table("t.npz", bytes)),
+    Door::new("labels", "labels", labels),
+    Door::new("settings", "drive.toml and TOML of a front end", settings),
+    Door::new("model-file", "a model with its notes", model_file),
+    Door::new("sums", "sums of a fleet", sums),
+];
+
+thread_local! {
+    /// A folder of this thread, in memory where the system has such files.
+    static FOLDER: RefCell<Option<PathBuf>> = const { RefCell::new(None) };
+}
+
+/// Writes bytes to a file of this name.
+fn file(name: &str, bytes: &[u8]) -> PathBuf {
+    let folder = FOLDER.with_borrow_mut(|folder| {
+        let make = || {
+            let root = Path::new("/dev/shm");
+            let root = if root.is_dir() { root.to_path_buf() } else { std::env::temp_dir() };
+            let own = format!("attack-{}-{:?}", std::process::id(), std::thread::current().id());
+            let own = root.join(own.replace(['(', ')'], ""));
+            std::fs::create_dir_all(&own).expect("a folder for files");
+            own
+        };
+        folder.get_or_insert_with(make).clone()
+    });
+    let path = folder.join(name);
+    std::fs::write(&path, bytes).expect("a file of the attack");
+    path
+}
+
+/// Reads a table: with the columns of the seeds, and with those of a shaft.
+fn table(name: &str, bytes: &[u8]) {
+    let paths = [file(name, bytes)];
+    let mut channels = Channels::new("a", "b-c", "c");
+    match trace::read(&paths, &channels) {
+        Ok(traces) => {
+            for trace in traces {
+                assert_eq!((trace.y.len(), trace.u1.len()), (trace.u2.len(), trace.u2.len()));
+                let all = [&trace.y, &trace.u1, &trace.u2];
+                assert!(all.iter().all(|column| column.iter().all(|x| x.is_finite())), "finite numbers");
+            }
+        }
+        Err(error) => assert!(error.to_string().contains("t.") || !error.to_string().is_empty()),
+    }
+    channels.time = Some("none".into());
+    let _refused = trace::read(&paths, &channels);
+}
+
+fn parquet(bytes: &[u8]) {
+    table("t.parquet", bytes);
+    let path = file("part.parquet", bytes);
+    let Ok(part) = workbench::fleet::Part::open(&path) else { return };
+    let columns: Vec<String> = part.columns().iter().map(ToString::to_string).collect();
+    for group in 0..part.row_groups().min(8) {
+        let _bounds = part.bounds(group);
+    }
+    let call = Call {
+        options: vec![
+            ("parts".into(), workbench::cli::call::Value::One(path.display().to_string())),
+            ("out".into(), workbench::cli::call::Value::One(path.with_extension("sums").display().to_string())),
+        ],
+        ..Call::default()
+    };
+    let (_refused, _warnings) = fleet(FleetStep::Sum, call);
+    assert!(columns.len() < 1 << 20);
+}
+
+fn labels(bytes: &[u8]) {
+    if let Ok(labels) = Labels::read(&file("labels.csv", bytes)) {
+        assert!(labels.columns().iter().any(|column| column == "trace"));
+        let _count = labels.count("healthy");
+    }
+}
+
+/// Settings for a training without any trace, and a front end.
+fn settings(bytes: &[u8]) {
+    let _refused = FrontEndFile::read(&file("front_end.toml", bytes));
+    let drive = Some(file("drive.toml", bytes));
+    let call = Call { drive, traces: Some(vec![]), ..Call::default() };
+    let (trained, _warnings) = train(call);
+    assert!(trained.is_err(), "there is nothing to train on");
+}
+
+/// The bytes of a model file, as they are or under a right checksum.
+fn model_file(bytes: &[u8]) {
+    let mut input = Input::new(bytes);
+    let mut model = if input.byte() % 2 == 0 {
+        input.bytes(usize::MAX).to_vec()
+    } else {
+        let mut model = FILE.to_vec();
+        for _ in 0..=input.byte() % 8 {
+            let place = usize::from(input.half()) % model.len();
+            model[place] = input.byte();
+        }
+        model
+    };
+    checksum::put(&mut model);
+    let Ok(model) = ModelFile::new(Path::new("m.bwm"), &model) else { return };
+    let _header = model.c_header();
+    let _reason = model.refuses_pieces();
+    let _preparation = model.preparation();
+    let named = model.features().len() + model.orders().len() + model.trained_on().len();
+    assert!(named < 1 << 20);
+}
+
+/// A model file of the command line.
+static FILE: &[u8] = include_bytes!("../../examples/support/standard_rig/model.bwm");
+
+/// Sums with a right checksum.
+fn sums(bytes: &[u8]) {
+    const CHECKSUM: crc::Crc<u64> = crc::Crc::<u64>::new(&crc::CRC_64_XZ);
+    let _refused = Sums::from_bytes(bytes);
+    let mut whole = b"bearing-watch sums 1\n".to_vec();
+    whole.extend(CHECKSUM.checksum(bytes).to_le_bytes());
+    whole.extend(bytes);
+    let Ok(sums) = Sums::from_bytes(&whole) else { return };
+    let places: Vec<usize> = (0..sums.features.len()).collect();
+    for name in sums.names() {
+        let Some(own) = sums.of_class(name) else { continue };
+        let _count = own.count();
+        for pattern in own.patterns(&places) {
+            assert!(pattern.excess.len() <= sums.features.len());
+        }
+    }
+    let _units = sums.units();
+    assert!(sums.to_bytes().is_ok());
+    let mut both = sums.clone();
+    if let Ok(merged) = both.merge(sums).and_then(|()| both.finish()) {
+        assert!(merged.to_bytes().is_ok());
+    }
+}
