@@ -17,9 +17,10 @@
 //!
 //! **Lock.** The first two readings set angle and velocity. If one of them was wrong, the velocity is wrong too, and the
 //! loop might follow an error (1) that passes through whole turns without end: a settling loop searches again if the
-//! error exceeds 0.75 rad. The loop is *locked* after `settle_samples` errors in a row below half of the limit. A locked loop does not follow a sample that is missing or whose error exceeds the limit: it
-//! continues at its velocity, and after such a sample the limit is halved until an error is below (hysteresis). After
-//! `lost_samples` in a row it searches again. Samples without lock are missing.
+//! error exceeds 0.75 rad. The loop is *locked* after `settle_samples` errors in a row below half of the limit. A locked
+//! loop does not follow a sample that is missing or whose error exceeds the limit: it continues at its velocity, and
+//! after such a sample the limit is halved until an error is below (hysteresis). After `lost_samples` in a row it
+//! searches again. Samples without lock are missing.
 
 use core::f32::consts::TAU;
 
@@ -27,7 +28,8 @@ use super::Angle;
 use super::angle::RAD;
 use super::resolver::{ResolverFaults, ResolverLimits, ResolverSignal};
 
-/// Error of a settling loop, as a rule 43°, by a resolver 37°, beyond which its velocity is that of a wrong reading.
+/// Error of a settling loop beyond which its velocity is taken for that of a wrong reading: 43°, or 37° by a resolver,
+/// whose error is the tangent of the angle's.
 const SLIPPED_RAD: f32 = 0.75;
 
 /// What the position sensor delivers at one instant.
