@@ -6,6 +6,7 @@
 pub mod audit;
 pub mod cli;
 pub mod core;
+mod damaged;
 pub mod error;
 pub mod evaluate;
 pub mod fleet;

@@ -18,12 +18,13 @@ pub fn kept(door: &Door) -> Vec<Vec<u8>> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(format!("{}.zip", door.name));
     let file = std::fs::File::open(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let mut archive = zip::ZipArchive::new(file).expect("an archive");
+    let count = archive.len();
     let read = |place: usize| {
         let mut bytes = Vec::new();
         archive.by_index(place).expect("a file").read_to_end(&mut bytes).expect("readable");
         bytes
     };
-    (0..archive.len()).map(read).collect()
+    (0..count).map(read).collect()
 }
 
 /// Attacks a door with its kept inputs, and with so many changes of them, the same in every run.

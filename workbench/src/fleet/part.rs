@@ -18,7 +18,7 @@ use std::sync::Arc;
 use arrow_array::cast::AsArray as _;
 use arrow_array::types::{Float32Type, Float64Type, Int32Type};
 use arrow_array::{Array, ArrayRef, DictionaryArray};
-use arrow_schema::{DataType, Field, Schema};
+use arrow_schema::{ArrowError, DataType, Field, Schema};
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReaderBuilder};
 use parquet::file::statistics::Statistics;
@@ -27,6 +27,7 @@ use super::Plan;
 use super::exact::LARGEST;
 use super::writer::variance_of;
 use crate::Error;
+use crate::damaged::{DAMAGED, guarded};
 use crate::trace::Condition;
 
 pub(super) const PLAN: &str = "bearing_watch_plan";
@@ -78,6 +79,11 @@ impl Part {
     /// # Errors
     /// A file that cannot be read, is no part, or is one of another version.
     pub fn open(path: &Path) -> Result<Self, Error> {
+        let damaged = || Err(Error::content(path, "content", DAMAGED));
+        guarded(|| Self::opened(path)).unwrap_or_else(damaged)
+    }
+
+    fn opened(path: &Path) -> Result<Self, Error> {
         let wrong = |problem: String| Error::content(path, "content", problem);
         let file = File::open(path).map_err(Error::io(path))?;
         let unreadable = |error: parquet::errors::ParquetError| wrong(format!("not readable as Parquet: {error}"));
@@ -169,9 +175,18 @@ impl Part {
         let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(file, self.metadata.clone());
         let mask = ProjectionMask::roots(builder.parquet_schema(), places.iter().copied());
         let reader = builder.with_row_groups(vec![group]).with_projection(mask).with_batch_size(BATCH).build();
-        let reader = reader.map_err(|error| wrong(error.to_string()))?;
+        let mut reader = reader.map_err(|error| wrong(error.to_string()))?;
+        let mut damaged = false;
+        let batches = std::iter::from_fn(move || {
+            if damaged {
+                return None;
+            }
+            let batch = guarded(|| reader.next());
+            damaged = batch.is_none();
+            batch.unwrap_or_else(|| Some(Err(ArrowError::ParquetError(DAMAGED.into()))))
+        });
         let at = move |place: usize| places.binary_search(&place).unwrap_or(0);
-        Ok(reader.map(move |batch| {
+        Ok(batches.map(move |batch| {
             let batch = batch.map_err(|error| wrong(error.to_string()))?;
             let text = |place: usize| {
                 let column = batch.column(at(place)).as_dictionary_opt::<Int32Type>().cloned();

@@ -29,8 +29,6 @@ const COVERAGE: [&str; 6] = [
 ];
 /// Programs of the package, and the features that they are built with.
 const PROGRAMS: [(&str, &[&str]); 2] = [("attack-core", &["--no-default-features"]), ("attack-readers", &[])];
-/// Longest input, bytes.
-const LONGEST: &str = "2048";
 /// Longest time of one input, s.
 const SLOWEST: &str = "20";
 /// Largest memory, MB; the program itself limits allocations to 1 GB.
@@ -156,7 +154,6 @@ fn round(door: &Door, (own, failed): (&Path, &Path), seconds: u64, round: usize)
     let mut program = Command::new(&door.program);
     program.env("ATTACK_DOOR", &door.name).arg(own).args([
         format!("-max_total_time={seconds}"),
-        format!("-max_len={LONGEST}"),
         format!("-timeout={SLOWEST}"),
         format!("-rss_limit_mb={MEMORY}"),
         "-print_final_stats=1".to_owned(),

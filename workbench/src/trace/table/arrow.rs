@@ -16,6 +16,7 @@ use rayon::prelude::*;
 
 use super::{Cells, Columns, Wanted};
 use crate::Error;
+use crate::damaged::{DAMAGED, guarded};
 
 /// Rows of one batch.
 const BATCH: usize = 65_536;
@@ -47,10 +48,11 @@ fn ipc(path: &Path, columns: Option<Vec<usize>>) -> Result<FileReader<BufReader<
 
 /// Names of the columns.
 pub(super) fn names(path: &Path, kind: Kind) -> Result<Vec<String>, Error> {
-    let schema = match kind {
-        Kind::Parquet => parquet(path)?.schema().clone(),
-        Kind::Ipc => ipc(path, None)?.schema(),
+    let open = || match kind {
+        Kind::Parquet => Ok(parquet(path)?.schema().clone()),
+        Kind::Ipc => Ok(ipc(path, None)?.schema()),
     };
+    let schema = guarded(open).unwrap_or_else(|| Err(wrong(path, kind)(DAMAGED.into())))?;
     Ok(schema.fields().iter().map(|field| field.name().clone()).collect())
 }
 
@@ -71,7 +73,11 @@ pub(super) fn read(file: (&Path, &[String]), kind: Kind, wanted: Wanted<'_>) -> 
     Ok(all)
 }
 
-fn read_some((path, names): (&Path, &[String]), kind: Kind, wanted: Wanted<'_>) -> Result<Columns, Error> {
+fn read_some(file: (&Path, &[String]), kind: Kind, wanted: Wanted<'_>) -> Result<Columns, Error> {
+    guarded(|| batches(file, kind, wanted)).unwrap_or_else(|| Err(wrong(file.0, kind)(DAMAGED.into())))
+}
+
+fn batches((path, names): (&Path, &[String]), kind: Kind, wanted: Wanted<'_>) -> Result<Columns, Error> {
     let wrong = wrong(path, kind);
     // Readers give each column once, in the order of the file.
     let mut places: Vec<usize> = wanted.numbers.iter().copied().chain(wanted.text).collect();

@@ -11,11 +11,11 @@
 //! The longest arrays are the columns; arrays of other lengths, text and objects are left out.
 
 use std::path::Path;
-use std::sync::{Mutex, PoisonError};
 
 use super::matlab_value::Value;
-use super::of_one_length;
+use super::{matlab_elements, of_one_length};
 use crate::Error;
+use crate::damaged::guarded;
 
 /// What a file of format 7.3 has behind its text header.
 const HDF5_AT: usize = 512;
@@ -25,8 +25,8 @@ const HDF5: &[u8] = b"\x89HDF";
 pub(super) fn read(path: &Path) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
     let bytes = std::fs::read(path).map_err(Error::io(path))?;
     let is_hdf5 = bytes.starts_with(HDF5) || bytes.get(HDF5_AT..).is_some_and(|rest| rest.starts_with(HDF5));
-    let value = quietly(|| if is_hdf5 { hdf5_pure::mat::from_bytes(&bytes).ok() } else { variables(&bytes) });
-    let Some(Value::Fields(variables)) = value else {
+    let value = guarded(|| if is_hdf5 { hdf5_pure::mat::from_bytes(&bytes).ok() } else { variables(&bytes) });
+    let Some(Some(Value::Fields(variables))) = value else {
         let problem = "not readable as a MATLAB file of format 5 to 7.3; save it again, e.g. with -v7";
         return Err(Error::content(path, "content", problem));
     };
@@ -42,20 +42,8 @@ pub(super) fn read(path: &Path) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
 
 /// Reads the variables of format 5 to 7.
 fn variables(bytes: &[u8]) -> Option<Value> {
-    let file = matrw::load_matfile_from_u8(bytes).ok()?;
+    let file = matrw::load_matfile_from_u8(&matlab_elements::unpacked(bytes)?).ok()?;
     Some(Value::Fields(file.iter().map(|(name, value)| (name.clone(), value.into())).collect()))
-}
-
-/// Runs a reader, which panics at some damaged files, without a message of the panic.
-fn quietly<T>(run: impl FnOnce() -> Option<T> + std::panic::UnwindSafe) -> Option<T> {
-    // The hook is that of the process: one thread at a time may replace it.
-    static ONE: Mutex<()> = Mutex::new(());
-    let _alone = ONE.lock().unwrap_or_else(PoisonError::into_inner);
-    let before = std::panic::take_hook();
-    std::panic::set_hook(Box::new(|_| {}));
-    let found = std::panic::catch_unwind(run);
-    std::panic::set_hook(before);
-    found.ok().flatten()
 }
 
 /// Length of the part of all names that is the name of the only variable and its dot.

@@ -9,10 +9,16 @@ use zip::ZipArchive;
 
 use super::of_one_length;
 use crate::Error;
+use crate::damaged::{DAMAGED, guarded};
 
 /// Returns names and columns. Arrays of one number are constant columns; arrays of other lengths than the longest, and
 /// those of text, are left out.
 pub(super) fn read(path: &Path) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
+    let damaged = || Err(Error::content(path, "content", format!("not readable as .npz: {DAMAGED}")));
+    of_one_length(path, guarded(|| arrays(path)).unwrap_or_else(damaged)?)
+}
+
+fn arrays(path: &Path) -> Result<Vec<(String, Vec<f64>)>, Error> {
     let wrong = |error: std::io::Error| Error::content(path, "content", format!("not readable as .npz: {error}"));
     let file = File::open(path).map_err(Error::io(path))?;
     let mut archive = ZipArchive::new(BufReader::new(file)).map_err(|error| wrong(error.into()))?;
@@ -22,7 +28,7 @@ pub(super) fn read(path: &Path) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
         let Some(name) = file.name().strip_suffix(".npy").map(String::from) else { continue };
         found.extend(columns(&name, NpyFile::new(file).map_err(wrong)?).map_err(wrong)?);
     }
-    of_one_length(path, found)
+    Ok(found)
 }
 
 fn columns<R: Read>(name: &str, array: NpyFile<R>) -> std::io::Result<Vec<(String, Vec<f64>)>> {

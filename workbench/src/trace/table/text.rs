@@ -1,10 +1,10 @@
 //! Text files: a header, and one row a line.
 
-use std::io::Read as _;
 use std::path::Path;
 
 use super::layout::{Header, Layout};
 use super::plain::{self, Form, Refusal};
+use super::unpack::{most, unpack};
 use super::{Columns, LARGEST, Lines, Wanted, unusable};
 use crate::Error;
 
@@ -17,16 +17,18 @@ pub(super) struct Text {
 
 impl Text {
     pub(super) fn open(path: &Path) -> Result<Self, Error> {
-        let mut bytes = std::fs::read(path).map_err(Error::io(path))?;
-        let compressed =
-            |error: std::io::Error| Error::content(path, "content", format!("cannot be unpacked: {error}"));
-        if bytes.starts_with(&[0x1f, 0x8b]) {
-            let mut plain = Vec::new();
-            flate2::read::MultiGzDecoder::new(&bytes[..]).read_to_end(&mut plain).map_err(compressed)?;
-            bytes = plain;
-        } else if bytes.starts_with(&[0x28, 0xb5, 0x2f, 0xfd]) {
-            bytes = zstd::decode_all(&bytes[..]).map_err(compressed)?;
-        }
+        let packed = std::fs::read(path).map_err(Error::io(path))?;
+        let most = most(packed.len());
+        let unpacked = if packed.starts_with(&[0x1f, 0x8b]) {
+            Some(unpack(flate2::read::MultiGzDecoder::new(&packed[..]), most))
+        } else if packed.starts_with(&[0x28, 0xb5, 0x2f, 0xfd]) {
+            let decoder = zstd::Decoder::with_buffer(&packed[..]).map_err(|error| error.to_string());
+            Some(decoder.and_then(|decoder| unpack(decoder, most)))
+        } else {
+            None
+        };
+        let compressed = |problem| Error::content(path, "content", format!("cannot be unpacked: {problem}"));
+        let bytes = unpacked.transpose().map_err(compressed)?.unwrap_or(packed);
         let text = String::from_utf8(bytes).map_err(|error| {
             let valid = error.utf8_error().valid_up_to();
             let line = error.as_bytes()[..valid].iter().filter(|byte| **byte == b'\n').count() + 1;

@@ -1,0 +1,159 @@
+//! The elements of a MATLAB file of format 5 to 7, checked and unpacked before a reader takes them, which trusts every
+//! length.
+//!
+//! ```text
+//! file     128 bytes of header, the last two "IM" (little-endian) or "MI"; elements
+//! element  type u32, size u32, size bytes, zeros to a multiple of 8         or, up to 4 bytes,
+//!          type u16 in the low half and size u16 in the high half of a u32, 4 bytes
+//! type 14  an array: elements of flags, dimensions, name, and its content, among it further arrays
+//! type 15  one packed element (zlib), without zeros behind it
+//! ```
+
+use super::unpack::{most, unpack};
+
+const HEADER: usize = 128;
+const ARRAY: u32 = 14;
+const PACKED: u32 = 15;
+/// Classes of arrays whose elements are arrays: cells, structures and objects.
+const NESTED: [u8; 3] = [1, 2, 3];
+/// Deepest array in an array; the reader is recursive.
+const DEEPEST: usize = 16;
+
+/// One element.
+struct Element<'a> {
+    kind: u32,
+    content: &'a [u8],
+    /// All of it, with tag and zeros.
+    whole: &'a [u8],
+    rest: &'a [u8],
+}
+
+/// Returns the file with every element unpacked; `None` if its elements do not fit into each other.
+pub(super) fn unpacked(bytes: &[u8]) -> Option<Vec<u8>> {
+    let (header, mut rest) = bytes.split_at_checked(HEADER)?;
+    let is_little = match header.last_chunk()? {
+        b"IM" => true,
+        b"MI" => false,
+        _ => return None,
+    };
+    let mut plain = header.to_vec();
+    while !rest.is_empty() {
+        let element = element(rest, is_little)?;
+        rest = element.rest;
+        if element.kind == PACKED {
+            let left = most(bytes.len()).saturating_sub(plain.len() as u64);
+            let inner = unpack(flate2::read::ZlibDecoder::new(element.content), left).ok()?;
+            check(&inner, is_little, 0)?;
+            plain.extend(inner);
+        } else {
+            check(element.whole, is_little, 0)?;
+            plain.extend(element.whole);
+        }
+    }
+    Some(plain)
+}
+
+/// Takes the first element.
+fn element(bytes: &[u8], is_little: bool) -> Option<Element<'_>> {
+    let word = |at: usize| -> Option<u32> {
+        let word = bytes.get(at..)?.first_chunk()?;
+        Some(if is_little { u32::from_le_bytes(*word) } else { u32::from_be_bytes(*word) })
+    };
+    let first = word(0)?;
+    let (kind, start, size, padded): (u32, usize, usize, usize) = if first >> 16 == 0 {
+        let size = word(4)? as usize;
+        let padded = if first == PACKED { size } else { size.checked_next_multiple_of(8)? };
+        (first, 8, size, padded)
+    } else {
+        (first & 0xFFFF, 4, (first >> 16) as usize, 4)
+    };
+    let content = bytes.get(start..start.checked_add(size)?).filter(|_| size <= padded)?;
+    // The zeros behind the last element may be missing.
+    let (whole, rest) = bytes.split_at(start.checked_add(padded)?.min(bytes.len()));
+    Some(Element { kind, content, whole, rest })
+}
+
+/// Checks elements, and those of arrays among them.
+fn check(mut rest: &[u8], is_little: bool, depth: usize) -> Option<()> {
+    while !rest.is_empty() {
+        let element = element(rest, is_little)?;
+        rest = element.rest;
+        match element.kind {
+            ARRAY if depth < DEEPEST => {
+                check(element.content, is_little, depth + 1)?;
+                check_count(element.content, is_little)?;
+            }
+            // Packed elements are outermost.
+            ARRAY | PACKED => return None,
+            _ => {}
+        }
+    }
+    Some(())
+}
+
+/// Checks that an array of arrays has not more of them than bytes.
+fn check_count(content: &[u8], is_little: bool) -> Option<()> {
+    if content.is_empty() {
+        return Some(());
+    }
+    let flags = element(content, is_little)?;
+    let class = if is_little { flags.content.first()? } else { flags.content.get(3)? };
+    if !NESTED.contains(class) {
+        return Some(());
+    }
+    let dimensions = element(flags.rest, is_little)?.content;
+    let sizes = dimensions.as_chunks::<4>().0.iter();
+    let mut sizes = sizes.map(|own| if is_little { u32::from_le_bytes(*own) } else { u32::from_be_bytes(*own) });
+    let count = sizes.try_fold(1_usize, |count, own| count.checked_mul(own as usize))?;
+    (count <= content.len()).then_some(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file(elements: &[u8]) -> Vec<u8> {
+        let mut bytes = vec![b' '; HEADER];
+        bytes[HEADER - 2..].copy_from_slice(b"IM");
+        bytes.extend(elements);
+        bytes
+    }
+
+    /// An element of this type.
+    fn tagged(kind: u32, content: &[u8]) -> Vec<u8> {
+        let zeros = vec![0; content.len().next_multiple_of(8) - content.len()];
+        [&kind.to_le_bytes(), &(content.len() as u32).to_le_bytes(), content, &zeros].concat()
+    }
+
+    fn cells(dimensions: [u32; 2], inside: &[u8]) -> Vec<u8> {
+        let sizes = dimensions.map(u32::to_le_bytes).concat();
+        let small = [1, 0, 1, 0, b'c', 0, 0, 0];
+        tagged(ARRAY, &[&tagged(6, &[1, 0, 0, 0, 0, 0, 0, 0]), &tagged(5, &sizes), &small[..], inside].concat())
+    }
+
+    #[test]
+    fn lengths_beyond_the_file_are_refused() {
+        let good = file(&tagged(ARRAY, &tagged(9, &[0; 16])));
+        assert_eq!(unpacked(&good), Some(good.clone()));
+        for place in [HEADER + 4, HEADER + 12] {
+            for size in [255, 17] {
+                let mut forged = good.clone();
+                forged[place] = size;
+                assert_eq!(unpacked(&forged), None, "{place} {size}");
+            }
+        }
+        assert_eq!(unpacked(&good[..HEADER + 20]), None);
+        assert_eq!(unpacked(&file(&[])), Some(file(&[])));
+        assert_eq!(unpacked(&[b' '; HEADER]), None, "neither order of bytes");
+    }
+
+    #[test]
+    fn counts_and_depths_beyond_the_file_are_refused() {
+        assert!(unpacked(&file(&cells([1, 1], &cells([1, 0], &[])))).is_some());
+        assert_eq!(unpacked(&file(&cells([u32::MAX, 1], &[]))), None);
+        assert_eq!(unpacked(&file(&cells([u32::MAX, u32::MAX], &[]))), None);
+        let deep = |depth| (0..depth).fold(vec![], |inside, _| cells([1, 1], &inside));
+        assert!(unpacked(&file(&deep(DEEPEST))).is_some());
+        assert_eq!(unpacked(&file(&deep(DEEPEST + 1))), None);
+    }
+}
