@@ -14,7 +14,7 @@ use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use rayon::prelude::*;
 
-use super::{Cells, Columns, Wanted};
+use super::{Cells, Columns, Wanted, arrow_blocks};
 use crate::Error;
 use crate::damaged::{DAMAGED, guarded};
 
@@ -41,8 +41,9 @@ fn parquet(path: &Path) -> Result<ParquetRecordBatchReaderBuilder<File>, Error> 
 }
 
 fn ipc(path: &Path, columns: Option<Vec<usize>>) -> Result<FileReader<BufReader<File>>, Error> {
-    let file = File::open(path).map_err(Error::io(path))?;
+    let mut file = File::open(path).map_err(Error::io(path))?;
     let wrong = wrong(path, Kind::Ipc);
+    arrow_blocks::check(&mut file).map_err(&wrong)?;
     FileReader::try_new(BufReader::new(file), columns).map_err(|error| wrong(error.to_string()))
 }
 

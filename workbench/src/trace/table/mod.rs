@@ -10,6 +10,7 @@
 //! A table may also be in memory ([`recorded`]).
 
 mod arrow;
+mod arrow_blocks;
 mod layout;
 mod lines;
 mod matlab;
@@ -224,9 +225,9 @@ mod tests {
             write(&path, &["a".into(), "b".into()], &columns).expect("written");
             let good = std::fs::read(&path).expect("read");
             let mut refused = 0;
-            for (place, change) in (0..good.len()).flat_map(|place| [(place, 0xFF), (place, 0x40), (place, 0x01)]) {
+            for place in 0..good.len() {
                 let mut bytes = good.clone();
-                bytes[place] ^= change;
+                bytes[place] ^= [0xFF, 0x40, 0x01][place % 3];
                 std::fs::write(&path, bytes).expect("writable");
                 let wanted = Wanted { numbers: &[0, 1], text: None, row: &|_| true };
                 let table = Table::open(&path).ok().filter(|table| table.names().len() == 2);
