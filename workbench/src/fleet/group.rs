@@ -14,6 +14,9 @@ use serde::{Deserialize, Serialize};
 
 use super::exact::{Double, Exact};
 
+/// Most rows of sums that are read: more than all drives have, and few enough that merges stay in range.
+pub(super) const MOST_ROWS: u64 = 1 << 48;
+
 /// Sums of one group.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Group {
@@ -64,6 +67,13 @@ impl Group {
         self.count += other.count;
         self.first.iter_mut().zip(&other.first).for_each(|(sum, more)| sum.merge(more));
         self.second.iter_mut().zip(&other.second).for_each(|(sum, more)| sum.merge(more));
+    }
+
+    /// Whether lengths and count are those of sums of so many features, as of sums that were read.
+    #[must_use]
+    pub fn fits(&self, features: usize) -> bool {
+        let is_triangle = self.second.len() == features * (features + 1) / 2;
+        self.first.len() == features && is_triangle && self.count <= MOST_ROWS
     }
 
     /// Removes all rows.
@@ -142,6 +152,15 @@ impl Level {
             means: Group::new(features),
             within,
         }
+    }
+
+    /// Whether lengths and counts are those of groups of so many features, as of sums that were read.
+    #[must_use]
+    pub fn fits(&self, features: usize) -> bool {
+        let counts = [self.count, self.longest, self.single, self.rows];
+        self.means.fits(features)
+            && self.within.len() == features * (features + 1) / 2
+            && counts.iter().all(|count| *count <= MOST_ROWS)
     }
 
     /// Adds a complete group.

@@ -15,6 +15,7 @@ use crc::{CRC_64_XZ, Crc};
 use serde::{Deserialize, Serialize};
 
 use super::exact::Exact;
+use super::group::MOST_ROWS;
 use super::{Closed, Group, Level, Plan};
 use crate::Error;
 
@@ -97,6 +98,16 @@ mod as_text {
 impl ClassSums {
     fn new(features: usize) -> Self {
         Self { patterns: BTreeMap::new(), empty: 0, runs: Level::new(features), units: Level::new(features) }
+    }
+
+    /// Whether the lengths are those of the features of this mask.
+    fn fits(&self, all: u64) -> bool {
+        let of = |mask: u64| mask.count_ones() as usize;
+        let mut patterns = self.patterns.iter();
+        self.patterns.len() <= PATTERNS
+            && patterns.all(|(mask, own)| mask & !all == 0 && own.rows.fits(of(*mask)) && own.excess.len() == of(*mask))
+            && self.empty <= MOST_ROWS
+            && [&self.runs, &self.units].iter().all(|level| level.fits(of(all)))
     }
 
     fn pattern(&mut self, mask: u64) -> Result<&mut Pattern, Error> {
@@ -346,7 +357,18 @@ impl Sums {
         if CRC.checksum(body) != u64::from_le_bytes(*checksum) {
             return Err("the sums are damaged: their checksum differs; write them again".into());
         }
-        postcard::from_bytes(body).map_err(|error| format!("not readable as sums: {error}"))
+        let sums: Self = postcard::from_bytes(body).map_err(|error| format!("not readable as sums: {error}"))?;
+        if sums.fits() { Ok(sums) } else { Err("not readable as sums: their lengths differ; write them again".into()) }
+    }
+
+    /// Whether every part has the lengths of the features, and no more rows than can be added.
+    fn fits(&self) -> bool {
+        let features = self.features.len();
+        let mut open = self.open.values().flatten();
+        (1..=MOST_FEATURES).contains(&features)
+            && self.rows <= MOST_ROWS
+            && open.all(|(_, group)| group.fits(features))
+            && self.classes.values().all(|class| class.fits(self.all()))
     }
 }
 

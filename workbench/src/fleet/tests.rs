@@ -177,6 +177,10 @@ fn what_cannot_be_merged_is_refused_by_name() {
     bytes[last] ^= 1;
     assert!(Sums::from_bytes(&bytes).expect_err("damaged").contains("checksum differs"));
     assert!(Sums::from_bytes(b"bearing-watch sums 9\n").expect_err("a later one").contains("no sums of this version"));
+    let mut shorter = closed.clone();
+    shorter.features.pop();
+    let forged = Sums::from_bytes(&shorter.to_bytes().expect("bytes")).expect_err("lengths of other features");
+    assert!(forged.contains("their lengths differ"), "{forged}");
     let text = plan.to_json().replace("\"version\":1", "\"version\":7");
     assert!(Plan::parse(&text).expect_err("a later one").contains("version 7, not 1"));
     assert!(Part::open(Path::new("Cargo.toml")).expect_err("no part").to_string().contains("not readable as Parquet"));

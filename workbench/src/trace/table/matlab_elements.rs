@@ -14,6 +14,8 @@ use super::unpack::{most, unpack};
 const HEADER: usize = 128;
 const ARRAY: u32 = 14;
 const PACKED: u32 = 15;
+/// The last type of elements, text of 32 bits.
+const LAST: u32 = 18;
 /// Classes of arrays whose elements are arrays: cells, structures and objects.
 const NESTED: [u8; 3] = [1, 2, 3];
 /// Deepest array in an array; the reader is recursive.
@@ -67,6 +69,10 @@ fn element(bytes: &[u8], is_little: bool) -> Option<Element<'_>> {
     } else {
         (first & 0xFFFF, 4, (first >> 16) as usize, 4)
     };
+    // The reader looks at eight bits of the type only.
+    if !(1..=LAST).contains(&kind) {
+        return None;
+    }
     let content = bytes.get(start..start.checked_add(size)?).filter(|_| size <= padded)?;
     // The zeros behind the last element may be missing.
     let (whole, rest) = bytes.split_at(start.checked_add(padded)?.min(bytes.len()));
@@ -143,6 +149,9 @@ mod tests {
             }
         }
         assert_eq!(unpacked(&good[..HEADER + 20]), None);
+        let mut other = good.clone();
+        other[HEADER + 1] = 3;
+        assert_eq!(unpacked(&other), None, "a type of which eight bits are those of an array");
         assert_eq!(unpacked(&file(&[])), Some(file(&[])));
         assert_eq!(unpacked(&[b' '; HEADER]), None, "neither order of bytes");
     }
