@@ -107,7 +107,7 @@ fn settings(bytes: &[u8]) {
 /// The bytes of a model file, as they are or under a right checksum.
 fn model_file(bytes: &[u8]) {
     let mut input = Input::new(bytes);
-    let mut model = if input.byte() % 2 == 0 {
+    let mut model = if input.byte().is_multiple_of(2) {
         input.bytes(usize::MAX).to_vec()
     } else {
         let mut model = FILE.to_vec();

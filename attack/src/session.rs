@@ -100,7 +100,7 @@ impl<P: Plan> Session<'_, P> {
                 assert!(self.detector.pending() < limit, "an open segment is not full");
                 let _counts = self.detector.counts();
                 self.evidence.end_run();
-                if input.byte() % 4 == 0 {
+                if input.byte().is_multiple_of(4) {
                     self.evidence.reset();
                 }
             }
@@ -178,7 +178,7 @@ impl<P: Plan> Session<'_, P> {
         for _ in 0..input.byte() % 8 {
             bytes[usize::from(input.half()) % length] = input.byte();
         }
-        if input.byte() % 2 == 0 {
+        if input.byte().is_multiple_of(2) {
             checksum::put(bytes);
         }
         let kept = self.evidence.clone();
@@ -197,9 +197,9 @@ impl<P: Plan> Session<'_, P> {
         let _empty = self.model.label(input.byte());
         let offsets = [input.number(), input.number(), input.number()];
         if let Some(baseline) = &mut self.baseline {
-            let _refused = baseline.restore(&offsets, input.byte() % 2 == 0);
+            let _refused = baseline.restore(&offsets, input.byte().is_multiple_of(2));
             assert!(baseline.offset().iter().all(|offset| offset.is_finite()), "{:?}", baseline.offset());
-            if input.byte() % 4 == 0 {
+            if input.byte().is_multiple_of(4) {
                 baseline.reset();
             }
         }

@@ -43,6 +43,7 @@ pub struct Motor<const FURTHER: usize> {
 }
 
 impl<const FURTHER: usize> Motor<FURTHER> {
+    #[must_use] 
     pub const fn new(sensors: Sensors) -> Self {
         Self { sensors, number: 0, numbers: Numbers(7) }
     }

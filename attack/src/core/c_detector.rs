@@ -86,10 +86,10 @@ fn init(own: *mut c_void, state: &mut *mut BwState, input: &mut Input<'_>) -> Bw
     for _ in 0..input.byte() % 4 {
         model[usize::from(input.half()) % given] = input.byte();
     }
-    if input.byte() % 2 == 0 {
+    if input.byte().is_multiple_of(2) {
         checksum::put(&mut model[..given]);
     }
-    let length = if input.byte() % 8 == 0 { usize::from(input.half()) % model.len() } else { given };
+    let length = if input.byte().is_multiple_of(8) { usize::from(input.half()) % model.len() } else { given };
     let size = match input.byte() % 8 {
         0 => usize::from(input.half()) % bw_state_size(),
         1 => bw_state_size(),
@@ -190,7 +190,7 @@ fn values(at: *mut BwState, input: &mut Input<'_>) -> BwCode {
 /// Saves, and restores bytes of which some may be changed.
 fn save(at: *mut BwState, input: &mut Input<'_>) -> BwCode {
     let (mut bytes, mut length) = ([0xA5; SAVED], 0_usize);
-    let capacity = if input.byte() % 4 == 0 { usize::from(input.half()) % SAVED } else { SAVED };
+    let capacity = if input.byte().is_multiple_of(4) { usize::from(input.half()) % SAVED } else { SAVED };
     // SAFETY: every pointer is NULL, or that of as many bytes, or misaligned and refused.
     let code = unsafe {
         let _code = bw_saved_size(at, either(input, &raw mut length));
@@ -201,7 +201,7 @@ fn save(at: *mut BwState, input: &mut Input<'_>) -> BwCode {
         bytes[usize::from(input.half()) % SAVED] = input.byte();
     }
     let length = length.min(SAVED);
-    if input.byte() % 2 == 0 {
+    if input.byte().is_multiple_of(2) {
         checksum::put(&mut bytes[..length]);
     }
     // SAFETY: as many bytes are there.

@@ -133,7 +133,7 @@ fn any(input: &mut Input<'_>) -> BwFrontEndConstants {
 }
 
 fn size(most: usize, input: &mut Input<'_>) -> usize {
-    if input.byte() % 8 == 0 { usize::from(input.half()) % most } else { most }
+    if input.byte().is_multiple_of(8) { usize::from(input.half()) % most } else { most }
 }
 
 fn init_front_end(own: *mut c_void, constants: &mut BwFrontEndConstants, input: &mut Input<'_>) {
@@ -183,8 +183,8 @@ fn init_wiring(own: *mut c_void, constants: &mut BwFrontEndConstants, input: &mu
 
 /// A raw sample of any bits, or one of a motor that turns.
 fn raw(number: &mut u32, input: &mut Input<'_>) -> BwRawSample {
-    *number = if input.byte() % 16 == 0 { input.word() } else { number.wrapping_add(1) };
-    if input.byte() % 2 == 0 {
+    *number = if input.byte().is_multiple_of(16) { input.word() } else { number.wrapping_add(1) };
+    if input.byte().is_multiple_of(2) {
         let counts = [0_u16, 1, 2].map(|phase| 1500 + (*number as u16).wrapping_mul(7 + phase) % 1000);
         let angle = number.wrapping_mul(20_507_188);
         return BwRawSample { number: *number, counts, phases: 2, position: 1, angle, sin: 0.0, cos: 0.0 };
@@ -202,7 +202,7 @@ fn raw(number: &mut u32, input: &mut Input<'_>) -> BwRawSample {
 
 fn push(own: *mut BwFrontEnd, number: &mut u32, input: &mut Input<'_>) {
     let mut further: [f32; BW_MAX_FURTHER] = [input.number(); BW_MAX_FURTHER];
-    let count = if input.byte() % 16 == 0 { input.below(BW_MAX_FURTHER) } else { 2 };
+    let count = if input.byte().is_multiple_of(16) { input.below(BW_MAX_FURTHER) } else { 2 };
     let mut clean = MaybeUninit::<BwCleanSample>::uninit();
     for _ in 0..=input.byte() % 32 {
         let mut raw = raw(number, input);
@@ -256,7 +256,7 @@ fn faults(own: *mut BwFrontEnd, input: &mut Input<'_>) {
         if code == BwCode::Ok {
             assert!(!faults.assume_init().gain_error.is_infinite());
         }
-        if input.byte() % 2 == 0 {
+        if input.byte().is_multiple_of(2) {
             let _code = bw_front_end_clear_faults(own);
         }
     }

@@ -78,14 +78,14 @@ pub fn attack(bytes: &[u8]) {
     let mut input = Input::new(bytes);
     let mut settings = Settings {
         resolution: [Resolution::Bits10, Resolution::Bits12, Resolution::Bits14, Resolution::Bits16][input.below(4)],
-        hysteresis: input.byte() % 2 == 0,
-        phase_lock_44: input.byte() % 2 == 0,
+        hysteresis: input.byte().is_multiple_of(2),
+        phase_lock_44: input.byte().is_multiple_of(2),
         ..Settings::DEFAULT
     };
-    if input.byte() % 4 == 0 {
+    if input.byte().is_multiple_of(4) {
         (settings.clock_hz, settings.excitation_hz) = (input.word(), input.word());
     }
-    if input.byte() % 4 == 0 {
+    if input.byte().is_multiple_of(4) {
         settings.thresholds = Some(Thresholds {
             loss_mv: input.half(),
             overrange_mv: input.half(),

@@ -19,7 +19,7 @@ pub fn refined(bytes: &[u8]) {
 /// Shafts with and without regression and load.
 pub fn watched(bytes: &[u8]) {
     let mut input = Input::new(bytes);
-    if input.byte() % 2 == 0 {
+    if input.byte().is_multiple_of(2) {
         let model = &*WATCHED;
         memory::without_allocation(|| session::run(model, &mut input));
     } else {

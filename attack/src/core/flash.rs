@@ -73,7 +73,7 @@ fn run<const READ: usize, const WRITE: usize, const ERASE: usize, const PAGE: us
             _ => {
                 let mut short = [0; 32];
                 let _short =
-                    pair.load(&mut flash, &mut short, |record, bytes| (record.length > 3).then(|| bytes.len()));
+                    pair.load(&mut flash, &mut short, |record, bytes| (record.length > 3).then_some(bytes.len()));
             }
         }
         let found = load(&pair, &mut flash);
@@ -93,7 +93,7 @@ fn payload(input: &mut Input<'_>) -> Vec<u8> {
 /// Puts a record of any length and counter into a slot, as a rule under right checksums.
 fn forge(cells: &mut [u8], slot: usize, input: &mut Input<'_>) {
     let kind = input.byte();
-    if kind % 2 == 0 {
+    if kind.is_multiple_of(2) {
         return;
     }
     let start = if kind & 2 == 0 { 0 } else { slot };

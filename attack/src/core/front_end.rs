@@ -46,7 +46,7 @@ where
         constants = any_constants(input);
     }
     let Ok(mut front_end) = FrontEnd::<1, FACTOR>::new(&constants) else { return };
-    let sensors = if input.byte() % 2 == 0 { Sensors::Resolver } else { Sensors::Converter };
+    let sensors = if input.byte().is_multiple_of(2) { Sensors::Resolver } else { Sensors::Converter };
     let mut motor = Motor::<1>::new(sensors);
     let mut check = WiringCheck::new(constants.frame, constants.control_rate_hz, limits(input));
     let mut calibration = OffsetCalibration::new(CalibrationLimits {
@@ -67,7 +67,7 @@ where
             }
             3 | 4 => (0..some(input, &mut left)).for_each(|_| push(&mut front_end, &motor.sample())),
             5 => {
-                let raw = if input.byte() % 2 == 0 { wild(input) } else { motor.sample() };
+                let raw = if input.byte().is_multiple_of(2) { wild(input) } else { motor.sample() };
                 let velocity_rad_s = input.number();
                 for _ in 0..some(input, &mut left) {
                     front_end.check_wiring(&raw, velocity_rad_s, &mut check);
@@ -133,12 +133,12 @@ fn conclude(check: &WiringCheck) {
 
 fn counts(input: &mut Input<'_>) -> PhaseCounts {
     let counts = [input.half(), input.half(), input.half()];
-    if input.byte() % 2 == 0 { PhaseCounts::Three(counts) } else { PhaseCounts::Two([counts[0], counts[1]]) }
+    if input.byte().is_multiple_of(2) { PhaseCounts::Three(counts) } else { PhaseCounts::Two([counts[0], counts[1]]) }
 }
 
 /// A raw sample of any bits.
 fn wild(input: &mut Input<'_>) -> RawSample<1> {
-    let number = if input.byte() % 2 == 0 { input.word() } else { u32::from(input.byte()) };
+    let number = if input.byte().is_multiple_of(2) { input.word() } else { u32::from(input.byte()) };
     let position = match input.byte() % 4 {
         0 => Position::Missing,
         1 => Position::Absolute(Angle::from_bits(input.word())),
@@ -160,7 +160,7 @@ fn limits(input: &mut Input<'_>) -> WiringLimits {
 /// Constants of any bits, some of which are good.
 fn any_constants(input: &mut Input<'_>) -> FrontEndConstants {
     let mut constants = CONSTANTS;
-    let mut either = |own: f32| if input.byte() % 2 == 0 { own } else { input.number() };
+    let mut either = |own: f32| if input.byte().is_multiple_of(2) { own } else { input.number() };
     let PhaseSensor { offset_counts, gain_a, usable } = CONSTANTS.sensors[0];
     let sensor = PhaseSensor { offset_counts: either(offset_counts), gain_a: either(gain_a), usable };
     constants.sensors = [sensor; 3];
@@ -179,7 +179,7 @@ fn any_constants(input: &mut Input<'_>) -> FrontEndConstants {
     let [stuck, window, lost, settle] = [input.half(), input.half(), input.half(), input.half()];
     (constants.stuck_samples, constants.balance.window) = (stuck, window);
     (constants.tracking.lost_samples, constants.tracking.settle_samples) = (lost, settle);
-    let park = if input.byte() % 2 == 0 { Park::Standard } else { Park::Thesis };
+    let park = if input.byte().is_multiple_of(2) { Park::Standard } else { Park::Thesis };
     constants.frame = RotorFrame { pole_pairs: input.word(), electrical_offset: Angle::from_bits(input.word()), park };
     constants
 }

@@ -52,7 +52,7 @@ fn changed(input: &mut Input<'_>) {
             }
         }
     }
-    if input.byte() % 8 != 0 {
+    if !input.byte().is_multiple_of(8) {
         checksum::put(&mut model);
     }
     read(&model, &samples);

@@ -128,7 +128,7 @@ fn look(frame: &Frame<'_>) {
         Body::Report(summary) => {
             for numbers in [&summary.posteriors, &summary.features, &summary.order_scores] {
                 assert_eq!(numbers.iter().count(), numbers.len());
-                assert_eq!((numbers.get(numbers.len()), numbers.is_empty()), (None, numbers.len() == 0));
+                assert_eq!((numbers.get(numbers.len()), numbers.is_empty()), (None, numbers.is_empty()));
             }
         }
         Body::Samples(block) => {
