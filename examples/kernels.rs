@@ -83,7 +83,7 @@ fn front_end() {
     for k in 0..20_000_u32 {
         let angle = Angle::from_bits(k.wrapping_mul(0x9E37_79B9));
         let sc = angle.sin_cos();
-        let dq = frame.transform(AlphaBeta::from_two(numbers.next(), numbers.next()), angle);
+        let dq = frame.transform(AlphaBeta::from_two(numbers.draw(), numbers.draw()), angle);
         let back = Park::Thesis.inverse(dq, sc).inverse_clarke();
         hash.add(&[sc.sin, sc.cos, dq.d, dq.q, back.a, back.b, back.c, angle.radians()]);
         if let Some(mean) = mean.push([dq.d, dq.q], 7) {
@@ -182,7 +182,7 @@ where
         let projection = Projection::<P> { matrix: numbers.array(), mean: numbers.array(), usual: numbers.array() };
         let means = numbers.array();
         // Of each factor the pivots are the first, fourth and sixth number.
-        let mut factors: Array<P::Densities, f32> = Cells::from_fn(plan.layout().densities(), |_| numbers.next());
+        let mut factors: Array<P::Densities, f32> = Cells::from_fn(plan.layout().densities(), |_| numbers.draw());
         for factor in factors.cells_mut().chunks_mut(6) {
             let cells = factor.iter_mut().enumerate();
             cells.filter(|(k, _)| [0, 3, 5].contains(k)).for_each(|(_, pivot)| *pivot += 1.5);

@@ -4,14 +4,14 @@
 pub struct Numbers(pub u32);
 
 impl Numbers {
-    /// The next number.
-    pub fn next(&mut self) -> f32 {
+    /// Draws a number.
+    pub fn draw(&mut self) -> f32 {
         self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (self.0 >> 8) as f32 / 8_388_608.0 - 1.0
     }
 
-    /// The next `N` numbers.
+    /// Draws `N` numbers.
     pub fn array<const N: usize>(&mut self) -> [f32; N] {
-        core::array::from_fn(|_| self.next())
+        core::array::from_fn(|_| self.draw())
     }
 }

@@ -43,7 +43,7 @@ pub struct Motor<const FURTHER: usize> {
 }
 
 impl<const FURTHER: usize> Motor<FURTHER> {
-    #[must_use] 
+    #[must_use]
     pub const fn new(sensors: Sensors) -> Self {
         Self { sensors, number: 0, numbers: Numbers(7) }
     }
@@ -57,10 +57,10 @@ impl<const FURTHER: usize> Motor<FURTHER> {
         let electrical = shaft.times(6);
         let mut current = |third: u32| {
             let sc = electrical.plus(Angle::from_bits(third.wrapping_mul(0x5555_5555))).sin_cos();
-            (2048.5 + 500.0 * sc.cos + 2.0 * self.numbers.next()) as u16
+            (2048.5 + 500.0 * sc.cos + 2.0 * self.numbers.draw()) as u16
         };
         let (a, c, b) = (current(0), current(1), current(2));
-        let mut noise = || 1e-3 * self.numbers.next();
+        let mut noise = || 1e-3 * self.numbers.draw();
         let sc = shaft.sin_cos();
         let (currents, position) = match self.sensors {
             Sensors::Resolver => {

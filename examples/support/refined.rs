@@ -96,7 +96,7 @@ pub struct Plant {
 
 impl Plant {
     /// At rest.
-    #[must_use] 
+    #[must_use]
     pub const fn new(seed: u32) -> Self {
         Self { numbers: Numbers(seed), y: [0.0; 2], u1: [0.0; 3], u2: [0.0; 3], time: 0 }
     }

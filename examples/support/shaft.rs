@@ -245,7 +245,7 @@ pub struct Plant {
 
 impl Plant {
     /// At rest.
-    #[must_use] 
+    #[must_use]
     pub const fn new(seed: u32) -> Self {
         Self {
             numbers: Numbers(seed),

@@ -33,7 +33,7 @@ pub fn rows<const N: usize, const M: usize>() -> [[f32; M]; ROWS] {
     core::array::from_fn(|_| {
         let mut row: [f32; M] = numbers.array();
         let y: f32 = row.iter().zip(truth::<N>()).map(|(x, theta)| x * theta).sum();
-        row[N] = y + NOISE * numbers.next();
+        row[N] = y + NOISE * numbers.draw();
         row
     })
 }
