@@ -29,7 +29,7 @@ def arrays(draw):
     """Arrays of any type and shape, with NaN and infinite values where there are such."""
     shape, dtype = draw(st.sampled_from(SHAPES)), draw(st.sampled_from(DTYPES))
     random = np.random.default_rng(draw(st.integers(0, 99)))
-    values = random.normal(size=shape) * 10.0 ** draw(st.integers(-30, 30))
+    values = np.asarray(random.normal(size=shape) * 10.0 ** draw(st.integers(-30, 30)))
     if draw(st.booleans()) and values.size:
         values.flat[draw(st.integers(0, values.size - 1))] = draw(st.sampled_from([np.nan, np.inf, -np.inf]))
     with warnings.catch_warnings():
