@@ -50,6 +50,7 @@ pub const SOURCES: [Source; 16] = [
     slow("recorded", Tolerance::Exact, |_| printed("recorded", "docs/recorded.md", "recorded_")),
     slow("endurance", Tolerance::Exact, |_| endurance()),
     slow("peers", Tolerance::Any, |_| Ok(vec![Block::new("docs/peers.md", "peers", &peers::measure()?.0)])),
+    slow("reading", Tolerance::Any, |_| Ok(vec![Block::new("docs/peers.md", "reading", &peers::reading()?.0)])),
     slow("peers-on-target", figures::TOLERANCE, peers_on_target),
     slow(book::NAME, Tolerance::Exact, |_| book::blocks()),
 ];

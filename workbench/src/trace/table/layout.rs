@@ -48,6 +48,11 @@ impl Layout {
         Self { separator, decimal_comma, comment, header }
     }
 
+    /// Whether a text has all lines that are looked at.
+    pub(super) fn is_settled_by(head: &str) -> bool {
+        head.lines().filter(|line| !line.trim().is_empty() && !line.starts_with(['#', '%'])).count() > LINES
+    }
+
     /// The number in a cell.
     pub(super) fn number(&self, cell: &str) -> Option<f64> {
         if self.decimal_comma { cell.replacen(',', ".", 1).parse().ok() } else { cell.parse().ok() }

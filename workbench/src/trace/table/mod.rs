@@ -11,6 +11,7 @@
 
 mod arrow;
 mod arrow_blocks;
+mod digits;
 mod layout;
 mod lines;
 mod matlab;
@@ -19,12 +20,15 @@ mod matlab_value;
 mod numpy;
 mod plain;
 mod recorded;
+mod source;
 mod text;
 mod unpack;
 mod write;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+use rayon::prelude::*;
 
 use crate::Error;
 use lines::Lines;
@@ -173,12 +177,16 @@ impl Table {
             Content::Arrow(kind) => arrow::read((&self.path, &self.names), *kind, wanted)?,
             Content::Memory(recorded) => recorded.read(wanted)?,
         };
-        for (place, column) in wanted.numbers.iter().zip(&columns.numbers) {
-            if let Some(row) = column.iter().position(|value| value.abs() > LARGEST || value.is_nan()) {
-                let place = format!("{}, column {}", columns.place(row), self.names[*place]);
-                return Err(Error::content(&self.path, place, unusable(column[row], &column[row].to_string())));
-            }
-        }
+        let check = |(column, place): (&Vec<f64>, &usize)| {
+            let Some(row) = column.iter().position(|value| value.abs() > LARGEST || value.is_nan()) else {
+                return Ok(());
+            };
+            let place = format!("{}, column {}", columns.place(row), self.names[*place]);
+            Err(Error::content(&self.path, place, unusable(column[row], &column[row].to_string())))
+        };
+        // As a list first: the first column with such a value is told, whichever thread is first.
+        let checks: Vec<Result<(), Error>> = columns.numbers.par_iter().zip(wanted.numbers).map(check).collect();
+        checks.into_iter().collect::<Result<(), Error>>()?;
         Ok(columns)
     }
 }

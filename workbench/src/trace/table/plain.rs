@@ -1,15 +1,14 @@
 //! Rows of text without quotes, read in parallel.
 //!
-//! The text is split at ends of lines. Each piece is read by itself, into its part of the columns. What is read, and
-//! every message, is that of the general reader of [`super::text`].
+//! Each piece of the text is read by itself, into its part of the columns. What is read, and every message, is that of
+//! the general reader of [`super::text`].
 
 use memchr::{memchr, memchr_iter};
 use rayon::prelude::*;
 
 use super::Lines;
-
-/// Bytes of a piece.
-const PIECE: usize = 1 << 20;
+use super::digits::decimal;
+use super::source::Source;
 
 /// How rows are written, and which cells are wanted.
 pub(super) struct Form<'a> {
@@ -27,6 +26,15 @@ pub(super) struct Form<'a> {
     pub(super) row: &'a (dyn Fn(&str) -> bool + Sync),
     /// The number in a cell.
     pub(super) number: &'a (dyn Fn(&str) -> Result<f64, String> + Sync),
+}
+
+/// Why rows are not read.
+#[derive(Debug)]
+pub(super) enum Failure {
+    /// The row in this line is not taken.
+    Row(u64, Refusal),
+    /// A file cannot be read any more, or changes while it is read.
+    File(std::io::Error),
 }
 
 /// Why a row is not taken.
@@ -49,35 +57,42 @@ pub(super) struct Rows {
     pub(super) count: usize,
 }
 
-/// Whether the text can be read here: no quotes, and lines that end with a line feed.
-pub(super) fn suits(text: &str) -> bool {
-    let plain = |piece: &[u8], next: Option<&u8>| {
-        let feed = |place: usize| piece.get(place + 1).or(next) == Some(&b'\n');
-        memchr(b'"', piece).is_none() && memchr_iter(b'\r', piece).all(feed)
+/// Counts the lines of each piece; `None` if the text cannot be read here.
+pub(super) fn lines(source: Source<'_>) -> std::io::Result<Option<Vec<usize>>> {
+    let count = |buffer: &mut Vec<u8>, piece| {
+        let text = source.piece(piece, buffer)?;
+        Ok(suits(text).then(|| count_lines(text)))
     };
-    let bytes = text.as_bytes();
-    bytes.par_chunks(PIECE).enumerate().all(|(k, piece)| plain(piece, bytes.get((k + 1) * PIECE)))
+    // As a list first: what is found must not depend on which thread is first.
+    let counts: Vec<std::io::Result<Option<usize>>> =
+        (0..source.pieces()).into_par_iter().map_init(Vec::new, count).collect();
+    counts.into_iter().collect()
 }
 
-/// Reads the rows after the line `first` of a text; the error has the line.
-pub(super) fn rows(text: &str, first: u64, form: &Form<'_>) -> Result<Rows, (u64, Refusal)> {
-    let pieces = pieces(text);
-    // A piece has at most as many rows as lines.
-    let bounds: Vec<usize> = pieces.par_iter().map(|piece| count_lines(piece)).collect();
+/// Whether a text can be read here: it is UTF-8 without quotes, and its lines end with a line feed.
+pub(super) fn suits(text: &[u8]) -> bool {
+    let feed = |place: usize| text.get(place + 1) == Some(&b'\n');
+    memchr(b'"', text).is_none() && memchr_iter(b'\r', text).all(feed) && std::str::from_utf8(text).is_ok()
+}
+
+/// Reads the rows after the line `first` of a text, of whose pieces the lines are counted.
+pub(super) fn rows(source: Source<'_>, first: u64, counts: &[usize], form: &Form<'_>) -> Result<Rows, Failure> {
     // Zeros of the system, which is quicker than copies of a list of zeros.
-    let mut numbers: Vec<Vec<f64>> = form.numbers.iter().map(|_| vec![0.0; bounds.iter().sum()]).collect();
-    let mut parts: Vec<Piece<'_>> = Vec::with_capacity(pieces.len());
+    let mut numbers: Vec<Vec<f64>> = form.numbers.iter().map(|_| vec![0.0; counts.iter().sum()]).collect();
+    let mut parts: Vec<Piece<'_>> = Vec::with_capacity(counts.len());
     let mut rest: Vec<&mut [f64]> = numbers.iter_mut().map(Vec::as_mut_slice).collect();
     let mut line = first;
-    for (text, rows) in pieces.into_iter().zip(&bounds) {
-        let (own, later) = rest.into_iter().map(|column| column.split_at_mut(*rows)).unzip();
-        parts.push(Piece { text, line, columns: own });
-        (rest, line) = (later, line + *rows as u64);
+    for (piece, lines) in counts.iter().enumerate() {
+        // A piece has at most as many rows as lines.
+        let (columns, later) = rest.into_iter().map(|column| column.split_at_mut(*lines)).unzip();
+        parts.push(Piece { piece, line, lines: *lines, columns });
+        (rest, line) = (later, line + *lines as u64);
     }
-    let read: Vec<Result<Rows, _>> = parts.into_par_iter().map(|piece| piece.read(form)).collect();
+    let read = |buffer: &mut Vec<u8>, piece: Piece<'_>| piece.read(source, buffer, form);
+    let read: Vec<Result<Rows, Failure>> = parts.into_par_iter().map_init(Vec::new, read).collect();
     let mut all = Rows::default();
     let (mut start, mut end) = (0, 0);
-    for (rows, bound) in read.into_iter().zip(&bounds) {
+    for (rows, lines) in read.into_iter().zip(counts) {
         let mut rows = rows?;
         let filled = rows.lines.rows();
         if start != end {
@@ -86,46 +101,39 @@ pub(super) fn rows(text: &str, first: u64, form: &Form<'_>) -> Result<Rows, (u64
         all.texts.append(&mut rows.texts);
         all.lines.append(&rows.lines);
         all.count += rows.count;
-        (start, end) = (start + bound, end + filled);
+        (start, end) = (start + lines, end + filled);
     }
     numbers.iter_mut().for_each(|column| column.truncate(end));
     Ok(Rows { numbers, ..all })
 }
 
-fn pieces(text: &str) -> Vec<&str> {
-    let (mut rest, mut pieces) = (text, vec![]);
-    while rest.len() > PIECE {
-        let Some(end) = memchr(b'\n', &rest.as_bytes()[PIECE..]) else { break };
-        let (piece, later) = rest.split_at(PIECE + end + 1);
-        pieces.push(piece);
-        rest = later;
-    }
-    pieces.push(rest);
-    pieces
-}
-
 /// Number of lines; the last one need not end.
-fn count_lines(text: &str) -> usize {
-    memchr_iter(b'\n', text.as_bytes()).count() + usize::from(!text.is_empty() && !text.ends_with('\n'))
+fn count_lines(text: &[u8]) -> usize {
+    memchr_iter(b'\n', text).count() + usize::from(text.last().is_some_and(|last| *last != b'\n'))
 }
 
-/// A part of the text, the number of the line before it, and the columns for its numbers.
+/// A piece of the text, the number of the line before it, how many lines it has, and the columns for its numbers.
 struct Piece<'a> {
-    text: &'a str,
+    piece: usize,
     line: u64,
+    lines: usize,
     columns: Vec<&'a mut [f64]>,
 }
 
 impl Piece<'_> {
     /// Reads the rows; those returned have no numbers, which are in the columns.
-    fn read(mut self, form: &Form<'_>) -> Result<Rows, (u64, Refusal)> {
+    fn read(mut self, source: Source<'_>, buffer: &mut Vec<u8>, form: &Form<'_>) -> Result<Rows, Failure> {
+        let text = source.piece(self.piece, buffer).map_err(Failure::File)?;
+        let changed = || Failure::File(std::io::Error::other("the file changes while it is read"));
+        let text = std::str::from_utf8(text).ok().filter(|text| count_lines(text.as_bytes()) == self.lines);
+        let text = text.ok_or_else(changed)?;
         let mut slots = vec![None; form.cells];
         form.numbers.iter().enumerate().for_each(|(slot, place)| slots[*place] = Some(slot));
         let mut rows = Rows::default();
-        let (mut rest, mut line) = (self.text, self.line);
+        let (mut rest, mut line) = (text, self.line);
         while !rest.is_empty() {
             let end = memchr(b'\n', rest.as_bytes()).unwrap_or(rest.len());
-            let own = &rest[..end];
+            let (own, after) = (&rest[..end], rest);
             rest = rest.get(end + 1..).unwrap_or("");
             line += 1;
             let own = own.strip_suffix('\r').unwrap_or(own);
@@ -136,19 +144,21 @@ impl Piece<'_> {
             if let Some(place) = form.text {
                 let text = own.split(char::from(form.separator)).nth(place).unwrap_or("").trim();
                 if !(form.row)(text) {
-                    form.complete(own).map_err(|refusal| (line, refusal))?;
+                    form.complete(own).map_err(|refusal| Failure::Row(line, refusal))?;
                     continue;
                 }
                 rows.texts.push(text.to_string());
             }
-            self.numbers(own, (&slots, rows.lines.rows()), form).map_err(|refusal| (line, refusal))?;
+            let row = (&slots[..], rows.lines.rows());
+            self.numbers((own, after.as_bytes()), row, form).map_err(|refusal| Failure::Row(line, refusal))?;
             rows.lines.push(line);
         }
         Ok(rows)
     }
 
-    /// Reads the numbers of a line into a row of the columns.
-    fn numbers(&mut self, line: &str, (slots, row): (&[Option<usize>], usize), form: &Form<'_>) -> Result<(), Refusal> {
+    /// Reads the numbers of a line into a row of the columns; `after` is the line and the text after it.
+    fn numbers(&mut self, (line, after): (&str, &[u8]), row: Row<'_>, form: &Form<'_>) -> Result<(), Refusal> {
+        let (slots, row) = row;
         let bytes = line.as_bytes();
         let mut from = 0;
         for (place, slot) in slots.iter().enumerate() {
@@ -161,10 +171,10 @@ impl Piece<'_> {
                 from += next() + 1;
                 continue;
             };
-            let ends = |length: usize| rest.get(length).is_none_or(|byte| *byte == form.separator);
-            let quick = if form.decimal_comma { None } else { fast_float2::parse_partial(rest).ok() };
-            let quick = quick.filter(|(number, length): &(f64, _)| ends(*length) && number.abs() <= super::LARGEST);
-            let (number, length) = match quick {
+            let ends = |(_, length): &(f64, usize)| rest.get(*length).is_none_or(|byte| *byte == form.separator);
+            let any = || fast_float2::parse_partial(rest).ok().filter(ends);
+            let quick = if form.decimal_comma { None } else { decimal(&after[from..]).filter(ends).or_else(any) };
+            let (number, length) = match quick.filter(|(number, _)| number.abs() <= super::LARGEST) {
                 Some(found) => found,
                 None => {
                     let length = next();
@@ -179,6 +189,9 @@ impl Piece<'_> {
     }
 }
 
+/// The slot of each cell of a line, and the row.
+type Row<'a> = (&'a [Option<usize>], usize);
+
 impl Form<'_> {
     /// Refuses a line with another number of cells.
     fn complete(&self, line: &str) -> Result<(), Refusal> {
@@ -189,7 +202,16 @@ impl Form<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::source::PIECE;
     use super::*;
+
+    fn read(text: &str, first: u64, form: &Form<'_>) -> Result<Rows, (u64, Refusal)> {
+        let counts = lines(Source::Memory(text)).expect("in memory").expect("plain text");
+        rows(Source::Memory(text), first, &counts, form).map_err(|failure| match failure {
+            Failure::Row(line, refusal) => (line, refusal),
+            Failure::File(error) => panic!("{error}"),
+        })
+    }
 
     /// Bit by bit the numbers of the standard library's parser, and refused where it refuses.
     #[test]
@@ -206,7 +228,7 @@ mod tests {
                 row: &|_| true,
                 number: &number,
             };
-            rows(text, 0, &form).map(|found| found.numbers[0][0].to_bits())
+            read(text, 0, &form).map(|found| found.numbers[0][0].to_bits())
         };
         let plain = ["0", "-0.0", "1.5", "-2.675", "0.1", "999999999999999", "5.", ".5", "+1", " 1", "1e5", "1E-5"];
         let odd = ["-", ".", "1.2.3", "1_0", "0x1", "1e", "e5", "--1", "1 2", "nano", "+-1"];
@@ -232,7 +254,7 @@ mod tests {
         let count = 300_000;
         let mut text: String = (0..count).map(row).collect();
         text.insert_str(0, "# a comment\n\n");
-        assert!(text.len() > 3 * PIECE && suits(&text));
+        assert!(text.len() > 3 * PIECE && suits(text.as_bytes()));
         let number = |cell: &str| cell.parse::<f64>().map_err(|_| "no number".to_string());
         let form = Form {
             separator: b',',
@@ -244,14 +266,14 @@ mod tests {
             row: &|_| true,
             number: &number,
         };
-        let found = rows(&text, 1, &form).expect("good rows");
+        let found = read(&text, 1, &form).expect("good rows");
         assert_eq!((found.count, found.numbers[0].len()), (count, count));
         assert!((0..count).all(|k| found.numbers[1][k] == k as f64 && found.numbers[0][k] == (k % 97) as f64));
         // Line 1 is the header before the text, 2 the comment, 3 empty.
         assert!((0..count).all(|k| found.lines.of(k) == Some(k as u64 + 4)));
         // The first of two bad rows in different pieces is told.
         let text = text.replace("\n250000,", "\n250000,7,").replace("\n290000,", "\nx,");
-        assert_eq!(rows(&text, 1, &form).expect_err("four cells"), (250_004, Refusal::Cells(4)));
-        assert!(!suits("a,\"b\"\n") && !suits("1\r2\r") && suits("1\r\n2\r\n"));
+        assert_eq!(read(&text, 1, &form).expect_err("four cells"), (250_004, Refusal::Cells(4)));
+        assert!(!suits(b"a,\"b\"\n") && !suits(b"1\r2\r") && !suits(b"1\xb0\n") && suits(b"1\r\n2\r\n"));
     }
 }

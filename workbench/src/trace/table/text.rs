@@ -1,41 +1,43 @@
 //! Text files: a header, and one row a line.
 
+use std::borrow::Cow;
+use std::fs::File;
+use std::io::Read as _;
 use std::path::Path;
 
 use super::layout::{Header, Layout};
-use super::plain::{self, Form, Refusal};
+use super::plain::{self, Failure, Form, Refusal};
+use super::source::Source;
 use super::unpack::{most, unpack};
 use super::{Columns, LARGEST, Lines, Wanted, unusable};
 use crate::Error;
 
+/// Bytes of a file from which it is read in pieces, and of its start, which has the layout.
+const LARGE: u64 = 4 << 20;
+const HEAD: u64 = 64 << 10;
+
 /// A text file and its layout.
 #[derive(Debug)]
 pub(super) struct Text {
-    text: String,
+    content: Content,
     layout: Layout,
+}
+
+#[derive(Debug)]
+enum Content {
+    Whole(String),
+    /// The first lines of a large file, and its size in bytes.
+    Large(String, u64),
 }
 
 impl Text {
     pub(super) fn open(path: &Path) -> Result<Self, Error> {
-        let packed = std::fs::read(path).map_err(Error::io(path))?;
-        let most = most(packed.len());
-        let unpacked = if packed.starts_with(&[0x1f, 0x8b]) {
-            Some(unpack(flate2::read::MultiGzDecoder::new(&packed[..]), most))
-        } else if packed.starts_with(&[0x28, 0xb5, 0x2f, 0xfd]) {
-            let decoder = zstd::Decoder::with_buffer(&packed[..]).map_err(|error| error.to_string());
-            Some(decoder.and_then(|decoder| unpack(decoder, most)))
-        } else {
-            None
+        let content = match large(path).map_err(Error::io(path))? {
+            Some((head, bytes)) => Content::Large(head, bytes),
+            None => Content::Whole(whole(path)?),
         };
-        let compressed = |problem| Error::content(path, "content", format!("cannot be unpacked: {problem}"));
-        let bytes = unpacked.transpose().map_err(compressed)?.unwrap_or(packed);
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let valid = error.utf8_error().valid_up_to();
-            let line = error.as_bytes()[..valid].iter().filter(|byte| **byte == b'\n').count() + 1;
-            Error::content(path, format!("line {line}"), "the text is not UTF-8; save it as UTF-8")
-        })?;
-        let layout = Layout::of(&text);
-        Ok(Self { text, layout })
+        let layout = Layout::of(content.head());
+        Ok(Self { content, layout })
     }
 
     /// Names of the columns.
@@ -49,8 +51,8 @@ impl Text {
         };
         match &self.layout.header {
             Header::Comment(line) => first(line),
-            Header::First => first(&self.text),
-            Header::None => Ok((1..=first(&self.text)?.len()).map(|k| format!("c{k}")).collect()),
+            Header::First => first(self.content.head()),
+            Header::None => Ok((1..=first(self.content.head())?.len()).map(|k| format!("c{k}")).collect()),
         }
     }
 
@@ -64,10 +66,21 @@ impl Text {
     pub(super) fn read(&self, (path, names): (&Path, &[String]), wanted: Wanted<'_>) -> Result<Columns, Error> {
         let is_twice = |k: usize| wanted.numbers[..k].contains(&wanted.numbers[k]);
         let spaced = self.layout.separator == b' ';
-        if !spaced && plain::suits(&self.text) && !(0..wanted.numbers.len()).any(is_twice) {
-            return self.read_plain((path, names), wanted);
+        let (header, first) = self.header();
+        if !spaced && plain::suits(header.as_bytes()) && !(0..wanted.numbers.len()).any(is_twice) {
+            let source = match &self.content {
+                Content::Whole(text) => Source::Memory(&text[header.len()..]),
+                Content::Large(_, end) => Source::File { path, start: header.len() as u64, end: *end },
+            };
+            if let Some(counts) = plain::lines(source).map_err(Error::io(path))? {
+                return self.read_plain((path, names), (source, first, &counts), wanted);
+            }
         }
-        let mut reader = self.reader(&self.text);
+        let text = match &self.content {
+            Content::Whole(text) => Cow::Borrowed(text),
+            Content::Large(..) => Cow::Owned(whole(path)?),
+        };
+        let mut reader = self.reader(&text);
         let mut record = csv::StringRecord::new();
         let mut read =
             |record: &mut csv::StringRecord| reader.read_record(record).map_err(|error| csv_error(path, &error));
@@ -103,20 +116,22 @@ impl Text {
         if rows == 0 { Err(no_rows(path)) } else { Ok(columns) }
     }
 
-    /// The same for text without quotes.
-    fn read_plain(&self, (path, names): (&Path, &[String]), wanted: Wanted<'_>) -> Result<Columns, Error> {
-        let (rest, first) = match self.layout.header {
-            Header::First => self.after_header(),
-            Header::Comment(_) | Header::None => (self.text.as_str(), 0),
-        };
+    /// The same for text without quotes, of which lines are counted.
+    fn read_plain(
+        &self,
+        (path, names): (&Path, &[String]),
+        (source, first, counts): (Source<'_>, u64, &[usize]),
+        wanted: Wanted<'_>,
+    ) -> Result<Columns, Error> {
         let Wanted { numbers, text, row } = wanted;
         let Layout { separator, decimal_comma, comment, .. } = self.layout;
         let number = |cell: &str| self.number(cell);
         let cells = names.len();
         let form = Form { separator, decimal_comma, comment, cells, numbers, text, row, number: &number };
-        let rows = plain::rows(rest, first, &form).map_err(|(line, refusal)| match refusal {
-            Refusal::Cells(count) => ragged(path, line, count, names.len()),
-            Refusal::Number(place, problem) => {
+        let rows = plain::rows(source, first, counts, &form).map_err(|failure| match failure {
+            Failure::File(error) => Error::io(path)(error),
+            Failure::Row(line, Refusal::Cells(count)) => ragged(path, line, count, names.len()),
+            Failure::Row(line, Refusal::Number(place, problem)) => {
                 Error::content(path, format!("line {line}, column {}", names[place]), problem)
             }
         })?;
@@ -127,10 +142,14 @@ impl Text {
         Ok(Columns { numbers: rows.numbers, texts, lines: rows.lines })
     }
 
-    /// The text after the header, and the line of the header.
-    fn after_header(&self) -> (&str, u64) {
-        let mut rest = self.text.as_str();
+    /// The text up to the end of the header, and the line of the header; nothing if rows start at once.
+    fn header(&self) -> (&str, u64) {
+        let text = self.content.head();
         let mut line = 0;
+        if self.layout.header != Header::First {
+            return ("", line);
+        }
+        let mut rest = text;
         while !rest.is_empty() {
             let (own, later) = rest.split_once('\n').unwrap_or((rest, ""));
             (rest, line) = (later, line + 1);
@@ -140,7 +159,7 @@ impl Text {
                 break;
             }
         }
-        (rest, line)
+        (&text[..text.len() - rest.len()], line)
     }
 
     fn number(&self, cell: &str) -> Result<f64, String> {
@@ -151,6 +170,50 @@ impl Text {
             None => Err(format!("\"{cell}\" is not a number")),
         }
     }
+}
+
+impl Content {
+    /// The text, or its first lines.
+    fn head(&self) -> &str {
+        let (Self::Whole(text) | Self::Large(text, _)) = self;
+        text
+    }
+}
+
+/// The first lines of a file and its size, if it is large and not packed, and these lines have the layout.
+fn large(path: &Path) -> std::io::Result<Option<(String, u64)>> {
+    let file = File::open(path)?;
+    let about = file.metadata()?;
+    if !about.is_file() || about.len() < LARGE {
+        return Ok(None);
+    }
+    let mut head = Vec::new();
+    file.take(HEAD).read_to_end(&mut head)?;
+    let lines = head.iter().rposition(|byte| *byte == b'\n').map_or(0, |feed| feed + 1);
+    head.truncate(lines);
+    // Packed bytes are no UTF-8.
+    Ok(String::from_utf8(head).ok().filter(|head| Layout::is_settled_by(head)).map(|head| (head, about.len())))
+}
+
+/// All of a file as text, unpacked.
+fn whole(path: &Path) -> Result<String, Error> {
+    let packed = std::fs::read(path).map_err(Error::io(path))?;
+    let most = most(packed.len());
+    let unpacked = if packed.starts_with(&[0x1f, 0x8b]) {
+        Some(unpack(flate2::read::MultiGzDecoder::new(&packed[..]), most))
+    } else if packed.starts_with(&[0x28, 0xb5, 0x2f, 0xfd]) {
+        let decoder = zstd::Decoder::with_buffer(&packed[..]).map_err(|error| error.to_string());
+        Some(decoder.and_then(|decoder| unpack(decoder, most)))
+    } else {
+        None
+    };
+    let compressed = |problem| Error::content(path, "content", format!("cannot be unpacked: {problem}"));
+    let bytes = unpacked.transpose().map_err(compressed)?.unwrap_or(packed);
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let line = error.as_bytes()[..valid].iter().filter(|byte| **byte == b'\n').count() + 1;
+        Error::content(path, format!("line {line}"), "the text is not UTF-8; save it as UTF-8")
+    })
 }
 
 fn ragged(path: &Path, line: u64, cells: usize, columns: usize) -> Error {
@@ -241,6 +304,25 @@ mod tests {
         }
         let (names, columns) = table("a.csv", b"1,2\n3,4\n").expect("without a header");
         assert_eq!((names, columns.numbers[0].len()), (vec!["c1".to_string(), "c2".into()], 2));
+    }
+
+    /// A large file is read in pieces, and as one text if it has to be; the numbers and messages are the same.
+    #[test]
+    fn large_files_are_read_like_small_ones() {
+        let rows: String = (0..400_000).map(|k| format!("{k},{}.25\n", k % 97)).collect();
+        assert!(rows.len() as u64 > LARGE);
+        for (head, count) in [("# a logger\nt,i\n", 400_000), ("t,i\n1,\"2\"\n", 400_001)] {
+            let (names, columns) = table("a.csv", format!("{head}{rows}").as_bytes()).expect("good");
+            assert_eq!((names, columns.numbers[0].len()), (vec!["t".to_string(), "i".into()], count));
+            assert_eq!((columns.numbers[0][count - 1], columns.numbers[1][count - 1]), (399_999.0, 68.25));
+            assert_eq!(columns.lines.of(count - 1), Some(400_002));
+            let wrong = format!("{head}{rows}1,2\n3,x\n");
+            let message = table("a.csv", wrong.as_bytes()).expect_err("a word");
+            assert!(message.contains("line 400004, column i: \"x\" is not a number"), "{message}");
+        }
+        let mut bytes = format!("t,i\n{rows}").into_bytes();
+        bytes[5_000_000] = 0xb0;
+        assert!(table("a.csv", &bytes).expect_err("Latin-1").contains("the text is not UTF-8"));
     }
 
     #[test]
