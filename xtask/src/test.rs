@@ -67,7 +67,8 @@ fn lints(tally: &mut Tally) {
 }
 
 fn documentation(tally: &mut Tally) {
-    let mut cargo = workspace::cargo(&["doc", "--workspace", "--no-deps"]);
+    // With the features of the lints, whose metadata of dependencies it uses again.
+    let mut cargo = workspace::cargo(&["doc", "--workspace", "--no-deps", "--all-features"]);
     let flags = env::var("RUSTDOCFLAGS").unwrap_or_default();
     cargo.env("RUSTDOCFLAGS", format!("{flags} -Dwarnings"));
     tally.check("cargo doc", silent(&mut cargo));
