@@ -160,10 +160,16 @@ fn rustup() -> (Command, PathBuf) {
 /// Debian has no library for the target: core is built from its source, which wants the nightly
 /// option `build-std`, and that in turn the variable that lets a stable compiler take it.
 fn debian() -> (Command, PathBuf) {
+    let mut cargo = Command::new(setup::debian_program("cargo"));
+    let folder = of_debian(&mut cargo);
+    (cargo, folder)
+}
+
+/// Gives a command Debian's compiler; returns the target directory.
+fn of_debian(command: &mut Command) -> PathBuf {
     // A folder of its own: two compilers in one would take turns rebuilding.
     let folder = workspace::target_dir().join("fw");
-    let mut cargo = Command::new(setup::debian_program("cargo"));
-    cargo
+    command
         .current_dir(workspace::root())
         .env("RUSTC", setup::debian_program("rustc"))
         .env("RUSTDOC", setup::debian_program("rustdoc"))
@@ -173,5 +179,15 @@ fn debian() -> (Command, PathBuf) {
         .env_remove("CARGO")
         .env_remove("RUSTUP_TOOLCHAIN")
         .env_remove("LD_LIBRARY_PATH");
-    (cargo, folder)
+    folder
+}
+
+/// Lets a program that calls cargo check for chips, and returns the further arguments of cargo.
+pub fn prepare(caller: &mut Command, way: Way) -> &'static [&'static str] {
+    if way == Way::Rustup {
+        return &[];
+    }
+    of_debian(caller);
+    caller.env("CARGO", setup::debian_program("cargo"));
+    &["-Z", "build-std=core,alloc"]
 }

@@ -1,11 +1,12 @@
 //! What the repository's own commands do: `cargo xtask test | long | firmware | c | pil | frameworks | newcomer |
-//! measure | peers | python | fuzz | docs | book | setup`.
+//! measure | peers | python | fuzz | docs | book | release | setup`.
 
 mod board;
 mod book;
 mod bounds;
 mod c_library;
 mod child;
+mod dependencies;
 mod docs;
 mod elf;
 mod field_peers;
@@ -23,6 +24,7 @@ mod pil;
 mod public;
 mod python;
 mod qemu;
+mod release;
 mod rivals;
 mod setup;
 mod size_profile;
@@ -30,6 +32,7 @@ mod tally;
 mod target;
 mod test;
 mod toolchain;
+mod tools;
 mod workspace;
 
 use std::path::PathBuf;
@@ -114,6 +117,8 @@ enum Command {
     },
     /// Builds the book by mdBook, if it is installed.
     Book,
+    /// Makes everything that is published, in `target/dist`, and checks it; publishes nothing.
+    Release(release::Options),
     /// Installs what firmware builds, emulator runs and tests of pages need, where the system allows it.
     Setup,
 }
@@ -163,6 +168,7 @@ fn run(arguments: &Arguments) -> Result<bool> {
         Command::C => return c_library::run(way),
         Command::Frameworks => return Ok(frameworks::run(way)),
         Command::Newcomer => return Ok(newcomer::run(way)),
+        Command::Release(options) => return release::run(options, way),
         Command::Pil { trace, model, rust } => {
             let [trace, binary, source] = [trace, model, rust].map(std::path::absolute);
             pil::run(way, &trace?, &pil::Model { binary: binary?, source: source? })?;

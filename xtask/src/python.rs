@@ -69,20 +69,14 @@ fn succeed(mut command: Command) -> Result<&'static str> {
 
 /// Python of the virtual environment with what the tests need; it is made where it is missing.
 fn environment() -> Result<PathBuf> {
-    let venv = workspace::target_dir().join("python/venv");
-    let program = venv.join("bin/python");
-    let complete = venv.join("complete");
+    let folder = workspace::target_dir().join("python/venv");
+    let program = folder.join("bin/python");
+    let complete = folder.join("complete");
     let wanted = fs::read_to_string(package().join("pyproject.toml"))?;
     if fs::read_to_string(&complete).is_ok_and(|made| made == wanted) {
         return Ok(program);
     }
-    let usable = || child::works(Command::new("python3").args(["-c", "import ensurepip, venv"]));
-    if !usable() {
-        setup::install_packages(&["python3", "python3-venv"])
-            .context("python3 with venv is not installed; on Debian\n    sudo apt-get install --yes python3-venv")?;
-        ensure!(usable(), "python3 has no module venv");
-    }
-    child::succeed(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&venv))?;
+    venv(&folder, true)?;
     // Compiling what is hardly used costs more than it saves.
     let mut install = Command::new(&program);
     install.args([
@@ -96,6 +90,22 @@ fn environment() -> Result<PathBuf> {
     ]);
     child::succeed(install.args(packages(&wanted)?)).context("the packages of the tests cannot be installed")?;
     fs::write(&complete, wanted)?;
+    Ok(program)
+}
+
+/// Python of a virtual environment, which is made if it is missing or must be empty.
+pub fn venv(folder: &Path, empty: bool) -> Result<PathBuf> {
+    let program = folder.join("bin/python");
+    if !empty && child::works(Command::new(&program).args(["-m", "pip", "--version"])) {
+        return Ok(program);
+    }
+    let usable = || child::works(Command::new("python3").args(["-c", "import ensurepip, venv"]));
+    if !usable() {
+        setup::install_packages(&["python3", "python3-venv"])
+            .context("python3 with venv is not installed; on Debian\n    sudo apt-get install --yes python3-venv")?;
+        ensure!(usable(), "python3 has no module venv");
+    }
+    child::succeed(Command::new("python3").args(["-m", "venv", "--clear"]).arg(folder))?;
     Ok(program)
 }
 

@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 
 use crate::tally::{Stages, Tally};
 use crate::toolchain::{self, Way};
-use crate::{book, c_library, child, frameworks, newcomer, pil, python, setup, target, workspace};
+use crate::{book, c_library, child, dependencies, frameworks, newcomer, pil, python, setup, target, workspace};
 
 /// Runs all stages, prints the table and the count; whether nothing failed. A failing stage does
 /// not keep later ones from running, unless they need it.
@@ -28,7 +28,7 @@ pub fn run(asked: Option<Way>) -> bool {
     stages.stage("logging", |tally| target::logging(tally, way));
     stages.stage("no panic", |tally| target::no_panic(tally, way));
     stages.stage("instructions, stack", |tally| target::bounds(tally, way));
-    stages.stage("dependencies", dependencies);
+    stages.stage("dependencies", dependencies::checks);
 
     let total = stages.total();
     println!("\n{}\n{total}", stages.table());
@@ -95,18 +95,6 @@ fn host_tests(tally: &mut Tally) {
         Ok(_) if tally.failed > 0 => {}
         Ok(status) => tally.check::<&str, _>("cargo test", Err(status)),
         Err(error) => tally.check::<&str, _>("cargo test", Err(format!("{error:#}"))),
-    }
-}
-
-/// Licences, sources and doubled versions. Advisories are left out: they need a database that
-/// changes from day to day.
-fn dependencies(tally: &mut Tally) {
-    const WHAT: &str = "cargo deny";
-    if child::works(&mut workspace::cargo(&["deny", "--version"])) {
-        let mut cargo = workspace::cargo(&["deny", "check", "bans", "licenses", "sources"]);
-        tally.check(WHAT, silent(&mut cargo));
-    } else {
-        tally.skip(WHAT, "not installed (cargo install cargo-deny)");
     }
 }
 

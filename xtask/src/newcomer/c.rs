@@ -20,17 +20,17 @@ const PARTS: [&str; 3] = ["c-api/include", "c-api/examples", "examples/support/s
 const LIBRARY: &str = "target/thumbv7em-none-eabihf/release/libbearing_watch_c.a";
 
 /// A program that builds the project.
-struct Builder {
+pub struct Builder {
     title: &'static str,
     /// The program and the Debian package that has it.
-    program: &'static str,
+    pub program: &'static str,
     /// The arguments of each call.
     calls: &'static [&'static [&'static str]],
     /// What they build.
     result: &'static str,
 }
 
-const BUILDERS: [Builder; 2] = [
+pub const BUILDERS: [Builder; 2] = [
     Builder { title: "README of the C interface, make", program: "make", calls: &[&[]], result: "drive" },
     Builder {
         title: "README of the C interface, CMake",
@@ -57,13 +57,23 @@ pub fn checks(tally: &mut Tally, way: Option<Way>) {
 fn walk(way: Way, builder: &Builder) -> Result<String> {
     let (folder, checkout) = (Folder::new(builder.program)?, Folder::new("checkout")?);
     fill(checkout.path(), way)?;
+    write_project(folder.path(), checkout.path())?;
+    verdicts(builder, folder.path())
+}
+
+/// The files of the document, with those that its commands copy from a checkout.
+pub fn write_project(folder: &Path, checkout: &Path) -> Result<()> {
     let blocks = blocks::of_document(README)?;
-    blocks::write(&blocks, folder.path(), checkout.path())?;
-    commands(&blocks, folder.path(), checkout.path())?;
+    blocks::write(&blocks, folder, checkout)?;
+    commands(&blocks, folder, checkout)
+}
+
+/// Builds the project and runs it in the emulator. The classes must be those of the Rust example on the host.
+pub fn verdicts(builder: &Builder, folder: &Path) -> Result<String> {
     for arguments in builder.calls {
-        child::succeed(Command::new(builder.program).args(*arguments).current_dir(folder.path()))?;
+        child::succeed(Command::new(builder.program).args(*arguments).current_dir(folder))?;
     }
-    let target = qemu::run(&folder.path().join(builder.result), DRIVE.machine, qemu::Echo::Off)?;
+    let target = qemu::run(&folder.join(builder.result), DRIVE.machine, qemu::Echo::Off)?;
     let host: Vec<String> = log::verdicts(&on_host("monitor")?).into_iter().map(ToOwned::to_owned).collect();
     same_classes(&host, &target)
 }

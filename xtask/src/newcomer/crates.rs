@@ -50,17 +50,17 @@ fn verdicts(way: Way, folder: &Path) -> Result<String> {
     let elf = firmware::build_crate(way, folder, PACKAGE)?;
     let lines = qemu::run_by(runner(&fs::read_to_string(folder.join(CONFIGURATION))?)?, &elf)?;
     let classes: Vec<String> = lines.iter().map(|line| line.split(',').next().unwrap_or_default().to_owned()).collect();
-    let outcome = same_classes(&replayed(&folder.join(TRACE))?, &classes)?;
+    let outcome = same_classes(&replayed(MODEL, &folder.join(TRACE))?, &classes)?;
     let quoted = lines.first().map(|line| format!("`{line}`")).unwrap_or_default();
     let readme = fs::read_to_string(workspace::root().join(README))?;
     ensure!(readme.contains(&quoted), "README does not quote {quoted}");
     Ok(outcome)
 }
 
-/// The classes that the host prints.
-fn replayed(trace: &Path) -> Result<Vec<String>> {
+/// The classes that the host prints for a trace, by a model of the repository.
+pub fn replayed(model: &str, trace: &Path) -> Result<Vec<String>> {
     let mut replay = workspace::cargo(&["run", "--quiet", "--package", "bearing-watch-workbench", "--bin"]);
-    replay.args(["bearing-watch", "--", "replay", "--json", "--model"]).arg(workspace::root().join(MODEL)).arg(trace);
+    replay.args(["bearing-watch", "--", "replay", "--json", "--model"]).arg(workspace::root().join(model)).arg(trace);
     let text = child::output(&mut replay).context("replay failed")?;
     let segments: Vec<Value> = serde_json::from_str(&text).context("replay printed no list")?;
     let verdict = |segment: &Value| segment.get("verdict").and_then(Value::as_str).map(ToOwned::to_owned);

@@ -3,9 +3,9 @@
 //!
 //! Folders are outside the checkout, since cargo would merge the configuration of the checkout with theirs.
 
-mod blocks;
-mod c;
-mod crates;
+pub mod blocks;
+pub mod c;
+pub mod crates;
 
 use std::env;
 use std::ffi::OsString;
@@ -47,10 +47,10 @@ pub fn checks(tally: &mut Tally, way: Option<Way>) {
 
 /// An empty folder outside the checkout, which is removed at the end.
 #[derive(Debug)]
-struct Folder(PathBuf);
+pub struct Folder(PathBuf);
 
 impl Folder {
-    fn new(name: &str) -> Result<Self> {
+    pub fn new(name: &str) -> Result<Self> {
         let path = env::temp_dir().join(format!("bearing-watch-newcomer-{}", std::process::id())).join(name);
         if path.exists() {
             fs::remove_dir_all(&path)?;
@@ -59,7 +59,7 @@ impl Folder {
         Ok(Self(path))
     }
 
-    fn path(&self) -> &Path {
+    pub fn path(&self) -> &Path {
         &self.0
     }
 }
@@ -73,7 +73,7 @@ impl Drop for Folder {
 }
 
 /// Runs the commands of a document in a folder, with `bearing-watch` on the search path.
-fn commands(blocks: &[blocks::Block], folder: &Path, checkout: &Path) -> Result<()> {
+pub fn commands(blocks: &[blocks::Block], folder: &Path, checkout: &Path) -> Result<()> {
     child::succeed(&mut workspace::cargo(&[
         "build",
         "--package",
@@ -109,7 +109,7 @@ fn copy(from: &Path, to: &Path) -> Result<()> {
 }
 
 /// Compares classes; both sides must have some, and a verdict in each segment.
-fn same_classes(host: &[String], target: &[String]) -> Result<String> {
+pub fn same_classes(host: &[String], target: &[String]) -> Result<String> {
     ensure!(!host.is_empty() && host.iter().all(|class| class != "undetermined"), "no verdict on the host: {host:?}");
     ensure!(host == target, "host {host:?}, firmware {target:?}");
     Ok(target.join(", "))
