@@ -6,7 +6,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result};
 
-use super::{Folder, blocks, commands, copy, same_classes};
+use super::{Folder, blocks, copy, same_classes, shell};
 use crate::board::DRIVE;
 use crate::tally::Tally;
 use crate::target::{NO_TOOLS, brief, on_host};
@@ -65,7 +65,7 @@ fn walk(way: Way, builder: &Builder) -> Result<String> {
 pub fn write_project(folder: &Path, checkout: &Path) -> Result<()> {
     let blocks = blocks::of_document(README)?;
     blocks::write(&blocks, folder, checkout)?;
-    commands(&blocks, folder, checkout)
+    child::succeed(&mut shell(&blocks, folder, checkout)?)
 }
 
 /// Builds the project and runs it in the emulator. The classes must be those of the Rust example on the host.

@@ -73,7 +73,7 @@ impl Drop for Folder {
 }
 
 /// Runs the commands of a document in a folder, with `bearing-watch` on the search path.
-pub fn commands(blocks: &[blocks::Block], folder: &Path, checkout: &Path) -> Result<()> {
+fn commands(blocks: &[blocks::Block], folder: &Path, checkout: &Path) -> Result<()> {
     child::succeed(&mut workspace::cargo(&[
         "build",
         "--package",
@@ -81,9 +81,15 @@ pub fn commands(blocks: &[blocks::Block], folder: &Path, checkout: &Path) -> Res
         "--bin",
         "bearing-watch",
     ]))?;
+    child::succeed(shell(blocks, folder, checkout)?.env("PATH", search_path()?))
+}
+
+/// The commands of a document, which copy from a checkout and call no program of this workspace.
+pub fn shell(blocks: &[blocks::Block], folder: &Path, checkout: &Path) -> Result<Command> {
     let mut shell = Command::new("bash");
     shell.args(["-e", "-c", &blocks::named(blocks, blocks::COMMANDS)?.text]).current_dir(folder);
-    child::succeed(shell.env("BEARING_WATCH", checkout).env("PATH", search_path()?))
+    shell.env("BEARING_WATCH", checkout);
+    Ok(shell)
 }
 
 /// The search path with the programs that this workspace builds before all others.

@@ -86,7 +86,8 @@ fn host_target() -> Result<String> {
 
 /// The library for this machine and any model, and what a program links with besides.
 fn for_host() -> Result<(PathBuf, String)> {
-    let target = workspace::target_dir();
+    let target = workspace::target_dir().join("release-c");
+    fs::create_dir_all(&target)?;
     let needs = target.join("native-static-libs.txt");
     let mut cargo = workspace::cargo(&["rustc", "--release", "--package", "bearing-watch-c", "--lib"]);
     cargo.args(["--crate-type", "staticlib", "--", "--print"]).arg(format!("native-static-libs={}", needs.display()));

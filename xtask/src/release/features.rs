@@ -1,5 +1,5 @@
-//! Combinations of the core's features, by cargo-hack: without any, each alone, each pair, and all; on the host and on
-//! chips.
+//! Combinations of the core's features, by cargo-hack: none, each, and each pair; on the host and on chips. All features
+//! together are a check of `cargo xtask test`.
 
 use std::process::Command;
 

@@ -1,9 +1,9 @@
 //! `cargo xtask release`: everything that is published, made and tested without publishing it.
 //!
 //! ```text
-//! packages      the crates for crates.io, each built alone from what its package has        packages
-//! c             the archive of the C library, and its way into empty projects                archive, description, user
-//! wheel         source distribution, the wheel made from it, and its way into an empty environment
+//! packages      the crates for crates.io, each built alone from what its package has
+//! c             the archive of the C library, and its ways into empty projects: archive, description, user
+//! wheel         source distribution, the wheel that is built from it, and its way into an empty environment
 //! sbom          bills of materials in the format of CycloneDX
 //! interface     the public interface beside that of the last release
 //! features      combinations of features on the host and on chips
@@ -12,6 +12,7 @@
 //! ```
 
 mod archive;
+mod copy;
 mod description;
 mod dist;
 mod features;

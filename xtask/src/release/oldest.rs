@@ -1,25 +1,20 @@
 //! What the manifests promise of old versions: the lowest versions of the dependencies, and of the compiler.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use anyhow::{Context, Result, bail, ensure};
 use serde_json::Value;
 
-use super::PUBLIC;
+use super::{PUBLIC, copy};
 use crate::tally::Tally;
 use crate::target::brief;
 use crate::{child, tools, workspace};
 
-/// The line of the manifest that names the packages of the workspace, by its start, and its replacement: only the
-/// published ones promise anything.
-const MEMBERS: [(&str, &str); 2] =
-    [("members = ", "members = [\"c-api\", \"workbench\"]"), ("default-members = ", "default-members = [\".\"]")];
-
 /// Lowest versions of dependencies, then that of the compiler.
 pub fn checks(tally: &mut Tally) {
-    let copied = copy().and_then(|folder| resolve(&folder).map(|()| folder));
+    let copied = copy::of_tree("oldest").and_then(|folder| resolve(&folder).map(|()| folder));
     match &copied {
         Ok(folder) => {
             for name in PUBLIC {
@@ -31,33 +26,6 @@ pub fn checks(tally: &mut Tally) {
     }
     tally.check("compilers that the dependencies promise", brief(promised()));
     compiler(tally);
-}
-
-/// A copy of all files that git knows or would add, in `target`.
-fn copy() -> Result<PathBuf> {
-    let (root, folder) = (workspace::root(), workspace::target_dir().join("oldest/source"));
-    if folder.exists() {
-        fs::remove_dir_all(&folder)?;
-    }
-    let arguments = ["ls-files", "--cached", "--others", "--exclude-standard"];
-    let list = child::output(Command::new("git").args(arguments).current_dir(&root)).context("git ls-files failed")?;
-    for name in list.lines() {
-        let to = folder.join(name);
-        fs::create_dir_all(to.parent().unwrap_or(&folder))?;
-        fs::copy(root.join(name), &to).with_context(|| format!("cannot copy {name}"))?;
-    }
-    let manifest = folder.join("Cargo.toml");
-    fs::write(&manifest, published_only(&fs::read_to_string(&manifest)?)?)?;
-    Ok(folder)
-}
-
-fn published_only(manifest: &str) -> Result<String> {
-    let mut lines: Vec<&str> = manifest.lines().collect();
-    for (start, replacement) in MEMBERS {
-        let line = lines.iter_mut().find(|line| line.starts_with(start));
-        *line.with_context(|| format!("the manifest has no line {start}"))? = replacement;
-    }
-    Ok(lines.join("\n") + "\n")
 }
 
 /// Writes the lock file with the lowest versions. The option is one of nightly; the variable admits it, and only for
@@ -147,15 +115,6 @@ mod tests {
     fn versions_compare_by_numbers() {
         assert!(numbers("1.100") > numbers("1.89.1") && numbers("1.89.0") == numbers("1.89"));
         assert!(numbers("") < numbers("1.0"));
-    }
-
-    #[test]
-    fn only_published_packages_stay_in_the_workspace() -> Result<()> {
-        let manifest = fs::read_to_string(workspace::root().join("Cargo.toml"))?;
-        let text = published_only(&manifest)?;
-        assert!(text.contains("\nmembers = [\"c-api\", \"workbench\"]\n") && !text.contains("host-tests"), "{text}");
-        assert!(published_only("[workspace]\n").is_err());
-        Ok(())
     }
 
     #[test]

@@ -3,12 +3,12 @@
 //! The wheel contains its own, which maturin writes.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 
-use super::{PUBLIC, VERSION, dist};
+use super::{PUBLIC, VERSION, copy, dist};
 use crate::tally::Tally;
 use crate::target::brief;
 use crate::tools::CYCLONEDX;
@@ -18,31 +18,26 @@ const ENDING: &str = ".cdx.json";
 
 /// One bill for each published crate.
 pub fn checks(tally: &mut Tally) {
-    if let Err(reason) = dist::remove(&[ENDING]) {
-        return tally.check::<&str, _>("old bills", Err(format!("{reason:#}")));
-    }
-    for name in PUBLIC {
-        tally.check(&format!("bill of materials of {name}"), brief(make(name)));
+    match brief(dist::remove(&[ENDING]).and_then(|()| copy::of_tree("sbom"))) {
+        Ok(source) => {
+            for name in PUBLIC {
+                tally.check(&format!("bill of materials of {name}"), brief(make(&source, name)));
+            }
+        }
+        Err(reason) => tally.check::<&str, _>("bills of materials", Err(reason)),
     }
 }
 
-fn make(name: &str) -> Result<String> {
-    let folder = workspace::root().join(folder_of(name));
-    let stem = format!("{name}-{VERSION}");
-    let written = written_by(&folder, &stem)?;
-    let text = fs::read_to_string(&written)?;
+/// Calls the tool, which writes beside the manifest of each package of the workspace, and takes the bill of this one.
+fn make(source: &Path, name: &str) -> Result<String> {
+    let (folder, stem) = (source.join(folder_of(name)), format!("{name}-{VERSION}"));
+    let mut tool = CYCLONEDX.command(&["cyclonedx", "--format", "json", "--spec-version", "1.5", "--describe"])?;
+    tool.args(["crate", "--all-features", "--target", "all", "--no-build-deps", "--override-filename", &stem]);
+    child::succeed(tool.arg("--manifest-path").arg(folder.join("Cargo.toml")).current_dir(source))?;
+    let text = fs::read_to_string(folder.join(format!("{stem}.json"))).context("the tool wrote no bill")?;
     let count = components(&text)?;
     fs::write(dist::folder()?.join(format!("{stem}{ENDING}")), text)?;
-    fs::remove_file(&written)?;
     Ok(format!("{count} packages"))
-}
-
-/// Calls the tool, which writes beside the manifest of each package of the workspace; keeps the one of this folder.
-fn written_by(folder: &Path, stem: &str) -> Result<PathBuf> {
-    let mut tool = CYCLONEDX.command(&["cyclonedx", "--format", "json", "--spec-version", "1.5", "--describe"])?;
-    tool.args(["crate", "--all-features", "--target", "all", "--no-build-deps", "--override-filename", stem]);
-    child::succeed(tool.arg("--manifest-path").arg(folder.join("Cargo.toml")))?;
-    Ok(folder.join(format!("{stem}.json")))
 }
 
 /// The number of packages that a bill names; it must have its format's name, and its versions.

@@ -8,7 +8,7 @@ use std::process::Command;
 use anyhow::{Context, Result};
 
 use super::{archive, dist};
-use crate::newcomer::{Folder, blocks, c, commands, same_classes};
+use crate::newcomer::{Folder, blocks, c, same_classes, shell};
 use crate::tally::Tally;
 use crate::target::{brief, on_host};
 use crate::{child, log, setup, workspace};
@@ -73,6 +73,6 @@ fn unpacked(folder: &Path) -> Result<Vec<blocks::Block>> {
     let archive = dist::find(archive::NAME, archive::ENDING)?;
     fs::copy(&archive, folder.join(archive.file_name().context("no name")?))?;
     let blocks = blocks::of_document(DOCUMENT)?;
-    commands(&blocks, folder, &workspace::root())?;
+    child::succeed(&mut shell(&blocks, folder, &workspace::root())?)?;
     Ok(blocks)
 }
