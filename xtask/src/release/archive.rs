@@ -12,7 +12,7 @@ use anyhow::{Context, Result, ensure};
 use flate2::{Compression, GzBuilder};
 
 use super::description::{Library, Targets, cmake_config, cmake_version, pkg_config};
-use super::{VERSION, dist, user};
+use super::{VERSION, dist, notices, user};
 use crate::board::DRIVE;
 use crate::tally::Tally;
 use crate::target::brief;
@@ -52,7 +52,7 @@ pub fn checks(tally: &mut Tally, way: Way) {
 fn make(way: Way) -> Result<PathBuf> {
     setup::ensure_c()?;
     let (host, system) = for_host()?;
-    let mut parts = Vec::new();
+    let mut parts = notices::files()?;
     for (from, to) in FILES {
         parts.push((to.to_owned(), fs::read(workspace::root().join(from)).with_context(|| from.to_owned())?));
     }

@@ -2,16 +2,15 @@
 //! whose results the other packages would change.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result};
 
 use crate::{child, workspace};
 
-/// Lines of the manifest that name the packages of the workspace, by their starts, and their replacements.
-const MEMBERS: [(&str, &str); 2] =
-    [("members = ", "members = [\"c-api\", \"workbench\"]"), ("default-members = ", "default-members = [\".\"]")];
+/// The folders of the published packages besides the root.
+const PUBLISHED: [&str; 2] = ["c-api", "workbench"];
 
 /// Copies all files that git has or would add into a folder of `target`.
 pub fn of_tree(name: &str) -> Result<PathBuf> {
@@ -27,14 +26,30 @@ pub fn of_tree(name: &str) -> Result<PathBuf> {
         fs::create_dir_all(to.parent().unwrap_or(&folder))?;
         fs::copy(root.join(name), &to).with_context(|| format!("cannot copy {name}"))?;
     }
-    let manifest = folder.join("Cargo.toml");
-    fs::write(&manifest, published_only(&fs::read_to_string(&manifest)?)?)?;
+    set_members(&folder, &PUBLISHED)?;
     Ok(folder)
 }
 
-fn published_only(manifest: &str) -> Result<String> {
-    let mut lines: Vec<&str> = manifest.lines().collect();
-    for (start, replacement) in MEMBERS {
+/// Leaves the root's package and the one of a folder in the workspace of a copy.
+pub fn keep_only(copy: &Path, folder: &str) -> Result<()> {
+    let members: Vec<&str> = PUBLISHED.into_iter().filter(|name| *name == folder).collect();
+    // The versions of the tree, of which the members before may have kept some only.
+    fs::copy(workspace::root().join("Cargo.lock"), copy.join("Cargo.lock"))?;
+    set_members(copy, &members)
+}
+
+fn set_members(copy: &Path, members: &[&str]) -> Result<()> {
+    let manifest = copy.join("Cargo.toml");
+    fs::write(&manifest, with_members(&fs::read_to_string(&manifest)?, members)?)?;
+    Ok(())
+}
+
+/// A manifest with other packages of the workspace.
+fn with_members(manifest: &str, members: &[&str]) -> Result<String> {
+    let mut lines: Vec<String> = manifest.lines().map(ToOwned::to_owned).collect();
+    let own =
+        [("members = ", format!("members = {members:?}")), ("default-members = ", "default-members = [\".\"]".into())];
+    for (start, replacement) in own {
         let line = lines.iter_mut().find(|line| line.starts_with(start));
         *line.with_context(|| format!("the manifest has no line {start}"))? = replacement;
     }
@@ -48,9 +63,10 @@ mod tests {
     #[test]
     fn only_published_packages_stay_in_the_workspace() -> Result<()> {
         let manifest = fs::read_to_string(workspace::root().join("Cargo.toml"))?;
-        let text = published_only(&manifest)?;
+        let text = with_members(&manifest, &PUBLISHED)?;
         assert!(text.contains("\nmembers = [\"c-api\", \"workbench\"]\n") && !text.contains("host-tests"), "{text}");
-        assert!(published_only("[workspace]\n").is_err());
+        assert!(with_members(&text, &[])?.contains("\nmembers = []\n"));
+        assert!(with_members("[workspace]\n", &[]).is_err());
         Ok(())
     }
 }

@@ -17,6 +17,7 @@ mod description;
 mod dist;
 mod features;
 mod interface;
+mod notices;
 mod oldest;
 mod packages;
 mod sbom;

@@ -22,9 +22,11 @@ pub fn checks(tally: &mut Tally) {
 }
 
 fn make() -> Result<()> {
-    let target = workspace::target_dir().join("release-packages");
+    let target = workspace::target_dir();
     let mut cargo = workspace::cargo(&["package", "--locked", "--allow-dirty", "--target-dir"]);
     cargo.arg(&target).env_remove("CARGO_TARGET_DIR");
+    // As in the workspace's profile, which packages do not have: dependencies that are built already are used.
+    cargo.envs([("CARGO_PROFILE_DEV_DEBUG", "false"), ("CARGO_PROFILE_DEV_LTO", "off")]);
     for name in PUBLIC {
         cargo.args(["--package", name]);
     }

@@ -1,4 +1,4 @@
-//! Bills of materials (CycloneDX): the packages that each published crate is built from, with all features.
+//! Bills of materials (CycloneDX): the packages that each published crate is built from; of the core with all features.
 //!
 //! The wheel contains its own, which maturin writes.
 
@@ -9,10 +9,10 @@ use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 
 use super::{PUBLIC, VERSION, copy, dist};
+use crate::child;
 use crate::tally::Tally;
 use crate::target::brief;
 use crate::tools::CYCLONEDX;
-use crate::{child, workspace};
 
 const ENDING: &str = ".cdx.json";
 
@@ -28,14 +28,21 @@ pub fn checks(tally: &mut Tally) {
     }
 }
 
-/// Calls the tool, which writes beside the manifest of each package of the workspace, and takes the bill of this one.
+/// Calls the tool in a workspace of this package alone: others would turn on more features of what both use.
 fn make(source: &Path, name: &str) -> Result<String> {
     let (folder, stem) = (source.join(folder_of(name)), format!("{name}-{VERSION}"));
-    let mut tool = CYCLONEDX.command(&["cyclonedx", "--format", "json", "--spec-version", "1.5", "--describe"])?;
-    tool.args(["crate", "--all-features", "--target", "all", "--no-build-deps", "--override-filename", &stem]);
+    copy::keep_only(source, folder_of(name))?;
+    let mut tool = CYCLONEDX.command(&["cyclonedx", "--format", "json", "--spec-version", "1.5", "--target", "all"])?;
+    tool.args(["--no-build-deps", "--override-filename", &stem]);
+    // Of the core, which is in every workspace as its root, others take some only.
+    if name == PUBLIC[0] {
+        tool.arg("--all-features");
+    }
     child::succeed(tool.arg("--manifest-path").arg(folder.join("Cargo.toml")).current_dir(source))?;
     let text = fs::read_to_string(folder.join(format!("{stem}.json"))).context("the tool wrote no bill")?;
     let count = components(&text)?;
+    // References contain the place of the copy.
+    let text = text.replace(&*source.to_string_lossy(), "/bearing-watch");
     fs::write(dist::folder()?.join(format!("{stem}{ENDING}")), text)?;
     Ok(format!("{count} packages"))
 }
@@ -64,6 +71,7 @@ fn folder_of(name: &str) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::workspace;
 
     #[test]
     fn a_bill_has_packages_with_versions() {

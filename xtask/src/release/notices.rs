@@ -1,0 +1,75 @@
+//! Licence texts of what the C library contains: they go with it.
+
+use std::env;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+use serde_json::Value;
+
+use crate::{child, workspace};
+
+/// How the name of a file with a licence starts.
+const STARTS: [&str; 5] = ["LICENSE", "LICENCE", "COPYING", "NOTICE", "UNLICENSE"];
+/// The texts of the standard library, in the folder of the compiler.
+const OF_RUST: &str = "share/doc/rust/COPYRIGHT-library.html";
+
+/// Names in the archive and texts, of all packages that are compiled into the library and of the standard library.
+pub fn files() -> Result<Vec<(String, Vec<u8>)>> {
+    let mut files = Vec::new();
+    for (package, folder) in packages()? {
+        let before = files.len();
+        for entry in folder.read_dir()? {
+            let path = entry?.path();
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            if path.is_file() && STARTS.iter().any(|start| name.to_uppercase().starts_with(start)) {
+                files.push((format!("licenses/{package}/{name}"), fs::read(&path)?));
+            }
+        }
+        ensure!(files.len() > before, "{package} has no file with its licence");
+    }
+    let text = sysroot()?.join(OF_RUST);
+    let text = fs::read(&text).with_context(|| format!("the compiler has no {}", text.display()))?;
+    files.push(("licenses/rust-standard-library.html".to_owned(), text));
+    Ok(files)
+}
+
+fn sysroot() -> Result<PathBuf> {
+    let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let path = child::output(Command::new(rustc).args(["--print", "sysroot"])).context("rustc names no sysroot")?;
+    Ok(PathBuf::from(path))
+}
+
+/// Names with versions and folders of the packages of other projects in the library.
+fn packages() -> Result<Vec<(String, PathBuf)>> {
+    let arguments = ["tree", "--locked", "--package", "bearing-watch-c", "--edges", "normal,no-proc-macro"];
+    let mut tree = workspace::cargo(&arguments);
+    let tree = child::output(tree.args(["--prefix", "none", "--format", "{p}"])).context("cargo tree failed")?;
+    let mut metadata = workspace::cargo(&["metadata", "--format-version", "1", "--locked"]);
+    let metadata: Value = serde_json::from_str(&child::output(&mut metadata).context("cargo metadata failed")?)?;
+    let mut packages = Vec::new();
+    for package in metadata.get("packages").and_then(Value::as_array).context("no packages")? {
+        let text = |key: &str| package.get(key).and_then(Value::as_str).unwrap_or_default();
+        let line = format!("{} v{}", text("name"), text("version"));
+        // Those of this workspace have a folder behind the version.
+        if tree.lines().any(|own| own.trim_end_matches(" (*)") == line) {
+            let folder = Path::new(text("manifest_path")).parent().context("a manifest in no folder")?;
+            packages.push((line.replace(" v", "-"), folder.to_path_buf()));
+        }
+    }
+    Ok(packages)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_library_contains_libm_and_nothing_of_the_workbench() -> Result<()> {
+        let names: Vec<String> = packages()?.into_iter().map(|(name, _)| name).collect();
+        assert!(names.iter().any(|name| name.starts_with("libm-")), "{names:?}");
+        assert!(!names.iter().any(|name| name.starts_with("bearing-watch") || name.starts_with("clap")), "{names:?}");
+        Ok(())
+    }
+}
