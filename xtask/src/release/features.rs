@@ -1,5 +1,5 @@
-//! Combinations of the core's features, by cargo-hack: none, each, and each pair; on the host and on chips. All together
-//! are a check of `cargo xtask test`.
+//! Combinations of the core's features, by cargo-hack: none, each, and each pair; on the host and on chips. All
+//! features together are a check of `cargo xtask test`.
 
 use std::process::Command;
 
