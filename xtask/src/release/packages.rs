@@ -73,7 +73,7 @@ fn missing(package: &Value) -> Vec<&'static str> {
         .filter(|key| !filled(key))
         .collect();
     missing.extend(["LICENSE-MIT", "LICENSE-APACHE"].into_iter().filter(|name| !is_file(name)));
-    if package.pointer("/metadata/docs.rs").is_none() {
+    if package.pointer("/metadata/docs/rs").is_none() {
         missing.push("metadata for docs.rs");
     }
     missing
