@@ -54,7 +54,7 @@ pub fn check(tally: &mut Tally, way: Option<Way>) {
 /// A recording of a spall with a seed that the model was not trained with.
 fn simulated() -> Result<PathBuf> {
     let folder = folder()?.join("recording");
-    let mut simulate = workbench();
+    let mut simulate = workspace::workbench()?;
     simulate.args(["simulate", "--rig", "ema", "--class", "spall", "--condition", "rit-mix", "--count", "1"]);
     child::succeed(simulate.args(["--seed", "2", "--out"]).arg(&folder))?;
     Ok(folder.join("ema_spall_rit-mix_2_000.csv"))
@@ -69,7 +69,7 @@ pub fn host_lines() -> Result<(PathBuf, Vec<String>)> {
 /// The same for a recording and a model.
 fn replayed(trace: &Path, model: &Model) -> Result<(PathBuf, Vec<String>)> {
     let folder = folder()?;
-    let mut replay = workbench();
+    let mut replay = workspace::workbench()?;
     replay.args(["replay", "--rows"]).arg(folder.join("rows.bin")).arg("--model").arg(&model.binary).arg(trace);
     child::succeed(&mut replay)?;
     let lines = on_host(&folder, &std::path::absolute(&model.source)?)?;
@@ -106,10 +106,6 @@ fn on_host(folder: &Path, source: &Path) -> Result<Vec<String>> {
     let status = child::lines(&mut cargo, |line| lines.push(line.to_owned()))?;
     ensure!(status.success(), "on the host: {status}");
     Ok(lines)
-}
-
-fn workbench() -> std::process::Command {
-    workspace::cargo(&["run", "--quiet", "--package", "bearing-watch-workbench", "--bin", "bearing-watch", "--"])
 }
 
 /// Where the rows are.

@@ -128,8 +128,7 @@ fn build(program: &Path) -> Result<PathBuf> {
     if wheels.exists() {
         fs::remove_dir_all(&wheels)?;
     }
-    // With the features of all packages, of which the host tests have built the artefacts.
-    child::succeed(&mut workspace::cargo(&["build", "--workspace", "--bin", "bearing-watch"]))?;
+    let workbench = workspace::workbench()?;
     let arguments = ["-m", "maturin", "build", "--profile", "dev", "--features", "of-workspace"];
     let mut maturin = python(program, &arguments, &package());
     child::succeed(maturin.arg("--out").arg(&wheels))?;
@@ -137,7 +136,7 @@ fn build(program: &Path) -> Result<PathBuf> {
     let arguments = ["-m", "pip", "install", "--quiet", "--no-deps", "--force-reinstall"];
     let mut install = python(program, &arguments, &package());
     child::succeed(install.arg("--disable-pip-version-check").arg(&wheel))?;
-    Ok(workspace::target_dir().join("debug/bearing-watch"))
+    Ok(workbench.get_program().into())
 }
 
 #[cfg(test)]

@@ -4,6 +4,10 @@ use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use anyhow::Result;
+
+use crate::child;
+
 /// The workspace's root.
 pub fn root() -> PathBuf {
     // Cargo sets the variable for `cargo run`; the compiled-in value serves a binary started by hand.
@@ -26,4 +30,14 @@ pub fn cargo(arguments: &[&str]) -> Command {
     let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.args(arguments).current_dir(root());
     command
+}
+
+/// Builds the command line `bearing-watch` with the features of all packages, as the host tests have built it, and
+/// returns a call of it at the workspace's root.
+pub fn workbench() -> Result<Command> {
+    child::succeed(&mut cargo(&["build", "--quiet", "--workspace", "--bin", "bearing-watch"]))?;
+    let program = format!("debug/bearing-watch{}", env::consts::EXE_SUFFIX);
+    let mut command = Command::new(target_dir().join(program));
+    command.current_dir(root());
+    Ok(command)
 }

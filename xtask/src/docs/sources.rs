@@ -20,7 +20,7 @@ pub struct Source {
 }
 
 /// All sources, in the order in which they run.
-pub const SOURCES: [Source; 16] = [
+pub const SOURCES: [Source; 17] = [
     quick(figures::NAME, figures::TOLERANCE, target),
     quick("demo", Tolerance::Exact, |_| printed("demo", "README.md", "standard_rig::twenty_draws")),
     quick("instruments", Tolerance::Exact, |_| {

@@ -59,8 +59,8 @@ fn verdicts(way: Way, folder: &Path) -> Result<String> {
 
 /// The classes that the host prints for a trace, by a model of the repository.
 pub fn replayed(model: &str, trace: &Path) -> Result<Vec<String>> {
-    let mut replay = workspace::cargo(&["run", "--quiet", "--package", "bearing-watch-workbench", "--bin"]);
-    replay.args(["bearing-watch", "--", "replay", "--json", "--model"]).arg(workspace::root().join(model)).arg(trace);
+    let mut replay = workspace::workbench()?;
+    replay.args(["replay", "--json", "--model"]).arg(workspace::root().join(model)).arg(trace);
     let text = child::output(&mut replay).context("replay failed")?;
     let segments: Vec<Value> = serde_json::from_str(&text).context("replay printed no list")?;
     let verdict = |segment: &Value| segment.get("verdict").and_then(Value::as_str).map(ToOwned::to_owned);

@@ -74,13 +74,7 @@ impl Drop for Folder {
 
 /// Runs the commands of a document in a folder, with `bearing-watch` on the search path.
 fn commands(blocks: &[blocks::Block], folder: &Path, checkout: &Path) -> Result<()> {
-    child::succeed(&mut workspace::cargo(&[
-        "build",
-        "--package",
-        "bearing-watch-workbench",
-        "--bin",
-        "bearing-watch",
-    ]))?;
+    workspace::workbench()?;
     child::succeed(shell(blocks, folder, checkout)?.env("PATH", search_path()?))
 }
 
