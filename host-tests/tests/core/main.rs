@@ -5,6 +5,7 @@ mod commissioning;
 mod covariates;
 mod delta_form;
 mod detector;
+mod drive_faults;
 mod endurance;
 mod estimator_edges;
 mod evidence;
@@ -28,6 +29,7 @@ mod robustness;
 mod saved;
 mod shaft;
 mod shaft_streams;
+mod soak;
 #[path = "../../../examples/support/standard_rig/mod.rs"]
 mod standard_rig;
 mod storage;
