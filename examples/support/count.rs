@@ -20,6 +20,9 @@ pub struct Counter {
     /// Ticks of 125 instructions.
     #[cfg(target_os = "none")]
     ticks: u32,
+    /// Number of calls and instructions of the last empty loop.
+    #[cfg(target_os = "none")]
+    empty: (u32, u32),
 }
 
 #[cfg(not(target_os = "none"))]
@@ -61,9 +64,9 @@ mod on_target {
             let mut timer = Peripherals::take()?.SYST;
             timer.set_clock_source(SystClkSource::External);
             timer.set_reload(LAST);
-            let mut counter = Self { timer, ticks: 0 };
+            let mut counter = Self { timer, ticks: 0, empty: (0, 0) };
             for ticks in CLOCKS {
-                counter.ticks = ticks;
+                (counter.ticks, counter.empty) = (ticks, (0, 0));
                 let four = counter.instructions_per_call(100, |_| {
                     asm::nop();
                     asm::nop();
@@ -81,9 +84,13 @@ mod on_target {
         /// loop around it is measured empty and subtracted. What goes into the kernel and what it
         /// gives must pass through `black_box`, or the optimiser removes the work.
         pub fn instructions_per_call(&mut self, calls: u32, mut kernel: impl FnMut(u32)) -> u32 {
-            let empty = self.batch(calls, |k| {
-                black_box(k);
-            });
+            if self.empty.0 != calls {
+                let empty = self.batch(calls, |k| {
+                    black_box(k);
+                });
+                self.empty = (calls, empty);
+            }
+            let (_, empty) = self.empty;
             let full = self.batch(calls, |k| kernel(black_box(k)));
             (full.saturating_sub(empty) + calls / 2) / calls
         }

@@ -9,6 +9,8 @@
 pub mod classifier;
 #[allow(dead_code, reason = "only `measure` counts instructions")]
 pub mod count;
+#[allow(dead_code, reason = "only two examples damage their streams")]
+pub mod damage;
 #[allow(dead_code, reason = "not every example decimates")]
 pub mod decimation;
 #[allow(dead_code, reason = "only `measure` and `measure_front_end` count those of the front end")]
@@ -22,6 +24,8 @@ pub mod numbers;
 pub mod paint;
 #[allow(dead_code, reason = "not every example has a front end")]
 pub mod raw;
+#[allow(dead_code, reason = "only two examples damage their streams")]
+pub mod raw_damage;
 #[allow(dead_code, reason = "not every example estimates by instrumental variables")]
 pub mod refined;
 #[allow(dead_code, reason = "not every example watches the shaft")]

@@ -20,7 +20,7 @@ pub struct Bound {
 }
 
 /// What is promised.
-pub const BOUNDS: [Bound; 56] = [
+pub const BOUNDS: [Bound; 77] = [
     bound("LS update", Some(8), 285),
     bound("LS update", Some(15), 735),
     bound("LS update, lambda 1", Some(8), 245),
@@ -62,6 +62,28 @@ pub const BOUNDS: [Bound; 56] = [
     bound("LS and shaft, 4 orders of 3 harmonics, longest piece", Some(4), 450),
     bound("shaft alone, 1 order without load, collect, mean sample", Some(1), 715),
     bound("shaft alone, 1 order without load, longest piece", Some(1), 450),
+    // The most that a search over damaged streams finds.
+    bound("LS detector, collect, longest sample, any data", Some(8), 590),
+    bound("LS detector, collect, sample that closes, any data", Some(8), 1320),
+    bound("LS detector, conclude, any data", Some(8), 18_700),
+    bound("LS detector, longest piece, any data", Some(8), 450),
+    bound("LS detector, adopt, any data", Some(8), 200),
+    bound("LS detector, discard, any data", Some(8), 3340),
+    bound("SRIV detector, collect, longest sample, any data", Some(8), 600),
+    bound("SRIV detector, collect, sample that closes, any data", Some(8), 1710),
+    bound("SRIV detector, conclude, any data", Some(8), 21_700),
+    bound("SRIV detector, longest piece, any data", Some(8), 450),
+    bound("LS and shaft, 4 orders of 3 harmonics, collect, longest sample, any data", Some(4), 2040),
+    bound("LS and shaft, 4 orders of 3 harmonics, collect, sample that closes, any data", Some(4), 7550),
+    bound("LS and shaft, 4 orders of 3 harmonics, conclude, any data", Some(4), 57_000),
+    bound("LS and shaft, 4 orders of 3 harmonics, longest piece, any data", Some(4), 650),
+    bound("LS and shaft, 4 orders of 3 harmonics, discard, any data", Some(4), 9000),
+    bound("shaft alone, 1 order without load, collect, longest sample, any data", Some(1), 1130),
+    bound("shaft alone, 1 order without load, conclude, any data", Some(1), 28_900),
+    bound("shaft alone, 1 order without load, longest piece, any data", Some(1), 450),
+    bound("front end, converter, 2 currents, worst sample, any data", Some(8), 560),
+    bound("front end, converter, 2 currents, worst sample, any data", Some(10), 670),
+    bound("front end, resolver, 3 currents, 2 further, worst sample, any data", Some(8), 850),
     // With the gate, its counts and the limits of the channels.
     bytes("SRIV sample, stuck sensor and outliers told", Some(8), 560),
     bytes("LS and shaft, 4 orders of 3 harmonics, collect, mean sample", Some(4), 2950),

@@ -15,7 +15,7 @@ use crate::{child, log};
 /// The emulator.
 pub const PROGRAM: &str = "qemu-system-arm";
 
-/// Far above what any example takes, also on a machine with other work; firmware for another core hangs without a word.
+/// Far above what any example takes; firmware for another core hangs without a word.
 const PATIENCE: Duration = Duration::from_secs(300);
 
 /// Whether the firmware's lines also go to standard output as they come.

@@ -145,7 +145,7 @@ pub fn bounds(tally: &mut Tally, way: Option<Way>) {
         return tally.skip(DOCUMENTED, NO_TOOLS);
     };
     let runs = measure::kernels(way).and_then(|one| Ok((one, measure::kernels(way)?)));
-    let figures = match runs {
+    let mut figures = match runs {
         Ok((one, two)) => {
             let alike = (one == two).then_some("").context("the counts differ");
             tally.check(REPEATABLE, alike);
@@ -156,6 +156,10 @@ pub fn bounds(tally: &mut Tally, way: Option<Way>) {
             Vec::new()
         }
     };
+    match measure::any_data(way, &figures) {
+        Ok(found) => figures.extend(found),
+        Err(error) => tally.check::<&str, _>("cost for any data", brief(Err(error))),
+    }
     print!("{}", measure::table(&figures));
     let no_fpu = toolchain::hindrance(way, NO_FPU.target);
     for bound in BOUNDS {

@@ -36,9 +36,14 @@ const KERNELS: [(&str, Picks, Picks); 16] = [
     kernel("quadratic discriminant with posterior probabilities and costs", &[DISCRIMINANT], ONE, NO_BYTES),
     kernel("half-band decimation of 3 channels by 8: mean / worst sample", HALF_BAND, EIGHT, &[HALF_BAND_MEAN]),
     kernel("FIR decimation of 3 channels by 8: mean / worst sample", FIR, EIGHT, &[FIR_MEAN]),
-    kernel("front end by 8, 2 currents and a converter: mean / worst sample", CONVERTER, EIGHT, &[CONVERTER_MEAN]),
     kernel(
-        "front end by 8, 3 currents, a resolver and 2 further channels: mean / worst sample",
+        "front end by 8, 2 currents and a converter: mean / worst sample / worst sample of any data",
+        CONVERTER,
+        EIGHT,
+        &[CONVERTER_MEAN],
+    ),
+    kernel(
+        "front end by 8, 3 currents, a resolver and 2 further channels: mean / worst sample / worst sample of any data",
         RESOLVER,
         EIGHT,
         &[RESOLVER_MEAN],
@@ -59,9 +64,17 @@ const FIR_MEAN: &str = "FIR decimation, 3 channels, mean sample";
 const FIR: &[&str] = &[FIR_MEAN, "FIR decimation, 3 channels, worst sample"];
 
 const CONVERTER_MEAN: &str = "front end, converter, 2 currents, mean sample";
-const CONVERTER: &[&str] = &[CONVERTER_MEAN, "front end, converter, 2 currents, worst sample"];
+const CONVERTER: &[&str] = &[
+    CONVERTER_MEAN,
+    "front end, converter, 2 currents, worst sample",
+    "front end, converter, 2 currents, worst sample, any data",
+];
 const RESOLVER_MEAN: &str = "front end, resolver, 3 currents, 2 further, mean sample";
-const RESOLVER: &[&str] = &[RESOLVER_MEAN, "front end, resolver, 3 currents, 2 further, worst sample"];
+const RESOLVER: &[&str] = &[
+    RESOLVER_MEAN,
+    "front end, resolver, 3 currents, 2 further, worst sample",
+    "front end, resolver, 3 currents, 2 further, worst sample, any data",
+];
 
 const fn kernel(
     title: &'static str,
@@ -76,12 +89,18 @@ const fn kernel(
 type Value = fn(&Figure) -> Option<u64>;
 
 /// Whole detectors: a title, how the name of the figure ends, and its value. One column each, see [`DETECTORS`].
-const CALLS: [(&str, &str, Value); 9] = [
+const CALLS: [(&str, &str, Value); 15] = [
     ("`collect`, mean sample", "collect, mean sample", |f| f.instructions),
     ("`collect`, longest sample", "collect, longest sample", |f| f.instructions),
+    ("the same for any data", "collect, longest sample, any data", |f| f.instructions),
     ("`collect`, the sample that closes a segment", "collect, sample that closes", |f| f.instructions),
+    ("the same for any data", "collect, sample that closes, any data", |f| f.instructions),
     ("`conclude`", "conclude", |f| f.instructions),
+    ("the same for any data", "conclude, any data", |f| f.instructions),
     ("`Solver::advance`, longest piece", "longest piece", |f| f.instructions),
+    ("the same for any data", "longest piece, any data", |f| f.instructions),
+    ("`adopt`, any data", "adopt, any data", |f| f.instructions),
+    ("`discard`, any data", "discard, any data", |f| f.instructions),
     // The example `measure` prints this number in the place of the size.
     ("`Solver::advance`, number of pieces", "number of pieces", |f| f.n),
     ("reading and checking a model", "reading and checking its model", |f| f.instructions),

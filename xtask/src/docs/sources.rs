@@ -94,7 +94,10 @@ fn ready(way: Option<Way>) -> Result<Way> {
 }
 
 fn target(way: Option<Way>) -> Result<Vec<Block>> {
-    Ok(vec![figures::block(&measure::kernels(ready(way)?)?)?])
+    let way = ready(way)?;
+    let mut all = measure::kernels(way)?;
+    all.extend(measure::any_data(way, &all)?);
+    Ok(vec![figures::block(&all)?])
 }
 
 fn peers_on_target(way: Option<Way>) -> Result<Vec<Block>> {
