@@ -232,10 +232,12 @@ impl<P: Plan> Gate<P> {
 }
 
 impl Repeat {
-    /// Takes a value; returns whether it is at least the `most`-th equal one in a row.
+    /// Takes a value; returns whether it is at least the `most`-th equal one in a row. A NaN equals every other one,
+    /// since the bits of a NaN that was computed differ between processors.
     #[inline(always)]
     fn takes(&mut self, x: f32, most: u16) -> bool {
-        self.equal = if x.to_bits() == self.last.to_bits() { self.equal.saturating_add(1) } else { 1 };
+        let same = x.to_bits() == self.last.to_bits() || (x.is_nan() && self.last.is_nan());
+        self.equal = if same { self.equal.saturating_add(1) } else { 1 };
         self.last = x;
         self.equal >= most
     }
@@ -291,6 +293,16 @@ mod tests {
         gate.next_segment();
         assert!(gate.counts.stuck.is_empty());
         assert_eq!(gate.refused(&CHANNELS, &Pair { y: 2.0, u: 1.0 }), 1, "still stuck in the next segment");
+    }
+
+    #[test]
+    fn missing_samples_are_stuck_whatever_the_bits_of_their_nan() {
+        for bits in [[0x7fc0_0000; 3], [0x7fc0_0000, 0xffc0_0000, 0x7fc0_0001]] {
+            let mut gate = Gate::new(Two);
+            let refused = bits.map(|bits| gate.refused(&CHANNELS, &Pair { y: f32::from_bits(bits), u: 1.0 }));
+            assert_eq!(refused, [1; 3]);
+            assert!(gate.counts.stuck.contains(0), "{bits:x?}");
+        }
     }
 
     #[test]
