@@ -62,7 +62,7 @@ pub fn check_all_features(way: Way, board: Board) -> Result<()> {
         "bearing-watch",
         "--examples",
         "--features",
-        "defmt,embedded-hal,embedded-storage,nalgebra,internals,telemetry",
+        "bounded,defmt,embedded-hal,embedded-storage,nalgebra,internals,telemetry",
     ]))
 }
 
@@ -127,6 +127,7 @@ pub fn features(example: &str) -> &'static [&'static str] {
         "logging" => &["--features", "defmt"],
         "kernels" | "measure" => &["--features", "internals"],
         "panic_free" => &["--features", "embedded-hal,embedded-storage,telemetry"],
+        "random_plans" => &["--features", "bounded"],
         "storage" => &["--features", "embedded-storage"],
         "measure_telemetry" | "telemetry" => &["--features", "telemetry"],
         _ => &[],

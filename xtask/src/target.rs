@@ -11,7 +11,7 @@ use crate::toolchain::{self, Way};
 use crate::{child, docs, elf, firmware, log, measure, public, qemu, size_profile, workspace};
 
 /// Examples that must print the same lines, bit for bit, on the host and on the target.
-const TWINS: [&str; 4] = ["monitor", "kernels", "deferred", "telemetry"];
+const TWINS: [&str; 5] = ["monitor", "kernels", "deferred", "telemetry", "random_plans"];
 
 /// Of these, the ones for which that holds on every board.
 const EVERYWHERE: [&str; 2] = ["kernels", "deferred"];

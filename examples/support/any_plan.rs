@@ -1,0 +1,288 @@
+//! A plan whose layout is drawn at run time, without an allocator, and random models of it.
+
+use bearing_watch::model::{
+    Balance, Channel, Classifier, Constants, Covariate, Covariates, Discriminant, EvidenceConstants, Feature,
+    Forgetting, KNOTS, Label, Lags, Novelty, Projection, Regression, Sampling, ShaftConstants, TrackedOrder, Tracking,
+};
+use bearing_watch::plan::{
+    Bounded, Cells, Kind, Layout, Memory, Method, Plan, RegressionLayout, ShaftLayout, Signal, Signals, Structure,
+};
+use bearing_watch::{Angle, FrictionTerm, Model};
+
+use super::support::damage::{CHANNELS, Dice};
+use super::support::shaft::{BALANCE, BLOCKS};
+
+/// Most columns of a row, cells of delays and filters, orders, features, coordinates and classes.
+const COLUMNS: usize = 20;
+const DELAYS: usize = 20;
+const FILTERS: usize = 12;
+const ORDERS: usize = 4;
+const FEATURES: usize = 6;
+const COORDINATES: usize = 3;
+const CLASSES: usize = 3;
+
+/// A layout up to these lengths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AnyPlan(Layout);
+
+/// Values of current, velocity, load and reference, and the angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Values {
+    values: [f32; CHANNELS],
+    angle: Angle,
+}
+
+impl Signals for Values {
+    fn of(values: &[f32], angle: Angle) -> Self {
+        let mut all = [0.0; CHANNELS];
+        all.iter_mut().zip(values).for_each(|(cell, value)| *cell = *value);
+        Self { values: all, angle }
+    }
+
+    fn value(&self, channel: usize) -> f32 {
+        self.values.get(channel).copied().unwrap_or(0.0)
+    }
+
+    fn angle(&self) -> Angle {
+        self.angle
+    }
+}
+
+impl Plan for AnyPlan {
+    type Sample = Values;
+    type Channels = Bounded<CHANNELS>;
+    type Regressed = Bounded<1>;
+    type Squares = Bounded<1>;
+    type Instruments = Bounded<1>;
+    type TwoLevel = Bounded<1>;
+    type Columns = Bounded<COLUMNS>;
+    type Packed = Bounded<{ COLUMNS * (COLUMNS - 1) / 2 }>;
+    type Parameters = Bounded<COLUMNS>;
+    type Covariance = Bounded<{ COLUMNS * (COLUMNS + 1) / 2 }>;
+    type Delays = Bounded<DELAYS>;
+    type Filters = Bounded<FILTERS>;
+    type Watched = Bounded<1>;
+    type Orders = Bounded<ORDERS>;
+    type Averaged = Bounded<CHANNELS>;
+    type Features = Bounded<FEATURES>;
+    type Covariates = Bounded<0>;
+    type Explained = Bounded<0>;
+    type Coordinates = Bounded<COORDINATES>;
+    type Map = Bounded<{ COORDINATES * FEATURES }>;
+    type Density = Bounded<{ COORDINATES * (COORDINATES + 1) / 2 }>;
+    type Densities = Bounded<{ CLASSES * COORDINATES * (COORDINATES + 1) / 2 }>;
+    type Laws = Bounded<{ 1 + COORDINATES }>;
+    type Classes = Bounded<CLASSES>;
+    type Means = Bounded<{ CLASSES * COORDINATES }>;
+    type Costs = Bounded<{ CLASSES * CLASSES }>;
+
+    fn layout(self) -> Layout {
+        self.0
+    }
+
+    fn of(layout: Layout) -> Option<Self> {
+        let lengths = [
+            (layout.channels as usize, CHANNELS),
+            (layout.columns(), COLUMNS),
+            (layout.delays(), DELAYS),
+            (layout.filters(), FILTERS),
+            (layout.orders(), ORDERS),
+            (layout.features as usize, FEATURES),
+            (layout.covariates as usize, 0),
+            (layout.coordinates as usize, COORDINATES),
+            (layout.classes as usize, CLASSES),
+        ];
+        let fits = layout.check().is_ok() && lengths.iter().all(|(length, most)| length <= most);
+        fits.then_some(Self(layout))
+    }
+
+    fn channels() -> Option<&'static [(&'static str, &'static str)]> {
+        None
+    }
+}
+
+/// A number below `end`, as a count.
+fn below(dice: &mut Dice, end: u8) -> u8 {
+    dice.below(u32::from(end)) as u8
+}
+
+/// One of a list.
+fn one_of<T: Copy, const N: usize>(dice: &mut Dice, list: [T; N]) -> T {
+    list[dice.below(N as u32) as usize]
+}
+
+/// A random layout, whose parts fit each other in most cases.
+fn layout(dice: &mut Dice) -> Layout {
+    let [current, velocity, load, reference] = [0, 1, 2, 3].map(Signal::channel);
+    let parts = dice.below(8);
+    let regression = (parts != 0).then(|| {
+        let counts = [below(dice, 5), below(dice, 4), below(dice, 4), below(dice, 6), below(dice, 6)];
+        let [na, nb, nc, nkb, nkc] = counts;
+        let structure = Structure::new(na, nb, nc, nkb, nkc);
+        RegressionLayout {
+            structure: if dice.below(2) == 0 { structure } else { structure.with_offset() },
+            method: one_of(dice, [Method::LeastSquares, Method::Instruments]),
+            memory: one_of(dice, [Memory::Segment, Memory::LongSegment, Memory::Fading]),
+            y: current,
+            u1: if dice.below(4) == 0 { reference.minus(velocity) } else { reference },
+            u2: load,
+        }
+    });
+    let shaft = (parts < 5).then(|| ShaftLayout {
+        current,
+        velocity: (dice.below(3) > 0).then_some(velocity),
+        load: (dice.below(3) > 0).then_some(load),
+        orders: below(dice, 5),
+        harmonics: 1 + below(dice, 3),
+    });
+    let coordinates = 1 + below(dice, 3);
+    Layout {
+        channels: CHANNELS as u8,
+        regression,
+        shaft,
+        // All channels are averaged, so that none is without use.
+        averaged: 0b1111,
+        features: coordinates + below(dice, 4),
+        covariates: 0,
+        coordinates,
+        rising: below(dice, coordinates + 1),
+        classes: 1 + below(dice, 3),
+        discriminant: one_of(dice, [Kind::Linear, Kind::Quadratic]),
+    }
+}
+
+fn feature(dice: &mut Dice, layout: &Layout) -> Feature {
+    let channel = below(dice, CHANNELS as u8);
+    let averaged = one_of(dice, [Feature::ChannelMean(channel), Feature::ChannelRms(channel)]);
+    let regressed = match layout.parameters() as u8 {
+        0 => averaged,
+        n => {
+            let parameter = Feature::Parameter(below(dice, n));
+            one_of(dice, [parameter, Feature::LogVariance])
+        }
+    };
+    let friction = match layout.shaft {
+        None => averaged,
+        Some(_) => {
+            let term = one_of(dice, [FrictionTerm::Inertia, FrictionTerm::Viscous, FrictionTerm::Drag]);
+            let own = [Feature::Friction(term), Feature::FrictionScore(term), Feature::LogFriction(term)];
+            let own = one_of(dice, own);
+            one_of(dice, [own, own, own, Feature::LogFrictionVariance])
+        }
+    };
+    let order = match layout.orders() as u8 {
+        0 => friction,
+        orders => {
+            let order = below(dice, orders);
+            one_of(dice, [Feature::OrderScore(order), Feature::LogOrderAmplitude(order)])
+        }
+    };
+    one_of(dice, [regressed, regressed, friction, order, averaged])
+}
+
+/// Factors of covariances, packed by rows, the pivot of each row first.
+fn factors<C: Cells<f32>>(dice: &mut Dice, count: usize, coordinates: usize) -> C {
+    let packed = coordinates * (coordinates + 1) / 2;
+    let pivot = |place: usize| (0..coordinates).any(|i| place % packed == i * (2 * coordinates + 1 - i) / 2);
+    C::from_fn(count, |place| if pivot(place) { 1.5 + dice.unit() } else { 0.3 * dice.unit() })
+}
+
+fn classifier(dice: &mut Dice, plan: AnyPlan) -> Classifier<AnyPlan> {
+    let layout = plan.layout();
+    let (count, coordinates, classes) =
+        (layout.features as usize, layout.coordinates as usize, layout.classes as usize);
+    let line = core::array::from_fn::<_, KNOTS, _>(|k| [2.0 * k as f32, k as f32]);
+    let mut novelty = Novelty::none(plan);
+    if dice.below(3) > 0 || layout.rising > 0 {
+        novelty.class = Some(0);
+        novelty.factor = factors(dice, layout.density(), coordinates);
+        (novelty.knots, novelty.freedom, novelty.limit) = (line, 30.0, 5.0);
+        novelty.laws = Cells::filled(layout.laws(), line);
+    }
+    Classifier {
+        features: Cells::from_fn(count, |_| feature(dice, &layout)),
+        covariates: Covariates { list: Cells::filled(0, Covariate::BLANK), map: Cells::filled(0, [0.0; 2]) },
+        projection: Projection {
+            matrix: Cells::from_fn(layout.map(), |_| dice.unit()),
+            mean: Cells::from_fn(count, |_| dice.unit()),
+            usual: Cells::from_fn(count, |_| 0.5 + 0.5 * dice.unit()),
+        },
+        discriminant: Discriminant {
+            means: Cells::from_fn(layout.means(), |_| 3.0 * dice.unit()),
+            factors: factors(dice, layout.densities(), coordinates),
+            log_prior: Cells::filled(classes, [0.0, -0.693_147_2, -1.098_612_3][(classes - 1) % 3]),
+            costs: Cells::from_fn(layout.costs(), |k| if k / classes == k % classes { 0.0 } else { 1.0 }),
+            reject_cost: if dice.below(2) == 0 { f32::INFINITY } else { 0.4 },
+        },
+        novelty,
+    }
+}
+
+/// A slow pole with quick ones, in δ-form, and small inputs.
+fn regression(dice: &mut Dice, plan: AnyPlan, layout: &RegressionLayout) -> Regression<AnyPlan> {
+    let Structure { na, nb, nc, .. } = layout.structure;
+    let t: &[f32] = match na {
+        1 => &[-0.1],
+        2 => &[-0.1, 0.5],
+        3 => &[-0.08, 0.4, 0.1],
+        _ => &[-0.08, 0.4, 0.1, 0.02],
+    };
+    let mut constants = Regression::new(plan);
+    let nominal = constants.nominal.cells_mut();
+    nominal.iter_mut().zip(t).for_each(|(cell, t)| *cell = *t);
+    nominal.iter_mut().skip(na as usize).take((nb + nc) as usize).for_each(|cell| *cell = 0.3 * dice.unit());
+    (constants.deviation, constants.huber) = (0.2, one_of(dice, [0.0, 3.0]));
+    (constants.settle, constants.handover) = (dice.below(20) as u16, dice.below(30) as u16);
+    if layout.memory == Memory::Fading {
+        (constants.forgetting, constants.rest) = (Forgetting { lambda: 0.995, floor: 1.0 }, 1e-4);
+    }
+    constants
+}
+
+fn shaft(dice: &mut Dice, plan: AnyPlan) -> ShaftConstants<AnyPlan> {
+    let order = |dice: &mut Dice| {
+        let weights = [1.0, 0.5 + 0.5 * dice.unit(), 0.25];
+        TrackedOrder { slip_ratio: dice.unit(), ..TrackedOrder::new(4.0 + 3.5 * dice.unit(), weights) }
+    };
+    ShaftConstants {
+        lags: Lags { current: 2.0 + 2.0 * dice.unit(), velocity: 1.0 + dice.unit(), load: 1.5 + 1.5 * dice.unit() },
+        balance: Balance {
+            settle: 16,
+            row_interval: 2 + below(dice, 8),
+            own_from_rows: one_of(dice, [8, 48, u16::MAX]),
+            ..BALANCE
+        },
+        tracking: Tracking { orders: Cells::from_fn(plan.layout().orders(), |_| order(dice)), blocks: BLOCKS },
+    }
+}
+
+/// A random model; `None` if its parts do not fit each other.
+pub fn model(dice: &mut Dice) -> Option<Model<AnyPlan>> {
+    let layout = layout(dice);
+    let plan = AnyPlan::of(layout)?;
+    let channel = |name, unit, limit| Channel {
+        stuck_samples: if limit < 200.0 { 40 } else { 0 },
+        ..Channel::within(name, unit, limit)
+    };
+    let channels = [
+        channel("current_a", "A", 100.0),
+        channel("velocity_rad_s", "rad/s", 500.0),
+        channel("load_nm", "N·m", 2.0),
+        channel("velocity_ref_rad_s", "rad/s", 500.0),
+    ];
+    let labels = ["healthy", "spall", "roughness"].map(Label::constant);
+    let block_mean = if layout.regression.is_some() { 1 + dice.below(3) as u16 } else { 1 };
+    let constants = Constants {
+        sampling: Sampling { interval_s: BALANCE.interval_s, park: None, block_mean, segment_samples: 300 },
+        channels: Cells::from_fn(CHANNELS, |k| channels[k % CHANNELS]),
+        regression: Cells::from_fn(layout.regressed(), |_| match &layout.regression {
+            Some(own) => regression(dice, plan, own),
+            None => Regression::new(plan),
+        }),
+        shaft: Cells::from_fn(layout.watched(), |_| shaft(dice, plan)),
+        classifier: classifier(dice, plan),
+        evidence: EvidenceConstants { limit: 12.0, cap: 5.0, ..EvidenceConstants::NONE },
+        labels: Cells::from_fn(layout.classes as usize, |k| labels[k % CLASSES]),
+    };
+    Model::new(plan, constants).ok()
+}
