@@ -21,7 +21,7 @@ use support::raw_damage::RawDamage;
 use support::{refined, shaft, squares};
 
 /// Samples of the good stream, which repeats.
-const GOOD: usize = 400;
+const GOOD: u32 = 400;
 /// Streams of a search.
 const TRIALS: u32 = 400;
 
@@ -34,12 +34,12 @@ fn run() {
     };
     let counter = &mut counter;
     let mut plant = refined::Plant::new(5);
-    let samples: [refined::Sample; GOOD] = core::array::from_fn(|_| plant.sample());
+    let samples: [refined::Sample; GOOD as usize] = core::array::from_fn(|_| plant.sample());
     detector(counter, "SRIV detector", 8, &refined::MODEL, &samples);
     let samples = samples.map(|refined::Sample { y, u1, u2 }| squares::Sample { y, u1, u2 });
     detector(counter, "LS detector", 8, &squares::MODEL, &samples);
     let mut plant = shaft::Plant::new(6);
-    let motions: [shaft::Motion; GOOD] = core::array::from_fn(|_| plant.motion());
+    let motions: [shaft::Motion; GOOD as usize] = core::array::from_fn(|_| plant.motion());
     let name = "LS and shaft, 4 orders of 3 harmonics";
     detector(counter, name, 4, &shaft::MODEL, &motions.map(shaft::Sample::from));
     let name = "shaft alone, 1 order without load";
@@ -102,7 +102,7 @@ fn detector<P: Plan>(counter: &mut Counter, name: &str, n: usize, model: &Model<
 fn shortened<P: Plan>(model: &Model<P>) -> Option<Model<P>> {
     let mut constants = model.constants().clone();
     // A shaft needs some turns.
-    constants.sampling.segment_samples = if constants.shaft.part().is_some() { GOOD as u32 } else { GOOD as u32 / 4 };
+    constants.sampling.segment_samples = if constants.shaft.part().is_some() { GOOD } else { GOOD / 4 };
     if let Some(regression) = constants.regression.part_mut() {
         (regression.settle, regression.handover) = (8, 8);
     }
@@ -129,7 +129,7 @@ fn stream<P: Plan>(
     let mut detector = if choices.below(4) == 0 { Detector::new(model) } else { warm.clone() };
     // The report of the last segment, and the number of samples until it is handed over.
     let mut late = None;
-    let mut next = good.iter().cycle().skip(choices.below(GOOD as u32) as usize);
+    let mut next = good.iter().cycle().skip(choices.below(GOOD) as usize);
     while let Some(kind) = damage.next() {
         let Some(sample) = next.next() else { break };
         let mut values: [f32; CHANNELS] = core::array::from_fn(|k| sample.value(k));
@@ -195,7 +195,7 @@ where
 {
     let Ok(fresh) = FrontEnd::<FURTHER, FACTOR>::new(black_box(&CONSTANTS)) else { return };
     let mut motor = Motor::<FURTHER>::new(sensors);
-    let good: [RawSample<FURTHER>; GOOD] = core::array::from_fn(|_| motor.sample());
+    let good: [RawSample<FURTHER>; GOOD as usize] = core::array::from_fn(|_| motor.sample());
     // In lock, and with filters filled.
     let mut locked = fresh.clone();
     good.iter().for_each(|sample| {
@@ -204,7 +204,7 @@ where
     let worst = search(|recipe| {
         let mut damage = RawDamage::new(recipe);
         let mut front_end = if recipe.seed().is_multiple_of(4) { fresh.clone() } else { locked.clone() };
-        let (mut most, mut number) = (0, GOOD as u32);
+        let (mut most, mut number) = (0, GOOD);
         for sample in good.iter().cycle() {
             let Some(sample) = damage.spoil(RawSample { number, ..*sample }) else { break };
             number = number.wrapping_add(1);

@@ -1,6 +1,11 @@
 //! Random plans on damaged streams of raw samples, from the front end to the alarm: equal lines on host and target mean
 //! that every digit of every report is equal. Run by `cargo xtask test`.
 #![cfg_attr(target_os = "none", no_std, no_main)]
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::indexing_slicing,
+    reason = "a comparison of small drawn numbers, no firmware"
+)]
 
 #[macro_use]
 mod support;

@@ -32,6 +32,8 @@ pub struct Values {
     angle: Angle,
 }
 
+bearing_watch::defmt_formats!(AnyPlan, Values, values);
+
 impl Signals for Values {
     fn of(values: &[f32], angle: Angle) -> Self {
         let mut all = [0.0; CHANNELS];
@@ -210,7 +212,7 @@ fn classifier(dice: &mut Dice, plan: AnyPlan) -> Classifier<AnyPlan> {
         discriminant: Discriminant {
             means: Cells::from_fn(layout.means(), |_| 3.0 * dice.unit()),
             factors: factors(dice, layout.densities(), coordinates),
-            log_prior: Cells::filled(classes, [0.0, -0.693_147_2, -1.098_612_3][(classes - 1) % 3]),
+            log_prior: Cells::filled(classes, [0.0, -core::f32::consts::LN_2, -1.098_612_3][(classes - 1) % 3]),
             costs: Cells::from_fn(layout.costs(), |k| if k / classes == k % classes { 0.0 } else { 1.0 }),
             reject_cost: if dice.below(2) == 0 { f32::INFINITY } else { 0.4 },
         },

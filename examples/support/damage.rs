@@ -7,7 +7,7 @@
 use bearing_watch::Angle;
 
 /// Pieces of a recipe.
-pub const PIECES: usize = 24;
+pub const PIECES: u32 = 24;
 /// Most channels of a sample.
 pub const CHANNELS: usize = 4;
 
@@ -37,11 +37,11 @@ impl Dice {
 
 /// A list of pieces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Recipe([u32; PIECES]);
+pub struct Recipe([u32; PIECES as usize]);
 
 impl Recipe {
     /// Without damage.
-    pub const GOOD: Self = Self([0; PIECES]);
+    pub const GOOD: Self = Self([0; PIECES as usize]);
 
     /// Any pieces.
     pub fn random(dice: &mut Dice) -> Self {
@@ -53,7 +53,7 @@ impl Recipe {
     pub fn changed(mut self, dice: &mut Dice) -> Self {
         for _ in 0..=dice.below(4) {
             let piece = dice.roll();
-            if let Some(cell) = self.0.get_mut(dice.below(PIECES as u32) as usize) {
+            if let Some(cell) = self.0.get_mut(dice.below(PIECES) as usize) {
                 *cell = piece;
             }
         }
@@ -185,7 +185,7 @@ impl Damage {
             if self.backwards && k != 0 {
                 *value = -*value;
             }
-            if self.recipe.seed() >> 8 & 7 == k as u32 {
+            if (self.recipe.seed() >> 8 & 7) as usize == k {
                 // A channel that never moves.
                 *value = 0.5 * limit;
             }

@@ -45,7 +45,9 @@ impl RawDamage {
             let hit = seed >> k & 1 == 0;
             *count = match kind {
                 Kind::AnyBits if hit => (self.dice.roll() >> 16) as u16,
-                Kind::Saturated | Kind::Largest if hit => [0, 15, 16, 4079, 4080, u16::MAX][(seed >> 8) as usize % 6],
+                Kind::Saturated | Kind::Largest if hit => {
+                    [0, 15, 16, 4079, 4080].get((seed >> 8) as usize % 6).copied().unwrap_or(u16::MAX)
+                }
                 // An open phase, or a wrong gain.
                 Kind::Jump if hit => 2048,
                 Kind::Subnormal | Kind::Tiny if hit => count.wrapping_mul(2).wrapping_sub(2048),

@@ -14,7 +14,9 @@ use workbench::train::novelty::baseline::exact;
 use workbench::train::novelty::law::DistanceLaw;
 use workbench::train::novelty::{Gate, gate_of, gate_of_table, spread};
 
-const DRAWS: u64 = 120;
+/// Draws of healthy rows: a long check, and a short one.
+const LONG: u64 = 120;
+const SHORT: u64 = 12;
 const HEALTHY: usize = 200;
 const BOTH: [f64; 2] = [1e-2, 1e-3];
 
@@ -58,7 +60,7 @@ fn beyond(surprises: impl Iterator<Item = f32>) -> [f64; 2] {
 }
 
 /// True rates of single gates at the set rates, over training draws.
-fn rates<const Z: usize>(degrees: Option<f64>, healthy: usize) -> Vec<[f64; 2]> {
+fn rates<const Z: usize>(draws: u64, degrees: Option<f64>, healthy: usize) -> Vec<[f64; 2]> {
     let one = |draw: u64| {
         let mut random = ChaCha8Rng::seed_from_u64(1000 * Z as u64 + draw);
         // Features of different size that hang together.
@@ -72,7 +74,7 @@ fn rates<const Z: usize>(degrees: Option<f64>, healthy: usize) -> Vec<[f64; 2]> 
         let surprise = |z: DVector<f64>| gate.judge(&z.map(|x| x as f32).as_slice()[..Z], &[]).surprise;
         beyond(rows(TESTS).into_iter().map(surprise))
     };
-    (0..DRAWS).into_par_iter().map(one).collect()
+    (0..draws).into_par_iter().map(one).collect()
 }
 
 /// Rows of normal features of different size that hang together, with errors of up to their deviation of known
@@ -100,7 +102,7 @@ fn partial<const Z: usize>(count: usize, random: &mut ChaCha8Rng) -> FeatureTabl
 }
 
 /// The same for gates of rows with errors and missing values.
-fn partial_rates<const Z: usize>(healthy: usize) -> Vec<[f64; 2]> {
+fn partial_rates<const Z: usize>(draws: u64, healthy: usize) -> Vec<[f64; 2]> {
     let one = |draw: u64| {
         let mut random = ChaCha8Rng::seed_from_u64(70_000 + 1000 * Z as u64 + draw);
         let gate = core(&gate_of_table(&partial::<Z>(healthy, &mut random), 1e-3).expect("a gate"));
@@ -111,7 +113,7 @@ fn partial_rates<const Z: usize>(healthy: usize) -> Vec<[f64; 2]> {
         };
         beyond(tests.rows.iter().zip(&tests.variances).map(surprise))
     };
-    (0..DRAWS).into_par_iter().map(one).collect()
+    (0..draws).into_par_iter().map(one).collect()
 }
 
 /// Mean over draws within a factor 1.5 of the set rate; the spread of single gates is printed.
@@ -131,25 +133,30 @@ fn check(name: &str, sets: &[f64], found: &[[f64; 2]]) {
 const TESTS: usize = 8_000;
 
 #[test]
-fn set_rates_hold_in_the_mean_for_gaussian_features() {
-    check("1 coordinate", &BOTH, &rates::<1>(None, HEALTHY));
-    check("3 coordinates", &BOTH, &rates::<3>(None, HEALTHY));
-    check("6 coordinates", &BOTH, &rates::<6>(None, HEALTHY));
+fn set_rates_hold_in_the_mean_short() {
+    // A gate's rate of one in a hundred scatters by a third, 12 of them by a tenth; the rarer one takes more gates.
+    check("3 coordinates", &BOTH[..1], &rates::<3>(SHORT, None, HEALTHY));
+    check("6 coordinates, t with 8 degrees of freedom", &BOTH[..1], &rates::<6>(SHORT, Some(8.0), HEALTHY));
+    check("4 coordinates, 30 % missing", &BOTH[..1], &partial_rates::<4>(SHORT, HEALTHY));
 }
 
 #[test]
-fn set_rates_hold_in_the_mean_with_errors_and_missing_values() {
-    check("2 coordinates, 30 % missing", &BOTH, &partial_rates::<2>(HEALTHY));
-    check("4 coordinates, 30 % missing", &BOTH, &partial_rates::<4>(HEALTHY));
-}
-
-#[test]
-fn set_rates_hold_in_the_mean_for_heavier_tails() {
-    check("6 coordinates, t with 8 degrees of freedom", &BOTH, &rates::<6>(Some(8.0), HEALTHY));
+#[ignore = "minutes of statistics"]
+fn set_rates_hold_in_the_mean_long() {
+    check("1 coordinate", &BOTH, &rates::<1>(LONG, None, HEALTHY));
+    check("3 coordinates", &BOTH, &rates::<3>(LONG, None, HEALTHY));
+    check("6 coordinates", &BOTH, &rates::<6>(LONG, None, HEALTHY));
+    check("2 coordinates, 30 % missing", &BOTH, &partial_rates::<2>(LONG, HEALTHY));
+    check("4 coordinates, 30 % missing", &BOTH, &partial_rates::<4>(LONG, HEALTHY));
+    check("6 coordinates, t with 8 degrees of freedom", &BOTH, &rates::<6>(LONG, Some(8.0), HEALTHY));
     // One coordinate tells less of the tail: 200 rows hold the rate of one in a hundred; one in a thousand takes more.
-    check("3 coordinates, t with 8 degrees of freedom", &BOTH, &rates::<3>(Some(8.0), HEALTHY));
-    check("1 coordinate, t with 8 degrees of freedom", &BOTH[..1], &rates::<1>(Some(8.0), HEALTHY));
-    check("1 coordinate of 1000 rows, t with 8 degrees of freedom", &BOTH, &rates::<1>(Some(8.0), 1000));
+    check("3 coordinates, t with 8 degrees of freedom", &BOTH, &rates::<3>(LONG, Some(8.0), HEALTHY));
+    check("1 coordinate, t with 8 degrees of freedom", &BOTH[..1], &rates::<1>(LONG, Some(8.0), HEALTHY));
+    check("1 coordinate of 1000 rows, t with 8 degrees of freedom", &BOTH, &rates::<1>(LONG, Some(8.0), 1000));
+}
+
+#[test]
+fn the_law_of_gaussian_features_is_exceeded_by_heavier_tails() {
     // Were the law of Gaussian features kept, the rarer rate would be exceeded several times over.
     let mut random = ChaCha8Rng::seed_from_u64(5);
     let gaussian = DistanceLaw::gaussian(6, HEALTHY);

@@ -35,7 +35,7 @@ impl Dice {
 
 /// Values of load and reference that are no numbers, at an instant of seven.
 fn not_finite(sample: &mut Raw, k: u32) -> bool {
-    if k % 7 == 0 {
+    if k.is_multiple_of(7) {
         sample.further = [[f32::NAN, f32::INFINITY], [-f32::INFINITY, f32::NAN]][(k % 2) as usize];
     }
     true
