@@ -129,14 +129,24 @@ fn build(program: &Path) -> Result<PathBuf> {
         fs::remove_dir_all(&wheels)?;
     }
     let workbench = workspace::workbench()?;
+    let before = workbenches()?;
     let arguments = ["-m", "maturin", "build", "--profile", "dev", "--features", "of-workspace"];
     let mut maturin = python(program, &arguments, &package());
     child::succeed(maturin.arg("--out").arg(&wheels))?;
+    // It takes minutes, and depends on the features of every dependency.
+    ensure!(workbenches()? == before, "the workbench was compiled again: see `of-workspace` in python/Cargo.toml");
     let wheel = fs::read_dir(&wheels)?.next().context("maturin wrote no wheel")??.path();
     let arguments = ["-m", "pip", "install", "--quiet", "--no-deps", "--force-reinstall"];
     let mut install = python(program, &arguments, &package());
     child::succeed(install.arg("--disable-pip-version-check").arg(&wheel))?;
     Ok(workbench.get_program().into())
+}
+
+/// Number of libraries of the workbench among the artefacts, one for each combination of features.
+fn workbenches() -> Result<usize> {
+    let names = fs::read_dir(workspace::target_dir().join("debug/deps"))?;
+    let names = names.filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()));
+    Ok(names.filter(|name| name.starts_with("libworkbench-") && name.ends_with(".rlib")).count())
 }
 
 #[cfg(test)]

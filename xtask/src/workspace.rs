@@ -32,10 +32,10 @@ pub fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
-/// Builds the command line `bearing-watch` with the features of all packages, as the host tests have built it, and
-/// returns a call of it at the workspace's root.
+/// Returns a call of the command line `bearing-watch` at the workspace's root, as the host tests build it: a build of the
+/// program alone has other features of dependencies, and would compile the workbench again.
 pub fn workbench() -> Result<Command> {
-    child::succeed(&mut cargo(&["build", "--quiet", "--workspace", "--bin", "bearing-watch"]))?;
+    child::succeed(&mut cargo(&["test", "--quiet", "--workspace", "--no-run"]))?;
     let program = format!("debug/bearing-watch{}", env::consts::EXE_SUFFIX);
     let mut command = Command::new(target_dir().join(program));
     command.current_dir(root());
