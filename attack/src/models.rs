@@ -40,7 +40,7 @@ pub static WATCHED: LazyLock<Model<shaft::Watched>> = LazyLock::new(|| shortened
 /// Torque balance and a bearing order without regression and load.
 pub static LOADLESS: LazyLock<Model<shaft::Loadless>> = LazyLock::new(|| shortened(&shaft::LOADLESS, LONG));
 
-/// A model with segments of so many samples, and an alarm.
+/// Returns the model with segments of `segment_samples` samples, short times to settle, and an alarm.
 ///
 /// # Panics
 /// If it has no such segments.

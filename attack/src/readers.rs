@@ -63,7 +63,7 @@ fn table(name: &str, bytes: &[u8]) {
                 assert!(all.iter().all(|column| column.iter().all(|x| x.is_finite())), "finite numbers");
             }
         }
-        Err(error) => assert!(error.to_string().contains("t.") || !error.to_string().is_empty()),
+        Err(error) => assert!(!error.to_string().is_empty(), "a message"),
     }
     channels.time = Some("none".into());
     let _refused = trace::read(&paths, &channels);

@@ -1,8 +1,32 @@
-//! Without coverage a program replays inputs, as those that a run has found to fail.
+//! The programs: libFuzzer where `cargo xtask fuzz` builds them; without coverage they replay inputs, as those that a
+//! run has found to fail.
 
 use std::process::ExitCode;
 
 use crate::Door;
+
+/// The program of these doors.
+#[macro_export]
+macro_rules! program {
+    ($doors:expr) => {
+        #[global_allocator]
+        static MEMORY: $crate::memory::Guarded = $crate::memory::Guarded;
+
+        #[cfg(attack_coverage)]
+        mod guided {
+            static DOOR: std::sync::LazyLock<&$crate::Door> = std::sync::LazyLock::new(|| $crate::chosen(&$doors));
+
+            libfuzzer_sys::fuzz_target!(init: $crate::replay::name_unless_chosen(&$doors), |bytes: &[u8]| {
+                (DOOR.attack)(bytes);
+            });
+        }
+
+        #[cfg(not(attack_coverage))]
+        fn main() -> std::process::ExitCode {
+            $crate::replay::main(&$doors)
+        }
+    };
+}
 
 /// Prints the doors and ends, unless the environment variable `ATTACK_DOOR` names one.
 pub fn name_unless_chosen(doors: &[Door]) {

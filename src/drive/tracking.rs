@@ -15,11 +15,11 @@
 //! rate. A type-2 loop overshoots: with ζ = 0.707 its gain is 1.22 at ωₙ. The front end therefore corrects θ̂ by the
 //! error (1), which has all of the angle that θ̂ has not.
 //!
-//! **Lock.** The first two readings set angle and velocity. If one of them was wrong, the velocity is wrong too, and the
-//! loop might follow an error (1) that passes through whole turns without end: a settling loop searches again if the
-//! error exceeds 0.75 rad. The loop is *locked* after `settle_samples` errors in a row below half of the limit. A locked
-//! loop does not follow a sample that is missing or whose error exceeds the limit: it continues at its velocity, and
-//! after such a sample the limit is halved until an error is below (hysteresis). After `lost_samples` in a row it
+//! **Lock.** The first two readings set angle and velocity. If one of them was wrong, the velocity is wrong too, and
+//! the loop might follow an error (1) that passes through whole turns without end: a settling loop searches again if
+//! the error exceeds 0.75 rad. The loop is *locked* after `settle_samples` errors in a row below half of the limit. A
+//! locked loop does not follow a sample that is missing or whose error exceeds the limit: it continues at its velocity,
+//! and after such a sample the limit is halved until an error is below (hysteresis). After `lost_samples` in a row it
 //! searches again. Samples without lock are missing.
 
 use core::f32::consts::TAU;

@@ -67,8 +67,8 @@ pub fn kernels(way: Way) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// The most instructions of each call over all streams: those of a search over damaged ones, and those of `kernels`. The
-/// search is another program, in which the same function may have a few instructions less.
+/// The most instructions of each call over all streams: those of a search over damaged ones, and those of `kernels`.
+/// The search is another program, in which the same function may have a few instructions less.
 pub fn any_data(way: Way, kernels: &[Figure]) -> Result<Vec<Figure>> {
     let mut found = printed(&firmware::build(way, DRIVE, "measure_any_data")?, DRIVE)?;
     found.iter_mut().for_each(|figure| raise(figure, kernels));

@@ -60,8 +60,8 @@ fn simulated() -> Result<PathBuf> {
     Ok(folder.join("ema_spall_rit-mix_2_000.csv"))
 }
 
-/// Writes the rows of the simulated recording for the example's model. Returns the folder where firmware reads them, and
-/// the lines that the example prints on the host.
+/// Writes the rows of the simulated recording for the example's model. Returns the folder where firmware reads them,
+/// and the lines that the example prints on the host.
 pub fn host_lines() -> Result<(PathBuf, Vec<String>)> {
     replayed(&simulated()?, &Model::of_example())
 }

@@ -3,8 +3,9 @@
 use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 
 use crate::child;
 
@@ -32,10 +33,28 @@ pub fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
-/// Returns a call of the command line `bearing-watch` at the workspace's root, as the host tests build it: a build of the
-/// program alone has other features of dependencies, and would compile the workbench again.
+/// The compiler's name of this machine.
+pub fn host() -> Result<String> {
+    let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let about = child::output(Command::new(rustc).arg("-vV")).context("rustc -vV failed")?;
+    let host = about.lines().find_map(|line| line.strip_prefix("host: ")).context("rustc names no host")?;
+    Ok(host.to_owned())
+}
+
+/// Whether this run has built the host tests, and the command line with them.
+static HAS_TESTS: AtomicBool = AtomicBool::new(false);
+
+/// Says that the host tests are built.
+pub fn tests_are_built() {
+    HAS_TESTS.store(true, Ordering::Relaxed);
+}
+
+/// Returns a call of the command line `bearing-watch` at the workspace's root. It is built unless the host tests were:
+/// dependencies have other features in a build of the program alone, which would compile the workbench again.
 pub fn workbench() -> Result<Command> {
-    child::succeed(&mut cargo(&["test", "--quiet", "--workspace", "--no-run"]))?;
+    if !HAS_TESTS.load(Ordering::Relaxed) {
+        child::succeed(&mut cargo(&["build", "--quiet", "--workspace", "--bin", "bearing-watch"]))?;
+    }
     let program = format!("debug/bearing-watch{}", env::consts::EXE_SUFFIX);
     let mut command = Command::new(target_dir().join(program));
     command.current_dir(root());

@@ -1,9 +1,10 @@
-//! A drive in use for a day: raw samples of healthy actuators through front end, detector, solver and alarm, with faults
-//! of the electronics at random times. The usual run takes 6e6 samples; `cargo xtask long` takes 1e9, and its rows are
-//! kept in docs/endurance.md.
+//! A drive in use for a day: raw samples of healthy actuators through front end, detector, solver and alarm, with
+//! faults of the electronics at random times. The usual run takes 6e6 samples; `cargo xtask long` takes 1e9, and its
+//! rows are kept in docs/endurance.md.
 //!
 //! The records of the actuators follow each other in random order, with noise of their own, and sampling instants are
-//! missed between them. A segment is *undisturbed* if neither it nor the one before it met a fault or an end of a record.
+//! missed between them. A segment is *undisturbed* if neither it nor the one before it met a fault or an end of a
+//! record.
 
 use bearing_watch::{Detector, Evidence, FrictionTerm, FrontEnd, FrontEndConstants, Lock, Report, Solver, Verdict};
 

@@ -1,7 +1,7 @@
 //! The pictures of the book: one of each kind of plot, from traces that the workbench simulates.
 //!
-//! Enters: the binary `bearing-watch`. Leaves: pictures in `book/src/pictures`, and the block with the commands that made
-//! their pages.
+//! Enters: the binary `bearing-watch`. Leaves: pictures in `book/src/pictures`, and the block with the commands that
+//! made their pages.
 
 use std::fs;
 use std::path::Path;

@@ -97,11 +97,10 @@ pub fn run(options: &Options) -> Result<bool> {
 
 /// Builds a program of the package with counters of branches.
 fn build(program: &str, features: &[&str]) -> Result<PathBuf> {
-    let about = child::output(Command::new("rustc").arg("-vV")).context("rustc does not run")?;
-    let host = about.lines().find_map(|line| line.strip_prefix("host: ")).context("rustc does not name the host")?;
+    let host = workspace::host()?;
     let mut cargo = workspace::cargo(&["build", "--profile", "fuzz", "--package", "attack", "--bin", program]);
     // With a target, neither build scripts nor macros have counters.
-    cargo.args(features).args(["--target", host]).env("CARGO_ENCODED_RUSTFLAGS", COVERAGE.join("\u{1f}"));
+    cargo.args(features).args(["--target", &host]).env("CARGO_ENCODED_RUSTFLAGS", COVERAGE.join("\u{1f}"));
     child::succeed(&mut cargo)?;
     Ok(workspace::target_dir().join(host).join("fuzz").join(program))
 }

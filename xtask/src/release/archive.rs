@@ -56,7 +56,7 @@ fn make(way: Way) -> Result<PathBuf> {
     for (from, to) in FILES {
         parts.push((to.to_owned(), fs::read(workspace::root().join(from)).with_context(|| from.to_owned())?));
     }
-    let machine = host_target()?;
+    let machine = workspace::host()?;
     let targets = Targets { host: &machine, chip: DRIVE.target };
     let library = Library { version: VERSION, targets, system: &system };
     parts.push(("lib/pkgconfig/bearing-watch.pc".into(), pkg_config(&library).into()));
@@ -75,14 +75,6 @@ fn make(way: Way) -> Result<PathBuf> {
 /// Start and end of the archive's name.
 pub const NAME: &str = "bearing-watch-c";
 pub const ENDING: &str = ".tar.gz";
-
-/// The compiler's name of this machine.
-fn host_target() -> Result<String> {
-    let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let text = child::output(Command::new(rustc).arg("-vV")).context("rustc -vV failed")?;
-    let host = text.lines().find_map(|line| line.strip_prefix("host: ")).context("rustc names no host")?;
-    Ok(host.to_owned())
-}
 
 /// The library for this machine and any model, and what a program links with besides.
 fn for_host() -> Result<(PathBuf, String)> {

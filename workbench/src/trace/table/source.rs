@@ -1,7 +1,7 @@
 //! Lines of a text in pieces, from memory or from a file.
 //!
-//! A piece of a file is read when it is needed, into memory that is used again: fresh memory for all of a large file
-//! costs as much time as a third of its numbers.
+//! A piece of a file is read when it is needed, into memory that is used again: the system would have to clear memory
+//! for all of a large file, page by page.
 
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
