@@ -1,11 +1,15 @@
 //! The workbench's part of the comparison of readers in `cargo xtask peers`: `reading FILE ROUNDS` reads every column
 //! of a recording as `xtask/peers/reading.py` writes it, and prints the median time in seconds and a sum of the values.
+//! Its allocator is that of the `bearing-watch` command.
 
 use std::error::Error;
 use std::path::PathBuf;
 use std::time::Instant;
 
 use workbench::trace::{Channels, read};
+
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -25,7 +25,7 @@ pub fn run() -> Result<bool> {
 
 /// Reads a recording of a million rows with the workbench, pandas and pyarrow. Returns the table, and whether every
 /// ratio asked for is met.
-fn reading() -> Result<(String, bool)> {
+pub fn reading() -> Result<(String, bool)> {
     let folder = folder().join("data");
     fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
     let python = python_with_packages()?;

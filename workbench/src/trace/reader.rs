@@ -3,6 +3,8 @@
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
+use rayon::prelude::*;
+
 use super::signal::{Signal, places_of, values_of};
 use super::table::{Columns, Table, Wanted};
 use super::units::{Quantity, Unit};
@@ -236,10 +238,13 @@ fn parts(
         let mut own: BTreeMap<usize, Vec<f64>> = places.iter().copied().zip(own).collect();
         let times_s = header.time.and_then(|(place, factor)| {
             let mut times = if needed.contains(&place) { own.get(&place).cloned() } else { own.remove(&place) }?;
-            times.iter_mut().for_each(|t| *t *= factor);
+            if factor != 1.0 {
+                times.iter_mut().for_each(|t| *t *= factor);
+            }
             Some(times)
         });
-        if let Some(at) = times_s.as_ref().and_then(|times| times.windows(2).position(|pair| pair[1] < pair[0])) {
+        let unsorted = times_s.as_ref().filter(|times| !times.is_sorted());
+        if let Some(at) = unsorted.and_then(|times| times.windows(2).position(|pair| pair[1] < pair[0])) {
             let name = header.time().map_or("", |place| &header.names[place]);
             let place = format!("{}, column {name}", columns.place(rows.row(at + 1)));
             return Err(Error::content(path, place, "time runs backwards; sort the rows or split the trace there"));
@@ -296,10 +301,10 @@ pub(super) fn assemble(
 ) -> Result<Trace, Error> {
     let mut trace = Trace { id, ..Trace::default() };
     if let Some(times) = times {
-        let steps = || times.windows(2).map(|pair| pair[1] - pair[0]);
-        trace.interval_s = Some(median(steps().collect::<Vec<_>>())).filter(|step| *step > 0.0);
+        let steps: Vec<f64> = times.par_windows(2).map(|pair| pair[1] - pair[0]).collect();
+        trace.interval_s = Some(median(&steps)).filter(|step| *step > 0.0);
         let usual = trace.interval_s.unwrap_or(0.0);
-        trace.irregular_steps = steps().filter(|step| (step - usual).abs() > 0.1 * usual).count();
+        trace.irregular_steps = steps.par_iter().filter(|step| (**step - usual).abs() > 0.1 * usual).count();
     }
     let given = channels.rate_hz.map(|rate| 1.0 / rate);
     if let (Some(given), Some(found)) = (given, trace.interval_s)

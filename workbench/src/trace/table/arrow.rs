@@ -14,14 +14,14 @@ use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use rayon::prelude::*;
 
-use super::{Cells, Columns, Wanted, arrow_blocks};
+use super::{Cells, Columns, Wanted, arrow_blocks, doubles};
 use crate::Error;
 use crate::damaged::{DAMAGED, guarded};
 
 /// Rows of one batch.
 const BATCH: usize = 65_536;
 /// Rows for which memory is reserved at most, as the file's own count of rows may be wrong.
-const LARGEST_RESERVE: usize = 1 << 24;
+pub(super) const LARGEST_RESERVE: usize = 1 << 24;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -80,6 +80,12 @@ fn read_some(file: (&Path, &[String]), kind: Kind, wanted: Wanted<'_>) -> Result
 
 fn batches((path, names): (&Path, &[String]), kind: Kind, wanted: Wanted<'_>) -> Result<Columns, Error> {
     let wrong = wrong(path, kind);
+    if kind == Kind::Parquet && wanted.text.is_none() {
+        let file = File::open(path).map_err(Error::io(path))?;
+        if let Some(numbers) = doubles::read(file, wanted.numbers).map_err(|error| wrong(error.to_string()))? {
+            return Ok(Columns { numbers, ..Columns::default() });
+        }
+    }
     // Readers give each column once, in the order of the file.
     let mut places: Vec<usize> = wanted.numbers.iter().copied().chain(wanted.text).collect();
     places.sort_unstable();

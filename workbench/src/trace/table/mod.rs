@@ -12,8 +12,10 @@
 mod arrow;
 mod arrow_blocks;
 mod digits;
+mod doubles;
 mod layout;
 mod lines;
+mod marks;
 mod matlab;
 mod matlab_elements;
 mod matlab_value;
@@ -178,9 +180,7 @@ impl Table {
             Content::Memory(recorded) => recorded.read(wanted)?,
         };
         let check = |(column, place): (&Vec<f64>, &usize)| {
-            let Some(row) = column.iter().position(|value| value.abs() > LARGEST || value.is_nan()) else {
-                return Ok(());
-            };
+            let Some(row) = first_unusable(column) else { return Ok(()) };
             let place = format!("{}, column {}", columns.place(row), self.names[*place]);
             Err(Error::content(&self.path, place, unusable(column[row], &column[row].to_string())))
         };
@@ -208,6 +208,17 @@ fn of_one_length(path: &Path, arrays: Vec<(String, Vec<f64>)>) -> Result<(Vec<St
         _ => (column.len() == rows).then_some((name, column)),
     };
     Ok(arrays.into_iter().filter_map(each).unzip())
+}
+
+/// The first row whose number is not taken.
+fn first_unusable(column: &[f64]) -> Option<usize> {
+    const MANY: usize = 1024;
+    let is_good = |value: &f64| value.abs() <= LARGEST;
+    // Without an exit before the end of many values the compiler compares several at once.
+    let is_any_bad = |values: &[f64]| !values.iter().fold(true, |good, value| good & is_good(value));
+    let many = column.chunks(MANY).position(is_any_bad)?;
+    let rest = &column[many * MANY..];
+    Some(many * MANY + rest.iter().position(|value| !is_good(value))?)
 }
 
 /// Why a number is not taken.
@@ -243,6 +254,20 @@ mod tests {
             }
             assert!(refused > 20, "{name}: {refused}");
         }
+    }
+
+    #[test]
+    fn the_first_unusable_value_is_found_anywhere() {
+        for (rows, bad) in [(1, 0), (1023, 1022), (1024, 1023), (1025, 1024), (5000, 3000)] {
+            let mut column = vec![-LARGEST; rows];
+            assert_eq!(first_unusable(&column), None);
+            column[rows - 1] = f64::NAN;
+            for value in [f64::NAN, f64::NEG_INFINITY, 1.001 * LARGEST] {
+                column[bad] = value;
+                assert_eq!(first_unusable(&column), Some(bad), "{rows} {value}");
+            }
+        }
+        assert_eq!(first_unusable(&[]), None);
     }
 
     #[test]

@@ -6,15 +6,19 @@
 use memchr::{memchr, memchr_iter};
 use rayon::prelude::*;
 
-use super::Lines;
 use super::digits::decimal;
 use super::source::Source;
+use super::{Lines, marks};
+
+/// Pieces that are in memory at a time. The same for any number of threads, as it decides which of two problems in a
+/// text is told.
+const GROUP: usize = 32;
 
 /// How rows are written, and which cells are wanted.
 pub(super) struct Form<'a> {
     pub(super) separator: u8,
-    /// Whether numbers have decimal commas.
-    pub(super) decimal_comma: bool,
+    /// The point of decimal numbers, or the comma.
+    pub(super) point: u8,
     /// Lines that start with it are left out.
     pub(super) comment: Option<u8>,
     /// Number of cells of a row.
@@ -33,7 +37,7 @@ pub(super) struct Form<'a> {
 pub(super) enum Failure {
     /// The row in this line is not taken.
     Row(u64, Refusal),
-    /// A file cannot be read any more, or changes while it is read.
+    /// A file cannot be read any more.
     File(std::io::Error),
 }
 
@@ -57,146 +61,131 @@ pub(super) struct Rows {
     pub(super) count: usize,
 }
 
-/// Counts the lines of each piece; `None` if the text cannot be read here.
-pub(super) fn lines(source: Source<'_>) -> std::io::Result<Option<Vec<usize>>> {
-    let count = |buffer: &mut Vec<u8>, piece| {
-        let text = source.piece(piece, buffer)?;
-        Ok(suits(text).then(|| count_lines(text)))
-    };
-    // As a list first: what is found must not depend on which thread is first.
-    let counts: Vec<std::io::Result<Option<usize>>> =
-        (0..source.pieces()).into_par_iter().map_init(Vec::new, count).collect();
-    counts.into_iter().collect()
-}
-
-/// Whether a text can be read here: it is UTF-8 without quotes, and its lines end with a line feed.
-pub(super) fn suits(text: &[u8]) -> bool {
-    let feed = |place: usize| text.get(place + 1) == Some(&b'\n');
-    memchr(b'"', text).is_none() && memchr_iter(b'\r', text).all(feed) && std::str::from_utf8(text).is_ok()
-}
-
-/// Reads the rows after the line `first` of a text, of whose pieces the lines are counted.
-pub(super) fn rows(source: Source<'_>, first: u64, counts: &[usize], form: &Form<'_>) -> Result<Rows, Failure> {
-    // Zeros of the system, which is quicker than copies of a list of zeros.
-    let mut numbers: Vec<Vec<f64>> = form.numbers.iter().map(|_| vec![0.0; counts.iter().sum()]).collect();
-    let mut parts: Vec<Piece<'_>> = Vec::with_capacity(counts.len());
-    let mut rest: Vec<&mut [f64]> = numbers.iter_mut().map(Vec::as_mut_slice).collect();
-    let mut line = first;
-    for (piece, lines) in counts.iter().enumerate() {
+/// Reads the rows after the line `first` of a text; `None` if the text cannot be read here.
+pub(super) fn rows(source: Source<'_>, first: u64, form: &Form<'_>) -> Result<Option<Rows>, Failure> {
+    let pieces = source.pieces();
+    let mut memory = vec![(Vec::new(), Vec::new()); GROUP.min(pieces)];
+    let mut all = Rows { numbers: vec![Vec::new(); form.numbers.len()], ..Rows::default() };
+    let (mut line, mut bytes) = (first, 0);
+    for start in (0..pieces).step_by(GROUP) {
+        let own = memory.par_iter_mut().zip(start..pieces.min(start + GROUP));
+        // As a list first: what is found must not depend on which thread is first.
+        let group: Vec<_> = own
+            .map(|((buffer, marks), piece)| Ok(Piece::find(source.piece(piece, buffer)?, form.separator, marks)))
+            .collect();
+        let group: std::io::Result<Option<Vec<Piece<'_>>>> = group.into_iter().collect();
+        let Some(group) = group.map_err(Failure::File)? else { return Ok(None) };
+        let lines: Vec<usize> = group.iter().map(|piece| piece.lines).collect();
         // A piece has at most as many rows as lines.
-        let (columns, later) = rest.into_iter().map(|column| column.split_at_mut(*lines)).unzip();
-        parts.push(Piece { piece, line, lines: *lines, columns });
-        (rest, line) = (later, line + *lines as u64);
-    }
-    let read = |buffer: &mut Vec<u8>, piece: Piece<'_>| piece.read(source, buffer, form);
-    let read: Vec<Result<Rows, Failure>> = parts.into_par_iter().map_init(Vec::new, read).collect();
-    let mut all = Rows::default();
-    let (mut start, mut end) = (0, 0);
-    for (rows, lines) in read.into_iter().zip(counts) {
-        let mut rows = rows?;
-        let filled = rows.lines.rows();
-        if start != end {
-            numbers.iter_mut().for_each(|column| column.copy_within(start..start + filled, end));
+        let filled = all.lines.rows();
+        let needed = filled + lines.iter().sum::<usize>();
+        bytes += group.iter().map(|piece| piece.text.len() as u64).sum::<u64>();
+        let expected = 1.02 * needed as f64 * source.bytes() as f64 / bytes.max(1) as f64;
+        all.numbers.par_iter_mut().for_each(|column| lengthen(column, needed, expected as usize));
+        let mut rest: Vec<&mut [f64]> = all.numbers.iter_mut().map(|column| &mut column[filled..]).collect();
+        let mut parts = Vec::with_capacity(group.len());
+        for piece in group {
+            let (columns, later) = rest.into_iter().map(|column| column.split_at_mut(piece.lines)).unzip();
+            (rest, line) = (later, line + piece.lines as u64);
+            parts.push((line - piece.lines as u64, piece, columns));
         }
-        all.texts.append(&mut rows.texts);
-        all.lines.append(&rows.lines);
-        all.count += rows.count;
-        (start, end) = (start + lines, end + filled);
+        let read = |(line, piece, columns): (u64, Piece<'_>, Vec<_>)| piece.read(line, form, columns);
+        let read: Vec<Result<Rows, Failure>> = parts.into_par_iter().map(read).collect();
+        let (mut from, mut end) = (filled, filled);
+        for (rows, lines) in read.into_iter().zip(lines) {
+            let mut rows = rows?;
+            let count = rows.lines.rows();
+            if from != end {
+                all.numbers.iter_mut().for_each(|column| column.copy_within(from..from + count, end));
+            }
+            all.texts.append(&mut rows.texts);
+            all.lines.append(&rows.lines);
+            all.count += rows.count;
+            (from, end) = (from + lines, end + count);
+        }
     }
-    numbers.iter_mut().for_each(|column| column.truncate(end));
-    Ok(Rows { numbers, ..all })
+    let rows = all.lines.rows();
+    all.numbers.iter_mut().for_each(|column| column.truncate(rows));
+    Ok(Some(all))
 }
 
-/// Number of lines; the last one need not end.
-fn count_lines(text: &[u8]) -> usize {
-    memchr_iter(b'\n', text).count() + usize::from(text.last().is_some_and(|last| *last != b'\n'))
+/// Makes room for the rows that are needed, and for more if so many are expected.
+fn lengthen(column: &mut Vec<f64>, needed: usize, expected: usize) {
+    if column.is_empty() {
+        // Zeros of the system, which is quicker than zeros that are written.
+        *column = vec![0.0; needed.max(expected)];
+    } else if column.len() < needed {
+        column.resize(needed.max(expected), 0.0);
+    }
 }
 
-/// A piece of the text, the number of the line before it, how many lines it has, and the columns for its numbers.
+/// Text that can be read here: UTF-8 without quotes, whose lines end with a line feed.
+pub(super) fn plain(text: &[u8]) -> Option<&str> {
+    let feed = |place: usize| text.get(place + 1) == Some(&b'\n');
+    let suits = memchr(b'"', text).is_none() && memchr_iter(b'\r', text).all(feed);
+    std::str::from_utf8(text).ok().filter(|_| suits)
+}
+
+/// A piece of the text, where its cells end, and how many lines it has; the last one need not end.
 struct Piece<'a> {
-    piece: usize,
-    line: u64,
+    text: &'a str,
+    marks: &'a mut [usize],
     lines: usize,
-    columns: Vec<&'a mut [f64]>,
 }
 
-impl Piece<'_> {
-    /// Reads the rows; those returned have no numbers, which are in the columns.
-    fn read(mut self, source: Source<'_>, buffer: &mut Vec<u8>, form: &Form<'_>) -> Result<Rows, Failure> {
-        let text = source.piece(self.piece, buffer).map_err(Failure::File)?;
-        let changed = || Failure::File(std::io::Error::other("the file changes while it is read"));
-        let text = std::str::from_utf8(text).ok().filter(|text| count_lines(text.as_bytes()) == self.lines);
-        let text = text.ok_or_else(changed)?;
+impl<'a> Piece<'a> {
+    fn find(text: &'a [u8], separator: u8, marks: &'a mut Vec<usize>) -> Option<Self> {
+        let text = plain(text)?;
+        marks::find(text.as_bytes(), separator, marks);
+        let is_open = !text.is_empty() && !text.ends_with('\n');
+        Some(Self { text, marks, lines: memchr_iter(b'\n', text.as_bytes()).count() + usize::from(is_open) })
+    }
+
+    /// Reads the rows after a line; the numbers go into columns, and those returned are empty.
+    fn read(self, line: u64, form: &Form<'_>, mut columns: Vec<&mut [f64]>) -> Result<Rows, Failure> {
+        let (text, bytes) = (self.text, self.text.as_bytes());
         let mut slots = vec![None; form.cells];
         form.numbers.iter().enumerate().for_each(|(slot, place)| slots[*place] = Some(slot));
         let mut rows = Rows::default();
-        let (mut rest, mut line) = (text, self.line);
-        while !rest.is_empty() {
-            let end = memchr(b'\n', rest.as_bytes()).unwrap_or(rest.len());
-            let (own, after) = (&rest[..end], rest);
-            rest = rest.get(end + 1..).unwrap_or("");
-            line += 1;
-            let own = own.strip_suffix('\r').unwrap_or(own);
-            if own.is_empty() || form.comment.is_some_and(|mark| own.as_bytes()[0] == mark) {
+        let is_last = |mark: &usize| bytes.get(*mark).is_none_or(|byte| *byte == b'\n');
+        let (mut rest, mut next, mut line) = (self.marks, 0, line);
+        while let Some(last) = rest.iter().position(is_last) {
+            let (ends, later) = rest.split_at_mut(last + 1);
+            let start = next;
+            (rest, next, line) = (later, ends[last] + 1, line + 1);
+            ends[last] -= usize::from(text[start..ends[last]].ends_with('\r'));
+            if ends[last] == start || form.comment.is_some_and(|mark| bytes[start] == mark) {
                 continue;
             }
             rows.count += 1;
             if let Some(place) = form.text {
-                let text = own.split(char::from(form.separator)).nth(place).unwrap_or("").trim();
-                if !(form.row)(text) {
-                    form.complete(own).map_err(|refusal| Failure::Row(line, refusal))?;
+                let before = place.checked_sub(1).map_or(Some(start), |before| Some(ends.get(before)? + 1));
+                let cell = before.zip(ends.get(place)).map_or("", |(start, end)| &text[start..*end]).trim();
+                if !(form.row)(cell) {
                     continue;
                 }
-                rows.texts.push(text.to_string());
+                rows.texts.push(cell.to_string());
             }
-            let row = (&slots[..], rows.lines.rows());
-            self.numbers((own, after.as_bytes()), row, form).map_err(|refusal| Failure::Row(line, refusal))?;
+            if ends.len() != form.cells {
+                return Err(Failure::Row(line, Refusal::Cells(ends.len())));
+            }
+            let (row, mut start) = (rows.lines.rows(), start);
+            for (place, (end, slot)) in ends.iter().zip(&slots).enumerate() {
+                let cell = start..*end;
+                start = end + 1;
+                let Some(slot) = slot else { continue };
+                let any = || if form.point == b'.' { fast_float2::parse(&bytes[cell.clone()]).ok() } else { None };
+                let quick = decimal(bytes, cell.clone(), form.point).or_else(any);
+                let number = match quick.filter(|number| number.abs() <= super::LARGEST) {
+                    Some(number) => Ok(number),
+                    None => (form.number)(text[cell].trim()),
+                };
+                let refused = |problem| Failure::Row(line, Refusal::Number(place, problem));
+                columns[*slot][row] = number.map_err(refused)?;
+            }
             rows.lines.push(line);
         }
         Ok(rows)
-    }
-
-    /// Reads the numbers of a line into a row of the columns; `after` is the line and the text after it.
-    fn numbers(&mut self, (line, after): (&str, &[u8]), row: Row<'_>, form: &Form<'_>) -> Result<(), Refusal> {
-        let (slots, row) = row;
-        let bytes = line.as_bytes();
-        let mut from = 0;
-        for (place, slot) in slots.iter().enumerate() {
-            if from > bytes.len() {
-                return form.complete(line);
-            }
-            let rest = &bytes[from..];
-            let next = || memchr(form.separator, rest).unwrap_or(rest.len());
-            let Some(slot) = slot else {
-                from += next() + 1;
-                continue;
-            };
-            let ends = |(_, length): &(f64, usize)| rest.get(*length).is_none_or(|byte| *byte == form.separator);
-            let any = || fast_float2::parse_partial(rest).ok().filter(ends);
-            let quick = if form.decimal_comma { None } else { decimal(&after[from..]).filter(ends).or_else(any) };
-            let (number, length) = match quick.filter(|(number, _)| number.abs() <= super::LARGEST) {
-                Some(found) => found,
-                None => {
-                    let length = next();
-                    let refused = |problem| form.complete(line).err().unwrap_or(Refusal::Number(place, problem));
-                    ((form.number)(line[from..from + length].trim()).map_err(refused)?, length)
-                }
-            };
-            self.columns[*slot][row] = number;
-            from += length + 1;
-        }
-        if from == bytes.len() + 1 { Ok(()) } else { form.complete(line) }
-    }
-}
-
-/// The slot of each cell of a line, and the row.
-type Row<'a> = (&'a [Option<usize>], usize);
-
-impl Form<'_> {
-    /// Refuses a line with another number of cells.
-    fn complete(&self, line: &str) -> Result<(), Refusal> {
-        let cells = 1 + memchr_iter(self.separator, line.as_bytes()).count();
-        if cells == self.cells { Ok(()) } else { Err(Refusal::Cells(cells)) }
     }
 }
 
@@ -206,11 +195,11 @@ mod tests {
     use super::*;
 
     fn read(text: &str, first: u64, form: &Form<'_>) -> Result<Rows, (u64, Refusal)> {
-        let counts = lines(Source::Memory(text)).expect("in memory").expect("plain text");
-        rows(Source::Memory(text), first, &counts, form).map_err(|failure| match failure {
-            Failure::Row(line, refusal) => (line, refusal),
-            Failure::File(error) => panic!("{error}"),
-        })
+        match rows(Source::Memory(text), first, form) {
+            Ok(found) => Ok(found.expect("plain text")),
+            Err(Failure::Row(line, refusal)) => Err((line, refusal)),
+            Err(Failure::File(error)) => panic!("{error}"),
+        }
     }
 
     /// Bit by bit the numbers of the standard library's parser, and refused where it refuses.
@@ -220,7 +209,7 @@ mod tests {
         let of = |text: &str| {
             let form = Form {
                 separator: b',',
-                decimal_comma: false,
+                point: b'.',
                 comment: None,
                 cells: 1,
                 numbers: &[0],
@@ -251,14 +240,14 @@ mod tests {
     #[test]
     fn a_long_text_is_read_as_a_whole() {
         let row = |k: usize| format!("{k},{},x\n", k % 97);
-        let count = 300_000;
+        let count = 500_000;
         let mut text: String = (0..count).map(row).collect();
         text.insert_str(0, "# a comment\n\n");
-        assert!(text.len() > 3 * PIECE && suits(text.as_bytes()));
+        assert!(text.len() > (GROUP + 1) * PIECE);
         let number = |cell: &str| cell.parse::<f64>().map_err(|_| "no number".to_string());
         let form = Form {
             separator: b',',
-            decimal_comma: false,
+            point: b'.',
             comment: Some(b'#'),
             cells: 3,
             numbers: &[1, 0],
@@ -274,6 +263,9 @@ mod tests {
         // The first of two bad rows in different pieces is told.
         let text = text.replace("\n250000,", "\n250000,7,").replace("\n290000,", "\nx,");
         assert_eq!(read(&text, 1, &form).expect_err("four cells"), (250_004, Refusal::Cells(4)));
-        assert!(!suits(b"a,\"b\"\n") && !suits(b"1\r2\r") && !suits(b"1\xb0\n") && suits(b"1\r\n2\r\n"));
+        for (text, suits) in [("1\r\n2\r\n", true), ("a,\"b\"\n", false), ("1\r2\r", false)] {
+            assert_eq!(plain(text.as_bytes()), Some(text).filter(|_| suits));
+        }
+        assert_eq!(plain(b"1\xb0\n"), None);
     }
 }

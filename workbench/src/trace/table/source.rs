@@ -10,9 +10,9 @@ use std::path::Path;
 use memchr::memchr;
 
 /// Bytes of a piece.
-pub(super) const PIECE: usize = 1 << 20;
+pub(super) const PIECE: usize = 1 << 17;
 /// Bytes that are read beyond a piece of a file, for the end of its last line.
-const BEYOND: usize = 1 << 12;
+const BEYOND: usize = 1 << 10;
 
 /// A text.
 #[derive(Clone, Copy, Debug)]
@@ -27,13 +27,17 @@ pub(super) enum Source<'a> {
 }
 
 impl<'a> Source<'a> {
+    /// Its length.
+    pub(super) fn bytes(&self) -> u64 {
+        match self {
+            Self::Memory(text) => text.len() as u64,
+            Self::File { start, end, .. } => end.saturating_sub(*start),
+        }
+    }
+
     /// Number of pieces.
     pub(super) fn pieces(&self) -> usize {
-        let bytes = match self {
-            Self::Memory(text) => text.len(),
-            Self::File { start, end, .. } => end.saturating_sub(*start) as usize,
-        };
-        bytes.div_ceil(PIECE)
+        self.bytes().div_ceil(PIECE as u64) as usize
     }
 
     /// The lines that start in a piece, with the line feeds that end them; the last line of a text may have none.

@@ -67,13 +67,13 @@ impl Text {
         let is_twice = |k: usize| wanted.numbers[..k].contains(&wanted.numbers[k]);
         let spaced = self.layout.separator == b' ';
         let (header, first) = self.header();
-        if !spaced && plain::suits(header.as_bytes()) && !(0..wanted.numbers.len()).any(is_twice) {
+        if !spaced && plain::plain(header.as_bytes()).is_some() && !(0..wanted.numbers.len()).any(is_twice) {
             let source = match &self.content {
                 Content::Whole(text) => Source::Memory(&text[header.len()..]),
                 Content::Large(_, end) => Source::File { path, start: header.len() as u64, end: *end },
             };
-            if let Some(counts) = plain::lines(source).map_err(Error::io(path))? {
-                return self.read_plain((path, names), (source, first, &counts), wanted);
+            if let Some(columns) = self.read_plain((path, names), (source, first), wanted)? {
+                return Ok(columns);
             }
         }
         let text = match &self.content {
@@ -116,30 +116,30 @@ impl Text {
         if rows == 0 { Err(no_rows(path)) } else { Ok(columns) }
     }
 
-    /// The same for text without quotes, of which lines are counted.
+    /// The same for text without quotes; `None` if it has some.
     fn read_plain(
         &self,
         (path, names): (&Path, &[String]),
-        (source, first, counts): (Source<'_>, u64, &[usize]),
+        (source, first): (Source<'_>, u64),
         wanted: Wanted<'_>,
-    ) -> Result<Columns, Error> {
+    ) -> Result<Option<Columns>, Error> {
         let Wanted { numbers, text, row } = wanted;
         let Layout { separator, decimal_comma, comment, .. } = self.layout;
         let number = |cell: &str| self.number(cell);
-        let cells = names.len();
-        let form = Form { separator, decimal_comma, comment, cells, numbers, text, row, number: &number };
-        let rows = plain::rows(source, first, counts, &form).map_err(|failure| match failure {
+        let (point, cells) = (if decimal_comma { b',' } else { b'.' }, names.len());
+        let form = Form { separator, point, comment, cells, numbers, text, row, number: &number };
+        let rows = plain::rows(source, first, &form).map_err(|failure| match failure {
             Failure::File(error) => Error::io(path)(error),
             Failure::Row(line, Refusal::Cells(count)) => ragged(path, line, count, names.len()),
             Failure::Row(line, Refusal::Number(place, problem)) => {
                 Error::content(path, format!("line {line}, column {}", names[place]), problem)
             }
         })?;
+        let Some(rows) = rows else { return Ok(None) };
         if rows.count == 0 {
             return Err(no_rows(path));
         }
-        let texts = text.map(|_| rows.texts);
-        Ok(Columns { numbers: rows.numbers, texts, lines: rows.lines })
+        Ok(Some(Columns { numbers: rows.numbers, texts: text.map(|_| rows.texts), lines: rows.lines }))
     }
 
     /// The text up to the end of the header, and the line of the header; nothing if rows start at once.
