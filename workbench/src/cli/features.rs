@@ -22,6 +22,7 @@ use crate::Error;
 use crate::core::Embedded;
 use crate::core::features::Catalogue;
 use crate::fleet::{Origin, Part, Plan, RESERVED, Row, Writer};
+use crate::report::page::counted;
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{self, Candidate, Channels, Condition, Origins, Preparation, Trace, same_interval, stem};
 use crate::train::{self, Recipe, ShaftPlan};
@@ -132,8 +133,10 @@ pub(super) fn made(args: &Args) -> Result<Report, Error> {
         "part": args.out, "rows": rows, "traces": chosen.len(), "features": plan.features,
         "without_features": found.empty, "units_ascend": sorted, "seconds": start.elapsed().as_secs_f64(),
     });
-    let all = plan.features.len();
-    let said = format!("{rows} segments of {} traces with {all} features in {}", chosen.len(), args.out.display());
+    let counts =
+        [counted(rows as usize, "segment"), counted(chosen.len(), "trace"), counted(plan.features.len(), "feature")];
+    let [segments, traces, features] = counts;
+    let said = format!("{segments} of {traces} with {features} in {}", args.out.display());
     let without = format!("{} segments have none: {}", found.empty, found.reason.unwrap_or_default());
     let lines = [Some(said), (found.empty > 0).then_some(without)];
     Ok(Report { lines: lines.into_iter().flatten().collect(), json })

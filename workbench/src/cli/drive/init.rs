@@ -11,6 +11,7 @@ use crate::Error;
 use crate::audit::times::Times;
 use crate::cli::args::traces::TimeArgs;
 use crate::cli::output;
+use crate::report::page::counted;
 use crate::trace::labels::Labels;
 use crate::trace::table::Table;
 use crate::trace::{self, reader};
@@ -224,9 +225,9 @@ impl Found {
         let made = self.made.map_or_else(String::new, |how| format!(" {}: {how}.", file.display()));
         let rate = if self.rate_hz.is_none() { " The files have no time: set rate_hz." } else { "" };
         format!(
-            "{}: {} files; {}. Check the channels and their signs.{made}{rate}",
+            "{}: {}; {}. Check the channels and their signs.{made}{rate}",
             out.display(),
-            self.files,
+            counted(self.files, "file"),
             said.collect::<Vec<_>>().join(", ")
         )
     }

@@ -13,6 +13,7 @@ use crate::cli::model_file::{Notes, judge, read_model};
 use crate::cli::output;
 use crate::core::{Embedded, stuck_channels};
 use crate::evaluate::{Breakdown, Chance, Confusion, Control, FalseAlarms, Judged, TraceVerdict};
+use crate::report::page::counted;
 use crate::report::pages::evaluation;
 use crate::report::pages::segments::Chosen;
 use crate::trace::{Condition, stem};
@@ -94,8 +95,8 @@ pub(in crate::cli) fn run(args: &Args) -> Result<(), Error> {
         output::write(path, csv(&model, &found.classes, &found.verdicts)?)?;
     }
     if let Some(path) = &args.report {
-        let lead =
-            format!("{} traces through the embedded detector of {}.", found.verdicts.len(), args.model.display());
+        let traces = counted(found.verdicts.len(), "trace");
+        let lead = format!("{traces} through the embedded detector of {}.", args.model.display());
         output::write(path, on_page(found.page(&lead, &model, &notes)))?;
     }
     if args.json { output::json(&found.to_json()) } else { found.lines().iter().try_for_each(output::say) }
