@@ -173,6 +173,16 @@ mod tests {
         assert!((f64::from(found) - expected).abs() < 5e-4, "{found} for {expected}");
     }
 
+    /// A false alarm of one in a hundred, shared by the values.
+    #[test]
+    fn the_limit_of_one_value_gives_the_rate_of_all() {
+        for (rising, others, count) in [(1, false, 1), (1, true, 2), (3, true, 4), (4, false, 4)] {
+            let one = -(1.0 - 0.99_f64.powf(1.0 / f64::from(count))).ln();
+            // Roundings of numbers near five.
+            assert!((f64::from(limit_of_one(100.0_f32.ln(), rising, others)) - one).abs() < 1e-5, "{rising} {others}");
+        }
+    }
+
     /// (3) of the smallest of so many probabilities.
     fn of(p: f64, count: i32) -> f64 {
         -(1.0 - (1.0 - p).powi(count)).ln()

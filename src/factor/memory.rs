@@ -270,6 +270,9 @@ mod tests {
                 // Roundings of five thousand rows.
                 assert!((x - y).abs() <= 1e-5 * x.abs().max(0.1), "{count}: {x} {y}");
             }
+            // A block is moved up before the next one ends: at most two of them are in the lower level.
+            let lower = two.block.part().map(|block| block.parts().0[0]).expect("two levels");
+            assert!(count < 5000 || lower < 0.25 * d[0], "{count}: {lower} of {}", d[0]);
         }
         two.next_segment(Memory::LongSegment);
         assert_eq!(two, Sums::new(Two));

@@ -41,6 +41,21 @@ fn the_id_is_the_checksum_of_the_bytes_without_notes() {
 }
 
 #[test]
+fn another_sampling_interval_is_refused_where_both_are_known() {
+    for (interval_s, good) in [(0.002, true), (0.00199, true), (0.00202, true), (0.0, true), (-1.0, true)]
+        .into_iter()
+        .chain([(0.00197, false), (0.00203, false), (0.001, false), (0.004, false), (f32::NAN, false)])
+    {
+        let found = MODEL.check_interval(interval_s);
+        let refused = matches!(found, Err(ModelError::Interval { trained_s: 0.002, .. }));
+        assert_eq!((found.is_ok(), refused), (good, !good), "{interval_s}");
+    }
+    let mut constants = MODEL.constants().clone();
+    constants.sampling.interval_s = 0.0;
+    assert_eq!(Model::new(Drive, constants).expect("good model").check_interval(0.004), Ok(()));
+}
+
+#[test]
 fn every_corrupted_byte_is_found() {
     for place in 0..FILE.len() {
         for change in (0..8).map(|bit| 1 << bit).chain([0xFF, 0x55]) {

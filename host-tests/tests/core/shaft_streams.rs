@@ -235,7 +235,14 @@ fn binary_model_keeps_the_shaft_and_refuses_nonsense() {
     refused(Field::BearingOrder, |m, _| m.tracking.orders[0].weights = [0.0; 3]);
     refused(Field::BearingOrder, |m, _| m.tracking.orders[0].weights[1] = -0.1);
     refused(Field::BearingOrder, |m, _| m.tracking.orders[1].slip_ratio = 11.0);
+    refused(Field::OrderBlock, |m, _| m.tracking.blocks.controls[0] = 0);
+    refused(Field::OrderBlock, |m, _| m.tracking.blocks.controls[1] = 0);
+    refused(Field::OrderBlock, |m, _| m.tracking.blocks.controls[2] = 0);
     refused(Field::OrderBlock, |m, _| m.tracking.blocks.controls[3] = 0);
+    refused(Field::OrderBlock, |m, _| m.tracking.blocks.controls[0] = i32::MAX);
+    refused(Field::OrderBlock, |m, _| m.tracking.blocks.controls[1] = i32::MAX);
+    refused(Field::OrderBlock, |m, _| m.tracking.blocks.controls[2] = i32::MAX);
+    refused(Field::OrderBlock, |m, _| m.tracking.blocks.controls[3] = i32::MAX);
     refused(Field::OrderBlock, |m, _| m.tracking.blocks.cell_turns_log2 = -7);
     refused(Field::OrderBlock, |m, _| m.tracking.blocks.cell_turns_log2 = 11);
     refused(Field::OrderBlock, |m, _| m.tracking.blocks.slip = 0.2);

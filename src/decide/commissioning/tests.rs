@@ -82,6 +82,19 @@ fn one_coordinate_by_hand() {
     assert_eq!(made.discriminant.factors, trained.discriminant.factors);
 }
 
+/// A coordinate that rises is judged by its own ratio, which has the freedom and the factor of the commissioned law.
+#[test]
+fn a_rising_coordinate_has_the_factor_of_the_mean_s_error() {
+    let trained = classifier(1, 1, 1.0);
+    let mut own = started(&trained, CommissioningConstants { widest: 5.0, ..constants(3, 2.0, 3.0) });
+    for z in [3.0, -1.0, 0.5] {
+        own.add(&trained.novelty, &[z], &[0.0]).unwrap();
+    }
+    let made = own.finish(plan(1, 1), &trained).unwrap();
+    // ν = 6, and 1 + 1/κ = 1.2.
+    assert!((made.novelty.freedom - 7.2).abs() < 1e-5, "{}", made.novelty.freedom);
+}
+
 /// The posterior of all segments at once (Gelman et al., §3.6) in double precision.
 #[test]
 fn the_order_of_segments_does_not_matter_and_all_at_once_is_the_same() {
