@@ -52,6 +52,45 @@ fn the_row_holds_filtered_signals() {
 }
 
 #[test]
+fn the_motion_is_that_of_the_scaled_inputs() {
+    let mut constants = constants(0.5);
+    constants.nominal.copy_from_slice(&[-1.0, 0.0, 0.5, 0.0, 0.25]);
+    constants.settle = 0;
+    constants.scale[2..5].copy_from_slice(&[4.0, 1.0, 2.0]);
+    let mut rows = Instruments::new(plan(), &constants);
+    for t in 0..40 {
+        let motion = rows.push(plan(), &constants, inputs(t), 100.0).map(|row| row.motion);
+        let Some(motion) = motion.filter(|_| t > 10) else { continue };
+        let u1 = 4.0 * (inputs(t - 1).u1 - inputs(t - 2).u1);
+        let u2 = 2.0 * (inputs(t - 2).u2 - inputs(t - 3).u2);
+        assert_eq!(motion, u1 * u1 + u2 * u2, "t = {t}");
+    }
+}
+
+/// Signals far from zero, of the nominal model itself: what the constant and the levels explain is no error.
+#[test]
+fn levels_and_constant_leave_no_prediction_error() {
+    let structure = Structure::new(1, 1, 0, 1, 0).with_offset();
+    let plan = RunTime::of(testing::regression(structure, Method::Instruments, Memory::Segment)).unwrap();
+    let mut constants = Regression::<RunTime>::new(plan);
+    let (t, gain, constant) = (-0.5, 0.25, 3.0);
+    constants.nominal.copy_from_slice(&[t, gain, constant]);
+    let mut rows = Instruments::new(plan, &constants);
+    let (mut y, mut given) = (20.0, 0);
+    for k in 0..300 {
+        let u1 = 40.0 + inputs(k).u1;
+        if let Some(row) = rows.push(plan, &constants, Inputs { y, u1, u2: 0.0 }, 1000.0) {
+            let error = row.cells[row.cells.len() - 1];
+            // Roundings of numbers up to fifty.
+            assert!(error.abs() < 2e-5, "{k}: {error}");
+            given += 1;
+        }
+        y += t * y + gain * u1 + constant;
+    }
+    assert!(given > 150, "{given}");
+}
+
+#[test]
 fn an_exploding_simulation_starts_anew() {
     // Stable, but the gain of u1 is absurd: the simulated output leaves every bound.
     let wild = constants(1e30);
