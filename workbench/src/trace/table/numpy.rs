@@ -1,7 +1,7 @@
 //! Archives of NumPy: each array is a column, a matrix several.
 
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{BufReader, Cursor, Error as IoError, ErrorKind, Read};
 use std::path::Path;
 
 use npyz::{DType, NpyFile, Order, TypeChar};
@@ -10,6 +10,11 @@ use zip::ZipArchive;
 use super::of_one_length;
 use crate::Error;
 use crate::damaged::{DAMAGED, guarded};
+
+/// Bytes of the longest header, and brackets within each other: the time of the parser of headers is exponential in
+/// their number. Arrays of numbers have two.
+const LONGEST: usize = 1 << 16;
+const DEEPEST: usize = 6;
 
 /// Returns names and columns. Arrays of one number are constant columns; arrays of other lengths than the longest, and
 /// those of text, are left out.
@@ -26,9 +31,37 @@ fn arrays(path: &Path) -> Result<Vec<(String, Vec<f64>)>, Error> {
     for place in 0..archive.len() {
         let file = archive.by_index(place).map_err(|error| wrong(error.into()))?;
         let Some(name) = file.name().strip_suffix(".npy").map(String::from) else { continue };
-        found.extend(columns(&name, NpyFile::new(file).map_err(wrong)?).map_err(wrong)?);
+        found.extend(columns(&name, opened(file).map_err(wrong)?).map_err(wrong)?);
     }
     Ok(found)
+}
+
+/// Checks the header, and has it parsed.
+fn opened<R: Read>(mut file: R) -> std::io::Result<NpyFile<impl Read>> {
+    let refused = |problem| IoError::new(ErrorKind::InvalidData, problem);
+    let mut head = Vec::new();
+    file.by_ref().take(12).read_to_end(&mut head)?;
+    let length = match head[..] {
+        [_, _, _, _, _, _, 1, _, low, high, ..] => 10 + usize::from(u16::from_le_bytes([low, high])),
+        [_, _, _, _, _, _, _, _, a, b, c, d] => 12 + u32::from_le_bytes([a, b, c, d]) as usize,
+        _ => return Err(refused("an array has no header")),
+    };
+    if length > LONGEST {
+        return Err(refused("the header of an array is too long"));
+    }
+    file.by_ref().take(length.saturating_sub(head.len()) as u64).read_to_end(&mut head)?;
+    let mut depth = 0_usize;
+    for byte in &head {
+        match byte {
+            b'(' | b'[' | b'{' => depth += 1,
+            b')' | b']' | b'}' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        if depth > DEEPEST {
+            return Err(refused("the header of an array has too many brackets"));
+        }
+    }
+    NpyFile::new(Cursor::new(head).chain(file))
 }
 
 fn columns<R: Read>(name: &str, array: NpyFile<R>) -> std::io::Result<Vec<(String, Vec<f64>)>> {
@@ -71,4 +104,30 @@ fn numbers<R: Read>(array: NpyFile<R>) -> std::io::Result<Option<Vec<f64>>> {
         (TypeChar::Bool, _) => all!(bool, |x| f64::from(u8::from(x))),
         _ => return Ok(None),
     }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An array of no values with this description.
+    fn array(version: u8, header: &str) -> Vec<u8> {
+        let length = (header.len() as u32).to_le_bytes();
+        let length = if version == 1 { &length[..2] } else { &length[..] };
+        [b"\x93NUMPY", &[version, 0][..], length, header.as_bytes()].concat()
+    }
+
+    #[test]
+    fn headers_that_would_be_parsed_for_ever_are_refused() {
+        let deep = "{(".repeat(59);
+        let good = "{'descr': '<f8', 'fortran_order': False, 'shape': (0, ), }\n";
+        for version in [1, 2] {
+            let error = opened(&array(version, &deep)[..]).err().expect("too deep").to_string();
+            assert!(error.contains("too many brackets"), "{error}");
+            assert_eq!(opened(&array(version, good)[..]).expect("good").shape(), [0]);
+        }
+        let mut long = array(2, good);
+        long[8..12].copy_from_slice(&u32::MAX.to_le_bytes());
+        assert!(opened(&long[..]).is_err() && opened(&b"\x93NUMPY\x01\x00v"[..]).is_err());
+    }
 }
