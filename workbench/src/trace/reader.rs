@@ -243,6 +243,7 @@ fn parts(
             }
             Some(times)
         });
+        // The quick check of the whole column first; the place only where it fails.
         let unsorted = times_s.as_ref().filter(|times| !times.is_sorted());
         if let Some(at) = unsorted.and_then(|times| times.windows(2).position(|pair| pair[1] < pair[0])) {
             let name = header.time().map_or("", |place| &header.names[place]);

@@ -21,8 +21,7 @@ pub(super) fn read(file: File, places: &[usize]) -> Result<Option<Vec<Vec<f64>>>
     let rows = usize::try_from(about.num_rows()).unwrap_or(0).min(LARGEST_RESERVE);
     let leaves: Option<Vec<usize>> = places.iter().map(|place| leaf(about.schema_descr(), *place)).collect();
     let Some(leaves) = leaves else { return Ok(None) };
-    let mut columns = vec![Vec::new(); places.len()];
-    columns.iter_mut().for_each(|column| column.reserve_exact(rows));
+    let mut columns: Vec<Vec<f64>> = places.iter().map(|_| Vec::with_capacity(rows)).collect();
     for group in 0..reader.num_row_groups() {
         let group = reader.get_row_group(group)?;
         for (column, leaf) in columns.iter_mut().zip(&leaves) {

@@ -11,9 +11,10 @@ use super::of_one_length;
 use crate::Error;
 use crate::damaged::{DAMAGED, guarded};
 
-/// Bytes of the longest header, and brackets within each other: the time of the parser of headers is exponential in
-/// their number. Arrays of numbers have two.
+/// Bytes of the longest header.
 const LONGEST: usize = 1 << 16;
+/// Brackets within each other in a header, at most: the time of the parser is exponential in their number. The headers
+/// of arrays of numbers have two.
 const DEEPEST: usize = 6;
 
 /// Returns names and columns. Arrays of one number are constant columns; arrays of other lengths than the longest, and

@@ -85,9 +85,10 @@ pub(super) fn rows(source: Source<'_>, first: u64, form: &Form<'_>) -> Result<Op
         let mut rest: Vec<&mut [f64]> = all.numbers.iter_mut().map(|column| &mut column[filled..]).collect();
         let mut parts = Vec::with_capacity(group.len());
         for piece in group {
-            let (columns, later) = rest.into_iter().map(|column| column.split_at_mut(piece.lines)).unzip();
-            (rest, line) = (later, line + piece.lines as u64);
-            parts.push((line - piece.lines as u64, piece, columns));
+            let lines = piece.lines;
+            let (columns, later) = rest.into_iter().map(|column| column.split_at_mut(lines)).unzip();
+            parts.push((line, piece, columns));
+            (rest, line) = (later, line + lines as u64);
         }
         let read = |(line, piece, columns): (u64, Piece<'_>, Vec<_>)| piece.read(line, form, columns);
         let read: Vec<Result<Rows, Failure>> = parts.into_par_iter().map(read).collect();
