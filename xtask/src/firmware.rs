@@ -53,6 +53,17 @@ pub fn build_small(way: Way, board: Board, example: &str) -> Result<PathBuf> {
     existing(folder.join("examples").join(example))
 }
 
+/// Builds one example with the profile of firmware that has to be small: `opt-level = "s"`, and the whole program
+/// optimised at once. Returns its ELF file, which replaces the one of [`build`].
+pub fn build_smallest(way: Way, board: Board, example: &str) -> Result<PathBuf> {
+    let (mut cargo, folder) = cargo(way, board);
+    for setting in [r#"opt-level="s""#, r#"lto="fat""#, "codegen-units=1"] {
+        cargo.args(["--config", &format!("profile.release.{setting}")]);
+    }
+    child::succeed(cargo.args(["--package", "bearing-watch", "--example", example]).args(features(example)))?;
+    existing(folder.join("examples").join(example))
+}
+
 /// Checks every example with every feature of the core but `alloc`, which is for hosts. Checks, since each example is
 /// also built with its own features, and building takes minutes.
 pub fn check_all_features(way: Way, board: Board) -> Result<()> {

@@ -3,7 +3,7 @@
 //! Only the package of the core changes its level; libraries keep theirs, as the compiler's own library does for users
 //! of rustup, and need not be built again.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 
 use crate::board::DRIVE;
 use crate::measure::{self, Figure};
@@ -12,6 +12,9 @@ use crate::{elf, firmware};
 
 /// Instructions at `opt-level = "s"`, in percent of those at level 3.
 const MOST_PERCENT: u64 = 130;
+
+/// Largest flash of shaft, four orders and least squares with the smallest profile.
+const MOST_FLASH: u64 = 30_000;
 
 /// What runs at every sample. The sample that closes a segment is left out: it copies the sums, and at this level
 /// compiler and library copy twice.
@@ -67,7 +70,8 @@ fn compare(fast: &[Figure], small: &[Figure]) -> Result<String, String> {
     if over.is_empty() { Ok(worst.1) } else { Err(over.join("; ")) }
 }
 
-/// Flash of the programs at this level and at level 3, if none grows.
+/// Flash of the programs at this level and at level 3, if none grows, and that of the whole detector with the smallest
+/// profile.
 pub fn flash(way: Way) -> Result<String> {
     let mut lines = Vec::new();
     for name in PROGRAMS {
@@ -77,6 +81,13 @@ pub fn flash(way: Way) -> Result<String> {
         (small <= fast).then_some(()).with_context(|| format!("{name}: {small} bytes instead of {fast}"))?;
         lines.push(format!("{name} {small} instead of {fast}"));
     }
+    let [whole, empty] = ["footprint_shaft", "footprint_none"].map(|name| {
+        let small = firmware::build_smallest(way, DRIVE, name)?;
+        Ok::<_, anyhow::Error>(elf::sizes(&small)?.flash)
+    });
+    let added = whole?.saturating_sub(empty?);
+    ensure!(added <= MOST_FLASH, "the whole detector takes {added} bytes with lto, {MOST_FLASH} are allowed");
+    lines.push(format!("with lto the whole detector {added}"));
     Ok(lines.join(", "))
 }
 

@@ -6,15 +6,12 @@
 //!            times what of it the deviations of the estimates do not explain                           (2)
 //! ```
 //!
-//! Without a load sensor the estimates of the core are biased. The residual of the orders is then formed with nominal
-//! parameters by instruments from the velocity reference ([`super::reference_instruments`]), if the traces have it, and
-//! never with a segment's own ones.
+//! Without a load sensor the estimates of the core are biased: [`super::reference_instruments`] then corrects them.
 
 use bearing_watch::model::Balance;
 use bearing_watch::{Friction, FrictionTerm};
 
-use super::reference_instruments;
-use crate::trace::{self, MotionTrace};
+use crate::trace;
 
 /// Terms on which a defect of a bearing has no effect: their spread over healthy traces is that over all traces.
 const SPARED: [FrictionTerm; 3] = [FrictionTerm::Offset, FrictionTerm::LoadFriction, FrictionTerm::Stribeck];
@@ -46,22 +43,6 @@ pub(super) fn learn(balance: &mut Balance, estimates: &[Friction]) {
     }
     let variance = median(estimates.iter().map(|friction| f64::from(friction.variance)).collect());
     balance.deviation = variance.sqrt().max(1e-6) as f32;
-}
-
-/// Replaces the nominal parameters by those of instruments, if a trace has a reference that moves the shaft.
-pub(super) fn correct(balance: &mut Balance, healthy: &[&MotionTrace], cutoff_hz: f64) {
-    let each = |motion: &&MotionTrace| reference_instruments::estimate(motion, balance, cutoff_hz);
-    let estimates: Vec<_> = healthy.iter().filter_map(each).collect();
-    if estimates.is_empty() {
-        return;
-    }
-    for (term, nominal) in balance.nominal.iter_mut().enumerate() {
-        let determined = determined(&estimates.iter().filter_map(|own| own[term]).collect::<Vec<_>>());
-        if !determined.is_empty() {
-            *nominal = median(determined) as f32;
-        }
-    }
-    balance.own_from_rows = u16::MAX;
 }
 
 /// The values whose deviation is at most twice the usual one.

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use super::core_form::refused;
 use super::estimation::successful;
 use super::nominal::median;
-use super::{VelocitySource, filters, lags, nominal};
+use super::{VelocitySource, filters, lags, nominal, reference_instruments};
 use crate::Error;
 use crate::core::{Embedded, MAX_ORDERS, Measured, Parts, ShaftSignals, Wiring};
 use crate::grey_box::filter::LowPass;
@@ -225,8 +225,9 @@ fn with_balance<T>(
     };
     let trained = bench.frictions(&constants, &own)?;
     nominal::learn(&mut constants.balance, &trained);
-    if !plan.load {
-        nominal::correct(&mut constants.balance, &healthy, plan.cutoff_hz);
+    // The residual of the orders is then never formed with a segment's own parameters, which the load biases.
+    if !plan.load && reference_instruments::correct(&mut constants.balance, &healthy, plan.cutoff_hz) {
+        constants.balance.own_from_rows = u16::MAX;
     }
     rest(&bench, constants, &own)
 }
@@ -346,7 +347,7 @@ fn untrained(traces: &[&MotionTrace], interval_s: f64, plan: &ShaftPlan) -> Resu
 }
 
 /// Standard deviation of the velocity's white noise: second differences of white noise have six times its variance.
-fn velocity_noise(traces: &[&MotionTrace]) -> f64 {
+pub(super) fn velocity_noise(traces: &[&MotionTrace]) -> f64 {
     let second = |t: &&MotionTrace| {
         let differences = t.velocity_rad_s.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs());
         median(differences.filter(|x| x.is_finite()).collect())

@@ -8,6 +8,9 @@
 //! (1) makes less noise than most velocity channels have; a channel is better if it is filtered, if its samples are
 //! averages, or if the sampling instants vary. Both are tried with the core on healthy traces: the cost of
 //! [`super::filters`] is the deviation of the orders' amplitudes.
+//!
+//! Without a load sensor most of that deviation is the load's, whatever the source, and a source whose noise makes the
+//! residual smaller makes the defect smaller too. Then the second differences of both tell which has less noise.
 
 use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};
@@ -86,17 +89,24 @@ pub(super) fn resolved(traces: &[LabelledTrace], interval_s: f64, recipe: &Recip
         return with(VelocitySource::Channel);
     }
     let nominal = recipe.estimation.nominal;
-    // Instruments, which replace the load, need all of them.
-    let most = if plan.load { filters::MOST_COMPARED } else { usize::MAX };
-    let healthy = traces.iter().filter(|own| own.class == nominal).take(most);
-    let healthy: Vec<LabelledTrace> = healthy.cloned().collect();
-    let cost = |velocity| {
-        let wiring = with(velocity).wiring(&recipe.columns);
-        shaft::cost(&healthy, (nominal, interval_s), &plan_of(velocity), &wiring)
+    let healthy = traces.iter().filter(|own| own.class == nominal);
+    let angle_is_better = if plan.load {
+        let healthy: Vec<LabelledTrace> = healthy.take(filters::MOST_COMPARED).cloned().collect();
+        let cost = |velocity| {
+            let wiring = with(velocity).wiring(&recipe.columns);
+            shaft::cost(&healthy, (nominal, interval_s), &plan_of(velocity), &wiring)
+        };
+        // A source with which training fails is not chosen; the other one tells why, if both fail.
+        cost(VelocitySource::Angle)
+            .is_ok_and(|angle| cost(VelocitySource::Channel).map_or(true, |channel| angle < channel + BETTER.ln()))
+    } else {
+        let motions: Vec<&MotionTrace> = healthy.filter_map(|own| own.trace.motion.as_ref()).collect();
+        let noise = |velocity: VelocitySource| {
+            let own: Vec<_> = motions.iter().map(|motion| velocity.motion(motion, interval_s)).collect();
+            shaft::velocity_noise(&own.iter().map(AsRef::as_ref).collect::<Vec<_>>())
+        };
+        noise(VelocitySource::Angle) < BETTER * noise(VelocitySource::Channel)
     };
-    // A source with which training fails is not chosen; the other one tells why, if both fail.
-    let angle_is_better = cost(VelocitySource::Angle)
-        .is_ok_and(|angle| cost(VelocitySource::Channel).map_or(true, |channel| angle < channel + BETTER.ln()));
     with(if angle_is_better { VelocitySource::Angle } else { VelocitySource::Channel })
 }
 
@@ -155,18 +165,26 @@ mod tests {
 
     #[test]
     fn the_better_source_is_chosen() {
-        let chosen = |condition| {
+        let chosen = |condition, load| {
             let training = Training { condition, classes: vec![Defect::HEALTHY], count: 16 };
             let set = training_set(&training, 78).expect("the rig");
-            let trained = train(&set, &class_names(&training.classes), &ours(0.05)).expect("trains");
+            let mut recipe = ours(0.05);
+            recipe.shaft.iter_mut().for_each(|plan| plan.load = load);
+            if !load {
+                recipe.features.retain(|name| !name.contains("kt"));
+                recipe.structure = crate::identify::Structure::new(2, 1, 0, 1, 1);
+            }
+            let trained = train(&set, &class_names(&training.classes), &recipe).expect("trains");
             let source = trained.recipe.shaft.map(|plan| plan.velocity);
             let channels = trained.parts.channels.len();
             (source, channels)
         };
         // 14 bits have less noise than the rig's velocity; with jitter of the sampling instants they have more than the
         // filtered velocity of the field.
-        assert_eq!(chosen(Condition::MIX), (Some(VelocitySource::Angle), 3));
-        let field = Condition::named("field-sine").expect("a condition");
-        assert_eq!(chosen(field), (Some(VelocitySource::Channel), 4));
+        let named = |name| Condition::named(name).expect("a condition");
+        assert_eq!(chosen(Condition::MIX, true), (Some(VelocitySource::Angle), 3));
+        assert_eq!(chosen(named("field-sine"), true), (Some(VelocitySource::Channel), 4));
+        assert_eq!(chosen(named("no-load-sensor"), false), (Some(VelocitySource::Angle), 2));
+        assert_eq!(chosen(named("field-sine"), false), (Some(VelocitySource::Channel), 3));
     }
 }

@@ -25,12 +25,13 @@ pub mod render;
 pub mod roughness;
 mod search;
 
+use bearing_watch::model::Blocks;
 use bearing_watch::plan::RunTime;
 use bearing_watch::{FrictionTerm, ShaftEstimate};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
-use statrs::statistics::{Data, OrderStatistics, Statistics};
+use statrs::statistics::Statistics;
 
 use super::recipe::{FALSE_ALARM, recipe};
 use super::rows::{COLUMNS, Row};
@@ -121,13 +122,12 @@ pub fn bound(row: &Row, settings: &Settings) -> Result<Bounded, Error> {
     let row = Row { classes: false, ..*row };
     let order = Settings { features: vec!["order_outer".into()], ..settings.clone() };
     let found = [found(&row, &order)?, found(&row, settings)?];
-    let healthy = healthy_estimates(&row)?;
+    let (blocks, healthy) = healthy_estimates(&row)?;
     let core_floors = measured_floors(&healthy);
     let core_floor_nm = root_mean_square(&core_floors);
     let spalls = spalls(&row, if is_disturbed(&row.judged) { &core_floors } else { &[] })?;
     let population = healthy_precision(&row);
-    let turns = Data::new(spalls.iter().map(|spall| spall.turns).collect::<Vec<_>>()).median();
-    let search = recipe(&row.trained, &[]).shaft.and_then(|plan| Search::new(&plan, turns));
+    let search = recipe(&row.trained, &[]).shaft.and_then(|plan| Search::new(&plan, &blocks, &spalls));
     let of = |draws: &[Vec<Tally>], kind: DefectKind, severity: f64| {
         let column = COLUMNS.iter().position(|own| *own == Defect { kind, severity })?;
         let tallies: Vec<Tally> = draws.iter().map(|own| own[column]).collect();
@@ -141,7 +141,7 @@ pub fn bound(row: &Row, settings: &Settings) -> Result<Bounded, Error> {
             severity,
             non_centrality: severity * severity * energies / spalls.len() as f64,
             order: mean(0),
-            searched: search.as_ref().map_or(f64::NAN, |own| own.power(&spalls, severity)),
+            searched: search.as_ref().map_or(f64::NAN, |own| own.power(severity)),
             friction: mean(1),
             all: mean(2),
             found_by_order: of(&found[0], DefectKind::Spall, severity),
@@ -214,17 +214,18 @@ fn spalls(row: &Row, floors_nm: &[f64]) -> Result<Vec<Spall>, Error> {
     (0..RECORDS).into_par_iter().map(each).collect()
 }
 
-/// What the core estimates in healthy records with a detector that was trained on others.
-fn healthy_estimates(row: &Row) -> Result<Vec<ShaftEstimate<RunTime>>, Error> {
+/// Blocks of a detector that was trained on healthy records, and what the core estimates with it in others.
+fn healthy_estimates(row: &Row) -> Result<(Blocks, Vec<ShaftEstimate<RunTime>>), Error> {
     let own = recipe(&row.trained, &["order_outer".into()]);
     let detector = train(&traces(&[(row.training(0, Defect::HEALTHY), 0)], RECORDS)?, &["healthy".into()], &own)?;
+    let blocks = detector.parts.shaft.as_ref().map_or(Blocks::EMPTY, |(_, shaft)| shaft.tracking.blocks);
     let detector = detector.embed()?;
     let records = traces(&[(row.validation(0, Defect::HEALTHY), 0)], RECORDS)?;
     let estimate = |record: &LabelledTrace| {
         let report = detector.whole(&record.trace);
         report.shaft().cloned().ok_or_else(|| Error::trace(&record.trace.id, "the shaft was not watched"))
     };
-    records.par_iter().map(estimate).collect()
+    Ok((blocks, records.par_iter().map(estimate).collect::<Result<_, _>>()?))
 }
 
 /// Deviation of the outer order's amplitude in each healthy record, as the core measures it, N·m.

@@ -18,8 +18,9 @@ pub const RISING: [&str; 2] = ["viscous", "drag"];
 /// The covariate of a row that knows the temperature.
 pub const TEMPERATURE: &str = "mean_temperature_c";
 
-/// Features that exist only if the load is measured.
-const NEED_LOAD: [&str; 4] = ["inverse_kt", "inverse_kt_score", "load_friction", "load_friction_score"];
+/// Features that do not exist if the load is not measured, and friction, which then contains the load.
+const NEED_LOAD: [&str; 6] =
+    ["inverse_kt", "inverse_kt_score", "load_friction", "load_friction_score", "viscous", "drag"];
 
 /// Largest slip that is searched: the rig's bearings slip by up to 2 %.
 const SLIP: f64 = 0.022;
@@ -38,15 +39,16 @@ const WITHOUT_LOAD: Structure = Structure::new(2, 1, 0, 1, 1);
 pub fn recipe(condition: &Condition, features: &[String]) -> Recipe {
     let alarms = Alarms { healthy: Some(0), false_alarm: FALSE_ALARM, required: true, ..Alarms::default() };
     let mut features = if features.is_empty() { FEATURES.map(String::from).to_vec() } else { features.to_vec() };
+    let load = has_load_sensor(condition);
+    features.retain(|name| load || !NEED_LOAD.contains(&name.as_str()));
     let rising = RISING.map(String::from).into_iter().filter(|name| features.contains(name)).collect();
     let mut base = Recipe { rising, size_spread: recipes::SIZE_SPREAD, ..recipes::shaft() };
     if let Some(shaft) = &mut base.shaft {
         shaft.slip = SLIP;
     }
-    if has_load_sensor(condition) {
+    if load {
         return Recipe { features, alarms, ..base };
     }
-    features.retain(|name| !NEED_LOAD.contains(&name.as_str()));
     let shaft = base.shaft.clone().map(|plan| ShaftPlan { load: false, ..plan });
     Recipe { features, alarms, shaft, structure: WITHOUT_LOAD, ..base }
 }
@@ -83,7 +85,8 @@ mod tests {
             if load {
                 assert_eq!(format!("{own:?}"), format!("{mix:?}"), "{}", condition.name);
             } else {
-                assert_eq!(own.features, ["viscous", "drag", "order_outer"]);
+                assert_eq!(own.features, ["order_outer"]);
+                assert!(own.rising.is_empty());
             }
         }
         let asked = ["order_outer".to_string()];

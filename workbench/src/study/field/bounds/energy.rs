@@ -25,11 +25,24 @@ pub const HARMONICS: usize = 6;
 /// Td d₀/2 of the rig: the mean torque of full-size pulses.
 pub const MEAN_NM: f64 = 0.5 * PULSE_NM * PULSE_DUTY;
 
-/// A full-size spall in one record.
+/// A sample of a healthy record's motion.
 #[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// Angle since the start.
+    pub turns: f64,
+    /// Angle since the sample before.
+    pub turned: f64,
+    /// Velocity.
+    pub velocity_rad_s: f64,
+}
+
+/// A full-size spall in one record.
+#[derive(Clone, Debug)]
 pub struct Spall {
     /// λ of each harmonic (2).
     pub harmonics: [f64; HARMONICS],
+    /// The part of the pulses alone, without that of the ripple, which varies with the current.
+    pub pulses: [f64; HARMONICS],
     /// Non-centrality of the mean drag in the noise alone.
     pub drag: f64,
     /// Deviation of an amplitude of the first harmonic, N·m.
@@ -38,6 +51,8 @@ pub struct Spall {
     pub slips: f64,
     /// Turns of the record.
     pub turns: f64,
+    /// The motion of the record.
+    pub path: Vec<Step>,
 }
 
 impl Spall {
@@ -48,7 +63,9 @@ impl Spall {
         let kt = values.motor(&scenario.motor).kt_nm_per_a;
         let width = values.slip.map_or(PULSE_DUTY, |slip| slip.width);
         let interval_s = scenario.sample_time_s;
-        let (mut harmonics, mut drag, mut turns, mut floor) = ([0.0; HARMONICS], 0.0, 0.0, 0.0);
+        let (mut harmonics, mut pulses, mut drag) = ([0.0; HARMONICS], [0.0; HARMONICS], 0.0);
+        let (mut turns, mut floor) = (0.0, 0.0);
+        let mut path: Vec<Step> = Vec::with_capacity(trace.len());
         let moving = trace.angle_rad.windows(2).zip(&trace.current_a).zip(&trace.load_torque_nm);
         let samples = trace.len() as f64;
         for ((angles, current), load) in
@@ -59,10 +76,16 @@ impl Spall {
             let grown = values.slip.map_or(1.0, |slip| {
                 (slip.ranges.load_floor + load.abs() / slip.ranges.load_scale_nm).min(slip.ranges.load_ceiling)
             });
-            turns += velocity.abs() * interval_s / TAU;
+            let turned = velocity * interval_s / TAU;
+            turns += turned.abs();
+            path.push(Step {
+                turns: path.last().map_or(0.0, |last| last.turns) + turned,
+                turned,
+                velocity_rad_s: velocity,
+            });
             drag += (grown * MEAN_NM * sign).powi(2) / noise.at(0.0);
             let first_hz = order * velocity.abs() / TAU;
-            for (h, energy) in (1_u8..).zip(&mut harmonics) {
+            for ((h, energy), own) in (1_u8..).zip(&mut harmonics).zip(&mut pulses) {
                 let (h, hz) = (f64::from(h), f64::from(h) * first_hz);
                 if hz >= 0.5 / interval_s {
                     continue;
@@ -70,9 +93,10 @@ impl Spall {
                 let pulse = grown * sign * amplitude(h, width);
                 // Two sidebands each of the first two harmonics.
                 let ripple = if h < 2.5 { TORQUE_RIPPLE * kt * current / h } else { 0.0 };
-                let square = 0.5 * pulse * pulse + ripple * ripple;
+                let square = 0.5 * pulse * pulse;
                 let variance = floor_nm.map_or_else(|| noise.at(hz), |floor| 0.5 * samples * floor * floor);
-                *energy += square / variance;
+                *own += square / variance;
+                *energy += (square + ripple * ripple) / variance;
             }
             if first_hz < 0.5 / interval_s {
                 floor += sign * sign / noise.at(first_hz);
@@ -81,7 +105,7 @@ impl Spall {
         // An amplitude a has the energy ½ a² Σ 1/S, twice its square over the square of its deviation.
         let own = if floor > 0.0 { 2.0 / floor.sqrt() } else { f64::INFINITY };
         let slips = values.slip.map_or(1.0, |slip| 1.0 + 2.0 * slip.ranges.slip[1] * order * turns);
-        Self { harmonics, drag, floor_nm: floor_nm.unwrap_or(own), slips, turns }
+        Self { harmonics, pulses, drag, floor_nm: floor_nm.unwrap_or(own), slips, turns, path }
     }
 }
 
