@@ -97,7 +97,9 @@ impl Tool {
         install.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", "--no-compile"]);
         install.args(["--only-binary", ":all:", "--require-hashes", "--target"]).arg(folder).arg("-r").arg(&list);
         child::succeed(&mut install).context("pip could not install it")?;
-        let works = child::works(Command::new(folder.join("bin").join(self.name)).arg("--version"));
+        let mut program = Command::new(folder.join("bin").join(self.name));
+        // What cargo calls has the name of the subcommand before its arguments.
+        let works = child::works(program.args(self.name.strip_prefix("cargo-")).arg("--version"));
         ensure!(works, "the installed program does not run");
         Ok(())
     }
