@@ -45,7 +45,8 @@ fn wheel() -> Result<String> {
     child::succeed(
         tar.arg("xf").arg(dist::find(SDIST.0, SDIST.1)?).args(["--strip-components", "1"]).current_dir(folder.path()),
     )?;
-    let mut maturin = MATURIN.command(&["build", "--release", "--strip", "--locked", "--out"])?;
+    // Not `--locked`: the distribution has the lock file of the whole workspace, of which cargo keeps what is wanted.
+    let mut maturin = MATURIN.command(&["build", "--release", "--strip", "--out"])?;
     maturin.arg(dist::folder()?).current_dir(folder.path());
     child::succeed(maturin.env("CARGO_TARGET_DIR", workspace::target_dir().join("release-wheel")))?;
     let wheel = dist::find(WHEEL.0, WHEEL.1)?;

@@ -5,7 +5,8 @@
 //! file     128 bytes of header, the last two "IM" (little-endian) or "MI"; elements
 //! element  type u32, size u32, size bytes, zeros to a multiple of 8         or, up to 4 bytes,
 //!          type u16 in the low half and size u16 in the high half of a u32, 4 bytes
-//! type 14  an array: elements of flags, dimensions, name, and its content, among it further arrays
+//! type 14  an array: elements of flags, dimensions, name, and its content, among it further arrays; outermost there are
+//!          arrays only
 //! type 15  one packed element (zlib), without zeros behind it
 //! ```
 
@@ -16,8 +17,12 @@ const ARRAY: u32 = 14;
 const PACKED: u32 = 15;
 /// The last type of elements, text of 32 bits.
 const LAST: u32 = 18;
-/// Classes of arrays whose elements are arrays: cells, structures and objects.
-const NESTED: [u8; 3] = [1, 2, 3];
+/// Types of the elements of flags and of dimensions.
+const FLAGS: u32 = 6;
+const DIMENSIONS: u32 = 5;
+/// Classes of arrays: that without an element for zeros, and the last one with dimensions.
+const SPARSE: u8 = 5;
+const LAST_CLASS: u8 = 15;
 /// Deepest array in an array; the reader is recursive.
 const DEEPEST: usize = 16;
 
@@ -79,7 +84,7 @@ fn element(bytes: &[u8], is_little: bool) -> Option<Element<'_>> {
     Some(Element { kind, content, whole, rest })
 }
 
-/// Checks elements, and those of arrays among them.
+/// Checks elements, and those of arrays among them; outermost, at depth 0, others are refused.
 fn check(mut rest: &[u8], is_little: bool, depth: usize) -> Option<()> {
     while !rest.is_empty() {
         let element = element(rest, is_little)?;
@@ -89,29 +94,29 @@ fn check(mut rest: &[u8], is_little: bool, depth: usize) -> Option<()> {
                 check(element.content, is_little, depth + 1)?;
                 check_count(element.content, is_little)?;
             }
-            // Packed elements are outermost.
             ARRAY | PACKED => return None,
+            _ if depth == 0 => return None,
             _ => {}
         }
     }
     Some(())
 }
 
-/// Checks that an array of arrays has not more of them than bytes.
+/// Checks that an array has not more elements than bytes: each takes at least one, but for the zeros of a sparse one.
 fn check_count(content: &[u8], is_little: bool) -> Option<()> {
     if content.is_empty() {
         return Some(());
     }
-    let flags = element(content, is_little)?;
+    let flags = element(content, is_little).filter(|own| own.kind == FLAGS && own.content.len() == 8)?;
     let class = if is_little { flags.content.first()? } else { flags.content.get(3)? };
-    if !NESTED.contains(class) {
+    if *class > LAST_CLASS {
         return Some(());
     }
-    let dimensions = element(flags.rest, is_little)?.content;
-    let sizes = dimensions.as_chunks::<4>().0.iter();
-    let mut sizes = sizes.map(|own| if is_little { u32::from_le_bytes(*own) } else { u32::from_be_bytes(*own) });
+    let dimensions = element(flags.rest, is_little).filter(|own| own.kind == DIMENSIONS)?;
+    let (sizes, rest) = dimensions.content.as_chunks::<4>();
+    let mut sizes = sizes.iter().map(|own| if is_little { u32::from_le_bytes(*own) } else { u32::from_be_bytes(*own) });
     let count = sizes.try_fold(1_usize, |count, own| count.checked_mul(own as usize))?;
-    (count <= content.len()).then_some(())
+    (rest.is_empty() && (count <= content.len() || *class == SPARSE)).then_some(())
 }
 
 #[cfg(test)]
@@ -131,24 +136,28 @@ mod tests {
         [&kind.to_le_bytes(), &(content.len() as u32).to_le_bytes(), content, &zeros].concat()
     }
 
-    fn cells(dimensions: [u32; 2], inside: &[u8]) -> Vec<u8> {
-        let sizes = dimensions.map(u32::to_le_bytes).concat();
+    fn array(class: u8, dimensions: &[u8], inside: &[u8]) -> Vec<u8> {
         let small = [1, 0, 1, 0, b'c', 0, 0, 0];
-        tagged(ARRAY, &[&tagged(6, &[1, 0, 0, 0, 0, 0, 0, 0]), &tagged(5, &sizes), &small[..], inside].concat())
+        let flags = tagged(FLAGS, &[class, 0, 0, 0, 0, 0, 0, 0]);
+        tagged(ARRAY, &[&flags, &tagged(DIMENSIONS, dimensions), &small[..], inside].concat())
+    }
+
+    fn cells(dimensions: [u32; 2], inside: &[u8]) -> Vec<u8> {
+        array(1, &dimensions.map(u32::to_le_bytes).concat(), inside)
     }
 
     #[test]
     fn lengths_beyond_the_file_are_refused() {
-        let good = file(&tagged(ARRAY, &tagged(9, &[0; 16])));
+        let good = file(&tagged(ARRAY, &tagged(FLAGS, &[17, 0, 0, 0, 0, 0, 0, 0])));
         assert_eq!(unpacked(&good), Some(good.clone()));
         for place in [HEADER + 4, HEADER + 12] {
-            for size in [255, 17] {
+            for size in [255, 25] {
                 let mut forged = good.clone();
                 forged[place] = size;
                 assert_eq!(unpacked(&forged), None, "{place} {size}");
             }
         }
-        assert_eq!(unpacked(&good[..HEADER + 20]), None);
+        assert_eq!(unpacked(&good[..HEADER + 15]), None);
         let mut other = good.clone();
         other[HEADER + 1] = 3;
         assert_eq!(unpacked(&other), None, "a type of which eight bits are those of an array");
@@ -161,6 +170,13 @@ mod tests {
         assert!(unpacked(&file(&cells([1, 1], &cells([1, 0], &[])))).is_some());
         assert_eq!(unpacked(&file(&cells([u32::MAX, 1], &[]))), None);
         assert_eq!(unpacked(&file(&cells([u32::MAX, u32::MAX], &[]))), None);
+        // A number, as it should be, and with dimensions beyond the file or of an odd length.
+        let number = |dimensions: &[u8], class| unpacked(&file(&array(class, dimensions, &tagged(9, &[0; 8]))));
+        assert!(number(&[1, 0, 0, 0, 1, 0, 0, 0], 6).is_some());
+        assert_eq!(number(&[1, 0, 0, 0, 0, 0, 0, 9], 6), None);
+        assert!(number(&[1, 0, 0, 0, 0, 0, 0, 9], SPARSE).is_some());
+        assert_eq!(number(&[1], 6), None);
+        assert_eq!(unpacked(&file(&tagged(9, &[0; 8]))), None, "no array");
         let deep = |depth| (0..depth).fold(vec![], |inside, _| cells([1, 1], &inside));
         assert!(unpacked(&file(&deep(DEEPEST))).is_some());
         assert_eq!(unpacked(&file(&deep(DEEPEST + 1))), None);
