@@ -86,6 +86,7 @@ pub mod plan;
 mod printable;
 mod reason;
 mod regression;
+mod report;
 mod sample;
 mod saved;
 mod shaft;
@@ -97,7 +98,7 @@ mod unroll;
 
 pub use average::Average;
 pub use decide::{Alarm, Baseline, Cause, Commissioning, CommissioningError, Decision, Evidence, Trend};
-pub use detector::{Detector, Report, Segment, Solver, Verdict};
+pub use detector::{Detector, Segment, Solver};
 #[cfg(feature = "embedded-hal")]
 pub use drive::ad2s1210;
 pub use drive::{Abc, AlphaBeta, Angle, Dq0, Park, SinCos};
@@ -115,6 +116,7 @@ pub use known_answers::{Kernel, known_answer_test};
 pub use model::{Model, ModelError};
 pub use plan::Structure;
 pub use reason::{FrictionTerm, Implausible, Part, Reason};
+pub use report::{Report, Verdict};
 pub use sample::{ChannelSet, Counts};
 pub use saved::StateError;
 pub use shaft::{Bearing, Friction, OrderStrength, Parameter, ShaftEstimate};

@@ -1,9 +1,9 @@
 //! Commissioning by the reports of a detector.
 
-use super::report::Report;
 use crate::decide::{Commissioning, CommissioningConstants, CommissioningError};
 use crate::model::Model;
 use crate::plan::Plan;
+use crate::report::Report;
 
 impl<P: Plan> Model<P> {
     /// A commissioning without any segment, with the healthy class of this model as its prior.

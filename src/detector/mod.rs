@@ -11,10 +11,8 @@
 //! without interrupts call [`Detector::step`], which does all of it.
 
 mod commissioning;
-mod report;
 mod solver;
 
-pub use report::{Report, Verdict};
 pub use solver::{Segment, Solver};
 
 use crate::average::{self, Averages};
@@ -23,6 +21,7 @@ use crate::estimate::Estimator;
 use crate::model::Model;
 use crate::plan::{Array, Cells, Plan, Presence};
 use crate::regression::Inputs;
+use crate::report::Report;
 use crate::sample::{Counts, Gate, limit};
 use crate::shaft::Shaft;
 

@@ -1,12 +1,12 @@
 //! A closed segment → its [`Report`], at once or in pieces of bounded cost.
 
-use super::report::{Report, Verdict};
 use crate::average::{self, Averages};
 use crate::decide::{Baseline, Classification, Decision, Finding};
 use crate::estimate::{RegressionSolve, RegressionSums};
 use crate::model::Model;
 use crate::plan::{Array, Cells, Plan, Presence};
 use crate::reason::Reason;
+use crate::report::{Report, Verdict};
 use crate::sample::Counts;
 use crate::shaft::{ShaftSolve, ShaftSums};
 

@@ -1,4 +1,4 @@
-use super::{Detector, Report, Segment, Solver, Verdict};
+use super::{Detector, Segment, Solver};
 use crate::drive::Park;
 use crate::model::{
     Channel, Classifier, Constants, Covariates, Discriminant, EvidenceConstants, Feature, Forgetting, Label, Model,
@@ -6,6 +6,7 @@ use crate::model::{
 };
 use crate::plan::{Kind, Layout, Memory, Method, RegressionLayout, Structure};
 use crate::reason::Reason;
+use crate::report::{Report, Verdict};
 
 /// Samples of a segment.
 const SAMPLES: u32 = 200;

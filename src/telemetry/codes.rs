@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::decide::{Alarm, Cause};
-use crate::detector::Verdict;
 use crate::reason::{FrictionTerm, Implausible, Part, Reason};
+use crate::report::Verdict;
 
 /// A verdict: 0 class, 1 novel, 2 ambiguous, 3 undetermined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -6,9 +6,9 @@ use super::samples::Block;
 use super::sink::Sink;
 use super::{HELLO, Header, REPORT, SAMPLES, VERSION, hello, summary};
 use crate::decide::Evidence;
-use crate::detector::Report;
 use crate::model::Model;
 use crate::plan::Plan;
+use crate::report::Report;
 
 /// Where frames come from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -7,9 +7,9 @@ use super::samples::Numbers;
 use super::sink::Sink;
 use super::{TooSmall, split};
 use crate::decide::{Alarm, Evidence};
-use crate::detector::{Report, Verdict};
 use crate::model::Model;
 use crate::plan::{Cells, Plan};
+use crate::report::{Report, Verdict};
 use crate::sample::{ChannelSet, Counts};
 
 #[derive(Serialize, Deserialize)]

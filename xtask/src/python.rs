@@ -130,7 +130,7 @@ fn build(program: &Path) -> Result<PathBuf> {
     }
     let workbench = workspace::workbench()?;
     let before = workbenches()?;
-    let arguments = ["-m", "maturin", "build", "--profile", "dev", "--features", "of-workspace"];
+    let arguments = ["-m", "maturin", "build", "--locked", "--profile", "dev", "--features", "of-workspace"];
     let mut maturin = python(program, &arguments, &package());
     child::succeed(maturin.arg("--out").arg(&wheels))?;
     // It takes minutes, and depends on the features of every dependency.

@@ -1,4 +1,4 @@
-//! The report of a segment.
+//! The report of a segment, which the detector makes and telemetry sends.
 
 use crate::average::{Average, Averages};
 use crate::decide::{Decision, Estimates};
@@ -38,15 +38,15 @@ pub struct Report<P: Plan> {
     pub counts: Counts,
     /// Rows of the regression; in a plan without one, usable samples.
     pub rows: u32,
-    pub(super) estimate: Array<P::Regressed, Estimate<P>>,
-    pub(super) shaft: Array<P::Watched, ShaftEstimate<P>>,
-    pub(super) averages: Averages<P>,
+    pub(crate) estimate: Array<P::Regressed, Estimate<P>>,
+    pub(crate) shaft: Array<P::Watched, ShaftEstimate<P>>,
+    pub(crate) averages: Averages<P>,
 }
 
 impl<P: Plan> Report<P> {
     // Out of line, so that what it moves takes no stack during the solve.
     #[inline(never)]
-    pub(super) fn empty(plan: P) -> Self {
+    pub(crate) fn empty(plan: P) -> Self {
         let layout = plan.layout();
         Self {
             verdict: Verdict::Undetermined(Reason::TooFewRows { part: Part::Classifier, rows: 0 }),
