@@ -208,4 +208,15 @@ mod tests {
         assert_eq!(Angle::from_counts(5, 0), Angle::ZERO);
         assert_eq!(Angle::from_counts(5, 40).bits(), 5);
     }
+
+    #[test]
+    fn whole_turns_leave_the_fraction_exact() {
+        for k in -200..=200_i16 {
+            let radians = f32::from(k) * 0.777;
+            // The number of turns as computed; its fraction is then exact.
+            let turns = f64::from(radians * (0.5 / PI));
+            let exact = (turns.fract() * 4_294_967_296.0) as i64 as u32;
+            assert_eq!(Angle::from_radians(radians).bits(), exact, "{radians}");
+        }
+    }
 }

@@ -349,4 +349,13 @@ mod tests {
         assert_eq!(found(10.0, 0.05, [1.0, 0.0, 1.0], three), None);
         assert_eq!(found(f64::NAN, 100.0, [1.0; 3], three), None);
     }
+
+    #[test]
+    fn without_current_only_the_noise_limits_a_product() {
+        // 0.1²/3 A² without a current; with one, twice the tolerance of its square and six deviations more.
+        let balance = CurrentBalance::new(LIMITS);
+        assert!(balance.follows(0.0034, 0.0, 10.0) && !balance.follows(0.0033, 0.0, 10.0));
+        let limit = 0.04 * 10.0 + 0.1 * (0.1 / 3.0 + 6.0);
+        assert!(balance.follows(-1.01 * limit, 10.0, 10.0) && !balance.follows(0.99 * limit, 10.0, 10.0));
+    }
 }

@@ -213,4 +213,17 @@ mod tests {
         assert!(better[1000..].iter().all(|taken| *taken));
         assert!(signal.faults().mismatched >= 1000);
     }
+
+    #[test]
+    fn limits_that_are_none_are_refused() {
+        let refused = |limits: ResolverLimits| !limits.is_valid();
+        assert!(LIMITS.is_valid() && ResolverLimits { mismatch: 1.0, high: 1e9, ..LIMITS }.is_valid());
+        assert!(refused(ResolverLimits { low: 0.0, ..LIMITS }) && refused(ResolverLimits { low: 2.0, ..LIMITS }));
+        assert!(
+            refused(ResolverLimits { high: 2e9, ..LIMITS }) && refused(ResolverLimits { high: f32::NAN, ..LIMITS })
+        );
+        assert!(
+            refused(ResolverLimits { mismatch: 0.0, ..LIMITS }) && refused(ResolverLimits { mismatch: 1.1, ..LIMITS })
+        );
+    }
 }

@@ -274,4 +274,24 @@ mod tests {
         };
         assert_eq!([weight(0.5), weight(1.5), weight(5.5)], [Some(1.0), Some(1.0), Some(0.25)]);
     }
+
+    /// Signals far from zero, of the nominal model itself: what the origin removes from the levels is in the prediction.
+    #[test]
+    fn rows_of_the_nominal_model_weigh_fully_far_from_zero() {
+        let mut lags = Stream::new(Structure::new(1, 1, 1, 1, 1).with_offset());
+        lags.constants.scale = vec![2.0, 4.0, 8.0, 1.0, 16.0];
+        lags.constants.nominal = vec![-0.5, 0.25, 0.125, 3.0];
+        // The threshold is 0.03 of the scaled target, a hundred times what numbers of a hundred round to.
+        (lags.constants.huber, lags.constants.deviation) = (2.0, 1e-3);
+        lags.rows = Squares::new(lags.plan, &lags.constants);
+        let (mut y, mut given) = (20.0, 0);
+        for t in 0..50_u8 {
+            let (u1, u2) = (40.0 + f32::from(t % 3), -30.0 + f32::from(t % 5));
+            let row = lags.rows.push(lags.plan, &lags.constants, Inputs { y, u1, u2 });
+            given += usize::from(row.is_some());
+            assert!(row.is_none_or(|row| row.weight >= 1.0), "{t}");
+            y += -0.5 * y + 0.25 * u1 + 0.125 * u2 + 3.0;
+        }
+        assert_eq!(given, 49);
+    }
 }

@@ -48,3 +48,29 @@ impl Faults {
         self.0 != 0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn faults_have_the_bits_of_the_register() {
+        type Own = Faults;
+        // D0 to D7 of the fault register in the data sheet.
+        let all = [
+            Own::PARITY,
+            Own::PHASE,
+            Own::VELOCITY,
+            Own::TRACKING,
+            Own::MISMATCH,
+            Own::OVERRANGE,
+            Own::LOSS,
+            Own::CLIPPED,
+        ];
+        for (fault, bit) in all.into_iter().zip([1_u8, 2, 4, 8, 16, 32, 64, 128]) {
+            assert_eq!(fault.bits(), bit);
+            assert!(Own::from_bits(0xFF).contains(fault) && !Own::from_bits(!bit).contains(fault));
+        }
+        assert!(!Own::NONE.any() && Own::CLIPPED.any());
+    }
+}

@@ -67,27 +67,58 @@ fn the_motion_is_that_of_the_scaled_inputs() {
     }
 }
 
-/// Signals far from zero, of the nominal model itself: what the constant and the levels explain is no error.
+/// Signals far from zero, of the nominal model itself and at rest until they move: what the constant and the levels
+/// explain is no error, also after the origin has moved with a new segment. Without terms, an input has no effect, and
+/// without a constant there is no origin.
 #[test]
 fn levels_and_constant_leave_no_prediction_error() {
-    let structure = Structure::new(1, 1, 0, 1, 0).with_offset();
-    let plan = RunTime::of(testing::regression(structure, Method::Instruments, Memory::Segment)).unwrap();
-    let mut constants = Regression::<RunTime>::new(plan);
-    let (t, gain, constant) = (-0.5, 0.25, 3.0);
-    constants.nominal.copy_from_slice(&[t, gain, constant]);
-    let mut rows = Instruments::new(plan, &constants);
-    let (mut y, mut given) = (20.0, 0);
-    for k in 0..300 {
-        let u1 = 40.0 + inputs(k).u1;
-        if let Some(row) = rows.push(plan, &constants, Inputs { y, u1, u2: 0.0 }, 1000.0) {
-            let error = row.cells[row.cells.len() - 1];
-            // Roundings of numbers up to fifty.
-            assert!(error.abs() < 2e-5, "{k}: {error}");
-            given += 1;
+    for (nc, offset) in [(0, true), (1, true), (1, false)] {
+        let structure = Structure { offset, ..Structure::new(1, 1, nc, 1, 1) };
+        let plan = RunTime::of(testing::regression(structure, Method::Instruments, Memory::Segment)).unwrap();
+        let mut constants = Regression::<RunTime>::new(plan);
+        let (t, gain, second, constant) = (-0.5, 0.25, 0.125 * f32::from(nc), if offset { 3.0 } else { 0.0 });
+        let nominal = [&[t, gain][..], &[second][..usize::from(nc)], &[constant][..usize::from(offset)]].concat();
+        constants.nominal.copy_from_slice(&nominal);
+        constants.settle = 0;
+        let mut rows = Instruments::new(plan, &constants);
+        let mut y = (gain * 40.0 + second * 7.0 + constant) / -t;
+        let (mut given, mut moved) = (0, 0);
+        for k in 0..800 {
+            // After some segments without an estimate the nominal model is in use anew.
+            if k % 100 == 99 {
+                let before = rows.origin;
+                rows.next_segment(plan, &constants);
+                moved += usize::from(rows.origin != before);
+            }
+            let moving = if k < 50 { 0.0 } else { 1.0 };
+            let (u1, u2) = (40.0 + moving * inputs(k).u1, 7.0 + moving * inputs(k).u2);
+            if let Some(row) = rows.push(plan, &constants, Inputs { y, u1, u2 }, 1000.0) {
+                let error = row.cells[row.cells.len() - 1];
+                // Roundings of numbers up to fifty.
+                assert!(error.abs() < 5e-5, "{k}: {error}");
+                given += 1;
+            }
+            y += t * y + gain * u1 + second * u2 + constant;
         }
-        y += t * y + gain * u1 + constant;
+        assert!(given > 790 && (moved > 0) == offset, "{given} {moved}");
     }
-    assert!(given > 150, "{given}");
+}
+
+#[test]
+fn an_outlier_weighs_less() {
+    // As above, with the filter t = [−1, 0]: the prediction error is that of the simulated output, its gain 1.
+    let mut constants = constants(0.5);
+    constants.nominal.copy_from_slice(&[-1.0, 0.0, 0.5, 0.0, 0.25]);
+    (constants.huber, constants.deviation, constants.settle) = (2.0, 0.25, 0);
+    let mut rows = Instruments::new(plan(), &constants);
+    let (mut light, mut full) = (0, 0);
+    for t in 0..60 {
+        let row = rows.push(plan(), &constants, inputs(t), 100.0).map(|row| (row.weight, row.cells[7]));
+        let Some((weight, error)) = row.filter(|_| t > 10) else { continue };
+        assert_eq!(weight, if error.abs() > 0.5 { 0.5 / error.abs() } else { 1.0 }, "{t}: {error}");
+        (light, full) = (light + usize::from(error.abs() > 0.5), full + usize::from(error.abs() <= 0.5));
+    }
+    assert!(light > 5 && full > 5, "{light} {full}");
 }
 
 #[test]
