@@ -295,4 +295,19 @@ mod tests {
         let woken = rows(1000).filter(|row| add(&mut fading, Memory::Fading, *row)).count();
         assert!(woken > 900, "{woken}");
     }
+
+    #[test]
+    fn the_mass_of_a_memory_that_fills_is_that_of_its_weights() {
+        let mut fading = Sums::new(Endless);
+        // The mean of the motion is above rest from the first row on.
+        for (n, (cells, _)) in rows(1500).enumerate() {
+            assert!(add(&mut fading, Memory::Fading, (cells, 10.0)), "{n}");
+            let weights = |power: i32| (0..=n as i32).map(|k| 0.999_f64.powi(power * k)).sum::<f64>();
+            let (sum, squares) = (weights(1), weights(2));
+            let mass = fading.mass(Memory::Fading, 0.999, 0);
+            // Roundings of 1500 sums.
+            assert!((f64::from(mass.rows) / sum - 1.0).abs() < 1e-4, "{n}: {mass:?}");
+            assert!((f64::from(mass.spread) / (squares / sum) - 1.0).abs() < 1e-4, "{n}: {mass:?}");
+        }
+    }
 }

@@ -100,3 +100,18 @@ fn a_turn_within_lost_samples_is_counted() {
         assert!((shaft.mean_velocity_rad_s(0.002, angle, &last) / velocity_rad_s - 1.0).abs() < 1e-5, "{held}");
     }
 }
+
+#[test]
+fn eight_lost_samples_in_a_row_are_bridged_and_nine_are_not() {
+    let (plan, constants) = (plan(), constants(0.0));
+    let mut shaft = Shaft::new(plan, &constants);
+    let sample = RunTimeSample { values: vec![1.0, 20.0, 0.1], ..RunTimeSample::default() };
+    for _ in 0..20 {
+        shaft.step(plan, &constants, &sample, true);
+    }
+    for lost in 1..=9 {
+        assert_eq!(shaft.filling, 0, "{lost}");
+        shaft.lose(false);
+    }
+    assert_eq!((shaft.filling, BRIDGE), (FILLING, 8), "all filters start anew");
+}

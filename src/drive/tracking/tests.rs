@@ -269,3 +269,14 @@ fn samples_that_were_never_taken_are_passed_at_the_same_velocity() {
         assert_eq!((tracker.faults().losses, tracker.lock()), (losses, Lock::Locked));
     }
 }
+
+#[test]
+fn an_error_of_half_the_limit_settles_and_more_starts_to_settle_anew() {
+    let mut tracker = PositionTracker::new(&CONSTANTS, RATE_HZ as f32);
+    tracker.lock = Lock::Settling(5);
+    let half = 0.5 * CONSTANTS.error_limit_rad;
+    for (error, left) in [(half, 4), (-half, 3), (1.01 * half, 20), (half, 19)] {
+        tracker.settle(error);
+        assert_eq!(tracker.lock(), Lock::Settling(left), "{error}");
+    }
+}
