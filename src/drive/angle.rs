@@ -215,7 +215,7 @@ mod tests {
             let radians = f32::from(k) * 0.777;
             // The number of turns as computed; its fraction is then exact.
             let turns = f64::from(radians * (0.5 / PI));
-            let exact = (turns.fract() * 4_294_967_296.0) as i64 as u32;
+            let exact = ((turns.fract() * 4_294_967_296.0) as i64).cast_unsigned() as u32;
             assert_eq!(Angle::from_radians(radians).bits(), exact, "{radians}");
         }
     }
