@@ -97,3 +97,48 @@ fn instruments_by_hand() {
     let weak = Case { d, r, mass: Mass { rows: 40.0, spread: 1.0 }, ..instrumental };
     assert_eq!(run(&weak, 1), Err(SolveError::WeakInstruments));
 }
+
+#[test]
+fn the_variance_with_instruments_is_that_of_all_rows() {
+    let rows = [[1.0, 0.5, 0.7], [-0.5, 1.0, 0.9], [0.25, -1.0, -1.2], [1.0, 1.0, 1.3], [-1.0, 0.5, 0.2]];
+    let errors = [0.3, -0.2, 0.4, -0.1, 0.25];
+    let mut triangle = Triangle::<[f32; 4], [f32; 6]>::new(4);
+    // Zᵀ X = [z·y z·u; u·y u·u] and Zᵀ t in double precision.
+    let (mut zy, mut zu, mut uy, mut uu, mut zt, mut ut) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+    for ([u, z, y], e) in rows.into_iter().zip(errors) {
+        let t = 2.0 * y - u + e;
+        triangle.update(&[u as f32, z as f32, y as f32, t as f32], 1.0);
+        (zy, zu, uy) = (zy + z * y, zu + z * u, uy + u * y);
+        (uu, zt, ut) = (uu + u * u, zt + z * t, ut + u * t);
+    }
+    let determinant: f64 = zy * uu - zu * uy;
+    let (a, b) = ((zt * uu - zu * ut) / determinant, (zy * ut - uy * zt) / determinant);
+    let squares = rows.into_iter().zip(errors).map(|([u, _, y], e)| ((2.0 - a) * y - (1.0 + b) * u + e).powi(2));
+    let (d, r) = triangle.parts();
+    let (theta, _, variance) = run(&Case { inputs: 1, outputs: 1, ..problem(d, r, 50.0) }, 1).unwrap();
+    let expected = [a, b, squares.sum::<f64>() / 48.0];
+    for (found, expected) in [theta[0], theta[1], variance].into_iter().zip(expected) {
+        // Roundings of numbers near three.
+        assert!((f64::from(found) - expected).abs() < 1e-5, "{theta:?} {variance}: {expected}");
+    }
+}
+
+#[test]
+fn instruments_are_judged_by_their_angle_and_not_by_their_size() {
+    let found = |size: f32, apart: f32| {
+        let mut triangle = Triangle::<[f32; 5], [f32; 10]>::new(5);
+        for k in 0..40_u8 {
+            let (p, q) = (if k % 2 == 0 { 1.0 } else { -1.0 }, if k % 4 < 2 { 1.0 } else { -1.0 });
+            let (p, q) = (size * p, size * (p + apart * q));
+            triangle.update(&[p, q, p, q, 2.0 * p - q], 1.0);
+        }
+        let (d, r) = triangle.parts();
+        run(&Case { inputs: 0, outputs: 2, ..problem(d, r, 40.0) }, 1).map(|(theta, ..)| theta)
+    };
+    for size in [3e-4, 1.0, 3e3] {
+        let theta = found(size, 1.0).unwrap();
+        // Roundings of numbers near three.
+        assert!((theta[0] - 2.0).abs() < 1e-4 && (theta[1] + 1.0).abs() < 1e-4, "{size}: {theta:?}");
+        assert!(found(size, 1e-6).is_err(), "{size}: nearly the same instrument twice");
+    }
+}
