@@ -49,8 +49,6 @@ pub struct Spall {
     pub floor_nm: f64,
     /// Number of slips that the record can tell apart.
     pub slips: f64,
-    /// Turns of the record.
-    pub turns: f64,
     /// The motion of the record.
     pub path: Vec<Step>,
 }
@@ -105,7 +103,7 @@ impl Spall {
         // An amplitude a has the energy ½ a² Σ 1/S, twice its square over the square of its deviation.
         let own = if floor > 0.0 { 2.0 / floor.sqrt() } else { f64::INFINITY };
         let slips = values.slip.map_or(1.0, |slip| 1.0 + 2.0 * slip.ranges.slip[1] * order * turns);
-        Self { harmonics, pulses, drag, floor_nm: floor_nm.unwrap_or(own), slips, turns, path }
+        Self { harmonics, pulses, drag, floor_nm: floor_nm.unwrap_or(own), slips, path }
     }
 }
 

@@ -219,7 +219,7 @@ mod tests {
         let pulses = [0.45 * energy, 0.33 * energy, 0.22 * energy, 0.0, 0.0, 0.0];
         let step = |k: u32| Step { turns: f64::from(k) * 0.008, turned: 0.008, velocity_rad_s: 25.0 };
         let path = (0..5000).map(step).collect();
-        vec![Spall { harmonics: pulses, pulses, drag: 0.0, floor_nm: 0.0, slips: 1.0, turns: 40.0, path }; 60]
+        vec![Spall { harmonics: pulses, pulses, drag: 0.0, floor_nm: 0.0, slips: 1.0, path }; 60]
     }
 
     fn blocks() -> Blocks {
