@@ -4,14 +4,15 @@
 //! i = x p + o,   x = (ω̇, ω, s(ω), s(ω)/(1 + (ω/ω_s)²)),   o: offset and mean load of a record                    (1)
 //! p = p₀ + (Σ Zᵀ X + D)⁻¹ Σ Zᵀ (i − X p₀),   z = (ṙ, r, s(r), s(r)/(1 + (r/ω_s)²))                            (2)
 //! D = n (σ/prior)²,   n: rows per independent row, p₀ and prior of least squares                              (3)
+//! w(k) = 2 sin²(π (k + ½)/K)   the weight of row k of K of a record, in all sums and means                    (4)
 //! ```
 //!
 //! The controller answers a load with current, and the load moves the shaft: velocity and load depend on each other,
 //! and least squares on (1) gives wrong parameters, the inertia of the simulated rig more than twice too large. The
 //! reference r does not depend on the load, so instruments (2) are consistent (Söderström and Stoica, *Instrumental
 //! Variable Methods for System Identification*, §3). In one record of few periods load and reference are related by
-//! chance, which biases the estimate; (2) sums over all records, less the means of each. All signals pass the filter of
-//! the core's torque balance.
+//! chance, which biases the estimate; (2) sums over all records, less the means of each. The window (4) keeps the
+//! frequencies of the load apart from those of the reference. All signals pass the filter of the core's torque balance.
 
 use std::f64::consts::PI;
 
