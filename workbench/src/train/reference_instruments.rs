@@ -8,7 +8,7 @@
 //! ```
 //!
 //! The controller answers a load with current, and the load moves the shaft: velocity and load depend on each other,
-//! and least squares on (1) gives wrong parameters, the inertia of the simulated rig more than twice too large. The
+//! and least squares on (1) gives wrong parameters, the inertia of the simulated rig about twice too large. The
 //! reference r does not depend on the load, so instruments (2) are consistent (Söderström and Stoica, *Instrumental
 //! Variable Methods for System Identification*, §3). In one record of few periods load and reference are related by
 //! chance, which biases the estimate; (2) sums over all records, less the means of each. The window (4) keeps the
@@ -197,7 +197,7 @@ mod tests {
             |record: &MotionTrace| MotionTrace { reference_rad_s: record.velocity_rad_s.clone(), ..record.clone() };
         let squares = inertia(&records.iter().map(own).collect::<Vec<_>>());
         println!("J/Kt: instruments {instruments}, least squares {squares}");
-        // J/Kt is 0.005 A s²/rad. One record has a deviation of 0.004, 80 have one of 0.0005.
+        // J/Kt is 0.005 A s²/rad. The estimate of as many records scatters by about 0.001.
         assert!((0.0035..0.0065).contains(&instruments) && squares > 0.009, "{instruments} {squares}");
     }
 }
