@@ -275,7 +275,8 @@ mod tests {
         assert_eq!([weight(0.5), weight(1.5), weight(5.5)], [Some(1.0), Some(1.0), Some(0.25)]);
     }
 
-    /// Signals far from zero, of the nominal model itself: what the origin removes from the levels is in the prediction.
+    /// Signals far from zero, of the nominal model itself: what the origin removes from the levels is in the
+    /// prediction.
     #[test]
     fn rows_of_the_nominal_model_weigh_fully_far_from_zero() {
         let mut lags = Stream::new(Structure::new(1, 1, 1, 1, 1).with_offset());

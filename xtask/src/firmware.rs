@@ -21,10 +21,7 @@ pub const MODEL: &str = "BEARING_WATCH_MODEL";
 /// Builds one example in release and returns its ELF file. Boards of one target share the place of that file: use it
 /// before building for another.
 pub fn build(way: Way, board: Board, example: &str) -> Result<PathBuf> {
-    let (mut cargo, folder) = cargo(way, board);
-    // By package, so that features which only host packages want do not leak in.
-    child::succeed(cargo.args(["--package", "bearing-watch", "--example", example]).args(features(example)))?;
-    existing(folder.join("examples").join(example))
+    build_with(way, board, example, &[])
 }
 
 /// Builds the example `drive` with the model of a source file.
@@ -38,28 +35,28 @@ pub fn build_with_model(way: Way, board: Board, example: &str, source: &Path) ->
 /// Other packages are built without: the compiler's library is shipped so, and `libm` has sums whose checks the
 /// compiler cannot remove although they never overflow.
 pub fn build_checked(way: Way, board: Board, example: &str) -> Result<PathBuf> {
-    let (mut cargo, folder) = cargo(way, board);
-    cargo.args(["--config", "profile.release.package.bearing-watch.overflow-checks=true"]);
-    child::succeed(cargo.args(["--package", "bearing-watch", "--example", example]).args(features(example)))?;
-    existing(folder.join("examples").join(example))
+    build_with(way, board, example, &["package.bearing-watch.overflow-checks=true"])
 }
 
 /// Builds one example with the core at `opt-level = "s"`, and returns its ELF file, which replaces the one of
 /// [`build`].
 pub fn build_small(way: Way, board: Board, example: &str) -> Result<PathBuf> {
-    let (mut cargo, folder) = cargo(way, board);
-    cargo.args(["--config", r#"profile.release.package.bearing-watch.opt-level="s""#]);
-    child::succeed(cargo.args(["--package", "bearing-watch", "--example", example]).args(features(example)))?;
-    existing(folder.join("examples").join(example))
+    build_with(way, board, example, &[r#"package.bearing-watch.opt-level="s""#])
 }
 
 /// Builds one example with the profile of firmware that has to be small: `opt-level = "s"`, and the whole program
 /// optimised at once. Returns its ELF file, which replaces the one of [`build`].
 pub fn build_smallest(way: Way, board: Board, example: &str) -> Result<PathBuf> {
+    build_with(way, board, example, &[r#"opt-level="s""#, r#"lto="fat""#, "codegen-units=1"])
+}
+
+/// Builds one example with further settings of the profile.
+fn build_with(way: Way, board: Board, example: &str, settings: &[&str]) -> Result<PathBuf> {
     let (mut cargo, folder) = cargo(way, board);
-    for setting in [r#"opt-level="s""#, r#"lto="fat""#, "codegen-units=1"] {
+    for setting in settings {
         cargo.args(["--config", &format!("profile.release.{setting}")]);
     }
+    // By package, so that features which only host packages want do not leak in.
     child::succeed(cargo.args(["--package", "bearing-watch", "--example", example]).args(features(example)))?;
     existing(folder.join("examples").join(example))
 }

@@ -46,16 +46,18 @@ struct Sums {
 /// whether a record has a reference that moves the shaft; without one, nothing changes.
 pub(super) fn correct(balance: &mut Balance, healthy: &[&MotionTrace], cutoff_hz: f64) -> bool {
     let records: Vec<Sums> = healthy.par_iter().filter_map(|motion| sums(motion, balance, cutoff_hz)).collect();
-    let (before, prior) = (OWN.map(|term| f64::from(balance.nominal[term])), OWN.map(|term| balance.prior[term]));
-    let before = Vector::from(before);
+    if records.is_empty() {
+        return false;
+    }
+    let before = Vector::from(OWN.map(|term| f64::from(balance.nominal[term])));
     let weight = f64::from(balance.row_spread) * f64::from(balance.deviation).powi(2);
-    let weights = Vector::from(prior.map(|own| weight / f64::from(own).powi(2))); // (3)
+    let weights = Vector::from(OWN.map(|term| weight / f64::from(balance.prior[term]).powi(2))); // (3)
     let (mut zx, mut rest) = (Matrix::from_diagonal(&weights), Vector::zeros());
     for own in &records {
         zx += own.zx;
         rest += own.zi - own.zx * before;
     }
-    let Some(inverse) = zx.try_inverse().filter(|_| !records.is_empty()) else { return false };
+    let Some(inverse) = zx.try_inverse() else { return false };
     let p = before + inverse * rest; // (2)
     for (term, own) in OWN.into_iter().zip(p.iter()) {
         balance.nominal[term] = *own as f32;
@@ -67,6 +69,9 @@ pub(super) fn correct(balance: &mut Balance, healthy: &[&MotionTrace], cutoff_hz
 
 /// The sums of a record; `None` if it has no reference, one that does not move, or too few rows.
 fn sums(motion: &MotionTrace, balance: &Balance, cutoff_hz: f64) -> Option<Sums> {
+    if motion.reference_rad_s.is_empty() {
+        return None;
+    }
     let interval_s = f64::from(balance.interval_s);
     let filter = LowPass::butterworth(1, cutoff_hz * interval_s);
     let columns = |velocity: &[f64]| -> Columns {
@@ -76,9 +81,6 @@ fn sums(motion: &MotionTrace, balance: &Balance, cutoff_hz: f64) -> Option<Sums>
         let slope = filter.derivative(velocity).into_iter().map(|x| x / interval_s).collect();
         [slope, term(|_, w| w), term(sign), term(stribeck)]
     };
-    if motion.reference_rad_s.is_empty() {
-        return None;
-    }
     let [current, velocity, reference] =
         [&motion.current_a, &motion.velocity_rad_s, &motion.reference_rad_s].map(|signal| bridged(signal));
     let (i, moved, asked) = (filter.forward(&current), columns(&velocity), columns(&reference));

@@ -116,6 +116,7 @@ mod tests {
     use crate::rig::{Condition, Defect, Scenario, simulate};
     use crate::study::campaign::experiments::Training;
     use crate::study::campaign::run::{class_names, ours, training_set};
+    use crate::study::field::recipe::recipe;
     use crate::train::train;
 
     fn motion(angle_rad: Vec<f64>) -> MotionTrace {
@@ -165,15 +166,11 @@ mod tests {
 
     #[test]
     fn the_better_source_is_chosen() {
+        let named = |name| Condition::named(name).expect("a condition");
         let chosen = |condition, load| {
             let training = Training { condition, classes: vec![Defect::HEALTHY], count: 16 };
             let set = training_set(&training, 78).expect("the rig");
-            let mut recipe = ours(0.05);
-            recipe.shaft.iter_mut().for_each(|plan| plan.load = load);
-            if !load {
-                recipe.features.retain(|name| !name.contains("kt"));
-                recipe.structure = crate::identify::Structure::new(2, 1, 0, 1, 1);
-            }
+            let recipe = if load { ours(0.05) } else { recipe(&named("no-load-sensor"), &[]) };
             let trained = train(&set, &class_names(&training.classes), &recipe).expect("trains");
             let source = trained.recipe.shaft.map(|plan| plan.velocity);
             let channels = trained.parts.channels.len();
@@ -181,7 +178,6 @@ mod tests {
         };
         // 14 bits have less noise than the rig's velocity; with jitter of the sampling instants they have more than the
         // filtered velocity of the field.
-        let named = |name| Condition::named(name).expect("a condition");
         assert_eq!(chosen(Condition::MIX, true), (Some(VelocitySource::Angle), 3));
         assert_eq!(chosen(named("field-sine"), true), (Some(VelocitySource::Channel), 4));
         assert_eq!(chosen(named("no-load-sensor"), false), (Some(VelocitySource::Angle), 2));

@@ -5,8 +5,8 @@
 //! file     128 bytes of header, the last two "IM" (little-endian) or "MI"; elements
 //! element  type u32, size u32, size bytes, zeros to a multiple of 8         or, up to 4 bytes,
 //!          type u16 in the low half and size u16 in the high half of a u32, 4 bytes
-//! type 14  an array: elements of flags, dimensions, name, and its content, among it further arrays; outermost there are
-//!          arrays only
+//! type 14  an array: elements of flags, dimensions, name, and its content, among it further arrays; outermost there
+//!          are arrays only
 //! type 15  one packed element (zlib), without zeros behind it
 //! ```
 
@@ -62,10 +62,7 @@ pub(super) fn unpacked(bytes: &[u8]) -> Option<Vec<u8>> {
 
 /// Takes the first element.
 fn element(bytes: &[u8], is_little: bool) -> Option<Element<'_>> {
-    let word = |at: usize| -> Option<u32> {
-        let word = bytes.get(at..)?.first_chunk()?;
-        Some(if is_little { u32::from_le_bytes(*word) } else { u32::from_be_bytes(*word) })
-    };
+    let word = |at: usize| -> Option<u32> { Some(number(bytes.get(at..)?.first_chunk()?, is_little)) };
     let first = word(0)?;
     let (kind, start, size, padded): (u32, usize, usize, usize) = if first >> 16 == 0 {
         let size = word(4)? as usize;
@@ -94,6 +91,7 @@ fn check(mut rest: &[u8], is_little: bool, depth: usize) -> Option<()> {
                 check(element.content, is_little, depth + 1)?;
                 check_count(element.content, is_little)?;
             }
+            // Packed elements are outermost.
             ARRAY | PACKED => return None,
             _ if depth == 0 => return None,
             _ => {}
@@ -114,9 +112,13 @@ fn check_count(content: &[u8], is_little: bool) -> Option<()> {
     }
     let dimensions = element(flags.rest, is_little).filter(|own| own.kind == DIMENSIONS)?;
     let (sizes, rest) = dimensions.content.as_chunks::<4>();
-    let mut sizes = sizes.iter().map(|own| if is_little { u32::from_le_bytes(*own) } else { u32::from_be_bytes(*own) });
-    let count = sizes.try_fold(1_usize, |count, own| count.checked_mul(own as usize))?;
+    let count = sizes.iter().try_fold(1_usize, |count, own| count.checked_mul(number(own, is_little) as usize))?;
     (rest.is_empty() && (count <= content.len() || *class == SPARSE)).then_some(())
+}
+
+/// Four bytes in either order.
+fn number(bytes: &[u8; 4], is_little: bool) -> u32 {
+    if is_little { u32::from_le_bytes(*bytes) } else { u32::from_be_bytes(*bytes) }
 }
 
 #[cfg(test)]

@@ -25,17 +25,6 @@ pub const HARMONICS: usize = 6;
 /// Td d₀/2 of the rig: the mean torque of full-size pulses.
 pub const MEAN_NM: f64 = 0.5 * PULSE_NM * PULSE_DUTY;
 
-/// A sample of a healthy record's motion.
-#[derive(Clone, Copy, Debug)]
-pub struct Step {
-    /// Angle since the start.
-    pub turns: f64,
-    /// Angle since the sample before.
-    pub turned: f64,
-    /// Velocity.
-    pub velocity_rad_s: f64,
-}
-
 /// A full-size spall in one record.
 #[derive(Clone, Debug)]
 pub struct Spall {
@@ -49,8 +38,10 @@ pub struct Spall {
     pub floor_nm: f64,
     /// Number of slips that the record can tell apart.
     pub slips: f64,
-    /// The motion of the record.
-    pub path: Vec<Step>,
+    /// Velocity at each sample of the record, rad/s.
+    pub path: Vec<f64>,
+    /// Sampling interval.
+    pub interval_s: f64,
 }
 
 impl Spall {
@@ -63,7 +54,7 @@ impl Spall {
         let interval_s = scenario.sample_time_s;
         let (mut harmonics, mut pulses, mut drag) = ([0.0; HARMONICS], [0.0; HARMONICS], 0.0);
         let (mut turns, mut floor) = (0.0, 0.0);
-        let mut path: Vec<Step> = Vec::with_capacity(trace.len());
+        let mut path = Vec::with_capacity(trace.len());
         let moving = trace.angle_rad.windows(2).zip(&trace.current_a).zip(&trace.load_torque_nm);
         let samples = trace.len() as f64;
         for ((angles, current), load) in
@@ -74,13 +65,8 @@ impl Spall {
             let grown = values.slip.map_or(1.0, |slip| {
                 (slip.ranges.load_floor + load.abs() / slip.ranges.load_scale_nm).min(slip.ranges.load_ceiling)
             });
-            let turned = velocity * interval_s / TAU;
-            turns += turned.abs();
-            path.push(Step {
-                turns: path.last().map_or(0.0, |last| last.turns) + turned,
-                turned,
-                velocity_rad_s: velocity,
-            });
+            path.push(velocity);
+            turns += velocity.abs() * interval_s / TAU;
             drag += (grown * MEAN_NM * sign).powi(2) / noise.at(0.0);
             let first_hz = order * velocity.abs() / TAU;
             for ((h, energy), own) in (1_u8..).zip(&mut harmonics).zip(&mut pulses) {
@@ -103,7 +89,7 @@ impl Spall {
         // An amplitude a has the energy ½ a² Σ 1/S, twice its square over the square of its deviation.
         let own = if floor > 0.0 { 2.0 / floor.sqrt() } else { f64::INFINITY };
         let slips = values.slip.map_or(1.0, |slip| 1.0 + 2.0 * slip.ranges.slip[1] * order * turns);
-        Self { harmonics, pulses, drag, floor_nm: floor_nm.unwrap_or(own), slips, path }
+        Self { harmonics, pulses, drag, floor_nm: floor_nm.unwrap_or(own), slips, path, interval_s }
     }
 }
 

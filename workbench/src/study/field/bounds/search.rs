@@ -10,13 +10,13 @@
 //!
 //! (1) is a passage through a cell of the shaft's angle, in unit noise, with pulses of non-centrality λ in a record of
 //! K samples; they do not slip. What the ideal detector finds of the torque constant's ripple, this one does not, since
-//! its phase varies with the current. The passages are those of the healthy records: a slow one has more samples, and a part
-//! of a cell is passed before a reversal. The core's score of (4) allows for V and for the errors of (3), so that one
-//! limit holds for all records: that of 1 % of the records without a defect. Cells, controls and slips are those of the
-//! trained detector. The core's further steps are left out: what it takes for noise if it does not stay in phase, and
-//! the filters of the residual.
+//! its phase varies with the current. The passages are those of the healthy records: a slow one has more samples, and a
+//! part of a cell is passed before a reversal. The core's score of (4) allows for V and for the errors of (3), so that
+//! one limit holds for all records: that of 1 % of the records without a defect. Cells, controls and slips are those of
+//! the trained detector. The core's further steps are left out: what it takes for noise if it does not stay in phase,
+//! and the filters of the residual.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use bearing_watch::internals::LAGS;
 use bearing_watch::model::Blocks;
@@ -26,7 +26,6 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use super::Spall;
-use super::energy::Step;
 use crate::study::field::recipe::FALSE_ALARM;
 use crate::train::ShaftPlan;
 
@@ -45,11 +44,31 @@ type Complex = nalgebra::Complex<f64>;
 /// A passage through a cell: the cell, and w of (1).
 type Passage = (i64, f64);
 
+/// The passages of a record, and what the core's score has of them.
+#[derive(Clone, Debug)]
+struct Record {
+    passages: Vec<Passage>,
+    law: Law,
+}
+
+/// The law of the prominence of records without a defect: the numbers of (5) of the core's slip search.
+#[derive(Clone, Copy, Debug)]
+struct Law {
+    /// a, a₀/a, and √a₁.
+    relative: f64,
+    steady: f64,
+    of_slips: f64,
+    /// ln M.
+    log_slips: f64,
+    /// b.
+    own: f64,
+}
+
 /// The statistic for the records of one row.
 #[derive(Clone, Debug)]
 pub(super) struct Search<'a> {
     spalls: &'a [Spall],
-    records: Vec<Vec<Passage>>,
+    records: Vec<Record>,
     order: f64,
     weights: [f64; 3],
     controls: Vec<f64>,
@@ -66,13 +85,15 @@ impl<'a> Search<'a> {
         let slowest = f64::from(blocks.slowest_rad_s);
         let mut search = Self {
             spalls,
-            records: spalls.iter().map(|own| passages(&own.path, cell_turns, slowest)).collect(),
+            records: vec![],
             order,
             weights: plan.weights,
             controls: blocks.controls.iter().map(|order| f64::from(*order) / 65_536.0).collect(),
             turning: 2.0 * PI * order * cell_turns * plan.slip / f64::from(SIDE),
             limit: 0.0,
         };
+        let record = |own: &Spall| search.record(passages(own, cell_turns, slowest));
+        search.records = spalls.iter().map(record).collect();
         let mut healthy = search.scores(0.0, HEALTHY, 0);
         healthy.sort_by(f64::total_cmp);
         search.limit = *healthy.get(((1.0 - FALSE_ALARM) * healthy.len() as f64) as usize)?;
@@ -96,7 +117,7 @@ impl<'a> Search<'a> {
     }
 
     /// The core's score of (4) in one draw.
-    fn score(&self, passages: &[Passage], energies: [f64; 3], seed: u64) -> f64 {
+    fn score(&self, Record { passages, law }: &Record, energies: [f64; 3], seed: u64) -> f64 {
         let mut source = ChaCha8Rng::seed_from_u64(seed);
         let mut drawn = |energy: f64| -> Vec<Complex> {
             let mut part = || -> f64 { Distribution::<f64>::sample(&StandardNormal, &mut source) };
@@ -105,12 +126,11 @@ impl<'a> Search<'a> {
         };
         let levels: Vec<_> = self.controls.iter().map(|order| (order.ln(), level(&drawn(0.0), passages))).collect();
         let noise = |order: f64| line(&levels, order.ln()).exp();
-        let cells: Vec<i64> = passages.iter().map(|(cell, _)| *cell).collect();
         // The terms of (4) of each harmonic by the lag.
         let terms = [1.0, 2.0, 3.0].map(|h: f64| {
             let own = h as usize - 1;
             let scale = self.weights[own] / noise(h * self.order);
-            products(&cells, &drawn(energies[own])).map(|product| scale * product)
+            products(passages, &drawn(energies[own])).map(|product| scale * product)
         });
         let at = |slip: i32| {
             let psi = self.turning * f64::from(slip);
@@ -120,42 +140,55 @@ impl<'a> Search<'a> {
             };
             [1.0, 2.0, 3.0].into_iter().zip(&terms).map(of).sum::<f64>()
         };
-        let total: f64 = passages.iter().map(|(_, w)| w).sum();
-        let prominence = (-SIDE..=SIDE).map(at).fold(0.0, f64::max) / (total * self.weights.iter().sum::<f64>());
-        self.normal(passages, prominence, line_variance(&levels, self.order.ln()) / passages.len() as f64)
+        let prominence =
+            (-SIDE..=SIDE).map(at).fold(0.0, f64::max) / (total(passages) * self.weights.iter().sum::<f64>());
+        law.normal(prominence)
     }
 
-    /// The core's score (5) of its slip search; `own` is its b.
-    fn normal(&self, passages: &[Passage], prominence: f64, own: f64) -> f64 {
-        let cells: Vec<i64> = passages.iter().map(|(cell, _)| *cell).collect();
+    /// A record with its law.
+    fn record(&self, passages: Vec<Passage>) -> Record {
         let weights: Vec<Complex> = passages.iter().map(|(_, w)| Complex::new(*w, 0.0)).collect();
-        let pairs = products(&cells, &weights).map(|pair| pair.re);
+        let pairs = products(&passages, &weights).map(|pair| pair.re);
         let squares =
             |each: fn(f64) -> f64| (1..=LAGS).map(|d| 2.0 * taper(d).powi(2) * each(d as f64) * pairs[d]).sum::<f64>();
         let power = pairs[0] + squares(|_| 1.0);
         let [sum, square] = [1, 2].map(|n| self.weights.iter().map(|c| c.powi(n)).sum::<f64>());
-        let total: f64 = passages.iter().map(|(_, w)| w).sum();
-        let relative = square * power / (9.0 * (sum * total).powi(2)); // 2/(9 ν)
+        let relative = square * power / (9.0 * (sum * total(&passages)).powi(2)); // 2/(9 ν)
         let steady = pairs[0] / power;
         let varying = (squares(|d| d * d) / (power * (1.0 - steady)).max(f64::MIN_POSITIVE)).sqrt();
-        let slips = (1.0 + 2.0 * self.turning * f64::from(SIDE) * varying).ln();
-        let of_slips = (relative * (1.0 - steady)).sqrt();
-        let root = prominence.cbrt();
-        let variance = (of_slips / (1.0 + 0.2 * slips)).powi(2) + relative * steady + own * root * root;
-        ((1.0 - own) * root - 1.0 + relative - 0.7 * of_slips * slips) / variance.sqrt()
+        let law = Law {
+            relative,
+            steady,
+            of_slips: (relative * (1.0 - steady)).sqrt(),
+            log_slips: (1.0 + 2.0 * self.turning * f64::from(SIDE) * varying).ln(),
+            own: line_variance(&self.controls, self.order) / passages.len() as f64,
+        };
+        Record { passages, law }
     }
 }
 
-/// The passages of (1) along a path.
-fn passages(path: &[Step], cell_turns: f64, slowest_rad_s: f64) -> Vec<Passage> {
+impl Law {
+    /// The core's score (5) of its slip search.
+    fn normal(&self, prominence: f64) -> f64 {
+        let Self { relative, steady, of_slips, log_slips, own } = *self;
+        let root = prominence.cbrt();
+        let variance = (of_slips / (1.0 + 0.2 * log_slips)).powi(2) + relative * steady + own * root * root;
+        ((1.0 - own) * root - 1.0 + relative - 0.7 * of_slips * log_slips) / variance.sqrt()
+    }
+}
+
+/// The passages of (1) along the path of a healthy record.
+fn passages(record: &Spall, cell_turns: f64, slowest_rad_s: f64) -> Vec<Passage> {
     let mut found: Vec<Passage> = vec![];
-    let (mut weight, mut travelled, mut cell) = (0.0, 0.0, None);
-    for step in path {
-        let now = (step.turns / cell_turns).floor() as i64;
+    let (mut turns, mut weight, mut travelled, mut cell) = (0.0, 0.0, 0.0, None);
+    for velocity_rad_s in &record.path {
+        let turned = velocity_rad_s * record.interval_s / TAU;
+        turns += turned;
+        let now = (turns / cell_turns).floor() as i64;
         let before = *cell.get_or_insert(now);
-        let q = (step.velocity_rad_s.abs() / slowest_rad_s - 1.0).clamp(0.0, 1.0);
-        weight += (q * q * (3.0 - 2.0 * q)).powi(2) / path.len() as f64;
-        travelled += step.turned.abs();
+        let q = (velocity_rad_s.abs() / slowest_rad_s - 1.0).clamp(0.0, 1.0);
+        weight += (q * q * (3.0 - 2.0 * q)).powi(2) / record.path.len() as f64;
+        travelled += turned.abs();
         if now != before || travelled >= cell_turns {
             found.push((before, weight));
             (weight, travelled, cell) = (0.0, 0.0, Some(now));
@@ -165,13 +198,18 @@ fn passages(path: &[Step], cell_turns: f64, slowest_rad_s: f64) -> Vec<Passage> 
     found
 }
 
+/// Σ w.
+fn total(passages: &[Passage]) -> f64 {
+    passages.iter().map(|(_, w)| w).sum()
+}
+
 /// R(h, d) of (2), or V(d).
-fn products(cells: &[i64], b: &[Complex]) -> [Complex; LAGS + 1] {
+fn products(passages: &[Passage], b: &[Complex]) -> [Complex; LAGS + 1] {
     let mut sums = [Complex::new(0.0, 0.0); LAGS + 1];
-    for (m, (cell, own)) in cells.iter().zip(b).enumerate() {
+    for (m, ((cell, _), own)) in passages.iter().zip(b).enumerate() {
         sums[0] += own.norm_sqr();
         for n in m.saturating_sub(LAGS)..m {
-            let (apart, product) = (cell - cells[n], own * b[n].conj());
+            let (apart, product) = (cell - passages[n].0, own * b[n].conj());
             match usize::try_from(apart.unsigned_abs()) {
                 Ok(0) => sums[0] += 2.0 * product.re,
                 Ok(d) if d <= LAGS => sums[d] += if apart < 0 { product.conj() } else { product },
@@ -193,12 +231,12 @@ fn level(b: &[Complex], passages: &[Passage]) -> f64 {
     4.0 * (roots / b.len() as f64 / ROOT_MEAN).ln()
 }
 
-/// A ninth of the variance of [`line`] at x for one passage.
-fn line_variance(points: &[(f64, f64)], x: f64) -> f64 {
-    let n = points.len() as f64;
-    let mean = points.iter().map(|own| own.0).sum::<f64>() / n;
-    let square: f64 = points.iter().map(|own| (own.0 - mean).powi(2)).sum();
-    LEVEL_VARIANCE * (1.0 / n + if square > 0.0 { (x - mean).powi(2) / square } else { 0.0 })
+/// A ninth of the variance of [`line`] at ln `order`, for one passage of each control order.
+fn line_variance(controls: &[f64], order: f64) -> f64 {
+    let n = controls.len() as f64;
+    let mean = controls.iter().map(|own| own.ln()).sum::<f64>() / n;
+    let square: f64 = controls.iter().map(|own| (own.ln() - mean).powi(2)).sum();
+    LEVEL_VARIANCE * (1.0 / n + if square > 0.0 { (order.ln() - mean).powi(2) / square } else { 0.0 })
 }
 
 /// The straight line through points by least squares, at x.
@@ -214,12 +252,15 @@ fn line(points: &[(f64, f64)], x: f64) -> f64 {
 mod tests {
     use super::*;
 
+    /// A record with this velocity at each sample.
+    fn spall(pulses: [f64; 6], path: Vec<f64>, interval_s: f64) -> Spall {
+        Spall { harmonics: pulses, pulses, drag: 0.0, floor_nm: 0.0, slips: 1.0, path, interval_s }
+    }
+
     /// Records that turn one way at 25 rad/s for 10 s, 40 turns.
     fn spalls(energy: f64) -> Vec<Spall> {
         let pulses = [0.45 * energy, 0.33 * energy, 0.22 * energy, 0.0, 0.0, 0.0];
-        let step = |k: u32| Step { turns: f64::from(k) * 0.008, turned: 0.008, velocity_rad_s: 25.0 };
-        let path = (0..5000).map(step).collect();
-        vec![Spall { harmonics: pulses, pulses, drag: 0.0, floor_nm: 0.0, slips: 1.0, path }; 60]
+        vec![spall(pulses, vec![25.0; 5000], 0.002); 60]
     }
 
     fn blocks() -> Blocks {
@@ -258,22 +299,23 @@ mod tests {
     fn a_path_to_and_fro_is_cut_into_passages() {
         // A quarter of a turn a sample: three samples into cell 0 of a turn, back into cell −1, and on.
         let turns = [0.0, 0.25, 0.5, 0.75, 0.5, 0.25, -0.25, -0.5, -0.75, -1.0, -1.25];
-        let step = |w: &[f64]| Step { turns: w[1], turned: w[1] - w[0], velocity_rad_s: 10.0 };
-        let path: Vec<Step> = turns.windows(2).map(step).collect();
-        let found = passages(&path, 1.0, 1.0);
+        // At this interval the velocity is the angle turned.
+        let path = turns.windows(2).map(|w| w[1] - w[0]).collect();
+        let record = spall([0.0; 6], path, TAU);
+        let found = passages(&record, 1.0, 0.1);
         // Full cells of travel in cell 0 close at 0.5 on the way back; the next sample in −1 closes the rest.
         let cells: Vec<i64> = found.iter().map(|(cell, _)| *cell).collect();
         assert_eq!(cells, [0, 0, -1]);
-        assert!((found[0].1 - 0.4).abs() < 1e-12 && passages(&path, 1.0, 20.0).is_empty());
+        assert!((found[0].1 - 0.4).abs() < 1e-12 && passages(&record, 1.0, 20.0).is_empty());
     }
 
     #[test]
     fn sums_by_hand() {
         let b = [Complex::new(1.0, 0.0), Complex::new(0.0, 1.0), Complex::new(2.0, 0.0)];
-        let found = products(&[0, 1, 2], &b);
+        let found = products(&[0, 1, 2].map(|cell| (cell, 1.0)), &b);
         assert_eq!((found[0], found[1], found[2]), (6.0.into(), Complex::new(0.0, -1.0), 2.0.into()));
         // Back in the first cell: with the first passage through it, and a step backwards from the second.
-        let found = products(&[0, 1, 0], &b);
+        let found = products(&[0, 1, 0].map(|cell| (cell, 1.0)), &b);
         assert_eq!((found[0], found[1]), (10.0.into(), Complex::new(0.0, 3.0)));
         assert!((line(&[(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)], 4.0) - 9.0).abs() < 1e-12);
         // Passages of equal power: 4 ln of its fourth root over the mean.
