@@ -17,6 +17,8 @@ pub(super) struct Orders {
     turns: f64,
     /// Turns over which phases are compared.
     coherent: f64,
+    /// Number of harmonics of each order that training has chosen.
+    harmonics: u8,
     /// Median deviation of each order's amplitude, A.
     deviations: Vec<(String, f64)>,
 }
@@ -27,7 +29,9 @@ impl Orders {
     /// # Errors
     /// The model cannot be embedded.
     pub(super) fn of(trained: &Trained, prepared: &[LabelledTrace]) -> Result<Option<Self>, Error> {
-        let (Some(plan), Some((_, shaft))) = (&trained.recipe.shaft, &trained.parts.shaft) else { return Ok(None) };
+        let (Some(plan), Some((layout, shaft))) = (&trained.recipe.shaft, &trained.parts.shaft) else {
+            return Ok(None);
+        };
         if plan.orders.is_empty() {
             return Ok(None);
         }
@@ -45,7 +49,8 @@ impl Orders {
         }
         let coherent = compared_turns(&shaft.tracking);
         let named = plan.names().into_iter().zip(deviations.iter().map(median)).collect();
-        Ok(Some(Self { turns: median(&turns), coherent, deviations: named }))
+        let harmonics = layout.harmonics;
+        Ok(Some(Self { turns: median(&turns), coherent, harmonics, deviations: named }))
     }
 }
 
@@ -72,11 +77,12 @@ pub(super) fn text(trained: &Trained, orders: Option<&Orders>) -> Option<String>
         let smallest: Vec<String> = own.deviations.iter().map(smallest).collect();
         format!(
             "A record has {:.0} turns, and phases are compared over {:.0}: orders closer than {:.3} cannot be told \
-             apart. Smallest amplitude that stands out in one record (three deviations), A: {}.",
+             apart. Smallest amplitude that stands out in one record (three deviations), A: {}. Of each order {} used.",
             own.turns,
             own.coherent.min(own.turns),
             1.0 / own.coherent.min(own.turns),
-            smallest.join(", ")
+            smallest.join(", "),
+            if own.harmonics == 1 { "one harmonic is".into() } else { format!("{} harmonics are", own.harmonics) },
         )
     });
     let parts: Vec<String> = [gate, orders].into_iter().flatten().collect();
@@ -90,6 +96,7 @@ pub(super) fn to_json(orders: Option<&Orders>) -> Value {
         json!({
             "turns": own.turns,
             "coherent_turns": own.coherent,
+            "harmonics": own.harmonics,
             "orders": own.deviations.iter().map(each).collect::<Vec<_>>(),
         })
     })

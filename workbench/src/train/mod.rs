@@ -16,6 +16,7 @@ mod cross_validation;
 pub(crate) mod discriminant;
 mod estimation;
 pub mod export;
+mod fewer_harmonics;
 mod filters;
 mod fit;
 mod folds;

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use super::core_form::refused;
 use super::estimation::successful;
 use super::nominal::median;
-use super::{VelocitySource, filters, lags, nominal, reference_instruments};
+use super::{VelocitySource, fewer_harmonics, filters, lags, nominal, reference_instruments};
 use crate::Error;
 use crate::core::{Embedded, MAX_ORDERS, Measured, Parts, ShaftSignals, Wiring};
 use crate::grey_box::filter::LowPass;
@@ -55,6 +55,8 @@ pub struct ShaftPlan {
     pub orders: Vec<(String, f64)>,
     /// Weights of the orders' harmonics; the last ones may be zero.
     pub weights: [f64; 3],
+    /// Whether training may leave higher harmonics out.
+    pub fewer_harmonics: bool,
     /// Largest relative slip of the cage that is searched.
     pub slip: f64,
     /// Lag of the current, samples; estimated from the traces if not given.
@@ -75,6 +77,7 @@ impl ShaftPlan {
         Self {
             orders,
             weights: [1.0, 0.5, 0.25],
+            fewer_harmonics: true,
             slip: 0.008,
             current_delay: None,
             cutoff_hz: 4.0,
@@ -119,6 +122,12 @@ impl ShaftPlan {
                 high_pass: 0.0,
             },
         }
+    }
+
+    /// Returns the orders and control orders (3) of this plan in the cells of another one.
+    pub(super) fn with_cells_of(&self, other: &Blocks) -> Tracking<RunTime> {
+        let own = self.tracking(1.0, 0.0);
+        Tracking { blocks: Blocks { controls: own.blocks.controls, ..*other }, ..own }
     }
 
     fn check(&self, interval_s: f64) -> Result<(), Error> {
@@ -171,8 +180,15 @@ pub(super) fn model(
     wiring: &Wiring,
 ) -> Result<(ShaftLayout, ShaftConstants<RunTime>), Error> {
     with_balance(traces, sizes, plan, wiring, |bench, constants, own| {
-        let constants = if plan.orders.is_empty() { constants } else { filters::best(bench, constants, own)? };
-        Ok((layout(plan, wiring)?, constants))
+        if plan.orders.is_empty() {
+            return Ok((layout(plan, wiring)?, constants));
+        }
+        let constants = filters::best(bench, constants, own)?;
+        // Other harmonics have other noise, for which other filters are best.
+        Ok(match fewer_harmonics::chosen(bench, plan, &constants, own)? {
+            Some((fewer, constants)) => (layout(&fewer, wiring)?, filters::best(bench, constants, own)?),
+            None => (layout(plan, wiring)?, constants),
+        })
     })
 }
 
@@ -249,7 +265,7 @@ fn layout(plan: &ShaftPlan, wiring: &Wiring) -> Result<ShaftLayout, Error> {
 }
 
 /// Number of harmonics with a weight.
-fn harmonics(weights: &[f64; 3]) -> u8 {
+pub(super) fn harmonics(weights: &[f64; 3]) -> u8 {
     3 - weights.iter().rev().take_while(|w| **w <= 0.0).count() as u8
 }
 
@@ -364,7 +380,8 @@ fn controls(orders: &[(String, f64)], slip: f64, harmonics: u8) -> [f64; CONTROL
     let lines: Vec<f64> =
         orders.iter().flat_map(|(_, order)| (1..=harmonics).map(move |h| order * f64::from(h))).collect();
     let lowest = 0.66 * lines.iter().copied().fold(1000.0, f64::min).max(1.0);
-    let highest = (1.04 * lines.iter().copied().fold(1.0, f64::max)).max(3.0 * lowest);
+    // Four half orders, at least: orders near those of the rotor have its lines.
+    let highest = (1.04 * lines.iter().copied().fold(1.0, f64::max)).max(2.2 * lowest);
     let clear = |order: f64| {
         let integer = (order - order.round()).abs();
         lines.iter().map(|line| (line - order).abs() - slip * line).fold(integer, f64::min)

@@ -35,7 +35,7 @@ pub(in crate::cli) struct ShaftArgs {
     /// Orders to track, events per turn, e.g. outer=3.718,sideband=4.718
     #[arg(long, value_name = "NAME=ORDER", value_delimiter = ',', requires = "angle")]
     orders: Vec<String>,
-    /// Weights of an order's first three harmonics
+    /// Weights of an order's first three harmonics [default: 1,0.5,0.25, or the first of them that find more]
     #[arg(long, value_name = "W1,W2,W3", value_delimiter = ',', num_args = 1, requires = "angle")]
     harmonics: Vec<f64>,
     /// Largest relative slip of the bearing's cage that is searched [default: 0.008]
@@ -101,6 +101,7 @@ impl ShaftArgs {
         }
         if !self.harmonics.is_empty() {
             plan.weights = [0.0; 3];
+            plan.fewer_harmonics = false;
             plan.weights.iter_mut().zip(&self.harmonics).for_each(|(cell, w)| *cell = *w);
         }
         Ok(Some((channels, plan)))

@@ -18,14 +18,15 @@
 //! of the sensors: it is what the core finds there in other healthy records, with the filters that training has chosen.
 //!
 //! A detector that searches the slip, compares phases over a few blocks and does not know the noise finds less than
-//! (1): the module `search` simulates its statistic.
+//! (1): the module `search` simulates its statistic. [`classes`] bounds the error of three classes.
 
+pub mod classes;
 pub mod energy;
 pub mod render;
 pub mod roughness;
 mod search;
 
-use bearing_watch::model::Blocks;
+use bearing_watch::model::Tracking;
 use bearing_watch::plan::RunTime;
 use bearing_watch::{FrictionTerm, ShaftEstimate};
 use nalgebra::{Matrix3, Vector3};
@@ -33,10 +34,11 @@ use rayon::prelude::*;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 use statrs::statistics::Statistics;
 
+use super::Settings;
 use super::recipe::{FALSE_ALARM, recipe};
-use super::rows::{COLUMNS, Row};
+use super::rows::{CLASS_SIZES, COLUMNS, Row};
+use super::run::{self, Draw};
 use super::tally::{Tally, rate};
-use super::{Settings, run};
 use crate::Error;
 use crate::evaluate::Rate;
 use crate::rig::field::{FieldValues, LoadMeasurement};
@@ -44,6 +46,7 @@ use crate::rig::{Condition, Defect, DefectKind, Scenario, simulate};
 use crate::study::campaign::run::traces;
 use crate::trace::labels::LabelledTrace;
 use crate::train::train;
+use classes::ClassBound;
 use energy::{HARMONICS, Spall};
 use roughness::{Population, RoughnessBound};
 use search::Search;
@@ -112,6 +115,8 @@ pub struct Bounded {
     pub viscous_error: f64,
     /// One for each roughness of [`COLUMNS`]; none if no temperature changes the friction.
     pub roughness: Vec<RoughnessBound>,
+    /// One for each of [`CLASS_SIZES`]; none if the row has no discriminant.
+    pub classes: Vec<ClassBound>,
 }
 
 /// Bounds a row, and judges the gate with the order alone and that of the recipe.
@@ -119,19 +124,19 @@ pub struct Bounded {
 /// # Errors
 /// Returns an error if simulation or training fails.
 pub fn bound(row: &Row, settings: &Settings) -> Result<Bounded, Error> {
-    let row = Row { classes: false, ..*row };
     let order = Settings { features: vec!["order_outer".into()], ..settings.clone() };
-    let found = [found(&row, &order)?, found(&row, settings)?];
-    let (blocks, healthy) = healthy_estimates(&row)?;
+    let by_order = found(&Row { classes: false, ..*row }, &order)?;
+    let by_all = found(row, settings)?;
+    let (tracking, healthy) = healthy_estimates(row, settings.healthy_training)?;
     let core_floors = measured_floors(&healthy);
     let core_floor_nm = root_mean_square(&core_floors);
-    let spalls = spalls(&row, if is_disturbed(&row.judged) { &core_floors } else { &[] })?;
-    let population = healthy_precision(&row);
-    let search = recipe(&row.trained, &[]).shaft.and_then(|plan| Search::new(&plan, &blocks, &spalls));
-    let of = |draws: &[Vec<Tally>], kind: DefectKind, severity: f64| {
+    let spalls = spalls(row, if is_disturbed(&row.judged) { &core_floors } else { &[] })?;
+    let population = healthy_precision(row);
+    let search = Search::new(&tracking, &spalls);
+    let pooled = |tallies: Vec<Tally>| (!tallies.is_empty()).then(|| rate(&tallies));
+    let of = |draws: &[Draw], kind: DefectKind, severity: f64| {
         let column = COLUMNS.iter().position(|own| *own == Defect { kind, severity })?;
-        let tallies: Vec<Tally> = draws.iter().map(|own| own[column]).collect();
-        (!tallies.is_empty()).then(|| rate(&tallies))
+        pooled(draws.iter().filter_map(|own| own.gate.as_ref().ok()).map(|own| own[column]).collect())
     };
     let each = |severity: f64| {
         let parts: Vec<[f64; 3]> = spalls.par_iter().map(|spall| powers(spall, population, severity)).collect();
@@ -141,23 +146,30 @@ pub fn bound(row: &Row, settings: &Settings) -> Result<Bounded, Error> {
             severity,
             non_centrality: severity * severity * energies / spalls.len() as f64,
             order: mean(0),
-            searched: search.as_ref().map_or(f64::NAN, |own| own.power(severity)),
+            searched: search.as_ref().map_or(f64::NAN, |own| own.powers(severity, &[FALSE_ALARM])[0]),
             friction: mean(1),
             all: mean(2),
-            found_by_order: of(&found[0], DefectKind::Spall, severity),
-            found: of(&found[1], DefectKind::Spall, severity),
+            found_by_order: of(&by_order, DefectKind::Spall, severity),
+            found: of(&by_all, DefectKind::Spall, severity),
         }
     };
     let floor_nm = root_mean_square(&spalls.iter().map(|spall| spall.floor_nm).collect::<Vec<_>>());
-    let viscous_error = viscous_error(&row, &healthy)?;
-    let drives = Population::of(&row);
+    let viscous_error = viscous_error(row, &healthy)?;
+    let drives = Population::of(row);
     let rough = |drives: &Population, severity: f64| RoughnessBound {
         severity,
-        exact: drives.power(severity, 0.0),
-        with_error: drives.power(severity, viscous_error),
-        found: of(&found[1], DefectKind::Roughness, severity),
+        exact: drives.powers(severity, 0.0, &[FALSE_ALARM])[0],
+        with_error: drives.powers(severity, viscous_error, &[FALSE_ALARM])[0],
+        found: of(&by_all, DefectKind::Roughness, severity),
     };
     let roughness = drives.iter().flat_map(|own| sizes(DefectKind::Roughness).into_iter().map(|size| rough(own, size)));
+    let classes = |(place, severity): (usize, f64)| {
+        let known = by_all.iter().filter_map(|own| own.classes.as_ref()?.as_ref().ok());
+        let found = pooled(known.map(|own| own[place]).collect());
+        let friction = drives.as_ref().map(|own| (own, viscous_error));
+        search.as_ref().map(|search| ClassBound::of(severity, (&spalls, search), friction, found))
+    };
+    let sizes_of_classes = CLASS_SIZES.into_iter().enumerate().filter(|_| row.classes);
     Ok(Bounded {
         row: row.name(),
         floor_nm,
@@ -165,6 +177,7 @@ pub fn bound(row: &Row, settings: &Settings) -> Result<Bounded, Error> {
         bounds: sizes(DefectKind::Spall).into_iter().map(each).collect(),
         viscous_error,
         roughness: roughness.collect(),
+        classes: sizes_of_classes.filter_map(classes).collect(),
     })
 }
 
@@ -184,10 +197,8 @@ fn is_disturbed(condition: &Condition) -> bool {
     })
 }
 
-/// The tallies of all draws in which training accepted the set.
-fn found(row: &Row, settings: &Settings) -> Result<Vec<Vec<Tally>>, Error> {
-    let draws = (settings.first..settings.first + settings.draws).map(|number| run::draw(row, number, settings));
-    Ok(draws.collect::<Result<Vec<_>, _>>()?.into_iter().filter_map(|draw| draw.gate.ok()).collect())
+fn found(row: &Row, settings: &Settings) -> Result<Vec<Draw>, Error> {
+    (settings.first..settings.first + settings.draws).map(|number| run::draw(row, number, settings)).collect()
 }
 
 fn root_mean_square(x: &[f64]) -> f64 {
@@ -214,18 +225,21 @@ fn spalls(row: &Row, floors_nm: &[f64]) -> Result<Vec<Spall>, Error> {
     (0..RECORDS).into_par_iter().map(each).collect()
 }
 
-/// Blocks of a detector that was trained on healthy records, and what the core estimates with it in others.
-fn healthy_estimates(row: &Row) -> Result<(Blocks, Vec<ShaftEstimate<RunTime>>), Error> {
+/// Tracked order of a detector that was trained on so many healthy records, and what the core estimates with it in
+/// others.
+fn healthy_estimates(row: &Row, count: u32) -> Result<(Tracking<RunTime>, Vec<ShaftEstimate<RunTime>>), Error> {
     let own = recipe(&row.trained, &["order_outer".into()]);
-    let detector = train(&traces(&[(row.training(0, Defect::HEALTHY), 0)], RECORDS)?, &["healthy".into()], &own)?;
-    let blocks = detector.parts.shaft.as_ref().map_or(Blocks::EMPTY, |(_, shaft)| shaft.tracking.blocks);
+    let healthy = traces(&[(row.training(0, Defect::HEALTHY), 0)], count)?;
+    let detector = train(&healthy, &["healthy".into()], &own)?;
+    let not_watched = || Error::Training("the detector does not watch the shaft".into());
+    let tracking = detector.parts.shaft.as_ref().map(|(_, shaft)| shaft.tracking.clone()).ok_or_else(not_watched)?;
     let detector = detector.embed()?;
     let records = traces(&[(row.validation(0, Defect::HEALTHY), 0)], RECORDS)?;
     let estimate = |record: &LabelledTrace| {
         let report = detector.whole(&record.trace);
         report.shaft().cloned().ok_or_else(|| Error::trace(&record.trace.id, "the shaft was not watched"))
     };
-    Ok((blocks, records.par_iter().map(estimate).collect::<Result<_, _>>()?))
+    Ok((tracking, records.par_iter().map(estimate).collect::<Result<_, _>>()?))
 }
 
 /// Deviation of the outer order's amplitude in each healthy record, as the core measures it, N·m.
@@ -278,16 +292,24 @@ fn powers(spall: &Spall, population: Option<Matrix3<f64>>, severity: f64) -> [f6
     let friction = 1.0 / (1.0 / (square * spall.drag) + healthy); // (2)
     let normal = Normal::standard();
     let by_friction = normal.cdf(friction.sqrt() - normal.inverse_cdf(1.0 - FALSE_ALARM));
-    let (mut order, mut both) = (0.0_f64, 0.0_f64);
-    let rate = FALSE_ALARM / spall.slips;
-    // Another slip than the true one may exceed its threshold.
-    let chance = 1.0 - (FALSE_ALARM - rate);
-    for harmonics in 1..=HARMONICS {
-        let energy = square * spall.harmonics[..harmonics].iter().sum::<f64>();
-        order = order.max(1.0 - (1.0 - power(2 * harmonics, energy, rate)) * chance); // (1)
-        both = both.max(1.0 - (1.0 - power(2 * harmonics + 1, energy + friction, rate)) * chance); // (3)
-    }
+    let order = order_power(spall, severity, FALSE_ALARM); // (1)
+    let law = |harmonics: usize| (2 * harmonics + 1, spall.energy(severity, harmonics) + friction);
+    let both = by_harmonics(spall, FALSE_ALARM, law); // (3)
     [order, by_friction, order.max(by_friction).max(both)]
+}
+
+/// (1) at this false-alarm rate.
+fn order_power(spall: &Spall, severity: f64, rate: f64) -> f64 {
+    by_harmonics(spall, rate, |harmonics| (2 * harmonics, spall.energy(severity, harmonics)))
+}
+
+/// The largest power of any number of harmonics, whose degrees of freedom and non-centrality `law` returns.
+fn by_harmonics(spall: &Spall, rate: f64, law: impl Fn(usize) -> (usize, f64)) -> f64 {
+    let own = rate / spall.slips;
+    // Another slip than the true one may exceed its threshold.
+    let chance = 1.0 - (rate - own);
+    let power_of = |(freedom, non_centrality)| 1.0 - (1.0 - power(freedom, non_centrality, own)) * chance;
+    (1..=HARMONICS).map(|harmonics| power_of(law(harmonics))).fold(0.0, f64::max)
 }
 
 /// P(χ²(k, λ) > c), where a central χ² exceeds c at this rate: a Poisson mixture of central ones.

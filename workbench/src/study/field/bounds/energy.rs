@@ -91,6 +91,11 @@ impl Spall {
         let slips = values.slip.map_or(1.0, |slip| 1.0 + 2.0 * slip.ranges.slip[1] * order * turns);
         Self { harmonics, pulses, drag, floor_nm: floor_nm.unwrap_or(own), slips, path, interval_s }
     }
+
+    /// Non-centrality of the first harmonics of a spall of this size.
+    pub(super) fn energy(&self, severity: f64, harmonics: usize) -> f64 {
+        severity * severity * self.harmonics.iter().take(harmonics).sum::<f64>()
+    }
 }
 
 /// a_h of (3).

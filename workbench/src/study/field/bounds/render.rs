@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use super::classes::ClassBound;
 use super::roughness::RoughnessBound;
 use super::{Bound, Bounded};
 use crate::evaluate::Rate;
@@ -53,7 +54,7 @@ pub fn text(all: &[Bounded], settings: &Settings) -> String {
     };
     let rows: Vec<Vec<String>> =
         all.iter().flat_map(|own| own.bounds.iter().map(move |bound| row(own, bound))).collect();
-    [grid(&title, &head, &rows), roughness(all)].join("\n")
+    [grid(&title, &head, &rows), roughness(all), classes(all)].join("\n")
 }
 
 fn roughness(all: &[Bounded]) -> String {
@@ -72,6 +73,24 @@ fn roughness(all: &[Bounded]) -> String {
     };
     let rows: Vec<Vec<String>> =
         all.iter().flat_map(|own| own.roughness.iter().map(move |bound| row(own, bound))).collect();
+    grid(title, &head, &rows)
+}
+
+fn classes(all: &[Bounded]) -> String {
+    let title = "Three classes in equal parts: error, %: bounds by the best limits for each size, and that of the \
+                 detector [95 % interval]";
+    let head = ["", "size", "ideal order, exact friction", "order and friction of the core", "detector"];
+    let row = |own: &Bounded, bound: &ClassBound| {
+        vec![
+            own.row.clone(),
+            format!("{}", bound.severity),
+            format!("{:.1}", 100.0 * bound.ideal),
+            format!("{:.1}", 100.0 * bound.of_core),
+            shown(bound.found),
+        ]
+    };
+    let rows: Vec<Vec<String>> =
+        all.iter().flat_map(|own| own.classes.iter().map(move |bound| row(own, bound))).collect();
     grid(title, &head, &rows)
 }
 
@@ -98,6 +117,14 @@ pub fn to_json(all: &[Bounded]) -> Value {
             "found": own.found.map(|rate| rate.to_json()),
         })
     };
+    let class = |own: &ClassBound| {
+        json!({
+            "severity": own.severity,
+            "ideal": own.ideal,
+            "of_core": own.of_core,
+            "found": own.found.map(|rate| rate.to_json()),
+        })
+    };
     let row = |own: &Bounded| {
         json!({
             "row": own.row,
@@ -106,6 +133,7 @@ pub fn to_json(all: &[Bounded]) -> Value {
             "bounds": own.bounds.iter().map(bound).collect::<Vec<_>>(),
             "viscous_error_nm_s_rad": own.viscous_error,
             "roughness": own.roughness.iter().map(rough).collect::<Vec<_>>(),
+            "classes": own.classes.iter().map(class).collect::<Vec<_>>(),
         })
     };
     json!({ "rows": all.iter().map(row).collect::<Vec<_>>() })

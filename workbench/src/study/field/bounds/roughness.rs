@@ -8,8 +8,8 @@
 //! ln B | s ~ N(β₀ + β₁ s, σ_B²),   κ | s ~ N(γ₀ + γ₁ s, σ_κ²)   by least squares over healthy drives          (4)
 //! ```
 //!
-//! (1) is the likelihood ratio, which no test of b and κ exceeds; its limit is that of 1 % of the healthy drives. σ of
-//! (2) is zero, or the error with which the core estimates B in a record.
+//! (1) is the likelihood ratio, which no test of b and κ exceeds; its limit is that of a part of the healthy drives. σ
+//! of (2) is zero, or the error with which the core estimates B in a record.
 
 use std::f64::consts::PI;
 
@@ -20,7 +20,6 @@ use crate::evaluate::Rate;
 use crate::rig::bearing::ADDED_FRICTION_NM_S_PER_RAD;
 use crate::rig::field::FieldValues;
 use crate::rig::{NoiseSource, Scenario, Stream};
-use crate::study::field::recipe::FALSE_ALARM;
 
 /// Healthy drives over which a rate is counted.
 const DRIVES: u64 = 4000;
@@ -122,8 +121,8 @@ impl Population {
         Some(Self { drives, viscous, told })
     }
 
-    /// The rate at which roughness of this size is found, with this σ of (2), N·m·s/rad.
-    pub(super) fn power(&self, severity: f64, error: f64) -> f64 {
+    /// The rates at which roughness of this size is found at these false-alarm rates, with this σ of (2), N·m·s/rad.
+    pub(super) fn powers(&self, severity: f64, error: f64, rates: &[f64]) -> Vec<f64> {
         let added = ADDED_FRICTION_NM_S_PER_RAD * severity;
         let mut noise = NoiseSource::new(0, Stream::CurrentNoise);
         let measured: Vec<(f64, f64)> =
@@ -131,9 +130,10 @@ impl Population {
         let ratio = |b: f64, told: f64| self.ratio((b, error), told, added);
         let mut healthy: Vec<f64> = measured.par_iter().map(|(b, told)| ratio(*b, *told)).collect();
         healthy.sort_by(f64::total_cmp);
-        let limit = healthy[((1.0 - FALSE_ALARM) * DRIVES as f64) as usize];
-        let found = measured.par_iter().filter(|(b, told)| ratio(b + added, *told) > limit).count();
-        found as f64 / DRIVES as f64
+        let defective: Vec<f64> = measured.par_iter().map(|(b, told)| ratio(b + added, *told)).collect();
+        let limit = |rate: f64| healthy[(((1.0 - rate) * DRIVES as f64) as usize).min(healthy.len() - 1)];
+        let found = |limit: f64| defective.iter().filter(|own| **own > limit).count() as f64 / DRIVES as f64;
+        rates.iter().map(|rate| found(limit(*rate))).collect()
     }
 
     /// ln Λ of (1).
@@ -166,11 +166,12 @@ impl Population {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::field::recipe::FALSE_ALARM;
     use crate::study::field::rows::named;
 
     fn found(row: &str, severity: f64, error: f64) -> Option<f64> {
         let row = named(&[row.into()]).expect("known")[0];
-        Population::of(&row).map(|drives| drives.power(severity, error))
+        Population::of(&row).map(|drives| drives.powers(severity, error, &[FALSE_ALARM])[0])
     }
 
     #[test]

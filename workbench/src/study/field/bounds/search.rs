@@ -12,22 +12,21 @@
 //! K samples; they do not slip. What the ideal detector finds of the torque constant's ripple, this one does not, since
 //! its phase varies with the current. The passages are those of the healthy records: a slow one has more samples, and a
 //! part of a cell is passed before a reversal. The core's score of (4) allows for V and for the errors of (3), so that
-//! one limit holds for all records: that of 1 % of the records without a defect. Cells, controls and slips are those of
-//! the trained detector. The core's further steps are left out: what it takes for noise if it does not stay in phase,
-//! and the filters of the residual.
+//! one limit holds for all records: that of a part of the records without a defect. Cells, controls, slips and weights
+//! c_h are those of the trained detector. The core's further steps are left out: what it takes for noise if it does not
+//! stay in phase, and the filters of the residual.
 
 use std::f64::consts::{PI, TAU};
 
 use bearing_watch::internals::LAGS;
-use bearing_watch::model::Blocks;
+use bearing_watch::model::Tracking;
+use bearing_watch::plan::RunTime;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 use super::Spall;
-use crate::study::field::recipe::FALSE_ALARM;
-use crate::train::ShaftPlan;
 
 /// Draws of each record without a defect, and with one.
 const HEALTHY: u64 = 200;
@@ -74,36 +73,46 @@ pub(super) struct Search<'a> {
     controls: Vec<f64>,
     /// ψ of one step of the slip.
     turning: f64,
-    limit: f64,
+    /// Scores without a defect, the smallest first.
+    healthy: Vec<f64>,
 }
 
 impl<'a> Search<'a> {
-    /// For these records and the blocks of the trained detector.
-    pub(super) fn new(plan: &ShaftPlan, blocks: &Blocks, spalls: &'a [Spall]) -> Option<Self> {
+    /// For these records and the first order of the trained detector.
+    pub(super) fn new(tracking: &Tracking<RunTime>, spalls: &'a [Spall]) -> Option<Self> {
+        let Tracking { orders, blocks } = tracking;
         let cell_turns = f64::from(blocks.cell_turns_log2).exp2();
-        let order = plan.orders.first()?.1;
+        let tracked = orders.first()?;
+        let order = f64::from(tracked.order());
         let slowest = f64::from(blocks.slowest_rad_s);
         let mut search = Self {
             spalls,
             records: vec![],
             order,
-            weights: plan.weights,
+            weights: tracked.weights.map(f64::from),
             controls: blocks.controls.iter().map(|order| f64::from(*order) / 65_536.0).collect(),
-            turning: 2.0 * PI * order * cell_turns * plan.slip / f64::from(SIDE),
-            limit: 0.0,
+            turning: 2.0 * PI * order * cell_turns * f64::from(blocks.slip) / f64::from(SIDE),
+            healthy: vec![],
         };
         let record = |own: &Spall| search.record(passages(own, cell_turns, slowest));
         search.records = spalls.iter().map(record).collect();
         let mut healthy = search.scores(0.0, HEALTHY, 0);
         healthy.sort_by(f64::total_cmp);
-        search.limit = *healthy.get(((1.0 - FALSE_ALARM) * healthy.len() as f64) as usize)?;
+        search.healthy = healthy;
         Some(search)
     }
 
-    /// Part of the draws above the limit, with spalls of this size.
-    pub(super) fn power(&self, severity: f64) -> f64 {
+    /// Part of the draws with spalls of this size above the limits of these false-alarm rates.
+    pub(super) fn powers(&self, severity: f64, rates: &[f64]) -> Vec<f64> {
         let scores = self.scores(severity, DEFECTIVE, HEALTHY);
-        scores.iter().filter(|score| **score > self.limit).count() as f64 / scores.len() as f64
+        let above = |limit: f64| scores.iter().filter(|score| **score > limit).count() as f64 / scores.len() as f64;
+        rates.iter().map(|rate| above(self.limit(*rate))).collect()
+    }
+
+    /// The score that this part of the draws without a defect exceeds.
+    fn limit(&self, rate: f64) -> f64 {
+        let place = ((1.0 - rate) * self.healthy.len() as f64) as usize;
+        self.healthy.get(place).copied().unwrap_or(f64::INFINITY)
     }
 
     /// Scores of some draws of each record, whose seeds start at `first`.
@@ -250,11 +259,17 @@ fn line(points: &[(f64, f64)], x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use bearing_watch::model::{Blocks, TrackedOrder};
+
     use super::*;
 
     /// A record with this velocity at each sample.
     fn spall(pulses: [f64; 6], path: Vec<f64>, interval_s: f64) -> Spall {
         Spall { harmonics: pulses, pulses, drag: 0.0, floor_nm: 0.0, slips: 1.0, path, interval_s }
+    }
+
+    fn power(search: &Search<'_>, severity: f64) -> f64 {
+        search.powers(severity, &[0.01])[0]
     }
 
     /// Records that turn one way at 25 rad/s for 10 s, 40 turns.
@@ -263,32 +278,29 @@ mod tests {
         vec![spall(pulses, vec![25.0; 5000], 0.002); 60]
     }
 
-    fn blocks() -> Blocks {
+    fn tracking(slip: f32) -> Tracking<RunTime> {
         let controls = [2.5, 4.49, 6.5, 12.53].map(|order: f64| (order * 65_536.0) as i32);
-        Blocks { controls, cell_turns_log2: 1, slowest_rad_s: 2.0, ..Blocks::EMPTY }
-    }
-
-    fn plan(slip: f64) -> ShaftPlan {
-        ShaftPlan { slip, ..ShaftPlan::new(vec![("outer".into(), 3.718)]) }
+        let blocks = Blocks { controls, cell_turns_log2: 1, slip, slowest_rad_s: 2.0, ..Blocks::EMPTY };
+        Tracking { orders: vec![TrackedOrder::new(3.718, [1.0, 0.5, 0.25])], blocks }
     }
 
     #[test]
     fn without_a_defect_the_set_rate_is_met_and_the_score_is_about_normal() {
         let none = spalls(0.0);
-        let search = Search::new(&plan(0.022), &blocks(), &none).expect("an order");
+        let search = Search::new(&tracking(0.022), &none).expect("an order");
         // 6000 draws of a rate of 1 %: a deviation of 0.13, and another 0.1 of the limit.
-        let rate = search.power(1.0);
+        let rate = power(&search, 1.0);
         assert!((0.006..0.014).contains(&rate), "{rate}");
         // The core's score of 1 % of a normal variable is 2.33; its law holds within a quarter.
-        assert!((2.0..2.7).contains(&search.limit), "{}", search.limit);
+        assert!((2.0..2.7).contains(&search.limit(0.01)), "{}", search.limit(0.01));
         let strong = spalls(400.0);
-        assert!(Search::new(&plan(0.022), &blocks(), &strong).expect("an order").power(1.0) > 0.999);
+        assert!(power(&Search::new(&tracking(0.022), &strong).expect("an order"), 1.0) > 0.999);
     }
 
     #[test]
     fn search_and_unknown_noise_cost_what_they_cost() {
         let spalls = spalls(29.4);
-        let rate = |slip: f64| Search::new(&plan(slip), &blocks(), &spalls).expect("an order").power(1.0);
+        let rate = |slip: f32| power(&Search::new(&tracking(slip), &spalls).expect("an order"), 1.0);
         let (searched, known) = (rate(0.022), rate(0.0));
         println!("{searched} {known}");
         // The ideal detector of six degrees of freedom finds 98 %.
