@@ -44,10 +44,10 @@ pub fn figures(way: Way) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// What the examples `measure` and `stack` print, and what a detector adds to the smallest program.
+/// What the examples `measure`, `memory` and `stack` print, and what a detector adds to the smallest program.
 pub fn kernels(way: Way) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
-    for example in ["measure", "stack"] {
+    for example in ["measure", "memory", "stack"] {
         figures.extend(printed(&firmware::build(way, DRIVE, example)?, DRIVE)?);
     }
     if toolchain::hindrance(way, NO_FPU.target).is_none() {

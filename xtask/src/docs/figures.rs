@@ -16,7 +16,7 @@ pub const NAME: &str = "target";
 type Picks = (&'static [&'static str], &'static [Option<u64>]);
 
 /// Kernels: a title, the figures of its instructions, and those of its bytes.
-const KERNELS: [(&str, Picks, Picks); 16] = [
+const KERNELS: [(&str, Picks, Picks); 17] = [
     kernel("sine and cosine of a binary angle", &["sin_cos"], ONE, NO_BYTES),
     kernel("the same with Clarke and Park transforms", &["sin_cos + Clarke + Park"], ONE, NO_BYTES),
     kernel("least-squares update, 5 / 8 / 12 / 15 parameters", &["LS update, lambda 1"], ALL, &["LS update"]),
@@ -48,12 +48,15 @@ const KERNELS: [(&str, Picks, Picks); 16] = [
         EIGHT,
         &[RESOLVER_MEAN],
     ),
+    kernel("the same and a detector, 8 parameters, shaft with 1 / 2 / 3 / 4 orders", NO_COUNTS, ORDERS, &[RAM]),
 ];
 
 const ONE: &[Option<u64>] = &[None];
 const EIGHT: &[Option<u64>] = &[Some(8)];
 const TWO: &[Option<u64>] = &[Some(8), Some(15)];
 const ALL: &[Option<u64>] = &[Some(5), Some(8), Some(12), Some(15)];
+const ORDERS: &[Option<u64>] = &[Some(1), Some(2), Some(3), Some(4)];
+const NO_COUNTS: &[&str] = &[];
 const NO_BYTES: &[&str] = &[];
 const LS_GUARDED: &str = "LS sample, stuck sensor and outliers told";
 const IV_GUARDED: &str = "SRIV sample, stuck sensor and outliers told";
@@ -75,6 +78,8 @@ const RESOLVER: &[&str] = &[
     "front end, resolver, 3 currents, 2 further, worst sample",
     "front end, resolver, 3 currents, 2 further, worst sample, any data",
 ];
+
+const RAM: &str = "front end and detector, RAM";
 
 const fn kernel(
     title: &'static str,

@@ -1,0 +1,57 @@
+//! RAM of front end and detector, as lines of JSON: three currents and two further channels by 8, least squares of eight
+//! parameters, and a shaft with so many orders.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[macro_use]
+mod support;
+
+use bearing_watch::plan::{Layout, Memory, Method, RegressionLayout, ShaftLayout};
+use bearing_watch::{Detector, FrontEnd, Structure};
+
+main!(run);
+
+/// Bytes of both.
+macro_rules! bytes {
+    ($orders:literal) => {{
+        bearing_watch::plan! {
+            /// A drive.
+            pub struct Own;
+            /// One sample of it.
+            pub struct OwnSample with angle {
+                current_a: "A", velocity_ref_rad_s: "rad/s", load_nm: "N·m", velocity_rad_s: "rad/s",
+            }
+            layout: Layout {
+                regression: Some(RegressionLayout {
+                    structure: Structure::new(2, 3, 3, 1, 1),
+                    method: Method::LeastSquares,
+                    memory: Memory::Segment,
+                    y: current_a,
+                    u1: velocity_ref_rad_s,
+                    u2: load_nm,
+                }),
+                shaft: Some(ShaftLayout {
+                    current: current_a,
+                    velocity: Some(velocity_rad_s),
+                    load: Some(load_nm),
+                    orders: $orders,
+                    harmonics: 3,
+                }),
+                features: 9,
+                coordinates: 3,
+                rising: 1,
+                classes: 3,
+                ..Layout::EMPTY
+            }
+        }
+        let bytes = size_of::<FrontEnd<2, 8>>() + size_of::<Detector<'static, Own>>();
+        let orders = $orders;
+        say!(r#"{{"name":"front end and detector, RAM","n":{orders},"instructions":null,"bytes":{bytes}}}"#);
+    }};
+}
+
+fn run() {
+    bytes!(1);
+    bytes!(2);
+    bytes!(3);
+    bytes!(4);
+}
