@@ -20,12 +20,19 @@ program!(run);
 fn run() -> ! {
     let mut detector = Detector::new(&MODEL);
     let mut evidence = MODEL.evidence();
-    let Ok(mut front_end) = DriveFrontEnd::new(&FRONT_END) else { loop {} };
+    let Ok(mut front_end) = DriveFrontEnd::new(&FRONT_END) else {
+        loop {
+            core::hint::spin_loop();
+        }
+    };
     let mut number = 0_u32;
     loop {
         let [y, u1, u2] = footprint::inputs();
         number = number.wrapping_add(1);
-        let counts = [y, u1, u2].map(|x| x.to_bits() as u16);
+        let counts = [y, u1, u2].map(|x| {
+            let [low, high, ..] = x.to_le_bytes();
+            u16::from_le_bytes([low, high])
+        });
         let raw: RawSample<FURTHER> = RawSample {
             number,
             currents: PhaseCounts::Three(counts),
