@@ -14,7 +14,7 @@ use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use rayon::prelude::*;
 
-use super::{Cells, Columns, Wanted, arrow_blocks, doubles};
+use super::{Cells, Columns, Wanted, arrow_blocks, doubles, parquet_pages};
 use crate::Error;
 use crate::damaged::{DAMAGED, guarded};
 
@@ -93,6 +93,8 @@ fn batches((path, names): (&Path, &[String]), kind: Kind, wanted: Wanted<'_>) ->
     let (rows, batches): (usize, Box<dyn Iterator<Item = Result<RecordBatch, String>>>) = match kind {
         Kind::Parquet => {
             let builder = parquet(path)?;
+            let file = File::open(path).map_err(Error::io(path))?;
+            parquet_pages::check(&file, builder.metadata()).map_err(|error| wrong(error.to_string()))?;
             let rows = usize::try_from(builder.metadata().file_metadata().num_rows()).unwrap_or(0).min(LARGEST_RESERVE);
             let mask = ProjectionMask::roots(builder.parquet_schema(), places.iter().copied());
             let reader = builder.with_projection(mask).with_batch_size(BATCH).build();

@@ -10,13 +10,16 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::SchemaDescriptor;
 
 use super::arrow::LARGEST_RESERVE;
+use super::parquet_pages;
 
 /// Values that are read at a time.
 const MANY: usize = 65_536;
 
 /// Reads the columns at these places; `None` if one has other values, or lacks some.
 pub(super) fn read(file: File, places: &[usize]) -> Result<Option<Vec<Vec<f64>>>> {
+    let pages = file.try_clone()?;
     let reader = SerializedFileReader::new(file)?;
+    parquet_pages::check(&pages, reader.metadata())?;
     let about = reader.metadata().file_metadata();
     let rows = usize::try_from(about.num_rows()).unwrap_or(0).min(LARGEST_RESERVE);
     let leaves: Option<Vec<usize>> = places.iter().map(|place| leaf(about.schema_descr(), *place)).collect();

@@ -20,6 +20,7 @@ mod matlab;
 mod matlab_elements;
 mod matlab_value;
 mod numpy;
+pub(crate) mod parquet_pages;
 mod plain;
 mod recorded;
 mod source;

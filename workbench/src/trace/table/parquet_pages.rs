@@ -1,0 +1,186 @@
+//! The headers of a Parquet file's pages, which its reader trusts.
+//!
+//! A header is a structure of Thrift's compact protocol, of which only the size of the page is needed here. The reader
+//! skips unknown fields; at a list of texts it asks the end of the file for each of as many texts as the list claims.
+//! Headers of the format have no lists, sets or maps, so a file with one is refused. What else is wrong, the reader
+//! says.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Seek, SeekFrom};
+
+use parquet::errors::ParquetError;
+use parquet::file::metadata::ParquetMetaData;
+
+/// Structures within structures; headers have two.
+const DEEPEST: u8 = 8;
+/// The field of a header with the size of the page behind it.
+const SIZE: i64 = 3;
+
+/// Refuses a file with a list in a header of any page.
+///
+/// # Errors
+/// A list.
+pub(crate) fn check(file: &File, metadata: &ParquetMetaData) -> Result<(), ParquetError> {
+    let Ok(length) = file.metadata().map(|about| about.len()) else { return Ok(()) };
+    // Headers are short; pages are not read.
+    let mut reader = BufReader::with_capacity(256, file);
+    for column in metadata.row_groups().iter().flat_map(|group| group.columns()) {
+        let (start, bytes) = column.byte_range();
+        let end = start.saturating_add(bytes).min(length);
+        let mut at = start;
+        while at < end {
+            if reader.seek(SeekFrom::Start(at)).is_err() {
+                break;
+            }
+            let mut header = Header { reader: &mut reader, left: end - at };
+            match header.fields(DEEPEST) {
+                Ok(Some(size)) => at = (end - header.left).saturating_add(size),
+                Ok(None) | Err(Wrong::Malformed) => break,
+                Err(Wrong::List) => {
+                    let path = column.column_path().string();
+                    return Err(ParquetError::General(format!("the header of a page of column {path} has a list")));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Why a header is not read.
+#[derive(Debug, PartialEq, Eq)]
+enum Wrong {
+    List,
+    Malformed,
+}
+
+/// A header, and how many bytes it may have.
+struct Header<R> {
+    reader: R,
+    left: u64,
+}
+
+impl<R: BufRead> Header<R> {
+    /// Reads a structure; the value of its field [`SIZE`].
+    fn fields(&mut self, deepest: u8) -> Result<Option<u64>, Wrong> {
+        let (mut id, mut size) = (0_i64, None);
+        loop {
+            let head = self.byte()?;
+            let (delta, kind) = (i64::from(head >> 4), head & 0xf);
+            if kind == 0 {
+                return Ok(size);
+            }
+            id = if delta == 0 { self.integer()? } else { id.saturating_add(delta) };
+            match kind {
+                // Their value is in the kind.
+                1 | 2 => {}
+                3 => self.skip(1)?,
+                4..=6 => {
+                    let value = self.integer()?;
+                    if id == SIZE {
+                        size = u64::try_from(value).ok();
+                    }
+                }
+                7 => self.skip(8)?,
+                8 => {
+                    let length = self.varint()?;
+                    self.skip(length)?;
+                }
+                9..=11 => return Err(Wrong::List),
+                12 => {
+                    let deeper = deepest.checked_sub(1).ok_or(Wrong::Malformed)?;
+                    self.fields(deeper)?;
+                }
+                13 => self.skip(16)?,
+                _ => return Err(Wrong::Malformed),
+            }
+        }
+    }
+
+    fn byte(&mut self) -> Result<u8, Wrong> {
+        let buffer = self.reader.fill_buf().map_err(|_io| Wrong::Malformed)?;
+        let byte = *buffer.first().ok_or(Wrong::Malformed)?;
+        self.left = self.left.checked_sub(1).ok_or(Wrong::Malformed)?;
+        self.reader.consume(1);
+        Ok(byte)
+    }
+
+    fn skip(&mut self, bytes: u64) -> Result<(), Wrong> {
+        // A length beyond the chunk ends here, before it is read.
+        if bytes > self.left {
+            return Err(Wrong::Malformed);
+        }
+        for _ in 0..bytes {
+            self.byte()?;
+        }
+        Ok(())
+    }
+
+    /// Seven bits a byte, the lowest first.
+    fn varint(&mut self) -> Result<u64, Wrong> {
+        let mut value = 0;
+        for shift in (0..64).step_by(7) {
+            let byte = self.byte()?;
+            value |= u64::from(byte & 0x7f) << shift;
+            if byte < 0x80 {
+                return Ok(value);
+            }
+        }
+        Err(Wrong::Malformed)
+    }
+
+    /// A signed one: its sign is the lowest bit.
+    fn integer(&mut self) -> Result<i64, Wrong> {
+        let value = self.varint()?;
+        Ok((value >> 1).cast_signed() ^ -(value & 1).cast_signed())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Table, Wanted, write};
+    use super::*;
+
+    /// Without the check the reader asks for as many texts as the list claims, for minutes.
+    #[test]
+    fn a_file_with_a_list_in_the_header_of_a_page_is_refused() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("t.parquet");
+        write(&path, &["a".into(), "b".into()], &[vec![1.0, 2.0], vec![0.5, -1.5]]).expect("written");
+        let mut bytes = std::fs::read(&path).expect("read");
+        // The first page starts behind the mark of the format: the type becomes a list of 2³⁰ texts.
+        assert_eq!(bytes[4], 0x15);
+        bytes[4..11].copy_from_slice(&[0x19, 0xf8, 0x80, 0x80, 0x80, 0x80, 4]);
+        std::fs::write(&path, bytes).expect("writable");
+        let table = Table::open(&path).expect("its columns are told at the end");
+        let wanted = || Wanted { numbers: &[0], text: None, row: &|_| true };
+        let refused = table.read(wanted()).expect_err("a list").to_string();
+        assert!(refused.contains("the header of a page of column a has a list"), "{refused}");
+    }
+
+    fn read(bytes: &[u8]) -> (Result<Option<u64>, Wrong>, u64) {
+        let mut header = Header { reader: bytes, left: bytes.len() as u64 };
+        (header.fields(DEEPEST), header.left)
+    }
+
+    #[test]
+    fn the_size_of_a_page_is_that_of_its_header() {
+        // Type 0, 300 and 200 bytes, statistics with a text and a boolean in the structure of field 5; one byte behind.
+        let header = [0x15, 0, 0x15, 0xd8, 4, 0x15, 0x90, 3, 0x2c, 0x18, 2, b'a', b'b', 0x11, 0, 0, 9];
+        assert_eq!(read(&header), (Ok(Some(200)), 1));
+        // The identifier of a field in full, 3; its value −1.
+        assert_eq!(read(&[0x05, 6, 1, 0]), (Ok(None), 0));
+    }
+
+    #[test]
+    fn lists_are_refused_and_what_is_malformed_ends() {
+        for kind in [9, 10, 11] {
+            assert_eq!(read(&[0x15, 0, 0x20 | kind, 0xff, 0xff, 0xff, 0xff, 7]).0, Err(Wrong::List));
+        }
+        let text_beyond_the_end = [0x18, 0xff, 0xff, 0xff, 0xff, 7, 0];
+        assert_eq!(read(&text_beyond_the_end).0, Err(Wrong::Malformed));
+        assert_eq!(read(&[0x1c; 100]).0, Err(Wrong::Malformed));
+        assert_eq!(read(&[0x16, 0xff, 0xff]).0, Err(Wrong::Malformed));
+        assert_eq!(read(&[0x1f]).0, Err(Wrong::Malformed));
+        assert_eq!(read(&[]).0, Err(Wrong::Malformed));
+    }
+}
