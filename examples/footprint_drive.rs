@@ -1,6 +1,6 @@
 //! The smallest program with a whole drive monitor, of the model of `support/actuator`: front end of three currents and
-//! a converter, least squares of eight parameters, shaft with four orders, evidence and alarm. `cargo xtask test` prints
-//! its flash.
+//! a converter, least squares of eight parameters, shaft with four orders, evidence and alarm. `cargo xtask test`
+//! prints its flash.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[macro_use]

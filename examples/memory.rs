@@ -1,5 +1,5 @@
-//! RAM of front end and detector, as lines of JSON: three currents and two further channels by 8, least squares of eight
-//! parameters, and a shaft with so many orders.
+//! RAM of front end and detector, as lines of JSON: three currents and two further channels by 8, least squares of
+//! eight parameters, and a shaft with one to four orders.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[macro_use]

@@ -49,14 +49,15 @@ pub(super) fn chosen(
     }
     // Evenly over all of them: neighbours are often alike.
     let some: Vec<_> = healthy.iter().copied().step_by(healthy.len().div_ceil(MOST_TRACES)).collect();
-    let Some(pulses) = Pulses::of(bench, plan, constants, &some)? else { return Ok(None) };
-    let (mut best, mut found) = (pulses.gain(bench, constants, &some)?, None);
+    let without = bench.run_all(constants, &some)?;
+    let Some(pulses) = Pulses::of(plan, &without) else { return Ok(None) };
+    let (mut best, mut found) = (pulses.gain(bench, constants, &some, &without)?, None);
     for count in (1..harmonics(&plan.weights)).rev() {
         let mut own = plan.clone();
         own.weights.iter_mut().skip(count.into()).for_each(|weight| *weight = 0.0);
         let with = ShaftConstants { tracking: own.with_cells_of(&constants.tracking.blocks), ..constants.clone() };
         let least = best + if found.is_none() { BETTER } else { 0.0 };
-        let gained = pulses.gain(bench, &with, &some)?;
+        let gained = pulses.gain(bench, &with, &some, &bench.run_all(&with, &some)?)?;
         if gained > least {
             (best, found) = (gained, Some((own, with)));
         }
@@ -73,20 +74,13 @@ struct Pulses {
 }
 
 impl Pulses {
-    /// `None` if no trace has orders.
-    fn of(
-        bench: &Bench,
-        plan: &ShaftPlan,
-        constants: &ShaftConstants<RunTime>,
-        healthy: &[Watched<'_>],
-    ) -> Result<Option<Self>, Error> {
-        let estimates = healthy.par_iter().map(|(labelled, _)| bench.run(constants, &labelled.trace));
-        let estimates = estimates.collect::<Result<Vec<_>, _>>()?;
+    /// For these estimates; `None` if no trace has orders.
+    fn of(plan: &ShaftPlan, estimates: &[ShaftEstimate<RunTime>]) -> Option<Self> {
         let known = estimates.iter().filter(|own| own.orders_reason.is_none());
         let deviations = known.flat_map(ShaftEstimate::orders).map(|order| f64::from(order.deviation)).collect();
         let amplitude_a = DEVIATIONS * median(deviations);
         let amplitudes_a = plan.weights.map(|weight| amplitude_a * weight.sqrt());
-        Ok((amplitude_a > 0.0 && amplitude_a.is_finite()).then_some(Self { amplitudes_a, slip: plan.slip }))
+        (amplitude_a > 0.0 && amplitude_a.is_finite()).then_some(Self { amplitudes_a, slip: plan.slip })
     }
 
     /// A trace with pulses at all orders.
@@ -104,15 +98,19 @@ impl Pulses {
         trace
     }
 
-    /// (2), the mean over all orders.
-    fn gain(&self, bench: &Bench, constants: &ShaftConstants<RunTime>, healthy: &[Watched<'_>]) -> Result<f64, Error> {
+    /// (2), the mean over all orders; `without` are the estimates without pulses.
+    fn gain(
+        &self,
+        bench: &Bench,
+        constants: &ShaftConstants<RunTime>,
+        healthy: &[Watched<'_>],
+        without: &[ShaftEstimate<RunTime>],
+    ) -> Result<f64, Error> {
         let orders = &constants.tracking.orders;
-        let without = healthy.par_iter().map(|(labelled, _)| bench.run(constants, &labelled.trace));
         let pulsed = |(number, own): (usize, &Watched<'_>)| bench.run(constants, &self.added(own, number, orders));
-        let without = without.collect::<Result<Vec<_>, _>>()?;
         let with = healthy.par_iter().enumerate().map(pulsed).collect::<Result<Vec<_>, _>>()?;
         let of_order = |k: usize| {
-            let (without, with) = (scores(&without, k), scores(&with, k));
+            let (without, with) = (scores(without, k), scores(&with, k));
             let limit = without.as_slice().mean() + LIMIT * without.as_slice().std_dev();
             (with.as_slice().mean() - limit) / with.as_slice().std_dev()
         };

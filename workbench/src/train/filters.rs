@@ -12,7 +12,6 @@
 use bearing_watch::ShaftEstimate;
 use bearing_watch::model::ShaftConstants;
 use bearing_watch::plan::RunTime;
-use rayon::prelude::*;
 
 use super::shaft::{Bench, OWN_FROM_ROWS, Watched};
 use crate::Error;
@@ -68,8 +67,7 @@ fn least(
     healthy: &[Watched<'_>],
 ) -> Result<Option<(f64, ShaftConstants<RunTime>)>, Error> {
     let cost = |own: &ShaftConstants<RunTime>| -> Result<f64, Error> {
-        let runs: Vec<ShaftEstimate<RunTime>> =
-            healthy.par_iter().map(|(labelled, _)| bench.run(own, &labelled.trace)).collect::<Result<_, _>>()?;
+        let runs = bench.run_all(own, healthy)?;
         let orders = || runs.iter().filter(|run| run.orders_reason.is_none()).flat_map(ShaftEstimate::orders);
         let count = orders().count() as f64;
         if count == 0.0 {

@@ -301,6 +301,15 @@ impl Bench {
         report.shaft().cloned().ok_or_else(|| Error::trace(&trace.id, "the shaft was not watched"))
     }
 
+    /// Returns the estimates of all traces.
+    pub(super) fn run_all(
+        &self,
+        constants: &ShaftConstants<RunTime>,
+        own: &[Watched<'_>],
+    ) -> Result<Vec<ShaftEstimate<RunTime>>, Error> {
+        own.par_iter().map(|(labelled, _)| self.run(constants, &labelled.trace)).collect()
+    }
+
     /// Returns the torque balances of all traces that have one.
     ///
     /// # Errors

@@ -141,10 +141,10 @@ pub fn bound(row: &Row, settings: &Settings) -> Result<Bounded, Error> {
     let each = |severity: f64| {
         let parts: Vec<[f64; 3]> = spalls.par_iter().map(|spall| powers(spall, population, severity)).collect();
         let mean = |k: usize| parts.iter().map(|own| own[k]).sum::<f64>() / parts.len() as f64;
-        let energies = spalls.iter().map(|spall| spall.harmonics[..3].iter().sum::<f64>()).sum::<f64>();
+        let energies = spalls.iter().map(|spall| spall.energy(severity, 3)).sum::<f64>();
         Bound {
             severity,
-            non_centrality: severity * severity * energies / spalls.len() as f64,
+            non_centrality: energies / spalls.len() as f64,
             order: mean(0),
             searched: search.as_ref().map_or(f64::NAN, |own| own.powers(severity, &[FALSE_ALARM])[0]),
             friction: mean(1),
@@ -197,6 +197,7 @@ fn is_disturbed(condition: &Condition) -> bool {
     })
 }
 
+/// All draws of a row.
 fn found(row: &Row, settings: &Settings) -> Result<Vec<Draw>, Error> {
     (settings.first..settings.first + settings.draws).map(|number| run::draw(row, number, settings)).collect()
 }

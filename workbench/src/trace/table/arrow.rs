@@ -94,7 +94,8 @@ fn batches((path, names): (&Path, &[String]), kind: Kind, wanted: Wanted<'_>) ->
         Kind::Parquet => {
             let builder = parquet(path)?;
             let file = File::open(path).map_err(Error::io(path))?;
-            parquet_pages::check(&file, builder.metadata()).map_err(|error| wrong(error.to_string()))?;
+            let wanted = |place: usize| places.binary_search(&place).is_ok();
+            parquet_pages::check(&file, builder.metadata(), wanted).map_err(|error| wrong(error.to_string()))?;
             let rows = usize::try_from(builder.metadata().file_metadata().num_rows()).unwrap_or(0).min(LARGEST_RESERVE);
             let mask = ProjectionMask::roots(builder.parquet_schema(), places.iter().copied());
             let reader = builder.with_projection(mask).with_batch_size(BATCH).build();

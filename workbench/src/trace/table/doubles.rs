@@ -19,7 +19,7 @@ const MANY: usize = 65_536;
 pub(super) fn read(file: File, places: &[usize]) -> Result<Option<Vec<Vec<f64>>>> {
     let pages = file.try_clone()?;
     let reader = SerializedFileReader::new(file)?;
-    parquet_pages::check(&pages, reader.metadata())?;
+    parquet_pages::check(&pages, reader.metadata(), |place| places.contains(&place))?;
     let about = reader.metadata().file_metadata();
     let rows = usize::try_from(about.num_rows()).unwrap_or(0).min(LARGEST_RESERVE);
     let leaves: Option<Vec<usize>> = places.iter().map(|place| leaf(about.schema_descr(), *place)).collect();

@@ -16,15 +16,21 @@ const DEEPEST: u8 = 8;
 /// The field of a header with the size of the page behind it.
 const SIZE: i64 = 3;
 
-/// Refuses a file with a list in a header of any page.
+/// Refuses a file with a list in a header of a page of these columns, by their place in the table.
 ///
 /// # Errors
 /// A list.
-pub(crate) fn check(file: &File, metadata: &ParquetMetaData) -> Result<(), ParquetError> {
+pub(crate) fn check(
+    file: &File,
+    metadata: &ParquetMetaData,
+    wanted: impl Fn(usize) -> bool,
+) -> Result<(), ParquetError> {
     let Ok(length) = file.metadata().map(|about| about.len()) else { return Ok(()) };
     // Headers are short; pages are not read.
     let mut reader = BufReader::with_capacity(256, file);
-    for column in metadata.row_groups().iter().flat_map(|group| group.columns()) {
+    let schema = metadata.file_metadata().schema_descr();
+    let all = metadata.row_groups().iter().flat_map(|group| group.columns().iter().enumerate());
+    for (_, column) in all.filter(|(leaf, _)| wanted(schema.get_column_root_idx(*leaf))) {
         let (start, bytes) = column.byte_range();
         let end = start.saturating_add(bytes).min(length);
         let mut at = start;
@@ -151,7 +157,7 @@ mod tests {
         assert_eq!(bytes[4], 0x15);
         bytes[4..11].copy_from_slice(&[0x19, 0xf8, 0x80, 0x80, 0x80, 0x80, 4]);
         std::fs::write(&path, bytes).expect("writable");
-        let table = Table::open(&path).expect("its columns are told at the end");
+        let table = Table::open(&path).expect("the names of its columns are in its footer");
         let wanted = || Wanted { numbers: &[0], text: None, row: &|_| true };
         let refused = table.read(wanted()).expect_err("a list").to_string();
         assert!(refused.contains("the header of a page of column a has a list"), "{refused}");
