@@ -17,8 +17,16 @@
 //! current is the output because the load is usually known better; therefore all parameters are in amperes.
 //!
 //! Each segment starts from a weak prior, the healthy parameters with [`Balance::prior`] as their deviations, as if
-//! earlier rows had given them. What the motion does not excite keeps its prior and a large deviation: at constant
-//! speed p₁ and p₂ cannot be separated, their errors cancel in (4), and each deviation says so.
+//! earlier rows had given them. What the motion does not excite keeps its prior: at constant speed p₁ and p₂ cannot be
+//! separated, and their errors cancel in (4). Each result is then freed of its own prior, which would hold it near the
+//! healthy value whatever the rows say; that of p₇ stays, and so do the priors of the other terms:
+//!
+//! ```text
+//! p ← n + (p − n)/c,   σ² ← σ²/c,   c = 1 − σ² σ₀²/(prior² s²)                                          (5)
+//! ```
+//!
+//! n is nominal, s² the variance of the residual and σ₀² that of healthy ones: the precision of p is the sum of that of
+//! the rows, c/σ², and of the prior. What the rows do not tell has a large deviation then; c counts as 1/64 at least.
 //!
 //! A row is rotated into the sums one pivot a sample, so that no sample pays for all of it. After every
 //! [`ROWS_A_REFRESH`] rows the time of one row goes into a back substitution, one parameter a sample: the present

@@ -23,6 +23,8 @@ enum Stage {
 
 /// Results before the drag.
 const RESULTS: usize = 3;
+/// Least part of a parameter that the rows tell: below it (5) would divide by what rounding leaves.
+const LEAST_PART: f32 = 1.0 / 64.0;
 const COVARIANCE: usize = TERMS * (TERMS + 1) / 2;
 
 /// A solve of the torque balance under way.
@@ -131,32 +133,42 @@ impl BalanceSolve {
     /// The next two parameters of the result; whether all are there.
     #[inline(never)]
     fn results(&mut self, balance: &Balance, load: bool, friction: &mut Friction) -> bool {
-        let [n0, n1, n2, n3, n4, n5, n6] = balance.nominal;
-        let at = |k: usize, nominal: f32| {
-            let variance = self.covariance.get(lower(k, k)).copied().unwrap_or(0.0);
-            parameter(self.delta.get(k).copied().unwrap_or(0.0), variance, nominal)
-        };
+        let at = |k: usize| self.parameter(balance, load, k);
         match self.results {
-            0 => (friction.inertia, friction.viscous) = (at(0, n0), at(1, n1)),
+            0 => (friction.inertia, friction.viscous) = (at(0), at(1)),
             1 => {
-                friction.coulomb = at(2, n2);
-                friction.inverse_torque_constant = load.then(|| at(3, n3));
+                friction.coulomb = at(2);
+                friction.inverse_torque_constant = load.then(|| at(3));
             }
             2 => {
-                friction.load_friction = load.then(|| at(5, n5));
-                friction.stribeck = at(if load { 6 } else { 4 }, n6);
+                friction.load_friction = load.then(|| at(5));
+                friction.stribeck = at(if load { 6 } else { 4 });
             }
             k if (k as usize) < RESULTS + TERMS => self.add_to_drag(balance, load, (k as usize).wrapping_sub(RESULTS)),
             _ => {
                 let [value, nominal, variance] = self.drag;
                 friction.drag = parameter(value, variance, nominal);
-                friction.offset = at(if load { 4 } else { 3 }, n4);
+                friction.offset = at(if load { 4 } else { 3 });
                 friction.variance = self.variance;
                 return true;
             }
         }
         self.results = self.results.wrapping_add(1);
         false
+    }
+
+    /// The k-th parameter that is estimated, without its prior by (5).
+    #[inline(never)]
+    fn parameter(&self, balance: &Balance, load: bool, k: usize) -> Parameter {
+        let term = Balance::terms(load).get(k).copied().unwrap_or(0);
+        let at = |list: &[f32]| list.get(term).copied().unwrap_or(1.0);
+        let (nominal, prior) = (at(&balance.nominal), at(&balance.prior));
+        let variance = self.covariance.get(lower(k, k)).copied().unwrap_or(0.0);
+        let value = self.delta.get(k).copied().unwrap_or(0.0);
+        let ratio = balance.deviation / prior;
+        // f32::max returns the limit if the part is not a number.
+        let part = (1.0 - ratio * ratio * variance / self.variance.max(f32::MIN_POSITIVE)).max(LEAST_PART);
+        parameter(nominal + (value - nominal) / part, variance / part, nominal)
     }
 
     /// Adds the k-th term to the drag (4). Its variance has the covariances of all terms, whose errors cancel in it.
@@ -284,6 +296,32 @@ mod tests {
         let (often, seldom) = (run(1, true, HEALTHY).unwrap(), run(8, true, HEALTHY).unwrap());
         assert!(often.rows > 7 * seldom.rows);
         assert!((often.inertia.value - seldom.inertia.value).abs() < 1e-5);
+    }
+
+    /// Solves rows ω, i = p₁ ω + p₄ with alternating errors, of a velocity that hardly varies.
+    fn hardly_moving(viscous: f32, spread_rad_s: f32) -> Friction {
+        let balance = Balance { scale: [1.0; 8], deviation: 0.01, ..balance(8) };
+        let mut sums = BalanceSums::new(&balance, true);
+        for k in 0..400_u16 {
+            let sign = |bit: u16| if k >> bit & 1 == 0 { 1.0 } else { -1.0 };
+            let (velocity, error) = (spread_rad_s * sign(0), 0.01 * sign(1));
+            sums.start([0.0, velocity, 0.0, 0.0, 1.0, 0.0, 0.0, viscous * velocity + 0.5 + error]);
+            while sums.rotate(true) {}
+            sums.rows += 1;
+        }
+        solve(&balance, true, &mut sums).unwrap()
+    }
+
+    #[test]
+    fn a_weak_motion_leaves_no_bias_towards_the_healthy_value() {
+        // 400 rows of 0.01 A and 0.02 rad/s: a deviation of 0.025 beside a prior of 0.02, whose weight would be 0.6.
+        let friction = hardly_moving(0.042, 0.02);
+        let Parameter { value, deviation, score } = friction.viscous;
+        assert!((value - 0.042).abs() < 1e-4 && (deviation - 0.025).abs() < 5e-4, "{:?}", friction.viscous);
+        assert!((score - 0.04 / 0.025).abs() < 0.05, "{score}");
+        // What the rows do not tell at all is nominal, with eight prior deviations.
+        let none = hardly_moving(0.042, 0.0).viscous;
+        assert!((none.value - 0.002).abs() < 1e-6 && (none.deviation / 0.16 - 1.0).abs() < 0.1, "{none:?}");
     }
 
     #[test]

@@ -4,7 +4,7 @@
 
 use crate::reason::FrictionTerm;
 
-/// An estimated parameter.
+/// An estimated parameter, as the rows of a segment tell it: without the healthy value from which a segment starts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Parameter {
