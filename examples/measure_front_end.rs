@@ -11,7 +11,7 @@ main!(run);
 
 fn run() {
     let Some(mut counter) = Counter::new() else {
-        say!("instructions are counted on the target only: cargo xtask firmware --example measure_front_end");
+        say!("instructions are counted on the target only: cargo xtask firmware measure_front_end");
         return;
     };
     front_end::measure(&mut counter, |name, factor, instructions, bytes| {

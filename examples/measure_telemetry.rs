@@ -9,8 +9,8 @@ mod standard_rig;
 
 use core::hint::black_box;
 
-use bearing_watch::telemetry::{Decoder, Encoder, Recorder, Source};
-use bearing_watch::{Detector, Report};
+use bearing_watch::telemetry::{Decoder, Encoder, RawRecorder, Recorder, Source};
+use bearing_watch::{Angle, Detector, PhaseCounts, Position, RawSample, Report};
 
 use standard_rig::model::{Drive, MODEL};
 use support::count::Counter;
@@ -21,13 +21,14 @@ main!(run);
 
 fn run() {
     let Some(mut counter) = Counter::new() else {
-        say!("instructions are counted on the target only: cargo xtask firmware --example measure_telemetry");
+        say!("instructions are counted on the target only: cargo xtask firmware measure_telemetry");
         return;
     };
     let mut monitor = Detector::new(&MODEL);
     let Some(report) = standard_rig::samples().find_map(|sample| monitor.step(&sample)) else { return };
     frames(&mut counter, &report);
     samples(&mut counter);
+    raw(&mut counter);
 }
 
 fn frames(counter: &mut Counter, report: &Report<Drive>) {
@@ -82,6 +83,24 @@ fn samples(counter: &mut Counter) {
         bytes = frame.map_or(0, <[u8]>::len);
     });
     line("block of 40 samples of 3 channels", block, bytes);
+}
+
+fn raw(counter: &mut Counter) {
+    let mut recorder = RawRecorder::<2, 480>::new(10_000.0);
+    let position = Position::Absolute(Angle::from_bits(0x1234_5678));
+    let currents = PhaseCounts::Three([2048, 2148, 1948]);
+    let push = counter.instructions_per_call(23, |number| {
+        let sample = RawSample { number, currents, position, further: [40.0, 0.1] };
+        black_box(black_box(&mut recorder).push(black_box(&sample)));
+    });
+    line("raw recorder, a sample of 3 currents, an angle, 2 further channels", push, 20);
+    let (mut buffer, mut bytes) = ([0; 512], 0);
+    let mut encoder = Encoder::new(&MODEL, Source::default());
+    let block = counter.instructions_per_call(CALLS, |_| {
+        let frame = black_box(&mut encoder).raw(&black_box(&recorder).block(), black_box(&mut buffer));
+        bytes = frame.map_or(0, <[u8]>::len);
+    });
+    line("block of 23 of these samples", block, bytes);
 }
 
 fn line(name: &str, instructions: u32, bytes: usize) {

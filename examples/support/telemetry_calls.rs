@@ -3,8 +3,11 @@
 use core::hint::black_box as opaque;
 
 use bearing_watch::plan::Plan;
-use bearing_watch::telemetry::{Block, Body, Decoder, Encoder, Hello, LinkCounts, Numbers, Recorder, Source, Summary};
-use bearing_watch::{Evidence, Model, Report};
+use bearing_watch::telemetry::{
+    Block, Body, Decoder, Encoder, Hello, LinkCounts, Numbers, RawBlock, RawEncoder, RawRecorder, Recorder, Source,
+    Summary,
+};
+use bearing_watch::{Angle, Evidence, Model, PhaseCounts, Position, RawSample, Report};
 
 /// Frames of a report and of samples; `show` writes an error.
 pub fn encode<P: Plan>(
@@ -43,6 +46,30 @@ pub fn record<P: Plan>(model: &Model<P>, sample: &P::Sample, show: impl Fn(&dyn 
     }
     Recorder::skip(&mut recorder, opaque(7));
     Recorder::clear(opaque(&mut recorder));
+    record_raw(&mut encoder, show);
+}
+
+/// Raw samples as frames, with a model and without one.
+fn record_raw<P: Plan>(encoder: &mut Encoder<'_, P>, show: impl Fn(&dyn core::fmt::Display)) {
+    let mut without = opaque(RawEncoder::new(opaque(Source::default())));
+    let mut recorder = opaque(RawRecorder::<2, 100>::new(opaque(1e4)));
+    for number in 0..opaque(9) {
+        let position = opaque(if number % 2 == 0 { Position::Absolute(Angle::ZERO) } else { Position::Missing });
+        let raw = RawSample { number, currents: opaque(PhaseCounts::Two([7, 8])), position, further: [0.5; 2] };
+        if opaque(RawRecorder::push(&mut recorder, opaque(&raw))) {
+            let whole = opaque(RawRecorder::take(&mut recorder));
+            let mut buffer = opaque([0; 200]);
+            match RawEncoder::raw(&mut without, &RawRecorder::block(&whole), &mut buffer) {
+                Ok(frame) => decode(frame),
+                Err(error) => show(&error),
+            }
+            match Encoder::raw(encoder, &RawRecorder::block(&whole), &mut buffer) {
+                Ok(frame) => decode(frame),
+                Err(error) => show(&error),
+            }
+        }
+    }
+    RawRecorder::clear(opaque(&mut recorder));
 }
 
 fn decode(bytes: &[u8]) {
@@ -55,6 +82,11 @@ fn decode(bytes: &[u8]) {
                 let block = opaque(block);
                 opaque((Block::len(&block), Block::is_empty(&block)));
                 opaque((Block::value(&block, opaque(1), opaque(2)), Block::angle(&block, opaque(1))));
+            }
+            Some(Body::Raw(block)) => {
+                let block = opaque(block);
+                opaque((RawBlock::len(&block), RawBlock::is_empty(&block), RawBlock::further(&block, opaque(1), 0)));
+                opaque((RawBlock::currents(&block, opaque(1)), RawBlock::position(&block, opaque(1))));
             }
             None => {}
         }

@@ -6,10 +6,11 @@ use cobs::{DecodeResult, DecoderState};
 
 use super::counts::{LinkCounts, Order};
 use super::hello::Hello;
+use super::raw::RawBlock;
 use super::samples::Block;
 use super::sink::checksum;
 use super::summary::Summary;
-use super::{HELLO, Header, REPORT, SAMPLES, VERSION, split};
+use super::{HELLO, Header, RAW, REPORT, SAMPLES, VERSION, split};
 
 /// What a frame has after its header.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +22,8 @@ pub enum Body<'a> {
     Report(Summary<'a>),
     /// A block of samples.
     Samples(Block<'a>),
+    /// A block of raw samples; it needs no hello.
+    Raw(RawBlock<'a>),
 }
 
 /// A right frame. It refers to the decoder's buffer.
@@ -136,6 +139,7 @@ fn read(content: &[u8]) -> Result<(Header, Body<'_>), Refusal> {
         HELLO => Hello::read(rest).map(Body::Hello),
         REPORT => Summary::read(rest).map(Body::Report),
         SAMPLES => Block::read(rest).map(Body::Samples),
+        RAW => RawBlock::read(rest).map(Body::Raw),
         _ => return Err(Refusal::Unknown),
     };
     body.map(|body| (header, body)).ok_or(Refusal::Bad)

@@ -1,10 +1,11 @@
-//! Reports and blocks of samples → frames.
+//! Reports, blocks of samples and of raw samples → frames.
 
 use core::fmt;
 
+use super::raw::RawBlock;
 use super::samples::Block;
 use super::sink::Sink;
-use super::{HELLO, Header, REPORT, SAMPLES, VERSION, hello, summary};
+use super::{HELLO, Header, RAW, REPORT, SAMPLES, VERSION, hello, summary};
 use crate::decide::Evidence;
 use crate::model::Model;
 use crate::plan::Plan;
@@ -40,8 +41,7 @@ impl core::error::Error for TooSmall {}
 pub struct Encoder<'m, P: Plan> {
     model: &'m Model<P>,
     source: Source,
-    stream: u32,
-    sequence: u32,
+    line: Line,
 }
 
 impl<'m, P: Plan> Encoder<'m, P> {
@@ -51,7 +51,7 @@ impl<'m, P: Plan> Encoder<'m, P> {
         let mut sum = Sink::sum();
         // Never too small: nothing is stored.
         let _stored = hello::write(model, source, &mut sum);
-        Self { model, source, stream: sum.checksum(), sequence: 0 }
+        Self { model, source, line: Line::new(&sum) }
     }
 
     /// The names and constants that a receiver needs for the other frames.
@@ -60,7 +60,7 @@ impl<'m, P: Plan> Encoder<'m, P> {
     /// [`TooSmall`].
     pub fn hello<'b>(&mut self, buffer: &'b mut [u8]) -> Result<&'b [u8], TooSmall> {
         let (model, source) = (self.model, self.source);
-        self.frame(HELLO, buffer, |sink| hello::write(model, source, sink))
+        self.line.frame(HELLO, buffer, |sink| hello::write(model, source, sink))
     }
 
     /// The report of a segment, and the evidence that has observed it.
@@ -74,7 +74,7 @@ impl<'m, P: Plan> Encoder<'m, P> {
         buffer: &'b mut [u8],
     ) -> Result<&'b [u8], TooSmall> {
         let model = self.model;
-        self.frame(REPORT, buffer, |sink| summary::write(model, report, evidence, sink))
+        self.line.frame(REPORT, buffer, |sink| summary::write(model, report, evidence, sink))
     }
 
     /// A block of samples.
@@ -82,7 +82,58 @@ impl<'m, P: Plan> Encoder<'m, P> {
     /// # Errors
     /// [`TooSmall`].
     pub fn samples<'b>(&mut self, block: &Block<'_>, buffer: &'b mut [u8]) -> Result<&'b [u8], TooSmall> {
-        self.frame(SAMPLES, buffer, |sink| block.write(sink))
+        self.line.frame(SAMPLES, buffer, |sink| block.write(sink))
+    }
+
+    /// A block of raw samples.
+    ///
+    /// # Errors
+    /// [`TooSmall`].
+    pub fn raw<'b>(&mut self, block: &RawBlock<'_>, buffer: &'b mut [u8]) -> Result<&'b [u8], TooSmall> {
+        self.line.frame(RAW, buffer, |sink| block.write(sink))
+    }
+}
+
+/// Makes frames of raw samples in a drive that has no model yet.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RawEncoder {
+    line: Line,
+}
+
+impl RawEncoder {
+    /// No frame sent yet; the number of the model is 0 or any other.
+    #[must_use]
+    pub fn new(source: Source) -> Self {
+        let mut sum = Sink::sum();
+        for number in [source.model_id, source.session] {
+            // Never too small: nothing is stored.
+            let _stored = sum.bytes(&number.to_le_bytes());
+        }
+        Self { line: Line::new(&sum) }
+    }
+
+    /// A block of raw samples.
+    ///
+    /// # Errors
+    /// [`TooSmall`].
+    pub fn raw<'b>(&mut self, block: &RawBlock<'_>, buffer: &'b mut [u8]) -> Result<&'b [u8], TooSmall> {
+        self.line.frame(RAW, buffer, |sink| block.write(sink))
+    }
+}
+
+/// A stream of frames, and the number of the next one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Line {
+    stream: u32,
+    sequence: u32,
+}
+
+impl Line {
+    /// Of the source whose checksum this is.
+    fn new(source: &Sink<'_>) -> Self {
+        Self { stream: source.checksum(), sequence: 0 }
     }
 
     /// A frame with this content after the header. One that does not fit is not counted.

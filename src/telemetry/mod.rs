@@ -1,7 +1,9 @@
-//! Reports and raw samples as frames for a serial line, and their decoder.
+//! Reports and samples as frames for a serial line, and their decoder.
 //!
-//! Enters: reports, and samples in blocks of a [`Recorder`]. Leaves: frames of [`Encoder`] in the caller's buffer. At
-//! the other end [`Decoder`] takes bytes and returns [`Frame`]s; `bearing-watch listen` shows and stores them.
+//! Enters: reports, samples of the detector in blocks of a [`Recorder`], and raw samples at the control rate in those of
+//! a [`RawRecorder`]. Leaves: frames of [`Encoder`] in the caller's buffer; a drive without a model sends raw samples by
+//! [`RawEncoder`]. At the other end [`Decoder`] takes bytes and returns [`Frame`]s; `bearing-watch listen` shows and
+//! stores them.
 //!
 //! ```
 //! # mod model { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/support/standard_rig/model.rs")); }
@@ -50,6 +52,9 @@
 //!                    posterior f32 of each class, value f32 of each feature, score f32 of each order
 //! kind 2    samples  first u32, channels u8, angle u8;
 //!                    of each sample f32 of each channel, then the angle's u32 if there is one
+//! kind 3    raw      first u32, control_rate_hz f32, resolver u8 (0 or 1), further u8;
+//!                    of each sample the counts of phases a, b, c u16, flags u16 (1: no sensor of phase c,
+//!                    2: no position), the angle u32 or sine and cosine f32, f32 of each further channel
 //! ```
 //!
 //! Little-endian. The fields are those of postcard 1 with integers of fixed width, so that no length is stored twice.
@@ -61,11 +66,11 @@
 //! next frame after any error. The CRC (ISO-HDLC, that of zip) detects each error of up to three bits in a frame of up
 //! to 11 kB, each burst of up to 32 bits, and all but 2⁻³² of other errors.
 //!
-//! *Stream* is the CRC-32 of the hello's fields and lists. A report or block belongs to the hello of the same stream:
-//! names of another model, drive or session are never applied to it. Send the hello at the start and again every few
-//! seconds, for listeners that join later. *Sequence* counts the frames of an encoder; a gap is a number of lost
-//! frames, and a frame that comes again is dropped. *First* counts samples; a gap between blocks is a number of lost
-//! samples.
+//! *Stream* is the CRC-32 of the hello's fields and lists. A report or block of samples belongs to the hello of the same
+//! stream: names of another model, drive or session are never applied to it. Send the hello at the start and again
+//! every few seconds, for listeners that join later; raw samples need none. *Sequence* counts the frames of an encoder;
+//! a gap is a number of lost frames, and a frame that comes again is dropped. *First* counts samples; a gap between
+//! blocks is a number of lost samples.
 //!
 //! A frame has at most content · 255/254 + 6 bytes; the content is 10 bytes, the fields, and the lists.
 
@@ -74,6 +79,7 @@ mod counts;
 mod decoder;
 mod encoder;
 mod hello;
+mod raw;
 mod recorder;
 mod samples;
 mod sink;
@@ -81,8 +87,9 @@ mod summary;
 
 pub use counts::LinkCounts;
 pub use decoder::{Body, Decoder, Frame};
-pub use encoder::{Encoder, Source, TooSmall};
+pub use encoder::{Encoder, RawEncoder, Source, TooSmall};
 pub use hello::Hello;
+pub use raw::{RawBlock, RawRecorder};
 pub use recorder::Recorder;
 pub use samples::{Block, Numbers};
 pub use summary::Summary;
@@ -106,6 +113,7 @@ struct Header {
 const HELLO: u8 = 0;
 const REPORT: u8 = 1;
 const SAMPLES: u8 = 2;
+const RAW: u8 = 3;
 
 /// Fields that a content of bytes starts with, and the lists after them; `None` if they are cut short.
 fn split<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Option<(T, &'a [u8])> {

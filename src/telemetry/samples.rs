@@ -36,7 +36,8 @@ impl Numbers<'_> {
     }
 }
 
-fn word(bytes: &[u8], place: usize) -> Option<[u8; 4]> {
+/// Four bytes by their place.
+pub(super) fn word(bytes: &[u8], place: usize) -> Option<[u8; 4]> {
     bytes.get(place.wrapping_mul(4)..)?.first_chunk().copied()
 }
 

@@ -2,8 +2,8 @@
 
 use std::sync::LazyLock;
 
-use bearing_watch::Detector;
-use bearing_watch::telemetry::{Body, Decoder, Encoder, Frame, Recorder, Source};
+use bearing_watch::telemetry::{Body, Decoder, Encoder, Frame, RawRecorder, Recorder, Source};
+use bearing_watch::{Angle, Detector, PhaseCounts, Position, RawSample};
 
 use crate::checksum;
 use crate::input::Input;
@@ -12,16 +12,27 @@ use crate::models::{LONG, WATCHED, shaft};
 /// Most bytes of a frame.
 const FRAME: usize = 512;
 
-/// The frames of a drive, by their sequence: hellos, blocks of samples and reports.
+/// The frames of a drive, by their sequence: hellos, blocks of samples and of raw samples, and reports.
 static SENT: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     let model = &*WATCHED;
     let (mut detector, mut evidence) = (Detector::new(model), model.evidence());
     let mut encoder = Encoder::new(model, Source { model_id: model.id(), session: 1 });
     let mut recorder = Recorder::<_, 200>::new(model.plan());
+    let mut raw = RawRecorder::<1, 200>::new(4000.0);
     let mut plant = shaft::Plant::new(3);
     let mut buffer = [0; FRAME];
     let mut frames = vec![encoder.hello(&mut buffer).expect("fits").to_vec()];
-    for _ in 0..2 * LONG {
+    for number in 0..2 * LONG {
+        let counts = |phase: u32| u16::try_from((number + phase) % 4096).unwrap_or_default();
+        let position = match number % 50 {
+            49 => Position::Missing,
+            _ => Position::Absolute(Angle::from_counts(u32::from(counts(0)), 12)),
+        };
+        let currents = PhaseCounts::Three([0, 1, 2].map(counts));
+        if raw.push(&RawSample { number, currents, position, further: [number as f32] }) {
+            frames.push(encoder.raw(&raw.block(), &mut buffer).expect("fits").to_vec());
+            raw.clear();
+        }
         let sample = plant.motion().into();
         if recorder.push(&sample) {
             frames.push(encoder.samples(&recorder.block(), &mut buffer).expect("fits").to_vec());
@@ -60,7 +71,7 @@ fn forged(input: &mut Input<'_>) {
         let length = usize::from(input.byte());
         // Version and kind, as a rule good ones.
         let mut content = match input.byte() {
-            kind @ 0..=199 => vec![1, kind % 4],
+            kind @ 0..=199 => vec![1, kind % 5],
             _ => vec![],
         };
         content.extend(input.bytes(length));
@@ -138,6 +149,14 @@ fn look(frame: &Frame<'_>) {
                 assert_eq!(block.angle(k).is_some(), block.with_angle);
             }
             assert_eq!((block.value(block.len(), 0), block.angle(block.len())), (None, None));
+        }
+        Body::Raw(block) => {
+            for k in 0..block.len() {
+                assert!(block.currents(k).is_some() && block.position(k).is_some());
+                let further = (0..=usize::from(block.further)).filter_map(|channel| block.further(k, channel));
+                assert_eq!(further.count(), usize::from(block.further));
+            }
+            assert_eq!((block.currents(block.len()), block.position(block.len())), (None, None));
         }
     }
 }

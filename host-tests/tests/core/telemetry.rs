@@ -17,8 +17,10 @@ use crate::exported::MODEL;
 use crate::standard_rig;
 use bearing_watch::model::Feature;
 use bearing_watch::plan::Signals;
-use bearing_watch::telemetry::{Body, Decoder, Encoder, LinkCounts, Recorder, Source, TooSmall};
-use bearing_watch::{Detector, Verdict};
+use bearing_watch::telemetry::{
+    Body, Decoder, Encoder, LinkCounts, RawEncoder, RawRecorder, Recorder, Source, TooSmall,
+};
+use bearing_watch::{Angle, Detector, PhaseCounts, Position, RawSample, Verdict};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -70,6 +72,7 @@ fn samples_and_reports_arrive_as_they_were() {
                     next += 1;
                 }
             }
+            Body::Raw(block) => panic!("the example sends none: {block:?}"),
             Body::Report(summary) => {
                 longest[1] = frame.len();
                 let (report, score) = reports.next().expect("a report");
@@ -103,6 +106,39 @@ fn the_format_is_the_documented_one() {
     let mut whole = [&[1, 0][..], &stream.to_le_bytes(), &0_u32.to_le_bytes(), &content].concat();
     whole.extend(crc32(&whole).to_le_bytes());
     assert_eq!(sent().0[0], stuffed(&whole));
+}
+
+/// Raw samples put together by hand, as the module's documentation has them.
+#[test]
+fn the_format_of_raw_samples_is_the_documented_one() {
+    let source = Source { model_id: 5, session: 9 };
+    let mut recorder = RawRecorder::<1, 100>::new(8000.0);
+    let angle = Position::Absolute(Angle::from_bits(0x8000_0001));
+    let three = RawSample { number: 300, currents: PhaseCounts::Three([1, 258, 3]), position: angle, further: [0.5] };
+    let two = RawSample { number: 301, currents: PhaseCounts::Two([4, 5]), position: Position::Missing, ..three };
+    assert!(!recorder.push(&three) && !recorder.push(&two));
+    let mut buffer = [0; 100];
+    let mut encoder = RawEncoder::new(source);
+    let frame = encoder.raw(&recorder.block(), &mut buffer).expect("fits").to_vec();
+    let stream = crc32(&[5, 0, 0, 0, 9, 0, 0, 0]);
+    let fields = [&300_u32.to_le_bytes()[..], &8000_f32.to_le_bytes(), &[0, 1]].concat();
+    let samples = [
+        &[1, 0, 2, 1, 3, 0, 0, 0, 1, 0, 0, 0x80][..],
+        &0.5_f32.to_le_bytes(),
+        &[4, 0, 5, 0, 0, 0, 3, 0, 0, 0, 0, 0],
+        &0.5_f32.to_le_bytes(),
+    ];
+    let mut whole = [&[1, 3][..], &stream.to_le_bytes(), &0_u32.to_le_bytes(), &fields, &samples.concat()].concat();
+    whole.extend(crc32(&whole).to_le_bytes());
+    assert_eq!(frame, stuffed(&whole));
+    // Beside a model they are frames of its stream.
+    let mut encoder = Encoder::new(&MODEL, source);
+    let mut decoder = Decoder::<200>::new();
+    let mut line = encoder.hello(&mut [0; 200]).expect("fits").to_vec();
+    line.extend_from_slice(encoder.raw(&recorder.block(), &mut buffer).expect("fits"));
+    let arrived = |byte: &u8| decoder.push(*byte).map(|frame| (frame.stream, frame.sequence));
+    let found: Vec<(u32, u32)> = line.iter().filter_map(arrived).collect();
+    assert_eq!((found.len(), found[0].0 == found[1].0, found[1].1), (2, true, 1));
 }
 
 /// CRC-32/ISO-HDLC bit by bit.

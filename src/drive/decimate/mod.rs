@@ -21,8 +21,7 @@
 //! assert_eq!(outputs, 997); // a second of signals, less the start
 //! ```
 //!
-//! The example `measure_decimate` counts instructions on the emulated chip: `cargo xtask firmware --example
-//! measure_decimate`.
+//! The example `measure_decimate` counts instructions on the emulated chip: `cargo xtask firmware measure_decimate`.
 
 pub mod block_mean;
 pub mod factor;

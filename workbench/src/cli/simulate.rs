@@ -33,7 +33,7 @@ The same seed draws the same noise under every condition; take another one for t
 Traces of the EMA rig start with ema (ema-outer for a spall of the outer race). They have the position command and the \
 measured position, the velocity command, the q and d currents from the phase currents and the resolver (current_a, \
 current_d_a; positive drives forward), the phase currents, resolver_counts, load_n, and the commanded dq voltages. \
-With rows at 2 kHz or more and no held values (--log-every 1) there is front_end.toml, for --front-end. \
+With rows at 1 kHz or more and no held values (--log-every 1) there is front_end.toml, for --front-end. \
 standard and mix are those of the chosen rig. roughness is lost lubrication, and spall-and-roughness is the degraded \
 actuator of the thesis.")]
 pub(super) struct Args {

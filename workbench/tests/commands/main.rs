@@ -15,6 +15,7 @@ mod format_commands;
 mod front_end_commands;
 mod grey_box_commands;
 mod listen_command;
+mod listen_raw_command;
 mod pages;
 mod rising_commands;
 mod simulate_command;

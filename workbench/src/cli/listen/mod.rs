@@ -2,6 +2,7 @@
 
 mod live;
 mod names;
+mod raw;
 mod receiver;
 mod source;
 mod traces;
@@ -29,7 +30,9 @@ const PATIENCE: Duration = Duration::from_millis(50);
 ///
 /// Takes the frames of the core's `telemetry`. Lost, doubled and damaged frames are counted. Samples become one CSV
 /// file for each uninterrupted series, with the channels' names as columns: at a missing sample, and at one that is no
-/// number, a new file starts. The end of the source, --seconds or Ctrl-C ends it.
+/// number, a new file starts. Raw samples at the control rate become files raw_000.csv and so on, for --front-end of
+/// `train`, with the columns phase_a_counts, phase_b_counts and, of a third sensor, phase_c_counts; angle_counts (32 bits
+/// a turn), or sin and cos; and those of --further. The end of the source, --seconds or Ctrl-C ends it.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  bearing-watch listen /dev/ttyUSB0 --baud 921600 --out traces")]
 pub(super) struct Args {
@@ -41,6 +44,9 @@ pub(super) struct Args {
     /// Folder for the traces, trace_000.csv and so on; existing files stay
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Names of the further channels of raw samples, in their order; by default further_1 and so on
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    further: Vec<String>,
     /// Also serve a page with the reports and samples as they come, on this port of 127.0.0.1; 0 is any free one. The
     /// page stays after the end of the source, until --seconds or Ctrl-C
     #[arg(long, value_name = "PORT")]
@@ -60,7 +66,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let chunks = source::open(&args.source, args.baud);
     let mut decoder = Decoder::<LONGEST>::new();
     let view = args.view.map(|port| View::open(port, &stopped)).transpose()?;
-    let mut receiver = Receiver::new(args.json, traces);
+    let mut receiver = Receiver::new(args.json, traces, args.further.clone());
     if let Some((view, address)) = view {
         receiver.show(view, &address)?;
     }

@@ -1,10 +1,11 @@
 //! Frames → lines and traces.
 
 use bearing_watch::Alarm;
-use bearing_watch::telemetry::{Block, Body, Frame, LinkCounts, Summary};
+use bearing_watch::telemetry::{Block, Body, Frame, LinkCounts, RawBlock, Summary};
 
 use super::live::View;
 use super::names::Names;
+use super::raw;
 use super::traces::{Traces, Written};
 use super::words;
 use crate::Error;
@@ -14,6 +15,8 @@ use crate::cli::output;
 pub(super) struct Receiver {
     json: bool,
     names: Names,
+    /// Names of the further channels of raw samples.
+    further: Vec<String>,
     traces: Option<Traces>,
     view: Option<View>,
     /// Stream and number of the last frame.
@@ -25,8 +28,8 @@ pub(super) struct Receiver {
 }
 
 impl Receiver {
-    pub(super) fn new(json: bool, traces: Option<Traces>) -> Self {
-        Self { json, names: Names::default(), traces, view: None, last: None, alarm: None, unnamed: 0 }
+    pub(super) fn new(json: bool, traces: Option<Traces>, further: Vec<String>) -> Self {
+        Self { json, names: Names::default(), further, traces, view: None, last: None, alarm: None, unnamed: 0 }
     }
 
     /// Shows what comes on a page too.
@@ -56,6 +59,7 @@ impl Receiver {
             }
             Body::Report(summary) => self.report(stream, &summary),
             Body::Samples(block) => self.samples(stream, &block),
+            Body::Raw(block) => self.raw(stream, &block),
         }
     }
 
@@ -86,9 +90,16 @@ impl Receiver {
         written.iter().try_for_each(|file| self.written(file))
     }
 
+    fn raw(&mut self, stream: u32, block: &RawBlock<'_>) -> Result<(), Error> {
+        let Some(traces) = &mut self.traces else { return Ok(()) };
+        let further = raw::further(block, &self.further).map_err(Error::Usage)?;
+        let written = traces.take_raw(stream, &further, block)?;
+        written.iter().try_for_each(|file| self.written(file))
+    }
+
     fn close(&mut self) -> Result<(), Error> {
-        let written = self.traces.as_mut().map_or(Ok(None), Traces::close)?;
-        written.map_or(Ok(()), |file| self.written(&file))
+        let written = self.traces.as_mut().map_or_else(|| Ok(vec![]), Traces::close)?;
+        written.iter().try_for_each(|file| self.written(file))
     }
 
     fn written(&self, file: &Written) -> Result<(), Error> {

@@ -32,7 +32,8 @@ impl FrontEndFile {
             balance: Balance { noise_a: (100.0 * noise_a).ceil() as f32 / 100.0, gain_tolerance: 0.02, window: 400 },
             position: Columns::Counts { counts: "resolver_counts".into(), bits: sensors.resolver_bits },
             tracking: Tracking {
-                bandwidth_hz: 300.0,
+                // Below a tenth of the rate, the limit of the loop.
+                bandwidth_hz: (0.09 * rate_hz).min(300.0) as f32,
                 damping: 0.7,
                 error_limit_rad: 0.1,
                 lost_samples: 20,

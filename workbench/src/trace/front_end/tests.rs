@@ -34,6 +34,11 @@ fn the_text_of_a_front_end_gives_the_same_front_end() {
     let own = file();
     assert_eq!((own.control_rate_hz, own.factor), (4000.0, 4));
     assert_eq!(FrontEndFile::parse(&own.to_text().expect("text")), Ok(own));
+    // 12, 4 and 1.2 kHz.
+    for every in [1, 3, 10] {
+        let own = FrontEndFile::of_rig(&EmaScenario::STANDARD.logged(Logging { every, hold: 1 })).expect("raw rows");
+        assert_eq!(FrontEndFile::parse(&own.to_text().expect("text")), Ok(own));
+    }
 }
 
 #[test]

@@ -1,0 +1,272 @@
+//! Raw samples of the front end → blocks.
+
+use serde::{Deserialize, Serialize};
+
+use super::samples::word;
+use super::sink::Sink;
+use super::{TooSmall, split};
+use crate::drive::{Angle, PhaseCounts, Position, RawSample};
+
+/// Flags of a sample, in the upper half of its second word.
+const TWO_CURRENTS: u32 = 1 << 16;
+const NO_POSITION: u32 = 1 << 17;
+/// Words of a sample before those of its position.
+const CURRENTS: usize = 2;
+
+/// Gathers raw samples in a block of at most `BYTES` bytes; a sample has 12, four more with sine and cosine of a
+/// resolver, and four for each further channel.
+///
+/// In the interrupt of the control loop, hand over what [`RawRecorder::take`] returns by a queue. A line that is too slow
+/// for all samples carries single blocks: the receiver sees gaps, and each series between them is a recording. A push of
+/// 20 bytes takes 121 instructions on a Cortex-M4F (`cargo xtask firmware measure_telemetry`).
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RawRecorder<const FURTHER: usize, const BYTES: usize> {
+    control_rate_hz: f32,
+    /// Number of the first sample of the block, and of samples in it.
+    first: u32,
+    samples: u32,
+    /// Whether positions are sine and cosine.
+    resolver: bool,
+    used: usize,
+    /// Whether the block takes no more samples.
+    closed: bool,
+    bytes: [u8; BYTES],
+}
+
+impl<const FURTHER: usize, const BYTES: usize> RawRecorder<FURTHER, BYTES> {
+    /// No sample yet.
+    #[must_use]
+    pub const fn new(control_rate_hz: f32) -> Self {
+        Self { control_rate_hz, first: 0, samples: 0, resolver: false, used: 0, closed: false, bytes: [0; BYTES] }
+    }
+
+    /// Takes a raw sample; returns whether the block is complete. A complete block takes no sample until
+    /// [`RawRecorder::clear`] or [`RawRecorder::take`], and a sample whose number does not follow, or whose position is
+    /// of another kind, completes a block without being in it: the receiver sees a gap.
+    #[inline]
+    pub fn push(&mut self, raw: &RawSample<FURTHER>) -> bool {
+        let (resolver, position, mut flags) = match raw.position {
+            Position::Absolute(angle) => (false, [angle.bits(), 0], 0),
+            Position::Resolver { sin, cos } => (true, [sin.to_bits(), cos.to_bits()], 0),
+            Position::Missing => (self.resolver, [0; 2], NO_POSITION),
+        };
+        let [a, b, c] = match raw.currents {
+            PhaseCounts::Three(counts) => counts,
+            PhaseCounts::Two([a, b]) => {
+                flags |= TWO_CURRENTS;
+                [a, b, 0]
+            }
+        };
+        if self.samples == 0 {
+            (self.first, self.resolver) = (raw.number, resolver);
+        }
+        self.closed |= raw.number != self.first.wrapping_add(self.samples) || resolver != self.resolver;
+        let bytes = sample_bytes(resolver, FURTHER);
+        let end = self.used.saturating_add(bytes);
+        let cells = if self.closed { None } else { self.bytes.get_mut(self.used..end) };
+        let Some(cells) = cells else {
+            self.closed = true;
+            return true;
+        };
+        let mut cells = cells.as_chunks_mut().0.iter_mut();
+        let mut put = |word: u32| cells.next().into_iter().for_each(|cell| *cell = word.to_le_bytes());
+        put(u32::from(a) | u32::from(b) << 16);
+        put(u32::from(c) | flags);
+        let [angle, cosine] = position;
+        put(angle);
+        if resolver {
+            put(cosine);
+        }
+        raw.further.iter().for_each(|value| put(value.to_bits()));
+        self.samples = self.samples.wrapping_add(1);
+        self.used = end;
+        self.closed = end.saturating_add(bytes) > BYTES;
+        self.closed
+    }
+
+    /// The samples so far.
+    #[must_use]
+    pub fn block(&self) -> RawBlock<'_> {
+        #[expect(clippy::cast_possible_truncation, reason = "a front end has few channels")]
+        let further = FURTHER as u8;
+        let bytes = self.bytes.get(..self.used).unwrap_or(&[]);
+        let Self { first, control_rate_hz, resolver, .. } = *self;
+        RawBlock { first, control_rate_hz, resolver, further, bytes }
+    }
+
+    /// Starts the next block.
+    pub const fn clear(&mut self) {
+        (self.samples, self.used, self.closed) = (0, 0, false);
+    }
+
+    /// Gives the block away and starts the next one.
+    #[must_use]
+    pub fn take(&mut self) -> Self {
+        let whole = self.clone();
+        self.clear();
+        whole
+    }
+}
+
+#[derive(Serialize, Deserialize)]
+struct Fields {
+    #[serde(with = "postcard::fixint::le")]
+    first: u32,
+    control_rate_hz: f32,
+    resolver: bool,
+    further: u8,
+}
+
+/// Raw samples that follow each other at the control rate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct RawBlock<'a> {
+    /// Number of the first sample, that of [`RawSample::number`].
+    pub first: u32,
+    /// Rate of the samples, Hz.
+    pub control_rate_hz: f32,
+    /// Whether positions are sine and cosine of a resolver, and not angles.
+    pub resolver: bool,
+    /// Number of further channels.
+    pub further: u8,
+    pub(super) bytes: &'a [u8],
+}
+
+impl<'a> RawBlock<'a> {
+    /// Number of samples.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.bytes.len().checked_div(sample_bytes(self.resolver, self.further.into())).unwrap_or(0)
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Counts of the phase currents, by the place of the sample in the block.
+    #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "two counts a word")]
+    pub fn currents(&self, sample: usize) -> Option<PhaseCounts> {
+        let (first, second) = (self.word(sample, 0)?, self.word(sample, 1)?);
+        let [a, b] = [first as u16, (first >> 16) as u16];
+        let two = second & TWO_CURRENTS != 0;
+        Some(if two { PhaseCounts::Two([a, b]) } else { PhaseCounts::Three([a, b, second as u16]) })
+    }
+
+    /// Reading of the position sensor.
+    #[must_use]
+    pub fn position(&self, sample: usize) -> Option<Position> {
+        let (flags, first) = (self.word(sample, 1)?, self.word(sample, CURRENTS)?);
+        if flags & NO_POSITION != 0 {
+            return Some(Position::Missing);
+        }
+        if !self.resolver {
+            return Some(Position::Absolute(Angle::from_bits(first)));
+        }
+        let cos = f32::from_bits(self.word(sample, CURRENTS.wrapping_add(1))?);
+        Some(Position::Resolver { sin: f32::from_bits(first), cos })
+    }
+
+    /// Value of a further channel, by its place.
+    #[must_use]
+    pub fn further(&self, sample: usize, channel: usize) -> Option<f32> {
+        let before = sample_bytes(self.resolver, 0) / 4;
+        let own = channel < self.further as usize;
+        if own { self.word(sample, before.wrapping_add(channel)).map(f32::from_bits) } else { None }
+    }
+
+    fn word(&self, sample: usize, place: usize) -> Option<u32> {
+        let words = sample_bytes(self.resolver, self.further.into()) / 4;
+        word(self.bytes, sample.wrapping_mul(words).wrapping_add(place)).map(u32::from_le_bytes)
+    }
+
+    pub(super) fn write(&self, sink: &mut Sink<'_>) -> Result<(), TooSmall> {
+        let Self { first, control_rate_hz, resolver, further, bytes } = *self;
+        sink.fields(&Fields { first, control_rate_hz, resolver, further })?;
+        sink.bytes(bytes)
+    }
+
+    /// From fields and list; `None` if they do not fit.
+    pub(super) fn read(bytes: &'a [u8]) -> Option<Self> {
+        let (Fields { first, control_rate_hz, resolver, further }, bytes) = split(bytes)?;
+        let whole = bytes.len().checked_rem(sample_bytes(resolver, further.into())) == Some(0);
+        let rate = control_rate_hz > 0.0 && control_rate_hz < f32::INFINITY;
+        (whole && rate).then_some(Self { first, control_rate_hz, resolver, further, bytes })
+    }
+}
+
+/// Bytes of a sample.
+const fn sample_bytes(resolver: bool, further: usize) -> usize {
+    4_usize.saturating_mul((CURRENTS + 1 + resolver as usize).saturating_add(further))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec::Vec;
+
+    const THREE: PhaseCounts = PhaseCounts::Three([1, 0xffff, 4079]);
+
+    fn sample(number: u32, position: Position) -> RawSample<2> {
+        RawSample { number, currents: THREE, position, further: [f32::from_bits(0x7FC0_1234), -0.5] }
+    }
+
+    fn turned(number: u32) -> RawSample<2> {
+        sample(number, Position::Absolute(Angle::from_bits(0xFFFF_0000 ^ number)))
+    }
+
+    #[test]
+    fn a_full_block_waits_and_a_gap_completes_one() {
+        // Two samples of 20 bytes.
+        let mut recorder = RawRecorder::<2, 50>::new(1e4);
+        assert_eq!([7, 8, 9].map(|number| recorder.push(&turned(number))), [false, true, true]);
+        let whole = recorder.take();
+        let block = whole.block();
+        assert_eq!((block.first, block.len(), block.further, block.resolver), (7, 2, 2, false));
+        assert_eq!((block.currents(1), block.position(1)), (Some(THREE), Some(turned(8).position)));
+        assert_eq!(block.further(1, 0).unwrap().to_bits(), 0x7FC0_1234, "NaN keeps its bits");
+        assert_eq!((block.further(1, 1), block.further(1, 2)), (Some(-0.5), None));
+        assert_eq!((block.currents(2), block.position(2), block.further(2, 0)), (None, None, None));
+        assert!(!recorder.push(&turned(10)));
+        assert!(recorder.push(&turned(12)), "samples on both sides of a gap are not in one block");
+        assert_eq!((recorder.block().first, recorder.block().len()), (10, 1));
+        recorder.clear();
+        assert!(!recorder.push(&turned(u32::MAX)));
+        assert!(recorder.push(&turned(0)), "numbers wrap");
+        assert_eq!(recorder.block().len(), 2);
+        assert!(RawRecorder::<2, 19>::new(1e4).push(&turned(1)), "less than a sample");
+    }
+
+    #[test]
+    fn two_currents_a_resolver_and_missing_positions_come_back() {
+        let mut recorder = RawRecorder::<0, 80>::new(8000.0);
+        let positions = [Position::Resolver { sin: 0.6, cos: -0.8 }, Position::Missing];
+        let currents = PhaseCounts::Two([5, 6]);
+        for (number, position) in (0..).zip(positions) {
+            assert!(!recorder.push(&RawSample { number, currents, position, further: [] }));
+        }
+        let (block, two) = (recorder.block(), [0, 1]);
+        assert_eq!(two.map(|place| block.position(place)), positions.map(Some));
+        assert_eq!((block.currents(1), block.resolver, block.further(1, 0)), (Some(currents), true, None));
+        let angle = RawSample { number: 2, currents, position: Position::Absolute(Angle::ZERO), further: [] };
+        assert!(recorder.push(&angle), "a position of another kind begins another block");
+        assert_eq!(recorder.block().len(), 2);
+    }
+
+    #[test]
+    fn what_does_not_fit_is_no_block() {
+        let fields = |rate: f32, resolver: u8, further: u8, bytes: usize| {
+            let mut all = Vec::from([3, 0, 0, 0]);
+            all.extend(rate.to_le_bytes());
+            all.extend([resolver, further]);
+            all.resize(10 + bytes, 0);
+            RawBlock::read(&all).map(|block| block.len())
+        };
+        assert_eq!([fields(1e4, 0, 2, 40), fields(1e4, 1, 2, 48), fields(1e4, 0, 0, 0)], [Some(2), Some(2), Some(0)]);
+        assert_eq!([fields(1e4, 0, 2, 41), fields(1e4, 2, 2, 40)], [None; 2]);
+        assert_eq!([fields(0.0, 0, 2, 40), fields(f32::NAN, 0, 2, 40), fields(f32::INFINITY, 0, 2, 40)], [None; 3]);
+    }
+}
