@@ -8,9 +8,11 @@
 //! friction p ± σ:   f = p,  v = σ²;     f = ln m,  v = (σ/m)²,  m = max(p, σ)         (1)
 //! ```
 //!
-//! No deviation is known of the other features, and a score is already relative to its deviation: v = 0. The logarithm
-//! (1) suits a friction that varies by a factor between drives. Below its standard deviation a value does not differ
-//! from zero; it counts as σ, with v = 1. A missing feature has an infinite variance.
+//! p and σ are those of the rows alone, without the prior of p, which would draw the friction of a defect towards that
+//! of healthy drives ([`Parameter::from_rows`](crate::Parameter::from_rows)). No deviation is known of the other features, and a score is already
+//! relative to its deviation: v = 0. The logarithm (1) suits a friction that varies by a factor between drives. Below
+//! its standard deviation a value does not differ from zero; it counts as σ, with v = 1. A missing feature has an
+//! infinite variance.
 //!
 //! Raw parameters a, b, c and physical constants are affine combinations of these features; the projection forms them.
 //! The cube root of a mean of squares is nearly normal (Wilson and Hilferty 1931), as discriminant and gate assume.
@@ -79,17 +81,17 @@ impl FeatureValue {
     }
 
     /// (1); a deviation that is not a number makes the feature missing.
-    fn of(parameter: Parameter) -> Self {
-        let variance = parameter.deviation * parameter.deviation;
-        if variance < f32::INFINITY { Self { value: parameter.value, variance } } else { Self::MISSING }
+    fn of((value, variance): (f32, f32)) -> Self {
+        if variance < f32::INFINITY { Self { value, variance } } else { Self::MISSING }
     }
 
     /// (1).
-    fn ln_of(Parameter { value, deviation, .. }: Parameter) -> Self {
+    fn ln_of((value, variance): (f32, f32)) -> Self {
+        let deviation = libm::sqrtf(variance);
         let least = deviation.max(f32::MIN_POSITIVE);
         let magnitude = if value < least { least } else { value };
-        let parameter = Parameter { value: ln(magnitude), deviation: deviation / magnitude, score: 0.0 };
-        Self::of(parameter)
+        let ratio = deviation / magnitude;
+        Self::of((ln(magnitude), ratio * ratio))
     }
 }
 
@@ -122,7 +124,7 @@ impl Feature {
         if let Some(reason) = reason {
             return Err(reason);
         }
-        let term = |term| shaft.and_then(|shaft| shaft.friction.parameter(term)).unwrap_or_default();
+        let term = |term| shaft.and_then(|shaft| shaft.friction.of(term)).unwrap_or(&Parameter::NONE);
         let none = shaft.is_none();
         let averaged = plan.layout().averaged != 0;
         let value = match self {
@@ -132,8 +134,8 @@ impl Feature {
             Self::ChannelRms(channel) if averaged => return channel_value(averages, channel, Average::rms),
             Self::ChannelMean(_) | Self::ChannelRms(_) => 0.0,
             _ if none => 0.0,
-            Self::Friction(name) => return Ok(FeatureValue::of(term(name))),
-            Self::LogFriction(name) => return Ok(FeatureValue::ln_of(term(name))),
+            Self::Friction(name) => return Ok(FeatureValue::of(term(name).of_rows())),
+            Self::LogFriction(name) => return Ok(FeatureValue::ln_of(term(name).of_rows())),
             Self::FrictionScore(name) => term(name).score,
             Self::LogFrictionVariance => ln(shaft.map_or(0.0, |shaft| shaft.friction.variance)),
             Self::OrderScore(place) => order(place).score,
@@ -208,7 +210,7 @@ mod tests {
         let drag = Feature::FrictionScore(FrictionTerm::Drag);
         assert_eq!(value(drag, &shaft), Err(Reason::TermNotExcited(FrictionTerm::Inertia)));
         (shaft.friction_reason, shaft.orders_reason) = (None, None);
-        shaft.friction.drag = Parameter { value: 1.0, deviation: 0.5, score: 8.0 };
+        shaft.friction.drag = Parameter { value: 1.0, deviation: 0.5, score: 8.0, from_rows: 1.0 };
         shaft.orders = vec![OrderStrength::default(), OrderStrength { score: 3.0, ..OrderStrength::default() }];
         assert_eq!(value(drag, &shaft), Ok(FeatureValue::exact(8.0)));
         assert_eq!(value(Feature::OrderScore(1), &shaft), Ok(FeatureValue::exact(3.0)));
@@ -220,7 +222,8 @@ mod tests {
     fn friction_has_a_variance_and_a_logarithm() {
         let of = |value: f32, deviation: f32| {
             let mut shaft = ShaftEstimate::empty(plan());
-            (shaft.friction_reason, shaft.friction.viscous) = (None, Parameter { value, deviation, score: 0.0 });
+            shaft.friction_reason = None;
+            shaft.friction.viscous = Parameter { value, deviation, score: 0.0, from_rows: 1.0 };
             [Feature::Friction(FrictionTerm::Viscous), Feature::LogFriction(FrictionTerm::Viscous)]
                 .map(|feature| feature.value(plan(), (None, Some(&shaft), &[])).unwrap())
         };
@@ -234,6 +237,12 @@ mod tests {
         for deviation in [f32::NAN, f32::INFINITY, 1e30] {
             assert!(of(4.0, deviation)[0].is_missing(), "{deviation}");
         }
+        // Half of the precision is that of a prior at 3.
+        let mut shaft = ShaftEstimate::empty(plan());
+        shaft.friction.viscous = Parameter { value: 4.0, deviation: 0.5, score: 2.0, from_rows: 0.5 };
+        shaft.friction_reason = None;
+        let found = Feature::Friction(FrictionTerm::Viscous).value(plan(), (None, Some(&shaft), &[]));
+        assert_eq!(found, Ok(FeatureValue { value: 5.0, variance: 0.5 }));
     }
 
     #[test]

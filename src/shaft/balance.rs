@@ -18,15 +18,15 @@
 //!
 //! Each segment starts from a weak prior, the healthy parameters with [`Balance::prior`] as their deviations, as if
 //! earlier rows had given them. What the motion does not excite keeps its prior: at constant speed p₁ and p₂ cannot be
-//! separated, and their errors cancel in (4). Each result is then freed of its own prior, which would hold it near the
-//! healthy value whatever the rows say; that of p₇ stays, and so do the priors of the other terms:
+//! separated, their errors cancel in (4), and each deviation says so. A prior holds its parameter near the healthy value
+//! whatever the rows say; features of a classifier are freed of it:
 //!
 //! ```text
-//! p ← n + (p − n)/c,   σ² ← σ²/c,   c = 1 − σ² σ₀²/(prior² s²)                                          (5)
+//! p′ = n + (p − n)/c,   σ′² = σ²/c,   c = 1 − σ² σ₀²/(prior² s²)                                        (5)
 //! ```
 //!
 //! n is nominal, s² the variance of the residual and σ₀² that of healthy ones: the precision of p is the sum of that of
-//! the rows, c/σ², and of the prior. What the rows do not tell has a large deviation then; c counts as 1/64 at least.
+//! the rows, c/σ², and of its own prior. The priors of the other terms stay, and that of p₇. c counts as 1/64 at least.
 //!
 //! A row is rotated into the sums one pivot a sample, so that no sample pays for all of it. After every
 //! [`ROWS_A_REFRESH`] rows the time of one row goes into a back substitution, one parameter a sample: the present

@@ -4,7 +4,7 @@
 //! [`super::balance`].
 
 use super::balance::{Balance, BalanceSums, TERMS, columns};
-use super::friction::{Friction, Parameter};
+use super::friction::{Friction, LEAST_FROM_ROWS, Parameter};
 use crate::factor::kernels::pairs;
 use crate::factor::{Mass, Problem, Solution, SolveError, Solved, lower};
 use crate::reason::{FrictionTerm, Part, Reason};
@@ -23,8 +23,6 @@ enum Stage {
 
 /// Results before the drag.
 const RESULTS: usize = 3;
-/// Least part of a parameter that the rows tell: below it (5) would divide by what rounding leaves.
-const LEAST_PART: f32 = 1.0 / 64.0;
 const COVARIANCE: usize = TERMS * (TERMS + 1) / 2;
 
 /// A solve of the torque balance under way.
@@ -39,6 +37,8 @@ pub struct BalanceSolve {
     variance: f32,
     /// Value, nominal value and variance of the drag, term by term.
     drag: [f32; 3],
+    /// Sum of the scores of all results.
+    scores: f32,
     /// Number of calls of [`BalanceSolve::results`].
     results: u8,
 }
@@ -53,6 +53,7 @@ impl BalanceSolve {
             work: [0.0; TERMS],
             variance: 0.0,
             drag: [0.0; 3],
+            scores: 0.0,
             results: 0,
         }
     }
@@ -87,7 +88,7 @@ impl BalanceSolve {
                 if !self.results(balance, load, friction) {
                     return None;
                 }
-                if friction.is_finite() {
+                if self.scores.is_finite() {
                     return Some(Ok(()));
                 }
                 *friction = Friction::default();
@@ -133,22 +134,23 @@ impl BalanceSolve {
     /// The next two parameters of the result; whether all are there.
     #[inline(never)]
     fn results(&mut self, balance: &Balance, load: bool, friction: &mut Friction) -> bool {
-        let at = |k: usize| self.parameter(balance, load, k);
+        let at = |own: &mut Self, k: usize| own.parameter(balance, load, k);
         match self.results {
-            0 => (friction.inertia, friction.viscous) = (at(0), at(1)),
+            0 => (friction.inertia, friction.viscous) = (at(self, 0), at(self, 1)),
             1 => {
-                friction.coulomb = at(2);
-                friction.inverse_torque_constant = load.then(|| at(3));
+                friction.coulomb = at(self, 2);
+                friction.inverse_torque_constant = load.then(|| at(self, 3));
             }
             2 => {
-                friction.load_friction = load.then(|| at(5));
-                friction.stribeck = at(if load { 6 } else { 4 });
+                friction.load_friction = load.then(|| at(self, 5));
+                friction.stribeck = at(self, if load { 6 } else { 4 });
             }
             k if (k as usize) < RESULTS + TERMS => self.add_to_drag(balance, load, (k as usize).wrapping_sub(RESULTS)),
             _ => {
                 let [value, nominal, variance] = self.drag;
                 friction.drag = parameter(value, variance, nominal);
-                friction.offset = at(if load { 4 } else { 3 });
+                self.scores += friction.drag.score;
+                friction.offset = at(self, if load { 4 } else { 3 });
                 friction.variance = self.variance;
                 return true;
             }
@@ -157,18 +159,20 @@ impl BalanceSolve {
         false
     }
 
-    /// The k-th parameter that is estimated, without its prior by (5).
+    /// The k-th parameter that is estimated.
     #[inline(never)]
-    fn parameter(&self, balance: &Balance, load: bool, k: usize) -> Parameter {
+    fn parameter(&mut self, balance: &Balance, load: bool, k: usize) -> Parameter {
         let term = Balance::terms(load).get(k).copied().unwrap_or(0);
         let at = |list: &[f32]| list.get(term).copied().unwrap_or(1.0);
-        let (nominal, prior) = (at(&balance.nominal), at(&balance.prior));
         let variance = self.covariance.get(lower(k, k)).copied().unwrap_or(0.0);
+        let ratio = balance.deviation / at(&balance.prior);
+        let prior = ratio * ratio * variance / self.variance.max(f32::MIN_POSITIVE);
+        // c of (5); f32::max returns the limit if it is not a number.
+        let from_rows = (1.0 - prior).max(LEAST_FROM_ROWS);
         let value = self.delta.get(k).copied().unwrap_or(0.0);
-        let ratio = balance.deviation / prior;
-        // f32::max returns the limit if the part is not a number.
-        let part = (1.0 - ratio * ratio * variance / self.variance.max(f32::MIN_POSITIVE)).max(LEAST_PART);
-        parameter(nominal + (value - nominal) / part, variance / part, nominal)
+        let own = parameter(value, variance, at(&balance.nominal));
+        self.scores += own.score;
+        Parameter { from_rows, ..own }
     }
 
     /// Adds the k-th term to the drag (4). Its variance has the covariances of all terms, whose errors cancel in it.
@@ -192,7 +196,7 @@ impl BalanceSolve {
 
 fn parameter(value: f32, variance: f32, nominal: f32) -> Parameter {
     let deviation = libm::sqrtf(variance.max(f32::MIN_POSITIVE));
-    Parameter { value, deviation, score: (value - nominal) / deviation }
+    Parameter { value, deviation, score: (value - nominal) / deviation, from_rows: 1.0 }
 }
 
 /// The error with the term that it concerns.
@@ -316,12 +320,15 @@ mod tests {
     fn a_weak_motion_leaves_no_bias_towards_the_healthy_value() {
         // 400 rows of 0.01 A and 0.02 rad/s: a deviation of 0.025 beside a prior of 0.02, whose weight would be 0.6.
         let friction = hardly_moving(0.042, 0.02);
-        let Parameter { value, deviation, score } = friction.viscous;
-        assert!((value - 0.042).abs() < 1e-4 && (deviation - 0.025).abs() < 5e-4, "{:?}", friction.viscous);
-        assert!((score - 0.04 / 0.025).abs() < 0.05, "{score}");
+        let (value, variance) = friction.viscous.of_rows();
+        assert!((value - 0.042).abs() < 1e-4 && (variance.sqrt() - 0.025).abs() < 5e-4, "{friction:?}");
+        // The prior has a weight of 1/0.02², the rows of 1/0.025².
+        assert!((friction.viscous.from_rows - 0.39).abs() < 5e-3, "{friction:?}");
         // What the rows do not tell at all is nominal, with eight prior deviations.
         let none = hardly_moving(0.042, 0.0).viscous;
-        assert!((none.value - 0.002).abs() < 1e-6 && (none.deviation / 0.16 - 1.0).abs() < 0.1, "{none:?}");
+        let (value, variance) = none.of_rows();
+        assert!((value - 0.002).abs() < 1e-6 && (variance.sqrt() / 0.16 - 1.0).abs() < 0.1, "{none:?}");
+        assert_eq!((none.from_rows, Parameter::default().of_rows()), (LEAST_FROM_ROWS, (0.0, 0.0)));
     }
 
     #[test]

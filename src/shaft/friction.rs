@@ -4,7 +4,7 @@
 
 use crate::reason::FrictionTerm;
 
-/// An estimated parameter, as the rows of a segment tell it: without the healthy value from which a segment starts.
+/// An estimated parameter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Parameter {
@@ -14,7 +14,27 @@ pub struct Parameter {
     pub deviation: f32,
     /// (value − nominal)/deviation: comparable between segments with much and little excitation.
     pub score: f32,
+    /// What part of the precision, 1/deviation², the rows of the segment give, at least 1/64; the rest is that of the
+    /// prior, which holds a parameter near the healthy value where the motion tells little of it.
+    pub from_rows: f32,
 }
+
+impl Parameter {
+    /// Without an estimate.
+    pub(crate) const NONE: Self = Self { value: 0.0, deviation: 0.0, score: 0.0, from_rows: 0.0 };
+
+    /// The value as the rows alone give it, and its variance: without its prior, by (5) of [`super::balance`].
+    #[inline(never)]
+    pub(crate) fn of_rows(&self) -> (f32, f32) {
+        let Self { value, deviation, score, from_rows } = *self;
+        // A parameter that no segment has estimated has none.
+        let part = from_rows.max(LEAST_FROM_ROWS);
+        (value + score * deviation * (1.0 / part - 1.0), deviation * deviation / part)
+    }
+}
+
+/// Least part that counts: below it (5) would divide by what rounding leaves.
+pub const LEAST_FROM_ROWS: f32 = 1.0 / 64.0;
 
 /// The torque balance of a segment. All parameters are in amperes per unit of their signal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -46,15 +66,20 @@ impl Friction {
     /// A parameter by its name; `None` for torque constant and load friction if the load is not measured.
     #[must_use]
     pub const fn parameter(&self, term: FrictionTerm) -> Option<Parameter> {
+        self.of(term).copied()
+    }
+
+    #[inline(never)]
+    pub(crate) const fn of(&self, term: FrictionTerm) -> Option<&Parameter> {
         match term {
-            FrictionTerm::Inertia => Some(self.inertia),
-            FrictionTerm::Viscous => Some(self.viscous),
-            FrictionTerm::Coulomb => Some(self.coulomb),
-            FrictionTerm::InverseTorqueConstant => self.inverse_torque_constant,
-            FrictionTerm::Offset => Some(self.offset),
-            FrictionTerm::LoadFriction => self.load_friction,
-            FrictionTerm::Stribeck => Some(self.stribeck),
-            FrictionTerm::Drag => Some(self.drag),
+            FrictionTerm::Inertia => Some(&self.inertia),
+            FrictionTerm::Viscous => Some(&self.viscous),
+            FrictionTerm::Coulomb => Some(&self.coulomb),
+            FrictionTerm::InverseTorqueConstant => self.inverse_torque_constant.as_ref(),
+            FrictionTerm::Offset => Some(&self.offset),
+            FrictionTerm::LoadFriction => self.load_friction.as_ref(),
+            FrictionTerm::Stribeck => Some(&self.stribeck),
+            FrictionTerm::Drag => Some(&self.drag),
         }
     }
 
@@ -82,12 +107,5 @@ impl Friction {
     #[must_use]
     pub fn coulomb_nm(&self) -> Option<f32> {
         self.torque_constant_nm_a().map(|(kt, _)| self.coulomb.value * kt)
-    }
-
-    pub(super) fn is_finite(&self) -> bool {
-        let Self { inertia, viscous, coulomb, offset, stribeck, drag, .. } = self;
-        let own = [inertia, viscous, coulomb, offset, stribeck, drag];
-        let scores = own.into_iter().chain(&self.inverse_torque_constant).chain(&self.load_friction);
-        scores.fold(0.0, |sum, parameter| sum + parameter.score).is_finite()
     }
 }

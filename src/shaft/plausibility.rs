@@ -1,16 +1,16 @@
 //! Torque balance and motion of a segment against the healthy drive → what is wrong with the signals.
 //!
 //! ```text
-//! v = p/n,   e = k σ/|n|,   asked if σ σ₀ < prior s                              (1)
+//! v = 1 + (p/n − 1)/c,   e = k σ/(|n| c),   c: the part of p that the rows give                        (1)
 //! refused:   v + e < min(1/√2, 1 − w)   or   v − e > max(√2, 1 + w),   w = prior/|n|                      (2)
 //! refused:   velocity/angle outside 1/√2 … √2                                                           (3)
 //! refused:   s > 5 σ₀   and   2 R/(1 − c) > E + R                                                       (4)
 //! ```
 //!
 //! p is J/Kt or 1/Kt with deviation σ, n its nominal value, s² the variance of the residual, and σ₀² that of healthy
-//! ones. Neither p nor σ contains the prior of p, which would hold it near n whatever the signals say; a p of which the
-//! prior would be the larger part is not asked. √2 is the geometric mean of a right signal and one that is wrong by
-//! two, as at half or double the sampling rate; the prior is three healthy deviations. A defect of a bearing changes friction, but not J/Kt and 1/Kt. The ratio (3) of
+//! ones. (1) removes what the prior contributes to p: a tight one would hold it near n whatever the signals say. √2 is
+//! the geometric mean of a right signal and one that is wrong by two, as at half or double the sampling rate; the prior
+//! is three healthy deviations. A defect of a bearing changes friction, but not J/Kt and 1/Kt. The ratio (3) of
 //! [`Travel`](crate::drive::travel) names the velocity whatever the balance. R is the sum of squares of the residual,
 //! E that of the current which the terms explain, and c the part of the rows that the terms fit by chance: a current
 //! that was transformed at another angle than that of the rotor (pole pairs, phase order, electrical offset) follows
@@ -57,17 +57,17 @@ const CAUSES: [[Option<Implausible>; 5]; 5] = [
 ];
 
 impl Fit {
-    /// (2); `spread` is s²/σ₀².
+    /// (2).
     #[inline(never)]
-    fn of(parameter: Parameter, nominal: f32, prior: f32, spread: f32) -> Self {
-        let ratio = parameter.deviation / prior;
+    fn of(parameter: &Parameter, nominal: f32, prior: f32) -> Self {
+        let part = parameter.from_rows;
         // Written so that a value that is not a number is not determined.
-        let determined = ratio * ratio < spread && nominal != 0.0;
+        let determined = part > 0.5 && nominal != 0.0;
         if !determined {
             return Self::Unknown;
         }
-        let value = parameter.value / nominal; // (1)
-        let error = (DEVIATIONS * parameter.deviation / nominal).abs();
+        let value = 1.0 + (parameter.value / nominal - 1.0) / part; // (1)
+        let error = (DEVIATIONS * parameter.deviation / (part * nominal)).abs();
         let width = (prior / nominal).abs();
         let (low, high) = (value - error, value + error);
         if high < LOW.min(1.0 - width) {
@@ -103,10 +103,9 @@ pub fn of_balance(balance: &Balance, friction: &Friction, explained: f32) -> Opt
         return Some(Current); // (4)
     }
     let ([n0, _, _, n3, ..], [w0, _, _, w3, ..]) = (balance.nominal, balance.prior);
-    let spread = friction.variance / (balance.deviation * balance.deviation);
-    let inertia = Fit::of(friction.inertia, n0, w0, spread);
+    let inertia = Fit::of(&friction.inertia, n0, w0);
     let inertia = if loaded || inertia == Fit::Negative { inertia } else { Fit::Unknown };
-    let torque = friction.inverse_torque_constant.map_or(Fit::Unknown, |own| Fit::of(own, n3, w3, spread));
+    let torque = friction.inverse_torque_constant.as_ref().map_or(Fit::Unknown, |own| Fit::of(own, n3, w3));
     CAUSES.get(inertia as usize).and_then(|row| row.get(torque as usize)).copied().flatten()
 }
 
@@ -115,10 +114,10 @@ mod tests {
     use super::*;
 
     /// With a nominal value of 2 and a prior of 0.2.
-    fn fit(value: f32, deviation: f32) -> Fit {
+    fn fit(value: f32, from_rows: f32) -> Fit {
         let [one, other] = [1.0, -1.0].map(|sign| {
-            let parameter = Parameter { value: sign * value, deviation, score: 0.0 };
-            Fit::of(parameter, sign * 2.0, 0.2, 1.0)
+            let parameter = Parameter { value: sign * value, deviation: 0.02, score: 0.0, from_rows };
+            Fit::of(&parameter, sign * 2.0, 0.2)
         });
         assert_eq!(one, other, "a negative nominal value");
         one
@@ -126,23 +125,30 @@ mod tests {
 
     #[test]
     fn a_parameter_is_refused_beyond_its_limits_only() {
-        // v ± e of (1): p/2 ± 0.05.
+        // v ± e of (1): 1 + (p/2 − 1)/0.99 ± 0.0505.
         let cases = [(2.0, Fit::Plausible), (4.0, Fit::Above), (1.0, Fit::Below), (-2.0, Fit::Negative)];
-        assert_eq!(cases.map(|(value, _)| fit(value, 0.02)), cases.map(|(_, fit)| fit));
+        assert_eq!(cases.map(|(value, _)| fit(value, 0.99)), cases.map(|(_, fit)| fit));
         // 0.707 and 1.414 with their errors.
         assert_eq!(
-            [1.30, 1.33, 2.91, 2.95].map(|p| fit(p, 0.02)),
+            [1.30, 1.33, 2.91, 2.95].map(|p| fit(p, 0.99)),
             [Fit::Below, Fit::Unknown, Fit::Unknown, Fit::Above]
         );
-        assert_eq!([0.21, 0.3, f32::NAN].map(|deviation| fit(-2.0, deviation)), [Fit::Unknown; 3]);
-        let zero = Parameter { value: -2.0, deviation: 0.02, score: 0.0 };
-        assert_eq!(Fit::of(zero, 0.0, 0.2, 1.0), Fit::Unknown);
+        assert_eq!([0.5, 0.2, f32::NAN].map(|from_rows| fit(-2.0, from_rows)), [Fit::Unknown; 3]);
+        let zero = Parameter { value: -2.0, deviation: 0.02, score: 0.0, from_rows: 0.99 };
+        assert_eq!(Fit::of(&zero, 0.0, 0.2), Fit::Unknown);
         // A model whose healthy values spread by 0.6 about 2 knows no limit at √2, but 1.6.
-        let spread = |value| Fit::of(Parameter { value, deviation: 0.02, score: 0.0 }, 2.0, 1.2, 1.0);
+        let spread = |value| Fit::of(&Parameter { value, deviation: 0.02, score: 0.0, from_rows: 1.0 }, 2.0, 1.2);
         assert_eq!(
             [0.6, 1.0, 3.1, 3.5, -1.0].map(spread),
             [Fit::Below, Fit::Unknown, Fit::Unknown, Fit::Above, Fit::Negative]
         );
+    }
+
+    #[test]
+    fn what_the_prior_contributes_is_removed() {
+        // Rows alone say −2 ± 0.02, the prior 2 ± 0.02: together 0 ± 0.014, half of it from the prior.
+        let half = Parameter { value: 0.08, deviation: 0.0138, score: 0.0, from_rows: 0.52 };
+        assert_eq!(Fit::of(&half, 2.0, 0.02), Fit::Negative);
     }
 
     #[test]
@@ -160,7 +166,7 @@ mod tests {
             deviation: 1.0,
             ..crate::shaft::tests::balance()
         };
-        let parameter = |value| Parameter { value, deviation: 0.02, score: 0.0 };
+        let parameter = |value| Parameter { value, deviation: 0.02, score: 0.0, from_rows: 0.99 };
         let cause = |inertia, torque: Option<f32>| {
             let inverse_torque_constant = torque.map(parameter);
             let friction =
@@ -178,7 +184,7 @@ mod tests {
     #[test]
     fn a_current_that_nothing_explains_is_refused_if_the_residual_is_unusual() {
         let balance = Balance { deviation: 1.0, ..crate::shaft::tests::balance() };
-        let load = Some(Parameter { value: 0.0, deviation: f32::INFINITY, score: 0.0 });
+        let load = Some(Parameter { value: 0.0, deviation: f32::INFINITY, score: 0.0, from_rows: 0.0 });
         let cause = |variance, explained, inverse_torque_constant| {
             let friction = Friction { variance, inverse_torque_constant, rows: 1_000_000, ..Friction::default() };
             of_balance(&balance, &friction, explained) == Some(Current)

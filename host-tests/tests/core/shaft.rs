@@ -30,6 +30,14 @@ fn compare(model: &Model<RunTime>, motions: &[Motion], what: &str) {
         assert!((value - p).abs() < 0.02 * sd, "{what}: parameter {k} is {value}, not {p} ± {sd}");
         assert!((deviation / sd - 1.0).abs() < 0.02, "{what}: deviation {k} is {deviation}, not {sd}");
     }
+    for (k, (own, (p, sd))) in own.iter().zip(&expected.of_rows).enumerate() {
+        let part = f64::from(own.from_rows);
+        // The score has p − n in deviations. Where the rows tell less, the error of p counts more.
+        let value = f64::from(own.value) + f64::from(own.score * own.deviation) * (1.0 / part - 1.0);
+        let deviation = f64::from(own.deviation) / part.sqrt();
+        assert!((value - p).abs() < 0.02 * sd / part.sqrt(), "{what}: {k}: rows alone say {value}, not {p} ± {sd}");
+        assert!((deviation / sd - 1.0).abs() < 0.02, "{what}: {k}: deviation by rows {deviation}, not {sd}");
+    }
     let balance = &constants.balance;
     let weights = oracle::drag_weights(balance);
     let drag = weights.iter().zip(balance.nominal).map(|(weight, p)| weight * f64::from(p)).sum::<f64>() as f32;

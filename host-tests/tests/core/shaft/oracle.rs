@@ -13,6 +13,8 @@ use crate::rig::Motion;
 pub struct Expected {
     /// Values and deviations of p₀ … p₆ without those of a load that is not measured, then of the drag.
     pub parameters: Vec<(f64, f64)>,
+    /// Those of p₀ … p₆, each without its own prior.
+    pub of_rows: Vec<(f64, f64)>,
     pub variance: f64,
     pub rows: usize,
     pub orders: Vec<Order>,
@@ -98,6 +100,15 @@ impl Squares {
         own
     }
 
+    /// Without the prior of the term in place k, for its parameter alone.
+    fn without_prior(&self, balance: &Balance, terms: &[usize], k: usize) -> Self {
+        let priors = Self::new(balance, terms);
+        let mut own = Self { gram: self.gram.clone(), right: self.right.clone(), ..*self };
+        own.gram[(k, k)] -= priors.gram[(k, k)];
+        own.right[k] -= priors.right[k];
+        own
+    }
+
     fn add(&mut self, x: &DVector<f64>, y: f64) {
         self.gram += x * x.transpose();
         self.right += x * y;
@@ -128,11 +139,16 @@ pub fn expected(constants: &ShaftConstants<RunTime>, load: bool, motions: &[Moti
     let variance = rest / (squares.rows as f64 - spread * terms.len() as f64);
     let covariance = inverse * (variance * spread);
     let mut parameters: Vec<(f64, f64)> = (0..terms.len()).map(|k| (p[k], covariance[(k, k)].sqrt())).collect();
+    let of_rows = (0..terms.len()).map(|k| {
+        let (p, inverse, _) = squares.without_prior(balance, &terms, k).solve();
+        (p[k], (inverse[(k, k)] * variance * spread).sqrt())
+    });
+    let of_rows = of_rows.collect();
     let all = drag_weights(balance);
     let weights = DVector::from_iterator(terms.len(), terms.iter().map(|&term| all[term]));
     parameters.push((weights.dot(&p), weights.dot(&(&covariance * &weights)).sqrt()));
     let path = path(constants, &signals, motions, &present);
-    Expected { parameters, variance, rows: squares.rows, orders: expected_orders(tracking, &path) }
+    Expected { parameters, of_rows, variance, rows: squares.rows, orders: expected_orders(tracking, &path) }
 }
 
 /// What a unit of each parameter adds to the friction at the usual velocity and load.
