@@ -1,6 +1,7 @@
 //! What the repository's own commands do: `cargo xtask test | long | firmware | c | pil | frameworks | newcomer |
 //! measure | peers | python | fuzz | docs | book | release | setup`.
 
+mod beside;
 mod board;
 mod book;
 mod bounds;
@@ -60,7 +61,11 @@ struct Arguments {
 #[derive(Subcommand, Debug)]
 enum Command {
     /// Every check of the repository: format, lints, documentation, host and target tests.
-    Test,
+    Test {
+        /// The firmware builds and emulator runs alone; ends with their counts, for the whole run beside which they go.
+        #[arg(long)]
+        target_only: bool,
+    },
     /// The host tests that run for minutes, and their table.
     Long,
     /// Builds an example for the drive's chip and runs it in the emulator.
@@ -136,7 +141,7 @@ fn main() -> ExitCode {
 
 /// Whether everything that was asked for succeeded.
 fn run(arguments: &Arguments) -> Result<bool> {
-    if matches!(arguments.command, Command::Test) {
+    if let Command::Test { target_only: false } = arguments.command {
         return Ok(test::run(arguments.way));
     }
     if matches!(arguments.command, Command::Peers) {
@@ -165,6 +170,7 @@ fn run(arguments: &Arguments) -> Result<bool> {
             let elf = firmware::build(way, DRIVE, example)?;
             qemu::run(&elf, DRIVE.machine, qemu::Echo::On)?;
         }
+        Command::Test { .. } => return Ok(test::run_on_target(Some(way))),
         Command::C => return c_library::run(way),
         Command::Frameworks => return Ok(frameworks::run(way)),
         Command::Newcomer => return Ok(newcomer::run(way)),
@@ -186,13 +192,7 @@ fn run(arguments: &Arguments) -> Result<bool> {
             let browser = setup::ensure_chromium()?;
             println!("ready: firmware the {way} way, emulator {}, browser {browser}", qemu::PROGRAM);
         }
-        Command::Test
-        | Command::Long
-        | Command::Peers
-        | Command::Python
-        | Command::Fuzz(_)
-        | Command::Docs { .. }
-        | Command::Book => {}
+        Command::Long | Command::Peers | Command::Python | Command::Fuzz(_) | Command::Docs { .. } | Command::Book => {}
     }
     Ok(true)
 }

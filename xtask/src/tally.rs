@@ -90,6 +90,9 @@ impl fmt::Display for Tally {
     }
 }
 
+/// What a line of [`Stages::rows`] starts with.
+const ROW: &str = "stage\t";
+
 /// The stages of a run.
 #[derive(Debug, Default)]
 pub struct Stages {
@@ -105,6 +108,29 @@ impl Stages {
         let result = work(&mut tally);
         self.done.push((title.to_owned(), tally, start.elapsed()));
         result
+    }
+
+    /// The stages as lines for [`Stages::take_row`].
+    pub fn rows(&self) -> String {
+        let row = |(title, tally, time): &(String, Tally, Duration)| {
+            let Tally { passed, failed, skipped } = tally;
+            format!("{ROW}{title}\t{passed}\t{failed}\t{skipped}\t{}\n", time.as_millis())
+        };
+        self.done.iter().map(row).collect()
+    }
+
+    /// Adds a stage of another process; whether the line is one of [`Stages::rows`].
+    pub fn take_row(&mut self, line: &str) -> bool {
+        let Some(row) = line.strip_prefix(ROW) else { return false };
+        let cells: Vec<&str> = row.split('\t').collect();
+        let number = |place: usize| cells.get(place).and_then(|cell| cell.parse::<u64>().ok());
+        let counts = [number(1), number(2), number(3), number(4)];
+        let (Some(title), [Some(passed), Some(failed), Some(skipped), Some(ms)]) = (cells.first(), counts) else {
+            return false;
+        };
+        let tally = Tally { passed, failed, skipped };
+        self.done.push(((*title).to_owned(), tally, Duration::from_millis(ms)));
+        true
     }
 
     /// All stages together.
@@ -170,5 +196,19 @@ mod tests {
         stages.stage("three", |tally| tally.skip("c", "not here"));
         assert_eq!(stages.total().to_string(), "1 passed, 1 failed, 1 skipped");
         assert!(stages.table().contains("two"));
+    }
+
+    #[test]
+    fn stages_of_another_process_are_added() {
+        let mut other = Stages::default();
+        other.stage("of a, b", |tally| tally.check::<_, &str>("a", Ok("")));
+        other.stage("two", |tally| tally.skip("c", "not here"));
+        let mut stages = Stages::default();
+        assert_eq!(other.rows().lines().filter(|line| stages.take_row(line)).count(), 2);
+        assert_eq!(stages.total().to_string(), "1 passed, 0 failed, 1 skipped");
+        assert!(stages.table().contains("of a, b"));
+        for line in ["pass  a", "stage\tone\t1\t2", "stage\tone\t1\t2\tx\t4", "stage                  passed"] {
+            assert!(!stages.take_row(line), "{line}");
+        }
     }
 }

@@ -5,20 +5,42 @@ use std::process::Command;
 
 use anyhow::{Result, bail};
 
+use crate::beside::Beside;
 use crate::tally::{Stages, Tally};
 use crate::toolchain::{self, Way};
 use crate::{book, c_library, child, dependencies, frameworks, newcomer, pil, python, setup, target, workspace};
 
 /// Runs all stages, prints the table and the count; whether nothing failed. A failing stage does
-/// not keep later ones from running, unless they need it.
+/// not keep later ones from running, unless they need it. The stages of the target run beside those of the host, since
+/// the emulator and many builds use one processor.
 pub fn run(asked: Option<Way>) -> bool {
     let mut stages = Stages::default();
     let way = stages.stage("set-up", |tally| set_up(tally, asked));
+    let beside = way.map(Beside::start);
     stages.stage("format", format);
     stages.stage("lints", lints);
     stages.stage("documentation", documentation);
     stages.stage("host tests", host_tests);
     stages.stage("Python", python::checks);
+    stages.stage("dependencies", dependencies::checks);
+    match beside {
+        Some(beside) => beside.end(&mut stages),
+        None => on_target(&mut stages, None),
+    }
+    let total = stages.total();
+    println!("\n{}\n{total}", stages.table());
+    total.failed == 0
+}
+
+/// Runs the stages of the target alone, and prints their rows for [`Stages::take_row`].
+pub fn run_on_target(way: Option<Way>) -> bool {
+    let mut stages = Stages::default();
+    on_target(&mut stages, way);
+    print!("{}", stages.rows());
+    stages.total().failed == 0
+}
+
+fn on_target(stages: &mut Stages, way: Option<Way>) {
     stages.stage("firmware builds", |tally| target::builds(tally, way));
     stages.stage("host = target", |tally| target::same_lines(tally, way));
     stages.stage("processor in the loop", |tally| pil::check(tally, way));
@@ -28,11 +50,6 @@ pub fn run(asked: Option<Way>) -> bool {
     stages.stage("logging", |tally| target::logging(tally, way));
     stages.stage("no panic", |tally| target::no_panic(tally, way));
     stages.stage("instructions, stack", |tally| target::bounds(tally, way));
-    stages.stage("dependencies", dependencies::checks);
-
-    let total = stages.total();
-    println!("\n{}\n{total}", stages.table());
-    total.failed == 0
 }
 
 /// The way to build firmware, once everything for it is there.
