@@ -355,6 +355,7 @@ fn told<P: Plan>(model: &Model<P>, report: &Report<P>) {
         opaque((Friction::parameter(friction, opaque(FrictionTerm::Offset)), ShaftEstimate::orders(shaft)));
         opaque([Friction::inertia_kg_m2(friction), Friction::viscous_nm_s_rad(friction)]);
         opaque((Friction::coulomb_nm(friction), Friction::torque_constant_nm_a(friction)));
+        opaque(Parameter::of_rows(opaque(&friction.drag)));
     }
     if let Some(decision) = &report.decision {
         opaque((Decision::log_likelihoods(decision), Decision::posteriors(decision)));

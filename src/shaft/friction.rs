@@ -23,9 +23,10 @@ impl Parameter {
     /// Without an estimate.
     pub(crate) const NONE: Self = Self { value: 0.0, deviation: 0.0, score: 0.0, from_rows: 0.0 };
 
-    /// The value as the rows alone give it, and its variance: without its prior, by (5) of [`super::balance`].
+    /// The value as the rows alone give it, and its variance: without its prior, as features of a classifier are.
     #[inline(never)]
-    pub(crate) fn of_rows(&self) -> (f32, f32) {
+    #[must_use]
+    pub fn of_rows(&self) -> (f32, f32) {
         let Self { value, deviation, score, from_rows } = *self;
         // A parameter that no segment has estimated has none.
         let part = from_rows.max(LEAST_FROM_ROWS);

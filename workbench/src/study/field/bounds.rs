@@ -111,7 +111,7 @@ pub struct Bounded {
     pub core_floor_nm: f64,
     /// One for each spall of [`COLUMNS`].
     pub bounds: Vec<Bound>,
-    /// Standard deviation of the core's error of the viscous friction in healthy records, N·m·s/rad.
+    /// Standard deviation of the core's error of the viscous friction in healthy records, root mean square, N·m·s/rad.
     pub viscous_error: f64,
     /// One for each roughness of [`COLUMNS`]; none if no temperature changes the friction.
     pub roughness: Vec<RoughnessBound>,
@@ -154,19 +154,19 @@ pub fn bound(row: &Row, settings: &Settings) -> Result<Bounded, Error> {
         }
     };
     let floor_nm = root_mean_square(&spalls.iter().map(|spall| spall.floor_nm).collect::<Vec<_>>());
-    let viscous_error = viscous_error(row, &healthy)?;
+    let viscous_errors = viscous_errors(row, &healthy)?;
     let drives = Population::of(row);
     let rough = |drives: &Population, severity: f64| RoughnessBound {
         severity,
-        exact: drives.powers(severity, 0.0, &[FALSE_ALARM])[0],
-        with_error: drives.powers(severity, viscous_error, &[FALSE_ALARM])[0],
+        exact: drives.powers(severity, &[0.0], &[FALSE_ALARM])[0],
+        with_error: drives.powers(severity, &viscous_errors, &[FALSE_ALARM])[0],
         found: of(&by_all, DefectKind::Roughness, severity),
     };
     let roughness = drives.iter().flat_map(|own| sizes(DefectKind::Roughness).into_iter().map(|size| rough(own, size)));
     let classes = |(place, severity): (usize, f64)| {
         let known = by_all.iter().filter_map(|own| own.classes.as_ref()?.as_ref().ok());
         let found = pooled(known.map(|own| own[place]).collect());
-        let friction = drives.as_ref().map(|own| (own, viscous_error));
+        let friction = drives.as_ref().map(|own| (own, &viscous_errors[..]));
         search.as_ref().map(|search| ClassBound::of(severity, (&spalls, search), friction, found))
     };
     let sizes_of_classes = CLASS_SIZES.into_iter().enumerate().filter(|_| row.classes);
@@ -175,7 +175,7 @@ pub fn bound(row: &Row, settings: &Settings) -> Result<Bounded, Error> {
         floor_nm,
         core_floor_nm,
         bounds: sizes(DefectKind::Spall).into_iter().map(each).collect(),
-        viscous_error,
+        viscous_error: root_mean_square(&viscous_errors),
         roughness: roughness.collect(),
         classes: sizes_of_classes.filter_map(classes).collect(),
     })
@@ -252,18 +252,23 @@ fn measured_floors(healthy: &[ShaftEstimate<RunTime>]) -> Vec<f64> {
     orders().map(|order| scale * f64::from(order.deviation).max(1e-6)).collect()
 }
 
-/// Deviation of what the core estimates of the viscous friction from that of the record, but for their mean difference.
-fn viscous_error(row: &Row, healthy: &[ShaftEstimate<RunTime>]) -> Result<f64, Error> {
+/// Standard deviation of the error of the core's viscous friction in each record: as it is stated, times what the errors
+/// of all records exceed that, but for their mean difference.
+fn viscous_errors(row: &Row, healthy: &[ShaftEstimate<RunTime>]) -> Result<Vec<f64>, Error> {
     let cell = row.validation(0, Defect::HEALTHY);
-    let mut errors = vec![];
+    let (mut stated, mut relative) = (vec![], vec![]);
     for (number, estimate) in (0..).zip(healthy) {
         let (scenario, values) = drive(row, cell.seed(number)?);
         let kt = values.motor(&scenario.motor).kt_nm_per_a;
         if let Some(own) = estimate.friction.parameter(FrictionTerm::Viscous).filter(|own| own.deviation > 0.0) {
-            errors.push(kt * f64::from(own.value) - roughness::mean_viscous(&scenario, &values));
+            let (value, variance) = own.of_rows();
+            let deviation = kt * f64::from(variance).sqrt();
+            relative.push((kt * f64::from(value) - roughness::mean_viscous(&scenario, &values)) / deviation);
+            stated.push(deviation);
         }
     }
-    Ok(errors.population_std_dev())
+    let excess = relative.population_std_dev();
+    Ok(stated.into_iter().map(|deviation| excess * deviation).collect())
 }
 
 /// C⁻¹ of (4), by healthy drives; `None` if friction does not vary.

@@ -36,11 +36,11 @@ impl ClassBound {
     pub(super) fn of(
         severity: f64,
         (spalls, search): (&[Spall], &Search<'_>),
-        friction: Option<(&Population, f64)>,
+        friction: Option<(&Population, &[f64])>,
         found: Option<Rate>,
     ) -> Self {
-        let by_friction = |error: f64| {
-            let missed = |drives: &Population| missed(drives.powers(severity, error, &RATES));
+        let by_friction = |errors: &[f64]| {
+            let missed = |drives: &Population| missed(drives.powers(severity, errors, &RATES));
             friction.map_or_else(|| vec![0.0; RATES.len()], |(drives, _)| missed(drives))
         };
         let ideal = |rate: f64| {
@@ -49,10 +49,10 @@ impl ClassBound {
         let ideal = missed(RATES.iter().map(|rate| ideal(*rate)).collect());
         Self {
             severity,
-            ideal: least_error(&ideal, &by_friction(0.0)),
+            ideal: least_error(&ideal, &by_friction(&[0.0])),
             of_core: least_error(
                 &missed(search.powers(severity, &RATES)),
-                &by_friction(friction.map_or(0.0, |(_, error)| error)),
+                &by_friction(friction.map_or(&[0.0], |(_, errors)| errors)),
             ),
             found,
         }

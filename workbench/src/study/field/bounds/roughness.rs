@@ -9,7 +9,8 @@
 //! ```
 //!
 //! (1) is the likelihood ratio, which no test of b and κ exceeds; its limit is that of a part of the healthy drives. σ
-//! of (2) is zero, or the error with which the core estimates B in a record.
+//! of (2) is zero, or the error with which the core estimates B, which differs between records: at constant speed it is
+//! many times that of a sine.
 
 use std::f64::consts::PI;
 
@@ -121,16 +122,18 @@ impl Population {
         Some(Self { drives, viscous, told })
     }
 
-    /// The rates at which roughness of this size is found at these false-alarm rates, with this σ of (2), N·m·s/rad.
-    pub(super) fn powers(&self, severity: f64, error: f64, rates: &[f64]) -> Vec<f64> {
+    /// The rates at which roughness of this size is found at these false-alarm rates, in records with these σ of (2) in
+    /// turn, N·m·s/rad.
+    pub(super) fn powers(&self, severity: f64, errors: &[f64], rates: &[f64]) -> Vec<f64> {
         let added = ADDED_FRICTION_NM_S_PER_RAD * severity;
         let mut noise = NoiseSource::new(0, Stream::CurrentNoise);
-        let measured: Vec<(f64, f64)> =
-            self.drives.iter().map(|own| (own.viscous + error * noise.gaussian(), own.told)).collect();
-        let ratio = |b: f64, told: f64| self.ratio((b, error), told, added);
+        let of = |(own, error): (&Drive, &f64)| ((own.viscous + error * noise.gaussian(), *error), own.told);
+        let measured: Vec<((f64, f64), f64)> = self.drives.iter().zip(errors.iter().cycle()).map(of).collect();
+        let ratio = |b: (f64, f64), told: f64| self.ratio(b, told, added);
         let mut healthy: Vec<f64> = measured.par_iter().map(|(b, told)| ratio(*b, *told)).collect();
         healthy.sort_by(f64::total_cmp);
-        let defective: Vec<f64> = measured.par_iter().map(|(b, told)| ratio(b + added, *told)).collect();
+        let defective: Vec<f64> =
+            measured.par_iter().map(|((b, error), told)| ratio((b + added, *error), *told)).collect();
         let limit = |rate: f64| healthy[(((1.0 - rate) * DRIVES as f64) as usize).min(healthy.len() - 1)];
         let found = |limit: f64| defective.iter().filter(|own| **own > limit).count() as f64 / DRIVES as f64;
         rates.iter().map(|rate| found(limit(*rate))).collect()
@@ -171,7 +174,7 @@ mod tests {
 
     fn found(row: &str, severity: f64, error: f64) -> Option<f64> {
         let row = named(&[row.into()]).expect("known")[0];
-        Population::of(&row).map(|drives| drives.powers(severity, error, &[FALSE_ALARM])[0])
+        Population::of(&row).map(|drives| drives.powers(severity, &[error], &[FALSE_ALARM])[0])
     }
 
     #[test]
