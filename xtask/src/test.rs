@@ -34,6 +34,7 @@ pub fn run(asked: Option<Way>) -> bool {
 
 /// Runs the stages of the target alone, and prints their rows for [`Stages::take_row`].
 pub fn run_on_target(way: Option<Way>) -> bool {
+    workspace::tests_are_beside();
     let mut stages = Stages::default();
     on_target(&mut stages, way);
     print!("{}", stages.rows());

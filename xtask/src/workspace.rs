@@ -30,6 +30,10 @@ pub fn target_dir() -> PathBuf {
 pub fn cargo(arguments: &[&str]) -> Command {
     let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.args(arguments).current_dir(root());
+    if !["python3", "python"].into_iter().any(child::on_path) {
+        // The package's interface is the stable one, which needs no interpreter to be built.
+        command.env("PYO3_NO_PYTHON", "1");
+    }
     command
 }
 
@@ -49,11 +53,23 @@ pub fn tests_are_built() {
     HAS_TESTS.store(true, Ordering::Relaxed);
 }
 
+/// Whether another process builds the host tests meanwhile.
+static TESTS_ARE_BESIDE: AtomicBool = AtomicBool::new(false);
+
+/// Says that another process builds the host tests meanwhile.
+pub fn tests_are_beside() {
+    TESTS_ARE_BESIDE.store(true, Ordering::Relaxed);
+}
+
 /// Returns a call of the command line `bearing-watch` at the workspace's root. It is built unless the host tests were:
-/// dependencies have other features in a build of the program alone, which would compile the workbench again.
+/// dependencies have other features in a build of the program alone, which would compile the workbench again. Where the
+/// tests are built meanwhile, it is built with them, by the process that comes first.
 pub fn workbench() -> Result<Command> {
     if !HAS_TESTS.load(Ordering::Relaxed) {
-        child::succeed(&mut cargo(&["build", "--quiet", "--workspace", "--bin", "bearing-watch"]))?;
+        let with_tests = TESTS_ARE_BESIDE.load(Ordering::Relaxed);
+        let way: &[&str] = if with_tests { &["test", "--no-run"] } else { &["build", "--bin", "bearing-watch"] };
+        child::succeed(cargo(way).args(["--quiet", "--workspace"]))?;
+        tests_are_built();
     }
     let program = format!("debug/bearing-watch{}", env::consts::EXE_SUFFIX);
     let mut command = Command::new(target_dir().join(program));
