@@ -343,7 +343,8 @@ fn told<P: Plan>(model: &Model<P>, report: &Report<P>) {
         opaque((Average::channel(average), Average::mean(average).ok(), Average::rms(average).ok()));
     }
     let feature = opaque(Feature::ChannelMean(3));
-    if let Err(reason) = Feature::value(feature, Model::plan(model), (estimate, shaft, averages)) {
+    let balance = Model::constants(model).shaft.cells().first().map(|own| &own.balance);
+    if let Err(reason) = Feature::value(feature, Model::plan(model), (estimate, shaft.zip(balance), averages)) {
         show(reason);
     }
     if let Some(estimate) = estimate {
@@ -355,7 +356,9 @@ fn told<P: Plan>(model: &Model<P>, report: &Report<P>) {
         opaque((Friction::parameter(friction, opaque(FrictionTerm::Offset)), ShaftEstimate::orders(shaft)));
         opaque([Friction::inertia_kg_m2(friction), Friction::viscous_nm_s_rad(friction)]);
         opaque((Friction::coulomb_nm(friction), Friction::torque_constant_nm_a(friction)));
-        opaque(Parameter::of_rows(opaque(&friction.drag)));
+        if let Some(balance) = balance {
+            opaque(Balance::without_prior(balance, friction, opaque(FrictionTerm::Drag)));
+        }
     }
     if let Some(decision) = &report.decision {
         opaque((Decision::log_likelihoods(decision), Decision::posteriors(decision)));

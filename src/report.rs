@@ -6,7 +6,7 @@ use crate::estimate::Estimate;
 use crate::plan::{Array, Cells, Plan, Presence};
 use crate::reason::{Part, Reason};
 use crate::sample::Counts;
-use crate::shaft::ShaftEstimate;
+use crate::shaft::{Balance, ShaftEstimate};
 
 /// The state of the bearing in one segment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,7 +78,7 @@ impl<P: Plan> Report<P> {
     }
 
     /// What the features come from.
-    pub(crate) fn estimates(&self) -> Estimates<'_, P> {
-        (self.estimate(), self.shaft(), self.averages())
+    pub(crate) fn estimates<'a>(&'a self, balance: Option<&'a Balance>) -> Estimates<'a, P> {
+        (self.estimate(), self.shaft().zip(balance), self.averages())
     }
 }

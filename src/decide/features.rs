@@ -9,7 +9,7 @@
 //! ```
 //!
 //! p and σ are those of the rows alone, without the prior of p, which would draw the friction of a defect towards that
-//! of healthy drives ([`Parameter::from_rows`](crate::Parameter::from_rows)). No deviation is known of the other features, and a score is already
+//! of healthy drives ([`Balance::without_prior`]). No deviation is known of the other features, and a score is already
 //! relative to its deviation: v = 0. The logarithm (1) suits a friction that varies by a factor between drives. Below
 //! its standard deviation a value does not differ from zero; it counts as σ, with v = 1. A missing feature has an
 //! infinite variance.
@@ -21,13 +21,14 @@ use crate::average::Average;
 use crate::estimate::Estimate;
 use crate::plan::{Layout, Plan};
 use crate::reason::{FrictionTerm, Reason};
-use crate::shaft::{Parameter, ShaftEstimate};
+use crate::shaft::{Balance, ShaftEstimate};
 
 /// Smaller amplitudes count as this value, A.
 const LEAST_AMPLITUDE: f32 = 1e-6;
 
-/// The results of a segment that features come from: regression, shaft, averages of channels.
-pub type Estimates<'a, P> = (Option<&'a Estimate<P>>, Option<&'a ShaftEstimate<P>>, &'a [Average]);
+/// The results of a segment that features come from: regression, shaft with the constants of its balance, averages of
+/// channels.
+pub type Estimates<'a, P> = (Option<&'a Estimate<P>>, Option<(&'a ShaftEstimate<P>, &'a Balance)>, &'a [Average]);
 
 /// A number of the estimates that a classifier uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,7 +108,7 @@ impl Feature {
         (estimate, shaft, averages): Estimates<'_, P>,
     ) -> Result<FeatureValue, Reason> {
         // Known at compile time: a plan carries no code for features of parts that it does not have.
-        let shaft = if plan.layout().shaft.is_some() { shaft } else { None };
+        let (shaft, balance) = if plan.layout().shaft.is_some() { shaft.unzip() } else { (None, None) };
         let estimate = if plan.layout().regression.is_some() { estimate } else { None };
         let order = |place: u8| {
             let order = shaft.and_then(|shaft| shaft.orders().get(place as usize)).copied();
@@ -124,7 +125,10 @@ impl Feature {
         if let Some(reason) = reason {
             return Err(reason);
         }
-        let term = |term| shaft.and_then(|shaft| shaft.friction.of(term)).unwrap_or(&Parameter::NONE);
+        let term = |term| {
+            let pair = shaft.zip(balance);
+            pair.map_or((0.0, 0.0), |(shaft, balance)| balance.without_prior(&shaft.friction, term))
+        };
         let none = shaft.is_none();
         let averaged = plan.layout().averaged != 0;
         let value = match self {
@@ -134,9 +138,9 @@ impl Feature {
             Self::ChannelRms(channel) if averaged => return channel_value(averages, channel, Average::rms),
             Self::ChannelMean(_) | Self::ChannelRms(_) => 0.0,
             _ if none => 0.0,
-            Self::Friction(name) => return Ok(FeatureValue::of(term(name).of_rows())),
-            Self::LogFriction(name) => return Ok(FeatureValue::ln_of(term(name).of_rows())),
-            Self::FrictionScore(name) => term(name).score,
+            Self::Friction(name) => return Ok(FeatureValue::of(term(name))),
+            Self::LogFriction(name) => return Ok(FeatureValue::ln_of(term(name))),
+            Self::FrictionScore(name) => shaft.and_then(|shaft| shaft.friction.of(name)).map_or(0.0, |own| own.score),
             Self::LogFrictionVariance => ln(shaft.map_or(0.0, |shaft| shaft.friction.variance)),
             Self::OrderScore(place) => order(place).score,
             Self::LogOrderAmplitude(place) => ln(order(place).amplitude.max(LEAST_AMPLITUDE)),
@@ -183,8 +187,13 @@ fn ln(x: f32) -> f32 {
 mod tests {
     use super::*;
     use crate::plan::{Memory, Method, RunTime, ShaftLayout, Signal, Structure, testing};
-    use crate::shaft::OrderStrength;
+    use crate::shaft::{OrderStrength, Parameter, tests};
     use std::vec;
+
+    /// Without priors.
+    fn balance() -> Balance {
+        Balance { deviation: 0.0, ..tests::balance() }
+    }
 
     fn plan() -> RunTime {
         let plain = testing::regression(Structure::new(1, 1, 1, 1, 1), Method::LeastSquares, Memory::Segment);
@@ -206,11 +215,13 @@ mod tests {
     fn the_shaft_or_its_reason() {
         let mut shaft = ShaftEstimate::empty(plan());
         shaft.friction_reason = Some(Reason::TermNotExcited(FrictionTerm::Inertia));
-        let value = |feature: Feature, shaft: &ShaftEstimate<RunTime>| feature.value(plan(), (None, Some(shaft), &[]));
+        let value = |feature: Feature, shaft: &ShaftEstimate<RunTime>| {
+            feature.value(plan(), (None, Some((shaft, &balance())), &[]))
+        };
         let drag = Feature::FrictionScore(FrictionTerm::Drag);
         assert_eq!(value(drag, &shaft), Err(Reason::TermNotExcited(FrictionTerm::Inertia)));
         (shaft.friction_reason, shaft.orders_reason) = (None, None);
-        shaft.friction.drag = Parameter { value: 1.0, deviation: 0.5, score: 8.0, from_rows: 1.0 };
+        shaft.friction.drag = Parameter { value: 1.0, deviation: 0.5, score: 8.0 };
         shaft.orders = vec![OrderStrength::default(), OrderStrength { score: 3.0, ..OrderStrength::default() }];
         assert_eq!(value(drag, &shaft), Ok(FeatureValue::exact(8.0)));
         assert_eq!(value(Feature::OrderScore(1), &shaft), Ok(FeatureValue::exact(3.0)));
@@ -223,9 +234,9 @@ mod tests {
         let of = |value: f32, deviation: f32| {
             let mut shaft = ShaftEstimate::empty(plan());
             shaft.friction_reason = None;
-            shaft.friction.viscous = Parameter { value, deviation, score: 0.0, from_rows: 1.0 };
+            shaft.friction.viscous = Parameter { value, deviation, score: 0.0 };
             [Feature::Friction(FrictionTerm::Viscous), Feature::LogFriction(FrictionTerm::Viscous)]
-                .map(|feature| feature.value(plan(), (None, Some(&shaft), &[])).unwrap())
+                .map(|feature| feature.value(plan(), (None, Some((&shaft, &balance())), &[])).unwrap())
         };
         let [plain, log] = of(4.0, 0.5);
         assert_eq!(plain, FeatureValue { value: 4.0, variance: 0.25 });
@@ -237,12 +248,14 @@ mod tests {
         for deviation in [f32::NAN, f32::INFINITY, 1e30] {
             assert!(of(4.0, deviation)[0].is_missing(), "{deviation}");
         }
-        // Half of the precision is that of a prior at 3.
+        // Half of the precision is that of a prior at 3, whose deviation is that of the rows, √½.
         let mut shaft = ShaftEstimate::empty(plan());
-        shaft.friction.viscous = Parameter { value: 4.0, deviation: 0.5, score: 2.0, from_rows: 0.5 };
-        shaft.friction_reason = None;
-        let found = Feature::Friction(FrictionTerm::Viscous).value(plan(), (None, Some(&shaft), &[]));
-        assert_eq!(found, Ok(FeatureValue { value: 5.0, variance: 0.5 }));
+        shaft.friction.viscous = Parameter { value: 4.0, deviation: 0.5, score: 2.0 };
+        (shaft.friction.variance, shaft.friction_reason) = (1.0, None);
+        let balance = Balance { prior: [0.5_f32.sqrt(); 7], deviation: 1.0, ..balance() };
+        let found = Feature::Friction(FrictionTerm::Viscous).value(plan(), (None, Some((&shaft, &balance)), &[]));
+        let found = found.unwrap();
+        assert!((found.value - 5.0).abs() < 1e-5 && (found.variance - 0.5).abs() < 1e-6, "{found:?}");
     }
 
     #[test]

@@ -23,7 +23,7 @@ impl<P: Plan> Model<P> {
         if let crate::Verdict::Undetermined(reason) = report.verdict {
             return Err(CommissioningError::NoVerdict(reason));
         }
-        commissioning.take(self.plan(), &self.constants().classifier, report.estimates())
+        commissioning.take(self.plan(), &self.constants().classifier, report.estimates(self.constants().balance()))
     }
 
     /// This model with the healthy class of the drive. It has another [`Model::id`], so that evidence starts afresh.

@@ -158,7 +158,8 @@ impl<P: Plan> Solve<P> {
                 self.stage = Stage::Classification;
             }
             Stage::Classification => {
-                let estimates = (report.estimate.part(), report.shaft.part(), report.averages.cells());
+                let shaft = report.shaft.part().zip(constants.balance());
+                let estimates = (report.estimate.part(), shaft, report.averages.cells());
                 let Some(decision) = &mut report.decision else { return true };
                 let step = self.classification.step(plan, &constants.classifier, estimates, decision);
                 if let Some(result) = step {
@@ -231,7 +232,7 @@ impl<P: Plan> Model<P> {
             return;
         }
         let mut decision = Decision::empty(plan);
-        let result = baseline.decide(plan, &constants.classifier, report.estimates(), &mut decision);
+        let result = baseline.decide(plan, &constants.classifier, report.estimates(constants.balance()), &mut decision);
         report.decision = Some(decision);
         conclude(self, report, result);
     }

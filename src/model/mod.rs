@@ -71,6 +71,13 @@ pub struct Constants<P: Plan> {
     pub labels: Array<P::Classes, Label>,
 }
 
+impl<P: Plan> Constants<P> {
+    /// The torque balance of the shaft, if there is one.
+    pub(crate) fn balance(&self) -> Option<&Balance> {
+        self.shaft.part().map(|shaft| &shaft.balance)
+    }
+}
+
 /// A checked model. A detector borrows it.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

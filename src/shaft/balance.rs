@@ -37,9 +37,11 @@
 
 use core::hint::black_box;
 
+use super::friction::{Friction, Parameter};
 use super::state_variable::{Cell, StateVariable};
 use crate::factor::NEVER;
 use crate::factor::kernels::{packed, pairs, rotate_pivot, rotate_pivot_small};
+use crate::reason::FrictionTerm;
 
 /// Number of parameters of (1).
 pub const TERMS: usize = 7;
@@ -47,6 +49,8 @@ const COLUMNS: usize = TERMS + 1;
 const PACKED: usize = COLUMNS * (COLUMNS - 1) / 2;
 /// Rows between two back substitutions.
 const ROWS_A_REFRESH: u8 = 16;
+/// Least c of (5) that counts: below it, it is what rounding leaves.
+const LEAST_FROM_ROWS: f32 = 1.0 / 64.0;
 /// The terms of (1) in a plan without a load.
 const WITHOUT_LOAD: [usize; 5] = [0, 1, 2, 4, 6];
 const WITH_LOAD: [usize; TERMS] = [0, 1, 2, 3, 4, 5, 6];
@@ -107,6 +111,21 @@ pub(super) struct Frictions {
 }
 
 impl Balance {
+    /// A parameter of a segment as its rows alone give it, and its variance: without its prior, by (5). Features of a
+    /// classifier are so. The drag keeps the priors of its terms; a parameter that was not estimated is 0 without error.
+    #[inline(never)]
+    #[must_use]
+    pub fn without_prior(&self, friction: &Friction, term: FrictionTerm) -> (f32, f32) {
+        let Parameter { value, deviation, score } = *friction.of(term).unwrap_or(&Parameter::NONE);
+        let variance = deviation * deviation;
+        let Some(prior) = self.prior.get(term as usize) else { return (value, variance) };
+        let ratio = self.deviation / prior;
+        // f32::max returns the limit if the part is not a number.
+        let part = (1.0 - ratio * ratio * variance / friction.variance.max(f32::MIN_POSITIVE)).max(LEAST_FROM_ROWS);
+        // The score is p − n in deviations.
+        (value + score * deviation * (1.0 / part - 1.0), variance / part)
+    }
+
     #[inline(always)]
     pub(super) fn frictions(&self, now: &Torques) -> Frictions {
         let sign = (now.velocity_rad_s / self.sign_velocity_rad_s).clamp(-1.0, 1.0); // (2)

@@ -4,7 +4,7 @@
 //! [`super::balance`].
 
 use super::balance::{Balance, BalanceSums, TERMS, columns};
-use super::friction::{Friction, LEAST_FROM_ROWS, Parameter};
+use super::friction::{Friction, Parameter};
 use crate::factor::kernels::pairs;
 use crate::factor::{Mass, Problem, Solution, SolveError, Solved, lower};
 use crate::reason::{FrictionTerm, Part, Reason};
@@ -165,14 +165,9 @@ impl BalanceSolve {
         let term = Balance::terms(load).get(k).copied().unwrap_or(0);
         let at = |list: &[f32]| list.get(term).copied().unwrap_or(1.0);
         let variance = self.covariance.get(lower(k, k)).copied().unwrap_or(0.0);
-        let ratio = balance.deviation / at(&balance.prior);
-        let prior = ratio * ratio * variance / self.variance.max(f32::MIN_POSITIVE);
-        // c of (5); f32::max returns the limit if it is not a number.
-        let from_rows = (1.0 - prior).max(LEAST_FROM_ROWS);
-        let value = self.delta.get(k).copied().unwrap_or(0.0);
-        let own = parameter(value, variance, at(&balance.nominal));
+        let own = parameter(self.delta.get(k).copied().unwrap_or(0.0), variance, at(&balance.nominal));
         self.scores += own.score;
-        Parameter { from_rows, ..own }
+        own
     }
 
     /// Adds the k-th term to the drag (4). Its variance has the covariances of all terms, whose errors cancel in it.
@@ -196,7 +191,7 @@ impl BalanceSolve {
 
 fn parameter(value: f32, variance: f32, nominal: f32) -> Parameter {
     let deviation = libm::sqrtf(variance.max(f32::MIN_POSITIVE));
-    Parameter { value, deviation, score: (value - nominal) / deviation, from_rows: 1.0 }
+    Parameter { value, deviation, score: (value - nominal) / deviation }
 }
 
 /// The error with the term that it concerns.
@@ -302,8 +297,9 @@ mod tests {
         assert!((often.inertia.value - seldom.inertia.value).abs() < 1e-5);
     }
 
-    /// Solves rows ω, i = p₁ ω + p₄ with alternating errors, of a velocity that hardly varies.
-    fn hardly_moving(viscous: f32, spread_rad_s: f32) -> Friction {
+    /// Viscous friction without its prior, and its deviation, of rows ω, i = p₁ ω + p₄ with alternating errors, of a
+    /// velocity that hardly varies.
+    fn hardly_moving(viscous: f32, spread_rad_s: f32) -> (f32, f32) {
         let balance = Balance { scale: [1.0; 8], deviation: 0.01, ..balance(8) };
         let mut sums = BalanceSums::new(&balance, true);
         for k in 0..400_u16 {
@@ -313,22 +309,28 @@ mod tests {
             while sums.rotate(true) {}
             sums.rows += 1;
         }
-        solve(&balance, true, &mut sums).unwrap()
+        let friction = solve(&balance, true, &mut sums).unwrap();
+        let (value, variance) = balance.without_prior(&friction, FrictionTerm::Viscous);
+        (value, variance.sqrt())
     }
 
     #[test]
     fn a_weak_motion_leaves_no_bias_towards_the_healthy_value() {
         // 400 rows of 0.01 A and 0.02 rad/s: a deviation of 0.025 beside a prior of 0.02, whose weight would be 0.6.
-        let friction = hardly_moving(0.042, 0.02);
-        let (value, variance) = friction.viscous.of_rows();
-        assert!((value - 0.042).abs() < 1e-4 && (variance.sqrt() - 0.025).abs() < 5e-4, "{friction:?}");
-        // The prior has a weight of 1/0.02², the rows of 1/0.025².
-        assert!((friction.viscous.from_rows - 0.39).abs() < 5e-3, "{friction:?}");
+        let (value, deviation) = hardly_moving(0.042, 0.02);
+        assert!((value - 0.042).abs() < 1e-4 && (deviation - 0.025).abs() < 5e-4, "{value} {deviation}");
         // What the rows do not tell at all is nominal, with eight prior deviations.
-        let none = hardly_moving(0.042, 0.0).viscous;
-        let (value, variance) = none.of_rows();
-        assert!((value - 0.002).abs() < 1e-6 && (variance.sqrt() / 0.16 - 1.0).abs() < 0.1, "{none:?}");
-        assert_eq!((none.from_rows, Parameter::default().of_rows()), (LEAST_FROM_ROWS, (0.0, 0.0)));
+        let (value, deviation) = hardly_moving(0.042, 0.0);
+        assert!((value - 0.002).abs() < 1e-6 && (deviation / 0.16 - 1.0).abs() < 0.1, "{value} {deviation}");
+    }
+
+    #[test]
+    fn the_drag_keeps_its_priors_and_no_estimate_is_none() {
+        let parameter = Parameter { value: 3.0, deviation: 0.5, score: 2.0 };
+        let friction = Friction { drag: parameter, viscous: parameter, variance: 1e-6, ..Friction::default() };
+        let found = [FrictionTerm::Drag, FrictionTerm::InverseTorqueConstant, FrictionTerm::LoadFriction]
+            .map(|term| balance(8).without_prior(&friction, term));
+        assert_eq!(found, [(3.0, 0.25), (0.0, 0.0), (0.0, 0.0)]);
     }
 
     #[test]

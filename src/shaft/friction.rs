@@ -14,28 +14,12 @@ pub struct Parameter {
     pub deviation: f32,
     /// (value − nominal)/deviation: comparable between segments with much and little excitation.
     pub score: f32,
-    /// What part of the precision, 1/deviation², the rows of the segment give, at least 1/64; the rest is that of the
-    /// prior, which holds a parameter near the healthy value where the motion tells little of it.
-    pub from_rows: f32,
 }
 
 impl Parameter {
     /// Without an estimate.
-    pub(crate) const NONE: Self = Self { value: 0.0, deviation: 0.0, score: 0.0, from_rows: 0.0 };
-
-    /// The value as the rows alone give it, and its variance: without its prior, as features of a classifier are.
-    #[inline(never)]
-    #[must_use]
-    pub fn of_rows(&self) -> (f32, f32) {
-        let Self { value, deviation, score, from_rows } = *self;
-        // A parameter that no segment has estimated has none.
-        let part = from_rows.max(LEAST_FROM_ROWS);
-        (value + score * deviation * (1.0 / part - 1.0), deviation * deviation / part)
-    }
+    pub(crate) const NONE: Self = Self { value: 0.0, deviation: 0.0, score: 0.0 };
 }
-
-/// Least part that counts: below it (5) would divide by what rounding leaves.
-pub const LEAST_FROM_ROWS: f32 = 1.0 / 64.0;
 
 /// The torque balance of a segment. All parameters are in amperes per unit of their signal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -361,4 +361,4 @@ impl<P: Plan> Shaft<P> {
 const FILLING: u8 = RING + 1;
 
 #[cfg(test)]
-mod tests;
+pub mod tests;

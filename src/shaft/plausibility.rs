@@ -1,7 +1,7 @@
 //! Torque balance and motion of a segment against the healthy drive → what is wrong with the signals.
 //!
 //! ```text
-//! v = 1 + (p/n − 1)/c,   e = k σ/(|n| c),   c: the part of p that the rows give                        (1)
+//! v = 1 + (p/n − 1)/(1 − ρ),   e = k σ/(|n| (1 − ρ)),   ρ = σ² σ₀²/(prior² s²)   (1)
 //! refused:   v + e < min(1/√2, 1 − w)   or   v − e > max(√2, 1 + w),   w = prior/|n|                      (2)
 //! refused:   velocity/angle outside 1/√2 … √2                                                           (3)
 //! refused:   s > 5 σ₀   and   2 R/(1 − c) > E + R                                                       (4)
@@ -57,17 +57,18 @@ const CAUSES: [[Option<Implausible>; 5]; 5] = [
 ];
 
 impl Fit {
-    /// (2).
+    /// (2); `spread` is s²/σ₀².
     #[inline(never)]
-    fn of(parameter: &Parameter, nominal: f32, prior: f32) -> Self {
-        let part = parameter.from_rows;
+    fn of(parameter: Parameter, nominal: f32, prior: f32, spread: f32) -> Self {
+        let ratio = parameter.deviation / prior;
+        let left = 1.0 - ratio * ratio / spread;
         // Written so that a value that is not a number is not determined.
-        let determined = part > 0.5 && nominal != 0.0;
+        let determined = left > 0.5 && nominal != 0.0;
         if !determined {
             return Self::Unknown;
         }
-        let value = 1.0 + (parameter.value / nominal - 1.0) / part; // (1)
-        let error = (DEVIATIONS * parameter.deviation / (part * nominal)).abs();
+        let value = 1.0 + (parameter.value / nominal - 1.0) / left; // (1)
+        let error = (DEVIATIONS * parameter.deviation / (left * nominal)).abs();
         let width = (prior / nominal).abs();
         let (low, high) = (value - error, value + error);
         if high < LOW.min(1.0 - width) {
@@ -103,9 +104,10 @@ pub fn of_balance(balance: &Balance, friction: &Friction, explained: f32) -> Opt
         return Some(Current); // (4)
     }
     let ([n0, _, _, n3, ..], [w0, _, _, w3, ..]) = (balance.nominal, balance.prior);
-    let inertia = Fit::of(&friction.inertia, n0, w0);
+    let spread = friction.variance / (balance.deviation * balance.deviation);
+    let inertia = Fit::of(friction.inertia, n0, w0, spread);
     let inertia = if loaded || inertia == Fit::Negative { inertia } else { Fit::Unknown };
-    let torque = friction.inverse_torque_constant.as_ref().map_or(Fit::Unknown, |own| Fit::of(own, n3, w3));
+    let torque = friction.inverse_torque_constant.map_or(Fit::Unknown, |own| Fit::of(own, n3, w3, spread));
     CAUSES.get(inertia as usize).and_then(|row| row.get(torque as usize)).copied().flatten()
 }
 
@@ -113,11 +115,11 @@ pub fn of_balance(balance: &Balance, friction: &Friction, explained: f32) -> Opt
 mod tests {
     use super::*;
 
-    /// With a nominal value of 2 and a prior of 0.2.
-    fn fit(value: f32, from_rows: f32) -> Fit {
+    /// With a nominal value of 2 and a prior of 0.2; a deviation of 0.02 leaves 0.99 to the rows.
+    fn fit(value: f32, deviation: f32) -> Fit {
         let [one, other] = [1.0, -1.0].map(|sign| {
-            let parameter = Parameter { value: sign * value, deviation: 0.02, score: 0.0, from_rows };
-            Fit::of(&parameter, sign * 2.0, 0.2)
+            let parameter = Parameter { value: sign * value, deviation, score: 0.0 };
+            Fit::of(parameter, sign * 2.0, 0.2, 1.0)
         });
         assert_eq!(one, other, "a negative nominal value");
         one
@@ -127,17 +129,17 @@ mod tests {
     fn a_parameter_is_refused_beyond_its_limits_only() {
         // v ± e of (1): 1 + (p/2 − 1)/0.99 ± 0.0505.
         let cases = [(2.0, Fit::Plausible), (4.0, Fit::Above), (1.0, Fit::Below), (-2.0, Fit::Negative)];
-        assert_eq!(cases.map(|(value, _)| fit(value, 0.99)), cases.map(|(_, fit)| fit));
+        assert_eq!(cases.map(|(value, _)| fit(value, 0.02)), cases.map(|(_, fit)| fit));
         // 0.707 and 1.414 with their errors.
         assert_eq!(
-            [1.30, 1.33, 2.91, 2.95].map(|p| fit(p, 0.99)),
+            [1.30, 1.33, 2.91, 2.95].map(|p| fit(p, 0.02)),
             [Fit::Below, Fit::Unknown, Fit::Unknown, Fit::Above]
         );
-        assert_eq!([0.5, 0.2, f32::NAN].map(|from_rows| fit(-2.0, from_rows)), [Fit::Unknown; 3]);
-        let zero = Parameter { value: -2.0, deviation: 0.02, score: 0.0, from_rows: 0.99 };
-        assert_eq!(Fit::of(&zero, 0.0, 0.2), Fit::Unknown);
+        assert_eq!([0.15, 0.3, f32::NAN].map(|deviation| fit(-2.0, deviation)), [Fit::Unknown; 3]);
+        let zero = Parameter { value: -2.0, deviation: 0.02, score: 0.0 };
+        assert_eq!(Fit::of(zero, 0.0, 0.2, 1.0), Fit::Unknown);
         // A model whose healthy values spread by 0.6 about 2 knows no limit at √2, but 1.6.
-        let spread = |value| Fit::of(&Parameter { value, deviation: 0.02, score: 0.0, from_rows: 1.0 }, 2.0, 1.2);
+        let spread = |value| Fit::of(Parameter { value, deviation: 0.02, score: 0.0 }, 2.0, 1.2, 1.0);
         assert_eq!(
             [0.6, 1.0, 3.1, 3.5, -1.0].map(spread),
             [Fit::Below, Fit::Unknown, Fit::Unknown, Fit::Above, Fit::Negative]
@@ -147,8 +149,8 @@ mod tests {
     #[test]
     fn what_the_prior_contributes_is_removed() {
         // Rows alone say −2 ± 0.02, the prior 2 ± 0.02: together 0 ± 0.014, half of it from the prior.
-        let half = Parameter { value: 0.08, deviation: 0.0138, score: 0.0, from_rows: 0.52 };
-        assert_eq!(Fit::of(&half, 2.0, 0.02), Fit::Negative);
+        let half = Parameter { value: 0.08, deviation: 0.0138, score: 0.0 };
+        assert_eq!(Fit::of(half, 2.0, 0.02, 1.0), Fit::Negative);
     }
 
     #[test]
@@ -166,7 +168,7 @@ mod tests {
             deviation: 1.0,
             ..crate::shaft::tests::balance()
         };
-        let parameter = |value| Parameter { value, deviation: 0.02, score: 0.0, from_rows: 0.99 };
+        let parameter = |value| Parameter { value, deviation: 0.02, score: 0.0 };
         let cause = |inertia, torque: Option<f32>| {
             let inverse_torque_constant = torque.map(parameter);
             let friction =
@@ -184,7 +186,7 @@ mod tests {
     #[test]
     fn a_current_that_nothing_explains_is_refused_if_the_residual_is_unusual() {
         let balance = Balance { deviation: 1.0, ..crate::shaft::tests::balance() };
-        let load = Some(Parameter { value: 0.0, deviation: f32::INFINITY, score: 0.0, from_rows: 0.0 });
+        let load = Some(Parameter { value: 0.0, deviation: f32::INFINITY, score: 0.0 });
         let cause = |variance, explained, inverse_torque_constant| {
             let friction = Friction { variance, inverse_torque_constant, rows: 1_000_000, ..Friction::default() };
             of_balance(&balance, &friction, explained) == Some(Current)

@@ -10,7 +10,7 @@ fn plan() -> RunTime {
     RunTime::of(layout).unwrap()
 }
 
-pub(super) fn balance() -> Balance {
+pub fn balance() -> Balance {
     Balance {
         interval_s: 0.001,
         filter: StateVariable::new(0.05, 0.001),

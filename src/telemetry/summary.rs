@@ -107,7 +107,7 @@ pub(super) fn write<P: Plan>(
     let posteriors = decision.map_or(&[][..], |decision| decision.posteriors());
     posteriors.iter().try_for_each(|posterior| sink.number(*posterior))?;
     for feature in model.constants().classifier.features.cells() {
-        let value = feature.value(model.plan(), report.estimates());
+        let value = feature.value(model.plan(), report.estimates(model.constants().balance()));
         let value = value.ok().filter(|value| !value.is_missing());
         sink.number(value.map_or(f32::NAN, |value| value.value))?;
     }

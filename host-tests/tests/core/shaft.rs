@@ -2,7 +2,7 @@
 
 use bearing_watch::model::Lags;
 use bearing_watch::plan::{Plan, RunTime};
-use bearing_watch::{Bearing, Model, ShaftEstimate};
+use bearing_watch::{Bearing, FrictionTerm, Model, ShaftEstimate};
 use workbench::rig::field::{Field, FieldValues, Slip};
 use workbench::rig::{BearingGeometry, Defect, DefectKind, NoiseSource, Scenario, Stream, simulate};
 
@@ -30,12 +30,13 @@ fn compare(model: &Model<RunTime>, motions: &[Motion], what: &str) {
         assert!((value - p).abs() < 0.02 * sd, "{what}: parameter {k} is {value}, not {p} ± {sd}");
         assert!((deviation / sd - 1.0).abs() < 0.02, "{what}: deviation {k} is {deviation}, not {sd}");
     }
-    for (k, (own, (p, sd))) in own.iter().zip(&expected.of_rows).enumerate() {
-        let part = f64::from(own.from_rows);
-        // The score has p − n in deviations. Where the rows tell less, the error of p counts more.
-        let value = f64::from(own.value) + f64::from(own.score * own.deviation) * (1.0 / part - 1.0);
-        let deviation = f64::from(own.deviation) / part.sqrt();
-        assert!((value - p).abs() < 0.02 * sd / part.sqrt(), "{what}: {k}: rows alone say {value}, not {p} ± {sd}");
+    let terms = FrictionTerm::ALL.into_iter().filter(|term| load || !term.needs_load()).collect::<Vec<_>>();
+    for (k, (own, (p, sd))) in terms.iter().zip(&expected.of_rows).enumerate() {
+        let (value, variance) = constants.balance.without_prior(&found.friction, *own);
+        let (value, deviation) = (f64::from(value), f64::from(variance).sqrt());
+        // Where the rows tell less, the error of p counts more.
+        let usual = f64::from(found.friction.parameter(*own).expect("estimated").deviation);
+        assert!((value - p).abs() < 0.02 * sd * (sd / usual), "{what}: {k}: rows alone say {value}, not {p} ± {sd}");
         assert!((deviation / sd - 1.0).abs() < 0.02, "{what}: {k}: deviation by rows {deviation}, not {sd}");
     }
     let balance = &constants.balance;

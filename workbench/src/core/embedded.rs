@@ -139,7 +139,9 @@ impl Embedded {
             outside: outside(report),
             friction: shaft.map(|shaft| shaft.friction),
             orders: shaft.map_or_else(Vec::new, |shaft| shaft.orders().to_vec()),
-            shaft_features: shaft.map_or_else(Vec::new, |shaft| shaft_values(self.model.plan(), shaft)),
+            shaft_features: shaft
+                .zip(self.shaft())
+                .map_or_else(Vec::new, |(shaft, own)| shaft_values(self.model.plan(), shaft, &own.balance)),
             rows: estimate.filter(|own| own.reason.is_none()).map_or(report.rows, |own| own.rows),
             counts: report.counts,
             followed: None,

@@ -8,7 +8,7 @@
 //! the shaft follow and are the same in both: the parameters of the torque balance, their scores, their logarithms, its
 //! residual, and two numbers per order. Averages of channels come last. Parameters and logarithms have errors of known variance.
 
-use bearing_watch::model::{Feature, FeatureValue};
+use bearing_watch::model::{Balance, Feature, FeatureValue};
 use bearing_watch::plan::RunTime;
 use bearing_watch::{FrictionTerm, ShaftEstimate};
 use nalgebra::{DMatrix, DVector};
@@ -62,10 +62,10 @@ pub const FRICTION: [&str; 8] =
 /// All features of the shaft, in the order of [`Catalogue::shaft`]; those of a part without a result are missing.
 /// Without a measured load the torque constant is not estimated, and its features are constant.
 #[must_use]
-pub fn shaft_values(plan: RunTime, shaft: &ShaftEstimate<RunTime>) -> Vec<FeatureValue> {
+pub fn shaft_values(plan: RunTime, shaft: &ShaftEstimate<RunTime>, balance: &Balance) -> Vec<FeatureValue> {
     let orders = (0..shaft.orders().len()).map(|k| k.to_string()).collect();
     let catalogue = Catalogue { structure: Structure::new(0, 0, 0, 0, 0), orders: Some(orders), averaged: vec![] };
-    let each = |(_, feature): &(String, Feature)| feature.value(plan, (None, Some(shaft), &[]));
+    let each = |(_, feature): &(String, Feature)| feature.value(plan, (None, Some((shaft, balance)), &[]));
     catalogue.shaft().iter().map(|own| each(own).unwrap_or(FeatureValue::MISSING)).collect()
 }
 

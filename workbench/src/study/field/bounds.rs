@@ -26,7 +26,7 @@ pub mod render;
 pub mod roughness;
 mod search;
 
-use bearing_watch::model::Tracking;
+use bearing_watch::model::{Balance, ShaftConstants};
 use bearing_watch::plan::RunTime;
 use bearing_watch::{FrictionTerm, ShaftEstimate};
 use nalgebra::{Matrix3, Vector3};
@@ -127,7 +127,7 @@ pub fn bound(row: &Row, settings: &Settings) -> Result<Bounded, Error> {
     let order = Settings { features: vec!["order_outer".into()], ..settings.clone() };
     let by_order = found(&Row { classes: false, ..*row }, &order)?;
     let by_all = found(row, settings)?;
-    let (tracking, healthy) = healthy_estimates(row, settings.healthy_training)?;
+    let (ShaftConstants { tracking, balance, .. }, healthy) = healthy_estimates(row, settings.healthy_training)?;
     let core_floors = measured_floors(&healthy);
     let core_floor_nm = root_mean_square(&core_floors);
     let spalls = spalls(row, if is_disturbed(&row.judged) { &core_floors } else { &[] })?;
@@ -154,7 +154,7 @@ pub fn bound(row: &Row, settings: &Settings) -> Result<Bounded, Error> {
         }
     };
     let floor_nm = root_mean_square(&spalls.iter().map(|spall| spall.floor_nm).collect::<Vec<_>>());
-    let viscous_errors = viscous_errors(row, &healthy)?;
+    let viscous_errors = viscous_errors(row, &healthy, &balance)?;
     let drives = Population::of(row);
     let rough = |drives: &Population, severity: f64| RoughnessBound {
         severity,
@@ -226,21 +226,21 @@ fn spalls(row: &Row, floors_nm: &[f64]) -> Result<Vec<Spall>, Error> {
     (0..RECORDS).into_par_iter().map(each).collect()
 }
 
-/// Tracked order of a detector that was trained on so many healthy records, and what the core estimates with it in
+/// Constants of a detector that was trained on so many healthy records, and what the core estimates with it in
 /// others.
-fn healthy_estimates(row: &Row, count: u32) -> Result<(Tracking<RunTime>, Vec<ShaftEstimate<RunTime>>), Error> {
+fn healthy_estimates(row: &Row, count: u32) -> Result<(ShaftConstants<RunTime>, Vec<ShaftEstimate<RunTime>>), Error> {
     let own = recipe(&row.trained, &["order_outer".into()]);
     let healthy = traces(&[(row.training(0, Defect::HEALTHY), 0)], count)?;
     let detector = train(&healthy, &["healthy".into()], &own)?;
     let not_watched = || Error::Training("the detector does not watch the shaft".into());
-    let tracking = detector.parts.shaft.as_ref().map(|(_, shaft)| shaft.tracking.clone()).ok_or_else(not_watched)?;
+    let constants = detector.parts.shaft.as_ref().map(|(_, shaft)| shaft.clone()).ok_or_else(not_watched)?;
     let detector = detector.embed()?;
     let records = traces(&[(row.validation(0, Defect::HEALTHY), 0)], RECORDS)?;
     let estimate = |record: &LabelledTrace| {
         let report = detector.whole(&record.trace);
         report.shaft().cloned().ok_or_else(|| Error::trace(&record.trace.id, "the shaft was not watched"))
     };
-    Ok((tracking, records.par_iter().map(estimate).collect::<Result<_, _>>()?))
+    Ok((constants, records.par_iter().map(estimate).collect::<Result<_, _>>()?))
 }
 
 /// Deviation of the outer order's amplitude in each healthy record, as the core measures it, N·m.
@@ -254,14 +254,14 @@ fn measured_floors(healthy: &[ShaftEstimate<RunTime>]) -> Vec<f64> {
 
 /// Standard deviation of the error of the core's viscous friction in each record: as it is stated, times what the errors
 /// of all records exceed that, but for their mean difference.
-fn viscous_errors(row: &Row, healthy: &[ShaftEstimate<RunTime>]) -> Result<Vec<f64>, Error> {
+fn viscous_errors(row: &Row, healthy: &[ShaftEstimate<RunTime>], balance: &Balance) -> Result<Vec<f64>, Error> {
     let cell = row.validation(0, Defect::HEALTHY);
     let (mut stated, mut relative) = (vec![], vec![]);
     for (number, estimate) in (0..).zip(healthy) {
         let (scenario, values) = drive(row, cell.seed(number)?);
         let kt = values.motor(&scenario.motor).kt_nm_per_a;
-        if let Some(own) = estimate.friction.parameter(FrictionTerm::Viscous).filter(|own| own.deviation > 0.0) {
-            let (value, variance) = own.of_rows();
+        let (value, variance) = balance.without_prior(&estimate.friction, FrictionTerm::Viscous);
+        if variance > 0.0 {
             let deviation = kt * f64::from(variance).sqrt();
             relative.push((kt * f64::from(value) - roughness::mean_viscous(&scenario, &values)) / deviation);
             stated.push(deviation);
