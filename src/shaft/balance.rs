@@ -18,8 +18,8 @@
 //!
 //! Each segment starts from a weak prior, the healthy parameters with [`Balance::prior`] as their deviations, as if
 //! earlier rows had given them. What the motion does not excite keeps its prior: at constant speed p₁ and p₂ cannot be
-//! separated, their errors cancel in (4), and each deviation says so. A prior holds its parameter near the healthy value
-//! whatever the rows say; features of a classifier are freed of it:
+//! separated, their errors cancel in (4), and each deviation says so. A prior holds its parameter near the healthy
+//! value whatever the rows say; features of a classifier are freed of it:
 //!
 //! ```text
 //! p′ = n + (p − n)/c,   σ′² = σ²/c,   c = 1 − σ² σ₀²/(prior² s²)                                        (5)
@@ -112,7 +112,8 @@ pub(super) struct Frictions {
 
 impl Balance {
     /// A parameter of a segment as its rows alone give it, and its variance: without its prior, by (5). Features of a
-    /// classifier are so. The drag keeps the priors of its terms; a parameter that was not estimated is 0 without error.
+    /// classifier are so. The drag keeps the priors of its terms; a parameter that was not estimated is 0 without
+    /// error.
     #[inline(never)]
     #[must_use]
     pub fn without_prior(&self, friction: &Friction, term: FrictionTerm) -> (f32, f32) {

@@ -1,9 +1,9 @@
 //! Reports and samples as frames for a serial line, and their decoder.
 //!
-//! Enters: reports, samples of the detector in blocks of a [`Recorder`], and raw samples at the control rate in those of
-//! a [`RawRecorder`]. Leaves: frames of [`Encoder`] in the caller's buffer; a drive without a model sends raw samples by
-//! [`RawEncoder`]. At the other end [`Decoder`] takes bytes and returns [`Frame`]s; `bearing-watch listen` shows and
-//! stores them.
+//! Enters: reports, samples of the detector in blocks of a [`Recorder`], and raw samples at the control rate in those
+//! of a [`RawRecorder`]. Leaves: frames of [`Encoder`] in the caller's buffer; a drive without a model sends raw
+//! samples by [`RawEncoder`]. At the other end [`Decoder`] takes bytes and returns [`Frame`]s; `bearing-watch listen`
+//! shows and stores them.
 //!
 //! ```
 //! # mod model { include!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/support/standard_rig/model.rs")); }
@@ -66,8 +66,8 @@
 //! next frame after any error. The CRC (ISO-HDLC, that of zip) detects each error of up to three bits in a frame of up
 //! to 11 kB, each burst of up to 32 bits, and all but 2⁻³² of other errors.
 //!
-//! *Stream* is the CRC-32 of the hello's fields and lists. A report or block of samples belongs to the hello of the same
-//! stream: names of another model, drive or session are never applied to it. Send the hello at the start and again
+//! *Stream* is the CRC-32 of the hello's fields and lists. A report or block of samples belongs to the hello of the
+//! same stream: names of another model, drive or session are never applied to it. Send the hello at the start and again
 //! every few seconds, for listeners that join later; raw samples need none. *Sequence* counts the frames of an encoder;
 //! a gap is a number of lost frames, and a frame that comes again is dropped. *First* counts samples; a gap between
 //! blocks is a number of lost samples.
@@ -78,6 +78,7 @@ mod codes;
 mod counts;
 mod decoder;
 mod encoder;
+mod filling;
 mod hello;
 mod raw;
 mod recorder;

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::filling::Filling;
 use super::samples::word;
 use super::sink::Sink;
 use super::{TooSmall, split};
@@ -16,29 +17,26 @@ const CURRENTS: usize = 2;
 /// Gathers raw samples in a block of at most `BYTES` bytes; a sample has 12, four more with sine and cosine of a
 /// resolver, and four for each further channel.
 ///
-/// In the interrupt of the control loop, hand over what [`RawRecorder::take`] returns by a queue. A line that is too slow
-/// for all samples carries single blocks: the receiver sees gaps, and each series between them is a recording. A push of
-/// 20 bytes takes 121 instructions on a Cortex-M4F (`cargo xtask firmware measure_telemetry`).
+/// In the interrupt of the control loop, hand over what [`RawRecorder::take`] returns by a queue. A line that is too
+/// slow for all samples carries single blocks: the receiver sees gaps, and each series between them is a recording. A
+/// push of 20 bytes takes 129 instructions on a Cortex-M4F (`cargo xtask firmware measure_telemetry`).
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RawRecorder<const FURTHER: usize, const BYTES: usize> {
     control_rate_hz: f32,
-    /// Number of the first sample of the block, and of samples in it.
+    /// Number of the first sample of the block, and that which the next one must have.
     first: u32,
-    samples: u32,
+    next: u32,
     /// Whether positions are sine and cosine.
     resolver: bool,
-    used: usize,
-    /// Whether the block takes no more samples.
-    closed: bool,
-    bytes: [u8; BYTES],
+    samples: Filling<BYTES>,
 }
 
 impl<const FURTHER: usize, const BYTES: usize> RawRecorder<FURTHER, BYTES> {
     /// No sample yet.
     #[must_use]
     pub const fn new(control_rate_hz: f32) -> Self {
-        Self { control_rate_hz, first: 0, samples: 0, resolver: false, used: 0, closed: false, bytes: [0; BYTES] }
+        Self { control_rate_hz, first: 0, next: 0, resolver: false, samples: Filling::new() }
     }
 
     /// Takes a raw sample; returns whether the block is complete. A complete block takes no sample until
@@ -58,31 +56,26 @@ impl<const FURTHER: usize, const BYTES: usize> RawRecorder<FURTHER, BYTES> {
                 [a, b, 0]
             }
         };
-        if self.samples == 0 {
-            (self.first, self.resolver) = (raw.number, resolver);
+        if self.samples.is_empty() {
+            (self.first, self.next, self.resolver) = (raw.number, raw.number, resolver);
         }
-        self.closed |= raw.number != self.first.wrapping_add(self.samples) || resolver != self.resolver;
-        let bytes = sample_bytes(resolver, FURTHER);
-        let end = self.used.saturating_add(bytes);
-        let cells = if self.closed { None } else { self.bytes.get_mut(self.used..end) };
-        let Some(cells) = cells else {
-            self.closed = true;
-            return true;
-        };
-        let mut cells = cells.as_chunks_mut().0.iter_mut();
-        let mut put = |word: u32| cells.next().into_iter().for_each(|cell| *cell = word.to_le_bytes());
-        put(u32::from(a) | u32::from(b) << 16);
-        put(u32::from(c) | flags);
-        let [angle, cosine] = position;
-        put(angle);
-        if resolver {
-            put(cosine);
+        if raw.number != self.next || resolver != self.resolver {
+            self.samples.complete();
         }
-        raw.further.iter().for_each(|value| put(value.to_bits()));
-        self.samples = self.samples.wrapping_add(1);
-        self.used = end;
-        self.closed = end.saturating_add(bytes) > BYTES;
-        self.closed
+        let taken = self.samples.add(sample_bytes(resolver, FURTHER), |words| {
+            let mut words = words.iter_mut();
+            let mut put = |word: u32| words.next().into_iter().for_each(|cell| *cell = word.to_le_bytes());
+            put(u32::from(a) | u32::from(b) << 16);
+            put(u32::from(c) | flags);
+            let [angle, cosine] = position;
+            put(angle);
+            if resolver {
+                put(cosine);
+            }
+            raw.further.iter().for_each(|value| put(value.to_bits()));
+        });
+        self.next = self.next.wrapping_add(u32::from(taken));
+        self.samples.is_complete()
     }
 
     /// The samples so far.
@@ -90,14 +83,14 @@ impl<const FURTHER: usize, const BYTES: usize> RawRecorder<FURTHER, BYTES> {
     pub fn block(&self) -> RawBlock<'_> {
         #[expect(clippy::cast_possible_truncation, reason = "a front end has few channels")]
         let further = FURTHER as u8;
-        let bytes = self.bytes.get(..self.used).unwrap_or(&[]);
+        let bytes = self.samples.bytes();
         let Self { first, control_rate_hz, resolver, .. } = *self;
         RawBlock { first, control_rate_hz, resolver, further, bytes }
     }
 
     /// Starts the next block.
     pub const fn clear(&mut self) {
-        (self.samples, self.used, self.closed) = (0, 0, false);
+        self.samples.clear();
     }
 
     /// Gives the block away and starts the next one.

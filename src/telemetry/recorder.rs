@@ -1,5 +1,6 @@
 //! Samples → blocks.
 
+use super::filling::Filling;
 use super::samples::{Block, sample_bytes};
 use crate::plan::{Plan, Signals};
 
@@ -15,17 +16,14 @@ pub struct Recorder<P: Plan, const BYTES: usize> {
     /// Number of the first sample of the block, and of the next sample.
     first: u32,
     next: u32,
-    used: usize,
-    /// Whether the block takes no more samples.
-    closed: bool,
-    bytes: [u8; BYTES],
+    samples: Filling<BYTES>,
 }
 
 impl<P: Plan, const BYTES: usize> Recorder<P, BYTES> {
     /// No sample yet.
     #[must_use]
     pub const fn new(plan: P) -> Self {
-        Self { plan, first: 0, next: 0, used: 0, closed: false, bytes: [0; BYTES] }
+        Self { plan, first: 0, next: 0, samples: Filling::new() }
     }
 
     /// Takes a sample; returns whether the block is complete. A complete block takes no sample until
@@ -36,45 +34,40 @@ impl<P: Plan, const BYTES: usize> Recorder<P, BYTES> {
         let bytes = sample_bytes(layout.channels, layout.needs_angle());
         let number = self.next;
         self.next = self.next.wrapping_add(1);
-        let end = self.used.saturating_add(bytes);
-        let cells = if self.closed { None } else { self.bytes.get_mut(self.used..end) };
-        let Some(cells) = cells else {
-            self.closed = true;
-            return true;
-        };
-        let (words, _) = cells.as_chunks_mut();
-        let mut words = words.iter_mut();
-        for (channel, word) in (0..layout.channels as usize).zip(&mut words) {
-            *word = sample.value(channel).to_le_bytes();
-        }
-        if let Some(word) = words.next() {
-            *word = sample.angle().bits().to_le_bytes();
-        }
-        if self.used == 0 {
+        if self.samples.is_empty() {
             self.first = number;
         }
-        self.used = end;
-        self.closed = end.saturating_add(bytes) > BYTES;
-        self.closed
+        self.samples.add(bytes, |words| {
+            let mut words = words.iter_mut();
+            for (channel, word) in (0..layout.channels as usize).zip(&mut words) {
+                *word = sample.value(channel).to_le_bytes();
+            }
+            if let Some(word) = words.next() {
+                *word = sample.angle().bits().to_le_bytes();
+            }
+        });
+        self.samples.is_complete()
     }
 
     /// Passes over samples that were not taken, such as those of missed interrupts. What is in the block is complete.
     pub fn skip(&mut self, samples: u32) {
         self.next = self.next.wrapping_add(samples);
-        self.closed |= self.used > 0;
+        if !self.samples.is_empty() {
+            self.samples.complete();
+        }
     }
 
     /// The samples so far.
     #[must_use]
     pub fn block(&self) -> Block<'_> {
         let layout = self.plan.layout();
-        let bytes = self.bytes.get(..self.used).unwrap_or(&[]);
+        let bytes = self.samples.bytes();
         Block { first: self.first, channels: layout.channels, with_angle: layout.needs_angle(), bytes }
     }
 
     /// Starts the next block.
     pub const fn clear(&mut self) {
-        (self.used, self.closed) = (0, false);
+        self.samples.clear();
     }
 
     /// Gives the block away and starts the next one.

@@ -11,7 +11,8 @@ use crate::tally::{Stages, Tally};
 use crate::toolchain::Way;
 use crate::{child, workspace};
 
-/// The process, and the file of what it prints, which is shown when it has ended: lines of two at once are hard to read.
+/// The process, and the file of what it prints, which is shown when it has ended: lines of two at once are hard to
+/// read.
 pub struct Beside(Result<(Child, PathBuf)>);
 
 impl Beside {

@@ -99,8 +99,8 @@ mod tests {
         for language in [["-xc", "-std=c99"], ["-xc++", "-std=c++17"]] {
             // gcc without g++ knows no C++.
             let mut empty = Command::new("cc");
-            if !child::works(empty.args(["-fsyntax-only", language[0], "/dev/null"])) {
-                println!("skipped: cc has no {}", language[0]);
+            if language[0] == "-xc++" && !child::works(empty.args(["-fsyntax-only", "-xc++", "/dev/null"])) {
+                println!("skipped: cc compiles no C++");
                 continue;
             }
             let mut compiler = Command::new("cc");

@@ -31,8 +31,8 @@ const PATIENCE: Duration = Duration::from_millis(50);
 /// Takes the frames of the core's `telemetry`. Lost, doubled and damaged frames are counted. Samples become one CSV
 /// file for each uninterrupted series, with the channels' names as columns: at a missing sample, and at one that is no
 /// number, a new file starts. Raw samples at the control rate become files raw_000.csv and so on, for --front-end of
-/// `train`, with the columns phase_a_counts, phase_b_counts and, of a third sensor, phase_c_counts; angle_counts (32 bits
-/// a turn), or sin and cos; and those of --further. The end of the source, --seconds or Ctrl-C ends it.
+/// `train`, with the columns phase_a_counts, phase_b_counts and, of a third sensor, phase_c_counts; angle_counts (32
+/// bits a turn), or sin and cos; and those of --further. The end of the source, --seconds or Ctrl-C ends it.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  bearing-watch listen /dev/ttyUSB0 --baud 921600 --out traces")]
 pub(super) struct Args {

@@ -252,8 +252,8 @@ fn measured_floors(healthy: &[ShaftEstimate<RunTime>]) -> Vec<f64> {
     orders().map(|order| scale * f64::from(order.deviation).max(1e-6)).collect()
 }
 
-/// Standard deviation of the error of the core's viscous friction in each record: as it is stated, times what the errors
-/// of all records exceed that, but for their mean difference.
+/// Standard deviation of the error of the core's viscous friction in each record: as it is stated, times what the
+/// errors of all records exceed that, but for their mean difference.
 fn viscous_errors(row: &Row, healthy: &[ShaftEstimate<RunTime>], balance: &Balance) -> Result<Vec<f64>, Error> {
     let cell = row.validation(0, Defect::HEALTHY);
     let (mut stated, mut relative) = (vec![], vec![]);

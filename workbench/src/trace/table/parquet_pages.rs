@@ -1,9 +1,9 @@
 //! The headers of a Parquet file's pages, which its reader trusts.
 //!
-//! A header is a structure of Thrift's compact protocol. The reader skips unknown fields; at a list of texts it asks the
-//! end of the file for each of as many texts as the list claims. Headers of the format have no lists, sets or maps, so a
-//! file with one is refused. It reserves memory for as many values as a dictionary claims; each has a byte at least. What
-//! else is wrong, the reader says.
+//! A header is a structure of Thrift's compact protocol. The reader skips unknown fields; at a list of texts it asks
+//! the end of the file for each of as many texts as the list claims. Headers of the format have no lists, sets or maps,
+//! so a file with one is refused. It reserves memory for as many values as a dictionary claims; each has a byte at
+//! least. What else is wrong, the reader says.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Seek, SeekFrom};
