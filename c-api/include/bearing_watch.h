@@ -74,6 +74,22 @@
 // Bytes of memory that are enough for `bw_wiring_init`, aligned to `BW_STATE_ALIGN` bytes.
 #define BW_WIRING_SIZE 512
 
+// Bytes of a block. A sample has four for each channel, and four for the angle of a model that needs it.
+#define BW_BLOCK_BYTES 480
+
+// Bytes of memory that are enough for `bw_recorder_init`, aligned to `BW_STATE_ALIGN` bytes.
+#define BW_RECORDER_SIZE 1152
+
+// Bytes of memory that are enough for `bw_raw_recorder_init`, aligned to `BW_STATE_ALIGN` bytes.
+#define BW_RAW_RECORDER_SIZE 1088
+
+// Bytes of memory that are enough for `bw_telemetry_init`, aligned to `BW_STATE_ALIGN` bytes.
+#define BW_TELEMETRY_SIZE 48
+
+// A buffer of so many bytes is enough for every frame of a library without a plan of its own, and of any plan that is
+// not larger than `BW_MAX_…`.
+#define BW_FRAME_SIZE 544
+
 // What a function returns: 0 or above if it did what it says, below 0 if it did nothing. But with
 // `BW_CODE_SEGMENT_LOST` the sample is taken, with `BW_CODE_BUFFER_TOO_SMALL` `bw_values` has filled the buffer, and
 // with a `BW_CODE_CALIBRATION_…` `bw_calibration_finish` names the refused sensor.
@@ -96,6 +112,8 @@ enum BwCode
   BW_CODE_CLEAN_SAMPLE = 5,
   // The calibration has as many samples as it needs.
   BW_CODE_ENOUGH_SAMPLES = 6,
+  // A block of recorded samples is complete and waits to be sent.
+  BW_CODE_BLOCK = 7,
   // A pointer is NULL.
   BW_CODE_NULL = -1,
   // A pointer is not aligned: the memory of an object to `BW_STATE_ALIGN` bytes, other pointers to their type.
@@ -116,6 +134,8 @@ enum BwCode
   BW_CODE_OUT_OF_RANGE = -9,
   // The buffer has too few elements.
   BW_CODE_BUFFER_TOO_SMALL = -10,
+  // The blocks before were not sent: the sample is not recorded.
+  BW_CODE_RECORDER_FULL = -11,
   // The bytes are not a model.
   BW_CODE_NOT_A_MODEL = -20,
   // The model has another format version: train it again.
@@ -447,8 +467,17 @@ typedef struct BwCalibration BwCalibration;
 // The front end of one drive, in memory of the caller.
 typedef struct BwFrontEnd BwFrontEnd;
 
+// Records what a front end takes, in memory of the caller.
+typedef struct BwRawRecorder BwRawRecorder;
+
+// Records samples of a detector, in memory of the caller.
+typedef struct BwRecorder BwRecorder;
+
 // A detector of one drive, in memory of the caller.
 typedef struct BwState BwState;
+
+// Makes the frames of one line, in memory of the caller.
+typedef struct BwTelemetry BwTelemetry;
 
 // The check of one drive, in memory of the caller.
 typedef struct BwWiringCheck BwWiringCheck;
@@ -1022,6 +1051,128 @@ BwCode bw_wiring_conclude(struct BwWiringCheck *wiring, struct BwWiring *result)
 // Returns a text for a fault of the wiring, `BW_WIRING_FAULT_…`, ending in a zero byte; "unknown fault" for other
 // numbers. Never NULL.
 const char *bw_wiring_text(int32_t fault);
+
+// Makes a recorder of the samples of a detector in memory of the caller, and gives its address in `recorder`.
+//
+// # Safety
+// `memory` is NULL or has `size` writable bytes, which nothing else writes until the recorder is used no more. `state`
+// is NULL, or was given by `bw_init` or has as many readable bytes. `recorder` is NULL or writable. No other function
+// works on the recorder.
+BwCode bw_recorder_init(void *memory, size_t size, const struct BwState *state, struct BwRecorder **recorder);
+
+// Takes a sample as `bw_collect` takes it, in the same interrupt. A complete block waits for `bw_telemetry_samples` in
+// the main loop, while the next one is filled.
+//
+// Returns `BW_CODE_OK`; `BW_CODE_BLOCK` if a complete block waits now; `BW_CODE_RECORDER_FULL` if two blocks are
+// complete: the sample is not recorded, and the receiver sees a gap; `BW_CODE_WRONG_CHANNEL_COUNT`; or `BW_CODE_BUSY`.
+//
+// # Safety
+// `recorder` is NULL, or was given by `bw_recorder_init` or has as many readable bytes. `values` is NULL or has `count`
+// readable values.
+BwCode bw_recorder_push(struct BwRecorder *recorder, const float *values, size_t count, uint32_t angle);
+
+// Passes over samples that were not taken, such as those of missed interrupts. What follows `bw_restart` does not
+// continue from the samples before: pass over one. A block that has samples is complete.
+//
+// Returns `BW_CODE_OK`, `BW_CODE_BLOCK` as `bw_recorder_push`, or `BW_CODE_BUSY`.
+//
+// # Safety
+// `recorder` is NULL, or was given by `bw_recorder_init` or has as many readable bytes.
+BwCode bw_recorder_skip(struct BwRecorder *recorder, uint32_t samples);
+
+// Makes a recorder of raw samples with so many further channels in memory of the caller, and gives its address in
+// `recorder`. A drive that has no model yet records the traces that one is trained with.
+//
+// Returns `BW_CODE_OK`, `BW_CODE_FRONT_END_CONTROL_RATE`, `BW_CODE_FRONT_END_FURTHER`, or what is wrong with the
+// memory.
+//
+// # Safety
+// `memory` is NULL or has `size` writable bytes, which nothing else writes until the recorder is used no more.
+// `recorder` is NULL or writable. No other function works on the recorder.
+BwCode bw_raw_recorder_init(void *memory,
+                            size_t size,
+                            float control_rate_hz,
+                            uint16_t further,
+                            struct BwRawRecorder **recorder);
+
+// Takes a raw sample as `bw_front_end_push` takes it, in the same interrupt. A complete block waits for
+// `bw_telemetry_raw` in the main loop, while the next one is filled.
+//
+// Returns `BW_CODE_OK`; `BW_CODE_BLOCK` if a complete block waits now; `BW_CODE_RECORDER_FULL` if two blocks are
+// complete: the sample is not recorded, and the receiver sees a gap; `BW_CODE_WRONG_CHANNEL_COUNT`;
+// `BW_CODE_OUT_OF_RANGE` if `phases` or `position` of the sample is; or `BW_CODE_BUSY`.
+//
+// # Safety
+// `recorder` is NULL, or was given by `bw_raw_recorder_init` or has as many readable bytes. `raw` is NULL or readable.
+// `further` is NULL or has `count` readable values.
+BwCode bw_raw_recorder_push(struct BwRawRecorder *recorder,
+                            const struct BwRawSample *raw,
+                            const float *further,
+                            size_t count);
+
+// Makes a line without frames in memory of the caller, and gives its address in `telemetry`. With a `state` it sends
+// its reports and samples, and raw samples; without one, NULL, raw samples only. `model_id` is any number that
+// identifies the model, such as `BW_MODEL_ID`; `session` is one that changes with each power-up, such as a count of
+// them. After another `bw_init` of the state the line has to be initialised again, too.
+//
+// # Safety
+// `memory` is NULL or has `size` writable bytes, which nothing else writes until the line is used no more. `state` is
+// NULL, or was given by `bw_init` or has as many readable bytes, and is there as long as the line. `telemetry` is NULL
+// or writable. No other function works on the line.
+BwCode bw_telemetry_init(void *memory,
+                         size_t size,
+                         const struct BwState *state,
+                         uint32_t model_id,
+                         uint32_t session,
+                         struct BwTelemetry **telemetry);
+
+// Writes a frame with names and constants of the model into `buffer`, and its length into `length`. Send it at the
+// start and again every few seconds: a receiver needs it for reports and samples. Raw samples need none.
+//
+// Returns `BW_CODE_OK`, `BW_CODE_NOT_INITIALISED` if the line has no state, `BW_CODE_BUFFER_TOO_SMALL`, or
+// `BW_CODE_BUSY`.
+//
+// # Safety
+// `telemetry` is NULL, or was given by `bw_telemetry_init` or has as many readable bytes. `buffer` is NULL or has
+// `capacity` writable bytes. `length` is NULL or writable.
+BwCode bw_telemetry_hello(struct BwTelemetry *telemetry, uint8_t *buffer, size_t capacity, size_t *length);
+
+// Writes a frame with the report of the last segment, as `bw_report` and `bw_alarm` give it, and with the values of
+// the features into `buffer`, and its length into `length`.
+//
+// Returns `BW_CODE_OK`, `BW_CODE_NO_REPORT`, `BW_CODE_NOT_INITIALISED` if the line has no state,
+// `BW_CODE_BUFFER_TOO_SMALL`, or `BW_CODE_BUSY`.
+//
+// # Safety
+// As `bw_telemetry_hello`.
+BwCode bw_telemetry_report(struct BwTelemetry *telemetry, uint8_t *buffer, size_t capacity, size_t *length);
+
+// Writes a frame with the block of samples that waits in a recorder into `buffer`, and its length into `length`. The
+// recorder is one of the same state.
+//
+// Returns `BW_CODE_OK`; `BW_CODE_IDLE` if no block waits; `BW_CODE_NOT_INITIALISED` if the line has no state; or
+// `BW_CODE_BUFFER_TOO_SMALL` or `BW_CODE_BUSY`: the block still waits.
+//
+// # Safety
+// As `bw_telemetry_hello`. `recorder` is NULL, or was given by `bw_recorder_init` or has as many readable bytes.
+BwCode bw_telemetry_samples(struct BwTelemetry *telemetry,
+                            struct BwRecorder *recorder,
+                            uint8_t *buffer,
+                            size_t capacity,
+                            size_t *length);
+
+// Writes a frame with the block of raw samples that waits in a recorder into `buffer`, and its length into `length`.
+//
+// Returns `BW_CODE_OK`; `BW_CODE_IDLE` if no block waits; or `BW_CODE_BUFFER_TOO_SMALL` or `BW_CODE_BUSY`: the block
+// still waits.
+//
+// # Safety
+// As `bw_telemetry_hello`. `recorder` is NULL, or was given by `bw_raw_recorder_init` or has as many readable bytes.
+BwCode bw_telemetry_raw(struct BwTelemetry *telemetry,
+                        struct BwRawRecorder *recorder,
+                        uint8_t *buffer,
+                        size_t capacity,
+                        size_t *length);
 
 // Returns the version of the library, a text that ends in a zero byte.
 const char *bw_version(void);

@@ -24,6 +24,8 @@ pub enum BwCode {
     CleanSample = 5,
     /// The calibration has as many samples as it needs.
     EnoughSamples = 6,
+    /// A block of recorded samples is complete and waits to be sent.
+    Block = 7,
     /// A pointer is NULL.
     Null = -1,
     /// A pointer is not aligned: the memory of an object to `BW_STATE_ALIGN` bytes, other pointers to their type.
@@ -44,6 +46,8 @@ pub enum BwCode {
     OutOfRange = -9,
     /// The buffer has too few elements.
     BufferTooSmall = -10,
+    /// The blocks before were not sent: the sample is not recorded.
+    RecorderFull = -11,
     /// The bytes are not a model.
     NotAModel = -20,
     /// The model has another format version: train it again.
@@ -93,7 +97,7 @@ pub enum BwCode {
 }
 
 impl BwCode {
-    const ALL: [Self; 40] = [
+    const ALL: [Self; 42] = [
         Self::Ok,
         Self::Segment,
         Self::Report,
@@ -101,6 +105,7 @@ impl BwCode {
         Self::Idle,
         Self::CleanSample,
         Self::EnoughSamples,
+        Self::Block,
         Self::Null,
         Self::Misaligned,
         Self::MemoryTooSmall,
@@ -111,6 +116,7 @@ impl BwCode {
         Self::WrongChannelCount,
         Self::OutOfRange,
         Self::BufferTooSmall,
+        Self::RecorderFull,
         Self::NotAModel,
         Self::ModelVersion,
         Self::ModelTruncated,
@@ -145,6 +151,7 @@ impl BwCode {
             Self::Idle => c"there is no closed segment to solve",
             Self::CleanSample => c"there is a clean sample",
             Self::EnoughSamples => c"the calibration has enough samples",
+            Self::Block => c"a block of samples waits to be sent",
             Self::Null => c"a pointer is NULL",
             Self::Misaligned => c"a pointer is not aligned",
             Self::MemoryTooSmall => c"the memory has fewer bytes than the state or object needs",
@@ -155,6 +162,7 @@ impl BwCode {
             Self::WrongChannelCount => c"the number of values is not that of the channels",
             Self::OutOfRange => c"an index or a choice is out of range",
             Self::BufferTooSmall => c"the buffer is too small",
+            Self::RecorderFull => c"the blocks before were not sent: the sample is not recorded",
             Self::NotAModel => c"these bytes are not a bearing-watch model",
             Self::ModelVersion => c"the model has another format version; train it again",
             Self::ModelTruncated => c"the model is truncated",

@@ -15,6 +15,9 @@
 //! control interrupt    bw_front_end_push   raw counts; now and then BW_CODE_CLEAN_SAMPLE, for bw_collect
 //! commissioning        bw_calibration_…    offsets of the current sensors at standstill
 //!                      bw_wiring_…         phase order, pole pairs, electrical offset, delay, directions
+//!
+//! interrupts           bw_recorder_push, bw_raw_recorder_push   samples; now and then BW_CODE_BLOCK
+//! main loop            bw_telemetry_…      reports and blocks of samples as frames, for `bearing-watch listen`
 //! ```
 //!
 //! No function allocates, blocks, panics or has global state. Pointers that are NULL or not aligned, memory that is too
@@ -37,11 +40,14 @@ mod code;
 mod front_end;
 mod memory;
 mod plan;
+mod raw_recorder;
+mod recorder;
 mod report;
 mod sampling;
 mod saved;
 mod solving;
 mod state;
+mod telemetry;
 mod wiring;
 
 pub use about::{BwInfo, BwPark, bw_check_channel, bw_check_interval, bw_check_park, bw_info, bw_label, bw_version};
@@ -63,11 +69,19 @@ pub use plan::{
     BW_MAX_DELAYS, BW_MAX_DENSITIES, BW_MAX_FEATURES, BW_MAX_FILTERS, BW_MAX_ORDERS, BW_MAX_PARAMETERS,
     BW_MAX_PROJECTION, BW_MAX_RISING, Values,
 };
+pub use raw_recorder::{BW_RAW_RECORDER_SIZE, BwRawRecorder, bw_raw_recorder_init, bw_raw_recorder_push};
+pub use recorder::{
+    BW_BLOCK_BYTES, BW_RECORDER_SIZE, BwRecorder, bw_recorder_init, bw_recorder_push, bw_recorder_skip,
+};
 pub use report::{BwPart, BwReason, BwReport, BwValues, BwVerdict, bw_report, bw_values};
 pub use sampling::{bw_angle, bw_collect, bw_discard, bw_pending, bw_restart, bw_step};
 pub use saved::{bw_restore, bw_save, bw_saved_size};
 pub use solving::{bw_adopt, bw_advance, bw_conclude};
 pub use state::{BW_STATE_ALIGN, BW_STATE_SIZE, BwState, bw_init, bw_state_size};
+pub use telemetry::{
+    BW_FRAME_SIZE, BW_TELEMETRY_SIZE, BwTelemetry, bw_telemetry_hello, bw_telemetry_init, bw_telemetry_raw,
+    bw_telemetry_report, bw_telemetry_samples,
+};
 pub use wiring::{
     BW_WIRING_SIZE, BwWiring, BwWiringCheck, BwWiringFault, BwWiringLimits, bw_wiring_conclude, bw_wiring_init,
     bw_wiring_text,

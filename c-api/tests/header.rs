@@ -18,7 +18,7 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, La
 const WRITE: &str = "BEARING_WATCH_WRITE_HEADER";
 
 /// The files with public items, in the order of the header; one with modules stands for theirs, too.
-const SOURCES: [&str; 12] = [
+const SOURCES: [&str; 15] = [
     "code",
     "plan",
     "state",
@@ -30,6 +30,9 @@ const SOURCES: [&str; 12] = [
     "front_end/mod",
     "calibration",
     "wiring",
+    "recorder",
+    "raw_recorder",
+    "telemetry",
     "about",
 ];
 

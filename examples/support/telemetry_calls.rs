@@ -52,7 +52,7 @@ pub fn record<P: Plan>(model: &Model<P>, sample: &P::Sample, show: impl Fn(&dyn 
 /// Raw samples as frames, with a model and without one.
 fn record_raw<P: Plan>(encoder: &mut Encoder<'_, P>, show: impl Fn(&dyn core::fmt::Display)) {
     let mut without = opaque(RawEncoder::new(opaque(Source::default())));
-    let mut recorder = opaque(RawRecorder::<2, 100>::new(opaque(1e4)));
+    let mut recorder = opaque(RawRecorder::with_further(RawRecorder::<2, 100>::new(opaque(1e4)), opaque(1)));
     for number in 0..opaque(9) {
         let position = opaque(if number % 2 == 0 { Position::Absolute(Angle::ZERO) } else { Position::Missing });
         let raw = RawSample { number, currents: opaque(PhaseCounts::Two([7, 8])), position, further: [0.5; 2] };

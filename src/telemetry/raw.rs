@@ -29,14 +29,25 @@ pub struct RawRecorder<const FURTHER: usize, const BYTES: usize> {
     next: u32,
     /// Whether positions are sine and cosine.
     resolver: bool,
+    /// Number of further channels.
+    further: u8,
     samples: Filling<BYTES>,
 }
 
 impl<const FURTHER: usize, const BYTES: usize> RawRecorder<FURTHER, BYTES> {
     /// No sample yet.
     #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "a front end has few channels")]
     pub const fn new(control_rate_hz: f32) -> Self {
-        Self { control_rate_hz, first: 0, next: 0, resolver: false, samples: Filling::new() }
+        let further = FURTHER as u8;
+        Self { control_rate_hz, first: 0, next: 0, resolver: false, further, samples: Filling::new() }
+    }
+
+    /// Records only so many of the further channels, the first ones.
+    #[must_use]
+    pub const fn with_further(self, channels: u8) -> Self {
+        let further = if (channels as usize) < FURTHER { channels } else { self.further };
+        Self { further, ..self }
     }
 
     /// Takes a raw sample; returns whether the block is complete. A complete block takes no sample until
@@ -62,7 +73,8 @@ impl<const FURTHER: usize, const BYTES: usize> RawRecorder<FURTHER, BYTES> {
         if raw.number != self.next || resolver != self.resolver {
             self.samples.complete();
         }
-        let taken = self.samples.add(sample_bytes(resolver, FURTHER), |words| {
+        let further = usize::from(self.further);
+        let taken = self.samples.add(sample_bytes(resolver, further), |words| {
             let mut words = words.iter_mut();
             let mut put = |word: u32| words.next().into_iter().for_each(|cell| *cell = word.to_le_bytes());
             put(u32::from(a) | u32::from(b) << 16);
@@ -72,7 +84,7 @@ impl<const FURTHER: usize, const BYTES: usize> RawRecorder<FURTHER, BYTES> {
             if resolver {
                 put(cosine);
             }
-            raw.further.iter().for_each(|value| put(value.to_bits()));
+            raw.further.iter().take(further).for_each(|value| put(value.to_bits()));
         });
         self.next = self.next.wrapping_add(u32::from(taken));
         self.samples.is_complete()
@@ -81,10 +93,8 @@ impl<const FURTHER: usize, const BYTES: usize> RawRecorder<FURTHER, BYTES> {
     /// The samples so far.
     #[must_use]
     pub fn block(&self) -> RawBlock<'_> {
-        #[expect(clippy::cast_possible_truncation, reason = "a front end has few channels")]
-        let further = FURTHER as u8;
         let bytes = self.samples.bytes();
-        let Self { first, control_rate_hz, resolver, .. } = *self;
+        let Self { first, control_rate_hz, resolver, further, .. } = *self;
         RawBlock { first, control_rate_hz, resolver, further, bytes }
     }
 
@@ -231,6 +241,17 @@ mod tests {
         assert!(recorder.push(&turned(0)), "numbers wrap");
         assert_eq!(recorder.block().len(), 2);
         assert!(RawRecorder::<2, 19>::new(1e4).push(&turned(1)), "less than a sample");
+    }
+
+    #[test]
+    fn fewer_further_channels() {
+        // Three samples of 16 bytes.
+        let mut recorder = RawRecorder::<2, 50>::new(1e4).with_further(1);
+        assert_eq!([7, 8, 9].map(|number| recorder.push(&turned(number))), [false, false, true]);
+        let block = recorder.block();
+        assert_eq!((block.len(), block.further, block.position(2)), (3, 1, Some(turned(9).position)));
+        assert_eq!((block.further(2, 0).unwrap().to_bits(), block.further(2, 1)), (0x7FC0_1234, None));
+        assert_eq!(RawRecorder::<2, 50>::new(1e4).with_further(3).block().further, 2, "there are no more");
     }
 
     #[test]

@@ -70,7 +70,7 @@ impl Plan {
     }
 }
 
-/// The model of an example.
+/// A model with its recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Model {
     /// Of samples, with recorded traces.
@@ -86,54 +86,74 @@ impl Model {
             Self::Actuator => "examples/support/actuator",
         }
     }
+}
 
-    /// The example, which prints the lines of the Rust example [`Self::twin`] but for [`LEFT_OUT`].
-    const fn example(self) -> &'static str {
+/// An example, which prints the lines of a Rust example, [`Self::twin`], but for [`LEFT_OUT`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Example {
+    Isr,
+    Drive,
+    Telemetry,
+}
+
+impl Example {
+    const fn model(self) -> Model {
         match self {
-            Self::StandardRig => "isr",
-            Self::Actuator => "drive",
+            Self::Isr | Self::Telemetry => Model::StandardRig,
+            Self::Drive => Model::Actuator,
+        }
+    }
+
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Isr => "isr",
+            Self::Drive => "drive",
+            Self::Telemetry => "telemetry",
         }
     }
 
     const fn twin(self) -> &'static str {
         match self {
-            Self::StandardRig => "monitor",
-            Self::Actuator => "drive",
-        }
-    }
-
-    /// The program that counts instructions and bytes.
-    const fn measure(self) -> &'static str {
-        match self {
-            Self::StandardRig => "measure",
-            Self::Actuator => "measure_front_end",
+            Self::Isr => "monitor",
+            Self::Drive => "drive",
+            Self::Telemetry => "telemetry",
         }
     }
 
     /// Where the program runs, and the lines of its twin on the host.
     fn on_host(self) -> Result<(PathBuf, Vec<String>)> {
         match self {
-            Self::StandardRig => Ok((PathBuf::from("."), target::on_host(self.twin())?)),
-            Self::Actuator => pil::host_lines(),
+            Self::Drive => pil::host_lines(),
+            Self::Isr | Self::Telemetry => Ok((PathBuf::from("."), target::on_host(self.twin())?)),
         }
     }
 }
 
 /// What is built and compared: builds of one library follow each other.
-const BUILDS: [(Plan, Model, Language); 6] = [
-    (Plan::Any, Model::StandardRig, Language::C),
-    (Plan::Any, Model::StandardRig, Language::Cpp),
-    (Plan::Any, Model::Actuator, Language::C),
-    (Plan::Any, Model::Actuator, Language::Cpp),
-    (Plan::Exported(Model::StandardRig), Model::StandardRig, Language::C),
-    (Plan::Exported(Model::Actuator), Model::Actuator, Language::C),
+const BUILDS: [(Plan, Example, Language); 9] = [
+    (Plan::Any, Example::Isr, Language::C),
+    (Plan::Any, Example::Isr, Language::Cpp),
+    (Plan::Any, Example::Drive, Language::C),
+    (Plan::Any, Example::Drive, Language::Cpp),
+    (Plan::Any, Example::Telemetry, Language::C),
+    (Plan::Any, Example::Telemetry, Language::Cpp),
+    (Plan::Exported(Model::StandardRig), Example::Isr, Language::C),
+    (Plan::Exported(Model::StandardRig), Example::Telemetry, Language::C),
+    (Plan::Exported(Model::Actuator), Example::Drive, Language::C),
 ];
 
+/// A program that counts instructions and bytes, and its model.
+type Measure = (&'static str, Model);
+
+const DETECTOR: Measure = ("measure", Model::StandardRig);
+const TELEMETRY: Measure = ("measure_telemetry", Model::StandardRig);
+const FRONT_END: Measure = ("measure_front_end", Model::Actuator);
+
 /// What is measured.
-const MEASURED: [(Plan, &[Model]); 3] = [
-    (Plan::Any, &[Model::StandardRig, Model::Actuator]),
-    (Plan::Exported(Model::StandardRig), &[Model::StandardRig]),
-    (Plan::Exported(Model::Actuator), &[Model::Actuator]),
+const MEASURED: [(Plan, &[Measure]); 3] = [
+    (Plan::Any, &[DETECTOR, TELEMETRY, FRONT_END]),
+    (Plan::Exported(Model::StandardRig), &[DETECTOR, TELEMETRY]),
+    (Plan::Exported(Model::Actuator), &[FRONT_END]),
 ];
 
 /// Runs all checks and prints them, and what the library takes; whether nothing failed.
@@ -141,11 +161,11 @@ pub fn run(way: Way) -> Result<bool> {
     setup::ensure_c()?;
     let mut stages = Stages::default();
     stages.stage("C library", |tally| checks(tally, Some(way)));
-    for (plan, models) in MEASURED {
+    for (plan, programs) in MEASURED {
         println!("\nlibrary for {}", plan.name());
         let library = firmware::build_c_library(way, DRIVE, &plan.file())?;
-        for model in models {
-            let program = build(model.measure(), *model, Language::C, &library)?;
+        for (name, model) in programs {
+            let program = build(name, *model, Language::C, &library)?;
             qemu::run(&program, DRIVE.machine, qemu::Echo::On)?;
         }
     }
@@ -158,10 +178,10 @@ pub fn run(way: Way) -> Result<bool> {
 pub fn checks(tally: &mut Tally, way: Option<Way>) {
     let ready = way.ok_or_else(|| target::NO_TOOLS.to_owned());
     let ready = ready.and_then(|way| setup::ensure_c().map(|()| way).map_err(|error| format!("{error:#}")));
-    for (plan, model, language) in BUILDS {
-        let title = format!("{} as {} with the library for {}", model.example(), language.name(), plan.name());
+    for (plan, example, language) in BUILDS {
+        let title = format!("{} as {} with the library for {}", example.name(), language.name(), plan.name());
         match &ready {
-            Ok(way) => tally.check(&title, target::brief(check(*way, plan, model, language))),
+            Ok(way) => tally.check(&title, target::brief(check(*way, plan, example, language))),
             Err(reason) => tally.skip(&title, reason),
         }
     }
@@ -169,13 +189,13 @@ pub fn checks(tally: &mut Tally, way: Option<Way>) {
 
 /// The library replaces no function of a C library, and the example links with it, holds no call of the panic machinery,
 /// and prints the lines of Rust. Returns their number and the bytes of the program.
-fn check(way: Way, plan: Plan, model: Model, language: Language) -> Result<String> {
+fn check(way: Way, plan: Plan, example: Example, language: Language) -> Result<String> {
     let library = firmware::build_c_library(way, DRIVE, &plan.file())?;
     symbols(&library)?;
-    let program = build(model.example(), model, language, &library)?;
+    let program = build(example.name(), example.model(), language, &library)?;
     let panics = elf::symbols_with(&program, "core9panicking")?;
     ensure!(panics.is_empty(), "it calls {}", panics.join(", "));
-    let lines = same_lines(&program, model)?;
+    let lines = same_lines(&program, example)?;
     let sizes = elf::sizes(&program)?;
     Ok(format!("{lines} lines, {} bytes of flash, {} of RAM", sizes.flash, sizes.ram))
 }
@@ -206,8 +226,8 @@ fn is_mangled(name: &str) -> bool {
 }
 
 /// Compares the lines of a program with those of its twin; returns their number.
-fn same_lines(program: &Path, model: Model) -> Result<usize> {
-    let (folder, mut host) = model.on_host()?;
+fn same_lines(program: &Path, example: Example) -> Result<usize> {
+    let (folder, mut host) = example.on_host()?;
     let target = qemu::run_in(&folder, program, DRIVE.machine, qemu::Echo::Off)?;
     host.retain(|line| !LEFT_OUT.iter().any(|words| line.contains(words)));
     for (number, (host, target)) in host.iter().zip(&target).enumerate() {
@@ -219,12 +239,12 @@ fn same_lines(program: &Path, model: Model) -> Result<usize> {
 }
 
 /// Compiles an example and links it with the library.
-fn build(example: &str, model: Model, language: Language, library: &Path) -> Result<PathBuf> {
+fn build(name: &str, model: Model, language: Language, library: &Path) -> Result<PathBuf> {
     let (root, folder) = (workspace::root(), folder());
     std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
     let examples = root.join("c-api/examples");
     let includes = [root.join("c-api/include"), root.join(model.folder())];
-    let mut sources = vec![(format!("{example}.c"), language.flags()), ("board.c".to_owned(), Language::C.flags())];
+    let mut sources = vec![(format!("{name}.c"), language.flags()), ("board.c".to_owned(), Language::C.flags())];
     if model == Model::StandardRig {
         sources.push(("held_out.s".to_owned(), &[]));
     }
@@ -239,7 +259,7 @@ fn build(example: &str, model: Model, language: Language, library: &Path) -> Res
         child::succeed(compiler.args(flags).arg("-c").arg(examples.join(&source)).arg("-o").arg(&object))?;
         objects.push(object);
     }
-    let program = folder.join(example);
+    let program = folder.join(name);
     let mut linker = Command::new(COMPILER);
     linker.args(CHIP).args(LIBRARIES).args(["-Wl,--gc-sections", "-Wl,-z,noexecstack", "-Wl,--no-warn-rwx-segments"]);
     linker.arg("-T").arg(examples.join("stm32f405.ld")).args(objects).arg(library).arg("-o").arg(&program);

@@ -31,7 +31,7 @@ thread_local! {
 }
 
 /// A good pointer, NULL or a misaligned one.
-fn either<T>(input: &mut Input<'_>, good: *mut T) -> *mut T {
+pub(super) fn either<T>(input: &mut Input<'_>, good: *mut T) -> *mut T {
     match input.byte() {
         0..=7 => null_mut(),
         8..=15 if align_of::<T>() > 1 => good.wrapping_byte_add(1),
@@ -132,7 +132,8 @@ fn any(input: &mut Input<'_>) -> BwFrontEndConstants {
     own
 }
 
-fn size(most: usize, input: &mut Input<'_>) -> usize {
+/// All bytes of an object's memory, or less.
+pub(super) fn size(most: usize, input: &mut Input<'_>) -> usize {
     if input.byte().is_multiple_of(8) { usize::from(input.half()) % most } else { most }
 }
 
@@ -182,7 +183,7 @@ fn init_wiring(own: *mut c_void, constants: &mut BwFrontEndConstants, input: &mu
 }
 
 /// A raw sample of any bits, or one of a motor that turns.
-fn raw(number: &mut u32, input: &mut Input<'_>) -> BwRawSample {
+pub(super) fn raw(number: &mut u32, input: &mut Input<'_>) -> BwRawSample {
     *number = if input.byte().is_multiple_of(16) { input.word() } else { number.wrapping_add(1) };
     if input.byte().is_multiple_of(2) {
         let counts = [0_u16, 1, 2].map(|phase| 1500 + (*number as u16).wrapping_mul(7 + phase) % 1000);

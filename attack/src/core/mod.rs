@@ -2,6 +2,7 @@
 
 mod c_detector;
 mod c_front_end;
+mod c_telemetry;
 mod converter;
 mod detector;
 mod flash;
@@ -13,7 +14,7 @@ mod telemetry;
 use crate::Door;
 
 /// The doors.
-pub static DOORS: [Door; 12] = [
+pub static DOORS: [Door; 13] = [
     Door::new("model", "bytes of a model", model::attack),
     Door::new("detector-squares", "samples and calls, least squares", detector::squares),
     Door::new("detector-refined", "samples and calls, instrumental variables", detector::refined),
@@ -26,4 +27,5 @@ pub static DOORS: [Door; 12] = [
     Door::new("flash", "content and power of a flash", flash::attack),
     Door::new("c-detector", "calls of the C interface, detector", c_detector::attack),
     Door::new("c-front-end", "calls of the C interface, front end", c_front_end::attack),
+    Door::new("c-telemetry", "calls of the C interface, recorders and frames", c_telemetry::attack),
 ];

@@ -6,7 +6,7 @@ use super::BW_MAX_FURTHER;
 use crate::code::{BwCode, Outcome};
 
 /// Number of channels that pass the filters; those that are not in use are zero.
-pub(super) const FURTHER: usize = BW_MAX_FURTHER;
+pub(crate) const FURTHER: usize = BW_MAX_FURTHER;
 
 /// Creates the front end.
 ///

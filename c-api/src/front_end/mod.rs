@@ -16,9 +16,14 @@ use core::mem::offset_of;
 use core::sync::atomic::AtomicU32;
 
 #[cfg(not(bearing_watch_front_end))]
-use any_factor::{Chain, FURTHER, create};
+pub(crate) use any_factor::FURTHER;
 #[cfg(bearing_watch_front_end)]
-use of_plan::{Chain, FURTHER, create};
+pub(crate) use of_plan::FURTHER;
+
+#[cfg(not(bearing_watch_front_end))]
+use any_factor::{Chain, create};
+#[cfg(bearing_watch_front_end)]
+use of_plan::{Chain, create};
 
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{Object, at, check, elements, get, put, put_object, room};

@@ -4,7 +4,8 @@ use bearing_watch::FrontEndConstants;
 
 use super::BW_MAX_FURTHER;
 use crate::code::{BwCode, Outcome};
-pub(super) use crate::plan::{DriveFrontEnd as Chain, FURTHER};
+pub(super) use crate::plan::DriveFrontEnd as Chain;
+pub(crate) use crate::plan::FURTHER;
 
 /// Creates the front end.
 ///

@@ -62,7 +62,7 @@ impl BwRawSample {
     /// # Errors
     /// [`BwCode::OutOfRange`]
     #[inline]
-    pub(super) fn core(&self, further: &[f32]) -> Outcome<RawSample<FURTHER>> {
+    pub(crate) fn core(&self, further: &[f32]) -> Outcome<RawSample<FURTHER>> {
         let position = match self.position {
             0 => Position::Missing,
             1 => Position::Absolute(Angle::from_bits(self.angle)),
