@@ -206,6 +206,7 @@ fn cruise_current_a(strokes: &[Stroke], state: &str) -> (f64, f64) {
 }
 
 #[test]
+#[ignore = "half a minute of training"]
 fn a_load_that_training_did_not_see() {
     let Some(all) = every_load() else { return };
     let two = ["normal", "lackLubrication2"].map(String::from);
