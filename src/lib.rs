@@ -81,6 +81,7 @@ mod drive;
 mod estimate;
 mod factor;
 mod known_answers;
+mod logarithm;
 pub mod model;
 pub mod plan;
 mod printable;

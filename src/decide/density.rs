@@ -23,6 +23,7 @@
 use super::rising::Scores;
 use crate::factor::kernels::rotate_pivot_small;
 use crate::factor::pairs;
+use crate::logarithm::ln;
 use crate::plan::{Array, Cells, Plan};
 
 const LN_2PI: f32 = 1.837_877_1;
@@ -108,7 +109,7 @@ impl<P: Plan> Density<P> {
             *weight = widen(pivot, row, variance, below);
         }
         if *pivot < f32::INFINITY {
-            self.log_determinant += super::ln(*pivot);
+            self.log_determinant += ln(*pivot);
             self.available = self.available.saturating_add(1);
         }
         true

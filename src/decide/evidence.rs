@@ -51,6 +51,7 @@ mod words;
 
 use super::discriminant::Decision;
 use super::trend::{Drift, Trend};
+use crate::logarithm::ln;
 use crate::plan::{Array, Cells, Plan};
 
 /// Constants of the evidence.
@@ -154,7 +155,7 @@ impl<P: Plan> Evidence<P> {
         let healthy = self.healthy?;
         self.drift.add(decision.distance);
         let EvidenceConstants { bet, cap, segments_a_run, .. } = self.constants;
-        self.novelty.add((super::ln(bet) + (1.0 - bet) * decision.distance_surprise).min(cap)); // (1)
+        self.novelty.add((ln(bet) + (1.0 - bet) * decision.distance_surprise).min(cap)); // (1)
         self.weigh_defects(healthy, decision.log_likelihoods());
         self.run = self.run.saturating_add(1);
         if self.run >= segments_a_run { self.end_run() } else { self.alarm }
@@ -187,7 +188,7 @@ impl<P: Plan> Evidence<P> {
         let (Some(healthy), 1..) = (self.healthy, self.run) else { return self.alarm };
         let EvidenceConstants { limit, log_mean, defect_log_mean, .. } = self.constants;
         // Short: a run of one segment needs no logarithm.
-        let length = if self.run == 1 { 0.0 } else { super::ln(self.run as f32) };
+        let length = if self.run == 1 { 0.0 } else { ln(self.run as f32) };
         self.run = 0;
         self.novelty.end_run(length, log_mean);
         for (k, defect) in (0_u8..).zip(self.defects.cells_mut()) {
@@ -256,7 +257,7 @@ impl Score {
     /// Adds e to the sum of the run: ln(eᵃ + eᵇ) = max + ln(1 + e^−|a − b|).
     fn add(&mut self, log_e: f32) {
         let (more, less) = (self.run.max(log_e), self.run.min(log_e));
-        self.run = if less > f32::NEG_INFINITY { more + super::ln(1.0 + libm::expf(less - more)) } else { more };
+        self.run = if less > f32::NEG_INFINITY { more + ln(1.0 + libm::expf(less - more)) } else { more };
     }
 
     /// (3) and (4) for a run of which this is ln n.

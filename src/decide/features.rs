@@ -19,6 +19,7 @@
 
 use crate::average::Average;
 use crate::estimate::Estimate;
+use crate::logarithm::ln_of_level;
 use crate::plan::{Layout, Plan};
 use crate::reason::{FrictionTerm, Reason};
 use crate::shaft::{Balance, ShaftEstimate};
@@ -92,7 +93,7 @@ impl FeatureValue {
         let least = deviation.max(f32::MIN_POSITIVE);
         let magnitude = if value < least { least } else { value };
         let ratio = deviation / magnitude;
-        Self::of((ln(magnitude), ratio * ratio))
+        Self::of((ln_of_level(magnitude), ratio * ratio))
     }
 }
 
@@ -133,7 +134,7 @@ impl Feature {
         let averaged = plan.layout().averaged != 0;
         let value = match self {
             Self::Parameter(place) => estimate.and_then(|e| e.delta().get(place as usize)).copied().unwrap_or(0.0),
-            Self::LogVariance => ln(estimate.map_or(0.0, |estimate| estimate.variance)),
+            Self::LogVariance => ln_of_level(estimate.map_or(0.0, |estimate| estimate.variance)),
             Self::ChannelMean(channel) if averaged => return channel_value(averages, channel, Average::mean),
             Self::ChannelRms(channel) if averaged => return channel_value(averages, channel, Average::rms),
             Self::ChannelMean(_) | Self::ChannelRms(_) => 0.0,
@@ -141,9 +142,9 @@ impl Feature {
             Self::Friction(name) => return Ok(FeatureValue::of(term(name))),
             Self::LogFriction(name) => return Ok(FeatureValue::ln_of(term(name))),
             Self::FrictionScore(name) => shaft.and_then(|shaft| shaft.friction.of(name)).map_or(0.0, |own| own.score),
-            Self::LogFrictionVariance => ln(shaft.map_or(0.0, |shaft| shaft.friction.variance)),
+            Self::LogFrictionVariance => ln_of_level(shaft.map_or(0.0, |shaft| shaft.friction.variance)),
             Self::OrderScore(place) => order(place).score,
-            Self::LogOrderAmplitude(place) => ln(order(place).amplitude.max(LEAST_AMPLITUDE)),
+            Self::LogOrderAmplitude(place) => ln_of_level(order(place).amplitude.max(LEAST_AMPLITUDE)),
         };
         Ok(FeatureValue::exact(value))
     }
@@ -176,11 +177,6 @@ fn channel_value(
     let average = averages.iter().find(|own| own.channel() == channel).ok_or(Reason::LostSamples { channel })?;
     let value = of(average)?;
     Ok(if value.is_finite() { FeatureValue::exact(value) } else { FeatureValue::MISSING })
-}
-
-/// A perfect fit has no logarithm; the smallest normal number replaces it.
-fn ln(x: f32) -> f32 {
-    super::ln(x.max(f32::MIN_POSITIVE))
 }
 
 #[cfg(test)]

@@ -33,12 +33,6 @@ pub use trend::Trend;
 
 use crate::plan::{Array, Cells, Plan};
 
-/// ln x in one place: the compiler would copy the 280 bytes of the logarithm to each caller.
-#[inline(never)]
-fn ln(x: f32) -> f32 {
-    libm::logf(x)
-}
-
 /// The trained constants of the classifier.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -20,6 +20,7 @@
 
 use super::density::Density;
 use super::rising::{self, Scores};
+use crate::logarithm::ln;
 use crate::plan::{Array, Cells, Plan};
 
 /// Number of knots of the surprise.
@@ -136,7 +137,7 @@ pub(super) fn equivalent(squared: f32, available: usize, all: usize) -> f32 {
     let (from, to) = (available as f32, all as f32);
     let [own, other] = [from, to].map(|count| 2.0 / (9.0 * count));
     let mean = squared / from;
-    let root = if mean > f32::MIN_POSITIVE { libm::expf(super::ln(mean) / 3.0) } else { mean };
+    let root = if mean > f32::MIN_POSITIVE { libm::expf(ln(mean) / 3.0) } else { mean };
     let u = (root - 1.0 + own) / libm::sqrtf(own);
     let root = 1.0 - other + libm::sqrtf(other) * u;
     // A NaN stays, since it is not less than zero.

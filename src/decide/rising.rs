@@ -21,8 +21,8 @@
 
 use core::f32::consts::LN_2;
 
-use super::ln;
 use super::novelty::{Law, equivalent, surprise};
+use crate::logarithm::ln;
 
 /// A value that is not available.
 pub(super) const MISSING: f32 = f32::NEG_INFINITY;

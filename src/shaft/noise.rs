@@ -6,23 +6,31 @@
 //! σ_c^½ = mean over blocks of (|b|²/W)^¼ / Γ(5/4)                                                     (1)
 //! ln σ²(o) = m + s (ln o − x̄),   by least squares over the control orders c                           (2)
 //! σ²(h o) = h^s σ²(o)                                                                                 (3)
-//! Var ln σ²(o) = 1.26/n · (¼ + (ln o − x̄)²/Σ (ln c − x̄)²),   n: number of blocks                      (4)
+//! Var ln σ²(o) = (1.26/n + min(s²/5, 0.12)) (¼ + (ln o − x̄)²/Σ (ln c − x̄)²),   n: number of blocks     (4)
+//! s² = Σ (ln σ_c² − ln σ²(c))²/2
 //! ```
 //!
 //! No bearing has an effect at a control order. The fourth root in (1) keeps single strong blocks from deciding it.
 //! Behind the whitening filter the noise would be equal at all orders if the torque balance were complete; what it does
 //! not contain leaves more noise at low orders, about as a power of the order. In (4), 1.26 = 16 (Γ(3/2)/Γ(5/4)² − 1)
-//! is the variance of 4 ln σ^½ of one block.
+//! is the variance of 4 ln σ^½ of one block. Where the levels scatter more about the line, as beside a resonance of the
+//! mechanics at nearly constant speed, the noise between the control orders is uncertain, too. Of this scatter a fifth
+//! counts, up to a deviation of σ² of a third: four levels tell it with two degrees of freedom only, and strong defects
+//! reach the control orders.
 
 use core::f32::consts::LN_2;
 
 use super::orders::CONTROLS;
+use crate::logarithm::ln_of_level;
 use crate::plan::MAX_HARMONICS;
 
 /// Γ(5/4), the mean of the fourth root of an exponential variable.
 const ROOT_MEAN: f32 = 0.906_402_5;
 /// 16 (Γ(3/2)/Γ(5/4)² − 1) of (4).
 const BLOCK_VARIANCE: f32 = 1.259_2;
+/// Part of s² in (4), and the most that counts.
+const COUNTED: f32 = 0.2;
+const MOST: f32 = 0.12;
 const LN_3: f32 = 1.098_612_3;
 
 /// Sums of (1), one for each control order.
@@ -60,8 +68,10 @@ pub(super) struct NoiseLine {
     /// Smallest number of blocks of a control order.
     blocks: u16,
     mean: [f32; 2],
+    /// Of ln o, of both, and of ln σ².
     square: f32,
     product: f32,
+    squared_levels: f32,
     slope: f32,
     /// `h^s` of (3).
     harmonics: [f32; MAX_HARMONICS],
@@ -75,6 +85,7 @@ impl NoiseLine {
             mean: [0.0; 2],
             square: 0.0,
             product: 0.0,
+            squared_levels: 0.0,
             slope: 0.0,
             harmonics: [1.0; MAX_HARMONICS],
         }
@@ -96,13 +107,14 @@ impl NoiseLine {
         };
         self.blocks = self.blocks.min(*count);
         let root = root / (f32::from(*count).max(1.0) * ROOT_MEAN); // (1)
-        let (x, y) = (ln(*order as f32 / 65_536.0), 4.0 * ln(root));
+        let (x, y) = (ln_of_level(*order as f32 / 65_536.0), 4.0 * ln_of_level(root));
         let [mean_x, mean_y] = &mut self.mean;
-        let (part, far) = (1.0 / f32::from(self.taken), x - *mean_x);
+        let (part, far, far_level) = (1.0 / f32::from(self.taken), x - *mean_x, y - *mean_y);
         *mean_x += part * far;
-        *mean_y += part * (y - *mean_y);
+        *mean_y += part * far_level;
         self.square += far * (x - *mean_x);
         self.product += far * (y - *mean_y);
+        self.squared_levels += far_level * (y - *mean_y);
         false
     }
 
@@ -110,9 +122,13 @@ impl NoiseLine {
     #[inline(never)]
     pub(super) fn at(&self, order: f32) -> (f32, f32) {
         let [x, y] = self.mean;
-        let far = ln(order) - x;
+        let far = ln_of_level(order) - x;
         let line = if self.square > 0.0 { far * far / self.square } else { 0.0 };
-        let variance = BLOCK_VARIANCE / f32::from(self.blocks.max(1)) * (1.0 / CONTROLS as f32 + line);
+        let scatter = (self.squared_levels - self.slope * self.product) * (COUNTED / (CONTROLS - 2) as f32);
+        let of_block = BLOCK_VARIANCE / f32::from(self.blocks.max(1));
+        let scatter = if scatter < MOST { scatter } else { MOST };
+        let of_level = if scatter > 0.0 { of_block + scatter } else { of_block };
+        let variance = of_level * (1.0 / CONTROLS as f32 + line);
         (libm::expf(y + self.slope * far), variance / 9.0)
     }
 
@@ -120,11 +136,6 @@ impl NoiseLine {
     pub(super) fn ratio(&self, h: usize) -> f32 {
         self.harmonics.get(h).copied().unwrap_or(1.0)
     }
-}
-
-/// Without noise, or at order zero, the logarithm of the smallest normal number.
-fn ln(x: f32) -> f32 {
-    libm::logf(x.max(f32::MIN_POSITIVE))
 }
 
 #[cfg(test)]
@@ -163,6 +174,20 @@ mod tests {
         for h in 0..MAX_HARMONICS {
             let of_harmonic = line.at(3.0 * (h + 1) as f32).0;
             assert!((line.at(3.0).0 * line.ratio(h) / of_harmonic - 1.0).abs() < 1e-5, "{h}");
+        }
+    }
+
+    #[test]
+    fn levels_off_the_line_make_the_noise_less_certain() {
+        // ln o is ∓1.5 and ∓0.5 ln 2 from its mean, and ln σ² ∓a/2: of their Σ = a² the line of slope
+        // a/(5 ln 2) explains a fifth.
+        for (level, most) in [(2.0, 1.0), (1.5, 1.0), (8.0, 0.12)] {
+            let line = line([1.0, level, 1.0, level], [2.0, 4.0, 8.0, 16.0]);
+            let a = libm::logf(level);
+            for (order, place) in [(libm::sqrtf(32.0), 0.25), (2.0, 0.25 + 2.25 / 5.0)] {
+                let expected = (1.2592 / 2.0 + (0.2 * 0.8 * a * a / 2.0).min(most)) * place / 9.0;
+                assert!((line.at(order).1 / expected - 1.0).abs() < 1e-3, "{order}: {} {expected}", line.at(order).1);
+            }
         }
     }
 

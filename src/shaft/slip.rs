@@ -44,6 +44,7 @@ use super::line::LineSums;
 use super::noise::NoiseLine;
 use super::orders::{LAGS, PLACES, TrackedOrder};
 use super::phasor::phasor;
+use crate::logarithm::ln;
 use crate::plan::MAX_HARMONICS;
 
 /// Slips that are tried on each side of zero.
@@ -256,7 +257,7 @@ impl SlipSearch {
         let [w1, w2, w3] = order.weights;
         let prominence = (best / (w1 + w2 + w3)).max(0.0); // (3)
         // The cube root of libm works in double precision, which the chip does in software.
-        self.cube_root = if prominence > f32::MIN_POSITIVE { libm::expf(libm::logf(prominence) / 3.0) } else { 0.0 };
+        self.cube_root = if prominence > f32::MIN_POSITIVE { libm::expf(ln(prominence) / 3.0) } else { 0.0 };
         self.found.prominence = prominence;
     }
 
@@ -285,7 +286,7 @@ impl SlipSearch {
         let steady = sums.pairs.first().map_or(0.0, |square| square / self.noise_power);
         let varying = self.spread / (self.noise_power * (1.0 - steady)).max(f32::MIN_POSITIVE);
         self.constant_part = steady;
-        self.log_slips = libm::logf(1.0 + 4.0 * PI * turns(order, range, 1.0).abs() * libm::sqrtf(varying));
+        self.log_slips = ln(1.0 + 4.0 * PI * turns(order, range, 1.0).abs() * libm::sqrtf(varying));
     }
 
     /// (5).

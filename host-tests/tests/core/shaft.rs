@@ -149,7 +149,8 @@ fn lost_samples_cost_the_velocity_of_the_angle_one_sample_more() {
         assert!((own.value - other.value).abs() < 0.1 * other.deviation, "{own:?} {other:?}");
     }
     let [own, other] = [angle, channel].map(|shaft| shaft.orders()[0]);
-    assert!(own.score > 15.0 && (own.score / other.score - 1.0).abs() < 0.02, "{own:?} {other:?}");
+    // A score is at most 1/√b, with a spall that reaches the control orders about 12.
+    assert!(own.score > 9.0 && (own.score / other.score - 1.0).abs() < 0.02, "{own:?} {other:?}");
 }
 
 /// A shaft that stops for good while, and comes back the other way: the sine reverses by itself.
@@ -170,7 +171,8 @@ fn standstill_turns_no_phase_and_counts_for_nothing() {
     compare(&model, &stopped, "standstill");
     let report = run(&model, &stopped);
     let outer = report.shaft().expect("watched").orders()[0];
-    assert!(outer.score > 15.0, "the phase was lost at rest: {outer:?}");
+    // About 12 at most; three times that of a healthy bearing.
+    assert!(outer.score > 9.0, "the phase was lost at rest: {outer:?}");
 }
 
 /// The standard rig scores like white noise at this pole, within half a standard deviation: its own noise is filtered by
@@ -182,8 +184,9 @@ fn the_spall_stands_out_at_its_order_only_and_the_roughness_in_its_parameter() {
     let [healthy, spall, rough] = [DefectKind::Healthy, DefectKind::Spall, DefectKind::Roughness].map(of);
     let score = |estimate: &ShaftEstimate<RunTime>, k: usize| estimate.orders()[k].score;
     println!("scores: spall {}, healthy {}, rough {}", score(&spall, 0), score(&healthy, 0), score(&rough, 0));
-    // A score is at most 1/√b: the noise of so few turns is known to a few per cent.
-    assert!(score(&spall, 0) > 14.0 && score(&healthy, 0) < 3.5 && score(&rough, 0) < 3.5);
+    // A score is at most 1/√b: the noise of so few turns is known to a few per cent, and not all of the spall's power is
+    // at its order.
+    assert!(score(&spall, 0) > 9.0 && score(&healthy, 0) < 3.5 && score(&rough, 0) < 3.5);
     // Blocks of one turn pass 5 % of the power of a line 1.6 orders away.
     assert!(spall.orders()[1].prominence < 0.4 * spall.orders()[0].prominence, "{:?}", spall.orders());
     assert!(score(&spall, 2) < 3.5 && spall.orders()[0].slip.abs() < 3.0 * spall.orders()[0].slip_deviation);

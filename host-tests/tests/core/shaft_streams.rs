@@ -87,7 +87,7 @@ fn a_second_segment_is_that_of_a_fresh_start_but_for_what_fills_the_filters() {
     // Cells begin elsewhere, so other blocks contain the reversals; slips differ by their systematic error besides. The
     // score of a healthy bearing is within about 3.
     let [own, other] = [&second, &alone].map(|report| watched(report).orders()[0]);
-    assert!(own.score > 15.0 && other.score > 15.0, "{own:?} {other:?}");
+    assert!(own.score > 9.0 && other.score > 9.0, "{own:?} {other:?}");
     assert!((own.amplitude - other.amplitude).abs() < 3.0 * other.deviation, "{own:?} {other:?}");
     assert!((own.slip - other.slip).abs() < 0.002 + 3.0 * other.slip_deviation, "{own:?} {other:?}");
     let [second, alone] = [&second, &alone].map(|report| watched(report).friction.rows);
@@ -313,8 +313,8 @@ fn at_constant_speed_orders_stand_without_friction() {
     assert!((drag.value + offset.value).abs() < 0.01, "{estimate:?}");
     // Every block alike, so P is nearly 1 + 7 |A|² W/σ²; the amplitude that passes the delays' interpolation is 0.2 A.
     let outer = estimate.orders()[0];
-    // The score is near its largest value, 1/√b.
-    assert!(outer.score > 25.0 && (outer.amplitude / 0.2 - 1.0).abs() < 0.02, "{outer:?}");
+    // The score is near its largest value, 1/√b, at control orders whose scatter counts at most.
+    assert!((12.0..14.0).contains(&outer.score) && (outer.amplitude / 0.2 - 1.0).abs() < 0.02, "{outer:?}");
     assert!(outer.slip.abs() < outer.slip_deviation, "{outer:?}");
     let inner = estimate.orders()[1];
     assert!(inner.score < 4.0, "{inner:?}");

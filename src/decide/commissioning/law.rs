@@ -13,9 +13,9 @@
 //! degrees of freedom of an F of the same shape, less those of the trained covariance. (5) is evaluated by its
 //! continued fraction (Press et al., Numerical Recipes, §6.4), whose number of terms grows as √ν.
 
-use super::super::ln;
 use super::super::novelty::{KNOTS, Law};
 use crate::factor::pairs;
+use crate::logarithm::ln;
 
 /// Largest h of (4): E d² exists.
 const HEAVIEST: f32 = 0.4;

@@ -35,8 +35,11 @@ const DEFECTIVE: u64 = 100;
 const SIDE: i32 = 8;
 /// Γ(5/4): mean of the fourth root of an exponential variable.
 const ROOT_MEAN: f64 = 0.906_402_477;
-/// A ninth of the variance of ln σ² of one passage.
-const LEVEL_VARIANCE: f64 = 1.26 / 9.0;
+/// Variance of ln σ² of one passage.
+const LEVEL_VARIANCE: f64 = 1.26;
+/// Part of the scatter of the levels about their line that makes the noise less certain, and the most that counts.
+const COUNTED: f64 = 0.2;
+const MOST: f64 = 0.12;
 
 type Complex = nalgebra::Complex<f64>;
 
@@ -59,8 +62,6 @@ struct Law {
     of_slips: f64,
     /// ln M.
     log_slips: f64,
-    /// b.
-    own: f64,
 }
 
 /// The statistic for the records of one row.
@@ -151,7 +152,10 @@ impl<'a> Search<'a> {
         };
         let prominence =
             (-SIDE..=SIDE).map(at).fold(0.0, f64::max) / (total(passages) * self.weights.iter().sum::<f64>());
-        law.normal(prominence)
+        let scatter: f64 = levels.iter().map(|(x, y)| (y - line(&levels, *x)).powi(2)).sum();
+        let counted = (COUNTED * scatter / (levels.len() as f64 - 2.0).max(1.0)).min(MOST);
+        let of_level = LEVEL_VARIANCE / passages.len() as f64 + counted;
+        law.normal(prominence, of_level * line_variance(&self.controls, self.order) / 9.0)
     }
 
     /// A record with its law.
@@ -170,16 +174,15 @@ impl<'a> Search<'a> {
             steady,
             of_slips: (relative * (1.0 - steady)).sqrt(),
             log_slips: (1.0 + 2.0 * self.turning * f64::from(SIDE) * varying).ln(),
-            own: line_variance(&self.controls, self.order) / passages.len() as f64,
         };
         Record { passages, law }
     }
 }
 
 impl Law {
-    /// The core's score (5) of its slip search.
-    fn normal(&self, prominence: f64) -> f64 {
-        let Self { relative, steady, of_slips, log_slips, own } = *self;
+    /// The core's score (5) of its slip search, with its b.
+    fn normal(&self, prominence: f64, own: f64) -> f64 {
+        let Self { relative, steady, of_slips, log_slips } = *self;
         let root = prominence.cbrt();
         let variance = (of_slips / (1.0 + 0.2 * log_slips)).powi(2) + relative * steady + own * root * root;
         ((1.0 - own) * root - 1.0 + relative - 0.7 * of_slips * log_slips) / variance.sqrt()
@@ -240,12 +243,12 @@ fn level(b: &[Complex], passages: &[Passage]) -> f64 {
     4.0 * (roots / b.len() as f64 / ROOT_MEAN).ln()
 }
 
-/// A ninth of the variance of [`line`] at ln `order`, for one passage of each control order.
+/// Variance of [`line`] at ln `order` in that of one level.
 fn line_variance(controls: &[f64], order: f64) -> f64 {
     let n = controls.len() as f64;
     let mean = controls.iter().map(|own| own.ln()).sum::<f64>() / n;
     let square: f64 = controls.iter().map(|own| (own.ln() - mean).powi(2)).sum();
-    LEVEL_VARIANCE * (1.0 / n + if square > 0.0 { (order.ln() - mean).powi(2) / square } else { 0.0 })
+    1.0 / n + if square > 0.0 { (order.ln() - mean).powi(2) / square } else { 0.0 }
 }
 
 /// The straight line through points by least squares, at x.
