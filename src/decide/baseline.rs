@@ -352,4 +352,12 @@ mod tests {
         }
         assert!(own.at_bound() && own.offset()[0].abs() < 0.7, "{:?}", own.offset());
     }
+
+    #[test]
+    fn the_offset_is_from_the_trained_mean() {
+        let (mut own, mut classifier) = (baseline(), classifier());
+        classifier.novelty.mean = vec![2.0, -1.0];
+        own.move_to(&classifier, &[2.5, -1.0], &[0.0; 2]);
+        assert_eq!(own.offset(), [0.01, 0.0]);
+    }
 }

@@ -263,4 +263,11 @@ mod tests {
         let without = Layout { shaft: None, ..layout };
         assert!(Feature::LogVariance.exists(&without) && !Feature::LogFrictionVariance.exists(&without));
     }
+
+    #[test]
+    fn a_layout_has_as_many_parameters_as_its_structure() {
+        let layout = testing::regression(Structure::new(2, 1, 1, 1, 1), Method::LeastSquares, Memory::Segment);
+        assert_eq!(layout.parameters(), 4);
+        assert!(Feature::Parameter(3).exists(&layout) && !Feature::Parameter(4).exists(&layout));
+    }
 }

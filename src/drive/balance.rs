@@ -358,4 +358,13 @@ mod tests {
         let limit = 0.04 * 10.0 + 0.1 * (0.1 / 3.0 + 6.0);
         assert!(balance.follows(-1.01 * limit, 10.0, 10.0) && !balance.follows(0.99 * limit, 10.0, 10.0));
     }
+
+    #[test]
+    fn two_phases_that_explain_the_sum_alike_are_not_named() {
+        let named = |first: f32, later: f32| {
+            let products = [first, later, 0.0].map(libm::sqrtf);
+            matches!(super::named([1.0, 0.0], products, [1.0; 3], 0.5), Imbalance::Gain { phase: Phase::A, .. })
+        };
+        assert!(named(0.9, 0.6) && !named(0.9, 0.8));
+    }
 }

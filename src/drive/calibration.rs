@@ -254,4 +254,13 @@ mod tests {
         let [a, b, c] = calibration.finish([SENSOR; 3]).unwrap();
         assert_eq!([a.offset_counts, b.offset_counts, c.offset_counts], [2041.0, 2061.0, 2048.0]);
     }
+
+    #[test]
+    fn a_constant_is_within_limits_of_zero() {
+        let limits = CalibrationLimits { samples: 10, deviation_counts: [0.0, 0.0], ..LIMITS };
+        let mut calibration = OffsetCalibration::new(limits);
+        (0..10).for_each(|_| _ = calibration.push(&PhaseCounts::Two([2050, 2060])));
+        let sensors = calibration.finish([SENSOR; 3]).unwrap();
+        assert_eq!(sensors.map(|sensor| sensor.offset_counts), [2050.0, 2060.0, 2048.0]);
+    }
 }

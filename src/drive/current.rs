@@ -291,4 +291,11 @@ mod tests {
             assert_eq!([lost(50, counts), lost(0, counts)], [950, 0]);
         }
     }
+
+    #[test]
+    fn the_third_of_two_currents_is_minus_the_sum() {
+        let currents = CurrentSensors::new([SENSOR; 3], 0).convert(&PhaseCounts::Two([2000, 2100]));
+        assert!(currents.a > 0.9 && currents.b < -0.9, "{currents:?}");
+        assert_eq!(currents.c, -(currents.a + currents.b));
+    }
 }

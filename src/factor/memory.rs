@@ -310,4 +310,16 @@ mod tests {
             assert!((f64::from(mass.spread) / (squares / sum) - 1.0).abs() < 1e-4, "{n}: {mass:?}");
         }
     }
+
+    #[test]
+    fn the_mean_motion_bridges_rows_at_rest() {
+        let mut fading = Sums::new(Endless);
+        // Every second row moves, by two and a half times the limit.
+        let moving = (0..).map(|n: u32| if n % 2 == 0 { 0.025 } else { 0.0 });
+        let learnt: std::vec::Vec<bool> = rows(4000)
+            .zip(moving)
+            .map(|((cells, _), motion)| add(&mut fading, Memory::Fading, (cells, motion)))
+            .collect();
+        assert!(learnt[1000..].iter().all(|learnt| *learnt));
+    }
 }

@@ -107,3 +107,24 @@ pub fn weight(residual: f32, threshold: f32) -> f32 {
     let size = residual.abs();
     if size > threshold { threshold / size } else { 1.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::RunTime;
+    use std::vec;
+
+    fn candidate(threshold: f32) -> Candidate<RunTime> {
+        Candidate { theta: vec![threshold], threshold }
+    }
+
+    #[test]
+    fn the_handover_is_told_once_and_the_successor_takes_over_there() {
+        let mut own = Auxiliary::new(candidate(1.0));
+        own.offer(candidate(2.0));
+        assert!(!own.next_segment(2, || candidate(9.0)) && own.awaits());
+        let ticks = [0; 4].map(|_| (own.tick(|| candidate(9.0)), own.now.threshold));
+        assert_eq!(ticks, [(false, 1.0), (true, 2.0), (false, 2.0), (false, 2.0)]);
+        assert!(own.next_segment(0, || candidate(9.0)) && !own.awaits(), "at once");
+    }
+}

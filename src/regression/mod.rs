@@ -176,3 +176,21 @@ fn carry_on(cells: &mut [f32], newest: f32) {
 fn method(layout: Layout) -> Option<Method> {
     layout.regression.map(|regression| regression.method)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::{Memory, Method, RunTimeSample, Structure, testing};
+    use std::vec;
+
+    #[test]
+    fn an_input_without_terms_is_zero() {
+        let sample = RunTimeSample { values: vec![1.0, 2.0, 3.0], ..RunTimeSample::default() };
+        for (nb, nc, expected) in [(1, 1, [1.0, 2.0, 3.0]), (0, 1, [1.0, 0.0, 2.0]), (1, 0, [1.0, 2.0, 0.0])] {
+            let structure = Structure::new(1, nb, nc, 1, 1);
+            let layout = testing::regression(structure, Method::LeastSquares, Memory::Segment).regression.unwrap();
+            let Inputs { y, u1, u2 } = Inputs::of(&layout, &sample);
+            assert_eq!([y, u1, u2], expected, "{nb} {nc}");
+        }
+    }
+}

@@ -295,4 +295,22 @@ mod tests {
         }
         assert_eq!(given, 49);
     }
+
+    #[test]
+    fn the_origin_of_a_fading_memory_stays_and_that_of_segments_moves() {
+        for (memory, later) in [(Memory::Segment, 50.0), (Memory::Fading, 5.0)] {
+            let structure = Structure::new(0, 1, 0, 0, 0).with_offset();
+            let layout = testing::regression(structure, Method::LeastSquares, memory);
+            let plan = RunTime::of(layout).unwrap();
+            let mut constants = Regression::new(plan);
+            constants.scale = vec![1.0, 1.0, 8.0];
+            let mut rows = Squares::new(plan, &constants);
+            rows.push(plan, &constants, Inputs { y: 5.0, u1: 1.0, u2: 0.0 });
+            // The target is y itself, less its level.
+            assert_eq!((rows.origin, rows.shift), ([5.0, 1.0, 0.0], -5.0 * 8.0), "{memory:?}");
+            rows.next_segment(plan, &constants);
+            rows.push(plan, &constants, Inputs { y: 50.0, u1: 1.0, u2: 0.0 });
+            assert_eq!((rows.origin, rows.shift), ([later, 1.0, 0.0], -later * 8.0), "{memory:?}");
+        }
+    }
 }

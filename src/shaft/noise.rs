@@ -6,17 +6,17 @@
 //! σ_c^½ = mean over blocks of (|b|²/W)^¼ / Γ(5/4)                                                     (1)
 //! ln σ²(o) = m + s (ln o − x̄),   by least squares over the control orders c                           (2)
 //! σ²(h o) = h^s σ²(o)                                                                                 (3)
-//! Var ln σ²(o) = (1.26/n + min(s²/5, 0.12)) (¼ + (ln o − x̄)²/Σ (ln c − x̄)²),   n: number of blocks     (4)
-//! s² = Σ (ln σ_c² − ln σ²(c))²/2
+//! Var ln σ²(o) = (v + min(max(s² − v, 0)/5, 0.12)) (¼ + (ln o − x̄)²/Σ (ln c − x̄)²)                    (4)
+//! v = 1.26/n,   n: number of blocks;   s² = Σ (ln σ_c² − ln σ²(c))²/2
 //! ```
 //!
 //! No bearing has an effect at a control order. The fourth root in (1) keeps single strong blocks from deciding it.
 //! Behind the whitening filter the noise would be equal at all orders if the torque balance were complete; what it does
 //! not contain leaves more noise at low orders, about as a power of the order. In (4), 1.26 = 16 (Γ(3/2)/Γ(5/4)² − 1)
-//! is the variance of 4 ln σ^½ of one block. Where the levels scatter more about the line, as beside a resonance of the
-//! mechanics at nearly constant speed, the noise between the control orders is uncertain, too. Of this scatter a fifth
-//! counts, up to a deviation of σ² of a third: four levels tell it with two degrees of freedom only, and strong defects
-//! reach the control orders.
+//! is the variance of 4 ln σ^½ of one block. Where the levels scatter more about the line than their blocks explain, as
+//! beside a resonance of the mechanics at nearly constant speed, the noise between the control orders is uncertain, too.
+//! Of this scatter a fifth counts, up to a deviation of σ² of a third: four levels tell it with two degrees of freedom
+//! only, and strong defects reach the control orders.
 
 use core::f32::consts::LN_2;
 
@@ -28,7 +28,7 @@ use crate::plan::MAX_HARMONICS;
 const ROOT_MEAN: f32 = 0.906_402_5;
 /// 16 (Γ(3/2)/Γ(5/4)² − 1) of (4).
 const BLOCK_VARIANCE: f32 = 1.259_2;
-/// Part of s² in (4), and the most that counts.
+/// Part of s² − v in (4), and the most that counts.
 const COUNTED: f32 = 0.2;
 const MOST: f32 = 0.12;
 const LN_3: f32 = 1.098_612_3;
@@ -124,10 +124,11 @@ impl NoiseLine {
         let [x, y] = self.mean;
         let far = ln_of_level(order) - x;
         let line = if self.square > 0.0 { far * far / self.square } else { 0.0 };
-        let scatter = (self.squared_levels - self.slope * self.product) * (COUNTED / (CONTROLS - 2) as f32);
-        let of_block = BLOCK_VARIANCE / f32::from(self.blocks.max(1));
-        let scatter = if scatter < MOST { scatter } else { MOST };
-        let of_level = if scatter > 0.0 { of_block + scatter } else { of_block };
+        let of_blocks = BLOCK_VARIANCE / f32::from(self.blocks.max(1));
+        let scatter = (self.squared_levels - self.slope * self.product) / (CONTROLS - 2) as f32;
+        let excess = COUNTED * (scatter - of_blocks);
+        let excess = if excess < MOST { excess } else { MOST };
+        let of_level = if excess > 0.0 { of_blocks + excess } else { of_blocks };
         let variance = of_level * (1.0 / CONTROLS as f32 + line);
         (libm::expf(y + self.slope * far), variance / 9.0)
     }
@@ -181,11 +182,12 @@ mod tests {
     fn levels_off_the_line_make_the_noise_less_certain() {
         // ln o is ∓1.5 and ∓0.5 ln 2 from its mean, and ln σ² ∓a/2: of their Σ = a² the line of slope
         // a/(5 ln 2) explains a fifth.
-        for (level, most) in [(2.0, 1.0), (1.5, 1.0), (8.0, 0.12)] {
+        for level in [1.5, 4.0, 8.0] {
             let line = line([1.0, level, 1.0, level], [2.0, 4.0, 8.0, 16.0]);
-            let a = libm::logf(level);
+            let (a, of_blocks) = (libm::logf(level), 1.2592 / 2.0);
             for (order, place) in [(libm::sqrtf(32.0), 0.25), (2.0, 0.25 + 2.25 / 5.0)] {
-                let expected = (1.2592 / 2.0 + (0.2 * 0.8 * a * a / 2.0).min(most)) * place / 9.0;
+                let excess = (0.2 * (0.8 * a * a / 2.0 - of_blocks)).clamp(0.0, 0.12);
+                let expected = (of_blocks + excess) * place / 9.0;
                 assert!((line.at(order).1 / expected - 1.0).abs() < 1e-3, "{order}: {} {expected}", line.at(order).1);
             }
         }

@@ -213,4 +213,22 @@ mod tests {
             assert!((at[0] / p / quantile(p, 1e5, at[1]) - 1.0).abs() < 0.02, "{at:?}");
         }
     }
+
+    #[test]
+    fn coordinates_before_cost_degrees_of_freedom() {
+        // A normal law: chi-square of two degrees of freedom is twice its surprise.
+        let mut normal = [[0.0; 2]; KNOTS];
+        for (k, knot) in (0_u16..).zip(&mut normal) {
+            *knot = [0.5 * f32::from(k), 0.25 * f32::from(k)];
+        }
+        let size = Size { freedom: 10.0, factor: 1.1, trained_freedom: f32::INFINITY };
+        for (before, own) in [(0, 9.0_f32), (1, 8.0), (3, 6.0)] {
+            // (1) with p = 2, and P(F(2, ν) ≥ x) = (1 + 2 x/ν)^(−ν/2).
+            let expected = |s: f32| 2.0 * 10.0 * 1.1 / own * (0.5 * own * (2.0 * s / own).exp_m1());
+            for [found, s] in size.law(&normal, [before, 2], 4.605_17).into_iter().skip(1) {
+                // What the shape of the trained law is found to.
+                assert!((found / expected(s) - 1.0).abs() < 0.02, "{before}, {s}: {found} {}", expected(s));
+            }
+        }
+    }
 }

@@ -266,4 +266,12 @@ mod tests {
         check::<20>();
         check::<40>();
     }
+
+    #[test]
+    fn taps_are_symmetric_since_every_frequency_has_one_delay() {
+        for taps in [&BY_3[..], &BY_5] {
+            let mirrored: Vec<f32> = taps.iter().rev().copied().collect();
+            assert_eq!(taps, mirrored);
+        }
+    }
 }

@@ -288,3 +288,14 @@ fn constants_out_of_range_are_refused_by_name() {
     assert_eq!(refused(|c| c.tracking.resolver.high = 0.7), Some(FrontEndError::Resolver));
     assert_eq!(refused(|c| c.frame.pole_pairs = 0), Some(FrontEndError::PolePairs));
 }
+
+#[test]
+fn the_third_angle_gives_the_first_velocity() {
+    let mut front_end = FrontEnd::<2, 1>::new(&CONSTANTS).unwrap();
+    let drive = Drive { passed_hz: 300.0 };
+    let clean: Vec<_> = (0..60).filter_map(|number| front_end.push(&drive.raw(number, 0.0))).collect();
+    let first = |known: fn(&CleanSample<2>) -> bool| clean.iter().position(known);
+    let (current, velocity) = (first(|own| own.current_a.is_finite()), first(|own| own.velocity_rad_s.is_finite()));
+    // The current waits for one angle more, the velocity at its instant needs the angles before and after.
+    assert_eq!(velocity, current.map(|current| current + 1));
+}

@@ -76,6 +76,8 @@ fn the_direction_that_differs_from_the_other_two_is_named() {
         // Reversed are the other two: the same to one who sees only the three.
         assert_eq!(Rig { signs: signs.map(|sign| -sign), ..RIGHT }.check(), Err(fault));
     }
+    // An offset of the frame turns the sums, and does not hide the direction.
+    assert_eq!(Rig { signs: [-1.0, 1.0, 1.0], offset_rad: 0.8, ..RIGHT }.check(), Err(PhaseOrder));
     let blind = Rig { signs: [-1.0, 1.0, 1.0], scale: f64::NAN, ..RIGHT };
     assert_eq!(blind.check(), Err(PhaseOrderOrAngle));
 }

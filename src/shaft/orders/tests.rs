@@ -198,3 +198,14 @@ fn slip_and_amplitude_have_errors_like_their_deviations() {
         }
     }
 }
+
+#[test]
+fn the_unit_of_the_weights_does_not_matter() {
+    let scored = |weights: [f32; 3]| {
+        let mut tracking = tracking(0.022, 1);
+        tracking.orders[0].weights = weights;
+        run(3, 4000, &tracking, |_| 0.0085, (0.04, 0.006)).0.score
+    };
+    let (one, other) = (scored([1.0, 0.5, 0.25]), scored([3.0, 1.5, 0.75]));
+    assert!(one > 4.0 && (one / other - 1.0).abs() < 1e-5, "{one} {other}"); // roundings
+}

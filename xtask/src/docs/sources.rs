@@ -121,7 +121,7 @@ fn workbench(command: &str, name: &str, file: &'static str) -> Result<Vec<Block>
 fn printed(name: &str, file: &'static str, filter: &str) -> Result<Vec<Block>> {
     let mut cargo = workspace::cargo(&["test", "--quiet", "--package", "host-tests", "--test", "system", "--"]);
     let mut lines = Vec::new();
-    child::lines(cargo.args([filter, "--show-output"]), |line| lines.push(line.to_owned()))?;
+    child::lines(cargo.args([filter, "--show-output", "--include-ignored"]), |line| lines.push(line.to_owned()))?;
     let blocks = block::printed(&lines, file);
     for wanted in block::names(&read(file)?)? {
         let own = fills(name, &wanted);

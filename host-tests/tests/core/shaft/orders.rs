@@ -137,12 +137,14 @@ pub fn expected(tracking: &Tracking<RunTime>, path: &Path) -> Vec<Expected> {
     // Variance of a line at an abscissa by the inverse of its normal equations [n x; x xx].
     let squares = sum(&|x, _| x * x);
     let far: f64 = points.iter().map(|[x, y, _]| (y - variance(x.exp()).ln()).powi(2)).sum();
-    // A fifth of the mean square about the line, of two degrees of freedom less than points, and not all of a large one.
-    let scatter = (0.2 * far / (n - 2.0)).min(0.12);
+    // The mean square about the line, of two degrees of freedom less than points, beyond that of the blocks.
+    let of_blocks = 16.0 * (0.886_226_925_452_758 / (GAMMA * GAMMA) - 1.0) / fewest;
+    let excess = far / (n - 2.0) - of_blocks;
     let uncertain = |order: f64| {
         let at = order.ln();
         let unit = (squares - 2.0 * x * at + n * at * at) / (n * squares - x * x);
-        (16.0 * (0.886_226_925_452_758 / (GAMMA * GAMMA) - 1.0) / fewest + scatter) * unit
+        // A fifth of it counts, and not all of a large one.
+        (of_blocks + (0.2 * excess).clamp(0.0, 0.12)) * unit
     };
     let lines = tracking.orders.iter().enumerate().map(|(line, order)| {
         let harmonic = |h: usize| {

@@ -37,7 +37,8 @@ const SIDE: i32 = 8;
 const ROOT_MEAN: f64 = 0.906_402_477;
 /// Variance of ln σ² of one passage.
 const LEVEL_VARIANCE: f64 = 1.26;
-/// Part of the scatter of the levels about their line that makes the noise less certain, and the most that counts.
+/// Part of the scatter of the levels about their line, beyond that of one level, that makes the noise less certain, and
+/// the most that counts.
 const COUNTED: f64 = 0.2;
 const MOST: f64 = 0.12;
 
@@ -153,8 +154,9 @@ impl<'a> Search<'a> {
         let prominence =
             (-SIDE..=SIDE).map(at).fold(0.0, f64::max) / (total(passages) * self.weights.iter().sum::<f64>());
         let scatter: f64 = levels.iter().map(|(x, y)| (y - line(&levels, *x)).powi(2)).sum();
-        let counted = (COUNTED * scatter / (levels.len() as f64 - 2.0).max(1.0)).min(MOST);
-        let of_level = LEVEL_VARIANCE / passages.len() as f64 + counted;
+        let of_passages = LEVEL_VARIANCE / passages.len() as f64;
+        let excess = scatter / (levels.len() as f64 - 2.0).max(1.0) - of_passages;
+        let of_level = of_passages + (COUNTED * excess).clamp(0.0, MOST);
         law.normal(prominence, of_level * line_variance(&self.controls, self.order) / 9.0)
     }
 
