@@ -101,7 +101,7 @@ pub const BOUNDS: [Bound; 77] = [
     bytes("stack, detector with shaft of 4 orders conclude", None, 3860),
     bytes("flash of the whole detector, LS", Some(8), 13_312),
     bytes("flash of the whole detector, SRIV", Some(8), 15_872),
-    bytes("flash of the whole detector, LS and shaft", Some(8), 36_400),
+    bytes("flash of the whole detector, LS and shaft", Some(8), 35_300),
 ];
 
 const fn bound(name: &'static str, n: Option<u64>, most: u64) -> Bound {
