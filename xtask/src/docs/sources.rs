@@ -109,11 +109,14 @@ fn workbench(command: &str, name: &str, file: &'static str) -> Result<Vec<Block>
     let program = ["run", "--release", "--quiet", "--package", "bearing-watch-workbench", "--bin", "bearing-watch"];
     let mut text = String::from("```text\n");
     let status = child::lines(workspace::cargo(&program).arg("--").args(command.split(' ')), |line| {
-        text += line;
-        text.push('\n');
+        // The page is no part of the block.
+        if !line.starts_with("Written: ") {
+            text += line;
+            text.push('\n');
+        }
     })?;
     ensure!(status.success(), "bearing-watch {command}: {status}");
-    Ok(vec![Block::new(file, name, &(text + "```"))])
+    Ok(vec![Block::new(file, name, &format!("{}\n```", text.trim_end()))])
 }
 
 /// The blocks that tests of the system print. A test fails where the document differs from what it prints, so its
