@@ -315,7 +315,7 @@ mod tests {
     fn the_mean_motion_bridges_rows_at_rest() {
         let mut fading = Sums::new(Endless);
         // Every second row moves, by two and a half times the limit.
-        let moving = (0..).map(|n: u32| if n % 2 == 0 { 0.025 } else { 0.0 });
+        let moving = (0..).map(|n: u32| if n.is_multiple_of(2) { 0.025 } else { 0.0 });
         let learnt: std::vec::Vec<bool> = rows(4000)
             .zip(moving)
             .map(|((cells, _), motion)| add(&mut fading, Memory::Fading, (cells, motion)))
