@@ -19,20 +19,34 @@ const OF_RUST: &str = "share/doc/rust/COPYRIGHT-library.html";
 pub fn files() -> Result<Vec<(String, Vec<u8>)>> {
     let mut files = Vec::new();
     for (package, folder) in packages()? {
-        let before = files.len();
-        for entry in folder.read_dir()? {
-            let path = entry?.path();
-            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            if path.is_file() && STARTS.iter().any(|start| name.to_uppercase().starts_with(start)) {
-                files.push((format!("licenses/{package}/{name}"), fs::read(&path)?));
-            }
-        }
-        ensure!(files.len() > before, "{package} has no file with its licence");
+        let texts = texts(&folder)?;
+        ensure!(!texts.is_empty(), "{package} has no file with its licence");
+        files.extend(texts.into_iter().map(|(name, text)| (format!("licenses/{package}/{name}"), text)));
     }
     let text = sysroot()?.join(OF_RUST);
     let text = fs::read(&text).with_context(|| format!("the compiler has no {}", text.display()))?;
     files.push(("licenses/rust-standard-library.html".to_owned(), text));
     Ok(files)
+}
+
+/// Names and texts of the licences in the folder of a package: beside its manifest, or in the folder that REUSE has.
+fn texts(folder: &Path) -> Result<Vec<(String, Vec<u8>)>> {
+    let mut found = Vec::new();
+    let collected = folder.join("LICENSES");
+    for (folder, all) in [(folder, false), (collected.as_path(), true)] {
+        if !folder.is_dir() {
+            continue;
+        }
+        for entry in folder.read_dir()? {
+            let path = entry?.path();
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let is_licence = all || STARTS.iter().any(|start| name.to_uppercase().starts_with(start));
+            if path.is_file() && is_licence {
+                found.push((name, fs::read(&path)?));
+            }
+        }
+    }
+    Ok(found)
 }
 
 fn sysroot() -> Result<PathBuf> {
@@ -64,6 +78,14 @@ fn packages() -> Result<Vec<(String, PathBuf)>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_package_of_the_library_has_its_licence() -> Result<()> {
+        for (package, folder) in packages()? {
+            assert!(!texts(&folder)?.is_empty(), "{package}");
+        }
+        Ok(())
+    }
 
     #[test]
     fn the_library_contains_libm_and_nothing_of_the_workbench() -> Result<()> {
