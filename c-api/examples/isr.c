@@ -5,22 +5,13 @@
  * compares every line with what the Rust example `monitor` prints on the host. */
 #include "bearing_watch.h"
 #include "board.h"
+#include "held_out.h"
 #include "model.h"
 #include "print.h"
 
 /* Ticks between two samples: 3 ms at 168 MHz, in which the emulator executes 11700 instructions. */
 #define SAMPLING_TICKS 504000u
 
-/* The recording of `held_out.s`: one 16-bit count a channel and sample. */
-#ifdef __cplusplus
-extern "C" {
-#endif
-extern const int16_t held_out_start[], held_out_end[];
-#ifdef __cplusplus
-}
-#endif
-
-static const float limits[BW_MODEL_CHANNELS] = BW_MODEL_CHANNEL_LIMITS;
 static const char *const names[BW_MODEL_CHANNELS] = BW_MODEL_CHANNEL_NAMES;
 static const char *const units[BW_MODEL_CHANNELS] = BW_MODEL_CHANNEL_UNITS;
 
@@ -37,9 +28,8 @@ void SysTick_Handler(void) {
     if (next_count >= held_out_end) {
         return;
     }
-    for (size_t k = 0; k < BW_MODEL_CHANNELS; k++) {
-        values[k] = (float)*next_count++ * (limits[k] / 32768.0f);
-    }
+    held_out_values(next_count, values);
+    next_count += BW_MODEL_CHANNELS;
     samples = samples + 1;
     BwCode code = bw_collect(detector, values, BW_MODEL_CHANNELS, 0);
     if (code == BW_CODE_SEGMENT) {

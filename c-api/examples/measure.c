@@ -2,11 +2,9 @@
 #include "bearing_watch.h"
 #include "board.h"
 #include "count.h"
+#include "held_out.h"
 #include "model.h"
 
-extern const int16_t held_out_start[];
-
-static const float limits[BW_MODEL_CHANNELS] = BW_MODEL_CHANNEL_LIMITS;
 static uint64_t memory[BW_STATE_SIZE / sizeof(uint64_t)];
 static BwState *detector;
 static const int16_t *next_count;
@@ -18,9 +16,8 @@ static void init(void) { code = bw_init(memory, sizeof memory, bw_model, BW_MODE
 
 static void collect(void) {
     float values[BW_MODEL_CHANNELS];
-    for (size_t k = 0; k < BW_MODEL_CHANNELS; k++) {
-        values[k] = (float)*next_count++ * (limits[k] / 32768.0f);
-    }
+    held_out_values(next_count, values);
+    next_count += BW_MODEL_CHANNELS;
     code = bw_collect(detector, values, BW_MODEL_CHANNELS, 0);
 }
 

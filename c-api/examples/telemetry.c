@@ -6,22 +6,12 @@
  * as C++, runs it in QEMU, and compares every line with what the Rust example `telemetry` prints on the host. */
 #include "bearing_watch.h"
 #include "board.h"
+#include "held_out.h"
 #include "model.h"
 #include "print.h"
 
 /* Samples of a recorded trace. */
 #define TRACE_SAMPLES 5000u
-
-/* The recording of `held_out.s`: one 16-bit count a channel and sample. */
-#ifdef __cplusplus
-extern "C" {
-#endif
-extern const int16_t held_out_start[], held_out_end[];
-#ifdef __cplusplus
-}
-#endif
-
-static const float limits[BW_MODEL_CHANNELS] = BW_MODEL_CHANNEL_LIMITS;
 
 /* Detector, line and recorder; uint64_t aligns them. */
 static uint64_t detector_memory[BW_STATE_SIZE / sizeof(uint64_t)];
@@ -58,9 +48,7 @@ static BwCode start(void) {
 /* What the interrupt does with a sample; returns whether it closed a segment that was solved. */
 static BwCode sample(const int16_t *counts) {
     float values[BW_MODEL_CHANNELS];
-    for (size_t k = 0; k < BW_MODEL_CHANNELS; k++) {
-        values[k] = (float)counts[k] * (limits[k] / 32768.0f);
-    }
+    held_out_values(counts, values);
     bw_recorder_push(recorder, values, BW_MODEL_CHANNELS, 0);
     return bw_step(detector, values, BW_MODEL_CHANNELS, 0);
 }

@@ -1067,8 +1067,8 @@ BwCode bw_recorder_init(void *memory, size_t size, const struct BwState *state, 
 // complete: the sample is not recorded, and the receiver sees a gap; `BW_CODE_WRONG_CHANNEL_COUNT`; or `BW_CODE_BUSY`.
 //
 // # Safety
-// `recorder` is NULL, or was given by `bw_recorder_init` or has as many readable bytes. `values` is NULL or has `count`
-// readable values.
+// `recorder` is NULL, or was given by `bw_recorder_init` or has as many readable bytes. `values` is NULL or has
+// `count` readable values.
 BwCode bw_recorder_push(struct BwRecorder *recorder, const float *values, size_t count, uint32_t angle);
 
 // Passes over samples that were not taken, such as those of missed interrupts. What follows `bw_restart` does not

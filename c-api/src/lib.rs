@@ -35,6 +35,7 @@
 
 mod about;
 mod alarm;
+mod blocks;
 mod calibration;
 mod code;
 mod front_end;

@@ -6,11 +6,12 @@ use core::sync::atomic::AtomicU32;
 
 use bearing_watch::telemetry::RawRecorder;
 
+use crate::blocks::{Blocks, Gather};
 use crate::code::{BwCode, code};
 use crate::front_end::FURTHER;
-use crate::front_end::sample::BwRawSample;
-use crate::memory::{Object, at, elements, get, put_object, room};
-use crate::recorder::{BW_BLOCK_BYTES, Blocks};
+use crate::front_end::sample::{BwRawSample, read};
+use crate::memory::{Object, at, put_object, room};
+use crate::recorder::BW_BLOCK_BYTES;
 
 /// Bytes of memory that are enough for `bw_raw_recorder_init`, aligned to `BW_STATE_ALIGN` bytes.
 pub const BW_RAW_RECORDER_SIZE: usize = 1088;
@@ -32,6 +33,16 @@ pub struct BwRawRecorder {
 impl Object for BwRawRecorder {
     const MARK: u32 = 0x4257_5241;
     const PLACE_OF_TAG: usize = offset_of!(Self, tag);
+}
+
+impl Gather for Samples {
+    fn is_complete(&self) -> bool {
+        Self::is_complete(self)
+    }
+
+    fn take(&mut self) -> Self {
+        Self::take(self)
+    }
 }
 
 /// Makes a recorder of raw samples with so many further channels in memory of the caller, and gives its address in
@@ -82,11 +93,8 @@ pub unsafe extern "C" fn bw_raw_recorder_push(
 ) -> BwCode {
     // SAFETY: the same contract.
     code(unsafe { at(recorder) }.and_then(|own| {
-        if count != usize::from(own.further) {
-            return Err(BwCode::WrongChannelCount);
-        }
-        // SAFETY: the same contract; every bit pattern of a raw sample is valid.
-        let raw = unsafe { get(raw)?.core(if count == 0 { &[] } else { elements(further, count)? })? };
-        own.blocks.push(|block| block.push(&raw), Samples::take)
+        // SAFETY: the same contract.
+        let raw = unsafe { read(raw, (further, count), own.further)? };
+        own.blocks.push(|block| _ = block.push(&raw))
     }))
 }

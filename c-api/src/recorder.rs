@@ -8,10 +8,11 @@ use bearing_watch::Angle;
 use bearing_watch::plan::{Plan, Signals as _};
 use bearing_watch::telemetry::Recorder;
 
-use crate::code::{BwCode, Outcome, code};
+use crate::blocks::{Blocks, Gather};
+use crate::code::{BwCode, code};
 use crate::memory::{Object, at, elements, put_object, room};
 use crate::plan::Own;
-use crate::state::{BwState, Lock};
+use crate::state::BwState;
 
 /// Bytes of a block. A sample has four for each channel, and four for the angle of a model that needs it.
 pub const BW_BLOCK_BYTES: usize = 480;
@@ -37,73 +38,13 @@ impl Object for BwRecorder {
     const PLACE_OF_TAG: usize = offset_of!(Self, tag);
 }
 
-/// The block that the interrupt fills, and a complete one that waits for the main loop.
-#[derive(Debug)]
-pub(crate) struct Blocks<R> {
-    filling: Lock<Filling<R>>,
-    waiting: Lock<Option<R>>,
-}
-
-#[derive(Debug)]
-struct Filling<R> {
-    block: R,
-    complete: bool,
-}
-
-impl<R: Send> Blocks<R> {
-    pub(crate) const fn new(block: R) -> Self {
-        Self { filling: Lock::new(Filling { block, complete: false }), waiting: Lock::new(None) }
+impl Gather for Samples {
+    fn is_complete(&self) -> bool {
+        Self::is_complete(self)
     }
 
-    /// Takes a sample by `push`, which says whether the block is complete, and hands over a complete block by `take`.
-    ///
-    /// # Errors
-    /// [`BwCode::RecorderFull`]: `push` was called, but has no block for the sample.
-    #[inline]
-    pub(crate) fn push(&self, push: impl Fn(&mut R) -> bool, take: impl Fn(&mut R) -> R) -> Outcome {
-        self.filling.with(|own| {
-            if own.complete && self.hand_over(own, &take) == BwCode::Ok {
-                // A recorder of samples counts those that it does not take.
-                push(&mut own.block);
-                return Err(BwCode::RecorderFull);
-            }
-            own.complete = push(&mut own.block);
-            Ok(self.hand_over(own, &take))
-        })?
-    }
-
-    /// Ends the block that is being filled by `end`, which says whether there is a sample in it.
-    fn end(&self, end: impl FnOnce(&mut R) -> bool, take: impl Fn(&mut R) -> R) -> Outcome {
-        self.filling.with(|own| {
-            own.complete = end(&mut own.block);
-            self.hand_over(own, &take)
-        })
-    }
-
-    /// Moves a complete block to its place, if that is free: the main loop works on a block that waits.
-    fn hand_over(&self, own: &mut Filling<R>, take: impl Fn(&mut R) -> R) -> BwCode {
-        let place = |waiting: &mut Option<R>| {
-            let free = own.complete && waiting.is_none();
-            if free {
-                *waiting = Some(take(&mut own.block));
-                own.complete = false;
-            }
-            free
-        };
-        if self.waiting.with(place) == Ok(true) { BwCode::Block } else { BwCode::Ok }
-    }
-
-    /// Works on the block that waits; if that succeeds, it waits no longer.
-    ///
-    /// # Errors
-    /// [`BwCode::Idle`] if none waits, [`BwCode::Busy`], and what the work returns.
-    pub(crate) fn serve<T>(&self, work: impl FnOnce(&R) -> Outcome<T>) -> Outcome<T> {
-        let serve = |waiting: &mut Option<R>| {
-            let done = work(waiting.as_ref().ok_or(BwCode::Idle)?)?;
-            *waiting = None;
-            Ok(done)
-        };
-        self.waiting.with(serve)?
+    fn take(&mut self) -> Self {
+        Self::take(self)
     }
 }
 
@@ -135,8 +76,8 @@ pub unsafe extern "C" fn bw_recorder_init(
 /// complete: the sample is not recorded, and the receiver sees a gap; `BW_CODE_WRONG_CHANNEL_COUNT`; or `BW_CODE_BUSY`.
 ///
 /// # Safety
-/// `recorder` is NULL, or was given by `bw_recorder_init` or has as many readable bytes. `values` is NULL or has `count`
-/// readable values.
+/// `recorder` is NULL, or was given by `bw_recorder_init` or has as many readable bytes. `values` is NULL or has
+/// `count` readable values.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_recorder_push(
     recorder: *mut BwRecorder,
@@ -151,7 +92,7 @@ pub unsafe extern "C" fn bw_recorder_push(
         }
         // SAFETY: the same contract.
         let sample = <Own as Plan>::Sample::of(unsafe { elements(values, count)? }, Angle::from_bits(angle));
-        own.blocks.push(|block| block.push(&sample), Samples::take)
+        own.blocks.push(|block| _ = block.push(&sample))
     }))
 }
 
@@ -165,11 +106,5 @@ pub unsafe extern "C" fn bw_recorder_push(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_recorder_skip(recorder: *mut BwRecorder, samples: u32) -> BwCode {
     // SAFETY: the same contract.
-    code(unsafe { at(recorder) }.and_then(|own| {
-        let skip = |block: &mut Samples| {
-            block.skip(samples);
-            !block.block().is_empty()
-        };
-        own.blocks.end(skip, Samples::take)
-    }))
+    code(unsafe { at(recorder) }.and_then(|own| own.blocks.change(|block| block.skip(samples))))
 }

@@ -45,6 +45,7 @@ pub fn record<P: Plan>(model: &Model<P>, sample: &P::Sample, show: impl Fn(&dyn 
         }
     }
     Recorder::skip(&mut recorder, opaque(7));
+    opaque(Recorder::is_complete(&recorder));
     Recorder::clear(opaque(&mut recorder));
     record_raw(&mut encoder, show);
 }
@@ -69,6 +70,7 @@ fn record_raw<P: Plan>(encoder: &mut Encoder<'_, P>, show: impl Fn(&dyn core::fm
             }
         }
     }
+    opaque(RawRecorder::is_complete(&recorder));
     RawRecorder::clear(opaque(&mut recorder));
 }
 

@@ -14,9 +14,9 @@
 //! Behind the whitening filter the noise would be equal at all orders if the torque balance were complete; what it does
 //! not contain leaves more noise at low orders, about as a power of the order. In (4), 1.26 = 16 (Γ(3/2)/Γ(5/4)² − 1)
 //! is the variance of 4 ln σ^½ of one block. Where the levels scatter more about the line than their blocks explain, as
-//! beside a resonance of the mechanics at nearly constant speed, the noise between the control orders is uncertain, too.
-//! Of this scatter a fifth counts, up to a deviation of σ² of a third: four levels tell it with two degrees of freedom
-//! only, and strong defects reach the control orders.
+//! beside a resonance of the mechanics at nearly constant speed, the noise between the control orders is uncertain,
+//! too. Of this scatter a fifth counts, up to a deviation of σ² of a third: four levels tell it with two degrees of
+//! freedom only, and strong defects reach the control orders.
 
 use core::f32::consts::LN_2;
 

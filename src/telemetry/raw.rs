@@ -90,6 +90,12 @@ impl<const FURTHER: usize, const BYTES: usize> RawRecorder<FURTHER, BYTES> {
         self.samples.is_complete()
     }
 
+    /// Whether the block is complete: it takes no more samples.
+    #[must_use]
+    pub const fn is_complete(&self) -> bool {
+        self.samples.is_complete()
+    }
+
     /// The samples so far.
     #[must_use]
     pub fn block(&self) -> RawBlock<'_> {

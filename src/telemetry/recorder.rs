@@ -57,6 +57,12 @@ impl<P: Plan, const BYTES: usize> Recorder<P, BYTES> {
         }
     }
 
+    /// Whether the block is complete: it takes no more samples.
+    #[must_use]
+    pub const fn is_complete(&self) -> bool {
+        self.samples.is_complete()
+    }
+
     /// The samples so far.
     #[must_use]
     pub fn block(&self) -> Block<'_> {

@@ -12,6 +12,7 @@ use bearing_watch_c::{
     bw_saved_size, bw_state_size, bw_step, bw_values,
 };
 
+use super::c_front_end::UNTOUCHED;
 use crate::input::Input;
 use crate::models::BYTES;
 use crate::models::numbers::Numbers;
@@ -19,8 +20,6 @@ use crate::{checksum, memory};
 
 /// Words of memory, of which the last one is not given to the library.
 const WORDS: usize = BW_STATE_SIZE / 8 + 1;
-/// What is where nothing may be written.
-const UNTOUCHED: u64 = 0x5AA5_5AA5_5AA5_5AA5;
 /// Numbers of a list, of which those beyond a capacity are not written.
 const LIST: usize = 40;
 /// Calls of an attack, so that a long input is not a slow one.

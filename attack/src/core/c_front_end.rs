@@ -19,7 +19,8 @@ use crate::memory;
 
 /// Words of the memory of an object, of which the last one is not given to the library.
 const WORDS: usize = BW_FRONT_END_SIZE / 8 + 1;
-const UNTOUCHED: u64 = 0x5AA5_5AA5_5AA5_5AA5;
+/// What is where nothing may be written.
+pub(super) const UNTOUCHED: u64 = 0x5AA5_5AA5_5AA5_5AA5;
 /// Calls of an attack, so that a long input is not a slow one.
 const CALLS: usize = 40;
 

@@ -14,7 +14,7 @@ use bearing_watch_c::{
     bw_telemetry_hello, bw_telemetry_init, bw_telemetry_raw, bw_telemetry_report, bw_telemetry_samples,
 };
 
-use super::c_front_end::{either, raw, size};
+use super::c_front_end::{UNTOUCHED, either, raw, size};
 use crate::input::Input;
 use crate::memory;
 use crate::models::BYTES;
@@ -23,7 +23,6 @@ use crate::models::numbers::Numbers;
 /// Words of the memory of a state, and of another object; the last one of each is not given to the library.
 const STATE: usize = BW_STATE_SIZE / 8 + 1;
 const WORDS: usize = BW_RECORDER_SIZE / 8 + 1;
-const UNTOUCHED: u64 = 0x5AA5_5AA5_5AA5_5AA5;
 /// Calls of an attack, so that a long input is not a slow one.
 const CALLS: usize = 60;
 

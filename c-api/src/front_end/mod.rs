@@ -26,11 +26,11 @@ use any_factor::{Chain, create};
 use of_plan::{Chain, create};
 
 use crate::code::{BwCode, Outcome, code};
-use crate::memory::{Object, at, check, elements, get, put, put_object, room};
+use crate::memory::{Object, at, check, get, put, put_object, room};
 use crate::state::Lock;
 use crate::wiring::BwWiringCheck;
 use constants::BwFrontEndConstants;
-use sample::{BwCleanSample, BwRawSample};
+use sample::{BwCleanSample, BwRawSample, read};
 
 /// Largest number of further channels: as many as the largest model of `BW_MAX_CHANNELS` has besides current and
 /// velocity.
@@ -119,14 +119,8 @@ unsafe fn push(
     clean: *mut BwCleanSample,
 ) -> Outcome {
     check(clean)?;
-    if count != usize::from(own.further) {
-        return Err(BwCode::WrongChannelCount);
-    }
-    // SAFETY: the contract of the caller; every bit pattern of a raw sample is valid.
-    let raw = unsafe {
-        let further = if count == 0 { &[] } else { elements(further, count)? };
-        get(raw)?.core(further)?
-    };
+    // SAFETY: the contract of the caller.
+    let raw = unsafe { read(raw, (further, count), own.further)? };
     match own.chain.with(|chain| chain.push(&raw))? {
         // SAFETY: the contract of the caller.
         Some(found) => unsafe { put(clean, BwCleanSample::of(found, own.further)) }.map(|()| BwCode::CleanSample),

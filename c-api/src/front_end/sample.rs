@@ -4,6 +4,7 @@ use bearing_watch::{Angle, CleanSample, PhaseCounts, Position, RawSample};
 
 use super::{BW_MAX_FURTHER, FURTHER};
 use crate::code::{BwCode, Outcome};
+use crate::memory::{elements, get};
 
 /// What a raw sample has of the position sensor.
 #[repr(i32)]
@@ -62,7 +63,7 @@ impl BwRawSample {
     /// # Errors
     /// [`BwCode::OutOfRange`]
     #[inline]
-    pub(crate) fn core(&self, further: &[f32]) -> Outcome<RawSample<FURTHER>> {
+    pub(super) fn core(&self, further: &[f32]) -> Outcome<RawSample<FURTHER>> {
         let position = match self.position {
             0 => Position::Missing,
             1 => Position::Absolute(Angle::from_bits(self.angle)),
@@ -73,6 +74,29 @@ impl BwRawSample {
         let mut all = [0.0; FURTHER];
         all.iter_mut().zip(further).for_each(|(cell, value)| *cell = *value);
         Ok(RawSample { number: self.number, currents, position, further: all })
+    }
+}
+
+/// The sample of the core from one of the caller's with `count` further channels, of which `used` are in use.
+///
+/// # Errors
+/// [`BwCode::WrongChannelCount`], [`BwCode::Null`], [`BwCode::Misaligned`] or [`BwCode::OutOfRange`].
+///
+/// # Safety
+/// `raw` is NULL or readable. `further` is NULL or has `count` readable values.
+#[inline]
+pub(crate) unsafe fn read(
+    raw: *const BwRawSample,
+    (further, count): (*const f32, usize),
+    used: u16,
+) -> Outcome<RawSample<FURTHER>> {
+    if count != usize::from(used) {
+        return Err(BwCode::WrongChannelCount);
+    }
+    // SAFETY: the contract of the caller; every bit pattern of a raw sample is valid.
+    unsafe {
+        let further = if count == 0 { &[] } else { elements(further, count)? };
+        get(raw)?.core(further)
     }
 }
 

@@ -184,8 +184,8 @@ fn the_spall_stands_out_at_its_order_only_and_the_roughness_in_its_parameter() {
     let [healthy, spall, rough] = [DefectKind::Healthy, DefectKind::Spall, DefectKind::Roughness].map(of);
     let score = |estimate: &ShaftEstimate<RunTime>, k: usize| estimate.orders()[k].score;
     println!("scores: spall {}, healthy {}, rough {}", score(&spall, 0), score(&healthy, 0), score(&rough, 0));
-    // A score is at most 1/√b: the noise of so few turns is known to a few per cent, and not all of the spall's power is
-    // at its order.
+    // A score is at most 1/√b: the noise of so few turns is known to a few per cent, and not all of the spall's power
+    // is at its order.
     assert!(score(&spall, 0) > 9.0 && score(&healthy, 0) < 3.5 && score(&rough, 0) < 3.5);
     // Blocks of one turn pass 5 % of the power of a line 1.6 orders away.
     assert!(spall.orders()[1].prominence < 0.4 * spall.orders()[0].prominence, "{:?}", spall.orders());
