@@ -18,6 +18,10 @@ pub const RISING: [&str; 2] = ["viscous", "drag"];
 /// The covariate of a row that knows the temperature.
 pub const TEMPERATURE: &str = "mean_temperature_c";
 
+/// The feature of such a row in place of the viscous friction: the viscosity of grease falls by the same factor for
+/// each degree, and scatters by a factor.
+const BY_TEMPERATURE: [&str; 2] = ["viscous", "viscous_log"];
+
 /// Features that do not exist if the load is not measured, and friction, which then contains the load.
 const NEED_LOAD: [&str; 6] =
     ["inverse_kt", "inverse_kt_score", "load_friction", "load_friction_score", "viscous", "drag"];
@@ -60,7 +64,10 @@ pub fn of_row(row: &Row, features: &[String]) -> Recipe {
     if !row.known {
         return recipe;
     }
-    Recipe { covariates: vec![TEMPERATURE.into()], ..recipe }.with_averaged_columns()
+    let [plain, logarithm] = BY_TEMPERATURE;
+    let of = |name: &String| if name == plain { logarithm.to_string() } else { name.clone() };
+    let (features, rising) = (recipe.features.iter().map(of).collect(), recipe.rising.iter().map(of).collect());
+    Recipe { features, rising, covariates: vec![TEMPERATURE.into()], ..recipe }.with_averaged_columns()
 }
 
 /// Returns whether the drives of a condition measure the load.
@@ -72,6 +79,7 @@ pub fn has_load_sensor(condition: &Condition) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::field::rows::named;
 
     #[test]
     fn only_the_load_differs_between_conditions() {
@@ -89,6 +97,12 @@ mod tests {
                 assert!(own.rising.is_empty());
             }
         }
+        let known = of_row(&named(&["temperature-known".into()]).expect("a row")[0], &[]);
+        assert_eq!(known.features, ["inverse_kt", "load_friction", "viscous_log", "drag", "order_outer"]);
+        assert_eq!(
+            (known.rising, known.covariates),
+            (vec!["viscous_log".into(), "drag".into()], vec![TEMPERATURE.into()])
+        );
         let asked = ["order_outer".to_string()];
         assert_eq!(recipe(&Condition::MIX, &asked).features, asked);
     }
