@@ -12,7 +12,7 @@ The functions run the Rust library of bearing-watch on arrays and tables:
   scikit-learn.
 """
 
-from bearing_watch._core import BearingWatchError
+from bearing_watch._core import BearingWatchError, __version__
 from bearing_watch._detector import Detector, Verdicts
 from bearing_watch._model import Evaluation, Model, evaluate, train
 from bearing_watch._simulate import Recording, simulate
@@ -43,6 +43,7 @@ __all__ = [
     "StructureSearch",
     "Validation",
     "Verdicts",
+    "__version__",
     "evaluate",
     "identify",
     "simulate",

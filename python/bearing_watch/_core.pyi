@@ -18,6 +18,7 @@ __all__ = [
     "Model",
     "RowClassifier",
     "RowGate",
+    "__version__",
     "arrow_stream",
     "fleet",
     "identify",
@@ -26,6 +27,8 @@ __all__ = [
     "train",
     "validate",
 ]
+
+__version__: str
 
 class BearingWatchError(ValueError): ...
 

@@ -27,6 +27,10 @@ use pyo3::prelude::*;
 
 #[pymodule]
 mod _core {
+    /// Version of the package.
+    #[pymodule_export]
+    #[expect(non_upper_case_globals, reason = "the name in Python")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
     use super::arrow::arrow_stream;
     #[pymodule_export]

@@ -1,5 +1,7 @@
 import doctest
 import inspect
+import pathlib
+import re
 
 import bearing_watch as bw
 from bearing_watch import _signals
@@ -8,6 +10,12 @@ from bearing_watch import _signals
 def test_examples_of_the_docstrings_run():
     failed, attempted = doctest.testmod(_signals)
     assert failed == 0 and attempted >= 5
+
+
+def test_the_version_is_that_of_the_crates():
+    manifest = pathlib.Path(__file__).parents[2] / "Cargo.toml"
+    versions = re.findall(r'^version = "(.+)"$', manifest.read_text(), flags=re.MULTILINE)
+    assert [bw.__version__] == versions
 
 
 def test_every_public_name_is_documented():

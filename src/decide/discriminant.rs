@@ -332,7 +332,10 @@ mod tests {
         let mut d = two(Kind::Linear);
         // A missed class 1 costs 50 false alarms: P(1) > 1/51 suffices.
         d.1.costs = vec![0.0, 50.0, 1.0, 0.0];
-        assert_eq!(decide(&d, [-0.5, 0.0]).unwrap().class, 1);
+        let decision = decide(&d, [-0.5, 0.0]).unwrap();
+        assert_eq!(decision.class, 1);
+        // A false alarm costs 1, with the probability of class 0: odds exp(2 − 2 z).
+        assert!((decision.least_cost() - 1.0 / (1.0 + (-3.0_f32).exp())).abs() < 1e-6, "{}", decision.least_cost());
         d.1.costs = vec![0.0, 1.0, 1.0, 0.0];
         d.1.log_prior = vec![libm::logf(0.99), libm::logf(0.01)];
         assert_eq!(decide(&d, [2.0, 0.0]).unwrap().class, 0);

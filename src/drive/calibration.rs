@@ -256,6 +256,14 @@ mod tests {
     }
 
     #[test]
+    fn the_deviation_of_two_readings_is_their_difference_by_the_root_of_two() {
+        let mut sums = Sums::default();
+        [2040, 2044].into_iter().for_each(|counts| sums.push(counts));
+        let (offset, deviation) = sums.offset_and_deviation();
+        assert!((offset - 2042.0).abs() < 1e-3 && (deviation - 8.0_f32.sqrt()).abs() < 1e-5, "{offset} {deviation}");
+    }
+
+    #[test]
     fn a_constant_is_within_limits_of_zero() {
         let limits = CalibrationLimits { samples: 10, deviation_counts: [0.0, 0.0], ..LIMITS };
         let mut calibration = OffsetCalibration::new(limits);

@@ -1,7 +1,10 @@
 //! The driver of the resolver-to-digital converter against a mocked bus: each byte, level and wait, and each failure.
 
+use std::cell::Cell;
+
 use bearing_watch::Position;
 use bearing_watch::ad2s1210::{Ad2s1210, Error, Faults, Pins, Resolution, Settings, Thresholds};
+use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::{ErrorKind, ErrorType, Operation, SpiDevice};
 use embedded_hal_mock::eh1::MockError;
@@ -201,6 +204,27 @@ fn the_velocity_follows_clock_and_resolution() {
         // Half of 1000 turns/s at 8.192 MHz.
         assert!((reading.velocity_rad_s / (625.0 * std::f32::consts::TAU) - 1.0).abs() < 1e-6, "{reading:?}");
     });
+}
+
+/// Sums up what it is asked to wait, ns.
+struct Waited<'a>(&'a Cell<u64>);
+
+impl DelayNs for Waited<'_> {
+    fn delay_ns(&mut self, ns: u32) {
+        self.0.set(self.0.get() + u64::from(ns));
+    }
+}
+
+#[test]
+fn a_slower_clock_settles_a_third_later() {
+    for (clock_hz, excitation, ms) in [(8_192_000, 40, 60), (6_144_000, 53, 80), (10_240_000, 32, 60)] {
+        let settings = Settings { clock_hz, ..Settings::DEFAULT };
+        Script::default().started(0b0111_1111, excitation).run(|bus, pins| {
+            let waited = Cell::new(0);
+            let device = Ad2s1210::start(bus, pins, Waited(&waited), &settings).map(|_| ());
+            assert_eq!((device, waited.get() / 1_000_000), (Ok(()), ms), "{clock_hz}");
+        });
+    }
 }
 
 #[test]

@@ -204,6 +204,19 @@ fn one_wrong_reading_costs_one_sample() {
 }
 
 #[test]
+fn after_a_lost_sample_an_error_of_half_the_limit_strays() {
+    for (lost, error_rad, followed) in [(false, 0.08, true), (true, 0.08, false), (true, 0.04, true)] {
+        let (mut tracker, mut noise) = (PositionTracker::new(&CONSTANTS, RATE_HZ as f32), Noise(7));
+        (0..100).for_each(|_| _ = tracker.push(&converter(1.0, &mut noise)));
+        if lost {
+            assert!(tracker.push(&Position::Missing).is_none());
+        }
+        let tracked = tracker.push(&converter(1.0 + error_rad, &mut noise));
+        assert_eq!((tracked.is_some(), tracker.faults().strayed), (followed, u32::from(!followed)), "{error_rad}");
+    }
+}
+
+#[test]
 fn a_wrong_first_reading_costs_few_samples() {
     // Two readings give a velocity, here one of up to half a turn a sample that the shaft does not have.
     let mut longest = 0;
