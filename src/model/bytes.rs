@@ -152,3 +152,21 @@ fn header_of(payload: usize, notes: usize) -> Result<[u8; HEADER], ModelError> {
     let ([p0, p1, p2, p3], [n0, n1, n2, n3]) = (length(payload)?, length(notes)?);
     Ok([m0, m1, m2, m3, v0, v1, 0, 0, p0, p1, p2, p3, n0, n1, n2, n3])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn payload_and_notes_have_at_most_a_mebibyte_each() {
+        let (most, more) = (MAX_BYTES, MAX_BYTES + 1);
+        assert_eq!(header(&header_of(most, most).unwrap()), Ok((most, most)));
+        for (payload, notes) in [(more, 0), (0, more), (2 * more, 2 * more)] {
+            assert_eq!(header_of(payload, notes), Err(ModelError::BufferTooSmall));
+            let mut bytes = header_of(0, 0).unwrap();
+            bytes[8..12].copy_from_slice(&(payload as u32).to_le_bytes());
+            bytes[12..].copy_from_slice(&(notes as u32).to_le_bytes());
+            assert_eq!(header(&bytes), Err(ModelError::Truncated), "{payload} {notes}");
+        }
+    }
+}
