@@ -2,7 +2,7 @@
 
 use bearing_watch::model::{Field, layout, notes, stored_len};
 use bearing_watch::plan::{Plan, RunTime, RunTimeSample};
-use bearing_watch::{Detector, Model, ModelError};
+use bearing_watch::{Detector, Model, ModelError, Park};
 use proptest::prelude::*;
 
 use crate::exported::{Drive, MODEL, Sample};
@@ -25,6 +25,17 @@ fn binary_and_rust_exports_are_the_same_model() {
     let length = model.to_bytes(notes, &mut buffer).expect("fits");
     assert_eq!(&buffer[..length], FILE);
     assert_eq!(model.to_bytes(notes, &mut buffer[..FILE.len() - 1]), Err(ModelError::BufferTooSmall));
+}
+
+#[test]
+fn the_convention_of_the_current_is_kept() {
+    let mut buffer = vec![0; FILE.len() + 64];
+    for park in [None, Some(Park::Standard), Some(Park::Thesis)] {
+        let mut constants = MODEL.constants().clone();
+        constants.sampling.park = park;
+        let length = Model::new(Drive, constants).expect("good model").to_bytes("", &mut buffer).expect("fits");
+        assert_eq!(read(&buffer[..length]).expect("good model").constants().sampling.park, park);
+    }
 }
 
 #[test]

@@ -1,10 +1,10 @@
 //! Regression and shaft in one detector: alone and together, behind one gate, solved at once or later.
 
-use bearing_watch::model::{Channel, Constants, Feature, Regression};
+use bearing_watch::model::{Channel, Constants, Feature, Field, Regression, Sampling};
 use bearing_watch::plan::{
     Cells, Layout, Memory, Method, Plan, RegressionLayout, RunTime, RunTimeSample, ShaftLayout, Structure,
 };
-use bearing_watch::{Detector, FrictionTerm, Implausible, Model, Part, Reason, Report, Solver, Verdict};
+use bearing_watch::{Detector, FrictionTerm, Implausible, Model, ModelError, Part, Reason, Report, Solver, Verdict};
 use host_tests::plans::constants;
 use workbench::rig::DefectKind;
 
@@ -113,6 +113,18 @@ fn parts_give_the_same_bits_alone_and_together() {
     assert_eq!((own.friction, own.orders()), (shaft.friction, shaft.orders()));
     assert!(alone.estimate().is_none() && alone.decision.is_some());
     assert_eq!(alone.rows, 5000, "usable samples");
+}
+
+#[test]
+fn the_balance_has_as_many_samples_as_the_blocks_of_a_segment() {
+    let features = [Feature::OrderScore(0), Feature::Friction(FrictionTerm::Drag), Feature::Parameter(0)];
+    let of = |block_mean: u16, row_interval: u8| {
+        let mut constants = both(features, |_| ()).constants().clone();
+        constants.sampling = Sampling { block_mean, segment_samples: 50_000, ..constants.sampling };
+        constants.shaft[0].balance.row_interval = row_interval;
+        Model::new(Both, constants).map(|_| ())
+    };
+    assert_eq!([of(4, 2), of(5, 2)], [Ok(()), Err(ModelError::OutOfRange(Field::SegmentLength))]);
 }
 
 #[test]
