@@ -193,4 +193,10 @@ mod tests {
             assert_eq!([y, u1, u2], expected, "{nb} {nc}");
         }
     }
+
+    #[test]
+    fn a_signal_may_be_the_difference_of_two_channels() {
+        let sample = RunTimeSample { values: vec![1.0, 5.0], ..RunTimeSample::default() };
+        assert_eq!(read(Signal::channel(1).minus(Signal::channel(0)), &sample), 4.0);
+    }
 }

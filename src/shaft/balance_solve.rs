@@ -275,6 +275,8 @@ mod tests {
         close(friction.drag.value, 0.21);
         close(friction.torque_constant_nm_a().unwrap().0, 1.0 / 18.0);
         close(friction.inertia_kg_m2().unwrap(), 0.006 / 18.0);
+        let [coulomb, viscous] = [friction.coulomb_nm(), friction.viscous_nm_s_rad()].map(Option::unwrap);
+        close(coulomb + 20.0 * viscous, 0.21 / 18.0);
         // Every sixteenth row is left out for the present parameters.
         let rows = (4000_u32 - 1 - 51).div_ceil(8);
         assert_eq!(friction.rows, rows - rows / 16);

@@ -68,16 +68,18 @@ fn the_motion_is_that_of_the_scaled_inputs() {
 }
 
 /// Signals far from zero, of the nominal model itself and at rest until they move: what the constant and the levels
-/// explain is no error, also after the origin has moved with a new segment. Without terms, an input has no effect, and
-/// without a constant there is no origin.
+/// explain is no error, also after the origin has moved with a new segment, and at rest the simulated output is the
+/// measured one. Without terms, an input has no effect, and without a constant there is no origin.
 #[test]
 fn levels_and_constant_leave_no_prediction_error() {
-    for (nc, offset) in [(0, true), (1, true), (1, false)] {
-        let structure = Structure { offset, ..Structure::new(1, 1, nc, 1, 1) };
+    for (nb, nc, offset) in [(1, 0, true), (1, 1, true), (1, 1, false), (0, 1, true)] {
+        let structure = Structure { offset, ..Structure::new(1, nb, nc, 1, 1) };
         let plan = RunTime::of(testing::regression(structure, Method::Instruments, Memory::Segment)).unwrap();
         let mut constants = Regression::<RunTime>::new(plan);
-        let (t, gain, second, constant) = (-0.5, 0.25, 0.125 * f32::from(nc), if offset { 3.0 } else { 0.0 });
-        let nominal = [&[t, gain][..], &[second][..usize::from(nc)], &[constant][..usize::from(offset)]].concat();
+        let (t, gain, second) = (-0.5, 0.25 * f32::from(nb), 0.125 * f32::from(nc));
+        let constant = if offset { 3.0 } else { 0.0 };
+        let terms = [&[t][..], &[gain][..usize::from(nb)], &[second][..usize::from(nc)]].concat();
+        let nominal = [&terms[..], &[constant][..usize::from(offset)]].concat();
         constants.nominal.copy_from_slice(&nominal);
         constants.settle = 0;
         let mut rows = Instruments::new(plan, &constants);
@@ -93,15 +95,24 @@ fn levels_and_constant_leave_no_prediction_error() {
             let moving = if k < 50 { 0.0 } else { 1.0 };
             let (u1, u2) = (40.0 + moving * inputs(k).u1, 7.0 + moving * inputs(k).u2);
             if let Some(row) = rows.push(plan, &constants, Inputs { y, u1, u2 }, 1000.0) {
-                let error = row.cells[row.cells.len() - 1];
+                let [error, measured, simulated] = [1, 2, 3].map(|from_end| row.cells[row.cells.len() - from_end]);
                 // Roundings of numbers up to fifty.
                 assert!(error.abs() < 5e-5, "{k}: {error}");
+                assert!(k >= 50 || (measured - simulated).abs() < 5e-5, "{k}: {measured} {simulated}");
                 given += 1;
             }
             y += t * y + gain * u1 + second * u2 + constant;
         }
         assert!(given > 790 && (moved > 0) == offset, "{given} {moved}");
     }
+}
+
+#[test]
+fn the_limit_of_outliers_is_that_of_the_output_times_the_gain() {
+    let mut constants = constants(0.5);
+    constants.nominal[0] = -0.25;
+    (constants.huber, constants.deviation) = (2.0, 0.5);
+    assert_eq!(nominal(plan(), &constants).threshold, 0.25);
 }
 
 #[test]
