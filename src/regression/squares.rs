@@ -269,6 +269,19 @@ mod tests {
     }
 
     #[test]
+    fn the_first_row_after_a_gap_tells_no_motion() {
+        let mut lags = Stream::new(Structure::new(1, 1, 1, 1, 1));
+        let mut motion = |rows: &mut Squares<RunTime>, u: f32| {
+            let row = rows.push(lags.plan, &lags.constants, Inputs { y: 0.0, u1: u, u2: 2.0 * u });
+            row.map(|row| row.motion)
+        };
+        let rows = &mut lags.rows;
+        assert_eq!([1.0, 3.0, 3.0].map(|u| motion(rows, u)), [None, Some(0.0), Some(4.0 + 16.0)]);
+        rows.flush();
+        assert_eq!([50.0, 50.0, 51.0, 0.0].map(|u| motion(rows, u)), [None, Some(0.0), Some(0.0), Some(5.0)]);
+    }
+
+    #[test]
     fn an_outlier_weighs_less() {
         let mut lags = Stream::new(Structure::new(1, 1, 0, 1, 0));
         (lags.constants.huber, lags.constants.deviation) = (2.0, 0.5);

@@ -162,18 +162,22 @@ mod tests {
 
     #[test]
     fn inertia_and_torque_constant_name_the_signal() {
+        // The usual residual is the unit of the deviations: one of any size with its residual tells the same.
+        [1.0, 0.1].into_iter().for_each(names_the_signal);
+    }
+
+    fn names_the_signal(deviation: f32) {
         let balance = Balance {
             nominal: [2.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0],
             prior: [0.2; 7],
-            deviation: 1.0,
+            deviation,
             ..crate::shaft::tests::balance()
         };
         let parameter = |value| Parameter { value, deviation: 0.02, score: 0.0 };
         let cause = |inertia, torque: Option<f32>| {
-            let inverse_torque_constant = torque.map(parameter);
-            let friction =
-                Friction { inertia: parameter(inertia), inverse_torque_constant, variance: 1.0, ..Friction::default() };
-            of_balance(&balance, &friction, 10.0)
+            let (inertia, inverse_torque_constant) = (parameter(inertia), torque.map(parameter));
+            let variance = deviation * deviation;
+            of_balance(&balance, &Friction { inertia, inverse_torque_constant, variance, ..Friction::default() }, 10.0)
         };
         assert_eq!(cause(2.0, Some(2.0)), None);
         assert_eq!([cause(2.0, Some(-2.0)), cause(-2.0, Some(-2.0))], [Some(LoadSign), Some(CurrentSign)]);
