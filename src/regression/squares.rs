@@ -271,7 +271,7 @@ mod tests {
     #[test]
     fn the_first_row_after_a_gap_tells_no_motion() {
         let mut lags = Stream::new(Structure::new(1, 1, 1, 1, 1));
-        let mut motion = |rows: &mut Squares<RunTime>, u: f32| {
+        let motion = |rows: &mut Squares<RunTime>, u: f32| {
             let row = rows.push(lags.plan, &lags.constants, Inputs { y: 0.0, u1: u, u2: 2.0 * u });
             row.map(|row| row.motion)
         };
