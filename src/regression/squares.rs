@@ -210,8 +210,8 @@ mod tests {
         lags.constants.scale = vec![1.0, 2.0, 0.5, 1.0, 4.0, 1.0, 8.0];
         assert_eq!(lags.push(1.0, 10.0, -1.0), None);
         assert_eq!(lags.push(2.0, 20.0, -2.0), None, "t₀ = 2");
-        // Levels from the sample (4, 40, −3): y₁ = 2 − 4, y₁−y₂ = 1 (×2), u₁ = 20 − 40 (×½), u₁−u₂ = 10, w₁ = 0 (×4), 1,
-        // target 4 − 2 (×8)
+        // Levels from the sample (4, 40, −3): y₁ = 2 − 4, y₁−y₂ = 1 (×2), u₁ = 20 − 40 (×½), u₁−u₂ = 10, w₁ = 0 (×4),
+        // 1, target 4 − 2 (×8)
         assert_eq!(lags.push(4.0, 40.0, -3.0), Some(vec![-2.0, 2.0, -10.0, 10.0, 0.0, 1.0, 16.0]));
     }
 
