@@ -18,8 +18,8 @@ pub const RISING: [&str; 2] = ["viscous", "drag"];
 /// The covariate of a row that knows the temperature.
 pub const TEMPERATURE: &str = "mean_temperature_c";
 
-/// The feature of such a row in place of the viscous friction: the viscosity of grease falls by the same factor for
-/// each degree, and scatters by a factor.
+/// The viscous friction, and the feature that such a row has in its place: the viscosity of grease falls by the same
+/// factor for each degree, and scatters by a factor.
 const BY_TEMPERATURE: [&str; 2] = ["viscous", "viscous_log"];
 
 /// Features that do not exist if the load is not measured, and friction, which then contains the load.
@@ -60,14 +60,14 @@ pub fn recipe(condition: &Condition, features: &[String]) -> Recipe {
 /// Returns the recipe for a row.
 #[must_use]
 pub fn of_row(row: &Row, features: &[String]) -> Recipe {
-    let recipe = recipe(&row.trained, features);
+    let mut recipe = recipe(&row.trained, features);
     if !row.known {
         return recipe;
     }
     let [plain, logarithm] = BY_TEMPERATURE;
-    let of = |name: &String| if name == plain { logarithm.to_string() } else { name.clone() };
-    let (features, rising) = (recipe.features.iter().map(of).collect(), recipe.rising.iter().map(of).collect());
-    Recipe { features, rising, covariates: vec![TEMPERATURE.into()], ..recipe }.with_averaged_columns()
+    let names = recipe.features.iter_mut().chain(&mut recipe.rising);
+    names.filter(|name| *name == plain).for_each(|name| *name = logarithm.into());
+    Recipe { covariates: vec![TEMPERATURE.into()], ..recipe }.with_averaged_columns()
 }
 
 /// Returns whether the drives of a condition measure the load.
