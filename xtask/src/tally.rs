@@ -3,6 +3,8 @@
 use std::fmt::{self, Write as _};
 use std::time::{Duration, Instant};
 
+use crate::child;
+
 /// How many checks ended how.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
@@ -93,28 +95,40 @@ impl fmt::Display for Tally {
 /// What a line of [`Stages::rows`] starts with.
 const ROW: &str = "stage\t";
 
+/// A stage that has ended.
+#[derive(Debug)]
+struct Stage {
+    title: String,
+    tally: Tally,
+    time: Duration,
+    /// Of the programs that it has run; unknown without Linux.
+    processor: Option<Duration>,
+}
+
 /// The stages of a run.
 #[derive(Debug, Default)]
 pub struct Stages {
-    done: Vec<(String, Tally, Duration)>,
+    done: Vec<Stage>,
 }
 
 impl Stages {
     /// Runs a stage: a heading, its checks, its time.
     pub fn stage<T>(&mut self, title: &str, work: impl FnOnce(&mut Tally) -> T) -> T {
         println!("\n== {title}");
-        let start = Instant::now();
+        let (start, before) = (Instant::now(), child::processor_time());
         let mut tally = Tally::default();
         let result = work(&mut tally);
-        self.done.push((title.to_owned(), tally, start.elapsed()));
+        let (time, after) = (start.elapsed(), child::processor_time());
+        let processor = after.zip(before).map(|(after, before)| after.saturating_sub(before));
+        self.done.push(Stage { title: title.to_owned(), tally, time, processor });
         result
     }
 
     /// The stages as lines for [`Stages::take_row`].
     pub fn rows(&self) -> String {
-        let row = |(title, tally, time): &(String, Tally, Duration)| {
-            let Tally { passed, failed, skipped } = tally;
-            format!("{ROW}{title}\t{passed}\t{failed}\t{skipped}\t{}\n", time.as_millis())
+        let row = |Stage { title, tally: Tally { passed, failed, skipped }, time, processor }: &Stage| {
+            let processor = processor.map(|time| time.as_millis().to_string()).unwrap_or_default();
+            format!("{ROW}{title}\t{passed}\t{failed}\t{skipped}\t{}\t{processor}\n", time.as_millis())
         };
         self.done.iter().map(row).collect()
     }
@@ -129,33 +143,35 @@ impl Stages {
             return false;
         };
         let tally = Tally { passed, failed, skipped };
-        self.done.push(((*title).to_owned(), tally, Duration::from_millis(ms)));
+        let (time, processor) = (Duration::from_millis(ms), number(5).map(Duration::from_millis));
+        self.done.push(Stage { title: (*title).to_owned(), tally, time, processor });
         true
     }
 
     /// All stages together.
     pub fn total(&self) -> Tally {
         let mut total = Tally::default();
-        for (_, tally, _) in &self.done {
-            total.add(*tally);
+        for stage in &self.done {
+            total.add(stage.tally);
         }
         total
     }
 
     /// The table of stages.
     pub fn table(&self) -> String {
-        let mut text = format!("{:22} {:>6} {:>6} {:>7} {:>8}\n", "stage", "passed", "failed", "skipped", "time");
-        for (title, tally, time) in &self.done {
-            let verdict = if tally.failed > 0 { "  FAIL" } else { "" };
-            let _string_grows = writeln!(
-                text,
-                "{title:22} {:>6} {:>6} {:>7} {:>6.1} s{verdict}",
-                tally.passed,
-                tally.failed,
-                tally.skipped,
-                time.as_secs_f32()
-            );
+        let mut text = format!(
+            "{:22} {:>6} {:>6} {:>7} {:>8} {:>11}\n",
+            "stage", "passed", "failed", "skipped", "time", "processor"
+        );
+        let seconds = |time: Option<Duration>| time.map_or_else(|| "-".into(), |t| format!("{:.1} s", t.as_secs_f32()));
+        for Stage { title, tally: Tally { passed, failed, skipped }, time, processor } in &self.done {
+            let verdict = if *failed > 0 { "  FAIL" } else { "" };
+            let (time, processor) = (seconds(Some(*time)), seconds(*processor));
+            let _string_grows =
+                writeln!(text, "{title:22} {passed:>6} {failed:>6} {skipped:>7} {time:>8} {processor:>11}{verdict}");
         }
+        let processor = self.done.iter().map(|stage| stage.processor).sum();
+        let _string_grows = writeln!(text, "{:56}{:>11}", "", seconds(processor));
         text
     }
 }
@@ -207,6 +223,11 @@ mod tests {
         assert_eq!(other.rows().lines().filter(|line| stages.take_row(line)).count(), 2);
         assert_eq!(stages.total().to_string(), "1 passed, 0 failed, 1 skipped");
         assert!(stages.table().contains("of a, b"));
+        let mut known = Stages::default();
+        assert!(known.take_row("stage\tone\t1\t0\t0\t4000\t7000"));
+        assert!(known.table().contains(" 4.0 s       7.0 s\n"), "{}", known.table());
+        assert!(known.take_row("stage\ttwo\t1\t0\t0\t4000\t"));
+        assert!(known.table().contains(" 4.0 s           -\n"), "{}", known.table());
         for line in ["pass  a", "stage\tone\t1\t2", "stage\tone\t1\t2\tx\t4", "stage                  passed"] {
             assert!(!stages.take_row(line), "{line}");
         }
