@@ -12,19 +12,18 @@ use crate::train::{Alarms, Recipe, ShaftPlan};
 /// velocity and load, and the order of the outer race.
 pub const FEATURES: [&str; 5] = ["inverse_kt", "load_friction", "viscous", "drag", "order_outer"];
 
-/// The friction that a defect only raises, as it only raises the order.
+/// The friction that a defect only raises, as it only raises the order, on any scale.
 pub const RISING: [&str; 2] = ["viscous", "drag"];
 
 /// The covariate of a row that knows the temperature.
 pub const TEMPERATURE: &str = "mean_temperature_c";
 
-/// The viscous friction, and the feature that such a row has in its place: the viscosity of grease falls by the same
-/// factor for each degree, and scatters by a factor.
+/// The viscous friction, and the feature that such a row has in its place unless others are asked for: the viscosity of
+/// grease falls by the same factor for each degree, and scatters by a factor.
 const BY_TEMPERATURE: [&str; 2] = ["viscous", "viscous_log"];
 
-/// Features that do not exist if the load is not measured, and friction, which then contains the load.
-const NEED_LOAD: [&str; 6] =
-    ["inverse_kt", "inverse_kt_score", "load_friction", "load_friction_score", "viscous", "drag"];
+/// Terms that do not exist if the load is not measured, and friction, which then contains the load.
+const NEED_LOAD: [&str; 4] = ["inverse_kt", "load_friction", "viscous", "drag"];
 
 /// Largest slip that is searched: the rig's bearings slip by up to 2 %.
 const SLIP: f64 = 0.022;
@@ -44,8 +43,8 @@ pub fn recipe(condition: &Condition, features: &[String]) -> Recipe {
     let alarms = Alarms { healthy: Some(0), false_alarm: FALSE_ALARM, required: true, ..Alarms::default() };
     let mut features = if features.is_empty() { FEATURES.map(String::from).to_vec() } else { features.to_vec() };
     let load = has_load_sensor(condition);
-    features.retain(|name| load || !NEED_LOAD.contains(&name.as_str()));
-    let rising = RISING.map(String::from).into_iter().filter(|name| features.contains(name)).collect();
+    features.retain(|name| load || !NEED_LOAD.contains(&term(name)));
+    let rising = features.iter().filter(|name| RISING.contains(&term(name))).cloned().collect();
     let mut base = Recipe { rising, size_spread: recipes::SIZE_SPREAD, ..recipes::shaft() };
     if let Some(shaft) = &mut base.shaft {
         shaft.slip = SLIP;
@@ -57,17 +56,22 @@ pub fn recipe(condition: &Condition, features: &[String]) -> Recipe {
     Recipe { features, alarms, shaft, structure: WITHOUT_LOAD, ..base }
 }
 
+/// The term of a feature, which may also be its logarithm or its score.
+fn term(feature: &str) -> &str {
+    let mut scales = ["_log", "_score"].into_iter();
+    scales.find_map(|scale| feature.strip_suffix(scale)).unwrap_or(feature)
+}
+
 /// Returns the recipe for a row.
 #[must_use]
 pub fn of_row(row: &Row, features: &[String]) -> Recipe {
-    let mut recipe = recipe(&row.trained, features);
     if !row.known {
-        return recipe;
+        return recipe(&row.trained, features);
     }
     let [plain, logarithm] = BY_TEMPERATURE;
-    let names = recipe.features.iter_mut().chain(&mut recipe.rising);
-    names.filter(|name| *name == plain).for_each(|name| *name = logarithm.into());
-    Recipe { covariates: vec![TEMPERATURE.into()], ..recipe }.with_averaged_columns()
+    let own = FEATURES.map(|name| if name == plain { logarithm } else { name }.to_owned());
+    let features = if features.is_empty() { &own } else { features };
+    Recipe { covariates: vec![TEMPERATURE.into()], ..recipe(&row.trained, features) }.with_averaged_columns()
 }
 
 /// Returns whether the drives of a condition measure the load.
@@ -103,7 +107,10 @@ mod tests {
             (known.rising, known.covariates),
             (vec!["viscous_log".into(), "drag".into()], vec![TEMPERATURE.into()])
         );
-        let asked = ["order_outer".to_string()];
-        assert_eq!(recipe(&Condition::MIX, &asked).features, asked);
+        let asked = ["viscous".to_string(), "drag_score".into(), "inverse_kt_log".into()];
+        let known = of_row(&named(&["temperature-known".into()]).expect("a row")[0], &asked);
+        assert_eq!((&known.features[..], &known.rising[..]), (&asked[..], &asked[..2]));
+        let none = named(&["no-load-sensor".into()]).expect("a row")[0];
+        assert!(of_row(&none, &asked).features.is_empty());
     }
 }
