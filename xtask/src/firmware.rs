@@ -116,6 +116,8 @@ fn cargo_to(command: &str, way: Way, board: Board) -> (Command, PathBuf) {
         "" => cargo.env_remove(BOARD),
         folder => cargo.env(BOARD, folder),
     };
+    // Its lines of source are a tenth of the work of the compiler, and nobody debugs the firmware of these checks.
+    cargo.env("CARGO_PROFILE_RELEASE_DEBUG", "false");
     // Flags from the environment would replace those of the configuration, which name the linker
     // script; the result would be an empty program.
     cargo.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS");

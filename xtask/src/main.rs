@@ -177,7 +177,7 @@ fn run(arguments: &Arguments) -> Result<bool> {
         Command::Release(options) => return release::run(options, way),
         Command::Pil { trace, model, rust } => {
             let [trace, binary, source] = [trace, model, rust].map(std::path::absolute);
-            pil::run(way, &trace?, &pil::Model { binary: binary?, source: source? })?;
+            pil::run(way, &trace?, &pil::Model { binary: binary?, source: Some(source?) })?;
         }
         Command::Measure { peers: true, .. } => print!("{}", rivals::table(way)?),
         Command::Measure { json, .. } => {

@@ -20,14 +20,13 @@ const COST: &str = "cost: ";
 pub struct Model {
     /// The binary model.
     pub binary: PathBuf,
-    /// The source that `train --rust` wrote with it.
-    pub source: PathBuf,
+    /// The source that `train --rust` wrote with it; `None` for the example's own one, with which it is built anyway.
+    pub source: Option<PathBuf>,
 }
 
 impl Model {
     fn of_example() -> Self {
-        let folder = workspace::root().join("examples/support/actuator");
-        Self { binary: folder.join("model.bwm"), source: folder.join("model.rs") }
+        Self { binary: workspace::root().join("examples/support/actuator/model.bwm"), source: None }
     }
 }
 
@@ -72,15 +71,17 @@ fn replayed(trace: &Path, model: &Model) -> Result<(PathBuf, Vec<String>)> {
     let mut replay = workspace::workbench()?;
     replay.args(["replay", "--rows"]).arg(folder.join("rows.bin")).arg("--model").arg(&model.binary).arg(trace);
     child::succeed(&mut replay)?;
-    let lines = on_host(&folder, &std::path::absolute(&model.source)?)?;
+    let lines = on_host(&folder, model.source.as_deref())?;
     Ok((folder, lines))
 }
 
 /// Lines of the firmware that equal those of the host, and those of its cost.
 fn compare(way: Way, trace: &Path, model: &Model) -> Result<(Vec<String>, Vec<String>)> {
     let (folder, host) = replayed(trace, model)?;
-    let source = std::path::absolute(&model.source)?;
-    let elf = firmware::build_with_model(way, DRIVE, EXAMPLE, &source)?;
+    let elf = match &model.source {
+        Some(source) => firmware::build_with_model(way, DRIVE, EXAMPLE, &std::path::absolute(source)?)?,
+        None => firmware::build(way, DRIVE, EXAMPLE)?,
+    };
     let target = qemu::run_in(&folder, &elf, DRIVE.machine, qemu::Echo::Off)?;
     let (cost, target): (Vec<String>, Vec<String>) = target.into_iter().partition(|line| line.starts_with(COST));
     same_lines(&host, &target)?;
@@ -99,11 +100,17 @@ pub fn same_lines(host: &[String], target: &[String]) -> Result<()> {
     Ok(())
 }
 
-fn on_host(folder: &Path, source: &Path) -> Result<Vec<String>> {
-    let mut cargo = workspace::cargo(&["run", "--quiet", "--example", EXAMPLE, "--manifest-path"]);
-    cargo.arg(workspace::root().join("Cargo.toml")).current_dir(folder).env(firmware::MODEL, source);
+fn on_host(folder: &Path, source: Option<&Path>) -> Result<Vec<String>> {
+    let mut run = match source {
+        Some(source) => {
+            let mut cargo = workspace::cargo(&["run", "--quiet", "--example", EXAMPLE, "--manifest-path"]);
+            cargo.arg(workspace::root().join("Cargo.toml")).env(firmware::MODEL, std::path::absolute(source)?);
+            cargo
+        }
+        None => workspace::example(EXAMPLE)?,
+    };
     let mut lines = Vec::new();
-    let status = child::lines(&mut cargo, |line| lines.push(line.to_owned()))?;
+    let status = child::lines(run.current_dir(folder), |line| lines.push(line.to_owned()))?;
     ensure!(status.success(), "on the host: {status}");
     Ok(lines)
 }

@@ -41,16 +41,19 @@ pub fn run_on_target(way: Option<Way>) -> bool {
     stages.total().failed == 0
 }
 
+/// First what needs no program of the host, which the other process builds meanwhile; last the boards that share the
+/// target of the drive's chip, since the examples are built anew for each.
 fn on_target(stages: &mut Stages, way: Option<Way>) {
     stages.stage("firmware builds", |tally| target::builds(tally, way));
+    stages.stage("no panic", |tally| target::no_panic(tally, way));
+    stages.stage("instructions, stack", |tally| target::bounds(tally, way));
     stages.stage("host = target", |tally| target::same_lines(tally, way));
+    stages.stage("logging", |tally| target::logging(tally, way));
     stages.stage("processor in the loop", |tally| pil::check(tally, way));
     stages.stage("C library", |tally| c_library::checks(tally, way));
     stages.stage("frameworks", |tally| frameworks::checks(tally, way));
     stages.stage("newcomer", |tally| newcomer::checks(tally, way));
-    stages.stage("logging", |tally| target::logging(tally, way));
-    stages.stage("no panic", |tally| target::no_panic(tally, way));
-    stages.stage("instructions, stack", |tally| target::bounds(tally, way));
+    stages.stage("other boards", |tally| target::other_boards(tally, way));
 }
 
 /// The way to build firmware, once everything for it is there.
