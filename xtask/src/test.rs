@@ -105,17 +105,24 @@ fn documentation(tally: &mut Tally) {
 /// of drive time. Documentation examples are among the tests. What passing tests print is shown: their figures, and
 /// which data they had to do without.
 fn host_tests(tally: &mut Tally) {
-    let mut cargo = workspace::cargo(&["test", "--workspace", "--no-fail-fast", "--", "--show-output"]);
-    let status = child::lines(&mut cargo, |line| {
-        println!("{line}");
-        tally.add_libtest(line);
-    });
-    match status {
-        Ok(status) if status.success() => workspace::tests_are_built(),
-        // The tests that failed are counted already.
-        Ok(_) if tally.failed > 0 => {}
-        Ok(status) => tally.check::<&str, _>("cargo test", Err(status)),
-        Err(error) => tally.check::<&str, _>("cargo test", Err(format!("{error:#}"))),
+    // Without the examples, which have no tests: clippy has read them, and those that are needed are built later.
+    for kind in [workspace::TESTS, "--doc"] {
+        let mut cargo = workspace::cargo(&["test", "--workspace", kind, "--no-fail-fast", "--", "--show-output"]);
+        let before = tally.failed;
+        let status = child::lines(&mut cargo, |line| {
+            println!("{line}");
+            tally.add_libtest(line);
+        });
+        match status {
+            Ok(status) if status.success() => {}
+            // The tests that failed are counted already.
+            Ok(_) if tally.failed > before => {}
+            Ok(status) => tally.check::<&str, _>(&format!("cargo test {kind}"), Err(status)),
+            Err(error) => tally.check::<&str, _>(&format!("cargo test {kind}"), Err(format!("{error:#}"))),
+        }
+    }
+    if tally.failed == 0 {
+        workspace::tests_are_built();
     }
 }
 

@@ -61,30 +61,31 @@ pub fn tests_are_beside() {
     TESTS_ARE_BESIDE.store(true, Ordering::Relaxed);
 }
 
-/// Returns a call of the command line `bearing-watch` at the workspace's root.
+/// What `cargo test` builds and runs: unit tests and those in `tests`, with the programs that they call.
+pub const TESTS: &str = "--tests";
+
+/// Returns a call of the command line `bearing-watch` at the workspace's root. It is built unless the host tests were:
+/// dependencies have other features in a build of the program alone, which would compile the workbench again. Where the
+/// tests are built meanwhile, it is built with them, by the process that comes first.
 pub fn workbench() -> Result<Command> {
-    of_tests(&["--bin", "bearing-watch"], "bearing-watch")
-}
-
-/// Returns a call of an example on the host, at the workspace's root.
-pub fn example(name: &str) -> Result<Command> {
-    of_tests(&["--example", name], &format!("examples/{name}"))
-}
-
-/// Returns a call of a program that is built with the host tests. It is built unless they were: dependencies have other
-/// features in a build of its package alone, which would compile them and the workbench again. Where the tests are
-/// built meanwhile, it is built with them, by the process that comes first.
-fn of_tests(target: &[&str], program: &str) -> Result<Command> {
     if !HAS_TESTS.load(Ordering::Relaxed) {
-        if TESTS_ARE_BESIDE.load(Ordering::Relaxed) {
-            child::succeed(cargo(&["test", "--no-run"]).args(["--quiet", "--workspace"]))?;
-            tests_are_built();
-        } else {
-            child::succeed(cargo(&["build"]).args(target).args(["--quiet", "--workspace"]))?;
-        }
+        let with_tests = TESTS_ARE_BESIDE.load(Ordering::Relaxed);
+        let way: &[&str] = if with_tests { &["test", "--no-run", TESTS] } else { &["build", "--bin", "bearing-watch"] };
+        child::succeed(cargo(way).args(["--quiet", "--workspace"]))?;
+        tests_are_built();
     }
-    let program = format!("debug/{program}{}", env::consts::EXE_SUFFIX);
-    let mut command = Command::new(target_dir().join(program));
+    Ok(built("bearing-watch"))
+}
+
+/// Returns a call of an example on the host at the workspace's root. It is built from what the host tests are built
+/// from: by package its dependencies would have other features.
+pub fn example(name: &str) -> Result<Command> {
+    child::succeed(&mut cargo(&["build", "--quiet", "--workspace", "--example", name]))?;
+    Ok(built(&format!("examples/{name}")))
+}
+
+fn built(program: &str) -> Command {
+    let mut command = Command::new(target_dir().join(format!("debug/{program}{}", env::consts::EXE_SUFFIX)));
     command.current_dir(root());
-    Ok(command)
+    command
 }
