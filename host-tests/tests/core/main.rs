@@ -28,6 +28,7 @@ mod rising;
 mod robustness;
 mod saved;
 mod shaft;
+mod shaft_model;
 mod shaft_streams;
 mod soak;
 #[path = "../../../examples/support/standard_rig/mod.rs"]

@@ -2,7 +2,7 @@
 
 use bearing_watch::model::{Field, layout, notes, stored_len};
 use bearing_watch::plan::{Plan, RunTime, RunTimeSample};
-use bearing_watch::{Detector, Model, ModelError, Park};
+use bearing_watch::{Angle, Detector, Model, ModelError, Park, RotorFrame};
 use proptest::prelude::*;
 
 use crate::exported::{Drive, MODEL, Sample};
@@ -28,13 +28,20 @@ fn binary_and_rust_exports_are_the_same_model() {
 }
 
 #[test]
-fn the_convention_of_the_current_is_kept() {
+fn the_convention_of_the_current_is_kept_and_another_one_refused() {
     let mut buffer = vec![0; FILE.len() + 64];
     for park in [None, Some(Park::Standard), Some(Park::Thesis)] {
         let mut constants = MODEL.constants().clone();
         constants.sampling.park = park;
         let length = Model::new(Drive, constants).expect("good model").to_bytes("", &mut buffer).expect("fits");
-        assert_eq!(read(&buffer[..length]).expect("good model").constants().sampling.park, park);
+        let model = read(&buffer[..length]).expect("good model");
+        assert_eq!(model.constants().sampling.park, park);
+        for given in [Park::Standard, Park::Thesis] {
+            let frame = RotorFrame { pole_pairs: 4, electrical_offset: Angle::from_bits(0), park: given };
+            let refused = park.filter(|trained| *trained != given);
+            let expected = refused.map_or(Ok(()), |trained| Err(ModelError::Park { trained, given }));
+            assert_eq!(model.check_rotor_frame(&frame), expected);
+        }
     }
 }
 
