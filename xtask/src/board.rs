@@ -27,7 +27,7 @@ pub const OTHERS: [Board; 2] = [
 pub const NO_FPU: Board =
     Board { core: "Cortex-M0", machine: "microbit", target: "thumbv6m-none-eabi", memory: "nrf51" };
 
-/// Code of the same processor, on a machine whose memory holds the larger examples: a Cortex-M3, which runs it.
+/// Code for that processor on a machine that has the memory for larger examples: a Cortex-M3, which runs it as well.
 pub const NO_FPU_LARGE: Board = Board { core: "code of a Cortex-M0", machine: "mps2-an385", memory: "mps2", ..NO_FPU };
 
 /// Chips of drives that the emulator does not have: firmware is built for them, and not run.

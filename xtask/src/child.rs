@@ -43,6 +43,16 @@ pub fn succeed(command: &mut Command) -> Result<()> {
     Ok(())
 }
 
+/// Runs to the end and returns the lines of standard output; fails unless the program succeeds.
+pub fn printed(command: &mut Command) -> Result<Vec<String>> {
+    let mut printed = Vec::new();
+    let status = lines(command, |line| printed.push(line.to_owned()))?;
+    if !status.success() {
+        bail!("{} failed ({status})", name(command));
+    }
+    Ok(printed)
+}
+
 /// Whether the program runs and succeeds; its output is dropped.
 pub fn works(command: &mut Command) -> bool {
     command

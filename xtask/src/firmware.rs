@@ -116,7 +116,7 @@ fn cargo_to(command: &str, way: Way, board: Board) -> (Command, PathBuf) {
         "" => cargo.env_remove(BOARD),
         folder => cargo.env(BOARD, folder),
     };
-    // Its lines of source are a tenth of the work of the compiler, and nobody debugs the firmware of these checks.
+    // Debug information takes a tenth of the build time, and no check reads it.
     cargo.env("CARGO_PROFILE_RELEASE_DEBUG", "false");
     // Flags from the environment would replace those of the configuration, which name the linker
     // script; the result would be an empty program.
@@ -132,7 +132,7 @@ fn existing(elf: PathBuf) -> Result<PathBuf> {
 }
 
 /// The features that an example asks for in `Cargo.toml`.
-pub fn features(example: &str) -> &'static [&'static str] {
+fn features(example: &str) -> &'static [&'static str] {
     match example {
         "logging" => &["--features", "defmt"],
         "kernels" | "measure" => &["--features", "internals"],

@@ -20,7 +20,8 @@ const COST: &str = "cost: ";
 pub struct Model {
     /// The binary model.
     pub binary: PathBuf,
-    /// The source that `train --rust` wrote with it; `None` for the example's own one, with which it is built anyway.
+    /// Absolute path of the source that `train --rust` wrote with it; `None` for the example's own one, with which it is
+    /// built anyway.
     pub source: Option<PathBuf>,
 }
 
@@ -79,7 +80,7 @@ fn replayed(trace: &Path, model: &Model) -> Result<(PathBuf, Vec<String>)> {
 fn compare(way: Way, trace: &Path, model: &Model) -> Result<(Vec<String>, Vec<String>)> {
     let (folder, host) = replayed(trace, model)?;
     let elf = match &model.source {
-        Some(source) => firmware::build_with_model(way, DRIVE, EXAMPLE, &std::path::absolute(source)?)?,
+        Some(source) => firmware::build_with_model(way, DRIVE, EXAMPLE, source)?,
         None => firmware::build(way, DRIVE, EXAMPLE)?,
     };
     let target = qemu::run_in(&folder, &elf, DRIVE.machine, qemu::Echo::Off)?;
@@ -104,15 +105,12 @@ fn on_host(folder: &Path, source: Option<&Path>) -> Result<Vec<String>> {
     let mut run = match source {
         Some(source) => {
             let mut cargo = workspace::cargo(&["run", "--quiet", "--example", EXAMPLE, "--manifest-path"]);
-            cargo.arg(workspace::root().join("Cargo.toml")).env(firmware::MODEL, std::path::absolute(source)?);
+            cargo.arg(workspace::root().join("Cargo.toml")).env(firmware::MODEL, source);
             cargo
         }
         None => workspace::example(EXAMPLE)?,
     };
-    let mut lines = Vec::new();
-    let status = child::lines(run.current_dir(folder), |line| lines.push(line.to_owned()))?;
-    ensure!(status.success(), "on the host: {status}");
-    Ok(lines)
+    child::printed(run.current_dir(folder)).context("on the host")
 }
 
 /// Where the rows are.

@@ -194,10 +194,7 @@ fn compare(way: Way, board: Board, example: &str) -> Result<String> {
 
 /// The lines that an example prints on the host.
 pub fn on_host(example: &str) -> Result<Vec<String>> {
-    let mut lines = Vec::new();
-    let status = child::lines(&mut workspace::example(example)?, |line| lines.push(line.to_owned()))?;
-    ensure!(status.success(), "on the host: {status}");
-    Ok(lines)
+    child::printed(&mut workspace::example(example)?).context("on the host")
 }
 
 /// The whole chain of causes in one text.

@@ -22,7 +22,7 @@ fn every_feature_of_the_shaft_is_read_back() {
     }
 }
 
-/// The largest scale of a row's cell is the largest power of two with which no square of 1e14 is exceeded.
+/// Scales are powers of two, and the scale of a cell times the limit of its signal is at most 1e14.
 #[test]
 fn scales_are_bounded_by_the_limit_of_their_own_signal() {
     let measured = model(Lags::default(), true, 5000);

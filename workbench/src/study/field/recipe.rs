@@ -107,6 +107,8 @@ mod tests {
             (known.rising, known.covariates),
             (vec!["viscous_log".into(), "drag".into()], vec![TEMPERATURE.into()])
         );
+        let asked = ["order_outer".to_string()];
+        assert_eq!(recipe(&Condition::MIX, &asked).features, asked);
         let asked = ["viscous".to_string(), "drag_score".into(), "inverse_kt_log".into()];
         let known = of_row(&named(&["temperature-known".into()]).expect("a row")[0], &asked);
         assert_eq!((&known.features[..], &known.rising[..]), (&asked[..], &asked[..2]));
