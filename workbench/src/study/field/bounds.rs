@@ -35,7 +35,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 use statrs::statistics::Statistics;
 
 use super::Settings;
-use super::recipe::{FALSE_ALARM, recipe};
+use super::recipe::{FALSE_ALARM, SHARES, recipe};
 use super::rows::{CLASS_SIZES, COLUMNS, Row};
 use super::run::{self, Draw};
 use super::tally::{Tally, rate};
@@ -156,11 +156,15 @@ pub fn bound(row: &Row, settings: &Settings) -> Result<Bounded, Error> {
     let floor_nm = root_mean_square(&spalls.iter().map(|spall| spall.floor_nm).collect::<Vec<_>>());
     let viscous_errors = viscous_errors(row, &healthy, &balance)?;
     let drives = Population::of(row);
-    let rough = |drives: &Population, severity: f64| RoughnessBound {
-        severity,
-        exact: drives.powers(severity, &[0.0], &[FALSE_ALARM])[0],
-        with_error: drives.powers(severity, &viscous_errors, &[FALSE_ALARM])[0],
-        found: of(&by_all, DefectKind::Roughness, severity),
+    let rough = |drives: &Population, severity: f64| {
+        let with_error = drives.powers(severity, &viscous_errors, &[FALSE_ALARM, FALSE_ALARM / SHARES as f64]);
+        RoughnessBound {
+            severity,
+            exact: drives.powers(severity, &[0.0], &[FALSE_ALARM])[0],
+            with_error: with_error[0],
+            at_share: with_error[1],
+            found: of(&by_all, DefectKind::Roughness, severity),
+        }
     };
     let roughness = drives.iter().flat_map(|own| sizes(DefectKind::Roughness).into_iter().map(|size| rough(own, size)));
     let classes = |(place, severity): (usize, f64)| {

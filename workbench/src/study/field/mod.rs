@@ -48,7 +48,7 @@ pub struct Settings {
     pub healthy: u32,
     /// Number of validation records of each defect and size.
     pub defects: u32,
-    /// Features of the detector; those of [`recipe::FEATURES`] if empty.
+    /// Features of the detector; those of [`recipe`] if empty.
     pub features: Vec<String>,
 }
 

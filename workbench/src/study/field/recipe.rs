@@ -1,5 +1,5 @@
-//! The one configuration of all rows. To try other features, change [`FEATURES`], or pass others in
-//! [`Settings::features`](super::Settings::features).
+//! The one configuration of all rows. To try other features, change [`GATE_FEATURES`] and [`FEATURES`], or pass others
+//! in [`Settings::features`](super::Settings::features).
 
 use super::rows::Row;
 use crate::identify::Structure;
@@ -10,17 +10,24 @@ use crate::train::{Alarms, Recipe, ShaftPlan};
 
 /// Features of the detector: the torque constant, the friction that varies with load and with velocity, that at a usual
 /// velocity and load, and the order of the outer race.
+///
+/// On one scale each: what a value adds to its logarithm is skewed, while the laws of runs are symmetric; and defects of
+/// half size would not lie on the line from healthy to full size, as the classes assume.
 pub const FEATURES: [&str; 5] = ["inverse_kt", "load_friction", "viscous", "drag", "order_outer"];
+
+/// Features of a gate of records, whose laws may be skewed. The friction that varies with velocity is there as its
+/// logarithm too: the viscosity of grease falls by the same factor for each degree, so that the logarithm scatters alike
+/// in cold and in warm grease; but an error of the estimate scatters alike on the plain scale.
+pub const GATE_FEATURES: [&str; 6] = ["inverse_kt", "load_friction", "viscous_log", "viscous", "drag", "order_outer"];
+
+/// The parts of the gate that share its false alarms: the distance of the first two features, and each of the others.
+pub const SHARES: usize = GATE_FEATURES.len() - 1;
 
 /// The friction that a defect only raises, as it only raises the order, on any scale.
 pub const RISING: [&str; 2] = ["viscous", "drag"];
 
 /// The covariate of a row that knows the temperature.
 pub const TEMPERATURE: &str = "mean_temperature_c";
-
-/// The viscous friction, and the feature that such a row has in its place unless others are asked for: the viscosity of
-/// grease falls by the same factor for each degree, and scatters by a factor.
-const BY_TEMPERATURE: [&str; 2] = ["viscous", "viscous_log"];
 
 /// Terms that do not exist if the load is not measured, and friction, which then contains the load.
 const NEED_LOAD: [&str; 4] = ["inverse_kt", "load_friction", "viscous", "drag"];
@@ -62,16 +69,25 @@ fn term(feature: &str) -> &str {
     scales.find_map(|scale| feature.strip_suffix(scale)).unwrap_or(feature)
 }
 
-/// Returns the recipe for a row.
+/// Returns the recipe for a row's gate of healthy records; [`GATE_FEATURES`] if `features` is empty.
 #[must_use]
-pub fn of_row(row: &Row, features: &[String]) -> Recipe {
+pub fn of_gate(row: &Row, features: &[String]) -> Recipe {
+    of_row(row, features, &GATE_FEATURES)
+}
+
+/// Returns the recipe for a row's classes; [`FEATURES`] if `features` is empty.
+#[must_use]
+pub fn of_classes(row: &Row, features: &[String]) -> Recipe {
+    of_row(row, features, &FEATURES)
+}
+
+fn of_row(row: &Row, features: &[String], usual: &[&str]) -> Recipe {
+    let usual: Vec<String> = usual.iter().map(ToString::to_string).collect();
+    let recipe = recipe(&row.trained, if features.is_empty() { &usual } else { features });
     if !row.known {
-        return recipe(&row.trained, features);
+        return recipe;
     }
-    let [plain, logarithm] = BY_TEMPERATURE;
-    let own = FEATURES.map(|name| if name == plain { logarithm } else { name }.to_owned());
-    let features = if features.is_empty() { &own } else { features };
-    Recipe { covariates: vec![TEMPERATURE.into()], ..recipe(&row.trained, features) }.with_averaged_columns()
+    Recipe { covariates: vec![TEMPERATURE.into()], ..recipe }.with_averaged_columns()
 }
 
 /// Returns whether the drives of a condition measure the load.
@@ -84,6 +100,10 @@ pub fn has_load_sensor(condition: &Condition) -> bool {
 mod tests {
     use super::*;
     use crate::study::field::rows::named;
+
+    fn vec_of(names: &[&str]) -> Vec<String> {
+        names.iter().map(|&name| name.into()).collect()
+    }
 
     #[test]
     fn only_the_load_differs_between_conditions() {
@@ -101,18 +121,17 @@ mod tests {
                 assert!(own.rising.is_empty());
             }
         }
-        let known = of_row(&named(&["temperature-known".into()]).expect("a row")[0], &[]);
-        assert_eq!(known.features, ["inverse_kt", "load_friction", "viscous_log", "drag", "order_outer"]);
-        assert_eq!(
-            (known.rising, known.covariates),
-            (vec!["viscous_log".into(), "drag".into()], vec![TEMPERATURE.into()])
-        );
+        let known = of_gate(&named(&["temperature-known".into()]).expect("a row")[0], &[]);
+        assert_eq!(known.features, GATE_FEATURES);
+        assert_eq!((known.rising, known.covariates), (vec_of(&GATE_FEATURES[2..5]), vec_of(&[TEMPERATURE])));
+        let classes = of_classes(&named(&["field-sine".into()]).expect("a row")[0], &[]);
+        assert_eq!((classes.features, classes.rising), (vec_of(&FEATURES), vec_of(&FEATURES[2..4])));
         let asked = ["order_outer".to_string()];
         assert_eq!(recipe(&Condition::MIX, &asked).features, asked);
         let asked = ["viscous".to_string(), "drag_score".into(), "inverse_kt_log".into()];
-        let known = of_row(&named(&["temperature-known".into()]).expect("a row")[0], &asked);
+        let known = of_gate(&named(&["temperature-known".into()]).expect("a row")[0], &asked);
         assert_eq!((&known.features[..], &known.rising[..]), (&asked[..], &asked[..2]));
         let none = named(&["no-load-sensor".into()]).expect("a row")[0];
-        assert!(of_row(&none, &asked).features.is_empty());
+        assert!(of_gate(&none, &asked).features.is_empty());
     }
 }

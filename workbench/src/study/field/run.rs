@@ -1,7 +1,7 @@
 //! Trains and judges one draw of one row with the embedded detector.
 
 use super::Settings;
-use super::recipe::of_row;
+use super::recipe::{of_classes, of_gate};
 use super::rows::{CLASS_SIZES, CLASSES, COLUMNS, Row};
 use super::tally::Tally;
 use crate::Error;
@@ -10,7 +10,7 @@ use crate::rig::{Defect, DefectKind, Scenario};
 use crate::study::campaign::run::{class_names, labelled, traces};
 use crate::study::campaign::{Recording, map_traces};
 use crate::trace::labels::LabelledTrace;
-use crate::train::train;
+use crate::train::{Recipe, train};
 
 /// Result of one draw of one row; the error is the reason why training refused the set.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -66,15 +66,14 @@ fn of_size(kind: DefectKind, severity: f64) -> Defect {
 /// The gate, trained on healthy records, and the discriminant, trained on the same records and the defects.
 fn detectors(row: &Row, draw: u32, settings: &Settings) -> Result<(Trained, Option<Trained>), Error> {
     let healthy = traces(&[(row.training(draw, Defect::HEALTHY), 0)], settings.healthy_training)?;
-    let trained = |set: &[LabelledTrace], classes: &[Defect]| -> Trained {
-        let recipe = of_row(row, &settings.features);
+    let trained = |set: &[LabelledTrace], classes: &[Defect], recipe: Recipe| -> Trained {
         if recipe.features.is_empty() {
             return Err("none of the features exists without a load sensor".into());
         }
         let trained = train(set, &class_names(classes), &recipe);
         trained.and_then(|trained| trained.embed()).map_err(|error| error.to_string())
     };
-    let gate = trained(&healthy, &[Defect::HEALTHY]);
+    let gate = trained(&healthy, &[Defect::HEALTHY], of_gate(row, &settings.features));
     if !row.classes {
         return Ok((gate, None));
     }
@@ -82,7 +81,7 @@ fn detectors(row: &Row, draw: u32, settings: &Settings) -> Result<(Trained, Opti
     let cells: Vec<_> = classes.iter().enumerate().skip(1).map(|(k, own)| (row.training(draw, *own), k)).collect();
     let mut set = healthy;
     set.extend(traces(&cells, settings.defects_training)?);
-    Ok((gate, Some(trained(&set, &classes))))
+    Ok((gate, Some(trained(&set, &classes, of_classes(row, &settings.features)))))
 }
 
 /// Runs the detectors over one record.

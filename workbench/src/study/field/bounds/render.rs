@@ -9,6 +9,7 @@ use crate::evaluate::Rate;
 use crate::rig::{Defect, DefectKind};
 use crate::study::campaign::render::grid;
 use crate::study::field::Settings;
+use crate::study::field::recipe::{FALSE_ALARM, SHARES};
 use crate::study::field::render::{heading, percent};
 
 fn shown(rate: Option<Rate>) -> String {
@@ -60,7 +61,9 @@ pub fn text(all: &[Bounded], settings: &Settings) -> String {
 fn roughness(all: &[Bounded]) -> String {
     let title = "Roughness found at 1 % false alarms where the temperature changes the friction, %: bounds, and what \
                  is found [95 % interval]";
-    let head = ["", "error of the core, µN·m·s/rad", "size", "bound: exact friction", "with this error", "detector"];
+    let share = format!("at {} %", 100.0 * FALSE_ALARM / SHARES as f64);
+    let error = "error of the core, µN·m·s/rad";
+    let head = ["", error, "size", "bound: exact friction", "with this error", &share, "detector"];
     let row = |own: &Bounded, bound: &RoughnessBound| {
         vec![
             own.row.clone(),
@@ -68,6 +71,7 @@ fn roughness(all: &[Bounded]) -> String {
             heading(Defect { kind: DefectKind::Roughness, severity: bound.severity }),
             format!("{:.1}", 100.0 * bound.exact),
             format!("{:.1}", 100.0 * bound.with_error),
+            format!("{:.1}", 100.0 * bound.at_share),
             shown(bound.found),
         ]
     };
@@ -114,6 +118,7 @@ pub fn to_json(all: &[Bounded]) -> Value {
             "severity": own.severity,
             "exact": own.exact,
             "with_error": own.with_error,
+            "at_share": own.at_share,
             "found": own.found.map(|rate| rate.to_json()),
         })
     };

@@ -39,6 +39,8 @@ pub struct RoughnessBound {
     pub exact: f64,
     /// By a viscous friction with the error that the core has.
     pub with_error: f64,
+    /// The same at the false-alarm rate of one part of the gate.
+    pub at_share: f64,
     /// Found by the detector of the table.
     pub found: Option<Rate>,
 }
