@@ -9,31 +9,58 @@ pub struct Board {
     pub machine: &'static str,
     /// The compiler's name of the target.
     pub target: &'static str,
-    /// The folder of `boards` that holds its `memory.x`; empty for the one at the top of the repository.
-    pub memory: &'static str,
+    pub memory: Memory,
+}
+
+/// Where the memory map of a board is, and what selects it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Memory {
+    /// The `memory.x` at the top of the repository.
+    Top,
+    /// That of this folder of `boards`, by the variable that `build.rs` reads. All boards of a target share it: when it
+    /// changes, the core is compiled again.
+    Variable(&'static str),
+    /// That of this folder of `boards`, by an argument of the linker.
+    Linker(&'static str),
 }
 
 /// The chip of many motor drives, an STM32F405.
 pub const DRIVE: Board =
-    Board { core: "Cortex-M4F", machine: "netduinoplus2", target: "thumbv7em-none-eabihf", memory: "" };
+    Board { core: "Cortex-M4F", machine: "netduinoplus2", target: "thumbv7em-none-eabihf", memory: Memory::Top };
 
 /// Other processors that must compute the same bits.
 pub const OTHERS: [Board; 2] = [
-    Board { core: "Cortex-M7", machine: "mps2-an500", target: "thumbv7em-none-eabihf", memory: "mps2" },
-    Board { core: "Cortex-M33", machine: "mps2-an505", target: "thumbv8m.main-none-eabihf", memory: "mps2-an505" },
+    Board { core: "Cortex-M7", machine: "mps2-an500", target: "thumbv7em-none-eabihf", memory: Memory::Linker("mps2") },
+    Board {
+        core: "Cortex-M33",
+        machine: "mps2-an505",
+        target: "thumbv8m.main-none-eabihf",
+        memory: Memory::Variable("mps2-an505"),
+    },
 ];
 
 /// A processor without a floating-point unit, on which the cost of a sample is counted.
 pub const NO_FPU: Board =
-    Board { core: "Cortex-M0", machine: "microbit", target: "thumbv6m-none-eabi", memory: "nrf51" };
+    Board { core: "Cortex-M0", machine: "microbit", target: "thumbv6m-none-eabi", memory: Memory::Linker("nrf51") };
 
 /// Code for that processor on a machine that has the memory for larger examples: a Cortex-M3, which runs it as well.
-pub const NO_FPU_LARGE: Board = Board { core: "code of a Cortex-M0", machine: "mps2-an385", memory: "mps2", ..NO_FPU };
+pub const NO_FPU_LARGE: Board =
+    Board { core: "code of a Cortex-M0", machine: "mps2-an385", memory: Memory::Linker("mps2"), ..NO_FPU };
 
 /// Chips of drives that the emulator does not have: firmware is built for them, and not run.
 pub const NOT_EMULATED: [Board; 2] = [
-    Board { core: "Cortex-M4F", machine: "STM32G474", target: "thumbv7em-none-eabihf", memory: "stm32g474" },
-    Board { core: "Cortex-M7", machine: "STM32H743", target: "thumbv7em-none-eabihf", memory: "stm32h743" },
+    Board {
+        core: "Cortex-M4F",
+        machine: "STM32G474",
+        target: "thumbv7em-none-eabihf",
+        memory: Memory::Linker("stm32g474"),
+    },
+    Board {
+        core: "Cortex-M7",
+        machine: "STM32H743",
+        target: "thumbv7em-none-eabihf",
+        memory: Memory::Linker("stm32h743"),
+    },
 ];
 
 #[cfg(test)]
@@ -46,8 +73,10 @@ mod tests {
         let mut machines = Vec::new();
         for board in OTHERS.iter().chain(&NOT_EMULATED).chain([&DRIVE, &NO_FPU, &NO_FPU_LARGE]) {
             let root = workspace::root();
-            let folder = if board.memory.is_empty() { root } else { root.join("boards").join(board.memory) };
-            let map = folder.join("memory.x");
+            let map = match board.memory {
+                Memory::Top => root.join("memory.x"),
+                Memory::Variable(folder) | Memory::Linker(folder) => root.join("boards").join(folder).join("memory.x"),
+            };
             assert!(map.is_file(), "no {}", map.display());
             assert!(!machines.contains(&board.machine), "{} twice", board.machine);
             machines.push(board.machine);

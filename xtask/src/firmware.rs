@@ -5,7 +5,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 
-use crate::board::{Board, DRIVE};
+use crate::board::{Board, DRIVE, Memory};
 use crate::toolchain::Way;
 use crate::{child, setup, workspace};
 
@@ -19,7 +19,7 @@ const BOARD: &str = "BEARING_WATCH_BOARD";
 pub const MODEL: &str = "BEARING_WATCH_MODEL";
 
 /// Builds one example in release and returns its ELF file. Boards of one target share the place of that file: use it
-/// before building for another.
+/// before you build for another.
 pub fn build(way: Way, board: Board, example: &str) -> Result<PathBuf> {
     build_with(way, board, example, &[])
 }
@@ -52,12 +52,18 @@ pub fn build_smallest(way: Way, board: Board, example: &str) -> Result<PathBuf> 
 
 /// Builds one example with further settings of the profile.
 fn build_with(way: Way, board: Board, example: &str, settings: &[&str]) -> Result<PathBuf> {
-    let (mut cargo, folder) = cargo(way, board);
+    let (mut cargo, folder) = cargo_to("rustc", way, board);
     for setting in settings {
         cargo.args(["--config", &format!("profile.release.{setting}")]);
     }
     // By package, so that features which only host packages want do not leak in.
-    child::succeed(cargo.args(["--package", "bearing-watch", "--example", example]).args(features(example)))?;
+    cargo.args(["--package", "bearing-watch", "--example", example]).args(features(example));
+    if let Memory::Linker(name) = board.memory {
+        // As build.rs does. A flag for this crate alone: the core is the same for all boards of a target.
+        let map = workspace::root().join("boards").join(name).join("memory.x");
+        cargo.args(["--", "-C", &format!("link-arg=--remap-inputs=memory.x={}", map.display())]);
+    }
+    child::succeed(&mut cargo)?;
     existing(folder.join("examples").join(example))
 }
 
@@ -113,8 +119,8 @@ fn cargo_to(command: &str, way: Way, board: Board) -> (Command, PathBuf) {
         cargo.args(["-Z", "build-std=core", "--config", LINKER]);
     }
     match board.memory {
-        "" => cargo.env_remove(BOARD),
-        folder => cargo.env(BOARD, folder),
+        Memory::Variable(folder) => cargo.env(BOARD, folder),
+        Memory::Top | Memory::Linker(_) => cargo.env_remove(BOARD),
     };
     // Debug information takes a tenth of the build time, and no check reads it.
     cargo.env("CARGO_PROFILE_RELEASE_DEBUG", "false");
