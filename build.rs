@@ -21,13 +21,14 @@ fn main() {
     }
     println!("cargo::rerun-if-env-changed={VARIABLE}");
     println!("cargo::rerun-if-changed=memory.x");
+    // All maps: the one of another board may also be given to the linker.
+    println!("cargo::rerun-if-changed=boards");
     let board = env::var(VARIABLE).unwrap_or_default();
     if board.is_empty() {
         return;
     }
     let top = env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
     let map = Path::new(&top).join("boards").join(&board).join("memory.x");
-    println!("cargo::rerun-if-changed={}", map.display());
     if map.is_file() {
         // An `-L` would not do: the linker searches its working directory first, which holds the default map. This
         // option needs LLD.

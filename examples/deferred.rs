@@ -187,15 +187,17 @@ fn wait_for_a_sample() {
 mod timer {
     use core::cell::RefCell;
 
+    use cortex_m::asm;
     use cortex_m::interrupt::{self, Mutex};
     use cortex_m::peripheral::{Peripherals, SYST, syst::SystClkSource};
     use cortex_m_rt::exception;
 
     use super::{Queue, Shared};
 
-    /// Ticks of the core's clock: 2 ms of an STM32F405. That is 7800 instructions of the emulator, enough for the
-    /// interrupt and the pieces of a sample; a Cortex-M3 without floating-point unit, emulated at 25 MHz, has 52 000.
-    const INTERVAL: u32 = 336_000;
+    /// From sample to sample, rounds of a loop of two instructions: enough for the interrupt and the pieces of a sample.
+    const INTERVAL: u32 = 5_000;
+    /// Largest value of the timer.
+    const MOST: u32 = 0x00FF_FFFF;
 
     static SHARED: Mutex<RefCell<Option<Shared>>> = Mutex::new(RefCell::new(None));
     static TIMER: Mutex<RefCell<Option<SYST>>> = Mutex::new(RefCell::new(None));
@@ -213,10 +215,16 @@ mod timer {
     pub fn start(shared: Shared) {
         let Some(Peripherals { SYST: mut timer, .. }) = Peripherals::take() else { return };
         timer.set_clock_source(SystClkSource::Core);
-        timer.set_reload(INTERVAL - 1);
+        timer.set_reload(MOST);
+        timer.clear_current();
+        timer.enable_counter();
+        // Measured, since each machine of the emulator has another number of ticks for an instruction.
+        let before = SYST::get_current();
+        asm::delay(INTERVAL);
+        let ticks = before.wrapping_sub(SYST::get_current()) & MOST;
+        timer.set_reload(ticks);
         timer.clear_current();
         timer.enable_interrupt();
-        timer.enable_counter();
         interrupt::free(|section| {
             SHARED.borrow(section).replace(Some(shared));
             TIMER.borrow(section).replace(Some(timer));

@@ -41,8 +41,7 @@ pub fn run_on_target(way: Option<Way>) -> bool {
     stages.total().failed == 0
 }
 
-/// First what needs no program of the host, which the other process builds meanwhile; last the other boards, since those
-/// with the target of the drive's chip have the examples built anew.
+/// First what needs no program of the host, which the other process builds meanwhile; last the other boards.
 fn on_target(stages: &mut Stages, way: Option<Way>) {
     stages.stage("firmware builds", |tally| target::builds(tally, way));
     stages.stage("no panic", |tally| target::no_panic(tally, way));
