@@ -221,6 +221,21 @@ fn sums_that_would_degrade_are_refused() {
 }
 
 #[test]
+fn the_column_of_the_output_keeps_its_sums_finite() {
+    let limit = MODEL.constants().channels[0].limit;
+    assert!(limit > 2.0, "a limit that matters");
+    let largest = (1e14 / limit).log2().floor().exp2();
+    let scaled = |scale: f32| {
+        changed(|c| {
+            let last = c.regression[0].scale.len() - 1;
+            c.regression[0].scale[last] = scale;
+        })
+    };
+    assert_eq!(scaled(largest).map(|_| ()), Ok(()));
+    assert_eq!(scaled(2.0 * largest).map(|_| ()), Err(ModelError::OutOfRange(Field::LimitTimesScale)));
+}
+
+#[test]
 fn instruments_need_a_stable_nominal_model_and_time_to_settle() {
     let instruments = |r| RegressionLayout { method: Method::Instruments, ..r };
     let unstable = of(instruments, |c| c.regression[0].nominal[0] = 0.1);
