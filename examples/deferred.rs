@@ -194,7 +194,8 @@ mod timer {
 
     use super::{Queue, Shared};
 
-    /// From sample to sample, rounds of a loop of two instructions: enough for the interrupt and the pieces of a sample.
+    /// From sample to sample, rounds of a loop of two instructions: enough for the interrupt and the pieces of a
+    /// sample.
     const INTERVAL: u32 = 5_000;
     /// Largest value of the timer.
     const MOST: u32 = 0x00FF_FFFF;

@@ -1,5 +1,9 @@
 //! The emulated boards: which machine, which compiler target, which memory map.
 
+use std::path::PathBuf;
+
+use crate::workspace;
+
 /// One machine of the emulator and what firmware for it is built with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Board {
@@ -22,6 +26,18 @@ pub enum Memory {
     Variable(&'static str),
     /// That of this folder of `boards`, by an argument of the linker.
     Linker(&'static str),
+}
+
+impl Memory {
+    /// The file of the map.
+    pub fn file(self) -> PathBuf {
+        let root = workspace::root();
+        let folder = match self {
+            Self::Top => root,
+            Self::Variable(folder) | Self::Linker(folder) => root.join("boards").join(folder),
+        };
+        folder.join("memory.x")
+    }
 }
 
 /// The chip of many motor drives, an STM32F405.
@@ -66,17 +82,12 @@ pub const NOT_EMULATED: [Board; 2] = [
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::workspace;
 
     #[test]
     fn every_board_has_its_memory_map_and_a_machine_of_its_own() {
         let mut machines = Vec::new();
         for board in OTHERS.iter().chain(&NOT_EMULATED).chain([&DRIVE, &NO_FPU, &NO_FPU_LARGE]) {
-            let root = workspace::root();
-            let map = match board.memory {
-                Memory::Top => root.join("memory.x"),
-                Memory::Variable(folder) | Memory::Linker(folder) => root.join("boards").join(folder).join("memory.x"),
-            };
+            let map = board.memory.file();
             assert!(map.is_file(), "no {}", map.display());
             assert!(!machines.contains(&board.machine), "{} twice", board.machine);
             machines.push(board.machine);

@@ -58,10 +58,10 @@ fn build_with(way: Way, board: Board, example: &str, settings: &[&str]) -> Resul
     }
     // By package, so that features which only host packages want do not leak in.
     cargo.args(["--package", "bearing-watch", "--example", example]).args(features(example));
-    if let Memory::Linker(name) = board.memory {
+    if matches!(board.memory, Memory::Linker(_)) {
         // As build.rs does. A flag for this crate alone: the core is the same for all boards of a target.
-        let map = workspace::root().join("boards").join(name).join("memory.x");
-        cargo.args(["--", "-C", &format!("link-arg=--remap-inputs=memory.x={}", map.display())]);
+        let flag = format!("link-arg=--remap-inputs=memory.x={}", board.memory.file().display());
+        cargo.args(["--", "-C", &flag]);
     }
     child::succeed(&mut cargo)?;
     existing(folder.join("examples").join(example))

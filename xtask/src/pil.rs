@@ -20,8 +20,8 @@ const COST: &str = "cost: ";
 pub struct Model {
     /// The binary model.
     pub binary: PathBuf,
-    /// Absolute path of the source that `train --rust` wrote with it; `None` for the example's own one, with which it is
-    /// built anyway.
+    /// Absolute path of the source that `train --rust` wrote with it; `None` for the example's own one, with which it
+    /// is built anyway.
     pub source: Option<PathBuf>,
 }
 

@@ -35,7 +35,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 use statrs::statistics::Statistics;
 
 use super::Settings;
-use super::recipe::{FALSE_ALARM, SHARES, recipe};
+use super::recipe::{FALSE_ALARM, SHARE, recipe};
 use super::rows::{CLASS_SIZES, COLUMNS, Row};
 use super::run::{self, Draw};
 use super::tally::{Tally, rate};
@@ -157,7 +157,7 @@ pub fn bound(row: &Row, settings: &Settings) -> Result<Bounded, Error> {
     let viscous_errors = viscous_errors(row, &healthy, &balance)?;
     let drives = Population::of(row);
     let rough = |drives: &Population, severity: f64| {
-        let with_error = drives.powers(severity, &viscous_errors, &[FALSE_ALARM, FALSE_ALARM / SHARES as f64]);
+        let with_error = drives.powers(severity, &viscous_errors, &[FALSE_ALARM, SHARE]);
         RoughnessBound {
             severity,
             exact: drives.powers(severity, &[0.0], &[FALSE_ALARM])[0],

@@ -11,17 +11,14 @@ use crate::train::{Alarms, Recipe, ShaftPlan};
 /// Features of the detector: the torque constant, the friction that varies with load and with velocity, that at a usual
 /// velocity and load, and the order of the outer race.
 ///
-/// On one scale each: what a value adds to its logarithm is skewed, while the laws of runs are symmetric; and defects of
-/// half size would not lie on the line from healthy to full size, as the classes assume.
+/// On one scale each: what a value adds to its logarithm is skewed, while the laws of runs are symmetric; and defects
+/// of half size would not lie on the line from healthy to full size, as the classes assume.
 pub const FEATURES: [&str; 5] = ["inverse_kt", "load_friction", "viscous", "drag", "order_outer"];
 
 /// Features of a gate of records, whose laws may be skewed. The friction that varies with velocity is there as its
-/// logarithm too: the viscosity of grease falls by the same factor for each degree, so that the logarithm scatters alike
-/// in cold and in warm grease; but an error of the estimate scatters alike on the plain scale.
+/// logarithm too: the viscosity of grease falls by the same factor for each degree, so that the logarithm scatters
+/// alike in cold and in warm grease; but an error of the estimate scatters alike on the plain scale.
 pub const GATE_FEATURES: [&str; 6] = ["inverse_kt", "load_friction", "viscous_log", "viscous", "drag", "order_outer"];
-
-/// The parts of the gate that share its false alarms: the distance of the first two features, and each of the others.
-pub const SHARES: usize = GATE_FEATURES.len() - 1;
 
 /// The friction that a defect only raises, as it only raises the order, on any scale.
 pub const RISING: [&str; 2] = ["viscous", "drag"];
@@ -38,6 +35,9 @@ const SLIP: f64 = 0.022;
 /// Set false-alarm rate of the gate.
 pub const FALSE_ALARM: f64 = 0.01;
 
+/// The false-alarm rate of each part of the gate: the distance of the first two features, and each of the others.
+pub const SHARE: f64 = FALSE_ALARM / (GATE_FEATURES.len() - 1) as f64;
+
 /// Structure of the regression if the load is not measured: no terms of u2.
 const WITHOUT_LOAD: Structure = Structure::new(2, 1, 0, 1, 1);
 
@@ -48,7 +48,7 @@ const WITHOUT_LOAD: Structure = Structure::new(2, 1, 0, 1, 1);
 #[must_use]
 pub fn recipe(condition: &Condition, features: &[String]) -> Recipe {
     let alarms = Alarms { healthy: Some(0), false_alarm: FALSE_ALARM, required: true, ..Alarms::default() };
-    let mut features = if features.is_empty() { FEATURES.map(String::from).to_vec() } else { features.to_vec() };
+    let mut features = chosen(features, &FEATURES);
     let load = has_load_sensor(condition);
     features.retain(|name| load || !NEED_LOAD.contains(&term(name)));
     let rising = features.iter().filter(|name| RISING.contains(&term(name))).cloned().collect();
@@ -61,6 +61,12 @@ pub fn recipe(condition: &Condition, features: &[String]) -> Recipe {
     }
     let shaft = base.shaft.clone().map(|plan| ShaftPlan { load: false, ..plan });
     Recipe { features, alarms, shaft, structure: WITHOUT_LOAD, ..base }
+}
+
+/// Returns the features that are asked for, or the usual ones if there are none.
+#[must_use]
+pub fn chosen(asked: &[String], usual: &[&str]) -> Vec<String> {
+    if asked.is_empty() { usual.iter().map(ToString::to_string).collect() } else { asked.to_vec() }
 }
 
 /// The term of a feature, which may also be its logarithm or its score.
@@ -82,8 +88,7 @@ pub fn of_classes(row: &Row, features: &[String]) -> Recipe {
 }
 
 fn of_row(row: &Row, features: &[String], usual: &[&str]) -> Recipe {
-    let usual: Vec<String> = usual.iter().map(ToString::to_string).collect();
-    let recipe = recipe(&row.trained, if features.is_empty() { &usual } else { features });
+    let recipe = recipe(&row.trained, &chosen(features, usual));
     if !row.known {
         return recipe;
     }
@@ -100,10 +105,6 @@ pub fn has_load_sensor(condition: &Condition) -> bool {
 mod tests {
     use super::*;
     use crate::study::field::rows::named;
-
-    fn vec_of(names: &[&str]) -> Vec<String> {
-        names.iter().map(|&name| name.into()).collect()
-    }
 
     #[test]
     fn only_the_load_differs_between_conditions() {
@@ -123,9 +124,9 @@ mod tests {
         }
         let known = of_gate(&named(&["temperature-known".into()]).expect("a row")[0], &[]);
         assert_eq!(known.features, GATE_FEATURES);
-        assert_eq!((known.rising, known.covariates), (vec_of(&GATE_FEATURES[2..5]), vec_of(&[TEMPERATURE])));
+        assert_eq!((known.rising, known.covariates), (chosen(&[], &GATE_FEATURES[2..5]), chosen(&[], &[TEMPERATURE])));
         let classes = of_classes(&named(&["field-sine".into()]).expect("a row")[0], &[]);
-        assert_eq!((classes.features, classes.rising), (vec_of(&FEATURES), vec_of(&FEATURES[2..4])));
+        assert_eq!((classes.features, classes.rising), (chosen(&[], &FEATURES), chosen(&[], &FEATURES[2..4])));
         let asked = ["order_outer".to_string()];
         assert_eq!(recipe(&Condition::MIX, &asked).features, asked);
         let asked = ["viscous".to_string(), "drag_score".into(), "inverse_kt_log".into()];

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::recipe::{FALSE_ALARM, GATE_FEATURES};
+use super::recipe::{FALSE_ALARM, GATE_FEATURES, chosen};
 use super::rows::{CLASS_SIZES, COLUMNS};
 use super::run::Draw;
 use super::tally::{Tally, rate};
@@ -145,7 +145,7 @@ fn class_grid(title: &str, findings: &[Findings]) -> String {
 }
 
 fn features(settings: &Settings) -> Vec<String> {
-    if settings.features.is_empty() { GATE_FEATURES.map(String::from).to_vec() } else { settings.features.clone() }
+    chosen(&settings.features, &GATE_FEATURES)
 }
 
 /// One row of counts for each row of the table, draw and column.

@@ -9,7 +9,7 @@ use crate::evaluate::Rate;
 use crate::rig::{Defect, DefectKind};
 use crate::study::campaign::render::grid;
 use crate::study::field::Settings;
-use crate::study::field::recipe::{FALSE_ALARM, SHARES};
+use crate::study::field::recipe::SHARE;
 use crate::study::field::render::{heading, percent};
 
 fn shown(rate: Option<Rate>) -> String {
@@ -61,7 +61,7 @@ pub fn text(all: &[Bounded], settings: &Settings) -> String {
 fn roughness(all: &[Bounded]) -> String {
     let title = "Roughness found at 1 % false alarms where the temperature changes the friction, %: bounds, and what \
                  is found [95 % interval]";
-    let share = format!("at {} %", 100.0 * FALSE_ALARM / SHARES as f64);
+    let share = format!("at {} %", 100.0 * SHARE);
     let error = "error of the core, µN·m·s/rad";
     let head = ["", error, "size", "bound: exact friction", "with this error", &share, "detector"];
     let row = |own: &Bounded, bound: &RoughnessBound| {
