@@ -6,9 +6,9 @@
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
-use workbench::cli::call::{Call, FleetStep, ModelFile, fleet, train};
-use workbench::fleet::Sums;
-use workbench::trace::{self, Channels, FrontEndFile, Labels};
+use fleet::Sums;
+use model::trace::{Channels, FrontEndFile};
+use workbench::call::{Call, FleetStep, ModelFile, fleet, train};
 
 use crate::Door;
 use crate::checksum;
@@ -55,7 +55,7 @@ fn file(name: &str, bytes: &[u8]) -> PathBuf {
 fn table(name: &str, bytes: &[u8]) {
     let paths = [file(name, bytes)];
     let mut channels = Channels::new("a", "b-c", "c");
-    match trace::read(&paths, &channels) {
+    match traces::read(&paths, &channels) {
         Ok(traces) => {
             for trace in traces {
                 assert_eq!((trace.y.len(), trace.u1.len()), (trace.u2.len(), trace.u2.len()));
@@ -66,21 +66,21 @@ fn table(name: &str, bytes: &[u8]) {
         Err(error) => assert!(!error.to_string().is_empty(), "a message"),
     }
     channels.time = Some("none".into());
-    let _refused = trace::read(&paths, &channels);
+    let _refused = traces::read(&paths, &channels);
 }
 
 fn parquet(bytes: &[u8]) {
     table("t.parquet", bytes);
     let path = file("part.parquet", bytes);
-    let Ok(part) = workbench::fleet::Part::open(&path) else { return };
+    let Ok(part) = fleet::Part::open(&path) else { return };
     let columns: Vec<String> = part.columns().iter().map(ToString::to_string).collect();
     for group in 0..part.row_groups().min(8) {
         let _bounds = part.bounds(group);
     }
     let call = Call {
         options: vec![
-            ("parts".into(), workbench::cli::call::Value::One(path.display().to_string())),
-            ("out".into(), workbench::cli::call::Value::One(path.with_extension("sums").display().to_string())),
+            ("parts".into(), workbench::call::Value::One(path.display().to_string())),
+            ("out".into(), workbench::call::Value::One(path.with_extension("sums").display().to_string())),
         ],
         ..Call::default()
     };
@@ -89,7 +89,7 @@ fn parquet(bytes: &[u8]) {
 }
 
 fn labels(bytes: &[u8]) {
-    if let Ok(labels) = Labels::read(&file("labels.csv", bytes)) {
+    if let Ok(labels) = traces::read_labels(&file("labels.csv", bytes)) {
         assert!(labels.columns().iter().any(|column| column == "trace"));
         let _count = labels.count("healthy");
     }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use workbench::study::campaign::render::grid_cells;
+use studies::campaign::render::grid_cells;
 
 /// The text of a document, by its path from the workspace's root.
 ///

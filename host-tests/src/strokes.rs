@@ -5,11 +5,12 @@
 
 use std::path::PathBuf;
 
-use workbench::Error;
-use workbench::evaluate::{self, TraceVerdict};
-use workbench::trace::labels::LabelledTrace;
-use workbench::trace::{Channels, Labels, Preparation, Trace, read, stem};
-use workbench::train::{Recipe, Trained, train};
+use model::Error;
+use model::evaluate::{self, TraceVerdict};
+use model::trace::labels::LabelledTrace;
+use model::trace::{Channels, Preparation, Trace, stem};
+use model::train::{Recipe, Trained, train};
+use traces::read;
 
 use crate::data;
 
@@ -45,7 +46,7 @@ pub fn strokes(load: &'static str) -> Option<Vec<Stroke>> {
     let channels = Channels::new("current_a", "velocity_mm_s", "velocity_ref_mm_s");
     let file: PathBuf = folder.join(format!("strokes_{load}kgf.csv"));
     let traces = read(&[file], &channels).expect("readable strokes");
-    let labels = Labels::read(&folder.join("labels.csv")).expect("readable labels");
+    let labels = traces::read_labels(&folder.join("labels.csv")).expect("readable labels");
     let preparation = Preparation { block_mean: BLOCK, decimate: 1 };
     let of_run = |run: usize| {
         let conditions = [format!("load_kgf={load}"), format!("run={run}")].map(|c| c.parse().expect("condition"));

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use arrow_array::ffi_stream::{FFI_ArrowArrayStream, RecordBatchStreamReader};
 use arrow_array::{ArrayRef, BooleanArray, Float32Array, Float64Array, Int64Array, RecordBatch, RecordBatchIterator};
 use arrow_array::{RecordBatchReader, StringArray};
+use model::trace::Recorded;
 use numpy::PyReadonlyArray1;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict};
-use workbench::trace::Recorded;
 
 use crate::errors::{raised, refused};
 
@@ -32,7 +32,7 @@ pub(crate) fn table(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Arc<Record
     let reader = reader.map_err(unreadable)?;
     let names: Vec<String> = reader.schema().fields().iter().map(|field| field.name().clone()).collect();
     let batches = reader.collect::<Result<Vec<_>, _>>().map_err(unreadable)?;
-    Recorded::of_batches(name, &names, &batches).map(Arc::new).map_err(raised)
+    traces::table::of_batches(name, &names, &batches).map(Arc::new).map_err(raised)
 }
 
 /// A capsule with an Arrow stream of one batch: a dictionary of arrays of one dimension (float64, float32, int64 or

@@ -4,15 +4,16 @@ use std::sync::Arc;
 
 use bearing_watch::plan::RunTime;
 use bearing_watch::{Baseline, FrictionTerm};
+use model::Error;
+use model::core::{SegmentReport, Stream, Watched, Watcher};
+use model::identify::Terms as _;
+use model::trace::{Channels, Recorded, Trace};
+use model::train::features_of;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use self_cell::self_cell;
-use workbench::Error;
-use workbench::core::{SegmentReport, Stream, Watched, Watcher};
-use workbench::identify::Terms as _;
-use workbench::trace::{Channels, Recorded, Source, Trace};
-use workbench::train::features_of;
+use traces::Source;
 
 use crate::errors::{raised, refused};
 use crate::model::{Model, Own};

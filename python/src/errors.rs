@@ -2,10 +2,10 @@
 
 use std::io::ErrorKind;
 
+use model::Error;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyFileNotFoundError, PyOSError, PyPermissionError, PyValueError};
 use pyo3::prelude::*;
-use workbench::Error;
 
 create_exception!(
     bearing_watch,

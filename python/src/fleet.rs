@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use workbench::cli::call::{self, FleetStep};
+use workbench::call::{self, FleetStep};
 
 use crate::errors::raised;
 use crate::options::call;

@@ -1,11 +1,11 @@
 //! The classifier and the novelty gate on matrices of features, for estimators in the style of scikit-learn.
 
 use bearing_watch::plan::Kind;
+use model::identify::Structure;
+use model::train::{self, Keep, Matrix, ProjectionKind, Recipe, Shrink, Shrinkage};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use rayon::prelude::*;
-use workbench::identify::Structure;
-use workbench::train::{self, Keep, Matrix, ProjectionKind, Recipe, Shrink, Shrinkage};
 
 use crate::errors::{raised, refused};
 

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use model::trace::Cells;
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList};
-use workbench::cli::call::{self, Done, ModelFile, Report};
-use workbench::trace::Cells;
+use workbench::call::{self, Done, ModelFile, Report};
 
 use crate::errors::{raised, refused};
 use crate::options::call;
@@ -58,7 +58,7 @@ pub(crate) fn train(
 pub(crate) fn simulate<'py>(py: Python<'py>, options: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyList>> {
     let call = call(None, options, None, None)?;
     let tables = py.detach(|| call::simulate(call)).map_err(raised)?;
-    let each = |(table, class): (workbench::trace::Recorded, &'static str)| {
+    let each = |(table, class): (model::trace::Recorded, &'static str)| {
         let columns = PyDict::new(py);
         let name = table.name().to_string();
         for (name, cells) in table.into_columns() {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyList, PyMapping, PySequence, PyString};
-use workbench::cli::call::{Call, Value};
+use workbench::call::{Call, Value};
 
 use crate::tables::{table, tables};
 

@@ -2,17 +2,18 @@
 
 use std::sync::Arc;
 
+use model::Error;
+use model::identify::{Estimate, Method, Noise, Options, Structure, Terms, estimate_with, parse_order};
+use model::identify::{estimate, robust as robust_of, simulate};
+use model::structure::{Candidate, Estimator, Grid, Search, search};
+use model::trace::{Channels, Preparation, Recorded, Trace};
+use model::validate::roots::Root;
+use model::validate::{Correlation, Errors, Test, Validation, is_white, validate as validation};
 use numpy::{IntoPyArray, PyArray1, PyArray2, ToPyArray};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use workbench::Error;
-use workbench::identify::{Estimate, Method, Noise, Options, Structure, Terms, estimate_with, parse_order};
-use workbench::identify::{estimate, robust as robust_of, simulate};
-use workbench::structure::{Candidate, Estimator, Grid, Search, search};
-use workbench::trace::{Channels, Preparation, Recorded, Source, Trace};
-use workbench::validate::roots::Root;
-use workbench::validate::{Correlation, Errors, Test, Validation, is_white, validate as validation};
+use traces::Source;
 
 use crate::errors::{raised, refused};
 use crate::tables::{table, tables};

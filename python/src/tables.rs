@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
+use model::trace::{Cells, Recorded};
 use numpy::{PyReadonlyArray1, PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use workbench::trace::{Cells, Recorded};
 
 use crate::arrow;
 use crate::errors::raised;

@@ -2,7 +2,7 @@
 
 use bearing_watch::{Detector, Model, Part, Reason, Verdict};
 use proptest::prelude::*;
-use workbench::rig::{Defect, DefectKind, Scenario, simulate};
+use rig::{Defect, DefectKind, Scenario, simulate};
 
 use crate::exported::{Drive, MODEL, Sample};
 

@@ -3,7 +3,7 @@
 use bearing_watch::{
     Angle, BalanceLimits, Faults, FrontEndConstants, Imbalance, Phase, PhaseCounts, Position, RawSample,
 };
-use workbench::rig::ema::{EmaScenario, EmaTrace, simulate};
+use rig::ema::{EmaScenario, EmaTrace, simulate};
 
 /// Written by `bearing-watch train --front-end … --rust`.
 #[allow(dead_code, reason = "the position is made here")]

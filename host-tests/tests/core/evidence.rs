@@ -9,7 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use crate::novelty::{core, plan};
 use host_tests::plans::constants;
-use workbench::train::novelty::gate_of;
+use model::train::novelty::gate_of;
 
 const CLASSES: usize = 3;
 

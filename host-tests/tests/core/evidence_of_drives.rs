@@ -11,14 +11,14 @@ use bearing_watch::Model;
 use bearing_watch::model::{EvidenceConstants, Feature};
 use bearing_watch::plan::RunTime;
 use host_tests::plans::constants;
+use model::train::FeatureTable;
+use model::train::novelty::baseline::exact;
+use model::train::novelty::{Gate, alarm, gate_of_runs};
 use nalgebra::DVector;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use workbench::train::FeatureTable;
-use workbench::train::novelty::baseline::exact;
-use workbench::train::novelty::{Gate, alarm, gate_of_runs};
 
 use crate::novelty::{core, plan};
 

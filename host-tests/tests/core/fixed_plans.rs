@@ -7,7 +7,7 @@ use bearing_watch::plan::{
 use bearing_watch::{Detector, FrictionTerm, Model, ModelError, Report, Structure};
 use host_tests::plans::constants;
 use host_tests::plants::PLANTS;
-use workbench::rig::DefectKind;
+use rig::DefectKind;
 
 use crate::rig::{Motion, lag, motions, shaft, trace};
 

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use bearing_watch::{FirDecimator, HalfBandDecimator, HalfBandTaps};
-use workbench::trace::{half_band, prepare};
+use model::trace::{half_band, prepare};
 
 const RATE_HZ: f64 = 20_000.0;
 

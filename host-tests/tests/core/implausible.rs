@@ -2,7 +2,7 @@
 
 use bearing_watch::plan::RunTime;
 use bearing_watch::{Angle, Detector, Implausible, Model, Reason, Report, Solver, Verdict};
-use workbench::rig::DefectKind;
+use rig::DefectKind;
 
 use crate::rig::{Motion, lag, model, model_of_angle, motions, run, trace};
 

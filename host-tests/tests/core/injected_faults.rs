@@ -2,7 +2,7 @@
 //! and alarm of the drive's example behind them.
 
 use bearing_watch::{Detector, FrontEnd, FrontEndConstants, Implausible, Reason, Report, Verdict};
-use workbench::rig::ema::EmaTrace;
+use rig::ema::EmaTrace;
 
 use super::drive_faults::actuator::{Drive, FURTHER, MODEL};
 use super::drive_faults::{FAULTS, Fault, constants, raw, trace};

@@ -3,11 +3,11 @@
 use bearing_watch::model::{Departure, Discriminant, Feature, KNOTS, Novelty};
 use bearing_watch::plan::{Kind, Layout, Memory, Method, Plan, RunTime, Structure};
 use host_tests::plans::{classifier, layout};
+use model::train::novelty::law::equivalent;
 use nalgebra::{DMatrix, DVector};
 use rand::{RngExt as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use workbench::train::novelty::law::equivalent;
 
 const Z: usize = 6;
 const INFINITY: f32 = f32::INFINITY;

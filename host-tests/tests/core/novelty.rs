@@ -4,15 +4,15 @@ use bearing_watch::model::{EvidenceConstants, Feature, KNOTS, Novelty};
 use bearing_watch::plan::{Layout, Memory, Method, Plan, RunTime};
 use bearing_watch::{Cause, Evidence, Model, Structure};
 use host_tests::plans::{constants, layout};
+use model::train::FeatureTable;
+use model::train::novelty::baseline::exact;
+use model::train::novelty::law::DistanceLaw;
+use model::train::novelty::{Gate, gate_of, gate_of_table, spread};
 use nalgebra::{DMatrix, DVector};
 use rand::{Rng, RngExt as _, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 use rayon::prelude::*;
-use workbench::train::FeatureTable;
-use workbench::train::novelty::baseline::exact;
-use workbench::train::novelty::law::DistanceLaw;
-use workbench::train::novelty::{Gate, gate_of, gate_of_table, spread};
 
 /// Draws of healthy rows: a long check, and a short one.
 const LONG: u64 = 120;

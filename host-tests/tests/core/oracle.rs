@@ -2,9 +2,9 @@
 
 use host_tests::oracle::{self, Course, Record};
 use host_tests::plants::PLANTS;
+use model::identify::{Method, estimate};
+use model::trace::Trace;
 use rayon::prelude::*;
-use workbench::identify::{Method, estimate};
-use workbench::trace::Trace;
 
 #[test]
 fn agrees_with_the_workbench_in_open_loop() {

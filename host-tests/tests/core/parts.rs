@@ -6,7 +6,7 @@ use bearing_watch::plan::{
 };
 use bearing_watch::{Detector, FrictionTerm, Implausible, Model, ModelError, Part, Reason, Report, Solver, Verdict};
 use host_tests::plans::constants;
-use workbench::rig::DefectKind;
+use rig::DefectKind;
 
 use crate::exported::{Drive, MODEL, Sample};
 use crate::rig::{LIMITS, Motion, lag, model, motions, shaft, trace};

@@ -1,7 +1,7 @@
 //! The firmware code of README.md, compiled as it stands there and run on recordings of the simulated actuator.
 
-use workbench::rig::ema::{EmaCondition, EmaDefect, EmaScenario, EmaTrace, Race, simulate};
-use workbench::rig::{DefectKind, trace_seed};
+use rig::ema::{EmaCondition, EmaDefect, EmaScenario, EmaTrace, Race, simulate};
+use rig::{DefectKind, trace_seed};
 
 #[path = "../../../examples/support/actuator/model.rs"]
 mod model;

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use bearing_watch::FirDecimator;
-use workbench::trace::prepare::anti_alias;
-use workbench::trace::{Preparation, Trace};
+use model::trace::prepare::anti_alias;
+use model::trace::{Preparation, Trace};
 
 const FACTOR: usize = 3;
 const TAPS: usize = 131;

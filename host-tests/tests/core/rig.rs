@@ -6,7 +6,7 @@ use bearing_watch::model::{
 use bearing_watch::plan::{Array, Cells, Layout, Plan, RunTime, RunTimeSample, ShaftLayout, Signal};
 use bearing_watch::{Angle, Detector, Friction, FrictionTerm, Model, Parameter, Report};
 use host_tests::plans::constants;
-use workbench::rig::{BearingGeometry, Defect, DefectKind, RigTrace, Scenario, simulate};
+use rig::{BearingGeometry, Defect, DefectKind, RigTrace, Scenario, simulate};
 
 /// Healthy standard rig: J/Kt, B/Kt, Tc/Kt, 1/Kt, offset, load friction, Stribeck friction.
 pub const NOMINAL: [f32; TERMS] = [5e-3, 2e-3, 0.0, 20.0, 0.0, 0.0, 0.0];

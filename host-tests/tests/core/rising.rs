@@ -1,12 +1,12 @@
 //! The gate of features that only rise with a defect: set rates, power, and single against double precision.
 
+use model::train::FeatureTable;
+use model::train::novelty::{Gate, gate_of_rising};
 use nalgebra::{DMatrix, DVector};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 use rayon::prelude::*;
-use workbench::train::FeatureTable;
-use workbench::train::novelty::{Gate, gate_of_rising};
 
 use super::novelty::core;
 

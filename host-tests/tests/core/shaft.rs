@@ -3,8 +3,8 @@
 use bearing_watch::model::Lags;
 use bearing_watch::plan::{Plan, RunTime};
 use bearing_watch::{Bearing, FrictionTerm, Model, ShaftEstimate};
-use workbench::rig::field::{Field, FieldValues, Slip};
-use workbench::rig::{BearingGeometry, Defect, DefectKind, NoiseSource, Scenario, Stream, simulate};
+use rig::field::{Field, FieldValues, Slip};
+use rig::{BearingGeometry, Defect, DefectKind, NoiseSource, Scenario, Stream, simulate};
 
 mod oracle;
 mod orders;

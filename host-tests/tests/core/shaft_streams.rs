@@ -4,7 +4,7 @@ use bearing_watch::model::{Channel, Constants, Feature, Field, KNOTS, Lags, Nove
 use bearing_watch::plan::{Layout, LayoutError, Plan, RunTime, ShaftLayout};
 use bearing_watch::{Angle, Detector, Friction, Model, ModelError, Part, Reason, Report, ShaftEstimate};
 use proptest::prelude::*;
-use workbench::rig::{Defect, DefectKind, NoiseSource, Scenario, Stream, simulate};
+use rig::{Defect, DefectKind, NoiseSource, Scenario, Stream, simulate};
 
 use crate::rig::{Motion, lag, model, motions, parameters, run, trace};
 

@@ -7,7 +7,7 @@ use bearing_watch::{
     Angle, BalanceLimits, FrontEnd, FrontEndConstants, Park, PhaseCounts, PhaseSensor, Position, RawSample,
     ResolverLimits, RotorFrame, TrackingConstants, Wiring, WiringCheck, WiringFault, WiringLimits,
 };
-use workbench::rig::ema::{EmaScenario, EmaTrace, Logging, simulate};
+use rig::ema::{EmaScenario, EmaTrace, Logging, simulate};
 
 /// Control rate of the actuator.
 const RATE_HZ: f32 = 12_000.0;

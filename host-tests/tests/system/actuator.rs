@@ -2,8 +2,8 @@
 //! campaign `--ema`.
 
 use host_tests::documents;
-use workbench::study::ema::experiments;
-use workbench::study::ema::run::draw;
+use studies::ema::experiments;
+use studies::ema::run::draw;
 
 #[test]
 fn classes_are_told_apart_behind_the_front_end_where_the_source_guesses() {

@@ -1,12 +1,12 @@
 //! What the detector reaches on the standard rig: the campaign's experiments, a few repetitions of them.
 
 use host_tests::documents;
-use workbench::rig::{Condition, Defect, DefectKind};
-use workbench::study::campaign::experiments::{Experiment, Judge, Training, full_size};
-use workbench::study::campaign::run::{class_names, ours, repetition, training_set};
-use workbench::study::campaign::{Figure, Findings, Goal, Settings, experiments, render};
-use workbench::study::statistics::mean_sd;
-use workbench::train::train;
+use model::statistics::mean_sd;
+use model::train::train;
+use rig::{Condition, Defect, DefectKind};
+use studies::campaign::experiments::{Experiment, Judge, Training, full_size};
+use studies::campaign::run::{class_names, ours, repetition, training_set};
+use studies::campaign::{Figure, Findings, Goal, Settings, experiments, render};
 
 /// Means over some repetitions, percent; numbers far from those of the documented campaign, so that these are other
 /// traces.

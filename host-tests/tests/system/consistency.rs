@@ -4,12 +4,12 @@
 //! Each run draws its inputs and its noise afresh; `cargo test -p host-tests --test system consistency -- --nocapture`
 //! prints the table.
 
+use model::identify::{Method, Structure, Terms, estimate, simulate};
+use model::trace::Trace;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use workbench::identify::{Method, Structure, Terms, estimate, simulate};
-use workbench::trace::Trace;
 
 /// Runs a case. At 2000 the standard error of a mean is 0.022 sd, so that 0.1 sd is a bias and not chance.
 const MANY: u64 = 2000;

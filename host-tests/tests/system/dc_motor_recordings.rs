@@ -2,7 +2,7 @@
 
 use host_tests::{columns, data, difference, peak};
 use nalgebra::{DMatrix, DVector};
-use workbench::rig::{
+use rig::{
     BearingGeometry, CurrentFilter, Defect, DefectKind, MotorParameters, Plant, PlantState, RigTrace, Scenario,
     TABLE_2_3, simulate, trace_seed,
 };

@@ -1,7 +1,7 @@
 //! The DC motor and its bearing against closed forms.
 
 use host_tests::{difference, peak};
-use workbench::rig::{
+use rig::{
     BearingGeometry, Defect, DefectKind, DefectTorque, Electrical, MotorParameters, Plant, PlantState, Scenario,
     TABLE_2_1, TABLE_2_3, Waveform, simulate,
 };

@@ -1,14 +1,15 @@
 //! The core's single-precision estimates against double-precision batch least squares on the same data.
 
 use host_tests::data;
+use model::core::features;
+use model::identify::{Structure, least_squares};
+use model::trace::labels::LabelledTrace;
+use model::trace::{Channels, Trace};
+use model::train::{Recipe, train};
 use nalgebra::{DMatrix, DVector};
-use workbench::core::features;
-use workbench::identify::{Structure, least_squares};
-use workbench::rig::Scenario;
-use workbench::study::demo::{self, FirstInput};
-use workbench::trace::labels::LabelledTrace;
-use workbench::trace::{Channels, Labels, Trace, read};
-use workbench::train::{Recipe, train};
+use rig::Scenario;
+use studies::demo::{self, FirstInput};
+use traces::read;
 
 /// Numerical error in units of the estimate's own statistical deviation: sqrt(Δᵀ cov⁻¹ Δ / n), in the δ-form, whose
 /// covariance is well conditioned.
@@ -48,7 +49,7 @@ fn check(what: &str, rho: f64) {
 #[test]
 fn open_reference_set() {
     let Some(folder) = data("dc_motor_reference") else { return };
-    let labels = Labels::read(&folder.join("labels.csv")).expect("labels");
+    let labels = traces::read_labels(&folder.join("labels.csv")).expect("labels");
     let chosen = labels.select(&[]).expect("rows");
     let classes = labels.classes(&chosen, &[]).expect("classes");
     for (u1, order) in [

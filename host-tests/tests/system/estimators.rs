@@ -2,13 +2,14 @@
 //! what they say of data that cannot be estimated.
 
 use host_tests::data;
+use model::Error;
+use model::identify::{Method, Noise, Options, Structure, estimate, estimate_with, fit_percent, simulate};
+use model::trace::{Channels, Trace, stem};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use workbench::Error;
-use workbench::identify::{Method, Noise, Options, Structure, estimate, estimate_with, fit_percent, simulate};
-use workbench::trace::{Channels, Trace, read, stem};
+use traces::read;
 
 const ALL: [Method; 7] = [Method::Ls, Method::Iv, Method::Iv4, Method::Sriv, Method::Sm, Method::Oe, Method::Armax];
 

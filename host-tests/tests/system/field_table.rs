@@ -1,9 +1,9 @@
 //! The table of the field: a few rows with few records.
 
 use host_tests::documents;
-use workbench::study::field::rows::{CLASS_SIZES, COLUMNS, named};
-use workbench::study::field::tally::{Tally, rate};
-use workbench::study::field::{Findings, Settings, render, study};
+use studies::field::rows::{CLASS_SIZES, COLUMNS, named};
+use studies::field::tally::{Tally, rate};
+use studies::field::{Findings, Settings, render, study};
 
 /// Few records; numbers of draws far from those of the documents, so that these are other traces.
 fn few() -> Settings {

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use host_tests::data;
-use workbench::audit::orders;
-use workbench::trace::{self, Channels, Trace};
+use model::audit::orders;
+use model::trace::{Channels, Trace};
 
 /// Σ (2k + 1) bits of the k-th value, modulo 2⁶⁴.
 fn sum(values: &[f64]) -> u64 {
@@ -13,7 +13,7 @@ fn sum(values: &[f64]) -> u64 {
 }
 
 fn read(file: PathBuf, channels: Channels) -> Trace {
-    let mut traces = trace::read(&[file], &channels).expect("readable");
+    let mut traces = traces::read(&[file], &channels).expect("readable");
     assert_eq!(traces.len(), 1);
     traces.remove(0)
 }
@@ -33,7 +33,7 @@ fn formats_have_the_bits_of_other_readers() {
         further: vec!["X131RPM".into(), "X131RPM rpm".into()],
         ..Channels::new("X131_DE_time", "X131_FE_time", "X131_BA_time")
     };
-    let error = trace::read(&[folder.join("bearing_or007.mat")], &columns).expect_err("no unit").to_string();
+    let error = traces::read(&[folder.join("bearing_or007.mat")], &columns).expect_err("no unit").to_string();
     assert!(error.contains("the column has no unit in its name"), "{error}");
     let columns = Channels { further: vec!["X131RPM".into()], ..columns };
     let bearing = read(folder.join("bearing_or007.mat"), columns);
@@ -46,7 +46,7 @@ fn formats_have_the_bits_of_other_readers() {
     let expected = [13_639_749_436_165_849_088, 11_762_933_550_196_719_616, 10_304_235_947_423_694_848];
     assert_eq!(of(&robot), expected.map(|sum| (398, sum)));
     let by_time = Channels { time: None, ..columns };
-    let error = trace::read(&[folder.join("robot_axis.parquet")], &by_time).expect_err("disorder").to_string();
+    let error = traces::read(&[folder.join("robot_axis.parquet")], &by_time).expect_err("disorder").to_string();
     assert!(error.contains("row 101, column time: time runs backwards"), "{error}");
 }
 
@@ -73,7 +73,7 @@ fn logs_have_the_bits_of_pandas() {
 fn the_rotor_tells_the_rate_of_a_logger_and_an_unbalanced_load() {
     let Some(folder) = data("microchip_pmsm") else { return };
     let columns = Channels { rate_hz: Some(2000.0), ..Channels::new("IQ", "(RPM)rad/s", "RPM") };
-    let logs = trace::read(&[folder], &columns).expect("readable");
+    let logs = traces::read(&[folder], &columns).expect("readable");
     let pairs: Vec<(&[f64], &[f64])> = logs.iter().map(|log| (log.y.as_slice(), log.u1.as_slice())).collect();
     let (rate_hz, sharpness) = orders::rate(&pairs, 2000.0).expect("lines of the rotor");
     println!("{rate_hz:.1} rows a second, {sharpness:.0} times the power of other rates");

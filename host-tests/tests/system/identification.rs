@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use host_tests::{data, table};
-use workbench::identify::{Method, Structure, estimate};
-use workbench::trace::{Channels, Trace, read, stem};
+use model::identify::{Method, Structure, estimate};
+use model::trace::{Channels, Trace, stem};
+use traces::read;
 
 fn traces(folder: &Path, input: &str) -> Vec<Trace> {
     let u1 = if input == "err" { "velocity_ref_rad_s-velocity_rad_s" } else { "velocity_ref_rad_s" };

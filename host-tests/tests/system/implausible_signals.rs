@@ -8,13 +8,13 @@ use bearing_watch::Implausible::{
     VelocitySign,
 };
 use bearing_watch::{Reason, Verdict};
-use workbench::core::Embedded;
-use workbench::rig::{Condition, Defect, DefectKind, RigTrace, Scenario};
-use workbench::study::campaign::run::labelled;
-use workbench::study::campaign::{Cell, Purpose, Recording, map_traces};
-use workbench::study::field::recipe::recipe;
-use workbench::trace::labels::LabelledTrace;
-use workbench::train::{VelocitySource, train};
+use model::core::Embedded;
+use model::trace::labels::LabelledTrace;
+use model::train::{VelocitySource, train};
+use rig::{Condition, Defect, DefectKind, RigTrace, Scenario};
+use studies::campaign::run::labelled;
+use studies::campaign::{Cell, Purpose, Recording, map_traces};
+use studies::field::recipe::recipe;
 
 /// A number far from those of the documents, so that these are other records.
 const REPETITION: u32 = 700;

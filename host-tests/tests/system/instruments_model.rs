@@ -3,15 +3,15 @@
 use bearing_watch::plan::{Layout, Memory, Method, Plan, RegressionLayout};
 use bearing_watch::{Detector, Model, ModelError};
 use host_tests::documents;
-use workbench::core::Embedded;
-use workbench::evaluate;
-use workbench::identify::Structure;
-use workbench::rig::Scenario;
-use workbench::study::demo::{self, FirstInput};
-use workbench::trace::labels::LabelledTrace;
-use workbench::trace::{Channels, Trace};
-use workbench::train::export;
-use workbench::train::{Estimation, Recipe, Trained, train};
+use model::core::Embedded;
+use model::evaluate;
+use model::identify::Structure;
+use model::trace::labels::LabelledTrace;
+use model::trace::{Channels, Trace};
+use model::train::export;
+use model::train::{Estimation, Recipe, Trained, train};
+use rig::Scenario;
+use studies::demo::{self, FirstInput};
 
 const STRUCTURE: Structure = Structure::new(2, 1, 2, 1, 1);
 

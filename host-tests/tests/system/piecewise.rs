@@ -1,10 +1,10 @@
 //! Piece-wise estimation on the standard rig: what the slope threshold does to the classes.
 
 use bearing_watch::plan::Kind;
-use workbench::piecewise::{Cutting, PieceFeatures, validate};
-use workbench::rig::Scenario;
-use workbench::study::demo::{FirstInput, class_names, traces};
-use workbench::trace::labels::LabelledTrace;
+use model::piecewise::{Cutting, PieceFeatures, validate};
+use model::trace::labels::LabelledTrace;
+use rig::Scenario;
+use studies::demo::{FirstInput, class_names, traces};
 
 const REPETITIONS: u32 = 6;
 

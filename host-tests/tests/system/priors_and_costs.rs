@@ -5,12 +5,12 @@
 //! x* = (μ₀ + μ₁)/2 + σ²/(μ₁ − μ₀) · ln [C(1|0) P₀ / (C(0|1) P₁)]                        (1)
 //! ```
 
-use workbench::core::Embedded;
-use workbench::identify::Structure;
-use workbench::rig::Scenario;
-use workbench::study::demo::{self, FirstInput};
-use workbench::trace::labels::LabelledTrace;
-use workbench::train::{FeatureTable, Recipe, train};
+use model::core::Embedded;
+use model::identify::Structure;
+use model::trace::labels::LabelledTrace;
+use model::train::{FeatureTable, Recipe, train};
+use rig::Scenario;
+use studies::demo::{self, FirstInput};
 
 /// Mean of each class and the pooled variance, by themselves.
 fn moments(table: &FeatureTable) -> ([f64; 2], f64) {

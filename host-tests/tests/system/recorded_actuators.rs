@@ -6,9 +6,9 @@
 
 use bearing_watch::plan::Kind;
 use host_tests::strokes::{Stroke, detector, judge, strokes};
-use workbench::evaluate::{self, Confusion};
-use workbench::identify::Structure;
-use workbench::train::Recipe;
+use model::evaluate::{self, Confusion};
+use model::identify::Structure;
+use model::train::Recipe;
 
 /// Normal against one other class: trained on runs 1–4, tested on runs 5–7 by the core in single precision.
 fn test(strokes: &[Stroke], other: &str, kind: Kind) -> Confusion {

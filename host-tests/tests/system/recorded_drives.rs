@@ -4,11 +4,11 @@
 use std::path::Path;
 
 use host_tests::{columns, data};
-use workbench::grey_box::external::by_command;
-use workbench::grey_box::linear::{Friction, LinearRecord, LinearSettings, cross_validate, estimate};
-use workbench::identify::{Structure, fit_percent, least_squares, simulate};
-use workbench::trace::prepare::resample;
-use workbench::trace::{Preparation, Trace};
+use model::grey_box::external::by_command;
+use model::grey_box::linear::{Friction, LinearRecord, LinearSettings, cross_validate, estimate};
+use model::identify::{Structure, fit_percent, least_squares, simulate};
+use model::trace::prepare::resample;
+use model::trace::{Preparation, Trace};
 
 const INTERVAL_S: f64 = 1e-3;
 

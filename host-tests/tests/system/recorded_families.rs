@@ -10,10 +10,10 @@
 use bearing_watch::plan::Kind;
 use host_tests::documents;
 use host_tests::strokes::{LOADS, Stroke, detector, judge, strokes};
-use workbench::core::Finding;
-use workbench::evaluate::{self, Confusion};
-use workbench::identify::Structure;
-use workbench::train::{Folds, Recipe, Shrink, Trained, predict};
+use model::core::Finding;
+use model::evaluate::{self, Confusion};
+use model::identify::Structure;
+use model::train::{Folds, Recipe, Shrink, Trained, predict};
 
 const STATES: [(&str, usize); 8] = [
     ("normal", 0),

@@ -15,11 +15,11 @@
 
 use host_tests::documents;
 use host_tests::strokes::{LOADS, RUNS, Stroke, detector, judge, strokes};
+use model::core::Finding;
+use model::evaluate::{Rate, TraceVerdict};
+use model::identify::Structure;
+use model::train::{Alarms, Recipe, Trained};
 use nalgebra::{DMatrix, DVector};
-use workbench::core::Finding;
-use workbench::evaluate::{Rate, TraceVerdict};
-use workbench::identify::Structure;
-use workbench::train::{Alarms, Recipe, Trained};
 
 const FAULTS: [&str; 12] = [
     "lackLubrication1",

@@ -1,14 +1,14 @@
 //! Gates of the first runs of a recorded actuator, judged on all later runs, by the core in single precision.
 //!
-//! The rate of 1 % is that of the next run ([`workbench::train::novelty::runs`]): with few runs there is no gate, and
+//! The rate of 1 % is that of the next run ([`model::train::novelty::runs`]): with few runs there is no gate, and
 //! the message says which rate the runs support. Strokes counted as independent are printed beside it.
 
 use host_tests::strokes::{LOADS, Stroke, detector, judge, strokes};
-use workbench::core::Finding;
-use workbench::evaluate::FalseAlarms;
-use workbench::identify::Structure;
-use workbench::train::novelty::runs::{RunSpread, Slope};
-use workbench::train::{Alarms, Recipe, Trained};
+use model::core::Finding;
+use model::evaluate::FalseAlarms;
+use model::identify::Structure;
+use model::train::novelty::runs::{RunSpread, Slope};
+use model::train::{Alarms, Recipe, Trained};
 
 const RATE: f64 = 0.01;
 const FAULTS: [&str; 3] = ["lackLubrication1", "lackLubrication2", "backlash2"];
@@ -23,7 +23,7 @@ const CHOICES: [Choice; 3] = [
 /// Runs in training.
 const FIRST: [usize; 3] = [3, 4, 5];
 
-fn gate(strokes: &[Stroke], first: usize, (o, features): Choice, by_run: bool) -> Result<Trained, workbench::Error> {
+fn gate(strokes: &[Stroke], first: usize, (o, features): Choice, by_run: bool) -> Result<Trained, model::Error> {
     let alarms = Alarms { healthy: Some(0), false_alarm: RATE, required: true, by_run, ..Alarms::default() };
     let features = features.iter().map(|name| (*name).to_string()).collect();
     let recipe = Recipe { features, alarms, ..Recipe::new(Structure::new(o[0], o[1], o[2], o[3], o[4]).with_offset()) };

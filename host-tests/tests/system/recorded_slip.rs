@@ -16,12 +16,12 @@ use bearing_watch::{Angle, Detector, FrictionTerm, Model, OrderStrength};
 use host_tests::documents;
 use host_tests::plans::constants;
 use host_tests::{columns, data};
+use model::evaluate::Rate;
+use model::train::ShaftPlan;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use workbench::evaluate::Rate;
-use workbench::train::ShaftPlan;
 
 const RATE_HZ: f64 = 1500.0;
 /// Orders of a deep-groove bearing of nine balls: outer and inner ring, both sides of a ball, cage.

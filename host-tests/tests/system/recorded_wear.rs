@@ -9,7 +9,7 @@ use std::path::Path;
 
 use host_tests::documents;
 use host_tests::{columns, data};
-use workbench::grey_box::linear::{Asymmetry, Friction, LinearRecord, LinearSettings, asymmetries, estimate};
+use model::grey_box::linear::{Asymmetry, Friction, LinearRecord, LinearSettings, asymmetries, estimate};
 
 const INTERVAL_S: f64 = 1e-3;
 /// Newtons a volt of the controller's output.

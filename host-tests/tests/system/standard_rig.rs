@@ -1,8 +1,8 @@
 //! The main job on the simulated standard rig: draws of 20 + 20 traces a class, judged through the core.
 
 use host_tests::documents;
-use workbench::study::demo::{self, Settings};
-use workbench::study::statistics::mean_sd_percent;
+use model::statistics::mean_sd_percent;
+use studies::demo::{self, Settings};
 
 /// Draws of the usual test; all of them take half a minute.
 const FEW: u32 = 5;
@@ -88,7 +88,7 @@ fn documented(rows: &[demo::Row]) {
 
 #[test]
 fn training_and_validation_sets_never_share_a_trace() {
-    use workbench::rig::trace_seed;
+    use rig::trace_seed;
     let settings = Settings { repetitions: 50, traces: 40, seed: 1 };
     let mut seen = std::collections::HashSet::new();
     for repetition in 0..settings.repetitions {

@@ -2,10 +2,10 @@
 
 use std::slice::from_ref;
 
-use workbench::identify::{self, Structure};
-use workbench::rig::{Scenario, simulate};
-use workbench::structure::{Estimator, Grid, Search, search};
-use workbench::trace::Trace;
+use model::identify::{self, Structure};
+use model::structure::{Estimator, Grid, Search, search};
+use model::trace::Trace;
+use rig::{Scenario, simulate};
 
 /// A healthy trace; u1 is the error of the velocity, or its reference.
 fn rig(seed: u64, error: bool) -> Trace {

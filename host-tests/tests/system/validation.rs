@@ -1,16 +1,16 @@
 //! Bounds of the validation room by Monte Carlo: on true models they must cover what they claim, on wrong ones they
 //! must not.
 
+use model::identify::{Estimate, Method, Options, Structure, Terms, estimate, estimate_with, poles, simulate};
+use model::trace::Trace;
+use model::validate::correlation::Correlation;
+use model::validate::response::{Input, frequency, step};
+use model::validate::{Errors, PoleZeroMap, REGION_SIGMAS, Validation, validate};
 use nalgebra::Complex;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use workbench::identify::{Estimate, Method, Options, Structure, Terms, estimate, estimate_with, poles, simulate};
-use workbench::rig::{Scenario, simulate as record};
-use workbench::trace::Trace;
-use workbench::validate::correlation::Correlation;
-use workbench::validate::response::{Input, frequency, step};
-use workbench::validate::{Errors, PoleZeroMap, REGION_SIGMAS, Validation, validate};
+use rig::{Scenario, simulate as record};
 
 /// A second-order system with a lightly damped pair, pole zero of both inputs, and one with two real poles.
 const COMPLEX: System = System { order: Structure::new(2, 2, 2, 1, 2), theta: &[-1.5, 0.7, 1.0, 0.5, -0.4, 0.3] };

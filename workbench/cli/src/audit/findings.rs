@@ -1,0 +1,110 @@
+//! What is wrong with recordings, in words.
+
+use std::f64::consts::TAU;
+
+use super::{Audited, Finding};
+use crate::drive::is_reference;
+use model::audit::pairs::{self, COLLINEAR, correlation, lag};
+use model::audit::sessions::apart;
+use model::audit::times::Times;
+use model::statistics::mean_sd;
+use model::trace::median;
+use traces::resample::unwrapped;
+
+pub(super) fn add(findings: &mut Vec<Finding>, what: String, trace: &str) {
+    match findings.iter_mut().find(|finding| finding.what == what) {
+        Some(finding) => finding.traces.push(trace.to_string()),
+        None => findings.push(Finding { what, traces: vec![trace.to_string()] }),
+    }
+}
+
+impl Audited {
+    pub(super) fn findings(&self, findings: &mut Vec<Finding>) {
+        let id = &self.id;
+        if let Some(Times { jitter, gaps, longest_gap_s, standing, rate_hz }) = self.times {
+            if jitter > 0.05 {
+                add(findings, "irregular times (jitter above 5 % of a step); resample".into(), id);
+            }
+            if gaps > 0 {
+                add(findings, format!("gaps in time, up to {:.0} steps", longest_gap_s * rate_hz), id);
+            }
+            if standing > 0 {
+                add(findings, "times that stand; several rows have one time".into(), id);
+            }
+        }
+        // What is wanted rather than measured may stand, and have few values.
+        let measured = self.names.iter().zip(&self.columns).filter(|(name, _)| !is_reference(name));
+        for (name, column) in measured {
+            for finding in column.findings() {
+                add(findings, format!("column {name}: {finding}"), id);
+            }
+        }
+        for (k, one) in self.values.iter().enumerate() {
+            for (j, other) in self.values.iter().enumerate().take(k) {
+                let found = correlation(one, other);
+                if found.abs() > COLLINEAR {
+                    add(findings, format!("columns {} and {} say the same", self.names[j], self.names[k]), id);
+                }
+            }
+        }
+        if let (Some(velocity), Some(angle)) = (&self.velocity, &self.angle) {
+            // A difference is half a row later than the first of its two angles.
+            let differences: Vec<f64> = unwrapped(angle, TAU).windows(2).map(|pair| pair[1] - pair[0]).collect();
+            if let Some((rows, _)) = lag(&differences, velocity).filter(|(rows, _)| (rows - 0.5).abs() > 0.75) {
+                add(findings, format!("the velocity comes {rows:.1} rows after the angle's differences"), id);
+            }
+        }
+        if let (Some(y), Some(u)) = (&self.current, self.velocity_ref.as_ref().or(self.velocity.as_ref()))
+            && let (mean, deviation) = mean_sd(u)
+            && deviation < 1e-3 * mean.abs()
+            && mean_sd(y).1 > 0.0
+        {
+            add(findings, "constant speed: inertia and friction cannot be told apart".into(), id);
+        }
+    }
+}
+
+/// Finds classes that differ in what no bearing changes.
+pub(super) fn session_sets(traces: &[Audited], classes: &[String], findings: &mut Vec<Finding>) {
+    if classes.is_empty() {
+        return;
+    }
+    let mean = |signal: &Option<Vec<f64>>| signal.as_ref().map_or(f64::NAN, |signal| mean_sd(signal).0);
+    let step = |trace: &Audited, name: &str| {
+        let place = trace.names.iter().position(|own| own == name);
+        place.map_or(f64::NAN, |place| trace.columns[place].step)
+    };
+    let time = |of: fn(&Times) -> f64| move |trace: &Audited| trace.times.as_ref().map_or(f64::NAN, of);
+    let mut compare = |property: &str, of: &dyn Fn(&Audited) -> f64, size: Option<f64>| {
+        let values: Vec<f64> = traces.iter().map(of).collect();
+        let known: Vec<f64> =
+            values.iter().zip(classes).map(|(x, class)| if class.is_empty() { f64::NAN } else { *x }).collect();
+        for found in apart(property, (&known, size), classes) {
+            add(findings, found.to_string(), "all of both");
+        }
+    };
+    compare("the rate", &time(|times| times.rate_hz), None);
+    compare("the jitter of the times", &time(|times| times.jitter), None);
+    compare("the number of rows", &|trace| trace.values.first().map_or(f64::NAN, |column| column.len() as f64), None);
+    // Of a controlled velocity the reference says what was asked for; the friction changes the velocity itself.
+    let asked: fn(&Audited) -> &Option<Vec<f64>> =
+        if traces.iter().any(|trace| trace.velocity_ref.is_some()) { |t| &t.velocity_ref } else { |t| &t.velocity };
+    let sizes: Vec<f64> = traces.iter().filter_map(|trace| asked(trace).as_deref()).map(largest).collect();
+    compare("the mean speed", &|trace| mean(asked(trace)), Some(median(&sizes)));
+    for name in &traces[0].names {
+        compare(&format!("the step of {name}"), &|trace| step(trace, name), None);
+    }
+}
+
+/// The largest magnitude.
+fn largest(signal: &[f64]) -> f64 {
+    signal.iter().fold(0.0, |most, x| x.abs().max(most))
+}
+
+pub(super) fn equal_traces(traces: &[Audited], findings: &mut Vec<Finding>) {
+    let columns: Vec<&[Vec<f64>]> = traces.iter().map(|trace| trace.values.as_slice()).collect();
+    for [one, other] in pairs::equal(&columns) {
+        let what = format!("the same recording as {}", traces[one].id);
+        add(findings, what, &traces[other].id);
+    }
+}

@@ -1,0 +1,197 @@
+//! `bearing-watch convert` and `bearing-watch resample`
+
+use std::path::{Path, PathBuf};
+
+use super::args::traces::TimeArgs;
+use super::output;
+use model::Error;
+use model::trace::stem;
+use traces::reader::{self, Series};
+use traces::resample::{Resampled, at_rate};
+use traces::table;
+use traces::table::Table;
+use traces::units::{Quantity, Unit};
+
+/// The name of the time in files that are written.
+const TIME: &str = "t_s";
+
+/// What is read, and what is written.
+#[derive(Debug, clap::Args)]
+struct Files {
+    /// Trace files or folders: .csv .tsv .txt (also with .gz or .zst), .mat, .parquet, .arrow, .npz
+    #[arg(value_name = "TRACES", required = true)]
+    traces: Vec<PathBuf>,
+    /// Columns to write, e.g. current_a=iq_mA A,"angle_rad=integrate(speed_rpm) rad"; by default all columns of numbers
+    #[arg(long, value_name = "NAME=CHANNEL", value_delimiter = ',')]
+    columns: Vec<String>,
+    #[command(flatten)]
+    times: TimeArgs,
+    /// File for one trace, or folder for several
+    #[arg(long, value_name = "PATH")]
+    out: PathBuf,
+    /// Format of the files in a folder: csv, tsv, csv.gz, csv.zst, mat, parquet, arrow, npz
+    #[arg(long, value_name = "FORMAT", default_value = "csv")]
+    format: String,
+}
+
+/// Write traces in another format, with other columns and units
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Example:\n  bearing-watch convert log.mat --columns \"current_a=Current,velocity_rad_s=Speed\" --out log.csv"
+)]
+pub(super) struct ConvertArgs {
+    #[command(flatten)]
+    files: Files,
+}
+
+/// Resample traces to a constant rate with an anti-alias filter; a gap is reported, and the trace is split there
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  bearing-watch resample log.csv --to-hz 100 --out log_100hz.csv")]
+pub(super) struct ResampleArgs {
+    #[command(flatten)]
+    files: Files,
+    /// Rows a second to write, at most the recorded rate
+    #[arg(long, value_name = "HZ", value_parser = super::args::traces::rate)]
+    to_hz: f64,
+}
+
+/// Number of gaps of a trace that are listed; further ones are counted.
+const TOLD: usize = 3;
+
+pub(super) fn convert(args: &ConvertArgs) -> Result<(), Error> {
+    args.files.run(&|_, series| {
+        let Series { id, times_s, columns } = series;
+        Ok(vec![(stem(&id).to_string(), times_s, columns)])
+    })
+}
+
+pub(super) fn resample(args: &ResampleArgs) -> Result<(), Error> {
+    let rate_hz = args.to_hz;
+    args.files.run(&|names, series| {
+        let id = stem(&series.id).to_string();
+        let times = series.times_s.as_deref().ok_or_else(|| {
+            Error::trace(&id, "no time column with a usual name; name it with --time, or give --rate-hz")
+        })?;
+        let turns: Vec<Option<f64>> = names.iter().map(|(name, _)| turn(name)).collect();
+        let wrong = |problem: Error| Error::trace(&id, problem.to_string());
+        let Resampled { pieces, gaps, usual_s } = at_rate(times, &series.columns, &turns, rate_hz).map_err(wrong)?;
+        for [start, length] in gaps.iter().take(TOLD) {
+            output::warn(format!(
+                "trace {id}: gap of {length:.4} s at {start:.4} s (a usual step is {usual_s:.5} s); the trace is cut there"
+            ));
+        }
+        if gaps.len() > TOLD {
+            let longest = gaps.iter().map(|[_, length]| *length).fold(0.0, f64::max);
+            let more = gaps.len() - TOLD;
+            let all = format!("{more} more gaps, the longest of all {longest:.4} s");
+            output::warn(format!("trace {id}: {all}; the trace is cut there"));
+        }
+        if pieces.is_empty() {
+            return Err(Error::trace(&id, "no piece between gaps is long enough"));
+        }
+        let count = pieces.len();
+        let named = pieces.into_iter().enumerate().map(|(k, piece)| {
+            let rows = piece.columns.first().map_or(0, Vec::len);
+            let times = (0..rows).map(|row| piece.start_s + row as f64 / rate_hz).collect();
+            (if count == 1 { id.clone() } else { format!("{id}_{}", k + 1) }, Some(times), piece.columns)
+        });
+        Ok(named.collect())
+    })
+}
+
+/// The length of a turn of a column whose unit is that of an angle.
+fn turn(name: &str) -> Option<f64> {
+    let unit = Unit::of_column(name).filter(|unit| unit.quantity == Quantity::Angle)?;
+    Unit::named("turn")?.to(&unit).map(|(factor, _)| factor)
+}
+
+/// Id, times and columns of a trace that is written.
+type Written = (String, Option<Vec<f64>>, Vec<Vec<f64>>);
+
+/// Makes what is written of a trace, by the names and channels of its columns.
+type Make<'a> = &'a dyn Fn(&[(String, String)], Series) -> Result<Vec<Written>, Error>;
+
+impl Files {
+    fn run(&self, make: Make<'_>) -> Result<(), Error> {
+        let files = traces::files(&self.traces)?;
+        let into_folder = self.out.is_dir() || self.out.extension().is_none();
+        if !into_folder {
+            output::plan(&[&self.out], &files)?;
+        }
+        let bar = output::progress("traces", files.len());
+        let (mut count, mut alone) = (0, None);
+        for file in &files {
+            let table = Table::open(file)?;
+            let names = self.names(&table)?;
+            let channels: Vec<String> = names.iter().map(|(_, channel)| channel.clone()).collect();
+            let times = (self.times.time.as_deref(), self.times.rate_hz);
+            for series in reader::series(&table, times, &channels)? {
+                for (id, times, columns) in make(&names, series)? {
+                    count += 1;
+                    if into_folder {
+                        if !self.out.is_dir() {
+                            std::fs::create_dir(&self.out).map_err(Error::io(&self.out))?;
+                        }
+                        let path = self.out.join(format!("{id}.{}", self.format));
+                        output::plan(&[&path], &files)?;
+                        save(&path, &names, times, columns)?;
+                    } else if alone.replace((names.clone(), times, columns)).is_some() {
+                        let out = self.out.display();
+                        return Err(Error::Usage(format!(
+                            "{out} is one file for several traces; give a folder: a name without an ending"
+                        )));
+                    }
+                }
+            }
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        if let Some((names, times, columns)) = alone {
+            save(&self.out, &names, times, columns)?;
+        }
+        output::say(format!("{count} traces in {}", self.out.display()))
+    }
+
+    /// Names and channels of the columns of a file.
+    fn names(&self, table: &Table) -> Result<Vec<(String, String)>, Error> {
+        if !self.columns.is_empty() {
+            let pair = |text: &String| {
+                let (name, channel) = text.split_once('=').unwrap_or((text, text));
+                (name.trim().to_string(), channel.trim().to_string())
+            };
+            return Ok(self.columns.iter().map(pair).collect());
+        }
+        let (names, left_out) = reader::numeric(table, self.times.time.as_deref())?;
+        for problem in left_out {
+            output::warn(format!("{problem}; the column is left out"));
+        }
+        if names.is_empty() {
+            return Err(Error::content(table.path(), "header", "no column of numbers"));
+        }
+        Ok(names.into_iter().map(|name| (name.clone(), name)).collect())
+    }
+}
+
+/// Writes a trace, completely or not at all.
+fn save(path: &Path, names: &[(String, String)], times: Option<Vec<f64>>, columns: Vec<Vec<f64>>) -> Result<(), Error> {
+    let timed = times.is_some() && !names.iter().any(|(name, _)| name == TIME);
+    let own = names.iter().map(|(name, _)| name.clone());
+    let names: Vec<String> = timed.then(|| TIME.to_string()).into_iter().chain(own).collect();
+    let columns: Vec<Vec<f64>> = times.filter(|_| timed).into_iter().chain(columns).collect();
+    // The format is chosen by the name, which the temporary file has too.
+    let folder = tempfile::tempdir_in(output::folder_of(path)).map_err(Error::io(path))?;
+    let staged = folder.path().join(path.file_name().unwrap_or_default());
+    table::write(&staged, &names, &columns)?;
+    std::fs::rename(&staged, path).map_err(Error::io(path))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turns_have_the_unit_of_the_column() {
+        assert_eq!((turn("angle_deg"), turn("position_mm"), turn("angle")), (Some(360.0), None, None));
+        assert!(turn("angle_rad").is_some_and(|turn| (turn - std::f64::consts::TAU).abs() < 1e-12));
+    }
+}

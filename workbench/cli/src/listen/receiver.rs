@@ -1,0 +1,119 @@
+//! Frames → lines and traces.
+
+use bearing_watch::Alarm;
+use bearing_watch::telemetry::{Block, Body, Frame, LinkCounts, RawBlock, Summary};
+
+use super::live::View;
+use super::names::Names;
+use super::raw;
+use super::traces::{Traces, Written};
+use super::words;
+use crate::output;
+use model::Error;
+
+/// What is known of the stream, and where its frames go.
+pub(super) struct Receiver {
+    json: bool,
+    names: Names,
+    /// Names of the further channels of raw samples.
+    further: Vec<String>,
+    traces: Option<Traces>,
+    view: Option<View>,
+    /// Stream and number of the last frame.
+    last: Option<(u32, u32)>,
+    /// The alarm that was shown.
+    alarm: Option<Alarm>,
+    /// Samples that came before the hello of their stream.
+    unnamed: u64,
+}
+
+impl Receiver {
+    pub(super) fn new(json: bool, traces: Option<Traces>, further: Vec<String>) -> Self {
+        Self { json, names: Names::default(), further, traces, view: None, last: None, alarm: None, unnamed: 0 }
+    }
+
+    /// Shows what comes on a page too.
+    pub(super) fn show(&mut self, view: View, address: &str) -> Result<(), Error> {
+        self.view = Some(view);
+        self.tell(words::view_line(address), words::view_value(address))
+    }
+
+    pub(super) fn take(&mut self, frame: &Frame<'_>) -> Result<(), Error> {
+        let Frame { stream, sequence, .. } = *frame;
+        let continues = |(last, before)| last == stream && sequence > before;
+        if !self.last.is_none_or(continues) {
+            // A restart: its sample numbers start afresh, and could continue the old ones by chance.
+            self.alarm = None;
+            self.close()?;
+        }
+        self.last = Some((stream, sequence));
+        match frame.body {
+            Body::Hello(hello) => {
+                let names = Names::of(stream, &hello);
+                if names != self.names {
+                    self.names = names;
+                    self.view.iter_mut().for_each(|view| view.hello(&self.names));
+                    self.tell(words::hello_line(&self.names), words::hello_value(&self.names))?;
+                }
+                Ok(())
+            }
+            Body::Report(summary) => self.report(stream, &summary),
+            Body::Samples(block) => self.samples(stream, &block),
+            Body::Raw(block) => self.raw(stream, &block),
+        }
+    }
+
+    fn report(&mut self, stream: u32, summary: &Summary<'_>) -> Result<(), Error> {
+        let unknown = Names::default();
+        let names = if self.names.stream == Some(stream) { &self.names } else { &unknown };
+        self.view.iter().for_each(|view| view.report(names, summary));
+        self.tell(words::report_line(names, summary), words::report_value(names, summary))?;
+        if summary.alarm != self.alarm && !self.json {
+            self.alarm = summary.alarm;
+            if let Some(alarm) = summary.alarm {
+                output::say(format!("ALARM at segment {}: {}", alarm.segment, words::cause(names, alarm)))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn samples(&mut self, stream: u32, block: &Block<'_>) -> Result<(), Error> {
+        self.view.iter_mut().for_each(|view| view.samples(block));
+        let Some(traces) = &mut self.traces else { return Ok(()) };
+        let names = &self.names;
+        let shape = (usize::from(block.channels), block.with_angle) == (names.channels.len(), names.with_angle);
+        if names.stream != Some(stream) || !shape {
+            self.unnamed += block.len() as u64;
+            return Ok(());
+        }
+        let written = traces.take(stream, names, block)?;
+        written.iter().try_for_each(|file| self.written(file))
+    }
+
+    fn raw(&mut self, stream: u32, block: &RawBlock<'_>) -> Result<(), Error> {
+        let Some(traces) = &mut self.traces else { return Ok(()) };
+        let further = raw::further(block, &self.further).map_err(Error::Usage)?;
+        let written = traces.take_raw(stream, &further, block)?;
+        written.iter().try_for_each(|file| self.written(file))
+    }
+
+    fn close(&mut self) -> Result<(), Error> {
+        let written = self.traces.as_mut().map_or_else(|| Ok(vec![]), Traces::close)?;
+        written.iter().try_for_each(|file| self.written(file))
+    }
+
+    fn written(&self, file: &Written) -> Result<(), Error> {
+        self.tell(words::trace_line(file), words::trace_value(file))
+    }
+
+    /// Completes the open trace and shows what was received.
+    pub(super) fn end(mut self, counts: LinkCounts) -> Result<(), Error> {
+        self.close()?;
+        let kept = self.traces.as_ref().map(|traces| [traces.samples, u64::from(traces.files), traces.unusable]);
+        self.tell(words::end_line(counts, kept, self.unnamed), words::end_value(counts, kept, self.unnamed))
+    }
+
+    fn tell(&self, line: String, value: serde_json::Value) -> Result<(), Error> {
+        output::say(if self.json { value.to_string() } else { line })
+    }
+}

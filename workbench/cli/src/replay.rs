@@ -1,0 +1,292 @@
+//! `bearing-watch replay`
+
+use std::path::{Path, PathBuf};
+
+use bearing_watch::plan::RunTime;
+use bearing_watch::{Baseline, FrictionTerm, Trend};
+use serde_json::json;
+
+use super::args::traces::{warn_irregular, warn_refused};
+use super::drive::on_page;
+use super::model_file::{Notes, check_rate, read_model};
+use super::output;
+use model::Error;
+use model::core::{Embedded, SegmentReport, Watched, Watcher, denied, features, stuck_channels};
+use model::identify::Terms;
+use model::trace::Trace;
+use model::train::front_end_source::further_channels;
+use pages::Page;
+use pages::replay::{Replayed, page};
+use traces::front_end::raw_rows;
+
+/// Run traces through the embedded detector and print its verdict on every segment, and the alarm
+///
+/// Each trace resets the detector; the evidence for the alarm continues from trace to trace, as records of one drive.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  bearing-watch replay --model model.bwm traces/spall_2_000.csv")]
+pub(super) struct Args {
+    /// The binary model; it contains its channels and preparation
+    #[arg(long, value_name = "FILE")]
+    model: PathBuf,
+    /// Trace files or folders
+    #[arg(value_name = "TRACE", required = true)]
+    traces: Vec<PathBuf>,
+    /// Lets the healthy mean follow slow changes, with this time constant in segments
+    #[arg(long, value_name = "SEGMENTS")]
+    follow: Option<f32>,
+    /// Bound of what is followed, in healthy standard deviations
+    #[arg(long, value_name = "SD", default_value_t = 2.0, requires = "follow")]
+    follow_bound: f32,
+    /// Each trace is a run, from power-up to power-up: its segments depend on each other, and the alarm averages their
+    /// evidence. Without it, a run ends after the number of segments in the model
+    #[arg(long)]
+    run_a_trace: bool,
+    /// Write a page with signals, verdicts, distance and evidence over time
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// Also writes the rows of one recording as the drive reads them, for `cargo xtask pil`; the model needs a front
+    /// end
+    #[arg(long, value_name = "FILE")]
+    rows: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Error> {
+    let inputs = [&args.traces[..], std::slice::from_ref(&args.model)].concat();
+    output::plan(&args.report.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &inputs)?;
+    let (model, notes) = read_model(&args.model)?;
+    let (mut values, mut replayed) = (Vec::new(), Vec::new());
+    let mut baseline = args.baseline(&model)?;
+    let traces = traces::read(&args.traces, &notes.channels())?;
+    warn_irregular(traces.iter());
+    warn_refused(traces.iter());
+    check_rate(&model, notes.preparation(), traces.iter())?;
+    args.write_rows(&model, &notes)?;
+    let (mut watcher, mut raised, mut trend) = (model.watcher(), false, None);
+    for trace in traces {
+        let prepared = notes.preparation().apply(&trace)?;
+        let segments = model.run_following(&prepared, baseline.as_mut());
+        let evidence = watched(&mut watcher, &segments, args.run_a_trace);
+        for (k, (segment, watched)) in segments.iter().zip(&evidence).enumerate() {
+            if args.json {
+                values.push(value(
+                    &model,
+                    (&prepared, k),
+                    (segment, watched),
+                    [missing(&model, &notes.orders, segment), outside(&model, &notes.orders, segment)],
+                ));
+                continue;
+            }
+            let gated = model.healthy().is_some();
+            output::say(
+                line(&model.classes, &model.channel_names(), &prepared, segment)
+                    + &without(&missing(&model, &notes.orders, segment))
+                    + &beyond(&outside(&model, &notes.orders, segment))
+                    + &shaft(&notes.orders, segment)
+                    + &if gated { far(segment, watched) } else { "".into() }
+                    + &offset(segment),
+            )?;
+            if let (Some(alarm), Some(cause), false) = (watched.alarm, watched.cause(&model.classes), raised) {
+                raised = true;
+                output::say(format!("ALARM at segment {}: {cause}", alarm.segment))?;
+            }
+            trend = watched.trend;
+        }
+        if args.report.is_some() {
+            replayed.push(Replayed { trace: prepared, segments, watched: evidence });
+        }
+    }
+    if let Some(path) = &args.report {
+        let title = format!("Replay through {}", args.model.display());
+        output::write(path, on_page(page(&title, &model, &notes.channels(), &replayed).render()))?;
+    }
+    if args.json {
+        output::json(&json!(values))?;
+    } else if let Some(Trend { slope, low, high, segments, .. }) = trend.filter(|_| model.healthy().is_some()) {
+        output::say(format!("distance changes by {slope:.4} [{low:.4}, {high:.4}] a segment over {segments}"))?;
+    }
+    Ok(())
+}
+
+/// The evidence after each segment of a trace; a run ends with the trace if each trace is one.
+fn watched(watcher: &mut Watcher, segments: &[SegmentReport], run_a_trace: bool) -> Vec<Watched> {
+    let last = |k: usize| run_a_trace && k + 1 == segments.len();
+    segments.iter().enumerate().map(|(k, segment)| watcher.observe(segment, last(k))).collect()
+}
+
+/// The page of traces through a model, with the usual settings.
+pub(super) fn page_of(file: &Path, traces: &[PathBuf]) -> Result<Page, Error> {
+    let (model, notes) = read_model(file)?;
+    let traces = traces::read(traces, &notes.channels())?;
+    check_rate(&model, notes.preparation(), traces.iter())?;
+    let mut watcher = model.watcher();
+    let mut judge = |trace: &Trace| {
+        let trace = notes.preparation().apply(trace)?;
+        let segments = model.run(&trace);
+        let watched = watched(&mut watcher, &segments, false);
+        Ok(Replayed { trace, segments, watched })
+    };
+    let replayed = traces.iter().map(&mut judge).collect::<Result<Vec<_>, Error>>()?;
+    let shown = |path: &Path| path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    Ok(page(&format!("Replay through {}", shown(file)), &model, &notes.channels(), &replayed))
+}
+
+impl Args {
+    fn write_rows(&self, model: &Embedded, notes: &Notes) -> Result<(), Error> {
+        let Some(file) = &self.rows else { return Ok(()) };
+        let ([trace], Some(front_end), false) = (&self.traces[..], &notes.front_end, self.traces[0].is_dir()) else {
+            return Err(Error::Usage(
+                "--rows takes one recording, and a model that was trained with --front-end".into(),
+            ));
+        };
+        output::write(file, raw_rows(trace, front_end, &further_channels(model.model()))?)
+    }
+
+    fn baseline(&self, model: &Embedded) -> Result<Option<Baseline<RunTime>>, Error> {
+        let Some(segments) = self.follow else { return Ok(None) };
+        let refuse = || {
+            let problem =
+                "--follow is at least 1 segment, --follow-bound is above 0, and the model needs a healthy class";
+            Error::Usage(problem.into())
+        };
+        model.baseline(segments, self.follow_bound).map(Some).ok_or_else(refuse)
+    }
+}
+
+/// Returns the offset of the baseline.
+fn offset(segment: &SegmentReport) -> String {
+    let Some((offset, at_bound)) = &segment.followed else { return String::new() };
+    let offset: Vec<String> = offset.iter().map(|x| format!("{x:.2}")).collect();
+    let bound = if *at_bound { ", bound reached" } else { "" };
+    format!(", baseline [{}]{bound}", offset.join(", "))
+}
+
+/// Returns the distance from healthy, and the evidence so far.
+fn far(segment: &SegmentReport, watched: &Watched) -> String {
+    let SegmentReport { distance, surprise, .. } = segment;
+    let score = watched.score;
+    match segment.verdict {
+        Ok(_) => format!(", distance {distance:.2}, surprise {surprise:.1} nats, score {score:.1}"),
+        Err(_) => format!(", score {score:.1}"),
+    }
+}
+
+/// Returns the torque balance and the orders in physical units; empty if no shaft is watched or the balance has no
+/// rows.
+fn shaft(names: &[String], segment: &SegmentReport) -> String {
+    let Some(friction) = segment.friction.filter(|friction| friction.rows > 0) else { return String::new() };
+    // If the load is not measured, only the ratios to Kt are identifiable.
+    let physical = (friction.inertia_kg_m2(), friction.viscous_nm_s_rad(), friction.coulomb_nm());
+    let mut text = match (friction.torque_constant_nm_a(), physical) {
+        (Some((kt, _)), (Some(j), Some(b), Some(tc))) => {
+            format!(", Kt {kt:.4} N·m/A, J {j:.3e} kg·m², B {b:.2e} N·m·s, Tc {tc:.2e} N·m")
+        }
+        _ => {
+            let [j, b, tc] = [friction.inertia, friction.viscous, friction.coulomb].map(|parameter| parameter.value);
+            format!(", J/Kt {j:.3e} A·s²/rad, B/Kt {b:.2e} A·s/rad, Tc/Kt {tc:.2e} A")
+        }
+    };
+    for (name, order) in names.iter().zip(&segment.orders) {
+        text.push_str(&format!(", {name} {:.1} × noise", order.prominence));
+    }
+    text
+}
+
+/// Returns the names of the features that were missing.
+fn missing(model: &Embedded, orders: &[String], segment: &SegmentReport) -> Vec<String> {
+    let catalogue = model.catalogue(orders);
+    segment.missing.iter().map(|feature| catalogue.name(*feature)).collect()
+}
+
+/// Returns the names of the covariates that were missing or outside their range.
+fn outside(model: &Embedded, orders: &[String], segment: &SegmentReport) -> Vec<String> {
+    let catalogue = model.catalogue(orders);
+    model.outside(segment).into_iter().map(|feature| catalogue.name(feature)).collect()
+}
+
+fn beyond(outside: &[String]) -> String {
+    if outside.is_empty() { String::new() } else { format!(", {} missing or out of range", outside.join(", ")) }
+}
+
+fn without(missing: &[String]) -> String {
+    if missing.is_empty() { String::new() } else { format!(", without {}", missing.join(", ")) }
+}
+
+/// Returns the place of the segment: in seconds if the trace has a time, else in samples.
+fn place(trace: &Trace, segment: &SegmentReport) -> String {
+    let (from, to) = (segment.start, segment.start + segment.length);
+    match trace.interval_s {
+        Some(step) => format!("{:.3}–{:.3} s", from as f64 * step, to as f64 * step),
+        None => format!("samples {from}–{to}"),
+    }
+}
+
+fn line(classes: &[String], names: &[&str], trace: &Trace, segment: &SegmentReport) -> String {
+    let verdict = match &segment.verdict {
+        Ok(finding) => finding.name(classes).to_string(),
+        Err(reason) => format!("undetermined: {reason}"),
+    };
+    let posteriors: Vec<String> =
+        classes.iter().zip(&segment.posteriors).map(|(class, p)| format!("{class} {p:.3}")).collect();
+    let place = place(trace, segment);
+    let mut line = format!("{}  {place}  {verdict}  [{}]  {} rows", trace.id, posteriors.join(", "), segment.rows);
+    let denied = denied(&segment.counts, names);
+    if !denied.is_empty() {
+        line.push_str(&format!(", {denied}"));
+    }
+    line
+}
+
+fn value(
+    model: &Embedded,
+    (trace, number): (&Trace, usize),
+    (segment, watched): (&SegmentReport, &Watched),
+    [missing, outside]: [Vec<String>; 2],
+) -> serde_json::Value {
+    let named_by = |names: &[String], values: &[f32]| -> serde_json::Map<String, serde_json::Value> {
+        names.iter().cloned().zip(values.iter().map(|v| json!(v))).collect()
+    };
+    let classes = &model.classes;
+    let named = |values: &[f32]| named_by(classes, values);
+    // Without an estimate the parameters are zeros without meaning.
+    let estimated = segment.variance > 0.0 || segment.raw.iter().any(|x| *x != 0.0);
+    json!({
+        "trace": trace.id,
+        "segment": number,
+        "start": segment.start,
+        "length": segment.length,
+        "class": segment.verdict.as_ref().ok().and_then(|finding| finding.class()).map(|class| &classes[class]),
+        "verdict": segment.verdict.as_ref().map_or("undetermined", |finding| finding.name(classes)),
+        "undetermined": segment.verdict.as_ref().err(),
+        "missing": missing,
+        "covariates_out_of_range": outside,
+        "baseline": segment.followed.as_ref().map(|(offset, at_bound)| json!({ "offset": offset, "at_bound": at_bound })),
+        "posteriors": named(&segment.posteriors),
+        "log_likelihoods": named(&segment.log_likelihoods),
+        "distance": segment.distance,
+        "surprise": segment.surprise,
+        "score": watched.score,
+        "alarm": watched.alarm.map(|alarm| json!({ "segment": alarm.segment, "cause": watched.cause(classes) })),
+        "trend": watched.trend.map(|t| json!({ "value": t.slope, "low": t.low, "high": t.high })),
+        "parameters": estimated.then(|| named_by(&model.structure().map_or_else(Vec::new, |own| own.names()), &segment.raw)),
+        "variance": estimated.then_some(segment.variance),
+        "friction": segment.friction.filter(|friction| friction.rows > 0).map(|friction| {
+            let each = FrictionTerm::ALL.map(|term| friction.parameter(term));
+            json!({
+                "names": features::FRICTION,
+                "values": each.map(|own| own.map(|parameter| parameter.value)),
+                "deviations": each.map(|own| own.map(|parameter| parameter.deviation)),
+                "scores": each.map(|own| own.map(|parameter| parameter.score)),
+            })
+        }),
+        "orders": segment.orders.iter().map(|o| json!({ "prominence": o.prominence, "amplitude_a": o.amplitude })).collect::<Vec<_>>(),
+        "rows": segment.rows,
+        "rejected": segment.counts.rejected,
+        "saturated": segment.counts.saturated,
+        "downweighted": segment.counts.downweighted,
+        "still": segment.counts.resting,
+        "stuck": stuck_channels(segment.counts.stuck, &model.channel_names()),
+    })
+}

@@ -1,0 +1,31 @@
+//! Training from tables of features, of any number of drives, in constant memory.
+//!
+//! ```text
+//! traces ─► core ─► part (rows: segments) ─► sums ─┬─► merge, in any tree ─► model
+//!                   part ──────────────────► sums ─┘
+//! ```
+//!
+//! A [`Part`] is a Parquet file with the features of segments and the [`Plan`] of the detector that computed them. Its
+//! sums by drive, run and class are exact ([`exact`]), so that the model does not depend on the order of the rows or on
+//! the tree of the merges.
+
+pub mod exact;
+mod fingerprint;
+mod fit;
+mod fold;
+mod group;
+mod part;
+mod plan;
+mod sums;
+mod tails;
+mod writer;
+
+pub use fingerprint::fingerprint;
+pub use fit::{Choice, Fit, Independent, classes};
+pub use fold::{Units, fold};
+pub use group::{Closed, Group, Level};
+pub use part::{Batch, Part, RESERVED, Wanted};
+pub use plan::{Origin, Plan, VERSION};
+pub use sums::{ClassSums, MOST_FEATURES, PatternSums, Sums};
+pub use tails::{Tails, tails};
+pub use writer::{Row, Writer};

@@ -1,0 +1,140 @@
+//! A column by itself: its step, and whether it is held, saturated or constant.
+
+use crate::statistics::mean_sd;
+
+/// Rows of one value that count as held, if the step is fine.
+const HELD: usize = 8;
+/// Rows at an extreme value that count as saturated.
+const SATURATED: usize = 3;
+/// The deviation in steps below which the quantisation is coarse, of a column that changes in this part of the rows: a
+/// switch or a step of a command has few values too.
+const COARSE: f64 = 4.0;
+const CHANGING: f64 = 0.1;
+/// Parts of the rows from which on a finding counts.
+const PART: f64 = 0.005;
+
+/// What was found in a column.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// Mean, standard deviation, least and largest value.
+    pub mean: f64,
+    pub deviation: f64,
+    pub range: [f64; 2],
+    /// The smallest difference of two values.
+    pub step: f64,
+    /// Number of rows from one change of the value to the next; above 1 the sensor is slower than the recording.
+    pub every: usize,
+    /// Part of the rows that differ from the one before.
+    pub changing: f64,
+    /// Part of the rows in runs of one value.
+    pub held: f64,
+    /// Part of the rows at the least or largest value, in runs.
+    pub saturated: f64,
+}
+
+impl Column {
+    /// Of values of one trace.
+    #[must_use]
+    pub fn of(x: &[f64]) -> Self {
+        let (mean, scatter) = mean_sd(x);
+        let mut sorted = x.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let range = [sorted.first().copied().unwrap_or(f64::NAN), sorted.last().copied().unwrap_or(f64::NAN)];
+        // The rounding of the mean of equal values is no deviation.
+        let deviation = if range[0] < range[1] { scatter } else { 0.0 };
+        let steps = sorted.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 1e-12 * deviation);
+        let step = steps.fold(f64::INFINITY, f64::min);
+        let every = every(x);
+        let runs = runs(x);
+        let part = |rows: usize| rows as f64 / x.len().max(1) as f64;
+        let held = runs.iter().filter(|(_, length)| *length >= HELD * every).map(|(_, length)| length).sum();
+        let extreme = |value: f64| value == range[0] || value == range[1];
+        let stuck = runs.iter().filter(|(value, length)| *length >= SATURATED * every && extreme(*value));
+        let saturated = part(stuck.map(|(_, length)| length).sum());
+        // A coarse step holds a slow signal by itself.
+        let is_fine = deviation > COARSE * COARSE * step;
+        Self {
+            mean,
+            deviation,
+            range,
+            step,
+            every,
+            changing: part(runs.len().saturating_sub(1)),
+            held: if is_fine { part(held) } else { 0.0 },
+            saturated: if is_fine { saturated } else { 0.0 },
+        }
+    }
+
+    /// What is wrong, in words.
+    #[must_use]
+    pub fn findings(&self) -> Vec<String> {
+        let percent = |part: f64| format!("{:.1} %", 100.0 * part);
+        let mut found = Vec::new();
+        if self.deviation == 0.0 {
+            found.push("constant".into());
+        } else if self.deviation < COARSE * self.step && self.changing > CHANGING {
+            found.push(format!("coarse: steps of {:.4}, more than a quarter of the deviation", self.step));
+        }
+        if self.every > 1 {
+            found.push(format!("changes every {} rows only", self.every));
+        }
+        if self.held > 0.5 {
+            found.push(format!("changes in {} of the rows only", percent(self.changing)));
+        } else if self.held > PART {
+            found.push(format!("held in {} of the rows", percent(self.held)));
+        }
+        if self.saturated > PART {
+            let [least, largest] = self.range;
+            found.push(format!("saturated at {least} or {largest} in {} of the rows", percent(self.saturated)));
+        }
+        found
+    }
+}
+
+/// Values and lengths of runs of one value.
+fn runs(x: &[f64]) -> Vec<(f64, usize)> {
+    x.chunk_by(|one, other| one == other).map(|run| (run[0], run.len())).collect()
+}
+
+/// The period of the changes, rows: nearly all are a multiple of it apart. 1 if there is no such period.
+fn every(x: &[f64]) -> usize {
+    let changes: Vec<usize> = (1..x.len()).filter(|row| x[*row] != x[row - 1]).collect();
+    if changes.len() < 20 {
+        return 1;
+    }
+    let fits = |k: &usize| {
+        let most = (0..*k).map(|rest| changes.iter().filter(|row| *row % k == rest).count()).max().unwrap_or(0);
+        most * 50 >= changes.len() * 49
+    };
+    // At least half of the periods must have a change: the few changes of a slow signal may fit any period.
+    (2..=32).rev().find(|k| fits(k) && changes.len() * k * 2 > x.len()).unwrap_or(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wave(rows: u32) -> Vec<f64> {
+        (0..rows).map(|k| (0.037 * f64::from(k)).sin() + 0.01 * f64::from(k * 7 % 11)).collect()
+    }
+
+    #[test]
+    fn plain_columns_have_no_findings() {
+        assert_eq!(Column::of(&wave(2000)).findings(), Vec::<String>::new());
+    }
+
+    #[test]
+    fn held_slow_saturated_coarse_and_constant_columns_are_told() {
+        let mut held = wave(2000);
+        held[500..560].fill(0.2);
+        assert!(Column::of(&held).findings()[0].contains("held in 3.0 %"), "{:?}", Column::of(&held).findings());
+        let slow: Vec<f64> = wave(2000).chunks(4).flat_map(|four| [four[0]; 4]).collect();
+        assert_eq!(Column::of(&slow).findings(), ["changes every 4 rows only"]);
+        let cut: Vec<f64> = wave(2000).iter().map(|x| x.min(0.9)).collect();
+        let found = Column::of(&cut).findings();
+        assert!(found.iter().any(|text| text.contains("saturated at") && text.contains("or 0.9 in")), "{found:?}");
+        let coarse: Vec<f64> = wave(2000).iter().map(|x| (x * 4.0).round() / 4.0).collect();
+        assert!(Column::of(&coarse).findings()[0].starts_with("coarse: steps of 0.2500"));
+        assert_eq!(Column::of(&[3.0; 100]).findings(), ["constant"]);
+    }
+}

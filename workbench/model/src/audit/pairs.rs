@@ -1,0 +1,113 @@
+//! Two columns, or two traces: collinear channels, lags, equal recordings.
+
+use crate::statistics::mean_sd;
+
+/// Correlation from which on two channels say the same.
+pub const COLLINEAR: f64 = 0.995;
+/// Lags that are searched, rows.
+const LAGS: i32 = 50;
+/// Rows of two traces that are compared.
+const COMPARED: usize = 512;
+/// Relative difference below which two traces are the same recording.
+const SAME: f64 = 1e-3;
+
+/// Correlation of two columns; 0 if one is constant.
+#[must_use]
+pub fn correlation(x: &[f64], y: &[f64]) -> f64 {
+    let ((mx, sx), (my, sy)) = (mean_sd(x), mean_sd(y));
+    let products: f64 = x.iter().zip(y).map(|(x, y)| (x - mx) * (y - my)).sum();
+    if sx * sy > 0.0 { products / ((x.len() - 1) as f64 * sx * sy) } else { 0.0 }
+}
+
+/// Rows by which `y` comes later than `x`, by the largest correlation of their changes, and this correlation; `None`
+/// if they have little in common.
+#[must_use]
+pub fn lag(x: &[f64], y: &[f64]) -> Option<(f64, f64)> {
+    let changes = |x: &[f64]| -> Vec<f64> { x.windows(2).map(|pair| pair[1] - pair[0]).collect() };
+    let (x, y) = (changes(x), changes(y));
+    let n = x.len().min(y.len());
+    if n < 4 * LAGS as usize {
+        return None;
+    }
+    let at = |lag: i32| {
+        let shift = lag.unsigned_abs() as usize;
+        let (from_x, from_y) = if lag >= 0 { (0, shift) } else { (shift, 0) };
+        correlation(&x[from_x..n - from_y], &y[from_y..n - from_x])
+    };
+    let best = (-LAGS..=LAGS).map(|lag| (lag, at(lag))).max_by(|one, other| one.1.total_cmp(&other.1))?;
+    if best.0.abs() == LAGS || best.1 < 0.3 {
+        return None;
+    }
+    // The vertex of the parabola through the largest value and its neighbours.
+    let (before, after) = (at(best.0 - 1), at(best.0 + 1));
+    let curve = before - 2.0 * best.1 + after;
+    let part = if curve < 0.0 { 0.5 * (before - after) / curve } else { 0.0 };
+    Some((f64::from(best.0) + part, best.1))
+}
+
+/// Pairs of traces whose first columns are equal but for rounding.
+#[must_use]
+pub fn equal(traces: &[&[Vec<f64>]]) -> Vec<[usize; 2]> {
+    let head = |columns: &[Vec<f64>]| -> Vec<f64> {
+        columns.iter().flat_map(|column| column.iter().take(COMPARED).copied()).collect()
+    };
+    let with_scale = |x: Vec<f64>| {
+        let (_, scale) = mean_sd(&x);
+        (x, scale)
+    };
+    let heads: Vec<(Vec<f64>, f64)> = traces.iter().map(|columns| with_scale(head(columns))).collect();
+    let mut found = Vec::new();
+    for (k, (one, scale)) in heads.iter().enumerate() {
+        for (j, (other, _)) in heads.iter().enumerate().take(k) {
+            let limit = (SAME * scale).powi(2) * one.len() as f64;
+            let mut sum = 0.0;
+            let same = one.len() == other.len()
+                && *scale > 0.0
+                && one.iter().zip(other).all(|(x, y)| {
+                    sum += (x - y).powi(2);
+                    sum <= limit
+                });
+            if same {
+                found.push([j, k]);
+            }
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn noise(seed: u64, rows: usize) -> Vec<f64> {
+        let mut state = seed;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as f64 / 2_147_483_648.0 - 0.5
+        };
+        (0..rows).map(|_| next()).collect()
+    }
+
+    #[test]
+    fn lags_of_whole_and_half_rows_are_found() {
+        let x = noise(1, 4000);
+        let smooth: Vec<f64> = (2..3900).map(|k| x[k] + x[k - 1] + x[k - 2]).collect();
+        let later = |rows: usize| smooth[..3000 - rows].to_vec();
+        let (found, likeness) = lag(&smooth[7..3000], &later(7)).expect("alike");
+        assert!((found - 7.0).abs() < 0.05 && likeness > 0.99, "{found}");
+        let half: Vec<f64> = smooth.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+        let (found, _) = lag(&half[..2000], &smooth[..2000]).expect("alike");
+        assert!((found - 0.5).abs() < 0.1, "{found}");
+        assert!(lag(&noise(2, 4000), &noise(3, 4000)).is_none());
+    }
+
+    #[test]
+    fn equal_traces_are_found_under_rounding() {
+        let (one, other) = (noise(4, 600), noise(5, 600));
+        let rounded = one.iter().map(|x| (x * 1e5).round() / 1e5).collect();
+        let traces = [vec![one.clone()], vec![other], vec![rounded]];
+        assert_eq!(equal(&traces.iter().map(Vec::as_slice).collect::<Vec<_>>()), [[0, 2]]);
+        let scaled: Vec<f64> = one.iter().map(|x| 3.0 * x + 1.0).collect();
+        assert!((correlation(&one, &scaled) - 1.0).abs() < 1e-12 && correlation(&one, &[2.0; 600]) == 0.0);
+    }
+}

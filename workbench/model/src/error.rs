@@ -1,0 +1,69 @@
+//! Errors, each as one line with file, place and remedy.
+
+use std::path::{Path, PathBuf};
+
+/// All errors of the workbench; `Display` returns one line for the user.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file cannot be opened, read or written.
+    #[error("{path}: {source}", path = path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The error of the operating system.
+        source: std::io::Error,
+    },
+    /// The content of a file is wrong at a given place.
+    #[error("{path}, {place}: {problem}", path = path.display())]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// Line, column or header.
+        place: String,
+        /// What is wrong and how to correct it.
+        problem: String,
+    },
+    /// A trace cannot be used.
+    #[error("trace {trace}: {problem}")]
+    Trace {
+        /// Its id.
+        trace: String,
+        /// What is wrong and how to correct it.
+        problem: String,
+    },
+    /// The training set is not usable, or not usable for the requested training.
+    #[error("{0}")]
+    Training(String),
+    /// An option has an invalid value.
+    #[error("{0}")]
+    Usage(String),
+    /// The error of another part, for example of a rig that rejects its scenario.
+    #[error(transparent)]
+    Other(Box<dyn std::error::Error + Send + Sync>),
+}
+
+impl Error {
+    /// The error of another part.
+    pub fn other(error: impl std::error::Error + Send + Sync + 'static) -> Self {
+        Self::Other(Box::new(error))
+    }
+
+    /// Converts an input or output error and adds the file.
+    pub fn io(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.into();
+        move |source| Self::Io { path, source }
+    }
+
+    /// An error at a given place of a file.
+    #[must_use]
+    pub fn content(path: &Path, place: impl Into<String>, problem: impl Into<String>) -> Self {
+        Self::Content { path: path.to_path_buf(), place: place.into(), problem: problem.into() }
+    }
+
+    /// An error of a trace.
+    #[must_use]
+    pub fn trace(id: &str, problem: impl Into<String>) -> Self {
+        Self::Trace { trace: id.into(), problem: problem.into() }
+    }
+}

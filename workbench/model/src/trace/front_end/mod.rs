@@ -1,0 +1,305 @@
+//! The front end of a drive over recordings at the control rate: the same code as in firmware.
+//!
+//! A file in TOML describes it:
+//!
+//! ```toml
+//! control_rate_hz = 12000.0
+//! factor = 12                                          # 12 kHz → 1 kHz
+//!
+//! [currents]
+//! columns = ["phase_a_a", "phase_b_a", "phase_c_a"]    # three, or a and b
+//! quantity = "amperes"                                 # or "counts"
+//! offset_counts = [2048.0, 2048.0, 2048.0]
+//! gain_a = [0.02, 0.02, 0.02]                          # amperes a count
+//! usable_counts = [16, 4079]
+//! stuck_samples = 0
+//!
+//! [balance]
+//! noise_a = 0.5
+//! gain_tolerance = 0.02
+//! window = 400
+//!
+//! [position]
+//! counts = "resolver_counts"                           # with bits; or sin and cos; or angle_rad
+//! bits = 14
+//!
+//! [tracking]
+//! bandwidth_hz = 300.0
+//! damping = 0.7
+//! error_limit_rad = 0.1
+//! lost_samples = 20
+//! settle_samples = 20
+//!
+//! [motor]
+//! pole_pairs = 6
+//! electrical_offset_rad = 0.0
+//! park = "standard"                                    # or "thesis"
+//! ```
+//!
+//! A trace behind it has the columns `current_a`, `velocity_rad_s` and `angle_rad`, which hide recorded columns of
+//! these names, and every other recorded column, decimated by the same filters. Currents recorded in amperes are
+//! rounded to counts first, as the converter of the drive does.
+
+mod refused;
+
+use std::path::Path;
+
+use bearing_watch::{
+    Angle, BalanceLimits, FrontEndConstants, Park, PhaseSensor, ResolverLimits, RotorFrame, TrackingConstants,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+pub use refused::{Refused, words};
+
+/// The factors for which the core has filters.
+pub const FACTORS: [usize; 13] = [1, 2, 4, 8, 16, 32, 6, 12, 24, 48, 10, 20, 40];
+
+/// A front end, and the recorded columns that it reads.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrontEndFile {
+    /// Rate of the recorded rows, Hz.
+    pub control_rate_hz: f32,
+    /// Recorded rows per sample: one of [`FACTORS`].
+    pub factor: usize,
+    /// The current sensors.
+    pub currents: Currents,
+    /// What the sum of three currents must be.
+    pub balance: Balance,
+    /// The position sensor.
+    pub position: Columns,
+    /// The loop that follows the angle.
+    pub tracking: Tracking,
+    /// The motor.
+    pub motor: Motor,
+}
+
+/// The current sensors, phases a, b and c.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Currents {
+    /// The columns of two or three phases.
+    pub columns: Vec<String>,
+    /// What the columns contain.
+    #[serde(default)]
+    pub quantity: Quantity,
+    /// Counts at no current, of each column.
+    pub offset_counts: Vec<f32>,
+    /// Amperes a count, of each column.
+    pub gain_a: Vec<f32>,
+    /// Lowest and highest usable count.
+    pub usable_counts: [u16; 2],
+    /// Equal counts in a row that mean a stuck converter; 0 for no limit.
+    #[serde(default)]
+    pub stuck_samples: u16,
+}
+
+/// What the columns of the currents contain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Quantity {
+    /// Counts of the converter.
+    #[default]
+    Counts,
+    /// Amperes.
+    Amperes,
+}
+
+/// [`BalanceLimits`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Balance {
+    noise_a: f32,
+    gain_tolerance: f32,
+    window: u16,
+}
+
+/// The columns of the position sensor: counts of an absolute sensor with their bits, sine and cosine, or an angle.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, untagged)]
+pub enum Columns {
+    /// Counts of 2^bits a turn.
+    Counts {
+        /// Column.
+        counts: String,
+        /// 1 … 32.
+        bits: u32,
+    },
+    /// Demodulated signals of a resolver.
+    Resolver {
+        /// Column of amplitude times sine.
+        sin: String,
+        /// Column of amplitude times cosine.
+        cos: String,
+        /// Lowest and highest amplitude.
+        amplitude: [f32; 2],
+        /// Largest relative difference of the amplitudes.
+        mismatch: f32,
+    },
+    /// An angle in radians, wrapped or not.
+    Angle {
+        /// Column.
+        angle_rad: String,
+    },
+}
+
+/// [`TrackingConstants`] without those of the resolver.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tracking {
+    bandwidth_hz: f32,
+    damping: f32,
+    error_limit_rad: f32,
+    lost_samples: u16,
+    settle_samples: u16,
+}
+
+/// [`RotorFrame`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Motor {
+    pole_pairs: u32,
+    #[serde(default)]
+    electrical_offset_rad: f64,
+    park: Convention,
+}
+
+/// [`Park`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Convention {
+    Standard,
+    Thesis,
+}
+
+impl FrontEndFile {
+    /// Reads and checks a file.
+    ///
+    /// # Errors
+    /// An unreadable file, a missing or unknown key, a value out of range.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let text = std::fs::read_to_string(path).map_err(Error::io(path))?;
+        Self::parse(&text).map_err(|(place, problem)| Error::content(path, place, problem))
+    }
+
+    /// Parses and checks the text of a file.
+    ///
+    /// # Errors
+    /// The place and the problem of a text that is refused.
+    pub fn parse(text: &str) -> Result<Self, (String, String)> {
+        let own: Self = toml::from_str(text).map_err(|error| {
+            let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
+            (format!("line {}", before.matches('\n').count() + 1), one_line(error.message()))
+        })?;
+        own.check().map_err(|problem| ("values".into(), problem))?;
+        Ok(own)
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let Currents { columns, offset_counts, gain_a, .. } = &self.currents;
+        let phases = columns.len();
+        if !(2..=3).contains(&phases) || offset_counts.len() != phases || gain_a.len() != phases {
+            return Err("[currents] has two or three columns, and as many offset_counts and gain_a".into());
+        }
+        if !FACTORS.contains(&self.factor) {
+            let factors: Vec<String> = FACTORS.iter().map(ToString::to_string).collect();
+            return Err(format!("factor {}: there are filters for {}", self.factor, factors.join(", ")));
+        }
+        match self.position {
+            Columns::Counts { bits, .. } if !(1..=32).contains(&bits) => {
+                return Err(format!("[position] bits {bits}: a turn has 2^1 to 2^32 counts"));
+            }
+            Columns::Counts { .. } | Columns::Resolver { .. } | Columns::Angle { .. } => {}
+        }
+        if !self.motor.electrical_offset_rad.is_finite() {
+            return Err("[motor] electrical_offset_rad is not a number".into());
+        }
+        self.constants().check().map_err(|error| error.message().into())
+    }
+
+    /// The text of a file that [`FrontEndFile::read`] reads.
+    ///
+    /// # Errors
+    /// None for values that were read here; those of the serialiser otherwise.
+    pub fn to_text(&self) -> Result<String, toml::ser::Error> {
+        Ok(format!("# The front end of these traces, for --front-end.\n{}", toml::to_string(self)?))
+    }
+
+    /// The recorded columns that the front end reads, phases first.
+    pub fn columns(&self) -> Vec<&str> {
+        let mut columns: Vec<&str> = self.currents.columns.iter().map(String::as_str).collect();
+        match &self.position {
+            Columns::Counts { counts, .. } => columns.push(counts),
+            Columns::Resolver { sin, cos, .. } => columns.extend([sin.as_str(), cos.as_str()]),
+            Columns::Angle { angle_rad } => columns.push(angle_rad),
+        }
+        columns
+    }
+
+    /// The constants of the core's front end.
+    #[must_use]
+    pub fn constants(&self) -> FrontEndConstants {
+        let Currents { offset_counts, gain_a, usable_counts: usable, stuck_samples, .. } = &self.currents;
+        let phase = |k: usize| PhaseSensor { offset_counts: offset_counts[k], gain_a: gain_a[k], usable: *usable };
+        // With two sensors the third is not used.
+        let third = if offset_counts.len() == 3 { phase(2) } else { phase(1) };
+        let Balance { noise_a, gain_tolerance, window } = self.balance;
+        let Tracking { bandwidth_hz, damping, error_limit_rad, lost_samples, settle_samples } = self.tracking;
+        let resolver = match self.position {
+            Columns::Resolver { amplitude: [low, high], mismatch, .. } => ResolverLimits { low, high, mismatch },
+            Columns::Counts { .. } | Columns::Angle { .. } => ResolverLimits { low: 0.5, high: 1.5, mismatch: 0.1 },
+        };
+        FrontEndConstants {
+            control_rate_hz: self.control_rate_hz,
+            sensors: [phase(0), phase(1), third],
+            stuck_samples: *stuck_samples,
+            balance: BalanceLimits { noise_a, gain_tolerance, window },
+            tracking: TrackingConstants {
+                bandwidth_hz,
+                damping,
+                error_limit_rad,
+                lost_samples,
+                settle_samples,
+                resolver,
+            },
+            frame: RotorFrame {
+                pole_pairs: self.motor.pole_pairs,
+                electrical_offset: angle_of(self.motor.electrical_offset_rad),
+                park: self.park(),
+            },
+        }
+    }
+
+    /// The sign convention of the quadrature current.
+    #[must_use]
+    pub const fn park(&self) -> Park {
+        match self.motor.park {
+            Convention::Standard => Park::Standard,
+            Convention::Thesis => Park::Thesis,
+        }
+    }
+
+    /// Interval of the samples, s.
+    #[must_use]
+    pub fn interval_s(&self) -> f64 {
+        self.factor as f64 / f64::from(self.control_rate_hz)
+    }
+}
+
+/// The binary angle of an angle in radians; that of one that is not finite is zero.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a part of a turn below one; `as` saturates"
+)]
+#[must_use]
+pub fn angle_of(radians: f64) -> Angle {
+    let turns = radians / std::f64::consts::TAU;
+    Angle::from_bits(((turns - turns.floor()) * 4_294_967_296.0) as u64 as u32)
+}
+
+/// A message of several lines as one.
+fn one_line(message: &str) -> String {
+    message.lines().map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join("; ")
+}

@@ -1,0 +1,62 @@
+//! What a front end refused of a recording, in words.
+
+use std::fmt;
+
+use bearing_watch::{Faults, Imbalance};
+
+/// Samples that are missing behind a front end, and why.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Refused {
+    /// Number of missing samples.
+    pub missing: usize,
+    /// Number of all samples, from the first one that is not missing.
+    pub samples: usize,
+    /// What the front end counted.
+    pub faults: Faults,
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { missing, samples, faults } = self;
+        write!(f, "{missing} of {samples} samples are missing behind the front end: {}", words(faults))
+    }
+}
+
+/// What was wrong, in words.
+#[must_use]
+pub fn words(faults: &Faults) -> String {
+    let mut words = Vec::new();
+    for (phase, own) in ["a", "b", "c"].iter().zip(&faults.currents) {
+        let counted = [(own.saturated, "saturated"), (own.stuck, "stuck")];
+        words.extend(counted.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("phase {phase} {what} {n} times")));
+    }
+    if let Some(imbalance) = &faults.imbalance {
+        let cause = match imbalance {
+            Imbalance::Open(phase) => format!(": phase {phase:?} is open"),
+            Imbalance::Silent(phase) => format!(": the sensor of phase {phase:?} reads nothing"),
+            Imbalance::Gain { phase, error } => {
+                format!(": the gain of phase {phase:?} is wrong by {:.1} %", 100.0 * error)
+            }
+            Imbalance::Unnamed => String::new(),
+        };
+        words.push(format!("the three currents do not fit each other{cause}"));
+    } else if faults.unbalanced_windows > 0 {
+        words.push(format!("{} windows in which the three currents do not fit each other", faults.unbalanced_windows));
+    }
+    let position = &faults.position;
+    let resolver = &position.resolver;
+    for (count, what) in [
+        (position.missing, "angles missing"),
+        (position.strayed, "angles strayed"),
+        (position.losses, "losses of the angle"),
+        (resolver.lost, "resolver signals too small"),
+        (resolver.too_high, "resolver signals too large"),
+        (resolver.mismatched, "resolver signals unequal"),
+        (faults.gaps, "gaps in time"),
+    ] {
+        if count > 0 {
+            words.push(format!("{count} {what}"));
+        }
+    }
+    if words.is_empty() { "the angle was not found".into() } else { words.join(", ") }
+}

@@ -1,0 +1,275 @@
+//! The class of each trace, and the selection of traces.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use crate::Error;
+use crate::trace::{Recorded, Trace, stem};
+
+/// A condition on a column of the labels: `load_kgf=20`, `run<=4`, `class_name!=backlash1`.
+///
+/// Compared as numbers if both sides are numbers, otherwise as text (`=` and `!=` only).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Condition {
+    column: String,
+    operator: &'static str,
+    value: String,
+}
+
+impl std::str::FromStr for Condition {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        // The longer operators first, so that `<=` is not parsed as `<`.
+        for operator in ["<=", ">=", "!=", "=", "<", ">"] {
+            if let Some((column, value)) = text.split_once(operator) {
+                let (column, value) = (column.trim().to_string(), value.trim());
+                let value = if column == "trace" { stem(value) } else { value }.to_string();
+                if column.is_empty() || value.is_empty() {
+                    break;
+                }
+                return Ok(Self { column, operator, value });
+            }
+        }
+        Err(format!("\"{text}\" is no condition; write column, one of = != <= >= < >, value, e.g. 'run<=4'"))
+    }
+}
+
+impl std::fmt::Display for Condition {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}{}{}", self.column, self.operator, self.value)
+    }
+}
+
+impl Condition {
+    /// The column.
+    #[must_use]
+    pub fn column(&self) -> &str {
+        &self.column
+    }
+
+    pub fn holds(&self, cell: &str) -> Result<bool, String> {
+        use std::cmp::Ordering::{Equal, Greater, Less};
+        let ordering = match (cell.parse::<f64>(), self.value.parse::<f64>()) {
+            (Ok(cell), Ok(value)) => cell.partial_cmp(&value),
+            _ if matches!(self.operator, "=" | "!=") => Some(cell.cmp(self.value.as_str())),
+            _ => None,
+        };
+        let ordering = ordering
+            .ok_or_else(|| format!("\"{cell}\" {} \"{}\" compares text; use = or !=", self.operator, self.value))?;
+        Ok(match self.operator {
+            "=" => ordering == Equal,
+            "!=" => ordering != Equal,
+            "<=" => ordering != Greater,
+            ">=" => ordering != Less,
+            "<" => ordering == Less,
+            _ => ordering == Greater,
+        })
+    }
+}
+
+/// The rows of `labels.csv`: `trace,class_name` and any other columns.
+#[derive(Clone, Debug)]
+pub struct Labels {
+    path: PathBuf,
+    columns: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+/// A trace with the index of its class.
+#[derive(Clone, Debug)]
+pub struct LabelledTrace {
+    /// Its signals.
+    pub trace: Trace,
+    /// Index into the class names.
+    pub class: usize,
+}
+
+impl Labels {
+    /// The number of different cells of a column; 0 if there is no such column.
+    #[must_use]
+    pub fn different(&self, column: &str) -> usize {
+        let place = self.columns.iter().position(|own| own == column);
+        let cells = place.into_iter().flat_map(|place| self.rows.iter().map(move |row| row[place].as_str()));
+        cells.collect::<std::collections::HashSet<_>>().len()
+    }
+
+    /// Whether a trace has a row.
+    #[must_use]
+    pub fn has(&self, trace: &str) -> bool {
+        let place = self.columns.iter().position(|own| own == "trace");
+        place.is_some_and(|place| self.rows.iter().any(|row| stem(&row[place]) == stem(trace)))
+    }
+
+    /// The number of rows of a class.
+    #[must_use]
+    pub fn count(&self, class: &str) -> usize {
+        let place = self.columns.iter().position(|own| own == "class_name");
+        place.map_or(0, |place| self.rows.iter().filter(|row| row[place] == class).count())
+    }
+
+    /// The names of the columns.
+    #[must_use]
+    pub fn columns(&self) -> &[String] {
+        &self.columns
+    }
+
+    /// Takes the cells of a file.
+    ///
+    /// # Errors
+    /// Missing `trace` or `class_name`, a trace that occurs twice, a name that no class can have.
+    pub fn of_cells(path: &Path, columns: Vec<String>, rows: Vec<Vec<String>>) -> Result<Self, Error> {
+        Self { path: path.into(), columns, rows }.checked()
+    }
+
+    /// Takes the labels of a table in memory.
+    ///
+    /// # Errors
+    /// As [`Labels::of_cells`], and a column of neither numbers nor text.
+    pub fn of(table: &Recorded) -> Result<Self, Error> {
+        let columns = table.names().map(|name| name.trim().to_string()).collect();
+        Self { path: table.name().into(), columns, rows: table.rows()? }.checked()
+    }
+
+    fn checked(self) -> Result<Self, Error> {
+        let (labels, path) = (&self, &self.path);
+        let trace = labels.column("trace")?;
+        let class = labels.column("class_name")?;
+        let mut seen = HashMap::new();
+        for (k, row) in labels.rows.iter().enumerate() {
+            if let Some(first) = seen.insert(stem(&row[trace]), k) {
+                let problem = format!("{} is labelled already in line {}", row[trace], first + 2);
+                return Err(Error::content(path, format!("line {}", k + 2), problem));
+            }
+            let name = &row[class];
+            if name.is_empty() || name == "undetermined" || name.contains(char::is_control) {
+                let problem = format!("\"{}\" is no class name; choose another", name.escape_debug());
+                return Err(Error::content(path, format!("line {}, column class_name", k + 2), problem));
+            }
+        }
+        Ok(self)
+    }
+
+    fn column(&self, name: &str) -> Result<usize, Error> {
+        self.columns.iter().position(|column| column == name).ok_or_else(|| {
+            Error::content(&self.path, "header", format!("no column {name}; there are {}", self.columns.join(", ")))
+        })
+    }
+
+    /// Ids (without `.csv`) and class names of the rows that satisfy every condition.
+    ///
+    /// # Errors
+    /// An unknown column, an order comparison of text, or no remaining row.
+    pub fn select(&self, conditions: &[Condition]) -> Result<Vec<(String, String)>, Error> {
+        let (trace, class) = (self.column("trace")?, self.column("class_name")?);
+        let columns = conditions.iter().map(|c| self.column(&c.column)).collect::<Result<Vec<_>, _>>()?;
+        let mut chosen = Vec::new();
+        for (k, row) in self.rows.iter().enumerate() {
+            let mut all = true;
+            for (condition, &column) in conditions.iter().zip(&columns) {
+                let place = || format!("line {}, column {}", k + 2, condition.column);
+                // The name of a trace may include the extension of its file.
+                let cell = if condition.column == "trace" { stem(&row[column]) } else { &row[column] };
+                all &= condition.holds(cell).map_err(|p| Error::content(&self.path, place(), p))?;
+            }
+            if all {
+                chosen.push((stem(&row[trace]).to_string(), row[class].clone()));
+            }
+        }
+        if chosen.is_empty() {
+            let asked: Vec<_> = conditions.iter().map(ToString::to_string).collect();
+            let problem = if asked.is_empty() { "no rows".into() } else { format!("no row with {}", asked.join(", ")) };
+            return Err(Error::content(&self.path, "selection", problem));
+        }
+        Ok(chosen)
+    }
+
+    /// The cell of a column for each of these traces; empty for a trace without a row.
+    ///
+    /// # Errors
+    /// An unknown column.
+    pub fn cells<'a>(&self, column: &str, ids: impl Iterator<Item = &'a str>) -> Result<Vec<String>, Error> {
+        let (trace, column) = (self.column("trace")?, self.column(column)?);
+        let by_id: HashMap<&str, &String> = self.rows.iter().map(|row| (stem(&row[trace]), &row[column])).collect();
+        Ok(ids.map(|id| by_id.get(stem(id)).map_or_else(String::new, ToString::to_string)).collect())
+    }
+
+    /// The class names of a selection: the requested ones in the requested order, or all in order of first occurrence.
+    ///
+    /// # Errors
+    /// A requested class that no selected row has.
+    pub fn classes(&self, chosen: &[(String, String)], asked: &[String]) -> Result<Vec<String>, Error> {
+        let mut present: Vec<String> = Vec::new();
+        for (_, class) in chosen {
+            if !present.contains(class) {
+                present.push(class.clone());
+            }
+        }
+        for (k, class) in asked.iter().enumerate() {
+            if asked[..k].contains(class) {
+                return Err(Error::Usage(format!("--classes names {class} twice")));
+            }
+            if !present.contains(class) {
+                let problem = format!("unknown class {class} in this selection; there are {}", present.join(", "));
+                return Err(Error::content(&self.path, "column class_name", problem));
+            }
+        }
+        Ok(if asked.is_empty() { present } else { asked.to_vec() })
+    }
+
+    /// Joins a selection with its traces; rows of classes that are not in `classes` are omitted.
+    ///
+    /// # Errors
+    /// A labelled trace that is not in `traces`.
+    pub fn join(
+        &self,
+        chosen: &[(String, String)],
+        classes: &[String],
+        traces: &[Trace],
+    ) -> Result<Vec<LabelledTrace>, Error> {
+        let by_id: HashMap<&str, &Trace> = traces.iter().map(|trace| (stem(&trace.id), trace)).collect();
+        let wanted = chosen.iter().filter_map(|(id, name)| Some((id, classes.iter().position(|c| c == name)?)));
+        wanted
+            .map(|(id, class)| {
+                let trace = by_id.get(id.as_str()).ok_or_else(|| {
+                    let problem = format!("{id} is labelled, but there is no such trace; give its file or folder");
+                    Error::content(&self.path, "column trace", problem)
+                })?;
+                Ok(LabelledTrace { trace: (*trace).clone(), class })
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn conditions_compare_numbers_as_numbers() {
+        let c: Condition = "run<=4".parse().expect("condition");
+        assert!(c.holds("4").expect("numbers") && !c.holds("10").expect("numbers"));
+        let c: Condition = "load_kgf=20".parse().expect("condition");
+        assert!(c.holds("20.0").expect("numbers") && !c.holds("-20").expect("numbers"));
+        let c: Condition = "class_name!=normal".parse().expect("condition");
+        assert!(!c.holds("normal").expect("text"));
+        assert!("run<4".parse::<Condition>().expect("condition").holds("x").is_err());
+        assert!("run".parse::<Condition>().is_err() && "=4".parse::<Condition>().is_err());
+    }
+
+    #[test]
+    fn unknown_classes_and_duplicates_are_refused() {
+        let of = |rows: [[&str; 2]; 2]| {
+            let texts = |cells: [&str; 2]| cells.map(String::from).to_vec();
+            Labels::of_cells(Path::new("labels.csv"), texts(["trace", "class_name"]), rows.map(texts).to_vec())
+        };
+        let labels = of([["x.csv", "a"], ["y", "b"]]).expect("good labels");
+        let chosen = labels.select(&[]).expect("rows");
+        assert_eq!(chosen[0], ("x".to_string(), "a".to_string()));
+        assert_eq!(labels.classes(&chosen, &[]).expect("classes"), ["a", "b"]);
+        let error = labels.classes(&chosen, &["c".into()]).expect_err("unknown").to_string();
+        assert!(error.contains("unknown class c") && error.contains("a, b"), "{error}");
+        let twice = of([["x.csv", "a"], ["x", "b"]]).expect_err("twice").to_string();
+        assert!(twice.contains("line 3: x is labelled already"), "{twice}");
+    }
+}

@@ -1,0 +1,20 @@
+//! Recorded or simulated signals in memory: traces, their channels, labels and preparation.
+
+pub mod front_end;
+pub mod half_band;
+pub mod labels;
+pub mod low_pass;
+mod median;
+mod minimax;
+mod names;
+pub mod prepare;
+mod record;
+mod recorded;
+
+pub use front_end::FrontEndFile;
+pub use labels::{Condition, Labels};
+pub use median::median;
+pub use names::{extensions, is_known, stem};
+pub use prepare::Preparation;
+pub use record::{Channels, MotionTrace, ShaftChannels, Trace, bridged, same_interval};
+pub use recorded::{Cells, Recorded};

@@ -1,0 +1,161 @@
+//! A record of signals, and the names of its columns.
+
+use crate::trace::front_end::{FrontEndFile, Refused};
+
+/// Signals of the shaft; each column is as long as the trace.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MotionTrace {
+    /// Quadrature or armature current.
+    pub current_a: Vec<f64>,
+    /// Measured velocity; zeros if it is not measured.
+    pub velocity_rad_s: Vec<f64>,
+    /// Load torque; zeros if it is not measured.
+    pub load_nm: Vec<f64>,
+    /// Angle of the shaft, wrapped or not.
+    pub angle_rad: Vec<f64>,
+    /// Reference of the velocity; empty if it is not given.
+    pub reference_rad_s: Vec<f64>,
+}
+
+impl MotionTrace {
+    /// Number of turns, both directions counted; a step of more than half a turn is one of a wrapped angle.
+    #[must_use]
+    pub fn turns(&self) -> f64 {
+        let steps = self.angle_rad.windows(2).map(|w| (w[1] - w[0]).abs());
+        steps.filter(|step| *step < std::f64::consts::PI).sum::<f64>() / std::f64::consts::TAU
+    }
+
+    /// The columns from sample `start` to `end`, excluding `end`.
+    #[must_use]
+    pub fn cut(&self, start: usize, end: usize) -> Self {
+        let part = |column: &[f64]| column[start..end].to_vec();
+        Self {
+            current_a: part(&self.current_a),
+            velocity_rad_s: part(&self.velocity_rad_s),
+            load_nm: part(&self.load_nm),
+            angle_rad: part(&self.angle_rad),
+            reference_rad_s: if self.reference_rad_s.is_empty() { vec![] } else { part(&self.reference_rad_s) },
+        }
+    }
+}
+
+/// One record: output and two inputs at a constant rate.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Trace {
+    /// Name of its file, or the `trace` cell of a tidy table.
+    pub id: String,
+    /// Median step of the time column, or one over the rate that was given instead, s.
+    pub interval_s: Option<f64>,
+    /// Number of steps of the time that differ from the median by more than a tenth of it.
+    pub irregular_steps: usize,
+    /// Output.
+    pub y: Vec<f64>,
+    /// First input.
+    pub u1: Vec<f64>,
+    /// Second input.
+    pub u2: Vec<f64>,
+    /// The shaft's signals, if its channels are requested.
+    pub motion: Option<MotionTrace>,
+    /// Further columns, in the order of [`Channels::further`].
+    pub further: Vec<Vec<f64>>,
+    /// What the front end refused, if anything; these samples are NaN.
+    pub refused: Option<Refused>,
+}
+
+/// The columns of the three signals: a column's name, or a formula of columns such as `a-b`, `0.5*(a + b)`,
+/// `speed_rpm rad/s` or `integrate(speed_rpm) rad`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channels {
+    /// Output.
+    pub y: String,
+    /// First input.
+    pub u1: String,
+    /// Second input.
+    pub u2: String,
+    /// The columns of the shaft, if it is watched.
+    pub shaft: Option<ShaftChannels>,
+    /// Columns that are used for their averages alone.
+    pub further: Vec<String>,
+    /// The time column; by its usual names if none is given, and no time at all if it is `none`.
+    pub time: Option<String>,
+    /// Rows a second, for files without a time.
+    pub rate_hz: Option<f64>,
+    /// Makes the columns of recordings at the control rate; `None` if they are recorded as they are used.
+    pub front_end: Option<FrontEndFile>,
+}
+
+/// The columns of the shaft's signals, in the same format.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct ShaftChannels {
+    /// Current, A.
+    pub current: String,
+    /// Measured velocity, rad/s; `None` if it is not measured.
+    pub velocity: Option<String>,
+    /// Load torque, N·m; `None` if it is not measured.
+    pub load: Option<String>,
+    /// Angle, rad.
+    pub angle: String,
+    /// Reference of the velocity, rad/s, if it is given. Only training without a load sensor uses it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference: Option<String>,
+}
+
+impl ShaftChannels {
+    /// The columns of the DC-motor rig.
+    #[must_use]
+    pub fn rig() -> Self {
+        Self {
+            current: "current_a".into(),
+            velocity: Some("velocity_rad_s".into()),
+            load: Some("load_torque_nm".into()),
+            angle: "angle_rad".into(),
+            reference: None,
+        }
+    }
+}
+
+impl Channels {
+    /// Three signals, no shaft.
+    #[must_use]
+    pub fn new(y: impl Into<String>, u1: impl Into<String>, u2: impl Into<String>) -> Self {
+        Self {
+            y: y.into(),
+            u1: u1.into(),
+            u2: u2.into(),
+            shaft: None,
+            further: vec![],
+            time: None,
+            rate_hz: None,
+            front_end: None,
+        }
+    }
+
+    /// All names, columns and differences.
+    #[must_use]
+    pub fn names(&self) -> Vec<&str> {
+        let shaft = self.shaft.iter().flat_map(|shaft| {
+            let ShaftChannels { current, velocity, load, angle, reference } = shaft;
+            [current, angle].into_iter().chain(velocity).chain(load).chain(reference)
+        });
+        [&self.y, &self.u1, &self.u2].into_iter().chain(shaft).chain(&self.further).map(String::as_str).collect()
+    }
+}
+
+/// Whether two sampling intervals are equal except for rounding of the recorded times.
+#[must_use]
+pub fn same_interval(one_s: f64, other_s: f64) -> bool {
+    (one_s - other_s).abs() <= 0.02 * one_s.abs().max(other_s.abs())
+}
+
+/// Returns the signal with the last value in place of missing ones.
+#[must_use]
+pub fn bridged(signal: &[f64]) -> Vec<f64> {
+    let mut last = signal.iter().copied().find(|x| x.is_finite()).unwrap_or(0.0);
+    let hold = |&x: &f64| {
+        if x.is_finite() {
+            last = x;
+        }
+        last
+    };
+    signal.iter().map(hold).collect()
+}

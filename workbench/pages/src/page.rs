@@ -1,0 +1,168 @@
+//! Builds one self-contained page from titled sections of HTML.
+
+use std::fmt::Write as _;
+use std::sync::LazyLock;
+
+use super::ReportError;
+use super::escape::escape;
+
+/// The style sheet, in a separate file so that editors recognise its format.
+const STYLE: &str = include_str!("style.css");
+
+/// Draws the figures.
+const DRAW: &str = include_str!("plots.js");
+
+/// The script of plotly. The crate also brings a renderer of formulas, which no page needs.
+static PLOTLY: LazyLock<String> = LazyLock::new(|| {
+    const END: &str = "</script>";
+    let all = plotly::Plot::offline_js_sources();
+    let end = all.find(END).map_or(all.len(), |at| at + END.len());
+    all[..end].to_owned()
+});
+
+/// Nothing is loaded from outside the page.
+const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:";
+
+/// Smallest number of sections for which the page begins with links to them.
+const LINKS_FROM: usize = 4;
+
+/// A page under construction.
+///
+/// ```
+/// use bearing_watch_pages::page::{Page, paragraph};
+/// let html = Page::new("Run 12").section("Result", &paragraph("Nothing found.")).render();
+/// assert!(html.starts_with("<!DOCTYPE html>"));
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Page {
+    title: String,
+    lead: String,
+    sections: Vec<(String, String)>,
+    live: Option<&'static str>,
+}
+
+impl Page {
+    /// An empty page.
+    #[must_use]
+    pub fn new(title: impl Into<String>) -> Self {
+        Self { title: title.into(), lead: String::new(), sections: Vec::new(), live: None }
+    }
+
+    /// A sentence below the title: what was tested, when, with which data.
+    #[must_use]
+    pub fn lead(mut self, text: impl Into<String>) -> Self {
+        self.lead = text.into();
+        self
+    }
+
+    /// Adds a section. The heading is plain text; the body is HTML from the functions of this module.
+    #[must_use]
+    pub fn section(mut self, heading: impl Into<String>, html: &str) -> Self {
+        self.sections.push((heading.into(), html.to_owned()));
+        self
+    }
+
+    /// Runs a script after the figures are drawn, which may ask the server of the page for news.
+    #[must_use]
+    pub fn live(self, script: &'static str) -> Self {
+        Self { live: Some(script), ..self }
+    }
+
+    /// The page as one HTML document.
+    #[must_use]
+    pub fn render(&self) -> String {
+        let title = escape(&self.title);
+        let own = if self.live.is_some() { "; connect-src 'self'" } else { "" };
+        let mut out = format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <meta name=\"color-scheme\" content=\"light dark\">\n\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}{own}\">\n\
+             <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n<header><h1>{title}</h1>"
+        );
+        if !self.lead.is_empty() {
+            out.push_str(&paragraph(&self.lead));
+        }
+        out.push_str("</header>\n");
+        if self.sections.len() >= LINKS_FROM {
+            out.push_str("<nav><ul>");
+            for (number, (heading, _)) in self.sections.iter().enumerate() {
+                let _ = write!(out, "<li><a href=\"#s{number}\">{}</a></li>", escape(heading));
+            }
+            out.push_str("</ul></nav>\n");
+        }
+        for (number, (heading, html)) in self.sections.iter().enumerate() {
+            let _ = writeln!(out, "<section id=\"s{number}\"><h2>{}</h2>{html}</section>", escape(heading));
+        }
+        out.push_str("</main>\n");
+        if self.sections.iter().any(|(_, html)| html.contains("class=\"plot\"")) {
+            out.push_str(&PLOTLY);
+            for script in [Some(DRAW), self.live].into_iter().flatten() {
+                let _ = write!(out, "\n<script>{script}</script>");
+            }
+        }
+        out.push_str("\n</body>\n</html>\n");
+        out
+    }
+}
+
+/// Running text; a blank line starts a new paragraph.
+#[must_use]
+pub fn paragraph(text: &str) -> String {
+    text.split("\n\n").filter(|part| !part.trim().is_empty()).map(|part| format!("<p>{}</p>", escape(part))).collect()
+}
+
+/// A number of things: `1 trace`, `2 traces`.
+#[must_use]
+pub fn counted(count: usize, name: &str) -> String {
+    format!("{count} {name}{}", if count == 1 { "" } else { "s" })
+}
+
+/// Figures that share their horizontal axis: they zoom together, and one cursor crosses them.
+#[must_use]
+pub fn linked(figures: &str) -> String {
+    format!("<div class=\"linked\">{figures}</div>")
+}
+
+/// The plot or table, or the reason why it is missing, so that one empty plot does not make the whole report fail.
+#[must_use]
+pub fn or_reason(html: Result<String, ReportError>) -> String {
+    html.unwrap_or_else(|error| format!("<p class=\"note\">Not drawn: {}.</p>", escape(&error.to_string())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::well_formed::check;
+    use super::*;
+
+    #[test]
+    fn page_is_well_formed_and_self_contained() {
+        let mut page = Page::new("a <b> & \"c\"").lead("x < y");
+        for i in 0..5 {
+            page = page.section(format!("<{i}>"), &paragraph("first\n\nsecond & third"));
+        }
+        let html = page.render();
+        assert_eq!(check(&html), Ok(()));
+        assert!(html.contains("<title>a &lt;b&gt; &amp; &quot;c&quot;</title>") && html.contains("x &lt; y"));
+        assert_eq!(html.matches("<p>first</p><p>second &amp; third</p>").count(), 5);
+        assert!(!html.contains("://") && !html.contains("<script") && !html.contains("url("));
+    }
+
+    #[test]
+    fn a_page_with_a_figure_has_one_script_of_plotly_and_stays_small() {
+        let html = Page::new("t").section("s", "<div class=\"plot\"></div><div class=\"plot\"></div>").render();
+        assert_eq!(html.matches("plotly.js v").count(), 1);
+        assert!(html.len() < 4_800_000, "{} bytes", html.len());
+    }
+
+    #[test]
+    fn empty_page_is_valid() {
+        assert_eq!(check(&Page::new("").render()), Ok(()));
+    }
+
+    #[test]
+    fn a_missing_plot_says_why() {
+        let html = or_reason(Err(ReportError::Empty { title: "<t>".into() }));
+        assert_eq!(html, "<p class=\"note\">Not drawn: “&lt;t&gt;” has no finite data to draw.</p>");
+    }
+}

@@ -1,0 +1,92 @@
+//! The table of the field: what the detector finds if one effect of the field, or all of them, act on the rig.
+//!
+//! A row is a condition ([`Condition::FIELD`](rig::Condition::FIELD), each on top of MIX). For each draw a gate
+//! is trained on healthy records of this condition alone, with one recipe for all rows, and judged on other records:
+//! false alarms on healthy ones, detected records of each size of a defect. Some rows also have the error of a
+//! discriminant of three classes, trained with defects at full size. Every verdict is that of the core in single
+//! precision.
+//!
+//! | module | content |
+//! |---|---|
+//! | [`bounds`] | what one record can tell |
+//! | [`picture`] | the table as a picture |
+//! | [`recipe`] | the configuration: features, false-alarm rate |
+//! | [`rows`] | conditions, defects, and the cells of their traces |
+//! | [`run`] | one draw of one row |
+//! | [`tally`] | counts, and rates with intervals |
+//! | [`commissioned`] | gates learned on the drive beside the gate of the test bench |
+//! | [`sessions`] | false alarms of a fleet, drive by drive and day by day |
+//! | [`render`] | the table as text, rows and JSON |
+
+pub mod bounds;
+pub mod commissioned;
+pub mod picture;
+pub mod recipe;
+pub mod render;
+pub mod rows;
+pub mod run;
+pub mod sessions;
+pub mod tally;
+
+use model::Error;
+use rig::DefectKind;
+use rows::Row;
+use run::Draw;
+
+/// Size of the study.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Settings {
+    /// Number of draws of training and validation sets.
+    pub draws: u32,
+    /// Number of the first draw; other numbers give other traces.
+    pub first: u32,
+    /// Number of healthy training records.
+    pub healthy_training: u32,
+    /// Number of training records of each defect, for the discriminant.
+    pub defects_training: u32,
+    /// Number of healthy validation records.
+    pub healthy: u32,
+    /// Number of validation records of each defect and size.
+    pub defects: u32,
+    /// Features of the detector; those of [`recipe`] if empty.
+    pub features: Vec<String>,
+}
+
+impl Settings {
+    /// 150 healthy records for training; 300 healthy ones and 60 of each defect for validation.
+    #[must_use]
+    pub const fn standard(draws: u32, first: u32) -> Self {
+        Self { draws, first, healthy_training: 150, defects_training: 60, healthy: 300, defects: 60, features: vec![] }
+    }
+
+    /// Number of validation records of a kind.
+    #[must_use]
+    pub fn judged(&self, kind: DefectKind) -> u32 {
+        if kind == DefectKind::Healthy { self.healthy } else { self.defects }
+    }
+}
+
+/// A row with its draws.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Findings {
+    /// The row.
+    pub row: Row,
+    /// One result for each draw.
+    pub draws: Vec<Draw>,
+}
+
+/// Runs the study; `done` is called once per row and draw.
+///
+/// # Errors
+/// Returns an error if simulation fails. If training refuses a set, its draw has the reason.
+pub fn study(rows: &[Row], settings: &Settings, done: impl Fn()) -> Result<Vec<Findings>, Error> {
+    let each = |row: &Row| {
+        let draws = (settings.first..settings.first + settings.draws).map(|number| {
+            let found = run::draw(row, number, settings);
+            done();
+            found
+        });
+        Ok(Findings { row: *row, draws: draws.collect::<Result<_, _>>()? })
+    };
+    rows.iter().map(each).collect()
+}

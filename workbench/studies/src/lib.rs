@@ -1,0 +1,25 @@
+//! Studies on the simulated rigs: the demonstration, the campaigns, and the source's tables compared with ours.
+//!
+//! | module | content |
+//! |---|---|
+//! | [`recipes`] | the configurations that the studies train |
+//! | [`demo`] | labelled traces of the standard rig, and one draw of the whole chain |
+//! | [`literal`] | the source's own method |
+//! | [`campaign`] | experiments over many conditions and repetitions |
+//! | [`ema`] | the actuator, from phase currents and resolver counts to verdicts |
+//! | [`field`] | the effects of the field, one by one and together |
+//! | [`tables`] | the source's tables |
+//! | [`signals`] | the signals of a simulated trace as those of a recorded one |
+//! | [`pages`] | pages of the results |
+
+pub mod campaign;
+pub mod demo;
+pub mod ema;
+pub mod field;
+pub mod literal;
+pub mod pages;
+pub mod recipes;
+pub mod signals;
+pub mod tables;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,5 @@
+//! Pages of the studies.
+
+pub mod campaign;
+pub mod demo;
+pub mod tables;

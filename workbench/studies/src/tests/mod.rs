@@ -1,0 +1,6 @@
+//! Trainings on sets of the rig, through the public interface of the models.
+
+mod filters;
+mod harmonics;
+mod missing_features;
+mod velocity_source;

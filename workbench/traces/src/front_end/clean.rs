@@ -1,0 +1,136 @@
+//! Recorded rows through the core's front end.
+
+use bearing_watch::{Angle, By, CleanSample, Factor, FrontEnd, PhaseCounts, Position, RawSample};
+
+use model::trace::front_end::{Columns, FrontEndFile, Quantity, Refused, angle_of, words};
+
+/// Names of the columns that the front end makes.
+pub(crate) const OWN: [&str; 3] = ["current_a", "velocity_rad_s", "angle_rad"];
+
+/// Largest number of further columns.
+pub const FURTHER: usize = 8;
+
+/// Columns at the rate of identification.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Clean {
+    /// Those of [`OWN`], then the further ones.
+    pub(crate) columns: Vec<Vec<f64>>,
+    /// What was refused, if samples within the record are missing.
+    pub(crate) refused: Option<Refused>,
+}
+
+/// Takes the columns that the file names and at most [`FURTHER`] further ones. `times_s` tells missed rows; without
+/// times there are none. Samples before the first complete one are left out.
+pub(crate) fn clean(
+    file: &FrontEndFile,
+    recorded: &[&[f64]],
+    further: &[&[f64]],
+    times_s: Option<&[f64]>,
+) -> Result<Clean, String> {
+    match file.factor {
+        1 => by::<1>(file, recorded, further, times_s),
+        2 => by::<2>(file, recorded, further, times_s),
+        4 => by::<4>(file, recorded, further, times_s),
+        8 => by::<8>(file, recorded, further, times_s),
+        16 => by::<16>(file, recorded, further, times_s),
+        32 => by::<32>(file, recorded, further, times_s),
+        6 => by::<6>(file, recorded, further, times_s),
+        12 => by::<12>(file, recorded, further, times_s),
+        24 => by::<24>(file, recorded, further, times_s),
+        48 => by::<48>(file, recorded, further, times_s),
+        10 => by::<10>(file, recorded, further, times_s),
+        20 => by::<20>(file, recorded, further, times_s),
+        40 => by::<40>(file, recorded, further, times_s),
+        factor => Err(format!("no filters for the factor {factor}")),
+    }
+}
+
+fn by<const FACTOR: usize>(
+    file: &FrontEndFile,
+    recorded: &[&[f64]],
+    further: &[&[f64]],
+    times_s: Option<&[f64]>,
+) -> Result<Clean, String>
+where
+    By<FACTOR>: Factor,
+{
+    if further.len() > FURTHER {
+        return Err(format!("{} columns besides current, velocity and angle; at most {FURTHER}", further.len()));
+    }
+    let rows = recorded.first().map_or(0, |column| column.len());
+    let mut front_end =
+        FrontEnd::<FURTHER, FACTOR>::new(&file.constants()).map_err(|error| error.message().to_string())?;
+    let mut columns = vec![vec![]; OWN.len() + further.len()];
+    for row in 0..rows {
+        let raw = raw_sample(file, recorded, further, times_s, row);
+        let Some(CleanSample { current_a, velocity_rad_s, angle, further, .. }) = front_end.push(&raw) else {
+            continue;
+        };
+        let values = [current_a, velocity_rad_s, angle.radians()].into_iter().chain(further);
+        let complete = velocity_rad_s.is_finite() && current_a.is_finite();
+        if complete || !columns[0].is_empty() {
+            columns.iter_mut().zip(values).for_each(|(column, value)| column.push(f64::from(value)));
+        }
+    }
+    let missing = columns[0].iter().zip(&columns[1]).filter(|(current, velocity)| (*current + *velocity).is_nan());
+    let (missing, samples) = (missing.count(), columns[0].len());
+    let faults = front_end.faults();
+    if samples == 0 {
+        return Err(format!("no sample passes the front end: {}", words(&faults)));
+    }
+    let refused = (missing > 0).then_some(Refused { missing, samples, faults });
+    Ok(Clean { columns, refused })
+}
+
+/// A recorded row as the drive reads it.
+#[expect(clippy::cast_possible_truncation, reason = "signals are single")]
+pub(super) fn raw_sample(
+    file: &FrontEndFile,
+    recorded: &[&[f64]],
+    further: &[&[f64]],
+    times_s: Option<&[f64]>,
+    row: usize,
+) -> RawSample<FURTHER> {
+    RawSample {
+        number: number(file, times_s, row),
+        currents: currents(file, recorded, row),
+        position: position(file, recorded, row),
+        further: std::array::from_fn(|k| further.get(k).map_or(0.0, |column| column[row] as f32)),
+    }
+}
+
+/// The number of a row in the control rate.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "numbers wrap around")]
+fn number(file: &FrontEndFile, times_s: Option<&[f64]>, row: usize) -> u32 {
+    let at = times_s.map_or(row as f64, |times| (times[row] - times[0]) * f64::from(file.control_rate_hz));
+    at.round() as i64 as u32
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "`as` saturates, as a converter does")]
+fn currents(file: &FrontEndFile, recorded: &[&[f64]], row: usize) -> PhaseCounts {
+    let constants = &file.currents;
+    let counts = |phase: usize| {
+        let value = recorded[phase][row];
+        let counts = match constants.quantity {
+            Quantity::Counts => value,
+            Quantity::Amperes => f64::from(constants.offset_counts[phase]) + value / f64::from(constants.gain_a[phase]),
+        };
+        counts.round() as u16
+    };
+    match constants.columns.len() {
+        3 => PhaseCounts::Three([0, 1, 2].map(counts)),
+        _ => PhaseCounts::Two([0, 1].map(counts)),
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "counts wrap around; signals are single")]
+fn position(file: &FrontEndFile, recorded: &[&[f64]], row: usize) -> Position {
+    let first = file.currents.columns.len();
+    let value = recorded[first][row];
+    match &file.position {
+        Columns::Counts { .. } | Columns::Angle { .. } if !value.is_finite() => Position::Missing,
+        Columns::Counts { bits, .. } => Position::Absolute(Angle::from_counts(value.round() as i64 as u32, *bits)),
+        Columns::Resolver { .. } => Position::Resolver { sin: value as f32, cos: recorded[first + 1][row] as f32 },
+        Columns::Angle { .. } => Position::Absolute(angle_of(value)),
+    }
+}

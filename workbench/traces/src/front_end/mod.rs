@@ -1,0 +1,10 @@
+//! Recordings at the control rate through the front end of the drive: the same code as in firmware.
+
+mod clean;
+mod rows;
+#[cfg(test)]
+mod tests;
+
+pub use clean::FURTHER;
+pub(crate) use clean::{OWN, clean};
+pub use rows::raw_rows;

@@ -1,0 +1,429 @@
+//! From the columns of a file to traces: one file a trace, or a tidy table with a `trace` column.
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use crate::signal::{Signal, places_of, values_of};
+use crate::table::{Columns, Table, Wanted};
+use crate::units::{Quantity, Unit};
+use model::Error;
+use model::trace::{Channels, MotionTrace, ShaftChannels, Trace, median, same_interval, stem};
+
+/// The word for no time column.
+pub const NO_TIME: &str = "none";
+
+/// The names of the columns.
+pub(super) struct Header {
+    names: Vec<String>,
+    trace: Option<usize>,
+    /// Place of the time, and the factor to seconds.
+    time: Option<(usize, f64)>,
+}
+
+impl Header {
+    /// Of these columns; `time` is the column that was asked for.
+    ///
+    /// # Errors
+    /// There is no such column.
+    pub(super) fn of(names: Vec<String>, time: Option<&str>) -> Result<Self, String> {
+        let time = match time {
+            Some(NO_TIME) => None,
+            Some(wanted) => {
+                let place = names.iter().position(|name| name == wanted);
+                let place =
+                    place.ok_or_else(|| format!("no column {wanted} for the time; there are {}", names.join(", ")))?;
+                Some((place, seconds(wanted).unwrap_or(1.0)))
+            }
+            None => names.iter().enumerate().find_map(|(place, name)| Some((place, usual_time(name)?))),
+        };
+        Ok(Self { trace: names.iter().position(|name| name == "trace"), time, names })
+    }
+
+    pub(super) fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    pub(super) fn place(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|column| column == name)
+    }
+
+    /// Place of the time.
+    pub(super) fn time(&self) -> Option<usize> {
+        self.time.map(|(place, _)| place)
+    }
+
+    /// A wanted column whose name occurs twice.
+    fn doubled(&self, places: &[usize]) -> Option<&str> {
+        let own = places.iter().copied().chain(self.trace).chain(self.time());
+        let mut names = own.map(|place| self.names[place].as_str());
+        let count = |name: &str| self.names.iter().filter(|other| *other == name).count();
+        names.find(|name| count(name) > 1)
+    }
+
+    /// Signals of y, u1, u2, of the further columns, and, if the shaft is watched, of current and angle, and of
+    /// velocity, load and reference if they are given.
+    pub(super) fn signals(&self, channels: &Channels) -> Result<Vec<Signal>, String> {
+        if self.names.iter().all(String::is_empty) {
+            return Err("the file is empty".into());
+        }
+        let shaft = channels.shaft.iter().flat_map(|shaft| {
+            let ShaftChannels { current, velocity, load, angle, reference } = shaft;
+            [current, angle].into_iter().chain(velocity).chain(load).chain(reference)
+        });
+        let all = [&channels.y, &channels.u1, &channels.u2].into_iter().chain(&channels.further).chain(shaft);
+        all.map(|channel| Signal::parse(channel, &self.names)).collect()
+    }
+}
+
+/// Seconds of the unit that the name of a column ends with.
+fn seconds(name: &str) -> Option<f64> {
+    let unit = Unit::of_column(name).filter(|unit| unit.quantity == Quantity::Time)?;
+    unit.to(&Unit::named("s")?).map(|(factor, _)| factor)
+}
+
+/// The factor to seconds, if this is the name of a time column.
+fn usual_time(name: &str) -> Option<f64> {
+    let lower = name.trim().to_lowercase();
+    let word = lower.split(['_', '[', '(', ' ']).next().unwrap_or_default();
+    let is_time = matches!(word, "t" | "time" | "timestamp" | "zeit" | "temps");
+    if !is_time || !lower[word.len()..].chars().next().is_none_or(|c| matches!(c, '_' | '[' | '(' | ' ')) {
+        return None;
+    }
+    let rest = lower[word.len()..].trim();
+    if rest.is_empty() {
+        Some(1.0)
+    } else {
+        seconds(&format!("t_{}", rest.trim_matches(['_', '[', ']', '(', ')', ' '])))
+    }
+}
+
+/// The header of a table.
+pub(super) fn header_of(table: &Table, time: Option<&str>) -> Result<Header, Error> {
+    Header::of(table.names().to_vec(), time).map_err(|problem| Error::content(table.path(), "header", problem))
+}
+
+/// Whether the header of a table has every wanted column.
+pub(super) fn has_columns(table: &Table, channels: &Channels) -> bool {
+    header_of(table, channels.time.as_deref()).is_ok_and(|header| header.signals(channels).is_ok())
+}
+
+/// Reads the wanted traces of one table; only the wanted columns must be numeric.
+pub(super) fn read(
+    table: &Table,
+    channels: &Channels,
+    wanted: &(dyn Fn(&str) -> bool + Sync),
+) -> Result<Vec<Trace>, Error> {
+    let time = channels.time.as_deref();
+    let (signals, parts) = parts(table, time, &|header| header.signals(channels), wanted)?;
+    let each = |part: Part| {
+        let Part { id, columns, times_s } = part;
+        assemble(id, channels, &signals, columns, times_s.as_deref())
+    };
+    parts.into_iter().map(each).collect()
+}
+
+/// Channels of one trace.
+#[derive(Debug)]
+pub struct Series {
+    /// Name of its file, or the `trace` cell of a tidy table.
+    pub id: String,
+    /// The time of each row, s, if there is one.
+    pub times_s: Option<Vec<f64>>,
+    /// The values of each channel.
+    pub columns: Vec<Vec<f64>>,
+}
+
+/// Reads channels of each trace of a table; `rate_hz` stands for the time of a table without one.
+pub fn series(
+    table: &Table,
+    (time, rate_hz): (Option<&str>, Option<f64>),
+    channels: &[String],
+) -> Result<Vec<Series>, Error> {
+    let signals = |header: &Header| channels.iter().map(|channel| Signal::parse(channel, &header.names)).collect();
+    let (signals, parts) = parts(table, time, &signals, &|_| true)?;
+    let each = |part: Part| {
+        let Part { id, columns, times_s } = part;
+        let rows = rows(&columns, times_s.as_deref());
+        let by_rate = || rate_hz.map(|rate| (0..rows).map(|row| row as f64 / rate).collect());
+        let times_s = times_s.or_else(by_rate);
+        if times_s.is_none() && signals.iter().any(Signal::integrates) {
+            return Err(Error::trace(&id, INTEGRAL));
+        }
+        let step = |row: usize| times_s.as_ref().map_or(0.0, |times| times[row + 1] - times[row]);
+        let columns = values_of(&signals, columns, rows, &step);
+        Ok(Series { id, times_s, columns })
+    };
+    parts.into_iter().map(each).collect()
+}
+
+/// The names of the columns of a table that hold numbers, but for its time, and why others do not.
+pub fn numeric(table: &Table, time: Option<&str>) -> Result<(Vec<String>, Vec<Error>), Error> {
+    let header = header_of(table, time)?;
+    let own = |place: &usize| Some(*place) != header.trace && Some(*place) != header.time();
+    let places: Vec<usize> = (0..header.names.len()).filter(own).collect();
+    let read = |places: &[usize]| table.read(Wanted { numbers: places, text: None, row: &|_| true });
+    let mut problems = Vec::new();
+    let good = |place: &usize| read(&[*place]).map_err(|problem| problems.push(problem)).is_ok();
+    let kept = if read(&places).is_ok() { places } else { places.into_iter().filter(good).collect() };
+    Ok((kept.into_iter().map(|place| header.names[place].clone()).collect(), problems))
+}
+
+/// Whether a table has a time column.
+#[must_use]
+pub fn has_time(table: &Table, time: Option<&str>) -> bool {
+    header_of(table, time).is_ok_and(|header| header.time.is_some())
+}
+
+/// Whether a table has the columns of labels, and is no trace.
+pub(crate) fn is_labels(table: &Table) -> bool {
+    let has = |wanted: &str| table.names().iter().any(|name| name == wanted);
+    has("trace") && has("class_name")
+}
+
+const INTEGRAL: &str = "an integral needs the time; name its column with --time, or give --rate-hz";
+
+/// The columns of one trace.
+struct Part {
+    id: String,
+    /// The columns that signals need, by their places in the file.
+    columns: BTreeMap<usize, Vec<f64>>,
+    times_s: Option<Vec<f64>>,
+}
+
+/// Number of rows, also where signals need no column.
+fn rows(columns: &BTreeMap<usize, Vec<f64>>, times: Option<&[f64]>) -> usize {
+    columns.values().next().map(Vec::len).or(times.map(<[f64]>::len)).unwrap_or(0)
+}
+
+/// Reads the columns of signals, one part for each trace.
+fn parts(
+    table: &Table,
+    time: Option<&str>,
+    signals: &dyn Fn(&Header) -> Result<Vec<Signal>, String>,
+    wanted: &(dyn Fn(&str) -> bool + Sync),
+) -> Result<(Vec<Signal>, Vec<Part>), Error> {
+    let path = table.path();
+    let wrong = |problem: String| Error::content(path, "header", problem);
+    let id = table.id();
+    let header = header_of(table, time)?;
+    if header.trace.is_none() && !wanted(stem(&id)) {
+        return Ok((vec![], vec![]));
+    }
+    let signals = signals(&header).map_err(wrong)?;
+    let needed = places_of(&signals);
+    let mut places: Vec<usize> = header.time().into_iter().chain(needed.iter().copied()).collect();
+    if let Some(name) = header.doubled(&places) {
+        return Err(wrong(format!("column {name} comes twice; rename or remove one")));
+    }
+    places.sort_unstable();
+    places.dedup();
+    let read = table.read(Wanted { numbers: &places, text: header.trace, row: &|cell| wanted(stem(cell)) });
+    let mut columns = read.map_err(|problem| match (header.time(), problem) {
+        // The time column was found by its name, not requested: the user can exclude it.
+        (Some(own), Error::Content { path, place, problem })
+            if time.is_none() && place.ends_with(&format!("column {}", header.names[own])) =>
+        {
+            Error::Content { path, place, problem: problem + "; --time none leaves the time out" }
+        }
+        (_, other) => other,
+    })?;
+    let rows = Rows::split(path, &columns, &id)?;
+    let mut whole = Some(std::mem::take(&mut columns.numbers));
+    let each = |rows: Rows| -> Result<Part, Error> {
+        let own = match rows.rows {
+            None => whole.take().unwrap_or_default(),
+            Some(_) => whole.iter().flatten().map(|column| rows.of(column)).collect(),
+        };
+        let mut own: BTreeMap<usize, Vec<f64>> = places.iter().copied().zip(own).collect();
+        let times_s = header.time.and_then(|(place, factor)| {
+            let mut times = if needed.contains(&place) { own.get(&place).cloned() } else { own.remove(&place) }?;
+            if factor != 1.0 {
+                times.iter_mut().for_each(|t| *t *= factor);
+            }
+            Some(times)
+        });
+        // The quick check of the whole column first; the place only where it fails.
+        let unsorted = times_s.as_ref().filter(|times| !times.is_sorted());
+        if let Some(at) = unsorted.and_then(|times| times.windows(2).position(|pair| pair[1] < pair[0])) {
+            let name = header.time().map_or("", |place| &header.names[place]);
+            let place = format!("{}, column {name}", columns.place(rows.row(at + 1)));
+            return Err(Error::content(path, place, "time runs backwards; sort the rows or split the trace there"));
+        }
+        Ok(Part { id: rows.id, columns: own, times_s })
+    };
+    let parts = rows.into_iter().map(each).collect::<Result<_, Error>>()?;
+    Ok((signals, parts))
+}
+
+/// The rows of one trace.
+struct Rows {
+    id: String,
+    /// Its rows in a tidy table; `None` for all.
+    rows: Option<Vec<usize>>,
+}
+
+impl Rows {
+    /// The traces of a table, in the order of their first rows.
+    fn split(path: &Path, columns: &Columns, id: &str) -> Result<Vec<Self>, Error> {
+        let Some(ids) = &columns.texts else { return Ok(vec![Self { id: id.into(), rows: None }]) };
+        let (mut places, mut found): (HashMap<&str, usize>, Vec<Self>) = (HashMap::new(), Vec::new());
+        for (row, id) in ids.iter().enumerate() {
+            if id.is_empty() {
+                let place = format!("{}, column trace", columns.place(row));
+                return Err(Error::content(path, place, "no trace id; fill it in or remove the row"));
+            }
+            let place = *places.entry(id).or_insert_with(|| {
+                found.push(Self { id: id.clone(), rows: Some(vec![]) });
+                found.len() - 1
+            });
+            found[place].rows.get_or_insert_default().push(row);
+        }
+        Ok(found)
+    }
+
+    fn of(&self, column: &[f64]) -> Vec<f64> {
+        self.rows.iter().flatten().map(|row| column[*row]).collect()
+    }
+
+    /// The row of the table.
+    fn row(&self, own: usize) -> usize {
+        self.rows.as_ref().map_or(own, |rows| rows[own])
+    }
+}
+
+/// Makes a trace of signals by columns at their places; `times` are in seconds.
+pub(super) fn assemble(
+    id: String,
+    channels: &Channels,
+    signals: &[Signal],
+    columns: BTreeMap<usize, Vec<f64>>,
+    times: Option<&[f64]>,
+) -> Result<Trace, Error> {
+    let mut trace = Trace { id, ..Trace::default() };
+    if let Some(times) = times {
+        let steps: Vec<f64> = times.par_windows(2).map(|pair| pair[1] - pair[0]).collect();
+        trace.interval_s = Some(median(&steps)).filter(|step| *step > 0.0);
+        let usual = trace.interval_s.unwrap_or(0.0);
+        trace.irregular_steps = steps.par_iter().filter(|step| (**step - usual).abs() > 0.1 * usual).count();
+    }
+    let given = channels.rate_hz.map(|rate| 1.0 / rate);
+    if let (Some(given), Some(found)) = (given, trace.interval_s)
+        && !same_interval(given, found)
+    {
+        let problem = format!(
+            "the time column has {:.5} rows a second, not {}; leave out the rate, or the time with --time {NO_TIME}",
+            1.0 / found,
+            1.0 / given
+        );
+        return Err(Error::trace(&trace.id, problem));
+    }
+    trace.interval_s = trace.interval_s.or(given);
+    let interval = trace.interval_s;
+    if interval.is_none() && signals.iter().any(Signal::integrates) {
+        return Err(Error::trace(&trace.id, INTEGRAL));
+    }
+    let step = |row: usize| times.map_or(interval.unwrap_or(0.0), |times| times[row + 1] - times[row]);
+    let rows = rows(&columns, times);
+    let mut values = values_of(signals, columns, rows, &step).into_iter();
+    let mut next = || values.next().unwrap_or_default();
+    (trace.y, trace.u1, trace.u2) = (next(), next(), next());
+    trace.further = channels.further.iter().map(|_| next()).collect();
+    if let Some(shaft) = &channels.shaft {
+        let (current_a, angle_rad) = (next(), next());
+        let mut one = |is_measured: bool| if is_measured { next() } else { vec![0.0; rows] };
+        let (velocity_rad_s, load_nm) = (one(shaft.velocity.is_some()), one(shaft.load.is_some()));
+        let reference_rad_s = if shaft.reference.is_some() { next() } else { vec![] };
+        trace.motion = Some(MotionTrace { current_a, angle_rad, velocity_rad_s, load_nm, reference_rad_s });
+    }
+    Ok(trace)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn channels() -> Channels {
+        Channels::new("i", "ref-v", "load-cell")
+    }
+
+    fn file(content: &str) -> tempfile::NamedTempFile {
+        let file = tempfile::Builder::new().suffix(".csv").tempfile().expect("temporary file");
+        std::fs::write(file.path(), content).expect("writable");
+        file
+    }
+
+    fn of_file(file: &tempfile::NamedTempFile, channels: &Channels) -> Result<Vec<Trace>, Error> {
+        read(&Table::open(file.path())?, channels, &|_| true)
+    }
+
+    fn message(content: &str) -> String {
+        of_file(&file(content), &channels()).expect_err("bad input").to_string()
+    }
+
+    #[test]
+    fn single_file_with_difference_and_dashed_name() {
+        let f = file("t_s,i,ref,v,load-cell,comment\n0,1,10,4,7,start\n0.5,2,11,4,8,\n");
+        let traces = of_file(&f, &channels()).expect("good file");
+        assert_eq!(traces.len(), 1);
+        assert_eq!((traces[0].y.clone(), traces[0].u1.clone()), (vec![1.0, 2.0], vec![6.0, 7.0]));
+        assert_eq!((traces[0].u2.clone(), traces[0].interval_s), (vec![7.0, 8.0], Some(0.5)));
+    }
+
+    #[test]
+    fn tidy_table_keeps_first_appearance_order() {
+        let f = file("trace,i,ref,v,load-cell\nb,1,0,0,0\na,2,0,0,0\nb,3,0,0,0\n");
+        let traces = of_file(&f, &channels()).expect("good file");
+        let ids: Vec<_> = traces.iter().map(|t| t.id.as_str()).collect();
+        assert_eq!((ids, traces[0].y.clone()), (vec!["b", "a"], vec![1.0, 3.0]));
+    }
+
+    #[test]
+    fn bad_content_names_line_and_column() {
+        let good = "t_s,i,ref,v,load-cell\n0,1,2,3,4\n";
+        assert!(message("t_s,i,ref,v\n0,1,2,3\n").contains("header: no column (or difference of columns) load-cell"));
+        assert!(message(&format!("{good}0,1,2\n")).contains("line 3: 3 cells where the header has 5"));
+        assert!(message(&format!("{good}0,x,2,3,4\n")).contains("line 3, column i: \"x\" is not a number"));
+        assert!(message(&format!("{good}0,1,NaN,3,4\n")).contains("line 3, column ref: NaN is not a finite"));
+        assert!(message(&format!("{good}0,1,2,inf,4\n")).contains("column v: inf is not a finite"));
+        assert!(message(&format!("{good}0,1,2,,4\n")).contains("column v: empty cell"));
+        assert!(message("t_s,i,ref,v,load-cell\n").contains("no rows"));
+        assert!(message(&format!("{good}0,1e300,2,3,4\n")).contains("column i: 1e300 is no measured value"));
+        assert!(message(&format!("{good}-1,1,2,3,4\n")).contains("line 3, column t_s: time runs backwards"));
+        assert!(message("i,ref,v,load-cell,i\n1,2,3,4,5\n").contains("column i comes twice"));
+        assert!(message("").contains("the file is empty"));
+        assert!(message("trace,i,ref,v,load-cell\n,1,2,3,4\n").contains("line 2, column trace: no trace id"));
+    }
+
+    #[test]
+    fn time_has_many_names_and_a_rate_stands_for_it() {
+        for (name, step, seconds) in [
+            ("t_s", 0.5, 0.5),
+            ("Time [ms]", 500.0, 0.5),
+            ("time", 0.5, 0.5),
+            ("timestamp_us", 5e5, 0.5),
+            ("t (s)", 0.5, 0.5),
+        ] {
+            let f = file(&format!("{name},i,ref,v,load-cell\n0,1,2,3,4\n{step},1,2,3,4\n"));
+            let trace = &of_file(&f, &channels()).expect(name)[0];
+            assert!(
+                trace.interval_s.is_some_and(|found| (found - seconds).abs() < 1e-12),
+                "{name}: {:?}",
+                trace.interval_s
+            );
+        }
+        let f = file("T1,clock,i,ref,v,load-cell\n0,9,1,2,3,4\n2,10,1,2,3,4\n");
+        let with = |time: Option<&str>, rate_hz: Option<f64>| {
+            let channels = Channels { time: time.map(String::from), rate_hz, ..channels() };
+            of_file(&f, &channels).map(|traces| traces[0].interval_s).map_err(|error| error.to_string())
+        };
+        assert_eq!((with(None, None), with(Some("T1"), None)), (Ok(None), Ok(Some(2.0))));
+        assert_eq!((with(None, Some(4.0)), with(Some("none"), None)), (Ok(Some(0.25)), Ok(None)));
+        assert!(with(Some("clock"), Some(4.0)).expect_err("another rate").contains("has 1.00000 rows a second, not 4"));
+        assert!(with(Some("t"), None).expect_err("no column").contains("no column t for the time"));
+        let f = file("timestamp,i,ref,v,load-cell\n12:30:01,1,2,3,4\n12:30:02,1,2,3,4\n");
+        let words = of_file(&f, &channels()).expect_err("words").to_string();
+        assert!(words.ends_with("column timestamp: \"12:30:01\" is not a number; --time none leaves the time out"));
+    }
+}

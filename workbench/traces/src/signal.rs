@@ -1,0 +1,355 @@
+//! A channel: a column, or sums, differences, multiples and integrals of columns.
+//!
+//! ```text
+//! current_a                     a column
+//! velocity_ref-velocity         a difference; a column whose name contains the dash goes first
+//! iq1_A + iq2_A                 a sum
+//! 0.5*(a + b), force/1000       multiples
+//! speed_rpm rad/s               another unit than the one at the end of the column's name
+//! integrate(speed_rpm) rad      the integral over time, from 0 at the first sample on
+//! ```
+
+use std::collections::BTreeMap;
+
+use crate::units::{Unit, known};
+
+/// How a channel follows from columns, which have places.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Signal {
+    Column(usize),
+    Constant(f64),
+    /// factor · signal + offset.
+    Scaled(f64, f64, Box<Self>),
+    Sum(Box<Self>, Box<Self>),
+    Integral(Box<Self>),
+}
+
+impl Signal {
+    /// Parses a channel by the names of the columns.
+    ///
+    /// # Errors
+    /// What is wrong, for a message.
+    pub(super) fn parse(text: &str, names: &[String]) -> Result<Self, String> {
+        if let Some(place) = place(names, text.trim()) {
+            return Ok(Self::Column(place));
+        }
+        let mut parser = Parser { text, rest: text, names };
+        let (signal, _) = parser.whole(true)?;
+        Ok(signal)
+    }
+
+    /// The places of its columns.
+    fn columns(&self, found: &mut Vec<usize>) {
+        match self {
+            Self::Column(place) => found.push(*place),
+            Self::Constant(_) => {}
+            Self::Scaled(_, _, own) | Self::Integral(own) => own.columns(found),
+            Self::Sum(one, other) => {
+                one.columns(found);
+                other.columns(found);
+            }
+        }
+    }
+
+    /// Whether it takes an integral over time.
+    pub(super) fn integrates(&self) -> bool {
+        match self {
+            Self::Column(_) | Self::Constant(_) => false,
+            Self::Integral(_) => true,
+            Self::Scaled(_, _, own) => own.integrates(),
+            Self::Sum(one, other) => one.integrates() || other.integrates(),
+        }
+    }
+
+    /// The same signal of columns at other places.
+    pub(super) fn at(&self, place: &mut impl FnMut(usize) -> usize) -> Self {
+        match self {
+            Self::Column(own) => Self::Column(place(*own)),
+            Self::Constant(value) => Self::Constant(*value),
+            Self::Scaled(factor, offset, own) => Self::Scaled(*factor, *offset, Box::new(own.at(place))),
+            Self::Integral(own) => Self::Integral(Box::new(own.at(place))),
+            Self::Sum(one, other) => Self::Sum(Box::new(one.at(place)), Box::new(other.at(place))),
+        }
+    }
+
+    /// The values, `rows` of them, by the columns and the steps of time from each row to the next one.
+    fn values<'c>(&self, rows: usize, column: &dyn Fn(usize) -> &'c [f64], step_s: &dyn Fn(usize) -> f64) -> Vec<f64> {
+        match self {
+            Self::Column(place) => column(*place).to_vec(),
+            Self::Constant(value) => vec![*value; rows],
+            Self::Scaled(factor, offset, own) => {
+                own.values(rows, column, step_s).into_iter().map(|x| factor * x + offset).collect()
+            }
+            Self::Sum(one, other) => {
+                let other = other.values(rows, column, step_s);
+                one.values(rows, column, step_s).into_iter().zip(other).map(|(a, b)| a + b).collect()
+            }
+            Self::Integral(own) => {
+                let own = own.values(rows, column, step_s);
+                let mut sum = 0.0;
+                // The trapezoidal rule.
+                let each = |row: usize| {
+                    if row > 0 {
+                        sum += 0.5 * (own[row - 1] + own[row]) * step_s(row - 1);
+                    }
+                    sum
+                };
+                (0..own.len()).map(each).collect()
+            }
+        }
+    }
+}
+
+/// The places of the columns of signals, each as often as it is needed.
+pub(super) fn places_of(signals: &[Signal]) -> Vec<usize> {
+    let mut places = Vec::new();
+    signals.iter().for_each(|signal| signal.columns(&mut places));
+    places
+}
+
+/// The values of signals, `rows` of each, by columns at their places. A column that is a signal itself, and that
+/// nothing else needs, is moved.
+pub(super) fn values_of(
+    signals: &[Signal],
+    mut columns: BTreeMap<usize, Vec<f64>>,
+    rows: usize,
+    step_s: &dyn Fn(usize) -> f64,
+) -> Vec<Vec<f64>> {
+    let needed = places_of(signals);
+    let once = |place: &usize| needed.iter().filter(|other| *other == place).count() == 1;
+    let of = |signal: &Signal| match signal {
+        Signal::Column(place) if once(place) => columns.remove(place).unwrap_or_default(),
+        _ => signal.values(rows, &|place| &columns[&place], step_s),
+    };
+    signals.iter().map(of).collect()
+}
+
+/// Says that there is no such column.
+pub(super) fn missing(name: &str, names: &[String]) -> String {
+    format!("no column (or difference of columns) {name}; there are {}", names.join(", "))
+}
+
+fn place(names: &[String], name: &str) -> Option<usize> {
+    names.iter().position(|column| column == name)
+}
+
+fn scaled(factor: f64, signal: Signal) -> Signal {
+    match signal {
+        Signal::Constant(value) => Signal::Constant(factor * value),
+        other => Signal::Scaled(factor, 0.0, Box::new(other)),
+    }
+}
+
+/// Whether a text is a number without sign, or the start of one with an exponent.
+fn is_number(text: &str) -> bool {
+    let plain = text.trim_end_matches(['+', '-']).trim_end_matches(['e', 'E']);
+    text.starts_with(|c: char| c.is_ascii_digit() || c == '.') && (plain == "." || plain.parse::<f64>().is_ok())
+}
+
+struct Parser<'a> {
+    text: &'a str,
+    rest: &'a str,
+    names: &'a [String],
+}
+
+type Found = (Signal, Option<Unit>);
+
+impl Parser<'_> {
+    fn wrong(&self, problem: &str) -> String {
+        format!("channel {}: {problem}", self.text)
+    }
+
+    fn skip(&mut self) {
+        self.rest = self.rest.trim_start();
+    }
+
+    fn take(&mut self, mark: char) -> bool {
+        self.skip();
+        let found = self.rest.strip_prefix(mark);
+        self.rest = found.unwrap_or(self.rest);
+        found.is_some()
+    }
+
+    /// A sum and its unit, up to the end or to a bracket.
+    fn whole(&mut self, to_end: bool) -> Result<Found, String> {
+        let negative = self.take('-');
+        let (mut sum, mut unit) = self.product()?;
+        if negative {
+            sum = scaled(-1.0, sum);
+        }
+        loop {
+            let minus = if self.take('+') {
+                false
+            } else if self.take('-') {
+                true
+            } else {
+                break;
+            };
+            let (other, other_unit) = self.product()?;
+            let factor = unit.zip(other_unit).and_then(|(one, other)| one.to(&other));
+            if factor.is_some_and(|factor| factor != (1.0, 0.0)) {
+                return Err(self.wrong("the two columns have different units; convert one, e.g. (speed_rpm rad/s)"));
+            }
+            let other = if minus { scaled(-1.0, other) } else { other };
+            (sum, unit) = (Signal::Sum(Box::new(sum), Box::new(other)), unit.or(other_unit));
+        }
+        self.skip();
+        let end = if to_end { self.rest.len() } else { self.rest.find(')').unwrap_or(self.rest.len()) };
+        let (name, rest) = self.rest.split_at(end);
+        self.rest = rest;
+        if name.trim().is_empty() { Ok((sum, unit)) } else { self.convert((sum, unit), name.trim()) }
+    }
+
+    fn convert(&self, (signal, unit): Found, name: &str) -> Result<Found, String> {
+        let wanted =
+            Unit::named(name).ok_or_else(|| self.wrong(&format!("\"{name}\" is no unit; there are {}", known())))?;
+        let own = unit.ok_or_else(|| {
+            self.wrong(&format!(
+                "the column has no unit in its name to convert to {name}; multiply by a number instead"
+            ))
+        })?;
+        let (factor, offset) = own.to(&wanted).ok_or_else(|| self.wrong(&format!("the column cannot be in {name}")))?;
+        Ok((Signal::Scaled(factor, offset, Box::new(signal)), Some(wanted)))
+    }
+
+    /// Factors of which one at most has columns.
+    fn product(&mut self) -> Result<Found, String> {
+        let (mut signal, mut unit) = self.factor()?;
+        loop {
+            let divide = if self.take('*') {
+                false
+            } else if self.take('/') {
+                true
+            } else {
+                return Ok((signal, unit));
+            };
+            let (other, other_unit) = self.factor()?;
+            (signal, unit) = match (signal, other) {
+                (one, Signal::Constant(value)) if divide => (scaled(1.0 / value, one), unit.filter(|_| value == 1.0)),
+                (one, Signal::Constant(value)) => (scaled(value, one), None),
+                (Signal::Constant(value), one) if !divide => (scaled(value, one), other_unit.filter(|_| value == 1.0)),
+                _ => return Err(self.wrong("only products with a number and quotients by one are possible")),
+            };
+        }
+    }
+
+    fn factor(&mut self) -> Result<Found, String> {
+        self.skip();
+        if let Some(length) = self.name() {
+            let (name, rest) = self.rest.split_at(length);
+            self.rest = rest;
+            let place = place(self.names, name).unwrap_or(0);
+            return Ok((Signal::Column(place), Unit::of_column(name)));
+        }
+        for (start, integral) in [("integrate(", true), ("(", false)] {
+            let Some(rest) = self.rest.strip_prefix(start) else { continue };
+            self.rest = rest;
+            let (signal, unit) = self.whole(false)?;
+            if !self.take(')') {
+                return Err(self.wrong("a bracket is not closed"));
+            }
+            return Ok(if integral {
+                (Signal::Integral(Box::new(signal)), unit.and_then(|unit| unit.integral()))
+            } else {
+                (signal, unit)
+            });
+        }
+        let ends = |at: &usize| self.rest.is_char_boundary(*at);
+        let begins = (1..=self.rest.len()).filter(ends).take_while(|at| is_number(&self.rest[..*at]));
+        if let Some((at, value)) = begins.filter_map(|at| Some((at, self.rest[..at].parse().ok()?))).last() {
+            self.rest = &self.rest[at..];
+            return Ok((Signal::Constant(value), None));
+        }
+        let end = self.rest.find([' ', '+', '*', ')', '(']).unwrap_or(self.rest.len());
+        let word = &self.rest[..end];
+        Err(missing(if word.is_empty() || self.text.contains('-') { self.text } else { word }, self.names))
+    }
+
+    /// Length of the longest name of a column that the rest begins with.
+    fn name(&self) -> Option<usize> {
+        let ends = |name: &&String| {
+            let next = self.rest[name.len()..].chars().next();
+            let joins = |c: char| c.is_alphanumeric() || matches!(c, '_' | '.' | '(');
+            !(next.is_some_and(joins) && name.ends_with(|c: char| joins(c)))
+        };
+        let own = self.names.iter().filter(|name| !name.is_empty() && self.rest.starts_with(name.as_str()));
+        own.filter(ends).map(String::len).max()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names() -> Vec<String> {
+        ["i", "speed_rpm", "load-cell", "load", "cell", "iq1_A", "iq2_A", "pos [mm]", "2f", "v_mm_s"]
+            .map(String::from)
+            .into()
+    }
+
+    fn value(text: &str) -> Result<Vec<f64>, String> {
+        let names = names();
+        let columns: Vec<Vec<f64>> = (0..names.len()).map(|k| vec![k as f64 + 1.0, 10.0 * (k as f64 + 1.0)]).collect();
+        let signal = Signal::parse(text, &names)?;
+        Ok(signal.values(2, &|place| &columns[place], &|_| 0.5))
+    }
+
+    #[test]
+    fn sums_multiples_integrals_and_units() {
+        for (text, expected) in [
+            ("i", [1.0, 10.0]),
+            ("load-cell", [3.0, 30.0]),
+            ("load - cell", [-1.0, -10.0]),
+            ("load -cell", [-1.0, -10.0]),
+            ("iq1_A + iq2_A", [13.0, 130.0]),
+            ("-i", [-1.0, -10.0]),
+            ("2*i+1", [3.0, 21.0]),
+            ("0.5*(iq1_A + iq2_A)/2", [3.25, 32.5]),
+            ("i*1e-3", [0.001, 0.01]),
+            ("2f", [9.0, 90.0]),
+            ("integrate(i)", [0.0, 2.75]),
+            ("integrate(v_mm_s) m", [0.0, 0.0275]),
+            ("pos [mm] m", [0.008, 0.08]),
+            ("(pos [mm] m) - 1", [-0.992, -0.92]),
+            ("speed_rpm rad/s", [0.209_439_510_239_319_53, 2.094_395_102_393_195_3]),
+            ("integrate(speed_rpm) turn", [0.0, 11.0 / 120.0]),
+        ] {
+            let found = value(text).expect(text);
+            let near = found.iter().zip(expected).all(|(one, other)| (one - other).abs() < 1e-12);
+            assert!(near, "{text}: {found:?} for {expected:?}"); // rounding
+        }
+    }
+
+    #[test]
+    fn a_column_is_moved_only_if_nothing_else_needs_it() {
+        let names = ["a", "b", "c"].map(String::from);
+        let signals: Vec<Signal> =
+            ["c", "a", "2*c", "b", "a"].iter().map(|text| Signal::parse(text, &names).expect(text)).collect();
+        let columns = vec![vec![1.0], vec![2.0], vec![3.0]];
+        let moved = columns[1].as_ptr();
+        let values = values_of(&signals, columns.into_iter().enumerate().collect(), 1, &|_| 1.0);
+        assert_eq!(values, [[3.0], [1.0], [6.0], [2.0], [1.0]]);
+        assert_eq!(values[3].as_ptr(), moved);
+    }
+
+    #[test]
+    fn wrong_channels_are_named() {
+        for (text, problem) in [
+            ("v", "no column (or difference of columns) v; there are i, speed_rpm"),
+            ("i - nothing", "no column (or difference of columns) i - nothing"),
+            ("i*load", "only products with a number"),
+            ("(i", "a bracket is not closed"),
+            ("i rad", "the column has no unit in its name"),
+            ("speed_rpm Nm", "the column cannot be in Nm"),
+            ("speed_rpm rqm", "\"rqm\" is no unit"),
+            ("(speed_rpm rad/s) - speed_rpm", "different units"),
+            // A letter at the end of a name need not be a unit.
+            ("speed_rpm + iq1_A", ""),
+        ] {
+            match value(text) {
+                Err(found) => assert!(found.contains(problem), "{text}: {found}"),
+                Ok(found) => assert!(problem.is_empty(), "{text}: {found:?}"),
+            }
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! Columns of doubles of a Parquet file that lack no value, read straight into their lists.
+
+use std::fs::File;
+
+use parquet::basic::Type;
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use parquet::data_type::DoubleType;
+use parquet::errors::Result;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::schema::types::SchemaDescriptor;
+
+use crate::table::arrow::LARGEST_RESERVE;
+use crate::table::parquet_pages;
+
+/// Values that are read at a time.
+const MANY: usize = 65_536;
+
+/// Reads the columns at these places; `None` if one has other values, or lacks some.
+pub(super) fn read(file: File, places: &[usize]) -> Result<Option<Vec<Vec<f64>>>> {
+    let pages = file.try_clone()?;
+    let reader = SerializedFileReader::new(file)?;
+    parquet_pages::check(&pages, reader.metadata(), |place| places.contains(&place))?;
+    let about = reader.metadata().file_metadata();
+    let rows = usize::try_from(about.num_rows()).unwrap_or(0).min(LARGEST_RESERVE);
+    let leaves: Option<Vec<usize>> = places.iter().map(|place| leaf(about.schema_descr(), *place)).collect();
+    let Some(leaves) = leaves else { return Ok(None) };
+    let mut columns: Vec<Vec<f64>> = places.iter().map(|_| Vec::with_capacity(rows)).collect();
+    for group in 0..reader.num_row_groups() {
+        let group = reader.get_row_group(group)?;
+        for (column, leaf) in columns.iter_mut().zip(&leaves) {
+            let ColumnReader::DoubleColumnReader(reader) = group.get_column_reader(*leaf)? else { return Ok(None) };
+            if !add(reader, column)? {
+                return Ok(None);
+            }
+        }
+    }
+    Ok(Some(columns))
+}
+
+/// The column of a file that is all of a column of its table, if it has doubles.
+fn leaf(schema: &SchemaDescriptor, place: usize) -> Option<usize> {
+    let mut own = (0..schema.num_columns()).filter(|leaf| schema.get_column_root_idx(*leaf) == place);
+    let leaf = own.next()?;
+    let column = schema.column(leaf);
+    let is_flat = own.next().is_none() && column.path().parts().len() == 1 && column.max_rep_level() == 0;
+    (is_flat && column.physical_type() == Type::DOUBLE).then_some(leaf)
+}
+
+/// Adds the values of a part of a column; whether it lacks none.
+fn add(mut reader: ColumnReaderImpl<DoubleType>, column: &mut Vec<f64>) -> Result<bool> {
+    let mut levels = Vec::new();
+    loop {
+        levels.clear();
+        match reader.read_records(MANY, Some(&mut levels), None, column)? {
+            (0, ..) => return Ok(true),
+            (records, values, _) if records != values => return Ok(false),
+            _ => {}
+        }
+    }
+}

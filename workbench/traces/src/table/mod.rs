@@ -1,0 +1,278 @@
+//! Files of named columns: text, MATLAB, Parquet, Arrow and NumPy, plain or compressed.
+//!
+//! ```text
+//! .csv .tsv .txt .dat  text ([`text`]), also with .gz or .zst
+//! .mat                 MATLAB 5 to 7.3 ([`matlab`])
+//! .parquet             Parquet, .arrow .feather: Arrow's file format ([`arrow`])
+//! .npz                 arrays of NumPy ([`numpy`])
+//! ```
+//!
+//! A table may also be in memory ([`memory`]). Each format but text is a feature of this crate.
+
+#[cfg(feature = "parquet")]
+mod arrow;
+#[cfg(feature = "parquet")]
+mod arrow_blocks;
+#[cfg(feature = "parquet")]
+mod arrow_writer;
+mod digits;
+#[cfg(feature = "parquet")]
+mod doubles;
+mod layout;
+mod lines;
+mod marks;
+#[cfg(feature = "matlab")]
+mod matlab;
+#[cfg(feature = "matlab")]
+mod matlab_elements;
+#[cfg(feature = "matlab")]
+mod matlab_value;
+mod memory;
+#[cfg(feature = "numpy")]
+mod numpy;
+#[cfg(feature = "parquet")]
+pub mod parquet_pages;
+mod plain;
+mod source;
+mod text;
+mod unpack;
+mod write;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use model::Error;
+use model::trace::{Recorded, extensions};
+
+use lines::Lines;
+
+#[cfg(feature = "parquet")]
+pub use arrow::of_batches;
+pub use text::csv_error;
+pub use write::write;
+
+/// No sensor measures larger values in any unit; their squares and products would overflow single precision.
+pub const LARGEST: f64 = 1e15;
+
+/// A file whose columns are known and not yet read, or a table in memory.
+#[derive(Debug)]
+pub struct Table {
+    path: PathBuf,
+    names: Vec<String>,
+    content: Content,
+}
+
+#[derive(Debug)]
+enum Content {
+    Text(text::Text),
+    #[cfg(any(feature = "matlab", feature = "numpy"))]
+    Columns(Vec<Vec<f64>>),
+    #[cfg(feature = "parquet")]
+    Arrow(arrow::Kind),
+    Memory(Arc<Recorded>),
+}
+
+/// Columns of numbers, in the order in which they were asked for, and the cells of a column of text.
+#[derive(Debug, Default)]
+pub struct Columns {
+    pub numbers: Vec<Vec<f64>>,
+    /// The cells of the column of text, if one was asked for, in the rows that were wanted.
+    pub texts: Option<Vec<String>>,
+    /// Line of each row; empty if rows have no lines.
+    lines: Lines,
+}
+
+/// What is read of a file.
+#[derive(Clone, Copy)]
+#[expect(missing_debug_implementations, reason = "functions have none")]
+pub struct Wanted<'a> {
+    /// Places of columns of numbers.
+    pub numbers: &'a [usize],
+    /// Place of a column of text, by whose cells rows are chosen.
+    pub text: Option<usize>,
+    /// Whether rows with this cell are read.
+    pub row: &'a (dyn Fn(&str) -> bool + Sync),
+}
+
+impl Table {
+    /// Opens a file by its extension; one without a known extension is text.
+    pub fn open(path: &Path) -> Result<Self, Error> {
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let (extension, compressed) = extensions(&name).unwrap_or_default();
+        if compressed && is_binary(&extension) {
+            let problem = format!("a .{extension} file is compressed by itself; unpack it once");
+            return Err(Error::content(path, "name", problem));
+        }
+        let (names, content) = match extension.as_str() {
+            #[cfg(feature = "matlab")]
+            "mat" => {
+                let (names, columns) = matlab::read(path)?;
+                (names, Content::Columns(columns))
+            }
+            #[cfg(feature = "numpy")]
+            "npz" => {
+                let (names, columns) = numpy::read(path)?;
+                (names, Content::Columns(columns))
+            }
+            #[cfg(feature = "parquet")]
+            "parquet" | "arrow" | "feather" => {
+                let kind = if extension == "parquet" { arrow::Kind::Parquet } else { arrow::Kind::Ipc };
+                (arrow::names(path, kind)?, Content::Arrow(kind))
+            }
+            binary if is_binary(binary) => return Err(left_out(path, binary)),
+            _ => {
+                let text = text::Text::open(path)?;
+                (text.names(path)?, Content::Text(text))
+            }
+        };
+        Ok(Self { path: path.to_path_buf(), names, content })
+    }
+
+    /// A table in memory; messages name it as a file.
+    pub fn of(recorded: &Arc<Recorded>) -> Self {
+        let names = recorded.names().map(String::from).collect();
+        Self { path: recorded.name().into(), names, content: Content::Memory(Arc::clone(recorded)) }
+    }
+
+    /// The file, for messages.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Id of the only trace of the table: the name of its file without folder, or of a table in memory.
+    pub fn id(&self) -> String {
+        match &self.content {
+            Content::Memory(recorded) => recorded.name().into(),
+            _ => self.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+        }
+    }
+
+    /// Names of the columns.
+    #[must_use]
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Reads columns.
+    ///
+    /// # Errors
+    /// A cell that is no finite number of a wanted column, or a row without the cells.
+    pub fn read(&self, wanted: Wanted<'_>) -> Result<Columns, Error> {
+        let columns = match &self.content {
+            Content::Text(text) => return text.read((&self.path, &self.names), wanted),
+            #[cfg(any(feature = "matlab", feature = "numpy"))]
+            Content::Columns(columns) => Columns {
+                numbers: wanted.numbers.iter().map(|place| columns[*place].clone()).collect(),
+                ..Columns::default()
+            },
+            #[cfg(feature = "parquet")]
+            Content::Arrow(kind) => arrow::read((&self.path, &self.names), *kind, wanted)?,
+            Content::Memory(recorded) => memory::read(recorded, wanted)?,
+        };
+        let check = |(column, place): (&Vec<f64>, &usize)| {
+            let Some(row) = first_unusable(column) else { return Ok(()) };
+            let place = format!("{}, column {}", columns.place(row), self.names[*place]);
+            Err(Error::content(&self.path, place, unusable(column[row], &column[row].to_string())))
+        };
+        // As a list first: the first column with such a value is told, whichever thread is first.
+        let checks: Vec<Result<(), Error>> = columns.numbers.par_iter().zip(wanted.numbers).map(check).collect();
+        checks.into_iter().collect::<Result<(), Error>>()?;
+        Ok(columns)
+    }
+}
+
+impl Columns {
+    /// Where a row is, for messages.
+    #[must_use]
+    pub fn place(&self, row: usize) -> String {
+        self.lines.of(row).map_or_else(|| format!("row {}", row + 1), |line| format!("line {line}"))
+    }
+}
+
+/// Whether files with this extension are not text.
+fn is_binary(extension: &str) -> bool {
+    ["mat", "parquet", "arrow", "feather", "npz"].contains(&extension)
+}
+
+/// The error of a format that this program was built without.
+fn left_out(path: &Path, extension: &str) -> Error {
+    let problem = format!("this program was built without the format .{extension}; build it with all features");
+    Error::content(path, "name", problem)
+}
+
+/// Names and columns of arrays: the longest ones, and those of one number, which are constant.
+#[cfg(any(feature = "matlab", feature = "numpy"))]
+fn of_one_length(path: &Path, arrays: Vec<(String, Vec<f64>)>) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
+    let Some(rows) = arrays.iter().map(|(_, column)| column.len()).max().filter(|rows| *rows > 0) else {
+        return Err(Error::content(path, "content", "no arrays of numbers"));
+    };
+    let each = |(name, column): (String, Vec<f64>)| match column[..] {
+        [one] => Some((name, vec![one; rows])),
+        _ => (column.len() == rows).then_some((name, column)),
+    };
+    Ok(arrays.into_iter().filter_map(each).unzip())
+}
+
+/// The first row whose number is not taken.
+fn first_unusable(column: &[f64]) -> Option<usize> {
+    const MANY: usize = 1024;
+    let is_good = |value: &f64| value.abs() <= LARGEST;
+    // Without an exit before the end of many values the compiler compares several at once.
+    let is_any_bad = |values: &[f64]| !values.iter().fold(true, |good, value| good & is_good(value));
+    let many = column.chunks(MANY).position(is_any_bad)?;
+    let rest = &column[many * MANY..];
+    Some(many * MANY + rest.iter().position(|value| !is_good(value))?)
+}
+
+/// Why a number is not taken.
+fn unusable(value: f64, cell: &str) -> String {
+    if value.is_finite() {
+        format!("{cell} is no measured value; repair the sample")
+    } else {
+        format!("{cell} is not a finite number; cut the trace there or repair the sample")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lengths and offsets in such a file lead readers beyond its end, and some readers panic there.
+    #[test]
+    fn files_with_a_changed_byte_are_read_or_refused() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let columns = [vec![1.0, 2.0, 3.0], vec![0.5, -1.5, 1e3]];
+        for name in ["t.mat", "t.parquet", "t.arrow", "t.npz", "t.csv.gz", "t.csv.zst"] {
+            let path = folder.path().join(name);
+            write(&path, &["a".into(), "b".into()], &columns).expect("written");
+            let good = std::fs::read(&path).expect("read");
+            let mut refused = 0;
+            for place in 0..good.len() {
+                let mut bytes = good.clone();
+                bytes[place] ^= [0xFF, 0x40, 0x01][place % 3];
+                std::fs::write(&path, bytes).expect("writable");
+                let wanted = Wanted { numbers: &[0, 1], text: None, row: &|_| true };
+                let table = Table::open(&path).ok().filter(|table| table.names().len() == 2);
+                refused += usize::from(table.is_none_or(|table| table.read(wanted).is_err()));
+            }
+            assert!(refused > 20, "{name}: {refused}");
+        }
+    }
+
+    #[test]
+    fn the_first_unusable_value_is_found_anywhere() {
+        for (rows, bad) in [(1, 0), (1023, 1022), (1024, 1023), (1025, 1024), (5000, 3000)] {
+            let mut column = vec![-LARGEST; rows];
+            assert_eq!(first_unusable(&column), None);
+            column[rows - 1] = f64::NAN;
+            for value in [f64::NAN, f64::NEG_INFINITY, 1.001 * LARGEST] {
+                column[bad] = value;
+                assert_eq!(first_unusable(&column), Some(bad), "{rows} {value}");
+            }
+        }
+        assert_eq!(first_unusable(&[]), None);
+    }
+}
