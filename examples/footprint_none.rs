@@ -1,5 +1,5 @@
-//! The smallest program without a detector: `cargo xtask measure` takes its flash off that of the examples
-//! `footprint_squares`, `footprint_refined` and `footprint_shaft`.
+//! The smallest program without a detector: `cargo xtask measure` takes its flash off that of the other examples
+//! `footprint_…`.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[macro_use]

@@ -15,18 +15,19 @@
 //! rate. A type-2 loop overshoots: with ζ = 0.707 its gain is 1.22 at ωₙ. The front end therefore corrects θ̂ by the
 //! error (1), which has all of the angle that θ̂ has not.
 //!
-//! **Lock.** The first two readings set angle and velocity. If one of them was wrong, the velocity is wrong too, and
-//! the loop might follow an error (1) that passes through whole turns without end: a settling loop searches again if
-//! the error exceeds 0.75 rad. The loop is *locked* after `settle_samples` errors in a row below half of the limit. A
-//! locked loop does not follow a sample that is missing or whose error exceeds the limit: it continues at its velocity,
-//! and after such a sample the limit is halved until an error is below (hysteresis). After `lost_samples` in a row it
-//! searches again. Samples without lock are missing.
+//! **Lock.** The first two readings set angle and velocity; [`resolver`](super::resolver) says how a resolver's angle
+//! is found without a prediction. If one of the two was wrong, the velocity is wrong too, and the loop might follow an
+//! error (1) that passes through whole turns without end: a settling loop searches again if the error exceeds 0.75 rad.
+//! The loop is *locked* after `settle_samples` errors in a row below half of the limit. A locked loop does not follow a
+//! sample that is missing or whose error exceeds the limit: it continues at its velocity, and after such a sample the
+//! limit is halved until an error is below (hysteresis). After `lost_samples` in a row it searches again. Samples
+//! without lock are missing.
 
 use core::f32::consts::TAU;
 
 use super::Angle;
 use super::angle::RAD;
-use super::resolver::{ResolverFaults, ResolverLimits, ResolverSignal};
+use super::resolver::{self, ResolverFaults, ResolverLimits, ResolverSignal};
 
 /// Error of a settling loop beyond which its velocity is taken for that of a wrong reading: 43°, or 37° by a resolver,
 /// whose error is the tangent of the angle's.
@@ -47,6 +48,17 @@ pub enum Position {
     Absolute(Angle),
     /// No reading, or one that the sensor says is wrong.
     Missing,
+}
+
+impl Position {
+    /// An angle near to the reading, if there is one.
+    fn coarse(&self) -> Angle {
+        match *self {
+            Self::Resolver { sin, cos } => resolver::coarse(sin, cos),
+            Self::Absolute(angle) => angle,
+            Self::Missing => Angle::ZERO,
+        }
+    }
 }
 
 /// Constants of a [`PositionTracker`].
@@ -270,25 +282,17 @@ impl PositionTracker {
     #[cold]
     #[inline(never)]
     fn approach(&mut self, position: &Position) {
-        if !matches!(self.lock, Lock::Settling(_)) {
-            return self.search(position);
-        }
-        match self.error(position, self.angle) {
-            Some(error_rad) => self.settle(error_rad),
-            None => self.coast(),
+        let settling = matches!(self.lock, Lock::Settling(_));
+        let angle = if settling { self.angle } else { position.coarse() };
+        match self.error(position, angle) {
+            Some(error_rad) if settling => self.settle(error_rad),
+            None if settling => self.coast(),
+            error => self.search(error.map(|error_rad| Tracked { angle, error_rad }.measured())),
         }
     }
 
     /// Angle and velocity from two readings in a row.
-    fn search(&mut self, position: &Position) {
-        let found = match *position {
-            Position::Absolute(angle) => Some(angle),
-            Position::Resolver { sin, cos } => self.signal.coarse(sin, cos),
-            Position::Missing => {
-                self.faults.missing = self.faults.missing.saturating_add(1);
-                None
-            }
-        };
+    fn search(&mut self, found: Option<Angle>) {
         self.lock = match (found, self.lock) {
             (Some(angle), Lock::Found(before)) => {
                 self.velocity = angle.since(before);

@@ -14,6 +14,15 @@ use crate::{elf, firmware, qemu, workspace};
 /// How the names of figures of any data end.
 const ANY_DATA: &str = ", any data";
 
+/// What programs add to the flash of the smallest one: a name, its size, and the example.
+const FOOTPRINTS: [(&str, Option<u64>, &str); 5] = [
+    ("the whole detector, LS", Some(8), "footprint_squares"),
+    ("the whole detector, SRIV", Some(8), "footprint_refined"),
+    ("the whole detector, LS and shaft", Some(8), "footprint_shaft"),
+    ("an arctangent, micromath, for a resolver's start", None, "footprint_coarse"),
+    ("an arctangent, libm", None, "footprint_atan2"),
+];
+
 /// One measured kernel, or a size of the whole monitor.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Figure {
@@ -44,7 +53,7 @@ pub fn figures(way: Way) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// What the examples `measure`, `memory` and `stack` print, and what a detector adds to the smallest program.
+/// What the examples `measure`, `memory` and `stack` print, and what [`FOOTPRINTS`] add to the smallest program.
 pub fn kernels(way: Way) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for example in ["measure", "memory", "stack"] {
@@ -57,12 +66,9 @@ pub fn kernels(way: Way) -> Result<Vec<Figure>> {
     }
     let flash = |example: &str| Ok::<_, anyhow::Error>(elf::sizes(&firmware::build(way, DRIVE, example)?)?.flash);
     let without = flash("footprint_none")?;
-    for (name, example) in
-        [("LS", "footprint_squares"), ("SRIV", "footprint_refined"), ("LS and shaft", "footprint_shaft")]
-    {
-        let name = format!("flash of the whole detector, {name}");
-        let bytes = Some(flash(example)?.saturating_sub(without));
-        figures.push(Figure { name, n: Some(8), instructions: None, bytes });
+    for (name, n, example) in FOOTPRINTS {
+        let (name, bytes) = (format!("flash of {name}"), Some(flash(example)?.saturating_sub(without)));
+        figures.push(Figure { name, n, instructions: None, bytes });
     }
     Ok(figures)
 }

@@ -293,3 +293,45 @@ fn an_error_of_half_the_limit_settles_and_more_starts_to_settle_anew() {
         assert_eq!(tracker.lock(), Lock::Settling(left), "{error}");
     }
 }
+
+/// A loop after two readings, from this angle and velocity as `libm::atan2f` gives them.
+fn started_by_libm(readings: [&Position; 2], tracker: &PositionTracker) -> PositionTracker {
+    let [first, second] = readings.map(|position| match *position {
+        Position::Resolver { sin, cos } => Angle::from_radians(libm::atan2f(sin, cos)),
+        _ => unreachable!("a resolver"),
+    });
+    let velocity = second.since(first);
+    PositionTracker { angle: second.turned(velocity), velocity, ..tracker.clone() }
+}
+
+#[test]
+fn the_start_of_a_resolver_is_that_of_a_full_arctangent() {
+    let (mut loops, mut measured) = (0.0_f64, 0.0_f64);
+    let rad = |counts: i32| (TURN * f64::from(counts) / 4_294_967_296.0).abs();
+    for start in 0..256_u32 {
+        for velocity in [0.0, 1.0, -50.0, 300.0, -478.8, 2000.0] {
+            let mut noise = Noise(start + 1);
+            let truth = |k: i32| TURN * f64::from(start) / 256.0 + velocity * f64::from(k) / RATE_HZ;
+            let readings = core::array::from_fn::<_, 200, _>(|k| resolver(truth(k as i32), &mut noise));
+            let [first, second, rest @ ..] = &readings;
+            let mut coarse = PositionTracker::new(&CONSTANTS, RATE_HZ as f32);
+            assert!(coarse.push(first).is_none() && coarse.push(second).is_none());
+            let mut exact = started_by_libm([first, second], &coarse);
+            for position in rest {
+                let both = (coarse.push(position), exact.push(position));
+                assert_eq!(coarse.lock(), exact.lock(), "{start} {velocity}");
+                if let (Some(coarse), Some(exact)) = both {
+                    loops = loops.max(rad(coarse.angle.since(exact.angle)));
+                    measured = measured.max(rad(coarse.measured().since(exact.measured())));
+                }
+            }
+            assert_eq!(coarse.lock(), Lock::Locked);
+        }
+    }
+    std::println!("once locked: angle of the loop within {loops:.1e} rad, measured angle within {measured:.1e} rad");
+    // An angle of 24 bits and two sines within 2e-7 make a reading uncertain by some 5e-7 rad, and the velocity, which
+    // the loop adds up for a few samples, by twice that. Two coarse angles would move it by up to 5e-3 rad a sample.
+    assert!((1e-7..=4e-6).contains(&loops), "{loops}");
+    // The error (1) of the one angle has other roundings than that of the other: each has two sines within 2e-7.
+    assert!((1e-8..=4e-7).contains(&measured), "{measured}");
+}
