@@ -8,8 +8,8 @@
 //! ```
 //!
 //! A channel of which more samples are refused than used has neither. The sums are compensated (Kahan 1965): a plain
-//! sum of 10⁶ equal values in `f32` would be wrong by up to 3 %. Cost: 10 operations a channel and sample; nothing for a
-//! plan without such channels.
+//! sum of 10⁶ equal values in `f32` would be wrong by up to 3 %. Cost: 10 operations a channel and sample; nothing for
+//! a plan without such channels.
 
 use crate::plan::{Array, Cells, Plan, Signals};
 use crate::reason::Reason;

@@ -1,4 +1,4 @@
-//! CRC-32/ISO-HDLC, that of zip and Ethernet: 8 instructions a bit, no table in flash.
+//! CRC-32/ISO-HDLC, that of zip and Ethernet, bit by bit: it needs no table in flash.
 //!
 //! It changes for every burst of up to 32 bits, so each corrupted byte is found; other corruption passes with a
 //! probability of 2⁻³².

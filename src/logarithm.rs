@@ -1,4 +1,4 @@
-//! The natural logarithm, in one place: the compiler would copy its 280 bytes to each caller.
+//! The natural logarithm, in one place: the compiler would copy it to each caller.
 
 /// ln x.
 #[inline(never)]

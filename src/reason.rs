@@ -18,7 +18,7 @@ pub enum FrictionTerm {
     Offset,
     /// μ/Kt, friction in proportion to the load, A/(N·m).
     LoadFriction,
-    /// (Ts − Tc)/Kt, what break-away exceeds sliding, A.
+    /// (Ts − Tc)/Kt, the excess of break-away friction over sliding friction, A.
     Stribeck,
     /// Tc/Kt + ω₀ B/Kt, the friction at the usual velocity ω₀, A.
     Drag,
@@ -87,9 +87,9 @@ impl Part {
 /// What is wrong with the signals of a segment: its torque balance contradicts the healthy one of the model, or its
 /// velocity the angle.
 ///
-/// Signs and scales are relative to the signals of training. A name is given to the signal whose error explains
-/// inertia J/Kt and torque constant 1/Kt together: both change with the current, 1/Kt alone with the load, J/Kt alone
-/// with velocity, angle and sampling rate. Errors of two signals may look like one of the third.
+/// Signs and scales are relative to the signals of training. The signal is named whose error explains both inertia J/Kt
+/// and torque constant 1/Kt: an error of the current changes both, one of the load 1/Kt alone, and one of velocity,
+/// angle or sampling rate J/Kt alone. Errors of two signals may look like one of the third.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]

@@ -34,7 +34,7 @@ pub struct Report<P: Plan> {
     /// Likelihoods, posteriors, costs, distance from healthy and missing features; `None` if the verdict is
     /// undetermined.
     pub decision: Option<Decision<P>>,
-    /// What the segment was refused.
+    /// Samples, rows and channels of the segment that were refused or weighted less.
     pub counts: Counts,
     /// Rows of the regression; in a plan without one, usable samples.
     pub rows: u32,

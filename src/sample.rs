@@ -147,7 +147,7 @@ impl ChannelSet {
     }
 }
 
-/// What was refused or weighted less in a segment.
+/// Samples, rows and channels of a segment that were refused or weighted less.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counts {
@@ -178,7 +178,7 @@ struct Repeat {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Gate<P: Plan> {
     repeats: Array<P::Channels, Repeat>,
-    /// What the open segment was refused.
+    /// What was refused in the open segment.
     pub counts: Counts,
 }
 

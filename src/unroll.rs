@@ -2,7 +2,7 @@
 //!
 //! At `opt-level = "s"` the compiler unrolls no loop, and calls small functions of core such as `Zip::new` and
 //! `into_iter`. A plan fixes the length of every array, and most loops of a sample have two to four passes: iterators
-//! would cost two to four times the work that such a loop does.
+//! would cost more than the work of such a loop.
 
 /// A `while let` whose first 32 passes stand one after the other. With lengths known at compile time, only the passes
 /// that are made remain.

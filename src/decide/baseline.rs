@@ -9,12 +9,12 @@
 //! ```
 //!
 //! o: offset, g: gain, m and S: healthy mean and covariance, v: excess variance of a coordinate's error, s: surprise.
-//! The time constant of (2) is 1/g segments. A change that is slow beside it is followed with a lag of its rate times
-//! 1/g; a step that the gate finds surprising is not followed at all. Wear is slow too, and is followed until (3): by
-//! the triangle inequality the baseline lowers the distance of a segment by at most `bound`, in healthy standard
-//! deviations. When (3) clips, [`Baseline::at_bound`] is set until [`Baseline::reset`]: report it as an alarm of its
-//! own, since either the surroundings changed more than expected, or the bearing. With a bound below the distance at
-//! the gate, a sudden end of what was followed is followed too.
+//! The time constant of (2) is 1/g segments. The offset follows a slow change with a lag of its rate times 1/g; it does
+//! not follow a step whose surprise reaches the gate. It follows wear too, which is slow, up to (3): by the triangle
+//! inequality the baseline lowers the distance of a segment by at most `bound`, in healthy standard deviations. When
+//! (3) clips, [`Baseline::at_bound`] is set until [`Baseline::reset`]: report it as a separate alarm, since either the
+//! surroundings or the bearing changed more than expected. If the bound is below the distance at the gate, the offset
+//! also follows when a change that it had followed ends suddenly.
 //!
 //! Missing coordinates remain as they are. Cost: a second classification of the segment, at once.
 

@@ -1,7 +1,7 @@
-//! What temperature, speed or load explain of the features is subtracted.
+//! Subtracts from the features the part that temperature, speed or load explains.
 //!
 //! Enters: the covariates of a segment (features, such as the mean of a channel) with the variances of their errors.
-//! Leaves: for each its departure from the healthy mean; and features without what the covariates explain.
+//! Leaves: for each its departure from the healthy mean; and features without the part that the covariates explain.
 //!
 //! ```text
 //! c  = z − z̄                                                             (1)  if low − m ≤ z ≤ high + m, else missing

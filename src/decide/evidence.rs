@@ -13,7 +13,7 @@
 //! ```
 //!
 //! An e-value is a number ≥ 0 whose mean is at most 1 while the drive is healthy. (1) is one since the surprise's
-//! probability e^−s is uniform, and ∫ κ p^(κ−1) dp = 1, of which a cap leaves
+//! probability e^−s is uniform, and ∫ κ p^(κ−1) dp = 1. With the cap this integral is
 //!
 //! ```text
 //! μ₀ = 1 − p*^κ + p* e^cap,   ln p* = (ln κ − cap)/(1 − κ)               (7)  p*: the probability at the cap

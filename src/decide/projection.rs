@@ -7,11 +7,11 @@
 //! var z_k = Σ_j W_kj² max(v_j − u_j, 0)                                  (2)
 //! ```
 //!
-//! The covariances of the classes are those of training features with their usual errors, whose variances are u: these
-//! errors are correlated, as the terms of one torque balance are, and the covariances say how. Only what a segment's
-//! errors exceed u, since little moved in it, widens them further. A coordinate in which a missing feature has a weight is missing: its variance is infinite. Errors of features are
-//! regarded as independent, and so are those of coordinates. The latter holds for a diagonal W, as by the projection
-//! `none`; if several coordinates contain one feature, their errors are correlated, which (2) neglects.
+//! The covariances of the classes contain the usual errors of the training features, of variances u, with their
+//! correlations. A segment with little motion has larger errors; only the excess of their variance over u is added, by
+//! (2). A coordinate in which a missing feature has a weight is missing: its variance is infinite. (2) regards the
+//! excess errors of features as independent, and those of coordinates too. The latter holds for a diagonal W, as of the
+//! projection `none`; if several coordinates contain one feature, their errors are correlated, which (2) neglects.
 //!
 //! m is the training mean; W contains principal components, Fisher's directions, or the identity, as the workbench
 //! chose. The mean is subtracted first, so that no digits cancel in the sums. Cost: 2 Z·F multiply-adds.
@@ -33,14 +33,15 @@ pub struct Projection<P: Plan> {
 }
 
 impl<P: Plan> Projection<P> {
-    /// Feature `k` with what the variance of its error exceeds the usual one, as (2) has it.
+    /// Feature `k` with the excess of the variance of its error over the usual one, as in (2).
     #[must_use]
     pub fn excess(&self, feature: FeatureValue, k: usize) -> FeatureValue {
         let usual = self.usual.cells().get(k).copied().unwrap_or(0.0);
         FeatureValue { variance: (feature.variance - usual).max(0.0), ..feature }
     }
 
-    /// Coordinate `k` of (1) with its variance (2), of features with their [`excess`](Self::excess); missing if a feature with a weight is missing.
+    /// Coordinate `k` of (1) with its variance (2), of features with their [`excess`](Self::excess); missing if a
+    /// feature with a weight is missing.
     #[must_use]
     pub fn coordinate(&self, features: &[FeatureValue], k: usize) -> FeatureValue {
         let row = self.matrix.cells().get(k.wrapping_mul(features.len())..).unwrap_or(&[]);

@@ -10,14 +10,14 @@
 //! s    = −ln(1 − (1 − min p)^M),   M: number of available values p                               (3)  Tippett 1931
 //! ```
 //!
-//! A distance in Z coordinates contains the noise of those that a defect leaves alone, and of both directions of each:
-//! an order that is 2.3 standard deviations too strong is improbable at 1 % by itself, but in the distance in five
-//! coordinates it takes 3.9. By (3), one of three rising coordinates beside a distance takes 2.8. (2) is the score of a
-//! coordinate given those before it, independent of their distance if all are normal; mean and covariance are estimated
-//! with ν degrees of freedom, which its second factor and the laws of d² and u account for. Each u has a law of its
-//! own, whose knots are −ln 2 P(U ≥ u) over u², u ≥ 0. Values below the mean are never rare: for u < 0 the probability
-//! is what P(U ≥ |u|) leaves. For independent values (3) is exact; if they scatter together and their laws are known,
-//! the rate is lower than the set one.
+//! A distance in Z coordinates contains the noise of coordinates that a defect does not change, and does not
+//! distinguish the two directions of each. For a probability of 1 %, an order by itself must be 2.3 standard deviations
+//! too strong, but 3.9 in a distance in five coordinates; by (3), one of three rising coordinates beside a distance
+//! needs 2.8. (2) is the score of a coordinate given those before it, independent of their distance if all are normal;
+//! mean and covariance are estimated with ν degrees of freedom, which its second factor and the laws of d² and u
+//! account for. Each u has a law of its own, whose knots are −ln 2 P(U ≥ u) over u², u ≥ 0. Values below the mean are
+//! never rare: for u < 0 the probability is 1 − P(U ≥ |u|). For independent values (3) is exact; if they are correlated
+//! and their laws are known, the rate is lower than the set one.
 
 use core::f32::consts::LN_2;
 
@@ -38,7 +38,7 @@ pub(super) struct Scores {
 }
 
 impl Scores {
-    /// Takes y and D' of the next coordinate, after which so many follow; one with an infinite D' is not available.
+    /// Takes y and D' of the next coordinate, which `after` others follow; one with an infinite D' is not available.
     /// `judged` gets d² of the others and u of each rising coordinate.
     pub(super) fn add(&mut self, y: f32, pivot: f32, after: usize, freedom: f32, judged: &mut [f32]) {
         let rising = judged.get_mut(1..).unwrap_or_default();
@@ -68,7 +68,8 @@ pub(super) const fn steps(values: usize) -> usize {
     values.saturating_add(2)
 }
 
-/// The surprise of one of M values at which s of (3) is `limit`, with K rising coordinates and perhaps others.
+/// The surprise that the rarest of M values needs for s of (3) to be `limit`, with K rising coordinates and perhaps
+/// others.
 pub(super) fn limit_of_one(limit: f32, rising: usize, others: bool) -> f32 {
     let count = rising as f32 + if others { 1.0 } else { 0.0 };
     let all = libm::log1pf(-libm::expf(-limit));
@@ -106,7 +107,7 @@ fn judge_one(laws: &[Law], judged: &mut [f32], k: usize, [available, all]: [usiz
 #[inline(never)]
 fn smallest(judged: &mut [f32]) {
     let [of_others, rising @ ..] = judged else { return };
-    // Of values that fall, the one nearest to usual is the rarest.
+    // Of values below the mean, the one nearest to it has the smallest P(U ≥ u).
     let (mut rarest, mut count) = (MISSING, 0.0);
     for s in rising.iter().filter(|s| **s != MISSING) {
         count += 1.0;
@@ -141,7 +142,7 @@ fn together(judged: &mut [f32]) {
     };
 }
 
-/// Below this probability, 1 − (1 − p)^M is M p but for a part of it so small.
+/// Below this probability p, the difference of 1 − (1 − p)^M and M p is negligible.
 const RARE: f32 = 1e-3;
 
 #[cfg(test)]

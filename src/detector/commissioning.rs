@@ -27,7 +27,7 @@ impl<P: Plan> Model<P> {
     }
 
     /// This model with the healthy class of the drive. It has another [`Model::id`], so that evidence starts afresh.
-    /// Needs about three times the memory of a model on the stack.
+    /// Needs room for several copies of a model on the stack.
     ///
     /// # Errors
     /// [`CommissioningError::TooFew`], [`CommissioningError::TooManyFar`], [`CommissioningError::TooWide`],

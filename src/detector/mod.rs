@@ -78,7 +78,7 @@ impl<'m, P: Plan> Detector<'m, P> {
     }
 
     /// Takes one sample; returns the report with the sample that closes a segment. That sample costs the whole solve
-    /// and classification (more than 100 µs on most drives): in an interrupt use [`Detector::collect`].
+    /// and classification, often more than a control interval has time for: in an interrupt use [`Detector::collect`].
     #[inline]
     pub fn step(&mut self, sample: &P::Sample) -> Option<Report<P>> {
         if self.take(sample) { self.close() } else { None }
@@ -213,7 +213,7 @@ impl<'m, P: Plan> Detector<'m, P> {
         self.samples
     }
 
-    /// What the open segment was refused so far.
+    /// What was refused in the open segment so far.
     #[must_use]
     pub fn counts(&self) -> Counts {
         self.segment(false).counts

@@ -1,6 +1,7 @@
 //! Driver of the resolver-to-digital converter AD2S1210 (Analog Devices) on an SPI bus of `embedded-hal` 1.0.
 //!
-//! Input: the bus, the pins SAMPLE, A0 and A1, and [`Settings`]. Output: a [`Reading`] of angle, velocity and [`Faults`].
+//! Input: the bus, the pins SAMPLE, A0 and A1, and [`Settings`]. Output: a [`Reading`] of angle, velocity and
+//! [`Faults`].
 //!
 //! ```text
 //! angle = word · 2π/2¹⁶                             the word is left-aligned whatever the resolution   (1)

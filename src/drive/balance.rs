@@ -12,10 +12,10 @@
 //! A sample is taken when the electrical angle has moved by 1/16 turn since the last one, so that the means ⟨·⟩ are
 //! about uniform over the angle and nothing is concluded from a current that stands still: at some angles a phase
 //! carries none. (3) finds a gain error that noise hides from (2): in the mean product of sum and current, the noise of
-//! the own sensor is σ²/3 at most, and all other noise has the standard deviation of the last term, without its 6. A
-//! phase is named for its gain if it
-//! explains at least 80 % of ⟨s²⟩, or all but 4 σ², and no other one more than three quarters of that (over a turn: a
-//! quarter); a phase without current (6) has no gain. (6) is only concluded if the window contains all octants.
+//! the own sensor is σ²/3 at most, and all other noise has the standard deviation of the last term, without its 6. The
+//! gain of a phase is reported as wrong if the phase explains at least 80 % of ⟨s²⟩, or all but 4 σ², and no other
+//! phase explains more than three quarters of that (over a turn: a quarter); a phase without current (6) has no gain.
+//! (6) is only concluded if the window contains all octants.
 //!
 //! A common error of all three gains leaves the sum at zero and is not seen. Cost: nine numbers of state; a sum of six
 //! products at most 16 times an electrical turn.

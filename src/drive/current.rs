@@ -6,8 +6,8 @@
 //!
 //! Counts outside the usable range are *saturated*. A converter that has the same counts in all samples of a window is
 //! *stuck*, at the latest after two windows, until it has moved in a later one. The current is then NaN, which the
-//! Park transform and the decimators pass on and the detector refuses. Samples before were used; the window must
-//! therefore be long enough that a converter that works moves in it, and short against a segment.
+//! Park transform and the decimators pass on and the detector refuses. Earlier samples were used; the window must
+//! therefore be long enough for a working converter to change in it, and short against a segment.
 
 use super::{Abc, AlphaBeta};
 
@@ -92,7 +92,7 @@ impl PhaseSensor {
     }
 }
 
-/// What was refused of one phase, in samples.
+/// Refused samples of one phase, by reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PhaseFaults {
@@ -143,7 +143,7 @@ pub struct CurrentSensors {
 
 impl CurrentSensors {
     /// Sensors of phases a, b, c; with two sensors the third is not used. `stuck_samples` is the number of samples, at
-    /// least 2, over which a converter that works does not repeat one value; 0 if a quiet one may for ever.
+    /// least 2, over which a working converter does not repeat one value; 0 if a quiet one may do so for ever.
     #[must_use]
     pub const fn new(sensors: [PhaseSensor; 3], stuck_samples: u16) -> Self {
         // The first sample starts the first window.

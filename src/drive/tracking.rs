@@ -12,8 +12,8 @@
 //! θ̂ is an [`Angle`] and ω̂ an integer, in counts of 2⁻³² turn a sample: neither drifts. θ̂(n) is a prediction from
 //! the samples before n. At constant velocity its error is zero; by (5) it is 0.073° at 1000 rad/s² with f₃ = 300 Hz,
 //! ζ = 0.707 and T = 100 µs. The gains (3) place the poles exactly, also where f₃ is not small against the sampling
-//! rate. A type-2 loop overshoots: with ζ = 0.707 its gain is 1.22 at ωₙ. The front end therefore corrects θ̂ by the
-//! error (1), which has all of the angle that θ̂ has not.
+//! rate. A type-2 loop overshoots: with ζ = 0.707 its gain is 1.22 at ωₙ. The front end therefore adds the error
+//! (1) to θ̂, which gives the measured angle.
 //!
 //! **Lock.** The first two readings set angle and velocity; [`resolver`](super::resolver) says how a resolver's angle
 //! is found without a prediction. If one of the two was wrong, the velocity is wrong too, and the loop might follow an

@@ -8,8 +8,6 @@
 //! The ratio is 1 if rate, unit and sign of the velocity are right. Blocks of 1/8 turn make steps of the angle's
 //! converter and noise of the velocity small. A block that took so long that an offset of the velocity would show in
 //! (2) is left out, and so is one with a missing sample. Lags cancel: half of a motion accelerates, half decelerates.
-//!
-//! State: 20 bytes.
 
 use super::angle::RAD;
 

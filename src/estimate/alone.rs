@@ -21,7 +21,7 @@ pub struct Alone<'m, P: Plan> {
 pub struct Detached<P: Plan> {
     /// The sums.
     pub sums: RegressionSums<P>,
-    /// What the segment was refused.
+    /// Samples, rows and channels of the segment that were refused or weighted less.
     pub counts: Counts,
 }
 
@@ -51,7 +51,7 @@ impl<'m, P: Plan> Alone<'m, P> {
         self.estimator.rows()
     }
 
-    /// What the open segment was refused.
+    /// What was refused in the open segment.
     #[must_use]
     pub fn counts(&self) -> Counts {
         let (downweighted, resting, refused) = self.estimator.counts();

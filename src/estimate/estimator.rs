@@ -11,8 +11,8 @@
 //! instruments     θ = (ZᵀX)⁻¹ Zᵀ Y,   cov θ = σ² (ZᵀX)⁻¹ ZᵀZ (XᵀZ)⁻¹             (2)
 //! ```
 //!
-//! The parameters are those of the δ-form: the raw a₁ ≈ −1.9 of a slow pole would hide the effect of a fault in its
-//! last digits. [`Estimate::raw`] converts to a, b, c.
+//! The parameters are those of the δ-form: the raw a₁ ≈ −1.9 of a slow pole would contain the effect of a fault in its
+//! last digits only. [`Estimate::raw`] converts to a, b, c.
 //!
 //! Cost: one row and one update of the factor a sample. [`RegressionSums`] is a copy of a segment's sums that is solved
 //! in steps, at once or in another thread. Both ways give the same bits if the estimate is back before

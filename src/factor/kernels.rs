@@ -1,8 +1,8 @@
 //! The update of the triangular factor by one row: a loop for any number of columns, and straight-line code for the
 //! sizes that models have.
 //!
-//! LLVM stops unrolling the loop at nine columns, and it then costs about twice as much. The straight-line code applies
-//! the same operations in the same order, so both give the same bits.
+//! LLVM stops unrolling the loop at nine columns, which makes it much slower. The straight-line code applies the same
+//! operations in the same order, so both give the same bits.
 
 use super::Forgetting;
 
@@ -28,8 +28,8 @@ pub const fn packed(m: usize, i: usize, j: usize) -> usize {
     before.wrapping_add(j).wrapping_sub(i).wrapping_sub(1)
 }
 
-/// Pairs up to the shorter end. A loop over them has two exits, and the compiler does not unroll it: what runs once a
-/// segment shall be small.
+/// Pairs up to the end of the shorter list. The compiler does not unroll a loop over them, since it has two exits: code
+/// that runs once a segment stays small.
 #[inline(always)]
 pub fn pairs<A, B>(a: impl IntoIterator<Item = A>, b: impl IntoIterator<Item = B>) -> impl Iterator<Item = (A, B)> {
     let (mut a, mut b) = (a.into_iter(), b.into_iter());

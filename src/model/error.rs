@@ -206,7 +206,7 @@ impl core::fmt::Display for ModelError {
 
 impl core::error::Error for ModelError {}
 
-/// Whole microseconds: the text of a number that is not whole costs several kB of flash, and its code can panic.
+/// Whole microseconds: the code that prints a number with a fraction is large, and can panic.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "`as` saturates")]
 fn microseconds(interval_s: f32) -> u32 {
     (interval_s * 1e6 + 0.5) as u32

@@ -1,6 +1,6 @@
 //! The payload of a stored model → its layout and constants.
 //!
-//! Lengths are those of the plan; ranges are checked later, except for bytes that choose between a few things.
+//! Lengths are those of the plan; ranges are checked later, except for bytes that select one of a few variants.
 
 use super::{
     Balance, Blocks, Channel, Classifier, Constants, Covariate, Covariates, Discriminant, EvidenceConstants, Feature,

@@ -81,7 +81,7 @@ impl<P: Plan> Auxiliary<P> {
         if self.waiting {
             (self.waiting, self.refused) = (false, 0);
             self.now.threshold = self.next.threshold;
-            // Not by a loop: at `opt-level = "s"` it becomes a call of memmove, which takes a kilobyte of flash.
+            // Not by a loop: at `opt-level = "s"` it becomes a call of memmove, which is large.
             let (mut now, mut next) = (self.now.theta.cells_mut(), self.next.theta.cells());
             unrolled!(let ([to, to_rest @ ..], [from, from_rest @ ..]) = (now, next) => {
                 *to = *from;

@@ -11,29 +11,30 @@
 //! ```
 //!
 //! p₅ is friction in proportion to the load (μ = 1/η − 1 of a screw of efficiency η), p₆ the Stribeck part of friction:
-//! what break-away Ts exceeds sliding. All signals of (1) pass the same [`StateVariable`] filter, which gives ω̇
-//! without differentiating noise; every n-th filtered sample is a row. The sign (2) is that of the *measured* velocity:
-//! under a fluctuating load the velocity reverses when the reference does not, and friction follows the velocity. The
-//! current is the output because the load is usually known better; therefore all parameters are in amperes.
+//! the excess of break-away friction Ts over sliding friction Tc. All signals of (1) pass the same [`StateVariable`]
+//! filter, which gives ω̇ without differentiating noise; every n-th filtered sample is a row. The sign (2) is that of
+//! the *measured* velocity: under a fluctuating load the velocity reverses when the reference does not, and friction
+//! follows the velocity. The current is the output because the load is usually known better; therefore all parameters
+//! are in amperes.
 //!
 //! Each segment starts from a weak prior, the healthy parameters with [`Balance::prior`] as their deviations, as if
-//! earlier rows had given them. What the motion does not excite keeps its prior: at constant speed p₁ and p₂ cannot be
-//! separated, their errors cancel in (4), and each deviation says so. A prior holds its parameter near the healthy
-//! value whatever the rows say; features of a classifier are freed of it:
+//! earlier rows had given them. A parameter that the motion does not excite keeps its prior: at constant speed p₁ and
+//! p₂ cannot be separated, their deviations are large, and their errors cancel in (4). A prior draws its parameter
+//! towards the healthy value; for features of a classifier its effect is removed:
 //!
 //! ```text
 //! p′ = n + (p − n)/c,   σ′² = σ²/c,   c = 1 − σ² σ₀²/(prior² s²)                                        (5)
 //! ```
 //!
 //! n is nominal, s² the variance of the residual and σ₀² that of healthy ones: the precision of p is the sum of that of
-//! the rows, c/σ², and of its own prior. The priors of the other terms stay, and that of p₇. c counts as 1/64 at least.
+//! the rows, c/σ², and of its own prior. The priors of the other terms and of p₇ stay. c is at least 1/64.
 //!
-//! A row is rotated into the sums one pivot a sample, so that no sample pays for all of it. After every
-//! [`ROWS_A_REFRESH`] rows the time of one row goes into a back substitution, one parameter a sample: the present
-//! parameters then follow the segment. Where the nominal parameters fit better than what part of a segment tells, they
-//! stay ([`Balance::own_from_rows`]).
+//! A row is rotated into the sums one pivot a sample, so that the work is distributed. After every
+//! [`ROWS_A_REFRESH`] rows the time of one row is used for a back substitution, one parameter a sample: the present
+//! parameters then follow the segment. If the nominal parameters fit better than an estimate of a part of a segment,
+//! they are kept ([`Balance::own_from_rows`]).
 //!
-//! State: 90 words. Cost: `cargo xtask measure` prints it.
+//! `cargo xtask measure` prints instructions and state of a detector with it.
 
 use core::hint::black_box;
 
@@ -49,7 +50,7 @@ const COLUMNS: usize = TERMS + 1;
 const PACKED: usize = COLUMNS * (COLUMNS - 1) / 2;
 /// Rows between two back substitutions.
 const ROWS_A_REFRESH: u8 = 16;
-/// Least c of (5) that counts: below it, it is what rounding leaves.
+/// Least c of (5): a smaller one consists of rounding errors.
 const LEAST_FROM_ROWS: f32 = 1.0 / 64.0;
 /// The terms of (1) in a plan without a load.
 const WITHOUT_LOAD: [usize; 5] = [0, 1, 2, 4, 6];
@@ -85,8 +86,8 @@ pub struct Balance {
     pub prior: [f32; TERMS],
     /// Standard deviation of a healthy row's residual, A.
     pub deviation: f32,
-    /// Rows of a segment from which the residual of the orders is formed with the segment's own parameters, before with
-    /// those of the segment before. With 65535 it is always formed with the nominal ones.
+    /// Number of rows of a segment after which the residual of the orders is formed with the segment's own parameters;
+    /// until then it is formed with those of the segment before. With 65535 it is always formed with the nominal ones.
     pub own_from_rows: u16,
 }
 
@@ -111,9 +112,9 @@ pub(super) struct Frictions {
 }
 
 impl Balance {
-    /// A parameter of a segment as its rows alone give it, and its variance: without its prior, by (5). Features of a
-    /// classifier are so. The drag keeps the priors of its terms; a parameter that was not estimated is 0 without
-    /// error.
+    /// A parameter as the rows of a segment alone determine it, and its variance: without its prior, by (5), for
+    /// features of a classifier. The drag keeps the priors of its terms; a parameter that was not estimated is 0
+    /// without error.
     #[inline(never)]
     #[must_use]
     pub fn without_prior(&self, friction: &Friction, term: FrictionTerm) -> (f32, f32) {
@@ -140,7 +141,7 @@ impl Balance {
         if load { &WITH_LOAD } else { &WITHOUT_LOAD }
     }
 
-    /// What each of p₀ … p₆ has in the drag (4).
+    /// The coefficient of each of p₀ … p₆ in the drag (4).
     pub(super) fn in_drag(&self) -> [f32; TERMS] {
         let ratio = self.usual_velocity_rad_s / self.stribeck_velocity_rad_s;
         [0.0, self.usual_velocity_rad_s, 1.0, 0.0, 0.0, self.usual_load_nm, 1.0 / (1.0 + ratio * ratio)]
@@ -170,7 +171,7 @@ impl BalanceSums {
     pub(super) fn new(balance: &Balance, load: bool) -> Self {
         let zero =
             Self { d: [0.0; COLUMNS], r: [0.0; PACKED], row: [0.0; COLUMNS], weight: 0.0, pivot: COLUMNS, rows: 0 };
-        // Hidden from the compiler, which would unroll the loop to a kilobyte.
+        // Hidden from the compiler, which would unroll the loop to much larger code.
         let (terms, target) = (black_box(Balance::terms(load)), balance.scale_of(TERMS));
         let mut sums = zero;
         let mut k = 0_usize;
@@ -239,7 +240,7 @@ impl BalanceSums {
             let (d, r) = (self.d.get(k).copied(), self.r.get(place.wrapping_sub(1)).copied());
             let r = r.unwrap_or(0.0);
             sum += d.unwrap_or(0.0) * r * r;
-            // Hidden from the compiler, which would unroll the loop to three times its size.
+            // Hidden from the compiler, which would unroll the loop to larger code.
             k = black_box(k.wrapping_add(1));
             place = place.wrapping_add(last).wrapping_sub(k);
         }

@@ -321,7 +321,7 @@ mod tests {
         // 400 rows of 0.01 A and 0.02 rad/s: a deviation of 0.025 beside a prior of 0.02, whose weight would be 0.6.
         let (value, deviation) = hardly_moving(0.042, 0.02);
         assert!((value - 0.042).abs() < 1e-4 && (deviation - 0.025).abs() < 5e-4, "{value} {deviation}");
-        // What the rows do not tell at all is nominal, with eight prior deviations.
+        // What the rows do not determine is nominal, with eight prior deviations.
         let (value, deviation) = hardly_moving(0.042, 0.0);
         assert!((value - 0.002).abs() < 1e-6 && (deviation / 0.16 - 1.0).abs() < 0.1, "{value} {deviation}");
     }

@@ -37,7 +37,7 @@ pub struct Friction {
     pub offset: Parameter,
     /// μ/Kt, friction in proportion to the load, A/(N·m); `None` if the load is not measured.
     pub load_friction: Option<Parameter>,
-    /// (Ts − Tc)/Kt, what break-away exceeds sliding, A.
+    /// (Ts − Tc)/Kt, the excess of break-away friction over sliding friction, A.
     pub stribeck: Parameter,
     /// Friction at the usual velocity and load (4), A.
     pub drag: Parameter,

@@ -63,8 +63,8 @@ pub const MAX_LAG: f32 = 5.0;
 const RING: u8 = 8;
 /// A count of 2⁻³² turn, rad.
 const RAD_A_COUNT: f32 = TAU / 4_294_967_296.0;
-/// Velocity from which motion is compared with the angle, in [`Balance::sign_velocity_rad_s`]: there an offset of a
-/// deviation of the velocity's noise, a third of that, is 1/12 of the velocity.
+/// Velocity from which motion is compared with the angle, in units of [`Balance::sign_velocity_rad_s`], which is three
+/// standard deviations of the velocity's noise: an offset of one deviation is then 1/12 of the velocity.
 const SLOWEST: f32 = 4.0;
 /// Lost samples in a row that are bridged.
 pub const BRIDGE: u8 = 8;

@@ -10,13 +10,13 @@
 //! v = 1.26/n,   n: number of blocks;   s² = Σ (ln σ_c² − ln σ²(c))²/2
 //! ```
 //!
-//! No bearing has an effect at a control order. The fourth root in (1) keeps single strong blocks from deciding it.
-//! Behind the whitening filter the noise would be equal at all orders if the torque balance were complete; what it does
-//! not contain leaves more noise at low orders, about as a power of the order. In (4), 1.26 = 16 (Γ(3/2)/Γ(5/4)² − 1)
-//! is the variance of 4 ln σ^½ of one block. Where the levels scatter more about the line than their blocks explain, as
-//! beside a resonance of the mechanics at nearly constant speed, the noise between the control orders is uncertain,
-//! too. Of this scatter a fifth counts, up to a deviation of σ² of a third: four levels tell it with two degrees of
-//! freedom only, and strong defects reach the control orders.
+//! No bearing has an effect at a control order. The fourth root in (1) limits the influence of single strong
+//! blocks. Behind the whitening filter the noise would be equal at all orders if the torque balance were complete;
+//! torques that it does not contain add noise at low orders, about as a power of the order. In (4), 1.26 = 16
+//! (Γ(3/2)/Γ(5/4)² − 1) is the variance of 4 ln σ^½ of one block. If the levels scatter more about the line than the
+//! number of their blocks explains, as beside a resonance of the mechanics at nearly constant speed, the noise between
+//! the control orders is uncertain, too. A fifth of this scatter counts, up to a deviation of σ² of a third: its
+//! estimate from four levels has only two degrees of freedom, and strong defects raise it.
 
 use core::f32::consts::LN_2;
 

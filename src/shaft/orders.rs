@@ -13,12 +13,12 @@
 //! ```
 //!
 //! The signal that a defect causes in y has passed the filters of the residual; (2) passes the same filters, so (3) is
-//! the matched filter. A block is one passage through a cell of the shaft's angle, 2ⁿ turns wide, or as much to and fro
-//! within it: blocks are equal in turns at any speed, end at the same angles after a reversal, and slip turns the phase of (4) by an angle that
-//! depends on d only. Pairs backwards through the cells count conjugated. The blocks of the control orders tell the noise
-//! ([`super::noise`]).
+//! the matched filter. A block is one passage through a cell of the shaft's angle, 2ⁿ turns wide, or as much motion to
+//! and fro within it. Blocks are therefore equal in turns at any speed and end at the same angles after a reversal, and
+//! slip turns the phase of (4) by an angle that depends on d only. Products of blocks of backward motion are
+//! conjugated. The noise is estimated from the blocks of the control orders ([`super::noise`]).
 //!
-//! One order and harmonic a sample closes its block after a cell's end, so that no sample pays for all of them.
+//! After the end of a cell, one order and harmonic a sample closes its block, so that the work is distributed.
 //! `cargo xtask measure` prints instructions and state.
 
 use super::line::{LINE, Line, LineSums, Template};

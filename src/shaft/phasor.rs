@@ -28,7 +28,7 @@ const fn sine() -> [f32; POINTS + POINTS / 4] {
     table
 }
 
-/// Cosine and sine of a fraction of a turn, within 2.1e-5: enough for a phasor, at half the cost of
+/// Cosine and sine of a fraction of a turn, within 2.1e-5: enough for a phasor, and less work than
 /// [`Angle::sin_cos`](crate::Angle::sin_cos). From the nearest point a of the table, at distance t:
 ///
 /// ```text

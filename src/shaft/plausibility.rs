@@ -8,19 +8,20 @@
 //! ```
 //!
 //! p is J/Kt or 1/Kt with deviation σ, n its nominal value, s² the variance of the residual, and σ₀² that of healthy
-//! ones. (1) removes what the prior contributes to p: a tight one would hold it near n whatever the signals say. √2 is
-//! the geometric mean of a right signal and one that is wrong by two, as at half or double the sampling rate; the prior
-//! is three healthy deviations. A defect of a bearing changes friction, but not J/Kt and 1/Kt. The ratio (3) of
-//! [`Travel`](crate::drive::travel) names the velocity whatever the balance. R is the sum of squares of the residual,
-//! E that of the current which the terms explain, and c the part of the rows that the terms fit by chance: a current
-//! that was transformed at another angle than that of the rotor (pole pairs, phase order, electrical offset) follows
-//! neither motion nor load, while a defect adds friction, which the terms explain, and pulses far below the current of
-//! the load (4). A load that is not measured may be most of the current, and moves the inertia by more than its
-//! deviation says: without it, (2) names signs only, and (4) is not asked.
+//! ones. (1) removes the contribution of the prior to p: a tight prior would keep p near n although the signals are
+//! wrong. √2 is the geometric mean of 1 and 2, the errors of a right signal and of one at half or double the sampling
+//! rate; the prior is three healthy deviations. A defect of a bearing changes friction, but not J/Kt and 1/Kt. If the
+//! ratio (3) of [`Travel`](crate::drive::travel) is wrong, so is the velocity, whatever the balance. R is the sum of
+//! squares of the residual, E that of the current which the terms explain, and c the part of the rows that the terms
+//! fit by chance. A current that was transformed at another angle than that of the rotor (pole pairs, phase order,
+//! electrical offset) follows neither motion nor load, while a defect adds friction, which the terms explain, and
+//! pulses far below the current of the load (4). A load that is not measured may be most of the current, and may change
+//! the estimate of the inertia by more than its deviation: without a measured load, (2) only finds wrong signs, and (4)
+//! is not applied.
 //!
-//! Not seen: scales and rates that are wrong by less than √2, or less than the model's own spread; signals of a shaft
-//! at constant speed under constant load; scales of one whose load is not measured, except for (3); all signals of a
-//! plan without a shaft.
+//! Not found are scales and rates that are wrong by less than √2, or by less than the healthy values of the model
+//! spread; wrong signals of a shaft at constant speed under constant load; wrong scales without a measured load, except
+//! by (3); and wrong signals of a plan without a shaft.
 
 use super::balance::{Balance, TERMS};
 use super::friction::{Friction, Parameter};
@@ -29,14 +30,14 @@ use crate::reason::Implausible::{
     VelocitySign,
 };
 
-/// k of (1): the deviation takes the residuals of the rows as independent, which those of a real shaft are not.
+/// k of (1): the deviation is computed for independent residuals, which those of a real shaft are not.
 const DEVIATIONS: f32 = 5.0;
 /// Deviations of a healthy residual, for (4).
 const UNUSUAL: f32 = 5.0;
 const LOW: f32 = core::f32::consts::FRAC_1_SQRT_2;
 const HIGH: f32 = core::f32::consts::SQRT_2;
 
-/// What (2) says of a parameter; a place in [`CAUSES`].
+/// The result of (2) for a parameter; a place in [`CAUSES`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fit {
     /// Within 1/√2 … √2 with its error.

@@ -14,11 +14,11 @@
 //! (2) holds over one interval. Its noise is mainly the differentiated noise of the velocity: it grows with frequency
 //! and hides the small torques of a spall. (3) is the shaft itself with a damping a, the ratio of the noise of the
 //! current to that of the velocity: behind it the noise is white, and the sum of products with an equally filtered
-//! signal is the best linear detector of that signal (matched filter; Kay, *Detection Theory*, §4.4). What the torque
-//! balance does not know, such as friction that is warmer than usual, is slow; the high-pass (4) leaves it out. Near
-//! standstill the residual is mostly error of the friction model; g leaves it out, smoothly, since a step in g would
-//! pass the differentiated noise. The mean velocity of the interval is uncorrelated with the differentiated noise; with
-//! ω(k) alone (2) would have a mean.
+//! signal is the best linear detector of that signal (matched filter; Kay, *Detection Theory*, §4.4). Torques
+//! that the balance does not contain, such as the change of friction with temperature, vary slowly; the high-pass (4)
+//! removes them. Near standstill the residual is mostly error of the friction model; g removes it, without a step,
+//! which would pass the differentiated noise. The mean velocity of the interval is uncorrelated with the differentiated
+//! noise; with ω(k) alone (2) would have a mean.
 
 use super::balance::{Balance, Frictions, TERMS, Torques};
 use super::orders::Blocks;

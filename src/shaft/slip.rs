@@ -18,12 +18,12 @@
 //!
 //! The noise at the order's harmonic h is `σ_h²`, at least `σ_c²` of the control orders ([`super::noise`]). A resonance
 //! of the mechanics or a line of the rotor may leave more noise at an order than between the control orders, above all
-//! at constant speed. It is in the power R(h, 0) of each block, but it does not stay in phase from one block to the
-//! next as a defect does. (9) takes it for noise if less than half of the power stays in phase; pulses of a defect
-//! vary, so some of theirs does not either. V(d) of the first harmonic stands for all; their ratios are the same. Power
-//! of less than twice `σ_c²` is within the scatter of few blocks and does not count, from three times on all of it.
-//! The limit of four keeps strong defects from counting as noise; it does not hold if less than a third of the power
-//! stays in phase.
+//! at constant speed. It adds to the power R(h, 0) of each block, but unlike a defect it does not stay in phase from
+//! one block to the next. By (9) the power counts as noise if less than half of it stays in phase: the pulses of a
+//! defect vary, so a part of their power does not stay in phase either. V(d) of the first harmonic is used for all
+//! harmonics, since its ratios are the same. Power of less than twice `σ_c²` is within the scatter of few blocks and
+//! does not count; above three times all of it does. The limit of four prevents that strong defects count as noise; it
+//! does not apply if less than a third of the power stays in phase.
 //!
 //! (1) is a spectral estimate by few lags (Blackman and Tukey) near the kinematic order, one slip for all harmonics.
 //! Without a defect P at one δ is a χ² of ν degrees of freedom, whatever the number of turns; its cube root is nearly
@@ -277,7 +277,7 @@ impl SlipSearch {
         self.squared_pairs /= square * square;
     }
 
-    /// What (5) has of the sums: a, a₀/a, and ln M.
+    /// The numbers of (5) that depend on the sums: a, a₀/a, and ln M.
     fn law(&mut self, sums: &LineSums, order: &TrackedOrder, range: &SlipRange) {
         let ([w1, w2, w3], [total, ..]) = (order.weights, sums.weight);
         let (weights, squares) = (w1 + w2 + w3, w1 * w1 + w2 * w2 + w3 * w3);

@@ -40,7 +40,7 @@ impl ShaftSolve {
     /// Does about `budget` instructions; `true` once the estimate is complete. Friction and orders do not depend on
     /// each other: at constant speed there are orders only. But if gaps leave too few rows for the friction, there are
     /// no orders either.
-    // In the caller's frame: one of its own takes forty bytes of stack more.
+    // In the caller's frame: one of its own takes more stack.
     #[inline(always)]
     pub fn advance<P: Plan>(
         &mut self,

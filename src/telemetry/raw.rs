@@ -18,8 +18,8 @@ const CURRENTS: usize = 2;
 /// resolver, and four for each further channel.
 ///
 /// In the interrupt of the control loop, hand over what [`RawRecorder::take`] returns by a queue. A line that is too
-/// slow for all samples carries single blocks: the receiver sees gaps, and each series between them is a recording. A
-/// push of 20 bytes takes 129 instructions on a Cortex-M4F (`cargo xtask firmware measure_telemetry`).
+/// slow for all samples carries single blocks: the receiver sees gaps, and each series between them is a recording.
+/// `cargo xtask firmware measure_telemetry` prints the instructions of a push.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RawRecorder<const FURTHER: usize, const BYTES: usize> {

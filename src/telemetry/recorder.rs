@@ -7,8 +7,8 @@ use crate::plan::{Plan, Signals};
 /// Gathers samples in a block of at most `BYTES` bytes; a sample has four for each channel, and four for the angle of
 /// a plan that needs it.
 ///
-/// In an interrupt, hand over what [`Recorder::take`] returns by a queue; [`Recorder::push`] takes a few instructions a
-/// channel.
+/// In an interrupt, hand over what [`Recorder::take`] returns by a queue. `cargo xtask firmware measure_telemetry`
+/// prints the instructions of a push.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Recorder<P: Plan, const BYTES: usize> {

@@ -64,7 +64,7 @@ pub struct Summary<'a> {
     pub undetermined: u32,
     /// Rows of the regression; in a plan without one, usable samples.
     pub rows: u32,
-    /// What the segment was refused.
+    /// Samples, rows and channels of the segment that were refused or weighted less.
     pub counts: Counts,
     /// Posterior of each class; none without a verdict.
     pub posteriors: Numbers<'a>,

@@ -49,7 +49,7 @@ pub enum CommissioningError {
     },
     /// The segments scatter more than allowed.
     TooWide {
-        /// Their mean variance, that of the trained healthy segments being 1.
+        /// Their mean variance, relative to that of the trained healthy segments.
         ratio: f32,
     },
     /// A resulting number is not finite or out of range: the segments hold extreme values.

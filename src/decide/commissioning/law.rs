@@ -226,7 +226,7 @@ mod tests {
             // (1) with p = 2, and P(F(2, ν) ≥ x) = (1 + 2 x/ν)^(−ν/2).
             let expected = |s: f32| 2.0 * 10.0 * 1.1 / own * (0.5 * own * (2.0 * s / own).exp_m1());
             for [found, s] in size.law(&normal, [before, 2], 4.605_17).into_iter().skip(1) {
-                // What the shape of the trained law is found to.
+                // The accuracy to which the shape of the trained law is found.
                 assert!((found / expected(s) - 1.0).abs() < 0.02, "{before}, {s}: {found} {}", expected(s));
             }
         }

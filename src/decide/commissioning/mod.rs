@@ -16,9 +16,9 @@
 //! with κ₀ = 0 Welford's recursion. Ψ is kept as its factor Rᵀ D R, which (2) rotates ([`super::density`]), so it stays
 //! positive definite.
 //!
-//! A coordinate with an excess variance v of its error counts by (6), where s is its variance in S₀: x then has the
-//! scatter of one without errors if the variance of this drive is s, and a larger one if it is smaller, so that S is
-//! too wide rather than too narrow. `κ_k` is the sum of the weights of coordinate k.
+//! A coordinate with an excess variance v of its error has the weight w of (6), where s is its variance in S₀. If the
+//! variance of this drive is s, the weighted x scatters as one without errors; if it is smaller, x scatters more, so
+//! that S is too wide rather than too narrow. `κ_k` is the sum of the weights of coordinate k.
 //!
 //! **Weights.** If S₀ is that of one drive on the bench, a drive whose constants differ has the same scatter about
 //! another mean: κ₀ small, about (scatter of a drive/scatter between drives)², ν₀ as large as S₀ is trusted. If S₀ is
@@ -33,7 +33,7 @@
 //! like those that follow. Segments of one power-up are alike: gather over several of them, and over all speeds, loads
 //! and temperatures of the duty. The alarm needs constants for a baseline of this size
 //! ([`CommissioningConstants::evidence`]). Cost of a segment: a classification, and 2 Z² multiply-adds; of the end:
-//! about 2 million operations for the laws of one gate, and as many for each rising coordinate.
+//! the quantiles of a law for each gate and each rising coordinate, by bisection; do it in the main loop.
 
 mod error;
 mod law;
@@ -56,7 +56,7 @@ use law::Size;
 pub const MAX_SEGMENTS: u32 = 10_000;
 /// Least degrees of freedom ν of the law of the distance.
 const LEAST_FREEDOM: f32 = 3.0;
-/// Most variance of an error, that of the coordinate in S₀ being 1.
+/// Largest variance of an error, relative to the variance of the coordinate in S₀.
 const MOST_ERROR: f32 = 10.0;
 /// One segment in so many may be too far.
 const FAR_SHARE: u32 = 10;
@@ -73,7 +73,7 @@ pub struct CommissioningConstants {
     pub fewest: u32,
     /// Largest distance of a segment from the trained healthy mean, trained standard deviations.
     pub farthest: f32,
-    /// Largest mean variance of the segments, that of the trained ones being 1.
+    /// Largest mean variance of the segments, relative to that of the trained ones.
     pub widest: f32,
     /// Degrees of freedom of the trained covariance, about the number of segments or runs of the test bench; infinite
     /// if it is not known, and then part of them counts as heavy tails of the features. Models with rising coordinates

@@ -31,8 +31,8 @@ pub enum Resolution {
 }
 
 impl Resolution {
-    /// The code of the control register, the largest tracking rate in turns/s, and the settling time after a reset in ms,
-    /// both at [`NOMINAL_CLOCK_HZ`].
+    /// The code of the control register, the largest tracking rate in turns/s, and the settling time after a reset in
+    /// ms, both at [`NOMINAL_CLOCK_HZ`].
     pub(super) const fn figures(self) -> (u8, f32, u32) {
         match self {
             Self::Bits10 => (0b00, 2500.0, 10),
@@ -90,8 +90,8 @@ impl Settings {
     }
 }
 
-/// Thresholds of the monitored amplitude, mV, each rounded down to a multiple of 38 mV up to 4826 mV, and of the tracking
-/// error.
+/// Thresholds of the monitored amplitude, mV, each rounded down to a multiple of 38 mV up to 4826 mV, and of the
+/// tracking error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Thresholds {

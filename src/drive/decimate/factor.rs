@@ -4,9 +4,9 @@
 //! F = P · 2^k    x ─► short low-pass, by P = 3 or 5 ─► k half-band filters, the last one sharp ─► y
 //! ```
 //!
-//! The low-pass has to stop only what aliases into the pass band of the half-band filters behind it, hence its few taps.
-//! For each factor the whole chain passes 0 … 0.4 of the output rate within 0.003 dB, and components that alias into
-//! this band are attenuated by at least 80 dB.
+//! The low-pass has to stop only what aliases into the pass band of the half-band filters behind it, hence its few
+//! taps. For each factor the whole chain passes 0 … 0.4 of the output rate within 0.003 dB, and components that alias
+//! into this band are attenuated by at least 80 dB.
 
 use super::{FirDecimator, HalfBandDecimator, HalfBandTaps};
 use crate::printable::Printable;

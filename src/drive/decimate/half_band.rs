@@ -23,9 +23,9 @@
 //! The total delay is D + latency samples, the same for every frequency: 121 + 3 samples for factor 8, 249 + 7 for 16.
 //!
 //! Stages store partial sums instead of past samples (transposed form): a sample that is not finite makes only those
-//! outputs not finite whose taps include it. Cost per sample: 2K₁ + 1 or at most K₂ + 1 multiply-adds per channel; with
-//! three channels and factor 8, 147 instructions on average and 181 at most on a Cortex-M4F. State: 8·CH·(K₁ + 1) bytes
-//! per early stage, 8·CH·(K₂ + 1) for the last, and 8 more on the microcontroller.
+//! outputs not finite whose taps include it. Cost per sample: 2K₁ + 1 or at most K₂ + 1 multiply-adds per channel;
+//! `cargo xtask measure` prints the instructions. State: 8·CH·(K₁ + 1) bytes per early stage, 8·CH·(K₂ + 1) for the
+//! last, and 8 more on the microcontroller.
 
 use super::stage::{Stage, Waiting};
 

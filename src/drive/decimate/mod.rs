@@ -2,14 +2,14 @@
 //!
 //! Input: samples of `CH` channels. Output: one sample of the same channels every `B`, `F` or 2ˢ samples.
 //!
-//! | decimator | factor | gain of aliased components | instructions per sample of 3 channels, mean and worst |
+//! | decimator | factor | gain of aliased components | work of a sample |
 //! |---|---|---|---|
-//! | [`BlockMean`] | any | −13 dB and less | few; only additions in all but one sample |
-//! | [`HalfBandDecimator`] | 2ˢ | −80 dB, up to 0.8 of the new Nyquist frequency | by 8: 147, 181; by 16: 148, 184 |
-//! | [`FirDecimator`] | any | depends on its taps | for the same bands, by 8: 313, 438; by 16: 315, 449 |
+//! | [`BlockMean`] | any | −13 dB and less | additions; one sample of a block divides |
+//! | [`HalfBandDecimator`] | 2ˢ | −80 dB, up to 0.8 of the new Nyquist frequency | 2K₁ + 1 or at most K₂ + 1 multiply-adds a channel |
+//! | [`FirDecimator`] | any | depends on its taps | at most `TAPS`/`FACTOR`, rounded up, a channel |
 //!
-//! All are causal with a constant delay and do not output the start-up transient. [`By`] names the chain of a factor that
-//! [`FrontEnd`](crate::FrontEnd) uses. With a long filter of one's own, an odd factor can be the last:
+//! All are causal with a constant delay and do not output the start-up transient. [`By`] names the chain of a factor
+//! that [`FrontEnd`](crate::FrontEnd) uses. With a long filter of one's own, an odd factor can be the last:
 //!
 //! ```
 //! use bearing_watch::{FirDecimator, HalfBandDecimator, HalfBandTaps};
@@ -21,7 +21,8 @@
 //! assert_eq!(outputs, 997); // a second of signals, less the start
 //! ```
 //!
-//! The example `measure_decimate` counts instructions on the emulated chip: `cargo xtask firmware measure_decimate`.
+//! `cargo xtask firmware measure_decimate` prints the instructions of a sample, mean and worst, of both filters for the
+//! same bands.
 
 pub mod block_mean;
 pub mod factor;

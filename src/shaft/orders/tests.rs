@@ -129,8 +129,8 @@ fn noise_alone_scores_like_a_standard_normal_whatever_the_turns() {
     }
 }
 
-/// At constant speed the order's second harmonic lies in a resonance of 5 % damping, where the noise is six times that of
-/// other orders.
+/// At constant speed the order's second harmonic lies in a resonance of 5 % damping, where the noise is six times that
+/// of other orders.
 #[test]
 fn a_resonance_counts_for_less_than_a_defect() {
     let find = |seed: u64, amplitude: f64| {
