@@ -102,6 +102,7 @@ pub const BOUNDS: [Bound; 79] = [
     bytes("flash of the whole detector, LS", Some(8), 13_312),
     bytes("flash of the whole detector, SRIV", Some(8), 15_872),
     bytes("flash of the whole detector, LS and shaft", Some(8), 35_300),
+    // What the start of a resolver's angle takes, and what it would take otherwise.
     bytes("flash of an arctangent, micromath, for a resolver's start", None, 200),
     bytes("flash of an arctangent, libm", None, 750),
 ];
