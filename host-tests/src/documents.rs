@@ -1,4 +1,4 @@
-//! Blocks of README and docs that tests compute: `cargo xtask docs` fills them from what the tests print.
+//! Blocks of the book and docs that tests compute: `cargo xtask docs` fills them from what the tests print.
 
 use std::path::Path;
 

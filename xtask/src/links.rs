@@ -10,7 +10,7 @@ use crate::workspace;
 
 /// Folders with documents, and documents in the root.
 const FOLDERS: [&str; 5] = ["docs", "book/src", "c-api", "python", "template"];
-const ROOT: [&str; 4] = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"];
+const ROOT: [&str; 5] = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md"];
 /// A piece of code that starts so is a path of the repository.
 const PATHS: [&str; 13] = [
     "docs/",
@@ -124,6 +124,16 @@ fn problems(file: &Path, text: &str) -> Vec<String> {
         }
     }
     found
+}
+
+/// What a reader takes in before he decides to use the library.
+const README_BYTES: u64 = 10_000;
+
+#[test]
+fn the_readme_is_short() -> Result<()> {
+    let bytes = fs::metadata(workspace::root().join("README.md"))?.len();
+    assert!(bytes <= README_BYTES, "README.md has {bytes} bytes; what does not fit belongs into the book");
+    Ok(())
 }
 
 #[test]

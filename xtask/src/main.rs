@@ -112,7 +112,7 @@ enum Command {
     /// Attacks every door with any bytes, guided by coverage, and prints a table; what a door must hold is in
     /// docs/trust.md.
     Fuzz(fuzz::Options),
-    /// Writes the figures that README and docs quote: those of commands that take seconds, or those named.
+    /// Writes the figures that README, book and docs quote: those of commands that take seconds, or those named.
     Docs {
         /// Blocks of documents, for example `target`, `campaign`, `tables`.
         names: Vec<String>,

@@ -135,10 +135,10 @@ fn panic_free(way: Way) -> Result<&'static str> {
     Ok("")
 }
 
-/// Two runs count the same instructions and bytes, no more than promised, and as README has them.
+/// Two runs count the same instructions and bytes, no more than promised, and as the book has them.
 pub fn bounds(tally: &mut Tally, way: Option<Way>) {
     const REPEATABLE: &str = "two runs count alike";
-    const DOCUMENTED: &str = "README's figures within 5 %";
+    const DOCUMENTED: &str = "the book's figures within 5 %";
     const SMALL: &str = "instructions of a sample at opt-level s";
     const SMALL_FLASH: &str = "flash at opt-level s";
     let Some(way) = way else {

@@ -1,17 +1,23 @@
-//! The firmware code of README.md, compiled as it stands there and run on recordings of the simulated actuator.
+//! The firmware code of README.md and that of the book, compiled as they stand there and run on recordings of the
+//! simulated actuator.
 
+use bearing_watch::{Detector, PhaseCounts, RawSample};
 use rig::ema::{EmaCondition, EmaDefect, EmaScenario, EmaTrace, Race, simulate};
 use rig::{DefectKind, trace_seed};
 
 #[path = "../../../examples/support/actuator/model.rs"]
 mod model;
 
-mod detector {
+/// The code that the book includes.
+#[path = "../../../template/src/detector.rs"]
+mod detector;
+
+mod monitor {
     include!(concat!(env!("OUT_DIR"), "/readme.rs"));
 }
 
 use detector::{Reading, conclude, interrupt, start};
-use model::{FRONT_END, FURTHER};
+use model::{DriveFrontEnd, FRONT_END, FURTHER, MODEL, position};
 
 /// Rows at 10 kHz that one segment takes: 2.4 s.
 const SEGMENT_ROWS: usize = 24_000;
@@ -22,6 +28,33 @@ fn counts_become_the_verdict_of_the_recording() {
     assert_eq!(verdicts(DefectKind::Healthy), [("healthy", false), ("novel", false)]);
     assert_eq!(verdicts(DefectKind::Spall), [("spall", false), ("spall", true)]);
     assert_eq!(verdicts(DefectKind::Roughness), [("roughness", false), ("roughness", true)]);
+}
+
+#[test]
+fn the_code_of_the_readme_gives_the_alarms_of_the_book() {
+    for kind in [DefectKind::Healthy, DefectKind::Spall] {
+        let mut inputs = DriveFrontEnd::new(&FRONT_END).expect("constants of the example");
+        let (mut detector, mut evidence) = (Detector::new(&MODEL), MODEL.evidence());
+        let mut alarms = Vec::new();
+        for reading in readings(&recording(kind)) {
+            if let Some(segment) = monitor::interrupt(&mut inputs, &mut detector, &raw(&reading)) {
+                let (report, alarm) = monitor::conclude(&mut evidence, segment);
+                detector.adopt(&report);
+                alarms.push(alarm);
+            }
+        }
+        let expected: Vec<bool> = verdicts(kind).into_iter().map(|(_, alarm)| alarm).collect();
+        assert_eq!(alarms, expected, "{kind:?}");
+    }
+}
+
+fn raw(reading: &Reading) -> RawSample<FURTHER> {
+    RawSample {
+        number: reading.number,
+        currents: PhaseCounts::Three(reading.phases),
+        position: position(reading.position.into()),
+        further: [reading.load_torque_nm, reading.velocity_ref_rad_s],
+    }
 }
 
 /// The classes of the segments of a recording whose seed is not that of training, and whether there is an alarm.

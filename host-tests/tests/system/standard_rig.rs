@@ -56,7 +56,7 @@ fn reach(draws: &[demo::Repetition]) {
     assert!((86.3..=87.3).contains(&fit), "{fit}");
 }
 
-/// README has these figures as `cargo demo`, and docs/tables.md as part of Table 4.1.
+/// The book has these figures as `cargo demo`, and docs/tables.md as part of Table 4.1.
 fn documented(rows: &[demo::Row]) {
     let titles = [
         "embedded: least squares, all of a, b, c, linear discriminant",
@@ -68,7 +68,7 @@ fn documented(rows: &[demo::Row]) {
     let head = ["method, on the same traces", "validation error, mean ± sd of 20 draws"].map(String::from).to_vec();
     let lines = titles.iter().zip(rows).map(|(title, row)| vec![(*title).to_owned(), format!("{} %", row.error())]);
     let table: Vec<_> = std::iter::once(head).chain(lines).collect();
-    documents::check("README.md", "demo", table);
+    documents::check("book/src/introduction.md", "demo", table);
 
     let document = documents::text("docs/tables.md");
     let documented = documents::rows(&document, "Table 4.1: misclassified");

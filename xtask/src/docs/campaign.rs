@@ -1,4 +1,4 @@
-//! The table of README that quotes `docs/campaign.md`.
+//! The table of the book that quotes `docs/campaign.md`.
 
 use anyhow::{Context, Result, ensure};
 
@@ -83,10 +83,10 @@ enum Show {
 
 /// One table of the campaign's output.
 #[derive(Debug)]
-struct Group<'d> {
-    title: &'d str,
+pub(super) struct Group<'d> {
+    pub(super) title: &'d str,
     /// The cells of each row, without the row of headings.
-    rows: Vec<Vec<&'d str>>,
+    pub(super) rows: Vec<Vec<&'d str>>,
 }
 
 /// The table, from the text of [`DOCUMENT`].
@@ -98,11 +98,11 @@ pub fn block(document: &str) -> Result<Block> {
         let [ours, source] = cells(&groups, of, show).with_context(|| format!("{DOCUMENT}: {title}"))?;
         lines.push(format!("| {title} | {ours} | {source} |").replace("|  |", "| |"));
     }
-    Ok(Block { file: "README.md", name: "summary".to_owned(), lines })
+    Ok(Block { file: "book/src/introduction.md", name: "summary".to_owned(), lines })
 }
 
 /// The tables of the output: a title, a line of headings, and rows; an empty line ends a table.
-fn groups(document: &str) -> Vec<Group<'_>> {
+pub(super) fn groups(document: &str) -> Vec<Group<'_>> {
     let lines: Vec<&str> = document.lines().collect();
     let tables = lines.split(|line| line.is_empty() || line.starts_with("```"));
     tables

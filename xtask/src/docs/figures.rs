@@ -1,4 +1,4 @@
-//! The tables of README's section "On the target", from the figures that `cargo xtask measure` counts.
+//! The tables of the book's chapter on cost, from the figures that `cargo xtask measure` counts.
 
 use anyhow::{Context, Result};
 
@@ -8,6 +8,9 @@ use crate::measure::Figure;
 
 /// The same source gives the same counts with one compiler; other compilers differ by a few percent.
 pub const TOLERANCE: Tolerance = Tolerance::Within(0.05);
+
+/// The chapter with the tables.
+pub const DOCUMENT: &str = "book/src/target.md";
 
 /// The name of the block.
 pub const NAME: &str = "target";
@@ -164,7 +167,7 @@ pub fn block(figures: &[Figure]) -> Result<Block> {
         });
         lines.push(row(title, cells.collect::<Result<Vec<_>>>()?));
     }
-    Ok(Block { file: "README.md", name: NAME.to_owned(), lines })
+    Ok(Block { file: DOCUMENT, name: NAME.to_owned(), lines })
 }
 
 fn find<'f>(figures: &'f [Figure], name: &str, n: Option<u64>) -> Result<&'f Figure> {

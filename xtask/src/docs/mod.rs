@@ -9,6 +9,7 @@ mod campaign;
 mod compare;
 mod figures;
 mod picture;
+mod results;
 mod sources;
 
 use std::fs;
@@ -40,13 +41,13 @@ pub fn run(names: &[String], check: bool, way: Option<Way>) -> Result<bool> {
     Ok(agree)
 }
 
-/// Checks the table of README's section "On the target" against measured figures.
+/// Checks the tables of the book's chapter on cost against measured figures.
 pub fn check_figures(figures: &[Figure]) -> Result<&'static str, String> {
     let block = figures::block(figures).map_err(|error| format!("{error:#}"))?;
     agrees(&block, figures::TOLERANCE).map(|()| "")
 }
 
-/// The sources to run. The table of README that quotes the campaign follows every change of the campaign's document.
+/// The sources to run. A table that quotes documents follows every change of these documents.
 fn selected(names: &[String]) -> Result<Vec<&'static Source>> {
     for name in names {
         if !SOURCES.iter().any(|source| source.name == name) {
@@ -57,8 +58,12 @@ fn selected(names: &[String]) -> Result<Vec<&'static Source>> {
     let wanted = |source: &&Source| match names {
         [] => !source.slow,
         _ => {
-            names.iter().any(|name| source.name == name)
-                || (source.name == "summary" && names.contains(&"campaign".to_owned()))
+            let quotes: &[&str] = match source.name {
+                "summary" => &["campaign"],
+                results::NAME => &results::SOURCES,
+                _ => &[],
+            };
+            names.iter().any(|name| source.name == name || quotes.contains(&name.as_str()))
         }
     };
     Ok(SOURCES.iter().filter(wanted).collect())
@@ -123,16 +128,17 @@ mod tests {
     }
 
     #[test]
-    fn the_summary_in_readme_is_that_of_the_campaign() -> Result<()> {
-        let block = campaign::block(&read(campaign::DOCUMENT)?)?;
-        agrees(&block, Tolerance::Exact).map_err(anyhow::Error::msg)
+    fn quoted_tables_are_those_of_their_documents() -> Result<()> {
+        let summary = campaign::block(&read(campaign::DOCUMENT)?)?;
+        agrees(&summary, Tolerance::Exact).map_err(anyhow::Error::msg)?;
+        agrees(&sources::quoted()?, Tolerance::Exact).map_err(anyhow::Error::msg)
     }
 
     #[test]
-    fn an_unknown_name_is_refused_and_the_campaign_brings_its_summary() {
+    fn an_unknown_name_is_refused_and_the_campaign_brings_the_tables_that_quote_it() {
         assert!(selected(&["campain".to_owned()]).is_err());
         let names: Vec<&str> =
             selected(&["campaign".to_owned()]).unwrap_or_default().iter().map(|source| source.name).collect();
-        assert_eq!(names, ["campaign", "summary"]);
+        assert_eq!(names, ["campaign", "summary", "results"]);
     }
 }

@@ -4,7 +4,7 @@ use anyhow::{Result, ensure};
 
 use super::block::{self, Block};
 use super::compare::Tolerance;
-use super::{book, campaign, figures, picture, read};
+use super::{book, campaign, figures, picture, read, results};
 use crate::toolchain::{self, Way};
 use crate::{child, field_peers, long, measure, peers, rivals, setup, workspace};
 
@@ -20,24 +20,24 @@ pub struct Source {
 }
 
 /// All sources, in the order in which they run.
-pub const SOURCES: [Source; 17] = [
+pub const SOURCES: [Source; 18] = [
     quick(figures::NAME, figures::TOLERANCE, target),
-    quick("demo", Tolerance::Exact, |_| printed("demo", "README.md", "standard_rig::twenty_draws")),
+    quick("demo", Tolerance::Exact, |_| printed("demo", "book/src/introduction.md", "standard_rig::twenty_draws")),
     quick("instruments", Tolerance::Exact, |_| {
-        printed("instruments", "README.md", "instruments_model::noise_in_the_field")
+        printed("instruments", "book/src/identification.md", "instruments_model::noise_in_the_field")
     }),
     slow("campaign", Tolerance::Exact, |_| workbench("campaign", "campaign", campaign::DOCUMENT)),
     quick("summary", Tolerance::Exact, |_| Ok(vec![campaign::block(&read(campaign::DOCUMENT)?)?])),
     slow("field", Tolerance::Exact, |_| {
-        let blocks = workbench(FIELD, "field", "docs/field.md")?;
+        let blocks = workbench(FIELD, "field", results::FIELD)?;
         save("field", "Detected records over the size of the defect (1 is full size), with 95 % intervals")
             .map(|()| blocks)
     }),
     slow("field-bounds", Tolerance::Exact, |_| {
-        workbench("campaign --field --bounds --draws 1", "field-bounds", "docs/field.md")
+        workbench("campaign --field --bounds --draws 1", "field-bounds", results::FIELD)
     }),
     slow("field-sessions", Tolerance::Exact, |_| {
-        workbench("campaign --field --sessions --draws 10", "field-sessions", "docs/field.md")
+        workbench("campaign --field --sessions --draws 10", "field-sessions", results::FIELD)
     }),
     slow("field-peers", Tolerance::Any, |_| {
         Ok(vec![Block::new("docs/field-peers.md", "field-peers", &field_peers::measure(Some(field_peers::SHORT))?.0)])
@@ -47,12 +47,14 @@ pub const SOURCES: [Source; 17] = [
         let blocks = workbench(TABLES, "tables", "docs/tables.md")?;
         save("park", "Figure 5.35: a healthy record with four angles of the Park transform").map(|()| blocks)
     }),
-    slow("recorded", Tolerance::Exact, |_| printed("recorded", "docs/recorded.md", "recorded_")),
+    slow("recorded", Tolerance::Exact, |_| printed("recorded", results::RECORDED, "recorded_")),
     slow("endurance", Tolerance::Exact, |_| endurance()),
     slow("peers", Tolerance::Any, |_| Ok(vec![Block::new("docs/peers.md", "peers", &peers::measure()?.0)])),
     slow("reading", Tolerance::Any, |_| Ok(vec![Block::new("docs/peers.md", "reading", &peers::reading()?.0)])),
     slow("peers-on-target", figures::TOLERANCE, peers_on_target),
     slow(book::NAME, Tolerance::Exact, |_| book::blocks()),
+    // After those that it quotes.
+    quick(results::NAME, Tolerance::Exact, |_| Ok(vec![quoted()?])),
 ];
 
 /// The table of the field, and the page with its picture.
@@ -102,6 +104,16 @@ fn target(way: Option<Way>) -> Result<Vec<Block>> {
 
 fn peers_on_target(way: Option<Way>) -> Result<Vec<Block>> {
     Ok(vec![Block::new("docs/peers-on-target.md", "peers-on-target", &rivals::table(ready(way)?)?)])
+}
+
+/// The table of results, from the documents as they stand.
+pub fn quoted() -> Result<Block> {
+    results::block(&results::Documents {
+        campaign: read(campaign::DOCUMENT)?,
+        field: read(results::FIELD)?,
+        recorded: read(results::RECORDED)?,
+        target: read(figures::DOCUMENT)?,
+    })
 }
 
 /// The output of a command of the workbench, as a block of fixed-width text.

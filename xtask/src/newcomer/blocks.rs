@@ -1,4 +1,5 @@
-//! The files that a document gives: each fenced block whose marker, a comment in the line before it, names a file.
+//! The files that a document gives: each fenced block whose marker, a comment in the line before it, names a file. A
+//! block with mdBook's line `{{#include FILE}}` has the text of that file.
 //!
 //! ````text
 //! <!-- src/main.rs -->
@@ -32,9 +33,20 @@ pub struct Block {
 /// The blocks of a document of the repository.
 pub fn of_document(document: &str) -> Result<Vec<Block>> {
     let path = workspace::root().join(document);
-    let blocks = parse(&fs::read_to_string(&path).with_context(|| format!("cannot read {document}"))?);
+    let mut blocks = parse(&fs::read_to_string(&path).with_context(|| format!("cannot read {document}"))?);
     ensure!(!blocks.is_empty(), "{document} has no marked blocks");
+    for block in &mut blocks {
+        if let Some(file) = included(&block.text) {
+            let file = path.with_file_name(file);
+            block.text = fs::read_to_string(&file).with_context(|| format!("cannot read {}", file.display()))?;
+        }
+    }
     Ok(blocks)
+}
+
+/// The file whose text a block has.
+fn included(text: &str) -> Option<&str> {
+    text.trim_end().strip_prefix("{{#include ")?.strip_suffix("}}")
 }
 
 /// The block of this name.
@@ -70,6 +82,7 @@ fn parse(text: &str) -> Vec<Block> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::crates::CHAPTER;
     use super::*;
 
     #[test]
@@ -80,6 +93,8 @@ mod tests {
         // A marker needs no known name: `end` closes generated text, which no block follows in a document.
         assert_eq!(names, [("a/b.c".into(), "int x;\n\n".into()), ("end".into(), "ls\n".into())]);
         assert_eq!(parse("<!-- a -->\n\n```c\n1\n```\n"), [], "the marker stands in the line before");
+        assert_eq!(included("{{#include ../x.rs}}\n"), Some("../x.rs"));
+        assert_eq!(included("fn main() {}\n"), None);
     }
 
     fn template(file: &str) -> String {
@@ -87,8 +102,8 @@ mod tests {
     }
 
     #[test]
-    fn the_template_has_the_files_of_the_readme() -> Result<()> {
-        let blocks = of_document("README.md")?;
+    fn the_template_has_the_files_of_the_book() -> Result<()> {
+        let blocks = of_document(CHAPTER)?;
         for name in ["Cargo.toml", ".cargo/config.toml", "src/detector.rs"] {
             assert_eq!(template(name), named(&blocks, name)?.text, "{name}");
         }
@@ -96,8 +111,8 @@ mod tests {
     }
 
     #[test]
-    fn the_template_records_as_the_readme_does() -> Result<()> {
-        let (blocks, own) = (of_document("README.md")?, template("README.md"));
+    fn the_template_records_as_the_book_does() -> Result<()> {
+        let (blocks, own) = (of_document(CHAPTER)?, template("README.md"));
         let commands = named(&blocks, COMMANDS)?.text.lines().filter_map(|line| line.split("  #").next());
         let commands: Vec<_> = commands.map(str::trim_end).filter(|line| line.contains("traces")).collect();
         assert!(commands.len() == 2 && commands.iter().all(|line| own.contains(line)), "{commands:?}");

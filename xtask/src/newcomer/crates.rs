@@ -1,4 +1,4 @@
-//! The ways of README.md into a crate.
+//! The ways of the book into a crate.
 
 use std::fs;
 use std::path::Path;
@@ -11,28 +11,29 @@ use super::{Folder, blocks, commands, copy, same_classes};
 use crate::toolchain::Way;
 use crate::{child, firmware, qemu, workspace};
 
-const README: &str = "README.md";
+/// The chapter that goes from an empty folder to firmware.
+pub const CHAPTER: &str = "book/src/firmware.md";
 /// The package of both crates.
 const PACKAGE: &str = "drive-monitor";
 /// Where a crate says how it is run.
 const CONFIGURATION: &str = ".cargo/config.toml";
-/// The model and the recording of README's commands.
+/// The model and the recording of the chapter's commands.
 const MODEL: &str = "examples/support/actuator/model.bwm";
 const TRACE: &str = "start.csv";
 
-/// README's blocks and commands in an empty folder.
-pub fn by_readme(way: Way) -> Result<String> {
+/// The chapter's blocks and commands in an empty folder.
+pub fn by_book(way: Way) -> Result<String> {
     let folder = Folder::new("crate")?;
-    let blocks = blocks::of_document(README)?;
+    let blocks = blocks::of_document(CHAPTER)?;
     blocks::write(&blocks, folder.path(), &workspace::root())?;
     commands(&blocks, folder.path(), &workspace::root())?;
     verdicts(way, folder.path())
 }
 
-/// The template as a user copies it, with README's recording.
+/// The template as a user copies it, with the chapter's recording.
 pub fn by_template(way: Way) -> Result<String> {
     let (folder, recorded) = (Folder::new("template")?, Folder::new("recorded")?);
-    let blocks = blocks::of_document(README)?;
+    let blocks = blocks::of_document(CHAPTER)?;
     copy(&workspace::root().join("template"), folder.path())?;
     blocks::write(&[blocks::named(&blocks, "Cargo.toml")?.clone()], folder.path(), &workspace::root())?;
     commands(&blocks, recorded.path(), &workspace::root())?;
@@ -43,7 +44,7 @@ pub fn by_template(way: Way) -> Result<String> {
 }
 
 /// Builds the crate of a folder and runs it as its configuration says. The classes must be those that `replay` prints
-/// for the same recording, and README must quote the first line.
+/// for the same recording, and the chapter must quote the first line.
 fn verdicts(way: Way, folder: &Path) -> Result<String> {
     // The versions of the workspace, so that the outcome does not depend on the day.
     fs::copy(workspace::root().join("Cargo.lock"), folder.join("Cargo.lock"))?;
@@ -52,8 +53,8 @@ fn verdicts(way: Way, folder: &Path) -> Result<String> {
     let classes: Vec<String> = lines.iter().map(|line| line.split(',').next().unwrap_or_default().to_owned()).collect();
     let outcome = same_classes(&replayed(MODEL, &folder.join(TRACE))?, &classes)?;
     let quoted = lines.first().map(|line| format!("`{line}`")).unwrap_or_default();
-    let readme = fs::read_to_string(workspace::root().join(README))?;
-    ensure!(readme.contains(&quoted), "README does not quote {quoted}");
+    let chapter = fs::read_to_string(workspace::root().join(CHAPTER))?;
+    ensure!(chapter.contains(&quoted), "{CHAPTER} does not quote {quoted}");
     Ok(outcome)
 }
 

@@ -35,7 +35,7 @@ pub fn run(way: Way) -> bool {
 /// All walks; without firmware tools they are skipped.
 pub fn checks(tally: &mut Tally, way: Option<Way>) {
     let crates: [(&str, Walk); 2] =
-        [("README in an empty crate", crates::by_readme), ("the template, copied", crates::by_template)];
+        [("the book in an empty crate", crates::by_book), ("the template, copied", crates::by_template)];
     for (title, walk) in crates {
         match way {
             Some(way) => tally.check(title, brief(walk(way))),

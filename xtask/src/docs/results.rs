@@ -1,0 +1,164 @@
+//! The table of results in README, from the tables of other documents.
+
+use anyhow::{Context, Result};
+
+use super::block::Block;
+use super::campaign::{self, groups};
+
+/// The name of the block.
+pub const NAME: &str = "results";
+/// The sources of the documents from which it is made.
+pub const SOURCES: [&str; 4] = ["campaign", "field", "recorded", super::figures::NAME];
+/// The campaign under the effects of the field.
+pub const FIELD: &str = "docs/field.md";
+/// Recorded drives.
+pub const RECORDED: &str = "docs/recorded.md";
+
+/// The texts of the documents from which the table is made.
+#[derive(Debug)]
+pub struct Documents {
+    pub campaign: String,
+    pub field: String,
+    pub recorded: String,
+    pub target: String,
+}
+
+/// The table.
+pub fn block(documents: &Documents) -> Result<Block> {
+    let mut lines = vec!["| | result | from |".to_owned(), "|---|---|---|".to_owned()];
+    let parts: [(&str, fn(&Documents) -> Result<Vec<[String; 2]>>); 4] = [
+        (campaign::DOCUMENT, |all| simulated(&all.campaign)),
+        (FIELD, |all| in_service(&all.field)),
+        (RECORDED, |all| recorded(&all.recorded)),
+        (super::figures::DOCUMENT, |all| cost(&all.target)),
+    ];
+    for (file, rows) in parts {
+        let name = file.rsplit('/').next().unwrap_or(file).trim_end_matches(".md");
+        for [what, result] in rows(documents).with_context(|| file.to_owned())? {
+            lines.push(format!("| {what} | {result} | [{name}]({file}) |"));
+        }
+    }
+    Ok(Block { file: "README.md", name: NAME.to_owned(), lines })
+}
+
+fn simulated(document: &str) -> Result<Vec<[String; 2]>> {
+    let classes = fixed(document, "3-class error, conditions as trained", "MIX")?;
+    let of_gate = |what: &str| {
+        let row = fixed(document, "trained on healthy traces alone", &format!("mix, 100 healthy traces: {what}"))?;
+        number(&row, 1)
+    };
+    let [spall, roughness, healthy] = ["spall at 1/8", "roughness at 1/8", "false alarms"].map(of_gate);
+    Ok(vec![
+        [
+            "simulated drive, three classes; command, load and resistance differ from record to record".to_owned(),
+            format!(
+                "error {} %; method of the source {} %",
+                number(&classes, 1)?,
+                number(&classes, classes.len() - 1)?
+            ),
+        ],
+        [
+            "the same, trained with 100 healthy records only: spall, roughness of 1/8".to_owned(),
+            format!("{}, {} % detected; {} % false alarms", spall?, roughness?, healthy?),
+        ],
+    ])
+}
+
+fn in_service(document: &str) -> Result<Vec<[String; 2]>> {
+    const TITLE: &str = "Gate of 150 healthy records";
+    let all = fixed(document, TITLE, "field-any")?;
+    let no_load = fixed(document, TITLE, "no-load-sensor")?;
+    let cells = |row: &[&str], places: &[usize]| -> Result<String> {
+        Ok(places.iter().map(|place| number(row, *place)).collect::<Result<Vec<_>>>()?.join(", "))
+    };
+    Ok(vec![
+        [
+            "all simulated effects of service together (temperature, slip, compliance, sensor errors …), any motion: spall of \
+             full size, 1/2, 1/4, 1/8"
+                .to_owned(),
+            format!("{} % detected; {} % false alarms", cells(&all, &[2, 3, 4, 5])?, number(&all, 1)?),
+        ],
+        [
+            "changing load without a load sensor: spall of full size, 1/2; roughness of full size".to_owned(),
+            format!("{} % detected", cells(&no_load, &[2, 3, 6])?),
+        ],
+    ])
+}
+
+fn recorded(document: &str) -> Result<Vec<[String; 2]>> {
+    let loads = |name: &str| -> Result<String> {
+        let row = table(document, name)?;
+        Ok([1, 2, 3].map(|place| number(&row, place)).into_iter().collect::<Result<Vec<_>>>()?.join(", "))
+    };
+    Ok(vec![
+        [
+            "recorded linear actuator at 20, 40, −40 kgf, trained with normal strokes of other runs: poor lubrication"
+                .to_owned(),
+            format!(
+                "{} % detected; {} % false alarms",
+                loads("lubrication 2")?,
+                loads("normal, unseen runs (false alarms)")?
+            ),
+        ],
+        [
+            "the same for a fault that the authors call undetectable: these are differences between recording sessions"
+                .to_owned(),
+            format!("{} % detected", loads("spalling 2")?),
+        ],
+    ])
+}
+
+fn cost(document: &str) -> Result<Vec<[String; 2]>> {
+    let cell = |name: &str| -> Result<String> { number(&table(document, name)?, 3) };
+    let bytes = |name: &str| -> Result<u64> { Ok(cell(name)?.parse()?) };
+    let ram = bytes("bytes of a `Detector`")? + bytes("bytes of a `Solver`")?;
+    Ok(vec![[
+        "cost on a Cortex-M4F with 8 parameters, friction, and four orders of three harmonics".to_owned(),
+        format!(
+            "{} instructions a sample (longest {}); {ram} bytes of state, {} of flash",
+            cell("`collect`, mean sample")?,
+            cell("`collect`, longest sample")?,
+            cell("flash that the whole detector adds to an empty program")?,
+        ),
+    ]])
+}
+
+/// The cells of a row in a table of fixed width.
+fn fixed<'d>(document: &'d str, title: &str, name: &str) -> Result<Vec<&'d str>> {
+    let groups = groups(document);
+    let group = groups.iter().find(|group| group.title.starts_with(title));
+    let rows = &group.with_context(|| format!("no table `{title}`"))?.rows;
+    let row = rows.iter().find(|row| row.first() == Some(&name));
+    row.cloned().with_context(|| format!("no row `{name}`"))
+}
+
+/// The cells of the first row with this name in a table in Markdown.
+fn table<'d>(document: &'d str, name: &str) -> Result<Vec<&'d str>> {
+    let rows = document.lines().filter(|line| line.starts_with('|'));
+    let mut rows = rows.map(|line| line.trim_matches('|').split('|').map(str::trim).collect::<Vec<_>>());
+    rows.find(|row| row.first() == Some(&name)).with_context(|| format!("no row `{name}`"))
+}
+
+/// The number of a cell, without its deviation or interval.
+fn number(row: &[&str], place: usize) -> Result<String> {
+    let cell = row.get(place).with_context(|| format!("a short row: {row:?}"))?;
+    let number = cell.split(' ').next().unwrap_or_default();
+    number.parse::<f64>().with_context(|| format!("`{cell}` is no number"))?;
+    Ok(number.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_found_by_the_names_of_their_rows() -> Result<()> {
+        let text = "Title of it\n         mean ± sd, %  met  source\n  one    0.04 ± 0.10   yes  36.2\n\n| two | 1.5 [0, 3] | |\n";
+        let one = fixed(text, "Title", "one")?;
+        assert_eq!([number(&one, 1)?, number(&one, 3)?], ["0.04", "36.2"]);
+        assert!(number(&one, 2).is_err() && number(&one, 4).is_err(), "a word, and no cell");
+        assert_eq!(number(&table(text, "two")?, 1)?, "1.5");
+        assert!(table(text, "one").is_err() && fixed(text, "Title", "two").is_err());
+        Ok(())
+    }
+}
