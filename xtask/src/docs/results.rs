@@ -50,7 +50,8 @@ fn simulated(document: &str) -> Result<Vec<[String; 2]>> {
     let [spall, roughness, healthy] = ["spall at 1/8", "roughness at 1/8", "false alarms"].map(of_gate);
     Ok(vec![
         [
-            "simulated drive, three classes; command, load and resistance differ from record to record".to_owned(),
+            "simulated drive: healthy, spall or roughness; command, load and resistance differ from record to record"
+                .to_owned(),
             format!(
                 "error {} %; method of the source {} %",
                 number(&classes, 1)?,
@@ -144,7 +145,9 @@ fn number(row: &[&str], place: usize) -> Result<String> {
     let cell = row.get(place).with_context(|| format!("a short row: {row:?}"))?;
     let number = cell.split(' ').next().unwrap_or_default();
     number.parse::<f64>().with_context(|| format!("`{cell}` is no number"))?;
-    Ok(number.to_owned())
+    // One decimal is enough if the next one is zero.
+    let shorter = number.strip_suffix('0').filter(|rest| rest.contains('.') && !rest.ends_with('.'));
+    Ok(shorter.unwrap_or(number).to_owned())
 }
 
 #[cfg(test)]
@@ -158,6 +161,10 @@ mod tests {
         assert_eq!([number(&one, 1)?, number(&one, 3)?], ["0.04", "36.2"]);
         assert!(number(&one, 2).is_err() && number(&one, 4).is_err(), "a word, and no cell");
         assert_eq!(number(&table(text, "two")?, 1)?, "1.5");
+        assert_eq!(
+            [number(&["0.00 ± 0.10"], 0)?, number(&["100.0"], 0)?, number(&["5730"], 0)?],
+            ["0.0", "100.0", "5730"]
+        );
         assert!(table(text, "one").is_err() && fixed(text, "Title", "two").is_err());
         Ok(())
     }
