@@ -61,6 +61,7 @@ fn selected(names: &[String]) -> Result<Vec<&'static Source>> {
             let quotes: &[&str] = match source.name {
                 "summary" => &["campaign"],
                 results::NAME => &results::SOURCES,
+                results::NEEDS => &["field"],
                 _ => &[],
             };
             names.iter().any(|name| source.name == name || quotes.contains(&name.as_str()))
@@ -131,7 +132,8 @@ mod tests {
     fn quoted_tables_are_those_of_their_documents() -> Result<()> {
         let summary = campaign::block(&read(campaign::DOCUMENT)?)?;
         agrees(&summary, Tolerance::Exact).map_err(anyhow::Error::msg)?;
-        agrees(&sources::quoted()?, Tolerance::Exact).map_err(anyhow::Error::msg)
+        agrees(&sources::quoted()?, Tolerance::Exact).map_err(anyhow::Error::msg)?;
+        agrees(&results::needs(&read(results::FIELD)?)?, Tolerance::Exact).map_err(anyhow::Error::msg)
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The table of results in README, from the tables of other documents.
+//! The table of results in README, and that of the book's chapter on limits, from the tables of other documents.
 
 use anyhow::{Context, Result};
 
@@ -9,6 +9,8 @@ use super::campaign::{self, groups};
 pub const NAME: &str = "results";
 /// The sources of the documents from which it is made.
 pub const SOURCES: [&str; 4] = ["campaign", "field", "recorded", super::figures::NAME];
+/// The block of what a promise needs.
+pub const NEEDS: &str = "needs";
 /// The campaign under the effects of the field.
 pub const FIELD: &str = "docs/field.md";
 /// Recorded drives.
@@ -23,10 +25,13 @@ pub struct Documents {
     pub target: String,
 }
 
+/// Makes the rows of one document: what was measured, and the result.
+type Rows = fn(&Documents) -> Result<Vec<[String; 2]>>;
+
 /// The table.
 pub fn block(documents: &Documents) -> Result<Block> {
     let mut lines = vec!["| | result | from |".to_owned(), "|---|---|---|".to_owned()];
-    let parts: [(&str, fn(&Documents) -> Result<Vec<[String; 2]>>); 4] = [
+    let parts: [(&str, Rows); 4] = [
         (campaign::DOCUMENT, |all| simulated(&all.campaign)),
         (FIELD, |all| in_service(&all.field)),
         (RECORDED, |all| recorded(&all.recorded)),
@@ -39,6 +44,89 @@ pub fn block(documents: &Documents) -> Result<Block> {
         }
     }
     Ok(Block { file: "README.md", name: NAME.to_owned(), lines })
+}
+
+/// The table of the gates in [`FIELD`].
+const GATES: &str = "Gate of 150 healthy records";
+/// Its columns.
+const FALSE_ALARMS: usize = 1;
+const SPALL: usize = 2;
+const HALF_SPALL: usize = 3;
+const SPALL_OF_1_8: usize = 5;
+const ROUGHNESS_OF_1_8: usize = 7;
+
+/// A promise, what it needs, a column of the table of the gates, and its rows.
+type Need = (&'static str, &'static str, usize, &'static [&'static str]);
+
+const ALL_NEEDS: [Need; 10] = [
+    (
+        "1 % false alarms with changing commands, temperature, slip, any motion, all effects with a sine, with any motion",
+        "150 healthy records over all of them, a model for each motion",
+        FALSE_ALARMS,
+        &["mix", "temperature", "slip", "duty-any", "field-sine", "field-any"],
+    ),
+    (
+        "spall of 1/8 of the full size",
+        "load sensor, angle of 14 bits at equal sampling intervals",
+        SPALL_OF_1_8,
+        &["mix"],
+    ),
+    ("the same at any temperature", "healthy records from cold to hot", SPALL_OF_1_8, &["temperature"]),
+    (
+        "the same in one direction, at constant speed",
+        "a model of its own for each motion",
+        SPALL_OF_1_8,
+        &["duty-one-way", "duty-constant"],
+    ),
+    (
+        "the same with errors of the angle, a late load sensor, a compliant payload",
+        "several records, if one is not enough",
+        SPALL_OF_1_8,
+        &["angle-errors", "bad-load-sensor", "payload"],
+    ),
+    ("the same on a bearing that slips by up to 2 %", "`--slip 0.022`", SPALL_OF_1_8, &["slip"]),
+    (
+        "spall of full size under all effects together: sine, motions of one kind each, any motion",
+        "motion that reverses",
+        SPALL,
+        &["field-sine", "field-duties", "field-any"],
+    ),
+    (
+        "spall of full size, of half size, without a load sensor",
+        "angle, `--velocity-ref`; for smaller ones and roughness a motion that is repeated",
+        SPALL,
+        &["no-load-sensor"],
+    ),
+    (
+        "roughness of 1/8",
+        "motion that reverses, load sensor, `--rising viscous_log,viscous,drag`",
+        ROUGHNESS_OF_1_8,
+        &["mix"],
+    ),
+    (
+        "the same under all effects together: sine, motions of one kind each, any motion",
+        "several records",
+        ROUGHNESS_OF_1_8,
+        &["field-sine", "field-duties", "field-any"],
+    ),
+];
+
+/// What a promise needs, from the text of [`FIELD`].
+pub fn needs(document: &str) -> Result<Block> {
+    let head = "| promise | what it needs | false alarms, or detected, % |";
+    let mut lines = vec![head.to_owned(), "|---|---|---|".to_owned()];
+    for (promise, need, column, rows) in ALL_NEEDS {
+        let mut numbers = rows
+            .iter()
+            .map(|row| number(&fixed(document, GATES, row)?, column))
+            .collect::<Result<Vec<_>>>()
+            .with_context(|| FIELD.to_owned())?;
+        if promise.contains("half size") {
+            numbers.push(number(&fixed(document, GATES, "no-load-sensor")?, HALF_SPALL)?);
+        }
+        lines.push(format!("| {promise} | {need} | {} |", numbers.join(", ")));
+    }
+    Ok(Block { file: "book/src/limits.md", name: NEEDS.to_owned(), lines })
 }
 
 fn simulated(document: &str) -> Result<Vec<[String; 2]>> {
@@ -66,9 +154,8 @@ fn simulated(document: &str) -> Result<Vec<[String; 2]>> {
 }
 
 fn in_service(document: &str) -> Result<Vec<[String; 2]>> {
-    const TITLE: &str = "Gate of 150 healthy records";
-    let all = fixed(document, TITLE, "field-any")?;
-    let no_load = fixed(document, TITLE, "no-load-sensor")?;
+    let all = fixed(document, GATES, "field-any")?;
+    let no_load = fixed(document, GATES, "no-load-sensor")?;
     let cells = |row: &[&str], places: &[usize]| -> Result<String> {
         Ok(places.iter().map(|place| number(row, *place)).collect::<Result<Vec<_>>>()?.join(", "))
     };
@@ -77,11 +164,11 @@ fn in_service(document: &str) -> Result<Vec<[String; 2]>> {
             "all simulated effects of service together (temperature, slip, compliance, sensor errors …), any motion: spall of \
              full size, 1/2, 1/4, 1/8"
                 .to_owned(),
-            format!("{} % detected; {} % false alarms", cells(&all, &[2, 3, 4, 5])?, number(&all, 1)?),
+            format!("{} % detected; {} % false alarms", cells(&all, &[SPALL, HALF_SPALL, 4, SPALL_OF_1_8])?, number(&all, FALSE_ALARMS)?),
         ],
         [
             "changing load without a load sensor: spall of full size, 1/2; roughness of full size".to_owned(),
-            format!("{} % detected", cells(&no_load, &[2, 3, 6])?),
+            format!("{} % detected", cells(&no_load, &[SPALL, HALF_SPALL, 6])?),
         ],
     ])
 }

@@ -20,7 +20,7 @@ pub struct Source {
 }
 
 /// All sources, in the order in which they run.
-pub const SOURCES: [Source; 18] = [
+pub const SOURCES: [Source; 19] = [
     quick(figures::NAME, figures::TOLERANCE, target),
     quick("demo", Tolerance::Exact, |_| printed("demo", "book/src/introduction.md", "standard_rig::twenty_draws")),
     quick("instruments", Tolerance::Exact, |_| {
@@ -55,6 +55,7 @@ pub const SOURCES: [Source; 18] = [
     slow(book::NAME, Tolerance::Exact, |_| book::blocks()),
     // After those that it quotes.
     quick(results::NAME, Tolerance::Exact, |_| Ok(vec![quoted()?])),
+    quick(results::NEEDS, Tolerance::Exact, |_| Ok(vec![results::needs(&read(results::FIELD)?)?])),
 ];
 
 /// The table of the field, and the page with its picture.
