@@ -1,7 +1,6 @@
 //! Builds one self-contained page from titled sections of HTML.
 
 use std::fmt::Write as _;
-use std::sync::LazyLock;
 
 use super::ReportError;
 use super::escape::escape;
@@ -12,13 +11,8 @@ const STYLE: &str = include_str!("style.css");
 /// Draws the figures.
 const DRAW: &str = include_str!("plots.js");
 
-/// The script of plotly. The crate also brings a renderer of formulas, which no page needs.
-static PLOTLY: LazyLock<String> = LazyLock::new(|| {
-    const END: &str = "</script>";
-    let all = plotly::Plot::offline_js_sources();
-    let end = all.find(END).map_or(all.len(), |at| at + END.len());
-    all[..end].to_owned()
-});
+/// The script of plotly, unchanged; `LICENSE-plotly.txt` beside it has its version and licence.
+const PLOTLY: &str = include_str!("plotly.min.js");
 
 /// Nothing is loaded from outside the page.
 const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:";
@@ -96,7 +90,7 @@ impl Page {
         }
         out.push_str("</main>\n");
         if self.sections.iter().any(|(_, html)| html.contains("class=\"plot\"")) {
-            out.push_str(&PLOTLY);
+            let _ = write!(out, "<script type=\"text/javascript\">{PLOTLY}</script>");
             for script in [Some(DRAW), self.live].into_iter().flatten() {
                 let _ = write!(out, "\n<script>{script}</script>");
             }
@@ -153,6 +147,13 @@ mod tests {
         let html = Page::new("t").section("s", "<div class=\"plot\"></div><div class=\"plot\"></div>").render();
         assert_eq!(html.matches("plotly.js v").count(), 1);
         assert!(html.len() < 4_800_000, "{} bytes", html.len());
+    }
+
+    #[test]
+    fn the_licence_of_the_script_is_that_of_its_version() {
+        let version = PLOTLY.split("plotly.js v").nth(1).and_then(|rest| rest.split_whitespace().next());
+        let version = version.expect("the script names its version");
+        assert!(include_str!("LICENSE-plotly.txt").contains(&format!("plotly.js {version},")), "{version}");
     }
 
     #[test]

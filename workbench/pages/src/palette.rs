@@ -7,8 +7,6 @@
 
 use std::fmt;
 
-use plotly::common::MarkerSymbol;
-
 /// An opaque sRGB colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Color {
@@ -91,34 +89,6 @@ impl Marker {
     #[must_use]
     pub const fn of(index: usize) -> Self {
         MARKERS[index % MARKERS.len()]
-    }
-
-    /// The marker filled, of this diameter in pixels.
-    pub(super) fn filled(self, color: &str, size: usize) -> plotly::common::Marker {
-        let symbol = match self {
-            Self::Circle => MarkerSymbol::Circle,
-            Self::Square => MarkerSymbol::Square,
-            Self::TriangleUp => MarkerSymbol::TriangleUp,
-            Self::Diamond => MarkerSymbol::Diamond,
-            Self::TriangleDown => MarkerSymbol::TriangleDown,
-            Self::Pentagon => MarkerSymbol::Pentagon,
-            Self::Star => MarkerSymbol::StarDiamond,
-        };
-        plotly::common::Marker::new().symbol(symbol).color(color.to_owned()).size(size)
-    }
-
-    /// The outline of the marker.
-    pub(super) fn open(self, color: &str, size: usize) -> plotly::common::Marker {
-        let symbol = match self {
-            Self::Circle => MarkerSymbol::CircleOpen,
-            Self::Square => MarkerSymbol::SquareOpen,
-            Self::TriangleUp => MarkerSymbol::TriangleUpOpen,
-            Self::Diamond => MarkerSymbol::DiamondOpen,
-            Self::TriangleDown => MarkerSymbol::TriangleDownOpen,
-            Self::Pentagon => MarkerSymbol::PentagonOpen,
-            Self::Star => MarkerSymbol::StarDiamondOpen,
-        };
-        plotly::common::Marker::new().symbol(symbol).color(color.to_owned()).size(size)
     }
 }
 

@@ -1,14 +1,12 @@
 //! Stem plots of correlations over lags, stacked, with the bounds that hold for a correct model.
 
-use plotly::common::{Fill, HoverInfo, Line, LineShape, Marker, Mode};
-use plotly::layout::Axis;
-use plotly::{Bar, Scatter};
 use serde_json::json;
 
 use super::super::ReportError;
 use super::super::palette::Color;
 use super::figure::{Figure, text};
 use super::numbers::{Range, usable};
+use super::plotly::{Axis, Bar, Fill, HoverInfo, Line, LineShape, Marker, Mode, Scatter};
 use super::series::rounded;
 use super::stack::{Across, Row, axis_name, stack, vertical};
 use super::theme::SOFT;

@@ -6,14 +6,11 @@
 
 use std::f64::consts::TAU;
 
-use plotly::Scatter;
-use plotly::common::Mode;
-use plotly::layout::Axis;
-
 use super::super::ReportError;
 use super::super::palette::Class;
 use super::figure::{Figure, text};
 use super::numbers::{Range, usable};
+use super::plotly::{Axis, Mode, Scatter};
 use super::series::{Drawing, Series, rounded};
 use super::stack::{Across, Row, stack, vertical};
 

@@ -2,17 +2,16 @@
 
 use std::fmt::Write as _;
 
-use plotly::layout::Axis;
-use plotly::{Trace, Traces};
 use serde_json::{Map, Value, json};
 
 use super::super::escape::escape;
+use super::plotly::{Axis, Trace};
 use super::theme;
 
 /// A figure under construction.
 pub(super) struct Figure {
     title: String,
-    traces: Traces,
+    traces: Vec<Trace>,
     layout: Map<String, Value>,
     height: u32,
     pub(super) notes: Vec<String>,
@@ -21,11 +20,11 @@ pub(super) struct Figure {
 impl Figure {
     pub(super) fn new(title: &str, height: u32) -> Self {
         let layout = theme::layout().as_object().cloned().unwrap_or_default();
-        Self { title: title.to_owned(), traces: Traces::new(), layout, height, notes: Vec::new() }
+        Self { title: title.to_owned(), traces: Vec::new(), layout, height, notes: Vec::new() }
     }
 
-    pub(super) fn add(&mut self, trace: Box<dyn Trace>) {
-        self.traces.push(trace);
+    pub(super) fn add(&mut self, trace: impl Into<Trace>) {
+        self.traces.push(trace.into());
     }
 
     /// Sets a part of the layout.
@@ -122,12 +121,13 @@ pub(super) fn named(html: &str, name: &str) -> Vec<Value> {
 #[cfg(test)]
 mod tests {
     use super::super::super::well_formed::check;
+    use super::super::plotly::Scatter;
     use super::*;
 
     #[test]
     fn names_of_users_leave_neither_the_script_nor_the_page() {
         let mut figure = Figure::new("</script><b>", 100);
-        figure.add(plotly::Scatter::new(vec![1.0, f64::NAN], vec![2.0, 3.0]).name(text("<i>a & b</i>")));
+        figure.add(Scatter::new(vec![1.0, f64::NAN], vec![2.0, 3.0]).name(text("<i>a & b</i>")));
         let html = figure.html();
         assert_eq!(check(&html), Ok(()));
         let trace = &drawn(&html)["data"][0];

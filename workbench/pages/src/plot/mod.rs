@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! data ──► signals, scatter_regions, posteriors … ──► figure::Figure (traces, layout) ──► <figure> with JSON
+//!                                                     plotly: traces and axes as its script reads them
 //!                                                     theme: colours by name, which the page's script replaces
 //! ```
 //!
@@ -14,6 +15,7 @@ mod densities;
 mod figure;
 mod multiples;
 mod numbers;
+mod plotly;
 mod pole_zero;
 mod posteriors;
 mod regions;

@@ -1,14 +1,12 @@
 //! Small multiples: rates with intervals over the size of a defect, one panel for each condition.
 
-use plotly::Scatter;
-use plotly::common::{HoverInfo, Line, Mode};
-use plotly::layout::Axis;
 use serde_json::json;
 
 use super::super::ReportError;
 use super::super::palette::{Color, Marker};
 use super::figure::{Figure, text};
 use super::numbers::Range;
+use super::plotly::{Axis, HoverInfo, Line, Mode, Scatter};
 use super::series::rounded;
 use super::theme::{BOTTOM, SOFT, TOP};
 use model::evaluate::Rate;
@@ -51,7 +49,7 @@ pub fn multiples(title: &str, y_label: &str, panels: &[(String, Vec<SizeSeries>)
             draw(&mut figure, series, k, (&number, x));
         }
         let (values, names) = ticks(sizes);
-        let across = Axis::new().range(x.axis()).domain(&[left, left + width]).anchor(format!("y{number}"));
+        let across = Axis::new().range(x.axis()).domain([left, left + width]).anchor(format!("y{number}"));
         let across = across.tick_values(values).tick_text(names).tick_angle(0.0);
         // A title below the last panel of each column.
         let title = if place + COLUMNS < panels.len() { "" } else { "size of the defect" };
@@ -59,7 +57,7 @@ pub fn multiples(title: &str, y_label: &str, panels: &[(String, Vec<SizeSeries>)
         figure.axis(format!("xaxis{number}"), across, &further);
         let up = Axis::new().range(Range { lo: -4.0, hi: 104.0 }.axis()).tick_values(vec![0.0, 50.0, 100.0]);
         let bottom = (top - PANEL_HEIGHT / inner).max(0.0);
-        let up = up.domain(&[bottom, top]).anchor(format!("x{number}")).show_tick_labels(place % COLUMNS == 0);
+        let up = up.domain([bottom, top]).anchor(format!("x{number}")).show_tick_labels(place % COLUMNS == 0);
         figure.axis(format!("yaxis{number}"), up, &json!({}));
         figure.push(
             "annotations",
@@ -114,7 +112,7 @@ fn draw(figure: &mut Figure, series: &SizeSeries, k: usize, (number, x): (&str, 
             rounded(percent, series.rates.iter().map(|(_, rate)| 100.0 * rate.value)),
         )
         .name(text(&series.name))
-        .text_array(series.rates.iter().map(interval).collect())
+        .text(series.rates.iter().map(interval).collect())
         .legend_group(text(&series.name))
         .show_legend(number.is_empty())
         .mode(Mode::LinesMarkers)

@@ -1,7 +1,5 @@
 //! Ranges of data, and numbers with as many digits as a plot shows.
 
-use plotly::layout::AxisRange;
-
 /// Whether the value is finite and small enough that a range of these values does not overflow.
 pub(super) fn usable(value: f64) -> bool {
     value.abs() < 1e150
@@ -58,8 +56,8 @@ impl Range {
         self.hi - self.lo
     }
 
-    pub(super) fn axis(self) -> AxisRange {
-        AxisRange::new(self.rounded(self.lo), self.rounded(self.hi))
+    pub(super) fn axis(self) -> [f64; 2] {
+        [self.rounded(self.lo), self.rounded(self.hi)]
     }
 
     /// The value rounded to about a millionth of the range; values that are not usable become NaN, which leaves a gap.

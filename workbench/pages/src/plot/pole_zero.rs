@@ -6,15 +6,13 @@
 
 use std::f64::consts::TAU;
 
-use plotly::Scatter;
-use plotly::common::{Fill, HoverInfo, Line, Marker, MarkerSymbol, Mode};
-use plotly::layout::Axis;
 use serde_json::json;
 
 use super::super::ReportError;
 use super::super::palette::Color;
 use super::figure::{Figure, text};
 use super::numbers::{Range, usable};
+use super::plotly::{Axis, Fill, HoverInfo, Line, Marker, Mode, Scatter, Symbol};
 use super::series::rounded;
 use super::theme::SOFT;
 
@@ -103,11 +101,11 @@ fn draw(figure: &mut Figure, group: &MapGroup, across: Range, up: Range) {
             outline.mode(Mode::Lines).fill(Fill::ToSelf).fill_color(group.color.tint(0.14))
         } else {
             // A bar with end marks, because a region on the real axis has no height.
-            let ends = Marker::new().symbol(MarkerSymbol::LineNSOpen).size(8).color(color.clone());
+            let ends = Marker::new().symbol(Symbol::LineNsOpen).size(8).color(color.clone());
             outline.mode(Mode::LinesMarkers).marker(ends)
         });
     }
-    let symbol = if group.poles { MarkerSymbol::XThinOpen } else { MarkerSymbol::CircleOpen };
+    let symbol = if group.poles { Symbol::XThinOpen } else { Symbol::CircleOpen };
     let at = |pick: fn(&MapPoint) -> f64| own.iter().map(move |p| pick(p));
     figure.add(
         Scatter::new(rounded(across, at(|p| p.at.0)), rounded(up, at(|p| p.at.1)))

@@ -8,14 +8,11 @@
 //! decided  ▓▓▓▓▓▓╱╱╱╱▓▓▓▓▓▓   decision of the detector
 //! ```
 
-use plotly::Scatter;
-use plotly::common::{Line, LineShape, Mode};
-use plotly::layout::Axis;
-
 use super::super::ReportError;
 use super::super::palette::{Class, Color, Marker};
 use super::figure::{Figure, text};
 use super::numbers::{Range, usable};
+use super::plotly::{Axis, Line, LineShape, Mode, Scatter};
 use super::series::rounded;
 use super::stack::{Across, Row, axis_name, stack, vertical};
 use super::strip::{Span, Strip};

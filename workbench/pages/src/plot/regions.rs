@@ -1,11 +1,9 @@
 //! Decision regions: the class that a rule decides in each cell of a plane.
 
-use plotly::HeatMap;
-use plotly::common::HoverInfo;
-
 use super::super::palette::Class;
 use super::figure::Figure;
 use super::numbers::Range;
+use super::plotly::{HeatMap, HoverInfo};
 use super::strip::scale;
 
 /// Cells along the two axes.

@@ -7,15 +7,13 @@
 //!
 //! The classes are drawn side by side, because they would overlap near 0 and 1.
 
-use plotly::common::{ErrorData, ErrorType, HoverInfo, Line, Marker, Mode};
-use plotly::layout::{Axis, AxisType};
-use plotly::{Bar, Scatter};
 use serde_json::json;
 
 use super::super::ReportError;
 use super::super::palette::Class;
 use super::figure::{Figure, text};
 use super::numbers::{Range, usable};
+use super::plotly::{Axis, AxisType, Bar, ErrorData, HoverInfo, Line, Marker, Mode, Scatter};
 use super::series::rounded;
 use super::stack::{Across, Row, stack, vertical};
 use super::theme::SOFT;
@@ -103,12 +101,9 @@ fn draw(figure: &mut Figure, class: &Class, bins: &[ReliabilityBin], (beside, cl
     let (name, color) = (text(&class.name), class.color.to_string());
     let unit = Range { lo: 0.0, hi: 1.0 };
     let each = |pick: fn(&ReliabilityBin) -> f64| rounded(unit, bins.iter().map(pick));
-    let bars = ErrorData::new(ErrorType::Data)
-        .symmetric(false)
-        .array(each(|bin| bin.observed.high - bin.observed.value))
-        .array_minus(each(|bin| bin.observed.value - bin.observed.low))
-        .thickness(1.4)
-        .width(4);
+    let above = each(|bin| bin.observed.high - bin.observed.value);
+    let below = each(|bin| bin.observed.value - bin.observed.low);
+    let bars = ErrorData::new(above, below).thickness(1.4).width(4);
     figure.add(
         Scatter::new(rounded(unit, bins.iter().map(|bin| bin.posterior + POINTS * beside)), each(|b| b.observed.value))
             .name(&name)

@@ -1,14 +1,12 @@
 //! Features of segments in the order of their runs, one panel a feature.
 
-use plotly::Scatter;
-use plotly::common::{Line, Marker, MarkerSymbol, Mode};
-use plotly::layout::Axis;
 use serde_json::json;
 
 use super::super::ReportError;
 use super::super::palette::Class;
 use super::figure::{Figure, text};
 use super::numbers::{Range, usable};
+use super::plotly::{Axis, Line, Marker, Mode, Scatter, Symbol};
 use super::series::rounded;
 use super::stack::{Across, Row, axis_name, stack, vertical};
 use super::theme::{INK, RULE};
@@ -115,7 +113,7 @@ fn draw(figure: &mut Figure, (feature, y): (usize, Range), classes: &[Class], po
                 Some(run) => text(&format!("{}, run {run}", point.trace)),
                 None => text(&point.trace),
             });
-            trace.hover_text_array(names.collect()).hover_template("%{y} (%{hovertext})")
+            trace.hover_text(names.collect()).hover_template("%{y} (%{hovertext})")
         } else {
             trace
         });
@@ -124,8 +122,7 @@ fn draw(figure: &mut Figure, (feature, y): (usize, Range), classes: &[Class], po
         let own = numbered().filter(|(_, point)| point.class == k).step_by(every).collect();
         add(&class.name, class.marker.filled(&class.color.to_string(), 7), own);
     }
-    let novel =
-        Marker::new().symbol(MarkerSymbol::XThinOpen).size(8).color(INK).line(Line::new().width(1.4).color(INK));
+    let novel = Marker::new().symbol(Symbol::XThinOpen).size(8).color(INK).line(Line::new().width(1.4).color(INK));
     add("novel", novel, numbered().filter(|(_, point)| point.novel).collect());
 }
 

@@ -2,15 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use plotly::Scatter;
-use plotly::common::{Line, Marker, MarkerSymbol, Mode};
-use plotly::layout::Axis;
 use serde_json::json;
 
 use super::super::ReportError;
 use super::super::palette::Class;
 use super::figure::{Figure, text};
 use super::numbers::{Range, usable};
+use super::plotly::{Axis, Line, Marker, Mode, Scatter, Symbol};
 use super::regions::shade;
 use super::series::rounded;
 use super::theme::INK;
@@ -133,14 +131,14 @@ fn draw_points(figure: &mut Figure, classes: &[ScatterClass], misses: &Misses, r
         training.push((own, format!("{}, training", class.name), class.marker.open(&color, 8).opacity(0.75)));
         held_out.push((others, format!("{}, held out", class.name), class.marker.filled(&color, 9).line(line)));
     }
-    let ring = |symbol: MarkerSymbol, size: usize| {
+    let ring = |symbol: Symbol, size: usize| {
         Marker::new().symbol(symbol).size(size).color(INK).line(Line::new().width(1.6).color(INK))
     };
     let novel: Vec<(f64, f64)> = classes.iter().flat_map(|one| one.novel.iter().copied()).collect();
     let marks = [
-        (&misses.wrong, "misclassified", ring(MarkerSymbol::CircleOpen, 15)),
-        (&misses.undetermined, "held out, undetermined", ring(MarkerSymbol::SquareOpen, 15)),
-        (&novel, "novel", ring(MarkerSymbol::XThinOpen, 9)),
+        (&misses.wrong, "misclassified", ring(Symbol::CircleOpen, 15)),
+        (&misses.undetermined, "held out, undetermined", ring(Symbol::SquareOpen, 15)),
+        (&novel, "novel", ring(Symbol::XThinOpen, 9)),
     ];
     let marks = marks.map(|(points, name, marker)| (points, format!("{name} ({})", points.len()), marker));
     for (points, name, marker) in training.into_iter().chain(held_out).chain(marks) {

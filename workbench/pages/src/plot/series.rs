@@ -1,12 +1,10 @@
 //! A named series of points, drawn as a line.
 
-use plotly::common::{DashType, Fill, HoverInfo, Line, Mode};
-use plotly::{Scatter, Trace};
-
 use super::super::palette::{Color, Marker};
 use super::decimate::runs;
 use super::figure::text;
 use super::numbers::{Range, usable};
+use super::plotly::{DashType, Fill, HoverInfo, Line, Mode, Scatter};
 
 /// One line of a plot. Non-finite points leave a gap.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,8 +76,8 @@ impl Series {
     }
 
     /// Band, then line and markers.
-    pub(super) fn traces(&self, at: Drawing) -> Vec<Box<dyn Trace>> {
-        let mut traces: Vec<Box<dyn Trace>> = Vec::new();
+    pub(super) fn traces(&self, at: Drawing) -> Vec<Scatter> {
+        let mut traces = Vec::new();
         let (name, color) = (text(&self.name), self.color.to_string());
         let Drawing { x, y, axis, in_legend, .. } = at;
         if !self.band.is_empty() {

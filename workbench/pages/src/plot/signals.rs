@@ -1,11 +1,11 @@
 //! Series in stacked panels over one horizontal axis: signals over time with events, spectra, rates over a size.
 
-use plotly::layout::{Axis, AxisType};
 use serde_json::json;
 
 use super::super::ReportError;
 use super::figure::{Figure, text};
 use super::numbers::{Range, usable};
+use super::plotly::{Axis, AxisType};
 use super::series::{Drawing, Series, x_range, y_range};
 use super::stack::{Across, Row, axis_name, stack, vertical};
 use super::strip::Strip;

@@ -1,10 +1,10 @@
 //! Panels above each other over one horizontal axis.
 
-use plotly::layout::Axis;
 use serde_json::json;
 
 use super::figure::{Figure, text};
 use super::numbers::Range;
+use super::plotly::Axis;
 use super::theme::{BOTTOM, SOFT, TOP};
 
 /// Between two panels, for the label of the lower one; height of the legend.
@@ -44,7 +44,7 @@ pub(super) fn stack(figure: &mut Figure, across: Across, rows: Vec<Row>, legend:
     let mut top = 1.0;
     for (k, row) in rows.into_iter().enumerate() {
         let end = (top - row.height / inner).max(0.0);
-        figure.axis(format!("yaxis{}", &axis_name(k)[1..]), row.axis.domain(&[end, top]).anchor("x"), &json!({}));
+        figure.axis(format!("yaxis{}", &axis_name(k)[1..]), row.axis.domain([end, top]).anchor("x"), &json!({}));
         figure.push("annotations", label(&row.label, top));
         top = end - GAP / inner;
     }

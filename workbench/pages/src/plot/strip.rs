@@ -1,13 +1,9 @@
 //! A strip of named intervals over time, such as true classes and decisions.
 
-use plotly::HeatMap;
-use plotly::Scatter;
-use plotly::common::{ColorScale, ColorScaleElement, Marker, MarkerSymbol, Mode};
-use plotly::layout::Axis;
-
 use super::super::palette::Class;
 use super::figure::{Figure, text};
 use super::numbers::Range;
+use super::plotly::{Axis, HeatMap, Marker, Mode, Scatter, Symbol};
 use super::stack::{Row, axis_name};
 use super::theme::CLEAR;
 
@@ -50,7 +46,7 @@ impl Strip {
             figure.add(
                 HeatMap::new(edges.iter().map(|&edge| x.rounded(edge)).collect(), vec![0.0, 1.0], vec![cells])
                     .name(text(&self.label))
-                    .text_matrix(vec![names])
+                    .text(vec![names])
                     .hover_template("%{text}")
                     .color_scale(scale(&self.names))
                     .zmin(-0.5)
@@ -97,25 +93,23 @@ impl Strip {
 }
 
 /// An entry of the legend without points.
-pub(super) fn key(class: &Class, axis: &str) -> Box<Scatter<f64, f64>> {
+pub(super) fn key(class: &Class, axis: &str) -> Scatter {
     Scatter::new(vec![f64::NAN], vec![f64::NAN])
         .name(text(&class.name))
         .mode(Mode::Markers)
-        .marker(Marker::new().symbol(MarkerSymbol::Square).color(class.color.to_string()).size(11))
+        .marker(Marker::new().symbol(Symbol::Square).color(class.color.to_string()).size(11))
         .y_axis(axis)
 }
 
-/// One colour for each index.
-pub(super) fn scale(names: &[Class]) -> ColorScale {
-    let count = names.len().max(1) as f64;
-    let color = |class: &Class| class.color.to_string();
-    let both =
-        |(k, class): (usize, &Class)| [k, k + 1].map(|edge| ColorScaleElement(edge as f64 / count, color(class)));
-    let mut scale: Vec<ColorScaleElement> = names.iter().enumerate().flat_map(both).collect();
-    if scale.is_empty() {
-        scale = [0.0, 1.0].map(|at| ColorScaleElement(at, CLEAR.to_owned())).into();
+/// One colour for each index, from edge to edge.
+pub(super) fn scale(names: &[Class]) -> Vec<(f64, String)> {
+    if names.is_empty() {
+        return [0.0, 1.0].map(|at| (at, CLEAR.to_owned())).into();
     }
-    ColorScale::Vector(scale)
+    let count = names.len() as f64;
+    let color = |class: &Class| class.color.to_string();
+    let both = |(k, class): (usize, &Class)| [k, k + 1].map(|edge| (edge as f64 / count, color(class)));
+    names.iter().enumerate().flat_map(both).collect()
 }
 
 #[cfg(test)]
