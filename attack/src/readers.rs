@@ -7,8 +7,11 @@ use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use fleet::Sums;
-use model::trace::{Channels, FrontEndFile};
-use workbench::call::{Call, FleetStep, ModelFile, fleet, train};
+use fleet::steps::{SumOptions, features_sum};
+use model::session::{Log, ModelFile, Quiet, Session};
+use model::settings::{DriveFile, Settings};
+use model::trace::{self, Channels, FrontEndFile, Labels};
+use traces::given::{Memory, given};
 
 use crate::Door;
 use crate::checksum;
@@ -77,14 +80,9 @@ fn parquet(bytes: &[u8]) {
     for group in 0..part.row_groups().min(8) {
         let _bounds = part.bounds(group);
     }
-    let call = Call {
-        options: vec![
-            ("parts".into(), workbench::call::Value::One(path.display().to_string())),
-            ("out".into(), workbench::call::Value::One(path.with_extension("sums").display().to_string())),
-        ],
-        ..Call::default()
-    };
-    let (_refused, _warnings) = fleet(FleetStep::Sum, call);
+    let out = path.with_extension("sums");
+    let options = SumOptions { parts: vec![path], keep_units: false, out };
+    let _refused = features_sum(&Settings::default(), &options, &Log::new(&Quiet));
     assert!(columns.len() < 1 << 20);
 }
 
@@ -98,9 +96,10 @@ fn labels(bytes: &[u8]) {
 /// Settings for a training without any trace, and a front end.
 fn settings(bytes: &[u8]) {
     let _refused = FrontEndFile::read(&file("front_end.toml", bytes));
-    let drive = Some(file("drive.toml", bytes));
-    let call = Call { drive, traces: Some(vec![]), ..Call::default() };
-    let (trained, _warnings) = train(call);
+    let trained = DriveFile::read(&file("drive.toml", bytes)).and_then(|drive| {
+        let given = given(&drive.settings, Memory { traces: Some(vec![]), labels: None })?;
+        Session::new(drive.settings, given, Some(drive.text))?.train(&Log::new(&Quiet))
+    });
     assert!(trained.is_err(), "there is nothing to train on");
 }
 

@@ -83,7 +83,8 @@ impl Detector {
         self.require_between()?;
         let table = table("trace", columns)?;
         let judged = py.detach(|| {
-            let trace = self.state.borrow_owner().file.trace(&table)?;
+            let source = Source::Memory(vec![Arc::clone(&table)]);
+            let trace = self.state.borrow_owner().file.trace(table.name(), &source)?;
             let mut segments = self.advance(&trace);
             segments.extend(self.end());
             Ok::<_, Error>(self.judged(segments, self.run_a_trace))

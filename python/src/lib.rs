@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! tables      mappings of arrays, Arrow streams ─► tables in memory, and arrays ─► Arrow streams
-//! options     keyword arguments ─► options of a command
+//! options     keyword arguments ─► settings and further options of a job
 //! signals     identify, structure, validate
 //! model       train, Model, evaluate, simulate
 //! detector    Detector: the core on whole traces and on pieces
@@ -43,6 +43,8 @@ mod _core {
     use super::learning::{RowClassifier, RowGate};
     #[pymodule_export]
     use super::model::{Model, simulate, train};
+    #[pymodule_export]
+    use super::options::settings;
     #[pymodule_export]
     use super::signals::{identify, structure, validate};
 }

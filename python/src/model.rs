@@ -3,14 +3,26 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use model::Error;
+use model::session::{Judging, Log, ModelFile, Quiet, Session, Training, lines, to_json};
+use model::settings::{Use, from_value};
 use model::trace::Cells;
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList};
-use workbench::call::{self, Done, ModelFile, Report};
+use serde_json::Value;
+use studies::simulation::{Set, Simulation};
+use traces::given::{given, given_without_front_end};
 
 use crate::errors::{raised, refused};
-use crate::options::call;
+use crate::options::{Call, call};
+
+/// A training that is done, and what it takes to judge it.
+#[derive(Debug)]
+struct Done {
+    session: Session,
+    training: Training,
+}
 
 /// A model with its file, and with the training that it comes from unless it was loaded.
 #[derive(Debug)]
@@ -30,8 +42,15 @@ pub(crate) struct Model {
 /// Lines and JSON of a report, and the warnings.
 type Reported = (Vec<String>, String, Vec<String>);
 
-fn reported(report: &Report, warnings: Vec<String>) -> Reported {
-    (report.lines.clone(), report.json.to_string(), warnings)
+/// Trains by a call.
+fn trained(call: Call, log: &Log<'_>) -> Result<Done, Error> {
+    let (settings, further, drive) = call.understood(&Use::TRAIN)?;
+    further.end()?;
+    let given = given(&settings, call.memory)?;
+    let session = Session::new(settings, given, drive)?;
+    let training = session.train(log)?;
+    log.warn(training.doubts());
+    Ok(Done { session, training })
 }
 
 /// Trains a model; returns it with the warnings.
@@ -45,19 +64,24 @@ pub(crate) fn train(
 ) -> PyResult<(Model, Vec<String>)> {
     let call = call(drive, options, traces, labels)?;
     py.detach(|| {
-        let (done, warnings) = call::train(call);
-        let done = done.map_err(raised)?;
+        let log = Log::new(&Quiet);
+        let done = trained(call, &log).map_err(raised)?;
         let bytes = done.training.bytes.clone();
         let file = ModelFile::new(Path::new("model"), &bytes).map_err(raised)?;
-        Ok((Model { own: Arc::new(Own { file, bytes, done: Some(done) }) }, warnings))
+        Ok((Model { own: Arc::new(Own { file, bytes, done: Some(done) }) }, log.take()))
     })
 }
 
 /// Simulates traces; returns a list of (name, class, columns).
 #[pyfunction]
 pub(crate) fn simulate<'py>(py: Python<'py>, options: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyList>> {
-    let call = call(None, options, None, None)?;
-    let tables = py.detach(|| call::simulate(call)).map_err(raised)?;
+    let options = call(None, options, None, None)?.options();
+    let tables = py.detach(|| {
+        let simulation: Simulation =
+            from_value(Value::Object(options)).map_err(|problem| Error::Usage(format!("simulate: {problem}")))?;
+        Set::new(&simulation)?.tables()
+    });
+    let tables = tables.map_err(raised)?;
     let each = |(table, class): (model::trace::Recorded, &'static str)| {
         let columns = PyDict::new(py);
         let name = table.name().to_string();
@@ -154,7 +178,13 @@ impl Model {
     /// Lines and JSON of the report of the training, with the warnings.
     fn report(&self, py: Python<'_>, rank: bool) -> PyResult<Reported> {
         let done = self.done()?;
-        py.detach(|| done.report(rank)).map(|report| reported(&report, vec![])).map_err(raised)
+        py.detach(|| {
+            let log = Log::new(&Quiet);
+            let found = done.session.found(&done.training, rank, &log)?;
+            let json = Value::Object(to_json(&done.training, &found));
+            Ok((lines(&done.training, &found, ""), json.to_string(), log.take()))
+        })
+        .map_err(raised)
     }
 
     /// Evaluates on labelled traces.
@@ -167,9 +197,16 @@ impl Model {
         labels: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Reported> {
         let call = call(drive, options, traces, labels)?;
-        let own = Arc::clone(&self.own);
-        let (report, warnings) = py.detach(move || own.file.evaluate(call));
-        report.map(|report| reported(&report, warnings)).map_err(raised)
+        py.detach(|| {
+            let log = Log::new(&Quiet);
+            let (settings, mut further, _) = call.understood(&Use::EVALUATE)?;
+            let options = further.take()?;
+            further.end()?;
+            let given = given_without_front_end(&settings, call.memory)?;
+            let found = Judging::new(&self.own.file, settings, given, options).evaluate(&log)?;
+            Ok((found.lines(), found.to_json().to_string(), log.take()))
+        })
+        .map_err(raised)
     }
 }
 

@@ -153,7 +153,7 @@ def test_bad_input_is_an_exception_with_the_text_of_the_command_line(command, fo
         TypeError, bench.traces, bench.labels, features=[object()]
     )
     assert "unknown class x" in text(refused, bench.traces, bench.labels, healthy="x")
-    assert "invalid value '1,2' for '--order <ORDER>'" in text(refused, bench.traces, bench.labels, order=(1, 2))
+    assert "invalid value '1,2' for order" in text(refused, bench.traces, bench.labels, order=(1, 2))
     assert "no trace with the columns of current_a" in text(refused, {}, bench.labels)
     assert "no column" in text(refused, bench.traces, bench.labels, y="nothing")
     assert "no column class_name" in text(refused, bench.traces, {"trace": ["a"], "run": [1]})

@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use super::args::traces::TimeArgs;
+use super::jobs::Convert;
+use super::options::Taken;
 use super::output;
 use model::Error;
-use model::trace::stem;
+use model::trace::{self, stem};
 use traces::reader::{self, Series};
 use traces::resample::{Resampled, at_rate};
 use traces::table;
@@ -18,20 +19,31 @@ const TIME: &str = "t_s";
 /// What is read, and what is written.
 #[derive(Debug, clap::Args)]
 struct Files {
-    /// Trace files or folders: .csv .tsv .txt (also with .gz or .zst), .mat, .parquet, .arrow, .npz
-    #[arg(value_name = "TRACES", required = true)]
-    traces: Vec<PathBuf>,
+    #[command(flatten)]
+    taken: Taken<Convert>,
     /// Columns to write, e.g. current_a=iq_mA A,"angle_rad=integrate(speed_rpm) rad"; by default all columns of numbers
     #[arg(long, value_name = "NAME=CHANNEL", value_delimiter = ',')]
     columns: Vec<String>,
-    #[command(flatten)]
-    times: TimeArgs,
     /// File for one trace, or folder for several
     #[arg(long, value_name = "PATH")]
     out: PathBuf,
     /// Format of the files in a folder: csv, tsv, csv.gz, csv.zst, mat, parquet, arrow, npz
     #[arg(long, value_name = "FORMAT", default_value = "csv")]
     format: String,
+}
+
+impl ConvertArgs {
+    /// The settings of the command.
+    pub(super) const fn taken(&mut self) -> &mut Taken<Convert> {
+        &mut self.files.taken
+    }
+}
+
+impl ResampleArgs {
+    /// The settings of the command.
+    pub(super) const fn taken(&mut self) -> &mut Taken<Convert> {
+        &mut self.files.taken
+    }
 }
 
 /// Write traces in another format, with other columns and units
@@ -51,7 +63,7 @@ pub(super) struct ResampleArgs {
     #[command(flatten)]
     files: Files,
     /// Rows a second to write, at most the recorded rate
-    #[arg(long, value_name = "HZ", value_parser = super::args::traces::rate)]
+    #[arg(long, value_name = "HZ", value_parser = super::recordings::rate)]
     to_hz: f64,
 }
 
@@ -113,7 +125,8 @@ type Make<'a> = &'a dyn Fn(&[(String, String)], Series) -> Result<Vec<Written>, 
 
 impl Files {
     fn run(&self, make: Make<'_>) -> Result<(), Error> {
-        let files = traces::files(&self.traces)?;
+        let data = &self.taken.settings.data;
+        let files = traces::files(&self.taken.settings.data.traces)?;
         let into_folder = self.out.is_dir() || self.out.extension().is_none();
         if !into_folder {
             output::plan(&[&self.out], &files)?;
@@ -124,7 +137,7 @@ impl Files {
             let table = Table::open(file)?;
             let names = self.names(&table)?;
             let channels: Vec<String> = names.iter().map(|(_, channel)| channel.clone()).collect();
-            let times = (self.times.time.as_deref(), self.times.rate_hz);
+            let times = (data.time.as_deref(), data.rate_hz);
             for series in reader::series(&table, times, &channels)? {
                 for (id, times, columns) in make(&names, series)? {
                     count += 1;
@@ -161,7 +174,7 @@ impl Files {
             };
             return Ok(self.columns.iter().map(pair).collect());
         }
-        let (names, left_out) = reader::numeric(table, self.times.time.as_deref())?;
+        let (names, left_out) = reader::numeric(table, self.taken.settings.data.time.as_deref())?;
         for problem in left_out {
             output::warn(format!("{problem}; the column is left out"));
         }

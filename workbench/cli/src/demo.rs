@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
-use super::model_file::Notes;
 use super::output;
 use model::Error;
+use model::session::Notes;
 use model::trace::{Channels, Preparation, stem};
 use model::train::c_header::c_header;
 use model::train::export;
@@ -68,7 +68,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
 fn model_contents(first: &Draw) -> Result<[Vec<u8>; 4], Error> {
     let lines = ["Standard DC-motor rig: y = current, u1 = velocity reference, u2 = load torque.".to_string()];
     let ids = first.training.iter().map(|t| stem(&t.trace.id).to_string()).collect();
-    let notes = Notes::new(&channels(), Preparation::NONE, &first.trained, (ids, &[]));
+    let notes = Notes::new(&channels(), Preparation::NONE, &first.trained, (ids, &[]), None);
     Ok([
         export::rust_source(&first.trained, &lines)?.into_bytes(),
         c_header(&first.trained.to_core()?, &lines, None)?.into_bytes(),

@@ -1,19 +1,22 @@
 //! `bearing-watch grey-box`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::args::traces::warn_irregular;
+use super::jobs::{Balanced, Recordings};
+use super::options::Taken;
 use super::output;
 use model::Error;
 use model::grey_box::linear::{self, Asymmetry, Friction, LinearRecord, LinearSettings};
 use model::grey_box::motor::{self, Load, MotorRecord, MotorSettings};
 use model::grey_box::physical::{self, ElectricalRecord};
 use model::grey_box::{GreyBox, Quantity};
-use model::trace::{Channels, Trace};
+use model::session::irregular;
+use model::settings::{DriveFile, Signals};
+use model::trace::{self, Channels, Trace};
 
 /// Physical constants of a drive, with standard deviations
 #[derive(Debug, clap::Args)]
@@ -36,9 +39,8 @@ enum Drive {
 /// Mass, friction and offset of a linear drive from position and force, or of a rotary one from angle and torque
 #[derive(Debug, clap::Args)]
 struct LinearArgs {
-    /// Trace files or folders
-    #[arg(value_name = "TRACES", required = true)]
-    traces: Vec<PathBuf>,
+    #[command(flatten)]
+    taken: Taken<Recordings>,
     /// The drive is rotary: position is its angle, rad, and force its torque, N·m
     #[arg(long)]
     rotary: bool,
@@ -72,23 +74,13 @@ struct LinearArgs {
 /// The load torque must be measured, or the torque constant be known.
 #[derive(Debug, clap::Args)]
 struct MotorArgs {
-    /// Trace files or folders
-    #[arg(value_name = "TRACES", required = true)]
-    traces: Vec<PathBuf>,
-    /// Torque-producing current, A
-    #[arg(long, value_name = "CHANNEL", default_value = "current_a")]
-    current: String,
-    /// Measured velocity, rad/s
-    #[arg(long, value_name = "CHANNEL", default_value = "velocity_rad_s")]
-    velocity: String,
+    #[command(flatten)]
+    taken: Taken<Balanced>,
     /// Velocity reference, rad/s
     #[arg(long, value_name = "CHANNEL", default_value = "velocity_ref_rad_s")]
     reference: String,
-    /// Load torque opposing positive rotation, N·m: a channel, "constant" for an unknown constant one, or "none"
-    #[arg(long, value_name = "CHANNEL", default_value = "load_torque_nm")]
-    load: String,
     /// Torque constant, N·m/A, if it is known, for example from the data sheet
-    #[arg(long, value_name = "KT", value_parser = super::args::traces::rate)]
+    #[arg(long, value_name = "KT", value_parser = super::recordings::rate)]
     kt: Option<f64>,
     /// Cut-off of the state-variable filter, Hz
     #[arg(long, value_name = "HZ", default_value_t = MotorSettings::default().cutoff_hz)]
@@ -100,21 +92,11 @@ struct MotorArgs {
 /// R, L, Kt and, assuming Ke = Kt, J and B from the five-parameter model of the current (thesis Eq. 2.41)
 #[derive(Debug, clap::Args)]
 struct ElectricalArgs {
-    /// Trace files or folders
-    #[arg(value_name = "TRACES", required = true)]
-    traces: Vec<PathBuf>,
-    /// Current, A
-    #[arg(long, value_name = "CHANNEL", default_value = "current_a")]
-    current: String,
+    #[command(flatten)]
+    taken: Taken<Balanced>,
     /// Terminal voltage, V
     #[arg(long, value_name = "CHANNEL", default_value = "voltage_v")]
     voltage: String,
-    /// Velocity, rad/s
-    #[arg(long, value_name = "CHANNEL", default_value = "velocity_rad_s")]
-    velocity: String,
-    /// Load torque opposing positive rotation, N·m
-    #[arg(long, value_name = "CHANNEL", default_value = "load_torque_nm")]
-    load: String,
     #[command(flatten)]
     shown: Shown,
 }
@@ -136,6 +118,26 @@ struct Row {
     validation: Vec<(String, f64)>,
 }
 
+impl Args {
+    /// Puts the settings of the command over those of a drive file.
+    pub(super) fn join(&mut self, drive: Option<&DriveFile>) -> Result<(), Error> {
+        match &mut self.drive {
+            Drive::Linear(args) => args.taken.join(drive),
+            Drive::Motor(args) => args.taken.join(drive),
+            Drive::Electrical(args) => args.taken.join(drive),
+        }
+    }
+
+    /// The text of a drive file at this path with the settings of the command.
+    pub(super) fn text(&self, path: &Path) -> Result<String, Error> {
+        match &self.drive {
+            Drive::Linear(args) => args.taken.text(path),
+            Drive::Motor(args) => args.taken.text(path),
+            Drive::Electrical(args) => args.taken.text(path),
+        }
+    }
+}
+
 pub(super) fn run(args: &Args) -> Result<(), Error> {
     match &args.drive {
         Drive::Linear(args) => linear(args),
@@ -154,7 +156,7 @@ fn linear(args: &LinearArgs) -> Result<(), Error> {
     let read = |paths: &[PathBuf]| -> Result<Vec<Trace>, Error> {
         let mut traces = traces::read(paths, &channels)?;
         traces.iter_mut().flat_map(|trace| &mut trace.u1).for_each(|force| *force *= args.force_gain);
-        warn_irregular(traces.iter());
+        irregular(traces.iter()).iter().for_each(output::warn);
         Ok(traces)
     };
     let elsewhere = match &args.validate {
@@ -168,7 +170,7 @@ fn linear(args: &LinearArgs) -> Result<(), Error> {
         let validation = validation.collect::<Result<Vec<_>, Error>>()?;
         Ok(Row { id: trace.id.clone(), found, validation })
     };
-    args.shown.print(&read(&args.traces)?.iter().map(each).collect::<Result<Vec<_>, Error>>()?)
+    args.shown.print(&read(&args.taken.settings.data.traces)?.iter().map(each).collect::<Result<Vec<_>, Error>>()?)
 }
 
 fn linear_record<'a>(trace: &'a Trace, shown: &Shown) -> Result<LinearRecord<'a>, Error> {
@@ -176,11 +178,18 @@ fn linear_record<'a>(trace: &'a Trace, shown: &Shown) -> Result<LinearRecord<'a>
     Ok(LinearRecord { id: &trace.id, interval_s, position_m: &trace.y, force_n: &trace.u1 })
 }
 
+/// Current, velocity and load, or their usual columns.
+fn balanced(channels: &Signals) -> [String; 3] {
+    let Signals { current, velocity, load, .. } = channels;
+    let usual = [(current, "current_a"), (velocity, "velocity_rad_s"), (load, "load_torque_nm")];
+    usual.map(|(given, usual)| given.clone().unwrap_or_else(|| usual.into()))
+}
+
 /// Reads four channels by two reads of three channels each: the first, the last, and one of the two middle channels.
 fn read_four(paths: &[PathBuf], [y, first, second, u2]: [&String; 4]) -> Result<Vec<(Trace, Vec<f64>)>, Error> {
     let read = |u1: &String| traces::read(paths, &Channels::new(y.clone(), u1, u2));
     let (traces, other) = (read(first)?, read(second)?);
-    warn_irregular(traces.iter());
+    irregular(traces.iter()).iter().for_each(output::warn);
     // Skips files of a folder that lack one of the columns; the files of both reads must then match.
     let mut pairs = Vec::new();
     for trace in traces {
@@ -194,9 +203,10 @@ fn read_four(paths: &[PathBuf], [y, first, second, u2]: [&String; 4]) -> Result<
 
 fn motor(args: &MotorArgs) -> Result<(), Error> {
     let settings = MotorSettings { cutoff_hz: args.cutoff, torque_constant_nm_a: args.kt, ..MotorSettings::default() };
-    let is_measured = !matches!(args.load.as_str(), "constant" | "none");
-    let load = if is_measured { &args.load } else { &args.current };
-    let traces = read_four(&args.traces, [&args.current, &args.velocity, &args.reference, load])?;
+    let [current, velocity, load] = &balanced(&args.taken.settings.channels);
+    let is_measured = !matches!(load.as_str(), "constant" | "none");
+    let torque = if is_measured { load } else { current };
+    let traces = read_four(&args.taken.settings.data.traces, [current, velocity, &args.reference, torque])?;
     let each = |(trace, reference): &(Trace, Vec<f64>)| {
         let record = MotorRecord {
             id: &trace.id,
@@ -204,7 +214,7 @@ fn motor(args: &MotorArgs) -> Result<(), Error> {
             current_a: &trace.y,
             velocity_rad_s: &trace.u1,
             velocity_ref_rad_s: reference,
-            load: match args.load.as_str() {
+            load: match load.as_str() {
                 "none" => Load::Absent,
                 "constant" => Load::Constant,
                 _ => Load::Measured(&trace.u2),
@@ -216,7 +226,8 @@ fn motor(args: &MotorArgs) -> Result<(), Error> {
 }
 
 fn electrical(args: &ElectricalArgs) -> Result<(), Error> {
-    let traces = read_four(&args.traces, [&args.current, &args.velocity, &args.voltage, &args.load])?;
+    let [current, velocity, load] = &balanced(&args.taken.settings.channels);
+    let traces = read_four(&args.taken.settings.data.traces, [current, velocity, &args.voltage, load])?;
     let each = |(trace, voltage): &(Trace, Vec<f64>)| {
         let record = ElectricalRecord {
             id: &trace.id,

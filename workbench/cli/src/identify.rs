@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::args::method::FitArgs;
+use super::fit::FitArgs;
 use super::output;
 use model::Error;
 use model::identify::{Estimate, Noise, Options, Structure, Terms};
@@ -18,7 +18,7 @@ use model::identify::{Estimate, Noise, Options, Structure, Terms};
 )]
 pub(super) struct Args {
     #[command(flatten)]
-    fit: FitArgs,
+    pub(super) fit: FitArgs,
     /// Passes of --method iv, 1 to 3
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=3))]
     passes: u8,
@@ -35,7 +35,7 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
     let (traces, preparation) = args.fit.read(args.out.as_ref())?;
-    let (structure, method) = (args.fit.structure.structure(), &args.fit.method);
+    let (structure, method) = (args.fit.structure()?, &args.fit.method);
     let options = Options { passes: args.passes.into(), noise_order: args.noise_order.map(usize::from) };
     let bar = output::progress("estimating", traces.len());
     let estimates = traces

@@ -1,24 +1,26 @@
 //! The command line: `bearing-watch COMMAND`.
 
-mod args;
+mod arguments;
 mod audit;
-pub mod call;
 mod campaign;
+mod commands;
 mod convert;
 mod demo;
-mod description;
 mod drive;
 mod evaluate;
-mod evidence;
 mod features;
 mod features_sum;
+mod fit;
 mod grey_box;
 mod identify;
+mod jobs;
 mod listen;
-mod model_file;
+mod options;
 mod output;
 mod piecewise;
+mod recordings;
 mod replay;
+mod schema;
 mod serve;
 mod simulate;
 mod simulate_features;
@@ -27,15 +29,16 @@ mod structure;
 mod tables;
 mod train;
 mod train_features;
-mod training;
 mod validate;
 mod view;
 
-use std::path::PathBuf;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser};
 
+use commands::Command;
 use model::Error;
 
 /// Bearing-fault detection for motor drives: simulate, identify, train, evaluate, and export to firmware.
@@ -49,83 +52,34 @@ struct Cli {
     save: Option<PathBuf>,
 }
 
-#[derive(Debug, Subcommand)]
-enum Command {
-    Demo(demo::Args),
-    Init(drive::init::Args),
-    Audit(audit::Args),
-    Simulate(simulate::Args),
-    Identify(identify::Args),
-    Structure(structure::Args),
-    GreyBox(grey_box::Args),
-    Validate(validate::Args),
-    Piecewise(piecewise::Args),
-    Train(Box<train::Args>),
-    Features(Box<features::Args>),
-    FeaturesSum(features_sum::Args),
-    TrainFeatures(Box<train_features::Args>),
-    #[command(hide = true)]
-    SimulateFeatures(simulate_features::Args),
-    Evaluate(evaluate::Args),
-    Replay(replay::Args),
-    View(view::Args),
-    Listen(listen::Args),
-    Convert(convert::ConvertArgs),
-    Resample(convert::ResampleArgs),
-    Campaign(campaign::Args),
-    Tables(tables::Args),
-}
-
 /// Runs the command line of this process. Returns 0 on success; on bad input it prints one line with the problem and
 /// its place, and returns 2.
 #[must_use]
 pub fn run() -> ExitCode {
-    let mut commands = Cli::command();
-    commands.build();
-    let given = match drive::arguments(&commands, std::env::args_os().collect()) {
-        Ok(given) => given,
+    let words: Vec<OsString> = std::env::args_os().collect();
+    let commands = Cli::command();
+    let (words, drive) = match arguments::split(&commands, words) {
+        Ok(split) => split,
         Err(error) => return refuse(&error),
     };
-    let parsed = commands.try_get_matches_from_mut(given);
-    let parsed = parsed.and_then(|matches| Ok((Cli::from_arg_matches(&matches)?, matches)));
-    let (Cli { command, save }, matches) = match parsed {
+    let commands =
+        if drive.is_some() { arguments::relaxed(commands, words.get(1..).unwrap_or_default()) } else { commands };
+    let parsed = commands.try_get_matches_from(words).and_then(|matches| Cli::from_arg_matches(&matches));
+    let Cli { mut command, save } = match parsed {
         Ok(parsed) => parsed,
         Err(error) => return usage(&error),
     };
-    if let Some(Err(error)) = save.map(|path| drive::save(&path, &commands, &matches)) {
-        return refuse(&error);
-    }
-    let outcome = match command {
-        Command::Demo(args) => demo::run(&args),
-        Command::Init(args) => drive::init::run(&args),
-        Command::Audit(args) => match audit::run(&args) {
-            Ok(true) => return ExitCode::FAILURE,
-            other => other.map(|_| ()),
-        },
-        Command::Simulate(args) => simulate::run(&args),
-        Command::Identify(args) => identify::run(&args),
-        Command::Structure(args) => structure::run(&args),
-        Command::GreyBox(args) => grey_box::run(&args),
-        Command::Validate(args) => validate::run(&args),
-        Command::Piecewise(args) => piecewise::run(&args),
-        Command::Train(args) => train::run(&args),
-        Command::Features(args) => features::run(&args),
-        Command::FeaturesSum(args) => features_sum::run(&args),
-        Command::TrainFeatures(args) => train_features::run(&args),
-        Command::SimulateFeatures(args) => simulate_features::run(&args),
-        Command::Evaluate(args) => evaluate::run(&args),
-        Command::Replay(args) => replay::run(&args),
-        Command::View(args) => view::run(&args),
-        Command::Listen(args) => listen::run(&args),
-        Command::Convert(args) => convert::convert(&args),
-        Command::Resample(args) => convert::resample(&args),
-        Command::Campaign(args) => campaign::run(&args),
-        Command::Tables(args) => tables::run(&args),
-    };
-    match outcome {
-        Ok(()) => ExitCode::SUCCESS,
+    let joined = command.join(drive.as_ref()).and_then(|()| save.map_or(Ok(()), |path| keep(&mut command, &path)));
+    match joined.and_then(|()| command.run()) {
+        Ok(code) => code,
         Err(error) => refuse(&error),
     }
+}
+
+/// Writes the settings of a command as a drive file.
+fn keep(command: &mut Command, path: &Path) -> Result<(), Error> {
+    output::plan(&[path], &[])?;
+    output::write(path, command.text(path)?)
 }
 
 fn refuse(error: &Error) -> ExitCode {

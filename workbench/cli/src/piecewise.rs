@@ -2,10 +2,12 @@
 
 use std::path::PathBuf;
 
-use super::args::traces::{PreparationArgs, TraceArgs};
-use super::output;
+use super::jobs::Piecewise;
+use super::options::Taken;
+use super::{output, recordings};
 use model::Error;
 use model::piecewise::{Cutting, estimate};
+use model::trace::FrontEndFile;
 
 /// First-order models of the straight runs of each trace, their medians as a table
 #[derive(Debug, clap::Args)]
@@ -15,9 +17,7 @@ use model::piecewise::{Cutting, estimate};
 )]
 pub(super) struct Args {
     #[command(flatten)]
-    input: TraceArgs,
-    #[command(flatten)]
-    preparation: PreparationArgs,
+    pub(super) taken: Taken<Piecewise>,
     /// Least slope of a straight run, as a fraction of the steepest slope of the stroke
     #[arg(long, value_name = "PART", default_value_t = Cutting::default().threshold)]
     threshold: f64,
@@ -36,10 +36,12 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
-    let preparation = args.preparation.preparation()?;
-    args.input.channels.require(model::identify::Structure::new(1, 1, 1, 0, 0))?;
-    output::plan(&args.out.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &args.input.traces)?;
-    let traces = args.input.read()?;
+    let settings = &args.taken.settings;
+    let preparation = settings.model.preparation()?;
+    settings.channels.require(model::identify::Structure::new(1, 1, 1, 0, 0))?;
+    output::plan(&args.out.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &settings.data.traces)?;
+    let front_end = settings.data.front_end.as_deref().map(FrontEndFile::read).transpose()?;
+    let traces = recordings::read(&settings.data.traces, &settings.channels(front_end)?)?;
     let Args { threshold, min_run: min_samples, cutoff_ratio, .. } = *args;
     let cutting = Cutting { threshold, min_samples, cutoff_ratio };
     let header: &[&str] = if args.runs { &["trace", "first", "samples"] } else { &["trace", "runs"] };

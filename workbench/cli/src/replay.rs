@@ -6,14 +6,14 @@ use bearing_watch::plan::RunTime;
 use bearing_watch::{Baseline, FrictionTerm, Trend};
 use serde_json::json;
 
-use super::args::traces::{warn_irregular, warn_refused};
-use super::drive::on_page;
-use super::model_file::{Notes, check_rate, read_model};
+use super::jobs::Recordings;
+use super::options::Taken;
 use super::output;
 use model::Error;
 use model::core::{Embedded, SegmentReport, Watched, Watcher, denied, features, stuck_channels};
 use model::identify::Terms;
-use model::trace::Trace;
+use model::session::{ModelFile, Notes, check_rate, irregular, refused};
+use model::trace::{self, Trace};
 use model::train::front_end_source::further_channels;
 use pages::Page;
 use pages::replay::{Replayed, page};
@@ -28,9 +28,8 @@ pub(super) struct Args {
     /// The binary model; it contains its channels and preparation
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
-    /// Trace files or folders
-    #[arg(value_name = "TRACE", required = true)]
-    traces: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(super) taken: Taken<Recordings>,
     /// Lets the healthy mean follow slow changes, with this time constant in segments
     #[arg(long, value_name = "SEGMENTS")]
     follow: Option<f32>,
@@ -54,14 +53,13 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
-    let inputs = [&args.traces[..], std::slice::from_ref(&args.model)].concat();
+    let inputs = [&args.taken.settings.data.traces[..], std::slice::from_ref(&args.model)].concat();
     output::plan(&args.report.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &inputs)?;
-    let (model, notes) = read_model(&args.model)?;
+    let ModelFile { model, notes } = ModelFile::read(&args.model)?;
     let (mut values, mut replayed) = (Vec::new(), Vec::new());
     let mut baseline = args.baseline(&model)?;
-    let traces = traces::read(&args.traces, &notes.channels())?;
-    warn_irregular(traces.iter());
-    warn_refused(traces.iter());
+    let traces = traces::read(&args.taken.settings.data.traces, &notes.channels())?;
+    irregular(traces.iter()).iter().chain(&refused(traces.iter())).for_each(output::warn);
     check_rate(&model, notes.preparation(), traces.iter())?;
     args.write_rows(&model, &notes)?;
     let (mut watcher, mut raised, mut trend) = (model.watcher(), false, None);
@@ -100,7 +98,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     }
     if let Some(path) = &args.report {
         let title = format!("Replay through {}", args.model.display());
-        output::write(path, on_page(page(&title, &model, &notes.channels(), &replayed).render()))?;
+        output::write(path, args.taken.on_page(page(&title, &model, &notes.channels(), &replayed).render()))?;
     }
     if args.json {
         output::json(&json!(values))?;
@@ -118,7 +116,7 @@ fn watched(watcher: &mut Watcher, segments: &[SegmentReport], run_a_trace: bool)
 
 /// The page of traces through a model, with the usual settings.
 pub(super) fn page_of(file: &Path, traces: &[PathBuf]) -> Result<Page, Error> {
-    let (model, notes) = read_model(file)?;
+    let ModelFile { model, notes } = ModelFile::read(file)?;
     let traces = traces::read(traces, &notes.channels())?;
     check_rate(&model, notes.preparation(), traces.iter())?;
     let mut watcher = model.watcher();
@@ -136,7 +134,9 @@ pub(super) fn page_of(file: &Path, traces: &[PathBuf]) -> Result<Page, Error> {
 impl Args {
     fn write_rows(&self, model: &Embedded, notes: &Notes) -> Result<(), Error> {
         let Some(file) = &self.rows else { return Ok(()) };
-        let ([trace], Some(front_end), false) = (&self.traces[..], &notes.front_end, self.traces[0].is_dir()) else {
+        let ([trace], Some(front_end), false) =
+            (&self.taken.settings.data.traces[..], &notes.front_end, self.taken.settings.data.traces[0].is_dir())
+        else {
             return Err(Error::Usage(
                 "--rows takes one recording, and a model that was trained with --front-end".into(),
             ));

@@ -1,20 +1,14 @@
 //! `bearing-watch simulate`
 
-mod choices;
-mod dc;
-mod ema;
-mod files;
+use std::path::{Path, PathBuf};
 
-use std::path::PathBuf;
-
-use clap::ValueEnum;
 use rayon::prelude::*;
 
+use super::options::Own;
 use super::output;
 use model::Error;
-use model::trace::{Cells, FrontEndFile, Recorded};
-use rig::ema::Race;
-use rig::{DefectKind, Waveform, trace_seed};
+use rig::DefectKind;
+use studies::simulation::{Set, Simulation, Table};
 
 /// Simulate traces of a rig: one CSV a trace, and labels.csv
 #[derive(Debug, clap::Args)]
@@ -38,164 +32,70 @@ standard and mix are those of the chosen rig. roughness is lost lubrication, and
 actuator of the thesis.")]
 pub(super) struct Args {
     #[command(flatten)]
-    choice: Choice,
+    options: Own<Simulation>,
     /// Folder for the traces; created if absent. Traces and labels of the same name are replaced, others are kept
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
 }
 
-/// Which traces are simulated.
-#[derive(Clone, Debug, clap::Args)]
-pub(super) struct Choice {
-    /// Which rig
-    #[arg(long, value_enum, default_value = "dc")]
-    rig: Rig,
-    /// Class of each trace: the defect, or healthy; several separated by commas
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', required = true, value_parser = choices::classes())]
-    class: Vec<DefectKind>,
-    /// Traces of each class
-    #[arg(long, default_value_t = 20)]
-    count: u32,
-    /// Seed; sets of different seeds never share a trace
-    #[arg(long, default_value_t = 1)]
-    seed: u32,
-    /// Size of the defect, 1 for full size
-    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
-    severity: f64,
-    /// Condition that differs from the standard rig
-    #[arg(long, value_name = "NAME", default_value = "standard", hide_default_value = true,
-        value_parser = choices::conditions())]
-    condition: &'static str,
-    /// Shape of the velocity reference [default: sine, or that of the condition]
-    #[arg(long, value_name = "SHAPE", value_parser = choices::waveforms())]
-    waveform: Option<Waveform>,
-    /// Resolution of the recorded angle, bits of a turn [default: exact, or that of the condition]
-    #[arg(long, value_name = "BITS")]
-    angle_bits: Option<u32>,
-    /// Race with the spall, EMA rig only [default: inner]
-    #[arg(long, value_name = "RACE", value_parser = choices::races())]
-    race: Option<Race>,
-    /// Record every Nth control interval (1/12 000 s; of the RIT rig 1/10 000 s) for the same time, without holding
-    /// values; EMA rig only [default: that of the condition]
-    #[arg(long, value_name = "N")]
-    log_every: Option<u32>,
-    /// Short for --condition mix
-    #[arg(long, conflicts_with = "condition")]
-    mix: bool,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Rig {
-    /// PM DC motor under velocity control (thesis Fig. 3.1)
-    Dc,
-    /// Electromechanical actuator under position control (thesis chapter 5)
-    Ema,
-}
-
-/// A simulated trace.
-struct Simulated {
-    table: files::Table,
-    /// Shape of the reference.
-    shape: &'static str,
-}
-
-/// The experiment that the options choose on one rig.
-trait Experiment: Sync {
-    /// Returns an error if traces of this class cannot be simulated.
-    fn validate(&self, kind: DefectKind) -> Result<(), Error>;
-    /// Name of the condition.
-    fn condition(&self) -> &'static str;
-    /// First part of the file names of a class, before its name.
-    fn prefix(&self, kind: DefectKind) -> Option<&'static str>;
-    /// Last part of the file names of a class.
-    fn suffix(&self) -> Option<&'static str>;
-    /// The front end of the traces, if they are raw samples.
-    fn front_end(&self) -> Option<FrontEndFile>;
-    /// Simulates one trace.
-    fn simulate(&self, kind: DefectKind, seed: u64) -> Result<Simulated, Error>;
-}
-
 pub(super) fn run(args: &Args) -> Result<(), Error> {
-    let (choice, experiment) = (&args.choice, args.choice.experiment()?);
+    let options = &args.options.0;
+    let set = Set::new(options)?;
     let labels = args.out.join("labels.csv");
-    let old = files::old_labels(&labels)?;
+    let old = old_labels(&labels)?;
     std::fs::create_dir_all(&args.out).map_err(Error::io(&args.out))?;
-    let bar = output::progress("simulating", choice.jobs().len());
+    let bar = output::progress("simulating", set.jobs().len());
     let each = |(kind, k)| {
-        let (name, simulated) = choice.simulate(experiment.as_ref(), kind, k)?;
+        let (name, simulated) = set.simulate(kind, k)?;
         let name = format!("{name}.csv");
-        output::write(&args.out.join(&name), files::csv(&simulated.table))?;
+        output::write(&args.out.join(&name), csv(&simulated.table))?;
         bar.inc(1);
-        let severity = if kind == DefectKind::Healthy { 0.0 } else { choice.severity };
-        let [severity, seed] = [severity.to_string(), choice.seed.to_string()];
-        Ok([name, kind.name().into(), severity, seed, experiment.condition().into(), simulated.shape.into()])
+        let severity = if kind == DefectKind::Healthy { 0.0 } else { options.severity };
+        let [severity, seed] = [severity.to_string(), options.seed.to_string()];
+        Ok([name, kind.name().into(), severity, seed, set.condition().into(), simulated.shape.into()])
     };
-    let rows = choice.jobs().into_par_iter().map(each).collect::<Result<Vec<_>, Error>>()?;
+    let rows = set.jobs().into_par_iter().map(each).collect::<Result<Vec<_>, Error>>()?;
     bar.finish_and_clear();
-    files::write_labels(&labels, &old, &rows)?;
-    if let Some(front_end) = experiment.front_end() {
+    write_labels(&labels, &old, &rows)?;
+    if let Some(front_end) = set.front_end() {
         let text = front_end.to_text().map_err(|error| Error::Usage(format!("front_end.toml: {error}")))?;
         output::write(&args.out.join("front_end.toml"), text)?;
     }
     output::say(format!("{} traces and labels.csv in {}", rows.len(), args.out.display()))
 }
 
-impl Choice {
-    /// The experiment, once every class can be simulated.
-    fn experiment(&self) -> Result<Box<dyn Experiment>, Error> {
-        if self.jobs().is_empty() {
-            return Err(Error::Usage("--count 0 makes no traces; give at least 1".into()));
-        }
-        let experiment: Box<dyn Experiment> = match self.rig {
-            Rig::Dc => Box::new(dc::Dc::new(self)?),
-            Rig::Ema => Box::new(ema::Ema::new(self)?),
-        };
-        for (k, kind) in self.class.iter().enumerate() {
-            if self.class[..k].contains(kind) {
-                return Err(Error::Usage(format!("--class names {} twice", kind.name())));
-            }
-            experiment.validate(*kind)?;
-        }
-        Ok(experiment)
+/// Returns columns of the same length as CSV.
+fn csv(columns: &Table) -> String {
+    let names: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
+    let mut out = names.join(",") + "\n";
+    for k in 0..columns.first().map_or(0, |(_, column)| column.len()) {
+        let cells: Vec<String> = columns.iter().map(|(_, column)| column[k].to_string()).collect();
+        out.push_str(&cells.join(","));
+        out.push('\n');
     }
+    out
+}
 
-    /// Class and number of each trace.
-    fn jobs(&self) -> Vec<(DefectKind, u32)> {
-        self.class.iter().flat_map(|&kind| (0..self.count).map(move |k| (kind, k))).collect()
-    }
+const HEADER: &str = "trace,class_name,severity,seed,condition,waveform";
 
-    /// Simulates one trace, and returns its name.
-    fn simulate(&self, experiment: &dyn Experiment, kind: DefectKind, k: u32) -> Result<(String, Simulated), Error> {
-        let simulated = experiment.simulate(kind, trace_seed(self.seed, kind, k))?;
-        Ok((format!("{}_{}_{k:03}", self.stem(experiment, kind), self.seed), simulated))
+/// Returns the rows of an existing labels file; none if the file is absent.
+fn old_labels(path: &Path) -> Result<Vec<String>, Error> {
+    if !path.exists() {
+        return Ok(vec![]);
     }
+    let text = std::fs::read_to_string(path).map_err(Error::io(path))?;
+    let mut lines = text.lines();
+    if lines.next() != Some(HEADER) {
+        return Err(Error::content(path, "line 1", "not labels of simulated traces; choose another --out"));
+    }
+    Ok(lines.filter(|line| !line.is_empty()).map(String::from).collect())
+}
 
-    /// Simulates all traces in memory, and returns their classes too.
-    pub(super) fn tables(&self) -> Result<Vec<(Recorded, &'static str)>, Error> {
-        let experiment = self.experiment()?;
-        let each = |(kind, k): (DefectKind, u32)| {
-            let (name, simulated) = self.simulate(experiment.as_ref(), kind, k)?;
-            let column = |(name, column): (&str, Vec<f64>)| (name.to_string(), Cells::Numbers(column));
-            Ok((Recorded::new(name, simulated.table.into_iter().map(column).collect())?, kind.name()))
-        };
-        self.jobs().into_par_iter().map(each).collect()
-    }
-
-    const fn condition_name(&self) -> &'static str {
-        if self.mix { "mix" } else { self.condition }
-    }
-
-    /// Returns the file name of the traces of one class, without seed and number.
-    fn stem(&self, experiment: &dyn Experiment, kind: DefectKind) -> String {
-        let mut parts: Vec<String> = experiment.prefix(kind).map(String::from).into_iter().collect();
-        parts.push(kind.name().into());
-        if kind != DefectKind::Healthy && self.severity != 1.0 {
-            parts.push(self.severity.to_string());
-        }
-        if experiment.condition() != "standard" {
-            parts.push(experiment.condition().into());
-        }
-        parts.extend(experiment.suffix().map(String::from));
-        parts.join("_")
-    }
+/// Writes the labels of a folder; old rows of the same traces are replaced.
+fn write_labels(path: &Path, old: &[String], rows: &[[String; 6]]) -> Result<(), Error> {
+    let replaced = |line: &str| rows.iter().any(|row| line.split(',').next() == Some(row[0].as_str()));
+    let kept = old.iter().filter(|line| !replaced(line)).cloned();
+    let lines: Vec<String> =
+        std::iter::once(HEADER.to_string()).chain(kept).chain(rows.iter().map(|row| row.join(","))).collect();
+    output::write(path, lines.join("\n") + "\n")
 }

@@ -4,12 +4,14 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use super::args::traces::{ChannelArgs, PreparationArgs, refuse_gaps, warn_irregular};
+use super::jobs::Structures;
+use super::options::Taken;
 use super::output;
+use super::recordings;
 use model::Error;
 use model::identify::{Structure, Terms, parse_order};
 use model::structure::{Candidate, Estimator, Grid, Search, search};
-use model::trace::Trace;
+use model::trace::{Channels, FrontEndFile, Trace};
 use pages::structure::{name, page};
 
 /// Search the model structure: every na,nb,nc,nkb,nkc up to maxima, estimated on training traces and scored by the
@@ -26,7 +28,7 @@ pub(super) struct Args {
     #[arg(value_name = "VALIDATE")]
     validate: PathBuf,
     #[command(flatten)]
-    channels: ChannelArgs,
+    pub(super) taken: Taken<Structures>,
     /// Greatest na,nb,nc,nkb,nkc; nc = 0 without a second input
     #[arg(long, value_parser = numbers, value_name = "ORDER")]
     max: Structure,
@@ -36,14 +38,9 @@ pub(super) struct Args {
     /// Estimator
     #[arg(long, value_enum, default_value = "ls")]
     method: Estimator,
-    /// Estimate a constant term too (recorded signals have operating points)
-    #[arg(long)]
-    offset: bool,
     /// A structure of your choice, to compare with the best
     #[arg(long, value_parser = parse_order, value_name = "ORDER")]
     compare: Option<Structure>,
-    #[command(flatten)]
-    preparation: PreparationArgs,
     /// Write a page with plots and tables
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
@@ -61,9 +58,12 @@ fn numbers(text: &str) -> Result<Structure, String> {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
-    let grid = Grid { min: args.min, max: args.max, offset: args.offset };
+    let grid = Grid { min: args.min, max: args.max, offset: args.offset() };
     let structures = grid.structures()?;
-    structures.iter().chain(&args.compare).try_for_each(|structure| args.channels.require(*structure))?;
+    structures
+        .iter()
+        .chain(&args.compare)
+        .try_for_each(|structure| args.taken.settings.channels.require(*structure))?;
     let inputs = [args.train.clone(), args.validate.clone()];
     output::plan(&args.report.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &inputs)?;
     let (train, validate) = (args.read(&args.train)?, args.read(&args.validate)?);
@@ -79,19 +79,24 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     };
     let pick = args.pick(&train, &validate, &found)?;
     if let Some(path) = &args.report {
-        let lead = args.lead(structures.len(), &train, &validate);
+        let lead = args.lead(structures.len(), &train, &validate)?;
         let page = page("Structure selection", &lead, &found, pick.as_ref()).render();
-        output::write(path, super::drive::on_page(page))?;
+        output::write(path, args.taken.on_page(page))?;
     }
     if args.json { output::json(&to_json(&found, pick.as_ref())) } else { print(&found, best, pick.as_ref()) }
 }
 
 impl Args {
+    /// Whether a constant term is estimated.
+    const fn offset(&self) -> bool {
+        self.taken.settings.model.offset
+    }
+
     fn read(&self, path: &Path) -> Result<Vec<Trace>, Error> {
-        let preparation = self.preparation.preparation()?;
-        let traces = traces::read(&[path.to_path_buf()], &self.channels.channels()?)?;
-        warn_irregular(traces.iter());
-        traces.iter().try_for_each(refuse_gaps)?;
+        let settings = &self.taken.settings;
+        let preparation = settings.model.preparation()?;
+        let front_end = settings.data.front_end.as_deref().map(FrontEndFile::read).transpose()?;
+        let traces = recordings::read(&[path.to_path_buf()], &settings.channels(front_end)?)?;
         traces.iter().map(|trace| preparation.apply(trace)).collect()
     }
 
@@ -99,7 +104,7 @@ impl Args {
     /// the grid.
     fn pick(&self, train: &[Trace], validate: &[Trace], found: &Search) -> Result<Option<Candidate>, Error> {
         let Some(order) = self.compare else { return Ok(None) };
-        let structure = Structure { offset: self.offset, ..order };
+        let structure = Structure { offset: self.offset(), ..order };
         if let Some(candidate) = found.find(structure) {
             return Ok(Some(candidate.clone()));
         }
@@ -110,20 +115,20 @@ impl Args {
         Ok(alone.candidates.pop())
     }
 
-    fn lead(&self, count: usize, train: &[Trace], validate: &[Trace]) -> String {
-        let model::trace::Channels { y, u1, u2, .. } = self.channels.signals();
+    fn lead(&self, count: usize, train: &[Trace], validate: &[Trace]) -> Result<String, Error> {
+        let Channels { y, u1, u2, .. } = self.taken.settings.channels(None)?;
         let ids = |traces: &[Trace]| match traces {
             [one] => one.id.clone(),
             [first, ..] => format!("{} traces from {}", traces.len(), first.id),
             [] => String::new(),
         };
         let method = if self.method == Estimator::Ls { "least squares" } else { "iv4" };
-        format!(
+        Ok(format!(
             "y = {y}, u1 = {u1}, u2 = {u2}. {count} structures by {method}, estimated on {}, scored by free-run \
              simulation on {}.",
             ids(train),
             ids(validate)
-        )
+        ))
     }
 }
 

@@ -4,12 +4,14 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
-use super::args::exports::ExportArgs;
-use super::args::traces::Given;
+use super::jobs::Train;
+use super::options::{Own, Taken};
 use super::output;
-use super::training::{Found, Settings, Training, words};
 use model::Error;
+use model::outputs::Exports;
+use model::session::{Found, Session, Training, lines, to_json};
 use pages::training::{self, Worth};
+use traces::given::{Memory, given};
 
 /// Train a model from labelled traces, for the detector in firmware
 #[derive(Debug, clap::Args)]
@@ -19,12 +21,12 @@ use pages::training::{self, Worth};
 )]
 pub(super) struct Args {
     #[command(flatten)]
-    settings: Settings,
+    pub(super) taken: Taken<Train>,
     /// Rank the features (those of --features, or all): Fisher ratios, cross-validated gains, and what to drop
     #[arg(long)]
     rank: bool,
     #[command(flatten)]
-    exports: ExportArgs,
+    exports: Own<Exports>,
     /// A page with the features, the decision regions and the held-out result
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
@@ -34,32 +36,46 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
-    let session = args.settings.session(Given::default())?;
-    let files: Vec<&Path> = args.exports.files().chain(args.report.as_deref()).collect();
-    output::plan(&files, &session.selection.inputs())?;
-    let own = session.train()?;
-    let exported = args.exports.exported(own.bytes.clone(), |segments| own.rust_source(segments), || own.c_header())?;
-    let found = session.found(&own, args.rank)?;
-    let report = args.report.as_ref().map(|_| {
-        let first = |k| own.prepared.iter().find(|t| t.class == k).map(|t| (&t.trace, k));
-        let examples: Vec<_> = (0..own.trained.classes.len()).filter_map(first).collect();
-        let seen = own.seen()?;
-        training::training(&own.trained, &own.channels, &examples, Worth { training: &seen, ..found.worth() })
-    });
-    let report = report.transpose()?.map(super::drive::on_page);
-    let page = args.report.as_deref().zip(report.as_ref()).map(|(path, text)| (path, text.as_bytes()));
-    output::write_all(&args.exports.contents(&exported).into_iter().chain(page).collect::<Vec<_>>())?;
-    own.warn();
-    print(args, &own, &found)
+    let (settings, exports) = (args.taken.settings.clone(), &args.exports.0);
+    exports.check()?;
+    let given = given(&settings, Memory::default())?;
+    let session = Session::new(settings, given, args.taken.drive.clone())?;
+    let files: Vec<&Path> = exports.files().chain(args.report.as_deref()).collect();
+    output::plan(&files, &session.inputs())?;
+    output::logged(|log| {
+        let own = session.train(log)?;
+        let exported = exports.exported(own.bytes.clone(), |segments| own.rust_source(segments), || own.c_header())?;
+        let found = session.found(&own, args.rank, log)?;
+        let report = args.report.as_ref().map(|_| page(&own, &found)).transpose()?;
+        let report = report.map(|page| args.taken.on_page(page));
+        let page = args.report.as_deref().zip(report.as_ref()).map(|(path, text)| (path, text.as_bytes()));
+        output::write_all(&exports.contents(&exported).into_iter().chain(page).collect::<Vec<_>>())?;
+        log.warn(own.doubts());
+        print(args, &own, &found)
+    })
+}
+
+/// The page of a training.
+fn page(own: &Training, found: &Found) -> Result<String, Error> {
+    let first = |k| own.prepared.iter().find(|t| t.class == k).map(|t| (&t.trace, k));
+    let examples: Vec<_> = (0..own.trained.classes.len()).filter_map(first).collect();
+    let seen = own.seen()?;
+    let worth = Worth {
+        training: &seen,
+        held_out: found.held_out.as_ref().map(|h| (&h.confusion, h.verdicts.as_slice(), &h.scores)),
+        cross_validated: found.cross_validated.as_ref().map(Result::as_ref),
+        ranking: found.ranking.as_ref(),
+    };
+    training::training(&own.trained, &own.channels, &examples, worth)
 }
 
 /// Prints the report of the training.
 fn print(args: &Args, own: &Training, found: &Found) -> Result<(), Error> {
+    let model = &args.exports.0.model;
     if args.json {
-        let mut value = json!({ "model": args.exports.model });
-        value.as_object_mut().into_iter().for_each(|object| object.extend(words::to_json(own, found)));
+        let mut value = json!({ "model": model });
+        value.as_object_mut().into_iter().for_each(|object| object.extend(to_json(own, found)));
         return output::json(&value);
     }
-    let place = format!(" in {}", args.exports.model.display());
-    words::lines(own, found, &place).iter().try_for_each(output::say)
+    lines(own, found, &format!(" in {}", model.display())).iter().try_for_each(output::say)
 }

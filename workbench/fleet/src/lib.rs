@@ -16,6 +16,7 @@ mod fold;
 mod group;
 mod part;
 mod plan;
+pub mod steps;
 mod sums;
 mod tails;
 mod writer;

@@ -20,6 +20,7 @@ pub mod literal;
 pub mod pages;
 pub mod recipes;
 pub mod signals;
+pub mod simulation;
 pub mod tables;
 #[cfg(test)]
 mod tests;

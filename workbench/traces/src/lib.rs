@@ -3,6 +3,7 @@
 mod cleaned_reader;
 pub mod damaged;
 pub mod front_end;
+pub mod given;
 mod labels;
 pub mod reader;
 pub mod resample;

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::{Audited, Finding};
-use crate::drive::is_reference;
+use super::audited::{Audited, Finding};
+use crate::drive::guess::is_reference;
 use model::audit::pairs::{self, COLLINEAR, correlation, lag};
 use model::audit::sessions::apart;
 use model::audit::times::Times;

@@ -2,9 +2,8 @@
 
 use std::path::Path;
 
-use clap::Parser;
-
-use super::{Args, Audited, Line, Outcome};
+use super::asked::Args;
+use super::audited::{Audited, Line, Outcome};
 use model::Error;
 use pages::Page;
 use pages::audit::{LineLevels, Recording, Spectrum, page};
@@ -12,18 +11,10 @@ use pages::audit::{LineLevels, Recording, Spectrum, page};
 /// Traces whose signals and spectra are on the page.
 const SHOWN: usize = 4;
 
-/// The arguments alone, for their default values.
-#[derive(Debug, Parser)]
-struct Alone {
-    #[command(flatten)]
-    args: Args,
-}
-
 /// The page of one file with the usual settings.
 pub(crate) fn page_of(file: &Path) -> Result<Page, Error> {
-    let usual = Alone::try_parse_from(["audit".as_ref(), "--".as_ref(), file.as_os_str()]);
-    let args = usual.map_err(|error| Error::Usage(error.to_string()))?.args;
-    Ok(args.page(&args.audit(&args.traces)?))
+    let args = Args::usual(file);
+    Ok(args.page(&args.audit(&[file.to_path_buf()])?))
 }
 
 impl Args {

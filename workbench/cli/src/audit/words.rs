@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{Audited, Finding, Line};
+use super::audited::{Audited, Finding, Line};
 use crate::output;
 use model::Error;
 use model::audit::column::Column;

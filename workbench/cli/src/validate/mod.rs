@@ -8,7 +8,7 @@ use clap::ValueEnum as _;
 use rayon::prelude::*;
 use serde_json::json;
 
-use crate::args::method::FitArgs;
+use crate::fit::FitArgs;
 use crate::output;
 use model::Error;
 use model::identify::Options;
@@ -25,7 +25,7 @@ use pages::validation::{Outcome, cancellation, page};
 )]
 pub(crate) struct Args {
     #[command(flatten)]
-    fit: FitArgs,
+    pub(crate) fit: FitArgs,
     /// Test this model instead of estimating one on each trace: the table or JSON of `identify`, of one trace or with
     /// the row --params-of. JSON has the covariance, which widens the bounds
     #[arg(long, value_name = "FILE", conflicts_with_all = ["method", "robust", "instruments"])]
@@ -45,7 +45,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args) -> Result<(), Error> {
-    let (structure, method) = (args.fit.structure.structure(), &args.fit.method);
+    let (structure, method) = (args.fit.structure()?, &args.fit.method);
     let given =
         args.params.as_deref().map(|path| given::read(path, args.params_of.as_deref(), structure)).transpose()?;
     let (traces, preparation) = args.fit.read(args.report.as_ref())?;
@@ -78,7 +78,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Error> {
         ));
     }
     if let Some(path) = &args.report {
-        output::write(path, crate::drive::on_page(page(&lead(args, &outcomes[0].trace), &outcomes)))?;
+        output::write(path, args.fit.taken.on_page(page(&lead(args, &outcomes[0].trace)?, &outcomes)))?;
     }
     if args.json {
         return output::json(&json!(outcomes.iter().map(to_json).collect::<Vec<_>>()));
@@ -151,9 +151,9 @@ fn to_json(outcome: &Outcome) -> serde_json::Value {
 }
 
 /// Returns the text below the title of the page.
-fn lead(args: &Args, first: &Trace) -> String {
-    let channels = args.fit.input.channels.signals();
-    let order = args.fit.structure.structure().orders();
+fn lead(args: &Args, first: &Trace) -> Result<String, Error> {
+    let (channels, structure) = (args.fit.taken.settings.channels(None)?, args.fit.structure()?);
+    let order = structure.orders();
     let by = match &args.params {
         Some(path) => format!("from {}, tested on", path.display()),
         None => {
@@ -162,12 +162,12 @@ fn lead(args: &Args, first: &Trace) -> String {
             format!("estimated by {name} from")
         }
     };
-    format!(
+    Ok(format!(
         "y = {}, u1 = {}, u2 = {}; order {order:?}{}, {by} {} samples.",
         channels.y,
         channels.u1,
         channels.u2,
-        if args.fit.structure.structure().offset { " with a constant" } else { "" },
+        if structure.offset { " with a constant" } else { "" },
         first.y.len()
-    )
+    ))
 }

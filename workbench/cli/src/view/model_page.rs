@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use crate::model_file::read_model;
 use model::Error;
+use model::session::ModelFile;
 use pages::Page;
 use pages::escape::escape;
 use pages::page::paragraph;
 use pages::table::table;
 
 pub(super) fn page(file: &Path) -> Result<Page, Error> {
-    let (model, notes) = read_model(file)?;
+    let ModelFile { model, notes } = ModelFile::read(file)?;
     let sampling = model.sampling();
     let limit = |value: f32| if value.is_finite() { format!("{value:.2} nats") } else { "none".into() };
     let healthy = model.healthy().and_then(|class| model.classes.get(class)).cloned();

@@ -7,7 +7,7 @@
 //!
 //! ```
 //! use bearing_watch_studies::campaign::{Cell, Purpose, record};
-//! use bearing_watch_rig::{Condition, Defect, DefectKind, Scenario};
+//! use rig::{Condition, Defect, DefectKind, Scenario};
 //!
 //! let cell = Cell {
 //!     purpose: Purpose::Training,
@@ -19,7 +19,7 @@
 //! let set = record(&short, &[cell, Cell { purpose: Purpose::Validation, ..cell }], 3)?;
 //! assert_eq!(set.len(), 6);
 //! assert_ne!(set[0].seed, set[3].seed);
-//! # Ok::<(), bearing_watch_model::Error>(())
+//! # Ok::<(), model::Error>(())
 //! ```
 
 use std::collections::HashSet;

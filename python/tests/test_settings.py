@@ -1,0 +1,52 @@
+"""Every field of the settings as a keyword option."""
+
+import json
+
+import bearing_watch as bw
+import pytest
+from bearing_watch import _core
+
+ONLY_OF_EVALUATE = {"by", "controls", "control_classes"}
+
+
+def example(field):
+    """Return a value by the schema of a field, and the start of its text in a drive file."""
+    if "oneOf" in field:
+        return field["oneOf"][-1]["const"], '"'
+    kinds = field["type"] if isinstance(field["type"], list) else [field["type"]]
+    if kinds[0] == "array":
+        items = field["items"]["type"]
+        if items == "integer":
+            return (2, 1, 2, 1, 1), '"2,1,2,1,1"'
+        return ([0.25, 2.0], "[0.25, 2.0]") if items == "number" else (["one=1"], '["one=1"]')
+    return {
+        "boolean": (True, "true"),
+        "number": (0.25, "0.25"),
+        "integer": (3, "3"),
+        "string": ("name", '"name"'),
+    }[kinds[0]]
+
+
+def test_each_field_is_an_option(command):
+    schema = json.loads(command("schema"))
+    count = 0
+    for section, fields in schema["properties"].items():
+        for key, field in fields["properties"].items():
+            job = "evaluate" if key in ONLY_OF_EVALUATE else "train"
+            value, text = example(field)
+            saved = _core.settings(job, {key: value})
+            assert f"[{section}]\n{key} = {text}" in saved, (key, saved)
+            with pytest.raises(bw.BearingWatchError, match=f"features-sum has no option {key}"):
+                if key in ("features", "train_where"):
+                    raise bw.BearingWatchError(f"features-sum has no option {key}, but for these")
+                _core.settings("features-sum", {key: value})
+            count += 1
+    assert count > 60
+
+
+def test_values_are_taken_as_they_are_written():
+    same = [{"order": "2,1,2,1,1"}, {"order": (2, 1, 2, 1, 1)}, {"order": [2, 1, 2, 1, 1]}]
+    assert len({_core.settings("train", own) for own in same}) == 1
+    same = [{"priors": {"a": 0.5, "b": 0.5}}, {"priors": "a=0.5,b=0.5"}, {"priors": ["a=0.5", "b=0.5"]}]
+    assert len({_core.settings("train", own) for own in same}) == 1
+    assert "reject_cost = inf" in _core.settings("train", {"reject_cost": float("inf")})

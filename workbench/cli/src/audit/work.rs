@@ -1,0 +1,178 @@
+//! The work of an audit.
+
+use std::collections::HashSet;
+use std::path::Path;
+use std::path::PathBuf;
+
+use rayon::prelude::*;
+
+use super::asked::Args;
+use super::audited::{Audited, Finding, Line, Outcome};
+use super::findings::{add, equal_traces, session_sets};
+use crate::drive::guess::Guess;
+use crate::output;
+use model::Error;
+use model::audit::column::Column;
+use model::audit::friction::{Excited, Motion, Terms, excited};
+use model::audit::orders::{self, floor, rate, smallest_line, turns};
+use model::audit::times::Times;
+use model::settings::{Signals, healthy_class};
+use model::trace::{Labels, stem};
+use traces::reader::{self, Series};
+use traces::table::Table;
+
+/// Rows of the shortest trace; shorter ones are tables of something else.
+const FEWEST: usize = 8;
+
+impl Args {
+    pub(super) fn audit(&self, files: &[PathBuf]) -> Result<Outcome, Error> {
+        let bar = output::progress("auditing", files.len());
+        let each = |file: &PathBuf| {
+            let found = self.look(file);
+            bar.inc(1);
+            found
+        };
+        let all: Vec<Result<Vec<Audited>, Error>> = files.par_iter().map(each).collect();
+        bar.finish_and_clear();
+        let (mut traces, mut findings) = (Vec::new(), Vec::new());
+        // A file that has no label and none of the channels is a table of something else.
+        let labels = self.taken.settings.data.labels.as_deref().map(traces::read_labels).transpose()?;
+        let is_other = |file: &Path| {
+            let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+            labels.as_ref().is_some_and(|labels| !labels.has(&name))
+        };
+        for (file, found) in files.iter().zip(all) {
+            match found {
+                Ok(found) => traces.extend(found),
+                Err(_) if is_other(file) => {}
+                Err(problem) => add(&mut findings, problem.to_string(), &file.display().to_string()),
+            }
+        }
+        if traces.is_empty() {
+            let problem = findings.first().map_or_else(|| "no trace".to_string(), |finding| finding.what.clone());
+            return Err(Error::Usage(problem));
+        }
+        let short = traces.len();
+        traces.retain(|trace: &Audited| trace.values.first().is_some_and(|column| column.len() >= FEWEST));
+        if traces.is_empty() {
+            return Err(Error::Usage(format!("{short} traces, none of {FEWEST} rows")));
+        }
+        if let Some(labels) = labels.as_ref().filter(|_| !self.taken.settings.data.conditions.is_empty()) {
+            let chosen = labels.select(&self.taken.settings.data.conditions)?;
+            let chosen: HashSet<&str> = chosen.iter().map(|(id, _)| id.as_str()).collect();
+            traces.retain(|trace| chosen.contains(trace.id.as_str()));
+            if traces.is_empty() {
+                return Err(Error::Usage("--where: no trace that meets the conditions was found".into()));
+            }
+        }
+        for trace in &traces {
+            trace.findings(&mut findings);
+        }
+        equal_traces(&traces, &mut findings);
+        let rotor = self.rotor_rate(&traces, &mut findings);
+        // Empty without labels, and for a trace that has none.
+        let ids = traces.iter().map(|trace| trace.id.as_str());
+        let classes = labels.map_or(Ok(vec![]), |labels| labels.cells("class_name", ids))?;
+        session_sets(&traces, &classes, &mut findings);
+        let lines = self.lines(&traces, rotor);
+        let terms = self.terms(&traces, &classes, rotor)?;
+        Ok(Outcome { traces, findings, rotor, lines, terms })
+    }
+
+    fn look(&self, file: &Path) -> Result<Vec<Audited>, Error> {
+        let time = self.taken.settings.data.time.as_deref();
+        let table = Table::open(file)?;
+        let (names, _) = reader::numeric(&table, time)?;
+        let guess = Guess::of(&names);
+        let Signals { current, velocity, angle, velocity_ref, load, .. } = &self.taken.settings.channels;
+        let chosen = [
+            (current, guess.current),
+            (velocity, guess.velocity),
+            (angle, guess.angle),
+            (velocity_ref, guess.velocity_ref),
+            (load, guess.load),
+        ];
+        let chosen = chosen.map(|(given, likely)| given.clone().or(likely));
+        let channels: Vec<String> = names.iter().chain(chosen.iter().flatten()).cloned().collect();
+        let read = reader::series(&table, (time, self.taken.settings.data.rate_hz), &channels)?;
+        let recorded = reader::has_time(&table, time);
+        let each = |series: Series| {
+            let mut values = series.columns;
+            let mut further = values.split_off(names.len()).into_iter();
+            let [current, velocity, angle, velocity_ref, load] =
+                chosen.clone().map(|channel| channel.and_then(|_| further.next()));
+            Audited {
+                id: stem(&series.id).to_string(),
+                names: names.clone(),
+                times: series.times_s.as_deref().filter(|_| recorded).and_then(Times::of),
+                times_s: series.times_s.filter(|_| recorded),
+                columns: values.iter().map(|column| Column::of(column)).collect(),
+                values,
+                current,
+                velocity,
+                angle,
+                velocity_ref,
+                load,
+            }
+        };
+        Ok(read.into_iter().map(each).collect())
+    }
+
+    /// The rate by the lines of the rotor, for traces without a time.
+    fn rotor_rate(&self, traces: &[Audited], findings: &mut Vec<Finding>) -> Option<f64> {
+        let given = self.taken.settings.data.rate_hz?;
+        let pairs: Vec<(&[f64], &[f64])> = traces
+            .iter()
+            .filter(|trace| trace.times.is_none())
+            .filter_map(|trace| Some((trace.current.as_deref()?, trace.velocity.as_deref()?)))
+            .collect();
+        let (found, sharpness) = rate(&pairs, given)?;
+        if (found / given - 1.0).abs() > 2e-3 {
+            let what = format!(
+                "the lines of the rotor are sharp at {found:.1} rows a second, not at the given {given} \
+                 ({sharpness:.0} times the power); set rate_hz"
+            );
+            add(findings, what, "all without a time");
+        }
+        Some(found)
+    }
+
+    /// Excitation and smallest change of the terms of friction and inertia.
+    fn terms(&self, traces: &[Audited], classes: &[String], rotor: Option<f64>) -> Result<Vec<Excited>, Error> {
+        let mut names: Vec<String> = classes.to_vec();
+        names.sort_unstable();
+        names.dedup();
+        let healthy =
+            healthy_class(self.taken.settings.alarm.healthy.as_deref(), &names)?.map(|place| names[place].clone());
+        let is_healthy = |k: usize| healthy.is_some() && classes.get(k) == healthy.as_ref();
+        let each = |(k, trace): (usize, &Audited)| {
+            let motion = Motion {
+                current: trace.current.as_deref()?,
+                velocity: trace.velocity.as_deref()?,
+                load: trace.load.as_deref(),
+                rate_hz: self.rate_of(trace, rotor)?,
+            };
+            Some((Terms::of(&motion)?, is_healthy(k)))
+        };
+        let all: Vec<(Terms, bool)> = traces.par_iter().enumerate().filter_map(each).collect();
+        Ok(excited(&all, self.false_alarm()))
+    }
+
+    /// Floor, smallest line and turns of each trace with a signal and an angle.
+    fn lines(&self, traces: &[Audited], rotor: Option<f64>) -> Vec<Line> {
+        let each = |trace: &Audited| {
+            let (y, angle) = self.with_angle(trace, rotor)?;
+            let turns = turns(&angle);
+            let floor = floor(y, &angle);
+            let first = orders::amplitude(y, &angle, 1.0);
+            (turns > 3.0).then(|| Line {
+                trace: trace.id.clone(),
+                turns,
+                floor,
+                smallest: smallest_line(floor, self.false_alarm()),
+                first,
+            })
+        };
+        traces.iter().filter_map(each).collect()
+    }
+}

@@ -1,0 +1,134 @@
+//! The commands, each with what it takes.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use clap::Subcommand;
+
+use super::{
+    audit, campaign, convert, demo, drive, evaluate, features, features_sum, grey_box, identify, listen, piecewise,
+    replay, schema, simulate, simulate_features, structure, tables, train, train_features, validate, view,
+};
+use model::Error;
+use model::settings::DriveFile;
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    Demo(demo::Args),
+    Init(Box<drive::asked::Args>),
+    Audit(Box<audit::Args>),
+    Simulate(simulate::Args),
+    Identify(Box<identify::Args>),
+    Structure(Box<structure::Args>),
+    GreyBox(Box<grey_box::Args>),
+    Validate(Box<validate::Args>),
+    Piecewise(Box<piecewise::Args>),
+    Train(Box<train::Args>),
+    Features(Box<features::Args>),
+    FeaturesSum(Box<features_sum::Args>),
+    TrainFeatures(Box<train_features::Args>),
+    #[command(hide = true)]
+    SimulateFeatures(simulate_features::Args),
+    Evaluate(Box<evaluate::Args>),
+    Replay(Box<replay::Args>),
+    View(view::Args),
+    Listen(listen::Args),
+    Convert(Box<convert::ConvertArgs>),
+    Resample(Box<convert::ResampleArgs>),
+    Campaign(campaign::Args),
+    Tables(tables::Args),
+    Schema(schema::Args),
+}
+
+impl Command {
+    /// Puts its settings over those of a drive file, and returns an error if one is missing.
+    pub(super) fn join(&mut self, drive: Option<&DriveFile>) -> Result<(), Error> {
+        match self {
+            Self::Init(args) => args.taken.join(drive),
+            Self::Audit(args) => args.taken.join(drive),
+            Self::Identify(args) => args.fit.taken.join(drive),
+            Self::Structure(args) => args.taken.join(drive),
+            Self::GreyBox(args) => args.join(drive),
+            Self::Validate(args) => args.fit.taken.join(drive),
+            Self::Piecewise(args) => args.taken.join(drive),
+            Self::Train(args) => args.taken.join(drive),
+            Self::Features(args) => args.taken.join(drive),
+            Self::FeaturesSum(args) => args.taken.join(drive),
+            Self::TrainFeatures(args) => args.taken.join(drive),
+            Self::Evaluate(args) => args.taken.join(drive),
+            Self::Replay(args) => args.taken.join(drive),
+            Self::Convert(args) => args.taken().join(drive),
+            Self::Resample(args) => args.taken().join(drive),
+            Self::Demo(_)
+            | Self::Simulate(_)
+            | Self::SimulateFeatures(_)
+            | Self::View(_)
+            | Self::Listen(_)
+            | Self::Campaign(_)
+            | Self::Tables(_)
+            | Self::Schema(_) => Ok(()),
+        }
+    }
+
+    /// The text of a drive file at this path with its settings.
+    pub(super) fn text(&mut self, path: &Path) -> Result<String, Error> {
+        match self {
+            Self::Init(args) => args.taken.text(path),
+            Self::Audit(args) => args.taken.text(path),
+            Self::Identify(args) => args.fit.taken.text(path),
+            Self::Structure(args) => args.taken.text(path),
+            Self::GreyBox(args) => args.text(path),
+            Self::Validate(args) => args.fit.taken.text(path),
+            Self::Piecewise(args) => args.taken.text(path),
+            Self::Train(args) => args.taken.text(path),
+            Self::Features(args) => args.taken.text(path),
+            Self::FeaturesSum(args) => args.taken.text(path),
+            Self::TrainFeatures(args) => args.taken.text(path),
+            Self::Evaluate(args) => args.taken.text(path),
+            Self::Replay(args) => args.taken.text(path),
+            Self::Convert(args) => args.taken().text(path),
+            Self::Resample(args) => args.taken().text(path),
+            Self::Demo(_)
+            | Self::Simulate(_)
+            | Self::SimulateFeatures(_)
+            | Self::View(_)
+            | Self::Listen(_)
+            | Self::Campaign(_)
+            | Self::Tables(_)
+            | Self::Schema(_) => Ok(String::new()),
+        }
+    }
+
+    /// Runs it; an audit that finds something is a failure.
+    pub(super) fn run(&self) -> Result<ExitCode, Error> {
+        match self {
+            Self::Demo(args) => demo::run(args),
+            Self::Init(args) => drive::init::run(args),
+            Self::Audit(args) => {
+                let found = audit::run(args)?;
+                return Ok(if found { ExitCode::FAILURE } else { ExitCode::SUCCESS });
+            }
+            Self::Simulate(args) => simulate::run(args),
+            Self::Identify(args) => identify::run(args),
+            Self::Structure(args) => structure::run(args),
+            Self::GreyBox(args) => grey_box::run(args),
+            Self::Validate(args) => validate::run(args),
+            Self::Piecewise(args) => piecewise::run(args),
+            Self::Train(args) => train::run(args),
+            Self::Features(args) => features::run(args),
+            Self::FeaturesSum(args) => features_sum::run(args),
+            Self::TrainFeatures(args) => train_features::run(args),
+            Self::SimulateFeatures(args) => simulate_features::run(args),
+            Self::Evaluate(args) => evaluate::run(args),
+            Self::Replay(args) => replay::run(args),
+            Self::View(args) => view::run(args),
+            Self::Listen(args) => listen::run(args),
+            Self::Convert(args) => convert::convert(args),
+            Self::Resample(args) => convert::resample(args),
+            Self::Campaign(args) => campaign::run(args),
+            Self::Tables(args) => tables::run(args),
+            Self::Schema(args) => schema::run(args),
+        }
+        .map(|()| ExitCode::SUCCESS)
+    }
+}

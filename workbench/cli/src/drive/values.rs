@@ -1,0 +1,160 @@
+//! The values that `init` proposes: channels, features, classes and gate that the recordings support.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::asked::Args;
+use super::found::Found;
+use super::guess::Guess;
+use super::proposal::Proposal;
+use model::settings::{from_here, literal as text};
+use model::train::novelty;
+use traces::reader;
+
+/// The usual false-alarm rate of a gate.
+const RATE: f64 = 0.01;
+/// Class names of machines without a defect.
+const HEALTHY: [&str; 6] = ["healthy", "normal", "good", "ok", "nominal", "baseline"];
+/// Columns of labels whose rows of one value are of one run.
+const GROUPS: [&str; 6] = ["run", "session", "unit", "drive", "day", "batch"];
+/// Segments of a few long recordings, and the least samples of one.
+const SEGMENTS: usize = 40;
+const LEAST_SAMPLES: usize = 200;
+
+/// The value of each key that is known, and for keys that are left out why.
+#[derive(Default)]
+pub(super) struct Values {
+    pub(super) values: BTreeMap<&'static str, String>,
+    pub(super) refused: BTreeMap<&'static str, String>,
+}
+
+impl Values {
+    pub(super) fn of(found: &Found, out: &Path, args: &Args) -> Self {
+        let mut own = Self::default();
+        own.data(found, out, args);
+        let features = own.channels(found);
+        own.classes(found, features);
+        own
+    }
+
+    fn channel(&mut self, key: &'static str, found: &Option<String>) {
+        if let Some(found) = found {
+            self.values.insert(key, text(found));
+        }
+    }
+
+    fn data(&mut self, found: &Found, out: &Path, args: &Args) {
+        let data = &args.taken.settings.data;
+        let from_here = |path: &Path| from_here(out, path).to_string_lossy().into_owned();
+        let paths: Vec<String> = found.traces.iter().map(|path| text(&from_here(path))).collect();
+        self.values.insert("traces", format!("[{}]", paths.join(", ")));
+        self.values.insert("labels", text(&from_here(&found.labels.0)));
+        let none = found.disorder.as_ref().map(|_| reader::NO_TIME.to_string());
+        if let Some(time) = data.time.as_ref().or(none.as_ref()) {
+            self.values.insert("time", text(time));
+        }
+        if let Some(rate) = data.rate_hz {
+            self.values.insert("rate_hz", rate.to_string());
+        }
+    }
+
+    /// Writes channels, order and features; returns the number of features, and the channel of the current if its mean
+    /// and rms can stand for them.
+    fn channels(&mut self, found: &Found) -> (usize, Option<String>) {
+        let Proposal { guess, y, u1, by_reference, alone } = &found.proposal;
+        let Guess { current, velocity, velocity_ref, angle, load, .. } = guess;
+        // The angle of a shaft whose velocity is constant follows from it.
+        let integrated =
+            velocity.as_ref().filter(|_| found.is_constant && found.rate_hz.is_some() && current.is_some());
+        let integrated = integrated.map(|velocity| format!("integrate({velocity}) rad"));
+        let angle = angle.clone().or_else(|| integrated.clone());
+        self.channel("angle", &angle);
+        let turning = |name: &&String| name.ends_with(")rad/s") || name.to_lowercase().ends_with("rad_s");
+        if let (None, Some(velocity), Some(current)) = (&angle, velocity.as_ref().filter(turning), current) {
+            let integral = text(&format!("integrate({velocity}) rad"));
+            let (velocity, current) = (text(velocity), text(current));
+            let shaft =
+                format!("{integral}  # with velocity = {velocity} and current = {current}: friction and orders");
+            self.refused.insert("angle", shaft);
+        }
+        if angle.is_some() {
+            self.channel("velocity", velocity);
+            self.channel("load", load);
+            self.channel("velocity_ref", velocity_ref);
+        }
+        self.channel("y", y);
+        self.channel("u1", u1);
+        self.channel("u2", load);
+        if angle.is_some() && !by_reference {
+            self.channel("current", current);
+        }
+        let order = match (alone, load.is_some()) {
+            (true, false) => "[4, 0, 0, 1, 1]",
+            (true, true) => "[4, 0, 2, 1, 1]",
+            (false, false) => "[2, 2, 0, 1, 1]",
+            (false, true) => "[2, 2, 2, 1, 1]",
+        };
+        self.values.insert("order", order.into());
+        self.values.insert("offset", "true".into());
+        if integrated.is_some() {
+            // At constant speed nothing else is excited: the line of the rotor shows its balance.
+            self.values.insert("orders", "{ unbalance = 1 }  # and those of its bearings".into());
+            self.values.insert("features", "[\"orders\"]".into());
+            return (1, None);
+        }
+        (if load.is_some() { 7 } else { 5 }, current.clone().filter(|current| !current.contains('(')))
+    }
+
+    /// Writes the classes of several records, the healthy one, and a gate if the records support one.
+    fn classes(&mut self, found: &Found, (features, current): (usize, Option<String>)) {
+        let (_, labels, classes) = &found.labels;
+        let (several, single): (Vec<&String>, Vec<&String>) = classes.iter().partition(|class| labels.count(class) > 1);
+        if classes.len() > 1 && !several.is_empty() && !single.is_empty() {
+            let list: Vec<String> = several.iter().map(|class| text(class)).collect();
+            let single: Vec<&str> = single.iter().map(|class| class.as_str()).collect();
+            self.values.insert("classes", format!("[{}]  # one record only: {}", list.join(", "), single.join(", ")));
+        }
+        let is_named = |name: &&&String| HEALTHY.contains(&name.to_lowercase().as_str());
+        let has_word = |name: &&&String| HEALTHY.iter().any(|word| name.to_lowercase().contains(word));
+        let pool: Vec<&String> = if classes.len() > 1 { several } else { classes.iter().collect() };
+        let Some(healthy) = pool.iter().find(is_named).or_else(|| pool.iter().find(has_word)).copied() else { return };
+        self.values.insert("healthy", text(healthy));
+        self.values.insert("nominal", text(healthy));
+        let group = GROUPS.iter().find(|group| labels.columns().iter().any(|column| column == *group));
+        if let Some(group) = group {
+            self.values.insert("group", text(group));
+        }
+        let mut records = labels.count(healthy);
+        if classes.len() == 1 && group.is_none() && records < SEGMENTS {
+            let segment = (found.rows * records / SEGMENTS).max(LEAST_SAMPLES).min(found.rows);
+            records *= found.rows / segment;
+            self.values.insert("segment", format!("{segment}  # samples: {records} segments of a few records"));
+        }
+        let (count, what) = group.map_or((records, "records"), |group| (labels.different(group), "runs"));
+        let fewest = |features: usize| match group {
+            Some(_) => novelty::runs::fewest(features, RATE),
+            None => novelty::fewest(features, RATE),
+        };
+        if count >= fewest(features) {
+            return;
+        }
+        // More classes need more features than a gate of few records allows.
+        match current.filter(|_| count >= fewest(2) && classes.len() < 3) {
+            Some(current) => {
+                let why = format!(
+                    "{count} healthy {what} support a gate of two features; of {features}, {}",
+                    fewest(features)
+                );
+                self.values.insert("features", format!("[\"mean_{current}\", \"rms_{current}\"]  # {why}"));
+            }
+            None if classes.len() > 1 => {
+                self.values.remove("healthy");
+                let least = fewest(features);
+                let why = format!("{count} {what} support no false-alarm rate of {RATE} with {features} features");
+                self.refused.insert("healthy", format!("{}  # {why}; at least {least} do", text(healthy)));
+                self.values.insert("novelty", "\"none\"  # until there are enough".into());
+            }
+            None => {}
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! The settings that commands take beside those of the library's jobs.
+
+use super::options::Job;
+use model::settings::{CHANNELS, PREPARATION, TIMES, Use};
+
+/// Defines a command's job: name, settings, and those that it does not do without.
+macro_rules! jobs {
+    ($($(#[$doc:meta])* $name:ident = $use:expr $(, help: $help:expr)?;)+) => {
+        $($(#[$doc])*
+        #[derive(Clone, Debug)]
+        pub(super) enum $name {}
+
+        impl Job for $name {
+            const USE: Use = $use;
+            $(const HELP: &'static [(&'static str, &'static str)] = $help;)?
+        })+
+    };
+}
+
+const WHERE: (&str, &str) = ("test_where", "Only the rows with this, e.g. 'run>4'; may be repeated, all must hold");
+const TRACES: (&str, &str) = ("traces", "Trace files or folders");
+const FITTED: &[&str] = &["traces", "y", "u1", "order"];
+const STRUCTURE: &[&str] = &["order", "offset"];
+
+jobs! {
+    /// `train`.
+    Train = Use::TRAIN;
+    /// `evaluate`.
+    Evaluate = Use::EVALUATE, help: &[WHERE];
+    /// `features`.
+    Features = Use::FEATURES, help: &[
+        ("train_where", "Only the rows with this, e.g. 'run<=4'; may be repeated, all must hold"),
+        (
+            "features",
+            "Averages of columns are computed if they are named here: mean_CHANNEL, rms_CHANNEL; all other features \
+             always are",
+        ),
+        ("covariates", "The same"),
+        ("healthy", "The healthy class, whose mean is the nominal model unless --nominal is given"),
+    ];
+    /// `features-sum`.
+    FeaturesSum = Use::FEATURES_SUM, help: &[
+        ("features", "Features to sum, as in train; of sums, those that they have"),
+        ("train_where", "Only segments with this, e.g. 'run<=4'; may be repeated, all must hold"),
+    ];
+    /// `train-features`.
+    TrainFeatures = Use::TRAIN_FEATURES, help: &[
+        ("train_where", "Only segments with this in a column of the parts, e.g. 'run<=4'; may be repeated, all must hold"),
+        ("covariates", "Not for sums: refused, unless empty"),
+    ];
+    /// `identify`, `validate`.
+    Fit = Use {
+        name: "identify",
+        keys: &[&["traces"], TIMES, CHANNELS, STRUCTURE, PREPARATION],
+        required: FITTED,
+    }, help: &[TRACES];
+    /// `structure`.
+    Structures = Use {
+        name: "structure",
+        keys: &[TIMES, CHANNELS, &["offset"], PREPARATION],
+        required: &["y", "u1"],
+    };
+    /// `piecewise`.
+    Piecewise = Use {
+        name: "piecewise",
+        keys: &[&["traces"], TIMES, CHANNELS, PREPARATION],
+        required: &["traces", "y", "u1"],
+    }, help: &[TRACES];
+    /// Commands that take traces alone.
+    Recordings = Use { name: "replay", keys: &[&["traces"]], required: &["traces"] }, help: &[TRACES];
+    /// `grey-box motor`, `grey-box electrical`.
+    Balanced = Use {
+        name: "grey-box",
+        keys: &[&["traces", "current", "velocity", "load"]],
+        required: &["traces"],
+    }, help: &[
+        TRACES,
+        ("current", "Torque-producing current, A [default: current_a]"),
+        ("velocity", "Measured velocity, rad/s [default: velocity_rad_s]"),
+        (
+            "load",
+            "Load torque opposing positive rotation, N·m: a channel, or of a motor \"constant\" for an unknown constant \
+             one, or \"none\" [default: load_torque_nm]",
+        ),
+    ];
+    /// `audit`.
+    Audit = Use {
+        name: "audit",
+        keys: &[
+            &["traces", "labels", "where", "healthy", "false_alarm"],
+            TIMES,
+            &["current", "velocity", "velocity_ref", "angle", "load"],
+        ],
+        required: &[],
+    }, help: &[
+        ("labels", "Labels: the classes of the traces; without TRACES, their folder is read"),
+        ("where", "Only traces whose labels meet this condition, e.g. load_kgf=20; may be repeated, all must hold"),
+        ("healthy", "The healthy class; by default the one named healthy or normal"),
+        ("false_alarm", "False-alarm rate of the smallest line [default: 0.01]"),
+        ("current", "Current, in which orders are looked for; by default the likely one"),
+        ("velocity", "Velocity, rad/s; by default the likely one"),
+        ("velocity_ref", "Reference of the velocity; by default the likely one"),
+        ("angle", "Angle of the shaft, rad; by default the likely one, or the integral of the velocity"),
+        ("load", "Load; by default the likely channel"),
+    ];
+    /// `convert`, `resample`.
+    Convert = Use { name: "convert", keys: &[&["traces"], TIMES], required: &["traces"] }, help: &[
+        ("traces", "Trace files or folders: .csv .tsv .txt (also with .gz or .zst), .mat, .parquet, .arrow, .npz"),
+    ];
+    /// `init`, which writes a drive file.
+    Init = Use { name: "init", keys: &[&["traces"], TIMES], required: &["traces"] }, help: &[TRACES];
+}

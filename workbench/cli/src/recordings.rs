@@ -1,0 +1,22 @@
+//! Traces of files, for batch methods.
+
+use std::path::PathBuf;
+
+use super::output;
+use model::Error;
+use model::session::{irregular, refuse_gaps};
+use model::trace::{self, Channels, Trace};
+
+/// Reads traces, warns of those with irregular sampling, and refuses those with gaps.
+pub(super) fn read(paths: &[PathBuf], channels: &Channels) -> Result<Vec<Trace>, Error> {
+    let traces = traces::read(paths, channels)?;
+    irregular(traces.iter()).iter().for_each(output::warn);
+    traces.iter().try_for_each(refuse_gaps)?;
+    Ok(traces)
+}
+
+/// A rate above zero.
+pub(super) fn rate(text: &str) -> Result<f64, String> {
+    let rate = text.parse::<f64>().ok().filter(|rate| *rate > 0.0 && rate.is_finite());
+    rate.ok_or_else(|| "give a number above 0".into())
+}

@@ -1,0 +1,44 @@
+//! What is doubtful about traces.
+
+use crate::Error;
+use crate::trace::Trace;
+
+/// Returns an error if the front end refused samples within a trace: batch methods need all of them.
+///
+/// # Errors
+/// It did.
+pub fn refuse_gaps(trace: &Trace) -> Result<(), Error> {
+    trace.refused.map_or(Ok(()), |refused| {
+        Err(Error::trace(&trace.id, format!("{refused}; record it again, or cut the recording around them")))
+    })
+}
+
+/// Warns of traces of which the front end refused samples; the detector counts them and goes on.
+pub fn refused<'a>(traces: impl Iterator<Item = &'a Trace>) -> Vec<String> {
+    let refused = traces.filter_map(|trace| Some((trace, trace.refused?)));
+    refused.map(|(trace, refused)| format!("trace {}: {refused}", trace.id)).collect()
+}
+
+/// Warns of traces with an irregular sampling interval.
+pub fn irregular<'a>(traces: impl Iterator<Item = &'a Trace> + Clone) -> Option<String> {
+    let irregular = traces.clone().filter(|trace| is_irregular(trace));
+    let first = irregular.clone().next().map(|first| first.id.as_str());
+    of_irregular(irregular.count(), traces.count(), first)
+}
+
+/// Whether more than 2 % of the steps are off by a tenth.
+#[must_use]
+pub const fn is_irregular(trace: &Trace) -> bool {
+    50 * trace.irregular_steps > trace.y.len()
+}
+
+/// Warns of so many traces with an irregular sampling interval, if there are any.
+#[must_use]
+pub fn of_irregular(count: usize, all: usize, first: Option<&str>) -> Option<String> {
+    first.map(|first| {
+        format!(
+            "{count} of {all} traces are sampled irregularly (more than 2 % of the steps off by a tenth), first \
+             {first}; resample them"
+        )
+    })
+}

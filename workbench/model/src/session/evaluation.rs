@@ -1,0 +1,195 @@
+//! The evaluation of a model on labelled traces.
+
+use super::doubts::{irregular, refused};
+use super::found::{Findings, stabilities, untrained};
+use super::given::Given;
+use super::judging::judge;
+use super::log::Log;
+use super::model_file::ModelFile;
+use super::selection::{Groups, Selection};
+use crate::Error;
+use crate::evaluate::{Breakdown, Chance, Confusion, Control, FalseAlarms, Judged, TraceVerdict};
+use crate::settings::Settings;
+use crate::trace::labels::LabelledTrace;
+use crate::trace::stem;
+use crate::train::Scores;
+
+/// What is counted.
+#[derive(Clone, Copy, Debug, Default, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct JudgingOptions {
+    /// Count segments instead of traces
+    #[serde(default)]
+    pub per_segment: bool,
+}
+
+/// A model, and what it is judged on.
+#[derive(Debug)]
+pub struct Judging<'a> {
+    file: &'a ModelFile,
+    settings: Settings,
+    selection: Selection,
+    options: JudgingOptions,
+}
+
+/// The verdicts of a model on labelled traces, and their rates.
+#[derive(Debug)]
+pub struct Evaluation {
+    /// Trained classes, then others.
+    pub classes: Vec<String>,
+    /// Verdicts.
+    pub verdicts: Vec<TraceVerdict>,
+    /// The run of each trace, if it is known.
+    pub runs: Option<Vec<String>>,
+    /// Decisions by true class.
+    pub confusion: Confusion,
+    /// Scores of the posteriors.
+    pub scores: Scores,
+    /// What else is found.
+    pub found: Findings,
+    /// Column of the labels whose values the intervals count.
+    column: Option<String>,
+    /// Number of traces that the model was trained on.
+    seen: usize,
+    /// Number of segments with a covariate out of its range.
+    outside: usize,
+}
+
+impl<'a> Judging<'a> {
+    /// By a model, settings, labels and a source of traces; the front end is that of the model.
+    #[must_use]
+    pub fn new(file: &'a ModelFile, settings: Settings, given: Given, options: JudgingOptions) -> Self {
+        let selection = Selection::new(&settings, given, file.channels());
+        Self { file, settings, selection, options }
+    }
+
+    /// The labels and their traces.
+    #[must_use]
+    pub const fn selection(&self) -> &Selection {
+        &self.selection
+    }
+
+    /// Reads the traces and judges them.
+    ///
+    /// # Errors
+    /// Traces that cannot be read; labels or settings that do not fit the model.
+    pub fn evaluate(&self, log: &Log<'_>) -> Result<Evaluation, Error> {
+        let ModelFile { model, notes } = self.file;
+        let (classes, traces) = self.traces()?;
+        let groups = self.selection.groups(&self.settings.validation, &traces)?;
+        groups.refuse_known(&notes.units)?;
+        let seen = traces.iter().filter(|t| notes.trained_on.iter().any(|id| id == stem(&t.trace.id))).count();
+        if seen > 0 {
+            log.warn([format!("{seen} of {} traces were trained on: the rates flatter the model", traces.len())]);
+        }
+        log.warn(irregular(traces.iter().map(|t| &t.trace)));
+        log.warn(refused(traces.iter().map(|t| &t.trace)));
+        let verdicts = judge(model, &traces, notes.preparation(), log)?;
+        let outside = outside(&verdicts, log);
+        self.refuse_control_classes(&classes)?;
+        let judged = Judged {
+            verdicts: &verdicts,
+            classes: &classes,
+            trained: model.classes.len(),
+            healthy: model.healthy(),
+            groups: groups.clusters(),
+            per_segment: self.options.per_segment,
+        };
+        let found = self.findings(&judged, &groups, &traces)?;
+        let confusion = judged.confusion();
+        let scores = Scores::of_verdicts(&verdicts, &model.priors(), self.options.per_segment);
+        let by = &self.settings.validation;
+        let column = by.unit.as_ref().or(by.group.as_ref()).cloned();
+        Ok(Evaluation { classes, verdicts, runs: groups.runs, confusion, scores, found, column, seen, outside })
+    }
+
+    /// The classes, trained ones first, and the traces; untrained classes follow, since a gate can still distinguish
+    /// them from healthy.
+    fn traces(&self) -> Result<(Vec<String>, Vec<LabelledTrace>), Error> {
+        let model = &self.file.model;
+        let (names, mut traces) = self.selection.rows(&self.settings.validation.test_where)?;
+        let mut classes = model.classes.clone();
+        for labelled in &mut traces {
+            let name = &names[labelled.class];
+            if !classes.contains(name) {
+                if model.healthy().is_none() {
+                    let known = model.classes.join(", ");
+                    let problem = format!("unknown class {name}: the model has {known}; select with --classes");
+                    return Err(Error::trace(&labelled.trace.id, problem));
+                }
+                classes.push(name.clone());
+            }
+            labelled.class = classes.iter().position(|class| class == name).unwrap_or(0);
+        }
+        Ok((classes, traces))
+    }
+
+    fn refuse_control_classes(&self, classes: &[String]) -> Result<(), Error> {
+        let untrained = &classes[self.file.model.classes.len()..];
+        let stranger = self.settings.validation.control_classes.iter().find(|name| !untrained.contains(name));
+        stranger.map_or(Ok(()), |name| {
+            let problem = "is no class of these traces that the model was not trained on";
+            Err(Error::Usage(format!("--control-classes: {name} {problem}")))
+        })
+    }
+
+    fn findings(&self, judged: &Judged<'_>, groups: &Groups, traces: &[LabelledTrace]) -> Result<Findings, Error> {
+        let ModelFile { model, notes } = self.file;
+        let (by, verdicts) = (&self.settings.validation, judged.verdicts);
+        let cells = |column: &String| Ok((column.clone(), self.selection.cells(column, traces)?));
+        let columns = |names: &[String]| names.iter().map(cells).collect::<Result<Vec<_>, Error>>();
+        let runs = groups.runs.as_ref();
+        let by_run = runs.zip(model.healthy());
+        let (rates, controls) = (columns(&by.by)?, columns(&by.controls)?);
+        Ok(Findings {
+            by_run: by_run.map(|(runs, healthy)| FalseAlarms::of(verdicts, runs, healthy, self.options.per_segment)),
+            chance: Chance::of(judged),
+            by: rates.iter().map(|(column, cells)| Breakdown::of(judged, column, cells)).collect(),
+            controls: controls.iter().map(|(column, cells)| Control::of(judged, column, cells)).collect(),
+            untrained: untrained(judged, &by.control_classes),
+            stability: runs.map_or_else(Vec::new, |runs| {
+                stabilities(judged, runs, &model.catalogue(&notes.orders), &notes.features)
+            }),
+        })
+    }
+}
+
+/// The number of segments with a covariate out of its range.
+fn outside(verdicts: &[TraceVerdict], log: &Log<'_>) -> usize {
+    let segments = || verdicts.iter().flat_map(|verdict| &verdict.segments);
+    let outside = segments().filter(|segment| segment.outside.contains(&true)).count();
+    if outside > 0 {
+        let of = segments().count();
+        log.warn([format!(
+            "in {outside} of {of} segments a covariate is missing or outside the range of the training traces: the \
+             verdict lacks the features that it explains"
+        )]);
+    }
+    outside
+}
+
+impl Evaluation {
+    /// As JSON.
+    #[must_use]
+    pub fn to_json(&self) -> serde_json::Value {
+        let mut value = self.confusion.to_json();
+        value["trained_on"] = self.seen.into();
+        value["covariates_out_of_range"] = self.outside.into();
+        self.found.add_to(&mut value);
+        self.scores.add_to(&mut value);
+        value
+    }
+
+    /// As lines.
+    #[must_use]
+    pub fn lines(&self) -> Vec<String> {
+        let mut lines = vec![];
+        // The confusion matrix is empty without a trace of a trained class.
+        if self.confusion.total() > 0 {
+            lines.push(format!("{}\n{}", self.confusion, self.scores.summary()));
+            lines.extend(self.column.as_ref().map(|column| format!("intervals count values of {column}")));
+        }
+        lines.extend(self.found.lines());
+        lines
+    }
+}

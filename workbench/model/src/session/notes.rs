@@ -1,0 +1,108 @@
+//! Notes in a model file for the workbench.
+
+use serde::{Deserialize, Serialize};
+
+use crate::trace::{Channels, FrontEndFile, Preparation, ShaftChannels};
+use crate::train::Trained;
+
+/// Notes in a model file for the workbench; the firmware ignores them.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Notes {
+    y: String,
+    u1: String,
+    u2: String,
+    #[serde(default)]
+    shaft: Option<ShaftChannels>,
+    /// Columns that are used for their averages alone.
+    #[serde(default)]
+    further: Vec<String>,
+    /// The time column and the rate of the recordings, if they were given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    time: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    rate_hz: Option<f64>,
+    /// The front end that the recordings pass.
+    #[serde(default)]
+    pub front_end: Option<FrontEndFile>,
+    /// The drive file that it was trained with.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    drive: Option<String>,
+    /// Preparation on the host, before the detector.
+    host_block_mean: usize,
+    decimate: usize,
+    /// Names of the tracked orders.
+    #[serde(default)]
+    pub orders: Vec<String>,
+    /// Names of the features.
+    pub features: Vec<String>,
+    /// Ids of the training traces, used to warn if the model is evaluated on them.
+    pub trained_on: Vec<String>,
+    /// The units (drives) of the training traces, if they were given.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub units: Vec<String>,
+}
+
+impl Notes {
+    /// Of a model, the ids of the traces and the units with which it was trained, and the text of its drive file.
+    #[must_use]
+    pub fn new(
+        channels: &Channels,
+        host: Preparation,
+        trained: &Trained,
+        (trained_on, units): (Vec<String>, &[String]),
+        drive: Option<String>,
+    ) -> Self {
+        let mut units = units.to_vec();
+        units.sort_unstable();
+        units.dedup();
+        let Channels { y, u1, u2, shaft, further, time, rate_hz, front_end } = channels.clone();
+        Self {
+            y,
+            u1,
+            u2,
+            shaft,
+            further,
+            time,
+            rate_hz,
+            front_end,
+            drive,
+            host_block_mean: host.block_mean,
+            decimate: host.decimate,
+            orders: trained.recipe.catalogue().orders.unwrap_or_default(),
+            features: trained.feature_names.clone(),
+            trained_on,
+            units,
+        }
+    }
+
+    /// The columns that the model reads.
+    #[must_use]
+    pub fn channels(&self) -> Channels {
+        Channels {
+            shaft: self.shaft.clone(),
+            further: self.further.clone(),
+            time: self.time.clone(),
+            rate_hz: self.rate_hz,
+            front_end: self.front_end.clone(),
+            ..Channels::new(&self.y, &self.u1, &self.u2)
+        }
+    }
+
+    /// What is done to recordings before the detector.
+    #[must_use]
+    pub fn preparation(&self) -> Preparation {
+        Preparation { block_mean: self.host_block_mean.max(1), decimate: self.decimate.max(1) }
+    }
+
+    /// The drive file that the model was trained with.
+    #[must_use]
+    pub fn drive(&self) -> Option<&str> {
+        self.drive.as_deref()
+    }
+
+    /// As the model file has them.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        serde_json::to_string(self).unwrap_or_default()
+    }
+}

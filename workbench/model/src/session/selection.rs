@@ -1,0 +1,141 @@
+//! Labelled traces that are selected, and which of them are alike.
+
+use std::collections::HashSet;
+use std::path::PathBuf;
+
+use super::given::{Given, TraceSource};
+use crate::Error;
+use crate::settings::{Settings, Validation};
+use crate::trace::labels::LabelledTrace;
+use crate::trace::{Channels, Condition, Labels};
+
+/// The labels, and where their traces are.
+#[derive(Debug)]
+pub struct Selection {
+    labels: Labels,
+    file: Option<PathBuf>,
+    source: Box<dyn TraceSource>,
+    channels: Channels,
+    conditions: Vec<Condition>,
+    asked: Vec<String>,
+}
+
+/// Class names, and id and class of each trace.
+pub type Chosen = (Vec<String>, Vec<(String, String)>);
+
+impl Selection {
+    /// What the settings select of what is given.
+    #[must_use]
+    pub fn new(settings: &Settings, given: Given, channels: Channels) -> Self {
+        let Given { labels, file, source, front_end: _ } = given;
+        let (conditions, asked) = (settings.data.conditions.clone(), settings.data.classes.clone());
+        Self { labels, file, source, channels, conditions, asked }
+    }
+
+    /// Returns the files that are read; no output may replace them.
+    #[must_use]
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        self.source.paths().iter().chain(&self.file).cloned().collect()
+    }
+
+    /// Returns the class names, and id and class of each trace that meets the common conditions and these further ones.
+    ///
+    /// # Errors
+    /// An unknown column or class, or no such trace.
+    pub fn chosen(&self, further: &[Condition]) -> Result<Chosen, Error> {
+        let conditions = [&self.conditions, further].concat();
+        let mut chosen = self.labels.select(&conditions)?;
+        let classes = self.labels.classes(&chosen, &self.asked)?;
+        chosen.retain(|(_, name)| classes.contains(name));
+        Ok((classes, chosen))
+    }
+
+    /// Where the traces are.
+    #[must_use]
+    pub fn source(&self) -> &dyn TraceSource {
+        self.source.as_ref()
+    }
+
+    /// The labels.
+    #[must_use]
+    pub const fn labels(&self) -> &Labels {
+        &self.labels
+    }
+
+    /// Returns the class names and the traces of the rows that meet the common conditions and these further ones.
+    ///
+    /// # Errors
+    /// Those of [`Selection::chosen`] and [`Selection::read`].
+    pub fn rows(&self, further: &[Condition]) -> Result<(Vec<String>, Vec<LabelledTrace>), Error> {
+        let (classes, chosen) = self.chosen(further)?;
+        let traces = self.read(&classes, &chosen)?;
+        Ok((classes, traces))
+    }
+
+    /// Reads these of the chosen traces.
+    ///
+    /// # Errors
+    /// Traces that cannot be read, or are not there.
+    pub fn read(&self, classes: &[String], chosen: &[(String, String)]) -> Result<Vec<LabelledTrace>, Error> {
+        let wanted: HashSet<&str> = chosen.iter().map(|(id, _)| id.as_str()).collect();
+        let traces = self.source.read_wanted(&self.channels, &|id| wanted.contains(id))?;
+        self.labels.join(chosen, classes, &traces)
+    }
+
+    /// Returns the cells of a column of the labels, one for each trace.
+    ///
+    /// # Errors
+    /// An unknown column.
+    pub fn cells(&self, column: &str, traces: &[LabelledTrace]) -> Result<Vec<String>, Error> {
+        self.labels.cells(column, traces.iter().map(|t| t.trace.id.as_str()))
+    }
+
+    /// Returns the run and the unit of each trace.
+    ///
+    /// # Errors
+    /// An unknown column, or a trace without a unit.
+    pub fn groups(&self, by: &Validation, traces: &[LabelledTrace]) -> Result<Groups, Error> {
+        let column = |name: &Option<String>| name.as_ref().map(|name| self.cells(name, traces)).transpose();
+        let (runs, units) = (column(&by.group)?, column(&by.unit)?);
+        let empty = units.iter().flatten().position(String::is_empty);
+        if let (Some(place), Some(column)) = (empty, &by.unit) {
+            return Err(Error::trace(&traces[place].trace.id, format!("no unit in column {column} of the labels")));
+        }
+        let runs = match (runs, &units) {
+            (Some(runs), Some(units)) if by.group != by.unit => {
+                Some(units.iter().zip(&runs).map(|(unit, run)| format!("{unit}/{run}")).collect())
+            }
+            (runs, units) => runs.or_else(|| units.clone()),
+        };
+        Ok(Groups { runs, units })
+    }
+}
+
+/// The run and the unit of each trace, if they are known; the name of a run starts with that of its unit.
+#[derive(Debug)]
+pub struct Groups {
+    /// Runs.
+    pub runs: Option<Vec<String>>,
+    /// Units.
+    pub units: Option<Vec<String>>,
+}
+
+impl Groups {
+    /// What intervals count: units, or runs without them.
+    #[must_use]
+    pub fn clusters(&self) -> Option<&[String]> {
+        self.units.as_deref().or(self.runs.as_deref())
+    }
+
+    /// Returns an error if a unit is among those of the training.
+    ///
+    /// # Errors
+    /// One is.
+    pub fn refuse_known(&self, trained: &[String]) -> Result<(), Error> {
+        let shared = self.units.iter().flatten().find(|unit| trained.contains(unit));
+        shared.map_or(Ok(()), |unit| {
+            let problem = format!("unit {unit} is both in training and in test; give other units to one of them");
+            Err(Error::Usage(format!("{problem}, or leave out --unit to judge later runs of known drives")))
+        })
+    }
+}

@@ -1,0 +1,39 @@
+//! A model as source code.
+
+use crate::Error;
+use crate::trace::Channels;
+use crate::train::commissioning_source::commissioning_source;
+use crate::train::front_end_source::front_end_source;
+use crate::train::{Trained, VelocitySource, export};
+
+/// A model as Rust source, with the front end that its recordings pass and the constants of a commissioning with so many
+/// segments.
+///
+/// # Errors
+/// A model that the core does not accept, or one that cannot be commissioned.
+pub fn rust_source(
+    trained: &Trained,
+    (description, channels): (&[String], &Channels),
+    commissioning: Option<u32>,
+) -> Result<String, Error> {
+    let mut source = export::rust_source(trained, description)?;
+    if let Some(front_end) = &channels.front_end {
+        source = format!("{source}\n{}", front_end_source(&trained.to_core()?, channels, front_end)?);
+    }
+    if let Some(segments) = commissioning {
+        source = format!("{source}\n{}", commissioning_source(trained, segments)?);
+    }
+    Ok(source)
+}
+
+/// The channels that the model reads: without the reference, and without the velocity if it is taken from the angle.
+#[must_use]
+pub fn read_by(trained: &Trained, mut channels: Channels) -> Channels {
+    if let (Some(shaft), Some(plan)) = (&mut channels.shaft, &trained.recipe.shaft) {
+        shaft.reference = None;
+        if plan.velocity == VelocitySource::Angle {
+            shaft.velocity = None;
+        }
+    }
+    channels
+}

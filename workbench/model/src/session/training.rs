@@ -1,0 +1,68 @@
+//! A trained model, and what is made of it.
+
+use super::description;
+use super::evidence::Orders;
+use super::judging::prepare;
+use super::selection::Groups;
+use super::sources::rust_source;
+use crate::Error;
+use crate::evaluate::{self, TraceVerdict};
+use crate::trace::labels::LabelledTrace;
+use crate::trace::{Channels, Preparation};
+use crate::train::Trained;
+use crate::train::c_header::c_header;
+
+/// A trained model with the traces that it was trained on.
+#[derive(Debug)]
+pub struct Training {
+    /// The model.
+    pub trained: Trained,
+    /// The model file.
+    pub bytes: Vec<u8>,
+    /// The columns that it reads.
+    pub channels: Channels,
+    /// The training traces as recorded.
+    pub training: Vec<LabelledTrace>,
+    /// The training traces as the model was trained on them.
+    pub prepared: Vec<LabelledTrace>,
+    /// Comment lines for exported sources.
+    pub(super) description: Vec<String>,
+    /// What remains to be done before the detector.
+    pub(super) host: Preparation,
+    pub(super) orders: Option<Orders>,
+    /// Traces that the settings hold out.
+    pub(super) held_out: Option<(Vec<LabelledTrace>, Groups)>,
+}
+
+impl Training {
+    /// Verdicts of the embedded detector on the training traces.
+    ///
+    /// # Errors
+    /// The core rejects the model.
+    pub fn seen(&self) -> Result<Vec<TraceVerdict>, Error> {
+        evaluate::run(&self.trained.embed()?, &prepare(&self.training, self.host)?, || {})
+    }
+
+    /// The model as Rust source, with the front end that its recordings passed and the constants of a commissioning
+    /// with so many segments.
+    ///
+    /// # Errors
+    /// A model that the core does not accept, or one that cannot be commissioned.
+    pub fn rust_source(&self, commissioning: Option<u32>) -> Result<String, Error> {
+        rust_source(&self.trained, (&self.description, &self.channels), commissioning)
+    }
+
+    /// The model as a C header.
+    ///
+    /// # Errors
+    /// A model that the core does not accept.
+    pub fn c_header(&self) -> Result<String, Error> {
+        c_header(&self.trained.to_core()?, &self.description, Some(&self.channels))
+    }
+
+    /// What is uncertain about the model.
+    #[must_use]
+    pub fn doubts(&self) -> Vec<String> {
+        description::doubts(&self.trained)
+    }
+}

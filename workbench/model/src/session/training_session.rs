@@ -1,0 +1,139 @@
+//! From settings and traces to a trained model.
+
+use std::path::PathBuf;
+
+use bearing_watch::model::MAX_BLOCK_MEAN;
+
+use super::description;
+use super::doubts::{irregular, refused};
+use super::evidence::Orders;
+use super::given::Given;
+use super::held_out::{Found, Held, evaluate};
+use super::judging::prepare;
+use super::log::Log;
+use super::notes::Notes;
+use super::selection::Selection;
+use super::sources::read_by;
+use super::training::Training;
+use crate::Error;
+use crate::settings::{Reading, Settings};
+use crate::trace::labels::LabelledTrace;
+use crate::trace::{Channels, Preparation, stem};
+use crate::train::{Recipe, ShaftPlan, Trained};
+
+/// Settings with labels and channels, whose traces are not read yet.
+#[derive(Debug)]
+pub struct Session {
+    settings: Settings,
+    selection: Selection,
+    channels: Channels,
+    plan: Option<ShaftPlan>,
+    preparation: Preparation,
+    drive: Option<String>,
+}
+
+impl Session {
+    /// By settings, labels and a source of traces; the text of a drive file goes into the notes of the model.
+    ///
+    /// # Errors
+    /// Settings that are missing, out of range, or do not go together.
+    pub fn new(settings: Settings, mut given: Given, drive: Option<String>) -> Result<Self, Error> {
+        let Reading { channels, shaft: plan, preparation, .. } = settings.reading(given.front_end.take())?;
+        settings.check()?;
+        let selection = Selection::new(&settings, given, channels.clone());
+        Ok(Self { settings, selection, channels, plan, preparation, drive })
+    }
+
+    /// Returns the files that are read; no output may replace them.
+    #[must_use]
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        self.selection.inputs()
+    }
+
+    /// Reads the traces and trains.
+    ///
+    /// # Errors
+    /// Traces that cannot be read; labels or settings that do not fit them; a training set that does not support what
+    /// the settings want.
+    pub fn train(&self, log: &Log<'_>) -> Result<Training, Error> {
+        let Self { settings, selection, channels, plan, preparation, .. } = self;
+        let (classes, training) = selection.rows(&settings.validation.train_where)?;
+        log.warn(irregular(training.iter().map(|t| &t.trace)));
+        log.warn(refused(training.iter().map(|t| &t.trace)));
+        let groups = selection.groups(&settings.validation, &training)?;
+        let [runs, units] = [groups.runs, groups.units].map(Option::unwrap_or_default);
+        let validation = settings.validation.folds(runs, units)?;
+        let held_out = self.held_out((&classes, &training), &validation.units)?;
+        let park = settings.channels.park(channels)?;
+        let recipe = settings.recipe(&classes, plan.clone())?;
+        let mut recipe = Recipe { validation, park, columns: channels.clone(), ..recipe };
+        recipe.alarms.by_run = !recipe.validation.groups.is_empty();
+        let prepared = prepare(&training, *preparation)?;
+        let mut trained = crate::train::train(&prepared, &classes, &recipe)?;
+        // On the traces as the shaft was trained, before block means move into the detector.
+        let orders = Orders::of(&trained, &prepared)?;
+        let host = embed_block_mean(&mut trained, *preparation, &training);
+        let channels = read_by(&trained, channels.clone());
+        let description = description::lines(&trained, &channels, host);
+        log.warn(description::of_host(host, &description));
+        let ids = training.iter().map(|t| stem(&t.trace.id).to_string()).collect();
+        let units = &trained.recipe.validation.units;
+        let notes = Notes::new(&channels, host, &trained, (ids, units), self.drive.clone());
+        let bytes = trained.to_bytes(&notes.to_text())?;
+        Ok(Training { trained, bytes, channels, training, prepared, description, host, orders, held_out })
+    }
+
+    /// Evaluates the model on the traces that the settings hold out, if they do; otherwise cross-validates it.
+    ///
+    /// # Errors
+    /// Held-out traces that do not fit; a ranking that cannot be made.
+    pub fn found(&self, own: &Training, rank: bool, log: &Log<'_>) -> Result<Found, Error> {
+        let trained = &own.trained;
+        let held_out = own.held_out.as_ref().map(|held_out| evaluate(held_out, own, log)).transpose()?;
+        Ok(Found {
+            cross_validated: held_out.is_none().then(|| trained.cross_validated()),
+            forward: if held_out.is_none() { trained.forward() } else { vec![] },
+            ranking: rank.then(|| trained.rank()).transpose()?,
+            held_out,
+        })
+    }
+
+    /// Reads the traces of `test_where`; those of training, and units of theirs, are refused.
+    fn held_out(
+        &self,
+        (classes, training): (&[String], &[LabelledTrace]),
+        units: &[String],
+    ) -> Result<Option<Held>, Error> {
+        let Self { settings, selection, .. } = self;
+        if settings.validation.test_where.is_empty() {
+            return Ok(None);
+        }
+        let (names, mut traces) = selection.rows(&settings.validation.test_where)?;
+        for held_out in &mut traces {
+            let name = &names[held_out.class];
+            held_out.class = classes.iter().position(|class| class == name).ok_or_else(|| {
+                Error::Usage(format!("--test-where selects class {name}, which has no training traces"))
+            })?;
+        }
+        if let Some(both) = traces.iter().find(|t| training.iter().any(|s| s.trace.id == t.trace.id)) {
+            let id = &both.trace.id;
+            return Err(Error::Usage(format!(
+                "trace {id} is in both --train-where and --test-where; make them disjoint"
+            )));
+        }
+        let groups = selection.groups(&settings.validation, &traces)?;
+        groups.refuse_known(units)?;
+        Ok(Some((traces, groups)))
+    }
+}
+
+/// Moves the block means into the detector if no decimation follows them; returns the preparation that remains on the
+/// host.
+fn embed_block_mean(trained: &mut Trained, preparation: Preparation, training: &[LabelledTrace]) -> Preparation {
+    if preparation.decimate > 1 || preparation.block_mean > usize::from(MAX_BLOCK_MEAN) {
+        return preparation;
+    }
+    trained.block_mean = preparation.block_mean;
+    trained.interval_s = training.iter().find_map(|t| t.trace.interval_s).unwrap_or(0.0);
+    Preparation::NONE
+}

@@ -1,0 +1,30 @@
+//! `[bearing]`: the events per turn of its defects.
+
+use serde::{Deserialize, Serialize};
+
+use super::merge::merges;
+
+/// The events per turn of the defects of a bearing.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct Bearing {
+    /// Balls, ball and pitch diameter, contact angle in rad, e.g. 9,3,17,0.1745: tracks outer, inner, ball and cage
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-value" = "N,BD,PD,ANGLE", "x-shaft" = true)))]
+    pub bearing: Vec<f64>,
+    /// Orders to track, events per turn, e.g. outer=3.718,sideband=4.718
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-value" = "NAME=ORDER", "x-pairs" = true, "x-shaft" = true)))]
+    pub orders: Vec<String>,
+    /// Weights of an order's first three harmonics [default: 1,0.5,0.25, or the first of them that find more]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-value" = "W1,W2,W3", "x-shaft" = true)))]
+    pub harmonics: Vec<f64>,
+    /// Largest relative slip of the bearing's cage that is searched [default: 0.008]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-value" = "PART", "x-shaft" = true)))]
+    pub slip: Option<f64>,
+}
+
+merges!(Bearing { bearing, orders, harmonics, slip });

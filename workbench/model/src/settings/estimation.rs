@@ -1,0 +1,74 @@
+//! From the settings to the structure, the preparation and the estimator.
+
+use bearing_watch::model::MAX_LONG_SEGMENT_ROWS;
+
+use super::choices::Method;
+use super::model::Model;
+use super::order::Order;
+use crate::Error;
+use crate::identify::Structure;
+use crate::trace::Preparation;
+use crate::train::Estimation;
+
+impl Model {
+    /// The structure of the difference model.
+    ///
+    /// # Errors
+    /// It is not given.
+    pub fn structure(&self) -> Result<Structure, Error> {
+        let Some(Order(order)) = self.order else { return Err(Error::Usage("the order is not given".into())) };
+        Ok(Structure { offset: self.offset, ..order })
+    }
+
+    /// What is done to the traces before.
+    ///
+    /// # Errors
+    /// Factors that the filters do not have.
+    pub fn preparation(&self) -> Result<Preparation, Error> {
+        let preparation =
+            Preparation { block_mean: self.block_mean.unwrap_or(1), decimate: self.decimate.unwrap_or(1) };
+        preparation.factor().map(|_| preparation)
+    }
+
+    /// The estimator of the detector; `healthy` is the index of the healthy class, if there is one.
+    ///
+    /// # Errors
+    /// A segment that is too short or too long, not three saturations, or an unknown class.
+    pub fn estimation(
+        &self,
+        structure: Structure,
+        classes: &[String],
+        healthy: Option<usize>,
+    ) -> Result<Estimation, Error> {
+        let method = self.method.unwrap_or_default();
+        if let Some(segment) = self.segment {
+            let outputs = if method == Method::Instruments { structure.na as usize } else { 0 };
+            let least = structure.depth() + structure.parameters() + outputs + 2;
+            if segment < least || segment > MAX_LONG_SEGMENT_ROWS as usize {
+                let problem = format!("--segment {segment}: at this order it is {least} to {MAX_LONG_SEGMENT_ROWS}");
+                return Err(Error::Usage(problem));
+            }
+        }
+        let saturation = match self.saturation[..] {
+            [] => None,
+            [y, u1, u2] => Some([y, u1, u2]),
+            _ => return Err(Error::Usage("--saturation: three magnitudes Y,U1,U2, e.g. 20,300,5".into())),
+        };
+        let nominal = match &self.nominal {
+            None => healthy.unwrap_or(0),
+            Some(name) => classes.iter().position(|class| class == name).ok_or_else(|| {
+                Error::Usage(format!("--nominal: unknown class {name}; there are {}", classes.join(", ")))
+            })?,
+        };
+        Ok(Estimation {
+            method: method.core(),
+            nominal,
+            segment: self.segment,
+            huber: self.huber.unwrap_or(0.0),
+            saturation,
+            stuck: self.stuck.unwrap_or(0),
+            memory: self.memory,
+            handover: self.handover.unwrap_or(0),
+        })
+    }
+}

@@ -1,0 +1,80 @@
+//! Labels, front end and traces of settings: from files, or from tables in memory.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::labels::read_labels;
+use crate::{Candidate, Source, candidates};
+use model::Error;
+use model::session::{Given, Piece, TraceSource};
+use model::settings::Settings;
+use model::trace::{Channels, FrontEndFile, Labels, Recorded, Trace};
+
+/// Tables that take the place of files.
+#[derive(Clone, Debug, Default)]
+pub struct Memory {
+    /// The traces.
+    pub traces: Option<Vec<Arc<Recorded>>>,
+    /// The labels.
+    pub labels: Option<Arc<Recorded>>,
+}
+
+/// Reads labels and front end, and finds the traces: those of the settings, or in the folder of the labels.
+///
+/// # Errors
+/// Labels or a front end that cannot be read, or no labels.
+pub fn given(settings: &Settings, memory: Memory) -> Result<Given, Error> {
+    let front_end = settings.data.front_end.as_deref().map(FrontEndFile::read).transpose()?;
+    Ok(Given { front_end, ..given_without_front_end(settings, memory)? })
+}
+
+/// The same for a model, which has its own front end.
+///
+/// # Errors
+/// Labels that cannot be read, or no labels.
+pub fn given_without_front_end(settings: &Settings, memory: Memory) -> Result<Given, Error> {
+    let (traces, file) = (&settings.data.traces, settings.data.labels.clone());
+    let labels = match (memory.labels, &file) {
+        (Some(table), _) => (Labels::of(&table)?, None),
+        (None, Some(path)) => (read_labels(path)?, file.clone()),
+        (None, None) => return Err(Error::Usage("the labels are not given".into())),
+    };
+    let source = match memory.traces {
+        Some(tables) => Source::Memory(tables),
+        None if traces.is_empty() => Source::Files(vec![folder_of(file.as_deref())]),
+        None => Source::Files(traces.clone()),
+    };
+    let (labels, file) = labels;
+    Ok(Given { labels, file, source: Box::new(source), front_end: None })
+}
+
+/// The folder of the labels, or this one.
+fn folder_of(labels: Option<&Path>) -> PathBuf {
+    let folder = labels.and_then(Path::parent).filter(|folder| !folder.as_os_str().is_empty());
+    folder.unwrap_or(Path::new(".")).to_path_buf()
+}
+
+impl TraceSource for Source {
+    fn read_wanted(&self, channels: &Channels, wanted: &(dyn Fn(&str) -> bool + Sync)) -> Result<Vec<Trace>, Error> {
+        Self::read_wanted(self, channels, wanted)
+    }
+
+    fn paths(&self) -> &[PathBuf] {
+        Self::paths(self)
+    }
+
+    fn pieces(&self) -> Result<Vec<Box<dyn Piece>>, Error> {
+        let all = candidates(Self::paths(self))?;
+        Ok(all.into_iter().map(|candidate| -> Box<dyn Piece> { Box::new(candidate) }).collect())
+    }
+}
+
+impl Piece for Candidate {
+    fn file(&self) -> &Path {
+        &self.file
+    }
+
+    fn read(&self, channels: &Channels, wanted: &(dyn Fn(&str) -> bool + Sync)) -> Result<Option<Vec<Trace>>, Error> {
+        Self::read(self, channels, Some(wanted))
+    }
+}
