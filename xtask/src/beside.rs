@@ -3,22 +3,26 @@
 use std::env;
 use std::fs::File;
 use std::path::PathBuf;
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, ensure};
+use clap::ValueEnum as _;
 
-use crate::tally::{Stages, Tally};
+use crate::processes::Started;
+use crate::stages::Stages;
+use crate::tally::Tally;
+use crate::test::Stage;
 use crate::toolchain::Way;
 use crate::{child, workspace};
 
 /// The process, and the file of what it prints, which is shown when it has ended: lines of two at once are hard to
 /// read.
-pub struct Beside(Result<(Child, PathBuf)>);
+pub struct Beside(Result<(Started, PathBuf)>);
 
 impl Beside {
-    /// Starts `cargo xtask test --target-only`.
-    pub fn start(way: Way) -> Self {
-        let started = Self::spawn(way);
+    /// Starts a run of these stages.
+    pub fn start(way: Way, stages: &[Stage]) -> Self {
+        let started = Self::spawn(way, stages);
         if let Ok((_, path)) = &started {
             println!(
                 "\nThe stages of the target run beside those of the host; meanwhile they print to {}",
@@ -28,14 +32,16 @@ impl Beside {
         Self(started)
     }
 
-    fn spawn(way: Way) -> Result<(Child, PathBuf)> {
+    fn spawn(way: Way, stages: &[Stage]) -> Result<(Started, PathBuf)> {
         let path = workspace::target_dir().join("target-stages.log");
         // One file for both streams, at one place in it.
         let printed = File::create(&path).with_context(|| path.display().to_string())?;
         let errors = printed.try_clone()?;
         let mut command = Command::new(env::current_exe().context("where is this program?")?);
-        command.args(["--way", &way.to_string(), "test", "--target-only"]);
-        Ok((command.stdin(Stdio::null()).stdout(printed).stderr(errors).spawn()?, path))
+        command.args(["--way", &way.to_string(), "test", "--beside"]);
+        let names = stages.iter().filter_map(|stage| Some(stage.to_possible_value()?.get_name().to_owned()));
+        command.args(names);
+        Ok((child::start_own(command.stdin(Stdio::null()).stdout(printed).stderr(errors))?, path))
     }
 
     /// Waits for the end, shows the output, and adds the stages.
@@ -46,8 +52,8 @@ impl Beside {
     }
 
     fn ended(self, stages: &mut Stages) -> Result<()> {
-        let (mut child, path) = self.0?;
-        let status = child.wait()?;
+        let (mut started, path) = self.0?;
+        let status = started.0.wait()?;
         let mut rows = 0;
         child::split(File::open(path)?, |line| {
             if stages.take_row(line) {

@@ -1,20 +1,17 @@
 //! `cargo xtask book`: builds the book with mdBook.
 
 use std::path::PathBuf;
-use std::process::Command;
 
-use anyhow::{Result, ensure};
+use anyhow::Result;
 
+use crate::tools::MDBOOK;
 use crate::{child, workspace};
-
-const PROGRAM: &str = "mdbook";
 
 /// Builds the book, and returns its first page.
 pub fn build() -> Result<PathBuf> {
-    ensure!(child::on_path(PROGRAM), "{PROGRAM} is not installed; install it by\n    cargo install mdbook --locked");
     let folder = workspace::target_dir().join("book");
-    let mut command = Command::new(PROGRAM);
-    command.args(["build", "--dest-dir"]).arg(&folder).arg(workspace::root().join("book"));
+    let mut command = MDBOOK.command(&["build", "--dest-dir"])?;
+    command.arg(&folder).arg(workspace::root().join("book"));
     child::succeed(&mut command)?;
     Ok(folder.join("index.html"))
 }
@@ -22,6 +19,7 @@ pub fn build() -> Result<PathBuf> {
 #[cfg(test)]
 mod tests {
     use std::fs;
+    use std::process::Command;
 
     use super::*;
 

@@ -6,9 +6,10 @@ use std::process::Command;
 use anyhow::{Context, Result, ensure};
 
 use crate::board::DRIVE;
-use crate::tally::{Stages, Tally};
+use crate::stages::Stages;
+use crate::tally::Tally;
 use crate::toolchain::Way;
-use crate::{child, elf, firmware, pil, qemu, setup, target, workspace};
+use crate::{child, elf, firmware, pil, qemu, target, workspace};
 
 /// What Rust prints of numbers that the C interface does not give: the variance of the residual and the covariance, and
 /// the hash of all numbers.
@@ -158,9 +159,8 @@ const MEASURED: [(Plan, &[Measure]); 3] = [
 
 /// Runs all checks and prints them, and what the library takes; whether nothing failed.
 pub fn run(way: Way) -> Result<bool> {
-    setup::ensure_c()?;
     let mut stages = Stages::default();
-    stages.stage("C library", |tally| checks(tally, Some(way)));
+    stages.stage("C library", |tally| checks(tally, way));
     for (plan, programs) in MEASURED {
         println!("\nlibrary for {}", plan.name());
         let library = firmware::build_c_library(way, DRIVE, &plan.file())?;
@@ -169,21 +169,14 @@ pub fn run(way: Way) -> Result<bool> {
             qemu::run(&program, DRIVE.machine, qemu::Echo::On)?;
         }
     }
-    let total = stages.total();
-    println!("\n{total}");
-    Ok(total.failed == 0)
+    Ok(stages.end())
 }
 
-/// The checks of the library; without firmware tools they are skipped.
-pub fn checks(tally: &mut Tally, way: Option<Way>) {
-    let ready = way.ok_or_else(|| target::NO_TOOLS.to_owned());
-    let ready = ready.and_then(|way| setup::ensure_c().map(|()| way).map_err(|error| format!("{error:#}")));
+/// The checks of the library.
+pub fn checks(tally: &mut Tally, way: Way) {
     for (plan, example, language) in BUILDS {
         let title = format!("{} as {} with the library for {}", example.name(), language.name(), plan.name());
-        match &ready {
-            Ok(way) => tally.check(&title, target::brief(check(*way, plan, example, language))),
-            Err(reason) => tally.skip(&title, reason),
-        }
+        tally.check(&title, target::brief(check(way, plan, example, language)));
     }
 }
 

@@ -1,11 +1,11 @@
 //! Licences, sources, doubled versions and advisories of all dependencies, by cargo-deny, which is installed if it is
 //! missing; the rules are in `deny.toml`.
 
-use std::env;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 use anyhow::Result;
 
+use crate::child;
 use crate::tally::Tally;
 use crate::target::brief;
 use crate::tools::DENY;
@@ -28,12 +28,7 @@ enum Outcome {
 /// Both workspaces, all crates and features.
 pub fn checks(tally: &mut Tally) {
     if let Err(reason) = DENY.command(&[]) {
-        let reason = format!("{reason:#}");
-        // Continuous integration must not do without.
-        return match env::var_os("CI") {
-            Some(_) => tally.check::<&str, _>("cargo deny", Err(reason)),
-            None => tally.skip("cargo deny", &reason),
-        };
+        return tally.missing("cargo deny", &format!("{reason:#}"));
     }
     for manifest in MANIFESTS {
         for checks in [&["bans", "licenses", "sources"] as &[&str], &["advisories"]] {
@@ -58,7 +53,7 @@ fn run(manifest: &str, checks: &[&str]) -> Result<Outcome> {
 fn outcome(deny: &mut Command) -> Result<Outcome> {
     // A network that swallows packets must not stop the test.
     deny.env("GIT_HTTP_LOW_SPEED_LIMIT", "1000").env("GIT_HTTP_LOW_SPEED_TIME", "30").env("GIT_TERMINAL_PROMPT", "0");
-    let output = deny.stdin(Stdio::null()).output()?;
+    let output = child::captured(deny)?;
     let text = String::from_utf8_lossy(&output.stderr);
     Ok(classify(output.status.success(), &text))
 }

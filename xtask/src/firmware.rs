@@ -9,8 +9,14 @@ use crate::board::{Board, DRIVE, Memory};
 use crate::toolchain::Way;
 use crate::{child, setup, workspace};
 
-/// The linker of the package `lld-19`, for all bare Arm targets: cargo overlooks it under a target's name with a dot.
-const LINKER: &str = r#"target.'cfg(all(target_arch = "arm", target_os = "none"))'.linker = "ld.lld-19""#;
+/// The setting of the linker, for all bare Arm targets: cargo overlooks it under a target's name with a dot.
+fn linker() -> String {
+    let program = setup::of_compiler("ld.lld-19");
+    format!(
+        "target.'cfg(all(target_arch = \"arm\", target_os = \"none\"))'.linker = {:?}",
+        program.display().to_string()
+    )
+}
 
 /// Selects the memory map, see `build.rs`.
 const BOARD: &str = "BEARING_WATCH_BOARD";
@@ -116,7 +122,7 @@ fn cargo_to(command: &str, way: Way, board: Board) -> (Command, PathBuf) {
     cargo.args([command, "--release", "--target", board.target]);
     if way == Way::Debian {
         // After the subcommand: cargo drops a `--config` before it if there is another one after it.
-        cargo.args(["-Z", "build-std=core", "--config", LINKER]);
+        cargo.args(["-Z", "build-std=core", "--config", &linker()]);
     }
     match board.memory {
         Memory::Variable(folder) => cargo.env(BOARD, folder),
@@ -177,7 +183,7 @@ fn rustup() -> (Command, PathBuf) {
 /// Debian has no library for the target: core is built from its source, which wants the nightly
 /// option `build-std`, and that in turn the variable that lets a stable compiler take it.
 fn debian() -> (Command, PathBuf) {
-    let mut cargo = Command::new(setup::debian_program("cargo"));
+    let mut cargo = Command::new(setup::of_compiler("cargo"));
     let folder = of_debian(&mut cargo);
     (cargo, folder)
 }
@@ -188,8 +194,8 @@ fn of_debian(command: &mut Command) -> PathBuf {
     let folder = workspace::target_dir().join("fw");
     command
         .current_dir(workspace::root())
-        .env("RUSTC", setup::debian_program("rustc"))
-        .env("RUSTDOC", setup::debian_program("rustdoc"))
+        .env("RUSTC", setup::of_compiler("rustc"))
+        .env("RUSTDOC", setup::of_compiler("rustdoc"))
         .env("RUSTC_BOOTSTRAP", "1")
         .env("CARGO_TARGET_DIR", &folder)
         // What the cargo that started us leaves behind points at its own compiler's libraries.
@@ -205,6 +211,6 @@ pub fn prepare(caller: &mut Command, way: Way) -> &'static [&'static str] {
         return &[];
     }
     of_debian(caller);
-    caller.env("CARGO", setup::debian_program("cargo"));
+    caller.env("CARGO", setup::of_compiler("cargo"));
     &["-Z", "build-std=core,alloc"]
 }

@@ -2,6 +2,7 @@
 
 use anyhow::{Result, ensure};
 
+use crate::reports::Libtest;
 use crate::tally::Tally;
 use crate::{child, workspace};
 
@@ -17,15 +18,15 @@ pub fn run() -> Result<bool> {
 pub fn measure() -> Result<(Vec<String>, bool)> {
     let mut cargo = workspace::cargo(&["test", "--release", "--package", "host-tests", "--no-fail-fast"]);
     cargo.args(["--", "--ignored", "--show-output", "--test-threads", "1"]);
-    let (mut table, mut tally) = (Vec::new(), Tally::default());
+    let (mut table, mut libtest, mut tally) = (Vec::new(), Libtest::default(), Tally::default());
     let status = child::lines(&mut cargo, |line| {
         println!("{line}");
-        tally.add_libtest(line);
+        libtest.read(line, &mut tally);
         if line.starts_with('|') {
             table.push(line.to_owned());
         }
     })?;
     ensure!(!table.is_empty(), "no ignored test of host-tests printed a table");
-    println!("\n{tally}");
+    println!("\n{}{tally}", tally.list());
     Ok((table, status.success()))
 }

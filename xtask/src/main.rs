@@ -22,13 +22,16 @@ mod measure;
 mod newcomer;
 mod peers;
 mod pil;
+mod processes;
 mod public;
 mod python;
 mod qemu;
 mod release;
+mod reports;
 mod rivals;
 mod setup;
 mod size_profile;
+mod stages;
 mod tally;
 mod target;
 mod test;
@@ -61,11 +64,7 @@ struct Arguments {
 #[derive(Subcommand, Debug)]
 enum Command {
     /// Every check of the repository: format, lints, documentation, host and target tests.
-    Test {
-        /// The firmware builds and emulator runs alone; ends with their counts, for the whole run beside which they go.
-        #[arg(long)]
-        target_only: bool,
-    },
+    Test(test::Options),
     /// The host tests that run for minutes, and their table.
     Long,
     /// Builds an example for the drive's chip and runs it in the emulator.
@@ -120,16 +119,19 @@ enum Command {
         #[arg(long)]
         check: bool,
     },
-    /// Builds the book by mdBook, if it is installed.
+    /// Builds the book by mdBook.
     Book,
     /// Makes everything that is published, in `target/dist`, and checks it; publishes nothing.
     Release(release::Options),
-    /// Installs what firmware builds, emulator runs and tests of pages need, where the system allows it.
+    /// Fetches what firmware builds, emulator runs and tests of pages need and the system does not have, into the target
+    /// directory; other commands fetch what they need themselves.
     Setup,
 }
 
 fn main() -> ExitCode {
-    match run(&Arguments::parse()) {
+    let outcome = processes::end_by_signal().and_then(|()| run(&Arguments::parse()));
+    processes::settle();
+    match outcome {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(error) => {
@@ -139,10 +141,22 @@ fn main() -> ExitCode {
     }
 }
 
+/// What a command needs that builds firmware this way.
+fn needs(command: &Command, way: Way) -> Result<Vec<&'static setup::Need>> {
+    let mut needs = setup::firmware(way)?;
+    match command {
+        Command::C | Command::Measure { peers: true, .. } => needs.push(&setup::C_COMPILER),
+        Command::Newcomer => needs.extend([&setup::C_COMPILER, &setup::MAKE, &setup::CMAKE]),
+        Command::Setup => needs.extend(setup::ALL),
+        _ => {}
+    }
+    Ok(needs)
+}
+
 /// Whether everything that was asked for succeeded.
 fn run(arguments: &Arguments) -> Result<bool> {
-    if let Command::Test { target_only: false } = arguments.command {
-        return Ok(test::run(arguments.way));
+    if let Command::Test(options) = &arguments.command {
+        return test::run(options, arguments.way);
     }
     if matches!(arguments.command, Command::Peers) {
         return peers::run();
@@ -164,13 +178,12 @@ fn run(arguments: &Arguments) -> Result<bool> {
         return fuzz::run(options);
     }
     let way = toolchain::choose(arguments.way)?;
-    setup::ensure(way)?;
+    setup::ensure(&needs(&arguments.command, way)?)?;
     match &arguments.command {
         Command::Firmware { example } => {
             let elf = firmware::build(way, DRIVE, example)?;
             qemu::run(&elf, DRIVE.machine, qemu::Echo::On)?;
         }
-        Command::Test { .. } => return Ok(test::run_on_target(Some(way))),
         Command::C => return c_library::run(way),
         Command::Frameworks => return Ok(frameworks::run(way)),
         Command::Newcomer => return Ok(newcomer::run(way)),
@@ -189,10 +202,15 @@ fn run(arguments: &Arguments) -> Result<bool> {
             }
         }
         Command::Setup => {
-            let browser = setup::ensure_chromium()?;
-            println!("ready: firmware the {way} way, emulator {}, browser {browser}", qemu::PROGRAM);
+            println!("ready: firmware the {way} way, emulator, C compiler, browser, Python");
         }
-        Command::Long | Command::Peers | Command::Python | Command::Fuzz(_) | Command::Docs { .. } | Command::Book => {}
+        Command::Test(_)
+        | Command::Long
+        | Command::Peers
+        | Command::Python
+        | Command::Fuzz(_)
+        | Command::Docs { .. }
+        | Command::Book => {}
     }
     Ok(true)
 }

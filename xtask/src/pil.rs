@@ -6,7 +6,7 @@ use anyhow::{Context, Result, bail, ensure};
 
 use crate::board::DRIVE;
 use crate::tally::Tally;
-use crate::target::{NO_TOOLS, brief};
+use crate::target::brief;
 use crate::toolchain::Way;
 use crate::{child, firmware, qemu, workspace};
 
@@ -41,9 +41,8 @@ pub fn run(way: Way, trace: &Path, model: &Model) -> Result<()> {
 }
 
 /// A simulated recording through the example's model.
-pub fn check(tally: &mut Tally, way: Option<Way>) {
+pub fn check(tally: &mut Tally, way: Way) {
     const TITLE: &str = "raw recording through the whole drive";
-    let Some(way) = way else { return tally.skip(TITLE, NO_TOOLS) };
     let outcome = simulated().and_then(|trace| compare(way, &trace, &Model::of_example())).and_then(|(lines, cost)| {
         ensure!(lines.iter().any(|line| line.contains("spall")), "no segment is called a spall: {lines:?}");
         Ok(format!("{} lines; {}", lines.len(), cost.join(", ")))

@@ -8,36 +8,36 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail, ensure};
 
-use crate::tally::{Stages, Tally};
+use crate::reports::Pytest;
+use crate::stages::Stages;
+use crate::tally::Tally;
 use crate::{child, setup, workspace};
 
 /// Runs the checks and prints them; whether nothing failed.
 pub fn run() -> bool {
     let mut stages = Stages::default();
     stages.stage("Python", checks);
-    let total = stages.total();
-    println!("\n{total}");
-    total.failed == 0
+    stages.end()
 }
 
 /// The wheel, the tests of pytest, and the types.
 pub fn checks(tally: &mut Tally) {
     let ready = match environment() {
         Ok(python) => python,
-        Err(reason) => return tally.skip("Python package", &format!("{reason:#}").replace('\n', " ")),
+        Err(reason) => return tally.missing("Python package", &format!("{reason:#}")),
     };
     let program = match build(&ready) {
         Ok(program) => program,
         Err(reason) => return tally.check::<&str, _>("wheel of the Python package", Err(format!("{reason:#}"))),
     };
     tally.check::<_, &str>("wheel of the Python package", Ok(""));
-    let before = tally.failed;
+    let (before, mut report) = (tally.failed, Pytest::default());
     // Not in the folder of the package, whose source would go before the installed wheel.
     let tests = package().join("tests");
     let mut pytest = python(&ready, &["-m", "pytest", "-rs", "-q", "-p", "no:cacheprovider"], &tests);
     let status = child::lines(pytest.env("BEARING_WATCH_PROGRAM", program), |line| {
         println!("{line}");
-        tally.add_pytest(line);
+        report.read(line, tally);
     });
     match status {
         Ok(status) if status.success() || tally.failed > before => {}
@@ -99,13 +99,18 @@ pub fn venv(folder: &Path, empty: bool) -> Result<PathBuf> {
     if !empty && child::works(Command::new(&program).args(["-m", "pip", "--version"])) {
         return Ok(program);
     }
-    let usable = || child::works(Command::new("python3").args(["-c", "import ensurepip, venv"]));
-    if !usable() {
-        setup::install_packages(&["python3", "python3-venv"])
-            .context("python3 with venv is not installed; on Debian\n    sudo apt-get install --yes python3-venv")?;
-        ensure!(usable(), "python3 has no module venv");
-    }
-    child::succeed(Command::new("python3").args(["-m", "venv", "--clear"]).arg(folder))?;
+    setup::ensure(&[&setup::PYTHON, &setup::PIP])?;
+    let mut venv = Command::new("python3");
+    venv.args(["-m", "venv", "--clear"]).arg(folder);
+    let Some(wheel) = setup::pip() else {
+        child::succeed(&mut venv)?;
+        return Ok(program);
+    };
+    // Python's own installer is missing, and the unpacked one is not at the place where Python looks for it.
+    child::succeed(venv.arg("--without-pip"))?;
+    let mut install = Command::new(&program);
+    install.env("PYTHONPATH", &wheel).args(["-m", "pip", "install", "--quiet", "--no-index"]);
+    child::succeed(install.arg(&wheel))?;
     Ok(program)
 }
 

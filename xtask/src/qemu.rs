@@ -53,8 +53,8 @@ pub fn run_by(mut runner: Command, elf: &Path) -> Result<Vec<String>> {
 }
 
 fn within(command: &mut Command, patience: Duration, echo: Echo, table: Option<Table>) -> Result<Vec<String>> {
-    let mut child = command.stdin(Stdio::null()).stdout(Stdio::piped()).spawn().context("cannot start the emulator")?;
-    let output = child.stdout.take().context("the emulator has no output")?;
+    let mut emulator = child::start(command.stdin(Stdio::null()).stdout(Stdio::piped()))?;
+    let output = emulator.0.stdout.take().context("the emulator has no output")?;
     let (sender, receiver) = mpsc::channel();
     // The reader must not hold up the clock below; it ends with the emulator.
     let reader = thread::spawn(move || {
@@ -69,7 +69,7 @@ fn within(command: &mut Command, patience: Duration, echo: Echo, table: Option<T
             None => child::split(output, each),
         }
     });
-    let status = wait(&mut child, patience);
+    let status = wait(&mut emulator.0, patience);
     if status.is_ok() {
         reader.join().ok().context("the reader panicked")??;
     }

@@ -19,19 +19,12 @@ const ELSEWHERE: [&str; 2] = ["kernels", "deferred"];
 /// A way to build an example for a board.
 type Build = fn(Way, Board, &str) -> Result<PathBuf>;
 
-/// Why target checks are skipped.
-pub const NO_TOOLS: &str = "no firmware tools, see set-up";
-
 /// Every example builds for the drive's chip, also with all features.
-pub fn builds(tally: &mut Tally, way: Option<Way>) {
+pub fn builds(tally: &mut Tally, way: Way) {
     const ALL_FEATURES: &str = "all examples, all features";
     let names = match firmware::examples() {
         Ok(names) => names,
         Err(error) => return tally.check::<&str, _>("examples", Err(error)),
-    };
-    let Some(way) = way else {
-        names.iter().for_each(|name| tally.skip(name, NO_TOOLS));
-        return tally.skip(ALL_FEATURES, NO_TOOLS);
     };
     for name in names {
         tally.check(&name, brief(firmware::build(way, DRIVE, &name).map(|_| "")));
@@ -40,20 +33,17 @@ pub fn builds(tally: &mut Tally, way: Option<Way>) {
 }
 
 /// The same source gives the same bits on the drive's chip.
-pub fn same_lines(tally: &mut Tally, way: Option<Way>) {
+pub fn same_lines(tally: &mut Tally, way: Way) {
     for name in TWINS {
         same_on(tally, way, DRIVE, name);
     }
 }
 
 /// Other chips: firmware is built for those that the emulator does not have, and gives the same bits on the others.
-pub fn other_boards(tally: &mut Tally, way: Option<Way>) {
+pub fn other_boards(tally: &mut Tally, way: Way) {
     for board in NOT_EMULATED {
         let title = format!("monitor for {}", board.machine);
-        match way {
-            Some(way) => tally.check(&title, brief(firmware::build(way, board, "monitor").map(|_| ""))),
-            None => tally.skip(&title, NO_TOOLS),
-        }
+        tally.check(&title, brief(firmware::build(way, board, "monitor").map(|_| "")));
     }
     for board in OTHERS {
         for name in ELSEWHERE {
@@ -64,23 +54,18 @@ pub fn other_boards(tally: &mut Tally, way: Option<Way>) {
     same_on(tally, way, NO_FPU_LARGE, "kernels");
 }
 
-fn same_on(tally: &mut Tally, way: Option<Way>, board: Board, example: &str) {
+fn same_on(tally: &mut Tally, way: Way, board: Board, example: &str) {
     let title = format!("{example} on {} ({})", board.machine, board.core);
-    let Some(way) = way else { return tally.skip(&title, NO_TOOLS) };
     match toolchain::hindrance(way, board.target) {
-        Some(hindrance) => tally.skip(&title, &hindrance),
+        Some(hindrance) => tally.missing(&title, &hindrance),
         None => tally.check(&title, brief(compare(way, board, example))),
     }
 }
 
 /// What the core logs by `defmt` decodes to the verdicts that the host's monitor prints, and to its rejections.
-pub fn logging(tally: &mut Tally, way: Option<Way>) {
+pub fn logging(tally: &mut Tally, way: Way) {
     const VERDICTS: &str = "decoded verdicts are the host's";
     const REFUSALS: &str = "lost, saturated and stuck samples are logged";
-    let Some(way) = way else {
-        tally.skip(VERDICTS, NO_TOOLS);
-        return tally.skip(REFUSALS, NO_TOOLS);
-    };
     let logged = firmware::build(way, DRIVE, "logging").and_then(|elf| qemu::run(&elf, DRIVE.machine, qemu::Echo::On));
     match logged {
         Ok(logged) => {
@@ -102,7 +87,7 @@ fn same_verdicts(logged: &[String]) -> Result<String> {
 
 /// Nothing in the core can panic: the example that calls all of it links without a panic handler, and the monitor with
 /// all that an application adds holds no call of the panic machinery.
-pub fn no_panic(tally: &mut Tally, way: Option<Way>) {
+pub fn no_panic(tally: &mut Tally, way: Way) {
     const ALL: &str = "every public function is called in panic_free";
     const LINKS: &str = "panic_free links and runs";
     const CHECKED: &str = "panic_free links and runs, overflow checks on";
@@ -113,12 +98,6 @@ pub fn no_panic(tally: &mut Tally, way: Option<Way>) {
         _ => Err(format!("missing: {}", names.join(", "))),
     });
     tally.check(ALL, forgotten);
-    let Some(way) = way else {
-        tally.skip(LINKS, NO_TOOLS);
-        tally.skip(CHECKED, NO_TOOLS);
-        tally.skip(SMALL, NO_TOOLS);
-        return tally.skip(MONITOR, NO_TOOLS);
-    };
     // All builds have the same file: each runs before the next is built.
     let builds: [(&str, Build); 3] =
         [(LINKS, firmware::build), (CHECKED, firmware::build_checked), (SMALL, firmware::build_small)];
@@ -136,20 +115,11 @@ fn panic_free(way: Way) -> Result<&'static str> {
 }
 
 /// Two runs count the same instructions and bytes, no more than promised, and as the book has them.
-pub fn bounds(tally: &mut Tally, way: Option<Way>) {
+pub fn bounds(tally: &mut Tally, way: Way) {
     const REPEATABLE: &str = "two runs count alike";
     const DOCUMENTED: &str = "the book's figures within 5 %";
     const SMALL: &str = "instructions of a sample at opt-level s";
     const SMALL_FLASH: &str = "flash at opt-level s";
-    let Some(way) = way else {
-        tally.skip(REPEATABLE, NO_TOOLS);
-        for bound in BOUNDS {
-            tally.skip(&bound.title(), NO_TOOLS);
-        }
-        tally.skip(SMALL, NO_TOOLS);
-        tally.skip(SMALL_FLASH, NO_TOOLS);
-        return tally.skip(DOCUMENTED, NO_TOOLS);
-    };
     let runs = measure::kernels(way).and_then(|one| Ok((one, measure::kernels(way)?)));
     let mut figures = match runs {
         Ok((one, two)) => {
@@ -170,7 +140,7 @@ pub fn bounds(tally: &mut Tally, way: Option<Way>) {
     let no_fpu = toolchain::hindrance(way, NO_FPU.target);
     for bound in BOUNDS {
         match &no_fpu {
-            Some(hindrance) if bound.name.ends_with(NO_FPU.core) => tally.skip(&bound.title(), hindrance),
+            Some(hindrance) if bound.name.ends_with(NO_FPU.core) => tally.missing(&bound.title(), hindrance),
             _ => tally.check(&bound.title(), bound.check(&figures)),
         }
     }

@@ -3,87 +3,184 @@
 use std::env;
 use std::process::Command;
 
-use anyhow::{Result, bail};
+use anyhow::{Result, bail, ensure};
+use clap::ValueEnum;
 
 use crate::beside::Beside;
-use crate::tally::{Stages, Tally};
+use crate::reports::Libtest;
+use crate::setup::{self, Need};
+use crate::stages::Stages;
+use crate::tally::Tally;
 use crate::toolchain::{self, Way};
-use crate::{book, c_library, child, dependencies, frameworks, newcomer, pil, python, setup, target, workspace};
+use crate::{book, c_library, child, dependencies, frameworks, newcomer, pil, python, target, workspace};
 
-/// Runs all stages, prints the table and the count; whether nothing failed. A failing stage does
-/// not keep later ones from running, unless they need it. The stages of the target run beside those of the host, since
-/// the emulator and many builds use one processor.
-pub fn run(asked: Option<Way>) -> bool {
-    let mut stages = Stages::default();
-    let way = stages.stage("set-up", |tally| set_up(tally, asked));
-    let beside = way.map(Beside::start);
-    stages.stage("format", format);
-    stages.stage("lints", lints);
-    stages.stage("documentation", documentation);
-    stages.stage("host tests", host_tests);
-    stages.stage("Python", python::checks);
-    stages.stage("dependencies", dependencies::checks);
-    match beside {
-        Some(beside) => beside.end(&mut stages),
-        None => on_target(&mut stages, None),
+/// Options of the command.
+#[derive(clap::Args, Debug)]
+pub struct Options {
+    /// Stages, instead of all.
+    #[arg(value_enum)]
+    stages: Vec<Stage>,
+    /// Ends with rows for the run beside which it goes, instead of the table.
+    #[arg(long, hide = true)]
+    beside: bool,
+}
+
+/// A part of the run. Those of the host come first, in the order in which they use what others have built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+pub enum Stage {
+    /// Source is formatted.
+    Format,
+    /// Clippy finds nothing.
+    Lints,
+    /// The documentation of the crates builds.
+    Documentation,
+    /// Tests on this machine.
+    Host,
+    /// The Python package.
+    Python,
+    /// Licences, sources and advisories of the dependencies.
+    Dependencies,
+    /// All examples build for the drive's chip.
+    Firmware,
+    /// Nothing in the core can panic.
+    NoPanic,
+    /// Instructions, bytes and stack are within their bounds.
+    Bounds,
+    /// The emulated chip prints the host's lines.
+    Twins,
+    /// What firmware logs.
+    Logging,
+    /// Processor in the loop.
+    Pil,
+    /// The C library.
+    C,
+    /// The drive under other frameworks.
+    Frameworks,
+    /// The documents' ways into firmware.
+    Newcomer,
+    /// Other chips.
+    Boards,
+}
+
+impl Stage {
+    fn is_of_host(self) -> bool {
+        self < Self::Firmware
     }
-    let total = stages.total();
-    println!("\n{}\n{total}", stages.table());
-    total.failed == 0
-}
 
-/// Runs the stages of the target alone, and prints their rows for [`Stages::take_row`].
-pub fn run_on_target(way: Option<Way>) -> bool {
-    workspace::tests_are_beside();
-    let mut stages = Stages::default();
-    on_target(&mut stages, way);
-    print!("{}", stages.rows());
-    stages.total().failed == 0
-}
-
-/// First what needs no program of the host, which the other process builds meanwhile; last the other boards.
-fn on_target(stages: &mut Stages, way: Option<Way>) {
-    stages.stage("firmware builds", |tally| target::builds(tally, way));
-    stages.stage("no panic", |tally| target::no_panic(tally, way));
-    stages.stage("instructions, stack", |tally| target::bounds(tally, way));
-    stages.stage("host = target", |tally| target::same_lines(tally, way));
-    stages.stage("logging", |tally| target::logging(tally, way));
-    stages.stage("processor in the loop", |tally| pil::check(tally, way));
-    stages.stage("C library", |tally| c_library::checks(tally, way));
-    stages.stage("frameworks", |tally| frameworks::checks(tally, way));
-    stages.stage("newcomer", |tally| newcomer::checks(tally, way));
-    stages.stage("other boards", |tally| target::other_boards(tally, way));
-}
-
-/// The way to build firmware, once everything for it is there.
-fn set_up(tally: &mut Tally, asked: Option<Way>) -> Option<Way> {
-    let ready = toolchain::choose(asked).and_then(|way| setup::ensure(way).map(|()| way));
-    let way = ready.as_ref().ok().copied();
-    let outcome = ready.map(|way| format!("the {way} way"));
-    tally.check("firmware tools", outcome.map_err(|e| format!("{e:#}")));
-    match setup::ensure_chromium() {
-        // Continuous integration must not do without; elsewhere the tests of pages are left out.
-        Err(error) if env::var_os("CI").is_none() => tally.skip("browser", &format!("{error:#}")),
-        found => tally.check("browser", found.map_err(|error| format!("{error:#}"))),
+    /// Its name in the table.
+    fn title(self) -> &'static str {
+        match self {
+            Self::Format => "format",
+            Self::Lints => "lints",
+            Self::Documentation => "documentation",
+            Self::Host => "host tests",
+            Self::Python => "Python",
+            Self::Dependencies => "dependencies",
+            Self::Firmware => "firmware builds",
+            Self::NoPanic => "no panic",
+            Self::Bounds => "instructions, stack",
+            Self::Twins => "host = target",
+            Self::Logging => "logging",
+            Self::Pil => "processor in the loop",
+            Self::C => "C library",
+            Self::Frameworks => "frameworks",
+            Self::Newcomer => "newcomer",
+            Self::Boards => "other boards",
+        }
     }
-    way
-}
 
-fn format(tally: &mut Tally) {
-    if component(tally, "fmt", "rustfmt") {
-        for manifest in ["Cargo.toml", "frameworks/Cargo.toml", "template/Cargo.toml"] {
-            let mut cargo = workspace::cargo(&["fmt", "--all", "--check", "--manifest-path", manifest]);
-            tally.check(&format!("cargo fmt, {manifest}"), silent(&mut cargo));
+    /// What it needs besides a way to build firmware.
+    fn needs(self) -> Vec<&'static Need> {
+        match self {
+            Self::Host => vec![&setup::BROWSER],
+            Self::Documentation | Self::Python | Self::Dependencies => vec![&setup::PYTHON, &setup::PIP],
+            Self::C => vec![&setup::C_COMPILER],
+            Self::Newcomer => vec![&setup::C_COMPILER, &setup::MAKE, &setup::CMAKE],
+            _ => Vec::new(),
+        }
+    }
+
+    fn checks(self, tally: &mut Tally, way: Way) {
+        match self {
+            Self::Format => format(tally),
+            Self::Lints => lints(tally),
+            Self::Documentation => documentation(tally),
+            Self::Host => host_tests(tally),
+            Self::Python => python::checks(tally),
+            Self::Dependencies => dependencies::checks(tally),
+            Self::Firmware => target::builds(tally, way),
+            Self::NoPanic => target::no_panic(tally, way),
+            Self::Bounds => target::bounds(tally, way),
+            Self::Twins => target::same_lines(tally, way),
+            Self::Logging => target::logging(tally, way),
+            Self::Pil => pil::check(tally, way),
+            Self::C => c_library::checks(tally, way),
+            Self::Frameworks => frameworks::checks(tally, way),
+            Self::Newcomer => newcomer::checks(tally, way),
+            Self::Boards => target::other_boards(tally, way),
         }
     }
 }
 
-fn lints(tally: &mut Tally) {
-    if component(tally, "clippy", "clippy") {
-        let mut cargo = workspace::cargo(&["clippy", "--workspace", "--all-targets", "--all-features"]);
-        cargo.args(["--", "--deny", "warnings"]);
-        tally.check("cargo clippy", silent(&mut cargo));
+/// Runs the stages, prints the table and the count; whether nothing failed. What cannot be set up is an error before the
+/// first stage. A failing stage does not keep later ones from running. The stages of the target run beside those of the
+/// host, since the emulator and many builds use one processor.
+pub fn run(options: &Options, asked: Option<Way>) -> Result<bool> {
+    let chosen = if options.stages.is_empty() { Stage::value_variants() } else { &options.stages };
+    let (host, target): (Vec<Stage>, Vec<Stage>) = chosen.iter().partition(|stage| stage.is_of_host());
+    let mut stages = Stages::default();
+    let way = stages.stage("set-up", |tally| set_up(tally, chosen, asked))?;
+    if options.beside {
+        workspace::tests_are_beside();
+        stages = Stages::default();
     }
+    let beside = (!host.is_empty() && !target.is_empty()).then(|| Beside::start(way, &target));
+    let here = if beside.is_some() { host } else { [host, target].concat() };
+    for stage in here {
+        stages.stage(stage.title(), |tally| stage.checks(tally, way));
+    }
+    if let Some(beside) = beside {
+        beside.end(&mut stages);
+    }
+    if options.beside {
+        print!("{}", stages.rows());
+        return Ok(stages.total().failed == 0);
+    }
+    Ok(stages.end())
+}
+
+/// Makes ready what the stages need; the way to build firmware.
+fn set_up(tally: &mut Tally, stages: &[Stage], asked: Option<Way>) -> Result<Way> {
+    for (stage, command, component) in [(Stage::Format, "fmt", "rustfmt"), (Stage::Lints, "clippy", "clippy")] {
+        let works = || child::works(&mut workspace::cargo(&[command, "--version"]));
+        ensure!(
+            !stages.contains(&stage) || works(),
+            "{component} is not installed; run\n    rustup component add {component}"
+        );
+    }
+    let mut needs: Vec<&Need> = stages.iter().flat_map(|stage| stage.needs()).collect();
+    let mut way = Way::Rustup;
+    if stages.iter().any(|stage| !stage.is_of_host()) {
+        way = toolchain::choose(asked)?;
+        needs.extend(setup::firmware(way)?);
+        tally.check::<_, &str>("firmware", Ok(format!("the {way} way")));
+    }
+    setup::ensure(&needs)?;
+    tally.check::<_, &str>("programs", Ok(""));
+    Ok(way)
+}
+
+fn format(tally: &mut Tally) {
+    for manifest in ["Cargo.toml", "frameworks/Cargo.toml", "template/Cargo.toml"] {
+        let mut cargo = workspace::cargo(&["fmt", "--all", "--check", "--manifest-path", manifest]);
+        tally.check(&format!("cargo fmt, {manifest}"), silent(&mut cargo));
+    }
+}
+
+fn lints(tally: &mut Tally) {
+    let mut cargo = workspace::cargo(&["clippy", "--workspace", "--all-targets", "--all-features"]);
+    cargo.args(["--", "--deny", "warnings"]);
+    tally.check("cargo clippy", silent(&mut cargo));
 }
 
 fn documentation(tally: &mut Tally) {
@@ -93,11 +190,7 @@ fn documentation(tally: &mut Tally) {
     cargo.env("RUSTDOCFLAGS", format!("{flags} -Dwarnings"));
     tally.check("cargo doc", silent(&mut cargo));
     // Includes and links are tests of this crate; mdBook only draws them.
-    if child::on_path("mdbook") {
-        tally.check("mdbook", book::build().map(|_| ""));
-    } else {
-        tally.skip("mdbook", "not installed (cargo install mdbook --locked)");
-    }
+    tally.check("mdbook", target::brief(book::build().map(|_| "")));
 }
 
 /// With overflow and debug checks on; the development profile is optimised, since the numeric tests simulate minutes
@@ -107,10 +200,10 @@ fn host_tests(tally: &mut Tally) {
     // Without the examples, which have no tests: clippy has read them, and those that are needed are built later.
     for kind in [workspace::TESTS, "--doc"] {
         let mut cargo = workspace::cargo(&["test", "--workspace", kind, "--no-fail-fast", "--", "--show-output"]);
-        let before = tally.failed;
+        let (before, mut report) = (tally.failed, Libtest::default());
         let status = child::lines(&mut cargo, |line| {
             println!("{line}");
-            tally.add_libtest(line);
+            report.read(line, tally);
         });
         match status {
             Ok(status) if status.success() => {}
@@ -123,16 +216,6 @@ fn host_tests(tally: &mut Tally) {
     if tally.failed == 0 {
         workspace::tests_are_built();
     }
-}
-
-/// Whether a part of the toolchain is there; a small rustup installation lacks some.
-fn component(tally: &mut Tally, command: &str, name: &str) -> bool {
-    let there = child::works(&mut workspace::cargo(&[command, "--version"]));
-    if !there {
-        let way_out = format!("not installed (rustup component add {name})");
-        tally.skip(&format!("cargo {command}"), &way_out);
-    }
-    there
 }
 
 /// Success without a word of praise, since the program has printed its own.

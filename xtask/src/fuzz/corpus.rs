@@ -9,7 +9,7 @@ use anyhow::{Context, Result, ensure};
 use zip::write::SimpleFileOptions;
 use zip::{ZipArchive, ZipWriter};
 
-use crate::workspace;
+use crate::{child, workspace};
 
 /// Most bytes of the inputs of a kept corpus, before they are packed; the shortest go first.
 const MOST_BYTES: u64 = 120_000;
@@ -51,7 +51,7 @@ pub fn keep(door: &str, program: &Path) -> Result<()> {
     fs::create_dir_all(&least)?;
     let mut merge = Command::new(program);
     merge.env("ATTACK_DOOR", door).arg("-merge=1").arg(&least).arg(&all);
-    let status = merge.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status()?;
+    let status = child::status(merge.stdout(Stdio::null()).stderr(Stdio::null()))?;
     ensure!(status.success(), "the corpora of {door} cannot be merged: {status}");
     let size = |entry: &fs::DirEntry| entry.metadata().map_or(0, |about| about.len());
     let mut files: Vec<fs::DirEntry> = fs::read_dir(&least)?.collect::<Result<_, _>>()?;

@@ -159,7 +159,7 @@ fn round(door: &Door, (own, failed): (&Path, &Path), seconds: u64, round: usize)
         format!("-artifact_prefix={}/{}-", failed.display(), door.name),
     ]);
     let (out, error) = (fs::File::create(&log)?, fs::File::options().append(true).open(&log)?);
-    let status = program.stdin(Stdio::null()).stdout(out).stderr(error).status()?;
+    let status = child::status(program.stdout(out).stderr(error))?;
     let text = String::from_utf8_lossy(&fs::read(&log)?).into_owned();
     let count = text.lines().find_map(|line| line.strip_prefix("stat::number_of_executed_units:"));
     let executions = count.and_then(|count| count.trim().parse().ok()).unwrap_or(0);

@@ -15,8 +15,9 @@ use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 
-use crate::tally::{Stages, Tally};
-use crate::target::{NO_TOOLS, brief};
+use crate::stages::Stages;
+use crate::tally::Tally;
+use crate::target::brief;
 use crate::toolchain::Way;
 use crate::{child, workspace};
 
@@ -26,21 +27,16 @@ type Walk = fn(Way) -> Result<String>;
 /// Runs the checks and prints them; whether nothing failed.
 pub fn run(way: Way) -> bool {
     let mut stages = Stages::default();
-    stages.stage("newcomer", |tally| checks(tally, Some(way)));
-    let total = stages.total();
-    println!("\n{total}");
-    total.failed == 0
+    stages.stage("newcomer", |tally| checks(tally, way));
+    stages.end()
 }
 
-/// All walks; without firmware tools they are skipped.
-pub fn checks(tally: &mut Tally, way: Option<Way>) {
+/// All walks.
+pub fn checks(tally: &mut Tally, way: Way) {
     let crates: [(&str, Walk); 2] =
         [("the book in an empty crate", crates::by_book), ("the template, copied", crates::by_template)];
     for (title, walk) in crates {
-        match way {
-            Some(way) => tally.check(title, brief(walk(way))),
-            None => tally.skip(title, NO_TOOLS),
-        }
+        tally.check(title, brief(walk(way)));
     }
     c::checks(tally, way);
 }
@@ -89,8 +85,7 @@ pub fn shell(blocks: &[blocks::Block], folder: &Path, checkout: &Path) -> Result
 /// The search path with the programs that this workspace builds before all others.
 fn search_path() -> Result<OsString> {
     let own = workspace::target_dir().join("debug");
-    let rest = env::var_os("PATH").unwrap_or_default();
-    Ok(env::join_paths([own].into_iter().chain(env::split_paths(&rest)))?)
+    Ok(env::join_paths([own].into_iter().chain(env::split_paths(&child::search_path())))?)
 }
 
 /// Copies a folder with all folders in it.

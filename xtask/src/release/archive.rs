@@ -17,7 +17,7 @@ use crate::board::DRIVE;
 use crate::tally::Tally;
 use crate::target::brief;
 use crate::toolchain::Way;
-use crate::{child, firmware, setup, workspace};
+use crate::{child, firmware, workspace};
 
 const FILE: &str = "libbearing_watch_c.a";
 
@@ -50,7 +50,6 @@ pub fn checks(tally: &mut Tally, way: Way) {
 }
 
 fn make(way: Way) -> Result<PathBuf> {
-    setup::ensure_c()?;
     let (host, system) = for_host()?;
     let mut parts = notices::files()?;
     for (from, to) in FILES {

@@ -27,7 +27,7 @@ pub fn checks(tally: &mut Tally, way: Way) {
     for board in [DRIVE, NO_FPU] {
         let title = format!("pairs of features on {}", board.target);
         match toolchain::hindrance(way, board.target) {
-            Some(hindrance) => tally.skip(&title, &hindrance),
+            Some(hindrance) => tally.missing(&title, &hindrance),
             None => tally.check(&title, brief(on_chip(way, board, &source))),
         }
     }

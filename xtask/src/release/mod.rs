@@ -30,7 +30,8 @@ use std::process::Command;
 use anyhow::Result;
 use clap::ValueEnum;
 
-use crate::tally::{Stages, Tally};
+use crate::stages::Stages;
+use crate::tally::Tally;
 use crate::toolchain::Way;
 use crate::{child, dependencies, workspace};
 
@@ -76,14 +77,13 @@ pub fn run(options: &Options, way: Way) -> Result<bool> {
     }
     let (table, sums) = dist::tables(&dist::folder()?)?;
     fs::write(dist::folder()?.join(dist::SUMS), sums)?;
-    let total = stages.total();
-    println!("\n{table}\n{}\n{total}", stages.table());
+    println!("\n{table}");
     if !child::output(Command::new("git").args(["status", "--porcelain"]).current_dir(workspace::root()))
         .is_some_and(|changes| changes.is_empty())
     {
         println!("not a release: the tree has changes that are not committed");
     }
-    Ok(total.failed == 0)
+    Ok(stages.end())
 }
 
 fn check(part: Part, tally: &mut Tally, way: Way, baseline: Option<&str>) {

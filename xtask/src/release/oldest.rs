@@ -87,7 +87,7 @@ fn compiler(tally: &mut Tally) {
     let title = format!("the packages by rustc {version}");
     match tools::toolchain(&version) {
         Some(folder) => tally.check(&title, brief(by_compiler(&folder, &version))),
-        None => tally.skip(&title, &format!("not installed (rustup toolchain install {version} --profile minimal)")),
+        None => tally.missing(&title, &format!("not installed (rustup toolchain install {version} --profile minimal)")),
     }
 }
 
