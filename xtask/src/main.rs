@@ -1,5 +1,5 @@
 //! What the repository's own commands do: `cargo xtask test | long | firmware | c | pil | frameworks | newcomer |
-//! measure | peers | python | fuzz | docs | book | release | setup`.
+//! measure | peers | python | fuzz | docs | book | times | release | setup`.
 
 mod beside;
 mod board;
@@ -35,11 +35,13 @@ mod stages;
 mod tally;
 mod target;
 mod test;
+mod times;
 mod toolchain;
 mod tools;
 mod workspace;
 
-use std::path::PathBuf;
+use std::env;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::Result;
@@ -121,6 +123,8 @@ enum Command {
     },
     /// Builds the book by mdBook.
     Book,
+    /// Builds what `cargo demo` builds in an empty target directory and prints the times of its crates.
+    Times(times::Options),
     /// Makes everything that is published, in `target/dist`, and checks it; publishes nothing.
     Release(release::Options),
     /// Fetches what firmware builds, emulator runs and tests of pages need and the system does not have, into the target
@@ -129,6 +133,9 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    if let Some(file) = env::var_os(times::wrapper::VARIABLE) {
+        return times::wrapper::run(Path::new(&file));
+    }
     let outcome = processes::end_by_signal().and_then(|()| run(&Arguments::parse()));
     processes::settle();
     match outcome {
@@ -157,6 +164,9 @@ fn needs(command: &Command, way: Way) -> Result<Vec<&'static setup::Need>> {
 fn run(arguments: &Arguments) -> Result<bool> {
     if let Command::Test(options) = &arguments.command {
         return test::run(options, arguments.way);
+    }
+    if let Command::Times(options) = &arguments.command {
+        return times::run(options).map(|()| true);
     }
     if matches!(arguments.command, Command::Peers) {
         return peers::run();
@@ -210,7 +220,8 @@ fn run(arguments: &Arguments) -> Result<bool> {
         | Command::Python
         | Command::Fuzz(_)
         | Command::Docs { .. }
-        | Command::Book => {}
+        | Command::Book
+        | Command::Times(_) => {}
     }
     Ok(true)
 }

@@ -12,7 +12,7 @@ use crate::setup::{self, Need};
 use crate::stages::Stages;
 use crate::tally::Tally;
 use crate::toolchain::{self, Way};
-use crate::{book, c_library, child, dependencies, frameworks, newcomer, pil, python, target, workspace};
+use crate::{book, c_library, child, dependencies, frameworks, newcomer, pil, python, target, times, workspace};
 
 /// Options of the command.
 #[derive(clap::Args, Debug)]
@@ -28,6 +28,8 @@ pub struct Options {
 /// A part of the run. Those of the host come first, in the order in which they use what others have built.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
 pub enum Stage {
+    /// The first `cargo demo` takes no more than its bound.
+    Demo,
     /// Source is formatted.
     Format,
     /// Clippy finds nothing.
@@ -70,6 +72,7 @@ impl Stage {
     /// Its name in the table.
     fn title(self) -> &'static str {
         match self {
+            Self::Demo => "demo",
             Self::Format => "format",
             Self::Lints => "lints",
             Self::Documentation => "documentation",
@@ -102,6 +105,7 @@ impl Stage {
 
     fn checks(self, tally: &mut Tally, way: Way) {
         match self {
+            Self::Demo => times::checks(tally),
             Self::Format => format(tally),
             Self::Lints => lints(tally),
             Self::Documentation => documentation(tally),
@@ -127,12 +131,18 @@ impl Stage {
 /// host, since the emulator and many builds use one processor.
 pub fn run(options: &Options, asked: Option<Way>) -> Result<bool> {
     let chosen = if options.stages.is_empty() { Stage::value_variants() } else { &options.stages };
-    let (host, target): (Vec<Stage>, Vec<Stage>) = chosen.iter().partition(|stage| stage.is_of_host());
+    let (mut host, target): (Vec<Stage>, Vec<Stage>) = chosen.iter().partition(|stage| stage.is_of_host());
+    host.sort_unstable();
+    let first = host.iter().take_while(|stage| **stage == Stage::Demo).count();
     let mut stages = Stages::default();
     let way = stages.stage("set-up", |tally| set_up(tally, chosen, asked))?;
     if options.beside {
         workspace::tests_are_beside();
         stages = Stages::default();
+    }
+    // Alone: nothing else may build what it measures.
+    for stage in host.drain(..first) {
+        stages.stage(stage.title(), |tally| stage.checks(tally, way));
     }
     let beside = (!host.is_empty() && !target.is_empty()).then(|| Beside::start(way, &target));
     let here = if beside.is_some() { host } else { [host, target].concat() };
