@@ -14,8 +14,8 @@ use crate::child;
 
 const INSTALLED: &str = "/var/lib/dpkg/status";
 
-/// What cannot run beside the installed one: every program loads the loader of the system.
-const OF_THE_SYSTEM: &str = "libc6";
+/// What is not unpacked: a program starts with the loader of the system, and with no other library of C than its own.
+const OF_THE_SYSTEM: [&str; 2] = ["libc6_", "libc-bin_"];
 
 /// Hooks of the system, which would write outside, and what is not read.
 const SETTINGS: &str = r#"
@@ -43,6 +43,8 @@ Debug::NoLocking "true";
 /// The private state.
 pub struct Apt {
     folder: PathBuf,
+    /// Why a source could not be read, if one could not.
+    unread: Option<String>,
 }
 
 /// Packages that are fetched for a need.
@@ -62,7 +64,7 @@ impl fmt::Display for Plan {
 impl Apt {
     /// Makes the state and reads the lists of the system's sources.
     pub fn new() -> Result<Self> {
-        let apt = Self { folder: unpacked::folder().join("apt") };
+        let mut apt = Self { folder: unpacked::folder().join("apt"), unread: None };
         for folder in ["lists/partial", "none/partial"] {
             fs::create_dir_all(apt.folder.join(folder)).with_context(|| apt.folder.display().to_string())?;
         }
@@ -75,10 +77,10 @@ impl Apt {
         apt.write_status(&apt.folder.join("status"), &[], &BTreeSet::new())?;
         eprintln!("reading the lists of packages");
         let update = child::captured(apt.call("apt-get").args(["--quiet", "update"]))?;
-        // A source of another project may be out of reach; what is missing then is said by the plan.
-        if !update.status.success() {
-            eprint!("{}", String::from_utf8_lossy(&update.stderr));
-        }
+        // A source of another project may be out of reach; it matters if what is missing is not in the others.
+        let messages = String::from_utf8_lossy(&update.stderr);
+        apt.unread =
+            messages.lines().find(|line| line.starts_with("E: ") || line.contains("Failed to fetch")).map(Into::into);
         Ok(apt)
     }
 
@@ -114,7 +116,10 @@ impl Apt {
     /// The packages with what they need and the system does not have.
     pub fn plan(&self, name: &str, packages: &[&str]) -> Result<Plan> {
         let shown = child::output(self.call("apt-cache").args(["show", "--no-all-versions"]).args(packages));
-        let shown = shown.with_context(|| format!("the system's sources do not have {}", packages.join(", ")))?;
+        let shown = shown.with_context(|| match &self.unread {
+            Some(reason) => format!("the lists of packages cannot be read: {reason}"),
+            None => format!("the system's sources do not have {}", packages.join(", ")),
+        })?;
         self.write_status(&self.status(name), packages, &stanza::sources(&shown))?;
         let listed = child::captured(self.install(name).arg("--print-uris").args(packages))?;
         if !listed.status.success() {
@@ -122,14 +127,12 @@ impl Apt {
         }
         let plan = read(&String::from_utf8_lossy(&listed.stdout));
         ensure!(!plan.files.is_empty(), "apt-get names no package");
-        let needs_loader = plan.files.iter().any(|file| file.starts_with(&format!("{OF_THE_SYSTEM}_")));
-        ensure!(!needs_loader, "the installed {OF_THE_SYSTEM} is too old for the packages of the system's sources");
         Ok(plan)
     }
 
     /// Fetches the packages of a plan, checked by apt; returns their files.
     pub fn fetch(&self, name: &str, packages: &[&str], plan: &Plan) -> Result<Vec<PathBuf>> {
-        let archives = self.folder.join(format!("archives-{name}"));
+        let archives = self.archives(name);
         fs::create_dir_all(archives.join("partial"))?;
         let mut fetch = self.install(name);
         fetch.args(["--download-only", "--quiet", "--quiet"]);
@@ -141,6 +144,17 @@ impl Apt {
         }
         Ok(files)
     }
+
+    fn archives(&self, name: &str) -> PathBuf {
+        self.folder.join(format!("archives-{name}"))
+    }
+
+    /// Removes what was fetched for a need.
+    pub fn forget(&self, name: &str) -> Result<()> {
+        fs::remove_dir_all(self.archives(name))?;
+        fs::remove_file(self.status(name))?;
+        Ok(())
+    }
 }
 
 /// Reads lines `'https://…' NAME_VERSION_ARCHITECTURE.deb BYTES SHA256:…`.
@@ -149,7 +163,9 @@ fn read(listed: &str) -> Plan {
     let mut plan = Plan { files: Vec::new(), bytes: 0 };
     for line in lines {
         let mut words = line.split(' ').skip(1);
-        if let (Some(file), Some(Ok(bytes))) = (words.next(), words.next().map(str::parse::<u64>)) {
+        if let (Some(file), Some(Ok(bytes))) = (words.next(), words.next().map(str::parse::<u64>))
+            && !OF_THE_SYSTEM.iter().any(|start| file.starts_with(start))
+        {
             plan.files.push(file.to_owned());
             plan.bytes += bytes;
         }
@@ -171,6 +187,7 @@ mod tests {
     fn files_and_bytes_are_read_from_the_list() {
         let plan = read(
             "Reading package lists...\nThe following packages will be REMOVED:\n  qemu-utils\n\
+             'https://host/libc6_2.36_amd64.deb' libc6_2.36_amd64.deb 2700000 SHA256:00\n\
              'https://host/a_1%3a1_amd64.deb' a_1%3a1_amd64.deb 1500000 SHA256:00\n'https://host/b' b_2_all.deb 700000 \n",
         );
         assert_eq!(plan.files, ["a_1%3a1_amd64.deb", "b_2_all.deb"]);

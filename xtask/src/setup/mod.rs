@@ -60,7 +60,11 @@ fn unpack(apt: &apt::Apt, need: &Need, plan: &apt::Plan) -> Result<()> {
     eprintln!("fetching {}: {plan}", need.title);
     let archives = apt.fetch(need.name, need.packages, plan)?;
     unpacked::unpack(need, &archives)?;
-    ensure!((need.serves)(&child::search_path()), "what was unpacked does not serve: {}", need.packages.join(", "));
+    apt.forget(need.name)?;
+    ensure!(
+        (need.serves)(&child::search_path()),
+        "the packages of the system's sources are too old, or do not run with its libraries"
+    );
     Ok(())
 }
 

@@ -111,14 +111,12 @@ pub fn unpack(need: &Need, archives: &[PathBuf]) -> Result<()> {
     let settings = settings(need, &part, &libraries)?;
     for program in need.programs {
         for place in matching(&part, program)? {
-            write_script(&part, &root(need).join(place), &settings)?;
+            let script = part.join("bin").join(place.file_name().unwrap_or_default());
+            write_script(&script, &root(need).join(place), &settings)?;
         }
     }
     fs::write(part.join(COMPLETE), stamp(need))?;
     fs::rename(&part, root(need))?;
-    for archive in archives {
-        fs::remove_file(archive)?;
-    }
     link(need)
 }
 
@@ -179,12 +177,25 @@ fn matching(root: &Path, place: &str) -> Result<Vec<PathBuf>> {
     Ok(names.iter().filter(|own| own.to_string_lossy().starts_with(start)).map(|own| folder.join(own)).collect())
 }
 
-/// Writes the script of a program.
-fn write_script(part: &Path, program: &Path, settings: &str) -> Result<()> {
+/// Writes a script that starts a program with these variables.
+fn write_script(script: &Path, program: &Path, settings: &str) -> Result<()> {
     let text = format!("#!/bin/sh\n{settings}exec {} \"$@\"\n", quoted(program));
-    let script = part.join("bin").join(program.file_name().unwrap_or_default());
-    fs::write(&script, text)?;
-    os::make_executable(&script)
+    fs::write(script, text).with_context(|| script.display().to_string())?;
+    os::make_executable(script)
+}
+
+/// Writes a script that starts another program as an unpacked one is started. Whether the unpacked one is in use.
+pub fn write_script_like(need: &Need, name: &str, program: &Path, script: &Path) -> Result<bool> {
+    if !programs().join(name).is_symlink() {
+        return Ok(false);
+    }
+    let text = fs::read_to_string(self::program(need, name))?;
+    let settings: String =
+        text.lines().filter(|line| line.starts_with("export ")).map(|line| format!("{line}\n")).collect();
+    // It may be a link to the program.
+    let _ = fs::remove_file(script);
+    write_script(script, program, &settings)?;
+    Ok(true)
 }
 
 /// The variables of the programs of a folder.
@@ -293,7 +304,7 @@ mod tests {
         let program = root.join("show");
         fs::write(&program, "#!/bin/sh\necho $OWN \"$2\"\n")?;
         os::make_executable(&program)?;
-        write_script(&root, &program, "export OWN=set\n")?;
+        write_script(&root.join("bin/show"), &program, "export OWN=set\n")?;
         let printed = child::output(Command::new(root.join("bin/show")).args(["a", "b  c"]));
         assert_eq!(printed.as_deref(), Some("set b  c"));
         fs::remove_dir_all(root)?;
