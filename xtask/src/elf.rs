@@ -39,6 +39,14 @@ pub fn sizes(path: &Path) -> Result<Sizes> {
     Ok(sizes)
 }
 
+/// Whether an ELF file has a section of this name.
+pub fn has_section(path: &Path, name: &str) -> Result<bool> {
+    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let file =
+        ElfFile32::<Endianness>::parse(&*bytes).with_context(|| format!("{} is not firmware", path.display()))?;
+    Ok(file.section_by_name(name).is_some())
+}
+
 /// Names of the linked symbols that hold a piece of text; linking has dropped what is not called.
 pub fn symbols_with(path: &Path, piece: &str) -> Result<Vec<String>> {
     let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;

@@ -1,36 +1,26 @@
-//! Lines from `defmt`: firmware sends places of texts and raw values, and the texts are in its ELF file.
+//! Lines from `defmt`: a program of its own decodes them, and what they say is read here.
 
-use std::fs;
-use std::io::Read;
 use std::path::Path;
+use std::process::{ChildStdout, Command, Stdio};
 
-use anyhow::{Context, Result, bail};
-use defmt_decoder::{DecodeError, Table};
+use anyhow::Result;
 
-/// The texts of an ELF file; nothing where it doesn't log by `defmt`.
-pub fn table(elf: &Path) -> Result<Option<Table>> {
-    let bytes = fs::read(elf).with_context(|| format!("cannot read {}", elf.display()))?;
-    Table::parse(&bytes).with_context(|| format!("{} has no readable defmt table", elf.display()))
+use crate::processes::Started;
+use crate::{child, elf, workspace};
+
+/// Returns a call of the decoder for the frames of this firmware; nothing where it doesn't log by `defmt`.
+pub fn decoder(elf: &Path) -> Result<Option<Command>> {
+    if !elf::has_section(elf, ".defmt")? {
+        return Ok(None);
+    }
+    let mut decoder = workspace::program("log-decoder")?;
+    decoder.arg(std::path::absolute(elf)?);
+    Ok(Some(decoder))
 }
 
-/// Decodes a stream of frames; every frame is a line with its level.
-pub fn split(mut stream: impl Read, table: &Table, mut each: impl FnMut(&str)) -> Result<()> {
-    let mut decoder = table.new_stream_decoder();
-    let mut bytes = [0; 1024];
-    loop {
-        let count = stream.read(&mut bytes)?;
-        if count == 0 {
-            return Ok(());
-        }
-        decoder.received(bytes.get(..count).unwrap_or_default());
-        loop {
-            match decoder.decode() {
-                Ok(frame) => each(&frame.display(false).to_string()),
-                Err(DecodeError::UnexpectedEof) => break,
-                Err(DecodeError::Malformed) => bail!("a malformed defmt frame"),
-            }
-        }
-    }
+/// Starts it behind a program that sends frames.
+pub fn decode(decoder: &mut Command, frames: ChildStdout) -> Result<Started> {
+    child::start(decoder.stdin(frames).stdout(Stdio::piped()))
 }
 
 /// The classes that lines name after the word `verdict: `.
@@ -72,12 +62,5 @@ mod tests {
             refusals(std::slice::from_ref(&refused)).is_err()
                 && refusals(&[refused.replace("WARN", "INFO"), stuck]).is_err()
         );
-    }
-
-    #[test]
-    fn a_program_without_defmt_has_no_table() -> Result<()> {
-        // The test's own program stands for one.
-        assert!(table(&std::env::current_exe()?)?.is_none());
-        Ok(())
     }
 }

@@ -127,8 +127,8 @@ enum Command {
     Times(times::Options),
     /// Makes everything that is published, in `target/dist`, and checks it; publishes nothing.
     Release(release::Options),
-    /// Fetches what firmware builds, emulator runs and tests of pages need and the system does not have, into the target
-    /// directory; other commands fetch what they need themselves.
+    /// Fetches what firmware builds, emulator runs and tests of pages need and the system does not have, into the
+    /// target directory; other commands fetch what they need themselves.
     Setup,
 }
 

@@ -9,7 +9,7 @@ use std::process::Command;
 use anyhow::{Context, Result, bail, ensure};
 
 use crate::reports::Pytest;
-use crate::setup::{self, unpacked};
+use crate::setup::{self, script};
 use crate::stages::Stages;
 use crate::tally::Tally;
 use crate::{child, workspace};
@@ -110,7 +110,7 @@ pub fn venv(folder: &Path, empty: bool) -> Result<PathBuf> {
     // Python's own installer is missing, and the unpacked one is not at the place where Python looks for it.
     child::succeed(venv.arg("--without-pip"))?;
     // Of the environment's names for an unpacked Python, the one that is used finds its libraries.
-    unpacked::write_script_like(&setup::PYTHON, "python3", &folder.join("bin/python3"), &program)?;
+    script::write_like(&setup::PYTHON, "python3", &folder.join("bin/python3"), &program)?;
     let mut install = Command::new(&program);
     install.env("PYTHONPATH", &wheel).args(["-m", "pip", "install", "--quiet", "--no-index"]);
     child::succeed(install.arg(&wheel))?;

@@ -1,14 +1,12 @@
 //! Runs firmware in the emulator: output by semihosting, repeatable time, and an end in any case.
 
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::mpsc;
-use std::thread;
+use std::process::{Child, ChildStdout, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{self, Receiver};
+use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use anyhow::{Context, Result, bail};
-
-use defmt_decoder::Table;
+use anyhow::{Context, Result, bail, ensure};
 
 use crate::{child, log};
 
@@ -43,7 +41,7 @@ pub fn run_in(folder: &Path, elf: &Path, machine: &str, echo: Echo) -> Result<Ve
         .arg("-kernel")
         .arg(std::path::absolute(elf)?);
     let what = elf.file_stem().unwrap_or_default().to_string_lossy();
-    within(&mut emulator, PATIENCE, echo, log::table(elf)?).with_context(|| format!("{what} on {machine}"))
+    within(&mut emulator, PATIENCE, echo, log::decoder(elf)?).with_context(|| format!("{what} on {machine}"))
 }
 
 /// Runs an ELF file by a command that takes it as its last argument, as cargo calls a runner.
@@ -52,26 +50,22 @@ pub fn run_by(mut runner: Command, elf: &Path) -> Result<Vec<String>> {
     within(&mut runner, PATIENCE, Echo::Off, None).with_context(|| format!("{runner:?}"))
 }
 
-fn within(command: &mut Command, patience: Duration, echo: Echo, table: Option<Table>) -> Result<Vec<String>> {
+fn within(command: &mut Command, patience: Duration, echo: Echo, decoder: Option<Command>) -> Result<Vec<String>> {
     let mut emulator = child::start(command.stdin(Stdio::null()).stdout(Stdio::piped()))?;
-    let output = emulator.0.stdout.take().context("the emulator has no output")?;
-    let (sender, receiver) = mpsc::channel();
-    // The reader must not hold up the clock below; it ends with the emulator.
-    let reader = thread::spawn(move || {
-        let each = |line: &str| {
-            if echo == Echo::On {
-                println!("{line}");
-            }
-            let _receiver_gone = sender.send(line.to_owned());
-        };
-        match table {
-            Some(table) => log::split(output, &table, each),
-            None => child::split(output, each),
-        }
-    });
+    let mut output = emulator.0.stdout.take().context("the emulator has no output")?;
+    let mut behind = None;
+    if let Some(mut decoder) = decoder {
+        let mut started = log::decode(&mut decoder, output)?;
+        output = started.0.stdout.take().context("the decoder has no output")?;
+        behind = Some(started);
+    }
+    let (reader, receiver) = read(output, echo);
     let status = wait(&mut emulator.0, patience);
     if status.is_ok() {
         reader.join().ok().context("the reader panicked")??;
+        if let Some(mut decoder) = behind {
+            ensure!(decoder.0.wait()?.success(), "the lines of the firmware cannot be decoded");
+        }
     }
     let lines: Vec<String> = receiver.try_iter().collect();
     let last = || match lines.last() {
@@ -83,6 +77,20 @@ fn within(command: &mut Command, patience: Duration, echo: Echo, table: Option<T
         bail!("the firmware failed ({status}); {}", last());
     }
     Ok(lines)
+}
+
+/// Reads lines on a thread, which must not hold up the clock of the emulator, and ends with its output.
+fn read(output: ChildStdout, echo: Echo) -> (JoinHandle<Result<()>>, Receiver<String>) {
+    let (sender, receiver) = mpsc::channel();
+    let reader = thread::spawn(move || {
+        child::split(output, |line| {
+            if echo == Echo::On {
+                println!("{line}");
+            }
+            let _receiver_gone = sender.send(line.to_owned());
+        })
+    });
+    (reader, receiver)
 }
 
 fn wait(child: &mut Child, patience: Duration) -> Result<ExitStatus> {

@@ -77,6 +77,12 @@ pub fn workbench() -> Result<Command> {
     Ok(built("bearing-watch"))
 }
 
+/// Returns a call of another program of this workspace at its root, built as [`example`] builds.
+pub fn program(name: &str) -> Result<Command> {
+    child::succeed(&mut cargo(&["build", "--quiet", "--workspace", "--bin", name]))?;
+    Ok(built(name))
+}
+
 /// Returns a call of an example on the host at the workspace's root. It is built from what the host tests are built
 /// from: by package its dependencies would have other features.
 pub fn example(name: &str) -> Result<Command> {

@@ -4,6 +4,8 @@
 
 mod apt;
 mod need;
+mod os;
+pub mod script;
 mod stanza;
 pub mod unpacked;
 mod version;

@@ -1,5 +1,4 @@
-//! Unpacked packages: a folder for each need, with a script for each program that sets the search path of its
-//! libraries; only these programs look for libraries there.
+//! Unpacked packages: a folder for each need, with a script for each program.
 
 use std::ffi::OsString;
 use std::fs::{self, File};
@@ -9,6 +8,7 @@ use std::process::Command;
 use anyhow::{Context, Result};
 
 use super::need::Need;
+use super::{os, script};
 use crate::{child, workspace};
 
 /// Written last: the packages and the place, which the scripts contain.
@@ -108,11 +108,11 @@ pub fn unpack(need: &Need, archives: &[PathBuf]) -> Result<()> {
         lead_to(&root(need), &specs)?;
     }
     libraries.sort();
-    let settings = settings(need, &part, &libraries)?;
+    let settings = script::settings(need, &part, &libraries)?;
     for program in need.programs {
         for place in matching(&part, program)? {
             let script = part.join("bin").join(place.file_name().unwrap_or_default());
-            write_script(&script, &root(need).join(place), &settings)?;
+            script::write(&script, &root(need).join(place), &settings)?;
         }
     }
     fs::write(part.join(COMPLETE), stamp(need))?;
@@ -177,105 +177,17 @@ fn matching(root: &Path, place: &str) -> Result<Vec<PathBuf>> {
     Ok(names.iter().filter(|own| own.to_string_lossy().starts_with(start)).map(|own| folder.join(own)).collect())
 }
 
-/// Writes a script that starts a program with these variables.
-fn write_script(script: &Path, program: &Path, settings: &str) -> Result<()> {
-    let text = format!("#!/bin/sh\n{settings}exec {} \"$@\"\n", quoted(program));
-    fs::write(script, text).with_context(|| script.display().to_string())?;
-    os::make_executable(script)
-}
-
-/// Writes a script that starts another program as an unpacked one is started. Whether the unpacked one is in use.
-pub fn write_script_like(need: &Need, name: &str, program: &Path, script: &Path) -> Result<bool> {
-    if !programs().join(name).is_symlink() {
-        return Ok(false);
-    }
-    let text = fs::read_to_string(self::program(need, name))?;
-    let settings: String =
-        text.lines().filter(|line| line.starts_with("export ")).map(|line| format!("{line}\n")).collect();
-    // It may be a link to the program.
-    let _ = fs::remove_file(script);
-    write_script(script, program, &settings)?;
-    Ok(true)
-}
-
-/// The variables of the programs of a folder.
-fn settings(need: &Need, part: &Path, libraries: &[PathBuf]) -> Result<String> {
-    let mut text = String::new();
-    if !libraries.is_empty() {
-        let folders: Vec<String> = libraries.iter().map(|own| quoted(&root(need).join(own))).collect();
-        text += &format!("export LD_LIBRARY_PATH={}${{LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}}\n", folders.join(":"));
-    }
-    let fonts = part.join("usr/share/fonts");
-    if fonts.is_dir() {
-        // The configuration of the packages names folders of the system only.
-        let own = root(need).join("usr/share/fonts");
-        let cache = root(need).join("cache");
-        fs::write(
-            part.join("fonts.conf"),
-            FONTS.replace("OWN", &own.display().to_string()).replace("CACHE", &cache.display().to_string()),
-        )?;
-        text += &format!("export FONTCONFIG_FILE={}\n", quoted(&root(need).join("fonts.conf")));
-    }
-    Ok(text)
-}
-
-/// What Chromium needs to draw text.
-const FONTS: &str = r#"<?xml version="1.0"?>
-<!DOCTYPE fontconfig SYSTEM "urn:fontconfig:fonts.dtd">
-<fontconfig>
-  <dir>/usr/share/fonts</dir>
-  <dir>OWN</dir>
-  <cachedir>CACHE</cachedir>
-</fontconfig>
-"#;
-
-/// A path as a word of the shell.
-fn quoted(path: &Path) -> String {
-    format!("'{}'", path.display().to_string().replace('\'', r"'\''"))
-}
-
-#[cfg(unix)]
-mod os {
-    use std::fs;
-    use std::os::unix::fs::{PermissionsExt as _, symlink};
-    use std::path::Path;
-
-    use anyhow::Result;
-
-    pub fn link(target: &Path, link: &Path) -> Result<()> {
-        Ok(symlink(target, link)?)
-    }
-
-    pub fn make_executable(file: &Path) -> Result<()> {
-        Ok(fs::set_permissions(file, fs::Permissions::from_mode(0o755))?)
-    }
-}
-
-/// Systems without apt-get.
-#[cfg(not(unix))]
-mod os {
-    use std::path::Path;
-
-    use anyhow::{Result, bail};
-
-    pub fn link(_: &Path, _: &Path) -> Result<()> {
-        bail!("no links here")
-    }
-
-    pub fn make_executable(_: &Path) -> Result<()> {
-        bail!("no scripts here")
-    }
+/// A folder for a test.
+#[cfg(test)]
+pub fn folder_for(name: &str) -> Result<PathBuf> {
+    let folder = workspace::target_dir().join("tests").join(format!("{name}-{}", std::process::id()));
+    fs::create_dir_all(&folder)?;
+    Ok(folder)
 }
 
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
-
-    fn folder_for(name: &str) -> Result<PathBuf> {
-        let folder = workspace::target_dir().join("tests").join(format!("{name}-{}", std::process::id()));
-        fs::create_dir_all(&folder)?;
-        Ok(folder)
-    }
 
     #[test]
     fn absolute_links_lead_into_the_folder_and_libraries_are_found() -> Result<()> {
@@ -293,20 +205,6 @@ mod tests {
         assert_eq!(fs::read_to_string(root.join("usr/lib/link/file"))?, "text");
         assert_eq!(fs::read_link(root.join("usr/lib/link"))?, Path::new("../../usr/src/x"));
         assert_eq!(fs::read_link(root.join("usr/lib/of-the-system"))?, Path::new("/usr/bin/env"));
-        fs::remove_dir_all(root)?;
-        Ok(())
-    }
-
-    #[test]
-    fn a_script_sets_variables_and_passes_arguments_on() -> Result<()> {
-        let root = folder_for("it's")?;
-        fs::create_dir_all(root.join("bin"))?;
-        let program = root.join("show");
-        fs::write(&program, "#!/bin/sh\necho $OWN \"$2\"\n")?;
-        os::make_executable(&program)?;
-        write_script(&root.join("bin/show"), &program, "export OWN=set\n")?;
-        let printed = child::output(Command::new(root.join("bin/show")).args(["a", "b  c"]));
-        assert_eq!(printed.as_deref(), Some("set b  c"));
         fs::remove_dir_all(root)?;
         Ok(())
     }

@@ -17,8 +17,8 @@ use crate::{child, workspace};
 use alias::Alias;
 use wrapper::Call;
 
-/// Most processor time of building the demo from nothing and running it, s. The time of an unloaded machine of two cores
-/// with a margin for one that is slower or loaded.
+/// Most processor time of building the demo from nothing and running it, s: with a margin for a machine that is slower
+/// or loaded.
 const DEMO_PROCESSOR_S: u64 = 240;
 
 /// Crates in the table.
