@@ -2,7 +2,7 @@
 
     python field.py RECORDS OURS_JSON     table on standard output; exit code 3 if ours is behind in a cell
 
-RECORDS is the program `workbench/examples/field_records.rs`, which writes the records of a row: both sides have the
+RECORDS is the program `workbench/cli/examples/field_records.rs`, which writes the records of a row: both sides have the
 same seeds. OURS_JSON is the output of `campaign --field --json`; its rows and draws are repeated here.
 
 The method is what an engineer writes by hand. Missing samples are interpolated. Filters of second order give current,
@@ -169,7 +169,7 @@ def draw(program, row, number):
 
 
 def rate(tallies):
-    """Rate in percent with the interval of `workbench/src/study/field/tally.rs`."""
+    """Rate in percent with the interval of `workbench/studies/src/field/tally.rs`."""
     counted, judged = np.array([t[0] for t in tallies], float), np.array([sum(t) for t in tallies], float)
     n, p = judged.sum(), counted.sum() / judged.sum()
     if 0 < p < 1 and len(tallies) > 1:

@@ -1,4 +1,4 @@
-"""What other programs need for the work that `workbench/examples/peers.rs` times, and the table of both.
+"""What other programs need for the work that `workbench/cli/examples/peers.rs` times, and the table of both.
 
     python peers.py DIR RUST_JSON OXICTL_JSON     table on standard output
     python peers.py --numpy DIR                   (itself, with the number of BLAS threads set) JSON on standard output

@@ -156,7 +156,7 @@ fn build(program: &Path) -> Result<PathBuf> {
 fn workbenches() -> Result<usize> {
     let names = fs::read_dir(workspace::target_dir().join("debug/deps"))?;
     let names = names.filter_map(|entry| Some(entry.ok()?.file_name().to_string_lossy().into_owned()));
-    Ok(names.filter(|name| name.starts_with("libworkbench-") && name.ends_with(".rlib")).count())
+    Ok(names.filter(|name| name.starts_with("libbearing_watch_model-") && name.ends_with(".rlib")).count())
 }
 
 #[cfg(test)]

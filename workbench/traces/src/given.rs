@@ -22,9 +22,11 @@ pub struct Memory {
 /// Reads labels and front end, and finds the traces: those of the settings, or in the folder of the labels.
 ///
 /// # Errors
-/// Labels or a front end that cannot be read, or no labels.
+/// Labels or a front end that cannot be read, no labels, or channels that do not go together.
 pub fn given(settings: &Settings, memory: Memory) -> Result<Given, Error> {
     let front_end = settings.data.front_end.as_deref().map(FrontEndFile::read).transpose()?;
+    // Settings that do not go together are refused before the labels are read.
+    settings.reading(front_end.clone())?;
     Ok(Given { front_end, ..given_without_front_end(settings, memory)? })
 }
 

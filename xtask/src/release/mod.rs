@@ -103,4 +103,14 @@ fn check(part: Part, tally: &mut Tally, way: Way, baseline: Option<&str>) {
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// The packages for crates.io.
-pub const PUBLIC: [&str; 3] = ["bearing-watch", "bearing-watch-c", "bearing-watch-workbench"];
+pub const PUBLIC: [&str; 9] = [
+    "bearing-watch",
+    "bearing-watch-c",
+    "bearing-watch-fleet",
+    "bearing-watch-model",
+    "bearing-watch-pages",
+    "bearing-watch-rig",
+    "bearing-watch-studies",
+    "bearing-watch-traces",
+    "bearing-watch-workbench",
+];

@@ -31,7 +31,7 @@ pub fn checks(tally: &mut Tally) {
 /// Calls the tool in a workspace of this package alone: others would turn on more features of what both use.
 fn make(source: &Path, name: &str) -> Result<String> {
     let (folder, stem) = (source.join(folder_of(name)), format!("{name}-{VERSION}"));
-    copy::keep_only(source, folder_of(name))?;
+    copy::keep_only(source, &folder_of(name))?;
     let mut tool = CYCLONEDX.command(&["cyclonedx", "--format", "json", "--spec-version", "1.5", "--target", "all"])?;
     tool.args(["--no-build-deps", "--override-filename", &stem]);
     // Of the core, which is in every workspace as its root, others take some only.
@@ -60,11 +60,12 @@ fn components(text: &str) -> Result<usize> {
 }
 
 /// The folder of a published package.
-fn folder_of(name: &str) -> &'static str {
-    match name {
-        "bearing-watch-c" => "c-api",
-        "bearing-watch-workbench" => "workbench",
-        _ => ".",
+fn folder_of(name: &str) -> String {
+    match name.strip_prefix("bearing-watch-") {
+        None => ".".into(),
+        Some("c") => "c-api".into(),
+        Some("workbench") => "workbench/cli".into(),
+        Some(library) => format!("workbench/{library}"),
     }
 }
 
