@@ -10,7 +10,7 @@ use fleet::Sums;
 use fleet::steps::{SumOptions, features_sum};
 use model::session::{Log, ModelFile, Quiet, Session};
 use model::settings::{DriveFile, Settings};
-use model::trace::{self, Channels, FrontEndFile, Labels};
+use model::trace::{Channels, FrontEndFile};
 use traces::given::{Memory, given};
 
 use crate::Door;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use fleet::steps::{features, features_sum, train_features};
+use ::fleet::steps::{features, features_sum, train_features};
 use model::Error;
 use model::session::{Log, Quiet};
 use model::settings::Use;

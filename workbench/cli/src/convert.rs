@@ -6,7 +6,7 @@ use super::jobs::Convert;
 use super::options::Taken;
 use super::output;
 use model::Error;
-use model::trace::{self, stem};
+use model::trace::stem;
 use traces::reader::{self, Series};
 use traces::resample::{Resampled, at_rate};
 use traces::table;

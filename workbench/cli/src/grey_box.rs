@@ -16,7 +16,7 @@ use model::grey_box::physical::{self, ElectricalRecord};
 use model::grey_box::{GreyBox, Quantity};
 use model::session::irregular;
 use model::settings::{DriveFile, Signals};
-use model::trace::{self, Channels, Trace};
+use model::trace::{Channels, Trace};
 
 /// Physical constants of a drive, with standard deviations
 #[derive(Debug, clap::Args)]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::output;
 use model::Error;
 use model::session::{irregular, refuse_gaps};
-use model::trace::{self, Channels, Trace};
+use model::trace::{Channels, Trace};
 
 /// Reads traces, warns of those with irregular sampling, and refuses those with gaps.
 pub(super) fn read(paths: &[PathBuf], channels: &Channels) -> Result<Vec<Trace>, Error> {

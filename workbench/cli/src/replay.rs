@@ -13,7 +13,7 @@ use model::Error;
 use model::core::{Embedded, SegmentReport, Watched, Watcher, denied, features, stuck_channels};
 use model::identify::Terms;
 use model::session::{ModelFile, Notes, check_rate, irregular, refused};
-use model::trace::{self, Trace};
+use model::trace::Trace;
 use model::train::front_end_source::further_channels;
 use pages::Page;
 use pages::replay::{Replayed, page};

@@ -9,7 +9,6 @@ use crate::output;
 use model::Error;
 use model::audit::friction::Excited;
 use model::settings::Settings;
-use model::trace;
 
 /// Runs the audit; returns whether something was found.
 pub(crate) fn run(args: &Args) -> Result<bool, Error> {

@@ -17,7 +17,7 @@ use model::audit::friction::{Excited, Motion, Terms, excited};
 use model::audit::orders::{self, floor, rate, smallest_line, turns};
 use model::audit::times::Times;
 use model::settings::{Signals, healthy_class};
-use model::trace::{Labels, stem};
+use model::trace::stem;
 use traces::reader::{self, Series};
 use traces::table::Table;
 

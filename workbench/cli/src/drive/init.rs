@@ -10,7 +10,6 @@ use super::values::Values;
 use crate::output;
 use model::Error;
 use model::settings::sections;
-use model::trace;
 use pages::page::counted;
 
 pub(crate) fn run(args: &Args) -> Result<(), Error> {

@@ -3,7 +3,6 @@
 use std::path::{Component, Path, PathBuf};
 
 use model::Error;
-use model::trace;
 
 /// Folders within folders, and files of one kind, that are listed.
 const DEPTH: usize = 6;

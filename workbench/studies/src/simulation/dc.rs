@@ -47,7 +47,7 @@ impl Dc {
 
 impl Experiment for Dc {
     fn validate(&self, kind: DefectKind) -> Result<(), Error> {
-        Ok(self.scenario(kind, 0).validate().map_err(Error::other)?)
+        self.scenario(kind, 0).validate().map_err(Error::other)
     }
 
     fn condition(&self) -> &'static str {

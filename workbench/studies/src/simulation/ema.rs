@@ -49,7 +49,7 @@ impl Ema {
 
 impl Experiment for Ema {
     fn validate(&self, kind: DefectKind) -> Result<(), Error> {
-        Ok(self.scenario(kind, 0).validate().map_err(Error::other)?)
+        self.scenario(kind, 0).validate().map_err(Error::other)
     }
 
     fn condition(&self) -> &'static str {
