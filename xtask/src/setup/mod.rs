@@ -35,7 +35,7 @@ pub fn firmware(way: Way) -> Result<Vec<&'static Need>> {
 
 /// Returns when all of it is there. What cannot be had is an error before anything large is fetched.
 pub fn ensure(needs: &[&'static Need]) -> Result<()> {
-    let missing: Vec<&Need> = needs.iter().copied().filter(|need| !is_ready(need)).collect();
+    let missing: Vec<&Need> = once(needs).into_iter().filter(|need| !is_ready(need)).collect();
     if missing.is_empty() {
         return Ok(());
     }
@@ -56,6 +56,17 @@ pub fn ensure(needs: &[&'static Need]) -> Result<()> {
         unpack(&apt, need, &plan).with_context(|| remedy(need))?;
     }
     Ok(())
+}
+
+/// Each need once: several stages may have the same.
+fn once(needs: &[&'static Need]) -> Vec<&'static Need> {
+    let mut single: Vec<&Need> = Vec::new();
+    for need in needs {
+        if !single.iter().any(|own| own.name == need.name) {
+            single.push(need);
+        }
+    }
+    single
 }
 
 fn unpack(apt: &apt::Apt, need: &Need, plan: &apt::Plan) -> Result<()> {
@@ -83,4 +94,16 @@ pub fn is_ready(need: &Need) -> bool {
 pub fn browser() -> Result<&'static str> {
     ensure(&[&BROWSER])?;
     need::browser(&child::search_path()).context("no Chromium on the search path")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_need_of_several_stages_is_fetched_once() {
+        let needs = [&C_COMPILER, &PYTHON, &C_COMPILER, &MAKE, &PYTHON];
+        let names: Vec<&str> = once(&needs).iter().map(|need| need.name).collect();
+        assert_eq!(names, ["c-compiler", "python", "make"]);
+    }
 }
