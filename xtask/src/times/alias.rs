@@ -29,6 +29,12 @@ impl Alias {
         Some(Self { options, arguments: words.collect() })
     }
 
+    /// The package of the program.
+    pub fn package(&self) -> Option<&str> {
+        let mut words = self.options.iter().skip_while(|word| *word != "--package" && *word != "-p");
+        words.nth(1).map(String::as_str)
+    }
+
     /// The folder of the profile in the target directory.
     pub fn profile(&self) -> &str {
         let named = self.options.iter().skip_while(|word| *word != "--profile").nth(1);
@@ -64,7 +70,8 @@ mod tests {
     }
 
     #[test]
-    fn the_repository_has_the_alias() {
-        assert!(Alias::demo().is_ok());
+    fn the_repository_has_the_alias() -> Result<()> {
+        assert_eq!(Alias::demo()?.package(), Some("bearing-watch-studies"));
+        Ok(())
     }
 }
