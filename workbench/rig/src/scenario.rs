@@ -7,7 +7,7 @@ use core::f64::consts::TAU;
 use super::field::{Drive, Duty, Field};
 use super::{
     BearingGeometry, Defect, MotorParameters, NoiseSource, RigError, Stream, TABLE_2_3, Waveform, finite, not_negative,
-    positive,
+    positive, within,
 };
 
 /// One experiment on the DC-motor rig.
@@ -126,7 +126,7 @@ impl Scenario {
         not_negative("current_noise_a", self.current_noise_a)?;
         not_negative("velocity_noise_rad_s", self.velocity_noise_rad_s)?;
         if let Some(bits) = self.angle_bits {
-            super::field::within("angle_bits", f64::from(bits), [1.0, 30.0])?;
+            within("angle_bits", f64::from(bits), [1.0, 30.0])?;
         }
         self.bearing.validate()?;
         self.field.validate(self.sample_time_s)

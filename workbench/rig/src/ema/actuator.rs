@@ -9,7 +9,7 @@
 //!
 //! p: pole pairs, λ: flux linkage of one phase, m: mass of nut, rod and load, η: efficiency of the driving screw.
 
-use super::super::{RigError, field::within, not_negative, positive};
+use super::super::{RigError, not_negative, positive, within};
 use core::f64::consts::TAU;
 
 /// Spring and damper between the nut and the mass.

@@ -2,7 +2,7 @@
 //!
 //! An [`EmaScenario`] is a plain struct literal; [`simulate`](super::simulate) runs it with a seed.
 
-use super::super::field::within;
+use super::super::within;
 use super::super::{BearingGeometry, NoiseSource, RigError, Stream, Waveform, finite, not_negative};
 use super::{Actuator, DriveSettings, EmaDefect, EmaLoad, SensorErrors};
 

@@ -11,7 +11,7 @@
 
 use core::f64::consts::TAU;
 
-use super::super::field::within;
+use super::super::within;
 use super::super::{NoiseSource, RigError, Stream, not_negative};
 use super::{Actuator, EmaState};
 

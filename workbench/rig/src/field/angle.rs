@@ -11,7 +11,8 @@
 
 use core::f64::consts::{PI, SQRT_2, TAU};
 
-use crate::{NoiseSource, RigError, not_negative, positive};
+use super::draws::{between, choice};
+use crate::{NoiseSource, RigError, not_negative, positive, within};
 
 /// Orders of the error (1).
 pub const ERROR_ORDERS: [f64; 3] = [1.0, 2.0, 12.0];
@@ -47,19 +48,19 @@ impl Resolver {
             not_negative("field.resolver.error_deg", *error)?;
         }
         for bits in self.bits {
-            super::within("field.resolver.bits", f64::from(bits), [1.0, 30.0])?;
+            within("field.resolver.bits", f64::from(bits), [1.0, 30.0])?;
         }
         positive("field.resolver.cutoff_hz", self.cutoff_hz)?;
-        super::within("field.resolver.cutoff_hz", self.cutoff_hz, [0.0, 0.49 / sample_time_s])?;
+        within("field.resolver.cutoff_hz", self.cutoff_hz, [0.0, 0.49 / sample_time_s])?;
         Ok(())
     }
 
     pub(super) fn draw(&self, mut source: NoiseSource) -> ResolverValues {
-        let mut error = |range| [super::between(&mut source, range).to_radians(), source.uniform(0.0, TAU)];
+        let mut error = |range| [between(&mut source, range).to_radians(), source.uniform(0.0, TAU)];
         let error_rad = self.error_deg.map(&mut error);
         let [fewest, most] = self.bits;
         let choices = most.saturating_sub(fewest) + 1;
-        ResolverValues { error_rad, bits: fewest + super::choice(&mut source, choices), cutoff_hz: self.cutoff_hz }
+        ResolverValues { error_rad, bits: fewest + choice(&mut source, choices), cutoff_hz: self.cutoff_hz }
     }
 }
 

@@ -11,7 +11,8 @@
 
 use core::f64::consts::TAU;
 
-use crate::{Electrical, MotorParameters, NoiseSource, PlantState, RigError, not_negative, positive};
+use super::draws::between;
+use crate::{Electrical, MotorParameters, NoiseSource, PlantState, RigError, not_negative, positive, within};
 
 /// Order of the ripple of (1), periods per turn.
 const RIPPLE_ORDER: f64 = 6.0;
@@ -78,7 +79,7 @@ impl CurrentChain {
             not_negative("field.current_chain.offset", offset)?;
         }
         not_negative("field.current_chain.gain", self.gain)?;
-        super::within("field.current_chain.bits", f64::from(self.bits), [1.0, 30.0])?;
+        within("field.current_chain.bits", f64::from(self.bits), [1.0, 30.0])?;
         not_negative("field.current_chain.ripple", self.ripple)?;
         for limit in self.dead_time_v {
             not_negative("field.current_chain.dead_time_v", limit)?;
@@ -88,7 +89,7 @@ impl CurrentChain {
     }
 
     pub(super) fn draw(&self, mut source: NoiseSource) -> CurrentChainValues {
-        let size = self.full_scale_a * super::between(&mut source, self.offset);
+        let size = self.full_scale_a * between(&mut source, self.offset);
         let sign = if source.uniform(-1.0, 1.0) < 0.0 { -1.0 } else { 1.0 };
         CurrentChainValues {
             full_scale_a: self.full_scale_a,
@@ -97,7 +98,7 @@ impl CurrentChain {
             step_a: 2.0 * self.full_scale_a / f64::from(1_u32 << self.bits),
             ripple_a: self.ripple * size,
             ripple_phase_rad: source.uniform(0.0, TAU),
-            dead_time_v: super::between(&mut source, self.dead_time_v),
+            dead_time_v: between(&mut source, self.dead_time_v),
             dead_time_current_a: self.dead_time_current_a,
         }
     }

@@ -8,8 +8,9 @@
 //! Tc is the Coulomb friction, Ts the break-away torque, ωs the Stribeck velocity, η the efficiency of what transmits
 //! the load, and ω₀ = 1 rad/s the width of the smoothed sign.
 
+use super::draws::between;
 use crate::bearing::direction;
-use crate::{NoiseSource, RigError, not_negative, positive};
+use crate::{NoiseSource, RigError, fraction, not_negative, positive};
 
 /// Ranges of the Stribeck friction: each constant varies by ± `spread` about its nominal value.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,7 +44,7 @@ impl Stribeck {
         not_negative("field.stribeck.coulomb_nm", self.coulomb_nm)?;
         not_negative("field.stribeck.break_away_nm", self.break_away_nm)?;
         positive("field.stribeck.velocity_rad_s", self.velocity_rad_s)?;
-        super::fraction("field.stribeck.spread", self.spread)?;
+        fraction("field.stribeck.spread", self.spread)?;
         Ok(())
     }
 
@@ -87,13 +88,13 @@ impl LoadFriction {
     pub(super) fn validate(&self) -> Result<(), RigError> {
         for efficiency in self.efficiency {
             positive("field.load_friction.efficiency", efficiency)?;
-            super::fraction("field.load_friction.efficiency", efficiency)?;
+            fraction("field.load_friction.efficiency", efficiency)?;
         }
         Ok(())
     }
 
     pub(super) fn draw(&self, mut source: NoiseSource) -> LoadFrictionValues {
-        LoadFrictionValues { coefficient: 1.0 / super::between(&mut source, self.efficiency) - 1.0 }
+        LoadFrictionValues { coefficient: 1.0 / between(&mut source, self.efficiency) - 1.0 }
     }
 }
 

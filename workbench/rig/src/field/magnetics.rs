@@ -11,7 +11,7 @@
 
 use core::f64::consts::TAU;
 
-use crate::{NoiseSource, PlantState, RigError, not_negative};
+use crate::{NoiseSource, PlantState, RigError, fraction, not_negative};
 
 /// Orders of the torques, periods per turn of the shaft.
 pub const ORDERS: [u32; 6] = [1, 2, 6, 12, 24, 36];
@@ -53,7 +53,7 @@ impl Magnetics {
             not_negative("field.magnetics.torque_constant_ripple", self.torque_constant_ripple[k])?;
             not_negative("field.magnetics.unbalance_nm", self.unbalance_nm[k])?;
         }
-        super::fraction("field.magnetics.cogging_spread", self.cogging_spread)?;
+        fraction("field.magnetics.cogging_spread", self.cogging_spread)?;
         Ok(())
     }
 

@@ -15,7 +15,8 @@
 
 use core::f64::consts::TAU;
 
-use crate::{NoiseSource, PlantState, RigError, Stage, not_negative, positive};
+use super::draws::between;
+use crate::{NoiseSource, PlantState, RigError, Stage, fraction, not_negative, positive, within};
 
 /// Ranges of the effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,9 +59,9 @@ impl Mechanics {
     };
 
     pub(super) fn validate(&self) -> Result<(), RigError> {
-        super::fraction("field.mechanics.payload", self.payload)?;
+        fraction("field.mechanics.payload", self.payload)?;
         positive("field.mechanics.load_share", self.load_share)?;
-        super::within("field.mechanics.load_share", self.load_share, [0.0, 0.95])?;
+        within("field.mechanics.load_share", self.load_share, [0.0, 0.95])?;
         for limit in self.resonance_hz {
             positive("field.mechanics.resonance_hz", limit)?;
         }
@@ -76,9 +77,9 @@ impl Mechanics {
         MechanicsValues {
             payload: 1.0 + job.uniform(-self.payload, self.payload),
             load_share: self.load_share,
-            resonance_hz: super::between(&mut built, self.resonance_hz),
+            resonance_hz: between(&mut built, self.resonance_hz),
             damping_ratio: self.damping_ratio,
-            backlash_rad: super::between(&mut built, self.backlash_deg).to_radians(),
+            backlash_rad: between(&mut built, self.backlash_deg).to_radians(),
         }
     }
 }

@@ -34,12 +34,14 @@
 
 pub mod angle;
 pub mod current_chain;
+mod draws;
 mod drive_train;
 pub mod duty;
 pub mod friction;
 pub mod load_sensor;
 pub mod magnetics;
 pub mod mechanics;
+mod profile;
 pub mod sampling;
 pub mod slip;
 pub mod temperature;
@@ -51,11 +53,11 @@ pub use angle::{Resolver, ResolverValues};
 pub use current_chain::{CurrentChain, CurrentChainValues};
 pub(super) use drive_train::DriveTrain;
 pub use duty::Duty;
-pub(super) use duty::Profile;
 pub use friction::{LoadFriction, LoadFrictionValues, Stribeck, StribeckValues};
 pub use load_sensor::{LoadMeasurement, LoadSensor, LoadSensorValues};
 pub use magnetics::{Magnetics, MagneticsValues};
 pub use mechanics::{Mechanics, MechanicsValues};
+pub(super) use profile::Profile;
 pub(super) use sampling::Clock;
 pub use sampling::{Missing, SampleJitter};
 pub use slip::{Slip, SlipValues};
@@ -63,7 +65,7 @@ pub use temperature::{Temperature, TemperatureValues};
 pub use units::{Constants, Drive, Units};
 pub use values::FieldValues;
 
-use super::{NoiseSource, RigError};
+use super::RigError;
 
 /// Effects of the field with their ranges.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -146,31 +148,6 @@ impl Field {
     }
 }
 
-/// Returns `value` if it lies between the limits, both included.
-pub(super) fn within(name: &'static str, value: f64, [from, to]: [f64; 2]) -> Result<f64, RigError> {
-    if (from..=to).contains(&value) { Ok(value) } else { Err(RigError::OutOfRange { name, value, from, to }) }
-}
-
-/// Returns `value` if it lies between 0 and 1.
-fn fraction(name: &'static str, value: f64) -> Result<f64, RigError> {
-    within(name, value, [0.0, 1.0])
-}
-
-/// A draw from the uniform distribution over a range.
-fn between(source: &mut NoiseSource, [from, to]: [f64; 2]) -> f64 {
-    source.uniform(from, to)
-}
-
-/// A draw from the whole numbers below `count`, all equally probable.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a uniform draw from 0 to below count, cut to a whole number"
-)]
-fn choice(source: &mut NoiseSource, count: u32) -> u32 {
-    source.uniform(0.0, f64::from(count)) as u32
-}
-
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
@@ -223,16 +200,5 @@ pub(super) mod tests {
         assert!(refused(Field { jitter: Some(wild), ..Field::NONE }).contains("field.jitter.fraction"));
         let none = Missing::Periodic { every: 0 };
         assert!(refused(Field { missing: Some(none), ..Field::NONE }).contains("field.missing.every"));
-    }
-
-    #[test]
-    fn choices_are_equally_probable() {
-        let mut source = NoiseSource::new(1, crate::Stream::Duty);
-        let mut counts = [0_u32; 6];
-        for _ in 0..6000 {
-            counts[choice(&mut source, 6) as usize] += 1;
-        }
-        // Four standard deviations of a binomial count: √(6000/6 · 5/6) = 29.
-        assert!(counts.iter().all(|count| count.abs_diff(1000) < 116), "{counts:?}");
     }
 }

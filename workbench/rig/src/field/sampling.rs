@@ -4,7 +4,8 @@
 //! the row. With jitter, measurement and control happen at `t(k) = (k + u(k)) Ts`, u uniform; the record contains
 //! t(k). The first sample is at 0.
 
-use crate::{NoiseSource, RigError};
+use super::draws::choice;
+use crate::{NoiseSource, RigError, fraction, within};
 
 /// Which samples are missing.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,11 +32,11 @@ pub enum Missing {
 impl Missing {
     pub(super) fn validate(&self) -> Result<(), RigError> {
         match *self {
-            Self::Random { rate } => super::fraction("field.missing.rate", rate)?,
-            Self::Periodic { every } => super::within("field.missing.every", f64::from(every), [1.0, 1e9])?,
+            Self::Random { rate } => fraction("field.missing.rate", rate)?,
+            Self::Periodic { every } => within("field.missing.every", f64::from(every), [1.0, 1e9])?,
             Self::Bursts { rate, samples } => {
-                super::within("field.missing.samples", f64::from(samples), [1.0, 1e9])?;
-                super::within("field.missing.rate", rate, [0.0, 0.9])?
+                within("field.missing.samples", f64::from(samples), [1.0, 1e9])?;
+                within("field.missing.rate", rate, [0.0, 0.9])?
             }
         };
         Ok(())
@@ -46,9 +47,7 @@ impl Missing {
     pub fn draw(&self, mut source: NoiseSource, count: usize) -> Vec<usize> {
         match *self {
             Self::Random { rate } => (0..count).filter(|_| source.uniform(0.0, 1.0) < rate).collect(),
-            Self::Periodic { every } => {
-                (super::choice(&mut source, every) as usize..count).step_by(every as usize).collect()
-            }
+            Self::Periodic { every } => (choice(&mut source, every) as usize..count).step_by(every as usize).collect(),
             Self::Bursts { rate, samples } => {
                 // Runs of L samples and gaps of 1/p on average: the fraction is L/(L + 1/p).
                 let start = rate / (f64::from(samples) * (1.0 - rate));
@@ -79,7 +78,7 @@ impl SampleJitter {
 
     pub(super) fn validate(&self) -> Result<(), RigError> {
         // Beyond 0.45 two instants could nearly coincide.
-        super::within("field.jitter.fraction", self.fraction, [0.0, 0.45])?;
+        within("field.jitter.fraction", self.fraction, [0.0, 0.45])?;
         Ok(())
     }
 }

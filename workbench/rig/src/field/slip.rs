@@ -15,8 +15,9 @@
 
 use core::f64::consts::TAU;
 
+use super::draws::between;
 use crate::bearing::{PULSE_DUTY, direction, pulse};
-use crate::{DefectTorque, NoiseSource, PlantState, RigError, not_negative, positive};
+use crate::{DefectTorque, NoiseSource, PlantState, RigError, fraction, not_negative, positive};
 
 /// Ranges of the effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,13 +63,13 @@ impl Slip {
 
     pub(super) fn validate(&self) -> Result<(), RigError> {
         for slip in self.slip {
-            super::fraction("field.slip.slip", slip)?;
+            fraction("field.slip.slip", slip)?;
         }
-        super::fraction("field.slip.jitter", self.jitter)?;
+        fraction("field.slip.jitter", self.jitter)?;
         positive("field.slip.correlation_s", self.correlation_s)?;
         for width in self.width {
             positive("field.slip.width", width)?;
-            super::fraction("field.slip.width", width)?;
+            fraction("field.slip.width", width)?;
         }
         not_negative("field.slip.load_floor", self.load_floor)?;
         positive("field.slip.load_scale_nm", self.load_scale_nm)?;
@@ -77,9 +78,9 @@ impl Slip {
     }
 
     pub(super) fn draw(&self, mut source: NoiseSource) -> SlipValues {
-        let size = super::between(&mut source, self.slip);
+        let size = between(&mut source, self.slip);
         let slip = if source.uniform(-1.0, 1.0) < 0.0 { -size } else { size };
-        SlipValues { slip, width: super::between(&mut source, self.width), ranges: *self }
+        SlipValues { slip, width: between(&mut source, self.width), ranges: *self }
     }
 }
 

@@ -11,7 +11,7 @@
 //! other effects that are built into a drive (Stribeck and load friction, cogging, sensors, transmission) are then also
 //! drawn once for the drive. If not, each record is a drive of its own.
 
-use crate::{NoiseSource, RigError, Stream, not_negative};
+use crate::{NoiseSource, RigError, Stream, fraction, not_negative};
 
 /// One drive on one day.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -61,8 +61,8 @@ impl Units {
     pub const FIELD: Self = Self { unit: 0.05, session: 0.02, session_current_a: 0.05 };
 
     pub(super) fn validate(&self) -> Result<(), RigError> {
-        super::fraction("field.units.unit", self.unit)?;
-        super::fraction("field.units.session", self.session)?;
+        fraction("field.units.unit", self.unit)?;
+        fraction("field.units.session", self.session)?;
         not_negative("field.units.session_current_a", self.session_current_a)?;
         Ok(())
     }
