@@ -17,13 +17,13 @@ use rayon::prelude::*;
 use model::trace::{Cells, Recorded};
 
 use crate::damaged::{DAMAGED, guarded};
-use crate::table::{Columns, Wanted, arrow_blocks, doubles, parquet_pages};
+use crate::table::columns::{Columns, Wanted};
+use crate::table::doubles::LARGEST_RESERVE;
+use crate::table::{arrow_blocks, doubles, parquet_pages};
 use model::Error;
 
 /// Rows of one batch.
 const BATCH: usize = 65_536;
-/// Rows for which memory is reserved at most, as the file's own count of rows may be wrong.
-pub(super) const LARGEST_RESERVE: usize = 1 << 24;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {

@@ -9,8 +9,10 @@ use parquet::errors::Result;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::SchemaDescriptor;
 
-use crate::table::arrow::LARGEST_RESERVE;
 use crate::table::parquet_pages;
+
+/// Rows for which memory is reserved at most, as the file's own count of rows may be wrong.
+pub(super) const LARGEST_RESERVE: usize = 1 << 24;
 
 /// Values that are read at a time.
 const MANY: usize = 65_536;

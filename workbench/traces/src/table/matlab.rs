@@ -15,8 +15,9 @@ use std::path::Path;
 use matrw::{MatFile, MatVariable};
 
 use crate::damaged::guarded;
+use crate::table::columns::of_one_length;
+use crate::table::matlab_elements;
 use crate::table::matlab_value::Value;
-use crate::table::{matlab_elements, of_one_length};
 use model::Error;
 
 /// What a file of format 7.3 has behind its text header.

@@ -5,7 +5,7 @@ use std::path::Path;
 use model::Error;
 use model::trace::{Cells, Recorded};
 
-use super::{Columns, Wanted};
+use super::columns::{Columns, Wanted};
 
 /// Reads the wanted columns and rows.
 pub(super) fn read(table: &Recorded, wanted: Wanted<'_>) -> Result<Columns, Error> {

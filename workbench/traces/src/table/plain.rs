@@ -6,9 +6,11 @@
 use memchr::{memchr, memchr_iter};
 use rayon::prelude::*;
 
+use crate::table::columns::LARGEST;
 use crate::table::digits::decimal;
+use crate::table::lines::Lines;
+use crate::table::marks;
 use crate::table::source::Source;
-use crate::table::{Lines, marks};
 
 /// Pieces that are in memory at a time. The same for any number of threads, as it decides which of two problems in a
 /// text is told.
@@ -177,7 +179,7 @@ impl<'a> Piece<'a> {
                 let Some(slot) = slot else { continue };
                 let any = || if form.point == b'.' { fast_float2::parse(&bytes[cell.clone()]).ok() } else { None };
                 let quick = decimal(bytes, cell.clone(), form.point).or_else(any);
-                let number = match quick.filter(|number| number.abs() <= super::LARGEST) {
+                let number = match quick.filter(|number| number.abs() <= LARGEST) {
                     Some(number) => Ok(number),
                     None => (form.number)(text[cell].trim()),
                 };

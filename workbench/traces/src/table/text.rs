@@ -5,11 +5,12 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
+use crate::table::columns::{Columns, LARGEST, Wanted, unusable};
 use crate::table::layout::{Header, Layout};
+use crate::table::lines::Lines;
 use crate::table::plain::{self, Failure, Form, Refusal};
 use crate::table::source::Source;
 use crate::table::unpack::unpacked;
-use crate::table::{Columns, LARGEST, Lines, Wanted, unusable};
 use model::Error;
 
 /// Bytes of a file from which it is read in pieces, and of its start, which has the layout.
@@ -252,6 +253,7 @@ impl std::io::Read for Blanks<'_> {
     }
 }
 
+/// Returns the error of a text file, with its line.
 #[must_use]
 pub fn csv_error(path: &Path, error: &csv::Error) -> Error {
     let line = error.position().map_or_else(|| "content".into(), |p| format!("line {}", p.line()));

@@ -70,7 +70,7 @@ pub(super) fn packed(path: &Path, text: &str) -> Result<std::io::Result<Vec<u8>>
     #[cfg(not(feature = "compressed"))]
     {
         let _unused = text;
-        Err(super::left_out(path, "gz and .zst"))
+        Err(super::formats::left_out(path, "gz and .zst"))
     }
 }
 

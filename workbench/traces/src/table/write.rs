@@ -26,7 +26,7 @@ pub fn write(path: &Path, names: &[String], columns: &[Vec<f64>]) -> Result<(), 
         "npz" => super::numpy::write(path, names, columns).map_err(Error::io(path)),
         #[cfg(feature = "matlab")]
         "mat" => super::matlab::write(path, names, columns),
-        binary if super::is_binary(binary) => Err(super::left_out(path, binary)),
+        binary if super::formats::is_binary(binary) => Err(super::formats::left_out(path, binary)),
         _ => {
             let text = text(names, columns, if extension == "tsv" { '\t' } else { ',' });
             let packed = match compressed {
