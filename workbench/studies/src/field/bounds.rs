@@ -22,6 +22,7 @@
 
 pub mod classes;
 pub mod energy;
+mod power;
 pub mod render;
 pub mod roughness;
 mod search;
@@ -31,7 +32,7 @@ use bearing_watch::plan::RunTime;
 use bearing_watch::{FrictionTerm, ShaftEstimate};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
-use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
+use statrs::distribution::{ContinuousCDF, Normal};
 use statrs::statistics::Statistics;
 
 use super::Settings;
@@ -41,12 +42,13 @@ use super::run::{self, Draw};
 use super::tally::{Tally, rate};
 use crate::campaign::run::traces;
 use classes::ClassBound;
-use energy::{HARMONICS, Spall};
+use energy::Spall;
 use model::Error;
 use model::evaluate::Rate;
 use model::trace::labels::LabelledTrace;
 use model::train::train;
-use rig::field::{FieldValues, LoadMeasurement};
+use power::{by_harmonics, order_power};
+use rig::field::LoadMeasurement;
 use rig::{Condition, Defect, DefectKind, Scenario, simulate};
 use roughness::{Population, RoughnessBound};
 use search::Search;
@@ -210,20 +212,13 @@ fn root_mean_square(x: &[f64]) -> f64 {
     (x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64).sqrt()
 }
 
-/// The healthy drive of the row with this seed.
-fn drive(row: &Row, seed: u64) -> (Scenario, FieldValues) {
-    let scenario = row.judged.apply(Scenario::WITH_RESOLVER, seed);
-    let values = FieldValues::draw(&scenario, seed);
-    (scenario, values)
-}
-
 /// What full-size spalls would add to healthy records of the row; `floors_nm` are those measured in them, if they are
 /// to replace the noise of the sensors.
 fn spalls(row: &Row, floors_nm: &[f64]) -> Result<Vec<Spall>, Error> {
     let cell = row.validation(0, Defect::HEALTHY);
     let each = |number: u32| -> Result<Spall, Error> {
         let seed = cell.seed(number)?;
-        let (scenario, values) = drive(row, seed);
+        let (scenario, values) = row.drive(seed);
         let floor_nm = floors_nm.get(number as usize).copied();
         Ok(Spall::of(&scenario, &values, &simulate(&scenario, seed).map_err(Error::other)?, floor_nm))
     };
@@ -262,7 +257,7 @@ fn viscous_errors(row: &Row, healthy: &[ShaftEstimate<RunTime>], balance: &Balan
     let cell = row.validation(0, Defect::HEALTHY);
     let (mut stated, mut relative) = (vec![], vec![]);
     for (number, estimate) in (0..).zip(healthy) {
-        let (scenario, values) = drive(row, cell.seed(number)?);
+        let (scenario, values) = row.drive(cell.seed(number)?);
         let kt = values.motor(&scenario.motor).kt_nm_per_a;
         let (value, variance) = balance.without_prior(&estimate.friction, FrictionTerm::Viscous);
         if variance > 0.0 {
@@ -278,7 +273,7 @@ fn viscous_errors(row: &Row, healthy: &[ShaftEstimate<RunTime>], balance: &Balan
 /// C⁻¹ of (4), by healthy drives; `None` if friction does not vary.
 fn healthy_precision(row: &Row) -> Option<Matrix3<f64>> {
     let of = |seed: u64| {
-        let (scenario, values) = drive(row, seed);
+        let (scenario, values) = row.drive(seed);
         let motor = values.motor(&scenario.motor);
         let coulomb = values.temperature.map_or(0.0, |own| own.coulomb_nm)
             + values.stribeck.map_or(0.0, |own| own.coulomb_nm)
@@ -308,52 +303,10 @@ fn powers(spall: &Spall, population: Option<Matrix3<f64>>, severity: f64) -> [f6
     [order, by_friction, order.max(by_friction).max(both)]
 }
 
-/// (1) at this false-alarm rate.
-fn order_power(spall: &Spall, severity: f64, rate: f64) -> f64 {
-    by_harmonics(spall, rate, |harmonics| (2 * harmonics, spall.energy(severity, harmonics)))
-}
-
-/// The largest power of any number of harmonics, whose degrees of freedom and non-centrality `law` returns.
-fn by_harmonics(spall: &Spall, rate: f64, law: impl Fn(usize) -> (usize, f64)) -> f64 {
-    let own = rate / spall.slips;
-    // Another slip than the true one may exceed its threshold.
-    let chance = 1.0 - (rate - own);
-    let power_of = |(freedom, non_centrality)| 1.0 - (1.0 - power(freedom, non_centrality, own)) * chance;
-    (1..=HARMONICS).map(|harmonics| power_of(law(harmonics))).fold(0.0, f64::max)
-}
-
-/// P(χ²(k, λ) > c), where a central χ² exceeds c at this rate: a Poisson mixture of central ones.
-fn power(freedom: usize, non_centrality: f64, rate: f64) -> f64 {
-    let law = |k: usize| ChiSquared::new(k as f64).ok();
-    let Some(limit) = law(freedom).map(|law| law.inverse_cdf(1.0 - rate)) else { return f64::NAN };
-    let half = 0.5 * non_centrality;
-    // Beyond ten deviations of the mixture nothing remains.
-    let (first, last) = ((half - 10.0 * half.sqrt()).max(0.0) as usize, (half + 10.0 * half.sqrt() + 20.0) as usize);
-    if half > 2000.0 {
-        return 1.0;
-    }
-    let weight =
-        |n: usize| (n as f64 * half.max(1e-300).ln() - half - statrs::function::gamma::ln_gamma(n as f64 + 1.0)).exp();
-    let term = |n: usize| weight(n) * law(freedom + 2 * n).map_or(0.0, |law| law.sf(limit));
-    (first..=last).map(term).sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::field::rows::named;
-
-    #[test]
-    fn a_power_is_that_of_the_known_law() {
-        // Without a signal the set rate; one degree: P(|g + 3| > 2.5758) of a standard normal variable.
-        for freedom in [1, 6, 13] {
-            assert!((power(freedom, 0.0, 0.01) - 0.01).abs() < 1e-9);
-        }
-        let normal = Normal::standard();
-        let exact = normal.sf(2.575_829 - 3.0) + normal.cdf(-2.575_829 - 3.0);
-        assert!((power(1, 9.0, 0.01) - exact).abs() < 1e-6, "{}", power(1, 9.0, 0.01));
-        assert!(power(6, 5000.0, 0.01) > 1.0 - 1e-9);
-    }
 
     /// Slow samples have less noise than those at the usual speed, at which an eighth of the pulses has an energy of
     /// a hundred.

@@ -12,6 +12,7 @@
 //! | [`picture`] | the table as a picture |
 //! | [`recipe`] | the configuration: features, false-alarm rate |
 //! | [`rows`] | conditions, defects, and the cells of their traces |
+//! | [`settings`] | draws, and records of each |
 //! | [`run`] | one draw of one row |
 //! | [`tally`] | counts, and rates with intervals |
 //! | [`commissioned`] | gates learned on the drive beside the gate of the test bench |
@@ -26,45 +27,14 @@ pub mod render;
 pub mod rows;
 pub mod run;
 pub mod sessions;
+pub mod settings;
 pub mod tally;
 
 use model::Error;
-use rig::DefectKind;
 use rows::Row;
 use run::Draw;
 
-/// Size of the study.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Settings {
-    /// Number of draws of training and validation sets.
-    pub draws: u32,
-    /// Number of the first draw; other numbers give other traces.
-    pub first: u32,
-    /// Number of healthy training records.
-    pub healthy_training: u32,
-    /// Number of training records of each defect, for the discriminant.
-    pub defects_training: u32,
-    /// Number of healthy validation records.
-    pub healthy: u32,
-    /// Number of validation records of each defect and size.
-    pub defects: u32,
-    /// Features of the detector; those of [`recipe`] if empty.
-    pub features: Vec<String>,
-}
-
-impl Settings {
-    /// 150 healthy records for training; 300 healthy ones and 60 of each defect for validation.
-    #[must_use]
-    pub const fn standard(draws: u32, first: u32) -> Self {
-        Self { draws, first, healthy_training: 150, defects_training: 60, healthy: 300, defects: 60, features: vec![] }
-    }
-
-    /// Number of validation records of a kind.
-    #[must_use]
-    pub fn judged(&self, kind: DefectKind) -> u32 {
-        if kind == DefectKind::Healthy { self.healthy } else { self.defects }
-    }
-}
+pub use settings::Settings;
 
 /// A row with its draws.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,8 +1,8 @@
 //! Trains and judges one draw of one row with the embedded detector.
 
-use super::Settings;
 use super::recipe::{of_classes, of_gate};
 use super::rows::{CLASS_SIZES, CLASSES, COLUMNS, Row};
+use super::settings::Settings;
 use super::tally::Tally;
 use crate::campaign::run::{class_names, labelled, traces};
 use crate::campaign::{Recording, map_traces};

@@ -9,7 +9,8 @@
 //! that was trained with others does not know; a healthy record is wrong if it exceeds either limit, a defect only if
 //! it does not exceed its own. What the other limit does to defects is left out, so no detector makes fewer errors.
 
-use super::{Spall, order_power};
+use super::energy::Spall;
+use super::power::order_power;
 use crate::field::bounds::roughness::Population;
 use crate::field::bounds::search::Search;
 use model::evaluate::Rate;

@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 
 use rayon::prelude::*;
 
-use super::{Row, drive};
+use crate::field::rows::Row;
 use model::evaluate::Rate;
 use rig::bearing::ADDED_FRICTION_NM_S_PER_RAD;
 use rig::field::FieldValues;
@@ -55,7 +55,7 @@ struct Drive {
 
 impl Drive {
     fn of(row: &Row, seed: u64) -> Option<Self> {
-        let (scenario, values) = drive(row, seed);
+        let (scenario, values) = row.drive(seed);
         let state = values.temperature?.state;
         let gain =
             values.load_sensor.map_or(1.0, |sensor| sensor.gain) / values.current_chain.map_or(1.0, |chain| chain.gain);
