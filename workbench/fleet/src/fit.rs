@@ -4,22 +4,15 @@
 //! training on the segments themselves finds, up to rounding. The tails of the gate's law follow from a second pass
 //! over the parts ([`super::Tails`]), or have their prior probabilities.
 
-use bearing_watch::model::{Covariates, MAX_BLOCK_MEAN};
 use nalgebra::{DMatrix, DVector};
 
 use super::sums::PatternSums;
-use super::{Level, Plan, Sums, Tails};
+use super::{Level, Plan, Sums};
 use model::Error;
-use model::core::features::Catalogue;
-use model::trace::Preparation;
-use model::train::discriminant::{of_statistics, shrunk};
 use model::train::moments::{Cell, moments_of};
-use model::train::novelty::of_sums::{self, HealthySums};
+use model::train::novelty::of_sums::HealthySums;
 use model::train::novelty::runs::RunMoments;
-use model::train::projection;
-use model::train::{
-    AffineMap, Candidates, ClassStatistics, FeatureTable, LeftOut, ProjectionKind, Recipe, Shrink, Trained, compose,
-};
+use model::train::{AffineMap, ClassStatistics, LeftOut, ProjectionKind, Recipe, Shrink, projection};
 
 /// What is independent of each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,12 +78,12 @@ pub struct Fit {
     pub(super) healthy: Option<HealthySums>,
     /// Segments in healthy runs of more than one.
     pub(super) in_runs: u64,
-    statistics: ClassStatistics,
-    sizes: Vec<[usize; 2]>,
+    pub(super) statistics: ClassStatistics,
+    pub(super) sizes: Vec<[usize; 2]>,
     /// Mean of all features of the plan, and 0 for those that were not summed.
-    means: DVector<f64>,
-    chosen: Vec<usize>,
-    left_out: LeftOut,
+    pub(super) means: DVector<f64>,
+    pub(super) chosen: Vec<usize>,
+    pub(super) left_out: LeftOut,
 }
 
 /// The rows of a pattern as a cell of all features.
@@ -193,83 +186,6 @@ impl Fit {
     pub(super) fn coordinates(&self) -> usize {
         self.projection.matrix.nrows()
     }
-
-    /// Trains the gate and completes the model; also returns the preparation that the detector does not do itself.
-    ///
-    /// # Errors
-    /// Too few runs or rows for the rate, if a gate is required, and as [`Fit::new`].
-    pub fn train(&self, tails: Option<&Tails>) -> Result<(Trained, Preparation), Error> {
-        let recipe = &self.recipe;
-        let names = (&self.classes[..], &self.coordinate_names[..]);
-        let densities = match recipe.shrink {
-            Shrink::To(shrinkage) => shrunk(&self.statistics, &self.coordinate_names, recipe, shrinkage)?,
-            Shrink::Not | Shrink::Chosen => of_statistics(&self.statistics, names, recipe)?,
-        };
-        let catalogue = self.plan.catalogue();
-        let usual = DVector::from_column_slice(&self.plan.usual);
-        let (used, core_projection, core_usual) =
-            compose((self.means.clone(), &usual), &self.chosen, &catalogue, &self.projection);
-        let [recorded_s, interval_s] = self.plan.intervals_s();
-        let segment = self.plan.segment_samples();
-        let segment_s = (interval_s > 0.0).then_some(segment as f64 * interval_s);
-        let unknown = Tails::new(self);
-        let tails = tails.unwrap_or(&unknown).found(self);
-        let watch = of_sums::train(
-            (self.healthy.as_ref(), &tails),
-            (&self.coordinate_names, self.rising),
-            (&self.sizes, segment_s),
-            recipe,
-            &densities,
-        )?;
-        let preparation = self.plan.preparation();
-        let inside = preparation.decimate <= 1 && preparation.block_mean <= usize::from(MAX_BLOCK_MEAN);
-        let trained = Trained {
-            recipe: self.recipe_by_classes(),
-            classes: self.classes.clone(),
-            feature_names: self.names.clone(),
-            explained: None,
-            projection: self.projection.clone(),
-            raw: empty(&self.classes),
-            coordinates: empty(&self.classes),
-            coordinate_names: self.coordinate_names.clone(),
-            statistics: self.statistics.clone(),
-            left_out: self.left_out.clone(),
-            densities,
-            choice: None,
-            candidates: Candidates {
-                table: empty(&self.classes),
-                features: catalogue.names(),
-                groups: vec![],
-                covariates: None,
-            },
-            watch,
-            core_features: core_features(&catalogue, &used),
-            core_covariates: Covariates { list: vec![], map: vec![] },
-            core_projection,
-            core_usual,
-            parts: self.plan.parts()?,
-            segment_samples: segment,
-            interval_s: if inside { recorded_s } else { interval_s },
-            block_mean: if inside { preparation.block_mean } else { 1 },
-        };
-        Ok((trained, if inside { Preparation::NONE } else { preparation }))
-    }
-
-    /// The recipe with the nominal class of the plan at its place among these classes.
-    fn recipe_by_classes(&self) -> Recipe {
-        let mut recipe = self.recipe.clone();
-        let nominal = self.plan.classes.get(recipe.estimation.nominal);
-        recipe.estimation.nominal = self.classes.iter().position(|name| Some(name) == nominal).unwrap_or(0);
-        recipe
-    }
-}
-
-fn empty(classes: &[String]) -> FeatureTable {
-    FeatureTable::exact(vec![], vec![], classes.to_vec())
-}
-
-fn core_features(catalogue: &Catalogue, used: &[usize]) -> Vec<bearing_watch::model::Feature> {
-    used.iter().map(|&place| catalogue.core_feature(place)).collect()
 }
 
 /// Refuses classes that cannot be trained.

@@ -5,15 +5,25 @@
 //!                   part ──────────────────► sums ─┘
 //! ```
 //!
+//! Traces, or tables of their features, enter; a model of many drives leaves, and the sums of which it is made, so that
+//! further drives can be added.
+//!
 //! A [`Part`] is a Parquet file with the features of segments and the [`Plan`] of the detector that computed them. Its
 //! sums by drive, run and class are exact ([`exact`]), so that the model does not depend on the order of the rows or on
 //! the tree of the merges.
+//!
+//! | module | content |
+//! |---|---|
+//! | [`steps`] | the steps, from files to files |
+//! | [`exact`] | sums without rounding |
 
+mod complete;
 pub mod exact;
 mod fingerprint;
 mod fit;
 mod fold;
 mod group;
+mod names;
 mod part;
 mod plan;
 pub mod steps;
@@ -25,7 +35,8 @@ pub use fingerprint::fingerprint;
 pub use fit::{Choice, Fit, Independent, classes};
 pub use fold::{Units, fold};
 pub use group::{Closed, Group, Level};
-pub use part::{Batch, Part, RESERVED, Wanted};
+pub use names::RESERVED;
+pub use part::{Batch, Part, Wanted};
 pub use plan::{Origin, Plan, VERSION};
 pub use sums::{ClassSums, MOST_FEATURES, PatternSums, Sums};
 pub use tails::{Tails, tails};

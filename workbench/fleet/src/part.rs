@@ -25,20 +25,14 @@ use parquet::file::statistics::Statistics;
 
 use super::Plan;
 use super::exact::LARGEST;
-use super::writer::variance_of;
+use super::names::{PLAN, SORTED, TEXTS, variance_of};
 use model::Error;
 use model::trace::Condition;
 use traces::damaged::{DAMAGED, guarded};
 use traces::table::parquet_pages;
 
-pub(super) const PLAN: &str = "bearing_watch_plan";
-pub(super) const SORTED: &str = "bearing_watch_sorted";
 /// Rows of a batch that is read.
 const BATCH: usize = 8192;
-/// Columns of text that every part has, in their order.
-pub(super) const TEXTS: [&str; 4] = ["trace", "class_name", "unit", "run"];
-/// Names that no column of the labels can have.
-pub const RESERVED: [&str; 6] = ["trace", "segment", "class_name", "unit", "run", "usable"];
 
 /// A part whose rows are not yet read.
 #[derive(Debug)]

@@ -15,7 +15,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::schema::types::ColumnPath;
 
 use super::Plan;
-use super::part::{PLAN, SORTED, TEXTS};
+use super::names::{PLAN, SORTED, TEXTS, variance_of};
 use model::Error;
 
 /// Rows of a row group.
@@ -139,10 +139,6 @@ impl<W: Write + Send> Writer<W> {
         let closed = self.writer.close().map_err(|error| Error::content(&self.path, "content", error.to_string()));
         closed.map(|_| (self.count, self.sorted))
     }
-}
-
-pub(super) fn variance_of(name: &str) -> String {
-    format!("{name}_variance")
 }
 
 /// The columns of rows, in the order of the schema.
