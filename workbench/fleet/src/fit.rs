@@ -254,7 +254,7 @@ fn of_healthy(cells: &[Cell], class: usize, groups: Option<&Level>, projection: 
     HealthySums {
         rows: scarcest.unwrap_or((rows, None)),
         mean: projection.apply(&found.means[0]),
-        covariance: model::train::moments::symmetric(&(matrix * covariance * matrix.transpose())),
+        covariance: model::train::covariance::symmetric(&(matrix * covariance * matrix.transpose())),
         runs,
     }
 }

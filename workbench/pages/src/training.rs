@@ -12,7 +12,7 @@ use model::Error;
 use model::core::{Embedded, Finding, SegmentReport};
 use model::evaluate::{Confusion, TraceVerdict};
 use model::trace::{Channels, Trace};
-use model::train::statistics::whitening;
+use model::train::covariance::whitening;
 use model::train::{ClassStatistics, Ranking, Scores, Trained};
 
 /// Available results on the quality of a model.

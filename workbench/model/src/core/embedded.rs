@@ -6,7 +6,6 @@ use bearing_watch::{Baseline, Detector, Model, ModelError, Reason, Report, Verdi
 
 use super::features::{Catalogue, shaft_values};
 use super::segment::{Finding, SegmentReport};
-use super::stream::Stream;
 use super::watch::{self, Watched, Watcher};
 use super::wiring::{Feed, Field, fields};
 use super::words::explain;
@@ -57,27 +56,6 @@ impl Embedded {
     #[must_use]
     pub const fn model(&self) -> &Model<RunTime> {
         &self.model
-    }
-
-    /// Runs one trace through the detector; a partial last segment counts if it is more than half a segment.
-    #[must_use]
-    pub fn run(&self, trace: &Trace) -> Vec<SegmentReport> {
-        self.run_following(trace, None)
-    }
-
-    /// As [`Embedded::run`], with a baseline that follows slow changes from trace to trace.
-    #[must_use]
-    pub fn run_following(&self, trace: &Trace, mut baseline: Option<&mut Baseline<RunTime>>) -> Vec<SegmentReport> {
-        let mut stream = self.stream();
-        let mut segments = stream.take(trace, baseline.as_deref_mut());
-        segments.extend(stream.finish(baseline));
-        segments
-    }
-
-    /// The detector before the first sample of a trace that comes in pieces.
-    #[must_use]
-    pub fn stream(&self) -> Stream<'_> {
-        Stream::new(self, Detector::new(&self.model))
     }
 
     pub(super) fn feed<'a>(&self, trace: &'a Trace) -> Feed<'a> {

@@ -1,4 +1,4 @@
-//! A trace that comes to the detector in pieces.
+//! Traces through the detector, whole or in pieces.
 
 use bearing_watch::plan::RunTime;
 use bearing_watch::{Baseline, Detector, Report};
@@ -20,8 +20,31 @@ pub struct Stream<'m> {
     first: bool,
 }
 
+impl Embedded {
+    /// Runs one trace through the detector; a partial last segment counts if it is more than half a segment.
+    #[must_use]
+    pub fn run(&self, trace: &Trace) -> Vec<SegmentReport> {
+        self.run_following(trace, None)
+    }
+
+    /// As [`Embedded::run`], with a baseline that follows slow changes from trace to trace.
+    #[must_use]
+    pub fn run_following(&self, trace: &Trace, mut baseline: Option<&mut Baseline<RunTime>>) -> Vec<SegmentReport> {
+        let mut stream = self.stream();
+        let mut segments = stream.take(trace, baseline.as_deref_mut());
+        segments.extend(stream.finish(baseline));
+        segments
+    }
+
+    /// The detector before the first sample of a trace that comes in pieces.
+    #[must_use]
+    pub fn stream(&self) -> Stream<'_> {
+        Stream::new(self, Detector::new(self.model()))
+    }
+}
+
 impl<'m> Stream<'m> {
-    pub(super) const fn new(model: &'m Embedded, detector: Detector<'m, RunTime>) -> Self {
+    const fn new(model: &'m Embedded, detector: Detector<'m, RunTime>) -> Self {
         Self { model, detector, taken: 0, start: 0, first: true }
     }
 

@@ -18,7 +18,8 @@ use rand::seq::SliceRandom as _;
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 
-use super::{Judged, TraceVerdict, numbered};
+use super::groups::numbered;
+use super::{Judged, TraceVerdict};
 
 /// Exchanges of the labels.
 const EXCHANGES: usize = 9999;

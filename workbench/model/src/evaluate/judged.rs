@@ -1,6 +1,7 @@
 //! Verdicts with what is needed to count them: classes, and the groups in which they are alike.
 
-use super::{Confusion, Rate, TraceVerdict, numbered};
+use super::groups::numbered;
+use super::{Confusion, Rate, TraceVerdict};
 use crate::core::Finding;
 
 /// Verdicts on labelled traces, some of classes that the model was not trained on.

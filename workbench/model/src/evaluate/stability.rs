@@ -13,7 +13,8 @@
 use serde_json::{Value, json};
 use statrs::distribution::{ContinuousCDF as _, FisherSnedecor, StudentsT};
 
-use super::{Rate, numbered};
+use super::Rate;
+use super::groups::numbered;
 
 /// One feature over runs.
 #[derive(Clone, Debug, PartialEq)]

@@ -14,8 +14,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::filters::regressors;
 use super::iv::{coloured_cofactor, lost};
+use super::refused::first_row;
 use super::result::{Finding, Noise};
-use super::{Estimate, Structure, first_row};
+use super::{Estimate, Structure};
 use crate::Error;
 use crate::trace::Trace;
 

@@ -11,9 +11,10 @@ use nalgebra::{DMatrix, DVector};
 
 use super::kernel::sums::dot;
 use super::kernel::triangle::Triangle;
+use super::refused::{first_row, unexcited};
 use super::regression::{Signals, constant, subtract};
 use super::result::{Finding, Noise};
-use super::{Estimate, Structure, first_row, unexcited};
+use super::{Estimate, Structure};
 use crate::Error;
 use crate::trace::Trace;
 

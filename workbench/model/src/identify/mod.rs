@@ -15,12 +15,14 @@ pub(crate) mod kernel;
 mod ls;
 mod output_error;
 mod poles;
+mod refused;
 mod regression;
 mod result;
 mod robust;
 mod simulate;
 mod sriv;
 mod steiglitz_mcbride;
+mod terms;
 
 use crate::Error;
 use crate::trace::Trace;
@@ -38,6 +40,7 @@ pub use robust::robust;
 pub use simulate::{fit_percent, simulate};
 pub use sriv::sriv;
 pub use steiglitz_mcbride::steiglitz_mcbride;
+pub use terms::{Terms, parse_order};
 
 /// How parameters are estimated. What the noise is taken to be decides whether a method is consistent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,83 +108,4 @@ pub fn estimate_with(trace: &Trace, structure: Structure, method: Method, option
         Method::Oe => output_error(trace, structure),
         Method::Armax => armax(trace, structure, options.noise_order),
     }
-}
-
-/// Names and polynomials of a model structure.
-pub trait Terms {
-    /// Names of the parameters: a1…, b1…, c1…, offset.
-    fn names(&self) -> Vec<String>;
-
-    /// A, B and C of a parameter vector, and the constant. A is monic from q⁰; B and C have their delays as leading
-    /// zeros.
-    fn polynomials(&self, theta: &[f64]) -> ([Vec<f64>; 3], f64);
-}
-
-impl Terms for Structure {
-    fn names(&self) -> Vec<String> {
-        let group = |letter: char, count: u8| (1..=count).map(move |k| format!("{letter}{k}"));
-        let offset = self.offset.then(|| "offset".to_string());
-        group('a', self.na).chain(group('b', self.nb)).chain(group('c', self.nc)).chain(offset).collect()
-    }
-
-    fn polynomials(&self, theta: &[f64]) -> ([Vec<f64>; 3], f64) {
-        let Self { na, nb, nc, nkb, nkc, .. } = *self;
-        let (a, rest) = theta.split_at(na as usize);
-        let (b, rest) = rest.split_at(nb as usize);
-        let (c, rest) = rest.split_at(nc as usize);
-        let delayed = |delay: u8, terms: &[f64]| [vec![0.0; delay as usize], terms.to_vec()].concat();
-        ([[&[1.0], a].concat(), delayed(nkb, b), delayed(nkc, c)], rest.first().copied().unwrap_or(0.0))
-    }
-}
-
-/// Returns the first usable row t₀ of a record.
-fn first_row(structure: Structure, trace: &Trace) -> Result<usize, Error> {
-    let (t0, n, samples) = (structure.depth(), structure.parameters(), trace.y.len());
-    if structure.terms() == 0 {
-        return Err(Error::Usage("--order has no terms; give at least one of na, nb, nc".into()));
-    }
-    if samples <= t0 + n {
-        let problem =
-            format!("{samples} samples for {n} parameters from sample {t0} on; record more or reduce the order");
-        return Err(Error::trace(&trace.id, problem));
-    }
-    if trace.y.iter().all(|y| *y == trace.y[0]) {
-        return Err(Error::trace(&trace.id, "the output is constant: there is nothing to model; check --y"));
-    }
-    Ok(t0)
-}
-
-/// Error for the parameter whose column is zero or, within rounding, a linear combination of the `partners` before it.
-fn unexcited(structure: Structure, trace: &Trace, column: usize, partners: &[usize]) -> Error {
-    let names = structure.names();
-    let reason = match partners {
-        [] => "its column is zero".to_string(),
-        some => format!("its column depends on {}", some.iter().map(|&k| &names[k][..]).collect::<Vec<_>>().join(", ")),
-    };
-    let offset = if structure.offset { ", or leave out --offset" } else { "" };
-    let column = &names[column];
-    let problem = format!(
-        "the signals do not excite parameter {column} ({reason}); use a richer command or a lower order{offset}"
-    );
-    Error::trace(&trace.id, problem)
-}
-
-/// Parses `2,2,2,1,1`.
-///
-/// # Errors
-/// A message that describes the format.
-pub fn parse_order(text: &str) -> Result<Structure, String> {
-    let wrong = || format!("\"{text}\" is no order; write na,nb,nc,nkb,nkc, e.g. 2,2,2,1,1");
-    let trimmed = text.trim().trim_start_matches('[').trim_end_matches(']');
-    let numbers = trimmed.split([',', ' ']).filter(|part| !part.is_empty()).map(str::parse::<u8>);
-    let numbers: Vec<u8> = numbers.collect::<Result<_, _>>().map_err(|_| wrong())?;
-    let numbers: [u8; 5] = numbers.try_into().map_err(|_| wrong())?;
-    let order = Structure::from_orders(numbers);
-    if order.terms() == 0 {
-        return Err(format!("order {text} has no terms; give at least one of na, nb, nc"));
-    }
-    if numbers.iter().any(|&x| x > 32) {
-        return Err(format!("order {text} has a number above 32; the detector cannot hold it"));
-    }
-    Ok(order)
 }

@@ -9,9 +9,10 @@
 
 use nalgebra::DVector;
 
+use super::Estimate;
 use super::filters::regressors;
 use super::iv::coloured_cofactor;
-use super::{Estimate, first_row};
+use super::refused::first_row;
 use crate::Error;
 use crate::trace::Trace;
 

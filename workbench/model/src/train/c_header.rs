@@ -1,12 +1,11 @@
 //! A trained model as a C header: its bytes for `bw_init` of the C interface, and the names, sizes and limits that the
 //! firmware needs beside them.
 
-use std::fmt::Write as _;
-
 use bearing_watch::Model;
 use bearing_watch::model::{Channel, MAX_BYTES};
 use bearing_watch::plan::{Plan, RunTime};
 
+use super::c_text::{enumeration, line, number, texts};
 use super::front_end_header::front_end_header;
 use crate::Error;
 use crate::trace::Channels;
@@ -76,51 +75,13 @@ pub fn c_header(model: &Model<RunTime>, notes: &[String], recorded: Option<&Chan
     Ok(out)
 }
 
-pub(super) fn line(out: &mut String, text: &str) {
-    let _ = writeln!(out, "{text}");
-}
-
 /// A text that cannot end a comment.
 fn comment(text: &str) -> String {
     text.replace(['\r', '\n'], " ").replace("*/", "* /").replace("/*", "/ *")
 }
 
-pub(super) fn enumeration(out: &mut String, prefix: &str, names: &[&str]) {
-    let mut used: Vec<String> = Vec::new();
-    for name in names {
-        let plain = format!("{prefix}{}", identifier(name));
-        // Names that differ only in what an identifier cannot have.
-        let own = (1..).map(|k| if k == 1 { plain.clone() } else { format!("{plain}_{k}") });
-        used.extend(own.into_iter().find(|own| !used.contains(own)));
-    }
-    let places: Vec<String> = used.iter().enumerate().map(|(place, own)| format!("{own} = {place}")).collect();
-    line(out, &format!("enum {{ {} }};", places.join(", ")));
-}
-
-fn identifier(name: &str) -> String {
-    name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_uppercase() } else { '_' }).collect()
-}
-
-pub(super) fn texts(names: &[&str]) -> String {
-    format!("{{ {} }}", names.iter().map(|name| literal(name)).collect::<Vec<_>>().join(", "))
-}
-
-/// A string literal in ASCII: other bytes in octal, which ends after three digits.
-fn literal(text: &str) -> String {
-    let byte = |byte: u8| match byte {
-        b'"' | b'\\' | b'?' | 0..=0x1F | 0x7F.. => format!("\\{byte:03o}"),
-        _ => char::from(byte).to_string(),
-    };
-    format!("\"{}\"", text.bytes().map(byte).collect::<String>())
-}
-
 fn limits(channels: &[Channel]) -> String {
     format!("{{ {} }}", channels.iter().map(|channel| number(channel.limit)).collect::<Vec<_>>().join(", "))
-}
-
-/// Returns the shortest decimal that a C compiler reads as the same `float`.
-pub(super) fn number(x: f32) -> String {
-    format!("{x:?}f")
 }
 
 #[cfg(test)]
@@ -163,13 +124,5 @@ mod tests {
         let committed = std::fs::read_to_string(format!("{FOLDER}/model.h")).expect("the committed header");
         let same = c_header(&model, &[note.into()], None).expect("a header") == committed;
         assert!(same, "`cargo demo --model examples/support/standard_rig` writes it anew");
-    }
-
-    #[test]
-    fn names_become_identifiers_and_literals() {
-        let mut out = String::new();
-        enumeration(&mut out, "P_", &["spall 1", "spall-1", "größe"]);
-        assert_eq!(out, "enum { P_SPALL_1 = 0, P_SPALL_1_2 = 1, P_GR__E = 2 };\n");
-        assert_eq!(literal("a\"\\?\n°C1"), r#""a\042\134\077\012\302\260C1""#);
     }
 }

@@ -10,7 +10,8 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::FeatureTable;
-use super::core_form::{refused, samples};
+use super::core_form::samples;
+use super::refused::refused;
 use crate::Error;
 use crate::core::features::{self, Catalogue};
 use crate::core::{Embedded, Parts, SegmentReport};

@@ -1,13 +1,14 @@
 //! A trained model in the core's single-precision form.
 
+use bearing_watch::Model;
 use bearing_watch::model::{
     Classifier, Discriminant, Label, MAX_BYTES, MAX_LONG_SEGMENT_ROWS, Novelty, Projection, Sampling,
 };
 use bearing_watch::plan::{Kind, Layout, RunTime};
-use bearing_watch::{Model, ModelError};
 use nalgebra::DMatrix;
 
 use super::novelty::Gate;
+use super::refused::refused;
 use super::{Shrink, Shrinkage, Trained};
 use crate::Error;
 use crate::core::{Embedded, plan};
@@ -125,10 +126,6 @@ impl Gate {
     pub fn factor(&self) -> Vec<f32> {
         packed_factor(&self.covariance)
     }
-}
-
-pub(super) fn refused(error: ModelError) -> Error {
-    Error::Training(format!("the trained model cannot be embedded: {error}"))
 }
 
 pub(super) fn samples(segment: usize) -> Result<u32, Error> {

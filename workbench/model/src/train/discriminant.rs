@@ -12,9 +12,9 @@
 use bearing_watch::plan::Kind;
 use nalgebra::{DMatrix, DVector};
 
+use super::covariance::{log_density, singular, whitening};
 use super::moments;
 use super::shrinkage::Shrinkage;
-use super::statistics::{singular, whitening};
 use super::{ClassStatistics, FeatureTable, Recipe};
 use crate::Error;
 
@@ -76,11 +76,6 @@ impl GaussianClasses {
         let expected = |i: &usize| -> f64 { self.cost[*i].iter().zip(log_posteriors).map(|(c, l)| c * l.exp()).sum() };
         (0..self.cost.len()).min_by(|a, b| expected(a).total_cmp(&expected(b))).unwrap_or(0)
     }
-}
-
-/// Returns ln p of a Gaussian density from ln |Σ| and the squared distance.
-pub(crate) fn log_density(coordinates: usize, log_determinant: f64, squared: f64) -> f64 {
-    -0.5 * (coordinates as f64 * std::f64::consts::TAU.ln() + log_determinant + squared)
 }
 
 /// Returns the densities of the coordinates of `table`; `names` are the names of the coordinates.

@@ -20,9 +20,9 @@ use bearing_watch::plan::RunTime;
 use rayon::prelude::*;
 use statrs::statistics::Statistics;
 
-use super::ShaftPlan;
+use super::bench::{Bench, Watched};
 use super::nominal::median;
-use super::shaft::{Bench, Watched, harmonics};
+use super::shaft_plan::{ShaftPlan, harmonics};
 use crate::Error;
 use crate::trace::{MotionTrace, Trace};
 

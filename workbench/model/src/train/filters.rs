@@ -13,7 +13,7 @@ use bearing_watch::ShaftEstimate;
 use bearing_watch::model::ShaftConstants;
 use bearing_watch::plan::RunTime;
 
-use super::shaft::{Bench, OWN_FROM_ROWS, Watched};
+use super::bench::{Bench, OWN_FROM_ROWS, Watched};
 use crate::Error;
 
 /// Traces on which filters are compared.

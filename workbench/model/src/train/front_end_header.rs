@@ -4,7 +4,7 @@ use bearing_watch::model::Channel;
 use bearing_watch::plan::RunTime;
 use bearing_watch::{FrontEndConstants, Model, Park, PhaseSensor};
 
-use super::c_header::{enumeration, line, number, texts};
+use super::c_text::{enumeration, line, number, texts};
 use super::front_end_source::{further_columns, own};
 use crate::Error;
 use crate::trace::front_end::Columns;

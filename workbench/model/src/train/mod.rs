@@ -7,10 +7,13 @@
 //! covariances account for both (`moments`). Rows without any of the chosen features are left out. The quality of the
 //! model is measured by running the core on other traces ([`crate::evaluate`]), not here.
 
+mod bench;
 pub mod c_header;
+mod c_text;
 pub mod commissioning_source;
 mod core_features;
 mod core_form;
+pub mod covariance;
 mod covariates;
 mod cross_validation;
 pub mod discriminant;
@@ -35,14 +38,17 @@ mod recipe;
 mod reference_instruments;
 #[cfg(test)]
 mod reference_values;
+mod refused;
 mod rotor;
 mod scores;
 mod shaft;
+mod shaft_plan;
 mod shrinkage;
 mod shrinkage_search;
 pub mod statistics;
 mod table;
 mod trained;
+mod velocity_choice;
 mod velocity_source;
 
 use bearing_watch::model::{Covariates, MAX_LONG_SEGMENT_ROWS};
@@ -75,7 +81,7 @@ pub use ranking::{Gain, Ranked, Ranking, rank};
 pub use recipe::Recipe;
 pub use rotor::{NextToRotor, Remedy, compared_turns, next_to_rotor};
 pub use scores::{Bin, Decomposition, Prediction, Score, Scores};
-pub use shaft::ShaftPlan;
+pub use shaft_plan::ShaftPlan;
 pub use shrinkage::{Shrink, Shrinkage};
 pub use shrinkage_search::{Choice, GridPoint};
 pub use statistics::ClassStatistics;
@@ -151,6 +157,7 @@ pub fn train(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> R
 pub struct Estimating {
     /// The recipe with the source of the velocity chosen.
     pub recipe: Recipe,
+    /// Its channels, regression and shaft, with their constants.
     pub parts: Parts,
     /// Samples in a segment.
     pub segment: usize,
@@ -166,7 +173,7 @@ pub fn estimating(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe)
     check_intervals(traces)?;
     let segment = segment_of(traces, recipe);
     let interval_s = traces.iter().find_map(|t| t.trace.interval_s).unwrap_or(0.0);
-    let recipe = velocity_source::resolved(traces, interval_s, recipe);
+    let recipe = velocity_choice::resolved(traces, interval_s, recipe);
     let parts = parts(traces, classes, &recipe, (segment, interval_s))?;
     Ok(Estimating { recipe, parts, segment, interval_s })
 }

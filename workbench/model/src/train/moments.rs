@@ -31,8 +31,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use super::discriminant;
-use super::statistics::whitening;
+use super::covariance::{self, symmetric, whitening};
 
 /// Iterations end if Σ changes by less, relative to the deviations of values with errors.
 const TOLERANCE: f64 = 1e-7;
@@ -63,13 +62,16 @@ impl Observed<'_> {
 /// Means of the classes and their common covariance.
 #[derive(Clone, Debug)]
 pub struct Moments {
+    /// Mean of each class.
     pub means: Vec<DVector<f64>>,
+    /// The covariance within the classes.
     pub covariance: DMatrix<f64>,
 }
 
 /// Rows of one class whose values have the same variances of their errors.
 #[derive(Clone, Debug)]
 pub struct Cell {
+    /// Index of the class.
     pub class: usize,
     /// Number of rows.
     pub count: f64,
@@ -254,12 +256,6 @@ fn sums(cells: &[Cell], classes: usize, covariance: &DMatrix<f64>) -> Option<Sum
     Some(Sums { means, precision, slope })
 }
 
-/// The matrix without the asymmetry of its roundings.
-#[must_use]
-pub fn symmetric(matrix: &DMatrix<f64>) -> DMatrix<f64> {
-    (matrix + matrix.transpose()) * 0.5
-}
-
 /// Indices of the available values, and the factor of their covariance with the errors; `None` if it is singular.
 fn available(covariance: &DMatrix<f64>, variance: &DVector<f64>) -> Option<(Vec<usize>, Cholesky<f64, Dyn>)> {
     let there: Vec<usize> = (0..variance.len()).filter(|&k| variance[k].is_finite()).collect();
@@ -310,7 +306,7 @@ pub(crate) fn log_density(
 ) -> Option<f64> {
     let (residual, factor) = centred(moments, value, variance)?;
     let log_determinant = 2.0 * factor.l_dirty().diagonal().iter().map(|pivot| pivot.ln()).sum::<f64>();
-    Some(discriminant::log_density(residual.len(), log_determinant, residual.dot(&factor.solve(&residual))))
+    Some(covariance::log_density(residual.len(), log_determinant, residual.dot(&factor.solve(&residual))))
 }
 
 /// Squared distance of each row from the moments (3) of the others, and the number of its available values. The rows

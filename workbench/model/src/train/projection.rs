@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::ClassStatistics;
-use super::statistics::{singular, whitening};
+use super::covariance::{singular, whitening};
 use super::table::{AffineMap, FeatureTable};
 use crate::Error;
 
@@ -35,6 +35,10 @@ pub enum Keep {
     Variance(f64),
 }
 
+/// Returns the projection of this kind for the rows of a table; `names` are those of the features.
+///
+/// # Errors
+/// The errors of [`of_statistics`], and of [`ClassStatistics::of`].
 pub fn train(table: &FeatureTable, names: &[String], kind: ProjectionKind) -> Result<AffineMap, Error> {
     of_statistics(&ClassStatistics::of(table, names)?, names, kind)
 }

@@ -13,7 +13,7 @@ use bearing_watch::internals::LAGS;
 use bearing_watch::model::{TrackedOrder, Tracking};
 use bearing_watch::plan::RunTime;
 
-use super::shaft::{BLOCKS_A_RECORD, CELLS_LOG2, cell_turns_log2};
+use super::shaft_plan::{BLOCKS_A_RECORD, CELLS_LOG2, cell_turns_log2};
 
 /// Blocks over which phases are compared.
 const COMPARED: f64 = LAGS as f64 + 1.0;

@@ -5,7 +5,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::moments::{Cell, Observed, cells, moments_of, symmetric};
+use super::covariance::symmetric;
+use super::moments::{Cell, Observed, cells, moments_of};
 use super::{AffineMap, FeatureTable};
 use crate::Error;
 
@@ -181,42 +182,4 @@ fn require_values(table: &FeatureTable, names: &[String]) -> Result<(), Error> {
         }
     }
     Ok(())
-}
-
-/// Returns the inverse of the Cholesky factor, U with UᵀU = Σ⁻¹, and ln |Σ|; the error is the index of the first
-/// feature that is constant or a linear combination of those before it.
-///
-/// Computed from the correlation matrix, so that the rank test does not depend on units.
-pub fn whitening(covariance: &DMatrix<f64>) -> Result<(DMatrix<f64>, f64), usize> {
-    /// Smallest pivot of a correlation matrix above rounding errors: below it a feature is a combination of others.
-    const SINGULAR: f64 = 1e-10;
-    let n = covariance.nrows();
-    let deviation = covariance.diagonal().map(f64::sqrt);
-    if let Some(constant) = deviation.iter().position(|&d| d.is_nan() || d <= 0.0) {
-        return Err(constant);
-    }
-    let correlation = DMatrix::from_fn(n, n, |i, j| covariance[(i, j)] / (deviation[i] * deviation[j]));
-    let regular = |size: usize| {
-        let factor = correlation.view((0, 0), (size, size)).into_owned().cholesky()?.l();
-        factor.diagonal().iter().all(|pivot| pivot * pivot >= SINGULAR).then_some(factor)
-    };
-    let factor = regular(n).ok_or_else(|| (1..n).find(|&size| regular(size + 1).is_none()).unwrap_or(0))?;
-    let log_determinant = 2.0 * factor.diagonal().iter().zip(deviation.iter()).map(|(l, d)| (l * d).ln()).sum::<f64>();
-    let mut inverse = factor.solve_lower_triangular(&DMatrix::identity(n, n)).ok_or(n - 1)?;
-    for (mut column, d) in inverse.column_iter_mut().zip(deviation.iter()) {
-        column /= *d;
-    }
-    Ok((inverse, log_determinant))
-}
-
-/// Returns the error for a singular covariance of `traces` rows around `classes` means; `dependent` is the first
-/// dependent feature.
-pub(crate) fn singular(what: &str, traces: usize, classes: usize, names: &[String], dependent: usize) -> Error {
-    let (features, needed) = (names.len(), names.len() + classes);
-    let reason = if traces < needed {
-        format!("{traces} traces are too few for {features} features; give at least {needed}, or use fewer features")
-    } else {
-        format!("feature {} is constant or a combination of those before it; leave it out", names[dependent])
-    };
-    Error::Training(format!("the covariance of {what} is singular: {reason}"))
 }

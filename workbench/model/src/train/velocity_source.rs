@@ -4,22 +4,14 @@
 //! ω(k) = (θ(k) − θ(k−n))/(n Ts),   n − 1 ≤ 8: samples lost before k                                    (1)
 //! ```
 //!
-//! The noise of the velocity, differentiated, hides small defects. A resolver resolves 2¹⁴ steps of a turn, of which
-//! (1) makes less noise than most velocity channels have; a channel is better if it is filtered, if its samples are
-//! averages, or if the sampling instants vary. Both are tried with the core on healthy traces: the cost of
-//! [`super::filters`] is the deviation of the orders' amplitudes.
-//!
-//! Without a load sensor most of that deviation is the load's, whatever the source, and a source whose noise makes the
-//! residual smaller makes the defect smaller too. Then the second differences of both tell which has less noise.
+//! [`super::velocity_choice`] tells which is better.
 
 use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};
 
 use bearing_watch::internals::BRIDGE;
 
-use super::{Recipe, ShaftPlan, filters, shaft};
 use crate::trace::MotionTrace;
-use crate::trace::labels::LabelledTrace;
 
 /// Source of the velocity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -33,9 +25,6 @@ pub enum VelocitySource {
     /// The angle (1).
     Angle,
 }
-
-/// The angle has to be better by this factor, so that the choice does not depend on chance.
-const BETTER: f64 = 0.9;
 
 impl VelocitySource {
     /// Returns the motion with the velocity from this source; before the choice, that of the channel.
@@ -73,41 +62,6 @@ fn differenced(motion: &MotionTrace, interval_s: f64) -> MotionTrace {
         *first = *second;
     }
     MotionTrace { velocity_rad_s, ..motion.clone() }
-}
-
-/// Returns the recipe with the source of the velocity chosen.
-pub(super) fn resolved(traces: &[LabelledTrace], interval_s: f64, recipe: &Recipe) -> Recipe {
-    let Some(plan) = recipe.shaft.as_ref().filter(|plan| plan.velocity == VelocitySource::Best) else {
-        return recipe.clone();
-    };
-    let plan_of = |velocity| ShaftPlan { velocity, ..plan.clone() };
-    let with = |velocity| Recipe { shaft: Some(plan_of(velocity)), ..recipe.clone() };
-    if recipe.columns.shaft.as_ref().is_some_and(|shaft| shaft.velocity.is_none()) {
-        return with(VelocitySource::Angle);
-    }
-    if recipe.averages_velocity() || plan.orders.is_empty() {
-        return with(VelocitySource::Channel);
-    }
-    let nominal = recipe.estimation.nominal;
-    let healthy = traces.iter().filter(|own| own.class == nominal);
-    let angle_is_better = if plan.load {
-        let healthy: Vec<LabelledTrace> = healthy.take(filters::MOST_COMPARED).cloned().collect();
-        let cost = |velocity| {
-            let wiring = with(velocity).wiring(&recipe.columns);
-            shaft::cost(&healthy, (nominal, interval_s), &plan_of(velocity), &wiring)
-        };
-        // A source with which training fails is not chosen; the other one tells why, if both fail.
-        cost(VelocitySource::Angle)
-            .is_ok_and(|angle| cost(VelocitySource::Channel).map_or(true, |channel| angle < channel + BETTER.ln()))
-    } else {
-        let motions: Vec<&MotionTrace> = healthy.filter_map(|own| own.trace.motion.as_ref()).collect();
-        let noise = |velocity: VelocitySource| {
-            let own: Vec<_> = motions.iter().map(|motion| velocity.motion(motion, interval_s)).collect();
-            shaft::velocity_noise(&own.iter().map(AsRef::as_ref).collect::<Vec<_>>())
-        };
-        noise(VelocitySource::Angle) < BETTER * noise(VelocitySource::Channel)
-    };
-    with(if angle_is_better { VelocitySource::Angle } else { VelocitySource::Channel })
 }
 
 #[cfg(test)]

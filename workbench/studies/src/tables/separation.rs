@@ -11,7 +11,8 @@
 use nalgebra::DVector;
 
 use model::train::FeatureTable;
-use model::train::statistics::{ClassStatistics, whitening};
+use model::train::covariance::whitening;
+use model::train::statistics::ClassStatistics;
 
 /// Equation (1) for column `feature`: class `defect` against class 0.
 #[must_use]

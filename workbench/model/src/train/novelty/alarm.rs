@@ -12,11 +12,14 @@
 use bearing_watch::model::EvidenceConstants;
 
 use super::baseline::{Means, Size};
+use super::gate::Gate;
 use super::knots::knots;
 use super::law::DistanceLaw;
-use super::{BET, Gate};
 use crate::Error;
 
+/// κ of the evidence: a mean surprise of 5 nats is detected fastest, and a mean surprise of 2 instead of 1 in the
+/// healthy state does not yet cause an alarm.
+pub const BET: f32 = 0.2;
 /// Fewest runs between false alarms.
 const LEAST_RUNS: f64 = 10.0;
 /// Iterations of (2).

@@ -8,7 +8,8 @@
 
 use bearing_watch::model::{CommissioningConstants, EvidenceConstants};
 
-use super::{Gate, alarm};
+use super::alarm;
+use super::gate::Gate;
 use crate::Error;
 
 /// The trained mean counts as at most this part of the segments.
@@ -54,7 +55,7 @@ mod tests {
             .collect();
         let gate = gate_of(&healthy, 0.01).expect("a gate");
         let trained = EvidenceConstants {
-            bet: super::super::BET,
+            bet: alarm::BET,
             limit: 12.0,
             cap: 6.5,
             segments_a_run: 1,

@@ -4,16 +4,19 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::alarms::Alarms;
+use super::gate::{Gate, GateOrReason, checked};
 use super::law::{self, DistanceLaw};
 use super::rising::Rising;
 use super::runs::{self, RunSpread};
 use super::scarcity::{Counted, scarcity};
 use super::score::ScoreLaw;
-use super::{Alarms, Gate, GateOrReason, checked, knots, spread};
+use super::{knots, spread};
 use crate::Error;
 use crate::train::FeatureTable;
+use crate::train::covariance::{singular, whitening};
 use crate::train::moments::{self, Moments};
-use crate::train::statistics::{ClassStatistics, singular, whitening};
+use crate::train::statistics::ClassStatistics;
 
 /// Coordinates of training segments.
 #[derive(Clone, Copy, Debug)]

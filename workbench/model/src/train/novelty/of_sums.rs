@@ -13,15 +13,17 @@
 use bearing_watch::model::KNOTS;
 use nalgebra::{DMatrix, DVector};
 
+use super::alarms::Alarms;
+use super::gate::{Gate, checked};
 use super::law::{DistanceLaw, Likelihoods, TailDensities};
 use super::rising::Rising;
 use super::runs::{self, NextRun, RunMoments};
 use super::scarcity::{Counted, scarcity};
 use super::score::ScoreLaw;
-use super::{Alarms, Gate, Watch, checked, knots, spread, watch};
+use super::{Watch, knots, spread, watch};
 use crate::Error;
+use crate::train::covariance::{singular, whitening};
 use crate::train::novelty::ratios::TrainingSet;
-use crate::train::statistics::{singular, whitening};
 use crate::train::{GaussianClasses, Recipe};
 
 /// Sums of healthy rows in coordinates.
@@ -29,8 +31,9 @@ use crate::train::{GaussianClasses, Recipe};
 pub struct HealthySums {
     /// Number of rows with the coordinate that is missing most often, and this coordinate, if any is missing.
     pub rows: (usize, Option<usize>),
-    /// Mean and covariance of the class.
+    /// Mean of the class.
     pub mean: DVector<f64>,
+    /// Covariance of the class.
     pub covariance: DMatrix<f64>,
     /// The runs, if the rate is that of the next run.
     pub runs: Option<RunMoments>,

@@ -28,8 +28,8 @@ use rayon::prelude::*;
 use super::baseline::COVERED;
 use super::runs::RunSpread;
 use super::spread::wishart;
-use crate::train::discriminant::{log_density, of_statistics, shrunk};
-use crate::train::statistics::whitening;
+use crate::train::covariance::{log_density, whitening};
+use crate::train::discriminant::{of_statistics, shrunk};
 use crate::train::{ClassStatistics, FeatureTable, GaussianClasses, Recipe, Shrink};
 
 const DRAWS: u64 = 200;

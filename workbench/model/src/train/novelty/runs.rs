@@ -44,10 +44,10 @@ use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 
 use super::law::{DistanceLaw, Likelihoods, TailDensities, equivalent};
-use super::scarcity::{fewest_near, is_near};
+use super::least_rows::{fewest_near, is_near};
 use crate::train::FeatureTable;
+use crate::train::covariance::{symmetric, whitening};
 use crate::train::moments::{self, Moments, Observed};
-use crate::train::statistics::whitening;
 
 /// Probability that the part of the variance between runs is larger than assumed.
 const UNLIKELY: f64 = 0.1;
@@ -136,16 +136,19 @@ pub(super) fn complete(table: &FeatureTable, runs: &[usize]) -> (Vec<usize>, Vec
 /// What (1) to (4) need of the runs.
 #[derive(Clone, Debug)]
 pub struct RunMoments {
-    /// k and N.
+    /// k, the number of runs.
     pub count: usize,
+    /// N, the number of segments.
     pub rows: usize,
     /// Segments of the longest run.
     pub longest: usize,
     /// h.
     pub inverse_size: f64,
-    /// m, B and W.
+    /// m, the mean of the runs' means.
     pub mean: DVector<f64>,
+    /// B, the covariance of the runs' means.
     pub between: DMatrix<f64>,
+    /// W, the covariance of segments within runs.
     pub within: DMatrix<f64>,
 }
 
@@ -153,7 +156,7 @@ impl RunMoments {
     /// The moments of z = W (f − m).
     #[must_use]
     pub fn map(&self, matrix: &DMatrix<f64>, centre: &DVector<f64>) -> Self {
-        let covariance = |own: &DMatrix<f64>| moments::symmetric(&(matrix * own * matrix.transpose()));
+        let covariance = |own: &DMatrix<f64>| symmetric(&(matrix * own * matrix.transpose()));
         let (between, within) = (covariance(&self.between), covariance(&self.within));
         Self { mean: matrix * (&self.mean - centre), between, within, ..*self }
     }

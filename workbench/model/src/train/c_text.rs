@@ -1,0 +1,57 @@
+//! Names, texts and numbers → pieces of C.
+
+use std::fmt::Write as _;
+
+/// Adds a line.
+pub(super) fn line(out: &mut String, text: &str) {
+    let _ = writeln!(out, "{text}");
+}
+
+/// Adds an enumeration of these names from 0 on, which have this prefix.
+pub(super) fn enumeration(out: &mut String, prefix: &str, names: &[&str]) {
+    let mut used: Vec<String> = Vec::new();
+    for name in names {
+        let plain = format!("{prefix}{}", identifier(name));
+        // Names that differ only in what an identifier cannot have.
+        let own = (1..).map(|k| if k == 1 { plain.clone() } else { format!("{plain}_{k}") });
+        used.extend(own.into_iter().find(|own| !used.contains(own)));
+    }
+    let places: Vec<String> = used.iter().enumerate().map(|(place, own)| format!("{own} = {place}")).collect();
+    line(out, &format!("enum {{ {} }};", places.join(", ")));
+}
+
+fn identifier(name: &str) -> String {
+    name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_uppercase() } else { '_' }).collect()
+}
+
+/// Returns the initializer of an array of texts.
+pub(super) fn texts(names: &[&str]) -> String {
+    format!("{{ {} }}", names.iter().map(|name| literal(name)).collect::<Vec<_>>().join(", "))
+}
+
+/// A string literal in ASCII: other bytes in octal, which ends after three digits.
+fn literal(text: &str) -> String {
+    let byte = |byte: u8| match byte {
+        b'"' | b'\\' | b'?' | 0..=0x1F | 0x7F.. => format!("\\{byte:03o}"),
+        _ => char::from(byte).to_string(),
+    };
+    format!("\"{}\"", text.bytes().map(byte).collect::<String>())
+}
+
+/// Returns the shortest decimal that a C compiler reads as the same `float`.
+pub(super) fn number(x: f32) -> String {
+    format!("{x:?}f")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_become_identifiers_and_literals() {
+        let mut out = String::new();
+        enumeration(&mut out, "P_", &["spall 1", "spall-1", "größe"]);
+        assert_eq!(out, "enum { P_SPALL_1 = 0, P_SPALL_1_2 = 1, P_GR__E = 2 };\n");
+        assert_eq!(literal("a\"\\?\n°C1"), r#""a\042\134\077\012\302\260C1""#);
+    }
+}

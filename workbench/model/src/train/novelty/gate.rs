@@ -1,0 +1,92 @@
+//! The novelty gate in double precision.
+
+use bearing_watch::model::KNOTS;
+use nalgebra::{DMatrix, DVector};
+
+use super::alarms::Alarms;
+use super::law::{self, DistanceLaw};
+use super::rising::Rising;
+use super::runs::RunSpread;
+use super::spread;
+use crate::Error;
+use crate::train::moments;
+
+/// The gate in double precision; fields as in [`bearing_watch::model::Novelty`].
+#[derive(Clone, Debug)]
+pub struct Gate {
+    /// The healthy class.
+    pub class: usize,
+    /// Its mean.
+    pub mean: DVector<f64>,
+    /// S, its covariance.
+    pub covariance: DMatrix<f64>,
+    /// Knots (d², surprise).
+    pub knots: [[f64; 2]; KNOTS],
+    /// −ln of the false-alarm rate.
+    pub limit: f64,
+    /// The distribution of the distances.
+    pub law: DistanceLaw,
+    /// The last coordinates, if only larger values than usual are a defect.
+    pub rising: Option<Rising>,
+    /// Number of healthy segments in training.
+    pub rows: usize,
+    /// Spread of the runs, if the rate is that of the next run.
+    pub runs: Option<RunSpread>,
+    /// Number of independent segments from which on 95 % of gates have at most three times the rate.
+    pub rows_needed: usize,
+}
+
+impl Gate {
+    /// Returns whether the gate calls these coordinates novel; their errors have these variances.
+    pub(crate) fn is_novel(&self, value: &DVector<f64>, variance: &DVector<f64>) -> bool {
+        self.surprise(value, variance).is_none_or(|surprise| surprise >= self.limit)
+    }
+
+    /// Returns the surprise of these coordinates; `None` if the covariance is singular.
+    #[must_use]
+    pub fn surprise(&self, value: &DVector<f64>, variance: &DVector<f64>) -> Option<f64> {
+        let healthy = (&self.mean, &self.covariance);
+        match &self.rising {
+            Some(rising) => rising.surprise(healthy, (value, variance)),
+            None => moments::squared_distance(healthy, value, variance)
+                .map(|(squared, available)| self.law.surprise(law::equivalent(squared, available, value.len()))),
+        }
+    }
+
+    /// Says what is uncertain about the rate of this gate.
+    pub(super) fn warning(&self, rate: f64) -> Option<String> {
+        let Self { rows, runs, rows_needed, .. } = self;
+        // So many independent segments have a covariance of the same accuracy.
+        let counted = runs.as_ref().map_or(*rows as f64, |runs| runs.freedom + 1.0);
+        let counted_as = runs.as_ref().map_or_else(String::new, |runs| {
+            format!(" of {} runs, which count as {counted:.0} independent ones,", runs.count)
+        });
+        (counted < *rows_needed as f64).then(|| {
+            format!(
+                "{rows} healthy segments{counted_as} keep the false-alarm rate of {rate} in the mean only; from \
+                 {rows_needed} on, 95 % of such gates have at most {} times the rate",
+                spread::BOUND
+            )
+        })
+    }
+}
+
+/// A gate, or why there is none.
+pub(super) type GateOrReason = Result<Gate, String>;
+
+/// Returns the gate if rate and segments allow it.
+pub(super) fn checked(
+    alarms: &Alarms,
+    scarcity: Option<String>,
+    gate: impl FnOnce() -> Result<Gate, Error>,
+) -> Result<GateOrReason, Error> {
+    let rate = alarms.false_alarm;
+    if !(1e-9..=0.5).contains(&rate) {
+        return Err(Error::Usage(format!("--false-alarm {rate}: give a rate from 1e-9 to 0.5 a segment")));
+    }
+    match scarcity {
+        Some(problem) if alarms.required => Err(Error::Training(problem)),
+        Some(problem) => Ok(Err(problem)),
+        None => gate().map(Ok),
+    }
+}

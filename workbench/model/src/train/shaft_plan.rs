@@ -1,0 +1,166 @@
+//! Plan of the shaft: tracked orders, their cells and control orders, delay and filter.
+//!
+//! ```text
+//! cell       as wide as the slip allows, but at most a sixteenth of a trace's turns                        (1)
+//! controls   orders far from all integers and from all harmonics of the tracked orders                 (2)
+//! ```
+
+use bearing_watch::model::{Blocks, CONTROLS, MAX_LAG, TrackedOrder, Tracking, q16};
+use bearing_watch::plan::RunTime;
+
+use super::VelocitySource;
+use crate::Error;
+use crate::core::{MAX_ORDERS, Measured};
+
+/// Blocks in a record, at least.
+pub(super) const BLOCKS_A_RECORD: f64 = 16.0;
+/// Binary logarithms of the narrowest and the widest cell, turns.
+pub(super) const CELLS_LOG2: [i8; 2] = [-6, 6];
+
+/// Returns the binary logarithm of the widest cell (1) for these orders, the slip, and the turns of a record.
+pub(super) fn cell_turns_log2(orders: impl Iterator<Item = f64>, slip: f64, turns: f64) -> i8 {
+    let highest = orders.fold(0.1, f64::max);
+    let [narrowest, most] = CELLS_LOG2.map(f64::from);
+    let widest = (0.5 / (highest * slip.max(1e-4))).min(turns / BLOCKS_A_RECORD);
+    widest.log2().floor().clamp(narrowest, most) as i8
+}
+
+/// Plan of the shaft: tracked orders, delay and filter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShaftPlan {
+    /// Names and values of the orders, events per turn; none for friction alone.
+    pub orders: Vec<(String, f64)>,
+    /// Weights of the orders' harmonics; the last ones may be zero.
+    pub weights: [f64; 3],
+    /// Whether training may leave higher harmonics out.
+    pub fewer_harmonics: bool,
+    /// Largest relative slip of the cage that is searched.
+    pub slip: f64,
+    /// Lag of the current, samples; estimated from the traces if not given.
+    pub current_delay: Option<f64>,
+    /// Cut-off of the torque balance's filter, Hz.
+    pub cutoff_hz: f64,
+    /// Whether the load torque is measured.
+    pub load: bool,
+    /// Where the velocity comes from.
+    pub velocity: VelocitySource,
+}
+
+impl ShaftPlan {
+    /// Returns a plan with these orders, weights for pulses of a tenth to half of a period, a slip of ± 0.8 %, a
+    /// cut-off of 4 Hz, a measured load, and the better source of the velocity.
+    #[must_use]
+    pub fn new(orders: Vec<(String, f64)>) -> Self {
+        Self {
+            orders,
+            weights: [1.0, 0.5, 0.25],
+            fewer_harmonics: true,
+            slip: 0.008,
+            current_delay: None,
+            cutoff_hz: 4.0,
+            load: true,
+            velocity: VelocitySource::Best,
+        }
+    }
+
+    /// Returns which signals have a channel; before the choice of its source, the velocity has one.
+    pub(super) fn measured(&self) -> Measured {
+        Measured { velocity: self.velocity != VelocitySource::Angle, load: self.load }
+    }
+
+    /// Returns the names of the orders.
+    #[must_use]
+    pub fn names(&self) -> Vec<String> {
+        self.orders.iter().map(|(name, _)| name.clone()).collect()
+    }
+
+    /// Returns the orders, cells (1) and control orders (2) for records of this number of turns. The filters are those
+    /// before training.
+    #[must_use]
+    pub fn tracking(&self, turns: f64, slowest_rad_s: f64) -> Tracking<RunTime> {
+        let named = |name: &str| self.orders.iter().find(|(own, _)| own == name).map(|(_, order)| *order);
+        let ratio = |name: &str| match (name, named("outer"), named("inner")) {
+            ("inner", Some(outer), Some(inner)) => -outer / inner,
+            _ => 1.0,
+        };
+        let weights = self.weights.map(|w| w as f32);
+        let order = |(name, order): &(String, f64)| TrackedOrder {
+            slip_ratio: ratio(name) as f32,
+            ..TrackedOrder::new(*order as f32, weights)
+        };
+        Tracking {
+            orders: self.orders.iter().map(order).collect(),
+            blocks: Blocks {
+                controls: controls(&self.orders, self.slip, harmonics(&self.weights)).map(|order| q16(order as f32)),
+                cell_turns_log2: cell_turns_log2(self.orders.iter().map(|(_, order)| *order), self.slip, turns),
+                slip: self.slip as f32,
+                slowest_rad_s: slowest_rad_s as f32,
+                pole: 0.9,
+                high_pass: 0.0,
+            },
+        }
+    }
+
+    /// Returns the orders and control orders (2) of this plan in the cells of another one.
+    pub(super) fn with_cells_of(&self, other: &Blocks) -> Tracking<RunTime> {
+        let own = self.tracking(1.0, 0.0);
+        Tracking { blocks: Blocks { controls: own.blocks.controls, ..*other }, ..own }
+    }
+
+    pub(super) fn check(&self, interval_s: f64) -> Result<(), Error> {
+        let refuse = |problem: String| Err(Error::Usage(problem));
+        if self.orders.len() > MAX_ORDERS {
+            return refuse(format!("{} bearing orders are more than {MAX_ORDERS}", self.orders.len()));
+        }
+        if let Some((name, order)) = self.orders.iter().find(|(_, order)| !(0.01..=1000.0).contains(order)) {
+            return refuse(format!("bearing order {name} is {order}; it counts events a turn, from 0.01 to 1000"));
+        }
+        if let Some((name, _)) = self
+            .orders
+            .iter()
+            .enumerate()
+            .find_map(|(k, own)| self.orders[..k].iter().any(|(name, _)| *name == own.0).then_some(own))
+        {
+            return refuse(format!("bearing order {name} is given twice"));
+        }
+        if !(self.weights[0] > 0.0 && self.weights.iter().all(|w| (0.0..=1000.0).contains(w))) {
+            return refuse("weights of the harmonics are not negative, the first above zero".into());
+        }
+        if self.current_delay.is_some_and(|delay| !(0.0..=f64::from(MAX_LAG)).contains(&delay)) {
+            return refuse(format!("--current-delay is 0 to {MAX_LAG} samples"));
+        }
+        if !(0.0..=0.1).contains(&self.slip) {
+            return refuse(format!("--slip is {}; it is 0 to 0.1, for example 0.008 for 0.8 %", self.slip));
+        }
+        if !(self.cutoff_hz > 0.0 && self.cutoff_hz * interval_s < 0.25) {
+            let most = 0.25 / interval_s;
+            return refuse(format!(
+                "the torque balance's cut-off is above 0 and below {most} Hz, a quarter of the rate"
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// Number of harmonics with a weight.
+pub(super) fn harmonics(weights: &[f64; 3]) -> u8 {
+    3 - weights.iter().rev().take_while(|w| **w <= 0.0).count() as u8
+}
+
+/// Control orders (2), spread evenly in the logarithm over the harmonics of the tracked orders.
+fn controls(orders: &[(String, f64)], slip: f64, harmonics: u8) -> [f64; CONTROLS] {
+    let lines: Vec<f64> =
+        orders.iter().flat_map(|(_, order)| (1..=harmonics).map(move |h| order * f64::from(h))).collect();
+    let lowest = 0.66 * lines.iter().copied().fold(1000.0, f64::min).max(1.0);
+    // Four half orders, at least: orders near those of the rotor have its lines.
+    let highest = (1.04 * lines.iter().copied().fold(1.0, f64::max)).max(2.2 * lowest);
+    let clear = |order: f64| {
+        let integer = (order - order.round()).abs();
+        lines.iter().map(|line| (line - order).abs() - slip * line).fold(integer, f64::min)
+    };
+    std::array::from_fn(|k| {
+        let even = lowest * (highest / lowest).powf(k as f64 / (CONTROLS - 1) as f64);
+        let near = (-12..=12).map(|percent| even * (1.0 + 0.01 * f64::from(percent)));
+        near.max_by(|one, other| clear(*one).total_cmp(&clear(*other))).unwrap_or(even)
+    })
+}
