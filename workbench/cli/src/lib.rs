@@ -1,4 +1,15 @@
-//! The command line: `bearing-watch COMMAND`.
+//! The program `bearing-watch`: files and options enter, models, pages and tables leave.
+//!
+//! Each command is a module that reads its arguments, calls one of the crates below, and writes what it returns. On bad
+//! input a command prints one line with file, place and remedy, writes no file, and returns exit code 2.
+//!
+//! | crate | commands |
+//! |---|---|
+//! | `bearing-watch-model` | `identify`, `piecewise`, `structure`, `validate`, `grey-box`, `audit`, `train`, `evaluate` |
+//! | `bearing-watch-traces` | `convert`, `resample`, and the files that the others read |
+//! | `bearing-watch-fleet` | `features`, `features-sum`, `train-features` |
+//! | `bearing-watch-pages` | `view`, `replay`, `listen`, and the pages that the others write |
+//! | `bearing-watch-studies` | `demo`, `simulate`, `simulate-features`, `campaign`, `tables` |
 
 mod arguments;
 mod audit;

@@ -1,4 +1,4 @@
-//! Reports: converts results to one self-contained HTML page.
+//! Reports as HTML: results of training and evaluation enter, one self-contained page leaves.
 //!
 //! ```text
 //! points, posteriors, counts ──► plot::{signals, lines, scatter_regions, posteriors} ──┐
@@ -11,6 +11,18 @@
 //! sheet; figures name them.
 //!
 //! All names (classes, files, axis labels) are user input and are escaped by [`escape::escape`].
+//!
+//! | module | content |
+//! |---|---|
+//! | [`page`] | a page of titled sections, in one file |
+//! | [`plot`], [`table`] | one figure or table from its data |
+//! | [`palette`] | colour and marker of each class |
+//! | [`training`], [`worth`] | a trained model, and how good it is |
+//! | [`evaluation`], [`segments`] | verdicts on labelled traces, and on their segments |
+//! | [`audit`] | what recordings are worth |
+//! | [`structure`], [`validation`] | models of the signals |
+//! | [`replay`], [`live`] | traces and a drive that the detector judges one segment after another |
+//! | [`escape`] | text inside HTML |
 
 pub mod audit;
 pub mod escape;

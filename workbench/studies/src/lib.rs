@@ -1,5 +1,9 @@
 //! Studies on the simulated rigs: the demonstration, the campaigns, and the source's tables compared with ours.
 //!
+//! The size of a study and its first seed enter; tables of rates with their intervals leave, as text, JSON or a page. A
+//! study simulates traces, trains detectors on them, and counts their verdicts on other traces. The same seed gives the
+//! same table on every machine.
+//!
 //! | module | content |
 //! |---|---|
 //! | [`recipes`] | the configurations that the studies train |

@@ -1,4 +1,23 @@
-//! Recorded or simulated signals: from files to the input of identification.
+//! Reads recorded signals from files: tables of columns enter, traces in SI units leave.
+//!
+//! ```text
+//! .csv .mat .parquet .arrow .npz, or a table in memory ─► table: named columns ─┬─► reader ───────────► traces
+//!                                                                               └─► front_end: clean ─┘
+//! ```
+//!
+//! A trace is one recording: current, velocity, load and further channels of one length, at one sampling interval. A
+//! recording at the control rate (phase currents, counts of the position sensor) passes the front end of the firmware
+//! first. [`read`] and [`Source`] read traces; the other modules are its steps.
+//!
+//! | module | content |
+//! |---|---|
+//! | [`table`] | named columns of a file of any format, or in memory |
+//! | [`reader`] | columns → traces: one file a trace, or a table with a column of their names |
+//! | [`front_end`] | recordings at the control rate → clean samples |
+//! | [`units`] | units, by the names of columns |
+//! | [`resample`] | irregular times → a constant rate |
+//! | [`given`] | labels, front end and traces that settings name |
+//! | [`damaged`] | damaged files, at which readers of other crates panic |
 
 mod cleaned_reader;
 pub mod damaged;
@@ -183,6 +202,7 @@ fn read_files(
 /// A file that may have traces.
 #[derive(Debug)]
 pub struct Candidate {
+    /// The file.
     pub file: PathBuf,
     /// Whether it was found in a folder, where files without the columns have no traces.
     of_folder: bool,

@@ -25,12 +25,14 @@ const FEWEST: usize = 8;
 pub struct Piece {
     /// Time of the first row, s.
     pub start_s: f64,
+    /// The columns, of one length.
     pub columns: Vec<Vec<f64>>,
 }
 
 /// What was found in the times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Resampled {
+    /// What lies between the gaps, in its order.
     pub pieces: Vec<Piece>,
     /// Start and length of each gap, s.
     pub gaps: Vec<[f64; 2]>,

@@ -3,21 +3,32 @@
 /// What is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
+    /// Angle; base unit rad.
     Angle,
+    /// Angular velocity; rad/s.
     AngularVelocity,
+    /// Length; m.
     Length,
+    /// Velocity; m/s.
     Velocity,
+    /// Current; A.
     Current,
+    /// Voltage; V.
     Voltage,
+    /// Torque; N·m.
     Torque,
+    /// Force; N.
     Force,
+    /// Temperature; K.
     Temperature,
+    /// Time; s.
     Time,
 }
 
 /// A unit: a value times `factor`, plus `offset`, is in the base unit of its quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
+    /// What is measured in it.
     pub quantity: Quantity,
     factor: f64,
     offset: f64,

@@ -16,9 +16,11 @@ const PART: f64 = 0.005;
 /// What was found in a column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
-    /// Mean, standard deviation, least and largest value.
+    /// Mean, in the unit of the column.
     pub mean: f64,
+    /// Standard deviation.
     pub deviation: f64,
+    /// Least and largest value.
     pub range: [f64; 2],
     /// The smallest difference of two values.
     pub step: f64,

@@ -12,8 +12,9 @@ pub struct Times {
     pub rate_hz: f64,
     /// Standard deviation of the steps that are no gaps, relative to the usual one.
     pub jitter: f64,
-    /// Steps of more than 1.5 usual ones, and the longest one, s.
+    /// Number of steps of more than 1.5 usual ones.
     pub gaps: usize,
+    /// The longest of them, s.
     pub longest_gap_s: f64,
     /// Steps of zero.
     pub standing: usize,

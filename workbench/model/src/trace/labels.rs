@@ -60,6 +60,10 @@ impl Condition {
         &self.column
     }
 
+    /// Whether it holds for a cell of the column.
+    ///
+    /// # Errors
+    /// An order of texts, which have none.
     pub fn holds(&self, cell: &str) -> Result<bool, String> {
         use std::cmp::Ordering::{Equal, Greater, Less};
         let ordering = match (cell.parse::<f64>(), self.value.parse::<f64>()) {
