@@ -5,7 +5,7 @@
 //! every m-th             behind a zero-phase low pass (`super::prepare::decimate`)
 //! ```
 //!
-//! A step of more than [`GAP`] usual ones and of more than [`BRIDGED`] new ones is a gap: columns are cut there, since
+//! A step of more than [`GAP`] usual ones and of more than `BRIDGED` new ones is a gap: columns are cut there, since
 //! straight lines across it would be invented. An angle that jumps by more than half a turn is unwrapped first, and is
 //! not limited to one turn after.
 

@@ -98,7 +98,7 @@ pub(crate) fn moments(rows: &[Observed<'_>], classes: usize) -> Moments {
     moments_of(&cells(rows), classes)
 }
 
-/// As [`moments`], of rows whose sums are given.
+/// As `moments`, of rows whose sums are given.
 pub fn moments_of(cells: &[Cell], classes: usize) -> Moments {
     let errors = mean_errors(cells);
     let mut found = start(cells, classes, &errors);

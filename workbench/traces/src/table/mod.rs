@@ -7,7 +7,7 @@
 //! .npz                 arrays of NumPy ([`numpy`])
 //! ```
 //!
-//! A table may also be in memory ([`memory`]). Each format but text is a feature of this crate.
+//! A table may also be in memory (`memory`). Each format but text is a feature of this crate.
 
 #[cfg(feature = "parquet")]
 mod arrow;

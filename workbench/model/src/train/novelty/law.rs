@@ -115,7 +115,7 @@ impl DistanceLaw {
     }
 }
 
-/// ln of the probability density of the left-out distances for each tail, in the order of [`tail`]: a sum over the
+/// ln of the probability density of the left-out distances for each tail, in the order of `tail`: a sum over the
 /// segments. Zeros tell nothing, and leave the prior probabilities.
 pub type Likelihoods = [f64; HEAVIER + 1];
 
