@@ -7,6 +7,8 @@ mod book;
 mod bounds;
 mod c_library;
 mod child;
+#[cfg(test)]
+mod circles;
 mod dependencies;
 mod docs;
 mod elf;
