@@ -1,4 +1,6 @@
 //! A fit and the tails of its healthy distances → the gate, and the complete model.
+//!
+//! The tails of the gate's law follow from a second pass over the parts ([`Tails`]), or have their prior probabilities.
 
 use bearing_watch::model::{Covariates, Feature, MAX_BLOCK_MEAN};
 use nalgebra::DVector;

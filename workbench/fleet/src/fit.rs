@@ -1,8 +1,7 @@
-//! Sums → class densities, and the model.
+//! Sums → everything of a model but the gate.
 //!
 //! Means, covariances, projection, discriminant and the spread of runs are functions of the sums: they are those that
-//! training on the segments themselves finds, up to rounding. The tails of the gate's law follow from a second pass
-//! over the parts ([`super::Tails`]), or have their prior probabilities.
+//! training on the segments themselves finds, up to rounding.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -2,8 +2,9 @@
 //!
 //! ```text
 //! columns of traces ─► wiring: channels of the model, samples
-//! model: constants of any layout ─► embedded: detector over a trace ─► segment: SegmentReport (words: reasons)
-//!                                        (stream: in pieces)            └─► watch: evidence, alarm
+//! model: constants of any layout ─► embedded: detector, names ─► stream: segments of a trace, whole or in pieces
+//!                                                                    └─► segment: SegmentReport (words: reasons)
+//!                                                                           └─► watch: evidence, alarm
 //! features: names of the features, and the maps between raw and δ-parameters
 //! ```
 
