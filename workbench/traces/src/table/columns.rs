@@ -1,9 +1,5 @@
 //! Columns of a table: which are wanted, what is read, and which of their numbers are taken.
 
-use std::path::Path;
-
-use model::Error;
-
 use super::lines::Lines;
 
 /// No sensor measures larger values in any unit; their squares and products would overflow single precision.
@@ -38,22 +34,6 @@ impl Columns {
     pub fn place(&self, row: usize) -> String {
         self.lines.of(row).map_or_else(|| format!("row {}", row + 1), |line| format!("line {line}"))
     }
-}
-
-/// Names and columns of arrays: the longest ones, and those of one number, which are constant.
-#[cfg(any(feature = "matlab", feature = "numpy"))]
-pub(super) fn of_one_length(
-    path: &Path,
-    arrays: Vec<(String, Vec<f64>)>,
-) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
-    let Some(rows) = arrays.iter().map(|(_, column)| column.len()).max().filter(|rows| *rows > 0) else {
-        return Err(Error::content(path, "content", "no arrays of numbers"));
-    };
-    let each = |(name, column): (String, Vec<f64>)| match column[..] {
-        [one] => Some((name, vec![one; rows])),
-        _ => (column.len() == rows).then_some((name, column)),
-    };
-    Ok(arrays.into_iter().filter_map(each).unzip())
 }
 
 /// The first row whose number is not taken.

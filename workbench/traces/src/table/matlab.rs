@@ -15,7 +15,7 @@ use std::path::Path;
 use matrw::{MatFile, MatVariable};
 
 use crate::damaged::guarded;
-use crate::table::columns::of_one_length;
+use crate::table::arrays::of_one_length;
 use crate::table::matlab_elements;
 use crate::table::matlab_value::Value;
 use model::Error;

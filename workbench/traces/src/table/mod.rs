@@ -9,6 +9,8 @@
 //!
 //! A table may also be in memory (`memory`). Each format but text is a feature of this crate.
 
+#[cfg(any(feature = "matlab", feature = "numpy"))]
+mod arrays;
 #[cfg(feature = "parquet")]
 mod arrow;
 #[cfg(feature = "parquet")]

@@ -8,7 +8,7 @@ use npyz::{DType, NpyFile, Order, TypeChar, WriterBuilder as _};
 use zip::ZipArchive;
 
 use crate::damaged::{DAMAGED, guarded};
-use crate::table::columns::of_one_length;
+use crate::table::arrays::of_one_length;
 use model::Error;
 
 /// Bytes of the longest header.
