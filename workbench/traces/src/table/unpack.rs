@@ -6,13 +6,13 @@ use std::path::Path;
 
 use model::Error;
 
-#[cfg(any(feature = "compressed", feature = "matlab"))]
+#[cfg(any(feature = "compressed", feature = "matlab", feature = "parquet"))]
 /// Bytes to which any file may be unpacked; beyond them, how many times its size.
 const MOST_BYTES: u64 = 1 << 30;
-#[cfg(any(feature = "compressed", feature = "matlab"))]
+#[cfg(any(feature = "compressed", feature = "matlab", feature = "parquet"))]
 const MOST_RATIO: u64 = 100;
 
-#[cfg(any(feature = "compressed", feature = "matlab"))]
+#[cfg(any(feature = "compressed", feature = "matlab", feature = "parquet"))]
 /// Largest number of bytes that a file of this size may be unpacked to.
 pub(super) fn most(packed: usize) -> u64 {
     MOST_BYTES.max(MOST_RATIO.saturating_mul(packed as u64))
