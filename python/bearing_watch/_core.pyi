@@ -22,6 +22,7 @@ __all__ = [
     "arrow_stream",
     "fleet",
     "identify",
+    "settings",
     "simulate",
     "structure",
     "train",

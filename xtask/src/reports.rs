@@ -87,7 +87,13 @@ impl Pytest {
             }
         }
         for (left, number) in std::mem::take(self).skipped {
-            (0..number).for_each(|_| tally.missing(&left.what, &left.reason));
+            // A check of another package, such as those that scikit-learn makes of an estimator, leaves itself out where
+            // it does not apply; nothing is missing.
+            let foreign = left.what.starts_with("..");
+            (0..number).for_each(|_| match foreign {
+                true => tally.skip(&left.what, &left.reason),
+                false => tally.missing(&left.what, &left.reason),
+            });
         }
     }
 }

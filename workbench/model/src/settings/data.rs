@@ -29,8 +29,8 @@ pub struct Data {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "NAMES")))]
     pub classes: Vec<String>,
-    /// Time column, in s or in the unit at the end of its name; by default the one with a usual name (t_s, "Time [ms]",
-    /// timestamp …). "none" leaves it out
+    /// Time column, in s or in the unit at the end of its name; by default the one with a usual name (`t_s`,
+    /// `Time [ms]`, `timestamp` …). "none" leaves it out
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "COLUMN")))]
     pub time: Option<String>,
