@@ -36,7 +36,7 @@ impl Drop for Started {
     fn drop(&mut self) {
         if !matches!(self.0.try_wait(), Ok(Some(_))) {
             imp::kill(self.0.id());
-            // It is gone now or was before; there is nobody to be told.
+            // An error means that the exit status was collected before.
             let _ = self.0.wait();
         }
         if let Ok(mut groups) = GROUPS.lock() {

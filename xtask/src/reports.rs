@@ -87,8 +87,8 @@ impl Pytest {
             }
         }
         for (left, number) in std::mem::take(self).skipped {
-            // A check of another package, such as those that scikit-learn makes of an estimator, leaves itself out where
-            // it does not apply; nothing is missing.
+            // The place is in another package, for example a check of scikit-learn that does not apply: nothing is
+            // missing here.
             let foreign = left.what.starts_with("..");
             (0..number).for_each(|_| match foreign {
                 true => tally.skip(&left.what, &left.reason),
@@ -132,7 +132,7 @@ mod tests {
         let tally = of_libtest(
             "successes:\n\n---- a stdout ----\nskipped: no data\nskipped: no more\n\n---- b stdout ----\n3 %\n\n\
              successes:\n    a\n    b\n\nfailures:\n\n---- c stdout ----\nskipped: a part\n\nfailures:\n    c\n\n\
-             test result: FAILED. 2 passed; 1 failed; 0 ignored; 0 measured\nskipped: nobody\n\
+             test result: FAILED. 2 passed; 1 failed; 0 ignored; 0 measured\nskipped: outside of a test\n\
              test result: ok. 4 passed; 0 failed; 0 ignored; 0 measured\n",
         );
         // In continuous integration it has failed.

@@ -127,8 +127,8 @@ impl Stage {
 }
 
 /// Runs the stages, prints the table and the count; whether nothing failed. What cannot be set up is an error before
-/// the first stage. A failing stage does not keep later ones from running. The stages of the target run beside those of the
-/// host, since the emulator and many builds use one processor.
+/// the first stage. A failing stage does not keep later ones from running. The stages of the target run beside those of
+/// the host, since the emulator and many builds use one processor.
 pub fn run(options: &Options, asked: Option<Way>) -> Result<bool> {
     let chosen = if options.stages.is_empty() { Stage::value_variants() } else { &options.stages };
     let (mut host, target): (Vec<Stage>, Vec<Stage>) = chosen.iter().partition(|stage| stage.is_of_host());

@@ -45,7 +45,7 @@ fn wait_for(mut condition: impl FnMut() -> bool) -> bool {
     false
 }
 
-/// Whether a process runs; one that has ended and nobody has waited for does not.
+/// Returns whether a process runs; a process that has ended and is only kept for its exit status does not.
 fn runs(pid: &str) -> bool {
     let state = Command::new("ps").args(["-o", "stat=", "-p", pid]).output().expect("ps");
     let state = String::from_utf8_lossy(&state.stdout).trim().to_owned();

@@ -5,7 +5,8 @@
 //!
 //! | crate | commands |
 //! |---|---|
-//! | `bearing-watch-model` | `identify`, `piecewise`, `structure`, `validate`, `grey-box`, `audit`, `train`, `evaluate` |
+//! | `bearing-watch-model` | `identify`, `piecewise`, `structure`, `validate`, `grey-box` |
+//! | `bearing-watch-model` | `audit`, `train`, `evaluate` |
 //! | `bearing-watch-traces` | `convert`, `resample`, and the files that the others read |
 //! | `bearing-watch-fleet` | `features`, `features-sum`, `train-features` |
 //! | `bearing-watch-pages` | `view`, `replay`, `listen`, and the pages that the others write |

@@ -6,8 +6,8 @@ use crate::train::commissioning_source::commissioning_source;
 use crate::train::front_end_source::front_end_source;
 use crate::train::{Trained, VelocitySource, export};
 
-/// A model as Rust source, with the front end that its recordings pass and the constants of a commissioning with so many
-/// segments.
+/// A model as Rust source, with the front end that its recordings pass and the constants of a commissioning with so
+/// many segments.
 ///
 /// # Errors
 /// A model that the core does not accept, or one that cannot be commissioned.

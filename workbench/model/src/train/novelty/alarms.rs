@@ -64,7 +64,8 @@ pub(super) fn segments_between(interval: AlarmInterval, segment_s: Option<f64>) 
         (AlarmInterval::Segments(segments), _) => segments,
         (AlarmInterval::Hours(hours), Some(seconds)) => hours * 3600.0 / seconds,
         (AlarmInterval::Hours(_), None) => {
-            let problem = "the traces have no time, so --alarm-interval-h says nothing; give --alarm-interval-segments";
+            let problem =
+                "the traces have no time, so --alarm-interval-h has no meaning; give --alarm-interval-segments";
             return Err(Error::Usage(problem.into()));
         }
     };
