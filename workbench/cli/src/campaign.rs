@@ -67,6 +67,9 @@ pub(super) struct Args {
     /// Features of the field's detector, instead of those of its recipe
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "field")]
     features: Vec<String>,
+    /// The detector of a user who names no features, instead of the one of the field's recipe
+    #[arg(long, requires = "field", conflicts_with_all = ["features", "bounds", "sessions", "commissioned"])]
+    default: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -129,8 +132,11 @@ fn run_field(args: &Args) -> Result<(), Error> {
     }
     let rows = field::rows::named(&args.only)?;
     field::recipe::recipe(&Condition::MIX, &args.features).catalogue().choose(&args.features)?;
-    let settings =
-        field::Settings { features: args.features.clone(), ..field::Settings::standard(args.repetitions, args.first) };
+    let settings = field::Settings {
+        features: args.features.clone(),
+        default: args.default,
+        ..field::Settings::standard(args.repetitions, args.first)
+    };
     if args.bounds {
         return run_bounds(args, &settings);
     }

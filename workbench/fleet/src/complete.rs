@@ -44,6 +44,9 @@ impl Fit {
         let preparation = self.plan.preparation();
         let inside = preparation.decimate <= 1 && preparation.block_mean <= usize::from(MAX_BLOCK_MEAN);
         let trained = Trained {
+            automatic: None,
+            dependence: None,
+            doubted: None,
             recipe: self.recipe_by_classes(),
             classes: self.classes.clone(),
             feature_names: self.names.clone(),

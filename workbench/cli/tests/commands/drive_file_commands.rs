@@ -46,7 +46,7 @@ fn problems_name_file_line_and_key() {
     refuse(dir, "train d.toml --model m.bwm", &["d.toml, line "]);
     refuse(dir, "train missing.toml --model m.bwm", &["missing.toml: No such file"]);
     write("[channels]\ny = \"i\"\n");
-    refuse(dir, "train d.toml --model m.bwm", &["--u1", "--order"]);
+    refuse(dir, "train d.toml --model m.bwm", &["--labels"]);
 }
 
 #[test]

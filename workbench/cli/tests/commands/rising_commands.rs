@@ -54,7 +54,7 @@ fn an_order_next_to_one_of_the_rotor_is_told() {
     let told = "order near of 4.0300 cannot be told from cogging, unbalance and errors of the angle at order 4: ";
     assert!(
         warning("--orders near=4.03,far=3.5")
-            .contains(&format!("{told}with slips of up to 0.80 % no record tells them apart; --slip 0.00"))
+            .contains(&format!("{told}with slips of up to 2.20 % no record tells them apart; --slip 0.00"))
     );
     assert!(warning("--orders near=4.03,far=3.5 --slip 0").contains(&format!("{told}records of ")));
     assert!(!warning("--orders far=3.5").contains("cannot be told"));

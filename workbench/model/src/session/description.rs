@@ -7,7 +7,9 @@ use serde_json::{Value, json};
 use crate::trace::{Channels, Preparation, ShaftChannels};
 use crate::train::novelty::runs::{RunSpread, Slope};
 use crate::train::novelty::{Gate, baseline};
-use crate::train::{Coefficient, Explained, NextToRotor, Remedy, ShaftPlan, Trained, next_to_rotor};
+use crate::train::{
+    Coefficient, Dependence, Doubted, Explained, NextToRotor, Remedy, ShaftPlan, Trained, next_to_rotor,
+};
 
 /// Returns the estimator's name for `--method`.
 #[must_use]
@@ -88,7 +90,9 @@ pub fn lines(trained: &Trained, channels: &Channels, host: Preparation) -> Vec<S
 #[must_use]
 pub fn doubts(trained: &Trained) -> Vec<String> {
     let own = trained.left_out.summary().into_iter().chain(trained.watch.warning.clone());
-    own.chain(rotor_warnings(trained)).collect()
+    let doubted = trained.doubted.iter().flat_map(Doubted::lines);
+    let dependence = trained.dependence.iter().map(Dependence::line);
+    own.chain(dependence).chain(doubted).chain(rotor_warnings(trained)).collect()
 }
 
 /// Warns if the host prepares what the detector cannot.

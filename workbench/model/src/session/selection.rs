@@ -20,6 +20,11 @@ pub struct Selection {
     asked: Vec<String>,
 }
 
+/// Columns of labels whose rows of one value are of one run. A load or a speed is a condition, not a run.
+const RUNS: [&str; 8] = ["run", "session", "unit", "drive", "day", "date", "batch", "serial"];
+/// The name of no column: traces are independent.
+const INDEPENDENT: &str = "none";
+
 /// Class names, and id and class of each trace.
 pub type Chosen = (Vec<String>, Vec<(String, String)>);
 
@@ -90,12 +95,31 @@ impl Selection {
         self.labels.cells(column, traces.iter().map(|t| t.trace.id.as_str()))
     }
 
+    /// Returns the columns of the labels that may tell runs: those with several values, one for several traces each.
+    ///
+    /// # Errors
+    /// Those of [`Selection::cells`].
+    pub fn columns(&self, traces: &[LabelledTrace]) -> Result<Vec<(String, Vec<String>)>, Error> {
+        let further = self.labels.columns().iter().filter(|name| RUNS.contains(&name.to_lowercase().as_str()));
+        let mut columns = vec![];
+        for name in further {
+            let cells = self.cells(name, traces)?;
+            let values: HashSet<&String> = cells.iter().collect();
+            if values.len() > 1 && 2 * values.len() <= cells.len() {
+                columns.push((name.clone(), cells));
+            }
+        }
+        Ok(columns)
+    }
+
     /// Returns the run and the unit of each trace.
     ///
     /// # Errors
     /// An unknown column, or a trace without a unit.
     pub fn groups(&self, by: &Validation, traces: &[LabelledTrace]) -> Result<Groups, Error> {
-        let column = |name: &Option<String>| name.as_ref().map(|name| self.cells(name, traces)).transpose();
+        let column = |name: &Option<String>| {
+            name.as_ref().filter(|name| *name != INDEPENDENT).map(|name| self.cells(name, traces)).transpose()
+        };
         let (runs, units) = (column(&by.group)?, column(&by.unit)?);
         let empty = units.iter().flatten().position(String::is_empty);
         if let (Some(place), Some(column)) = (empty, &by.unit) {

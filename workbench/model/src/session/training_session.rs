@@ -63,6 +63,8 @@ impl Session {
         let groups = selection.groups(&settings.validation, &training)?;
         let [runs, units] = [groups.runs, groups.units].map(Option::unwrap_or_default);
         let validation = settings.validation.folds(runs, units)?;
+        let columns = settings.validation.group.is_none().then(|| selection.columns(&training)).transpose()?;
+        let validation = crate::train::Validation { columns, ..validation };
         let held_out = self.held_out((&classes, &training), &validation.units)?;
         let park = settings.channels.park(channels)?;
         let recipe = settings.recipe(&classes, plan.clone())?;

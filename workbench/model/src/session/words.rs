@@ -8,7 +8,7 @@ use super::evidence;
 use super::held_out::{Found, HeldOut};
 use super::training::Training;
 use crate::evaluate::Rate;
-use crate::train::{Choice, Explained, Forward, Ranking, Scores};
+use crate::train::{Automatic, Choice, Explained, Forward, Ranking, Scores};
 
 impl Training {
     /// Number of training traces of each class.
@@ -27,6 +27,7 @@ pub fn to_json(own: &Training, found: &Found) -> Map<String, Value> {
         "training_traces": own.counts(),
         "left_out": trained.left_out.count,
         "features": trained.feature_names,
+        "automatic": trained.automatic.as_ref().map(Automatic::to_json),
         "method": method_word(trained.recipe.estimation.method),
         "settle_samples": trained.parts.regression.as_ref().and_then(|(layout, regression)| {
             (layout.method == Method::Instruments).then_some(regression.settle)
@@ -55,6 +56,7 @@ pub fn lines(own: &Training, found: &Found, place: &str) -> Vec<String> {
     let traces: Vec<String> = traces.collect();
     let mut lines =
         vec![format!("trained on {} traces; features {}", traces.join(", "), trained.feature_names.join(", "))];
+    lines.extend(trained.automatic.iter().flat_map(Automatic::lines));
     lines.extend(description::built(trained, own.bytes.len(), place));
     lines.extend(trained.explained.iter().flat_map(Explained::lines));
     lines.extend(description::gate(trained));

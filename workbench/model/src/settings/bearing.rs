@@ -4,12 +4,16 @@ use serde::{Deserialize, Serialize};
 
 use super::merge::merges;
 
+/// Largest relative slip that is searched: real cages slip by up to 2 %, and with the load on the contact angle.
+pub(super) const SLIP: f64 = 0.022;
+
 /// The events per turn of the defects of a bearing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Bearing {
-    /// Balls, ball and pitch diameter, contact angle in rad, e.g. 9,3,17,0.1745: tracks outer, inner, ball and cage
+    /// Balls, ball and pitch diameter, contact angle in rad, e.g. 9,3,17,0.1745: tracks outer and inner race,
+    /// and ball and cage too if features are named
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "N,BD,PD,ANGLE", "x-shaft" = true)))]
     pub bearing: Vec<f64>,
@@ -21,7 +25,7 @@ pub struct Bearing {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "W1,W2,W3", "x-shaft" = true)))]
     pub harmonics: Vec<f64>,
-    /// Largest relative slip of the bearing's cage that is searched [default: 0.008]
+    /// Largest relative slip of the bearing's cage that is searched [default: 0.022]
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "PART", "x-shaft" = true)))]
     pub slip: Option<f64>,

@@ -24,7 +24,9 @@ impl Settings {
             return Err(Error::Usage("--size-spread takes a number from 0 to 1, e.g. 0.25".into()));
         }
         let (discriminant, shrink) = model.discriminant()?;
+        let automatic = recipe.shaft.is_some() && self.chooses_features();
         Ok(Recipe {
+            automatic,
             features: model.features.clone(),
             rising: model.rising.clone(),
             projection: model.projection()?,
@@ -35,6 +37,15 @@ impl Settings {
             cost: costs(&self.alarm.cost, classes)?,
             ..recipe
         })
+    }
+}
+
+impl Settings {
+    /// Whether training chooses the features of a shaft: those that a user names, or mixes, are his choice.
+    pub(super) fn chooses_features(&self) -> bool {
+        let model = &self.model;
+        let mixed = model.projection.unwrap_or_default() != Projection::None;
+        model.features.is_empty() && model.rising.is_empty() && !mixed
     }
 }
 

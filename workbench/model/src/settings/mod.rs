@@ -17,6 +17,7 @@ mod choices;
 mod classifier;
 mod columns;
 mod data;
+mod defaults;
 mod estimation;
 mod face;
 mod fields;

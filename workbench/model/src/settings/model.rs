@@ -14,7 +14,7 @@ pub(super) const VARIANCE: f64 = 0.99;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Model {
-    /// na,nb,nc,nkb,nkc
+    /// na,nb,nc,nkb,nkc; of `train` 2,1,2,1,1 if not given, or 2,1,0,1,1 without a second input
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "ORDER")))]
     pub order: Option<Order>,
@@ -79,8 +79,8 @@ pub struct Model {
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "HZ", "x-shaft" = true)))]
     pub balance_cutoff_hz: Option<f64>,
     /// a, b, c, offset, log_variance, friction, friction_scores, friction_logs, orders, or single ones such as a1,
-    /// viscous_score, viscous_log or order_outer; mean_CHANNEL or rms_CHANNEL of any column; every parameter if not
-    /// given
+    /// viscous_score, viscous_log or order_outer; mean_CHANNEL or rms_CHANNEL of any column; if not given, training
+    /// chooses those that detect best where the angle is known, and takes every parameter elsewhere
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "NAMES")))]
     pub features: Vec<String>,

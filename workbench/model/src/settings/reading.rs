@@ -25,13 +25,14 @@ impl Settings {
     /// # Errors
     /// Channels or an order that are missing or do not go together.
     pub fn reading(&self, front_end: Option<FrontEndFile>) -> Result<Reading, Error> {
-        let structure = self.model.structure()?;
-        self.channels.require(structure)?;
-        let mut channels = self.channels(front_end)?;
-        let (shaft_channels, shaft) = self.shaft(&channels.y)?.unzip();
+        let own = self.clone().completed();
+        let structure = own.model.structure()?;
+        own.channels.require(structure)?;
+        let mut channels = own.channels(front_end)?;
+        let (shaft_channels, shaft) = own.shaft(&channels.y)?.unzip();
         channels.shaft = shaft_channels;
-        let preparation = self.model.preparation()?;
-        let channels = self.model.averaged((structure, shaft.as_ref()), channels, preparation)?;
+        let preparation = own.model.preparation()?;
+        let channels = own.model.averaged((structure, shaft.as_ref()), channels, preparation)?;
         Ok(Reading { structure, channels, shaft, preparation })
     }
 }

@@ -12,7 +12,7 @@ impl Settings {
     /// # Errors
     /// Settings that are out of range, do not go together, or name unknown classes.
     pub fn recipe(&self, classes: &[String], shaft: Option<ShaftPlan>) -> Result<Recipe, Error> {
-        let structure = self.model.structure()?;
+        let structure = self.clone().completed().model.structure()?;
         let plain = Recipe {
             columns: Channels::new("", "", ""),
             shaft,
@@ -35,6 +35,6 @@ impl validation::Validation {
         if folds < 2 {
             return Err(Error::Usage(format!("--folds {folds}: at least 2")));
         }
-        Ok(Validation { folds, seed, groups, units })
+        Ok(Validation { folds, seed, groups, units, columns: None })
     }
 }

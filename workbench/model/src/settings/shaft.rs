@@ -1,6 +1,6 @@
 //! From the settings to the channels and the plan of the shaft.
 
-use super::bearing::Bearing;
+use super::bearing::{Bearing, SLIP};
 use super::choices::VelocityFrom;
 use super::whole::Settings;
 use crate::Error;
@@ -29,10 +29,11 @@ impl Settings {
             angle: angle.clone(),
             reference: own.velocity_ref.clone(),
         };
-        let mut plan = ShaftPlan { load: own.load.is_some(), ..ShaftPlan::new(self.bearing.orders()?) };
+        let mut plan =
+            ShaftPlan { load: own.load.is_some(), ..ShaftPlan::new(self.bearing.orders(self.chooses_features())?) };
         plan.current_delay = model.current_delay;
         plan.velocity = source.into();
-        plan.slip = self.bearing.slip.unwrap_or(plan.slip);
+        plan.slip = self.bearing.slip.unwrap_or(SLIP);
         plan.cutoff_hz = model.balance_cutoff_hz.unwrap_or(plan.cutoff_hz);
         if self.bearing.harmonics.len() > plan.weights.len() {
             return Err(Error::Usage("--harmonics takes at most three weights".into()));
@@ -69,7 +70,10 @@ impl Settings {
 
 impl Bearing {
     /// Names and orders, those of the bearing first.
-    fn orders(&self) -> Result<Vec<(String, f64)>, Error> {
+    ///
+    /// Where training chooses the features, only the races are tracked: the filter that shows the lower orders of ball
+    /// and cage too hides small pulses of the races.
+    fn orders(&self, races_only: bool) -> Result<Vec<(String, f64)>, Error> {
         let mut orders = match self.bearing[..] {
             [] => vec![],
             [balls, ball, pitch, contact] if (1.0..=255.0).contains(&balls) && 0.0 < ball && ball < pitch => {
@@ -79,8 +83,9 @@ impl Bearing {
                     pitch_diameter: pitch as f32,
                     contact_angle_rad: contact as f32,
                 };
-                let all = [("outer", bearing.outer()), ("inner", bearing.inner()), ("ball", bearing.ball())];
-                let all = all.into_iter().chain([("cage", bearing.cage())]);
+                let races = [("outer", bearing.outer()), ("inner", bearing.inner())];
+                let others = [("ball", bearing.ball()), ("cage", bearing.cage())];
+                let all = races.into_iter().chain(others.into_iter().filter(|_| !races_only));
                 all.map(|(name, order)| (name.to_string(), f64::from(order))).collect()
             }
             _ => {

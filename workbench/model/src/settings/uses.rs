@@ -87,7 +87,7 @@ impl Use {
             GROUPS,
             &["train_where", "test_where", "folds", "fold_seed"],
         ],
-        required: &["labels", "y", "u1", "order"],
+        required: &["labels"],
     };
     /// Evaluation of a model.
     pub const EVALUATE: Self = Self {

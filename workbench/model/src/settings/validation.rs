@@ -26,7 +26,7 @@ pub struct Validation {
     pub test_where: Vec<Condition>,
     /// Traces with the same value in this column of the labels are of one run: they stay in one fold, intervals count
     /// runs, the gate's false-alarm rate is that of the next run, and false alarms are given by run in the order of the
-    /// labels
+    /// labels. Without it, healthy traces are tested for dependence; "none" takes them for independent
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "COLUMN")))]
     pub group: Option<String>,

@@ -20,8 +20,19 @@ use crate::trace::labels::LabelledTrace;
 /// The rows of all segments, with the trace of each row, and why it has no features.
 pub(super) type Rows = (FeatureTable, Vec<usize>, Vec<Option<String>>);
 
-/// Returns one row per segment.
+/// Returns one row per segment, with errors beyond the usual ones.
 pub(super) fn run(
+    traces: &[LabelledTrace],
+    classes: &[String],
+    (parts, catalogue): (&Parts, &Catalogue),
+    segment: usize,
+) -> Result<Rows, Error> {
+    let (table, origins, reasons) = run_plain(traces, classes, (parts, catalogue), segment)?;
+    Ok((table.with_usual_errors(), origins, reasons))
+}
+
+/// Returns one row per segment, with errors as they are.
+pub(super) fn run_plain(
     traces: &[LabelledTrace],
     classes: &[String],
     (parts, catalogue): (&Parts, &Catalogue),
@@ -45,7 +56,7 @@ pub(super) fn run(
         }
     }
     table.usual = DVector::zeros(table.rows.first().map_or(0, DVector::len));
-    Ok((table.with_usual_errors(), origins, reasons))
+    Ok((table, origins, reasons))
 }
 
 /// Returns the features of a segment, in the order of [`Catalogue::names`], and the variances of their errors; a

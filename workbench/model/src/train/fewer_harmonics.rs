@@ -12,8 +12,6 @@
 //! harmonics with the largest gain finds most defects. Each trace has another slip δ and phase φ of the pulses, which
 //! do not slip within it.
 
-use std::f64::consts::{PI, TAU};
-
 use bearing_watch::ShaftEstimate;
 use bearing_watch::model::{ShaftConstants, TrackedOrder};
 use bearing_watch::plan::RunTime;
@@ -22,9 +20,10 @@ use statrs::statistics::Statistics;
 
 use super::bench::{Bench, Watched};
 use super::nominal::median;
+use super::pulses;
 use super::shaft_plan::{ShaftPlan, harmonics};
 use crate::Error;
-use crate::trace::{MotionTrace, Trace};
+use crate::trace::Trace;
 
 /// Fewer traces do not tell the deviations of (2).
 const LEAST_TRACES: usize = 50;
@@ -86,13 +85,11 @@ impl Pulses {
     /// A trace with pulses at all orders.
     fn added(&self, (labelled, motion): &Watched<'_>, number: usize, orders: &[TrackedOrder]) -> Trace {
         let mut trace = labelled.trace.clone();
-        // Evenly over the ranges, in an order without a pattern.
-        let part = |ratio: f64| (number as f64 + 0.5) * ratio % 1.0;
-        let (slip, phase) = (self.slip * (2.0 * part(0.618_034) - 1.0), TAU * part(0.414_214));
+        let (slip, phase) = pulses::slip_and_phase(number, self.slip);
         if let Some(shaft) = &mut trace.motion {
             for order in orders {
                 let order = f64::from(order.order()) * (1.0 + f64::from(order.slip_ratio) * slip);
-                add_pulses(&mut shaft.current_a, motion, order, phase, self.amplitudes_a);
+                pulses::add(&mut shaft.current_a, motion, order, phase, self.amplitudes_a);
             }
         }
         trace
@@ -122,59 +119,4 @@ impl Pulses {
 fn scores(estimates: &[ShaftEstimate<RunTime>], order: usize) -> Vec<f64> {
     let known = estimates.iter().filter(|own| own.orders_reason.is_none());
     known.filter_map(|own| own.orders().get(order)).map(|order| f64::from(order.score)).collect()
-}
-
-/// Adds the pulses (1) of one order.
-fn add_pulses(current_a: &mut [f64], motion: &MotionTrace, order: f64, phase: f64, amplitudes_a: [f64; 3]) {
-    let (mut turned_rad, mut before) = (0.0, f64::NAN);
-    for ((current, angle), velocity) in current_a.iter_mut().zip(&motion.angle_rad).zip(&motion.velocity_rad_s) {
-        if angle.is_finite() {
-            // Of a wrapped angle, the step of less than half a turn.
-            let step = (angle - before + PI).rem_euclid(TAU) - PI;
-            turned_rad += if step.is_finite() { step } else { 0.0 };
-            before = *angle;
-        }
-        let place = order * turned_rad + phase;
-        let pulses: f64 = [1.0, 2.0, 3.0].iter().zip(amplitudes_a).map(|(h, a)| a * (h * place).cos()).sum();
-        *current += pulses * if *velocity < 0.0 { -1.0 } else { 1.0 };
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Mean of x cos(h O θ) and of x sin(h O θ) over a whole number of turns.
-    fn projected(x: &[f64], angle_rad: &[f64], order: f64) -> [f64; 2] {
-        let of = |part: fn(f64) -> f64| {
-            2.0 * x.iter().zip(angle_rad).map(|(x, angle)| x * part(order * angle)).sum::<f64>() / x.len() as f64
-        };
-        [of(f64::cos), of(f64::sin)]
-    }
-
-    #[test]
-    fn pulses_have_their_harmonics_and_oppose_the_motion() {
-        // Ten turns forward, wrapped; the angle of one sample is missing.
-        let turned: Vec<f64> = (0..5000).map(|k| f64::from(k) * TAU / 500.0).collect();
-        let mut motion = MotionTrace {
-            angle_rad: turned.iter().map(|angle| angle.rem_euclid(TAU)).collect(),
-            velocity_rad_s: vec![20.0; 5000],
-            ..MotionTrace::default()
-        };
-        motion.angle_rad[700] = f64::NAN;
-        let mut current_a = vec![0.0; 5000];
-        add_pulses(&mut current_a, &motion, 3.5, 0.5 * PI, [0.4, 0.2, 0.1]);
-        for (h, amplitude) in [(1.0, 0.4), (2.0, 0.2), (3.0, 0.1)] {
-            let [x, y] = projected(&current_a, &turned, 3.5 * h);
-            // cos(h (φ + π/2)): the phase turns by a quarter, a half and three quarters.
-            let [want_x, want_y] = [amplitude * (h * 0.5 * PI).cos(), -amplitude * (h * 0.5 * PI).sin()];
-            // One sample of 5000 is held at the angle before.
-            assert!((x - want_x).abs() < 1e-3 && (y - want_y).abs() < 1e-3, "{h}: {x} {y}");
-        }
-        let mut back = MotionTrace { velocity_rad_s: vec![-20.0; 5000], ..motion };
-        back.angle_rad[700] = 0.0;
-        let mut reversed = vec![0.0; 5000];
-        add_pulses(&mut reversed, &back, 3.5, 0.5 * PI, [0.4, 0.2, 0.1]);
-        assert!((reversed[10] + current_a[10]).abs() < 1e-12);
-    }
 }

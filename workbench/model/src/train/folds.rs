@@ -21,11 +21,14 @@ pub struct Validation {
     pub groups: Vec<String>,
     /// Unit (drive) of each training trace, which contains whole groups and stays in one fold; if empty, groups do.
     pub units: Vec<String>,
+    /// Columns of the labels that may tell runs, each with the cell of every trace, if no groups are given: healthy
+    /// traces are then tested for dependence. `None` takes traces for independent.
+    pub columns: Option<Vec<(String, Vec<String>)>>,
 }
 
 impl Default for Validation {
     fn default() -> Self {
-        Self { folds: 10, seed: 1, groups: vec![], units: vec![] }
+        Self { folds: 10, seed: 1, groups: vec![], units: vec![], columns: None }
     }
 }
 

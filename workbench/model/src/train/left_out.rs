@@ -39,6 +39,15 @@ pub(super) struct Estimated {
 }
 
 impl Estimated {
+    /// Returns the rows that have at least one of the chosen features and all covariates, and the others.
+    pub(super) fn kept_and_lost(&self, chosen: &[usize], covariates: &[usize]) -> [Vec<usize>; 2] {
+        let has = |row: usize, feature: usize| self.candidates.table.variances[row][feature].is_finite();
+        let complete = |row: usize| covariates.iter().all(|&feature| has(row, feature));
+        let has_any = |row: &usize| chosen.iter().any(|&feature| has(*row, feature)) && complete(*row);
+        let (kept, lost) = (0..self.candidates.table.rows.len()).partition(has_any);
+        [kept, lost]
+    }
+
     /// Returns the rows that have at least one of the chosen features and all covariates, and the count of the others.
     ///
     /// # Errors
@@ -50,10 +59,7 @@ impl Estimated {
         in_pieces: bool,
     ) -> Result<(Candidates, LeftOut), Error> {
         let table = &self.candidates.table;
-        let has = |row: usize, feature: usize| table.variances[row][feature].is_finite();
-        let complete = |row: usize| covariates.iter().all(|&feature| has(row, feature));
-        let has_any = |row: &usize| chosen.iter().any(|&feature| has(*row, feature)) && complete(*row);
-        let (kept, lost): (Vec<usize>, Vec<usize>) = (0..table.rows.len()).partition(has_any);
+        let [kept, lost] = self.kept_and_lost(chosen, covariates);
         let described = |row: usize| {
             let reason = self.reasons[row].as_deref().unwrap_or("no part that they belong to has a result");
             (traces[self.origins[row]].trace.id.clone(), reason.to_string())

@@ -23,6 +23,9 @@ pub struct Recipe {
     pub estimation: Estimation,
     /// The watched signals of the shaft, if any.
     pub shaft: Option<ShaftPlan>,
+    /// Whether training chooses the features, by healthy traces with added defects or by the classes; the features
+    /// of the recipe are then empty.
+    pub automatic: bool,
     /// Feature names or groups; none means every parameter.
     pub features: Vec<String>,
     /// Names of the features that explain a part of the others.
@@ -59,6 +62,7 @@ impl Recipe {
             structure,
             estimation: Estimation::default(),
             shaft: None,
+            automatic: false,
             features: vec![],
             covariates: vec![],
             rising: vec![],

@@ -38,10 +38,19 @@ impl FeatureTable {
             let own = self.variances.iter().map(|variance| variance[feature]).filter(|v| v.is_finite());
             let mut sorted: Vec<f64> = own.collect();
             sorted.sort_by(f64::total_cmp);
-            let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
-            self.usual[feature] = usual;
-            self.variances.iter_mut().for_each(|v| v[feature] = (v[feature] - usual).max(0.0));
+            self.usual[feature] = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
         }
+        let usual = self.usual.clone();
+        self.beyond(&usual)
+    }
+
+    /// Takes these as the usual variances of the errors, as another table has found them.
+    #[must_use]
+    pub fn beyond(mut self, usual: &DVector<f64>) -> Self {
+        for variance in &mut self.variances {
+            *variance = variance.zip_map(usual, |own, usual| (own - usual).max(0.0));
+        }
+        self.usual.clone_from(usual);
         self
     }
 

@@ -5,7 +5,8 @@ use bearing_watch::plan::RunTime;
 use nalgebra::DVector;
 
 use super::{
-    AffineMap, Candidates, Choice, ClassStatistics, Explained, FeatureTable, GaussianClasses, LeftOut, Recipe, Watch,
+    AffineMap, Automatic, Candidates, Choice, ClassStatistics, Dependence, Doubted, Explained, FeatureTable,
+    GaussianClasses, LeftOut, Recipe, Watch,
 };
 use crate::core::Parts;
 
@@ -18,6 +19,8 @@ pub struct Trained {
     pub classes: Vec<String>,
     /// Names of the raw features in use.
     pub feature_names: Vec<String>,
+    /// Why these features, if the program chose them.
+    pub automatic: Option<Automatic>,
     /// What covariates explain of the features.
     pub explained: Option<Explained>,
     /// Map from the chosen raw features, less what covariates explain, to the coordinates.
@@ -32,6 +35,10 @@ pub struct Trained {
     pub statistics: ClassStatistics,
     /// Training segments that have none of the features.
     pub left_out: LeftOut,
+    /// What healthy traces depend on.
+    pub dependence: Option<Dependence>,
+    /// What is unusual about the healthy segments.
+    pub doubted: Option<Doubted>,
     /// Class densities over the coordinates.
     pub densities: GaussianClasses,
     /// The shrinkage of the covariances, if it was chosen by cross-validation.

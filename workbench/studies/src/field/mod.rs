@@ -10,6 +10,7 @@
 //! |---|---|
 //! | [`bounds`] | what one record can tell |
 //! | [`picture`] | the table as a picture |
+//! | [`default`] | what a user gets who names no features |
 //! | [`recipe`] | the configuration: features, false-alarm rate |
 //! | [`rows`] | conditions, defects, and the cells of their traces |
 //! | [`settings`] | draws, and records of each |
@@ -21,6 +22,7 @@
 
 pub mod bounds;
 pub mod commissioned;
+pub mod default;
 pub mod picture;
 pub mod recipe;
 pub mod render;

@@ -1,5 +1,6 @@
 //! Trains and judges one draw of one row with the embedded detector.
 
+use super::default;
 use super::recipe::{of_classes, of_gate};
 use super::rows::{CLASS_SIZES, CLASSES, COLUMNS, Row};
 use super::settings::Settings;
@@ -67,13 +68,17 @@ fn of_size(kind: DefectKind, severity: f64) -> Defect {
 fn detectors(row: &Row, draw: u32, settings: &Settings) -> Result<(Trained, Option<Trained>), Error> {
     let healthy = traces(&[(row.training(draw, Defect::HEALTHY), 0)], settings.healthy_training)?;
     let trained = |set: &[LabelledTrace], classes: &[Defect], recipe: Recipe| -> Trained {
-        if recipe.features.is_empty() {
+        if recipe.features.is_empty() && !recipe.automatic {
             return Err("none of the features exists without a load sensor".into());
         }
         let trained = train(set, &class_names(classes), &recipe);
         trained.and_then(|trained| trained.embed()).map_err(|error| error.to_string())
     };
-    let gate = trained(&healthy, &[Defect::HEALTHY], of_gate(row, &settings.features));
+    let recipe = |classes: &[Defect], own: Recipe| {
+        if settings.default { default::recipe(row, &class_names(classes)) } else { Ok(own) }
+    };
+    let gate = recipe(&[Defect::HEALTHY], of_gate(row, &settings.features))?;
+    let gate = trained(&healthy, &[Defect::HEALTHY], gate);
     if !row.classes {
         return Ok((gate, None));
     }
@@ -81,7 +86,8 @@ fn detectors(row: &Row, draw: u32, settings: &Settings) -> Result<(Trained, Opti
     let cells: Vec<_> = classes.iter().enumerate().skip(1).map(|(k, own)| (row.training(draw, *own), k)).collect();
     let mut set = healthy;
     set.extend(traces(&cells, settings.defects_training)?);
-    Ok((gate, Some(trained(&set, &classes, of_classes(row, &settings.features)))))
+    let own = recipe(&classes, of_classes(row, &settings.features))?;
+    Ok((gate, Some(trained(&set, &classes, own))))
 }
 
 /// Runs the detectors over one record.

@@ -19,13 +19,24 @@ pub struct Settings {
     pub defects: u32,
     /// Features of the detector; those of [`recipe`](super::recipe) if empty.
     pub features: Vec<String>,
+    /// Whether the program chooses them, as it does for a user who names none.
+    pub default: bool,
 }
 
 impl Settings {
     /// 150 healthy records for training; 300 healthy ones and 60 of each defect for validation.
     #[must_use]
     pub const fn standard(draws: u32, first: u32) -> Self {
-        Self { draws, first, healthy_training: 150, defects_training: 60, healthy: 300, defects: 60, features: vec![] }
+        Self {
+            draws,
+            first,
+            healthy_training: 150,
+            defects_training: 60,
+            healthy: 300,
+            defects: 60,
+            features: vec![],
+            default: false,
+        }
     }
 
     /// Number of validation records of a kind.

@@ -1,0 +1,124 @@
+//! Why training took its recipe, in words and as JSON.
+
+use serde_json::{Value, json};
+
+/// What a recipe finds of one kind of defect.
+#[derive(Clone, Debug)]
+pub struct Detected {
+    /// The kind of defect.
+    pub kind: String,
+    /// Sizes, A.
+    pub sizes_a: Vec<f64>,
+    /// Share of the records with each size that is found.
+    pub found: Vec<f64>,
+    /// Size that is found in half of the records, A.
+    pub half_a: f64,
+}
+
+/// A recipe that was compared.
+#[derive(Clone, Debug)]
+pub struct Rival {
+    /// Its features.
+    pub features: Vec<String>,
+    /// Rate of held-out healthy segments called novel, or of wrong decisions with classes.
+    pub rate: f64,
+    /// What it finds of each kind of defect; empty with classes.
+    pub detected: Vec<Detected>,
+    /// Why it cannot be trained.
+    pub refused: Option<String>,
+}
+
+/// Why training took its recipe.
+#[derive(Clone, Debug)]
+pub struct Automatic {
+    /// The compared recipes, in the order of preference.
+    pub rivals: Vec<Rival>,
+    /// The place of the chosen one.
+    pub chosen: usize,
+    /// Whether every rate is of segments that the fit has not seen.
+    pub held_out: bool,
+    /// Whether classes of defects decided, not defects that were added.
+    pub by_classes: bool,
+    /// What the situation excludes, in words.
+    pub notes: Vec<String>,
+}
+
+impl Automatic {
+    /// The chosen recipe.
+    #[must_use]
+    pub fn winner(&self) -> &Rival {
+        &self.rivals[self.chosen]
+    }
+
+    /// The best recipe beside the chosen one.
+    #[must_use]
+    pub fn next(&self) -> Option<&Rival> {
+        let others = self.rivals.iter().enumerate().filter(|(k, own)| *k != self.chosen && own.refused.is_none());
+        let size = |own: &Rival| own.detected.iter().map(|one| one.half_a.ln()).sum::<f64>();
+        let worse = |own: &Rival| if self.by_classes { own.rate } else { size(own) };
+        others.map(|(_, own)| own).min_by(|a, b| worse(a).total_cmp(&worse(b)))
+    }
+
+    /// Three lines: what was chosen, what it finds, and what was not chosen.
+    #[must_use]
+    pub fn lines(&self) -> Vec<String> {
+        let own = self.winner();
+        let seen = if self.held_out { "cross-validated" } else { "on the segments of training itself" };
+        let mut lines = vec![format!("features chosen by the program among {} sets", self.rivals.len())];
+        if self.by_classes {
+            lines.push(format!("wrong decisions: {:.1} %, {seen}", 100.0 * own.rate));
+        } else if !own.detected.is_empty() {
+            let sizes: Vec<String> = own.detected.iter().map(Detected::words).collect();
+            let rate = 100.0 * own.rate;
+            lines.push(format!(
+                "defects added to healthy traces are found in half of them from this size on ({seen}; {rate:.1} % of \
+                 healthy segments are novel): {}",
+                sizes.join("; ")
+            ));
+        }
+        lines.extend(self.next().map(|other| {
+            let names = other.features.join(", ");
+            if self.by_classes {
+                return format!("next best: {names}, {:.1} % wrong", 100.0 * other.rate);
+            }
+            let sizes: Vec<String> = other.detected.iter().map(|one| format!("{:.2e} A", one.half_a)).collect();
+            format!("next best: {names} ({})", sizes.join("; "))
+        }));
+        lines.extend(self.notes.iter().cloned());
+        lines
+    }
+
+    /// As JSON.
+    #[must_use]
+    pub fn to_json(&self) -> Value {
+        let rival = |own: &Rival| {
+            let detected: Vec<Value> = own.detected.iter().map(Detected::to_json).collect();
+            json!({
+                "features": own.features, "rate": own.rate, "detected": detected, "refused": own.refused,
+            })
+        };
+        json!({
+            "chosen": self.chosen,
+            "compared": self.rivals.iter().map(rival).collect::<Vec<_>>(),
+            "cross_validated": self.held_out,
+            "by_classes": self.by_classes,
+            "notes": self.notes,
+        })
+    }
+}
+
+impl Detected {
+    fn words(&self) -> String {
+        let Self { kind, sizes_a, half_a, .. } = self;
+        let beyond = sizes_a.last().is_some_and(|last| half_a > last);
+        if beyond {
+            format!("{kind} not up to {:.2e} A", sizes_a.last().unwrap_or(&0.0))
+        } else {
+            format!("{kind} {half_a:.2e} A")
+        }
+    }
+
+    fn to_json(&self) -> Value {
+        json!({ "kind": self.kind, "sizes_a": self.sizes_a, "found": self.found, "half_a": self.half_a })
+    }
+}

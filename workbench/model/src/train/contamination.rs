@@ -1,0 +1,296 @@
+//! A second population among healthy segments, such as records of a defective drive that are labelled healthy.
+//!
+//! ```text
+//! m, S: mean and covariance of the densest three quarters, reweighted                                (1) Rousseeuw
+//! z = S^(−½)(x − m),   z ~ (1 − π) N(0, I) + π N(μ, I),   π ≤ 0.3                                     (2)
+//! LR = Σ ln[(1 − π) + π exp(μᵀz − |μ|²/2)]                                                           (3)
+//! ```
+//!
+//! (1) is the minimum covariance determinant (Rousseeuw and Van Driessen 1999), which a third of other rows does not
+//! move. (2) is fitted by expectation and maximisation, from the farthest rows; the largest (3) counts. Its law if
+//! there is one population is that of normal samples of the same size, simulated. Rows of the second population are
+//! left out only if the rest has no such rows: heavy tails on all sides, or a skewed law, are not a second population.
+
+use nalgebra::{DMatrix, DVector};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
+use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF};
+
+use super::FeatureTable;
+use crate::trace::median;
+
+/// Part of the rows in (1).
+const DENSEST: f64 = 0.75;
+/// Largest π: a larger second population is not the exception.
+const MOST: f64 = 0.3;
+/// Samples of one population; more than all of them is improbable.
+const SAMPLES: u64 = 99;
+/// (3) below which no sample of usual size is far.
+const LEAST: f64 = 5.0;
+/// Rows a coordinate below which (1) means little.
+const LEAST_ROWS: usize = 8;
+/// Rows of one population are as far as this with probability 0.001, and many of them improbable.
+const FAR: f64 = 0.999;
+const MANY: f64 = 0.01;
+/// Asymmetry of the middle of the projections, of which an exponential law has 0.39 and a normal one 0.
+const SKEWED: f64 = 0.25;
+
+/// What is unusual about healthy rows.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Populations {
+    /// The rows of the second population; empty if there is only one.
+    pub(super) others: Vec<usize>,
+    /// Distance of their mean from the first, in its standard deviations.
+    pub(super) distance: f64,
+    /// Rows that are far on other sides: the law has heavy tails.
+    pub(super) far: usize,
+    /// Whether the law is skewed.
+    pub(super) skewed: bool,
+}
+
+/// What is unusual about the healthy segments of a training set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Doubted {
+    /// The rows that are left out as another population.
+    pub(super) others: Vec<usize>,
+    /// Their traces.
+    pub traces: Vec<String>,
+    /// Distance of their mean from that of the others, in standard deviations.
+    pub distance: f64,
+    /// Segments that are far on all sides.
+    pub far: usize,
+    /// Whether the law is skewed.
+    pub skewed: bool,
+    /// All healthy segments.
+    pub of: usize,
+}
+
+impl Doubted {
+    /// In words.
+    #[must_use]
+    pub fn lines(&self) -> Vec<String> {
+        let Self { traces, distance, far, skewed, of, .. } = self;
+        let mut lines = vec![];
+        if !traces.is_empty() {
+            lines.push(format!(
+                "{} of {of} healthy segments are another population, {distance:.1} standard deviations from the rest, \
+                 and are left out of training: {}; look at them: if they are not healthy, change their labels, and if \
+                 they are, record more of their kind",
+                traces.len(),
+                traces.join(", ")
+            ));
+        }
+        if *far > 0 {
+            lines.push(format!(
+                "{far} of {of} healthy segments are far from the rest on several sides: the tails of the gate's law \
+                 are heavier than normal, and its limit is further out"
+            ));
+        }
+        if *skewed {
+            lines.push(
+                "the healthy segments are skewed towards one side: the rate of false alarms may be above the set one"
+                    .into(),
+            );
+        }
+        lines
+    }
+}
+
+/// Returns what is unusual about the rows; `None` of too few rows, or of nothing unusual.
+pub(super) fn of(table: &FeatureTable) -> Option<Populations> {
+    let (rows, values) = exact(table)?;
+    let z = whitened(&values)?;
+    let (n, p) = z.shape();
+    let second = Second::of(&z);
+    let squared: Vec<f64> = (0..n).map(|row| z.row(row).norm_squared()).collect();
+    let limit = ChiSquared::new(p as f64).ok()?.inverse_cdf(FAR);
+    let fitted: Vec<usize> = second.iter().flat_map(Second::rows).collect();
+    let is_other = |row: usize| fitted.contains(&row);
+    let far = (0..n).filter(|&row| squared[row] > limit && !is_other(row)).count();
+    let chance = Binomial::new(1.0 - FAR, n as u64).ok()?;
+    let heavy = far > 0 && chance.sf(far as u64 - 1) < MANY;
+    let second = second.filter(|own| own.ratio > LEAST && own.ratio > of_one(n, p));
+    let skewed = second.as_ref().is_some_and(|own| own.is_skewed(&z));
+    let alone = second.as_ref().filter(|_| !heavy && !skewed);
+    let others: Vec<usize> = (0..n).filter(|&row| alone.is_some() && is_other(row)).map(|row| rows[row]).collect();
+    let distance = alone.map_or(0.0, |own| own.shift.norm());
+    let unusual = heavy || skewed || !others.is_empty();
+    unusual.then_some(Populations { others, distance, far: if heavy { far } else { 0 }, skewed })
+}
+
+/// Rows without missing values or unusual errors, and their values.
+fn exact(table: &FeatureTable) -> Option<(Vec<usize>, DMatrix<f64>)> {
+    let p = table.rows.first()?.len();
+    let spread = |k: usize| {
+        let own: Vec<f64> = table.with(0, k).map(|row| table.rows[row][k]).collect();
+        let middle = (!own.is_empty()).then(|| median(own.clone()))?;
+        Some(1.483 * median(own.iter().map(|x| (x - middle).abs()).collect::<Vec<_>>()))
+    };
+    let spreads: Vec<f64> = (0..p).map(spread).collect::<Option<_>>()?;
+    let usual = |row: &usize| (0..p).all(|k| table.variances[*row][k] <= 0.1 * spreads[k] * spreads[k]);
+    let rows: Vec<usize> = (0..table.rows.len()).filter(usual).collect();
+    if rows.len() < LEAST_ROWS * p + 10 || spreads.iter().any(|s| *s <= 0.0) {
+        return None;
+    }
+    let values = DMatrix::from_fn(rows.len(), p, |row, k| table.rows[rows[row]][k] / spreads[k]);
+    Some((rows, values))
+}
+
+/// z of (2); `None` if the rows are in a plane.
+fn whitened(x: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let (n, p) = x.shape();
+    let law = ChiSquared::new(p as f64).ok()?;
+    let next = ChiSquared::new(p as f64 + 2.0).ok()?;
+    // The covariance of the nearest part of a normal sample is smaller by this factor.
+    let consistent = |part: f64| part / next.cdf(law.inverse_cdf(part));
+    let start = DVector::from_fn(p, |k, _| median(x.column(k).iter().copied().collect::<Vec<_>>()));
+    let count = (DENSEST * n as f64).ceil() as usize;
+    let mut z = DMatrix::from_fn(n, p, |row, k| x[(row, k)] - start[k]);
+    let mut before = vec![];
+    for _ in 0..12 {
+        let squared: Vec<f64> = (0..n).map(|row| z.row(row).norm_squared()).collect();
+        let mut nearest: Vec<usize> = (0..n).collect();
+        nearest.sort_by(|a, b| squared[*a].total_cmp(&squared[*b]));
+        nearest.truncate(count);
+        nearest.sort_unstable();
+        if nearest == before {
+            break;
+        }
+        z = relative(x, &nearest, consistent(DENSEST))?;
+        before = nearest;
+    }
+    let usual = law.inverse_cdf(0.975);
+    let kept: Vec<usize> = (0..n).filter(|&row| z.row(row).norm_squared() <= usual).collect();
+    relative(x, &kept, consistent(0.975))
+}
+
+/// All rows relative to mean and covariance of some.
+fn relative(x: &DMatrix<f64>, some: &[usize], factor: f64) -> Option<DMatrix<f64>> {
+    let own = x.select_rows(some);
+    let mean = own.row_mean();
+    let away = DMatrix::from_fn(own.nrows(), own.ncols(), |row, k| own[(row, k)] - mean[k]);
+    let covariance = away.tr_mul(&away) * (factor / (some.len() as f64 - 1.0).max(1.0));
+    let root = covariance.cholesky()?.l();
+    let all = DMatrix::from_fn(x.ncols(), x.nrows(), |k, row| x[(row, k)] - mean[k]);
+    Some(root.solve_lower_triangular(&all)?.transpose())
+}
+
+/// The fit (2).
+struct Second {
+    /// μ.
+    shift: DVector<f64>,
+    /// (3).
+    ratio: f64,
+    /// Probability of each row to belong to it.
+    parts: Vec<f64>,
+}
+
+impl Second {
+    /// The best fit from the farthest rows.
+    fn of(z: &DMatrix<f64>) -> Option<Self> {
+        let n = z.nrows();
+        let mut order: Vec<usize> = (0..n).collect();
+        order.sort_by(|a, b| z.row(*b).norm_squared().total_cmp(&z.row(*a).norm_squared()));
+        let starts = order[..(n / 10).clamp(1, 12)].iter();
+        let fits = starts.map(|&row| Self::from(z, z.row(row).transpose()));
+        fits.max_by(|a, b| a.ratio.total_cmp(&b.ratio))
+    }
+
+    fn from(z: &DMatrix<f64>, mut shift: DVector<f64>) -> Self {
+        let n = z.nrows() as f64;
+        let mut part = 2.0 / n;
+        let mut parts = vec![];
+        let mut ratio = 0.0;
+        for _ in 0..30 {
+            let odds: Vec<f64> =
+                (z * &shift).iter().map(|t| part * (t - 0.5 * shift.norm_squared()).min(700.0).exp()).collect();
+            ratio = odds.iter().map(|odds| (1.0 - part + odds).ln()).sum();
+            parts = odds.iter().map(|odds| odds / (1.0 - part + odds)).collect();
+            let sum: f64 = parts.iter().sum();
+            if sum < 1e-6 {
+                break;
+            }
+            part = (sum / n).clamp(0.5 / n, MOST);
+            shift = z.tr_mul(&DVector::from_column_slice(&parts)) / sum;
+        }
+        Self { shift, ratio, parts }
+    }
+
+    /// The rows that are rather of the second population.
+    fn rows(&self) -> Vec<usize> {
+        (0..self.parts.len()).filter(|&row| self.parts[row] > 0.5).collect()
+    }
+
+    /// Whether the first population is skewed towards the second: then that is its tail.
+    fn is_skewed(&self, z: &DMatrix<f64>) -> bool {
+        let mut along: Vec<f64> = (z * &self.shift).iter().copied().collect();
+        along.sort_by(f64::total_cmp);
+        // Of the rows that are surely of the first population.
+        let first = along.len() - self.parts.iter().filter(|part| **part > 0.5).count();
+        let at = |part: f64| along[((part * first as f64) as usize).min(along.len() - 1)];
+        let [low, middle, high] = [0.1, 0.5, 0.9].map(at);
+        (high + low - 2.0 * middle) / (high - low) > SKEWED
+    }
+}
+
+/// The largest (3) of [`SAMPLES`] normal samples of this size.
+fn of_one(rows: usize, coordinates: usize) -> f64 {
+    let sample = |seed: u64| {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let x = DMatrix::from_fn(rows, coordinates, |_, _| StandardNormal.sample(&mut rng));
+        whitened(&x).and_then(|z| Second::of(&z)).map_or(0.0, |own| own.ratio)
+    };
+    (0..SAMPLES).into_par_iter().map(sample).reduce(|| 0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use rand_distr::StudentT;
+
+    use super::*;
+
+    fn table(rows: usize, seed: u64, mut draw: impl FnMut(&mut ChaCha8Rng, usize, usize) -> f64) -> FeatureTable {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let rows: Vec<DVector<f64>> = (0..rows).map(|row| DVector::from_fn(6, |k, _| draw(&mut rng, row, k))).collect();
+        let classes = vec![0; rows.len()];
+        FeatureTable::exact(rows, classes, vec!["healthy".into()])
+    }
+
+    /// Of ten sets, how many have a second population, and how many of the others in it are right and wrong.
+    fn found(draw: impl Fn(&mut ChaCha8Rng, usize, usize) -> f64) -> (usize, usize, usize) {
+        let (mut sets, mut right, mut wrong) = (0, 0, 0);
+        for seed in 1000..1010 {
+            let Some(own) = of(&table(160, seed, &draw)) else { continue };
+            sets += usize::from(!own.others.is_empty());
+            right += own.others.iter().filter(|row| **row % 20 == 0).count();
+            wrong += own.others.iter().filter(|row| **row % 20 != 0).count();
+        }
+        (sets, right, wrong)
+    }
+
+    #[test]
+    fn one_row_in_twenty_of_another_population_is_found() {
+        let normal = |rng: &mut ChaCha8Rng| -> f64 { StandardNormal.sample(rng) };
+        // Eight of 160 rows are five deviations away in one coordinate.
+        let (sets, right, wrong) = found(|rng, row, k| normal(rng) + if row % 20 == 0 && k == 2 { 5.0 } else { 0.0 });
+        // Seven of eight rows of a population at five deviations are nearer to it; at most one in 400 others is.
+        assert!(sets == 10 && right >= 65 && wrong <= 6, "{sets} {right} {wrong}");
+        let (sets, ..) = found(|rng, _, _| normal(rng));
+        // One in a hundred in the mean.
+        assert!(sets <= 1, "{sets}");
+    }
+
+    #[test]
+    fn tails_and_skewness_are_not_another_population() {
+        let t3 = StudentT::new(3.0).expect("valid");
+        let (sets, ..) = found(|rng, _, _| t3.sample(rng));
+        assert!(sets <= 2, "{sets}");
+        let (sets, ..) = found(|rng, _, k| {
+            let x: f64 = StandardNormal.sample(rng);
+            if k == 0 { (0.8 * x).exp() } else { x }
+        });
+        assert!(sets <= 2, "{sets}");
+    }
+}

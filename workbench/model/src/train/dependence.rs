@@ -1,0 +1,150 @@
+//! Whether healthy segments depend on each other: those of one session are alike, or those that follow each other.
+//!
+//! ```text
+//! F = Σ n_i (ȳ_i − ȳ)²/(k − 1) / [Σ (y_ij − ȳ_i)²/(N − k)]     k values of a column of the labels, N segments     (1)
+//! r = Σ (y_j − ȳ)(y_{j+1} − ȳ)/Σ (y_j − ȳ)²,   r √N ~ N(0, 1)   if segments in their order are independent        (2)
+//! ```
+//!
+//! A gate that takes such segments for independent has more false alarms than set. The segments of one value of the
+//! column then count as a run, or so many neighbours that (2) has decayed to a twentieth.
+
+use std::collections::BTreeMap;
+
+use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal};
+
+use super::FeatureTable;
+use crate::trace::labels::LabelledTrace;
+
+/// Probability that any feature seems to depend if none does.
+const LEVEL: f64 = 1e-3;
+/// Decay of (2) within a run of neighbours.
+const DECAYED: f64 = 0.05;
+
+/// What healthy segments depend on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dependence {
+    /// The column of the labels; `None` if neighbours are alike.
+    pub column: Option<String>,
+    /// The feature that shows it best.
+    pub feature: String,
+    /// Share of its variance that is between runs, or (2).
+    pub part: f64,
+    /// Number of runs of healthy segments.
+    pub runs: usize,
+    /// The run of each trace.
+    pub(super) groups: Vec<String>,
+}
+
+impl Dependence {
+    /// In words.
+    #[must_use]
+    pub fn line(&self) -> String {
+        let Self { column, feature, part, runs, .. } = self;
+        let percent = 100.0 * part;
+        match column {
+            Some(column) => format!(
+                "healthy traces with the same {column} are alike ({percent:.0} % of the variance of {feature} is \
+                 between the {runs} of them): the rate is that of the next {column}, as with --group {column}; --group \
+                 none takes all traces for independent"
+            ),
+            None => format!(
+                "healthy traces that follow each other are alike (correlation of {feature} {part:.2}): they count as \
+                 {runs} runs; name the column of the labels that tells runs by --group, or --group none if all traces \
+                 are independent"
+            ),
+        }
+    }
+}
+
+/// A training set, as far as it is tested.
+pub(super) struct Set<'a> {
+    /// All features of each segment.
+    pub(super) table: &'a FeatureTable,
+    /// Their names.
+    pub(super) names: &'a [String],
+    /// The trace of each segment.
+    pub(super) origins: &'a [usize],
+    /// The traces.
+    pub(super) traces: &'a [LabelledTrace],
+    /// The healthy class.
+    pub(super) healthy: usize,
+}
+
+/// Values of a feature of healthy segments in their order, with the trace of each.
+type Values = Vec<(usize, f64)>;
+
+/// Returns what healthy segments depend on, if it is significant; `features` are places among all.
+pub(super) fn of(own: &Set<'_>, features: &[usize], columns: &[(String, Vec<String>)]) -> Option<Dependence> {
+    let Set { table, names, healthy, .. } = *own;
+    let values = |&feature: &usize| -> Values {
+        table.with(healthy, feature).map(|row| (own.origins[row], table.rows[row][feature])).collect()
+    };
+    let all: Vec<(usize, Values)> = features.iter().map(|feature| (*feature, values(feature))).collect();
+    let level = LEVEL / (all.len() * (columns.len() + 1)).max(1) as f64;
+    // Every class must have several runs, so that they can be held out.
+    let told = columns.iter().filter(|(_, cells)| (0..table.names.len()).all(|class| several(own, cells, class)));
+    let by_column = told.flat_map(|(column, cells)| {
+        all.iter().filter_map(move |(feature, values)| {
+            let (chance, part, runs) = between(values, cells)?;
+            let (column, feature) = (Some(column.clone()), names[*feature].clone());
+            Some((chance, Dependence { column, feature, part, runs, groups: cells.clone() }))
+        })
+    });
+    let best = by_column.min_by(|(a, _), (b, _)| a.total_cmp(b));
+    if let Some((_, found)) = best.filter(|(chance, _)| *chance < level) {
+        return Some(found);
+    }
+    let in_order = |(feature, values): &(usize, Values)| {
+        let (chance, correlation) = serial(values)?;
+        Some((chance, correlation, *feature))
+    };
+    let best = all.iter().filter_map(in_order).min_by(|a, b| a.0.total_cmp(&b.0));
+    let (_, part, feature) = best.filter(|(chance, ..)| *chance < level)?;
+    let traces: Vec<usize> = (0..own.traces.len()).filter(|&k| own.traces[k].class == healthy).collect();
+    let length = (DECAYED.ln() / part.min(0.99).ln()).ceil().clamp(2.0, (traces.len() / 4).max(2) as f64) as usize;
+    let mut groups: Vec<String> = own.traces.iter().map(|own| own.trace.id.clone()).collect();
+    traces.iter().enumerate().for_each(|(place, &k)| groups[k] = format!("neighbours {}", place / length + 1));
+    let runs = traces.len().div_ceil(length);
+    Some(Dependence { column: None, feature: names[feature].clone(), part, runs, groups })
+}
+
+/// Whether the traces of a class have several values of a column.
+fn several(own: &Set<'_>, cells: &[String], class: usize) -> bool {
+    let mut of_class = own.traces.iter().zip(cells).filter(|(own, _)| own.class == class).map(|(_, cell)| cell);
+    let first = of_class.next();
+    of_class.any(|cell| Some(cell) != first)
+}
+
+/// The probability of (1) without dependence, the share of the variance between runs, and their number.
+fn between(values: &Values, cells: &[String]) -> Option<(f64, f64, usize)> {
+    let mut runs: BTreeMap<&String, Vec<f64>> = BTreeMap::new();
+    values.iter().for_each(|(trace, value)| runs.entry(&cells[*trace]).or_default().push(*value));
+    let (n, k) = (values.len() as f64, runs.len() as f64);
+    if runs.len() < 2 || n < 2.0 * k {
+        return None;
+    }
+    let mean = values.iter().map(|(_, value)| value).sum::<f64>() / n;
+    let (mut among, mut within) = (0.0, 0.0);
+    for own in runs.values() {
+        let middle = own.iter().sum::<f64>() / own.len() as f64;
+        among += own.len() as f64 * (middle - mean).powi(2);
+        within += own.iter().map(|value| (value - middle).powi(2)).sum::<f64>();
+    }
+    let (among, within) = (among / (k - 1.0), within / (n - k));
+    let chance = FisherSnedecor::new(k - 1.0, n - k).ok()?.sf(among / within);
+    let variance = ((among - within) / (n / k)).max(0.0);
+    Some((chance, variance / (variance + within), runs.len()))
+}
+
+/// The probability of (2) without dependence, and (2).
+fn serial(values: &Values) -> Option<(f64, f64)> {
+    let n = values.len() as f64;
+    if n < 20.0 {
+        return None;
+    }
+    let mean = values.iter().map(|(_, value)| value).sum::<f64>() / n;
+    let away: Vec<f64> = values.iter().map(|(_, value)| value - mean).collect();
+    let square: f64 = away.iter().map(|x| x * x).sum();
+    let r = away.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>() / square;
+    (square > 0.0).then(|| (Normal::standard().sf(r * n.sqrt()), r))
+}

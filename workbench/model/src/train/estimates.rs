@@ -1,0 +1,291 @@
+//! The features of all segments of a training set, whichever of them a model uses.
+
+use bearing_watch::model::Covariates;
+use bearing_watch::plan::MAX_COVARIATES;
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+use super::compose::compose;
+use super::contamination::{self, Doubted, Populations};
+use super::dependence::{self, Dependence};
+use super::estimating::{Estimating, estimating, segment_of};
+use super::left_out::{Estimated, LeftOut};
+use super::novelty::{self, Rows};
+use super::pieces::{cut, spans};
+use super::{Candidates, Explained, FeatureTable, Recipe, Shrink, Trained, core_features, fit};
+use crate::Error;
+use crate::core::Parts;
+use crate::core::features::{self, Catalogue};
+use crate::identify::{Estimate, least_squares};
+use crate::trace::labels::LabelledTrace;
+
+/// A training set with the part of the model that estimates, and the features that it estimates.
+pub(super) struct Estimates<'a> {
+    /// The traces.
+    pub(super) traces: &'a [LabelledTrace],
+    /// Names of their classes.
+    pub(super) classes: &'a [String],
+    /// The recipe with the source of the velocity chosen.
+    pub(super) recipe: Recipe,
+    /// Channels, regression and shaft, with their constants.
+    pub(super) parts: Parts,
+    /// All features.
+    pub(super) catalogue: Catalogue,
+    /// Samples in a segment.
+    pub(super) segment: usize,
+    /// Sampling interval, s; 0 if unknown.
+    pub(super) interval_s: f64,
+    pub(super) estimated: Estimated,
+}
+
+/// The segments that a recipe uses.
+pub(super) struct Used {
+    /// All features of each.
+    pub(super) candidates: Candidates,
+    /// The places of the recipe's features.
+    pub(super) chosen: Vec<usize>,
+    /// The trace of each.
+    pub(super) origins: Vec<usize>,
+    /// Segments without features.
+    left_out: LeftOut,
+    doubted: Option<Doubted>,
+}
+
+impl<'a> Estimates<'a> {
+    /// Trains what estimates, and runs it over the traces.
+    pub(super) fn of(traces: &'a [LabelledTrace], classes: &'a [String], recipe: &Recipe) -> Result<Self, Error> {
+        let segment = segment_of(traces, recipe);
+        // The spread of the features depends on the segment length: trains on segments of the detector's length.
+        let pieces = if recipe.estimation.segment.is_some() { cut(traces, segment) } else { traces.to_vec() };
+        check_classes(&pieces, classes, recipe.alarms.healthy)?;
+        let Estimating { recipe, parts, interval_s, .. } = estimating(traces, classes, recipe)?;
+        let catalogue = recipe.catalogue();
+        // Names that are wrong are told before the core runs over all traces.
+        recipe.rising_last(&catalogue, catalogue.choose(&recipe.features)?)?;
+        covariate_places(&catalogue, &recipe)?;
+        let estimated = estimate(traces, (classes, &recipe), (&parts, &catalogue), (&pieces, segment))?;
+        Ok(Self { traces, classes, recipe, parts, catalogue, segment, interval_s, estimated })
+    }
+
+    /// Returns the places of the recipe's features.
+    pub(super) fn chosen(&self) -> Result<Vec<usize>, Error> {
+        let [chosen, _] = self.places(&self.recipe)?;
+        Ok(chosen)
+    }
+
+    /// Takes healthy segments that depend on each other by these features for runs, if nothing is said about runs.
+    pub(super) fn take_runs(&mut self, places: &[usize]) -> Result<Option<Dependence>, Error> {
+        let validation = &self.recipe.validation;
+        let Some(columns) = validation.columns.as_ref().filter(|_| validation.groups.is_empty()) else {
+            return Ok(None);
+        };
+        let Some(healthy) = self.recipe.alarms.healthy else { return Ok(None) };
+        let (names, table) = (self.catalogue.names(), &self.estimated.candidates.table);
+        let (names, origins, traces) = (&names[..], &self.estimated.origins[..], self.traces);
+        let found = dependence::of(&dependence::Set { table, names, origins, traces, healthy }, places, columns);
+        if let Some(found) = &found {
+            self.recipe.validation.groups.clone_from(&found.groups);
+            self.recipe.alarms.by_run = true;
+            let of_traces = groups(&found.groups, self.traces.len())?;
+            let of_rows = self.estimated.origins.iter().map(|&trace| of_traces[trace]);
+            self.estimated.candidates.groups = of_rows.collect();
+        }
+        Ok(found)
+    }
+
+    /// Returns the places of a recipe's features and covariates.
+    pub(super) fn places(&self, recipe: &Recipe) -> Result<[Vec<usize>; 2], Error> {
+        let chosen = recipe.rising_last(&self.catalogue, self.catalogue.choose(&recipe.features)?)?;
+        Ok([chosen, covariate_places(&self.catalogue, recipe)?])
+    }
+
+    /// Returns the segments that a recipe uses.
+    pub(super) fn rows_of(&self, recipe: &Recipe) -> Result<Used, Error> {
+        let [chosen, explaining] = self.places(recipe)?;
+        let in_pieces = recipe.estimation.segment.is_some();
+        let (mut candidates, left_out) = self.estimated.usable((&chosen, &explaining), self.traces, in_pieces)?;
+        let [kept, _] = self.estimated.kept_and_lost(&chosen, &explaining);
+        let mut origins: Vec<usize> = kept.into_iter().map(|row| self.estimated.origins[row]).collect();
+        let doubted = self.doubted((&candidates.select(&chosen).table, &origins), recipe);
+        if let Some(doubted) = &doubted {
+            let stay: Vec<usize> = (0..origins.len()).filter(|row| !doubted.others.contains(row)).collect();
+            candidates = candidates.rows(&stay);
+            origins = stay.into_iter().map(|row| origins[row]).collect();
+        }
+        Ok(Used { candidates, chosen, origins, left_out, doubted })
+    }
+
+    /// Returns what is unusual about the healthy segments; those of runs differ by run, which the gate contains.
+    fn doubted(&self, (table, origins): (&FeatureTable, &[usize]), recipe: &Recipe) -> Option<Doubted> {
+        let healthy = recipe.alarms.healthy.filter(|_| !recipe.alarms.by_run)?;
+        let own: Vec<usize> = (0..table.rows.len()).filter(|&row| table.classes[row] == healthy).collect();
+        let mut alone = table.keep(&own);
+        (alone.classes, alone.names) = (vec![0; own.len()], vec![table.names[healthy].clone()]);
+        let found = contamination::of(&alone)?;
+        let others: Vec<usize> = found.others.iter().map(|&row| own[row]).collect();
+        let traces = others.iter().map(|&row| self.traces[origins[row]].trace.id.clone()).collect();
+        let Populations { distance, far, skewed, .. } = found;
+        Some(Doubted { others, traces, distance, far, skewed, of: own.len() })
+    }
+
+    /// Trains the rest of a model by a recipe with the same estimation.
+    pub(super) fn train(&self, recipe: &Recipe) -> Result<Trained, Error> {
+        let catalogue = &self.catalogue;
+        let Used { candidates, chosen, left_out, doubted, .. } = self.rows_of(recipe)?;
+        let Candidates { table: raw, features: feature_names, .. } = candidates.select(&chosen);
+        let fit::Fitted { explained, projection, coordinates, coordinate_names, statistics, densities, choice } =
+            fit::fit(&candidates.select(&chosen), recipe)?;
+        let centre = (candidates.table.mean(), &candidates.table.usual);
+        let (used, core_projection, core_usual) = compose(centre, &chosen, catalogue, &projection);
+        let core_features = used.iter().map(|&place| catalogue.core_feature(place)).collect();
+        let core_covariates = match &explained {
+            Some(explained) => explained.core(catalogue, &chosen, &used),
+            None => Covariates { list: vec![], map: vec![] },
+        };
+        let segment_s = (self.interval_s > 0.0).then_some(self.segment as f64 * self.interval_s);
+        let fitted = explained.as_ref().map_or(0, Explained::fitted);
+        let rising = recipe.rising(&coordinate_names);
+        let rows = Rows { table: &coordinates, names: &coordinate_names, fitted, rising };
+        let runs = recipe.runs(&candidates);
+        let shrink = choice.as_ref().map_or(recipe.shrink, |choice| Shrink::To(choice.shrinkage));
+        let fixed = Recipe { shrink, ..recipe.clone() };
+        let watch = novelty::train(rows, (runs, segment_s), &fixed, &densities)?;
+        Ok(Trained {
+            recipe: recipe.clone(),
+            classes: self.classes.to_vec(),
+            feature_names,
+            automatic: None,
+            dependence: None,
+            explained,
+            projection,
+            raw,
+            coordinates,
+            coordinate_names,
+            statistics,
+            left_out,
+            doubted,
+            densities,
+            choice,
+            candidates,
+            watch,
+            core_features,
+            core_covariates,
+            core_projection,
+            core_usual,
+            parts: self.parts.clone(),
+            segment_samples: self.segment,
+            interval_s: self.interval_s,
+            block_mean: 1,
+        })
+    }
+}
+
+/// Returns the features of all segments; those of a part without a result are missing.
+fn estimate(
+    traces: &[LabelledTrace],
+    (classes, recipe): (&[String], &Recipe),
+    (parts, catalogue): (&Parts, &Catalogue),
+    (pieces, segment): (&[LabelledTrace], usize),
+) -> Result<Estimated, Error> {
+    let batch = recipe.estimation.is_batch() && parts.shaft.is_none() && parts.averaged == 0;
+    let (table, origins, reasons) = if batch {
+        let of_trace = |(k, t): (usize, &LabelledTrace)| {
+            let pieces = recipe.estimation.segment.map_or(1, |samples| spans(t.trace.y.len(), samples).count());
+            std::iter::repeat_n(k, pieces)
+        };
+        let origins = traces.iter().enumerate().flat_map(of_trace).collect();
+        let (table, reasons) = batch_features(pieces, classes, catalogue);
+        (table, origins, reasons)
+    } else {
+        core_features::run(traces, classes, (parts, catalogue), segment)?
+    };
+    let groups = groups(&recipe.validation.groups, traces.len())?;
+    let groups = origins.iter().map(|&trace| groups[trace]).collect();
+    let candidates = Candidates { table, features: catalogue.names(), groups, covariates: None };
+    Ok(Estimated { candidates, origins, reasons })
+}
+
+/// Returns the places of the covariates among all features.
+///
+/// # Errors
+/// An unknown name, or a raw parameter that is a combination of several parameters of the core.
+fn covariate_places(catalogue: &Catalogue, recipe: &Recipe) -> Result<Vec<usize>, Error> {
+    if recipe.covariates.is_empty() {
+        return Ok(vec![]);
+    }
+    if recipe.covariates.len() > MAX_COVARIATES {
+        return Err(Error::Usage(format!("--covariates: at most {MAX_COVARIATES}")));
+    }
+    let names = catalogue.names();
+    let zero = catalogue.delta_from_raw(&DVector::zeros(names.len()));
+    let each = |name: &String| {
+        let unknown = || Error::Usage(format!("--covariates: no {name} in this model; there are {}", names.join(", ")));
+        let place = names.iter().position(|own| own == name).ok_or_else(unknown)?;
+        let mut unit = DVector::zeros(names.len());
+        unit[place] = 1.0;
+        // The core's feature at the same place must be the same number.
+        let delta = catalogue.delta_from_raw(&unit) - &zero;
+        let same = delta == unit && zero[place] == 0.0 && catalogue.raw_from_delta().row(place).transpose() == unit;
+        let problem = format!("--covariates: {name} is a combination of parameters; name a feature that is not");
+        if same { Ok(place) } else { Err(Error::Usage(problem)) }
+    };
+    recipe.covariates.iter().map(each).collect()
+}
+
+/// Returns the features by batch least squares, and why a row has none.
+fn batch_features(
+    pieces: &[LabelledTrace],
+    classes: &[String],
+    catalogue: &Catalogue,
+) -> (FeatureTable, Vec<Option<String>>) {
+    let estimates: Vec<Result<Estimate, Error>> =
+        pieces.par_iter().map(|t| least_squares(&t.trace, catalogue.structure)).collect();
+    let count = catalogue.names().len();
+    let row = |estimate: &Result<Estimate, Error>| match estimate {
+        Ok(estimate) => (features::vector(estimate), DVector::zeros(count)),
+        Err(_) => (DVector::zeros(count), DVector::repeat(count, f64::INFINITY)),
+    };
+    let (rows, variances) = estimates.iter().map(row).unzip();
+    let names = classes.to_vec();
+    let (classes, usual) = (pieces.iter().map(|t| t.class).collect(), DVector::zeros(count));
+    let table = FeatureTable { rows, variances, usual, classes, names };
+    (table, estimates.into_iter().map(|estimate| estimate.err().map(|error| error.to_string())).collect())
+}
+
+fn check_classes(traces: &[LabelledTrace], classes: &[String], healthy: Option<usize>) -> Result<(), Error> {
+    if traces.is_empty() {
+        return Err(Error::Training("the training set is empty; give labelled traces or a wider selection".into()));
+    }
+    if classes.len() < 2 && healthy.is_none() {
+        let only = classes.join(", ");
+        return Err(Error::Training(format!(
+            "training needs at least two classes, but there is only {only}; widen the selection, or say that it is healthy"
+        )));
+    }
+    for (class, name) in classes.iter().enumerate() {
+        if name.len() > 16 {
+            return Err(Error::Training(format!(
+                "class name {name} is longer than 16 bytes; shorten it in the labels"
+            )));
+        }
+        let count = traces.iter().filter(|t| t.class == class).count();
+        if count < 2 {
+            return Err(Error::Training(format!(
+                "class {name} has {count} training trace(s), too few for a spread; give more or leave it out"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Returns the number of each trace's group.
+fn groups(names: &[String], traces: usize) -> Result<Vec<usize>, Error> {
+    if names.is_empty() {
+        return Ok((0..traces).collect());
+    }
+    if names.len() != traces {
+        return Err(Error::Training(format!("{} groups for {traces} training traces; name one for each", names.len())));
+    }
+    let first = |name: &String| names.iter().position(|other| other == name).unwrap_or(0);
+    Ok(names.iter().map(first).collect())
+}
