@@ -11,6 +11,8 @@ mod child;
 mod circles;
 mod dependencies;
 mod docs;
+#[cfg(test)]
+mod doctests;
 mod elf;
 mod field_peers;
 mod firmware;

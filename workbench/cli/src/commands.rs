@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use clap::Subcommand;
 
+use super::options::{Job, Taken};
 use super::{
     audit, campaign, convert, demo, drive, evaluate, features, features_sum, grey_box, identify, listen, piecewise,
     replay, schema, simulate, simulate_features, structure, tables, train, train_features, validate, view,
@@ -40,54 +41,64 @@ pub(super) enum Command {
     Schema(schema::Args),
 }
 
+/// The settings that a command takes.
+trait Settled {
+    /// Puts them over those of a drive file, and returns an error if one is missing.
+    fn join(&mut self, drive: Option<&DriveFile>) -> Result<(), Error>;
+
+    /// The text of a drive file at this path with them.
+    fn text(&self, path: &Path) -> Result<String, Error>;
+}
+
+impl<J: Job> Settled for Taken<J> {
+    fn join(&mut self, drive: Option<&DriveFile>) -> Result<(), Error> {
+        self.join(drive)
+    }
+
+    fn text(&self, path: &Path) -> Result<String, Error> {
+        self.text(path)
+    }
+}
+
+impl Settled for grey_box::Args {
+    fn join(&mut self, drive: Option<&DriveFile>) -> Result<(), Error> {
+        self.join(drive)
+    }
+
+    fn text(&self, path: &Path) -> Result<String, Error> {
+        self.text(path)
+    }
+}
+
 impl Command {
     /// Puts its settings over those of a drive file, and returns an error if one is missing.
     pub(super) fn join(&mut self, drive: Option<&DriveFile>) -> Result<(), Error> {
-        match self {
-            Self::Init(args) => args.taken.join(drive),
-            Self::Audit(args) => args.taken.join(drive),
-            Self::Identify(args) => args.fit.taken.join(drive),
-            Self::Structure(args) => args.taken.join(drive),
-            Self::GreyBox(args) => args.join(drive),
-            Self::Validate(args) => args.fit.taken.join(drive),
-            Self::Piecewise(args) => args.taken.join(drive),
-            Self::Train(args) => args.taken.join(drive),
-            Self::Features(args) => args.taken.join(drive),
-            Self::FeaturesSum(args) => args.taken.join(drive),
-            Self::TrainFeatures(args) => args.taken.join(drive),
-            Self::Evaluate(args) => args.taken.join(drive),
-            Self::Replay(args) => args.taken.join(drive),
-            Self::Convert(args) => args.taken().join(drive),
-            Self::Resample(args) => args.taken().join(drive),
-            Self::Demo(_)
-            | Self::Simulate(_)
-            | Self::SimulateFeatures(_)
-            | Self::View(_)
-            | Self::Listen(_)
-            | Self::Campaign(_)
-            | Self::Tables(_)
-            | Self::Schema(_) => Ok(()),
-        }
+        self.settled().map_or(Ok(()), |own| own.join(drive))
     }
 
     /// The text of a drive file at this path with its settings.
     pub(super) fn text(&mut self, path: &Path) -> Result<String, Error> {
-        match self {
-            Self::Init(args) => args.taken.text(path),
-            Self::Audit(args) => args.taken.text(path),
-            Self::Identify(args) => args.fit.taken.text(path),
-            Self::Structure(args) => args.taken.text(path),
-            Self::GreyBox(args) => args.text(path),
-            Self::Validate(args) => args.fit.taken.text(path),
-            Self::Piecewise(args) => args.taken.text(path),
-            Self::Train(args) => args.taken.text(path),
-            Self::Features(args) => args.taken.text(path),
-            Self::FeaturesSum(args) => args.taken.text(path),
-            Self::TrainFeatures(args) => args.taken.text(path),
-            Self::Evaluate(args) => args.taken.text(path),
-            Self::Replay(args) => args.taken.text(path),
-            Self::Convert(args) => args.taken().text(path),
-            Self::Resample(args) => args.taken().text(path),
+        self.settled().map_or(Ok(String::new()), |own| own.text(path))
+    }
+
+    /// Its settings; `None` if it takes none.
+    fn settled(&mut self) -> Option<&mut dyn Settled> {
+        Some(match self {
+            Self::Init(args) => &mut args.taken,
+            Self::Audit(args) => &mut args.taken,
+            Self::Identify(args) => &mut args.fit.taken,
+            Self::Structure(args) => &mut args.taken,
+            Self::GreyBox(args) => &mut **args,
+            Self::Validate(args) => &mut args.fit.taken,
+            Self::Piecewise(args) => &mut args.taken,
+            Self::Train(args) => &mut args.taken,
+            Self::Features(args) => &mut args.taken,
+            Self::FeaturesSum(args) => &mut args.taken,
+            Self::TrainFeatures(args) => &mut args.taken,
+            Self::Evaluate(args) => &mut args.taken,
+            Self::Replay(args) => &mut args.taken,
+            Self::Convert(args) => args.taken(),
+            Self::Resample(args) => args.taken(),
             Self::Demo(_)
             | Self::Simulate(_)
             | Self::SimulateFeatures(_)
@@ -95,8 +106,8 @@ impl Command {
             | Self::Listen(_)
             | Self::Campaign(_)
             | Self::Tables(_)
-            | Self::Schema(_) => Ok(String::new()),
-        }
+            | Self::Schema(_) => return None,
+        })
     }
 
     /// Runs it; an audit that finds something is a failure.

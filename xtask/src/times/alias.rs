@@ -29,12 +29,6 @@ impl Alias {
         Some(Self { options, arguments: words.collect() })
     }
 
-    /// The package of the program.
-    pub fn package(&self) -> Option<&str> {
-        let mut words = self.options.iter().skip_while(|word| *word != "--package" && *word != "-p");
-        words.nth(1).map(String::as_str)
-    }
-
     /// The folder of the profile in the target directory.
     pub fn profile(&self) -> &str {
         let named = self.options.iter().skip_while(|word| *word != "--profile").nth(1);
@@ -71,7 +65,8 @@ mod tests {
 
     #[test]
     fn the_repository_has_the_alias() -> Result<()> {
-        assert_eq!(Alias::demo()?.package(), Some("bearing-watch-studies"));
+        // Without a package: features of the default members together are those with which the tests are built.
+        assert_eq!(Alias::demo()?.options, ["--bin", "bearing-watch-demo"]);
         Ok(())
     }
 }

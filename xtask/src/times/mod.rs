@@ -125,13 +125,12 @@ pub fn checks(tally: &mut Tally) {
     }
 }
 
-/// Whether the demo was built before. This program shares a few small dependencies with it, which do not count.
+/// Whether the demo, or a library that it shares with the tests, was built before. This program shares a few small
+/// dependencies with it, which do not count.
 fn is_built(alias: &Alias) -> bool {
     let artefacts = workspace::target_dir().join(alias.profile()).join(".fingerprint");
-    let package = alias.package().unwrap_or_default();
-    let own = |name: &str| name.strip_prefix(package).is_some_and(|rest| rest.starts_with('-'));
     artefacts.read_dir().is_ok_and(|mut entries| {
-        entries.any(|entry| entry.is_ok_and(|entry| own(&entry.file_name().to_string_lossy())))
+        entries.any(|entry| entry.is_ok_and(|entry| entry.file_name().to_string_lossy().starts_with("bearing-watch-")))
     })
 }
 
