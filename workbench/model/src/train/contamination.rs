@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! m, S: mean and covariance of the densest three quarters, reweighted                                (1) Rousseeuw
-//! z = S^(−½)(x − m),   z ~ (1 − π) N(0, I) + π N(μ, I),   π ≤ 0.3                                     (2)
-//! LR = Σ ln[(1 − π) + π exp(μᵀz − |μ|²/2)]                                                           (3)
+//! z = S^(−½)(x − m),   z ~ (1 − π) N(0, I) + π N(μ, I + (s² − 1) u uᵀ),   u = μ/|μ|, π ≤ 0.3, s ≤ |μ|/1.5  (2)
+//! LR = Σ ln[(1 − π) + π exp(t²/2 − (t − |μ|)²/(2s²))/s],   t = uᵀz > 0                               (3)
 //! ```
 //!
 //! (1) is the minimum covariance determinant (Rousseeuw and Van Driessen 1999), which a third of other rows does not
@@ -29,11 +29,13 @@ const MOST: f64 = 0.3;
 const SAMPLES: u64 = 99;
 /// (3) below which no sample of usual size is far.
 const LEAST: f64 = 5.0;
+/// Largest spread of (2): defects differ in size, but are apart from healthy rows.
+const APART: f64 = 1.5;
 /// Rows a coordinate below which (1) means little.
 const LEAST_ROWS: usize = 8;
 /// Rows of one population are as far as this with probability 0.001, and many of them improbable.
 const FAR: f64 = 0.999;
-const MANY: f64 = 0.01;
+const MANY: f64 = 1e-4;
 /// Asymmetry of the middle of the projections, of which an exponential law has 0.39 and a normal one 0.
 const SKEWED: f64 = 0.25;
 
@@ -98,6 +100,17 @@ impl Doubted {
     }
 }
 
+/// Returns what is unusual about the rows in any of these sets of features.
+pub(super) fn of_sets(table: &FeatureTable, sets: &[Vec<usize>]) -> Option<Populations> {
+    let found: Vec<Populations> = sets.iter().filter_map(|set| of(&table.select(set))).collect();
+    let mut others: Vec<usize> = found.iter().flat_map(|own| own.others.iter().copied()).collect();
+    others.sort_unstable();
+    others.dedup();
+    let distance = found.iter().map(|own| own.distance).fold(0.0, f64::max);
+    let far = found.iter().map(|own| own.far).max()?;
+    Some(Populations { others, distance, far, skewed: found.iter().any(|own| own.skewed) })
+}
+
 /// Returns what is unusual about the rows; `None` of too few rows, or of nothing unusual.
 pub(super) fn of(table: &FeatureTable) -> Option<Populations> {
     let (rows, values) = exact(table)?;
@@ -113,7 +126,8 @@ pub(super) fn of(table: &FeatureTable) -> Option<Populations> {
     let heavy = far > 0 && chance.sf(far as u64 - 1) < MANY;
     let second = second.filter(|own| own.ratio > LEAST && own.ratio > of_one(n, p));
     let skewed = second.as_ref().is_some_and(|own| own.is_skewed(&z));
-    let alone = second.as_ref().filter(|_| !heavy && !skewed);
+    // Under heavy tails a few rows happen to be on one side; another population is larger than that.
+    let alone = second.as_ref().filter(|own| !skewed && (!heavy || own.rows().len() > 2 * far));
     let others: Vec<usize> = (0..n).filter(|&row| alone.is_some() && is_other(row)).map(|row| rows[row]).collect();
     let distance = alone.map_or(0.0, |own| own.shift.norm());
     let unusual = heavy || skewed || !others.is_empty();
@@ -200,12 +214,13 @@ impl Second {
 
     fn from(z: &DMatrix<f64>, mut shift: DVector<f64>) -> Self {
         let n = z.nrows() as f64;
-        let mut part = 2.0 / n;
-        let mut parts = vec![];
-        let mut ratio = 0.0;
+        let (mut part, mut spread) = (2.0 / n, 1.0);
+        let (mut parts, mut ratio) = (vec![], 0.0);
         for _ in 0..30 {
-            let odds: Vec<f64> =
-                (z * &shift).iter().map(|t| part * (t - 0.5 * shift.norm_squared()).min(700.0).exp()).collect();
+            let distance = shift.norm();
+            let along: Vec<f64> = (z * &shift).iter().map(|t| t / distance).collect();
+            let odds = along.iter().map(|&t| part * odds(t, distance, spread));
+            let odds: Vec<f64> = odds.collect();
             ratio = odds.iter().map(|odds| (1.0 - part + odds).ln()).sum();
             parts = odds.iter().map(|odds| odds / (1.0 - part + odds)).collect();
             let sum: f64 = parts.iter().sum();
@@ -214,6 +229,9 @@ impl Second {
             }
             part = (sum / n).clamp(0.5 / n, MOST);
             shift = z.tr_mul(&DVector::from_column_slice(&parts)) / sum;
+            let distance = shift.norm();
+            let square = along.iter().zip(&parts).map(|(t, part)| part * (t - distance).powi(2)).sum::<f64>() / sum;
+            spread = square.sqrt().clamp(1.0, (distance / APART).max(1.0));
         }
         Self { shift, ratio, parts }
     }
@@ -233,6 +251,15 @@ impl Second {
         let [low, middle, high] = [0.1, 0.5, 0.9].map(at);
         (high + low - 2.0 * middle) / (high - low) > SKEWED
     }
+}
+
+/// The density of (2) along μ relative to that of the first population; none before it.
+fn odds(along: f64, distance: f64, spread: f64) -> f64 {
+    if along <= 0.0 {
+        return 0.0;
+    }
+    let exponent = 0.5 * along * along - 0.5 * ((along - distance) / spread).powi(2);
+    exponent.min(700.0).exp() / spread
 }
 
 /// The largest (3) of [`SAMPLES`] normal samples of this size.

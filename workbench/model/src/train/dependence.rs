@@ -5,6 +5,8 @@
 //! r = Σ (y_j − ȳ)(y_{j+1} − ȳ)/Σ (y_j − ȳ)²,   r √N ~ N(0, 1)   if segments in their order are independent        (2)
 //! ```
 //!
+//! y are the ranks of the values, so that a few segments that are far from all others do not count as dependence.
+//!
 //! A gate that takes such segments for independent has more false alarms than set. The segments of one value of the
 //! column then count as a run, or so many neighbours that (2) has decayed to a twentieth.
 
@@ -70,14 +72,15 @@ pub(super) struct Set<'a> {
     pub(super) healthy: usize,
 }
 
-/// Values of a feature of healthy segments in their order, with the trace of each.
+/// Ranks of a feature of healthy segments in their order, with the trace of each.
 type Values = Vec<(usize, f64)>;
 
 /// Returns what healthy segments depend on, if it is significant; `features` are places among all.
 pub(super) fn of(own: &Set<'_>, features: &[usize], columns: &[(String, Vec<String>)]) -> Option<Dependence> {
     let Set { table, names, healthy, .. } = *own;
     let values = |&feature: &usize| -> Values {
-        table.with(healthy, feature).map(|row| (own.origins[row], table.rows[row][feature])).collect()
+        let of_row = |row: usize| (own.origins[row], table.rows[row][feature]);
+        ranked(table.with(healthy, feature).map(of_row).collect())
     };
     let all: Vec<(usize, Values)> = features.iter().map(|feature| (*feature, values(feature))).collect();
     let level = LEVEL / (all.len() * (columns.len() + 1)).max(1) as f64;
@@ -106,6 +109,21 @@ pub(super) fn of(own: &Set<'_>, features: &[usize], columns: &[(String, Vec<Stri
     traces.iter().enumerate().for_each(|(place, &k)| groups[k] = format!("neighbours {}", place / length + 1));
     let runs = traces.len().div_ceil(length);
     Some(Dependence { column: None, feature: names[feature].clone(), part, runs, groups })
+}
+
+/// Ranks instead of values; equal values have the mean of their ranks.
+fn ranked(values: Vec<(usize, f64)>) -> Values {
+    let sorted: Vec<f64> = {
+        let mut sorted: Vec<f64> = values.iter().map(|(_, value)| *value).collect();
+        sorted.sort_by(f64::total_cmp);
+        sorted
+    };
+    let rank = |value: f64| {
+        let below = sorted.partition_point(|other| *other < value);
+        let not_above = sorted.partition_point(|other| *other <= value);
+        0.5 * (below + not_above) as f64
+    };
+    values.into_iter().map(|(trace, value)| (trace, rank(value))).collect()
 }
 
 /// Whether the traces of a class have several values of a column.
@@ -147,4 +165,60 @@ fn serial(values: &Values) -> Option<(f64, f64)> {
     let square: f64 = away.iter().map(|x| x * x).sum();
     let r = away.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>() / square;
     (square > 0.0).then(|| (Normal::standard().sf(r * n.sqrt()), r))
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DVector;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
+
+    use super::*;
+    use crate::trace::Trace;
+
+    /// Tests 120 healthy segments of two features, of which the first is `drawn` by noise and number.
+    fn found(mut drawn: impl FnMut(f64, usize) -> f64, seed: u64) -> Option<Dependence> {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let rows: Vec<DVector<f64>> = (0..120)
+            .map(|k| {
+                let [a, b]: [f64; 2] = std::array::from_fn(|_| StandardNormal.sample(&mut rng));
+                DVector::from_vec(vec![drawn(a, k), b])
+            })
+            .collect();
+        let table = FeatureTable::exact(rows, vec![0; 120], vec!["healthy".into()]);
+        let trace = |k: usize| Trace { id: k.to_string(), ..Trace::default() };
+        let traces: Vec<LabelledTrace> = (0..120).map(|k| LabelledTrace { trace: trace(k), class: 0 }).collect();
+        let (names, origins) = (["a", "b"].map(String::from), (0..120).collect::<Vec<_>>());
+        // Not in the order of the segments, so that neighbours are not alike.
+        let cells = (0..120).map(|k| (k % 12).to_string()).collect();
+        let set = Set { table: &table, names: &names, origins: &origins, traces: &traces, healthy: 0 };
+        of(&set, &[0, 1], &[("session".into(), cells)])
+    }
+
+    #[test]
+    fn sessions_and_neighbours_are_told_and_outliers_are_neither() {
+        let session = |k: usize| (f64::from(k as u32 % 12) - 5.5) / 3.5;
+        let mut before = 0.0;
+        for seed in 1..=20 {
+            let own = found(|x, k| x + session(k), seed).expect("half of the variance is between sessions");
+            assert_eq!((own.column.as_deref(), own.feature.as_str(), own.runs), (Some("session"), "a", 12));
+            assert!((0.25..0.75).contains(&own.part), "{}", own.part);
+            let own = found(
+                |x, _| {
+                    before = 0.7 * before + x;
+                    before
+                },
+                seed,
+            );
+            let own = own.expect("neighbours are alike");
+            assert_eq!((own.column, own.feature.as_str()), (None, "a"));
+            // 0.7 ± 0.2 decays to a twentieth within 5 to 28 neighbours.
+            assert!((4..=30).contains(&own.runs), "{}", own.runs);
+            // Six neighbours are far from all others.
+            assert_eq!(found(|x, k| if k < 6 { x + 20.0 } else { x }, seed), None);
+            // One in a thousand in the mean.
+            assert_eq!(found(|x, _| x, seed), None);
+        }
+    }
 }

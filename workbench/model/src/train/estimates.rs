@@ -106,7 +106,7 @@ impl<'a> Estimates<'a> {
         let (mut candidates, left_out) = self.estimated.usable((&chosen, &explaining), self.traces, in_pieces)?;
         let [kept, _] = self.estimated.kept_and_lost(&chosen, &explaining);
         let mut origins: Vec<usize> = kept.into_iter().map(|row| self.estimated.origins[row]).collect();
-        let doubted = self.doubted((&candidates.select(&chosen).table, &origins), recipe);
+        let doubted = self.doubted((&candidates, &origins), (&chosen, recipe));
         if let Some(doubted) = &doubted {
             let stay: Vec<usize> = (0..origins.len()).filter(|row| !doubted.others.contains(row)).collect();
             candidates = candidates.rows(&stay);
@@ -116,12 +116,16 @@ impl<'a> Estimates<'a> {
     }
 
     /// Returns what is unusual about the healthy segments; those of runs differ by run, which the gate contains.
-    fn doubted(&self, (table, origins): (&FeatureTable, &[usize]), recipe: &Recipe) -> Option<Doubted> {
+    fn doubted(
+        &self,
+        (rows, origins): (&Candidates, &[usize]),
+        (chosen, recipe): (&[usize], &Recipe),
+    ) -> Option<Doubted> {
         let healthy = recipe.alarms.healthy.filter(|_| !recipe.alarms.by_run)?;
-        let own: Vec<usize> = (0..table.rows.len()).filter(|&row| table.classes[row] == healthy).collect();
-        let mut alone = table.keep(&own);
-        (alone.classes, alone.names) = (vec![0; own.len()], vec![table.names[healthy].clone()]);
-        let found = contamination::of(&alone)?;
+        let own: Vec<usize> = (0..origins.len()).filter(|&row| rows.table.classes[row] == healthy).collect();
+        let mut alone = rows.table.keep(&own);
+        (alone.classes, alone.names) = (vec![0; own.len()], vec![rows.table.names[healthy].clone()]);
+        let found = contamination::of_sets(&alone, &sets(&rows.features, chosen))?;
         let others: Vec<usize> = found.others.iter().map(|&row| own[row]).collect();
         let traces = others.iter().map(|&row| self.traces[origins[row]].trace.id.clone()).collect();
         let Populations { distance, far, skewed, .. } = found;
@@ -288,4 +292,23 @@ fn groups(names: &[String], traces: usize) -> Result<Vec<usize>, Error> {
     }
     let first = |name: &String| names.iter().position(|other| other == name).unwrap_or(0);
     Ok(names.iter().map(first).collect())
+}
+
+/// Returns the places of features that are tested together: each friction alone, since the parts of a friction lie on
+/// curves, and by its logarithm, since it differs by a factor with the temperature; all others together.
+fn sets(names: &[String], chosen: &[usize]) -> Vec<Vec<usize>> {
+    let (friction, others): (Vec<usize>, Vec<usize>) = chosen.iter().partition(|&&place| {
+        features::FRICTION.iter().any(|term| names[place] == *term || names[place] == format!("{term}_log"))
+    });
+    let logarithm = |place: usize| {
+        let log = format!("{}_log", names[place]);
+        let skewed = ["viscous", "coulomb", "drag"].contains(&names[place].as_str());
+        names.iter().position(|other| skewed && *other == log).unwrap_or(place)
+    };
+    let mut sets: Vec<Vec<usize>> = friction.into_iter().map(|place| vec![logarithm(place)]).collect();
+    sets.sort_unstable();
+    sets.dedup();
+    sets.push(others);
+    sets.retain(|set| !set.is_empty());
+    sets
 }
