@@ -6,8 +6,8 @@ use std::process::ExitCode;
 use clap::Subcommand;
 
 use super::{
-    audit, campaign, convert, demo, drive, evaluate, features, features_sum, grey_box, identify, listen, piecewise,
-    replay, schema, simulate, simulate_features, structure, tables, train, train_features, validate, view,
+    audit, campaign, convert, demo, drive, evaluate, features, features_sum, grey_box, identify, listen, pages_of_help,
+    piecewise, replay, schema, simulate, simulate_features, structure, tables, train, train_features, validate, view,
 };
 use model::Error;
 use model::settings::DriveFile;
@@ -38,6 +38,8 @@ pub(super) enum Command {
     Campaign(campaign::Args),
     Tables(tables::Args),
     Schema(schema::Args),
+    Completions(pages_of_help::CompletionsArgs),
+    Man(pages_of_help::ManArgs),
 }
 
 impl Command {
@@ -66,7 +68,9 @@ impl Command {
             | Self::Listen(_)
             | Self::Campaign(_)
             | Self::Tables(_)
-            | Self::Schema(_) => Ok(()),
+            | Self::Schema(_)
+            | Self::Completions(_)
+            | Self::Man(_) => Ok(()),
         }
     }
 
@@ -95,12 +99,14 @@ impl Command {
             | Self::Listen(_)
             | Self::Campaign(_)
             | Self::Tables(_)
-            | Self::Schema(_) => Ok(String::new()),
+            | Self::Schema(_)
+            | Self::Completions(_)
+            | Self::Man(_) => Ok(String::new()),
         }
     }
 
-    /// Runs it; an audit that finds something is a failure.
-    pub(super) fn run(&self) -> Result<ExitCode, Error> {
+    /// Runs it; an audit that finds something is a failure. `described` makes the description of all commands.
+    pub(super) fn run(&self, described: fn() -> clap::Command) -> Result<ExitCode, Error> {
         match self {
             Self::Demo(args) => demo::run(args),
             Self::Init(args) => drive::init::run(args),
@@ -128,6 +134,8 @@ impl Command {
             Self::Campaign(args) => campaign::run(args),
             Self::Tables(args) => tables::run(args),
             Self::Schema(args) => schema::run(args),
+            Self::Completions(args) => pages_of_help::completions(args, described()),
+            Self::Man(args) => pages_of_help::man(args, described()),
         }
         .map(|()| ExitCode::SUCCESS)
     }

@@ -239,6 +239,7 @@ impl Candidate {
             table => table?,
         };
         if may_lack && !has_columns(&table, channels) {
+            log::info!("left out {}: it lacks columns of the channels", self.file.display());
             return Ok(None);
         }
         read_table(&table, channels, wanted.unwrap_or(&|_| true)).map(Some)

@@ -31,7 +31,7 @@ pub(crate) fn run(args: &Args) -> Result<bool, Error> {
     if args.json {
         let mut value = to_json(traces, findings, *rotor, lines);
         value["friction"] = terms.iter().map(Excited::to_json).collect();
-        output::json(&value)?;
+        output::json("audit", value)?;
     } else {
         print(traces, findings, *rotor, (lines, terms, args.false_alarm()))?;
     }
