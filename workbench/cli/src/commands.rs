@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::Subcommand;
 
 use super::{
-    audit, campaign, convert, demo, drive, evaluate, features, features_sum, grey_box, identify, listen, pages_of_help,
+    audit, campaign, convert, demo, evaluate, features, features_sum, grey_box, identify, init, listen, pages_of_help,
     piecewise, replay, schema, simulate, simulate_features, structure, tables, train, train_features, validate, view,
 };
 use model::Error;
@@ -15,7 +15,7 @@ use model::settings::DriveFile;
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
     Demo(demo::Args),
-    Init(Box<drive::asked::Args>),
+    Init(Box<init::Args>),
     Audit(Box<audit::Args>),
     Simulate(simulate::Args),
     Identify(Box<identify::Args>),
@@ -109,7 +109,7 @@ impl Command {
     pub(super) fn run(&self, described: fn() -> clap::Command) -> Result<ExitCode, Error> {
         match self {
             Self::Demo(args) => demo::run(args),
-            Self::Init(args) => drive::init::run(args),
+            Self::Init(args) => init::run(args),
             Self::Audit(args) => {
                 let found = audit::run(args)?;
                 return Ok(if found { ExitCode::FAILURE } else { ExitCode::SUCCESS });

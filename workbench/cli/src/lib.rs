@@ -6,8 +6,8 @@
 //! | crate | commands |
 //! |---|---|
 //! | `bearing-watch-model` | `identify`, `piecewise`, `structure`, `validate`, `grey-box` |
-//! | `bearing-watch-model` | `audit`, `train`, `evaluate` |
-//! | `bearing-watch-traces` | `convert`, `resample`, and the files that the others read |
+//! | `bearing-watch-model` | `train`, `evaluate` |
+//! | `bearing-watch-traces` | `init`, `audit`, `convert`, `resample`, and the files that the others read |
 //! | `bearing-watch-fleet` | `features`, `features-sum`, `train-features` |
 //! | `bearing-watch-pages` | `view`, `replay`, `listen`, and the pages that the others write |
 //! | `bearing-watch-studies` | `demo`, `simulate`, `simulate-features`, `campaign`, `tables` |
@@ -19,7 +19,6 @@ mod commands;
 mod common;
 mod convert;
 mod demo;
-mod drive;
 mod evaluate;
 mod failure;
 mod features;
@@ -29,6 +28,7 @@ mod forms;
 mod grey_box;
 mod help;
 mod identify;
+mod init;
 mod jobs;
 mod listen;
 mod options;

@@ -34,7 +34,9 @@ pub(super) struct ManArgs {
 pub(super) fn completions(args: &CompletionsArgs, mut commands: Command) -> Result<(), Error> {
     let mut text = Vec::new();
     clap_complete::generate(args.shell, &mut commands, PROGRAM, &mut text);
-    print(&text)
+    // In the script for bash, clap_complete 4.6 has two spellings of a program's name with a hyphen.
+    let text = String::from_utf8_lossy(&text).replace("bearing__subcmd__watch", "bearing__watch");
+    print(text.as_bytes())
 }
 
 pub(super) fn man(args: &ManArgs, commands: Command) -> Result<(), Error> {
