@@ -8,10 +8,21 @@ use crate::resample::unwrapped;
 use model::Error;
 use model::audit::orders::angle;
 use model::outputs::folder_of;
-use model::settings::Settings;
+use model::settings::{Settings, TIMES, Use};
 
 /// False-alarm rate of the smallest line.
 const FALSE_ALARM: f64 = 0.01;
+
+/// The settings that it takes.
+pub const USE: Use = Use {
+    name: "audit",
+    keys: &[
+        &["traces", "labels", "where", "healthy", "false_alarm"],
+        TIMES,
+        &["current", "velocity", "velocity_ref", "angle", "load"],
+    ],
+    required: &[],
+};
 
 /// An audit: the recordings, the labels, and the channels that are looked at.
 #[derive(Clone, Debug)]

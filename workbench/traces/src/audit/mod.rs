@@ -6,5 +6,5 @@ mod findings;
 mod words;
 mod work;
 
-pub use asked::Audit;
+pub use asked::{Audit, USE};
 pub use audited::{Audited, Finding, Line, Outcome};

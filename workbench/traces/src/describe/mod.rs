@@ -20,7 +20,10 @@ use values::Values;
 use model::Error;
 use model::outputs;
 use model::session::Log;
-use model::settings::{Data, sections};
+use model::settings::{Data, TIMES, Use, sections};
+
+/// The settings that it takes.
+pub const USE: Use = Use { name: "init", keys: &[&["traces"], TIMES], required: &["traces"] };
 
 /// What is described, and where the description is written.
 #[derive(Clone, Copy, Debug)]
