@@ -3,6 +3,7 @@
 The functions run the Rust library of bearing-watch on arrays and tables:
 
 * :func:`identify`, :func:`structure`, :func:`validate`: linear difference models of recorded signals;
+* :class:`RecursiveEstimator`: the parameters of such a model while samples come, with their variances;
 * :func:`train`, :func:`evaluate`, :class:`Model`: the models of detectors, equal to those of the command line to the
   last byte;
 * :func:`read`, :func:`audit`, :func:`init`: trace files as arrays, what is wrong with them, and a drive file for them;
@@ -17,6 +18,7 @@ from bearing_watch._core import BearingWatchError, __version__
 from bearing_watch._detector import Detector, Verdicts, replay
 from bearing_watch._model import Evaluation, Model, evaluate, train
 from bearing_watch._recordings import Audit, Trace, audit, init, read
+from bearing_watch._recursive import Estimates, RecursiveEstimator
 from bearing_watch._simulate import Recording, simulate
 from bearing_watch._signals import (
     Correlation,
@@ -38,9 +40,11 @@ __all__ = [
     "Correlation",
     "Detector",
     "Estimate",
+    "Estimates",
     "Evaluation",
     "Model",
     "Recording",
+    "RecursiveEstimator",
     "ResidualTest",
     "Roots",
     "StructureSearch",

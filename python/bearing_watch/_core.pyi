@@ -16,6 +16,7 @@ __all__ = [
     "BearingWatchError",
     "Detector",
     "Model",
+    "RecursiveEstimator",
     "RowClassifier",
     "RowGate",
     "__version__",
@@ -113,6 +114,26 @@ class Detector:
     ) -> list[tuple[str, dict[str, Any]]]: ...
     def step(self, columns: _Table) -> dict[str, Any]: ...
     def finish(self) -> dict[str, Any]: ...
+    def reset(self) -> None: ...
+
+@final
+class RecursiveEstimator:
+    def __new__(
+        cls,
+        reference: _Table,
+        order: str,
+        *,
+        offset: bool,
+        method: str,
+        forgetting: float,
+        huber: float,
+        every: int,
+    ) -> RecursiveEstimator: ...
+    @property
+    def names(self) -> list[str]: ...
+    def step(
+        self, y: npt.NDArray[np.float64], u1: npt.NDArray[np.float64], u2: npt.NDArray[np.float64]
+    ) -> dict[str, Any]: ...
     def reset(self) -> None: ...
 
 @final

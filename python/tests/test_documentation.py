@@ -6,11 +6,11 @@ import warnings
 
 import bearing_watch as bw
 import pytest
-from bearing_watch import _detector, _model, _recordings, _signals, _simulate
+from bearing_watch import _detector, _model, _recordings, _recursive, _signals, _simulate
 
 
 @pytest.mark.parametrize(
-    ("module", "least"), [(_signals, 5), (_recordings, 12), (_detector, 12), (_model, 6), (_simulate, 3)]
+    ("module", "least"), [(_signals, 5), (_recordings, 12), (_detector, 12), (_model, 6), (_simulate, 3), (_recursive, 6)]
 )
 def test_examples_of_the_docstrings_run(module, least):
     with warnings.catch_warnings():

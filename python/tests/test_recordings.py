@@ -18,7 +18,8 @@ def test_a_file_becomes_columns_with_units(folder):
     assert list(trace.columns) == list(columns)
     for name, values in columns.items():
         assert np.array_equal(trace[name], values), name
-    assert (trace.units["current_a"], trace.units["velocity_rad_s"], trace.units["load_torque_nm"]) == ("A", "rad/s", "Nm")
+    units = [trace.units[name] for name in ("current_a", "velocity_rad_s", "load_torque_nm")]
+    assert units == ["A", "rad/s", "Nm"]
     formula = bw.read(file, ["velocity_ref_rad_s-velocity_rad_s", "(velocity_rad_s)rpm"])
     assert np.allclose(formula["(velocity_rad_s)rpm"], trace["velocity_rad_s"] * 30 / np.pi)
     assert formula.units == {"(velocity_rad_s)rpm": "rpm"}
