@@ -18,6 +18,9 @@ use traces::units::Unit;
 use crate::errors::raised;
 use crate::options::call;
 
+/// Traces, and the units of their columns.
+type Read<'py> = (Bound<'py, PyList>, Vec<(String, String)>);
+
 /// Reads channels of every trace of a file, all columns of numbers if none are named. Returns a list of (name, time or
 /// None, columns), and the units of the columns.
 #[pyfunction]
@@ -27,7 +30,7 @@ pub(crate) fn read<'py>(
     channels: Option<Vec<String>>,
     time: Option<String>,
     rate_hz: Option<f64>,
-) -> PyResult<(Bound<'py, PyList>, Vec<(String, String)>)> {
+) -> PyResult<Read<'py>> {
     let read = || {
         if rate_hz.is_some_and(|rate| !(rate > 0.0 && rate.is_finite())) {
             return Err(Error::Usage("rate_hz is above 0".into()));

@@ -10,7 +10,8 @@ use model::settings::schema::of_drive_file;
 /// Print the JSON Schema of drive.toml, or of the JSON that a command prints
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  bearing-watch schema > drive.schema.json\n  bearing-watch schema train > train.schema.json\n\n\
+    after_help = "Examples:\n  bearing-watch schema > drive.schema.json\n  bearing-watch schema train > train.schema.json\n\
+\n\
 An editor with a language server for TOML takes it by a first line in drive.toml: #:schema ./drive.schema.json"
 )]
 pub(super) struct Args {

@@ -1,4 +1,4 @@
-//! What recordings are worth: rate, gaps, held and saturated samples, lags, equal traces, the smallest line of an order.
+//! What recordings are worth: rate, gaps, held and saturated samples, lags, equal traces, smallest line of an order.
 
 mod asked;
 mod audited;
