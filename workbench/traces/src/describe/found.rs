@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::Asked;
+use super::asked::Asked;
 use super::guess::Guess;
 use super::names;
 use super::proposal::Proposal;

@@ -4,6 +4,7 @@
 //! files ─► found: columns, rows, rate, labels ─► proposal: channels ─► values ─► drive.toml
 //! ```
 
+mod asked;
 mod found;
 pub(crate) mod guess;
 mod names;
@@ -13,6 +14,7 @@ mod values;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+pub use asked::Asked;
 use found::Found;
 use guess::Guess;
 use values::Values;
@@ -24,21 +26,6 @@ use model::settings::{Data, TIMES, Use, sections};
 
 /// The settings that it takes.
 pub const USE: Use = Use { name: "init", keys: &[&["traces"], TIMES], required: &["traces"] };
-
-/// What is described, and where the description is written.
-#[derive(Clone, Copy, Debug)]
-pub struct Asked<'a> {
-    /// Traces, and their time.
-    pub data: &'a Data,
-    /// Labels, if they are not the labels.csv beside the traces.
-    pub labels: Option<&'a Path>,
-    /// Where labels are written, by the names of the files.
-    pub labels_from_names: Option<&'a Path>,
-    /// The drive file; by default in the folder of the first trace, or here if that cannot be written.
-    pub out: Option<&'a Path>,
-    /// Whether it may be replaced.
-    pub force: bool,
-}
 
 /// A drive file that was written.
 #[derive(Clone, Debug)]
