@@ -16,12 +16,16 @@ __all__ = [
     "BearingWatchError",
     "Detector",
     "Model",
+    "RecursiveEstimator",
     "RowClassifier",
     "RowGate",
     "__version__",
     "arrow_stream",
+    "audit",
     "fleet",
     "identify",
+    "init",
+    "read",
     "settings",
     "simulate",
     "structure",
@@ -59,6 +63,13 @@ def validate(name: str, signals: _Table, order: str, *, offset: bool, method: st
 def train(
     drive: Optional[_Path], options: dict[str, Any], traces: Optional[_Tables], labels: Optional[_Table]
 ) -> tuple[Model, list[str]]: ...
+def read(
+    file: _Path, channels: Optional[Sequence[str]], time: Optional[str], rate_hz: Optional[float]
+) -> tuple[
+    list[tuple[str, Optional[npt.NDArray[np.float64]], dict[str, npt.NDArray[np.float64]]]], list[tuple[str, str]]
+]: ...
+def audit(drive: Optional[_Path], options: dict[str, Any]) -> _Reported: ...
+def init(options: dict[str, Any]) -> tuple[PathLike[str], str]: ...
 def settings(job: str, options: dict[str, Any]) -> str: ...
 def simulate(options: dict[str, Any]) -> list[tuple[str, str, dict[str, npt.NDArray[np.float64]]]]: ...
 
@@ -98,8 +109,31 @@ class Model:
 class Detector:
     def __new__(cls, model: Model, follow: Optional[float], follow_bound: float, run_a_trace: bool) -> Detector: ...
     def run(self, columns: _Table) -> dict[str, Any]: ...
+    def replay(
+        self, files: Sequence[_Path], tables_in_memory: Optional[_Tables]
+    ) -> list[tuple[str, dict[str, Any]]]: ...
     def step(self, columns: _Table) -> dict[str, Any]: ...
     def finish(self) -> dict[str, Any]: ...
+    def reset(self) -> None: ...
+
+@final
+class RecursiveEstimator:
+    def __new__(
+        cls,
+        reference: _Table,
+        order: str,
+        *,
+        offset: bool,
+        method: str,
+        forgetting: float,
+        huber: float,
+        every: int,
+    ) -> RecursiveEstimator: ...
+    @property
+    def names(self) -> list[str]: ...
+    def step(
+        self, y: npt.NDArray[np.float64], u1: npt.NDArray[np.float64], u2: npt.NDArray[np.float64]
+    ) -> dict[str, Any]: ...
     def reset(self) -> None: ...
 
 @final

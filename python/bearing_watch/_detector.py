@@ -8,9 +8,13 @@ from typing import Any, Optional, Union
 import numpy as np
 import numpy.typing as npt
 
-from bearing_watch import _core
+from bearing_watch import _core, _html
 from bearing_watch._model import Model
-from bearing_watch._tables import Path, Table, table
+from bearing_watch._recordings import frame
+from bearing_watch._tables import Path, Table, Traces, table, traces
+
+#: Rows of verdicts that a notebook shows.
+_SHOWN = 20
 
 _Single = npt.NDArray[np.float32]
 _Count = npt.NDArray[np.int64]
@@ -126,6 +130,21 @@ class Verdicts:
                 columns[own.name] = array
         return columns
 
+    def to_pandas(self) -> Any:
+        """Return :meth:`columns` as a pandas.DataFrame, one row a segment; needs pandas."""
+        return frame(self.columns())
+
+    def _repr_html_(self) -> str:
+        head = ["segment", "start", "length", "verdict", *(f"p {name}" for name in self.class_names), "score", "alarm"]
+        probabilities = self.posterior.astype(float).tolist()
+        rows = [
+            (k, int(self.start[k]), int(self.length[k]), self.verdict[k], *probabilities[k], float(self.score[k]),
+             self.cause[k] if self.alarm[k] else "")
+            for k in range(min(len(self), _SHOWN))
+        ]
+        alarms = int(self.alarm.sum())
+        return _html.table(head, rows, f"{len(self)} segments, {len(rows)} shown; alarm after {alarms} of them")
+
     def __arrow_c_stream__(self, requested_schema: object = None) -> object:
         """Return :meth:`columns` as an Arrow stream, for pyarrow, polars and others."""
         columns = {
@@ -157,8 +176,19 @@ class Detector:
 
     Examples
     --------
-    >>> detector = bearing_watch.Detector(model)                              # doctest: +SKIP
-    >>> detector.run(current_a=i, velocity_rad_s=w, load_torque_nm=t).verdict  # doctest: +SKIP
+    >>> import warnings
+    >>> import bearing_watch as bw
+    >>> warnings.simplefilter("ignore", bw.BearingWatchWarning)
+    >>> bench = bw.simulate(["healthy", "spall"], count=8, seed=1)
+    >>> channels = {"y": "current_a", "u1": "velocity_ref_rad_s", "u2": "load_torque_nm"}
+    >>> model = bw.train(bench.traces, bench.labels, order=(2, 1, 2, 1, 1), segment=2500, **channels)
+    >>> detector = bw.Detector(model)
+    >>> fresh = bw.simulate("spall", count=1, seed=2).traces["spall_2_000"]
+    >>> detector.run(fresh).verdict.tolist()
+    ['spall', 'spall']
+    >>> pieces = {name: fresh[name][:3000] for name in model.columns}
+    >>> len(detector.step(pieces)), len(detector.finish())
+    (1, 0)
     """
 
     def __init__(
@@ -209,6 +239,48 @@ class Detector:
             found[name] = np.asarray(found[name], dtype=np.str_)
         model = self.model
         return Verdicts(**found, class_names=model.classes, feature_names=model.features, order_names=model.orders)
+
+
+def replay(
+    model: Union[Model, Path],
+    recordings: Traces,
+    *,
+    follow: Optional[float] = None,
+    follow_bound: float = 2.0,
+    run_a_trace: bool = False,
+) -> dict[str, Verdicts]:
+    """Run recordings through the detector one after the other, as a drive would see them.
+
+    Parameters
+    ----------
+    model : Model or path_like
+        The model, or its file.
+    recordings : path_like, list of path_like, mapping, or table
+        Files and folders; tables by trace id; or one table.
+    follow, follow_bound, run_a_trace
+        As of :class:`Detector`.
+
+    Returns
+    -------
+    dict of str to Verdicts
+        By the names of the traces, in their order; the evidence goes on from trace to trace. The numbers are those of
+        ``bearing-watch replay``.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> import bearing_watch as bw
+    >>> warnings.simplefilter("ignore", bw.BearingWatchWarning)
+    >>> bench = bw.simulate(["healthy", "spall"], count=8, seed=1)
+    >>> channels = {"y": "current_a", "u1": "velocity_ref_rad_s", "u2": "load_torque_nm"}
+    >>> model = bw.train(bench.traces, bench.labels, order=(2, 1, 2, 1, 1), **channels)
+    >>> found = bw.replay(model, bw.simulate(["healthy", "spall"], count=1, seed=2).traces)
+    >>> {name: own.verdict.tolist() for name, own in found.items()}
+    {'healthy_2_000': ['healthy'], 'spall_2_000': ['spall']}
+    """
+    detector = Detector(model, follow=follow, follow_bound=follow_bound, run_a_trace=run_a_trace)
+    files, tables = traces(recordings)
+    return {name: detector._verdicts(own) for name, own in detector._core.replay(files or [], tables)}
 
 
 def _columns(given: Optional[Table], columns: dict[str, Any]) -> Any:

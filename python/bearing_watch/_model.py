@@ -7,13 +7,18 @@ import os
 import tempfile
 from dataclasses import dataclass
 from os import PathLike, fspath
-from typing import Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 import numpy.typing as npt
 
-from bearing_watch import _core
+from bearing_watch import _core, _html
+from bearing_watch._options import Evaluate as EvaluateOptions
+from bearing_watch._options import Train as TrainOptions
 from bearing_watch._tables import Labels, Path, Traces, drive_and_options, warn
+
+if TYPE_CHECKING:
+    from bearing_watch._options import Unpack
 
 
 class Model:
@@ -110,6 +115,20 @@ class Model:
         lines, _, _ = self._core.report(rank)
         return "\n".join(lines)
 
+    def _repr_html_(self) -> str:
+        interval = f"{self.interval_s:.6g} s" if self.interval_s > 0 else "not known"
+        rows = [
+            ("classes", ", ".join(self.classes)),
+            ("healthy class", self.healthy or "none"),
+            ("features", ", ".join(self.features)),
+            ("bearing orders", ", ".join(self.orders) or "none"),
+            ("columns", ", ".join(self.columns)),
+            ("segment", f"{self.segment_samples} samples, one every {interval}"),
+            ("training", f"{len(self.trained_on)} traces"),
+            ("size", f"{len(self.to_bytes())} bytes"),
+        ]
+        return _html.table(["model", ""], rows)
+
     def __repr__(self) -> str:
         return f"Model(classes={self.classes}, features={self.features})"
 
@@ -150,8 +169,20 @@ class Evaluation:
     def __str__(self) -> str:
         return self.text
 
+    def _repr_html_(self) -> str:
+        rows = [
+            (name, *(int(n) for n in self.confusion[k]), int(self.novel[k]), int(self.ambiguous[k]),
+             int(self.undetermined[k]))
+            for k, name in enumerate(self.classes[: len(self.confusion)])
+        ]
+        value, low, high = self.error_rate
+        head = ["true class", *self.classes[: self.confusion.shape[-1]], "novel", "ambiguous", "undetermined"]
+        return _html.table(head, rows, f"error rate {100 * value:.1f} % [{100 * low:.1f}, {100 * high:.1f}]")
 
-def train(traces: Optional[Traces] = None, labels: Optional[Labels] = None, **options: Any) -> Model:
+
+def train(
+    traces: Optional[Traces] = None, labels: Optional[Labels] = None, **options: Unpack[TrainOptions]
+) -> Model:
     """Train a model from labelled traces; the result is that of ``bearing-watch train``, byte for byte.
 
     Parameters
@@ -177,14 +208,31 @@ def train(traces: Optional[Traces] = None, labels: Optional[Labels] = None, **op
     ------
     BearingWatchError, OSError
         With the text of the command line.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> import bearing_watch as bw
+    >>> warnings.simplefilter("ignore", bw.BearingWatchWarning)
+    >>> bench = bw.simulate(["healthy", "spall"], count=8, seed=1)
+    >>> channels = {"y": "current_a", "u1": "velocity_ref_rad_s", "u2": "load_torque_nm"}
+    >>> model = bw.train(bench.traces, bench.labels, order=(2, 1, 2, 1, 1), **channels)
+    >>> model
+    Model(classes=['healthy', 'spall'], features=['a1', 'a2', 'b1', 'c1', 'c2'])
+    >>> others = bw.simulate(["healthy", "spall"], count=4, seed=2)
+    >>> bw.evaluate(model, others.traces, others.labels).confusion.tolist()
+    [[4, 0], [0, 4]]
     """
-    model, messages = _core.train(*drive_and_options(traces, labels, options))
+    model, messages = _core.train(*drive_and_options(traces, labels, dict(options)))
     warn(messages)
     return Model(model)
 
 
 def evaluate(
-    model: Union[Model, Path], traces: Optional[Traces] = None, labels: Optional[Labels] = None, **options: Any
+    model: Union[Model, Path],
+    traces: Optional[Traces] = None,
+    labels: Optional[Labels] = None,
+    **options: Unpack[EvaluateOptions],
 ) -> Evaluation:
     """Classify labelled traces by the detector of the firmware, and count.
 
@@ -203,7 +251,7 @@ def evaluate(
     Evaluation
     """
     own = model if isinstance(model, Model) else Model.load(model)
-    lines, value, messages = own._core.evaluate(*drive_and_options(traces, labels, options))
+    lines, value, messages = own._core.evaluate(*drive_and_options(traces, labels, dict(options)))
     warn(messages)
     report: dict[str, Any] = json.loads(value)
 

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple, Union
+from typing import TYPE_CHECKING, NamedTuple, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from bearing_watch import _core
+from bearing_watch._options import Simulate as SimulateOptions
+
+if TYPE_CHECKING:
+    from bearing_watch._options import Unpack
 
 
 class Recording(NamedTuple):
@@ -23,7 +27,7 @@ def simulate(
     *,
     count: int = 20,
     seed: int = 1,
-    **options: Any,
+    **options: Unpack[SimulateOptions],
 ) -> Recording:
     """Simulate traces of a rig; they are those of ``bearing-watch simulate``, number for number.
 
@@ -43,6 +47,13 @@ def simulate(
     Recording
         Columns of the DC rig: ``t_s``, ``velocity_ref_rad_s``, ``velocity_rad_s``, ``current_a``, ``load_torque_nm``,
         ``angle_rad``, ``voltage_v``, each of shape (n,).
+
+    Examples
+    --------
+    >>> import bearing_watch as bw
+    >>> bench = bw.simulate("spall", count=1, seed=1, severity=0.5)
+    >>> {name: own["current_a"].shape for name, own in bench.traces.items()}
+    {'spall_0.5_1_000': (5000,)}
     """
     names = [classes] if isinstance(classes, str) else list(classes)
     found = _core.simulate({"class": names, "count": count, "seed": seed, **options})

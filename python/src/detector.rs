@@ -1,5 +1,6 @@
 //! The core's detector over whole traces, and over traces that come in pieces.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use bearing_watch::plan::RunTime;
@@ -11,13 +12,13 @@ use model::trace::{Channels, Recorded, Trace};
 use model::train::features_of;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyList};
 use self_cell::self_cell;
 use traces::Source;
 
 use crate::errors::{raised, refused};
 use crate::model::{Model, Own};
-use crate::tables::table;
+use crate::tables::{table, tables};
 
 /// What runs on a model.
 struct Running<'m> {
@@ -90,6 +91,32 @@ impl Detector {
             Ok::<_, Error>(self.judged(segments, self.run_a_trace))
         });
         self.to_dict(py, &judged.map_err(raised)?)
+    }
+
+    /// Runs all traces of files, or of tables; returns a list of (name, verdicts).
+    fn replay<'py>(
+        &mut self,
+        py: Python<'py>,
+        files: Vec<PathBuf>,
+        tables_in_memory: Option<&Bound<'py, PyList>>,
+    ) -> PyResult<Bound<'py, PyList>> {
+        self.require_between()?;
+        let source = match tables_in_memory {
+            Some(given) => Source::Memory(tables(given)?),
+            None => Source::Files(files),
+        };
+        let judged = py.detach(|| {
+            let traces = self.state.borrow_owner().file.traces(&source)?;
+            let each = |trace: Trace| {
+                let mut segments = self.advance(&trace);
+                segments.extend(self.end());
+                (trace.id, self.judged(segments, self.run_a_trace))
+            };
+            Ok::<_, Error>(traces.into_iter().map(each).collect::<Vec<_>>())
+        });
+        let judged = judged.map_err(raised)?;
+        let each = |(id, judged): &(String, Vec<Judged>)| Ok((id.clone(), self.to_dict(py, judged)?));
+        PyList::new(py, judged.iter().map(each).collect::<PyResult<Vec<_>>>()?)
     }
 
     /// Takes the next samples of a trace.

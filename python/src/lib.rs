@@ -4,6 +4,8 @@
 //! ```text
 //! tables      mappings of arrays, Arrow streams ─► tables in memory, and arrays ─► Arrow streams
 //! options     keyword arguments ─► settings and further options of a job
+//! recordings  read, audit, init
+//! recursive   RecursiveEstimator: the estimator of the core on pieces
 //! signals     identify, structure, validate
 //! model       train, Model, evaluate, simulate
 //! detector    Detector: the core on whole traces and on pieces
@@ -20,6 +22,8 @@ mod fleet;
 mod learning;
 mod model;
 mod options;
+mod recordings;
+mod recursive;
 mod signals;
 mod tables;
 
@@ -45,6 +49,10 @@ mod _core {
     use super::model::{Model, simulate, train};
     #[pymodule_export]
     use super::options::settings;
+    #[pymodule_export]
+    use super::recordings::{audit, init, read};
+    #[pymodule_export]
+    use super::recursive::RecursiveEstimator;
     #[pymodule_export]
     use super::signals::{identify, structure, validate};
 }

@@ -31,7 +31,7 @@ fn traces(tables: Vec<Arc<Recorded>>) -> Result<Vec<Trace>, Error> {
 }
 
 /// Structure by its five numbers.
-fn order_of(order: &str, offset: bool) -> PyResult<Structure> {
+pub(crate) fn order_of(order: &str, offset: bool) -> PyResult<Structure> {
     Ok(Structure { offset, ..parse_order(order).map_err(refused)? })
 }
 
@@ -63,7 +63,7 @@ fn method_of(word: &str) -> PyResult<Method> {
 }
 
 /// The trace of a table.
-fn trace_of(name: &str, signals: &Bound<'_, PyAny>, order: Structure) -> PyResult<Trace> {
+pub(crate) fn trace_of(name: &str, signals: &Bound<'_, PyAny>, order: Structure) -> PyResult<Trace> {
     let signals = table(name, signals)?;
     require(&signals, order)?;
     let mut found = traces(vec![signals]).map_err(raised)?;

@@ -42,14 +42,24 @@ def words(options):
 
 
 @pytest.fixture(scope="session")
-def command():
-    """Runs the command line; returns what it prints."""
-    program = os.environ.get("BEARING_WATCH_PROGRAM")
-    if program is None:
+def program():
+    """Runs the command line."""
+    name = os.environ.get("BEARING_WATCH_PROGRAM")
+    if name is None:
         pytest.skip("the variable BEARING_WATCH_PROGRAM does not name the command line")
 
+    def run(*arguments):
+        return subprocess.run([name, *map(str, arguments)], capture_output=True, text=True, check=False)
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def command(program):
+    """Runs the command line; returns what it prints."""
+
     def run(*arguments, fails=False):
-        done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, check=False)
+        done = program(*arguments)
         assert (done.returncode != 0) == fails, done.stderr
         return done.stderr if fails else done.stdout
 
@@ -93,4 +103,5 @@ def read_csv(path: Path):
 
 
 def from_json(text):
-    return json.loads(text)
+    """The report of a command, without the name and the version of its form."""
+    return {key: value for key, value in json.loads(text).items() if key not in ("format", "version")}

@@ -2,14 +2,20 @@ import doctest
 import inspect
 import pathlib
 import re
+import warnings
 
 import bearing_watch as bw
-from bearing_watch import _signals
+import pytest
+from bearing_watch import _detector, _model, _recordings, _recursive, _signals, _simulate
 
 
-def test_examples_of_the_docstrings_run():
-    failed, attempted = doctest.testmod(_signals)
-    assert failed == 0 and attempted >= 5
+@pytest.mark.parametrize(
+    ("module", "least"), [(_signals, 5), (_recordings, 12), (_detector, 12), (_model, 6), (_simulate, 3), (_recursive, 6)]
+)
+def test_examples_of_the_docstrings_run(module, least):
+    with warnings.catch_warnings():
+        failed, attempted = doctest.testmod(module)
+    assert failed == 0 and attempted >= least
 
 
 def test_the_version_is_that_of_the_crates():

@@ -1,11 +1,10 @@
-import json
 import pickle
 
 import bearing_watch as bw
 import numpy as np
 import pytest
 
-from conftest import MODEL, PLAIN, quietly, read_csv, words
+from conftest import MODEL, PLAIN, from_json, quietly, read_csv, words
 
 
 @pytest.fixture(scope="session")
@@ -92,7 +91,7 @@ def test_exports_and_reports_are_those_of_the_command_line(file, model, tmp_path
     assert without_path(model.to_rust(tmp_path / "m.rs")) == without_path(file.with_suffix(".rs").read_text())
     assert (tmp_path / "m.rs").read_text() == model.to_rust()
     assert model.to_c() == file.with_suffix(".h").read_text()
-    report = json.loads(file.with_suffix(".json").read_text())
+    report = from_json(file.with_suffix(".json").read_text())
     del report["model"]
     assert model.report() == report
     assert "trained on 4 healthy, 4 spall, 4 roughness traces" in model.summary()
@@ -123,7 +122,7 @@ def test_evaluation_is_that_of_the_command_line(command, file, folder, bench, mo
     )
     with pytest.warns(bw.BearingWatchWarning, match="12 of 12 traces were trained on"):
         found = bw.evaluate(model, bench.traces, folder / "labels.csv", per_segment=True, group="trace")
-    assert found.report == json.loads(text)
+    assert found.report == from_json(text)
     others = bw.simulate(["healthy", "spall"], count=3, seed=9)
     fresh = bw.evaluate(file, others.traces, others.labels)
     assert fresh.confusion.shape == (3, 3) and fresh.confusion.sum() + fresh.novel.sum() == 6

@@ -100,7 +100,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let files = files.filter_map(|(file, content)| file.as_deref().map(|path| (path, content.as_bytes())));
     output::write_all(&files.collect::<Vec<_>>())?;
     if args.json {
-        return output::json(&render::to_json(&findings));
+        return output::json("campaign", render::to_json(&findings));
     }
     output::say(render::text(&findings).trim_end())
 }
@@ -114,7 +114,7 @@ fn run_ema(args: &Args) -> Result<(), Error> {
         output::write(path, output::csv(&ema::render::tidy(&findings))?)?;
     }
     if args.json {
-        return output::json(&ema::render::to_json(&findings));
+        return output::json("campaign-ema", ema::render::to_json(&findings));
     }
     output::say(ema::render::text(&findings).trim_end())
 }
@@ -151,7 +151,7 @@ fn run_field(args: &Args) -> Result<(), Error> {
         output::write(path, field_page(&text)?)?;
     }
     if args.json {
-        return output::json(&field::render::to_json(&findings, &settings));
+        return output::json("campaign-field", field::render::to_json(&findings, &settings));
     }
     output::say(text.trim_end())
 }
@@ -161,7 +161,7 @@ fn run_bounds(args: &Args, settings: &field::Settings) -> Result<(), Error> {
     let rows = field::rows::named(&names)?;
     let bounded = each("bounds", &rows, |row| bounds::bound(row, settings))?;
     if args.json {
-        return output::json(&bounds::render::to_json(&bounded));
+        return output::json("campaign-bounds", bounds::render::to_json(&bounded));
     }
     output::say(bounds::render::text(&bounded, settings).trim_end())
 }
@@ -171,7 +171,7 @@ fn run_sessions(args: &Args) -> Result<(), Error> {
     let found = |condition: &Condition| sessions::found(*condition, Fleet::STANDARD, draws.clone());
     let all = each("sessions", &sessions::conditions(), found)?;
     if args.json {
-        return output::json(&sessions::to_json(&all));
+        return output::json("campaign-sessions", sessions::to_json(&all));
     }
     output::say(sessions::text(&all, Fleet::STANDARD, args.repetitions).trim_end())
 }
@@ -181,7 +181,7 @@ fn run_commissioned(args: &Args) -> Result<(), Error> {
     let draws: Vec<u32> = (args.first..args.first + args.repetitions).collect();
     let all = each("commissioned", &draws, |draw| commissioned::draw(&settings, *draw))?;
     if args.json {
-        return output::json(&commissioned::to_json(&all));
+        return output::json("campaign-commissioned", commissioned::to_json(&all));
     }
     output::say(commissioned::text(&all, &settings).trim_end())
 }

@@ -7,8 +7,8 @@ use clap::Subcommand;
 
 use super::options::{Job, Taken};
 use super::{
-    audit, campaign, convert, demo, drive, evaluate, features, features_sum, grey_box, identify, listen, piecewise,
-    replay, schema, simulate, simulate_features, structure, tables, train, train_features, validate, view,
+    audit, campaign, convert, demo, evaluate, features, features_sum, grey_box, identify, init, listen, pages_of_help,
+    piecewise, replay, schema, simulate, simulate_features, structure, tables, train, train_features, validate, view,
 };
 use model::Error;
 use model::settings::DriveFile;
@@ -16,7 +16,7 @@ use model::settings::DriveFile;
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
     Demo(demo::Args),
-    Init(Box<drive::asked::Args>),
+    Init(Box<init::Args>),
     Audit(Box<audit::Args>),
     Simulate(simulate::Args),
     Identify(Box<identify::Args>),
@@ -39,6 +39,8 @@ pub(super) enum Command {
     Campaign(campaign::Args),
     Tables(tables::Args),
     Schema(schema::Args),
+    Completions(pages_of_help::CompletionsArgs),
+    Man(pages_of_help::ManArgs),
 }
 
 /// The settings that a command takes.
@@ -106,15 +108,17 @@ impl Command {
             | Self::Listen(_)
             | Self::Campaign(_)
             | Self::Tables(_)
-            | Self::Schema(_) => return None,
+            | Self::Schema(_)
+            | Self::Completions(_)
+            | Self::Man(_) => return None,
         })
     }
 
-    /// Runs it; an audit that finds something is a failure.
-    pub(super) fn run(&self) -> Result<ExitCode, Error> {
+    /// Runs it; an audit that finds something is a failure. `described` makes the description of all commands.
+    pub(super) fn run(&self, described: fn() -> clap::Command) -> Result<ExitCode, Error> {
         match self {
             Self::Demo(args) => demo::run(args),
-            Self::Init(args) => drive::init::run(args),
+            Self::Init(args) => init::run(args),
             Self::Audit(args) => {
                 let found = audit::run(args)?;
                 return Ok(if found { ExitCode::FAILURE } else { ExitCode::SUCCESS });
@@ -139,6 +143,8 @@ impl Command {
             Self::Campaign(args) => campaign::run(args),
             Self::Tables(args) => tables::run(args),
             Self::Schema(args) => schema::run(args),
+            Self::Completions(args) => pages_of_help::completions(args, described()),
+            Self::Man(args) => pages_of_help::man(args, described()),
         }
         .map(|()| ExitCode::SUCCESS)
     }

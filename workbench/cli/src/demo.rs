@@ -8,5 +8,5 @@ use super::output;
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
     let report = output::logged(|log| demo(args, log))?;
-    if args.json { output::json(&report.json) } else { report.lines.iter().try_for_each(output::say) }
+    if args.json { output::json("demo", report.json) } else { report.lines.iter().try_for_each(output::say) }
 }

@@ -53,7 +53,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     if let Some(path) = &args.report {
         output::write(path, args.taken.on_page(page(&args.model, &file, &found)))?;
     }
-    if args.json { output::json(&found.to_json()) } else { found.lines().iter().try_for_each(output::say) }
+    if args.json { output::json("evaluate", found.to_json()) } else { found.lines().iter().try_for_each(output::say) }
 }
 
 fn page(path: &Path, file: &ModelFile, found: &Evaluation) -> String {

@@ -35,7 +35,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let given = given(settings, Memory::default())?;
     let found = output::logged(|log| features(settings, given, options, log))?;
     if args.json {
-        return output::json(&found.to_json());
+        return output::json("features", found.to_json());
     }
     let [segments, traces, features] = [
         counted(found.rows as usize, "segment"),

@@ -30,7 +30,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let options = &args.options.0;
     let summed = output::logged(|log| features_sum(&args.taken.settings, options, log))?;
     if args.json {
-        return output::json(&summed.to_json());
+        return output::json("features-sum", summed.to_json());
     }
     let (sums, [open, closed]) = (&summed.sums, summed.sums.units());
     output::say(format!(

@@ -251,7 +251,7 @@ impl Shown {
 
     fn print(&self, rows: &[Row]) -> Result<(), Error> {
         if self.json {
-            return output::json(&json!(rows.iter().map(Row::to_json).collect::<Vec<_>>()));
+            return output::json("grey-box", json!(rows.iter().map(Row::to_json).collect::<Vec<_>>()));
         }
         rows.iter().try_for_each(|row| output::say(row.to_text()))
     }

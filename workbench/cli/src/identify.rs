@@ -66,7 +66,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     method.warn_of_colour(estimates.iter().map(|(id, estimate)| (*id, estimate)));
     if args.json {
         let rows: Vec<_> = estimates.iter().map(|(id, estimate)| row_json(id, estimate)).collect();
-        return output::json(&json!(rows));
+        return output::json("identify", json!(rows));
     }
     let table = csv(structure, &estimates)?;
     match &args.out {

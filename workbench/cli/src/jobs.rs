@@ -84,15 +84,7 @@ jobs! {
         ),
     ];
     /// `audit`.
-    Audit = Use {
-        name: "audit",
-        keys: &[
-            &["traces", "labels", "where", "healthy", "false_alarm"],
-            TIMES,
-            &["current", "velocity", "velocity_ref", "angle", "load"],
-        ],
-        required: &[],
-    }, help: &[
+    Audit = traces::audit::USE, help: &[
         ("labels", "Labels: the classes of the traces; without TRACES, their folder is read"),
         ("where", "Only traces whose labels meet this condition, e.g. load_kgf=20; may be repeated, all must hold"),
         ("healthy", "The healthy class; by default the one named healthy or normal"),
@@ -108,5 +100,5 @@ jobs! {
         ("traces", "Trace files or folders: .csv .tsv .txt (also with .gz or .zst), .mat, .parquet, .arrow, .npz"),
     ];
     /// `init`, which writes a drive file.
-    Init = Use { name: "init", keys: &[&["traces"], TIMES], required: &["traces"] }, help: &[TRACES];
+    Init = traces::describe::USE, help: &[TRACES];
 }

@@ -6,8 +6,8 @@
 //! | crate | commands |
 //! |---|---|
 //! | `bearing-watch-model` | `identify`, `piecewise`, `structure`, `validate`, `grey-box` |
-//! | `bearing-watch-model` | `audit`, `train`, `evaluate` |
-//! | `bearing-watch-traces` | `convert`, `resample`, and the files that the others read |
+//! | `bearing-watch-model` | `train`, `evaluate` |
+//! | `bearing-watch-traces` | `init`, `audit`, `convert`, `resample`, and the files that the others read |
 //! | `bearing-watch-fleet` | `features`, `features-sum`, `train-features` |
 //! | `bearing-watch-pages` | `view`, `replay`, `listen`, and the pages that the others write |
 //! | `bearing-watch-studies` | `demo`, `simulate`, `simulate-features`, `campaign`, `tables` |
@@ -16,19 +16,24 @@ mod arguments;
 mod audit;
 mod campaign;
 mod commands;
+mod common;
 mod convert;
 mod demo;
-mod drive;
 mod evaluate;
+mod failure;
 mod features;
 mod features_sum;
 mod fit;
+mod forms;
 mod grey_box;
+mod help;
 mod identify;
+mod init;
 mod jobs;
 mod listen;
 mod options;
 mod output;
+mod pages_of_help;
 mod piecewise;
 mod recordings;
 mod replay;
@@ -42,26 +47,28 @@ mod tables;
 mod train;
 mod train_features;
 mod validate;
+mod verbosity;
 mod view;
 
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser};
 
 use commands::Command;
+use common::Common;
+use failure::Failure;
 use model::Error;
 
-/// Bearing-fault detection for motor drives: simulate, identify, train, evaluate, and export to firmware.
+/// Bearing-fault detection for motor drives: simulate, identify, train, evaluate, export to firmware
 #[derive(Debug, Parser)]
-#[command(name = "bearing-watch", version, max_term_width = 110)]
+#[command(name = "bearing-watch", version, max_term_width = 110, disable_help_flag = true)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
-    /// Also write the settings of this command as a drive file, which takes their place next time
-    #[arg(long, global = true, value_name = "DRIVE_TOML")]
-    save: Option<PathBuf>,
+    #[command(flatten)]
+    common: Common,
 }
 
 /// Runs the command line of this process. Returns 0 on success; on bad input it prints one line with the problem and
@@ -69,51 +76,34 @@ struct Cli {
 #[must_use]
 pub fn run() -> ExitCode {
     let words: Vec<OsString> = std::env::args_os().collect();
-    let commands = Cli::command();
-    let (words, drive) = match arguments::split(&commands, words) {
-        Ok(split) => split,
-        Err(error) => return refuse(&error),
-    };
-    let commands =
-        if drive.is_some() { arguments::relaxed(commands, words.get(1..).unwrap_or_default()) } else { commands };
-    let parsed = commands.try_get_matches_from(words).and_then(|matches| Cli::from_arg_matches(&matches));
-    let Cli { mut command, save } = match parsed {
-        Ok(parsed) => parsed,
-        Err(error) => return usage(&error),
-    };
-    let joined = command.join(drive.as_ref()).and_then(|()| save.map_or(Ok(()), |path| keep(&mut command, &path)));
-    match joined.and_then(|()| command.run()) {
-        Ok(code) => code,
-        Err(error) => refuse(&error),
+    let as_json = failure::wants_json(&words);
+    execute(words).unwrap_or_else(|failure| failure.print(as_json))
+}
+
+/// The commands with their help.
+fn described() -> clap::Command {
+    help::arranged(Cli::command())
+}
+
+fn execute(words: Vec<OsString>) -> Result<ExitCode, Failure> {
+    let commands = described();
+    let given = arguments::split(&commands, words)?;
+    let commands = if given.drive.is_some() { arguments::relaxed(commands, &given.words) } else { commands };
+    let matches = commands.try_get_matches_from(given.words)?;
+    let Cli { mut command, common } = Cli::from_arg_matches(&matches)?;
+    verbosity::set(common.quiet, common.verbose);
+    if given.found {
+        output::note("drive file: drive.toml of this folder; --no-drive leaves it out");
     }
+    command.join(given.drive.as_ref())?;
+    if let Some(path) = common.save {
+        keep(&mut command, &path)?;
+    }
+    Ok(command.run(described)?)
 }
 
 /// Writes the settings of a command as a drive file.
 fn keep(command: &mut Command, path: &Path) -> Result<(), Error> {
     output::plan(&[path], &[])?;
     output::write(path, command.text(path)?)
-}
-
-fn refuse(error: &Error) -> ExitCode {
-    eprintln!("error: {}", error.to_string().replace('\n', " "));
-    ExitCode::from(2)
-}
-
-/// Prints help and version unchanged, and an error in the arguments as one line.
-fn usage(error: &clap::Error) -> ExitCode {
-    if !error.use_stderr() {
-        let _ = error.print();
-        return ExitCode::SUCCESS;
-    }
-    eprintln!("{} (more by --help)", usage_line(error));
-    ExitCode::from(2)
-}
-
-/// An error in the arguments as one line.
-fn usage_line(error: &clap::Error) -> String {
-    let text = error.to_string();
-    let said = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage:"));
-    let said: Vec<&str> = said.filter(|line| !line.is_empty()).collect();
-    // If the command is missing, clap returns the whole help instead of an error.
-    if text.starts_with("error:") { said.join(" ") } else { "error: a command is missing".into() }
 }

@@ -79,8 +79,7 @@ impl<J: Job> Args for Taken<J> {
             }));
             let own = J::HELP.iter().find(|(own, _)| *own == key);
             let arg = if let Some((_, help)) = own { arg.help(*help) } else { arg };
-            let heading = format!("{} ([{}] of drive.toml)", capitals(section.name), section.name);
-            command.arg(if arg.is_positional() { arg } else { arg.help_heading(heading) })
+            command.arg(arg.help_heading(format!("{} ([{}] of drive.toml)", heading(section.name), section.name)))
         })
     }
 
@@ -159,8 +158,12 @@ fn wrong(kind: ErrorKind, text: &str) -> clap::Error {
     clap::Error::raw(kind, format!("{text}\n"))
 }
 
-fn capitals(name: &str) -> String {
-    let (first, rest) = name.split_at(1.min(name.len()));
+/// The heading of the options of a section.
+fn heading(section: &str) -> String {
+    if section == "data" {
+        return "Recordings".into();
+    }
+    let (first, rest) = section.split_at(1.min(section.len()));
     first.to_uppercase() + rest
 }
 
@@ -192,6 +195,7 @@ fn argument(key: &str, field: &Value) -> Arg {
     if is(field, "boolean") {
         return arg.action(ArgAction::SetTrue);
     }
+    let arg = if field["x-file"] == true { arg.value_hint(clap::ValueHint::AnyPath) } else { arg };
     let name = field["x-value"].as_str().map_or_else(|| key.to_uppercase(), String::from);
     let arg = arg.value_name(name).action(if is(field, "array") { ArgAction::Append } else { ArgAction::Set });
     let arg = if is(field, "array") && choices(field).is_some() { arg.value_delimiter(',') } else { arg };

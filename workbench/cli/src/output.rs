@@ -1,12 +1,18 @@
-//! Output: lines on standard output, warnings, and progress bars.
+//! Output: lines and JSON on standard output; warnings, notes and progress bars on standard error.
 
 use std::io::Write as _;
 
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 
+use serde_json::{Value, json};
+
+use super::verbosity;
 use model::Error;
 pub(super) use model::outputs::{folder_of, plan, temporary, write, write_all};
 use model::session::{Log, Progress, Steps};
+
+/// Version of the forms of JSON: it rises when a key is removed or gets another meaning, not when one is added.
+pub(super) const VERSION: u32 = 1;
 
 /// Prints a line; a closed pipe (`| head`) is not an error.
 pub(super) fn say(text: impl AsRef<str>) -> Result<(), Error> {
@@ -16,9 +22,16 @@ pub(super) fn say(text: impl AsRef<str>) -> Result<(), Error> {
     }
 }
 
-/// Prints a warning on standard error.
+/// Prints a warning on standard error, unless that is to be quiet.
 pub(super) fn warn(text: impl AsRef<str>) {
-    eprintln!("warning: {}", text.as_ref());
+    note(format!("warning: {}", text.as_ref()));
+}
+
+/// Prints a note on standard error, unless that is to be quiet.
+pub(super) fn note(text: impl AsRef<str>) {
+    if !verbosity::is_quiet() {
+        eprintln!("{}", text.as_ref());
+    }
 }
 
 /// Shows progress bars.
@@ -49,8 +62,11 @@ pub(super) fn csv(rows: &[Vec<String>]) -> Result<String, Error> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// Returns a progress bar; it is shown on a terminal only.
+/// Returns a progress bar; it is shown on a terminal only, unless that is to be quiet.
 pub(super) fn progress(what: &'static str, count: usize) -> ProgressBar {
+    if verbosity::is_quiet() {
+        return ProgressBar::hidden();
+    }
     let bar = ProgressBar::new(count as u64);
     if let Ok(style) = ProgressStyle::with_template("{msg:>12} {wide_bar} {pos}/{len} {eta}") {
         bar.set_style(style);
@@ -59,7 +75,20 @@ pub(super) fn progress(what: &'static str, count: usize) -> ProgressBar {
     bar
 }
 
-/// Prints a JSON value on standard output.
-pub(super) fn json(value: &serde_json::Value) -> Result<(), Error> {
-    say(format!("{value:#}"))
+/// Prints a JSON value of this form on standard output.
+pub(super) fn json(form: &str, value: Value) -> Result<(), Error> {
+    say(format!("{:#}", named(form, value)))
+}
+
+/// A JSON object that starts with the name and the version of its form; of a list, each of its objects does.
+pub(super) fn named(form: &str, value: Value) -> Value {
+    match value {
+        Value::Array(all) => all.into_iter().map(|one| named(form, one)).collect(),
+        Value::Object(own) => {
+            let name = [("format", json!(format!("bearing-watch/{form}"))), ("version", json!(VERSION))];
+            let name = name.map(|(key, value)| (key.to_string(), value));
+            Value::Object(name.into_iter().chain(own).collect())
+        }
+        other => other,
+    }
 }

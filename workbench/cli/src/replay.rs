@@ -101,7 +101,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         output::write(path, args.taken.on_page(page(&title, &model, &notes.channels(), &replayed).render()))?;
     }
     if args.json {
-        output::json(&json!(values))?;
+        output::json("replay", json!(values))?;
     } else if let Some(Trend { slope, low, high, segments, .. }) = trend.filter(|_| model.healthy().is_some()) {
         output::say(format!("distance changes by {slope:.4} [{low:.4}, {high:.4}] a segment over {segments}"))?;
     }

@@ -1,17 +1,47 @@
 //! `bearing-watch schema`
 
+use clap::ValueEnum;
+
+use super::forms;
 use super::output;
 use model::Error;
 use model::settings::schema::of_drive_file;
 
-/// Print the JSON Schema of drive.toml: its keys with their meaning, for editors and other programs
+/// Print the JSON Schema of drive.toml, or of the JSON that a command prints
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Example:\n  bearing-watch schema > drive.schema.json\n\nAn editor with a language server for TOML \
-takes it by a first line in drive.toml: #:schema ./drive.schema.json"
+    after_help = "Examples:\n  bearing-watch schema > drive.schema.json\n  bearing-watch schema train > train.schema.json\n\
+\n\
+An editor with a language server for TOML takes it by a first line in drive.toml: #:schema ./drive.schema.json"
 )]
-pub(super) struct Args {}
+pub(super) struct Args {
+    /// What is described
+    #[arg(value_enum, default_value_t = Form::Drive)]
+    form: Form,
+}
 
-pub(super) fn run(_: &Args) -> Result<(), Error> {
-    output::json(&of_drive_file())
+/// What has a schema.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Form {
+    /// The keys of drive.toml
+    Drive,
+    /// What `train --json` prints
+    Train,
+    /// What `evaluate --json` prints
+    Evaluate,
+    /// What `replay --json` prints
+    Replay,
+    /// What every command prints with --json if it fails
+    Error,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Error> {
+    let schema = match args.form {
+        Form::Drive => of_drive_file(),
+        Form::Train => forms::TRAIN.schema(),
+        Form::Evaluate => forms::EVALUATE.schema(),
+        Form::Replay => forms::REPLAY.schema(),
+        Form::Error => forms::ERROR.schema(),
+    };
+    output::say(format!("{schema:#}"))
 }

@@ -83,7 +83,11 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         let page = page("Structure selection", &lead, &found, pick.as_ref()).render();
         output::write(path, args.taken.on_page(page))?;
     }
-    if args.json { output::json(&to_json(&found, pick.as_ref())) } else { print(&found, best, pick.as_ref()) }
+    if args.json {
+        output::json("structure", to_json(&found, pick.as_ref()))
+    } else {
+        print(&found, best, pick.as_ref())
+    }
 }
 
 impl Args {

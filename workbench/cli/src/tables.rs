@@ -56,7 +56,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         .collect();
     output::write_all(&written)?;
     if args.json {
-        return output::json(&render::to_json(&settings, &tables));
+        return output::json("tables", render::to_json(&settings, &tables));
     }
     for words in intro {
         output::say(render::wrap(&words))?;

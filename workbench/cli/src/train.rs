@@ -15,10 +15,12 @@ use traces::given::{Memory, given};
 
 /// Train a model from labelled traces, for the detector in firmware
 #[derive(Debug, clap::Args)]
-#[command(
-    after_help = "Example:\n  bearing-watch train --labels traces/labels.csv --y current_a --u1 velocity_ref_rad_s \
---u2 load_torque_nm --order 2,1,2,1,1 --model model.bwm --rust model.rs"
-)]
+#[command(after_help = "Examples:
+  bearing-watch train drive.toml --model model.bwm --rust model.rs
+  bearing-watch train --labels traces/labels.csv --y current_a --u1 velocity_ref_rad_s --u2 load_torque_nm \
+--order 2,1,2,1,1 --model model.bwm
+
+drive.toml is what `bearing-watch init` writes.")]
 pub(super) struct Args {
     #[command(flatten)]
     pub(super) taken: Taken<Train>,
@@ -75,7 +77,7 @@ fn print(args: &Args, own: &Training, found: &Found) -> Result<(), Error> {
     if args.json {
         let mut value = json!({ "model": model });
         value.as_object_mut().into_iter().for_each(|object| object.extend(to_json(own, found)));
-        return output::json(&value);
+        return output::json("train", value);
     }
     lines(own, found, &format!(" in {}", model.display())).iter().try_for_each(output::say)
 }

@@ -42,7 +42,11 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let (options, exports) = (&args.options.0, &args.exports.0);
     let drive = args.taken.drive.clone();
     let own = output::logged(|log| train_features(&args.taken.settings, options, exports, drive, log))?;
-    if args.json { output::json(&own.to_json()) } else { lines(&own, exports).iter().try_for_each(output::say) }
+    if args.json {
+        output::json("train-features", own.to_json())
+    } else {
+        lines(&own, exports).iter().try_for_each(output::say)
+    }
 }
 
 fn lines(own: &TrainedOnParts, exports: &Exports) -> Vec<String> {

@@ -44,6 +44,19 @@ pub enum Error {
 }
 
 impl Error {
+    /// The kind of the error as a word, for programs.
+    #[must_use]
+    pub const fn kind(&self) -> &'static str {
+        match self {
+            Self::Io { .. } => "file",
+            Self::Content { .. } => "content",
+            Self::Trace { .. } => "trace",
+            Self::Training(_) => "training",
+            Self::Usage(_) => "usage",
+            Self::Other(_) => "other",
+        }
+    }
+
     /// The error of another part.
     pub fn other(error: impl std::error::Error + Send + Sync + 'static) -> Self {
         Self::Other(Box::new(error))

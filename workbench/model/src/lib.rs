@@ -17,6 +17,7 @@
 //! | [`audit`] | what recordings are worth before anything is trained |
 //! | [`identify`] | parameters of a linear model of one trace, by eight methods |
 //! | [`structure`] | which orders and delays such a model needs |
+//! | [`recursive`] | the same of signals that come in pieces, by the estimator of the firmware |
 //! | [`validate`] | whether it explains a trace: fit, residuals, poles, frequency response |
 //! | [`grey_box`] | physical constants of a drive, with standard deviations |
 //! | [`piecewise`] | first-order models of the straight runs of one record |
@@ -35,6 +36,7 @@ pub mod grey_box;
 pub mod identify;
 pub mod outputs;
 pub mod piecewise;
+pub mod recursive;
 pub mod session;
 pub mod settings;
 pub mod statistics;

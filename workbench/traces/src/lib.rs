@@ -17,10 +17,14 @@
 //! | [`units`] | units, by the names of columns |
 //! | [`resample`] | irregular times → a constant rate |
 //! | [`given`] | labels, front end and traces that settings name |
+//! | [`audit`] | what recordings are worth |
+//! | [`describe`] | recordings → the text of a drive file |
 //! | [`damaged`] | damaged files, at which readers of other crates panic |
 
+pub mod audit;
 mod cleaned_reader;
 pub mod damaged;
+pub mod describe;
 pub mod front_end;
 pub mod given;
 mod labels;
@@ -239,6 +243,7 @@ impl Candidate {
             table => table?,
         };
         if may_lack && !has_columns(&table, channels) {
+            log::info!("left out {}: it lacks columns of the channels", self.file.display());
             return Ok(None);
         }
         read_table(&table, channels, wanted.unwrap_or(&|_| true)).map(Some)

@@ -230,6 +230,7 @@ fn parts(
         (_, other) => other,
     })?;
     let rows = Rows::split(path, &columns, &id)?;
+    report(path, &header, &rows, columns.numbers.first().map_or(0, Vec::len));
     let mut whole = Some(std::mem::take(&mut columns.numbers));
     let each = |rows: Rows| -> Result<Part, Error> {
         let own = match rows.rows {
@@ -255,6 +256,15 @@ fn parts(
     };
     let parts = rows.into_iter().map(each).collect::<Result<_, Error>>()?;
     Ok((signals, parts))
+}
+
+/// Reports what is read of a file.
+fn report(path: &Path, header: &Header, traces: &[Rows], rows: usize) {
+    let (file, count) = (path.display(), traces.len());
+    match header.time() {
+        Some(time) => log::info!("read {file}: traces {count}, rows {rows}, time by column {}", header.names[time]),
+        None => log::info!("read {file}: traces {count}, rows {rows}, no time column"),
+    }
 }
 
 /// The rows of one trace.

@@ -109,6 +109,19 @@ impl Unit {
         name.match_indices('_').find_map(|(at, _)| Self::named(&name[at + 1..]))
     }
 
+    /// The unit that a formula is converted to: `speed_rpm rad/s`, `(speed_rpm)rad/s`.
+    #[must_use]
+    pub fn of_formula(formula: &str) -> Option<Self> {
+        formula.rsplit_once([' ', ')']).and_then(|(_, unit)| Self::named(unit))
+    }
+
+    /// Its usual name.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        let mut names = UNITS.iter().map(|(names, ..)| names[0]);
+        names.find(|name| Self::named(name).as_ref() == Some(self)).unwrap_or_default()
+    }
+
     /// Factor and offset from this unit to another one; `None` if they measure different quantities.
     #[must_use]
     pub fn to(&self, other: &Self) -> Option<(f64, f64)> {

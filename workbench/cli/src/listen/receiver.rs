@@ -114,6 +114,6 @@ impl Receiver {
     }
 
     fn tell(&self, line: String, value: serde_json::Value) -> Result<(), Error> {
-        output::say(if self.json { value.to_string() } else { line })
+        output::say(if self.json { output::named("listen", value).to_string() } else { line })
     }
 }

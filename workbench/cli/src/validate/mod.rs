@@ -81,7 +81,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Error> {
         output::write(path, args.fit.taken.on_page(page(&lead(args, &outcomes[0].trace)?, &outcomes)))?;
     }
     if args.json {
-        return output::json(&json!(outcomes.iter().map(to_json).collect::<Vec<_>>()));
+        return output::json("validate", json!(outcomes.iter().map(to_json).collect::<Vec<_>>()));
     }
     for outcome in &outcomes {
         print(outcome)?;

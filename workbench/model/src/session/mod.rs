@@ -7,6 +7,7 @@
 //! Log ──────┘                    └─ bytes of a model ─► ModelFile ─► Evaluation
 //! ```
 
+mod chosen;
 pub mod description;
 mod doubts;
 mod evaluation;

@@ -87,6 +87,16 @@ impl ModelFile {
         self.preparation().apply(&trace)
     }
 
+    /// Reads all traces of a source as the detector takes them.
+    ///
+    /// # Errors
+    /// Missing columns, bad values, or another rate than that of the model.
+    pub fn traces(&self, source: &dyn TraceSource) -> Result<Vec<Trace>, Error> {
+        let traces = source.read_wanted(&self.channels(), &|_| true)?;
+        check_rate(&self.model, self.preparation(), traces.iter())?;
+        traces.iter().map(|trace| self.preparation().apply(trace)).collect()
+    }
+
     /// Returns why the samples of a trace cannot come in pieces, if they cannot.
     #[must_use]
     pub fn refuses_pieces(&self) -> Option<&'static str> {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use bearing_watch::model::MAX_BLOCK_MEAN;
 
+use super::chosen;
 use super::description;
 use super::doubts::{irregular, refused};
 use super::evidence::Orders;
@@ -58,6 +59,7 @@ impl Session {
     pub fn train(&self, log: &Log<'_>) -> Result<Training, Error> {
         let Self { settings, selection, channels, plan, preparation, .. } = self;
         let (classes, training) = selection.rows(&settings.validation.train_where)?;
+        ::log::info!("training: {} traces of the classes {}", training.len(), classes.join(", "));
         log.warn(irregular(training.iter().map(|t| &t.trace)));
         log.warn(refused(training.iter().map(|t| &t.trace)));
         let groups = selection.groups(&settings.validation, &training)?;
@@ -72,6 +74,7 @@ impl Session {
         recipe.alarms.by_run = !recipe.validation.groups.is_empty();
         let prepared = prepare(&training, *preparation)?;
         let mut trained = crate::train::train(&prepared, &classes, &recipe)?;
+        chosen::report(&trained, settings);
         // On the traces as the shaft was trained, before block means move into the detector.
         let orders = Orders::of(&trained, &prepared)?;
         let host = embed_block_mean(&mut trained, *preparation, &training);

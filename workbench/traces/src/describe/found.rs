@@ -2,16 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use super::asked::Args;
+use super::asked::Asked;
 use super::guess::Guess;
 use super::names;
 use super::proposal::Proposal;
-use crate::output;
+use crate::table::Table;
+use crate::{read_labels, reader};
 use model::Error;
 use model::audit::times::Times;
+use model::outputs;
+use model::session::Log;
 use model::trace::labels::Labels;
-use traces::reader;
-use traces::table::Table;
 
 /// Files with the same columns of numbers.
 struct Kind {
@@ -21,9 +22,9 @@ struct Kind {
 
 impl Kind {
     /// The kinds of files, and the first problem with one.
-    fn of(files: &[PathBuf], time: Option<&str>) -> (Vec<Self>, Option<Error>) {
+    fn of(files: &[PathBuf], time: Option<&str>, log: &Log<'_>) -> (Vec<Self>, Option<Error>) {
         let (mut kinds, mut problem): (Vec<Self>, _) = (Vec::new(), None);
-        let bar = output::progress("files", files.len());
+        let step = log.steps("files", files.len());
         for file in files {
             match Table::open(file).and_then(|table| reader::numeric(&table, time)) {
                 Ok((names, _)) if names.is_empty() => {}
@@ -33,9 +34,8 @@ impl Kind {
                 },
                 Err(error) => problem = problem.or(Some(error)),
             }
-            bar.inc(1);
+            step(1);
         }
-        bar.finish_and_clear();
         (kinds, problem)
     }
 
@@ -81,10 +81,15 @@ pub(super) struct Found {
 }
 
 impl Found {
-    pub(super) fn look(args: &Args, files: &[PathBuf], (folder, out): (&Path, &Path)) -> Result<Self, Error> {
-        let data = &args.taken.settings.data;
+    pub(super) fn look(
+        asked: &Asked<'_>,
+        files: &[PathBuf],
+        (folder, out): (&Path, &Path),
+        log: &Log<'_>,
+    ) -> Result<Self, Error> {
+        let data = asked.data;
         let time = data.time.as_deref();
-        let (kinds, problem) = Kind::of(files, time);
+        let (kinds, problem) = Kind::of(files, time, log);
         let Some(own) = Kind::most(kinds) else {
             return Err(problem.unwrap_or_else(|| {
                 let paths: Vec<String> = data.traces.iter().map(|path| path.display().to_string()).collect();
@@ -105,22 +110,22 @@ impl Found {
         let rate_hz = first.and_then(|one| Times::of(one.times_s.as_deref()?)).map(|times| times.rate_hz);
         let is_constant = first.is_some_and(|one| proposal.is_constant(&names, &one.columns));
         let beside = Some(folder.join("labels.csv")).filter(|file| file.is_file());
-        let given = args.labels.clone().or(beside.filter(|_| args.labels_from_names.is_none()));
+        let given = asked.labels.map(Path::to_path_buf).or(beside.filter(|_| asked.labels_from_names.is_none()));
         let (file, made) = match given {
             Some(file) => (file, None),
             None => {
                 let (text, told) = names::labels(&own.files)?;
-                let own_file = || output::folder_of(out).join("labels.csv");
-                let file = args.labels_from_names.clone().unwrap_or_else(own_file);
-                output::plan(&[&file, out], files)?;
-                output::write(&file, text)?;
+                let own_file = || outputs::folder_of(out).join("labels.csv");
+                let file = asked.labels_from_names.map_or_else(own_file, Path::to_path_buf);
+                outputs::plan(&[&file, out], files)?;
+                outputs::write(&file, text)?;
                 (
                     file,
                     Some(if told { "by the names of the files" } else { "all healthy, since no name tells a class" }),
                 )
             }
         };
-        let labels = traces::read_labels(&file)?;
+        let labels = read_labels(&file)?;
         let classes = labels.classes(&labels.select(&[])?, &[])?;
         let (labels, others) = ((file, labels, classes), files.len() - own.files.len());
         let files = own.files.len();

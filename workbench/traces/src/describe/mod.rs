@@ -1,40 +1,72 @@
-//! `bearing-watch init`: writes a `drive.toml` by looking at recordings.
+//! Describes recordings: columns, rate, labels and likely channels, as the text of a drive file.
+//!
+//! ```text
+//! files ─► found: columns, rows, rate, labels ─► proposal: channels ─► values ─► drive.toml
+//! ```
+
+mod asked;
+mod found;
+pub(crate) mod guess;
+mod names;
+mod proposal;
+mod values;
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::asked::Args;
-use super::found::Found;
-use super::guess::Guess;
-use super::values::Values;
-use crate::output;
-use model::Error;
-use model::settings::sections;
-use pages::page::counted;
+pub use asked::Asked;
+use found::Found;
+use guess::Guess;
+use values::Values;
 
-pub(crate) fn run(args: &Args) -> Result<(), Error> {
-    let traces = &args.taken.settings.data.traces;
-    let folder = folder_of(&traces[0]);
-    let out = args.out.clone().unwrap_or_else(|| {
-        let writable = tempfile::tempfile_in(&folder).is_ok();
-        if writable { folder.join("drive.toml") } else { "drive.toml".into() }
-    });
-    let files = traces::files(traces)?;
-    output::plan(&[&out], &files)?;
-    if out.exists() && !args.force {
+use model::Error;
+use model::outputs;
+use model::session::Log;
+use model::settings::{Data, TIMES, Use, sections};
+
+/// The settings that it takes.
+pub const USE: Use = Use { name: "init", keys: &[&["traces"], TIMES], required: &["traces"] };
+
+/// A drive file that was written.
+#[derive(Clone, Debug)]
+pub struct Described {
+    /// The file.
+    pub file: PathBuf,
+    /// What was found, in a line.
+    pub told: String,
+}
+
+/// Writes a drive file by looking at recordings, and their labels if there are none.
+///
+/// # Errors
+/// No file with columns of numbers, labels that do not fit, or a drive file that exists.
+pub fn describe(asked: &Asked<'_>, log: &Log<'_>) -> Result<Described, Error> {
+    let traces = &asked.data.traces;
+    let first = traces.first().ok_or_else(|| Error::Usage("no traces are given".into()))?;
+    let folder = folder_of(first);
+    let out = asked.out.map_or_else(
+        || {
+            let writable = outputs::temporary(&folder.join("drive.toml")).is_ok();
+            if writable { folder.join("drive.toml") } else { "drive.toml".into() }
+        },
+        Path::to_path_buf,
+    );
+    let files = crate::files(traces)?;
+    outputs::plan(&[&out], &files)?;
+    if out.exists() && !asked.force {
         return Err(Error::Usage(format!("{} exists; give another name with --out, or --force", out.display())));
     }
-    let found = Found::look(args, &files, (&folder, &out))?;
-    output::write(&out, text(&found, &out, args))?;
-    output::say(told(&found, &out))
+    let found = Found::look(asked, &files, (&folder, &out), log)?;
+    outputs::write(&out, text(&found, &out, asked.data))?;
+    Ok(Described { told: told(&found, &out), file: out })
 }
 
 fn folder_of(path: &Path) -> PathBuf {
-    if path.is_dir() { path.to_path_buf() } else { output::folder_of(path).to_path_buf() }
+    if path.is_dir() { path.to_path_buf() } else { outputs::folder_of(path).to_path_buf() }
 }
 
-fn text(found: &Found, out: &Path, args: &Args) -> String {
-    let Values { values, refused } = Values::of(found, out, args);
+fn text(found: &Found, out: &Path, data: &Data) -> String {
+    let Values { values, refused } = Values::of(found, out, data);
     let mut text =
         String::from("# What this drive is. Every command takes this file: bearing-watch train drive.toml …\n");
     let rate = match found.rate_hz {
@@ -76,11 +108,12 @@ fn told(found: &Found, out: &Path) -> String {
     });
     let (file, ..) = &found.labels;
     let made = found.made.map_or_else(String::new, |how| format!(" {}: {how}.", file.display()));
+    let files = format!("{} file{}", found.files, if found.files == 1 { "" } else { "s" });
     let rate = if found.rate_hz.is_none() { " The files have no time: set rate_hz." } else { "" };
     format!(
         "{}: {}; {}. Check the channels and their signs.{made}{rate}",
         out.display(),
-        counted(found.files, "file"),
+        files,
         said.collect::<Vec<_>>().join(", ")
     )
 }

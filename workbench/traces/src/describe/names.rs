@@ -10,7 +10,6 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use crate::output;
 use model::Error;
 use model::trace::stem;
 
@@ -85,7 +84,15 @@ pub(super) fn labels(files: &[PathBuf]) -> Result<(String, bool), Error> {
         row.extend(has_sets.then(|| set.to_string()));
         rows.push(row);
     }
-    Ok((output::csv(&rows)?, are_found))
+    Ok((csv_of(&rows)?, are_found))
+}
+
+/// The rows as CSV, quoted if needed.
+fn csv_of(rows: &[Vec<String>]) -> Result<String, Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    rows.iter().try_for_each(|row| writer.write_record(row)).map_err(Error::other)?;
+    let bytes = writer.into_inner().map_err(|error| Error::Usage(error.to_string()))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
 #[cfg(test)]

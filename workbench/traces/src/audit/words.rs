@@ -2,31 +2,48 @@
 
 use serde_json::{Value, json};
 
-use super::audited::{Audited, Finding, Line};
-use crate::output;
-use model::Error;
+use super::audited::{Audited, Finding, Line, Outcome};
 use model::audit::column::Column;
 use model::audit::friction::Excited;
 use model::trace::median;
 
-pub(super) fn print(
+impl Outcome {
+    /// The report as lines.
+    #[must_use]
+    pub fn lines(&self, false_alarm: f64) -> Vec<String> {
+        let Self { traces, findings, rotor, lines, terms } = self;
+        said(traces, findings, *rotor, (lines, terms, false_alarm))
+    }
+
+    /// The report as JSON.
+    #[must_use]
+    pub fn to_json(&self) -> Value {
+        let mut value = to_json(&self.traces, &self.findings, self.rotor, &self.lines);
+        value["friction"] = self.terms.iter().map(Excited::to_json).collect();
+        value
+    }
+}
+
+fn said(
     traces: &[Audited],
     findings: &[Finding],
     rotor: Option<f64>,
     (lines, terms, false_alarm): (&[Line], &[Excited], f64),
-) -> Result<(), Error> {
+) -> Vec<String> {
+    let mut report: Vec<String> = Vec::new();
     let rows: usize = traces.iter().map(|trace| trace.values.first().map_or(0, Vec::len)).sum();
-    output::say(format!("{} traces, {rows} rows", traces.len()))?;
+    report.push(format!("{} traces, {rows} rows", traces.len()));
     let rates: Vec<f64> = traces.iter().filter_map(|trace| trace.times).map(|times| times.rate_hz).collect();
     match (rates.is_empty(), rotor) {
         (false, _) => {
             let jitters: Vec<f64> = traces.iter().filter_map(|trace| trace.times).map(|times| times.jitter).collect();
             let (rate, jitter) = (median(&rates), 100.0 * median(&jitters));
-            output::say(format!("rate: {rate:.4} rows a second, steps scatter by {jitter:.2} %"))?;
+            report.push(format!("rate: {rate:.4} rows a second, steps scatter by {jitter:.2} %"));
         }
-        (true, Some(rate)) => output::say(format!("rate: no time; {rate:.1} rows a second by the lines of the rotor"))?,
+        (true, Some(rate)) => report.push(format!("rate: no time; {rate:.1} rows a second by the lines of the rotor")),
         (true, None) => {
-            output::say("rate: no time column, and no given rate_hz near which the lines of the rotor are sharp")?;
+            report
+                .push("rate: no time column, and no given rate_hz near which the lines of the rotor are sharp".into());
         }
     }
     let first = &traces[0];
@@ -35,43 +52,43 @@ pub(super) fn print(
         "{:width$}  {:>12}  {:>12}  {:>12}  {:>12}  {:>12}",
         "column", "mean", "deviation", "least", "largest", "step"
     );
-    output::say(format!("\n{head}   ({})", first.id))?;
+    report.push(format!("\n{head}   ({})", first.id));
     for (name, column) in first.names.iter().zip(&first.columns) {
         let Column { mean, deviation, range: [least, largest], step, .. } = column;
-        output::say(format!(
+        report.push(format!(
             "{name:width$}  {mean:>12.5}  {deviation:>12.5}  {least:>12.5}  {largest:>12.5}  {step:>12.3e}"
-        ))?;
+        ));
     }
     if !lines.is_empty() {
         let all = |pick: fn(&Line) -> f64| median(lines.iter().map(pick).collect::<Vec<_>>());
         let (turns, floor, smallest) = (all(|line| line.turns), all(|line| line.floor), all(|line| line.smallest));
-        output::say(format!(
+        report.push(format!(
             "\nlines of orders, median of {} traces of {turns:.0} turns: floor {floor:.4}; a line of {smallest:.4} stands \
              out at a false-alarm rate of {false_alarm} (units of the current)",
             lines.len()
-        ))?;
+        ));
         let firsts: Vec<f64> = lines.iter().map(|line| line.first / line.floor).collect();
         let most = firsts.iter().copied().fold(0.0, f64::max);
-        output::say(format!("order 1 over the floor: median {:.1}, largest {most:.1}", median(&firsts)))?;
+        report.push(format!("order 1 over the floor: median {:.1}, largest {most:.1}", median(&firsts)));
     }
     if !terms.is_empty() {
-        output::say(format!("\nfriction and inertia, at a false-alarm rate of {false_alarm} (units of the current)"))?;
-        output::say(Excited::heading())?;
-        terms.iter().try_for_each(|term| output::say(term.to_string()))?;
+        report.push(format!("\nfriction and inertia, at a false-alarm rate of {false_alarm} (units of the current)"));
+        report.push(Excited::heading());
+        report.extend(terms.iter().map(ToString::to_string));
     }
-    output::say(if findings.is_empty() { "\nnothing found" } else { "\nfound:" })?;
+    report.push(if findings.is_empty() { "\nnothing found".into() } else { "\nfound:".into() });
     for Finding { what, traces: own } in findings {
         let which = match &own[..] {
             [one] => one.clone(),
             [first, ..] => format!("{} traces, first {first}", own.len()),
             [] => String::new(),
         };
-        output::say(format!("  {what}: {which}"))?;
+        report.push(format!("  {what}: {which}"));
     }
-    Ok(())
+    report
 }
 
-pub(super) fn to_json(traces: &[Audited], findings: &[Finding], rotor: Option<f64>, lines: &[Line]) -> Value {
+fn to_json(traces: &[Audited], findings: &[Finding], rotor: Option<f64>, lines: &[Line]) -> Value {
     let column = |(name, column): (&String, &Column)| {
         let Column { mean, deviation, range: [least, largest], step, every, changing, held, saturated } = column;
         json!({

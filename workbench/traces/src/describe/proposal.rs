@@ -1,8 +1,8 @@
 //! The channels that `init` proposes by the names of columns.
 
 use super::guess::Guess;
+use crate::units::{Quantity, Unit};
 use model::statistics::mean_sd;
-use traces::units::{Quantity, Unit};
 
 /// Deviation of a velocity, as a part of its mean, below which it is constant.
 const CONSTANT: f64 = 0.01;

@@ -3,13 +3,13 @@
 use std::f64::consts::TAU;
 
 use super::audited::{Audited, Finding};
-use crate::drive::guess::is_reference;
+use crate::describe::guess::is_reference;
+use crate::resample::unwrapped;
 use model::audit::pairs::{self, COLLINEAR, correlation, lag};
 use model::audit::sessions::apart;
 use model::audit::times::Times;
 use model::statistics::mean_sd;
 use model::trace::median;
-use traces::resample::unwrapped;
 
 pub(super) fn add(findings: &mut Vec<Finding>, what: String, trace: &str) {
     match findings.iter_mut().find(|finding| finding.what == what) {

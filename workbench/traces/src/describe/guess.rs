@@ -1,6 +1,6 @@
 //! Which column is which signal, by names and units.
 
-use traces::units::{Quantity, Unit};
+use crate::units::{Quantity, Unit};
 
 /// Channels that were found; each is a column, with its unit converted where that is needed.
 #[derive(Clone, Debug, Default, PartialEq)]

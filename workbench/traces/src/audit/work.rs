@@ -6,37 +6,40 @@ use std::path::PathBuf;
 
 use rayon::prelude::*;
 
-use super::asked::Args;
+use super::asked::Audit;
 use super::audited::{Audited, Finding, Line, Outcome};
 use super::findings::{add, equal_traces, session_sets};
-use crate::drive::guess::Guess;
-use crate::output;
+use crate::describe::guess::Guess;
+use crate::reader::{self, Series};
+use crate::table::Table;
 use model::Error;
 use model::audit::column::Column;
 use model::audit::friction::{Excited, Motion, Terms, excited};
 use model::audit::orders::{self, floor, rate, smallest_line, turns};
 use model::audit::times::Times;
+use model::session::Log;
 use model::settings::{Signals, healthy_class};
 use model::trace::stem;
-use traces::reader::{self, Series};
-use traces::table::Table;
 
 /// Rows of the shortest trace; shorter ones are tables of something else.
 const FEWEST: usize = 8;
 
-impl Args {
-    pub(super) fn audit(&self, files: &[PathBuf]) -> Result<Outcome, Error> {
-        let bar = output::progress("auditing", files.len());
+impl Audit {
+    /// Audits the traces of files.
+    ///
+    /// # Errors
+    /// No trace, or channels that cannot be read.
+    pub fn audit(&self, files: &[PathBuf], log: &Log<'_>) -> Result<Outcome, Error> {
+        let step = log.steps("auditing", files.len());
         let each = |file: &PathBuf| {
             let found = self.look(file);
-            bar.inc(1);
+            step(1);
             found
         };
         let all: Vec<Result<Vec<Audited>, Error>> = files.par_iter().map(each).collect();
-        bar.finish_and_clear();
         let (mut traces, mut findings) = (Vec::new(), Vec::new());
         // A file that has no label and none of the channels is a table of something else.
-        let labels = self.taken.settings.data.labels.as_deref().map(traces::read_labels).transpose()?;
+        let labels = self.settings.data.labels.as_deref().map(crate::read_labels).transpose()?;
         let is_other = |file: &Path| {
             let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
             labels.as_ref().is_some_and(|labels| !labels.has(&name))
@@ -57,8 +60,8 @@ impl Args {
         if traces.is_empty() {
             return Err(Error::Usage(format!("{short} traces, none of {FEWEST} rows")));
         }
-        if let Some(labels) = labels.as_ref().filter(|_| !self.taken.settings.data.conditions.is_empty()) {
-            let chosen = labels.select(&self.taken.settings.data.conditions)?;
+        if let Some(labels) = labels.as_ref().filter(|_| !self.settings.data.conditions.is_empty()) {
+            let chosen = labels.select(&self.settings.data.conditions)?;
             let chosen: HashSet<&str> = chosen.iter().map(|(id, _)| id.as_str()).collect();
             traces.retain(|trace| chosen.contains(trace.id.as_str()));
             if traces.is_empty() {
@@ -80,11 +83,11 @@ impl Args {
     }
 
     fn look(&self, file: &Path) -> Result<Vec<Audited>, Error> {
-        let time = self.taken.settings.data.time.as_deref();
+        let time = self.settings.data.time.as_deref();
         let table = Table::open(file)?;
         let (names, _) = reader::numeric(&table, time)?;
         let guess = Guess::of(&names);
-        let Signals { current, velocity, angle, velocity_ref, load, .. } = &self.taken.settings.channels;
+        let Signals { current, velocity, angle, velocity_ref, load, .. } = &self.settings.channels;
         let chosen = [
             (current, guess.current),
             (velocity, guess.velocity),
@@ -94,7 +97,7 @@ impl Args {
         ];
         let chosen = chosen.map(|(given, likely)| given.clone().or(likely));
         let channels: Vec<String> = names.iter().chain(chosen.iter().flatten()).cloned().collect();
-        let read = reader::series(&table, (time, self.taken.settings.data.rate_hz), &channels)?;
+        let read = reader::series(&table, (time, self.settings.data.rate_hz), &channels)?;
         let recorded = reader::has_time(&table, time);
         let each = |series: Series| {
             let mut values = series.columns;
@@ -120,7 +123,7 @@ impl Args {
 
     /// The rate by the lines of the rotor, for traces without a time.
     fn rotor_rate(&self, traces: &[Audited], findings: &mut Vec<Finding>) -> Option<f64> {
-        let given = self.taken.settings.data.rate_hz?;
+        let given = self.settings.data.rate_hz?;
         let pairs: Vec<(&[f64], &[f64])> = traces
             .iter()
             .filter(|trace| trace.times.is_none())
@@ -142,8 +145,7 @@ impl Args {
         let mut names: Vec<String> = classes.to_vec();
         names.sort_unstable();
         names.dedup();
-        let healthy =
-            healthy_class(self.taken.settings.alarm.healthy.as_deref(), &names)?.map(|place| names[place].clone());
+        let healthy = healthy_class(self.settings.alarm.healthy.as_deref(), &names)?.map(|place| names[place].clone());
         let is_healthy = |k: usize| healthy.is_some() && classes.get(k) == healthy.as_ref();
         let each = |(k, trace): (usize, &Audited)| {
             let motion = Motion {

@@ -1,29 +1,43 @@
-//! What `init` is asked for.
+//! `bearing-watch init`
 
 use std::path::PathBuf;
 
-use crate::jobs::Init;
-use crate::options::Taken;
+use super::jobs::Init;
+use super::options::Taken;
+use super::output;
+use model::Error;
+use traces::describe::{Asked, describe};
 
 /// Write drive.toml: columns, rate, labels and likely channels, by looking at the files
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example:\n  bearing-watch init recordings\n  bearing-watch train recordings/drive.toml --model m.bwm"
 )]
-pub(crate) struct Args {
+pub(super) struct Args {
     #[command(flatten)]
-    pub(crate) taken: Taken<Init>,
+    pub(super) taken: Taken<Init>,
     /// Labels, if they are not the labels.csv beside the traces
     #[arg(long, value_name = "FILE")]
-    pub(super) labels: Option<PathBuf>,
+    labels: Option<PathBuf>,
     /// Where labels are written if there are none; by default labels.csv beside the drive file. The words of a file's
     /// name are its class: unbalanced_800_3.csv is unbalanced. If no two classes follow, all files are healthy
     #[arg(long, value_name = "FILE", conflicts_with = "labels")]
-    pub(super) labels_from_names: Option<PathBuf>,
+    labels_from_names: Option<PathBuf>,
     /// The file; by default drive.toml in the folder of the first trace, or here if that cannot be written
     #[arg(long, value_name = "FILE")]
-    pub(super) out: Option<PathBuf>,
+    out: Option<PathBuf>,
     /// Replace the file if it exists
     #[arg(long)]
-    pub(super) force: bool,
+    force: bool,
+}
+
+pub(super) fn run(args: &Args) -> Result<(), Error> {
+    let asked = Asked {
+        data: &args.taken.settings.data,
+        labels: args.labels.as_deref(),
+        labels_from_names: args.labels_from_names.as_deref(),
+        out: args.out.as_deref(),
+        force: args.force,
+    };
+    output::say(output::logged(|log| describe(&asked, log))?.told)
 }

@@ -3,13 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use super::asked::Args;
 use super::found::Found;
 use super::guess::Guess;
 use super::proposal::Proposal;
-use model::settings::{from_here, literal as text};
+use crate::reader;
+use model::settings::{Data, from_here, literal as text};
 use model::train::novelty;
-use traces::reader;
 
 /// The usual false-alarm rate of a gate.
 const RATE: f64 = 0.01;
@@ -29,9 +28,9 @@ pub(super) struct Values {
 }
 
 impl Values {
-    pub(super) fn of(found: &Found, out: &Path, args: &Args) -> Self {
+    pub(super) fn of(found: &Found, out: &Path, data: &Data) -> Self {
         let mut own = Self::default();
-        own.data(found, out, args);
+        own.data(found, out, data);
         let features = own.channels(found);
         own.classes(found, features);
         own
@@ -43,8 +42,7 @@ impl Values {
         }
     }
 
-    fn data(&mut self, found: &Found, out: &Path, args: &Args) {
-        let data = &args.taken.settings.data;
+    fn data(&mut self, found: &Found, out: &Path, data: &Data) {
         let from_here = |path: &Path| from_here(out, path).to_string_lossy().into_owned();
         let paths: Vec<String> = found.traces.iter().map(|path| text(&from_here(path))).collect();
         self.values.insert("traces", format!("[{}]", paths.join(", ")));

@@ -1,0 +1,116 @@
+//! Recordings of files: their columns, an audit, and the description of a drive.
+
+use std::path::PathBuf;
+
+use model::Error;
+use model::session::{Log, Quiet};
+use model::settings::{Settings, Use};
+use numpy::IntoPyArray;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use serde::Deserialize;
+use traces::audit::{Audit, USE as AUDIT};
+use traces::describe::{Asked, USE as INIT, describe};
+use traces::reader::{self, Series};
+use traces::table::Table;
+use traces::units::Unit;
+
+use crate::errors::raised;
+use crate::options::call;
+
+/// Traces, and the units of their columns.
+type Read<'py> = (Bound<'py, PyList>, Vec<(String, String)>);
+
+/// Reads channels of every trace of a file, all columns of numbers if none are named. Returns a list of (name, time or
+/// None, columns), and the units of the columns.
+#[pyfunction]
+pub(crate) fn read<'py>(
+    py: Python<'py>,
+    file: PathBuf,
+    channels: Option<Vec<String>>,
+    time: Option<String>,
+    rate_hz: Option<f64>,
+) -> PyResult<Read<'py>> {
+    let read = || {
+        if rate_hz.is_some_and(|rate| !(rate > 0.0 && rate.is_finite())) {
+            return Err(Error::Usage("rate_hz is above 0".into()));
+        }
+        let table = Table::open(&file)?;
+        let names = match channels {
+            Some(names) => names,
+            None => reader::numeric(&table, time.as_deref())?.0,
+        };
+        let series = reader::series(&table, (time.as_deref(), rate_hz), &names)?;
+        let unit = |name: &String| {
+            let is_column = table.names().contains(name);
+            let unit = if is_column { Unit::of_column(name) } else { Unit::of_formula(name) };
+            Some((name.clone(), unit?.name().to_string()))
+        };
+        let units = names.iter().filter_map(unit).collect();
+        Ok((names, units, series))
+    };
+    let (names, units, series): (Vec<String>, Vec<(String, String)>, Vec<Series>) = py.detach(read).map_err(raised)?;
+    let each = |Series { id, times_s, columns }: Series| {
+        let own = PyDict::new(py);
+        for (name, column) in names.iter().zip(columns) {
+            own.set_item(name, column.into_pyarray(py))?;
+        }
+        Ok((id, times_s.map(|times| times.into_pyarray(py)), own))
+    };
+    let traces = PyList::new(py, series.into_iter().map(each).collect::<PyResult<Vec<_>>>()?)?;
+    Ok((traces, units))
+}
+
+/// Settings of a job over those of a drive file.
+fn settings_of(job: &Use, drive: Option<PathBuf>, options: &Bound<'_, PyDict>) -> PyResult<Settings> {
+    let understood = call(drive, options, None, None)?.understood(job);
+    let (settings, further, _) = understood.map_err(raised)?;
+    further.end().map_err(raised)?;
+    Ok(settings)
+}
+
+/// What an audit finds: lines, JSON, and warnings.
+#[pyfunction]
+pub(crate) fn audit(
+    py: Python<'_>,
+    drive: Option<PathBuf>,
+    options: &Bound<'_, PyDict>,
+) -> PyResult<(Vec<String>, String, Vec<String>)> {
+    let audit = Audit { settings: settings_of(&AUDIT, drive, options)? };
+    py.detach(|| {
+        let log = Log::new(&Quiet);
+        let found = audit.audit(&traces::files(&audit.paths()?)?, &log)?;
+        Ok((found.lines(audit.false_alarm()), found.to_json().to_string(), log.take()))
+    })
+    .map_err(raised)
+}
+
+/// The further options of a description.
+#[derive(Deserialize)]
+struct Further {
+    labels: Option<PathBuf>,
+    labels_from_names: Option<PathBuf>,
+    out: Option<PathBuf>,
+    #[serde(default)]
+    force: bool,
+}
+
+/// Describes recordings: writes a drive file; returns its path and what was found, in a line.
+#[pyfunction]
+pub(crate) fn init(py: Python<'_>, options: &Bound<'_, PyDict>) -> PyResult<(PathBuf, String)> {
+    let (settings, mut further, _) = call(None, options, None, None)?.understood(&INIT).map_err(raised)?;
+    let own: Further = further.take().map_err(raised)?;
+    further.end().map_err(raised)?;
+    py.detach(|| {
+        let asked = Asked {
+            data: &settings.data,
+            labels: own.labels.as_deref(),
+            labels_from_names: own.labels_from_names.as_deref(),
+            out: own.out.as_deref(),
+            force: own.force,
+        };
+        let found = describe(&asked, &Log::new(&Quiet))?;
+        Ok((found.file, found.told))
+    })
+    .map_err(raised)
+}

@@ -1,0 +1,79 @@
+//! `bearing-watch audit`, and the page of one file.
+
+use std::path::{Path, PathBuf};
+
+use super::jobs;
+use super::options::Taken;
+use super::output;
+use model::Error;
+use pages::Page;
+use pages::audit::{LineLevels, Recording, Spectrum, page};
+use traces::audit::{Audit, Audited, Line, Outcome};
+
+/// What recordings are worth: rate, gaps, held and saturated samples, lags, equal traces, the smallest line of an order
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "Ends with exit code 1 if it finds something.\n\nExample:\n  bearing-watch audit drive.toml --json"
+)]
+pub(super) struct Args {
+    #[command(flatten)]
+    pub(super) taken: Taken<jobs::Audit>,
+    /// Write a page with signals, spectra over orders and the smallest lines
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the audit; returns whether something was found.
+pub(super) fn run(args: &Args) -> Result<bool, Error> {
+    let audit = Audit { settings: args.taken.settings.clone() };
+    let paths = audit.paths()?;
+    output::plan(&args.report.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &paths)?;
+    let found = output::logged(|log| audit.audit(&traces::files(&paths)?, log))?;
+    if let Some(path) = &args.report {
+        output::write(path, args.taken.on_page(page_with(&audit, &found).render()))?;
+    }
+    if args.json {
+        output::json("audit", found.to_json())?;
+    } else {
+        found.lines(audit.false_alarm()).iter().try_for_each(output::say)?;
+    }
+    Ok(!found.findings.is_empty())
+}
+
+/// Traces whose signals and spectra are on the page.
+const SHOWN: usize = 4;
+
+/// The page of one file with the usual settings.
+pub(super) fn page_of(file: &Path) -> Result<Page, Error> {
+    let audit = Audit::usual(file);
+    let found = output::logged(|log| audit.audit(&[file.to_path_buf()], log))?;
+    Ok(page_with(&audit, &found))
+}
+
+fn page_with(audit: &Audit, found: &Outcome) -> Page {
+    let shown: Vec<Recording<'_>> =
+        found.traces.iter().take(SHOWN).map(|trace| recording(audit, trace, found)).collect();
+    let findings: Vec<(&str, &[String])> =
+        found.findings.iter().map(|finding| (finding.what.as_str(), finding.traces.as_slice())).collect();
+    let levels = |line: &Line| (line.floor, line.smallest, line.first);
+    let lines = found.lines.iter().map(|line| (line.trace.as_str(), levels(line)));
+    let lines = lines.map(|(trace, (floor, smallest, first))| LineLevels { trace, floor, smallest, first });
+    page(found.traces.len(), &findings, &shown, (&lines.collect::<Vec<_>>(), &found.terms))
+}
+
+fn recording<'a>(audit: &Audit, trace: &'a Audited, found: &Outcome) -> Recording<'a> {
+    let line = found.lines.iter().find(|line| line.trace == trace.id);
+    let over_angle = line.zip(audit.with_angle(trace, found.rotor));
+    Recording {
+        id: &trace.id,
+        names: &trace.names,
+        times_s: trace.times_s.as_deref(),
+        rate_hz: audit.rate_of(trace, found.rotor),
+        values: &trace.values,
+        columns: &trace.columns,
+        spectrum: over_angle.map(|(line, (y, angle))| Spectrum::of(y, &angle, line.smallest)),
+    }
+}

@@ -1,0 +1,71 @@
+//! What an audit finds.
+
+use model::audit::column::Column;
+use model::audit::friction::Excited;
+use model::audit::times::Times;
+
+/// One trace: its columns by name, and the channels that were chosen.
+#[derive(Debug)]
+pub struct Audited {
+    /// Its name.
+    pub id: String,
+    /// Names of its columns of numbers.
+    pub names: Vec<String>,
+    /// Its rate and gaps, if it has a time.
+    pub times: Option<Times>,
+    /// The time of each row, s.
+    pub times_s: Option<Vec<f64>>,
+    /// What is found in each column.
+    pub columns: Vec<Column>,
+    /// The values of each column.
+    pub values: Vec<Vec<f64>>,
+    /// The current.
+    pub current: Option<Vec<f64>>,
+    /// The velocity, rad/s.
+    pub velocity: Option<Vec<f64>>,
+    /// The angle of the shaft, rad.
+    pub angle: Option<Vec<f64>>,
+    /// The reference of the velocity.
+    pub velocity_ref: Option<Vec<f64>>,
+    /// The load.
+    pub load: Option<Vec<f64>>,
+}
+
+/// A finding, and the traces that have it.
+#[derive(Debug)]
+pub struct Finding {
+    /// What was found.
+    pub what: String,
+    /// The traces.
+    pub traces: Vec<String>,
+}
+
+/// All that was found in some files.
+#[derive(Debug)]
+pub struct Outcome {
+    /// The traces.
+    pub traces: Vec<Audited>,
+    /// What is wrong.
+    pub findings: Vec<Finding>,
+    /// The rate by the lines of the rotor.
+    pub rotor: Option<f64>,
+    /// Lines of orders.
+    pub lines: Vec<Line>,
+    /// The smallest change of each term of friction.
+    pub terms: Vec<Excited>,
+}
+
+/// Lines of orders in one trace, in the unit of the signal.
+#[derive(Debug)]
+pub struct Line {
+    /// The trace.
+    pub trace: String,
+    /// Turns of the shaft.
+    pub turns: f64,
+    /// The level of the noise.
+    pub floor: f64,
+    /// The smallest line that stands out.
+    pub smallest: f64,
+    /// The line of order 1.
+    pub first: f64,
+}
