@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use serde_json::{Map, Value, json};
 
 use super::super::escape::escape;
+use super::described::described;
 use super::plotly::{Axis, Trace};
 use super::theme;
 
@@ -79,9 +80,10 @@ impl Figure {
         let drawn = json!({ "data": self.traces, "layout": self.layout, "config": theme::config(&self.title) });
         // No bracket of a name can end the script.
         let json = drawn.to_string().replace('<', "\\u003c").replace('>', "\\u003e");
+        let words = escape(&described(&self.title, &drawn["data"], &drawn["layout"]));
         let (title, height) = (escape(&self.title), self.height);
         let mut out = format!(
-            "<figure><figcaption>{title}</figcaption><div class=\"plot\" style=\"height:{height}px\">\
+            "<figure><figcaption>{title}</figcaption><div class=\"plot\" role=\"img\" aria-label=\"{words}\" style=\"height:{height}px\">\
              <script type=\"application/json\">{json}</script></div>"
         );
         for note in &self.notes {
