@@ -155,6 +155,16 @@ mod tests {
     }
 
     #[test]
+    fn a_page_begins_with_its_conclusion_and_fits_a_phone() {
+        let html = Page::new("t").conclusion("Nothing < found.").lead("5 traces.").render();
+        let at = |text: &str| html.find(text).expect("on the page");
+        assert!(at("<p>Nothing &lt; found.</p>") < at("<p>5 traces.</p>"));
+        assert!(html.contains("name=\"viewport\" content=\"width=device-width") && html.contains(":focus-visible"));
+        let table = crate::table::table(&["a"], &[vec!["b"]]);
+        assert!(table.starts_with("<div class=\"scroll\" tabindex=\"0\"><table>"), "{table}");
+    }
+
+    #[test]
     fn a_page_with_a_figure_has_one_script_of_plotly_and_stays_small() {
         let html = Page::new("t").section("s", "<div class=\"plot\"></div><div class=\"plot\"></div>").render();
         assert_eq!(html.matches("* plotly.js (").count(), 1);

@@ -132,6 +132,7 @@ mod tests {
         figure.add(Scatter::new(vec![1.0, f64::NAN], vec![2.0, 3.0]).name(text("<i>a & b</i>")));
         let html = figure.html();
         assert_eq!(check(&html), Ok(()));
+        assert!(html.contains("role=\"img\" aria-label=\"&lt;/script&gt;&lt;b&gt;."), "{html}");
         let trace = &drawn(&html)["data"][0];
         assert_eq!((&trace["x"][1], &trace["name"]), (&Value::Null, &json!("&lt;i&gt;a &amp; b&lt;/i&gt;")));
     }
