@@ -55,7 +55,7 @@ pub fn searched(search: &Search, name: impl Fn(&Candidate) -> String) -> String 
     if best.fit_percent <= 0.0 {
         return format!(
             "No structure describes the validation traces: the best, {}, is no better than their mean. Check channels, \
-             units and delays with `audit`.",
+             units and delays with bearing-watch audit.",
             name(best)
         );
     }
@@ -69,7 +69,7 @@ pub fn searched(search: &Search, name: impl Fn(&Candidate) -> String) -> String 
     };
     let share = percent(own.fit_percent / 100.0);
     format!(
-        "Order {} is enough: {} parameters, fit {share} on the validation traces, {than}. Test it with `validate`.",
+        "Order {} is enough: {} parameters, fit {share} on the validation traces, {than}. Test it with bearing-watch validate.",
         name(own),
         own.fitted.parameters(),
     )

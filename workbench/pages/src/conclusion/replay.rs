@@ -182,7 +182,7 @@ impl<'a> Conclusion<'a> {
             (None, _) => "all are ambiguous between classes".into(),
         };
         format!(
-            "No statement on the bearing: none of {} has a verdict ({why}). Examine the recordings with `audit`, and \
+            "No statement on the bearing: none of {} has a verdict ({why}). Examine the recordings with bearing-watch audit, and \
              compare their motion with that of the training.",
             counted(self.segments, "segment"),
         )

@@ -49,7 +49,8 @@ fn found(trained: &Trained) -> String {
 fn sure(classes: usize, held_out: Option<&Confusion>, validated: Option<&Scores>) -> String {
     if let Some(confusion) = held_out.filter(|confusion| confusion.total() > 0) {
         let rate = confusion.error_rate();
-        let next = if confusion.wrong() == 0 { "Use it with `replay`." } else { "Look at the wrong ones below." };
+        let next =
+            if confusion.wrong() == 0 { "Use it with bearing-watch replay." } else { "Look at the wrong ones below." };
         return format!(
             " Of {} held-out decisions {} are wrong, {} (95 % interval {:.1} to {:.1} %). {next}",
             confusion.total(),
@@ -61,11 +62,11 @@ fn sure(classes: usize, held_out: Option<&Confusion>, validated: Option<&Scores>
     }
     match validated.filter(|_| classes > 1) {
         Some(scores) => format!(
-            " Cross-validated on the training records, {} of {} decisions are wrong. Test it with `evaluate` on records of \
+            " Cross-validated on the training records, {} of {} decisions are wrong. Test it with bearing-watch evaluate on records of \
              another day.",
             percent(scores.error),
             scores.count,
         ),
-        None => " No held-out record tests it: run `evaluate` on records of another day.".into(),
+        None => " No held-out record tests it: run bearing-watch evaluate on records of another day.".into(),
     }
 }

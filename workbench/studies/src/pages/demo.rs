@@ -60,7 +60,7 @@ fn conclusion(first: &Draw, rows: &[Row]) -> String {
     if let Some(best) = rows.iter().min_by(|one, other| one.mean.total_cmp(&other.mean)) {
         text += &format!(" Over all draws the best method is “{}”, {} % wrong.", best.name, best.error());
     }
-    text + " Next: `train` with records of your own drive."
+    text + " Next: bearing-watch train with records of your own drive."
 }
 
 fn signals(classes: &[String], examples: &[(&Trace, usize)]) -> String {
