@@ -75,6 +75,7 @@ pub(super) const TRAIN: Form = Form {
         ("cross_validated", "object?", "Error and scores of the cross-validation"),
         ("forward", "array", "Cross-validated error, if each run is judged by those before it"),
         ("ranking", "object?", "The ranking of the features, with --rank"),
+        ("automatic", "object?", "Why these features, if the program chose them"),
         ("order_noise", "object?", "Noise at the bearing orders"),
         ("novelty", "object?", "Gate and alarm"),
     ],

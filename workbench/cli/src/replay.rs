@@ -16,6 +16,7 @@ use model::session::{ModelFile, Notes, check_rate, irregular, refused};
 use model::trace::Trace;
 use model::train::front_end_source::further_channels;
 use pages::Page;
+use pages::conclusion::replay::Conclusion;
 use pages::replay::{Replayed, page};
 use traces::front_end::raw_rows;
 
@@ -63,10 +64,12 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     check_rate(&model, notes.preparation(), traces.iter())?;
     args.write_rows(&model, &notes)?;
     let (mut watcher, mut raised, mut trend) = (model.watcher(), false, None);
+    let mut conclusion = Conclusion::new(&model, &notes.orders);
     for trace in traces {
         let prepared = notes.preparation().apply(&trace)?;
         let segments = model.run_following(&prepared, baseline.as_mut());
         let evidence = watched(&mut watcher, &segments, args.run_a_trace);
+        conclusion.take(&prepared, &segments, &evidence);
         for (k, (segment, watched)) in segments.iter().zip(&evidence).enumerate() {
             if args.json {
                 values.push(value(
@@ -98,14 +101,16 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     }
     if let Some(path) = &args.report {
         let title = format!("Replay through {}", args.model.display());
-        output::write(path, args.taken.on_page(page(&title, &model, &notes.channels(), &replayed).render()))?;
+        let page = page(&title, (&model, &notes.channels()), &replayed, &conclusion);
+        output::write(path, args.taken.on_page(page.render()))?;
     }
     if args.json {
-        output::json("replay", json!(values))?;
-    } else if let Some(Trend { slope, low, high, segments, .. }) = trend.filter(|_| model.healthy().is_some()) {
+        return output::json("replay", json!(values));
+    }
+    if let Some(Trend { slope, low, high, segments, .. }) = trend.filter(|_| model.healthy().is_some()) {
         output::say(format!("distance changes by {slope:.4} [{low:.4}, {high:.4}] a segment over {segments}"))?;
     }
-    Ok(())
+    output::say(conclusion.words())
 }
 
 /// The evidence after each segment of a trace; a run ends with the trace if each trace is one.
@@ -127,8 +132,11 @@ pub(super) fn page_of(file: &Path, traces: &[PathBuf]) -> Result<Page, Error> {
         Ok(Replayed { trace, segments, watched })
     };
     let replayed = traces.iter().map(&mut judge).collect::<Result<Vec<_>, Error>>()?;
+    let mut conclusion = Conclusion::new(&model, &notes.orders);
+    replayed.iter().for_each(|own| conclusion.take(&own.trace, &own.segments, &own.watched));
     let shown = |path: &Path| path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    Ok(page(&format!("Replay through {}", shown(file)), &model, &notes.channels(), &replayed))
+    let title = format!("Replay through {}", shown(file));
+    Ok(page(&title, (&model, &notes.channels()), &replayed, &conclusion))
 }
 
 impl Args {

@@ -1,5 +1,6 @@
 //! The page of an audit: what was found, signals, spectra over the orders of the shaft, and the smallest lines.
 
+use crate::conclusion::recordings;
 use crate::page::{counted, linked, or_reason, paragraph};
 use crate::plot::{self, Panel, Series};
 use crate::table::table;
@@ -81,8 +82,10 @@ pub fn page(
         [one] if count == 1 => format!("Recording {}", one.id),
         _ => "bearing-watch: audit".into(),
     };
-    let mut page =
-        Page::new(title).lead(format!("{}.", counted(count, "recording"))).section("Found", &found(findings));
+    let mut page = Page::new(title)
+        .conclusion(recordings::words(count, findings))
+        .lead(format!("{}.", counted(count, "recording")))
+        .section("Found", &found(findings));
     if shown.iter().any(|one| one.spectrum.is_some()) {
         page = page.section("Spectrum over the orders of the shaft", &spectra(shown));
     }

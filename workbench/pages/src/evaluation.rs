@@ -1,5 +1,6 @@
 //! The page of an evaluation: confusion, rates, features over runs and in a plane, distances, posteriors, calibration.
 
+use crate::conclusion;
 use crate::page::{or_reason, paragraph};
 use crate::plot::{self, RunPoint, ScatterClass};
 use crate::segments::{Chosen, Judged, Limits, evidence, over_runs, points, strips};
@@ -44,7 +45,8 @@ pub fn page(lead: &str, found: Evaluation) -> Page {
     let mut result = if found.confusion.total() > 0 { confusion_html(found.confusion) } else { String::new() };
     result += &found.notes.iter().map(|note| paragraph(note)).collect::<String>();
     result += &found.by.iter().map(breakdown).collect::<String>();
-    let mut page = Page::new("bearing-watch: evaluation").lead(lead).section("Result", &result);
+    let words = conclusion::evaluation::words(found.confusion, verdicts, classes);
+    let mut page = Page::new("bearing-watch: evaluation").conclusion(words).lead(lead).section("Result", &result);
     let over = over_runs(chosen.names, classes, &points) + &stability(found.stability);
     page = page.section("Features over runs", &over);
     page = page.section("Features in a plane", &scatter(classes, chosen.names, &points, verdicts));

@@ -17,6 +17,7 @@
 //! | [`page`] | a page of titled sections, in one file |
 //! | [`plot`], [`table`] | one figure or table from its data |
 //! | [`palette`] | colour and marker of each class |
+//! | [`conclusion`] | the sentences with which a page begins |
 //! | [`training`], [`worth`] | a trained model, and how good it is |
 //! | [`evaluation`], [`segments`] | verdicts on labelled traces, and on their segments |
 //! | [`audit`] | what recordings are worth |
@@ -25,6 +26,9 @@
 //! | [`escape`] | text inside HTML |
 
 pub mod audit;
+mod chosen;
+pub mod conclusion;
+mod departing;
 pub mod escape;
 pub mod evaluation;
 pub mod live;

@@ -11,8 +11,9 @@ const STYLE: &str = include_str!("style.css");
 /// Draws the figures.
 const DRAW: &str = include_str!("plots.js");
 
-/// The script of plotly, unchanged; `LICENSE-plotly.txt` beside it has its version and licence.
-const PLOTLY: &str = include_str!("plotly.min.js");
+/// The script of plotly with the figures over two axes, unchanged; `LICENSE-plotly.txt` beside it has its version and
+/// licence.
+const PLOTLY: &str = include_str!("plotly-cartesian.min.js");
 
 /// Nothing is loaded from outside the page.
 const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:";
@@ -30,6 +31,7 @@ const LINKS_FROM: usize = 4;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Page {
     title: String,
+    conclusion: String,
     lead: String,
     sections: Vec<(String, String)>,
     live: Option<&'static str>,
@@ -39,10 +41,17 @@ impl Page {
     /// An empty page.
     #[must_use]
     pub fn new(title: impl Into<String>) -> Self {
-        Self { title: title.into(), lead: String::new(), sections: Vec::new(), live: None }
+        Self { title: title.into(), conclusion: String::new(), lead: String::new(), sections: Vec::new(), live: None }
     }
 
-    /// A sentence below the title: what was tested, when, with which data.
+    /// The sentences with which the page begins: what was found, where, since when, how sure, and what to do next.
+    #[must_use]
+    pub fn conclusion(mut self, text: impl Into<String>) -> Self {
+        self.conclusion = text.into();
+        self
+    }
+
+    /// A sentence below them: what was tested, when, with which data.
     #[must_use]
     pub fn lead(mut self, text: impl Into<String>) -> Self {
         self.lead = text.into();
@@ -74,6 +83,9 @@ impl Page {
              <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}{own}\">\n\
              <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n<header><h1>{title}</h1>"
         );
+        if !self.conclusion.is_empty() {
+            let _ = write!(out, "<div class=\"conclusion\">{}</div>", paragraph(&self.conclusion));
+        }
         if !self.lead.is_empty() {
             out.push_str(&paragraph(&self.lead));
         }
@@ -143,15 +155,25 @@ mod tests {
     }
 
     #[test]
+    fn a_page_begins_with_its_conclusion_and_fits_a_phone() {
+        let html = Page::new("t").conclusion("Nothing < found.").lead("5 traces.").render();
+        let at = |text: &str| html.find(text).expect("on the page");
+        assert!(at("<p>Nothing &lt; found.</p>") < at("<p>5 traces.</p>"));
+        assert!(html.contains("name=\"viewport\" content=\"width=device-width") && html.contains(":focus-visible"));
+        let table = crate::table::table(&["a"], &[vec!["b"]]);
+        assert!(table.starts_with("<div class=\"scroll\" tabindex=\"0\"><table>"), "{table}");
+    }
+
+    #[test]
     fn a_page_with_a_figure_has_one_script_of_plotly_and_stays_small() {
         let html = Page::new("t").section("s", "<div class=\"plot\"></div><div class=\"plot\"></div>").render();
-        assert_eq!(html.matches("plotly.js v").count(), 1);
-        assert!(html.len() < 4_800_000, "{} bytes", html.len());
+        assert_eq!(html.matches("* plotly.js (").count(), 1);
+        assert!(html.len() < 1_400_000, "{} bytes", html.len());
     }
 
     #[test]
     fn the_licence_of_the_script_is_that_of_its_version() {
-        let version = PLOTLY.split("plotly.js v").nth(1).and_then(|rest| rest.split_whitespace().next());
+        let version = PLOTLY.split(" - minified) v").nth(1).and_then(|rest| rest.split_whitespace().next());
         let version = version.expect("the script names its version");
         assert!(include_str!("LICENSE-plotly.txt").contains(&format!("plotly.js {version},")), "{version}");
     }

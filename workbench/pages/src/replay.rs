@@ -1,5 +1,6 @@
 //! The page of traces that the detector judged one after another: signals, verdicts, distance and evidence over time.
 
+use crate::conclusion::replay::Conclusion;
 use crate::page::{counted, linked, or_reason, paragraph};
 use crate::plot::{self, Event, Panel, Segment, Series};
 use crate::segments::{Judged, Limits, evidence, strips};
@@ -25,9 +26,14 @@ pub struct Replayed {
     pub watched: Vec<Watched>,
 }
 
-/// Creates the page. `replayed` has at least one trace.
+/// Creates the page. `replayed` has at least one trace; `conclusion` has taken the same traces.
 #[must_use]
-pub fn page(title: &str, model: &Embedded, channels: &Channels, replayed: &[Replayed]) -> Page {
+pub fn page(
+    title: &str,
+    (model, channels): (&Embedded, &Channels),
+    replayed: &[Replayed],
+    conclusion: &Conclusion,
+) -> Page {
     let clock = Clock::new(replayed);
     let judged = clock.judged(model, replayed);
     let starts = if (2..=MARKED).contains(&replayed.len()) { clock.starts(replayed) } else { vec![] };
@@ -43,7 +49,11 @@ pub fn page(title: &str, model: &Embedded, channels: &Channels, replayed: &[Repl
     let segments: usize = replayed.iter().map(|one| one.segments.len()).sum();
     let counts = [counted(replayed.len(), "trace"), counted(segments, "segment")].join(", ");
     let lead = format!("{counts}; classes {}.", model.classes.join(", "));
-    Page::new(title).lead(lead).section("Over time", &linked(&over_time)).section("Segments", &rows(model, replayed))
+    Page::new(title)
+        .conclusion(conclusion.words())
+        .lead(lead)
+        .section("Over time", &linked(&over_time))
+        .section("Segments", &rows(model, replayed))
 }
 
 /// Places of the traces on one axis, each after the one before.

@@ -1,5 +1,6 @@
 //! Sections of a page with the figures and tables of a structure search.
 
+use crate::conclusion::models;
 use crate::page::{or_reason, paragraph};
 use crate::plot::{Series, lines, lines_within};
 use crate::table::table;
@@ -22,6 +23,7 @@ pub fn name(structure: Structure) -> String {
 pub fn page(title: &str, lead: &str, search: &Search, pick: Option<&Candidate>) -> Page {
     let counted = search.best_by_count();
     let mut page = Page::new(title)
+        .conclusion(models::searched(search, |own| name(own.fitted.structure)))
         .lead(lead)
         .section("Best fit by number of parameters", &(fits(search, &counted, pick) + &rows(&counted)))
         .section("Criteria by number of parameters", &criteria(search));

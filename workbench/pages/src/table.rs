@@ -16,7 +16,7 @@ pub fn table<H: AsRef<str>, C: AsRef<str>>(header: &[H], rows: &[Vec<C>]) -> Str
         .map(|numeric| if numeric && !rows.is_empty() { " class=\"number\"" } else { "" })
         .collect();
 
-    let mut out = String::from("<div class=\"scroll\"><table><thead><tr>");
+    let mut out = String::from("<div class=\"scroll\" tabindex=\"0\"><table><thead><tr>");
     for (column, class) in numeric.iter().enumerate() {
         let text = header.get(column).map_or("", AsRef::as_ref);
         let _ = write!(out, "<th scope=\"col\"{class}>{}</th>", escape(text));
@@ -91,7 +91,7 @@ pub fn confusion_table<S: AsRef<str>>(classes: &[S], rows: &[ConfusionRow]) -> R
 fn confusion_head<S: AsRef<str>>(classes: &[S], undetermined: bool, rates: bool) -> String {
     let decided = classes.len() + usize::from(undetermined);
     let mut out = format!(
-        "<div class=\"scroll\"><table class=\"confusion\"><thead><tr><th rowspan=\"2\" scope=\"col\">true class</th>\
+        "<div class=\"scroll\" tabindex=\"0\"><table class=\"confusion\"><thead><tr><th rowspan=\"2\" scope=\"col\">true class</th>\
          <th colspan=\"{decided}\" scope=\"colgroup\">decided</th>\
          <th rowspan=\"2\" scope=\"col\" class=\"number\">total</th>"
     );

@@ -2,6 +2,8 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
+use crate::chosen;
+use crate::conclusion;
 use crate::page::{or_reason, paragraph};
 use crate::plot::{self, Density, Panel, ScatterClass, Series};
 use crate::segments::{self, Chosen, points};
@@ -48,6 +50,16 @@ pub fn training(
         trained.kind_name(),
         if coordinates == 1 { "coordinate" } else { "coordinates" },
     ));
+    let healthy = trained.embed()?.healthy().is_some();
+    let validated = worth.cross_validated.and_then(Result::ok);
+    let held_out = worth.held_out.map(|(confusion, ..)| confusion);
+    page = page.conclusion(conclusion::training::words(trained, healthy, held_out, validated));
+    if let Some(automatic) = &trained.automatic {
+        page = page.section("Choice of the features", &chosen::choice(automatic));
+    }
+    if let Some(doubts) = chosen::doubts(trained) {
+        page = page.section("Doubts about the healthy records", &doubts);
+    }
     page = page.section("Signals, one trace of each class", &signals(trained, channels, examples));
     page = page.section("Features and decision regions", &scatter(trained, worth.training, verdicts)?);
     page = page.section("Features over runs", &over_runs(trained, worth.training, verdicts));

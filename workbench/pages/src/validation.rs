@@ -1,5 +1,6 @@
 //! The page of validated estimates.
 
+use crate::conclusion::models;
 use crate::page::{linked, or_reason, paragraph};
 use crate::plot::{self, CorrelationPanel, Lag, MapGroup, MapPoint, Panel, Series};
 use crate::table::table;
@@ -28,7 +29,8 @@ pub struct Outcome {
 #[must_use]
 pub fn page(lead: &str, outcomes: &[Outcome]) -> String {
     let first = &outcomes[0];
-    let mut page = Page::new(format!("Model of {}", first.trace.id)).lead(lead);
+    let words = models::validated(outcomes.iter().map(|own| (own.trace.id.as_str(), &own.found)));
+    let mut page = Page::new(format!("Model of {}", first.trace.id)).conclusion(words).lead(lead);
     if outcomes.len() > 1 {
         let short = |test: &Test| {
             format!("{}, {} of {}", if test.passed() { "pass" } else { "FAIL" }, test.outside, test.tested)

@@ -114,6 +114,10 @@ fn a_gate_beside_trained_classes() {
     let records = "test/spall_14_000.csv test/spall_14_001.csv test/spall_14_002.csv";
     let replayed = succeed(dir, &format!("replay --model m.bwm {records}"));
     assert!(replayed.lines().any(|line| line == "ALARM at segment 2: spall"), "{replayed}");
+    let conclusion = replayed.lines().last().expect("a conclusion");
+    assert!(conclusion.starts_with("ALARM: spall. It was raised in spall_14_001.csv at 0.0 s;"), "{conclusion}");
+    let healthy = succeed(dir, "replay --model m.bwm test/healthy_14_000.csv");
+    assert!(healthy.contains("\nNo defect found: 1 segment of 1 trace is healthy"), "{healthy}");
     // If a rejection costs nothing, every segment is rejected.
     succeed(dir, &format!("{train} --reject-cost 0"));
     let judged = json(&succeed(dir, "evaluate --model m.bwm --labels test/labels.csv --json"));
@@ -128,6 +132,8 @@ fn a_gate_beside_trained_classes() {
     assert!(named <= 9, "{judged}");
     let gateless = succeed(dir, &format!("{train} --classes spall,roughness"));
     assert!(!gateless.contains("Novel beyond"), "{gateless}");
+    let similar = succeed(dir, "replay --model m.bwm test/healthy_14_000.csv");
+    assert!(similar.contains("\nThis model has no healthy class: it cannot say that a drive is healthy"), "{similar}");
 }
 
 #[test]
@@ -234,6 +240,11 @@ fn a_drift_over_the_runs_is_told() {
     let train = format!("{TRAIN} --labels train/labels.csv --model m.bwm --group run --features b1 --false-alarm 0.05");
     let said = succeed(dir, &train);
     assert!(said.contains(" The runs drift: b1 by ") && said.contains("train again before"), "{said}");
-    let steady = succeed(dir, &train.replace("--group run ", ""));
+    let steady = succeed(dir, &train.replace("--group run ", "--group none "));
     assert!(!steady.contains("drift"), "{steady}");
+    // The column of the labels is found without its name.
+    let output = run(dir, &train.replace("--group run ", ""));
+    assert!(String::from_utf8_lossy(&output.stdout).contains(" The runs drift: b1 by "));
+    let warned = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(warned.contains("healthy traces with the same run are alike"), "{warned}");
 }

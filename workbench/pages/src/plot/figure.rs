@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use serde_json::{Map, Value, json};
 
 use super::super::escape::escape;
+use super::described::described;
 use super::plotly::{Axis, Trace};
 use super::theme;
 
@@ -79,9 +80,10 @@ impl Figure {
         let drawn = json!({ "data": self.traces, "layout": self.layout, "config": theme::config(&self.title) });
         // No bracket of a name can end the script.
         let json = drawn.to_string().replace('<', "\\u003c").replace('>', "\\u003e");
+        let words = escape(&described(&self.title, &drawn["data"], &drawn["layout"]));
         let (title, height) = (escape(&self.title), self.height);
         let mut out = format!(
-            "<figure><figcaption>{title}</figcaption><div class=\"plot\" style=\"height:{height}px\">\
+            "<figure><figcaption>{title}</figcaption><div class=\"plot\" role=\"img\" aria-label=\"{words}\" style=\"height:{height}px\">\
              <script type=\"application/json\">{json}</script></div>"
         );
         for note in &self.notes {
@@ -130,6 +132,7 @@ mod tests {
         figure.add(Scatter::new(vec![1.0, f64::NAN], vec![2.0, 3.0]).name(text("<i>a & b</i>")));
         let html = figure.html();
         assert_eq!(check(&html), Ok(()));
+        assert!(html.contains("role=\"img\" aria-label=\"&lt;/script&gt;&lt;b&gt;."), "{html}");
         let trace = &drawn(&html)["data"][0];
         assert_eq!((&trace["x"][1], &trace["name"]), (&Value::Null, &json!("&lt;i&gt;a &amp; b&lt;/i&gt;")));
     }

@@ -12,6 +12,7 @@
 mod correlations;
 mod decimate;
 mod densities;
+mod described;
 mod figure;
 mod multiples;
 mod numbers;

@@ -17,7 +17,7 @@ const SINGLE: f64 = 260.0;
 const STACKED: f64 = 130.0;
 /// Points of one figure, so that a page stays small; columns of one series.
 const POINTS: f64 = 16_000.0;
-const COLUMNS: [f64; 2] = [100.0, 1500.0];
+const COLUMNS: [f64; 2] = [100.0, 1000.0];
 /// A first view of all points.
 const WHOLE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 

@@ -19,7 +19,7 @@ pub fn page(findings: &Findings) -> String {
          verdict by the embedded detector in single precision.",
         settings.repetitions, settings.traces
     );
-    let mut page = Page::new("bearing-watch: campaign on the standard rig").lead(lead);
+    let mut page = Page::new("bearing-watch: campaign on the standard rig").conclusion(conclusion(findings)).lead(lead);
     for (name, figures) in groups(findings) {
         let rows: Vec<Vec<String>> = figures.iter().map(|figure| cells(figure)).collect();
         page = page.section(name, &(table::table(&HEAD, &rows) + &sizes(name, &figures)));
@@ -32,6 +32,24 @@ pub fn page(findings: &Findings) -> String {
         page = page.section(rate_title(rates), &table::table(&RATE_HEAD, &rate_rows(rates)));
     }
     page.render()
+}
+
+/// How many goals are met, and the first that is not.
+fn conclusion(findings: &Findings) -> String {
+    let goals: Vec<&Figure> = findings.figures.iter().filter(|figure| figure.met().is_some()).collect();
+    let missed: Vec<&Figure> = goals.iter().copied().filter(|figure| figure.met() == Some(false)).collect();
+    let all = goals.len();
+    match missed.first() {
+        _ if all == 0 => "No experiment has a goal: the tables have the rates.".into(),
+        None => format!("All {all} goals are met. No action is needed."),
+        Some(first) => format!(
+            "{} of {all} goals are not met, first “{}” in “{}”: {}. Look at these rows before you change the detector.",
+            missed.len(),
+            first.experiment.name,
+            first.experiment.group,
+            first.pooled(),
+        ),
+    }
 }
 
 /// Rates of several sizes of a defect as lines over the size; an empty string if there are none.

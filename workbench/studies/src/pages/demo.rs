@@ -29,6 +29,7 @@ pub fn page(settings: &Settings, first: &Draw, rows: &[Row]) -> Result<String, E
         .filter_map(|k| first.validation.iter().find(|t| t.class == k).map(|t| (&t.trace, k)))
         .collect();
     let page = Page::new("bearing-watch: demonstration on the standard rig")
+        .conclusion(conclusion(first, rows))
         .lead(format!(
             "DC motor under velocity control; y = current, u1 = velocity reference, u2 = load torque; order [2 1 2 1 1]. \
              {traces} + {traces} traces a class, seeds from {seed}; every verdict is the embedded detector's."
@@ -41,6 +42,25 @@ pub fn page(settings: &Settings, first: &Draw, rows: &[Row]) -> Result<String, E
         .section("Posteriors over time: one held-out trace after another", &training::posteriors_by_trace(&classes, &first.verdicts))
         .section("Posteriors over time: while a segment fills", &filling(first, &examples)?);
     Ok(page.render())
+}
+
+/// What was found, and what to do next.
+fn conclusion(first: &Draw, rows: &[Row]) -> String {
+    let confusion = &first.repetition.all_parameters;
+    let rate = confusion.error_rate();
+    let mut text = format!(
+        "In the first draw {} of {} simulated traces get another class than their own: {:.1} % (95 % interval {:.1} to \
+         {:.1} %).",
+        confusion.wrong(),
+        confusion.total(),
+        100.0 * rate.value,
+        100.0 * rate.low,
+        100.0 * rate.high,
+    );
+    if let Some(best) = rows.iter().min_by(|one, other| one.mean.total_cmp(&other.mean)) {
+        text += &format!(" Over all draws the best method is “{}”, {} % wrong.", best.name, best.error());
+    }
+    text + " Next: bearing-watch train with records of your own drive."
 }
 
 fn signals(classes: &[String], examples: &[(&Trace, usize)]) -> String {
