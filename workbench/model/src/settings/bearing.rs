@@ -13,7 +13,7 @@ pub(super) const SLIP: f64 = 0.022;
 #[serde(default, deny_unknown_fields)]
 pub struct Bearing {
     /// Balls, ball and pitch diameter, contact angle in rad, e.g. 9,3,17,0.1745: tracks outer and inner race,
-    /// and ball and cage too if features are named
+    /// ball and cage; where training chooses the features, the races alone
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "N,BD,PD,ANGLE", "x-shaft" = true)))]
     pub bearing: Vec<f64>,

@@ -15,7 +15,7 @@ impl Settings {
         let structure = self.clone().completed().model.structure()?;
         let plain = Recipe {
             columns: Channels::new("", "", ""),
-            shaft,
+            shaft: shaft.map(|plan| self.watched(plan)),
             estimation: self.model.estimation(structure, classes, self.alarm.healthy_class(classes)?)?,
             covariates: self.model.covariates.clone(),
             alarms: self.alarm.alarms(classes)?,

@@ -29,8 +29,7 @@ impl Settings {
             angle: angle.clone(),
             reference: own.velocity_ref.clone(),
         };
-        let mut plan =
-            ShaftPlan { load: own.load.is_some(), ..ShaftPlan::new(self.bearing.orders(self.chooses_features())?) };
+        let mut plan = ShaftPlan { load: own.load.is_some(), ..ShaftPlan::new(self.bearing.orders()?) };
         plan.current_delay = model.current_delay;
         plan.velocity = source.into();
         plan.slip = self.bearing.slip.unwrap_or(SLIP);
@@ -44,6 +43,18 @@ impl Settings {
             plan.weights.iter_mut().zip(&self.bearing.harmonics).for_each(|(cell, w)| *cell = *w);
         }
         Ok(Some((channels, plan)))
+    }
+
+    /// Returns the plan of a training: where it chooses the features, only the races of the bearing are tracked, and
+    /// the orders that are named. The filter that shows the lower orders of ball and cage too hides small pulses.
+    pub(super) fn watched(&self, mut plan: ShaftPlan) -> ShaftPlan {
+        let named = |name: &str| {
+            self.bearing.orders.iter().any(|item| item.split('=').next().is_some_and(|own| own.trim() == name))
+        };
+        if self.chooses_features() && !self.bearing.bearing.is_empty() {
+            plan.orders.retain(|(name, _)| !["ball", "cage"].contains(&name.as_str()) || named(name));
+        }
+        plan
     }
 
     /// Refuses settings of a shaft whose angle is not given.
@@ -70,10 +81,7 @@ impl Settings {
 
 impl Bearing {
     /// Names and orders, those of the bearing first.
-    ///
-    /// Where training chooses the features, only the races are tracked: the filter that shows the lower orders of ball
-    /// and cage too hides small pulses of the races.
-    fn orders(&self, races_only: bool) -> Result<Vec<(String, f64)>, Error> {
+    fn orders(&self) -> Result<Vec<(String, f64)>, Error> {
         let mut orders = match self.bearing[..] {
             [] => vec![],
             [balls, ball, pitch, contact] if (1.0..=255.0).contains(&balls) && 0.0 < ball && ball < pitch => {
@@ -83,9 +91,8 @@ impl Bearing {
                     pitch_diameter: pitch as f32,
                     contact_angle_rad: contact as f32,
                 };
-                let races = [("outer", bearing.outer()), ("inner", bearing.inner())];
-                let others = [("ball", bearing.ball()), ("cage", bearing.cage())];
-                let all = races.into_iter().chain(others.into_iter().filter(|_| !races_only));
+                let all = [("outer", bearing.outer()), ("inner", bearing.inner()), ("ball", bearing.ball())];
+                let all = all.into_iter().chain([("cage", bearing.cage())]);
                 all.map(|(name, order)| (name.to_string(), f64::from(order))).collect()
             }
             _ => {

@@ -64,7 +64,10 @@ impl Automatic {
     pub fn lines(&self) -> Vec<String> {
         let own = self.winner();
         let seen = if self.held_out { "cross-validated" } else { "on the segments of training itself" };
-        let mut lines = vec![format!("features chosen by the program among {} sets", self.rivals.len())];
+        let mut lines = vec![match self.rivals.len() {
+            1 => "features chosen by the program: the only set that the signals allow".to_string(),
+            count => format!("features chosen by the program among {count} sets"),
+        }];
         if self.by_classes {
             lines.push(format!("wrong decisions: {:.1} %, {seen}", 100.0 * own.rate));
         } else if !own.detected.is_empty() {
