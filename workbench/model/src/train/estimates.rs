@@ -115,13 +115,15 @@ impl<'a> Estimates<'a> {
         Ok(Used { candidates, chosen, origins, left_out, doubted })
     }
 
-    /// Returns what is unusual about the healthy segments; those of runs differ by run, which the gate contains.
+    /// Returns what is unusual about the healthy segments, where they are doubted; those of runs differ by run, which
+    /// the gate contains.
     fn doubted(
         &self,
         (rows, origins): (&Candidates, &[usize]),
         (chosen, recipe): (&[usize], &Recipe),
     ) -> Option<Doubted> {
-        let healthy = recipe.alarms.healthy.filter(|_| !recipe.alarms.by_run)?;
+        let wanted = self.recipe.automatic || self.recipe.validation.columns.is_some();
+        let healthy = recipe.alarms.healthy.filter(|_| wanted && !recipe.alarms.by_run)?;
         let own: Vec<usize> = (0..origins.len()).filter(|&row| rows.table.classes[row] == healthy).collect();
         let mut alone = rows.table.keep(&own);
         (alone.classes, alone.names) = (vec![0; own.len()], vec![rows.table.names[healthy].clone()]);

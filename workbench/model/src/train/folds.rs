@@ -22,7 +22,7 @@ pub struct Validation {
     /// Unit (drive) of each training trace, which contains whole groups and stays in one fold; if empty, groups do.
     pub units: Vec<String>,
     /// Columns of the labels that may tell runs, each with the cell of every trace, if no groups are given: healthy
-    /// traces are then tested for dependence. `None` takes traces for independent.
+    /// traces are then tested for dependence, and for another population. `None` takes them for independent.
     pub columns: Option<Vec<(String, Vec<String>)>>,
 }
 
