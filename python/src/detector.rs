@@ -107,16 +107,16 @@ impl Detector {
         };
         let judged = py.detach(|| {
             let traces = self.state.borrow_owner().file.traces(&source)?;
-            let each = |trace: Trace| {
+            let judge = |trace: Trace| {
                 let mut segments = self.advance(&trace);
                 segments.extend(self.end());
                 (trace.id, self.judged(segments, self.run_a_trace))
             };
-            Ok::<_, Error>(traces.into_iter().map(each).collect::<Vec<_>>())
+            Ok::<_, Error>(traces.into_iter().map(judge).collect::<Vec<_>>())
         });
         let judged = judged.map_err(raised)?;
-        let each = |(id, judged): &(String, Vec<Judged>)| Ok((id.clone(), self.to_dict(py, judged)?));
-        PyList::new(py, judged.iter().map(each).collect::<PyResult<Vec<_>>>()?)
+        let named = |(id, judged): &(String, Vec<Judged>)| Ok((id.clone(), self.to_dict(py, judged)?));
+        PyList::new(py, judged.iter().map(named).collect::<PyResult<Vec<_>>>()?)
     }
 
     /// Takes the next samples of a trace.

@@ -50,14 +50,14 @@ pub(crate) fn read<'py>(
         Ok((names, units, series))
     };
     let (names, units, series): (Vec<String>, Vec<(String, String)>, Vec<Series>) = py.detach(read).map_err(raised)?;
-    let each = |Series { id, times_s, columns }: Series| {
-        let own = PyDict::new(py);
+    let to_python = |Series { id, times_s, columns }: Series| {
+        let by_name = PyDict::new(py);
         for (name, column) in names.iter().zip(columns) {
-            own.set_item(name, column.into_pyarray(py))?;
+            by_name.set_item(name, column.into_pyarray(py))?;
         }
-        Ok((id, times_s.map(|times| times.into_pyarray(py)), own))
+        Ok((id, times_s.map(|times| times.into_pyarray(py)), by_name))
     };
-    let traces = PyList::new(py, series.into_iter().map(each).collect::<PyResult<Vec<_>>>()?)?;
+    let traces = PyList::new(py, series.into_iter().map(to_python).collect::<PyResult<Vec<_>>>()?)?;
     Ok((traces, units))
 }
 
@@ -79,8 +79,8 @@ pub(crate) fn audit(
     let audit = Audit { settings: settings_of(&AUDIT, drive, options)? };
     py.detach(|| {
         let log = Log::new(&Quiet);
-        let found = audit.audit(&traces::files(&audit.paths()?)?, &log)?;
-        Ok((found.lines(audit.false_alarm()), found.to_json().to_string(), log.take()))
+        let outcome = audit.audit(&traces::files(&audit.paths()?)?, &log)?;
+        Ok((outcome.lines(audit.false_alarm()), outcome.to_json().to_string(), log.take()))
     })
     .map_err(raised)
 }
@@ -99,18 +99,18 @@ struct Further {
 #[pyfunction]
 pub(crate) fn init(py: Python<'_>, options: &Bound<'_, PyDict>) -> PyResult<(PathBuf, String)> {
     let (settings, mut further, _) = call(None, options, None, None)?.understood(&INIT).map_err(raised)?;
-    let own: Further = further.take().map_err(raised)?;
+    let options: Further = further.take().map_err(raised)?;
     further.end().map_err(raised)?;
     py.detach(|| {
         let asked = Asked {
             data: &settings.data,
-            labels: own.labels.as_deref(),
-            labels_from_names: own.labels_from_names.as_deref(),
-            out: own.out.as_deref(),
-            force: own.force,
+            labels: options.labels.as_deref(),
+            labels_from_names: options.labels_from_names.as_deref(),
+            out: options.out.as_deref(),
+            force: options.force,
         };
-        let found = describe(&asked, &Log::new(&Quiet))?;
-        Ok((found.file, found.told))
+        let description = describe(&asked, &Log::new(&Quiet))?;
+        Ok((description.file, description.told))
     })
     .map_err(raised)
 }

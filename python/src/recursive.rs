@@ -60,8 +60,8 @@ impl RecursiveEstimator {
         let structure = order_of(order, offset)?;
         let trace = trace_of("reference", reference, structure)?;
         let how = How { method, forgetting, huber, every };
-        let own = py.detach(|| Recursive::new(trace, structure, how)).map_err(raised)?;
-        Ok(Self { state: start(Arc::new(own)) })
+        let estimator = py.detach(|| Recursive::new(trace, structure, how)).map_err(raised)?;
+        Ok(Self { state: start(Arc::new(estimator)) })
     }
 
     /// Names of the parameters.
@@ -78,23 +78,24 @@ impl RecursiveEstimator {
         u1: PyReadonlyArray1<'py, f64>,
         u2: PyReadonlyArray1<'py, f64>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let [y, u1, u2] = [&y, &u1, &u2].map(|own| own.as_array().to_vec());
+        let [y, u1, u2] = [&y, &u1, &u2].map(|signal| signal.as_array().to_vec());
         if u1.len() != y.len() || u2.len() != y.len() {
             return Err(refused("y, u1 and u2 are of one length"));
         }
-        let found = py.detach(|| self.state.with_dependent_mut(|_, running| running.take([&y, &u1, &u2])));
-        let (count, n) = (found.len(), self.names().len());
-        let theta: Vec<f64> = found.iter().flat_map(|own| own.theta.iter().copied()).collect();
-        let covariance: Vec<f64> = found.iter().flat_map(|own| own.covariance.iter().copied()).collect();
+        let estimates = py.detach(|| self.state.with_dependent_mut(|_, running| running.take([&y, &u1, &u2])));
+        let (count, n) = (estimates.len(), self.names().len());
+        let theta: Vec<f64> = estimates.iter().flat_map(|estimate| estimate.theta.iter().copied()).collect();
+        let covariance: Vec<f64> = estimates.iter().flat_map(|estimate| estimate.covariance.iter().copied()).collect();
         let result = PyDict::new(py);
-        result.set_item("samples", PyArray1::from_iter(py, found.iter().map(|own| own.samples as i64)))?;
+        result
+            .set_item("samples", PyArray1::from_iter(py, estimates.iter().map(|estimate| estimate.samples as i64)))?;
         let theta: Bound<'_, PyArray2<f64>> = PyArray1::from_vec(py, theta).reshape([count, n])?;
         result.set_item("theta", theta)?;
         // A covariance is symmetric: rows are columns.
         result.set_item("covariance", PyArray1::from_vec(py, covariance).reshape([count, n, n])?)?;
-        result.set_item("variance", PyArray1::from_iter(py, found.iter().map(|own| own.variance)))?;
-        result.set_item("rows", PyArray1::from_iter(py, found.iter().map(|own| i64::from(own.rows))))?;
-        let reasons: Vec<String> = found.into_iter().map(|own| own.reason.unwrap_or_default()).collect();
+        result.set_item("variance", PyArray1::from_iter(py, estimates.iter().map(|estimate| estimate.variance)))?;
+        result.set_item("rows", PyArray1::from_iter(py, estimates.iter().map(|estimate| i64::from(estimate.rows))))?;
+        let reasons: Vec<String> = estimates.into_iter().map(|estimate| estimate.reason.unwrap_or_default()).collect();
         result.set_item("reason", reasons)?;
         Ok(result)
     }

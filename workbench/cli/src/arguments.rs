@@ -38,8 +38,8 @@ fn chosen<'c>(command: &'c Command, words: &[OsString]) -> (Vec<&'c Command>, us
     };
     loop {
         at = behind_flags(at);
-        let own = path.last().zip(words.get(at)).and_then(|(own, word)| own.find_subcommand(word));
-        let Some(next) = own else { return (path, at) };
+        let next = path.last().zip(words.get(at)).and_then(|(command, word)| command.find_subcommand(word));
+        let Some(next) = next else { return (path, at) };
         (path, at) = ([&path[..], &[next]].concat(), at + 1);
     }
 }
@@ -52,14 +52,14 @@ fn takes_drive(command: &Command) -> bool {
 /// Takes the drive file out of the words: the one right behind the command, or else the one of the current folder.
 pub(super) fn split(command: &Command, mut words: Vec<OsString>) -> Result<Words, Error> {
     let (path, at) = chosen(command, &words);
-    let own = path[path.len() - 1];
+    let named = path[path.len() - 1];
     let is_file = |word: &OsString| Path::new(word).extension().is_some_and(|end| end.eq_ignore_ascii_case("toml"));
-    if path.len() > 1 && own.get_name() != "init" && words.get(at).is_some_and(is_file) {
+    if path.len() > 1 && named.get_name() != "init" && words.get(at).is_some_and(is_file) {
         let drive = DriveFile::read(Path::new(&words.remove(at)))?;
         return Ok(Words { words, drive: Some(drive), found: false });
     }
     let refuses = ["--no-drive", "-h", "--help"].iter().any(|flag| words.iter().any(|word| word == *flag));
-    if refuses || !takes_drive(own) || !Path::new(USUAL).is_file() {
+    if refuses || !takes_drive(named) || !Path::new(USUAL).is_file() {
         return Ok(Words { words, drive: None, found: false });
     }
     let drive = DriveFile::read(Path::new(USUAL)).map_err(|error| {

@@ -31,16 +31,16 @@ pub(super) fn run(args: &Args) -> Result<bool, Error> {
     let audit = Audit { settings: args.taken.settings.clone() };
     let paths = audit.paths()?;
     output::plan(&args.report.iter().map(PathBuf::as_path).collect::<Vec<_>>(), &paths)?;
-    let found = output::logged(|log| audit.audit(&traces::files(&paths)?, log))?;
+    let outcome = output::logged(|log| audit.audit(&traces::files(&paths)?, log))?;
     if let Some(path) = &args.report {
-        output::write(path, args.taken.on_page(page_with(&audit, &found).render()))?;
+        output::write(path, args.taken.on_page(page_with(&audit, &outcome).render()))?;
     }
     if args.json {
-        output::json("audit", found.to_json())?;
+        output::json("audit", outcome.to_json())?;
     } else {
-        found.lines(audit.false_alarm()).iter().try_for_each(output::say)?;
+        outcome.lines(audit.false_alarm()).iter().try_for_each(output::say)?;
     }
-    Ok(!found.findings.is_empty())
+    Ok(!outcome.findings.is_empty())
 }
 
 /// Traces whose signals and spectra are on the page.
@@ -49,29 +49,29 @@ const SHOWN: usize = 4;
 /// The page of one file with the usual settings.
 pub(super) fn page_of(file: &Path) -> Result<Page, Error> {
     let audit = Audit::usual(file);
-    let found = output::logged(|log| audit.audit(&[file.to_path_buf()], log))?;
-    Ok(page_with(&audit, &found))
+    let outcome = output::logged(|log| audit.audit(&[file.to_path_buf()], log))?;
+    Ok(page_with(&audit, &outcome))
 }
 
-fn page_with(audit: &Audit, found: &Outcome) -> Page {
+fn page_with(audit: &Audit, outcome: &Outcome) -> Page {
     let shown: Vec<Recording<'_>> =
-        found.traces.iter().take(SHOWN).map(|trace| recording(audit, trace, found)).collect();
+        outcome.traces.iter().take(SHOWN).map(|trace| recording(audit, trace, outcome)).collect();
     let findings: Vec<(&str, &[String])> =
-        found.findings.iter().map(|finding| (finding.what.as_str(), finding.traces.as_slice())).collect();
+        outcome.findings.iter().map(|finding| (finding.what.as_str(), finding.traces.as_slice())).collect();
     let levels = |line: &Line| (line.floor, line.smallest, line.first);
-    let lines = found.lines.iter().map(|line| (line.trace.as_str(), levels(line)));
+    let lines = outcome.lines.iter().map(|line| (line.trace.as_str(), levels(line)));
     let lines = lines.map(|(trace, (floor, smallest, first))| LineLevels { trace, floor, smallest, first });
-    page(found.traces.len(), &findings, &shown, (&lines.collect::<Vec<_>>(), &found.terms))
+    page(outcome.traces.len(), &findings, &shown, (&lines.collect::<Vec<_>>(), &outcome.terms))
 }
 
-fn recording<'a>(audit: &Audit, trace: &'a Audited, found: &Outcome) -> Recording<'a> {
-    let line = found.lines.iter().find(|line| line.trace == trace.id);
-    let over_angle = line.zip(audit.with_angle(trace, found.rotor));
+fn recording<'a>(audit: &Audit, trace: &'a Audited, outcome: &Outcome) -> Recording<'a> {
+    let line = outcome.lines.iter().find(|line| line.trace == trace.id);
+    let over_angle = line.zip(audit.with_angle(trace, outcome.rotor));
     Recording {
         id: &trace.id,
         names: &trace.names,
         times_s: trace.times_s.as_deref(),
-        rate_hz: audit.rate_of(trace, found.rotor),
+        rate_hz: audit.rate_of(trace, outcome.rotor),
         values: &trace.values,
         columns: &trace.columns,
         spectrum: over_angle.map(|(line, (y, angle))| Spectrum::of(y, &angle, line.smallest)),

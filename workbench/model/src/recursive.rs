@@ -2,11 +2,11 @@
 //!
 //! ```text
 //! reference record ─► scales, nominal model, settling time ─► Recursive
-//! samples y, u1, u2 ─► Detector of the core, forgetting by λ a row ─► θ, cov θ, σ² every so many samples
+//! samples y, u1, u2 ─► Detector of the core, forgetting factor λ ─► θ, cov θ, σ² after each `every` samples
 //! ```
 //!
-//! Reference: [`bearing_watch`]'s estimator, least squares or streaming instruments, in single precision. The covariance
-//! of a, b, c is M·C·Mᵀ of that of the δ-parameters.
+//! The estimator is that of [`bearing_watch`], least squares or streaming instruments, in single precision. The
+//! covariance of a, b, c is M·C·Mᵀ, C that of the δ-parameters.
 
 use bearing_watch::model::Sampling;
 use bearing_watch::plan::{Plan as _, RunTime, RunTimeSample};
@@ -14,7 +14,7 @@ use bearing_watch::{Detector, Model, ModelError};
 use nalgebra::{DMatrix, DVector};
 
 use crate::Error;
-use crate::core::features::raw_from_delta;
+use crate::core::features::{of_core, raw_from_delta};
 use crate::identify::{Structure, Terms as _};
 use crate::settings::Method;
 use crate::trace::labels::LabelledTrace;
@@ -130,17 +130,12 @@ impl Running<'_> {
         let n = self.own.structure.parameters();
         let map = raw_from_delta(self.own.structure);
         let map = map.view((0, 0), (n, n));
-        let delta = DVector::from_iterator(n, found.delta().iter().map(|x| f64::from(*x)));
         let covariance = DMatrix::from_fn(n, n, |i, j| f64::from(found.covariance(i, j)));
         let layout = self.own.model.plan().layout();
         debug_assert_eq!(layout.parameters(), n, "one column for each parameter");
         let none = found.reason.is_some();
         let or_nan = |x: f64| if none { f64::NAN } else { x };
-        // The first output term has the constant −1: a₁ = −1 − t₀ − t₁.
-        let mut theta = map * delta;
-        if self.own.structure.na > 0 {
-            theta[0] -= 1.0;
-        }
+        let theta = of_core(self.own.structure, found.delta(), found.variance).rows(0, n).into_owned();
         Estimated {
             samples: self.samples,
             reason: found.reason.map(|reason| reason.to_string()),

@@ -1,5 +1,5 @@
-//! Command-line tests of what all commands share: help, completions, manual pages, `-q`, `-v`, drive.toml of the folder,
-//! and JSON with errors and names of forms.
+//! Command-line tests of what all commands share: help, completions, manual pages, `-q`, `-v`, drive.toml of the
+//! folder, and JSON with errors and names of forms.
 
 use std::path::Path;
 use std::process::Command;

@@ -1,7 +1,7 @@
 //! Values as a user writes them: `0.05` or `"0.05"`, `["a", "b"]` or `"a,b"`, `{ outer = 3.58 }` or `"outer=3.58"`.
 //!
-//! The command line gives every value as text; a drive file and Python also give numbers and truth values. A field of the
-//! settings has one type: this deserialiser converts a value to it where nothing is lost.
+//! The command line gives every value as text; a drive file and Python also give numbers and truth values. A field of
+//! the settings has one type: this deserialiser converts a value to it where nothing is lost.
 
 use serde::de::value::{SeqDeserializer, StringDeserializer};
 use serde::de::{

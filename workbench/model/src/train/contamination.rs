@@ -219,8 +219,7 @@ impl Second {
         for _ in 0..30 {
             let distance = shift.norm();
             let along: Vec<f64> = (z * &shift).iter().map(|t| t / distance).collect();
-            let odds = along.iter().map(|&t| part * odds(t, distance, spread));
-            let odds: Vec<f64> = odds.collect();
+            let odds: Vec<f64> = along.iter().map(|&t| part * relative_density(t, distance, spread)).collect();
             ratio = odds.iter().map(|odds| (1.0 - part + odds).ln()).sum();
             parts = odds.iter().map(|odds| odds / (1.0 - part + odds)).collect();
             let sum: f64 = parts.iter().sum();
@@ -246,7 +245,7 @@ impl Second {
         let mut along: Vec<f64> = (z * &self.shift).iter().copied().collect();
         along.sort_by(f64::total_cmp);
         // Of the rows that are surely of the first population.
-        let first = along.len() - self.parts.iter().filter(|part| **part > 0.5).count();
+        let first = along.len() - self.rows().len();
         let at = |part: f64| along[((part * first as f64) as usize).min(along.len() - 1)];
         let [low, middle, high] = [0.1, 0.5, 0.9].map(at);
         (high + low - 2.0 * middle) / (high - low) > SKEWED
@@ -254,7 +253,7 @@ impl Second {
 }
 
 /// The density of (2) along μ relative to that of the first population; none before it.
-fn odds(along: f64, distance: f64, spread: f64) -> f64 {
+fn relative_density(along: f64, distance: f64, spread: f64) -> f64 {
     if along <= 0.0 {
         return 0.0;
     }

@@ -20,6 +20,12 @@ use crate::trace::labels::LabelledTrace;
 /// The rows of all segments, with the trace of each row, and why it has no features.
 pub(super) type Rows = (FeatureTable, Vec<usize>, Vec<Option<String>>);
 
+/// Returns the core that estimates and decides nothing, for segments of this length.
+pub(super) fn estimator(parts: &Parts, segment: usize) -> Result<Embedded, Error> {
+    let sampling = Sampling { interval_s: 0.0, park: None, block_mean: 1, segment_samples: samples(segment)? };
+    Embedded::new(parts.estimating(sampling).map_err(refused)?).map_err(refused)
+}
+
 /// Returns one row per segment, with errors beyond the usual ones.
 pub(super) fn run(
     traces: &[LabelledTrace],
@@ -38,9 +44,7 @@ pub(super) fn run_plain(
     (parts, catalogue): (&Parts, &Catalogue),
     segment: usize,
 ) -> Result<Rows, Error> {
-    let sampling = Sampling { interval_s: 0.0, park: None, block_mean: 1, segment_samples: samples(segment)? };
-    let model = parts.estimating(sampling).map_err(refused)?;
-    let estimator = Embedded::new(model).map_err(refused)?;
+    let estimator = estimator(parts, segment)?;
     let of_trace: Vec<Vec<SegmentReport>> = traces.par_iter().map(|own| estimator.run(&own.trace)).collect();
     let mut table = FeatureTable::exact(vec![], vec![], classes.to_vec());
     let (mut origins, mut reasons) = (vec![], vec![]);

@@ -113,11 +113,8 @@ pub(super) fn of(own: &Set<'_>, features: &[usize], columns: &[(String, Vec<Stri
 
 /// Ranks instead of values; equal values have the mean of their ranks.
 fn ranked(values: Vec<(usize, f64)>) -> Values {
-    let sorted: Vec<f64> = {
-        let mut sorted: Vec<f64> = values.iter().map(|(_, value)| *value).collect();
-        sorted.sort_by(f64::total_cmp);
-        sorted
-    };
+    let mut sorted: Vec<f64> = values.iter().map(|(_, value)| *value).collect();
+    sorted.sort_by(f64::total_cmp);
     let rank = |value: f64| {
         let below = sorted.partition_point(|other| *other < value);
         let not_above = sorted.partition_point(|other| *other <= value);

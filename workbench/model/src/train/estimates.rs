@@ -44,6 +44,8 @@ pub(super) struct Used {
     pub(super) candidates: Candidates,
     /// The places of the recipe's features.
     pub(super) chosen: Vec<usize>,
+    /// The places of its covariates.
+    pub(super) explaining: Vec<usize>,
     /// The trace of each.
     pub(super) origins: Vec<usize>,
     /// Segments without features.
@@ -60,16 +62,15 @@ impl<'a> Estimates<'a> {
         check_classes(&pieces, classes, recipe.alarms.healthy)?;
         let Estimating { recipe, parts, interval_s, .. } = estimating(traces, classes, recipe)?;
         let catalogue = recipe.catalogue();
-        // Names that are wrong are told before the core runs over all traces.
-        recipe.rising_last(&catalogue, catalogue.choose(&recipe.features)?)?;
-        covariate_places(&catalogue, &recipe)?;
+        // An unknown name is an error before the core runs over all traces.
+        places(&catalogue, &recipe)?;
         let estimated = estimate(traces, (classes, &recipe), (&parts, &catalogue), (&pieces, segment))?;
         Ok(Self { traces, classes, recipe, parts, catalogue, segment, interval_s, estimated })
     }
 
     /// Returns the places of the recipe's features.
     pub(super) fn chosen(&self) -> Result<Vec<usize>, Error> {
-        let [chosen, _] = self.places(&self.recipe)?;
+        let [chosen, _] = places(&self.catalogue, &self.recipe)?;
         Ok(chosen)
     }
 
@@ -93,26 +94,24 @@ impl<'a> Estimates<'a> {
         Ok(found)
     }
 
-    /// Returns the places of a recipe's features and covariates.
-    pub(super) fn places(&self, recipe: &Recipe) -> Result<[Vec<usize>; 2], Error> {
-        let chosen = recipe.rising_last(&self.catalogue, self.catalogue.choose(&recipe.features)?)?;
-        Ok([chosen, covariate_places(&self.catalogue, recipe)?])
+    /// The class whose traces are those of a sound bearing: the healthy one, or that of the nominal model.
+    pub(super) fn sound(&self) -> usize {
+        self.recipe.alarms.healthy.unwrap_or(self.recipe.estimation.nominal)
     }
 
     /// Returns the segments that a recipe uses.
     pub(super) fn rows_of(&self, recipe: &Recipe) -> Result<Used, Error> {
-        let [chosen, explaining] = self.places(recipe)?;
+        let [chosen, explaining] = places(&self.catalogue, recipe)?;
         let in_pieces = recipe.estimation.segment.is_some();
-        let (mut candidates, left_out) = self.estimated.usable((&chosen, &explaining), self.traces, in_pieces)?;
-        let [kept, _] = self.estimated.kept_and_lost(&chosen, &explaining);
-        let mut origins: Vec<usize> = kept.into_iter().map(|row| self.estimated.origins[row]).collect();
+        let (mut candidates, mut origins, left_out) =
+            self.estimated.usable((&chosen, &explaining), self.traces, in_pieces)?;
         let doubted = self.doubted((&candidates, &origins), (&chosen, recipe));
         if let Some(doubted) = &doubted {
             let stay: Vec<usize> = (0..origins.len()).filter(|row| !doubted.others.contains(row)).collect();
             candidates = candidates.rows(&stay);
             origins = stay.into_iter().map(|row| origins[row]).collect();
         }
-        Ok(Used { candidates, chosen, origins, left_out, doubted })
+        Ok(Used { candidates, chosen, explaining, origins, left_out, doubted })
     }
 
     /// Returns what is unusual about the healthy segments, where they are doubted; those of runs differ by run, which
@@ -138,9 +137,10 @@ impl<'a> Estimates<'a> {
     pub(super) fn train(&self, recipe: &Recipe) -> Result<Trained, Error> {
         let catalogue = &self.catalogue;
         let Used { candidates, chosen, left_out, doubted, .. } = self.rows_of(recipe)?;
-        let Candidates { table: raw, features: feature_names, .. } = candidates.select(&chosen);
+        let selected = candidates.select(&chosen);
         let fit::Fitted { explained, projection, coordinates, coordinate_names, statistics, densities, choice } =
-            fit::fit(&candidates.select(&chosen), recipe)?;
+            fit::fit(&selected, recipe)?;
+        let Candidates { table: raw, features: feature_names, .. } = selected;
         let centre = (candidates.table.mean(), &candidates.table.usual);
         let (used, core_projection, core_usual) = compose(centre, &chosen, catalogue, &projection);
         let core_features = used.iter().map(|&place| catalogue.core_feature(place)).collect();
@@ -209,6 +209,12 @@ fn estimate(
     let groups = origins.iter().map(|&trace| groups[trace]).collect();
     let candidates = Candidates { table, features: catalogue.names(), groups, covariates: None };
     Ok(Estimated { candidates, origins, reasons })
+}
+
+/// Returns the places of a recipe's features and covariates.
+fn places(catalogue: &Catalogue, recipe: &Recipe) -> Result<[Vec<usize>; 2], Error> {
+    let chosen = recipe.rising_last(catalogue, catalogue.choose(&recipe.features)?)?;
+    Ok([chosen, covariate_places(catalogue, recipe)?])
 }
 
 /// Returns the places of the covariates among all features.

@@ -39,16 +39,8 @@ pub(super) struct Estimated {
 }
 
 impl Estimated {
-    /// Returns the rows that have at least one of the chosen features and all covariates, and the others.
-    pub(super) fn kept_and_lost(&self, chosen: &[usize], covariates: &[usize]) -> [Vec<usize>; 2] {
-        let has = |row: usize, feature: usize| self.candidates.table.variances[row][feature].is_finite();
-        let complete = |row: usize| covariates.iter().all(|&feature| has(row, feature));
-        let has_any = |row: &usize| chosen.iter().any(|&feature| has(*row, feature)) && complete(*row);
-        let (kept, lost) = (0..self.candidates.table.rows.len()).partition(has_any);
-        [kept, lost]
-    }
-
-    /// Returns the rows that have at least one of the chosen features and all covariates, and the count of the others.
+    /// Returns the rows that have at least one of the chosen features and all covariates, the trace of each,
+    /// and the count of the others.
     ///
     /// # Errors
     /// A class for which fewer than two rows are left, with the reason of the first that is left out.
@@ -57,9 +49,12 @@ impl Estimated {
         (chosen, covariates): (&[usize], &[usize]),
         traces: &[LabelledTrace],
         in_pieces: bool,
-    ) -> Result<(Candidates, LeftOut), Error> {
+    ) -> Result<(Candidates, Vec<usize>, LeftOut), Error> {
         let table = &self.candidates.table;
-        let [kept, lost] = self.kept_and_lost(chosen, covariates);
+        let has = |row: usize, feature: usize| table.variances[row][feature].is_finite();
+        let complete = |row: usize| covariates.iter().all(|&feature| has(row, feature));
+        let has_any = |row: &usize| chosen.iter().any(|&feature| has(*row, feature)) && complete(*row);
+        let (kept, lost): (Vec<usize>, Vec<usize>) = (0..table.rows.len()).partition(has_any);
         let described = |row: usize| {
             let reason = self.reasons[row].as_deref().unwrap_or("no part that they belong to has a result");
             (traces[self.origins[row]].trace.id.clone(), reason.to_string())
@@ -76,7 +71,8 @@ impl Estimated {
         let left_out = LeftOut { count: lost.len(), of: table.rows.len(), in_pieces, first };
         let mut candidates = self.candidates.rows(&kept);
         candidates.covariates = (!covariates.is_empty()).then(|| candidates.table.select(covariates));
-        Ok((candidates, left_out))
+        let origins = kept.into_iter().map(|row| self.origins[row]).collect();
+        Ok((candidates, origins, left_out))
     }
 }
 

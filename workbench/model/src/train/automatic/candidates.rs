@@ -4,10 +4,8 @@ use bearing_watch::plan::Kind;
 
 use super::super::estimates::Estimates;
 use super::situation::Situation;
-use crate::train::{Recipe, ShaftPlan, Shrink, Shrinkage};
+use crate::train::{Recipe, Shrink, Shrinkage};
 
-/// What follows temperature and load, and no defect: the gate judges other features given these.
-const AROUND: [&str; 2] = ["inverse_kt", "load_friction"];
 /// Friction that a defect only raises.
 const RISING: [&str; 3] = ["viscous_log", "viscous", "drag"];
 /// Relative spread of the sizes of a defect.
@@ -15,21 +13,19 @@ const SIZE_SPREAD: f64 = 0.15;
 /// Separate covariances with halved correlations: those of some twenty traces a class are uncertain.
 const SEPARATE: Shrinkage = Shrinkage { lambda: 0.0, gamma: 0.5 };
 
-/// Names of the tracked orders.
-fn orders(own: &Estimates<'_>, situation: &Situation) -> Vec<String> {
-    own.recipe.shaft.as_ref().map_or_else(Vec::new, |plan: &ShaftPlan| situation.orders(&plan.orders))
+/// Names of those that a defect only raises.
+fn rising(features: &[String]) -> Vec<String> {
+    features.iter().filter(|name| RISING.contains(&name.as_str())).cloned().collect()
 }
 
 /// Returns all features that the recipes of a gate use.
-pub(super) fn features(own: &Estimates<'_>, situation: &Situation) -> Vec<String> {
-    let around: &[&str] = if situation.load { &AROUND } else { &[] };
-    [situation.keep(&[around, &RISING].concat()), orders(own, situation)].concat()
+pub(super) fn features(situation: &Situation) -> Vec<String> {
+    [situation.keep(&[situation.around(), &RISING].concat()), situation.orders.clone()].concat()
 }
 
 /// Returns the recipes for a gate of healthy segments alone.
 pub(super) fn of_gate(own: &Estimates<'_>, situation: &Situation) -> Vec<Recipe> {
-    let orders = orders(own, situation);
-    let around: &[&str] = if situation.load { &AROUND } else { &[] };
+    let (orders, around) = (&situation.orders, situation.around());
     // A friction's mean for a given logarithm of it is a curve, and the laws of runs are symmetric: there one scale.
     let both_scales = !own.recipe.alarms.by_run;
     let frictions: [(&[&str], bool); 5] = [
@@ -50,10 +46,8 @@ pub(super) fn of_gate(own: &Estimates<'_>, situation: &Situation) -> Vec<Recipe>
     }
     sets.dedup();
     sets.retain(|features| !features.is_empty());
-    let recipe = |features: Vec<String>| {
-        let rising = features.iter().filter(|name| RISING.contains(&name.as_str())).cloned().collect();
-        Recipe { features, rising, automatic: false, ..own.recipe.clone() }
-    };
+    let recipe =
+        |features: Vec<String>| Recipe { rising: rising(&features), features, automatic: false, ..own.recipe.clone() };
     if sets.is_empty() {
         // The parameters of the difference model alone.
         sets.push(vec![]);
@@ -63,8 +57,7 @@ pub(super) fn of_gate(own: &Estimates<'_>, situation: &Situation) -> Vec<Recipe>
 
 /// Returns the recipes that name classes of defects.
 pub(super) fn of_classes(own: &Estimates<'_>, situation: &Situation) -> Vec<Recipe> {
-    let orders = orders(own, situation);
-    let around: &[&str] = if situation.load { &AROUND } else { &[] };
+    let (orders, around) = (&situation.orders, situation.around());
     let with = |friction: &[&str]| [situation.keep(friction), orders.clone()].concat();
     let parameters: Vec<String> = ["a", "b", "c"]
         .iter()
@@ -81,7 +74,7 @@ pub(super) fn of_classes(own: &Estimates<'_>, situation: &Situation) -> Vec<Reci
     ];
     let healthy = own.recipe.alarms.healthy.is_some();
     let recipe = |(features, physical): (Vec<String>, bool)| {
-        let rising = features.iter().filter(|name| physical && RISING.contains(&name.as_str())).cloned().collect();
+        let rising = if physical { rising(&features) } else { vec![] };
         let plain = Recipe { features, rising, automatic: false, ..own.recipe.clone() };
         // Settings that a user gives stay.
         let usual = matches!(plain.shrink, Shrink::Not) && plain.discriminant == Kind::Linear;

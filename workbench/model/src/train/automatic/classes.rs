@@ -30,11 +30,9 @@ pub(super) fn choose(own: &Estimates<'_>, situation: &Situation) -> Result<(Reci
         return Err(judged.swap_remove(0).err().unwrap_or_else(|| Error::Training("no recipe".into())));
     };
     let chosen = judged.iter().position(|own| own.as_ref().is_ok_and(|own| own.cost <= limit)).unwrap_or(0);
-    let rival = |(recipe, judged): (&Recipe, &Result<Judged, Error>)| Rival {
-        features: recipe.features.clone(),
-        rate: judged.as_ref().map_or(f64::NAN, |own| own.cost),
-        detected: vec![],
-        refused: judged.as_ref().err().map(ToString::to_string),
+    let rival = |(recipe, judged): (&Recipe, &Result<Judged, Error>)| {
+        let judged = judged.as_ref().map(|judged| (judged.cost, vec![]));
+        Rival::of(&recipe.features, Some(judged.map_err(ToString::to_string)))
     };
     let rivals = recipes.iter().zip(&judged).map(rival).collect();
     let why = Automatic { rivals, chosen, held_out: true, by_classes: true, notes: situation.notes.clone() };

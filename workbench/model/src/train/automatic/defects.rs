@@ -9,16 +9,14 @@
 //! Sizes are in steps of two. A of (1) is in deviations of the order's amplitude; ΔB ω_rms of (2) and Δμ T_rms of (3)
 //! are parts of the healthy friction at the usual speed and load, or of the current if there is no friction.
 
-use bearing_watch::model::{Sampling, TrackedOrder};
+use bearing_watch::model::TrackedOrder;
 use rayon::prelude::*;
 
 use super::super::estimates::Estimates;
 use super::super::nominal::median;
-use super::super::refused::refused;
 use super::super::{core_features, pulses};
 use super::situation::Situation;
 use crate::Error;
-use crate::core::Embedded;
 use crate::trace::MotionTrace;
 use crate::trace::labels::LabelledTrace;
 use crate::train::{FeatureTable, ShaftPlan};
@@ -98,7 +96,7 @@ impl Healthy<'_> {
 /// Returns the features of healthy traces with defects of all kinds that the shaft may tell.
 pub(super) fn added(own: &Estimates<'_>, situation: &Situation) -> Result<Vec<Added>, Error> {
     let (Some(plan), Some((_, shaft))) = (&own.recipe.shaft, &own.parts.shaft) else { return Ok(vec![]) };
-    let class = own.recipe.alarms.healthy.unwrap_or(own.recipe.estimation.nominal);
+    let class = own.sound();
     let all: Vec<usize> = (0..own.traces.len()).filter(|&k| own.traces[k].class == class).collect();
     // Evenly over all of them: neighbours are often alike.
     let some = all.iter().copied().step_by(all.len().div_ceil(MOST_TRACES).max(1));
@@ -146,7 +144,7 @@ pub(super) fn added(own: &Estimates<'_>, situation: &Situation) -> Result<Vec<Ad
 /// Current of the healthy friction at the usual speed and load, A: the median drag, or the deviation of the current.
 fn usual_friction_a(own: &Estimates<'_>, plan: &ShaftPlan) -> f64 {
     let table = &own.estimated.candidates.table;
-    let class = own.recipe.alarms.healthy.unwrap_or(own.recipe.estimation.nominal);
+    let class = own.sound();
     let place = own.catalogue.names().iter().position(|name| name == "drag");
     let drag = place.map(|k| table.with(class, k).map(|row| table.rows[row][k]).collect::<Vec<f64>>());
     let drag = drag.filter(|all| !all.is_empty()).map_or(0.0, median);
@@ -162,9 +160,7 @@ fn usual_friction_a(own: &Estimates<'_>, plan: &ShaftPlan) -> f64 {
 
 /// Median deviation of the amplitude of each order, A.
 fn deviations(own: &Estimates<'_>, healthy: &Healthy<'_>) -> Result<Vec<f64>, Error> {
-    let segment_samples = super::super::core_form::samples(own.segment)?;
-    let sampling = Sampling { interval_s: 0.0, park: None, block_mean: 1, segment_samples };
-    let detector = Embedded::new(own.parts.estimating(sampling).map_err(refused)?).map_err(refused)?;
+    let detector = core_features::estimator(&own.parts, own.segment)?;
     let some: Vec<_> = healthy.of.iter().take(MEASURED).collect();
     let reports: Vec<_> = some.par_iter().map(|(_, labelled, _)| detector.whole(&labelled.trace)).collect();
     let shafts = || reports.iter().filter_map(|report| report.shaft()).filter(|own| own.orders_reason.is_none());

@@ -7,8 +7,8 @@
 //!
 //! Without classes of defects, defects of every kind and size are added to healthy traces ([`defects`]), and the recipe
 //! is best whose gate at the set rate finds the smallest ones ([`power`]). With classes, that with the fewest wrong
-//! decisions ([`classes`]). Both are cross-validated over runs. The recipes that are compared ([`candidates`]) are in an
-//! order: an earlier one is kept unless a later one is clearly better, so that the choice does not depend on chance.
+//! decisions ([`classes`]). Both are cross-validated over runs. The recipes that are compared ([`candidates`]) are in
+//! an order: an earlier one is kept unless a later one is clearly better, so that the choice does not depend on chance.
 
 mod candidates;
 mod classes;
@@ -41,7 +41,7 @@ pub(super) fn choose(own: &Estimates<'_>) -> Result<(Recipe, Automatic), Error> 
     let recipes = candidates::of_gate(own, &situation);
     if let [only] = &recipes[..] {
         let why = Automatic {
-            rivals: vec![Rival { features: only.features.clone(), rate: f64::NAN, detected: vec![], refused: None }],
+            rivals: vec![Rival::of(&only.features, None)],
             chosen: 0,
             held_out: false,
             by_classes: false,
@@ -53,19 +53,9 @@ pub(super) fn choose(own: &Estimates<'_>) -> Result<(Recipe, Automatic), Error> 
     let judged: Vec<Result<Power, Error>> = recipes.par_iter().map(|recipe| power::of(own, recipe, &defects)).collect();
     let chosen = best(&judged).unwrap_or(0);
     let held_out = judged.iter().flatten().all(|own| own.held_out);
-    let rival = |(recipe, power): (&Recipe, &Result<Power, Error>)| match power {
-        Ok(power) => Rival {
-            features: recipe.features.clone(),
-            rate: power.rate,
-            detected: power.detected.clone(),
-            refused: None,
-        },
-        Err(reason) => Rival {
-            features: recipe.features.clone(),
-            rate: f64::NAN,
-            detected: vec![],
-            refused: Some(reason.to_string()),
-        },
+    let rival = |(recipe, power): (&Recipe, &Result<Power, Error>)| {
+        let judged = power.as_ref().map(|power| (power.rate, power.detected.clone()));
+        Rival::of(&recipe.features, Some(judged.map_err(ToString::to_string)))
     };
     let rivals = recipes.iter().zip(&judged).map(rival).collect();
     let why = Automatic { rivals, chosen, held_out, by_classes: false, notes: situation.notes };
@@ -77,7 +67,7 @@ pub(super) fn watched(own: &Estimates<'_>) -> Vec<usize> {
     let situation = Situation::of(own);
     let names = own.catalogue.names();
     let places = |name: &String| names.iter().position(|other| other == name);
-    candidates::features(own, &situation).iter().filter_map(places).collect()
+    candidates::features(&situation).iter().filter_map(places).collect()
 }
 
 /// The place of the best recipe; an earlier one unless a later one finds clearly smaller defects.

@@ -20,7 +20,7 @@ use super::super::{Explained, Folds};
 use super::defects::Added;
 use super::why::Detected;
 use crate::Error;
-use crate::train::{Candidates, FeatureTable, Recipe};
+use crate::train::{Candidates, FeatureTable, Recipe, Validation};
 
 /// Folds: more would take longer, and the gate of four fifths of the traces is nearly that of all.
 const FOLDS: usize = 5;
@@ -68,10 +68,9 @@ impl Judge {
 /// # Errors
 /// A gate cannot be trained on all healthy segments.
 pub(super) fn of(own: &Estimates<'_>, recipe: &Recipe, defects: &[Added]) -> Result<Power, Error> {
-    let [places, explaining] = own.places(recipe)?;
-    let Used { candidates, origins, .. } = own.rows_of(recipe)?;
-    let healthy = candidates.select(&places);
-    let validation = super::super::Validation { folds: FOLDS, ..recipe.validation.clone() };
+    let Used { candidates, chosen, explaining, origins, .. } = own.rows_of(recipe)?;
+    let healthy = candidates.select(&chosen);
+    let validation = Validation { folds: FOLDS, ..recipe.validation.clone() };
     let whole = Judge::of(&healthy, recipe)?;
     // Fewer rows may be too few for the rate: then the gate of all judges what it has seen, of every recipe alike.
     let folds = Folds::new(&healthy, &validation).ok();
@@ -92,7 +91,7 @@ pub(super) fn of(own: &Estimates<'_>, recipe: &Recipe, defects: &[Added]) -> Res
             let covariates = (!explaining.is_empty()).then(|| table.select(&explaining));
             let groups = vec![0; table.rows.len()];
             let features = healthy.features.clone();
-            let rows = Candidates { table: table.select(&places), features, groups, covariates };
+            let rows = Candidates { table: table.select(&chosen), features, groups, covariates };
             let judged = |row: usize| Some(judge(twin(of_row[row])?).is_novel(&rows, row));
             let judged: Vec<bool> = (0..of_row.len()).filter_map(judged).collect();
             judged.iter().filter(|novel| **novel).count() as f64 / judged.len().max(1) as f64

@@ -1,6 +1,7 @@
 //! What the healthy traces let a detector use.
 
 use super::super::estimates::Estimates;
+use crate::train::ShaftPlan;
 
 /// A feature is used if so many of the healthy segments have it.
 const PART: f64 = 0.5;
@@ -12,13 +13,15 @@ pub(super) struct Situation {
     usable: Vec<String>,
     /// Whether the load is measured, and not constant.
     pub(super) load: bool,
+    /// Scores of the tracked orders that are usable.
+    pub(super) orders: Vec<String>,
     /// What is left out and why, in words.
     pub(super) notes: Vec<String>,
 }
 
 impl Situation {
     pub(super) fn of(own: &Estimates<'_>) -> Self {
-        let healthy = own.recipe.alarms.healthy.unwrap_or(own.recipe.estimation.nominal);
+        let healthy = own.sound();
         let table = &own.estimated.candidates.table;
         let rows = table.classes.iter().filter(|class| **class == healthy).count();
         let names = own.catalogue.names();
@@ -41,7 +44,9 @@ impl Situation {
         } else if !varies {
             notes.push("the load is constant: torque constant and friction with load are not told".to_string());
         }
-        Self { usable, load: measured && varies, notes }
+        let tracked = own.recipe.shaft.iter().flat_map(ShaftPlan::names).map(|name| format!("order_{name}"));
+        let orders = tracked.filter(|score| usable.contains(score)).collect();
+        Self { usable, load: measured && varies, orders, notes }
     }
 
     /// Returns those of the features that are usable.
@@ -49,9 +54,8 @@ impl Situation {
         features.iter().filter(|name| self.usable.iter().any(|own| own == *name)).map(ToString::to_string).collect()
     }
 
-    /// Returns the scores of the bearing orders.
-    pub(super) fn orders(&self, named: &[(String, f64)]) -> Vec<String> {
-        let all: Vec<String> = named.iter().map(|(name, _)| format!("order_{name}")).collect();
-        self.keep(&all.iter().map(String::as_str).collect::<Vec<_>>())
+    /// Returns what follows temperature and load, and no defect: the gate judges other features given these.
+    pub(super) fn around(&self) -> &'static [&'static str] {
+        if self.load { &["inverse_kt", "load_friction"] } else { &[] }
     }
 }

@@ -28,6 +28,18 @@ pub struct Rival {
     pub refused: Option<String>,
 }
 
+impl Rival {
+    /// With these features; judged by rate and what is found, refused, or neither.
+    pub(super) fn of(features: &[String], judged: Option<Result<(f64, Vec<Detected>), String>>) -> Self {
+        let (rate, detected, refused) = match judged {
+            Some(Ok((rate, detected))) => (rate, detected, None),
+            Some(Err(reason)) => (f64::NAN, vec![], Some(reason)),
+            None => (f64::NAN, vec![], None),
+        };
+        Self { features: features.to_vec(), rate, detected, refused }
+    }
+}
+
 /// Why training took its recipe.
 #[derive(Clone, Debug)]
 pub struct Automatic {

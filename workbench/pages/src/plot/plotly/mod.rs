@@ -5,8 +5,9 @@
 //! Axis                            ──► "layout"
 //! ```
 //!
-//! Attributes have the names and meanings of plotly's reference. An attribute that is not set is absent; the script then
-//! takes its default or that of the template. Numbers that are not finite become `null`, which the script draws as a gap.
+//! Attributes have the names and meanings of plotly's reference. An attribute that is not set is absent; the script
+//! then takes its default or that of the template. Numbers that are not finite become `null`, which the script draws as
+//! a gap.
 
 mod axis;
 mod mark;
