@@ -129,8 +129,8 @@ impl<'a> Estimates<'a> {
         let found = contamination::of_sets(&alone, &sets(&rows.features, chosen))?;
         let others: Vec<usize> = found.others.iter().map(|&row| own[row]).collect();
         let traces = others.iter().map(|&row| self.traces[origins[row]].trace.id.clone()).collect();
-        let Populations { distance, far, skewed, .. } = found;
-        Some(Doubted { others, traces, distance, far, skewed, of: own.len() })
+        let Populations { distance, far, .. } = found;
+        Some(Doubted { others, traces, distance, far, of: own.len() })
     }
 
     /// Trains the rest of a model by a recipe with the same estimation.

@@ -19,6 +19,7 @@ pub mod alarm;
 mod alarms;
 pub mod baseline;
 mod commissioning;
+mod excess;
 mod gate;
 mod knots;
 pub mod law;

@@ -41,6 +41,7 @@
 //! next one with probability 1/(k + 1): no rate below this is supported ([`supported`]).
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor, StudentsT};
 
 use super::law::{DistanceLaw, Likelihoods, TailDensities, equivalent};
@@ -57,6 +58,9 @@ const UNLIKELY: f64 = 0.1;
 const FARTHEST: f64 = 4.0;
 /// Probability of a trend in any coordinate if the runs have none.
 const SIGNIFICANT: f64 = 0.05;
+
+/// Parts of the runs, of which one at a time is judged by the others.
+const FOLDS: usize = 10;
 
 /// A trend of the healthy runs in their order (5).
 #[derive(Clone, Debug, PartialEq)]
@@ -181,6 +185,26 @@ pub(super) fn next_run(table: &FeatureTable, runs: &[usize], count: usize) -> Re
     let tails = densities.map(|densities| densities.likelihoods(&tails));
     let rows = table.rows.len();
     of_moments(RunMoments { count, rows, longest, inverse_size, mean, between, within }, tails, trend(&means))
+}
+
+/// Returns the surprise of each segment by mean, covariance and law of other runs, with its run; none if these have no
+/// law. A tenth of the runs is left out at a time.
+pub(super) fn left_out(table: &FeatureTable, runs: &[usize], count: usize) -> Vec<(f64, usize)> {
+    let folds = count.min(FOLDS);
+    let of_fold = |fold: usize| -> Option<Vec<(f64, usize)>> {
+        let (out, others): (Vec<usize>, Vec<usize>) = (0..runs.len()).partition(|&row| runs[row] % folds == fold);
+        let left = (0..count).filter(|run| run % folds != fold).collect::<Vec<_>>();
+        let numbers: Vec<usize> = others.iter().filter_map(|&row| left.binary_search(&runs[row]).ok()).collect();
+        let NextRun { mean, covariance, law, .. } = next_run(&table.keep(&others), &numbers, left.len()).ok()?;
+        let surprise = |&row: &usize| {
+            let (value, variance) = (&table.rows[row], &table.variances[row]);
+            let (squared, available) = moments::squared_distance((&mean, &covariance), value, variance)?;
+            Some((law.surprise(equivalent(squared, available, value.len())), runs[row]))
+        };
+        out.iter().map(surprise).collect()
+    };
+    let all: Option<Vec<_>> = (0..folds).into_par_iter().map(of_fold).collect();
+    all.unwrap_or_default().concat()
 }
 
 /// Computes (1) to (5) from the moments of runs, the likelihoods of the tails, and the trend.
