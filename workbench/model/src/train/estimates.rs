@@ -8,11 +8,11 @@ use rayon::prelude::*;
 use super::compose::compose;
 use super::contamination::{self, Doubted, Populations};
 use super::dependence::{self, Dependence};
-use super::estimating::{Estimating, estimating, segment_of};
+use super::estimating::{Estimating, estimating};
 use super::left_out::{Estimated, LeftOut};
 use super::novelty::{self, Rows};
 use super::pieces::{cut, spans};
-use super::{Candidates, Explained, FeatureTable, Recipe, Shrink, Trained, core_features, fit};
+use super::{Candidates, Explained, FeatureTable, Recipe, Shrink, Trained, core_features, fit, segment};
 use crate::Error;
 use crate::core::Parts;
 use crate::core::features::{self, Catalogue};
@@ -56,7 +56,8 @@ pub(super) struct Used {
 impl<'a> Estimates<'a> {
     /// Trains what estimates, and runs it over the traces.
     pub(super) fn of(traces: &'a [LabelledTrace], classes: &'a [String], recipe: &Recipe) -> Result<Self, Error> {
-        let segment = segment_of(traces, recipe);
+        let segment = segment::samples(traces, recipe);
+        let recipe = &segment::resolved(traces, recipe);
         // The spread of the features depends on the segment length: trains on segments of the detector's length.
         let pieces = if recipe.estimation.segment.is_some() { cut(traces, segment) } else { traces.to_vec() };
         check_classes(&pieces, classes, recipe.alarms.healthy)?;
@@ -82,6 +83,10 @@ impl<'a> Estimates<'a> {
         };
         let Some(healthy) = self.recipe.alarms.healthy else { return Ok(None) };
         let (names, table) = (self.catalogue.names(), &self.estimated.candidates.table);
+        // Segments of one trace follow each other.
+        let of_traces = || ("trace".to_string(), self.traces.iter().map(|own| own.trace.id.clone()).collect());
+        let cut = self.estimated.origins.windows(2).any(|two| two[0] == two[1]);
+        let columns = &[columns.clone(), cut.then(of_traces).into_iter().collect()].concat();
         let (names, origins, traces) = (&names[..], &self.estimated.origins[..], self.traces);
         let found = dependence::of(&dependence::Set { table, names, origins, traces, healthy }, places, columns);
         if let Some(found) = &found {

@@ -49,6 +49,7 @@ mod reference_values;
 mod refused;
 mod rotor;
 mod scores;
+mod segment;
 mod shaft;
 mod shaft_plan;
 mod shrinkage;
