@@ -89,6 +89,20 @@ def test_pieces_of_any_size_give_the_bits_of_the_whole(bench, model, size):
     assert len(detector.finish()) == 0
 
 
+@pytest.mark.parametrize("size", [100, 999])
+def test_missing_samples_in_pieces_are_those_of_the_whole(bench, model, size):
+    lost = np.zeros(5000, dtype=bool)
+    lost[[777, 1100, 1101, *range(2000, 2130)]] = True
+    trace = {name: np.where(lost & (name != "t_s"), np.nan, own) for name, own in bench.traces["healthy_3_000"].items()}
+    whole = bw.Detector(model).run(trace)
+    detector = bw.Detector(model)
+    parts = [
+        detector.step({name: own[k : k + size] for name, own in trace.items()}) for k in range(0, 5000, size)
+    ]
+    same(joined(*parts, detector.finish()), whole.columns())
+    assert whole.rejected.sum() == lost.sum()
+
+
 def test_state_goes_on_until_reset(bench, model):
     detector, trace = bw.Detector(model), bench.traces["spall_3_000"]
     first, second = detector.run(trace), detector.run(trace)
