@@ -39,13 +39,14 @@ def _is_missing(cell: Any) -> bool:
 
 def _array(values: Any) -> npt.NDArray[Any]:
     """Return values as an array; numbers of which some are missing or masked are float64, NaN where they are."""
-    array = np.ma.asarray(values) if isinstance(values, np.ma.MaskedArray) else np.asarray(values)
-    if isinstance(array, np.ma.MaskedArray):
-        return array.astype(np.float64).filled(np.nan) if array.dtype.kind in NUMBERS else array.filled()
-    if array.dtype.kind == "O" and array.ndim == 1 and array.size:
-        cells = [np.nan if _is_missing(cell) else cell for cell in array.tolist()]
-        if all(isinstance(cell, (int, float, np.number)) for cell in cells):
-            return np.array(cells, dtype=np.float64)
+    array = np.asarray(values)
+    if isinstance(values, np.ma.MaskedArray) and array.dtype.kind in NUMBERS:
+        return np.where(np.ma.getmaskarray(values), np.nan, array.astype(np.float64))
+    if array.dtype.kind == "O" and array.ndim == 1:
+        missing = [_is_missing(cell) for cell in array]
+        numbers = [isinstance(cell, (int, float, np.number)) for cell in array]
+        if not all(missing) and all(one or other for one, other in zip(missing, numbers)):
+            return np.array([np.nan if gone else cell for gone, cell in zip(missing, array)], dtype=np.float64)
     return array
 
 

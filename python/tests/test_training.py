@@ -190,8 +190,9 @@ def test_bad_input_is_an_exception_with_the_text_of_the_command_line(command, fo
     assert printed == f"error: {message}\n"
     broken = {name: dict(own) for name, own in bench.traces.items()}
     broken["spall_3_000"]["current_a"] = broken["spall_3_000"]["current_a"].copy()
-    broken["spall_3_000"]["current_a"][41] = np.nan
-    assert "spall_3_000, row 42, column current_a: NaN" in text(refused, broken, bench.labels)
+    broken["spall_3_000"]["current_a"][41] = -1e16
+    message = text(refused, broken, bench.labels)
+    assert "spall_3_000, row 42, column current_a: -10000000000000000 is no measured value" in message
     broken["spall_3_000"]["current_a"] = broken["spall_3_000"]["current_a"][:-1]
     assert "give columns of one length" in text(refused, broken, bench.labels)
     broken["spall_3_000"]["current_a"] = np.zeros((5000, 2))

@@ -25,8 +25,8 @@ const OFTEN: usize = 4;
 const SELDOM: usize = 10;
 /// Steps by which times that are rounded to their step may be off a uniform clock.
 const ROUNDED: f64 = 1.25;
-/// Rows that may be missing, in multiples of the rows that are there.
-const MOST: usize = 4;
+/// Rows that may be missing, in multiples of the rows that are there; with more, long gaps are breaks.
+pub const MOST: usize = 4;
 
 /// Missing rows in a row, at most; a longer pause is a break of the recording.
 pub const LONGEST_GAP: usize = 1000;
@@ -40,7 +40,7 @@ pub struct Gap {
     pub row: usize,
     /// Number of missing samples: of missing rows, or [`BREAK`].
     pub missing: usize,
-    /// Whether the pause is longer than [`LONGEST_GAP`] rows.
+    /// Whether the pause is longer than [`LONGEST_GAP`] rows, or than [`BREAK`] and too long for the recording.
     pub is_break: bool,
 }
 
@@ -62,10 +62,13 @@ pub fn gaps(times_s: &[f64]) -> Vec<Gap> {
     if *short < LEAST * clock {
         return vec![];
     }
-    let found: Vec<Gap> = (0..long.len()).filter_map(|place| gap(times_s, &long, place, clock)).collect();
-    let total: usize = found.iter().map(|gap| gap.missing).sum();
+    let mut found: Vec<Gap> = (0..long.len()).filter_map(|place| gap(times_s, &long, place, clock)).collect();
+    let is_most = |found: &[Gap]| found.iter().map(|gap| gap.missing).sum::<usize>() > MOST * times_s.len() + BREAK;
+    if is_most(&found) {
+        found.iter_mut().filter(|gap| gap.missing > BREAK).for_each(|gap| (gap.missing, gap.is_break) = (BREAK, true));
+    }
     let is_rounded = found.len() * SELDOM > steps.len() && is_uniform(times_s);
-    let is_other_clock = found.len() * OFTEN > steps.len() || total > MOST * times_s.len();
+    let is_other_clock = found.len() * OFTEN > steps.len() || is_most(&found);
     if is_rounded || is_other_clock { vec![] } else { found }
 }
 
@@ -186,6 +189,9 @@ mod tests {
             gaps(&times)
         };
         assert_eq!(pause(1000.0), [Gap { row: 700, missing: 1000, is_break: false }]);
+        // A recording of 100 rows does not bear 900 missing ones.
+        let short: Vec<f64> = (0..100).map(|k| f64::from(k) + if k < 50 { 0.0 } else { 900.0 }).collect();
+        assert_eq!(gaps(&short), [Gap { row: 50, missing: BREAK, is_break: true }]);
         for rows in [1001.0, 1e6, 1e12] {
             assert_eq!(pause(rows), [Gap { row: 700, missing: BREAK, is_break: true }]);
         }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::gaps::{BREAK, LONGEST_GAP};
+use super::gaps::{BREAK, LONGEST_GAP, MOST};
 
 /// Missing samples of a trace: NaN in at least one channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -15,7 +15,7 @@ pub struct Missing {
     pub empty: usize,
     /// Of these, rows before the first number and after the last one; they are left out.
     pub ends: usize,
-    /// Pauses of more than [`LONGEST_GAP`] rows, each [`BREAK`] of the dropped samples.
+    /// Pauses that are too long to be filled, each [`BREAK`] of the dropped samples.
     pub breaks: usize,
 }
 
@@ -85,7 +85,8 @@ impl Missing {
         if breaks > 0 {
             let (pauses, each) = if breaks == 1 { ("pause is a break", "") } else { ("pauses are breaks", " each") };
             parts.push(format!(
-                "{breaks} {pauses} of the recording, longer than {LONGEST_GAP} rows: {BREAK} missing samples{each}"
+                "{breaks} {pauses} of the recording, longer than {LONGEST_GAP} rows or {MOST} times the others: {BREAK} \
+                 missing samples{each}"
             ));
         }
         let (percent, count, parts) = (self.percent(), self.count(), parts.join(", "));

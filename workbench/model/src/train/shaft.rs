@@ -18,8 +18,8 @@ use super::{VelocitySource, fewer_harmonics, filters, lags, nominal, reference_i
 use crate::Error;
 use crate::core::Wiring;
 use crate::grey_box::filter::LowPass;
+use crate::trace::MotionTrace;
 use crate::trace::labels::LabelledTrace;
-use crate::trace::{MotionTrace, bridged};
 
 /// Returns the core's shaft with its trained constants.
 ///
@@ -122,9 +122,9 @@ fn untrained(traces: &[&MotionTrace], interval_s: f64, plan: &ShaftPlan) -> Resu
     }
     let cutoff = plan.cutoff_hz * interval_s;
     let low_pass = LowPass::butterworth(1, cutoff);
-    // Behind a missing sample the filter has nothing more: for the size of a column the last velocity stands for it.
-    let slopes: Vec<f64> = traces.iter().flat_map(|t| low_pass.derivative(&bridged(&t.velocity_rad_s))).collect();
-    let acceleration = (slopes.iter().map(|x| x * x).sum::<f64>() / slopes.len().max(1) as f64).sqrt() / interval_s;
+    let slopes: Vec<f64> = traces.iter().flat_map(|t| low_pass.derivative(&t.velocity_rad_s)).collect();
+    let finite = || slopes.iter().filter(|x| x.is_finite());
+    let acceleration = (finite().map(|x| x * x).sum::<f64>() / finite().count().max(1) as f64).sqrt() / interval_s;
     let power_of_two = |rms: f64| if rms > 0.0 { (-rms.log2().round()).exp2() as f32 } else { 1.0 };
     let (load, current) = (rms(|t| &t.load_nm), rms(|t| &t.current_a));
     let columns = [acceleration, velocity, 1.0, load, 1.0, load, 1.0];
