@@ -32,9 +32,27 @@ def warn(messages: Iterable[str]) -> None:
         warnings.warn(message, BearingWatchWarning, stacklevel=3)
 
 
-def vector(name: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
-    """Return values as an array of float64 in one piece of memory."""
+def _is_missing(cell: Any) -> bool:
+    """Return whether a cell is missing: None, NaN, or NA of pandas, which compares as neither true nor false."""
+    return cell is None or type(cell).__name__ in ("NAType", "NaTType") or (isinstance(cell, float) and cell != cell)
+
+
+def _array(values: Any) -> npt.NDArray[Any]:
+    """Return values as an array; numbers of which some are missing or masked are float64, NaN where they are."""
     array = np.asarray(values)
+    if isinstance(values, np.ma.MaskedArray) and array.dtype.kind in NUMBERS:
+        return np.where(np.ma.getmaskarray(values), np.nan, array.astype(np.float64))
+    if array.dtype.kind == "O" and array.ndim == 1:
+        missing = [_is_missing(cell) for cell in array]
+        numbers = [isinstance(cell, (int, float, np.number)) for cell in array]
+        if not all(missing) and all(one or other for one, other in zip(missing, numbers)):
+            return np.array([np.nan if gone else cell for gone, cell in zip(missing, array)], dtype=np.float64)
+    return array
+
+
+def vector(name: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """Return values as an array of float64 in one piece of memory; what is missing is NaN."""
+    array = _array(values)
     if array.ndim != 1:
         raise ValueError(f"{name} has {array.ndim} dimensions; give one value a sample, shape (n,)")
     if array.dtype.kind not in NUMBERS:
@@ -44,11 +62,11 @@ def vector(name: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
 
 def _cells(values: Any) -> Any:
     """Return a column as an array of float64, a list of texts, or the name of the type of other cells."""
-    array = np.asarray(values)
+    array = _array(values)
     if array.ndim == 1 and array.dtype.kind in NUMBERS:
         return np.ascontiguousarray(array, dtype=np.float64)
     if array.ndim == 1 and array.dtype.kind in "UTO":
-        cells = [None if cell is None or cell != cell else cell for cell in array.tolist()]
+        cells = [None if _is_missing(cell) else cell for cell in array.tolist()]
         if all(cell is None or isinstance(cell, str) for cell in cells):
             return ["" if cell is None else cell for cell in cells]
     return f"{array.dtype} in {array.ndim} dimensions"

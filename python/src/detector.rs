@@ -153,7 +153,7 @@ impl Detector {
 /// The samples of a piece, whose time is not read.
 fn piece(own: &Own, table: Arc<Recorded>) -> Result<Trace, Error> {
     let channels = Channels { time: Some("none".into()), rate_hz: None, ..own.file.channels() };
-    let mut traces = Source::Memory(vec![table]).read(&channels)?;
+    let mut traces = traces::read_piece(&table, &channels)?;
     traces.pop().filter(|_| traces.is_empty()).ok_or_else(|| Error::Usage("the samples are of several traces".into()))
 }
 

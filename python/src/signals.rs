@@ -5,6 +5,7 @@ use std::sync::Arc;
 use model::Error;
 use model::identify::{Estimate, Method, Noise, Options, Structure, Terms, estimate_with, parse_order};
 use model::identify::{estimate, robust as robust_of, simulate};
+use model::session::refuse_gaps;
 use model::structure::{Candidate, Estimator, Grid, Search, search};
 use model::trace::{Channels, Preparation, Recorded, Trace};
 use model::validate::roots::Root;
@@ -224,6 +225,7 @@ pub(crate) fn validate<'py>(
     let trace = trace_of(name, signals, structure)?;
     let (estimate, found) = py
         .detach(|| {
+            refuse_gaps(&trace)?;
             let estimate = estimate(&trace, structure, method)?;
             let found = validation(&trace, &estimate, Errors::of(method), lags)?;
             Ok((estimate, found))

@@ -86,7 +86,10 @@ pub(super) fn resample(args: &ResampleArgs) -> Result<(), Error> {
         })?;
         let turns: Vec<Option<f64>> = names.iter().map(|(name, _)| turn(name)).collect();
         let wrong = |problem: Error| Error::trace(&id, problem.to_string());
-        let Resampled { pieces, gaps, usual_s } = at_rate(times, &series.columns, &turns, rate_hz).map_err(wrong)?;
+        let Resampled { pieces, gaps, usual_s, left_out } = at_rate(times, &series.columns, &turns, rate_hz).map_err(wrong)?;
+        if left_out > 0 {
+            output::warn(format!("trace {id}: {left_out} rows that lack a number are left out"));
+        }
         for [start, length] in gaps.iter().take(TOLD) {
             output::warn(format!(
                 "trace {id}: gap of {length:.4} s at {start:.4} s (a usual step is {usual_s:.5} s); the trace is cut there"

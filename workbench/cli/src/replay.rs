@@ -14,6 +14,7 @@ use model::core::{Embedded, SegmentReport, Watched, Watcher, denied, features, s
 use model::identify::Terms;
 use model::session::{ModelFile, Notes, check_rate, irregular, refused};
 use model::trace::Trace;
+use model::trace::tally::told;
 use model::train::front_end_source::further_channels;
 use pages::Page;
 use pages::conclusion::replay::Conclusion;
@@ -61,6 +62,9 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let mut baseline = args.baseline(&model)?;
     let traces = traces::read(&args.taken.settings.data.traces, &notes.channels())?;
     irregular(traces.iter()).iter().chain(&refused(traces.iter())).for_each(output::warn);
+    if let Some(told) = told(traces.iter()).filter(|_| !args.json) {
+        output::say(told)?;
+    }
     check_rate(&model, notes.preparation(), traces.iter())?;
     args.write_rows(&model, &notes)?;
     let (mut watcher, mut raised, mut trend) = (model.watcher(), false, None);
@@ -269,6 +273,7 @@ fn value(
         "verdict": segment.verdict.as_ref().map_or("undetermined", |finding| finding.name(classes)),
         "undetermined": segment.verdict.as_ref().err(),
         "missing": missing,
+        "missing_samples": trace.missing.to_json(),
         "covariates_out_of_range": outside,
         "baseline": segment.followed.as_ref().map(|(offset, at_bound)| json!({ "offset": offset, "at_bound": at_bound })),
         "posteriors": named(&segment.posteriors),

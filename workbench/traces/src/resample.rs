@@ -5,6 +5,7 @@
 //! every m-th             behind a zero-phase low pass (`super::prepare::decimate`)
 //! ```
 //!
+//! Rows that lack their time or a number of a column are left out.
 //! A step of more than [`GAP`] usual ones and of more than `BRIDGED` new ones is a gap: columns are cut there, since
 //! straight lines across it would be invented. An angle that jumps by more than half a turn is unwrapped first, and is
 //! not limited to one turn after.
@@ -38,6 +39,8 @@ pub struct Resampled {
     pub gaps: Vec<[f64; 2]>,
     /// The usual step, s.
     pub usual_s: f64,
+    /// Number of rows that were left out, since they lack a number.
+    pub left_out: usize,
 }
 
 /// Returns the columns at a rate; `turns` has the length of a turn in the unit of each column that is an angle.
@@ -45,6 +48,14 @@ pub struct Resampled {
 /// # Errors
 /// Times that do not grow, fewer than eight samples, or a rate above the recorded one.
 pub fn at_rate(times_s: &[f64], columns: &[Vec<f64>], turns: &[Option<f64>], rate_hz: f64) -> Result<Resampled, Error> {
+    let is_whole = |row: &usize| times_s[*row].is_finite() && columns.iter().all(|column| column[*row].is_finite());
+    let whole: Vec<usize> = (0..times_s.len()).filter(is_whole).collect();
+    let left_out = times_s.len() - whole.len();
+    if left_out > 0 {
+        let of = |column: &[f64]| -> Vec<f64> { whole.iter().map(|row| column[*row]).collect() };
+        let columns: Vec<Vec<f64>> = columns.iter().map(|column| of(column)).collect();
+        return Ok(Resampled { left_out, ..at_rate(&of(times_s), &columns, turns, rate_hz)? });
+    }
     let steps: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     if let Some(at) = steps.iter().position(|step| *step <= 0.0 || step.is_nan()) {
         return Err(Error::Usage(format!("row {} is not later than the one before it", at + 2)));
@@ -74,7 +85,7 @@ pub fn at_rate(times_s: &[f64], columns: &[Vec<f64>], turns: &[Option<f64>], rat
         let columns = columns.iter().zip(turns).map(each).collect::<Result<_, Error>>()?;
         pieces.push(Piece { start_s: times[0], columns });
     }
-    Ok(Resampled { pieces, gaps, usual_s })
+    Ok(Resampled { pieces, gaps, usual_s, left_out: 0 })
 }
 
 /// An angle without its jumps by whole turns.
@@ -129,6 +140,17 @@ mod tests {
         let slow = at_rate(&times, &ramp, &[None], 50.0).expect("resampled");
         assert!(slow.gaps.is_empty() && slow.pieces.len() == 1, "{:?}", slow.gaps);
         assert_eq!(at_rate(&times, &ramp, &[None], 200.0).expect("resampled").gaps.len(), 19);
+    }
+
+    #[test]
+    fn rows_without_a_number_are_left_out_and_a_run_of_them_is_a_gap() {
+        let times: Vec<f64> = (0..300).map(|k| 0.01 * f64::from(k)).collect();
+        let mut ramp = times.clone();
+        (ramp[20], ramp[150], ramp[151], ramp[152]) = (f64::NAN, f64::NAN, f64::NAN, f64::NAN);
+        let found = at_rate(&times, &[ramp], &[None], 100.0).expect("resampled");
+        assert_eq!((found.left_out, found.pieces.len(), found.gaps.len()), (4, 2, 1));
+        // A straight line goes through its missing value, but for rounding.
+        assert!((found.pieces[0].columns[0][20] - 0.2).abs() < 1e-9);
     }
 
     #[test]

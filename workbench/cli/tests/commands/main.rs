@@ -18,6 +18,7 @@ mod front_end_commands;
 mod grey_box_commands;
 mod listen_command;
 mod listen_raw_command;
+mod missing_commands;
 mod pages;
 mod rising_commands;
 mod simulate_command;

@@ -157,7 +157,10 @@ impl Estimate {
     /// detects it.
     #[must_use]
     pub fn undetermined(&self, trace: &Trace) -> Vec<String> {
-        let rms = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64).sqrt();
+        let rms = |x: &[f64]| {
+            let measured = || x.iter().filter(|x| x.is_finite());
+            (measured().map(|x| x * x).sum::<f64>() / measured().count().max(1) as f64).sqrt()
+        };
         let Structure { na, nb, nc, .. } = self.structure;
         let signals = [(&trace.y, na), (&trace.u1, nb), (&trace.u2, nc)];
         let sizes = signals.into_iter().flat_map(|(x, terms)| std::iter::repeat_n(rms(x), terms as usize)).chain([1.0]);

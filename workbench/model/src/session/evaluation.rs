@@ -10,6 +10,7 @@ use super::selection::{Groups, Selection};
 use crate::Error;
 use crate::evaluate::{Breakdown, Chance, Confusion, Control, FalseAlarms, Judged, TraceVerdict};
 use crate::settings::Settings;
+use crate::trace::Tally;
 use crate::trace::labels::LabelledTrace;
 use crate::trace::stem;
 use crate::train::Scores;
@@ -53,6 +54,8 @@ pub struct Evaluation {
     seen: usize,
     /// Number of segments with a covariate out of its range.
     outside: usize,
+    /// What is missing in the recordings.
+    missing: Tally,
 }
 
 impl<'a> Judging<'a> {
@@ -100,7 +103,19 @@ impl<'a> Judging<'a> {
         let scores = Scores::of_verdicts(&verdicts, &model.priors(), self.options.per_segment);
         let by = &self.settings.validation;
         let column = by.unit.as_ref().or(by.group.as_ref()).cloned();
-        Ok(Evaluation { classes, verdicts, runs: groups.runs, confusion, scores, found, column, seen, outside })
+        let missing = traces.iter().map(|own| &own.trace).collect();
+        Ok(Evaluation {
+            classes,
+            verdicts,
+            runs: groups.runs,
+            confusion,
+            scores,
+            found,
+            column,
+            seen,
+            outside,
+            missing,
+        })
     }
 
     /// The classes, trained ones first, and the traces; untrained classes follow, since a gate can still distinguish
@@ -175,9 +190,16 @@ impl Evaluation {
         let mut value = self.confusion.to_json();
         value["trained_on"] = self.seen.into();
         value["covariates_out_of_range"] = self.outside.into();
+        value["missing_samples"] = self.missing.sum().to_json();
         self.found.add_to(&mut value);
         self.scores.add_to(&mut value);
         value
+    }
+
+    /// What is missing in the recordings as a line, if anything is.
+    #[must_use]
+    pub fn told_missing(&self) -> Option<String> {
+        self.missing.line()
     }
 
     /// As lines.
@@ -189,6 +211,7 @@ impl Evaluation {
             lines.push(format!("{}\n{}", self.confusion, self.scores.summary()));
             lines.extend(self.column.as_ref().map(|column| format!("intervals count values of {column}")));
         }
+        lines.extend(self.told_missing());
         lines.extend(self.found.lines());
         lines
     }

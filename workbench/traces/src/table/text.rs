@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
-use crate::table::columns::{Columns, LARGEST, Wanted, unusable};
+use crate::table::columns::{Columns, LARGEST, Wanted, is_missing, too_large};
 use crate::table::layout::{Header, Layout};
 use crate::table::lines::Lines;
 use crate::table::plain::{self, Failure, Form, Refusal};
@@ -166,8 +166,9 @@ impl Text {
     fn number(&self, cell: &str) -> Result<f64, String> {
         match self.layout.number(cell) {
             Some(value) if value.abs() <= LARGEST => Ok(value),
-            Some(value) => Err(unusable(value, cell)),
-            None if cell.is_empty() => Err("empty cell; cut the trace there or repair the sample".into()),
+            Some(value) if value.is_finite() => Err(too_large(cell)),
+            Some(_) => Ok(f64::NAN),
+            None if is_missing(cell) => Ok(f64::NAN),
             None => Err(format!("\"{cell}\" is not a number")),
         }
     }
