@@ -2,6 +2,10 @@
 
 mod exports;
 mod files;
+mod staged;
+#[cfg(all(test, unix))]
+mod tests;
 
 pub use exports::{Exported, Exports};
-pub use files::{folder_of, plan, temporary, write, write_all};
+pub use files::{plan, temporary, write, write_all};
+pub use staged::{Staged, folder_of};
