@@ -71,7 +71,7 @@ impl Receiver {
         if summary.alarm != self.alarm && !self.json {
             self.alarm = summary.alarm;
             if let Some(alarm) = summary.alarm {
-                output::say(format!("ALARM at segment {}: {}", alarm.segment, words::cause(names, alarm)))?;
+                output::say_line(&format!("ALARM at segment {}: {}", alarm.segment, words::cause(names, alarm)))?;
             }
         }
         Ok(())
@@ -114,6 +114,6 @@ impl Receiver {
     }
 
     fn tell(&self, line: String, value: serde_json::Value) -> Result<(), Error> {
-        output::say(if self.json { output::named("listen", value).to_string() } else { line })
+        if self.json { output::json_line("listen", value) } else { output::say_line(&line) }
     }
 }

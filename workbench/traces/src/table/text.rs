@@ -7,6 +7,7 @@ use std::path::Path;
 
 use crate::table::columns::{Columns, LARGEST, Wanted, unusable};
 use crate::table::layout::{Header, Layout};
+use crate::table::limit;
 use crate::table::lines::Lines;
 use crate::table::plain::{self, Failure, Form, Refusal};
 use crate::table::source::Source;
@@ -198,7 +199,7 @@ fn large(path: &Path) -> std::io::Result<Option<(String, u64)>> {
 
 /// All of a file as text, unpacked.
 fn whole(path: &Path) -> Result<String, Error> {
-    let packed = std::fs::read(path).map_err(Error::io(path))?;
+    let packed = limit::whole(path)?;
     let compressed = |problem| Error::content(path, "content", format!("cannot be unpacked: {problem}"));
     let bytes = unpacked(&packed).map_err(compressed)?.unwrap_or(packed);
     String::from_utf8(bytes).map_err(|error| {
