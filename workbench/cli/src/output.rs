@@ -7,6 +7,7 @@ use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 use serde_json::{Value, json};
 
 use super::verbosity;
+use model::outputs::cell;
 pub(super) use model::outputs::{plan, temporary, write, write_all};
 use model::session::{Log, Progress, Steps};
 use model::{Error, visible};
@@ -61,11 +62,11 @@ pub(super) fn logged<T>(work: impl FnOnce(&Log<'_>) -> Result<T, Error>) -> Resu
     result
 }
 
-/// Returns the rows as CSV, quoted if needed.
+/// Returns the rows as CSV, quoted if needed; no cell is a formula.
 pub(super) fn csv(rows: &[Vec<String>]) -> Result<String, Error> {
     let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
     for row in rows {
-        writer.write_record(row).map_err(|e| Error::Usage(e.to_string()))?;
+        writer.write_record(row.iter().map(|text| cell(text).into_owned())).map_err(|e| Error::Usage(e.to_string()))?;
     }
     let bytes = writer.into_inner().map_err(|e| Error::Usage(e.to_string()))?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())

@@ -20,7 +20,7 @@ use super::{Closed, Group, Level, Plan};
 use model::Error;
 
 /// First bytes of a file of sums; the digit is the version of the format.
-const MAGIC: &[u8] = b"bearing-watch sums 1\n";
+const MAGIC: &[u8] = b"bearing-watch sums 2\n";
 /// Most patterns of missing features in a class.
 const PATTERNS: usize = 256;
 /// Most features: bits of a pattern.
@@ -71,6 +71,8 @@ pub struct Sums {
     pub plan: Plan,
     /// Names of the features that are summed.
     pub features: Vec<String>,
+    /// The features that were chosen, as they were given; further ones are summed where these need them.
+    pub chosen: Vec<String>,
     /// Conditions on the rows, as they were given.
     pub conditions: Vec<String>,
     /// Number of rows.
@@ -169,6 +171,12 @@ impl ClassSums {
 }
 
 impl Sums {
+    /// The same, with the features that were chosen.
+    #[must_use]
+    pub fn for_choice(self, chosen: &[String]) -> Self {
+        Self { chosen: chosen.to_vec(), ..self }
+    }
+
     /// No rows yet of these features.
     ///
     /// # Errors
@@ -180,6 +188,7 @@ impl Sums {
         Ok(Self {
             plan: plan.clone(),
             features: features.to_vec(),
+            chosen: vec![],
             conditions: conditions.to_vec(),
             rows: 0,
             classes: BTreeMap::new(),
@@ -278,6 +287,7 @@ impl Sums {
                 .then(|| Error::Usage(format!("sums of different {what}: {one} and {two}; sum the parts alike")))
         };
         let problem = differ("features", &self.features, &other.features);
+        let problem = problem.or_else(|| differ("chosen features", &self.chosen, &other.chosen));
         if let Some(problem) = problem.or_else(|| differ("conditions", &self.conditions, &other.conditions)) {
             return Err(problem);
         }

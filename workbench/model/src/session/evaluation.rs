@@ -1,5 +1,6 @@
 //! The evaluation of a model on labelled traces.
 
+use super::contents::seen;
 use super::doubts::{irregular, refused};
 use super::found::{Findings, stabilities, untrained};
 use super::given::Given;
@@ -11,7 +12,6 @@ use crate::Error;
 use crate::evaluate::{Breakdown, Chance, Confusion, Control, FalseAlarms, Judged, TraceVerdict};
 use crate::settings::Settings;
 use crate::trace::labels::LabelledTrace;
-use crate::trace::stem;
 use crate::train::Scores;
 
 /// What is counted.
@@ -78,10 +78,8 @@ impl<'a> Judging<'a> {
         let (classes, traces) = self.traces()?;
         let groups = self.selection.groups(&self.settings.validation, &traces)?;
         groups.refuse_known(&notes.units)?;
-        let seen = traces.iter().filter(|t| notes.trained_on.iter().any(|id| id == stem(&t.trace.id))).count();
-        if seen > 0 {
-            log.warn([format!("{seen} of {} traces were trained on: the rates flatter the model", traces.len())]);
-        }
+        let (seen, words) = seen(&traces, (&notes.trained_on, &notes.contents));
+        log.warn(words);
         log.warn(irregular(traces.iter().map(|t| &t.trace)));
         log.warn(refused(traces.iter().map(|t| &t.trace)));
         let verdicts = judge(model, &traces, notes.preparation(), log)?;

@@ -13,6 +13,7 @@ use crate::table::plain::{self, Failure, Form, Refusal};
 use crate::table::source::Source;
 use crate::table::unpack::unpacked;
 use model::Error;
+use model::outputs::text_of;
 
 /// Bytes of a file from which it is read in pieces, and of its start, which has the layout.
 const LARGE: u64 = 4 << 20;
@@ -44,7 +45,7 @@ impl Text {
 
     /// Names of the columns.
     pub(super) fn names(&self, path: &Path) -> Result<Vec<String>, Error> {
-        let clean = |name: &str| name.trim().trim_start_matches('\u{feff}').to_string();
+        let clean = |name: &str| text_of(name.trim().trim_start_matches('\u{feff}')).to_string();
         let first = |line: &str| -> Result<Vec<String>, Error> {
             let mut reader = self.reader(line);
             let mut record = csv::StringRecord::new();
