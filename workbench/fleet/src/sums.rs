@@ -71,7 +71,7 @@ pub struct Sums {
     pub plan: Plan,
     /// Names of the features that are summed.
     pub features: Vec<String>,
-    /// The features that were chosen, as they were given; further ones are summed where these need them.
+    /// The features that were chosen, as they were given, and may need further ones.
     pub chosen: Vec<String>,
     /// Conditions on the rows, as they were given.
     pub conditions: Vec<String>,
@@ -171,24 +171,18 @@ impl ClassSums {
 }
 
 impl Sums {
-    /// The same, with the features that were chosen.
-    #[must_use]
-    pub fn for_choice(self, chosen: &[String]) -> Self {
-        Self { chosen: chosen.to_vec(), ..self }
-    }
-
-    /// No rows yet of these features.
+    /// No rows yet of these features, and the choice that needs them.
     ///
     /// # Errors
     /// More than [`MOST_FEATURES`].
-    pub fn new(plan: &Plan, features: &[String], conditions: &[String]) -> Result<Self, Error> {
+    pub fn new(plan: &Plan, [features, chosen]: [&[String]; 2], conditions: &[String]) -> Result<Self, Error> {
         if features.len() > MOST_FEATURES {
             return Err(Error::Usage(format!("at most {MOST_FEATURES} features can be summed; choose by --features")));
         }
         Ok(Self {
             plan: plan.clone(),
             features: features.to_vec(),
-            chosen: vec![],
+            chosen: chosen.to_vec(),
             conditions: conditions.to_vec(),
             rows: 0,
             classes: BTreeMap::new(),

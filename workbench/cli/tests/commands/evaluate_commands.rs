@@ -155,3 +155,25 @@ fn tables_have_no_formulas() {
         assert!(formulas.iter().all(|cell| cell.parse::<f64>().is_ok()), "{table}: {formulas:?}");
     }
 }
+
+/// The core has 16 bytes of a name, files have all of it.
+#[test]
+fn names_of_classes_have_any_length() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy,spall,roughness --count 12 --seed 12 --out runs");
+    let labels = std::fs::read_to_string(dir.join("runs/labels.csv")).expect("labels");
+    let labels = labels.replace(",spall,", ",spall-and-roughness,").replace(",roughness,", ",spall-and-roughnesses,");
+    std::fs::write(dir.join("runs/labels.csv"), labels).expect("written");
+    let train = format!("{TRAIN} --features a,b,c --labels runs/labels.csv --rust m.rs --c m.h");
+    let output = crate::common::run(dir, &train);
+    let warnings = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{warnings}");
+    assert!(warnings.contains("class spall-and-roughness is spall-and-r~"), "{warnings}");
+    let found = json(&succeed(dir, "evaluate --model m.bwm --labels runs/labels.csv --json"));
+    let classes: Vec<&str> = found["classes"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
+    assert!(classes.len() == 3 && classes[1] != classes[2], "{classes:?}");
+    assert!(classes[1..].iter().all(|name| name.starts_with("spall-and-r~") && name.len() == 16), "{classes:?}");
+    let decided: u64 = (0..3).map(|k| found["confusion"][k][k].as_u64().expect("a count")).sum();
+    assert!(decided > 20, "of 36: {found}");
+}

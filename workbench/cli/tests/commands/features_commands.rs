@@ -90,7 +90,8 @@ fn sums_keep_the_choice_of_features() {
             let mut names: Vec<&str> =
                 trained["features"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
             let mut expected: Vec<&str> = expected.split(' ').collect();
-            (names.sort_unstable(), expected.sort_unstable());
+            names.sort_unstable();
+            expected.sort_unstable();
             assert_eq!(names, expected, "{features} {sums}");
         }
         let other = json(&succeed(dir, "train-features s.sums --features a1 --model m.bwm --json"));

@@ -13,6 +13,7 @@ use crate::evaluate::{Breakdown, Chance, Confusion, Control, FalseAlarms, Judged
 use crate::settings::Settings;
 use crate::trace::labels::LabelledTrace;
 use crate::train::Scores;
+use crate::train::label::label;
 
 /// What is counted.
 #[derive(Clone, Copy, Debug, Default, serde::Deserialize)]
@@ -108,7 +109,10 @@ impl<'a> Judging<'a> {
         let (names, mut traces) = self.selection.rows(&self.settings.validation.test_where)?;
         let mut classes = model.classes.clone();
         for labelled in &mut traces {
-            let name = &names[labelled.class];
+            let long = &names[labelled.class];
+            // As the model has it, or else as it is.
+            let cut = label(long).into_owned();
+            let name = if model.classes.contains(&cut) { &cut } else { long };
             if !classes.contains(name) {
                 if model.healthy().is_none() {
                     let known = model.classes.join(", ");

@@ -1,7 +1,7 @@
 //! How much a file may become in memory: a few bytes can claim, or unpack to, more than any memory holds.
 //!
 //! ```text
-//! limit = max(256 MiB, 100 × size of the file)        or BEARING_WATCH_READ_LIMIT, such as 4G
+//! limit = max(64 MiB, 100 × size of the file)         or BEARING_WATCH_READ_LIMIT, such as 4G
 //! ```
 //!
 //! What a file claims is compared before memory is reserved; what a stream unpacks to, while it comes out. A number
@@ -17,7 +17,7 @@ use model::Error;
 /// The environment variable with another limit.
 const VARIABLE: &str = "BEARING_WATCH_READ_LIMIT";
 /// Bytes that any file may become; beyond them, how many times its size.
-const LEAST: u64 = 256 << 20;
+const LEAST: u64 = 64 << 20;
 const RATIO: u64 = 100;
 /// Bytes of a number in memory.
 #[cfg(any(feature = "matlab", feature = "numpy", feature = "parquet"))]

@@ -223,12 +223,13 @@ mod tests {
             let stream = encoder.finish().expect("in memory");
             [&PACKED.to_le_bytes()[..], &(stream.len() as u32).to_le_bytes(), &stream].concat()
         };
-        let count = 20_u32 << 20;
+        let count = 5_u32 << 20;
         let bytes =
             array(9, &[1_u32.to_le_bytes(), count.to_le_bytes()].concat(), &tagged(2, &vec![0; count as usize]));
         let small = file(&packed(&bytes));
         assert!(small.len() < 1 << 20 && plain(&small).is_some());
-        let refused = unpacked(&file(&[packed(&bytes), packed(&bytes)].concat())).expect_err("320 MiB of numbers");
-        assert!(refused.contains("more than the limit of 268435456"), "{refused}");
+        let refused =
+            unpacked(&file(&[packed(&bytes), packed(&bytes)].concat())).expect_err("90 MiB of bytes and numbers");
+        assert!(refused.contains("more than the limit of 67108864"), "{refused}");
     }
 }
