@@ -133,7 +133,7 @@ static FILE: &[u8] = include_bytes!("../../examples/support/standard_rig/model.b
 fn sums(bytes: &[u8]) {
     const CHECKSUM: crc::Crc<u64> = crc::Crc::<u64>::new(&crc::CRC_64_XZ);
     let _refused = Sums::from_bytes(bytes);
-    let mut whole = b"bearing-watch sums 1\n".to_vec();
+    let mut whole = b"bearing-watch sums 2\n".to_vec();
     whole.extend(CHECKSUM.checksum(bytes).to_le_bytes());
     whole.extend(bytes);
     let Ok(sums) = Sums::from_bytes(&whole) else { return };

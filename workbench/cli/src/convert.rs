@@ -6,6 +6,7 @@ use super::jobs::Convert;
 use super::options::Taken;
 use super::output;
 use model::Error;
+use model::outputs::Staged;
 use model::trace::stem;
 use traces::reader::{self, Series};
 use traces::resample::{Resampled, at_rate};
@@ -194,11 +195,10 @@ fn save(path: &Path, names: &[(String, String)], times: Option<Vec<f64>>, column
     let own = names.iter().map(|(name, _)| name.clone());
     let names: Vec<String> = timed.then(|| TIME.to_string()).into_iter().chain(own).collect();
     let columns: Vec<Vec<f64>> = times.filter(|_| timed).into_iter().chain(columns).collect();
-    // The format is chosen by the name, which the temporary file has too.
-    let folder = tempfile::tempdir_in(output::folder_of(path)).map_err(Error::io(path))?;
-    let staged = folder.path().join(path.file_name().unwrap_or_default());
-    table::write(&staged, &names, &columns)?;
-    std::fs::rename(&staged, path).map_err(Error::io(path))
+    // The format is chosen by the ending, which the temporary file has too.
+    let staged = Staged::new(path)?;
+    table::write(staged.path(), &names, &columns)?;
+    staged.finish()
 }
 
 #[cfg(test)]

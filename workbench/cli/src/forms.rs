@@ -12,13 +12,13 @@ type Key = (&'static str, &'static str, &'static str);
 /// A form of JSON.
 #[derive(Debug)]
 pub(super) struct Form {
-    name: &'static str,
-    about: &'static str,
+    pub(super) name: &'static str,
+    pub(super) about: &'static str,
     /// Whether it is a list of such objects.
-    list: bool,
-    keys: &'static [Key],
+    pub(super) list: bool,
+    pub(super) keys: &'static [Key],
     /// Keys that are only there with some options.
-    optional: &'static [Key],
+    pub(super) optional: &'static [Key],
 }
 
 impl Form {

@@ -15,7 +15,7 @@ use model::identify::Terms;
 use model::session::{ModelFile, Notes, check_rate, irregular, refused};
 use model::trace::Trace;
 use model::trace::tally::told;
-use model::train::front_end_source::further_channels;
+use model::train::front_end_source::further_columns;
 use pages::Page;
 use pages::conclusion::replay::Conclusion;
 use pages::replay::{Replayed, page};
@@ -153,7 +153,8 @@ impl Args {
                 "--rows takes one recording, and a model that was trained with --front-end".into(),
             ));
         };
-        output::write(file, raw_rows(trace, front_end, &further_channels(model.model()))?)
+        let further = further_columns(model.model(), &notes.channels(), "--rows")?;
+        output::write(file, raw_rows(trace, front_end, &further)?)
     }
 
     fn baseline(&self, model: &Embedded) -> Result<Option<Baseline<RunTime>>, Error> {

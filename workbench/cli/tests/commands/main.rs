@@ -9,6 +9,7 @@ mod common;
 mod covariate_commands;
 mod drive_file_commands;
 mod evaluate_commands;
+mod export_commands;
 mod face;
 mod faces;
 mod features_commands;

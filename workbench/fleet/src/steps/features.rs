@@ -92,15 +92,15 @@ pub fn features(
         }
     };
     let labels = Labelled::new(&selection, &chosen, &plan)?;
-    let mut part = outputs::temporary(&options.out)?;
-    let mut writer = Writer::new(part.as_file_mut(), &options.out, &plan, &labels.columns)?;
+    let mut part = outputs::Staged::new(&options.out)?;
+    let mut writer = Writer::new(part.file(), &options.out, &plan, &labels.columns)?;
     let met = write(&mut writer, selection.source(), (&labels, &plan), log)?;
     if let Some((id, _)) = chosen.iter().find(|(id, _)| !met.origins.has(id)) {
         let problem = format!("{id} is labelled, but there is no such trace; give its file or folder");
         return Err(Error::content(file.as_deref().unwrap_or(Path::new("labels")), "column trace", problem));
     }
     let (rows, sorted) = writer.finish()?;
-    part.persist(&options.out).map_err(|e| Error::Io { path: options.out.clone(), source: e.error })?;
+    part.finish()?;
     met.warn(chosen.len(), sorted, log);
     Ok(Featured {
         rows,

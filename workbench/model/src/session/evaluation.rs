@@ -1,5 +1,6 @@
 //! The evaluation of a model on labelled traces.
 
+use super::contents::seen;
 use super::doubts::{irregular, refused};
 use super::found::{Findings, stabilities, untrained};
 use super::given::Given;
@@ -12,8 +13,8 @@ use crate::evaluate::{Breakdown, Chance, Confusion, Control, FalseAlarms, Judged
 use crate::settings::Settings;
 use crate::trace::Tally;
 use crate::trace::labels::LabelledTrace;
-use crate::trace::stem;
 use crate::train::Scores;
+use crate::train::label::label;
 
 /// What is counted.
 #[derive(Clone, Copy, Debug, Default, serde::Deserialize)]
@@ -81,10 +82,8 @@ impl<'a> Judging<'a> {
         let (classes, traces) = self.traces()?;
         let groups = self.selection.groups(&self.settings.validation, &traces)?;
         groups.refuse_known(&notes.units)?;
-        let seen = traces.iter().filter(|t| notes.trained_on.iter().any(|id| id == stem(&t.trace.id))).count();
-        if seen > 0 {
-            log.warn([format!("{seen} of {} traces were trained on: the rates flatter the model", traces.len())]);
-        }
+        let (seen, words) = seen(&traces, (&notes.trained_on, &notes.contents));
+        log.warn(words);
         log.warn(irregular(traces.iter().map(|t| &t.trace)));
         log.warn(refused(traces.iter().map(|t| &t.trace)));
         let verdicts = judge(model, &traces, notes.preparation(), log)?;
@@ -125,7 +124,10 @@ impl<'a> Judging<'a> {
         let (names, mut traces) = self.selection.rows(&self.settings.validation.test_where)?;
         let mut classes = model.classes.clone();
         for labelled in &mut traces {
-            let name = &names[labelled.class];
+            let long = &names[labelled.class];
+            // As the model has it, or else as it is.
+            let cut = label(long).into_owned();
+            let name = if model.classes.contains(&cut) { &cut } else { long };
             if !classes.contains(name) {
                 if model.healthy().is_none() {
                     let known = model.classes.join(", ");

@@ -280,11 +280,6 @@ fn check_classes(traces: &[LabelledTrace], classes: &[String], healthy: Option<u
         )));
     }
     for (class, name) in classes.iter().enumerate() {
-        if name.len() > 16 {
-            return Err(Error::Training(format!(
-                "class name {name} is longer than 16 bytes; shorten it in the labels"
-            )));
-        }
         let count = traces.iter().filter(|t| t.class == class).count();
         if count < 2 {
             return Err(Error::Training(format!(

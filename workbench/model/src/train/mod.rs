@@ -32,6 +32,7 @@ mod folds;
 mod forward;
 pub mod front_end_header;
 pub mod front_end_source;
+pub mod label;
 mod lags;
 mod left_out;
 mod matrix;

@@ -23,12 +23,13 @@ use model::trace::front_end::FrontEndFile;
 ///
 /// # Errors
 /// A file without these columns or with several traces; a front end that reads sine and cosine of a resolver.
-pub fn raw_rows(path: &Path, front_end: &FrontEndFile, further: &[&str]) -> Result<Vec<u8>, Error> {
+pub fn raw_rows(path: &Path, front_end: &FrontEndFile, further: &[String]) -> Result<Vec<u8>, Error> {
     let table = Table::open(path)?;
     let header = reader::header_of(&table, None)?;
     let own = front_end.columns();
     let timed = header.time().map(|place| header.names()[place].as_str());
-    let names: Vec<String> = own.iter().chain(further).copied().chain(timed).map(String::from).collect();
+    let names: Vec<String> =
+        own.iter().copied().chain(further.iter().map(String::as_str)).chain(timed).map(String::from).collect();
     let channels = Channels { further: names, ..Channels::new(own[0], own[0], own[0]) };
     let traces = reader::read_as_recorded(&table, &channels, &|_| true)?;
     let [trace] = &traces[..] else {

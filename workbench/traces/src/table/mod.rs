@@ -7,6 +7,8 @@
 //! .npz                 arrays of NumPy ([`numpy`])
 //! ```
 //!
+//! No file becomes more than its `limit` in memory.
+//!
 //! A table may also be in memory (`memory`). Each format but text is a feature of this crate.
 
 #[cfg(any(feature = "matlab", feature = "numpy"))]
@@ -23,12 +25,15 @@ mod digits;
 mod doubles;
 mod formats;
 mod layout;
+mod limit;
 mod lines;
 mod marks;
 #[cfg(feature = "matlab")]
 mod matlab;
 #[cfg(feature = "matlab")]
 mod matlab_elements;
+#[cfg(feature = "matlab")]
+mod matlab_hdf5;
 #[cfg(feature = "matlab")]
 mod matlab_value;
 mod memory;
