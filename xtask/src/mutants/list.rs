@@ -37,6 +37,14 @@ pub struct Mutant {
     pub why: String,
 }
 
+impl Room {
+    /// The folder of the package, from the root of the repository.
+    pub fn folder(&self) -> &str {
+        let file = self.mutants.first().map_or("", |mutant| mutant.file.as_str());
+        file.split_once("src/").map_or("", |(folder, _)| folder)
+    }
+}
+
 impl Mutant {
     /// The text of the file with the change.
     pub fn applied(&self, text: &str) -> Result<String> {

@@ -78,9 +78,9 @@ pub fn run(options: &Options) -> Result<bool> {
 fn fates(source: &Path, room: &Room) -> Result<Vec<Fate>> {
     println!("\n== {}", room.name);
     let start = Instant::now();
-    ensure!(build(source, room)?, "the tests of {} do not compile", room.name);
+    let programs = build(source, room)?.with_context(|| format!("the tests of {} do not compile", room.name))?;
     let built = Instant::now();
-    match tests(source, room, &room.tests, Duration::MAX)? {
+    match tests(&programs, source, room, (&room.tests, Duration::MAX))? {
         Some(Fate::Killed(test)) => bail!("the tests of {} fail without a mutant: {test}", room.name),
         Some(Fate::Survived) => {}
         None => bail!("{} has no tests {:?}", room.name, room.tests),
@@ -95,11 +95,12 @@ fn fate(source: &Path, room: &Room, mutant: &Mutant, limit: Duration) -> Result<
     let text = fs::read_to_string(&path).with_context(|| mutant.file.clone())?;
     let (place, changed) = (mutant.place(&text), mutant.applied(&text)?);
     let _restored_at_the_end = tree::Changed::new(path, text, &changed)?;
-    ensure!(build(source, room)?, "the mutant at {place} does not compile: {:?}", mutant.new);
+    let built = build(source, room)?;
+    let programs = built.with_context(|| format!("the mutant at {place} does not compile: {:?}", mutant.new))?;
     // Those beside the change tell most, and sooner.
-    let fate = match tests(source, room, &mutant.module(), limit)? {
+    let fate = match tests(&programs, source, room, (&mutant.module(), limit))? {
         Some(killed @ Fate::Killed(_)) => killed,
-        _ => tests(source, room, &room.tests, limit)?.context("no test is left")?,
+        _ => tests(&programs, source, room, (&room.tests, limit))?.context("no test is left")?,
     };
     match &fate {
         Fate::Killed(test) => println!("killed    {place} by {test}"),
@@ -108,18 +109,55 @@ fn fate(source: &Path, room: &Room, mutant: &Mutant, limit: Duration) -> Result<
     Ok(fate)
 }
 
-/// Compiles the tests of a room; whether that succeeds.
-fn build(source: &Path, room: &Room) -> Result<bool> {
+/// Compiles the tests of a room with the builds of all dependencies that the tests of the tree use; what is compiled of
+/// the copy has other names. Their programs; `None` if they do not compile.
+fn build(source: &Path, room: &Room) -> Result<Option<Vec<PathBuf>>> {
     let log = source.with_file_name("build.log");
-    let mut cargo = cargo(source, room, &log)?;
-    Ok(child::status(cargo.arg("--no-run"))?.success())
+    let mut cargo = workspace::cargo(&["test", "--no-run", "--locked"]);
+    for setting in PROFILE {
+        cargo.args(["--config", setting]);
+    }
+    cargo.args(&room.package).current_dir(source).env("CARGO_TARGET_DIR", workspace::target_dir());
+    if !child::status(into(&log, &mut cargo)?)?.success() {
+        return Ok(None);
+    }
+    let printed = fs::read_to_string(&log)?;
+    let programs: Vec<PathBuf> = executables(&printed).map(|program| source.join(program)).collect();
+    ensure!(!programs.is_empty(), "cargo names no program of {}", room.name);
+    Ok(Some(programs))
 }
 
-/// Runs the tests of a room with this in their names, which are compiled; `None` if there are none.
-fn tests(source: &Path, room: &Room, names: &str, limit: Duration) -> Result<Option<Fate>> {
-    let log = source.with_file_name("tests.log");
+/// The programs in cargo's lines `Executable unittests src/lib.rs (target/debug/deps/…)`.
+fn executables(printed: &str) -> impl Iterator<Item = &str> {
+    let lines = printed.lines().filter(|line| line.trim_start().starts_with("Executable "));
+    lines.filter_map(|line| line.rsplit_once('(')?.1.strip_suffix(')'))
+}
+
+/// Lets both streams of a command go into a file.
+fn into<'c>(log: &Path, command: &'c mut Command) -> Result<&'c mut Command> {
+    let printed = File::create(log).with_context(|| log.display().to_string())?;
+    Ok(command.stderr(printed.try_clone()?).stdout(printed))
+}
+
+/// Runs the tests of a room with this in their names, up to the first program with one that fails; `None` if there are
+/// none. Not by cargo, which may wait for another build.
+fn tests(programs: &[PathBuf], source: &Path, room: &Room, names: (&str, Duration)) -> Result<Option<Fate>> {
+    let mut fate = None;
+    for program in programs {
+        match tests_of(program, source, room, names)? {
+            killed @ Some(Fate::Killed(_)) => return Ok(killed),
+            own => fate = fate.or(own),
+        }
+    }
+    Ok(fate)
+}
+
+fn tests_of(program: &Path, source: &Path, room: &Room, (names, limit): (&str, Duration)) -> Result<Option<Fate>> {
+    let (log, folder) = (source.with_file_name("tests.log"), source.join(room.folder()));
     let start = Instant::now();
-    let mut started = child::start(cargo(source, room, &log)?.arg(names).stdin(Stdio::null()))?;
+    let mut command = Command::new(program);
+    command.arg(names).current_dir(&folder).env("CARGO_MANIFEST_DIR", &folder).stdin(Stdio::null());
+    let mut started = child::start(into(&log, &mut command)?)?;
     let status = loop {
         match started.0.try_wait()? {
             Some(status) => break status,
@@ -136,19 +174,6 @@ fn tests(source: &Path, room: &Room, names: &str, limit: Duration) -> Result<Opt
         (false, Some(test)) => Some(Fate::Killed(test.to_owned())),
         (false, None) => Some(Fate::Killed(format!("an end without a word ({status})"))),
     })
-}
-
-/// `cargo test` with the arguments of a room, in the copy. It uses the builds of all dependencies that the tests of the
-/// tree use; what it compiles of the copy has other names.
-fn cargo(source: &Path, room: &Room, log: &Path) -> Result<Command> {
-    let mut cargo = workspace::cargo(&["test", "--locked"]);
-    for setting in PROFILE {
-        cargo.args(["--config", setting]);
-    }
-    cargo.args(&room.package).current_dir(source).env("CARGO_TARGET_DIR", workspace::target_dir());
-    let printed = File::create(log).with_context(|| log.display().to_string())?;
-    cargo.stderr(printed.try_clone()?).stdout(printed);
-    Ok(cargo)
 }
 
 /// A line for each room, and whether each has its score.
@@ -177,5 +202,12 @@ mod tests {
         assert!(!passed && text.contains("one                       10       9    90 %\n"), "{text}");
         assert!(text.ends_with("two                        9       8    88 %  FAIL\n"), "{text}");
         assert!(table(&[("one", fates(9, 1))]).1);
+    }
+
+    #[test]
+    fn the_programs_are_those_that_cargo_names() {
+        let printed =
+            "   Compiling a v0.1.0 (/x)\n    Finished `test` profile\n  Executable unittests src/lib.rs (/y/a-1)\n";
+        assert_eq!(executables(printed).collect::<Vec<_>>(), ["/y/a-1"]);
     }
 }
