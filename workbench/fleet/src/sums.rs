@@ -397,3 +397,6 @@ fn twice(name: &str) -> Error {
          command, or with --keep-units"
     ))
 }
+
+#[cfg(test)]
+mod tests;

@@ -177,4 +177,26 @@ mod tests {
         let back: Vec<f64> = times.iter().rev().copied().collect();
         assert!(at_rate(&back, &column, &[None], 50.0).expect_err("back").to_string().contains("row 2"));
     }
+
+    #[test]
+    fn a_gap_of_a_few_rows_cuts_and_short_pieces_go() {
+        // 20 rows, a gap of 10 steps, 7 rows, a gap, 20 rows.
+        let start = |row: u32| {
+            row + if row >= 27 {
+                18
+            } else if row >= 20 {
+                9
+            } else {
+                0
+            }
+        };
+        let times: Vec<f64> = (0..47).map(|row| 0.01 * f64::from(start(row))).collect();
+        let found = at_rate(&times, std::slice::from_ref(&times), &[None], 100.0).expect("resampled");
+        assert_eq!(found.gaps.len(), 2, "{:?}", found.gaps);
+        assert!(found.gaps.iter().all(|gap| (gap[1] - 0.1).abs() < 1e-9), "{:?}", found.gaps);
+        let starts: Vec<f64> = found.pieces.iter().map(|piece| piece.start_s).collect();
+        assert!(starts.len() == 2 && starts[0] == 0.0 && (starts[1] - 0.45).abs() < 1e-9, "{starts:?}");
+        let few = times.first_chunk::<7>().expect("47 rows");
+        assert!(at_rate(few, &[few.to_vec()], &[None], 100.0).is_err(), "seven rows");
+    }
 }

@@ -375,4 +375,23 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn an_integral_takes_each_step_of_time() {
+        let names = ["v".to_string()];
+        let signal = Signal::parse("integrate(v)", &names).expect("a channel");
+        let (column, steps) = ([1.0, 3.0, 5.0, 5.0], [0.1, 0.2, 0.4]);
+        let found = signal.values(4, &|_| &column, &|row| steps[row]);
+        // Trapezia: 2 · 0.1, 4 · 0.2, 5 · 0.4.
+        let near = found.iter().zip([0.0, 0.2, 1.0, 3.0]).all(|(one, other)| (one - other).abs() < 1e-12); // rounding
+        assert!(near, "{found:?}");
+    }
+
+    #[test]
+    fn units_that_differ_by_an_offset_alone_are_different() {
+        let names = ["motor_degC", "air_K"].map(String::from);
+        let problem = Signal::parse("motor_degC - air_K", &names).expect_err("an offset of 273.15");
+        assert!(problem.contains("different units"), "{problem}");
+        assert!(Signal::parse("(motor_degC K) - air_K", &names).is_ok());
+    }
 }

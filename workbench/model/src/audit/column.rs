@@ -156,4 +156,14 @@ mod tests {
         assert_eq!((found.findings(), found.missing), (vec!["no number in 1.0 % of the rows".to_string()], 0.01));
         assert!((found.mean - Column::of(&wave(2000)).mean).abs() < 0.01 && found.deviation > 0.5);
     }
+
+    #[test]
+    fn a_peak_of_a_single_row_is_not_saturated() {
+        // 2 % of the rows are at an end of the range.
+        let saw: Vec<f64> = (0..1000).map(|k| f64::from(k % 100)).collect();
+        assert_eq!(Column::of(&saw).findings(), Vec::<String>::new());
+        // 2 of 100 rows at each end become 3 + 3: below 2, and above 96.
+        let cut: Vec<f64> = saw.iter().map(|x| x.clamp(2.0, 97.0)).collect();
+        assert!((Column::of(&cut).saturated - 0.06).abs() < 1e-12, "{:?}", Column::of(&cut));
+    }
 }

@@ -121,4 +121,14 @@ mod tests {
         let scaled: Vec<f64> = one.iter().map(|x| 3.0 * x + 1.0).collect();
         assert!((correlation(&one, &scaled) - 1.0).abs() < 1e-12 && correlation(&one, &[2.0; 600]) == 0.0);
     }
+
+    #[test]
+    fn a_lag_outside_of_the_searched_ones_is_not_told() {
+        let x = noise(6, 4000);
+        let smooth: Vec<f64> = x.windows(40).map(|rows| rows.iter().sum::<f64>()).collect();
+        let smoother: Vec<f64> = smooth.windows(40).map(|rows| rows.iter().sum::<f64>()).collect();
+        let later = |rows: usize| lag(&smoother[rows..3000], &smoother[..3000 - rows]);
+        assert!(later(49).is_some_and(|(found, _)| (found - 49.0).abs() < 0.1));
+        assert!([50, 51, 55].iter().all(|rows| later(*rows).is_none()), "{:?}", later(51));
+    }
 }
