@@ -15,7 +15,7 @@ fn plan() -> Plan {
 }
 
 fn sums() -> Sums {
-    Sums::new(&plan(), &["a", "b"].map(String::from), &[]).expect("two features")
+    Sums::new(&plan(), [&["a", "b"].map(String::from), &[]], &[]).expect("two features")
 }
 
 /// A run of healthy rows with both features.

@@ -69,7 +69,8 @@ mod tests {
     fn a_single_lost_row_is_a_gap() {
         let times: Vec<f64> = (0..100).filter(|k| *k != 40).map(|k| f64::from(k) / 64.0).collect();
         let found = Times::of(&times).expect("times");
-        let expected = Times { rate_hz: 64.0, jitter: 0.0, gaps: 1, longest_gap_s: 2.0 / 64.0, standing: 0 };
+        let expected =
+            Times { rate_hz: 64.0, jitter: 0.0, gaps: 1, longest_gap_s: 2.0 / 64.0, missing: 1, standing: 0 };
         assert_eq!(found, expected);
     }
 }
