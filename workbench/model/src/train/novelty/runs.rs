@@ -188,18 +188,24 @@ pub(super) fn next_run(table: &FeatureTable, runs: &[usize], count: usize) -> Re
 }
 
 /// Returns the surprise of each segment by mean, covariance and law of other runs, with its run; none if these have no
-/// law. A tenth of the runs is left out at a time.
+/// law, or of fewer than ten runs. A tenth of the runs is left out at a time.
 pub(super) fn left_out(table: &FeatureTable, runs: &[usize], count: usize) -> Vec<(f64, usize)> {
-    let folds = count.min(FOLDS);
+    let folds = FOLDS;
+    if count < folds {
+        return vec![];
+    }
     let of_fold = |fold: usize| -> Option<Vec<(f64, usize)>> {
         let (out, others): (Vec<usize>, Vec<usize>) = (0..runs.len()).partition(|&row| runs[row] % folds == fold);
         let left = (0..count).filter(|run| run % folds != fold).collect::<Vec<_>>();
         let numbers: Vec<usize> = others.iter().filter_map(|&row| left.binary_search(&runs[row]).ok()).collect();
-        let NextRun { mean, covariance, law, .. } = next_run(&table.keep(&others), &numbers, left.len()).ok()?;
+        let NextRun { mean, covariance, law, spread } = next_run(&table.keep(&others), &numbers, left.len()).ok()?;
+        // The law (4) needs more degrees of freedom than coordinates.
+        (spread.freedom > mean.len() as f64).then_some(())?;
         let surprise = |&row: &usize| {
             let (value, variance) = (&table.rows[row], &table.variances[row]);
             let (squared, available) = moments::squared_distance((&mean, &covariance), value, variance)?;
-            Some((law.surprise(equivalent(squared, available, value.len())), runs[row]))
+            let squared = equivalent(squared, available, value.len());
+            squared.is_finite().then(|| (law.surprise(squared), runs[row]))
         };
         out.iter().map(surprise).collect()
     };
