@@ -159,7 +159,7 @@ fn piece(own: &Own, table: Arc<Recorded>) -> Result<Trace, Error> {
         _ => None,
     });
     if rows.is_some_and(|rows| rows > 1) {
-        let timed = Source::Memory(vec![Arc::clone(&table)]).read(&own.file.channels())?;
+        let timed = traces::read_piece(&table, &own.file.channels())?;
         check_rate(&own.file.model, own.file.preparation(), timed.iter())?;
     }
     let channels = Channels { time: Some("none".into()), rate_hz: None, ..own.file.channels() };
