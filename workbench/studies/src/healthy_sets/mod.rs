@@ -54,12 +54,11 @@ pub struct Found {
 /// A model that the core does not accept.
 pub fn study(set: HealthySet, draws: std::ops::Range<u32>) -> Result<Found, Error> {
     let all: Vec<Draw> = draws.into_par_iter().map(|draw| one_draw(set, draw)).collect::<Result<_, _>>()?;
-    let refused = all.iter().filter(|own| own.judged.is_none()).count();
-    let tallies = |k: usize| all.iter().filter_map(|own| Some(own.judged?[k])).collect::<Vec<Tally>>();
-    let rates = [0, 1].map(tallies).map(|own| (!own.is_empty()).then(|| rate(&own)));
-    let [false_alarms, detected] = rates;
-    let doubted = all.iter().filter(|own| own.judged.is_some() && own.words.is_some()).count();
-    let words = all.iter().find_map(|own| own.words.clone());
+    let refused = all.iter().filter(|draw| draw.judged.is_none()).count();
+    let tallies = |k: usize| all.iter().filter_map(|draw| Some(draw.judged?[k])).collect::<Vec<Tally>>();
+    let [false_alarms, detected] = [0, 1].map(tallies).map(|counts| (!counts.is_empty()).then(|| rate(&counts)));
+    let doubted = all.iter().filter(|draw| draw.judged.is_some() && draw.words.is_some()).count();
+    let words = all.iter().find_map(|draw| draw.words.clone());
     Ok(Found { set, refused, doubted, draws: all.len(), false_alarms, detected, words })
 }
 
@@ -79,8 +78,8 @@ fn one_draw(set: HealthySet, draw: u32) -> Result<Draw, Error> {
     };
     let embedded = trained.embed()?;
     let judge = |(shift, kind): (f64, u64)| {
-        let novel = |own: &LabelledTrace| {
-            let reports = embedded.run(&own.trace);
+        let novel = |record: &LabelledTrace| {
+            let reports = embedded.run(&record.trace);
             embedded.combine(&reports).map(|(finding, _)| finding == Finding::Novel)
         };
         Tally::of(records(set.law, (JUDGED, false), shift, seed(kind)).iter().map(novel)).undetermined_counted()

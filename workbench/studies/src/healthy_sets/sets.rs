@@ -12,7 +12,7 @@
 use nalgebra::{Matrix3, Vector3};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal, StudentT};
+use rand_distr::{ChiSquared, Distribution, StandardNormal};
 
 use model::trace::Trace;
 use model::trace::labels::LabelledTrace;
@@ -128,11 +128,9 @@ impl Source {
             Law::Normal | Law::Contaminated(_) => z,
             Law::Skewed => z.map(skewed),
             Law::HeavyTails => {
-                // t₃ = z √(3/χ²₃) has the variance 3.
-                let t = StudentT::new(3.0).expect("positive").sample(rng);
-                let z0: f64 = StandardNormal.sample(rng);
-                let factor = (t / z0).abs() / 3.0_f64.sqrt();
-                z * factor
+                // t = z √(3/χ²) of three degrees of freedom has the variance 3.
+                let squared: f64 = ChiSquared::new(3.0).expect("positive").sample(rng);
+                z / squared.sqrt()
             }
             Law::Sessions | Law::SkewedSessions => {
                 if new {
