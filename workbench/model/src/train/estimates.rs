@@ -56,12 +56,11 @@ pub(super) struct Used {
 impl<'a> Estimates<'a> {
     /// Trains what estimates, and runs it over the traces.
     pub(super) fn of(traces: &'a [LabelledTrace], classes: &'a [String], recipe: &Recipe) -> Result<Self, Error> {
-        let segment = segment::samples(traces, recipe);
-        let recipe = &segment::resolved(traces, recipe);
+        let (segment, recipe) = segment::resolved(traces, recipe);
         // The spread of the features depends on the segment length: trains on segments of the detector's length.
         let pieces = if recipe.estimation.segment.is_some() { cut(traces, segment) } else { traces.to_vec() };
         check_classes(&pieces, classes, recipe.alarms.healthy)?;
-        let Estimating { recipe, parts, interval_s, .. } = estimating(traces, classes, recipe)?;
+        let Estimating { recipe, parts, interval_s, .. } = estimating(traces, classes, &recipe)?;
         let catalogue = recipe.catalogue();
         // An unknown name is an error before the core runs over all traces.
         places(&catalogue, &recipe)?;
@@ -84,7 +83,8 @@ impl<'a> Estimates<'a> {
         let Some(healthy) = self.recipe.alarms.healthy else { return Ok(None) };
         let (names, table) = (self.catalogue.names(), &self.estimated.candidates.table);
         // Segments of one trace follow each other.
-        let of_traces = || ("trace".to_string(), self.traces.iter().map(|own| own.trace.id.clone()).collect());
+        let of_traces =
+            || ("trace".to_string(), self.traces.iter().map(|labelled| labelled.trace.id.clone()).collect());
         let cut = self.estimated.origins.windows(2).any(|two| two[0] == two[1]);
         let columns = &[columns.clone(), cut.then(of_traces).into_iter().collect()].concat();
         let (names, origins, traces) = (&names[..], &self.estimated.origins[..], self.traces);

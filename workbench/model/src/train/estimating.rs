@@ -25,9 +25,9 @@ pub struct Estimating {
 /// Traces of several rates, or of which no nominal model can be estimated.
 pub fn estimating(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> Result<Estimating, Error> {
     check_intervals(traces)?;
-    let segment = segment::samples(traces, recipe);
+    let (segment, recipe) = segment::resolved(traces, recipe);
     let interval_s = traces.iter().find_map(|t| t.trace.interval_s).unwrap_or(0.0);
-    let recipe = velocity_choice::resolved(traces, interval_s, &segment::resolved(traces, recipe));
+    let recipe = velocity_choice::resolved(traces, interval_s, &recipe);
     let parts = parts(traces, classes, &recipe, (segment, interval_s))?;
     Ok(Estimating { recipe, parts, segment, interval_s })
 }

@@ -1,9 +1,9 @@
 //! The length of a segment, if none is given.
 //!
-//! A trace is one segment, unless it is much longer than a verdict needs: then it is cut into equal segments of at least
-//! ten seconds, a hundred turns and ten thousand samples. They have enough rows for a feature's error to be small beside
-//! its spread between records, enough turns to tell the orders of a bearing apart, and the drive has a verdict long
-//! before the end of such a trace. More than [`MAX_SEGMENT_ROWS`] would need sums in two levels.
+//! A trace is one segment, unless it is much longer than a verdict needs: then it is cut into equal segments of at
+//! least ten seconds, a hundred turns and ten thousand samples. They have enough rows for a feature's error to be small
+//! beside its spread between records, enough turns to tell the orders of a bearing apart, and the drive has a verdict
+//! long before the end of such a trace. More than [`MAX_SEGMENT_ROWS`] would need sums in two levels.
 
 use std::f64::consts::TAU;
 
@@ -17,23 +17,18 @@ const SECONDS: f64 = 10.0;
 const TURNS: f64 = 100.0;
 const SAMPLES: f64 = 10_000.0;
 
-/// Returns the number of samples in a segment: that of the recipe, of the longest trace, or of a part of it.
-pub(super) fn samples(traces: &[LabelledTrace], recipe: &Recipe) -> usize {
+/// Returns the number of samples in a segment, and the recipe with it if it was not given and traces are longer.
+pub(super) fn resolved(traces: &[LabelledTrace], recipe: &Recipe) -> (usize, Recipe) {
+    if let Some(samples) = recipe.estimation.segment {
+        return (samples, recipe.clone());
+    }
     let longest = traces.iter().map(|t| t.trace.y.len()).max().unwrap_or(0);
-    let whole = longest.min(MAX_LONG_SEGMENT_ROWS as usize);
-    let least = least(traces);
-    recipe.estimation.segment.unwrap_or_else(|| match longest / least {
-        0 | 1 => whole,
+    let samples = match longest / least(traces) {
+        0 | 1 => longest.min(MAX_LONG_SEGMENT_ROWS as usize),
         parts => longest / parts,
-    })
-}
-
-/// Returns the recipe with the number of samples, if traces are longer.
-pub(super) fn resolved(traces: &[LabelledTrace], recipe: &Recipe) -> Recipe {
-    let samples = samples(traces, recipe);
-    let shorter = traces.iter().any(|t| t.trace.y.len() > samples);
-    let segment = recipe.estimation.segment.or_else(|| shorter.then_some(samples));
-    Recipe { estimation: Estimation { segment, ..recipe.estimation.clone() }, ..recipe.clone() }
+    };
+    let segment = (samples < longest).then_some(samples);
+    (samples, Recipe { estimation: Estimation { segment, ..recipe.estimation.clone() }, ..recipe.clone() })
 }
 
 /// Returns the fewest samples of a part of a trace.
@@ -61,7 +56,8 @@ mod tests {
     use crate::identify::Structure;
     use crate::trace::{MotionTrace, Trace};
 
-    /// The segment of traces at 500 Hz with so many samples and this velocity.
+    /// Returns the samples in a segment of traces at 500 Hz with these numbers of samples, and what the recipe has
+    /// then.
     fn of(samples: &[usize], velocity_rad_s: f64) -> (usize, Option<usize>) {
         let trace = |&n: &usize| {
             let motion = MotionTrace { velocity_rad_s: vec![velocity_rad_s; n], ..MotionTrace::default() };
@@ -70,7 +66,8 @@ mod tests {
         };
         let traces: Vec<LabelledTrace> = samples.iter().map(trace).collect();
         let recipe = Recipe::new(Structure::new(1, 1, 1, 1, 1));
-        (super::samples(&traces, &recipe), resolved(&traces, &recipe).estimation.segment)
+        let (samples, recipe) = resolved(&traces, &recipe);
+        (samples, recipe.estimation.segment)
     }
 
     #[test]

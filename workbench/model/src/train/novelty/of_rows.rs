@@ -12,7 +12,7 @@ use super::rising::Rising;
 use super::runs::{self, RunSpread};
 use super::scarcity::{Counted, scarcity};
 use super::score::ScoreLaw;
-use super::{knots, spread};
+use super::{held_out_runs, knots, spread};
 use crate::Error;
 use crate::train::FeatureTable;
 use crate::train::covariance::{singular, whitening};
@@ -166,7 +166,7 @@ impl Healthy {
             let runs::NextRun { mean, covariance, law, spread } =
                 runs::next_run(healthy, runs, *count).map_err(refuse)?;
             let covariance = covariance * self.wider(*count);
-            let law = law.corrected(&runs::left_out(healthy, runs, *count), skewed.is_some());
+            let law = law.corrected(&held_out_runs::surprises(healthy, runs, *count), skewed.is_some());
             return gate(mean, covariance, law, Some(spread));
         }
         let statistics = ClassStatistics::of(healthy, names)?;
