@@ -11,24 +11,24 @@ use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 /// The threads of a process.
-type Own = (u32, Arc<ThreadPool>);
+type Owned = (u32, Arc<ThreadPool>);
 
 /// Those of the process that worked first.
-static FIRST: OnceLock<Own> = OnceLock::new();
+static FIRST: OnceLock<Owned> = OnceLock::new();
 
 thread_local! {
-    /// Those of a process that was forked from it. Of its threads, the one that forked is the only one that lives, so
-    /// that nobody else can hold this.
-    static FORKED: RefCell<Option<Own>> = const { RefCell::new(None) };
+    /// Those of a process that was forked from it. Only the thread that forked goes on in it, so that no other
+    /// thread uses these.
+    static FORKED: RefCell<Option<Owned>> = const { RefCell::new(None) };
 }
 
-fn made() -> Result<Own, ThreadPoolBuildError> {
+fn made() -> Result<Owned, ThreadPoolBuildError> {
     Ok((process::id(), Arc::new(ThreadPoolBuilder::new().build()?)))
 }
 
 /// The threads of this process.
 fn threads() -> Result<Arc<ThreadPool>, ThreadPoolBuildError> {
-    let is_own = |(owner, _): &&Own| *owner == process::id();
+    let is_own = |(owner, _): &&Owned| *owner == process::id();
     if FIRST.get().is_none() {
         let (owner, threads) = made()?;
         // Another thread may be faster; both are right.
@@ -41,10 +41,10 @@ fn threads() -> Result<Arc<ThreadPool>, ThreadPoolBuildError> {
         if let Some((_, threads)) = forked.as_ref().filter(is_own) {
             return Ok(Arc::clone(threads));
         }
-        let own = made()?;
-        let threads = Arc::clone(&own.1);
+        let owned = made()?;
+        let threads = Arc::clone(&owned.1);
         // To drop those of a parent would be to wait for them.
-        std::mem::forget(forked.replace(own));
+        std::mem::forget(forked.replace(owned));
         Ok(threads)
     })
 }

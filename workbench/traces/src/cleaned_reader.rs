@@ -96,7 +96,7 @@ fn cleaned(raw: &Trace, channels: &Channels, front_end: &FrontEndFile, wanted: &
     let rows = Rows::of(clean.columns.into_iter().enumerate().collect(), Some(times));
     let given = Channels { rate_hz: None, ..channels.clone() };
     let trace = assemble(raw.id.clone(), &given, &wanted.signals, rows)?;
-    // What the front end refused is told by its own words.
+    // The front end counts the samples that it refused.
     let missing = if clean.refused.is_some() { Missing::default() } else { trace.missing };
     Ok(Trace { refused: clean.refused, missing, ..trace })
 }

@@ -101,8 +101,8 @@ pub(super) fn has_columns(table: &Table, channels: &Channels) -> bool {
     header_of(table, channels.time.as_deref()).is_ok_and(|header| header.signals(channels).is_ok())
 }
 
-/// Reads the wanted traces of one table, with a sample for each row that it should have; only the wanted columns must be
-/// numeric.
+/// Reads the wanted traces of one table, with a sample for each row that it should have; only the wanted columns must
+/// be numeric.
 pub(super) fn read(
     table: &Table,
     channels: &Channels,

@@ -172,7 +172,7 @@ fn tests_of(program: &Path, source: &Path, room: &Room, (names, limit): (&str, D
     Ok(match (status.success(), failed) {
         (true, _) => ran().then_some(Fate::Survived),
         (false, Some(test)) => Some(Fate::Killed(test.to_owned())),
-        (false, None) => Some(Fate::Killed(format!("an end without a word ({status})"))),
+        (false, None) => Some(Fate::Killed(format!("the program ended without a test result ({status})"))),
     })
 }
 

@@ -1,7 +1,7 @@
 //! Pages over HTTP on this machine alone, until Ctrl-C.
 //!
 //! A connection has one request. Its head is bounded in bytes, its waits in time, the connections and the answers that
-//! are made at the same time in number: a client that does not send or does not read keeps nobody else from the pages.
+//! are made at the same time in number: other clients get the pages although one does not send or read.
 
 mod address;
 mod request;
@@ -17,7 +17,7 @@ use request::{Connection, Request};
 
 pub(super) use address::{decoded, encoded};
 
-/// Connections at the same time; further ones are told to come again.
+/// Largest number of connections at the same time; further ones get the status 503.
 const CLIENTS: usize = 64;
 /// Answers that are made at the same time.
 const WORKERS: usize = 4;

@@ -89,8 +89,8 @@ fn dropped_and_empty_rows_give_the_same_model_and_verdicts_near_those_of_all_row
         (&none[0]["missing"], &by_time[0]["dropped"], &by_row[0]["empty"]),
         (&0.into(), &lost.into(), &lost.into())
     );
-    // Around a missing sample the residual of the shaft pauses, which costs 15 % of the distance. Rows that are taken as
-    // if none were missing jump in angle and time, which costs 70 %.
+    // Around a missing sample the residual of the shaft pauses, which costs 15 % of the distance. Rows that are taken
+    // as if none were missing jump in angle and time, which costs 70 %.
     let uniform = |k: usize, line: &str| {
         let (_, cells) = line.split_once(',').expect("cells");
         Some(format!("{:.3},{cells}", 0.002 * k as f64))

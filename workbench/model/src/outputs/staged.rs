@@ -16,7 +16,7 @@ use tempfile::NamedTempFile;
 
 use crate::Error;
 
-/// Links to links that are followed, as many as Linux follows.
+/// Largest number of symbolic links that are followed one after another; that of Linux.
 const MOST_LINKS: usize = 40;
 /// Bytes at the end of the name of an output that end the name of its temporary file too: the format depends on them.
 const ENDING: usize = 24;

@@ -125,7 +125,7 @@ impl<'a> Judging<'a> {
         let mut classes = model.classes.clone();
         for labelled in &mut traces {
             let long = &names[labelled.class];
-            // As the model has it, or else as it is.
+            // A class that the model does not have keeps its whole name.
             let cut = label(long).into_owned();
             let name = if model.classes.contains(&cut) { &cut } else { long };
             if !classes.contains(name) {

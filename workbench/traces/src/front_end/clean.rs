@@ -82,8 +82,8 @@ where
     Ok(Clean { columns, refused })
 }
 
-/// Whether a row has what each instant of the control loop has: counts of the currents, and its time. Others are instants
-/// that the drive missed, which the numbers of the rows tell.
+/// Whether a row has what each instant of the control loop has: counts of the currents, and its time. Others are
+/// instants that the drive missed, which the numbers of the rows tell.
 pub(super) fn is_sampled(file: &FrontEndFile, recorded: &[&[f64]], times_s: Option<&[f64]>, row: usize) -> bool {
     let currents = recorded.iter().take(file.currents.columns.len());
     currents.chain(&times_s).all(|column| column[row].is_finite())

@@ -102,7 +102,8 @@ mod tests {
 
     use super::*;
 
-    /// Files of h5py, packed by zlib, as hexadecimal digits. An array `a` of 2³¹ doubles in chunks, none of them written.
+    /// Files of h5py, packed by zlib, as hexadecimal digits. An array `a` of 2³¹ doubles in chunks, none of them
+    /// written.
     const CHUNKS: &str = "78daebf47071e3e592e26200010e0e061606010664f01f0a2a5851f930f90428cd08a53ba0f40a26983823584e022a2e\
          08351f5d5d4890ab2b48f57f3400b3c780054273308c8291083c5c1d03407404940f4ba5279850d525a2a5470f0aed65\
          64608598c508e34352322323cc068606649a19280f921154b087a6550706136e0693ffcc1045ac4051903c1333132324\
