@@ -9,7 +9,7 @@ mod flash;
 mod front_end;
 pub mod model;
 mod recovery;
-mod telemetry;
+pub mod telemetry;
 
 use crate::Door;
 

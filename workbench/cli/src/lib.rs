@@ -19,6 +19,8 @@ mod commands;
 mod common;
 mod convert;
 mod demo;
+#[doc(hidden)]
+pub mod doors;
 mod evaluate;
 mod failure;
 mod features;
