@@ -15,12 +15,14 @@ use crate::{elf, firmware, qemu, workspace};
 const ANY_DATA: &str = ", any data";
 
 /// What programs add to the flash of the smallest one: a name, its size, and the example.
-const FOOTPRINTS: [(&str, Option<u64>, &str); 5] = [
+const FOOTPRINTS: [(&str, Option<u64>, &str); 7] = [
     ("the whole detector, LS", Some(8), "footprint_squares"),
     ("the whole detector, SRIV", Some(8), "footprint_refined"),
     ("the whole detector, LS and shaft", Some(8), "footprint_shaft"),
     ("an arctangent, micromath, for a resolver's start", None, "footprint_coarse"),
     ("an arctangent, libm", None, "footprint_atan2"),
+    ("a verification of a signed model", None, "footprint_signature"),
+    ("sealing and opening of a saved state", None, "footprint_seal"),
 ];
 
 /// One measured kernel, or a size of the whole monitor.
@@ -53,10 +55,10 @@ pub fn figures(way: Way) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// What the examples `measure`, `memory` and `stack` print, and what [`FOOTPRINTS`] add to the smallest program.
+/// What the examples `measure`, `memory`, `stack` and `measure_signature` print, and what [`FOOTPRINTS`] add to the smallest program.
 pub fn kernels(way: Way) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
-    for example in ["measure", "memory", "stack"] {
+    for example in ["measure", "memory", "stack", "measure_signature"] {
         figures.extend(printed(&firmware::build(way, DRIVE, example)?, DRIVE)?);
     }
     if toolchain::hindrance(way, NO_FPU.target).is_none() {

@@ -9,13 +9,21 @@ use anyhow::{Context, Result};
 use crate::workspace;
 
 /// The files of the core that export names.
-const EXPORTING: [&str; 6] =
-    ["lib.rs", "drive/ad2s1210.rs", "model/mod.rs", "plan/mod.rs", "storage/mod.rs", "telemetry/mod.rs"];
+const EXPORTING: [&str; 7] = [
+    "lib.rs",
+    "drive/ad2s1210.rs",
+    "model/mod.rs",
+    "plan/mod.rs",
+    "signature/mod.rs",
+    "storage/mod.rs",
+    "telemetry/mod.rs",
+];
 /// The files of the example.
-const CALLING: [&str; 5] = [
+const CALLING: [&str; 6] = [
     "panic_free.rs",
     "support/converter.rs",
     "support/drive_calls.rs",
+    "support/signature_calls.rs",
     "support/storage_calls.rs",
     "support/telemetry_calls.rs",
 ];
