@@ -42,6 +42,7 @@ mod recordings;
 mod replay;
 mod schema;
 mod serve;
+mod signing;
 mod simulate;
 mod simulate_features;
 mod simulated_fleet;

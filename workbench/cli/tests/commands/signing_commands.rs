@@ -22,6 +22,7 @@ fn a_signed_model_verifies_and_is_read_as_before() {
     assert!(said.contains("counter 4"), "{said}");
     let signed = std::fs::read(folder.path().join("m.bwm")).expect("a model");
     assert_eq!((&signed[..before.len()], signed.len()), (&before[..], before.len() + 88));
+    assert_eq!(bearing_watch::signature::BLOCK, 88);
     assert!(succeed(folder.path(), "verify m.bwm --key one.key --least 4").contains("counter 4"));
     let keys = succeed(folder.path(), "keys one.key");
     let public = keys.lines().find_map(|line| line.strip_prefix("public key ")).expect("a public key");
