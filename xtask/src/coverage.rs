@@ -37,6 +37,20 @@ struct Reached {
 
 /// Runs the tests and prints the table.
 pub fn run(options: &Options) -> Result<bool> {
+    let (text, passed) = measure(options)?;
+    print!("{text}");
+    Ok(passed)
+}
+
+/// The table of the core's unit tests, for a document.
+pub fn of_unit_tests() -> Result<String> {
+    let (text, passed) = measure(&Options { host_tests: false, files: false })?;
+    ensure!(passed, "a test of the core fails");
+    Ok(text)
+}
+
+/// The table, and whether all tests passed.
+fn measure(options: &Options) -> Result<(String, bool)> {
     setup::ensure(&[&LLVM])?;
     let target = workspace::target_dir().join("coverage");
     let profiles = target.join("profiles");
@@ -67,8 +81,7 @@ pub fn run(options: &Options) -> Result<bool> {
         export.args((place > 0).then_some("-object")).arg(program);
     }
     let summary = child::output(&mut export).context("llvm-cov exports nothing")?;
-    print!("{}", table(&reached(&summary, options.files)?));
-    Ok(passed)
+    Ok((table(&reached(&summary, options.files)?), passed))
 }
 
 fn tool(name: &str) -> std::process::Command {
