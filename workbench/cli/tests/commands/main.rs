@@ -26,6 +26,7 @@ mod simulate_command;
 mod simulate_ema_command;
 mod structure_command;
 mod tables_command;
+mod temperature_commands;
 mod train_methods;
 mod training_worth;
 mod validate_command;
