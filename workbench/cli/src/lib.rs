@@ -44,6 +44,7 @@ mod simulate;
 mod simulate_features;
 mod simulated_fleet;
 mod structure;
+mod study_forms;
 mod tables;
 mod train;
 mod train_features;

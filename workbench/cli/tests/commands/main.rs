@@ -14,6 +14,7 @@ mod face;
 mod faces;
 mod features_commands;
 mod field_command;
+mod form;
 mod format_commands;
 mod front_end_commands;
 mod grey_box_commands;
