@@ -1,7 +1,7 @@
 //! Evaluation of several segments together: combined surprise, and the core's evidence.
 
 use bearing_watch::plan::RunTime;
-use bearing_watch::{Alarm, Cause, Decision, Evidence, Model, Trend};
+use bearing_watch::{Alarm, Baseline, Cause, Decision, Evidence, Model, StateError, Trend};
 
 use super::segment::SegmentReport;
 
@@ -51,6 +51,23 @@ impl<'a> Watcher<'a> {
     /// Ends a run after the last segment.
     pub fn end_run(&mut self) {
         self.evidence.end_run();
+    }
+
+    /// The evidence, with alarm and trend, and a baseline as bytes, as the firmware stores them.
+    #[must_use]
+    pub fn save(&self, baseline: Option<&Baseline<RunTime>>) -> Vec<u8> {
+        let mut bytes = vec![0; self.model.saved_len()];
+        // The buffer has the length that the state needs.
+        let _saved = self.model.save(&self.evidence, baseline, &mut bytes);
+        bytes
+    }
+
+    /// Goes on from these bytes.
+    ///
+    /// # Errors
+    /// They are of another model, or no state.
+    pub fn restore(&mut self, bytes: &[u8], baseline: Option<&mut Baseline<RunTime>>) -> Result<(), StateError> {
+        self.model.restore(bytes, &mut self.evidence, baseline)
     }
 }
 
