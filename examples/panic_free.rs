@@ -28,6 +28,8 @@ mod refined;
 #[allow(dead_code, reason = "the plant is not wanted here")]
 #[path = "support/shaft.rs"]
 mod shaft;
+#[path = "support/signature_calls.rs"]
+mod signature_calls;
 #[path = "support/storage_calls.rs"]
 mod storage_calls;
 #[path = "support/telemetry_calls.rs"]
@@ -53,6 +55,7 @@ fn run() {
     decimation();
     converter::run(|error| show(error));
     storage_calls::run(|error| show(error));
+    signature_calls::run(|error| show(error));
     plans();
     constants();
     detector(&model::MODEL, |[current_a, velocity_ref_rad_s, load_torque_nm, ..]| model::Sample {

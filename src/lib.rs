@@ -40,6 +40,7 @@
 //! detector    ties them: one sample in, one Report a segment out
 //! saved       alarm and baseline as bytes;   storage  records in flash that survive power-off
 //! telemetry   reports and samples as frames for a serial line, and their decoder
+//! signature   signed models, and saved states under a key of the drive
 //! ```
 //!
 //! A [`Model`] holds trained constants (flash), a [`Detector`] holds running state (RAM); both take one type parameter,
@@ -48,8 +49,8 @@
 //! sample is counted and skipped; no function panics.
 //!
 //! Features: `defmt` (formats, and a log line for each segment), `embedded-hal` (the driver `ad2s1210`),
-//! `embedded-storage` (records in flash), `telemetry` (frames for a serial line), `nalgebra` (conversions of covariance
-//! and projection),
+//! `embedded-storage` (records in flash), `telemetry` (frames for a serial line), `signature` (signed models, sealed
+//! states), `nalgebra` (conversions of covariance and projection),
 //! `alloc` (the plan `RunTime` of host programs), `bounded` (array lengths that a model brings, without an allocator,
 //! as the C interface needs them), `internals` (parts for this repository's tests and measurements; not stable).
 #![no_std]
@@ -91,6 +92,8 @@ mod report;
 mod sample;
 mod saved;
 mod shaft;
+#[cfg(feature = "signature")]
+pub mod signature;
 #[cfg(feature = "embedded-storage")]
 pub mod storage;
 #[cfg(feature = "telemetry")]

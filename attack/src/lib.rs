@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! core      model bytes, samples and calls, front end, converter, telemetry, flash, C interface
-//! readers   files of the workbench: tables, labels, TOML, models, sums of a fleet
+//! readers   files of the workbench: tables, labels, TOML, models, sums of a fleet; requests to its pages, its line
 //! ```
 //!
 //! Tests replay the kept corpora and some thousand changes of them. `cargo xtask fuzz --minutes 10` attacks with
@@ -19,6 +19,8 @@ pub mod models;
 #[cfg(feature = "readers")]
 pub mod readers;
 pub mod replay;
+#[cfg(feature = "readers")]
+pub mod served;
 pub mod session;
 
 /// Something that takes bytes from outside.

@@ -1,4 +1,4 @@
-//! The doors of the workbench: files of any bytes are read, or refused with a message.
+//! The doors of the workbench: files of any bytes are read, or refused with a message; requests and lines are answered.
 //!
 //! A reader may neither panic nor hang, nor take much more memory than the file: the binary limits it
 //! ([`crate::memory::LIMIT`]), and libFuzzer the time.
@@ -14,11 +14,11 @@ use model::trace::{Channels, FrontEndFile};
 use traces::given::{Memory, given};
 
 use crate::Door;
-use crate::checksum;
 use crate::input::Input;
+use crate::{checksum, served};
 
 /// The doors.
-pub static DOORS: [Door; 10] = [
+pub static DOORS: [Door; 12] = [
     Door::new("text", "tables of text", |bytes| table("t.csv", bytes)),
     Door::new("packed", "tables of text, with gzip or zstd", |bytes| table("t.csv.gz", bytes)),
     Door::new("matlab", "MATLAB 5 to 7.3", |bytes| table("t.mat", bytes)),
@@ -29,6 +29,8 @@ pub static DOORS: [Door; 10] = [
     Door::new("settings", "drive.toml and TOML of a front end", settings),
     Door::new("model-file", "a model with its notes", model_file),
     Door::new("sums", "sums of a fleet", sums),
+    Door::new("http", "requests to the pages of view", served::request),
+    Door::new("listen", "the line of listen", served::line),
 ];
 
 thread_local! {
@@ -36,9 +38,9 @@ thread_local! {
     static FOLDER: RefCell<Option<PathBuf>> = const { RefCell::new(None) };
 }
 
-/// Writes bytes to a file of this name.
-fn file(name: &str, bytes: &[u8]) -> PathBuf {
-    let folder = FOLDER.with_borrow_mut(|folder| {
+/// The folder of this thread.
+pub(crate) fn folder() -> PathBuf {
+    FOLDER.with_borrow_mut(|folder| {
         let make = || {
             let root = Path::new("/dev/shm");
             let root = if root.is_dir() { root.to_path_buf() } else { std::env::temp_dir() };
@@ -48,8 +50,12 @@ fn file(name: &str, bytes: &[u8]) -> PathBuf {
             own
         };
         folder.get_or_insert_with(make).clone()
-    });
-    let path = folder.join(name);
+    })
+}
+
+/// Writes bytes to a file of this name.
+fn file(name: &str, bytes: &[u8]) -> PathBuf {
+    let path = folder().join(name);
     std::fs::write(&path, bytes).expect("a file of the attack");
     path
 }

@@ -33,16 +33,17 @@ macro_rules! program {
     };
 }
 
-/// No printer and no fault handler: a panic that could be reached would not link.
+/// No printer and no fault handler: a panic that could be reached would not link, but for signatures, whose verification
+/// has index checks that the compiler cannot prove.
 #[cfg(target_os = "none")]
 macro_rules! program {
     ($run:path) => {
         #[cfg(feature = "defmt")]
         use defmt_semihosting as _;
-        #[cfg(not(any(debug_assertions, feature = "defmt")))]
+        #[cfg(not(any(debug_assertions, feature = "defmt", feature = "signature")))]
         use panic_never as _;
 
-        #[cfg(any(debug_assertions, feature = "defmt"))]
+        #[cfg(any(debug_assertions, feature = "defmt", feature = "signature"))]
         #[panic_handler]
         fn panic(_: &core::panic::PanicInfo) -> ! {
             loop {

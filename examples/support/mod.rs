@@ -17,6 +17,9 @@ pub mod decimation;
 pub mod front_end;
 #[allow(dead_code, reason = "only two examples compare bits by hashes")]
 pub mod hash;
+#[cfg(all(target_os = "none", feature = "signature"))]
+#[allow(dead_code, reason = "only `measure_signature` has calls that are that long")]
+pub mod long_count;
 #[allow(dead_code, reason = "`monitor` has a recording instead")]
 pub mod numbers;
 #[allow(dead_code, reason = "not every example measures its stack")]

@@ -108,8 +108,8 @@ impl<const N: usize> Decoder<N> {
         let content = self.content.get(..used).unwrap_or(&[]);
         let read = if whole { read(content) } else { Err(Refusal::Bad) };
         match read {
-            Ok((header, body)) => {
-                let new = self.order.take(&header, &mut self.counts);
+            Ok((header, check, body)) => {
+                let new = self.order.take(&header, check, &mut self.counts);
                 new.then_some(Frame { stream: header.stream, sequence: header.sequence, body })
             }
             Err(refusal) => {
@@ -124,11 +124,12 @@ impl<const N: usize> Decoder<N> {
     }
 }
 
-/// Checks and reads a content with its checksum.
-fn read(content: &[u8]) -> Result<(Header, Body<'_>), Refusal> {
+/// Checks and reads a content with its checksum, and returns that too.
+fn read(content: &[u8]) -> Result<(Header, u32, Body<'_>), Refusal> {
     let (content, sum) = content.split_last_chunk().ok_or(Refusal::Bad)?;
+    let check = u32::from_le_bytes(*sum);
     // The checksum of nothing is zero: four zeros are no frame of another version.
-    if content.is_empty() || checksum(content) != u32::from_le_bytes(*sum) {
+    if content.is_empty() || checksum(content) != check {
         return Err(Refusal::Bad);
     }
     if content.first() != Some(&VERSION) {
@@ -142,7 +143,7 @@ fn read(content: &[u8]) -> Result<(Header, Body<'_>), Refusal> {
         RAW => RawBlock::read(rest).map(Body::Raw),
         _ => return Err(Refusal::Unknown),
     };
-    body.map(|body| (header, body)).ok_or(Refusal::Bad)
+    body.map(|body| (header, check, body)).ok_or(Refusal::Bad)
 }
 
 impl<const N: usize> fmt::Debug for Decoder<N> {

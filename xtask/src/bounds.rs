@@ -20,7 +20,7 @@ pub struct Bound {
 }
 
 /// What is promised.
-pub const BOUNDS: [Bound; 79] = [
+pub const BOUNDS: [Bound; 86] = [
     bound("LS update", Some(8), 285),
     bound("LS update", Some(15), 735),
     bound("LS update, lambda 1", Some(8), 245),
@@ -105,6 +105,13 @@ pub const BOUNDS: [Bound; 79] = [
     // What the start of a resolver's angle takes, and what it would take otherwise.
     bytes("flash of an arctangent, micromath, for a resolver's start", None, 200),
     bytes("flash of an arctangent, libm", None, 750),
+    bound("signed model of the standard rig, verified", None, 1_960_000),
+    bound("saved state, sealed", None, 16_300),
+    bound("sealed state, opened", None, 16_500),
+    bytes("stack, signed model, verified", None, 5700),
+    bytes("stack, sealed state, opened", None, 1300),
+    bytes("flash of a verification of a signed model", None, 28_300),
+    bytes("flash of sealing and opening of a saved state", None, 13_300),
 ];
 
 const fn bound(name: &'static str, n: Option<u64>, most: u64) -> Bound {

@@ -82,7 +82,7 @@ pub fn check_all_features(way: Way, board: Board) -> Result<()> {
         "bearing-watch",
         "--examples",
         "--features",
-        "bounded,defmt,embedded-hal,embedded-storage,nalgebra,internals,telemetry",
+        "bounded,defmt,embedded-hal,embedded-storage,nalgebra,internals,signature,telemetry",
     ]))
 }
 
@@ -148,8 +148,9 @@ fn features(example: &str) -> &'static [&'static str] {
     match example {
         "logging" => &["--features", "defmt"],
         "kernels" | "measure" => &["--features", "internals"],
-        "panic_free" => &["--features", "embedded-hal,embedded-storage,telemetry"],
+        "panic_free" => &["--features", "embedded-hal,embedded-storage,signature,telemetry"],
         "random_plans" => &["--features", "bounded"],
+        "footprint_seal" | "footprint_signature" | "measure_signature" => &["--features", "signature"],
         "storage" => &["--features", "embedded-storage"],
         "measure_telemetry" | "telemetry" => &["--features", "telemetry"],
         _ => &[],

@@ -1,5 +1,5 @@
 //! What the repository's own commands do: `cargo xtask test | long | firmware | c | pil | frameworks | newcomer |
-//! measure | peers | python | fuzz | mutants | docs | book | times | release | setup`.
+//! measure | peers | python | fuzz | trace | coverage | mutants | docs | book | times | release | setup`.
 
 mod beside;
 mod board;
@@ -9,6 +9,7 @@ mod c_library;
 mod child;
 #[cfg(test)]
 mod circles;
+mod coverage;
 mod dependencies;
 mod docs;
 #[cfg(test)]
@@ -43,6 +44,7 @@ mod test;
 mod times;
 mod toolchain;
 mod tools;
+mod trace;
 mod workspace;
 
 use std::env;
@@ -118,6 +120,11 @@ enum Command {
     /// Attacks every door with any bytes, guided by coverage, and prints a table; what a door must hold is in
     /// docs/trust.md.
     Fuzz(fuzz::Options),
+    /// Checks that each requirement of docs/requirements.toml has tests that exist, that docs/safety.md names such
+    /// tests only, and that it lists every `unsafe`.
+    Trace,
+    /// Prints which lines and regions of the core its tests reach.
+    Coverage(coverage::Options),
     /// Makes the changes of `attack/mutants` in a copy of the tree, one after the other, and tells which of them the
     /// room's own tests do not notice.
     Mutants(mutants::Options),
@@ -198,6 +205,12 @@ fn run(arguments: &Arguments) -> Result<bool> {
     if let Command::Mutants(options) = &arguments.command {
         return mutants::run(options);
     }
+    if matches!(arguments.command, Command::Trace) {
+        return trace::run();
+    }
+    if let Command::Coverage(options) = &arguments.command {
+        return coverage::run(options);
+    }
     let way = toolchain::choose(arguments.way)?;
     setup::ensure(&needs(&arguments.command, way)?)?;
     match &arguments.command {
@@ -231,6 +244,8 @@ fn run(arguments: &Arguments) -> Result<bool> {
         | Command::Python
         | Command::Fuzz(_)
         | Command::Mutants(_)
+        | Command::Trace
+        | Command::Coverage(_)
         | Command::Docs { .. }
         | Command::Book
         | Command::Times(_) => {}

@@ -15,12 +15,14 @@ use crate::{elf, firmware, qemu, workspace};
 const ANY_DATA: &str = ", any data";
 
 /// What programs add to the flash of the smallest one: a name, its size, and the example.
-const FOOTPRINTS: [(&str, Option<u64>, &str); 5] = [
+const FOOTPRINTS: [(&str, Option<u64>, &str); 7] = [
     ("the whole detector, LS", Some(8), "footprint_squares"),
     ("the whole detector, SRIV", Some(8), "footprint_refined"),
     ("the whole detector, LS and shaft", Some(8), "footprint_shaft"),
     ("an arctangent, micromath, for a resolver's start", None, "footprint_coarse"),
     ("an arctangent, libm", None, "footprint_atan2"),
+    ("a verification of a signed model", None, "footprint_signature"),
+    ("sealing and opening of a saved state", None, "footprint_seal"),
 ];
 
 /// One measured kernel, or a size of the whole monitor.
@@ -53,10 +55,10 @@ pub fn figures(way: Way) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// What the examples `measure`, `memory` and `stack` print, and what [`FOOTPRINTS`] add to the smallest program.
+/// What the examples `measure`, `memory`, `stack` and `measure_signature` print, and what [`FOOTPRINTS`] add to the smallest program.
 pub fn kernels(way: Way) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
-    for example in ["measure", "memory", "stack"] {
+    for example in ["measure", "memory", "stack", "measure_signature"] {
         figures.extend(printed(&firmware::build(way, DRIVE, example)?, DRIVE)?);
     }
     if toolchain::hindrance(way, NO_FPU.target).is_none() {
@@ -64,13 +66,25 @@ pub fn kernels(way: Way) -> Result<Vec<Figure>> {
             figures.push(Figure { name: format!("{}, on a {}", figure.name, NO_FPU.core), ..figure });
         }
     }
+    figures.extend(footprints(way, &FOOTPRINTS)?);
+    Ok(figures)
+}
+
+/// What signatures take.
+pub fn signatures(way: Way) -> Result<Vec<Figure>> {
+    let mut figures = printed(&firmware::build(way, DRIVE, "measure_signature")?, DRIVE)?;
+    figures.extend(footprints(way, FOOTPRINTS.last_chunk::<2>().context("two examples of signatures")?)?);
+    Ok(figures)
+}
+
+fn footprints(way: Way, programs: &[(&str, Option<u64>, &str)]) -> Result<Vec<Figure>> {
     let flash = |example: &str| Ok::<_, anyhow::Error>(elf::sizes(&firmware::build(way, DRIVE, example)?)?.flash);
     let without = flash("footprint_none")?;
-    for (name, n, example) in FOOTPRINTS {
+    let figure = |(name, n, example): &(&str, Option<u64>, &str)| {
         let (name, bytes) = (format!("flash of {name}"), Some(flash(example)?.saturating_sub(without)));
-        figures.push(Figure { name, n, instructions: None, bytes });
-    }
-    Ok(figures)
+        Ok(Figure { name, n: *n, instructions: None, bytes })
+    };
+    programs.iter().map(figure).collect()
 }
 
 /// The most instructions of each call over all streams: those of a search over damaged ones, and those of `kernels`.
@@ -119,6 +133,14 @@ pub fn json(figures: &[Figure]) -> String {
         })
         .collect();
     format!("[\n{}\n]", objects.join(",\n"))
+}
+
+/// The rows of a table of a document.
+pub fn rows(figures: &[Figure]) -> String {
+    let cell = |value: Option<u64>| value.map_or_else(String::new, |v| v.to_string());
+    let row = |f: &Figure| format!("| {} | {} | {} |\n", f.name, cell(f.instructions), cell(f.bytes));
+    let head = "| What | Instructions | Bytes |\n|---|---:|---:|\n";
+    std::iter::once(head.to_owned()).chain(figures.iter().map(row)).collect()
 }
 
 /// The same for people.

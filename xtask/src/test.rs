@@ -12,7 +12,7 @@ use crate::setup::{self, Need};
 use crate::stages::Stages;
 use crate::tally::Tally;
 use crate::toolchain::{self, Way};
-use crate::{book, c_library, child, dependencies, frameworks, newcomer, pil, python, target, times, workspace};
+use crate::{book, c_library, child, dependencies, frameworks, newcomer, pil, python, target, times, trace, workspace};
 
 /// Options of the command.
 #[derive(clap::Args, Debug)]
@@ -34,6 +34,8 @@ pub enum Stage {
     Format,
     /// Clippy finds nothing.
     Lints,
+    /// Requirements have tests, and every `unsafe` is listed.
+    Trace,
     /// The documentation of the crates builds.
     Documentation,
     /// Tests on this machine.
@@ -75,6 +77,7 @@ impl Stage {
             Self::Demo => "demo",
             Self::Format => "format",
             Self::Lints => "lints",
+            Self::Trace => "requirements",
             Self::Documentation => "documentation",
             Self::Host => "host tests",
             Self::Python => "Python",
@@ -108,6 +111,7 @@ impl Stage {
             Self::Demo => times::checks(tally),
             Self::Format => format(tally),
             Self::Lints => lints(tally),
+            Self::Trace => trace::checks(tally),
             Self::Documentation => documentation(tally),
             Self::Host => host_tests(tally),
             Self::Python => python::checks(tally),

@@ -9,12 +9,14 @@ mod flash;
 mod front_end;
 pub mod model;
 mod recovery;
-mod telemetry;
+#[cfg(feature = "signature")]
+mod signature;
+pub mod telemetry;
 
 use crate::Door;
 
 /// The doors.
-pub static DOORS: [Door; 13] = [
+pub static DOORS: &[Door] = &[
     Door::new("model", "bytes of a model", model::attack),
     Door::new("detector-squares", "samples and calls, least squares", detector::squares),
     Door::new("detector-refined", "samples and calls, instrumental variables", detector::refined),
@@ -28,4 +30,6 @@ pub static DOORS: [Door; 13] = [
     Door::new("c-detector", "calls of the C interface, detector", c_detector::attack),
     Door::new("c-front-end", "calls of the C interface, front end", c_front_end::attack),
     Door::new("c-telemetry", "calls of the C interface, recorders and frames", c_telemetry::attack),
+    #[cfg(feature = "signature")]
+    Door::new("signature", "signed models and sealed states", signature::attack),
 ];

@@ -46,13 +46,37 @@ static SENT: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     frames
 });
 
-/// Any bytes, a disturbed line, or contents of any bytes under a right checksum.
+/// Any bytes, a disturbed line, contents of any bytes under a right checksum, or one of them among good frames.
 pub fn attack(bytes: &[u8]) {
     let mut input = Input::new(bytes);
-    match input.byte() % 4 {
-        0 => any(input.bytes(usize::MAX)),
+    match input.byte() % 8 {
+        0 | 4 => any(input.bytes(usize::MAX)),
         1 => forged(&mut input),
+        5 => alone(&mut input),
         _ => disturbed(&mut input),
+    }
+}
+
+/// One frame of any content under a right checksum, among those of a drive: no other frame is lost.
+fn alone(input: &mut Input<'_>) {
+    let place = input.below(SENT.len());
+    let kind = input.byte() % 4;
+    let mut content = vec![1, kind];
+    content.extend(input.bytes(240));
+    content.extend([0; 4]);
+    checksum::put(&mut content);
+    let mut forged = [0; FRAME];
+    let used = cobs::encode(&content, &mut forged[..FRAME - 1]);
+    let mut decoder = Decoder::<FRAME>::new();
+    let mut arrived = |bytes: &[u8]| bytes.iter().filter(|byte| decoder.push(**byte).is_some()).count();
+    for (number, frame) in SENT.iter().enumerate() {
+        if number == place {
+            // What is not a frame ends at a zero all the same.
+            arrived(&forged[..=used]);
+        }
+        // Unless it is the next one, byte for byte, that was forged.
+        let is_copy = frame[..] == forged[..=used];
+        assert!(is_copy || arrived(frame) == 1, "frame {number} after a forged one at {place}");
     }
 }
 
@@ -64,9 +88,25 @@ fn any(bytes: &[u8]) {
     }
 }
 
-/// Contents of frames with a right checksum.
+/// A line of any bytes, of a drive's frames with changes, or of contents of any bytes under a right checksum.
+pub fn line(input: &mut Input<'_>) -> Vec<u8> {
+    match input.byte() % 4 {
+        0 => input.bytes(usize::MAX).to_vec(),
+        1 => contents(input),
+        _ => changed(input),
+    }
+}
+
 fn forged(input: &mut Input<'_>) {
     let mut decoder = Decoder::<FRAME>::new();
+    for byte in contents(input) {
+        decoder.push(byte).iter().for_each(look);
+    }
+}
+
+/// Frames of any contents with a right checksum.
+fn contents(input: &mut Input<'_>) -> Vec<u8> {
+    let mut all = vec![];
     while !input.is_empty() {
         let length = usize::from(input.byte());
         // Version and kind, as a rule good ones.
@@ -79,14 +119,13 @@ fn forged(input: &mut Input<'_>) {
         checksum::put(&mut content);
         let mut line = [0; FRAME];
         let used = cobs::encode(&content, &mut line[..FRAME - 1]);
-        for byte in &line[..=used] {
-            decoder.push(*byte).iter().for_each(look);
-        }
+        all.extend(&line[..=used]);
     }
+    all
 }
 
 /// The frames of a drive, some of whose bytes are changed, lost, added or repeated.
-fn disturbed(input: &mut Input<'_>) {
+fn changed(input: &mut Input<'_>) -> Vec<u8> {
     let mut line: Vec<u8> = SENT.concat();
     while !input.is_empty() && !line.is_empty() {
         let place = usize::from(input.half()) % line.len();
@@ -106,6 +145,11 @@ fn disturbed(input: &mut Input<'_>) {
             }
         }
     }
+    line
+}
+
+fn disturbed(input: &mut Input<'_>) {
+    let line = changed(input);
     let mut decoder = Decoder::<FRAME>::new();
     let mut arrived = 0;
     for byte in line {

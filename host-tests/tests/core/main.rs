@@ -26,6 +26,7 @@ mod resampling;
 mod rig;
 mod rising;
 mod robustness;
+mod safety;
 mod saved;
 mod shaft;
 mod shaft_model;

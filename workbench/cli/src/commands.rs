@@ -8,7 +8,8 @@ use clap::Subcommand;
 use super::options::{Job, Taken};
 use super::{
     audit, campaign, convert, demo, evaluate, features, features_sum, grey_box, identify, init, listen, pages_of_help,
-    piecewise, replay, schema, simulate, simulate_features, structure, tables, train, train_features, validate, view,
+    piecewise, replay, schema, signing, simulate, simulate_features, structure, tables, train, train_features,
+    validate, view,
 };
 use model::Error;
 use model::settings::DriveFile;
@@ -36,6 +37,9 @@ pub(super) enum Command {
     Listen(listen::Args),
     Convert(Box<convert::ConvertArgs>),
     Resample(Box<convert::ResampleArgs>),
+    Keys(signing::KeysArgs),
+    Sign(signing::SignArgs),
+    Verify(signing::VerifyArgs),
     Campaign(campaign::Args),
     Tables(tables::Args),
     Schema(schema::Args),
@@ -106,6 +110,9 @@ impl Command {
             | Self::SimulateFeatures(_)
             | Self::View(_)
             | Self::Listen(_)
+            | Self::Keys(_)
+            | Self::Sign(_)
+            | Self::Verify(_)
             | Self::Campaign(_)
             | Self::Tables(_)
             | Self::Schema(_)
@@ -140,6 +147,9 @@ impl Command {
             Self::Listen(args) => listen::run(args),
             Self::Convert(args) => convert::convert(args),
             Self::Resample(args) => convert::resample(args),
+            Self::Keys(args) => signing::keys(args),
+            Self::Sign(args) => signing::sign(args),
+            Self::Verify(args) => signing::verify(args),
             Self::Campaign(args) => campaign::run(args),
             Self::Tables(args) => tables::run(args),
             Self::Schema(args) => schema::run(args),

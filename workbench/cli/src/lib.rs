@@ -19,6 +19,8 @@ mod commands;
 mod common;
 mod convert;
 mod demo;
+#[doc(hidden)]
+pub mod doors;
 mod evaluate;
 mod failure;
 mod features;
@@ -40,6 +42,7 @@ mod recordings;
 mod replay;
 mod schema;
 mod serve;
+mod signing;
 mod simulate;
 mod simulate_features;
 mod simulated_fleet;

@@ -6,7 +6,7 @@ use super::block::{self, Block};
 use super::compare::Tolerance;
 use super::{book, campaign, figures, picture, read, results};
 use crate::toolchain::{self, Way};
-use crate::{child, field_peers, long, measure, peers, rivals, setup, workspace};
+use crate::{child, coverage, field_peers, long, measure, peers, rivals, setup, workspace};
 
 /// A command of the repository that prints blocks of documents.
 #[derive(Clone, Copy, Debug)]
@@ -20,7 +20,7 @@ pub struct Source {
 }
 
 /// All sources, in the order in which they run.
-pub const SOURCES: [Source; 21] = [
+pub const SOURCES: [Source; 23] = [
     quick(figures::NAME, figures::TOLERANCE, target),
     quick("demo", Tolerance::Exact, |_| printed("demo", "book/src/introduction.md", "standard_rig::twenty_draws")),
     quick("instruments", Tolerance::Exact, |_| {
@@ -58,11 +58,21 @@ pub const SOURCES: [Source; 21] = [
     slow("peers", Tolerance::Any, |_| Ok(vec![Block::new("docs/peers.md", "peers", &peers::measure()?.0)])),
     slow("reading", Tolerance::Any, |_| Ok(vec![Block::new("docs/peers.md", "reading", &peers::reading()?.0)])),
     slow("peers-on-target", figures::TOLERANCE, peers_on_target),
+    slow("coverage", Tolerance::Within(0.1), |_| {
+        Ok(vec![Block::new(SAFETY, "coverage", coverage::of_unit_tests()?.trim_end())])
+    }),
+    slow("signature", figures::TOLERANCE, |way| {
+        let figures = measure::signatures(ready(way)?)?;
+        Ok(vec![Block::new(SAFETY, "signature", measure::rows(&figures).trim_end())])
+    }),
     slow(book::NAME, Tolerance::Exact, |_| book::blocks()),
     // After those that it quotes.
     quick(results::NAME, Tolerance::Exact, |_| Ok(vec![quoted()?])),
     quick(results::NEEDS, Tolerance::Exact, |_| Ok(vec![results::needs(&read(results::FIELD)?)?])),
 ];
+
+/// The document for those who assess a drive.
+const SAFETY: &str = "docs/safety.md";
 
 /// The table of the field, and the page with its picture.
 const FIELD: &str = "campaign --field --draws 2 --report target/field.html";

@@ -28,7 +28,10 @@ const COVERAGE: [&str; 6] = [
     "-Cllvm-args=-sanitizer-coverage-trace-compares",
 ];
 /// Programs of the package, and the features that they are built with.
-const PROGRAMS: [(&str, &[&str]); 2] = [("attack-core", &["--no-default-features"]), ("attack-readers", &[])];
+const PROGRAMS: [(&str, &[&str]); 2] = [
+    ("attack-core", &["--no-default-features", "--features", "signature"]),
+    ("attack-readers", &["--no-default-features", "--features", "readers"]),
+];
 /// Longest time of one input, s.
 const SLOWEST: &str = "20";
 /// Largest memory, MB; the program itself limits allocations to 1 GB.

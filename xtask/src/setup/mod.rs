@@ -16,7 +16,9 @@ use crate::board::DRIVE;
 use crate::child;
 use crate::toolchain::{self, Way};
 
-pub use need::{BROWSER, C_COMPILER, CMAKE, COMPILER, EMULATOR, MAKE, Need, PIP, PYTHON, of_compiler, pip};
+pub use need::{
+    BROWSER, C_COMPILER, CMAKE, COMPILER, EMULATOR, LLVM, LLVM_VERSION, MAKE, Need, PIP, PYTHON, of_compiler, pip,
+};
 
 /// What the tests need besides firmware.
 pub const ALL: [&Need; 6] = [&C_COMPILER, &MAKE, &CMAKE, &BROWSER, &PYTHON, &PIP];

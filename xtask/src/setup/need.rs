@@ -112,6 +112,25 @@ pub static CMAKE: Need = Need {
     elsewhere: "cmake",
 };
 
+/// The version of LLVM that the compilers of this repository have.
+pub const LLVM_VERSION: &str = "22";
+
+/// Reads what tests have reached.
+pub static LLVM: Need = Need {
+    name: "llvm",
+    title: "LLVM's tools",
+    packages: &["llvm-22"],
+    programs: &["usr/bin/llvm-cov-22", "usr/bin/llvm-profdata-22"],
+    links: &[],
+    by_name: true,
+    serves: |path| {
+        ["llvm-cov", "llvm-profdata"]
+            .iter()
+            .all(|name| child::works(called(&format!("{name}-{LLVM_VERSION}"), path).arg("--help")))
+    },
+    elsewhere: "llvm",
+};
+
 /// For the Python package, and for programs that PyPI has.
 pub static PYTHON: Need = Need {
     name: "python",

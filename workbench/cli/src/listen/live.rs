@@ -42,6 +42,11 @@ impl View {
         Ok((Self { shared, next: None }, address))
     }
 
+    /// A page that nobody is served.
+    pub(super) fn unserved() -> Self {
+        Self { shared: Arc::default(), next: None }
+    }
+
     /// A new stream, or other names of the same.
     pub(super) fn hello(&mut self, names: &Names) {
         let channels = names.channels.iter().map(|(name, unit)| format!("{name} / {unit}")).collect();

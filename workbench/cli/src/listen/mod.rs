@@ -1,26 +1,28 @@
 //! `bearing-watch listen`
 
-mod link;
 mod live;
 mod names;
 mod raw;
-mod receiver;
+pub(super) mod receiver;
 mod source;
 mod traces;
 mod words;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
+use bearing_watch::telemetry::Decoder;
+
 use super::serve::stop_flag;
-use link::Link;
 use live::View;
 use model::Error;
-use receiver::Receiver;
+use receiver::{Output, Receiver};
 use traces::Traces;
 
+/// Longest content of a frame.
+const LONGEST: usize = 16_384;
 /// How long to wait for bytes before the end of time is checked.
 const PATIENCE: Duration = Duration::from_millis(50);
 
@@ -62,9 +64,9 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let traces = args.out.as_deref().map(Traces::new).transpose()?;
     let stopped = stop_flag()?;
     let chunks = source::open(&args.source, args.baud);
-    let mut link = Link::new();
+    let mut decoder = Box::new(Decoder::<LONGEST>::new());
     let view = args.view.map(|port| View::open(port, &stopped)).transpose()?;
-    let mut receiver = Receiver::new(args.json, traces, args.further.clone());
+    let mut receiver = Receiver::new(Output::printed(args.json), traces, args.further.clone());
     if let Some((view, address)) = view {
         receiver.show(view, &address)?;
     }
@@ -74,7 +76,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         match chunks.recv_timeout(PATIENCE) {
             Ok(Ok(bytes)) => {
                 for byte in bytes {
-                    if let Some(frame) = link.push(byte) {
+                    if let Some(frame) = decoder.push(byte) {
                         receiver.take(&frame)?;
                     }
                 }
@@ -87,7 +89,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     while args.view.is_some() && failure.is_none() && goes_on() {
         std::thread::sleep(PATIENCE);
     }
-    let counts = link.counts();
+    let counts = decoder.counts();
     if let Some(error) = failure {
         // What came before the failure is kept.
         if counts.frames > 0 {
@@ -99,6 +101,19 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         return Err(Error::Usage(format!("{}: {}", args.source, words::nothing(counts))));
     }
     receiver.end(counts)
+}
+
+/// Takes what came over a line, writes its samples to this folder, and shows it by `output`; for attacks.
+pub(super) fn taken(bytes: &[u8], folder: &Path, output: Output) -> Result<(), Error> {
+    let mut decoder = Box::new(Decoder::<LONGEST>::new());
+    let mut receiver = Receiver::new(output, Some(Traces::new(folder)?), vec![]);
+    receiver.show(View::unserved(), "")?;
+    for byte in bytes {
+        if let Some(frame) = decoder.push(*byte) {
+            receiver.take(&frame)?;
+        }
+    }
+    receiver.end(decoder.counts())
 }
 
 impl Args {

@@ -11,9 +11,29 @@ use super::words;
 use crate::output;
 use model::Error;
 
+/// How lines are shown.
+#[derive(Clone, Copy)]
+pub(crate) struct Output {
+    /// What happened, as a line and as a value.
+    pub(crate) tell: fn(String, serde_json::Value) -> Result<(), Error>,
+    /// An alarm as a line; values have it already.
+    pub(crate) alarm: fn(&str) -> Result<(), Error>,
+}
+
+impl Output {
+    /// On standard output.
+    pub(super) fn printed(json: bool) -> Self {
+        if json {
+            Self { tell: |_, value| output::json_line("listen", value), alarm: |_| Ok(()) }
+        } else {
+            Self { tell: |line, _| output::say_line(&line), alarm: output::say_line }
+        }
+    }
+}
+
 /// What is known of the stream, and where its frames go.
 pub(super) struct Receiver {
-    json: bool,
+    output: Output,
     streams: Streams,
     /// Names of the further channels of raw samples.
     further: Vec<String>,
@@ -28,8 +48,8 @@ pub(super) struct Receiver {
 }
 
 impl Receiver {
-    pub(super) fn new(json: bool, traces: Option<Traces>, further: Vec<String>) -> Self {
-        Self { json, streams: Streams::default(), further, traces, view: None, last: None, alarm: None, unnamed: 0 }
+    pub(super) fn new(output: Output, traces: Option<Traces>, further: Vec<String>) -> Self {
+        Self { output, streams: Streams::default(), further, traces, view: None, last: None, alarm: None, unnamed: 0 }
     }
 
     /// Shows what comes on a page too.
@@ -67,10 +87,10 @@ impl Receiver {
         let names = self.streams.of(stream).unwrap_or(&unknown);
         self.view.iter().for_each(|view| view.report(names, summary));
         self.tell(words::report_line(names, summary), words::report_value(names, summary))?;
-        if summary.alarm != self.alarm && !self.json {
+        if summary.alarm != self.alarm {
             self.alarm = summary.alarm;
             if let Some(alarm) = summary.alarm {
-                output::say_line(&format!("ALARM at segment {}: {}", alarm.segment, words::cause(names, alarm)))?;
+                (self.output.alarm)(&format!("ALARM at segment {}: {}", alarm.segment, words::cause(names, alarm)))?;
             }
         }
         Ok(())
@@ -114,6 +134,6 @@ impl Receiver {
     }
 
     fn tell(&self, line: String, value: serde_json::Value) -> Result<(), Error> {
-        if self.json { output::json_line("listen", value) } else { output::say_line(&line) }
+        (self.output.tell)(line, value)
     }
 }

@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use model::Error;
 use pages::page::{POLICY, Page, paragraph};
-use request::{Connection, Request};
+use request::{Connection, Refused, Request};
 
 pub(super) use address::{decoded, encoded};
 
@@ -146,8 +146,17 @@ fn serve(
 ) -> std::io::Result<()> {
     let mut connection = Connection::new(stream, stops)?;
     let Some(request) = connection.request() else { return Ok(()) };
-    let reply = request.map_or_else(|(status, problem)| Reply::problem(status, problem), |request| reply(&request));
-    connection.send(&reply.bytes())
+    connection.send(&answered(request, reply).bytes())
+}
+
+fn answered(request: Result<Request, Refused>, reply: impl FnOnce(&Request) -> Reply) -> Reply {
+    request.map_or_else(|(status, problem)| Reply::problem(status, problem), |request| reply(&request))
+}
+
+/// The answer to these bytes without a connection, if they have a whole head; for attacks.
+pub(super) fn answer_to(bytes: &[u8], answer: &impl Fn(&str, &str) -> Reply) -> Option<Vec<u8>> {
+    let head = bytes.get(..request::head_length(bytes)?)?;
+    Some(answered(request::parse(head), |request| reply(request, answer)).bytes())
 }
 
 fn reply(request: &Request, answer: &impl Fn(&str, &str) -> Reply) -> Reply {

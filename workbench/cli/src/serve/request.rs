@@ -109,12 +109,12 @@ impl<'s> Connection<'s> {
 }
 
 /// Length of a head with the empty line that ends it.
-fn head_length(bytes: &[u8]) -> Option<usize> {
+pub(super) fn head_length(bytes: &[u8]) -> Option<usize> {
     let at = |end: &[u8]| bytes.windows(end.len()).position(|own| own == end).map(|at| at + end.len());
     at(b"\r\n\r\n").into_iter().chain(at(b"\n\n")).min().filter(|length| *length <= LONGEST)
 }
 
-fn parse(head: &[u8]) -> Result<Request, Refused> {
+pub(super) fn parse(head: &[u8]) -> Result<Request, Refused> {
     let wrong = (400, "This is no request.");
     let text = std::str::from_utf8(head).map_err(|_| wrong)?;
     let mut lines = text.lines();

@@ -4,10 +4,10 @@ mod files;
 mod index;
 mod model_page;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use super::serve::{Local, Reply, decoded, stop_flag};
+use super::serve::{Local, Reply, answer_to, decoded, stop_flag};
 use super::{audit, output, replay};
 use files::{Folder, Kind};
 use model::Error;
@@ -43,6 +43,12 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     Ok(())
 }
 
+/// The answer to these bytes of a client of the folder, if they have the head of a request; for attacks.
+pub(super) fn answer_of(folder: &Path, bytes: &[u8]) -> Result<Option<Vec<u8>>, Error> {
+    let folder = Folder::open(folder)?;
+    Ok(answer_to(bytes, &|path, query| answer(&folder, path, query)))
+}
+
 fn answer(folder: &Folder, path: &str, query: &str) -> Reply {
     let parts = path.trim_start_matches('/').split_once('/');
     match (path, parts) {
@@ -59,7 +65,7 @@ fn answer(folder: &Folder, path: &str, query: &str) -> Reply {
 }
 
 /// The reply for a file of the folder.
-fn file(folder: &Folder, kind: Kind, name: &str, reply: impl Fn(&std::path::Path) -> Reply) -> Reply {
+fn file(folder: &Folder, kind: Kind, name: &str, reply: impl Fn(&Path) -> Reply) -> Reply {
     match decoded(name).and_then(|name| folder.find(kind, &name)) {
         Some(path) => reply(&path),
         None => Reply::problem(404, &format!("The folder has no {} of this name.", kind.name())),

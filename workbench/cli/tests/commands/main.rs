@@ -23,6 +23,7 @@ mod listen_raw_command;
 mod missing_commands;
 mod pages;
 mod rising_commands;
+mod signing_commands;
 mod simulate_command;
 mod simulate_ema_command;
 mod structure_command;

@@ -10,6 +10,9 @@ use crate::core::{Embedded, SegmentReport};
 use crate::trace::{Channels, Preparation, Trace};
 use crate::train::c_header::c_header;
 
+/// Number of bytes of a signature, `bearing_watch::signature::BLOCK`.
+const SIGNATURE: usize = 88;
+
 /// A model file, read.
 #[derive(Debug)]
 pub struct ModelFile {
@@ -130,10 +133,18 @@ fn of_bytes(path: &Path, bytes: &[u8]) -> Result<(Embedded, Notes), Error> {
         };
         Error::content(path, "model", format!("{problem}{remedy}"))
     };
+    let bytes = without_signature(bytes);
     let model = Embedded::from_bytes(bytes).map_err(wrong)?;
     let notes = bearing_watch::model::notes(bytes).map_err(wrong)?;
     let notes = serde_json::from_str(notes).map_err(|_| {
         Error::content(path, "notes", "no channel names in this model; train it again with `bearing-watch train`")
     })?;
     Ok((model, notes))
+}
+
+/// A model file without the signature that may follow the model; firmware verifies it, and `bearing-watch verify`.
+fn without_signature(bytes: &[u8]) -> &[u8] {
+    let Ok(length) = bearing_watch::model::stored_len(bytes) else { return bytes };
+    let (model, rest) = bytes.split_at(length.min(bytes.len()));
+    if rest.len() == SIGNATURE && rest.starts_with(b"BWSG") { model } else { bytes }
 }

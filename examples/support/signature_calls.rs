@@ -1,0 +1,23 @@
+//! Calls of signatures for the example `panic_free`, which is too long for them. `Trust::verify` is not among them: the
+//! crate that verifies indexes arrays, which the compiler cannot prove; `docs/safety.md` says what is done instead.
+
+use core::fmt;
+use core::hint::black_box as opaque;
+
+use bearing_watch::signature::{SignatureError, StateKey, head, key_id};
+
+/// Every other public function; `show` writes an error.
+pub fn run(mut show: impl FnMut(&dyn fmt::Display)) {
+    let mut bytes = opaque([0x42; 400]);
+    let keys = opaque([[7; 32], [8; 32]]);
+    opaque(key_id(opaque(&keys[0])));
+    opaque(head(opaque(100), opaque(&keys[1]), opaque(3)));
+    let key = opaque(StateKey::new(opaque([9; 32])));
+    let sealed = StateKey::seal(&key, &mut bytes, opaque(200), opaque(5));
+    let opened =
+        StateKey::open(&key, bytes.get(..opaque(248)).unwrap_or_default(), opaque(5)).map(|sealed| sealed.sequence);
+    for error in [sealed.err(), opened.err()].into_iter().flatten() {
+        opaque(SignatureError::message(&error));
+        show(&error);
+    }
+}
