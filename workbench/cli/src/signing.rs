@@ -83,7 +83,7 @@ pub(super) fn sign(args: &SignArgs) -> Result<(), Error> {
     bytes.extend(head(length, &pair.pk, args.counter));
     bytes.extend(*pair.sk.sign(&bytes, None));
     let out = args.out.as_deref().unwrap_or(&args.model);
-    output::plan(&[out], &[args.key.clone()])?;
+    output::plan(&[out], std::slice::from_ref(&args.key))?;
     output::write(out, bytes)?;
     let key = hexadecimal(&key_id(&pair.pk));
     output::say(format!("{}: signed by key {key}, counter {}", out.display(), args.counter))
