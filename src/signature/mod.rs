@@ -10,7 +10,7 @@
 //! use bearing_watch::Model;
 //! use bearing_watch::signature::{SignatureError, StateKey, Trust};
 //!
-//! // `bearing-watch keys --new vendor.key` prints the public key; the counter is kept where nobody writes it back.
+//! // `bearing-watch keys vendor.key --new` prints the public key; the counter is kept where nobody writes it back.
 //! # let key = [7; 32];
 //! # let file = [0; 8];
 //! let trust = Trust { keys: &[key], least_counter: 3 };
@@ -46,8 +46,14 @@
 //!
 //! A model is made in one place and checked in many: with a public key a drive that is opened gives away nothing that
 //! signs. A state is written and read by the same drive. A private key in it would be as easy to read as a symmetric
-//! one, and a signature by it costs a thousand times an authentication code; so the code, with a key that each drive
+//! one, and a signature by it costs a hundred times an authentication code; so the code, with a key that each drive
 //! has for itself. Who reads the key out of a drive forges states of that drive, and of no other one.
+//!
+//! # Cost
+//!
+//! A verification takes 1.9 million instructions and 27 kB of flash on a Cortex-M4F, a seal 15 500 and 13 kB
+//! (`docs/safety.md`, `cargo xtask measure`). All functions but [`Trust::verify`] link without a panic; the crate that
+//! verifies indexes arrays within bounds that the compiler does not see.
 //!
 //! # What it does not do
 //!
