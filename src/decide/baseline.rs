@@ -20,8 +20,9 @@
 
 use super::classification::Classification;
 use super::density::Density;
-use super::discriminant::Decision;
+use super::discriminant::{Decision, UNMARKED};
 use super::features::Estimates;
+use super::novelty::{MAX_SURPRISE, Novelty};
 use super::{Classifier, Finding};
 use crate::factor::pairs;
 use crate::plan::{Array, Cells, Plan};
@@ -33,13 +34,16 @@ use crate::reason::Reason;
 pub struct BaselineConstants {
     /// g of (2), above 0 and at most 1.
     pub gain: f32,
-    /// Surprise from which on a segment is not followed, nats; above 0.
+    /// Surprise from which on a segment is not followed, nats; above 0 and at most 40, the largest surprise.
     pub gate: f32,
-    /// Largest length (3) of the offset, healthy standard deviations; above 0.
+    /// Largest length (3) of the offset, healthy standard deviations; above 0 and at most 100.
     pub bound: f32,
 }
 
 impl BaselineConstants {
+    /// As far as any baseline can go.
+    pub(crate) const WIDEST: Self = Self { gain: 1.0, gate: MAX_SURPRISE, bound: MOST_BOUND };
+
     /// A time constant in segments and a bound, with a gate of 3 nats: 95 % of healthy segments are followed.
     #[must_use]
     pub fn new(segments: f32, bound: f32) -> Self {
@@ -48,9 +52,20 @@ impl BaselineConstants {
 
     fn are_good(&self) -> bool {
         let Self { gain, gate, bound } = *self;
-        gain > 0.0 && gain <= 1.0 && gate > 0.0 && bound > 0.0 && bound.is_finite()
+        // A gate beyond the largest surprise would have no end.
+        gain > 0.0 && gain <= 1.0 && gate > 0.0 && gate <= MAX_SURPRISE && bound > 0.0 && bound <= MOST_BOUND
+    }
+
+    /// The constants as words.
+    const fn words(&self) -> [u32; 3] {
+        [self.gain.to_bits(), self.gate.to_bits(), self.bound.to_bits()]
     }
 }
+
+/// Largest bound: at a hundred deviations nothing of a distance is left.
+const MOST_BOUND: f32 = 100.0;
+/// An offset at its bound may exceed it by roundings of its length.
+const ROUNDING: f32 = 1.0 + 1e-5;
 
 /// Running state of the baseline. [`Model::baseline`](crate::Model::baseline) makes it, and
 /// [`Model::follow`](crate::Model::follow) applies it to each report, before the evidence.
@@ -58,15 +73,38 @@ impl BaselineConstants {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Baseline<P: Plan> {
     constants: BaselineConstants,
+    /// S of (3) as D and R.
+    factor: Array<P::Density, f32>,
     offset: Array<P::Coordinates, f32>,
     at_bound: bool,
+    /// The mark of the model.
+    model: u32,
+}
+
+/// What is wrong with a stored offset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BaselineMismatch {
+    /// A word is missing, or none that a baseline can have.
+    Value,
+    /// The baseline had other constants.
+    Constants,
 }
 
 impl<P: Plan> Baseline<P> {
     /// Without any offset; `None` if a constant is out of range.
-    pub(crate) fn new(plan: P, constants: BaselineConstants) -> Option<Self> {
-        let offset = Cells::filled(plan.layout().coordinates as usize, 0.0);
-        constants.are_good().then_some(Self { constants, offset, at_bound: false })
+    pub(crate) fn new(plan: P, novelty: &Novelty<P>, constants: BaselineConstants) -> Option<Self> {
+        let (factor, offset) = (novelty.factor.clone(), Cells::filled(plan.layout().coordinates as usize, 0.0));
+        constants.are_good().then_some(Self { constants, factor, offset, at_bound: false, model: UNMARKED })
+    }
+
+    /// Of the model with this mark.
+    pub(crate) fn of_model(self, model: u32) -> Self {
+        Self { model, ..self }
+    }
+
+    /// The mark of the model.
+    pub(crate) const fn model(&self) -> u32 {
+        self.model
     }
 
     /// The offset o in coordinates, to be stored.
@@ -81,15 +119,30 @@ impl<P: Plan> Baseline<P> {
         self.at_bound
     }
 
-    /// Continues from a stored state. Returns `false`, and does nothing, if the offset does not fit.
+    /// Continues from a stored state. Returns `false`, and does nothing, if the offset does not fit or exceeds the
+    /// bound.
     pub fn restore(&mut self, offset: &[f32], at_bound: bool) -> bool {
-        let fits = offset.len() == self.offset().len() && offset.iter().all(|x| x.is_finite());
+        let fits = offset.len() == self.offset().len() && self.is_within(offset);
         if fits {
             pairs(self.offset.cells_mut(), offset).for_each(|(cell, x)| *cell = *x);
             self.at_bound = at_bound;
         }
         fits
     }
+
+    /// |o| of (3).
+    fn length(&self, offset: &[f32]) -> f32 {
+        let density = Density::<P>::of(self.factor.cells(), &[], offset.len());
+        libm::sqrtf(density.squared_distance(&[], offset))
+    }
+
+    /// Whether an offset is within the bound; not if it has a value that is not finite.
+    fn is_within(&self, offset: &[f32]) -> bool {
+        self.length(offset) <= self.constants.bound * ROUNDING
+    }
+
+    /// Number of words of the constants.
+    pub(crate) const LATER_WORDS: usize = 3;
 
     /// Number of words of the state for so many coordinates.
     pub(crate) const fn words(coordinates: u8) -> usize {
@@ -102,6 +155,11 @@ impl<P: Plan> Baseline<P> {
         self.offset().iter().for_each(|x| put(x.to_bits()));
     }
 
+    /// Hands out the words of the constants.
+    pub(crate) fn save_constants(&self, put: &mut impl FnMut(u32)) {
+        self.constants.words().into_iter().for_each(put);
+    }
+
     /// Takes the words in their order; `None` if one is missing or out of range. The state is then of no use.
     pub(crate) fn restore_words(&mut self, take: &mut impl FnMut() -> Option<u32>) -> Option<()> {
         self.at_bound = match take()? {
@@ -110,9 +168,25 @@ impl<P: Plan> Baseline<P> {
             _ => return None,
         };
         for cell in self.offset.cells_mut() {
-            *cell = Some(f32::from_bits(take()?)).filter(|x| x.is_finite())?;
+            *cell = f32::from_bits(take()?);
         }
-        Some(())
+        self.is_within(self.offset()).then_some(())
+    }
+
+    /// Takes the words of the constants, which must be those of this baseline.
+    ///
+    /// # Errors
+    /// What does not fit.
+    pub(crate) fn check_constants(&self, take: &mut impl FnMut() -> Option<u32>) -> Result<(), BaselineMismatch> {
+        let [Some(gain), Some(gate), Some(bound)] = [take(), take(), take()] else {
+            return Err(BaselineMismatch::Value);
+        };
+        let [gain, gate, bound] = [gain, gate, bound].map(f32::from_bits);
+        let found = BaselineConstants { gain, gate, bound };
+        if !found.are_good() {
+            return Err(BaselineMismatch::Value);
+        }
+        if found.words() == self.constants.words() { Ok(()) } else { Err(BaselineMismatch::Constants) }
     }
 
     /// Starts afresh, as after a repair.
@@ -152,12 +226,10 @@ impl<P: Plan> Baseline<P> {
                 *cell += step; // (2)
             }
         }
-        let offset = self.offset.cells_mut();
-        let density = Density::<P>::of(classifier.novelty.factor.cells(), &[], offset.len());
-        let length = libm::sqrtf(density.squared_distance(&[], offset));
+        let length = self.length(self.offset());
         if length > self.constants.bound {
             let shorter = self.constants.bound / length; // (3)
-            offset.iter_mut().for_each(|cell| *cell *= shorter);
+            self.offset.cells_mut().iter_mut().for_each(|cell| *cell *= shorter);
             self.at_bound = true;
         }
     }
@@ -165,7 +237,7 @@ impl<P: Plan> Baseline<P> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Covariates, Discriminant, Evidence, EvidenceConstants, Feature, Novelty, Projection};
+    use super::super::{Covariates, Discriminant, Evidence, EvidenceConstants, Feature, Projection};
     use super::*;
     use crate::estimate::Estimate;
     use crate::plan::{Layout, Memory, Method, RunTime, Structure, testing};
@@ -203,7 +275,7 @@ mod tests {
     }
 
     fn baseline() -> Baseline<RunTime> {
-        Baseline::new(plan(), BaselineConstants::new(TIME, BOUND)).unwrap()
+        Baseline::new(plan(), &classifier().novelty, BaselineConstants::new(TIME, BOUND)).unwrap()
     }
 
     /// The decision on a segment at these coordinates, followed or not.
@@ -266,16 +338,25 @@ mod tests {
         let mut other = baseline();
         assert!(other.restore(own.offset(), own.at_bound()));
         assert_eq!(other, own);
-        for bad in [&[1.0][..], &[f32::NAN, 0.0]] {
-            assert!(!other.restore(bad, true));
+        // Healthy is N(0, I), the bound 2.5.
+        for bad in [&[1.0][..], &[f32::NAN, 0.0], &[2.0, 1.6], &[0.0, -2.6], &[1e30, 0.0], &[f32::INFINITY, 0.0]] {
+            assert!(!other.restore(bad, true), "{bad:?}");
         }
         assert_eq!(other, own);
         other.reset();
         assert_eq!(other, baseline());
-        for (gain, gate, bound) in [(0.0, 3.0, 1.0), (1.1, 3.0, 1.0), (0.1, 0.0, 1.0), (0.1, 3.0, f32::INFINITY)] {
-            assert_eq!(Baseline::new(plan(), BaselineConstants { gain, gate, bound }), None);
+        for (gain, gate, bound) in [
+            (0.0, 3.0, 1.0),
+            (1.1, 3.0, 1.0),
+            (0.1, 0.0, 1.0),
+            (0.1, 3.0, f32::INFINITY),
+            (0.1, 3.0, 1e3),
+            (0.1, f32::INFINITY, 1.0),
+            (0.1, 41.0, 1.0),
+        ] {
+            assert_eq!(Baseline::new(plan(), &classifier().novelty, BaselineConstants { gain, gate, bound }), None);
         }
-        assert_eq!(Baseline::new(plan(), BaselineConstants::new(f32::NAN, 1.0)), None);
+        assert_eq!(Baseline::new(plan(), &classifier().novelty, BaselineConstants::new(f32::NAN, 1.0)), None);
     }
 
     #[test]

@@ -44,15 +44,22 @@
 //! runs are required, so that one disturbed record causes no alarm. The alarm names the defect that is most likely over
 //! the segments since the first suspicion, and [`Cause::Unknown`] if only the novelty reached the limit.
 //!
+//! A segment beyond the gate of a defect ([`super::novelty`]) has an e-value of at most 1 for it, and does not speak for
+//! it: a sensor fault far from every class is no trained defect.
+//!
 //! Cost: a few operations a class, and an exponential and a logarithm a class for runs of several segments.
 //! Undetermined segments add nothing and do not count; a value that is not a number makes its segment undetermined.
+//! Too many of them in a row are a [`Silence`].
 
 mod words;
 
 use super::discriminant::Decision;
+use super::discriminant::UNMARKED;
+use super::silence::{Silence, SilenceLimits, Silent};
 use super::trend::{Drift, Trend};
 use crate::logarithm::ln;
 use crate::plan::{Array, Cells, Plan};
+use crate::reason::{Part, Reason};
 
 /// Constants of the evidence.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,6 +125,9 @@ pub struct Evidence<P: Plan> {
     segments: u32,
     undetermined: u32,
     drift: Drift,
+    silent: Silent,
+    /// The mark of the model.
+    model: u32,
 }
 
 /// S of (4), and ln Σe of the run.
@@ -142,40 +152,85 @@ impl<P: Plan> Evidence<P> {
             segments: 0,
             undetermined: 0,
             drift: Drift::NONE,
+            silent: Silent::NONE,
+            model: UNMARKED,
         }
     }
 
+    /// Of the model with this mark, whose segments take so long.
+    pub(crate) const fn of_model(mut self, model: u32, segment_s: f32) -> Self {
+        (self.model, self.silent) = (model, self.silent.of_segments(segment_s));
+        self
+    }
+
+    /// With the limits for a silence that another evidence has.
+    pub(crate) const fn limited_as(mut self, other: &Self) -> Self {
+        self.silent.limit(other.silent.limits());
+        self
+    }
+
+    /// Sets other limits for [`Evidence::silence`] than [`SilenceLimits::USUAL`].
+    pub const fn limit_silence(&mut self, limits: SilenceLimits) {
+        self.silent.limit(limits);
+    }
+
     /// Takes the decision of the next segment, nothing where it had none; gives the alarm that stands.
+    /// [`Evidence::observe_outcome`] also takes the reason.
     pub fn observe(&mut self, decision: Option<&Decision<P>>) -> Option<Alarm> {
+        self.take(decision.ok_or(None))
+    }
+
+    /// Takes the outcome of the next segment, [`Report::outcome`](crate::Report::outcome): its decision, or why it has
+    /// none; gives the alarm that stands. A decision of another model counts as none.
+    pub fn observe_outcome(&mut self, outcome: Result<&Decision<P>, Reason>) -> Option<Alarm> {
+        self.take(outcome.map_err(Some))
+    }
+
+    fn take(&mut self, outcome: Result<&Decision<P>, Option<Reason>>) -> Option<Alarm> {
         self.segments = self.segments.saturating_add(1);
-        let Some(decision) = decision.filter(|decision| decision.distance_surprise.is_finite()) else {
-            self.undetermined = self.undetermined.saturating_add(1);
-            return self.alarm;
+        let decision = match outcome.and_then(|decision| self.of_this_model(decision)) {
+            Ok(decision) => decision,
+            Err(reason) => {
+                self.undetermined = self.undetermined.saturating_add(1);
+                self.silent.add(reason);
+                return self.alarm;
+            }
         };
+        self.silent.end();
         let healthy = self.healthy?;
         self.drift.add(decision.distance);
         let EvidenceConstants { bet, cap, segments_a_run, .. } = self.constants;
         self.novelty.add((ln(bet) + (1.0 - bet) * decision.distance_surprise).min(cap)); // (1)
-        self.weigh_defects(healthy, decision.log_likelihoods());
+        self.weigh_defects(healthy, decision);
         self.run = self.run.saturating_add(1);
         if self.run >= segments_a_run { self.end_run() } else { self.alarm }
     }
 
-    /// (2) and the support.
-    fn weigh_defects(&mut self, healthy_class: u8, log_likelihoods: &[f32]) {
-        let healthy_class = healthy_class as usize;
+    /// The decision, if it is one of this model, or made without one, and has numbers.
+    fn of_this_model<'a>(&self, decision: &'a Decision<P>) -> Result<&'a Decision<P>, Option<Reason>> {
+        let Decision { model, distance_surprise, .. } = *decision;
+        if model != self.model && model != UNMARKED && self.model != UNMARKED {
+            return Err(Some(Reason::OtherModel));
+        }
+        if distance_surprise.is_finite() { Ok(decision) } else { Err(Some(Reason::NotFinite(Part::Classifier))) }
+    }
+
+    /// (2) and the support. A segment beyond the gate of a defect is nothing in its favour.
+    fn weigh_defects(&mut self, healthy_class: u8, decision: &Decision<P>) {
+        let (log_likelihoods, healthy_class) = (decision.log_likelihoods(), healthy_class as usize);
         let healthy = log_likelihoods.get(healthy_class).copied().unwrap_or(f32::NAN);
         let cap = self.constants.cap;
         let mut largest = f32::NEG_INFINITY;
-        for (k, own) in log_likelihoods.iter().enumerate() {
-            largest = if k == healthy_class { largest } else { largest.max(*own) };
+        for (k, (own, beyond)) in log_likelihoods.iter().zip(decision.beyond()).enumerate() {
+            largest = if k == healthy_class || *beyond { largest } else { largest.max(*own) };
         }
         let states = self.defects.cells_mut().iter_mut().zip(self.support.cells_mut());
-        for ((k, own), (score, support)) in log_likelihoods.iter().enumerate().zip(states) {
+        let classes = log_likelihoods.iter().zip(decision.beyond()).enumerate();
+        for ((k, (own, beyond)), (score, support)) in classes.zip(states) {
             if k != healthy_class {
                 let ratio = own - healthy; // (2)
-                score.add(if ratio.is_nan() { 0.0 } else { ratio.min(cap) });
-                let behind = own - largest;
+                score.add(if ratio.is_nan() { 0.0 } else { ratio.min(if *beyond { 0.0 } else { cap }) });
+                let behind = if *beyond { f32::NEG_INFINITY } else { own - largest };
                 // Capped too, so that one disturbed segment does not outweigh the others.
                 *support += if behind.is_nan() { 0.0 } else { behind.max(-cap) };
             }
@@ -235,19 +290,28 @@ impl<P: Plan> Evidence<P> {
         (self.segments, self.undetermined)
     }
 
+    /// Whether no segment has had a verdict for too long, and why; `None` again with the next verdict. It is no alarm
+    /// of the bearing and is not latched: a fault that denies verdicts adds nothing to the scores, and would otherwise
+    /// be silent for ever.
+    #[must_use]
+    pub fn silence(&self) -> Option<Silence> {
+        self.silent.silence()
+    }
+
     /// Course of the distance from the healthy class over the decided segments; nothing before there are four.
     #[must_use]
     pub fn trend(&self) -> Option<Trend> {
         self.drift.trend()
     }
 
-    /// Starts afresh, as after a repair: alarm, scores, counts and trend.
+    /// Starts afresh, as after a repair: alarm, scores, counts, silence and trend.
     pub fn reset(&mut self) {
         self.defects.cells_mut().fill(Score::ZERO);
         self.support.cells_mut().fill(0.0);
         (self.novelty, self.run) = (Score::ZERO, 0);
         (self.alarm, self.segments, self.undetermined) = (None, 0, 0);
         self.drift = Drift::NONE;
+        self.silent.end();
     }
 }
 

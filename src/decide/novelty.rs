@@ -1,13 +1,21 @@
-//! The distance of a segment from the healthy class, whatever other class it resembles.
+//! The distance of a segment from the healthy class, whatever other class it resembles, and the gates of all classes.
 //!
-//! Enters: z, projected coordinates with the variances v of their errors. Leaves: distance and surprise.
+//! Enters: z, projected coordinates with the variances v of their errors. Leaves: distance and surprise, and whether a
+//! segment is beyond the gate of another class.
 //!
 //! ```text
 //! d² = (z − m)ᵀ (S + diag(v))⁻¹ (z − m)                                  (1)  over the k available coordinates
 //! s  = −ln P(d² at least this large | healthy)                           (2)  nats
 //! novel if s ≥ −ln α                                                     (3)  s of [`super::rising`], if some rise
 //! (d²_Z/Z)^⅓ = 1 − c_Z + √c_Z u,   u = ((d²_k/k)^⅓ − 1 + c_k)/√c_k,   c_n = 2/(9n)       (4)  if k < Z
+//! beyond class j if s(d_j²/3²) ≥ −ln α,   d_j² as (1) of mean and covariance of the class                (5)
 //! ```
+//!
+//! Posteriors compare the classes with each other, so that a segment far from all of them, as of a faulty sensor, gets
+//! the class with the widest covariance, with certainty. (5) says that it is no segment of that class. Its gate is three
+//! times as far as the healthy one, in deviations of the class: the law (2) of healthy segments is that of a class only
+//! roughly, and a defect grows and differs from drive to drive. Without a healthy class, (5) is that of a normal
+//! distribution at 1 %.
 //!
 //! m and S are mean and covariance of the healthy training segments. (2) is known for all Z coordinates; with k of
 //! them, (4) gives the d² that is as improbable. u is nearly normal (Wilson and Hilferty 1931): for chi-square
@@ -50,6 +58,12 @@ pub struct Novelty<P: Plan> {
     /// −ln α of (3), nats; infinite if distances are computed but nothing is called novel.
     pub limit: f32,
 }
+
+/// The gate of another class is so many times as far from it, in its own deviations, as that of the healthy class:
+/// defects differ more between drives, and grow.
+const WIDER: f32 = 3.0;
+/// The normal deviate of (4) beyond which a segment is novel in a model without a healthy class: a probability of 1 %.
+const USUAL: f32 = 2.326;
 
 /// How far a segment is from the healthy class.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -100,6 +114,18 @@ impl<P: Plan> Novelty<P> {
         Departure { surprise: judged.cells().first().copied().unwrap_or(0.0), ..found }
     }
 
+    /// Whether a segment at this squared distance (1) from a class, over the available ones of all coordinates, is
+    /// beyond the gate of the class (5); never for the healthy class.
+    #[must_use]
+    pub fn excludes(&self, class: u8, squared: f32, [available, all]: [usize; 2]) -> bool {
+        let nearer = squared / (WIDER * WIDER);
+        match self.class {
+            None => available > 0 && normal(nearer, available) > USUAL,
+            Some(healthy) if healthy == class => false,
+            Some(_) => self.surprise(equivalent(nearer, available, all)) >= self.limit,
+        }
+    }
+
     /// (1), and the values that are judged one by one, by the factor of S + diag(v).
     pub(super) fn score(&self, density: &Density<P>, z: &[f32], judged: &mut [f32]) -> Scores {
         density.scores(self.mean.cells(), z, self.freedom, judged)
@@ -134,14 +160,21 @@ pub(super) fn equivalent(squared: f32, available: usize, all: usize) -> f32 {
     if available == all || available == 0 {
         return squared;
     }
-    let (from, to) = (available as f32, all as f32);
-    let [own, other] = [from, to].map(|count| 2.0 / (9.0 * count));
-    let mean = squared / from;
-    let root = if mean > f32::MIN_POSITIVE { libm::expf(ln(mean) / 3.0) } else { mean };
-    let u = (root - 1.0 + own) / libm::sqrtf(own);
-    let root = 1.0 - other + libm::sqrtf(other) * u;
+    let to = all as f32;
+    let other = 2.0 / (9.0 * to);
+    let root = 1.0 - other + libm::sqrtf(other) * normal(squared, available);
     // A NaN stays, since it is not less than zero.
     if root < 0.0 { 0.0 } else { to * root * root * root }
+}
+
+/// u of (4).
+#[inline(never)]
+fn normal(squared: f32, available: usize) -> f32 {
+    let count = available as f32;
+    let own = 2.0 / (9.0 * count);
+    let mean = squared / count;
+    let root = if mean > f32::MIN_POSITIVE { libm::expf(ln(mean) / 3.0) } else { mean };
+    (root - 1.0 + own) / libm::sqrtf(own)
 }
 
 /// The two knots around a value, or the nearest two.

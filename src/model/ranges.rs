@@ -19,6 +19,23 @@ pub(super) const fn is_law(knots: &[[f32; 2]]) -> bool {
     increase(knots) && all_within(knots.as_flattened(), 0.0, f32::MAX)
 }
 
+/// Whether the law, or the straight line beyond its last knots, has the surprise `limit` at an x of at most `most`.
+pub(super) const fn reaches(knots: &[[f32; 2]], limit: f32, most: f32) -> bool {
+    let mut rest = knots;
+    while let [[x0, s0], later @ ..] = rest {
+        if *s0 >= limit {
+            return *x0 <= most;
+        }
+        if let [[x1, s1]] = later
+            && *s1 < limit
+        {
+            return *x1 + (limit - *s1) * ((*x1 - *x0) / (*s1 - *s0)) <= most;
+        }
+        rest = later;
+    }
+    false
+}
+
 /// Whether every value is within the range. NaN is not.
 pub(super) const fn all_within(values: &[f32], least: f32, most: f32) -> bool {
     let mut rest = values;
@@ -31,13 +48,13 @@ pub(super) const fn all_within(values: &[f32], least: f32, most: f32) -> bool {
     true
 }
 
-/// Whether every value is finite and the pivots are above zero in factors of this number of rows: of each row the pivot
-/// first, then what is right of it.
-pub(super) const fn are_factors(values: &[f32], rows: usize) -> bool {
+/// Whether the pivots are above zero and at most the square of `largest`, and the others within ±`largest`, in factors
+/// of this number of rows: of each row the pivot first, then what is right of it.
+pub(super) const fn are_factors(values: &[f32], rows: usize, largest: f32) -> bool {
     let (mut rest, mut left) = (values, rows);
     while let [pivot, later @ ..] = rest {
         let (row, below) = split(later, left.saturating_sub(1));
-        if !(*pivot >= f32::MIN_POSITIVE && *pivot <= f32::MAX && all_within(row, f32::MIN, f32::MAX)) {
+        if !(*pivot >= f32::MIN_POSITIVE && *pivot <= largest * largest && all_within(row, -largest, largest)) {
             return false;
         }
         rest = below;

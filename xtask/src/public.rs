@@ -20,8 +20,15 @@ const CALLING: [&str; 5] = [
     "support/telemetry_calls.rs",
 ];
 /// Not for programs of a drive: conversions of the feature `nalgebra`, and hidden helpers of macros and constants.
-const ELSEWHERE: [&str; 5] =
-    ["Estimate::covariance_matrix", "Projection::to_matrices", "Model::checked", "ModelError::name", "check"];
+const ELSEWHERE: [&str; 7] = [
+    "Estimate::covariance_matrix",
+    "Projection::to_matrices",
+    "Model::checked",
+    "Model::marked",
+    "ModelError::name",
+    "check",
+    "mark",
+];
 
 /// How a public function starts.
 const PUBLIC: &[&str] = &["pub fn ", "pub const fn "];

@@ -51,7 +51,7 @@ fn run(
     tracking: &Tracking<RunTime>,
     turns: impl Fn(usize) -> f64,
     defect: (f64, f64),
-) -> (OrderStrength, u16) {
+) -> (OrderStrength, u32) {
     let mut gauss = Gauss(seed);
     run_in(|| gauss.next(), samples, tracking, turns, defect)
 }
@@ -63,7 +63,7 @@ fn run_in(
     tracking: &Tracking<RunTime>,
     turns: impl Fn(usize) -> f64,
     (amplitude, slip): (f64, f64),
-) -> (OrderStrength, u16) {
+) -> (OrderStrength, u32) {
     let mut orders = OrderTracking::<RunTime>::new(plan());
     let (mut angle, mut filtered, mut last) = (0.0, 0.0, 0_u32);
     for k in 0..samples {
@@ -208,4 +208,25 @@ fn the_unit_of_the_weights_does_not_matter() {
     };
     let (one, other) = (scored([1.0, 0.5, 0.25]), scored([3.0, 1.5, 0.75]));
     assert!(one > 4.0 && (one / other - 1.0).abs() < 1e-5, "{one} {other}"); // roundings
+}
+
+/// Cells of an eighth of a turn, as many as a long segment at high speed has.
+#[test]
+fn noise_and_defects_keep_their_scores_however_many_blocks_a_segment_has() {
+    // A passage takes 16 samples, so that every order has time to close.
+    let find =
+        |seed, blocks: usize, amplitude| run(seed, 16 * blocks, &tracking(0.0, -3), |_| 0.125 / 16.0, (amplitude, 0.0));
+    for blocks in [60_000_u32, 125_000, MAX_BLOCKS] {
+        let (noise, found) = find(5, blocks as usize, 0.0);
+        let what = std::format!("{found} blocks: prominence {}, score {}", noise.prominence, noise.score);
+        std::println!("{what}");
+        // The last block is still open. (3) has a deviation of 0.006 at the fewest blocks; a normal score of 4 has a
+        // probability of 1e-4.
+        assert!(found.abs_diff(blocks) < 3 && (noise.prominence - 1.0).abs() < 0.03, "{what}");
+        assert!(noise.score.abs() < 4.0, "{what}");
+    }
+    let defect = find(6, 125_000, 0.02).0;
+    std::println!("defect: score {}, amplitude {}", defect.score, defect.amplitude);
+    // Four times the power of one with a score of five; the weights of the harmonics cost up to a twelfth.
+    assert!(defect.score > 10.0 && (0.9..1.05).contains(&(defect.amplitude / 0.02)), "{defect:?}");
 }
