@@ -17,7 +17,7 @@ pub enum Verdict {
     Class(u8),
     /// Healthy is the most plausible class, but the segment is farther from it than healthy segments are: a small or
     /// unknown defect, or conditions that were not trained. Or the segment is far from every class: another or a much
-    /// larger defect, or a faulty sensor.
+    /// larger defect, or a faulty sensor. Never without a healthy class in the model.
     Novel,
     /// No class is plausible enough.
     Ambiguous,

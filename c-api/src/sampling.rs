@@ -103,17 +103,15 @@ fn fill_gap(state: &BwState, next: &Sample, mut take: impl FnMut(&Sample) -> Out
 #[inline(never)]
 fn keep(state: &BwState, segment: Segment<Own>) -> Outcome {
     let number = next_segment(state);
-    // Before the segment is there, which the main loop takes with it; the number of one that waits stays.
-    if !state.closed.is_full() {
-        state.closed_number.store(number, Ordering::Relaxed);
-    }
-    // SAFETY: the caller holds the sampling half of the state.
-    if unsafe { state.closed.fill(segment) } {
-        Ok(BwCode::Segment)
-    } else {
+    if state.closed.is_full() {
         count(&state.lost_segments);
-        Err(BwCode::SegmentLost)
+        return Err(BwCode::SegmentLost);
     }
+    // Before the segment is there, which the main loop takes with it.
+    state.closed_number.store(number, Ordering::Relaxed);
+    // SAFETY: the caller holds the sampling half of the state, and nothing else fills the slot.
+    unsafe { state.closed.fill(segment) };
+    Ok(BwCode::Segment)
 }
 
 /// The number of a segment that closes.

@@ -14,8 +14,8 @@
 //! Posteriors compare the classes with each other, so that a segment far from all of them, as of a faulty sensor, gets
 //! the class with the widest covariance, with certainty. (5) says that it is no segment of that class. Its gate is three
 //! times as far as the healthy one, in deviations of the class: the law (2) of healthy segments is that of a class only
-//! roughly, and a defect grows and differs from drive to drive. Without a healthy class, (5) is that of a normal
-//! distribution at 1 %.
+//! roughly, and a defect grows and differs from drive to drive. Without a healthy class there is no law, and nothing is
+//! novel.
 //!
 //! m and S are mean and covariance of the healthy training segments. (2) is known for all Z coordinates; with k of
 //! them, (4) gives the d² that is as improbable. u is nearly normal (Wilson and Hilferty 1931): for chi-square
@@ -62,8 +62,6 @@ pub struct Novelty<P: Plan> {
 /// The gate of another class is so many times as far from it, in its own deviations, as that of the healthy class:
 /// defects differ more between drives, and grow.
 const WIDER: f32 = 3.0;
-/// The normal deviate of (4) beyond which a segment is novel in a model without a healthy class: a probability of 1 %.
-const USUAL: f32 = 2.326;
 
 /// How far a segment is from the healthy class.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -115,12 +113,12 @@ impl<P: Plan> Novelty<P> {
     }
 
     /// Whether a segment at this squared distance (1) from a class, over the available ones of all coordinates, is
-    /// beyond the gate of the class (5); never for the healthy class.
+    /// beyond the gate of the class (5); never for the healthy class, whose gate is (3), and without one.
     #[must_use]
     pub fn excludes(&self, class: u8, squared: f32, [available, all]: [usize; 2]) -> bool {
         let nearer = squared / (WIDER * WIDER);
         match self.class {
-            None => available > 0 && normal(nearer, available) > USUAL,
+            None => false,
             Some(healthy) if healthy == class => false,
             Some(_) => self.surprise(equivalent(nearer, available, all)) >= self.limit,
         }
