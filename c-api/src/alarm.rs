@@ -63,7 +63,8 @@ pub unsafe extern "C" fn bw_alarm(state: *mut BwState, alarm: *mut BwAlarm) -> B
             };
             let trend = evidence.trend();
             let silence = evidence.silence();
-            let (silent_reason, silent_place) = silence.and_then(|own| own.reason).map_or((BwReason::None, 0), named);
+            let (silent_reason, silent_place) =
+                silence.and_then(|silence| silence.reason).map_or((BwReason::None, 0), named);
             let of_trend = |value: fn(bearing_watch::Trend) -> f32| trend.map_or(f32::NAN, value);
             BwAlarm {
                 raised: raised.is_some(),
@@ -79,7 +80,7 @@ pub unsafe extern "C" fn bw_alarm(state: *mut BwState, alarm: *mut BwAlarm) -> B
                 slope_high: of_trend(|own| own.high),
                 silent: silence.is_some(),
                 silent_place,
-                silent_segments: silence.map_or(0, |own| own.segments),
+                silent_segments: silence.map_or(0, |silence| silence.segments),
                 silent_reason,
             }
         })

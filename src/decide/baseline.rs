@@ -182,11 +182,11 @@ impl<P: Plan> Baseline<P> {
             return Err(BaselineMismatch::Value);
         };
         let [gain, gate, bound] = [gain, gate, bound].map(f32::from_bits);
-        let found = BaselineConstants { gain, gate, bound };
-        if !found.are_good() {
+        let saved = BaselineConstants { gain, gate, bound };
+        if !saved.are_good() {
             return Err(BaselineMismatch::Value);
         }
-        if found.words() == self.constants.words() { Ok(()) } else { Err(BaselineMismatch::Constants) }
+        if saved.words() == self.constants.words() { Ok(()) } else { Err(BaselineMismatch::Constants) }
     }
 
     /// Starts afresh, as after a repair.

@@ -78,15 +78,19 @@ impl<P: Plan> Classifier<P> {
     pub fn decide_at(&self, plan: P, coordinates: &[f32], variances: &[f32]) -> Option<Decision<P>> {
         let layout = plan.layout();
         let classes = layout.classes as usize;
-        let likelihood = |class| self.discriminant.log_likelihood(layout.discriminant, coordinates, variances, class);
-        let likelihoods = Array::<P::Classes, f32>::from_fn(classes, likelihood);
-        let mut decision = self.decide(plan, likelihoods.cells(), 0.0)?;
-        for (class, cell) in (0_u8..).zip(decision.beyond.cells_mut()) {
-            let own = class as usize;
-            let density = self.discriminant.density(layout.discriminant, coordinates.len(), variances, own);
-            let squared = self.discriminant.squared_distance(&density, coordinates, own);
-            *cell = self.novelty.excludes(class, squared, [density.available(), coordinates.len()]);
+        let mut likelihoods: Array<P::Classes, f32> = Cells::filled(classes, 0.0);
+        let mut beyond: Array<P::Classes, bool> = Cells::filled(classes, false);
+        let mut class = 0_u8;
+        for (likelihood, beyond) in likelihoods.cells_mut().iter_mut().zip(beyond.cells_mut()) {
+            let place = class as usize;
+            let density = self.discriminant.density(layout.discriminant, coordinates.len(), variances, place);
+            let squared = self.discriminant.squared_distance(&density, coordinates, place);
+            *likelihood = density.log_density(squared);
+            *beyond = self.novelty.excludes(class, squared, [density.available(), coordinates.len()]);
+            class = class.wrapping_add(1);
         }
+        let mut decision = self.decide(plan, likelihoods.cells(), 0.0)?;
+        decision.beyond = beyond;
         decision.depart(self.novelty.judge(coordinates, variances));
         Some(decision)
     }

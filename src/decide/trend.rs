@@ -78,13 +78,13 @@ impl Sums {
         if self.count == 0 {
             return later;
         }
-        let (own, other) = (self.count as f32, later.count as f32);
-        let (rise, share) = (later.mean - self.mean, other / (own + other));
+        let (before, after) = (self.count as f32, later.count as f32);
+        let (rise, share) = (later.mean - self.mean, after / (before + after));
         Self {
             count: self.count.saturating_add(later.count),
             mean: self.mean + share * rise,
-            joint: self.joint + later.joint + 0.5 * own * other * rise,
-            spread: self.spread + later.spread + own * share * rise * rise,
+            joint: self.joint + later.joint + 0.5 * before * after * rise,
+            spread: self.spread + later.spread + before * share * rise * rise,
         }
     }
 

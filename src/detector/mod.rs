@@ -256,8 +256,8 @@ impl<'m, P: Plan> Detector<'m, P> {
     /// Nothing sampled yet; an estimate from before is none of the next segment.
     fn renewed(&self) -> Self {
         let mut renewed = Self::new(self.model);
-        if let (Some(own), Some(before)) = (renewed.estimator.part_mut(), self.estimator.part()) {
-            own.count_on(before);
+        if let (Some(estimator), Some(before)) = (renewed.estimator.part_mut(), self.estimator.part()) {
+            estimator.count_on(before);
         }
         renewed
     }

@@ -121,9 +121,9 @@ impl Problem<'_> {
 #[inline(always)]
 pub(super) fn is_excited((d, r): (&[f32], &[f32]), columns: usize, j: usize) -> bool {
     let above = above((d, r), columns, [0, j], 0.0);
-    let own = d.get(j).copied().unwrap_or(PRIOR);
+    let pivot = d.get(j).copied().unwrap_or(PRIOR);
     // Written so that NaN counts as dependent.
-    own > DEPENDENT * above && own > 4.0 * PRIOR
+    pivot > DEPENDENT * above && pivot > 4.0 * PRIOR
 }
 
 /// `sum` + Σ d(i) R(i, first + j)² over the j rows from `first` on.

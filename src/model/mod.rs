@@ -169,7 +169,10 @@ impl<P: Plan> Model<P> {
     #[must_use]
     pub fn baseline(&self, constants: BaselineConstants) -> Option<Baseline<P>> {
         let novelty = &self.constants.classifier.novelty;
-        novelty.class.and_then(|_| Baseline::new(self.plan, novelty, constants)).map(|own| own.of_model(self.mark))
+        novelty
+            .class
+            .and_then(|_| Baseline::new(self.plan, novelty, constants))
+            .map(|baseline| baseline.of_model(self.mark))
     }
 
     /// Evidence without any segment yet.

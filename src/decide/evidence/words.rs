@@ -111,11 +111,14 @@ impl<P: Plan> Evidence<P> {
             let begun = if open { score.run < f32::INFINITY } else { score.run == f32::NEG_INFINITY };
             score.sum >= 0.0 && score.sum <= most && begun
         };
-        let defects = (0_u8..).zip(pairs(self.defects.cells(), self.support.cells()));
-        let defects_good = defects.into_iter().all(|(class, (score, support))| {
+        // A range beside the pairs would need a check of overflow.
+        let mut class = 0_u8;
+        let defects_good = pairs(self.defects.cells(), self.support.cells()).all(|(score, support)| {
+            let healthy = Some(class) == self.healthy;
+            class = class.wrapping_add(1);
             let lowest = -1.01 * cap * runs as f32;
-            let own = good(score) && *support <= 0.0 && *support >= lowest;
-            own && (Some(class) != self.healthy || (*score == Score::ZERO && *support >= 0.0))
+            let weighed = good(score) && *support <= 0.0 && *support >= lowest;
+            weighed && (!healthy || (*score == Score::ZERO && *support >= 0.0))
         });
         let novelty = good(&self.novelty) && (!open || self.novelty.run.is_finite());
         novelty && defects_good && (self.run < segments_a_run || self.run == 0) && (runs > 0 || !open)
