@@ -221,12 +221,12 @@ impl<P: Plan> Evidence<P> {
         let healthy = log_likelihoods.get(healthy_class).copied().unwrap_or(f32::NAN);
         let cap = self.constants.cap;
         let mut largest = f32::NEG_INFINITY;
-        for (k, (own, beyond)) in log_likelihoods.iter().zip(decision.beyond()).enumerate() {
+        for ((k, own), beyond) in log_likelihoods.iter().enumerate().zip(decision.beyond()) {
             largest = if k == healthy_class || *beyond { largest } else { largest.max(*own) };
         }
         let states = self.defects.cells_mut().iter_mut().zip(self.support.cells_mut());
-        let classes = log_likelihoods.iter().zip(decision.beyond()).enumerate();
-        for ((k, (own, beyond)), (score, support)) in classes.zip(states) {
+        let classes = log_likelihoods.iter().enumerate().zip(decision.beyond());
+        for (((k, own), beyond), (score, support)) in classes.zip(states) {
             if k != healthy_class {
                 let ratio = own - healthy; // (2)
                 score.add(if ratio.is_nan() { 0.0 } else { ratio.min(if *beyond { 0.0 } else { cap }) });

@@ -102,8 +102,12 @@ impl<P: Plan> Classifier<P> {
     pub fn finding(&self, decision: &Decision<P>) -> Finding {
         let unhealthy = decision.surprise >= self.novelty.limit;
         // Costs may decide for a class that the segment is far from, if it is near another one.
-        let far = |(class, beyond): (u8, &bool)| *beyond || (unhealthy && Some(class) == self.novelty.class);
-        let far_from_all = (0_u8..).zip(decision.beyond()).all(far);
+        let mut class = 0_u8;
+        let far_from_all = decision.beyond().iter().all(|beyond| {
+            let far = *beyond || (unhealthy && Some(class) == self.novelty.class);
+            class = class.wrapping_add(1);
+            far
+        });
         if far_from_all || (unhealthy && Some(decision.class) == self.novelty.class) {
             Finding::Novel
         } else if decision.least_cost() > self.discriminant.reject_cost {
