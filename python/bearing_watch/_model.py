@@ -111,13 +111,20 @@ class Model:
         return report
 
     def summary(self, *, rank: bool = False) -> str:
-        """Return the report of the training as text."""
+        """Return the report of the training as text; of a model without the data of its training, what it is."""
+        if not self._core.is_trained:
+            if rank:
+                raise _core.BearingWatchError(
+                    "a model that was loaded from a file does not have the data of its training, by which features are "
+                    "ranked; use the model that train returned"
+                )
+            return "\n".join(f"{name}: {text}" for name, text in self._about())
         lines, _, _ = self._core.report(rank)
         return "\n".join(lines)
 
-    def _repr_html_(self) -> str:
+    def _about(self) -> list[tuple[str, str]]:
         interval = f"{self.interval_s:.6g} s" if self.interval_s > 0 else "not known"
-        rows = [
+        return [
             ("classes", ", ".join(self.classes)),
             ("healthy class", self.healthy or "none"),
             ("features", ", ".join(self.features)),
@@ -127,10 +134,19 @@ class Model:
             ("training", f"{len(self.trained_on)} traces"),
             ("size", f"{len(self.to_bytes())} bytes"),
         ]
-        return _html.table(["model", ""], rows)
+
+    def _repr_html_(self) -> str:
+        return _html.table(["model", ""], self._about())
 
     def __repr__(self) -> str:
         return f"Model(classes={self.classes}, features={self.features})"
+
+    def __eq__(self, other: object) -> bool:
+        """Whether it is the same model file; a pickle has the file alone, and not the data of the training."""
+        return self.to_bytes() == other.to_bytes() if isinstance(other, Model) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self.to_bytes())
 
     def __reduce__(self) -> tuple[Any, tuple[bytes]]:
         return Model.from_bytes, (self.to_bytes(),)

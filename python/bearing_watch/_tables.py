@@ -32,26 +32,51 @@ def warn(messages: Iterable[str]) -> None:
         warnings.warn(message, BearingWatchWarning, stacklevel=3)
 
 
+def array(values: Any) -> npt.NDArray[Any]:
+    """Return values as an array; what is masked, or missing in a column of pandas, is NaN."""
+    if isinstance(values, np.ma.MaskedArray):
+        if values.dtype.kind not in NUMBERS:
+            if np.ma.getmaskarray(values).any():
+                raise TypeError(f"a masked array of {values.dtype}: only one of numbers can have missing values")
+            return np.asarray(values.data)
+        return np.asarray(np.ma.filled(values.astype(np.float64), np.nan))
+    own = np.asarray(values)
+    if own.dtype.kind == "O" and own.ndim == 1:
+        missing = [_is_missing(cell) for cell in own]
+        numbers = [isinstance(cell, (int, float, np.number)) for cell in own]
+        if not all(missing) and all(one or other for one, other in zip(missing, numbers)):
+            return np.array([np.nan if gone else cell for gone, cell in zip(missing, own)], dtype=np.float64)
+    kind = getattr(getattr(values, "dtype", None), "kind", "")
+    if own.dtype == object and kind in NUMBERS and hasattr(values, "to_numpy"):
+        return np.asarray(values.to_numpy(dtype=np.float64, na_value=np.nan))
+    return own
+
+
 def vector(name: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
     """Return values as an array of float64 in one piece of memory."""
-    array = np.asarray(values)
-    if array.ndim != 1:
-        raise ValueError(f"{name} has {array.ndim} dimensions; give one value a sample, shape (n,)")
-    if array.dtype.kind not in NUMBERS:
-        raise TypeError(f"{name} holds {array.dtype}; give numbers")
-    return np.ascontiguousarray(array, dtype=np.float64)
+    own = array(values)
+    if own.ndim != 1:
+        raise ValueError(f"{name} has {own.ndim} dimensions; give one value a sample, shape (n,)")
+    if own.dtype.kind not in NUMBERS:
+        raise TypeError(f"{name} holds {own.dtype}; give numbers")
+    return np.ascontiguousarray(own, dtype=np.float64)
 
 
 def _cells(values: Any) -> Any:
     """Return a column as an array of float64, a list of texts, or the name of the type of other cells."""
-    array = np.asarray(values)
-    if array.ndim == 1 and array.dtype.kind in NUMBERS:
-        return np.ascontiguousarray(array, dtype=np.float64)
-    if array.ndim == 1 and array.dtype.kind in "UTO":
-        cells = [None if cell is None or cell != cell else cell for cell in array.tolist()]
+    own = array(values)
+    if own.ndim == 1 and own.dtype.kind in NUMBERS:
+        return np.ascontiguousarray(own, dtype=np.float64)
+    if own.ndim == 1 and own.dtype.kind in "UTO":
+        cells = [None if _is_missing(cell) else cell for cell in own.tolist()]
         if all(cell is None or isinstance(cell, str) for cell in cells):
             return ["" if cell is None else cell for cell in cells]
-    return f"{array.dtype} in {array.ndim} dimensions"
+    return f"{own.dtype} in {own.ndim} dimensions"
+
+
+def _is_missing(cell: Any) -> bool:
+    # The missing value of pandas is neither equal to itself nor different.
+    return cell is None or type(cell).__name__ in ("NAType", "NaTType") or (isinstance(cell, float) and cell != cell)
 
 
 def _is_mapping(table: Any) -> bool:
@@ -59,10 +84,42 @@ def _is_mapping(table: Any) -> bool:
     return isinstance(table, Mapping) or type(table).__module__.split(".")[0] == "pandas"
 
 
+#: Names of a column of times, as of files.
+_TIMES = ("t", "time", "timestamp", "zeit", "temps")
+
+
+def _is_time(name: str) -> bool:
+    return name.lower().split("_")[0] in _TIMES
+
+
+def _timed(given: Any, columns: dict[str, Any]) -> dict[str, Any]:
+    """Return the columns with the times of the index of a frame, unless they have times."""
+    index: Any = getattr(given, "index", None)
+    kind = getattr(getattr(index, "dtype", None), "kind", "")
+    if isinstance(given, Mapping) or kind not in ("M", "m", "f") or any(map(_is_time, columns)):
+        return columns
+    own = index.name if isinstance(getattr(index, "name", None), str) else None
+    if kind == "f":
+        if own is not None and not _is_time(own):
+            return columns
+        return {own or "t_s": np.ascontiguousarray(index, dtype=np.float64), **columns}
+    # Dates and durations: to nanoseconds without a time zone, so that seconds from the first are exact.
+    if getattr(index, "tz", None) is not None:
+        index = index.tz_convert("UTC").tz_localize(None)
+    times = np.asarray(index).astype(f"{kind}8[ns]").astype(np.int64)
+    seconds = (times - times[0]) / 1e9 if len(times) else times.astype(np.float64)
+    return {"t_s": np.ascontiguousarray(seconds, dtype=np.float64), **columns}
+
+
 def table(given: Table) -> Any:
     """Return a table as a dictionary of columns, or as the object with an Arrow stream that it is."""
     if _is_mapping(given):
-        return {str(name): _cells(values) for name, values in given.items()}
+        columns: dict[str, Any] = {}
+        for name, values in given.items():
+            if str(name) in columns:
+                raise ValueError(f"two columns are named {name}; rename or drop one")
+            columns[str(name)] = _cells(values)
+        return _timed(given, columns)
     if hasattr(given, "__arrow_c_stream__"):
         return given
     raise TypeError(f"a table is a mapping of columns or an Arrow table, not {type(given).__name__}")

@@ -19,6 +19,7 @@ from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_array, check_is_fitted, validate_data
 
 from bearing_watch import _core
+from bearing_watch._tables import array
 
 __all__ = ["GaussianClassifier", "NoveltyDetector"]
 
@@ -47,6 +48,11 @@ class _Refitted(BaseEstimator):  # type: ignore[misc]
         tags = super().__sklearn_tags__()
         tags.input_tags.allow_nan = True
         return tags
+
+
+def _unmasked(X: Any) -> Any:
+    """Return rows with NaN for what is masked; scikit-learn takes the values under the mask."""
+    return array(X) if isinstance(X, np.ma.MaskedArray) else X
 
 
 def _names(estimator: Any) -> list[str]:
@@ -104,6 +110,7 @@ class GaussianClassifier(ClassifierMixin, _Refitted):  # type: ignore[misc]
 
     def fit(self, X: npt.ArrayLike, y: npt.ArrayLike) -> GaussianClassifier:
         """Fit to features of shape (n, features) and classes of shape (n,)."""
+        X = _unmasked(X)
         rows, y = validate_data(self, X, y, dtype=np.float64, ensure_all_finite="allow-nan", ensure_min_samples=2)
         check_classification_targets(y)
         self.classes_, places = np.unique(y, return_inverse=True)
@@ -133,7 +140,7 @@ class GaussianClassifier(ClassifierMixin, _Refitted):  # type: ignore[misc]
 
     def _predicted(self, X: npt.ArrayLike) -> tuple[_Array, npt.NDArray[np.int64]]:
         check_is_fitted(self)
-        rows = validate_data(self, X, dtype=np.float64, ensure_all_finite="allow-nan", reset=False)
+        rows = validate_data(self, _unmasked(X), dtype=np.float64, ensure_all_finite="allow-nan", reset=False)
         found: tuple[_Array, npt.NDArray[np.int64]] = self._fitted.predict(rows)
         return found
 
@@ -158,7 +165,8 @@ class NoveltyDetector(OutlierMixin, _Refitted):  # type: ignore[misc]
     Parameters
     ----------
     false_alarm : float
-        Rate of further healthy rows that are called novel. With ``runs`` in :meth:`fit` it is that of the next run.
+        Rate of further healthy rows that are called novel; few rows support no smaller one than the default. With
+        ``runs`` in :meth:`fit` it is that of the next run.
 
     Attributes
     ----------
@@ -172,7 +180,7 @@ class NoveltyDetector(OutlierMixin, _Refitted):  # type: ignore[misc]
 
     _core_class = _core.RowGate
 
-    def __init__(self, *, false_alarm: float = 0.01) -> None:
+    def __init__(self, *, false_alarm: float = 0.05) -> None:
         self.false_alarm = false_alarm
 
     def fit(self, X: npt.ArrayLike, y: Any = None, *, runs: Optional[npt.ArrayLike] = None) -> NoveltyDetector:
@@ -187,7 +195,7 @@ class NoveltyDetector(OutlierMixin, _Refitted):  # type: ignore[misc]
         runs : array_like, shape (n,), optional
             Run of each row, in the order of time: rows of one run are more alike than those of different ones.
         """
-        rows = validate_data(self, X, dtype=np.float64, ensure_all_finite="allow-nan", ensure_min_samples=2)
+        rows = validate_data(self, _unmasked(X), dtype=np.float64, ensure_all_finite="allow-nan", ensure_min_samples=2)
         numbers = None
         if runs is not None:
             own = check_array(runs, ensure_2d=False, dtype=None)
@@ -205,7 +213,7 @@ class NoveltyDetector(OutlierMixin, _Refitted):  # type: ignore[misc]
     def score_samples(self, X: npt.ArrayLike) -> _Array:
         """Return the negative surprise of each row, shape (n,): ln of the probability of a healthy row as distant."""
         check_is_fitted(self)
-        rows = validate_data(self, X, dtype=np.float64, ensure_all_finite="allow-nan", reset=False)
+        rows = validate_data(self, _unmasked(X), dtype=np.float64, ensure_all_finite="allow-nan", reset=False)
         surprise: _Array = self._fitted.surprise(rows)
         return -surprise
 

@@ -8,7 +8,8 @@ use bearing_watch::{Baseline, FrictionTerm};
 use model::Error;
 use model::core::{SegmentReport, Stream, Watched, Watcher};
 use model::identify::Terms as _;
-use model::trace::{Channels, Recorded, Trace};
+use model::session::check_rate;
+use model::trace::{Cells, Channels, Recorded, Trace};
 use model::train::features_of;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
@@ -18,6 +19,7 @@ use traces::Source;
 
 use crate::errors::{raised, refused};
 use crate::model::{Model, Own};
+use crate::pool::detached;
 use crate::tables::{table, tables};
 
 /// What runs on a model.
@@ -83,7 +85,7 @@ impl Detector {
     fn run<'py>(&mut self, py: Python<'py>, columns: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
         self.require_between()?;
         let table = table("trace", columns)?;
-        let judged = py.detach(|| {
+        let judged = detached(py, || {
             let source = Source::Memory(vec![Arc::clone(&table)]);
             let trace = self.state.borrow_owner().file.trace(table.name(), &source)?;
             let mut segments = self.advance(&trace);
@@ -105,7 +107,7 @@ impl Detector {
             Some(given) => Source::Memory(tables(given)?),
             None => Source::Files(files),
         };
-        let judged = py.detach(|| {
+        let judged = detached(py, || {
             let traces = self.state.borrow_owner().file.traces(&source)?;
             let judge = |trace: Trace| {
                 let mut segments = self.advance(&trace);
@@ -125,7 +127,7 @@ impl Detector {
             return Err(refused(format!("this model takes whole traces (run): {reason}")));
         }
         let table = table("samples", columns)?;
-        let judged = py.detach(|| {
+        let judged = detached(py, || {
             let piece = piece(self.state.borrow_owner(), table)?;
             let segments = self.advance(&piece);
             Ok::<_, Error>(self.judged(segments, false))
@@ -150,10 +152,18 @@ impl Detector {
     }
 }
 
-/// The samples of a piece, whose time is not read.
+/// The samples of a piece. Its time is read for the rate alone, and only where it has a step.
 fn piece(own: &Own, table: Arc<Recorded>) -> Result<Trace, Error> {
+    let rows = table.columns().iter().find_map(|(_, cells)| match cells {
+        Cells::Numbers(numbers) => Some(numbers.len()),
+        _ => None,
+    });
+    if rows.is_some_and(|rows| rows > 1) {
+        let timed = traces::read_piece(&table, &own.file.channels())?;
+        check_rate(&own.file.model, own.file.preparation(), timed.iter())?;
+    }
     let channels = Channels { time: Some("none".into()), rate_hz: None, ..own.file.channels() };
-    let mut traces = Source::Memory(vec![table]).read(&channels)?;
+    let mut traces = traces::read_piece(&table, &channels)?;
     traces.pop().filter(|_| traces.is_empty()).ok_or_else(|| Error::Usage("the samples are of several traces".into()))
 }
 

@@ -14,6 +14,7 @@ use traces::given::given;
 
 use crate::errors::raised;
 use crate::options::{Call, call};
+use crate::pool::detached;
 
 /// A step of the training of a fleet.
 type Step = fn(Call, &Log<'_>) -> Result<Value, Error>;
@@ -33,7 +34,7 @@ pub(crate) fn fleet(
         other => return Err(PyValueError::new_err(format!("no step {other}"))),
     };
     let call = call(drive, options, None, None)?;
-    py.detach(|| {
+    detached(py, || {
         let log = Log::new(&Quiet);
         let report = step(call, &log).map_err(raised)?;
         Ok((report.to_string(), log.take()))

@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use rayon::prelude::*;
 
 use crate::errors::{raised, refused};
+use crate::pool::detached;
 
 fn matrix(x: &PyReadonlyArray2<'_, f64>, names: Vec<String>) -> PyResult<Matrix> {
     let rows: Vec<Vec<f64>> = x.as_array().rows().into_iter().map(|row| row.to_vec()).collect();
@@ -66,7 +67,8 @@ impl RowClassifier {
         let plain = Recipe::new(Structure::new(0, 0, 0, 0, 0));
         let recipe = Recipe { projection, discriminant, shrink, priors, cost, ..plain };
         let (matrix, width) = (matrix(&x, names)?, x.as_array().ncols());
-        let own = py.detach(|| train::RowClassifier::fit(&matrix, &classes, &class_names, &recipe)).map_err(raised)?;
+        let own =
+            detached(py, || train::RowClassifier::fit(&matrix, &classes, &class_names, &recipe)).map_err(raised)?;
         Ok(Self { own, width })
     }
 
@@ -74,7 +76,7 @@ impl RowClassifier {
     fn predict<'py>(&self, py: Python<'py>, x: PyReadonlyArray2<'py, f64>) -> PyResult<Predicted<'py>> {
         let matrix = matrix(&x, vec![String::new(); self.width])?;
         let found: Vec<(Vec<f64>, usize)> =
-            py.detach(|| matrix.rows.par_iter().map(|row| self.own.predict(row)).collect());
+            detached(py, || matrix.rows.par_iter().map(|row| self.own.predict(row)).collect());
         let (posteriors, decided): (Vec<Vec<f64>>, Vec<i64>) =
             found.into_iter().map(|(posteriors, class)| (posteriors, class as i64)).unzip();
         Ok((PyArray2::from_vec2(py, &posteriors)?, decided.into_pyarray(py)))
@@ -101,7 +103,7 @@ impl RowGate {
         false_alarm: f64,
     ) -> PyResult<Self> {
         let (matrix, width) = (matrix(&x, names)?, x.as_array().ncols());
-        let own = py.detach(|| train::RowGate::fit(&matrix, runs.as_deref(), false_alarm)).map_err(raised)?;
+        let own = detached(py, || train::RowGate::fit(&matrix, runs.as_deref(), false_alarm)).map_err(raised)?;
         Ok(Self { own, width })
     }
 
@@ -114,7 +116,7 @@ impl RowGate {
     /// The surprise of each row, nats.
     fn surprise<'py>(&self, py: Python<'py>, x: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let matrix = matrix(&x, vec![String::new(); self.width])?;
-        let found: Vec<f64> = py.detach(|| matrix.rows.par_iter().map(|row| self.own.surprise(row)).collect());
+        let found: Vec<f64> = detached(py, || matrix.rows.par_iter().map(|row| self.own.surprise(row)).collect());
         Ok(found.into_pyarray(py))
     }
 }

@@ -13,7 +13,8 @@
 //! learning    classifier and novelty gate on matrices of features
 //! ```
 //!
-//! Long work releases the interpreter's lock. Errors are exceptions with the text of the command line.
+//! Long work releases the interpreter's lock, and runs on threads of its process, also of a forked one (`pool`).
+//! Errors are exceptions with the text of the command line.
 
 mod arrow;
 mod detector;
@@ -22,6 +23,7 @@ mod fleet;
 mod learning;
 mod model;
 mod options;
+mod pool;
 mod recordings;
 mod recursive;
 mod signals;
@@ -29,7 +31,9 @@ mod tables;
 
 use pyo3::prelude::*;
 
-#[pymodule]
+// With the lock: the objects of the package are not made to be used by several threads at once. A free-threaded
+// interpreter turns its lock on for this module, and warns of it.
+#[pymodule(gil_used = true)]
 mod _core {
     /// Version of the package.
     #[pymodule_export]

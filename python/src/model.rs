@@ -16,6 +16,7 @@ use traces::given::{given, given_without_front_end};
 
 use crate::errors::{raised, refused};
 use crate::options::{Call, call};
+use crate::pool::detached;
 
 /// A training that is done, and what it takes to judge it.
 #[derive(Debug)]
@@ -63,7 +64,7 @@ pub(crate) fn train(
     labels: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(Model, Vec<String>)> {
     let call = call(drive, options, traces, labels)?;
-    py.detach(|| {
+    detached(py, || {
         let log = Log::new(&Quiet);
         let done = trained(call, &log).map_err(raised)?;
         let bytes = done.training.bytes.clone();
@@ -76,7 +77,7 @@ pub(crate) fn train(
 #[pyfunction]
 pub(crate) fn simulate<'py>(py: Python<'py>, options: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyList>> {
     let options = call(None, options, None, None)?.options();
-    let tables = py.detach(|| {
+    let tables = detached(py, || {
         let simulation: Simulation =
             from_value(Value::Object(options)).map_err(|problem| Error::Usage(format!("simulate: {problem}")))?;
         Set::new(&simulation)?.tables()
@@ -158,6 +159,12 @@ impl Model {
         self.own.file.model.sampling().interval_s
     }
 
+    /// Whether it has the data of its training.
+    #[getter]
+    fn is_trained(&self) -> bool {
+        self.own.done.is_some()
+    }
+
     /// The model as Rust source.
     fn to_rust(&self, commissioning: Option<u32>) -> PyResult<String> {
         if commissioning.is_some_and(|segments| !(2..=10_000).contains(&segments)) {
@@ -178,7 +185,7 @@ impl Model {
     /// Lines and JSON of the report of the training, with the warnings.
     fn report(&self, py: Python<'_>, rank: bool) -> PyResult<Reported> {
         let done = self.done()?;
-        py.detach(|| {
+        detached(py, || {
             let log = Log::new(&Quiet);
             let found = done.session.found(&done.training, rank, &log)?;
             let json = Value::Object(to_json(&done.training, &found));
@@ -197,7 +204,7 @@ impl Model {
         labels: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Reported> {
         let call = call(drive, options, traces, labels)?;
-        py.detach(|| {
+        detached(py, || {
             let log = Log::new(&Quiet);
             let (settings, mut further, _) = call.understood(&Use::EVALUATE)?;
             let options = further.take()?;

@@ -17,6 +17,7 @@ use traces::units::Unit;
 
 use crate::errors::raised;
 use crate::options::call;
+use crate::pool::detached;
 
 /// Traces, and the units of their columns.
 type Read<'py> = (Bound<'py, PyList>, Vec<(String, String)>);
@@ -49,7 +50,8 @@ pub(crate) fn read<'py>(
         let units = names.iter().filter_map(unit).collect();
         Ok((names, units, series))
     };
-    let (names, units, series): (Vec<String>, Vec<(String, String)>, Vec<Series>) = py.detach(read).map_err(raised)?;
+    let (names, units, series): (Vec<String>, Vec<(String, String)>, Vec<Series>) =
+        detached(py, read).map_err(raised)?;
     let to_python = |Series { id, times_s, columns }: Series| {
         let by_name = PyDict::new(py);
         for (name, column) in names.iter().zip(columns) {
@@ -77,7 +79,7 @@ pub(crate) fn audit(
     options: &Bound<'_, PyDict>,
 ) -> PyResult<(Vec<String>, String, Vec<String>)> {
     let audit = Audit { settings: settings_of(&AUDIT, drive, options)? };
-    py.detach(|| {
+    detached(py, || {
         let log = Log::new(&Quiet);
         let outcome = audit.audit(&traces::files(&audit.paths()?)?, &log)?;
         Ok((outcome.lines(audit.false_alarm()), outcome.to_json().to_string(), log.take()))
@@ -101,7 +103,7 @@ pub(crate) fn init(py: Python<'_>, options: &Bound<'_, PyDict>) -> PyResult<(Pat
     let (settings, mut further, _) = call(None, options, None, None)?.understood(&INIT).map_err(raised)?;
     let options: Further = further.take().map_err(raised)?;
     further.end().map_err(raised)?;
-    py.detach(|| {
+    detached(py, || {
         let asked = Asked {
             data: &settings.data,
             labels: options.labels.as_deref(),

@@ -10,6 +10,7 @@ use pyo3::types::PyDict;
 use self_cell::self_cell;
 
 use crate::errors::{raised, refused};
+use crate::pool::detached;
 use crate::signals::{order_of, trace_of};
 
 self_cell!(
@@ -60,7 +61,7 @@ impl RecursiveEstimator {
         let structure = order_of(order, offset)?;
         let trace = trace_of("reference", reference, structure)?;
         let how = How { method, forgetting, huber, every };
-        let estimator = py.detach(|| Recursive::new(trace, structure, how)).map_err(raised)?;
+        let estimator = detached(py, || Recursive::new(trace, structure, how)).map_err(raised)?;
         Ok(Self { state: start(Arc::new(estimator)) })
     }
 
@@ -82,7 +83,7 @@ impl RecursiveEstimator {
         if u1.len() != y.len() || u2.len() != y.len() {
             return Err(refused("y, u1 and u2 are of one length"));
         }
-        let estimates = py.detach(|| self.state.with_dependent_mut(|_, running| running.take([&y, &u1, &u2])));
+        let estimates = detached(py, || self.state.with_dependent_mut(|_, running| running.take([&y, &u1, &u2])));
         let (count, n) = (estimates.len(), self.names().len());
         let theta: Vec<f64> = estimates.iter().flat_map(|estimate| estimate.theta.iter().copied()).collect();
         let covariance: Vec<f64> = estimates.iter().flat_map(|estimate| estimate.covariance.iter().copied()).collect();

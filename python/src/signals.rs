@@ -5,6 +5,7 @@ use std::sync::Arc;
 use model::Error;
 use model::identify::{Estimate, Method, Noise, Options, Structure, Terms, estimate_with, parse_order};
 use model::identify::{estimate, robust as robust_of, simulate};
+use model::session::refuse_gaps;
 use model::structure::{Candidate, Estimator, Grid, Search, search};
 use model::trace::{Channels, Preparation, Recorded, Trace};
 use model::validate::roots::Root;
@@ -16,6 +17,7 @@ use pyo3::types::{PyDict, PyList};
 use traces::Source;
 
 use crate::errors::{raised, refused};
+use crate::pool::detached;
 use crate::tables::{table, tables};
 
 /// Largest lag of a residual test.
@@ -104,14 +106,13 @@ pub(crate) fn identify<'py>(
     }
     let trace = trace_of(name, signals, structure)?;
     let options = Options { passes, noise_order };
-    let (estimate, simulated) = py
-        .detach(|| {
-            let estimate = estimate_with(&trace, structure, method, options)?;
-            let estimate = if robust { robust_of(&trace, estimate)? } else { estimate };
-            let simulated = simulate(&trace, structure, estimate.theta.as_slice());
-            Ok((estimate, simulated))
-        })
-        .map_err(raised)?;
+    let (estimate, simulated) = detached(py, || {
+        let estimate = estimate_with(&trace, structure, method, options)?;
+        let estimate = if robust { robust_of(&trace, estimate)? } else { estimate };
+        let simulated = simulate(&trace, structure, estimate.theta.as_slice());
+        Ok((estimate, simulated))
+    })
+    .map_err(raised)?;
     let result = estimate_to_dict(py, &estimate)?;
     result.set_item("undetermined", estimate.undetermined(&trace))?;
     result.set_item("simulated", simulated.into_pyarray(py))?;
@@ -168,14 +169,13 @@ pub(crate) fn structure<'py>(
     let structures = Grid { min, max, offset }.structures().map_err(raised)?;
     let (training, validation) = (tables(training)?, tables(validation)?);
     training.iter().chain(&validation).try_for_each(|table| require(table, max))?;
-    let found = py
-        .detach(|| {
-            let whole = |own: Vec<Arc<Recorded>>| {
-                traces(own)?.iter().map(|trace| Preparation::NONE.apply(trace)).collect::<Result<Vec<_>, _>>()
-            };
-            search(&whole(training)?, &whole(validation)?, &structures, estimator)
-        })
-        .map_err(raised)?;
+    let found = detached(py, || {
+        let whole = |own: Vec<Arc<Recorded>>| {
+            traces(own)?.iter().map(|trace| Preparation::NONE.apply(trace)).collect::<Result<Vec<_>, _>>()
+        };
+        search(&whole(training)?, &whole(validation)?, &structures, estimator)
+    })
+    .map_err(raised)?;
     search_to_dict(py, &found)
 }
 
@@ -222,13 +222,13 @@ pub(crate) fn validate<'py>(
         return Err(refused(format!("lags is 1 to {MOST_LAGS}")));
     }
     let trace = trace_of(name, signals, structure)?;
-    let (estimate, found) = py
-        .detach(|| {
-            let estimate = estimate(&trace, structure, method)?;
-            let found = validation(&trace, &estimate, Errors::of(method), lags)?;
-            Ok((estimate, found))
-        })
-        .map_err(raised)?;
+    let (estimate, found) = detached(py, || {
+        refuse_gaps(&trace)?;
+        let estimate = estimate(&trace, structure, method)?;
+        let found = validation(&trace, &estimate, Errors::of(method), lags)?;
+        Ok((estimate, found))
+    })
+    .map_err(raised)?;
     let result = validation_to_dict(py, &found)?;
     result.set_item("estimate", estimate_to_dict(py, &estimate)?)?;
     result.get_item("estimate")?.into_iter().try_for_each(|own| {

@@ -8,11 +8,20 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
 use crate::arrow;
-use crate::errors::raised;
+use crate::errors::{raised, refused};
 
 /// A table: an object with an Arrow stream, or a dictionary of columns, each an array of float64, a list of texts, or
 /// the name of the type of other cells.
 pub(crate) fn table(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Arc<Recorded>> {
+    let table = unchecked(name, given)?;
+    let names: Vec<&str> = table.names().collect();
+    match names.iter().enumerate().find(|(k, own)| names[..*k].contains(own)) {
+        None => Ok(table),
+        Some((_, twice)) => Err(refused(format!("{name}: two columns are named {twice}; rename or drop one"))),
+    }
+}
+
+fn unchecked(name: &str, given: &Bound<'_, PyAny>) -> PyResult<Arc<Recorded>> {
     let Ok(columns) = given.cast::<PyDict>() else {
         return arrow::table(name, given);
     };

@@ -89,6 +89,20 @@ def test_pieces_of_any_size_give_the_bits_of_the_whole(bench, model, size):
     assert len(detector.finish()) == 0
 
 
+@pytest.mark.parametrize("size", [100, 999])
+def test_missing_samples_in_pieces_are_those_of_the_whole(bench, model, size):
+    lost = np.zeros(5000, dtype=bool)
+    lost[[777, 1100, 1101, *range(2000, 2130)]] = True
+    trace = {name: np.where(lost & (name != "t_s"), np.nan, own) for name, own in bench.traces["healthy_3_000"].items()}
+    whole = bw.Detector(model).run(trace)
+    detector = bw.Detector(model)
+    parts = [
+        detector.step({name: own[k : k + size] for name, own in trace.items()}) for k in range(0, 5000, size)
+    ]
+    same(joined(*parts, detector.finish()), whole.columns())
+    assert whole.rejected.sum() == lost.sum()
+
+
 def test_state_goes_on_until_reset(bench, model):
     detector, trace = bw.Detector(model), bench.traces["spall_3_000"]
     first, second = detector.run(trace), detector.run(trace)
@@ -137,8 +151,10 @@ def test_bad_input_is_an_exception(bench, model):
         detector.run({name: own for name, own in trace.items() if name != "angle_rad"})
     with pytest.raises(bw.BearingWatchError, match="the model wants"):
         detector.run({**trace, "t_s": 2 * trace["t_s"]})
-    with pytest.raises(bw.BearingWatchError, match="row 1, column angle_rad: NaN"):
-        detector.step({**trace, "angle_rad": np.full(5000, np.nan)})
+    with pytest.raises(bw.BearingWatchError, match="row 1, column angle_rad: 1000000.* is no measured value"):
+        detector.step({**trace, "angle_rad": np.full(5000, 1e300)})
+    with pytest.raises(bw.BearingWatchError, match="channel angle_rad has no number in any row"):
+        detector.run({**trace, "angle_rad": np.full(5000, np.nan)})
     with pytest.raises(TypeError, match="give one table, or columns by name"):
         detector.run(trace, y=[1.0])
     with pytest.raises(TypeError, match="not int"):

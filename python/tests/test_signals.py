@@ -119,10 +119,12 @@ def test_bad_input_is_an_exception_with_a_clear_text():
     assert "y holds <U1" in text(TypeError, ["a", "b"], u1, u2)
     assert "y holds complex128" in text(TypeError, y * 1j, u1, u2)
     bad = y.copy()
+    bad[7] = 1e300
+    assert "row 8, column y: 1000000" in text(bw.BearingWatchError, bad, u1, u2)
     bad[7] = np.nan
-    assert "row 8, column y: NaN is not a finite number" in text(bw.BearingWatchError, bad, u1, u2)
-    bad[7] = np.inf
-    assert "row 8, column y: inf" in text(bw.BearingWatchError, bad, u1, u2)
+    assert "y misses 1 of 200 samples, the first is 7" in text(bw.BearingWatchError, bad, u1, u2, method="iv")
+    nothing = np.full(200, np.nan)
+    assert "channel u1 has no number in any row" in text(bw.BearingWatchError, y, nothing, u2)
     assert "no rows" in text(bw.BearingWatchError, [], [], [])
     few = y[:10], u1[:10], u2[:10]
     assert "10 samples for 4 parameters" in text(bw.BearingWatchError, *few, order=(2, 1, 1, 9, 9))
@@ -141,3 +143,24 @@ def test_bad_input_is_an_exception_with_a_clear_text():
         sine = np.round(np.sin(0.01 * np.arange(2000)), 4)
         y = 0.5 * sine + np.random.default_rng(1).normal(size=2000)
         bw.identify(y, sine, order=(0, 3, 0, 1, 1), method="ls")
+
+
+@pytest.mark.parametrize("kind", [float, np.float32, object, "masked", "list"])
+def test_rows_that_miss_a_sample_are_left_out(kind):
+    y, u1, u2 = system(600)
+    whole = bw.identify(y, u1, u2, order=ORDER)
+    y = y.copy()
+    y[[50, 300]] = np.nan
+    if kind == "masked":
+        given = np.ma.masked_invalid(y)
+    elif kind == "list":
+        given = [None if np.isnan(value) else float(value) for value in y]
+    elif kind is object:
+        given = np.array([None if np.isnan(value) else value for value in y], dtype=object)
+    else:
+        given = y.astype(kind)
+    found = bw.identify(given, u1, u2, order=ORDER)
+    # y is in the target and in two lags: three rows for each missing sample.
+    assert found.rows == whole.rows - 6
+    assert np.all(np.abs(found.theta - whole.theta) < whole.sd)
+    assert len(found.simulated) == 600 and np.all(np.isfinite(found.simulated))

@@ -19,7 +19,7 @@ def expected_failures(estimator):
 
 
 @parametrize_with_checks(
-    [GaussianClassifier(), NoveltyDetector(false_alarm=0.2)], expected_failed_checks=expected_failures
+    [GaussianClassifier(), NoveltyDetector()], expected_failed_checks=expected_failures
 )
 def test_scikit_learn_accepts(estimator, check):
     check(estimator)
@@ -109,3 +109,14 @@ def test_features_of_the_detector_train_an_estimator(bench, model):
     X = np.concatenate(list(found.values()))
     y = np.repeat([bench.labels[name] for name in found], [len(own) for own in found.values()])
     assert GaussianClassifier().fit(X, y).score(X, y) > 0.9
+
+
+def test_masked_rows_are_missing_values():
+    X, y = blobs()
+    masked = np.ma.masked_array(X, mask=np.zeros(X.shape, dtype=bool))
+    masked[::5, 1] = np.ma.masked
+    holes = X.copy()
+    holes[::5, 1] = np.nan
+    for estimator, method in [(GaussianClassifier(), "predict_log_proba"), (NoveltyDetector(), "score_samples")]:
+        found, expected = (getattr(clone(estimator).fit(own, y), method)(own) for own in (masked, holes))
+        assert np.array_equal(found, expected)

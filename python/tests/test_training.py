@@ -67,6 +67,26 @@ def test_arrays_and_tables_give_the_bytes_of_the_command_line(file, plain, bench
     assert quietly(lambda: bw.train(by_arrow, bench.labels, **PLAIN)).to_bytes() == plain.read_bytes()
 
 
+def test_dropped_and_empty_rows_are_missing_samples(bench):
+    pandas = pytest.importorskip("pandas")
+    lost = np.random.default_rng(5).random(5000) < 0.01
+
+    def without(columns):
+        own = lost[: len(columns["t_s"])]
+        empty = {name: np.where(own & (name != "t_s"), np.nan, values) for name, values in columns.items()}
+        return {name: values[~own] for name, values in columns.items()}, empty
+
+    pairs = {name: without(columns) for name, columns in bench.traces.items()}
+    dropped, empty = ({name: pair[k] for name, pair in pairs.items()} for k in (0, 1))
+    nullable = {name: pandas.DataFrame(columns).convert_dtypes() for name, columns in empty.items()}
+    models = [quietly(lambda own=own: bw.train(own, bench.labels, **MODEL)) for own in (dropped, empty, nullable)]
+    first = models[0].to_bytes()
+    assert all(model.to_bytes() == first for model in models)
+    named = {name: np.full(5, np.nan) for name in next(iter(bench.traces.values()))}
+    with pytest.raises(bw.BearingWatchError, match="has no number in any row"):
+        bw.train({**empty, "healthy_3_000": {**named, "t_s": np.arange(5.0)}}, bench.labels, **MODEL)
+
+
 def test_a_drive_file_gives_the_bytes_of_the_command_line(command, folder, tmp_path):
     drive, file = folder / "drive.toml", tmp_path / "m.bwm"
     options = {**PLAIN, "folds": 5}
@@ -170,8 +190,9 @@ def test_bad_input_is_an_exception_with_the_text_of_the_command_line(command, fo
     assert printed == f"error: {message}\n"
     broken = {name: dict(own) for name, own in bench.traces.items()}
     broken["spall_3_000"]["current_a"] = broken["spall_3_000"]["current_a"].copy()
-    broken["spall_3_000"]["current_a"][41] = np.nan
-    assert "spall_3_000, row 42, column current_a: NaN" in text(refused, broken, bench.labels)
+    broken["spall_3_000"]["current_a"][41] = -1e16
+    message = text(refused, broken, bench.labels)
+    assert "spall_3_000, row 42, column current_a: -10000000000000000 is no measured value" in message
     broken["spall_3_000"]["current_a"] = broken["spall_3_000"]["current_a"][:-1]
     assert "give columns of one length" in text(refused, broken, bench.labels)
     broken["spall_3_000"]["current_a"] = np.zeros((5000, 2))

@@ -1,5 +1,5 @@
 //! What the repository's own commands do: `cargo xtask test | long | firmware | c | pil | frameworks | newcomer |
-//! measure | peers | python | fuzz | docs | book | times | release | setup`.
+//! measure | peers | python | fuzz | mutants | docs | book | times | release | setup`.
 
 mod beside;
 mod board;
@@ -23,6 +23,7 @@ mod links;
 mod log;
 mod long;
 mod measure;
+mod mutants;
 mod newcomer;
 mod peers;
 mod pil;
@@ -117,6 +118,9 @@ enum Command {
     /// Attacks every door with any bytes, guided by coverage, and prints a table; what a door must hold is in
     /// docs/trust.md.
     Fuzz(fuzz::Options),
+    /// Makes the changes of `attack/mutants` in a copy of the tree, one after the other, and tells which of them the
+    /// room's own tests do not notice.
+    Mutants(mutants::Options),
     /// Writes the figures that README, book and docs quote: those of commands that take seconds, or those named.
     Docs {
         /// Blocks of documents, for example `target`, `campaign`, `tables`.
@@ -191,6 +195,9 @@ fn run(arguments: &Arguments) -> Result<bool> {
     if let Command::Fuzz(options) = &arguments.command {
         return fuzz::run(options);
     }
+    if let Command::Mutants(options) = &arguments.command {
+        return mutants::run(options);
+    }
     let way = toolchain::choose(arguments.way)?;
     setup::ensure(&needs(&arguments.command, way)?)?;
     match &arguments.command {
@@ -223,6 +230,7 @@ fn run(arguments: &Arguments) -> Result<bool> {
         | Command::Peers
         | Command::Python
         | Command::Fuzz(_)
+        | Command::Mutants(_)
         | Command::Docs { .. }
         | Command::Book
         | Command::Times(_) => {}

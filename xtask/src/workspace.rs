@@ -37,6 +37,15 @@ pub fn cargo(arguments: &[&str]) -> Command {
     command
 }
 
+/// All files that git has or would add, by their names from the root.
+pub fn files() -> Result<Vec<String>> {
+    let root = root();
+    let arguments = ["ls-files", "--cached", "--others", "--exclude-standard"];
+    let list = child::output(Command::new("git").args(arguments).current_dir(&root)).context("git ls-files failed")?;
+    // A file that is removed but not committed is still listed.
+    Ok(list.lines().filter(|name| root.join(name).exists()).map(ToOwned::to_owned).collect())
+}
+
 /// The compiler's name of this machine.
 pub fn host() -> Result<String> {
     let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());

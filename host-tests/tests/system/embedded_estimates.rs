@@ -5,7 +5,7 @@ use model::core::features;
 use model::identify::{Structure, least_squares};
 use model::trace::labels::LabelledTrace;
 use model::trace::{Channels, Trace};
-use model::train::{Recipe, train};
+use model::train::{Estimation, Recipe, train};
 use nalgebra::{DMatrix, DVector};
 use rig::Scenario;
 use studies::demo::{self, FirstInput};
@@ -30,6 +30,9 @@ fn rho(trace: &Trace, structure: Structure, core: &[f32]) -> f64 {
 fn worst_rho(traces: &[LabelledTrace], classes: &[String], structure: Structure) -> f64 {
     // The classifier does not matter here, so the smallest one serves.
     let recipe = Recipe { features: vec!["a1".into()], ..Recipe::new(structure) };
+    // Whole traces, however long they are.
+    let segment = traces.iter().map(|t| t.trace.y.len()).max();
+    let recipe = Recipe { estimation: Estimation { segment, ..recipe.estimation.clone() }, ..recipe };
     let model = train(traces, classes, &recipe).expect("trains").embed().expect("embeds");
     traces.iter().fold(0.0, |worst, labelled| {
         let segments = model.run(&labelled.trace);

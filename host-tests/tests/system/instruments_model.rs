@@ -153,7 +153,7 @@ fn a_model_of_another_plan_or_other_channels_is_refused() {
 #[test]
 fn segments_longer_than_one_level_holds() {
     let training = set(&Scenario { samples: 100_500, ..Scenario::STANDARD }, 730, 3);
-    let trained = trained(&training, instruments());
+    let trained = trained(&training, Estimation { segment: Some(100_500), ..instruments() });
     assert_eq!(trained.segment_samples, 100_500);
     let source = export::rust_source(&trained, &[]).expect("exports");
     assert!(source.contains("method: Method::Instruments") && source.contains("Memory::LongSegment"), "{source}");

@@ -10,6 +10,7 @@ use studies::ema;
 use studies::field::commissioned;
 use studies::field::sessions::{self, Fleet};
 use studies::field::{self, bounds};
+use studies::healthy_sets::{self, sets::SETS};
 use studies::pages::campaign::{field_page, page};
 
 /// Train and evaluate the detector on the standard rig under every condition, size of defect and set rate, beside the
@@ -23,6 +24,7 @@ use studies::pages::campaign::{field_page, page};
   bearing-watch campaign --field --bounds --draws 1
   bearing-watch campaign --field --sessions --draws 10
   bearing-watch campaign --ema --draws 5
+  bearing-watch campaign --healthy-sets
   bearing-watch campaign --field --commissioned --draws 5
 
 With --ema the records are those of the simulated actuator: phase currents and resolver counts at 12 kHz, through the \
@@ -70,6 +72,9 @@ pub(super) struct Args {
     /// The detector of a user who names no features, instead of the one of the field's recipe
     #[arg(long, requires = "field", conflicts_with_all = ["features", "bounds", "sessions", "commissioned"])]
     default: bool,
+    /// Gates of healthy sets that are not normal, not independent, or not healthy
+    #[arg(long, conflicts_with_all = ["traces", "quick", "field", "ema", "out", "report"])]
+    healthy_sets: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -86,6 +91,9 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     output::plan(&files.iter().filter_map(|file| file.as_deref()).collect::<Vec<_>>(), &[])?;
     if args.field {
         return run_field(args);
+    }
+    if args.healthy_sets {
+        return run_healthy_sets(args);
     }
     if args.ema {
         return run_ema(args);
@@ -117,6 +125,15 @@ fn run_ema(args: &Args) -> Result<(), Error> {
         return output::json("campaign-ema", ema::render::to_json(&findings));
     }
     output::say(ema::render::text(&findings).trim_end())
+}
+
+fn run_healthy_sets(args: &Args) -> Result<(), Error> {
+    let draws = args.first..args.first + args.repetitions;
+    let all = each("healthy sets", &SETS, |set| healthy_sets::study(*set, draws.clone()))?;
+    if args.json {
+        return output::json("campaign-healthy-sets", healthy_sets::to_json(&all));
+    }
+    output::say(healthy_sets::text(&all).trim_end())
 }
 
 fn run_field(args: &Args) -> Result<(), Error> {

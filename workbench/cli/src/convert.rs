@@ -6,6 +6,7 @@ use super::jobs::Convert;
 use super::options::Taken;
 use super::output;
 use model::Error;
+use model::outputs::Staged;
 use model::trace::stem;
 use traces::reader::{self, Series};
 use traces::resample::{Resampled, at_rate};
@@ -86,7 +87,10 @@ pub(super) fn resample(args: &ResampleArgs) -> Result<(), Error> {
         })?;
         let turns: Vec<Option<f64>> = names.iter().map(|(name, _)| turn(name)).collect();
         let wrong = |problem: Error| Error::trace(&id, problem.to_string());
-        let Resampled { pieces, gaps, usual_s } = at_rate(times, &series.columns, &turns, rate_hz).map_err(wrong)?;
+        let Resampled { pieces, gaps, usual_s, left_out } = at_rate(times, &series.columns, &turns, rate_hz).map_err(wrong)?;
+        if left_out > 0 {
+            output::warn(format!("trace {id}: {left_out} rows that lack a number are left out"));
+        }
         for [start, length] in gaps.iter().take(TOLD) {
             output::warn(format!(
                 "trace {id}: gap of {length:.4} s at {start:.4} s (a usual step is {usual_s:.5} s); the trace is cut there"
@@ -191,11 +195,10 @@ fn save(path: &Path, names: &[(String, String)], times: Option<Vec<f64>>, column
     let own = names.iter().map(|(name, _)| name.clone());
     let names: Vec<String> = timed.then(|| TIME.to_string()).into_iter().chain(own).collect();
     let columns: Vec<Vec<f64>> = times.filter(|_| timed).into_iter().chain(columns).collect();
-    // The format is chosen by the name, which the temporary file has too.
-    let folder = tempfile::tempdir_in(output::folder_of(path)).map_err(Error::io(path))?;
-    let staged = folder.path().join(path.file_name().unwrap_or_default());
-    table::write(&staged, &names, &columns)?;
-    std::fs::rename(&staged, path).map_err(Error::io(path))
+    // The format is chosen by the ending, which the temporary file has too.
+    let staged = Staged::new(path)?;
+    table::write(staged.path(), &names, &columns)?;
+    staged.finish()
 }
 
 #[cfg(test)]

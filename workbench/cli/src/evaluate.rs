@@ -68,7 +68,7 @@ fn page(path: &Path, file: &ModelFile, found: &Evaluation) -> String {
         runs: found.runs.as_deref(),
         confusion: &found.confusion,
         scores: &found.scores,
-        notes: &found.found.notes(),
+        notes: &[found.told_missing().into_iter().collect(), found.found.notes()].concat(),
         by: &found.found.by,
         stability: &found.found.stability,
     };

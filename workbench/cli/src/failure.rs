@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use serde_json::json;
 
 use super::output;
-use model::Error;
+use model::{Error, visible};
 
 /// Why nothing is done.
 pub(super) enum Failure {
@@ -47,12 +47,11 @@ impl Failure {
             Self::Words(error) => ("usage", format!("{} (more by --help)", line(error))),
             Self::Work(error) => (error.kind(), error.to_string().replace('\n', " ")),
         };
-        eprintln!("error: {message}");
+        eprintln!("error: {}", visible::line(&message));
         if as_json {
             let error = json!({ "kind": kind, "message": message });
-            let object = output::named("error", json!({ "error": error }));
             // Nothing is left to be done if this cannot be printed either.
-            let _printed = output::say(object.to_string());
+            let _printed = output::json_line("error", json!({ "error": error }));
         }
         ExitCode::from(2)
     }

@@ -7,7 +7,7 @@ use clap::Args;
 use super::jobs::Fit;
 use super::options::Taken;
 use super::output;
-use super::recordings::read;
+use super::recordings::read_with_gaps;
 use model::Error;
 use model::identify::{Estimate, Method, Options, Structure, estimate_with, robust};
 use model::trace::{Channels, FrontEndFile, Preparation, Trace};
@@ -45,7 +45,7 @@ impl FitArgs {
         output::plan(&output.map(PathBuf::as_path).into_iter().collect::<Vec<_>>(), &settings.data.traces)?;
         let front_end = settings.data.front_end.as_deref().map(FrontEndFile::read).transpose()?;
         let channels = self.method.with_command(settings.channels(front_end)?)?;
-        Ok((read(&settings.data.traces, &channels)?, preparation))
+        Ok((read_with_gaps(&settings.data.traces, &channels)?, preparation))
     }
 
     /// The structure of the models.

@@ -12,13 +12,13 @@ type Key = (&'static str, &'static str, &'static str);
 /// A form of JSON.
 #[derive(Debug)]
 pub(super) struct Form {
-    name: &'static str,
-    about: &'static str,
+    pub(super) name: &'static str,
+    pub(super) about: &'static str,
     /// Whether it is a list of such objects.
-    list: bool,
-    keys: &'static [Key],
+    pub(super) list: bool,
+    pub(super) keys: &'static [Key],
     /// Keys that are only there with some options.
-    optional: &'static [Key],
+    pub(super) optional: &'static [Key],
 }
 
 impl Form {
@@ -65,6 +65,7 @@ pub(super) const TRAIN: Form = Form {
         ("classes", "array", "Names of the classes, in the order of all lists by class"),
         ("training_traces", "array", "Number of training traces of each class"),
         ("left_out", "integer", "Training segments without any of the features"),
+        ("missing_samples", "object", "Missing samples of the recordings: all, by gaps in the time, by empty rows"),
         ("features", "array", "Names of the features in use"),
         ("method", "string", "How the detector estimates: ls or instruments"),
         ("settle_samples", "integer?", "Samples for which the instruments settle"),
@@ -97,6 +98,7 @@ pub(super) const EVALUATE: Form = Form {
         ("error_rate", "object", "Rate of wrong decisions"),
         ("balanced_accuracy", "object", "Mean over the classes of the rate of right decisions"),
         ("trained_on", "integer", "Traces that the model was trained on"),
+        ("missing_samples", "object", "Missing samples of the recordings: all, by gaps in the time, by empty rows"),
         ("covariates_out_of_range", "integer", "Segments with a covariate that is missing or outside its range"),
         ("untrained_not_called_healthy", "object", "Rate by class that the model was not trained on"),
         ("controls_not_called_healthy", "object", "Rate by class of --control-classes"),
@@ -127,6 +129,7 @@ pub(super) const REPLAY: Form = Form {
         ("verdict", "string", "The class, novel, ambiguous or undetermined"),
         ("undetermined", "string?", "Why there is no verdict"),
         ("missing", "array", "Features that were missing"),
+        ("missing_samples", "object", "Missing samples of the trace: all, by gaps in the time, by empty rows"),
         ("covariates_out_of_range", "array", "Covariates that were missing or outside their range"),
         ("baseline", "object?", "Offset of the healthy mean that is followed, and whether it is at its bound"),
         ("posteriors", "object", "Probability of each class"),

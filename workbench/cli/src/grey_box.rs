@@ -9,6 +9,7 @@ use serde_json::json;
 use super::jobs::{Balanced, Recordings};
 use super::options::Taken;
 use super::output;
+use super::recordings::complete;
 use model::Error;
 use model::grey_box::linear::{self, Asymmetry, Friction, LinearRecord, LinearSettings};
 use model::grey_box::motor::{self, Load, MotorRecord, MotorSettings};
@@ -157,6 +158,7 @@ fn linear(args: &LinearArgs) -> Result<(), Error> {
         let mut traces = traces::read(paths, &channels)?;
         traces.iter_mut().flat_map(|trace| &mut trace.u1).for_each(|force| *force *= args.force_gain);
         irregular(traces.iter()).iter().for_each(output::warn);
+        complete(&traces)?;
         Ok(traces)
     };
     let elsewhere = match &args.validate {
@@ -190,6 +192,8 @@ fn read_four(paths: &[PathBuf], [y, first, second, u2]: [&String; 4]) -> Result<
     let read = |u1: &String| traces::read(paths, &Channels::new(y.clone(), u1, u2));
     let (traces, other) = (read(first)?, read(second)?);
     irregular(traces.iter()).iter().for_each(output::warn);
+    complete(&traces)?;
+    complete(&other)?;
     // Skips files of a folder that lack one of the columns; the files of both reads must then match.
     let mut pairs = Vec::new();
     for trace in traces {

@@ -9,6 +9,7 @@ use super::fit::FitArgs;
 use super::output;
 use model::Error;
 use model::identify::{Estimate, Noise, Options, Structure, Terms};
+use model::trace::tally::told;
 
 /// Estimate the difference model of each trace
 #[derive(Debug, clap::Args)]
@@ -51,6 +52,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     bar.finish_and_clear();
     // Collects all results first, so that every run reports the error of the first bad trace.
     let estimates = estimates.into_iter().collect::<Result<Vec<_>, Error>>()?;
+    told(traces.iter()).iter().for_each(output::warn);
     let unsure = estimates.iter().filter(|(_, _, undetermined)| !undetermined.is_empty());
     if let Some((id, _, undetermined)) = unsure.clone().next() {
         output::warn(format!(

@@ -25,6 +25,7 @@ mod features;
 mod features_sum;
 mod fit;
 mod forms;
+mod further_forms;
 mod grey_box;
 mod help;
 mod identify;

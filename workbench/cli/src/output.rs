@@ -7,16 +7,26 @@ use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 use serde_json::{Value, json};
 
 use super::verbosity;
-use model::Error;
-pub(super) use model::outputs::{folder_of, plan, temporary, write, write_all};
+use model::outputs::cell;
+pub(super) use model::outputs::{plan, temporary, write, write_all};
 use model::session::{Log, Progress, Steps};
+use model::{Error, visible};
 
 /// Version of the forms of JSON: it rises when a key is removed or gets another meaning, not when one is added.
 pub(super) const VERSION: u32 = 1;
 
-/// Prints a line; a closed pipe (`| head`) is not an error.
+/// Prints lines, in which nothing acts on a terminal; a closed pipe (`| head`) is not an error.
 pub(super) fn say(text: impl AsRef<str>) -> Result<(), Error> {
-    match writeln!(std::io::stdout(), "{}", text.as_ref()) {
+    print(&visible::lines(text.as_ref()))
+}
+
+/// Prints one line, whatever is in it.
+pub(super) fn say_line(text: &str) -> Result<(), Error> {
+    print(&visible::line(text))
+}
+
+fn print(text: &str) -> Result<(), Error> {
+    match writeln!(std::io::stdout(), "{text}") {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::io("standard output")(error)),
         _ => Ok(()),
     }
@@ -30,7 +40,7 @@ pub(super) fn warn(text: impl AsRef<str>) {
 /// Prints a note on standard error, unless that is to be quiet.
 pub(super) fn note(text: impl AsRef<str>) {
     if !verbosity::is_quiet() {
-        eprintln!("{}", text.as_ref());
+        eprintln!("{}", visible::lines(text.as_ref()));
     }
 }
 
@@ -52,11 +62,11 @@ pub(super) fn logged<T>(work: impl FnOnce(&Log<'_>) -> Result<T, Error>) -> Resu
     result
 }
 
-/// Returns the rows as CSV, quoted if needed.
+/// Returns the rows as CSV, quoted if needed; no cell is a formula.
 pub(super) fn csv(rows: &[Vec<String>]) -> Result<String, Error> {
     let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(Vec::new());
     for row in rows {
-        writer.write_record(row).map_err(|e| Error::Usage(e.to_string()))?;
+        writer.write_record(row.iter().map(|text| cell(text).into_owned())).map_err(|e| Error::Usage(e.to_string()))?;
     }
     let bytes = writer.into_inner().map_err(|e| Error::Usage(e.to_string()))?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
@@ -77,11 +87,16 @@ pub(super) fn progress(what: &'static str, count: usize) -> ProgressBar {
 
 /// Prints a JSON value of this form on standard output.
 pub(super) fn json(form: &str, value: Value) -> Result<(), Error> {
-    say(format!("{:#}", named(form, value)))
+    print(&visible::json(&format!("{:#}", named(form, value))))
+}
+
+/// The same on one line.
+pub(super) fn json_line(form: &str, value: Value) -> Result<(), Error> {
+    print(&visible::json(&named(form, value).to_string()))
 }
 
 /// A JSON object that starts with the name and the version of its form; of a list, each of its objects does.
-pub(super) fn named(form: &str, value: Value) -> Value {
+fn named(form: &str, value: Value) -> Value {
     match value {
         Value::Array(all) => all.into_iter().map(|one| named(form, one)).collect(),
         Value::Object(own) => {

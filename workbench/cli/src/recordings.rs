@@ -7,12 +7,24 @@ use model::Error;
 use model::session::{irregular, refuse_gaps};
 use model::trace::{Channels, Trace};
 
-/// Reads traces, warns of those with irregular sampling, and refuses those with gaps.
+/// Reads traces, warns of those with irregular sampling, and refuses those with missing samples.
 pub(super) fn read(paths: &[PathBuf], channels: &Channels) -> Result<Vec<Trace>, Error> {
+    let traces = read_with_gaps(paths, channels)?;
+    complete(&traces)?;
+    Ok(traces)
+}
+
+/// Reads traces, warns of those with irregular sampling, and refuses those of which a front end refused samples.
+pub(super) fn read_with_gaps(paths: &[PathBuf], channels: &Channels) -> Result<Vec<Trace>, Error> {
     let traces = traces::read(paths, channels)?;
     irregular(traces.iter()).iter().for_each(output::warn);
-    traces.iter().try_for_each(refuse_gaps)?;
+    traces.iter().filter(|trace| trace.refused.is_some()).try_for_each(refuse_gaps)?;
     Ok(traces)
+}
+
+/// Refuses traces with missing samples.
+pub(super) fn complete(traces: &[Trace]) -> Result<(), Error> {
+    traces.iter().try_for_each(refuse_gaps)
 }
 
 /// A rate above zero.

@@ -14,7 +14,8 @@ use model::core::{Embedded, SegmentReport, Watched, Watcher, denied, features, s
 use model::identify::Terms;
 use model::session::{ModelFile, Notes, check_rate, irregular, refused};
 use model::trace::Trace;
-use model::train::front_end_source::further_channels;
+use model::trace::tally::told;
+use model::train::front_end_source::further_columns;
 use pages::Page;
 use pages::conclusion::replay::Conclusion;
 use pages::replay::{Replayed, page};
@@ -61,6 +62,9 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let mut baseline = args.baseline(&model)?;
     let traces = traces::read(&args.taken.settings.data.traces, &notes.channels())?;
     irregular(traces.iter()).iter().chain(&refused(traces.iter())).for_each(output::warn);
+    if let Some(told) = told(traces.iter()).filter(|_| !args.json) {
+        output::say(told)?;
+    }
     check_rate(&model, notes.preparation(), traces.iter())?;
     args.write_rows(&model, &notes)?;
     let (mut watcher, mut raised, mut trend) = (model.watcher(), false, None);
@@ -149,7 +153,8 @@ impl Args {
                 "--rows takes one recording, and a model that was trained with --front-end".into(),
             ));
         };
-        output::write(file, raw_rows(trace, front_end, &further_channels(model.model()))?)
+        let further = further_columns(model.model(), &notes.channels(), "--rows")?;
+        output::write(file, raw_rows(trace, front_end, &further)?)
     }
 
     fn baseline(&self, model: &Embedded) -> Result<Option<Baseline<RunTime>>, Error> {
@@ -272,6 +277,7 @@ fn value(
         "verdict": segment.verdict.as_ref().map_or("undetermined", |finding| finding.name(classes)),
         "undetermined": segment.verdict.as_ref().err(),
         "missing": missing,
+        "missing_samples": trace.missing.to_json(),
         "covariates_out_of_range": outside,
         "baseline": segment.followed.as_ref().map(|(offset, at_bound)| json!({ "offset": offset, "at_bound": at_bound })),
         "posteriors": named(&segment.posteriors),

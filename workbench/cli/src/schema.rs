@@ -3,6 +3,7 @@
 use clap::ValueEnum;
 
 use super::forms;
+use super::further_forms;
 use super::output;
 use model::Error;
 use model::settings::schema::of_drive_file;
@@ -31,6 +32,22 @@ enum Form {
     Evaluate,
     /// What `replay --json` prints
     Replay,
+    /// What `identify --json` prints
+    Identify,
+    /// What `structure --json` prints
+    Structure,
+    /// What `validate --json` prints
+    Validate,
+    /// What `grey-box --json` prints
+    GreyBox,
+    /// What `audit --json` prints
+    Audit,
+    /// What `features --json` prints
+    Features,
+    /// What `features-sum --json` prints
+    FeaturesSum,
+    /// What `train-features --json` prints
+    TrainFeatures,
     /// What every command prints with --json if it fails
     Error,
 }
@@ -41,6 +58,14 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         Form::Train => forms::TRAIN.schema(),
         Form::Evaluate => forms::EVALUATE.schema(),
         Form::Replay => forms::REPLAY.schema(),
+        Form::Identify => further_forms::IDENTIFY.schema(),
+        Form::Structure => further_forms::STRUCTURE.schema(),
+        Form::Validate => further_forms::VALIDATE.schema(),
+        Form::GreyBox => further_forms::GREY_BOX.schema(),
+        Form::Audit => further_forms::AUDIT.schema(),
+        Form::Features => further_forms::FEATURES.schema(),
+        Form::FeaturesSum => further_forms::FEATURES_SUM.schema(),
+        Form::TrainFeatures => further_forms::TRAIN_FEATURES.schema(),
         Form::Error => forms::ERROR.schema(),
     };
     output::say(format!("{schema:#}"))

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::output;
 use crate::simulated_fleet::Fleet;
 use model::Error;
+use model::outputs::Staged;
 
 /// Simulate a fleet as features, to measure training from them
 #[derive(Debug, clap::Args)]
@@ -45,10 +46,10 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let bar = output::progress("simulating", args.drives as usize);
     let write = |part: u64| {
         let path = args.out.join(format!("part{part:03}.parquet"));
-        let mut file = output::temporary(&path)?;
+        let mut staged = Staged::new(&path)?;
         let drives = part * args.drives / args.parts..(part + 1) * args.drives / args.parts;
-        let rows = fleet.write(file.as_file_mut(), &path, drives, || bar.inc(1))?;
-        file.persist(&path).map_err(|e| Error::Io { path: path.clone(), source: e.error })?;
+        let rows = fleet.write(staged.file(), &path, drives, || bar.inc(1))?;
+        staged.finish()?;
         Ok(rows)
     };
     let rows = (0..args.parts).into_par_iter().map(write).collect::<Result<Vec<u64>, Error>>()?;

@@ -67,6 +67,7 @@ fn page(own: &Training, found: &Found) -> Result<String, Error> {
         held_out: found.held_out.as_ref().map(|h| (&h.confusion, h.verdicts.as_slice(), &h.scores)),
         cross_validated: found.cross_validated.as_ref().map(Result::as_ref),
         ranking: found.ranking.as_ref(),
+        missing: own.missing().line(),
     };
     training::training(&own.trained, &own.channels, &examples, worth)
 }

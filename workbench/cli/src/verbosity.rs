@@ -35,7 +35,7 @@ impl Log for Lines {
 
     fn log(&self, record: &Record<'_>) {
         if self.enabled(record.metadata()) {
-            eprintln!("{}", record.args());
+            eprintln!("{}", model::visible::lines(&record.args().to_string()));
         }
     }
 

@@ -360,4 +360,23 @@ mod tests {
         assert_eq!(xx.pair().centred(x.pair(), x.pair(), 3.0), 2.0);
         assert_eq!(x.pair().mean(3.0), 1e7 + 1.0);
     }
+
+    #[test]
+    fn thousands_of_terms_of_the_largest_digits_are_summed() {
+        // The exponent puts 52 bits into one chunk. A product of two numbers is rounded once, as the sum is.
+        let term = 4.0_f64.next_down();
+        assert_eq!(sum(&vec![term; 5000]).value(), term * 5000.0);
+        assert_eq!(sum(&vec![-term; 5000]).value(), term * -5000.0);
+    }
+
+    #[test]
+    fn a_product_of_a_short_and_a_long_number_is_exact() {
+        let mut sum = Exact::default();
+        sum.add_product(3.0, 1.0 + f64::EPSILON);
+        sum.add(-3.0);
+        assert_eq!(sum.value(), 3.0 * f64::EPSILON);
+        sum.reset();
+        sum.add(1.0);
+        assert_eq!(sum.value(), 1.0, "nothing is left of the sum before");
+    }
 }

@@ -199,10 +199,6 @@ fn check(classes: &[String], sums: &Sums, recipe: &Recipe) -> Result<(), Error> 
         )));
     }
     for name in classes {
-        if name.len() > 16 {
-            let problem = format!("class name {name} is longer than 16 bytes; shorten it in the labels");
-            return Err(Error::Training(problem));
-        }
         let count = sums.of_class(name).map_or(0, super::ClassSums::count);
         if count < 2 {
             let problem = format!("class {name} has {count} segment(s), too few for a spread");

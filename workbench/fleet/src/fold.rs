@@ -274,7 +274,7 @@ pub fn fold(parts: &[Part], wanted: &Wanted, units: Units, told: &(dyn Fn(u64) +
     let conditions: Vec<String> = wanted.conditions.iter().map(ToString::to_string).collect();
     let new = || {
         Ok(Summing {
-            sums: Sums::new(&first.plan, &wanted.features, &conditions)?,
+            sums: Sums::new(&first.plan, [&wanted.features, &wanted.chosen], &conditions)?,
             units,
             usual: usual.clone(),
             name: String::new(),

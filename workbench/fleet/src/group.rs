@@ -285,4 +285,25 @@ mod tests {
         assert!((one.within() - within).amax() < 1e-12);
         assert_eq!(one.select(&[1]).within()[(0, 0)], one.within()[(1, 1)]);
     }
+
+    #[test]
+    fn merged_levels_have_the_counts_of_all_groups() {
+        let level = |rows: &[u64]| {
+            let mut level = Level::new(1);
+            let (mean, scatter) = (DVector::zeros(1), DMatrix::zeros(1, 1));
+            rows.iter()
+                .for_each(|count| level.add(&Closed { count: *count, mean: mean.clone(), scatter: scatter.clone() }));
+            level
+        };
+        let mut merged = level(&[1, 4]);
+        merged.merge(&level(&[7, 1, 1]));
+        assert_eq!((merged.count, merged.longest, merged.single, merged.rows), (5, 7, 3, 14));
+        assert!(merged.fits(1) && !merged.fits(2));
+    }
+
+    #[test]
+    fn more_rows_than_can_be_are_no_sums() {
+        let group = |count: u64| Group { count, ..Group::new(2) };
+        assert!(group(MOST_ROWS).fits(2) && !group(MOST_ROWS + 1).fits(2) && !group(1).fits(1));
+    }
 }

@@ -51,6 +51,8 @@ pub struct Part {
 pub struct Wanted {
     /// Names of the features.
     pub features: Vec<String>,
+    /// The choice that needs them, as it was given.
+    pub chosen: Vec<String>,
     /// Conditions on columns of text.
     pub conditions: Vec<Condition>,
 }

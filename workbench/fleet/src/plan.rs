@@ -50,7 +50,7 @@ pub struct Plan {
     /// Sampling interval of the detector, s.
     interval_s: f64,
     segment_samples: usize,
-    /// Whether the segment was given; otherwise it is the longest trace.
+    /// Whether the segment was given, or traces are cut; otherwise it is the longest trace.
     segment_given: bool,
     /// na, nb, nc and both delays.
     order: [u8; 5],

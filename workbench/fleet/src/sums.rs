@@ -20,7 +20,7 @@ use super::{Closed, Group, Level, Plan};
 use model::Error;
 
 /// First bytes of a file of sums; the digit is the version of the format.
-const MAGIC: &[u8] = b"bearing-watch sums 1\n";
+const MAGIC: &[u8] = b"bearing-watch sums 2\n";
 /// Most patterns of missing features in a class.
 const PATTERNS: usize = 256;
 /// Most features: bits of a pattern.
@@ -71,6 +71,8 @@ pub struct Sums {
     pub plan: Plan,
     /// Names of the features that are summed.
     pub features: Vec<String>,
+    /// The features that were chosen, as they were given, and may need further ones.
+    pub chosen: Vec<String>,
     /// Conditions on the rows, as they were given.
     pub conditions: Vec<String>,
     /// Number of rows.
@@ -169,17 +171,18 @@ impl ClassSums {
 }
 
 impl Sums {
-    /// No rows yet of these features.
+    /// No rows yet of these features, and the choice that needs them.
     ///
     /// # Errors
     /// More than [`MOST_FEATURES`].
-    pub fn new(plan: &Plan, features: &[String], conditions: &[String]) -> Result<Self, Error> {
+    pub fn new(plan: &Plan, [features, chosen]: [&[String]; 2], conditions: &[String]) -> Result<Self, Error> {
         if features.len() > MOST_FEATURES {
             return Err(Error::Usage(format!("at most {MOST_FEATURES} features can be summed; choose by --features")));
         }
         Ok(Self {
             plan: plan.clone(),
             features: features.to_vec(),
+            chosen: chosen.to_vec(),
             conditions: conditions.to_vec(),
             rows: 0,
             classes: BTreeMap::new(),
@@ -278,6 +281,7 @@ impl Sums {
                 .then(|| Error::Usage(format!("sums of different {what}: {one} and {two}; sum the parts alike")))
         };
         let problem = differ("features", &self.features, &other.features);
+        let problem = problem.or_else(|| differ("chosen features", &self.chosen, &other.chosen));
         if let Some(problem) = problem.or_else(|| differ("conditions", &self.conditions, &other.conditions)) {
             return Err(problem);
         }
@@ -393,3 +397,6 @@ fn twice(name: &str) -> Error {
          command, or with --keep-units"
     ))
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,12 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-/// All errors of the workbench; `Display` returns one line for the user.
+use crate::visible::lines;
+
+/// All errors of the workbench; `Display` returns one line for the user, in which nothing acts on a terminal.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A file cannot be opened, read or written.
-    #[error("{path}: {source}", path = path.display())]
+    #[error("{path}: {source}", path = lines(&path.to_string_lossy()))]
     Io {
         /// The file.
         path: PathBuf,
@@ -15,7 +17,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// The content of a file is wrong at a given place.
-    #[error("{path}, {place}: {problem}", path = path.display())]
+    #[error("{}, {}: {}", lines(&path.to_string_lossy()), lines(place), lines(problem))]
     Content {
         /// The file.
         path: PathBuf,
@@ -25,7 +27,7 @@ pub enum Error {
         problem: String,
     },
     /// A trace cannot be used.
-    #[error("trace {trace}: {problem}")]
+    #[error("trace {}: {}", lines(trace), lines(problem))]
     Trace {
         /// Its id.
         trace: String,
@@ -33,13 +35,13 @@ pub enum Error {
         problem: String,
     },
     /// The training set is not usable, or not usable for the requested training.
-    #[error("{0}")]
+    #[error("{}", lines(.0))]
     Training(String),
     /// An option has an invalid value.
-    #[error("{0}")]
+    #[error("{}", lines(.0))]
     Usage(String),
     /// The error of another part, for example of a rig that rejects its scenario.
-    #[error(transparent)]
+    #[error("{}", lines(&.0.to_string()))]
     Other(Box<dyn std::error::Error + Send + Sync>),
 }
 
@@ -78,5 +80,29 @@ impl Error {
     #[must_use]
     pub fn trace(id: &str, problem: impl Into<String>) -> Self {
         Self::Trace { trace: id.into(), problem: problem.into() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_of_a_file_acts_on_a_terminal() {
+        let bad = "a\u{1b}[2Jb";
+        let path = Path::new(bad);
+        let missing = || std::io::Error::from(std::io::ErrorKind::NotFound);
+        let errors = [
+            Error::io(path)(missing()),
+            Error::content(path, bad, bad),
+            Error::trace(bad, bad),
+            Error::Training(bad.into()),
+            Error::Usage(bad.into()),
+            Error::other(std::io::Error::other(bad)),
+        ];
+        for error in errors {
+            let text = error.to_string();
+            assert!(text.contains("a\\u{1b}[2Jb") && !text.contains('\u{1b}'), "{text:?}");
+        }
     }
 }

@@ -44,5 +44,6 @@ pub mod structure;
 pub mod trace;
 pub mod train;
 pub mod validate;
+pub mod visible;
 
 pub use error::Error;

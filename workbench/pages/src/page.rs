@@ -16,7 +16,8 @@ const DRAW: &str = include_str!("plots.js");
 const PLOTLY: &str = include_str!("plotly-cartesian.min.js");
 
 /// Nothing is loaded from outside the page.
-const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:";
+pub const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; \
+                          img-src data: blob:; base-uri 'none'";
 
 /// Smallest number of sections for which the page begins with links to them.
 const LINKS_FROM: usize = 4;
@@ -151,6 +152,7 @@ mod tests {
         assert_eq!(check(&html), Ok(()));
         assert!(html.contains("<title>a &lt;b&gt; &amp; &quot;c&quot;</title>") && html.contains("x &lt; y"));
         assert_eq!(html.matches("<p>first</p><p>second &amp; third</p>").count(), 5);
+        assert!(html.contains("<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "), "{html}");
         assert!(!html.contains("://") && !html.contains("<script") && !html.contains("url("));
     }
 

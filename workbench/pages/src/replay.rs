@@ -7,7 +7,7 @@ use crate::segments::{Judged, Limits, evidence, strips};
 use crate::table::table;
 use crate::{Class, Color, Page};
 use model::core::{Embedded, Finding, SegmentReport, Watched};
-use model::trace::{Channels, Trace};
+use model::trace::{Channels, Trace, tally};
 
 /// Traces whose starts are marked, and marked with their names; more would cover each other.
 const MARKED: usize = 60;
@@ -48,7 +48,8 @@ pub fn page(
     over_time += &posteriors(model, &clock, replayed);
     let segments: usize = replayed.iter().map(|one| one.segments.len()).sum();
     let counts = [counted(replayed.len(), "trace"), counted(segments, "segment")].join(", ");
-    let lead = format!("{counts}; classes {}.", model.classes.join(", "));
+    let missing = tally::told(replayed.iter().map(|one| &one.trace)).map_or_else(String::new, |own| format!(" {own}."));
+    let lead = format!("{counts}; classes {}.{missing}", model.classes.join(", "));
     Page::new(title)
         .conclusion(conclusion.words())
         .lead(lead)

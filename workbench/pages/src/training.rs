@@ -18,7 +18,7 @@ use model::train::covariance::whitening;
 use model::train::{ClassStatistics, Ranking, Scores, Trained};
 
 /// Available results on the quality of a model.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Worth<'a> {
     /// Verdicts of the embedded detector on the training traces.
     pub training: &'a [TraceVerdict],
@@ -28,6 +28,8 @@ pub struct Worth<'a> {
     pub cross_validated: Option<Result<&'a Scores, &'a Error>>,
     /// Ranking of the features.
     pub ranking: Option<&'a Ranking>,
+    /// What is missing in the recordings, if anything is.
+    pub missing: Option<String>,
 }
 
 /// Page of a training: signals, features with decision regions, and the quality of the model.
@@ -54,6 +56,9 @@ pub fn training(
     let validated = worth.cross_validated.and_then(Result::ok);
     let held_out = worth.held_out.map(|(confusion, ..)| confusion);
     page = page.conclusion(conclusion::training::words(trained, healthy, held_out, validated));
+    if let Some(missing) = &worth.missing {
+        page = page.section("Missing samples", &paragraph(&format!("{missing}.")));
+    }
     if let Some(automatic) = &trained.automatic {
         page = page.section("Choice of the features", &chosen::choice(automatic));
     }

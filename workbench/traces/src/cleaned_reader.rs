@@ -1,12 +1,13 @@
 //! Traces recorded at the control rate, through the front end of the drive.
 
+use crate::assemble::{Rows, assemble};
 use crate::front_end::{OWN, clean};
 use crate::reader::{self, Header};
 use crate::signal::{self, Signal};
 use crate::table::Table;
 use model::Error;
 use model::trace::front_end::FrontEndFile;
-use model::trace::{Channels, Trace, same_interval};
+use model::trace::{Channels, Missing, Trace, same_interval};
 
 /// The recorded columns that a front end and the channels behind it need.
 struct Wanted {
@@ -73,7 +74,7 @@ pub(super) fn read(
     let wanted =
         Wanted::new(&header, channels, front_end).map_err(|problem| Error::content(table.path(), "header", problem))?;
     let mut traces = Vec::new();
-    for raw in reader::read(table, &wanted.raw, id)? {
+    for raw in reader::read_as_recorded(table, &wanted.raw, id)? {
         traces.push(cleaned(&raw, channels, front_end, &wanted)?);
     }
     Ok(traces)
@@ -92,8 +93,10 @@ fn cleaned(raw: &Trace, channels: &Channels, front_end: &FrontEndFile, wanted: &
     let times = times.first().copied().filter(|_| wanted.timed);
     let clean = clean(front_end, own, further, times).map_err(|problem| Error::trace(&raw.id, problem))?;
     let times: Vec<f64> = (0..clean.columns[0].len()).map(|row| row as f64 * front_end.interval_s()).collect();
-    let columns = clean.columns.into_iter().enumerate().collect();
+    let rows = Rows::of(clean.columns.into_iter().enumerate().collect(), Some(times));
     let given = Channels { rate_hz: None, ..channels.clone() };
-    let trace = reader::assemble(raw.id.clone(), &given, &wanted.signals, columns, Some(&times))?;
-    Ok(Trace { refused: clean.refused, ..trace })
+    let trace = assemble(raw.id.clone(), &given, &wanted.signals, rows)?;
+    // The front end counts the samples that it refused.
+    let missing = if clean.refused.is_some() { Missing::default() } else { trace.missing };
+    Ok(Trace { refused: clean.refused, missing, ..trace })
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use model::Error;
+use model::outputs::text_of;
 use model::trace::Labels;
 
 use crate::table::csv_error;
@@ -21,7 +22,8 @@ pub fn read_labels(path: &Path) -> Result<Labels, Error> {
         }
         _ => csv_error(path, &error),
     };
-    let columns: Vec<String> = reader.headers().map_err(problem)?.iter().map(String::from).collect();
-    let rows = reader.records().map(|r| Ok(r.map_err(problem)?.iter().map(String::from).collect()));
+    let text = |cell: &str| text_of(cell).to_string();
+    let columns: Vec<String> = reader.headers().map_err(problem)?.iter().map(text).collect();
+    let rows = reader.records().map(|r| Ok(r.map_err(problem)?.iter().map(text).collect()));
     Labels::of_cells(path, columns, rows.collect::<Result<_, Error>>()?)
 }

@@ -13,6 +13,7 @@
 //! |---|---|
 //! | [`table`] | named columns of a file of any format, or in memory |
 //! | [`reader`] | columns → traces: one file a trace, or a table with a column of their names |
+//! | `assemble` | rows → samples: what is missing is NaN |
 //! | [`front_end`] | recordings at the control rate → clean samples |
 //! | [`units`] | units, by the names of columns |
 //! | [`resample`] | irregular times → a constant rate |
@@ -21,6 +22,7 @@
 //! | [`describe`] | recordings → the text of a drive file |
 //! | [`damaged`] | damaged files, at which readers of other crates panic |
 
+mod assemble;
 pub mod audit;
 mod cleaned_reader;
 pub mod damaged;
@@ -53,7 +55,8 @@ use table::Table;
 /// tables, are skipped); a file given directly must have the columns.
 ///
 /// # Errors
-/// Unreadable files; missing columns; ragged, non-numeric or non-finite cells; an id that occurs twice; no trace.
+/// Unreadable files; missing columns; ragged rows; cells that are neither numbers nor missing; a channel without a
+/// number; an id that occurs twice; no trace.
 pub fn read(paths: &[PathBuf], channels: &Channels) -> Result<Vec<Trace>, Error> {
     read_files(paths, channels, None)
 }
@@ -109,6 +112,15 @@ impl Source {
             Self::Memory(_) => self.read_wanted(channels, &|_| true),
         }
     }
+}
+
+/// Reads the next samples of a trace, one for each row of a table: what is missing is NaN, also at the ends, and also a
+/// whole channel.
+///
+/// # Errors
+/// Missing columns; columns of other cells than numbers; a table without rows.
+pub fn read_piece(table: &Arc<Recorded>, channels: &Channels) -> Result<Vec<Trace>, Error> {
+    reader::read_piece(&Table::of(table), channels)
 }
 
 /// The traces read so far.

@@ -3,16 +3,13 @@
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
-use rayon::prelude::*;
-
+pub use crate::assemble::NO_TIME;
+use crate::assemble::{INTEGRAL, Rows as Given, assemble, elapsed};
 use crate::signal::{Signal, places_of, values_of};
 use crate::table::{Columns, Table, Wanted};
 use crate::units::{Quantity, Unit};
 use model::Error;
-use model::trace::{Channels, MotionTrace, ShaftChannels, Trace, median, same_interval, stem};
-
-/// The word for no time column.
-pub const NO_TIME: &str = "none";
+use model::trace::{Channels, Trace, stem};
 
 /// The names of the columns.
 pub(super) struct Header {
@@ -68,12 +65,7 @@ impl Header {
         if self.names.iter().all(String::is_empty) {
             return Err("the file is empty".into());
         }
-        let shaft = channels.shaft.iter().flat_map(|shaft| {
-            let ShaftChannels { current, velocity, load, angle, reference } = shaft;
-            [current, angle].into_iter().chain(velocity).chain(load).chain(reference)
-        });
-        let all = [&channels.y, &channels.u1, &channels.u2].into_iter().chain(&channels.further).chain(shaft);
-        all.map(|channel| Signal::parse(channel, &self.names)).collect()
+        channels.in_order().into_iter().map(|channel| Signal::parse(channel, &self.names)).collect()
     }
 }
 
@@ -109,18 +101,40 @@ pub(super) fn has_columns(table: &Table, channels: &Channels) -> bool {
     header_of(table, channels.time.as_deref()).is_ok_and(|header| header.signals(channels).is_ok())
 }
 
-/// Reads the wanted traces of one table; only the wanted columns must be numeric.
+/// Reads the wanted traces of one table, with a sample for each row that it should have; only the wanted columns must
+/// be numeric.
 pub(super) fn read(
     table: &Table,
     channels: &Channels,
     wanted: &(dyn Fn(&str) -> bool + Sync),
 ) -> Result<Vec<Trace>, Error> {
+    read_rows(table, channels, wanted, Given::complete)
+}
+
+/// Reads the wanted traces of one table, with a sample for each row that it has.
+pub(super) fn read_as_recorded(
+    table: &Table,
+    channels: &Channels,
+    wanted: &(dyn Fn(&str) -> bool + Sync),
+) -> Result<Vec<Trace>, Error> {
+    read_rows(table, channels, wanted, |rows| rows)
+}
+
+/// Reads a piece of one or more traces, with a sample for each row; a channel may be missing all the time.
+pub(super) fn read_piece(table: &Table, channels: &Channels) -> Result<Vec<Trace>, Error> {
+    read_rows(table, channels, &|_| true, Given::piece)
+}
+
+fn read_rows(
+    table: &Table,
+    channels: &Channels,
+    wanted: &(dyn Fn(&str) -> bool + Sync),
+    complete: fn(Given) -> Given,
+) -> Result<Vec<Trace>, Error> {
     let time = channels.time.as_deref();
     let (signals, parts) = parts(table, time, &|header| header.signals(channels), wanted)?;
-    let each = |part: Part| {
-        let Part { id, columns, times_s } = part;
-        assemble(id, channels, &signals, columns, times_s.as_deref())
-    };
+    let each =
+        |Part { id, columns, times_s }: Part| assemble(id, channels, &signals, complete(Given::of(columns, times_s)));
     parts.into_iter().map(each).collect()
 }
 
@@ -151,8 +165,7 @@ pub fn series(
         if times_s.is_none() && signals.iter().any(Signal::integrates) {
             return Err(Error::trace(&id, INTEGRAL));
         }
-        let step = |row: usize| times_s.as_ref().map_or(0.0, |times| times[row + 1] - times[row]);
-        let columns = values_of(&signals, columns, rows, &step);
+        let columns = values_of(&signals, columns, rows, &elapsed(times_s.as_deref(), 0.0));
         Ok(Series { id, times_s, columns })
     };
     parts.into_iter().map(each).collect()
@@ -181,8 +194,6 @@ pub(crate) fn is_labels(table: &Table) -> bool {
     let has = |wanted: &str| table.names().iter().any(|name| name == wanted);
     has("trace") && has("class_name")
 }
-
-const INTEGRAL: &str = "an integral needs the time; name its column with --time, or give --rate-hz";
 
 /// The columns of one trace.
 struct Part {
@@ -245,17 +256,29 @@ fn parts(
             }
             Some(times)
         });
-        // The quick check of the whole column first; the place only where it fails.
-        let unsorted = times_s.as_ref().filter(|times| !times.is_sorted());
-        if let Some(at) = unsorted.and_then(|times| times.windows(2).position(|pair| pair[1] < pair[0])) {
+        if let Some(at) = times_s.as_deref().and_then(backwards) {
             let name = header.time().map_or("", |place| &header.names[place]);
-            let place = format!("{}, column {name}", columns.place(rows.row(at + 1)));
+            let place = format!("{}, column {name}", columns.place(rows.row(at)));
             return Err(Error::content(path, place, "time runs backwards; sort the rows or split the trace there"));
         }
         Ok(Part { id: rows.id, columns: own, times_s })
     };
     let parts = rows.into_iter().map(each).collect::<Result<_, Error>>()?;
     Ok((signals, parts))
+}
+
+/// The first row whose time is before that of an earlier one; a row may lack its time.
+fn backwards(times: &[f64]) -> Option<usize> {
+    // The quick check of the whole column first; the place only where it fails.
+    if times.is_sorted() {
+        return None;
+    }
+    let mut latest = f64::NEG_INFINITY;
+    times.iter().position(|time| {
+        let is_before = *time < latest;
+        latest = latest.max(*time);
+        is_before
+    })
 }
 
 /// Reports what is read of a file.
@@ -303,53 +326,6 @@ impl Rows {
     }
 }
 
-/// Makes a trace of signals by columns at their places; `times` are in seconds.
-pub(super) fn assemble(
-    id: String,
-    channels: &Channels,
-    signals: &[Signal],
-    columns: BTreeMap<usize, Vec<f64>>,
-    times: Option<&[f64]>,
-) -> Result<Trace, Error> {
-    let mut trace = Trace { id, ..Trace::default() };
-    if let Some(times) = times {
-        let steps: Vec<f64> = times.par_windows(2).map(|pair| pair[1] - pair[0]).collect();
-        trace.interval_s = Some(median(&steps)).filter(|step| *step > 0.0);
-        let usual = trace.interval_s.unwrap_or(0.0);
-        trace.irregular_steps = steps.par_iter().filter(|step| (**step - usual).abs() > 0.1 * usual).count();
-    }
-    let given = channels.rate_hz.map(|rate| 1.0 / rate);
-    if let (Some(given), Some(found)) = (given, trace.interval_s)
-        && !same_interval(given, found)
-    {
-        let problem = format!(
-            "the time column has {:.5} rows a second, not {}; leave out the rate, or the time with --time {NO_TIME}",
-            1.0 / found,
-            1.0 / given
-        );
-        return Err(Error::trace(&trace.id, problem));
-    }
-    trace.interval_s = trace.interval_s.or(given);
-    let interval = trace.interval_s;
-    if interval.is_none() && signals.iter().any(Signal::integrates) {
-        return Err(Error::trace(&trace.id, INTEGRAL));
-    }
-    let step = |row: usize| times.map_or(interval.unwrap_or(0.0), |times| times[row + 1] - times[row]);
-    let rows = rows(&columns, times);
-    let mut values = values_of(signals, columns, rows, &step).into_iter();
-    let mut next = || values.next().unwrap_or_default();
-    (trace.y, trace.u1, trace.u2) = (next(), next(), next());
-    trace.further = channels.further.iter().map(|_| next()).collect();
-    if let Some(shaft) = &channels.shaft {
-        let (current_a, angle_rad) = (next(), next());
-        let mut one = |is_measured: bool| if is_measured { next() } else { vec![0.0; rows] };
-        let (velocity_rad_s, load_nm) = (one(shaft.velocity.is_some()), one(shaft.load.is_some()));
-        let reference_rad_s = if shaft.reference.is_some() { next() } else { vec![] };
-        trace.motion = Some(MotionTrace { current_a, angle_rad, velocity_rad_s, load_nm, reference_rad_s });
-    }
-    Ok(trace)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -395,12 +371,13 @@ mod tests {
         assert!(message("t_s,i,ref,v\n0,1,2,3\n").contains("header: no column (or difference of columns) load-cell"));
         assert!(message(&format!("{good}0,1,2\n")).contains("line 3: 3 cells where the header has 5"));
         assert!(message(&format!("{good}0,x,2,3,4\n")).contains("line 3, column i: \"x\" is not a number"));
-        assert!(message(&format!("{good}0,1,NaN,3,4\n")).contains("line 3, column ref: NaN is not a finite"));
-        assert!(message(&format!("{good}0,1,2,inf,4\n")).contains("column v: inf is not a finite"));
-        assert!(message(&format!("{good}0,1,2,,4\n")).contains("column v: empty cell"));
+        assert!(message(&format!("{good}0,1,2,missing,4\n")).contains("line 3, column v: \"missing\" is not a number"));
+        assert!(message("t_s,i,ref,v,load-cell\n0,1,2,,4\n1,2,2,NaN,3\n").contains("column v: no number in any row"));
+        assert!(message("t_s,i,ref,v,load-cell\n,1,2,3,4\n").contains("t_s: no number in any row; leave the column"));
         assert!(message("t_s,i,ref,v,load-cell\n").contains("no rows"));
         assert!(message(&format!("{good}0,1e300,2,3,4\n")).contains("column i: 1e300 is no measured value"));
         assert!(message(&format!("{good}-1,1,2,3,4\n")).contains("line 3, column t_s: time runs backwards"));
+        assert!(message(&format!("{good},1,2,3,4\n-1,1,2,3,4\n")).contains("line 4, column t_s: time runs backwards"));
         assert!(message("i,ref,v,load-cell,i\n1,2,3,4,5\n").contains("column i comes twice"));
         assert!(message("").contains("the file is empty"));
         assert!(message("trace,i,ref,v,load-cell\n,1,2,3,4\n").contains("line 2, column trace: no trace id"));

@@ -5,6 +5,7 @@
 //! every m-th             behind a zero-phase low pass (`super::prepare::decimate`)
 //! ```
 //!
+//! Rows that lack their time or a number of a column are left out.
 //! A step of more than [`GAP`] usual ones and of more than `BRIDGED` new ones is a gap: columns are cut there, since
 //! straight lines across it would be invented. An angle that jumps by more than half a turn is unwrapped first, and is
 //! not limited to one turn after.
@@ -38,6 +39,8 @@ pub struct Resampled {
     pub gaps: Vec<[f64; 2]>,
     /// The usual step, s.
     pub usual_s: f64,
+    /// Number of rows that were left out, since they lack a number.
+    pub left_out: usize,
 }
 
 /// Returns the columns at a rate; `turns` has the length of a turn in the unit of each column that is an angle.
@@ -45,6 +48,14 @@ pub struct Resampled {
 /// # Errors
 /// Times that do not grow, fewer than eight samples, or a rate above the recorded one.
 pub fn at_rate(times_s: &[f64], columns: &[Vec<f64>], turns: &[Option<f64>], rate_hz: f64) -> Result<Resampled, Error> {
+    let is_whole = |row: &usize| times_s[*row].is_finite() && columns.iter().all(|column| column[*row].is_finite());
+    let whole: Vec<usize> = (0..times_s.len()).filter(is_whole).collect();
+    let left_out = times_s.len() - whole.len();
+    if left_out > 0 {
+        let of = |column: &[f64]| -> Vec<f64> { whole.iter().map(|row| column[*row]).collect() };
+        let columns: Vec<Vec<f64>> = columns.iter().map(|column| of(column)).collect();
+        return Ok(Resampled { left_out, ..at_rate(&of(times_s), &columns, turns, rate_hz)? });
+    }
     let steps: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     if let Some(at) = steps.iter().position(|step| *step <= 0.0 || step.is_nan()) {
         return Err(Error::Usage(format!("row {} is not later than the one before it", at + 2)));
@@ -74,7 +85,7 @@ pub fn at_rate(times_s: &[f64], columns: &[Vec<f64>], turns: &[Option<f64>], rat
         let columns = columns.iter().zip(turns).map(each).collect::<Result<_, Error>>()?;
         pieces.push(Piece { start_s: times[0], columns });
     }
-    Ok(Resampled { pieces, gaps, usual_s })
+    Ok(Resampled { pieces, gaps, usual_s, left_out: 0 })
 }
 
 /// An angle without its jumps by whole turns.
@@ -132,6 +143,17 @@ mod tests {
     }
 
     #[test]
+    fn rows_without_a_number_are_left_out_and_a_run_of_them_is_a_gap() {
+        let times: Vec<f64> = (0..300).map(|k| 0.01 * f64::from(k)).collect();
+        let mut ramp = times.clone();
+        (ramp[20], ramp[150], ramp[151], ramp[152]) = (f64::NAN, f64::NAN, f64::NAN, f64::NAN);
+        let found = at_rate(&times, &[ramp], &[None], 100.0).expect("resampled");
+        assert_eq!((found.left_out, found.pieces.len(), found.gaps.len()), (4, 2, 1));
+        // A straight line goes through its missing value, but for rounding.
+        assert!((found.pieces[0].columns[0][20] - 0.2).abs() < 1e-9);
+    }
+
+    #[test]
     fn gaps_cut_and_angles_do_not_jump() {
         let mut times: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
         times.iter_mut().skip(120).for_each(|t| *t += 0.5);
@@ -154,5 +176,27 @@ mod tests {
         assert!(problem.contains("at about 100.00 a second cannot be had at 200"), "{problem}");
         let back: Vec<f64> = times.iter().rev().copied().collect();
         assert!(at_rate(&back, &column, &[None], 50.0).expect_err("back").to_string().contains("row 2"));
+    }
+
+    #[test]
+    fn a_gap_of_a_few_rows_cuts_and_short_pieces_go() {
+        // 20 rows, a gap of 10 steps, 7 rows, a gap, 20 rows.
+        let start = |row: u32| {
+            row + if row >= 27 {
+                18
+            } else if row >= 20 {
+                9
+            } else {
+                0
+            }
+        };
+        let times: Vec<f64> = (0..47).map(|row| 0.01 * f64::from(start(row))).collect();
+        let found = at_rate(&times, std::slice::from_ref(&times), &[None], 100.0).expect("resampled");
+        assert_eq!(found.gaps.len(), 2, "{:?}", found.gaps);
+        assert!(found.gaps.iter().all(|gap| (gap[1] - 0.1).abs() < 1e-9), "{:?}", found.gaps);
+        let starts: Vec<f64> = found.pieces.iter().map(|piece| piece.start_s).collect();
+        assert!(starts.len() == 2 && starts[0] == 0.0 && (starts[1] - 0.45).abs() < 1e-9, "{starts:?}");
+        let few = times.first_chunk::<7>().expect("47 rows");
+        assert!(at_rate(few, &[few.to_vec()], &[None], 100.0).is_err(), "seven rows");
     }
 }

@@ -8,10 +8,16 @@
 //! speed_rpm rad/s               another unit than the one at the end of the column's name
 //! integrate(speed_rpm) rad      the integral over time, from 0 at the first sample on
 //! ```
+//!
+//! A value is missing where one of its columns is. An integral goes on behind missing values with the mean of those at
+//! both sides of them, as between any two samples.
 
 use std::collections::BTreeMap;
 
 use crate::units::{Unit, known};
+
+/// The time from one row to another, s.
+pub(super) type Elapsed<'a> = &'a dyn Fn(usize, usize) -> f64;
 
 /// How a channel follows from columns, which have places.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,25 +78,29 @@ impl Signal {
         }
     }
 
-    /// The values, `rows` of them, by the columns and the steps of time from each row to the next one.
-    fn values<'c>(&self, rows: usize, column: &dyn Fn(usize) -> &'c [f64], step_s: &dyn Fn(usize) -> f64) -> Vec<f64> {
+    /// The values, `rows` of them, by the columns and the time from one row to another one. A missing value is NaN.
+    fn values<'c>(&self, rows: usize, column: &dyn Fn(usize) -> &'c [f64], elapsed_s: Elapsed<'_>) -> Vec<f64> {
         match self {
             Self::Column(place) => column(*place).to_vec(),
             Self::Constant(value) => vec![*value; rows],
             Self::Scaled(factor, offset, own) => {
-                own.values(rows, column, step_s).into_iter().map(|x| factor * x + offset).collect()
+                own.values(rows, column, elapsed_s).into_iter().map(|x| factor * x + offset).collect()
             }
             Self::Sum(one, other) => {
-                let other = other.values(rows, column, step_s);
-                one.values(rows, column, step_s).into_iter().zip(other).map(|(a, b)| a + b).collect()
+                let other = other.values(rows, column, elapsed_s);
+                one.values(rows, column, elapsed_s).into_iter().zip(other).map(|(a, b)| a + b).collect()
             }
             Self::Integral(own) => {
-                let own = own.values(rows, column, step_s);
-                let mut sum = 0.0;
-                // The trapezoidal rule.
+                let own = own.values(rows, column, elapsed_s);
+                let (mut sum, mut last): (f64, Option<usize>) = (0.0, None);
+                // The trapezoidal rule, from one value to the next one that is not missing.
                 let each = |row: usize| {
-                    if row > 0 {
-                        sum += 0.5 * (own[row - 1] + own[row]) * step_s(row - 1);
+                    let passed_s = last.map_or(0.0, |last| elapsed_s(last, row));
+                    if !(own[row].is_finite() && passed_s.is_finite()) {
+                        return f64::NAN;
+                    }
+                    if let Some(last) = last.replace(row) {
+                        sum += 0.5 * (own[last] + own[row]) * passed_s;
                     }
                     sum
                 };
@@ -113,13 +123,13 @@ pub(super) fn values_of(
     signals: &[Signal],
     mut columns: BTreeMap<usize, Vec<f64>>,
     rows: usize,
-    step_s: &dyn Fn(usize) -> f64,
+    elapsed_s: Elapsed<'_>,
 ) -> Vec<Vec<f64>> {
     let needed = places_of(signals);
     let once = |place: &usize| needed.iter().filter(|other| *other == place).count() == 1;
     let of = |signal: &Signal| match signal {
         Signal::Column(place) if once(place) => columns.remove(place).unwrap_or_default(),
-        _ => signal.values(rows, &|place| &columns[&place], step_s),
+        _ => signal.values(rows, &|place| &columns[&place], elapsed_s),
     };
     signals.iter().map(of).collect()
 }
@@ -291,7 +301,7 @@ mod tests {
         let names = names();
         let columns: Vec<Vec<f64>> = (0..names.len()).map(|k| vec![k as f64 + 1.0, 10.0 * (k as f64 + 1.0)]).collect();
         let signal = Signal::parse(text, &names)?;
-        Ok(signal.values(2, &|place| &columns[place], &|_| 0.5))
+        Ok(signal.values(2, &|place| &columns[place], &|from, to| 0.5 * (to - from) as f64))
     }
 
     #[test]
@@ -321,13 +331,26 @@ mod tests {
     }
 
     #[test]
+    fn values_are_missing_where_a_column_is_and_integrals_go_on() {
+        let names = ["v", "w"].map(String::from);
+        let columns = [vec![f64::NAN, 1.0, f64::NAN, f64::NAN, 3.0, 5.0], vec![1.0, f64::NAN, 1.0, 1.0, 1.0, 1.0]];
+        let of = |text: &str| {
+            let signal = Signal::parse(text, &names).expect(text);
+            let found = signal.values(6, &|place| &columns[place], &|from, to| (to - from) as f64);
+            found.iter().map(|x| if x.is_nan() { -1.0 } else { *x }).collect::<Vec<_>>()
+        };
+        assert_eq!(of("integrate(v)"), [-1.0, 0.0, -1.0, -1.0, 6.0, 10.0]);
+        assert_eq!(of("v + w"), [-1.0, -1.0, -1.0, -1.0, 4.0, 6.0]);
+    }
+
+    #[test]
     fn a_column_is_moved_only_if_nothing_else_needs_it() {
         let names = ["a", "b", "c"].map(String::from);
         let signals: Vec<Signal> =
             ["c", "a", "2*c", "b", "a"].iter().map(|text| Signal::parse(text, &names).expect(text)).collect();
         let columns = vec![vec![1.0], vec![2.0], vec![3.0]];
         let moved = columns[1].as_ptr();
-        let values = values_of(&signals, columns.into_iter().enumerate().collect(), 1, &|_| 1.0);
+        let values = values_of(&signals, columns.into_iter().enumerate().collect(), 1, &|_, _| 1.0);
         assert_eq!(values, [[3.0], [1.0], [6.0], [2.0], [1.0]]);
         assert_eq!(values[3].as_ptr(), moved);
     }
@@ -351,5 +374,24 @@ mod tests {
                 Ok(found) => assert!(problem.is_empty(), "{text}: {found:?}"),
             }
         }
+    }
+
+    #[test]
+    fn an_integral_takes_each_step_of_time() {
+        let names = ["v".to_string()];
+        let signal = Signal::parse("integrate(v)", &names).expect("a channel");
+        let (column, steps) = ([1.0, 3.0, 5.0, 5.0], [0.1, 0.2, 0.4]);
+        let found = signal.values(4, &|_| &column, &|row, next| steps[row..next].iter().sum());
+        // Trapezia: 2 · 0.1, 4 · 0.2, 5 · 0.4.
+        let near = found.iter().zip([0.0, 0.2, 1.0, 3.0]).all(|(one, other)| (one - other).abs() < 1e-12); // rounding
+        assert!(near, "{found:?}");
+    }
+
+    #[test]
+    fn units_that_differ_by_an_offset_alone_are_different() {
+        let names = ["motor_degC", "air_K"].map(String::from);
+        let problem = Signal::parse("motor_degC - air_K", &names).expect_err("an offset of 273.15");
+        assert!(problem.contains("different units"), "{problem}");
+        assert!(Signal::parse("(motor_degC K) - air_K", &names).is_ok());
     }
 }

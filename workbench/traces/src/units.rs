@@ -61,7 +61,7 @@ const UNITS: [(&[&str], Quantity, f64); 34] = [
     (&["mV", "mv"], Voltage, 1e-3),
     (&["Nm", "nm", "N·m", "N*m", "N.m"], Torque, 1.0),
     (&["mNm", "mnm", "mN·m"], Torque, 1e-3),
-    (&["ozin", "oz·in"], Torque, 7.061_551_833e-3),
+    (&["ozin", "oz·in"], Torque, 7.061_551_814e-3),
     (&["lbf·ft", "lbfft"], Torque, 1.355_817_948),
     (&["N", "n"], Force, 1.0),
     (&["kN", "kn"], Force, 1e3),
@@ -181,5 +181,29 @@ mod tests {
         assert!(near(convert("rpm", "rad/s", 60.0), TURN) && near(convert("rad", "deg", TURN), 360.0));
         assert!(near(convert("F", "C", 212.0), 100.0) && near(convert("C", "K", 20.0), 293.15));
         assert!(near(convert("lbf", "N", 3700.0), 16_458.419_975_5) && convert("rpm", "rad", 1.0).is_none());
+    }
+
+    #[test]
+    fn units_of_other_systems_are_those_of_their_definitions() {
+        // Pound 0.45359237 kg, ounce 1/16 of it, inch 0.0254 m, foot 12 inches, standard gravity 9.80665 m/s².
+        const POUND: f64 = 0.453_592_37 * 9.806_65;
+        let (ounce_inch, pound_foot) = (POUND / 16.0 * 0.0254, POUND * 12.0 * 0.0254);
+        for (name, base, expected) in
+            [("oz·in", "Nm", ounce_inch), ("lbf·ft", "Nm", pound_foot), ("lbf", "N", POUND), ("in", "mm", 25.4)]
+        {
+            let (factor, offset) = Unit::named(name).and_then(|unit| unit.to(&Unit::named(base)?)).expect(name);
+            // Ten digits of the table.
+            assert!((factor / expected - 1.0).abs() < 1e-9 && offset == 0.0, "{name}: {factor} {expected}");
+        }
+    }
+
+    #[test]
+    fn integrals_of_velocities_are_angle_and_travel() {
+        for (of, integral) in [("rpm", None), ("turn/s", Some("turn")), ("mm/s", Some("mm")), ("m/s", Some("m"))] {
+            let found = Unit::named(of).expect(of).integral().expect("a quantity of its own");
+            assert!(integral.is_none_or(|name| Unit::named(name) == Some(found)), "{of}: {found:?}");
+            assert!(matches!(found.quantity, Angle | Length), "{of}");
+        }
+        assert!(["A", "m", "Nm"].iter().all(|name| Unit::named(name).expect(name).integral().is_none()));
     }
 }

@@ -20,7 +20,7 @@ pub struct Source {
 }
 
 /// All sources, in the order in which they run.
-pub const SOURCES: [Source; 19] = [
+pub const SOURCES: [Source; 20] = [
     quick(figures::NAME, figures::TOLERANCE, target),
     quick("demo", Tolerance::Exact, |_| printed("demo", "book/src/introduction.md", "standard_rig::twenty_draws")),
     quick("instruments", Tolerance::Exact, |_| {
@@ -38,6 +38,9 @@ pub const SOURCES: [Source; 19] = [
     }),
     slow("field-sessions", Tolerance::Exact, |_| {
         workbench("campaign --field --sessions --draws 10", "field-sessions", results::FIELD)
+    }),
+    slow("healthy-sets", Tolerance::Exact, |_| {
+        workbench("campaign --healthy-sets --draws 40", "healthy-sets", results::FIELD)
     }),
     slow("field-peers", Tolerance::Any, |_| {
         Ok(vec![Block::new("docs/field-peers.md", "field-peers", &field_peers::measure(Some(field_peers::SHORT))?.0)])

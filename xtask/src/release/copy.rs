@@ -3,11 +3,10 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use anyhow::{Context, Result};
 
-use crate::{child, workspace};
+use crate::workspace;
 
 /// The folders of the published packages besides the root.
 const PUBLISHED: [&str; 8] = [
@@ -27,13 +26,10 @@ pub fn of_tree(name: &str) -> Result<PathBuf> {
     if folder.exists() {
         fs::remove_dir_all(&folder)?;
     }
-    let arguments = ["ls-files", "--cached", "--others", "--exclude-standard"];
-    let list = child::output(Command::new("git").args(arguments).current_dir(&root)).context("git ls-files failed")?;
-    // A file that is removed but not committed is still listed.
-    for name in list.lines().filter(|name| root.join(name).exists()) {
-        let to = folder.join(name);
+    for name in workspace::files()? {
+        let to = folder.join(&name);
         fs::create_dir_all(to.parent().unwrap_or(&folder))?;
-        fs::copy(root.join(name), &to).with_context(|| format!("cannot copy {name}"))?;
+        fs::copy(root.join(&name), &to).with_context(|| format!("cannot copy {name}"))?;
     }
     set_members(&folder, &PUBLISHED)?;
     Ok(folder)

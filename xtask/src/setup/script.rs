@@ -11,9 +11,22 @@ use super::{os, unpacked};
 
 /// Writes a script that starts a program with these variables.
 pub fn write(script: &Path, program: &Path, settings: &str) -> Result<()> {
-    let text = format!("#!/bin/sh\n{settings}exec {} \"$@\"\n", quoted(program));
+    write_with(script, program, settings, "")
+}
+
+/// The same with these words before the arguments of the script.
+fn write_with(script: &Path, program: &Path, settings: &str, words: &str) -> Result<()> {
+    let text = format!("#!/bin/sh\n{settings}exec {}{words} \"$@\"\n", quoted(program));
     fs::write(script, text).with_context(|| script.display().to_string())?;
     os::make_executable(script)
+}
+
+/// Writes a script that starts the unpacked compiler, whose library is in the folder `sysroot`. The script names that
+/// folder by a way that is in no workspace. By its plain name it is inside of this one and outside of all others, where
+/// cargo calls it by different names, and each workspace would compile `core` again for the same target directory.
+pub fn write_compiler(script: &Path, program: &Path, settings: &str, sysroot: &Path) -> Result<()> {
+    let outside = Path::new("/proc/self/root").join(sysroot.strip_prefix("/").unwrap_or(sysroot));
+    write_with(script, program, settings, &format!(" --sysroot {}", quoted(&outside)))
 }
 
 /// Writes a script that starts another program as an unpacked one is started. Whether the unpacked one is in use.
@@ -70,8 +83,10 @@ fn quoted(path: &Path) -> String {
 mod tests {
     use std::process::Command;
 
+    use anyhow::bail;
+
     use super::*;
-    use crate::child;
+    use crate::{child, workspace};
 
     #[test]
     fn a_script_sets_variables_and_passes_arguments_on() -> Result<()> {
@@ -83,6 +98,22 @@ mod tests {
         write(&root.join("bin/show"), &program, "export OWN=set\n")?;
         let printed = child::output(Command::new(root.join("bin/show")).args(["a", "b  c"]));
         assert_eq!(printed.as_deref(), Some("set b  c"));
+        fs::remove_dir_all(root)?;
+        Ok(())
+    }
+
+    #[test]
+    fn the_compiler_s_library_is_the_same_folder_outside_of_the_workspace() -> Result<()> {
+        let root = unpacked::folder_for("sysroot")?;
+        let program = root.join("rustc");
+        fs::write(&program, "#!/bin/sh\necho $1\necho $2\necho $3\n")?;
+        os::make_executable(&program)?;
+        write_compiler(&root.join("script"), &program, "", &root)?;
+        let printed = child::output(Command::new(root.join("script")).arg("--version")).unwrap_or_default();
+        let [option, sysroot, argument] = printed.lines().collect::<Vec<_>>()[..] else { bail!("{printed}") };
+        assert_eq!((option, argument), ("--sysroot", "--version"));
+        assert!(!Path::new(sysroot).starts_with(workspace::root()), "{sysroot}");
+        assert!(Path::new(sysroot).join("rustc").is_file(), "{sysroot}");
         fs::remove_dir_all(root)?;
         Ok(())
     }

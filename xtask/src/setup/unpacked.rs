@@ -47,7 +47,7 @@ pub fn lock() -> Result<File> {
 }
 
 /// Counts the ways of unpacking: packages that were unpacked another way are unpacked again.
-const WAY: u32 = 1;
+const WAY: u32 = 2;
 
 fn stamp(need: &Need) -> String {
     format!("{WAY}\n{}\n{}\n", need.packages.join(" "), root(need).display())
@@ -108,16 +108,26 @@ pub fn unpack(need: &Need, archives: &[PathBuf]) -> Result<()> {
         lead_to(&root(need), &specs)?;
     }
     libraries.sort();
-    let settings = script::settings(need, &part, &libraries)?;
-    for program in need.programs {
-        for place in matching(&part, program)? {
-            let script = part.join("bin").join(place.file_name().unwrap_or_default());
-            script::write(&script, &root(need).join(place), &settings)?;
-        }
-    }
+    write_scripts(need, &part, &script::settings(need, &part, &libraries)?)?;
     fs::write(part.join(COMPLETE), stamp(need))?;
     fs::rename(&part, root(need))?;
     link(need)
+}
+
+/// A script for each program.
+fn write_scripts(need: &Need, part: &Path, settings: &str) -> Result<()> {
+    for program in need.programs {
+        for place in matching(part, program)? {
+            let (script, program) =
+                (part.join("bin").join(place.file_name().unwrap_or_default()), root(need).join(&place));
+            if place.ends_with("bin/rustc") {
+                script::write_compiler(&script, &program, settings, &root(need).join("usr"))?;
+            } else {
+                script::write(&script, &program, settings)?;
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Lets absolute links lead to what is unpacked, and finds the folders of shared libraries.

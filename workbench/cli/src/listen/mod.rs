@@ -1,5 +1,6 @@
 //! `bearing-watch listen`
 
+mod link;
 mod live;
 mod names;
 mod raw;
@@ -13,16 +14,13 @@ use std::sync::atomic::Ordering;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
-use bearing_watch::telemetry::Decoder;
-
 use super::serve::stop_flag;
+use link::Link;
 use live::View;
 use model::Error;
 use receiver::Receiver;
 use traces::Traces;
 
-/// Longest content of a frame.
-const LONGEST: usize = 16_384;
 /// How long to wait for bytes before the end of time is checked.
 const PATIENCE: Duration = Duration::from_millis(50);
 
@@ -64,7 +62,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let traces = args.out.as_deref().map(Traces::new).transpose()?;
     let stopped = stop_flag()?;
     let chunks = source::open(&args.source, args.baud);
-    let mut decoder = Decoder::<LONGEST>::new();
+    let mut link = Link::new();
     let view = args.view.map(|port| View::open(port, &stopped)).transpose()?;
     let mut receiver = Receiver::new(args.json, traces, args.further.clone());
     if let Some((view, address)) = view {
@@ -76,7 +74,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         match chunks.recv_timeout(PATIENCE) {
             Ok(Ok(bytes)) => {
                 for byte in bytes {
-                    if let Some(frame) = decoder.push(byte) {
+                    if let Some(frame) = link.push(byte) {
                         receiver.take(&frame)?;
                     }
                 }
@@ -89,7 +87,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     while args.view.is_some() && failure.is_none() && goes_on() {
         std::thread::sleep(PATIENCE);
     }
-    let counts = decoder.counts();
+    let counts = link.counts();
     if let Some(error) = failure {
         // What came before the failure is kept.
         if counts.frames > 0 {

@@ -52,3 +52,69 @@ impl Names {
         self.channels.iter().map(|(name, _)| name.as_str()).collect()
     }
 }
+
+/// Streams whose names are kept.
+const STREAMS: usize = 16;
+
+/// The names of the streams of a line, of which one is shown.
+#[derive(Debug, Default)]
+pub(super) struct Streams {
+    /// The stream that is shown is the last one.
+    known: Vec<Names>,
+    /// Other names of a known stream, which one frame alone does not change.
+    doubted: Option<Names>,
+}
+
+impl Streams {
+    /// The names of the stream that is shown; empty before the first hello.
+    pub(super) fn shown(&self) -> Option<&Names> {
+        self.known.last()
+    }
+
+    /// The names of a stream.
+    pub(super) fn of(&self, stream: u32) -> Option<&Names> {
+        self.known.iter().find(|own| own.stream == Some(stream))
+    }
+
+    /// Takes the names of a hello; returns whether others are shown now.
+    pub(super) fn hello(&mut self, names: Names) -> bool {
+        if self.shown() == Some(&names) {
+            self.doubted = None;
+            return false;
+        }
+        let place = self.known.iter().position(|own| own.stream == names.stream);
+        if place.is_some_and(|place| self.known[place] != names) && self.doubted.as_ref() != Some(&names) {
+            self.doubted = Some(names);
+            return false;
+        }
+        self.doubted = None;
+        place.map(|place| self.known.remove(place));
+        if self.known.len() == STREAMS {
+            self.known.remove(0);
+        }
+        self.known.push(names);
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_single_hello_changes_no_stream() {
+        let names =
+            |stream, class: &str| Names { stream: Some(stream), classes: vec![class.into()], ..Names::default() };
+        let mut streams = Streams::default();
+        assert!(streams.hello(names(1, "a")) && !streams.hello(names(1, "a")));
+        assert!(!streams.hello(names(1, "forged")) && !streams.hello(names(1, "a")));
+        assert!(!streams.hello(names(1, "b")) && streams.hello(names(1, "b")), "said twice");
+        assert!(streams.hello(names(2, "forged")));
+        assert_eq!(streams.of(1), Some(&names(1, "b")));
+        assert_eq!((streams.shown(), streams.of(3)), (Some(&names(2, "forged")), None));
+        for stream in 3..60 {
+            assert!(streams.hello(names(stream, "x")));
+        }
+        assert_eq!(streams.known.len(), STREAMS);
+    }
+}

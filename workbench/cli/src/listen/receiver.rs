@@ -4,7 +4,7 @@ use bearing_watch::Alarm;
 use bearing_watch::telemetry::{Block, Body, Frame, LinkCounts, RawBlock, Summary};
 
 use super::live::View;
-use super::names::Names;
+use super::names::{Names, Streams};
 use super::raw;
 use super::traces::{Traces, Written};
 use super::words;
@@ -14,7 +14,7 @@ use model::Error;
 /// What is known of the stream, and where its frames go.
 pub(super) struct Receiver {
     json: bool,
-    names: Names,
+    streams: Streams,
     /// Names of the further channels of raw samples.
     further: Vec<String>,
     traces: Option<Traces>,
@@ -29,7 +29,7 @@ pub(super) struct Receiver {
 
 impl Receiver {
     pub(super) fn new(json: bool, traces: Option<Traces>, further: Vec<String>) -> Self {
-        Self { json, names: Names::default(), further, traces, view: None, last: None, alarm: None, unnamed: 0 }
+        Self { json, streams: Streams::default(), further, traces, view: None, last: None, alarm: None, unnamed: 0 }
     }
 
     /// Shows what comes on a page too.
@@ -50,10 +50,9 @@ impl Receiver {
         match frame.body {
             Body::Hello(hello) => {
                 let names = Names::of(stream, &hello);
-                if names != self.names {
-                    self.names = names;
-                    self.view.iter_mut().for_each(|view| view.hello(&self.names));
-                    self.tell(words::hello_line(&self.names), words::hello_value(&self.names))?;
+                if self.streams.hello(names.clone()) {
+                    self.view.iter_mut().for_each(|view| view.hello(&names));
+                    self.tell(words::hello_line(&names), words::hello_value(&names))?;
                 }
                 Ok(())
             }
@@ -65,13 +64,13 @@ impl Receiver {
 
     fn report(&mut self, stream: u32, summary: &Summary<'_>) -> Result<(), Error> {
         let unknown = Names::default();
-        let names = if self.names.stream == Some(stream) { &self.names } else { &unknown };
+        let names = self.streams.of(stream).unwrap_or(&unknown);
         self.view.iter().for_each(|view| view.report(names, summary));
         self.tell(words::report_line(names, summary), words::report_value(names, summary))?;
         if summary.alarm != self.alarm && !self.json {
             self.alarm = summary.alarm;
             if let Some(alarm) = summary.alarm {
-                output::say(format!("ALARM at segment {}: {}", alarm.segment, words::cause(names, alarm)))?;
+                output::say_line(&format!("ALARM at segment {}: {}", alarm.segment, words::cause(names, alarm)))?;
             }
         }
         Ok(())
@@ -80,12 +79,13 @@ impl Receiver {
     fn samples(&mut self, stream: u32, block: &Block<'_>) -> Result<(), Error> {
         self.view.iter_mut().for_each(|view| view.samples(block));
         let Some(traces) = &mut self.traces else { return Ok(()) };
-        let names = &self.names;
-        let shape = (usize::from(block.channels), block.with_angle) == (names.channels.len(), names.with_angle);
-        if names.stream != Some(stream) || !shape {
+        let shape = |names: &&Names| {
+            (usize::from(block.channels), block.with_angle) == (names.channels.len(), names.with_angle)
+        };
+        let Some(names) = self.streams.of(stream).filter(shape) else {
             self.unnamed += block.len() as u64;
             return Ok(());
-        }
+        };
         let written = traces.take(stream, names, block)?;
         written.iter().try_for_each(|file| self.written(file))
     }
@@ -114,6 +114,6 @@ impl Receiver {
     }
 
     fn tell(&self, line: String, value: serde_json::Value) -> Result<(), Error> {
-        output::say(if self.json { output::named("listen", value).to_string() } else { line })
+        if self.json { output::json_line("listen", value) } else { output::say_line(&line) }
     }
 }

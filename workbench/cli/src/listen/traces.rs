@@ -2,6 +2,7 @@
 //!
 //! A file is complete or absent: it gets its name when its series has ended.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use bearing_watch::telemetry::{Block, RawBlock};
@@ -11,6 +12,7 @@ use super::names::Names;
 use super::raw;
 use crate::output;
 use model::Error;
+use model::outputs::cell;
 use traces::LARGEST;
 
 /// A written file.
@@ -135,8 +137,8 @@ impl Traces {
         let file = output::temporary(&self.folder.join("trace"))?;
         let mut writer = csv::Writer::from_writer(file);
         let time = heading.interval_s.map(|_| "t_s");
-        let names = time.into_iter().chain(heading.columns.iter().map(String::as_str));
-        writer.write_record(names).map_err(|error| self.error(&error))?;
+        let names = time.into_iter().chain(heading.columns.iter().map(String::as_str)).map(cell);
+        writer.write_record(names.map(Cow::into_owned)).map_err(|error| self.error(&error))?;
         Ok(Series { writer, stream: heading.stream, first, next: first, samples: 0 })
     }
 

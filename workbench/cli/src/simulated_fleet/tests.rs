@@ -33,7 +33,7 @@ fn write(path: PathBuf, plan: &Plan, rows: &[Row]) -> Part {
 }
 
 fn wanted() -> Wanted {
-    Wanted { features: FEATURES.map(String::from).into(), conditions: vec![] }
+    Wanted { features: FEATURES.map(String::from).into(), ..Wanted::default() }
 }
 
 fn sums(parts: &[Part], units: Units) -> Sums {

@@ -10,6 +10,7 @@ use serde_json::json;
 
 use crate::fit::FitArgs;
 use crate::output;
+use crate::recordings::complete;
 use model::Error;
 use model::identify::Options;
 use model::trace::Trace;
@@ -49,6 +50,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Error> {
     let given =
         args.params.as_deref().map(|path| given::read(path, args.params_of.as_deref(), structure)).transpose()?;
     let (traces, preparation) = args.fit.read(args.report.as_ref())?;
+    complete(&traces)?;
     let bar = output::progress("validating", traces.len());
     let one = |trace: &Trace| {
         let trace = preparation.apply(trace)?;

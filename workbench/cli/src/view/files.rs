@@ -1,5 +1,6 @@
 //! The files of a folder that can be shown.
 
+use std::ffi::OsStr;
 use std::path::{Component, Path, PathBuf};
 
 use model::Error;
@@ -62,8 +63,7 @@ impl Folder {
     fn walk(&self, folder: &Path, depth: usize, found: &mut Vec<(Kind, String)>) {
         let Ok(entries) = std::fs::read_dir(folder) else { return };
         for path in entries.filter_map(|entry| entry.ok().map(|entry| entry.path())) {
-            let hidden = path.file_name().is_none_or(|name| name.to_string_lossy().starts_with('.'));
-            if hidden || found.len() >= FILES {
+            if path.file_name().is_none_or(is_hidden) || found.len() >= FILES {
                 continue;
             }
             // A link could lead out of the folder, or in a circle.
@@ -79,12 +79,23 @@ impl Folder {
     /// The file of this kind and name, if it is in the folder.
     pub(super) fn find(&self, kind: Kind, name: &str) -> Option<PathBuf> {
         let relative = Path::new(name);
-        if name.is_empty() || relative.components().any(|part| !matches!(part, Component::Normal(_))) {
+        if name.is_empty() || !is_shown(relative) {
             return None;
         }
         let path = self.root.join(relative).canonicalize().ok()?;
-        (path.starts_with(&self.root) && path.is_file() && Kind::of(&path) == Some(kind)).then_some(path)
+        // A link may lead to a hidden file.
+        let is_shown = path.strip_prefix(&self.root).is_ok_and(is_shown);
+        (is_shown && path.is_file() && Kind::of(&path) == Some(kind)).then_some(path)
     }
+}
+
+fn is_hidden(name: &OsStr) -> bool {
+    name.to_string_lossy().starts_with('.')
+}
+
+/// Whether a relative path leads down only, through nothing that is hidden.
+fn is_shown(path: &Path) -> bool {
+    path.components().all(|part| matches!(part, Component::Normal(name) if !is_hidden(name)))
 }
 
 #[cfg(test)]
@@ -96,11 +107,22 @@ mod tests {
         let outer = tempfile::tempdir().expect("folder");
         let inner = outer.path().join("in");
         std::fs::create_dir_all(inner.join("deep")).expect("folder");
-        for name in ["secret.csv", "in/a.csv", "in/deep/m.bwm", "in/labels.csv", "in/notes.md", "in/.hidden.csv"] {
+        std::fs::create_dir_all(inner.join(".git")).expect("folder");
+        for name in [
+            "in/.git/a.csv",
+            "secret.csv",
+            "in/a.csv",
+            "in/deep/m.bwm",
+            "in/labels.csv",
+            "in/notes.md",
+            "in/.hidden.csv",
+        ] {
             std::fs::write(outer.path().join(name), "x").expect("written");
         }
         #[cfg(unix)]
-        std::os::unix::fs::symlink(outer.path().join("secret.csv"), inner.join("link.csv")).expect("a link");
+        for (from, to) in [("secret.csv", "link.csv"), ("in/.hidden.csv", "shown.csv")] {
+            std::os::unix::fs::symlink(outer.path().join(from), inner.join(to)).expect("a link");
+        }
         let folder = Folder::open(&inner).expect("a folder");
         let names: Vec<String> = folder.list().into_iter().map(|(_, name)| name).collect();
         assert!(names.contains(&"a.csv".into()) && names.contains(&"deep/m.bwm".into()), "{names:?}");
@@ -109,6 +131,9 @@ mod tests {
         let absolute = outer.path().join("secret.csv").display().to_string();
         for bad in ["../secret.csv", "deep/../../secret.csv", &absolute, "link.csv", "", ".", "m.bwm", "notes.md"] {
             assert_eq!(folder.find(Kind::Trace, bad), None, "{bad}");
+        }
+        for hidden in [".hidden.csv", "deep/../.hidden.csv", ".git/a.csv", "shown.csv"] {
+            assert_eq!(folder.find(Kind::Trace, hidden), None, "{hidden}");
         }
     }
 }

@@ -51,7 +51,7 @@ fn answer(folder: &Folder, path: &str, query: &str) -> Reply {
         (_, Some(("trace", name))) => file(folder, Kind::Trace, name, |path| Reply::page(audit::page_of(path))),
         (_, Some(("model", name))) => file(folder, Kind::Model, name, |path| Reply::page(model_page::page(path))),
         (_, Some(("page", name))) => file(folder, Kind::Page, name, |path| match std::fs::read(path) {
-            Ok(bytes) => Reply::html(bytes),
+            Ok(bytes) => Reply::saved(bytes),
             Err(error) => Reply::problem(422, &Error::io(path)(error).to_string()),
         }),
         _ => Reply::problem(404, "There is no such page."),

@@ -101,3 +101,79 @@ fn labels_of_other_traces_are_named_as_the_cause() {
     let train = format!("{TRAIN} --features a1 --labels labels.csv runs");
     refuse(dir, &train, &["runs: no trace that the labels select; compare their column trace"]);
 }
+
+/// A copy under another name was trained on, and another recording of a name was not.
+#[test]
+fn training_traces_are_known_by_their_content() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy,spall --count 4 --seed 12 --out runs");
+    succeed(dir, &format!("{TRAIN} --features a1 --labels runs/labels.csv"));
+    succeed(dir, "simulate --class healthy,spall --count 4 --seed 13 --out other");
+    std::fs::create_dir(dir.join("mixed")).expect("a folder");
+    let mut labels = String::from("trace,class_name\n");
+    for k in 0..4 {
+        // Two copies, and two recordings that have the names of training traces.
+        let (from, to) = match k {
+            0 | 1 => (format!("runs/healthy_12_00{k}.csv"), format!("copy_{k}")),
+            _ => (format!("other/healthy_13_00{k}.csv"), format!("healthy_12_00{k}")),
+        };
+        std::fs::copy(dir.join(from), dir.join(format!("mixed/{to}.csv"))).expect("copied");
+        labels += &format!("{to},healthy\n");
+    }
+    std::fs::write(dir.join("mixed/labels.csv"), labels).expect("written");
+    let output = crate::common::run(dir, "evaluate --model m.bwm --labels mixed/labels.csv");
+    let warnings = String::from_utf8_lossy(&output.stderr);
+    assert!(warnings.contains("2 of 4 traces were trained on: the rates flatter the model"), "{warnings}");
+}
+
+/// A spreadsheet computes a cell that begins like a formula.
+#[test]
+fn tables_have_no_formulas() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy,spall --count 4 --seed 12 --out runs");
+    let formula = "=HYPERLINK(1)";
+    for (k, name) in [(0, formula), (1, "@x"), (2, "+x"), (3, "-x")] {
+        std::fs::rename(dir.join(format!("runs/healthy_12_00{k}.csv")), dir.join(format!("runs/{name}.csv")))
+            .expect("moved");
+        let labels = std::fs::read_to_string(dir.join("runs/labels.csv")).expect("labels");
+        std::fs::write(dir.join("runs/labels.csv"), labels.replace(&format!("healthy_12_00{k}"), name))
+            .expect("written");
+    }
+    succeed(dir, &format!("{TRAIN} --features a1 --labels runs/labels.csv"));
+    succeed(dir, "evaluate --model m.bwm --labels runs/labels.csv --out out.csv");
+    succeed(
+        dir,
+        "identify runs --y current_a --u1 velocity_rad_s --u2 load_torque_nm --order 2,1,1,1,1 --out params.csv",
+    );
+    for table in ["out.csv", "params.csv"] {
+        let text = std::fs::read_to_string(dir.join(table)).expect("a table");
+        assert!(text.contains(&format!("\n'{formula}")), "{table}: {text}");
+        let cells = text.lines().flat_map(|line| line.split(',')).map(|cell| cell.trim_matches('"'));
+        let formulas: Vec<&str> = cells.filter(|cell| cell.starts_with(['=', '+', '-', '@'])).collect();
+        assert!(formulas.iter().all(|cell| cell.parse::<f64>().is_ok()), "{table}: {formulas:?}");
+    }
+}
+
+/// The core has 16 bytes of a name, files have all of it.
+#[test]
+fn names_of_classes_have_any_length() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy,spall,roughness --count 12 --seed 12 --out runs");
+    let labels = std::fs::read_to_string(dir.join("runs/labels.csv")).expect("labels");
+    let labels = labels.replace(",spall,", ",spall-and-roughness,").replace(",roughness,", ",spall-and-roughnesses,");
+    std::fs::write(dir.join("runs/labels.csv"), labels).expect("written");
+    let train = format!("{TRAIN} --features a,b,c --labels runs/labels.csv --rust m.rs --c m.h");
+    let output = crate::common::run(dir, &train);
+    let warnings = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{warnings}");
+    assert!(warnings.contains("class spall-and-roughness is spall-and-r~"), "{warnings}");
+    let found = json(&succeed(dir, "evaluate --model m.bwm --labels runs/labels.csv --json"));
+    let classes: Vec<&str> = found["classes"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
+    assert!(classes.len() == 3 && classes[1] != classes[2], "{classes:?}");
+    assert!(classes[1..].iter().all(|name| name.starts_with("spall-and-r~") && name.len() == 16), "{classes:?}");
+    let decided: u64 = (0..3).map(|k| found["confusion"][k][k].as_u64().expect("a count")).sum();
+    assert!(decided > 20, "of 36: {found}");
+}

@@ -257,6 +257,20 @@ fn json_has_the_form_that_its_schema_describes() {
     fit(&schema("replay"), &json(&succeed(dir, "replay --model m.bwm runs/spall_5_000.csv --json")));
     let output = run(dir, "replay --model absent.bwm runs --json");
     fit(&schema("error"), &json(&String::from_utf8_lossy(&output.stdout)));
+    let fits = |form: &str, command: &str| fit(&schema(form), &json(&succeed(dir, &format!("{command} --json"))));
+    let traces = "runs/healthy_5_000.csv runs/spall_5_000.csv";
+    fits("identify", &format!("identify runs {CHANNELS}"));
+    fits("identify", &format!("identify {traces} {CHANNELS} --method armax"));
+    fits("validate", &format!("validate {traces} {CHANNELS}"));
+    let signals = CHANNELS.split(" --order").next().expect("the signals");
+    fits("structure", &format!("structure {traces} {signals} --max 2,2,2,1,1"));
+    fits("structure", &format!("structure {traces} {signals} --max 2,2,2,1,1 --compare 2,1,1,1,1"));
+    fits("audit", "audit runs");
+    let motor = "--current current_a --velocity velocity_rad_s --load load_torque_nm";
+    fits("grey-box", &format!("grey-box motor {traces} {motor}"));
+    fits("features", &format!("features --labels runs/labels.csv {CHANNELS} --out f.parquet"));
+    fits("features-sum", "features-sum f.parquet --features a --out f.sums");
+    fits("train-features", "train-features f.sums --model f.bwm");
     let rows = json(&succeed(dir, &format!("identify runs {CHANNELS} --json")));
     assert_eq!((&rows[1]["format"], &rows[1]["version"]), (&"bearing-watch/identify".into(), &1.into()));
 }

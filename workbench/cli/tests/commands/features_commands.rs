@@ -74,3 +74,30 @@ fn a_model_from_parts_is_that_from_traces() {
     fails(&format!("{plan} --order 2,1,0,1,1 --out x.parquet"), &["whole.parquet, plan: the channels of this command"]);
     fails(&format!("features --labels train/labels.csv {CHANNELS} --out x.csv"), &["name it .parquet"]);
 }
+
+/// Sums are trained on with the features that they were made for, also where these need further sums.
+#[test]
+fn sums_keep_the_choice_of_features() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    succeed(dir, "simulate --class healthy,spall --count 12 --seed 31 --mix --out train");
+    succeed(dir, &format!("features --labels train/labels.csv {CHANNELS} --out all.parquet"));
+    for (features, expected) in [("a", "a1 a2"), ("a,b", "a1 a2 b1"), ("drag_log,a1", "drag_log a1")] {
+        succeed(dir, &format!("features-sum all.parquet --features {features} --out s.sums"));
+        succeed(dir, "features-sum s.sums --out merged.sums");
+        for sums in ["s.sums", "merged.sums"] {
+            let trained = json(&succeed(dir, &format!("train-features {sums} --model m.bwm --json")));
+            let mut names: Vec<&str> =
+                trained["features"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
+            let mut expected: Vec<&str> = expected.split(' ').collect();
+            names.sort_unstable();
+            expected.sort_unstable();
+            assert_eq!(names, expected, "{features} {sums}");
+        }
+        let other = json(&succeed(dir, "train-features s.sums --features a1 --model m.bwm --json"));
+        assert_eq!(other["features"], serde_json::json!(["a1"]), "{features}");
+    }
+    succeed(dir, "features-sum all.parquet --features a --keep-units --out a.sums");
+    succeed(dir, "features-sum all.parquet --features b --keep-units --out b.sums");
+    refuse(dir, "features-sum a.sums b.sums --out ab.sums", &["sums of different chosen features: a and b"]);
+}

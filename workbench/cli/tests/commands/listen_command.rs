@@ -118,6 +118,70 @@ fn of_a_disturbed_line_only_right_samples_are_written() {
     assert!(end["bad"].as_u64() > Some(20) && end["lost"].as_u64() > Some(20), "{end}");
 }
 
+/// A frame whose checksum is right, with any numbers and content: the others are received as if it had not come.
+#[test]
+fn one_forged_frame_drops_no_other_and_acts_on_no_terminal() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    let good = frames();
+    let receive = |name: &str, line: &[Vec<u8>]| {
+        std::fs::write(dir.join("frames.bin"), line.concat()).expect("writable");
+        let text = succeed(dir, &format!("listen frames.bin --out {name}"));
+        let mut rows = Vec::new();
+        let mut files: Vec<_> =
+            std::fs::read_dir(dir.join(name)).expect("traces").map(|e| e.expect("one").path()).collect();
+        files.sort();
+        files.iter().for_each(|file| rows.extend(bits(file)));
+        (text, rows)
+    };
+    let (_, all) = receive("good", &good);
+    let hello = contents(&good[0]);
+    let (at, samples) = (4, contents(&good[4]));
+    for (number, content) in [&hello, &samples].into_iter().enumerate() {
+        for stream in [None, Some(0xdead_beef_u32)] {
+            for sequence in [200_u32, 1 << 20, u32::MAX] {
+                let mut forged = content.clone();
+                if let Some(stream) = stream {
+                    forged[2..6].copy_from_slice(&stream.to_le_bytes());
+                }
+                forged[6..10].copy_from_slice(&sequence.to_le_bytes());
+                // A letter of a name becomes a control of the terminal.
+                if let Some(place) = forged.windows(9).position(|own| own == b"current_a") {
+                    forged[place] = 0x1b;
+                }
+                let mut line = good.clone();
+                line.insert(at + 20, framed(forged));
+                let name = format!("t{number}_{}_{sequence}", stream.is_some());
+                let (text, rows) = receive(&name, &line);
+                assert!(!text.contains('\u{1b}'), "{text:?}");
+                let received: std::collections::HashSet<_> = rows.iter().collect();
+                let lost = all.iter().filter(|row| !received.contains(row)).count();
+                assert_eq!(lost, 0, "{name}: of {} rows\n{text}", all.len());
+                assert!(rows.len() <= all.len() + 40, "{name}");
+                assert_eq!(text.matches("spall  [").count(), 1, "{text}");
+            }
+        }
+    }
+}
+
+/// The content of a frame without its checksum.
+fn contents(frame: &[u8]) -> Vec<u8> {
+    let stuffed: Vec<u8> = frame.iter().copied().filter(|byte| *byte != 0).collect();
+    let mut content = vec![0; stuffed.len()];
+    let length = cobs::decode(&stuffed, &mut content).expect("a frame");
+    content.truncate(length - 4);
+    content
+}
+
+/// A frame of a content.
+fn framed(mut content: Vec<u8>) -> Vec<u8> {
+    let checksum = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&content);
+    content.extend(checksum.to_le_bytes());
+    let mut stuffed = vec![0; cobs::max_encoding_length(content.len())];
+    let length = cobs::encode(&content, &mut stuffed);
+    [&[0], &stuffed[..length], &[0]].concat()
+}
+
 #[test]
 fn received_traces_train_the_model_of_the_sent_ones() {
     let folder = tempfile::tempdir().expect("folder");

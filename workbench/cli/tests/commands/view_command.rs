@@ -4,6 +4,7 @@ use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
 
 use crate::browser::{self, Opened};
 use crate::common::{refuse, succeed};
@@ -97,6 +98,64 @@ fn a_folder_is_served_and_nothing_else() {
     refuse(folder.path(), "view nowhere", &["nowhere is no folder"]);
     let port = served.address.rsplit_once(':').expect("a port").1;
     refuse(folder.path(), &format!("view in --port {port}"), &["--port", "choose another one"]);
+}
+
+/// Clients that send nothing, that send without end, and that do not read.
+#[test]
+fn no_client_keeps_others_from_the_pages() {
+    let folder = tempfile::tempdir().expect("folder");
+    // Larger than what the system takes for a client that does not read.
+    let large = "<p>a saved page</p>".repeat(2_000_000);
+    std::fs::write(folder.path().join("large.html"), large).expect("written");
+    std::fs::write(folder.path().join(".hidden.html"), "hidden").expect("written");
+    let served = Served::start(folder.path(), "view . --port 0");
+    let connect = || TcpStream::connect(&served.address).expect("connects");
+    let silent: Vec<TcpStream> = (0..10).map(|_| connect()).collect();
+    let unread: Vec<TcpStream> = (0..10)
+        .map(|_| {
+            let mut stream = connect();
+            write!(stream, "GET /page/large.html HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n").expect("sent");
+            stream
+        })
+        .collect();
+    let start = Instant::now();
+    let (status, page) = served.get("/");
+    assert!(status == 200 && page.contains("/page/large.html"));
+    assert!(start.elapsed() < Duration::from_secs(3), "{:?}", start.elapsed());
+    // A head without end.
+    let mut stream = connect();
+    let line = format!("X: {}\r\n", "y".repeat(1000));
+    let sent = (0..5000).map_while(|_| stream.write_all(line.as_bytes()).ok()).count();
+    assert!(sent < 5000, "5 MB of header were taken");
+    assert_eq!(served.ask("GET", "/", &format!("127.0.0.1\r\nX: {}", "y".repeat(20_000))).0, 431);
+    // One that sends a byte now and then is answered by the end of its time.
+    let mut slow = connect();
+    let start = Instant::now();
+    while start.elapsed() < Duration::from_secs(20) && slow.write_all(b"G").is_ok() {
+        std::thread::sleep(Duration::from_millis(200));
+    }
+    assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
+    assert_eq!(served.get("/page/.hidden.html").0, 404);
+    drop((silent, unread));
+}
+
+#[test]
+fn what_is_served_has_a_content_policy() {
+    let folder = tempfile::tempdir().expect("folder");
+    std::fs::write(folder.path().join("saved.html"), "<script>fetch('/')</script>").expect("written");
+    let served = Served::start(folder.path(), "view . --port 0");
+    for path in ["/", "/none", "/page/saved.html"] {
+        let (_, answer) = served.get(path);
+        let head = answer.split("\r\n\r\n").next().expect("a head").to_lowercase();
+        for words in ["content-security-policy: default-src 'none'; ", "frame-ancestors 'none'", "base-uri 'none'"] {
+            assert!(head.contains(words), "{path}: {words} in {head}");
+        }
+        assert!(head.contains("x-content-type-options: nosniff"), "{head}");
+        // A file may have come from anywhere: its scripts have no origin, and ask for nothing.
+        let is_file = path.starts_with("/page");
+        assert_eq!(head.contains("sandbox allow-scripts"), is_file, "{path}: {head}");
+        assert_eq!(head.contains("connect-src 'self'"), !is_file, "{path}: {head}");
+    }
 }
 
 #[cfg(unix)]

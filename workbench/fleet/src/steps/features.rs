@@ -16,6 +16,7 @@ use model::core::features::Catalogue;
 use model::outputs;
 use model::session::{Given, Log, Selection, TraceSource, is_irregular, of_irregular};
 use model::settings::{Reading, Settings};
+use model::trace::Tally;
 use model::trace::labels::LabelledTrace;
 use model::trace::{Preparation, Trace, same_interval, stem};
 use model::train;
@@ -91,15 +92,15 @@ pub fn features(
         }
     };
     let labels = Labelled::new(&selection, &chosen, &plan)?;
-    let mut part = outputs::temporary(&options.out)?;
-    let mut writer = Writer::new(part.as_file_mut(), &options.out, &plan, &labels.columns)?;
+    let mut part = outputs::Staged::new(&options.out)?;
+    let mut writer = Writer::new(part.file(), &options.out, &plan, &labels.columns)?;
     let met = write(&mut writer, selection.source(), (&labels, &plan), log)?;
     if let Some((id, _)) = chosen.iter().find(|(id, _)| !met.origins.has(id)) {
         let problem = format!("{id} is labelled, but there is no such trace; give its file or folder");
         return Err(Error::content(file.as_deref().unwrap_or(Path::new("labels")), "column trace", problem));
     }
     let (rows, sorted) = writer.finish()?;
-    part.persist(&options.out).map_err(|e| Error::Io { path: options.out.clone(), source: e.error })?;
+    part.finish()?;
     met.warn(chosen.len(), sorted, log);
     Ok(Featured {
         rows,
@@ -148,6 +149,8 @@ struct Met {
     irregular: (usize, Option<String>),
     /// Traces of which the front end refused samples.
     refused: usize,
+    /// What is missing in the traces.
+    missing: Tally,
     /// Segments without features, and why the first has none.
     empty: usize,
     reason: Option<String>,
@@ -158,6 +161,7 @@ impl Met {
     fn warn(&self, traces: usize, sorted: bool, log: &Log<'_>) {
         let (irregular, first) = &self.irregular;
         log.warn(of_irregular(*irregular, traces, first.as_deref()));
+        log.warn(self.missing.line());
         if self.refused > 0 {
             log.warn([format!("the front end refused samples of {} traces", self.refused)]);
         }
@@ -195,6 +199,7 @@ fn write<W: std::io::Write + Send>(
             for (trace, found) in traces.iter().zip(found) {
                 met.origins.add(&trace.id, piece.file())?;
                 met.refused += usize::from(trace.refused.is_some());
+                met.missing.add(&trace.id, trace.missing);
                 if is_irregular(trace) {
                     met.irregular.0 += 1;
                     met.irregular.1.get_or_insert_with(|| trace.id.clone());

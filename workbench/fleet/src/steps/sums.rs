@@ -59,7 +59,7 @@ pub fn features_sum(settings: &Settings, options: &SumOptions, log: &Log<'_>) ->
         None => return Err(Error::Usage("--features chooses those of parts; sums have theirs".into())),
     };
     let units = if options.keep_units { Units::Open } else { Units::Remembered };
-    let wanted = Wanted { features, conditions: settings.validation.train_where.clone() };
+    let wanted = Wanted { features, chosen: asked.clone(), conditions: settings.validation.train_where.clone() };
     let sums = inputs.sums(&wanted, units, log)?;
     let bytes = sums.to_bytes()?;
     outputs::write(&options.out, &bytes)?;

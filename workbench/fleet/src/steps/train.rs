@@ -71,7 +71,7 @@ pub fn train_features(
     let (sums, parts) = inputs.folded(&wanted, units, log)?;
     let from_parts = !parts.is_empty() && units == Units::Closed;
     let sums = sums.finish()?;
-    let fit = fit(settings, &sums, &plan, independent)?;
+    let fit = fit(&with_choice(settings, &sums), &sums, &plan, independent)?;
     let first_s = start.elapsed().as_secs_f64();
     let tails = if from_parts && !options.one_pass { second_pass(&parts, &fit, &wanted, log)? } else { None };
     let (trained, host) = fit.train(tails.as_ref())?;
@@ -103,15 +103,25 @@ pub fn train_features(
 fn wanted(settings: &Settings, inputs: &Inputs, plan: &Plan) -> Result<Wanted, Error> {
     let (features, covariates) = (settings.model.features.clone(), settings.model.covariates.clone());
     let conditions = settings.validation.train_where.clone();
+    let chosen = features.clone();
     let first = Recipe { features, covariates, ..plan.recipe() };
     if !inputs.parts.is_empty() {
-        return Ok(Wanted { features: Choice::new(plan, &first)?.features, conditions });
+        return Ok(Wanted { features: Choice::new(plan, &first)?.features, chosen, conditions });
     }
     if !conditions.is_empty() {
         return Err(Error::Usage("--train-where chooses segments of parts; sums have theirs".into()));
     }
     // The sums' own features, if none are chosen.
-    Ok(Wanted { features: vec![], conditions })
+    Ok(Wanted { features: vec![], chosen, conditions })
+}
+
+/// The settings with the features for which the sums were made, unless others are chosen.
+fn with_choice(settings: &Settings, sums: &Sums) -> Settings {
+    let mut settings = settings.clone();
+    if settings.model.features.is_empty() {
+        settings.model.features.clone_from(&sums.chosen);
+    }
+    settings
 }
 
 /// The fit of a model to sums.

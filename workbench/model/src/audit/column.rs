@@ -32,12 +32,20 @@ pub struct Column {
     pub held: f64,
     /// Part of the rows at the least or largest value, in runs.
     pub saturated: f64,
+    /// Part of the rows without a number; the others are those that all else is about.
+    pub missing: f64,
 }
 
 impl Column {
-    /// Of values of one trace.
+    /// Of values of one trace; a missing one is NaN.
     #[must_use]
     pub fn of(x: &[f64]) -> Self {
+        let measured: Vec<f64> = x.iter().copied().filter(|x| x.is_finite()).collect();
+        let missing = (x.len() - measured.len()) as f64 / x.len().max(1) as f64;
+        Self { missing, ..Self::of_measured(&measured) }
+    }
+
+    fn of_measured(x: &[f64]) -> Self {
         let (mean, scatter) = mean_sd(x);
         let mut sorted = x.to_vec();
         sorted.sort_by(f64::total_cmp);
@@ -64,6 +72,7 @@ impl Column {
             changing: part(runs.len().saturating_sub(1)),
             held: if is_fine { part(held) } else { 0.0 },
             saturated: if is_fine { saturated } else { 0.0 },
+            missing: 0.0,
         }
     }
 
@@ -72,6 +81,9 @@ impl Column {
     pub fn findings(&self) -> Vec<String> {
         let percent = |part: f64| format!("{:.1} %", 100.0 * part);
         let mut found = Vec::new();
+        if self.missing > 0.0 {
+            found.push(format!("no number in {} of the rows", percent(self.missing.max(1e-3))));
+        }
         if self.deviation == 0.0 {
             found.push("constant".into());
         } else if self.deviation < COARSE * self.step && self.changing > CHANGING {
@@ -138,5 +150,20 @@ mod tests {
         let coarse: Vec<f64> = wave(2000).iter().map(|x| (x * 4.0).round() / 4.0).collect();
         assert!(Column::of(&coarse).findings()[0].starts_with("coarse: steps of 0.2500"));
         assert_eq!(Column::of(&[3.0; 100]).findings(), ["constant"]);
+        let mut lacking = wave(2000);
+        lacking.iter_mut().step_by(100).for_each(|x| *x = f64::NAN);
+        let found = Column::of(&lacking);
+        assert_eq!((found.findings(), found.missing), (vec!["no number in 1.0 % of the rows".to_string()], 0.01));
+        assert!((found.mean - Column::of(&wave(2000)).mean).abs() < 0.01 && found.deviation > 0.5);
+    }
+
+    #[test]
+    fn a_peak_of_a_single_row_is_not_saturated() {
+        // 2 % of the rows are at an end of the range.
+        let saw: Vec<f64> = (0..1000).map(|k| f64::from(k % 100)).collect();
+        assert_eq!(Column::of(&saw).findings(), Vec::<String>::new());
+        // 2 of 100 rows at each end become 3 + 3: below 2, and above 96.
+        let cut: Vec<f64> = saw.iter().map(|x| x.clamp(2.0, 97.0)).collect();
+        assert!((Column::of(&cut).saturated - 0.06).abs() < 1e-12, "{:?}", Column::of(&cut));
     }
 }

@@ -255,4 +255,20 @@ mod tests {
         assert_eq!(found.iter().map(|own| own.term).collect::<Vec<_>>(), ["constant"]);
         assert!(found[0].by_spread.is_none() && (found[0].usual - 2.05).abs() < 0.01, "{found:?}");
     }
+
+    #[test]
+    fn the_smallest_change_is_that_of_the_formula() {
+        // Four healthy values with the deviation √(5/3), and a defect, which widens nothing.
+        let terms = |value: f64| Terms { of: [Some([value, 0.5, 0.9]), None, None, None, None] };
+        let mut traces: Vec<(Terms, bool)> = [1.0, 2.0, 3.0, 4.0].map(|value| (terms(value), true)).to_vec();
+        traces.push((terms(100.0), false));
+        let [found] = &excited(&traces, 0.01)[..] else { panic!("one term") };
+        // The 99 % quantiles of Student's distribution with 3 degrees of freedom and of the normal one, to 7 digits.
+        let expected = (4.540_703 * 1.25_f64.sqrt() + 1.28) * (5.0_f64 / 3.0).sqrt();
+        let (smallest, count) = found.by_spread.expect("four healthy traces");
+        assert!(count == 4 && (smallest - expected).abs() < 1e-5, "{smallest} {expected}");
+        assert!((found.by_noise - (2.326_348 + 1.28) * 0.5).abs() < 1e-6, "{}", found.by_noise);
+        assert_eq!((found.determined, found.usual, found.own), ([5, 5], 3.0, 0.9));
+        assert!(excited(&traces[1..], 0.01)[0].by_spread.is_none(), "three healthy traces");
+    }
 }

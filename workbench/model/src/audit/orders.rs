@@ -161,4 +161,16 @@ mod tests {
         assert!(amplitude(&y, &angle, 5.0) > smallest_line(floor, 0.01));
         assert!((turns(&angle) - 9000.0 / 1919.0 * 84.0 / TAU).abs() < 1.0);
     }
+
+    #[test]
+    fn an_amplitude_is_that_of_the_wave() {
+        // Five whole turns: the sums of the other products are zero.
+        let angle: Vec<f64> = (0..1000).map(|k| 5.0 * TAU * f64::from(k) / 1000.0).collect();
+        let y: Vec<f64> = angle.iter().map(|angle| 4.0 + 0.7 * (3.0 * angle + 1.0).cos()).collect();
+        assert!((amplitude(&y, &angle, 3.0) - 0.7).abs() < 1e-12 && amplitude(&y, &angle, 4.0) < 1e-12); // rounding
+        // √(−2 ln 0.01) = 3.034854.
+        assert!((smallest_line(2.0, 0.01) - 2.0 * (3.034_854 + 1.28)).abs() < 1e-5);
+        // The third step is a wrap.
+        assert!((turns(&[0.0, 3.0, 6.0, 9.0 - TAU, 12.0 - TAU]) - 9.0 / TAU).abs() < 1e-12);
+    }
 }

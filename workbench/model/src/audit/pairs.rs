@@ -1,6 +1,7 @@
 //! Two columns, or two traces: collinear channels, lags, equal recordings.
 
 use crate::statistics::mean_sd;
+use crate::trace::bridged;
 
 /// Correlation from which on two channels say the same.
 pub const COLLINEAR: f64 = 0.995;
@@ -11,9 +12,14 @@ const COMPARED: usize = 512;
 /// Relative difference below which two traces are the same recording.
 const SAME: f64 = 1e-3;
 
-/// Correlation of two columns; 0 if one is constant.
+/// Correlation of two columns, by the rows in which no value is missing; 0 if one is constant.
 #[must_use]
 pub fn correlation(x: &[f64], y: &[f64]) -> f64 {
+    let is_whole = |(x, y): &(&f64, &f64)| x.is_finite() && y.is_finite();
+    if !x.iter().zip(y).all(|pair| is_whole(&pair)) {
+        let (x, y): (Vec<f64>, Vec<f64>) = x.iter().zip(y).filter(is_whole).unzip();
+        return correlation(&x, &y);
+    }
     let ((mx, sx), (my, sy)) = (mean_sd(x), mean_sd(y));
     let products: f64 = x.iter().zip(y).map(|(x, y)| (x - mx) * (y - my)).sum();
     if sx * sy > 0.0 { products / ((x.len() - 1) as f64 * sx * sy) } else { 0.0 }
@@ -49,7 +55,7 @@ pub fn lag(x: &[f64], y: &[f64]) -> Option<(f64, f64)> {
 #[must_use]
 pub fn equal(traces: &[&[Vec<f64>]]) -> Vec<[usize; 2]> {
     let head = |columns: &[Vec<f64>]| -> Vec<f64> {
-        columns.iter().flat_map(|column| column.iter().take(COMPARED).copied()).collect()
+        columns.iter().flat_map(|column| bridged(&column[..column.len().min(COMPARED)])).collect()
     };
     let with_scale = |x: Vec<f64>| {
         let (_, scale) = mean_sd(&x);
@@ -107,7 +113,22 @@ mod tests {
         let rounded = one.iter().map(|x| (x * 1e5).round() / 1e5).collect();
         let traces = [vec![one.clone()], vec![other], vec![rounded]];
         assert_eq!(equal(&traces.iter().map(Vec::as_slice).collect::<Vec<_>>()), [[0, 2]]);
+        let mut lacking = one.clone();
+        (lacking[3], lacking[99]) = (f64::NAN, f64::NAN);
+        assert!((correlation(&one, &lacking) - 1.0).abs() < 1e-12 && correlation(&one, &[f64::NAN; 600]) == 0.0);
+        let both = [vec![lacking.clone()], vec![lacking]];
+        assert_eq!(equal(&both.iter().map(Vec::as_slice).collect::<Vec<_>>()), [[0, 1]]);
         let scaled: Vec<f64> = one.iter().map(|x| 3.0 * x + 1.0).collect();
         assert!((correlation(&one, &scaled) - 1.0).abs() < 1e-12 && correlation(&one, &[2.0; 600]) == 0.0);
+    }
+
+    #[test]
+    fn a_lag_outside_of_the_searched_ones_is_not_told() {
+        let x = noise(6, 4000);
+        let smooth: Vec<f64> = x.windows(40).map(|rows| rows.iter().sum::<f64>()).collect();
+        let smoother: Vec<f64> = smooth.windows(40).map(|rows| rows.iter().sum::<f64>()).collect();
+        let later = |rows: usize| lag(&smoother[rows..3000], &smoother[..3000 - rows]);
+        assert!(later(49).is_some_and(|(found, _)| (found - 49.0).abs() < 0.1));
+        assert!([50, 51, 55].iter().all(|rows| later(*rows).is_none()), "{:?}", later(51));
     }
 }

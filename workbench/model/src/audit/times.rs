@@ -1,6 +1,6 @@
 //! The times of a trace: rate, jitter, gaps, times that stand.
 
-use crate::trace::median;
+use crate::trace::{gaps, median};
 
 /// Usual steps that a gap is longer than.
 const GAP: f64 = 1.5;
@@ -16,26 +16,30 @@ pub struct Times {
     pub gaps: usize,
     /// The longest of them, s.
     pub longest_gap_s: f64,
+    /// Samples that are missing by the gaps.
+    pub missing: usize,
     /// Steps of zero.
     pub standing: usize,
 }
 
 impl Times {
-    /// Of at least two times, s.
+    /// Of at least two times, s; one that is NaN is missing.
     #[must_use]
     pub fn of(times_s: &[f64]) -> Option<Self> {
+        let times_s: Vec<f64> = times_s.iter().copied().filter(|t| t.is_finite()).collect();
         let steps: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let usual = median(&steps);
         if usual.is_nan() || usual <= 0.0 {
             return None;
         }
-        let (gaps, plain): (Vec<f64>, Vec<f64>) = steps.iter().partition(|step| **step > GAP * usual);
+        let (long, plain): (Vec<f64>, Vec<f64>) = steps.iter().partition(|step| **step > GAP * usual);
         let scatter = plain.iter().map(|step| (step - usual).powi(2)).sum::<f64>() / plain.len().max(1) as f64;
         Some(Self {
             rate_hz: 1.0 / usual,
             jitter: scatter.sqrt() / usual,
-            gaps: gaps.len(),
-            longest_gap_s: gaps.iter().copied().fold(0.0, f64::max),
+            gaps: long.len(),
+            longest_gap_s: long.iter().copied().fold(0.0, f64::max),
+            missing: gaps(&times_s).iter().map(|gap| gap.missing).sum(),
             standing: steps.iter().filter(|step| **step == 0.0).count(),
         })
     }
@@ -55,6 +59,18 @@ mod tests {
         assert!((found.rate_hz - 1.0 / 0.009).abs() < 1e-6 || (found.rate_hz - 1.0 / 0.011).abs() < 1e-6, "{found:?}");
         assert!((0.05..0.2).contains(&found.jitter), "{found:?}");
         assert!(found.standing == 1 && found.gaps >= 1 && (found.longest_gap_s - 0.309).abs() < 0.003, "{found:?}");
+        let lost: Vec<f64> = (0..1000).filter(|k| k % 100 != 50).map(|k| f64::from(k) / 100.0).collect();
+        let found = Times::of(&[&lost[..], &[f64::NAN]].concat()).expect("times");
+        assert_eq!((found.gaps, found.missing), (10, 10));
         assert!(Times::of(&[1.0]).is_none() && Times::of(&[1.0, 1.0]).is_none());
+    }
+
+    #[test]
+    fn a_single_lost_row_is_a_gap() {
+        let times: Vec<f64> = (0..100).filter(|k| *k != 40).map(|k| f64::from(k) / 64.0).collect();
+        let found = Times::of(&times).expect("times");
+        let expected =
+            Times { rate_hz: 64.0, jitter: 0.0, gaps: 1, longest_gap_s: 2.0 / 64.0, missing: 1, standing: 0 };
+        assert_eq!(found, expected);
     }
 }

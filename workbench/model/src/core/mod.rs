@@ -10,6 +10,7 @@
 
 mod embedded;
 pub mod features;
+pub mod identifiers;
 mod model;
 mod segment;
 mod stream;
@@ -22,5 +23,5 @@ pub use model::{Parts, plan};
 pub use segment::{Finding, SegmentReport};
 pub use stream::Stream;
 pub use watch::{Watched, Watcher};
-pub use wiring::{Field, MAX_ORDERS, Measured, ShaftSignals, Wiring};
+pub use wiring::{Field, MAX_ORDERS, Measured, ShaftSignals, Wiring, column, fields};
 pub use words::{denied, stuck_channels};

@@ -7,9 +7,10 @@ use bearing_watch::Angle;
 use bearing_watch::model::{Channel, Name};
 use bearing_watch::plan::{Layout, MAX_CHANNELS, RegressionLayout, RunTimeSample, ShaftLayout, Signal};
 
+use super::identifiers::identifiers;
 use crate::Error;
 use crate::identify::Structure;
-use crate::trace::{Channels, MotionTrace, Trace};
+use crate::trace::{Channels, MotionTrace, ShaftChannels, Trace};
 
 /// Largest number of bearing orders.
 pub const MAX_ORDERS: usize = 32;
@@ -50,6 +51,22 @@ impl Field {
     }
 }
 
+/// The column of a trace that is recorded as this field.
+#[must_use]
+pub fn column(field: Field, recorded: &Channels) -> Option<&str> {
+    let of_shaft = |pick: fn(&ShaftChannels) -> Option<&String>| recorded.shaft.as_ref().and_then(pick);
+    let name = match field {
+        Field::Y => Some(&recorded.y),
+        Field::U1 => Some(&recorded.u1),
+        Field::U2 => Some(&recorded.u2),
+        Field::Current => of_shaft(|shaft| Some(&shaft.current)),
+        Field::Velocity => of_shaft(|shaft| shaft.velocity.as_ref()),
+        Field::Load => of_shaft(|shaft| shaft.load.as_ref()),
+        Field::Further(place) => recorded.further.get(usize::from(place)),
+    };
+    name.map(String::as_str)
+}
+
 /// The channels of a model with their columns, and the signals computed from them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Wiring {
@@ -86,7 +103,7 @@ impl Wiring {
     #[must_use]
     pub fn new(columns: &Channels, structure: Structure, watched: Option<Measured>) -> Self {
         let mut wiring = Self { channels: vec![], signals: [Signal::channel(0); 3], shaft: None };
-        let rig = crate::trace::ShaftChannels::rig();
+        let rig = ShaftChannels::rig();
         let shaft = columns.shaft.as_ref().unwrap_or(&rig);
         if let Some(Measured { velocity, load }) = watched {
             let current = wiring.channel(&shaft.current, Field::Current);
@@ -158,16 +175,16 @@ impl Wiring {
             let count = self.channels.len();
             return Err(Error::Usage(format!("{count} channels are more than the {MAX_CHANNELS} of a detector")));
         }
-        let each = |(name, field): &(String, Field)| {
+        let each = |((_, field), text): (&(String, Field), String)| {
             let values = traces.clone().flat_map(|trace| field.of(trace));
             let largest = values.fold(0.0_f64, |most, x| most.max(x.abs()));
             let limit = if largest > 0.0 { (limit * largest) as f32 } else { 1.0 };
-            let text = identifier(name);
             let name = Name::new(&text).unwrap_or(Name::EMPTY);
             let unit = Name::new(unit(&text)).unwrap_or(Name::EMPTY);
             Ok(Channel { name, unit, limit, saturation: limit, stuck_samples: 0 })
         };
-        self.channels.iter().map(each).collect()
+        let names = identifiers(self.channels.iter().map(|(name, _)| name.as_str()));
+        self.channels.iter().zip(names).map(each).collect()
     }
 }
 
@@ -248,13 +265,6 @@ impl MotionTrace {
     }
 }
 
-/// The name of a column as an identifier of Rust and C, with at most 32 characters.
-fn identifier(name: &str) -> String {
-    let first = name.starts_with(|c: char| c.is_ascii_digit()).then_some('_');
-    let each = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' });
-    first.into_iter().chain(each).take(32).collect()
-}
-
 /// The unit according to the suffix of a name.
 fn unit(name: &str) -> &'static str {
     const UNITS: [(&str, &str); 13] = [
@@ -279,7 +289,6 @@ fn unit(name: &str) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trace::ShaftChannels;
 
     const ALL: Measured = Measured { velocity: true, load: true };
 

@@ -70,3 +70,15 @@ impl std::fmt::Display for Breakdown {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_in_their_order_and_before_texts() {
+        let mut values = ["b", "10", "9", "-1", "a", "9.5"];
+        values.sort_by(|one, other| in_order(one, other));
+        assert_eq!(values, ["-1", "9", "9.5", "10", "a", "b"]);
+    }
+}

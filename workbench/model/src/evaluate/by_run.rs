@@ -115,4 +115,22 @@ mod tests {
             "{text}"
         );
     }
+
+    #[test]
+    fn each_healthy_verdict_that_is_not_healthy_is_a_false_alarm() {
+        let verdict = |class: usize, decided: Option<Finding>| TraceVerdict {
+            id: String::new(),
+            class,
+            decided,
+            posteriors: vec![],
+            segments: vec![],
+        };
+        let found = [Some(Finding::Class(0)), Some(Finding::Class(1)), Some(Finding::Novel), Some(Finding::Ambiguous)];
+        let mut verdicts: Vec<TraceVerdict> = found.map(|finding| verdict(0, finding)).to_vec();
+        verdicts.extend([verdict(0, None), verdict(1, Some(Finding::Class(1)))]);
+        let runs = ["1", "1", "2", "2", "2", "2"].map(String::from);
+        let alarms = FalseAlarms::of(&verdicts, &runs, 0, false);
+        let run = |name: &str, alarms: usize| RunAlarms { name: name.into(), alarms, judged: 2 };
+        assert_eq!(alarms.runs, [run("1", 1), run("2", 2)]);
+    }
 }

@@ -272,4 +272,33 @@ mod tests {
     fn equal_values_share_their_rank() {
         assert_eq!(ranks(&[3.0, 1.0, 3.0, 0.0]), [2.5, 1.0, 2.5, 0.0]);
     }
+
+    #[test]
+    fn what_no_exchange_reaches_has_a_p_above_zero() {
+        // 1 of 184756 arrangements is as good.
+        let labels: Vec<usize> = (0..20).map(|k| k / 10).collect();
+        let p = Exchange::new(&labels, None).p_value(&labels, |own| own[..10].iter().map(|x| 1.0 - *x as f64).sum());
+        assert!(p > 0.0 && p < 4e-4, "{p}");
+    }
+
+    #[test]
+    fn a_value_for_each_run_is_not_compared() {
+        let verdict = |k: usize| TraceVerdict {
+            id: k.to_string(),
+            class: 0,
+            decided: Some(crate::core::Finding::Class(0)),
+            posteriors: vec![0.9 - 0.1 * (k / 4) as f32],
+            segments: vec![],
+        };
+        let (verdicts, classes): (Vec<_>, _) = ((0..12).map(verdict).collect(), vec!["healthy".to_string()]);
+        let runs = names(&(0..12).map(|k| k / 2).collect::<Vec<_>>());
+        let groups = Some(&runs[..]);
+        let judged =
+            Judged { verdicts: &verdicts, classes: &classes, trained: 1, healthy: Some(0), groups, per_segment: false };
+        assert_eq!(Control::of(&judged, "run", &runs).found, None);
+        // Two runs of each day: the scores are those of the days. 90 arrangements of three pairs, 6 of them the same.
+        let days = names(&(0..12).map(|k| k / 4).collect::<Vec<_>>());
+        let (explained, p) = Control::of(&judged, "day", &days).found.expect("three days");
+        assert!((explained - 1.0).abs() < 1e-12 && (p - 6.0 / 90.0).abs() < 0.012, "{explained} {p}");
+    }
 }

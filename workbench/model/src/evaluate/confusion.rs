@@ -230,4 +230,17 @@ mod tests {
             "{text}"
         );
     }
+
+    #[test]
+    fn classes_of_the_same_groups_are_right_together() {
+        let mut confusion = Confusion::of_groups(&["a".into(), "b".into()], 2);
+        for (group, class) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            // All right in the first group, none in the second one.
+            let decided = if group == 0 { class } else { 1 - class };
+            (0..4).for_each(|_| confusion.add_of_group(group, class, Some(Finding::Class(decided))));
+        }
+        // A recall is one of two groups; both recalls are the same number, so that their mean is as uncertain as one.
+        let (one, mean) = (Rate::wilson(1, 2), confusion.balanced_accuracy());
+        assert!((mean.low - one.low).abs() < 1e-12 && (mean.high - one.high).abs() < 1e-12, "{mean:?} {one:?}");
+    }
 }

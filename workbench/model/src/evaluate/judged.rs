@@ -64,3 +64,19 @@ impl Judged<'_> {
         confusion
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_untrained_class_is_right_by_anything_but_healthy() {
+        let classes = ["healthy", "spall", "wear"].map(String::from);
+        let judged =
+            Judged { verdicts: &[], classes: &classes, trained: 2, healthy: Some(0), groups: None, per_segment: false };
+        let found = [Some(Finding::Class(0)), Some(Finding::Class(1)), Some(Finding::Novel), None];
+        assert_eq!(found.map(|finding| judged.is_right(1, finding)), [false, true, false, false]);
+        assert_eq!(found.map(|finding| judged.is_right(2, finding)), [false, true, true, true]);
+        assert_eq!(judged.right(|_| true), None, "of no traces");
+    }
+}

@@ -156,4 +156,19 @@ mod tests {
         assert!((0.93..0.985).contains(&share(covered)), "{}", share(covered));
         assert!(share(naive) < 0.75, "{}", share(naive));
     }
+
+    #[test]
+    fn few_groups_have_the_design_effect_and_student_s_quantile() {
+        // p = 0.4; (1) = 4/3 · (1 + 1 + 9 + 9)/40²; D = 2.7778; t of 3 degrees 3.182446: n* = 14.4 · (1.959964/t)².
+        let rate = Rate::clustered(&[(3, 10), (5, 10), (1, 10), (7, 10)]);
+        assert!((rate.value - 0.4).abs() < 1e-12, "{rate:?}");
+        // Wilson's interval of 5.461809 decisions, by its formula in another program; seven digits of t.
+        assert!((rate.low - 0.123_794_1).abs() < 1e-6 && (rate.high - 0.758_788_9).abs() < 1e-6, "{rate:?}");
+    }
+
+    #[test]
+    fn both_sides_of_an_interval_are_widened() {
+        let Rate { value, low, high } = Rate { value: 0.5, low: 0.4, high: 0.7 }.widened(1.5);
+        assert!(value == 0.5 && (low - 0.35).abs() < 1e-12 && (high - 0.8).abs() < 1e-12, "{low} {high}");
+    }
 }

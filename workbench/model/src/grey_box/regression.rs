@@ -71,19 +71,25 @@ fn independent(scaled: &DMatrix<f64>) -> Result<(), usize> {
     (0..r.ncols()).find(|&k| r[(k, k)].abs() < DEPENDENT).map_or(Ok(()), Err)
 }
 
-/// (2); on entry `scores` is P.
+/// (2); on entry `scores` is P. Bartlett's weights are those of the sums of L + 1 scores that follow each other:
+/// Σ_|l|≤L (1 − |l|/(L+1)) Σ_t g(t) g(t−l)ᵀ = 1/(L+1) Σ_t s(t) s(t)ᵀ, s(t) = g(t) + … + g(t−L), with zeros before the
+/// first and after the last score. One pass, however long the lags.
 fn covariance(mut scores: DMatrix<f64>, residuals: &DVector<f64>, lags: usize) -> DMatrix<f64> {
     let (n, rows) = scores.shape();
     for (mut column, e) in scores.column_iter_mut().zip(residuals.iter()) {
         column *= *e;
     }
-    let mut sum = &scores * scores.transpose();
-    for lag in 1..=lags.min(rows.saturating_sub(1)) {
-        let weight = 1.0 - lag as f64 / (lags + 1) as f64;
-        let cross = scores.columns(lag, rows - lag) * scores.columns(0, rows - lag).transpose();
-        sum += (&cross + cross.transpose()) * weight;
+    let (mut sum, mut window) = (DMatrix::zeros(n, n), DVector::zeros(n));
+    for t in 0..rows + lags {
+        if t < rows {
+            window += scores.column(t);
+        }
+        if let Some(last) = t.checked_sub(lags + 1) {
+            window -= scores.column(last);
+        }
+        sum.ger(1.0, &window, &window, 1.0);
     }
-    sum * (rows as f64 / (rows - n) as f64)
+    sum * (rows as f64 / ((rows - n) as f64 * (lags + 1) as f64))
 }
 
 #[cfg(test)]
@@ -108,6 +114,24 @@ mod tests {
     fn a_dependent_column_is_named() {
         let x = DMatrix::from_fn(20, 3, |t, k| if k == 2 { 2.0 * t as f64 } else { (t as f64).powi(1 - k as i32) });
         assert_eq!(solve(&x, &x, &DVector::zeros(20), 0).expect_err("columns 0 and 2 agree"), 2);
+    }
+
+    #[test]
+    fn the_covariance_is_the_weighted_sum_over_lags() {
+        let influence = DMatrix::from_fn(2, 9, |k, t| ((3 * t + 5 * k) as f64).sin());
+        let residuals = DVector::from_fn(9, |t, _| 1.0 + (t as f64).cos());
+        let g = |t: i64| usize::try_from(t).ok().filter(|t| *t < 9).map(|t| influence.column(t) * residuals[t]);
+        for lags in [0, 1, 4, 8, 20] {
+            let mut expected = DMatrix::zeros(2, 2);
+            for (l, t) in (-lags..=lags).flat_map(|l| (0..9).map(move |t| (l, t))) {
+                if let (Some(now), Some(then)) = (g(t), g(t - l)) {
+                    expected += now * then.transpose() * (1.0 - l.abs() as f64 / (lags + 1) as f64);
+                }
+            }
+            expected *= 9.0 / 7.0;
+            let found = covariance(influence.clone(), &residuals, lags as usize);
+            assert!((&found - &expected).norm() < 1e-13 * expected.norm(), "{lags}: {found} {expected}"); // rounding
+        }
     }
 
     #[test]

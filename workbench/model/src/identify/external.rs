@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::filters::regressors;
 use super::iv::{coloured_cofactor, lost};
-use super::refused::first_row;
+use super::refused::complete_row;
 use super::result::{Finding, Noise};
 use super::{Estimate, Structure};
 use crate::Error;
@@ -31,7 +31,11 @@ const DEPENDENT: f64 = 1e-11;
 /// Fewer rows than parameters; a command that does not determine the parameters.
 pub fn external_instruments(trace: &Trace, structure: Structure, command: &[f64]) -> Result<Estimate, Error> {
     let lags = usize::from(structure.na) + usize::from(structure.nb) + FURTHER_LAGS;
-    let t0 = first_row(structure, trace)?;
+    let t0 = complete_row(structure, trace)?;
+    if let Some(place) = command.iter().position(|x| !x.is_finite()) {
+        let problem = format!("the command misses sample {place}; cut the recording there, or resample it");
+        return Err(Error::trace(&trace.id, problem));
+    }
     let own = usize::from(structure.na) + usize::from(structure.nb);
     let x = regressors(structure, t0, &trace.y, &trace.u1, &trace.u2);
     let rows = x.nrows();

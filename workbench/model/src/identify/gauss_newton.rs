@@ -169,4 +169,20 @@ mod tests {
         assert!(found.cofactor[(0, 0)].is_infinite());
         assert!(minimise(&Decay(DVector::zeros(3)), DVector::from_column_slice(&[1.0, -1.0])).is_none());
     }
+
+    /// ε = atan θ, of which an undamped step from 3 ends at −9.5 and the next one beyond 100.
+    struct Arctangent;
+
+    impl Model for Arctangent {
+        fn linearise(&self, theta: &DVector<f64>) -> Option<(DVector<f64>, DMatrix<f64>)> {
+            let jacobian = DMatrix::from_column_slice(2, 1, &[-1.0 / (1.0 + theta[0] * theta[0]), 0.0]);
+            Some((DVector::from_column_slice(&[theta[0].atan(), 0.0]), jacobian))
+        }
+    }
+
+    #[test]
+    fn a_step_that_makes_the_error_larger_is_damped() {
+        let found = minimise(&Arctangent, DVector::from_element(1, 3.0)).expect("allowed start");
+        assert!(found.converged && found.theta[0].abs() < 1e-6, "{} {}", found.theta, found.iterations);
+    }
 }

@@ -162,3 +162,41 @@ fn stage(
     let theta = system.theta().ok_or(Failure::Undetermined(n - 1))?;
     Ok((system, theta))
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+
+    use super::*;
+    use crate::identify::result::tests::trace;
+    use crate::identify::simulate::simulate;
+
+    /// (ZᵀX) θ = Zᵀ y of rows 1 …, with the lags of y, u1, u2, and of z in place of y in Z.
+    fn by_normal_equations(z: &[f64], [y, u1, u2]: &[Vec<f64>; 3]) -> DVector<f64> {
+        let columns = |first: &[f64]| {
+            let signals = [first, u1, u2];
+            DMatrix::from_fn(y.len() - 1, 3, |row, k| if k == 0 { -signals[k][row] } else { signals[k][row] })
+        };
+        let (z, x) = (columns(z), columns(y));
+        let right = z.tr_mul(&DVector::from_column_slice(&y[1..]));
+        z.tr_mul(&x).lu().solve(&right).expect("regular")
+    }
+
+    #[test]
+    fn the_four_stages_are_those_of_normal_equations() {
+        let (trace, structure) = (trace(400, 0.0), Structure::new(1, 1, 1, 1, 1));
+        let found = iv4(&trace, structure).expect("excited");
+        let Noise::Autoregressive(shaping) = &found.noise else { panic!("{:?}", found.noise) };
+        let filtered = |x: &[f64]| -> Vec<f64> {
+            let sum = |t: usize| shaping.iter().zip(x[..=t].iter().rev()).map(|(l, x)| l * x).sum();
+            (0..x.len()).map(sum).collect()
+        };
+        let simulated = |theta: &DVector<f64>| simulate(&trace, structure, theta.as_slice());
+        let measured = [trace.y.clone(), trace.u1.clone(), trace.u2.clone()];
+        let first = by_normal_equations(&trace.y, &measured);
+        let second = by_normal_equations(&simulated(&first), &measured);
+        let last = by_normal_equations(&filtered(&simulated(&second)), &measured.each_ref().map(|x| filtered(x)));
+        // Rounding, squared by the normal equations.
+        assert!((&found.theta - &last).amax() < 1e-10, "{} {last}", found.theta);
+    }
+}

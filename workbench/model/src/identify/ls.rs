@@ -9,20 +9,22 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::kernel::sums::dot;
-use super::kernel::triangle::Triangle;
-use super::refused::{first_row, unexcited};
+use super::factor::{Dependent, Factor};
+use super::refused::{complete_row, first_row, unexcited};
 use super::regression::{Signals, constant, subtract};
 use super::result::{Finding, Noise};
-use super::{Estimate, Structure};
+use super::{Estimate, Structure, held, incomplete};
 use crate::Error;
 use crate::trace::Trace;
 
-/// Minimises Σ e² over rows t₀ … N−1.
+/// Minimises Σ e² over rows t₀ … N−1, without those that a missing sample is in.
 ///
 /// # Errors
 /// Fewer rows than parameters, or columns that the signals do not excite.
 pub fn least_squares(trace: &Trace, structure: Structure) -> Result<Estimate, Error> {
+    if !held::is_complete(trace) {
+        return incomplete::least_squares(trace, structure, first_row(structure, trace)?);
+    }
     let constant = constant(structure, 1.0, trace.y.len());
     let signals = Signals::of(trace, &constant);
     let factor = factor(trace, structure, &signals)?;
@@ -42,7 +44,7 @@ pub(super) fn parameters(trace: &Trace, structure: Structure) -> Result<DVector<
 }
 
 fn factor(trace: &Trace, structure: Structure, signals: &Signals) -> Result<Factor, Error> {
-    let t0 = first_row(structure, trace)?;
+    let t0 = complete_row(structure, trace)?;
     let factor = Factor::new(signals.columns(structure), structure.na.into(), &trace.y[t0..]);
     factor.map_err(|Dependent { column, partners }| unexcited(structure, trace, column, &partners))
 }
@@ -68,57 +70,6 @@ pub(super) fn solve(x: &DMatrix<f64>, target: &DVector<f64>) -> Option<Solution>
 /// The columns of a matrix.
 pub(super) fn columns(x: &DMatrix<f64>) -> Vec<&[f64]> {
     x.as_slice().chunks_exact(x.nrows().max(1)).collect()
-}
-
-/// A factored regression.
-struct Factor {
-    triangle: Triangle,
-    negative: usize,
-    theta: DVector<f64>,
-}
-
-/// The first linearly dependent column, and the earlier columns of which it is a combination.
-struct Dependent {
-    column: usize,
-    partners: Vec<usize>,
-}
-
-impl Factor {
-    /// Factors the columns together with the target; the first `negative` columns have − sign in the model.
-    fn new<'a>(mut columns: Vec<&'a [f64]>, negative: usize, target: &'a [f64]) -> Result<Self, Dependent> {
-        let n = columns.len();
-        columns.push(target);
-        let mut triangle = Triangle::new(n, n + 1);
-        triangle.absorb_columns(&columns, &mut Vec::new());
-        if let Some(column) = triangle.dependent() {
-            return Err(Dependent { column, partners: partners(&triangle, column) });
-        }
-        let mut theta = DVector::from_column_slice(triangle.column(n));
-        triangle.substitute(theta.as_mut_slice());
-        theta.iter_mut().take(negative).for_each(|a| *a = -*a);
-        Ok(Self { triangle, negative, theta })
-    }
-
-    /// (XᵀX)⁻¹.
-    fn cofactor(&self) -> DMatrix<f64> {
-        let n = self.theta.len();
-        let mut inverse = DMatrix::identity(n, n);
-        for k in 0..n {
-            self.triangle.substitute(&mut inverse.as_mut_slice()[k * n..][..=k]);
-        }
-        inverse.rows_mut(0, self.negative).neg_mut();
-        &inverse * inverse.transpose()
-    }
-}
-
-/// The earlier columns of which a dependent column is a linear combination.
-fn partners(triangle: &Triangle, dependent: usize) -> Vec<usize> {
-    let norm = |k: usize| dot(&triangle.column(k)[..=k], &triangle.column(k)[..=k]).sqrt();
-    let mut shares = triangle.column(dependent)[..dependent].to_vec();
-    triangle.substitute(&mut shares);
-    // Rounding errors, amplified by near-dependence among the earlier columns, stay below this limit.
-    let least = 1e-6 * norm(dependent);
-    (0..dependent).filter(|&k| (shares[k] * norm(k)).abs() > least).collect()
 }
 
 /// The cofactor of parameters that the data do not determine: infinite.

@@ -1,13 +1,18 @@
 //! Batch identification of `A(q) y = B(q) u1 + C(q) u2 [+ constant] + e` in double precision.
 //!
 //! Parameters are ordered a₁…, b₁…, c₁…, constant; the terms of `a` have + sign on the left side (thesis Eq. 2.4). Sums
-//! start at t₀ = [`Structure::depth`], the first sample with a complete regressor.
+//! start at t₀ = [`Structure::depth`], the first sample with a complete regressor. A missing sample is NaN: least
+//! squares leave out the rows that it is in, and the other methods, which filter or simulate the signals, refuse the
+//! trace.
 
 mod armax;
 mod autoregression;
 mod external;
+mod factor;
 pub(crate) mod filters;
 mod gauss_newton;
+mod held;
+mod incomplete;
 mod instruments;
 mod iv;
 pub(crate) mod iv4;
@@ -82,8 +87,8 @@ impl Default for Options {
 /// Estimates one trace with default [`Options`].
 ///
 /// # Errors
-/// Fewer rows than parameters, or columns that the signals do not excite. An iteration that does not converge is not an
-/// error: see [`Convergence`].
+/// Fewer rows than parameters, columns that the signals do not excite, or missing samples. An iteration that does not
+/// converge is not an error: see [`Convergence`].
 pub fn estimate(trace: &Trace, structure: Structure, method: Method) -> Result<Estimate, Error> {
     estimate_with(trace, structure, method, Options::default())
 }
@@ -93,6 +98,9 @@ pub fn estimate(trace: &Trace, structure: Structure, method: Method) -> Result<E
 /// # Errors
 /// The errors of [`estimate`], and a missing command.
 pub fn estimate_with(trace: &Trace, structure: Structure, method: Method, options: Options) -> Result<Estimate, Error> {
+    if method != Method::Ls {
+        refused::complete_row(structure, trace)?;
+    }
     match method {
         Method::Ls => least_squares(trace, structure),
         Method::Iv => instrumental_variables(trace, structure, options.passes),

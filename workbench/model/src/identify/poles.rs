@@ -134,4 +134,10 @@ mod tests {
         assert!(!surely_stable(&[-1.6, 0.55]));
         assert!(!surely_stable(&[-1.5, 0.5]), "on the circle the eigenvalues decide");
     }
+
+    #[test]
+    fn a_model_that_grows_slowly_is_not_stable() {
+        // Poles 1.005; 1; 1 twice, whose computed position is off by 1e-8.
+        assert!(!stable(&[1.0, -1.005]) && stable(&[1.0, -1.0]) && stable(&[1.0, -2.0, 1.0]));
+    }
 }

@@ -6,6 +6,21 @@ use super::terms::Terms;
 use crate::Error;
 use crate::trace::Trace;
 
+/// Returns the first row t₀ of a record without missing samples.
+pub(super) fn complete_row(structure: Structure, trace: &Trace) -> Result<usize, Error> {
+    for (name, signal) in [("y", &trace.y), ("u1", &trace.u1), ("u2", &trace.u2)] {
+        if let Some(first) = signal.iter().position(|x| !x.is_finite()) {
+            let (count, all) = (signal.iter().filter(|x| !x.is_finite()).count(), signal.len());
+            let problem = format!(
+                "{name} misses {count} of {all} samples, the first is {first}; only --method ls without --robust leaves \
+                 out the rows that miss one; otherwise cut the recording there, or resample it"
+            );
+            return Err(Error::trace(&trace.id, problem));
+        }
+    }
+    first_row(structure, trace)
+}
+
 /// Returns the first usable row t₀ of a record.
 pub(super) fn first_row(structure: Structure, trace: &Trace) -> Result<usize, Error> {
     let (t0, n, samples) = (structure.depth(), structure.parameters(), trace.y.len());
@@ -17,7 +32,9 @@ pub(super) fn first_row(structure: Structure, trace: &Trace) -> Result<usize, Er
             format!("{samples} samples for {n} parameters from sample {t0} on; record more or reduce the order");
         return Err(Error::trace(&trace.id, problem));
     }
-    if trace.y.iter().all(|y| *y == trace.y[0]) {
+    let mut measured = trace.y.iter().filter(|y| y.is_finite());
+    let first = measured.next();
+    if measured.all(|y| Some(y) == first) {
         return Err(Error::trace(&trace.id, "the output is constant: there is nothing to model; check --y"));
     }
     Ok(t0)

@@ -157,7 +157,10 @@ impl Estimate {
     /// detects it.
     #[must_use]
     pub fn undetermined(&self, trace: &Trace) -> Vec<String> {
-        let rms = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64).sqrt();
+        let rms = |x: &[f64]| {
+            let measured = || x.iter().filter(|x| x.is_finite());
+            (measured().map(|x| x * x).sum::<f64>() / measured().count().max(1) as f64).sqrt()
+        };
         let Structure { na, nb, nc, .. } = self.structure;
         let signals = [(&trace.y, na), (&trace.u1, nb), (&trace.u2, nc)];
         let sizes = signals.into_iter().flat_map(|(x, terms)| std::iter::repeat_n(rms(x), terms as usize)).chain([1.0]);
@@ -177,4 +180,73 @@ impl Estimate {
 pub(super) fn negligible(step: &DVector<f64>, deviations: &DVector<f64>, theta: &DVector<f64>) -> bool {
     let rounding = 1e-11 * theta.norm();
     step.iter().zip(deviations).all(|(step, deviation)| step.abs() <= 1e-7 * deviation + rounding)
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use rand::SeedableRng as _;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution as _, StandardNormal};
+
+    use super::*;
+    use crate::identify::{Method, Options, estimate_with};
+
+    /// y = 0.8 y(t−1) + 0.5 u1(t−1) + 0.3 u2(t−1) + constant + noise with a pole at 0.7.
+    pub(in crate::identify) fn trace(rows: usize, constant: f64) -> Trace {
+        let mut rng = ChaCha8Rng::seed_from_u64(5);
+        let mut draw = || -> f64 { StandardNormal.sample(&mut rng) };
+        let (u1, u2): (Vec<f64>, Vec<f64>) = (0..rows).map(|_| (draw(), draw())).unzip();
+        let (mut y, mut noise) = (vec![0.0], 0.0);
+        for t in 1..rows {
+            noise = 0.7 * noise + 0.1 * draw();
+            y.push(0.8 * y[t - 1] + 0.5 * u1[t - 1] + 0.3 * u2[t - 1] + constant + noise);
+        }
+        Trace { id: "simulated".into(), y, u1, u2, ..Trace::default() }
+    }
+
+    #[test]
+    fn each_parameter_costs_a_degree_of_freedom() {
+        let (trace, structure) = (trace(40, 0.0), Structure::new(1, 1, 1, 1, 1));
+        for (method, noise_terms) in [(Method::Ls, 0), (Method::Iv, 0), (Method::Armax, 2)] {
+            let options = Options { noise_order: Some(2), ..Options::default() };
+            let found = estimate_with(&trace, structure, method, options).expect("excited");
+            let squares: f64 = found.residuals.iter().map(|e| e * e).sum();
+            let expected = squares / (found.rows - 3 - noise_terms) as f64;
+            assert!((found.variance / expected - 1.0).abs() < 1e-12, "{method:?}: {} {expected}", found.variance);
+        }
+    }
+
+    #[test]
+    fn iv4_finds_the_constant_under_coloured_noise() {
+        let structure = Structure { offset: true, ..Structure::new(1, 1, 1, 1, 1) };
+        let found = estimate_with(&trace(4000, 2.0), structure, Method::Iv4, Options::default()).expect("excited");
+        let (constant, deviation) = (found.theta[3], found.deviations()[3]);
+        // Four standard deviations.
+        assert!(deviation < 0.1 && (constant - 2.0).abs() < 4.0 * deviation, "{constant} {deviation}");
+    }
+
+    #[test]
+    fn parameters_that_change_the_output_by_more_than_it_varies_are_named() {
+        let signal = |size: f64| vec![size, -size, size, -size];
+        let trace = Trace { y: signal(1.0), u1: signal(2.0), u2: signal(0.5), ..Trace::default() };
+        let structure = Structure::new(1, 1, 1, 1, 1);
+        let named = |deviations: [f64; 3]| {
+            let covariance = DMatrix::from_diagonal(&DVector::from_column_slice(&deviations.map(|sd| sd * sd)));
+            Estimate::given(structure, DVector::zeros(3), covariance).undetermined(&trace)
+        };
+        // sd times size, above and below 1.
+        assert_eq!(named([1.1, 0.6, 2.2]), ["a1", "b1", "c1"]);
+        assert_eq!(named([0.9, 0.4, 1.8]), Vec::<String>::new());
+    }
+
+    #[test]
+    fn a_step_of_half_a_deviation_is_not_negligible() {
+        let vector = |x: f64| DVector::from_element(1, x);
+        assert!(!negligible(&vector(0.5), &vector(1.0), &vector(1.0)));
+        assert!(
+            negligible(&vector(1e-8), &vector(1.0), &vector(1.0))
+                && !negligible(&vector(1e-8), &vector(0.0), &vector(1.0))
+        );
+        assert!(negligible(&vector(1e-13), &vector(0.0), &vector(1.0)), "rounding");
+    }
 }

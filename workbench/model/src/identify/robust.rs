@@ -12,16 +12,16 @@ use nalgebra::DVector;
 use super::Estimate;
 use super::filters::regressors;
 use super::iv::coloured_cofactor;
-use super::refused::first_row;
+use super::refused::complete_row;
 use crate::Error;
 use crate::trace::Trace;
 
 /// Replaces the covariance of an estimate by least squares.
 ///
 /// # Errors
-/// Too few rows for a model of the residuals.
+/// Too few rows for a model of the residuals, or missing samples.
 pub fn robust(trace: &Trace, estimate: Estimate) -> Result<Estimate, Error> {
-    let t0 = first_row(estimate.structure, trace)?;
+    let t0 = complete_row(estimate.structure, trace)?;
     let x = regressors(estimate.structure, t0, &trace.y, &trace.u1, &trace.u2);
     let residuals = DVector::from_column_slice(&estimate.residuals);
     let cofactor = coloured_cofactor(&x, x.clone(), &residuals).ok_or_else(|| {

@@ -1,16 +1,19 @@
 //! Free-run simulation and its fit.
 
-use super::Structure;
 use super::kernel::free_run::FreeRun;
 use super::kernel::sums::{distance, spread};
+use super::{Structure, held};
 use crate::trace::Trace;
 
 /// Output of the model from the inputs alone; unstable poles are reflected into the unit circle. Starts from zero. If a
 /// constant term is estimated, zero is not an operating point; the simulation then starts from the first t₀ measured
-/// outputs.
+/// outputs. Where a sample is missing, the last one goes on.
 #[must_use]
 pub fn simulate(trace: &Trace, structure: Structure, theta: &[f64]) -> Vec<f64> {
     let mut output = Vec::new();
+    if !held::is_complete(trace) {
+        return simulate(&held::held(trace), structure, theta);
+    }
     FreeRun::new(structure, theta).simulate(trace, &mut output);
     output
 }

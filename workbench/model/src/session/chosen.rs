@@ -12,7 +12,9 @@ fn lines(trained: &Trained, settings: &Settings) -> Vec<String> {
     let recipe = &trained.recipe;
     let class = |place: usize| trained.classes.get(place).map_or("", String::as_str);
     let why = |given: bool, otherwise: &'static str| if given { "as given" } else { otherwise };
-    let segments = why(settings.model.segment.is_some(), "the longest training trace");
+    let parts = recipe.estimation.segment.is_some();
+    let usual = if parts { "equal parts of the longest training trace" } else { "the longest training trace" };
+    let segments = why(settings.model.segment.is_some(), usual);
     let mut lines = vec![format!("segments: {} samples, {segments}", trained.segment_samples)];
     lines.push(match recipe.alarms.healthy {
         Some(place) if trained.classes.len() == 1 => format!("healthy class: {}, the only one", class(place)),

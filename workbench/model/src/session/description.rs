@@ -5,6 +5,7 @@ use bearing_watch::plan::Method;
 use serde_json::{Value, json};
 
 use crate::trace::{Channels, Preparation, ShaftChannels};
+use crate::train::label;
 use crate::train::novelty::runs::{RunSpread, Slope};
 use crate::train::novelty::{Gate, baseline};
 use crate::train::{
@@ -92,7 +93,8 @@ pub fn doubts(trained: &Trained) -> Vec<String> {
     let own = trained.left_out.summary().into_iter().chain(trained.watch.warning.clone());
     let doubted = trained.doubted.iter().flat_map(Doubted::lines);
     let dependence = trained.dependence.iter().map(Dependence::line);
-    own.chain(dependence).chain(doubted).chain(rotor_warnings(trained)).collect()
+    let cut = label::cut(&trained.classes);
+    own.chain(dependence).chain(doubted).chain(rotor_warnings(trained)).chain(cut).collect()
 }
 
 /// Warns if the host prepares what the detector cannot.

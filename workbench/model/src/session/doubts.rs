@@ -3,14 +3,20 @@
 use crate::Error;
 use crate::trace::Trace;
 
-/// Returns an error if the front end refused samples within a trace: batch methods need all of them.
+/// Returns an error if samples of a trace are missing: batch methods that filter or simulate signals need all of them.
 ///
 /// # Errors
-/// It did.
+/// Some are.
 pub fn refuse_gaps(trace: &Trace) -> Result<(), Error> {
-    trace.refused.map_or(Ok(()), |refused| {
-        Err(Error::trace(&trace.id, format!("{refused}; record it again, or cut the recording around them")))
-    })
+    let wrong = |problem: String| Err(Error::trace(&trace.id, problem));
+    match (&trace.refused, trace.missing.is_within()) {
+        (Some(refused), _) => wrong(format!("{refused}; record it again, or cut the recording around them")),
+        (None, true) => wrong(format!(
+            "{}; this method needs every sample: cut the recording there, or resample it to a constant rate",
+            trace.missing.words()
+        )),
+        (None, false) => Ok(()),
+    }
 }
 
 /// Warns of traces of which the front end refused samples; the detector counts them and goes on.

@@ -1,5 +1,6 @@
 //! The evaluation of a model on labelled traces.
 
+use super::contents::seen;
 use super::doubts::{irregular, refused};
 use super::found::{Findings, stabilities, untrained};
 use super::given::Given;
@@ -10,9 +11,10 @@ use super::selection::{Groups, Selection};
 use crate::Error;
 use crate::evaluate::{Breakdown, Chance, Confusion, Control, FalseAlarms, Judged, TraceVerdict};
 use crate::settings::Settings;
+use crate::trace::Tally;
 use crate::trace::labels::LabelledTrace;
-use crate::trace::stem;
 use crate::train::Scores;
+use crate::train::label::label;
 
 /// What is counted.
 #[derive(Clone, Copy, Debug, Default, serde::Deserialize)]
@@ -53,6 +55,8 @@ pub struct Evaluation {
     seen: usize,
     /// Number of segments with a covariate out of its range.
     outside: usize,
+    /// What is missing in the recordings.
+    missing: Tally,
 }
 
 impl<'a> Judging<'a> {
@@ -78,10 +82,8 @@ impl<'a> Judging<'a> {
         let (classes, traces) = self.traces()?;
         let groups = self.selection.groups(&self.settings.validation, &traces)?;
         groups.refuse_known(&notes.units)?;
-        let seen = traces.iter().filter(|t| notes.trained_on.iter().any(|id| id == stem(&t.trace.id))).count();
-        if seen > 0 {
-            log.warn([format!("{seen} of {} traces were trained on: the rates flatter the model", traces.len())]);
-        }
+        let (seen, words) = seen(&traces, (&notes.trained_on, &notes.contents));
+        log.warn(words);
         log.warn(irregular(traces.iter().map(|t| &t.trace)));
         log.warn(refused(traces.iter().map(|t| &t.trace)));
         let verdicts = judge(model, &traces, notes.preparation(), log)?;
@@ -100,7 +102,19 @@ impl<'a> Judging<'a> {
         let scores = Scores::of_verdicts(&verdicts, &model.priors(), self.options.per_segment);
         let by = &self.settings.validation;
         let column = by.unit.as_ref().or(by.group.as_ref()).cloned();
-        Ok(Evaluation { classes, verdicts, runs: groups.runs, confusion, scores, found, column, seen, outside })
+        let missing = traces.iter().map(|own| &own.trace).collect();
+        Ok(Evaluation {
+            classes,
+            verdicts,
+            runs: groups.runs,
+            confusion,
+            scores,
+            found,
+            column,
+            seen,
+            outside,
+            missing,
+        })
     }
 
     /// The classes, trained ones first, and the traces; untrained classes follow, since a gate can still distinguish
@@ -110,7 +124,10 @@ impl<'a> Judging<'a> {
         let (names, mut traces) = self.selection.rows(&self.settings.validation.test_where)?;
         let mut classes = model.classes.clone();
         for labelled in &mut traces {
-            let name = &names[labelled.class];
+            let long = &names[labelled.class];
+            // A class that the model does not have keeps its whole name.
+            let cut = label(long).into_owned();
+            let name = if model.classes.contains(&cut) { &cut } else { long };
             if !classes.contains(name) {
                 if model.healthy().is_none() {
                     let known = model.classes.join(", ");
@@ -175,9 +192,16 @@ impl Evaluation {
         let mut value = self.confusion.to_json();
         value["trained_on"] = self.seen.into();
         value["covariates_out_of_range"] = self.outside.into();
+        value["missing_samples"] = self.missing.sum().to_json();
         self.found.add_to(&mut value);
         self.scores.add_to(&mut value);
         value
+    }
+
+    /// What is missing in the recordings as a line, if anything is.
+    #[must_use]
+    pub fn told_missing(&self) -> Option<String> {
+        self.missing.line()
     }
 
     /// As lines.
@@ -189,6 +213,7 @@ impl Evaluation {
             lines.push(format!("{}\n{}", self.confusion, self.scores.summary()));
             lines.extend(self.column.as_ref().map(|column| format!("intervals count values of {column}")));
         }
+        lines.extend(self.told_missing());
         lines.extend(self.found.lines());
         lines
     }

@@ -73,7 +73,10 @@ pub(super) fn text(trained: &Trained, orders: Option<&Orders>) -> Option<String>
     });
     let orders = orders.map(|own| {
         // The smallest amplitude that a record shows in most cases.
-        let smallest = |(name, deviation): &(String, f64)| format!("{name} {:.3}", 3.0 * deviation);
+        let smallest = |(name, deviation): &(String, f64)| match deviation.is_finite() {
+            true => format!("{name} {:.3}", 3.0 * deviation),
+            false => format!("{name} not known (no healthy record has its amplitude)"),
+        };
         let smallest: Vec<String> = own.deviations.iter().map(smallest).collect();
         format!(
             "A record has {:.0} turns, and phases are compared over {:.0}: orders closer than {:.3} cannot be told \

@@ -8,6 +8,7 @@
 //! ```
 
 mod chosen;
+mod contents;
 pub mod description;
 mod doubts;
 mod evaluation;

@@ -37,6 +37,9 @@ pub struct Notes {
     pub features: Vec<String>,
     /// Ids of the training traces, used to warn if the model is evaluated on them.
     pub trained_on: Vec<String>,
+    /// Numbers of their contents, by which they are known under any name.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub contents: Vec<u32>,
     /// The units (drives) of the training traces, if they were given.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub units: Vec<String>,
@@ -71,8 +74,15 @@ impl Notes {
             orders: trained.recipe.catalogue().orders.unwrap_or_default(),
             features: trained.feature_names.clone(),
             trained_on,
+            contents: vec![],
             units,
         }
+    }
+
+    /// The same with the contents of the training traces.
+    #[must_use]
+    pub fn with_contents(self, contents: Vec<u32>) -> Self {
+        Self { contents, ..self }
     }
 
     /// The columns that the model reads.

@@ -7,6 +7,7 @@ use super::selection::Groups;
 use super::sources::rust_source;
 use crate::Error;
 use crate::evaluate::{self, TraceVerdict};
+use crate::trace::Tally;
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Channels, Preparation};
 use crate::train::Trained;
@@ -58,6 +59,12 @@ impl Training {
     /// A model that the core does not accept.
     pub fn c_header(&self) -> Result<String, Error> {
         c_header(&self.trained.to_core()?, &self.description, Some(&self.channels))
+    }
+
+    /// What is missing in the recordings of training.
+    #[must_use]
+    pub fn missing(&self) -> Tally {
+        self.training.iter().map(|own| &own.trace).collect()
     }
 
     /// What is uncertain about the model.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use bearing_watch::model::MAX_BLOCK_MEAN;
 
 use super::chosen;
+use super::contents::content;
 use super::description;
 use super::doubts::{irregular, refused};
 use super::evidence::Orders;
@@ -84,6 +85,7 @@ impl Session {
         let ids = training.iter().map(|t| stem(&t.trace.id).to_string()).collect();
         let units = &trained.recipe.validation.units;
         let notes = Notes::new(&channels, host, &trained, (ids, units), self.drive.clone());
+        let notes = notes.with_contents(training.iter().map(|t| content(&t.trace)).collect());
         let bytes = trained.to_bytes(&notes.to_text())?;
         Ok(Training { trained, bytes, channels, training, prepared, description, host, orders, held_out })
     }

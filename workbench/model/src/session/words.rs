@@ -26,6 +26,7 @@ pub fn to_json(own: &Training, found: &Found) -> Map<String, Value> {
         "classes": trained.classes,
         "training_traces": own.counts(),
         "left_out": trained.left_out.count,
+        "missing_samples": own.missing().sum().to_json(),
         "features": trained.feature_names,
         "automatic": trained.automatic.as_ref().map(Automatic::to_json),
         "method": method_word(trained.recipe.estimation.method),
@@ -56,6 +57,7 @@ pub fn lines(own: &Training, found: &Found, place: &str) -> Vec<String> {
     let traces: Vec<String> = traces.collect();
     let mut lines =
         vec![format!("trained on {} traces; features {}", traces.join(", "), trained.feature_names.join(", "))];
+    lines.extend(own.missing().line());
     lines.extend(trained.automatic.iter().flat_map(Automatic::lines));
     lines.extend(description::built(trained, own.bytes.len(), place));
     lines.extend(trained.explained.iter().flat_map(Explained::lines));

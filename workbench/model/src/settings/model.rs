@@ -30,7 +30,8 @@ pub struct Model {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "CLASS")))]
     pub nominal: Option<String>,
-    /// Samples per segment (after averaging and decimation); the longest training trace if not given
+    /// Samples per segment (after averaging and decimation); if not given the longest training trace, or equal parts
+    /// of it of at least 10 s, 100 turns and 10 000 samples
     #[serde(skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "N")))]
     pub segment: Option<usize>,

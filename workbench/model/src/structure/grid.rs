@@ -97,7 +97,11 @@ pub(super) fn check(train: &[Trace], validate: &[Trace], structures: &[Structure
                 }
                 // Without an early exit the loop is limited only by memory bandwidth.
                 if !signal.iter().fold(true, |all, x| all & x.is_finite()) {
-                    return Err(Error::trace(&trace.id, format!("{name} has values that are not finite")));
+                    let problem = format!(
+                        "{name} has missing samples; cut the recording there or resample it, since all structures share \
+                         their rows"
+                    );
+                    return Err(Error::trace(&trace.id, problem));
                 }
             }
         }

@@ -1,20 +1,26 @@
 //! Recorded or simulated signals in memory: traces, their channels, labels and preparation.
 
 pub mod front_end;
+mod gaps;
 pub mod half_band;
 pub mod labels;
 pub mod low_pass;
 mod median;
 mod minimax;
+mod missing;
 mod names;
 pub mod prepare;
 mod record;
 mod recorded;
+pub mod tally;
 
 pub use front_end::FrontEndFile;
+pub use gaps::{BREAK, Gap, LONGEST_GAP, gaps};
 pub use labels::{Condition, Labels};
 pub use median::median;
+pub use missing::Missing;
 pub use names::{extensions, is_known, stem};
 pub use prepare::Preparation;
 pub use record::{Channels, MotionTrace, ShaftChannels, Trace, bridged, same_interval};
 pub use recorded::{Cells, Recorded};
+pub use tally::Tally;

@@ -31,10 +31,10 @@ impl Preparation {
         }
     }
 
-    /// Prepares a trace.
+    /// Prepares a trace. A prepared sample is missing if one of the samples is that it is made of.
     ///
     /// # Errors
-    /// A factor of zero, or a trace that is too short for one prepared sample.
+    /// A factor of zero, or a trace that is too short, or lacks too much, for one prepared sample.
     pub fn apply(&self, trace: &Trace) -> Result<Trace, Error> {
         let factor = self.factor()?;
         if self.decimate > 1 && trace.motion.is_some() {
@@ -47,16 +47,26 @@ impl Preparation {
             return Err(Error::trace(&trace.id, problem));
         }
         let prepare = |x: &[f64]| decimate(&block_mean(x, self.block_mean), self.decimate);
+        let y = prepare(&trace.y);
+        if y.iter().all(|x| x.is_nan()) && trace.y.iter().any(|x| x.is_finite()) {
+            let problem = format!(
+                "no sample is left by --block-mean and --decimate: each is made of samples of which some are missing ({}); \
+                 use --block-mean alone, a lower factor, or resample the recording",
+                trace.missing.words()
+            );
+            return Err(Error::trace(&trace.id, problem));
+        }
         Ok(Trace {
             id: trace.id.clone(),
             interval_s: trace.interval_s.map(|step| step * factor as f64),
             irregular_steps: trace.irregular_steps,
-            y: prepare(&trace.y),
+            y,
             u1: prepare(&trace.u1),
             u2: prepare(&trace.u2),
             motion: if factor == 1 { trace.motion.clone() } else { None },
             further: trace.further.iter().map(|x| prepare(x)).collect(),
             refused: trace.refused,
+            missing: trace.missing,
         })
     }
 }

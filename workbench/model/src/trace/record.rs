@@ -1,5 +1,6 @@
 //! A record of signals, and the names of its columns.
 
+use crate::trace::Missing;
 use crate::trace::front_end::{FrontEndFile, Refused};
 
 /// Signals of the shaft; each column is as long as the trace.
@@ -60,6 +61,8 @@ pub struct Trace {
     pub further: Vec<Vec<f64>>,
     /// What the front end refused, if anything; these samples are NaN.
     pub refused: Option<Refused>,
+    /// What is missing in the recording; these samples are NaN.
+    pub missing: Missing,
 }
 
 /// The columns of the three signals: a column's name, or a formula of columns such as `a-b`, `0.5*(a + b)`,
@@ -133,11 +136,35 @@ impl Channels {
     /// All names, columns and differences.
     #[must_use]
     pub fn names(&self) -> Vec<&str> {
-        let shaft = self.shaft.iter().flat_map(|shaft| {
+        [&self.y, &self.u1, &self.u2]
+            .into_iter()
+            .map(String::as_str)
+            .chain(self.of_shaft())
+            .chain(self.others())
+            .collect()
+    }
+
+    /// The same in the order in which a reader takes them: y, u1, u2, the further ones, then those of the shaft.
+    #[must_use]
+    pub fn in_order(&self) -> Vec<&str> {
+        [&self.y, &self.u1, &self.u2]
+            .into_iter()
+            .map(String::as_str)
+            .chain(self.others())
+            .chain(self.of_shaft())
+            .collect()
+    }
+
+    fn others(&self) -> impl Iterator<Item = &str> {
+        self.further.iter().map(String::as_str)
+    }
+
+    /// Current, angle, and what else of the shaft has a column: velocity, load, reference.
+    fn of_shaft(&self) -> impl Iterator<Item = &str> {
+        self.shaft.iter().flat_map(|shaft| {
             let ShaftChannels { current, velocity, load, angle, reference } = shaft;
-            [current, angle].into_iter().chain(velocity).chain(load).chain(reference)
-        });
-        [&self.y, &self.u1, &self.u2].into_iter().chain(shaft).chain(&self.further).map(String::as_str).collect()
+            [current, angle].into_iter().chain(velocity).chain(load).chain(reference).map(String::as_str)
+        })
     }
 }
 

@@ -7,8 +7,8 @@ use bearing_watch::plan::{Plan, RunTime};
 
 use super::c_text::{enumeration, line, number, texts};
 use super::front_end_header::front_end_header;
-use crate::Error;
 use crate::trace::Channels;
+use crate::{Error, visible};
 
 /// Bytes of a row of the array.
 const ROW: usize = 16;
@@ -77,7 +77,7 @@ pub fn c_header(model: &Model<RunTime>, notes: &[String], recorded: Option<&Chan
 
 /// A text that cannot end a comment.
 fn comment(text: &str) -> String {
-    text.replace(['\r', '\n'], " ").replace("*/", "* /").replace("/*", "/ *")
+    visible::line(&text.replace(['\r', '\n'], " ")).replace("*/", "* /").replace("/*", "/ *")
 }
 
 fn limits(channels: &[Channel]) -> String {

@@ -7,14 +7,18 @@ pub(super) fn line(out: &mut String, text: &str) {
     let _ = writeln!(out, "{text}");
 }
 
+/// Names that headers define themselves with the prefixes of enumerations.
+const HEADERS: [&str; 3] = ["NAMES", "UNITS", "LIMITS"];
+
 /// Adds an enumeration of these names from 0 on, which have this prefix.
 pub(super) fn enumeration(out: &mut String, prefix: &str, names: &[&str]) {
+    let of_headers = HEADERS.map(|name| format!("{prefix}{name}"));
     let mut used: Vec<String> = Vec::new();
     for name in names {
         let plain = format!("{prefix}{}", identifier(name));
         // Names that differ only in what an identifier cannot have.
         let own = (1..).map(|k| if k == 1 { plain.clone() } else { format!("{plain}_{k}") });
-        used.extend(own.into_iter().find(|own| !used.contains(own)));
+        used.extend(own.into_iter().find(|own| ![&used[..], &of_headers].concat().contains(own)));
     }
     let places: Vec<String> = used.iter().enumerate().map(|(place, own)| format!("{own} = {place}")).collect();
     line(out, &format!("enum {{ {} }};", places.join(", ")));
@@ -52,6 +56,9 @@ mod tests {
         let mut out = String::new();
         enumeration(&mut out, "P_", &["spall 1", "spall-1", "größe"]);
         assert_eq!(out, "enum { P_SPALL_1 = 0, P_SPALL_1_2 = 1, P_GR__E = 2 };\n");
+        let mut out = String::new();
+        enumeration(&mut out, "P_", &["names", "Names 2", "names"]);
+        assert_eq!(out, "enum { P_NAMES_2 = 0, P_NAMES_2_2 = 1, P_NAMES_3 = 2 };\n", "P_NAMES is a macro");
         assert_eq!(literal("a\"\\?\n°C1"), r#""a\042\134\077\012\302\260C1""#);
     }
 }

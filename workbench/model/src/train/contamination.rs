@@ -4,6 +4,7 @@
 //! m, S: mean and covariance of the densest three quarters, reweighted                                (1) Rousseeuw
 //! z = S^(−½)(x − m),   z ~ (1 − π) N(0, I) + π N(μ, I + (s² − 1) u uᵀ),   u = μ/|μ|, π ≤ 0.3, s ≤ |μ|/1.5  (2)
 //! LR = Σ ln[(1 − π) + π exp(t²/2 − (t − |μ|)²/(2s²))/s],   t = uᵀz > 0                               (3)
+//! ln(t − t₀) ~ N(m, v)                                                                               (4)
 //! ```
 //!
 //! (1) is the minimum covariance determinant (Rousseeuw and Van Driessen 1999), which a third of other rows does not
@@ -25,8 +26,10 @@ use crate::trace::median;
 const DENSEST: f64 = 0.75;
 /// Largest π: a larger second population is not the exception.
 const MOST: f64 = 0.3;
-/// Samples of one population; more than all of them is improbable.
+/// Samples of one population, and how many of them may have a larger ratio: one set in forty seems to have a second
+/// population if it has none.
 const SAMPLES: u64 = 99;
+const LARGER: usize = 2;
 /// (3) below which no sample of usual size is far.
 const LEAST: f64 = 5.0;
 /// Largest spread of (2): defects differ in size, but are apart from healthy rows.
@@ -36,8 +39,8 @@ const LEAST_ROWS: usize = 8;
 /// Rows of one population are as far as this with probability 0.001, and many of them improbable.
 const FAR: f64 = 0.999;
 const MANY: f64 = 1e-4;
-/// Asymmetry of the middle of the projections, of which an exponential law has 0.39 and a normal one 0.
-const SKEWED: f64 = 0.25;
+/// How much more probable, as a logarithm, two populations are than one skewed law.
+const BETTER: f64 = 1.0;
 
 /// What is unusual about healthy rows.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,8 +51,6 @@ pub(super) struct Populations {
     pub(super) distance: f64,
     /// Rows that are far on other sides: the law has heavy tails.
     pub(super) far: usize,
-    /// Whether the law is skewed.
-    pub(super) skewed: bool,
 }
 
 /// What is unusual about the healthy segments of a training set.
@@ -63,8 +64,6 @@ pub struct Doubted {
     pub distance: f64,
     /// Segments that are far on all sides.
     pub far: usize,
-    /// Whether the law is skewed.
-    pub skewed: bool,
     /// All healthy segments.
     pub of: usize,
 }
@@ -73,7 +72,7 @@ impl Doubted {
     /// In words.
     #[must_use]
     pub fn lines(&self) -> Vec<String> {
-        let Self { traces, distance, far, skewed, of, .. } = self;
+        let Self { traces, distance, far, of, .. } = self;
         let mut lines = vec![];
         if !traces.is_empty() {
             lines.push(format!(
@@ -90,12 +89,6 @@ impl Doubted {
                  are heavier than normal, and its limit is further out"
             ));
         }
-        if *skewed {
-            lines.push(
-                "the healthy segments are skewed towards one side: the rate of false alarms may be above the set one"
-                    .into(),
-            );
-        }
         lines
     }
 }
@@ -108,7 +101,7 @@ pub(super) fn of_sets(table: &FeatureTable, sets: &[Vec<usize>]) -> Option<Popul
     others.dedup();
     let distance = found.iter().map(|own| own.distance).fold(0.0, f64::max);
     let far = found.iter().map(|own| own.far).max()?;
-    Some(Populations { others, distance, far, skewed: found.iter().any(|own| own.skewed) })
+    Some(Populations { others, distance, far })
 }
 
 /// Returns what is unusual about the rows; `None` of too few rows, or of nothing unusual.
@@ -130,8 +123,8 @@ pub(super) fn of(table: &FeatureTable) -> Option<Populations> {
     let alone = second.as_ref().filter(|own| !skewed && (!heavy || own.rows().len() > 2 * far));
     let others: Vec<usize> = (0..n).filter(|&row| alone.is_some() && is_other(row)).map(|row| rows[row]).collect();
     let distance = alone.map_or(0.0, |own| own.shift.norm());
-    let unusual = heavy || skewed || !others.is_empty();
-    unusual.then_some(Populations { others, distance, far: if heavy { far } else { 0 }, skewed })
+    let unusual = heavy || !others.is_empty();
+    unusual.then_some(Populations { others, distance, far: if heavy { far } else { 0 } })
 }
 
 /// Rows without missing values or unusual errors, and their values.
@@ -197,6 +190,8 @@ struct Second {
     shift: DVector<f64>,
     /// (3).
     ratio: f64,
+    /// s.
+    spread: f64,
     /// Probability of each row to belong to it.
     parts: Vec<f64>,
 }
@@ -232,7 +227,7 @@ impl Second {
             let square = along.iter().zip(&parts).map(|(t, part)| part * (t - distance).powi(2)).sum::<f64>() / sum;
             spread = square.sqrt().clamp(1.0, (distance / APART).max(1.0));
         }
-        Self { shift, ratio, parts }
+        Self { shift, ratio, spread, parts }
     }
 
     /// The rows that are rather of the second population.
@@ -240,16 +235,31 @@ impl Second {
         (0..self.parts.len()).filter(|&row| self.parts[row] > 0.5).collect()
     }
 
-    /// Whether the first population is skewed towards the second: then that is its tail.
+    /// Whether one skewed law (4) is as probable as two populations: then the second is the tail of the first.
     fn is_skewed(&self, z: &DMatrix<f64>) -> bool {
-        let mut along: Vec<f64> = (z * &self.shift).iter().copied().collect();
-        along.sort_by(f64::total_cmp);
-        // Of the rows that are surely of the first population.
-        let first = along.len() - self.rows().len();
-        let at = |part: f64| along[((part * first as f64) as usize).min(along.len() - 1)];
-        let [low, middle, high] = [0.1, 0.5, 0.9].map(at);
-        (high + low - 2.0 * middle) / (high - low) > SKEWED
+        let distance = self.shift.norm();
+        let along: Vec<f64> = (z * &self.shift).iter().map(|t| t / distance).collect();
+        let n = along.len() as f64;
+        let sum: f64 = self.parts.iter().sum();
+        let (part, spread) = (sum / n, self.spread);
+        let normal = |t: f64| (-0.5 * t * t).exp() / std::f64::consts::TAU.sqrt();
+        let two = |&t: &f64| ((1.0 - part) * normal(t) + part * normal((t - distance) / spread) / spread).ln();
+        along.iter().map(two).sum::<f64>() < skewed(&along) + BETTER
     }
+}
+
+/// ln of the largest likelihood of one logarithmic normal law from any least value on (4).
+fn skewed(values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let from = |step: i32| {
+        let logs: Vec<f64> = values.iter().map(|x| (x - least + 1.2_f64.powi(step)).ln()).collect();
+        let mean = logs.iter().sum::<f64>() / n;
+        let variance = logs.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n;
+        -0.5 * n * (std::f64::consts::TAU * variance).ln() - 0.5 * n - mean * n
+    };
+    // From the least value itself to a law that is nearly normal.
+    (-20..=25).map(from).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// The density of (2) along μ relative to that of the first population; none before it.
@@ -261,14 +271,16 @@ fn relative_density(along: f64, distance: f64, spread: f64) -> f64 {
     exponent.min(700.0).exp() / spread
 }
 
-/// The largest (3) of [`SAMPLES`] normal samples of this size.
+/// The (3) that few of [`SAMPLES`] normal samples of this size exceed.
 fn of_one(rows: usize, coordinates: usize) -> f64 {
     let sample = |seed: u64| {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let x = DMatrix::from_fn(rows, coordinates, |_, _| StandardNormal.sample(&mut rng));
         whitened(&x).and_then(|z| Second::of(&z)).map_or(0.0, |own| own.ratio)
     };
-    (0..SAMPLES).into_par_iter().map(sample).reduce(|| 0.0, f64::max)
+    let mut ratios: Vec<f64> = (0..SAMPLES).into_par_iter().map(sample).collect();
+    ratios.sort_by(|a, b| b.total_cmp(a));
+    ratios[LARGER]
 }
 
 #[cfg(test)]

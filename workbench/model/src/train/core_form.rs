@@ -7,6 +7,7 @@ use bearing_watch::model::{
 use bearing_watch::plan::{Kind, Layout, RunTime};
 use nalgebra::DMatrix;
 
+use super::label::{alike, label};
 use super::novelty::Gate;
 use super::refused::refused;
 use super::{Shrink, Shrinkage, Trained};
@@ -30,9 +31,13 @@ impl Trained {
         let rising = count(rises.map_or(0, |rising| rising.laws.len()), "rising coordinates")?;
         let layout = Layout { covariates, rising, ..self.parts.layout(sizes, densities.kind) };
         let plan = plan(layout).map_err(refused)?;
+        if let Some([one, other]) = alike(&self.classes) {
+            let problem = format!("the classes {one} and {other} have one name in the model; rename one of them");
+            return Err(Error::Training(problem));
+        }
         let label = |name: &String| {
-            Label::new(name)
-                .ok_or_else(|| Error::Training(format!("class name {name} is longer than 16 bytes; shorten it")))
+            let problem = || Error::Training(format!("class name {name} does not fit the model; choose another"));
+            Label::new(&label(name)).ok_or_else(problem)
         };
         let log_prior: Vec<f64> = densities.priors.iter().map(|p| p.ln()).collect();
         let classifier = Classifier {

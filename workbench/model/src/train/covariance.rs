@@ -52,3 +52,27 @@ pub fn symmetric(matrix: &DMatrix<f64>) -> DMatrix<f64> {
 pub(crate) fn log_density(coordinates: usize, log_determinant: f64, squared: f64) -> f64 {
     -0.5 * (coordinates as f64 * std::f64::consts::TAU.ln() + log_determinant + squared)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_determinant_and_the_whitened_covariance_are_those_of_the_matrix() {
+        // 4 · 9 − 3² = 27.
+        let covariance = DMatrix::from_row_slice(2, 2, &[4.0, 3.0, 3.0, 9.0]);
+        let (u, log_determinant) = whitening(&covariance).expect("regular");
+        assert!((log_determinant - 27.0_f64.ln()).abs() < 1e-12, "{log_determinant}"); // rounding
+        assert!((&u * &covariance * u.transpose() - DMatrix::identity(2, 2)).amax() < 1e-12, "{u}");
+    }
+
+    #[test]
+    fn a_dependent_feature_is_refused_also_in_small_units() {
+        // Deviations 1 and 1e-6; what the second one adds has 1e-11 of its variance.
+        let correlation = (1.0 - 1e-11_f64).sqrt();
+        let covariance =
+            |size: f64| DMatrix::from_row_slice(2, 2, &[1.0, correlation * size, correlation * size, size * size]);
+        assert_eq!([1.0, 1e-6].map(|size| whitening(&covariance(size)).err()), [Some(1), Some(1)]);
+        assert_eq!(whitening(&DMatrix::from_diagonal_element(2, 2, 1e-30)).err(), None);
+    }
+}

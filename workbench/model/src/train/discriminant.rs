@@ -203,3 +203,27 @@ fn costs(asked: &[Vec<f64>], classes: usize) -> Result<Vec<Vec<f64>>, Error> {
     }
     Ok(asked.to_vec())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::identify::Structure;
+
+    #[test]
+    fn half_way_between_two_classes_the_posteriors_are_the_priors() {
+        // Rows −2, 0 and 0, 2 of one feature: means ∓1, equal variances.
+        let rows = [-2.0, 0.0, 0.0, 2.0].map(|x| DVector::from_element(1, x)).to_vec();
+        let table = FeatureTable::exact(rows, vec![0, 0, 1, 1], vec!["a".into(), "b".into()]);
+        let recipe = Recipe { priors: vec![9.0, 1.0], ..Recipe::new(Structure::new(1, 1, 1, 1, 1)) };
+        let densities = train(&table, &["x".into()], &recipe).expect("regular");
+        assert_eq!(densities.priors, [0.9, 0.1]);
+        let posteriors = densities.log_posteriors(&DVector::zeros(1), &DVector::zeros(1));
+        assert!(
+            (posteriors[0].exp() - 0.9).abs() < 1e-12 && (posteriors[1].exp() - 0.1).abs() < 1e-12,
+            "{posteriors:?}"
+        );
+        // ln P(b)/P(a) = ln 1/9 + 2 z/σ², and the pooled variance is 2.
+        let posteriors = densities.log_posteriors(&DVector::from_element(1, 3.0), &DVector::zeros(1));
+        assert!((posteriors[1] - posteriors[0] - (3.0 - 9.0_f64.ln())).abs() < 1e-12, "{posteriors:?}");
+    }
+}

@@ -8,11 +8,11 @@ use rayon::prelude::*;
 use super::compose::compose;
 use super::contamination::{self, Doubted, Populations};
 use super::dependence::{self, Dependence};
-use super::estimating::{Estimating, estimating, segment_of};
+use super::estimating::{Estimating, estimating};
 use super::left_out::{Estimated, LeftOut};
 use super::novelty::{self, Rows};
 use super::pieces::{cut, spans};
-use super::{Candidates, Explained, FeatureTable, Recipe, Shrink, Trained, core_features, fit};
+use super::{Candidates, Explained, FeatureTable, Recipe, Shrink, Trained, core_features, fit, segment};
 use crate::Error;
 use crate::core::Parts;
 use crate::core::features::{self, Catalogue};
@@ -56,11 +56,11 @@ pub(super) struct Used {
 impl<'a> Estimates<'a> {
     /// Trains what estimates, and runs it over the traces.
     pub(super) fn of(traces: &'a [LabelledTrace], classes: &'a [String], recipe: &Recipe) -> Result<Self, Error> {
-        let segment = segment_of(traces, recipe);
+        let (segment, recipe) = segment::resolved(traces, recipe);
         // The spread of the features depends on the segment length: trains on segments of the detector's length.
         let pieces = if recipe.estimation.segment.is_some() { cut(traces, segment) } else { traces.to_vec() };
         check_classes(&pieces, classes, recipe.alarms.healthy)?;
-        let Estimating { recipe, parts, interval_s, .. } = estimating(traces, classes, recipe)?;
+        let Estimating { recipe, parts, interval_s, .. } = estimating(traces, classes, &recipe)?;
         let catalogue = recipe.catalogue();
         // An unknown name is an error before the core runs over all traces.
         places(&catalogue, &recipe)?;
@@ -82,6 +82,11 @@ impl<'a> Estimates<'a> {
         };
         let Some(healthy) = self.recipe.alarms.healthy else { return Ok(None) };
         let (names, table) = (self.catalogue.names(), &self.estimated.candidates.table);
+        // Segments of one trace follow each other.
+        let of_traces =
+            || ("trace".to_string(), self.traces.iter().map(|labelled| labelled.trace.id.clone()).collect());
+        let cut = self.estimated.origins.windows(2).any(|two| two[0] == two[1]);
+        let columns = &[columns.clone(), cut.then(of_traces).into_iter().collect()].concat();
         let (names, origins, traces) = (&names[..], &self.estimated.origins[..], self.traces);
         let found = dependence::of(&dependence::Set { table, names, origins, traces, healthy }, places, columns);
         if let Some(found) = &found {
@@ -129,8 +134,8 @@ impl<'a> Estimates<'a> {
         let found = contamination::of_sets(&alone, &sets(&rows.features, chosen))?;
         let others: Vec<usize> = found.others.iter().map(|&row| own[row]).collect();
         let traces = others.iter().map(|&row| self.traces[origins[row]].trace.id.clone()).collect();
-        let Populations { distance, far, skewed, .. } = found;
-        Some(Doubted { others, traces, distance, far, skewed, of: own.len() })
+        let Populations { distance, far, .. } = found;
+        Some(Doubted { others, traces, distance, far, of: own.len() })
     }
 
     /// Trains the rest of a model by a recipe with the same estimation.
@@ -275,11 +280,6 @@ fn check_classes(traces: &[LabelledTrace], classes: &[String], healthy: Option<u
         )));
     }
     for (class, name) in classes.iter().enumerate() {
-        if name.len() > 16 {
-            return Err(Error::Training(format!(
-                "class name {name} is longer than 16 bytes; shorten it in the labels"
-            )));
-        }
         let count = traces.iter().filter(|t| t.class == class).count();
         if count < 2 {
             return Err(Error::Training(format!(

@@ -1,8 +1,6 @@
 //! The part of a model that estimates, whose constants are trained before any feature is known.
 
-use bearing_watch::model::MAX_LONG_SEGMENT_ROWS;
-
-use super::{Recipe, core_features, estimation, shaft, velocity_choice};
+use super::{Recipe, core_features, estimation, segment, shaft, velocity_choice};
 use crate::Error;
 use crate::core::Parts;
 use crate::trace::labels::LabelledTrace;
@@ -27,9 +25,9 @@ pub struct Estimating {
 /// Traces of several rates, or of which no nominal model can be estimated.
 pub fn estimating(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> Result<Estimating, Error> {
     check_intervals(traces)?;
-    let segment = segment_of(traces, recipe);
+    let (segment, recipe) = segment::resolved(traces, recipe);
     let interval_s = traces.iter().find_map(|t| t.trace.interval_s).unwrap_or(0.0);
-    let recipe = velocity_choice::resolved(traces, interval_s, recipe);
+    let recipe = velocity_choice::resolved(traces, interval_s, &recipe);
     let parts = parts(traces, classes, &recipe, (segment, interval_s))?;
     Ok(Estimating { recipe, parts, segment, interval_s })
 }
@@ -39,12 +37,6 @@ pub fn usual_errors(traces: &[LabelledTrace], classes: &[String], found: &Estima
     let catalogue = found.recipe.catalogue();
     let (table, ..) = core_features::run(traces, classes, (&found.parts, &catalogue), found.segment)?;
     Ok(table.usual.iter().copied().collect())
-}
-
-/// Returns the number of samples in a segment: that of the recipe, or of the longest trace.
-pub(super) fn segment_of(traces: &[LabelledTrace], recipe: &Recipe) -> usize {
-    let longest = traces.iter().map(|t| t.trace.y.len()).max().unwrap_or(0);
-    recipe.estimation.segment.unwrap_or(longest.min(MAX_LONG_SEGMENT_ROWS as usize))
 }
 
 /// Returns the core's channels, regression and shaft with their trained constants.

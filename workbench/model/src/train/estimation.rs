@@ -39,7 +39,7 @@ pub struct Estimation {
     pub method: Method,
     /// The class whose mean is the nominal model.
     pub nominal: usize,
-    /// Samples per segment; the longest trace if not given.
+    /// Samples per segment; if not given those of the longest trace, or of equal parts of it if it is long.
     pub segment: Option<usize>,
     /// Number of standard deviations beyond which a residual gets less weight; 0 for never.
     pub huber: f64,

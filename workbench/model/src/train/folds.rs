@@ -157,3 +157,44 @@ pub(crate) fn check(seen: &Candidates) -> Result<(), Error> {
         None => Ok(()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DVector;
+
+    use super::*;
+
+    /// Rows of (group, class).
+    fn candidates(rows: &[(usize, usize)]) -> Candidates {
+        let (groups, classes): (Vec<usize>, Vec<usize>) = rows.iter().copied().unzip();
+        let values = rows.iter().map(|_| DVector::zeros(1)).collect();
+        let table = FeatureTable::exact(values, classes, vec!["a".into(), "b".into()]);
+        Candidates { table, features: vec!["x".into()], groups, covariates: None }
+    }
+
+    #[test]
+    fn each_fold_has_all_classes_if_groups_suffice() {
+        // Groups of one class: 6 rows of a, then 3 and 2 of b, and 1 of a. The second group of b goes to the large
+        // group of a, although the other fold has fewer rows.
+        let sizes = [(0, 0, 6), (1, 1, 3), (2, 1, 2), (3, 0, 1)];
+        let rows: Vec<(usize, usize)> =
+            sizes.iter().flat_map(|&(group, class, size)| std::iter::repeat_n((group, class), size)).collect();
+        let own = candidates(&rows);
+        let folds = Folds::new(&own, &Validation { folds: 2, ..Validation::default() }).expect("two groups a class");
+        for fold in 0..2 {
+            let (seen, held) = folds.split(fold);
+            assert_eq!(seen.len() + held.len(), 12);
+            for places in [seen, held] {
+                assert!((0..2).all(|class| places.iter().any(|&row| rows[row].1 == class)), "{fold}: {places:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn rows_weigh_as_the_priors_of_their_classes() {
+        let own = candidates(&[(0, 0), (1, 1), (2, 1), (3, 1)]);
+        // 0.4 · 4/1, and 0.6 · 4/3: mean 1.
+        let (weights, expected) = (own.weights(&[0.4, 0.6]), [1.6, 0.8, 0.8, 0.8]);
+        assert!(weights.iter().zip(expected).all(|(one, other)| (one - other).abs() < 1e-12), "{weights:?}"); // rounding
+    }
+}

@@ -5,7 +5,7 @@ use bearing_watch::plan::RunTime;
 use bearing_watch::{FrontEndConstants, Model, Park, PhaseSensor};
 
 use super::c_text::{enumeration, line, number, texts};
-use super::front_end_source::{further_columns, own};
+use super::front_end_source::{further_channels, further_columns, own};
 use crate::Error;
 use crate::trace::front_end::Columns;
 use crate::trace::{Channels, FrontEndFile};
@@ -19,7 +19,8 @@ const MAX_FURTHER: usize = 6;
 /// # Errors
 /// A model with a channel that is a difference of columns, or with more further channels than the C interface takes.
 pub fn front_end_header(model: &Model<RunTime>, recorded: &Channels, file: &FrontEndFile) -> Result<String, Error> {
-    let names = further_columns(model, recorded, "--c")?;
+    further_columns(model, recorded, "--c")?;
+    let names = further_channels(model);
     if names.len() > MAX_FURTHER {
         let problem = format!("--c: the C interface takes {MAX_FURTHER} channels besides current and velocity");
         return Err(Error::Usage(problem));

@@ -7,6 +7,7 @@ use bearing_watch::plan::{Plan, RunTime};
 use bearing_watch::{FrontEndConstants, Model, Park, PhaseSensor};
 
 use crate::Error;
+use crate::core::{column, fields};
 use crate::trace::front_end::Columns;
 use crate::trace::{Channels, FrontEndFile};
 
@@ -17,7 +18,8 @@ use crate::trace::{Channels, FrontEndFile};
 /// A model with a channel that is a difference of columns: the front end makes columns only.
 pub fn front_end_source(model: &Model<RunTime>, recorded: &Channels, file: &FrontEndFile) -> Result<String, Error> {
     let channels = &model.constants().channels;
-    let further = further_columns(model, recorded, "--rust")?;
+    further_columns(model, recorded, "--rust")?;
+    let further = further_channels(model);
     let (count, factor) = (further.len(), file.factor);
     let mut out = String::new();
     let mut line = |text: &str| {
@@ -68,21 +70,25 @@ pub fn further_channels(model: &Model<RunTime>) -> Vec<&str> {
     model.constants().channels.iter().filter(|channel| !own(channel)).map(|channel| channel.name.as_str()).collect()
 }
 
-/// The same, if the front end makes them from recorded columns; otherwise an error about an option.
-pub(super) fn further_columns<'a>(
-    model: &'a Model<RunTime>,
-    recorded: &Channels,
-    option: &str,
-) -> Result<Vec<&'a str>, Error> {
-    let (further, columns) = (further_channels(model), recorded.names());
-    match further.iter().find(|name| !columns.contains(*name)) {
-        None => Ok(further),
-        Some(name) => {
+/// The recorded columns of these channels, if the front end makes all of them; otherwise an error about an option.
+///
+/// # Errors
+/// A channel that is a difference of columns.
+pub fn further_columns(model: &Model<RunTime>, recorded: &Channels, option: &str) -> Result<Vec<String>, Error> {
+    let fields = fields(&model.plan().layout()).unwrap_or_default();
+    let columns = recorded.names();
+    let channels = model.constants().channels.iter().enumerate().filter(|(_, channel)| !own(channel));
+    let each = |(place, channel): (usize, &Channel)| {
+        let name = channel.name.as_str();
+        let recorded = fields.get(place).and_then(|field| column(*field, recorded));
+        let known = recorded.or_else(|| columns.contains(&name).then_some(name));
+        known.filter(|name| !name.contains('-')).map(String::from).ok_or_else(|| {
             let problem =
                 format!("{option}: the front end makes no channel {name}, a difference of columns; use its columns");
-            Err(Error::Usage(problem))
-        }
-    }
+            Error::Usage(problem)
+        })
+    };
+    channels.map(each).collect()
 }
 
 /// Whether the front end makes the channel from currents and angle.

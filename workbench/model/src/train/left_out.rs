@@ -77,3 +77,39 @@ impl Estimated {
 }
 
 const REMEDY: &str = "; choose other channels or a lower order, or leave the trace out";
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DVector;
+
+    use super::*;
+    use crate::trace::Trace;
+    use crate::train::FeatureTable;
+
+    /// Traces of classes 0 and 1, of which these have no feature.
+    fn usable(classes: &[usize], without: &[usize]) -> Result<(Candidates, Vec<usize>, LeftOut), Error> {
+        let labelled = |(k, &class): (usize, &usize)| LabelledTrace {
+            trace: Trace { id: format!("trace {k}"), ..Trace::default() },
+            class,
+        };
+        let traces: Vec<LabelledTrace> = classes.iter().enumerate().map(labelled).collect();
+        let rows = classes.iter().map(|_| DVector::zeros(1)).collect();
+        let mut table = FeatureTable::exact(rows, classes.to_vec(), vec!["a".into(), "b".into()]);
+        without.iter().for_each(|&row| table.variances[row][0] = f64::INFINITY);
+        let places: Vec<usize> = (0..classes.len()).collect();
+        let candidates = Candidates { table, features: vec!["x".into()], groups: places.clone(), covariates: None };
+        let reasons = classes.iter().map(|_| Some("too short".to_string())).collect();
+        Estimated { candidates, origins: places, reasons }.usable((&[0], &[]), &traces, false)
+    }
+
+    #[test]
+    fn a_class_keeps_at_least_two_traces() {
+        let (kept, origins, left_out) = usable(&[0, 0, 1, 1, 1], &[3]).expect("two of each class");
+        assert_eq!((kept.table.classes, origins), (vec![0, 0, 1, 1], vec![0, 1, 2, 4]));
+        let summary = left_out.summary().expect("one is left out");
+        assert_eq!(summary, "1 of 5 traces have none of the features: left out (the first: trace 3, too short)");
+        let error = usable(&[0, 0, 1, 1], &[3]).expect_err("one trace of class b is left").to_string();
+        assert!(error.contains("trace 3") && error.contains("too short; choose other channels"), "{error}");
+        assert!(usable(&[0, 0, 1, 1], &[]).is_ok_and(|(.., left_out)| left_out.summary().is_none()));
+    }
+}

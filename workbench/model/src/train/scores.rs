@@ -346,4 +346,19 @@ mod tests {
         assert!((16..=20).contains(&held), "{held}");
         assert!(bold.bins.iter().flatten().filter(holds).count() < 10);
     }
+
+    #[test]
+    fn the_standard_error_is_that_of_a_mean() {
+        let prediction = |p: f64| Prediction {
+            truth: 0,
+            decided: Some(0),
+            log_posteriors: vec![p.ln(), (1.0 - p).ln()],
+            weight: 1.0,
+        };
+        // Log scores 1, 2, 3, 6: mean 3, deviation √(14/3), of four rows.
+        let predictions: Vec<Prediction> = [1.0, 2.0, 3.0, 6.0_f64].map(|score| prediction((-score).exp())).to_vec();
+        let Score { value, standard_error, .. } = Scores::new(&predictions, &[0.5, 0.5]).log;
+        assert!((value - 3.0).abs() < 1e-12, "{value}");
+        assert!((standard_error - (14.0_f64 / 3.0 / 4.0).sqrt()).abs() < 1e-12, "{standard_error}");
+    }
 }

@@ -64,3 +64,37 @@ impl Shrinkage {
         .collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DVector;
+
+    use super::*;
+
+    #[test]
+    fn degrees_of_freedom_weigh_the_covariances() {
+        // Classes of 3 and 9 rows: 2 and 8 degrees of freedom; the pooled covariance has 10.
+        let diagonal = |x: f64, y: f64, both: f64| DMatrix::from_row_slice(2, 2, &[x, both, both, y]);
+        let (mean, pooled) = (DVector::zeros(2), diagonal(2.0, 4.0, 1.0));
+        let statistics = ClassStatistics {
+            total_mean: mean.clone(),
+            total: pooled.clone(),
+            means: vec![mean.clone(), mean],
+            covariances: vec![diagonal(8.0, 10.0, -5.0), diagonal(1.0, 1.0, 0.0)],
+            counts: vec![3, 9],
+            pooled,
+        };
+        let found = Shrinkage { lambda: 0.2, gamma: 0.5 }.covariances(&statistics);
+        // Weights 0.8 · 2 and 0.2 · 10 of the first class, 0.8 · 8 and 2 of the second one; then half of what is beside
+        // the diagonal.
+        let expected = [
+            diagonal((1.6 * 8.0 + 2.0 * 2.0) / 3.6, (1.6 * 10.0 + 2.0 * 4.0) / 3.6, 0.5 * (1.6 * -5.0 + 2.0) / 3.6),
+            diagonal((6.4 + 2.0 * 2.0) / 8.4, (6.4 + 2.0 * 4.0) / 8.4, 0.5 * 2.0 / 8.4),
+        ];
+        for (found, expected) in found.iter().zip(&expected) {
+            assert!((found - expected).amax() < 1e-12, "{found} {expected}"); // rounding
+        }
+        let [shared] = &Shrinkage { lambda: 1.0, gamma: 0.25 }.covariances(&statistics)[..] else { panic!("shared") };
+        assert!((shared - diagonal(2.0, 4.0, 0.75)).amax() < 1e-12, "{shared}");
+    }
+}

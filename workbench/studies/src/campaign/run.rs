@@ -58,6 +58,7 @@ pub fn labelled(recording: Recording, class: usize) -> LabelledTrace {
         motion: Some(motion),
         further: vec![recorded.temperature_c],
         refused: None,
+        missing: model::trace::Missing::default(),
     };
     LabelledTrace { trace, class }
 }

@@ -71,7 +71,7 @@ fn cell(tallies: &[Tally]) -> String {
 }
 
 /// Rate and interval in percent.
-pub(super) fn percent(Rate { value, low, high }: Rate) -> String {
+pub(crate) fn percent(Rate { value, low, high }: Rate) -> String {
     format!("{:.1} [{:.1}, {:.1}]", 100.0 * value, 100.0 * low, 100.0 * high)
 }
 

@@ -3,6 +3,7 @@
 use model::audit::column::Column;
 use model::audit::friction::Excited;
 use model::audit::times::Times;
+use model::trace::Missing;
 
 /// One trace: its columns by name, and the channels that were chosen.
 #[derive(Debug)]
@@ -15,11 +16,13 @@ pub struct Audited {
     pub times: Option<Times>,
     /// The time of each row, s.
     pub times_s: Option<Vec<f64>>,
+    /// What is missing: rows by the time, and rows that lack a channel; of a trace without one, all of its columns.
+    pub missing: Missing,
     /// What is found in each column.
     pub columns: Vec<Column>,
     /// The values of each column.
     pub values: Vec<Vec<f64>>,
-    /// The current.
+    /// The current. In the channels the last value stands for a missing one.
     pub current: Option<Vec<f64>>,
     /// The velocity, rad/s.
     pub velocity: Option<Vec<f64>>,
@@ -29,6 +32,19 @@ pub struct Audited {
     pub velocity_ref: Option<Vec<f64>>,
     /// The load.
     pub load: Option<Vec<f64>>,
+}
+
+impl Audited {
+    /// What is missing in a trace with these columns and channels.
+    pub(super) fn missing(times: Option<&Times>, columns: &[Vec<f64>], channels: &[Vec<f64>]) -> Missing {
+        let rows = columns.first().map_or(0, Vec::len);
+        let lacks = |row: &usize| match channels {
+            [] => columns.iter().all(|own| own[*row].is_nan()),
+            _ => channels.iter().any(|own| own[*row].is_nan()),
+        };
+        let dropped = times.map_or(0, |times| times.missing);
+        Missing { samples: rows + dropped, dropped, empty: (0..rows).filter(lacks).count(), ..Missing::default() }
+    }
 }
 
 /// A finding, and the traces that have it.

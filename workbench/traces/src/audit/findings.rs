@@ -21,7 +21,7 @@ pub(super) fn add(findings: &mut Vec<Finding>, what: String, trace: &str) {
 impl Audited {
     pub(super) fn findings(&self, findings: &mut Vec<Finding>) {
         let id = &self.id;
-        if let Some(Times { jitter, gaps, longest_gap_s, standing, rate_hz }) = self.times {
+        if let Some(Times { jitter, gaps, longest_gap_s, standing, rate_hz, .. }) = self.times {
             if jitter > 0.05 {
                 add(findings, "irregular times (jitter above 5 % of a step); resample".into(), id);
             }

@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use super::audited::{Audited, Finding, Line, Outcome};
 use model::audit::column::Column;
 use model::audit::friction::Excited;
+use model::trace::Tally;
 use model::trace::median;
 
 impl Outcome {
@@ -46,6 +47,9 @@ fn said(
                 .push("rate: no time column, and no given rate_hz near which the lines of the rotor are sharp".into());
         }
     }
+    let mut missing = Tally::default();
+    traces.iter().for_each(|trace| missing.add(&trace.id, trace.missing));
+    report.extend(missing.line());
     let first = &traces[0];
     let width = first.names.iter().map(|name| name.chars().count()).max().unwrap_or(0).max("column".len());
     let head = format!(
@@ -90,21 +94,24 @@ fn said(
 
 fn to_json(traces: &[Audited], findings: &[Finding], rotor: Option<f64>, lines: &[Line]) -> Value {
     let column = |(name, column): (&String, &Column)| {
-        let Column { mean, deviation, range: [least, largest], step, every, changing, held, saturated } = column;
+        let Column { mean, deviation, range: [least, largest], step, every, changing, held, saturated, missing } =
+            column;
         json!({
             "column": name, "mean": mean, "deviation": deviation, "least": least, "largest": largest, "step": step,
-            "changes_every_rows": every, "changing": changing, "held": held, "saturated": saturated
+            "changes_every_rows": every, "changing": changing, "held": held, "saturated": saturated,
+            "missing": missing
         })
     };
     let trace = |trace: &Audited| {
         let times = trace.times.map(|times| {
             json!({
                 "rate_hz": times.rate_hz, "jitter": times.jitter, "gaps": times.gaps,
-                "longest_gap_s": times.longest_gap_s, "standing": times.standing
+                "longest_gap_s": times.longest_gap_s, "missing_rows": times.missing, "standing": times.standing
             })
         });
         json!({
             "trace": trace.id, "rows": trace.values.first().map_or(0, Vec::len), "times": times,
+            "missing_samples": trace.missing.to_json(),
             "columns": trace.names.iter().zip(&trace.columns).map(column).collect::<Vec<_>>()
         })
     };

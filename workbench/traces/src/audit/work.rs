@@ -19,7 +19,7 @@ use model::audit::orders::{self, floor, rate, smallest_line, turns};
 use model::audit::times::Times;
 use model::session::Log;
 use model::settings::{Signals, healthy_class};
-use model::trace::stem;
+use model::trace::{bridged, stem};
 
 /// Rows of the shortest trace; shorter ones are tables of something else.
 const FEWEST: usize = 8;
@@ -101,13 +101,17 @@ impl Audit {
         let recorded = reader::has_time(&table, time);
         let each = |series: Series| {
             let mut values = series.columns;
-            let mut further = values.split_off(names.len()).into_iter();
+            let channels = values.split_off(names.len());
+            let times = series.times_s.as_deref().filter(|_| recorded).and_then(Times::of);
+            let missing = Audited::missing(times.as_ref(), &values, &channels);
+            let mut further = channels.iter().map(|channel| bridged(channel));
             let [current, velocity, angle, velocity_ref, load] =
                 chosen.clone().map(|channel| channel.and_then(|_| further.next()));
             Audited {
                 id: stem(&series.id).to_string(),
                 names: names.clone(),
-                times: series.times_s.as_deref().filter(|_| recorded).and_then(Times::of),
+                times,
+                missing,
                 times_s: series.times_s.filter(|_| recorded),
                 columns: values.iter().map(|column| Column::of(column)).collect(),
                 values,

@@ -11,6 +11,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use model::Error;
+use model::outputs::cell;
 use model::trace::stem;
 
 /// Words that say what a file is for, not what it shows.
@@ -90,7 +91,8 @@ pub(super) fn labels(files: &[PathBuf]) -> Result<(String, bool), Error> {
 /// The rows as CSV, quoted if needed.
 fn csv_of(rows: &[Vec<String>]) -> Result<String, Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    rows.iter().try_for_each(|row| writer.write_record(row)).map_err(Error::other)?;
+    let cells = |row: &Vec<String>| row.iter().map(|text| cell(text).into_owned()).collect::<Vec<_>>();
+    rows.iter().try_for_each(|row| writer.write_record(cells(row))).map_err(Error::other)?;
     let bytes = writer.into_inner().map_err(|error| Error::Usage(error.to_string()))?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }

@@ -3,6 +3,7 @@
 use super::guess::Guess;
 use crate::units::{Quantity, Unit};
 use model::statistics::mean_sd;
+use model::trace::bridged;
 
 /// Deviation of a velocity, as a part of its mean, below which it is constant.
 const CONSTANT: f64 = 0.01;
@@ -60,7 +61,7 @@ impl Proposal {
         let own = |name: &&String| self.guess.velocity.as_ref().is_some_and(|velocity| velocity.contains(*name));
         let column = names.iter().position(|name| own(&name)).and_then(|place| columns.get(place));
         column.is_some_and(|column| {
-            let (mean, deviation) = mean_sd(column);
+            let (mean, deviation) = mean_sd(&bridged(column));
             deviation < CONSTANT * mean.abs()
         })
     }

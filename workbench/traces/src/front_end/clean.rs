@@ -61,7 +61,7 @@ where
     let mut front_end =
         FrontEnd::<FURTHER, FACTOR>::new(&file.constants()).map_err(|error| error.message().to_string())?;
     let mut columns = vec![vec![]; OWN.len() + further.len()];
-    for row in 0..rows {
+    for row in (0..rows).filter(|row| is_sampled(file, recorded, times_s, *row)) {
         let raw = raw_sample(file, recorded, further, times_s, row);
         let Some(CleanSample { current_a, velocity_rad_s, angle, further, .. }) = front_end.push(&raw) else {
             continue;
@@ -80,6 +80,13 @@ where
     }
     let refused = (missing > 0).then_some(Refused { missing, samples, faults });
     Ok(Clean { columns, refused })
+}
+
+/// Whether a row has what each instant of the control loop has: counts of the currents, and its time. Others are
+/// instants that the drive missed, which the numbers of the rows tell.
+pub(super) fn is_sampled(file: &FrontEndFile, recorded: &[&[f64]], times_s: Option<&[f64]>, row: usize) -> bool {
+    let currents = recorded.iter().take(file.currents.columns.len());
+    currents.chain(&times_s).all(|column| column[row].is_finite())
 }
 
 /// A recorded row as the drive reads it.
@@ -102,7 +109,10 @@ pub(super) fn raw_sample(
 /// The number of a row in the control rate.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "numbers wrap around")]
 fn number(file: &FrontEndFile, times_s: Option<&[f64]>, row: usize) -> u32 {
-    let at = times_s.map_or(row as f64, |times| (times[row] - times[0]) * f64::from(file.control_rate_hz));
+    let at = times_s.map_or(row as f64, |times| {
+        let first = times.iter().find(|time| time.is_finite()).unwrap_or(&0.0);
+        (times[row] - first) * f64::from(file.control_rate_hz)
+    });
     at.round() as i64 as u32
 }
 

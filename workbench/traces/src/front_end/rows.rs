@@ -12,7 +12,7 @@ use std::path::Path;
 
 use bearing_watch::{PhaseCounts, Position, RawSample};
 
-use crate::front_end::clean::raw_sample;
+use crate::front_end::clean::{is_sampled, raw_sample};
 use crate::reader;
 use crate::table::Table;
 use model::Error;
@@ -23,14 +23,15 @@ use model::trace::front_end::FrontEndFile;
 ///
 /// # Errors
 /// A file without these columns or with several traces; a front end that reads sine and cosine of a resolver.
-pub fn raw_rows(path: &Path, front_end: &FrontEndFile, further: &[&str]) -> Result<Vec<u8>, Error> {
+pub fn raw_rows(path: &Path, front_end: &FrontEndFile, further: &[String]) -> Result<Vec<u8>, Error> {
     let table = Table::open(path)?;
     let header = reader::header_of(&table, None)?;
     let own = front_end.columns();
     let timed = header.time().map(|place| header.names()[place].as_str());
-    let names: Vec<String> = own.iter().chain(further).copied().chain(timed).map(String::from).collect();
+    let names: Vec<String> =
+        own.iter().copied().chain(further.iter().map(String::as_str)).chain(timed).map(String::from).collect();
     let channels = Channels { further: names, ..Channels::new(own[0], own[0], own[0]) };
-    let traces = reader::read(&table, &channels, &|_| true)?;
+    let traces = reader::read_as_recorded(&table, &channels, &|_| true)?;
     let [trace] = &traces[..] else {
         return Err(Error::content(path, "trace", "contains several traces; give a file of one"));
     };
@@ -39,8 +40,9 @@ pub fn raw_rows(path: &Path, front_end: &FrontEndFile, further: &[&str]) -> Resu
     let (values, times) = rest.split_at(further.len());
     let mut bytes = b"BWR1".to_vec();
     bytes.extend(u32::try_from(further.len()).unwrap_or(u32::MAX).to_le_bytes());
-    for row in 0..trace.y.len() {
-        let raw = raw_sample(front_end, recorded, values, times.first().copied(), row);
+    let times = times.first().copied();
+    for row in (0..trace.y.len()).filter(|row| is_sampled(front_end, recorded, times, *row)) {
+        let raw = raw_sample(front_end, recorded, values, times, row);
         put(&mut bytes, &raw, further.len()).map_err(|problem| Error::trace(&trace.id, problem))?;
     }
     Ok(bytes)

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::front_end::clean;
+use crate::front_end::clean::{Clean, clean};
 use model::trace::front_end::{FACTORS, FrontEndFile};
 use rig::ema::{EmaScenario, Logging};
 
@@ -112,4 +112,29 @@ fn what_is_wrong_in_a_recording_is_counted_and_named() {
     blind[3].fill(f64::NAN);
     let refused = names(&blind, None).expect_err("no angle");
     assert!(refused.contains("no sample passes the front end: 4000 angles missing"), "{refused}");
+}
+
+/// The columns as bits: a missing value equals another one.
+fn bits(clean: &Clean) -> Vec<Vec<u64>> {
+    clean.columns.iter().map(|column| column.iter().map(|x| x.to_bits()).collect()).collect()
+}
+
+#[test]
+fn rows_without_currents_or_time_are_those_that_the_drive_missed() {
+    let all = rows(4000, 5.0, 40.0);
+    let times: Vec<f64> = (0..4000).map(|row| f64::from(row) / 4000.0).collect();
+    let kept: Vec<usize> = (0..4000).filter(|row| !matches!(row, 1500 | 2000..2100)).collect();
+    let of = |column: &Vec<f64>| kept.iter().map(|row| column[*row]).collect();
+    let dropped: Vec<Vec<f64>> = all.iter().map(of).collect();
+    let expected = clean(&file(), &slices(&dropped), &[], Some(&of(&times))).expect("clean");
+    assert!(expected.refused.is_some_and(|refused| refused.faults.gaps == 2));
+    let (mut empty, mut untimed) = (all.clone(), times.clone());
+    empty[1][2000..2100].fill(f64::NAN);
+    empty[0][1500] = f64::NAN;
+    let found = clean(&file(), &slices(&empty), &[], Some(&times)).expect("clean");
+    assert_eq!(bits(&found), bits(&expected));
+    untimed[1500] = f64::NAN;
+    untimed[2000..2100].fill(f64::NAN);
+    let found = clean(&file(), &slices(&all), &[], Some(&untimed)).expect("clean");
+    assert_eq!(bits(&found), bits(&expected));
 }

@@ -4,6 +4,8 @@ use std::path::Path;
 
 use model::Error;
 
+use crate::table::limit::Limit;
+
 /// Names and columns of arrays: the longest ones, and those of one number, which are constant.
 pub(super) fn of_one_length(
     path: &Path,
@@ -12,9 +14,30 @@ pub(super) fn of_one_length(
     let Some(rows) = arrays.iter().map(|(_, column)| column.len()).max().filter(|rows| *rows > 0) else {
         return Err(Error::content(path, "content", "no arrays of numbers"));
     };
+    // Each constant becomes a column of that length.
+    let columns = arrays.iter().filter(|(_, column)| [1, rows].contains(&column.len())).count();
+    let claimed = Limit::of_file(path)?.claim_numbers([rows as u64, columns as u64]);
+    claimed.map_err(|problem| Error::content(path, "content", format!("as {columns} columns {problem}")))?;
     let each = |(name, column): (String, Vec<f64>)| match column[..] {
         [one] => Some((name, vec![one; rows])),
         _ => (column.len() == rows).then_some((name, column)),
     };
     Ok(arrays.into_iter().filter_map(each).unzip())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn constants_become_columns_within_the_limit() {
+        let file = tempfile::NamedTempFile::new().expect("a file");
+        let arrays = |constants: usize| {
+            let constants = (0..constants).map(|k| (format!("c{k}"), vec![1.0]));
+            of_one_length(file.path(), constants.chain([("t".into(), vec![0.0; 100_000])]).collect())
+        };
+        assert_eq!(arrays(3).map(|(names, _)| names.len()).ok(), Some(4));
+        let refused = arrays(3000).expect_err("2.4 GB").to_string();
+        assert!(refused.contains("as 3001 columns it claims 2400800000 bytes, more than the limit of"), "{refused}");
+    }
 }

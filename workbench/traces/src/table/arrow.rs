@@ -18,12 +18,16 @@ use model::trace::{Cells, Recorded};
 
 use crate::damaged::{DAMAGED, guarded};
 use crate::table::columns::{Columns, Wanted};
-use crate::table::doubles::LARGEST_RESERVE;
+use crate::table::limit::{Limit, NUMBER};
 use crate::table::{arrow_blocks, doubles, parquet_pages};
 use model::Error;
 
+/// Bytes of a text beside its letters.
+const TEXT: u64 = 3 * NUMBER;
 /// Rows of one batch.
 const BATCH: usize = 65_536;
+/// Bytes of the texts of one batch, if each is as long as a dictionary.
+const LARGEST_BATCH: u64 = 64 << 20;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -97,10 +101,12 @@ fn batches((path, names): (&Path, &[String]), kind: Kind, wanted: Wanted<'_>) ->
             let builder = parquet(path)?;
             let file = File::open(path).map_err(Error::io(path))?;
             let wanted = |place: usize| places.binary_search(&place).is_ok();
-            parquet_pages::check(&file, builder.metadata(), wanted).map_err(|error| wrong(error.to_string()))?;
-            let rows = usize::try_from(builder.metadata().file_metadata().num_rows()).unwrap_or(0).min(LARGEST_RESERVE);
+            let largest = parquet_pages::check(&file, builder.metadata(), wanted);
+            let largest = largest.map_err(|error| wrong(error.to_string()))?;
+            let batch = (LARGEST_BATCH / largest.max(1)).clamp(1, BATCH as u64) as usize;
+            let rows = doubles::reserved(builder.metadata().file_metadata().num_rows(), places.len());
             let mask = ProjectionMask::roots(builder.parquet_schema(), places.iter().copied());
-            let reader = builder.with_projection(mask).with_batch_size(BATCH).build();
+            let reader = builder.with_projection(mask).with_batch_size(batch).build();
             let reader = reader.map_err(|error| wrong(error.to_string()))?;
             (rows, Box::new(reader.map(|batch| batch.map_err(|error| error.to_string()))))
         }
@@ -114,8 +120,10 @@ fn batches((path, names): (&Path, &[String]), kind: Kind, wanted: Wanted<'_>) ->
         texts: wanted.text.map(|_| Vec::new()),
         ..Columns::default()
     };
+    let mut limit = Limit::of_file(path)?;
     for batch in batches {
         let batch = batch.map_err(&wrong)?;
+        limit.claim_numbers([batch.num_rows() as u64, wanted.numbers.len() as u64]).map_err(&wrong)?;
         let own = |place: &usize| batch.column(places.iter().position(|other| other == place).unwrap_or(0));
         let no_numbers = |place: &usize| {
             Error::content(
@@ -126,6 +134,7 @@ fn batches((path, names): (&Path, &[String]), kind: Kind, wanted: Wanted<'_>) ->
         };
         let kept = match wanted.text {
             Some(place) => {
+                limit.claim(text_bytes(own(&place))).map_err(&wrong)?;
                 let cells = texts(own(&place)).ok_or_else(|| {
                     Error::content(path, format!("column {}", names[place]), "no text or whole numbers")
                 })?;
@@ -188,6 +197,23 @@ pub(super) fn cells<'a>(chunks: impl Iterator<Item = &'a dyn Array> + Clone) -> 
     chunks.map(texts).collect::<Option<Vec<_>>>().map_or(Cells::Other(kind), |found| Cells::Texts(found.concat()))
 }
 
+/// Bytes of the cells of a column of text: many may be the same long one of a dictionary, or of a list of views.
+fn text_bytes(array: &dyn Array) -> u64 {
+    let sum = |lengths: &mut dyn Iterator<Item = usize>| {
+        lengths.fold(0_u64, |sum, length| sum.saturating_add(length as u64 + TEXT))
+    };
+    if let Some(array) = array.as_string_view_opt() {
+        return sum(&mut array.lengths().map(|length| length as usize));
+    }
+    if let Some(array) = array.as_any_dictionary_opt() {
+        let words = texts(array.values().as_ref()).unwrap_or_default();
+        let length = |key: usize| words.get(key).map_or(0, String::len);
+        return sum(&mut array.normalized_keys().into_iter().map(length));
+    }
+    // As long as what holds it.
+    array.len() as u64 * TEXT
+}
+
 /// The cells of a column of text, also of a dictionary, or of whole numbers as text.
 fn texts(array: &dyn Array) -> Option<Vec<String>> {
     let owned = |cell: Option<&str>| cell.unwrap_or_default().to_string();
@@ -218,4 +244,44 @@ fn texts(array: &dyn Array) -> Option<Vec<String>> {
 pub fn of_batches(name: impl Into<String>, names: &[String], batches: &[RecordBatch]) -> Result<Recorded, Error> {
     let column = |place: usize| cells(batches.iter().map(|batch| batch.column(place).as_ref()));
     Recorded::new(name, names.iter().cloned().zip((0..names.len()).map(column)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use arrow_array::types::Int32Type as Key;
+    use arrow_array::{ArrayRef, DictionaryArray, Int32Array, StringArray, StringViewArray};
+    use arrow_ipc::writer::FileWriter;
+
+    use super::*;
+    use crate::table::Table;
+
+    /// A long text that many rows name becomes as many texts.
+    #[test]
+    fn a_long_text_of_many_rows_is_refused() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("t.arrow");
+        let word = "x".repeat(1 << 20);
+        let keys = Int32Array::from(vec![0; 1000]);
+        let words = Arc::new(StringArray::from(vec![word.as_str()]));
+        let dictionary = DictionaryArray::<Key>::new(keys, words);
+        // A view of an array of two rows takes its text once.
+        let two = StringViewArray::from(vec![word.as_str(), word.as_str()]);
+        for (array, rows) in [(Arc::new(dictionary) as ArrayRef, 1000), (Arc::new(two), 2)] {
+            assert_eq!(text_bytes(&array), rows * ((1 << 20) + TEXT));
+            let batch = RecordBatch::try_from_iter([("trace", array)]).expect("one column");
+            let mut writer =
+                FileWriter::try_new(File::create(&path).expect("a file"), &batch.schema()).expect("writes");
+            writer.write(&batch).and_then(|()| writer.finish()).expect("writes");
+            let table = Table::open(&path).expect("a table");
+            let texts = table.read(Wanted { numbers: &[], text: Some(0), row: &|_| false });
+            match texts {
+                Ok(_) => assert_eq!(rows, 2),
+                Err(refused) => {
+                    assert!(rows == 1000 && refused.to_string().contains("READ_LIMIT"), "{refused}");
+                }
+            }
+        }
+    }
 }

@@ -12,7 +12,7 @@ use std::io::{Read, Seek, SeekFrom};
 use arrow_ipc::reader::read_footer_length;
 use arrow_ipc::{Block, RecordBatch, root_as_footer, root_as_message};
 
-use crate::table::unpack::most;
+use crate::table::limit::Limit;
 
 /// Bytes behind the footer.
 const END: u64 = 10;
@@ -33,7 +33,7 @@ pub(super) fn check(file: &mut File) -> Result<(), String> {
     read(file, Some(at), &mut footer)?;
     let footer = root_as_footer(&footer).map_err(|error| format!("its footer is damaged: {error}"))?;
     let blocks = [footer.dictionaries(), footer.recordBatches()].into_iter().flatten().flat_map(|list| list.iter());
-    let (mut packed, mut unpacked) = (0_u64, 0_u64);
+    let (mut packed, mut limit) = (0_u64, Limit::of(size));
     for block in blocks {
         let lengths = [u64::try_from(block.metaDataLength()), u64::try_from(block.bodyLength())];
         let [Ok(message), Ok(body)] = lengths else { return Err("a block has a negative length".into()) };
@@ -42,10 +42,9 @@ pub(super) fn check(file: &mut File) -> Result<(), String> {
         if end > size || packed > size {
             return Err("its blocks are longer than the file".into());
         }
-        unpacked = unpacked.saturating_add(unpacked_size(file, block)?);
+        limit.claim(unpacked_size(file, block)?)?;
     }
-    let most = most(usize::try_from(size).unwrap_or(usize::MAX));
-    if unpacked > most { Err(format!("more than {most} bytes come out")) } else { Ok(()) }
+    Ok(())
 }
 
 /// Bytes to which the buffers of a block are unpacked; 0 if they are not packed.

@@ -8,7 +8,7 @@ pub const LARGEST: f64 = 1e15;
 /// Columns of numbers, in the order in which they were asked for, and the cells of a column of text.
 #[derive(Debug, Default)]
 pub struct Columns {
-    /// Columns of numbers, of one length.
+    /// Columns of numbers, of one length; NaN where a value is missing.
     pub numbers: Vec<Vec<f64>>,
     /// The cells of the column of text, if one was asked for, in the rows that were wanted.
     pub texts: Option<Vec<String>>,
@@ -36,24 +36,44 @@ impl Columns {
     }
 }
 
-/// The first row whose number is not taken.
-pub(super) fn first_unusable(column: &[f64]) -> Option<usize> {
+/// Why a column is not taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Unusable {
+    /// The number in this row is larger than any measured value.
+    Large(usize),
+    /// No row has a number.
+    Empty,
+}
+
+/// Makes NaN, a missing value, of what is no finite number.
+pub(super) fn settle(column: &mut [f64]) -> Result<(), Unusable> {
     const MANY: usize = 1024;
     let is_good = |value: &f64| value.abs() <= LARGEST;
     // Without an exit before the end of many values the compiler compares several at once.
     let is_any_bad = |values: &[f64]| !values.iter().fold(true, |good, value| good & is_good(value));
-    let many = column.chunks(MANY).position(is_any_bad)?;
-    let rest = &column[many * MANY..];
-    Some(many * MANY + rest.iter().position(|value| !is_good(value))?)
+    if !column.chunks(MANY).any(is_any_bad) {
+        return Ok(());
+    }
+    if let Some(row) = column.iter().position(|value| value.is_finite() && !is_good(value)) {
+        return Err(Unusable::Large(row));
+    }
+    column.iter_mut().filter(|value| !value.is_finite()).for_each(|value| *value = f64::NAN);
+    if column.iter().any(|value| value.is_finite()) { Ok(()) } else { Err(Unusable::Empty) }
 }
 
 /// Why a number is not taken.
-pub(super) fn unusable(value: f64, cell: &str) -> String {
-    if value.is_finite() {
-        format!("{cell} is no measured value; repair the sample")
-    } else {
-        format!("{cell} is not a finite number; cut the trace there or repair the sample")
-    }
+pub(super) fn too_large(cell: &str) -> String {
+    format!("{cell} is no measured value; repair the sample, or write nan for a missing one")
+}
+
+/// Why a column is not taken in which nothing is a number.
+pub(super) const NO_NUMBER: &str = "no number in any row; leave the column out, or record it again";
+
+/// Whether a cell says that there is no value, in the words of loggers and spreadsheets.
+pub(super) fn is_missing(cell: &str) -> bool {
+    const WORDS: [&str; 11] = ["", "na", "<na>", "n/a", "#n/a", "null", "none", "nil", "#num!", "#div/0!", "#value!"];
+    // 1.#QNAN, -1.#IND and 1.#INF are those of older C libraries.
+    WORDS.iter().any(|word| cell.eq_ignore_ascii_case(word)) || cell.trim_start_matches('-').starts_with("1.#")
 }
 
 #[cfg(test)]
@@ -61,16 +81,30 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_unusable_value_is_found_anywhere() {
-        for (rows, bad) in [(1, 0), (1023, 1022), (1024, 1023), (1025, 1024), (5000, 3000)] {
-            let mut column = vec![-LARGEST; rows];
-            assert_eq!(first_unusable(&column), None);
-            column[rows - 1] = f64::NAN;
-            for value in [f64::NAN, f64::NEG_INFINITY, 1.001 * LARGEST] {
+    fn values_that_are_not_finite_are_missing_and_large_ones_are_found_anywhere() {
+        for (rows, bad) in [(2, 0), (1023, 1022), (1024, 1023), (1025, 1024), (5000, 3000)] {
+            let good = vec![-LARGEST; rows];
+            assert_eq!((settle(&mut good.clone()), settle(&mut vec![f64::NAN; rows])), (Ok(()), Err(Unusable::Empty)));
+            for value in [f64::NAN, f64::NEG_INFINITY, f64::INFINITY] {
+                let mut column = good.clone();
                 column[bad] = value;
-                assert_eq!(first_unusable(&column), Some(bad), "{rows} {value}");
+                assert_eq!(settle(&mut column), Ok(()));
+                let missing: Vec<usize> = (0..rows).filter(|row| column[*row].is_nan()).collect();
+                assert_eq!(missing, [bad], "{rows} {value}");
+                column[rows - 1 - bad] = 1.001 * LARGEST;
+                assert_eq!(settle(&mut column), Err(Unusable::Large(rows - 1 - bad)));
             }
         }
-        assert_eq!(first_unusable(&[]), None);
+        assert_eq!(settle(&mut []), Ok(()));
+    }
+
+    #[test]
+    fn words_for_a_missing_value_are_known() {
+        for cell in ["", "NA", "n/a", "#N/A", "NULL", "None", "<NA>", "#DIV/0!", "1.#QNAN", "-1.#IND"] {
+            assert!(is_missing(cell), "{cell}");
+        }
+        for cell in ["x", "0", "start", "-", "12:30", "nanometre", "1.2.3"] {
+            assert!(!is_missing(cell), "{cell}");
+        }
     }
 }

@@ -11,11 +11,16 @@ use parquet::schema::types::SchemaDescriptor;
 
 use crate::table::parquet_pages;
 
-/// Rows for which memory is reserved at most, as the file's own count of rows may be wrong.
-pub(super) const LARGEST_RESERVE: usize = 1 << 24;
+/// Numbers for which memory is reserved at most.
+const LARGEST_RESERVE: usize = 1 << 24;
 
 /// Values that are read at a time.
 const MANY: usize = 65_536;
+
+/// Rows for which memory is reserved in each of some columns: the file's own count of rows may be wrong.
+pub(super) fn reserved(rows: i64, columns: usize) -> usize {
+    usize::try_from(rows).unwrap_or(0).min(LARGEST_RESERVE / columns.max(1))
+}
 
 /// Reads the columns at these places; `None` if one has other values, or lacks some.
 pub(super) fn read(file: File, places: &[usize]) -> Result<Option<Vec<Vec<f64>>>> {
@@ -23,7 +28,7 @@ pub(super) fn read(file: File, places: &[usize]) -> Result<Option<Vec<Vec<f64>>>
     let reader = SerializedFileReader::new(file)?;
     parquet_pages::check(&pages, reader.metadata(), |place| places.contains(&place))?;
     let about = reader.metadata().file_metadata();
-    let rows = usize::try_from(about.num_rows()).unwrap_or(0).min(LARGEST_RESERVE);
+    let rows = reserved(about.num_rows(), places.len());
     let leaves: Option<Vec<usize>> = places.iter().map(|place| leaf(about.schema_descr(), *place)).collect();
     let Some(leaves) = leaves else { return Ok(None) };
     let mut columns: Vec<Vec<f64>> = places.iter().map(|_| Vec::with_capacity(rows)).collect();

@@ -16,8 +16,8 @@ use matrw::{MatFile, MatVariable};
 
 use crate::damaged::guarded;
 use crate::table::arrays::of_one_length;
-use crate::table::matlab_elements;
 use crate::table::matlab_value::Value;
+use crate::table::{limit, matlab_elements, matlab_hdf5};
 use model::Error;
 
 /// What a file of format 7.3 has behind its text header.
@@ -26,10 +26,11 @@ const HDF5: &[u8] = b"\x89HDF";
 
 /// Returns names and columns.
 pub(super) fn read(path: &Path) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
-    let bytes = std::fs::read(path).map_err(Error::io(path))?;
+    let bytes = limit::whole(path)?;
     let is_hdf5 = bytes.starts_with(HDF5) || bytes.get(HDF5_AT..).is_some_and(|rest| rest.starts_with(HDF5));
-    let value = guarded(|| if is_hdf5 { hdf5_pure::mat::from_bytes(&bytes).ok() } else { variables(&bytes) });
-    let Some(Some(Value::Fields(variables))) = value else {
+    let value = guarded(|| if is_hdf5 { of_hdf5(&bytes) } else { variables(&bytes) }).unwrap_or(Ok(None));
+    let value = value.map_err(|problem| Error::content(path, "content", problem))?;
+    let Some(Value::Fields(variables)) = value else {
         let problem = "not readable as a MATLAB file of format 5 to 7.3; save it again, e.g. with -v7";
         return Err(Error::content(path, "content", problem));
     };
@@ -43,10 +44,17 @@ pub(super) fn read(path: &Path) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
     of_one_length(path, found)
 }
 
+/// Reads the variables of format 7.3.
+fn of_hdf5(bytes: &[u8]) -> Result<Option<Value>, String> {
+    matlab_hdf5::check(bytes)?;
+    Ok(hdf5_pure::mat::from_bytes(bytes).ok())
+}
+
 /// Reads the variables of format 5 to 7.
-fn variables(bytes: &[u8]) -> Option<Value> {
-    let file = matrw::load_matfile_from_u8(&matlab_elements::unpacked(bytes)?).ok()?;
-    Some(Value::Fields(file.iter().map(|(name, value)| (name.clone(), value.into())).collect()))
+fn variables(bytes: &[u8]) -> Result<Option<Value>, String> {
+    let Some(plain) = matlab_elements::unpacked(bytes)? else { return Ok(None) };
+    let Ok(file) = matrw::load_matfile_from_u8(&plain) else { return Ok(None) };
+    Ok(Some(Value::Fields(file.iter().map(|(name, value)| (name.clone(), value.into())).collect())))
 }
 
 /// Length of the part of all names that is the name of the only variable and its dot.

@@ -10,7 +10,7 @@
 //! type 15  one packed element (zlib), without zeros behind it
 //! ```
 
-use crate::table::unpack::{most, unpack};
+use crate::table::limit::Limit;
 
 const HEADER: usize = 128;
 const ARRAY: u32 = 14;
@@ -36,28 +36,19 @@ struct Element<'a> {
 }
 
 /// Returns the file with every element unpacked; `None` if its elements do not fit into each other.
-pub(super) fn unpacked(bytes: &[u8]) -> Option<Vec<u8>> {
-    let (header, mut rest) = bytes.split_at_checked(HEADER)?;
-    let is_little = match header.last_chunk()? {
-        b"IM" => true,
-        b"MI" => false,
-        _ => return None,
-    };
-    let mut plain = header.to_vec();
-    while !rest.is_empty() {
-        let element = element(rest, is_little)?;
-        rest = element.rest;
-        if element.kind == PACKED {
-            let left = most(bytes.len()).saturating_sub(plain.len() as u64);
-            let inner = unpack(flate2::read::ZlibDecoder::new(element.content), left).ok()?;
-            check(&inner, is_little, 0)?;
-            plain.extend(inner);
-        } else {
-            check(element.whole, is_little, 0)?;
-            plain.extend(element.whole);
-        }
-    }
-    Some(plain)
+///
+/// # Errors
+/// More than the limit, in words.
+pub(super) fn unpacked(bytes: &[u8]) -> Result<Option<Vec<u8>>, String> {
+    let mut unpacking = Unpacking { limit: Limit::of(bytes.len() as u64), refused: None };
+    let plain = unpacking.file(bytes);
+    unpacking.refused.map_or(Ok(plain), Err)
+}
+
+/// What is used of the limit, and why nothing is left.
+struct Unpacking {
+    limit: Limit,
+    refused: Option<String>,
 }
 
 /// Takes the first element.
@@ -81,39 +72,73 @@ fn element(bytes: &[u8], is_little: bool) -> Option<Element<'_>> {
     Some(Element { kind, content, whole, rest })
 }
 
-/// Checks elements, and those of arrays among them; outermost, at depth 0, others are refused.
-fn check(mut rest: &[u8], is_little: bool, depth: usize) -> Option<()> {
-    while !rest.is_empty() {
-        let element = element(rest, is_little)?;
-        rest = element.rest;
-        match element.kind {
-            ARRAY if depth < DEEPEST => {
-                check(element.content, is_little, depth + 1)?;
-                check_count(element.content, is_little)?;
+impl Unpacking {
+    fn file(&mut self, bytes: &[u8]) -> Option<Vec<u8>> {
+        let (header, mut rest) = bytes.split_at_checked(HEADER)?;
+        let is_little = match header.last_chunk()? {
+            b"IM" => true,
+            b"MI" => false,
+            _ => return None,
+        };
+        let mut plain = header.to_vec();
+        while !rest.is_empty() {
+            let element = element(rest, is_little)?;
+            rest = element.rest;
+            if element.kind == PACKED {
+                let stream = flate2::read::ZlibDecoder::new(element.content);
+                let inner = self.told(|limit| limit.unpack(stream))?;
+                self.check(&inner, is_little, 0)?;
+                plain.extend(inner);
+            } else {
+                self.check(element.whole, is_little, 0)?;
+                plain.extend(element.whole);
             }
-            // Packed elements are outermost.
-            ARRAY | PACKED => return None,
-            _ if depth == 0 => return None,
-            _ => {}
         }
+        Some(plain)
     }
-    Some(())
+
+    /// A part within the limit; the first reason why it is none is kept.
+    fn told<T>(&mut self, part: impl FnOnce(&mut Limit) -> Result<T, String>) -> Option<T> {
+        part(&mut self.limit).map_err(|problem| self.refused.get_or_insert(problem)).ok()
+    }
+
+    /// Checks elements, and those of arrays among them; outermost, at depth 0, others are refused.
+    fn check(&mut self, mut rest: &[u8], is_little: bool, depth: usize) -> Option<()> {
+        while !rest.is_empty() {
+            let element = element(rest, is_little)?;
+            rest = element.rest;
+            match element.kind {
+                ARRAY if depth < DEEPEST => {
+                    self.check(element.content, is_little, depth + 1)?;
+                    let count = count(element.content, is_little)?;
+                    self.told(|limit| limit.claim_numbers([count]))?;
+                }
+                // Packed elements are outermost.
+                ARRAY | PACKED => return None,
+                _ if depth == 0 => return None,
+                _ => {}
+            }
+        }
+        Some(())
+    }
 }
 
-/// Checks that an array has not more elements than bytes: each takes at least one, but for the zeros of a sparse one.
-fn check_count(content: &[u8], is_little: bool) -> Option<()> {
+/// Number of elements of an array, which is not more than that of its bytes: each takes at least one, but for the zeros
+/// of a sparse one.
+fn count(content: &[u8], is_little: bool) -> Option<u64> {
     if content.is_empty() {
-        return Some(());
+        return Some(0);
     }
     let flags = element(content, is_little).filter(|own| own.kind == FLAGS && own.content.len() == 8)?;
     let class = if is_little { flags.content.first()? } else { flags.content.get(3)? };
     if *class > LAST_CLASS {
-        return Some(());
+        return Some(0);
     }
     let dimensions = element(flags.rest, is_little).filter(|own| own.kind == DIMENSIONS)?;
     let (sizes, rest) = dimensions.content.as_chunks::<4>();
     let count = sizes.iter().try_fold(1_usize, |count, own| count.checked_mul(number(own, is_little) as usize))?;
-    (rest.is_empty() && (count <= content.len() || *class == SPARSE)).then_some(())
+    let stored = count.min(content.len());
+    (rest.is_empty() && (count == stored || *class == SPARSE)).then_some(stored as u64)
 }
 
 /// Four bytes in either order.
@@ -124,6 +149,10 @@ fn number(bytes: &[u8; 4], is_little: bool) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn plain(bytes: &[u8]) -> Option<Vec<u8>> {
+        unpacked(bytes).expect("within the limit")
+    }
 
     fn file(elements: &[u8]) -> Vec<u8> {
         let mut bytes = vec![b' '; HEADER];
@@ -151,36 +180,56 @@ mod tests {
     #[test]
     fn lengths_beyond_the_file_are_refused() {
         let good = file(&tagged(ARRAY, &tagged(FLAGS, &[17, 0, 0, 0, 0, 0, 0, 0])));
-        assert_eq!(unpacked(&good), Some(good.clone()));
+        assert_eq!(plain(&good), Some(good.clone()));
         for place in [HEADER + 4, HEADER + 12] {
             for size in [255, 25] {
                 let mut forged = good.clone();
                 forged[place] = size;
-                assert_eq!(unpacked(&forged), None, "{place} {size}");
+                assert_eq!(plain(&forged), None, "{place} {size}");
             }
         }
-        assert_eq!(unpacked(&good[..HEADER + 15]), None);
+        assert_eq!(plain(&good[..HEADER + 15]), None);
         let mut other = good.clone();
         other[HEADER + 1] = 3;
-        assert_eq!(unpacked(&other), None, "a type of which eight bits are those of an array");
-        assert_eq!(unpacked(&file(&[])), Some(file(&[])));
-        assert_eq!(unpacked(&[b' '; HEADER]), None, "neither order of bytes");
+        assert_eq!(plain(&other), None, "a type of which eight bits are those of an array");
+        assert_eq!(plain(&file(&[])), Some(file(&[])));
+        assert_eq!(plain(&[b' '; HEADER]), None, "neither order of bytes");
     }
 
     #[test]
     fn counts_and_depths_beyond_the_file_are_refused() {
-        assert!(unpacked(&file(&cells([1, 1], &cells([1, 0], &[])))).is_some());
-        assert_eq!(unpacked(&file(&cells([u32::MAX, 1], &[]))), None);
-        assert_eq!(unpacked(&file(&cells([u32::MAX, u32::MAX], &[]))), None);
+        assert!(plain(&file(&cells([1, 1], &cells([1, 0], &[])))).is_some());
+        assert_eq!(plain(&file(&cells([u32::MAX, 1], &[]))), None);
+        assert_eq!(plain(&file(&cells([u32::MAX, u32::MAX], &[]))), None);
         // A number, as it should be, and with dimensions beyond the file or of an odd length.
-        let number = |dimensions: &[u8], class| unpacked(&file(&array(class, dimensions, &tagged(9, &[0; 8]))));
+        let number = |dimensions: &[u8], class| plain(&file(&array(class, dimensions, &tagged(9, &[0; 8]))));
         assert!(number(&[1, 0, 0, 0, 1, 0, 0, 0], 6).is_some());
         assert_eq!(number(&[1, 0, 0, 0, 0, 0, 0, 9], 6), None);
         assert!(number(&[1, 0, 0, 0, 0, 0, 0, 9], SPARSE).is_some());
         assert_eq!(number(&[1], 6), None);
-        assert_eq!(unpacked(&file(&tagged(9, &[0; 8]))), None, "no array");
+        assert_eq!(plain(&file(&tagged(9, &[0; 8]))), None, "no array");
         let deep = |depth| (0..depth).fold(vec![], |inside, _| cells([1, 1], &inside));
-        assert!(unpacked(&file(&deep(DEEPEST))).is_some());
-        assert_eq!(unpacked(&file(&deep(DEEPEST + 1))), None);
+        assert!(plain(&file(&deep(DEEPEST))).is_some());
+        assert_eq!(plain(&file(&deep(DEEPEST + 1))), None);
+    }
+
+    /// Bytes that are packed a thousand times, and numbers of one byte that become eight.
+    #[test]
+    fn what_becomes_too_large_is_refused() {
+        use std::io::Write as _;
+        let packed = |elements: &[u8]| {
+            let mut encoder = flate2::write::ZlibEncoder::new(vec![], flate2::Compression::best());
+            encoder.write_all(elements).expect("in memory");
+            let stream = encoder.finish().expect("in memory");
+            [&PACKED.to_le_bytes()[..], &(stream.len() as u32).to_le_bytes(), &stream].concat()
+        };
+        let count = 5_u32 << 20;
+        let bytes =
+            array(9, &[1_u32.to_le_bytes(), count.to_le_bytes()].concat(), &tagged(2, &vec![0; count as usize]));
+        let small = file(&packed(&bytes));
+        assert!(small.len() < 1 << 20 && plain(&small).is_some());
+        let refused =
+            unpacked(&file(&[packed(&bytes), packed(&bytes)].concat())).expect_err("90 MiB of bytes and numbers");
+        assert!(refused.contains("more than the limit of 67108864"), "{refused}");
     }
 }

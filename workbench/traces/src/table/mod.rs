@@ -7,6 +7,8 @@
 //! .npz                 arrays of NumPy ([`numpy`])
 //! ```
 //!
+//! No file becomes more than its `limit` in memory.
+//!
 //! A table may also be in memory (`memory`). Each format but text is a feature of this crate.
 
 #[cfg(any(feature = "matlab", feature = "numpy"))]
@@ -23,12 +25,15 @@ mod digits;
 mod doubles;
 mod formats;
 mod layout;
+mod limit;
 mod lines;
 mod marks;
 #[cfg(feature = "matlab")]
 mod matlab;
 #[cfg(feature = "matlab")]
 mod matlab_elements;
+#[cfg(feature = "matlab")]
+mod matlab_hdf5;
 #[cfg(feature = "matlab")]
 mod matlab_value;
 mod memory;
@@ -50,7 +55,7 @@ use rayon::prelude::*;
 use model::Error;
 use model::trace::{Recorded, extensions};
 
-use columns::{first_unusable, unusable};
+use columns::{NO_NUMBER, Unusable, settle, too_large};
 use formats::{is_binary, left_out};
 
 #[cfg(feature = "parquet")]
@@ -140,10 +145,11 @@ impl Table {
     /// Reads columns.
     ///
     /// # Errors
-    /// A cell that is no finite number of a wanted column, or a row without the cells.
+    /// A cell of a wanted column that is neither a number nor missing, a column without a number, or a row without the
+    /// cells.
     pub fn read(&self, wanted: Wanted<'_>) -> Result<Columns, Error> {
-        let columns = match &self.content {
-            Content::Text(text) => return text.read((&self.path, &self.names), wanted),
+        let mut columns = match &self.content {
+            Content::Text(text) => text.read((&self.path, &self.names), wanted)?,
             #[cfg(any(feature = "matlab", feature = "numpy"))]
             Content::Columns(columns) => Columns {
                 numbers: wanted.numbers.iter().map(|place| columns[*place].clone()).collect(),
@@ -153,15 +159,22 @@ impl Table {
             Content::Arrow(kind) => arrow::read((&self.path, &self.names), *kind, wanted)?,
             Content::Memory(recorded) => memory::read(recorded, wanted)?,
         };
-        let check = |(column, place): (&Vec<f64>, &usize)| {
-            let Some(row) = first_unusable(column) else { return Ok(()) };
-            let place = format!("{}, column {}", columns.place(row), self.names[*place]);
-            Err(Error::content(&self.path, place, unusable(column[row], &column[row].to_string())))
-        };
         // As a list first: the first column with such a value is told, whichever thread is first.
-        let checks: Vec<Result<(), Error>> = columns.numbers.par_iter().zip(wanted.numbers).map(check).collect();
-        checks.into_iter().collect::<Result<(), Error>>()?;
-        Ok(columns)
+        let checks: Vec<Result<(), Unusable>> = columns.numbers.par_iter_mut().map(|own| settle(own)).collect();
+        // A table in memory may be a piece of a trace, in which a sensor gives nothing.
+        let is_piece = matches!(self.content, Content::Memory(_));
+        let refused = |check: &Result<(), Unusable>| check.err().filter(|own| !(is_piece && *own == Unusable::Empty));
+        let Some((k, problem)) = checks.iter().enumerate().find_map(|(k, check)| Some((k, refused(check)?))) else {
+            return Ok(columns);
+        };
+        let column = format!("column {}", self.names[wanted.numbers[k]]);
+        let (place, problem) = match problem {
+            Unusable::Large(row) => {
+                (format!("{}, {column}", columns.place(row)), too_large(&columns.numbers[k][row].to_string()))
+            }
+            Unusable::Empty => (column, NO_NUMBER.into()),
+        };
+        Err(Error::content(&self.path, place, problem))
     }
 }
 

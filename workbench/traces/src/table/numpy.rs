@@ -9,10 +9,13 @@ use zip::ZipArchive;
 
 use crate::damaged::{DAMAGED, guarded};
 use crate::table::arrays::of_one_length;
+use crate::table::limit::{Limit, VALUE};
 use model::Error;
 
 /// Bytes of the longest header.
 const LONGEST: usize = 1 << 16;
+/// Bytes of the name and the list of a column.
+const PER_COLUMN: u64 = 64;
 /// Brackets within each other in a header, at most: the time of the parser is exponential in their number. The headers
 /// of arrays of numbers have two.
 const DEEPEST: usize = 6;
@@ -27,12 +30,19 @@ pub(super) fn read(path: &Path) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
 fn arrays(path: &Path) -> Result<Vec<(String, Vec<f64>)>, Error> {
     let wrong = |error: std::io::Error| Error::content(path, "content", format!("not readable as .npz: {error}"));
     let file = File::open(path).map_err(Error::io(path))?;
+    let mut limit = Limit::of_file(path)?;
     let mut archive = ZipArchive::new(BufReader::new(file)).map_err(|error| wrong(error.into()))?;
     let mut found = Vec::new();
     for place in 0..archive.len() {
         let file = archive.by_index(place).map_err(|error| wrong(error.into()))?;
         let Some(name) = file.name().strip_suffix(".npy").map(String::from) else { continue };
-        found.extend(columns(&name, opened(file).map_err(wrong)?).map_err(wrong)?);
+        let array = opened(file).map_err(wrong)?;
+        // All of it, also what is skipped: an archive may have many arrays, and one of them many columns of no rows.
+        let claimed = limit.claim_numbers(array.shape().iter().copied()).and_then(|()| limit.claim(VALUE));
+        let across = array.shape().get(1).copied().unwrap_or(1);
+        let claimed = claimed.and_then(|()| limit.claim(across.saturating_mul(PER_COLUMN)));
+        claimed.map_err(|problem| Error::content(path, format!("array {name}"), problem))?;
+        found.extend(columns(&name, array).map_err(wrong)?);
     }
     Ok(found)
 }
@@ -144,5 +154,28 @@ mod tests {
         let mut long = array(2, good);
         long[8..12].copy_from_slice(&u32::MAX.to_le_bytes());
         assert!(opened(&long[..]).is_err() && opened(&b"\x93NUMPY\x01\x00v"[..]).is_err());
+    }
+
+    /// Headers of archives of a few hundred bytes.
+    #[test]
+    fn arrays_that_claim_too_much_are_refused() {
+        use std::io::Write as _;
+        let path = tempfile::Builder::new().suffix(".npz").tempfile().expect("a file").into_temp_path();
+        let read_with = |shapes: &[&str]| {
+            let mut archive = zip::ZipWriter::new(File::create(&path).expect("a file"));
+            for (k, shape) in shapes.iter().enumerate() {
+                archive.start_file(format!("a{k}.npy"), zip::write::SimpleFileOptions::default()).expect("opened");
+                let header = format!("{{'descr': '|i1', 'fortran_order': False, 'shape': ({shape}), }}\n");
+                archive.write_all(&array(1, &header)).expect("written");
+            }
+            archive.finish().expect("written");
+            read(&path).expect_err("too large, or no numbers").to_string()
+        };
+        for shape in ["2147483648,", "0, 2147483648", "65536, 65536", "1, 2, 999999999"] {
+            let refused = read_with(&[shape]);
+            assert!(refused.contains("array a0: it claims") && refused.contains("READ_LIMIT"), "{shape}: {refused}");
+        }
+        let refused = read_with(&["0,"; 3]);
+        assert!(refused.contains("no arrays of numbers"), "{refused}");
     }
 }

@@ -3,11 +3,13 @@
 //! A header is a structure of Thrift's compact protocol. The reader skips unknown fields; at a list of texts it asks
 //! the end of the file for each of as many texts as the list claims. Headers of the format have no lists, sets or maps,
 //! so a file with one is refused. It reserves memory for as many values as a dictionary claims; each has a byte at
-//! least. What else is wrong, the reader says.
+//! least. A page of a few bytes can hold any number of equal values, so that the sizes of all pages without compression
+//! and the numbers of their values stay within the limit of the file. What else is wrong, the reader says.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Seek, SeekFrom};
 
+use crate::table::limit::Limit;
 use parquet::errors::ParquetError;
 use parquet::file::metadata::ParquetMetaData;
 
@@ -19,16 +21,28 @@ const BYTES: i64 = 2;
 const SIZE: i64 = 3;
 /// That with the structure of a dictionary's page.
 const DICTIONARY: i64 = 7;
-/// The field of that structure with the number of values.
+/// Those with the structure of a page of data, in both versions.
+const DATA: [i64; 2] = [5, 8];
+/// The field of these structures with the number of values.
 const VALUES: i64 = 1;
 
-/// Refuses a file with a list in a header of a page of these columns, by their place in the table, or with a dictionary
-/// that has more values than bytes.
+/// Refuses a file with a list in a header of a page of these columns, by their place in the table, with a dictionary
+/// that has more values than bytes, or with pages that become too large. Returns the size of the largest dictionary.
 ///
 /// # Errors
-/// A list, a dictionary of more values than bytes.
-pub fn check(file: &File, metadata: &ParquetMetaData, wanted: impl Fn(usize) -> bool) -> Result<(), ParquetError> {
-    let Ok(length) = file.metadata().map(|about| about.len()) else { return Ok(()) };
+/// A list, a dictionary of more values than bytes, more than the limit.
+pub fn check(file: &File, metadata: &ParquetMetaData, wanted: impl Fn(usize) -> bool) -> Result<u64, ParquetError> {
+    let Ok(length) = file.metadata().map(|about| about.len()) else { return Ok(0) };
+    within(Limit::of(length), (file, length), metadata, wanted)
+}
+
+fn within(
+    mut limit: Limit,
+    (file, length): (&File, u64),
+    metadata: &ParquetMetaData,
+    wanted: impl Fn(usize) -> bool,
+) -> Result<u64, ParquetError> {
+    let mut largest = 0;
     // Headers are short; pages are not read.
     let mut reader = BufReader::with_capacity(256, file);
     let schema = metadata.file_metadata().schema_descr();
@@ -43,19 +57,28 @@ pub fn check(file: &File, metadata: &ParquetMetaData, wanted: impl Fn(usize) -> 
             }
             let mut header = Header { reader: &mut reader, left: end - at, page: Page::default() };
             let wrong = match header.fields(DEEPEST, None) {
-                Err(Wrong::List) => "the header of a page has a list",
-                Ok(()) if header.page.values > header.page.bytes => "a dictionary has more values than bytes",
+                Err(Wrong::List) => "the header of a page has a list".to_string(),
+                Ok(()) if header.page.values > header.page.bytes => "a dictionary has more values than bytes".into(),
                 Ok(()) => {
-                    let Some(size) = header.page.size else { break };
-                    at = (end - header.left).saturating_add(size);
-                    continue;
+                    let Page { size, bytes, values, rows } = header.page;
+                    if values > 0 {
+                        largest = bytes.max(largest);
+                    }
+                    match (limit.claim(bytes).and_then(|()| limit.claim_numbers([rows])), size) {
+                        (Ok(()), Some(size)) => {
+                            at = (end - header.left).saturating_add(size);
+                            continue;
+                        }
+                        (Ok(()), None) => break,
+                        (Err(problem), _) => problem,
+                    }
                 }
                 Err(Wrong::Malformed) => break,
             };
             return Err(ParquetError::General(format!("column {}: {wrong}", column.column_path().string())));
         }
     }
-    Ok(())
+    Ok(largest)
 }
 
 /// Why a header is not read.
@@ -74,6 +97,8 @@ struct Page {
     bytes: u64,
     /// Number of values of a dictionary.
     values: u64,
+    /// Number of values of a page of data.
+    rows: u64,
 }
 
 /// A header, and how many bytes it may have.
@@ -105,6 +130,7 @@ impl<R: BufRead> Header<R> {
                         (None, SIZE) => self.page.size = value.ok(),
                         // The reader takes a negative number for a large one.
                         (Some(DICTIONARY), VALUES) => self.page.values = value.unwrap_or(u64::MAX),
+                        (Some(within), VALUES) if DATA.contains(&within) => self.page.rows = value.unwrap_or(u64::MAX),
                         _ => {}
                     }
                 }
@@ -195,7 +221,7 @@ mod tests {
     fn the_size_of_a_page_is_that_of_its_header() {
         // Type 0, 300 and 200 bytes, statistics with a text and a boolean in the structure of field 5; one byte behind.
         let header = [0x15, 0, 0x15, 0xd8, 4, 0x15, 0x90, 3, 0x2c, 0x18, 2, b'a', b'b', 0x11, 0, 0, 9];
-        assert_eq!(read(&header), (Ok(Page { size: Some(200), bytes: 300, values: 0 }), 1));
+        assert_eq!(read(&header), (Ok(Page { size: Some(200), bytes: 300, ..Page::default() }), 1));
         // The identifier of a field in full, 3; its value −1.
         assert_eq!(read(&[0x05, 6, 1, 0]), (Ok(Page::default()), 0));
     }
@@ -204,7 +230,7 @@ mod tests {
     fn a_dictionary_has_as_many_values_as_its_header_says() {
         // 16 bytes; in the structure of field 7 three values, and a structure whose first field is none of its own.
         let header = [0x25, 32, 0x15, 32, 0x4c, 0x15, 6, 0x1c, 0x15, 20, 0, 0, 0];
-        assert_eq!(read(&header), (Ok(Page { size: Some(16), bytes: 16, values: 3 }), 0));
+        assert_eq!(read(&header), (Ok(Page { size: Some(16), bytes: 16, values: 3, rows: 0 }), 0));
         assert_eq!(read(&[0x7c, 0x15, 1, 0, 0]).0, Ok(Page { values: u64::MAX, ..Page::default() }));
     }
 
@@ -221,6 +247,34 @@ mod tests {
         let table = Table::open(&path).expect("the names of its columns are in its footer");
         let refused = table.read(Wanted { numbers: &[0], text: None, row: &|_| true }).expect_err("a dictionary");
         assert!(refused.to_string().contains("column a: a dictionary has more values than bytes"), "{refused}");
+    }
+
+    /// A column of equal values takes a few bytes, however many they are.
+    #[test]
+    fn equal_values_beyond_the_limit_are_refused() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("t.parquet");
+        write(&path, &["a".into(), "b".into()], &[vec![1.0; 1 << 20], vec![2.0; 1 << 20]]).expect("written");
+        let length = path.metadata().expect("there").len();
+        let file = File::open(&path).expect("there");
+        let reader =
+            parquet::file::reader::SerializedFileReader::new(file.try_clone().expect("open")).expect("readable");
+        let metadata = parquet::file::reader::FileReader::metadata(&reader);
+        assert!(length < 1 << 16 && check(&file, metadata, |_| true).is_ok(), "{length}");
+        // One column has eight megabytes.
+        let mut limit = Limit::of(1);
+        let rest = limit.left() - (12 << 20);
+        assert_eq!(limit.claim(rest), Ok(()));
+        assert!(within(limit.clone(), (&file, length), metadata, |place| place == 0).is_ok());
+        let refused = within(limit, (&file, length), metadata, |_| true).expect_err("16 megabytes").to_string();
+        assert!(refused.contains("column b: it claims") && refused.contains("READ_LIMIT"), "{refused}");
+    }
+
+    /// The number of values that the header of a page claims.
+    #[test]
+    fn a_page_has_as_many_values_as_its_header_says() {
+        assert_eq!(read(&[0x5c, 0x15, 20, 0, 0]).0, Ok(Page { rows: 10, ..Page::default() }));
+        assert_eq!(read(&[0x8c, 0x15, 1, 0, 0]).0, Ok(Page { rows: u64::MAX, ..Page::default() }));
     }
 
     #[test]

@@ -5,13 +5,15 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
-use crate::table::columns::{Columns, LARGEST, Wanted, unusable};
+use crate::table::columns::{Columns, LARGEST, Wanted, is_missing, too_large};
 use crate::table::layout::{Header, Layout};
+use crate::table::limit;
 use crate::table::lines::Lines;
 use crate::table::plain::{self, Failure, Form, Refusal};
 use crate::table::source::Source;
 use crate::table::unpack::unpacked;
 use model::Error;
+use model::outputs::text_of;
 
 /// Bytes of a file from which it is read in pieces, and of its start, which has the layout.
 const LARGE: u64 = 4 << 20;
@@ -43,7 +45,7 @@ impl Text {
 
     /// Names of the columns.
     pub(super) fn names(&self, path: &Path) -> Result<Vec<String>, Error> {
-        let clean = |name: &str| name.trim().trim_start_matches('\u{feff}').to_string();
+        let clean = |name: &str| text_of(name.trim().trim_start_matches('\u{feff}')).to_string();
         let first = |line: &str| -> Result<Vec<String>, Error> {
             let mut reader = self.reader(line);
             let mut record = csv::StringRecord::new();
@@ -166,8 +168,9 @@ impl Text {
     fn number(&self, cell: &str) -> Result<f64, String> {
         match self.layout.number(cell) {
             Some(value) if value.abs() <= LARGEST => Ok(value),
-            Some(value) => Err(unusable(value, cell)),
-            None if cell.is_empty() => Err("empty cell; cut the trace there or repair the sample".into()),
+            Some(value) if value.is_finite() => Err(too_large(cell)),
+            Some(_) => Ok(f64::NAN),
+            None if is_missing(cell) => Ok(f64::NAN),
             None => Err(format!("\"{cell}\" is not a number")),
         }
     }
@@ -198,7 +201,7 @@ fn large(path: &Path) -> std::io::Result<Option<(String, u64)>> {
 
 /// All of a file as text, unpacked.
 fn whole(path: &Path) -> Result<String, Error> {
-    let packed = std::fs::read(path).map_err(Error::io(path))?;
+    let packed = limit::whole(path)?;
     let compressed = |problem| Error::content(path, "content", format!("cannot be unpacked: {problem}"));
     let bytes = unpacked(&packed).map_err(compressed)?.unwrap_or(packed);
     String::from_utf8(bytes).map_err(|error| {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use model::Error;
+use model::outputs::cell;
 use model::trace::extensions;
 
 /// Writes columns of equal lengths by the extension of the name.
@@ -44,9 +45,12 @@ fn number(x: f64) -> String {
 }
 
 fn text(names: &[String], columns: &[Vec<f64>], separator: char) -> String {
-    let quoted = |name: &String| match name.contains([separator, '"', '\n']) {
-        true => format!("\"{}\"", name.replace('"', "\"\"")),
-        false => name.clone(),
+    let quoted = |name: &String| {
+        let name = cell(name);
+        match name.contains([separator, '"', '\n', '\r', '\t']) {
+            true => format!("\"{}\"", name.replace('"', "\"\"")),
+            false => name.into_owned(),
+        }
     };
     let mut text = names.iter().map(quoted).collect::<Vec<_>>().join(&separator.to_string());
     text.push('\n');
@@ -82,6 +86,13 @@ mod tests {
             let read = table.read(Wanted { numbers: &places, text: None, row: &|_| true }).expect(name);
             assert_eq!(read.numbers, columns, "{name}");
         }
+        // A name that a spreadsheet would compute is written as text, and read as it was.
+        let formula = ["=1+1".to_string(), "-x".into()];
+        let path = folder.path().join("f.csv");
+        write(&path, &formula, &columns).expect("written");
+        let text = std::fs::read_to_string(&path).expect("text");
+        assert!(text.starts_with("'=1+1,'-x\n0,-0.1\n"), "{text}");
+        assert_eq!(Table::open(&path).expect("read").names(), formula);
         assert!(write(&folder.path().join("a.xls"), &names, &columns).is_err());
         let wrong = write(&folder.path().join("a.mat"), &["i [A]".into()], &columns[..1]).expect_err("a bracket");
         assert!(wrong.to_string().contains("MATLAB allows no such name"), "{wrong}");

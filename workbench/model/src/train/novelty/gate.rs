@@ -34,6 +34,8 @@ pub struct Gate {
     pub runs: Option<RunSpread>,
     /// Number of independent segments from which on 95 % of gates have at most three times the rate.
     pub rows_needed: usize,
+    /// The coordinate in which healthy segments, or the means of their runs, are skewed most, if they are.
+    pub skewed: Option<String>,
 }
 
 impl Gate {
@@ -61,13 +63,30 @@ impl Gate {
         let counted_as = runs.as_ref().map_or_else(String::new, |runs| {
             format!(" of {} runs, which count as {counted:.0} independent ones,", runs.count)
         });
-        (counted < *rows_needed as f64).then(|| {
+        let few = (counted < *rows_needed as f64).then(|| {
             format!(
                 "{rows} healthy segments{counted_as} keep the false-alarm rate of {rate} in the mean only; from \
                  {rows_needed} on, 95 % of such gates have at most {} times the rate",
                 spread::BOUND
             )
-        })
+        });
+        let all: Vec<String> = few.into_iter().chain(self.wider()).collect();
+        (!all.is_empty()).then(|| all.join("; "))
+    }
+
+    /// Says why the gate is further out than that of a usual law.
+    fn wider(&self) -> Option<String> {
+        let what = if self.runs.is_some() { "the means of healthy runs" } else { "healthy segments" };
+        let why = match (&self.skewed, self.law.excess()) {
+            (None, None) => return None,
+            (Some(name), _) => format!("{what} are skewed in {name}"),
+            (None, Some(_)) => "more healthy segments are far out than by a normal law".into(),
+        };
+        let effect = match self.law.excess() {
+            Some(_) => "the gate is further out, and finds larger defects only",
+            None => "the rate of false alarms may differ from the set one",
+        };
+        Some(format!("{why}: {effect}; look at the page of the training for a cause that a covariate could explain"))
     }
 }
 

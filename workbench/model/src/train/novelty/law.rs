@@ -18,6 +18,8 @@
 
 use statrs::function::beta::{beta_reg, ln_beta};
 
+use super::excess::Excess;
+
 /// Prior probability of Gaussian features. With a larger value heavy tails would not be recognised; with a smaller one
 /// the gate of Gaussian features would be far out.
 const GAUSSIAN: f64 = 0.6;
@@ -42,13 +44,15 @@ pub(super) struct Scaled {
 pub struct DistanceLaw {
     /// Probabilities and laws, the Gaussian one first.
     parts: Vec<(f64, Scaled)>,
+    /// How much rarer than they are it takes rare segments for, if that is known.
+    excess: Option<Excess>,
 }
 
 impl DistanceLaw {
     /// Returns the law (1) for `rows` > `coordinates` segments.
     #[must_use]
     pub fn gaussian(coordinates: usize, rows: usize) -> Self {
-        Self { parts: vec![(1.0, Scaled::gaussian(coordinates, rows))] }
+        Self { parts: vec![(1.0, Scaled::gaussian(coordinates, rows))], excess: None }
     }
 
     /// Returns the law (3) of so many training segments; `left_out` are the d² of each from the others.
@@ -74,12 +78,12 @@ impl DistanceLaw {
 
     /// Averages over the heavier forms of a law; without likelihoods there are none.
     fn averaged(law: Scaled, tails: Option<Likelihoods>) -> Self {
-        let Some(tails) = tails else { return Self { parts: vec![(1.0, law)] } };
+        let Some(tails) = tails else { return Self { parts: vec![(1.0, law)], excess: None } };
         let each = |(k, likelihood): (usize, f64)| {
             let (weight, before) = tail(k);
             (before.ln() + likelihood, law.heavier(weight))
         };
-        Self { parts: probabilities(tails.into_iter().enumerate().map(each).collect()) }
+        Self { parts: probabilities(tails.into_iter().enumerate().map(each).collect()), excess: None }
     }
 
     /// The probabilities and laws of (3).
@@ -93,10 +97,21 @@ impl DistanceLaw {
         self.parts[0].0
     }
 
+    /// Corrects the law by the surprises of segments by laws of others, each with its run, and whether they are skewed.
+    pub(super) fn corrected(self, surprises: &[(f64, usize)], skewed: bool) -> Self {
+        Self { excess: Excess::of(surprises, skewed), ..self }
+    }
+
+    /// The correction of the law.
+    pub(super) const fn excess(&self) -> Option<&Excess> {
+        self.excess.as_ref()
+    }
+
     /// Returns −ln P(d² at least this large), nats.
     #[must_use]
     pub fn surprise(&self, squared: f64) -> f64 {
-        -self.parts.iter().map(|(part, law)| part * law.beyond(squared)).sum::<f64>().ln()
+        let by_law = -self.parts.iter().map(|(part, law)| part * law.beyond(squared)).sum::<f64>().ln();
+        self.excess.as_ref().map_or(by_law, |excess| excess.surprise(by_law))
     }
 
     /// Returns the d² of a surprise, by bisection.

@@ -19,7 +19,9 @@ pub mod alarm;
 mod alarms;
 pub mod baseline;
 mod commissioning;
+mod excess;
 mod gate;
+mod held_out_runs;
 mod knots;
 pub mod law;
 mod least_rows;
@@ -31,6 +33,7 @@ pub mod runs;
 mod scarcity;
 pub mod score;
 pub mod spread;
+mod trend;
 
 use bearing_watch::model::EvidenceConstants;
 

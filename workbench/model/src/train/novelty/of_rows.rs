@@ -3,6 +3,7 @@
 //! The twin of this room is [`super::of_sums`], which has sums of the segments only.
 
 use nalgebra::{DMatrix, DVector};
+use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::alarms::Alarms;
 use super::gate::{Gate, GateOrReason, checked};
@@ -11,12 +12,15 @@ use super::rising::Rising;
 use super::runs::{self, RunSpread};
 use super::scarcity::{Counted, scarcity};
 use super::score::ScoreLaw;
-use super::{knots, spread};
+use super::{held_out_runs, knots, spread};
 use crate::Error;
 use crate::train::FeatureTable;
 use crate::train::covariance::{singular, whitening};
 use crate::train::moments::{self, Moments};
 use crate::train::statistics::ClassStatistics;
+
+/// Probability that any coordinate seems skewed if none is.
+const IMPROBABLE: f64 = 0.01;
 
 /// Coordinates of training segments.
 #[derive(Clone, Copy, Debug)]
@@ -85,6 +89,19 @@ pub fn gate_of_rising(table: &FeatureTable, runs: Option<&[usize]>, rising: usiz
     required_gate(rows, runs, &Alarms { healthy: Some(0), false_alarm: rate, ..Alarms::default() })
 }
 
+/// Returns the skewness of values, relative to its standard deviation if they are normal; 0 of fewer than eight.
+fn skewness(values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    if n < 8.0 {
+        return 0.0;
+    }
+    let mean = values.iter().sum::<f64>() / n;
+    let moment = |power: i32| values.iter().map(|x| (x - mean).powi(power)).sum::<f64>() / n;
+    let deviation = (6.0 * (n - 2.0) / ((n + 1.0) * (n + 3.0))).sqrt();
+    let skewness = moment(3) / moment(2).powf(1.5) / deviation;
+    if skewness.is_finite() { skewness } else { 0.0 }
+}
+
 /// Returns the number of rows of a class that have the coordinate which is missing most often, and this coordinate; all
 /// rows and none if no coordinate is missing.
 fn rows_of(table: &FeatureTable, class: usize) -> (usize, Option<usize>) {
@@ -136,31 +153,60 @@ impl Healthy {
         let (healthy, all, rows) = (&self.table, names.len(), self.table.rows.len());
         let refuse = |dependent| singular(&format!("class {}", healthy.names[0]), rows, 1, names, dependent);
         let (limit, rows_needed) = (-rate.ln(), spread::rows_needed(all, rate));
+        // The law of a rising coordinate is skewed where its scores are.
+        let skewed = self.skewed(&names[..all - rising]);
         let gate = |mean, covariance, law: DistanceLaw, runs: Option<RunSpread>| {
             let freedom = runs.as_ref().map_or(rows as f64 - 1.0, |runs| runs.freedom);
             let rising = self.rising(rising, (&mean, &covariance), freedom, (names, rate))?;
             let knots = knots::knots(&law, limit);
-            Ok(Gate { class, mean, covariance, knots, limit, law, rising, rows, runs, rows_needed })
+            let skewed = skewed.clone();
+            Ok(Gate { class, mean, covariance, knots, limit, law, rising, rows, runs, rows_needed, skewed })
         };
         if let Some((runs, count)) = &self.runs {
             let runs::NextRun { mean, covariance, law, spread } =
                 runs::next_run(healthy, runs, *count).map_err(refuse)?;
             let covariance = covariance * self.wider(*count);
+            let law = law.corrected(&held_out_runs::surprises(healthy, runs, *count), skewed.is_some());
             return gate(mean, covariance, law, Some(spread));
         }
         let statistics = ClassStatistics::of(healthy, names)?;
         let (mean, covariance) = (statistics.means[0].clone(), statistics.pooled * self.wider(rows));
         whitening(&covariance).map_err(refuse)?;
-        let law = self.law((&mean, &covariance), all).ok_or_else(|| refuse(0))?;
+        let law = self.law((&mean, &covariance), (all, skewed.is_some())).ok_or_else(|| refuse(0))?;
         gate(mean, covariance, law, None)
     }
 
+    /// Returns the coordinate that is most skewed, of the means of runs if these count; `None` if none is.
+    fn skewed(&self, names: &[String]) -> Option<String> {
+        let available = |row: &usize, k: usize| self.table.variances[*row][k].is_finite();
+        let values = |k: usize| -> Vec<f64> {
+            let rows = (0..self.table.rows.len()).filter(|row| available(row, k));
+            let Some((runs, count)) = &self.runs else { return rows.map(|row| self.table.rows[row][k]).collect() };
+            let mut sums = vec![(0.0, 0.0); *count];
+            rows.for_each(|row| {
+                let sum = &mut sums[runs[row]];
+                *sum = (sum.0 + self.table.rows[row][k], sum.1 + 1.0);
+            });
+            sums.into_iter().filter(|(_, n)| *n > 0.0).map(|(sum, n)| sum / n).collect()
+        };
+        let scores = names.iter().enumerate().map(|(k, name)| (skewness(&values(k)).abs(), name));
+        let (most, name) = scores.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let chance = 2.0 * Normal::standard().sf(most) * names.len() as f64;
+        (chance < IMPROBABLE).then(|| name.clone())
+    }
+
     /// Returns the law of the distance of independent segments from this mean and covariance.
-    fn law(&self, (mean, covariance): (&DVector<f64>, &DMatrix<f64>), all: usize) -> Option<DistanceLaw> {
+    fn law(
+        &self,
+        (mean, covariance): (&DVector<f64>, &DMatrix<f64>),
+        (all, skewed): (usize, bool),
+    ) -> Option<DistanceLaw> {
         let found = Moments { means: vec![mean.clone()], covariance: covariance.clone() };
         let squared = moments::left_out(&self.table.observed(), &found)?;
         let squared: Vec<f64> = squared.into_iter().map(|(squared, k)| law::equivalent(squared, k, all)).collect();
-        Some(DistanceLaw::of(all, rows_of(&self.table, 0).0 - self.fitted, &squared))
+        let law = DistanceLaw::of(all, rows_of(&self.table, 0).0 - self.fitted, &squared);
+        let surprises: Vec<(f64, usize)> = squared.iter().map(|squared| law.surprise(*squared)).zip(0..).collect();
+        Some(law.corrected(&surprises, skewed))
     }
 
     /// Returns the laws of the last coordinates, which rise; `None` without any.

@@ -109,7 +109,7 @@ impl HealthySums {
         let rising = self.rising(tails, (all, rising), (&covariance, freedom)).map_err(refuse)?;
         let knots: [[f64; 2]; KNOTS] = knots::knots(&law, limit);
         let (class, rows_needed) = (alarms.healthy.unwrap_or(0), spread::rows_needed(all, rate));
-        Ok(Gate { class, mean, covariance, knots, limit, law, rising, rows, runs, rows_needed })
+        Ok(Gate { class, mean, covariance, knots, limit, law, rising, rows, runs, rows_needed, skewed: None })
     }
 
     /// Returns the laws of the last coordinates, which rise; `None` without any.

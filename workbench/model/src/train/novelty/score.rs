@@ -14,9 +14,12 @@
 //! the scores y₋ᵢ of the training segments, each relative to mean and deviation of the others; γ = 1 has the largest
 //! prior.
 
+use std::f64::consts::LN_2;
+
 use statrs::function::beta::{beta_reg, ln_beta};
 use statrs::function::gamma::ln_gamma;
 
+use super::excess::Excess;
 use super::law::{DistanceLaw, HEAVIER, Scaled, probabilities, tail};
 
 /// Prior probability of a symmetric law, and the number of others on each side, up to the largest ln γ. At ln γ = 0.8
@@ -44,13 +47,16 @@ struct Skewed {
 pub struct ScoreLaw {
     /// Probabilities and laws.
     parts: Vec<(f64, Skewed)>,
+    /// The correction of the law of its square, if it is symmetric.
+    excess: Option<Excess>,
 }
 
 impl ScoreLaw {
     /// Returns the law of a score whose square has this law.
     #[must_use]
     pub fn symmetric(law: &DistanceLaw) -> Self {
-        Self { parts: law.parts().map(|(part, law)| (part, Skewed::new(law, 1.0))).collect() }
+        let excess = law.excess().cloned();
+        Self { parts: law.parts().map(|(part, law)| (part, Skewed::new(law, 1.0))).collect(), excess }
     }
 
     /// Returns the law (4) of so many training segments; `left_out` are the scores of each from the others, in
@@ -64,7 +70,7 @@ impl ScoreLaw {
     pub(crate) fn of_counts(rows: usize, left_out: &[(f64, f64)]) -> Self {
         let (law, others) = (Scaled::gaussian(1, rows), Scaled::gaussian(1, rows - 1));
         if !others.tells_tails() {
-            return Self { parts: vec![(1.0, Skewed::new(law, 1.0))] };
+            return Self { parts: vec![(1.0, Skewed::new(law, 1.0))], excess: None };
         }
         let all = (0..=HEAVIER).flat_map(|k| (-SKEWED..=SKEWED).map(move |skew| (k, skew)));
         let each = |(k, skew): (usize, i32)| {
@@ -75,18 +81,21 @@ impl ScoreLaw {
             let likelihood: f64 = left_out.iter().map(|(y, count)| count * observed.ln_density(*y)).sum();
             ((of_tail * of_skewness).ln() + likelihood, Skewed::new(law.heavier(weight), skewness))
         };
-        Self { parts: probabilities(all.map(each).collect()) }
+        Self { parts: probabilities(all.map(each).collect()), excess: None }
     }
 
     /// Returns −ln P(U ≥ u), nats.
     #[must_use]
     pub fn surprise(&self, u: f64) -> f64 {
-        -self.parts.iter().map(|(part, law)| part * law.beyond(u)).sum::<f64>().ln()
+        let by_law = -self.parts.iter().map(|(part, law)| part * law.beyond(u)).sum::<f64>().ln();
+        // One side has half of the probability of both.
+        self.excess.as_ref().map_or(by_law, |excess| LN_2 + excess.surprise(by_law - LN_2))
     }
 
     /// Returns the u of a surprise, from `below` on: where the surprise is not larger.
     #[must_use]
     pub fn at(&self, surprise: f64, below: f64) -> f64 {
+        let surprise = self.excess.as_ref().map_or(surprise, |excess| LN_2 + excess.by_law(surprise - LN_2));
         let (mut low, mut high, mut u) = (below, f64::INFINITY, below);
         // Newton's method; where it leaves the interval, the middle or a far point.
         for _ in 0..200 {

@@ -1,0 +1,157 @@
+//! The forms of JSON of the commands around training: identification, audit, and features of fleets.
+
+use super::forms::Form;
+
+/// `identify --json`.
+pub(super) const IDENTIFY: Form = Form {
+    name: "identify",
+    about: "The difference model of each trace",
+    list: true,
+    keys: &[
+        ("trace", "string", "Name of the trace"),
+        ("parameters", "object", "Value of each parameter by its name"),
+        ("sd", "object", "Standard deviation of each parameter"),
+        ("covariance", "array", "Covariance of the parameters, in their order"),
+        ("variance", "number?", "Variance of the residuals"),
+        ("rows", "integer", "Rows of the regression"),
+        ("fit_percent", "number?", "Fit of the simulation"),
+        ("prediction_fit_percent", "number?", "Fit of the prediction by one sample"),
+        ("noise", "object", "Kind of the model of the noise, and its polynomial"),
+        ("convergence", "object?", "Iterations, and whether they converged"),
+    ],
+    optional: &[],
+};
+
+/// `structure --json`.
+pub(super) const STRUCTURE: Form = Form {
+    name: "structure",
+    about: "The structures that were compared, and the best by each criterion",
+    list: false,
+    keys: &[
+        ("best_fit", "object?", "The best by the fit on the validation trace"),
+        ("best_aic", "object?", "The best by Akaike's criterion"),
+        ("best_mdl", "object?", "The best by the description length"),
+        ("best_by_parameters", "array", "The best of each number of parameters"),
+        ("compare", "object?", "The structure of --compare"),
+        ("structures", "array", "All structures"),
+        ("refused", "array", "Structures that could not be estimated, with the reason"),
+    ],
+    optional: &[],
+};
+
+/// `validate --json`.
+pub(super) const VALIDATE: Form = Form {
+    name: "validate",
+    about: "Tests of the residuals of each trace, its fit, poles and zeros",
+    list: true,
+    keys: &[
+        ("trace", "string", "Name of the trace"),
+        ("independence", "object", "Test of the residuals against past inputs"),
+        ("whiteness", "object", "Test of the residuals against each other"),
+        ("feedback", "object", "Test of the residuals against future inputs"),
+        ("simulation_fit_percent", "number?", "Fit of the simulation"),
+        ("prediction_fit_percent", "number?", "Fit of the prediction by one sample"),
+        ("poles", "array", "Poles, with real and imaginary part"),
+        ("zeros_u1", "array", "Zeros from the first input"),
+        ("zeros_u2", "array", "Zeros from the second input"),
+        ("removable_poles", "array", "Poles that a zero of every input cancels"),
+        ("autocorrelation", "object", "Autocorrelation of the residuals, with its limit"),
+        ("cross_correlation_u1", "object", "Correlation with the first input"),
+        ("cross_correlation_u2", "object", "Correlation with the second input"),
+    ],
+    optional: &[],
+};
+
+/// `grey-box --json`.
+pub(super) const GREY_BOX: Form = Form {
+    name: "grey-box",
+    about: "Physical constants of each trace",
+    list: true,
+    keys: &[
+        ("trace", "string", "Name of the trace"),
+        ("quantities", "object", "Value, standard deviation and unit of each quantity"),
+        ("relative_error_percent", "number", "Error of the model"),
+        ("validation_error_percent", "object", "Its error on each trace of --validate"),
+        ("asymmetry", "object", "Difference of the directions, with --asymmetric"),
+        ("rows", "integer", "Rows of the regression"),
+        ("notes", "array", "What there is to say of the result"),
+    ],
+    optional: &[],
+};
+
+/// `audit --json`.
+pub(super) const AUDIT: Form = Form {
+    name: "audit",
+    about: "What recordings are worth",
+    list: false,
+    keys: &[
+        ("rotor_rate_hz", "number?", "Rate of the rows by the lines of the rotor, if there is no time"),
+        ("traces", "array", "Rows and times of each trace"),
+        ("lines", "array", "Lines of the bearing and of the rotor"),
+        ("findings", "array", "What is wrong, and in which traces"),
+        ("friction", "array", "What each term of the torque balance can tell"),
+    ],
+    optional: &[],
+};
+
+/// `features --json`.
+pub(super) const FEATURES: Form = Form {
+    name: "features",
+    about: "A part of the features of labelled traces that was written",
+    list: false,
+    keys: &[
+        ("part", "string", "File of the part"),
+        ("rows", "integer", "Segments"),
+        ("traces", "integer", "Traces"),
+        ("features", "array", "Names of the features"),
+        ("without_features", "integer", "Segments without any feature"),
+        ("units_ascend", "boolean", "Whether the units of the rows ascend"),
+        ("seconds", "number", "Time that it took"),
+    ],
+    optional: &[],
+};
+
+/// `features-sum --json`.
+pub(super) const FEATURES_SUM: Form = Form {
+    name: "features-sum",
+    about: "Sums of parts that were written",
+    list: false,
+    keys: &[
+        ("sums", "string", "File of the sums"),
+        ("rows", "integer", "Segments"),
+        ("features", "array", "Names of the features that are summed"),
+        ("bytes", "integer", "Size of the file"),
+        ("open_units", "integer", "Drives of which further segments may come"),
+        ("complete_units", "integer", "Drives that are complete"),
+        ("classes", "array", "Names of the classes"),
+        ("seconds", "number", "Time that it took"),
+        ("peak_memory_mb", "number?", "Largest resident memory"),
+    ],
+    optional: &[],
+};
+
+/// `train-features --json`.
+pub(super) const TRAIN_FEATURES: Form = Form {
+    name: "train-features",
+    about: "The report of a training from features",
+    list: false,
+    keys: &[
+        ("model", "string", "File of the model"),
+        ("bytes", "integer", "Size of the model"),
+        ("fingerprint", "string", "A number that differs between different models"),
+        ("classes", "array", "Names of the classes"),
+        ("segments", "array", "Number of segments of each class"),
+        ("rows", "integer", "Segments of the parts"),
+        ("left_out", "integer", "Segments without any of the features"),
+        ("features", "array", "Names of the features in use"),
+        ("method", "string", "How the detector estimates: ls or instruments"),
+        ("segment_samples", "integer", "Samples of a segment"),
+        ("novelty", "object?", "Gate and alarm"),
+        ("tails_from_segments", "boolean", "Whether the tails of the gate's law are those of segments"),
+        ("seconds", "number", "Time that it took"),
+        ("seconds_of_first_pass", "number", "Time of the first pass"),
+        ("rows_a_second", "number", "Segments a second"),
+        ("peak_memory_mb", "number?", "Largest resident memory"),
+    ],
+    optional: &[],
+};
