@@ -242,26 +242,35 @@ impl<'m, P: Plan> Detector<'m, P> {
     #[inline(never)]
     pub fn discard(&mut self) -> bool {
         // The open block of a mean keeps its place among the samples, and is spoilt.
-        let (gate, block, samples) = (self.gate.clone(), self.block.clone(), self.samples);
-        *self = Self { gate, spoiled: !block.is_empty(), block, samples, ..self.renewed() };
-        samples < self.model.constants().sampling.segment_samples / 2
+        self.spoiled = !self.block.is_empty();
+        self.renew();
+        self.samples < self.model.constants().sampling.segment_samples / 2
     }
 
     /// Starts afresh without a report, for a stream that does not continue from the last sample: lags, sums and
     /// auxiliary model.
     pub fn restart(&mut self) {
-        *self = self.renewed();
+        (self.gate, self.block) = (Gate::new(self.model.plan()), BlockMean::new());
+        (self.spoiled, self.samples) = (false, 0);
+        self.renew();
     }
 
-    /// Nothing sampled yet; an estimate from before is none of the next segment.
-    fn renewed(&self) -> Self {
-        let mut renewed = Self::new(self.model);
-        if let (Some(estimator), Some(before)) = (renewed.estimator.part_mut(), self.estimator.part()) {
-            estimator.count_on(before);
+    /// Nothing in the sums yet; an estimate from before is none of the next segment.
+    #[cold]
+    #[inline(never)]
+    fn renew(&mut self) {
+        let (plan, constants) = (self.model.plan(), self.model.constants());
+        // Part by part and in place: a new detector would be moved twice.
+        if let (Some(estimator), Some(regression)) = (self.estimator.part_mut(), constants.regression.part()) {
+            *estimator = Estimator::new(plan, regression).after(estimator);
         }
-        renewed
+        if let (Some(shaft), Some(own)) = (self.shaft.part_mut(), constants.shaft.part()) {
+            *shaft = Shaft::new(plan, own);
+        }
+        self.averages = average::empty(plan);
+        self.usable = 0;
     }
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

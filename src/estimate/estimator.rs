@@ -82,8 +82,8 @@ impl<P: Plan> Estimator<P> {
     }
 
     /// Counts segments on from those of another estimator, so that no estimate of it passes for one of this.
-    pub const fn count_on(&mut self, before: &Self) {
-        self.segment = before.segment.next();
+    pub fn after(self, before: &Self) -> Self {
+        Self { segment: before.segment.next(), ..self }
     }
 
     /// Takes an accepted sample; `y_limit` is the largest plausible output. Once the segment has as many rows as its
