@@ -305,3 +305,6 @@ impl<P: Plan> Classification<P> {
         (self.stage, self.k) = (stage, 0);
     }
 }
+
+#[cfg(test)]
+mod tests;

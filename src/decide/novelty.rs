@@ -243,6 +243,20 @@ mod tests {
     }
 
     #[test]
+    fn the_gate_of_another_class_is_three_times_as_far() {
+        // The surprise is 2 at a distance of 2.
+        let gated = Novelty { limit: 2.0, ..curve() };
+        assert!(gated.excludes(1, 36.1, [2, 2]) && !gated.excludes(1, 35.9, [2, 2]));
+        assert!(!gated.excludes(0, 1e9, [2, 2]), "the healthy class");
+        assert!(!Novelty { class: None, ..gated.clone() }.excludes(1, 1e9, [2, 2]), "no law");
+        assert!(!Novelty { limit: f32::INFINITY, ..gated.clone() }.excludes(1, 1e9, [2, 2]), "no limit");
+        // One coordinate as improbable as 4 over both (4): u = ((4/2)^⅓ − 1 + 1/9)·3 = 1.113097, so that the ninth of
+        // its square is (1 − 2/9 + √(2/9) u)³ = 2.2097.
+        assert!(gated.excludes(1, 9.0 * 2.215, [1, 2]) && !gated.excludes(1, 9.0 * 2.205, [1, 2]));
+        assert!(!gated.excludes(1, f32::NAN, [2, 2]));
+    }
+
+    #[test]
     fn without_a_healthy_class_distances_are_zero() {
         assert_eq!(Novelty::none(plan()).judge(&[1e9, f32::NAN], &[]), Departure::default());
     }

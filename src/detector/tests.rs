@@ -13,8 +13,8 @@ use crate::report::{Report, Verdict};
 const SAMPLES: u32 = 200;
 
 crate::plan! {
-    struct Drive;
-    struct Sample { current_a: "A", velocity_rad_s: "rad/s" }
+    pub struct Drive;
+    pub struct Sample { current_a: "A", velocity_rad_s: "rad/s" }
     layout: Layout {
         regression: Some(RegressionLayout {
             structure: Structure::new(1, 1, 0, 1, 0),
@@ -33,7 +33,7 @@ crate::plan! {
 }
 
 /// Classes at the gains 0.5 and 1 of y = 0.8 y₁ + b u₁.
-static MODEL: Model<Drive> = match Drive::model(Constants {
+pub static MODEL: Model<Drive> = match Drive::model(Constants {
     sampling: Sampling { interval_s: 0.001, park: Some(Park::Standard), block_mean: 1, segment_samples: SAMPLES },
     channels: [
         Channel { stuck_samples: 20, ..Channel::within("current_a", "A", 100.0) },
@@ -79,7 +79,7 @@ static MODEL: Model<Drive> = match Drive::model(Constants {
 };
 
 /// A square wave through the model of gain `b`, with a little noise.
-fn samples(b: f32) -> impl Iterator<Item = Sample> {
+pub fn samples(b: f32) -> impl Iterator<Item = Sample> {
     let (mut state, mut y, mut u) = (3_u32, 0.0, 0.0);
     (0_u32..).map(move |t| {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -98,7 +98,7 @@ fn segment(detector: &mut Detector<'_, Drive>, mut samples: impl Iterator<Item =
     }
 }
 
-fn report(mut samples: impl Iterator<Item = Sample>) -> Report<Drive> {
+pub fn report(mut samples: impl Iterator<Item = Sample>) -> Report<Drive> {
     let mut detector = Detector::new(&MODEL);
     loop {
         if let Some(report) = detector.step(&samples.next().unwrap()) {

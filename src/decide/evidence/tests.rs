@@ -149,3 +149,99 @@ fn without_a_healthy_class_there_is_no_alarm() {
         assert_eq!(evidence.observe(Some(&decision(30.0, [0.0, 30.0, 0.0]))), None);
     }
 }
+
+#[test]
+fn one_disturbed_segment_does_not_name_another_defect() {
+    let mut evidence = evidence(Some(0));
+    for _ in 0..3 {
+        evidence.observe(Some(&decision(0.0, [0.0, 3.0, 1.0])));
+    }
+    // Ahead by six nats, and then behind by 29, of which 5 count. The scores are 10 and 8.
+    let alarm = evidence.observe(Some(&decision(0.0, [0.0, 1.0, 30.0])));
+    assert_eq!(alarm, Some(Alarm { segment: 4, cause: Cause::Class(1) }));
+}
+
+#[test]
+fn what_resembled_a_defect_while_nothing_was_suspected_does_not_name_it() {
+    let mut evidence = evidence(Some(0));
+    for _ in 0..9 {
+        evidence.observe(Some(&decision(0.0, [0.0, -9.0, -4.0])));
+    }
+    assert_eq!(evidence.score(), 0.0);
+    for _ in 0..2 {
+        evidence.observe(Some(&decision(0.0, [0.0, 5.0, 4.9])));
+    }
+    assert_eq!(evidence.alarm(), Some(Alarm { segment: 11, cause: Cause::Class(1) }));
+}
+
+#[test]
+fn a_segment_beyond_the_gate_of_a_defect_does_not_speak_for_it() {
+    let beyond = |far: [bool; 3], log_likelihoods| {
+        let mut own = decision(30.0, log_likelihoods);
+        own.set_beyond(&far);
+        own
+    };
+    // Of a wide class, which is likelier than the healthy one: far from both.
+    let mut evidence = evidence(Some(0));
+    let alarm = |evidence: &mut Evidence<RunTime>, far, log_likelihoods| {
+        let one = beyond(far, log_likelihoods);
+        (0..2).fold(None, |_, _| evidence.observe(Some(&one)))
+    };
+    assert_eq!(
+        alarm(&mut evidence, [false, true, true], [-900.0, -100.0, -80.0]),
+        Some(Alarm { segment: 2, cause: Cause::Unknown })
+    );
+    // Near one of two defects, of which the farther one is likelier.
+    evidence.reset();
+    assert_eq!(
+        alarm(&mut evidence, [false, false, true], [-900.0, -100.0, -80.0]),
+        Some(Alarm { segment: 2, cause: Cause::Class(1) })
+    );
+    // Less likely than healthy it still speaks against the defect.
+    evidence.reset();
+    evidence.observe(Some(&beyond([false; 3], [0.0, 4.0, 0.0])));
+    evidence.observe(Some(&beyond([false, true, true], [0.0, -3.0, 0.0])));
+    assert_eq!(evidence.defects[1].sum, 1.0);
+}
+
+/// The evidence of these words, all of one state; `None` if they are none that segments can leave.
+fn restored(words: &[u32]) -> Option<Evidence<RunTime>> {
+    let (mut other, mut words) = (evidence(Some(0)), words.iter().copied());
+    other.restore(&mut || words.next())?;
+    other.restore_later(&mut || words.next())?;
+    (words.next().is_none() && other.is_plausible()).then_some(other)
+}
+
+#[test]
+fn words_that_no_segments_leave_are_refused() {
+    let mut own = evidence(Some(0));
+    for likelihoods in [[0.0, 3.0, 2.0], [0.0, 4.0, 1.0]] {
+        own.observe(Some(&decision(1.0, likelihoods)));
+    }
+    own.observe(None);
+    let mut words = std::vec::Vec::new();
+    own.save(&mut |word| words.push(word));
+    own.save_later(&mut |word| words.push(word));
+    assert_eq!(restored(&words).as_ref(), Some(&own));
+    assert_eq!(restored(&words[..words.len() - 1]), None);
+    let changed = |place: usize, word: u32| {
+        let mut words = words.clone();
+        words[place] = word;
+        restored(&words).is_some()
+    };
+    let [one, two, minus, nan] = [1.0, 2.0, -1.0, f32::NAN].map(f32::to_bits);
+    // Segments, undetermined ones, the open run, cause and segment of the alarm.
+    assert!(changed(0, 4) && !changed(0, 2), "fewer segments than are counted");
+    assert!(!changed(1, 4) && !changed(2, 3), "more than there are");
+    assert!(!changed(3, 2) && !changed(3, 5), "the healthy class, and none");
+    assert!(!changed(3, 3), "an alarm of no segment");
+    // The scores of novelty, the healthy class, and the defects, each with its open run, and then the support.
+    let score = |class: usize| 7 + 2 * class;
+    assert!(changed(score(1), two) && !changed(score(1), minus) && !changed(score(1), nan), "7 nats of two segments");
+    assert!(!changed(score(1), 14.0_f32.to_bits()), "more than the caps, beyond the limit");
+    assert!(!changed(score(0), one), "the healthy class has no score");
+    assert!(
+        changed(15, minus) && !changed(15, one) && !changed(13, minus),
+        "at most as likely as the likeliest defect"
+    );
+}
