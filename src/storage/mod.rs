@@ -76,3 +76,6 @@ mod record;
 pub use error::StorageError;
 pub use pair::SlotPair;
 pub use record::{PassedOver, Record, RecordKind, RecordLabel};
+
+#[cfg(test)]
+mod tests;
