@@ -184,7 +184,10 @@ fn far(segment: &SegmentReport, watched: &Watched) -> String {
     let score = watched.score;
     match segment.verdict {
         Ok(_) => format!(", distance {distance:.2}, surprise {surprise:.1} nats, score {score:.1}"),
-        Err(_) => format!(", score {score:.1}"),
+        Err(_) => match watched.silence {
+            Some(own) => format!(", score {score:.1}, no verdict for {} segments", own.segments),
+            None => format!(", score {score:.1}"),
+        },
     }
 }
 

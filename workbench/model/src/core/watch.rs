@@ -1,7 +1,7 @@
 //! Evaluation of several segments together: combined surprise, and the core's evidence.
 
 use bearing_watch::plan::RunTime;
-use bearing_watch::{Alarm, Baseline, Cause, Decision, Evidence, Model, StateError, Trend};
+use bearing_watch::{Alarm, Baseline, Cause, Decision, Evidence, Model, Silence, StateError, Trend};
 
 use super::segment::SegmentReport;
 
@@ -14,6 +14,8 @@ pub struct Watched {
     pub alarm: Option<Alarm>,
     /// Slope of the distance from healthy.
     pub trend: Option<Trend>,
+    /// Whether no segment has had a verdict for too long, and why.
+    pub silence: Option<Silence>,
 }
 
 impl Watched {
@@ -41,11 +43,16 @@ impl<'a> Watcher<'a> {
 
     /// Takes the next segment; a run ends with it, from power-up to power-up, if it is the `last` one.
     pub fn observe(&mut self, segment: &SegmentReport, last: bool) -> Watched {
-        self.evidence.observe(decision(self.model, segment).as_ref());
+        match (decision(self.model, segment), segment.reason) {
+            (None, Some(reason)) => self.evidence.observe_outcome(Err(reason)),
+            (decision, _) => self.evidence.observe(decision.as_ref()),
+        };
         if last {
             self.end_run();
         }
-        Watched { score: self.evidence.score(), alarm: self.evidence.alarm(), trend: self.evidence.trend() }
+        let evidence = &self.evidence;
+        let (score, alarm) = (evidence.score(), evidence.alarm());
+        Watched { score, alarm, trend: evidence.trend(), silence: evidence.silence() }
     }
 
     /// Ends a run after the last segment.
@@ -79,6 +86,7 @@ fn decision(model: &Model<RunTime>, segment: &SegmentReport) -> Option<Decision<
     let classifier = &model.constants().classifier;
     let mut decision = classifier.decide(model.plan(), &segment.log_likelihoods, segment.surprise)?;
     (decision.distance, decision.distance_surprise) = (segment.distance, segment.distance_surprise);
+    decision.set_beyond(&segment.beyond);
     Some(decision)
 }
 
