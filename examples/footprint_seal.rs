@@ -17,7 +17,7 @@ fn run() -> ! {
     let mut bytes = black_box([0; 300]);
     loop {
         let [y, ..] = footprint::inputs();
-        let key = StateKey::new(black_box([y.to_bits() as u8; 32]));
+        let key = StateKey::new(black_box([y.to_bits().to_le_bytes()[0]; 32]));
         let opened = key.open(&bytes, 1).is_ok();
         let sealed = key.seal(&mut bytes, 252, y.to_bits()).is_ok();
         footprint::tell(if opened && sealed { Verdict::Class(0) } else { Verdict::Class(1) });
