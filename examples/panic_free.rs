@@ -46,7 +46,7 @@ use classifier::classifier;
 use numbers::Numbers;
 
 fn run() {
-    if let Err(kernel) = known_answer_test() {
+    for kernel in [known_answer_test().err(), arithmetic_test().err()].into_iter().flatten() {
         opaque(Kernel::message(kernel));
         show(kernel);
     }
@@ -209,6 +209,7 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
         let sample: P::Sample = Signals::of(opaque(&numbers.array::<4>()), Angle::from_bits(opaque(9)));
         if let Some(report) = opaque(Detector::step(&mut detector, &sample)) {
             opaque(Evidence::observe(&mut evidence, report.decision.as_ref()));
+            opaque(Evidence::observe_outcome(&mut evidence, Report::outcome(&report)));
             opaque(Evidence::end_run(&mut evidence));
             told(model, &report);
             commission(model, &report);
@@ -234,7 +235,8 @@ fn detector<P: Plan>(model: &Model<P>, sample: impl Fn([f32; 4]) -> P::Sample) {
     opaque(Detector::discard(opaque(&mut detector)));
     Detector::restart(opaque(&mut detector));
     opaque((Evidence::alarm(&evidence), Evidence::score(&evidence), Evidence::segments(&evidence)));
-    opaque(Evidence::trend(&evidence));
+    opaque((Evidence::trend(&evidence), Evidence::silence(&evidence)));
+    Evidence::limit_silence(&mut evidence, SilenceLimits { segments: opaque(3), hours: opaque(1.0) });
     Evidence::reset(opaque(&mut evidence));
 }
 
@@ -318,6 +320,7 @@ fn about<P: Plan>(model: &Model<P>) {
     opaque(Discriminant::log_likelihood(discriminant, opaque(Kind::Quadratic), &numbers, &numbers, opaque(1)));
     opaque((Novelty::none(plan), Novelty::judge(&classifier.novelty, &numbers, &numbers)));
     opaque(Novelty::surprise(&classifier.novelty, opaque(3.0)));
+    opaque(Novelty::excludes(&classifier.novelty, opaque(1), opaque(3.0), opaque([1, 2])));
     let decisions = (
         Classifier::decide(classifier, plan, &numbers, 1.0),
         Classifier::decide_at(classifier, plan, &numbers, &numbers),
@@ -363,10 +366,16 @@ fn told<P: Plan>(model: &Model<P>, report: &Report<P>) {
             opaque(Balance::without_prior(balance, friction, opaque(FrictionTerm::Drag)));
         }
     }
+    let mut doubted = report.clone();
+    Report::doubt(opaque(&mut doubted));
     if let Some(decision) = &report.decision {
         opaque((Decision::log_likelihoods(decision), Decision::posteriors(decision)));
         opaque((Decision::expected_costs(decision), Decision::least_cost(decision)));
         opaque((Decision::missing(decision), Decision::missing_count(decision), Decision::outside(decision)));
+        opaque(Decision::beyond(decision));
+        let mut own = Decision::clone(decision);
+        Decision::set_beyond(&mut own, opaque(&[true, false]));
+        opaque(own);
     }
 }
 

@@ -92,8 +92,13 @@ fn boot(flash: &mut Flash) -> Result<(Model<Drive>, Evidence<Drive>), Error> {
     };
     let mut evidence = model.evidence();
     let states = SlotPair::<64>::new(flash, 2 * SLOT, SLOT, RecordKind::State)?;
-    let restored = states
-        .load(flash, &mut buffer, |record, bytes| Some((record.counter, model.restore(bytes, &mut evidence, None))));
+    let restored = states.load(flash, &mut buffer, |record, bytes| {
+        if let Some(newer) = record.passed_over() {
+            // An older state may lack an alarm: a drive tells it, and has the machine inspected.
+            say!("  the newest record is not used: {newer:?}");
+        }
+        Some((record.counter, model.restore(bytes, &mut evidence, None)))
+    });
     match restored {
         Ok((counter, Ok(()))) => say!("  state of record {counter}: {} segments", evidence.segments().0),
         Ok((counter, Err(error))) => say!("  state of record {counter}: {error}"),

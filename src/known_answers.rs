@@ -3,6 +3,10 @@
 //! Leaves: nothing, or the first [`Kernel`] whose results differ from those of the host that trained the model. The
 //! causes are outside the core: another rounding mode, subnormal numbers flushed to zero, a compiler option that
 //! reorders or contracts operations, a `libm` replaced by the linker, flash or registers that changed.
+//!
+//! Rounding mode and flushing belong to the context of the processor, not to the program: an Arm core takes those of
+//! an interrupt from FPDSCR, whatever `main` has set. [`arithmetic_test`] tests them where it is called; the detector
+//! does so with the sample that closes a segment, and the solver where it runs.
 
 use core::fmt;
 use core::hint::black_box;
@@ -91,7 +95,8 @@ impl fmt::Display for Kernel {
 impl core::error::Error for Kernel {}
 
 /// Runs every kernel on known numbers and compares each bit of the results. For the boot, before the first sample: with
-/// a difference, verdicts are not those that were validated.
+/// a difference, verdicts are not those that were validated. Call it at boot, and once from the interrupt in which the
+/// detector runs, before the power stage is on: the settings of the processor there may be others than in `main`.
 ///
 /// ```
 /// bearing_watch::known_answer_test()?;
@@ -102,6 +107,24 @@ impl core::error::Error for Kernel {}
 /// The first kernel whose results differ.
 pub fn known_answer_test() -> Result<(), Kernel> {
     Kernel::ALL.into_iter().find(|kernel| kernel.result() != kernel.answer()).map_or(Ok(()), Err)
+}
+
+/// The part of [`known_answer_test`] that depends on the settings of the processor where it is called, rounding and
+/// subnormal numbers, in a few dozen instructions. A detector does it with the sample that closes a segment, and such a
+/// segment has no verdict: [`Reason::Arithmetic`](crate::Reason::Arithmetic).
+///
+/// # Errors
+/// [`Kernel::Rounding`] or [`Kernel::Subnormals`].
+// Not by `Kernel::result`, which would bring the code of every kernel into each detector.
+#[inline(never)]
+pub fn arithmetic_test() -> Result<(), Kernel> {
+    if !rounds_to_nearest() {
+        Err(Kernel::Rounding)
+    } else if keeps_subnormals() {
+        Ok(())
+    } else {
+        Err(Kernel::Subnormals)
+    }
 }
 
 /// FNV-1a over the bits of results.

@@ -18,7 +18,7 @@
 //!             Verdict::Novel | Verdict::Ambiguous => println!("unknown"),
 //!             Verdict::Undetermined(reason) => println!("no verdict: {reason}"),
 //!         }
-//!         if let Some(alarm) = evidence.observe(report.decision.as_ref()) {
+//!         if let Some(alarm) = evidence.observe_outcome(report.outcome()) {
 //!             println!("alarm since segment {}", alarm.segment);
 //!         }
 //!     }
@@ -102,6 +102,7 @@ mod unroll;
 
 pub use average::Average;
 pub use decide::{Alarm, Baseline, Cause, Commissioning, CommissioningError, Decision, Evidence, Trend};
+pub use decide::{Silence, SilenceLimits};
 pub use detector::{Detector, Segment, Solver};
 #[cfg(feature = "embedded-hal")]
 pub use drive::ad2s1210;
@@ -116,7 +117,7 @@ pub use drive::{Lock, Position, PositionFaults, PositionTracker, Tracked, Tracki
 pub use drive::{ResolverFaults, ResolverLimits};
 pub use drive::{Wiring, WiringCheck, WiringFault, WiringLimits};
 pub use estimate::Estimate;
-pub use known_answers::{Kernel, known_answer_test};
+pub use known_answers::{Kernel, arithmetic_test, known_answer_test};
 pub use model::{Model, ModelError};
 pub use plan::Structure;
 pub use reason::{FrictionTerm, Implausible, Part, Reason};

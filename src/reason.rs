@@ -1,6 +1,12 @@
 //! Why a part of a segment has no result.
 
+mod codes;
+
+pub use codes::ReasonCode;
+
 use core::fmt;
+
+use crate::known_answers::Kernel;
 
 /// A parameter of the torque balance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -186,8 +192,8 @@ pub enum Reason {
     /// [`Regression::rest`](crate::model::Regression::rest).
     AtRest,
     /// The data do not excite this parameter of the regression: place in the δ-parameters. A signal that is constant
-    /// over the whole segment ends here. With fading memory the floor hides this once the memory is full;
-    /// [`Reason::AtRest`] then applies.
+    /// over the whole segment ends here. A full fading memory keeps what it knows of a parameter that is excited no
+    /// longer ([`Reason::AtRest`] then applies); one that was not excited while it filled ends here too.
     ParameterNotExcited(u8),
     /// The motion does not excite this term of the torque balance.
     TermNotExcited(FrictionTerm),
@@ -213,6 +219,14 @@ pub enum Reason {
     NotFinite(Part),
     /// The signals contradict the model or each other: wrong wiring, unit or sampling rate.
     Implausible(Implausible),
+    /// The processor does not compute as the host does where the detector runs
+    /// ([`arithmetic_test`](crate::arithmetic_test)): an interrupt may have settings of its own.
+    Arithmetic(Kernel),
+    /// The segment, its decision or the baseline is that of another model.
+    OtherModel,
+    /// A fault that shows only after a window of samples was found in the first half of the next segment, and may have
+    /// begun in this one ([`Detector::discard`](crate::Detector::discard)).
+    FoundLate,
 }
 
 impl fmt::Display for Reason {
@@ -242,6 +256,9 @@ impl fmt::Display for Reason {
             }
             Self::NotFinite(part) => write!(f, "a result of {} is not a finite number", part.name()),
             Self::Implausible(error) => f.write_str(error.message()),
+            Self::Arithmetic(kernel) => write!(f, "{} where the detector runs", kernel.message()),
+            Self::OtherModel => f.write_str("the segment is that of another model"),
+            Self::FoundLate => f.write_str("a fault that was found after the segment may have begun in it"),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The report of a segment, which the detector makes and telemetry sends.
 
 use crate::average::{Average, Averages};
-use crate::decide::{Decision, Estimates};
+use crate::decide::{Decision, Estimates, UNMARKED};
 use crate::estimate::Estimate;
 use crate::plan::{Array, Cells, Plan, Presence};
 use crate::reason::{Part, Reason};
@@ -13,11 +13,11 @@ use crate::shaft::{Balance, ShaftEstimate};
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Verdict {
     /// Index of a class; [`Model::label`](crate::Model::label) gives its name. It is the most plausible of the
-    /// *trained* classes: posteriors are relative to each other, so a state unlike all of them (another load) still
-    /// gets a class, unless that would be the healthy one.
+    /// *trained* classes, and the segment is not far from all of them.
     Class(u8),
     /// Healthy is the most plausible class, but the segment is farther from it than healthy segments are: a small or
-    /// unknown defect, or conditions that were not trained.
+    /// unknown defect, or conditions that were not trained. Or the segment is far from every class: another or a much
+    /// larger defect, or a faulty sensor. Never without a healthy class in the model.
     Novel,
     /// No class is plausible enough.
     Ambiguous,
@@ -41,6 +41,8 @@ pub struct Report<P: Plan> {
     pub(crate) estimate: Array<P::Regressed, Estimate<P>>,
     pub(crate) shaft: Array<P::Watched, ShaftEstimate<P>>,
     pub(crate) averages: Averages<P>,
+    /// The mark of the model.
+    pub(crate) model: u32,
 }
 
 impl<P: Plan> Report<P> {
@@ -56,6 +58,26 @@ impl<P: Plan> Report<P> {
             estimate: P::Regressed::part(layout.regressed() == 1, || Estimate::empty(plan)),
             shaft: P::Watched::part(layout.watched() == 1, || ShaftEstimate::empty(plan)),
             averages: crate::average::empty(plan),
+            model: UNMARKED,
+        }
+    }
+
+    /// Withdraws the verdict: a fault was found late ([`Detector::discard`](crate::Detector::discard) returned `true`),
+    /// and may have begun in this segment. Do so before the evidence takes it.
+    pub fn doubt(&mut self) {
+        (self.verdict, self.decision) = (Verdict::Undetermined(Reason::FoundLate), None);
+    }
+
+    /// The decision, or why there is none, for [`Evidence::observe_outcome`](crate::Evidence::observe_outcome).
+    ///
+    /// # Errors
+    /// The reason of an undetermined verdict.
+    pub fn outcome(&self) -> Result<&Decision<P>, Reason> {
+        match (self.verdict, &self.decision) {
+            (Verdict::Undetermined(reason), _) => Err(reason),
+            (_, Some(decision)) => Ok(decision),
+            // Never: a verdict has a decision.
+            (_, None) => Err(Reason::NotFinite(Part::Classifier)),
         }
     }
 

@@ -232,11 +232,12 @@ impl<P: Plan> Gate<P> {
 }
 
 impl Repeat {
-    /// Takes a value; returns whether it is at least the `most`-th equal one in a row. A NaN equals every other one,
-    /// since the bits of a NaN that was computed differ between processors.
+    /// Takes a value; returns whether it is at least the `most`-th equal one in a row. Both zeros are equal, and a NaN
+    /// equals every other one, since the bits of a NaN that was computed differ between processors.
     #[inline(always)]
+    #[expect(clippy::float_cmp, reason = "a sensor that repeats a value repeats it exactly")]
     fn takes(&mut self, x: f32, most: u16) -> bool {
-        let same = x.to_bits() == self.last.to_bits() || (x.is_nan() && self.last.is_nan());
+        let same = x == self.last || (x.is_nan() && self.last.is_nan());
         self.equal = if same { self.equal.saturating_add(1) } else { 1 };
         self.last = x;
         self.equal >= most
@@ -303,6 +304,14 @@ mod tests {
             assert_eq!(refused, [1; 3]);
             assert!(gate.counts.stuck.contains(0), "{bits:x?}");
         }
+    }
+
+    #[test]
+    fn zeros_of_either_sign_are_one_value() {
+        let mut gate = Gate::new(Two);
+        let refused = [0.0, -0.0, 0.0, -0.0].map(|y| gate.refused(&CHANNELS, &Pair { y, u: 1.0 }));
+        assert_eq!(refused, [0, 0, 1, 1]);
+        assert!(gate.counts.stuck.contains(0));
     }
 
     #[test]

@@ -55,7 +55,7 @@
 
 // Bytes of memory that are enough for `bw_init` of a library without a plan of its own; `bw_state_size` returns what
 // exactly is needed.
-#define BW_STATE_SIZE 20480
+#define BW_STATE_SIZE 21504
 
 // Alignment of that memory, bytes, and of the memory of all other objects.
 #define BW_STATE_ALIGN 8
@@ -199,7 +199,7 @@ enum BwVerdict
  {
   // A trained class: see `class_index`.
   BW_VERDICT_CLASS = 0,
-  // Most like healthy, but farther from it than healthy segments are.
+  // Most like healthy, but farther from it than healthy segments are; or far from every class.
   BW_VERDICT_NOVEL = 1,
   // No class is plausible enough.
   BW_VERDICT_AMBIGUOUS = 2,
@@ -249,6 +249,13 @@ enum BwReason
   // 5 the load, 6 the velocity, 7 one of them; the velocity against the angle, 8 its sign, 9 its unit or the rate.
   // 255: what this interface does not know.
   BW_REASON_IMPLAUSIBLE = 12,
+  // The processor does not compute as the host does where the detector runs; `place` is 0 for the rounding, 1 for
+  // subnormal numbers. An interrupt has settings of its own (FPDSCR).
+  BW_REASON_ARITHMETIC = 13,
+  // The segment is that of another model.
+  BW_REASON_OTHER_MODEL = 14,
+  // A fault that was found after the segment may have begun in it (`bw_discard`).
+  BW_REASON_FOUND_LATE = 15,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -548,6 +555,15 @@ typedef struct BwAlarm {
   float slope_low;
   // Upper end.
   float slope_high;
+  // Whether no segment has had a verdict for too long (`bw_limit_silence`): the diagnosis is lost. False again with
+  // the next verdict.
+  bool silent;
+  // Parameter, term, channel, covariate or error of `silent_reason`, as in `BwReport`.
+  uint8_t silent_place;
+  // Segments without a verdict since the last verdict, if `silent`.
+  uint32_t silent_segments;
+  // The most frequent reason of them.
+  BwReason silent_reason;
 } BwAlarm;
 
 // One current sensor with its converter.
@@ -808,8 +824,9 @@ BwCode bw_restart(struct BwState *state);
 // Discards what the open segment has taken, which was found to be wrong after it was taken: `found_late` of
 // `BwCleanSample`. The segment closes where it would have, and has a verdict if half of it follows this call and is
 // usable. `before_in_doubt` gets 1 if less than half of the segment had passed: the fault may have begun in the
-// segment before, whose report is in doubt, too; NULL if that is not wanted. In the interrupt, or with the interrupt
-// masked.
+// segment before; NULL if that is not wanted. The report of that segment is then withdrawn: it is undetermined by
+// `BW_REASON_FOUND_LATE`, and the alarm is as if it had been from the start, also if it had been given before. In the
+// interrupt, or with the interrupt masked.
 //
 // # Safety
 // `state` is NULL, or was given by `bw_init` or has as many readable bytes. `before_in_doubt` is NULL or writable.
@@ -826,7 +843,8 @@ BwCode bw_pending(struct BwState *state, uint32_t *samples);
 uint32_t bw_angle(uint32_t counts, uint32_t resolution_bits);
 
 // Does a bounded piece of the solve of the closed segment; call it again and again in the main loop. The first piece
-// takes the segment, so that the interrupt can close the next one. The alarm takes account of the report.
+// takes the segment, so that the interrupt can close the next one. The alarm takes account of the report, unless it is in
+// doubt (`bw_discard`).
 //
 // Returns `BW_CODE_OK` if there is more to do, `BW_CODE_REPORT` with the last piece, or `BW_CODE_IDLE` if there is no
 // closed segment.
@@ -877,6 +895,15 @@ BwCode bw_values(struct BwState *state, int32_t what, float *values, size_t capa
 // # Safety
 // `state` is NULL, or was given by `bw_init` or has as many readable bytes. `alarm` is NULL or writable.
 BwCode bw_alarm(struct BwState *state, struct BwAlarm *alarm);
+
+// Sets how long verdicts may be missing before `bw_alarm` calls the diagnosis lost: a number of segments in a row, and
+// hours by the sampling interval of the model; 0 for no such limit. `bw_init` sets 10000 segments and 24 hours.
+//
+// Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` if the hours are negative or not a number, or `BW_CODE_BUSY`.
+//
+// # Safety
+// `state` is NULL, or was given by `bw_init` or has as many readable bytes.
+BwCode bw_limit_silence(struct BwState *state, uint32_t segments, float hours);
 
 // Ends a run (from power-up to power-up, a session), whose segments depend on each other. Call it at power-down or
 // where a session ends, unless the model was trained with `--segments-a-run`.
@@ -1176,6 +1203,14 @@ BwCode bw_telemetry_raw(struct BwTelemetry *telemetry,
 
 // Returns the version of the library, a text that ends in a zero byte.
 const char *bw_version(void);
+
+// Runs the kernels on numbers whose results are known, and compares every bit. Call it at start, and once in the
+// interrupt that calls `bw_collect`, before the power stage is on: an interrupt has settings of the processor of its own
+// (FPDSCR). Takes some hundred thousand instructions. Later each segment tests those settings (`BW_REASON_ARITHMETIC`).
+//
+// Returns 0, or the first part whose results differ: 1 rounding, 2 subnormal numbers, 3 square root, exponential or
+// logarithm, 4 transforms, 5 decimation, 6 the factor of a least-squares problem, 7 its solution.
+uint32_t bw_known_answer_test(void);
 
 // Gives what the model wants.
 //

@@ -3,7 +3,7 @@
 use core::ffi::{CStr, c_char};
 
 use bearing_watch::plan::Plan as _;
-use bearing_watch::{Angle, Park, RotorFrame};
+use bearing_watch::{Angle, Kernel, Park, RotorFrame, known_answer_test};
 
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{at, check, put};
@@ -56,6 +56,18 @@ pub struct BwInfo {
 #[unsafe(no_mangle)]
 pub extern "C" fn bw_version() -> *const c_char {
     VERSION.as_ptr()
+}
+
+/// Runs the kernels on numbers whose results are known, and compares every bit. Call it at start, and once in the
+/// interrupt that calls `bw_collect`, before the power stage is on: an interrupt has settings of the processor of its own
+/// (FPDSCR). Takes some hundred thousand instructions. Later each segment tests those settings (`BW_REASON_ARITHMETIC`).
+///
+/// Returns 0, or the first part whose results differ: 1 rounding, 2 subnormal numbers, 3 square root, exponential or
+/// logarithm, 4 transforms, 5 decimation, 6 the factor of a least-squares problem, 7 its solution.
+#[unsafe(no_mangle)]
+pub extern "C" fn bw_known_answer_test() -> u32 {
+    let numbers = |wrong: Kernel| (1..).zip(Kernel::ALL).find(|(_, kernel)| *kernel == wrong);
+    known_answer_test().err().and_then(numbers).map_or(0, |(number, _)| number)
 }
 
 /// Gives what the model wants.

@@ -1,9 +1,10 @@
 //! The evidence of all segments.
 
-use bearing_watch::Cause;
+use bearing_watch::{Cause, SilenceLimits};
 
 use crate::code::{BwCode, code};
 use crate::memory::{at, put};
+use crate::report::{BwReason, named};
 use crate::state::{BwState, Solving, Work};
 
 /// The alarm, and what leads to it.
@@ -32,6 +33,15 @@ pub struct BwAlarm {
     pub slope_low: f32,
     /// Upper end.
     pub slope_high: f32,
+    /// Whether no segment has had a verdict for too long (`bw_limit_silence`): the diagnosis is lost. False again with
+    /// the next verdict.
+    pub silent: bool,
+    /// Parameter, term, channel, covariate or error of `silent_reason`, as in `BwReport`.
+    pub silent_place: u8,
+    /// Segments without a verdict since the last verdict, if `silent`.
+    pub silent_segments: u32,
+    /// The most frequent reason of them.
+    pub silent_reason: BwReason,
 }
 
 /// Gives the alarm.
@@ -43,7 +53,7 @@ pub unsafe extern "C" fn bw_alarm(state: *mut BwState, alarm: *mut BwAlarm) -> B
     // SAFETY: the same contract.
     let found = unsafe { at(state) }.and_then(|state| {
         let limit = state.model.constants().evidence.limit;
-        state.solving.with(|solving| {
+        state.settled(|solving| {
             let evidence = &solving.evidence;
             let (segments, undetermined) = evidence.segments();
             let (raised, cause) = (evidence.alarm(), evidence.alarm().map(|alarm| alarm.cause));
@@ -52,6 +62,9 @@ pub unsafe extern "C" fn bw_alarm(state: *mut BwState, alarm: *mut BwAlarm) -> B
                 _ => None,
             };
             let trend = evidence.trend();
+            let silence = evidence.silence();
+            let (silent_reason, silent_place) =
+                silence.and_then(|silence| silence.reason).map_or((BwReason::None, 0), named);
             let of_trend = |value: fn(bearing_watch::Trend) -> f32| trend.map_or(f32::NAN, value);
             BwAlarm {
                 raised: raised.is_some(),
@@ -65,11 +78,39 @@ pub unsafe extern "C" fn bw_alarm(state: *mut BwState, alarm: *mut BwAlarm) -> B
                 slope: of_trend(|own| own.slope),
                 slope_low: of_trend(|own| own.low),
                 slope_high: of_trend(|own| own.high),
+                silent: silence.is_some(),
+                silent_place,
+                silent_segments: silence.map_or(0, |silence| silence.segments),
+                silent_reason,
             }
         })
     });
     // SAFETY: the same contract.
     code(found.and_then(|found| unsafe { put(alarm, found) }).map(|()| BwCode::Ok))
+}
+
+/// Sets how long verdicts may be missing before `bw_alarm` calls the diagnosis lost: a number of segments in a row, and
+/// hours by the sampling interval of the model; 0 for no such limit. `bw_init` sets 10000 segments and 24 hours.
+///
+/// Returns `BW_CODE_OK`, `BW_CODE_OUT_OF_RANGE` if the hours are negative or not a number, or `BW_CODE_BUSY`.
+///
+/// # Safety
+/// `state` is NULL, or was given by `bw_init` or has as many readable bytes.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn bw_limit_silence(state: *mut BwState, segments: u32, hours: f32) -> BwCode {
+    // SAFETY: the same contract.
+    let found = unsafe { at(state) };
+    code(found.and_then(|state| {
+        if !(0.0..f32::INFINITY).contains(&hours) {
+            return Err(BwCode::OutOfRange);
+        }
+        let limits = SilenceLimits { segments, hours };
+        state.settled(|solving| {
+            solving.evidence.limit_silence(limits);
+            solving.before.limit_silence(limits);
+        })?;
+        Ok(BwCode::Ok)
+    }))
 }
 
 /// Ends a run (from power-up to power-up, a session), whose segments depend on each other. Call it at power-down or
@@ -81,7 +122,12 @@ pub unsafe extern "C" fn bw_alarm(state: *mut BwState, alarm: *mut BwAlarm) -> B
 pub unsafe extern "C" fn bw_end_run(state: *mut BwState) -> BwCode {
     // SAFETY: the same contract.
     let found = unsafe { at(state) };
-    let ended = found.and_then(|state| state.solving.with(|solving| solving.evidence.end_run()));
+    let ended = found.and_then(|state| {
+        state.settled(|solving| {
+            solving.before.end_run();
+            solving.evidence.end_run()
+        })
+    });
     code(ended.map(|_| BwCode::Ok))
 }
 
@@ -103,9 +149,11 @@ pub unsafe extern "C" fn bw_reset(state: *mut BwState) -> BwCode {
                 unsafe { state.closed.empty(drop) };
                 solving.work = Work::Empty;
                 solving.evidence.reset();
+                solving.before.reset();
+                solving.number = 0;
             })
         };
-        state.solving.with(all).flatten()
+        state.settled(all).flatten()
     });
     code(reset.map(|()| BwCode::Ok))
 }

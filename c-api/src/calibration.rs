@@ -2,7 +2,6 @@
 
 use core::ffi::c_void;
 use core::mem::offset_of;
-use core::sync::atomic::AtomicU32;
 
 use bearing_watch::{CalibrationError, CalibrationLimits, OffsetCalibration};
 
@@ -10,7 +9,7 @@ use crate::code::{BwCode, Outcome, code};
 use crate::front_end::constants::BwFrontEndConstants;
 use crate::front_end::faults::place_of;
 use crate::front_end::sample::phase_counts;
-use crate::memory::{Object, at, check, elements, get, put, put_object, room};
+use crate::memory::{Object, Tag, at, check, elements, get, put, put_object, room};
 use crate::state::Lock;
 
 /// Bytes of memory that are enough for `bw_calibration_init`, aligned to `BW_STATE_ALIGN` bytes.
@@ -48,7 +47,7 @@ pub struct BwRefusedOffset {
 /// The calibration of one drive, in memory of the caller.
 #[derive(Debug)]
 pub struct BwCalibration {
-    tag: AtomicU32,
+    tag: Tag,
     calibration: Lock<OffsetCalibration>,
 }
 
@@ -77,7 +76,7 @@ pub unsafe extern "C" fn bw_calibration_init(
             offset_counts: [own.lowest_offset_counts, own.highest_offset_counts],
             deviation_counts: [own.lowest_deviation_counts, own.highest_deviation_counts],
         };
-        let object = BwCalibration { tag: AtomicU32::new(0), calibration: Lock::new(OffsetCalibration::new(limits)) };
+        let object = BwCalibration { tag: Tag::none(), calibration: Lock::new(OffsetCalibration::new(limits)) };
         put_object(place, object, calibration)
     }))
 }

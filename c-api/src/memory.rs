@@ -6,19 +6,42 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use crate::code::{BwCode, Outcome};
 use crate::state::BW_STATE_ALIGN;
 
-/// What the library keeps in memory of the caller. It has a tag, made of a mark and its address, so that neither other
-/// memory nor a copy passes for it.
+/// What the library keeps in memory of the caller, with a tag.
 pub(crate) trait Object: Sized {
     /// Another one for each type.
     const MARK: u32;
-    /// Bytes before the tag, an [`AtomicU32`].
+    /// Bytes before the tag.
     const PLACE_OF_TAG: usize;
 }
 
-/// The tag of an object at this address.
+/// The mark of the type and the address of an object: neither other memory, nor an object of another type, nor a copy
+/// passes for it. They are two words, since a word made of both would be that of another type at another address.
+#[derive(Debug)]
+pub(crate) struct Tag {
+    mark: AtomicU32,
+    address: AtomicU32,
+}
+
+impl Tag {
+    /// Of no object yet.
+    pub(crate) const fn none() -> Self {
+        Self { mark: AtomicU32::new(0), address: AtomicU32::new(0) }
+    }
+
+    /// Makes it that of an object at this address, all of which is written.
+    pub(crate) fn set<T: Object>(&self, object: *const T) {
+        self.address.store(address(object), Ordering::Relaxed);
+        self.mark.store(T::MARK, Ordering::Release);
+    }
+
+    fn is_of<T: Object>(&self, object: *const T) -> bool {
+        self.mark.load(Ordering::Acquire) == T::MARK && self.address.load(Ordering::Relaxed) == address(object)
+    }
+}
+
 #[expect(clippy::cast_possible_truncation, reason = "on a host the lower half of the address is enough")]
-pub(crate) fn tag<T: Object>(object: *const T) -> u32 {
-    T::MARK ^ object.addr() as u32
+fn address<T>(object: *const T) -> u32 {
+    object.addr() as u32
 }
 
 /// Checks a pointer.
@@ -44,10 +67,9 @@ pub(crate) fn check<T>(pointer: *const T) -> Outcome<()> {
 /// The address is NULL, or that of as many readable bytes as an object has, that live as long as the result.
 pub(crate) unsafe fn at<'a, T: Object>(object: *const T) -> Outcome<&'a T> {
     check(object)?;
-    let place = object.wrapping_byte_add(T::PLACE_OF_TAG).cast_mut().cast();
-    // SAFETY: aligned, and readable by the contract; an atomic of any bits is valid.
-    let found = unsafe { AtomicU32::from_ptr(place) }.load(Ordering::Acquire);
-    if found != tag(object) {
+    let place = object.wrapping_byte_add(T::PLACE_OF_TAG).cast::<Tag>();
+    // SAFETY: aligned, and readable by the contract; atomics of any bits are valid.
+    if !unsafe { &*place }.is_of(object) {
         return Err(BwCode::NotInitialised);
     }
     // SAFETY: the whole object is written before its tag.
@@ -80,8 +102,7 @@ pub(crate) unsafe fn put_object<T: Object>(place: *mut T, object: T, pointer: *m
     // SAFETY: the contract of the caller. What was there owns nothing that would have to be dropped.
     unsafe {
         place.write(object);
-        let mark = place.wrapping_byte_add(T::PLACE_OF_TAG).cast();
-        AtomicU32::from_ptr(mark).store(tag(place), Ordering::Release);
+        (*place.wrapping_byte_add(T::PLACE_OF_TAG).cast::<Tag>()).set(place);
         put(pointer, place)?;
     }
     Ok(BwCode::Ok)
@@ -125,4 +146,49 @@ pub(crate) unsafe fn put<T>(place: *mut T, value: T) -> Outcome<()> {
     // SAFETY: aligned, and writable by the contract.
     unsafe { place.write(value) };
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::mem::offset_of;
+
+    #[derive(Debug)]
+    struct One {
+        tag: Tag,
+    }
+
+    #[derive(Debug)]
+    struct Other {
+        tag: Tag,
+    }
+
+    impl Object for One {
+        const MARK: u32 = 0x4257_4331;
+        const PLACE_OF_TAG: usize = offset_of!(Self, tag);
+    }
+
+    impl Object for Other {
+        const MARK: u32 = 0x4257_4339;
+        const PLACE_OF_TAG: usize = offset_of!(Self, tag);
+    }
+
+    /// The marks differ by the distance of the places: mark and address in one word would be equal.
+    #[test]
+    fn a_copied_object_is_none_of_another_type() {
+        for (from, to) in (0..8).flat_map(|from| (0..8).map(move |to| (from, to))) {
+            let mut memory = [0_u64; 8];
+            let first = memory.as_mut_ptr();
+            let (from, to) = (first.wrapping_add(from), first.wrapping_add(to));
+            let mut made = core::ptr::null_mut();
+            // SAFETY: both places are in the memory, and an object has eight bytes.
+            unsafe {
+                assert_eq!(put_object(from.cast(), One { tag: Tag::none() }, &raw mut made), Ok(BwCode::Ok));
+                assert!(at::<One>(made).is_ok());
+                to.write(from.read());
+                assert_eq!(at::<Other>(to.cast()).err(), Some(BwCode::NotInitialised));
+                assert_eq!(at::<One>(to.cast()).is_ok(), to == from);
+            }
+        }
+    }
 }

@@ -2,7 +2,6 @@
 
 use core::ffi::c_void;
 use core::mem::offset_of;
-use core::sync::atomic::AtomicU32;
 
 use bearing_watch::telemetry::RawRecorder;
 
@@ -10,7 +9,7 @@ use crate::blocks::{Blocks, Gather};
 use crate::code::{BwCode, code};
 use crate::front_end::FURTHER;
 use crate::front_end::sample::{BwRawSample, read};
-use crate::memory::{Object, at, put_object, room};
+use crate::memory::{Object, Tag, at, put_object, room};
 use crate::recorder::BW_BLOCK_BYTES;
 
 /// Bytes of memory that are enough for `bw_raw_recorder_init`, aligned to `BW_STATE_ALIGN` bytes.
@@ -24,7 +23,7 @@ type Samples = RawRecorder<FURTHER, BW_BLOCK_BYTES>;
 /// Records what a front end takes, in memory of the caller.
 #[derive(Debug)]
 pub struct BwRawRecorder {
-    tag: AtomicU32,
+    tag: Tag,
     /// Further channels in use.
     further: u16,
     pub(crate) blocks: Blocks<Samples>,
@@ -68,7 +67,7 @@ pub unsafe extern "C" fn bw_raw_recorder_init(
         }
         let channels = u8::try_from(further).ok().filter(|channels| usize::from(*channels) <= FURTHER);
         let samples = Samples::new(control_rate_hz).with_further(channels.ok_or(BwCode::FrontEndFurther)?);
-        let object = BwRawRecorder { tag: AtomicU32::new(0), further, blocks: Blocks::new(samples) };
+        let object = BwRawRecorder { tag: Tag::none(), further, blocks: Blocks::new(samples) };
         // SAFETY: the same contract.
         unsafe { put_object(place, object, recorder) }
     }))

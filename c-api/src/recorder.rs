@@ -2,7 +2,6 @@
 
 use core::ffi::c_void;
 use core::mem::offset_of;
-use core::sync::atomic::AtomicU32;
 
 use bearing_watch::Angle;
 use bearing_watch::plan::{Plan, Signals as _};
@@ -10,7 +9,7 @@ use bearing_watch::telemetry::Recorder;
 
 use crate::blocks::{Blocks, Gather};
 use crate::code::{BwCode, code};
-use crate::memory::{Object, at, elements, put_object, room};
+use crate::memory::{Object, Tag, at, elements, put_object, room};
 use crate::plan::Own;
 use crate::state::BwState;
 
@@ -27,7 +26,7 @@ type Samples = Recorder<Own, BW_BLOCK_BYTES>;
 /// Records samples of a detector, in memory of the caller.
 #[derive(Debug)]
 pub struct BwRecorder {
-    tag: AtomicU32,
+    tag: Tag,
     /// Channels of the model.
     channels: u8,
     pub(crate) blocks: Blocks<Samples>,
@@ -65,7 +64,7 @@ pub unsafe extern "C" fn bw_recorder_init(
     code(room(memory, size).and_then(|place| unsafe {
         let plan = at(state)?.model.plan();
         let (channels, blocks) = (plan.layout().channels, Blocks::new(Samples::new(plan)));
-        put_object(place, BwRecorder { tag: AtomicU32::new(0), channels, blocks }, recorder)
+        put_object(place, BwRecorder { tag: Tag::none(), channels, blocks }, recorder)
     }))
 }
 

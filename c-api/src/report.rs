@@ -1,7 +1,7 @@
 //! The report of the last segment.
 
 use bearing_watch::plan::MAX_CHANNELS;
-use bearing_watch::{FrictionTerm, Implausible, OrderStrength, Parameter, Part, Reason, Report, Verdict};
+use bearing_watch::{FrictionTerm, Implausible, Kernel, OrderStrength, Parameter, Part, Reason, Report, Verdict};
 
 use crate::code::{BwCode, Outcome, code};
 use crate::memory::{at, check, put};
@@ -14,7 +14,7 @@ use crate::state::{BwState, Work};
 pub enum BwVerdict {
     /// A trained class: see `class_index`.
     Class = 0,
-    /// Most like healthy, but farther from it than healthy segments are.
+    /// Most like healthy, but farther from it than healthy segments are; or far from every class.
     Novel = 1,
     /// No class is plausible enough.
     Ambiguous = 2,
@@ -55,6 +55,13 @@ pub enum BwReason {
     /// 5 the load, 6 the velocity, 7 one of them; the velocity against the angle, 8 its sign, 9 its unit or the rate.
     /// 255: what this interface does not know.
     Implausible = 12,
+    /// The processor does not compute as the host does where the detector runs; `place` is 0 for the rounding, 1 for
+    /// subnormal numbers. An interrupt has settings of its own (FPDSCR).
+    Arithmetic = 13,
+    /// The segment is that of another model.
+    OtherModel = 14,
+    /// A fault that was found after the segment may have begun in it (`bw_discard`).
+    FoundLate = 15,
 }
 
 /// A part of the detector.
@@ -191,7 +198,7 @@ pub unsafe extern "C" fn bw_report(state: *mut BwState, report: *mut BwReport) -
 fn summary(state: &BwState) -> Outcome<BwReport> {
     use core::sync::atomic::Ordering::Relaxed;
     let (lost_samples, lost_segments) = (state.lost_samples.load(Relaxed), state.lost_segments.load(Relaxed));
-    state.solving.with(|solving| {
+    state.settled(|solving| {
         let Work::Concluded(own) = &solving.work else { return Err(BwCode::NoReport) };
         let counts = own.counts;
         let stuck = (0..MAX_CHANNELS).filter(|channel| counts.stuck.contains(*channel));
@@ -246,6 +253,12 @@ fn verdict(report: &Report<Own>) -> (BwVerdict, Why) {
     }
 }
 
+/// A reason and its place.
+pub(crate) fn named(reason: Reason) -> (BwReason, u8) {
+    let Why { reason, place, .. } = why(reason);
+    (reason, place)
+}
+
 fn why(reason: Reason) -> Why {
     let plain = Why::plain;
     match reason {
@@ -262,6 +275,9 @@ fn why(reason: Reason) -> Why {
         Reason::OutOfRange { covariate } => Why { place: covariate, ..plain(BwReason::OutOfRange) },
         Reason::NotFinite(own) => Why { part: part(own), ..plain(BwReason::NotFinite) },
         Reason::Implausible(error) => Why { place: place_in(Implausible::ALL, &error), ..plain(BwReason::Implausible) },
+        Reason::Arithmetic(kernel) => Why { place: place_in(Kernel::ALL, &kernel), ..plain(BwReason::Arithmetic) },
+        Reason::OtherModel => plain(BwReason::OtherModel),
+        Reason::FoundLate => plain(BwReason::FoundLate),
         // What a later version of the core adds.
         _ => plain(BwReason::Other),
     }
@@ -317,7 +333,7 @@ unsafe fn copy(state: &BwState, what: BwValues, (values, capacity): (*mut f32, u
         }
         length = length.wrapping_add(1);
     };
-    state.solving.with(|solving| {
+    state.settled(|solving| {
         let Work::Concluded(report) = &solving.work else { return Err(BwCode::NoReport) };
         list(report, what, each);
         Ok(())

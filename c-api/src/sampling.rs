@@ -102,13 +102,24 @@ fn fill_gap(state: &BwState, next: &Sample, mut take: impl FnMut(&Sample) -> Out
 #[cold]
 #[inline(never)]
 fn keep(state: &BwState, segment: Segment<Own>) -> Outcome {
-    // SAFETY: the caller holds the sampling half of the state.
-    if unsafe { state.closed.fill(segment) } {
-        Ok(BwCode::Segment)
-    } else {
+    let number = next_segment(state);
+    if state.closed.is_full() {
         count(&state.lost_segments);
-        Err(BwCode::SegmentLost)
+        return Err(BwCode::SegmentLost);
     }
+    // Before the segment is there, which the main loop takes with it.
+    state.closed_number.store(number, Ordering::Relaxed);
+    // SAFETY: the caller holds the sampling half of the state, and nothing else fills the slot.
+    unsafe { state.closed.fill(segment) };
+    Ok(BwCode::Segment)
+}
+
+/// The number of a segment that closes.
+fn next_segment(state: &BwState) -> u32 {
+    // After 2³² segments from 1 on: 0 stands for none.
+    let number = state.segments.load(Ordering::Relaxed).wrapping_add(1).max(1);
+    state.segments.store(number, Ordering::Relaxed);
+    number
 }
 
 /// Adds one. By load and store: only the holder of the part counts, and a lost count would only be a lost count.
@@ -138,7 +149,8 @@ fn step(state: &BwState, sample: &Sample) -> Outcome {
         }
         let mut take = |detector: &mut Detector<'static, Own>, sample: &Sample| match detector.step(sample) {
             Some(report) => {
-                conclude(solving, report);
+                solving.number = next_segment(state);
+                conclude(state, solving, report);
                 BwCode::Report
             }
             None => BwCode::Ok,
@@ -151,7 +163,7 @@ fn step(state: &BwState, sample: &Sample) -> Outcome {
             }
         })
     };
-    state.solving.with(step).flatten().flatten().or_else(|why| lose(state, why))
+    state.settled(step).flatten().flatten().or_else(|why| lose(state, why))
 }
 
 /// Starts the open segment afresh, for a stream that does not continue from the last sample: after a pause, or at
@@ -175,15 +187,24 @@ pub unsafe extern "C" fn bw_restart(state: *mut BwState) -> BwCode {
 /// Discards what the open segment has taken, which was found to be wrong after it was taken: `found_late` of
 /// `BwCleanSample`. The segment closes where it would have, and has a verdict if half of it follows this call and is
 /// usable. `before_in_doubt` gets 1 if less than half of the segment had passed: the fault may have begun in the
-/// segment before, whose report is in doubt, too; NULL if that is not wanted. In the interrupt, or with the interrupt
-/// masked.
+/// segment before; NULL if that is not wanted. The report of that segment is then withdrawn: it is undetermined by
+/// `BW_REASON_FOUND_LATE`, and the alarm is as if it had been from the start, also if it had been given before. In the
+/// interrupt, or with the interrupt masked.
 ///
 /// # Safety
 /// `state` is NULL, or was given by `bw_init` or has as many readable bytes. `before_in_doubt` is NULL or writable.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_discard(state: *mut BwState, before_in_doubt: *mut u8) -> BwCode {
     // SAFETY: the same contract.
-    let in_doubt = unsafe { at(state) }.and_then(|state| state.sampling.with(Detector::discard));
+    let in_doubt = unsafe { at(state) }.and_then(|state| {
+        state.sampling.with(|detector| {
+            let in_doubt = detector.discard();
+            if in_doubt {
+                state.doubted.store(state.segments.load(Ordering::Relaxed), Ordering::Relaxed);
+            }
+            in_doubt
+        })
+    });
     let told = |in_doubt: bool| {
         // SAFETY: the same contract.
         if before_in_doubt.is_null() { Ok(()) } else { unsafe { put(before_in_doubt, in_doubt.into()) } }

@@ -37,7 +37,7 @@ pub unsafe extern "C" fn bw_save(state: *mut BwState, bytes: *mut u8, capacity: 
         }
         // SAFETY: writable by the contract; no other reference to them exists during this call.
         let buffer = unsafe { core::slice::from_raw_parts_mut(bytes, state.model.saved_len()) };
-        state.solving.with(|solving| state.model.save(&solving.evidence, None, buffer))?.map_err(refusal)?;
+        state.settled(|solving| state.model.save(&solving.evidence, None, buffer))?.map_err(refusal)?;
         Ok(BwCode::Ok)
     }))
 }
@@ -57,8 +57,14 @@ pub unsafe extern "C" fn bw_restore(state: *mut BwState, bytes: *const u8, lengt
     code(unsafe { at(state) }.and_then(|state| {
         // SAFETY: the same contract.
         let bytes = unsafe { elements(bytes, length) }?;
-        let restored = state.solving.with(|solving| state.model.restore(bytes, &mut solving.evidence, None))?;
-        restored.map(|()| BwCode::Ok).map_err(refusal)
+        let restored = state.settled(|solving| {
+            state.model.restore(bytes, &mut solving.evidence, None)?;
+            // The report that is there is not in it.
+            solving.before.clone_from(&solving.evidence);
+            solving.number = 0;
+            Ok(BwCode::Ok)
+        })?;
+        restored.map_err(refusal)
     }))
 }
 

@@ -1,5 +1,7 @@
 //! What the main loop calls: a closed segment → its report.
 
+use core::sync::atomic::Ordering;
+
 use bearing_watch::{Report, Solver};
 
 use crate::code::{BwCode, Outcome, code};
@@ -8,7 +10,8 @@ use crate::plan::Own;
 use crate::state::{BwState, Solving, Work};
 
 /// Does a bounded piece of the solve of the closed segment; call it again and again in the main loop. The first piece
-/// takes the segment, so that the interrupt can close the next one. The alarm takes account of the report.
+/// takes the segment, so that the interrupt can close the next one. The alarm takes account of the report, unless it is in
+/// doubt (`bw_discard`).
 ///
 /// Returns `BW_CODE_OK` if there is more to do, `BW_CODE_REPORT` with the last piece, or `BW_CODE_IDLE` if there is no
 /// closed segment.
@@ -18,7 +21,7 @@ use crate::state::{BwState, Solving, Work};
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_advance(state: *mut BwState) -> BwCode {
     // SAFETY: the same contract.
-    code(unsafe { at(state) }.and_then(|state| state.solving.with(|solving| advance(state, solving)).flatten()))
+    code(unsafe { at(state) }.and_then(|state| state.settled(|solving| advance(state, solving)).flatten()))
 }
 
 /// Solves the closed segment as a whole, or what `bw_advance` has left of it, with the same bits.
@@ -30,14 +33,19 @@ pub unsafe extern "C" fn bw_advance(state: *mut BwState) -> BwCode {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_conclude(state: *mut BwState) -> BwCode {
     // SAFETY: the same contract.
-    code(unsafe { at(state) }.and_then(|state| state.solving.with(|solving| all(state, solving)).flatten()))
+    code(unsafe { at(state) }.and_then(|state| state.settled(|solving| all(state, solving)).flatten()))
 }
 
 /// Takes the closed segment, if none is being solved.
 fn take(state: &'static BwState, solving: &mut Solving) {
     if !matches!(solving.work, Work::Solving(_)) {
         // SAFETY: the caller holds the solving half of the state.
-        unsafe { state.closed.empty(|segment| solving.work = Work::Solving(Solver::new(&state.model, segment))) };
+        unsafe {
+            state.closed.empty(|segment| {
+                solving.number = state.closed_number.load(Ordering::Relaxed);
+                solving.work = Work::Solving(Solver::new(&state.model, segment));
+            });
+        }
     }
 }
 
@@ -45,17 +53,17 @@ fn advance(state: &'static BwState, solving: &mut Solving) -> Outcome {
     take(state, solving);
     let Work::Solving(solver) = &mut solving.work else { return Ok(BwCode::Idle) };
     // Nothing is left to be solved then: the rest only moves the report.
-    if solver.advance().is_some() { finish(solving) } else { Ok(BwCode::Ok) }
+    if solver.advance().is_some() { finish(state, solving) } else { Ok(BwCode::Ok) }
 }
 
 fn all(state: &'static BwState, solving: &mut Solving) -> Outcome {
     take(state, solving);
-    finish(solving)
+    finish(state, solving)
 }
 
-fn finish(solving: &mut Solving) -> Outcome {
+fn finish(state: &BwState, solving: &mut Solving) -> Outcome {
     match core::mem::replace(&mut solving.work, Work::Empty) {
-        Work::Solving(solver) => conclude(solving, solver.finish()),
+        Work::Solving(solver) => conclude(state, solving, solver.finish()),
         other => {
             solving.work = other;
             return Ok(BwCode::Idle);
@@ -64,10 +72,12 @@ fn finish(solving: &mut Solving) -> Outcome {
     Ok(BwCode::Report)
 }
 
-/// Keeps a report, after the evidence has taken its decision.
-pub(crate) fn conclude(solving: &mut Solving, report: Report<Own>) {
-    solving.evidence.observe(report.decision.as_ref());
+/// Keeps a report, after the evidence has taken its outcome. One that is in doubt already is withdrawn at once.
+pub(crate) fn conclude(state: &BwState, solving: &mut Solving, report: Report<Own>) {
+    solving.before.clone_from(&solving.evidence);
+    solving.evidence.observe_outcome(report.outcome());
     solving.work = Work::Concluded(report);
+    solving.withdraw(&state.doubted);
 }
 
 /// Makes the estimate of the report the auxiliary model of instrumental variables, or of least squares with less weight
@@ -81,7 +91,7 @@ pub(crate) fn conclude(solving: &mut Solving, report: Report<Own>) {
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_adopt(state: *mut BwState) -> BwCode {
     // SAFETY: the same contract.
-    code(unsafe { at(state) }.and_then(|state| state.solving.with(|solving| adopt(state, solving)).flatten()))
+    code(unsafe { at(state) }.and_then(|state| state.settled(|solving| adopt(state, solving)).flatten()))
 }
 
 fn adopt(state: &BwState, solving: &Solving) -> Outcome {

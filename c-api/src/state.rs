@@ -13,12 +13,12 @@ use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use bearing_watch::{Detector, Evidence, Model, Report, Segment, Solver};
 
 use crate::code::{BwCode, Outcome, code};
-use crate::memory::{Object, check, elements, put, room, tag};
+use crate::memory::{Object, Tag, check, elements, put, room};
 use crate::plan::Own;
 
 /// Bytes of memory that are enough for `bw_init` of a library without a plan of its own; `bw_state_size` returns what
 /// exactly is needed.
-pub const BW_STATE_SIZE: usize = 20480;
+pub const BW_STATE_SIZE: usize = 21504;
 /// Alignment of that memory, bytes, and of the memory of all other objects.
 pub const BW_STATE_ALIGN: usize = 8;
 
@@ -28,16 +28,34 @@ const _: () = assert!(align_of::<BwState>() <= BW_STATE_ALIGN);
 /// A detector of one drive, in memory of the caller.
 #[derive(Debug)]
 pub struct BwState {
-    tag: AtomicU32,
+    tag: Tag,
     /// Samples that were lost because a function was busy, and segments that were not taken.
     pub(crate) lost_samples: AtomicU32,
     pub(crate) lost_segments: AtomicU32,
     /// Samples lost since the last one that the detector took, which must know of the gap.
     pub(crate) missed: AtomicU32,
+    /// Number of segments that have closed, that of the one in `closed`, and that of the one in doubt since `bw_discard`;
+    /// the first is 1.
+    pub(crate) segments: AtomicU32,
+    pub(crate) closed_number: AtomicU32,
+    pub(crate) doubted: AtomicU32,
     pub(crate) model: Model<Own>,
     pub(crate) sampling: Lock<Detector<'static, Own>>,
     pub(crate) closed: Slot<Segment<Own>>,
     pub(crate) solving: Lock<Solving>,
+}
+
+impl BwState {
+    /// Works on what the main loop works on, once a report in doubt is withdrawn.
+    ///
+    /// # Errors
+    /// [`BwCode::Busy`].
+    pub(crate) fn settled<R>(&self, work: impl FnOnce(&mut Solving) -> R) -> Outcome<R> {
+        self.solving.with(|solving| {
+            solving.withdraw(&self.doubted);
+            work(solving)
+        })
+    }
 }
 
 impl Object for BwState {
@@ -50,6 +68,29 @@ impl Object for BwState {
 pub(crate) struct Solving {
     pub(crate) work: Work,
     pub(crate) evidence: Evidence<Own>,
+    /// The evidence before the report of `work`, in case that is withdrawn.
+    pub(crate) before: Evidence<Own>,
+    /// Number of the segment of `work`; 0 if it is withdrawn or there is none.
+    pub(crate) number: u32,
+}
+
+impl Solving {
+    const fn new(evidence: Evidence<Own>, before: Evidence<Own>) -> Self {
+        Self { work: Work::Empty, evidence, before, number: 0 }
+    }
+
+    /// Withdraws the report if its segment is in doubt meanwhile: the evidence is that without it.
+    pub(crate) fn withdraw(&mut self, doubted: &AtomicU32) {
+        if self.number == 0 || self.number != doubted.load(Ordering::Relaxed) {
+            return;
+        }
+        if let Work::Concluded(report) = &mut self.work {
+            report.doubt();
+            self.evidence.clone_from(&self.before);
+            self.evidence.observe_outcome(report.outcome());
+            self.number = 0;
+        }
+    }
 }
 
 /// The solve of a segment, and afterwards its report, in the same memory.
@@ -187,9 +228,12 @@ unsafe fn init(
         (&raw mut (*own).lost_samples).write(AtomicU32::new(0));
         (&raw mut (*own).lost_segments).write(AtomicU32::new(0));
         (&raw mut (*own).missed).write(AtomicU32::new(0));
+        (&raw mut (*own).segments).write(AtomicU32::new(0));
+        (&raw mut (*own).closed_number).write(AtomicU32::new(0));
+        (&raw mut (*own).doubted).write(AtomicU32::new(0));
         place_detector(own, &(*own).model);
         place_solving(own, &(*own).model);
-        (*own).tag.store(tag(own), Ordering::Release);
+        (*own).tag.set(own);
         put(state, own)?;
     }
     Ok(BwCode::Ok)
@@ -205,7 +249,7 @@ unsafe fn place_model(own: *mut BwState, bytes: &[u8]) -> Outcome<()> {
             // SAFETY: the contract of the caller; the other model is neither used nor dropped after this. To take it out
             // of the result would move it once more on the stack.
             unsafe {
-                (&raw mut (*own).tag).write(AtomicU32::new(0));
+                (&raw mut (*own).tag).write(Tag::none());
                 (&raw mut (*own).model).copy_from_nonoverlapping(model, 1);
             }
             Ok(())
@@ -225,6 +269,6 @@ unsafe fn place_solving(own: *mut BwState, model: &'static Model<Own>) {
     // SAFETY: the contract of the caller.
     unsafe {
         (&raw mut (*own).closed).write(Slot::new());
-        (&raw mut (*own).solving).write(Lock::new(Solving { work: Work::Empty, evidence: model.evidence() }));
+        (&raw mut (*own).solving).write(Lock::new(Solving::new(model.evidence(), model.evidence())));
     }
 }

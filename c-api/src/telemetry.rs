@@ -2,13 +2,12 @@
 
 use core::ffi::c_void;
 use core::mem::offset_of;
-use core::sync::atomic::AtomicU32;
 
 use bearing_watch::model::Label;
 use bearing_watch::telemetry::{Encoder, RawEncoder, Source, TooSmall};
 
 use crate::code::{BwCode, Outcome, code};
-use crate::memory::{Object, at, check, put, put_object, room};
+use crate::memory::{Object, Tag, at, check, put, put_object, room};
 use crate::plan::{BW_MAX_CHANNELS, BW_MAX_CLASSES, BW_MAX_FEATURES, BW_MAX_ORDERS, Own};
 use crate::raw_recorder::BwRawRecorder;
 use crate::recorder::{BW_BLOCK_BYTES, BwRecorder};
@@ -41,7 +40,7 @@ const fn fits(content: usize) -> bool {
 /// Makes the frames of one line, in memory of the caller.
 #[derive(Debug)]
 pub struct BwTelemetry {
-    tag: AtomicU32,
+    tag: Tag,
     line: Lock<Line>,
 }
 
@@ -84,7 +83,7 @@ pub unsafe extern "C" fn bw_telemetry_init(
             let state: &'static BwState = at(state)?;
             Line::Model(state, Encoder::new(&state.model, source))
         };
-        put_object(place, BwTelemetry { tag: AtomicU32::new(0), line: Lock::new(line) }, telemetry)
+        put_object(place, BwTelemetry { tag: Tag::none(), line: Lock::new(line) }, telemetry)
     }))
 }
 
@@ -129,7 +128,7 @@ pub unsafe extern "C" fn bw_telemetry_report(
 ) -> BwCode {
     let report = |line: &mut Line, buffer: &mut [u8]| {
         let Line::Model(state, encoder) = line else { return Err(BwCode::NotInitialised) };
-        state.solving.with(|solving| {
+        state.settled(|solving| {
             let Work::Concluded(report) = &solving.work else { return Err(BwCode::NoReport) };
             written(encoder.report(report, &solving.evidence, buffer))
         })?

@@ -2,13 +2,12 @@
 
 use core::ffi::{CStr, c_char, c_void};
 use core::mem::offset_of;
-use core::sync::atomic::AtomicU32;
 
 use bearing_watch::{Wiring, WiringCheck, WiringFault, WiringLimits};
 
 use crate::code::{BwCode, code};
 use crate::front_end::constants::BwFrontEndConstants;
-use crate::memory::{Object, at, get, put, put_object, room};
+use crate::memory::{Object, Tag, at, get, put, put_object, room};
 use crate::state::Lock;
 
 /// Bytes of memory that are enough for `bw_wiring_init`, aligned to `BW_STATE_ALIGN` bytes.
@@ -123,7 +122,7 @@ pub struct BwWiring {
 /// The check of one drive, in memory of the caller.
 #[derive(Debug)]
 pub struct BwWiringCheck {
-    tag: AtomicU32,
+    tag: Tag,
     pub(crate) check: Lock<WiringCheck>,
 }
 
@@ -159,7 +158,7 @@ pub unsafe extern "C" fn bw_wiring_init(
             slowest_rad_s: own.slowest_rad_s,
         };
         let check = Lock::new(WiringCheck::new(constants.frame, constants.control_rate_hz, limits));
-        put_object(place, BwWiringCheck { tag: AtomicU32::new(0), check }, wiring)
+        put_object(place, BwWiringCheck { tag: Tag::none(), check }, wiring)
     }))
 }
 

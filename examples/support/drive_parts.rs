@@ -54,7 +54,7 @@ impl Watch {
 
     /// Adds the evidence of a report and prints it. A drive sends the report instead.
     pub fn observe(&mut self, report: &Report<Drive>) {
-        let alarm = self.evidence.observe(report.decision.as_ref()).is_some();
+        let alarm = self.evidence.observe_outcome(report.outcome()).is_some();
         print(self.segments, report, alarm);
         self.segments += 1;
     }

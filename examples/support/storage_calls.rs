@@ -4,7 +4,7 @@ use core::fmt;
 use core::hint::black_box as opaque;
 
 use bearing_watch::model::Label;
-use bearing_watch::storage::{RecordKind, RecordLabel, SlotPair, StorageError};
+use bearing_watch::storage::{Record, RecordKind, RecordLabel, SlotPair, StorageError};
 use embedded_storage::nor_flash::NorFlashErrorKind;
 
 use super::flash::Flash;
@@ -28,6 +28,7 @@ fn calls(pair: SlotPair<64>, flash: &mut Flash, show: &mut impl FnMut(&dyn fmt::
     opaque(SlotPair::capacity::<Flash>(&pair));
     let stored = SlotPair::store(&pair, flash, &label, payload.get(..opaque(200)).unwrap_or_default());
     let newest = opaque(SlotPair::newest(&pair, flash));
+    opaque(newest.as_ref().ok().copied().flatten().and_then(|record| Record::passed_over(&record)));
     let loaded =
         SlotPair::load(&pair, flash, &mut buffer, |record, bytes| opaque(record.label == label).then_some(bytes.len()));
     for error in [stored.err(), newest.err(), loaded.err(), SlotPair::erase(&pair, flash).err()].into_iter().flatten() {

@@ -173,7 +173,8 @@ class Detector:
     -----
     The samples go in by the names of the recorded columns that the model reads (``Model.columns`` has them, or formulas
     of them). Evidence for the alarm goes on from trace to trace, until :meth:`reset`. Times, as a column or as the index
-    of a frame, are compared with the rate of the model. A detector without samples and evidence can be pickled.
+    of a frame, are compared with the rate of the model. A pickle of a detector has its evidence, alarm and baseline, but no
+    samples: of an open trace, it is refused.
 
     Examples
     --------
@@ -202,18 +203,14 @@ class Detector:
     ) -> None:
         self.model = model if isinstance(model, Model) else Model.load(model)
         self._options = {"follow": follow, "follow_bound": follow_bound, "run_a_trace": run_a_trace}
-        self._is_fresh = True
         self._core = _core.Detector(self.model._core, follow, follow_bound, run_a_trace)
 
     def __getstate__(self) -> dict[str, Any]:
-        if not self._is_fresh:
-            raise TypeError(
-                "the detector has samples and evidence, which a pickle does not hold; reset it first, or pickle its model"
-            )
-        return {"model": self.model, "options": self._options}
+        return {"model": self.model, "options": self._options, "evidence": self._core.save()}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         Detector.__init__(self, state["model"], **state["options"])
+        self._core.restore(state["evidence"])
 
     def run(self, trace: Optional[Table] = None, /, **columns: npt.ArrayLike) -> Verdicts:
         """Run a whole trace.
@@ -230,18 +227,14 @@ class Detector:
         Verdicts
             Of every segment; a last one of no more than half a segment is left out.
         """
-        given = _columns(trace, columns)
-        self._is_fresh = False
-        return self._verdicts(self._core.run(given))
+        return self._verdicts(self._core.run(_columns(trace, columns)))
 
     def step(self, samples: Optional[Table] = None, /, **columns: npt.ArrayLike) -> Verdicts:
         """Take the next samples of a trace, and return the verdicts on the segments that end with them.
 
         Pieces of any length give the verdicts of :meth:`run` on the whole trace; :meth:`finish` ends the trace.
         """
-        given = _columns(samples, columns)
-        self._is_fresh = False
-        return self._verdicts(self._core.step(given))
+        return self._verdicts(self._core.step(_columns(samples, columns)))
 
     def finish(self) -> Verdicts:
         """End a trace whose samples came by :meth:`step`, and return the verdict on its last segment."""
@@ -250,7 +243,6 @@ class Detector:
     def reset(self) -> None:
         """Forget all samples and all evidence."""
         self._core.reset()
-        self._is_fresh = True
 
     def _verdicts(self, found: dict[str, Any]) -> Verdicts:
         for name in ("verdict", "undetermined", "cause", "lacking"):

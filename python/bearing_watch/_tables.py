@@ -44,11 +44,10 @@ def array(values: Any) -> npt.NDArray[Any]:
     if own.dtype.kind == "O" and own.ndim == 1:
         missing = [_is_missing(cell) for cell in own]
         numbers = [isinstance(cell, (int, float, np.number)) for cell in own]
-        if not all(missing) and all(one or other for one, other in zip(missing, numbers)):
+        # Cells that are all missing are numbers if their column says so, as one of pandas does.
+        of_numbers = getattr(getattr(values, "dtype", None), "kind", "O") in NUMBERS or not all(missing)
+        if of_numbers and all(one or other for one, other in zip(missing, numbers)):
             return np.array([np.nan if gone else cell for gone, cell in zip(missing, own)], dtype=np.float64)
-    kind = getattr(getattr(values, "dtype", None), "kind", "")
-    if own.dtype == object and kind in NUMBERS and hasattr(values, "to_numpy"):
-        return np.asarray(values.to_numpy(dtype=np.float64, na_value=np.nan))
     return own
 
 

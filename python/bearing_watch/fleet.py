@@ -14,10 +14,16 @@ import json
 from collections.abc import Sequence
 from os import PathLike, fspath
 from pathlib import Path as _File
-from typing import Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 from bearing_watch import _core
 from bearing_watch._tables import Labels, Path, drive_and_options, warn
+
+if TYPE_CHECKING:
+    from bearing_watch._options import Features as FeaturesOptions
+    from bearing_watch._options import FeaturesSum as FeaturesSumOptions
+    from bearing_watch._options import TrainFeatures as TrainFeaturesOptions
+    from bearing_watch._options import Unpack
 
 __all__ = ["features", "features_sum", "sum_on", "train_features"]
 
@@ -25,7 +31,9 @@ __all__ = ["features", "features_sum", "sum_on", "train_features"]
 Parts = Union[Path, Sequence[Path]]
 
 
-def features(traces: Path, labels: Optional[Labels] = None, *, out: Path, **options: Any) -> dict[str, Any]:
+def features(
+    traces: Path, labels: Optional[Labels] = None, *, out: Path, **options: Unpack[FeaturesOptions]
+) -> dict[str, Any]:
     """Compute the features of traces and write them as a part, one row a segment.
 
     Parameters
@@ -44,11 +52,11 @@ def features(traces: Path, labels: Optional[Labels] = None, *, out: Path, **opti
     dict
         What ``bearing-watch features --json`` reports.
     """
-    drive, plain, _, _ = drive_and_options(traces, labels, options)
+    drive, plain, _, _ = drive_and_options(traces, labels, dict(options))
     return _step("features", drive, {**plain, "out": fspath(out)})
 
 
-def features_sum(parts: Parts, *, out: Path, **options: Any) -> dict[str, Any]:
+def features_sum(parts: Parts, *, out: Path, **options: Unpack[FeaturesSumOptions]) -> dict[str, Any]:
     """Sum parts and sums of other parts, and write the sums.
 
     Parameters
@@ -68,7 +76,7 @@ def features_sum(parts: Parts, *, out: Path, **options: Any) -> dict[str, Any]:
     return _step("features-sum", None, {**options, "parts": _files(parts), "out": fspath(out)})
 
 
-def train_features(parts: Parts, *, model: Path, **options: Any) -> dict[str, Any]:
+def train_features(parts: Parts, *, model: Path, **options: Unpack[TrainFeaturesOptions]) -> dict[str, Any]:
     """Train a model from parts or sums, and write it.
 
     Parameters
@@ -88,7 +96,9 @@ def train_features(parts: Parts, *, model: Path, **options: Any) -> dict[str, An
     return _step("train-features", None, {**options, "parts": _files(parts), "model": fspath(model)})
 
 
-def sum_on(client: Any, parts: Sequence[Path], folder: Path, *, branch: int = 8, **options: Any) -> _File:
+def sum_on(
+    client: Any, parts: Sequence[Path], folder: Path, *, branch: int = 8, **options: Unpack[FeaturesSumOptions]
+) -> _File:
     """Sum parts on a cluster, as a tree.
 
     Each task sums one part, or merges the sums of ``branch`` tasks, and writes its file completely or not at all. The
@@ -126,7 +136,7 @@ def sum_on(client: Any, parts: Sequence[Path], folder: Path, *, branch: int = 8,
     while len(level) > 1:
         height += 1
         groups = [level[k : k + branch] for k in range(0, len(level), branch)]
-        keep = {"keep_units": True} if options.get("keep_units") else {}
+        keep: FeaturesSumOptions = {"keep_units": True} if options.get("keep_units") else {}
         level = [
             client.submit(_merge, group, fspath(folder / f"merge{height}-{k}.sums"), keep, pure=False, retries=2)
             for k, group in enumerate(groups)
@@ -134,12 +144,12 @@ def sum_on(client: Any, parts: Sequence[Path], folder: Path, *, branch: int = 8,
     return _File(level[0].result())
 
 
-def _leaf(part: str, out: str, options: dict[str, Any]) -> str:
+def _leaf(part: str, out: str, options: FeaturesSumOptions) -> str:
     features_sum(part, out=out, **options)
     return out
 
 
-def _merge(sums: list[str], out: str, options: dict[str, Any]) -> str:
+def _merge(sums: list[str], out: str, options: FeaturesSumOptions) -> str:
     features_sum(sums, out=out, **options)
     return out
 

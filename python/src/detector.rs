@@ -9,11 +9,11 @@ use model::Error;
 use model::core::{SegmentReport, Stream, Watched, Watcher};
 use model::identify::Terms as _;
 use model::session::check_rate;
-use model::trace::{Cells, Channels, Recorded, Trace};
+use model::trace::{Recorded, Trace};
 use model::train::features_of;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
+use pyo3::types::{PyBytes, PyDict, PyList};
 use self_cell::self_cell;
 use traces::Source;
 
@@ -145,6 +145,23 @@ impl Detector {
         self.to_dict(py, &judged)
     }
 
+    /// Evidence, alarm and baseline as bytes, between traces.
+    fn save<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        self.require_between()?;
+        let Running { watcher, baseline, .. } = self.state.borrow_dependent();
+        Ok(PyBytes::new(py, &watcher.save(baseline.as_ref())))
+    }
+
+    /// Goes on from these bytes.
+    fn restore(&mut self, state: &[u8]) -> PyResult<()> {
+        self.require_between()?;
+        let restored = self.state.with_dependent_mut(|_, running| {
+            let Running { watcher, baseline, .. } = running;
+            watcher.restore(state, baseline.as_mut())
+        });
+        restored.map_err(|problem| refused(format!("no state of this detector: {problem}")))
+    }
+
     /// Forgets all samples and evidence.
     fn reset(&mut self) -> PyResult<()> {
         self.state = start(self.state.borrow_owner(), self.follow)?;
@@ -152,18 +169,10 @@ impl Detector {
     }
 }
 
-/// The samples of a piece. Its time is read for the rate alone, and only where it has a step.
+/// The samples of a piece, whose time is that of the model's rate if it has steps.
 fn piece(own: &Own, table: Arc<Recorded>) -> Result<Trace, Error> {
-    let rows = table.columns().iter().find_map(|(_, cells)| match cells {
-        Cells::Numbers(numbers) => Some(numbers.len()),
-        _ => None,
-    });
-    if rows.is_some_and(|rows| rows > 1) {
-        let timed = traces::read_piece(&table, &own.file.channels())?;
-        check_rate(&own.file.model, own.file.preparation(), timed.iter())?;
-    }
-    let channels = Channels { time: Some("none".into()), rate_hz: None, ..own.file.channels() };
-    let mut traces = traces::read_piece(&table, &channels)?;
+    let mut traces = traces::read_piece(&table, own.file.channels())?;
+    check_rate(&own.file.model, own.file.preparation(), traces.iter())?;
     traces.pop().filter(|_| traces.is_empty()).ok_or_else(|| Error::Usage("the samples are of several traces".into()))
 }
 

@@ -132,11 +132,24 @@ def test_models_and_detectors_are_equal_to_their_pickles(bench, plain):
     assert "classes: healthy, spall, roughness" in other.summary() or "classes: " in other.summary()
     with pytest.raises(bw.BearingWatchError, match="does not have the data"):
         other.summary(rank=True)
-    detector = bw.Detector(plain, run_a_trace=True)
-    copy = pickle.loads(pickle.dumps(detector))
+
+
+@pytest.mark.parametrize("options", [{"run_a_trace": True}, {"follow": 5.0, "follow_bound": 1.0}])
+def test_a_detector_goes_on_from_its_pickle(bench, plain, options):
+    detector = bw.Detector(plain, **options)
     columns = trace(bench)
-    assert np.array_equal(copy.run(columns).score, detector.run(columns).score)
-    with pytest.raises(TypeError, match="reset it first"):
+    first = detector.run(columns)
+    copy = pickle.loads(pickle.dumps(detector))
+    found, other = copy.run(columns).columns(), detector.run(columns).columns()
+    for name, values in other.items():
+        np.testing.assert_array_equal(found[name], values, err_msg=name)
+    assert found["score"].tolist() != first.score.tolist(), "evidence goes on"
+    detector.step(columns)
+    with pytest.raises(bw.BearingWatchError, match="a trace is open"):
         pickle.dumps(detector)
-    detector.reset()
-    assert np.array_equal(pickle.loads(pickle.dumps(detector)).run(columns).score, detector.run(columns).score)
+    detector.finish()
+    state = pickle.loads(pickle.dumps(detector))
+    assert state.run(columns).score.tolist() == detector.run(columns).score.tolist()
+    another = quietly(lambda: bw.train(bench.traces, bench.labels, **{**PLAIN, "segment": 900}))
+    with pytest.raises(bw.BearingWatchError, match="no state of this detector"):
+        bw.Detector(another, **options)._core.restore(detector._core.save())

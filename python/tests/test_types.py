@@ -10,16 +10,25 @@ from bearing_watch import _core, _options
 
 CALLS = """
 import bearing_watch as bw
+from bearing_watch import fleet
 
 model = bw.train("drive.toml", order=(2, 1, 2, 1, 1), false_alarm=0.01, priors={"healthy": 0.9, "spall": 0.1})
 bw.evaluate(model, "drive.toml", per_segment=True, by=["load_kgf"])
 bw.audit("runs", current="iq_A")
 bw.simulate("spall", count=2, rig="dc")
+fleet.features("drive.toml", out="p.parquet", order=(2, 1, 2, 1, 1), plan="a.parquet")
+fleet.features_sum("p.parquet", out="p.sums", features=["a", "b"], keep_units=True)
+fleet.train_features(["p.sums"], model="m.bwm", unit="drive", false_alarm=0.01, one_pass=True, rust="m.rs")
+fleet.sum_on(object(), ["p.parquet"], "sums", train_where="run<=4")
 bw.train("drive.toml", ordr=3)  # Unexpected keyword argument "ordr"
 bw.train("drive.toml", segment="long")  # Argument "segment"
 bw.train("drive.toml", method="lsq")  # Argument "method"
 bw.evaluate(model, "drive.toml", per_segmnt=True)  # Unexpected keyword argument "per_segmnt"
 bw.simulate("spall", sevrity=2.0)  # Unexpected keyword argument "sevrity"
+fleet.features("drive.toml", out="p.parquet", plan_trace=3)  # Unexpected keyword argument "plan_trace"
+fleet.features_sum("p.parquet", out="p.sums", keep_units="yes")  # Argument "keep_units"
+fleet.train_features("p.sums", model="m.bwm", units="drive")  # Unexpected keyword argument "units"
+fleet.sum_on(object(), ["p.parquet"], "sums", keep=True)  # Unexpected keyword argument "keep"
 """
 
 
@@ -42,9 +51,20 @@ def test_wrong_options_are_found(tmp_path):
         assert f"calls.py:{line}: error: {words}" in error
 
 
-@pytest.mark.parametrize("job", ["train", "evaluate"])
+#: The options of each job, and those among them that are no settings.
+OPTIONS = {
+    "train": (_options.Train, set()),
+    "evaluate": (_options.Evaluate, {"per_segment"}),
+    "features": (_options.Features, {"plan", "plan_traces"}),
+    "features-sum": (_options.FeaturesSum, {"keep_units"}),
+    "train-features": (_options.TrainFeatures, {"one_pass", "rust", "commissioning", "c"}),
+}
+
+
+@pytest.mark.parametrize("job", OPTIONS)
 def test_the_options_are_those_of_the_settings(command, job):
-    named = set({"train": _options.Train, "evaluate": _options.Evaluate}[job].__annotations__)
+    options, further = OPTIONS[job]
+    named = set(options.__annotations__)
     schema = json.loads(command("schema"))
     keys = {key for fields in schema["properties"].values() for key in fields["properties"]} - {"traces", "labels"}
 
@@ -55,4 +75,4 @@ def test_the_options_are_those_of_the_settings(command, job):
             return "has no option" not in str(refused)
         return True
 
-    assert named - {"per_segment"} == {key for key in keys if is_taken(key)}
+    assert further <= named and named - further == {key for key in keys if is_taken(key)}

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! covariates ─► features ─► coordinates ─► factor, by rows ─► likelihoods ─► posteriors, class
-//!                                          └ of a quadratic discriminant for each class ┘   │
+//!                                          └ and, of a quadratic discriminant, the factor   │
+//!                                            for each class; its gate ◄────────┘           │
 //!                                                  distance, surprise ◄─ healthy factor ◄───┘
 //! ```
 
@@ -34,6 +35,8 @@ enum Stage {
     Widen,
     /// Log-likelihood of class k.
     Likelihoods,
+    /// Whether the segment is beyond the gate of class k.
+    Gates,
     /// A step of posteriors, costs and class.
     Posteriors,
     /// The next step of the healthy class's factor.
@@ -56,6 +59,8 @@ pub struct Classification<P: Plan> {
     variances: Array<P::Coordinates, f32>,
     density: Density<P>,
     likelihoods: Array<P::Classes, f32>,
+    /// Squared distance from class k.
+    squared: f32,
     deciding: Deciding,
     /// With rising coordinates, d² of the others and the score of each, and then what follows from them.
     judged: Array<P::Laws, f32>,
@@ -82,6 +87,7 @@ impl<P: Plan> Classification<P> {
             variances: Cells::filled(coordinates, 0.0),
             density: Density::new(plan),
             likelihoods: Cells::filled(layout.classes as usize, 0.0),
+            squared: 0.0,
             deciding: Deciding::new(),
             judged: Cells::filled(layout.laws(), rising::MISSING),
             others: 0,
@@ -115,6 +121,7 @@ impl<P: Plan> Classification<P> {
                 }
             }
             Stage::Load | Stage::Widen | Stage::Likelihoods => self.weigh(plan, classifier),
+            Stage::Gates => self.ask_gate(plan, classifier, decision),
             Stage::Posteriors => {
                 let done = self.deciding.step(&classifier.discriminant, self.likelihoods.cells(), decision)?;
                 if !done {
@@ -274,17 +281,30 @@ impl<P: Plan> Classification<P> {
                 let Some(cell) = self.likelihoods.cells_mut().get_mut(self.k) else {
                     return self.then(Stage::Posteriors);
                 };
-                *cell = discriminant.likelihood(&self.density, z, self.k);
-                self.k = self.k.saturating_add(1);
-                let last = self.k >= self.likelihoods.cells().len();
-                if kind == Kind::Quadratic && !last {
-                    self.stage = Stage::Load;
-                }
+                self.squared = discriminant.squared_distance(&self.density, z, self.k);
+                *cell = self.density.log_density(self.squared);
+                self.stage = Stage::Gates;
             }
         }
+    }
+
+    /// Compares the distance from class k with its gate.
+    fn ask_gate(&mut self, plan: P, classifier: &Classifier<P>, decision: &mut Decision<P>) {
+        let counts = [self.density.available(), self.coordinates.cells().len()];
+        let class = u8::try_from(self.k).unwrap_or(u8::MAX);
+        if let Some(cell) = decision.beyond.cells_mut().get_mut(self.k) {
+            *cell = classifier.novelty.excludes(class, self.squared, counts);
+        }
+        self.k = self.k.saturating_add(1);
+        let last = self.k >= self.likelihoods.cells().len();
+        let next = plan.layout().discriminant == Kind::Quadratic && !last;
+        self.stage = if next { Stage::Load } else { Stage::Likelihoods };
     }
 
     fn then(&mut self, stage: Stage) {
         (self.stage, self.k) = (stage, 0);
     }
 }
+
+#[cfg(test)]
+mod tests;

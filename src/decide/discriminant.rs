@@ -19,6 +19,9 @@ use super::novelty::Departure;
 use crate::factor::pairs;
 use crate::plan::{Array, Cells, Kind, Plan};
 
+/// The mark of a decision that was made without a model.
+pub const UNMARKED: u32 = 0;
+
 /// Gaussian class densities with priors and costs.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -45,6 +48,10 @@ pub struct Decision<P: Plan> {
     pub(crate) log_likelihoods: Array<P::Classes, f32>,
     pub(crate) posteriors: Array<P::Classes, f32>,
     pub(crate) expected_costs: Array<P::Classes, f32>,
+    /// Whether the segment is beyond the gate of each class but the healthy one.
+    pub(crate) beyond: Array<P::Classes, bool>,
+    /// The mark of the model.
+    pub(crate) model: u32,
     pub(crate) missing: Array<P::Features, bool>,
     pub(crate) outside: Array<P::Covariates, bool>,
     /// Distance from the healthy class in its standard deviations; 0 without a healthy class. If coordinates are
@@ -67,6 +74,8 @@ impl<P: Plan> Decision<P> {
             log_likelihoods: zeros.clone(),
             posteriors: zeros.clone(),
             expected_costs: zeros,
+            beyond: Cells::filled(layout.classes as usize, false),
+            model: UNMARKED,
             missing: Cells::filled(layout.features as usize, false),
             outside: Cells::filled(layout.covariates as usize, false),
             distance: 0.0,
@@ -97,6 +106,20 @@ impl<P: Plan> Decision<P> {
     #[must_use]
     pub fn expected_costs(&self) -> &[f32] {
         self.expected_costs.cells()
+    }
+
+    /// Whether the segment is too far from each class to be one of its own, as [`Novelty::excludes`] says; `false` for
+    /// the healthy class, whose gate compares [`Decision::surprise`].
+    ///
+    /// [`Novelty::excludes`]: crate::model::Novelty::excludes
+    #[must_use]
+    pub fn beyond(&self) -> &[bool] {
+        self.beyond.cells()
+    }
+
+    /// Sets [`Decision::beyond`], for decisions that a program makes of several segments.
+    pub fn set_beyond(&mut self, beyond: &[bool]) {
+        pairs(self.beyond.cells_mut(), beyond).for_each(|(cell, own)| *cell = *own);
     }
 
     /// Whether each feature was missing, in the order of the classifier's features.
@@ -130,8 +153,13 @@ impl<P: Plan> Discriminant<P> {
     /// coordinate, 0 for coordinates without a variance.
     #[must_use]
     pub fn log_likelihood(&self, kind: Kind, z: &[f32], variances: &[f32], class: usize) -> f32 {
-        let density = Density::<P>::of(self.factor(kind, z.len(), class), variances, z.len());
-        self.likelihood(&density, z, class)
+        let density = self.density(kind, z.len(), variances, class);
+        density.log_density(self.squared_distance(&density, z, class))
+    }
+
+    /// The density of a class for coordinates of these errors.
+    pub(super) fn density(&self, kind: Kind, coordinates: usize, variances: &[f32], class: usize) -> Density<P> {
+        Density::of(self.factor(kind, coordinates, class), variances, coordinates)
     }
 
     /// The factor of a class.
@@ -143,10 +171,10 @@ impl<P: Plan> Discriminant<P> {
         self.factors.cells().get(place..).unwrap_or(&[])
     }
 
-    /// (1) by the factor of the class.
-    pub(super) fn likelihood(&self, density: &Density<P>, z: &[f32], class: usize) -> f32 {
+    /// (z − μ)ᵀ S⁻¹ (z − μ) by the factor of the class.
+    pub(super) fn squared_distance(&self, density: &Density<P>, z: &[f32], class: usize) -> f32 {
         let mean = self.means.cells().get(class.wrapping_mul(z.len())..).unwrap_or(&[]);
-        density.log_density(density.squared_distance(mean, z))
+        density.squared_distance(mean, z)
     }
 
     /// Posteriors (2), expected costs and class (3) from log-likelihoods, which may be sums over several independent

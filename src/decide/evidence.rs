@@ -44,15 +44,22 @@
 //! runs are required, so that one disturbed record causes no alarm. The alarm names the defect that is most likely over
 //! the segments since the first suspicion, and [`Cause::Unknown`] if only the novelty reached the limit.
 //!
+//! A segment beyond the gate of a defect ([`super::novelty`]) has an e-value of at most 1 for it, and does not speak for
+//! it: a sensor fault far from every class is no trained defect.
+//!
 //! Cost: a few operations a class, and an exponential and a logarithm a class for runs of several segments.
 //! Undetermined segments add nothing and do not count; a value that is not a number makes its segment undetermined.
+//! Too many of them in a row are a [`Silence`].
 
 mod words;
 
 use super::discriminant::Decision;
+use super::discriminant::UNMARKED;
+use super::silence::{Silence, SilenceLimits, Silent};
 use super::trend::{Drift, Trend};
 use crate::logarithm::ln;
 use crate::plan::{Array, Cells, Plan};
+use crate::reason::{Part, Reason};
 
 /// Constants of the evidence.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,6 +125,9 @@ pub struct Evidence<P: Plan> {
     segments: u32,
     undetermined: u32,
     drift: Drift,
+    silent: Silent,
+    /// The mark of the model.
+    model: u32,
 }
 
 /// S of (4), and ln Σe of the run.
@@ -142,40 +152,85 @@ impl<P: Plan> Evidence<P> {
             segments: 0,
             undetermined: 0,
             drift: Drift::NONE,
+            silent: Silent::NONE,
+            model: UNMARKED,
         }
     }
 
+    /// Of the model with this mark, whose segments take so long.
+    pub(crate) const fn of_model(mut self, model: u32, segment_s: f32) -> Self {
+        (self.model, self.silent) = (model, self.silent.of_segments(segment_s));
+        self
+    }
+
+    /// With the limits for a silence that another evidence has.
+    pub(crate) const fn limited_as(mut self, other: &Self) -> Self {
+        self.silent.limit(other.silent.limits());
+        self
+    }
+
+    /// Sets other limits for [`Evidence::silence`] than [`SilenceLimits::USUAL`].
+    pub const fn limit_silence(&mut self, limits: SilenceLimits) {
+        self.silent.limit(limits);
+    }
+
     /// Takes the decision of the next segment, nothing where it had none; gives the alarm that stands.
+    /// [`Evidence::observe_outcome`] also takes the reason.
     pub fn observe(&mut self, decision: Option<&Decision<P>>) -> Option<Alarm> {
+        self.take(decision.ok_or(None))
+    }
+
+    /// Takes the outcome of the next segment, [`Report::outcome`](crate::Report::outcome): its decision, or why it has
+    /// none; gives the alarm that stands. A decision of another model counts as none.
+    pub fn observe_outcome(&mut self, outcome: Result<&Decision<P>, Reason>) -> Option<Alarm> {
+        self.take(outcome.map_err(Some))
+    }
+
+    fn take(&mut self, outcome: Result<&Decision<P>, Option<Reason>>) -> Option<Alarm> {
         self.segments = self.segments.saturating_add(1);
-        let Some(decision) = decision.filter(|decision| decision.distance_surprise.is_finite()) else {
-            self.undetermined = self.undetermined.saturating_add(1);
-            return self.alarm;
+        let decision = match outcome.and_then(|decision| self.of_this_model(decision)) {
+            Ok(decision) => decision,
+            Err(reason) => {
+                self.undetermined = self.undetermined.saturating_add(1);
+                self.silent.add(reason);
+                return self.alarm;
+            }
         };
+        self.silent.end();
         let healthy = self.healthy?;
         self.drift.add(decision.distance);
         let EvidenceConstants { bet, cap, segments_a_run, .. } = self.constants;
         self.novelty.add((ln(bet) + (1.0 - bet) * decision.distance_surprise).min(cap)); // (1)
-        self.weigh_defects(healthy, decision.log_likelihoods());
+        self.weigh_defects(healthy, decision);
         self.run = self.run.saturating_add(1);
         if self.run >= segments_a_run { self.end_run() } else { self.alarm }
     }
 
-    /// (2) and the support.
-    fn weigh_defects(&mut self, healthy_class: u8, log_likelihoods: &[f32]) {
-        let healthy_class = healthy_class as usize;
+    /// The decision, if it is one of this model, or made without one, and has numbers.
+    fn of_this_model<'a>(&self, decision: &'a Decision<P>) -> Result<&'a Decision<P>, Option<Reason>> {
+        let Decision { model, distance_surprise, .. } = *decision;
+        if model != self.model && model != UNMARKED && self.model != UNMARKED {
+            return Err(Some(Reason::OtherModel));
+        }
+        if distance_surprise.is_finite() { Ok(decision) } else { Err(Some(Reason::NotFinite(Part::Classifier))) }
+    }
+
+    /// (2) and the support. A segment beyond the gate of a defect is nothing in its favour.
+    fn weigh_defects(&mut self, healthy_class: u8, decision: &Decision<P>) {
+        let (log_likelihoods, healthy_class) = (decision.log_likelihoods(), healthy_class as usize);
         let healthy = log_likelihoods.get(healthy_class).copied().unwrap_or(f32::NAN);
         let cap = self.constants.cap;
         let mut largest = f32::NEG_INFINITY;
-        for (k, own) in log_likelihoods.iter().enumerate() {
-            largest = if k == healthy_class { largest } else { largest.max(*own) };
+        for ((k, own), beyond) in log_likelihoods.iter().enumerate().zip(decision.beyond()) {
+            largest = if k == healthy_class || *beyond { largest } else { largest.max(*own) };
         }
         let states = self.defects.cells_mut().iter_mut().zip(self.support.cells_mut());
-        for ((k, own), (score, support)) in log_likelihoods.iter().enumerate().zip(states) {
+        let classes = log_likelihoods.iter().enumerate().zip(decision.beyond());
+        for (((k, own), beyond), (score, support)) in classes.zip(states) {
             if k != healthy_class {
                 let ratio = own - healthy; // (2)
-                score.add(if ratio.is_nan() { 0.0 } else { ratio.min(cap) });
-                let behind = own - largest;
+                score.add(if ratio.is_nan() { 0.0 } else { ratio.min(if *beyond { 0.0 } else { cap }) });
+                let behind = if *beyond { f32::NEG_INFINITY } else { own - largest };
                 // Capped too, so that one disturbed segment does not outweigh the others.
                 *support += if behind.is_nan() { 0.0 } else { behind.max(-cap) };
             }
@@ -235,19 +290,28 @@ impl<P: Plan> Evidence<P> {
         (self.segments, self.undetermined)
     }
 
+    /// Whether no segment has had a verdict for too long, and why; `None` again with the next verdict. It is no alarm
+    /// of the bearing and is not latched: a fault that denies verdicts adds nothing to the scores, and would otherwise
+    /// be silent for ever.
+    #[must_use]
+    pub fn silence(&self) -> Option<Silence> {
+        self.silent.silence()
+    }
+
     /// Course of the distance from the healthy class over the decided segments; nothing before there are four.
     #[must_use]
     pub fn trend(&self) -> Option<Trend> {
         self.drift.trend()
     }
 
-    /// Starts afresh, as after a repair: alarm, scores, counts and trend.
+    /// Starts afresh, as after a repair: alarm, scores, counts, silence and trend.
     pub fn reset(&mut self) {
         self.defects.cells_mut().fill(Score::ZERO);
         self.support.cells_mut().fill(0.0);
         (self.novelty, self.run) = (Score::ZERO, 0);
         (self.alarm, self.segments, self.undetermined) = (None, 0, 0);
         self.drift = Drift::NONE;
+        self.silent.end();
     }
 }
 
@@ -268,156 +332,4 @@ impl Score {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::plan::{Layout, Memory, Method, RunTime, Structure, testing};
-
-    /// With ln p* = −8.261798, ln μ = −0.166382 (7).
-    const CONSTANTS: EvidenceConstants =
-        EvidenceConstants { bet: 0.2, limit: 10.0, cap: 5.0, log_mean: -0.166_382, ..EvidenceConstants::NONE };
-
-    fn plan() -> RunTime {
-        let plain = testing::regression(Structure::new(1, 1, 0, 1, 0), Method::LeastSquares, Memory::Segment);
-        RunTime::of(Layout { classes: 3, ..plain }).unwrap()
-    }
-
-    fn evidence(healthy: Option<u8>) -> Evidence<RunTime> {
-        Evidence::new(plan(), CONSTANTS, healthy)
-    }
-
-    fn of_runs(segments_a_run: u32) -> Evidence<RunTime> {
-        Evidence::new(plan(), EvidenceConstants { segments_a_run, ..CONSTANTS }, Some(0))
-    }
-
-    fn decision(surprise: f32, log_likelihoods: [f32; 3]) -> Decision<RunTime> {
-        let log_likelihoods = log_likelihoods.to_vec();
-        let distance_surprise = surprise;
-        Decision { log_likelihoods, distance: surprise, distance_surprise, ..Decision::empty(plan()) }
-    }
-
-    #[test]
-    fn scores_by_hand() {
-        let mut evidence = evidence(Some(0));
-        // ln 0.2 = −1.609438: 4 nats add 1.756944, then 1 nat subtracts 0.643056, and 0 nats all the rest.
-        assert_eq!(evidence.observe(Some(&decision(4.0, [0.0, -9.0, -9.0]))), None);
-        assert!((evidence.score() - 1.756_944).abs() < 1e-5);
-        evidence.observe(Some(&decision(1.0, [0.0, -9.0, -9.0])));
-        assert!((evidence.score() - 1.113_888).abs() < 1e-5);
-        evidence.observe(Some(&decision(0.0, [0.0, -9.0, -9.0])));
-        assert_eq!(evidence.score(), 0.0);
-    }
-
-    #[test]
-    fn the_alarm_names_the_likelier_defect_and_is_latched() {
-        let mut evidence = evidence(Some(0));
-        let spalled = decision(1.0, [0.0, 30.0, 20.0]);
-        assert_eq!(evidence.observe(Some(&spalled)), None, "capped");
-        let alarm = Some(Alarm { segment: 2, cause: Cause::Class(1) });
-        assert_eq!(evidence.observe(Some(&spalled)), alarm);
-        for _ in 0..50 {
-            assert_eq!(evidence.observe(Some(&decision(0.1, [0.0, -30.0, -20.0]))), alarm);
-        }
-        assert_eq!(evidence.score(), 0.0);
-        evidence.reset();
-        assert_eq!(evidence, self::evidence(Some(0)));
-    }
-
-    #[test]
-    fn what_resembles_no_defect_is_unknown() {
-        let mut evidence = evidence(Some(0));
-        let strange = decision(30.0, [0.0, -2.0, -1.0]);
-        evidence.observe(Some(&strange));
-        assert_eq!(evidence.observe(Some(&strange)), Some(Alarm { segment: 2, cause: Cause::Unknown }));
-    }
-
-    #[test]
-    fn nan_adds_nothing_and_is_forgotten() {
-        let mut evidence = evidence(Some(0));
-        let (nan, infinite) = (f32::NAN, f32::INFINITY);
-        evidence.observe(None);
-        evidence.observe(Some(&decision(nan, [0.0, 5.0, 5.0])));
-        evidence.observe(Some(&decision(infinite, [0.0, 5.0, 5.0])));
-        assert_eq!((evidence.segments(), evidence.score()), ((3, 3), 0.0));
-        for odd in [[nan, 5.0, 5.0], [0.0, nan, nan], [-infinite, -infinite, -infinite]] {
-            evidence.observe(Some(&decision(0.0, odd)));
-            assert_eq!(evidence.score(), 0.0, "{odd:?}");
-        }
-        evidence.observe(Some(&decision(0.0, [-infinite, 0.0, -infinite])));
-        assert_eq!(evidence.score(), CONSTANTS.cap);
-        let alarm = evidence.observe(Some(&decision(0.0, [0.0, 5.0, 0.0])));
-        assert_eq!(alarm.map(|alarm| alarm.cause), Some(Cause::Class(1)));
-    }
-
-    #[test]
-    fn a_run_adds_the_mean_of_its_segments() {
-        let mut evidence = of_runs(3);
-        // e of 4, 1, and 9 nats (capped): 0.2 e^3.2 = 4.906506, 0.2 e^0.8 = 0.445108, e⁵ = 148.413159; the mean is
-        // 51.254924, ln 3.936812, + ln 3 (4) + 0.166382.
-        for surprise in [4.0, 1.0] {
-            evidence.observe(Some(&decision(surprise, [0.0, 1.0, -9.0])));
-            evidence.observe(None);
-            assert_eq!(evidence.score(), 0.0, "the run has not ended");
-        }
-        evidence.observe(Some(&decision(9.0, [0.0, -2.0, -9.0])));
-        assert!((evidence.score() - 5.201_806).abs() < 1e-5, "{}", evidence.score());
-        // The mean of e, e and e^−2 is 1.857299, ln 0.619124, + ln 3.
-        assert!((evidence.defects[1].sum - 1.717_736).abs() < 1e-5, "{:?}", evidence.defects);
-        // A run that ends early counts with its two segments: ln 2 is less than what there is.
-        evidence.observe(Some(&decision(4.0, [0.0, -9.0, -9.0])));
-        evidence.observe(Some(&decision(4.0, [0.0, -9.0, -9.0])));
-        evidence.end_run();
-        assert!((evidence.score() - 5.201_806 - 1.756_944).abs() < 1e-5, "{}", evidence.score());
-        assert_eq!(evidence.segments(), (7, 2));
-    }
-
-    #[test]
-    fn the_end_of_a_run_without_segments_changes_nothing() {
-        let mut evidence = of_runs(9);
-        evidence.observe(Some(&decision(8.0, [0.0, 5.0, 2.0])));
-        assert_eq!(evidence.end_run(), None);
-        let before = evidence.clone();
-        assert_eq!((evidence.end_run(), &evidence), (None, &before));
-        evidence.observe(None);
-        evidence.end_run();
-        assert_eq!(evidence.score(), before.score());
-        // A run that would raise the alarm does so at its end, and the alarm stays.
-        evidence.observe(Some(&decision(30.0, [0.0, 5.0, 2.0])));
-        assert_eq!(evidence.alarm(), None);
-        let alarm = Some(Alarm { segment: 3, cause: Cause::Class(1) });
-        assert_eq!((evidence.end_run(), evidence.end_run(), evidence.observe(None)), (alarm, alarm, alarm));
-    }
-
-    #[test]
-    fn one_disturbed_segment_of_many_adds_little() {
-        let (mut one, mut all) = (of_runs(100), of_runs(100));
-        for k in 0..100 {
-            one.observe(Some(&decision(if k == 7 { 30.0 } else { 0.5 }, [0.0, -1.0, -1.0])));
-            all.observe(Some(&decision(30.0, [0.0, -1.0, -1.0])));
-        }
-        // One capped e⁵ and 99 of 0.2 e^0.4: the sum 177.9513 is not twice that of 100 of the mean 1.
-        assert!((one.score() - 5.347_892).abs() < 1e-4, "{}", one.score());
-        assert!((all.score() - (100.0_f32.ln() + 5.166_382)).abs() < 1e-4, "{}", all.score());
-    }
-
-    #[test]
-    fn runs_of_impossible_defects_leave_no_trace() {
-        let mut evidence = of_runs(2);
-        let low = f32::MIN;
-        for _ in 0..4 {
-            evidence.observe(Some(&decision(0.0, [0.0, low, f32::NEG_INFINITY])));
-        }
-        assert_eq!((evidence.score(), evidence.defects[1].sum, evidence.defects[2].sum), (0.0, 0.0, 0.0));
-        evidence.observe(Some(&decision(0.0, [0.0, 4.0, f32::NAN])));
-        evidence.observe(Some(&decision(0.0, [0.0, 4.0, 0.0])));
-        assert!((evidence.defects[1].sum - (4.0 + 2.0_f32.ln())).abs() < 1e-5, "{:?}", evidence.defects);
-        assert!((evidence.defects[2].sum - 2.0_f32.ln()).abs() < 1e-6, "{:?}", evidence.defects);
-    }
-
-    #[test]
-    fn without_a_healthy_class_there_is_no_alarm() {
-        let mut evidence = evidence(None);
-        for _ in 0..9 {
-            assert_eq!(evidence.observe(Some(&decision(30.0, [0.0, 30.0, 0.0]))), None);
-        }
-    }
-}
+mod tests;

@@ -14,19 +14,19 @@ mod features;
 mod novelty;
 mod projection;
 mod rising;
+mod silence;
 mod trend;
 
-pub use baseline::{Baseline, BaselineConstants};
+pub use baseline::{Baseline, BaselineConstants, BaselineMismatch};
 pub use classification::Classification;
 pub use commissioning::{Commissioning, CommissioningConstants, CommissioningError};
 pub use covariates::{Covariate, Covariates};
-pub use discriminant::{Decision, Discriminant};
+pub use discriminant::{Decision, Discriminant, UNMARKED};
 pub use evidence::{Alarm, Cause, Evidence, EvidenceConstants};
 pub use features::{Estimates, Feature, FeatureValue};
-#[cfg(feature = "internals")]
-pub use novelty::MAX_SURPRISE;
-pub use novelty::{Departure, KNOTS, Law, Novelty};
+pub use novelty::{Departure, KNOTS, Law, MAX_SURPRISE, Novelty};
 pub use projection::Projection;
+pub use silence::{Silence, SilenceLimits};
 #[cfg(feature = "internals")]
 pub use trend::MAX_TREND_SEGMENTS;
 pub use trend::Trend;
@@ -55,7 +55,8 @@ pub struct Classifier<P: Plan> {
 pub enum Finding {
     /// The class of least expected cost.
     Class(u8),
-    /// Healthy has the least expected cost, but the segment is too far from the healthy class.
+    /// Healthy has the least expected cost, but the segment is too far from the healthy class; or the segment is too
+    /// far from every class.
     Novel,
     /// The least expected cost exceeds the cost of no decision.
     Ambiguous,
@@ -77,9 +78,19 @@ impl<P: Plan> Classifier<P> {
     pub fn decide_at(&self, plan: P, coordinates: &[f32], variances: &[f32]) -> Option<Decision<P>> {
         let layout = plan.layout();
         let classes = layout.classes as usize;
-        let likelihood = |class| self.discriminant.log_likelihood(layout.discriminant, coordinates, variances, class);
-        let likelihoods = Array::<P::Classes, f32>::from_fn(classes, likelihood);
+        let mut likelihoods: Array<P::Classes, f32> = Cells::filled(classes, 0.0);
+        let mut beyond: Array<P::Classes, bool> = Cells::filled(classes, false);
+        let mut class = 0_u8;
+        for (likelihood, beyond) in likelihoods.cells_mut().iter_mut().zip(beyond.cells_mut()) {
+            let place = class as usize;
+            let density = self.discriminant.density(layout.discriminant, coordinates.len(), variances, place);
+            let squared = self.discriminant.squared_distance(&density, coordinates, place);
+            *likelihood = density.log_density(squared);
+            *beyond = self.novelty.excludes(class, squared, [density.available(), coordinates.len()]);
+            class = class.wrapping_add(1);
+        }
         let mut decision = self.decide(plan, likelihoods.cells(), 0.0)?;
+        decision.beyond = beyond;
         decision.depart(self.novelty.judge(coordinates, variances));
         Some(decision)
     }
@@ -89,7 +100,15 @@ impl<P: Plan> Classifier<P> {
     #[inline]
     #[must_use]
     pub fn finding(&self, decision: &Decision<P>) -> Finding {
-        if Some(decision.class) == self.novelty.class && decision.surprise >= self.novelty.limit {
+        let unhealthy = decision.surprise >= self.novelty.limit;
+        // Costs may decide for a class that the segment is far from, if it is near another one.
+        let mut class = 0_u8;
+        let far_from_all = decision.beyond().iter().all(|beyond| {
+            let far = *beyond || (unhealthy && Some(class) == self.novelty.class);
+            class = class.wrapping_add(1);
+            far
+        });
+        if far_from_all || (unhealthy && Some(decision.class) == self.novelty.class) {
             Finding::Novel
         } else if decision.least_cost() > self.discriminant.reject_cost {
             Finding::Ambiguous

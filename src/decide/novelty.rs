@@ -1,13 +1,21 @@
-//! The distance of a segment from the healthy class, whatever other class it resembles.
+//! The distance of a segment from the healthy class, whatever other class it resembles, and the gates of all classes.
 //!
-//! Enters: z, projected coordinates with the variances v of their errors. Leaves: distance and surprise.
+//! Enters: z, projected coordinates with the variances v of their errors. Leaves: distance and surprise, and whether a
+//! segment is beyond the gate of another class.
 //!
 //! ```text
 //! d² = (z − m)ᵀ (S + diag(v))⁻¹ (z − m)                                  (1)  over the k available coordinates
 //! s  = −ln P(d² at least this large | healthy)                           (2)  nats
 //! novel if s ≥ −ln α                                                     (3)  s of [`super::rising`], if some rise
 //! (d²_Z/Z)^⅓ = 1 − c_Z + √c_Z u,   u = ((d²_k/k)^⅓ − 1 + c_k)/√c_k,   c_n = 2/(9n)       (4)  if k < Z
+//! beyond class j if s(d_j²/3²) ≥ −ln α,   d_j² as (1) of mean and covariance of the class                (5)
 //! ```
+//!
+//! Posteriors compare the classes with each other, so that a segment far from all of them, as of a faulty sensor, gets
+//! the class with the widest covariance, with certainty. (5) says that it is no segment of that class. Its gate is three
+//! times as far as the healthy one, in deviations of the class: the law (2) of healthy segments is that of a class only
+//! roughly, and a defect grows and differs from drive to drive. Without a healthy class there is no law, and nothing is
+//! novel.
 //!
 //! m and S are mean and covariance of the healthy training segments. (2) is known for all Z coordinates; with k of
 //! them, (4) gives the d² that is as improbable. u is nearly normal (Wilson and Hilferty 1931): for chi-square
@@ -50,6 +58,10 @@ pub struct Novelty<P: Plan> {
     /// −ln α of (3), nats; infinite if distances are computed but nothing is called novel.
     pub limit: f32,
 }
+
+/// The gate of another class is so many times as far from it, in its own deviations, as that of the healthy class:
+/// defects differ more between drives, and grow.
+const WIDER: f32 = 3.0;
 
 /// How far a segment is from the healthy class.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -100,6 +112,18 @@ impl<P: Plan> Novelty<P> {
         Departure { surprise: judged.cells().first().copied().unwrap_or(0.0), ..found }
     }
 
+    /// Whether a segment at this squared distance (1) from a class, over the available ones of all coordinates, is
+    /// beyond the gate of the class (5); never for the healthy class, whose gate is (3), and without one.
+    #[must_use]
+    pub fn excludes(&self, class: u8, squared: f32, [available, all]: [usize; 2]) -> bool {
+        let nearer = squared / (WIDER * WIDER);
+        match self.class {
+            None => false,
+            Some(healthy) if healthy == class => false,
+            Some(_) => self.surprise(equivalent(nearer, available, all)) >= self.limit,
+        }
+    }
+
     /// (1), and the values that are judged one by one, by the factor of S + diag(v).
     pub(super) fn score(&self, density: &Density<P>, z: &[f32], judged: &mut [f32]) -> Scores {
         density.scores(self.mean.cells(), z, self.freedom, judged)
@@ -134,14 +158,21 @@ pub(super) fn equivalent(squared: f32, available: usize, all: usize) -> f32 {
     if available == all || available == 0 {
         return squared;
     }
-    let (from, to) = (available as f32, all as f32);
-    let [own, other] = [from, to].map(|count| 2.0 / (9.0 * count));
-    let mean = squared / from;
-    let root = if mean > f32::MIN_POSITIVE { libm::expf(ln(mean) / 3.0) } else { mean };
-    let u = (root - 1.0 + own) / libm::sqrtf(own);
-    let root = 1.0 - other + libm::sqrtf(other) * u;
+    let to = all as f32;
+    let other = 2.0 / (9.0 * to);
+    let root = 1.0 - other + libm::sqrtf(other) * normal(squared, available);
     // A NaN stays, since it is not less than zero.
     if root < 0.0 { 0.0 } else { to * root * root * root }
+}
+
+/// u of (4).
+#[inline(never)]
+fn normal(squared: f32, available: usize) -> f32 {
+    let count = available as f32;
+    let own = 2.0 / (9.0 * count);
+    let mean = squared / count;
+    let root = if mean > f32::MIN_POSITIVE { libm::expf(ln(mean) / 3.0) } else { mean };
+    (root - 1.0 + own) / libm::sqrtf(own)
 }
 
 /// The two knots around a value, or the nearest two.
@@ -209,6 +240,20 @@ mod tests {
         assert!((curve.surprise(529.0 + 90.0) - 25.0).abs() < 1e-5);
         assert_eq!((curve.surprise(1e30), curve.surprise(f32::INFINITY)), (MAX_SURPRISE, MAX_SURPRISE));
         assert!(curve.surprise(f32::NAN).is_nan());
+    }
+
+    #[test]
+    fn the_gate_of_another_class_is_three_times_as_far() {
+        // The surprise is 2 at a distance of 2.
+        let gated = Novelty { limit: 2.0, ..curve() };
+        assert!(gated.excludes(1, 36.1, [2, 2]) && !gated.excludes(1, 35.9, [2, 2]));
+        assert!(!gated.excludes(0, 1e9, [2, 2]), "the healthy class");
+        assert!(!Novelty { class: None, ..gated.clone() }.excludes(1, 1e9, [2, 2]), "no law");
+        assert!(!Novelty { limit: f32::INFINITY, ..gated.clone() }.excludes(1, 1e9, [2, 2]), "no limit");
+        // One coordinate as improbable as 4 over both (4): u = ((4/2)^⅓ − 1 + 1/9)·3 = 1.113097, so that the ninth of
+        // its square is (1 − 2/9 + √(2/9) u)³ = 2.2097.
+        assert!(gated.excludes(1, 9.0 * 2.215, [1, 2]) && !gated.excludes(1, 9.0 * 2.205, [1, 2]));
+        assert!(!gated.excludes(1, f32::NAN, [2, 2]));
     }
 
     #[test]

@@ -9,10 +9,16 @@
 //! interval b ± t₀.₉₇₅(n−2) se                                            (4)
 //! ```
 //!
+//! Two parts of a course, of n' and n'' segments, together, with n = n' + n'' and D = d̄'' − d̄':
+//!
+//! ```text
+//! S_td = S'_td + S''_td + n' n'' D/2,   S_dd = S'_dd + S''_dd + n' n'' D²/n                  (5)
+//! ```
+//!
 //! Centred sums (Welford 1962) lose no digits by cancellation, however large the mean distance. (1) has a closed form
-//! because only decided segments count. Beyond 10⁶ segments a segment would change the sums of `f32` by a few roundings
-//! only; from there on the trend stays constant. The interval assumes independent segments of equal spread about a
-//! straight line.
+//! because only decided segments count. A segment would change sums of 10⁶ segments in `f32` by a few roundings only:
+//! then new sums start, and the trend is that of the last 10⁶ segments and the new ones (5), so that it follows a drive
+//! for as long as it lives. The interval assumes independent segments of equal spread about a straight line.
 
 /// Number of segments for which sums in `f32` are accurate.
 pub const MAX_TREND_SEGMENTS: u32 = 1_000_000;
@@ -35,10 +41,10 @@ pub struct Trend {
     pub high: f32,
 }
 
-/// The running sums.
+/// The running sums of a part of the course.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(super) struct Drift {
+struct Sums {
     count: u32,
     mean: f32,
     /// `S_td`.
@@ -47,14 +53,18 @@ pub(super) struct Drift {
     spread: f32,
 }
 
-impl Drift {
-    pub(super) const NONE: Self = Self { count: 0, mean: 0.0, joint: 0.0, spread: 0.0 };
+/// The sums of the last [`MAX_TREND_SEGMENTS`] segments, once there are so many, and of those after them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Drift {
+    older: Sums,
+    newer: Sums,
+}
 
-    /// Takes a distance; a value that is not finite is left out.
-    pub(super) fn add(&mut self, distance: f32) {
-        if !distance.is_finite() || self.count >= MAX_TREND_SEGMENTS {
-            return;
-        }
+impl Sums {
+    const NONE: Self = Self { count: 0, mean: 0.0, joint: 0.0, spread: 0.0 };
+
+    fn add(&mut self, distance: f32) {
         let before = distance - self.mean;
         let from_mid = 0.5 * self.count as f32; // t − t̄ = (n−1)/2 with n the new count
         self.count = self.count.saturating_add(1);
@@ -63,41 +73,83 @@ impl Drift {
         self.spread += before * (distance - self.mean);
     }
 
+    /// (5).
+    fn then(self, later: Self) -> Self {
+        if self.count == 0 {
+            return later;
+        }
+        let (before, after) = (self.count as f32, later.count as f32);
+        let (rise, share) = (later.mean - self.mean, after / (before + after));
+        Self {
+            count: self.count.saturating_add(later.count),
+            mean: self.mean + share * rise,
+            joint: self.joint + later.joint + 0.5 * before * after * rise,
+            spread: self.spread + later.spread + before * share * rise * rise,
+        }
+    }
+
     /// The sums as words.
-    pub(super) const fn words(&self) -> [u32; 4] {
+    const fn words(&self) -> [u32; 4] {
         [self.count, self.mean.to_bits(), self.joint.to_bits(), self.spread.to_bits()]
     }
 
     /// The sums of these words; `None` if distances cannot have them.
-    pub(super) fn from_words([count, mean, joint, spread]: [u32; 4]) -> Option<Self> {
+    fn from_words([count, mean, joint, spread]: [u32; 4]) -> Option<Self> {
         let [mean, joint, spread] = [mean, joint, spread].map(f32::from_bits);
         let finite = mean.is_finite() && joint.is_finite() && spread.is_finite();
-        (finite && count <= MAX_TREND_SEGMENTS && mean >= 0.0 && spread >= 0.0).then_some(Self {
-            count,
-            mean,
-            joint,
-            spread,
-        })
+        let counted = count <= MAX_TREND_SEGMENTS && mean >= 0.0 && spread >= 0.0;
+        // Without segments nothing is summed; of one the deviations are zero.
+        let plain = (count > 0 || mean <= 0.0) && (count > 1 || (joint.abs() <= 0.0 && spread <= 0.0));
+        (finite && counted && plain).then_some(Self { count, mean, joint, spread })
+    }
+}
+
+impl Drift {
+    pub(super) const NONE: Self = Self { older: Sums::NONE, newer: Sums::NONE };
+    /// The words of no sums.
+    pub(super) const NO_WORDS: [u32; 4] = Sums::NONE.words();
+
+    /// Takes a distance; a value that is not finite is left out.
+    pub(super) fn add(&mut self, distance: f32) {
+        if !distance.is_finite() {
+            return;
+        }
+        if self.newer.count >= MAX_TREND_SEGMENTS {
+            *self = Self { older: self.newer, newer: Sums::NONE };
+        }
+        self.newer.add(distance);
+    }
+
+    /// The sums as words: the newer ones, and the older ones.
+    pub(super) const fn words(&self) -> [[u32; 4]; 2] {
+        [self.newer.words(), self.older.words()]
+    }
+
+    /// The sums of these words; `None` if distances cannot have them.
+    pub(super) fn from_words([newer, older]: [[u32; 4]; 2]) -> Option<Self> {
+        let (newer, older) = (Sums::from_words(newer)?, Sums::from_words(older)?);
+        // The older sums are complete, and the newer ones have begun.
+        let follows = older.count == 0 || (older.count == MAX_TREND_SEGMENTS && newer.count > 0);
+        follows.then_some(Self { older, newer })
+    }
+
+    /// Number of segments.
+    pub(super) const fn count(&self) -> u32 {
+        self.older.count.saturating_add(self.newer.count)
     }
 
     pub(super) fn trend(&self) -> Option<Trend> {
-        let n = self.count as f32;
-        if self.count < 4 {
+        let Sums { count, mean, joint, spread } = self.older.then(self.newer);
+        let n = count as f32;
+        if count < 4 {
             return None;
         }
         let span = n * (n * n - 1.0) / 12.0; // (1)
-        let slope = self.joint / span;
-        let left = (self.spread - slope * self.joint).max(0.0);
+        let slope = joint / span;
+        let left = (spread - slope * joint).max(0.0);
         let standard_error = libm::sqrtf(left / (n - 2.0) / span); // (3)
         let half = student(n - 2.0) * standard_error;
-        Some(Trend {
-            segments: self.count,
-            mean: self.mean,
-            slope,
-            standard_error,
-            low: slope - half,
-            high: slope + half,
-        })
+        Some(Trend { segments: count, mean, slope, standard_error, low: slope - half, high: slope + half })
     }
 }
 
@@ -135,6 +187,32 @@ mod tests {
         drift.add(4.0);
         let trend = drift.trend().unwrap();
         assert_eq!((trend.slope, trend.standard_error), (1.0, 0.0));
+    }
+
+    #[test]
+    fn a_slope_that_begins_after_a_million_segments_is_found() {
+        let (mut drift, mut n) = (Drift::NONE, 0.0_f64);
+        let (mut sum_t, mut sum_d, mut joint, mut squares) = (0.0_f64, 0.0, 0.0, 0.0);
+        for k in 0..1_900_000_u32 {
+            // Constant for a million segments, then by a unit in a million; ±1/4 about it.
+            let distance = 2.0 + f64::from(k.saturating_sub(1_000_000)) * 1e-6 + if k % 2 == 0 { 0.25 } else { -0.25 };
+            drift.add(distance as f32);
+            n += 1.0;
+            let t = f64::from(k);
+            (sum_t, sum_d) = (sum_t + t, sum_d + distance);
+            (joint, squares) = (joint + t * distance, squares + t * t);
+        }
+        let slope = (joint - sum_t * sum_d / n) / (squares - sum_t * sum_t / n);
+        let trend = drift.trend().unwrap();
+        assert_eq!(trend.segments, 1_900_000);
+        // A step of the mean, 0.25 in a million, is about its last digit, 2.4e-7: the mean of a million is right to some
+        // thousand of them, and so is the sum of products about it.
+        assert!((f64::from(trend.slope) / slope - 1.0).abs() < 2e-3 && trend.low > 0.0, "{trend:?} {slope}");
+        assert!((f64::from(trend.mean) - sum_d / n).abs() < 1e-3, "{trend:?}");
+        assert_eq!(Drift::from_words(drift.words()), Some(drift));
+        // After another million the constant part is forgotten.
+        (0..1_200_000_u32).for_each(|k| drift.add(3.0 + 1e-6 * k as f32));
+        assert!((drift.trend().unwrap().slope / 1e-6 - 1.0).abs() < 0.05, "{:?}", drift.trend());
     }
 
     #[test]

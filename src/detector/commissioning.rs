@@ -3,6 +3,7 @@
 use crate::decide::{Commissioning, CommissioningConstants, CommissioningError};
 use crate::model::Model;
 use crate::plan::Plan;
+use crate::reason::Reason;
 use crate::report::Report;
 
 impl<P: Plan> Model<P> {
@@ -22,6 +23,9 @@ impl<P: Plan> Model<P> {
     pub fn gather(&self, commissioning: &mut Commissioning<P>, report: &Report<P>) -> Result<(), CommissioningError> {
         if let crate::Verdict::Undetermined(reason) = report.verdict {
             return Err(CommissioningError::NoVerdict(reason));
+        }
+        if report.model != self.mark() {
+            return Err(CommissioningError::NoVerdict(Reason::OtherModel));
         }
         commissioning.take(self.plan(), &self.constants().classifier, report.estimates(self.constants().balance()))
     }

@@ -18,6 +18,7 @@ pub use solver::{Segment, Solver};
 use crate::average::{self, Averages};
 use crate::drive::BlockMean;
 use crate::estimate::Estimator;
+use crate::known_answers::arithmetic_test;
 use crate::model::Model;
 use crate::plan::{Array, Cells, Plan, Presence};
 use crate::regression::Inputs;
@@ -93,12 +94,13 @@ impl<'m, P: Plan> Detector<'m, P> {
     }
 
     /// Lets the estimate of a concluded segment take over as auxiliary model at the handover. Returns `false`, and does
-    /// nothing, if the handover is past or the estimate cannot be used.
+    /// nothing, if the handover is past, if it is not the segment that was closed last, also by
+    /// [`Detector::restart`] or [`Detector::discard`] since then, or if the estimate cannot be used.
     pub fn adopt(&mut self, report: &Report<P>) -> bool {
         let (plan, constants) = (self.model.plan(), self.model.constants());
         let parts = (self.estimator.part_mut(), constants.regression.part(), report.estimate.part());
         let (Some(estimator), Some(regression), Some(estimate)) = parts else { return false };
-        estimator.adopt(plan, regression, estimate)
+        report.model == self.model.mark() && estimator.adopt(plan, regression, estimate)
     }
 
     /// Takes one sample; returns whether the segment is full.
@@ -156,6 +158,8 @@ impl<'m, P: Plan> Detector<'m, P> {
             counts,
             rows,
             whole,
+            failed: arithmetic_test().err(),
+            model: self.model.mark(),
         }
     }
 
@@ -232,22 +236,41 @@ impl<'m, P: Plan> Detector<'m, P> {
     /// verdict if half of it follows this call and is usable. Fading memory begins anew.
     ///
     /// Returns whether less than half of the segment had passed: the fault may have begun in the segment before, whose
-    /// report is in doubt, too. Firmware that keeps each report until the next segment has closed can withdraw it; an
-    /// alarm needs more than one segment in any case.
+    /// report is in doubt, too. Firmware that keeps each report until half of the next segment has passed can withdraw
+    /// it by [`Report::doubt`] before the evidence takes it; an alarm needs more than one segment in any case.
     #[cold]
     #[inline(never)]
     pub fn discard(&mut self) -> bool {
-        let (gate, samples) = (self.gate.clone(), self.samples);
-        *self = Self { gate, samples, ..Self::new(self.model) };
-        samples < self.model.constants().sampling.segment_samples / 2
+        // The open block of a mean keeps its place among the samples, and is spoilt.
+        self.spoiled = !self.block.is_empty();
+        self.renew();
+        self.samples < self.model.constants().sampling.segment_samples / 2
     }
 
     /// Starts afresh without a report, for a stream that does not continue from the last sample: lags, sums and
     /// auxiliary model.
     pub fn restart(&mut self) {
-        *self = Self::new(self.model);
+        (self.gate, self.block) = (Gate::new(self.model.plan()), BlockMean::new());
+        (self.spoiled, self.samples) = (false, 0);
+        self.renew();
+    }
+
+    /// Nothing in the sums yet; an estimate from before is none of the next segment.
+    #[cold]
+    #[inline(never)]
+    fn renew(&mut self) {
+        let (plan, constants) = (self.model.plan(), self.model.constants());
+        // Part by part and in place: a new detector would be moved twice.
+        if let (Some(estimator), Some(regression)) = (self.estimator.part_mut(), constants.regression.part()) {
+            *estimator = Estimator::new(plan, regression).after(estimator);
+        }
+        if let (Some(shaft), Some(own)) = (self.shaft.part_mut(), constants.shaft.part()) {
+            *shaft = Shaft::new(plan, own);
+        }
+        self.averages = average::empty(plan);
+        self.usable = 0;
     }
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

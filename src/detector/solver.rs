@@ -3,6 +3,7 @@
 use crate::average::{self, Averages};
 use crate::decide::{Baseline, Classification, Decision, Finding};
 use crate::estimate::{RegressionSolve, RegressionSums};
+use crate::known_answers::{Kernel, arithmetic_test};
 use crate::model::Model;
 use crate::plan::{Array, Cells, Plan, Presence};
 use crate::reason::Reason;
@@ -25,12 +26,17 @@ pub struct Segment<P: Plan> {
     pub(super) rows: u32,
     /// Whether it is a whole segment, of which half must be usable.
     pub(super) whole: bool,
+    /// What the processor did not compute as the host does when the segment closed.
+    pub(super) failed: Option<Kernel>,
+    /// The mark of the model.
+    pub(super) model: u32,
 }
 
 /// What the next piece does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 enum Stage {
+    Trust,
     Regression,
     Shaft,
     Plausibility,
@@ -92,7 +98,7 @@ impl<P: Plan> Solve<P> {
             regression: P::Regressed::part(layout.regressed() == 1, || RegressionSolve::new(plan)),
             shaft: P::Watched::part(layout.watched() == 1, ShaftSolve::new),
             classification: Classification::new(plan),
-            stage: Stage::Regression,
+            stage: Stage::Trust,
         }
     }
 
@@ -105,10 +111,18 @@ impl<P: Plan> Solve<P> {
         // Parts with a stuck channel have no result.
         let reason = |mask: u16| stuck.first_of(mask).map(|channel| Reason::Stuck { channel });
         match self.stage {
-            Stage::Regression => {
-                (report.counts, report.rows) = (segment.counts, segment.rows);
+            Stage::Trust => {
+                (report.counts, report.rows, report.model) = (segment.counts, segment.rows, model.mark());
+                if let Some(reason) = distrust(model, segment) {
+                    report.verdict = Verdict::Undetermined(reason);
+                    self.stage = Stage::Done;
+                    return true;
+                }
                 report.averages = segment.averages.clone();
                 average::mark_stuck::<P>(&mut report.averages, stuck);
+                self.stage = Stage::Regression;
+            }
+            Stage::Regression => {
                 let parts = (self.regression.part_mut(), segment.regression.part_mut(), layout.regression);
                 let own = (constants.regression.part(), report.estimate.part_mut());
                 let done =
@@ -145,7 +159,7 @@ impl<P: Plan> Solve<P> {
                 };
                 if done {
                     self.stage = next;
-                    report.decision = Some(Decision::empty(plan));
+                    report.decision = Some(Decision { model: model.mark(), ..Decision::empty(plan) });
                 }
             }
             Stage::Plausibility => {
@@ -181,6 +195,16 @@ impl<P: Plan> Solve<P> {
             }
         }
     }
+}
+
+/// Why nothing is concluded from a segment, whatever is in it.
+#[inline(never)]
+fn distrust<P: Plan>(model: &Model<P>, segment: &Segment<P>) -> Option<Reason> {
+    if segment.model != model.mark() {
+        return Some(Reason::OtherModel);
+    }
+    // The main loop may have other settings of the processor than the interrupt.
+    segment.failed.or_else(|| arithmetic_test().err()).map(Reason::Arithmetic)
 }
 
 /// Whether the signals contradict the model or each other; then that is the reason for no verdict.
@@ -224,13 +248,17 @@ fn conclude<P: Plan>(model: &Model<P>, report: &mut Report<P>, result: Result<()
 
 impl<P: Plan> Model<P> {
     /// Decides the segment of a report anew, relative to a baseline that follows slow changes, and lets the baseline
-    /// follow. A report without a decision remains.
+    /// follow. A report without a decision remains; one of another model, or by the baseline of another one, gets the
+    /// reason [`Reason::OtherModel`].
     pub fn follow(&self, baseline: &mut Baseline<P>, report: &mut Report<P>) {
         let (plan, constants) = (self.plan(), self.constants());
         if report.decision.is_none() {
             return;
         }
-        let mut decision = Decision::empty(plan);
+        if baseline.model() != self.mark() || report.model != self.mark() {
+            return conclude(self, report, Err(Reason::OtherModel));
+        }
+        let mut decision = Decision { model: self.mark(), ..Decision::empty(plan) };
         let result = baseline.decide(plan, &constants.classifier, report.estimates(constants.balance()), &mut decision);
         report.decision = Some(decision);
         conclude(self, report, result);

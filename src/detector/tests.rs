@@ -1,4 +1,5 @@
 use super::{Detector, Segment, Solver};
+use crate::decide::Cause;
 use crate::drive::Park;
 use crate::model::{
     Channel, Classifier, Constants, Covariates, Discriminant, EvidenceConstants, Feature, Forgetting, Label, Model,
@@ -12,8 +13,8 @@ use crate::report::{Report, Verdict};
 const SAMPLES: u32 = 200;
 
 crate::plan! {
-    struct Drive;
-    struct Sample { current_a: "A", velocity_rad_s: "rad/s" }
+    pub struct Drive;
+    pub struct Sample { current_a: "A", velocity_rad_s: "rad/s" }
     layout: Layout {
         regression: Some(RegressionLayout {
             structure: Structure::new(1, 1, 0, 1, 0),
@@ -32,7 +33,7 @@ crate::plan! {
 }
 
 /// Classes at the gains 0.5 and 1 of y = 0.8 y₁ + b u₁.
-static MODEL: Model<Drive> = match Drive::model(Constants {
+pub static MODEL: Model<Drive> = match Drive::model(Constants {
     sampling: Sampling { interval_s: 0.001, park: Some(Park::Standard), block_mean: 1, segment_samples: SAMPLES },
     channels: [
         Channel { stuck_samples: 20, ..Channel::within("current_a", "A", 100.0) },
@@ -78,7 +79,7 @@ static MODEL: Model<Drive> = match Drive::model(Constants {
 };
 
 /// A square wave through the model of gain `b`, with a little noise.
-fn samples(b: f32) -> impl Iterator<Item = Sample> {
+pub fn samples(b: f32) -> impl Iterator<Item = Sample> {
     let (mut state, mut y, mut u) = (3_u32, 0.0, 0.0);
     (0_u32..).map(move |t| {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -97,7 +98,7 @@ fn segment(detector: &mut Detector<'_, Drive>, mut samples: impl Iterator<Item =
     }
 }
 
-fn report(mut samples: impl Iterator<Item = Sample>) -> Report<Drive> {
+pub fn report(mut samples: impl Iterator<Item = Sample>) -> Report<Drive> {
     let mut detector = Detector::new(&MODEL);
     loop {
         if let Some(report) = detector.step(&samples.next().unwrap()) {
@@ -173,4 +174,135 @@ fn a_preview_changes_nothing() {
     assert_eq!(detector, before);
     assert_eq!(detector.finish().verdict, Verdict::Class(0));
     assert_eq!(detector, Detector::new(&MODEL));
+}
+
+/// The model with a constant changed.
+fn changed(change: impl Fn(&mut Constants<Drive>)) -> Model<Drive> {
+    let mut constants = MODEL.constants().clone();
+    change(&mut constants);
+    Model::new(Drive, constants).unwrap()
+}
+
+/// Classes at 0.5, healthy, and 1; distances up to three deviations are healthy.
+fn gated() -> Model<Drive> {
+    changed(|c| {
+        let novelty = &mut c.classifier.novelty;
+        (novelty.class, novelty.mean, novelty.factor, novelty.limit) = (Some(0), [0.5], [0.0025], 4.5);
+        for (k, knot) in (0_u8..).zip(&mut novelty.knots) {
+            *knot = [2.0 * f32::from(k), f32::from(k)];
+        }
+        c.evidence = EvidenceConstants { bet: 0.2, limit: 9.0, cap: 6.0, ..EvidenceConstants::NONE };
+    })
+}
+
+#[test]
+fn a_segment_far_from_every_class_is_novel() {
+    let verdict = |model: &Model<Drive>, gain| {
+        let mut detector = Detector::new(model);
+        samples(gain).find_map(|sample| detector.step(&sample)).unwrap().verdict
+    };
+    let model = gated();
+    let of = |gain| verdict(&model, gain);
+    // The gate of the defect is at nine deviations of 0.05.
+    assert_eq!([of(0.5), of(1.0), of(1.4)], [Verdict::Class(0), Verdict::Class(1), Verdict::Class(1)]);
+    assert_eq!([of(1.5), of(9.0), of(-9.0)], [Verdict::Novel; 3]);
+    // Without a healthy class, or if nothing is to be novel, there is no gate.
+    let endless = changed(|c| {
+        *c = gated().constants().clone();
+        c.classifier.novelty.limit = f32::INFINITY;
+    });
+    assert_eq!([verdict(&MODEL, 9.0), verdict(&endless, 9.0)], [Verdict::Class(1); 2]);
+    // Costs may decide for another class than the one that the segment is near.
+    let cheap = changed(|c| {
+        *c = gated().constants().clone();
+        c.classifier.discriminant.costs = [0.0, 1.0, 0.0, 0.0];
+    });
+    assert_eq!(verdict(&cheap, 0.5), Verdict::Class(1));
+    let decision = cheap.constants().classifier.decide_at(Drive, &[0.5], &[]).unwrap();
+    assert!(decision.beyond()[1] && !decision.beyond()[0]);
+}
+
+#[test]
+fn an_alarm_by_segments_far_from_every_class_names_no_defect() {
+    let model = gated();
+    let cause = |gain| {
+        let (mut detector, mut evidence) = (Detector::new(&model), model.evidence());
+        for sample in samples(gain).take(3 * SAMPLES as usize) {
+            if let Some(report) = detector.step(&sample) {
+                evidence.observe_outcome(report.outcome());
+            }
+        }
+        evidence.alarm().map(|alarm| alarm.cause)
+    };
+    assert_eq!([cause(0.5), cause(1.0), cause(40.0)], [None, Some(Cause::Class(1)), Some(Cause::Unknown)]);
+}
+
+#[test]
+fn a_discarded_segment_closes_where_it_would_have_with_means_of_blocks() {
+    let model = changed(|c| c.sampling.block_mean = 4);
+    for before in 0..13_usize {
+        let mut detector = Detector::new(&model);
+        let stream = || samples(0.5);
+        stream().take(before).for_each(|sample| assert!(detector.step(&sample).is_none()));
+        detector.discard();
+        let closes = (before + 1..).zip(stream().skip(before)).find_map(|(k, sample)| {
+            let report = detector.step(&sample)?;
+            Some((k, report.rows))
+        });
+        // The open block is spoilt, and a row needs the sample before it.
+        assert_eq!(closes, Some((4 * SAMPLES as usize, SAMPLES - (before as u32).div_ceil(4) - 1)), "{before}");
+    }
+}
+
+#[test]
+fn a_report_from_before_a_restart_is_not_adopted() {
+    let mut detector = Detector::new(&MODEL);
+    let mut next = || samples(0.5).find_map(|sample| detector.collect(&sample)).unwrap();
+    let old = MODEL.conclude(next());
+    for again in 0..300 {
+        detector.restart();
+        let mut next = || samples(0.5).find_map(|sample| detector.collect(&sample)).unwrap();
+        let own = MODEL.conclude(next());
+        assert!(!detector.adopt(&old) && detector.adopt(&own), "{again}");
+    }
+    // Nor one of so many segments ago that a byte would have counted around.
+    let mut detector = Detector::new(&MODEL);
+    for k in 0..512_u32 {
+        segment(&mut detector, samples(0.5));
+        if k == 0 || k == 256 {
+            assert_eq!(detector.adopt(&old), k == 0, "{k}");
+        }
+    }
+}
+
+#[test]
+fn what_another_model_made_is_refused() {
+    let (model, other) = (gated(), changed(|c| c.classifier.discriminant.means = [0.5, 1.1]));
+    let collect = |model: &Model<Drive>| {
+        let mut detector = Detector::new(model);
+        samples(1.0).find_map(|sample| detector.collect(&sample)).unwrap()
+    };
+    let report = other.conclude(collect(&other));
+    assert_eq!(report.verdict, Verdict::Class(1));
+    let mut evidence = model.evidence();
+    evidence.limit_silence(crate::SilenceLimits { segments: 1, hours: 0.0 });
+    evidence.observe(report.decision.as_ref());
+    let reason = Some(Reason::OtherModel);
+    assert_eq!((evidence.segments(), evidence.silence().and_then(|own| own.reason)), ((1, 1), reason));
+    assert_eq!(model.conclude(collect(&other)).verdict, Verdict::Undetermined(Reason::OtherModel));
+    let mut detector = Detector::new(&model);
+    segment(&mut detector, samples(1.0));
+    assert!(!detector.adopt(&report));
+    let constants = crate::model::BaselineConstants::new(50.0, 2.0);
+    let mut followed = model.conclude(collect(&model));
+    let wider = changed(|c| {
+        *c = gated().constants().clone();
+        c.classifier.novelty.factor = [0.01];
+    });
+    model.follow(&mut wider.baseline(constants).unwrap(), &mut followed);
+    assert_eq!(followed.verdict, Verdict::Undetermined(Reason::OtherModel));
+    // The same numbers are the same model, wherever they are.
+    let mut evidence = gated().evidence();
+    evidence.observe(model.conclude(collect(&gated())).decision.as_ref());
+    assert_eq!(evidence.segments(), (1, 0));
 }

@@ -351,6 +351,21 @@ mod tests {
     }
 
     #[test]
+    fn a_shaft_that_swings_where_a_phase_has_no_current_has_no_open_phase() {
+        let mut balance = CurrentBalance::new(LIMITS);
+        let mut push = |turn: f64, amplitude: f64| {
+            let [a, b, c] = three(amplitude, core::f64::consts::TAU * turn).map(|i| i as f32);
+            balance.push(Abc { a, b, c }, Angle::from_bits((turn.rem_euclid(1.0) * 4_294_967_296.0) as u32))
+        };
+        // Twenty turns, a window, and then a spring: its current at angle zero, where phase a carries none, and hardly
+        // any at the other end of the swing.
+        let turns = (0..=320_u16).filter(|k| push(f64::from(*k) / 16.0, 10.0)).count();
+        let swings = (0..=960_u16).filter(|k| if k % 2 == 0 { push(0.0, 10.0) } else { push(0.0725, 0.5) }).count();
+        assert_eq!((turns, swings), (1, 3), "windows");
+        assert_eq!((balance.imbalance(), balance.unbalanced_windows()), (None, 0));
+    }
+
+    #[test]
     fn without_current_only_the_noise_limits_a_product() {
         // 0.1²/3 A² without a current; with one, twice the tolerance of its square and six deviations more.
         let balance = CurrentBalance::new(LIMITS);

@@ -42,7 +42,7 @@ pub struct Travel {
     turned: i32,
     /// Σ ω so far.
     velocities: f32,
-    samples: u16,
+    samples: u32,
     sums: TravelSums,
 }
 
@@ -62,7 +62,7 @@ impl Travel {
     #[inline(never)]
     pub fn close(&mut self, slowest_rad: f32) {
         let path_rad = self.turned.unsigned_abs() as f32 * RAD;
-        if path_rad >= slowest_rad * f32::from(self.samples) {
+        if path_rad >= slowest_rad * self.samples as f32 {
             self.sums.path_rad += path_rad;
             self.sums.along += if self.turned < 0 { -self.velocities } else { self.velocities };
         }

@@ -18,6 +18,7 @@
 //! in steps, at once or in another thread. Both ways give the same bits if the estimate is back before
 //! [`Regression::handover`].
 
+use super::result::SegmentNumber;
 use super::{Estimate, is_stable};
 use crate::factor::{Problem, Solution, SolveError, Solved, Sums, longest};
 use crate::plan::{Array, Cells, Memory, Plan, RegressionLayout};
@@ -37,8 +38,8 @@ pub struct Estimator<P: Plan> {
     /// Rows of less weight, and rows that fading memory ignored.
     downweighted: u32,
     resting: u32,
-    /// Number of the open segment, wrapping.
-    segment: u8,
+    /// Of the open segment.
+    segment: SegmentNumber,
 }
 
 /// The sums of a closed segment, separate from the estimator, and the solve under way.
@@ -50,7 +51,7 @@ pub struct RegressionSums<P: Plan> {
     /// Rows of the segment.
     pub count: u32,
     at_rest: bool,
-    segment: u8,
+    segment: SegmentNumber,
 }
 
 /// The solve of a closed segment under way.
@@ -76,8 +77,13 @@ impl<P: Plan> Estimator<P> {
             motion: 0.0,
             downweighted: 0,
             resting: 0,
-            segment: 0,
+            segment: SegmentNumber::FIRST,
         }
+    }
+
+    /// Counts segments on from those of another estimator, so that no estimate of it passes for one of this.
+    pub fn after(self, before: &Self) -> Self {
+        Self { segment: before.segment.next(), ..self }
     }
 
     /// Takes an accepted sample; `y_limit` is the largest plausible output. Once the segment has as many rows as its
@@ -141,7 +147,7 @@ impl<P: Plan> Estimator<P> {
     /// `false`, and does nothing, if that is past, if it is the estimate of another segment, or if its model is not
     /// stable.
     pub fn adopt(&mut self, plan: P, constants: &Regression<P>, estimate: &Estimate<P>) -> bool {
-        let own = estimate.segment.wrapping_add(1) == self.segment && self.rows.awaits();
+        let own = self.segment.follows(estimate.segment) && self.rows.awaits();
         own && self.offer(plan, constants, estimate)
     }
 
@@ -160,7 +166,7 @@ impl<P: Plan> Estimator<P> {
         let memory = plan.layout().regression.map_or(Memory::Segment, |regression| regression.memory);
         self.sums.next_segment(memory);
         self.rows.next_segment(plan, constants);
-        self.segment = self.segment.wrapping_add(1);
+        self.segment = self.segment.next();
         (self.count, self.motion, self.downweighted, self.resting) = (0, 0.0, 0, 0);
     }
 }
@@ -241,6 +247,7 @@ impl<P: Plan> RegressionSolve<P> {
     ) -> Result<bool, SolveError> {
         let Some(layout) = plan.layout().regression else { return Ok(true) };
         let mass = sums.sums.mass(layout.memory, constants.forgetting.lambda, sums.count);
+        let unknown = sums.sums.unknown(layout.memory, constants.forgetting.floor);
         let (d, r) = sums.sums.triangle_mut().parts_mut();
         let (inputs, outputs) = layout.split();
         let problem = &mut Problem {
@@ -253,6 +260,9 @@ impl<P: Plan> RegressionSolve<P> {
             mass,
             gain: sums.frame.gain,
         };
+        if let Some(column) = unknown {
+            return Err(SolveError::NotExcited(problem.place(column)));
+        }
         let solved = &mut Solved {
             delta: estimate.delta.cells_mut(),
             covariance: estimate.covariance.cells_mut(),

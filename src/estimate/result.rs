@@ -24,8 +24,34 @@ pub struct Estimate<P: Plan> {
     /// Whether the model is stable, so that it can be the next auxiliary model; always by least squares. Chance can
     /// place a pole near the unit circle on either side of it: such an estimate is valid, but does not take over.
     pub stable: bool,
-    /// Number of its segment in the stream, wrapping.
-    pub(crate) segment: u8,
+    pub(crate) segment: SegmentNumber,
+}
+
+/// Number of a segment in the stream, wrapping after 2³² segments. It is no result: estimates and detectors that differ
+/// in nothing else are equal.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct SegmentNumber(u32);
+
+impl SegmentNumber {
+    pub(crate) const FIRST: Self = Self(0);
+
+    /// The number of the next segment.
+    #[inline(always)]
+    pub(crate) const fn next(self) -> Self {
+        Self(self.0.wrapping_add(1))
+    }
+
+    /// Whether this is the segment after the other one.
+    pub(crate) const fn follows(self, other: Self) -> bool {
+        self.0 == other.0.wrapping_add(1)
+    }
+}
+
+impl PartialEq for SegmentNumber {
+    fn eq(&self, _other: &Self) -> bool {
+        true
+    }
 }
 
 impl<P: Plan> Estimate<P> {
@@ -40,7 +66,7 @@ impl<P: Plan> Estimate<P> {
             variance: 0.0,
             rows: 0,
             stable: true,
-            segment: 0,
+            segment: SegmentNumber::FIRST,
         }
     }
 

@@ -15,7 +15,11 @@
 //! ```text
 //! m ← m + 8(1 − λ)(motion − m);   frozen while m < rest                                    (1)
 //! ```
+//!
+//! The floor of a full memory keeps what is known of a column whose excitation ends. A column that depended on the ones
+//! before it while the memory filled is not known at all: it has no result until its pivot is above the floor.
 
+use super::problem::is_excited;
 use super::triangle::PRIOR;
 use super::{Forgetting, Row, Triangle};
 use crate::plan::{Array, Cells, Memory, Plan, Presence};
@@ -62,7 +66,16 @@ pub struct Sums<P: Plan> {
     motion: f32,
     /// Σλᵏ of a fading memory.
     faded_rows: f32,
+    /// The first column that was not excited when a fading memory became full; [`EXCITED`] if all were.
+    unexcited: u8,
+    /// Number of parameters, whose columns must be excited.
+    parameters: u8,
 }
+
+/// Every column is excited.
+const EXCITED: u8 = u8::MAX;
+/// A pivot above so many floors is one of rows: at most half of it is the floor's.
+const ABOVE_FLOOR: f32 = 2.0;
 
 // Not derived: the clone of an array moves its elements once more.
 impl<P: Plan> Clone for Sums<P> {
@@ -93,6 +106,8 @@ impl<P: Plan> Sums<P> {
             place: 0,
             motion: 0.0,
             faded_rows: 0.0,
+            unexcited: EXCITED,
+            parameters: u8::try_from(layout.parameters()).unwrap_or(u8::MAX),
         }
     }
 
@@ -105,6 +120,28 @@ impl<P: Plan> Sums<P> {
             Memory::Fading => return self.add_fading(row, forgetting, rest),
         }
         true
+    }
+
+    /// Finds the first column that a memory which becomes full does not know.
+    #[cold]
+    #[inline(never)]
+    fn fill(&mut self) {
+        let columns = self.sum.columns();
+        let (d, r) = self.sum.parts_mut();
+        let unknown = (0..self.parameters as usize).find(|j| !is_excited((&*d, &*r), columns, *j));
+        self.unexcited = unknown.and_then(|j| u8::try_from(j).ok()).unwrap_or(EXCITED);
+    }
+
+    /// The first column without a result in a full fading memory with this floor.
+    #[inline(always)]
+    pub fn unknown(&mut self, memory: Memory, floor: f32) -> Option<usize> {
+        if memory != Memory::Fading || self.unexcited == EXCITED {
+            return None;
+        }
+        let column = self.unexcited as usize;
+        let (d, _) = self.sum.parts_mut();
+        let known = d.get(column).is_none_or(|d| *d > ABOVE_FLOOR * floor);
+        (!known).then_some(column)
     }
 
     #[inline(always)]
@@ -126,9 +163,13 @@ impl<P: Plan> Sums<P> {
         let moving = self.motion >= rest;
         if moving {
             // While the memory fills, the floor would act as a prior that outweighs the rows.
-            let floor = if self.faded_rows * (1.0 - lambda) < FULL { PRIOR } else { forgetting.floor };
+            let filling = self.faded_rows * (1.0 - lambda) < FULL;
+            let floor = if filling { PRIOR } else { forgetting.floor };
             self.sum.update_forgetting(row.cells, row.weight, Forgetting { floor, ..forgetting });
             self.faded_rows = self.faded_rows * lambda + 1.0;
+            if filling && self.faded_rows * (1.0 - lambda) >= FULL {
+                self.fill();
+            }
         }
         moving
     }
@@ -191,7 +232,7 @@ impl<P: Plan> Sums<P> {
             // ever.
             if !self.sum.is_finite() {
                 self.sum.reset();
-                (self.motion, self.faded_rows) = (0.0, 0.0);
+                (self.motion, self.faded_rows, self.unexcited) = (0.0, 0.0, EXCITED);
             }
             return;
         }

@@ -69,7 +69,7 @@ impl Problem<'_> {
 
     /// Place in the estimate of the parameter of column i: outputs come first.
     #[inline(always)]
-    pub(super) const fn place(&self, i: usize) -> usize {
+    pub(crate) const fn place(&self, i: usize) -> usize {
         if i < self.inputs { self.outputs.wrapping_add(i) } else { i.wrapping_sub(self.inputs) }
     }
 
@@ -87,24 +87,13 @@ impl Problem<'_> {
     /// Whether instrument column j is, beyond rounding, independent of the columns before it and not zero.
     #[inline(always)]
     pub(super) fn excites(&self, j: usize) -> bool {
-        let above = self.above(0, j, 0.0);
-        let own = self.d.get(j).copied().unwrap_or(PRIOR);
-        // Written so that NaN counts as dependent.
-        own > DEPENDENT * above && own > 4.0 * PRIOR
+        is_excited((&*self.d, &*self.r), self.columns(), j)
     }
 
     /// `sum` + Σ d(i) R(i, first + j)² over the j rows from `first` on.
-    #[inline(never)]
-    pub(super) fn above(&self, first: usize, j: usize, mut sum: f32) -> f32 {
-        let columns = self.columns();
-        let (mut place, mut step) = (packed(columns, first, first.wrapping_add(j)), columns.wrapping_sub(first));
-        for (_, d) in pairs(0..j, self.d.get(first..).unwrap_or(&[])) {
-            step = step.wrapping_sub(1);
-            let r = self.r.get(place).copied().unwrap_or(0.0);
-            sum += d * r * r;
-            place = place.wrapping_add(step).wrapping_sub(1);
-        }
-        sum
+    #[inline(always)]
+    pub(super) fn above(&self, first: usize, j: usize, sum: f32) -> f32 {
+        above((&*self.d, &*self.r), self.columns(), [first, j], sum)
     }
 
     /// The triangular factor of n parameters from row i on, right of the diagonal: n − 1 − i elements and the target.
@@ -126,6 +115,28 @@ impl Problem<'_> {
         let e = minus(target - own, elements, later);
         self.d.get(row).copied().unwrap_or(0.0) * e * e
     }
+}
+
+/// Whether column j of a factor of so many columns is, beyond rounding, independent of those before it and not zero.
+#[inline(always)]
+pub(super) fn is_excited((d, r): (&[f32], &[f32]), columns: usize, j: usize) -> bool {
+    let above = above((d, r), columns, [0, j], 0.0);
+    let pivot = d.get(j).copied().unwrap_or(PRIOR);
+    // Written so that NaN counts as dependent.
+    pivot > DEPENDENT * above && pivot > 4.0 * PRIOR
+}
+
+/// `sum` + Σ d(i) R(i, first + j)² over the j rows from `first` on.
+#[inline(never)]
+fn above((d, r): (&[f32], &[f32]), columns: usize, [first, j]: [usize; 2], mut sum: f32) -> f32 {
+    let (mut place, mut step) = (packed(columns, first, first.wrapping_add(j)), columns.wrapping_sub(first));
+    for (_, d) in pairs(0..j, d.get(first..).unwrap_or(&[])) {
+        step = step.wrapping_sub(1);
+        let r = r.get(place).copied().unwrap_or(0.0);
+        sum += d * r * r;
+        place = place.wrapping_add(step).wrapping_sub(1);
+    }
+    sum
 }
 
 /// Place of element (i, j ≤ i) of a symmetric matrix, lower triangle packed by rows.

@@ -2,6 +2,7 @@
 
 mod bytes;
 mod error;
+mod mark;
 mod parts;
 mod ranges;
 mod reader;
@@ -23,14 +24,14 @@ pub use error::{Field, ModelError};
 #[doc(hidden)]
 pub use parts::{Parts, RegressionParts, ShaftParts};
 #[doc(hidden)]
-pub use validate::check;
+pub use {mark::mark, validate::check};
 #[cfg(feature = "telemetry")]
 pub(crate) use {
     reader::Reader,
     writer::{Buffer, Writer},
 };
 
-use crate::decide::{Baseline, Evidence};
+use crate::decide::{Baseline, Evidence, UNMARKED};
 use crate::drive::{Park, RotorFrame};
 use crate::plan::{Array, Cells, Plan};
 
@@ -84,6 +85,8 @@ impl<P: Plan> Constants<P> {
 pub struct Model<P: Plan> {
     plan: P,
     constants: Constants<P>,
+    /// By which decisions, segments and reports of this model are known.
+    mark: u32,
 }
 
 impl<P: Plan> Model<P> {
@@ -93,15 +96,29 @@ impl<P: Plan> Model<P> {
     /// # Errors
     /// The first thing that does not fit.
     pub fn new(plan: P, constants: Constants<P>) -> Result<Self, ModelError> {
-        check(&constants.parts(plan))?;
-        Ok(Self { plan, constants })
+        let parts = constants.parts(plan);
+        check(&parts)?;
+        let mark = mark(&parts);
+        Ok(Self { plan, constants, mark })
+    }
+
+    /// For constants that were not checked, in tests.
+    #[doc(hidden)]
+    #[must_use]
+    pub const fn checked(plan: P, constants: Constants<P>) -> Self {
+        Self::marked(plan, constants, UNMARKED)
     }
 
     /// For constants that were checked before.
     #[doc(hidden)]
     #[must_use]
-    pub const fn checked(plan: P, constants: Constants<P>) -> Self {
-        Self { plan, constants }
+    pub const fn marked(plan: P, constants: Constants<P>, mark: u32) -> Self {
+        Self { plan, constants, mark }
+    }
+
+    /// The mark of what is made with this model.
+    pub(crate) const fn mark(&self) -> u32 {
+        self.mark
     }
 
     /// The plan.
@@ -151,13 +168,20 @@ impl<P: Plan> Model<P> {
     /// has no healthy class.
     #[must_use]
     pub fn baseline(&self, constants: BaselineConstants) -> Option<Baseline<P>> {
-        self.constants.classifier.novelty.class.and_then(|_| Baseline::new(self.plan, constants))
+        let novelty = &self.constants.classifier.novelty;
+        novelty
+            .class
+            .and_then(|_| Baseline::new(self.plan, novelty, constants))
+            .map(|baseline| baseline.of_model(self.mark))
     }
 
     /// Evidence without any segment yet.
     #[must_use]
     pub fn evidence(&self) -> Evidence<P> {
-        Evidence::new(self.plan, self.constants.evidence, self.constants.classifier.novelty.class)
+        let Sampling { interval_s, block_mean, segment_samples, .. } = self.constants.sampling;
+        let segment_s = interval_s * f32::from(block_mean) * segment_samples as f32;
+        let healthy = self.constants.classifier.novelty.class;
+        Evidence::new(self.plan, self.constants.evidence, healthy).of_model(self.mark, segment_s)
     }
 }
 
@@ -226,11 +250,11 @@ macro_rules! checked_model {
             pub const fn model(
                 constants: $crate::model::Constants<Self>,
             ) -> Result<$crate::Model<Self>, $crate::ModelError> {
-                {
+                let mark = {
                     let $crate::model::Constants { sampling, channels, regression, shaft, classifier, .. } = &constants;
                     let regression: &[$crate::model::Regression<Self>] = regression;
                     let shaft: &[$crate::model::ShaftConstants<Self>] = shaft;
-                    let checked = $crate::model::check(&$crate::model::Parts {
+                    let parts = $crate::model::Parts {
                         layout: $layout,
                         names: $channels,
                         sampling,
@@ -277,12 +301,13 @@ macro_rules! checked_model {
                         limit: classifier.novelty.limit,
                         evidence: constants.evidence,
                         labels: &constants.labels,
-                    });
-                    if let Err(error) = checked {
+                    };
+                    if let Err(error) = $crate::model::check(&parts) {
                         return Err(error);
                     }
-                }
-                Ok($crate::Model::checked(Self, constants))
+                    $crate::model::mark(&parts)
+                };
+                Ok($crate::Model::marked(Self, constants, mark))
             }
         }
     };

@@ -1,23 +1,36 @@
 //! The checks of a model. They run at compile time for exported constants, and when a binary model is read.
 //!
 //! Enters: the numbers of a model as [`Parts`]. Leaves: nothing, or the first [`ModelError`]. Every length must match
-//! the layout, every number its range. The code is `const`, so it walks slices by patterns.
-
-#![expect(clippy::neg_cmp_op_on_partial_ord, reason = "a comparison with NaN must fail")]
+//! the layout, every number its plausible range: what a range excludes is no product of training, and would leave the
+//! range of `f32`, or a gate or an alarm without effect, behind a good checksum. An infinite limit is a choice: nothing
+//! is novel, no alarm, no rejection. The code is `const`, so it walks slices by patterns.
 
 use super::error::{Field, ModelError};
 use super::parts::{Parts, RegressionParts, ShaftParts};
-use super::ranges::{all_powers_of_two, all_within, are_factors, bounded, differences_alike, is_law, split};
+use super::ranges::{all_powers_of_two, all_within, are_factors, bounded, differences_alike, is_law, reaches, split};
 use super::{MAX_BLOCK_MEAN, Sampling};
-use crate::decide::{Covariate, EvidenceConstants};
+use crate::decide::{Covariate, EvidenceConstants, MAX_SURPRISE};
 use crate::estimate::is_stable;
 use crate::factor::{MAX_LAMBDA, MAX_LONG_SEGMENT_ROWS, MAX_SEGMENT_ROWS};
 use crate::plan::{Memory, Method, RegressionLayout, ShaftLayout, Signal, Structure};
 use crate::sample::{Channel, Label};
-use crate::shaft::{Blocks, Lags, MAX_LAG, StateVariable, TrackedOrder};
+use crate::shaft::{Blocks, Lags, MAX_BLOCKS, MAX_LAG, StateVariable, TrackedOrder, least_samples};
 
 /// Orders beyond this would turn more than half a turn between samples at any speed that can be tracked.
 const MAX_ORDER_Q16: i32 = 1000 << 16;
+
+/// Largest number: its square is far inside the range of f32.
+const LARGEST: f32 = 1e18;
+/// Longest sampling interval, s.
+const LONGEST_S: f32 = 1e4;
+/// Least ln of a prior probability, and of the mean of an e-value; no training set supports smaller ones.
+const LEAST_LOG: f32 = -100.0;
+/// ln 1, with roundings.
+const LOG_ONE: f32 = 1e-3;
+/// Largest limit and cap of the evidence, nats.
+const MOST_NATS: f32 = 1e3;
+/// Squared distance from healthy that is novel by any gate: a million deviations.
+const NOVEL: f32 = 1e12;
 
 /// Returns early with an error unless the condition holds.
 macro_rules! require {
@@ -57,7 +70,7 @@ pub const fn check(parts: &Parts<'_>) -> Result<(), ModelError> {
         return Err(ModelError::Layout(error));
     }
     let Sampling { interval_s, block_mean, segment_samples, .. } = *parts.sampling;
-    require!(interval_s.is_finite() && interval_s >= 0.0, SamplingInterval);
+    require!(interval_s >= 0.0 && interval_s <= LONGEST_S, SamplingInterval);
     require!(block_mean >= 1 && block_mean <= MAX_BLOCK_MEAN, BlockMean);
     // Only the regression averages.
     require!(block_mean == 1 || layout.regression.is_some(), BlockMean);
@@ -143,10 +156,10 @@ const fn check_regression(
         bounded(first, limit_of(parts.channels, layout.u1)) && bounded(second, limit_of(parts.channels, layout.u2));
     let largest = if y_limit > 1.0 { y_limit } else { 1.0 };
     require!(bounded(own, y_limit) && inputs && all_within(scale, 0.0, 1e14 / largest), LimitTimesScale);
-    require!(all_within(nominal, f32::MIN, f32::MAX), NominalModel);
-    require!(deviation.is_finite() && deviation >= 0.0, ResidualDeviation);
-    require!(huber.is_finite() && huber >= 0.0, OutlierThreshold);
-    require!(rest.is_finite() && rest >= 0.0, RestThreshold);
+    require!(all_within(nominal, -LARGEST, LARGEST), NominalModel);
+    require!(deviation >= 0.0 && deviation <= LARGEST, ResidualDeviation);
+    require!(huber >= 0.0 && huber <= 1e6, OutlierThreshold);
+    require!(rest >= 0.0 && rest <= LARGEST, RestThreshold);
     require!(handover as u32 <= segment_samples / 2, Handover);
     if matches!(layout.method, Method::Instruments) {
         require!(is_stable(split(nominal, na as usize).0), NominalStability);
@@ -158,7 +171,7 @@ const fn check_regression(
         // A memory of n rows leaves no degree of freedom for a variance.
         let rows = 1.0 / (1.0 - forgetting.lambda);
         require!(forgetting.lambda <= MAX_LAMBDA && rows > 2.0 * n as f32, ForgettingFactor);
-        require!(forgetting.floor.is_finite() && forgetting.floor > 0.0, ForgettingFloor);
+        require!(forgetting.floor > 0.0 && forgetting.floor <= 1e6, ForgettingFloor);
     }
     Ok(())
 }
@@ -166,7 +179,7 @@ const fn check_regression(
 const fn check_shaft(layout: &ShaftLayout, shaft: &ShaftParts<'_>, parts: &Parts<'_>) -> Result<(), ModelError> {
     let ShaftParts { lags: Lags { current, velocity, load }, balance, orders, blocks } = *shaft;
     require!(all_within(&[current, velocity, load], 0.0, MAX_LAG), SignalLag);
-    require!(balance.interval_s > 0.0 && balance.interval_s.is_finite(), BalanceInterval);
+    require!(balance.interval_s > 0.0 && balance.interval_s <= LONGEST_S, BalanceInterval);
     let StateVariable { gain, damping, rate_per_s } = balance.filter;
     let expected = StateVariable::new(gain, balance.interval_s);
     let own = damping.to_bits() == expected.damping.to_bits() && rate_per_s.to_bits() == expected.rate_per_s.to_bits();
@@ -175,6 +188,8 @@ const fn check_shaft(layout: &ShaftLayout, shaft: &ShaftParts<'_>, parts: &Parts
     let samples = parts.sampling.segment_samples as u64 * parts.sampling.block_mean as u64;
     require!(balance.row_interval > 0, RowInterval);
     require!(samples / balance.row_interval as u64 <= MAX_SEGMENT_ROWS as u64, SegmentLength);
+    let most_blocks = samples / least_samples(layout.orders, layout.harmonics);
+    require!(layout.orders == 0 || most_blocks <= MAX_BLOCKS as u64, SegmentLength);
     let velocities = [balance.sign_velocity_rad_s, balance.stribeck_velocity_rad_s, balance.usual_velocity_rad_s];
     require!(all_within(&velocities, 1e-6, 1e6) && all_within(&[balance.usual_load_nm], 0.0, 1e6), BalanceVelocity);
     require!(balance.row_spread >= 1.0 && balance.row_spread <= 1e3, RowInterval);
@@ -247,11 +262,11 @@ const fn check_classifier(parts: &Parts<'_>) -> Result<(), ModelError> {
     }
     require_length!(parts.covariates.len(), layout.covariates as usize, Covariate);
     require_length!(parts.explained.len(), layout.explained(), Covariate);
-    require!(all_within(parts.explained.as_flattened(), f32::MIN, f32::MAX), Covariate);
+    require!(all_within(parts.explained.as_flattened(), -LARGEST, LARGEST), Covariate);
     let mut covariates = parts.covariates;
     while let [Covariate { feature, centre, low, high, usual }, rest @ ..] = covariates {
         require!(feature.exists(layout), Covariate);
-        require!(all_within(&[*centre, *low, *high, *usual], -1e30, 1e30), Covariate);
+        require!(all_within(&[*centre, *low, *high, *usual], -LARGEST, LARGEST), Covariate);
         require!(*low <= *centre && *centre <= *high && *usual >= 0.0, Covariate);
         covariates = rest;
     }
@@ -263,14 +278,14 @@ const fn check_classifier(parts: &Parts<'_>) -> Result<(), ModelError> {
     let classes = layout.classes as usize;
     require_length!(parts.log_prior.len(), classes, Prior);
     require_length!(parts.costs.len(), layout.costs(), Cost);
-    let (least, most) = (f32::MIN, f32::MAX);
-    require!(all_within(parts.map, least, most) && all_within(parts.feature_means, least, most), Projection);
-    require!(all_within(parts.usual, 0.0, most), Projection);
-    let factors = are_factors(parts.factors, layout.coordinates as usize);
-    require!(all_within(parts.means, least, most) && factors, ClassDensity);
-    require!(all_within(parts.log_prior, least, most), Prior);
+    let affine = all_within(parts.map, -LARGEST, LARGEST) && all_within(parts.feature_means, -LARGEST, LARGEST);
+    require!(affine && all_within(parts.usual, 0.0, LARGEST), Projection);
+    let factors = are_factors(parts.factors, layout.coordinates as usize, LARGEST);
+    require!(all_within(parts.means, -LARGEST, LARGEST) && factors, ClassDensity);
+    require!(all_within(parts.log_prior, LEAST_LOG, LOG_ONE), Prior);
     // Infinity is allowed: never reject.
-    require!(all_within(parts.costs, 0.0, 1e6) && parts.reject_cost >= 0.0, Cost);
+    let rejects = parts.reject_cost >= 0.0 && (parts.reject_cost <= 1e6 || parts.reject_cost == f32::INFINITY);
+    require!(all_within(parts.costs, 0.0, 1e6) && rejects, Cost);
     Ok(())
 }
 
@@ -279,16 +294,17 @@ const fn check_novelty(parts: &Parts<'_>) -> Result<(), ModelError> {
     require_length!(parts.novelty_mean.len(), layout.coordinates as usize, HealthyDensity);
     require_length!(parts.novelty_factor.len(), layout.density(), HealthyDensity);
     require_length!(parts.laws.len(), layout.laws(), RisingCoordinates);
-    let most = f32::MAX;
-    require!(all_within(parts.novelty_mean, f32::MIN, most), HealthyDensity);
-    require!(all_within(parts.novelty_factor, f32::MIN, most), HealthyDensity);
+    require!(all_within(parts.novelty_mean, -LARGEST, LARGEST), HealthyDensity);
+    require!(all_within(parts.novelty_factor, f32::MIN, f32::MAX), HealthyDensity);
     if let Some(class) = parts.healthy {
         require!(class < layout.classes, HealthyClass);
-        require!(are_factors(parts.novelty_factor, layout.coordinates as usize), HealthyDensity);
+        require!(are_factors(parts.novelty_factor, layout.coordinates as usize, LARGEST), HealthyDensity);
         require!(is_law(parts.knots), SurpriseCurve);
-        require!(parts.limit > 0.0, NoveltyLimit);
+        // Infinity is allowed: nothing is novel. Beyond the largest surprise nothing would be either.
+        require!(parts.limit > 0.0 && (parts.limit <= MAX_SURPRISE || parts.limit == f32::INFINITY), NoveltyLimit);
+        require!(parts.limit == f32::INFINITY || reaches(parts.knots, parts.limit, NOVEL), SurpriseCurve);
         if let [others, rising @ ..] = parts.laws {
-            require!(parts.freedom >= 1.0, RisingCoordinates);
+            require!(parts.freedom >= 1.0 && parts.freedom <= LARGEST, RisingCoordinates);
             require!(layout.rising == layout.coordinates || is_law(others), SurpriseCurve);
             let mut rest = rising;
             while let [law, later @ ..] = rest {
@@ -298,8 +314,10 @@ const fn check_novelty(parts: &Parts<'_>) -> Result<(), ModelError> {
         }
     }
     let EvidenceConstants { bet, limit, cap, segments_a_run, log_mean, defect_log_mean } = parts.evidence;
-    require!(bet > 0.0 && bet < 1.0 && limit > 0.0 && cap > 0.0 && cap.is_finite(), Evidence);
-    require!(segments_a_run > 0 && log_mean.is_finite() && defect_log_mean.is_finite(), Evidence);
+    let alarms = limit > 0.0 && (limit <= MOST_NATS || limit == f32::INFINITY);
+    require!(bet > 0.0 && bet < 1.0 && alarms && cap > 0.0 && cap <= MOST_NATS, Evidence);
+    // A mean is at most the largest e-value.
+    require!(segments_a_run > 0 && all_within(&[log_mean, defect_log_mean], LEAST_LOG, cap), Evidence);
     Ok(())
 }
 

@@ -1,6 +1,18 @@
 //! Whether the parts of a layout fit each other, and why not.
 
-use super::layout::{Layout, MAX_CHANNELS, MAX_COVARIATES, MAX_HARMONICS, MAX_OUTPUT_TERMS, Method};
+use super::layout::{
+    Layout, MAX_CHANNELS, MAX_COVARIATES, MAX_HARMONICS, MAX_OUTPUT_TERMS, Method, RegressionLayout, ShaftLayout,
+    Signal,
+};
+
+/// Returns early with the error of another check.
+macro_rules! pass {
+    ($check:expr) => {
+        if let Err(error) = $check {
+            return Err(error);
+        }
+    };
+}
 
 /// Why a layout is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,6 +27,8 @@ pub enum LayoutError {
     UnknownChannel,
     /// The sample has a channel that no part uses.
     UnusedChannel,
+    /// A signal is the difference of a channel and itself, which is zero.
+    NoDifference,
     /// The regression has no terms, or more than 254 columns.
     Terms,
     /// Instrumental variables need 1 … 4 output terms.
@@ -38,6 +52,7 @@ impl LayoutError {
             Self::Channels => "the plan has no channel or more than 16 channels",
             Self::UnknownChannel => "a signal of the plan names a channel that its sample does not have",
             Self::UnusedChannel => "the sample of the plan has a channel that the plan does not use",
+            Self::NoDifference => "a signal of the plan is the difference of a channel and itself",
             Self::Terms => "the regression of the plan has no terms or more than 254 columns",
             Self::OutputTerms => "instrumental variables need 1 to 4 output terms",
             Self::Orders => "the plan has more than 32 bearing orders, or not 1 to 3 harmonics",
@@ -69,6 +84,7 @@ impl Layout {
         if channels == 0 || channels > MAX_CHANNELS {
             return Err(LayoutError::Channels);
         }
+        pass!(self.check_signals());
         let mut used: u16 = 0;
         if let Some(regression) = &self.regression {
             used |= regression.mask();
@@ -104,5 +120,31 @@ impl Layout {
             return Err(LayoutError::Rising);
         }
         Ok(())
+    }
+
+    /// Checks the channels of each signal that is read: the mask of a signal has no place for those beyond the last.
+    const fn check_signals(&self) -> Result<(), LayoutError> {
+        if let Some(RegressionLayout { structure, y, u1, u2, .. }) = self.regression {
+            pass!(self.check_signal(Some(y)));
+            pass!(self.check_signal(if structure.nb > 0 { Some(u1) } else { None }));
+            pass!(self.check_signal(if structure.nc > 0 { Some(u2) } else { None }));
+        }
+        if let Some(ShaftLayout { current, velocity, load, .. }) = self.shaft {
+            pass!(self.check_signal(Some(current)));
+            pass!(self.check_signal(velocity));
+            pass!(self.check_signal(load));
+        }
+        Ok(())
+    }
+
+    const fn check_signal(&self, signal: Option<Signal>) -> Result<(), LayoutError> {
+        match signal {
+            Some(Signal { channel, minus: Some(other) }) if channel == other => Err(LayoutError::NoDifference),
+            Some(Signal { channel, minus: Some(other) }) if channel >= self.channels || other >= self.channels => {
+                Err(LayoutError::UnknownChannel)
+            }
+            Some(Signal { channel, .. }) if channel >= self.channels => Err(LayoutError::UnknownChannel),
+            _ => Ok(()),
+        }
     }
 }

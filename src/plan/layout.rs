@@ -245,6 +245,23 @@ mod tests {
         assert_eq!(Layout { classes: 0, ..PLAIN }.check(), Err(LayoutError::Classifier));
         assert_eq!(Layout { rising: 3, ..PLAIN }.check(), Ok(()));
         assert_eq!(Layout { rising: 4, ..PLAIN }.check(), Err(LayoutError::Rising));
+        let minus = |channel, other| Signal::channel(channel).minus(Signal::channel(other));
+        for (y, error) in [
+            (Signal::channel(3), LayoutError::UnknownChannel),
+            (Signal::channel(16), LayoutError::UnknownChannel),
+            (Signal::channel(200), LayoutError::UnknownChannel),
+            (minus(0, 16), LayoutError::UnknownChannel),
+            (minus(255, 0), LayoutError::UnknownChannel),
+            (minus(0, 0), LayoutError::NoDifference),
+        ] {
+            for regression in [RegressionLayout { y, ..SQUARES }, RegressionLayout { u2: y, ..SQUARES }] {
+                assert_eq!(Layout { regression: Some(regression), ..PLAIN }.check(), Err(error), "{y:?}");
+            }
+        }
+        assert_eq!(
+            Layout { regression: Some(RegressionLayout { y: minus(0, 2), ..SQUARES }), ..PLAIN }.check(),
+            Ok(())
+        );
         let five =
             RegressionLayout { structure: Structure::new(5, 1, 1, 1, 1), method: Method::Instruments, ..SQUARES };
         assert_eq!(Layout { regression: Some(five), ..PLAIN }.check(), Err(LayoutError::OutputTerms));

@@ -127,4 +127,31 @@ mod tests {
         assert_eq!(ticks, [(false, 1.0), (true, 2.0), (false, 2.0), (false, 2.0)]);
         assert!(own.next_segment(0, || candidate(9.0)) && !own.awaits(), "at once");
     }
+
+    #[test]
+    fn the_nominal_model_returns_after_three_segments_without_a_successor() {
+        for handover in [0, 1] {
+            let mut own = Auxiliary::new(candidate(1.0));
+            own.offer(candidate(2.0));
+            let models = [0; 6].map(|_| {
+                own.next_segment(handover, || candidate(9.0));
+                own.tick(|| candidate(9.0));
+                own.now.threshold
+            });
+            assert_eq!(models, [2.0, 2.0, 2.0, 9.0, 9.0, 9.0], "{handover}");
+            own.offer(candidate(3.0));
+            own.next_segment(handover, || candidate(9.0));
+            own.tick(|| candidate(9.0));
+            assert_eq!((own.now.threshold, own.refused), (3.0, 0), "{handover}");
+        }
+    }
+
+    #[test]
+    fn an_unknown_deviation_takes_no_weight_from_a_row() {
+        for (huber, deviation) in [(0.0, 1.0), (3.0, 0.0), (3.0, f32::NAN)] {
+            assert_eq!(weight(1e9, threshold(huber, deviation)), 1.0, "{huber} {deviation}");
+        }
+        let limit = threshold(3.0, 0.5);
+        assert_eq!([1.5, -3.0, 6.0].map(|residual| weight(residual, limit)), [1.0, 0.5, 0.25]);
+    }
 }

@@ -326,6 +326,65 @@ mod tests {
         assert!((value - 0.002).abs() < 1e-6 && (deviation / 0.16 - 1.0).abs() < 0.1, "{value} {deviation}");
     }
 
+    /// A solve of rows of both directions: ω = ±20 rad/s but for 1 %, and a current of 0.5 A of drag with alternating
+    /// errors of 0.01 A.
+    fn both_ways(rows: u16, load: bool) -> Result<Friction, Reason> {
+        let prior = [0.05, 0.02, 1.0, 200.0, 1.0, 20.0, 1e-3];
+        let balance = Balance { scale: [1.0; 8], deviation: 0.01, row_spread: 2.0, prior, ..balance(8) };
+        let mut sums = BalanceSums::new(&balance, load);
+        for k in 0..rows {
+            let sign = |bit: u16| if k >> bit & 1 == 0 { 1.0 } else { -1.0 };
+            let velocity = sign(0) * (20.0 + 0.2 * sign(1));
+            let current = 0.5 * sign(0) + 0.01 * sign(2);
+            let row = if load {
+                [0.0, velocity, sign(0), 0.1 * sign(3), 1.0, 0.0, 0.0, current]
+            } else {
+                [0.0, velocity, sign(0), 1.0, 0.0, current, 0.0, 0.0]
+            };
+            sums.start(row);
+            while sums.rotate(load) {}
+            sums.rows += 1;
+        }
+        solve(&balance, load, &mut sums)
+    }
+
+    #[test]
+    fn errors_of_terms_that_depend_on_each_other_cancel_in_the_drag() {
+        let friction = both_ways(1600, true).unwrap();
+        // 1600 rows, two to an independent one: 0.01 A/√800. Coulomb friction alone is the current at no velocity, which
+        // is 100 deviations of the velocity away.
+        let mean = 0.01 / 800.0_f32.sqrt();
+        assert!((friction.drag.value - 0.5).abs() < 1e-4, "{friction:?}");
+        assert!((friction.drag.deviation / mean - 1.0).abs() < 0.05, "{mean} {friction:?}");
+        assert!(friction.coulomb.deviation > 30.0 * mean, "{friction:?}");
+        // The healthy drag is 0.1 A and 20 rad/s of 0.002.
+        let score = (friction.drag.value - 0.14) / friction.drag.deviation;
+        assert!((friction.drag.score / score - 1.0).abs() < 1e-5, "{score} {friction:?}");
+    }
+
+    #[test]
+    fn fewer_rows_than_two_independent_ones_a_parameter_are_refused() {
+        // Seven parameters with a load, five without; a row in two is independent.
+        for (load, least) in [(true, 28), (false, 20)] {
+            let few = Reason::TooFewRows { part: Part::TorqueBalance, rows: u32::from(least) - 1 };
+            assert_eq!(both_ways(least - 1, load).unwrap_err(), few);
+            assert_eq!(both_ways(least, load).unwrap().rows, u32::from(least));
+        }
+    }
+
+    #[test]
+    fn a_drag_that_overflows_is_refused() {
+        // Each term is finite, and twenty times the viscous one is not.
+        let mut solve = BalanceSolve { stage: Stage::Results, ..BalanceSolve::new() };
+        solve.delta[1] = 1e38;
+        solve.covariance[lower(1, 1)] = 1e38;
+        let mut sums = BalanceSums::new(&balance(8), true);
+        let mut friction = Friction::default();
+        let outcome = (0..20).find_map(|_| solve.advance(&balance(8), true, &mut sums, &mut friction, 1));
+        assert_eq!(outcome, Some(Err(Reason::NotFinite(Part::TorqueBalance))));
+        assert_eq!(friction, Friction::default());
+    }
+
     #[test]
     fn the_drag_keeps_its_priors_and_no_estimate_is_none() {
         let parameter = Parameter { value: 3.0, deviation: 0.5, score: 2.0 };

@@ -40,6 +40,7 @@ pub use friction::{Friction, Parameter};
 pub use orders::{Blocks, CONTROLS, TrackedOrder, Tracking, q16};
 #[cfg(feature = "internals")]
 pub use orders::{LAGS, MIN_BLOCKS};
+pub(crate) use orders::{MAX_BLOCKS, least_samples};
 pub use slip::OrderStrength;
 pub use solve::ShaftSolve;
 pub use state_variable::StateVariable;

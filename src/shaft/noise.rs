@@ -40,7 +40,7 @@ pub struct Noise {
     /// Σ (|b|²/W)^¼.
     roots: [f32; CONTROLS],
     /// Number of summands. They differ by one while the control orders close a block one after the other.
-    counts: [u16; CONTROLS],
+    counts: [u32; CONTROLS],
 }
 
 impl Noise {
@@ -66,7 +66,7 @@ impl Noise {
 pub(super) struct NoiseLine {
     taken: u8,
     /// Smallest number of blocks of a control order.
-    blocks: u16,
+    blocks: u32,
     mean: [f32; 2],
     /// Of ln o, of both, and of ln σ².
     square: f32,
@@ -81,7 +81,7 @@ impl NoiseLine {
     pub(super) const fn new() -> Self {
         Self {
             taken: 0,
-            blocks: u16::MAX,
+            blocks: u32::MAX,
             mean: [0.0; 2],
             square: 0.0,
             product: 0.0,
@@ -106,7 +106,7 @@ impl NoiseLine {
             return false;
         };
         self.blocks = self.blocks.min(*count);
-        let root = root / (f32::from(*count).max(1.0) * ROOT_MEAN); // (1)
+        let root = root / ((*count as f32).max(1.0) * ROOT_MEAN); // (1)
         let (x, y) = (ln_of_level(*order as f32 / 65_536.0), 4.0 * ln_of_level(root));
         let [mean_x, mean_y] = &mut self.mean;
         let (part, far, far_level) = (1.0 / f32::from(self.taken), x - *mean_x, y - *mean_y);
@@ -124,7 +124,7 @@ impl NoiseLine {
         let [x, y] = self.mean;
         let far = ln_of_level(order) - x;
         let line = if self.square > 0.0 { far * far / self.square } else { 0.0 };
-        let of_blocks = BLOCK_VARIANCE / f32::from(self.blocks.max(1));
+        let of_blocks = BLOCK_VARIANCE / self.blocks.max(1) as f32;
         let scatter = (self.squared_levels - self.slope * self.product) / (CONTROLS - 2) as f32;
         let excess = COUNTED * (scatter - of_blocks);
         let excess = if excess < MOST { excess } else { MOST };

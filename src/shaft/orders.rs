@@ -34,7 +34,15 @@ pub(super) const PLACES: u8 = 6;
 /// Number of control orders.
 pub const CONTROLS: usize = 4;
 /// Fewer blocks than this do not determine noise and phase.
-pub const MIN_BLOCKS: u16 = 4;
+pub const MIN_BLOCKS: u32 = 4;
+/// Most blocks of a segment: sums of more in single precision would lose digits. [`least_samples`] bounds them.
+pub const MAX_BLOCKS: u32 = 1_000_000;
+
+/// Samples that a block takes at least: one finds its end, and then each sample closes an order and harmonic, a control
+/// order, or the block.
+pub const fn least_samples(orders: u8, harmonics: u8) -> u64 {
+    (orders as u64).saturating_mul(harmonics as u64).saturating_add(CONTROLS as u64 + 2)
+}
 
 /// An order to track.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,7 +147,7 @@ pub struct OrderTracking<P: Plan> {
     /// The cell that closes, and the next item to close: orders times harmonics, then controls; `IDLE` if none.
     closing_cell: i32,
     closing: u8,
-    blocks: u16,
+    blocks: u32,
 }
 
 /// The sums of a segment, separate from the running state.
@@ -148,14 +156,14 @@ pub struct OrderTracking<P: Plan> {
 pub struct OrderSums<P: Plan> {
     pub(super) lines: Array<P::Orders, LineSums>,
     pub(super) noise: Noise,
-    pub(super) blocks: u16,
+    pub(super) blocks: u32,
 }
 
 impl<P: Plan> OrderSums<P> {
     /// Why there are no orders.
     pub(super) fn reason(&self) -> Option<Reason> {
         let few = self.blocks < MIN_BLOCKS || self.noise.is_unknown();
-        few.then_some(Reason::TooFewRows { part: Part::Orders, rows: u32::from(self.blocks) })
+        few.then_some(Reason::TooFewRows { part: Part::Orders, rows: self.blocks })
     }
 }
 

@@ -24,8 +24,11 @@
 //! of a run or where an alarm is raised, not after each segment.
 //!
 //! **Limits.** A cut can leave a cell between 0 and 1, which reads differently at different times. Such a record is
-//! either complete or refused by its checksum, but it may be the newest at one boot and refused at the next: store
-//! again after a boot that found a record to be older than expected. Two kinds of records need two pairs.
+//! either complete or refused by its checksum, but it may be the newest at one boot and refused at the next. Two kinds
+//! of records need two pairs.
+//!
+//! **Fallback.** If the newest record is damaged, the older one serves, and [`Record::passed_over`] says so: an older
+//! state may lack an alarm. Tell it, and store again; or refuse the record in [`SlotPair::load`].
 //!
 //! ```
 //! use bearing_watch::storage::{RecordKind, RecordLabel, SlotPair};
@@ -72,4 +75,7 @@ mod record;
 
 pub use error::StorageError;
 pub use pair::SlotPair;
-pub use record::{Record, RecordKind, RecordLabel};
+pub use record::{PassedOver, Record, RecordKind, RecordLabel};
+
+#[cfg(test)]
+mod tests;

@@ -3,7 +3,7 @@
 use embedded_storage::nor_flash::NorFlash;
 
 use super::error::StorageError;
-use super::record::{HEADER, Record, RecordKind, RecordLabel};
+use super::record::{HEADER, PassedOver, Record, RecordKind, RecordLabel};
 use crate::checksum::{Crc32, crc32};
 
 /// A byte of erased flash.
@@ -19,6 +19,32 @@ pub struct SlotPair<const PAGE: usize> {
     start: u32,
     slot_bytes: u32,
     kind: RecordKind,
+}
+
+/// What a slot holds.
+#[derive(Clone, Copy)]
+enum Slot {
+    /// Erased flash, or the record of another kind.
+    Empty,
+    Good(Record),
+    /// A good header, whose payload is damaged.
+    Damaged(Record),
+    /// Neither a header nor erased flash.
+    Unknown,
+}
+
+impl Slot {
+    /// What it may hide from one who uses the record of the other slot.
+    const fn hides(self, other: &Record) -> Option<PassedOver> {
+        match self {
+            Self::Good(record) if record.is_newer_than(other) => Some(PassedOver::Refused { counter: record.counter }),
+            Self::Damaged(record) if record.is_newer_than(other) => {
+                Some(PassedOver::Damaged { counter: record.counter })
+            }
+            Self::Unknown => Some(PassedOver::Unknown),
+            Self::Empty | Self::Good(_) | Self::Damaged(_) => None,
+        }
+    }
 }
 
 /// What the slots hold.
@@ -68,7 +94,8 @@ impl<const PAGE: usize> SlotPair<PAGE> {
     }
 
     /// Reads the newest good record that `accept` accepts, which gets the payload and returns what to make of it; the
-    /// older record is tried if the newer one is refused.
+    /// older record is tried if the newer one is damaged or refused. It then says [`Record::passed_over`], and `accept`
+    /// decides.
     ///
     /// # Errors
     /// [`StorageError::NoRecord`]; [`StorageError::BufferTooSmall`] or [`StorageError::Flash`] if that is why.
@@ -79,17 +106,20 @@ impl<const PAGE: usize> SlotPair<PAGE> {
         mut accept: impl FnMut(&Record, &[u8]) -> Option<T>,
     ) -> Result<T, StorageError<F::Error>> {
         let mut reason = StorageError::NoRecord;
-        let Found::Record { second, .. } = self.newest_slot(flash)? else { return Err(reason) };
+        let Found::Record { second, record: newest } = self.newest_slot(flash)? else { return Err(reason) };
+        let mut passed_over = newest.passed_over;
         for slot in [second, !second] {
             match self.read(flash, slot, Some(&mut *buffer)) {
-                Ok(Some(record)) => {
+                Ok(Slot::Good(record)) => {
                     let payload = buffer.get(..record.length as usize).unwrap_or_default();
-                    if let Some(made) = accept(&record, payload) {
+                    if let Some(made) = accept(&Record { passed_over, ..record }, payload) {
                         return Ok(made);
                     }
+                    passed_over = Some(PassedOver::Refused { counter: record.counter });
                 }
-                Ok(None) => {}
-                Err(error) => reason = error,
+                // What was good a moment ago.
+                Ok(_) => passed_over = Some(PassedOver::Damaged { counter: newest.counter }),
+                Err(error) => (reason, passed_over) = (error, Some(PassedOver::Unreadable)),
             }
         }
         Err(reason)
@@ -114,7 +144,7 @@ impl<const PAGE: usize> SlotPair<PAGE> {
             Found::Record { second, record } => (!second, record.counter.wrapping_add(1)),
             Found::Nothing { second } => (second, 1),
         };
-        let record = Record { label: *label, counter, length, check: crc32(payload) };
+        let record = Record { label: *label, counter, length, check: crc32(payload), passed_over: None };
         let at = self.address(second);
         // Only what the record needs: a slot may be longer.
         let used = rounded(Self::header::<F>().saturating_add(payload.len()), F::ERASE_SIZE);
@@ -146,34 +176,46 @@ impl<const PAGE: usize> SlotPair<PAGE> {
     /// Reads both slots. One that cannot be read counts as empty.
     fn newest_slot<F: NorFlash>(&self, flash: &mut F) -> Result<Found, StorageError<F::Error>> {
         let slots = [self.read(flash, false, None), self.read(flash, true, None)];
-        Ok(match slots {
-            [Ok(Some(first)), Ok(Some(second))] => {
-                let newer = second.is_newer_than(&first);
-                Found::Record { second: newer, record: if newer { second } else { first } }
+        // A record beside what may have been a newer one.
+        let found = |second, record: &Record, other: &Result<Slot, StorageError<F::Error>>| {
+            let passed_over = other.as_ref().map_or(Some(PassedOver::Unreadable), |other| other.hides(record));
+            Found::Record { second, record: Record { passed_over, ..*record } }
+        };
+        Ok(match &slots {
+            [Ok(Slot::Good(first)), Ok(Slot::Good(second))] => {
+                let newer = second.is_newer_than(first);
+                Found::Record { second: newer, record: if newer { *second } else { *first } }
             }
-            [Ok(Some(record)), _] => Found::Record { second: false, record },
-            [_, Ok(Some(record))] => Found::Record { second: true, record },
-            [Ok(None), _] => Found::Nothing { second: false },
-            [Err(_), Ok(None)] => Found::Nothing { second: true },
-            [Err(error), Err(_)] => return Err(error),
+            [Ok(Slot::Good(record)), other] => found(false, record, other),
+            [other, Ok(Slot::Good(record))] => found(true, record, other),
+            [Ok(_), _] => Found::Nothing { second: false },
+            [Err(_), Ok(_)] => Found::Nothing { second: true },
+            [Err(_), Err(_)] => {
+                let [first, _] = slots;
+                return first.map(|_| Found::Nothing { second: false });
+            }
         })
     }
 
-    /// Reads the record of a slot into a buffer, if there is one, and checks it; `None` if it is not good.
+    /// Reads the record of a slot into a buffer, if there is one, and checks it.
     fn read<F: NorFlash>(
         &self,
         flash: &mut F,
         second: bool,
         mut buffer: Option<&mut [u8]>,
-    ) -> Result<Option<Record>, StorageError<F::Error>> {
+    ) -> Result<Slot, StorageError<F::Error>> {
         let (mut page, header) = ([ERASED; PAGE], Self::header::<F>());
         let at = self.address(second);
         let Some(cells) = page.get_mut(..header) else { return Err(StorageError::Geometry) };
         flash.read(at, cells).map_err(StorageError::Flash)?;
-        let Some(record) = Record::from_bytes(cells, self.kind) else { return Ok(None) };
+        let Some(record) = Record::from_bytes(cells, self.kind) else {
+            // The record of another kind is none of this pair's.
+            let other = RecordKind::ALL.into_iter().any(|kind| Record::from_bytes(cells, kind).is_some());
+            return Ok(if other || cells.iter().all(|byte| *byte == ERASED) { Slot::Empty } else { Slot::Unknown });
+        };
         let length = record.length as usize;
         if length > self.capacity::<F>() {
-            return Ok(None);
+            return Ok(Slot::Damaged(record));
         }
         if buffer.as_ref().is_some_and(|buffer| buffer.len() < length) {
             return Err(StorageError::BufferTooSmall { needed: record.length });
@@ -190,7 +232,7 @@ impl<const PAGE: usize> SlotPair<PAGE> {
             to.unwrap_or_default().iter_mut().zip(own).for_each(|(cell, byte)| *cell = *byte);
             done = done.saturating_add(part);
         }
-        Ok((crc.value() == record.check).then_some(record))
+        Ok(if crc.value() == record.check { Slot::Good(record) } else { Slot::Damaged(record) })
     }
 
     /// Writes to erased flash, and reads back.

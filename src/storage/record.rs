@@ -18,6 +18,10 @@ pub enum RecordKind {
     State,
 }
 
+impl RecordKind {
+    pub(super) const ALL: [Self; 2] = [Self::Model, Self::State];
+}
+
 /// What a record belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -28,8 +32,30 @@ pub struct RecordLabel {
     pub drive: Label,
 }
 
-/// A record in flash.
+/// What the other slot has, where it may have been newer than the record that is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum PassedOver {
+    /// A newer good record, which was refused.
+    Refused {
+        /// Its number.
+        counter: u32,
+    },
+    /// A newer record whose header is good and whose payload is damaged.
+    Damaged {
+        /// Its number.
+        counter: u32,
+    },
+    /// Neither a record nor erased flash: a damaged record, or one that was being stored when power failed. Whether it
+    /// was newer is not known.
+    Unknown,
+    /// The flash does not read it.
+    Unreadable,
+}
+
+/// A record in flash. Records are equal if they are the same, however they were found.
+#[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Record {
     /// What it belongs to.
@@ -40,9 +66,27 @@ pub struct Record {
     pub length: u32,
     /// Checksum of the payload.
     pub(super) check: u32,
+    pub(super) passed_over: Option<PassedOver>,
 }
 
+impl PartialEq for Record {
+    fn eq(&self, other: &Self) -> bool {
+        let Self { label, counter, length, check, passed_over: _ } = *self;
+        (label, counter, length, check) == (other.label, other.counter, other.length, other.check)
+    }
+}
+
+impl Eq for Record {}
+
 impl Record {
+    /// Whether this record may be older than the newest that was stored: what the other slot has instead of an older
+    /// record. A state that is not the newest may lack an alarm that had been raised; the firmware decides whether it
+    /// accepts that, and tells it.
+    #[must_use]
+    pub const fn passed_over(&self) -> Option<PassedOver> {
+        self.passed_over
+    }
+
     /// Whether this record was stored after the other one: counters wrap around.
     pub(super) const fn is_newer_than(&self, other: &Self) -> bool {
         let ahead = self.counter.wrapping_sub(other.counter);
@@ -50,7 +94,7 @@ impl Record {
     }
 
     pub(super) fn to_bytes(self, kind: RecordKind) -> [u8; HEADER] {
-        let Self { label, counter, length, check } = self;
+        let Self { label, counter, length, check, .. } = self;
         let mut bytes = [0; HEADER];
         let fields: [&[u8]; 7] = [
             &MAGIC,
@@ -86,7 +130,7 @@ impl Record {
         let check = rest.first_chunk::<4>()?;
         let label = RecordLabel { model: u32::from_le_bytes(*model), drive: Label::from_bytes(*drive)? };
         let [counter, length, check] = [counter, length, check].map(|field| u32::from_le_bytes(*field));
-        Some(Self { label, counter, length, check })
+        Some(Self { label, counter, length, check, passed_over: None })
     }
 }
 
@@ -106,6 +150,7 @@ mod tests {
         counter: 7,
         length: 99,
         check: 0xA5A5_5A5A,
+        passed_over: None,
     };
 
     #[test]

@@ -1,7 +1,11 @@
 use super::sink::Sink;
 use super::*;
+use crate::decide::Evidence;
+use crate::detector::tests::{Drive, MODEL, report, samples};
 use crate::drive::Angle;
+use crate::model::Model;
 use crate::plan::{Layout, Memory, Method, Plan, RunTime, RunTimeSample, ShaftLayout, Structure, testing};
+use crate::report::{Report, Verdict};
 use std::vec::Vec;
 
 crate::plan! {
@@ -122,4 +126,62 @@ fn a_sample_without_an_angle_has_none() {
     let mut small = Recorder::<_, 7>::new(plan);
     assert!(small.push(&sample(1.0)), "less than a sample");
     assert!(small.block().is_empty());
+}
+
+/// What a listener reads of a report: posteriors, features and scores of orders.
+fn sent(report: &Report<Drive>, evidence: &Evidence<Drive>, look: impl FnOnce(Summary<'_>)) -> Option<[Vec<f32>; 3]> {
+    let mut encoder = Encoder::new(&MODEL, Source { model_id: 1, session: 2 });
+    let (mut buffer, mut decoder, mut lists) = ([0; 300], Decoder::<256>::new(), None);
+    let mut look = Some(look);
+    for byte in encoder.report(report, evidence, &mut buffer).unwrap() {
+        let Some(Frame { body: Body::Report(summary), .. }) = decoder.push(*byte) else { continue };
+        lists = Some([summary.posteriors, summary.features, summary.order_scores].map(|list| list.iter().collect()));
+        if let Some(look) = look.take() {
+            look(summary);
+        }
+    }
+    lists
+}
+
+#[test]
+fn a_report_is_what_the_detector_found() {
+    let (report, mut evidence) = (report(samples(1.0)), MODEL.evidence());
+    evidence.observe_outcome(report.outcome());
+    let lists = sent(&report, &evidence, |summary| {
+        assert_eq!((summary.segment, summary.undetermined, summary.verdict), (1, 0, Verdict::Class(1)));
+        assert_eq!((summary.rows, summary.counts, summary.alarm), (report.rows, report.counts, None));
+    });
+    let [posteriors, features, orders] = lists.unwrap();
+    // The model is y = 0.8 y₁ + u₁, whose δ-parameters are −0.2 and 1; the classes are at ½ and 1, 0.05 wide.
+    assert!(posteriors.len() == 2 && posteriors[1] > 0.999 && (posteriors.iter().sum::<f32>() - 1.0).abs() < 1e-6);
+    assert!((features[0] + 0.2).abs() < 0.01 && (features[1] - 1.0).abs() < 0.01, "{features:?}");
+    assert!(features.len() == 2 && orders.is_empty());
+}
+
+#[test]
+fn a_report_without_a_verdict_has_a_reason_and_no_numbers_of_a_verdict() {
+    let (report, mut evidence) = (Report::<Drive>::empty(MODEL.plan()), MODEL.evidence());
+    evidence.observe_outcome(report.outcome());
+    let lists = sent(&report, &evidence, |summary| {
+        assert_eq!((summary.verdict, summary.segment, summary.undetermined), (report.verdict, 1, 1));
+        assert_eq!([summary.distance, summary.distance_surprise, summary.surprise, summary.score], [0.0; 4]);
+    });
+    let [posteriors, features, _] = lists.unwrap();
+    assert!(posteriors.is_empty() && features.len() == 2 && features.iter().all(|x| x.is_nan()), "{features:?}");
+}
+
+#[test]
+fn a_report_that_goes_on_behind_its_lists_is_none() {
+    let mut evidence: Evidence<Drive> = MODEL.evidence();
+    evidence.observe(None);
+    let model: &Model<Drive> = &MODEL;
+    let mut content = [0; 300];
+    let mut sink = Sink::frame(&mut content);
+    summary::write(model, &Report::empty(model.plan()), &evidence, &mut sink).unwrap();
+    let end = sink.close().unwrap();
+    let mut plain = [0; 300];
+    let length = cobs::decode(&content[..end], &mut plain).unwrap();
+    let fields = &plain[..length - 4];
+    assert!(Summary::read(fields).is_some());
+    assert!(Summary::read(&plain[..length - 3]).is_none() && Summary::read(&fields[..fields.len() - 1]).is_none());
 }

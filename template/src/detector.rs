@@ -23,6 +23,12 @@ pub fn start() -> Result<(DriveFrontEnd, Detector<'static, Drive>, Evidence<Driv
     Ok((front_end, Detector::new(&MODEL), MODEL.evidence()))
 }
 
+/// In the interrupt, once before its first sample and before the power stage is on: an interrupt has settings of the
+/// processor of its own (FPDSCR), which `main` does not see. Later the detector tests them with each segment.
+pub fn test() -> Result<(), &'static str> {
+    known_answer_test().map_err(Kernel::message)
+}
+
 /// The interrupt of the control loop: counts of the converters in; a closed segment once in a few seconds.
 pub fn interrupt(
     front_end: &mut DriveFrontEnd,
@@ -43,7 +49,7 @@ pub fn interrupt(
 }
 
 /// The main loop: the report, the name of the class, and whether there is an alarm. `Detector::adopt` takes the report
-/// with the interrupt masked.
+/// with the interrupt masked. `Evidence::silence` says whether verdicts have been missing for too long, and why.
 pub fn conclude(evidence: &mut Evidence<Drive>, segment: Segment<Drive>) -> (Report<Drive>, &'static str, bool) {
     let report = MODEL.conclude(segment);
     let class = match report.verdict {
@@ -52,6 +58,6 @@ pub fn conclude(evidence: &mut Evidence<Drive>, segment: Segment<Drive>) -> (Rep
         Verdict::Ambiguous => "ambiguous",
         Verdict::Undetermined(_reason) => "undetermined",
     };
-    let alarm = evidence.observe(report.decision.as_ref()).is_some();
+    let alarm = evidence.observe_outcome(report.outcome()).is_some();
     (report, class, alarm)
 }

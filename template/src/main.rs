@@ -33,6 +33,8 @@ struct Interrupt {
     /// For the main loop; a segment that is not taken before the next one closes is lost.
     closed: Option<Segment<Drive>>,
     ended: bool,
+    tested: bool,
+    failed: Option<&'static str>,
 }
 
 static INTERRUPT: Mutex<RefCell<Option<Interrupt>>> = Mutex::new(RefCell::new(None));
@@ -45,13 +47,19 @@ fn masked<T>(work: impl FnOnce(&mut Interrupt) -> T) -> Option<T> {
 /// On a board, the interrupt at the end of the current conversion.
 #[exception]
 fn SysTick() {
-    masked(|data| match data.converters.next() {
-        Some(reading) => {
-            if let Some(segment) = detector::interrupt(&mut data.front_end, &mut data.detector, &reading) {
-                data.closed = Some(segment);
-            }
+    masked(|data| {
+        if !data.tested {
+            (data.tested, data.failed) = (true, detector::test().err());
+            return;
         }
-        None => data.ended = true,
+        match data.converters.next() {
+            Some(reading) => {
+                if let Some(segment) = detector::interrupt(&mut data.front_end, &mut data.detector, &reading) {
+                    data.closed = Some(segment);
+                }
+            }
+            None => data.ended = true,
+        }
     });
 }
 
@@ -61,7 +69,8 @@ fn main() -> ! {
         Ok(parts) => parts,
         Err(message) => fail(message),
     };
-    let data = Interrupt { converters: Converters::new(), front_end, detector, closed: None, ended: false };
+    let converters = Converters::new();
+    let data = Interrupt { converters, front_end, detector, closed: None, ended: false, tested: false, failed: None };
     interrupt::free(|cs| INTERRUPT.borrow(cs).replace(Some(data)));
     start_interrupt();
     loop {
@@ -71,6 +80,8 @@ fn main() -> ! {
             hprintln!("{}, {} rows{}", class, report.rows, if alarm { ", ALARM" } else { "" });
         } else if masked(|data| data.ended) == Some(true) {
             debug::exit(debug::EXIT_SUCCESS); // the recording ended; a drive goes on
+        } else if let Some(message) = masked(|data| data.failed).flatten() {
+            fail(message); // the interrupt computes otherwise than main
         }
         // The other work of the main loop; feed the watchdog here.
     }

@@ -29,13 +29,15 @@ const CALLING: [&str; 6] = [
 ];
 /// Not for programs of a drive: conversions of the feature `nalgebra`, and hidden helpers of macros and constants. And
 /// the verification of a signature, whose crate has index checks that the compiler cannot prove.
-const ELSEWHERE: [&str; 6] = [
+const ELSEWHERE: [&str; 8] = [
     "Estimate::covariance_matrix",
     "Projection::to_matrices",
     "Model::checked",
+    "Model::marked",
     "ModelError::name",
     "Trust::verify",
     "check",
+    "mark",
 ];
 
 /// How a public function starts.

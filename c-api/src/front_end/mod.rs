@@ -13,7 +13,6 @@ pub(crate) mod sample;
 
 use core::ffi::c_void;
 use core::mem::offset_of;
-use core::sync::atomic::AtomicU32;
 
 #[cfg(not(bearing_watch_front_end))]
 pub(crate) use any_factor::FURTHER;
@@ -26,7 +25,7 @@ use any_factor::{Chain, create};
 use of_plan::{Chain, create};
 
 use crate::code::{BwCode, Outcome, code};
-use crate::memory::{Object, at, check, get, put, put_object, room};
+use crate::memory::{Object, Tag, at, check, get, put, put_object, room};
 use crate::state::Lock;
 use crate::wiring::BwWiringCheck;
 use constants::BwFrontEndConstants;
@@ -44,7 +43,7 @@ const _: () = assert!(size_of::<BwFrontEnd>() <= BW_FRONT_END_SIZE || cfg!(beari
 /// The front end of one drive, in memory of the caller.
 #[derive(Debug)]
 pub struct BwFrontEnd {
-    tag: AtomicU32,
+    tag: Tag,
     /// Further channels in use.
     further: u16,
     chain: Lock<Chain>,
@@ -82,7 +81,7 @@ pub unsafe extern "C" fn bw_front_end_init(
     let outcome = room(memory, size).and_then(|place| unsafe {
         let BwFrontEndConstants { factor, further, .. } = get(constants)?;
         let chain = Lock::new(create(factor, further, &get(constants)?.core()?)?);
-        put_object(place, BwFrontEnd { tag: AtomicU32::new(0), further, chain }, front_end)
+        put_object(place, BwFrontEnd { tag: Tag::none(), further, chain }, front_end)
     });
     code(outcome)
 }

@@ -1,6 +1,7 @@
 //! The core: each of its rooms against oracles in double precision, and on streams that no laboratory would record.
 
 mod ad2s1210;
+mod arithmetic;
 mod commissioning;
 mod covariates;
 mod delta_form;

@@ -68,6 +68,22 @@ fn values_out_of_range_are_named() {
     refused(Field::Cost, |c| c.classifier.discriminant.reject_cost = -1.0);
     refused(Field::Cost, |c| c.classifier.discriminant.reject_cost = f32::NAN);
     refused(Field::Label, |c| c.labels[1] = Label::constant("seventeen letters"));
+    // Numbers that training does not give, and whose squares or exponentials leave the range of f32.
+    refused(Field::SamplingInterval, |c| c.sampling.interval_s = 1e30);
+    refused(Field::NominalModel, |c| c.regression[0].nominal[0] = 1e30);
+    refused(Field::ResidualDeviation, |c| c.regression[0].deviation = 1e30);
+    refused(Field::OutlierThreshold, |c| c.regression[0].huber = 1e30);
+    refused(Field::RestThreshold, |c| c.regression[0].rest = 1e30);
+    refused(Field::Projection, |c| c.classifier.projection.matrix[3] = -1e30);
+    refused(Field::Projection, |c| c.classifier.projection.mean[1] = 1e30);
+    refused(Field::Projection, |c| c.classifier.projection.usual[1] = 1e30);
+    refused(Field::ClassDensity, |c| c.classifier.discriminant.means[4] = 1e30);
+    refused(Field::ClassDensity, |c| c.classifier.discriminant.factors[0] = 1e37);
+    refused(Field::ClassDensity, |c| c.classifier.discriminant.factors[1] = 1e30);
+    refused(Field::Prior, |c| c.classifier.discriminant.log_prior[0] = 1e30);
+    refused(Field::Prior, |c| c.classifier.discriminant.log_prior[2] = 0.01);
+    refused(Field::Prior, |c| c.classifier.discriminant.log_prior[1] = -1e30);
+    refused(Field::Cost, |c| c.classifier.discriminant.reject_cost = 1e30);
     let other = changed(|c| c.channels.swap(1, 2));
     assert_eq!(other, Err(ModelError::Channel { place: 1 }), "channels in another order than in the plan");
     // Differences of one signal move on from column to column, so they share one scale.
@@ -155,7 +171,7 @@ fn gate_and_alarm_are_read_back_by_either_plan() {
 
 #[test]
 fn gates_and_alarms_out_of_range_are_named() {
-    let cases: [Case<Drive>; 19] = [
+    let cases: [Case<Drive>; 30] = [
         (Field::HealthyClass, |c| c.classifier.novelty.class = Some(3)),
         (Field::HealthyDensity, |c| c.classifier.novelty.mean[2] = f32::NAN),
         (Field::HealthyDensity, |c| c.classifier.novelty.factor[10] = f32::INFINITY),
@@ -175,6 +191,18 @@ fn gates_and_alarms_out_of_range_are_named() {
         (Field::Evidence, |c| c.evidence.segments_a_run = 0),
         (Field::Evidence, |c| c.evidence.log_mean = f32::NAN),
         (Field::Evidence, |c| c.evidence.defect_log_mean = f32::INFINITY),
+        (Field::HealthyDensity, |c| c.classifier.novelty.mean[0] = 1e30),
+        (Field::HealthyDensity, |c| c.classifier.novelty.factor[0] = 1e38),
+        // A gate that no segment reaches, by its limit or by its law.
+        (Field::NoveltyLimit, |c| c.classifier.novelty.limit = 40.1),
+        (Field::SurpriseCurve, |c| (5..24).for_each(|k| c.classifier.novelty.knots[k][0] = 1e20 * k as f32)),
+        (Field::SurpriseCurve, |c| (0..24).for_each(|k| c.classifier.novelty.knots[k][1] = 1e-20 * (1 + k) as f32)),
+        (Field::Evidence, |c| c.evidence.limit = 1e30),
+        (Field::Evidence, |c| c.evidence.cap = 1e30),
+        (Field::Evidence, |c| c.evidence.log_mean = 1e30),
+        (Field::Evidence, |c| c.evidence.log_mean = -1e30),
+        (Field::Evidence, |c| c.evidence.defect_log_mean = 7.0),
+        (Field::Evidence, |c| c.evidence.defect_log_mean = -1e30),
     ];
     for (field, change) in cases {
         let error = changed(|c| {

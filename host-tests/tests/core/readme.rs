@@ -16,7 +16,7 @@ mod monitor {
     include!(concat!(env!("OUT_DIR"), "/readme.rs"));
 }
 
-use detector::{Reading, conclude, interrupt, start};
+use detector::{Reading, conclude, interrupt, start, test};
 use model::{DriveFrontEnd, FRONT_END, FURTHER, MODEL, position};
 
 /// Rows at 10 kHz that one segment takes: 2.4 s.
@@ -59,6 +59,7 @@ fn raw(reading: &Reading) -> RawSample<FURTHER> {
 
 /// The classes of the segments of a recording whose seed is not that of training, and whether there is an alarm.
 fn verdicts(kind: DefectKind) -> Vec<(&'static str, bool)> {
+    test().expect("the arithmetic of a host");
     let (mut front_end, mut detector, mut evidence) = start().expect("constants of the example");
     let mut found = Vec::new();
     for reading in readings(&recording(kind)) {

@@ -2,7 +2,7 @@
 
 use bearing_watch::model::{BaselineConstants, EvidenceConstants, Novelty};
 use bearing_watch::plan::Plan;
-use bearing_watch::{Alarm, Baseline, Decision, Evidence, Model, StateError};
+use bearing_watch::{Alarm, Baseline, Decision, Evidence, Model, Reason, SilenceLimits, StateError};
 
 use crate::exported::{Drive, MODEL};
 
@@ -71,7 +71,8 @@ fn a_restored_alarm_continues_as_the_saved_one() {
 fn a_baseline_is_saved_beside_the_alarm() {
     let model = alarming();
     let mut own = baseline(&model);
-    let offset: Vec<f32> = own.offset().iter().zip(1_u8..).map(|(_, k)| 0.25 * f32::from(k)).collect();
+    // The narrowest coordinate has a deviation of 0.09, the bound is two.
+    let offset: Vec<f32> = own.offset().iter().zip(1_u8..).map(|(_, k)| 0.01 * f32::from(k)).collect();
     assert!(own.restore(&offset, true));
     let bytes = saved(&model, &evidence_after(&model, 9), Some(&own));
     let (mut evidence, mut other) = (model.evidence(), baseline(&model));
@@ -153,4 +154,130 @@ fn numbers_that_a_state_cannot_have_are_refused() {
     assert_eq!(refusal(&model, &with_word(&bytes, trend, u32::MAX)), StateError::Value);
     assert_eq!(refusal(&model, &with_word(&bytes, trend + 4, 2)), StateError::Value);
     assert_eq!(refusal(&model, &with_word(&bytes, trend + 3, (-1.0_f32).to_bits())), StateError::Value);
+}
+
+/// The words of a state behind its header.
+fn words(bytes: &[u8]) -> Vec<u32> {
+    bytes[16..bytes.len() - 4].chunks_exact(4).map(|word| u32::from_le_bytes(word.try_into().expect("four"))).collect()
+}
+
+#[test]
+fn numbers_that_segments_of_this_model_cannot_leave_are_refused() {
+    let model = alarming();
+    let classes = usize::from(model.plan().layout().classes);
+    let quiet = saved(&model, &evidence_after(&model, 3), None);
+    let loud = saved(&model, &evidence_after(&model, 40), None);
+    assert!(evidence_after(&model, 3).alarm().is_none() && evidence_after(&model, 40).alarm().is_some());
+    let float = |x: f32| x.to_bits();
+    let (novelty, defect, support) = (5, 5 + 2 + 2, 5 + 2 + 2 * classes);
+    let cases = [
+        ("a score above the limit without an alarm", &quiet, novelty, float(9.5)),
+        ("a score that so few segments cannot have", &loud, novelty, float(1e30)),
+        ("a negative score", &quiet, defect, float(-1.0)),
+        ("a score of the healthy class", &quiet, 7, float(1.0)),
+        ("a sum of a run that has no segment", &loud, novelty + 1, float(-1.0)),
+        ("support above the likeliest", &quiet, support + 1, float(0.5)),
+        ("support of the healthy class", &quiet, support, float(-0.5)),
+        ("support below what segments can leave", &quiet, support + 1, float(-1e6)),
+        ("more decided segments in the trend than there are", &quiet, support + classes, 4),
+        ("a run as long as a whole one", &quiet, 2, 2),
+        ("an alarm that was raised before the first segment", &loud, 4, 0),
+    ];
+    for (what, bytes, place, word) in cases {
+        assert_eq!(refusal(&model, &with_word(bytes, place, word)), StateError::Value, "{what}");
+    }
+    // The state of a run that is not over is good as it is.
+    let (mut evidence, open) = (model.evidence(), evidence_after(&model, 4));
+    assert_eq!(model.restore(&saved(&model, &open, None), &mut evidence, None), Ok(()));
+    assert_eq!(evidence, open);
+}
+
+#[test]
+fn words_and_flags_without_a_meaning_are_refused() {
+    let model = alarming();
+    let without = saved(&model, &evidence_after(&model, 9), None);
+    let own = baseline(&model);
+    let with = saved(&model, &evidence_after(&model, 9), Some(&own));
+    let differ = words(&without).len();
+    let first = 5 + 2 + 3 * usize::from(model.plan().layout().classes) + 4;
+    let coordinates = own.offset().len();
+    for place in (first..=first + coordinates).chain(differ - 3..differ) {
+        let float = 0.5_f32.to_bits();
+        assert_eq!(refusal(&model, &with_word(&without, place, float)), StateError::Value, "{place}: no baseline");
+    }
+    let flagged = |flags: u16| {
+        let mut bytes = with.clone();
+        bytes[6..8].copy_from_slice(&flags.to_le_bytes());
+        let word = words(&bytes)[0];
+        with_word(&bytes, 0, word)
+    };
+    assert_eq!(flagged(1), with);
+    for flags in [2, 3, 0x100, 0x8001] {
+        assert_eq!(refusal(&model, &flagged(flags)), StateError::Value, "{flags}");
+    }
+    assert_eq!(refusal(&model, &flagged(0)), StateError::Value, "the constants of a baseline without one");
+}
+
+#[test]
+fn a_baseline_beyond_its_bound_or_of_other_constants_is_refused() {
+    let model = alarming();
+    let mut wide = model.baseline(BaselineConstants::new(50.0, 5.0)).expect("good constants");
+    let mut narrow = model.baseline(BaselineConstants::new(50.0, 1.0)).expect("good constants");
+    let mut offset = vec![0.0; wide.offset().len()];
+    let last = offset.len() - 1;
+    // Its deviation given those before it is 0.087: 4.6 deviations.
+    offset[last] = 0.4;
+    assert!(wide.restore(&offset, false) && !narrow.restore(&offset, false));
+    assert!(narrow.offset().iter().all(|x| *x == 0.0));
+    offset[last] = 1e30;
+    assert!(!wide.restore(&offset, false));
+    let bytes = saved(&model, &evidence_after(&model, 9), Some(&wide));
+    let mut evidence = evidence_after(&model, 5);
+    let before = (evidence.clone(), narrow.clone());
+    let error = model.restore(&bytes, &mut evidence, Some(&mut narrow));
+    assert!(matches!(error, Err(StateError::Value | StateError::OtherBaseline)), "{error:?}");
+    assert_eq!((&evidence, &narrow), (&before.0, &before.1));
+    // Other constants under an offset that fits both.
+    wide.reset();
+    let bytes = saved(&model, &evidence_after(&model, 9), Some(&wide));
+    assert_eq!(model.restore(&bytes, &mut evidence, Some(&mut narrow)), Err(StateError::OtherBaseline));
+    assert_eq!(model.restore(&bytes, &mut evidence, Some(&mut wide)), Ok(()));
+}
+
+#[test]
+fn a_state_of_the_first_version_is_read() {
+    let model = alarming();
+    let own = evidence_after(&model, 9);
+    let bytes = saved(&model, &own, None);
+    // Without the last ten words.
+    let mut old = bytes[..bytes.len() - 4 - 40].to_vec();
+    old[4] = 1;
+    let count = ((old.len() - 16) / 4) as u32;
+    old[8..12].copy_from_slice(&count.to_le_bytes());
+    old.extend([0; 4]);
+    let first = words(&old)[0];
+    let old = with_word(&old, 0, first);
+    let mut evidence = model.evidence();
+    assert_eq!(model.restore(&old, &mut evidence, None), Ok(()));
+    assert_eq!((evidence.score(), evidence.segments(), evidence.trend()), (own.score(), own.segments(), own.trend()));
+    let mut later = bytes;
+    later[4] = 3;
+    let error = refusal(&model, &later);
+    assert_eq!(error, StateError::Version { found: 3, supported: 2 });
+}
+
+#[test]
+fn a_silence_goes_on_after_power_off() {
+    let model = alarming();
+    let silent = |evidence: &mut Evidence<Drive>| {
+        evidence.limit_silence(SilenceLimits { segments: 6, hours: 0.0 });
+        (0..4).for_each(|_| _ = evidence.observe_outcome(Err(Reason::Stuck { channel: 2 })));
+        evidence.silence()
+    };
+    let mut own = model.evidence();
+    assert_eq!(silent(&mut own), None);
+    let mut other = model.evidence();
+    assert_eq!(model.restore(&saved(&model, &own, None), &mut other, None), Ok(()));
+    let found = silent(&mut other).expect("eight segments");
+    assert_eq!((found.segments, found.with_reason, found.reason), (8, 8, Some(Reason::Stuck { channel: 2 })));
 }

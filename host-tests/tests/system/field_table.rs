@@ -121,3 +121,33 @@ fn roughness_stays_below_its_bound() {
         assert!(row[2] != "roughness 1" || found_high > 95.0, "{row:?}");
     }
 }
+
+/// Whoever names no features finds what the document's own recipe finds, at every size of every row.
+#[test]
+fn the_default_is_no_worse_than_the_recipe_of_the_document() {
+    let document = documents::text("docs/field.md");
+    let titles = [("Gate of 150", "Default gate of 150"), ("Three classes of 150", "Default for three classes of 150")];
+    let [gates, classes] = titles.map(|(recipe, default)| [rows_of(&document, recipe), rows_of(&document, default)]);
+    assert_eq!((gates[0].len(), classes[0].len()), (31, 5));
+    let (mut lower, mut higher) = (0, 0);
+    for (recipe, default) in gates[0].iter().zip(&gates[1]) {
+        assert_eq!(recipe[0], default[0]);
+        let [_, low, high] = interval(default[1]);
+        // A gate of 150 records keeps its rate to a factor of 1.5 in the mean of sets; two draws tell less.
+        assert!(low <= 1.5 && high >= 0.5, "{default:?}");
+        for column in 2..=COLUMNS.len() {
+            let [[found, low, _], [by_default, _, high]] = [recipe, default].map(|row| interval(row[column]));
+            assert!(low <= high, "{column}: {recipe:?} {default:?}");
+            lower += usize::from(by_default < found);
+            higher += usize::from(by_default > found);
+        }
+    }
+    // Were the tables the same, nothing would have been compared; were one the better, most would differ to one side.
+    assert!(lower > 5 && higher > 5 && lower < 3 * higher, "{lower} {higher}");
+    for (recipe, default) in classes[0].iter().zip(&classes[1]) {
+        for column in [1, 2] {
+            let [[_, _, high], [_, low, _]] = [recipe, default].map(|row| interval(row[column]));
+            assert!(recipe[0] == default[0] && low <= high, "{recipe:?} {default:?}");
+        }
+    }
+}

@@ -3,6 +3,9 @@
 //! The rate of 1 % is that of the next run ([`model::train::novelty::runs`]): with few runs there is no gate, and
 //! the message says which rate the runs support. Strokes counted as independent are printed beside it.
 
+use std::collections::BTreeSet;
+
+use host_tests::documents;
 use host_tests::strokes::{LOADS, Stroke, detector, judge, strokes};
 use model::core::Finding;
 use model::evaluate::FalseAlarms;
@@ -23,12 +26,26 @@ const CHOICES: [Choice; 3] = [
 /// Runs in training.
 const FIRST: [usize; 3] = [3, 4, 5];
 
-fn gate(strokes: &[Stroke], first: usize, (o, features): Choice, by_run: bool) -> Result<Trained, model::Error> {
-    let alarms = Alarms { healthy: Some(0), false_alarm: RATE, required: true, by_run, ..Alarms::default() };
+fn gate(strokes: &[Stroke], first: usize, choice: Choice, by_run: bool) -> Result<Trained, model::Error> {
+    gate_of("normal", strokes, first, choice, Alarms { by_run, ..alarms(RATE) })
+}
+
+fn alarms(false_alarm: f64) -> Alarms {
+    Alarms { healthy: Some(0), false_alarm, required: true, by_run: true, ..Alarms::default() }
+}
+
+/// A gate of the first runs of a state, which is its healthy class.
+fn gate_of(
+    healthy: &str,
+    strokes: &[Stroke],
+    first: usize,
+    (o, features): Choice,
+    alarms: Alarms,
+) -> Result<Trained, model::Error> {
     let features = features.iter().map(|name| (*name).to_string()).collect();
     let recipe = Recipe { features, alarms, ..Recipe::new(Structure::new(o[0], o[1], o[2], o[3], o[4]).with_offset()) };
     let training: Vec<&Stroke> = strokes.iter().filter(|s| s.run <= first).collect();
-    detector(&training, &["normal".to_string()], |state| (state == "normal").then_some(0), &recipe)
+    detector(&training, &[healthy.to_string()], |state| (state == healthy).then_some(0), &recipe)
 }
 
 /// What a gate calls novel in later runs of a state, by run.
@@ -122,4 +139,51 @@ fn false_alarms_of_later_runs() {
     assert!(judged == 60 && alarms as f64 <= 0.02 * judged as f64, "{alarms} of {judged}");
     // The comparison would mean nothing if independent strokes kept the rate.
     assert!(plain + refused > 20, "{plain} + {refused}");
+}
+
+/// What gates of each state's first six runs call novel in its seventh, with the state as the healthy class; and the
+/// number of gates that are refused.
+fn next_runs(choice: Choice, rate: f64) -> Option<(FalseAlarms, usize)> {
+    let (mut found, mut refused) = (FalseAlarms::default(), 0);
+    for load in LOADS {
+        let strokes = strokes(load)?;
+        let states: BTreeSet<&str> = strokes.iter().map(|stroke| stroke.state.as_str()).collect();
+        for state in states {
+            match gate_of(state, &strokes, 6, choice, alarms(rate)) {
+                // One run of this state and load.
+                Ok(trained) => found.runs.extend(novel(&trained, &strokes, 6, state).runs),
+                Err(reason) => {
+                    println!("{load} kgf, {state}, {choice:?} at {rate}: {reason}");
+                    refused += 1;
+                }
+            }
+        }
+    }
+    Some((found, refused))
+}
+
+#[test]
+fn the_next_run_of_every_state_has_the_set_rate() {
+    let mut table =
+        vec![["features", "rate set", "called novel [95 %]", "runs with one", "refused"].map(String::from).to_vec()];
+    for choice in [CHOICES[1], CHOICES[0]] {
+        for rate in [0.03, 0.1] {
+            let Some((found, refused)) = next_runs(choice, rate) else { return };
+            let (novel, judged) = found.total();
+            table.push(vec![
+                format!("{} of {:?}", choice.1.join(", "), choice.0),
+                format!("{:.0} %", 100.0 * rate),
+                format!("{novel} of {judged}, {}", found.rate()),
+                format!("{} of {}", found.with_alarm(), found.runs.len()),
+                refused.to_string(),
+            ]);
+            assert!(found.runs.len() >= 36, "{refused} of 39 gates are refused");
+            // Strokes of a run are alike, so that 38 runs count rather than 190 strokes: three standard deviations of
+            // 38 draws are 8 % at 3 %, and 15 % at 10 %. No alarm at 10 % would mean gates that find nothing.
+            let most = if rate < 0.05 { 0.11 } else { 0.25 };
+            let shown = found.rate();
+            assert!((0.005..most).contains(&shown.value), "{choice:?} at {rate}: {shown}");
+        }
+    }
+    documents::check("docs/recorded.md", "recorded-next-runs", table);
 }

@@ -1,17 +1,25 @@
 //! The state of the alarm as words, and back.
+//!
+//! The first part has been the same since version 1 of the saved state; the second one came with version 2.
 
-use super::{Alarm, Cause, Drift, Evidence, Score};
+use super::{Alarm, Cause, Drift, Evidence, EvidenceConstants, Score};
+use crate::factor::pairs;
 use crate::plan::{Cells, Plan};
 
 /// Words beside those of the classes.
 const COMMON: usize = 11;
 /// Words a class.
 const EACH: usize = 3;
+/// Words of the second part.
+const LATER: usize = 7;
 /// The cause of an alarm is a number: none, unknown, and from here on the class.
 const FIRST_CLASS: u32 = 2;
 
 impl<P: Plan> Evidence<P> {
-    /// Number of words for so many classes.
+    /// Number of words of the second part.
+    pub(crate) const LATER_WORDS: usize = LATER;
+
+    /// Number of words of the first part for so many classes.
     pub(crate) const fn words(classes: u8) -> usize {
         COMMON.saturating_add(EACH.saturating_mul(classes as usize))
     }
@@ -29,7 +37,14 @@ impl<P: Plan> Evidence<P> {
             put(run.to_bits());
         }
         self.support.cells().iter().for_each(|support| put(support.to_bits()));
-        self.drift.words().into_iter().for_each(put);
+        let [newer, _] = self.drift.words();
+        newer.into_iter().for_each(put);
+    }
+
+    /// Hands out the words of the second part.
+    pub(crate) fn save_later(&self, put: &mut impl FnMut(u32)) {
+        let [_, older] = self.drift.words();
+        older.into_iter().chain(self.silent.words()).for_each(put);
     }
 
     /// Takes the words in their order; `None` if one is missing or none that an alarm can have. The state is then of no
@@ -49,24 +64,63 @@ impl<P: Plan> Evidence<P> {
         for support in self.support.cells_mut() {
             *support = f32::from_bits(take()?);
         }
-        self.drift = Drift::from_words([take()?, take()?, take()?, take()?])?;
-        self.is_plausible().then_some(())
+        self.drift = Drift::from_words([[take()?, take()?, take()?, take()?], Drift::NO_WORDS])?;
+        Some(())
+    }
+
+    /// Takes the words of the second part; `None` as for the first one.
+    pub(crate) fn restore_later(&mut self, take: &mut impl FnMut() -> Option<u32>) -> Option<()> {
+        let [newer, _] = self.drift.words();
+        self.drift = Drift::from_words([newer, [take()?, take()?, take()?, take()?]])?;
+        self.silent.restore([take()?, take()?, take()?], self.undetermined)
     }
 
     /// Whether counts, alarm and scores are such as segments can leave.
-    fn is_plausible(&self) -> bool {
-        let counted = self.undetermined.max(self.run) <= self.segments;
+    pub(crate) fn is_plausible(&self) -> bool {
+        let Self { segments, undetermined, run, .. } = *self;
+        let decided = segments.saturating_sub(undetermined);
+        let counted = undetermined <= segments && run <= decided && self.drift.count() <= decided;
+        counted && self.raised() && self.scored(decided)
+    }
+
+    /// Whether the alarm is one that the scores leave, or left.
+    fn raised(&self) -> bool {
         let defect = |class: u8| (class as usize) < self.support.cells().len() && Some(class) != self.healthy;
-        let raised = self.alarm.is_none_or(|Alarm { segment, cause }| {
-            let known = match cause {
-                Cause::Unknown => true,
-                Cause::Class(class) => defect(class),
-            };
-            known && segment > 0 && segment <= self.segments
+        match self.alarm {
+            // A score at the limit raises it.
+            None => self.score() < self.constants.limit,
+            Some(Alarm { segment, cause }) => {
+                let known = match cause {
+                    Cause::Unknown => true,
+                    Cause::Class(class) => defect(class),
+                };
+                known && self.healthy.is_some() && segment > 0 && segment <= self.segments
+            }
+        }
+    }
+
+    /// Whether so many decided segments can leave these scores.
+    fn scored(&self, decided: u32) -> bool {
+        let EvidenceConstants { cap, segments_a_run, log_mean, defect_log_mean, .. } = self.constants;
+        // Without a healthy class nothing is summed.
+        let (open, runs) = (self.run > 0, if self.healthy.is_some() { decided } else { 0 });
+        // A run adds its cap, its length and a mean; the margin is for roundings.
+        let a_run = cap + log_mean.abs().max(defect_log_mean.abs()) + 1.0;
+        let most = a_run * runs as f32 * 1.01;
+        let good = |score: &Score| {
+            let begun = if open { score.run < f32::INFINITY } else { score.run == f32::NEG_INFINITY };
+            score.sum >= 0.0 && score.sum <= most && begun
+        };
+        // A range beside the pairs would need a check of overflow.
+        let mut class = 0_u8;
+        let defects_good = pairs(self.defects.cells(), self.support.cells()).all(|(score, support)| {
+            let healthy = Some(class) == self.healthy;
+            class = class.wrapping_add(1);
+            let lowest = -1.01 * cap * runs as f32;
+            let weighed = good(score) && *support <= 0.0 && *support >= lowest;
+            weighed && (!healthy || (*score == Score::ZERO && *support >= 0.0))
         });
-        let scored = core::iter::once(&self.novelty).chain(self.defects.cells()).all(|score| {
-            score.sum.is_finite() && score.sum >= 0.0 && (score.run.is_finite() || score.run == f32::NEG_INFINITY)
-        });
-        counted && raised && scored && self.support.cells().iter().all(|support| support.is_finite())
+        let novelty = good(&self.novelty) && (!open || self.novelty.run.is_finite());
+        novelty && defects_good && (self.run < segments_a_run || self.run == 0) && (runs > 0 || !open)
     }
 }

@@ -48,6 +48,11 @@ impl<const CH: usize> BlockMean<CH> {
         Some(mean)
     }
 
+    /// Whether no sample is in the block.
+    pub(crate) const fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
     /// Discards an incomplete block.
     pub fn reset(&mut self) {
         *self = Self::new();

@@ -102,6 +102,44 @@ fn offset_delay_and_rate_are_measured() {
     }
 }
 
+/// A check of `rig` while it runs: so many turns forward, of 400 samples each, and back at the end. The current pulls
+/// once a turn, by a power of the cosine.
+fn running(rig: Rig, [forward, back]: [u16; 2], power: i32) -> Result<Wiring, WiringFault> {
+    let frame = RotorFrame { pole_pairs: 5, electrical_offset: Angle::ZERO, park: Park::Standard };
+    let mut check = WiringCheck::new(frame, RATE_HZ, LIMITS);
+    let ahead = (0..forward * 400).map(f64::from);
+    for step in ahead.chain((0..back * 400).map(|k| f64::from(forward * 400 - k))) {
+        let theta = core::f64::consts::TAU * step / 400.0;
+        let (electrical, q) = (rig.pole_pairs * theta, rig.current_a * theta.cos().powi(power));
+        let currents =
+            AlphaBeta { alpha: (-q * electrical.sin()) as f32, beta: (q * electrical.cos()) as f32, zero: 0.0 };
+        check.push(currents, Angle::from_radians(theta as f32), f32::NAN);
+    }
+    check.conclude()
+}
+
+#[test]
+fn a_delay_needs_motion_both_ways() {
+    for back in [0, 1] {
+        // A tenth of the motion is too little: an error of the offset would show as a delay.
+        let wiring = running(RIGHT, [9, back], 0).unwrap();
+        assert_eq!(wiring.delay_s, None, "{back}");
+    }
+    assert!(running(RIGHT, [6, 4], 0).unwrap().delay_s.is_some());
+}
+
+#[test]
+fn a_load_at_one_place_of_the_turn_does_not_hide_wrong_pole_pairs() {
+    // The squared current is cos⁶ θ over the turn: its part at twice the angle, by which a number of pole pairs that is
+    // wrong by one coheres, is 3/4 of its mean.
+    for (pole_pairs, fits) in [(4.0, 4), (6.0, 6)] {
+        let rig = Rig { pole_pairs, ..RIGHT };
+        assert_eq!(running(rig, [9, 0], 3), Err(WiringFault::PolePairs { fits }));
+    }
+    let right = running(RIGHT, [9, 0], 3).unwrap();
+    assert!((right.coherence - 1.0).abs() < 1e-4, "{right:?}");
+}
+
 #[test]
 fn without_motion_or_current_nothing_is_passed() {
     let small = Rig { reach_rad: 2.0, ..RIGHT }.check();

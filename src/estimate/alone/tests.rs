@@ -1,4 +1,5 @@
 use super::*;
+use crate::factor::Forgetting;
 use crate::plan::{Cells, Memory, Method, RunTime, RunTimeSample, Structure, testing};
 use crate::reason::Part;
 use std::vec;
@@ -64,6 +65,47 @@ fn few_rows_constant_signals_and_nan_are_reasons() {
     assert_eq!(stream.counts().rejected, 10);
     feed(&mut stream, 300);
     assert_eq!(stream.estimate().rows, 298, "back to work after the burst");
+}
+
+/// u2 = c·u1, whatever c, initial value and length of the memory: nothing tells their parameters apart.
+#[test]
+fn dependent_inputs_have_no_estimate_by_any_memory() {
+    for (memory, lambda, rows) in [
+        (Memory::Segment, 1.0, 5000),
+        (Memory::LongSegment, 1.0, 5000),
+        (Memory::Fading, 0.99, 5000),
+        (Memory::Fading, 0.999, 20_000),
+    ] {
+        let structure = Structure::new(1, 1, 1, 1, 1);
+        let plan = RunTime::of(testing::regression(structure, Method::LeastSquares, memory)).unwrap();
+        let (channels, mut own) = (channels(), Regression::new(plan));
+        (own.forgetting, own.rest) = (Forgetting { lambda, floor: 0.01 / (1.0 - lambda + 1e-9) }, 1e-4);
+        for c in [1.0_f32, -0.7, 3.3, 1e-2] {
+            let mut stream = Alone::new(plan, &channels, &own);
+            let mut reasons = Vec::new();
+            let (mut y, mut state) = (0.3_f32, 7_u32);
+            for t in 1..=rows {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                let u = (state >> 8) as f32 / 8_388_608.0 - 1.0;
+                step(&mut stream, y, u, c * u);
+                y = 0.8 * y + 0.5 * u + 0.1 * c * u;
+                if t % (rows / 10) == 0 {
+                    reasons.push(stream.estimate().reason);
+                }
+            }
+            assert_eq!(reasons, [Some(Reason::ParameterNotExcited(2)); 10], "{memory:?} {lambda} {c}");
+            // Inputs that become independent are known after a memory of them; a segment that has both too.
+            for t in 0..rows {
+                let (u1, u2) = (if t % 7 < 3 { 1.0 } else { -1.0 }, if t % 11 < 5 { 1.0 } else { -1.0 });
+                step(&mut stream, y, u1, u2);
+                y = 0.8 * y + 0.5 * u1 + 0.1 * u2;
+            }
+            let estimate = stream.estimate();
+            assert_eq!(estimate.reason, None, "{memory:?} {lambda} {c}");
+            // The segment has roundings of u2 − c u1 in its first half, fading memory a part of its old rows.
+            assert!((estimate.delta()[2] - 0.1).abs() < 1e-3, "{memory:?} {lambda} {c}: {estimate:?}");
+        }
+    }
 }
 
 #[test]

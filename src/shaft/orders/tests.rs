@@ -51,7 +51,7 @@ fn run(
     tracking: &Tracking<RunTime>,
     turns: impl Fn(usize) -> f64,
     defect: (f64, f64),
-) -> (OrderStrength, u16) {
+) -> (OrderStrength, u32) {
     let mut gauss = Gauss(seed);
     run_in(|| gauss.next(), samples, tracking, turns, defect)
 }
@@ -63,7 +63,7 @@ fn run_in(
     tracking: &Tracking<RunTime>,
     turns: impl Fn(usize) -> f64,
     (amplitude, slip): (f64, f64),
-) -> (OrderStrength, u16) {
+) -> (OrderStrength, u32) {
     let mut orders = OrderTracking::<RunTime>::new(plan());
     let (mut angle, mut filtered, mut last) = (0.0, 0.0, 0_u32);
     for k in 0..samples {
@@ -208,4 +208,74 @@ fn the_unit_of_the_weights_does_not_matter() {
     };
     let (one, other) = (scored([1.0, 0.5, 0.25]), scored([3.0, 1.5, 0.75]));
     assert!(one > 4.0 && (one / other - 1.0).abs() < 1e-5, "{one} {other}"); // roundings
+}
+
+/// Cells of an eighth of a turn, as many as a long segment at high speed has.
+#[test]
+fn noise_and_defects_keep_their_scores_however_many_blocks_a_segment_has() {
+    // A passage takes 16 samples, so that every order has time to close.
+    let find =
+        |seed, blocks: usize, amplitude| run(seed, 16 * blocks, &tracking(0.0, -3), |_| 0.125 / 16.0, (amplitude, 0.0));
+    for blocks in [60_000_u32, 125_000, MAX_BLOCKS] {
+        let (noise, found) = find(5, blocks as usize, 0.0);
+        let what = std::format!("{found} blocks: prominence {}, score {}", noise.prominence, noise.score);
+        std::println!("{what}");
+        // The last block is still open. (3) has a deviation of 0.006 at the fewest blocks; a normal score of 4 has a
+        // probability of 1e-4.
+        assert!(found.abs_diff(blocks) < 3 && (noise.prominence - 1.0).abs() < 0.03, "{what}");
+        assert!(noise.score.abs() < 4.0, "{what}");
+    }
+    let defect = find(6, 125_000, 0.02).0;
+    std::println!("defect: score {}, amplitude {}", defect.score, defect.amplitude);
+    // Four times the power of one with a score of five; the weights of the harmonics cost up to a twelfth.
+    assert!(defect.score > 10.0 && (0.9..1.05).contains(&(defect.amplitude / 0.02)), "{defect:?}");
+}
+
+/// The sums after so many samples of noise and a line of amplitude 0.2; a sample without residual where `lost`.
+fn sums(samples: usize, log2: i8, turns: impl Fn(usize) -> f64, lost: impl Fn(usize) -> bool) -> OrderSums<RunTime> {
+    let (mut orders, mut gauss, mut angle) = (OrderTracking::<RunTime>::new(plan()), Gauss(9), 0.0);
+    for k in 0..samples {
+        angle += turns(k);
+        let turned = (turns(k) * 4_294_967_296.0) as i32;
+        if lost(k) {
+            orders.turn_unwatched(turned);
+            continue;
+        }
+        let phase = core::f64::consts::TAU * f64::from(ORDER) * angle;
+        let white = (0.2 * phase.cos() + gauss.next()) as f32;
+        orders.step(3, &tracking(0.0, log2), turned, Residual { white, excitation: 1.0 });
+    }
+    orders.sums()
+}
+
+#[test]
+fn four_blocks_are_the_fewest_that_give_orders() {
+    for blocks in 0..6 {
+        // Passages of an eighth of a turn; ten samples more find the end of the last one and close it.
+        let sums = sums(16 * blocks + 10, -3, |_| 0.125 / 16.0, |_| false);
+        let few = Reason::TooFewRows { part: Part::Orders, rows: u32::try_from(blocks).unwrap() };
+        assert_eq!(sums.reason(), (blocks < 4).then_some(few), "{blocks}");
+    }
+}
+
+#[test]
+fn a_shaft_that_swings_in_a_cell_closes_blocks_by_the_way_it_goes() {
+    // To and fro over a twentieth of a turn, in a cell of half a turn: 3200 samples go 50 times half a turn.
+    let swing = |k: usize| if (k / 4).is_multiple_of(2) { 1.0 / 128.0 } else { -1.0 / 128.0 };
+    let blocks = sums(3200, -1, swing, |_| false).blocks;
+    assert!((46..=50).contains(&blocks), "{blocks}");
+}
+
+#[test]
+fn passages_on_both_sides_of_a_gap_keep_their_phase() {
+    // Half a turn a block of 64 samples. Between blocks an eighth of a turn is lost, in which the line turns by 167°.
+    let coherent = |lost: fn(usize) -> bool| {
+        let sums = sums(40_000, -1, |_| 1.0 / 128.0, lost);
+        let [real, _] = sums.lines[0].lags[0][0];
+        real / sums.lines[0].pairs[1]
+    };
+    let (whole, gaps) = (coherent(|_| false), coherent(|k| k % 80 >= 64));
+    // Behind each gap the filter of the excitation needs about ten of the 64 samples. Of a line that had not turned on,
+    // the part would be negative.
+    assert!(whole > 0.0 && gaps > 0.4 * whole, "{gaps} {whole}");
 }

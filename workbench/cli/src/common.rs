@@ -7,7 +7,8 @@ use clap::ArgAction;
 /// The options of every command.
 #[derive(Debug, clap::Args)]
 pub(super) struct Common {
-    /// Also write the settings of this command as a drive file, which takes their place next time
+    /// Also write the settings of this command as a drive file, which takes their place next time; of train, with
+    /// what it has chosen
     #[arg(long, global = true, value_name = "DRIVE_TOML")]
     pub(super) save: Option<PathBuf>,
     /// Leave out the drive.toml of the current folder, which is taken if no drive file is given

@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 use super::output::VERSION;
 
 /// A key: name, type, and meaning. The type is one of JSON Schema; `?` behind it allows null.
-type Key = (&'static str, &'static str, &'static str);
+pub(super) type Key = (&'static str, &'static str, &'static str);
 
 /// A form of JSON.
 #[derive(Debug)]
@@ -31,9 +31,10 @@ impl Form {
         ];
         let fixed = fixed.map(|(key, value)| (key.to_string(), value));
         let of_key = |(key, kind, about): &Key| {
-            let kinds = match kind.strip_suffix('?') {
-                Some(kind) => json!([kind, "null"]),
-                None => json!(kind),
+            let kinds = match (kind.strip_suffix('?'), kind.split_once('|')) {
+                (Some(kind), _) => json!([kind, "null"]),
+                (None, Some((one, other))) => json!([one, other]),
+                (None, None) => json!(kind),
             };
             (key.to_string(), json!({ "type": kinds, "description": about }))
         };

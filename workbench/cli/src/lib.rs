@@ -47,6 +47,7 @@ mod simulate;
 mod simulate_features;
 mod simulated_fleet;
 mod structure;
+mod study_forms;
 mod tables;
 mod train;
 mod train_features;
@@ -106,8 +107,12 @@ fn execute(words: Vec<OsString>) -> Result<ExitCode, Failure> {
     Ok(command.run(described)?)
 }
 
-/// Writes the settings of a command as a drive file.
+/// Writes the settings of a command as a drive file; a training writes them again with what it chooses.
 fn keep(command: &mut Command, path: &Path) -> Result<(), Error> {
     output::plan(&[path], &[])?;
-    output::write(path, command.text(path)?)
+    output::write(path, command.text(path)?)?;
+    if let Command::Train(args) = command {
+        args.save = Some(path.to_path_buf());
+    }
+    Ok(())
 }

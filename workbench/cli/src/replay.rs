@@ -60,7 +60,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let ModelFile { model, notes } = ModelFile::read(&args.model)?;
     let (mut values, mut replayed) = (Vec::new(), Vec::new());
     let mut baseline = args.baseline(&model)?;
-    let traces = traces::read(&args.taken.settings.data.traces, &notes.channels())?;
+    let traces = traces::read(&args.taken.settings.data.traces, &notes.channels)?;
     irregular(traces.iter()).iter().chain(&refused(traces.iter())).for_each(output::warn);
     if let Some(told) = told(traces.iter()).filter(|_| !args.json) {
         output::say(told)?;
@@ -105,7 +105,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     }
     if let Some(path) = &args.report {
         let title = format!("Replay through {}", args.model.display());
-        let page = page(&title, (&model, &notes.channels()), &replayed, &conclusion);
+        let page = page(&title, (&model, &notes.channels), &replayed, &conclusion);
         output::write(path, args.taken.on_page(page.render()))?;
     }
     if args.json {
@@ -126,7 +126,7 @@ fn watched(watcher: &mut Watcher, segments: &[SegmentReport], run_a_trace: bool)
 /// The page of traces through a model, with the usual settings.
 pub(super) fn page_of(file: &Path, traces: &[PathBuf]) -> Result<Page, Error> {
     let ModelFile { model, notes } = ModelFile::read(file)?;
-    let traces = traces::read(traces, &notes.channels())?;
+    let traces = traces::read(traces, &notes.channels)?;
     check_rate(&model, notes.preparation(), traces.iter())?;
     let mut watcher = model.watcher();
     let mut judge = |trace: &Trace| {
@@ -140,20 +140,22 @@ pub(super) fn page_of(file: &Path, traces: &[PathBuf]) -> Result<Page, Error> {
     replayed.iter().for_each(|own| conclusion.take(&own.trace, &own.segments, &own.watched));
     let shown = |path: &Path| path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let title = format!("Replay through {}", shown(file));
-    Ok(page(&title, (&model, &notes.channels()), &replayed, &conclusion))
+    Ok(page(&title, (&model, &notes.channels), &replayed, &conclusion))
 }
 
 impl Args {
     fn write_rows(&self, model: &Embedded, notes: &Notes) -> Result<(), Error> {
         let Some(file) = &self.rows else { return Ok(()) };
-        let ([trace], Some(front_end), false) =
-            (&self.taken.settings.data.traces[..], &notes.front_end, self.taken.settings.data.traces[0].is_dir())
-        else {
+        let ([trace], Some(front_end), false) = (
+            &self.taken.settings.data.traces[..],
+            &notes.channels.front_end,
+            self.taken.settings.data.traces[0].is_dir(),
+        ) else {
             return Err(Error::Usage(
                 "--rows takes one recording, and a model that was trained with --front-end".into(),
             ));
         };
-        let further = further_columns(model.model(), &notes.channels(), "--rows")?;
+        let further = further_columns(model.model(), &notes.channels, "--rows")?;
         output::write(file, raw_rows(trace, front_end, &further)?)
     }
 
@@ -182,7 +184,10 @@ fn far(segment: &SegmentReport, watched: &Watched) -> String {
     let score = watched.score;
     match segment.verdict {
         Ok(_) => format!(", distance {distance:.2}, surprise {surprise:.1} nats, score {score:.1}"),
-        Err(_) => format!(", score {score:.1}"),
+        Err(_) => match watched.silence {
+            Some(own) => format!(", score {score:.1}, no verdict for {} segments", own.segments),
+            None => format!(", score {score:.1}"),
+        },
     }
 }
 

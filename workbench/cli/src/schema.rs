@@ -5,6 +5,7 @@ use clap::ValueEnum;
 use super::forms;
 use super::further_forms;
 use super::output;
+use super::study_forms;
 use model::Error;
 use model::settings::schema::of_drive_file;
 
@@ -48,6 +49,26 @@ enum Form {
     FeaturesSum,
     /// What `train-features --json` prints
     TrainFeatures,
+    /// What `demo --json` prints
+    Demo,
+    /// What `tables --json` prints
+    Tables,
+    /// What `campaign --json` prints
+    Campaign,
+    /// What `campaign --ema --json` prints
+    CampaignEma,
+    /// What `campaign --field --json` prints
+    CampaignField,
+    /// What `campaign --field --bounds --json` prints
+    CampaignBounds,
+    /// What `campaign --field --sessions --json` prints
+    CampaignSessions,
+    /// What `campaign --field --commissioned --json` prints
+    CampaignCommissioned,
+    /// What `campaign --healthy-sets --json` prints
+    CampaignHealthySets,
+    /// What `listen --json` prints on each line
+    Listen,
     /// What every command prints with --json if it fails
     Error,
 }
@@ -66,6 +87,16 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
         Form::Features => further_forms::FEATURES.schema(),
         Form::FeaturesSum => further_forms::FEATURES_SUM.schema(),
         Form::TrainFeatures => further_forms::TRAIN_FEATURES.schema(),
+        Form::Demo => study_forms::DEMO.schema(),
+        Form::Tables => study_forms::TABLES.schema(),
+        Form::Campaign => study_forms::CAMPAIGN.schema(),
+        Form::CampaignEma => study_forms::CAMPAIGN_EMA.schema(),
+        Form::CampaignField => study_forms::CAMPAIGN_FIELD.schema(),
+        Form::CampaignBounds => study_forms::CAMPAIGN_BOUNDS.schema(),
+        Form::CampaignSessions => study_forms::CAMPAIGN_SESSIONS.schema(),
+        Form::CampaignCommissioned => study_forms::CAMPAIGN_COMMISSIONED.schema(),
+        Form::CampaignHealthySets => study_forms::CAMPAIGN_HEALTHY_SETS.schema(),
+        Form::Listen => study_forms::LISTEN.schema(),
         Form::Error => forms::ERROR.schema(),
     };
     output::say(format!("{schema:#}"))

@@ -35,23 +35,34 @@ pub(super) struct Args {
     /// Print JSON
     #[arg(long)]
     json: bool,
+    /// Where the settings are saved, with what training chooses.
+    #[arg(skip)]
+    pub(super) save: Option<PathBuf>,
 }
 
 pub(super) fn run(args: &Args) -> Result<(), Error> {
     let (settings, exports) = (args.taken.settings.clone(), &args.exports.0);
     exports.check()?;
     let given = given(&settings, Memory::default())?;
-    let session = Session::new(settings, given, args.taken.drive.clone())?;
-    let files: Vec<&Path> = exports.files().chain(args.report.as_deref()).collect();
+    let session = Session::new(settings.clone(), given, args.taken.drive.clone())?;
+    let files: Vec<&Path> = exports.files().chain(args.report.as_deref()).chain(args.save.as_deref()).collect();
     output::plan(&files, &session.inputs())?;
     output::logged(|log| {
-        let own = session.train(log)?;
+        let mut own = session.train(log)?;
+        let mut taken = args.taken.clone();
+        if let Some(path) = &args.save {
+            taken.settings = own.settings(&settings);
+            let text = taken.text(path)?;
+            taken.drive = Some(text.clone());
+            own = own.with_drive(text)?;
+        }
         let exported = exports.exported(own.bytes.clone(), |segments| own.rust_source(segments), || own.c_header())?;
         let found = session.found(&own, args.rank, log)?;
         let report = args.report.as_ref().map(|_| page(&own, &found)).transpose()?;
-        let report = report.map(|page| args.taken.on_page(page));
+        let report = report.map(|page| taken.on_page(page));
         let page = args.report.as_deref().zip(report.as_ref()).map(|(path, text)| (path, text.as_bytes()));
-        output::write_all(&exports.contents(&exported).into_iter().chain(page).collect::<Vec<_>>())?;
+        let saved = args.save.as_deref().zip(taken.drive.as_ref()).map(|(path, text)| (path, text.as_bytes()));
+        output::write_all(&exports.contents(&exported).into_iter().chain(page).chain(saved).collect::<Vec<_>>())?;
         log.warn(own.doubts());
         print(args, &own, &found)
     })

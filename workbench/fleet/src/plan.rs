@@ -13,7 +13,7 @@ use model::Error;
 use model::core::features::Catalogue;
 use model::core::{Embedded, Parts};
 use model::identify::Structure;
-use model::trace::{Channels, FrontEndFile, Preparation, ShaftChannels};
+use model::trace::{Channels, Preparation};
 use model::train::{Estimating, Estimation, Recipe, ShaftPlan, VelocitySource};
 
 /// Version of the format of plans and parts.
@@ -21,7 +21,6 @@ pub const VERSION: u32 = 1;
 
 /// The plan of a part.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Plan {
     /// [`VERSION`].
     pub version: u32,
@@ -35,14 +34,9 @@ pub struct Plan {
     pub unit: Option<String>,
     /// Column of the labels with the run, if it was given.
     pub group: Option<String>,
-    y: String,
-    u1: String,
-    u2: String,
-    shaft: Option<ShaftChannels>,
-    further: Vec<String>,
-    time: Option<String>,
-    rate_hz: Option<f64>,
-    front_end: Option<FrontEndFile>,
+    /// The channels of the recordings.
+    #[serde(flatten)]
+    pub channels: Channels,
     /// Preparation of the recordings, and their sampling interval, s; 0 if it is not known.
     block_mean: usize,
     decimate: usize,
@@ -94,7 +88,6 @@ impl Plan {
         let mut bytes = vec![0; MAX_BYTES];
         let length = parts.estimating(sampling).and_then(|model| model.to_bytes("", &mut bytes)).map_err(refused)?;
         let Origin { channels, preparation, recorded_interval_s, unit, group } = origin;
-        let Channels { y, u1, u2, shaft, further, time, rate_hz, front_end } = channels;
         let Structure { na, nb, nc, nkb, nkc, offset } = recipe.structure;
         let plan = recipe.shaft.as_ref();
         let features = recipe.catalogue().names();
@@ -105,14 +98,7 @@ impl Plan {
             classes: classes.to_vec(),
             unit,
             group,
-            y,
-            u1,
-            u2,
-            shaft,
-            further,
-            time,
-            rate_hz,
-            front_end,
+            channels,
             block_mean: preparation.block_mean,
             decimate: preparation.decimate,
             recorded_interval_s,
@@ -142,7 +128,13 @@ impl Plan {
             let version = version.map_or_else(|| "none".into(), |version| version.to_string());
             return Err(format!("the plan has version {version}, not {VERSION}; compute the features again"));
         }
-        let plan: Self = serde_json::from_value(value).map_err(|error| format!("the plan is incomplete: {error}"))?;
+        let plan: Self =
+            serde_json::from_value(value.clone()).map_err(|error| format!("the plan is incomplete: {error}"))?;
+        let known = serde_json::to_value(&plan).unwrap_or_default();
+        let is_strange = |(key, cell): &(&String, &Value)| known.get(key).is_none() && !cell.is_null();
+        if let Some((key, _)) = value.as_object().and_then(|own| own.iter().find(is_strange)) {
+            return Err(format!("the plan has an unknown field {key}; this program is too old for it"));
+        }
         if plan.usual.len() != plan.features.len() {
             return Err("the plan has not one usual error for each feature".into());
         }
@@ -193,7 +185,7 @@ impl Plan {
     /// Returns the recipe of the detector; features, discriminant and alarms are those of [`Recipe::new`].
     #[must_use]
     pub fn recipe(&self) -> Recipe {
-        let shaft = self.shaft.is_some().then(|| {
+        let shaft = self.channels.shaft.is_some().then(|| {
             let velocity = if self.velocity_from_angle { VelocitySource::Angle } else { VelocitySource::Channel };
             ShaftPlan { velocity, load: self.load, ..ShaftPlan::new(self.orders.clone()) }
         });
@@ -206,7 +198,7 @@ impl Plan {
             ..Estimation::default()
         };
         let park = self.park.as_ref().map(|park| if park == "standard" { Park::Standard } else { Park::Thesis });
-        Recipe { columns: self.channels(), park, estimation, shaft, ..Recipe::new(self.structure()) }
+        Recipe { columns: self.channels.clone(), park, estimation, shaft, ..Recipe::new(self.structure()) }
     }
 
     /// Returns the structure of the regression.
@@ -228,19 +220,6 @@ impl Plan {
         // Averaged channels are named by their features.
         let averaged = self.features.iter().filter(|name| model::core::features::averaged(name).is_some());
         Recipe { features: averaged.cloned().collect(), ..self.recipe() }.catalogue()
-    }
-
-    /// Returns the channels of the recordings.
-    #[must_use]
-    pub fn channels(&self) -> Channels {
-        Channels {
-            shaft: self.shaft.clone(),
-            further: self.further.clone(),
-            time: self.time.clone(),
-            rate_hz: self.rate_hz,
-            front_end: self.front_end.clone(),
-            ..Channels::new(&self.y, &self.u1, &self.u2)
-        }
     }
 
     /// Returns the preparation of the recordings.

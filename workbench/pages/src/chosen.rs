@@ -61,7 +61,7 @@ fn compared(automatic: &Automatic) -> String {
         let place = if k == automatic.chosen { "chosen" } else { "" };
         let sizes = kinds.iter().map(|kind| half(rival, kind).replace('-', "−"));
         let ends = [rival.refused.clone().unwrap_or_default()];
-        [vec![rival.features.join(", "), place.into(), rate], sizes.collect(), ends.to_vec()].concat()
+        [vec![rival.words(), place.into(), rate], sizes.collect(), ends.to_vec()].concat()
     };
     let rows: Vec<Vec<String>> = automatic.rivals.iter().enumerate().map(row).collect();
     let rate = if automatic.by_classes { "wrong / %" } else { "healthy novel / %" };
@@ -81,12 +81,25 @@ mod tests {
     fn rival(name: &str, half_a: f64, refused: Option<&str>) -> Rival {
         let sizes_a = vec![0.001, 0.01, 0.1];
         let one = Detected { kind: "outer".into(), sizes_a, found: vec![0.0, 0.5, 1.0], half_a };
-        Rival { features: vec![name.into()], rate: 0.01, detected: vec![one], refused: refused.map(String::from) }
+        Rival {
+            features: vec![name.into()],
+            covariates: vec![],
+            rate: 0.01,
+            detected: vec![one],
+            refused: refused.map(String::from),
+        }
     }
 
     fn automatic() -> Automatic {
         let rivals = vec![rival("order_outer", 0.01, None), rival("a1", 0.05, None), rival("c1", 1.0, Some("<flat>"))];
-        Automatic { rivals, chosen: 0, held_out: true, by_classes: false, notes: vec!["no load is measured".into()] }
+        Automatic {
+            rivals,
+            chosen: 0,
+            held_out: true,
+            by_classes: false,
+            notes: vec!["no load is measured".into()],
+            temperatures: vec![],
+        }
     }
 
     #[test]

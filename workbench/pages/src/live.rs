@@ -1,6 +1,8 @@
 //! The page of a drive that is listened to: the last reports and samples, renewed while it is open.
 
+use crate::conclusion::live::words;
 use crate::escape::escape;
+use crate::page::paragraph;
 use crate::plot::{self, Event, Panel, Series};
 use crate::segments::{Judged, Limits, evidence, strips};
 use crate::{Class, Color, Page};
@@ -22,6 +24,8 @@ pub struct LiveReport {
 pub struct Live {
     /// Names of the classes.
     pub classes: Vec<String>,
+    /// The healthy class.
+    pub healthy: Option<usize>,
     /// Names of the channels.
     pub channels: Vec<String>,
     /// Interval of the samples, s.
@@ -45,8 +49,11 @@ pub fn page(live: &Live) -> String {
 /// What changes on the page.
 #[must_use]
 pub fn news(live: &Live) -> String {
-    let line = if live.line.is_empty() { "Nothing came yet." } else { &live.line };
-    format!("<p id=\"news\">{}</p>", escape(line)) + &reports(live) + &samples(live)
+    let conclusion = paragraph(&words(live));
+    let line = if live.line.is_empty() { String::new() } else { format!("<p>{}</p>", escape(&live.line)) };
+    format!("<div id=\"news\"><div class=\"conclusion\">{conclusion}</div>{line}</div>")
+        + &reports(live)
+        + &samples(live)
 }
 
 fn reports(live: &Live) -> String {

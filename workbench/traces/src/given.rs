@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::labels::read_labels;
 use crate::{Candidate, Source, candidates};
 use model::Error;
-use model::session::{Given, Piece, TraceSource};
+use model::session::{Given, Piece, TemperatureColumn, TraceSource};
 use model::settings::Settings;
 use model::trace::{Channels, FrontEndFile, Labels, Recorded, Trace};
 
@@ -63,6 +63,14 @@ impl TraceSource for Source {
 
     fn paths(&self) -> &[PathBuf] {
         Self::paths(self)
+    }
+
+    fn temperatures(
+        &self,
+        channels: &Channels,
+        wanted: &(dyn Fn(&str) -> bool + Sync),
+    ) -> Result<Vec<TemperatureColumn>, Error> {
+        self.temperature_columns(channels, wanted)
     }
 
     fn pieces(&self) -> Result<Vec<Box<dyn Piece>>, Error> {

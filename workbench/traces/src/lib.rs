@@ -16,6 +16,7 @@
 //! | `assemble` | rows → samples: what is missing is NaN |
 //! | [`front_end`] | recordings at the control rate → clean samples |
 //! | [`units`] | units, by the names of columns |
+//! | `temperature` | temperatures, by the names of columns |
 //! | [`resample`] | irregular times → a constant rate |
 //! | [`given`] | labels, front end and traces that settings name |
 //! | [`audit`] | what recordings are worth |
@@ -34,6 +35,7 @@ pub mod reader;
 pub mod resample;
 mod signal;
 pub mod table;
+mod temperature;
 pub mod units;
 
 use std::collections::HashMap;

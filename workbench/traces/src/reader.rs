@@ -96,6 +96,11 @@ pub(super) fn header_of(table: &Table, time: Option<&str>) -> Result<Header, Err
     Header::of(table.names().to_vec(), time).map_err(|problem| Error::content(table.path(), "header", problem))
 }
 
+/// Whether a table may have wanted traces: its only one is, or it has several.
+pub(super) fn is_wanted(header: &Header, table: &Table, wanted: &(dyn Fn(&str) -> bool + Sync)) -> bool {
+    header.trace.is_some() || wanted(stem(&table.id()))
+}
+
 /// Whether the header of a table has every wanted column.
 pub(super) fn has_columns(table: &Table, channels: &Channels) -> bool {
     header_of(table, channels.time.as_deref()).is_ok_and(|header| header.signals(channels).is_ok())
@@ -219,7 +224,7 @@ fn parts(
     let wrong = |problem: String| Error::content(path, "header", problem);
     let id = table.id();
     let header = header_of(table, time)?;
-    if header.trace.is_none() && !wanted(stem(&id)) {
+    if !is_wanted(&header, table, wanted) {
         return Ok((vec![], vec![]));
     }
     let signals = signals(&header).map_err(wrong)?;

@@ -46,8 +46,8 @@ pub fn block(documents: &Documents) -> Result<Block> {
     Ok(Block { file: "README.md", name: NAME.to_owned(), lines })
 }
 
-/// The table of the gates in [`FIELD`].
-const GATES: &str = "Gate of 150 healthy records";
+/// The table of the gates in [`FIELD`] for whoever names no features.
+const GATES: &str = "Default gate of 150 healthy records";
 /// Its columns.
 const FALSE_ALARMS: usize = 1;
 const SPALL: usize = 2;

@@ -20,7 +20,7 @@ pub struct Source {
 }
 
 /// All sources, in the order in which they run.
-pub const SOURCES: [Source; 22] = [
+pub const SOURCES: [Source; 23] = [
     quick(figures::NAME, figures::TOLERANCE, target),
     quick("demo", Tolerance::Exact, |_| printed("demo", "book/src/introduction.md", "standard_rig::twenty_draws")),
     quick("instruments", Tolerance::Exact, |_| {
@@ -32,6 +32,9 @@ pub const SOURCES: [Source; 22] = [
         let blocks = workbench(FIELD, "field", results::FIELD)?;
         save("field", "Detected records over the size of the defect (1 is full size), with 95 % intervals")
             .map(|()| blocks)
+    }),
+    slow("field-default", Tolerance::Exact, |_| {
+        workbench("campaign --field --default --draws 2", "field-default", results::FIELD)
     }),
     slow("field-bounds", Tolerance::Exact, |_| {
         workbench("campaign --field --bounds --draws 1", "field-bounds", results::FIELD)

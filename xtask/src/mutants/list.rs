@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! package = ["--package", "bearing-watch-model", "--lib"]              arguments of `cargo test`
-//! tests = "audit::"                                                    part of the names of the room's own tests
+//! tests = "audit:: rates::"                                            parts of the names of the room's own tests
 //!
 //! [[mutant]]
 //! file = "workbench/model/src/audit/times.rs"                          from the root of the repository
@@ -23,7 +23,7 @@ pub struct Room {
     pub name: String,
     /// Arguments of `cargo test`.
     pub package: Vec<String>,
-    /// Part of the names of the room's own tests.
+    /// Parts of the names of the room's own tests; none for all.
     pub tests: String,
     pub mutants: Vec<Mutant>,
 }

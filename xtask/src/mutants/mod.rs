@@ -139,8 +139,8 @@ fn into<'c>(log: &Path, command: &'c mut Command) -> Result<&'c mut Command> {
     Ok(command.stderr(printed.try_clone()?).stdout(printed))
 }
 
-/// Runs the tests of a room with this in their names, up to the first program with one that fails; `None` if there are
-/// none. Not by cargo, which may wait for another build.
+/// Runs the tests of a room with one of these words in their names, up to the first program with one that fails; `None`
+/// if there are none. Not by cargo, which may wait for another build.
 fn tests(programs: &[PathBuf], source: &Path, room: &Room, names: (&str, Duration)) -> Result<Option<Fate>> {
     let mut fate = None;
     for program in programs {
@@ -156,7 +156,7 @@ fn tests_of(program: &Path, source: &Path, room: &Room, (names, limit): (&str, D
     let (log, folder) = (source.with_file_name("tests.log"), source.join(room.folder()));
     let start = Instant::now();
     let mut command = Command::new(program);
-    command.arg(names).current_dir(&folder).env("CARGO_MANIFEST_DIR", &folder).stdin(Stdio::null());
+    command.args(names.split_whitespace()).current_dir(&folder).env("CARGO_MANIFEST_DIR", &folder).stdin(Stdio::null());
     let mut started = child::start(into(&log, &mut command)?)?;
     let status = loop {
         match started.0.try_wait()? {

@@ -52,7 +52,8 @@ impl View {
         let channels = names.channels.iter().map(|(name, unit)| format!("{name} / {unit}")).collect();
         let line = words::hello_line(names);
         let (classes, interval_s) = (names.classes.clone(), names.interval_s);
-        *lock(&self.shared) = Live { classes, channels, interval_s, line, ..Live::default() };
+        let healthy = names.healthy.map(usize::from);
+        *lock(&self.shared) = Live { classes, healthy, channels, interval_s, line, ..Live::default() };
         self.next = None;
     }
 

@@ -16,6 +16,7 @@ pub(super) struct Names {
     pub(super) channels: Vec<(String, String)>,
     pub(super) with_angle: bool,
     pub(super) classes: Vec<String>,
+    pub(super) healthy: Option<u8>,
     pub(super) features: Vec<String>,
     pub(super) orders: Vec<f32>,
 }
@@ -38,8 +39,8 @@ impl Names {
         // The decimal number that single precision stands for: 0.002, not 0.0020000000949949026.
         let interval_s = hello.interval_s.to_string().parse().ok().filter(|step: &f64| *step > 0.0);
         let classes = hello.classes().map(String::from).collect();
-        let (source, with_angle) = (hello.source, hello.with_angle);
-        Self { stream: Some(stream), source, interval_s, channels, with_angle, classes, features, orders }
+        let (source, with_angle, healthy) = (hello.source, hello.with_angle, hello.healthy);
+        Self { stream: Some(stream), source, interval_s, channels, with_angle, classes, healthy, features, orders }
     }
 
     /// Name of a class.

@@ -6,8 +6,9 @@ use super::files::{Folder, Kind};
 use crate::serve::encoded;
 use model::Error;
 use pages::Page;
+use pages::conclusion::folder::words;
 use pages::escape::escape;
-use pages::page::{counted, paragraph};
+use pages::page::paragraph;
 
 /// Lines of a list of choices.
 const LINES: usize = 12;
@@ -15,8 +16,8 @@ const LINES: usize = 12;
 pub(super) fn page(folder: &Folder) -> Result<Page, Error> {
     let all = folder.list();
     let of = |kind: Kind| all.iter().filter(move |(own, _)| *own == kind).map(|(_, name)| name.as_str());
-    let counts: Vec<String> = Kind::ALL.iter().map(|kind| counted(of(*kind).count(), kind.name())).collect();
-    let mut page = Page::new("bearing-watch: recordings and models").lead(format!("{}.", counts.join(", ")));
+    let [traces, models, pages] = Kind::ALL.map(|kind| of(kind).count());
+    let mut page = Page::new("bearing-watch: recordings and models").conclusion(words(traces, models, pages));
     let (models, traces): (Vec<&str>, Vec<&str>) = (of(Kind::Model).collect(), of(Kind::Trace).collect());
     if !models.is_empty() && !traces.is_empty() {
         page = page.section("Replay traces through a model", &form(&models, &traces));

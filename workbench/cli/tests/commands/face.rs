@@ -7,6 +7,7 @@ use std::process::Command;
 use serde_json::Value;
 
 use crate::common::{refuse, run, succeed};
+use crate::form::{fit, schema};
 
 /// The commands, with those below another one.
 const COMMANDS: [&str; 28] = [
@@ -209,45 +210,10 @@ fn errors_are_json_too() {
     refuse(dir, "replay --model absent.bwm runs/healthy_5_000.csv", &["absent.bwm"]);
 }
 
-/// What a JSON Schema of a flat object wants of it: keys and types.
-fn fit(schema: &Value, value: &Value) {
-    let (schema, value) = match schema["type"].as_str() {
-        Some("array") => (&schema["items"], &value[0]),
-        _ => (schema, value),
-    };
-    let own = value.as_object().expect("an object");
-    for (key, inner) in own {
-        let field = &schema["properties"][key];
-        assert!(field.is_object(), "{key} is not described");
-        if let Some(fixed) = field.get("const") {
-            assert_eq!(fixed, inner, "{key}");
-            continue;
-        }
-        let kinds: Vec<&str> = match &field["type"] {
-            Value::Array(kinds) => kinds.iter().filter_map(Value::as_str).collect(),
-            kind => kind.as_str().into_iter().collect(),
-        };
-        let kind = match inner {
-            Value::Null => "null",
-            Value::Bool(_) => "boolean",
-            Value::Number(number) if number.is_f64() => "number",
-            Value::Number(_) => "integer",
-            Value::String(_) => "string",
-            Value::Array(_) => "array",
-            Value::Object(_) => "object",
-        };
-        assert!(kinds.contains(&kind) || (kind == "integer" && kinds.contains(&"number")), "{key}: {inner}");
-    }
-    for key in schema["required"].as_array().expect("required keys").iter().filter_map(Value::as_str) {
-        assert!(own.contains_key(key), "no {key}");
-    }
-}
-
 #[test]
 fn json_has_the_form_that_its_schema_describes() {
     let folder = recordings();
     let dir = folder.path();
-    let schema = |form: &str| json(&succeed(dir, &format!("schema {form}")));
     let train = format!("train --labels runs/labels.csv {CHANNELS} --model m.bwm --json");
     fit(&schema("train"), &json(&succeed(dir, &format!("{train} --rank"))));
     fit(&schema("train"), &json(&succeed(dir, &format!("{train} --method instruments --discriminant shrunk"))));
@@ -271,6 +237,8 @@ fn json_has_the_form_that_its_schema_describes() {
     fits("features", &format!("features --labels runs/labels.csv {CHANNELS} --out f.parquet"));
     fits("features-sum", "features-sum f.parquet --features a --out f.sums");
     fits("train-features", "train-features f.sums --model f.bwm");
+    fits("demo", "demo --repetitions 1 --traces 8 --out demo.html");
+    fits("campaign", "campaign --repetitions 1 --traces 12 --quick");
     let rows = json(&succeed(dir, &format!("identify runs {CHANNELS} --json")));
     assert_eq!((&rows[1]["format"], &rows[1]["version"]), (&"bearing-watch/identify".into(), &1.into()));
 }

@@ -1,6 +1,7 @@
 //! Command-line tests of `bearing-watch campaign --field`.
 
 use crate::common::{refuse, succeed};
+use crate::form::{fit, schema};
 use serde_json::Value;
 
 #[test]
@@ -16,6 +17,7 @@ fn a_row_without_a_usable_feature_is_reported_as_refused() {
     assert_eq!(lines[0], "row,draw,kind,column,counted,opposite,undetermined,refused");
     assert_eq!(lines[1..], [format!("no-load-sensor,0,detected,,,,,{reason}")]);
     let json: Value = serde_json::from_str(&succeed(dir, &format!("{row} --json"))).expect("JSON");
+    fit(&schema("campaign-field"), &json);
     assert_eq!((json["draws"].as_u64(), json["healthy_training"].as_u64()), (Some(1), Some(150)));
     assert_eq!(json["rows"][0]["refused"][0]["reason"], reason);
     assert_eq!(json["columns"].as_array().map(Vec::len), Some(8));

@@ -17,6 +17,7 @@ use serde_json::Value;
 use standard_rig::model::{MODEL, Sample};
 
 use crate::common::{refuse, run, succeed};
+use crate::form::{fit, schema};
 
 pub fn frames() -> Vec<Vec<u8>> {
     let mut frames = Vec::new();
@@ -99,6 +100,8 @@ fn of_a_disturbed_line_only_right_samples_are_written() {
     }
     std::fs::write(dir.join("frames.bin"), line).expect("writable");
     let found = values(&succeed(dir, "listen frames.bin --out traces --json"));
+    let schema = schema("listen");
+    found.iter().for_each(|line| fit(&schema, line));
     let recorded = recorded();
     let (mut samples, mut files) = (0, 0);
     for trace in found.iter().filter(|value| value["kind"] == "trace") {

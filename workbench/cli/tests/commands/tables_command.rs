@@ -1,6 +1,7 @@
 //! Command-line tests of `bearing-watch tables`, and results of the literal method and ours on the rig.
 
 use crate::common::{refuse, succeed};
+use crate::form::{fit, schema};
 use serde_json::Value;
 use studies::demo::{self, Settings as DemoSettings};
 use studies::tables::{Id, Settings, Table, run};
@@ -64,6 +65,7 @@ fn all_tables_as_text_json_csv_and_page() {
 
     let one = "tables --repetitions 2 --only 4.1 --json";
     let json: Value = serde_json::from_str(&succeed(dir, one)).expect("JSON");
+    fit(&schema("tables"), &json);
     let tables = json["tables"].as_array().expect("a list");
     assert_eq!(tables.iter().map(|t| t["id"].as_str()).collect::<Vec<_>>(), [Some("overview"), Some("4.1")]);
     let cells = &tables[1]["rows"][3]["cells"];

@@ -179,7 +179,7 @@ fn write<W: std::io::Write + Send>(
     log: &Log<'_>,
 ) -> Result<Met, Error> {
     let (estimator, catalogue) = (plan.estimator()?, plan.catalogue());
-    let (channels, preparation) = (plan.channels(), plan.preparation());
+    let (channels, preparation) = (&plan.channels, plan.preparation());
     let wanted = |id: &str| labels.of.contains_key(id);
     let mut files = source.pieces()?;
     // Files of one trace each, in the order of their units.
@@ -191,7 +191,7 @@ fn write<W: std::io::Write + Send>(
     let mut met = Met::default();
     for some in files.chunks(FILES) {
         let traces: Vec<Result<Option<Vec<Trace>>, Error>> =
-            some.par_iter().map(|piece| piece.read(&channels, &wanted)).collect();
+            some.par_iter().map(|piece| piece.read(channels, &wanted)).collect();
         for (piece, traces) in some.iter().zip(traces) {
             let traces = traces?.unwrap_or_default();
             let rows = |trace: &Trace| rows((&estimator, &catalogue), plan, labels, trace, preparation);

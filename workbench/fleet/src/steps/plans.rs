@@ -19,7 +19,7 @@ pub(super) fn known(
     let plan = Part::open(path)?.plan;
     let (model, by) = (&settings.model, &settings.validation);
     let differs = [
-        ("the channels", plan.channels() != *channels),
+        ("the channels", plan.channels != *channels),
         ("the order", plan.structure() != model.structure()?),
         ("--block-mean or --decimate", plan.preparation() != preparation),
         ("the orders of the bearing", plan.recipe().shaft.map(|own| own.orders) != shaft.map(|own| own.orders.clone())),

@@ -75,7 +75,7 @@ pub fn train_features(
     let first_s = start.elapsed().as_secs_f64();
     let tails = if from_parts && !options.one_pass { second_pass(&parts, &fit, &wanted, log)? } else { None };
     let (trained, host) = fit.train(tails.as_ref())?;
-    let channels = read_by(&trained, plan.channels());
+    let channels = read_by(&trained, plan.channels.clone());
     let description = description::lines(&trained, &channels, host);
     let notes = Notes::new(&channels, host, &trained, (vec![], &[]), drive);
     let exported = exports.exported(

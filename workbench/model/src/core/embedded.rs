@@ -105,6 +105,11 @@ impl Embedded {
             },
             posteriors: decided(|d| d.posteriors()),
             log_likelihoods: decided(|d| d.log_likelihoods()),
+            beyond: report.decision.as_ref().map_or_else(Vec::new, |decision| decision.beyond().to_vec()),
+            reason: match report.verdict {
+                Verdict::Undetermined(reason) => Some(reason),
+                _ => None,
+            },
             distance: report.decision.as_ref().map_or(0.0, |decision| decision.distance),
             distance_surprise: report.decision.as_ref().map_or(0.0, |decision| decision.distance_surprise),
             surprise: report.decision.as_ref().map_or(0.0, |decision| decision.surprise),
@@ -200,8 +205,8 @@ impl Embedded {
         segments.iter().map(|segment| watcher.observe(segment, false)).collect()
     }
 
-    /// Verdict on several independent segments together: their log-likelihoods add up, and their surprises combine by
-    /// Fisher's method. `None` if no segment has one.
+    /// Verdict on several independent segments together: their log-likelihoods add up, their surprises combine by
+    /// Fisher's method, and they are beyond the gate of a class if most of them are. `None` if no segment has one.
     #[must_use]
     pub fn combine(&self, segments: &[SegmentReport]) -> Option<(Finding, Vec<f32>)> {
         let mut sums = vec![0.0; self.classes.len()];
@@ -209,20 +214,24 @@ impl Embedded {
         for segment in determined.clone() {
             sums.iter_mut().zip(&segment.log_likelihoods).for_each(|(sum, value)| *sum += value);
         }
-        determined.clone().count().checked_sub(1)?;
-        self.decide(&sums, watch::combined_surprise(determined.map(|s| s.surprise)))
+        let count = determined.clone().count();
+        count.checked_sub(1)?;
+        let beyond_in = |class: usize| determined.clone().filter(|s| s.beyond.get(class) == Some(&true)).count();
+        let beyond: Vec<bool> = (0..sums.len()).map(|class| 2 * beyond_in(class) > count).collect();
+        self.decide(&sums, watch::combined_surprise(determined.clone().map(|s| s.surprise)), &beyond)
     }
 
-    fn decide(&self, log_likelihoods: &[f32], surprise: f32) -> Option<(Finding, Vec<f32>)> {
+    fn decide(&self, log_likelihoods: &[f32], surprise: f32, beyond: &[bool]) -> Option<(Finding, Vec<f32>)> {
         let classifier = &self.model.constants().classifier;
-        let decision = classifier.decide(self.model.plan(), log_likelihoods, surprise)?;
+        let mut decision = classifier.decide(self.model.plan(), log_likelihoods, surprise)?;
+        decision.set_beyond(beyond);
         Some((classifier.finding(&decision).into(), decision.posteriors().to_vec()))
     }
 
     /// Prior probability of each class: the posteriors for equal likelihoods of all classes.
     #[must_use]
     pub fn priors(&self) -> Vec<f64> {
-        let even = self.decide(&vec![0.0; self.classes.len()], 0.0);
+        let even = self.decide(&vec![0.0; self.classes.len()], 0.0, &[]);
         even.map_or_else(Vec::new, |(_, posteriors)| posteriors.into_iter().map(f64::from).collect())
     }
 

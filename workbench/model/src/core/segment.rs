@@ -2,7 +2,7 @@
 
 use bearing_watch::internals::Finding as CoreFinding;
 use bearing_watch::model::{Feature, FeatureValue};
-use bearing_watch::{Average, Counts, Friction, OrderStrength, Verdict};
+use bearing_watch::{Average, Counts, Friction, OrderStrength, Reason, Verdict};
 
 /// One segment of a trace: verdict, estimates and counts.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +13,10 @@ pub struct SegmentReport {
     pub posteriors: Vec<f32>,
     /// Log-likelihood of each class; empty if there is no verdict.
     pub log_likelihoods: Vec<f32>,
+    /// Whether the segment is beyond the gate of each class; empty if there is no verdict.
+    pub beyond: Vec<bool>,
+    /// Why there is no verdict, if the core says so.
+    pub reason: Option<Reason>,
     /// Distance from the healthy class in its standard deviations; 0 if there is no healthy class or no verdict.
     pub distance: f32,
     /// −ln of the probability that a healthy segment has at least this distance, nats; 0 in the same cases.
@@ -60,6 +64,7 @@ impl SegmentReport {
             verdict: Err(reason),
             posteriors,
             log_likelihoods,
+            beyond: vec![],
             missing,
             outside,
             distance: 0.0,
@@ -75,7 +80,7 @@ impl SegmentReport {
 pub enum Finding {
     /// Index of a class.
     Class(usize),
-    /// Nearest to the healthy class, but not healthy.
+    /// Nearest to the healthy class, but not healthy; or far from every class.
     Novel,
     /// No class is plausible enough.
     Ambiguous,

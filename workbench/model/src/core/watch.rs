@@ -1,7 +1,7 @@
 //! Evaluation of several segments together: combined surprise, and the core's evidence.
 
 use bearing_watch::plan::RunTime;
-use bearing_watch::{Alarm, Cause, Decision, Evidence, Model, Trend};
+use bearing_watch::{Alarm, Baseline, Cause, Decision, Evidence, Model, Silence, StateError, Trend};
 
 use super::segment::SegmentReport;
 
@@ -14,6 +14,8 @@ pub struct Watched {
     pub alarm: Option<Alarm>,
     /// Slope of the distance from healthy.
     pub trend: Option<Trend>,
+    /// Whether no segment has had a verdict for too long, and why.
+    pub silence: Option<Silence>,
 }
 
 impl Watched {
@@ -41,16 +43,38 @@ impl<'a> Watcher<'a> {
 
     /// Takes the next segment; a run ends with it, from power-up to power-up, if it is the `last` one.
     pub fn observe(&mut self, segment: &SegmentReport, last: bool) -> Watched {
-        self.evidence.observe(decision(self.model, segment).as_ref());
+        match (decision(self.model, segment), segment.reason) {
+            (None, Some(reason)) => self.evidence.observe_outcome(Err(reason)),
+            (decision, _) => self.evidence.observe(decision.as_ref()),
+        };
         if last {
             self.end_run();
         }
-        Watched { score: self.evidence.score(), alarm: self.evidence.alarm(), trend: self.evidence.trend() }
+        let evidence = &self.evidence;
+        let (score, alarm) = (evidence.score(), evidence.alarm());
+        Watched { score, alarm, trend: evidence.trend(), silence: evidence.silence() }
     }
 
     /// Ends a run after the last segment.
     pub fn end_run(&mut self) {
         self.evidence.end_run();
+    }
+
+    /// The evidence, with alarm and trend, and a baseline as bytes, as the firmware stores them.
+    #[must_use]
+    pub fn save(&self, baseline: Option<&Baseline<RunTime>>) -> Vec<u8> {
+        let mut bytes = vec![0; self.model.saved_len()];
+        // The buffer has the length that the state needs.
+        let _saved = self.model.save(&self.evidence, baseline, &mut bytes);
+        bytes
+    }
+
+    /// Goes on from these bytes.
+    ///
+    /// # Errors
+    /// They are of another model, or no state.
+    pub fn restore(&mut self, bytes: &[u8], baseline: Option<&mut Baseline<RunTime>>) -> Result<(), StateError> {
+        self.model.restore(bytes, &mut self.evidence, baseline)
     }
 }
 
@@ -62,6 +86,7 @@ fn decision(model: &Model<RunTime>, segment: &SegmentReport) -> Option<Decision<
     let classifier = &model.constants().classifier;
     let mut decision = classifier.decide(model.plan(), &segment.log_likelihoods, segment.surprise)?;
     (decision.distance, decision.distance_surprise) = (segment.distance, segment.distance_surprise);
+    decision.set_beyond(&segment.beyond);
     Some(decision)
 }
 

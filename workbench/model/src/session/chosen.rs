@@ -32,7 +32,7 @@ fn lines(trained: &Trained, settings: &Settings) -> Vec<String> {
         trained.candidates.features.len(),
         why(!settings.model.features.is_empty(), "every parameter")
     ));
-    if let (Some(plan), Some((_, shaft))) = (&recipe.shaft, &trained.parts.shaft) {
+    if let (Some(plan), Some((layout, shaft))) = (&recipe.shaft, &trained.parts.shaft) {
         lines.push(velocity(plan, settings));
         let (current, other) = (shaft.lags.current, shaft.lags.velocity);
         let by = why(plan.current_delay.is_some(), "estimated from the nominal class");
@@ -40,7 +40,7 @@ fn lines(trained: &Trained, settings: &Settings) -> Vec<String> {
             "lags: current {current:.2}, velocity {other:.2}, load {:.2} samples, {by}",
             shaft.lags.load
         ));
-        let harmonics = plan.weights.iter().filter(|weight| **weight > 0.0).count();
+        let harmonics = layout.harmonics;
         let by = why(!settings.bearing.harmonics.is_empty(), "the number that finds most pulses");
         lines.push(format!("harmonics of an order: {harmonics}, {by}"));
         let by = why(settings.bearing.slip.is_some(), "the usual one");

@@ -63,7 +63,7 @@ impl<'a> Judging<'a> {
     /// By a model, settings, labels and a source of traces; the front end is that of the model.
     #[must_use]
     pub fn new(file: &'a ModelFile, settings: Settings, given: Given, options: JudgingOptions) -> Self {
-        let selection = Selection::new(&settings, given, file.channels());
+        let selection = Selection::new(&settings, given, file.channels().clone());
         Self { file, settings, selection, options }
     }
 

@@ -17,11 +17,32 @@ pub trait TraceSource: std::fmt::Debug + Send + Sync {
     /// The files and folders; none of tables in memory.
     fn paths(&self) -> &[PathBuf];
 
+    /// The columns that are temperatures by name or unit, of the files or tables that may have wanted traces.
+    ///
+    /// # Errors
+    /// A folder that cannot be read.
+    fn temperatures(
+        &self,
+        channels: &Channels,
+        wanted: &(dyn Fn(&str) -> bool + Sync),
+    ) -> Result<Vec<TemperatureColumn>, Error>;
+
     /// What may have traces, each part to be read alone.
     ///
     /// # Errors
     /// A folder that cannot be read.
     fn pieces(&self) -> Result<Vec<Box<dyn Piece>>, Error>;
+}
+
+/// A column that is a temperature by its name or unit.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TemperatureColumn {
+    /// Its name.
+    pub name: String,
+    /// Number of files or tables without it.
+    pub lacking: usize,
+    /// Number of files or tables.
+    pub of: usize,
 }
 
 /// A part of a source, such as a file.

@@ -41,8 +41,8 @@ impl ModelFile {
 
     /// The columns that the model reads.
     #[must_use]
-    pub fn channels(&self) -> Channels {
-        self.notes.channels()
+    pub const fn channels(&self) -> &Channels {
+        &self.notes.channels
     }
 
     /// What is done to recordings before the detector.
@@ -74,7 +74,7 @@ impl ModelFile {
     /// # Errors
     /// A model that the header cannot hold.
     pub fn c_header(&self) -> Result<String, Error> {
-        c_header(self.model.model(), &[], Some(&self.channels()))
+        c_header(self.model.model(), &[], Some(self.channels()))
     }
 
     /// Reads the only trace of a source of this name as the detector takes it.
@@ -82,7 +82,7 @@ impl ModelFile {
     /// # Errors
     /// Missing columns, bad values, several traces, or another rate than that of the model.
     pub fn trace(&self, name: &str, source: &dyn TraceSource) -> Result<Trace, Error> {
-        let mut traces = source.read_wanted(&self.channels(), &|_| true)?;
+        let mut traces = source.read_wanted(self.channels(), &|_| true)?;
         let (Some(trace), true) = (traces.pop(), traces.is_empty()) else {
             return Err(Error::Usage(format!("{name} has several traces; give one")));
         };
@@ -95,7 +95,7 @@ impl ModelFile {
     /// # Errors
     /// Missing columns, bad values, or another rate than that of the model.
     pub fn traces(&self, source: &dyn TraceSource) -> Result<Vec<Trace>, Error> {
-        let traces = source.read_wanted(&self.channels(), &|_| true)?;
+        let traces = source.read_wanted(self.channels(), &|_| true)?;
         check_rate(&self.model, self.preparation(), traces.iter())?;
         traces.iter().map(|trace| self.preparation().apply(trace)).collect()
     }

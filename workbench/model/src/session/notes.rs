@@ -2,31 +2,18 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::trace::{Channels, FrontEndFile, Preparation, ShaftChannels};
+use crate::trace::{Channels, Preparation};
 use crate::train::Trained;
 
 /// Notes in a model file for the workbench; the firmware ignores them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Notes {
-    y: String,
-    u1: String,
-    u2: String,
-    #[serde(default)]
-    shaft: Option<ShaftChannels>,
-    /// Columns that are used for their averages alone.
-    #[serde(default)]
-    further: Vec<String>,
-    /// The time column and the rate of the recordings, if they were given.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    time: Option<String>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    rate_hz: Option<f64>,
-    /// The front end that the recordings pass.
-    #[serde(default)]
-    pub front_end: Option<FrontEndFile>,
+    /// The columns that the model reads.
+    #[serde(flatten)]
+    pub channels: Channels,
     /// The drive file that it was trained with.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    drive: Option<String>,
+    pub(super) drive: Option<String>,
     /// Preparation on the host, before the detector.
     host_block_mean: usize,
     decimate: usize,
@@ -58,16 +45,8 @@ impl Notes {
         let mut units = units.to_vec();
         units.sort_unstable();
         units.dedup();
-        let Channels { y, u1, u2, shaft, further, time, rate_hz, front_end } = channels.clone();
         Self {
-            y,
-            u1,
-            u2,
-            shaft,
-            further,
-            time,
-            rate_hz,
-            front_end,
+            channels: channels.clone(),
             drive,
             host_block_mean: host.block_mean,
             decimate: host.decimate,
@@ -83,19 +62,6 @@ impl Notes {
     #[must_use]
     pub fn with_contents(self, contents: Vec<u32>) -> Self {
         Self { contents, ..self }
-    }
-
-    /// The columns that the model reads.
-    #[must_use]
-    pub fn channels(&self) -> Channels {
-        Channels {
-            shaft: self.shaft.clone(),
-            further: self.further.clone(),
-            time: self.time.clone(),
-            rate_hz: self.rate_hz,
-            front_end: self.front_end.clone(),
-            ..Channels::new(&self.y, &self.u1, &self.u2)
-        }
     }
 
     /// What is done to recordings before the detector.

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::path::PathBuf;
 
-use super::given::{Given, TraceSource};
+use super::given::{Given, TemperatureColumn, TraceSource};
 use crate::Error;
 use crate::settings::{Settings, Validation};
 use crate::trace::labels::LabelledTrace;
@@ -23,7 +23,7 @@ pub struct Selection {
 /// Columns of labels whose rows of one value are of one run. A load or a speed is a condition, not a run.
 const RUNS: [&str; 8] = ["run", "session", "unit", "drive", "day", "date", "batch", "serial"];
 /// The name of no column: traces are independent.
-const INDEPENDENT: &str = "none";
+pub(super) const INDEPENDENT: &str = "none";
 
 /// Class names, and id and class of each trace.
 pub type Chosen = (Vec<String>, Vec<(String, String)>);
@@ -72,8 +72,20 @@ impl Selection {
     /// # Errors
     /// Those of [`Selection::chosen`] and [`Selection::read`].
     pub fn rows(&self, further: &[Condition]) -> Result<(Vec<String>, Vec<LabelledTrace>), Error> {
+        self.rows_of(further, &self.channels)
+    }
+
+    /// The same with these channels instead of its own.
+    ///
+    /// # Errors
+    /// Those of [`Selection::rows`].
+    pub fn rows_of(
+        &self,
+        further: &[Condition],
+        channels: &Channels,
+    ) -> Result<(Vec<String>, Vec<LabelledTrace>), Error> {
         let (classes, chosen) = self.chosen(further)?;
-        let traces = self.read(&classes, &chosen)?;
+        let traces = self.read_of(&classes, &chosen, channels)?;
         Ok((classes, traces))
     }
 
@@ -82,9 +94,32 @@ impl Selection {
     /// # Errors
     /// Traces that cannot be read, or are not there.
     pub fn read(&self, classes: &[String], chosen: &[(String, String)]) -> Result<Vec<LabelledTrace>, Error> {
-        let wanted: HashSet<&str> = chosen.iter().map(|(id, _)| id.as_str()).collect();
-        let traces = self.source.read_wanted(&self.channels, &|id| wanted.contains(id))?;
+        self.read_of(classes, chosen, &self.channels)
+    }
+
+    fn read_of(
+        &self,
+        classes: &[String],
+        chosen: &[(String, String)],
+        channels: &Channels,
+    ) -> Result<Vec<LabelledTrace>, Error> {
+        let wanted = ids(chosen);
+        let traces = self.source.read_wanted(channels, &|id| wanted.contains(id))?;
         self.labels.join(chosen, classes, &traces)
+    }
+
+    /// Returns the columns that are temperatures by name or unit, of the traces that [`Selection::chosen`] gives for any
+    /// of these conditions.
+    ///
+    /// # Errors
+    /// Those of [`Selection::chosen`], and a folder that cannot be read.
+    pub fn temperatures(&self, further: &[&[Condition]]) -> Result<Vec<TemperatureColumn>, Error> {
+        let mut all = vec![];
+        for further in further {
+            all.extend(self.chosen(further)?.1);
+        }
+        let wanted = ids(&all);
+        self.source.temperatures(&self.channels, &|id| wanted.contains(id))
     }
 
     /// Returns the cells of a column of the labels, one for each trace.
@@ -133,6 +168,11 @@ impl Selection {
         };
         Ok(Groups { runs, units })
     }
+}
+
+/// The ids of chosen traces.
+fn ids(chosen: &[(String, String)]) -> HashSet<&str> {
+    chosen.iter().map(|(id, _)| id.as_str()).collect()
 }
 
 /// The run and the unit of each trace, if they are known; the name of a run starts with that of its unit.

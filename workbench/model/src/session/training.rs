@@ -3,6 +3,7 @@
 use super::description;
 use super::evidence::Orders;
 use super::judging::prepare;
+use super::notes::Notes;
 use super::selection::Groups;
 use super::sources::rust_source;
 use crate::Error;
@@ -33,9 +34,20 @@ pub struct Training {
     pub(super) orders: Option<Orders>,
     /// Traces that the settings hold out.
     pub(super) held_out: Option<(Vec<LabelledTrace>, Groups)>,
+    pub(super) notes: Notes,
 }
 
 impl Training {
+    /// The same whose model carries this text of a drive file.
+    ///
+    /// # Errors
+    /// A model that has no room for it.
+    pub fn with_drive(mut self, text: String) -> Result<Self, Error> {
+        self.notes.drive = Some(text);
+        self.bytes = self.trained.to_bytes(&self.notes.to_text())?;
+        Ok(self)
+    }
+
     /// Verdicts of the embedded detector on the training traces.
     ///
     /// # Errors

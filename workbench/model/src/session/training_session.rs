@@ -9,19 +9,20 @@ use super::contents::content;
 use super::description;
 use super::doubts::{irregular, refused};
 use super::evidence::Orders;
-use super::given::Given;
+use super::given::{Given, TemperatureColumn};
 use super::held_out::{Found, Held, evaluate};
 use super::judging::prepare;
 use super::log::Log;
 use super::notes::Notes;
 use super::selection::Selection;
 use super::sources::read_by;
+use super::temperatures::{Temperatures, covariates};
 use super::training::Training;
 use crate::Error;
 use crate::settings::{Reading, Settings};
 use crate::trace::labels::LabelledTrace;
 use crate::trace::{Channels, Preparation, stem};
-use crate::train::{Recipe, ShaftPlan, Trained};
+use crate::train::{Automatic, Recipe, ShaftPlan, Trained};
 
 /// Settings with labels and channels, whose traces are not read yet.
 #[derive(Debug)]
@@ -32,6 +33,15 @@ pub struct Session {
     plan: Option<ShaftPlan>,
     preparation: Preparation,
     drive: Option<String>,
+}
+
+/// What a model is trained on.
+pub(super) struct Traces {
+    pub(super) classes: Vec<String>,
+    /// As recorded.
+    training: Vec<LabelledTrace>,
+    pub(super) prepared: Vec<LabelledTrace>,
+    pub(super) recipe: Recipe,
 }
 
 impl Session {
@@ -58,36 +68,78 @@ impl Session {
     /// Traces that cannot be read; labels or settings that do not fit them; a training set that does not support what
     /// the settings want.
     pub fn train(&self, log: &Log<'_>) -> Result<Training, Error> {
+        let (mut temperatures, traces) = Temperatures::of(self)?;
+        let taken = temperatures.taken();
+        let traces = traces.map_or_else(|| self.traces(&taken), Ok)?;
+        log.warn(irregular(traces.training.iter().map(|t| &t.trace)));
+        log.warn(refused(traces.training.iter().map(|t| &t.trace)));
+        let mut own = self.trained(traces)?;
+        let without = own.trained.automatic.as_ref().and_then(Automatic::without_covariates);
+        if let Some(why) = without.filter(|_| !taken.is_empty()) {
+            temperatures.refuse(&why);
+            own = self.trained(self.traces(&[])?)?;
+        }
+        own.trained.automatic.iter_mut().for_each(|own| own.temperatures.clone_from(&temperatures.0));
+        chosen::report(&own.trained, &self.settings);
+        log.warn(description::of_host(own.host, &own.description));
+        Ok(own)
+    }
+
+    /// Reads the traces of training with these temperatures as covariates.
+    pub(super) fn traces(&self, temperatures: &[String]) -> Result<Traces, Error> {
         let Self { settings, selection, channels, plan, preparation, .. } = self;
-        let (classes, training) = selection.rows(&settings.validation.train_where)?;
+        let mut channels = channels.clone();
+        channels.further.extend_from_slice(temperatures);
+        let (classes, training) = selection.rows_of(&settings.validation.train_where, &channels)?;
         ::log::info!("training: {} traces of the classes {}", training.len(), classes.join(", "));
-        log.warn(irregular(training.iter().map(|t| &t.trace)));
-        log.warn(refused(training.iter().map(|t| &t.trace)));
         let groups = selection.groups(&settings.validation, &training)?;
         let [runs, units] = [groups.runs, groups.units].map(Option::unwrap_or_default);
         let validation = settings.validation.folds(runs, units)?;
         let columns = settings.validation.group.is_none().then(|| selection.columns(&training)).transpose()?;
-        let validation = crate::train::Validation { columns, ..validation };
-        let held_out = self.held_out((&classes, &training), &validation.units)?;
-        let park = settings.channels.park(channels)?;
+        let validation = crate::train::Validation { columns, doubted: true, ..validation };
+        let park = settings.channels.park(&channels)?;
         let recipe = settings.recipe(&classes, plan.clone())?;
-        let mut recipe = Recipe { validation, park, columns: channels.clone(), ..recipe };
+        let mut recipe = Recipe { validation, park, columns: channels, ..recipe };
         recipe.alarms.by_run = !recipe.validation.groups.is_empty();
+        if !temperatures.is_empty() {
+            (recipe.covariates, recipe.offered) = (covariates(temperatures), true);
+        }
         let prepared = prepare(&training, *preparation)?;
+        Ok(Traces { classes, training, prepared, recipe })
+    }
+
+    fn trained(&self, traces: Traces) -> Result<Training, Error> {
+        let Traces { classes, training, prepared, recipe } = traces;
+        let held_out = self.held_out((&classes, &training), &recipe)?;
         let mut trained = crate::train::train(&prepared, &classes, &recipe)?;
-        chosen::report(&trained, settings);
         // On the traces as the shaft was trained, before block means move into the detector.
         let orders = Orders::of(&trained, &prepared)?;
-        let host = embed_block_mean(&mut trained, *preparation, &training);
-        let channels = read_by(&trained, channels.clone());
+        let host = embed_block_mean(&mut trained, self.preparation, &training);
+        let channels = read_by(&trained, recipe.columns);
         let description = description::lines(&trained, &channels, host);
-        log.warn(description::of_host(host, &description));
         let ids = training.iter().map(|t| stem(&t.trace.id).to_string()).collect();
         let units = &trained.recipe.validation.units;
         let notes = Notes::new(&channels, host, &trained, (ids, units), self.drive.clone());
         let notes = notes.with_contents(training.iter().map(|t| content(&t.trace)).collect());
         let bytes = trained.to_bytes(&notes.to_text())?;
-        Ok(Training { trained, bytes, channels, training, prepared, description, host, orders, held_out })
+        Ok(Training { trained, bytes, channels, training, prepared, description, host, orders, held_out, notes })
+    }
+
+    /// The columns that are temperatures, if training may take them as covariates: it chooses the features of a shaft,
+    /// and no covariates are given.
+    pub(super) fn temperature_columns(&self) -> Result<Vec<TemperatureColumn>, Error> {
+        let Self { settings, selection, plan, .. } = self;
+        let wanted = plan.is_some() && settings.chooses_features() && settings.model.covariates.is_empty();
+        let by = &settings.validation;
+        // Held-out traces must have them too.
+        let held_out = (!by.test_where.is_empty()).then_some(&by.test_where[..]);
+        let all: Vec<_> = std::iter::once(&by.train_where[..]).chain(held_out).collect();
+        if wanted { selection.temperatures(&all) } else { Ok(vec![]) }
+    }
+
+    /// What is read of the recordings.
+    pub(super) const fn channels(&self) -> &Channels {
+        &self.channels
     }
 
     /// Evaluates the model on the traces that the settings hold out, if they do; otherwise cross-validates it.
@@ -109,13 +161,13 @@ impl Session {
     fn held_out(
         &self,
         (classes, training): (&[String], &[LabelledTrace]),
-        units: &[String],
+        recipe: &Recipe,
     ) -> Result<Option<Held>, Error> {
         let Self { settings, selection, .. } = self;
         if settings.validation.test_where.is_empty() {
             return Ok(None);
         }
-        let (names, mut traces) = selection.rows(&settings.validation.test_where)?;
+        let (names, mut traces) = selection.rows_of(&settings.validation.test_where, &recipe.columns)?;
         for held_out in &mut traces {
             let name = &names[held_out.class];
             held_out.class = classes.iter().position(|class| class == name).ok_or_else(|| {
@@ -129,7 +181,7 @@ impl Session {
             )));
         }
         let groups = selection.groups(&settings.validation, &traces)?;
-        groups.refuse_known(units)?;
+        groups.refuse_known(&recipe.validation.units)?;
         Ok(Some((traces, groups)))
     }
 }

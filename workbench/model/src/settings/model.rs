@@ -86,7 +86,8 @@ pub struct Model {
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "NAMES")))]
     pub features: Vec<String>,
     /// Features that explain a part of the others in healthy traces, e.g. mean_temperature_c: that part is subtracted;
-    /// outside the range of the healthy traces, what they explain is missing
+    /// outside the range of the healthy traces, what they explain is missing; if neither they nor features are given,
+    /// training takes the temperatures that explain the features it chooses
     #[serde(skip_serializing_if = "Vec::is_empty")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "NAMES")))]
     pub covariates: Vec<String>,

@@ -35,6 +35,6 @@ impl validation::Validation {
         if folds < 2 {
             return Err(Error::Usage(format!("--folds {folds}: at least 2")));
         }
-        Ok(Validation { folds, seed, groups, units, columns: None })
+        Ok(Validation { folds, seed, groups, units, columns: None, doubted: false })
     }
 }

@@ -67,7 +67,7 @@ pub struct Trace {
 
 /// The columns of the three signals: a column's name, or a formula of columns such as `a-b`, `0.5*(a + b)`,
 /// `speed_rpm rad/s` or `integrate(speed_rpm) rad`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Channels {
     /// Output.
     pub y: String,
@@ -76,14 +76,19 @@ pub struct Channels {
     /// Second input.
     pub u2: String,
     /// The columns of the shaft, if it is watched.
+    #[serde(default)]
     pub shaft: Option<ShaftChannels>,
     /// Columns that are used for their averages alone.
+    #[serde(default)]
     pub further: Vec<String>,
     /// The time column; by its usual names if none is given, and no time at all if it is `none`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time: Option<String>,
     /// Rows a second, for files without a time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate_hz: Option<f64>,
     /// Makes the columns of recordings at the control rate; `None` if they are recorded as they are used.
+    #[serde(default)]
     pub front_end: Option<FrontEndFile>,
 }
 

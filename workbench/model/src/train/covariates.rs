@@ -124,13 +124,17 @@ pub(crate) fn fit(candidates: &Candidates, recipe: &Recipe) -> Result<Option<Exp
     Ok(Some(Explained { covariates, features: candidates.features.clone(), map, parts, rows: rows.len() }))
 }
 
+/// Whether values differ, also in single precision.
+pub(super) fn varies(values: impl Iterator<Item = f64>) -> bool {
+    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+    high - low > 1e-6 * low.abs().max(high.abs())
+}
+
 fn explaining(table: &FeatureTable, rows: &[usize], (k, name): (usize, &String)) -> Result<Explaining, Error> {
     let values: Vec<f64> = rows.iter().map(|&row| table.rows[row][k]).collect();
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    // Single precision must tell the ends apart.
-    let varies = high - low > 1e-6 * low.abs().max(high.abs());
-    if !varies {
+    if !varies(values.iter().copied()) {
         return Err(Error::Training(format!("covariate {name} is the same in all healthy traces; leave it out")));
     }
     let centre = values.iter().sum::<f64>() / values.len() as f64;

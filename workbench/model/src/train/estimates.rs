@@ -126,7 +126,7 @@ impl<'a> Estimates<'a> {
         (rows, origins): (&Candidates, &[usize]),
         (chosen, recipe): (&[usize], &Recipe),
     ) -> Option<Doubted> {
-        let wanted = self.recipe.automatic || self.recipe.validation.columns.is_some();
+        let wanted = self.recipe.automatic || self.recipe.validation.doubted;
         let healthy = recipe.alarms.healthy.filter(|_| wanted && !recipe.alarms.by_run)?;
         let own: Vec<usize> = (0..origins.len()).filter(|&row| rows.table.classes[row] == healthy).collect();
         let mut alone = rows.table.keep(&own);

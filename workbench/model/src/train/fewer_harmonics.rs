@@ -36,13 +36,13 @@ const LIMIT: f64 = 2.326;
 /// Fewer harmonics have to gain so much more, so that the choice does not depend on chance.
 const BETTER: f64 = 0.15;
 
-/// Returns the plan and the constants with fewer harmonics, if they find more.
+/// Returns the plan with fewer harmonics, if they find more.
 pub(super) fn chosen(
     bench: &Bench,
     plan: &ShaftPlan,
     constants: &ShaftConstants<RunTime>,
     healthy: &[Watched<'_>],
-) -> Result<Option<(ShaftPlan, ShaftConstants<RunTime>)>, Error> {
+) -> Result<Option<ShaftPlan>, Error> {
     if !plan.fewer_harmonics || healthy.len() < LEAST_TRACES {
         return Ok(None);
     }
@@ -52,13 +52,13 @@ pub(super) fn chosen(
     let Some(pulses) = Pulses::of(plan, &without) else { return Ok(None) };
     let (mut best, mut found) = (pulses.gain(bench, constants, &some, &without)?, None);
     for count in (1..harmonics(&plan.weights)).rev() {
-        let mut own = plan.clone();
+        let mut own = ShaftPlan { fewer_harmonics: false, ..plan.clone() };
         own.weights.iter_mut().skip(count.into()).for_each(|weight| *weight = 0.0);
         let with = ShaftConstants { tracking: own.with_cells_of(&constants.tracking.blocks), ..constants.clone() };
         let least = best + if found.is_none() { BETTER } else { 0.0 };
         let gained = pulses.gain(bench, &with, &some, &bench.run_all(&with, &some)?)?;
         if gained > least {
-            (best, found) = (gained, Some((own, with)));
+            (best, found) = (gained, Some(own));
         }
     }
     Ok(found)

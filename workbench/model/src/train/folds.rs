@@ -22,13 +22,15 @@ pub struct Validation {
     /// Unit (drive) of each training trace, which contains whole groups and stays in one fold; if empty, groups do.
     pub units: Vec<String>,
     /// Columns of the labels that may tell runs, each with the cell of every trace, if no groups are given: healthy
-    /// traces are then tested for dependence, and for another population. `None` takes them for independent.
+    /// traces are then tested for dependence. `None` takes them for independent.
     pub columns: Option<Vec<(String, Vec<String>)>>,
+    /// Whether healthy traces of another population are looked for, unless they have runs.
+    pub doubted: bool,
 }
 
 impl Default for Validation {
     fn default() -> Self {
-        Self { folds: 10, seed: 1, groups: vec![], units: vec![], columns: None }
+        Self { folds: 10, seed: 1, groups: vec![], units: vec![], columns: None, doubted: false }
     }
 }
 

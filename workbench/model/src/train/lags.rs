@@ -9,7 +9,7 @@
 //! to all signals has no effect on (1), so the least lag is zero.
 
 use bearing_watch::model::{Lags, MAX_LAG};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, SMatrix};
 
 use crate::grey_box::filter::LowPass;
 use crate::trace::{MotionTrace, bridged};
@@ -19,17 +19,23 @@ const TRACES: usize = 8;
 /// Samples from row to row.
 const ROW: usize = 5;
 
-/// Filtered signals of one trace.
-struct Signals {
-    current: Vec<f64>,
-    /// ω̇, ω, s.
-    motion: [Vec<f64>; 3],
-    /// T, |T| s.
-    load: [Vec<f64>; 2],
-    settle: usize,
+/// Shifts of a signal by whole samples, so that lines between them reach the largest lag.
+const SHIFTS: usize = MAX_LAG as usize + 1;
+/// i, ω̇, ω, s, T, |T| s.
+const SIGNALS: usize = 6;
+/// The regressors of (1), and the current.
+const COLUMNS: usize = SIGNALS + 1;
+
+/// Products of the filtered signals of one trace, each shifted by 0 to 5 samples, and of a constant.
+///
+/// A signal at a lag is a line between two shifts, so that its products with others are sums of these: a trace is read
+/// once, and not for each lag.
+struct Products {
+    gram: DMatrix<f64>,
+    rows: usize,
 }
 
-impl Signals {
+impl Products {
     /// `cutoff` in cycles per sample.
     fn new(trace: &MotionTrace, cutoff: f64, sign_velocity_rad_s: f64) -> Self {
         let filter = LowPass::butterworth(1, cutoff);
@@ -37,58 +43,65 @@ impl Signals {
             [&trace.current_a, &trace.velocity_rad_s, &trace.load_nm].map(|signal| bridged(signal));
         let sign: Vec<f64> = velocity.iter().map(|w| (w / sign_velocity_rad_s).clamp(-1.0, 1.0)).collect();
         let friction: Vec<f64> = load_nm.iter().zip(&sign).map(|(t, s)| t.abs() * s).collect();
-        Self {
-            current: filter.forward(&current),
-            motion: [filter.derivative(&velocity), filter.forward(&velocity), filter.forward(&sign)],
-            load: [filter.forward(&load_nm), filter.forward(&friction)],
-            settle: (1.6 / cutoff).ceil() as usize,
-        }
+        let signals: [Vec<f64>; SIGNALS] = [
+            filter.forward(&current),
+            filter.derivative(&velocity),
+            filter.forward(&velocity),
+            filter.forward(&sign),
+            filter.forward(&load_nm),
+            filter.forward(&friction),
+        ];
+        let settle = (1.6 / cutoff).ceil() as usize;
+        let last = current.len().saturating_sub(MAX_LAG as usize + 2);
+        let rows: Vec<usize> = (settle..last).step_by(ROW).collect();
+        let x = DMatrix::from_fn(rows.len(), 1 + SIGNALS * SHIFTS, |row, column| match column.checked_sub(1) {
+            None => 1.0,
+            Some(place) => signals[place / SHIFTS][rows[row] + place % SHIFTS],
+        });
+        Self { gram: x.tr_mul(&x), rows: rows.len() }
     }
 
-    /// Adds the squares of the residual of (1) and their number to `sum`.
+    /// The squares of the residual of (1) and their number.
     fn residual(&self, lags: [f64; 3]) -> (f64, f64) {
-        let [current, velocity, load] = lags;
-        let last = self.current.len().saturating_sub(MAX_LAG as usize + 2);
-        let rows: Vec<usize> = (self.settle..last).step_by(ROW).collect();
-        let columns = 6;
-        if rows.len() < 2 * columns {
+        if self.rows < 2 * SIGNALS {
             return (0.0, 0.0);
         }
-        let cell = |row: usize, column: usize| match column {
-            0 => 1.0,
-            1..=3 => at(&self.motion[column - 1], rows[row], velocity),
-            _ => at(&self.load[column - 4], rows[row], load),
-        };
-        let x = DMatrix::from_fn(rows.len(), columns, cell);
-        let y = DVector::from_iterator(rows.len(), rows.iter().map(|&k| at(&self.current, k, current)));
-        let (mut gram, right) = (x.tr_mul(&x), x.tr_mul(&y));
+        let [current, velocity, load] = lags;
+        // The current last; the constant is its own shift.
+        let lags = [velocity, velocity, velocity, load, load, current];
+        let signals = [1, 2, 3, 4, 5, 0];
+        let mut weights = [[(0, 1.0), (0, 0.0)]; COLUMNS];
+        for ((weights, signal), lag) in weights[1..].iter_mut().zip(signals).zip(lags) {
+            let (shift, part) = (1 + signal * SHIFTS + lag.floor() as usize, lag.fract());
+            *weights = [(shift, 1.0 - part), (shift + 1, part)];
+        }
+        let products = SMatrix::<f64, COLUMNS, COLUMNS>::from_fn(|row, column| {
+            let pairs = weights[row].iter().flat_map(|one| weights[column].iter().map(move |other| (one, other)));
+            pairs.map(|((one, a), (other, b))| a * b * self.gram[(*one, *other)]).sum()
+        });
+        let mut gram = products.fixed_view::<SIGNALS, SIGNALS>(0, 0).into_owned();
+        let right = products.fixed_view::<SIGNALS, 1>(0, SIGNALS).into_owned();
         // Signals that are not excited have dependent columns; so small a ridge has no effect on the others.
         let ridge = 1e-9 * gram.diagonal();
         gram.set_diagonal(&(gram.diagonal() + ridge.add_scalar(1e-12)));
         let solved = gram.cholesky().map_or(0.0, |factor| right.dot(&factor.solve(&right)));
-        ((y.norm_squared() - solved).max(0.0), rows.len() as f64)
+        ((products[(SIGNALS, SIGNALS)] - solved).max(0.0), self.rows as f64)
     }
-}
-
-/// Value at sample `k` + `lag`.
-fn at(x: &[f64], k: usize, lag: f64) -> f64 {
-    let (whole, part) = (lag.floor() as usize, lag.fract());
-    x[k + whole] + part * (x[k + whole + 1] - x[k + whole])
 }
 
 /// Returns the lags with the least residual. `cutoff` in cycles per sample.
 pub(super) fn best(traces: &[&MotionTrace], cutoff: f64, sign_velocity_rad_s: f64) -> Lags {
-    let signals: Vec<Signals> =
-        traces.iter().take(TRACES).map(|trace| Signals::new(trace, cutoff, sign_velocity_rad_s)).collect();
+    let products: Vec<Products> =
+        traces.iter().take(TRACES).map(|trace| Products::new(trace, cutoff, sign_velocity_rad_s)).collect();
     let cost = |lags: [f64; 3]| {
-        let parts = signals.iter().map(|own| own.residual(lags));
+        let parts = products.iter().map(|trace| trace.residual(lags));
         parts.map(|(squares, rows)| if rows > 0.0 { (squares / rows).max(1e-300).ln() } else { 0.0 }).sum::<f64>()
     };
     let mut lags = [0.0; 3];
     for step in [0.5, 0.1] {
         for _ in 0..3 {
-            for own in 0..3 {
-                lags = along(&cost, lags, own, step);
+            for signal in 0..3 {
+                lags = along(&cost, lags, signal, step);
             }
         }
     }
@@ -97,11 +110,11 @@ pub(super) fn best(traces: &[&MotionTrace], cutoff: f64, sign_velocity_rad_s: f6
 }
 
 /// The best lags along one of them; if the others are above zero, all are shifted so that the least is zero.
-fn along(cost: &impl Fn([f64; 3]) -> f64, from: [f64; 3], own: usize, step: f64) -> [f64; 3] {
+fn along(cost: &impl Fn([f64; 3]) -> f64, from: [f64; 3], signal: usize, step: f64) -> [f64; 3] {
     let reach = if step > 0.3 { (f64::from(MAX_LAG) / step) as i32 } else { 6 };
     let tried = (-reach..=reach).filter_map(|k| {
         let mut lags = from;
-        lags[own] += step * f64::from(k);
+        lags[signal] += step * f64::from(k);
         let least = lags.iter().copied().fold(f64::MAX, f64::min);
         // Rounded, so that steps add up to tenths.
         let lags = lags.map(|lag| ((lag - least) * 10.0).round() / 10.0);

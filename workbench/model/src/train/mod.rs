@@ -64,7 +64,7 @@ mod velocity_source;
 use crate::Error;
 use crate::trace::labels::LabelledTrace;
 
-pub use automatic::{Automatic, Detected, Rival};
+pub use automatic::{Automatic, Detected, Rival, Temperature};
 pub use compose::compose;
 pub use contamination::Doubted;
 pub use core_features::row as features_of;
@@ -93,6 +93,17 @@ pub use statistics::ClassStatistics;
 pub use table::{AffineMap, FeatureTable};
 pub use trained::Trained;
 pub use velocity_source::VelocitySource;
+
+/// Judges which of the covariates of a recipe, means of temperatures, explain the features of healthy traces.
+///
+/// # Errors
+/// As [`train`].
+pub fn temperatures(traces: &[LabelledTrace], classes: &[String], recipe: &Recipe) -> Result<Vec<Temperature>, Error> {
+    let mut estimates = Estimates::of(traces, classes, recipe)?;
+    let watched = automatic::watched(&estimates);
+    estimates.take_runs(&watched)?;
+    automatic::temperature::judged(&estimates)
+}
 
 /// Trains on prepared traces.
 ///

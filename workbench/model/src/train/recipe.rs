@@ -30,6 +30,8 @@ pub struct Recipe {
     pub features: Vec<String>,
     /// Names of the features that explain a part of the others.
     pub covariates: Vec<String>,
+    /// Whether training itself proposes the covariates, and may leave them out.
+    pub offered: bool,
     /// Names of the features that a defect only raises, besides scores and amplitudes of bearing orders: the gate
     /// judges them upwards only, given the other features.
     pub rising: Vec<String>,
@@ -65,6 +67,7 @@ impl Recipe {
             automatic: false,
             features: vec![],
             covariates: vec![],
+            offered: false,
             rising: vec![],
             projection: ProjectionKind::None,
             discriminant: Kind::Linear,

@@ -32,17 +32,18 @@ pub(super) fn model(
     plan: &ShaftPlan,
     wiring: &Wiring,
 ) -> Result<(ShaftLayout, ShaftConstants<RunTime>), Error> {
-    with_balance(traces, sizes, plan, wiring, |bench, constants, own| {
+    let found = with_balance(traces, sizes, plan, wiring, |bench, constants, own| {
         if plan.orders.is_empty() {
-            return Ok((layout(plan, wiring)?, constants));
+            return Ok(Ok((layout(plan, wiring)?, constants)));
         }
         let constants = filters::best(bench, constants, own)?;
-        // Other harmonics have other noise, for which other filters are best.
-        Ok(match fewer_harmonics::chosen(bench, plan, &constants, own)? {
-            Some((fewer, constants)) => (layout(&fewer, wiring)?, filters::best(bench, constants, own)?),
-            None => (layout(plan, wiring)?, constants),
-        })
-    })
+        match fewer_harmonics::chosen(bench, plan, &constants, own)? {
+            Some(fewer) => Ok(Err(fewer)),
+            None => Ok(Ok((layout(plan, wiring)?, constants))),
+        }
+    })?;
+    // Other harmonics have other noise, for which other filters are best: as if they had been given.
+    found.or_else(|fewer| model(traces, sizes, &fewer, wiring))
 }
 
 /// Returns the cost of [`filters`] with this plan.
@@ -122,9 +123,10 @@ fn untrained(traces: &[&MotionTrace], interval_s: f64, plan: &ShaftPlan) -> Resu
     }
     let cutoff = plan.cutoff_hz * interval_s;
     let low_pass = LowPass::butterworth(1, cutoff);
-    let slopes: Vec<f64> = traces.iter().flat_map(|t| low_pass.derivative(&t.velocity_rad_s)).collect();
-    let finite = || slopes.iter().filter(|x| x.is_finite());
-    let acceleration = (finite().map(|x| x * x).sum::<f64>() / finite().count().max(1) as f64).sqrt() / interval_s;
+    // The filter would not forget a missing sample: it starts anew after each.
+    let runs = traces.iter().flat_map(|t| t.velocity_rad_s.split(|x| !x.is_finite()));
+    let slopes: Vec<f64> = runs.flat_map(|run| low_pass.derivative(run)).collect();
+    let acceleration = (slopes.iter().map(|x| x * x).sum::<f64>() / slopes.len().max(1) as f64).sqrt() / interval_s;
     let power_of_two = |rms: f64| if rms > 0.0 { (-rms.log2().round()).exp2() as f32 } else { 1.0 };
     let (load, current) = (rms(|t| &t.load_nm), rms(|t| &t.current_a));
     let columns = [acceleration, velocity, 1.0, load, 1.0, load, 1.0];
@@ -166,4 +168,29 @@ pub(super) fn velocity_noise(traces: &[&MotionTrace]) -> f64 {
 
 fn tracking(traces: &[&MotionTrace], plan: &ShaftPlan, sign_velocity: f64) -> Tracking<RunTime> {
     plan.tracking(median(traces.iter().map(|trace| trace.turns()).collect()), 1.2 * sign_velocity)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_runs_of_valid_samples_tell_the_acceleration() {
+        // A constant velocity for a second, then one that vibrates at 1 Hz.
+        let velocity = |k: usize| if k < 500 { 40.0 } else { 40.0 + 20.0 * (0.0126 * k as f64).sin() };
+        let of = |missing: &[usize]| {
+            let mut velocity_rad_s: Vec<f64> = (0..5000).map(velocity).collect();
+            missing.iter().for_each(|&k| velocity_rad_s[k] = f64::NAN);
+            let zeros = || vec![0.0; 5000];
+            let (load_nm, angle_rad) = (zeros(), zeros());
+            let motion =
+                MotionTrace { velocity_rad_s, current_a: vec![1.0; 5000], load_nm, angle_rad, reference_rad_s: vec![] };
+            let constants = untrained(&[&motion], 0.002, &ShaftPlan::new(vec![])).expect("a shaft that moves");
+            (constants.balance.scale[0], constants.balance.prior[0])
+        };
+        let (whole, part) = (of(&[]), of(&[100, 2000, 2001, 4000]));
+        assert_eq!(whole.0, part.0);
+        // The filter settles again after three gaps, in some 250 of 5000 samples each.
+        assert!((part.1 / whole.1 - 1.0).abs() < 0.15, "{whole:?} {part:?}");
+    }
 }

@@ -17,6 +17,7 @@
 //! number, and the limit of the largest |r|/sd, are quantiles of 4000 seeded draws of all tested lags from their joint
 //! normal distribution; a true model exceeds each of them in 0.5 % of records.
 
+use std::cell::RefCell;
 use std::ops::RangeInclusive;
 
 use nalgebra::{DMatrix, DVector};
@@ -152,8 +153,7 @@ fn null(sources: &DMatrix<f64>) -> (usize, f64) {
     let eigen = sources.tr_mul(sources).symmetric_eigen();
     let roots = eigen.eigenvalues.map(|value| value.max(0.0).sqrt());
     let factor = eigen.eigenvectors * DMatrix::from_diagonal(&roots);
-    let mut rng = ChaCha8Rng::seed_from_u64(0);
-    let drawn = factor * DMatrix::from_fn(size, DRAWS, |_, _| StandardNormal.sample(&mut rng));
+    let drawn = with_normals(size, |normals| factor * normals);
     let mut counts: Vec<usize> = drawn
         .column_iter()
         .map(|d: nalgebra::DVectorView<f64>| d.iter().filter(|x| x.abs() > NORMAL_99).count())
@@ -163,6 +163,22 @@ fn null(sources: &DMatrix<f64>) -> (usize, f64) {
     largest.sort_by(f64::total_cmp);
     let place = DRAWS - DRAWS / 200 - 1;
     (counts[place], largest[place])
+}
+
+thread_local! {
+    /// The last draws: a study tests many records at the same lags, and the draws take longer than the rest of the test.
+    static NORMALS: RefCell<DMatrix<f64>> = RefCell::new(DMatrix::zeros(0, 0));
+}
+
+/// Gives `use_them` the draws for so many lags, `size` × `DRAWS` standard normal numbers that depend on `size` only.
+fn with_normals<T>(size: usize, use_them: impl FnOnce(&DMatrix<f64>) -> T) -> T {
+    NORMALS.with_borrow_mut(|normals| {
+        if normals.nrows() != size {
+            let mut rng = ChaCha8Rng::seed_from_u64(0);
+            *normals = DMatrix::from_fn(size, DRAWS, |_, _| StandardNormal.sample(&mut rng));
+        }
+        use_them(normals)
+    })
 }
 
 #[cfg(test)]

@@ -3,6 +3,8 @@
 //! Results enter, plain text leaves; command line and page have the same sentences.
 
 pub mod evaluation;
+pub mod folder;
+pub mod live;
 pub mod models;
 pub mod recordings;
 pub mod replay;

@@ -1,15 +1,13 @@
 //! Series in stacked panels over one horizontal axis: signals over time with events, spectra, rates over a size.
 
-use serde_json::json;
-
 use super::super::ReportError;
-use super::figure::{Figure, text};
+use super::events::{Event, mark};
+use super::figure::Figure;
 use super::numbers::{Range, usable};
 use super::plotly::{Axis, AxisType};
 use super::series::{Drawing, Series, x_range, y_range};
-use super::stack::{Across, Row, axis_name, stack, vertical};
+use super::stack::{Across, Row, axis_name, stack_below, vertical};
 use super::strip::Strip;
-use super::theme::{INK, PAPER, SOFT};
 
 /// Heights in pixels: of a plot of lines, of a single panel of signals, of one of several.
 const LINES: f64 = 320.0;
@@ -36,15 +34,6 @@ impl Panel {
     pub fn new(label: impl Into<String>, series: Vec<Series>) -> Self {
         Self { label: label.into(), series }
     }
-}
-
-/// A moment that is marked in all panels.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Event {
-    /// Place on the horizontal axis.
-    pub at: f64,
-    /// Short text at the mark; may be empty.
-    pub name: String,
 }
 
 /// A line plot with one vertical axis. The axis titles should contain the unit, for example `speed / rad·s⁻¹`.
@@ -183,9 +172,7 @@ fn stacked(
     for strip in strips {
         rows.push(strip.draw(&mut figure, rows.len(), x));
     }
-    for event in events.iter().filter(|event| usable(event.at)) {
-        mark(&mut figure, x.rounded(event.at), &event.name, (x, rows.len()));
-    }
+    let lanes = mark(&mut figure, events, (x, rows.len()));
     if all().any(|series| series.is_reduced(x, columns)) {
         figure
             .notes
@@ -194,35 +181,14 @@ fn stacked(
     figure.note_gaps(all().map(Series::missing).sum());
     figure.note_outside(outside);
     let axis = if axes.logarithmic { Axis::new().type_(AxisType::Log).dtick(1.0) } else { Axis::new().range(x.axis()) };
-    stack(&mut figure, Across { label: axes.label, axis }, rows, true);
+    stack_below(&mut figure, Across { label: axes.label, axis }, rows, (true, lanes));
     Ok(figure.html())
-}
-
-/// A vertical line through every panel, not through their labels, with its name at the top.
-fn mark(figure: &mut Figure, at: f64, name: &str, (x, rows): (Range, usize)) {
-    for row in 0..rows {
-        figure.push(
-            "shapes",
-            json!({ "type": "line", "x0": at, "x1": at, "xref": "x", "y0": 0, "y1": 1,
-                    "yref": format!("{} domain", axis_name(row)),
-                    "line": { "color": SOFT, "width": 1, "dash": "dot" } }),
-        );
-    }
-    if name.is_empty() {
-        return;
-    }
-    // Beside the label of the first panel, or in the panel where that label would be covered.
-    let part = (at - x.lo) / x.width();
-    let (side, place) = (if part > 0.75 { "right" } else { "left" }, if part > 0.35 { "bottom" } else { "top" });
-    figure.push(
-        "annotations",
-        json!({ "text": text(name), "x": at, "xref": "x", "xanchor": side, "y": 1, "yref": "paper", "yanchor": place,
-                "showarrow": false, "textangle": 0, "bgcolor": PAPER, "font": { "color": INK, "size": 11 } }),
-    );
 }
 
 #[cfg(test)]
 mod tests {
+    use serde_json::json;
+
     use super::super::super::palette::{Color, Marker};
     use super::super::super::well_formed::check;
     use super::super::figure::{drawn, named};
@@ -275,17 +241,6 @@ mod tests {
         // A view without any part of the range shows all.
         let whole = lines_within([1e6, 2e6], "t", "x", "y", &[values]).expect("finite");
         assert!(!whole.contains("outside the first view"));
-    }
-
-    #[test]
-    fn events_are_marked_in_every_panel_and_named_once() {
-        let panels = ["x", "y"].map(|label| Panel::new(label, vec![series(&[1.0, 2.0, 3.0])]));
-        let event = Event { at: 1.5e-3, name: "ALARM".into() };
-        let html = timeline("t", "time / s", &panels, &[], &[event]).expect("finite");
-        let layout = &drawn(&html)["layout"];
-        let places: Vec<_> = layout["shapes"].as_array().expect("lines").iter().map(|line| &line["yref"]).collect();
-        assert_eq!(places, ["y domain", "y2 domain"]);
-        assert_eq!(html.matches("ALARM").count(), 1);
     }
 
     #[test]

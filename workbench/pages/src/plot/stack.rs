@@ -5,7 +5,7 @@ use serde_json::json;
 use super::figure::{Figure, text};
 use super::numbers::Range;
 use super::plotly::Axis;
-use super::theme::{BOTTOM, SOFT, TOP};
+use super::theme::{BOTTOM, LANE, SOFT, TOP};
 
 /// Between two panels, for the label of the lower one; height of the legend.
 const GAP: f64 = 30.0;
@@ -31,6 +31,11 @@ pub(super) fn axis_name(row: usize) -> String {
 
 /// Adds the axes of the panels to a figure, with their labels, and sets its height.
 pub(super) fn stack(figure: &mut Figure, across: Across, rows: Vec<Row>, legend: bool) {
+    stack_below(figure, across, rows, (legend, 0));
+}
+
+/// The same below so many lanes of names of events.
+pub(super) fn stack_below(figure: &mut Figure, across: Across, rows: Vec<Row>, (legend, lanes): (bool, u32)) {
     let count = rows.len();
     let inner = rows.iter().map(|row| row.height).sum::<f64>() + GAP * count.saturating_sub(1) as f64;
     let bottom_axis = axis_name(count.saturating_sub(1));
@@ -48,11 +53,12 @@ pub(super) fn stack(figure: &mut Figure, across: Across, rows: Vec<Row>, legend:
         figure.push("annotations", label(&row.label, top));
         top = end - GAP / inner;
     }
-    let above = if legend { LEGEND } else { 0 };
+    let names = LANE * lanes;
+    let above = names + if legend { LEGEND } else { 0 };
     if legend {
-        figure.legend(inner, 22.0);
-        figure.set("margin", json!({ "l": 56, "r": 38, "t": TOP + above, "b": BOTTOM }));
+        figure.legend(inner, 22.0 + f64::from(names));
     }
+    figure.set("margin", json!({ "l": 56, "r": 38, "t": TOP + above, "b": BOTTOM }));
     // One cursor through all panels, with the values of all of them.
     figure.set("hovermode", json!("x unified"));
     figure.set("hoversubplots", json!("axis"));

@@ -12,6 +12,9 @@ pub(super) const CLEAR: &str = "rgba(0,0,0,0)";
 /// Space above the first panel, for its label; around the figure.
 pub(super) const TOP: u32 = 30;
 pub(super) const BOTTOM: u32 = 46;
+/// Height of the label of a panel, and of a lane of names of events above it.
+pub(super) const LABEL: u32 = 18;
+pub(super) const LANE: u32 = 15;
 
 /// The layout before the axes of a figure are added.
 pub(super) fn layout() -> Value {

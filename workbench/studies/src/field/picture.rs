@@ -10,41 +10,65 @@ use pages::plot::{SizeSeries, multiples};
 /// The caption of the figure.
 const TITLE: &str = "Detected records over the size of the defect (1 is full size), with 95 % intervals";
 
-/// Draws the table in this text.
+/// A row of the table.
+#[derive(Clone, Debug)]
+pub struct FieldRow {
+    /// The condition.
+    pub name: String,
+    /// Rate of false alarms; `None` if training refused the set.
+    pub false_alarms: Option<Rate>,
+    /// Kind and size of each defect, and the rate of detected records.
+    pub defects: Vec<(String, f64, Rate)>,
+}
+
+/// Reads the table in this text.
 ///
 /// # Errors
 /// [`Error::Usage`] if there is no such table, or a cell is no rate.
-pub fn rates(text: &str) -> Result<String, Error> {
-    let refused = |what: &str| Error::Usage(format!("no table of the field: {what}"));
+pub fn table(text: &str) -> Result<Vec<FieldRow>, Error> {
     let mut lines = text.lines().skip_while(|line| !line.trim_start().starts_with("false alarms"));
     let head: Vec<&str> = grid_cells(lines.next().ok_or_else(|| refused("no column `false alarms`"))?);
-    let mut panels = Vec::new();
+    let mut rows = Vec::new();
     for line in lines.take_while(|line| line.starts_with("  ")) {
         let row = grid_cells(line);
         let Some((name, values)) = row.split_first() else { continue };
-        let mut series: Vec<SizeSeries> = Vec::new();
-        for (heading, value) in head.iter().zip(values) {
-            let Some((kind, size)) = heading.split_once(' ').and_then(|(kind, size)| Some((kind, fraction(size)?)))
-            else {
-                continue;
-            };
-            if *value == "refused" {
-                continue;
+        let mut own = FieldRow { name: (*name).to_owned(), false_alarms: None, defects: vec![] };
+        for (heading, value) in head.iter().zip(values).filter(|(_, value)| **value != "refused") {
+            let rate = || interval(value).ok_or_else(|| refused(&format!("{name}, {heading}: {value}")));
+            match heading.split_once(' ').and_then(|(kind, size)| Some((kind, fraction(size)?))) {
+                Some((kind, size)) => own.defects.push((kind.to_owned(), size, rate()?)),
+                None if *heading == "false alarms" => own.false_alarms = Some(rate()?),
+                None => {}
             }
-            let rate = interval(value).ok_or_else(|| refused(&format!("{name}, {heading}: {value}")))?;
+        }
+        rows.push(own);
+    }
+    if rows.is_empty() { Err(refused("no rows")) } else { Ok(rows) }
+}
+
+/// Draws the table in this text.
+///
+/// # Errors
+/// Those of [`table`].
+pub fn rates(text: &str) -> Result<String, Error> {
+    let panel = |row: FieldRow| {
+        let mut series: Vec<SizeSeries> = Vec::new();
+        for (kind, size, rate) in row.defects {
             if series.last().is_none_or(|last| last.name != kind) {
-                series.push(SizeSeries { name: kind.into(), rates: vec![] });
+                series.push(SizeSeries { name: kind, rates: vec![] });
             }
             if let Some(last) = series.last_mut() {
                 last.rates.push((size, rate));
             }
         }
-        panels.push(((*name).to_owned(), series));
-    }
-    if panels.is_empty() {
-        return Err(refused("no rows"));
-    }
+        (row.name, series)
+    };
+    let panels: Vec<_> = table(text)?.into_iter().map(panel).collect();
     multiples(TITLE, "detected records / %", &panels).map_err(|error| refused(&error.to_string()))
+}
+
+fn refused(what: &str) -> Error {
+    Error::Usage(format!("no table of the field: {what}"))
 }
 
 /// `1` or `1/8`.

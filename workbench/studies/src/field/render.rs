@@ -98,16 +98,18 @@ fn counted_as_error(tallies: &[Tally]) -> Vec<Tally> {
 pub fn text(findings: &[Findings], settings: &Settings) -> String {
     let Settings { draws, healthy_training, healthy, defects_training, .. } = settings;
     let title = format!(
-        "Gate of {healthy_training} healthy records at {} %: detected, % [95 % interval]; {draws} draws of {healthy} \
+        "{} {healthy_training} healthy records at {} %: detected, % [95 % interval]; {draws} draws of {healthy} \
          healthy records and {} of each defect; features {}",
+        if settings.default { "Default gate of" } else { "Gate of" },
         100.0 * FALSE_ALARM,
         settings.defects,
-        features(settings).join(", ")
+        features(settings).map_or("chosen by training".into(), |features| features.join(", "))
     );
     let mut out = gate_grid(&title, findings);
     let title = format!(
-        "Three classes of {healthy_training}, {defects_training} and {defects_training} records with full-size \
-         defects: error, % [95 % interval]"
+        "{} of {healthy_training}, {defects_training} and {defects_training} records with full-size defects: error, % \
+         [95 % interval]",
+        if settings.default { "Default for three classes" } else { "Three classes" }
     );
     out += &class_grid(&title, findings);
     let lines = findings.iter().flat_map(|own| own.refusals().into_iter().map(move |refusal| (own, refusal)));
@@ -144,8 +146,9 @@ fn class_grid(title: &str, findings: &[Findings]) -> String {
     if rows.is_empty() { String::new() } else { grid(title, &head, &rows) }
 }
 
-fn features(settings: &Settings) -> Vec<String> {
-    chosen(&settings.features, &GATE_FEATURES)
+/// None if training chooses them.
+fn features(settings: &Settings) -> Option<Vec<String>> {
+    (!settings.default).then(|| chosen(&settings.features, &GATE_FEATURES))
 }
 
 /// One row of counts for each row of the table, draw and column.

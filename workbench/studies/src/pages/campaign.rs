@@ -3,12 +3,13 @@
 use crate::campaign::experiments::{Judge, part};
 use crate::campaign::render::{ALARM_HEAD, HEAD, RATE_HEAD, alarm_cells, cells, groups, rate_rows, rate_title};
 use crate::campaign::{Figure, Findings};
-use crate::field::picture::rates;
+use crate::field::picture::{FieldRow, rates, table};
+use crate::field::recipe::FALSE_ALARM;
 use model::Error;
 use pages::page::{Page, or_reason, paragraph};
 use pages::palette::{Color, Marker};
 use pages::plot::{self, Series};
-use pages::table;
+use pages::table as html;
 
 /// One self-contained page with tables and plots.
 #[must_use]
@@ -22,14 +23,14 @@ pub fn page(findings: &Findings) -> String {
     let mut page = Page::new("bearing-watch: campaign on the standard rig").conclusion(conclusion(findings)).lead(lead);
     for (name, figures) in groups(findings) {
         let rows: Vec<Vec<String>> = figures.iter().map(|figure| cells(figure)).collect();
-        page = page.section(name, &(table::table(&HEAD, &rows) + &sizes(name, &figures)));
+        page = page.section(name, &(html::table(&HEAD, &rows) + &sizes(name, &figures)));
     }
     let rows: Vec<Vec<String>> = findings.alarms.iter().map(alarm_cells).collect();
     let words =
         "Records follow each other through gate and evidence; the mean time between false alarms is set to 1000 h.";
-    page = page.section("Alarm", &(paragraph(words) + &table::table(&ALARM_HEAD, &rows)));
+    page = page.section("Alarm", &(paragraph(words) + &html::table(&ALARM_HEAD, &rows)));
     for rates in &findings.rates {
-        page = page.section(rate_title(rates), &table::table(&RATE_HEAD, &rate_rows(rates)));
+        page = page.section(rate_title(rates), &html::table(&RATE_HEAD, &rate_rows(rates)));
     }
     page.render()
 }
@@ -91,6 +92,51 @@ fn sizes(name: &str, figures: &[&Figure]) -> String {
 /// # Errors
 /// [`Error::Usage`] if the text has no such table.
 pub fn field_page(text: &str) -> Result<String, Error> {
-    let page = Page::new("bearing-watch: conditions of the field");
+    let page = Page::new("bearing-watch: conditions of the field").conclusion(field_conclusion(&table(text)?));
     Ok(page.section("Detected records", &rates(text)?).render())
+}
+
+/// Under which conditions the gate has more false alarms than set, and under which the full defects stay hidden.
+fn field_conclusion(rows: &[FieldRow]) -> String {
+    let all = rows.len();
+    let loud: Vec<&FieldRow> =
+        rows.iter().filter(|row| row.false_alarms.is_some_and(|own| own.low > FALSE_ALARM)).collect();
+    let is_hidden = |row: &&FieldRow| row.defects.iter().any(|(_, size, found)| *size >= 1.0 && found.high < 1.0);
+    let hidden: Vec<&FieldRow> = rows.iter().filter(is_hidden).collect();
+    let named = |rows: &[&FieldRow]| rows.first().map_or_else(String::new, |row| format!(", first {}", row.name));
+    let set = 100.0 * FALSE_ALARM;
+    let alarms = match loud.len() {
+        0 => format!("Under none of {all} conditions are the false alarms above the set {set} % (95 % intervals)."),
+        count => format!(
+            "Under {count} of {all} conditions the false alarms are above the set {set} % (95 % interval){}.",
+            named(&loud)
+        ),
+    };
+    let found = match hidden.len() {
+        0 => "Every defect of full size is found under each of them.".to_owned(),
+        count => format!("Under {count}, a defect of full size is not always found{}.", named(&hidden)),
+    };
+    let next = if loud.is_empty() && hidden.is_empty() {
+        "Look at the smallest sizes for what a drive of yours can show."
+    } else {
+        "Record healthy drives under these conditions before you rely on the detector there."
+    };
+    format!("{alarms} {found} {next}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_page_of_the_field_begins_with_what_it_shows() {
+        let text = "Gate: detected\n        false alarms    spall 1              spall 1/2\n  mix   1.0 [0.5, 2.2]  \
+                    100.0 [96.9, 100.0]  50.0 [40.0, 60.0]\n  slip  4.0 [2.5, 6.2]  80.0 [70.0, 88.0]  5.0 [1.0, 9.0]\n";
+        let words = field_conclusion(&table(text).expect("a table"));
+        assert!(words.starts_with("Under 1 of 2 conditions the false alarms are above the set 1 %"), "{words}");
+        assert!(words.contains("first slip.") && words.contains("Under 1, a defect of full size is not always found"));
+        let good = field_conclusion(&table(&text.replace("  slip  4.0 [2.5", "  slip  1.2 [0.5")).expect("a table"));
+        assert!(good.starts_with("Under none of 2 conditions"), "{good}");
+        assert!(field_page(text).is_ok_and(|page| page.contains("class=\"conclusion\"")));
+    }
 }

@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use crate::tables::render::written;
-use crate::tables::result::{Curve, Curves, Figure, Plane, PlaneClass, Spread};
+use crate::tables::result::{Cell, Curve, Curves, Figure, Plane, PlaneClass, Row, Spread};
 use crate::tables::{Settings, Table};
 use pages::page::{Page, or_reason, paragraph};
 use pages::palette::Color;
@@ -18,12 +18,39 @@ pub fn page(settings: &Settings, intro: &[String], tables: &[Table]) -> String {
          one draw.",
         settings.repetitions, settings.seed
     );
-    let mut page = Page::new("bearing-watch: the source's tables beside ours").lead(lead);
+    let mut page =
+        Page::new("bearing-watch: the source's tables beside ours").conclusion(conclusion(tables)).lead(lead);
     page = page.section("How to read the tables", &intro.iter().map(|words| paragraph(words)).collect::<String>());
     for one in tables {
         page = page.section(&one.title, &section(one));
     }
     page.render()
+}
+
+/// How the reproduced errors lie beside the published ones, and the largest of ours.
+fn conclusion(tables: &[Table]) -> String {
+    let Some(overview) = tables.iter().find(|table| table.id == "overview") else {
+        return "None of these tables has rates of wrong decisions: their notes say how the figures compare.".into();
+    };
+    let place = |name: &str| overview.columns.iter().position(|column| column.name == name);
+    let cell = |row: &Row, name: &str| place(name).and_then(|place| row.cells.get(place)).cloned();
+    let mean = |row: &Row, name: &str| cell(row, name).and_then(|own| own.statistic()).map(|own| own.mean);
+    let published = |row: &Row| match cell(row, "published") {
+        Some(Cell::Published(value)) => Some(value),
+        _ => None,
+    };
+    let pairs: Vec<(f64, f64)> =
+        overview.rows.iter().filter_map(|row| Some((published(row)?, mean(row, "source's method")?))).collect();
+    let more = pairs.iter().filter(|(published, found)| found > published).count();
+    let ours = overview.rows.iter().filter_map(|row| Some((mean(row, "ours")?, row.name.as_str())));
+    let ours = ours.max_by(|one, other| one.0.total_cmp(&other.0)).map_or_else(String::new, |(worst, name)| {
+        format!(" The largest error of ours is {worst:.1} %, in {}.", name.split(':').next().unwrap_or(name))
+    });
+    format!(
+        "Of {} published rates of wrong decisions, the source's method exceeds {more} on the simulated rigs.{ours} The \
+         note below each table says how far a difference is more than chance: read it before you compare.",
+        pairs.len()
+    )
 }
 
 fn section(one: &Table) -> String {

@@ -27,7 +27,7 @@ const SECONDARY: [&str; 6] = ["est", "estimated", "2", "error", "err", "filtered
 const NO_LOAD: [&str; 2] = ["power", "motor"];
 
 /// Words of a name, in lower case.
-fn words(name: &str) -> Vec<String> {
+pub(crate) fn words(name: &str) -> Vec<String> {
     let mut words: Vec<String> = vec![String::new()];
     let mut before = ' ';
     for c in name.chars() {

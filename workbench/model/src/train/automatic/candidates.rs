@@ -23,6 +23,13 @@ pub(super) fn features(situation: &Situation) -> Vec<String> {
     [situation.keep(&[situation.around(), &RISING].concat()), situation.orders.clone()].concat()
 }
 
+/// Adds the recipes without the covariates that may be left out, after those with them.
+pub(super) fn with_and_without(recipes: Vec<Recipe>) -> Vec<Recipe> {
+    let may_lack = |recipe: &&Recipe| recipe.offered && !recipe.covariates.is_empty();
+    let without: Vec<Recipe> = recipes.iter().filter(may_lack).cloned().collect();
+    recipes.into_iter().chain(without.into_iter().map(|own| Recipe { covariates: vec![], ..own })).collect()
+}
+
 /// Returns the recipes for a gate of healthy segments alone.
 pub(super) fn of_gate(own: &Estimates<'_>, situation: &Situation) -> Vec<Recipe> {
     let (orders, around) = (&situation.orders, situation.around());

@@ -23,7 +23,7 @@ struct Judged {
 /// # Errors
 /// No recipe can be trained; then the reason of the first one.
 pub(super) fn choose(own: &Estimates<'_>, situation: &Situation) -> Result<(Recipe, Automatic), Error> {
-    let recipes = candidates::of_classes(own, situation);
+    let recipes = candidates::with_and_without(candidates::of_classes(own, situation));
     let mut judged: Vec<Result<Judged, Error>> = recipes.par_iter().map(|recipe| of(own, recipe)).collect();
     let best = judged.iter().flatten().min_by(|a, b| a.cost.total_cmp(&b.cost));
     let Some(limit) = best.map(|best| best.cost + best.error) else {
@@ -32,10 +32,11 @@ pub(super) fn choose(own: &Estimates<'_>, situation: &Situation) -> Result<(Reci
     let chosen = judged.iter().position(|own| own.as_ref().is_ok_and(|own| own.cost <= limit)).unwrap_or(0);
     let rival = |(recipe, judged): (&Recipe, &Result<Judged, Error>)| {
         let judged = judged.as_ref().map(|judged| (judged.cost, vec![]));
-        Rival::of(&recipe.features, Some(judged.map_err(ToString::to_string)))
+        Rival::of(recipe, Some(judged.map_err(ToString::to_string)))
     };
     let rivals = recipes.iter().zip(&judged).map(rival).collect();
-    let why = Automatic { rivals, chosen, held_out: true, by_classes: true, notes: situation.notes.clone() };
+    let notes = situation.notes.clone();
+    let why = Automatic { rivals, chosen, held_out: true, by_classes: true, notes, temperatures: vec![] };
     Ok((recipes[chosen].clone(), why))
 }
 

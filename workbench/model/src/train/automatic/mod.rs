@@ -7,7 +7,8 @@
 //!
 //! Without classes of defects, defects of every kind and size are added to healthy traces ([`defects`]), and the recipe
 //! is best whose gate at the set rate finds the smallest ones ([`power`]). With classes, that with the fewest wrong
-//! decisions ([`classes`]). Both are cross-validated over runs. The recipes that are compared ([`candidates`]) are in
+//! decisions ([`classes`]). Both are cross-validated over runs. Covariates that training itself has offered
+//! ([`temperature`]) are left out if the best recipe is one without them. The recipes that are compared ([`candidates`]) are in
 //! an order: an earlier one is kept unless a later one is clearly better, so that the choice does not depend on chance.
 
 mod candidates;
@@ -15,6 +16,7 @@ mod classes;
 mod defects;
 mod power;
 mod situation;
+pub(super) mod temperature;
 mod why;
 
 use rayon::prelude::*;
@@ -24,7 +26,7 @@ use super::estimates::Estimates;
 use crate::Error;
 use power::Power;
 use situation::Situation;
-pub use why::{Automatic, Detected, Rival};
+pub use why::{Automatic, Detected, Rival, Temperature};
 
 /// A later recipe must find defects that are smaller by this part, in the mean over the kinds.
 const SMALLER: f64 = 0.15;
@@ -38,14 +40,15 @@ pub(super) fn choose(own: &Estimates<'_>) -> Result<(Recipe, Automatic), Error> 
     if own.classes.len() > 1 {
         return classes::choose(own, &situation);
     }
-    let recipes = candidates::of_gate(own, &situation);
+    let recipes = candidates::with_and_without(candidates::of_gate(own, &situation));
     if let [only] = &recipes[..] {
         let why = Automatic {
-            rivals: vec![Rival::of(&only.features, None)],
+            rivals: vec![Rival::of(only, None)],
             chosen: 0,
             held_out: false,
             by_classes: false,
             notes: situation.notes,
+            temperatures: vec![],
         };
         return Ok((only.clone(), why));
     }
@@ -55,10 +58,10 @@ pub(super) fn choose(own: &Estimates<'_>) -> Result<(Recipe, Automatic), Error> 
     let held_out = judged.iter().flatten().all(|own| own.held_out);
     let rival = |(recipe, power): (&Recipe, &Result<Power, Error>)| {
         let judged = power.as_ref().map(|power| (power.rate, power.detected.clone()));
-        Rival::of(&recipe.features, Some(judged.map_err(ToString::to_string)))
+        Rival::of(recipe, Some(judged.map_err(ToString::to_string)))
     };
     let rivals = recipes.iter().zip(&judged).map(rival).collect();
-    let why = Automatic { rivals, chosen, held_out, by_classes: false, notes: situation.notes };
+    let why = Automatic { rivals, chosen, held_out, by_classes: false, notes: situation.notes, temperatures: vec![] };
     Ok((recipes[chosen].clone(), why))
 }
 

@@ -2,6 +2,8 @@
 
 use serde_json::{Value, json};
 
+use crate::train::Recipe;
+
 /// What a recipe finds of one kind of defect.
 #[derive(Clone, Debug)]
 pub struct Detected {
@@ -15,11 +17,24 @@ pub struct Detected {
     pub half_a: f64,
 }
 
+/// A column that is a temperature by its name or unit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Temperature {
+    /// Its name.
+    pub column: String,
+    /// Features with the part of their variance in left-out segments that it explains, largest first.
+    pub explained: Vec<(String, f64)>,
+    /// Why its mean is no covariate; `None` if it is one.
+    pub refused: Option<String>,
+}
+
 /// A recipe that was compared.
 #[derive(Clone, Debug)]
 pub struct Rival {
     /// Its features.
     pub features: Vec<String>,
+    /// Its covariates.
+    pub covariates: Vec<String>,
     /// Rate of held-out healthy segments called novel, or of wrong decisions with classes.
     pub rate: f64,
     /// What it finds of each kind of defect; empty with classes.
@@ -29,14 +44,59 @@ pub struct Rival {
 }
 
 impl Rival {
-    /// With these features; judged by rate and what is found, refused, or neither.
-    pub(super) fn of(features: &[String], judged: Option<Result<(f64, Vec<Detected>), String>>) -> Self {
+    /// Of a recipe, judged by rate and what is found, refused, or neither.
+    pub(super) fn of(recipe: &Recipe, judged: Option<Result<(f64, Vec<Detected>), String>>) -> Self {
         let (rate, detected, refused) = match judged {
             Some(Ok((rate, detected))) => (rate, detected, None),
             Some(Err(reason)) => (f64::NAN, vec![], Some(reason)),
             None => (f64::NAN, vec![], None),
         };
-        Self { features: features.to_vec(), rate, detected, refused }
+        let (features, covariates) = (recipe.features.clone(), recipe.covariates.clone());
+        Self { features, covariates, rate, detected, refused }
+    }
+
+    /// The features, and what covariates they are less of.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let features = self.features.join(", ");
+        match &self.covariates[..] {
+            [] => features,
+            covariates => format!("{features} less what {} explains", covariates.join(" and ")),
+        }
+    }
+
+    /// The mean logarithm of the smallest sizes that it finds.
+    fn log_size(&self) -> f64 {
+        self.detected.iter().map(|one| one.half_a.ln()).sum::<f64>() / self.detected.len().max(1) as f64
+    }
+}
+
+impl Temperature {
+    /// One that is not used.
+    pub(crate) fn refused(column: &str, why: String) -> Self {
+        Self { column: column.into(), explained: vec![], refused: Some(why) }
+    }
+
+    fn words(&self) -> String {
+        let Self { column, explained, refused } = self;
+        if let Some(why) = refused {
+            return format!("temperature {column} is not used: {why}");
+        }
+        let parts: Vec<String> =
+            explained.iter().take(3).map(|(name, part)| format!("{:.0} % of {name}", 100.0 * part)).collect();
+        format!(
+            "temperature {column} is used: it explains, of the variance of left-out segments, {}; the firmware must \
+             give it with each sample, in the unit of the recordings",
+            parts.join(", ")
+        )
+    }
+
+    fn to_json(&self) -> Value {
+        let part = |(feature, part): &(String, f64)| json!({ "feature": feature, "part": part });
+        let explained: Vec<Value> = self.explained.iter().map(part).collect();
+        json!({
+            "column": self.column, "taken": self.refused.is_none(), "explained": explained, "refused": self.refused,
+        })
     }
 }
 
@@ -53,9 +113,20 @@ pub struct Automatic {
     pub by_classes: bool,
     /// What the situation excludes, in words.
     pub notes: Vec<String>,
+    /// The temperatures among the columns.
+    pub temperatures: Vec<Temperature>,
 }
 
 impl Automatic {
+    /// Why the covariates are left out, if recipes without them are better.
+    #[must_use]
+    pub fn without_covariates(&self) -> Option<String> {
+        let with = self.rivals.iter().any(|own| !own.covariates.is_empty());
+        let why = if self.by_classes { "fewer decisions are wrong" } else { "smaller defects are found" };
+        (with && self.winner().covariates.is_empty())
+            .then(|| format!("{why} without it, or healthy segments stay within the rate"))
+    }
+
     /// The chosen recipe.
     #[must_use]
     pub fn winner(&self) -> &Rival {
@@ -66,8 +137,7 @@ impl Automatic {
     #[must_use]
     pub fn next(&self) -> Option<&Rival> {
         let others = self.rivals.iter().enumerate().filter(|(k, own)| *k != self.chosen && own.refused.is_none());
-        let size = |own: &Rival| own.detected.iter().map(|one| one.half_a.ln()).sum::<f64>();
-        let worse = |own: &Rival| if self.by_classes { own.rate } else { size(own) };
+        let worse = |own: &Rival| if self.by_classes { own.rate } else { own.log_size() };
         others.map(|(_, own)| own).min_by(|a, b| worse(a).total_cmp(&worse(b)))
     }
 
@@ -92,7 +162,7 @@ impl Automatic {
             ));
         }
         lines.extend(self.next().map(|other| {
-            let names = other.features.join(", ");
+            let names = other.words();
             if self.by_classes {
                 return format!("next best: {names}, {:.1} % wrong", 100.0 * other.rate);
             }
@@ -100,7 +170,21 @@ impl Automatic {
             format!("next best: {names} ({})", sizes.join("; "))
         }));
         lines.extend(self.notes.iter().cloned());
+        lines.extend(self.temperatures.iter().map(Temperature::words));
+        lines.extend(self.smaller());
         lines
+    }
+
+    /// How much smaller the defects are that covariates let it find.
+    fn smaller(&self) -> Option<String> {
+        let own = self.winner();
+        let without = self.rivals.iter().filter(|other| other.covariates.is_empty() && other.refused.is_none());
+        let best = without.map(Rival::log_size).min_by(f64::total_cmp)?;
+        let is_told = !own.covariates.is_empty() && !own.detected.is_empty();
+        is_told.then(|| {
+            let ratio = (own.log_size() - best).exp();
+            format!("the defects found with it are {ratio:.2} times as large as those found without it, in the mean")
+        })
     }
 
     /// As JSON.
@@ -109,7 +193,7 @@ impl Automatic {
         let rival = |own: &Rival| {
             let detected: Vec<Value> = own.detected.iter().map(Detected::to_json).collect();
             json!({
-                "features": own.features, "rate": own.rate, "detected": detected, "refused": own.refused,
+                "features": own.features, "covariates": own.covariates, "rate": own.rate, "detected": detected, "refused": own.refused,
             })
         };
         json!({
@@ -118,6 +202,7 @@ impl Automatic {
             "cross_validated": self.held_out,
             "by_classes": self.by_classes,
             "notes": self.notes,
+            "temperatures": self.temperatures.iter().map(Temperature::to_json).collect::<Vec<_>>(),
         })
     }
 }

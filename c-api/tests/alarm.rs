@@ -1,0 +1,102 @@
+//! The alarm through the C functions: of a trained defect, of what resembles none, and the trend beside it.
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::expect_used,
+    clippy::float_cmp,
+    clippy::indexing_slicing,
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "a test fails by a panic"
+)]
+
+#[path = "../../examples/support/standard_rig/mod.rs"]
+mod standard_rig;
+#[allow(dead_code, reason = "other tests use the rest")]
+mod support;
+
+use core::mem::MaybeUninit;
+
+use bearing_watch::model::{EvidenceConstants, KNOTS, Novelty};
+use bearing_watch_c::*;
+
+use standard_rig::model::{Drive, MODEL, Sample};
+use support::{Memory, bytes, channels};
+
+/// Samples of a trace, and of a segment.
+const SEGMENT: usize = 5000;
+/// The second trace is of a spall.
+const SPALL: usize = 1;
+
+/// The model of the rig with a gate about its healthy class, whose surprise is half of the squared distance, and an
+/// alarm after two segments of defects or more.
+fn model() -> Vec<u8> {
+    let mut constants = MODEL.constants().clone();
+    let mut knots = [[0.0; 2]; KNOTS];
+    for (k, knot) in (0_u8..).zip(&mut knots) {
+        *knot = [2.0 * f32::from(k), f32::from(k)];
+    }
+    let healthy = &constants.classifier.discriminant;
+    constants.classifier.novelty = Novelty {
+        class: Some(0),
+        mean: healthy.means[..5].try_into().unwrap(),
+        factor: healthy.factors,
+        knots,
+        limit: 7.0,
+        ..constants.classifier.novelty
+    };
+    constants.evidence = EvidenceConstants { bet: 0.2, limit: 8.0, cap: 5.0, ..EvidenceConstants::NONE };
+    bytes(&Drive::model(constants).expect("a model that fits"))
+}
+
+/// Takes a segment of one of the three traces, with its current multiplied.
+fn take(state: *mut BwState, trace: usize, gain: f32) -> BwAlarm {
+    for sample in standard_rig::samples().skip(trace * SEGMENT).take(SEGMENT) {
+        let values = channels(&MODEL, &Sample { current_a: gain * sample.current_a, ..sample });
+        // SAFETY: the state is initialised, and the values are there.
+        unsafe { bw_step(state, values.as_ptr(), values.len(), 0) };
+    }
+    let mut alarm = MaybeUninit::<BwAlarm>::uninit();
+    // SAFETY: the state is initialised; the alarm is written if the code says so.
+    unsafe {
+        assert_eq!(bw_alarm(state, alarm.as_mut_ptr()), BwCode::Ok);
+        alarm.assume_init()
+    }
+}
+
+/// Raised, known, class and segment.
+fn told(alarm: &BwAlarm) -> (bool, bool, u8, u32) {
+    (alarm.raised, alarm.known, alarm.class_index, alarm.segment)
+}
+
+#[test]
+fn a_trained_defect_is_known_and_the_alarm_keeps_its_segment() {
+    let mut memory = Memory::new();
+    let state = memory.state(&model()).expect("good model");
+    assert_eq!(told(&take(state, 0, 1.0)), (false, false, 0, 0), "healthy");
+    let raised = (0..4).map(|_| take(state, SPALL, 1.0)).find(|alarm| alarm.raised).expect("an alarm");
+    assert_eq!(told(&raised), (true, true, 1, raised.segments));
+    let later = take(state, 0, 1.0);
+    assert_eq!((told(&later), later.segments), (told(&raised), raised.segments + 1));
+}
+
+#[test]
+fn what_resembles_no_defect_is_not_known() {
+    let mut memory = Memory::new();
+    let state = memory.state(&model()).expect("good model");
+    // A sensor of five times the gain.
+    let raised = (0..4).map(|_| take(state, 0, 5.0)).find(|alarm| alarm.raised).expect("an alarm");
+    assert_eq!(told(&raised), (true, false, 0, raised.segments));
+}
+
+#[test]
+fn the_slope_is_within_its_interval() {
+    let mut memory = Memory::new();
+    let state = memory.state(&model()).expect("good model");
+    let alarms = [0, SPALL, 0, SPALL, 0].map(|trace| take(state, trace, 1.0));
+    let [.., early, last] = alarms;
+    assert!(alarms[2].slope_low.is_nan() && early.slope.is_finite(), "from the fourth segment on");
+    // Distances a b a b a lie symmetrically about the third: no slope, and a wide interval about it.
+    let width = last.slope_high - last.slope_low;
+    assert!(width > 0.0 && last.slope_low < 0.0 && last.slope_high > 0.0, "{last:?}");
+    assert!((last.slope / width).abs() < 1e-3 && ((last.slope_high + last.slope_low) / width).abs() < 1e-3, "{last:?}");
+}

@@ -1,0 +1,162 @@
+//! Reports in doubt, a lost diagnosis, and a state that starts afresh.
+#![allow(
+    clippy::expect_used,
+    clippy::float_cmp,
+    clippy::indexing_slicing,
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "a test fails by a panic"
+)]
+
+#[path = "../../examples/support/standard_rig/mod.rs"]
+mod standard_rig;
+#[allow(dead_code, reason = "other tests use the rest")]
+mod support;
+
+use core::mem::MaybeUninit;
+use core::ptr::null_mut;
+
+use bearing_watch_c::*;
+
+use standard_rig::model::{MODEL, Sample};
+use support::{FILE, Memory, channels};
+
+/// Samples of a segment.
+const SEGMENT: usize = 5000;
+
+fn samples(count: usize) -> impl Iterator<Item = Sample> {
+    standard_rig::samples().collect::<Vec<_>>().into_iter().cycle().take(count)
+}
+
+/// Takes samples by `bw_collect`, or by `bw_step`; returns the last code.
+fn take(state: *mut BwState, count: usize, at_once: bool) -> BwCode {
+    let mut last = BwCode::Ok;
+    for sample in samples(count) {
+        let values = channels(&MODEL, &sample);
+        // SAFETY: the state is initialised, and the values are there.
+        last = unsafe { (if at_once { bw_step } else { bw_collect })(state, values.as_ptr(), values.len(), 0) };
+    }
+    last
+}
+
+fn discard(state: *mut BwState) -> u8 {
+    let mut in_doubt = 7;
+    // SAFETY: the state is initialised, and the place is writable.
+    assert_eq!(unsafe { bw_discard(state, &raw mut in_doubt) }, BwCode::Ok);
+    in_doubt
+}
+
+/// Verdict and reason of the report, and segments and undetermined ones of the alarm.
+fn told(state: *mut BwState) -> (BwVerdict, BwReason, [u32; 2]) {
+    let (mut report, alarm) = (MaybeUninit::<BwReport>::uninit(), alarm(state));
+    // SAFETY: the state is initialised; the report is written if the code says so.
+    let report = unsafe {
+        assert_eq!(bw_report(state, report.as_mut_ptr()), BwCode::Ok);
+        report.assume_init()
+    };
+    (report.verdict, report.reason, [alarm.segments, alarm.undetermined])
+}
+
+fn alarm(state: *mut BwState) -> BwAlarm {
+    let mut alarm = MaybeUninit::<BwAlarm>::uninit();
+    // SAFETY: the state is initialised; the alarm is written if the code says so.
+    unsafe {
+        assert_eq!(bw_alarm(state, alarm.as_mut_ptr()), BwCode::Ok);
+        alarm.assume_init()
+    }
+}
+
+const GOOD: (BwVerdict, BwReason, [u32; 2]) = (BwVerdict::Class, BwReason::None, [1, 0]);
+const DOUBTED: (BwVerdict, BwReason, [u32; 2]) = (BwVerdict::Undetermined, BwReason::FoundLate, [1, 1]);
+
+#[test]
+fn a_report_in_doubt_is_withdrawn_whether_it_was_given_or_not() {
+    for at_once in [true, false] {
+        let mut memory = Memory::new();
+        let state = memory.state(FILE).expect("good model");
+        let code = take(state, SEGMENT, at_once);
+        if at_once {
+            assert_eq!((code, told(state)), (BwCode::Report, GOOD));
+        } else {
+            assert_eq!(code, BwCode::Segment);
+        }
+        take(state, SEGMENT / 4, false);
+        assert_eq!(discard(state), 1);
+        if !at_once {
+            // SAFETY: the state is initialised.
+            assert_eq!(unsafe { bw_conclude(state) }, BwCode::Report);
+        }
+        assert_eq!(told(state), DOUBTED, "{at_once}");
+        assert_eq!(told(state), DOUBTED, "once only");
+        // The next segment closes where it would have, and its own report is not in doubt.
+        assert_eq!(take(state, SEGMENT - SEGMENT / 4, false), BwCode::Segment);
+        // SAFETY: the state is initialised.
+        assert_eq!(unsafe { bw_conclude(state) }, BwCode::Report);
+        assert_eq!(told(state).2, [2, 1]);
+        assert_ne!(told(state).1, BwReason::FoundLate);
+    }
+}
+
+#[test]
+fn a_segment_of_which_half_has_passed_and_one_that_was_lost_do_not_doubt_another() {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("good model");
+    take(state, SEGMENT, true);
+    take(state, SEGMENT / 2, false);
+    assert_eq!((discard(state), told(state)), (0, GOOD));
+    // The second segment waits, the third one is lost, and in doubt.
+    assert_eq!(take(state, SEGMENT / 2, false), BwCode::Segment);
+    assert_eq!(take(state, SEGMENT, false), BwCode::SegmentLost);
+    assert_eq!((discard(state), told(state)), (1, GOOD));
+    // SAFETY: the state is initialised.
+    assert_eq!(unsafe { bw_conclude(state) }, BwCode::Report);
+    assert_ne!(told(state).1, BwReason::FoundLate);
+}
+
+#[test]
+fn verdicts_that_are_missing_for_too_long_are_told_with_their_reason() {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("good model");
+    // SAFETY: the state is initialised, or NULL.
+    unsafe {
+        assert_eq!(bw_limit_silence(null_mut(), 2, 0.0), BwCode::Null);
+        assert_eq!([f32::NAN, -1.0].map(|hours| bw_limit_silence(state, 2, hours)), [BwCode::OutOfRange; 2]);
+        assert_eq!(bw_limit_silence(state, 2, 0.0), BwCode::Ok);
+    }
+    let mut silent = Vec::new();
+    for _ in 0..2 {
+        for _ in 0..SEGMENT {
+            let values = [f32::NAN, 1.0, 0.1];
+            // SAFETY: the state is initialised, and the values are there.
+            unsafe { bw_step(state, values.as_ptr(), 3, 0) };
+        }
+        silent.push(alarm(state).silent);
+    }
+    let found = alarm(state);
+    assert_eq!((silent, found.silent_segments, found.raised), (vec![false, true], 2, false));
+    assert_eq!(found.silent_reason, BwReason::TooFewRows);
+    take(state, SEGMENT, true);
+    assert!(!alarm(state).silent, "a verdict ends it");
+}
+
+#[test]
+fn a_reset_leaves_neither_a_closed_segment_nor_missed_samples() {
+    let mut memory = Memory::new();
+    let state = memory.state(FILE).expect("good model");
+    assert_eq!(take(state, SEGMENT, false), BwCode::Segment);
+    take(state, 10, false);
+    let mut pending = 7;
+    // SAFETY: the state is initialised, and the place is writable.
+    unsafe {
+        assert_eq!(bw_reset(state), BwCode::Ok);
+        assert_eq!([bw_advance(state), bw_conclude(state)], [BwCode::Idle; 2]);
+        assert_eq!((bw_pending(state, &raw mut pending), pending), (BwCode::Ok, 0));
+    }
+    assert_eq!(take(state, SEGMENT, true), BwCode::Report);
+    assert_eq!(told(state), GOOD, "as of a new state");
+}
+
+#[test]
+fn the_kernels_have_their_known_answers() {
+    assert_eq!(bw_known_answer_test(), 0);
+}

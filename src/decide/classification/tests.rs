@@ -1,0 +1,66 @@
+//! What is missing in a segment: which coordinates are left, and the reason if there are none.
+
+use std::vec;
+
+use super::*;
+use crate::decide::{Covariate, Covariates, Discriminant, Feature, Novelty, Projection};
+use crate::estimate::Estimate;
+use crate::plan::{Layout, Memory, Method, RunTime, Structure, testing};
+
+fn plan() -> RunTime {
+    let plain = testing::regression(Structure::new(1, 1, 0, 1, 0), Method::LeastSquares, Memory::Segment);
+    RunTime::of(Layout { features: 2, coordinates: 2, classes: 2, covariates: 1, averaged: 2, ..plain }).unwrap()
+}
+
+/// A parameter, which 3 times the other one explains while that is within 0 … 10, and the mean of a channel, as
+/// coordinates; classes at (0, 0) and (8, 8) with unit covariance.
+fn classifier() -> Classifier<RunTime> {
+    let covariate = Covariate { feature: Feature::Parameter(1), centre: 5.0, low: 0.0, high: 10.0, usual: 0.0 };
+    Classifier {
+        features: vec![Feature::Parameter(0), Feature::ChannelMean(1)],
+        covariates: Covariates { list: vec![covariate], map: vec![[3.0, 0.0], [0.0; 2]] },
+        projection: Projection { matrix: vec![1.0, 0.0, 0.0, 1.0], mean: vec![0.0; 2], usual: vec![0.0; 2] },
+        discriminant: Discriminant {
+            means: vec![0.0, 0.0, 8.0, 8.0],
+            factors: vec![1.0, 0.0, 1.0],
+            log_prior: vec![0.5_f32.ln(); 2],
+            costs: vec![0.0, 1.0, 1.0, 0.0],
+            reject_cost: f32::INFINITY,
+        },
+        novelty: Novelty::none(plan()),
+    }
+}
+
+/// The decision on a segment with these parameters, or with this reason instead, whose averages are lost.
+fn decide(parameters: Result<[f32; 2], Reason>) -> Result<Decision<RunTime>, Reason> {
+    let mut estimate = Estimate::empty(plan());
+    estimate.reason = parameters.err();
+    estimate.delta = parameters.unwrap_or_default().to_vec();
+    let mut decision = Decision::empty(plan());
+    let estimates: Estimates<'_, RunTime> = (Some(&estimate), None, &[]);
+    Classification::new(plan()).run(plan(), &classifier(), estimates, &[0.0; 2], &mut decision)?;
+    Ok(decision)
+}
+
+#[test]
+fn what_is_left_decides() {
+    // 14 less 3 times the 2 beyond the centre; the mean of the channel is missing.
+    let decision = decide(Ok([14.0, 7.0])).unwrap();
+    assert_eq!((decision.class, decision.missing(), decision.outside()), (1, &[false, true][..], &[false][..]));
+    // ln of the ratio of the densities is 8²/2 at 8 and 0 in the middle.
+    let ratio = |parameters| {
+        let decision = decide(Ok(parameters)).unwrap();
+        decision.log_likelihoods()[1] - decision.log_likelihoods()[0]
+    };
+    assert!((ratio([14.0, 7.0]) - 32.0).abs() < 1e-4 && ratio([10.0, 7.0]).abs() < 1e-4);
+}
+
+#[test]
+fn a_segment_without_any_coordinate_has_the_first_reason() {
+    let none = |parameters| decide(parameters).unwrap_err();
+    // The mean of the channel is lost, too.
+    assert_eq!(none(Err(Reason::AtRest)), Reason::AtRest);
+    for far in [-1.1, 11.1, f32::NAN] {
+        assert_eq!(none(Ok([14.0, far])), Reason::OutOfRange { covariate: 0 }, "{far}");
+    }
+}

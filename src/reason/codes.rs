@@ -1,0 +1,119 @@
+//! Reasons as numbers, those of the C interface, and back.
+
+use super::{FrictionTerm, Implausible, Part, Reason};
+use crate::known_answers::Kernel;
+
+/// A reason as numbers: its kind, its part, parameter, term, channel, covariate, error or kernel, and its rows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ReasonCode {
+    pub kind: u8,
+    pub place: u8,
+    pub rows: u32,
+}
+
+/// In the order of their numbers, the first of which is 1.
+const PARTS: [Part; 4] = [Part::Regression, Part::TorqueBalance, Part::Orders, Part::Classifier];
+
+const fn part_code(part: Part) -> u8 {
+    match part {
+        Part::Regression => 1,
+        Part::TorqueBalance => 2,
+        Part::Orders => 3,
+        Part::Classifier => 4,
+    }
+}
+
+/// The place of a value among all, 255 if it is none of them.
+fn place_in<T: PartialEq, const N: usize>(all: [T; N], value: &T) -> u8 {
+    (0_u8..).zip(all).find(|(_, other)| other == value).map_or(u8::MAX, |(place, _)| place)
+}
+
+impl Reason {
+    /// Kinds have numbers below this one.
+    pub(crate) const KINDS: usize = 16;
+
+    pub(crate) fn code(self) -> ReasonCode {
+        let of = |kind, place| ReasonCode { kind, place, rows: 0 };
+        match self {
+            Self::TooFewRows { part, rows } => ReasonCode { rows, ..of(1, part_code(part)) },
+            Self::ShortSegment { rows } => ReasonCode { rows, ..of(2, 0) },
+            Self::AtRest => of(3, 0),
+            Self::ParameterNotExcited(place) => of(4, place),
+            Self::TermNotExcited(term) => of(5, place_in(FrictionTerm::ALL, &term)),
+            Self::WeakInstruments(part) => of(6, part_code(part)),
+            Self::Stuck { channel } => of(7, channel),
+            Self::LostSamples { channel } => of(8, channel),
+            Self::OutOfRange { covariate } => of(9, covariate),
+            Self::NotFinite(part) => of(10, part_code(part)),
+            // 11 is a reason that an older build does not know.
+            Self::Implausible(error) => of(12, place_in(Implausible::ALL, &error)),
+            Self::Arithmetic(kernel) => of(13, place_in(Kernel::ALL, &kernel)),
+            Self::OtherModel => of(14, 0),
+            Self::FoundLate => of(15, 0),
+        }
+    }
+}
+
+impl ReasonCode {
+    /// The reason; `None` for numbers that none has.
+    pub fn reason(self) -> Option<Reason> {
+        let Self { kind, place, rows } = self;
+        let part = || PARTS.into_iter().find(|part| part_code(*part) == place);
+        Some(match kind {
+            1 => Reason::TooFewRows { part: part()?, rows },
+            2 => Reason::ShortSegment { rows },
+            3 => Reason::AtRest,
+            4 => Reason::ParameterNotExcited(place),
+            5 => Reason::TermNotExcited(*FrictionTerm::ALL.get(place as usize)?),
+            6 => Reason::WeakInstruments(part()?),
+            7 => Reason::Stuck { channel: place },
+            8 => Reason::LostSamples { channel: place },
+            9 => Reason::OutOfRange { covariate: place },
+            10 => Reason::NotFinite(part()?),
+            12 => Reason::Implausible(*Implausible::ALL.get(place as usize)?),
+            13 => Reason::Arithmetic(*Kernel::ALL.get(place as usize)?),
+            14 => Reason::OtherModel,
+            15 => Reason::FoundLate,
+            _ => return None,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec::Vec;
+
+    #[test]
+    fn every_reason_comes_back_and_has_a_kind_below_the_last() {
+        let of_parts = PARTS.map(|part| {
+            [Reason::TooFewRows { part, rows: 1_000_000 }, Reason::WeakInstruments(part), Reason::NotFinite(part)]
+        });
+        let others = [
+            Reason::ShortSegment { rows: 7 },
+            Reason::AtRest,
+            Reason::ParameterNotExcited(14),
+            Reason::Stuck { channel: 3 },
+            Reason::LostSamples { channel: 15 },
+            Reason::OutOfRange { covariate: 1 },
+            Reason::OtherModel,
+            Reason::FoundLate,
+        ];
+        let mut reasons: Vec<Reason> = of_parts.into_iter().flatten().chain(others).collect();
+        reasons.extend(FrictionTerm::ALL.map(Reason::TermNotExcited));
+        reasons.extend(Implausible::ALL.map(Reason::Implausible));
+        reasons.extend(Kernel::ALL.map(Reason::Arithmetic));
+        for reason in reasons {
+            assert_eq!(reason.code().reason(), Some(reason));
+            assert!(usize::from(reason.code().kind) < Reason::KINDS);
+        }
+    }
+
+    #[test]
+    fn numbers_without_a_meaning_are_refused() {
+        let refused = [(0, 0), (11, 0), (16, 0), (1, 0), (1, 5), (5, 8), (12, 11), (13, 7)];
+        for (kind, place) in refused {
+            assert_eq!(ReasonCode { kind, place, rows: 0 }.reason(), None, "{kind} {place}");
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! The temperatures among the columns of the recordings: each is a covariate if it explains what training watches.
+//!
+//! ```text
+//! columns ─► named as temperatures ─► in every trace ─► explain left-out segments ─► covariates of the training
+//! ```
+
+use bearing_watch::plan::MAX_COVARIATES;
+
+use super::training_session::{Session, Traces};
+use crate::Error;
+use crate::core::features::MEAN;
+use crate::train::{Temperature, temperatures};
+
+/// The temperatures of the recordings.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Temperatures(pub(super) Vec<Temperature>);
+
+impl Temperatures {
+    /// Of a session; with its traces, if they have been read with what is taken.
+    pub(super) fn of(session: &Session) -> Result<(Self, Option<Traces>), Error> {
+        let used = session.channels().names();
+        let (mut all, mut offered) = (vec![], vec![]);
+        for own in session.temperature_columns()?.into_iter().filter(|own| !used.contains(&own.name.as_str())) {
+            match own.lacking {
+                0 if offered.len() < MAX_COVARIATES => offered.push(own.name),
+                0 => all.push(Temperature::refused(&own.name, "there are too many before it".into())),
+                lacking => {
+                    let why = format!("it is missing in {lacking} of {} recordings", own.of);
+                    all.push(Temperature::refused(&own.name, why));
+                }
+            }
+        }
+        let Some(traces) = readable(session, &mut offered, &mut all)? else { return Ok((Self(all), None)) };
+        match temperatures(&traces.prepared, &traces.classes, &traces.recipe) {
+            Ok(judged) => all.extend(judged),
+            // What is wrong with the traces themselves is told where the model is trained.
+            Err(problem) => all.extend(offered.iter().map(|name| Temperature::refused(name, problem.to_string()))),
+        }
+        let own = Self(all);
+        let all_are_taken = own.taken() == offered;
+        Ok((own, all_are_taken.then_some(traces)))
+    }
+
+    /// The columns of those that are taken.
+    pub(super) fn taken(&self) -> Vec<String> {
+        self.0.iter().filter(|own| own.refused.is_none()).map(|own| own.column.clone()).collect()
+    }
+
+    /// None of them is taken, for this reason.
+    pub(super) fn refuse(&mut self, why: &str) {
+        let taken = self.0.iter_mut().filter(|own| own.refused.is_none());
+        taken.for_each(|own| own.refused = Some(why.into()));
+    }
+}
+
+/// Reads the traces with the offered temperatures, without those that cannot be read; `None` if none is left.
+fn readable(session: &Session, offered: &mut Vec<String>, all: &mut Vec<Temperature>) -> Result<Option<Traces>, Error> {
+    if offered.is_empty() {
+        return Ok(None);
+    }
+    if let Ok(traces) = session.traces(offered) {
+        return Ok(Some(traces));
+    }
+    offered.retain(|name| match session.traces(std::slice::from_ref(name)) {
+        Ok(_) => true,
+        Err(problem) => {
+            all.push(Temperature::refused(name, problem.to_string()));
+            false
+        }
+    });
+    (!offered.is_empty()).then(|| session.traces(offered)).transpose()
+}
+
+/// The names of the covariates of these columns.
+pub(super) fn covariates(columns: &[String]) -> Vec<String> {
+    columns.iter().map(|name| format!("{MEAN}{name}")).collect()
+}

@@ -1,0 +1,91 @@
+//! What the last reports of a drive say that is listened to.
+
+use super::listed;
+use crate::live::Live;
+use crate::page::counted;
+use crate::segments::Judged;
+
+/// The sentences.
+#[must_use]
+pub fn words(live: &Live) -> String {
+    let Some(last) = live.reports.last().map(|report| &report.judged) else {
+        return "No statement: no segment was reported yet. Leave the drive running.".into();
+    };
+    let classes = live.classes.len();
+    let with = |places: &dyn Fn(usize) -> bool| live.reports.iter().filter(|own| places(own.judged.place)).count();
+    let decided = with(&|place| place <= classes);
+    let departs = with(&|place| place <= classes && Some(place) != live.healthy);
+    let (all, evidence) = (counted(decided, "decided segment"), evidence(last));
+    let without = match live.reports.len() - with(&|place| place <= classes) {
+        0 => String::new(),
+        count => format!(" Without a decision: {}.", counted(count, "segment")),
+    };
+    if let Some((at, cause)) = &live.alarm {
+        let what = if cause == "unknown" { "a defect of no trained class" } else { cause };
+        return format!(
+            "ALARM: {what}, raised in segment {at:.0}. Of the last {all}, {departs} depart from healthy{evidence}.{without} \
+             Inspect the bearing."
+        );
+    }
+    if decided == 0 {
+        return format!(
+            "No statement on the bearing: no segment is decided.{without} Compare its motion with the training."
+        );
+    }
+    if live.healthy.is_none() {
+        let names = listed(&live.classes);
+        return format!(
+            "This model has no healthy class among {names}: it raises no alarm.{without} Train with healthy records."
+        );
+    }
+    if departs == 0 {
+        let next = "No action is needed. Defects smaller than the model can detect are not excluded.";
+        return format!("No defect found in the last {all}{evidence}.{without} {next}");
+    }
+    let first = live.reports.iter().find(|own| own.judged.place <= classes && Some(own.judged.place) != live.healthy);
+    let since = first.map_or(0.0, |own| own.judged.span.1);
+    format!(
+        "No alarm, but of the last {all}, {departs} depart from healthy, the first in segment {since:.0}{evidence}.{without} \
+         Watch on before you decide."
+    )
+}
+
+/// The evidence after a segment, if there is any.
+fn evidence(last: &Judged) -> String {
+    last.score.filter(|score| score.is_finite()).map_or_else(String::new, |score| format!("; evidence {score:.1} nats"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::live::LiveReport;
+
+    /// Reports of these places, of a healthy class and a spall.
+    fn live(places: &[usize]) -> Live {
+        let report = |(k, place): (usize, &usize)| {
+            let span = (k as f64, k as f64 + 1.0);
+            let judged = Judged { span, place: *place, score: Some(1.25), ..Judged::blank(2) };
+            LiveReport { judged, posteriors: vec![] }
+        };
+        let reports = places.iter().enumerate().map(report).collect();
+        Live { classes: ["healthy", "spall"].map(String::from).into(), healthy: Some(0), reports, ..Live::default() }
+    }
+
+    #[test]
+    fn each_state_of_a_drive_has_its_sentence() {
+        for (places, start, part) in [
+            (&[][..], "No statement: no segment was reported yet.", "Leave"),
+            (&[0, 0], "No defect found in the last 2 decided segments; evidence 1.2 nats.", "No action is needed."),
+            (&[0, 1, 2], "No alarm, but of the last 3 decided segments, 2 depart", "the first in segment 2"),
+            (&[4, 4], "No statement on the bearing", "Without a decision: 2 segments."),
+            (&[0, 3], "No defect found in the last 1 decided segment;", "Without a decision: 1 segment."),
+        ] {
+            let text = words(&live(places));
+            assert!(text.starts_with(start) && text.contains(part), "{text}");
+        }
+        let alarmed = words(&Live { alarm: Some((2.0, "unknown".into())), ..live(&[0, 2]) });
+        assert!(alarmed.starts_with("ALARM: a defect of no trained class, raised in segment 2."), "{alarmed}");
+        let without = words(&Live { healthy: None, ..live(&[0]) });
+        assert!(without.contains("no healthy class among healthy and spall"), "{without}");
+    }
+}
