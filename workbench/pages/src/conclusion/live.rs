@@ -23,8 +23,8 @@ pub fn words(live: &Live) -> String {
     if let Some((at, cause)) = &live.alarm {
         let what = if cause == "unknown" { "a defect of no trained class" } else { cause };
         return format!(
-            "ALARM: {what}, raised in segment {at:.0}. Of the last {all}, {departs} depart from healthy{evidence}.{without} \
-             Inspect the bearing."
+            "ALARM: {what}, raised in segment {at:.0}. Of the last {all}, {departs} depart from healthy{evidence}.\
+             {without} Inspect the bearing."
         );
     }
     if decided == 0 {
@@ -45,8 +45,8 @@ pub fn words(live: &Live) -> String {
     let first = live.reports.iter().find(|own| own.judged.place <= classes && Some(own.judged.place) != live.healthy);
     let since = first.map_or(0.0, |own| own.judged.span.1);
     format!(
-        "No alarm, but of the last {all}, {departs} depart from healthy, the first in segment {since:.0}{evidence}.{without} \
-         Watch on before you decide."
+        "No alarm, but of the last {all}, {departs} depart from healthy, the first in segment {since:.0}{evidence}.\
+         {without} Watch on before you decide."
     )
 }
 
