@@ -173,8 +173,8 @@ class Detector:
     -----
     The samples go in by the names of the recorded columns that the model reads (``Model.columns`` has them, or formulas
     of them). Evidence for the alarm goes on from trace to trace, until :meth:`reset`. Times, as a column or as the index
-    of a frame, are compared with the rate of the model. A pickle of a detector has its evidence, alarm and baseline, but no
-    samples: of an open trace, it is refused.
+    of a frame, are compared with the rate of the model. A pickle of a detector has its evidence, alarm and baseline,
+    but no samples: of an open trace, it is refused.
 
     Examples
     --------

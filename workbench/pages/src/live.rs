@@ -1,6 +1,6 @@
 //! The page of a drive that is listened to: the last reports and samples, renewed while it is open.
 
-use crate::conclusion::live::words;
+use crate::conclusion::live::{Heard, words};
 use crate::escape::escape;
 use crate::page::paragraph;
 use crate::plot::{self, Event, Panel, Series};
@@ -49,7 +49,9 @@ pub fn page(live: &Live) -> String {
 /// What changes on the page.
 #[must_use]
 pub fn news(live: &Live) -> String {
-    let conclusion = paragraph(&words(live));
+    let judged: Vec<Judged> = live.reports.iter().map(|one| one.judged).collect();
+    let heard = Heard { classes: &live.classes, healthy: live.healthy, alarm: live.alarm.as_ref(), judged: &judged };
+    let conclusion = paragraph(&words(&heard));
     let line = if live.line.is_empty() { String::new() } else { format!("<p>{}</p>", escape(&live.line)) };
     format!("<div id=\"news\"><div class=\"conclusion\">{conclusion}</div>{line}</div>")
         + &reports(live)

@@ -26,6 +26,7 @@ mod sources;
 mod temperatures;
 mod training;
 mod training_session;
+mod training_traces;
 mod words;
 
 pub use doubts::{irregular, is_irregular, of_irregular, refuse_gaps, refused};

@@ -108,8 +108,8 @@ impl Selection {
         self.labels.join(chosen, classes, &traces)
     }
 
-    /// Returns the columns that are temperatures by name or unit, of the traces that [`Selection::chosen`] gives for any
-    /// of these conditions.
+    /// Returns the columns that are temperatures by name or unit, of the traces that [`Selection::chosen`] gives for
+    /// any of these conditions.
     ///
     /// # Errors
     /// Those of [`Selection::chosen`], and a folder that cannot be read.

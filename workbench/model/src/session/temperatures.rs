@@ -6,7 +6,8 @@
 
 use bearing_watch::plan::MAX_COVARIATES;
 
-use super::training_session::{Session, Traces};
+use super::given::TemperatureColumn;
+use super::training_traces::Traces;
 use crate::Error;
 use crate::core::features::MEAN;
 use crate::train::{Temperature, temperatures};
@@ -16,11 +17,15 @@ use crate::train::{Temperature, temperatures};
 pub(super) struct Temperatures(pub(super) Vec<Temperature>);
 
 impl Temperatures {
-    /// Of a session; with its traces, if they have been read with what is taken.
-    pub(super) fn of(session: &Session) -> Result<(Self, Option<Traces>), Error> {
-        let used = session.channels().names();
+    /// Of these columns without those that are used already; `read` reads the traces with some. With the traces, if
+    /// they have been read with what is taken.
+    pub(super) fn of(
+        named: Vec<TemperatureColumn>,
+        used: &[&str],
+        read: impl Fn(&[String]) -> Result<Traces, Error>,
+    ) -> Result<(Self, Option<Traces>), Error> {
         let (mut all, mut offered) = (vec![], vec![]);
-        for own in session.temperature_columns()?.into_iter().filter(|own| !used.contains(&own.name.as_str())) {
+        for own in named.into_iter().filter(|own| !used.contains(&own.name.as_str())) {
             match own.lacking {
                 0 if offered.len() < MAX_COVARIATES => offered.push(own.name),
                 0 => all.push(Temperature::refused(&own.name, "there are too many before it".into())),
@@ -30,7 +35,7 @@ impl Temperatures {
                 }
             }
         }
-        let Some(traces) = readable(session, &mut offered, &mut all)? else { return Ok((Self(all), None)) };
+        let Some(traces) = readable(read, &mut offered, &mut all)? else { return Ok((Self(all), None)) };
         match temperatures(&traces.prepared, &traces.classes, &traces.recipe) {
             Ok(judged) => all.extend(judged),
             // What is wrong with the traces themselves is told where the model is trained.
@@ -54,21 +59,25 @@ impl Temperatures {
 }
 
 /// Reads the traces with the offered temperatures, without those that cannot be read; `None` if none is left.
-fn readable(session: &Session, offered: &mut Vec<String>, all: &mut Vec<Temperature>) -> Result<Option<Traces>, Error> {
+fn readable(
+    read: impl Fn(&[String]) -> Result<Traces, Error>,
+    offered: &mut Vec<String>,
+    all: &mut Vec<Temperature>,
+) -> Result<Option<Traces>, Error> {
     if offered.is_empty() {
         return Ok(None);
     }
-    if let Ok(traces) = session.traces(offered) {
+    if let Ok(traces) = read(offered) {
         return Ok(Some(traces));
     }
-    offered.retain(|name| match session.traces(std::slice::from_ref(name)) {
+    offered.retain(|name| match read(std::slice::from_ref(name)) {
         Ok(_) => true,
         Err(problem) => {
             all.push(Temperature::refused(name, problem.to_string()));
             false
         }
     });
-    (!offered.is_empty()).then(|| session.traces(offered)).transpose()
+    (!offered.is_empty()).then(|| read(offered)).transpose()
 }
 
 /// The names of the covariates of these columns.

@@ -18,6 +18,7 @@ use super::selection::Selection;
 use super::sources::read_by;
 use super::temperatures::{Temperatures, covariates};
 use super::training::Training;
+use super::training_traces::Traces;
 use crate::Error;
 use crate::settings::{Reading, Settings};
 use crate::trace::labels::LabelledTrace;
@@ -33,15 +34,6 @@ pub struct Session {
     plan: Option<ShaftPlan>,
     preparation: Preparation,
     drive: Option<String>,
-}
-
-/// What a model is trained on.
-pub(super) struct Traces {
-    pub(super) classes: Vec<String>,
-    /// As recorded.
-    training: Vec<LabelledTrace>,
-    pub(super) prepared: Vec<LabelledTrace>,
-    pub(super) recipe: Recipe,
 }
 
 impl Session {
@@ -68,7 +60,8 @@ impl Session {
     /// Traces that cannot be read; labels or settings that do not fit them; a training set that does not support what
     /// the settings want.
     pub fn train(&self, log: &Log<'_>) -> Result<Training, Error> {
-        let (mut temperatures, traces) = Temperatures::of(self)?;
+        let (named, used) = (self.temperature_columns()?, self.channels.names());
+        let (mut temperatures, traces) = Temperatures::of(named, &used, |offered| self.traces(offered))?;
         let taken = temperatures.taken();
         let traces = traces.map_or_else(|| self.traces(&taken), Ok)?;
         log.warn(irregular(traces.training.iter().map(|t| &t.trace)));
@@ -86,7 +79,7 @@ impl Session {
     }
 
     /// Reads the traces of training with these temperatures as covariates.
-    pub(super) fn traces(&self, temperatures: &[String]) -> Result<Traces, Error> {
+    fn traces(&self, temperatures: &[String]) -> Result<Traces, Error> {
         let Self { settings, selection, channels, plan, preparation, .. } = self;
         let mut channels = channels.clone();
         channels.further.extend_from_slice(temperatures);
@@ -127,7 +120,7 @@ impl Session {
 
     /// The columns that are temperatures, if training may take them as covariates: it chooses the features of a shaft,
     /// and no covariates are given.
-    pub(super) fn temperature_columns(&self) -> Result<Vec<TemperatureColumn>, Error> {
+    fn temperature_columns(&self) -> Result<Vec<TemperatureColumn>, Error> {
         let Self { settings, selection, plan, .. } = self;
         let wanted = plan.is_some() && settings.chooses_features() && settings.model.covariates.is_empty();
         let by = &settings.validation;
@@ -135,11 +128,6 @@ impl Session {
         let held_out = (!by.test_where.is_empty()).then_some(&by.test_where[..]);
         let all: Vec<_> = std::iter::once(&by.train_where[..]).chain(held_out).collect();
         if wanted { selection.temperatures(&all) } else { Ok(vec![]) }
-    }
-
-    /// What is read of the recordings.
-    pub(super) const fn channels(&self) -> &Channels {
-        &self.channels
     }
 
     /// Evaluates the model on the traces that the settings hold out, if they do; otherwise cross-validates it.

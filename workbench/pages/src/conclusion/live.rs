@@ -1,30 +1,42 @@
 //! What the last reports of a drive say that is listened to.
 
 use super::listed;
-use crate::live::Live;
 use crate::page::counted;
 use crate::segments::Judged;
 
+/// What is known of a drive that is listened to.
+#[derive(Clone, Debug)]
+pub struct Heard<'a> {
+    /// Names of the classes.
+    pub classes: &'a [String],
+    /// The healthy class.
+    pub healthy: Option<usize>,
+    /// The alarm: number of its segment, and cause.
+    pub alarm: Option<&'a (f64, String)>,
+    /// The last segments.
+    pub judged: &'a [Judged],
+}
+
 /// The sentences.
 #[must_use]
-pub fn words(live: &Live) -> String {
-    let Some(last) = live.reports.last().map(|report| &report.judged) else {
+pub fn words(live: &Heard<'_>) -> String {
+    let Some(last) = live.judged.last() else {
         return "No statement: no segment was reported yet. Leave the drive running.".into();
     };
     let classes = live.classes.len();
-    let with = |places: &dyn Fn(usize) -> bool| live.reports.iter().filter(|own| places(own.judged.place)).count();
+    let with = |places: &dyn Fn(usize) -> bool| live.judged.iter().filter(|own| places(own.place)).count();
     let decided = with(&|place| place <= classes);
     let departs = with(&|place| place <= classes && Some(place) != live.healthy);
     let (all, evidence) = (counted(decided, "decided segment"), evidence(last));
-    let without = match live.reports.len() - with(&|place| place <= classes) {
+    let without = match live.judged.len() - with(&|place| place <= classes) {
         0 => String::new(),
         count => format!(" Without a decision: {}.", counted(count, "segment")),
     };
-    if let Some((at, cause)) = &live.alarm {
+    if let Some((at, cause)) = live.alarm {
         let what = if cause == "unknown" { "a defect of no trained class" } else { cause };
         return format!(
-            "ALARM: {what}, raised in segment {at:.0}. Of the last {all}, {departs} depart from healthy{evidence}.{without} \
-             Inspect the bearing."
+            "ALARM: {what}, raised in segment {at:.0}. Of the last {all}, {departs} depart from healthy{evidence}.\
+             {without} Inspect the bearing."
         );
     }
     if decided == 0 {
@@ -33,7 +45,7 @@ pub fn words(live: &Live) -> String {
         );
     }
     if live.healthy.is_none() {
-        let names = listed(&live.classes);
+        let names = listed(live.classes);
         return format!(
             "This model has no healthy class among {names}: it raises no alarm.{without} Train with healthy records."
         );
@@ -42,11 +54,11 @@ pub fn words(live: &Live) -> String {
         let next = "No action is needed. Defects smaller than the model can detect are not excluded.";
         return format!("No defect found in the last {all}{evidence}.{without} {next}");
     }
-    let first = live.reports.iter().find(|own| own.judged.place <= classes && Some(own.judged.place) != live.healthy);
-    let since = first.map_or(0.0, |own| own.judged.span.1);
+    let first = live.judged.iter().find(|own| own.place <= classes && Some(own.place) != live.healthy);
+    let since = first.map_or(0.0, |own| own.span.1);
     format!(
-        "No alarm, but of the last {all}, {departs} depart from healthy, the first in segment {since:.0}{evidence}.{without} \
-         Watch on before you decide."
+        "No alarm, but of the last {all}, {departs} depart from healthy, the first in segment {since:.0}{evidence}.\
+         {without} Watch on before you decide."
     )
 }
 
@@ -58,17 +70,18 @@ fn evidence(last: &Judged) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::live::LiveReport;
 
-    /// Reports of these places, of a healthy class and a spall.
-    fn live(places: &[usize]) -> Live {
-        let report = |(k, place): (usize, &usize)| {
+    /// Segments of these places, of a healthy class and a spall.
+    fn judged(places: &[usize]) -> Vec<Judged> {
+        let one = |(k, place): (usize, &usize)| {
             let span = (k as f64, k as f64 + 1.0);
-            let judged = Judged { span, place: *place, score: Some(1.25), ..Judged::blank(2) };
-            LiveReport { judged, posteriors: vec![] }
+            Judged { span, place: *place, score: Some(1.25), ..Judged::blank(2) }
         };
-        let reports = places.iter().enumerate().map(report).collect();
-        Live { classes: ["healthy", "spall"].map(String::from).into(), healthy: Some(0), reports, ..Live::default() }
+        places.iter().enumerate().map(one).collect()
+    }
+
+    fn said(places: &[usize], healthy: Option<usize>, alarm: Option<&(f64, String)>) -> String {
+        words(&Heard { classes: &["healthy", "spall"].map(String::from), healthy, alarm, judged: &judged(places) })
     }
 
     #[test]
@@ -80,12 +93,12 @@ mod tests {
             (&[4, 4], "No statement on the bearing", "Without a decision: 2 segments."),
             (&[0, 3], "No defect found in the last 1 decided segment;", "Without a decision: 1 segment."),
         ] {
-            let text = words(&live(places));
+            let text = said(places, Some(0), None);
             assert!(text.starts_with(start) && text.contains(part), "{text}");
         }
-        let alarmed = words(&Live { alarm: Some((2.0, "unknown".into())), ..live(&[0, 2]) });
+        let alarmed = said(&[0, 2], Some(0), Some(&(2.0, "unknown".into())));
         assert!(alarmed.starts_with("ALARM: a defect of no trained class, raised in segment 2."), "{alarmed}");
-        let without = words(&Live { healthy: None, ..live(&[0]) });
+        let without = said(&[0], None, None);
         assert!(without.contains("no healthy class among healthy and spall"), "{without}");
     }
 }

@@ -7,7 +7,8 @@ use super::numbers::{Range, usable};
 use super::stack::axis_name;
 use super::theme::{INK, LABEL, LANE, SOFT};
 
-/// Width of the panels on a phone, pixels, for which the names are placed; what is free beside them, before the buttons.
+/// Width of the panels on a phone, pixels, for which the names are placed; what is free beside them, before the
+/// buttons.
 const WIDTH: f64 = 260.0;
 const BESIDE: f64 = 12.0;
 /// Width of a letter, and the space between two names.

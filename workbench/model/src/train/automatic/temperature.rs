@@ -4,10 +4,10 @@
 //! d = Σ_k w_k (r_k² − r'_k²),   w_k = 1/(σ_k² + v_k)                                                    (1)
 //! ```
 //!
-//! r_k is the distance of feature k of a healthy segment from its mean, r'_k the same less what the temperature explains
-//! ([`covariates`]), both by segments of other runs; v_k is the variance of the feature's error, σ_k² that of r_k beyond
-//! it. A temperature is taken if the mean of (1) over the left-out segments is above twice its standard error, which
-//! counts runs. Further temperatures must explain more than those that are taken, the best one first.
+//! r_k is the distance of feature k of a healthy segment from its mean, r'_k the same less what the temperature
+//! explains ([`covariates`]), both by segments of other runs; v_k is the variance of the feature's error, σ_k² that of
+//! r_k beyond it. A temperature is taken if the mean of (1) over the left-out segments is above twice its standard
+//! error, which counts runs. Further temperatures must explain more than those that are taken, the best one first.
 
 use std::collections::BTreeMap;
 

@@ -193,7 +193,8 @@ impl Automatic {
         let rival = |own: &Rival| {
             let detected: Vec<Value> = own.detected.iter().map(Detected::to_json).collect();
             json!({
-                "features": own.features, "covariates": own.covariates, "rate": own.rate, "detected": detected, "refused": own.refused,
+                "features": own.features, "covariates": own.covariates, "rate": own.rate, "detected": detected,
+                "refused": own.refused,
             })
         };
         json!({
