@@ -23,11 +23,12 @@ pub(super) fn features(situation: &Situation) -> Vec<String> {
     [situation.keep(&[situation.around(), &RISING].concat()), situation.orders.clone()].concat()
 }
 
-/// Adds the recipes without the covariates that may be left out, after those with them.
+/// Adds the recipes without the covariates that may be left out, before those with them: firmware has to give a
+/// covariate, so that it is kept only if it is clearly of use.
 pub(super) fn with_and_without(recipes: Vec<Recipe>) -> Vec<Recipe> {
     let may_lack = |recipe: &&Recipe| recipe.offered && !recipe.covariates.is_empty();
-    let without: Vec<Recipe> = recipes.iter().filter(may_lack).cloned().collect();
-    recipes.into_iter().chain(without.into_iter().map(|own| Recipe { covariates: vec![], ..own })).collect()
+    let without = recipes.iter().filter(may_lack).cloned().map(|recipe| Recipe { covariates: vec![], ..recipe });
+    without.collect::<Vec<_>>().into_iter().chain(recipes).collect()
 }
 
 /// Returns the recipes for a gate of healthy segments alone.

@@ -8,7 +8,7 @@
 //! Without classes of defects, defects of every kind and size are added to healthy traces ([`defects`]), and the
 //! recipe is best whose gate at the set rate finds the smallest ones ([`power`]). With classes, that with the fewest
 //! wrong decisions ([`classes`]). Both are cross-validated over runs. Covariates that training itself has offered
-//! ([`temperature`]) are left out if the best recipe is one without them. The recipes that are compared
+//! ([`temperature`]) are left out if no recipe with them is clearly better. The recipes that are compared
 //! ([`candidates`]) are in an order: an earlier one is kept unless a later one is clearly better, so that the choice
 //! does not depend on chance.
 
