@@ -5,6 +5,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::errors::allowed;
 use super::sums::PatternSums;
 use super::{Level, Plan, Sums};
 use model::Error;
@@ -90,8 +91,9 @@ fn cell(pattern: &PatternSums, class: usize, features: usize) -> Cell {
     let there: Vec<usize> = (0..features).filter(|k| (pattern.mask >> k) & 1 == 1).collect();
     let (mut mean, mut variance) = (DVector::zeros(features), DVector::repeat(features, f64::INFINITY));
     let mut scatter = DMatrix::zeros(features, features);
+    let allowed = allowed(&pattern.rows, &pattern.excess);
     for (i, &row) in there.iter().enumerate() {
-        (mean[row], variance[row]) = (pattern.rows.mean[i], pattern.excess[i]);
+        (mean[row], variance[row]) = (pattern.rows.mean[i], pattern.excess[i] * allowed);
         there.iter().enumerate().for_each(|(j, &column)| scatter[(row, column)] = pattern.rows.scatter[(i, j)]);
     }
     Cell { class, count: pattern.rows.count as f64, variance, mean, scatter }

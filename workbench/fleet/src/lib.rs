@@ -18,6 +18,7 @@
 //! | [`exact`] | sums without rounding |
 
 mod complete;
+mod errors;
 pub mod exact;
 mod fingerprint;
 mod fit;
