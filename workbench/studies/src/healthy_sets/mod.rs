@@ -98,7 +98,7 @@ fn recipe(set: HealthySet, count: usize) -> Recipe {
     };
     let groups = if by_run { sessions } else { vec![] };
     let alarms = Alarms { healthy: Some(0), false_alarm: FALSE_ALARM, by_run, required: true, ..Alarms::default() };
-    let validation = Validation { groups, columns, ..Validation::default() };
+    let validation = Validation { groups, columns, doubted: true, ..Validation::default() };
     Recipe { alarms, validation, ..Recipe::new(Structure::new(1, 1, 1, 1, 1)) }
 }
 
