@@ -3,7 +3,7 @@
 //! `-h` fits a screen: of commands with many options it has those of [`SHORT`], each in one line, and one example;
 //! `--help` has all options with their whole texts.
 
-use clap::{Arg, Command};
+use clap::{Arg, ArgAction, Command};
 
 /// Longest text of an option in the short help.
 const LINE: usize = 64;
@@ -62,8 +62,14 @@ const HEADINGS: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// The commands with their help.
-pub(super) fn arranged(command: Command) -> Command {
+/// The program with the help of its commands.
+pub(super) fn of_program(command: Command) -> Command {
+    // The version as one of the other options: by itself it has a heading of its own.
+    let version = Arg::new("version").short('V').long("version").action(ArgAction::Version).help("Print version");
+    arranged(command.disable_version_flag(true).arg(version))
+}
+
+fn arranged(command: Command) -> Command {
     let name = command.get_name().to_string();
     let short = SHORT.iter().find(|(own, _)| *own == name).map(|(_, ids)| *ids);
     let about = command.get_about().map(ToString::to_string).unwrap_or_default();

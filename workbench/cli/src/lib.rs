@@ -87,7 +87,7 @@ pub fn run() -> ExitCode {
 
 /// The commands with their help.
 fn described() -> clap::Command {
-    help::arranged(Cli::command())
+    help::of_program(Cli::command())
 }
 
 fn execute(words: Vec<OsString>) -> Result<ExitCode, Failure> {

@@ -10,7 +10,7 @@ use crate::common::{refuse, run, succeed};
 use crate::form::{fit, schema};
 
 /// The commands, with those below another one.
-const COMMANDS: [&str; 28] = [
+const COMMANDS: [&str; 31] = [
     "demo",
     "init",
     "audit",
@@ -22,6 +22,9 @@ const COMMANDS: [&str; 28] = [
     "grey-box electrical",
     "grey-box linear",
     "validate",
+    "keys",
+    "sign",
+    "verify",
     "piecewise",
     "train",
     "features",
