@@ -91,3 +91,12 @@ fn the_rotor_tells_the_rate_of_a_logger_and_an_unbalanced_load() {
     println!("order 1 over the floor: normal up to {largest:.1}, unbalanced from {least:.1}");
     assert!((normal.len(), unbalanced.len()) == (11, 11) && 5.0 * largest < least, "{normal:?} {unbalanced:?}");
 }
+
+/// This crate asks `serde_json` for all digits of numbers, as the Python package does; there flattened fields lose them.
+#[test]
+fn a_model_with_a_front_end_is_read_where_numbers_have_all_digits() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/support/actuator/model.bwm");
+    let model = model::session::ModelFile::read(file.as_ref()).expect("readable");
+    let front_end = model.channels().front_end.as_ref().expect("a front end");
+    assert_eq!(front_end.control_rate_hz, 10_000.0);
+}

@@ -6,7 +6,8 @@
 use bearing_watch::model::{Feature, MAX_BYTES, Sampling};
 use bearing_watch::plan::{Method, Plan as _};
 use bearing_watch::{Model, Park};
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
 
 use model::Error;
@@ -21,6 +22,7 @@ pub const VERSION: u32 = 1;
 
 /// The plan of a part.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub struct Plan {
     /// [`VERSION`].
     pub version: u32,
@@ -35,7 +37,7 @@ pub struct Plan {
     /// Column of the labels with the run, if it was given.
     pub group: Option<String>,
     /// The channels of the recordings.
-    #[serde(flatten)]
+    #[serde(flatten, skip_deserializing, default = "Channels::unknown")]
     pub channels: Channels,
     /// Preparation of the recordings, and their sampling interval, s; 0 if it is not known.
     block_mean: usize,
@@ -73,6 +75,23 @@ pub struct Origin {
     pub unit: Option<String>,
     /// The same of the run.
     pub group: Option<String>,
+}
+
+/// By the derived way.
+impl Serialize for Plan {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}
+
+/// The channels by themselves and the rest by the derived way: flattened fields lose numbers where a program asks
+/// `serde_json` for all their digits.
+impl<'de> Deserialize<'de> for Plan {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = Value::deserialize(deserializer)?;
+        let channels = Channels::deserialize(&value).map_err(D::Error::custom)?;
+        Self::deserialize(&value).map(|rest| Self { channels, ..rest }).map_err(D::Error::custom)
+    }
 }
 
 impl Plan {

@@ -1,15 +1,18 @@
 //! Notes in a model file for the workbench.
 
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::Value;
 
 use crate::trace::{Channels, Preparation};
 use crate::train::Trained;
 
 /// Notes in a model file for the workbench; the firmware ignores them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub struct Notes {
     /// The columns that the model reads.
-    #[serde(flatten)]
+    #[serde(flatten, skip_deserializing, default = "Channels::unknown")]
     pub channels: Channels,
     /// The drive file that it was trained with.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -30,6 +33,23 @@ pub struct Notes {
     /// The units (drives) of the training traces, if they were given.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub units: Vec<String>,
+}
+
+/// By the derived way.
+impl Serialize for Notes {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}
+
+/// The channels by themselves and the rest by the derived way: flattened fields lose numbers where a program asks
+/// `serde_json` for all their digits.
+impl<'de> Deserialize<'de> for Notes {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = Value::deserialize(deserializer)?;
+        let channels = Channels::deserialize(&value).map_err(D::Error::custom)?;
+        Self::deserialize(&value).map(|rest| Self { channels, ..rest }).map_err(D::Error::custom)
+    }
 }
 
 impl Notes {

@@ -123,6 +123,12 @@ impl ShaftChannels {
 }
 
 impl Channels {
+    /// Until they are read.
+    #[must_use]
+    pub fn unknown() -> Self {
+        Self::new("", "", "")
+    }
+
     /// Three signals, no shaft.
     #[must_use]
     pub fn new(y: impl Into<String>, u1: impl Into<String>, u2: impl Into<String>) -> Self {
