@@ -6,7 +6,6 @@
 use bearing_watch::model::{Feature, MAX_BYTES, Sampling};
 use bearing_watch::plan::{Method, Plan as _};
 use bearing_watch::{Model, Park};
-use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
 
@@ -84,13 +83,11 @@ impl Serialize for Plan {
     }
 }
 
-/// The channels by themselves and the rest by the derived way: flattened fields lose numbers where a program asks
-/// `serde_json` for all their digits.
+/// The channels by themselves and the rest by the derived way.
 impl<'de> Deserialize<'de> for Plan {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let value = Value::deserialize(deserializer)?;
-        let channels = Channels::deserialize(&value).map_err(D::Error::custom)?;
-        Self::deserialize(&value).map(|rest| Self { channels, ..rest }).map_err(D::Error::custom)
+        let (channels, rest) = Channels::beside(deserializer, |value| Self::deserialize(value))?;
+        Ok(Self { channels, ..rest })
     }
 }
 

@@ -1,8 +1,6 @@
 //! Notes in a model file for the workbench.
 
-use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use serde_json::Value;
 
 use crate::trace::{Channels, Preparation};
 use crate::train::Trained;
@@ -42,13 +40,11 @@ impl Serialize for Notes {
     }
 }
 
-/// The channels by themselves and the rest by the derived way: flattened fields lose numbers where a program asks
-/// `serde_json` for all their digits.
+/// The channels by themselves and the rest by the derived way.
 impl<'de> Deserialize<'de> for Notes {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let value = Value::deserialize(deserializer)?;
-        let channels = Channels::deserialize(&value).map_err(D::Error::custom)?;
-        Self::deserialize(&value).map(|rest| Self { channels, ..rest }).map_err(D::Error::custom)
+        let (channels, rest) = Channels::beside(deserializer, |value| Self::deserialize(value))?;
+        Ok(Self { channels, ..rest })
     }
 }
 

@@ -1,5 +1,8 @@
 //! A record of signals, and the names of its columns.
 
+use serde::de::{Deserialize as _, Deserializer, Error as _};
+use serde_json::Value;
+
 use crate::trace::Missing;
 use crate::trace::front_end::{FrontEndFile, Refused};
 
@@ -123,10 +126,24 @@ impl ShaftChannels {
 }
 
 impl Channels {
-    /// Until they are read.
+    /// Without names: the place of channels that are read beside other fields.
     #[must_use]
     pub fn unknown() -> Self {
         Self::new("", "", "")
+    }
+
+    /// Reads channels and the fields beside them, which `others` reads. Not as a flattened field, which loses numbers
+    /// where a program asks `serde_json` for all their digits.
+    ///
+    /// # Errors
+    /// Missing or wrong fields.
+    pub fn beside<'de, D: Deserializer<'de>, T>(
+        deserializer: D,
+        others: impl FnOnce(&Value) -> Result<T, serde_json::Error>,
+    ) -> Result<(Self, T), D::Error> {
+        let value = Value::deserialize(deserializer)?;
+        let channels = Self::deserialize(&value).map_err(D::Error::custom)?;
+        Ok((channels, others(&value).map_err(D::Error::custom)?))
     }
 
     /// Three signals, no shaft.
