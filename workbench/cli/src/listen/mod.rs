@@ -75,11 +75,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     while goes_on() {
         match chunks.recv_timeout(PATIENCE) {
             Ok(Ok(bytes)) => {
-                for byte in bytes {
-                    if let Some(frame) = decoder.push(byte) {
-                        receiver.take(&frame)?;
-                    }
-                }
+                feed(&mut decoder, &bytes, &mut receiver)?;
             }
             Ok(Err(error)) => failure = Some(error),
             Err(RecvTimeoutError::Timeout) => {}
@@ -108,12 +104,18 @@ pub(super) fn taken(bytes: &[u8], folder: &Path, output: Output) -> Result<(), E
     let mut decoder = Box::new(Decoder::<LONGEST>::new());
     let mut receiver = Receiver::new(output, Some(Traces::new(folder)?), vec![]);
     receiver.show(View::unserved(), "")?;
+    feed(&mut decoder, bytes, &mut receiver)?;
+    receiver.end(decoder.counts())
+}
+
+/// Gives the receiver the frames that these bytes complete.
+fn feed(decoder: &mut Decoder<LONGEST>, bytes: &[u8], receiver: &mut Receiver) -> Result<(), Error> {
     for byte in bytes {
         if let Some(frame) = decoder.push(*byte) {
             receiver.take(&frame)?;
         }
     }
-    receiver.end(decoder.counts())
+    Ok(())
 }
 
 impl Args {
