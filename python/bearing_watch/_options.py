@@ -13,11 +13,22 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack as Unpack
 
 
-class Train(TypedDict, total=False):
-    """Options of :func:`bearing_watch.train`."""
+class _Choice(TypedDict, total=False):
+    """Records and features that are chosen."""
+
+    classes: Union[str, Sequence[str]]
+    features: Union[str, Sequence[str]]
+    covariates: Union[str, Sequence[str]]
+    train_where: Union[str, Sequence[str]]
+    group: str
+    unit: str
+    healthy: str
+
+
+class _Recordings(TypedDict, total=False):
+    """Channels of recordings, and how their features are computed."""
 
     where: Union[str, Sequence[str]]
-    classes: Union[str, Sequence[str]]
     time: str
     rate_hz: float
     front_end: Union[str, PathLike[str]]
@@ -49,8 +60,11 @@ class Train(TypedDict, total=False):
     velocity_from: Literal["best", "channel", "angle"]
     current_delay: float
     balance_cutoff_hz: float
-    features: Union[str, Sequence[str]]
-    covariates: Union[str, Sequence[str]]
+
+
+class _Classifier(_Choice, total=False):
+    """What decides, and how it is trained."""
+
     rising: Union[str, Sequence[str]]
     projection: Literal["none", "pca", "pca-raw", "fisher"]
     components: int
@@ -58,13 +72,6 @@ class Train(TypedDict, total=False):
     discriminant: Literal["linear", "quadratic", "shrunk"]
     shrinkage: Union[str, Sequence[float], float]
     size_spread: float
-    train_where: Union[str, Sequence[str]]
-    test_where: Union[str, Sequence[str]]
-    group: str
-    unit: str
-    folds: int
-    fold_seed: int
-    healthy: str
     novelty: Literal["gate", "none"]
     false_alarm: float
     reject_cost: float
@@ -74,6 +81,14 @@ class Train(TypedDict, total=False):
     other_drive: bool
     priors: Union[str, Sequence[str], Mapping[str, float]]
     cost: Union[str, Sequence[str], Mapping[str, float]]
+
+
+class Train(_Recordings, _Classifier, total=False):
+    """Options of :func:`bearing_watch.train`."""
+
+    test_where: Union[str, Sequence[str]]
+    folds: int
+    fold_seed: int
 
 
 class Evaluate(TypedDict, total=False):
@@ -90,48 +105,9 @@ class Evaluate(TypedDict, total=False):
     per_segment: bool
 
 
-class Features(TypedDict, total=False):
+class Features(_Recordings, _Choice, total=False):
     """Options of :func:`bearing_watch.fleet.features`."""
 
-    where: Union[str, Sequence[str]]
-    classes: Union[str, Sequence[str]]
-    time: str
-    rate_hz: float
-    front_end: Union[str, PathLike[str]]
-    y: str
-    u1: str
-    u2: str
-    current: str
-    velocity: str
-    velocity_ref: str
-    angle: str
-    load: str
-    park: Literal["standard", "thesis"]
-    bearing: Union[str, Sequence[float], float]
-    orders: Union[str, Sequence[str], Mapping[str, float]]
-    harmonics: Union[str, Sequence[float], float]
-    slip: float
-    order: Union[str, Sequence[int]]
-    offset: bool
-    method: Literal["ls", "instruments"]
-    nominal: str
-    segment: int
-    block_mean: int
-    decimate: int
-    memory: float
-    handover: int
-    huber: float
-    saturation: Union[str, Sequence[float], float]
-    stuck: int
-    velocity_from: Literal["best", "channel", "angle"]
-    current_delay: float
-    balance_cutoff_hz: float
-    features: Union[str, Sequence[str]]
-    covariates: Union[str, Sequence[str]]
-    train_where: Union[str, Sequence[str]]
-    group: str
-    unit: str
-    healthy: str
     plan: Union[str, PathLike[str]]
     plan_traces: int
 
@@ -144,32 +120,9 @@ class FeaturesSum(TypedDict, total=False):
     keep_units: bool
 
 
-class TrainFeatures(TypedDict, total=False):
+class TrainFeatures(_Classifier, total=False):
     """Options of :func:`bearing_watch.fleet.train_features`."""
 
-    classes: Union[str, Sequence[str]]
-    features: Union[str, Sequence[str]]
-    covariates: Union[str, Sequence[str]]
-    rising: Union[str, Sequence[str]]
-    projection: Literal["none", "pca", "pca-raw", "fisher"]
-    components: int
-    variance: float
-    discriminant: Literal["linear", "quadratic", "shrunk"]
-    shrinkage: Union[str, Sequence[float], float]
-    size_spread: float
-    train_where: Union[str, Sequence[str]]
-    group: str
-    unit: str
-    healthy: str
-    novelty: Literal["gate", "none"]
-    false_alarm: float
-    reject_cost: float
-    alarm_interval_h: float
-    alarm_interval_segments: float
-    segments_a_run: int
-    other_drive: bool
-    priors: Union[str, Sequence[str], Mapping[str, float]]
-    cost: Union[str, Sequence[str], Mapping[str, float]]
     one_pass: bool
     rust: Union[str, PathLike[str]]
     commissioning: int
