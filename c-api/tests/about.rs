@@ -67,7 +67,7 @@ fn an_angle_is_needed_where_it_changes_a_result() {
     assert!(!info(memory.state(FILE).expect("good model")).needs_angle, "least squares alone");
 }
 
-/// Whether the estimate of the first segment is adopted so many samples into the second one.
+/// Whether the estimate of the first segment is adopted after `samples` samples of the second segment.
 fn adopted_after(samples: u32) -> bool {
     let mut memory = Memory::new();
     let state = memory.state(&bytes(&refined::MODEL)).expect("good model");

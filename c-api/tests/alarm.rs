@@ -14,16 +14,12 @@ mod standard_rig;
 #[allow(dead_code, reason = "other tests use the rest")]
 mod support;
 
-use core::mem::MaybeUninit;
-
 use bearing_watch::model::{EvidenceConstants, KNOTS, Novelty};
 use bearing_watch_c::*;
 
 use standard_rig::model::{Drive, MODEL, Sample};
-use support::{Memory, bytes, channels};
+use support::{Memory, SEGMENT, alarm, bytes, channels};
 
-/// Samples of a trace, and of a segment.
-const SEGMENT: usize = 5000;
 /// The second trace is of a spall.
 const SPALL: usize = 1;
 
@@ -55,12 +51,7 @@ fn take(state: *mut BwState, trace: usize, gain: f32) -> BwAlarm {
         // SAFETY: the state is initialised, and the values are there.
         unsafe { bw_step(state, values.as_ptr(), values.len(), 0) };
     }
-    let mut alarm = MaybeUninit::<BwAlarm>::uninit();
-    // SAFETY: the state is initialised; the alarm is written if the code says so.
-    unsafe {
-        assert_eq!(bw_alarm(state, alarm.as_mut_ptr()), BwCode::Ok);
-        alarm.assume_init()
-    }
+    alarm(state)
 }
 
 /// Raised, known, class and segment.

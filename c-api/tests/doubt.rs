@@ -19,10 +19,7 @@ use core::ptr::null_mut;
 use bearing_watch_c::*;
 
 use standard_rig::model::{MODEL, Sample};
-use support::{FILE, Memory, channels};
-
-/// Samples of a segment.
-const SEGMENT: usize = 5000;
+use support::{FILE, Memory, SEGMENT, alarm, channels};
 
 fn samples(count: usize) -> impl Iterator<Item = Sample> {
     standard_rig::samples().collect::<Vec<_>>().into_iter().cycle().take(count)
@@ -55,15 +52,6 @@ fn told(state: *mut BwState) -> (BwVerdict, BwReason, [u32; 2]) {
         report.assume_init()
     };
     (report.verdict, report.reason, [alarm.segments, alarm.undetermined])
-}
-
-fn alarm(state: *mut BwState) -> BwAlarm {
-    let mut alarm = MaybeUninit::<BwAlarm>::uninit();
-    // SAFETY: the state is initialised; the alarm is written if the code says so.
-    unsafe {
-        assert_eq!(bw_alarm(state, alarm.as_mut_ptr()), BwCode::Ok);
-        alarm.assume_init()
-    }
 }
 
 const GOOD: (BwVerdict, BwReason, [u32; 2]) = (BwVerdict::Class, BwReason::None, [1, 0]);
@@ -132,9 +120,9 @@ fn verdicts_that_are_missing_for_too_long_are_told_with_their_reason() {
         }
         silent.push(alarm(state).silent);
     }
-    let found = alarm(state);
-    assert_eq!((silent, found.silent_segments, found.raised), (vec![false, true], 2, false));
-    assert_eq!(found.silent_reason, BwReason::TooFewRows);
+    let BwAlarm { silent_segments, silent_reason, raised, .. } = alarm(state);
+    assert_eq!((silent, silent_segments, raised), (vec![false, true], 2, false));
+    assert_eq!(silent_reason, BwReason::TooFewRows);
     take(state, SEGMENT, true);
     assert!(!alarm(state).silent, "a verdict ends it");
 }

@@ -1,14 +1,18 @@
 //! What the tests share: a state in memory of its own, the models of the examples, and samples for them.
 
 use core::ffi::c_void;
+use core::mem::MaybeUninit;
 use core::ptr::null_mut;
 
 use bearing_watch::Model;
 use bearing_watch::plan::{Plan, Signals};
-use bearing_watch_c::{BW_STATE_SIZE, BwCode, BwState, BwValues, bw_init, bw_values};
+use bearing_watch_c::{BW_STATE_SIZE, BwAlarm, BwCode, BwState, BwValues, bw_alarm, bw_init, bw_values};
 
 /// The trained model of the standard rig.
 pub static FILE: &[u8] = include_bytes!("../../../examples/support/standard_rig/model.bwm");
+
+/// Samples of a trace of the standard rig, and of a segment of its model.
+pub const SEGMENT: usize = 5000;
 
 /// Memory for a state, aligned to 8 bytes.
 pub struct Memory(Box<[u64]>);
@@ -52,4 +56,14 @@ pub fn values(state: *mut BwState, what: BwValues) -> Vec<f32> {
     assert_eq!(code, BwCode::Ok);
     values.truncate(count);
     values
+}
+
+/// The alarm of a state.
+pub fn alarm(state: *mut BwState) -> BwAlarm {
+    let mut alarm = MaybeUninit::<BwAlarm>::uninit();
+    // SAFETY: the state is initialised; the alarm is written if the code says so.
+    unsafe {
+        assert_eq!(bw_alarm(state, alarm.as_mut_ptr()), BwCode::Ok);
+        alarm.assume_init()
+    }
 }
