@@ -94,6 +94,8 @@ mod saved;
 mod shaft;
 #[cfg(feature = "signature")]
 pub mod signature;
+#[cfg(test)]
+mod small_drive;
 #[cfg(feature = "embedded-storage")]
 pub mod storage;
 #[cfg(feature = "telemetry")]

@@ -273,4 +273,4 @@ impl<'m, P: Plan> Detector<'m, P> {
 }
 
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;
