@@ -373,9 +373,9 @@ fn told<P: Plan>(model: &Model<P>, report: &Report<P>) {
         opaque((Decision::expected_costs(decision), Decision::least_cost(decision)));
         opaque((Decision::missing(decision), Decision::missing_count(decision), Decision::outside(decision)));
         opaque(Decision::beyond(decision));
-        let mut own = Decision::clone(decision);
-        Decision::set_beyond(&mut own, opaque(&[true, false]));
-        opaque(own);
+        let mut combined = Decision::clone(decision);
+        Decision::set_beyond(&mut combined, opaque(&[true, false]));
+        opaque(combined);
     }
 }
 

@@ -843,8 +843,8 @@ BwCode bw_pending(struct BwState *state, uint32_t *samples);
 uint32_t bw_angle(uint32_t counts, uint32_t resolution_bits);
 
 // Does a bounded piece of the solve of the closed segment; call it again and again in the main loop. The first piece
-// takes the segment, so that the interrupt can close the next one. The alarm takes account of the report, unless it is in
-// doubt (`bw_discard`).
+// takes the segment, so that the interrupt can close the next one. The alarm takes account of the report, unless
+// `bw_discard` has withdrawn it.
 //
 // Returns `BW_CODE_OK` if there is more to do, `BW_CODE_REPORT` with the last piece, or `BW_CODE_IDLE` if there is no
 // closed segment.
@@ -1205,8 +1205,9 @@ BwCode bw_telemetry_raw(struct BwTelemetry *telemetry,
 const char *bw_version(void);
 
 // Runs the kernels on numbers whose results are known, and compares every bit. Call it at start, and once in the
-// interrupt that calls `bw_collect`, before the power stage is on: an interrupt has settings of the processor of its own
-// (FPDSCR). Takes some hundred thousand instructions. Later each segment tests those settings (`BW_REASON_ARITHMETIC`).
+// interrupt that calls `bw_collect`, before the power stage is on: interrupts take their floating-point settings from
+// the register FPDSCR, not from `main`. It takes some hundred thousand instructions. Later each segment tests these
+// settings (`BW_REASON_ARITHMETIC`).
 //
 // Returns 0, or the first part whose results differ: 1 rounding, 2 subnormal numbers, 3 square root, exponential or
 // logarithm, 4 transforms, 5 decimation, 6 the factor of a least-squares problem, 7 its solution.

@@ -59,8 +59,9 @@ pub extern "C" fn bw_version() -> *const c_char {
 }
 
 /// Runs the kernels on numbers whose results are known, and compares every bit. Call it at start, and once in the
-/// interrupt that calls `bw_collect`, before the power stage is on: an interrupt has settings of the processor of its own
-/// (FPDSCR). Takes some hundred thousand instructions. Later each segment tests those settings (`BW_REASON_ARITHMETIC`).
+/// interrupt that calls `bw_collect`, before the power stage is on: interrupts take their floating-point settings from
+/// the register FPDSCR, not from `main`. It takes some hundred thousand instructions. Later each segment tests these
+/// settings (`BW_REASON_ARITHMETIC`).
 ///
 /// Returns 0, or the first part whose results differ: 1 rounding, 2 subnormal numbers, 3 square root, exponential or
 /// logarithm, 4 transforms, 5 decimation, 6 the factor of a least-squares problem, 7 its solution.

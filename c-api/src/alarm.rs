@@ -99,8 +99,8 @@ pub unsafe extern "C" fn bw_alarm(state: *mut BwState, alarm: *mut BwAlarm) -> B
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bw_limit_silence(state: *mut BwState, segments: u32, hours: f32) -> BwCode {
     // SAFETY: the same contract.
-    let found = unsafe { at(state) };
-    code(found.and_then(|state| {
+    let state = unsafe { at(state) };
+    code(state.and_then(|state| {
         if !(0.0..f32::INFINITY).contains(&hours) {
             return Err(BwCode::OutOfRange);
         }

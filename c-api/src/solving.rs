@@ -10,8 +10,8 @@ use crate::plan::Own;
 use crate::state::{BwState, Solving, Work};
 
 /// Does a bounded piece of the solve of the closed segment; call it again and again in the main loop. The first piece
-/// takes the segment, so that the interrupt can close the next one. The alarm takes account of the report, unless it is in
-/// doubt (`bw_discard`).
+/// takes the segment, so that the interrupt can close the next one. The alarm takes account of the report, unless
+/// `bw_discard` has withdrawn it.
 ///
 /// Returns `BW_CODE_OK` if there is more to do, `BW_CODE_REPORT` with the last piece, or `BW_CODE_IDLE` if there is no
 /// closed segment.

@@ -34,8 +34,8 @@ pub struct BwState {
     pub(crate) lost_segments: AtomicU32,
     /// Samples lost since the last one that the detector took, which must know of the gap.
     pub(crate) missed: AtomicU32,
-    /// Number of segments that have closed, that of the one in `closed`, and that of the one in doubt since `bw_discard`;
-    /// the first is 1.
+    /// Numbers of segments, from 1 on: of the last one that has closed, of the one in `closed`, and of the one whose
+    /// report `bw_discard` has put in doubt.
     pub(crate) segments: AtomicU32,
     pub(crate) closed_number: AtomicU32,
     pub(crate) doubted: AtomicU32,

@@ -33,8 +33,8 @@ macro_rules! program {
     };
 }
 
-/// No printer and no fault handler: a panic that could be reached would not link, but for signatures, whose verification
-/// has index checks that the compiler cannot prove.
+/// No printer and no fault handler: a panic that could be reached would not link. Signatures are the exception, since
+/// their verification has index checks that the compiler cannot prove.
 #[cfg(target_os = "none")]
 macro_rules! program {
     ($run:path) => {

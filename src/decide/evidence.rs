@@ -44,8 +44,8 @@
 //! runs are required, so that one disturbed record causes no alarm. The alarm names the defect that is most likely over
 //! the segments since the first suspicion, and [`Cause::Unknown`] if only the novelty reached the limit.
 //!
-//! A segment beyond the gate of a defect ([`super::novelty`]) has an e-value of at most 1 for it, and does not speak for
-//! it: a sensor fault far from every class is no trained defect.
+//! A segment beyond the gate of a defect ([`super::novelty`]) has an e-value of at most 1 for it, and adds nothing to
+//! its support: a sensor fault far from every class is no trained defect.
 //!
 //! Cost: a few operations a class, and an exponential and a logarithm a class for runs of several segments.
 //! Undetermined segments add nothing and do not count; a value that is not a number makes its segment undetermined.
@@ -53,8 +53,7 @@
 
 mod words;
 
-use super::discriminant::Decision;
-use super::discriminant::UNMARKED;
+use super::discriminant::{Decision, UNMARKED};
 use super::silence::{Silence, SilenceLimits, Silent};
 use super::trend::{Drift, Trend};
 use crate::logarithm::ln;
@@ -215,7 +214,7 @@ impl<P: Plan> Evidence<P> {
         if distance_surprise.is_finite() { Ok(decision) } else { Err(Some(Reason::NotFinite(Part::Classifier))) }
     }
 
-    /// (2) and the support. A segment beyond the gate of a defect is nothing in its favour.
+    /// (2) and the support. A segment beyond the gate of a defect raises neither.
     fn weigh_defects(&mut self, healthy_class: u8, decision: &Decision<P>) {
         let (log_likelihoods, healthy_class) = (decision.log_likelihoods(), healthy_class as usize);
         let healthy = log_likelihoods.get(healthy_class).copied().unwrap_or(f32::NAN);

@@ -11,11 +11,11 @@
 //! beyond class j if s(d_j²/3²) ≥ −ln α,   d_j² as (1) of mean and covariance of the class                (5)
 //! ```
 //!
-//! Posteriors compare the classes with each other, so that a segment far from all of them, as of a faulty sensor, gets
-//! the class with the widest covariance, with certainty. (5) says that it is no segment of that class. Its gate is three
-//! times as far as the healthy one, in deviations of the class: the law (2) of healthy segments is that of a class only
-//! roughly, and a defect grows and differs from drive to drive. Without a healthy class there is no law, and nothing is
-//! novel.
+//! Posteriors compare the classes with each other: a segment far from all of them, as of a faulty sensor, gets the
+//! class with the widest covariance, with a posterior of nearly 1. By (5) it is no segment of that class. The limit of
+//! the distance is three times that of the healthy class, in standard deviations of the class: the law (2) of healthy
+//! segments holds for another class only roughly, and a defect grows and differs from drive to drive. Without a healthy
+//! class there is no law, and nothing is novel.
 //!
 //! m and S are mean and covariance of the healthy training segments. (2) is known for all Z coordinates; with k of
 //! them, (4) gives the d² that is as improbable. u is nearly normal (Wilson and Hilferty 1931): for chi-square
@@ -59,8 +59,8 @@ pub struct Novelty<P: Plan> {
     pub limit: f32,
 }
 
-/// The gate of another class is so many times as far from it, in its own deviations, as that of the healthy class:
-/// defects differ more between drives, and grow.
+/// Limit of the distance from another class over the limit for the healthy class, each in standard deviations of its
+/// class: defects differ more between drives, and grow.
 const WIDER: f32 = 3.0;
 
 /// How far a segment is from the healthy class.
@@ -169,10 +169,10 @@ pub(super) fn equivalent(squared: f32, available: usize, all: usize) -> f32 {
 #[inline(never)]
 fn normal(squared: f32, available: usize) -> f32 {
     let count = available as f32;
-    let own = 2.0 / (9.0 * count);
+    let variance = 2.0 / (9.0 * count);
     let mean = squared / count;
     let root = if mean > f32::MIN_POSITIVE { libm::expf(ln(mean) / 3.0) } else { mean };
-    (root - 1.0 + own) / libm::sqrtf(own)
+    (root - 1.0 + variance) / libm::sqrtf(variance)
 }
 
 /// The two knots around a value, or the nearest two.

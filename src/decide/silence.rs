@@ -1,8 +1,8 @@
 //! Segments without a verdict → whether the diagnosis is lost, and why.
 //!
-//! A fault that denies verdicts adds nothing to the evidence and could hide for ever. Enters: for each segment nothing,
-//! or the reason why it has no verdict. Leaves: a [`Silence`], once so many segments in a row had none, or as many as
-//! take so many hours; it ends with the next verdict. The reason is the one that most of these segments had.
+//! A fault that prevents verdicts adds nothing to the evidence and would never be noticed. Enters: each segment without
+//! a verdict, with the reason. Leaves: a [`Silence`] when the number of such segments in a row, or their duration,
+//! reaches its limit ([`SilenceLimits`]); it ends with the next verdict. Its reason is the most frequent one.
 
 use crate::reason::{Reason, ReasonCode};
 

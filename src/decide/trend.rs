@@ -205,8 +205,8 @@ mod tests {
         let slope = (joint - sum_t * sum_d / n) / (squares - sum_t * sum_t / n);
         let trend = drift.trend().unwrap();
         assert_eq!(trend.segments, 1_900_000);
-        // A step of the mean, 0.25 in a million, is about its last digit, 2.4e-7: the mean of a million is right to some
-        // thousand of them, and so is the sum of products about it.
+        // A step of the mean, 0.25 in a million, is about the size of its last digit, 2.4e-7: after a million steps the
+        // error of the mean is some thousand last digits, and that of the sum of products follows from it.
         assert!((f64::from(trend.slope) / slope - 1.0).abs() < 2e-3 && trend.low > 0.0, "{trend:?} {slope}");
         assert!((f64::from(trend.mean) - sum_d / n).abs() < 1e-3, "{trend:?}");
         assert_eq!(Drift::from_words(drift.words()), Some(drift));

@@ -1,7 +1,8 @@
 //! The numbers of a model → a word by which what was made with one model is known from what was made with another.
 //!
-//! It is `const`, so that an exported model has it at compile time; [`Model::id`](crate::Model::id), the checksum of the
-//! binary form, costs as much as reading a model. Models with other numbers have other marks, but for one pair in 2³².
+//! It is `const`, so that an exported model has it at compile time. [`Model::id`](crate::Model::id), the checksum of
+//! the binary form, costs as much as reading a model. Models with other numbers have other marks, but for one pair in
+//! 2³².
 
 use super::parts::{Parts, RegressionParts, ShaftParts};
 use crate::decide::{EvidenceConstants, UNMARKED};

@@ -351,8 +351,8 @@ mod tests {
     #[test]
     fn errors_of_terms_that_depend_on_each_other_cancel_in_the_drag() {
         let friction = both_ways(1600, true).unwrap();
-        // 1600 rows, two to an independent one: 0.01 A/√800. Coulomb friction alone is the current at no velocity, which
-        // is 100 deviations of the velocity away.
+        // 1600 rows, two to an independent one: 0.01 A/√800. Coulomb friction alone is the current at no velocity,
+        // which is 100 deviations of the velocity away.
         let mean = 0.01 / 800.0_f32.sqrt();
         assert!((friction.drag.value - 0.5).abs() < 1e-4, "{friction:?}");
         assert!((friction.drag.deviation / mean - 1.0).abs() < 0.05, "{mean} {friction:?}");

@@ -79,8 +79,8 @@ fn a_damaged_newer_record_is_told_with_its_number() {
 fn a_refused_newer_record_is_told_to_who_gets_the_older_one() {
     let (mut flash, pair) = two();
     let older = |record: &Record, bytes: &[u8]| (bytes[0] == 1).then_some((record.counter, record.passed_over()));
-    let found = pair.load(&mut flash, &mut [0; 256], older);
-    assert_eq!(found, Ok((1, Some(PassedOver::Refused { counter: 2 }))));
+    let loaded = pair.load(&mut flash, &mut [0; 256], older);
+    assert_eq!(loaded, Ok((1, Some(PassedOver::Refused { counter: 2 }))));
     assert_eq!(pair.load(&mut flash, &mut [0; 256], |_, _| None::<()>), Err(StorageError::NoRecord));
     assert_eq!(
         pair.load(&mut flash, &mut [0; 149], |_, bytes| (bytes[0] == 2).then_some(())),

@@ -69,9 +69,9 @@
 //! *Stream* is the CRC-32 of the hello's fields and lists. A report or block of samples belongs to the hello of the
 //! same stream: names of another model, drive or session are never applied to it. Send the hello at the start and again
 //! every few seconds, for listeners that join later; raw samples need none. *Sequence* counts the frames of an encoder;
-//! a gap is a number of lost frames. A frame that equals one of the last 64 is dropped. A gap of more than 1024, numbers
-//! that go back and another stream are believed at the second frame that continues them, so that one forged frame makes
-//! no other one lost. *First* counts samples; a gap between blocks is a number of lost samples.
+//! a gap is a number of lost frames. A frame that equals one of the last 64 is dropped. A gap of more than 1024,
+//! numbers that go back and another stream are accepted at the second frame that continues them, so that no frame is
+//! lost by one that is forged. *First* counts samples; a gap between blocks is a number of lost samples.
 //!
 //! A frame has at most content · 255/254 + 6 bytes; the content is 10 bytes, the fields, and the lists.
 

@@ -55,7 +55,8 @@ pub fn figures(way: Way) -> Result<Vec<Figure>> {
     Ok(figures)
 }
 
-/// What the examples `measure`, `memory`, `stack` and `measure_signature` print, and what [`FOOTPRINTS`] add to the smallest program.
+/// What the examples `measure`, `memory`, `stack` and `measure_signature` print, and what [`FOOTPRINTS`] add to the
+/// smallest program.
 pub fn kernels(way: Way) -> Result<Vec<Figure>> {
     let mut figures = Vec::new();
     for example in ["measure", "memory", "stack", "measure_signature"] {

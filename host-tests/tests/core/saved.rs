@@ -196,11 +196,11 @@ fn numbers_that_segments_of_this_model_cannot_leave_are_refused() {
 fn words_and_flags_without_a_meaning_are_refused() {
     let model = alarming();
     let without = saved(&model, &evidence_after(&model, 9), None);
-    let own = baseline(&model);
-    let with = saved(&model, &evidence_after(&model, 9), Some(&own));
+    let baseline = baseline(&model);
+    let with = saved(&model, &evidence_after(&model, 9), Some(&baseline));
     let differ = words(&without).len();
     let first = 5 + 2 + 3 * usize::from(model.plan().layout().classes) + 4;
-    let coordinates = own.offset().len();
+    let coordinates = baseline.offset().len();
     for place in (first..=first + coordinates).chain(differ - 3..differ) {
         let float = 0.5_f32.to_bits();
         assert_eq!(refusal(&model, &with_word(&without, place, float)), StateError::Value, "{place}: no baseline");
@@ -247,8 +247,8 @@ fn a_baseline_beyond_its_bound_or_of_other_constants_is_refused() {
 #[test]
 fn a_state_of_the_first_version_is_read() {
     let model = alarming();
-    let own = evidence_after(&model, 9);
-    let bytes = saved(&model, &own, None);
+    let before = evidence_after(&model, 9);
+    let bytes = saved(&model, &before, None);
     // Without the last ten words.
     let mut old = bytes[..bytes.len() - 4 - 40].to_vec();
     old[4] = 1;
@@ -259,7 +259,10 @@ fn a_state_of_the_first_version_is_read() {
     let old = with_word(&old, 0, first);
     let mut evidence = model.evidence();
     assert_eq!(model.restore(&old, &mut evidence, None), Ok(()));
-    assert_eq!((evidence.score(), evidence.segments(), evidence.trend()), (own.score(), own.segments(), own.trend()));
+    assert_eq!(
+        (evidence.score(), evidence.segments(), evidence.trend()),
+        (before.score(), before.segments(), before.trend())
+    );
     let mut later = bytes;
     later[4] = 3;
     let error = refusal(&model, &later);
@@ -274,10 +277,10 @@ fn a_silence_goes_on_after_power_off() {
         (0..4).for_each(|_| _ = evidence.observe_outcome(Err(Reason::Stuck { channel: 2 })));
         evidence.silence()
     };
-    let mut own = model.evidence();
-    assert_eq!(silent(&mut own), None);
+    let mut quiet = model.evidence();
+    assert_eq!(silent(&mut quiet), None);
     let mut other = model.evidence();
-    assert_eq!(model.restore(&saved(&model, &own, None), &mut other, None), Ok(()));
-    let found = silent(&mut other).expect("eight segments");
-    assert_eq!((found.segments, found.with_reason, found.reason), (8, 8, Some(Reason::Stuck { channel: 2 })));
+    assert_eq!(model.restore(&saved(&model, &quiet, None), &mut other, None), Ok(()));
+    let silence = silent(&mut other).expect("eight segments");
+    assert_eq!((silence.segments, silence.with_reason, silence.reason), (8, 8, Some(Reason::Stuck { channel: 2 })));
 }

@@ -92,7 +92,7 @@ fn the_rotor_tells_the_rate_of_a_logger_and_an_unbalanced_load() {
     assert!((normal.len(), unbalanced.len()) == (11, 11) && 5.0 * largest < least, "{normal:?} {unbalanced:?}");
 }
 
-/// This crate asks `serde_json` for all digits of numbers, as the Python package does; there flattened fields lose them.
+/// This crate asks `serde_json` for all digits of numbers, as the Python package does; flattened fields then lose them.
 #[test]
 fn a_model_with_a_front_end_is_read_where_numbers_have_all_digits() {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/support/actuator/model.bwm");

@@ -46,7 +46,7 @@ fn decide(baseline: Option<&mut Baseline<RunTime>>, z: [f32; 2]) -> Result<Decis
     let mut decision = Decision::empty(plan());
     let estimates: Estimates<'_, RunTime> = (Some(&estimate), None, &[]);
     match baseline {
-        Some(own) => own.decide(plan(), &classifier(), estimates, &mut decision)?,
+        Some(follower) => follower.decide(plan(), &classifier(), estimates, &mut decision)?,
         None => Classification::new(plan()).run(plan(), &classifier(), estimates, &[0.0; 2], &mut decision)?,
     }
     Ok(decision)
@@ -68,42 +68,42 @@ fn healthy(decision: &Decision<RunTime>) -> bool {
 
 #[test]
 fn steps_by_hand() {
-    let mut own = baseline();
-    decide(Some(&mut own), [1.0, -0.5]).unwrap();
-    assert_eq!(own.offset(), [0.02, -0.01]);
-    let decision = decide(Some(&mut own), [1.02, 0.99]).unwrap();
+    let mut follower = baseline();
+    decide(Some(&mut follower), [1.0, -0.5]).unwrap();
+    assert_eq!(follower.offset(), [0.02, -0.01]);
+    let decision = decide(Some(&mut follower), [1.02, 0.99]).unwrap();
     assert_eq!(decision.distance, libm::sqrtf(2.0));
-    assert_eq!(own.offset(), [0.02 + 0.02, -0.01 + 0.02]);
+    assert_eq!(follower.offset(), [0.02 + 0.02, -0.01 + 0.02]);
     // Neither a surprising segment, nor a defect, nor nonsense is followed.
-    let before = own.clone();
+    let before = follower.clone();
     for z in [[2.6, 0.0], [8.0, 0.0], [f32::NAN, 0.0], [f32::INFINITY, 0.0], [1e30, 0.0]] {
-        let _ = decide(Some(&mut own), z);
-        assert_eq!(own, before, "{z:?}");
+        let _ = decide(Some(&mut follower), z);
+        assert_eq!(follower, before, "{z:?}");
     }
 }
 
 #[test]
 fn missing_coordinates_remain() {
-    let mut own = baseline();
-    assert!(own.restore(&[0.5, 0.25], false));
-    own.move_to(&classifier(), &[1.0, 0.0], &[0.0, f32::INFINITY]);
-    assert_eq!(own.offset(), [0.5 + 0.02, 0.25]);
-    own.move_to(&classifier(), &[f32::NAN, 1.0], &[0.0, 1.0]);
-    assert_eq!(own.offset(), [0.52, 0.25 + 0.01]);
+    let mut follower = baseline();
+    assert!(follower.restore(&[0.5, 0.25], false));
+    follower.move_to(&classifier(), &[1.0, 0.0], &[0.0, f32::INFINITY]);
+    assert_eq!(follower.offset(), [0.5 + 0.02, 0.25]);
+    follower.move_to(&classifier(), &[f32::NAN, 1.0], &[0.0, 1.0]);
+    assert_eq!(follower.offset(), [0.52, 0.25 + 0.01]);
 }
 
 #[test]
 fn state_is_stored_and_restored_and_constants_are_checked() {
-    let mut own = baseline();
-    (0..30).for_each(|_| drop(decide(Some(&mut own), [1.0, 0.5])));
+    let mut follower = baseline();
+    (0..30).for_each(|_| drop(decide(Some(&mut follower), [1.0, 0.5])));
     let mut other = baseline();
-    assert!(other.restore(own.offset(), own.at_bound()));
-    assert_eq!(other, own);
+    assert!(other.restore(follower.offset(), follower.at_bound()));
+    assert_eq!(other, follower);
     // Healthy is N(0, I), the bound 2.5.
     for bad in [&[1.0][..], &[f32::NAN, 0.0], &[2.0, 1.6], &[0.0, -2.6], &[1e30, 0.0], &[f32::INFINITY, 0.0]] {
         assert!(!other.restore(bad, true), "{bad:?}");
     }
-    assert_eq!(other, own);
+    assert_eq!(other, follower);
     other.reset();
     assert_eq!(other, baseline());
     for (gain, gate, bound) in [
@@ -122,20 +122,20 @@ fn state_is_stored_and_restored_and_constants_are_checked() {
 
 #[test]
 fn weather_is_followed() {
-    let (mut draw, mut own, mut alarms) = (noise(5), baseline(), [0, 0]);
+    let (mut draw, mut follower, mut alarms) = (noise(5), baseline(), [0, 0]);
     const SEGMENTS: usize = 40_000;
     for k in 0..SEGMENTS {
         let weather = 2.0 * (core::f32::consts::TAU * k as f32 / 4000.0).sin();
         let z = [weather + draw(), draw()];
         alarms[0] += usize::from(!healthy(&decide(None, z).unwrap()));
-        alarms[1] += usize::from(!healthy(&decide(Some(&mut own), z).unwrap()));
+        alarms[1] += usize::from(!healthy(&decide(Some(&mut follower), z).unwrap()));
     }
     let [fixed, followed] = alarms.map(|count| 100.0 * count as f32 / SEGMENTS as f32);
     std::println!("false alarms under weather, set 1 %: fixed {fixed:.2} %, followed {followed:.2} %");
     // The lag is 2 sd · 2π 50/4000 = 0.16 sd, and the noise of the offset 0.5 % of the variance: about 1.1 %; four
     // standard deviations of a count of 400 are 0.2 %. Fixed, the mean over the phases is about 8 %.
     assert!((0.8..1.4).contains(&followed) && (5.0..12.0).contains(&fixed), "{fixed} {followed}");
-    assert!(!own.at_bound());
+    assert!(!follower.at_bound());
 }
 
 #[test]
@@ -144,18 +144,18 @@ fn wear_still_alarms_later_by_no_more_than_the_bound() {
     let rate = 0.01;
     let mut delays = Vec::new();
     for seed in 0..20 {
-        let (mut draw, mut own) = (noise(100 + seed), baseline());
+        let (mut draw, mut follower) = (noise(100 + seed), baseline());
         let mut evidence = [0, 1].map(|_| Evidence::new(plan(), constants, Some(0)));
         let mut alarms = [None, None];
         for k in 0..3000 {
             let z = [rate * k as f32 + draw(), draw()];
-            let decisions = [decide(None, z), decide(Some(&mut own), z)];
+            let decisions = [decide(None, z), decide(Some(&mut follower), z)];
             for ((evidence, decision), alarm) in evidence.iter_mut().zip(decisions).zip(&mut alarms) {
                 *alarm = evidence.observe(decision.ok().as_ref()).map(|alarm| alarm.segment);
             }
         }
         let [Some(fixed), Some(followed)] = alarms else { panic!("no alarm: {alarms:?}") };
-        assert!(own.at_bound());
+        assert!(follower.at_bound());
         delays.push(followed as f32 - fixed as f32);
     }
     let mean = delays.iter().sum::<f32>() / delays.len() as f32;
@@ -168,37 +168,37 @@ fn wear_still_alarms_later_by_no_more_than_the_bound() {
 
 #[test]
 fn a_step_is_not_followed() {
-    let (mut draw, mut own) = (noise(77), baseline());
+    let (mut draw, mut follower) = (noise(77), baseline());
     let mut novel = 0;
     for _ in 0..2000 {
         let z = [5.0 + 0.3 * draw(), 0.3 * draw()];
-        novel += usize::from(!healthy(&decide(Some(&mut own), z).unwrap()));
+        novel += usize::from(!healthy(&decide(Some(&mut follower), z).unwrap()));
     }
-    assert_eq!((novel, own.offset()), (2000, &[0.0, 0.0][..]));
+    assert_eq!((novel, follower.offset()), (2000, &[0.0, 0.0][..]));
 }
 
 #[test]
 fn the_offset_stops_at_the_bound() {
-    let mut own = baseline();
+    let mut follower = baseline();
     // Always a standard deviation from the offset, so that the gate is open.
     for _ in 0..400 {
-        let z = [own.offset()[0] + 0.8, own.offset()[1] + 0.6];
-        decide(Some(&mut own), z).unwrap();
+        let z = [follower.offset()[0] + 0.8, follower.offset()[1] + 0.6];
+        decide(Some(&mut follower), z).unwrap();
     }
-    let length = own.offset().iter().map(|x| x * x).sum::<f32>().sqrt();
-    assert!((length - BOUND).abs() < 1e-5 && own.at_bound(), "{length}");
+    let length = follower.offset().iter().map(|x| x * x).sum::<f32>().sqrt();
+    assert!((length - BOUND).abs() < 1e-5 && follower.at_bound(), "{length}");
     // A slow return is followed, and the flag stays.
     for _ in 0..160 {
-        let z = [own.offset()[0] - 0.8, own.offset()[1] - 0.6];
-        decide(Some(&mut own), z).unwrap();
+        let z = [follower.offset()[0] - 0.8, follower.offset()[1] - 0.6];
+        decide(Some(&mut follower), z).unwrap();
     }
-    assert!(own.at_bound() && own.offset()[0].abs() < 0.7, "{:?}", own.offset());
+    assert!(follower.at_bound() && follower.offset()[0].abs() < 0.7, "{:?}", follower.offset());
 }
 
 #[test]
 fn the_offset_is_from_the_trained_mean() {
-    let (mut own, mut classifier) = (baseline(), classifier());
+    let (mut follower, mut classifier) = (baseline(), classifier());
     classifier.novelty.mean = vec![2.0, -1.0];
-    own.move_to(&classifier, &[2.5, -1.0], &[0.0; 2]);
-    assert_eq!(own.offset(), [0.01, 0.0]);
+    follower.move_to(&classifier, &[2.5, -1.0], &[0.0; 2]);
+    assert_eq!(follower.offset(), [0.01, 0.0]);
 }

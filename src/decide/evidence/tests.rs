@@ -177,9 +177,9 @@ fn what_resembled_a_defect_while_nothing_was_suspected_does_not_name_it() {
 #[test]
 fn a_segment_beyond_the_gate_of_a_defect_does_not_speak_for_it() {
     let beyond = |far: [bool; 3], log_likelihoods| {
-        let mut own = decision(30.0, log_likelihoods);
-        own.set_beyond(&far);
-        own
+        let mut decision = decision(30.0, log_likelihoods);
+        decision.set_beyond(&far);
+        decision
     };
     // Of a wide class, which is likelier than the healthy one: far from both.
     let mut evidence = evidence(Some(0));
@@ -214,15 +214,15 @@ fn restored(words: &[u32]) -> Option<Evidence<RunTime>> {
 
 #[test]
 fn words_that_no_segments_leave_are_refused() {
-    let mut own = evidence(Some(0));
+    let mut observed = evidence(Some(0));
     for likelihoods in [[0.0, 3.0, 2.0], [0.0, 4.0, 1.0]] {
-        own.observe(Some(&decision(1.0, likelihoods)));
+        observed.observe(Some(&decision(1.0, likelihoods)));
     }
-    own.observe(None);
+    observed.observe(None);
     let mut words = std::vec::Vec::new();
-    own.save(&mut |word| words.push(word));
-    own.save_later(&mut |word| words.push(word));
-    assert_eq!(restored(&words).as_ref(), Some(&own));
+    observed.save(&mut |word| words.push(word));
+    observed.save_later(&mut |word| words.push(word));
+    assert_eq!(restored(&words).as_ref(), Some(&observed));
     assert_eq!(restored(&words[..words.len() - 1]), None);
     let changed = |place: usize, word: u32| {
         let mut words = words.clone();

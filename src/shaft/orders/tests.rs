@@ -210,19 +210,19 @@ fn the_unit_of_the_weights_does_not_matter() {
     assert!(one > 4.0 && (one / other - 1.0).abs() < 1e-5, "{one} {other}"); // roundings
 }
 
-/// Cells of an eighth of a turn, as many as a long segment at high speed has.
+/// In cells of ⅛ turn, up to the number of blocks of a long segment at high speed.
 #[test]
 fn noise_and_defects_keep_their_scores_however_many_blocks_a_segment_has() {
     // A passage takes 16 samples, so that every order has time to close.
     let find =
         |seed, blocks: usize, amplitude| run(seed, 16 * blocks, &tracking(0.0, -3), |_| 0.125 / 16.0, (amplitude, 0.0));
     for blocks in [60_000_u32, 125_000, MAX_BLOCKS] {
-        let (noise, found) = find(5, blocks as usize, 0.0);
-        let what = std::format!("{found} blocks: prominence {}, score {}", noise.prominence, noise.score);
+        let (noise, closed) = find(5, blocks as usize, 0.0);
+        let what = std::format!("{closed} blocks: prominence {}, score {}", noise.prominence, noise.score);
         std::println!("{what}");
         // The last block is still open. (3) has a deviation of 0.006 at the fewest blocks; a normal score of 4 has a
         // probability of 1e-4.
-        assert!(found.abs_diff(blocks) < 3 && (noise.prominence - 1.0).abs() < 0.03, "{what}");
+        assert!(closed.abs_diff(blocks) < 3 && (noise.prominence - 1.0).abs() < 0.03, "{what}");
         assert!(noise.score.abs() < 4.0, "{what}");
     }
     let defect = find(6, 125_000, 0.02).0;
@@ -231,7 +231,8 @@ fn noise_and_defects_keep_their_scores_however_many_blocks_a_segment_has() {
     assert!(defect.score > 10.0 && (0.9..1.05).contains(&(defect.amplitude / 0.02)), "{defect:?}");
 }
 
-/// The sums after so many samples of noise and a line of amplitude 0.2; a sample without residual where `lost`.
+/// The sums after `samples` samples of noise and a line of amplitude 0.2; where `lost` is true, a sample has no
+/// residual.
 fn sums(samples: usize, log2: i8, turns: impl Fn(usize) -> f64, lost: impl Fn(usize) -> bool) -> OrderSums<RunTime> {
     let (mut orders, mut gauss, mut angle) = (OrderTracking::<RunTime>::new(plan()), Gauss(9), 0.0);
     for k in 0..samples {

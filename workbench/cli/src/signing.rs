@@ -16,8 +16,8 @@ const TITLE: &str = "bearing-watch private key 1";
 
 /// Print the public key of a private key as arrays for firmware, or make a new private key
 ///
-/// A new key comes from the randomness of the system. Its file is for its owner alone (0600), and none is replaced. Keep
-/// it where models are made, with a copy: whoever has it signs models that drives accept.
+/// A new key comes from the random numbers of the system. Only the owner can read its file (mode 0600), and no existing
+/// file is replaced. Keep it where models are made, with a copy: whoever has it can sign models that drives accept.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  bearing-watch keys vendor.key --new")]
 pub(super) struct KeysArgs {

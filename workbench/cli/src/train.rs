@@ -48,23 +48,27 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     let files: Vec<&Path> = exports.files().chain(args.report.as_deref()).chain(args.save.as_deref()).collect();
     output::plan(&files, &session.inputs())?;
     output::logged(|log| {
-        let mut own = session.train(log)?;
+        let mut training = session.train(log)?;
         let mut taken = args.taken.clone();
         if let Some(path) = &args.save {
-            taken.settings = own.settings(&settings);
+            taken.settings = training.settings(&settings);
             let text = taken.text(path)?;
             taken.drive = Some(text.clone());
-            own = own.with_drive(text)?;
+            training = training.with_drive(text)?;
         }
-        let exported = exports.exported(own.bytes.clone(), |segments| own.rust_source(segments), || own.c_header())?;
-        let found = session.found(&own, args.rank, log)?;
-        let report = args.report.as_ref().map(|_| page(&own, &found)).transpose()?;
+        let exported = exports.exported(
+            training.bytes.clone(),
+            |segments| training.rust_source(segments),
+            || training.c_header(),
+        )?;
+        let found = session.found(&training, args.rank, log)?;
+        let report = args.report.as_ref().map(|_| page(&training, &found)).transpose()?;
         let report = report.map(|page| taken.on_page(page));
         let page = args.report.as_deref().zip(report.as_ref()).map(|(path, text)| (path, text.as_bytes()));
         let saved = args.save.as_deref().zip(taken.drive.as_ref()).map(|(path, text)| (path, text.as_bytes()));
         output::write_all(&exports.contents(&exported).into_iter().chain(page).chain(saved).collect::<Vec<_>>())?;
-        log.warn(own.doubts());
-        print(args, &own, &found)
+        log.warn(training.doubts());
+        print(args, &training, &found)
     })
 }
 

@@ -4,9 +4,9 @@
 //! S ≈ Σ + V̄,   t = min(1, (1 − √(2/(n−1))) / λmax(S⁻¹ V̄)),   Σ̂ = S − t V̄                                 (1)
 //! ```
 //!
-//! S is the covariance of n rows, V̄ the mean of their errors' variances. The errors of a few rows may be far larger than
-//! those of the others, and S itself is known to a part √(2/(n−1)) only: where V̄ explains nearly all of S, Σ̂ without t is
-//! nearly singular, and nearly all records of the class would lie beyond its own law.
+//! S is the covariance of n rows, V̄ the mean of their errors' variances. The errors of a few rows may be far larger
+//! than those of the others, and √(2/(n−1)) is the relative standard error of a variance in S. Where V̄ explains nearly
+//! all of S, S − V̄ is nearly singular, and nearly all records of the class would be called novel.
 
 use nalgebra::{DMatrix, DVector};
 

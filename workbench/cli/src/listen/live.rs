@@ -42,7 +42,7 @@ impl View {
         Ok((Self { shared, next: None }, address))
     }
 
-    /// A page that nobody is served.
+    /// A page without a server.
     pub(super) fn unserved() -> Self {
         Self { shared: Arc::default(), next: None }
     }

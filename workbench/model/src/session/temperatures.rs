@@ -25,13 +25,16 @@ impl Temperatures {
         read: impl Fn(&[String]) -> Result<Traces, Error>,
     ) -> Result<(Self, Option<Traces>), Error> {
         let (mut all, mut offered) = (vec![], vec![]);
-        for own in named.into_iter().filter(|own| !used.contains(&own.name.as_str())) {
-            match own.lacking {
-                0 if offered.len() < MAX_COVARIATES => offered.push(own.name),
-                0 => all.push(Temperature::refused(&own.name, "there are too many before it".into())),
-                lacking => {
-                    let why = format!("it is missing in {lacking} of {} recordings", own.of);
-                    all.push(Temperature::refused(&own.name, why));
+        for TemperatureColumn { name, lacking, of } in named {
+            if used.contains(&name.as_str()) {
+                continue;
+            }
+            match lacking {
+                0 if offered.len() < MAX_COVARIATES => offered.push(name),
+                0 => all.push(Temperature::refused(&name, "there are too many before it".into())),
+                _ => {
+                    let why = format!("it is missing in {lacking} of {of} recordings");
+                    all.push(Temperature::refused(&name, why));
                 }
             }
         }
@@ -41,9 +44,9 @@ impl Temperatures {
             // What is wrong with the traces themselves is told where the model is trained.
             Err(problem) => all.extend(offered.iter().map(|name| Temperature::refused(name, problem.to_string()))),
         }
-        let own = Self(all);
-        let all_are_taken = own.taken() == offered;
-        Ok((own, all_are_taken.then_some(traces)))
+        let temperatures = Self(all);
+        let all_are_taken = temperatures.taken() == offered;
+        Ok((temperatures, all_are_taken.then_some(traces)))
     }
 
     /// The columns of those that are taken.

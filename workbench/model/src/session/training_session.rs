@@ -66,16 +66,16 @@ impl Session {
         let traces = traces.map_or_else(|| self.traces(&taken), Ok)?;
         log.warn(irregular(traces.training.iter().map(|t| &t.trace)));
         log.warn(refused(traces.training.iter().map(|t| &t.trace)));
-        let mut own = self.trained(traces)?;
-        let without = own.trained.automatic.as_ref().and_then(Automatic::without_covariates);
+        let mut training = self.trained(traces)?;
+        let without = training.trained.automatic.as_ref().and_then(Automatic::without_covariates);
         if let Some(why) = without.filter(|_| !taken.is_empty()) {
             temperatures.refuse(&why);
-            own = self.trained(self.traces(&[])?)?;
+            training = self.trained(self.traces(&[])?)?;
         }
-        own.trained.automatic.iter_mut().for_each(|own| own.temperatures.clone_from(&temperatures.0));
-        chosen::report(&own.trained, &self.settings);
-        log.warn(description::of_host(own.host, &own.description));
-        Ok(own)
+        training.trained.automatic.iter_mut().for_each(|automatic| automatic.temperatures.clone_from(&temperatures.0));
+        chosen::report(&training.trained, &self.settings);
+        log.warn(description::of_host(training.host, &training.description));
+        Ok(training)
     }
 
     /// Reads the traces of training with these temperatures as covariates.

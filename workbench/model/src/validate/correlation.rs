@@ -166,11 +166,11 @@ fn null(sources: &DMatrix<f64>) -> (usize, f64) {
 }
 
 thread_local! {
-    /// The last draws: a study tests many records at the same lags, and the draws take longer than the rest of the test.
+    /// The last draws: a study tests many records at the same lags, and drawing takes longer than the rest of a test.
     static NORMALS: RefCell<DMatrix<f64>> = RefCell::new(DMatrix::zeros(0, 0));
 }
 
-/// Gives `use_them` the draws for so many lags, `size` × `DRAWS` standard normal numbers that depend on `size` only.
+/// Gives `use_them` the draws for `size` lags: `size` × `DRAWS` standard normal numbers that depend on `size` only.
 fn with_normals<T>(size: usize, use_them: impl FnOnce(&DMatrix<f64>) -> T) -> T {
     NORMALS.with_borrow_mut(|normals| {
         if normals.nrows() != size {
