@@ -24,6 +24,7 @@ use studies::pages::campaign::{field_page, page};
   bearing-watch campaign --field --bounds --draws 1
   bearing-watch campaign --field --sessions --draws 10
   bearing-watch campaign --ema --draws 5
+  bearing-watch campaign --ema --default --draws 5
   bearing-watch campaign --healthy-sets
   bearing-watch campaign --field --commissioned --draws 5
 
@@ -69,8 +70,8 @@ pub(super) struct Args {
     /// Features of the field's detector, instead of those of its recipe
     #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "field")]
     features: Vec<String>,
-    /// The detector of a user who names no features, instead of the one of the field's recipe
-    #[arg(long, requires = "field", conflicts_with_all = ["features", "bounds", "sessions", "commissioned"])]
+    /// The detector of a user who names no features, instead of the one of the recipe; with --field or --ema
+    #[arg(long, conflicts_with_all = ["features", "bounds", "sessions", "commissioned", "quick", "healthy_sets"])]
     default: bool,
     /// Gates of healthy sets that are not normal, not independent, or not healthy
     #[arg(long, conflicts_with_all = ["traces", "quick", "field", "ema", "out", "report"])]
@@ -98,6 +99,9 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     if args.ema {
         return run_ema(args);
     }
+    if args.default {
+        return Err(Error::Usage("--default is for --field or --ema; the standard rig has one configuration".into()));
+    }
     let Args { repetitions, first, traces, .. } = *args;
     let settings = Settings { repetitions, first, traces, false_alarms: !args.quick };
     let bar = output::progress("campaign", settings.steps());
@@ -114,7 +118,8 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
 }
 
 fn run_ema(args: &Args) -> Result<(), Error> {
-    let settings = ema::Settings { draws: args.repetitions, first: args.first, records: args.traces };
+    let settings =
+        ema::Settings { draws: args.repetitions, first: args.first, records: args.traces, default: args.default };
     let bar = output::progress("actuator", settings.steps());
     let findings = ema::study(settings, || bar.inc(1))?;
     bar.finish_and_clear();

@@ -17,6 +17,7 @@
 //! | [`signals`] | the signals of a simulated trace as those of a recorded one |
 //! | [`pages`] | pages of the results |
 
+pub mod by_default;
 pub mod campaign;
 pub mod demo;
 pub mod ema;

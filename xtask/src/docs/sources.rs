@@ -20,7 +20,7 @@ pub struct Source {
 }
 
 /// All sources, in the order in which they run.
-pub const SOURCES: [Source; 23] = [
+pub const SOURCES: [Source; 24] = [
     quick(figures::NAME, figures::TOLERANCE, target),
     quick("demo", Tolerance::Exact, |_| printed("demo", "book/src/introduction.md", "standard_rig::twenty_draws")),
     quick("instruments", Tolerance::Exact, |_| {
@@ -49,6 +49,9 @@ pub const SOURCES: [Source; 23] = [
         Ok(vec![Block::new("docs/field-peers.md", "field-peers", &field_peers::measure(Some(field_peers::SHORT))?.0)])
     }),
     slow("ema", Tolerance::Exact, |_| workbench("campaign --ema --draws 5", "ema", "docs/ema.md")),
+    slow("ema-default", Tolerance::Exact, |_| {
+        workbench("campaign --ema --default --draws 5", "ema-default", "docs/ema.md")
+    }),
     slow("tables", Tolerance::Exact, |_| {
         let blocks = workbench(TABLES, "tables", "docs/tables.md")?;
         save("park", "Figure 5.35: a healthy record with four angles of the Park transform").map(|()| blocks)

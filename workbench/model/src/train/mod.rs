@@ -34,6 +34,7 @@ pub mod front_end_header;
 pub mod front_end_source;
 pub mod label;
 mod lags;
+mod least_covariance;
 mod left_out;
 mod matrix;
 pub mod moments;

@@ -16,8 +16,8 @@
 //! Two steps (2), of r and then r + q, are extrapolated to Σ + 2ar + a²q with a = |r|/|q| (SQUAREM, Varadhan and Roland
 //! 2008) unless that is not positive definite. The fixed point is the same.
 //!
-//! With few rows the restricted likelihood may be largest where Σ is singular: the errors alone explain the spread of a
-//! feature, or of a combination of features. Then 1e-3 of the mean variance of its errors is added to each variance.
+//! With few rows the restricted likelihood is largest where Σ is nearly singular; the result is at least as wide as
+//! [`super::least_covariance`] says.
 //!
 //! A row is left out of its own distance by (1) without it, and by one step (2) without it:
 //!
@@ -32,6 +32,7 @@ use std::collections::BTreeMap;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::covariance::{self, symmetric, whitening};
+use super::least_covariance::{least, raised, within};
 
 /// Iterations end if Σ changes by less, relative to the deviations of values with errors.
 const TOLERANCE: f64 = 1e-7;
@@ -41,7 +42,8 @@ const MOST: usize = 100;
 const BOLDER: f64 = 4.0;
 /// Least part of the observed variance at the start.
 const LEAST_PART: f64 = 0.05;
-/// Part of the errors' variance that is added to a singular Σ.
+
+/// Part of the errors' variance that makes a singular Σ regular.
 const ADDED_PART: f64 = 1e-3;
 
 /// One row: values, variances of their errors, and class.
@@ -99,15 +101,25 @@ pub(crate) fn moments(rows: &[Observed<'_>], classes: usize) -> Moments {
 }
 
 /// As `moments`, of rows whose sums are given.
+#[must_use]
 pub fn moments_of(cells: &[Cell], classes: usize) -> Moments {
     let errors = mean_errors(cells);
-    let mut found = start(cells, classes, &errors);
+    let start = start(cells, classes, &errors);
+    let alone = start.covariance.diagonal();
     // The iteration approaches a singular covariance without reaching it.
     if let Some(singular) = singular(cells, classes) {
-        return Moments { covariance: singular, ..found };
+        return Moments { covariance: singular, ..start };
     }
+    let found = largest(cells, classes, start, &errors);
+    let raised = least(cells, classes, &alone).and_then(|least| raised(&found.covariance, least));
+    Moments { covariance: raised.unwrap_or(found.covariance), ..found }
+}
+
+/// The moments of the largest restricted likelihood, from this start on.
+fn largest(cells: &[Cell], classes: usize, start: Moments, errors: &DVector<f64>) -> Moments {
+    let mut found = start;
     // Typical deviations of values with errors.
-    let deviation = (found.covariance.diagonal() + &errors).map(f64::sqrt);
+    let deviation = (found.covariance.diagonal() + errors).map(f64::sqrt);
     let size = |step: &DMatrix<f64>| step.map_with_location(|i, j, x| x / (deviation[i] * deviation[j]));
     let mut boldest = 1.0_f64;
     for _ in 0..MOST {
@@ -178,23 +190,11 @@ fn start(cells: &[Cell], classes: usize, errors: &DVector<f64>) -> Moments {
 /// The covariance of the complete rows without regard to their errors, if there are enough and it is singular. Errors
 /// are independent, so features with errors are neither constant nor combinations of others.
 fn singular(cells: &[Cell], classes: usize) -> Option<DMatrix<f64>> {
-    let complete: Vec<&Cell> = cells.iter().filter(|cell| cell.variance.iter().all(|v| v.is_finite())).collect();
-    let features = cells.first()?.mean.len();
-    let (mut scatter, mut rows) = (DMatrix::zeros(features, features), 0.0);
-    for class in 0..classes {
-        let own = || complete.iter().filter(move |cell| cell.class == class);
-        let count = own().map(|cell| cell.count).sum::<f64>();
-        let mean = own().fold(DVector::zeros(features), |sum, cell| sum + &cell.mean * cell.count) / count.max(1.0);
-        for cell in own() {
-            let away = &cell.mean - &mean;
-            scatter.ger(cell.count, &away, &away, 1.0);
-            scatter += &cell.scatter;
-        }
-        rows += count;
-    }
-    let freedom = rows - classes as f64;
-    let covariance = scatter / freedom.max(1.0);
-    (freedom >= features as f64 && whitening(&covariance).is_err()).then_some(covariance)
+    let complete = cells.iter().filter(|cell| cell.variance.iter().all(|v| v.is_finite()));
+    let complete: Vec<(f64, &Cell)> = complete.map(|cell| (1.0, cell)).collect();
+    let freedom = complete.iter().map(|(_, cell)| cell.count).sum::<f64>() - classes as f64;
+    let covariance = within(&complete, classes) / freedom.max(1.0);
+    (freedom >= covariance.nrows() as f64 && whitening(&covariance).is_err()).then_some(covariance)
 }
 
 /// Rows by class and variances.
@@ -398,7 +398,9 @@ mod tests {
             let (mut mean, mut covariance) = (DVector::zeros(4), DMatrix::zeros(2, 2));
             for seed in 0..DRAWS {
                 let table = simulated(80, 2, (error, missing), 100 + seed);
-                let found = moments(&table.observed(), 2);
+                let cells = cells(&table.observed());
+                let errors = mean_errors(&cells);
+                let found = largest(&cells, 2, start(&cells, 2, &errors), &errors);
                 mean += DVector::from_iterator(4, found.means.iter().flatten().copied()) / DRAWS as f64;
                 covariance += found.covariance / DRAWS as f64;
             }
@@ -426,24 +428,31 @@ mod tests {
     }
 
     #[test]
-    fn errors_that_explain_the_whole_spread_leave_a_regular_covariance() {
+    fn a_class_is_as_wide_as_its_rows_cannot_deny() {
+        // Half of the rows are exact, as those whose errors are below the usual ones; three features share one source.
         let mut raised = 0;
         for seed in 0..50 {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
-            // One source of both features; their own errors are ten times as large.
             let values: Vec<_> =
-                (0..12).map(|_| DVector::from_element(2, 0.1 * normal()).map(|x| x + normal())).collect();
-            let variance = DVector::from_element(2, 1.0);
-            let rows: Vec<_> = values.iter().map(|value| Observed { value, variance: &variance, class: 0 }).collect();
-            let found = moments(&rows, 1);
-            let (_, log_determinant) = whitening(&found.covariance).expect("regular");
-            raised += usize::from(log_determinant <= 2.0 * (1.001 * ADDED_PART).ln());
-            // The mean of twelve rows has a standard error of 0.3; four of them hold for all seeds.
-            assert!(found.means[0].amax() < 1.2, "{}", found.means[0]);
+                (0..12).map(|_| DVector::from_element(3, 0.1 * normal()).map(|x| x + normal())).collect();
+            let variances = [0.0, 1.0].map(|v| DVector::from_element(3, v));
+            let rows = values.iter().zip(variances.iter().cycle());
+            let rows: Vec<_> = rows.map(|(value, variance)| Observed { value, variance, class: 0 }).collect();
+            let cells = cells(&rows);
+            let errors = mean_errors(&cells);
+            let start = start(&cells, 1, &errors);
+            let floor = least(&cells, 1, &start.covariance.diagonal()).expect("complete rows");
+            let (found, alone) = (moments(&rows, 1), largest(&cells, 1, start, &errors));
+            let near = (&found.covariance - &floor).symmetric_eigenvalues().min();
+            assert!(near > -1e-12, "{near}");
+            let wider = (&found.covariance - &alone.covariance).symmetric_eigenvalues();
+            assert!(wider.min() > -1e-12, "never narrower: {wider}");
+            raised += usize::from(wider.max() > 1e-9);
+            assert!(whitening(&found.covariance).is_ok());
         }
-        println!("{raised} of 50 without own variance");
-        assert!((5..45).contains(&raised), "{raised} of 50 without own variance");
+        println!("{raised} of 50 were too narrow");
+        assert!((10..50).contains(&raised), "{raised} of 50 were too narrow");
     }
 
     #[test]

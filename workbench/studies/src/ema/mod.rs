@@ -36,6 +36,8 @@ pub struct Settings {
     pub first: u32,
     /// Number of records per class and set.
     pub records: u32,
+    /// The detector of a user who names no features, instead of [`recipe`]; without the source's method.
+    pub default: bool,
 }
 
 /// One experiment over all draws.
@@ -82,12 +84,12 @@ impl Settings {
     #[must_use]
     pub fn steps(&self) -> usize {
         let sizes: usize = SIZES.iter().map(|(_, sizes)| sizes.len()).sum();
-        self.draws as usize * experiments::all().len() + self.calibrations() as usize * sizes
+        self.draws as usize * experiments::all().len() + self.calibrations() * sizes
     }
 
     /// Number of draws of the calibration, which has no goal.
-    const fn calibrations(&self) -> u32 {
-        self.draws.div_ceil(2)
+    const fn calibrations(&self) -> usize {
+        if self.default { 0 } else { self.draws.div_ceil(2) as usize }
     }
 }
 
@@ -98,18 +100,22 @@ impl Settings {
 pub fn study(settings: Settings, done: impl Fn()) -> Result<Findings, Error> {
     let experiments = experiments::all();
     let numbers = settings.first..settings.first + settings.draws;
-    let draws = numbers.clone().map(|number| run::draw(&experiments, (number, settings.records), &done));
+    let draws = numbers.clone().map(|number| run::draw(&experiments, (number, &settings), &done));
     let draws = draws.collect::<Result<Vec<_>, _>>()?;
     let figure = |(k, experiment): (usize, Experiment)| Figure {
         experiment,
         counts: draws.iter().map(|draw| draw.counts[k]).collect(),
     };
-    let source = (0..run::MODELS.len()).map(|k| draws.iter().map(|draw| draw.source[k].clone()).collect()).collect();
-    let sizes = SIZES.iter().flat_map(|(name, sizes)| sizes.iter().map(move |size| (*name, *size)));
+    let source = |k: usize| draws.iter().filter_map(|draw| draw.source.get(k).cloned()).collect();
+    let source = (0..run::MODELS.len()).map(source).filter(|all: &Vec<_>| !all.is_empty()).collect();
+    let sizes = SIZES
+        .iter()
+        .filter(|_| !settings.default)
+        .flat_map(|(name, sizes)| sizes.iter().map(move |size| (*name, *size)));
     let calibrated = |(name, severity): (&str, f64)| -> Result<Calibration, Error> {
         let condition = EmaCondition::named(name).unwrap_or(EmaCondition::STANDARD);
         let one = |number| run::calibration(&condition, severity, (number, CALIBRATION_RECORDS));
-        let judged = numbers.clone().take(settings.calibrations() as usize).map(one).collect::<Result<_, _>>()?;
+        let judged = numbers.clone().take(settings.calibrations()).map(one).collect::<Result<_, _>>()?;
         (0..settings.calibrations()).for_each(|_| done());
         Ok(Calibration { condition, severity, judged })
     };

@@ -3,7 +3,9 @@
 use bearing_watch::Park;
 use bearing_watch::plan::Kind;
 
-use crate::recipes;
+use super::sets::class_names;
+use crate::{by_default, recipes};
+use model::Error;
 use model::identify::Structure;
 use model::trace::Channels;
 use model::train::{Alarms, Recipe, ShaftPlan, Shrink, Shrinkage};
@@ -39,4 +41,12 @@ pub fn classes_alone() -> Recipe {
 pub fn recipe() -> Recipe {
     let alarms = Alarms { healthy: Some(0), false_alarm: FALSE_ALARM, required: true, ..Alarms::default() };
     Recipe { alarms, size_spread: recipes::SIZE_SPREAD, ..classes_alone() }
+}
+
+/// What a user gets who names his signals, the bearing and the false-alarm rate.
+///
+/// # Errors
+/// None that is known: the settings go together.
+pub fn by_default() -> Result<Recipe, Error> {
+    by_default::recipe(&by_default::settings(true, FALSE_ALARM), &class_names())
 }

@@ -53,7 +53,7 @@ pub fn text(findings: &Findings) -> String {
         }
     }
     let ours: String = sections.iter().map(|(name, rows)| grid(name, head, rows)).collect();
-    ours + &source(findings) + &calibration(findings)
+    if findings.settings.default { ours } else { ours + &source(findings) + &calibration(findings) }
 }
 
 const SOURCE_HEAD: [&str; 6] = ["", "three classes", "healthy / spall", "healthy / roughness", "both pooled", "traces"];
@@ -111,7 +111,7 @@ pub fn tidy(findings: &Findings) -> Vec<Vec<String>> {
     rows
 }
 
-/// Keys `draws`, `records`, `experiments`, `source`, `calibration`.
+/// Keys `draws`, `records`, `default`, `experiments`, `source`, `calibration`.
 #[must_use]
 pub fn to_json(findings: &Findings) -> Value {
     let judged = |all: &[Judged]| {
@@ -132,6 +132,7 @@ pub fn to_json(findings: &Findings) -> Value {
     json!({
         "draws": findings.settings.draws,
         "records": findings.settings.records,
+        "default": findings.settings.default,
         "experiments": findings.figures.iter().map(experiment).collect::<Vec<_>>(),
         "source": source.map(|(model, all)| json!({ "table": model.number, "errors": judged(all) })).collect::<Vec<_>>(),
         "calibration": findings.calibration.iter().map(size).collect::<Vec<_>>(),

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::Settings;
 use super::experiments::{Counted, Experiment, Group};
 use super::recipe;
 use super::record::cleaned;
@@ -35,7 +36,7 @@ pub struct Count {
 pub struct Draw {
     /// One count for each experiment.
     pub counts: Vec<Count>,
-    /// Decisions of the source's method in MIX on the same records, one for each of [`MODELS`].
+    /// Decisions of the source's method in MIX on the same records, one for each of [`MODELS`]; none beside the default.
     pub source: Vec<Judged>,
 }
 
@@ -68,18 +69,19 @@ const MIX: EmaCondition = EmaCondition::MIX;
 /// Number of the first record of a spall of the outer race: its seeds are not those of the inner race.
 const OUTER: u32 = 1 << 20;
 
-/// Runs the experiments for one draw with `count` records a class and set; `done` is called once per experiment.
+/// Runs the experiments for one draw; `done` is called once per experiment.
 ///
 /// # Errors
 /// Returns an error if simulation, training or embedding fails.
-pub fn draw(experiments: &[Experiment], (draw, count): (u32, u32), done: impl Fn()) -> Result<Draw, Error> {
+pub fn draw(experiments: &[Experiment], (draw, settings): (u32, &Settings), done: impl Fn()) -> Result<Draw, Error> {
+    let count = settings.records;
     let set = |condition: EmaCondition, purpose: Purpose| {
         records(&CLASSES.map(|defect| Group::new(condition, defect)), (purpose, draw, count))
     };
     let [training, validation] = [Purpose::Training, Purpose::Validation].map(|purpose| set(MIX, purpose));
     let (training, validation) = (training?, validation?);
     let judge = |trained_on: EmaCondition, set: &[Record]| -> Result<Judge<'_>, Error> {
-        Ok(Judge { trained: trained_on, model: trained(set)?, known: &validation, verdicts: vec![] })
+        Ok(Judge { trained: trained_on, model: trained(set, settings)?, known: &validation, verdicts: vec![] })
     };
     let mut judges = vec![judge(MIX, &training)?];
     let mut counts = vec![];
@@ -98,14 +100,16 @@ pub fn draw(experiments: &[Experiment], (draw, count): (u32, u32), done: impl Fn
     let source = |(k, model): (usize, &Published)| {
         source::judge([&of(&training, k), &of(&validation, k)], &class_names(), model)
     };
-    Ok(Draw { counts, source: MODELS.iter().enumerate().map(source).collect::<Result<_, _>>()? })
+    let models = MODELS.iter().enumerate().filter(|_| !settings.default);
+    Ok(Draw { counts, source: models.map(source).collect::<Result<_, _>>()? })
 }
 
 /// The detector trained on these records.
-fn trained(set: &[Record]) -> Result<Embedded, Error> {
+fn trained(set: &[Record], settings: &Settings) -> Result<Embedded, Error> {
     let labelled = |record: &Record| LabelledTrace { trace: record.ours.clone(), class: record.class() };
     let set: Vec<LabelledTrace> = set.iter().map(labelled).collect();
-    train(&set, &class_names(), &recipe::recipe())?.embed()
+    let recipe = if settings.default { recipe::by_default()? } else { recipe::recipe() };
+    train(&set, &class_names(), &recipe)?.embed()
 }
 
 fn records(groups: &[Group], (purpose, draw, count): (Purpose, u32, u32)) -> Result<Vec<Record>, Error> {
