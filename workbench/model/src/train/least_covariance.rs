@@ -14,8 +14,8 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
+use super::cell::{Cell, within};
 use super::covariance::symmetric;
-use super::moments::Cell;
 
 /// The least covariance by (1), of features with these variances alone; `None` of too few complete rows.
 pub(super) fn least(cells: &[Cell], classes: usize, alone: &DVector<f64>) -> Option<DMatrix<f64>> {
@@ -29,23 +29,6 @@ pub(super) fn least(cells: &[Cell], classes: usize, alone: &DVector<f64>) -> Opt
     let freedom = sum(1).powi(2) / sum(2) - classes as f64;
     let part = (2.0 / freedom).sqrt().min(1.0) / (sum(1) * freedom / (freedom + classes as f64));
     (freedom > 0.0).then(|| within(&weighted, classes) * part)
-}
-
-/// Weighted scatter about the weighted means of the classes.
-pub(super) fn within(cells: &[(f64, &Cell)], classes: usize) -> DMatrix<f64> {
-    let features = cells.first().map_or(0, |(_, cell)| cell.mean.len());
-    let mut scatter = DMatrix::zeros(features, features);
-    for class in 0..classes {
-        let own = || cells.iter().filter(move |(_, cell)| cell.class == class);
-        let sum = own().map(|(weight, cell)| weight * cell.count).sum::<f64>();
-        let mean = own().fold(DVector::zeros(features), |mean, (w, cell)| mean + &cell.mean * (w * cell.count / sum));
-        for (weight, cell) in own() {
-            let away = &cell.mean - &mean;
-            scatter.ger(weight * cell.count, &away, &away, 1.0);
-            scatter += &cell.scatter * *weight;
-        }
-    }
-    scatter
 }
 
 /// A covariance that is at least `least` in every direction, and changed in no direction in which it was; `None` if

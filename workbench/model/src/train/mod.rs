@@ -11,6 +11,7 @@ mod automatic;
 mod bench;
 pub mod c_header;
 mod c_text;
+mod cell;
 pub mod commissioning_source;
 mod compose;
 mod contamination;

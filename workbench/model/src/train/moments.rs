@@ -31,8 +31,10 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
+pub use super::cell::Cell;
+use super::cell::within;
 use super::covariance::{self, symmetric, whitening};
-use super::least_covariance::{least, raised, within};
+use super::least_covariance::{least, raised};
 
 /// Iterations end if Σ changes by less, relative to the deviations of values with errors.
 const TOLERANCE: f64 = 1e-7;
@@ -68,21 +70,6 @@ pub struct Moments {
     pub means: Vec<DVector<f64>>,
     /// The covariance within the classes.
     pub covariance: DMatrix<f64>,
-}
-
-/// Rows of one class whose values have the same variances of their errors.
-#[derive(Clone, Debug)]
-pub struct Cell {
-    /// Index of the class.
-    pub class: usize,
-    /// Number of rows.
-    pub count: f64,
-    /// Variances of the errors.
-    pub variance: DVector<f64>,
-    /// Mean of the rows; of missing values any number.
-    pub mean: DVector<f64>,
-    /// Scatter of the rows about it; of missing values any number.
-    pub scatter: DMatrix<f64>,
 }
 
 /// Sums over the cells at one covariance.

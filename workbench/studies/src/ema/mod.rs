@@ -18,6 +18,7 @@ pub mod record;
 pub mod render;
 pub mod run;
 pub mod sets;
+mod settings;
 pub mod source;
 
 use crate::literal::Judged;
@@ -26,19 +27,7 @@ use experiments::Experiment;
 use model::Error;
 use rig::ema::EmaCondition;
 use run::Count;
-
-/// Size of the campaign.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Settings {
-    /// Number of draws of training and validation sets.
-    pub draws: u32,
-    /// Number of the first draw; other numbers give other records.
-    pub first: u32,
-    /// Number of records per class and set.
-    pub records: u32,
-    /// The detector of a user who names no features, instead of [`recipe`]; without the source's method.
-    pub default: bool,
-}
+pub use settings::Settings;
 
 /// One experiment over all draws.
 #[derive(Clone, Debug)]

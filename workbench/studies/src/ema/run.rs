@@ -2,11 +2,11 @@
 
 use rayon::prelude::*;
 
-use super::Settings;
 use super::experiments::{Counted, Experiment, Group};
 use super::recipe;
 use super::record::cleaned;
 use super::sets::{CLASSES, FACTOR, class_names, recorded_on};
+use super::settings::Settings;
 use super::source;
 use crate::campaign::{Purpose, SeedKey};
 use crate::literal::Judged;
