@@ -2,12 +2,16 @@
 //!
 //! The libraries report through the crate `log`; only the reports of this project's crates are printed.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use log::{LevelFilter, Log, Metadata, Record};
 
 /// Whether only errors are printed.
 static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// Notes that are printed without `--verbose`, and those so far.
+const MOST: usize = 30;
+static PRINTED: AtomicUsize = AtomicUsize::new(0);
 
 /// How the names of the crates begin whose reports are printed.
 const CRATES: [&str; 2] = ["bearing_watch", "workbench"];
@@ -15,8 +19,13 @@ const CRATES: [&str; 2] = ["bearing_watch", "workbench"];
 /// Sets it for the process.
 pub(super) fn set(quiet: bool, verbose: bool) {
     QUIET.store(quiet, Ordering::Relaxed);
-    if verbose && log::set_logger(&Lines).is_ok() {
-        log::set_max_level(LevelFilter::Info);
+    let level = match (quiet, verbose) {
+        (true, _) => LevelFilter::Off,
+        (_, true) => LevelFilter::Info,
+        _ => LevelFilter::Warn,
+    };
+    if log::set_logger(&Lines).is_ok() {
+        log::set_max_level(level);
     }
 }
 
@@ -34,8 +43,18 @@ impl Log for Lines {
     }
 
     fn log(&self, record: &Record<'_>) {
-        if self.enabled(record.metadata()) {
-            eprintln!("{}", model::visible::lines(&record.args().to_string()));
+        if !self.enabled(record.metadata()) {
+            return;
+        }
+        // A folder of files of one kind has the same to say of each.
+        let before = PRINTED.fetch_add(1, Ordering::Relaxed);
+        match before.cmp(&MOST) {
+            std::cmp::Ordering::Less => eprintln!("{}", model::visible::lines(&record.args().to_string())),
+            _ if log::max_level() >= LevelFilter::Info => {
+                eprintln!("{}", model::visible::lines(&record.args().to_string()));
+            }
+            std::cmp::Ordering::Equal => eprintln!("further notes are not printed; --verbose prints all"),
+            std::cmp::Ordering::Greater => {}
         }
     }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 pub use crate::assemble::NO_TIME;
 use crate::assemble::{INTEGRAL, Rows as Given, assemble, elapsed};
 use crate::signal::{Signal, places_of, values_of};
-use crate::table::{Columns, Table, Wanted};
+use crate::table::{Columns, Omitted, Table, Wanted};
 use crate::units::{Quantity, Unit};
 use model::Error;
 use model::trace::{Channels, Trace, stem};
@@ -20,20 +20,29 @@ pub(super) struct Header {
 }
 
 impl Header {
-    /// Of these columns; `time` is the column that was asked for.
+    /// Of these columns; `time` is the column that was asked for, and `clocks` are in seconds.
     ///
     /// # Errors
     /// There is no such column.
-    pub(super) fn of(names: Vec<String>, time: Option<&str>) -> Result<Self, String> {
+    pub(super) fn of(names: Vec<String>, time: Option<&str>, clocks: &[usize]) -> Result<Self, String> {
         let time = match time {
             Some(NO_TIME) => None,
             Some(wanted) => {
                 let place = names.iter().position(|name| name == wanted);
                 let place =
                     place.ok_or_else(|| format!("no column {wanted} for the time; there are {}", names.join(", ")))?;
-                Some((place, seconds(wanted).unwrap_or(1.0)))
+                let factor = if clocks.contains(&place) { 1.0 } else { seconds(wanted).unwrap_or(1.0) };
+                Some((place, factor))
             }
-            None => names.iter().enumerate().find_map(|(place, name)| Some((place, usual_time(name)?))),
+            None => {
+                let usual = |(place, name): (usize, &String)| {
+                    let factor = usual_time(name);
+                    Some((place, if clocks.contains(&place) { factor.map(|_| 1.0) } else { factor }?))
+                };
+                let named = names.iter().enumerate().find_map(usual);
+                // Dates and the like are a time whatever their column is called.
+                named.or_else(|| clocks.first().map(|place| (*place, 1.0)))
+            }
         };
         Ok(Self { trace: names.iter().position(|name| name == "trace"), time, names })
     }
@@ -93,7 +102,8 @@ fn usual_time(name: &str) -> Option<f64> {
 
 /// The header of a table.
 pub(super) fn header_of(table: &Table, time: Option<&str>) -> Result<Header, Error> {
-    Header::of(table.names().to_vec(), time).map_err(|problem| Error::content(table.path(), "header", problem))
+    Header::of(table.names().to_vec(), time, &table.about().clocks)
+        .map_err(|problem| Error::content(table.path(), "header", problem))
 }
 
 /// Whether a table may have wanted traces: its only one is, or it has several.
@@ -246,7 +256,7 @@ fn parts(
         (_, other) => other,
     })?;
     let rows = Rows::split(path, &columns, &id)?;
-    report(path, &header, &rows, columns.numbers.first().map_or(0, Vec::len));
+    report(table, &header, &rows, columns.numbers.first().map_or(0, Vec::len));
     let mut whole = Some(std::mem::take(&mut columns.numbers));
     let each = |rows: Rows| -> Result<Part, Error> {
         let own = match rows.rows {
@@ -286,9 +296,15 @@ fn backwards(times: &[f64]) -> Option<usize> {
     })
 }
 
-/// Reports what is read of a file.
-fn report(path: &Path, header: &Header, traces: &[Rows], rows: usize) {
-    let (file, count) = (path.display(), traces.len());
+/// Reports what is read of a file, and what was left out or guessed.
+fn report(table: &Table, header: &Header, traces: &[Rows], rows: usize) {
+    let (file, count) = (table.path().display(), traces.len());
+    for Omitted { place, reason } in &table.about().omitted {
+        log::warn!("{file}, {place}: left out: {reason}");
+    }
+    for note in &table.about().notes {
+        log::warn!("{file}: {note}");
+    }
     match header.time() {
         Some(time) => log::info!("read {file}: traces {count}, rows {rows}, time by column {}", header.names[time]),
         None => log::info!("read {file}: traces {count}, rows {rows}, no time column"),

@@ -4,12 +4,14 @@ use std::path::Path;
 
 use model::Error;
 
+use crate::table::about::About;
 use crate::table::limit::Limit;
 
 /// Names and columns of arrays: the longest ones, and those of one number, which are constant.
 pub(super) fn of_one_length(
     path: &Path,
     arrays: Vec<(String, Vec<f64>)>,
+    about: &mut About,
 ) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
     let Some(rows) = arrays.iter().map(|(_, column)| column.len()).max().filter(|rows| *rows > 0) else {
         return Err(Error::content(path, "content", "no arrays of numbers"));
@@ -20,7 +22,12 @@ pub(super) fn of_one_length(
     claimed.map_err(|problem| Error::content(path, "content", format!("as {columns} columns {problem}")))?;
     let each = |(name, column): (String, Vec<f64>)| match column[..] {
         [one] => Some((name, vec![one; rows])),
-        _ => (column.len() == rows).then_some((name, column)),
+        _ if column.len() == rows => Some((name, column)),
+        _ => {
+            let count = column.len();
+            about.omit(format!("array {name}"), format!("it has {count} values where the longest have {rows}"));
+            None
+        }
     };
     Ok(arrays.into_iter().filter_map(each).unzip())
 }
@@ -34,7 +41,11 @@ mod tests {
         let file = tempfile::NamedTempFile::new().expect("a file");
         let arrays = |constants: usize| {
             let constants = (0..constants).map(|k| (format!("c{k}"), vec![1.0]));
-            of_one_length(file.path(), constants.chain([("t".into(), vec![0.0; 100_000])]).collect())
+            of_one_length(
+                file.path(),
+                constants.chain([("t".into(), vec![0.0; 100_000])]).collect(),
+                &mut About::default(),
+            )
         };
         assert_eq!(arrays(3).map(|(names, _)| names.len()).ok(), Some(4));
         let refused = arrays(3000).expect_err("2.4 GB").to_string();

@@ -17,6 +17,7 @@ use rayon::prelude::*;
 use model::trace::{Cells, Recorded};
 
 use crate::damaged::{DAMAGED, guarded};
+use crate::table::about::About;
 use crate::table::columns::{Columns, Wanted};
 use crate::table::limit::{Limit, NUMBER};
 use crate::table::{arrow_blocks, doubles, parquet_pages};
@@ -54,7 +55,7 @@ fn ipc(path: &Path, columns: Option<Vec<usize>>) -> Result<FileReader<BufReader<
 }
 
 /// Names of the columns.
-pub(super) fn names(path: &Path, kind: Kind) -> Result<Vec<String>, Error> {
+pub(super) fn names(path: &Path, kind: Kind, _about: &mut About) -> Result<Vec<String>, Error> {
     let open = || match kind {
         Kind::Parquet => Ok(parquet(path)?.schema().clone()),
         Kind::Ipc => Ok(ipc(path, None)?.schema()),

@@ -15,6 +15,7 @@ use std::path::Path;
 use matrw::{MatFile, MatVariable};
 
 use crate::damaged::guarded;
+use crate::table::about::About;
 use crate::table::arrays::of_one_length;
 use crate::table::matlab_value::Value;
 use crate::table::{limit, matlab_elements, matlab_hdf5};
@@ -25,7 +26,7 @@ const HDF5_AT: usize = 512;
 const HDF5: &[u8] = b"\x89HDF";
 
 /// Returns names and columns.
-pub(super) fn read(path: &Path) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
+pub(super) fn read(path: &Path, about: &mut About) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
     let bytes = limit::whole(path)?;
     let is_hdf5 = bytes.starts_with(HDF5) || bytes.get(HDF5_AT..).is_some_and(|rest| rest.starts_with(HDF5));
     let value = guarded(|| if is_hdf5 { of_hdf5(&bytes) } else { variables(&bytes) }).unwrap_or(Ok(None));
@@ -41,7 +42,7 @@ pub(super) fn read(path: &Path) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
     if let Some(alone) = only_variable(&found) {
         found.iter_mut().for_each(|(name, _)| *name = name[alone..].to_string());
     }
-    of_one_length(path, found)
+    of_one_length(path, found, about)
 }
 
 /// Reads the variables of format 7.3.
@@ -143,7 +144,7 @@ mod tests {
     fn read_bytes(bytes: &[u8]) -> Result<(Vec<String>, Vec<Vec<f64>>), String> {
         let file = tempfile::Builder::new().suffix(".mat").tempfile().expect("a file");
         std::fs::write(file.path(), bytes).expect("writable");
-        read(file.path()).map_err(|error| error.to_string())
+        read(file.path(), &mut About::default()).map_err(|error| error.to_string())
     }
 
     #[test]

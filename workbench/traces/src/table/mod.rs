@@ -11,6 +11,7 @@
 //!
 //! A table may also be in memory (`memory`). Each format but text is a feature of this crate.
 
+pub(crate) mod about;
 #[cfg(any(feature = "matlab", feature = "numpy"))]
 mod arrays;
 #[cfg(feature = "parquet")]
@@ -58,6 +59,7 @@ use model::trace::{Recorded, extensions};
 use columns::{NO_NUMBER, Unusable, settle, too_large};
 use formats::{is_binary, left_out};
 
+pub use about::{About, Omitted};
 #[cfg(feature = "parquet")]
 pub use arrow::of_batches;
 pub use columns::{Columns, LARGEST, Wanted};
@@ -70,6 +72,7 @@ pub struct Table {
     path: PathBuf,
     names: Vec<String>,
     content: Content,
+    about: About,
 }
 
 #[derive(Debug)]
@@ -91,21 +94,22 @@ impl Table {
             let problem = format!("a .{extension} file is compressed by itself; unpack it once");
             return Err(Error::content(path, "name", problem));
         }
+        let mut about = About::default();
         let (names, content) = match extension.as_str() {
             #[cfg(feature = "matlab")]
             "mat" => {
-                let (names, columns) = matlab::read(path)?;
+                let (names, columns) = matlab::read(path, &mut about)?;
                 (names, Content::Columns(columns))
             }
             #[cfg(feature = "numpy")]
             "npz" => {
-                let (names, columns) = numpy::read(path)?;
+                let (names, columns) = numpy::read(path, &mut about)?;
                 (names, Content::Columns(columns))
             }
             #[cfg(feature = "parquet")]
             "parquet" | "arrow" | "feather" => {
                 let kind = if extension == "parquet" { arrow::Kind::Parquet } else { arrow::Kind::Ipc };
-                (arrow::names(path, kind)?, Content::Arrow(kind))
+                (arrow::names(path, kind, &mut about)?, Content::Arrow(kind))
             }
             binary if is_binary(binary) => return Err(left_out(path, binary)),
             _ => {
@@ -113,13 +117,18 @@ impl Table {
                 (text.names(path)?, Content::Text(text))
             }
         };
-        Ok(Self { path: path.to_path_buf(), names, content })
+        Ok(Self { path: path.to_path_buf(), names, content, about })
     }
 
     /// A table in memory; messages name it as a file.
     pub fn of(recorded: &Arc<Recorded>) -> Self {
         let names = recorded.names().map(String::from).collect();
-        Self { path: recorded.name().into(), names, content: Content::Memory(Arc::clone(recorded)) }
+        Self {
+            path: recorded.name().into(),
+            names,
+            content: Content::Memory(Arc::clone(recorded)),
+            about: About::default(),
+        }
     }
 
     /// The file, for messages.
@@ -134,6 +143,12 @@ impl Table {
             Content::Memory(recorded) => recorded.name().into(),
             _ => self.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
         }
+    }
+
+    /// Columns that are times, and what was left out or guessed.
+    #[must_use]
+    pub fn about(&self) -> &About {
+        &self.about
     }
 
     /// Names of the columns.

@@ -8,6 +8,7 @@ use npyz::{DType, NpyFile, Order, TypeChar, WriterBuilder as _};
 use zip::ZipArchive;
 
 use crate::damaged::{DAMAGED, guarded};
+use crate::table::about::About;
 use crate::table::arrays::of_one_length;
 use crate::table::limit::{Limit, VALUE};
 use model::Error;
@@ -22,9 +23,9 @@ const DEEPEST: usize = 6;
 
 /// Returns names and columns. Arrays of one number are constant columns; arrays of other lengths than the longest, and
 /// those of text, are left out.
-pub(super) fn read(path: &Path) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
+pub(super) fn read(path: &Path, about: &mut About) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
     let damaged = || Err(Error::content(path, "content", format!("not readable as .npz: {DAMAGED}")));
-    of_one_length(path, guarded(|| arrays(path)).unwrap_or_else(damaged)?)
+    of_one_length(path, guarded(|| arrays(path)).unwrap_or_else(damaged)?, about)
 }
 
 fn arrays(path: &Path) -> Result<Vec<(String, Vec<f64>)>, Error> {
@@ -169,7 +170,7 @@ mod tests {
                 archive.write_all(&array(1, &header)).expect("written");
             }
             archive.finish().expect("written");
-            read(&path).expect_err("too large, or no numbers").to_string()
+            read(&path, &mut About::default()).expect_err("too large, or no numbers").to_string()
         };
         for shape in ["2147483648,", "0, 2147483648", "65536, 65536", "1, 2, 999999999"] {
             let refused = read_with(&[shape]);

@@ -1,0 +1,28 @@
+//! What a table says of itself beside its numbers.
+
+/// What was left out of a file, and why.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Omitted {
+    /// Line, column or array.
+    pub place: String,
+    /// Why, and what to do about it.
+    pub reason: String,
+}
+
+/// Columns that are times, and what was left out or guessed.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct About {
+    /// Places of columns whose numbers are seconds from the first row, whatever their names say.
+    pub clocks: Vec<usize>,
+    /// What was left out.
+    pub omitted: Vec<Omitted>,
+    /// What was guessed, a sentence each.
+    pub notes: Vec<String>,
+}
+
+impl About {
+    /// Adds what was left out.
+    pub fn omit(&mut self, place: impl Into<String>, reason: impl Into<String>) {
+        self.omitted.push(Omitted { place: place.into(), reason: reason.into() });
+    }
+}
