@@ -31,7 +31,7 @@ impl Wanted {
             return Err(signal::missing(missing, header.names()));
         }
         let both = OWN.iter().map(ToString::to_string).chain(header.names().to_vec()).collect();
-        let both = Header::of(both, Some(reader::NO_TIME), &[])?;
+        let both = Header::of(both, Some(reader::NO_TIME), &crate::table::About::default())?;
         let mut further: Vec<usize> = Vec::new();
         let mut place = |column: usize| {
             if column < OWN.len() {

@@ -36,6 +36,7 @@ pub mod resample;
 mod signal;
 pub mod table;
 mod temperature;
+mod time;
 pub mod units;
 
 use std::collections::HashMap;

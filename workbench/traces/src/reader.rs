@@ -6,8 +6,9 @@ use std::path::Path;
 pub use crate::assemble::NO_TIME;
 use crate::assemble::{INTEGRAL, Rows as Given, assemble, elapsed};
 use crate::signal::{Signal, places_of, values_of};
-use crate::table::{Columns, Omitted, Table, Wanted};
-use crate::units::{Quantity, Unit};
+use crate::table::time_name::{seconds, usual};
+use crate::table::{About, Columns, Omitted, Table, Wanted};
+use crate::time;
 use model::Error;
 use model::trace::{Channels, Trace, stem};
 
@@ -20,28 +21,27 @@ pub(super) struct Header {
 }
 
 impl Header {
-    /// Of these columns; `time` is the column that was asked for, and `clocks` are in seconds.
+    /// Of these columns; `time` is the column that was asked for, and the table tells which others are times.
     ///
     /// # Errors
     /// There is no such column.
-    pub(super) fn of(names: Vec<String>, time: Option<&str>, clocks: &[usize]) -> Result<Self, String> {
+    pub(super) fn of(names: Vec<String>, time: Option<&str>, about: &About) -> Result<Self, String> {
+        let factor =
+            |place: usize| if about.clocks.contains(&place) { 1.0 } else { seconds(&names[place]).unwrap_or(1.0) };
         let time = match time {
             Some(NO_TIME) => None,
             Some(wanted) => {
                 let place = names.iter().position(|name| name == wanted);
                 let place =
                     place.ok_or_else(|| format!("no column {wanted} for the time; there are {}", names.join(", ")))?;
-                let factor = if clocks.contains(&place) { 1.0 } else { seconds(wanted).unwrap_or(1.0) };
-                Some((place, factor))
+                Some((place, factor(place)))
             }
             None => {
-                let usual = |(place, name): (usize, &String)| {
-                    let factor = usual_time(name);
-                    Some((place, if clocks.contains(&place) { factor.map(|_| 1.0) } else { factor }?))
-                };
-                let named = names.iter().enumerate().find_map(usual);
+                let is_time = |place: &usize| usual(&names[*place]).is_some() && !about.counters.contains(place);
                 // Dates and the like are a time whatever their column is called.
-                named.or_else(|| clocks.first().map(|place| (*place, 1.0)))
+                let place = (0..names.len()).find(is_time).or_else(|| about.clocks.first().copied());
+                let unit = |place: usize| usual(&names[place]).flatten().filter(|_| !about.clocks.contains(&place));
+                place.map(|place| (place, unit(place).unwrap_or_else(|| factor(place))))
             }
         };
         Ok(Self { trace: names.iter().position(|name| name == "trace"), time, names })
@@ -78,31 +78,9 @@ impl Header {
     }
 }
 
-/// Seconds of the unit that the name of a column ends with.
-fn seconds(name: &str) -> Option<f64> {
-    let unit = Unit::of_column(name).filter(|unit| unit.quantity == Quantity::Time)?;
-    unit.to(&Unit::named("s")?).map(|(factor, _)| factor)
-}
-
-/// The factor to seconds, if this is the name of a time column.
-fn usual_time(name: &str) -> Option<f64> {
-    let lower = name.trim().to_lowercase();
-    let word = lower.split(['_', '[', '(', ' ']).next().unwrap_or_default();
-    let is_time = matches!(word, "t" | "time" | "timestamp" | "zeit" | "temps");
-    if !is_time || !lower[word.len()..].chars().next().is_none_or(|c| matches!(c, '_' | '[' | '(' | ' ')) {
-        return None;
-    }
-    let rest = lower[word.len()..].trim();
-    if rest.is_empty() {
-        Some(1.0)
-    } else {
-        seconds(&format!("t_{}", rest.trim_matches(['_', '[', ']', '(', ')', ' '])))
-    }
-}
-
 /// The header of a table.
 pub(super) fn header_of(table: &Table, time: Option<&str>) -> Result<Header, Error> {
-    Header::of(table.names().to_vec(), time, &table.about().clocks)
+    Header::of(table.names().to_vec(), time, table.about())
         .map_err(|problem| Error::content(table.path(), "header", problem))
 }
 
@@ -189,19 +167,24 @@ pub fn series(
 /// The names of the columns of a table that hold numbers, but for its time, and why others do not.
 pub fn numeric(table: &Table, time: Option<&str>) -> Result<(Vec<String>, Vec<Error>), Error> {
     let header = header_of(table, time)?;
-    let own = |place: &usize| Some(*place) != header.trace && Some(*place) != header.time();
+    let own = |place: &usize| {
+        Some(*place) != header.trace && Some(*place) != header.time() && !header.names[*place].is_empty()
+    };
     let places: Vec<usize> = (0..header.names.len()).filter(own).collect();
-    let read = |places: &[usize]| table.read(Wanted { numbers: places, text: None, row: &|_| true });
-    let mut problems = Vec::new();
-    let good = |place: &usize| read(&[*place]).map_err(|problem| problems.push(problem)).is_ok();
-    let kept = if read(&places).is_ok() { places } else { places.into_iter().filter(good).collect() };
-    Ok((kept.into_iter().map(|place| header.names[place].clone()).collect(), problems))
+    let (mut kept, mut problems) = (Vec::new(), Vec::new());
+    for (place, column) in places.iter().zip(table.read_each(&places)?) {
+        match column {
+            Ok(_) => kept.push(header.names[*place].clone()),
+            Err(problem) => problems.push(problem),
+        }
+    }
+    Ok((kept, problems))
 }
 
 /// Whether a table has a time column.
 #[must_use]
 pub fn has_time(table: &Table, time: Option<&str>) -> bool {
-    header_of(table, time).is_ok_and(|header| header.time.is_some())
+    header_of(table, time).is_ok_and(|header| header.time.is_some() || time.is_none() && table.about().step_s.is_some())
 }
 
 /// Whether a table has the columns of labels, and is no trace.
@@ -216,6 +199,11 @@ struct Part {
     /// The columns that signals need, by their places in the file.
     columns: BTreeMap<usize, Vec<f64>>,
     times_s: Option<Vec<f64>>,
+}
+
+/// Number of rows of columns.
+fn rows_of(columns: &BTreeMap<usize, Vec<f64>>) -> usize {
+    columns.values().next().map_or(0, Vec::len)
 }
 
 /// Number of rows, also where signals need no column.
@@ -271,6 +259,13 @@ fn parts(
             }
             Some(times)
         });
+        let by_row = |step: f64| (0..rows_of(&own)).map(|row| row as f64 * step).collect();
+        let mut times_s = times_s.or_else(|| table.about().step_s.filter(|_| time.is_none()).map(by_row));
+        if let (Some(times), Some((place, factor))) = (&mut times_s, header.time) {
+            let tick = table.about().ticks_s.iter().find(|(own, _)| *own == place).map_or(factor, |(_, tick)| *tick);
+            let notes = [time::unwrapped(times, Some(tick)), time::evened(times)];
+            notes.iter().flatten().for_each(|note| log::warn!("{}: {note}", path.display()));
+        }
         if let Some(at) = times_s.as_deref().and_then(backwards) {
             let name = header.time().map_or("", |place| &header.names[place]);
             let place = format!("{}, column {name}", columns.place(rows.row(at)));
@@ -431,7 +426,9 @@ mod tests {
         assert!(with(Some("clock"), Some(4.0)).expect_err("another rate").contains("has 1.00000 rows a second, not 4"));
         assert!(with(Some("t"), None).expect_err("no column").contains("no column t for the time"));
         let f = file("timestamp,i,ref,v,load-cell\n12:30:01,1,2,3,4\n12:30:02,1,2,3,4\n");
+        assert_eq!(of_file(&f, &channels()).expect("a clock")[0].interval_s, Some(1.0));
+        let f = file("timestamp,i,ref,v,load-cell\nfirst,1,2,3,4\nsecond,1,2,3,4\n");
         let words = of_file(&f, &channels()).expect_err("words").to_string();
-        assert!(words.ends_with("column timestamp: \"12:30:01\" is not a number; --time none leaves the time out"));
+        assert!(words.ends_with("column timestamp: \"first\" is not a number; --time none leaves the time out"));
     }
 }

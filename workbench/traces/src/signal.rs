@@ -258,11 +258,15 @@ impl Parser<'_> {
             if !self.take(')') {
                 return Err(self.wrong("a bracket is not closed"));
             }
-            return Ok(if integral {
+            let found = if integral {
                 (Signal::Integral(Box::new(signal)), unit.and_then(|unit| unit.integral()))
             } else {
                 (signal, unit)
-            });
+            };
+            let Some(length) = self.unit() else { return Ok(found) };
+            let (name, rest) = self.rest.split_at(length);
+            self.rest = rest;
+            return self.convert(found, name.trim());
         }
         let ends = |at: &usize| self.rest.is_char_boundary(*at);
         let begins = (1..=self.rest.len()).filter(ends).take_while(|at| is_number(&self.rest[..*at]));
@@ -273,6 +277,17 @@ impl Parser<'_> {
         let end = self.rest.find([' ', '+', '*', ')', '(']).unwrap_or(self.rest.len());
         let word = &self.rest[..end];
         Err(missing(if word.is_empty() || self.text.contains('-') { self.text } else { word }, self.names))
+    }
+
+    /// Length of the unit behind a bracket.
+    fn unit(&self) -> Option<usize> {
+        let start = self.rest.len() - self.rest.trim_start().len();
+        let ends = |at: &usize| {
+            let next = self.rest.get(*at..).map(|rest| rest.chars().next());
+            next.is_some_and(|next| next.is_none_or(|c| matches!(c, ' ' | '+' | '-' | '*' | ')')))
+        };
+        let is_unit = |at: &usize| self.rest.get(start..*at).is_some_and(|name| Unit::named(name).is_some());
+        (start + 1..=self.rest.len()).rev().filter(ends).find(is_unit)
     }
 
     /// Length of the longest name of a column that the rest begins with.
@@ -321,6 +336,8 @@ mod tests {
             ("integrate(v_mm_s) m", [0.0, 0.0275]),
             ("pos [mm] m", [0.008, 0.08]),
             ("(pos [mm] m) - 1", [-0.992, -0.92]),
+            ("(speed_rpm)rad/s-(speed_rpm)rad/s", [0.0, 0.0]),
+            ("(speed_rpm)rad/s - 2*(speed_rpm) rad/s", [-0.209_439_510_239_319_53, -2.094_395_102_393_195_3]),
             ("speed_rpm rad/s", [0.209_439_510_239_319_53, 2.094_395_102_393_195_3]),
             ("integrate(speed_rpm) turn", [0.0, 11.0 / 120.0]),
         ] {

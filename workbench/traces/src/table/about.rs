@@ -10,10 +10,16 @@ pub struct Omitted {
 }
 
 /// Columns that are times, and what was left out or guessed.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct About {
     /// Places of columns whose numbers are seconds from the first row, whatever their names say.
     pub clocks: Vec<usize>,
+    /// Seconds of a step of the integers that some of them are.
+    pub ticks_s: Vec<(usize, f64)>,
+    /// Places of columns that have the name of a time and count rows.
+    pub counters: Vec<usize>,
+    /// Seconds from row to row, if the file tells them and has no column of times.
+    pub step_s: Option<f64>,
     /// What was left out.
     pub omitted: Vec<Omitted>,
     /// What was guessed, a sentence each.

@@ -1,32 +1,60 @@
-//! How a text file separates cells, which lines are comments, and where its header is.
+//! How a text file separates cells, where its rows begin, and what its columns are called.
 //!
-//! The separator is the one by which the first lines have as many cells as the header, more than one: semicolon, tab,
-//! bar, comma or blanks, tried in this order, since with decimal commas a comma separates the same number of cells in
-//! each line too.
+//! ```text
+//! Logger 3, serial 17             lines before the header: left out, but for a rate of samples
+//! Sample Rate,2000
+//! Time;Current;Speed              names: the line before the rows, if it has as many cells
+//! [s];[A];[rpm]                   units: part of the names
+//! 0,000;0,1;1000,2                rows
+//! ```
+//!
+//! The rows tell the separator: it is the one by which most columns are numbers or times. They begin with the first of
+//! two lines that have these columns. A comma is decimal where a cell can be nothing else.
 
-/// Lines that are looked at.
-const LINES: usize = 12;
+use super::about::About;
+use super::cells::{Kind, Line, is_decimal_comma, kind, lines, split};
+use super::clock::Clock;
+use super::preamble;
+use super::time_name::{self, Guess};
+use crate::units::Unit;
+use model::outputs::text_of;
+
+/// Lines that are looked at, and bytes of a text with long lines.
+const LINES: usize = 200;
+const BYTES: usize = 256 << 10;
+/// Rows by which times are told.
+const TIMES: usize = 64;
+/// Lines that a text has to have before its layout is taken for settled.
+const SETTLED: usize = 12;
+/// Least values of a time that are read relative to the first one: below it a double has enough digits.
+const LARGE_TIME: f64 = 1e6;
 
 /// The layout of a text file.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Layout {
     /// Separator; a blank stands for any number of blanks and tabs.
     pub(super) separator: u8,
     pub(super) decimal_comma: bool,
     /// The first character of lines that are skipped.
     pub(super) comment: Option<u8>,
-    /// Where the header is.
-    pub(super) header: Header,
+    /// Names of the columns, and the cells of the line they are from.
+    pub(super) names: Vec<String>,
+    pub(super) header: Vec<String>,
+    /// Number of lines before the first row.
+    pub(super) first: usize,
+    /// Columns that are times.
+    pub(super) clocks: Vec<(usize, Clock)>,
+    pub(super) about: About,
 }
 
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Header {
-    /// The first line that is no comment.
-    First,
-    /// The last comment before the first line.
-    Comment(String),
-    /// None: columns are called c1, c2 and so on.
-    None,
+/// The rows by one separator.
+struct Rows {
+    separator: u8,
+    /// Number of cells, and the columns of numbers or times.
+    cells: usize,
+    numeric: Vec<bool>,
+    /// Place of the first one among the lines.
+    first: usize,
 }
 
 impl Layout {
@@ -34,120 +62,388 @@ impl Layout {
     pub(super) fn of(text: &str) -> Self {
         let comment = text.lines().find(|line| !line.trim().is_empty()).and_then(|line| {
             let first = line.trim_start_matches('\u{feff}').bytes().next()?;
-            matches!(first, b'#' | b'%').then_some(first)
+            matches!(first, b'#' | b'%' | b';').then_some(first)
         });
-        let is_comment = |line: &&str| comment.is_some_and(|mark| line.as_bytes().first() == Some(&mark));
-        let lines = || text.lines().map(|line| line.trim_start_matches('\u{feff}'));
-        let comments: Vec<&str> = lines().take_while(|line| is_comment(line) || line.trim().is_empty()).collect();
-        let content = lines().filter(|line| !is_comment(line) && !line.trim().is_empty());
-        let content: Vec<&str> = content.take(LINES).collect();
-        let separator = separator(&content);
-        let first_data = content.get(1).or(content.first()).copied().unwrap_or("");
-        let decimal_comma = separator != b',' && has_decimal_commas(first_data, separator);
-        let header = header(&content, &comments, (separator, decimal_comma));
-        Self { separator, decimal_comma, comment, header }
+        let start = (0..=BYTES.min(text.len())).rev().find_map(|end| text.get(..end)).unwrap_or_default();
+        let enough = start.bytes().filter(|byte| *byte == b'\n').count() > SETTLED;
+        let (content, comments) = lines(if enough { start } else { text }, comment, LINES);
+        let found = [b';', b'\t', b'|', b',', b' '].into_iter().filter_map(|separator| Rows::of(&content, separator));
+        // The first of equals: with decimal commas, a comma may separate as many columns.
+        let best = found.reduce(|best, other| if other.columns() > best.columns() { other } else { best });
+        match best {
+            Some(rows) => Self::with(&rows, (&content, &comments), comment),
+            None => Self::without_rows(&content, comment),
+        }
     }
 
     /// Whether a text has all lines that are looked at.
     pub(super) fn is_settled_by(head: &str) -> bool {
-        head.lines().filter(|line| !line.trim().is_empty() && !line.starts_with(['#', '%'])).count() > LINES
+        head.lines().filter(|line| !line.trim().is_empty() && !line.starts_with(['#', '%'])).count() > SETTLED
     }
 
     /// The number in a cell.
     pub(super) fn number(&self, cell: &str) -> Option<f64> {
-        if self.decimal_comma { cell.replacen(',', ".", 1).parse().ok() } else { cell.parse().ok() }
+        if !self.decimal_comma {
+            return cell.parse().ok();
+        }
+        // A point beside decimal commas separates thousands.
+        if cell.contains('.') { None } else { cell.replacen(',', ".", 1).parse().ok() }
+    }
+
+    /// Of a text without numbers: the first line has the names.
+    fn without_rows(content: &[Line<'_>], comment: Option<u8>) -> Self {
+        let first = content.first();
+        let text = first.map_or("", |line| line.text);
+        let cells = |separator: &u8| split(text, *separator).len();
+        let separator = [b',', b';', b'\t', b'|'].into_iter().rev().max_by_key(cells).unwrap_or(b',');
+        let header: Vec<String> = split(text, separator).into_iter().map(clean).collect();
+        let names = header.clone();
+        let first = first.map_or(0, |line| line.end);
+        let about = About::default();
+        Self { separator, decimal_comma: false, comment, names, header, first, clocks: vec![], about }
+    }
+
+    fn with(rows: &Rows, (content, comments): (&[Line<'_>], &[Line<'_>]), comment: Option<u8>) -> Self {
+        let Rows { separator, cells, first, .. } = *rows;
+        let of_rows: Vec<Vec<&str>> =
+            content[first..].iter().map(|line| split(line.text, separator)).filter(|row| row.len() == cells).collect();
+        let any = |wanted: fn(&str) -> bool| of_rows.iter().flatten().any(|cell| wanted(cell));
+        let decimal_comma = separator != b',' && any(is_decimal_comma);
+        let mut about = About::default();
+        let is_empty = |k: &usize| of_rows.iter().all(|row| row[*k].is_empty());
+        let used = (0..cells).rev().find(|k| !is_empty(k)).map_or(cells, |last| last + 1);
+        let head = Head::of((content, comments), rows, used);
+        head.doubts(content, first, &mut about);
+        about.step_s = head.step_s.or_else(|| preamble::step_s(&content[..head.before], comments, &mut about));
+        let mut names = head.names;
+        names.resize(cells, String::new());
+        let own = Self {
+            separator,
+            decimal_comma,
+            comment,
+            names,
+            header: head.cells,
+            first: content[first].before,
+            clocks: vec![],
+            about,
+        };
+        own.with_clocks(&of_rows)
+    }
+
+    /// Finds the columns that are times.
+    fn with_clocks(mut self, rows: &[Vec<&str>]) -> Self {
+        let rows = &rows[..rows.len().min(TIMES)];
+        let cells = |k: usize| rows.iter().map(move |row| row[k]).filter(|cell| !cell.is_empty());
+        for k in 0..self.names.len() {
+            if let Some(clock) = Clock::of_words(cells(k)) {
+                self.clocks.push((k, clock));
+            }
+        }
+        let named = (0..self.names.len()).find_map(|k| Some((k, time_name::usual(&self.names[k])?)));
+        let without_header = self.header.is_empty() && self.clocks.is_empty();
+        let place = named.or_else(|| (without_header && self.rises(rows)).then_some((0, None)));
+        let Some((place, unit)) = place.filter(|(place, _)| self.clocks.iter().all(|(k, _)| k != place)) else {
+            return self.told();
+        };
+        let values: Vec<f64> = cells(place).filter_map(|cell| self.number(cell)).collect();
+        let Some(first) = cells(place).next().filter(|_| values.len() > 1) else { return self.told() };
+        let steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
+        let step = model::trace::median(&steps);
+        let integers = cells(place).all(|cell| cell.bytes().all(|byte| byte.is_ascii_digit() || byte == b'-'));
+        let name = self.names[place].clone();
+        let guess = match unit {
+            Some(unit) => Guess::Other(unit, ""),
+            None if step > 0.0 => time_name::unit(values[0], step, integers),
+            None => Guess::Seconds,
+        };
+        match guess {
+            Guess::Counter => self.about.counters.push(place),
+            Guess::Seconds if values[0].abs() < LARGE_TIME && named.is_some() => {}
+            Guess::Seconds => {
+                self.clocks.extend(Clock::of_numbers(first, 1.0, self.decimal_comma).map(|own| (place, own)));
+            }
+            Guess::Other(_, "") if values[0].abs() < LARGE_TIME => {}
+            Guess::Other(unit, told) => {
+                self.clocks.extend(Clock::of_numbers(first, unit, self.decimal_comma).map(|own| (place, own)));
+                if !told.is_empty() {
+                    let rate = 1.0 / (step * unit);
+                    let why = "the unit is guessed by its steps; a name such as";
+                    self.about.notes.push(format!(
+                        "time {name} is taken in {told}, {rate:.6} rows a second: {why} {name}_{told} settles it"
+                    ));
+                }
+            }
+        }
+        if named.is_none() {
+            let note = format!(
+                "no header; column {name} rises in each row and is taken as the time in s, --time none leaves it out"
+            );
+            self.about.notes.push(note);
+        }
+        self.told()
+    }
+
+    /// Whether the first column rises in each row, and does not count them.
+    fn rises(&self, rows: &[Vec<&str>]) -> bool {
+        let values: Vec<f64> = rows.iter().filter_map(|row| self.number(row[0])).collect();
+        let rising = values.windows(2).all(|pair| pair[1] > pair[0]);
+        let counting = values.windows(2).all(|pair| pair[1] - pair[0] == 1.0);
+        values.len() == rows.len() && values.len() >= SETTLED && rising && !counting
+    }
+
+    fn told(mut self) -> Self {
+        self.about.clocks = self.clocks.iter().map(|(place, _)| *place).collect();
+        self.about.ticks_s = self.clocks.iter().filter_map(|(place, clock)| Some((*place, clock.unit_s()?))).collect();
+        self
     }
 }
 
-/// Number of cells of a line, separators in quotes left out.
-fn cells(line: &str, separator: u8) -> usize {
-    if separator == b' ' {
-        return line.split_ascii_whitespace().count();
+impl Rows {
+    /// The rows by this separator; `None` if no column has numbers.
+    fn of(content: &[Line<'_>], separator: u8) -> Option<Self> {
+        let all: Vec<Vec<&str>> = content.iter().map(|line| split(line.text, separator)).collect();
+        let count = |cells: usize| all.iter().filter(|row| row.len() == cells).count();
+        let cells = all.iter().map(Vec::len).max_by_key(|cells| (count(*cells), *cells))?;
+        let commas = separator != b',';
+        let kinds = |row: &Vec<&str>| row.iter().map(|cell| kind(cell, commas)).collect::<Vec<_>>();
+        let late = &all[all.len() / 3..];
+        let of_late: Vec<Vec<Kind>> = late.iter().filter(|row| row.len() == cells).map(kinds).collect();
+        let numeric = |k: usize| {
+            let is = |wanted: fn(Kind) -> bool| of_late.iter().filter(|row| wanted(row[k])).count();
+            let numbers = is(|kind| matches!(kind, Kind::Number | Kind::Time));
+            numbers > 0 && numbers >= is(|kind| kind == Kind::Word)
+        };
+        let numeric: Vec<bool> = (0..cells).map(numeric).collect();
+        let fits = |row: &Vec<&str>| {
+            let kinds = kinds(row);
+            row.len() == cells
+                && kinds.iter().zip(&numeric).all(|(kind, numeric)| !numeric || *kind != Kind::Word)
+                && kinds
+                    .iter()
+                    .zip(&numeric)
+                    .any(|(kind, numeric)| *numeric && matches!(kind, Kind::Number | Kind::Time))
+        };
+        // A line of numbers before the header is followed by others.
+        let last = all.len().saturating_sub(2);
+        let begins = |first: &usize| fits(&all[*first]) && (*first >= last || fits(&all[*first + 1]));
+        let first = (0..all.len()).find(begins)?;
+        let found = Self { separator, cells, numeric, first };
+        // pandas writes the places of columns without names.
+        let counts =
+            |row: &Vec<&str>, from: usize| row.iter().enumerate().all(|(k, cell)| *cell == (k + from).to_string());
+        let is_header =
+            first == 0 && cells > 2 && all.len() > first + 1 && (counts(&all[first], 0) || counts(&all[first], 1));
+        let first = first + usize::from(is_header);
+        (found.columns() > 0).then_some(Self { first, ..found })
     }
-    let mut quoted = false;
-    let separators = line.bytes().filter(|byte| {
-        quoted ^= *byte == b'"';
-        !quoted && *byte == separator
-    });
-    1 + separators.count()
+
+    /// Number of columns of numbers; a single column has no separator.
+    fn columns(&self) -> usize {
+        let columns = self.numeric.iter().filter(|numeric| **numeric).count();
+        if self.cells == 1 && self.separator != b',' { 0 } else { columns }
+    }
 }
 
-fn separator(content: &[&str]) -> u8 {
-    let Some((first, rest)) = content.split_first() else { return b',' };
-    let fits = |separator: &u8| {
-        let own = cells(first, *separator);
-        own > 1 && rest.iter().all(|line| cells(line, *separator) == own)
-    };
-    let most = |separators: &[u8]| separators.iter().copied().max_by_key(|separator| cells(first, *separator));
-    let known = [b';', b'\t', b'|', b',', b' '];
-    // Of lines that differ, the header decides; a single column has none.
-    known.into_iter().find(fits).or_else(|| most(b"|\t;,").filter(|found| cells(first, *found) > 1)).unwrap_or(b',')
+/// The header.
+struct Head {
+    names: Vec<String>,
+    /// Its cells, none without a header.
+    cells: Vec<String>,
+    /// Number of lines before it.
+    before: usize,
+    /// Start and step of the time that its units tell.
+    step_s: Option<f64>,
+    /// Names of columns that no row has.
+    further: Vec<String>,
 }
 
-/// The cells of a line.
-fn split(line: &str, separator: u8) -> Vec<&str> {
-    if separator == b' ' {
-        return line.split_ascii_whitespace().collect();
+impl Head {
+    /// The header of rows of which so many columns are used.
+    fn of((content, comments): (&[Line<'_>], &[Line<'_>]), rows: &Rows, used: usize) -> Self {
+        let cells = |place: usize| content.get(place).map(|line| split(line.text, rows.separator));
+        let named = |place: Option<usize>| place.and_then(|place| Some((place, fitting(cells(place)?, used)?)));
+        let last = rows.first.checked_sub(1);
+        let units = last.and_then(&cells).filter(|row| is_units(row, used));
+        let (found, units) = match (units, named(last.and_then(|last| last.checked_sub(1)))) {
+            (Some(units), Some(found)) => (Some(found), Some(units)),
+            _ => (named(last), None),
+        };
+        let Some((before, all)) = found else {
+            return Self::of_comment(comments, content[rows.first].before, (rows, used));
+        };
+        let step_s = units.as_ref().and_then(|units| increment(&all, units));
+        let with_unit = |(k, name): (usize, &String)| match units.as_ref().map(|units| bare(units[k])) {
+            Some(unit) if Unit::named(unit).is_some() => format!("{name} [{unit}]"),
+            Some(unit) => long_unit(unit).map_or_else(|| name.clone(), |unit| format!("{name} [{unit}]")),
+            None => name.clone(),
+        };
+        let names = all.iter().take(used).enumerate().map(with_unit).collect();
+        let further = if step_s.is_some() { vec![] } else { all[used.min(all.len())..].to_vec() };
+        Self { names, cells: all, before, step_s, further }
     }
-    line.split(char::from(separator)).map(|cell| cell.trim().trim_matches('"')).collect()
+
+    /// The header in the last comment before the rows, or none.
+    fn of_comment(comments: &[Line<'_>], before: usize, (rows, used): (&Rows, usize)) -> Self {
+        let text = |line: &Line<'_>| line.text.trim_start_matches(['#', '%', ';']).trim().to_string();
+        let last = comments.iter().filter(|line| line.before < before).map(text).rfind(|line| !line.is_empty());
+        let names = last.map(|line| split(&line, rows.separator).into_iter().map(clean).collect::<Vec<_>>());
+        match names.filter(|names| names.len() == used) {
+            Some(names) => Self { cells: names.clone(), names, before: 0, step_s: None, further: vec![] },
+            None => {
+                let names = (1..=used).map(|k| format!("c{k}")).collect();
+                Self { names, cells: vec![], before: rows.first, step_s: None, further: vec![] }
+            }
+        }
+    }
+
+    /// Says what was left out.
+    fn doubts(&self, content: &[Line<'_>], first: usize, about: &mut About) {
+        let lines = if self.cells.is_empty() { first } else { self.before };
+        if lines > 0 {
+            let last = content[lines - 1].end;
+            let place = if last == 1 { "line 1".into() } else { format!("lines {} to {last}", content[0].before + 1) };
+            about.omit(place, "before the header");
+        }
+        for name in self.further.iter().filter(|name| !name.is_empty()) {
+            about.omit(format!("column {name}"), "no row has it");
+        }
+    }
 }
 
-/// Whether a line has cells such as −1,5 and none such as −1.5.
-fn has_decimal_commas(line: &str, separator: u8) -> bool {
-    let parts = |cell: &&str, mark: char| {
-        let digits = |part: &str| part.bytes().any(|byte| byte.is_ascii_digit());
-        cell.split_once(mark).is_some_and(|(whole, part)| digits(whole) && digits(part))
-    };
-    let cells = split(line, separator);
-    cells.iter().any(|cell| parts(cell, ',')) && !cells.iter().any(|cell| parts(cell, '.'))
+/// The cells of a line as names of so many columns; `None` if there are not as many.
+fn fitting(cells: Vec<&str>, used: usize) -> Option<Vec<String>> {
+    let count = cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
+    if cells.iter().all(|cell| kind(cell, false) != Kind::Word)
+        && !cells.iter().enumerate().all(|(k, c)| *c == k.to_string() || *c == (k + 1).to_string())
+    {
+        return None;
+    }
+    let all: Vec<String> = cells.into_iter().map(clean).collect();
+    // Names that no row has: of the time in units, and of notes that are rare.
+    let rare = ["start", "t0", "increment", "tinc", "comment", "comments", "note", "notes"];
+    let is_rare = |name: &String| name.is_empty() || rare.contains(&name.to_lowercase().as_str());
+    match count {
+        _ if count == used || all.len() == used => Some(all),
+        _ if count > used && all[used..].iter().all(is_rare) => Some(all),
+        // Tables of R have no name for their row names.
+        _ if count + 1 == used && used > 2 => Some(std::iter::once("row".to_string()).chain(all).take(used).collect()),
+        _ => None,
+    }
 }
 
-fn header(content: &[&str], comments: &[&str], (separator, decimal_comma): (u8, bool)) -> Header {
-    let Some(first) = content.first() else { return Header::First };
-    let number = |cell: &&str| {
-        let cell = if decimal_comma { cell.replacen(',', ".", 1) } else { (*cell).to_string() };
-        cell.parse::<f64>().is_ok()
-    };
-    let own = split(first, separator);
-    if !own.iter().all(number) {
-        return Header::First;
+fn clean(name: &str) -> String {
+    let one_line: Vec<&str> = name.split_whitespace().collect();
+    text_of(one_line.join(" ").trim_start_matches('\u{feff}')).to_string()
+}
+
+/// A unit without brackets.
+fn bare(unit: &str) -> &str {
+    unit.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']).trim()
+}
+
+/// Units of oscilloscopes in words.
+fn long_unit(unit: &str) -> Option<&'static str> {
+    match unit.to_lowercase().as_str() {
+        "volt" | "volts" => Some("V"),
+        "ampere" | "amperes" | "amp" | "amps" => Some("A"),
+        "second" | "seconds" => Some("s"),
+        _ => None,
     }
-    let names =
-        comments.iter().rev().map(|line| line.trim_start_matches(['#', '%']).trim()).find(|line| !line.is_empty());
-    match names {
-        Some(names) if split(names, separator).len() == own.len() => Header::Comment(names.to_string()),
-        _ => Header::None,
-    }
+}
+
+/// Whether the cells of a line are units of so many columns.
+fn is_units(cells: &[&str], used: usize) -> bool {
+    let is_unit = |cell: &str| Unit::named(cell).is_some() || long_unit(cell).is_some();
+    let filler =
+        ["", "-", "1", "%", "sequence", "none", "bool", "counts", "count", "w", "hz", "ohm", "date", "datetime"];
+    let own: Vec<&str> = cells.iter().take(used).map(|cell| bare(cell)).collect();
+    let known = |cell: &&str| is_unit(cell) || filler.contains(&cell.to_lowercase().as_str());
+    own.len() == used && own.iter().all(known) && own.iter().any(|cell| is_unit(cell))
+}
+
+/// The step of the time, s, by the columns Start and Increment of a header and the numbers below them.
+fn increment(names: &[String], units: &[&str]) -> Option<f64> {
+    let place = |wanted: &[&str]| names.iter().position(|name| wanted.contains(&name.to_lowercase().as_str()));
+    let step = units.get(place(&["increment", "tinc", "delta t", "dt"])?)?.parse::<f64>().ok();
+    place(&["start", "t0"]).and(step).filter(|step| *step > 0.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn layout(text: &str) -> (char, bool, Header) {
-        let Layout { separator, decimal_comma, header, .. } = Layout::of(text);
-        (char::from(separator), decimal_comma, header)
+    fn layout(text: &str) -> (char, bool, Vec<String>, usize) {
+        let Layout { separator, decimal_comma, names, first, .. } = Layout::of(text);
+        (char::from(separator), decimal_comma, names, first)
+    }
+
+    fn expect(text: &str, (separator, decimal_comma, names, first): (char, bool, &str, usize)) {
+        let names = names.split(' ').map(String::from).collect();
+        assert_eq!(layout(text), (separator, decimal_comma, names, first), "{text}");
     }
 
     #[test]
     fn separators_and_decimal_commas_are_told_apart() {
-        assert_eq!(layout("t,i\n0.1,2.5\n"), (',', false, Header::First));
-        assert_eq!(layout("t;i\n0,1;2,5\n0,2;1\n"), (';', true, Header::First));
-        assert_eq!(layout("t;i\n0.1;2.5\n"), (';', false, Header::First));
-        assert_eq!(layout("t\ti\n0,1\t2,5\n"), ('\t', true, Header::First));
-        assert_eq!(layout("t  i\n0.1   2.5\n"), (' ', false, Header::First));
-        assert_eq!(layout("\"a;b\",i\n1,2\n"), (',', false, Header::First));
-        assert_eq!(layout("only\n1.5\n"), (',', false, Header::First));
-        assert_eq!(layout(""), (',', false, Header::First));
+        expect("t,i\n0.1,2.5\n", (',', false, "t i", 1));
+        expect("t;i\n0,1;2,5\n0,2;1\n", (';', true, "t i", 1));
+        expect("t;i\n0.1;2.5\n", (';', false, "t i", 1));
+        expect("t\ti\n0,1\t2,5\n", ('\t', true, "t i", 1));
+        expect("t  i\n0.1   2.5\n", (' ', false, "t i", 1));
+        expect("\"a;b\",i\n1,2\n", (',', false, "a;b i", 1));
+        expect("only\n1.5\n", (',', false, "only", 1));
+        expect("t;n\n0,5;2,000\n1,5;3,000\n", (';', true, "t n", 1));
+        expect("n;k\n2,000;1\n3,000;2\n", (';', false, "n k", 1));
         // A short row leaves the separator of the header.
-        assert_eq!(layout("a,b,c\n1,2\n"), (',', false, Header::First));
+        assert_eq!(layout("a,b,c\n1,2\n").0, ',');
+        assert_eq!(layout("").0, ',');
     }
 
     #[test]
     fn headers_are_lines_comments_or_missing() {
-        assert_eq!(layout("# logger 3\n# t, i\n0.1,2\n0.2,3\n"), (',', false, Header::Comment("t, i".into())));
-        assert_eq!(layout("% logger 3\nt,i\n0.1,2\n"), (',', false, Header::First));
-        assert_eq!(layout("# logger 3\n0.1 2 7\n0.2 3 8\n"), (' ', false, Header::None));
-        assert_eq!(layout("1,2\n3,4\n"), (',', false, Header::None));
+        expect("# logger 3\n# t, i\n0.1,2\n0.2,3\n", (',', false, "t i", 2));
+        expect("% logger 3\nt,i\n0.1,2\n", (',', false, "t i", 2));
+        expect("# logger 3\n0.1 2 7\n0.2 3 8\n", (' ', false, "c1 c2 c3", 1));
+        expect("1,2\n3,4\n", (',', false, "c1 c2", 0));
+        expect("0,1,2\n0.5,2.5,7\n0.6,2.5,7\n", (',', false, "0 1 2", 1));
+        expect("a b\n1 0.5 7\n2 0.6 8\n3 0.7 9\n", (' ', false, "row a b", 1));
+        assert_eq!(layout("\"t\n(s)\",i\n1,2\n3,4\n"), (',', false, vec!["t (s)".to_string(), "i".into()], 2));
+    }
+
+    #[test]
+    fn lines_before_the_header_and_units_are_understood() {
+        let units = Layout::of("Time;Current;Speed\n[s];[A];[rpm]\n0.000;0.1;1000.2\n0.001;1.1;1001.2\n");
+        assert_eq!((units.names.join("|"), units.first), ("Time [s]|Current [A]|Speed [rpm]".into(), 2));
+        let text = "Logger,3\nSample Rate,2000\nNote,a,b,c\n0,0.5,0.2\n1,1.5,1.2\n2,2.5,2.2\n";
+        let found = Layout::of(text);
+        assert_eq!(
+            (found.names.join("|"), found.first, found.about.step_s),
+            ("c1|c2|c3".into(), 3, Some(1.0 / 2000.0))
+        );
+        assert_eq!(found.about.omitted[0].place, "lines 1 to 3");
+        let scope = "X,CH1,Start,Increment,\nSequence,Volt,-1.2e-03,2.0e-06,\n0,0.1,\n1,1.1,\n2,2.1,\n";
+        let found = Layout::of(scope);
+        assert_eq!((found.names.join("|"), found.about.step_s), ("X|CH1 [V]|".into(), Some(2e-6)));
+        let marked = ";Device,M2K\n;Sample rate,100000\nSample,Time(S),CH1(V)\n0,0.00000,0.1\n1,0.00001,1.1\n";
+        let found = Layout::of(marked);
+        assert_eq!((found.names.join("|"), found.first), ("Sample|Time(S)|CH1(V)".into(), 3));
+        let labview = "LabVIEW Measurement\t\nDelta_X\t0.001\n***End_of_Header***\t\nX_Value\tVoltage\tComment\n0.000\t1.5\n0.001\t2.5\n0.002\t3.5\n";
+        let found = Layout::of(labview);
+        assert_eq!((found.names.join("|"), found.first), ("X_Value|Voltage".into(), 4));
+    }
+
+    #[test]
+    fn times_are_told_by_their_cells_and_steps() {
+        let clocks = |text: &str| {
+            let found = Layout::of(text);
+            (found.about.clocks.clone(), found.about.notes.len())
+        };
+        assert_eq!(clocks("Datum;t_s;i\n26.10.2022 08:17:00;0,000;0,5\n26.10.2022 08:17:01;0,001;1,5\n"), (vec![0], 0));
+        assert_eq!(clocks("time,i\n1764200000.00000,1\n1764200000.00005,2\n"), (vec![0], 0));
+        assert_eq!(clocks("timestamp,i\n123456789,1\n123457039,2\n"), (vec![0], 1));
+        assert_eq!(clocks("time_ns,i\n1764200000000000000,1\n1764200000000250000,2\n"), (vec![0], 0));
+        assert_eq!(clocks("t_s,i\n0.000,1\n0.001,2\n"), (vec![], 0));
+        assert_eq!(Layout::of("time,i\n0,1\n1,2\n2,5\n").about.counters, [0]);
+        let rising: String = (0..20).map(|k| format!("{}.{},7\n", 3104 + k / 10, k % 10)).collect();
+        assert_eq!(clocks(&rising), (vec![0], 1));
     }
 }

@@ -20,10 +20,13 @@ mod arrow;
 mod arrow_blocks;
 #[cfg(feature = "parquet")]
 mod arrow_writer;
+mod cells;
+mod clock;
 mod columns;
 mod digits;
 #[cfg(feature = "parquet")]
 mod doubles;
+mod encoding;
 mod formats;
 mod layout;
 mod limit;
@@ -43,8 +46,10 @@ mod numpy;
 #[cfg(feature = "parquet")]
 pub mod parquet_pages;
 mod plain;
+mod preamble;
 mod source;
 mod text;
+pub(crate) mod time_name;
 mod unpack;
 mod write;
 
@@ -77,7 +82,7 @@ pub struct Table {
 
 #[derive(Debug)]
 enum Content {
-    Text(text::Text),
+    Text(Box<text::Text>),
     #[cfg(any(feature = "matlab", feature = "numpy"))]
     Columns(Vec<Vec<f64>>),
     #[cfg(feature = "parquet")]
@@ -113,8 +118,8 @@ impl Table {
             }
             binary if is_binary(binary) => return Err(left_out(path, binary)),
             _ => {
-                let text = text::Text::open(path)?;
-                (text.names(path)?, Content::Text(text))
+                let text = text::Text::open(path, &mut about)?;
+                (text.names(), Content::Text(Box::new(text)))
             }
         };
         Ok(Self { path: path.to_path_buf(), names, content, about })
@@ -179,17 +184,47 @@ impl Table {
         // A table in memory may be a piece of a trace, in which a sensor gives nothing.
         let is_piece = matches!(self.content, Content::Memory(_));
         let refused = |check: &Result<(), Unusable>| check.err().filter(|own| !(is_piece && *own == Unusable::Empty));
-        let Some((k, problem)) = checks.iter().enumerate().find_map(|(k, check)| Some((k, refused(check)?))) else {
-            return Ok(columns);
-        };
-        let column = format!("column {}", self.names[wanted.numbers[k]]);
-        let (place, problem) = match problem {
-            Unusable::Large(row) => {
-                (format!("{}, {column}", columns.place(row)), too_large(&columns.numbers[k][row].to_string()))
+        match checks.iter().enumerate().find_map(|(k, check)| Some((k, refused(check)?))) {
+            Some((k, problem)) => {
+                let row = |row: usize| columns.place(row);
+                Err(self.unusable(wanted.numbers[k], problem, (&columns.numbers[k], &row)))
             }
-            Unusable::Empty => (column, NO_NUMBER.into()),
+            None => Ok(columns),
+        }
+    }
+
+    /// Reads each of these columns of numbers, or says why it is not taken.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn read_each(&self, places: &[usize]) -> Result<Vec<Result<Vec<f64>, Error>>, Error> {
+        let all = match &self.content {
+            Content::Text(text) => text.read_each((&self.path, &self.names), places)?,
+            _ => {
+                let read = |numbers: &[usize]| self.read(Wanted { numbers, text: None, row: &|_| true });
+                if let Ok(columns) = read(places) {
+                    return Ok(columns.numbers.into_iter().map(Ok).collect());
+                }
+                let one = |place: &usize| read(&[*place]).map(|own| own.numbers.concat());
+                return Ok(places.par_iter().map(one).collect());
+            }
         };
-        Err(Error::content(&self.path, place, problem))
+        let each = |(place, column): (&usize, Result<Vec<f64>, Error>)| {
+            let mut column = column?;
+            let row = |row: usize| format!("row {}", row + 1);
+            settle(&mut column).map_err(|problem| self.unusable(*place, problem, (&column, &row)))?;
+            Ok(column)
+        };
+        Ok(places.iter().zip(all).map(each).collect())
+    }
+
+    fn unusable(&self, place: usize, problem: Unusable, (column, at): (&[f64], &dyn Fn(usize) -> String)) -> Error {
+        let name = format!("column {}", self.names[place]);
+        let (place, problem) = match problem {
+            Unusable::Large(row) => (format!("{}, {name}", at(row)), too_large(&column[row].to_string())),
+            Unusable::Empty => (name, NO_NUMBER.into()),
+        };
+        Error::content(&self.path, place, problem)
     }
 }
 
@@ -212,7 +247,7 @@ mod tests {
                 bytes[place] ^= [0xFF, 0x40, 0x01][place % 3];
                 std::fs::write(&path, bytes).expect("writable");
                 let wanted = Wanted { numbers: &[0, 1], text: None, row: &|_| true };
-                let table = Table::open(&path).ok().filter(|table| table.names().len() == 2);
+                let table = Table::open(&path).ok().filter(|table| table.names() == ["a", "b"]);
                 refused += usize::from(table.is_none_or(|table| table.read(wanted).is_err()));
             }
             assert!(refused > 20, "{name}: {refused}");

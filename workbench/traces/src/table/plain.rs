@@ -25,31 +25,23 @@ pub(super) struct Form<'a> {
     pub(super) comment: Option<u8>,
     /// Number of cells of a row.
     pub(super) cells: usize,
-    /// Places of the numbers, each once.
+    /// Places of the numbers, each once, and whether a column has decimal numbers alone.
     pub(super) numbers: &'a [usize],
+    pub(super) quick: &'a (dyn Fn(usize) -> bool + Sync),
     /// Place of the text by which rows are chosen.
     pub(super) text: Option<usize>,
     pub(super) row: &'a (dyn Fn(&str) -> bool + Sync),
-    /// The number in a cell.
-    pub(super) number: &'a (dyn Fn(&str) -> Result<f64, String> + Sync),
+    /// The number in a cell, by its place and line.
+    pub(super) number: &'a (dyn Fn(usize, u64, &str) -> f64 + Sync),
 }
 
 /// Why rows are not read.
 #[derive(Debug)]
 pub(super) enum Failure {
-    /// The row in this line is not taken.
-    Row(u64, Refusal),
+    /// The row in this line has so many cells.
+    Cells(u64, usize),
     /// A file cannot be read any more.
     File(std::io::Error),
-}
-
-/// Why a row is not taken.
-#[derive(Debug, PartialEq)]
-pub(super) enum Refusal {
-    /// It has so many cells.
-    Cells(usize),
-    /// The number at this place.
-    Number(usize, String),
 }
 
 /// The rows of a text.
@@ -148,7 +140,8 @@ impl<'a> Piece<'a> {
     fn read(self, line: u64, form: &Form<'_>, mut columns: Vec<&mut [f64]>) -> Result<Rows, Failure> {
         let (text, bytes) = (self.text, self.text.as_bytes());
         let mut slots = vec![None; form.cells];
-        form.numbers.iter().enumerate().for_each(|(slot, place)| slots[*place] = Some(slot));
+        let own = form.numbers.iter().enumerate();
+        own.for_each(|(slot, place)| slots[*place] = Some((slot, (form.quick)(*place))));
         let mut rows = Rows::default();
         let is_last = |mark: &usize| bytes.get(*mark).is_none_or(|byte| *byte == b'\n');
         let (mut rest, mut next, mut line) = (self.marks, 0, line);
@@ -170,21 +163,19 @@ impl<'a> Piece<'a> {
                 rows.texts.push(cell.to_string());
             }
             if ends.len() != form.cells {
-                return Err(Failure::Row(line, Refusal::Cells(ends.len())));
+                return Err(Failure::Cells(line, ends.len()));
             }
             let (row, mut start) = (rows.lines.rows(), start);
             for (place, (end, slot)) in ends.iter().zip(&slots).enumerate() {
                 let cell = start..*end;
                 start = end + 1;
-                let Some(slot) = slot else { continue };
+                let Some((slot, is_decimal)) = slot else { continue };
                 let any = || if form.point == b'.' { fast_float2::parse(&bytes[cell.clone()]).ok() } else { None };
-                let quick = decimal(bytes, cell.clone(), form.point).or_else(any);
-                let number = match quick.filter(|number| number.abs() <= LARGEST) {
-                    Some(number) => Ok(number),
-                    None => (form.number)(text[cell].trim()),
+                let quick = if *is_decimal { decimal(bytes, cell.clone(), form.point).or_else(any) } else { None };
+                columns[*slot][row] = match quick.filter(|number| number.abs() <= LARGEST) {
+                    Some(number) => number,
+                    None => (form.number)(place, line, text[cell].trim()),
                 };
-                let refused = |problem| Failure::Row(line, Refusal::Number(place, problem));
-                columns[*slot][row] = number.map_err(refused)?;
             }
             rows.lines.push(line);
         }
@@ -197,10 +188,10 @@ mod tests {
     use super::*;
     use crate::table::source::PIECE;
 
-    fn read(text: &str, first: u64, form: &Form<'_>) -> Result<Rows, (u64, Refusal)> {
+    fn read(text: &str, first: u64, form: &Form<'_>) -> Result<Rows, (u64, usize)> {
         match rows(Source::Memory(text), first, form) {
             Ok(found) => Ok(found.expect("plain text")),
-            Err(Failure::Row(line, refusal)) => Err((line, refusal)),
+            Err(Failure::Cells(line, cells)) => Err((line, cells)),
             Err(Failure::File(error)) => panic!("{error}"),
         }
     }
@@ -208,7 +199,13 @@ mod tests {
     /// Bit by bit the numbers of the standard library's parser, and refused where it refuses.
     #[test]
     fn numbers_are_those_of_the_general_reader() {
-        let number = |cell: &str| cell.parse::<f64>().map_err(|_| "no number".to_string());
+        let refused = std::sync::atomic::AtomicBool::new(false);
+        let number = |_: usize, _: u64, cell: &str| {
+            cell.parse::<f64>().unwrap_or_else(|_| {
+                refused.store(true, std::sync::atomic::Ordering::Relaxed);
+                f64::NAN
+            })
+        };
         let of = |text: &str| {
             let form = Form {
                 separator: b',',
@@ -216,11 +213,13 @@ mod tests {
                 comment: None,
                 cells: 1,
                 numbers: &[0],
+                quick: &|_| true,
                 text: None,
                 row: &|_| true,
                 number: &number,
             };
-            read(text, 0, &form).map(|found| found.numbers[0][0].to_bits())
+            let found = read(text, 0, &form).expect("one cell").numbers[0][0].to_bits();
+            (!refused.swap(false, std::sync::atomic::Ordering::Relaxed)).then_some(found)
         };
         let plain = ["0", "-0.0", "1.5", "-2.675", "0.1", "999999999999999", "5.", ".5", "+1", " 1", "1e5", "1E-5"];
         let odd = ["-", ".", "1.2.3", "1_0", "0x1", "1e", "e5", "--1", "1 2", "nano", "+-1"];
@@ -235,7 +234,7 @@ mod tests {
         }
         for text in texts {
             let expected = text.trim().parse::<f64>().ok().map(f64::to_bits);
-            assert_eq!(of(&text).ok(), expected, "{text}");
+            assert_eq!(of(&text), expected, "{text}");
         }
     }
 
@@ -247,13 +246,14 @@ mod tests {
         let mut text: String = (0..count).map(row).collect();
         text.insert_str(0, "# a comment\n\n");
         assert!(text.len() > (GROUP + 1) * PIECE);
-        let number = |cell: &str| cell.parse::<f64>().map_err(|_| "no number".to_string());
+        let number = |_: usize, _: u64, cell: &str| cell.parse::<f64>().unwrap_or(f64::NAN);
         let form = Form {
             separator: b',',
             point: b'.',
             comment: Some(b'#'),
             cells: 3,
             numbers: &[1, 0],
+            quick: &|_| true,
             text: None,
             row: &|_| true,
             number: &number,
@@ -265,7 +265,7 @@ mod tests {
         assert!((0..count).all(|k| found.lines.of(k) == Some(k as u64 + 4)));
         // The first of two bad rows in different pieces is told.
         let text = text.replace("\n250000,", "\n250000,7,").replace("\n290000,", "\nx,");
-        assert_eq!(read(&text, 1, &form).expect_err("four cells"), (250_004, Refusal::Cells(4)));
+        assert_eq!(read(&text, 1, &form).expect_err("four cells"), (250_004, 4));
         for (text, suits) in [("1\r\n2\r\n", true), ("a,\"b\"\n", false), ("1\r2\r", false)] {
             assert_eq!(plain(text.as_bytes()), Some(text).filter(|_| suits));
         }

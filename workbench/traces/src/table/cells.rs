@@ -1,0 +1,144 @@
+//! Lines and cells of the start of a text, and what a cell may be.
+
+use super::clock::nanoseconds;
+use super::columns::is_missing;
+
+/// Lines that a quoted name may have.
+const LONGEST_NAME: usize = 8;
+
+/// A line, or several with a quoted cell over their ends.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Line<'a> {
+    pub(super) text: &'a str,
+    /// The lines of the text before it, and behind it.
+    pub(super) before: usize,
+    pub(super) end: usize,
+}
+
+/// The lines of a text that are neither empty nor comments, and those that are comments, up to `most` of both.
+pub(super) fn lines(text: &str, comment: Option<u8>, most: usize) -> (Vec<Line<'_>>, Vec<Line<'_>>) {
+    let (mut content, mut comments) = (Vec::new(), Vec::new());
+    let feeds: Vec<usize> = text.match_indices('\n').map(|(at, _)| at).take(most + LONGEST_NAME).collect();
+    let count = feeds.len() + usize::from(!text.ends_with('\n') && feeds.len() < most + LONGEST_NAME);
+    let start = |line: usize| line.checked_sub(1).map_or(0, |before| feeds[before] + 1);
+    let end = |line: usize| feeds.get(line).copied().unwrap_or(text.len());
+    let mut line = 0;
+    while line < count.min(most) {
+        let is_open = |to: usize| text[start(line)..end(to)].bytes().filter(|byte| *byte == b'"').count() % 2 == 1;
+        let last = (line..count.min(line + LONGEST_NAME)).find(|to| !is_open(*to)).unwrap_or(line);
+        let own = text[start(line)..end(last)].trim_end_matches('\r').trim_start_matches('\u{feff}');
+        let found = Line { text: own, before: line, end: last + 1 };
+        if comment.is_some_and(|mark| own.as_bytes().first() == Some(&mark)) {
+            comments.push(found);
+        } else if !own.trim().is_empty() {
+            content.push(found);
+        }
+        line = last + 1;
+    }
+    (content, comments)
+}
+
+/// The cells of a line, without blanks and quotes around them.
+pub(super) fn split(line: &str, separator: u8) -> Vec<&str> {
+    if separator == b' ' {
+        return line.split_ascii_whitespace().collect();
+    }
+    let (mut cells, mut quoted, mut start) = (Vec::new(), false, 0);
+    for (at, byte) in line.bytes().enumerate() {
+        quoted ^= byte == b'"';
+        if byte == separator && !quoted {
+            cells.push(&line[start..at]);
+            start = at + 1;
+        }
+    }
+    cells.push(&line[start..]);
+    cells.into_iter().map(|cell| cell.trim().trim_matches('"').trim()).collect()
+}
+
+/// What a cell says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Number,
+    Missing,
+    Time,
+    Word,
+}
+
+/// What a cell says, with decimal points or commas.
+pub(super) fn kind(cell: &str, commas: bool) -> Kind {
+    if cell.parse::<f64>().is_ok_and(f64::is_finite) || commas && has_comma(cell) {
+        Kind::Number
+    } else if is_missing(cell) || cell.parse::<f64>().is_ok() {
+        Kind::Missing
+    } else if nanoseconds(cell).is_some() {
+        Kind::Time
+    } else {
+        Kind::Word
+    }
+}
+
+/// Whether a cell is a number with one comma.
+fn has_comma(cell: &str) -> bool {
+    cell.split_once(',').is_some_and(|(whole, part)| {
+        let digits = |text: &str| text.bytes().any(|byte| byte.is_ascii_digit());
+        digits(whole) && digits(part) && !whole.contains('.') && cell.replacen(',', ".", 1).parse::<f64>().is_ok()
+    })
+}
+
+/// Whether a cell can only be a number with a decimal comma: 0,125 or 1,5, not 2,000, which may be two thousand.
+pub(super) fn is_decimal_comma(cell: &str) -> bool {
+    has_comma(cell)
+        && cell.split_once(',').is_some_and(|(whole, part)| {
+            let whole = whole.trim_start_matches(['-', '+']);
+            whole == "0" || whole.len() > 3 || part.len() != 3 || !part.bytes().all(|byte| byte.is_ascii_digit())
+        })
+}
+
+/// Whether a cell is a complex number such as 3.9+4.1i.
+pub(super) fn is_complex(cell: &str) -> bool {
+    let Some(rest) = cell.trim_matches(['(', ')']).strip_suffix(['i', 'j']) else { return false };
+    let sign = |(at, _): &(usize, &str)| *at > 0 && !rest[..*at].ends_with(['e', 'E']);
+    let parts = rest.match_indices(['+', '-']).rfind(sign);
+    parts.is_some_and(|(at, _)| {
+        rest[..at].trim().parse::<f64>().is_ok() && rest[at..].replace(' ', "").parse::<f64>().is_ok()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_have_quoted_feeds_and_numbers() {
+        let (content, comments) = lines("# a\n\"t\n[s]\",i\r\n\n1,2\n3,4", Some(b'#'), 100);
+        let texts: Vec<(&str, usize, usize)> = content.iter().map(|line| (line.text, line.before, line.end)).collect();
+        assert_eq!(texts, [("\"t\n[s]\",i", 1, 3), ("1,2", 4, 5), ("3,4", 5, 6)]);
+        assert_eq!(comments[0].text, "# a");
+        assert_eq!(split("\"a;b\" ; c", b';'), ["a;b", "c"]);
+    }
+
+    #[test]
+    fn cells_are_numbers_times_or_words() {
+        for (cell, expected) in [
+            ("1.5", Kind::Number),
+            ("-1,5", Kind::Number),
+            ("1,12E-44", Kind::Number),
+            ("nan", Kind::Missing),
+            ("", Kind::Missing),
+            ("26.10.2022 08:17:00", Kind::Time),
+            ("spall", Kind::Word),
+            ("1.2.3", Kind::Word),
+        ] {
+            assert_eq!(kind(cell, true), expected, "{cell}");
+        }
+        assert_eq!(kind("1,5", false), Kind::Word);
+        for (cell, settled) in [("1,5", true), ("0,125", true), ("2,000", false), ("12345,678", true), ("1.5", false)] {
+            assert_eq!(is_decimal_comma(cell), settled, "{cell}");
+        }
+        for (cell, complex) in
+            [("3.9+4.1i", true), ("5.0286-0.10214i", true), ("1e-3-2e-4j", true), ("3i", false), ("hi", false)]
+        {
+            assert_eq!(is_complex(cell), complex, "{cell}");
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! Columns that are times by their names, and the unit of times without one.
+
+use crate::units::{Quantity, Unit};
+
+/// Rows a second that a recording of a drive may have.
+const PLAUSIBLE_HZ: [f64; 2] = [5.0, 2e6];
+/// Units of times that are tried, and the power of ten of the seconds since 1970 in each.
+const UNITS: [(&str, f64, i32); 4] = [("s", 1.0, 9), ("ms", 1e-3, 12), ("us", 1e-6, 15), ("ns", 1e-9, 18)];
+
+/// Seconds of the unit that the name of a column ends with.
+pub(crate) fn seconds(name: &str) -> Option<f64> {
+    let unit = Unit::of_column(name).filter(|unit| unit.quantity == Quantity::Time)?;
+    unit.to(&Unit::named("s")?).map(|(factor, _)| factor)
+}
+
+/// The factor to seconds, if this is the name of a time column; `None` for the unit if the name has none.
+pub(crate) fn usual(name: &str) -> Option<Option<f64>> {
+    let trimmed = name.trim().trim_start_matches(['_', '%', '#', '/']);
+    // A lone T is a temperature or a torque.
+    if trimmed == "T" {
+        return None;
+    }
+    let lower = trimmed.to_lowercase();
+    if lower == "ms_today" {
+        return Some(Some(1e-3));
+    }
+    let is_mark = |c: char| matches!(c, '_' | '[' | '(' | ' ');
+    let word = lower.split(is_mark).next().unwrap_or_default();
+    let known = ["t", "time", "timestamp", "timestamps", "zeit", "temps", "tijd", "tiempo", "datetime", "x_value"];
+    let is_time = known.contains(&word) || known.contains(&lower.as_str());
+    let rest = lower.strip_prefix(word).unwrap_or_default();
+    if !is_time || !rest.chars().next().is_none_or(is_mark) {
+        return None;
+    }
+    let rest = rest.trim();
+    if rest.is_empty() || known.contains(&lower.as_str()) {
+        return Some(None);
+    }
+    seconds(&format!("t_{}", rest.trim_matches(['_', '[', ']', '(', ')', ' ']))).map(Some)
+}
+
+/// The unit of times whose column has none.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Guess {
+    /// Seconds.
+    Seconds,
+    /// Another unit, in seconds, and its name.
+    Other(f64, &'static str),
+    /// They count rows.
+    Counter,
+}
+
+/// By the first value, the usual step, and whether all are integers.
+pub(crate) fn unit(first: f64, step: f64, integers: bool) -> Guess {
+    let plausible = |unit: f64| (PLAUSIBLE_HZ[0]..=PLAUSIBLE_HZ[1]).contains(&(1.0 / (step * unit)));
+    let since_1970 = |power: i32| (1.0..=4.0).contains(&(first / 10_f64.powi(power)));
+    if let Some((name, unit, _)) = UNITS.iter().find(|(_, unit, power)| since_1970(*power) && plausible(*unit)) {
+        return if *unit == 1.0 { Guess::Seconds } else { Guess::Other(*unit, name) };
+    }
+    if !integers || step < 1.0 {
+        return Guess::Seconds;
+    }
+    if step == 1.0 && first.abs() <= 1.0 {
+        return Guess::Counter;
+    }
+    let found = UNITS.iter().find(|(_, unit, _)| plausible(*unit));
+    found.map_or(Guess::Seconds, |(name, unit, _)| Guess::Other(*unit, name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn usual_names_are_times() {
+        for (name, unit) in [
+            ("t", None),
+            ("time", None),
+            ("__time", None),
+            ("%time", None),
+            ("Time(S)", Some(1.0)),
+            ("Time [ms]", Some(1e-3)),
+            ("t_s", Some(1.0)),
+            ("time_us", Some(1e-6)),
+            ("timestamp", None),
+            ("ms_today", Some(1e-3)),
+            ("X_Value", None),
+        ] {
+            assert_eq!(usual(name), Some(unit), "{name}");
+        }
+        for name in ["T", "torque", "temperature", "timer_state", "time_constant", "t1", "tt"] {
+            assert_eq!(usual(name), None, "{name}");
+        }
+    }
+
+    #[test]
+    fn units_follow_from_steps_and_the_year() {
+        assert_eq!(unit(0.0, 0.001, false), Guess::Seconds);
+        assert_eq!(unit(123_456_789.0, 250.0, true), Guess::Other(1e-6, "us"));
+        assert_eq!(unit(0.0, 1.0, true), Guess::Counter);
+        assert_eq!(unit(53_211.0, 1.0, true), Guess::Other(1e-3, "ms"));
+        assert_eq!(unit(0.0, 10.0, true), Guess::Other(1e-3, "ms"));
+        assert_eq!(unit(1_764_200_000.0, 5e-5, false), Guess::Seconds);
+        assert_eq!(unit(1_764_200_000_000.0, 1.0, true), Guess::Other(1e-3, "ms"));
+        assert_eq!(unit(1.7642e15, 250.0, true), Guess::Other(1e-6, "us"));
+        assert_eq!(unit(1.7642e18, 250_000.0, true), Guess::Other(1e-9, "ns"));
+    }
+}
