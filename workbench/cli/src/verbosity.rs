@@ -2,7 +2,9 @@
 //!
 //! The libraries report through the crate `log`; only the reports of this project's crates are printed.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use log::{LevelFilter, Log, Metadata, Record};
 
@@ -11,7 +13,7 @@ static QUIET: AtomicBool = AtomicBool::new(false);
 
 /// Notes that are printed without `--verbose`, and those so far.
 const MOST: usize = 30;
-static PRINTED: AtomicUsize = AtomicUsize::new(0);
+static TOLD: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
 
 /// How the names of the crates begin whose reports are printed.
 const CRATES: [&str; 2] = ["bearing_watch", "workbench"];
@@ -46,13 +48,15 @@ impl Log for Lines {
         if !self.enabled(record.metadata()) {
             return;
         }
-        // A folder of files of one kind has the same to say of each.
-        let before = PRINTED.fetch_add(1, Ordering::Relaxed);
-        match before.cmp(&MOST) {
-            std::cmp::Ordering::Less => eprintln!("{}", model::visible::lines(&record.args().to_string())),
-            _ if log::max_level() >= LevelFilter::Info => {
-                eprintln!("{}", model::visible::lines(&record.args().to_string()));
-            }
+        let text = model::visible::lines(&record.args().to_string()).replace("/./", "/");
+        let mut told = TOLD.lock().unwrap_or_else(PoisonError::into_inner);
+        // A file may be read more than once, and a folder of files of one kind has the same to say of each.
+        if !told.insert(text.trim_start_matches("./").to_string()) {
+            return;
+        }
+        match told.len().cmp(&MOST) {
+            _ if log::max_level() >= LevelFilter::Info => eprintln!("{text}"),
+            std::cmp::Ordering::Less => eprintln!("{text}"),
             std::cmp::Ordering::Equal => eprintln!("further notes are not printed; --verbose prints all"),
             std::cmp::Ordering::Greater => {}
         }

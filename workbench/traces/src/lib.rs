@@ -249,8 +249,9 @@ impl Candidate {
         wanted: Option<&(dyn Fn(&str) -> bool + Sync)>,
     ) -> Result<Option<Vec<Trace>>, Error> {
         let asked_for = || {
-            let name = self.file.file_name().map(|name| name.to_string_lossy());
-            wanted.zip(name).is_some_and(|(wanted, name)| wanted(stem(&name)))
+            let name = self.file.file_name().map(|name| name.to_string_lossy().into_owned());
+            let names = [name, self.qualified()];
+            wanted.is_some_and(|wanted| names.iter().flatten().any(|name| wanted(stem(name))))
         };
         let may_lack = self.of_folder && !asked_for();
         let table = match Table::open(&self.file) {
@@ -261,7 +262,19 @@ impl Candidate {
             log::info!("left out {}: it lacks columns of the channels", self.file.display());
             return Ok(None);
         }
+        // Labels may name a trace with its folder, since files of several folders may have one name.
+        let qualified = self.qualified().filter(|name| wanted.is_some_and(|wanted| wanted(stem(name))));
+        let table = match qualified {
+            Some(name) => table.called(name),
+            None => table,
+        };
         read_table(&table, channels, wanted.unwrap_or(&|_| true)).map(Some)
+    }
+
+    /// The name of the file with its folder.
+    fn qualified(&self) -> Option<String> {
+        let folder = self.file.parent()?.file_name()?.to_string_lossy();
+        Some(format!("{folder}/{}", self.file.file_name()?.to_string_lossy()))
     }
 }
 

@@ -1,10 +1,11 @@
 //! What the files have that `init` looks at.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::asked::Asked;
-use super::guess::Guess;
-use super::names;
+use super::kinds::{LeftOut, kinds, most};
+use super::names::{self, Told};
 use super::proposal::Proposal;
 use crate::table::Table;
 use crate::{read_labels, reader};
@@ -13,57 +14,15 @@ use model::audit::times::Times;
 use model::outputs;
 use model::session::Log;
 use model::trace::labels::Labels;
-
-/// Files with the same columns of numbers.
-struct Kind {
-    names: Vec<String>,
-    files: Vec<PathBuf>,
-}
-
-impl Kind {
-    /// The kinds of files, and the first problem with one.
-    fn of(files: &[PathBuf], time: Option<&str>, log: &Log<'_>) -> (Vec<Self>, Option<Error>) {
-        let (mut kinds, mut problem): (Vec<Self>, _) = (Vec::new(), None);
-        let step = log.steps("files", files.len());
-        for file in files {
-            match Table::open(file).and_then(|table| reader::numeric(&table, time)) {
-                Ok((names, _)) if names.is_empty() => {}
-                Ok((names, _)) => match kinds.iter_mut().find(|kind| kind.names == names) {
-                    Some(kind) => kind.files.push(file.clone()),
-                    None => kinds.push(Self { names, files: vec![file.clone()] }),
-                },
-                Err(error) => problem = problem.or(Some(error)),
-            }
-            step(1);
-        }
-        (kinds, problem)
-    }
-
-    /// The kind of most files, with the files of others that have its channels; of equals one with a current, then the
-    /// first.
-    fn most(kinds: Vec<Self>) -> Option<Self> {
-        let current = |kind: &Self| usize::from(Guess::of(&kind.names).current.is_some());
-        let most = (0..kinds.len()).rev().max_by_key(|&k| (kinds[k].files.len(), current(&kinds[k])))?;
-        let mut kinds = kinds;
-        let mut own = kinds.swap_remove(most);
-        for other in kinds {
-            let shared: Vec<String> = own.names.iter().filter(|name| other.names.contains(name)).cloned().collect();
-            if !shared.is_empty() && Proposal::of(&shared).stands_for(&Proposal::of(&own.names)) {
-                own.names = shared;
-                own.files.extend(other.files);
-            }
-        }
-        own.files.sort_unstable();
-        Some(own)
-    }
-}
+use model::trace::stem;
 
 /// What the files have.
 pub(super) struct Found {
-    /// Number of files of the kind that is described, and of others.
+    /// Number of files of the kind that is described, and the others with the reasons.
     pub(super) files: usize,
-    pub(super) others: usize,
-    /// What the drive file names.
+    pub(super) left: Vec<LeftOut>,
+    /// They, and what the drive file names.
+    pub(super) all: Vec<PathBuf>,
     pub(super) traces: Vec<PathBuf>,
     /// Why the time is not used.
     pub(super) disorder: Option<String>,
@@ -75,8 +34,8 @@ pub(super) struct Found {
     pub(super) is_constant: bool,
     /// File and content of the labels, and the classes.
     pub(super) labels: (PathBuf, Labels, Vec<String>),
-    /// How the labels were made, if they were.
-    pub(super) made: Option<&'static str>,
+    /// How the classes of labels were told that were made.
+    pub(super) made: Option<Told>,
     pub(super) proposal: Proposal,
 }
 
@@ -89,16 +48,13 @@ impl Found {
     ) -> Result<Self, Error> {
         let data = asked.data;
         let time = data.time.as_deref();
-        let (kinds, problem) = Kind::of(files, time, log);
-        let Some(own) = Kind::most(kinds) else {
-            return Err(problem.unwrap_or_else(|| {
-                let paths: Vec<String> = data.traces.iter().map(|path| path.display().to_string()).collect();
-                Error::Usage(format!("no file with columns of numbers in {}", paths.join(", ")))
-            }));
-        };
+        let (kinds, mut left) = kinds(files, time, log);
+        let Some(own) = most(kinds, &mut left) else { return Err(nothing(&data.traces, &left)) };
         let (names, proposal) = (own.names.clone(), Proposal::of(&own.names));
-        // A single file among others of other kinds is named; several are found by their columns.
-        let traces = if own.files.len() == 1 && files.len() > 1 { own.files.clone() } else { data.traces.clone() };
+        // Files of a folder are found by their columns and labels; those are named beside which others cannot be read.
+        let of_others = left.iter().any(|other| own.files.iter().any(|file| stem_of(file) == stem_of(&other.file)));
+        let single = own.files.len() == 1 && files.len() > 1;
+        let traces = if single || of_others { own.files.clone() } else { folders_of(&data.traces, &own.files) };
         let table = Table::open(&own.files[0])?;
         let read = |time: Option<&str>| reader::series(&table, (time, data.rate_hz), &names);
         let (series, disorder) = match read(time) {
@@ -119,16 +75,52 @@ impl Found {
                 let file = asked.labels_from_names.map_or_else(own_file, Path::to_path_buf);
                 outputs::plan(&[&file, out], files)?;
                 outputs::write(&file, text)?;
-                (
-                    file,
-                    Some(if told { "by the names of the files" } else { "all healthy, since no name tells a class" }),
-                )
+                (file, Some(told))
             }
         };
         let labels = read_labels(&file)?;
         let classes = labels.classes(&labels.select(&[])?, &[])?;
-        let (labels, others) = ((file, labels, classes), files.len() - own.files.len());
+        let labels = (file, labels, classes);
         let files = own.files.len();
-        Ok(Self { files, others, traces, disorder, names, rows, rate_hz, is_constant, labels, made, proposal })
+        Ok(Self {
+            all: own.files,
+            files,
+            left,
+            traces,
+            disorder,
+            names,
+            rows,
+            rate_hz,
+            is_constant,
+            labels,
+            made,
+            proposal,
+        })
     }
+}
+
+/// Why there is nothing to describe.
+fn nothing(paths: &[PathBuf], left: &[LeftOut]) -> Error {
+    /// Files that are named.
+    const NAMED: usize = 5;
+    let paths: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
+    let reasons: Vec<String> = left.iter().take(NAMED).map(LeftOut::told).collect();
+    let more = left.len().saturating_sub(NAMED);
+    let more = if more > 0 { format!("; and {more} more") } else { String::new() };
+    let reasons = if reasons.is_empty() { "no file of a known format".into() } else { reasons.join("; ") };
+    Error::Usage(format!("no recording can be read in {}: {reasons}{more}", paths.join(", ")))
+}
+
+/// The paths as they were given, or the folders below them in which the files are.
+fn folders_of(given: &[PathBuf], files: &[PathBuf]) -> Vec<PathBuf> {
+    let is_in = |file: &PathBuf| given.iter().any(|path| path == file || file.parent() == Some(path));
+    if files.iter().all(is_in) {
+        return given.to_vec();
+    }
+    let folders: BTreeSet<PathBuf> = files.iter().filter_map(|file| file.parent().map(Path::to_path_buf)).collect();
+    folders.into_iter().collect()
+}
+
+fn stem_of(file: &Path) -> String {
+    stem(&file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()).to_string()
 }

@@ -14,10 +14,11 @@ pub(crate) struct Guess {
 }
 
 /// Parts of names, the most telling first.
-const CURRENT: [&str; 6] = ["iq", "current", "curr", "amp", "ia", "i"];
-const VELOCITY: [&str; 7] = ["velocity", "vel", "speed", "rpm", "omega", "rev", "w"];
-const ANGLE: [&str; 6] = ["angle", "theta", "position", "pos", "resolver", "encoder"];
-const LOAD: [&str; 4] = ["load", "torque", "force", "brake"];
+const CURRENT: [&str; 9] = ["iq", "current", "strom", "courant", "corriente", "curr", "amp", "ia", "i"];
+const VELOCITY: [&str; 10] =
+    ["velocity", "vel", "speed", "drehzahl", "geschwindigkeit", "vitesse", "rpm", "omega", "rev", "w"];
+const ANGLE: [&str; 7] = ["angle", "winkel", "theta", "position", "pos", "resolver", "encoder"];
+const LOAD: [&str; 6] = ["load", "torque", "drehmoment", "couple", "force", "brake"];
 /// Parts of names of what is wanted rather than measured.
 const REFERENCE: [&str; 7] = ["ref", "cmd", "command", "set", "target", "setpoint", "desired"];
 /// Parts of names of what is computed or of another machine.
@@ -70,7 +71,7 @@ impl Guess {
     /// By the names of columns of numbers.
     pub(crate) fn of(names: &[String]) -> Self {
         let best = |parts: &[&str], reference: bool, refused: &[Quantity]| {
-            let fits = |name: &&String| Unit::of_column(name).is_none_or(|unit| !refused.contains(&unit.quantity));
+            let fits = |name: &&String| unit_of(name).is_none_or(|unit| !refused.contains(&unit.quantity));
             let ranked = names.iter().filter(fits).filter_map(|name| Some((rank(name, parts, reference)?, name)));
             ranked.min_by_key(|(rank, _)| *rank).map(|(_, name)| name.clone())
         };
@@ -97,9 +98,16 @@ impl Guess {
     }
 }
 
+/// The unit of a column; `theta_m` and `omega_m` are of the machine's mechanical side, not in metres.
+fn unit_of(name: &str) -> Option<Unit> {
+    const ROTARY: [&str; 6] = ["theta", "angle", "omega", "phi", "speed", "torque"];
+    let is_mechanical = name.ends_with("_m") && words(name).iter().any(|word| ROTARY.contains(&word.as_str()));
+    Unit::of_column(name).filter(|_| !is_mechanical)
+}
+
 /// The column in this unit, if its name says that it is in another one of the same quantity.
 fn converted(name: &str, unit: &str) -> String {
-    let known = Unit::of_column(name).zip(Unit::named(unit)).and_then(|(own, wanted)| own.to(&wanted));
+    let known = unit_of(name).zip(Unit::named(unit)).and_then(|(own, wanted)| own.to(&wanted));
     match known {
         Some(factor) if factor != (1.0, 0.0) => format!("({name}){unit}"),
         _ => name.to_string(),

@@ -7,8 +7,10 @@
 mod asked;
 mod found;
 pub(crate) mod guess;
+mod kinds;
 mod names;
 mod proposal;
+mod trial;
 mod values;
 
 use std::fmt::Write as _;
@@ -17,12 +19,14 @@ use std::path::{Path, PathBuf};
 pub use asked::Asked;
 use found::Found;
 use guess::Guess;
+use names::{REFERENCE, Told};
+use trial::Outcome;
 use values::Values;
 
 use model::Error;
 use model::outputs;
 use model::session::Log;
-use model::settings::{Data, TIMES, Use, sections};
+use model::settings::{TIMES, Use, sections};
 
 /// The settings that it takes.
 pub const USE: Use = Use { name: "init", keys: &[&["traces"], TIMES], required: &["traces"] };
@@ -51,22 +55,55 @@ pub fn describe(asked: &Asked<'_>, log: &Log<'_>) -> Result<Described, Error> {
         },
         Path::to_path_buf,
     );
-    let files = crate::files(traces)?;
+    let files = files_of(traces)?;
     outputs::plan(&[&out], &files)?;
     if out.exists() && !asked.force {
         return Err(Error::Usage(format!("{} exists; give another name with --out, or --force", out.display())));
     }
     let found = Found::look(asked, &files, (&folder, &out), log)?;
-    outputs::write(&out, text(&found, &out, asked.data))?;
-    Ok(Described { told: told(&found, &out), file: out })
+    let mut values = Values::of(&found, &out, asked.data);
+    let outcome = trial::tried(&found, &mut values, (&out, &|values| text(&found, values, None)));
+    let note = match &outcome {
+        Outcome::Accepted(note) => note.clone(),
+        Outcome::Refused(reason) => Some(format!("training refuses this: {reason}")),
+        Outcome::Untried => Some("training was not tried, since the files are large".into()),
+    };
+    outputs::write(&out, text(&found, &values, note.as_deref()))?;
+    log.warn(found.left.iter().map(|left| format!("left out {}", left.told())));
+    let mut told = told(&found, &out);
+    match outcome {
+        Outcome::Refused(reason) => {
+            let what = "it is written, but training refuses it; edit it, or bring other recordings";
+            return Err(Error::Training(format!("{told} {what}: {reason}")));
+        }
+        _ => told += &note.map_or_else(String::new, |note| format!(" Note: {note}.")),
+    }
+    Ok(Described { told, file: out })
+}
+
+/// The files in these paths, or in the folders below a folder that has none itself.
+fn files_of(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
+    let mut all = Vec::new();
+    for path in paths {
+        let own = crate::files(std::slice::from_ref(path))?;
+        if !own.is_empty() || !path.is_dir() {
+            all.extend(own);
+            continue;
+        }
+        let entries = std::fs::read_dir(path).map_err(Error::io(path))?;
+        let mut folders: Vec<PathBuf> = entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
+        folders.retain(|folder| folder.is_dir());
+        folders.sort();
+        all.extend(crate::files(&folders)?);
+    }
+    Ok(all)
 }
 
 fn folder_of(path: &Path) -> PathBuf {
     if path.is_dir() { path.to_path_buf() } else { outputs::folder_of(path).to_path_buf() }
 }
 
-fn text(found: &Found, out: &Path, data: &Data) -> String {
-    let Values { values, refused } = Values::of(found, out, data);
+fn text(found: &Found, Values { values, refused }: &Values, note: Option<&str>) -> String {
     let mut text =
         String::from("# What this drive is. Every command takes this file: bearing-watch train drive.toml …\n");
     let rate = match found.rate_hz {
@@ -74,11 +111,14 @@ fn text(found: &Found, out: &Path, data: &Data) -> String {
         None => "no time column: set rate_hz".to_string(),
     };
     let _never_fails = writeln!(text, "# Found: {} files, {} rows in the first, {rate}", found.files, found.rows);
-    if found.others > 0 {
-        let _never_fails = writeln!(text, "# {} files have other columns", found.others);
+    for left in &found.left {
+        let _never_fails = writeln!(text, "# Left out: {}", one_line(&left.told()));
     }
     if let Some(problem) = &found.disorder {
         let _never_fails = writeln!(text, "# The time is not used: {problem}");
+    }
+    if let Some(note) = note {
+        let _never_fails = writeln!(text, "# {}", one_line(note));
     }
     let _never_fails = writeln!(text, "# Columns: {}", found.names.join(", "));
     let (_, labels, classes) = &found.labels;
@@ -107,7 +147,7 @@ fn told(found: &Found, out: &Path) -> String {
         None => format!("no {what}"),
     });
     let (file, ..) = &found.labels;
-    let made = found.made.map_or_else(String::new, |how| format!(" {}: {how}.", file.display()));
+    let made = found.made.map_or_else(String::new, |how| format!(" {}: {}.", file.display(), made(how)));
     let files = format!("{} file{}", found.files, if found.files == 1 { "" } else { "s" });
     let rate = if found.rate_hz.is_none() { " The files have no time: set rate_hz." } else { "" };
     format!(
@@ -116,6 +156,22 @@ fn told(found: &Found, out: &Path) -> String {
         files,
         said.collect::<Vec<_>>().join(", ")
     )
+}
+
+/// What labels that were made say.
+fn made(told: Told) -> String {
+    match told {
+        Told::Folders => "classes by the folders".into(),
+        Told::Names => "classes by the names of the files".into(),
+        Told::Nothing => format!(
+            "no name tells a class, so all are called {REFERENCE}. Which recordings are healthy? Fill in class_name; \
+             until then a verdict says only whether a recording is like these"
+        ),
+    }
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// An example of a value, for a comment where none was found.

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::found::Found;
 use super::guess::Guess;
+use super::names::{HEALTHY, REFERENCE};
 use super::proposal::Proposal;
 use crate::reader;
 use model::settings::{Data, from_here, literal as text};
@@ -12,16 +13,14 @@ use model::train::novelty;
 
 /// The usual false-alarm rate of a gate.
 const RATE: f64 = 0.01;
-/// Class names of machines without a defect.
-const HEALTHY: [&str; 6] = ["healthy", "normal", "good", "ok", "nominal", "baseline"];
 /// Columns of labels whose rows of one value are of one run.
 const GROUPS: [&str; 6] = ["run", "session", "unit", "drive", "day", "batch"];
 /// Segments of a few long recordings, and the least samples of one.
-const SEGMENTS: usize = 40;
-const LEAST_SAMPLES: usize = 200;
+pub(super) const SEGMENTS: usize = 40;
+pub(super) const LEAST_SAMPLES: usize = 200;
 
 /// The value of each key that is known, and for keys that are left out why.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Values {
     pub(super) values: BTreeMap<&'static str, String>,
     pub(super) refused: BTreeMap<&'static str, String>,
@@ -115,7 +114,9 @@ impl Values {
         let is_named = |name: &&&String| HEALTHY.contains(&name.to_lowercase().as_str());
         let has_word = |name: &&&String| HEALTHY.iter().any(|word| name.to_lowercase().contains(word));
         let pool: Vec<&String> = if classes.len() > 1 { several } else { classes.iter().collect() };
-        let Some(healthy) = pool.iter().find(is_named).or_else(|| pool.iter().find(has_word)).copied() else { return };
+        let reference = || pool.iter().find(|name| name.as_str() == REFERENCE);
+        let known = pool.iter().find(is_named).or_else(|| pool.iter().find(has_word)).or_else(reference).copied();
+        let Some(healthy) = known else { return };
         self.values.insert("healthy", text(healthy));
         self.values.insert("nominal", text(healthy));
         let group = GROUPS.iter().find(|group| labels.columns().iter().any(|column| column == *group));

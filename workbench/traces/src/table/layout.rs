@@ -114,7 +114,8 @@ impl Layout {
         let used = (0..cells).rev().find(|k| !is_empty(k)).map_or(cells, |last| last + 1);
         let head = Head::of((content, comments), rows, used);
         head.doubts(content, first, &mut about);
-        about.step_s = head.step_s.or_else(|| preamble::step_s(&content[..head.before], comments, &mut about));
+        about.step_s = head.step_s;
+        let before = head.before;
         let mut names = head.names;
         names.resize(cells, String::new());
         let own = Self {
@@ -127,7 +128,13 @@ impl Layout {
             clocks: vec![],
             about,
         };
-        own.with_clocks(&of_rows)
+        let before = if own.header.is_empty() { first } else { before };
+        let mut own = own.with_clocks(&of_rows);
+        let is_time = |k: usize| time_name::usual(&own.names[k]).is_some() && !own.about.counters.contains(&k);
+        if own.about.step_s.is_none() && own.clocks.is_empty() && !(0..cells).any(is_time) {
+            own.about.step_s = preamble::step_s(&content[..before], comments, &mut own.about);
+        }
+        own
     }
 
     /// Finds the columns that are times.

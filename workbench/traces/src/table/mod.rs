@@ -78,6 +78,8 @@ pub struct Table {
     names: Vec<String>,
     content: Content,
     about: About,
+    /// Id of its only trace, if it is not the name of the file.
+    id: Option<String>,
 }
 
 #[derive(Debug)]
@@ -122,7 +124,7 @@ impl Table {
                 (text.names(), Content::Text(Box::new(text)))
             }
         };
-        Ok(Self { path: path.to_path_buf(), names, content, about })
+        Ok(Self { path: path.to_path_buf(), names, content, about, id: None })
     }
 
     /// A table in memory; messages name it as a file.
@@ -133,6 +135,7 @@ impl Table {
             names,
             content: Content::Memory(Arc::clone(recorded)),
             about: About::default(),
+            id: None,
         }
     }
 
@@ -142,9 +145,15 @@ impl Table {
         &self.path
     }
 
+    /// With this id of its only trace.
+    pub(crate) fn called(self, id: String) -> Self {
+        Self { id: Some(id), ..self }
+    }
+
     /// Id of the only trace of the table: the name of its file without folder, or of a table in memory.
     pub fn id(&self) -> String {
         match &self.content {
+            _ if self.id.is_some() => self.id.clone().unwrap_or_default(),
             Content::Memory(recorded) => recorded.name().into(),
             _ => self.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
         }

@@ -1,0 +1,175 @@
+//! Files by their columns, and why some are left out.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use super::guess::Guess;
+use super::proposal::Proposal;
+use crate::reader;
+use crate::table::Table;
+use model::Error;
+use model::session::Log;
+use model::trace::stem;
+
+/// A file that is not described, and why.
+pub(super) struct LeftOut {
+    pub(super) file: PathBuf,
+    pub(super) reason: String,
+}
+
+impl LeftOut {
+    /// The file and the reason.
+    pub(super) fn told(&self) -> String {
+        format!("{}: {}", self.file.display(), self.reason)
+    }
+}
+
+/// Files with the same columns of numbers.
+pub(super) struct Kind {
+    pub(super) names: Vec<String>,
+    pub(super) files: Vec<PathBuf>,
+}
+
+/// Files with the same header.
+struct Alike {
+    names: Vec<String>,
+    /// Each with its columns of numbers, and the problems with others.
+    files: Vec<(PathBuf, Vec<String>, Vec<Error>)>,
+}
+
+/// The kinds of files, with what was left out of each.
+pub(super) fn kinds(files: &[PathBuf], time: Option<&str>, log: &Log<'_>) -> (Vec<Kind>, Vec<LeftOut>) {
+    let (mut all, mut left): (Vec<Alike>, Vec<LeftOut>) = (Vec::new(), Vec::new());
+    let step = log.steps("files", files.len());
+    for file in files {
+        let read = Table::open(file).and_then(|table| Ok((reader::numeric(&table, time)?, table.names().to_vec())));
+        match read {
+            Ok(((numeric, problems), names)) => {
+                let own = (file.clone(), numeric, problems);
+                match all.iter_mut().find(|alike| alike.names == names) {
+                    Some(alike) => alike.files.push(own),
+                    None => all.push(Alike { names, files: vec![own] }),
+                }
+            }
+            Err(error) => left.push(LeftOut { file: file.clone(), reason: reason(&error) }),
+        }
+        step(1);
+    }
+    let kinds = all.into_iter().flat_map(|alike| alike.kinds(&mut left)).collect();
+    (kinds, left)
+}
+
+/// The reason of an error, without the name of the file.
+fn reason(error: &Error) -> String {
+    match error {
+        Error::Content { place, problem, .. } => format!("{place}: {problem}"),
+        other => other.to_string(),
+    }
+}
+
+impl Alike {
+    /// The columns that most files have as numbers; files in which one of them is unreadable are left out.
+    fn kinds(self, left: &mut Vec<LeftOut>) -> Option<Kind> {
+        let mut counts: BTreeMap<&String, usize> = BTreeMap::new();
+        self.files.iter().flat_map(|(_, numeric, _)| numeric).for_each(|name| *counts.entry(name).or_default() += 1);
+        let most = |name: &&String| counts.get(name).is_some_and(|count| 2 * count > self.files.len());
+        let names: Vec<String> = self.names.iter().filter(most).cloned().collect();
+        let mut files = Vec::new();
+        for (file, numeric, problems) in &self.files {
+            let lacks = names.iter().find(|name| !numeric.contains(name));
+            let own = |name: &String| {
+                let named = |problem: &&Error| problem.to_string().contains(&format!("column {name}"));
+                problems.iter().find(named).map(reason)
+            };
+            let first = || problems.first().map(reason);
+            match lacks {
+                _ if names.is_empty() => {
+                    let reason = first().unwrap_or_else(|| "no column of numbers".into());
+                    left.push(LeftOut { file: file.clone(), reason });
+                }
+                Some(name) => {
+                    let reason = own(name).or_else(first).unwrap_or_else(|| format!("column {name} has no numbers"));
+                    left.push(LeftOut { file: file.clone(), reason });
+                }
+                None => files.push(file.clone()),
+            }
+        }
+        (!files.is_empty()).then_some(Kind { names, files })
+    }
+}
+
+/// The kind of most files, with the files of others that have its channels; of equals one with a current, then the
+/// first. The files of other kinds are left out.
+pub(super) fn most(mut kinds: Vec<Kind>, left: &mut Vec<LeftOut>) -> Option<Kind> {
+    let current = |kind: &Kind| usize::from(Guess::of(&kind.names).current.is_some());
+    let most = (0..kinds.len()).rev().max_by_key(|&k| (kinds[k].files.len(), current(&kinds[k])))?;
+    let mut own = kinds.swap_remove(most);
+    for other in kinds {
+        let shared: Vec<String> = own.names.iter().filter(|name| other.names.contains(name)).cloned().collect();
+        if !shared.is_empty() && Proposal::of(&shared).stands_for(&Proposal::of(&own.names)) {
+            own.names = shared;
+            own.files.extend(other.files);
+        } else {
+            let reason = format!("other columns: {}", other.names.join(", "));
+            left.extend(other.files.into_iter().map(|file| LeftOut { file, reason: reason.clone() }));
+        }
+    }
+    own.files.sort_unstable();
+    let mut seen: Vec<PathBuf> = Vec::new();
+    for file in std::mem::take(&mut own.files) {
+        let same = |other: &&PathBuf| other.parent() == file.parent() && name(other) == name(&file);
+        match seen.iter().find(same) {
+            Some(first) => {
+                let reason = format!("the same name as {} in another format", file_name(first));
+                left.push(LeftOut { file, reason });
+            }
+            None => seen.push(file),
+        }
+    }
+    own.files = seen;
+    Some(own)
+}
+
+fn file_name(file: &Path) -> String {
+    file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+/// The name of a file without its format.
+fn name(file: &Path) -> String {
+    stem(&file_name(file)).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_bad_file_takes_nothing_from_others() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let write = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, text).expect("writable");
+            path
+        };
+        let good = "t_s,current_a,speed_rpm\n0,1,2\n0.1,2,3\n0.2,3,4\n";
+        let files = [
+            write("a.csv", good),
+            write("b.csv", &good.replace("0.1,2,3", "0.1,2,nan")),
+            write("bad.csv", &good.replace("2,3\n", "1e306,3\n")),
+            write("c.csv", good),
+            write("c.txt", good),
+            write("words.csv", "a,b\nx,y\nz,w\n"),
+        ];
+        let log = Log::new(&model::session::Quiet);
+        let (all, mut left) = kinds(&files, None, &log);
+        let own = most(all, &mut left).expect("a kind");
+        assert_eq!(own.names, ["current_a", "speed_rpm"]);
+        assert_eq!(own.files, [files[0].clone(), files[1].clone(), files[3].clone()]);
+        let mut told: Vec<String> =
+            left.iter().map(|own| format!("{}: {}", file_name(&own.file), own.reason)).collect();
+        told.sort();
+        assert!(told[0].starts_with("bad.csv: line 3, column current_a: 1e306 is no measured value"), "{told:?}");
+        assert_eq!(told[1], "c.txt: the same name as c.csv in another format");
+        assert!(told[2].starts_with("words.csv: line 2, column a: \"x\" is not a number"), "{told:?}");
+    }
+}
