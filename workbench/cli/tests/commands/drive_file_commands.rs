@@ -65,7 +65,7 @@ fn init_describes_what_it_sees() {
     refuse(dir, "init runs", &["runs/drive.toml exists"]);
     succeed(dir, "init runs --force");
     std::fs::create_dir(dir.join("empty")).expect("a folder");
-    refuse(dir, "init empty", &["no file with columns of numbers in empty"]);
+    refuse(dir, "init empty", &["no recording can be read in empty: no file of a known format"]);
 }
 
 #[test]
@@ -80,13 +80,13 @@ fn names_of_files_become_labels() {
     succeed(dir, "train drive.toml --model m.bwm");
     // Without an option, labels.csv beside the drive file.
     let told = succeed(dir, "init runs");
-    assert!(told.contains("runs/labels.csv: by the names of the files"), "{told}");
+    assert!(told.contains("runs/labels.csv: classes by the names of the files"), "{told}");
     succeed(dir, "train runs/drive.toml --model m.bwm");
 }
 
-/// One long recording of a machine that is taken as healthy: it is cut into segments, and novelty is found.
+/// One long recording, which nobody calls healthy: it is cut into segments, and what is unlike it is found.
 #[test]
-fn a_single_recording_is_healthy_and_is_cut() {
+fn a_single_recording_is_a_reference_and_is_cut() {
     let folder = tempfile::tempdir().expect("folder");
     let dir = folder.path();
     succeed(dir, "simulate --class healthy,roughness --count 9 --seed 13 --out runs");
@@ -107,10 +107,10 @@ fn a_single_recording_is_healthy_and_is_cut() {
     std::fs::write(dir.join("one/recording.csv"), join("healthy")).expect("written");
     std::fs::write(dir.join("rough.csv"), join("roughness")).expect("written");
     let told = succeed(dir, "init one --rate-hz 500");
-    assert!(told.contains("one/labels.csv: all healthy, since no name tells a class"), "{told}");
+    assert!(told.contains("all are called reference. Which recordings are healthy?"), "{told}");
     let text = std::fs::read_to_string(dir.join("one/drive.toml")).expect("written");
     assert!(
-        text.contains("\nsegment = 1125  # samples: 40 segments") && text.contains("healthy = \"healthy\""),
+        text.contains("\nsegment = 1125  # samples: 40 segments") && text.contains("healthy = \"reference\""),
         "{text}"
     );
     succeed(dir, "train one/drive.toml --model m.bwm");

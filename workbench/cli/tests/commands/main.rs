@@ -18,6 +18,7 @@ mod form;
 mod format_commands;
 mod front_end_commands;
 mod grey_box_commands;
+mod lab_commands;
 mod listen_command;
 mod listen_raw_command;
 mod missing_commands;
