@@ -32,6 +32,8 @@ pub struct Column {
     pub held: f64,
     /// Part of the rows at the least or largest value, in runs.
     pub saturated: f64,
+    /// Rows with values far outside of all others, as of an error code: the first one, and how many there are.
+    pub outside: Option<(usize, usize)>,
     /// Part of the rows without a number; the others are those that all else is about.
     pub missing: f64,
 }
@@ -42,7 +44,7 @@ impl Column {
     pub fn of(x: &[f64]) -> Self {
         let measured: Vec<f64> = x.iter().copied().filter(|x| x.is_finite()).collect();
         let missing = (x.len() - measured.len()) as f64 / x.len().max(1) as f64;
-        Self { missing, ..Self::of_measured(&measured) }
+        Self { missing, outside: outside(x), ..Self::of_measured(&measured) }
     }
 
     fn of_measured(x: &[f64]) -> Self {
@@ -72,6 +74,7 @@ impl Column {
             changing: part(runs.len().saturating_sub(1)),
             held: if is_fine { part(held) } else { 0.0 },
             saturated: if is_fine { saturated } else { 0.0 },
+            outside: None,
             missing: 0.0,
         }
     }
@@ -83,6 +86,12 @@ impl Column {
         let mut found = Vec::new();
         if self.missing > 0.0 {
             found.push(format!("no number in {} of the rows", percent(self.missing.max(1e-3))));
+        }
+        if let Some((first, count)) = self.outside {
+            let value = if self.range[1].abs() > self.range[0].abs() { self.range[1] } else { self.range[0] };
+            let rows = if count == 1 { "row".to_string() } else { format!("{count} rows, the first") };
+            let what = "far outside of all others: an error code? write nan there";
+            found.push(format!("{value} in {rows} {}, {what}", first + 1));
         }
         if self.deviation == 0.0 {
             found.push("constant".into());
@@ -103,6 +112,24 @@ impl Column {
         }
         found
     }
+}
+
+/// The first row far outside of all others, and how many are.
+fn outside(x: &[f64]) -> Option<(usize, usize)> {
+    /// Widths of all values but the outermost hundredth, and the largest part of the rows.
+    const WIDTHS: f64 = 20.0;
+    const RARE: f64 = 0.01;
+    let mut sorted: Vec<f64> = x.iter().copied().filter(|x| x.is_finite()).collect();
+    if sorted.len() < 100 {
+        return None;
+    }
+    sorted.sort_by(f64::total_cmp);
+    let at = |part: f64| sorted[((sorted.len() - 1) as f64 * part) as usize];
+    let (low, high) = (at(0.5 * RARE), at(1.0 - 0.5 * RARE));
+    let width = high - low;
+    let is_outside = |x: &f64| width > 0.0 && (*x > high + WIDTHS * width || *x < low - WIDTHS * width);
+    let first = x.iter().position(is_outside)?;
+    Some((first, x.iter().filter(|x| is_outside(x)).count()))
 }
 
 /// Values and lengths of runs of one value.
@@ -165,5 +192,17 @@ mod tests {
         // 2 of 100 rows at each end become 3 + 3: below 2, and above 96.
         let cut: Vec<f64> = saw.iter().map(|x| x.clamp(2.0, 97.0)).collect();
         assert!((Column::of(&cut).saturated - 0.06).abs() < 1e-12, "{:?}", Column::of(&cut));
+    }
+
+    #[test]
+    fn error_codes_are_told_from_large_signals() {
+        let mut x: Vec<f64> = (0..1000).map(|k| f64::from(k % 90)).collect();
+        assert_eq!(Column::of(&x).outside, None);
+        (x[700], x[900]) = (104_857.594, 104_857.594);
+        assert_eq!(Column::of(&x).outside, Some((700, 2)));
+        assert!(Column::of(&x).findings()[0].contains("104857.594 in 2 rows, the first 701"), "{:?}", Column::of(&x));
+        // A tenth of the rows is a state of the machine.
+        x.iter_mut().step_by(10).for_each(|x| *x = 104_857.594);
+        assert_eq!(Column::of(&x).outside, None);
     }
 }

@@ -1,6 +1,7 @@
 //! What recordings are worth, before anything is trained: times, columns, pairs of columns, equal traces, and the
 //! smallest line of an order that would stand out.
 
+pub mod angle;
 pub mod column;
 pub mod friction;
 pub mod orders;

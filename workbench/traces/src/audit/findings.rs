@@ -5,11 +5,16 @@ use std::f64::consts::TAU;
 use super::audited::{Audited, Finding};
 use crate::describe::guess::is_reference;
 use crate::resample::unwrapped;
+use model::audit::angle as of_angle;
+use model::audit::column::Column;
 use model::audit::pairs::{self, COLLINEAR, correlation, lag};
 use model::audit::sessions::apart;
 use model::audit::times::Times;
 use model::statistics::mean_sd;
 use model::trace::median;
+
+/// Deviation of the steps in time, relative to the usual one, of irregular times.
+const IRREGULAR: f64 = 0.05;
 
 pub(super) fn add(findings: &mut Vec<Finding>, what: String, trace: &str) {
     match findings.iter_mut().find(|finding| finding.what == what) {
@@ -22,7 +27,7 @@ impl Audited {
     pub(super) fn findings(&self, findings: &mut Vec<Finding>) {
         let id = &self.id;
         if let Some(Times { jitter, gaps, longest_gap_s, standing, rate_hz, .. }) = self.times {
-            if jitter > 0.05 {
+            if jitter > IRREGULAR {
                 add(findings, "irregular times (jitter above 5 % of a step); resample".into(), id);
             }
             if gaps > 0 {
@@ -45,6 +50,19 @@ impl Audited {
                 if found.abs() > COLLINEAR {
                     add(findings, format!("columns {} and {} say the same", self.names[j], self.names[k]), id);
                 }
+            }
+        }
+        // Where times are irregular, the velocity does not tell how far the shaft turns from row to row.
+        let even = |times: &Times| times.jitter <= IRREGULAR && times.gaps == 0;
+        if let (Some(velocity), Some(angle), Some(times)) = (&self.velocity, &self.angle, self.times.filter(even)) {
+            for finding in of_angle::findings(angle, velocity, times.rate_hz) {
+                add(findings, finding, id);
+            }
+            let step = |x: &[f64]| Column::of(x).step;
+            let deviation = mean_sd(velocity).1;
+            let steps = (step(angle), step(velocity), deviation);
+            if let Some(finding) = of_angle::coarse(steps, times.rate_hz) {
+                add(findings, finding, id);
             }
         }
         if let (Some(velocity), Some(angle)) = (&self.velocity, &self.angle) {

@@ -94,12 +94,22 @@ fn said(
 
 fn to_json(traces: &[Audited], findings: &[Finding], rotor: Option<f64>, lines: &[Line]) -> Value {
     let column = |(name, column): (&String, &Column)| {
-        let Column { mean, deviation, range: [least, largest], step, every, changing, held, saturated, missing } =
-            column;
+        let Column {
+            mean,
+            deviation,
+            range: [least, largest],
+            step,
+            every,
+            changing,
+            held,
+            saturated,
+            missing,
+            outside,
+        } = column;
         json!({
             "column": name, "mean": mean, "deviation": deviation, "least": least, "largest": largest, "step": step,
             "changes_every_rows": every, "changing": changing, "held": held, "saturated": saturated,
-            "missing": missing
+            "missing": missing, "rows_outside": outside.map_or(0, |(_, count)| count)
         })
     };
     let trace = |trace: &Audited| {

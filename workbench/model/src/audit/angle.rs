@@ -1,0 +1,288 @@
+//! The angle of a shaft against its velocity: what a drive does wrong with either.
+//!
+//! ```text
+//! d_k = wrapped(φ_{k+1} − φ_k),   D_k = (v_k + v_{k+1})/(2f),   e_k = wrapped(d_k − D_k)                  (1)
+//! e_k ≈ D_k Σ_n (a_n cos nφ + b_n sin nφ):   error of the angle at order n   √(a_n² + b_n²)/n             (2)
+//! ```
+//!
+//! A step e that the next ones take back is a spike, or a turn backwards for a row; one that stays is a slip. Steps only
+//! where the angle wraps are those of a filter across the wrap. A resolver whose sine and cosine are δ off 90° has an
+//! error of δ/2 at order 2, as has one whose amplitudes differ by δ.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::{Matrix2, Vector2};
+
+/// Fewest rows that are compared.
+const FEWEST: usize = 100;
+/// Steps that count, in deviations of the others and in rad.
+const DEVIATIONS: f64 = 12.0;
+const LEAST_RAD: f64 = 0.01;
+/// Rows in which a spike is taken back, and the part of it that may stay.
+const BACK: usize = 4;
+const STAYS: f64 = 0.3;
+/// Parts of a turn from its ends that count as the wrap.
+const ENDS: f64 = 0.35;
+/// Part of a turn from both ends from which on a value is between them.
+const BETWEEN: f64 = 0.05;
+/// Width of a place of the turn at which all spikes are.
+const ONE_PLACE_RAD: f64 = 0.15;
+/// Orders of periodic errors, and the least error that is told, rad.
+const ORDERS: usize = 8;
+const LEAST_ERROR_RAD: f64 = 0.01;
+/// Deviation of the turns by the angle from those by the velocity.
+const SCALE: f64 = 0.01;
+/// Rows that are named.
+const NAMED: usize = 3;
+
+/// Compares an angle, rad, with a velocity, rad/s, at so many rows a second. Each finding names its rows.
+#[must_use]
+pub fn findings(angle: &[f64], velocity: &[f64], rate_hz: f64) -> Vec<String> {
+    let rows = angle.len().min(velocity.len());
+    if rows < FEWEST || rate_hz.is_nan() || rate_hz <= 0.0 {
+        return vec![];
+    }
+    let step = |row: usize| wrapped(angle[row + 1] - angle[row]);
+    let expected = |row: usize| 0.5 * (velocity[row] + velocity[row + 1]) / rate_hz;
+    let moves: Vec<(f64, f64)> = (0..rows - 1).map(|row| (step(row), expected(row))).collect();
+    // Above half a turn a row nothing can be told.
+    if moves.iter().any(|(_, expected)| expected.abs() > PI / 2.0) {
+        return vec!["the shaft turns by more than a quarter of a turn a row: the angle is too slow".into()];
+    }
+    let mut found: Vec<String> = scale(&moves).into_iter().collect();
+    if !found.is_empty() {
+        return found;
+    }
+    let errors: Vec<f64> = moves.iter().map(|(step, expected)| wrapped(step - expected)).collect();
+    let limit = (DEVIATIONS * 1.4826 * middle(&errors)).max(LEAST_RAD);
+    let large: Vec<usize> = (0..errors.len()).filter(|row| errors[*row].abs() > limit).collect();
+    found.extend(steps((angle, &errors, &moves), &large));
+    found.extend(periodic(angle, &moves, &errors, limit));
+    found
+}
+
+/// Whether the velocity of a coarse encoder is the difference of its counts; the step of angle and velocity are the
+/// smallest differences of their values.
+#[must_use]
+pub fn coarse((angle_step, velocity_step, deviation): (f64, f64, f64), rate_hz: f64) -> Option<String> {
+    let count = angle_step * rate_hz;
+    let is_one = (velocity_step / count - 1.0).abs() < 0.02;
+    let coarse = velocity_step > 0.02 * deviation;
+    (is_one && coarse).then(|| {
+        format!(
+            "the velocity has steps of {velocity_step:.4} rad/s, one count of the angle a row: it is the difference of a \
+             coarse encoder; leave it out, so that the velocity follows from the angle"
+        )
+    })
+}
+
+/// An angle between −π and π.
+fn wrapped(angle: f64) -> f64 {
+    angle - TAU * (angle / TAU).round()
+}
+
+/// The median magnitude.
+fn middle(x: &[f64]) -> f64 {
+    crate::trace::median(x.iter().map(|x| x.abs()).collect::<Vec<_>>())
+}
+
+/// A reversed or scaled angle, by the median ratio of its steps to those of the velocity.
+fn scale(moves: &[(f64, f64)]) -> Option<String> {
+    let usual = middle(&moves.iter().map(|(_, expected)| *expected).collect::<Vec<_>>());
+    let ratios: Vec<f64> =
+        moves.iter().filter(|(_, own)| own.abs() > 0.5 * usual).map(|(step, own)| step / own).collect();
+    let slope = crate::trace::median(ratios);
+    if slope.is_nan() || usual <= 0.0 || (slope - 1.0).abs() < SCALE {
+        return None;
+    }
+    Some(match slope {
+        _ if (slope + 1.0).abs() < SCALE => "the angle runs against the velocity; change the sign of one".into(),
+        _ if (0.5..1.5).contains(&slope) => return None,
+        _ => {
+            format!("the angle turns {slope:.4} times as far as the velocity says: other units, a gear, or pole pairs")
+        }
+    })
+}
+
+/// Names the first rows.
+fn named(rows: &[usize]) -> String {
+    let first: Vec<String> = rows.iter().take(NAMED).map(|row| (row + 2).to_string()).collect();
+    let more = if rows.len() > NAMED { ", …" } else { "" };
+    format!("{} row{} ({}{more})", rows.len(), if rows.len() == 1 { "" } else { "s" }, first.join(", "))
+}
+
+/// Steps at the wrap, backwards, spikes and slips.
+fn steps((angle, errors, moves): (&[f64], &[f64], &[(f64, f64)]), large: &[usize]) -> Vec<String> {
+    if large.is_empty() {
+        return vec![];
+    }
+    let low = angle.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = angle.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let is_wrapping =
+        high - low < 1.05 * TAU && angle.windows(2).any(|pair| (pair[1] - pair[0]).abs() > 0.5 * TAU * ENDS);
+    // Each event: the rows from the first large step to the last one that follows closely.
+    let mut events: Vec<(usize, usize)> = Vec::new();
+    for row in large {
+        match events.last_mut() {
+            Some((_, last)) if row - *last <= BACK => *last = *row,
+            _ => events.push((*row, *row)),
+        }
+    }
+    let at_end = |value: f64| (value - low).min(high - value) < ENDS * TAU;
+    let across = |&&(first, last): &&(usize, usize)| {
+        let (before, behind) = (angle[first], angle[(last + 1).min(angle.len() - 1)]);
+        let between = angle[first + 1..=last].iter().any(|value| (value - low).min(high - value) > BETWEEN * TAU);
+        between && (before - behind).abs() > (1.0 - 2.0 * ENDS) * TAU && at_end(before) && at_end(behind)
+    };
+    let wraps: Vec<usize> = events.iter().filter(across).map(|(first, _)| *first).collect();
+    let mut found = Vec::new();
+    if is_wrapping && 2 * wraps.len() > events.len() {
+        let what = "the angle is low-passed or averaged across its wrap";
+        found.push(format!("{what} at {}; unwrap it before filtering, or log it unfiltered", named(&wraps)));
+        return found;
+    }
+    let (mut backwards, mut spikes, mut slips) = (vec![], vec![], vec![]);
+    // What the first and the last row do is not taken back, or was not seen to begin.
+    let inner = |event: &&(usize, usize)| event.0 > 0 && event.1 + BACK < errors.len();
+    for (first, last) in events.iter().filter(inner) {
+        let sum: f64 = errors[*first..=*last].iter().sum();
+        let most = errors[*first..=*last].iter().fold(0.0_f64, |most, e| most.max(e.abs()));
+        // A spike against the motion turns back first, one along it afterwards.
+        let is_against = errors[*first] * moves[*first].1 < 0.0;
+        match () {
+            () if sum.abs() > STAYS * most => slips.push((*first, sum)),
+            () if is_against => backwards.push(*first),
+            () => spikes.push(*first),
+        }
+    }
+    let all: Vec<usize> = backwards.iter().chain(&spikes).copied().collect();
+    let places: Vec<f64> = all.iter().map(|row| wrapped(angle[*row] - angle[all[0]])).collect();
+    if places.len() > 2 && places.iter().all(|place| place.abs() < ONE_PLACE_RAD) {
+        let place = angle[all[0]].rem_euclid(TAU);
+        found.push(format!("the angle has spikes at {}, each turn near {place:.2} rad: the index", named(&all)));
+    } else {
+        if !backwards.is_empty() {
+            let rows = named(&backwards);
+            found.push(format!("the angle runs backwards for a sample at {rows}; look at its latch or its filter"));
+        }
+        if !spikes.is_empty() {
+            found.push(format!("the angle has spikes at {}", named(&spikes)));
+        }
+    }
+    if !slips.is_empty() {
+        let rows: Vec<usize> = slips.iter().map(|(row, _)| *row).collect();
+        let size = middle(&slips.iter().map(|(_, sum)| *sum).collect::<Vec<_>>());
+        found.push(format!(
+            "the angle slips by about {size:.4} rad at {}; lost counts, or the velocity is wrong there",
+            named(&rows)
+        ));
+    }
+    found
+}
+
+/// The largest periodic error (2) of the angle.
+fn periodic(angle: &[f64], moves: &[(f64, f64)], errors: &[f64], limit: f64) -> Option<String> {
+    let of_order = |order: usize| -> Option<(f64, f64, usize)> {
+        let (mut normal, mut right, mut rest) = (Matrix2::zeros(), Vector2::zeros(), 0.0);
+        for (row, (error, (_, expected))) in errors.iter().zip(moves).enumerate().filter(|(_, (e, _))| e.abs() <= limit)
+        {
+            let at = order as f64 * (angle[row] + 0.5 * expected);
+            let regressor = Vector2::new(at.cos(), at.sin()) * *expected;
+            normal += regressor * regressor.transpose();
+            right += regressor * *error;
+            rest += error * error;
+        }
+        let found = normal.cholesky()?.solve(&right);
+        let left = (rest - found.dot(&right)).max(0.0) / errors.len() as f64;
+        let deviation = (left * 2.0 / normal.trace()).sqrt();
+        Some((found.norm() / order as f64, deviation / order as f64, order))
+    };
+    let (size, deviation, order) = (1..=ORDERS).filter_map(of_order).max_by(|one, other| one.0.total_cmp(&other.0))?;
+    if size < LEAST_ERROR_RAD || size < 6.0 * deviation {
+        return None;
+    }
+    let degrees = size.to_degrees();
+    Some(match order {
+        2 => format!(
+            "the angle has an error of {degrees:.2}° twice a turn: sine and cosine of the resolver are {:.1}° off 90°, or \
+             differ by {:.0} %",
+            2.0 * degrees,
+            200.0 * size
+        ),
+        1 => format!(
+            "the angle has an error of {degrees:.2}° once a turn: an offset of sine or cosine, or an eccentric disc"
+        ),
+        _ => format!("the angle has an error of {degrees:.2}°, {order} times a turn"),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A shaft at 5 to 45 rad/s in one direction, 1000 rows a second.
+    fn shaft() -> (Vec<f64>, Vec<f64>) {
+        let velocity: Vec<f64> = (0..2500).map(|k| 25.0 + 20.0 * (f64::from(k) * TAU / 800.0).sin()).collect();
+        let mut turned = 0.3;
+        let angle = velocity.windows(2).map(|pair| {
+            turned += 0.5 * (pair[0] + pair[1]) / 1000.0;
+            turned
+        });
+        (std::iter::once(0.3).chain(angle).collect(), velocity)
+    }
+
+    fn found(change: impl Fn(&mut Vec<f64>)) -> String {
+        let (mut angle, velocity) = shaft();
+        change(&mut angle);
+        findings(&angle, &velocity, 1000.0).join("; ")
+    }
+
+    fn wrap(angle: &mut [f64]) {
+        angle.iter_mut().for_each(|own| *own = own.rem_euclid(TAU));
+    }
+
+    #[test]
+    fn faults_of_the_angle_are_told_with_their_rows() {
+        assert_eq!(found(|angle| wrap(angle)), "");
+        assert_eq!(found(|_| {}), "");
+        let low_passed = found(|angle| {
+            wrap(angle);
+            let raw = angle.clone();
+            (1..raw.len()).for_each(|k| angle[k] = 0.5 * angle[k - 1] + 0.5 * raw[k]);
+        });
+        assert!(low_passed.contains("low-passed or averaged across its wrap"), "{low_passed}");
+        let backwards = found(|angle| {
+            angle[700] -= 0.2;
+            angle[1500] -= 0.2;
+            wrap(angle);
+        });
+        assert!(backwards.contains("runs backwards for a sample at 2 rows (701, 1501)"), "{backwards}");
+        let spikes = found(|angle| {
+            let turns: Vec<usize> =
+                (1..angle.len()).filter(|k| (angle[*k] / TAU).floor() > (angle[k - 1] / TAU).floor()).collect();
+            turns.iter().for_each(|k| angle[*k] += 0.1);
+            wrap(angle);
+        });
+        assert!(spikes.contains("each turn near"), "{spikes}");
+        let slip = found(|angle| {
+            angle[1200..].iter_mut().for_each(|own| *own += 0.098);
+            wrap(angle);
+        });
+        assert!(slip.contains("slips by about 0.0980 rad at 1 row (1201)"), "{slip}");
+        let resolver = found(|angle| {
+            let off = 8_f64.to_radians();
+            angle.iter_mut().for_each(|own| *own = (own.sin()).atan2((*own + off).cos()));
+        });
+        assert!(resolver.contains("8.0° off 90°") || resolver.contains("7.9° off 90°"), "{resolver}");
+        assert!(found(|angle| angle.iter_mut().for_each(|own| *own = -*own)).contains("runs against the velocity"));
+        assert!(found(|angle| angle.iter_mut().for_each(|own| *own *= 4.0)).contains("4.0000 times as far"));
+    }
+
+    #[test]
+    fn the_velocity_of_counts_is_told() {
+        let count = TAU / 2400.0;
+        assert!(coarse((count, 1000.0 * count, 14.0), 1000.0).expect("coarse").contains("2.6180 rad/s"));
+        assert_eq!(coarse((count, 0.001, 14.0), 1000.0), None);
+        assert_eq!(coarse((1e-6, 1e-3, 14.0), 1000.0), None);
+    }
+}
