@@ -277,5 +277,5 @@ fn read_classifier<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<Classifi
     Ok(Classifier { features, covariates, projection, discriminant, novelty })
 }
 
-#[cfg(all(test, feature = "alloc"))]
+#[cfg(test)]
 mod tests;
