@@ -1,4 +1,4 @@
-//! Payloads that are written by hand: each value goes where the format has it, and no byte is taken that has no meaning.
+//! Payloads that are written by hand: each value goes where the format has it, and bytes without a meaning are refused.
 //! That reader and writer agree would not tell it: they could err alike.
 
 use std::vec::Vec;
