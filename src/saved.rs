@@ -261,3 +261,6 @@ fn constants<P: Plan>(
         Ok(()) | Err(BaselineMismatch::Constants) => Ok(()),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -53,6 +53,11 @@
 // class.
 #define BW_MAX_DENSITIES 234
 
+#if defined(BEARING_WATCH_SIGNATURE)
+// Bytes of a public key.
+#define BW_KEY_SIZE 32
+#endif
+
 // Bytes of memory that are enough for `bw_init` of a library without a plan of its own; `bw_state_size` returns what
 // exactly is needed.
 #define BW_STATE_SIZE 21504
@@ -182,6 +187,20 @@ enum BwCode
   BW_CODE_CALIBRATION_STUCK = -52,
   // The offset of a current sensor is not plausible: a current flows, or the sensor is broken.
   BW_CODE_CALIBRATION_OUT_OF_BAND = -53,
+  // No signature follows the model.
+  BW_CODE_SIGNATURE_MISSING = -60,
+  // The signature has another format version or algorithm.
+  BW_CODE_SIGNATURE_VERSION = -61,
+  // A field of the signature does not fit the model before it.
+  BW_CODE_SIGNATURE_FORMAT = -62,
+  // The signature is cut short.
+  BW_CODE_SIGNATURE_TRUNCATED = -63,
+  // The key of the signature is not accepted.
+  BW_CODE_SIGNATURE_KEY = -64,
+  // The signature is not that of these bytes: they were changed, or signed by somebody else.
+  BW_CODE_SIGNATURE_MISMATCH = -65,
+  // The model is older than accepted.
+  BW_CODE_SIGNATURE_OLDER = -66,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -489,6 +508,18 @@ typedef struct BwTelemetry BwTelemetry;
 // The check of one drive, in memory of the caller.
 typedef struct BwWiringCheck BwWiringCheck;
 
+#if defined(BEARING_WATCH_SIGNATURE)
+// A model that an accepted key has signed.
+typedef struct BwSigned {
+  // Bytes of the model, for `bw_init`.
+  size_t model_length;
+  // Bytes of model and signature.
+  size_t length;
+  // Counter of the model. Once the model has started, keep it as the least one that is accepted.
+  uint32_t counter;
+} BwSigned;
+#endif
+
 // The verdict on one segment.
 typedef struct BwReport {
   // Number of the segment since `bw_init` or `bw_reset`; the first is 1.
@@ -774,6 +805,30 @@ extern "C" {
 
 // Returns a text for a code, ending in a zero byte; "unknown code" for other numbers. Never NULL.
 const char *bw_error_text(int32_t code);
+
+#if defined(BEARING_WATCH_SIGNATURE)
+// Checks the model that these bytes start with and the signature of `bearing-watch sign` behind it, before `bw_init`;
+// what follows both, such as the erased rest of a flash sector, is ignored. `keys` are the public keys that may sign,
+// as `bearing-watch keys` prints them; without one everything is refused. `least_counter` is the counter of the newest
+// model that has run: keep it where an attacker cannot write it back. The bytes must not change until `bw_init` has
+// read them. A library that was built without the feature `signature` does not have this function; define
+// `BEARING_WATCH_SIGNATURE` before the header to declare it.
+//
+// Takes about 2 million instructions and 6 kB of stack. It is the one function of which the linker does not prove that
+// it cannot panic: the indices of the arithmetic are within their bounds whatever the bytes, but no compiler sees it.
+//
+// Returns `BW_CODE_OK`, what is wrong with the model, or a `BW_CODE_SIGNATURE_…`; `signed_model` is then unchanged.
+//
+// # Safety
+// `bytes` is NULL or has `length` readable bytes. `keys` is NULL or has `key_count` readable keys. `signed_model` is
+// NULL or writable.
+BwCode bw_verify_model(const uint8_t *bytes,
+                       size_t length,
+                       const uint8_t (*keys)[BW_KEY_SIZE],
+                       size_t key_count,
+                       uint32_t least_counter,
+                       struct BwSigned *signed_model);
+#endif
 
 // Returns the number of bytes of memory that `bw_init` needs: with a plan of its own a library needs less.
 size_t bw_state_size(void);

@@ -94,10 +94,24 @@ pub enum BwCode {
     CalibrationStuck = -52,
     /// The offset of a current sensor is not plausible: a current flows, or the sensor is broken.
     CalibrationOutOfBand = -53,
+    /// No signature follows the model.
+    SignatureMissing = -60,
+    /// The signature has another format version or algorithm.
+    SignatureVersion = -61,
+    /// A field of the signature does not fit the model before it.
+    SignatureFormat = -62,
+    /// The signature is cut short.
+    SignatureTruncated = -63,
+    /// The key of the signature is not accepted.
+    SignatureKey = -64,
+    /// The signature is not that of these bytes: they were changed, or signed by somebody else.
+    SignatureMismatch = -65,
+    /// The model is older than accepted.
+    SignatureOlder = -66,
 }
 
 impl BwCode {
-    const ALL: [Self; 42] = [
+    const ALL: [Self; 49] = [
         Self::Ok,
         Self::Segment,
         Self::Report,
@@ -140,6 +154,13 @@ impl BwCode {
         Self::CalibrationNoisy,
         Self::CalibrationStuck,
         Self::CalibrationOutOfBand,
+        Self::SignatureMissing,
+        Self::SignatureVersion,
+        Self::SignatureFormat,
+        Self::SignatureTruncated,
+        Self::SignatureKey,
+        Self::SignatureMismatch,
+        Self::SignatureOlder,
     ];
 
     const fn text(self) -> &'static CStr {
@@ -186,6 +207,13 @@ impl BwCode {
             Self::CalibrationNoisy => c"a current sensor is too noisy for an offset",
             Self::CalibrationStuck => c"the converter of a current sensor is stuck",
             Self::CalibrationOutOfBand => c"the offset of a current sensor is out of its band",
+            Self::SignatureMissing => c"there is no signature",
+            Self::SignatureVersion => c"the signature has another format version or algorithm",
+            Self::SignatureFormat => c"a field of the signature does not fit the bytes before it",
+            Self::SignatureTruncated => c"the signature is cut short",
+            Self::SignatureKey => c"the key of the signature is not accepted",
+            Self::SignatureMismatch => c"the signature is not that of these bytes",
+            Self::SignatureOlder => c"older than accepted",
         }
     }
 }

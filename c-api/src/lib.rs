@@ -2,6 +2,8 @@
 //! from this source and compares.
 //!
 //! ```text
+//! bw_verify_model   bytes of a signed model, public keys (feature `signature`) ─► whether bw_init may read them
+//!
 //! bw_init      memory of the caller, bytes of a model ─► state
 //! interrupt    bw_collect   a sample; now and then BW_CODE_SEGMENT: a segment is closed
 //! main loop    bw_advance, or bw_conclude   the closed segment ─► BW_CODE_REPORT
@@ -20,7 +22,8 @@
 //! main loop            bw_telemetry_…      reports and blocks of samples as frames, for `bearing-watch listen`
 //! ```
 //!
-//! No function allocates, blocks, panics or has global state. Pointers that are NULL or not aligned, memory that is too
+//! No function allocates, blocks, panics or has global state; of `bw_verify_model` the linker does not prove the third.
+//! Pointers that are NULL or not aligned, memory that is too
 //! small or holds no state, and calls in another order are refused by a code. The results have the same bits as those
 //! of the Rust core.
 //!
@@ -46,6 +49,8 @@ mod recorder;
 mod report;
 mod sampling;
 mod saved;
+#[cfg(feature = "signature")]
+mod signature;
 mod solving;
 mod state;
 mod telemetry;
@@ -80,6 +85,8 @@ pub use recorder::{
 pub use report::{BwPart, BwReason, BwReport, BwValues, BwVerdict, bw_report, bw_values};
 pub use sampling::{bw_angle, bw_collect, bw_discard, bw_pending, bw_restart, bw_step};
 pub use saved::{bw_restore, bw_save, bw_saved_size};
+#[cfg(feature = "signature")]
+pub use signature::{BW_KEY_SIZE, BwSigned, bw_verify_model};
 pub use solving::{bw_adopt, bw_advance, bw_conclude};
 pub use state::{BW_STATE_ALIGN, BW_STATE_SIZE, BwState, bw_init, bw_state_size};
 pub use telemetry::{

@@ -18,9 +18,10 @@ use cbindgen::{Builder, Config, DocumentationStyle, EnumConfig, ExportConfig, La
 const WRITE: &str = "BEARING_WATCH_WRITE_HEADER";
 
 /// The files with public items, in the order of the header; one with modules stands for theirs, too.
-const SOURCES: [&str; 15] = [
+const SOURCES: [&str; 16] = [
     "code",
     "plan",
+    "signature",
     "state",
     "sampling",
     "solving",
@@ -53,6 +54,8 @@ fn header(root: &Path) -> String {
         usize_is_size_t: true,
         documentation_style: DocumentationStyle::C99,
         line_length: 120,
+        // Functions of a library that was built with the feature.
+        defines: [("feature = signature".into(), "BEARING_WATCH_SIGNATURE".into())].into(),
         // Functions take its values as numbers.
         export: ExportConfig { include: vec!["BwValues".into(), "BwPosition".into()], ..ExportConfig::default() },
         enumeration: EnumConfig { rename_variants: RenameRule::QualifiedScreamingSnakeCase, ..EnumConfig::default() },

@@ -367,13 +367,29 @@ fn a_saved_alarm_is_restored_and_other_bytes_are_refused() {
     assert_eq!(call!(bw_restore(state, bytes.as_ptr(), size)), BwCode::OtherModel);
 }
 
+/// The numbers that C programs are compiled with.
+fn codes_of_the_header() -> Vec<i32> {
+    let header = include_str!("../include/bearing_watch.h");
+    let number =
+        |line: &str| line.trim().strip_prefix("BW_CODE_")?.split_once(" = ")?.1.strip_suffix(',')?.parse().ok();
+    header.lines().filter_map(number).collect()
+}
+
 #[test]
-fn every_code_has_its_text() {
-    let texts: Vec<_> =
-        (-60..10).map(|code| text(bw_error_text(code))).filter(|text| *text != "unknown code").collect();
-    let distinct: std::collections::BTreeSet<_> = texts.iter().collect();
-    assert_eq!((texts.len(), distinct.len()), (42, 42), "{texts:?}");
-    assert_eq!(text(bw_error_text(i32::MIN)), "unknown code");
+fn every_code_of_the_header_has_a_text_of_its_own_and_no_other_number_has_one() {
+    let (codes, unknown) = (codes_of_the_header(), text(bw_error_text(i32::MIN)));
+    assert!(codes.contains(&(BwCode::Block as i32)) && codes.contains(&(BwCode::SignatureOlder as i32)), "{codes:?}");
+    assert_eq!(unknown, "unknown code");
+    for code in -200..200 {
+        assert_eq!(text(bw_error_text(code)) != unknown, codes.contains(&code), "{code}");
+    }
+    let texts: std::collections::BTreeSet<_> = codes.iter().map(|code| text(bw_error_text(*code))).collect();
+    assert_eq!(texts.len(), codes.len(), "{texts:?}");
+}
+
+#[test]
+fn the_library_tells_its_version_and_turns_counts_into_angles() {
     assert_eq!(text(bw_version()), env!("CARGO_PKG_VERSION"));
+    // A quarter of a turn of 2³² counts.
     assert_eq!(bw_angle(1024, 12), 1 << 30);
 }

@@ -59,7 +59,6 @@ mod tests {
 
     #[test]
     fn poles_on_either_side_of_the_circle() {
-        let mut checked = 0;
         for r in [0.2, 0.9, 0.999, 0.9999, 1.0001, 1.001, 1.1, 3.0] {
             let stable = r < 1.0;
             for other in [-0.95, -0.3, 0.0, 0.5, 0.999] {
@@ -74,11 +73,9 @@ mod tests {
                     assert_eq!(is_stable(&delta(&[other], &[(r, angle)])), stable, "{r} {angle} {other}");
                     assert_eq!(is_stable(&delta(&[other, 0.1], &[(r, angle)])), stable, "{r} {angle} {other} four");
                     assert_eq!(is_stable(&delta(&[], &[(r, angle), (0.8, 1.5)])), stable, "two pairs {r} {angle}");
-                    checked += 1;
                 }
             }
         }
-        assert_eq!(checked, 160);
     }
 
     #[test]

@@ -158,6 +158,16 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_header_has_the_bytes_of_the_format() {
+        let bytes = [b'B', b'W', b'M', b'D', 9, 0, 0, 0, 4, 3, 2, 0, 6, 5, 1, 0];
+        assert_eq!(header_of(0x2_0304, 0x1_0506), Ok(bytes));
+        assert_eq!(header(&bytes), Ok((0x2_0304, 0x1_0506)));
+        let mut flagged = bytes;
+        flagged[6] = 1;
+        assert_eq!(header(&flagged), Err(ModelError::OutOfRange(Field::Flags)));
+    }
+
+    #[test]
     fn payload_and_notes_have_at_most_a_mebibyte_each() {
         let (most, more) = (MAX_BYTES, MAX_BYTES + 1);
         assert_eq!(header(&header_of(most, most).unwrap()), Ok((most, most)));

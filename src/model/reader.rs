@@ -276,3 +276,6 @@ fn read_classifier<P: Plan>(reader: &mut Reader<'_>, plan: P) -> Result<Classifi
     }
     Ok(Classifier { features, covariates, projection, discriminant, novelty })
 }
+
+#[cfg(test)]
+mod tests;

@@ -43,9 +43,27 @@ impl Trust<'_> {
     /// tail of a flash sector). Nothing of the model but its lengths is read before. Cost: one verification, a fixed
     /// time, and a hash over the bytes.
     ///
+    /// No bytes and keys are known with which it panics, but the linker does not prove it: the crate that verifies
+    /// indexes arrays within bounds that the compiler does not see. [`Trust::verify_with`] is proven.
+    ///
     /// # Errors
     /// A [`SignatureError`]: no model, not signed, by another key, changed, or older than accepted.
     pub fn verify<'b>(&self, bytes: &'b [u8]) -> Result<Signed<'b>, SignatureError> {
+        self.verify_with(bytes, |key, message, signature| {
+            ed25519::PublicKey::new(*key).verify(message, &ed25519::Signature::new(*signature)).is_ok()
+        })
+    }
+
+    /// The same with a verification of the caller: that of the boot loader or of the chip. `is_signed` is given a key
+    /// of `keys`, a message and a signature, and says whether this is an Ed25519 signature of the message by the key.
+    ///
+    /// # Errors
+    /// As [`Trust::verify`].
+    pub fn verify_with<'b>(
+        &self,
+        bytes: &'b [u8],
+        is_signed: impl FnOnce(&PublicKey, &[u8], &[u8; SIGNATURE]) -> bool,
+    ) -> Result<Signed<'b>, SignatureError> {
         let record = stored_len(bytes).map_err(SignatureError::Model)?;
         let (model, block) = bytes.split_at_checked(record).ok_or(SignatureError::Truncated)?;
         let start = block.first_chunk::<SEAL_HEAD>().ok_or(SignatureError::Unsigned)?;
@@ -55,8 +73,9 @@ impl Trust<'_> {
         let id = head.last_chunk::<8>().ok_or(SignatureError::Truncated)?;
         let key = self.keys.iter().find(|key| key_id(key) == *id).ok_or(SignatureError::UnknownKey)?;
         let message = bytes.get(..record.saturating_add(HEAD)).ok_or(SignatureError::Truncated)?;
-        let verified = ed25519::PublicKey::new(*key).verify(message, &ed25519::Signature::new(*signature));
-        verified.map_err(|_| SignatureError::Mismatch)?;
+        if !is_signed(key, message, signature) {
+            return Err(SignatureError::Mismatch);
+        }
         // After the signature: what is said of the counter is then true.
         if counter < self.least_counter {
             return Err(SignatureError::Older { found: counter, least: self.least_counter });
@@ -111,6 +130,32 @@ mod tests {
         bytes.extend([0xFF; 300]);
         assert_eq!(trust.verify(&bytes), Ok(expected));
         assert_eq!(expected.length, RECORD.len() + BLOCK);
+    }
+
+    #[test]
+    fn a_verification_of_the_caller_decides_on_what_was_signed() {
+        let (key, bytes) = signed(1, 5);
+        let trust = Trust { keys: &[[9; 32], key], least_counter: 5 };
+        let mut asked = Vec::new();
+        let verified = trust.verify_with(&bytes, |key, message, signature| {
+            asked.push((*key, message.to_vec(), signature.to_vec()));
+            true
+        });
+        assert_eq!(verified, trust.verify(&bytes));
+        // The message is all before the signature, the block's head included.
+        let (message, signature) = bytes.split_at(bytes.len() - 64);
+        assert_eq!(asked, [(key, message.to_vec(), signature.to_vec())]);
+        assert_eq!(trust.verify_with(&bytes, |_, _, _| false), Err(SignatureError::Mismatch));
+        let newer = Trust { least_counter: 6, ..trust };
+        let older = newer.verify_with(&bytes, |_, _, _| true);
+        assert_eq!(older, Err(SignatureError::Older { found: 5, least: 6 }), "a good signature is not enough");
+        let untrusted = Trust { keys: &[[9; 32]], least_counter: 0 };
+        let mut asked = false;
+        let unknown = untrusted.verify_with(&bytes, |_, _, _| {
+            asked = true;
+            true
+        });
+        assert_eq!((unknown, asked), (Err(SignatureError::UnknownKey), false));
     }
 
     #[test]

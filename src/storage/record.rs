@@ -154,6 +154,18 @@ mod tests {
     };
 
     #[test]
+    fn a_header_has_the_bytes_of_the_format() {
+        let bytes = RECORD.to_bytes(RecordKind::State);
+        let start = [b'B', b'W', b'S', b'L', 1, 2, 0, 0, 7, 0, 0, 0, 99, 0, 0, 0, 4, 3, 2, 1];
+        assert_eq!((&bytes[..20], &bytes[20..36]), (&start[..], &b"actuator\0\0\0\0\0\0\0\0"[..]));
+        assert_eq!(
+            (&bytes[36..40], &bytes[40..]),
+            (&[0x5A, 0x5A, 0xA5, 0xA5][..], &crc32(&bytes[..40]).to_le_bytes()[..])
+        );
+        assert_eq!(RECORD.to_bytes(RecordKind::Model)[5], 1);
+    }
+
+    #[test]
     fn headers_are_read_back_and_altered_ones_refused() {
         let bytes = RECORD.to_bytes(RecordKind::State);
         assert_eq!(Record::from_bytes(&bytes, RecordKind::State), Some(RECORD));

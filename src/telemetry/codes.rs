@@ -85,17 +85,35 @@ mod tests {
     use super::*;
     use crate::reason::{Part, Reason};
 
+    /// The bytes of a frame, of which older programs read the same verdict.
     #[test]
-    fn every_verdict_and_alarm_comes_back() {
-        let reasons = [Reason::TooFewRows { part: Part::Orders, rows: 1_000_000 }, Reason::OutOfRange { covariate: 1 }];
-        let plain = [Verdict::Class(0), Verdict::Class(255), Verdict::Novel, Verdict::Ambiguous];
-        let verdicts = plain.into_iter().chain(reasons.map(Verdict::Undetermined));
-        for verdict in verdicts {
-            assert_eq!(VerdictCode::from(verdict).verdict(), Some(verdict));
+    fn verdicts_and_alarms_are_the_bytes_of_the_format() {
+        let rows = Reason::TooFewRows { part: Part::Orders, rows: 0x0102_0304 };
+        let verdicts = [
+            (Verdict::Class(0), [0, 0, 0, 0, 0, 0, 0]),
+            (Verdict::Class(255), [0, 255, 0, 0, 0, 0, 0]),
+            (Verdict::Novel, [1, 0, 0, 0, 0, 0, 0]),
+            (Verdict::Ambiguous, [2, 0, 0, 0, 0, 0, 0]),
+            (Verdict::Undetermined(rows), [3, 1, 3, 4, 3, 2, 1]),
+            (Verdict::Undetermined(Reason::OutOfRange { covariate: 1 }), [3, 9, 1, 0, 0, 0, 0]),
+        ];
+        for (verdict, bytes) in verdicts {
+            let mut buffer = [0xA5; 7];
+            assert_eq!(postcard::to_slice(&VerdictCode::from(verdict), &mut buffer).unwrap(), bytes);
+            let read: VerdictCode = postcard::from_bytes(&bytes).unwrap();
+            assert_eq!(read.verdict(), Some(verdict));
         }
-        for alarm in [None, Some(Cause::Class(2)), Some(Cause::Unknown)] {
-            let alarm = alarm.map(|cause| Alarm { segment: 9, cause });
-            assert_eq!(AlarmCode::from(alarm).alarm(), Some(alarm));
+        let at = |cause| Some(Alarm { segment: 0x0102_0304, cause });
+        let alarms = [
+            (None, [0, 0, 0, 0, 0, 0]),
+            (at(Cause::Class(2)), [1, 2, 4, 3, 2, 1]),
+            (at(Cause::Unknown), [2, 0, 4, 3, 2, 1]),
+        ];
+        for (alarm, bytes) in alarms {
+            let mut buffer = [0xA5; 6];
+            assert_eq!(postcard::to_slice(&AlarmCode::from(alarm), &mut buffer).unwrap(), bytes);
+            let read: AlarmCode = postcard::from_bytes(&bytes).unwrap();
+            assert_eq!(read.alarm(), Some(alarm));
         }
     }
 

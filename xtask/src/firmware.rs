@@ -87,11 +87,11 @@ pub fn check_all_features(way: Way, board: Board) -> Result<()> {
 }
 
 /// Builds the C interface as a static library, for an exported plan or, if that is empty, for any model; returns its
-/// file, which is the same for all plans.
-pub fn build_c_library(way: Way, board: Board, plan: &str) -> Result<PathBuf> {
+/// file, which is the same for all plans and features.
+pub fn build_c_library(way: Way, board: Board, plan: &str, features: &str) -> Result<PathBuf> {
     let (mut cargo, folder) = cargo(way, board);
     cargo.env("BEARING_WATCH_PLAN", plan);
-    child::succeed(cargo.args(["--package", "bearing-watch-c", "--lib"]))?;
+    child::succeed(cargo.args(["--package", "bearing-watch-c", "--lib", "--features", features]))?;
     existing(folder.join("libbearing_watch_c.a"))
 }
 
@@ -150,7 +150,7 @@ fn features(example: &str) -> &'static [&'static str] {
         "kernels" | "measure" => &["--features", "internals"],
         "panic_free" => &["--features", "embedded-hal,embedded-storage,signature,telemetry"],
         "random_plans" => &["--features", "bounded"],
-        "footprint_seal" | "footprint_signature" | "measure_signature" => &["--features", "signature"],
+        "footprint_seal" | "footprint_signature" | "measure_signature" | "signed" => &["--features", "signature"],
         "storage" => &["--features", "embedded-storage"],
         "measure_telemetry" | "telemetry" => &["--features", "telemetry"],
         _ => &[],

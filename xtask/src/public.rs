@@ -28,7 +28,8 @@ const CALLING: [&str; 6] = [
     "support/telemetry_calls.rs",
 ];
 /// Not for programs of a drive: conversions of the feature `nalgebra`, and hidden helpers of macros and constants. And
-/// the verification of a signature, whose crate has index checks that the compiler cannot prove.
+/// the verification of a signature, whose crate has index checks that the compiler cannot prove; all of it but the
+/// arithmetic is `Trust::verify_with`.
 const ELSEWHERE: [&str; 8] = [
     "Estimate::covariance_matrix",
     "Projection::to_matrices",

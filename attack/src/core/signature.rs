@@ -2,7 +2,8 @@
 
 use std::sync::LazyLock;
 
-use bearing_watch::signature::{BLOCK, HEAD, PublicKey, SEAL, SignatureError, StateKey, Trust, head, key_id};
+use bearing_watch::signature::{BLOCK, HEAD, PublicKey, SEAL, SignatureError, Signed, StateKey, Trust, head, key_id};
+use bearing_watch_c::{BwCode, BwSigned, bw_verify_model};
 use ed25519_compact::{KeyPair, Seed};
 
 use crate::input::Input;
@@ -97,6 +98,7 @@ fn changed(good: &[u8], input: &mut Input<'_>) -> Vec<u8> {
 }
 
 fn model(bytes: &[u8], keys: &[PublicKey], least_counter: u32) {
+    in_c(bytes, keys, least_counter);
     let good = &GOOD.model;
     let is_good = bytes.get(..good.len()) == Some(good) && keys.contains(&GOOD.key);
     match (Trust { keys, least_counter }).verify(bytes) {
@@ -109,6 +111,22 @@ fn model(bytes: &[u8], keys: &[PublicKey], least_counter: u32) {
             assert!(is_good && (found, least) == (COUNTER, least_counter) && found < least);
         }
         Err(error) => assert!(!is_good, "{error}"),
+    }
+}
+
+/// The C interface says the same, and writes nothing with a refusal.
+fn in_c(bytes: &[u8], keys: &[PublicKey], least_counter: u32) {
+    let untouched = BwSigned { model_length: 1, length: 2, counter: 3 };
+    let mut told = untouched;
+    // SAFETY: bytes and keys are there for the whole call, and the place is writable.
+    let code = unsafe {
+        bw_verify_model(bytes.as_ptr(), bytes.len(), keys.as_ptr(), keys.len(), least_counter, &raw mut told)
+    };
+    match (Trust { keys, least_counter }).verify(bytes) {
+        Ok(Signed { model, length, counter }) => {
+            assert_eq!((code, told), (BwCode::Ok, BwSigned { model_length: model.len(), length, counter }));
+        }
+        Err(error) => assert_eq!((code, told), (error.into(), untouched)),
     }
 }
 

@@ -11,7 +11,7 @@ use studies::field::commissioned;
 use studies::field::sessions::{self, Fleet};
 use studies::field::{self, bounds};
 use studies::healthy_sets::{self, sets::SETS};
-use studies::pages::campaign::{field_page, page};
+use studies::pages::campaign::{conclusion, field_conclusion, field_page, page};
 
 /// Train and evaluate the detector on the standard rig under every condition, size of defect and set rate, beside the
 /// goals and the source's own method; or, with --field, under the effects of the field, or, with
@@ -114,6 +114,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     if args.json {
         return output::json("campaign", render::to_json(&findings));
     }
+    output::conclude(&conclusion(&findings));
     output::say(render::text(&findings).trim_end())
 }
 
@@ -174,6 +175,9 @@ fn run_field(args: &Args) -> Result<(), Error> {
     }
     if args.json {
         return output::json("campaign-field", field::render::to_json(&findings, &settings));
+    }
+    if let Ok(words) = field_conclusion(&text) {
+        output::conclude(&words);
     }
     output::say(text.trim_end())
 }

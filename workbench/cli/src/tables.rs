@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::output;
 use model::Error;
-use studies::pages::tables::page;
+use studies::pages::tables::{conclusion, page};
 use studies::tables::{Id, Settings, render, run as make, words};
 
 /// The source's tables reproduced on the simulated rigs, beside the published figures, with a note to each
@@ -58,6 +58,7 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
     if args.json {
         return output::json("tables", render::to_json(&settings, &tables));
     }
+    output::conclude(&conclusion(&tables));
     for words in intro {
         output::say(render::wrap(&words))?;
     }

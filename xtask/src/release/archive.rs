@@ -63,7 +63,7 @@ fn make(way: Way) -> Result<PathBuf> {
     parts.push((cmake("config"), cmake_config(&library).into()));
     parts.push((cmake("config-version"), cmake_version(VERSION).into()));
     parts.push((format!("lib/{}/{FILE}", targets.host), stripped("strip", &host)?));
-    let chip = firmware::build_c_library(way, DRIVE, "")?;
+    let chip = firmware::build_c_library(way, DRIVE, "", "")?;
     parts.push((format!("lib/{}/{FILE}", targets.chip), stripped("arm-none-eabi-strip", &chip)?));
     dist::remove(&[ENDING])?;
     let path = dist::folder()?.join(format!("{NAME}-{VERSION}{ENDING}"));

@@ -1,6 +1,6 @@
 //! Command-line tests of `bearing-watch campaign --field`.
 
-use crate::common::{refuse, succeed};
+use crate::common::{refuse, run, succeed};
 use crate::form::{fit, schema};
 use serde_json::Value;
 
@@ -9,7 +9,9 @@ fn a_row_without_a_usable_feature_is_reported_as_refused() {
     let folder = tempfile::tempdir().expect("folder");
     let dir = folder.path();
     let row = "campaign --field --draws 1 --only no-load-sensor --features inverse_kt_score";
-    let said = succeed(dir, &format!("{row} --out counts.csv"));
+    let output = run(dir, &format!("{row} --out counts.csv"));
+    let (said, words) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success() && words.starts_with("No condition has a result: training refused"), "{words}");
     let reason = "none of the features exists without a load sensor";
     assert!(said.contains(&format!("no-load-sensor, gate, 1 of 1: {reason}")), "{said}");
     let csv = std::fs::read_to_string(dir.join("counts.csv")).expect("counts");

@@ -1,6 +1,6 @@
 //! Command-line tests of `bearing-watch tables`, and results of the literal method and ours on the rig.
 
-use crate::common::{refuse, succeed};
+use crate::common::{self, refuse, succeed};
 use crate::form::{fit, schema};
 use serde_json::Value;
 use studies::demo::{self, Settings as DemoSettings};
@@ -21,7 +21,10 @@ fn all_tables_as_text_json_csv_and_page() {
     let dir = folder.path();
     // One table of the actuator stands for all, whose traces take longest.
     let only = "2.2,3.1,3.2,4.1,4.2,4.3,4.4,piecewise,5.2";
-    let said = succeed(dir, &format!("tables --repetitions 2 --only {only} --out t.csv --report t.html"));
+    let output = common::run(dir, &format!("tables --repetitions 2 --only {only} --out t.csv --report t.html"));
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{words}");
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
     for id in only.split(',').filter(|id| *id != "piecewise") {
         assert!(said.contains(&format!("\nTable {id}:")), "{id}\n{said}");
     }
@@ -56,6 +59,12 @@ fn all_tables_as_text_json_csv_and_page() {
         assert_eq!(Some(rows), own, "docs/tables.md differs at {title}; run `cargo xtask docs tables`");
     }
     let page = std::fs::read_to_string(dir.join("t.html")).expect("page");
+    let first = words.lines().next().expect("a conclusion");
+    assert!(first.starts_with("Of ") && first.ends_with("read it before you compare."), "{words}");
+    assert!(
+        page.contains(&format!("<div class=\"conclusion\"><p>{}</p></div>", first.replace('\'', "&#39;"))),
+        "{first}"
+    );
     // Plots: four first-order features, three components, four planes.
     assert_eq!(page.matches("<figure>").count(), 11);
     assert!(!page.contains("Not drawn"));

@@ -36,7 +36,8 @@ pub fn page(findings: &Findings) -> String {
 }
 
 /// How many goals are met, and the first that is not.
-fn conclusion(findings: &Findings) -> String {
+#[must_use]
+pub fn conclusion(findings: &Findings) -> String {
     let goals: Vec<&Figure> = findings.figures.iter().filter(|figure| figure.met().is_some()).collect();
     let missed: Vec<&Figure> = goals.iter().copied().filter(|figure| figure.met() == Some(false)).collect();
     let all = goals.len();
@@ -92,17 +93,29 @@ fn sizes(name: &str, figures: &[&Figure]) -> String {
 /// # Errors
 /// [`Error::Usage`] if the text has no such table.
 pub fn field_page(text: &str) -> Result<String, Error> {
-    let page = Page::new("bearing-watch: conditions of the field").conclusion(field_conclusion(&table(text)?));
+    let page = Page::new("bearing-watch: conditions of the field").conclusion(field_conclusion(text)?);
     Ok(page.section("Detected records", &rates(text)?).render())
 }
 
-/// Under which conditions the gate has more false alarms than set, and under which the full defects stay hidden.
-fn field_conclusion(rows: &[FieldRow]) -> String {
+/// Under which conditions of this table the gate has more false alarms than set, and under which the full defects stay
+/// hidden.
+///
+/// # Errors
+/// [`Error::Usage`] if the text has no such table.
+pub fn field_conclusion(text: &str) -> Result<String, Error> {
+    table(text).map(|rows| of_field(&rows))
+}
+
+fn of_field(rows: &[FieldRow]) -> String {
+    let (rows, refused): (Vec<&FieldRow>, Vec<&FieldRow>) = rows.iter().partition(|row| row.false_alarms.is_some());
     let all = rows.len();
+    if all == 0 {
+        return "No condition has a result: training refused each of them. Read the reasons below the table.".into();
+    }
     let loud: Vec<&FieldRow> =
-        rows.iter().filter(|row| row.false_alarms.is_some_and(|own| own.low > FALSE_ALARM)).collect();
+        rows.iter().copied().filter(|row| row.false_alarms.is_some_and(|own| own.low > FALSE_ALARM)).collect();
     let is_hidden = |row: &&FieldRow| row.defects.iter().any(|(_, size, found)| *size >= 1.0 && found.high < 1.0);
-    let hidden: Vec<&FieldRow> = rows.iter().filter(is_hidden).collect();
+    let hidden: Vec<&FieldRow> = rows.iter().copied().filter(is_hidden).collect();
     let named = |rows: &[&FieldRow]| rows.first().map_or_else(String::new, |row| format!(", first {}", row.name));
     let set = 100.0 * FALSE_ALARM;
     let alarms = match loud.len() {
@@ -121,7 +134,11 @@ fn field_conclusion(rows: &[FieldRow]) -> String {
     } else {
         "Record healthy drives under these conditions before you rely on the detector there."
     };
-    format!("{alarms} {found} {next}")
+    let without = match refused.len() {
+        0 => String::new(),
+        count => format!(" There is no result for {count} more{}.", named(&refused)),
+    };
+    format!("{alarms} {found}{without} {next}")
 }
 
 #[cfg(test)]
@@ -132,11 +149,23 @@ mod tests {
     fn the_page_of_the_field_begins_with_what_it_shows() {
         let text = "Gate: detected\n        false alarms    spall 1              spall 1/2\n  mix   1.0 [0.5, 2.2]  \
                     100.0 [96.9, 100.0]  50.0 [40.0, 60.0]\n  slip  4.0 [2.5, 6.2]  80.0 [70.0, 88.0]  5.0 [1.0, 9.0]\n";
-        let words = field_conclusion(&table(text).expect("a table"));
+        let words = field_conclusion(text).expect("a table");
         assert!(words.starts_with("Under 1 of 2 conditions the false alarms are above the set 1 %"), "{words}");
         assert!(words.contains("first slip.") && words.contains("Under 1, a defect of full size is not always found"));
-        let good = field_conclusion(&table(&text.replace("  slip  4.0 [2.5", "  slip  1.2 [0.5")).expect("a table"));
+        let good = field_conclusion(&text.replace("  slip  4.0 [2.5", "  slip  1.2 [0.5")).expect("a table");
         assert!(good.starts_with("Under none of 2 conditions"), "{good}");
+        let refused = text
+            .replace("80.0 [70.0, 88.0]  5.0 [1.0, 9.0]", "refused             refused")
+            .replace("4.0 [2.5, 6.2]", "refused       ");
+        let partly = field_conclusion(&refused).expect("a table");
+        assert!(
+            partly.starts_with("Under none of 1 conditions") && partly.contains(" no result for 1 more, first slip."),
+            "{partly}"
+        );
+        let none =
+            field_conclusion(&refused.replace("  mix   1.0 [0.5, 2.2]  100.0 [96.9, 100.0]  50.0 [40.0, 60.0]\n", ""))
+                .expect("a table");
+        assert!(none.starts_with("No condition has a result"), "{none}");
         assert!(field_page(text).is_ok_and(|page| page.contains("class=\"conclusion\"")));
     }
 }

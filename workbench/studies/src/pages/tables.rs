@@ -28,7 +28,8 @@ pub fn page(settings: &Settings, intro: &[String], tables: &[Table]) -> String {
 }
 
 /// How the reproduced errors lie beside the published ones, and the largest of ours.
-fn conclusion(tables: &[Table]) -> String {
+#[must_use]
+pub fn conclusion(tables: &[Table]) -> String {
     let Some(overview) = tables.iter().find(|table| table.id == "overview") else {
         return "None of these tables has rates of wrong decisions: their notes say how the figures compare.".into();
     };
