@@ -2,6 +2,7 @@
 //! campaign `--ema`.
 
 use host_tests::documents;
+use studies::ema::Settings;
 use studies::ema::experiments;
 use studies::ema::run::draw;
 
@@ -11,7 +12,8 @@ fn classes_are_told_apart_behind_the_front_end_where_the_source_guesses() {
     let wanted: Vec<_> =
         all.iter().filter(|own| own.name == "MIX" || own.name.starts_with("healthy:")).cloned().collect();
     // A number far from those of the documented campaign.
-    let found = draw(&wanted, (500, 8), || ()).expect("the actuator");
+    let settings = Settings { draws: 1, first: 500, records: 8, default: false };
+    let found = draw(&wanted, (500, &settings), || ()).expect("the actuator");
     let [classes, alarms] = found.counts[..] else { panic!("two experiments") };
     println!(
         "MIX: {} of {} wrong, {} of {} false alarms",
