@@ -63,9 +63,9 @@ impl Header {
     /// A wanted column whose name occurs twice.
     fn doubled(&self, places: &[usize]) -> Option<&str> {
         let own = places.iter().copied().chain(self.trace).chain(self.time());
-        let mut names = own.map(|place| self.names[place].as_str());
-        let count = |name: &str| self.names.iter().filter(|other| *other == name).count();
-        names.find(|name| count(name) > 1)
+        let mut counts: HashMap<&str, usize> = HashMap::new();
+        self.names.iter().for_each(|name| *counts.entry(name).or_default() += 1);
+        own.map(|place| self.names[place].as_str()).find(|name| counts[name] > 1)
     }
 
     /// Signals of y, u1, u2, of the further columns, and, if the shaft is watched, of current and angle, and of
@@ -148,7 +148,18 @@ pub fn series(
     (time, rate_hz): (Option<&str>, Option<f64>),
     channels: &[String],
 ) -> Result<Vec<Series>, Error> {
-    let signals = |header: &Header| channels.iter().map(|channel| Signal::parse(channel, &header.names)).collect();
+    let signals = |header: &Header| {
+        // Of many columns each is looked up at once.
+        let mut places: HashMap<&str, usize> = HashMap::new();
+        for (place, name) in header.names.iter().enumerate() {
+            places.entry(name).or_insert(place);
+        }
+        let parse = |channel: &String| match places.get(channel.as_str()) {
+            Some(place) => Ok(Signal::Column(*place)),
+            None => Signal::parse(channel, &header.names),
+        };
+        channels.iter().map(parse).collect()
+    };
     let (signals, parts) = parts(table, time, &signals, &|_| true)?;
     let each = |part: Part| {
         let Part { id, columns, times_s } = part;

@@ -125,8 +125,9 @@ pub(super) fn values_of(
     rows: usize,
     elapsed_s: Elapsed<'_>,
 ) -> Vec<Vec<f64>> {
-    let needed = places_of(signals);
-    let once = |place: &usize| needed.iter().filter(|other| *other == place).count() == 1;
+    let mut counts: BTreeMap<usize, usize> = BTreeMap::new();
+    places_of(signals).into_iter().for_each(|place| *counts.entry(place).or_default() += 1);
+    let once = |place: &usize| counts[place] == 1;
     let of = |signal: &Signal| match signal {
         Signal::Column(place) if once(place) => columns.remove(place).unwrap_or_default(),
         _ => signal.values(rows, &|place| &columns[&place], elapsed_s),

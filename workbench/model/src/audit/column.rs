@@ -144,11 +144,12 @@ fn every(x: &[f64]) -> usize {
         return 1;
     }
     let fits = |k: &usize| {
-        let most = (0..*k).map(|rest| changes.iter().filter(|row| *row % k == rest).count()).max().unwrap_or(0);
-        most * 50 >= changes.len() * 49
+        let mut counts = vec![0_usize; *k];
+        changes.iter().for_each(|row| counts[row % k] += 1);
+        counts.into_iter().max().unwrap_or(0) * 50 >= changes.len() * 49
     };
     // At least half of the periods must have a change: the few changes of a slow signal may fit any period.
-    (2..=32).rev().find(|k| fits(k) && changes.len() * k * 2 > x.len()).unwrap_or(1)
+    (2..=32).rev().find(|k| changes.len() < x.len() && changes.len() * k * 2 > x.len() && fits(k)).unwrap_or(1)
 }
 
 #[cfg(test)]

@@ -7,6 +7,8 @@ use crate::trace::bridged;
 pub const COLLINEAR: f64 = 0.995;
 /// Lags that are searched, rows.
 const LAGS: i32 = 50;
+/// Rows by which a lag is told.
+const LAGGED: usize = 200_000;
 /// Rows of two traces that are compared.
 const COMPARED: usize = 512;
 /// Relative difference below which two traces are the same recording.
@@ -30,7 +32,8 @@ pub fn correlation(x: &[f64], y: &[f64]) -> f64 {
 #[must_use]
 pub fn lag(x: &[f64], y: &[f64]) -> Option<(f64, f64)> {
     let changes = |x: &[f64]| -> Vec<f64> { x.windows(2).map(|pair| pair[1] - pair[0]).collect() };
-    let (x, y) = (changes(x), changes(y));
+    let looked_at = x.len().min(y.len()).min(LAGGED);
+    let (x, y) = (changes(&x[..looked_at]), changes(&y[..looked_at]));
     let n = x.len().min(y.len());
     if n < 4 * LAGS as usize {
         return None;

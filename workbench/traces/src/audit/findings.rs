@@ -15,6 +15,9 @@ use model::trace::median;
 
 /// Deviation of the steps in time, relative to the usual one, of irregular times.
 const IRREGULAR: f64 = 0.05;
+/// Most columns whose pairs are compared, and rows by which the steps of angle and velocity are told.
+const PAIRED: usize = 200;
+const STEPS: usize = 100_000;
 
 pub(super) fn add(findings: &mut Vec<Finding>, what: String, trace: &str) {
     match findings.iter_mut().find(|finding| finding.what == what) {
@@ -44,7 +47,12 @@ impl Audited {
                 add(findings, format!("column {name}: {finding}"), id);
             }
         }
-        for (k, one) in self.values.iter().enumerate() {
+        let compared = if self.values.len() > PAIRED { &[][..] } else { &self.values[..] };
+        if self.values.len() > PAIRED {
+            let what = format!("{} columns: pairs of them were not compared", self.values.len());
+            add(findings, what, id);
+        }
+        for (k, one) in compared.iter().enumerate() {
             for (j, other) in self.values.iter().enumerate().take(k) {
                 let found = correlation(one, other);
                 if found.abs() > COLLINEAR {
@@ -58,7 +66,7 @@ impl Audited {
             for finding in of_angle::findings(angle, velocity, times.rate_hz) {
                 add(findings, finding, id);
             }
-            let step = |x: &[f64]| Column::of(x).step;
+            let step = |x: &[f64]| Column::of(&x[..x.len().min(STEPS)]).step;
             let deviation = mean_sd(velocity).1;
             let steps = (step(angle), step(velocity), deviation);
             if let Some(finding) = of_angle::coarse(steps, times.rate_hz) {

@@ -1,6 +1,6 @@
 //! Files by their columns, and why some are left out.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use super::guess::Guess;
@@ -76,7 +76,8 @@ impl Alike {
         let names: Vec<String> = self.names.iter().filter(most).cloned().collect();
         let mut files = Vec::new();
         for (file, numeric, problems) in &self.files {
-            let lacks = names.iter().find(|name| !numeric.contains(name));
+            let own_names: BTreeSet<&String> = numeric.iter().collect();
+            let lacks = names.iter().find(|name| !own_names.contains(name));
             let own = |name: &String| {
                 let named = |problem: &&Error| problem.to_string().contains(&format!("column {name}"));
                 problems.iter().find(named).map(reason)

@@ -66,7 +66,9 @@ impl Layout {
         });
         let start = (0..=BYTES.min(text.len())).rev().find_map(|end| text.get(..end)).unwrap_or_default();
         let enough = start.bytes().filter(|byte| *byte == b'\n').count() > SETTLED;
-        let (content, comments) = lines(if enough { start } else { text }, comment, LINES);
+        // Of very long lines a few are enough.
+        let (looked_at, most) = if enough { (start, LINES) } else { (text, 2 * SETTLED) };
+        let (content, comments) = lines(looked_at, comment, most);
         let found = [b';', b'\t', b'|', b',', b' '].into_iter().filter_map(|separator| Rows::of(&content, separator));
         // The first of equals: with decimal commas, a comma may separate as many columns.
         let best = found.reduce(|best, other| if other.columns() > best.columns() { other } else { best });

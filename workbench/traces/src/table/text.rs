@@ -1,7 +1,7 @@
 //! Text files: a header, and one row a line.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::Path;
@@ -133,10 +133,10 @@ impl Text {
     }
 
     fn found(&self, (path, names): (&Path, &[String]), wanted: Wanted<'_>) -> Result<Found, Error> {
-        let is_twice = |k: usize| wanted.numbers[..k].contains(&wanted.numbers[k]);
+        let is_twice = wanted.numbers.iter().collect::<BTreeSet<_>>().len() < wanted.numbers.len();
         let spaced = self.layout.separator == b' ';
         let start = start_of_line(self.content.head(), self.layout.first);
-        if !spaced && !(0..wanted.numbers.len()).any(is_twice) {
+        if !spaced && !is_twice {
             let source = match &self.content {
                 Content::Whole(text) => Source::Memory(&text[start..]),
                 Content::Large(_, end) => Source::File { path, start: start as u64, end: *end },
