@@ -14,7 +14,9 @@ pub(super) fn of_one_length(
     about: &mut About,
 ) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
     let Some(rows) = arrays.iter().map(|(_, column)| column.len()).max().filter(|rows| *rows > 0) else {
-        return Err(Error::content(path, "content", "no arrays of numbers"));
+        let left: Vec<String> = about.omitted.iter().map(|own| format!("{}: {}", own.place, own.reason)).collect();
+        let left = if left.is_empty() { String::new() } else { format!("; left out: {}", left.join(", ")) };
+        return Err(Error::content(path, "content", format!("no arrays of numbers{left}")));
     };
     // Each constant becomes a column of that length.
     let columns = arrays.iter().filter(|(_, column)| [1, rows].contains(&column.len())).count();

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! .csv .tsv .txt .dat  text ([`text`]), also with .gz or .zst
-//! .mat                 MATLAB 5 to 7.3 ([`matlab`])
+//! .mat                 MATLAB 4 to 7.3 ([`matlab`])
 //! .parquet             Parquet, .arrow .feather: Arrow's file format ([`arrow`])
 //! .npz                 arrays of NumPy ([`numpy`])
 //! ```
@@ -31,6 +31,10 @@ mod lines;
 mod marks;
 #[cfg(feature = "matlab")]
 mod matlab;
+#[cfg(feature = "matlab")]
+mod matlab_4;
+#[cfg(feature = "matlab")]
+mod matlab_arrays;
 #[cfg(feature = "matlab")]
 mod matlab_elements;
 #[cfg(feature = "matlab")]
