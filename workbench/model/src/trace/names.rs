@@ -3,7 +3,7 @@
 use std::path::Path;
 
 /// Extensions of the files that can be read.
-const EXTENSIONS: [&str; 9] = ["csv", "tsv", "txt", "dat", "mat", "parquet", "arrow", "feather", "npz"];
+const EXTENSIONS: [&str; 10] = ["csv", "tsv", "txt", "dat", "mat", "parquet", "arrow", "arrows", "feather", "npz"];
 /// Extensions of compressed text.
 const COMPRESSED: [&str; 2] = ["gz", "zst"];
 

@@ -3,7 +3,7 @@
 //! ```text
 //! .csv .tsv .txt .dat  text ([`text`]), also with .gz or .zst
 //! .mat                 MATLAB 4 to 7.3 ([`matlab`])
-//! .parquet             Parquet, .arrow .feather: Arrow's file format ([`arrow`])
+//! .parquet             Parquet, .arrow .arrows .feather: Arrow's files and streams ([`arrow`])
 //! .npz                 arrays of NumPy ([`numpy`])
 //! ```
 //!
@@ -19,12 +19,16 @@ mod arrow;
 #[cfg(feature = "parquet")]
 mod arrow_blocks;
 #[cfg(feature = "parquet")]
+mod arrow_values;
+#[cfg(feature = "parquet")]
 mod arrow_writer;
 mod columns;
 mod digits;
 #[cfg(feature = "parquet")]
 mod doubles;
 mod formats;
+#[cfg(feature = "parquet")]
+mod iso_time;
 mod layout;
 mod limit;
 mod lines;
@@ -111,7 +115,7 @@ impl Table {
                 (names, Content::Columns(columns))
             }
             #[cfg(feature = "parquet")]
-            "parquet" | "arrow" | "feather" => {
+            "parquet" | "arrow" | "arrows" | "feather" => {
                 let kind = if extension == "parquet" { arrow::Kind::Parquet } else { arrow::Kind::Ipc };
                 (arrow::names(path, kind, &mut about)?, Content::Arrow(kind))
             }
@@ -175,7 +179,7 @@ impl Table {
                 ..Columns::default()
             },
             #[cfg(feature = "parquet")]
-            Content::Arrow(kind) => arrow::read((&self.path, &self.names), *kind, wanted)?,
+            Content::Arrow(kind) => arrow::read((&self.path, &self.names), *kind, &self.about.clocks, wanted)?,
             Content::Memory(recorded) => memory::read(recorded, wanted)?,
         };
         // As a list first: the first column with such a value is told, whichever thread is first.
