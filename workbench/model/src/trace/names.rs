@@ -3,7 +3,8 @@
 use std::path::Path;
 
 /// Extensions of the files that can be read.
-const EXTENSIONS: [&str; 10] = ["csv", "tsv", "txt", "dat", "mat", "parquet", "arrow", "arrows", "feather", "npz"];
+const EXTENSIONS: [&str; 11] =
+    ["csv", "tsv", "txt", "dat", "mat", "parquet", "arrow", "arrows", "feather", "npy", "npz"];
 /// Extensions of compressed text.
 const COMPRESSED: [&str; 2] = ["gz", "zst"];
 

@@ -34,6 +34,13 @@ pub(super) fn of_one_length(
     Ok(arrays.into_iter().filter_map(each).unzip())
 }
 
+/// Length of the part of all names that is the name of the only variable and its dot.
+pub(super) fn only_variable(found: &[(String, Vec<f64>)]) -> Option<usize> {
+    let (first, _) = found.first()?.0.split_once('.')?;
+    let own = |(name, _): &(String, Vec<f64>)| name.strip_prefix(first).is_some_and(|rest| rest.starts_with('.'));
+    found.iter().all(own).then_some(first.len() + 1)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

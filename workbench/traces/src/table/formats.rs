@@ -6,12 +6,12 @@ use model::Error;
 
 /// Whether files with this extension are not text.
 pub(super) fn is_binary(extension: &str) -> bool {
-    ["mat", "parquet", "arrow", "arrows", "feather", "npz"].contains(&extension)
+    ["mat", "parquet", "arrow", "arrows", "feather", "npy", "npz"].contains(&extension)
 }
 
 /// Whether files with this extension are read, but not written.
 pub(super) fn is_read_only(extension: &str) -> bool {
-    extension == "arrows"
+    ["arrows", "npy"].contains(&extension)
 }
 
 /// The error of a format that this program was built without.

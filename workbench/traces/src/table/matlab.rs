@@ -19,7 +19,7 @@ use matrw::{MatFile, MatVariable};
 
 use crate::damaged::guarded;
 use crate::table::about::About;
-use crate::table::arrays::of_one_length;
+use crate::table::arrays::{of_one_length, only_variable};
 use crate::table::matlab_value::{OBJECT, Value};
 use crate::table::{limit, matlab_4, matlab_arrays, matlab_elements, matlab_hdf5};
 use model::Error;
@@ -102,13 +102,6 @@ fn variables(bytes: &[u8]) -> Result<Option<Value>, String> {
     let named = arrays.into_iter().map(|content| matlab_arrays::named(content, is_little));
     // Objects have their content in an array without a name.
     Ok(Some(Value::Fields(named.filter(|(name, _)| !name.is_empty()).collect())))
-}
-
-/// Length of the part of all names that is the name of the only variable and its dot.
-fn only_variable(found: &[(String, Vec<f64>)]) -> Option<usize> {
-    let (first, _) = found.first()?.0.split_once('.')?;
-    let own = |(name, _): &(String, Vec<f64>)| name.strip_prefix(first).is_some_and(|rest| rest.starts_with('.'));
-    found.iter().all(own).then_some(first.len() + 1)
 }
 
 /// What is found of a file.

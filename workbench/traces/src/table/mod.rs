@@ -4,7 +4,7 @@
 //! .csv .tsv .txt .dat  text ([`text`]), also with .gz or .zst
 //! .mat                 MATLAB 4 to 7.3 ([`matlab`])
 //! .parquet             Parquet, .arrow .arrows .feather: Arrow's files and streams ([`arrow`])
-//! .npz                 arrays of NumPy ([`numpy`])
+//! .npy .npz            arrays of NumPy ([`numpy`])
 //! ```
 //!
 //! No file becomes more than its `limit` in memory.
@@ -48,6 +48,8 @@ mod matlab_value;
 mod memory;
 #[cfg(feature = "numpy")]
 mod numpy;
+#[cfg(feature = "numpy")]
+mod numpy_values;
 #[cfg(feature = "parquet")]
 pub mod parquet_pages;
 mod plain;
@@ -110,7 +112,7 @@ impl Table {
                 (names, Content::Columns(columns))
             }
             #[cfg(feature = "numpy")]
-            "npz" => {
+            "npy" | "npz" => {
                 let (names, columns) = numpy::read(path, &mut about)?;
                 (names, Content::Columns(columns))
             }
