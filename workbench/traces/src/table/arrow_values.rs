@@ -239,7 +239,7 @@ mod tests {
     }
 
     fn column(table: &Table, name: &str) -> Result<Vec<f64>, String> {
-        let place = table.names().iter().position(|own| own == name).expect("a column");
+        let place = table.names().iter().position(|own| own == name).ok_or("no such column")?;
         let read = table.read(Wanted { numbers: &[place], text: None, row: &|_| true });
         read.map(|mut read| read.numbers.remove(0)).map_err(|error| error.to_string())
     }
@@ -347,6 +347,23 @@ mod tests {
             let refused = column(&Table::open(&path).expect("a table"), "when").expect_err("a word");
             assert!(refused.contains("row 91, column when: \"later\" is no date with a time"), "{refused}");
         }
+    }
+
+    #[test]
+    fn streams_with_a_changed_byte_are_read_or_refused() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let array: ArrayRef = Arc::new(Float64Array::from(vec![1.0, 2.0, 3.0]));
+        let path = &written(folder.path(), &batch(vec![("i", array)]))[2];
+        let good = std::fs::read(path).expect("read");
+        let mut refused = 0;
+        for place in 0..good.len() {
+            let mut bytes = good.clone();
+            bytes[place] ^= [0xFF, 0x40, 0x01][place % 3];
+            std::fs::write(path, bytes).expect("writable");
+            let table = Table::open(path).ok().filter(|table| table.names().len() == 1);
+            refused += usize::from(table.is_none_or(|table| column(&table, "i").is_err()));
+        }
+        assert!(refused > 20, "{refused}");
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! .csv .tsv .txt .dat  text ([`text`]), also with .gz or .zst
 //! .mat                 MATLAB 4 to 7.3 ([`matlab`])
 //! .parquet             Parquet, .arrow .arrows .feather: Arrow's files and streams ([`arrow`])
+//! .h5 .hdf5            HDF5 ([`hdf5`])
 //! .npy .npz            arrays of NumPy ([`numpy`])
 //! ```
 //!
@@ -22,11 +23,15 @@ mod arrow_blocks;
 mod arrow_values;
 #[cfg(feature = "parquet")]
 mod arrow_writer;
+#[cfg(any(feature = "matlab", feature = "numpy"))]
+mod cells;
 mod columns;
 mod digits;
 #[cfg(feature = "parquet")]
 mod doubles;
 mod formats;
+#[cfg(feature = "matlab")]
+mod hdf5;
 #[cfg(feature = "parquet")]
 mod iso_time;
 mod layout;
@@ -67,7 +72,7 @@ use model::Error;
 use model::trace::{Recorded, extensions};
 
 use columns::{NO_NUMBER, Unusable, settle, too_large};
-use formats::{is_binary, left_out};
+use formats::{is_binary, left_out, unread};
 
 pub use about::{About, Omitted};
 #[cfg(feature = "parquet")]
@@ -111,6 +116,11 @@ impl Table {
                 let (names, columns) = matlab::read(path, &mut about)?;
                 (names, Content::Columns(columns))
             }
+            #[cfg(feature = "matlab")]
+            "h5" | "hdf5" => {
+                let (names, columns) = hdf5::read(path, &mut about)?;
+                (names, Content::Columns(columns))
+            }
             #[cfg(feature = "numpy")]
             "npy" | "npz" => {
                 let (names, columns) = numpy::read(path, &mut about)?;
@@ -121,6 +131,7 @@ impl Table {
                 let kind = if extension == "parquet" { arrow::Kind::Parquet } else { arrow::Kind::Ipc };
                 (arrow::names(path, kind, &mut about)?, Content::Arrow(kind))
             }
+            foreign if let Some(problem) = unread(foreign) => return Err(Error::content(path, "content", problem)),
             binary if is_binary(binary) => return Err(left_out(path, binary)),
             _ => {
                 let text = text::Text::open(path)?;
@@ -226,6 +237,21 @@ mod tests {
                 refused += usize::from(table.is_none_or(|table| table.read(wanted).is_err()));
             }
             assert!(refused > 20, "{name}: {refused}");
+        }
+    }
+
+    #[test]
+    fn formats_that_are_not_read_say_what_to_do() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for (name, said) in [("a.tdms", "export it as CSV"), ("b.XLSX", "save its sheet as CSV")] {
+            let path = folder.path().join(name);
+            std::fs::write(&path, "TDSm").expect("writable");
+            let refused = Table::open(&path).expect_err("not read").to_string();
+            assert!(refused.contains(said), "{refused}");
+        }
+        for name in ["a.npy", "a.h5", "a.tdms", "a.arrows"] {
+            let refused = write(&folder.path().join(name), &["a".into()], &[vec![1.0]]).expect_err("not written");
+            assert!(refused.to_string().contains("give a name that ends with"), "{refused}");
         }
     }
 }

@@ -1,8 +1,9 @@
 //! The values of NumPy's arrays: numbers, times as seconds from the first one, complex numbers as two columns, and the
 //! fields of a structure.
 
-use half::f16;
 use npyz::{DType, Endianness, TimeUnits, TypeChar, TypeStr};
+
+use super::cells::{self, Kind, little};
 
 /// Part of each element of an array.
 struct Leaf {
@@ -85,42 +86,18 @@ fn add(kind: &DType, name: String, at: &mut usize, leaves: &mut Vec<Leaf>) {
     }
 }
 
-/// Bytes in the order of a little-endian machine.
-fn little<const N: usize>(cell: &[u8], is_big: bool) -> [u8; N] {
-    let mut own = [0; N];
-    own.iter_mut().zip(cell).for_each(|(own, byte)| *own = *byte);
-    if is_big {
-        own.reverse();
-    }
-    own
-}
-
 fn numbers<'a>(kind: &TypeStr, size: usize, cells: impl Iterator<Item = &'a [u8]>) -> Result<Vec<f64>, String> {
-    let is_big = kind.endianness() == Endianness::Big;
-    macro_rules! each {
-        ($kind:ty, $convert:expr) => {{
-            let convert = $convert;
-            cells.map(|cell| convert(<$kind>::from_le_bytes(little(cell, is_big)))).collect()
-        }};
-    }
-    Ok(match (kind.type_char(), size) {
-        (TypeChar::Float | TypeChar::Complex, 8) => each!(f64, |x| x),
-        (TypeChar::Float | TypeChar::Complex, 4) => each!(f32, f64::from),
-        (TypeChar::Float, 2) => each!(f16, f64::from),
-        (TypeChar::Int, 1) => each!(i8, f64::from),
-        (TypeChar::Int, 2) => each!(i16, f64::from),
-        (TypeChar::Int, 4) => each!(i32, f64::from),
-        (TypeChar::Int, 8) => each!(i64, |x| x as f64),
-        (TypeChar::Uint, 1) => each!(u8, f64::from),
-        (TypeChar::Uint, 2) => each!(u16, f64::from),
-        (TypeChar::Uint, 4) => each!(u32, f64::from),
-        (TypeChar::Uint, 8) => each!(u64, |x| x as f64),
-        (TypeChar::Bool, 1) => each!(u8, |x| f64::from(u8::from(x != 0))),
-        (TypeChar::ByteStr | TypeChar::UnicodeStr, _) => return Err("text".into()),
-        (TypeChar::Object, _) => return Err("objects of Python: save it as numbers".into()),
-        (TypeChar::Float | TypeChar::Complex, _) => return Err(format!("{kind}: save it as float64")),
+    let number = match kind.type_char() {
+        TypeChar::Float | TypeChar::Complex => Kind::Float,
+        TypeChar::Int => Kind::Signed,
+        // Flags are zero or one.
+        TypeChar::Uint | TypeChar::Bool => Kind::Unsigned,
+        TypeChar::ByteStr | TypeChar::UnicodeStr => return Err("text".into()),
+        TypeChar::Object => return Err("objects of Python: save it as numbers".into()),
         _ => return Err(format!("no numbers but {kind}")),
-    })
+    };
+    let numbers = cells::numbers(number, size, kind.endianness() == Endianness::Big, cells);
+    numbers.ok_or_else(|| format!("{kind}: save it as float64"))
 }
 
 /// Seconds in the unit of times, as a power of ten of a second or a multiple of it; `None` of other values.
