@@ -113,7 +113,8 @@ fn is_text(kind: &DataType) -> bool {
 
 /// Which of these columns of texts begin with dates that have times.
 fn dates(path: &Path, kind: Kind, places: Vec<usize>) -> Result<Vec<usize>, Error> {
-    let first = guarded(|| opened(path, kind, &places, HEAD)?.1.next().transpose().map_err(wrong(path, kind)));
+    let first =
+        guarded(|| opened(path, kind, (&places, usize::MAX), HEAD)?.1.next().transpose().map_err(wrong(path, kind)));
     // What is damaged is told where it is read.
     let Some(Ok(Some(batch))) = first else { return Ok(vec![]) };
     let head = batch.slice(0, batch.num_rows().min(HEAD));
@@ -160,7 +161,8 @@ fn read_some(file: (&Path, &[String]), kind: Kind, clocks: &[usize], wanted: Wan
 /// The batches of these columns, in the order of the file, and the rows for which memory is reserved.
 type Batches = (usize, Box<dyn Iterator<Item = Result<RecordBatch, String>>>);
 
-fn opened(path: &Path, kind: Kind, places: &[usize], rows: usize) -> Result<Batches, Error> {
+/// Opens these columns, of so many, in batches of at most so many rows.
+fn opened(path: &Path, kind: Kind, (places, columns): (&[usize], usize), rows: usize) -> Result<Batches, Error> {
     let wrong = wrong(path, kind);
     Ok(match kind {
         Kind::Parquet => {
@@ -177,7 +179,7 @@ fn opened(path: &Path, kind: Kind, places: &[usize], rows: usize) -> Result<Batc
             (rows, Box::new(reader.map(|batch| batch.map_err(|error| error.to_string()))))
         }
         Kind::Ipc => {
-            let reader = ipc(path, Some(places.to_vec()))?;
+            let reader = ipc(path, (places.len() < columns).then(|| places.to_vec()))?;
             (0, Box::new(reader.map(|batch| batch.map_err(|error| error.to_string()))))
         }
     })
@@ -200,7 +202,7 @@ fn batches(
     let mut places: Vec<usize> = wanted.numbers.iter().copied().chain(wanted.text).collect();
     places.sort_unstable();
     places.dedup();
-    let (rows, batches) = opened(path, kind, &places, BATCH)?;
+    let (rows, batches) = opened(path, kind, (&places, names.len()), BATCH)?;
     let mut columns = Columns {
         numbers: wanted.numbers.iter().map(|_| Vec::with_capacity(rows)).collect(),
         texts: wanted.text.map(|_| Vec::new()),
@@ -212,7 +214,7 @@ fn batches(
     for batch in batches {
         let batch = batch.map_err(&wrong)?;
         limit.claim_numbers([batch.num_rows() as u64, wanted.numbers.len() as u64]).map_err(&wrong)?;
-        let own = |place: &usize| batch.column(places.iter().position(|other| other == place).unwrap_or(0));
+        let own = |place: &usize| batch.column(places.binary_search(place).unwrap_or(0));
         let problem =
             |place: &usize, problem: String| Error::content(path, format!("column {}", names[*place]), problem);
         let kept = match wanted.text {
