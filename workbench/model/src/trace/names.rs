@@ -2,8 +2,11 @@
 
 use std::path::Path;
 
-/// Extensions of the files that can be read.
-const EXTENSIONS: [&str; 9] = ["csv", "tsv", "txt", "dat", "mat", "parquet", "arrow", "feather", "npz"];
+/// Extensions of the files that can be read, or of which is said why not.
+const EXTENSIONS: [&str; 15] = [
+    "csv", "tsv", "txt", "dat", "mat", "h5", "hdf5", "parquet", "arrow", "arrows", "feather", "npy", "npz", "tdms",
+    "xlsx",
+];
 /// Extensions of compressed text.
 const COMPRESSED: [&str; 2] = ["gz", "zst"];
 

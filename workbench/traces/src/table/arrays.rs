@@ -14,7 +14,9 @@ pub(super) fn of_one_length(
     about: &mut About,
 ) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
     let Some(rows) = arrays.iter().map(|(_, column)| column.len()).max().filter(|rows| *rows > 0) else {
-        return Err(Error::content(path, "content", "no arrays of numbers"));
+        let left: Vec<String> = about.omitted.iter().map(|own| format!("{}: {}", own.place, own.reason)).collect();
+        let left = if left.is_empty() { String::new() } else { format!("; left out: {}", left.join(", ")) };
+        return Err(Error::content(path, "content", format!("no arrays of numbers{left}")));
     };
     // Each constant becomes a column of that length.
     let columns = arrays.iter().filter(|(_, column)| [1, rows].contains(&column.len())).count();
@@ -30,6 +32,13 @@ pub(super) fn of_one_length(
         }
     };
     Ok(arrays.into_iter().filter_map(each).unzip())
+}
+
+/// Length of the part of all names that is the name of the only variable and its dot.
+pub(super) fn only_variable(found: &[(String, Vec<f64>)]) -> Option<usize> {
+    let (first, _) = found.first()?.0.split_once('.')?;
+    let own = |(name, _): &(String, Vec<f64>)| name.strip_prefix(first).is_some_and(|rest| rest.starts_with('.'));
+    found.iter().all(own).then_some(first.len() + 1)
 }
 
 #[cfg(test)]

@@ -1,32 +1,36 @@
 //! Parquet files and Arrow's files, of which only the wanted columns are read.
 
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufReader, Read as _, Seek as _};
 use std::path::Path;
 
 use arrow_array::cast::AsArray as _;
-use arrow_array::types::{
-    Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, UInt8Type, UInt16Type, UInt32Type, UInt64Type,
-};
-use arrow_array::{Array, ArrowPrimitiveType, RecordBatch};
-use arrow_ipc::reader::FileReader;
+use arrow_array::types::Float64Type;
+use arrow_array::{Array, RecordBatch, RecordBatchReader};
+use arrow_ipc::reader::{FileReader, StreamReader};
+use arrow_schema::{DataType, SchemaRef};
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use rayon::prelude::*;
 
-use model::trace::{Cells, Recorded};
+use model::trace::Recorded;
 
 use crate::damaged::{DAMAGED, guarded};
 use crate::table::about::About;
+use crate::table::arrow_values::{Clock, cells, numbers, rank, text_bytes, texts};
 use crate::table::columns::{Columns, Wanted};
-use crate::table::limit::{Limit, NUMBER};
-use crate::table::{arrow_blocks, doubles, parquet_pages};
+use crate::table::limit::Limit;
+use crate::table::{arrow_blocks, doubles, iso_time, parquet_pages};
 use model::Error;
 
-/// Bytes of a text beside its letters.
-const TEXT: u64 = 3 * NUMBER;
 /// Rows of one batch.
 const BATCH: usize = 65_536;
+/// Rows at which columns of texts are looked at.
+const HEAD: usize = 64;
+/// The first bytes of Arrow's file format, and of the first version of Feather.
+const FILE: &[u8] = b"ARROW1";
+const OLD: &[u8] = b"FEA1";
+const NO_ROWS: &str = "no rows";
 /// Bytes of the texts of one batch, if each is as long as a dictionary.
 const LARGEST_BATCH: u64 = 64 << 20;
 
@@ -47,45 +51,146 @@ fn parquet(path: &Path) -> Result<ParquetRecordBatchReaderBuilder<File>, Error> 
     ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| wrong(error.to_string()))
 }
 
-fn ipc(path: &Path, columns: Option<Vec<usize>>) -> Result<FileReader<BufReader<File>>, Error> {
+/// Opens a file of Arrow's file format, or a stream of its messages.
+fn ipc(path: &Path, columns: Option<Vec<usize>>) -> Result<Box<dyn RecordBatchReader>, Error> {
     let mut file = File::open(path).map_err(Error::io(path))?;
     let wrong = wrong(path, Kind::Ipc);
-    arrow_blocks::check(&mut file).map_err(&wrong)?;
-    FileReader::try_new(BufReader::new(file), columns).map_err(|error| wrong(error.to_string()))
+    let mut mark = Vec::new();
+    file.by_ref().take(FILE.len() as u64).read_to_end(&mut mark).map_err(Error::io(path))?;
+    if mark.starts_with(OLD) {
+        return Err(wrong("it has version 1 of Feather; write it again with version 2".into()));
+    }
+    let is_file = mark == FILE;
+    if is_file { arrow_blocks::check(&mut file) } else { arrow_blocks::check_stream(&mut file) }.map_err(&wrong)?;
+    file.rewind().map_err(Error::io(path))?;
+    let file = BufReader::new(file);
+    let opened = if is_file {
+        FileReader::try_new(file, columns).map(|reader| Box::new(reader) as Box<dyn RecordBatchReader>)
+    } else {
+        StreamReader::try_new(file, columns).map(|reader| Box::new(reader) as Box<dyn RecordBatchReader>)
+    };
+    opened.map_err(|error| wrong(error.to_string()))
 }
 
 /// Names of the columns.
-pub(super) fn names(path: &Path, kind: Kind, _about: &mut About) -> Result<Vec<String>, Error> {
-    let open = || match kind {
-        Kind::Parquet => Ok(parquet(path)?.schema().clone()),
-        Kind::Ipc => Ok(ipc(path, None)?.schema()),
-    };
-    let schema = guarded(open).unwrap_or_else(|| Err(wrong(path, kind)(DAMAGED.into())))?;
+pub(super) fn names(path: &Path, kind: Kind, about: &mut About) -> Result<Vec<String>, Error> {
+    let schema = guarded(|| schema(path, kind)).unwrap_or_else(|| Err(wrong(path, kind)(DAMAGED.into())))?;
+    let fields = || schema.fields().iter().enumerate();
+    for (_, field) in fields().filter(|(_, field)| field.data_type().is_nested()) {
+        let problem = format!("nested values ({}); write them as columns of numbers", field.data_type());
+        about.omit(format!("column {}", field.name()), problem);
+    }
+    let words = fields().filter(|(_, field)| field.name() != "trace" && is_text(field.data_type()));
+    let words: Vec<usize> = words.map(|(place, _)| place).collect();
+    let dates = if words.is_empty() { vec![] } else { dates(path, kind, words)? };
+    // Texts are the second best times.
+    let dates = dates.into_iter().map(|place| (1, place));
+    let times = fields().filter_map(|(place, field)| Some((rank(field.data_type())?, place)));
+    let mut clocks: Vec<(u8, usize)> = times.chain(dates).collect();
+    clocks.sort_unstable();
+    about.clocks.extend(clocks.into_iter().map(|(_, place)| place));
     Ok(schema.fields().iter().map(|field| field.name().clone()).collect())
 }
 
+fn schema(path: &Path, kind: Kind) -> Result<SchemaRef, Error> {
+    if kind == Kind::Ipc {
+        return Ok(ipc(path, None)?.schema());
+    }
+    let builder = parquet(path)?;
+    if builder.metadata().file_metadata().num_rows() == 0 {
+        return Err(Error::content(path, "content", NO_ROWS));
+    }
+    Ok(builder.schema().clone())
+}
+
+fn is_text(kind: &DataType) -> bool {
+    match kind {
+        DataType::Utf8 | DataType::LargeUtf8 | DataType::Utf8View => true,
+        DataType::Dictionary(_, values) => is_text(values),
+        _ => false,
+    }
+}
+
+/// Which of these columns of texts begin with dates that have times.
+fn dates(path: &Path, kind: Kind, places: Vec<usize>) -> Result<Vec<usize>, Error> {
+    let first =
+        guarded(|| opened(path, kind, (&places, usize::MAX), HEAD)?.1.next().transpose().map_err(wrong(path, kind)));
+    // What is damaged is told where it is read.
+    let Some(Ok(Some(batch))) = first else { return Ok(vec![]) };
+    let head = batch.slice(0, batch.num_rows().min(HEAD));
+    let mut limit = Limit::of_file(path)?;
+    let mut is_date = |column: &dyn Array| {
+        let cells = limit.claim(text_bytes(column)).ok().and_then(|()| texts(column)).unwrap_or_default();
+        let mut cells = cells.iter().filter(|cell| !cell.is_empty()).peekable();
+        cells.peek().is_some() && cells.all(|cell| iso_time::nanoseconds(cell).is_some())
+    };
+    Ok(places.into_iter().zip(head.columns()).filter(|(_, own)| is_date(own)).map(|(place, _)| place).collect())
+}
+
 /// Reads the wanted columns; those of a Parquet file, which are packed one by one, in parallel.
-pub(super) fn read(file: (&Path, &[String]), kind: Kind, wanted: Wanted<'_>) -> Result<Columns, Error> {
-    if kind == Kind::Ipc || wanted.text.is_some() || wanted.numbers.len() < 2 {
-        return read_some(file, kind, wanted);
+pub(super) fn read(
+    file: (&Path, &[String]),
+    kind: Kind,
+    clocks: &[usize],
+    wanted: Wanted<'_>,
+) -> Result<Columns, Error> {
+    let columns = if kind == Kind::Ipc || wanted.text.is_some() || wanted.numbers.len() < 2 {
+        read_some(file, kind, clocks, wanted)?
+    } else {
+        let part = wanted.numbers.len().div_ceil(rayon::current_num_threads());
+        let parts: Vec<&[usize]> = wanted.numbers.chunks(part).collect();
+        let row = wanted.row;
+        let some = |numbers| read_some(file, kind, clocks, Wanted { numbers, text: None, row });
+        let parts: Vec<Result<Columns, Error>> = parts.into_par_iter().map(some).collect();
+        let mut all = Columns::default();
+        for part in parts {
+            all.numbers.extend(part?.numbers);
+        }
+        all
+    };
+    if wanted.text.is_none() && columns.numbers.first().is_some_and(Vec::is_empty) {
+        return Err(Error::content(file.0, "content", NO_ROWS));
     }
-    let part = wanted.numbers.len().div_ceil(rayon::current_num_threads());
-    let parts: Vec<&[usize]> = wanted.numbers.chunks(part).collect();
-    let row = wanted.row;
-    let parts = parts.into_par_iter().map(|numbers| read_some(file, kind, Wanted { numbers, text: None, row }));
-    let parts: Vec<Result<Columns, Error>> = parts.collect();
-    let mut all = Columns::default();
-    for part in parts {
-        all.numbers.extend(part?.numbers);
-    }
-    Ok(all)
+    Ok(columns)
 }
 
-fn read_some(file: (&Path, &[String]), kind: Kind, wanted: Wanted<'_>) -> Result<Columns, Error> {
-    guarded(|| batches(file, kind, wanted)).unwrap_or_else(|| Err(wrong(file.0, kind)(DAMAGED.into())))
+fn read_some(file: (&Path, &[String]), kind: Kind, clocks: &[usize], wanted: Wanted<'_>) -> Result<Columns, Error> {
+    guarded(|| batches(file, kind, clocks, wanted)).unwrap_or_else(|| Err(wrong(file.0, kind)(DAMAGED.into())))
 }
 
-fn batches((path, names): (&Path, &[String]), kind: Kind, wanted: Wanted<'_>) -> Result<Columns, Error> {
+/// The batches of these columns, in the order of the file, and the rows for which memory is reserved.
+type Batches = (usize, Box<dyn Iterator<Item = Result<RecordBatch, String>>>);
+
+/// Opens these columns, of so many, in batches of at most so many rows.
+fn opened(path: &Path, kind: Kind, (places, columns): (&[usize], usize), rows: usize) -> Result<Batches, Error> {
+    let wrong = wrong(path, kind);
+    Ok(match kind {
+        Kind::Parquet => {
+            let builder = parquet(path)?;
+            let file = File::open(path).map_err(Error::io(path))?;
+            let wanted = |place: usize| places.binary_search(&place).is_ok();
+            let largest = parquet_pages::check(&file, builder.metadata(), wanted);
+            let largest = largest.map_err(|error| wrong(error.to_string()))?;
+            let batch = (LARGEST_BATCH / largest.max(1)).clamp(1, rows as u64) as usize;
+            let rows = doubles::reserved(builder.metadata().file_metadata().num_rows(), places.len());
+            let mask = ProjectionMask::roots(builder.parquet_schema(), places.iter().copied());
+            let reader = builder.with_projection(mask).with_batch_size(batch).build();
+            let reader = reader.map_err(|error| wrong(error.to_string()))?;
+            (rows, Box::new(reader.map(|batch| batch.map_err(|error| error.to_string()))))
+        }
+        Kind::Ipc => {
+            let reader = ipc(path, (places.len() < columns).then(|| places.to_vec()))?;
+            (0, Box::new(reader.map(|batch| batch.map_err(|error| error.to_string()))))
+        }
+    })
+}
+
+fn batches(
+    (path, names): (&Path, &[String]),
+    kind: Kind,
+    clocks: &[usize],
+    wanted: Wanted<'_>,
+) -> Result<Columns, Error> {
     let wrong = wrong(path, kind);
     if kind == Kind::Parquet && wanted.text.is_none() {
         let file = File::open(path).map_err(Error::io(path))?;
@@ -97,55 +202,32 @@ fn batches((path, names): (&Path, &[String]), kind: Kind, wanted: Wanted<'_>) ->
     let mut places: Vec<usize> = wanted.numbers.iter().copied().chain(wanted.text).collect();
     places.sort_unstable();
     places.dedup();
-    let (rows, batches): (usize, Box<dyn Iterator<Item = Result<RecordBatch, String>>>) = match kind {
-        Kind::Parquet => {
-            let builder = parquet(path)?;
-            let file = File::open(path).map_err(Error::io(path))?;
-            let wanted = |place: usize| places.binary_search(&place).is_ok();
-            let largest = parquet_pages::check(&file, builder.metadata(), wanted);
-            let largest = largest.map_err(|error| wrong(error.to_string()))?;
-            let batch = (LARGEST_BATCH / largest.max(1)).clamp(1, BATCH as u64) as usize;
-            let rows = doubles::reserved(builder.metadata().file_metadata().num_rows(), places.len());
-            let mask = ProjectionMask::roots(builder.parquet_schema(), places.iter().copied());
-            let reader = builder.with_projection(mask).with_batch_size(batch).build();
-            let reader = reader.map_err(|error| wrong(error.to_string()))?;
-            (rows, Box::new(reader.map(|batch| batch.map_err(|error| error.to_string()))))
-        }
-        Kind::Ipc => {
-            let reader = ipc(path, Some(places.clone()))?;
-            (0, Box::new(reader.map(|batch| batch.map_err(|error| error.to_string()))))
-        }
-    };
+    let (rows, batches) = opened(path, kind, (&places, names.len()), BATCH)?;
     let mut columns = Columns {
         numbers: wanted.numbers.iter().map(|_| Vec::with_capacity(rows)).collect(),
         texts: wanted.text.map(|_| Vec::new()),
         ..Columns::default()
     };
     let mut limit = Limit::of_file(path)?;
+    let mut since = vec![Clock::default(); wanted.numbers.len()];
+    let mut before = 0;
     for batch in batches {
         let batch = batch.map_err(&wrong)?;
         limit.claim_numbers([batch.num_rows() as u64, wanted.numbers.len() as u64]).map_err(&wrong)?;
-        let own = |place: &usize| batch.column(places.iter().position(|other| other == place).unwrap_or(0));
-        let no_numbers = |place: &usize| {
-            Error::content(
-                path,
-                format!("column {}", names[*place]),
-                format!("no numbers but {}", own(place).data_type()),
-            )
-        };
+        let own = |place: &usize| batch.column(places.binary_search(place).unwrap_or(0));
+        let problem =
+            |place: &usize, problem: String| Error::content(path, format!("column {}", names[*place]), problem);
         let kept = match wanted.text {
             Some(place) => {
                 limit.claim(text_bytes(own(&place))).map_err(&wrong)?;
-                let cells = texts(own(&place)).ok_or_else(|| {
-                    Error::content(path, format!("column {}", names[place]), "no text or whole numbers")
-                })?;
+                let cells = texts(own(&place)).ok_or_else(|| problem(&place, "no text or whole numbers".into()))?;
                 let kept: Vec<usize> = (0..cells.len()).filter(|row| (wanted.row)(&cells[*row])).collect();
                 columns.texts.get_or_insert_default().extend(kept.iter().map(|row| cells[*row].clone()));
                 Some(kept)
             }
             None => None,
         };
-        for (column, place) in columns.numbers.iter_mut().zip(wanted.numbers) {
+        for ((column, place), clock) in columns.numbers.iter_mut().zip(wanted.numbers).zip(&mut since) {
             let array = own(place);
             if let (Some(plain), None) =
                 (array.as_primitive_opt::<Float64Type>().filter(|_| array.null_count() == 0), &kept)
@@ -153,89 +235,29 @@ fn batches((path, names): (&Path, &[String]), kind: Kind, wanted: Wanted<'_>) ->
                 column.extend_from_slice(plain.values());
                 continue;
             }
-            let values = numbers(array).ok_or_else(|| no_numbers(place))?;
+            let values = if clocks.contains(place) && is_text(array.data_type()) {
+                limit.claim(text_bytes(array)).map_err(&wrong)?;
+                let cells = texts(array).unwrap_or_default();
+                clock.of_texts(&cells).map_err(|row| {
+                    let place = format!("row {}, column {}", before + row + 1, names[*place]);
+                    Error::content(
+                        path,
+                        place,
+                        format!("\"{}\" is no date with a time, as other rows have", cells[row]),
+                    )
+                })?
+            } else {
+                let values = clock.seconds(array).or_else(|| numbers(array));
+                values.ok_or_else(|| problem(place, format!("no numbers but {}", array.data_type())))?
+            };
             match &kept {
                 Some(kept) => column.extend(kept.iter().map(|row| values[*row])),
                 None => column.extend(values),
             }
         }
+        before += batch.num_rows();
     }
     Ok(columns)
-}
-
-/// The numbers of an array, NaN for missing ones; `None` of an array without numbers.
-fn numbers(array: &dyn Array) -> Option<Vec<f64>> {
-    macro_rules! each {
-        ($($kind:ty => $convert:expr),+) => {
-            $(if let Some(array) = array.as_primitive_opt::<$kind>() {
-                let values = array.values().iter().map($convert);
-                return Some(with_missing(array, values.collect()));
-            })+
-        };
-    }
-    fn with_missing<T: ArrowPrimitiveType>(array: &arrow_array::PrimitiveArray<T>, mut values: Vec<f64>) -> Vec<f64> {
-        if array.null_count() > 0 {
-            (0..values.len()).filter(|row| array.is_null(*row)).for_each(|row| values[row] = f64::NAN);
-        }
-        values
-    }
-    each!(
-        Float64Type => |x| *x, Float32Type => |x| f64::from(*x),
-        Int8Type => |x| f64::from(*x), Int16Type => |x| f64::from(*x), Int32Type => |x| f64::from(*x),
-        Int64Type => |x| *x as f64, UInt8Type => |x| f64::from(*x), UInt16Type => |x| f64::from(*x),
-        UInt32Type => |x| f64::from(*x), UInt64Type => |x| *x as f64
-    );
-    let flags = array.as_boolean_opt()?;
-    Some(flags.iter().map(|flag| flag.map_or(f64::NAN, |flag| f64::from(u8::from(flag)))).collect())
-}
-
-/// The cells of the chunks of a column.
-pub(super) fn cells<'a>(chunks: impl Iterator<Item = &'a dyn Array> + Clone) -> Cells {
-    let kind = chunks.clone().next().map_or_else(String::new, |array| array.data_type().to_string());
-    if let Some(found) = chunks.clone().map(numbers).collect::<Option<Vec<_>>>() {
-        return Cells::Numbers(found.concat());
-    }
-    chunks.map(texts).collect::<Option<Vec<_>>>().map_or(Cells::Other(kind), |found| Cells::Texts(found.concat()))
-}
-
-/// Bytes of the cells of a column of text: many may be the same long one of a dictionary, or of a list of views.
-fn text_bytes(array: &dyn Array) -> u64 {
-    let sum = |lengths: &mut dyn Iterator<Item = usize>| {
-        lengths.fold(0_u64, |sum, length| sum.saturating_add(length as u64 + TEXT))
-    };
-    if let Some(array) = array.as_string_view_opt() {
-        return sum(&mut array.lengths().map(|length| length as usize));
-    }
-    if let Some(array) = array.as_any_dictionary_opt() {
-        let words = texts(array.values().as_ref()).unwrap_or_default();
-        let length = |key: usize| words.get(key).map_or(0, String::len);
-        return sum(&mut array.normalized_keys().into_iter().map(length));
-    }
-    // As long as what holds it.
-    array.len() as u64 * TEXT
-}
-
-/// The cells of a column of text, also of a dictionary, or of whole numbers as text.
-fn texts(array: &dyn Array) -> Option<Vec<String>> {
-    let owned = |cell: Option<&str>| cell.unwrap_or_default().to_string();
-    if let Some(array) = array.as_string_opt::<i32>() {
-        return Some(array.iter().map(owned).collect());
-    }
-    if let Some(array) = array.as_string_opt::<i64>() {
-        return Some(array.iter().map(owned).collect());
-    }
-    if let Some(array) = array.as_string_view_opt() {
-        return Some(array.iter().map(owned).collect());
-    }
-    if let Some(array) = array.as_any_dictionary_opt() {
-        let words = texts(array.values().as_ref())?;
-        let keys = array.normalized_keys().into_iter().enumerate();
-        return Some(
-            keys.map(|(row, key)| if array.is_null(row) { String::new() } else { words[key].clone() }).collect(),
-        );
-    }
-    let array = array.as_primitive_opt::<Int64Type>()?;
-    Some(array.iter().map(|cell| cell.map_or_else(String::new, |number| number.to_string())).collect())
 }
 
 /// Makes a table of Arrow's record batches of one schema.
@@ -257,6 +279,7 @@ mod tests {
 
     use super::*;
     use crate::table::Table;
+    use crate::table::arrow_values::TEXT;
 
     /// A long text that many rows name becomes as many texts.
     #[test]

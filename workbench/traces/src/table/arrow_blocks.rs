@@ -1,8 +1,9 @@
-//! The blocks of an Arrow file, checked before a reader takes them, which reserves the memory that they name.
+//! The blocks of an Arrow file or stream, checked before a reader takes them, which reserves the memory that they name.
 //!
 //! ```text
 //! file    "ARROW1" …, blocks, footer, length of the footer i32, "ARROW1"
 //! footer  of each block its place, and the lengths of its message and its body
+//! stream  of each block its length i32 behind a mark, its message and its body; a length of 0 at the end
 //! body    of a packed block each buffer starts with the length i64 of what it holds, −1 if it is not packed
 //! ```
 
@@ -16,6 +17,8 @@ use crate::table::limit::Limit;
 
 /// Bytes behind the footer.
 const END: u64 = 10;
+/// Bytes of a message without its body, at most: it describes some buffers, or all columns.
+const LONGEST: u64 = 64 << 20;
 /// What a message may start with, before its length.
 const CONTINUATION: [u8; 4] = [0xFF; 4];
 
@@ -45,6 +48,44 @@ pub(super) fn check(file: &mut File) -> Result<(), String> {
         limit.claim(unpacked_size(file, block)?)?;
     }
     Ok(())
+}
+
+/// Checks the blocks of a stream in the same way.
+///
+/// # Errors
+/// What is wrong, in words.
+pub(super) fn check_stream(file: &mut File) -> Result<(), String> {
+    let size = file.seek(SeekFrom::End(0)).map_err(|error| error.to_string())?;
+    let mut limit = Limit::of(size);
+    let mut at = 0_u64;
+    while at < size {
+        let mut word = [0; 4];
+        read(file, Some(at), &mut word)?;
+        let start: u64 = if word == CONTINUATION { 8 } else { 4 };
+        if start == 8 {
+            read(file, Some(at + 4), &mut word)?;
+        }
+        let length = u64::try_from(i32::from_le_bytes(word)).map_err(|_negative| "a message has a negative length")?;
+        if length == 0 {
+            break;
+        }
+        // A file of something else may be large, and its first bytes any number.
+        if length > LONGEST.min(size - at) {
+            return Err("it has neither the mark of a file nor the messages of a stream".into());
+        }
+        let mut message = vec![0; length as usize];
+        read(file, Some(at + start), &mut message)?;
+        let message = root_as_message(&message).map_err(|error| format!("a message is damaged: {error}"))?;
+        let body = u64::try_from(message.bodyLength()).map_err(|_negative| "a body has a negative length")?;
+        let end = (at + start + length).saturating_add(body);
+        if end > size {
+            return Err("its messages are longer than the file".into());
+        }
+        let (place, length) = (at as i64, (start + length) as i32);
+        limit.claim(unpacked_size(file, &Block::new(place, length, body as i64))?)?;
+        at = end;
+    }
+    if at == 0 { Err("it has no message".into()) } else { Ok(()) }
 }
 
 /// Bytes to which the buffers of a block are unpacked; 0 if they are not packed.

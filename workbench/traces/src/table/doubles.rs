@@ -1,5 +1,6 @@
 //! Columns of doubles of a Parquet file that lack no value, read straight into their lists.
 
+use std::collections::{HashMap, HashSet};
 use std::fs::File;
 
 use parquet::basic::Type;
@@ -26,11 +27,13 @@ pub(super) fn reserved(rows: i64, columns: usize) -> usize {
 pub(super) fn read(file: File, places: &[usize]) -> Result<Option<Vec<Vec<f64>>>> {
     let pages = file.try_clone()?;
     let reader = SerializedFileReader::new(file)?;
-    parquet_pages::check(&pages, reader.metadata(), |place| places.contains(&place))?;
     let about = reader.metadata().file_metadata();
-    let rows = reserved(about.num_rows(), places.len());
-    let leaves: Option<Vec<usize>> = places.iter().map(|place| leaf(about.schema_descr(), *place)).collect();
+    let all = leaves(about.schema_descr());
+    let leaves: Option<Vec<usize>> = places.iter().map(|place| all.get(place).copied().flatten()).collect();
     let Some(leaves) = leaves else { return Ok(None) };
+    let wanted: HashSet<usize> = places.iter().copied().collect();
+    parquet_pages::check(&pages, reader.metadata(), |place| wanted.contains(&place))?;
+    let rows = reserved(about.num_rows(), places.len());
     let mut columns: Vec<Vec<f64>> = places.iter().map(|_| Vec::with_capacity(rows)).collect();
     for group in 0..reader.num_row_groups() {
         let group = reader.get_row_group(group)?;
@@ -44,13 +47,17 @@ pub(super) fn read(file: File, places: &[usize]) -> Result<Option<Vec<Vec<f64>>>
     Ok(Some(columns))
 }
 
-/// The column of a file that is all of a column of its table, if it has doubles.
-fn leaf(schema: &SchemaDescriptor, place: usize) -> Option<usize> {
-    let mut own = (0..schema.num_columns()).filter(|leaf| schema.get_column_root_idx(*leaf) == place);
-    let leaf = own.next()?;
-    let column = schema.column(leaf);
-    let is_flat = own.next().is_none() && column.path().parts().len() == 1 && column.max_rep_level() == 0;
-    (is_flat && column.physical_type() == Type::DOUBLE).then_some(leaf)
+/// The column of the file that is all of each column of its table; none of one that is nested or has no doubles.
+fn leaves(schema: &SchemaDescriptor) -> HashMap<usize, Option<usize>> {
+    let mut found = HashMap::new();
+    for leaf in 0..schema.num_columns() {
+        let column = schema.column(leaf);
+        let is_flat = column.path().parts().len() == 1 && column.max_rep_level() == 0;
+        let own = (is_flat && column.physical_type() == Type::DOUBLE).then_some(leaf);
+        // A second one makes it nested.
+        found.entry(schema.get_column_root_idx(leaf)).and_modify(|first| *first = None).or_insert(own);
+    }
+    found
 }
 
 /// Adds the values of a part of a column; whether it lacks none.

@@ -6,7 +6,22 @@ use model::Error;
 
 /// Whether files with this extension are not text.
 pub(super) fn is_binary(extension: &str) -> bool {
-    ["mat", "parquet", "arrow", "feather", "npz"].contains(&extension)
+    ["mat", "h5", "hdf5", "parquet", "arrow", "arrows", "feather", "npy", "npz"].contains(&extension)
+        || unread(extension).is_some()
+}
+
+/// Whether files with this extension are read, but not written.
+pub(super) fn is_read_only(extension: &str) -> bool {
+    ["arrows", "h5", "hdf5", "npy"].contains(&extension) || unread(extension).is_some()
+}
+
+/// What is said of a format that is known and not read.
+pub(super) fn unread(extension: &str) -> Option<&'static str> {
+    Some(match extension {
+        "tdms" => "a TDMS file of LabVIEW, which is not read: export it as CSV, or write its channels as Parquet",
+        "xlsx" => "an Excel workbook, which is not read: save its sheet as CSV",
+        _ => return None,
+    })
 }
 
 /// The error of a format that this program was built without.

@@ -1,4 +1,4 @@
-//! MATLAB files: variables of formats 5 to 7, and of format 7.3, which is HDF5.
+//! MATLAB files: variables of formats 4 to 7, and of format 7.3, which is HDF5.
 //!
 //! ```text
 //! x, y            vectors of one length     columns x, y
@@ -6,43 +6,87 @@
 //! s.a, s.b        fields of a structure     columns s.a, s.b; a, b if s is the only variable
 //! s.signals(k)    "structure with time"     column of the signal's label, beside s.time
 //! r               a number                  a constant column
+//! z               complex numbers           columns z_re, z_im
 //! ```
 //!
-//! The longest arrays are the columns; arrays of other lengths, text and objects are left out.
+//! The longest arrays are the columns; arrays of other lengths, text and objects are left out, and named.
 
+use std::fs::File;
+use std::io::Read as _;
 use std::path::Path;
 
 use matrw::{MatFile, MatVariable};
 
 use crate::damaged::guarded;
 use crate::table::about::About;
-use crate::table::arrays::of_one_length;
-use crate::table::matlab_value::Value;
-use crate::table::{limit, matlab_elements, matlab_hdf5};
+use crate::table::arrays::{of_one_length, only_variable};
+use crate::table::matlab_value::{OBJECT, Value};
+use crate::table::{limit, matlab_4, matlab_arrays, matlab_elements, matlab_hdf5};
 use model::Error;
 
 /// What a file of format 7.3 has behind its text header.
 const HDF5_AT: usize = 512;
 const HDF5: &[u8] = b"\x89HDF";
+/// Elements of a list of single numbers or texts that become constant columns, at most.
+const FEW: usize = 64;
+
+/// Columns and their names.
+type Named = Vec<(String, Vec<f64>)>;
+
+/// The formats of these files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Four,
+    Elements,
+    Hdf5,
+}
+
+impl Format {
+    /// By the first bytes of a file.
+    fn of(head: &[u8]) -> Option<Self> {
+        if head.starts_with(HDF5) || head.get(HDF5_AT..).is_some_and(|rest| rest.starts_with(HDF5)) {
+            Some(Self::Hdf5)
+        } else if matlab_elements::is_header(head) {
+            Some(Self::Elements)
+        } else {
+            matlab_4::is_header(head).then_some(Self::Four)
+        }
+    }
+}
 
 /// Returns names and columns.
 pub(super) fn read(path: &Path, about: &mut About) -> Result<(Vec<String>, Vec<Vec<f64>>), Error> {
-    let bytes = limit::whole(path)?;
-    let is_hdf5 = bytes.starts_with(HDF5) || bytes.get(HDF5_AT..).is_some_and(|rest| rest.starts_with(HDF5));
-    let value = guarded(|| if is_hdf5 { of_hdf5(&bytes) } else { variables(&bytes) }).unwrap_or(Ok(None));
-    let value = value.map_err(|problem| Error::content(path, "content", problem))?;
-    let Some(Value::Fields(variables)) = value else {
-        let problem = "not readable as a MATLAB file of format 5 to 7.3; save it again, e.g. with -v7";
-        return Err(Error::content(path, "content", problem));
+    let unreadable = || {
+        let problem = "not readable as a MATLAB file of format 4 to 7.3; save it again, e.g. with -v7";
+        Error::content(path, "content", problem)
     };
-    let mut found = Vec::new();
+    let mut head = Vec::new();
+    let file = File::open(path).map_err(Error::io(path))?;
+    // A file that is something else may be large.
+    file.take((HDF5_AT + HDF5.len()) as u64).read_to_end(&mut head).map_err(Error::io(path))?;
+    let format = Format::of(&head).ok_or_else(unreadable)?;
+    let bytes = limit::whole(path)?;
+    let value = guarded(|| match format {
+        Format::Hdf5 => of_hdf5(&bytes),
+        Format::Elements => variables(&bytes),
+        Format::Four => Ok(matlab_4::variables(&bytes)),
+    });
+    let value = value.unwrap_or(Ok(None)).map_err(|problem| Error::content(path, "content", problem))?;
+    let Some(Value::Fields(variables)) = value else { return Err(unreadable()) };
+    let mut found = Found { columns: Vec::new(), about };
     for (name, value) in &variables {
-        columns(name, value, &mut found);
+        found.add(name, value);
     }
-    if let Some(alone) = only_variable(&found) {
-        found.iter_mut().for_each(|(name, _)| *name = name[alone..].to_string());
+    let Found { mut columns, about } = found;
+    let objects = about.omitted.iter().filter(|own| own.reason == OBJECT);
+    if let Some(first) = objects.clone().next().filter(|_| columns.is_empty()) {
+        let problem = format!("nothing but {OBJECT}");
+        return Err(Error::content(path, first.place.clone(), problem));
     }
-    of_one_length(path, found, about)
+    if let Some(alone) = only_variable(&columns) {
+        columns.iter_mut().for_each(|(name, _)| *name = name[alone..].to_string());
+    }
+    of_one_length(path, columns, about)
 }
 
 /// Reads the variables of format 7.3.
@@ -54,70 +98,94 @@ fn of_hdf5(bytes: &[u8]) -> Result<Option<Value>, String> {
 /// Reads the variables of format 5 to 7.
 fn variables(bytes: &[u8]) -> Result<Option<Value>, String> {
     let Some(plain) = matlab_elements::unpacked(bytes)? else { return Ok(None) };
-    let Ok(file) = matrw::load_matfile_from_u8(&plain) else { return Ok(None) };
-    Ok(Some(Value::Fields(file.iter().map(|(name, value)| (name.clone(), value.into())).collect())))
+    let Some((arrays, is_little)) = matlab_elements::outermost(&plain) else { return Ok(None) };
+    let named = arrays.into_iter().map(|content| matlab_arrays::named(content, is_little));
+    // Objects have their content in an array without a name.
+    Ok(Some(Value::Fields(named.filter(|(name, _)| !name.is_empty()).collect())))
 }
 
-/// Length of the part of all names that is the name of the only variable and its dot.
-fn only_variable(found: &[(String, Vec<f64>)]) -> Option<usize> {
-    let (first, _) = found.first()?.0.split_once('.')?;
-    let own = |(name, _): &(String, Vec<f64>)| name.strip_prefix(first).is_some_and(|rest| rest.starts_with('.'));
-    found.iter().all(own).then_some(first.len() + 1)
+/// What is found of a file.
+struct Found<'a> {
+    columns: Named,
+    about: &'a mut About,
 }
 
-/// Adds the columns of a value.
-fn columns(name: &str, value: &Value, found: &mut Vec<(String, Vec<f64>)>) {
-    match value {
-        Value::Numbers { rows, values } => arrays(name, *rows, values, found),
-        Value::Fields(fields) => {
-            for (field, value) in fields {
-                if field == "signals" {
-                    signals(name, value, found);
-                } else {
-                    columns(&format!("{name}.{field}"), value, found);
+impl Found<'_> {
+    /// Adds the columns of a value.
+    fn add(&mut self, name: &str, value: &Value) {
+        match value {
+            Value::Numbers { rows, values } => self.columns.extend(arrays(name, *rows, values)),
+            Value::Complex { rows, re, im } => {
+                self.columns.extend(arrays(&format!("{name}_re"), *rows, re));
+                self.columns.extend(arrays(&format!("{name}_im"), *rows, im));
+            }
+            Value::Fields(fields) => {
+                for (field, value) in fields {
+                    if field == "signals" {
+                        self.signals(name, value);
+                    } else {
+                        self.add(&format!("{name}.{field}"), value);
+                    }
                 }
             }
+            Value::List(elements) if elements.len() > FEW && elements.iter().all(is_single) => {
+                self.omit(name, &format!("a list of {} single values: save it as a vector", elements.len()));
+            }
+            Value::List(elements) => {
+                for (k, element) in elements.iter().enumerate() {
+                    self.add(&format!("{name}({})", k + 1), element);
+                }
+            }
+            Value::Text(_) => self.omit(name, "text"),
+            Value::Other(reason) => self.omit(name, reason),
         }
-        Value::List(elements) => {
-            for (k, element) in elements.iter().enumerate() {
-                columns(&format!("{name}({})", k + 1), element, found);
+    }
+
+    fn omit(&mut self, name: &str, reason: &str) {
+        self.about.omit(format!("array {name}"), reason);
+    }
+
+    /// The signals of a "structure with time", by their labels.
+    fn signals(&mut self, name: &str, value: &Value) {
+        let one = std::slice::from_ref(value);
+        let list = if let Value::List(list) = value { list } else { one };
+        for (k, signal) in list.iter().enumerate() {
+            let Value::Fields(fields) = signal else { continue };
+            let field = |wanted: &str| fields.iter().find(|(name, _)| name == wanted).map(|(_, value)| value);
+            let label = match field("label") {
+                Some(Value::Text(label)) if !label.trim().is_empty() => label.trim().to_string(),
+                _ => format!("signal_{}", k + 1),
+            };
+            if let Some(values) = field("values") {
+                self.add(&format!("{name}.{label}"), values);
             }
         }
-        Value::Text(_) | Value::Other => {}
     }
 }
 
-fn arrays(name: &str, rows: usize, values: &[f64], found: &mut Vec<(String, Vec<f64>)>) {
+/// Whether a value has no array.
+fn is_single(value: &Value) -> bool {
+    match value {
+        Value::Numbers { values, .. } => values.len() == 1,
+        Value::Complex { re, .. } => re.len() == 1,
+        Value::Fields(fields) => fields.iter().all(|(_, own)| is_single(own)),
+        Value::List(_) => false,
+        Value::Text(_) | Value::Other(_) => true,
+    }
+}
+
+/// The columns of an array, along its longer side.
+fn arrays(name: &str, rows: usize, values: &[f64]) -> Named {
     let across = values.len().checked_div(rows).unwrap_or(0);
     if rows <= 1 || across <= 1 {
-        if !values.is_empty() {
-            found.push((name.to_string(), values.to_vec()));
-        }
-        return;
+        return if values.is_empty() { vec![] } else { vec![(name.to_string(), values.to_vec())] };
     }
     let columns: Vec<Vec<f64>> = if rows >= across {
         values.chunks_exact(rows).map(<[f64]>::to_vec).collect()
     } else {
         (0..rows).map(|row| values.iter().skip(row).step_by(rows).copied().collect()).collect()
     };
-    found.extend((1..).map(|k| format!("{name}_{k}")).zip(columns));
-}
-
-/// The signals of a "structure with time", by their labels.
-fn signals(name: &str, value: &Value, found: &mut Vec<(String, Vec<f64>)>) {
-    let one = std::slice::from_ref(value);
-    let list = if let Value::List(list) = value { list } else { one };
-    for (k, signal) in list.iter().enumerate() {
-        let Value::Fields(fields) = signal else { continue };
-        let field = |wanted: &str| fields.iter().find(|(name, _)| name == wanted).map(|(_, value)| value);
-        let label = match field("label") {
-            Some(Value::Text(label)) if !label.trim().is_empty() => label.trim().to_string(),
-            _ => format!("signal_{}", k + 1),
-        };
-        if let Some(values) = field("values") {
-            columns(&format!("{name}.{label}"), values, found);
-        }
-    }
+    (1..).map(|k| format!("{name}_{k}")).zip(columns).collect()
 }
 
 /// Writes a file of format 7.
@@ -158,14 +226,16 @@ mod tests {
             ("signals".into(), Value::List(vec![signal("i", vec![1.0, 2.0]), signal("", vec![3.0, 4.0])])),
             ("blockName".into(), Value::Text("model".into())),
         ]);
-        let mut found = Vec::new();
-        columns("log", &with_time, &mut found);
+        let mut about = About::default();
+        let mut found = Found { columns: vec![], about: &mut about };
+        found.add("log", &with_time);
+        let found = found.columns;
         let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
         assert_eq!(names, ["log.time", "log.i", "log.signal_2"]);
         assert_eq!(only_variable(&found), Some(4));
-        let mut found = Vec::new();
-        arrays("m", 3, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], &mut found);
-        arrays("w", 2, &[1.0, 4.0, 2.0, 5.0, 3.0, 6.0], &mut found);
+        assert_eq!(about.omitted.iter().map(|own| own.place.as_str()).collect::<Vec<_>>(), ["array log.blockName"]);
+        let mut found = arrays("m", 3, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+        found.extend(arrays("w", 2, &[1.0, 4.0, 2.0, 5.0, 3.0, 6.0]));
         let columns = [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]].map(|column| column.to_vec());
         assert_eq!(
             found.iter().map(|(_, column)| column.clone()).collect::<Vec<_>>(),
@@ -200,6 +270,38 @@ mod tests {
         assert_eq!(column("rpm"), Some(vec![1500.0; 3]));
         assert_eq!(column("log.current"), Some(vec![0.5, 1.5, 2.5]));
         assert_eq!((column("log.short"), column("note")), (None, None));
+    }
+
+    /// Each complex number comes as a structure.
+    #[test]
+    fn complex_numbers_and_lists_of_format_7_3_are_columns() {
+        use hdf5_pure::mat::Complex64;
+
+        #[derive(Serialize)]
+        struct File {
+            z: Vec<Complex64>,
+            pair: Vec<Vec<Complex64>>,
+            cells: (Vec<f64>, Vec<f64>, String),
+        }
+        let number = |k: usize| Complex64::new(k as f64, 0.5 - k as f64);
+        let z: Vec<Complex64> = (0..20_000).map(number).collect();
+        let pair = z.iter().map(|own| vec![*own, number(3)]).collect();
+        let file = File { z, pair, cells: (vec![1.0; 20_000], vec![2.0, 3.0], "x".into()) };
+        let (names, columns) = read_bytes(&hdf5_pure::mat::to_bytes(&file).expect("written")).expect("read");
+        let column = |name: &str| &columns[names.iter().position(|own| own == name).expect("a column")];
+        assert_eq!(names.len(), 7, "{names:?}");
+        assert_eq!((column("z_re")[7], column("z_im")[7], column("pair_re_1")[7]), (7.0, -6.5, 7.0));
+        assert_eq!((column("pair_im_2")[9], column("cells(1)")[3]), (-2.5, 1.0));
+    }
+
+    /// Only the first bytes are looked at.
+    #[test]
+    fn a_large_file_of_another_kind_is_refused_at_once() {
+        let file = tempfile::Builder::new().suffix(".mat").tempfile().expect("a file");
+        std::fs::write(file.path(), [0x5A; 600]).expect("writable");
+        file.as_file().set_len(1 << 31).expect("without content");
+        let refused = read(file.path(), &mut About::default()).expect_err("no file of MATLAB").to_string();
+        assert!(refused.contains("not readable as a MATLAB file"), "{refused}");
     }
 
     #[test]

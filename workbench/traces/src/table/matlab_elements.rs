@@ -27,12 +27,12 @@ const LAST_CLASS: u8 = 15;
 const DEEPEST: usize = 16;
 
 /// One element.
-struct Element<'a> {
-    kind: u32,
-    content: &'a [u8],
+pub(super) struct Element<'a> {
+    pub(super) kind: u32,
+    pub(super) content: &'a [u8],
     /// All of it, with tag and zeros.
     whole: &'a [u8],
-    rest: &'a [u8],
+    pub(super) rest: &'a [u8],
 }
 
 /// Returns the file with every element unpacked; `None` if its elements do not fit into each other.
@@ -52,7 +52,7 @@ struct Unpacking {
 }
 
 /// Takes the first element.
-fn element(bytes: &[u8], is_little: bool) -> Option<Element<'_>> {
+pub(super) fn element(bytes: &[u8], is_little: bool) -> Option<Element<'_>> {
     let word = |at: usize| -> Option<u32> { Some(number(bytes.get(at..)?.first_chunk()?, is_little)) };
     let first = word(0)?;
     let (kind, start, size, padded): (u32, usize, usize, usize) = if first >> 16 == 0 {
@@ -134,11 +134,33 @@ fn count(content: &[u8], is_little: bool) -> Option<u64> {
     if *class > LAST_CLASS {
         return Some(0);
     }
-    let dimensions = element(flags.rest, is_little).filter(|own| own.kind == DIMENSIONS)?;
+    // Some programs write them as numbers without a sign.
+    let dimensions = element(flags.rest, is_little).filter(|own| [DIMENSIONS, FLAGS].contains(&own.kind))?;
     let (sizes, rest) = dimensions.content.as_chunks::<4>();
     let count = sizes.iter().try_fold(1_usize, |count, own| count.checked_mul(number(own, is_little) as usize))?;
     let stored = count.min(content.len());
     (rest.is_empty() && (count == stored || *class == SPARSE)).then_some(stored as u64)
+}
+
+/// Whether a file starts as one of format 5 to 7.
+pub(super) fn is_header(head: &[u8]) -> bool {
+    // Zeros among the first four bytes are of format 4; the version is 1 in either order of bytes.
+    let ends = [[1, 0, b'M', b'I'], [0, 1, b'I', b'M'], [1, 0, b'I', b'M'], [0, 1, b'M', b'I']];
+    let end = head.get(..HEADER).and_then(<[u8]>::last_chunk);
+    !head.iter().take(4).any(|byte| *byte == 0) && end.is_some_and(|end| ends.contains(end))
+}
+
+/// The contents of the outermost arrays of a file whose elements are unpacked, and whether it is little-endian.
+pub(super) fn outermost(plain: &[u8]) -> Option<(Vec<&[u8]>, bool)> {
+    let (header, mut rest) = plain.split_at_checked(HEADER)?;
+    let is_little = header.ends_with(b"IM");
+    let mut found = Vec::new();
+    while !rest.is_empty() {
+        let array = element(rest, is_little)?;
+        rest = array.rest;
+        found.push(array.content);
+    }
+    Some((found, is_little))
 }
 
 /// Four bytes in either order.

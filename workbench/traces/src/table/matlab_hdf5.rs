@@ -15,10 +15,17 @@ const DEEPEST: usize = 64;
 /// # Errors
 /// More than the limit, in words; nothing is said of a file that cannot be read, which its reader says.
 pub(super) fn check(bytes: &[u8]) -> Result<(), String> {
-    let mut claims = Claims { limit: Limit::of(bytes.len() as u64), refused: None };
-    if let Ok(file) = File::from_bytes(bytes.to_vec()) {
-        let _unreadable = claims.group(&file.root(), 0);
-    }
+    let file = File::from_bytes(bytes.to_vec());
+    file.map_or(Ok(()), |file| check_open(&file, bytes.len() as u64))
+}
+
+/// Adds up all that is read of an open file of this size.
+///
+/// # Errors
+/// More than the limit, in words.
+pub(super) fn check_open(file: &File, size: u64) -> Result<(), String> {
+    let mut claims = Claims { limit: Limit::of(size), refused: None };
+    let _unreadable = claims.group(&file.root(), 0);
     claims.refused.map_or(Ok(()), Err)
 }
 

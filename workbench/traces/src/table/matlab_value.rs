@@ -2,7 +2,6 @@
 
 use std::fmt;
 
-use matrw::{MatVariable, MatlabType};
 use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
 
 /// A value, as far as it is used here.
@@ -13,58 +12,101 @@ pub(super) enum Value {
         rows: usize,
         values: Vec<f64>,
     },
+    /// An array of complex numbers, column by column.
+    Complex {
+        rows: usize,
+        re: Vec<f64>,
+        im: Vec<f64>,
+    },
     Text(String),
     /// The fields of a structure.
     Fields(Vec<(String, Self)>),
     /// The elements of a structure array or cell array.
     List(Vec<Self>),
-    /// Complex or sparse numbers, functions, objects.
-    Other,
+    /// What is not read, and why.
+    Other(&'static str),
 }
 
-impl From<&MatVariable> for Value {
-    fn from(variable: &MatVariable) -> Self {
-        match variable {
-            MatVariable::NumericArray(array) => {
-                let (Some(own), Some(false)) = (variable.numeric_type(), variable.is_complex()) else {
-                    return Self::Other;
-                };
-                match numbers(own) {
-                    Ok(values) => Self::Numbers { rows: array.dim.first().copied().unwrap_or(0), values },
-                    Err(text) => Self::Text(text),
-                }
+/// Why an object is not read.
+pub(super) const OBJECT: &str = "a table object: save it with table2struct or parquetwrite";
+pub(super) const SPARSE: &str = "sparse numbers: save it with full";
+const DIMENSIONS: &str = "more than two dimensions: save its columns as a matrix";
+pub(super) const EMPTY: &str = "it is empty";
+
+impl Value {
+    /// An array of numbers, column by column; sides of one are left out.
+    pub(super) fn array(sides: &[usize], values: Vec<f64>) -> Self {
+        let mut long = sides.iter().filter(|side| **side != 1);
+        match (long.next(), long.next(), long.next()) {
+            _ if values.is_empty() => Self::Other(EMPTY),
+            (_, _, Some(_)) => Self::Other(DIMENSIONS),
+            // A row is a column.
+            (rows, across, None) => {
+                Self::Numbers { rows: rows.filter(|_| across.is_some()).copied().unwrap_or(values.len()), values }
             }
-            MatVariable::Structure(structure) => {
-                Self::Fields(structure.value.iter().map(|(name, value)| (name.clone(), value.into())).collect())
-            }
-            MatVariable::StructureArray(array) => Self::List(array.value.iter().map(Self::from).collect()),
-            MatVariable::CellArray(array) => Self::List(array.value.iter().map(Self::from).collect()),
-            _ => Self::Other,
         }
     }
-}
-
-/// The numbers of an array, or its text.
-fn numbers(array: &MatlabType) -> Result<Vec<f64>, String> {
-    Ok(match array {
-        MatlabType::F64(values) => values.clone(),
-        MatlabType::F32(values) => values.iter().map(|x| f64::from(*x)).collect(),
-        MatlabType::I8(values) => values.iter().map(|x| f64::from(*x)).collect(),
-        MatlabType::U8(values) => values.iter().map(|x| f64::from(*x)).collect(),
-        MatlabType::I16(values) => values.iter().map(|x| f64::from(*x)).collect(),
-        MatlabType::U16(values) => values.iter().map(|x| f64::from(*x)).collect(),
-        MatlabType::I32(values) => values.iter().map(|x| f64::from(*x)).collect(),
-        MatlabType::U32(values) => values.iter().map(|x| f64::from(*x)).collect(),
-        MatlabType::I64(values) => values.iter().map(|x| *x as f64).collect(),
-        MatlabType::U64(values) => values.iter().map(|x| *x as f64).collect(),
-        MatlabType::BOOL(values) => values.iter().map(|x| f64::from(u8::from(*x))).collect(),
-        MatlabType::UTF8(text) | MatlabType::UTF16(text) => return Err(text.iter().collect()),
-    })
 }
 
 impl<'de> Deserialize<'de> for Value {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_any(Any)
+    }
+}
+
+/// Numbers of a vector, or rows of a matrix, in the order in which a reader gives them.
+#[derive(Default)]
+struct Rows {
+    /// Numbers in a row, and whether they are complex.
+    kind: Option<(usize, bool)>,
+    re: Vec<f64>,
+    im: Vec<f64>,
+}
+
+impl Rows {
+    /// Adds a row; gives back what is none, or none of the same length.
+    fn add(&mut self, element: Value) -> Option<Value> {
+        let own = match &element {
+            Value::Numbers { rows, values } if *rows == values.len() => (*rows, false),
+            Value::Complex { rows, re, .. } if *rows == re.len() => (*rows, true),
+            _ => return Some(element),
+        };
+        if *self.kind.get_or_insert(own) != own {
+            return Some(element);
+        }
+        if let Value::Numbers { values, .. } = element {
+            self.re.extend(values);
+        } else if let Value::Complex { re, im, .. } = element {
+            self.re.extend(re);
+            self.im.extend(im);
+        }
+        None
+    }
+
+    /// The rows, each by itself.
+    fn list(self) -> Vec<Value> {
+        let Some((rows, is_complex)) = self.kind else { return vec![] };
+        let re = self.re.chunks(rows.max(1)).map(<[f64]>::to_vec);
+        if !is_complex {
+            return re.map(|values| Value::Numbers { rows, values }).collect();
+        }
+        let im = self.im.chunks(rows.max(1)).map(<[f64]>::to_vec);
+        re.zip(im).map(|(re, im)| Value::Complex { rows, re, im }).collect()
+    }
+
+    /// All of them, column by column.
+    fn matrix(self) -> Value {
+        let Some((columns, is_complex)) = self.kind.filter(|(columns, _)| *columns > 0) else {
+            return Value::Other(EMPTY);
+        };
+        let rows = self.re.len() / columns;
+        let by_column = |part: Vec<f64>| {
+            if columns == 1 { part } else { (0..part.len()).map(|k| part[k % rows * columns + k / rows]).collect() }
+        };
+        match is_complex {
+            true => Value::Complex { rows, re: by_column(self.re), im: by_column(self.im) },
+            false => Value::Numbers { rows, values: by_column(self.re) },
+        }
     }
 }
 
@@ -102,33 +144,25 @@ impl<'de> Visitor<'de> for Any {
     }
 
     fn visit_none<E>(self) -> Result<Value, E> {
-        Ok(Value::Other)
+        Ok(Value::Other(EMPTY))
     }
 
     fn visit_unit<E>(self) -> Result<Value, E> {
-        Ok(Value::Other)
+        Ok(Value::Other(EMPTY))
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Value, A::Error> {
-        let (mut numbers, mut others) = (Vec::new(), Vec::new());
-        let mut columns = None;
+        let mut rows = Rows::default();
+        let mut others = Vec::new();
         while let Some(element) = list.next_element::<Value>()? {
-            match element {
-                // A row of a matrix, or a number of a vector.
-                Value::Numbers { values, .. }
-                    if others.is_empty() && *columns.get_or_insert(values.len()) == values.len() =>
-                {
-                    numbers.extend(values);
-                }
-                other => others.push(other),
+            if !others.is_empty() {
+                others.push(element);
+            } else if let Some(other) = rows.add(element) {
+                others = std::mem::take(&mut rows).list();
+                others.push(other);
             }
         }
-        let Some(columns) = columns.filter(|columns| others.is_empty() && *columns > 0) else {
-            return Ok(Value::List(others));
-        };
-        let rows = numbers.len() / columns;
-        let by_column = (0..numbers.len()).map(|k| numbers[k % rows * columns + k / rows]).collect();
-        Ok(Value::Numbers { rows, values: by_column })
+        Ok(if others.is_empty() { rows.matrix() } else { Value::List(others) })
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Value, A::Error> {
@@ -136,6 +170,14 @@ impl<'de> Visitor<'de> for Any {
         while let Some(field) = map.next_entry()? {
             fields.push(field);
         }
-        Ok(Value::Fields(fields))
+        // A complex number; its reader gives each one of an array as a structure.
+        Ok(match &fields[..] {
+            [(real, Value::Numbers { values: re, .. }), (imag, Value::Numbers { values: im, .. })]
+                if real == "real" && imag == "imag" && re.len() == 1 && im.len() == 1 =>
+            {
+                Value::Complex { rows: 1, re: re.clone(), im: im.clone() }
+            }
+            _ => Value::Fields(fields),
+        })
     }
 }

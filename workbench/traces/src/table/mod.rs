@@ -2,9 +2,10 @@
 //!
 //! ```text
 //! .csv .tsv .txt .dat  text ([`text`]), also with .gz or .zst
-//! .mat                 MATLAB 5 to 7.3 ([`matlab`])
-//! .parquet             Parquet, .arrow .feather: Arrow's file format ([`arrow`])
-//! .npz                 arrays of NumPy ([`numpy`])
+//! .mat                 MATLAB 4 to 7.3 ([`matlab`])
+//! .parquet             Parquet, .arrow .arrows .feather: Arrow's files and streams ([`arrow`])
+//! .h5 .hdf5            HDF5 ([`hdf5`])
+//! .npy .npz            arrays of NumPy ([`numpy`])
 //! ```
 //!
 //! No file becomes more than its `limit` in memory.
@@ -13,11 +14,15 @@
 
 pub(crate) mod about;
 #[cfg(any(feature = "matlab", feature = "numpy"))]
+mod array_cells;
+#[cfg(any(feature = "matlab", feature = "numpy"))]
 mod arrays;
 #[cfg(feature = "parquet")]
 mod arrow;
 #[cfg(feature = "parquet")]
 mod arrow_blocks;
+#[cfg(feature = "parquet")]
+mod arrow_values;
 #[cfg(feature = "parquet")]
 mod arrow_writer;
 mod cells;
@@ -28,12 +33,20 @@ mod digits;
 mod doubles;
 mod encoding;
 mod formats;
+#[cfg(feature = "matlab")]
+mod hdf5;
+#[cfg(feature = "parquet")]
+mod iso_time;
 mod layout;
 mod limit;
 mod lines;
 mod marks;
 #[cfg(feature = "matlab")]
 mod matlab;
+#[cfg(feature = "matlab")]
+mod matlab_4;
+#[cfg(feature = "matlab")]
+mod matlab_arrays;
 #[cfg(feature = "matlab")]
 mod matlab_elements;
 #[cfg(feature = "matlab")]
@@ -43,6 +56,8 @@ mod matlab_value;
 mod memory;
 #[cfg(feature = "numpy")]
 mod numpy;
+#[cfg(feature = "numpy")]
+mod numpy_values;
 #[cfg(feature = "parquet")]
 pub mod parquet_pages;
 mod plain;
@@ -62,7 +77,7 @@ use model::Error;
 use model::trace::{Recorded, extensions};
 
 use columns::{NO_NUMBER, Unusable, settle, too_large};
-use formats::{is_binary, left_out};
+use formats::{is_binary, left_out, unread};
 
 pub use about::{About, Omitted};
 #[cfg(feature = "parquet")]
@@ -108,16 +123,22 @@ impl Table {
                 let (names, columns) = matlab::read(path, &mut about)?;
                 (names, Content::Columns(columns))
             }
+            #[cfg(feature = "matlab")]
+            "h5" | "hdf5" => {
+                let (names, columns) = hdf5::read(path, &mut about)?;
+                (names, Content::Columns(columns))
+            }
             #[cfg(feature = "numpy")]
-            "npz" => {
+            "npy" | "npz" => {
                 let (names, columns) = numpy::read(path, &mut about)?;
                 (names, Content::Columns(columns))
             }
             #[cfg(feature = "parquet")]
-            "parquet" | "arrow" | "feather" => {
+            "parquet" | "arrow" | "arrows" | "feather" => {
                 let kind = if extension == "parquet" { arrow::Kind::Parquet } else { arrow::Kind::Ipc };
                 (arrow::names(path, kind, &mut about)?, Content::Arrow(kind))
             }
+            foreign if let Some(problem) = unread(foreign) => return Err(Error::content(path, "content", problem)),
             binary if is_binary(binary) => return Err(left_out(path, binary)),
             _ => {
                 let text = text::Text::open(path, &mut about)?;
@@ -185,7 +206,7 @@ impl Table {
                 ..Columns::default()
             },
             #[cfg(feature = "parquet")]
-            Content::Arrow(kind) => arrow::read((&self.path, &self.names), *kind, wanted)?,
+            Content::Arrow(kind) => arrow::read((&self.path, &self.names), *kind, &self.about.clocks, wanted)?,
             Content::Memory(recorded) => memory::read(recorded, wanted)?,
         };
         // As a list first: the first column with such a value is told, whichever thread is first.
@@ -260,6 +281,21 @@ mod tests {
                 refused += usize::from(table.is_none_or(|table| table.read(wanted).is_err()));
             }
             assert!(refused > 20, "{name}: {refused}");
+        }
+    }
+
+    #[test]
+    fn formats_that_are_not_read_say_what_to_do() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for (name, said) in [("a.tdms", "export it as CSV"), ("b.XLSX", "save its sheet as CSV")] {
+            let path = folder.path().join(name);
+            std::fs::write(&path, "TDSm").expect("writable");
+            let refused = Table::open(&path).expect_err("not read").to_string();
+            assert!(refused.contains(said), "{refused}");
+        }
+        for name in ["a.npy", "a.h5", "a.tdms", "a.arrows"] {
+            let refused = write(&folder.path().join(name), &["a".into()], &[vec![1.0]]).expect_err("not written");
+            assert!(refused.to_string().contains("give a name that ends with"), "{refused}");
         }
     }
 }

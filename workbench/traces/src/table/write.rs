@@ -13,7 +13,8 @@ use model::trace::extensions;
 /// that cannot be written.
 pub fn write(path: &Path, names: &[String], columns: &[Vec<f64>]) -> Result<(), Error> {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let Some((extension, compressed)) = extensions(&name) else {
+    let known = extensions(&name).filter(|(own, _)| !super::formats::is_read_only(own));
+    let Some((extension, compressed)) = known else {
         let problem =
             format!("{}: give a name that ends with .csv, .tsv, .mat, .parquet, .arrow or .npz", path.display());
         return Err(Error::Usage(problem));
