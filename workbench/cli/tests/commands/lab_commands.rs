@@ -143,6 +143,25 @@ fn folders_are_classes_and_one_bad_file_takes_nothing_from_others() {
 }
 
 #[test]
+fn the_traces_of_one_table_are_labelled() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    let mut all = String::from("trace,t_s,current_A,speed_rpm\n");
+    for record in 0..8 {
+        for (class, pole) in [("normal", 0.95), ("outer", 0.8)] {
+            let own = text(&WAYS[0], record, pole);
+            own.lines().skip(1).for_each(|line| all += &format!("{class}_{record},{line}\n"));
+        }
+    }
+    write(dir, "table/all.csv", &all);
+    let told = succeed(dir, "init table");
+    assert!(told.contains("classes by the names"), "{told}");
+    let labels = std::fs::read_to_string(dir.join("table/labels.csv")).expect("written");
+    assert!(labels.contains("normal_7,normal,7\n") && labels.contains("outer_0,outer,0\n"), "{labels}");
+    assert!(succeed(dir, "train table/drive.toml --model m.bwm").contains("8 normal, 8 outer"));
+}
+
+#[test]
 fn what_cannot_be_read_is_named() {
     let folder = tempfile::tempdir().expect("folder");
     let dir = folder.path();

@@ -70,7 +70,7 @@ impl Found {
         let (file, made) = match given {
             Some(file) => (file, None),
             None => {
-                let (text, told) = names::labels(&own.files)?;
+                let (text, told) = names::labels(&ids(&own.files, &names[..1])?)?;
                 let own_file = || outputs::folder_of(out).join("labels.csv");
                 let file = asked.labels_from_names.map_or_else(own_file, Path::to_path_buf);
                 outputs::plan(&[&file, out], files)?;
@@ -97,6 +97,22 @@ impl Found {
             proposal,
         })
     }
+}
+
+/// The files, and of a table of several traces these in its place.
+fn ids(files: &[PathBuf], channels: &[String]) -> Result<Vec<PathBuf>, Error> {
+    let mut all = Vec::new();
+    for file in files {
+        let table = Table::open(file)?;
+        if table.names().iter().any(|name| name == "trace") {
+            // Only the ids are wanted, whatever the times are.
+            let series = reader::series(&table, (Some(reader::NO_TIME), None), channels)?;
+            all.extend(series.into_iter().map(|one| file.with_file_name(one.id)));
+        } else {
+            all.push(file.clone());
+        }
+    }
+    Ok(all)
 }
 
 /// Why there is nothing to describe.
