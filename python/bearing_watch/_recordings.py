@@ -74,7 +74,7 @@ def read(
     Parameters
     ----------
     path : path_like
-        The file: .csv, .tsv, .txt (also packed), .mat, .parquet, .arrow or .npz.
+        The file: .csv, .tsv, .txt (also packed), .mat, .h5, .parquet, .arrow, .npz or .npy.
     channels : sequence of str, optional
         Columns, or formulas of columns such as ``"speed_rpm rad/s"``; all columns of numbers if not given.
     time : str, optional

@@ -97,7 +97,7 @@ jobs! {
     ];
     /// `convert`, `resample`.
     Convert = Use { name: "convert", keys: &[&["traces"], TIMES], required: &["traces"] }, help: &[
-        ("traces", "Trace files or folders: .csv .tsv .txt (also with .gz or .zst), .mat, .parquet, .arrow, .npz"),
+        ("traces", "Trace files or folders: .csv .tsv .txt (also with .gz or .zst), .mat, .h5, .parquet, .arrow, .npz, .npy"),
     ];
     /// `init`, which writes a drive file.
     Init = traces::describe::USE, help: &[TRACES];

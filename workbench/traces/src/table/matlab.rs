@@ -5,6 +5,7 @@
 //! m               a matrix                  columns m_1, m_2, …, along its longer side
 //! s.a, s.b        fields of a structure     columns s.a, s.b; a, b if s is the only variable
 //! s.signals(k)    "structure with time"     column of the signal's label, beside s.time
+//! s.Y(k)          channels with Name, Data  column of the channel's name
 //! r               a number                  a constant column
 //! z               complex numbers           columns z_re, z_im
 //! ```
@@ -113,6 +114,13 @@ struct Found<'a> {
 impl Found<'_> {
     /// Adds the columns of a value.
     fn add(&mut self, name: &str, value: &Value) {
+        if let Some((label, data)) = channel(value) {
+            // Beside its list, if no other column has its name there.
+            let list = name.split_once('(').map_or(name, |(list, _)| list);
+            let short = list.rsplit_once('.').map_or(label.to_string(), |(outer, _)| format!("{outer}.{label}"));
+            let is_taken = self.columns.iter().any(|(own, _)| *own == short);
+            return self.add(&if is_taken { format!("{list}.{label}") } else { short }, data);
+        }
         match value {
             Value::Numbers { rows, values } => self.columns.extend(arrays(name, *rows, values)),
             Value::Complex { rows, re, im } => {
@@ -160,6 +168,16 @@ impl Found<'_> {
                 self.add(&format!("{name}.{label}"), values);
             }
         }
+    }
+}
+
+/// Name and data of a channel.
+fn channel(value: &Value) -> Option<(&str, &Value)> {
+    let Value::Fields(fields) = value else { return None };
+    let field = |wanted: &str| fields.iter().find(|(name, _)| name.eq_ignore_ascii_case(wanted)).map(|(_, own)| own);
+    match (field("name")?, field("data")?) {
+        (Value::Text(label), data @ Value::Numbers { .. }) if !label.trim().is_empty() => Some((label.trim(), data)),
+        _ => None,
     }
 }
 
@@ -241,6 +259,26 @@ mod tests {
             found.iter().map(|(_, column)| column.clone()).collect::<Vec<_>>(),
             [columns.clone(), columns].concat()
         );
+    }
+
+    #[test]
+    fn channels_of_a_structure_are_columns_of_their_names() {
+        let channel = |name: &str, values: &[f64]| {
+            let data = Value::Numbers { rows: values.len(), values: values.to_vec() };
+            let text = |text: &str| Value::Text(text.into());
+            Value::Fields(vec![("Name".into(), text(name)), ("Type".into(), text("f")), ("Data".into(), data)])
+        };
+        let fast = [channel("phase_current_1", &[1.0, 2.0]), channel("force", &[3.0]), channel("t", &[7.0, 8.0])];
+        let run = Value::Fields(vec![
+            ("X".into(), Value::List(vec![channel("t", &[0.0, 0.5])])),
+            ("Y".into(), Value::List(fast.to_vec())),
+        ]);
+        let mut about = About::default();
+        let mut found = Found { columns: vec![], about: &mut about };
+        found.add("N09_1", &run);
+        let names: Vec<&str> = found.columns.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, ["N09_1.t", "N09_1.phase_current_1", "N09_1.force", "N09_1.Y.t"]);
+        assert_eq!((found.columns[1].1.clone(), about.omitted.len()), (vec![1.0, 2.0], 0));
     }
 
     #[derive(Serialize)]
