@@ -7,4 +7,5 @@ pub mod friction;
 pub mod orders;
 pub mod pairs;
 pub mod sessions;
+pub mod sums;
 pub mod times;

@@ -12,6 +12,8 @@ pub struct Audited {
     pub id: String,
     /// Names of its columns of numbers.
     pub names: Vec<String>,
+    /// What was left out of its file, or guessed, a sentence each.
+    pub left_out: Vec<String>,
     /// Its rate and gaps, if it has a time.
     pub times: Option<Times>,
     /// The time of each row, s.

@@ -9,6 +9,7 @@ use model::audit::angle as of_angle;
 use model::audit::column::Column;
 use model::audit::pairs::{self, COLLINEAR, correlation, lag};
 use model::audit::sessions::apart;
+use model::audit::sums;
 use model::audit::times::Times;
 use model::statistics::mean_sd;
 use model::trace::median;
@@ -39,6 +40,12 @@ impl Audited {
             if standing > 0 {
                 add(findings, "times that stand; several rows have one time".into(), id);
             }
+        }
+        for left_out in &self.left_out {
+            add(findings, left_out.clone(), id);
+        }
+        for finding in sums::findings(&self.names, &self.values) {
+            add(findings, finding, id);
         }
         // What is wanted rather than measured may stand, and have few values.
         let measured = self.names.iter().zip(&self.columns).filter(|(name, _)| !is_reference(name));

@@ -11,7 +11,7 @@ use super::audited::{Audited, Finding, Line, Outcome};
 use super::findings::{add, equal_traces, session_sets};
 use crate::describe::guess::Guess;
 use crate::reader::{self, Series};
-use crate::table::Table;
+use crate::table::{Omitted, Table};
 use model::Error;
 use model::audit::column::Column;
 use model::audit::friction::{Excited, Motion, Terms, excited};
@@ -85,7 +85,14 @@ impl Audit {
     fn look(&self, file: &Path) -> Result<Vec<Audited>, Error> {
         let time = self.settings.data.time.as_deref();
         let table = Table::open(file)?;
-        let (names, _) = reader::numeric(&table, time)?;
+        let (names, problems) = reader::numeric(&table, time)?;
+        let about = table.about();
+        let omitted = about.omitted.iter().map(|Omitted { place, reason }| format!("{place} left out: {reason}"));
+        let of_columns = problems.iter().map(|problem| match problem {
+            Error::Content { place, problem, .. } => format!("{place}: left out: {problem}"),
+            other => other.to_string(),
+        });
+        let left_out: Vec<String> = omitted.chain(of_columns).chain(about.notes.iter().cloned()).collect();
         let guess = Guess::of(&names);
         let Signals { current, velocity, angle, velocity_ref, load, .. } = &self.settings.channels;
         let chosen = [
@@ -110,6 +117,7 @@ impl Audit {
             Audited {
                 id: stem(&series.id).to_string(),
                 names: names.clone(),
+                left_out: left_out.clone(),
                 times,
                 missing,
                 times_s: series.times_s.filter(|_| recorded),

@@ -21,6 +21,8 @@ pub(super) struct Found {
     /// Number of files of the kind that is described, and the others with the reasons.
     pub(super) files: usize,
     pub(super) left: Vec<LeftOut>,
+    /// Columns that are left out of all files, with the reasons.
+    pub(super) columns_left: Vec<String>,
     /// They, and what the drive file names.
     pub(super) all: Vec<PathBuf>,
     pub(super) traces: Vec<PathBuf>,
@@ -84,6 +86,7 @@ impl Found {
         let files = own.files.len();
         Ok(Self {
             all: own.files,
+            columns_left: own.columns_left,
             files,
             left,
             traces,

@@ -27,6 +27,8 @@ impl LeftOut {
 /// Files with the same columns of numbers.
 pub(super) struct Kind {
     pub(super) names: Vec<String>,
+    /// Columns that most of them do not have as numbers, and why the first one does not.
+    pub(super) columns_left: Vec<String>,
     pub(super) files: Vec<PathBuf>,
 }
 
@@ -79,7 +81,7 @@ impl Alike {
             let own_names: BTreeSet<&String> = numeric.iter().collect();
             let lacks = names.iter().find(|name| !own_names.contains(name));
             let own = |name: &String| {
-                let named = |problem: &&Error| problem.to_string().contains(&format!("column {name}"));
+                let named = |problem: &&Error| problem.to_string().contains(&format!("column {name}:"));
                 problems.iter().find(named).map(reason)
             };
             let first = || problems.first().map(reason);
@@ -95,7 +97,10 @@ impl Alike {
                 None => files.push(file.clone()),
             }
         }
-        (!files.is_empty()).then_some(Kind { names, files })
+        let is_kept = |problem: &str| names.iter().any(|name| problem.contains(&format!("column {name}:")));
+        let columns_left = self.files.first().map_or(&[][..], |(_, _, problems)| problems).iter().map(reason);
+        let columns_left = columns_left.filter(|problem| !is_kept(problem)).collect();
+        (!files.is_empty()).then_some(Kind { names, columns_left, files })
     }
 }
 

@@ -19,6 +19,7 @@ use std::path::{Path, PathBuf};
 pub use asked::Asked;
 use found::Found;
 use guess::Guess;
+use kinds::LeftOut;
 use names::{REFERENCE, Told};
 use trial::Outcome;
 use values::Values;
@@ -69,7 +70,8 @@ pub fn describe(asked: &Asked<'_>, log: &Log<'_>) -> Result<Described, Error> {
         Outcome::Untried => Some("training was not tried, since the files are large".into()),
     };
     outputs::write(&out, text(&found, &values, note.as_deref()))?;
-    log.warn(found.left.iter().map(|left| format!("left out {}", left.told())));
+    let left = found.left.iter().map(LeftOut::told).chain(found.columns_left.iter().cloned());
+    log.warn(left.map(|left| format!("left out {left}")));
     let mut told = told(&found, &out);
     match outcome {
         Outcome::Refused(reason) => {
@@ -111,8 +113,8 @@ fn text(found: &Found, Values { values, refused }: &Values, note: Option<&str>) 
         None => "no time column: set rate_hz".to_string(),
     };
     let _never_fails = writeln!(text, "# Found: {} files, {} rows in the first, {rate}", found.files, found.rows);
-    for left in &found.left {
-        let _never_fails = writeln!(text, "# Left out: {}", one_line(&left.told()));
+    for left in found.left.iter().map(LeftOut::told).chain(found.columns_left.iter().cloned()) {
+        let _never_fails = writeln!(text, "# Left out: {}", one_line(&left));
     }
     if let Some(problem) = &found.disorder {
         let _never_fails = writeln!(text, "# The time is not used: {problem}");

@@ -6,6 +6,7 @@ use model::Error;
 
 use crate::table::about::About;
 use crate::table::limit::Limit;
+use crate::table::time_name;
 
 /// Names and columns of arrays: the longest ones, and those of one number, which are constant.
 pub(super) fn of_one_length(
@@ -41,6 +42,28 @@ pub(super) fn only_variable(found: &[(String, Vec<f64>)]) -> Option<usize> {
     found.iter().all(own).then_some(first.len() + 1)
 }
 
+/// Takes the first column of a matrix for the time if no column is called one, it rises in each row and does not count
+/// them: matrices have no names.
+pub(super) fn rising_time(names: &[String], columns: &[Vec<f64>], about: &mut About) {
+    /// Fewest rows of such a matrix.
+    const FEWEST: usize = 16;
+    let is_time = names.iter().any(|name| time_name::usual(name).is_some());
+    let (Some(name), Some(first)) = (names.first(), columns.first()) else { return };
+    let steps = || first.windows(2).map(|pair| pair[1] - pair[0]);
+    let rises = steps().all(|step| step > 0.0) && !steps().all(|step| step == 1.0);
+    if !is_time
+        && about.clocks.is_empty()
+        && name.ends_with("_1")
+        && first.len() >= FEWEST
+        && columns.len() > 1
+        && rises
+    {
+        about.clocks.push(0);
+        let what = format!("no names; column {name} rises in each row and is taken as the time in s");
+        about.notes.push(format!("{what}, --time none leaves it out"));
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -59,5 +82,21 @@ mod tests {
         assert_eq!(arrays(3).map(|(names, _)| names.len()).ok(), Some(4));
         let refused = arrays(3000).expect_err("2.4 GB").to_string();
         assert!(refused.contains("as 3001 columns it claims 2400800000 bytes, more than the limit of"), "{refused}");
+    }
+
+    #[test]
+    fn the_first_row_of_a_matrix_without_names_may_be_the_time() {
+        let clocks = |first: fn(usize) -> f64, name: &str| {
+            let columns = [(0..50).map(first).collect(), vec![1.0; 50]];
+            let mut about = About::default();
+            rising_time(&[name.into(), "m_2".into()], &columns, &mut about);
+            (about.clocks, about.notes.len())
+        };
+        assert_eq!(clocks(|k| k as f64 / 16e3, "m_1"), (vec![0], 1));
+        for (first, name) in [(|k| k as f64, "m_1"), (|k| (k % 7) as f64, "m_1"), (|k| k as f64 / 16e3, "angle")]
+            as [(fn(usize) -> f64, &str); 3]
+        {
+            assert_eq!(clocks(first, name), (vec![], 0));
+        }
     }
 }

@@ -145,6 +145,10 @@ impl Table {
                 (text.names(), Content::Text(Box::new(text)))
             }
         };
+        #[cfg(any(feature = "matlab", feature = "numpy"))]
+        if let Content::Columns(columns) = &content {
+            arrays::rising_time(&names, columns, &mut about);
+        }
         Ok(Self { path: path.to_path_buf(), names, content, about, id: None })
     }
 
@@ -230,14 +234,7 @@ impl Table {
     pub fn read_each(&self, places: &[usize]) -> Result<Vec<Result<Vec<f64>, Error>>, Error> {
         let all = match &self.content {
             Content::Text(text) => text.read_each((&self.path, &self.names), places)?,
-            _ => {
-                let read = |numbers: &[usize]| self.read(Wanted { numbers, text: None, row: &|_| true });
-                if let Ok(columns) = read(places) {
-                    return Ok(columns.numbers.into_iter().map(Ok).collect());
-                }
-                let one = |place: &usize| read(&[*place]).map(|own| own.numbers.concat());
-                return Ok(places.par_iter().map(one).collect());
-            }
+            _ => return Ok(self.read_parts(places)),
         };
         let each = |(place, column): (&usize, Result<Vec<f64>, Error>)| {
             let mut column = column?;
@@ -246,6 +243,21 @@ impl Table {
             Ok(column)
         };
         Ok(places.iter().zip(all).map(each).collect())
+    }
+
+    /// Reads columns at once, and by halves where one is refused, so that a few bad ones among many cost little.
+    fn read_parts(&self, places: &[usize]) -> Vec<Result<Vec<f64>, Error>> {
+        match (self.read(Wanted { numbers: places, text: None, row: &|_| true }), places) {
+            (Ok(columns), _) => columns.numbers.into_iter().map(Ok).collect(),
+            (Err(_), []) => vec![],
+            (Err(problem), [_]) => vec![Err(problem)],
+            (Err(_), _) => {
+                let (first, second) = places.split_at(places.len() / 2);
+                let (mut all, rest) = rayon::join(|| self.read_parts(first), || self.read_parts(second));
+                all.extend(rest);
+                all
+            }
+        }
     }
 
     fn unusable(&self, place: usize, problem: Unusable, (column, at): (&[f64], &dyn Fn(usize) -> String)) -> Error {
