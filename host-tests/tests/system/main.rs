@@ -12,6 +12,7 @@ mod formats;
 mod identification;
 mod implausible_signals;
 mod instruments_model;
+mod lab_files;
 mod piecewise;
 mod priors_and_costs;
 mod recorded_actuators;

@@ -116,7 +116,9 @@ pub(super) fn most(mut kinds: Vec<Kind>, left: &mut Vec<LeftOut>) -> Option<Kind
             own.names = shared;
             own.files.extend(other.files);
         } else {
-            let reason = format!("other columns: {}", other.names.join(", "));
+            // Most of them may be unreadable.
+            let first = other.columns_left.first().map_or_else(String::new, |problem| format!("; {problem}"));
+            let reason = format!("other columns: {}{first}", other.names.join(", "));
             left.extend(other.files.into_iter().map(|file| LeftOut { file, reason: reason.clone() }));
         }
     }

@@ -134,12 +134,16 @@ fn classes(names: &[Name], by_folder: bool) -> (Vec<String>, Told) {
     (vec![REFERENCE.to_string(); names.len()], Told::Nothing)
 }
 
+/// Class names that say so where each class has a single file; `good` and `ok` may be of the file itself.
+const PLAIN: [&str; 6] = ["healthy", "normal", "nominal", "baseline", "sound", "undamaged"];
+
 /// Whether these are classes: two of several files each, or one of a machine without a defect beside others.
 fn are_classes(own: &[String]) -> bool {
     let mut counts: BTreeMap<&String, usize> = BTreeMap::new();
     own.iter().filter(|class| !class.is_empty()).for_each(|class| *counts.entry(class).or_default() += 1);
     let several = counts.values().filter(|count| **count > 1).count();
-    let is_healthy = |class: &&&String| class.split('_').any(|word| HEALTHY.contains(&word));
+    let words: &[&str] = if several > 0 { &HEALTHY } else { &PLAIN };
+    let is_healthy = |class: &&&String| class.split('_').any(|word| words.contains(&word));
     several > 1 || counts.len() > 1 && counts.keys().any(|class| is_healthy(&class))
 }
 

@@ -63,6 +63,11 @@ pub(super) fn settle(column: &mut [f64]) -> Result<(), Unusable> {
 
 /// Why a number is not taken.
 pub(super) fn too_large(cell: &str) -> String {
+    const LONGEST: usize = 24;
+    // Memory that was never written may have hundreds of digits.
+    let end = if cell.is_ascii() && cell.len() > LONGEST { LONGEST / 2 } else { cell.len() };
+    let cell =
+        if end < cell.len() { format!("{}… ({} characters)", &cell[..end], cell.len()) } else { cell.to_string() };
     format!("{cell} is no measured value; repair the sample, or write nan for a missing one")
 }
 
