@@ -17,7 +17,7 @@
 //! 2008) unless that is not positive definite. The fixed point is the same.
 //!
 //! With few rows the restricted likelihood is largest where Σ is nearly singular; the result is at least as wide as
-//! [`super::least_covariance`] says.
+//! `least_covariance` says.
 //!
 //! A row is left out of its own distance by (1) without it, and by one step (2) without it:
 //!

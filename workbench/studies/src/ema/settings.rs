@@ -9,6 +9,6 @@ pub struct Settings {
     pub first: u32,
     /// Number of records per class and set.
     pub records: u32,
-    /// The detector of a user who names no features, instead of [`recipe`]; without the source's method.
+    /// The detector of a user who names no features, instead of [`super::recipe`]; without the source's method.
     pub default: bool,
 }
