@@ -102,7 +102,8 @@ def read(
     if isinstance(channels, str):
         raise TypeError("channels is a list of names")
     names = None if channels is None else list(channels)
-    found, units = _core.read(path, names, time, rate_hz)
+    found, units, notes = _core.read(path, names, time, rate_hz)
+    warn(notes)
     traces = [Trace(name, columns, dict(units), times) for name, times, columns in found]
     return traces[0] if len(traces) == 1 and traces[0].name == os.path.basename(path) else traces
 
@@ -205,7 +206,8 @@ def init(
     plain: dict[str, Any] = {key: fspath(path) for key, path in own.items() if path is not None}
     plain["traces"] = [fspath(path) for path in ([traces] if isinstance(traces, (str, PathLike)) else traces)]
     plain.update(force=force, time=time, rate_hz=rate_hz)
-    file, _ = _core.init(plain)
+    file, messages = _core.init(plain)
+    warn(messages)
     return fspath(file)
 
 

@@ -19,11 +19,11 @@ use crate::errors::raised;
 use crate::options::call;
 use crate::pool::detached;
 
-/// Traces, and the units of their columns.
-type Read<'py> = (Bound<'py, PyList>, Vec<(String, String)>);
+/// Traces, the units of their columns, and what was left out or guessed.
+type Read<'py> = (Bound<'py, PyList>, Vec<(String, String)>, Vec<String>);
 
 /// Reads channels of every trace of a file, all columns of numbers if none are named. Returns a list of (name, time or
-/// None, columns), and the units of the columns.
+/// None, columns), the units of the columns, and what was left out or guessed.
 #[pyfunction]
 pub(crate) fn read<'py>(
     py: Python<'py>,
@@ -37,10 +37,11 @@ pub(crate) fn read<'py>(
             return Err(Error::Usage("rate_hz is above 0".into()));
         }
         let table = Table::open(&file)?;
-        let names = match channels {
-            Some(names) => names,
-            None => reader::numeric(&table, time.as_deref())?.0,
+        let (names, problems) = match channels {
+            Some(names) => (names, vec![]),
+            None => reader::numeric(&table, time.as_deref())?,
         };
+        let notes: Vec<String> = table.about().told().chain(problems.iter().map(ToString::to_string)).collect();
         let series = reader::series(&table, (time.as_deref(), rate_hz), &names)?;
         let unit = |name: &String| {
             let is_column = table.names().contains(name);
@@ -48,10 +49,10 @@ pub(crate) fn read<'py>(
             Some((name.clone(), unit?.name().to_string()))
         };
         let units = names.iter().filter_map(unit).collect();
-        Ok((names, units, series))
+        Ok((names, units, series, notes))
     };
-    let (names, units, series): (Vec<String>, Vec<(String, String)>, Vec<Series>) =
-        detached(py, read).map_err(raised)?;
+    type Found = (Vec<String>, Vec<(String, String)>, Vec<Series>, Vec<String>);
+    let (names, units, series, notes): Found = detached(py, read).map_err(raised)?;
     let to_python = |Series { id, times_s, columns }: Series| {
         let by_name = PyDict::new(py);
         for (name, column) in names.iter().zip(columns) {
@@ -60,7 +61,7 @@ pub(crate) fn read<'py>(
         Ok((id, times_s.map(|times| times.into_pyarray(py)), by_name))
     };
     let traces = PyList::new(py, series.into_iter().map(to_python).collect::<PyResult<Vec<_>>>()?)?;
-    Ok((traces, units))
+    Ok((traces, units, notes))
 }
 
 /// Settings of a job over those of a drive file.
@@ -99,7 +100,7 @@ struct Further {
 
 /// Describes recordings: writes a drive file; returns its path and what was found, in a line.
 #[pyfunction]
-pub(crate) fn init(py: Python<'_>, options: &Bound<'_, PyDict>) -> PyResult<(PathBuf, String)> {
+pub(crate) fn init(py: Python<'_>, options: &Bound<'_, PyDict>) -> PyResult<(PathBuf, Vec<String>)> {
     let (settings, mut further, _) = call(None, options, None, None)?.understood(&INIT).map_err(raised)?;
     let options: Further = further.take().map_err(raised)?;
     further.end().map_err(raised)?;
@@ -111,8 +112,9 @@ pub(crate) fn init(py: Python<'_>, options: &Bound<'_, PyDict>) -> PyResult<(Pat
             out: options.out.as_deref(),
             force: options.force,
         };
-        let description = describe(&asked, &Log::new(&Quiet))?;
-        Ok((description.file, description.told))
+        let log = Log::new(&Quiet);
+        let description = describe(&asked, &log)?;
+        Ok((description.file, log.take().into_iter().chain(description.question).collect()))
     })
     .map_err(raised)
 }

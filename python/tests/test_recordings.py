@@ -98,3 +98,16 @@ def test_notebooks_show_tables(model, bench, folder):
     assert "error rate" in judged._repr_html_() and judged._repr_html_().count("<tr>") == 4
     odd = bw.Audit([], {}, "<script>")
     assert "<script>" not in odd._repr_html_()
+
+
+def test_what_is_left_out_or_asked_is_a_warning(tmp_path):
+    file = tmp_path / "log.csv"
+    rows = "".join(f"{123456789 + 250 * k},{k % 7},word\n" for k in range(400))
+    file.write_text("timestamp,current_A,state\n" + rows + "5,1")
+    with pytest.warns(bw.BearingWatchWarning) as told:
+        trace = bw.read(file)
+    said = "\n".join(str(one.message) for one in told)
+    assert "the file ends inside it" in said and "taken in us" in said and "column state" in said
+    assert list(trace.columns) == ["current_A"] and trace.interval_s == pytest.approx(250e-6)
+    with pytest.warns(bw.BearingWatchWarning, match="Which recordings are healthy"):
+        bw.init(tmp_path)

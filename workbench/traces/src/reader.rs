@@ -7,7 +7,7 @@ pub use crate::assemble::NO_TIME;
 use crate::assemble::{INTEGRAL, Rows as Given, assemble, elapsed};
 use crate::signal::{Signal, places_of, values_of};
 use crate::table::time_name::{seconds, usual};
-use crate::table::{About, Columns, Omitted, Table, Wanted};
+use crate::table::{About, Columns, Table, Wanted};
 use crate::time;
 use model::Error;
 use model::trace::{Channels, Trace, stem};
@@ -305,12 +305,7 @@ fn backwards(times: &[f64]) -> Option<usize> {
 /// Reports what is read of a file, and what was left out or guessed.
 fn report(table: &Table, header: &Header, traces: &[Rows], rows: usize) {
     let (file, count) = (table.path().display(), traces.len());
-    for Omitted { place, reason } in &table.about().omitted {
-        log::warn!("{file}, {place}: left out: {reason}");
-    }
-    for note in &table.about().notes {
-        log::warn!("{file}: {note}");
-    }
+    table.about().told().for_each(|told| log::warn!("{file}: {told}"));
     match header.time() {
         Some(time) => log::info!("read {file}: traces {count}, rows {rows}, time by column {}", header.names[time]),
         None => log::info!("read {file}: traces {count}, rows {rows}, no time column"),

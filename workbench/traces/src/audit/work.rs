@@ -11,7 +11,7 @@ use super::audited::{Audited, Finding, Line, Outcome};
 use super::findings::{add, equal_traces, session_sets};
 use crate::describe::guess::Guess;
 use crate::reader::{self, Series};
-use crate::table::{Omitted, Table};
+use crate::table::Table;
 use model::Error;
 use model::audit::column::Column;
 use model::audit::friction::{Excited, Motion, Terms, excited};
@@ -86,13 +86,11 @@ impl Audit {
         let time = self.settings.data.time.as_deref();
         let table = Table::open(file)?;
         let (names, problems) = reader::numeric(&table, time)?;
-        let about = table.about();
-        let omitted = about.omitted.iter().map(|Omitted { place, reason }| format!("{place} left out: {reason}"));
         let of_columns = problems.iter().map(|problem| match problem {
             Error::Content { place, problem, .. } => format!("{place}: left out: {problem}"),
             other => other.to_string(),
         });
-        let left_out: Vec<String> = omitted.chain(of_columns).chain(about.notes.iter().cloned()).collect();
+        let left_out: Vec<String> = table.about().told().chain(of_columns).collect();
         let guess = Guess::of(&names);
         let Signals { current, velocity, angle, velocity_ref, load, .. } = &self.settings.channels;
         let chosen = [

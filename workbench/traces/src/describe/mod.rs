@@ -39,6 +39,8 @@ pub struct Described {
     pub file: PathBuf,
     /// What was found, in a line.
     pub told: String,
+    /// What the user has to say, which `told` has too.
+    pub question: Option<String>,
 }
 
 /// Writes a drive file by looking at recordings, and their labels if there are none.
@@ -72,6 +74,7 @@ pub fn describe(asked: &Asked<'_>, log: &Log<'_>) -> Result<Described, Error> {
     outputs::write(&out, text(&found, &values, note.as_deref()))?;
     let left = found.left.iter().map(LeftOut::told).chain(found.columns_left.iter().cloned());
     log.warn(left.map(|left| format!("left out {left}")));
+    let question = found.made.filter(|told| *told == Told::Nothing).map(made);
     let mut told = told(&found, &out);
     match outcome {
         Outcome::Refused(reason) => {
@@ -80,7 +83,7 @@ pub fn describe(asked: &Asked<'_>, log: &Log<'_>) -> Result<Described, Error> {
         }
         _ => told += &note.map_or_else(String::new, |note| format!(" Note: {note}.")),
     }
-    Ok(Described { told, file: out })
+    Ok(Described { told, question, file: out })
 }
 
 /// The files in these paths, or in the folders below a folder that has none itself.

@@ -27,6 +27,12 @@ pub struct About {
 }
 
 impl About {
+    /// What was left out or guessed, a sentence each.
+    pub fn told(&self) -> impl Iterator<Item = String> + '_ {
+        let omitted = self.omitted.iter().map(|Omitted { place, reason }| format!("{place}: left out: {reason}"));
+        omitted.chain(self.notes.iter().cloned())
+    }
+
     /// Adds what was left out.
     pub fn omit(&mut self, place: impl Into<String>, reason: impl Into<String>) {
         self.omitted.push(Omitted { place: place.into(), reason: reason.into() });
