@@ -263,7 +263,8 @@ impl Candidate {
             return Ok(None);
         }
         // Labels may name a trace with its folder, since files of several folders may have one name.
-        let qualified = self.qualified().filter(|name| wanted.is_some_and(|wanted| wanted(stem(name))));
+        let wants = |name: &str| wanted.is_some_and(|wanted| wanted(stem(name)));
+        let qualified = self.qualified().filter(|name| wants(name) && !wants(&table.id()));
         let table = match qualified {
             Some(name) => table.called(name),
             None => table,
