@@ -109,5 +109,6 @@ def test_what_is_left_out_or_asked_is_a_warning(tmp_path):
     said = "\n".join(str(one.message) for one in told)
     assert "the file ends inside it" in said and "taken in us" in said and "column state" in said
     assert list(trace.columns) == ["current_A"] and trace.interval_s == pytest.approx(250e-6)
-    with pytest.warns(bw.BearingWatchWarning, match="Which recordings are healthy"):
+    with pytest.warns(bw.BearingWatchWarning) as told:
         bw.init(tmp_path)
+    assert any("Which recordings are healthy" in str(one.message) for one in told)
