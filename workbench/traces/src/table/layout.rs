@@ -236,6 +236,11 @@ impl Rows {
         let last = all.len().saturating_sub(2);
         let begins = |first: &usize| fits(&all[*first]) && (*first >= last || fits(&all[*first + 1]));
         let first = (0..all.len()).find(begins)?;
+        // A row with a bad cell is no header: its first number says so, and reading names the cell.
+        let place = numeric.iter().position(|numeric| *numeric)?;
+        let is_row =
+            |row: &Vec<&str>| row.len() == cells && matches!(kind(row[place], commas), Kind::Number | Kind::Time);
+        let first = first - all[..first].iter().rev().take_while(|row| is_row(row)).count();
         let found = Self { separator, cells, numeric, first };
         // pandas writes the places of columns without names.
         let counts =
@@ -270,7 +275,8 @@ impl Head {
     /// The header of rows of which so many columns are used.
     fn of((content, comments): (&[Line<'_>], &[Line<'_>]), rows: &Rows, used: usize) -> Self {
         let cells = |place: usize| content.get(place).map(|line| split(line.text, rows.separator));
-        let named = |place: Option<usize>| place.and_then(|place| Some((place, fitting(cells(place)?, used)?)));
+        let named =
+            |place: Option<usize>| place.and_then(|place| Some((place, fitting(cells(place)?, [used, rows.cells])?)));
         let last = rows.first.checked_sub(1);
         let units = last.and_then(&cells).filter(|row| is_units(row, used));
         let (found, units) = match (units, named(last.and_then(|last| last.checked_sub(1)))) {
@@ -281,13 +287,16 @@ impl Head {
             return Self::of_comment(comments, content[rows.first].before, (rows, used));
         };
         let step_s = units.as_ref().and_then(|units| increment(&all, units));
-        let with_unit = |(k, name): (usize, &String)| match units.as_ref().map(|units| bare(units[k])) {
+        let unit = |k: usize| units.as_ref().and_then(|units| units.get(k)).map(|unit| bare(unit));
+        let with_unit = |(k, name): (usize, &String)| match unit(k) {
             Some(unit) if Unit::named(unit).is_some() => format!("{name} [{unit}]"),
             Some(unit) => long_unit(unit).map_or_else(|| name.clone(), |unit| format!("{name} [{unit}]")),
             None => name.clone(),
         };
-        let names = all.iter().take(used).enumerate().map(with_unit).collect();
-        let further = if step_s.is_some() { vec![] } else { all[used.min(all.len())..].to_vec() };
+        // A column may be empty in the rows that are looked at, and have numbers later.
+        let kept = if step_s.is_some() { used } else { rows.cells };
+        let names = all.iter().take(kept).enumerate().map(with_unit).collect();
+        let further = if step_s.is_some() { vec![] } else { all[kept.min(all.len())..].to_vec() };
         Self { names, cells: all, before, step_s, further }
     }
 
@@ -319,8 +328,9 @@ impl Head {
     }
 }
 
-/// The cells of a line as names of so many columns; `None` if there are not as many.
-fn fitting(cells: Vec<&str>, used: usize) -> Option<Vec<String>> {
+/// The cells of a line as names of columns, of which so many are used and there are so many in all; `None` if there are
+/// not as many.
+fn fitting(cells: Vec<&str>, [used, columns]: [usize; 2]) -> Option<Vec<String>> {
     let count = cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
     if cells.iter().all(|cell| kind(cell, false) != Kind::Word)
         && !cells.iter().enumerate().all(|(k, c)| *c == k.to_string() || *c == (k + 1).to_string())
@@ -332,7 +342,7 @@ fn fitting(cells: Vec<&str>, used: usize) -> Option<Vec<String>> {
     let rare = ["start", "t0", "increment", "tinc", "comment", "comments", "note", "notes"];
     let is_rare = |name: &String| name.is_empty() || rare.contains(&name.to_lowercase().as_str());
     match count {
-        _ if count == used || all.len() == used => Some(all),
+        _ if count == used || all.len() == used || all.len() == columns => Some(all),
         _ if count > used && all[used..].iter().all(is_rare) => Some(all),
         // Tables of R have no name for their row names.
         _ if count + 1 == used && used > 2 => Some(std::iter::once("row".to_string()).chain(all).take(used).collect()),
@@ -398,6 +408,8 @@ mod tests {
         expect("t;i\n0.1;2.5\n", (';', false, "t i", 1));
         expect("t\ti\n0,1\t2,5\n", ('\t', true, "t i", 1));
         expect("t  i\n0.1   2.5\n", (' ', false, "t i", 1));
+        expect("t,i\n0,x\n1,2\n2,3\n", (',', false, "t i", 1));
+        expect("t,i,late\n0,1,\n1,2,\n", (',', false, "t i late", 1));
         expect("\"a;b\",i\n1,2\n", (',', false, "a;b i", 1));
         expect("only\n1.5\n", (',', false, "only", 1));
         expect("t;n\n0,5;2,000\n1,5;3,000\n", (';', true, "t n", 1));
