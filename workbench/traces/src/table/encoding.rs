@@ -7,6 +7,13 @@ use encoding_rs::{Encoding, UTF_16BE, UTF_16LE, WINDOWS_1252};
 /// The text, and the name of its encoding if that is guessed: Windows-1252, of which Latin-1 is a part, of bytes that
 /// are no UTF-8.
 pub(super) fn text(bytes: Vec<u8>) -> (String, Option<&'static str>) {
+    let (text, guessed) = decoded(bytes);
+    // Lines of old systems end with a carriage return alone.
+    let is_old = text.contains('\r') && !text.contains('\n');
+    (if is_old { text.replace('\r', "\n") } else { text }, guessed)
+}
+
+fn decoded(bytes: Vec<u8>) -> (String, Option<&'static str>) {
     if let Some((encoding, mark)) = Encoding::for_bom(&bytes)
         && (encoding == UTF_16LE || encoding == UTF_16BE)
     {
@@ -46,5 +53,7 @@ mod tests {
         assert_eq!(text(plain), ("t,i\n1,2\n".into(), Some("UTF-16")));
         assert_eq!(text(b"t,\xb0C\n1,2\n".to_vec()), ("t,°C\n1,2\n".into(), Some("Windows-1252 (Latin-1)")));
         assert_eq!(text(b"t,i\n".to_vec()), ("t,i\n".into(), None));
+        assert_eq!(text(b"t,i\r1,2\r".to_vec()).0, "t,i\n1,2\n");
+        assert_eq!(text(b"t,i\r\n1,2\r\n".to_vec()).0, "t,i\r\n1,2\r\n");
     }
 }
