@@ -70,6 +70,9 @@ pub(crate) fn evened(times: &mut [f64]) -> Option<String> {
 }
 
 #[cfg(test)]
+mod loggers;
+
+#[cfg(test)]
 mod tests {
     use super::*;
 

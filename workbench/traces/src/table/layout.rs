@@ -148,6 +148,9 @@ impl Layout {
                 self.clocks.push((k, clock));
             }
         }
+        // A date beside a time of the day stands.
+        let stands = |k: usize| cells(k).all(|cell| cells(k).next() == Some(cell));
+        self.clocks.sort_by_key(|(k, _)| stands(*k));
         let named = (0..self.names.len()).find_map(|k| Some((k, time_name::usual(&self.names[k])?)));
         let without_header = self.header.is_empty() && self.clocks.is_empty();
         let place = named.or_else(|| (without_header && self.rises(rows)).then_some((0, None)));

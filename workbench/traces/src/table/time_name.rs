@@ -21,14 +21,24 @@ pub(crate) fn usual(name: &str) -> Option<Option<f64>> {
         return None;
     }
     let lower = trimmed.to_lowercase();
-    if lower == "ms_today" {
-        return Some(Some(1e-3));
+    // Units alone.
+    match lower.as_str() {
+        "seconds" | "secs" | "sec" => return Some(Some(1.0)),
+        "ms_today" | "milliseconds" | "millis" | "msec" => return Some(Some(1e-3)),
+        "microseconds" | "micros" | "usec" => return Some(Some(1e-6)),
+        _ => {}
     }
-    let is_mark = |c: char| matches!(c, '_' | '[' | '(' | ' ');
+    let is_mark = |c: char| matches!(c, '_' | '[' | '(' | ' ' | '/');
     let word = lower.split(is_mark).next().unwrap_or_default();
     let known = ["t", "time", "timestamp", "timestamps", "zeit", "temps", "tijd", "tiempo", "datetime", "x_value"];
     let is_time = known.contains(&word) || known.contains(&lower.as_str());
     let rest = lower.strip_prefix(word).unwrap_or_default();
+    // Elapsed Time [s]
+    let (before, unit) = lower.split_once(['[', '(']).unwrap_or((&lower, ""));
+    let last = before.trim_end().rsplit(is_mark).next().unwrap_or_default();
+    if !is_time && ["time", "zeit", "temps"].contains(&last) && !unit.is_empty() {
+        return seconds(&lower).map(Some);
+    }
     if !is_time || !rest.chars().next().is_none_or(is_mark) {
         return None;
     }
@@ -36,7 +46,7 @@ pub(crate) fn usual(name: &str) -> Option<Option<f64>> {
     if rest.is_empty() || known.contains(&lower.as_str()) {
         return Some(None);
     }
-    seconds(&format!("t_{}", rest.trim_matches(['_', '[', ']', '(', ')', ' ']))).map(Some)
+    seconds(&format!("t_{}", rest.trim_matches(['_', '[', ']', '(', ')', ' ', '/']))).map(Some)
 }
 
 /// The unit of times whose column has none.
@@ -84,11 +94,25 @@ mod tests {
             ("time_us", Some(1e-6)),
             ("timestamp", None),
             ("ms_today", Some(1e-3)),
+            ("Elapsed Time [s]", Some(1.0)),
+            ("t/ms", Some(1e-3)),
+            ("seconds", Some(1.0)),
             ("X_Value", None),
         ] {
             assert_eq!(usual(name), Some(unit), "{name}");
         }
-        for name in ["T", "torque", "temperature", "timer_state", "time_constant", "t1", "tt"] {
+        for name in [
+            "T",
+            "torque",
+            "temperature",
+            "timer_state",
+            "time_constant",
+            "t1",
+            "tt",
+            "rise time",
+            "uptime",
+            "cycle_time_s",
+        ] {
             assert_eq!(usual(name), None, "{name}");
         }
     }

@@ -1,0 +1,84 @@
+//! Times as loggers write them, each with the rate that it means.
+
+use model::audit::times::Times;
+
+use crate::reader::series;
+use crate::table::Table;
+
+/// Rows of each file.
+const ROWS: u64 = 400;
+
+/// The time of the day of a row, ms, from just before midnight on.
+fn clock(k: u64) -> (u64, u64, u64, u64) {
+    let ms = 86_399_900 + k;
+    let of_day = ms % 86_400_000;
+    (of_day / 3_600_000, of_day / 60_000 % 60, of_day / 1000 % 60, of_day % 1000)
+}
+
+/// The day of a row: the 26th, and the 27th behind midnight.
+fn day(k: u64) -> u64 {
+    26 + (86_399_900 + k) / 86_400_000
+}
+
+type Row = fn(u64) -> String;
+
+const CASES: [(&str, Row, Option<f64>); 20] = [
+    ("timestamp", |k| (1_764_200_000_000 + 2 * k).to_string(), Some(500.0)),
+    ("time", |k| (1_764_200_000_000_000 + 50 * k).to_string(), Some(20_000.0)),
+    ("%time", |k| (1_764_200_000_000_000_000 + 100_000 * k).to_string(), Some(10_000.0)),
+    ("ms_today", |k| (40_000_000 + 4 * k).to_string(), Some(250.0)),
+    ("Time (ms)", |k| format!("{:.1}", 0.5 * k as f64), Some(2000.0)),
+    ("Elapsed Time [s]", |k| format!("{:.3}", k as f64 / 1e3), Some(1000.0)),
+    ("t/ms", |k| (2 * k).to_string(), Some(500.0)),
+    ("seconds", |k| format!("{:.3}", k as f64 / 1e3), Some(1000.0)),
+    ("Time_sec", |k| format!("{:.6e}", k as f64 / 2e4), Some(20_000.0)),
+    ("__time", |k| format!("{}.{:05}", 1_764_200_000 + 5 * k / 100_000, 5 * k % 100_000), Some(20_000.0)),
+    ("log", |k| format!("2026-11-26T10:00:00.{:06}Z", 250 * k), Some(4000.0)),
+    ("log", |k| format!("2026-11-26T10:00:00.{k:03}+01:00"), Some(1000.0)),
+    (
+        "Datum",
+        |k| {
+            let (h, m, s, ms) = clock(k);
+            format!("{}.11.2026 {h:02}:{m:02}:{s:02}.{ms:03}", day(k))
+        },
+        Some(1000.0),
+    ),
+    (
+        "Date Time",
+        |k| {
+            let (h, m, s, ms) = clock(k);
+            format!("11/{}/2026 {h:02}:{m:02}:{s:02}.{ms:03}", day(k))
+        },
+        Some(1000.0),
+    ),
+    (
+        "clock",
+        |k| {
+            let (h, m, s, ms) = clock(k);
+            format!("{h:02}:{m:02}:{s:02}.{ms:03}")
+        },
+        Some(1000.0),
+    ),
+    ("timestamp", |k| ((4_294_960_000 + 250 * k) % (1 << 32)).to_string(), Some(4000.0)),
+    ("time_ms", |k| ((65_400 + k) % 65_536).to_string(), Some(1000.0)),
+    ("time_ms", |k| (2 * k / 3).to_string(), Some(1500.0)),
+    // A temperature, and a count of rows.
+    ("T", |k| format!("{}", 20 + k % 5), None),
+    ("time", |k| k.to_string(), None),
+];
+
+#[test]
+fn times_of_many_loggers_have_their_rate() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (case, (name, row, rate_hz)) in CASES.iter().enumerate() {
+        let path = folder.path().join(format!("{case}.csv"));
+        let rows: String = (0..ROWS).map(|k| format!("{},{}.5,{}\n", row(k), k % 7, 100 + k % 11)).collect();
+        std::fs::write(&path, format!("{name},current_A,speed_rpm\n{rows}")).expect("writable");
+        let table = Table::open(&path).expect(name);
+        let read = series(&table, (None, None), &["current_A".into()]).expect(name);
+        let found = read[0].times_s.as_deref().and_then(Times::of).map(|times| times.rate_hz);
+        let right = found.zip(*rate_hz).map_or(found == *rate_hz, |(found, rate)| (found / rate - 1.0).abs() < 2e-5);
+        assert!(right, "{case} {name}: {found:?} for {rate_hz:?}");
+        assert_eq!(read[0].columns[0].len() as u64, ROWS, "{name}");
+    }
+}
