@@ -5,9 +5,9 @@
 //! e_k ≈ D_k Σ_n (a_n cos nφ + b_n sin nφ):   error of the angle at order n   √(a_n² + b_n²)/n             (2)
 //! ```
 //!
-//! A step e that the next ones take back is a spike, or a turn backwards for a row; one that stays is a slip. Steps only
-//! where the angle wraps are those of a filter across the wrap. A resolver whose sine and cosine are δ off 90° has an
-//! error of δ/2 at order 2, as has one whose amplitudes differ by δ.
+//! A step e that the next ones take back is a spike, or a turn backwards for a row; one that stays is a slip. Steps
+//! only where the angle wraps are those of a filter across the wrap. A resolver whose sine and cosine are δ off 90° has
+//! an error of δ/2 at order 2, as has one whose amplitudes differ by δ.
 
 use std::f64::consts::{PI, TAU};
 

@@ -36,7 +36,8 @@ pub struct Count {
 pub struct Draw {
     /// One count for each experiment.
     pub counts: Vec<Count>,
-    /// Decisions of the source's method in MIX on the same records, one for each of [`MODELS`]; none beside the default.
+    /// Decisions of the source's method in MIX on the same records, one for each of [`MODELS`]; none beside the
+    /// default.
     pub source: Vec<Judged>,
 }
 

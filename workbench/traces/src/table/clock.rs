@@ -5,8 +5,8 @@
 //! 1764200000000250000        1764200000.00025       123456789              in the unit of the column
 //! ```
 //!
-//! Seconds since 1970 with their decimals need more digits than a double has. So all are integers until the first one is
-//! subtracted. A clock of a day goes on behind midnight in the reader.
+//! Seconds since 1970 with their decimals need more digits than a double has. So all are integers until the first one
+//! is subtracted. A clock of a day goes on behind midnight in the reader.
 
 /// Nanoseconds of a second and of a day.
 const SECOND: i128 = 1_000_000_000;
