@@ -20,7 +20,7 @@ use crate::table::about::About;
 use crate::table::arrow_values::{Clock, cells, numbers, rank, text_bytes, texts};
 use crate::table::columns::{Columns, Wanted};
 use crate::table::limit::Limit;
-use crate::table::{arrow_blocks, doubles, iso_time, parquet_pages};
+use crate::table::{arrow_blocks, clock, doubles, parquet_pages};
 use model::Error;
 
 /// Rows of one batch.
@@ -122,7 +122,7 @@ fn dates(path: &Path, kind: Kind, places: Vec<usize>) -> Result<Vec<usize>, Erro
     let mut is_date = |column: &dyn Array| {
         let cells = limit.claim(text_bytes(column)).ok().and_then(|()| texts(column)).unwrap_or_default();
         let mut cells = cells.iter().filter(|cell| !cell.is_empty()).peekable();
-        cells.peek().is_some() && cells.all(|cell| iso_time::nanoseconds(cell).is_some())
+        cells.peek().is_some() && cells.all(|cell| clock::iso_nanoseconds(cell).is_some())
     };
     Ok(places.into_iter().zip(head.columns()).filter(|(_, own)| is_date(own)).map(|(place, _)| place).collect())
 }
@@ -161,7 +161,7 @@ fn read_some(file: (&Path, &[String]), kind: Kind, clocks: &[usize], wanted: Wan
 /// The batches of these columns, in the order of the file, and the rows for which memory is reserved.
 type Batches = (usize, Box<dyn Iterator<Item = Result<RecordBatch, String>>>);
 
-/// Opens these columns, of so many, in batches of at most so many rows.
+/// Opens the columns at these places, `columns` in all, in batches of at most `rows` rows.
 fn opened(path: &Path, kind: Kind, (places, columns): (&[usize], usize), rows: usize) -> Result<Batches, Error> {
     let wrong = wrong(path, kind);
     Ok(match kind {

@@ -13,8 +13,8 @@ use arrow_schema::DataType;
 
 use model::trace::Cells;
 
+use super::clock::iso_nanoseconds;
 use super::columns::is_missing;
-use super::iso_time;
 use super::limit::NUMBER;
 
 /// Bytes of a text beside its letters.
@@ -136,7 +136,7 @@ impl Clock {
     /// # Errors
     /// The row of a text that is none.
     pub(super) fn of_texts(&mut self, texts: &[String]) -> Result<Vec<f64>, usize> {
-        let time = |(row, text): (usize, &String)| match iso_time::nanoseconds(text) {
+        let time = |(row, text): (usize, &String)| match iso_nanoseconds(text) {
             None if is_missing(text.trim()) => Ok(None),
             time => time.map(Some).ok_or(row),
         };

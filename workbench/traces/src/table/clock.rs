@@ -91,6 +91,14 @@ pub(in crate::table) fn nanoseconds(cell: &str) -> Option<i128> {
     Some(i128::from(days) * DAY + of_day)
 }
 
+/// The same of a date with a time of the day in the forms of ISO 8601, such as `2026-11-26T01:00:00,5+01:00`.
+#[cfg(feature = "parquet")]
+pub(in crate::table) fn iso_nanoseconds(text: &str) -> Option<i128> {
+    let marks = [(4, b'-'), (7, b'-'), (13, b':')];
+    let bytes = text.trim().as_bytes();
+    nanoseconds(text).filter(|_| marks.iter().all(|(place, mark)| bytes.get(*place) == Some(mark)))
+}
+
 /// Days since 1970 of 2026-11-26, 2026/11/26, 26.11.2026, 11/26/2026 and 26/11/2026; the month comes first where a
 /// stroke separates and both are possible, which only tells at midnight.
 fn days(date: &str) -> Option<i64> {
@@ -109,7 +117,13 @@ fn days(date: &str) -> Option<i64> {
         _ => return None,
     };
     let year = if c.len() == 2 && a.len() != 4 { year + 2000 } else { year };
-    if !(1..=12).contains(&month) || !(1..=31).contains(&day) || !(1900..=9999).contains(&year) {
+    let is_leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+    let length = match month {
+        2 => 28 + i64::from(is_leap),
+        4 | 6 | 9 | 11 => 30,
+        _ => 31,
+    };
+    if !(1..=12).contains(&month) || !(1..=length).contains(&day) || !(1900..=9999).contains(&year) {
         return None;
     }
     // Days of the civil calendar, whose years begin in March (Richards 2013, *Calendars*).
@@ -130,14 +144,18 @@ fn of_day(time: &str) -> Option<i128> {
         Some(at) => (&time[..at], minutes(&time[at..])?),
         None => (time, 0),
     };
-    let (clock, part) = time.split_once(['.', ',']).unwrap_or((time, ""));
+    let (clock, part) = match time.split_once(['.', ',']) {
+        Some((_, "")) => return None,
+        Some(parts) => parts,
+        None => (time, ""),
+    };
     let mut numbers = clock.split(':');
     let mut next = |most: i128| -> Option<i128> {
         let text = numbers.next().unwrap_or("0");
         let is_number = (1..=2).contains(&text.len()) && text.bytes().all(|byte| byte.is_ascii_digit());
         text.parse().ok().filter(|number| is_number && *number <= most)
     };
-    let (hour, minute, second) = (next(24)?, next(59)?, next(60)?);
+    let (hour, minute, second) = (next(23)?, next(59)?, next(59)?);
     if numbers.next().is_some() || !clock.contains(':') || !part.bytes().all(|byte| byte.is_ascii_digit()) {
         return None;
     }
@@ -190,10 +208,52 @@ mod tests {
         ] {
             assert_eq!(nanoseconds(text), Some(expected), "{text}");
         }
-        for text in
-            ["", "12", "1.5", "-3.5", "1.2.3", "2026-13-01", "10:75", "1e5", "spall", "3.8953+4.1456i", "12:30x"]
-        {
+        for text in [
+            "",
+            "12",
+            "1.5",
+            "-3.5",
+            "1.2.3",
+            "2026-13-01",
+            "10:75",
+            "2026-02-29",
+            "2026-11-26 24:00",
+            "1e5",
+            "spall",
+            "3.8953+4.1456i",
+            "12:30x",
+        ] {
             assert_eq!(nanoseconds(text), None, "{text}");
+        }
+    }
+
+    #[cfg(feature = "parquet")]
+    #[test]
+    fn dates_with_times_are_read_to_the_nanosecond() {
+        let midnight = 1_795_651_200 * 1_000_000_000;
+        for (text, later) in [
+            ("2026-11-26 00:00:00", 0),
+            ("2026-11-26T00:00:00.000500", 500_000),
+            ("2026-11-26T00:00:00,000000001Z", 1),
+            ("2026-11-26 01:00:00.5+01:00", 500_000_000),
+            ("2026-11-25T19:00-0500", 0),
+            ("2026-11-26 00:00:00+00", 0),
+            (" 2026-11-26 00:00:00 UTC ", 0),
+        ] {
+            assert_eq!(iso_nanoseconds(text), Some(midnight + later), "{text}");
+        }
+        for text in [
+            "",
+            "2026-11-26",
+            "2026-13-26 00:00:00",
+            "2026-11-26 24:00:00",
+            "2026-11-26 00:00:00.",
+            "run 2026-11-26 00:00:00",
+            "äöüäöüä 1",
+            "1.5",
+            "2026-11-26 x",
+        ] {
+            assert_eq!(iso_nanoseconds(text), None, "{text}");
         }
     }
 

@@ -35,8 +35,6 @@ mod encoding;
 mod formats;
 #[cfg(feature = "matlab")]
 mod hdf5;
-#[cfg(feature = "parquet")]
-mod iso_time;
 mod layout;
 mod limit;
 mod lines;
