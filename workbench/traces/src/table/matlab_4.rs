@@ -6,6 +6,7 @@
 //! type      1000 of big-endian numbers + 10 × kind of numbers + 0 of numbers, 1 of text, 2 of sparse numbers
 //! ```
 
+use crate::table::array_cells::{self, Kind};
 use crate::table::matlab_value::{SPARSE, Value};
 
 const HEADER: usize = 20;
@@ -16,7 +17,8 @@ const NAME: usize = 256;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Header {
     is_big: bool,
-    kind: Kind,
+    /// Kind of its numbers, and their bytes.
+    kind: (Kind, usize),
     /// 0, 1 or 2.
     class: i32,
     rows: usize,
@@ -25,51 +27,17 @@ struct Header {
     name: usize,
 }
 
-/// Kinds of numbers, with their bytes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    F64,
-    F32,
-    I32,
-    I16,
-    U16,
-    U8,
-}
-
-impl Kind {
-    fn of(digit: i32) -> Option<Self> {
-        [Self::F64, Self::F32, Self::I32, Self::I16, Self::U16, Self::U8].get(usize::try_from(digit).ok()?).copied()
-    }
-
-    const fn bytes(self) -> usize {
-        match self {
-            Self::F64 => 8,
-            Self::F32 | Self::I32 => 4,
-            Self::I16 | Self::U16 => 2,
-            Self::U8 => 1,
-        }
-    }
-
-    /// Numbers of this kind.
-    fn numbers(self, bytes: &[u8], is_big: bool) -> Vec<f64> {
-        macro_rules! each {
-            ($kind:ty) => {{
-                let (numbers, _) = bytes.as_chunks();
-                let number = |own: &[u8; size_of::<$kind>()]| {
-                    f64::from(if is_big { <$kind>::from_be_bytes(*own) } else { <$kind>::from_le_bytes(*own) })
-                };
-                numbers.iter().map(number).collect()
-            }};
-        }
-        match self {
-            Self::F64 => each!(f64),
-            Self::F32 => each!(f32),
-            Self::I32 => each!(i32),
-            Self::I16 => each!(i16),
-            Self::U16 => each!(u16),
-            Self::U8 => each!(u8),
-        }
-    }
+/// Kind of the numbers, and their bytes, by a digit of the type.
+fn number(digit: i32) -> Option<(Kind, usize)> {
+    Some(match digit {
+        0 => (Kind::Float, 8),
+        1 => (Kind::Float, 4),
+        2 => (Kind::Signed, 4),
+        3 => (Kind::Signed, 2),
+        4 => (Kind::Unsigned, 2),
+        5 => (Kind::Unsigned, 1),
+        _ => return None,
+    })
 }
 
 impl Header {
@@ -78,7 +46,7 @@ impl Header {
         // The type is below 5000, so that only one order of bytes fits.
         [false, true].into_iter().find_map(|is_big| {
             let word = |k: usize| if is_big { i32::from_be_bytes(words[k]) } else { i32::from_le_bytes(words[k]) };
-            let (kind, class) = (Kind::of(word(0) / 10 % 10)?, word(0) % 10);
+            let (kind, class) = (number(word(0) / 10 % 10)?, word(0) % 10);
             let size = |k: usize| usize::try_from(word(k)).ok();
             let own = Self {
                 is_big,
@@ -109,15 +77,16 @@ pub(super) fn variables(mut bytes: &[u8]) -> Option<Value> {
     while !bytes.is_empty() {
         let own = Header::of(bytes)?;
         let (name, rest) = bytes.get(HEADER..)?.split_at_checked(own.name)?;
-        let size = own.rows.checked_mul(own.columns)?.checked_mul(own.kind.bytes())?;
+        let (kind, each) = own.kind;
+        let size = own.rows.checked_mul(own.columns)?.checked_mul(each)?;
         let (re, rest) = rest.split_at_checked(size)?;
         let (im, rest) = rest.split_at_checked(if own.is_complex { size } else { 0 })?;
         bytes = rest;
         let name = String::from_utf8_lossy(name).trim_end_matches('\0').to_string();
-        let numbers = |part| own.kind.numbers(part, own.is_big);
+        let numbers = |part: &[u8]| array_cells::numbers(kind, each, own.is_big, part.chunks_exact(each));
         let value = match own.class {
-            0 => match Value::array(&[own.rows, own.columns], numbers(re)) {
-                Value::Numbers { rows, values: re } if own.is_complex => Value::Complex { rows, re, im: numbers(im) },
+            0 => match Value::array(&[own.rows, own.columns], numbers(re)?) {
+                Value::Numbers { rows, values: re } if own.is_complex => Value::Complex { rows, re, im: numbers(im)? },
                 other => other,
             },
             1 => Value::Text(String::new()),
