@@ -54,11 +54,10 @@ impl Log for Lines {
         if !told.insert(text.trim_start_matches("./").to_string()) {
             return;
         }
-        match told.len().cmp(&MOST) {
-            _ if log::max_level() >= LevelFilter::Info => eprintln!("{text}"),
-            std::cmp::Ordering::Less => eprintln!("{text}"),
-            std::cmp::Ordering::Equal => eprintln!("further notes are not printed; --verbose prints all"),
-            std::cmp::Ordering::Greater => {}
+        if log::max_level() >= LevelFilter::Info || told.len() < MOST {
+            eprintln!("{text}");
+        } else if told.len() == MOST {
+            eprintln!("further notes are not printed; --verbose prints all");
         }
     }
 

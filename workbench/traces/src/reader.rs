@@ -163,7 +163,7 @@ pub fn series(
     let (signals, parts) = parts(table, time, &signals, &|_| true)?;
     let each = |part: Part| {
         let Part { id, columns, times_s } = part;
-        let rows = rows(&columns, times_s.as_deref());
+        let rows = rows_of(&columns, times_s.as_deref());
         let by_rate = || rate_hz.map(|rate| (0..rows).map(|row| row as f64 / rate).collect());
         let times_s = times_s.or_else(by_rate);
         if times_s.is_none() && signals.iter().any(Signal::integrates) {
@@ -212,13 +212,8 @@ struct Part {
     times_s: Option<Vec<f64>>,
 }
 
-/// Number of rows of columns.
-fn rows_of(columns: &BTreeMap<usize, Vec<f64>>) -> usize {
-    columns.values().next().map_or(0, Vec::len)
-}
-
 /// Number of rows, also where signals need no column.
-fn rows(columns: &BTreeMap<usize, Vec<f64>>, times: Option<&[f64]>) -> usize {
+fn rows_of(columns: &BTreeMap<usize, Vec<f64>>, times: Option<&[f64]>) -> usize {
     columns.values().next().map(Vec::len).or(times.map(<[f64]>::len)).unwrap_or(0)
 }
 
@@ -270,7 +265,7 @@ fn parts(
             }
             Some(times)
         });
-        let by_row = |step: f64| (0..rows_of(&own)).map(|row| row as f64 * step).collect();
+        let by_row = |step: f64| (0..rows_of(&own, None)).map(|row| row as f64 * step).collect();
         let mut times_s = times_s.or_else(|| table.about().step_s.filter(|_| time.is_none()).map(by_row));
         if let (Some(times), Some((place, factor))) = (&mut times_s, header.time) {
             let tick = table.about().ticks_s.iter().find(|(own, _)| *own == place).map_or(factor, |(_, tick)| *tick);

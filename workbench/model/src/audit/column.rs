@@ -44,18 +44,17 @@ impl Column {
     pub fn of(x: &[f64]) -> Self {
         let measured: Vec<f64> = x.iter().copied().filter(|x| x.is_finite()).collect();
         let missing = (x.len() - measured.len()) as f64 / x.len().max(1) as f64;
-        Self { missing, outside: outside(x), ..Self::of_measured(&measured) }
+        let mut sorted = measured.clone();
+        sorted.sort_by(f64::total_cmp);
+        Self { missing, outside: outside(x, &sorted), ..Self::of_measured(&measured, &sorted) }
     }
 
-    fn of_measured(x: &[f64]) -> Self {
+    fn of_measured(x: &[f64], sorted: &[f64]) -> Self {
         let (mean, scatter) = mean_sd(x);
-        let mut sorted = x.to_vec();
-        sorted.sort_by(f64::total_cmp);
         let range = [sorted.first().copied().unwrap_or(f64::NAN), sorted.last().copied().unwrap_or(f64::NAN)];
         // The rounding of the mean of equal values is no deviation.
         let deviation = if range[0] < range[1] { scatter } else { 0.0 };
-        let steps = sorted.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 1e-12 * deviation);
-        let step = steps.fold(f64::INFINITY, f64::min);
+        let step = least_difference(sorted, deviation);
         let every = every(x);
         let runs = runs(x);
         let part = |rows: usize| rows as f64 / x.len().max(1) as f64;
@@ -114,16 +113,28 @@ impl Column {
     }
 }
 
-/// The first row far outside of all others, and how many are.
-fn outside(x: &[f64]) -> Option<(usize, usize)> {
+/// The smallest difference of two values, which is that of the sensor's counts.
+#[must_use]
+pub fn step(x: &[f64]) -> f64 {
+    let mut sorted: Vec<f64> = x.iter().copied().filter(|x| x.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    least_difference(&sorted, mean_sd(&sorted).1)
+}
+
+/// The smallest difference of sorted values above the rounding of values with this deviation.
+fn least_difference(sorted: &[f64], deviation: f64) -> f64 {
+    let differences = sorted.windows(2).map(|pair| pair[1] - pair[0]);
+    differences.filter(|step| *step > 1e-12 * deviation).fold(f64::INFINITY, f64::min)
+}
+
+/// The first row far outside of all others, and how many are; the values are sorted beside them.
+fn outside(x: &[f64], sorted: &[f64]) -> Option<(usize, usize)> {
     /// Widths of all values but the outermost hundredth, and the largest part of the rows.
     const WIDTHS: f64 = 20.0;
     const RARE: f64 = 0.01;
-    let mut sorted: Vec<f64> = x.iter().copied().filter(|x| x.is_finite()).collect();
     if sorted.len() < 100 {
         return None;
     }
-    sorted.sort_by(f64::total_cmp);
     let at = |part: f64| sorted[((sorted.len() - 1) as f64 * part) as usize];
     let (low, high) = (at(0.5 * RARE), at(1.0 - 0.5 * RARE));
     let width = high - low;

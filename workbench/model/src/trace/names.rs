@@ -26,6 +26,12 @@ pub fn is_known(path: &Path) -> bool {
     path.file_name().is_some_and(|name| extensions(&name.to_string_lossy()).is_some())
 }
 
+/// The name of a file without its folder.
+#[must_use]
+pub fn file_name(path: &Path) -> String {
+    path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+}
+
 /// The name of a file without the extensions of formats that can be read.
 #[must_use]
 pub fn stem(name: &str) -> &str {

@@ -6,7 +6,7 @@ use super::audited::{Audited, Finding};
 use crate::describe::guess::is_reference;
 use crate::resample::unwrapped;
 use model::audit::angle as of_angle;
-use model::audit::column::Column;
+use model::audit::column;
 use model::audit::pairs::{self, COLLINEAR, correlation, lag};
 use model::audit::sessions::apart;
 use model::audit::sums;
@@ -16,7 +16,8 @@ use model::trace::median;
 
 /// Deviation of the steps in time, relative to the usual one, of irregular times.
 const IRREGULAR: f64 = 0.05;
-/// Most columns whose pairs are compared, and rows by which the steps of angle and velocity are told.
+/// Largest number of columns whose pairs are compared, and number of rows in which the steps of angle and velocity are
+/// searched.
 const PAIRED: usize = 200;
 const STEPS: usize = 100_000;
 
@@ -73,7 +74,7 @@ impl Audited {
             for finding in of_angle::findings(angle, velocity, times.rate_hz) {
                 add(findings, finding, id);
             }
-            let step = |x: &[f64]| Column::of(&x[..x.len().min(STEPS)]).step;
+            let step = |x: &[f64]| column::step(&x[..x.len().min(STEPS)]);
             let deviation = mean_sd(velocity).1;
             let steps = (step(angle), step(velocity), deviation);
             if let Some(finding) = of_angle::coarse(steps, times.rate_hz) {

@@ -19,7 +19,7 @@ use model::audit::orders::{self, floor, rate, smallest_line, turns};
 use model::audit::times::Times;
 use model::session::Log;
 use model::settings::{Signals, healthy_class};
-use model::trace::{bridged, stem};
+use model::trace::{bridged, file_name, stem};
 
 /// Rows of the shortest trace; shorter ones are tables of something else.
 const FEWEST: usize = 8;
@@ -41,7 +41,7 @@ impl Audit {
         // A file that has no label and none of the channels is a table of something else.
         let labels = self.settings.data.labels.as_deref().map(crate::read_labels).transpose()?;
         let is_other = |file: &Path| {
-            let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+            let name = file_name(file);
             labels.as_ref().is_some_and(|labels| !labels.has(&name))
         };
         for (file, found) in files.iter().zip(all) {

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::asked::Asked;
-use super::kinds::{LeftOut, kinds, most};
+use super::kinds::{LeftOut, are_alike, kinds, most};
 use super::names::{self, Told};
 use super::proposal::Proposal;
 use crate::table::Table;
@@ -14,7 +14,6 @@ use model::audit::times::Times;
 use model::outputs;
 use model::session::Log;
 use model::trace::labels::Labels;
-use model::trace::stem;
 
 /// What the files have.
 pub(super) struct Found {
@@ -54,7 +53,7 @@ impl Found {
         let Some(own) = most(kinds, &mut left) else { return Err(nothing(&data.traces, &left)) };
         let (names, proposal) = (own.names.clone(), Proposal::of(&own.names));
         // Files of a folder are found by their columns and labels; those are named beside which others cannot be read.
-        let of_others = left.iter().any(|other| own.files.iter().any(|file| stem_of(file) == stem_of(&other.file)));
+        let of_others = left.iter().any(|other| own.files.iter().any(|file| are_alike(file, &other.file)));
         let single = own.files.len() == 1 && files.len() > 1;
         let traces = if single || of_others { own.files.clone() } else { folders_of(&data.traces, &own.files) };
         let table = Table::open(&own.files[0])?;
@@ -138,8 +137,4 @@ fn folders_of(given: &[PathBuf], files: &[PathBuf]) -> Vec<PathBuf> {
     }
     let folders: BTreeSet<PathBuf> = files.iter().filter_map(|file| file.parent().map(Path::to_path_buf)).collect();
     folders.into_iter().collect()
-}
-
-fn stem_of(file: &Path) -> String {
-    stem(&file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()).to_string()
 }

@@ -9,7 +9,7 @@ use crate::reader;
 use crate::table::Table;
 use model::Error;
 use model::session::Log;
-use model::trace::stem;
+use model::trace::{file_name, stem};
 
 /// A file that is not described, and why.
 pub(super) struct LeftOut {
@@ -125,7 +125,7 @@ pub(super) fn most(mut kinds: Vec<Kind>, left: &mut Vec<LeftOut>) -> Option<Kind
     own.files.sort_unstable();
     let mut seen: Vec<PathBuf> = Vec::new();
     for file in std::mem::take(&mut own.files) {
-        let same = |other: &&PathBuf| other.parent() == file.parent() && name(other) == name(&file);
+        let same = |other: &&PathBuf| other.parent() == file.parent() && are_alike(other, &file);
         match seen.iter().find(same) {
             Some(first) => {
                 let reason = format!("the same name as {} in another format", file_name(first));
@@ -138,13 +138,9 @@ pub(super) fn most(mut kinds: Vec<Kind>, left: &mut Vec<LeftOut>) -> Option<Kind
     Some(own)
 }
 
-fn file_name(file: &Path) -> String {
-    file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
-}
-
-/// The name of a file without its format.
-fn name(file: &Path) -> String {
-    stem(&file_name(file)).to_string()
+/// Whether labels name two files alike: without folder and format.
+pub(super) fn are_alike(one: &Path, other: &Path) -> bool {
+    stem(&file_name(one)) == stem(&file_name(other))
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 use model::Error;
 use model::outputs::cell;
-use model::trace::stem;
+use model::trace::{file_name, stem};
 
 /// Words that say what a file is for, not what it shows.
 const SETS: [&str; 5] = ["test", "train", "training", "validation", "log"];
@@ -48,7 +48,7 @@ pub(super) enum Told {
 
 impl Name {
     fn of(path: &Path, qualified: bool) -> Self {
-        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let name = file_name(path);
         let folder = path.parent().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
         let folder = folder.unwrap_or_default();
         let stem = stem(&name).to_string();

@@ -49,18 +49,15 @@ pub(super) fn rising_time(names: &[String], columns: &[Vec<f64>], about: &mut Ab
     const FEWEST: usize = 16;
     let is_time = names.iter().any(|name| time_name::usual(name).is_some());
     let (Some(name), Some(first)) = (names.first(), columns.first()) else { return };
-    let steps = || first.windows(2).map(|pair| pair[1] - pair[0]);
-    let rises = steps().all(|step| step > 0.0) && !steps().all(|step| step == 1.0);
     if !is_time
         && about.clocks.is_empty()
         && name.ends_with("_1")
         && first.len() >= FEWEST
         && columns.len() > 1
-        && rises
+        && time_name::rises(first)
     {
         about.clocks.push(0);
-        let what = format!("no names; column {name} rises in each row and is taken as the time in s");
-        about.notes.push(format!("{what}, --time none leaves it out"));
+        about.notes.push(time_name::by_rise("names", name));
     }
 }
 

@@ -22,7 +22,7 @@ use model::outputs::text_of;
 /// Lines that are looked at, and bytes of a text with long lines.
 const LINES: usize = 200;
 const BYTES: usize = 256 << 10;
-/// Rows by which times are told.
+/// Largest number of rows in which times are looked for.
 const TIMES: usize = 64;
 /// Lines that a text has to have before its layout is taken for settled.
 const SETTLED: usize = 12;
@@ -187,10 +187,7 @@ impl Layout {
             }
         }
         if named.is_none() {
-            let note = format!(
-                "no header; column {name} rises in each row and is taken as the time in s, --time none leaves it out"
-            );
-            self.about.notes.push(note);
+            self.about.notes.push(time_name::by_rise("header", &name));
         }
         self.told()
     }
@@ -198,9 +195,7 @@ impl Layout {
     /// Whether the first column rises in each row, and does not count them.
     fn rises(&self, rows: &[Vec<&str>]) -> bool {
         let values: Vec<f64> = rows.iter().filter_map(|row| self.number(row[0])).collect();
-        let rising = values.windows(2).all(|pair| pair[1] > pair[0]);
-        let counting = values.windows(2).all(|pair| pair[1] - pair[0] == 1.0);
-        values.len() == rows.len() && values.len() >= SETTLED && rising && !counting
+        values.len() == rows.len() && values.len() >= SETTLED && time_name::rises(&values)
     }
 
     fn told(mut self) -> Self {
@@ -246,10 +241,7 @@ impl Rows {
         let first = first - all[..first].iter().rev().take_while(|row| is_row(row)).count();
         let found = Self { separator, cells, numeric, first };
         // pandas writes the places of columns without names.
-        let counts =
-            |row: &Vec<&str>, from: usize| row.iter().enumerate().all(|(k, cell)| *cell == (k + from).to_string());
-        let is_header =
-            first == 0 && cells > 2 && all.len() > first + 1 && (counts(&all[first], 0) || counts(&all[first], 1));
+        let is_header = first == 0 && cells > 2 && all.len() > first + 1 && are_places(&all[first]);
         let first = first + usize::from(is_header);
         (found.columns() > 0).then_some(Self { first, ..found })
     }
@@ -331,13 +323,16 @@ impl Head {
     }
 }
 
+/// Whether the cells of a line count the columns, from 0 or from 1 on.
+fn are_places(cells: &[&str]) -> bool {
+    (0..=1).any(|from| cells.iter().enumerate().all(|(k, cell)| *cell == (k + from).to_string()))
+}
+
 /// The cells of a line as names of columns, of which so many are used and there are so many in all; `None` if there are
 /// not as many.
 fn fitting(cells: Vec<&str>, [used, columns]: [usize; 2]) -> Option<Vec<String>> {
     let count = cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
-    if cells.iter().all(|cell| kind(cell, false) != Kind::Word)
-        && !cells.iter().enumerate().all(|(k, c)| *c == k.to_string() || *c == (k + 1).to_string())
-    {
+    if cells.iter().all(|cell| kind(cell, false) != Kind::Word) && !are_places(&cells) {
         return None;
     }
     let all: Vec<String> = cells.into_iter().map(clean).collect();

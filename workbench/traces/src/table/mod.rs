@@ -72,7 +72,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use model::Error;
-use model::trace::{Recorded, extensions};
+use model::trace::{Recorded, extensions, file_name};
 
 use columns::{NO_NUMBER, Unusable, settle, too_large};
 use formats::{is_binary, left_out, unread};
@@ -108,7 +108,7 @@ enum Content {
 impl Table {
     /// Opens a file by its extension; one without a known extension is text.
     pub fn open(path: &Path) -> Result<Self, Error> {
-        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let name = file_name(path);
         let (extension, compressed) = extensions(&name).unwrap_or_default();
         if compressed && is_binary(&extension) {
             let problem = format!("a .{extension} file is compressed by itself; unpack it once");
@@ -174,11 +174,12 @@ impl Table {
     }
 
     /// Id of the only trace of the table: the name of its file without folder, or of a table in memory.
+    #[must_use]
     pub fn id(&self) -> String {
         match &self.content {
             _ if self.id.is_some() => self.id.clone().unwrap_or_default(),
             Content::Memory(recorded) => recorded.name().into(),
-            _ => self.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+            _ => file_name(&self.path),
         }
     }
 

@@ -66,13 +66,13 @@ impl Text {
     /// Leaves the last line out if the file ends inside it.
     fn leave_out_cut_line(&mut self, path: &Path) -> Result<(), Error> {
         let tail = match &self.content {
-            Content::Whole(text) => text.clone().into_bytes().split_off(text.len() - text.len().min(HEAD as usize)),
+            Content::Whole(text) => Cow::Borrowed(&text.as_bytes()[text.len() - text.len().min(HEAD as usize)..]),
             Content::Large(_, bytes) => {
                 let mut file = File::open(path).map_err(Error::io(path))?;
                 file.seek(SeekFrom::Start(bytes.saturating_sub(HEAD))).map_err(Error::io(path))?;
                 let mut tail = Vec::new();
                 file.take(HEAD).read_to_end(&mut tail).map_err(Error::io(path))?;
-                tail
+                Cow::Owned(tail)
             }
         };
         let Some(feed) = tail.iter().rposition(|byte| *byte == b'\n').filter(|feed| feed + 1 < tail.len()) else {

@@ -49,6 +49,17 @@ pub(crate) fn usual(name: &str) -> Option<Option<f64>> {
     seconds(&format!("t_{}", rest.trim_matches(['_', '[', ']', '(', ')', ' ', '/']))).map(Some)
 }
 
+/// Whether values rise from row to row, and do not count the rows.
+pub(crate) fn rises(values: &[f64]) -> bool {
+    let steps = || values.windows(2).map(|pair| pair[1] - pair[0]);
+    steps().all(|step| step > 0.0) && !steps().all(|step| step == 1.0)
+}
+
+/// What is said where a column without a name is taken for the time since its values rise.
+pub(crate) fn by_rise(lacks: &str, name: &str) -> String {
+    format!("no {lacks}; column {name} rises in each row and is taken as the time in s, --time none leaves it out")
+}
+
 /// The unit of times whose column has none.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Guess {

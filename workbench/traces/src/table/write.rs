@@ -4,7 +4,7 @@ use std::path::Path;
 
 use model::Error;
 use model::outputs::cell;
-use model::trace::extensions;
+use model::trace::{extensions, file_name};
 
 /// Writes columns of equal lengths by the extension of the name.
 ///
@@ -12,7 +12,7 @@ use model::trace::extensions;
 /// An unknown extension, a format that this program was built without, a name that MATLAB does not allow, or a file
 /// that cannot be written.
 pub fn write(path: &Path, names: &[String], columns: &[Vec<f64>]) -> Result<(), Error> {
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let name = file_name(path);
     let known = extensions(&name).filter(|(own, _)| !super::formats::is_read_only(own));
     let Some((extension, compressed)) = known else {
         let problem =
