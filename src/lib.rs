@@ -94,12 +94,12 @@ mod saved;
 mod shaft;
 #[cfg(feature = "signature")]
 pub mod signature;
-#[cfg(test)]
-mod small_drive;
 #[cfg(feature = "embedded-storage")]
 pub mod storage;
 #[cfg(feature = "telemetry")]
 pub mod telemetry;
+#[cfg(test)]
+mod tests;
 mod unroll;
 
 pub use average::Average;

@@ -23,7 +23,7 @@ static const uint8_t key[BW_KEY_SIZE] = {
     0xca, 0x67, 0x09, 0xbf, 0x1d, 0x94, 0x12, 0x1b,
     0xf3, 0x74, 0x88, 0x01, 0xb4, 0x0f, 0x6f, 0x5c,
 };
-/* The counter of the model that has run last: a drive keeps it where nobody can write it back. */
+/* Counter of the newest model that has run. A drive stores it in memory that cannot be set back. */
 #define LEAST_COUNTER 5u
 
 /* A copy of the flash that is changed; what follows the signature is erased. */

@@ -3,7 +3,7 @@ use crate::decide::Cause;
 use crate::model::{Constants, EvidenceConstants, Model};
 use crate::reason::Reason;
 use crate::report::{Report, Verdict};
-use crate::small_drive::{Drive, MODEL, SAMPLES, Sample, report, samples};
+use crate::tests::{Drive, MODEL, SAMPLES, Sample, report, samples};
 
 fn segment(detector: &mut Detector<'_, Drive>, mut samples: impl Iterator<Item = Sample>) -> Segment<Drive> {
     loop {

@@ -5,7 +5,7 @@ use std::vec::Vec;
 use super::*;
 use crate::decide::{Decision, EvidenceConstants, Novelty, SilenceLimits};
 use crate::reason::Reason;
-use crate::small_drive::{Drive, MODEL};
+use crate::tests::{Drive, MODEL};
 
 /// The drive's model with a gate around its first class, and with an alarm.
 fn model() -> Model<Drive> {
@@ -85,9 +85,9 @@ fn header_and_counts_are_where_the_format_has_them() {
 #[test]
 fn what_is_saved_is_restored_with_a_baseline_and_without() {
     let model = model();
-    let mut own = baseline(&model, 2.0);
-    assert!(own.restore(&[0.05], true));
-    for (kept, given) in [(None, false), (None, true), (Some(&own), true), (Some(&own), false)] {
+    let mut narrow = baseline(&model, 2.0);
+    assert!(narrow.restore(&[0.05], true));
+    for (kept, given) in [(None, false), (None, true), (Some(&narrow), true), (Some(&narrow), false)] {
         let (mut evidence, mut other) = (model.evidence(), baseline(&model, 2.0));
         let bytes = saved(&model, kept);
         let expected = if given { kept.cloned().unwrap_or_else(|| other.clone()) } else { other.clone() };

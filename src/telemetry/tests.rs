@@ -5,7 +5,7 @@ use crate::drive::Angle;
 use crate::model::Model;
 use crate::plan::{Layout, Memory, Method, Plan, RunTime, RunTimeSample, ShaftLayout, Structure, testing};
 use crate::report::{Report, Verdict};
-use crate::small_drive::{Drive, MODEL, report, samples};
+use crate::tests::{Drive, MODEL, report, samples};
 use std::vec::Vec;
 
 crate::plan! {

@@ -13,8 +13,8 @@ fn classes_are_told_apart_behind_the_front_end_where_the_source_guesses() {
         all.iter().filter(|own| own.name == "MIX" || own.name.starts_with("healthy:")).cloned().collect();
     // A number far from those of the documented campaign.
     let settings = Settings { draws: 1, first: 500, records: 8, default: false };
-    let found = draw(&wanted, (500, &settings), || ()).expect("the actuator");
-    let [classes, alarms] = found.counts[..] else { panic!("two experiments") };
+    let judged = draw(&wanted, (500, &settings), || ()).expect("the actuator");
+    let [classes, alarms] = judged.counts[..] else { panic!("two experiments") };
     println!(
         "MIX: {} of {} wrong, {} of {} false alarms",
         classes.counted, classes.judged, alarms.counted, alarms.judged
@@ -22,7 +22,7 @@ fn classes_are_told_apart_behind_the_front_end_where_the_source_guesses() {
     assert_eq!((classes.judged, alarms.judged), (24, 8));
     // Chance would be 16 of 24. With eight training records a class one wrong one is allowed.
     assert!(classes.counted <= 1 && alarms.counted <= 2, "{classes:?} {alarms:?}");
-    for source in &found.source {
+    for source in &judged.source {
         let error = source.all_error();
         println!("source's method: {:.1} %", 100.0 * error);
         // Documented 60 to 80 %; a draw of 24 records has a standard deviation of 10 %.

@@ -62,17 +62,17 @@ fn copied(from: &Path, to: &Path) {
 #[test]
 fn files_of_laboratories_train_or_are_refused_with_the_reason() {
     let Some(files) = data("lab_files") else { return };
-    let folder = tempfile::tempdir().expect("a folder");
+    let copies = tempfile::tempdir().expect("a folder");
     for (name, right) in &KINDS {
-        let own = folder.path().join(name);
-        copied(&files.join(name), &own);
-        let data = Data { traces: vec![own.clone()], ..Data::default() };
+        let folder = copies.path().join(name);
+        copied(&files.join(name), &folder);
+        let data = Data { traces: vec![folder.clone()], ..Data::default() };
         let asked = Asked { data: &data, labels: None, labels_from_names: None, out: None, force: false };
         // It tries training itself, and is an error where training refuses.
-        let found = describe(&asked, &Log::new(&Quiet));
-        match (right, found) {
+        let described = describe(&asked, &Log::new(&Quiet));
+        match (right, described) {
             (Rate(rate_hz, says), Ok(described)) => {
-                let labels = std::fs::read_to_string(own.join("labels.csv")).expect("labels");
+                let labels = std::fs::read_to_string(folder.join("labels.csv")).expect("labels");
                 let text = std::fs::read_to_string(&described.file).expect("a drive file") + &labels;
                 assert!(text.contains(says), "{name}: {text}");
                 assert!(
@@ -81,12 +81,12 @@ fn files_of_laboratories_train_or_are_refused_with_the_reason() {
                 );
                 let told = text.split(" rows in the first, ").nth(1).and_then(|rest| rest.split(' ').next());
                 let told: f64 = told.and_then(|told| told.parse().ok()).unwrap_or_else(|| panic!("{name}: {text}"));
-                // Irregular rates are told to a hundredth; the others to the digits of their times.
+                // The rate of irregular times is known to about a hundredth.
                 let part = if matches!(*name, "cobot_semicolon_decimal_comma" | "robot_joint") { 0.03 } else { 2e-5 };
                 assert!((told / rate_hz - 1.0).abs() < part, "{name}: {told} for {rate_hz}");
             }
             (Refused(words), Err(error)) => assert!(error.to_string().contains(words), "{name}: {error}"),
-            (_, found) => panic!("{name}: {found:?}"),
+            (_, other) => panic!("{name}: {other:?}"),
         }
     }
 }
@@ -94,7 +94,7 @@ fn files_of_laboratories_train_or_are_refused_with_the_reason() {
 #[test]
 fn faults_of_the_angle_are_found_in_recordings() {
     let Some(files) = data("lab_files/angle_faults") else { return };
-    let found = |name: &str| -> String {
+    let findings_of = |name: &str| -> String {
         let file: PathBuf = files.join(format!("{name}.csv"));
         let outcome = Audit::usual(&file).audit(&[file], &Log::new(&Quiet)).expect(name);
         outcome.findings.iter().map(|finding| format!("{}\n", finding.what)).collect()
@@ -106,7 +106,7 @@ fn faults_of_the_angle_are_found_in_recordings() {
         ("velocity_of_a_coarse_encoder", "steps of 2.6180 rad/s, one count of the angle a row"),
         ("sentinel_speed", "10980.66"),
     ] {
-        let findings = found(name);
+        let findings = findings_of(name);
         assert!(findings.contains(words), "{name}: {findings}");
         assert!(findings.lines().count() <= 2, "{name}: {findings}");
     }

@@ -111,8 +111,8 @@ fn variants_are_those_of_their_bytes_and_no_others() {
     let at = |place: usize, byte: u8| {
         let mut bytes = LAYOUT;
         bytes[place] = byte;
-        let found = Reader(&bytes).layout()?;
-        Ok(found.regression.map(|own| (own.structure.offset, own.method, own.memory)))
+        let layout = Reader(&bytes).layout()?;
+        Ok(layout.regression.map(|own| (own.structure.offset, own.method, own.memory)))
     };
     let (squares, instruments) = (Method::LeastSquares, Method::Instruments);
     assert_eq!(at(2, 0), Ok(Some((false, instruments, Memory::Fading))));
@@ -177,38 +177,38 @@ fn small() -> RunTime {
 
 #[test]
 fn numbers_of_sampling_regression_and_shaft_are_in_the_order_of_the_format() {
-    let mut own = Payload::default();
-    own.floats(1); // 1: interval
-    own.bytes.push(2);
-    own.half(); // 2: samples of a mean
-    own.word(); // 3: samples of a segment
-    own.text("velocity", 32);
-    own.text("rad/s", 8);
-    own.floats(2); // 4, 5: limit, saturation
-    own.half(); // 6: samples of a stuck channel
-    own.floats(3 + 2 + 5); // from 7: scales; 10: nominal; 12: deviation, fading, floor, Huber, rest
-    own.half(); // 17: settle
-    own.half(); // 18: handover
-    own.floats(7); // from 19: lags of current, velocity, load; interval; gain, damping, rate of the filter
-    own.byte(); // 26: rows
-    own.half(); // 27: settle
-    own.floats(6); // from 28: sign, Stribeck, usual velocity, usual load, spread, deviation
-    own.half(); // 34: rows of its own
-    own.floats(8 + TERMS + TERMS); // from 35: scales; 43: nominal; 50: prior
-    own.word(); // 57: order
-    own.floats(MAX_HARMONICS + 1); // from 58: weights; 61: slip
-    own.word();
-    own.word();
-    own.word();
-    own.word(); // 62 to 65: controls
-    own.byte(); // 66: width of a cell
-    own.floats(4); // from 67: slip, slowest, pole, high-pass
-    let mut reader = Reader(&own.bytes);
+    let mut payload = Payload::default();
+    payload.floats(1); // 1: interval
+    payload.bytes.push(2);
+    payload.half(); // 2: samples of a mean
+    payload.word(); // 3: samples of a segment
+    payload.text("velocity", 32);
+    payload.text("rad/s", 8);
+    payload.floats(2); // 4, 5: limit, saturation
+    payload.half(); // 6: samples of a stuck channel
+    payload.floats(3 + 2 + 5); // from 7: scales; 10: nominal; 12: deviation, fading, floor, Huber, rest
+    payload.half(); // 17: settle
+    payload.half(); // 18: handover
+    payload.floats(7); // from 19: lags of current, velocity, load; interval; gain, damping, rate of the filter
+    payload.byte(); // 26: rows
+    payload.half(); // 27: settle
+    payload.floats(6); // from 28: sign, Stribeck, usual velocity, usual load, spread, deviation
+    payload.half(); // 34: rows of its own
+    payload.floats(8 + TERMS + TERMS); // from 35: scales; 43: nominal; 50: prior
+    payload.word(); // 57: order
+    payload.floats(MAX_HARMONICS + 1); // from 58: weights; 61: slip
+    payload.word();
+    payload.word();
+    payload.word();
+    payload.word(); // 62 to 65: controls
+    payload.byte(); // 66: width of a cell
+    payload.floats(4); // from 67: slip, slowest, pole, high-pass
+    let mut reader = Reader(&payload.bytes);
     // The classifier is missing.
     assert_eq!(read(&mut reader, small()).err(), Some(ModelError::Truncated));
     assert!(reader.0.is_empty());
-    classifier(&mut own);
-    let constants = read(&mut Reader(&own.bytes), small()).expect("numbers");
+    classifier(&mut payload);
+    let constants = read(&mut Reader(&payload.bytes), small()).expect("numbers");
     let sampling = Sampling { interval_s: 1.0, park: Some(Park::Thesis), block_mean: 2, segment_samples: 3 };
     assert_eq!(constants.sampling, sampling);
     let channel = &constants.channels[0];
@@ -258,22 +258,22 @@ fn classifier(own: &mut Payload) {
 
 #[test]
 fn numbers_of_classifier_and_alarm_are_in_the_order_of_the_format() {
-    let mut own = Payload { count: 70, ..Payload::default() };
-    classifier(&mut own);
-    let found = read_classifier(&mut Reader(&own.bytes), small()).expect("numbers");
-    assert_eq!(found.features, [Feature::ChannelMean(0), Feature::OrderScore(0)]);
-    let Covariate { feature, centre, low, high, usual } = found.covariates.list[0];
+    let mut payload = Payload { count: 70, ..Payload::default() };
+    classifier(&mut payload);
+    let classifier = read_classifier(&mut Reader(&payload.bytes), small()).expect("numbers");
+    assert_eq!(classifier.features, [Feature::ChannelMean(0), Feature::OrderScore(0)]);
+    let Covariate { feature, centre, low, high, usual } = classifier.covariates.list[0];
     assert_eq!((feature, [centre, low, high, usual]), (Feature::ChannelRms(0), from(71)));
-    assert_eq!(found.covariates.map, [[75.0, 76.0], [77.0, 78.0]]);
-    let Projection { matrix, mean, usual } = &found.projection;
+    assert_eq!(classifier.covariates.map, [[75.0, 76.0], [77.0, 78.0]]);
+    let Projection { matrix, mean, usual } = &classifier.projection;
     assert_eq!((&matrix[..], &mean[..], &usual[..]), (&from::<2>(79)[..], &from::<2>(81)[..], &from::<2>(83)[..]));
-    let Discriminant { means, factors, log_prior, costs, reject_cost } = &found.discriminant;
+    let Discriminant { means, factors, log_prior, costs, reject_cost } = &classifier.discriminant;
     assert_eq!(
         (&means[..], &factors[..], &log_prior[..]),
         (&from::<2>(85)[..], &from::<1>(87)[..], &from::<2>(88)[..])
     );
     assert_eq!((&costs[..], *reject_cost), (&from::<4>(90)[..], 94.0));
-    let Novelty { class, mean, factor, knots, limit, freedom, laws } = &found.novelty;
+    let Novelty { class, mean, factor, knots, limit, freedom, laws } = &classifier.novelty;
     assert_eq!((*class, &mean[..], &factor[..]), (Some(1), &from::<1>(95)[..], &from::<1>(96)[..]));
     assert_eq!((*knots, *limit, *freedom), (law(97), 145.0, 146.0));
     assert_eq!(laws[..], [law(147), law(147 + 48)]);

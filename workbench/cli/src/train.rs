@@ -61,14 +61,14 @@ pub(super) fn run(args: &Args) -> Result<(), Error> {
             |segments| training.rust_source(segments),
             || training.c_header(),
         )?;
-        let found = session.found(&training, args.rank, log)?;
-        let report = args.report.as_ref().map(|_| page(&training, &found)).transpose()?;
+        let findings = session.found(&training, args.rank, log)?;
+        let report = args.report.as_ref().map(|_| page(&training, &findings)).transpose()?;
         let report = report.map(|page| taken.on_page(page));
         let page = args.report.as_deref().zip(report.as_ref()).map(|(path, text)| (path, text.as_bytes()));
         let saved = args.save.as_deref().zip(taken.drive.as_ref()).map(|(path, text)| (path, text.as_bytes()));
         output::write_all(&exports.contents(&exported).into_iter().chain(page).chain(saved).collect::<Vec<_>>())?;
         log.warn(training.doubts());
-        print(args, &training, &found)
+        print(args, &training, &findings)
     })
 }
 

@@ -18,50 +18,29 @@ struct Way {
     end: &'static str,
 }
 
+/// The usual way; the others differ in a few things.
+const USUAL: Way =
+    Way { separator: ',', decimal_comma: false, before: "", units: false, time: ("t_s", plain), end: "" };
+
 const WAYS: [Way; 8] = [
-    Way { separator: ',', decimal_comma: false, before: "", units: false, time: ("t_s", plain), end: "" },
-    Way { separator: ';', decimal_comma: true, before: "", units: false, time: ("Zeit [s]", comma), end: "" },
-    Way { separator: ';', decimal_comma: false, before: "", units: true, time: ("Time", plain), end: "" },
+    USUAL,
+    Way { separator: ';', decimal_comma: true, time: ("Zeit [s]", comma), ..USUAL },
+    Way { separator: ';', units: true, time: ("Time", plain), ..USUAL },
     Way {
         separator: '\t',
-        decimal_comma: false,
         before: "Logger\t7\nOperator\tJ. Doe\tBay 4\n\n",
-        units: false,
         time: ("time_us", |k| (4_294_000_000_u64 + 1000 * k as u64).rem_euclid(1 << 32).to_string()),
-        end: "",
+        ..USUAL
     },
-    Way {
-        separator: ',',
-        decimal_comma: false,
-        before: "",
-        units: false,
-        time: ("timestamp", |k| format!("2026-11-26 00:00:{:02}.{:03}", k / 1000, k % 1000)),
-        end: "",
-    },
-    Way {
-        separator: ',',
-        decimal_comma: false,
-        before: "",
-        units: false,
-        time: ("time", |k| format!("{}.{:03}", 1_764_200_000 + k / 1000, k % 1000)),
-        end: "9.99,1",
-    },
+    Way { time: ("timestamp", |k| format!("2026-11-26 00:00:{:02}.{:03}", k / 1000, k % 1000)), ..USUAL },
+    Way { time: ("time", |k| format!("{}.{:03}", 1_764_200_000 + k / 1000, k % 1000)), end: "9.99,1", ..USUAL },
     Way {
         separator: ';',
         decimal_comma: true,
-        before: "",
-        units: false,
         time: ("Datum", |k| format!("26.11.2026 08:17:{:02},{:03}", k / 1000, k % 1000)),
-        end: "",
+        ..USUAL
     },
-    Way {
-        separator: ',',
-        decimal_comma: false,
-        before: "",
-        units: false,
-        time: ("timestamp", |k| (77_000_000 + 1000 * k).to_string()),
-        end: "",
-    },
+    Way { time: ("timestamp", |k| (77_000_000 + 1000 * k).to_string()), ..USUAL },
 ];
 
 fn plain(k: usize) -> String {
@@ -127,11 +106,11 @@ fn folders_are_classes_and_one_bad_file_takes_nothing_from_others() {
     let folder = tempfile::tempdir().expect("folder");
     let dir = folder.path();
     for record in 0..12 {
-        write(dir, &format!("bench/healthy/rec{record}.csv"), &text(&WAYS[0], record, 0.95));
-        let slower = text(&WAYS[0], 100 + record, 0.8);
+        write(dir, &format!("bench/healthy/rec{record}.csv"), &text(&USUAL, record, 0.95));
+        let slower = text(&USUAL, 100 + record, 0.8);
         write(dir, &format!("bench/inner race fault of the drive side/rec{record}.csv"), &slower);
     }
-    let good = text(&WAYS[0], 5, 0.95);
+    let good = text(&USUAL, 5, 0.95);
     write(dir, "bench/healthy/garbage.csv", &good.replace("\n0.700,", "\n0.700,1e306,"));
     let output = run(dir, "init bench");
     let said = String::from_utf8_lossy(&output.stderr).into_owned() + &String::from_utf8_lossy(&output.stdout);
@@ -149,8 +128,8 @@ fn the_traces_of_one_table_are_labelled() {
     let mut all = String::from("trace,t_s,current_A,speed_rpm\n");
     for record in 0..8 {
         for (class, pole) in [("normal", 0.95), ("outer", 0.8)] {
-            let own = text(&WAYS[0], record, pole);
-            own.lines().skip(1).for_each(|line| all += &format!("{class}_{record},{line}\n"));
+            let recording = text(&USUAL, record, pole);
+            recording.lines().skip(1).for_each(|line| all += &format!("{class}_{record},{line}\n"));
         }
     }
     write(dir, "table/all.csv", &all);
@@ -171,7 +150,7 @@ fn what_cannot_be_read_is_named() {
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(!output.status.success() && said.contains(why), "{name}: {said}");
     };
-    let rows = text(&WAYS[0], 1, 0.95);
+    let rows = text(&USUAL, 1, 0.95);
     refused("twice", &format!("{rows}{rows}"), "line 1502, column current_A: the header comes again");
     refused("complex", "3.9+4.1i\n3.8+4.2i\n3.7-1e-3i\n", "is a complex number");
     let thousands = "t_s;n\n0,5;2.000\n0,6;3.000\n0,7;4.000\n";

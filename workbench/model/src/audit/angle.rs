@@ -35,7 +35,7 @@ const SCALE: f64 = 0.01;
 /// Rows that are named.
 const NAMED: usize = 3;
 
-/// Compares an angle, rad, with a velocity, rad/s, at so many rows a second. Each finding names its rows.
+/// Compares an angle, rad, with a velocity, rad/s, both sampled at `rate_hz`. Each finding gives the numbers of its rows.
 #[must_use]
 pub fn findings(angle: &[f64], velocity: &[f64], rate_hz: f64) -> Vec<String> {
     let rows = angle.len().min(velocity.len());
@@ -49,16 +49,15 @@ pub fn findings(angle: &[f64], velocity: &[f64], rate_hz: f64) -> Vec<String> {
     if moves.iter().any(|(_, expected)| expected.abs() > PI / 2.0) {
         return vec!["the shaft turns by more than a quarter of a turn a row: the angle is too slow".into()];
     }
-    let mut found: Vec<String> = scale(&moves).into_iter().collect();
-    if !found.is_empty() {
-        return found;
+    if let Some(scaled) = scale(&moves) {
+        return vec![scaled];
     }
     let errors: Vec<f64> = moves.iter().map(|(step, expected)| wrapped(step - expected)).collect();
     let limit = (DEVIATIONS * 1.4826 * middle(&errors)).max(LEAST_RAD);
     let large: Vec<usize> = (0..errors.len()).filter(|row| errors[*row].abs() > limit).collect();
-    found.extend(steps((angle, &errors, &moves), &large));
-    found.extend(periodic(angle, &moves, &errors, limit));
-    found
+    let mut findings = steps((angle, &errors, &moves), &large);
+    findings.extend(periodic(angle, &moves, &errors, limit));
+    findings
 }
 
 /// Whether the velocity of a coarse encoder is the difference of its counts; the step of angle and velocity are the

@@ -7,7 +7,7 @@ use crate::trace::bridged;
 pub const COLLINEAR: f64 = 0.995;
 /// Lags that are searched, rows.
 const LAGS: i32 = 50;
-/// Rows by which a lag is told.
+/// Largest number of rows from which a lag is computed.
 const LAGGED: usize = 200_000;
 /// Rows of two traces that are compared.
 const COMPARED: usize = 512;

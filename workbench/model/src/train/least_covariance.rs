@@ -1,8 +1,8 @@
-//! The least covariance that so many rows with errors support.
+//! The least covariance of a class of few rows with errors.
 //!
 //! With few rows the restricted likelihood is largest where Σ is nearly singular: the errors of some rows explain their
 //! spread, and the others are too few for all directions. Such a class would call most of its new rows novel. So Σ is
-//! in every direction at least the part of the observed covariance that so many rows leave unknown:
+//! in every direction at least the standard error of the covariance that was observed:
 //!
 //! ```text
 //! Σ ≥ √(2/(n − C)) S,   S = n/(n − C) Σ_i w_i (f_i − m)(f_i − m)ᵀ / Σ_i w_i,   w_i = min_k s_k/(s_k + v_ik)   (1)

@@ -8,7 +8,7 @@ use crate::given::{Memory, given};
 use model::session::{Log, Quiet, Session};
 use model::settings::{DriveFile, literal};
 
-/// Bytes of recordings that are tried; of more, training tells by itself.
+/// Largest size of the recordings, in bytes, with which training is tried.
 const MOST_BYTES: u64 = 2 << 30;
 
 /// What came out.
@@ -17,7 +17,7 @@ pub(super) enum Outcome {
     Accepted(Option<String>),
     /// Training refuses all of them, the usual ones for this reason.
     Refused(String),
-    /// There is too much to try.
+    /// The recordings are too large for a trial.
     Untried,
 }
 
@@ -104,7 +104,7 @@ const CHANGES: [(&str, Change); 8] = [
 /// Least samples of a segment of a very short recording.
 const FEWEST_SAMPLES: usize = 32;
 
-/// Samples of a segment of so many records of so many rows.
+/// Samples of a segment of `records` records of `rows` rows each, and at least `least`.
 fn segment(rows: usize, records: usize, least: usize) -> usize {
     (rows * records / SEGMENTS).max(least).min(rows)
 }

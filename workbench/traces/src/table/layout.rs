@@ -267,7 +267,7 @@ struct Head {
 }
 
 impl Head {
-    /// The header of rows of which so many columns are used.
+    /// The header of rows of which the first `used` columns are not empty.
     fn of((content, comments): (&[Line<'_>], &[Line<'_>]), rows: &Rows, used: usize) -> Self {
         let cells = |place: usize| content.get(place).map(|line| split(line.text, rows.separator));
         let named =
@@ -328,8 +328,8 @@ fn are_places(cells: &[&str]) -> bool {
     (0..=1).any(|from| cells.iter().enumerate().all(|(k, cell)| *cell == (k + from).to_string()))
 }
 
-/// The cells of a line as names of columns, of which so many are used and there are so many in all; `None` if there are
-/// not as many.
+/// The cells of a line as names of the columns, the first `used` of which are not empty; `None` if the numbers of cells
+/// and columns differ.
 fn fitting(cells: Vec<&str>, [used, columns]: [usize; 2]) -> Option<Vec<String>> {
     let count = cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
     if cells.iter().all(|cell| kind(cell, false) != Kind::Word) && !are_places(&cells) {
@@ -368,7 +368,7 @@ fn long_unit(unit: &str) -> Option<&'static str> {
     }
 }
 
-/// Whether the cells of a line are units of so many columns.
+/// Whether the first `used` cells of a line are units, or words that stand for none.
 fn is_units(cells: &[&str], used: usize) -> bool {
     let is_unit = |cell: &str| Unit::named(cell).is_some() || long_unit(cell).is_some();
     let filler =

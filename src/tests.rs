@@ -1,4 +1,4 @@
-//! A drive for tests of several rooms: its plan, a model of two classes, samples, and the report of its detector.
+//! A small drive that the tests of several rooms share: its plan, a model of two classes, samples, and the report of its detector.
 
 use crate::detector::Detector;
 use crate::drive::Park;
