@@ -42,6 +42,16 @@ pub(super) fn only_variable(found: &[(String, Vec<f64>)]) -> Option<usize> {
     found.iter().all(own).then_some(first.len() + 1)
 }
 
+/// The columns of a matrix of these sides along its longer one; its values are row by row, or column by column.
+pub(super) fn along_longer([rows, across]: [usize; 2], by_rows: bool, values: &[f64]) -> Vec<Vec<f64>> {
+    let value = |row: usize, column: usize| values[if by_rows { row * across + column } else { column * rows + row }];
+    if rows >= across {
+        (0..across).map(|column| (0..rows).map(|row| value(row, column)).collect()).collect()
+    } else {
+        (0..rows).map(|row| (0..across).map(|column| value(row, column)).collect()).collect()
+    }
+}
+
 /// Takes the first column of a matrix for the time if no column is called one, it rises in each row and does not count
 /// them: matrices have no names.
 pub(super) fn rising_time(names: &[String], columns: &[Vec<f64>], about: &mut About) {

@@ -16,7 +16,7 @@ use hdf5_pure::{DType, Dataset, Datatype, DatatypeByteOrder, File, Group};
 use crate::damaged::{DAMAGED, guarded};
 use crate::table::about::About;
 use crate::table::array_cells::{self, Kind};
-use crate::table::arrays::of_one_length;
+use crate::table::arrays::{along_longer, of_one_length};
 use crate::table::matlab_hdf5;
 use model::Error;
 
@@ -192,12 +192,7 @@ fn number(kind: &Datatype) -> Option<(Kind, usize, bool)> {
 fn sides(name: &str, long: &[usize], values: Vec<f64>) -> Vec<(String, Vec<f64>)> {
     let [rows, across] = *long else { return vec![(name.to_string(), values)] };
     let named = (1..).map(|k| format!("{name}_{k}"));
-    let columns: Vec<Vec<f64>> = if rows >= across {
-        (0..across).map(|k| values.iter().skip(k).step_by(across).copied().collect()).collect()
-    } else {
-        values.chunks_exact(across).map(<[f64]>::to_vec).collect()
-    };
-    named.zip(columns).collect()
+    named.zip(along_longer([rows, across], true, &values)).collect()
 }
 
 #[cfg(test)]

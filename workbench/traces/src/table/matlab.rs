@@ -20,7 +20,7 @@ use matrw::{MatFile, MatVariable};
 
 use crate::damaged::guarded;
 use crate::table::about::About;
-use crate::table::arrays::{of_one_length, only_variable};
+use crate::table::arrays::{along_longer, of_one_length, only_variable};
 use crate::table::matlab_value::{OBJECT, Value};
 use crate::table::{limit, matlab_4, matlab_arrays, matlab_elements, matlab_hdf5};
 use model::Error;
@@ -198,12 +198,7 @@ fn arrays(name: &str, rows: usize, values: &[f64]) -> Named {
     if rows <= 1 || across <= 1 {
         return if values.is_empty() { vec![] } else { vec![(name.to_string(), values.to_vec())] };
     }
-    let columns: Vec<Vec<f64>> = if rows >= across {
-        values.chunks_exact(rows).map(<[f64]>::to_vec).collect()
-    } else {
-        (0..rows).map(|row| values.iter().skip(row).step_by(rows).copied().collect()).collect()
-    };
-    (1..).map(|k| format!("{name}_{k}")).zip(columns).collect()
+    (1..).map(|k| format!("{name}_{k}")).zip(along_longer([rows, across], false, values)).collect()
 }
 
 /// Writes a file of format 7.

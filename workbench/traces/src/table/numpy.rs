@@ -9,7 +9,7 @@ use zip::ZipArchive;
 
 use crate::damaged::{DAMAGED, guarded};
 use crate::table::about::About;
-use crate::table::arrays::{of_one_length, only_variable};
+use crate::table::arrays::{along_longer, of_one_length, only_variable};
 use crate::table::limit::{Limit, VALUE};
 use crate::table::numpy_values::{Values, columns, numbers_of};
 use model::Error;
@@ -146,15 +146,7 @@ fn sides(name: &str, bare: Option<&str>, long: &[usize], order: Order, values: V
     let [rows, across] = *long else {
         return vec![(if bare.is_some() { named(1) } else { name.to_string() }, values)];
     };
-    let value = |row: usize, column: usize| match order {
-        Order::C => values[row * across + column],
-        Order::Fortran => values[column * rows + row],
-    };
-    if rows >= across {
-        (0..across).map(|k| (named(k + 1), (0..rows).map(|row| value(row, k)).collect())).collect()
-    } else {
-        (0..rows).map(|k| (named(k + 1), (0..across).map(|row| value(k, row)).collect())).collect()
-    }
+    (1..).map(named).zip(along_longer([rows, across], order == Order::C, &values)).collect()
 }
 
 fn refused(problem: &'static str) -> IoError {
