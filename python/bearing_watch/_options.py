@@ -31,6 +31,10 @@ class _Recordings(TypedDict, total=False):
     where: Union[str, Sequence[str]]
     time: str
     rate_hz: float
+    skip: int
+    units_row: bool
+    separator: str
+    decimal: str
     front_end: Union[str, PathLike[str]]
     y: str
     u1: str
@@ -135,6 +139,10 @@ class Audit(TypedDict, total=False):
     where: Union[str, Sequence[str]]
     time: str
     rate_hz: float
+    skip: int
+    units_row: bool
+    separator: str
+    decimal: str
     current: str
     velocity: str
     velocity_ref: str

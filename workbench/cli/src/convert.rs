@@ -138,7 +138,7 @@ impl Files {
         let bar = output::progress("traces", files.len());
         let (mut count, mut alone) = (0, None);
         for file in &files {
-            let table = Table::open(file)?;
+            let table = Table::open_as(file, &data.text_form())?;
             let names = self.names(&table)?;
             let channels: Vec<String> = names.iter().map(|(_, channel)| channel.clone()).collect();
             let times = (data.time.as_deref(), data.rate_hz);

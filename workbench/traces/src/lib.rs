@@ -254,7 +254,7 @@ impl Candidate {
             wanted.is_some_and(|wanted| names.iter().flatten().any(|name| wanted(stem(name))))
         };
         let may_lack = self.of_folder && !asked_for();
-        let table = match Table::open(&self.file) {
+        let table = match Table::open_as(&self.file, &channels.text) {
             Err(_) if may_lack => return Ok(None),
             table => table?,
         };

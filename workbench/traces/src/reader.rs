@@ -18,6 +18,8 @@ pub(super) struct Header {
     trace: Option<usize>,
     /// Place of the time, and the factor to seconds.
     time: Option<(usize, f64)>,
+    /// Places of columns that repeat the time.
+    twins: Vec<usize>,
 }
 
 impl Header {
@@ -44,7 +46,8 @@ impl Header {
                 place.map(|place| (place, unit(place).unwrap_or_else(|| factor(place))))
             }
         };
-        Ok(Self { trace: names.iter().position(|name| name == "trace"), time, names })
+        let twins = about.twins.clone();
+        Ok(Self { trace: names.iter().position(|name| name == "trace"), time, twins, names })
     }
 
     pub(super) fn names(&self) -> &[String] {
@@ -64,7 +67,8 @@ impl Header {
     fn doubled(&self, places: &[usize]) -> Option<&str> {
         let own = places.iter().copied().chain(self.trace).chain(self.time());
         let mut counts: HashMap<&str, usize> = HashMap::new();
-        self.names.iter().for_each(|name| *counts.entry(name).or_default() += 1);
+        let single = self.names.iter().enumerate().filter(|(place, _)| !self.twins.contains(place));
+        single.for_each(|(_, name)| *counts.entry(name).or_default() += 1);
         own.map(|place| self.names[place].as_str()).find(|name| counts[name] > 1)
     }
 
@@ -179,7 +183,10 @@ pub fn series(
 pub fn numeric(table: &Table, time: Option<&str>) -> Result<(Vec<String>, Vec<Error>), Error> {
     let header = header_of(table, time)?;
     let own = |place: &usize| {
-        Some(*place) != header.trace && Some(*place) != header.time() && !header.names[*place].is_empty()
+        Some(*place) != header.trace
+            && Some(*place) != header.time()
+            && !header.twins.contains(place)
+            && !header.names[*place].is_empty()
     };
     let places: Vec<usize> = (0..header.names.len()).filter(own).collect();
     let (mut kept, mut problems) = (Vec::new(), Vec::new());
@@ -234,9 +241,15 @@ fn parts(
     let signals = signals(&header).map_err(wrong)?;
     let needed = places_of(&signals);
     let mut places: Vec<usize> = header.time().into_iter().chain(needed.iter().copied()).collect();
+    if let Some((place, line)) = table.about().other_times.filter(|_| header.time.is_some()) {
+        return Err(other_times(table, place, format!("line {line}")));
+    }
     if let Some(name) = header.doubled(&places) {
         return Err(wrong(format!("column {name} comes twice; rename or remove one")));
     }
+    // A table is read at once, so that its times are compared in all rows.
+    let twins = if header.time.is_some() { &header.twins[..] } else { &[] };
+    places.extend(twins);
     places.sort_unstable();
     places.dedup();
     let read = table.read(Wanted { numbers: &places, text: header.trace, row: &|cell| wanted(stem(cell)) });
@@ -249,6 +262,16 @@ fn parts(
         }
         (_, other) => other,
     })?;
+    let of_place = |place: usize| places.binary_search(&place).ok().and_then(|at| columns.numbers.get(at));
+    if let Some(times) = header.time().and_then(of_place) {
+        for twin in twins {
+            let row =
+                of_place(*twin).and_then(|own| (0..own.len()).find(|row| own[*row].to_bits() != times[*row].to_bits()));
+            if let Some(row) = row {
+                return Err(other_times(table, *twin, columns.place(row)));
+            }
+        }
+    }
     let rows = Rows::split(path, &columns, &id)?;
     report(table, &header, &rows, columns.numbers.first().map_or(0, Vec::len));
     let mut whole = Some(std::mem::take(&mut columns.numbers));
@@ -258,6 +281,7 @@ fn parts(
             Some(_) => whole.iter().flatten().map(|column| rows.of(column)).collect(),
         };
         let mut own: BTreeMap<usize, Vec<f64>> = places.iter().copied().zip(own).collect();
+        own.retain(|place, _| !twins.contains(place) || needed.contains(place));
         let times_s = header.time.and_then(|(place, factor)| {
             let mut times = if needed.contains(&place) { own.get(&place).cloned() } else { own.remove(&place) }?;
             if factor != 1.0 {
@@ -281,6 +305,13 @@ fn parts(
     };
     let parts = rows.into_iter().map(each).collect::<Result<_, Error>>()?;
     Ok((signals, parts))
+}
+
+/// A table whose channels have different times.
+fn other_times(table: &Table, place: usize, line: String) -> Error {
+    let at = format!("{line}, column {} {}", place + 1, table.names()[place]);
+    let problem = "this channel has times of its own; export the channels with one time, or each in a file";
+    Error::content(table.path(), at, problem)
 }
 
 /// The first row whose time is before that of an earlier one; a row may lack its time.

@@ -2,7 +2,6 @@
 
 use rayon::prelude::*;
 
-use crate::describe::guess::{is_reference, words};
 use crate::reader::{header_of, is_wanted};
 use crate::table::Table;
 use crate::units::{Quantity, Unit};
@@ -10,6 +9,7 @@ use crate::{Candidate, Source, candidates, has_columns};
 use model::Error;
 use model::session::TemperatureColumn;
 use model::trace::Channels;
+use model::trace::{is_reference, words};
 
 /// Parts of words of a temperature, in any language.
 const PARTS: [&str; 2] = ["temperatur", "thermocouple"];
@@ -69,7 +69,8 @@ impl Source {
     ) -> Result<Vec<TemperatureColumn>, Error> {
         let of_table = |table: &Table| temperatures(table, channels, wanted);
         // A file that cannot be opened is an error where it is read, if it is wanted.
-        let of_file = |own: &Candidate| Table::open(&own.file).map_or(Ok(None), |table| of_table(&table));
+        let of_file =
+            |own: &Candidate| Table::open_as(&own.file, &channels.text).map_or(Ok(None), |table| of_table(&table));
         let all: Vec<Result<Option<Vec<String>>, Error>> = match self {
             Self::Files(paths) => candidates(paths)?.par_iter().map(of_file).collect(),
             Self::Memory(tables) => tables.iter().map(|table| of_table(&Table::of(table))).collect(),

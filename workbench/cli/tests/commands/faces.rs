@@ -37,6 +37,9 @@ fn example(key: &str, field: &Value) -> Set {
     if let Some(choice) = field["oneOf"].as_array().map(|all| all[all.len() - 1]["const"].as_str().expect("a word")) {
         return of(&format!("\"{choice}\""), choice, choice.into());
     }
+    if let Some(word) = field["examples"][0].as_str() {
+        return of(&format!("\"{word}\""), word, word.into());
+    }
     let (list, items) = (is(field, "array"), &field["items"]["type"]);
     match () {
         () if list && items == "integer" => of("[2, 1, 2, 1, 1]", "2,1,2,1,1", json!([2, 1, 2, 1, 1])),

@@ -154,6 +154,57 @@ fn what_cannot_be_read_is_named() {
     refused("twice", &format!("{rows}{rows}"), "line 1502, column current_A: the header comes again");
     refused("complex", "3.9+4.1i\n3.8+4.2i\n3.7-1e-3i\n", "is a complex number");
     let thousands = "t_s;n\n0,5;2.000\n0,6;3.000\n0,7;4.000\n";
-    refused("thousands", thousands, "\"2.000\" is not a number; write it without separators of thousands");
+    refused("thousands", thousands, "\"2.000\" is not a number; --decimal point or comma tells");
     refused("junk", &"\u{1}\u{2}\u{3}x\n".repeat(1000), "no text; save the recording as CSV, MATLAB or Parquet");
+}
+
+/// What guessing cannot know is given, written into the drive file, and kept in the model.
+#[test]
+fn the_layout_of_a_text_is_given_where_guessing_fails() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    for seed in 1..=6 {
+        for (class, pole) in [("normal", 0.9), ("outer", 0.5)] {
+            // Counts that look like rows, units that are no units, a separator of its own.
+            let rows = text(&USUAL, seed, pole).replace(',', "~").replacen('\n', "\np.u.~n.a.~n.a.\n", 1);
+            write(dir, &format!("runs/{class}_{seed}.txt"), &format!("1~2~3\n4~5~6\n7~8~9\n{rows}"));
+        }
+    }
+    let given = "--skip 3 --units-row --separator ~ --decimal point";
+    succeed(dir, &format!("init runs {given}"));
+    let file = std::fs::read_to_string(dir.join("runs/drive.toml")).expect("drive file");
+    for line in ["skip = 3", "units_row = true", "separator = \"~\"", "decimal = \"point\"", "u1 = \"current_A\""] {
+        assert!(file.contains(line), "{line} in {file}");
+    }
+    assert!(succeed(dir, "train runs/drive.toml --model m.bwm").contains("6 normal, 6 outer"));
+    succeed(dir, "evaluate --no-drive --model m.bwm --labels runs/labels.csv");
+    assert!(succeed(dir, &format!("audit runs {given} --no-drive")).contains("1000.000"));
+    succeed(dir, &format!("convert runs/normal_1.txt {given} --no-drive --out a.csv"));
+    let columns = std::fs::read_to_string(dir.join("a.csv")).expect("a.csv");
+    assert!(columns.starts_with("t_s,current_A,speed_rpm\n"), "{}", &columns[..60]);
+    let wrong = run(dir, "audit runs --separator 7");
+    assert!(String::from_utf8_lossy(&wrong.stderr).contains("separates no cells"));
+}
+
+/// A current that a slow bus holds is named with its rate, and no model is made of it.
+#[test]
+fn a_current_that_is_held_is_refused() {
+    let folder = tempfile::tempdir().expect("folder");
+    let dir = folder.path();
+    for seed in 1..=4 {
+        for (class, pole) in [("normal", 0.95), ("outer", 0.5)] {
+            let all = text(&USUAL, seed, pole);
+            let rows: Vec<Vec<&str>> = all.lines().skip(1).map(|line| line.split(',').collect()).collect();
+            let held = |k: usize| format!("{},{},{}\n", rows[k][0], rows[k / 44 * 44][1], rows[k][2]);
+            let rows: String = (0..rows.len()).map(held).collect();
+            write(dir, &format!("{class}_{seed}.csv"), &format!("t_s,current_A,speed_rpm\n{rows}"));
+        }
+    }
+    let said = String::from_utf8_lossy(&run(dir, "audit .").stdout).into_owned();
+    assert!(said.contains("the current changes every 44 rows only, 22.7273 times a second: no verdict"), "{said}");
+    let refused = run(dir, "init .");
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(refused.status.code() == Some(2) && said.contains("no verdict on a bearing is possible"), "{said}");
+    let refused = run(dir, "train drive.toml --model m.bwm");
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("changes every 44 rows only"));
 }

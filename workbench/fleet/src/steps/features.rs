@@ -14,7 +14,7 @@ use model::Error;
 use model::core::Embedded;
 use model::core::features::Catalogue;
 use model::outputs;
-use model::session::{Given, Log, Selection, TraceSource, is_irregular, of_irregular};
+use model::session::{Given, Log, Selection, TraceSource, is_irregular, of_irregular, refuse_held};
 use model::settings::{Reading, Settings};
 use model::trace::Tally;
 use model::trace::labels::LabelledTrace;
@@ -232,6 +232,7 @@ fn rows(
         let problem = format!("sampled every {step} s, but the plan is for {recorded_s} s; resample it");
         return Err(Error::trace(&trace.id, problem));
     }
+    refuse_held(trace, &plan.channels)?;
     let id = stem(&trace.id).to_string();
     let Some(([class, unit, run], cells)) = labels.of.get(&id) else { return Ok(vec![]) };
     let prepared = LabelledTrace { trace: preparation.apply(trace)?, class: 0 };

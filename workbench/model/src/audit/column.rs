@@ -1,5 +1,6 @@
 //! A column by itself: its step, and whether it is held, saturated or constant.
 
+use super::held::{held, told};
 use crate::statistics::mean_sd;
 
 /// Rows of one value that count as held, if the step is fine.
@@ -24,7 +25,7 @@ pub struct Column {
     pub range: [f64; 2],
     /// The smallest difference of two values.
     pub step: f64,
-    /// Number of rows from one change of the value to the next; above 1 the sensor is slower than the recording.
+    /// Usual number of rows from one value to the next; above 1 the source is slower than the recording.
     pub every: usize,
     /// Part of the rows that differ from the one before.
     pub changing: f64,
@@ -55,7 +56,7 @@ impl Column {
         // The rounding of the mean of equal values is no deviation.
         let deviation = if range[0] < range[1] { scatter } else { 0.0 };
         let step = least_difference(sorted, deviation);
-        let every = every(x);
+        let every = held(x).unwrap_or(1);
         let runs = runs(x);
         let part = |rows: usize| rows as f64 / x.len().max(1) as f64;
         let held = runs.iter().filter(|(_, length)| *length >= HELD * every).map(|(_, length)| length).sum();
@@ -78,9 +79,9 @@ impl Column {
         }
     }
 
-    /// What is wrong, in words.
+    /// What is wrong, in words; the rate of the rows, if it is known.
     #[must_use]
-    pub fn findings(&self) -> Vec<String> {
+    pub fn findings(&self, rate_hz: Option<f64>) -> Vec<String> {
         let percent = |part: f64| format!("{:.1} %", 100.0 * part);
         let mut found = Vec::new();
         if self.missing > 0.0 {
@@ -98,7 +99,7 @@ impl Column {
             found.push(format!("coarse: steps of {:.4}, more than a quarter of the deviation", self.step));
         }
         if self.every > 1 {
-            found.push(format!("changes every {} rows only", self.every));
+            found.push(told(self.every, rate_hz));
         }
         if self.held > 0.5 {
             found.push(format!("changes in {} of the rows only", percent(self.changing)));
@@ -148,21 +149,6 @@ fn runs(x: &[f64]) -> Vec<(f64, usize)> {
     x.chunk_by(|one, other| one == other).map(|run| (run[0], run.len())).collect()
 }
 
-/// The period of the changes, rows: nearly all are a multiple of it apart. 1 if there is no such period.
-fn every(x: &[f64]) -> usize {
-    let changes: Vec<usize> = (1..x.len()).filter(|row| x[*row] != x[row - 1]).collect();
-    if changes.len() < 20 {
-        return 1;
-    }
-    let fits = |k: &usize| {
-        let mut counts = vec![0_usize; *k];
-        changes.iter().for_each(|row| counts[row % k] += 1);
-        counts.into_iter().max().unwrap_or(0) * 50 >= changes.len() * 49
-    };
-    // At least half of the periods must have a change: the few changes of a slow signal may fit any period.
-    (2..=32).rev().find(|k| changes.len() < x.len() && changes.len() * k * 2 > x.len() && fits(k)).unwrap_or(1)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -173,26 +159,30 @@ mod tests {
 
     #[test]
     fn plain_columns_have_no_findings() {
-        assert_eq!(Column::of(&wave(2000)).findings(), Vec::<String>::new());
+        assert_eq!(Column::of(&wave(2000)).findings(None), Vec::<String>::new());
     }
 
     #[test]
     fn held_slow_saturated_coarse_and_constant_columns_are_told() {
         let mut held = wave(2000);
         held[500..560].fill(0.2);
-        assert!(Column::of(&held).findings()[0].contains("held in 3.0 %"), "{:?}", Column::of(&held).findings());
+        assert!(
+            Column::of(&held).findings(None)[0].contains("held in 3.0 %"),
+            "{:?}",
+            Column::of(&held).findings(None)
+        );
         let slow: Vec<f64> = wave(2000).chunks(4).flat_map(|four| [four[0]; 4]).collect();
-        assert_eq!(Column::of(&slow).findings(), ["changes every 4 rows only"]);
+        assert_eq!(Column::of(&slow).findings(None), ["changes every 4 rows only"]);
         let cut: Vec<f64> = wave(2000).iter().map(|x| x.min(0.9)).collect();
-        let found = Column::of(&cut).findings();
+        let found = Column::of(&cut).findings(None);
         assert!(found.iter().any(|text| text.contains("saturated at") && text.contains("or 0.9 in")), "{found:?}");
         let coarse: Vec<f64> = wave(2000).iter().map(|x| (x * 4.0).round() / 4.0).collect();
-        assert!(Column::of(&coarse).findings()[0].starts_with("coarse: steps of 0.2500"));
-        assert_eq!(Column::of(&[3.0; 100]).findings(), ["constant"]);
+        assert!(Column::of(&coarse).findings(None)[0].starts_with("coarse: steps of 0.2500"));
+        assert_eq!(Column::of(&[3.0; 100]).findings(None), ["constant"]);
         let mut lacking = wave(2000);
         lacking.iter_mut().step_by(100).for_each(|x| *x = f64::NAN);
         let found = Column::of(&lacking);
-        assert_eq!((found.findings(), found.missing), (vec!["no number in 1.0 % of the rows".to_string()], 0.01));
+        assert_eq!((found.findings(None), found.missing), (vec!["no number in 1.0 % of the rows".to_string()], 0.01));
         assert!((found.mean - Column::of(&wave(2000)).mean).abs() < 0.01 && found.deviation > 0.5);
     }
 
@@ -200,7 +190,7 @@ mod tests {
     fn a_peak_of_a_single_row_is_not_saturated() {
         // 2 % of the rows are at an end of the range.
         let saw: Vec<f64> = (0..1000).map(|k| f64::from(k % 100)).collect();
-        assert_eq!(Column::of(&saw).findings(), Vec::<String>::new());
+        assert_eq!(Column::of(&saw).findings(None), Vec::<String>::new());
         // 2 of 100 rows at each end become 3 + 3: below 2, and above 96.
         let cut: Vec<f64> = saw.iter().map(|x| x.clamp(2.0, 97.0)).collect();
         assert!((Column::of(&cut).saturated - 0.06).abs() < 1e-12, "{:?}", Column::of(&cut));
@@ -212,7 +202,11 @@ mod tests {
         assert_eq!(Column::of(&x).outside, None);
         (x[700], x[900]) = (104_857.594, 104_857.594);
         assert_eq!(Column::of(&x).outside, Some((700, 2)));
-        assert!(Column::of(&x).findings()[0].contains("104857.594 in 2 rows, the first 701"), "{:?}", Column::of(&x));
+        assert!(
+            Column::of(&x).findings(None)[0].contains("104857.594 in 2 rows, the first 701"),
+            "{:?}",
+            Column::of(&x)
+        );
         // A tenth of the rows is a state of the machine.
         x.iter_mut().step_by(10).for_each(|x| *x = 104_857.594);
         assert_eq!(Column::of(&x).outside, None);

@@ -4,6 +4,7 @@
 pub mod angle;
 pub mod column;
 pub mod friction;
+pub mod held;
 pub mod orders;
 pub mod pairs;
 pub mod sessions;

@@ -1,7 +1,8 @@
 //! What is doubtful about traces.
 
 use crate::Error;
-use crate::trace::Trace;
+use crate::audit::held::{held, too_slow};
+use crate::trace::{Channels, Trace, is_reference};
 
 /// Returns an error if samples of a trace are missing: batch methods that filter or simulate signals need all of them.
 ///
@@ -16,6 +17,22 @@ pub fn refuse_gaps(trace: &Trace) -> Result<(), Error> {
             trace.missing.words()
         )),
         (None, false) => Ok(()),
+    }
+}
+
+/// Returns an error if output, input or current are held over so many rows that it tells nothing of a bearing.
+///
+/// # Errors
+/// One is.
+pub fn refuse_held(trace: &Trace, channels: &Channels) -> Result<(), Error> {
+    // What is wanted may come from a slower bus, and a drive follows it all the same.
+    let u1 = (!is_reference(&channels.u1)).then_some(&trace.u1);
+    let current = trace.motion.as_ref().map(|own| &own.current_a);
+    let rate = trace.interval_s.map(|interval| 1.0 / interval);
+    let slow = |x: &Vec<f64>| held(x).and_then(|rows| too_slow(rows, rate));
+    match [Some(&trace.y), u1, current].into_iter().flatten().find_map(slow) {
+        Some(problem) => Err(Error::trace(&trace.id, format!("a signal {problem}"))),
+        None => Ok(()),
     }
 }
 

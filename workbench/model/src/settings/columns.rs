@@ -19,7 +19,8 @@ impl Settings {
             return Err(Error::Usage("the channels y and u1 are not given".into()));
         };
         let (time, rate_hz) = (self.data.time.clone(), self.data.rate_hz);
-        Ok(Channels { time, rate_hz, front_end, ..Channels::new(y, u1, u2.as_ref().unwrap_or(u1)) })
+        let text = self.data.text_form();
+        Ok(Channels { time, rate_hz, text, front_end, ..Channels::new(y, u1, u2.as_ref().unwrap_or(u1)) })
     }
 }
 

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::lenient::{above_zero, one_or_more};
 use super::merge::merges;
-use crate::trace::Condition;
+use crate::trace::{Condition, Decimal, Separator, TextForm};
 
 /// Which recordings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -38,6 +38,20 @@ pub struct Data {
     #[serde(deserialize_with = "above_zero", skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "schema", schemars(extend("x-value" = "HZ", "exclusiveMinimum" = 0)))]
     pub rate_hz: Option<f64>,
+    /// Lines of a text file before its header; by default told by its content
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-value" = "LINES")))]
+    pub skip: Option<usize>,
+    /// The first line of a text file, behind those that are skipped, has names, and the next one units
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub units_row: bool,
+    /// What separates the cells of a text file: a character, or tab, blank, comma, semicolon, bar
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(extend("x-value" = "CHARACTER", "examples" = ["semicolon"])))]
+    pub separator: Option<Separator>,
+    /// The decimal mark of a text file; the other one then separates thousands
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub decimal: Option<Decimal>,
     /// Recordings at the control rate pass this front end (TOML); it makes the columns current_a, velocity_rad_s and
     /// angle_rad, and decimates every other column. `simulate --rig ema` writes an example
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -45,4 +59,13 @@ pub struct Data {
     pub front_end: Option<PathBuf>,
 }
 
-merges!(Data { traces, labels, conditions, classes, time, rate_hz, front_end });
+merges!(Data { traces, labels, conditions, classes, time, rate_hz, skip, units_row, separator, decimal, front_end });
+
+impl Data {
+    /// What is given of the layout of text files.
+    #[must_use]
+    pub const fn text_form(&self) -> TextForm {
+        let Self { skip, units_row, separator, decimal, .. } = *self;
+        TextForm { skip, units_row, separator, decimal }
+    }
+}

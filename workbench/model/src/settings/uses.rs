@@ -20,8 +20,8 @@ pub struct Use {
     pub required: &'static [&'static str],
 }
 
-/// Time of the rows.
-pub const TIMES: &[&str] = &["time", "rate_hz"];
+/// Time of the rows, and the layout of text files.
+pub const TIMES: &[&str] = &["time", "rate_hz", "skip", "units_row", "separator", "decimal"];
 /// Traces, labels and their selection.
 const SELECTION: &[&str] = &["traces", "labels", "where", "classes"];
 /// The three signals.

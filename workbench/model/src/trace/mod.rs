@@ -1,5 +1,6 @@
 //! Recorded or simulated signals in memory: traces, their channels, labels and preparation.
 
+mod column_names;
 pub mod front_end;
 mod gaps;
 pub mod half_band;
@@ -13,7 +14,9 @@ pub mod prepare;
 mod record;
 mod recorded;
 pub mod tally;
+mod text_form;
 
+pub use column_names::{is_reference, words};
 pub use front_end::FrontEndFile;
 pub use gaps::{BREAK, Gap, LONGEST_GAP, gaps};
 pub use labels::{Condition, Labels};
@@ -24,3 +27,4 @@ pub use prepare::Preparation;
 pub use record::{Channels, MotionTrace, ShaftChannels, Trace, bridged, same_interval};
 pub use recorded::{Cells, Recorded};
 pub use tally::Tally;
+pub use text_form::{Decimal, Separator, TextForm};

@@ -3,8 +3,8 @@
 use serde::de::{Deserialize as _, Deserializer, Error as _};
 use serde_json::Value;
 
-use crate::trace::Missing;
 use crate::trace::front_end::{FrontEndFile, Refused};
+use crate::trace::{Missing, TextForm};
 
 /// Signals of the shaft; each column is as long as the trace.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -90,6 +90,9 @@ pub struct Channels {
     /// Rows a second, for files without a time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate_hz: Option<f64>,
+    /// What is given of the layout of text files.
+    #[serde(default, skip_serializing_if = "TextForm::is_empty")]
+    pub text: TextForm,
     /// Makes the columns of recordings at the control rate; `None` if they are recorded as they are used.
     #[serde(default)]
     pub front_end: Option<FrontEndFile>,
@@ -157,6 +160,7 @@ impl Channels {
             further: vec![],
             time: None,
             rate_hz: None,
+            text: TextForm::default(),
             front_end: None,
         }
     }

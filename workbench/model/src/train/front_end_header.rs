@@ -128,6 +128,7 @@ mod tests {
             shaft: None,
             further: vec![name("velocity_rad_s")],
             time: None,
+            text: crate::trace::TextForm::default(),
             rate_hz: None,
             front_end: EmaScenario::RIT.front_end_toml(&FACTORS).and_then(|text| FrontEndFile::parse(&text).ok()),
         }

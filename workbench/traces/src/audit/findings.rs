@@ -3,15 +3,16 @@
 use std::f64::consts::TAU;
 
 use super::audited::{Audited, Finding};
-use crate::describe::guess::is_reference;
 use crate::resample::unwrapped;
 use model::audit::angle as of_angle;
 use model::audit::column;
+use model::audit::held::{held, too_slow};
 use model::audit::pairs::{self, COLLINEAR, correlation, lag};
 use model::audit::sessions::apart;
 use model::audit::sums;
 use model::audit::times::Times;
 use model::statistics::mean_sd;
+use model::trace::is_reference;
 use model::trace::median;
 
 /// Deviation of the steps in time, relative to the usual one, of irregular times.
@@ -51,9 +52,13 @@ impl Audited {
         // What is wanted rather than measured may stand, and have few values.
         let measured = self.names.iter().zip(&self.columns).filter(|(name, _)| !is_reference(name));
         for (name, column) in measured {
-            for finding in column.findings() {
+            for finding in column.findings(self.times.map(|times| times.rate_hz)) {
                 add(findings, format!("column {name}: {finding}"), id);
             }
+        }
+        let rate = self.times.map(|times| times.rate_hz);
+        if let Some(problem) = self.current.as_deref().and_then(held).and_then(|rows| too_slow(rows, rate)) {
+            add(findings, format!("the current {problem}"), id);
         }
         let compared = if self.values.len() > PAIRED { &[][..] } else { &self.values[..] };
         if self.values.len() > PAIRED {

@@ -84,7 +84,7 @@ impl Audit {
 
     fn look(&self, file: &Path) -> Result<Vec<Audited>, Error> {
         let time = self.settings.data.time.as_deref();
-        let table = Table::open(file)?;
+        let table = Table::open_as(file, &self.settings.data.text_form())?;
         let (names, problems) = reader::numeric(&table, time)?;
         let of_columns = problems.iter().map(|problem| match problem {
             Error::Content { place, problem, .. } => format!("{place}: left out: {problem}"),

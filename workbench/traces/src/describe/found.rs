@@ -13,6 +13,7 @@ use model::Error;
 use model::audit::times::Times;
 use model::outputs;
 use model::session::Log;
+use model::trace::TextForm;
 use model::trace::labels::Labels;
 
 /// What the files have.
@@ -49,14 +50,14 @@ impl Found {
     ) -> Result<Self, Error> {
         let data = asked.data;
         let time = data.time.as_deref();
-        let (kinds, mut left) = kinds(files, time, log);
+        let (kinds, mut left) = kinds(files, data, log);
         let Some(own) = most(kinds, &mut left) else { return Err(nothing(&data.traces, &left)) };
         let (names, proposal) = (own.names.clone(), Proposal::of(&own.names));
         // Files of a folder are found by their columns and labels; those are named beside which others cannot be read.
         let of_others = left.iter().any(|other| own.files.iter().any(|file| are_alike(file, &other.file)));
         let single = own.files.len() == 1 && files.len() > 1;
         let traces = if single || of_others { own.files.clone() } else { folders_of(&data.traces, &own.files) };
-        let table = Table::open(&own.files[0])?;
+        let table = Table::open_as(&own.files[0], &data.text_form())?;
         let read = |time: Option<&str>| reader::series(&table, (time, data.rate_hz), &names);
         let (series, disorder) = match read(time) {
             Err(problem) if time.is_none() => (read(Some(reader::NO_TIME))?, Some(problem.to_string())),
@@ -71,7 +72,7 @@ impl Found {
         let (file, made) = match given {
             Some(file) => (file, None),
             None => {
-                let (text, told) = names::labels(&ids(&own.files, &names[..1])?)?;
+                let (text, told) = names::labels(&ids(&own.files, &names[..1], &data.text_form())?)?;
                 let own_file = || outputs::folder_of(out).join("labels.csv");
                 let file = asked.labels_from_names.map_or_else(own_file, Path::to_path_buf);
                 outputs::plan(&[&file, out], files)?;
@@ -102,10 +103,10 @@ impl Found {
 }
 
 /// The files, and of a table of several traces these in its place.
-fn ids(files: &[PathBuf], channels: &[String]) -> Result<Vec<PathBuf>, Error> {
+fn ids(files: &[PathBuf], channels: &[String], form: &TextForm) -> Result<Vec<PathBuf>, Error> {
     let mut all = Vec::new();
     for file in files {
-        let table = Table::open(file)?;
+        let table = Table::open_as(file, form)?;
         if table.names().iter().any(|name| name == "trace") {
             // Only the ids are wanted, whatever the times are.
             let series = reader::series(&table, (Some(reader::NO_TIME), None), channels)?;

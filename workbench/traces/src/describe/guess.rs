@@ -1,6 +1,7 @@
 //! Which column is which signal, by names and units.
 
 use crate::units::{Quantity, Unit};
+use model::trace::{is_reference, words};
 
 /// Channels that were found; each is a column, with its unit converted where that is needed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,46 +20,17 @@ const VELOCITY: [&str; 10] =
     ["velocity", "vel", "speed", "drehzahl", "geschwindigkeit", "vitesse", "rpm", "omega", "rev", "w"];
 const ANGLE: [&str; 7] = ["angle", "winkel", "theta", "position", "pos", "resolver", "encoder"];
 const LOAD: [&str; 6] = ["load", "torque", "drehmoment", "couple", "force", "brake"];
-/// Parts of names of what is wanted rather than measured.
-const REFERENCE: [&str; 7] = ["ref", "cmd", "command", "set", "target", "setpoint", "desired"];
 /// Parts of names of what is computed or of another machine.
 const SECONDARY: [&str; 6] = ["est", "estimated", "2", "error", "err", "filtered"];
 
 /// Parts of names of a power, and of what the motor gives, which are no load of the shaft.
 const NO_LOAD: [&str; 2] = ["power", "motor"];
 
-/// Words of a name, in lower case.
-pub(crate) fn words(name: &str) -> Vec<String> {
-    let mut words: Vec<String> = vec![String::new()];
-    let mut before = ' ';
-    for c in name.chars() {
-        let breaks = !c.is_alphanumeric()
-            || (c.is_ascii_uppercase() && before.is_ascii_lowercase())
-            || (c.is_ascii_digit() && before.is_alphabetic());
-        if breaks {
-            words.push(String::new());
-        }
-        if c.is_alphanumeric()
-            && let Some(last) = words.last_mut()
-        {
-            last.extend(c.to_lowercase());
-        }
-        before = c;
-    }
-    words.retain(|word| !word.is_empty());
-    words
-}
-
-/// Whether the name is that of a wanted value rather than a measured one.
-pub(crate) fn is_reference(name: &str) -> bool {
-    words(name).iter().any(|word| REFERENCE.contains(&word.as_str()))
-}
-
 /// How well a name fits: the rank of its most telling part, worse if it is computed.
 fn rank(name: &str, parts: &[&str], reference: bool) -> Option<usize> {
     let words = words(name);
     let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
-    if has(&REFERENCE) != reference {
+    if is_reference(name) != reference {
         return None;
     }
     let best = parts

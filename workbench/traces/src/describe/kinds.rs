@@ -9,6 +9,7 @@ use crate::reader;
 use crate::table::Table;
 use model::Error;
 use model::session::Log;
+use model::settings::Data;
 use model::trace::{file_name, stem};
 
 /// A file that is not described, and why.
@@ -40,12 +41,13 @@ struct Alike {
 }
 
 /// The kinds of files, with what was left out of each.
-pub(super) fn kinds(files: &[PathBuf], time: Option<&str>, log: &Log<'_>) -> (Vec<Kind>, Vec<LeftOut>) {
+pub(super) fn kinds(files: &[PathBuf], data: &Data, log: &Log<'_>) -> (Vec<Kind>, Vec<LeftOut>) {
     let (mut all, mut left): (Vec<Alike>, Vec<LeftOut>) = (Vec::new(), Vec::new());
     let step = log.steps("files", files.len());
     for file in files {
-        let read = Table::open(file).and_then(|table| Ok((reader::numeric(&table, time)?, table.names().to_vec())));
-        match read {
+        let table = Table::open_as(file, &data.text_form());
+        let read = |table: Table| Ok((reader::numeric(&table, data.time.as_deref())?, table.names().to_vec()));
+        match table.and_then(read) {
             Ok(((numeric, problems), names)) => {
                 let own = (file.clone(), numeric, problems);
                 match all.iter_mut().find(|alike| alike.names == names) {
@@ -165,7 +167,7 @@ mod tests {
             write("words.csv", "a,b\nx,y\nz,w\n"),
         ];
         let log = Log::new(&model::session::Quiet);
-        let (all, mut left) = kinds(&files, None, &log);
+        let (all, mut left) = kinds(&files, &Data::default(), &log);
         let own = most(all, &mut left).expect("a kind");
         assert_eq!(own.names, ["current_a", "speed_rpm"]);
         assert_eq!(own.files, [files[0].clone(), files[1].clone(), files[3].clone()]);

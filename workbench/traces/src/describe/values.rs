@@ -9,6 +9,7 @@ use super::names::{HEALTHY, REFERENCE};
 use super::proposal::Proposal;
 use crate::reader;
 use model::settings::{Data, from_here, literal as text};
+use model::trace::TextForm;
 use model::train::novelty;
 
 /// The usual false-alarm rate of a gate.
@@ -53,6 +54,14 @@ impl Values {
         if let Some(rate) = data.rate_hz {
             self.values.insert("rate_hz", rate.to_string());
         }
+        let TextForm { skip, units_row, separator, decimal } = data.text_form();
+        let given = [
+            ("skip", skip.map(|lines| lines.to_string())),
+            ("units_row", units_row.then(|| "true".into())),
+            ("separator", separator.map(|own| text(&String::from(own)))),
+            ("decimal", decimal.map(|mark| text(mark.name()))),
+        ];
+        self.values.extend(given.into_iter().filter_map(|(key, value)| Some((key, value?))));
     }
 
     /// Writes channels, order and features; returns the number of features, and the channel of the current if its mean

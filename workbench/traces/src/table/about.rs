@@ -18,6 +18,10 @@ pub struct About {
     pub ticks_s: Vec<(usize, f64)>,
     /// Places of columns that have the name of a time and count rows.
     pub counters: Vec<usize>,
+    /// Places of columns that repeat the time for another channel.
+    pub twins: Vec<usize>,
+    /// A channel that has other times: its place, and the line where they differ first.
+    pub other_times: Option<(usize, u64)>,
     /// Seconds from row to row, if the file tells them and has no column of times.
     pub step_s: Option<f64>,
     /// What was left out.

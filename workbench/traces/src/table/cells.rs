@@ -94,6 +94,25 @@ pub(super) fn is_decimal_comma(cell: &str) -> bool {
         })
 }
 
+/// The number in a cell with marks between thousands, such as 12,345.6 or, with a decimal comma, 12.345,6.
+pub(super) fn grouped(cell: &str, decimal_comma: bool) -> Option<f64> {
+    let (group, point) = if decimal_comma { ('.', ',') } else { (',', '.') };
+    let unsigned = cell.trim_start_matches(['-', '+']);
+    let (whole, part) = unsigned.split_once(point).unwrap_or((unsigned, ""));
+    let digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
+    let (first, others) = whole.split_once(group)?;
+    let fits = !first.is_empty() && first.len() <= 3 && others.split(group).all(|own| own.len() == 3 && digits(own));
+    if !fits || !digits(first) || !digits(part) {
+        return None;
+    }
+    cell.replace(group, "").replace(point, ".").parse().ok()
+}
+
+/// Where a line begins, by the number of lines before it.
+pub(super) fn start_of_line(text: &str, lines: usize) -> usize {
+    lines.checked_sub(1).map_or(0, |last| text.match_indices('\n').nth(last).map_or(text.len(), |(at, _)| at + 1))
+}
+
 /// Whether a cell is a complex number such as 3.9+4.1i.
 pub(super) fn is_complex(cell: &str) -> bool {
     let Some(rest) = cell.trim_matches(['(', ')']).strip_suffix(['i', 'j']) else { return false };
@@ -134,6 +153,18 @@ mod tests {
         assert_eq!(kind("1,5", false), Kind::Word);
         for (cell, settled) in [("1,5", true), ("0,125", true), ("2,000", false), ("12345,678", true), ("1.5", false)] {
             assert_eq!(is_decimal_comma(cell), settled, "{cell}");
+        }
+        for (cell, comma, number) in [
+            ("2,000", false, Some(2000.0)),
+            ("-12,345.5", false, Some(-12_345.5)),
+            ("1.234.567,5", true, Some(1_234_567.5)),
+            ("1,5", false, None),
+            ("1234,567", false, None),
+            ("1,2345", false, None),
+            ("1.5", false, None),
+            (",123", false, None),
+        ] {
+            assert_eq!(grouped(cell, comma), number, "{cell}");
         }
         for (cell, complex) in
             [("3.9+4.1i", true), ("5.0286-0.10214i", true), ("1e-3-2e-4j", true), ("3i", false), ("hi", false)]

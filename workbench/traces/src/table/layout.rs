@@ -12,12 +12,13 @@
 //! two lines that have these columns. A comma is decimal where a cell can be nothing else.
 
 use super::about::About;
-use super::cells::{Kind, Line, is_decimal_comma, kind, lines, split};
+use super::cells::{Kind, Line, grouped, is_decimal_comma, kind, lines, split, start_of_line};
 use super::clock::Clock;
+use super::header::{Head, are_places, clean};
 use super::preamble;
 use super::time_name::{self, Guess};
-use crate::units::Unit;
-use model::outputs::text_of;
+use super::twins;
+use model::trace::{Decimal, TextForm};
 
 /// Lines that are looked at, and bytes of a text with long lines.
 const LINES: usize = 200;
@@ -35,6 +36,8 @@ pub(super) struct Layout {
     /// Separator; a blank stands for any number of blanks and tabs.
     pub(super) separator: u8,
     pub(super) decimal_comma: bool,
+    /// Whether the decimal mark is given, so that the other mark separates thousands.
+    thousands: bool,
     /// The first character of lines that are skipped.
     pub(super) comment: Option<u8>,
     /// Names of the columns, and the cells of the line they are from.
@@ -48,18 +51,24 @@ pub(super) struct Layout {
 }
 
 /// The rows by one separator.
-struct Rows {
-    separator: u8,
+pub(super) struct Rows {
+    pub(super) separator: u8,
+    /// Whether the separator is given.
+    is_given: bool,
     /// Number of cells, and the columns of numbers or times.
-    cells: usize,
+    pub(super) cells: usize,
     numeric: Vec<bool>,
     /// Place of the first one among the lines.
-    first: usize,
+    pub(super) first: usize,
+    /// Whether it is given that the line before has units.
+    pub(super) has_units: bool,
 }
 
 impl Layout {
-    /// Finds the layout of a text.
-    pub(super) fn of(text: &str) -> Self {
+    /// Finds what is not given of the layout of a text.
+    pub(super) fn of(text: &str, form: &TextForm) -> Self {
+        let skipped = form.skip.unwrap_or(0);
+        let text = &text[start_of_line(text, skipped)..];
         let comment = text.lines().find(|line| !line.trim().is_empty()).and_then(|line| {
             let first = line.trim_start_matches('\u{feff}').bytes().next()?;
             matches!(first, b'#' | b'%' | b';').then_some(first)
@@ -68,23 +77,34 @@ impl Layout {
         let enough = start.bytes().filter(|byte| *byte == b'\n').count() > SETTLED;
         // Of very long lines a few are enough.
         let (looked_at, most) = if enough { (start, LINES) } else { (text, 2 * SETTLED) };
-        let (content, comments) = lines(looked_at, comment, most);
-        let found = [b';', b'\t', b'|', b',', b' '].into_iter().filter_map(|separator| Rows::of(&content, separator));
+        let (mut content, mut comments) = lines(looked_at, comment, most);
+        for line in content.iter_mut().chain(&mut comments) {
+            line.before += skipped;
+            line.end += skipped;
+        }
+        let usual = [b';', b'\t', b'|', b',', b' '];
+        let given = form.separator.map(|own| [own.byte()]);
+        let separators = given.as_ref().map_or(&usual[..], |own| own);
+        let found = separators.iter().filter_map(|separator| Rows::of(&content, *separator, form));
         // The first of equals: with decimal commas, a comma may separate as many columns.
         let best = found.reduce(|best, other| if other.columns() > best.columns() { other } else { best });
         match best {
-            Some(rows) => Self::with(&rows, (&content, &comments), comment),
-            None => Self::without_rows(&content, comment),
+            Some(rows) => Self::with(&rows, (&content, &comments), (comment, form)),
+            None => Self::without_rows(&content, (comment, separators)),
         }
     }
 
     /// Whether a text has all lines that are looked at.
-    pub(super) fn is_settled_by(head: &str) -> bool {
-        head.lines().filter(|line| !line.trim().is_empty() && !line.starts_with(['#', '%'])).count() > SETTLED
+    pub(super) fn is_settled_by(head: &str, form: &TextForm) -> bool {
+        let lines = head.lines().skip(form.skip.unwrap_or(0));
+        lines.filter(|line| !line.trim().is_empty() && !line.starts_with(['#', '%'])).count() > SETTLED
     }
 
     /// The number in a cell.
     pub(super) fn number(&self, cell: &str) -> Option<f64> {
+        if let Some(number) = grouped(cell, self.decimal_comma).filter(|_| self.thousands) {
+            return Some(number);
+        }
         if !self.decimal_comma {
             return cell.parse().ok();
         }
@@ -93,24 +113,33 @@ impl Layout {
     }
 
     /// Of a text without numbers: the first line has the names.
-    fn without_rows(content: &[Line<'_>], comment: Option<u8>) -> Self {
+    fn without_rows(content: &[Line<'_>], (comment, separators): (Option<u8>, &[u8])) -> Self {
         let first = content.first();
         let text = first.map_or("", |line| line.text);
         let cells = |separator: &u8| split(text, *separator).len();
-        let separator = [b',', b';', b'\t', b'|'].into_iter().rev().max_by_key(cells).unwrap_or(b',');
+        let of_header = [b',', b';', b'\t', b'|'].into_iter().filter(|own| separators.contains(own));
+        let separator = of_header.rev().max_by_key(cells).or_else(|| separators.first().copied()).unwrap_or(b',');
         let header: Vec<String> = split(text, separator).into_iter().map(clean).collect();
         let names = header.clone();
         let first = first.map_or(0, |line| line.end);
         let about = About::default();
-        Self { separator, decimal_comma: false, comment, names, header, first, clocks: vec![], about }
+        let (decimal_comma, thousands) = (false, false);
+        Self { separator, decimal_comma, thousands, comment, names, header, first, clocks: vec![], about }
     }
 
-    fn with(rows: &Rows, (content, comments): (&[Line<'_>], &[Line<'_>]), comment: Option<u8>) -> Self {
+    fn with(
+        rows: &Rows,
+        (content, comments): (&[Line<'_>], &[Line<'_>]),
+        (comment, form): (Option<u8>, &TextForm),
+    ) -> Self {
         let Rows { separator, cells, first, .. } = *rows;
         let of_rows: Vec<Vec<&str>> =
             content[first..].iter().map(|line| split(line.text, separator)).filter(|row| row.len() == cells).collect();
         let any = |wanted: fn(&str) -> bool| of_rows.iter().flatten().any(|cell| wanted(cell));
-        let decimal_comma = separator != b',' && any(is_decimal_comma);
+        let decimal_comma = match form.decimal {
+            Some(mark) => mark == Decimal::Comma,
+            None => separator != b',' && any(is_decimal_comma),
+        };
         let mut about = About::default();
         let is_empty = |k: &usize| of_rows.iter().all(|row| row[*k].is_empty());
         let used = (0..cells).rev().find(|k| !is_empty(k)).map_or(cells, |last| last + 1);
@@ -123,6 +152,7 @@ impl Layout {
         let own = Self {
             separator,
             decimal_comma,
+            thousands: form.decimal.is_some(),
             comment,
             names,
             header: head.cells,
@@ -133,10 +163,30 @@ impl Layout {
         let before = if own.header.is_empty() { first } else { before };
         let mut own = own.with_clocks(&of_rows);
         let is_time = |k: usize| time_name::usual(&own.names[k]).is_some() && !own.about.counters.contains(&k);
-        if own.about.step_s.is_none() && own.clocks.is_empty() && !(0..cells).any(is_time) {
-            own.about.step_s = preamble::step_s(&content[..before], comments, &mut own.about);
+        match (0..cells).find(|k| is_time(*k)) {
+            Some(time) => own.find_twins(&of_rows, time, content[first].before),
+            None if own.about.step_s.is_none() && own.clocks.is_empty() => {
+                own.about.step_s = preamble::step_s(&content[..before], comments, &mut own.about);
+            }
+            None => {}
         }
         own
+    }
+
+    /// Finds the columns that repeat the time for each channel, and those that have other times.
+    fn find_twins(&mut self, rows: &[Vec<&str>], time: usize, before: usize) {
+        for (place, differs) in twins::twins(&self.names, rows, time) {
+            match differs {
+                None => {
+                    let again = format!("the same time as column {}", time + 1);
+                    self.about.omit(format!("column {} {}", place + 1, self.names[place]), again);
+                    self.about.twins.push(place);
+                }
+                Some(row) => {
+                    self.about.other_times.get_or_insert((place, (before + row + 1) as u64));
+                }
+            }
+        }
     }
 
     /// Finds the columns that are times.
@@ -207,12 +257,17 @@ impl Layout {
 
 impl Rows {
     /// The rows by this separator; `None` if no column has numbers.
-    fn of(content: &[Line<'_>], separator: u8) -> Option<Self> {
+    fn of(content: &[Line<'_>], separator: u8, form: &TextForm) -> Option<Self> {
+        // Of given places the first rows are not looked for.
+        let before = if form.units_row { 2 } else { 0 };
+        let content = content.get(before..)?;
         let all: Vec<Vec<&str>> = content.iter().map(|line| split(line.text, separator)).collect();
         let count = |cells: usize| all.iter().filter(|row| row.len() == cells).count();
         let cells = all.iter().map(Vec::len).max_by_key(|cells| (count(*cells), *cells))?;
         let commas = separator != b',';
-        let kinds = |row: &Vec<&str>| row.iter().map(|cell| kind(cell, commas)).collect::<Vec<_>>();
+        let is_grouped = |cell: &str| form.decimal.is_some_and(|mark| grouped(cell, mark == Decimal::Comma).is_some());
+        let kind = |cell: &str| if is_grouped(cell) { Kind::Number } else { kind(cell, commas) };
+        let kinds = |row: &Vec<&str>| row.iter().map(|cell| kind(cell)).collect::<Vec<_>>();
         let late = &all[all.len() / 3..];
         let of_late: Vec<Vec<Kind>> = late.iter().filter(|row| row.len() == cells).map(kinds).collect();
         let numeric = |k: usize| {
@@ -236,10 +291,13 @@ impl Rows {
         let first = (0..all.len()).find(begins)?;
         // A row with a bad cell is no header: its first number says so, and reading names the cell.
         let place = numeric.iter().position(|numeric| *numeric)?;
-        let is_row =
-            |row: &Vec<&str>| row.len() == cells && matches!(kind(row[place], commas), Kind::Number | Kind::Time);
+        let is_row = |row: &Vec<&str>| row.len() == cells && matches!(kind(row[place]), Kind::Number | Kind::Time);
         let first = first - all[..first].iter().rev().take_while(|row| is_row(row)).count();
-        let found = Self { separator, cells, numeric, first };
+        let is_given = form.separator.is_some();
+        let found = Self { separator, is_given, cells, numeric, first, has_units: form.units_row };
+        if form.units_row {
+            return (found.columns() > 0).then_some(Self { first: before, ..found });
+        }
         // pandas writes the places of columns without names.
         let is_header = first == 0 && cells > 2 && all.len() > first + 1 && are_places(&all[first]);
         let first = first + usize::from(is_header);
@@ -249,148 +307,20 @@ impl Rows {
     /// Number of columns of numbers; a single column has no separator.
     fn columns(&self) -> usize {
         let columns = self.numeric.iter().filter(|numeric| **numeric).count();
-        if self.cells == 1 && self.separator != b',' { 0 } else { columns }
+        if self.cells == 1 && self.separator != b',' && !self.is_given { 0 } else { columns }
     }
-}
-
-/// The header.
-struct Head {
-    names: Vec<String>,
-    /// Its cells, none without a header.
-    cells: Vec<String>,
-    /// Number of lines before it.
-    before: usize,
-    /// Start and step of the time that its units tell.
-    step_s: Option<f64>,
-    /// Names of columns that no row has.
-    further: Vec<String>,
-}
-
-impl Head {
-    /// The header of rows of which the first `used` columns are not empty.
-    fn of((content, comments): (&[Line<'_>], &[Line<'_>]), rows: &Rows, used: usize) -> Self {
-        let cells = |place: usize| content.get(place).map(|line| split(line.text, rows.separator));
-        let named =
-            |place: Option<usize>| place.and_then(|place| Some((place, fitting(cells(place)?, [used, rows.cells])?)));
-        let last = rows.first.checked_sub(1);
-        let units = last.and_then(&cells).filter(|row| is_units(row, used));
-        let (found, units) = match (units, named(last.and_then(|last| last.checked_sub(1)))) {
-            (Some(units), Some(found)) => (Some(found), Some(units)),
-            _ => (named(last), None),
-        };
-        let Some((before, all)) = found else {
-            return Self::of_comment(comments, content[rows.first].before, (rows, used));
-        };
-        let step_s = units.as_ref().and_then(|units| increment(&all, units));
-        let unit = |k: usize| units.as_ref().and_then(|units| units.get(k)).map(|unit| bare(unit));
-        let with_unit = |(k, name): (usize, &String)| match unit(k) {
-            Some(unit) if Unit::named(unit).is_some() => format!("{name} [{unit}]"),
-            Some(unit) => long_unit(unit).map_or_else(|| name.clone(), |unit| format!("{name} [{unit}]")),
-            None => name.clone(),
-        };
-        // A column may be empty in the rows that are looked at, and have numbers later.
-        let kept = if step_s.is_some() { used } else { rows.cells };
-        let names = all.iter().take(kept).enumerate().map(with_unit).collect();
-        let further = if step_s.is_some() { vec![] } else { all[kept.min(all.len())..].to_vec() };
-        Self { names, cells: all, before, step_s, further }
-    }
-
-    /// The header in the last comment before the rows, or none.
-    fn of_comment(comments: &[Line<'_>], before: usize, (rows, used): (&Rows, usize)) -> Self {
-        let text = |line: &Line<'_>| line.text.trim_start_matches(['#', '%', ';']).trim().to_string();
-        let last = comments.iter().filter(|line| line.before < before).map(text).rfind(|line| !line.is_empty());
-        let names = last.map(|line| split(&line, rows.separator).into_iter().map(clean).collect::<Vec<_>>());
-        match names.filter(|names| names.len() == used) {
-            Some(names) => Self { cells: names.clone(), names, before: 0, step_s: None, further: vec![] },
-            None => {
-                let names = (1..=used).map(|k| format!("c{k}")).collect();
-                Self { names, cells: vec![], before: rows.first, step_s: None, further: vec![] }
-            }
-        }
-    }
-
-    /// Says what was left out.
-    fn doubts(&self, content: &[Line<'_>], first: usize, about: &mut About) {
-        let lines = if self.cells.is_empty() { first } else { self.before };
-        if lines > 0 {
-            let last = content[lines - 1].end;
-            let place = if last == 1 { "line 1".into() } else { format!("lines {} to {last}", content[0].before + 1) };
-            about.omit(place, "before the header");
-        }
-        for name in self.further.iter().filter(|name| !name.is_empty()) {
-            about.omit(format!("column {name}"), "no row has it");
-        }
-    }
-}
-
-/// Whether the cells of a line count the columns, from 0 or from 1 on.
-fn are_places(cells: &[&str]) -> bool {
-    (0..=1).any(|from| cells.iter().enumerate().all(|(k, cell)| *cell == (k + from).to_string()))
-}
-
-/// The cells of a line as names of the columns, the first `used` of which are not empty; `None` if the numbers of cells
-/// and columns differ.
-fn fitting(cells: Vec<&str>, [used, columns]: [usize; 2]) -> Option<Vec<String>> {
-    let count = cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
-    if cells.iter().all(|cell| kind(cell, false) != Kind::Word) && !are_places(&cells) {
-        return None;
-    }
-    let all: Vec<String> = cells.into_iter().map(clean).collect();
-    // Names that no row has: of the time in units, and of notes that are rare.
-    let rare = ["start", "t0", "increment", "tinc", "comment", "comments", "note", "notes"];
-    let is_rare = |name: &String| name.is_empty() || rare.contains(&name.to_lowercase().as_str());
-    match count {
-        _ if count == used || all.len() == used || all.len() == columns => Some(all),
-        _ if count > used && all[used..].iter().all(is_rare) => Some(all),
-        // Tables of R have no name for their row names.
-        _ if count + 1 == used && used > 2 => Some(std::iter::once("row".to_string()).chain(all).take(used).collect()),
-        _ => None,
-    }
-}
-
-fn clean(name: &str) -> String {
-    let one_line: Vec<&str> = name.split_whitespace().collect();
-    text_of(one_line.join(" ").trim_start_matches('\u{feff}')).to_string()
-}
-
-/// A unit without brackets.
-fn bare(unit: &str) -> &str {
-    unit.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']).trim()
-}
-
-/// Units of oscilloscopes in words.
-fn long_unit(unit: &str) -> Option<&'static str> {
-    match unit.to_lowercase().as_str() {
-        "volt" | "volts" => Some("V"),
-        "ampere" | "amperes" | "amp" | "amps" => Some("A"),
-        "second" | "seconds" => Some("s"),
-        _ => None,
-    }
-}
-
-/// Whether the first `used` cells of a line are units, or words that stand for none.
-fn is_units(cells: &[&str], used: usize) -> bool {
-    let is_unit = |cell: &str| Unit::named(cell).is_some() || long_unit(cell).is_some();
-    let filler =
-        ["", "-", "1", "%", "sequence", "none", "bool", "counts", "count", "w", "hz", "ohm", "date", "datetime"];
-    let own: Vec<&str> = cells.iter().take(used).map(|cell| bare(cell)).collect();
-    let known = |cell: &&str| is_unit(cell) || filler.contains(&cell.to_lowercase().as_str());
-    own.len() == used && own.iter().all(known) && own.iter().any(|cell| is_unit(cell))
-}
-
-/// The step of the time, s, by the columns Start and Increment of a header and the numbers below them.
-fn increment(names: &[String], units: &[&str]) -> Option<f64> {
-    let place = |wanted: &[&str]| names.iter().position(|name| wanted.contains(&name.to_lowercase().as_str()));
-    let step = units.get(place(&["increment", "tinc", "delta t", "dt"])?)?.parse::<f64>().ok();
-    place(&["start", "t0"]).and(step).filter(|step| *step > 0.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn of(text: &str) -> Layout {
+        Layout::of(text, &TextForm::default())
+    }
+
     fn layout(text: &str) -> (char, bool, Vec<String>, usize) {
-        let Layout { separator, decimal_comma, names, first, .. } = Layout::of(text);
+        let Layout { separator, decimal_comma, names, first, .. } = of(text);
         (char::from(separator), decimal_comma, names, first)
     }
 
@@ -430,30 +360,30 @@ mod tests {
 
     #[test]
     fn lines_before_the_header_and_units_are_understood() {
-        let units = Layout::of("Time;Current;Speed\n[s];[A];[rpm]\n0.000;0.1;1000.2\n0.001;1.1;1001.2\n");
+        let units = of("Time;Current;Speed\n[s];[A];[rpm]\n0.000;0.1;1000.2\n0.001;1.1;1001.2\n");
         assert_eq!((units.names.join("|"), units.first), ("Time [s]|Current [A]|Speed [rpm]".into(), 2));
         let text = "Logger,3\nSample Rate,2000\nNote,a,b,c\n0,0.5,0.2\n1,1.5,1.2\n2,2.5,2.2\n";
-        let found = Layout::of(text);
+        let found = of(text);
         assert_eq!(
             (found.names.join("|"), found.first, found.about.step_s),
             ("c1|c2|c3".into(), 3, Some(1.0 / 2000.0))
         );
         assert_eq!(found.about.omitted[0].place, "lines 1 to 3");
         let scope = "X,CH1,Start,Increment,\nSequence,Volt,-1.2e-03,2.0e-06,\n0,0.1,\n1,1.1,\n2,2.1,\n";
-        let found = Layout::of(scope);
+        let found = of(scope);
         assert_eq!((found.names.join("|"), found.about.step_s), ("X|CH1 [V]|".into(), Some(2e-6)));
         let marked = ";Device,M2K\n;Sample rate,100000\nSample,Time(S),CH1(V)\n0,0.00000,0.1\n1,0.00001,1.1\n";
-        let found = Layout::of(marked);
+        let found = of(marked);
         assert_eq!((found.names.join("|"), found.first), ("Sample|Time(S)|CH1(V)".into(), 3));
         let labview = "LabVIEW Measurement\t\nDelta_X\t0.001\n***End_of_Header***\t\nX_Value\tVoltage\tComment\n0.000\t1.5\n0.001\t2.5\n0.002\t3.5\n";
-        let found = Layout::of(labview);
+        let found = of(labview);
         assert_eq!((found.names.join("|"), found.first), ("X_Value|Voltage".into(), 4));
     }
 
     #[test]
     fn times_are_told_by_their_cells_and_steps() {
         let clocks = |text: &str| {
-            let found = Layout::of(text);
+            let found = of(text);
             (found.about.clocks.clone(), found.about.notes.len())
         };
         assert_eq!(clocks("Datum;t_s;i\n26.10.2022 08:17:00;0,000;0,5\n26.10.2022 08:17:01;0,001;1,5\n"), (vec![0], 0));
@@ -461,8 +391,36 @@ mod tests {
         assert_eq!(clocks("timestamp,i\n123456789,1\n123457039,2\n"), (vec![0], 1));
         assert_eq!(clocks("time_ns,i\n1764200000000000000,1\n1764200000000250000,2\n"), (vec![0], 0));
         assert_eq!(clocks("t_s,i\n0.000,1\n0.001,2\n"), (vec![], 0));
-        assert_eq!(Layout::of("time,i\n0,1\n1,2\n2,5\n").about.counters, [0]);
+        assert_eq!(of("time,i\n0,1\n1,2\n2,5\n").about.counters, [0]);
         let rising: String = (0..20).map(|k| format!("{}.{},7\n", 3104 + k / 10, k % 10)).collect();
         assert_eq!(clocks(&rising), (vec![0], 1));
+    }
+
+    /// What the content does not tell is given: rows before the header, names and units that look like others, a rare
+    /// separator, marks between thousands.
+    #[test]
+    fn what_is_given_is_not_guessed() {
+        let form = |skip: usize, units_row: bool, separator: &str, decimal: Option<Decimal>| TextForm {
+            skip: Some(skip).filter(|skip| *skip > 0),
+            units_row,
+            separator: separator.parse().ok(),
+            decimal,
+        };
+        let numbers = "3,17\n4,18\n5,19\nt,i\n0,1\n1,2\n2,2\n";
+        let own = Layout::of(numbers, &form(3, false, "", None));
+        assert_eq!((own.names.join("|"), own.first), ("t|i".into(), 4));
+        let units = "7;8\nfoo;bar\n0.5;1\n1.5;2\n2.5;3\n";
+        let own = Layout::of(units, &form(0, true, "", None));
+        assert_eq!((own.names.join("|"), own.first), ("7|8".into(), 2));
+        let own = Layout::of("t~i\n0~1\n1~2\n", &form(0, false, "~", None));
+        assert_eq!((own.names.join("|"), own.separator, own.first), ("t|i".into(), b'~', 1));
+        let own = Layout::of("t i;n\n0;1\n1;2\n", &form(0, false, ",", None));
+        assert_eq!(own.names, ["t i;n"]);
+        let thousands = "t;n\n0;2,000\n1;13,000.5\n2;4\n";
+        let own = Layout::of(thousands, &form(0, false, "", Some(Decimal::Point)));
+        let numbers = ["2,000", "13,000.5", "4", "1,5"].map(|cell| own.number(cell));
+        assert_eq!((own.first, numbers), (1, [Some(2000.0), Some(13_000.5), Some(4.0), None]));
+        let own = Layout::of("t;n\n0;2,000\n1;3,000\n", &form(0, false, "", Some(Decimal::Comma)));
+        assert_eq!(["2,000", "1.000,5"].map(|cell| own.number(cell)), [Some(2.0), Some(1000.5)]);
     }
 }

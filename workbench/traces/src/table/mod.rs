@@ -35,6 +35,7 @@ mod encoding;
 mod formats;
 #[cfg(feature = "matlab")]
 mod hdf5;
+mod header;
 mod layout;
 mod limit;
 mod lines;
@@ -63,6 +64,7 @@ mod preamble;
 mod source;
 mod text;
 pub(crate) mod time_name;
+mod twins;
 mod unpack;
 mod write;
 
@@ -72,7 +74,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use model::Error;
-use model::trace::{Recorded, extensions, file_name};
+use model::trace::{Recorded, TextForm, extensions, file_name};
 
 use columns::{NO_NUMBER, Unusable, settle, too_large};
 use formats::{is_binary, left_out, unread};
@@ -107,7 +109,18 @@ enum Content {
 
 impl Table {
     /// Opens a file by its extension; one without a known extension is text.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or is of no known format.
     pub fn open(path: &Path) -> Result<Self, Error> {
+        Self::open_as(path, &TextForm::default())
+    }
+
+    /// Opens a file; what is given of the layout of texts is not guessed.
+    ///
+    /// # Errors
+    /// The errors of [`Table::open`].
+    pub fn open_as(path: &Path, form: &TextForm) -> Result<Self, Error> {
         let name = file_name(path);
         let (extension, compressed) = extensions(&name).unwrap_or_default();
         if compressed && is_binary(&extension) {
@@ -139,7 +152,7 @@ impl Table {
             foreign if let Some(problem) = unread(foreign) => return Err(Error::content(path, "content", problem)),
             binary if is_binary(binary) => return Err(left_out(path, binary)),
             _ => {
-                let text = text::Text::open(path, &mut about)?;
+                let text = text::Text::open(path, form, &mut about)?;
                 (text.names(), Content::Text(Box::new(text)))
             }
         };

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
 use crate::table::about::About;
-use crate::table::cells::{is_complex, split};
+use crate::table::cells::{is_complex, split, start_of_line};
 use crate::table::columns::{Columns, LARGEST, Wanted, is_missing, too_large};
 use crate::table::layout::Layout;
 use crate::table::lines::Lines;
@@ -17,6 +17,7 @@ use crate::table::source::Source;
 use crate::table::unpack::unpacked;
 use crate::table::{encoding, limit};
 use model::Error;
+use model::trace::TextForm;
 
 /// Bytes of a file from which it is read in pieces, and of its start, which has the layout.
 const LARGE: u64 = 4 << 20;
@@ -40,8 +41,8 @@ enum Content {
 type Found = (Columns, BTreeMap<usize, (u64, String)>);
 
 impl Text {
-    pub(super) fn open(path: &Path, about: &mut About) -> Result<Self, Error> {
-        let content = match large(path)? {
+    pub(super) fn open(path: &Path, form: &TextForm, about: &mut About) -> Result<Self, Error> {
+        let content = match large(path, form)? {
             Some((head, bytes)) => Content::Large(head, bytes),
             None => {
                 let (text, guessed) = whole(path)?;
@@ -49,7 +50,7 @@ impl Text {
                 Content::Whole(text)
             }
         };
-        let layout = Layout::of(content.head());
+        let layout = Layout::of(content.head(), form);
         let mut own = Self { content, layout };
         own.leave_out_cut_line(path)?;
         let of_layout = std::mem::take(&mut own.layout.about);
@@ -254,13 +255,8 @@ impl Content {
     }
 }
 
-/// Where a line begins, by the number of lines before it.
-fn start_of_line(text: &str, lines: usize) -> usize {
-    lines.checked_sub(1).map_or(0, |last| text.match_indices('\n').nth(last).map_or(text.len(), |(at, _)| at + 1))
-}
-
 /// The first lines of a file and its size, if it is large and not packed, and these lines have the layout.
-fn large(path: &Path) -> Result<Option<(String, u64)>, Error> {
+fn large(path: &Path, form: &TextForm) -> Result<Option<(String, u64)>, Error> {
     let file = File::open(path).map_err(Error::io(path))?;
     let about = file.metadata().map_err(Error::io(path))?;
     let mut head = Vec::new();
@@ -274,7 +270,7 @@ fn large(path: &Path) -> Result<Option<(String, u64)>, Error> {
     let lines = head.iter().rposition(|byte| *byte == b'\n').map_or(0, |feed| feed + 1);
     head.truncate(lines);
     // Packed bytes are no UTF-8.
-    Ok(String::from_utf8(head).ok().filter(|head| Layout::is_settled_by(head)).map(|head| (head, about.len())))
+    Ok(String::from_utf8(head).ok().filter(|head| Layout::is_settled_by(head, form)).map(|head| (head, about.len())))
 }
 
 /// Whether bytes are neither text nor packed: one in thirty is a control character that no text has.
@@ -296,7 +292,10 @@ fn whole(path: &Path) -> Result<(String, Option<&'static str>), Error> {
 }
 
 fn ragged(path: &Path, line: u64, cells: usize, columns: usize) -> Error {
-    let problem = format!("{cells} cells where the header has {columns}; complete the row or remove it");
+    let problem = format!(
+        "{cells} cells where the header has {columns}; complete the row or remove it; \
+         --skip tells how many lines are before the header, --separator what separates cells"
+    );
     Error::content(path, format!("line {line}"), problem)
 }
 
@@ -307,8 +306,7 @@ fn no_number(cell: &str) -> String {
     }
     let thousands =
         cell.contains([',', '.']) && cell.chars().all(|c| c.is_ascii_digit() || matches!(c, ',' | '.' | '-'));
-    let why =
-        if thousands { "; write it without separators of thousands, with one decimal mark in the file" } else { "" };
+    let why = if thousands { "; --decimal point or comma tells which mark separates thousands" } else { "" };
     format!("\"{cell}\" is not a number{why}")
 }
 

@@ -82,3 +82,42 @@ fn times_of_many_loggers_have_their_rate() {
         assert_eq!(read[0].columns[0].len() as u64, ROWS, "{name}");
     }
 }
+
+/// A time beside each channel is one time where all are the same, and refused where they are not.
+#[test]
+fn times_beside_each_channel_are_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.csv");
+    let twincat = "Name;Project\nFile;C:\\a.tcscope\n\nName;Axis.Current;Name;Axis.Speed\n\
+                   SymbolBased;True;SymbolBased;True\nSampleTime[ms];0.5;SampleTime[ms];0.5\n\n";
+    for (head, names) in [
+        (twincat, ["Axis.Current", "Axis.Speed"]),
+        ("Time [ms];I;Time [ms];n\n", ["I", "n"]),
+        ("time_ms;I;time_ms.1;n\n", ["I", "n"]),
+    ] {
+        let cell = |k: u64| k as f64 * 0.5;
+        let rows: String =
+            (0..ROWS).map(|k| format!("{};{}.5;{};{}\n", cell(k), k % 7, cell(k), 100 + k % 11)).collect();
+        let read = |rows: &str| {
+            std::fs::write(&path, format!("{head}{rows}")).expect("writable");
+            let table = Table::open(&path)?;
+            let own = crate::reader::numeric(&table, None)?.0;
+            Ok::<_, model::Error>((series(&table, (None, None), &own)?, own, table.about().told().collect::<Vec<_>>()))
+        };
+        let (found, own, told) = read(&rows).expect(head);
+        assert_eq!(own, names, "{head}");
+        let rate = found[0].times_s.as_deref().and_then(Times::of).expect("a time").rate_hz;
+        assert!((rate / 2000.0 - 1.0).abs() < 2e-5, "{head}: {rate}");
+        assert!(
+            told.iter().any(|note| note.contains("column 3") && note.contains("the same time as column 1")),
+            "{told:?}"
+        );
+        // In the first rows, and far behind them.
+        for row in [1, ROWS - 2] {
+            let late = format!("{};{}.5;{};", cell(row), row % 7, cell(row));
+            let other = rows.replacen(&late, &format!("{};{}.5;{};", cell(row), row % 7, cell(row) + 0.25), 1);
+            let refused = read(&other).expect_err(head).to_string();
+            assert!(refused.contains("this channel has times of its own"), "{refused}");
+        }
+    }
+}

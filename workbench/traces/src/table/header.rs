@@ -1,0 +1,145 @@
+//! The names of the columns of a text, and their units.
+
+use super::about::About;
+use super::cells::{Kind, Line, kind, split};
+use super::layout::Rows;
+use super::twins;
+use crate::units::Unit;
+use model::outputs::text_of;
+
+/// The header.
+pub(super) struct Head {
+    pub(super) names: Vec<String>,
+    /// Its cells, none without a header.
+    pub(super) cells: Vec<String>,
+    /// Number of lines before it.
+    pub(super) before: usize,
+    /// Start and step of the time that its units tell.
+    pub(super) step_s: Option<f64>,
+    /// Names of columns that no row has.
+    further: Vec<String>,
+}
+
+impl Head {
+    /// The header of rows of which the first `used` columns are not empty.
+    pub(super) fn of((content, comments): (&[Line<'_>], &[Line<'_>]), rows: &Rows, used: usize) -> Self {
+        let cells = |place: usize| content.get(place).map(|line| split(line.text, rows.separator));
+        let named =
+            |place: Option<usize>| place.and_then(|place| Some((place, fitting(cells(place)?, [used, rows.cells])?)));
+        if let Some((before, names)) = twins::paired(&content[..rows.first], rows.separator, used) {
+            return Self { cells: names.clone(), names, before, step_s: None, further: vec![] };
+        }
+        let last = rows.first.checked_sub(1);
+        let units = last.and_then(&cells).filter(|row| rows.has_units || is_units(row, used));
+        let given = || cells(0).map(|row| (0, row.into_iter().map(clean).collect::<Vec<_>>()));
+        let (found, units) = match (units, named(last.and_then(|last| last.checked_sub(1)))) {
+            (Some(units), Some(found)) => (Some(found), Some(units)),
+            (units, _) if rows.has_units => (given(), units),
+            _ => (named(last), None),
+        };
+        let Some((before, all)) = found else {
+            return Self::of_comment(comments, content[rows.first].before, (rows, used));
+        };
+        let step_s = units.as_ref().and_then(|units| increment(&all, units));
+        let unit = |k: usize| units.as_ref().and_then(|units| units.get(k)).map(|unit| bare(unit));
+        let with_unit = |(k, name): (usize, &String)| match unit(k) {
+            Some(unit) if Unit::named(unit).is_some() => format!("{name} [{unit}]"),
+            Some(unit) => long_unit(unit).map_or_else(|| name.clone(), |unit| format!("{name} [{unit}]")),
+            None => name.clone(),
+        };
+        // A column may be empty in the rows that are looked at, and have numbers later.
+        let kept = if step_s.is_some() { used } else { rows.cells };
+        let names = all.iter().take(kept).enumerate().map(with_unit).collect();
+        let further = if step_s.is_some() { vec![] } else { all[kept.min(all.len())..].to_vec() };
+        Self { names, cells: all, before, step_s, further }
+    }
+
+    /// The header in the last comment before the rows, or none.
+    fn of_comment(comments: &[Line<'_>], before: usize, (rows, used): (&Rows, usize)) -> Self {
+        let text = |line: &Line<'_>| line.text.trim_start_matches(['#', '%', ';']).trim().to_string();
+        let last = comments.iter().filter(|line| line.before < before).map(text).rfind(|line| !line.is_empty());
+        let names = last.map(|line| split(&line, rows.separator).into_iter().map(clean).collect::<Vec<_>>());
+        match names.filter(|names| names.len() == used) {
+            Some(names) => Self { cells: names.clone(), names, before: 0, step_s: None, further: vec![] },
+            None => {
+                let names = (1..=used).map(|k| format!("c{k}")).collect();
+                Self { names, cells: vec![], before: rows.first, step_s: None, further: vec![] }
+            }
+        }
+    }
+
+    /// Says what was left out.
+    pub(super) fn doubts(&self, content: &[Line<'_>], first: usize, about: &mut About) {
+        let lines = if self.cells.is_empty() { first } else { self.before };
+        if lines > 0 {
+            let last = content[lines - 1].end;
+            let place = if last == 1 { "line 1".into() } else { format!("lines {} to {last}", content[0].before + 1) };
+            about.omit(place, "before the header");
+        }
+        for name in self.further.iter().filter(|name| !name.is_empty()) {
+            about.omit(format!("column {name}"), "no row has it");
+        }
+    }
+}
+
+/// Whether the cells of a line count the columns, from 0 or from 1 on.
+pub(super) fn are_places(cells: &[&str]) -> bool {
+    (0..=1).any(|from| cells.iter().enumerate().all(|(k, cell)| *cell == (k + from).to_string()))
+}
+
+/// The cells of a line as names of the columns, the first `used` of which are not empty; `None` if the numbers of cells
+/// and columns differ.
+fn fitting(cells: Vec<&str>, [used, columns]: [usize; 2]) -> Option<Vec<String>> {
+    let count = cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
+    if cells.iter().all(|cell| kind(cell, false) != Kind::Word) && !are_places(&cells) {
+        return None;
+    }
+    let all: Vec<String> = cells.into_iter().map(clean).collect();
+    // Names that no row has: of the time in units, and of notes that are rare.
+    let rare = ["start", "t0", "increment", "tinc", "comment", "comments", "note", "notes"];
+    let is_rare = |name: &String| name.is_empty() || rare.contains(&name.to_lowercase().as_str());
+    match count {
+        _ if count == used || all.len() == used || all.len() == columns => Some(all),
+        _ if count > used && all[used..].iter().all(is_rare) => Some(all),
+        // Tables of R have no name for their row names.
+        _ if count + 1 == used && used > 2 => Some(std::iter::once("row".to_string()).chain(all).take(used).collect()),
+        _ => None,
+    }
+}
+
+pub(super) fn clean(name: &str) -> String {
+    let one_line: Vec<&str> = name.split_whitespace().collect();
+    text_of(one_line.join(" ").trim_start_matches('\u{feff}')).to_string()
+}
+
+/// A unit without brackets.
+fn bare(unit: &str) -> &str {
+    unit.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']).trim()
+}
+
+/// Units of oscilloscopes in words.
+fn long_unit(unit: &str) -> Option<&'static str> {
+    match unit.to_lowercase().as_str() {
+        "volt" | "volts" => Some("V"),
+        "ampere" | "amperes" | "amp" | "amps" => Some("A"),
+        "second" | "seconds" => Some("s"),
+        _ => None,
+    }
+}
+
+/// Whether the first `used` cells of a line are units, or words that stand for none.
+fn is_units(cells: &[&str], used: usize) -> bool {
+    let is_unit = |cell: &str| Unit::named(cell).is_some() || long_unit(cell).is_some();
+    let filler =
+        ["", "-", "1", "%", "sequence", "none", "bool", "counts", "count", "w", "hz", "ohm", "date", "datetime"];
+    let own: Vec<&str> = cells.iter().take(used).map(|cell| bare(cell)).collect();
+    let known = |cell: &&str| is_unit(cell) || filler.contains(&cell.to_lowercase().as_str());
+    own.len() == used && own.iter().all(known) && own.iter().any(|cell| is_unit(cell))
+}
+
+/// The step of the time, s, by the columns Start and Increment of a header and the numbers below them.
+fn increment(names: &[String], units: &[&str]) -> Option<f64> {
+    let place = |wanted: &[&str]| names.iter().position(|name| wanted.contains(&name.to_lowercase().as_str()));
+    let step = units.get(place(&["increment", "tinc", "delta t", "dt"])?)?.parse::<f64>().ok();
+    place(&["start", "t0"]).and(step).filter(|step| *step > 0.0)
+}
