@@ -72,7 +72,7 @@ fn recording<'a>(audit: &Audit, trace: &'a Audited, outcome: &Outcome) -> Record
         names: &trace.names,
         times_s: trace.times_s.as_deref(),
         rate_hz: audit.rate_of(trace, outcome.rotor),
-        values: &trace.values,
+        values: trace.signals(),
         columns: &trace.columns,
         spectrum: over_angle.map(|(line, (y, angle))| Spectrum::of(y, &angle, line.smallest)),
     }

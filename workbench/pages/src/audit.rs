@@ -32,7 +32,7 @@ pub struct Recording<'a> {
     /// Rate, if no time was recorded.
     pub rate_hz: Option<f64>,
     /// The columns.
-    pub values: &'a [Vec<f64>],
+    pub values: Vec<&'a [f64]>,
     /// What the columns are like.
     pub columns: &'a [Column],
     /// Spectrum of the current.
@@ -170,11 +170,11 @@ fn signals(one: &Recording, figures: usize) -> String {
         (None, None) => ("row", 1.0),
     };
     let at = |k: usize| one.times_s.map_or(k as f64 * step, |times| times.get(k).copied().unwrap_or(f64::NAN));
-    let panel = |(k, (name, values)): (usize, (&String, &Vec<f64>))| {
+    let panel = |(k, (name, values)): (usize, (&String, &&[f64]))| {
         let points = values.iter().enumerate().map(|(row, value)| (at(row), *value));
         Panel::new(name, vec![Series::new(name, Color::of(k), points)])
     };
-    let panels: Vec<Panel> = one.names.iter().zip(one.values).enumerate().map(panel).collect();
+    let panels: Vec<Panel> = one.names.iter().zip(&one.values).enumerate().map(panel).collect();
     let figure = |panels: &[Panel]| or_reason(plot::signals_of_many("Signals", label, panels, figures));
     linked(&panels.chunks(PANELS).map(figure).collect::<String>())
 }

@@ -1,6 +1,9 @@
 //! A column by itself: its step, and whether it is held, saturated or constant.
 
+use std::borrow::Cow;
+
 use super::held::{held, told};
+use super::step::least_difference;
 use crate::statistics::mean_sd;
 
 /// Rows of one value that count as held, if the step is fine.
@@ -43,10 +46,12 @@ impl Column {
     /// Of values of one trace; a missing one is NaN.
     #[must_use]
     pub fn of(x: &[f64]) -> Self {
-        let measured: Vec<f64> = x.iter().copied().filter(|x| x.is_finite()).collect();
+        let known = || x.iter().copied().filter(|x| x.is_finite()).collect();
+        let whole = x.iter().all(|x| x.is_finite());
+        let measured = if whole { Cow::Borrowed(x) } else { Cow::Owned(known()) };
         let missing = (x.len() - measured.len()) as f64 / x.len().max(1) as f64;
-        let mut sorted = measured.clone();
-        sorted.sort_by(f64::total_cmp);
+        let mut sorted = measured.to_vec();
+        sorted.sort_unstable_by(f64::total_cmp);
         Self { missing, outside: outside(x, &sorted), ..Self::of_measured(&measured, &sorted) }
     }
 
@@ -57,11 +62,11 @@ impl Column {
         let deviation = if range[0] < range[1] { scatter } else { 0.0 };
         let step = least_difference(sorted, deviation);
         let every = held(x).unwrap_or(1);
-        let runs = runs(x);
+        let runs = || x.chunk_by(|one, other| one == other).map(|run| (run[0], run.len()));
         let part = |rows: usize| rows as f64 / x.len().max(1) as f64;
-        let held = runs.iter().filter(|(_, length)| *length >= HELD * every).map(|(_, length)| length).sum();
+        let held = runs().filter(|(_, length)| *length >= HELD * every).map(|(_, length)| length).sum();
         let extreme = |value: f64| value == range[0] || value == range[1];
-        let stuck = runs.iter().filter(|(value, length)| *length >= SATURATED * every && extreme(*value));
+        let stuck = runs().filter(|(value, length)| *length >= SATURATED * every && extreme(*value));
         let saturated = part(stuck.map(|(_, length)| length).sum());
         // A coarse step holds a slow signal by itself.
         let is_fine = deviation > COARSE * COARSE * step;
@@ -71,7 +76,7 @@ impl Column {
             range,
             step,
             every,
-            changing: part(runs.len().saturating_sub(1)),
+            changing: part(runs().count().saturating_sub(1)),
             held: if is_fine { part(held) } else { 0.0 },
             saturated: if is_fine { saturated } else { 0.0 },
             outside: None,
@@ -114,20 +119,6 @@ impl Column {
     }
 }
 
-/// The smallest difference of two values, which is that of the sensor's counts.
-#[must_use]
-pub fn step(x: &[f64]) -> f64 {
-    let mut sorted: Vec<f64> = x.iter().copied().filter(|x| x.is_finite()).collect();
-    sorted.sort_by(f64::total_cmp);
-    least_difference(&sorted, mean_sd(&sorted).1)
-}
-
-/// The smallest difference of sorted values above the rounding of values with this deviation.
-fn least_difference(sorted: &[f64], deviation: f64) -> f64 {
-    let differences = sorted.windows(2).map(|pair| pair[1] - pair[0]);
-    differences.filter(|step| *step > 1e-12 * deviation).fold(f64::INFINITY, f64::min)
-}
-
 /// The first row far outside of all others, and how many are; the values are sorted beside them.
 fn outside(x: &[f64], sorted: &[f64]) -> Option<(usize, usize)> {
     /// Widths of all values but the outermost hundredth, and the largest part of the rows.
@@ -142,11 +133,6 @@ fn outside(x: &[f64], sorted: &[f64]) -> Option<(usize, usize)> {
     let is_outside = |x: &f64| width > 0.0 && (*x > high + WIDTHS * width || *x < low - WIDTHS * width);
     let first = x.iter().position(is_outside)?;
     Some((first, x.iter().filter(|x| is_outside(x)).count()))
-}
-
-/// Values and lengths of runs of one value.
-fn runs(x: &[f64]) -> Vec<(f64, usize)> {
-    x.chunk_by(|one, other| one == other).map(|run| (run[0], run.len())).collect()
 }
 
 #[cfg(test)]

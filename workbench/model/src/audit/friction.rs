@@ -67,54 +67,93 @@ impl Terms {
             return None;
         }
         let filter = LowPass::butterworth(1, cutoff);
-        let smooth = |x: &[f64]| DVector::from_column_slice(&filter.forward(&x[..rows])[dropped..]);
-        let direction: Vec<f64> = motion.velocity.iter().map(|v| (v / (0.05 * size)).tanh()).collect();
-        let slope = DVector::from_column_slice(&filter.derivative(&motion.velocity[..rows])[dropped..]);
-        let load = motion.load.map(smooth);
-        let constant = DVector::from_element(rows - dropped, 1.0);
-        let columns = [
-            Some(slope * motion.rate_hz),
+        let smooth = |x: &[f64]| settled(filter.forward(&x[..rows]), dropped);
+        let direction: Vec<f64> = motion.velocity[..rows].iter().map(|v| (v / (0.05 * size)).tanh()).collect();
+        let slope = settled(filter.derivative(&motion.velocity[..rows]), dropped) * motion.rate_hz;
+        let mut columns = [
+            Some(slope),
             Some(smooth(motion.velocity)),
             Some(smooth(&direction)),
-            load,
-            Some(constant),
+            motion.load.map(smooth),
+            Some(DVector::from_element(rows - dropped, 1.0)),
         ];
+        drop(direction);
         // The constant and the velocity first: other terms are left out for them, not they for others.
         let mut kept: Vec<usize> = vec![];
         for term in [4, 1, 2, 3, 0] {
             let Some(column) = &columns[term] else { continue };
-            let others: Vec<_> = kept.iter().filter_map(|&k| columns[k].clone()).collect();
-            if own_part(column, &others) > OWN {
+            let own: Vec<_> = kept.iter().filter_map(|&k| columns[k].as_ref()).chain([column]).collect();
+            if inverse(&own).is_some_and(|inverse| inverse.own_part(own.len() - 1) > OWN) {
                 kept.push(term);
             }
         }
         kept.sort_unstable();
-        let chosen: Vec<DVector<f64>> = kept.iter().filter_map(|&k| columns[k].clone()).collect();
-        let x = DMatrix::from_columns(&chosen);
-        let solution = regression::solve(&x, &x, &smooth(motion.current), dropped).ok()?;
+        let chosen: Vec<DVector<f64>> = kept.iter().filter_map(|&k| columns[k].take()).collect();
+        let solution = solve(&chosen, &smooth(motion.current), dropped)?;
         let mut of = [None; 5];
         for (k, &term) in kept.iter().enumerate() {
-            let others: Vec<_> = chosen.iter().enumerate().filter(|(j, _)| *j != k).map(|(_, c)| c.clone()).collect();
             let usual = chosen[k].norm() / (chosen[k].len() as f64).sqrt();
             let deviation = solution.covariance[(k, k)].max(0.0).sqrt();
-            of[term] = Some([solution.theta[k] * usual, deviation * usual, own_part(&chosen[k], &others)]);
+            of[term] = Some([solution.theta[k] * usual, deviation * usual, solution.inverse.own_part(k)]);
         }
         Some(Self { of })
     }
 }
 
-/// (2).
-fn own_part(column: &DVector<f64>, others: &[DVector<f64>]) -> f64 {
-    let whole = column.norm_squared();
-    if whole <= 0.0 {
-        return 0.0;
+/// A filtered signal without its first rows.
+fn settled(mut x: Vec<f64>, dropped: usize) -> DVector<f64> {
+    x.drain(..dropped);
+    DVector::from_vec(x)
+}
+
+/// (XᵀX)⁻¹ of columns of unit norm, and the norms. The columns, each with a part of its own above [`OWN`], are far enough
+/// from dependent for their products; a long record need not be copied as a matrix.
+struct Inverse {
+    of_unit: DMatrix<f64>,
+    norms: Vec<f64>,
+}
+
+impl Inverse {
+    /// (2): the inverse's diagonal is one over it.
+    fn own_part(&self, k: usize) -> f64 {
+        1.0 / self.of_unit[(k, k)]
     }
-    if others.is_empty() {
-        return 1.0;
+}
+
+fn inverse(columns: &[&DVector<f64>]) -> Option<Inverse> {
+    let norms: Vec<f64> = columns.iter().map(|column| column.norm()).collect();
+    if norms.iter().any(|norm| !(*norm > 0.0 && norm.is_finite())) {
+        return None;
     }
-    let q = DMatrix::from_columns(others).qr().q();
-    let rest = column - &q * q.tr_mul(column);
-    rest.norm_squared() / whole
+    let product = |j: usize, k: usize| columns[j].dot(columns[k]) / (norms[j] * norms[k]);
+    let of_unit = DMatrix::from_fn(norms.len(), norms.len(), product).cholesky()?.inverse();
+    Some(Inverse { of_unit, norms })
+}
+
+/// Least squares.
+struct Solution {
+    theta: DVector<f64>,
+    covariance: DMatrix<f64>,
+    inverse: Inverse,
+}
+
+/// θ = (XᵀX)⁻¹ Xᵀy, with the covariance for residuals that are correlated over so many rows.
+fn solve(columns: &[DVector<f64>], y: &DVector<f64>, lags: usize) -> Option<Solution> {
+    let inverse = inverse(&columns.iter().collect::<Vec<_>>())?;
+    let n = columns.len();
+    let scale = DVector::from_fn(n, |k, _| 1.0 / inverse.norms[k]);
+    let whole = DMatrix::from_diagonal(&scale) * &inverse.of_unit * DMatrix::from_diagonal(&scale);
+    let theta = &whole * DVector::from_fn(n, |k, _| columns[k].dot(y));
+    let mut residuals = y.clone();
+    for (column, theta) in columns.iter().zip(theta.iter()) {
+        residuals.axpy(-theta, column, 1.0);
+    }
+    let score = |t: usize, own: &mut DVector<f64>| {
+        let row = DVector::from_fn(n, |k, _| columns[k][t] * residuals[t]);
+        whole.mul_to(&row, own);
+    };
+    let covariance = regression::covariance((n, y.len()), score, lags);
+    theta.iter().all(|p| p.is_finite()).then_some(Solution { theta, covariance, inverse })
 }
 
 /// One term over the traces.

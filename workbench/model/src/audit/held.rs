@@ -5,7 +5,7 @@
 
 use crate::trace::median;
 
-use super::column::step;
+use super::step::step;
 
 /// Rows of a value from which on too little of the rows is left to tell of a bearing.
 const TOO_SLOW: usize = 10;
@@ -19,11 +19,13 @@ const LARGE: f64 = 0.5;
 /// apart, and they are not single steps of the sensor.
 #[must_use]
 pub fn held(x: &[f64]) -> Option<usize> {
-    let changes: Vec<usize> =
-        (1..x.len()).filter(|row| x[*row] != x[row - 1] && x[*row].is_finite() && x[row - 1].is_finite()).collect();
-    if changes.len() < CHANGES {
+    let differs = |row: &usize| x[*row] != x[row - 1] && x[*row].is_finite() && x[row - 1].is_finite();
+    let count = (1..x.len()).filter(differs).count();
+    // Most signals change in most rows.
+    if count < CHANGES || 2 * count > x.len() {
         return None;
     }
+    let changes: Vec<usize> = (1..x.len()).filter(differs).collect();
     let mut apart: Vec<f64> = changes.windows(2).map(|pair| (pair[1] - pair[0]) as f64).collect();
     apart.sort_by(f64::total_cmp);
     let usual = median(&apart);

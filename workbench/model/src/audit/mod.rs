@@ -8,5 +8,6 @@ pub mod held;
 pub mod orders;
 pub mod pairs;
 pub mod sessions;
+pub mod step;
 pub mod sums;
 pub mod times;

@@ -54,34 +54,40 @@ pub fn lag(x: &[f64], y: &[f64]) -> Option<(f64, f64)> {
     Some((f64::from(best.0) + part, best.1))
 }
 
-/// Pairs of traces whose first columns are equal but for rounding.
+/// Pairs of traces whose columns are equal but for rounding, each column by its own deviation.
 #[must_use]
-pub fn equal(traces: &[&[Vec<f64>]]) -> Vec<[usize; 2]> {
-    let head = |columns: &[Vec<f64>]| -> Vec<f64> {
-        columns.iter().flat_map(|column| bridged(&column[..column.len().min(COMPARED)])).collect()
+pub fn equal(traces: &[Vec<&[f64]>]) -> Vec<[usize; 2]> {
+    let deviation = |column: &&[f64]| mean_sd(&bridged(&column[..column.len().min(COMPARED)])).1;
+    let deviations: Vec<Vec<f64>> = traces.iter().map(|columns| columns.iter().map(deviation).collect()).collect();
+    let same = |k: usize, j: usize| {
+        let pairs = || traces[k].iter().zip(&traces[j]).zip(&deviations[k]);
+        let alike = |rows: usize| {
+            pairs().all(|((one, other), deviation)| {
+                let rows = rows.min(one.len());
+                is_same(&one[..rows], &other[..rows], *deviation)
+            })
+        };
+        let shapes = traces[k].len() == traces[j].len() && pairs().all(|((one, other), _)| one.len() == other.len());
+        // The start tells nearly all pairs apart.
+        shapes && deviations[k].iter().any(|deviation| *deviation > 0.0) && alike(COMPARED) && alike(usize::MAX)
     };
-    let with_scale = |x: Vec<f64>| {
-        let (_, scale) = mean_sd(&x);
-        (x, scale)
-    };
-    let heads: Vec<(Vec<f64>, f64)> = traces.iter().map(|columns| with_scale(head(columns))).collect();
     let mut found = Vec::new();
-    for (k, (one, scale)) in heads.iter().enumerate() {
-        for (j, (other, _)) in heads.iter().enumerate().take(k) {
-            let limit = (SAME * scale).powi(2) * one.len() as f64;
-            let mut sum = 0.0;
-            let same = one.len() == other.len()
-                && *scale > 0.0
-                && one.iter().zip(other).all(|(x, y)| {
-                    sum += (x - y).powi(2);
-                    sum <= limit
-                });
-            if same {
-                found.push([j, k]);
-            }
-        }
+    for k in 0..traces.len() {
+        found.extend((0..k).filter(|j| same(k, *j)).map(|j| [j, k]));
     }
     found
+}
+
+/// Whether the rms of the differences of two columns is a small part of the deviation; a value that one lacks, the other
+/// may have.
+fn is_same(one: &[f64], other: &[f64], deviation: f64) -> bool {
+    let limit = (SAME * deviation).powi(2) * one.len() as f64;
+    let mut sum = 0.0;
+    one.iter().zip(other).all(|(x, y)| {
+        let square = (x - y).powi(2);
+        sum += if square.is_nan() { 0.0 } else { square };
+        sum <= limit
+    })
 }
 
 #[cfg(test)]
@@ -113,14 +119,18 @@ mod tests {
     #[test]
     fn equal_traces_are_found_under_rounding() {
         let (one, other) = (noise(4, 600), noise(5, 600));
-        let rounded = one.iter().map(|x| (x * 1e5).round() / 1e5).collect();
-        let traces = [vec![one.clone()], vec![other], vec![rounded]];
-        assert_eq!(equal(&traces.iter().map(Vec::as_slice).collect::<Vec<_>>()), [[0, 2]]);
+        let rounded: Vec<f64> = one.iter().map(|x| (x * 1e5).round() / 1e5).collect();
+        assert_eq!(equal(&[vec![&one[..]], vec![&other], vec![&rounded]]), [[0, 2]]);
+        // A large angle that all have makes others no less different, and a late difference counts.
+        let angle: Vec<f64> = (0..600).map(|k| 1e5 + f64::from(k)).collect();
+        assert!(equal(&[vec![&one[..], &angle], vec![&other, &angle]]).is_empty());
+        let mut late = one.clone();
+        late[580] += 1.0;
+        assert!(equal(&[vec![&one[..]], vec![&late]]).is_empty());
         let mut lacking = one.clone();
         (lacking[3], lacking[99]) = (f64::NAN, f64::NAN);
         assert!((correlation(&one, &lacking) - 1.0).abs() < 1e-12 && correlation(&one, &[f64::NAN; 600]) == 0.0);
-        let both = [vec![lacking.clone()], vec![lacking]];
-        assert_eq!(equal(&both.iter().map(Vec::as_slice).collect::<Vec<_>>()), [[0, 1]]);
+        assert_eq!(equal(&[vec![&lacking[..]], vec![&lacking]]), [[0, 1]]);
         let scaled: Vec<f64> = one.iter().map(|x| 3.0 * x + 1.0).collect();
         assert!((correlation(&one, &scaled) - 1.0).abs() < 1e-12 && correlation(&one, &[2.0; 600]) == 0.0);
     }

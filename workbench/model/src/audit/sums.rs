@@ -32,12 +32,12 @@ fn phases(names: &[String]) -> Option<[usize; 3]> {
 
 /// What is wrong with the sum of the phase currents among these columns.
 #[must_use]
-pub fn findings(names: &[String], columns: &[Vec<f64>]) -> Vec<String> {
+pub fn findings(names: &[String], columns: &[&[f64]]) -> Vec<String> {
     let Some(places) = phases(names) else { return vec![] };
-    let [a, b, c] = places.map(|place| &columns[place]);
+    let [a, b, c] = places.map(|place| columns[place]);
     let rows = a.iter().zip(b).zip(c).map(|((a, b), c)| a + b + c).filter(|sum| sum.is_finite());
     let sums: Vec<f64> = rows.collect();
-    let size = places.iter().map(|place| mean_sd(&columns[*place]).1).fold(0.0, f64::max);
+    let size = places.iter().map(|place| mean_sd(columns[*place]).1).fold(0.0, f64::max);
     let (mean, deviation) = mean_sd(&sums);
     let names = places.map(|place| names[place].as_str()).join(", ");
     let mut found = Vec::new();
@@ -63,7 +63,8 @@ mod tests {
             let own = |row: u32| (turn * f64::from(row) / 125.0 + turn * k as f64 / 3.0).sin();
             (0..1000).map(|row| change(k, own(row))).collect()
         };
-        findings(&names.map(String::from), &[phase(0), phase(1), phase(2)])
+        let columns: [Vec<f64>; 3] = [0, 1, 2].map(phase);
+        findings(&names.map(String::from), &[&columns[0], &columns[1], &columns[2]])
     }
 
     #[test]

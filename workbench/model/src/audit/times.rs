@@ -1,5 +1,7 @@
 //! The times of a trace: rate, jitter, gaps, times that stand.
 
+use std::borrow::Cow;
+
 use crate::trace::{gaps, median};
 
 /// Usual steps that a gap is longer than.
@@ -26,19 +28,22 @@ impl Times {
     /// Of at least two times, s; one that is NaN is missing.
     #[must_use]
     pub fn of(times_s: &[f64]) -> Option<Self> {
-        let times_s: Vec<f64> = times_s.iter().copied().filter(|t| t.is_finite()).collect();
+        let known = || times_s.iter().copied().filter(|t| t.is_finite()).collect();
+        let whole = times_s.iter().all(|t| t.is_finite());
+        let times_s = if whole { Cow::Borrowed(times_s) } else { Cow::Owned(known()) };
         let steps: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let usual = median(&steps);
         if usual.is_nan() || usual <= 0.0 {
             return None;
         }
-        let (long, plain): (Vec<f64>, Vec<f64>) = steps.iter().partition(|step| **step > GAP * usual);
-        let scatter = plain.iter().map(|step| (step - usual).powi(2)).sum::<f64>() / plain.len().max(1) as f64;
+        let long = || steps.iter().filter(|step| **step > GAP * usual);
+        let plain = || steps.iter().filter(|step| **step <= GAP * usual);
+        let scatter = plain().map(|step| (step - usual).powi(2)).sum::<f64>() / plain().count().max(1) as f64;
         Some(Self {
             rate_hz: 1.0 / usual,
             jitter: scatter.sqrt() / usual,
-            gaps: long.len(),
-            longest_gap_s: long.iter().copied().fold(0.0, f64::max),
+            gaps: long().count(),
+            longest_gap_s: long().copied().fold(0.0, f64::max),
             missing: gaps(&times_s).iter().map(|gap| gap.missing).sum(),
             standing: steps.iter().filter(|step| **step == 0.0).count(),
         })

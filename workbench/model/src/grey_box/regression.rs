@@ -51,7 +51,11 @@ pub(crate) fn solve(
     }
     let residuals = y - x * &theta;
     let relative_error = residuals.norm() / y.norm();
-    Ok(Solution { covariance: covariance(influence, &residuals, lags), theta, relative_error })
+    for (mut column, e) in influence.column_iter_mut().zip(residuals.iter()) {
+        column *= *e;
+    }
+    let score = |t: usize, own: &mut DVector<f64>| own.copy_from(&influence.column(t));
+    Ok(Solution { covariance: covariance(influence.shape(), score, lags), theta, relative_error })
 }
 
 fn unit_columns(x: &DMatrix<f64>) -> Result<(DMatrix<f64>, Vec<f64>), usize> {
@@ -71,21 +75,24 @@ fn independent(scaled: &DMatrix<f64>) -> Result<(), usize> {
     (0..r.ncols()).find(|&k| r[(k, k)].abs() < DEPENDENT).map_or(Ok(()), Err)
 }
 
-/// (2); on entry `scores` is P. Bartlett's weights are those of the sums of L + 1 scores that follow each other:
+/// (2) of scores g(t), n in each of so many rows. Bartlett's weights are those of the sums of L + 1 scores that follow each other:
 /// Σ_|l|≤L (1 − |l|/(L+1)) Σ_t g(t) g(t−l)ᵀ = 1/(L+1) Σ_t s(t) s(t)ᵀ, s(t) = g(t) + … + g(t−L), with zeros before the
 /// first and after the last score. One pass, however long the lags.
-fn covariance(mut scores: DMatrix<f64>, residuals: &DVector<f64>, lags: usize) -> DMatrix<f64> {
-    let (n, rows) = scores.shape();
-    for (mut column, e) in scores.column_iter_mut().zip(residuals.iter()) {
-        column *= *e;
-    }
+pub(crate) fn covariance(
+    (n, rows): (usize, usize),
+    score: impl Fn(usize, &mut DVector<f64>),
+    lags: usize,
+) -> DMatrix<f64> {
     let (mut sum, mut window) = (DMatrix::zeros(n, n), DVector::zeros(n));
+    let mut own = DVector::zeros(n);
     for t in 0..rows + lags {
         if t < rows {
-            window += scores.column(t);
+            score(t, &mut own);
+            window += &own;
         }
         if let Some(last) = t.checked_sub(lags + 1) {
-            window -= scores.column(last);
+            score(last, &mut own);
+            window -= &own;
         }
         sum.ger(1.0, &window, &window, 1.0);
     }
@@ -129,7 +136,8 @@ mod tests {
                 }
             }
             expected *= 9.0 / 7.0;
-            let found = covariance(influence.clone(), &residuals, lags as usize);
+            let score = |t: usize, own: &mut DVector<f64>| *own = influence.column(t) * residuals[t];
+            let found = covariance((2, 9), score, lags as usize);
             assert!((&found - &expected).norm() < 1e-13 * expected.norm(), "{lags}: {found} {expected}"); // rounding
         }
     }

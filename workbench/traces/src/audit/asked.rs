@@ -72,7 +72,7 @@ impl Audit {
     /// The current and the angle of the shaft, given or integrated.
     #[must_use]
     pub fn with_angle<'a>(&self, trace: &'a Audited, rotor: Option<f64>) -> Option<(&'a [f64], Vec<f64>)> {
-        let y = trace.current.as_deref()?;
+        let y = trace.current.as_deref()?.as_slice();
         let integrated = || Some(angle(trace.velocity.as_deref()?, self.rate_of(trace, rotor)?));
         let angle = trace.angle.as_ref().map(|angle| unwrapped(angle, TAU)).or_else(integrated)?;
         Some((y, angle))

@@ -1,5 +1,7 @@
 //! What an audit finds.
 
+use std::sync::Arc;
+
 use model::audit::column::Column;
 use model::audit::friction::Excited;
 use model::audit::times::Times;
@@ -23,23 +25,35 @@ pub struct Audited {
     /// What is found in each column.
     pub columns: Vec<Column>,
     /// The values of each column.
-    pub values: Vec<Vec<f64>>,
-    /// The current. In the channels the last value stands for a missing one.
-    pub current: Option<Vec<f64>>,
+    pub values: Vec<Arc<Vec<f64>>>,
+    /// The current: a column as it is, or computed. In the channels the last value stands for a missing one.
+    pub current: Option<Arc<Vec<f64>>>,
     /// The velocity, rad/s.
-    pub velocity: Option<Vec<f64>>,
+    pub velocity: Option<Arc<Vec<f64>>>,
     /// The angle of the shaft, rad.
-    pub angle: Option<Vec<f64>>,
+    pub angle: Option<Arc<Vec<f64>>>,
     /// The reference of the velocity.
-    pub velocity_ref: Option<Vec<f64>>,
+    pub velocity_ref: Option<Arc<Vec<f64>>>,
     /// The load.
-    pub load: Option<Vec<f64>>,
+    pub load: Option<Arc<Vec<f64>>>,
 }
 
 impl Audited {
+    /// The values of each column.
+    #[must_use]
+    pub fn signals(&self) -> Vec<&[f64]> {
+        self.values.iter().map(|own| own.as_slice()).collect()
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.values.first().map_or(0, |own| own.len())
+    }
+
     /// What is missing in a trace with these columns and channels.
-    pub(super) fn missing(times: Option<&Times>, columns: &[Vec<f64>], channels: &[Vec<f64>]) -> Missing {
-        let rows = columns.first().map_or(0, Vec::len);
+    pub(super) fn missing(times: Option<&Times>, columns: &[Arc<Vec<f64>>], channels: &[Arc<Vec<f64>>]) -> Missing {
+        let rows = columns.first().map_or(0, |own| own.len());
         let lacks = |row: &usize| match channels {
             [] => columns.iter().all(|own| own[*row].is_nan()),
             _ => channels.iter().any(|own| own[*row].is_nan()),

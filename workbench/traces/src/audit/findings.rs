@@ -1,14 +1,15 @@
 //! What is wrong with recordings, in words.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use super::audited::{Audited, Finding};
 use crate::resample::unwrapped;
 use model::audit::angle as of_angle;
-use model::audit::column;
 use model::audit::held::{held, too_slow};
 use model::audit::pairs::{self, COLLINEAR, correlation, lag};
 use model::audit::sessions::apart;
+use model::audit::step::step;
 use model::audit::sums;
 use model::audit::times::Times;
 use model::statistics::mean_sd;
@@ -46,7 +47,7 @@ impl Audited {
         for left_out in &self.left_out {
             add(findings, left_out.clone(), id);
         }
-        for finding in sums::findings(&self.names, &self.values) {
+        for finding in sums::findings(&self.names, &self.signals()) {
             add(findings, finding, id);
         }
         // What is wanted rather than measured may stand, and have few values.
@@ -57,7 +58,9 @@ impl Audited {
             }
         }
         let rate = self.times.map(|times| times.rate_hz);
-        if let Some(problem) = self.current.as_deref().and_then(held).and_then(|rows| too_slow(rows, rate)) {
+        if let Some(problem) =
+            self.current.as_deref().and_then(|current| held(current)).and_then(|rows| too_slow(rows, rate))
+        {
             add(findings, format!("the current {problem}"), id);
         }
         let compared = if self.values.len() > PAIRED { &[][..] } else { &self.values[..] };
@@ -79,7 +82,7 @@ impl Audited {
             for finding in of_angle::findings(angle, velocity, times.rate_hz) {
                 add(findings, finding, id);
             }
-            let step = |x: &[f64]| column::step(&x[..x.len().min(STEPS)]);
+            let step = |x: &[f64]| step(&x[..x.len().min(STEPS)]);
             let deviation = mean_sd(velocity).1;
             let steps = (step(angle), step(velocity), deviation);
             if let Some(finding) = of_angle::coarse(steps, times.rate_hz) {
@@ -108,7 +111,7 @@ pub(super) fn session_sets(traces: &[Audited], classes: &[String], findings: &mu
     if classes.is_empty() {
         return;
     }
-    let mean = |signal: &Option<Vec<f64>>| signal.as_ref().map_or(f64::NAN, |signal| mean_sd(signal).0);
+    let mean = |signal: &Option<Arc<Vec<f64>>>| signal.as_ref().map_or(f64::NAN, |signal| mean_sd(signal).0);
     let step = |trace: &Audited, name: &str| {
         let place = trace.names.iter().position(|own| own == name);
         place.map_or(f64::NAN, |place| trace.columns[place].step)
@@ -126,9 +129,10 @@ pub(super) fn session_sets(traces: &[Audited], classes: &[String], findings: &mu
     compare("the jitter of the times", &time(|times| times.jitter), None);
     compare("the number of rows", &|trace| trace.values.first().map_or(f64::NAN, |column| column.len() as f64), None);
     // Of a controlled velocity the reference says what was asked for; the friction changes the velocity itself.
-    let asked: fn(&Audited) -> &Option<Vec<f64>> =
+    let asked: fn(&Audited) -> &Option<Arc<Vec<f64>>> =
         if traces.iter().any(|trace| trace.velocity_ref.is_some()) { |t| &t.velocity_ref } else { |t| &t.velocity };
-    let sizes: Vec<f64> = traces.iter().filter_map(|trace| asked(trace).as_deref()).map(largest).collect();
+    let sizes: Vec<f64> =
+        traces.iter().filter_map(|trace| asked(trace).as_deref()).map(|signal| largest(signal)).collect();
     compare("the mean speed", &|trace| mean(asked(trace)), Some(median(&sizes)));
     for name in &traces[0].names {
         compare(&format!("the step of {name}"), &|trace| step(trace, name), None);
@@ -141,7 +145,7 @@ fn largest(signal: &[f64]) -> f64 {
 }
 
 pub(super) fn equal_traces(traces: &[Audited], findings: &mut Vec<Finding>) {
-    let columns: Vec<&[Vec<f64>]> = traces.iter().map(|trace| trace.values.as_slice()).collect();
+    let columns: Vec<Vec<&[f64]>> = traces.iter().map(Audited::signals).collect();
     for [one, other] in pairs::equal(&columns) {
         let what = format!("the same recording as {}", traces[one].id);
         add(findings, what, &traces[other].id);

@@ -32,7 +32,7 @@ fn said(
     (lines, terms, false_alarm): (&[Line], &[Excited], f64),
 ) -> Vec<String> {
     let mut report: Vec<String> = Vec::new();
-    let rows: usize = traces.iter().map(|trace| trace.values.first().map_or(0, Vec::len)).sum();
+    let rows: usize = traces.iter().map(|trace| trace.rows()).sum();
     report.push(format!("{} traces, {rows} rows", traces.len()));
     let rates: Vec<f64> = traces.iter().filter_map(|trace| trace.times).map(|times| times.rate_hz).collect();
     match (rates.is_empty(), rotor) {
@@ -120,7 +120,7 @@ fn to_json(traces: &[Audited], findings: &[Finding], rotor: Option<f64>, lines: 
             })
         });
         json!({
-            "trace": trace.id, "rows": trace.values.first().map_or(0, Vec::len), "times": times,
+            "trace": trace.id, "rows": trace.rows(), "times": times,
             "missing_samples": trace.missing.to_json(),
             "columns": trace.names.iter().zip(&trace.columns).map(column).collect::<Vec<_>>()
         })

@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 use std::path::Path;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -101,17 +102,20 @@ impl Audit {
             (load, guess.load),
         ];
         let chosen = chosen.map(|(given, likely)| given.clone().or(likely));
-        let channels: Vec<String> = names.iter().chain(chosen.iter().flatten()).cloned().collect();
+        // A channel that is a column is not read again.
+        let computed: Vec<&String> = chosen.iter().flatten().filter(|channel| !names.contains(channel)).collect();
+        let channels: Vec<String> = names.iter().chain(computed.iter().copied()).cloned().collect();
         let read = reader::series(&table, (time, self.settings.data.rate_hz), &channels)?;
         let recorded = reader::has_time(&table, time);
         let each = |series: Series| {
-            let mut values = series.columns;
-            let channels = values.split_off(names.len());
+            let all: Vec<Arc<Vec<f64>>> = series.columns.into_iter().map(Arc::new).collect();
+            let of_name = |name: &String| Some(&all[channels.iter().position(|own| own == name)?]);
             let times = series.times_s.as_deref().filter(|_| recorded).and_then(Times::of);
-            let missing = Audited::missing(times.as_ref(), &values, &channels);
-            let mut further = channels.iter().map(|channel| bridged(channel));
+            let values = all[..names.len()].to_vec();
+            let used: Vec<Arc<Vec<f64>>> = chosen.iter().flatten().filter_map(of_name).cloned().collect();
+            let missing = Audited::missing(times.as_ref(), &values, &used);
             let [current, velocity, angle, velocity_ref, load] =
-                chosen.clone().map(|channel| channel.and_then(|_| further.next()));
+                [0, 1, 2, 3, 4].map(|k| chosen[k].as_ref().and_then(of_name).map(whole));
             Audited {
                 id: stem(&series.id).to_string(),
                 names: names.clone(),
@@ -137,7 +141,7 @@ impl Audit {
         let pairs: Vec<(&[f64], &[f64])> = traces
             .iter()
             .filter(|trace| trace.times.is_none())
-            .filter_map(|trace| Some((trace.current.as_deref()?, trace.velocity.as_deref()?)))
+            .filter_map(|trace| Some((trace.current.as_deref()?.as_slice(), trace.velocity.as_deref()?.as_slice())))
             .collect();
         let (found, sharpness) = rate(&pairs, given)?;
         if (found / given - 1.0).abs() > 2e-3 {
@@ -161,7 +165,7 @@ impl Audit {
             let motion = Motion {
                 current: trace.current.as_deref()?,
                 velocity: trace.velocity.as_deref()?,
-                load: trace.load.as_deref(),
+                load: trace.load.as_deref().map(Vec::as_slice),
                 rate_hz: self.rate_of(trace, rotor)?,
             };
             Some((Terms::of(&motion)?, is_healthy(k)))
@@ -187,4 +191,9 @@ impl Audit {
         };
         traces.iter().filter_map(each).collect()
     }
+}
+
+/// A channel in which the last value stands for a missing one.
+fn whole(values: &Arc<Vec<f64>>) -> Arc<Vec<f64>> {
+    if values.iter().all(|x| x.is_finite()) { Arc::clone(values) } else { Arc::new(bridged(values)) }
 }

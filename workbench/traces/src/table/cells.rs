@@ -2,6 +2,7 @@
 
 use super::clock::nanoseconds;
 use super::columns::is_missing;
+use model::outputs::text_of;
 
 /// Lines that a quoted name may have.
 const LONGEST_NAME: usize = 8;
@@ -111,6 +112,17 @@ pub(super) fn grouped(cell: &str, decimal_comma: bool) -> Option<f64> {
 /// Where a line begins, by the number of lines before it.
 pub(super) fn start_of_line(text: &str, lines: usize) -> usize {
     lines.checked_sub(1).map_or(0, |last| text.match_indices('\n').nth(last).map_or(text.len(), |(at, _)| at + 1))
+}
+
+/// Whether the cells of a line count the columns, from 0 or from 1 on.
+pub(super) fn are_places(cells: &[&str]) -> bool {
+    (0..=1).any(|from| cells.iter().enumerate().all(|(k, cell)| *cell == (k + from).to_string()))
+}
+
+/// A name in one line.
+pub(super) fn clean(name: &str) -> String {
+    let one_line: Vec<&str> = name.split_whitespace().collect();
+    text_of(one_line.join(" ").trim_start_matches('\u{feff}')).to_string()
 }
 
 /// Whether a cell is a complex number such as 3.9+4.1i.

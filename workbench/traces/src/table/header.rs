@@ -1,11 +1,10 @@
 //! The names of the columns of a text, and their units.
 
 use super::about::About;
-use super::cells::{Kind, Line, kind, split};
-use super::layout::Rows;
+use super::cells::{Kind, Line, are_places, clean, kind, split};
+use super::rows::Rows;
 use super::twins;
 use crate::units::Unit;
-use model::outputs::text_of;
 
 /// The header.
 pub(super) struct Head {
@@ -82,11 +81,6 @@ impl Head {
     }
 }
 
-/// Whether the cells of a line count the columns, from 0 or from 1 on.
-pub(super) fn are_places(cells: &[&str]) -> bool {
-    (0..=1).any(|from| cells.iter().enumerate().all(|(k, cell)| *cell == (k + from).to_string()))
-}
-
 /// The cells of a line as names of the columns, the first `used` of which are not empty; `None` if the numbers of cells
 /// and columns differ.
 fn fitting(cells: Vec<&str>, [used, columns]: [usize; 2]) -> Option<Vec<String>> {
@@ -105,11 +99,6 @@ fn fitting(cells: Vec<&str>, [used, columns]: [usize; 2]) -> Option<Vec<String>>
         _ if count + 1 == used && used > 2 => Some(std::iter::once("row".to_string()).chain(all).take(used).collect()),
         _ => None,
     }
-}
-
-pub(super) fn clean(name: &str) -> String {
-    let one_line: Vec<&str> = name.split_whitespace().collect();
-    text_of(one_line.join(" ").trim_start_matches('\u{feff}')).to_string()
 }
 
 /// A unit without brackets.

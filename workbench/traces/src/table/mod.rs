@@ -61,6 +61,7 @@ mod numpy_values;
 pub mod parquet_pages;
 mod plain;
 mod preamble;
+mod rows;
 mod source;
 mod text;
 pub(crate) mod time_name;

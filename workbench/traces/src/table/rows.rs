@@ -1,0 +1,74 @@
+//! Where the rows of a text begin, by one separator.
+
+use super::cells::{Kind, Line, are_places, grouped, kind, split};
+use model::trace::{Decimal, TextForm};
+
+/// The rows by one separator.
+pub(super) struct Rows {
+    pub(super) separator: u8,
+    /// Whether the separator is given.
+    is_given: bool,
+    /// Number of cells, and the columns of numbers or times.
+    pub(super) cells: usize,
+    numeric: Vec<bool>,
+    /// Place of the first one among the lines.
+    pub(super) first: usize,
+    /// Whether it is given that the line before has units.
+    pub(super) has_units: bool,
+}
+
+impl Rows {
+    /// The rows by this separator; `None` if no column has numbers.
+    pub(super) fn of(content: &[Line<'_>], separator: u8, form: &TextForm) -> Option<Self> {
+        // Of given places the first rows are not looked for.
+        let before = if form.units_row { 2 } else { 0 };
+        let content = content.get(before..)?;
+        let all: Vec<Vec<&str>> = content.iter().map(|line| split(line.text, separator)).collect();
+        let count = |cells: usize| all.iter().filter(|row| row.len() == cells).count();
+        let cells = all.iter().map(Vec::len).max_by_key(|cells| (count(*cells), *cells))?;
+        let commas = separator != b',';
+        let is_grouped = |cell: &str| form.decimal.is_some_and(|mark| grouped(cell, mark == Decimal::Comma).is_some());
+        let kind = |cell: &str| if is_grouped(cell) { Kind::Number } else { kind(cell, commas) };
+        let kinds = |row: &Vec<&str>| row.iter().map(|cell| kind(cell)).collect::<Vec<_>>();
+        let late = &all[all.len() / 3..];
+        let of_late: Vec<Vec<Kind>> = late.iter().filter(|row| row.len() == cells).map(kinds).collect();
+        let numeric = |k: usize| {
+            let is = |wanted: fn(Kind) -> bool| of_late.iter().filter(|row| wanted(row[k])).count();
+            let numbers = is(|kind| matches!(kind, Kind::Number | Kind::Time));
+            numbers > 0 && numbers >= is(|kind| kind == Kind::Word)
+        };
+        let numeric: Vec<bool> = (0..cells).map(numeric).collect();
+        let fits = |row: &Vec<&str>| {
+            let kinds = kinds(row);
+            row.len() == cells
+                && kinds.iter().zip(&numeric).all(|(kind, numeric)| !numeric || *kind != Kind::Word)
+                && kinds
+                    .iter()
+                    .zip(&numeric)
+                    .any(|(kind, numeric)| *numeric && matches!(kind, Kind::Number | Kind::Time))
+        };
+        // A line of numbers before the header is followed by others.
+        let last = all.len().saturating_sub(2);
+        let begins = |first: &usize| fits(&all[*first]) && (*first >= last || fits(&all[*first + 1]));
+        let first = (0..all.len()).find(begins)?;
+        // A row with a bad cell is no header: its first number says so, and reading names the cell.
+        let place = numeric.iter().position(|numeric| *numeric)?;
+        let is_row = |row: &Vec<&str>| row.len() == cells && matches!(kind(row[place]), Kind::Number | Kind::Time);
+        let first = first - all[..first].iter().rev().take_while(|row| is_row(row)).count();
+        let is_given = form.separator.is_some();
+        let found = Self { separator, is_given, cells, numeric, first, has_units: form.units_row };
+        if form.units_row {
+            return (found.columns() > 0).then_some(Self { first: before, ..found });
+        }
+        // pandas writes the places of columns without names.
+        let is_header = first == 0 && cells > 2 && all.len() > first + 1 && are_places(&all[first]);
+        let first = first + usize::from(is_header);
+        (found.columns() > 0).then_some(Self { first, ..found })
+    }
+
+    /// Number of columns of numbers; a single column has no separator.
+    pub(super) fn columns(&self) -> usize {
+        let columns = self.numeric.iter().filter(|numeric| **numeric).count();
+        if self.cells == 1 && self.separator != b',' && !self.is_given { 0 } else { columns }
+    }
+}
