@@ -198,7 +198,8 @@ fn nulls_of_columns_of_any_type_are_missing() {
 #[test]
 fn every_word_for_a_missing_value_is_a_missing_sample() {
     let folder = tempfile::tempdir().expect("a folder");
-    let words = ["nan", "NaN", "-nan", "NA", "n/a", "null", "None", "inf", "-Infinity", "1.#QNAN", ""];
+    let words =
+        ["nan", "NaN", "-nan", "NA", "n/a", "null", "None", "inf", "-Infinity", "1.#QNAN", "", "-", "---", "#N/A"];
     for (separator, point, ending) in [(',', '.', "csv"), (';', ',', "csv"), ('\t', '.', "tsv"), (' ', '.', "txt")] {
         // Blanks hold no empty cell.
         for word in words.iter().filter(|word| separator != ' ' || !word.is_empty()) {
@@ -216,4 +217,14 @@ fn every_word_for_a_missing_value_is_a_missing_sample() {
             assert_eq!((found.y[6], found.u1[5], found.missing.count()), (6.5, 5.25, 1));
         }
     }
+}
+
+#[test]
+fn truth_values_are_one_and_zero() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("t.csv");
+    let rows: String = (0..20).map(|k| format!("{k},{k}.5,{},{}\n", k % 2 == 0, k % 3)).collect();
+    std::fs::write(&path, format!("t_s,i,brake,load\n{rows}")).expect("writable");
+    let found = read(&[path], &Channels::new("i", "brake", "load")).expect("a trace").remove(0);
+    assert_eq!(found.u1[..3], [1.0, 0.0, 1.0]);
 }

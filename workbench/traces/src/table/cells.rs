@@ -65,9 +65,15 @@ pub(super) enum Kind {
     Word,
 }
 
+/// The number of a truth value.
+pub(super) fn truth(cell: &str) -> Option<f64> {
+    let is = |word: &str| cell.eq_ignore_ascii_case(word);
+    if is("true") { Some(1.0) } else { is("false").then_some(0.0) }
+}
+
 /// What a cell says, with decimal points or commas.
 pub(super) fn kind(cell: &str, commas: bool) -> Kind {
-    if cell.parse::<f64>().is_ok_and(f64::is_finite) || commas && has_comma(cell) {
+    if cell.parse::<f64>().is_ok_and(f64::is_finite) || commas && has_comma(cell) || truth(cell).is_some() {
         Kind::Number
     } else if is_missing(cell) || cell.parse::<f64>().is_ok() {
         Kind::Missing
@@ -158,6 +164,8 @@ mod tests {
             ("", Kind::Missing),
             ("26.10.2022 08:17:00", Kind::Time),
             ("spall", Kind::Word),
+            ("TRUE", Kind::Number),
+            ("--", Kind::Missing),
             ("1.2.3", Kind::Word),
         ] {
             assert_eq!(kind(cell, true), expected, "{cell}");

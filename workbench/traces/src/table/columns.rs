@@ -76,7 +76,10 @@ pub(super) const NO_NUMBER: &str = "no number in any row; leave the column out, 
 
 /// Whether a cell says that there is no value, in the words of loggers and spreadsheets.
 pub(super) fn is_missing(cell: &str) -> bool {
-    const WORDS: [&str; 11] = ["", "na", "<na>", "n/a", "#n/a", "null", "none", "nil", "#num!", "#div/0!", "#value!"];
+    const WORDS: [&str; 16] = [
+        "", "na", "<na>", "n/a", "#n/a", "null", "none", "nil", "nat", "#num!", "#div/0!", "#value!", "-", "--", "---",
+        "\\n",
+    ];
     // 1.#QNAN, -1.#IND and 1.#INF are those of older C libraries.
     WORDS.iter().any(|word| cell.eq_ignore_ascii_case(word)) || cell.trim_start_matches('-').starts_with("1.#")
 }
@@ -105,10 +108,10 @@ mod tests {
 
     #[test]
     fn words_for_a_missing_value_are_known() {
-        for cell in ["", "NA", "n/a", "#N/A", "NULL", "None", "<NA>", "#DIV/0!", "1.#QNAN", "-1.#IND"] {
+        for cell in ["", "NA", "n/a", "#N/A", "NULL", "None", "<NA>", "#DIV/0!", "1.#QNAN", "-1.#IND", "-", "\\N"] {
             assert!(is_missing(cell), "{cell}");
         }
-        for cell in ["x", "0", "start", "-", "12:30", "nanometre", "1.2.3"] {
+        for cell in ["x", "0", "start", "missing", "12:30", "nanometre", "1.2.3"] {
             assert!(!is_missing(cell), "{cell}");
         }
     }

@@ -12,7 +12,7 @@
 //! two lines that have these columns. A comma is decimal where a cell can be nothing else.
 
 use super::about::About;
-use super::cells::{Line, clean, grouped, is_decimal_comma, lines, split, start_of_line};
+use super::cells::{Line, clean, grouped, is_decimal_comma, lines, split, start_of_line, truth};
 use super::clock::Clock;
 use super::header::Head;
 use super::preamble;
@@ -89,7 +89,8 @@ impl Layout {
 
     /// The number in a cell.
     pub(super) fn number(&self, cell: &str) -> Option<f64> {
-        if let Some(number) = grouped(cell, self.decimal_comma).filter(|_| self.thousands) {
+        let word = || truth(cell).or_else(|| grouped(cell, self.decimal_comma).filter(|_| self.thousands));
+        if let Some(number) = word() {
             return Some(number);
         }
         if !self.decimal_comma {
